@@ -1,0 +1,29 @@
+// Arena memory: many allocations, one release. CPU data of a scene lives in one arena, scratch
+// data of a phase in another. Not thread-safe; one thread uses an arena at a time.
+#ifndef LAMPYRIS_BASE_ARENA_H
+#define LAMPYRIS_BASE_ARENA_H
+
+#include <stddef.h>
+
+struct arena_block;
+
+// {0} is a valid, empty arena without a limit.
+struct arena {
+    struct arena_block *blocks;
+    size_t used_bytes;  // handed out so far, padding included
+    size_t limit_bytes; // 0: no limit. Allocations past it fail: the global byte budget of a load.
+};
+
+// Zeroed memory for `count` elements of `size` bytes, aligned to 64 bytes (to 16 when small).
+// NULL when count * size overflows, memory or the limit is exhausted. A count of 0 gives a valid
+// pointer.
+void *arena_alloc(struct arena *arena, size_t count, size_t size);
+char *arena_strdup(struct arena *arena, const char *text); // NULL like arena_alloc
+char *arena_printf(struct arena *arena, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+// Releases everything; the arena is {0} with its limit kept. Accepts NULL and {0}.
+void arena_finish(struct arena *arena);
+
+#define ARENA_NEW(arena, type, count) ((type *)arena_alloc((arena), (count), sizeof(type)))
+
+#endif

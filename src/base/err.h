@@ -1,0 +1,37 @@
+// The one error type. Whoever detects a problem fills it in, callers prepend context, and only
+// app/ prints it and exits.
+#ifndef LAMPYRIS_BASE_ERR_H
+#define LAMPYRIS_BASE_ERR_H
+
+#include <stdbool.h>
+
+// Whose fault it is. app/ maps a code to the exit code in brackets.
+enum err_code {
+    ERR_NONE = 0,
+    ERR_USAGE,     // the command line [2]
+    ERR_INPUT,     // a file that the user gave [2]
+    ERR_SYSTEM,    // memory, threads, the operating system [3]
+    ERR_GPU,       // the device or its driver [3]
+    ERR_NO_VULKAN, // no loader or no driver at all [69]
+    ERR_OUTPUT,    // a file that was to be written [4]
+    ERR_BUG,       // ours [3]
+};
+
+struct err {
+    enum err_code code;
+    char msg[512];
+};
+
+// Fills in *err (if not NULL) and returns false, so that `return err_set(err, …);` reads well.
+// A message names the thing, the value and what was expected:
+// "cornell.json: materials[3].roughness: 1.7 is outside [0, 1]".
+bool err_set(struct err *err, enum err_code code, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+// Puts context in front of the message, "CONTEXT: MESSAGE", keeping the code; returns false.
+bool err_prepend(struct err *err, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+// ERR_SYSTEM, "out of memory (N bytes for WHAT)"; returns false.
+bool err_memory(struct err *err, const char *what, unsigned long long bytes);
+
+#endif

@@ -1,0 +1,55 @@
+// Files: reading whole, writing atomically, and confining paths that come from inside files.
+#ifndef LAMPYRIS_BASE_FILE_H
+#define LAMPYRIS_BASE_FILE_H
+
+#include "arena.h"
+#include "err.h"
+#include <stddef.h>
+#include <stdint.h>
+
+struct file_bytes {
+    const uint8_t *data; // in the arena, followed by one NUL byte that `size` does not count
+    size_t size;
+};
+
+// Reads a regular file of at most max_bytes (0: 4 GiB). FIFOs, devices and folders are ERR_INPUT,
+// and are never opened in a way that blocks.
+bool file_read(struct arena *arena, const char *path, size_t max_bytes, struct file_bytes *out,
+               struct err *err);
+
+// Resolves `relative`, a path or URI path that stands inside a file of folder `base_dir`, to a path
+// that is a regular file under that folder, symbolic links resolved too. Rejected (ERR_INPUT):
+// absolute paths, "..", schemes such as "file:", escapes that decode to such things, and whatever
+// is no regular file. percent_decode decodes %XX first (glTF URIs).
+// NULL on failure; the result lives in the arena.
+char *file_resolve_inside(struct arena *arena, const char *base_dir, const char *relative,
+                          bool percent_decode, struct err *err);
+
+char *path_folder(struct arena *arena, const char *path);  // "a/b.c" -> "a", "b.c" -> "."
+const char *path_extension(const char *path);              // "a.PNG" -> "PNG", else ""
+const char *path_name(const char *path);                   // "a/b.c" -> "b.c"
+
+// Atomic writing: a temporary file in the same folder, fsync, rename, fsync of the folder. Until
+// commit succeeds, an older file of that name stays intact.
+struct file_writer {
+    int fd; // -1 when closed
+    char *path;
+    char *temporary_path;
+};
+
+// Creates the temporary file: so an unwritable folder is found out before any work is done.
+bool file_writer_open(struct file_writer *writer, const char *path, struct err *err);
+bool file_writer_write(struct file_writer *writer, const void *data, size_t size, struct err *err);
+// Syncs and renames; on failure the temporary file is removed and the old one kept.
+bool file_writer_commit(struct file_writer *writer, struct err *err);
+// Removes the temporary file unless committed. Accepts {0}-like closed writers and NULL.
+void file_writer_finish(struct file_writer *writer);
+
+// Opens, writes, commits.
+bool file_write_atomic(const char *path, const void *data, size_t size, struct err *err);
+
+// Finds out before rendering whether `path` could be written: its folder exists and is writable,
+// and path itself is not a folder. Leaves nothing behind. ERR_OUTPUT.
+bool file_check_writable(const char *path, struct err *err);
+
+#endif

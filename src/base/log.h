@@ -1,0 +1,20 @@
+// Warnings and notes for people. The only global of the program: one sink, set once by app/.
+#ifndef LAMPYRIS_BASE_LOG_H
+#define LAMPYRIS_BASE_LOG_H
+
+enum log_level { LOG_ERROR, LOG_WARN, LOG_INFO, LOG_DEBUG };
+
+typedef void (*log_sink_fn)(void *context, enum log_level level, const char *message);
+
+// Messages up to and including `level` go to the sink; NULL restores stderr. Not thread-safe: call
+// before threads start. The default is stderr, LOG_WARN.
+void log_configure(enum log_level level, log_sink_fn sink, void *context);
+
+// One line without a newline. Thread-safe.
+void log_message(enum log_level level, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+
+#define log_warn(...) log_message(LOG_WARN, __VA_ARGS__)
+#define log_info(...) log_message(LOG_INFO, __VA_ARGS__)
+
+#endif

@@ -1,0 +1,113 @@
+// Bounding volume hierarchy: binned SAH on all CPU threads, collapsed to a wide, quantised node of
+// 64 bytes; and a CPU reference traversal. No Vulkan, no scene: boxes and plain arrays in.
+#ifndef LAMPYRIS_BVH_BVH_H
+#define LAMPYRIS_BVH_BVH_H
+
+#include "arena.h"
+#include "err.h"
+#include "progress.h"
+#include <stdbool.h>
+#include <stdint.h>
+
+// A BVH4 node, one cache line. Child i's box is, in exact arithmetic,
+//   [origin + lo * scale, origin + hi * scale] per axis,  scale = 2^(exponent - 127),
+// and contains the child's true box (rounded outwards). Bytes of child i stand at bits 8i of the
+// words lo[axis], hi[axis].
+struct bvh_node {
+    float origin[3];
+    uint32_t exponents; // bits 0-7 x, 8-15 y, 16-23 z: biased like an IEEE exponent, in [1, 254]
+    uint32_t child[4];  // see BVH_*; empty ones come last and have lo 255, hi 0
+    uint32_t lo[3];
+    uint32_t hi[3];
+    uint32_t spare[2]; // 0
+};
+_Static_assert(sizeof(struct bvh_node) == 64, "one cache line");
+
+// Child words. Inner: the node's index (below 2^31). Leaf: BVH_LEAF | flags | first index.
+// Triangle leaves hold one or two consecutive entries of triangle_order; shape leaves one shape, by
+// its own index.
+#define BVH_LEAF 0x80000000u
+#define BVH_LEAF_SHAPE 0x40000000u // an analytic shape instead of triangles
+#define BVH_LEAF_TWO 0x20000000u   // two triangles, not one
+#define BVH_LEAF_INDEX 0x1fffffffu
+#define BVH_EMPTY 0xffffffffu
+
+struct bvh_box {
+    float min[3], max[3];
+};
+
+struct bvh_stats {
+    double sah_cost;        // expected cost of a random ray: 1 a wide node visited, 1 a primitive
+    uint32_t depth;         // of the wide tree; a root alone has 1
+    uint32_t stack_entries; // the most entries a depth-first traversal can have pending
+    uint32_t node_count, leaf_count;
+    uint64_t bytes;
+    double build_seconds;
+};
+
+struct bvh {
+    struct bvh_node *nodes;   // nodes[0] is the root; exists even for an empty scene (all children empty)
+    uint32_t node_count;
+    uint32_t *triangle_order; // leaf order -> triangle as given
+    uint32_t triangle_count;
+    struct bvh_stats stats;
+};
+
+struct bvh_params {
+    const float (*triangle_vertices)[3][3]; // see triangle_stride
+    size_t triangle_stride; // bytes from one triangle to the next, 0: 36
+    uint32_t triangle_count;
+    const struct bvh_box *shape_boxes; // boxes of analytic shapes (conservative)
+    uint32_t shape_count;
+    unsigned threads;  // 0: all
+    uint32_t max_leaf; // triangles a leaf, 1 or 2; 0: 2
+    const struct progress *progress; // phase "Building BVH"
+};
+
+// The same input gives the same bits whatever the number of threads. Bounded depth also for a
+// million identical triangles (median split where SAH cannot separate): stack_entries <= 96.
+// Vertices must be finite (ERR_BUG otherwise). Counts up to BVH_LEAF_INDEX.
+// The result lives in `arena`; scratch memory is released before returning.
+bool bvh_build(const struct bvh_params *params, struct arena *arena, struct bvh *out,
+               struct err *err);
+
+// Checks every invariant above against the primitives: boxes contain what is below them, every
+// primitive appears once, no cycle, depth and stack_entries right. For tests and loaded caches.
+bool bvh_validate(const struct bvh *bvh, const struct bvh_params *params, struct err *err);
+
+// --- CPU reference ------------------------------------------------------------------------------
+struct bvh_ray {
+    double origin[3];
+    double direction[3]; // any length > 0
+    double t_max;        // hits have 0 < t < t_max, in units of direction's length
+    uint32_t ignore[2];  // primitives not to hit; see bvh_hit.primitive. UINT32_MAX: none
+};
+
+struct bvh_hit {
+    double t;
+    double u, v; // barycentrics of corners 1 and 2 (triangles); 0 for shapes
+    // Triangle: its index as given (not leaf order). Shape: BVH_LEAF_SHAPE | index.
+    uint32_t primitive; // UINT32_MAX: no hit
+    uint32_t nodes_visited, primitives_tested;
+};
+
+// A shape test supplied by the caller: the nearest t in (0, t_max) or a negative number.
+typedef double (*bvh_shape_fn)(const void *context, uint32_t shape, const struct bvh_ray *ray);
+
+struct bvh_trace_scene {
+    const struct bvh *bvh;
+    const struct bvh_params *geometry;
+    bvh_shape_fn intersect_shape; // NULL when there are none
+    const void *shape_context;
+};
+
+// In double precision on the single-precision vertices (watertight test of Woop, Benthin, Wald
+// 2013, two-sided). Of hits with equal t the lowest primitive wins, triangles before shapes.
+void bvh_trace_closest(const struct bvh_trace_scene *scene, const struct bvh_ray *ray,
+                       struct bvh_hit *hit);
+bool bvh_trace_any(const struct bvh_trace_scene *scene, const struct bvh_ray *ray);
+// The same without the BVH: the yardstick of the yardstick.
+void bvh_trace_brute_force(const struct bvh_trace_scene *scene, const struct bvh_ray *ray,
+                           struct bvh_hit *hit);
+
+#endif

@@ -1,0 +1,1 @@
+typedef int bvh_trace_placeholder;

@@ -1,0 +1,1 @@
+typedef int bvh_wide_placeholder;

@@ -1,0 +1,184 @@
+// A thin layer over Vulkan: every vk* call of the renderer is in this folder. Raw handles stay
+// visible. One queue, one descriptor-set layout, one pipeline layout, one push-constant block.
+//
+// Threads: one thread at a time uses a struct gpu and what belongs to it.
+#ifndef LAMPYRIS_GPU_GPU_H
+#define LAMPYRIS_GPU_GPU_H
+
+#include "arena.h"
+#include "err.h"
+#include <stdbool.h>
+#include <stdint.h>
+#include <volk.h>
+
+#define GPU_MAX_STORAGE 16 // storage-buffer bindings, 0 .. 15
+#define GPU_MAX_TEXEL 12   // uniform-texel-buffer bindings, GPU_MAX_STORAGE + 0 .. 11
+#define GPU_PUSH_BYTES 128
+#define GPU_MAX_DEVICES 16
+
+struct gpu_device_info {
+    uint32_t index;
+    char name[256];
+    char driver[512]; // name, version and info of the driver
+    const char *kind; // "discrete GPU", "integrated GPU", "virtual GPU", "CPU", "other"
+    bool is_cpu;      // runs on the processor (lavapipe, SwiftShader)
+    uint32_t api_version;
+    uint64_t memory_bytes; // largest device-local heap
+    const char *unusable;  // NULL, or what it lacks for us
+};
+
+// Lists devices in the loader's order; fails with ERR_NO_VULKAN when there is no loader or driver.
+bool gpu_list_devices(struct gpu_device_info *out, uint32_t *count, struct err *err);
+
+// Lower limits than the device's, to test fallbacks; 0 means the device's own.
+struct gpu_limit_overrides {
+    uint64_t storage_range;  // maxStorageBufferRange, bytes
+    uint64_t texel_elements; // maxTexelBufferElements
+    uint64_t allocation;     // largest VkDeviceMemory, bytes
+    bool no_texel;           // SSBO reads only
+    bool no_ballot;          // without subgroup ballot
+};
+
+struct gpu_params {
+    const char *device; // index or part of a name, case-insensitive; NULL: the fastest kind
+    bool validation;    // VK_LAYER_KHRONOS_validation with synchronization validation
+    struct gpu_limit_overrides limits;
+    // Faults for tests: fail the n-th (from 1) allocation / submission; 0: never.
+    uint32_t fail_allocation, lose_device_at_submit;
+};
+
+struct gpu {
+    VkInstance instance;
+    VkPhysicalDevice physical;
+    VkDevice device;
+    VkQueue queue;
+    uint32_t queue_family;
+    struct gpu_device_info info;
+    // What is used, after overrides.
+    uint64_t max_storage_range;
+    uint64_t max_texel_elements; // 0 without texel buffers
+    uint64_t max_allocation;
+    uint32_t max_groups;      // workgroups in x a dispatch
+    uint32_t max_invocations; // threads a workgroup
+    uint32_t subgroup_size;
+    bool has_ballot;      // ballot and arithmetic subgroup operations in compute
+    bool has_timestamps;
+    double timestamp_ns;  // nanoseconds a tick
+    uint32_t validation_messages; // warnings and errors of the validation layers so far
+    bool lost;                    // VK_ERROR_DEVICE_LOST was seen
+    uint64_t allocated_bytes, peak_bytes;
+
+    VkDescriptorSetLayout set_layout;
+    VkPipelineLayout pipeline_layout;
+    VkPipelineCache pipeline_cache;
+    VkDebugUtilsMessengerEXT messenger;
+    struct gpu_params params;
+    uint32_t allocation_count, submit_count;
+};
+
+bool gpu_open(const struct gpu_params *params, struct gpu *out, struct err *err);
+void gpu_close(struct gpu *gpu); // accepts NULL and {0}
+
+// --- buffers ------------------------------------------------------------------------------------
+enum gpu_memory { GPU_DEVICE, GPU_READBACK }; // readback: host-visible, cached where possible, mapped
+
+struct gpu_buffer {
+    VkBuffer handle;
+    VkDeviceMemory memory;
+    uint64_t bytes;
+    VkBufferView texel_view; // RGBA32_UINT over the whole buffer, or VK_NULL_HANDLE
+    void *mapped;            // GPU_READBACK, or device memory that the host sees; else NULL
+    const char *name;
+};
+
+// texel: also make a uniform-texel view (the size must fit the limit: ask gpu_texel_fits before).
+// Storage, indirect, transfer usage. A size of 0 is made 16. Zero-filled.
+bool gpu_buffer_create(struct gpu *gpu, const char *name, uint64_t bytes, enum gpu_memory memory,
+                       bool texel, struct gpu_buffer *out, struct err *err);
+void gpu_buffer_finish(struct gpu *gpu, struct gpu_buffer *buffer);
+bool gpu_texel_fits(const struct gpu *gpu, uint64_t bytes);
+// Synchronous copies; through staging memory in pieces of at most 64 MiB where needed.
+bool gpu_upload(struct gpu *gpu, struct gpu_buffer *buffer, uint64_t offset, const void *data,
+                uint64_t bytes, struct err *err);
+bool gpu_download(struct gpu *gpu, const struct gpu_buffer *buffer, uint64_t offset, void *data,
+                  uint64_t bytes, struct err *err);
+
+// --- kernels ------------------------------------------------------------------------------------
+struct gpu_kernel_params {
+    const char *name;
+    const uint32_t *spirv;
+    size_t spirv_bytes;
+    const uint32_t *constants; // specialization constants with ids 0 .. count-1, 32 bits each
+    uint32_t constant_count;
+};
+
+struct gpu_kernel {
+    VkPipeline pipeline;
+    const char *name;
+};
+
+bool gpu_kernel_create(struct gpu *gpu, const struct gpu_kernel_params *params,
+                       struct gpu_kernel *out, struct err *err);
+void gpu_kernel_finish(struct gpu *gpu, struct gpu_kernel *kernel);
+
+// --- bindings -----------------------------------------------------------------------------------
+// A descriptor set. Every binding is always valid: those left {0} are bound to a small dummy buffer
+// that the set owns.
+struct gpu_binding {
+    const struct gpu_buffer *buffer; // NULL: the dummy
+    uint64_t offset, bytes;          // storage: the range; bytes 0: from offset to the end
+};
+
+struct gpu_bindings {
+    VkDescriptorPool pool;
+    VkDescriptorSet set;
+    struct gpu_buffer dummy;
+};
+
+bool gpu_bindings_create(struct gpu *gpu, const struct gpu_binding storage[GPU_MAX_STORAGE],
+                         const struct gpu_buffer *const texel[GPU_MAX_TEXEL],
+                         struct gpu_bindings *out, struct err *err);
+void gpu_bindings_finish(struct gpu *gpu, struct gpu_bindings *bindings);
+
+// --- commands -----------------------------------------------------------------------------------
+#define GPU_MAX_TIMESTAMPS 1024
+
+struct gpu_commands {
+    VkCommandPool pool;
+    VkCommandBuffer handle;
+    VkFence fence;
+    VkQueryPool queries; // VK_NULL_HANDLE without timestamps
+    uint32_t timestamp_count;
+    bool pending;
+};
+
+bool gpu_commands_create(struct gpu *gpu, struct gpu_commands *out, struct err *err);
+void gpu_commands_finish(struct gpu *gpu, struct gpu_commands *commands);
+bool gpu_begin(struct gpu *gpu, struct gpu_commands *commands, struct err *err);
+void gpu_bind(struct gpu *gpu, struct gpu_commands *commands, const struct gpu_bindings *bindings);
+void gpu_push(struct gpu *gpu, struct gpu_commands *commands, const void *data, uint32_t bytes);
+void gpu_dispatch(struct gpu *gpu, struct gpu_commands *commands, const struct gpu_kernel *kernel,
+                  uint32_t groups_x);
+void gpu_dispatch_indirect(struct gpu *gpu, struct gpu_commands *commands,
+                           const struct gpu_kernel *kernel, const struct gpu_buffer *arguments,
+                           uint64_t offset);
+// All shader writes and transfers before are visible to all shader, indirect and transfer (also
+// host, after the fence) reads and writes after.
+void gpu_barrier(struct gpu *gpu, struct gpu_commands *commands);
+void gpu_fill(struct gpu *gpu, struct gpu_commands *commands, const struct gpu_buffer *buffer,
+              uint64_t offset, uint64_t bytes, uint32_t value);
+void gpu_copy(struct gpu *gpu, struct gpu_commands *commands, const struct gpu_buffer *from,
+              uint64_t from_offset, const struct gpu_buffer *to, uint64_t to_offset,
+              uint64_t bytes);
+// Index of the timestamp, or UINT32_MAX when there is none (no support, or the pool is full).
+uint32_t gpu_timestamp(struct gpu *gpu, struct gpu_commands *commands);
+bool gpu_submit(struct gpu *gpu, struct gpu_commands *commands, struct err *err);
+bool gpu_wait(struct gpu *gpu, struct gpu_commands *commands, struct err *err);
+// After gpu_wait: nanoseconds from timestamp 0, for all timestamp_count of them.
+bool gpu_timestamps_ns(struct gpu *gpu, struct gpu_commands *commands, double *out,
+                       struct err *err);
+
+// Records the failing call and VkResult in words; ERR_GPU. Returns false.
+bool gpu_fail(struct gpu *gpu, const char *call, VkResult result, struct err *err);
+
+#endif

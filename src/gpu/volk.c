@@ -1,0 +1,1 @@
+typedef int volk_placeholder;

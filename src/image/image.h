@@ -1,0 +1,63 @@
+// Pictures in memory and on disk: EXR, PNG, Radiance HDR. No Vulkan.
+#ifndef LAMPYRIS_IMAGE_IMAGE_H
+#define LAMPYRIS_IMAGE_IMAGE_H
+
+#include "arena.h"
+#include "err.h"
+#include <stdbool.h>
+#include <stdint.h>
+
+// Linear Rec. 709 radiance, interleaved RGB, row 0 at the top.
+struct image {
+    uint32_t width, height;
+    float (*pixels)[3];
+};
+
+struct image_attribute { // metadata: EXR string attributes, PNG tEXt chunks
+    const char *key;
+    const char *value;
+};
+
+enum image_tone { IMAGE_TONE_NONE, IMAGE_TONE_REINHARD, IMAGE_TONE_ACES, IMAGE_TONE_AGX };
+
+// A further EXR layer: channels "NAME.R", "NAME.G", "NAME.B".
+struct image_layer {
+    const char *name;
+    const float (*pixels)[3];
+};
+
+struct image_write_params {
+    const char *path; // .exr or .png, by extension, case-insensitive
+    const struct image *image;
+    const struct image_layer *layers; // EXR only
+    uint32_t layer_count;
+    const struct image_attribute *attributes;
+    uint32_t attribute_count;
+    bool half_float;      // EXR: 16-bit channels; values past 65504 saturate, and a warning says how many
+    float exposure_stops; // PNG: multiplies by 2^stops before the curve
+    enum image_tone tone; // PNG
+};
+
+// Whether the extension is one that image_write knows; ERR_USAGE naming those it does.
+bool image_check_format(const char *path, struct err *err);
+// Writes atomically (base/file.h). ERR_OUTPUT on failure; an older file stays intact then.
+bool image_write(const struct image_write_params *params, struct err *err);
+
+struct image_read_params {
+    const char *path;    // .exr, .hdr, .png (sRGB decoded to linear), .jpg (the same)
+    const char *layer;   // EXR: layer to read, NULL: the plain R, G, B (or Y) channels
+    size_t max_bytes;    // memory budget, 0: 8 GiB
+};
+
+// Pixels live in `arena`. EXR: single-part, scanline or tiled; deep and multi-part files are
+// ERR_INPUT. Non-finite and negative values are kept as they are: the caller judges.
+bool image_read(const struct image_read_params *params, struct arena *arena, struct image *out,
+                struct err *err);
+// Reads string attributes of an EXR or tEXt chunks of a PNG. *out lives in the arena.
+bool image_read_attributes(const char *path, struct arena *arena, struct image_attribute **out,
+                           uint32_t *count, struct err *err);
+
+// One pixel from linear radiance to display values in [0, 1] before 8-bit rounding, sRGB-encoded.
+void image_tone_map(enum image_tone tone, float exposure_stops, const float rgb[3], float out[3]);
+
+#endif

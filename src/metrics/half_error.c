@@ -1,0 +1,1 @@
+typedef int half_error_placeholder;

@@ -1,0 +1,1 @@
+typedef int stats_placeholder;

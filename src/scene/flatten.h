@@ -1,0 +1,43 @@
+// From meshes, instances and shapes to the arrays that the BVH and the kernels take: world space,
+// single precision, one level.
+#ifndef LAMPYRIS_SCENE_FLATTEN_H
+#define LAMPYRIS_SCENE_FLATTEN_H
+
+#include "scene.h"
+
+struct flat_triangle {
+    float v[3][3];     // relative to flat_scene.origin
+    uint32_t material;
+};
+
+struct flat_shape {
+    uint32_t kind; // enum shape_kind
+    uint32_t material;
+    float center[3]; // relative to flat_scene.origin
+    float normal[3];
+    float radius;
+};
+
+struct flat_scene {
+    // World position of the arrays' origin: geometry far from the world's origin is moved in double
+    // precision before it is rounded (stiff case C2). (0,0,0) unless the scene needs it: when
+    // max |coordinate| exceeds 16 times the extent of the bounding box.
+    double origin[3];
+    struct flat_triangle *triangles;
+    float (*normals)[3][3]; // per triangle and corner; NULL when no mesh has normals. Where one is
+                            // missing or not finite: the geometric normal. Transformed by the
+                            // inverse transpose.
+    uint32_t triangle_count;
+    struct flat_shape *shapes;
+    uint32_t shape_count;
+    float bounds_min[3], bounds_max[3]; // relative to origin; min > max when empty
+    uint32_t dropped_degenerate; // zero-area triangles left out (stiff case C6)
+    uint32_t skipped_instances;  // singular transforms (C30)
+};
+
+// Memory comes from `arena`. A vertex that is not finite after transformation is ERR_INPUT naming
+// instance, mesh and vertex.
+bool scene_flatten(const struct scene *scene, struct arena *arena, struct flat_scene *out,
+                   struct err *err);
+
+#endif

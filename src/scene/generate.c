@@ -1,0 +1,1 @@
+typedef int generate_placeholder;

@@ -1,0 +1,149 @@
+// A scene as plain arrays. Loaders fill it, scene_flatten() turns it into what the BVH and the
+// kernels take. No Vulkan here.
+//
+// Units: metres, radiance in W/(sr m^2) in linear Rec. 709 primaries, angles in radians.
+// Right-handed world, any up axis; matrices are row-major, column vectors: p' = M p.
+#ifndef LAMPYRIS_SCENE_SCENE_H
+#define LAMPYRIS_SCENE_SCENE_H
+
+#include "arena.h"
+#include "err.h"
+#include "progress.h"
+#include "settings.h"
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#define SCENE_NONE UINT32_MAX // no index
+
+enum material_type {
+    MATERIAL_DIFFUSE, // Lambert, two-sided
+    MATERIAL_MIRROR,  // perfect mirror of reflectance base_color, two-sided
+    MATERIAL_TYPE_COUNT,
+};
+
+struct material {
+    const char *name; // never NULL; "" when the file gives none
+    enum material_type type;
+    float base_color[3]; // reflectance, each in [0, 1]
+    float emission[3];   // radiance emitted from both sides, >= 0
+};
+
+// A triangle mesh in its own space.
+struct mesh {
+    const char *name;
+    uint32_t vertex_count;
+    uint32_t triangle_count;
+    float (*positions)[3];      // vertex_count
+    float (*normals)[3];        // vertex_count, unit length or (0,0,0) where missing; or NULL
+    uint32_t (*indices)[3];     // triangle_count, each below vertex_count
+    uint32_t *triangle_material; // triangle_count; or NULL: `material` for all
+    uint32_t material;
+};
+
+struct instance {
+    uint32_t mesh;
+    uint32_t material; // replaces the mesh's materials; SCENE_NONE keeps them
+    double transform[3][4]; // mesh space to world
+};
+
+enum shape_kind { SHAPE_SPHERE, SHAPE_DISC };
+
+// Analytic shapes, in world space (transforms are applied at load: rotation, translation and
+// uniform scale only; others are an input error that says so).
+struct shape {
+    enum shape_kind kind;
+    uint32_t material;
+    double center[3];
+    double normal[3]; // disc: unit normal
+    double radius;    // > 0
+};
+
+struct camera {
+    double position[3];
+    double direction[3]; // unit, where it looks
+    double up[3];        // not parallel to direction; need not be orthogonal to it
+    double fov_y;        // vertical field of view, radians, in (0, pi)
+    const char *name;
+};
+
+// What arrives where a ray leaves the scene. With an image, radiance multiplies it.
+struct environment {
+    bool present;
+    float radiance[3];  // constant radiance, or the factor on the image
+    uint32_t width, height; // 0 x 0: constant
+    float (*texels)[3]; // latitude-longitude, row 0 at the top (+Y), see environment.h
+};
+
+struct scene {
+    struct arena arena; // owns everything below
+    const char *path;   // as given on the command line
+    struct material *materials;
+    uint32_t material_count; // at least 1: loaders add a grey default where a file has none
+    struct mesh *meshes;
+    uint32_t mesh_count;
+    struct instance *instances;
+    uint32_t instance_count;
+    struct shape *shapes;
+    uint32_t shape_count;
+    struct camera *cameras; // as in the file; the first is used unless chosen otherwise
+    uint32_t camera_count;  // after scene_load at least 1: a model without one is framed
+    struct environment environment;
+    struct settings settings; // defaults, overridden by the file
+    uint64_t hash;            // of the file's bytes and of all files it names, and of the overrides
+    // What the loader did on its own, for the report: "no camera in the file: framed from the front"
+    const char **notes;
+    uint32_t note_count;
+};
+
+struct scene_override {
+    const char *key;   // dotted path into the document, or the name of one of its "define"s
+    const char *value; // JSON, or else taken as a string
+};
+
+struct scene_load_params {
+    const char *path; // .json (our format), .gltf, .glb, .obj, .ply; by extension, case-insensitive
+    const struct scene_override *overrides; // -D key=value; our JSON format only
+    uint32_t override_count;
+    bool allow_outside_paths; // let files name files outside their own folder
+    size_t max_bytes;         // memory budget of the load, 0: 16 GiB
+    const struct progress *progress;
+};
+
+// Loads, checks, frames a camera where there is none and adds an even environment where there is no
+// light (each with a note). On failure *out is finished and {0}; err names file, place, value and
+// what was expected.
+bool scene_load(const struct scene_load_params *params, struct scene *out, struct err *err);
+void scene_finish(struct scene *scene); // accepts NULL and {0}
+
+// Adds "TEXT" to scene->notes; false when out of memory.
+bool scene_note(struct scene *scene, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+
+// --- what the loaders share (scene_load.c calls exactly one of these by extension) ---------------
+// Each appends to *scene (already initialised with defaults, arena and path set).
+bool load_json(struct scene *scene, const struct scene_load_params *params, struct err *err);
+bool load_gltf(struct scene *scene, const struct scene_load_params *params, struct err *err);
+// Meshes in OBJ and PLY, also used by load_json for {"type": "mesh", "file": …}. On success one or
+// more meshes, and the materials they need, were appended and *first_mesh, *mesh_count say which;
+// no instances are added. `path` is trusted: confine it before.
+// default_material: for triangles without one; SCENE_NONE: append a grey one when needed.
+bool load_obj(struct scene *scene, const char *path, uint32_t default_material,
+              bool allow_outside_paths, uint32_t *first_mesh, uint32_t *mesh_count,
+              struct err *err);
+bool load_ply(struct scene *scene, const char *path, uint32_t default_material,
+              uint32_t *first_mesh, uint32_t *mesh_count, struct err *err);
+// glTF as a mesh inside our JSON format: appends meshes, materials and, through `place` (3x4), the
+// instances of the default scene's nodes; cameras of the file are ignored here.
+bool load_gltf_into(struct scene *scene, const char *path, const double place[3][4],
+                    bool allow_outside_paths, struct err *err);
+
+// Growing arrays in the scene's arena; return the new element (zeroed) or NULL when out of memory.
+// *index receives its index when not NULL.
+struct material *scene_add_material(struct scene *scene, uint32_t *index);
+struct mesh *scene_add_mesh(struct scene *scene, uint32_t *index);
+struct instance *scene_add_instance(struct scene *scene, uint32_t *index);
+struct shape *scene_add_shape(struct scene *scene, uint32_t *index);
+struct camera *scene_add_camera(struct scene *scene, uint32_t *index);
+
+#endif

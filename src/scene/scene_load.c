@@ -1,0 +1,1 @@
+typedef int scene_load_placeholder;

@@ -1,0 +1,81 @@
+// The smallest test harness that says what went wrong. A test program is a list of functions:
+//
+//   TEST(arena_alloc_is_zeroed) { … CHECK(p[0] == 0, "got %d", p[0]); }
+//   TEST_MAIN(TEST_CASE(arena_alloc_is_zeroed), …)
+//
+// Exit status: 0 passed, 1 failed, 77 skipped (a test called SKIP and none failed).
+#ifndef LAMPYRIS_TESTS_TEST_H
+#define LAMPYRIS_TESTS_TEST_H
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct test_case {
+    const char *name;
+    void (*run)(void);
+};
+
+static int test_failures, test_skips;
+
+#define TEST(name) static void test_##name(void)
+
+// Records a failure with a message and goes on.
+#define CHECK(condition, ...)                                                                      \
+    do {                                                                                           \
+        if (!(condition)) {                                                                        \
+            test_failures++;                                                                       \
+            fprintf(stderr, "%s:%d: %s: ", __FILE__, __LINE__, #condition);                        \
+            fprintf(stderr, "" __VA_ARGS__);                                                       \
+            fputc('\n', stderr);                                                                   \
+        }                                                                                          \
+    } while (0)
+
+// Records a failure and leaves the test function.
+#define REQUIRE(condition, ...)                                                                    \
+    do {                                                                                           \
+        if (!(condition)) {                                                                        \
+            CHECK(false && (condition), __VA_ARGS__);                                              \
+            return;                                                                                \
+        }                                                                                          \
+    } while (0)
+
+// Leaves the test function as skipped; with LAMPYRIS_NO_SKIP in the environment that is a failure.
+#define SKIP(...)                                                                                  \
+    do {                                                                                           \
+        fprintf(stderr, "skipped: " __VA_ARGS__);                                                  \
+        fputc('\n', stderr);                                                                       \
+        if (getenv("LAMPYRIS_NO_SKIP"))                                                            \
+            test_failures++;                                                                       \
+        else                                                                                       \
+            test_skips++;                                                                          \
+        return;                                                                                    \
+    } while (0)
+
+// `prog NAME` runs one case, `prog` all.
+static inline int test_run(const struct test_case *cases, size_t count, int argc, char **argv)
+{
+    for (size_t i = 0; i < count; i++) {
+        if (argc > 1 && strcmp(argv[1], cases[i].name) != 0)
+            continue;
+        int failures = test_failures, skips = test_skips;
+        cases[i].run();
+        printf("%s %s\n",
+               test_failures > failures ? "FAIL" : test_skips > skips ? "skip" : "ok  ",
+               cases[i].name);
+        fflush(stdout);
+    }
+    return test_failures ? 1 : test_skips ? 77 : 0;
+}
+
+#define TEST_CASE(name) {#name, test_##name}
+#define TEST_MAIN(...)                                                                             \
+    int main(int argc, char **argv)                                                                \
+    {                                                                                              \
+        static const struct test_case cases[] = {__VA_ARGS__};                                     \
+        return test_run(cases, sizeof cases / sizeof cases[0], argc, argv);                        \
+    }
+
+#endif
