@@ -1,1 +1,137 @@
-typedef int scene_placeholder;
+// The scene's growing arrays and its end of life.
+#include "scene.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+// The first capacity of a growing array; most scenes have a handful of each thing.
+#define FIRST_CAPACITY 8
+
+// Returns an array that begins with the `count` elements of `items` and has room for one more:
+// `items` itself while the capacity lasts, else a copy of twice the capacity. The old one stays in
+// the arena; doubling keeps the sum of all outgrown arrays below the size of the live one.
+static void *reserve_one(struct arena *arena, void *items, uint32_t count, uint32_t *capacity,
+                         size_t size)
+{
+    if (count < *capacity)
+        return items;
+    if (count > UINT32_MAX / 2)
+        return NULL;
+    uint32_t grown_capacity = count < FIRST_CAPACITY ? FIRST_CAPACITY : 2 * count;
+    void *grown = arena_alloc(arena, grown_capacity, size);
+    if (!grown)
+        return NULL;
+    if (count > 0)
+        memcpy(grown, items, count * size);
+    *capacity = grown_capacity;
+    return grown;
+}
+
+struct material *scene_add_material(struct scene *scene, uint32_t *index)
+{
+    struct material *items = reserve_one(&scene->arena, scene->materials, scene->material_count,
+                                         &scene->material_capacity, sizeof *items);
+    if (!items)
+        return NULL;
+    scene->materials = items;
+    if (index)
+        *index = scene->material_count;
+    struct material *added = &items[scene->material_count++];
+    added->name = "";
+    return added;
+}
+
+struct mesh *scene_add_mesh(struct scene *scene, uint32_t *index)
+{
+    struct mesh *items = reserve_one(&scene->arena, scene->meshes, scene->mesh_count,
+                                     &scene->mesh_capacity, sizeof *items);
+    if (!items)
+        return NULL;
+    scene->meshes = items;
+    if (index)
+        *index = scene->mesh_count;
+    struct mesh *added = &items[scene->mesh_count++];
+    added->name = "";
+    return added;
+}
+
+struct instance *scene_add_instance(struct scene *scene, uint32_t *index)
+{
+    struct instance *items = reserve_one(&scene->arena, scene->instances, scene->instance_count,
+                                         &scene->instance_capacity, sizeof *items);
+    if (!items)
+        return NULL;
+    scene->instances = items;
+    if (index)
+        *index = scene->instance_count;
+    return &items[scene->instance_count++];
+}
+
+struct shape *scene_add_shape(struct scene *scene, uint32_t *index)
+{
+    struct shape *items = reserve_one(&scene->arena, scene->shapes, scene->shape_count,
+                                      &scene->shape_capacity, sizeof *items);
+    if (!items)
+        return NULL;
+    scene->shapes = items;
+    if (index)
+        *index = scene->shape_count;
+    return &items[scene->shape_count++];
+}
+
+struct camera *scene_add_camera(struct scene *scene, uint32_t *index)
+{
+    struct camera *items = reserve_one(&scene->arena, scene->cameras, scene->camera_count,
+                                       &scene->camera_capacity, sizeof *items);
+    if (!items)
+        return NULL;
+    scene->cameras = items;
+    if (index)
+        *index = scene->camera_count;
+    struct camera *added = &items[scene->camera_count++];
+    added->name = "";
+    return added;
+}
+
+// The text of a printf in the arena, however long.
+static char *format_in_arena(struct arena *arena, const char *format, va_list arguments)
+    __attribute__((format(printf, 2, 0)));
+
+static char *format_in_arena(struct arena *arena, const char *format, va_list arguments)
+{
+    va_list measured;
+    va_copy(measured, arguments);
+    int length = vsnprintf(NULL, 0, format, measured);
+    va_end(measured);
+    if (length < 0)
+        return NULL;
+    size_t size = (size_t)length + 1;
+    char *text = ARENA_NEW(arena, char, size);
+    if (text)
+        vsnprintf(text, size, format, arguments);
+    return text;
+}
+
+bool scene_note(struct scene *scene, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    const char *text = format_in_arena(&scene->arena, format, arguments);
+    va_end(arguments);
+    const char **notes = reserve_one(&scene->arena, scene->notes, scene->note_count,
+                                     &scene->note_capacity, sizeof *notes);
+    if (!text || !notes)
+        return false;
+    scene->notes = notes;
+    notes[scene->note_count++] = text;
+    return true;
+}
+
+void scene_finish(struct scene *scene)
+{
+    if (!scene)
+        return;
+    arena_finish(&scene->arena);
+    *scene = (struct scene){0};
+}

@@ -94,6 +94,9 @@ struct scene {
     // What the loader did on its own, for the report: "no camera in the file: framed from the front"
     const char **notes;
     uint32_t note_count;
+    // Room in the arrays above; only the scene_add_ functions and scene_note touch these.
+    uint32_t material_capacity, mesh_capacity, instance_capacity, shape_capacity, camera_capacity;
+    uint32_t note_capacity;
 };
 
 struct scene_override {
@@ -138,8 +141,9 @@ bool load_ply(struct scene *scene, const char *path, uint32_t default_material,
 bool load_gltf_into(struct scene *scene, const char *path, const double place[3][4],
                     bool allow_outside_paths, struct err *err);
 
-// Growing arrays in the scene's arena; return the new element (zeroed) or NULL when out of memory.
-// *index receives its index when not NULL.
+// Growing arrays in the scene's arena; return the new element (zeroed, but for names, which are "")
+// or NULL when out of memory. *index receives its index when not NULL. An earlier element's address
+// is void after a call: the array may have moved.
 struct material *scene_add_material(struct scene *scene, uint32_t *index);
 struct mesh *scene_add_mesh(struct scene *scene, uint32_t *index);
 struct instance *scene_add_instance(struct scene *scene, uint32_t *index);
