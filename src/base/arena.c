@@ -1,1 +1,163 @@
-typedef int arena_placeholder;
+#include "arena.h"
+
+#include <stdarg.h>
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+// Under AddressSanitizer the unused part of a block is poisoned and a gap is left between
+// allocations, so that running past the end of one is found as it would be with malloc.
+#if defined(__SANITIZE_ADDRESS__)
+#define ARENA_POISONS 1
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define ARENA_POISONS 1
+#endif
+#endif
+
+#ifdef ARENA_POISONS
+#include <sanitizer/asan_interface.h>
+enum { GAP_BYTES = 64 };
+#else
+#define ASAN_POISON_MEMORY_REGION(address, bytes) ((void)(address), (void)(bytes))
+#define ASAN_UNPOISON_MEMORY_REGION(address, bytes) ((void)(address), (void)(bytes))
+enum { GAP_BYTES = 0 };
+#endif
+
+enum {
+    ALIGN_SMALL = 16,
+    ALIGN_LARGE = 64, // a cache line, and what SIMD loads and mapped uploads like best
+    FIRST_BLOCK_BYTES = 1 << 14,
+    LAST_BLOCK_BYTES = 1 << 20,
+};
+
+struct arena_block {
+    struct arena_block *next;
+    uint8_t *data; // aligned to ALIGN_LARGE, inside the same allocation as this header
+    size_t size, used;
+};
+
+static _Atomic uint64_t fail_countdown;
+
+void arena_fail_at(uint64_t n)
+{
+    atomic_store(&fail_countdown, n);
+}
+
+static bool fault_is_due(void)
+{
+    uint64_t n = atomic_load_explicit(&fail_countdown, memory_order_relaxed);
+    while (n > 0)
+        if (atomic_compare_exchange_weak(&fail_countdown, &n, n - 1))
+            return n == 1;
+    return false;
+}
+
+// calloc, because the pages of a large block then stay untouched until they are used.
+static struct arena_block *block_create(size_t size)
+{
+    size_t overhead = sizeof(struct arena_block) + ALIGN_LARGE - 1;
+    if (size > SIZE_MAX - overhead)
+        return NULL;
+    struct arena_block *block = calloc(1, overhead + size);
+    if (!block)
+        return NULL;
+    uintptr_t start = (uintptr_t)(block + 1);
+    uintptr_t aligned = (start + ALIGN_LARGE - 1) & ~(uintptr_t)(ALIGN_LARGE - 1);
+    block->data = (uint8_t *)block + (aligned - (uintptr_t)block);
+    block->size = size;
+    ASAN_POISON_MEMORY_REGION(block->data, size);
+    return block;
+}
+
+// The position of an allocation in a block, or SIZE_MAX where it does not fit.
+static size_t block_fit(const struct arena_block *block, size_t bytes, size_t alignment)
+{
+    size_t at = (block->used + alignment - 1) & ~(alignment - 1);
+    return at <= block->size && bytes <= block->size - at ? at : SIZE_MAX;
+}
+
+// The block that receives the allocation: the current one, a new current one, or, for what is too
+// large to share, a block of its own that is put behind the current one, which stays in use.
+static struct arena_block *block_for(struct arena *arena, size_t bytes, size_t alignment)
+{
+    struct arena_block *current = arena->blocks;
+    if (current && block_fit(current, bytes, alignment) != SIZE_MAX)
+        return current;
+    size_t shared = FIRST_BLOCK_BYTES;
+    if (current && current->size >= FIRST_BLOCK_BYTES)
+        shared = current->size < LAST_BLOCK_BYTES ? current->size * 2 : LAST_BLOCK_BYTES;
+    bool own = bytes > shared / 4;
+    struct arena_block *block = block_create(own ? bytes : shared);
+    if (!block)
+        return NULL;
+    if (own && current) {
+        block->next = current->next;
+        current->next = block;
+    } else {
+        block->next = current;
+        arena->blocks = block;
+    }
+    return block;
+}
+
+void *arena_alloc(struct arena *arena, size_t count, size_t size)
+{
+    size_t bytes;
+    if (__builtin_mul_overflow(count, size, &bytes) || bytes > SIZE_MAX / 2)
+        return NULL;
+    size_t alignment = bytes >= ALIGN_LARGE ? ALIGN_LARGE : ALIGN_SMALL;
+    // At least one byte, so that pointers differ and a count of 0 gives a valid one.
+    size_t padded = ((bytes > 0 ? bytes : 1) + GAP_BYTES + alignment - 1) & ~(alignment - 1);
+    if (arena->limit_bytes > 0 &&
+        (arena->used_bytes > arena->limit_bytes || padded > arena->limit_bytes - arena->used_bytes))
+        return NULL;
+    if (fault_is_due())
+        return NULL;
+    struct arena_block *block = block_for(arena, padded, alignment);
+    if (!block)
+        return NULL;
+    size_t at = block_fit(block, padded, alignment);
+    block->used = at + padded;
+    arena->used_bytes += padded;
+    ASAN_UNPOISON_MEMORY_REGION(block->data + at, bytes);
+    return block->data + at;
+}
+
+char *arena_strdup(struct arena *arena, const char *text)
+{
+    size_t size = strlen(text) + 1;
+    char *copy = arena_alloc(arena, size, 1);
+    return copy ? memcpy(copy, text, size) : NULL;
+}
+
+char *arena_printf(struct arena *arena, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    int length = vsnprintf(NULL, 0, format, arguments);
+    va_end(arguments);
+    char *text = length >= 0 ? arena_alloc(arena, (size_t)length + 1, 1) : NULL;
+    if (!text)
+        return NULL;
+    va_start(arguments, format);
+    vsnprintf(text, (size_t)length + 1, format, arguments);
+    va_end(arguments);
+    return text;
+}
+
+void arena_finish(struct arena *arena)
+{
+    if (!arena)
+        return;
+    for (struct arena_block *block = arena->blocks; block;) {
+        struct arena_block *next = block->next;
+        ASAN_UNPOISON_MEMORY_REGION(block->data, block->size);
+        free(block);
+        block = next;
+    }
+    arena->blocks = NULL;
+    arena->used_bytes = 0;
+}

@@ -4,6 +4,7 @@
 #define LAMPYRIS_BASE_ARENA_H
 
 #include <stddef.h>
+#include <stdint.h>
 
 struct arena_block;
 
@@ -23,6 +24,10 @@ char *arena_printf(struct arena *arena, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 // Releases everything; the arena is {0} with its limit kept. Accepts NULL and {0}.
 void arena_finish(struct arena *arena);
+
+// For fault tests: the n-th allocation from now (1: the next), in whichever arena and thread, fails
+// once as if memory were exhausted. 0 calls it off.
+void arena_fail_at(uint64_t n);
 
 #define ARENA_NEW(arena, type, count) ((type *)arena_alloc((arena), (count), sizeof(type)))
 

@@ -1,1 +1,46 @@
-typedef int err_placeholder;
+#include "err.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+static void replace_control_characters(char *text)
+{
+    for (; *text; text++)
+        if ((unsigned char)*text < 0x20 || *text == 0x7f)
+            *text = '?';
+}
+
+bool err_set(struct err *err, enum err_code code, const char *format, ...)
+{
+    if (!err)
+        return false;
+    char msg[sizeof err->msg];
+    va_list arguments;
+    va_start(arguments, format);
+    if (vsnprintf(msg, sizeof msg, format, arguments) < 0)
+        msg[0] = '\0';
+    va_end(arguments);
+    replace_control_characters(msg);
+    err->code = code;
+    memcpy(err->msg, msg, sizeof msg);
+    return false;
+}
+
+bool err_prepend(struct err *err, const char *format, ...)
+{
+    if (!err)
+        return false;
+    char context[sizeof err->msg];
+    va_list arguments;
+    va_start(arguments, format);
+    if (vsnprintf(context, sizeof context, format, arguments) < 0)
+        context[0] = '\0';
+    va_end(arguments);
+    return err_set(err, err->code, "%s: %s", context, err->msg);
+}
+
+bool err_memory(struct err *err, const char *what, unsigned long long bytes)
+{
+    return err_set(err, ERR_SYSTEM, "out of memory (%llu bytes for %s)", bytes, what);
+}

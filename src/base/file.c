@@ -1,1 +1,220 @@
-typedef int file_placeholder;
+#include "file.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static const char *file_kind(mode_t mode)
+{
+    return S_ISDIR(mode)    ? "a folder"
+           : S_ISFIFO(mode) ? "a pipe"
+           : S_ISCHR(mode)  ? "a character device"
+           : S_ISBLK(mode)  ? "a block device"
+           : S_ISSOCK(mode) ? "a socket"
+                            : "a regular file";
+}
+
+// Reads until `size` bytes or the end of the file; returns the number read, or -1 with errno set.
+static ssize_t read_fully(int fd, uint8_t *data, size_t size)
+{
+    size_t done = 0;
+    while (done < size) {
+        ssize_t got = read(fd, data + done, size - done);
+        if (got < 0 && errno == EINTR)
+            continue;
+        if (got < 0)
+            return -1;
+        if (got == 0)
+            break;
+        done += (size_t)got;
+    }
+    return (ssize_t)done;
+}
+
+static bool read_opened(struct arena *arena, int fd, const char *path, size_t max_bytes,
+                        struct file_bytes *out, struct err *err)
+{
+    struct stat status;
+    if (fstat(fd, &status) != 0)
+        return err_set(err, ERR_INPUT, "%s: %s", path, strerror(errno));
+    if (!S_ISREG(status.st_mode))
+        return err_set(err, ERR_INPUT, "%s: is %s; expected a regular file", path,
+                       file_kind(status.st_mode));
+    if (status.st_size < 0 || (uintmax_t)status.st_size > max_bytes)
+        return err_set(err, ERR_INPUT, "%s: is %jd bytes long; at most %zu are read", path,
+                       (intmax_t)status.st_size, max_bytes);
+    size_t size = (size_t)status.st_size;
+    uint8_t *data = arena_alloc(arena, size + 1, 1);
+    if (!data) {
+        err_memory(err, "the file's content", (unsigned long long)size + 1);
+        return err_prepend(err, "%s", path);
+    }
+    ssize_t got = read_fully(fd, data, size);
+    if (got < 0)
+        return err_set(err, ERR_INPUT, "%s: %s", path, strerror(errno));
+    data[got] = '\0';
+    *out = (struct file_bytes){data, (size_t)got};
+    return true;
+}
+
+bool file_read(struct arena *arena, const char *path, size_t max_bytes, struct file_bytes *out,
+               struct err *err)
+{
+    // O_NONBLOCK: opening a FIFO without a writer must return, to be refused. It does not matter to
+    // regular files.
+    int fd = open(path, O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+    if (fd < 0)
+        return err_set(err, ERR_INPUT, "%s: %s", path, strerror(errno));
+    size_t limit = max_bytes > 0 ? max_bytes : (size_t)1 << 32;
+    bool ok = read_opened(arena, fd, path, limit, out, err);
+    close(fd);
+    return ok;
+}
+
+static int hex_digit(char c)
+{
+    return c >= '0' && c <= '9'   ? c - '0'
+           : c >= 'a' && c <= 'f' ? c - 'a' + 10
+           : c >= 'A' && c <= 'F' ? c - 'A' + 10
+                                  : -1;
+}
+
+// Decodes %XX in place (RFC 3986, 2.1). False for a malformed escape and for %00.
+static bool decode_escapes(char *text)
+{
+    char *to = text;
+    for (const char *from = text; *from; from++) {
+        if (*from != '%') {
+            *to++ = *from;
+            continue;
+        }
+        int high = hex_digit(from[1]);
+        int low = high >= 0 ? hex_digit(from[2]) : -1;
+        if (low < 0 || high + low == 0)
+            return false;
+        *to++ = (char)(high * 16 + low);
+        from += 2;
+    }
+    *to = '\0';
+    return true;
+}
+
+// RFC 3986, 3.1: a letter, then letters, digits, "+", "-", ".", up to the colon.
+static bool has_scheme(const char *path)
+{
+    static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ";
+    size_t length = strspn(path, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                                 "0123456789+-.");
+    return *path && strchr(letters, *path) && path[length] == ':';
+}
+
+static bool has_parent_component(const char *path)
+{
+    for (const char *part = path; part; part = strchr(part, '/')) {
+        part += *part == '/';
+        if (part[0] == '.' && part[1] == '.' && (part[2] == '/' || part[2] == '\0'))
+            return true;
+    }
+    return false;
+}
+
+// What is wrong with a decoded path from inside a file, or NULL.
+static const char *path_objection(const char *path)
+{
+    if (!*path)
+        return "is empty";
+    if (*path == '/')
+        return "is absolute";
+    if (has_scheme(path))
+        return "has a scheme";
+    if (has_parent_component(path))
+        return "contains \"..\"";
+    return NULL;
+}
+
+static bool is_under(const char *path, const char *folder)
+{
+    size_t length = strlen(folder);
+    if (length > 0 && folder[length - 1] == '/') // the root folder
+        length--;
+    return strncmp(path, folder, length) == 0 && path[length] == '/';
+}
+
+// The path with symbolic links resolved, in the arena; NULL with *err set.
+static char *real_path(struct arena *arena, const char *path, struct err *err)
+{
+    char *resolved = realpath(path, NULL);
+    if (!resolved) {
+        err_set(err, ERR_INPUT, "%s: %s", path, strerror(errno));
+        return NULL;
+    }
+    char *copy = arena_strdup(arena, resolved);
+    if (!copy)
+        err_memory(err, "a path", strlen(resolved) + 1);
+    free(resolved);
+    return copy;
+}
+
+char *file_resolve_inside(struct arena *arena, const char *base_dir, const char *relative,
+                          bool percent_decode, struct err *err)
+{
+    char *decoded = arena_strdup(arena, relative);
+    if (!decoded) {
+        err_memory(err, "a path", strlen(relative) + 1);
+        return NULL;
+    }
+    if (percent_decode && !decode_escapes(decoded)) {
+        err_set(err, ERR_INPUT, "path \"%s\" has a malformed escape or %%00", relative);
+        return NULL;
+    }
+    const char *objection = path_objection(decoded);
+    if (objection) {
+        err_set(err, ERR_INPUT, "path \"%s\" %s; expected one relative to the file's folder",
+                relative, objection);
+        return NULL;
+    }
+    char *joined = arena_printf(arena, "%s/%s", base_dir, decoded);
+    if (!joined) {
+        err_memory(err, "a path", strlen(base_dir) + strlen(decoded) + 2);
+        return NULL;
+    }
+    char *base = real_path(arena, base_dir, err);
+    char *path = base ? real_path(arena, joined, err) : NULL;
+    if (!path)
+        return NULL;
+    if (!is_under(path, base)) {
+        err_set(err, ERR_INPUT, "path \"%s\" leads out of the file's folder %s", relative, base);
+        return NULL;
+    }
+    struct stat status;
+    if (stat(path, &status) != 0 || !S_ISREG(status.st_mode)) {
+        err_set(err, ERR_INPUT, "%s: is no regular file", path);
+        return NULL;
+    }
+    return path;
+}
+
+char *path_folder(struct arena *arena, const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    if (!slash)
+        return arena_strdup(arena, ".");
+    int length = slash == path ? 1 : (int)(slash - path);
+    return arena_printf(arena, "%.*s", length, path);
+}
+
+const char *path_name(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+const char *path_extension(const char *path)
+{
+    const char *name = path_name(path);
+    const char *dot = strrchr(name, '.');
+    return dot && dot != name ? dot + 1 : "";
+}

@@ -12,29 +12,34 @@ struct file_bytes {
     size_t size;
 };
 
-// Reads a regular file of at most max_bytes (0: 4 GiB). FIFOs, devices and folders are ERR_INPUT,
-// and are never opened in a way that blocks.
+// Reads a regular file of at most max_bytes (0: 4 GiB), as long as it was when it was opened.
+// FIFOs, devices and folders are ERR_INPUT, and are never opened in a way that blocks.
 bool file_read(struct arena *arena, const char *path, size_t max_bytes, struct file_bytes *out,
                struct err *err);
 
 // Resolves `relative`, a path or URI path that stands inside a file of folder `base_dir`, to a path
 // that is a regular file under that folder, symbolic links resolved too. Rejected (ERR_INPUT):
-// absolute paths, "..", schemes such as "file:", escapes that decode to such things, and whatever
-// is no regular file. percent_decode decodes %XX first (glTF URIs).
+// absolute paths, "..", schemes such as "file:", escapes that are malformed or decode to such
+// things or to NUL, and whatever is no regular file. percent_decode decodes %XX first (glTF URIs).
 // NULL on failure; the result lives in the arena.
 char *file_resolve_inside(struct arena *arena, const char *base_dir, const char *relative,
                           bool percent_decode, struct err *err);
 
-char *path_folder(struct arena *arena, const char *path);  // "a/b.c" -> "a", "b.c" -> "."
-const char *path_extension(const char *path);              // "a.PNG" -> "PNG", else ""
-const char *path_name(const char *path);                   // "a/b.c" -> "b.c"
+char *path_folder(struct arena *arena, const char *path); // "a/b.c" -> "a", "b.c" -> "."
+const char *path_extension(const char *path);             // "a.PNG" -> "PNG", else ""
+const char *path_name(const char *path);                  // "a/b.c" -> "b.c"
 
 // Atomic writing: a temporary file in the same folder, fsync, rename, fsync of the folder. Until
-// commit succeeds, an older file of that name stays intact.
+// commit succeeds, an older file of that name stays intact; its permissions pass to the new one. A
+// symbolic link is followed and kept. A file that the user may not write is not replaced either.
+//
+// Character devices and pipes (/dev/null, /dev/full, a shell's >(command)) cannot be renamed over:
+// they are written to directly, so a failure may come after part of the data. Block devices and
+// sockets are refused.
 struct file_writer {
-    int fd; // -1 when closed
-    char *path;
-    char *temporary_path;
+    int fd;               // -1 when closed
+    char *path;           // what the rename replaces, symbolic links resolved; NULL when closed
+    char *temporary_path; // NULL when written to directly
 };
 
 // Creates the temporary file: so an unwritable folder is found out before any work is done.
@@ -49,7 +54,8 @@ void file_writer_finish(struct file_writer *writer);
 bool file_write_atomic(const char *path, const void *data, size_t size, struct err *err);
 
 // Finds out before rendering whether `path` could be written: its folder exists and is writable,
-// and path itself is not a folder. Leaves nothing behind. ERR_OUTPUT.
+// and path itself is not a folder. Leaves nothing behind. ERR_OUTPUT. Of a device or pipe only the
+// permission is checked: that /dev/full is full shows when it is written.
 bool file_check_writable(const char *path, struct err *err);
 
 #endif

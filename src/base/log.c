@@ -1,1 +1,46 @@
-typedef int log_placeholder;
+#include "log.h"
+
+#include <pthread.h>
+#include <stdarg.h>
+#include <stdio.h>
+
+static void sink_stderr(void *context, enum log_level level, const char *message)
+{
+    (void)context;
+    static const char *const names[] = {"error", "warning", "note", "debug"};
+    fprintf(stderr, "%s: %s\n", names[level], message);
+}
+
+static struct {
+    pthread_mutex_t mutex; // one message at a time
+    enum log_level level;
+    log_sink_fn sink;
+    void *context;
+} log_state = {PTHREAD_MUTEX_INITIALIZER, LOG_WARN, sink_stderr, NULL};
+
+void log_configure(enum log_level level, log_sink_fn sink, void *context)
+{
+    log_state.level = level;
+    log_state.sink = sink ? sink : sink_stderr;
+    log_state.context = context;
+}
+
+void log_message(enum log_level level, const char *format, ...)
+{
+    if (level > log_state.level)
+        return;
+    char message[1024];
+    va_list arguments;
+    va_start(arguments, format);
+    int length = vsnprintf(message, sizeof message, format, arguments);
+    va_end(arguments);
+    if (length < 0)
+        return;
+    // Names and values from files must not steer a terminal.
+    for (char *c = message; *c; c++)
+        if ((unsigned char)*c < 0x20 || *c == 0x7f)
+            *c = '?';
+    pthread_mutex_lock(&log_state.mutex);
+    log_state.sink(log_state.context, level, message);
+    pthread_mutex_unlock(&log_state.mutex);
+}

@@ -1,1 +1,89 @@
-typedef int parallel_placeholder;
+#define _GNU_SOURCE // CPU_COUNT, sched_getaffinity
+#include "parallel.h"
+
+#include <pthread.h>
+#include <sched.h>
+#include <signal.h>
+#include <stdatomic.h>
+#include <unistd.h>
+
+unsigned cpu_count(void)
+{
+    cpu_set_t set;
+    long count = sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set)
+                                                             : sysconf(_SC_NPROCESSORS_ONLN);
+    if (count < 1)
+        return 1;
+    return count < PARALLEL_MAX_THREADS ? (unsigned)count : PARALLEL_MAX_THREADS;
+}
+
+struct job {
+    parallel_fn fn;
+    void *context;
+    size_t count, grain, chunks;
+    _Atomic size_t next_chunk;
+};
+
+struct worker {
+    struct job *job;
+    unsigned thread;
+    pthread_t handle;
+};
+
+// Chunks are handed out one by one, so that a slow one does not hold up the others. The counter
+// passes `chunks` by at most one a thread.
+static void job_run(struct job *job, unsigned thread)
+{
+    for (;;) {
+        size_t chunk = atomic_fetch_add_explicit(&job->next_chunk, 1, memory_order_relaxed);
+        if (chunk >= job->chunks)
+            return;
+        size_t begin = chunk * job->grain;
+        size_t end = job->count - begin < job->grain ? job->count : begin + job->grain;
+        job->fn(job->context, begin, end, thread);
+    }
+}
+
+static void *worker_main(void *argument)
+{
+    struct worker *worker = argument;
+    job_run(worker->job, worker->thread);
+    return NULL;
+}
+
+// Starts workers 1 … threads - 1 and returns how many started. Signals are blocked in them, so that
+// handlers run in the caller's thread.
+static unsigned workers_start(struct worker *workers, unsigned threads, struct job *job)
+{
+    sigset_t all, previous;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &previous);
+    unsigned started = 0;
+    while (started + 1 < threads) {
+        struct worker *worker = &workers[started];
+        *worker = (struct worker){.job = job, .thread = started + 1};
+        if (pthread_create(&worker->handle, NULL, worker_main, worker) != 0)
+            break;
+        started++;
+    }
+    pthread_sigmask(SIG_SETMASK, &previous, NULL);
+    return started;
+}
+
+void parallel_for(size_t count, size_t grain, unsigned threads, parallel_fn fn, void *context)
+{
+    if (count == 0)
+        return;
+    grain = grain > 0 ? grain : 1;
+    struct job job = {.fn = fn, .context = context, .count = count, .grain = grain};
+    job.chunks = count / grain + (count % grain != 0);
+    threads = threads > 0 ? threads : cpu_count();
+    threads = threads < PARALLEL_MAX_THREADS ? threads : PARALLEL_MAX_THREADS;
+    threads = threads < job.chunks ? threads : (unsigned)job.chunks;
+
+    struct worker workers[PARALLEL_MAX_THREADS - 1];
+    unsigned started = workers_start(workers, threads, &job);
+    job_run(&job, 0);
+    for (unsigned i = 0; i < started; i++)
+        pthread_join(workers[i].handle, NULL);
+}
