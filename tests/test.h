@@ -27,8 +27,8 @@ static int test_failures, test_skips;
     do {                                                                                           \
         if (!(condition)) {                                                                        \
             test_failures++;                                                                       \
-            fprintf(stderr, "%s:%d: %s: ", __FILE__, __LINE__, #condition);                        \
-            fprintf(stderr, "" __VA_ARGS__);                                                       \
+            fprintf(stderr, "%s:%d: %s:", __FILE__, __LINE__, #condition);                         \
+            fprintf(stderr, " " __VA_ARGS__);                                                      \
             fputc('\n', stderr);                                                                   \
         }                                                                                          \
     } while (0)
