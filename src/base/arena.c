@@ -20,6 +20,12 @@
 #ifdef ARENA_POISONS
 #include <sanitizer/asan_interface.h>
 enum { GAP_BYTES = 64 };
+
+// A size past all memory is an error to be reported, as it is without the sanitizer.
+const char *__asan_default_options(void)
+{
+    return "allocator_may_return_null=1";
+}
 #else
 #define ASAN_POISON_MEMORY_REGION(address, bytes) ((void)(address), (void)(bytes))
 #define ASAN_UNPOISON_MEMORY_REGION(address, bytes) ((void)(address), (void)(bytes))
