@@ -1,1 +1,175 @@
-typedef int image_placeholder;
+#include "image.h"
+
+#include "file.h"
+#include "image_internal.h"
+#include <string.h>
+#include <strings.h>
+
+enum format { FORMAT_UNKNOWN, FORMAT_EXR, FORMAT_HDR, FORMAT_PNG, FORMAT_JPEG };
+
+static enum format format_of_output(const char *path)
+{
+    const char *extension = path_extension(path);
+    return strcasecmp(extension, "exr") == 0   ? FORMAT_EXR
+           : strcasecmp(extension, "png") == 0 ? FORMAT_PNG
+                                               : FORMAT_UNKNOWN;
+}
+
+// A file is what its first bytes say, whatever it is called.
+static enum format format_of_bytes(const uint8_t *data, size_t size)
+{
+    static const struct {
+        const char *bytes;
+        size_t size;
+        enum format format;
+    } signatures[] = {
+        {"\x76\x2f\x31\x01", 4, FORMAT_EXR}, {"#?RADIANCE", 10, FORMAT_HDR},
+        {"#?RGBE", 6, FORMAT_HDR},           {"\x89PNG\r\n\x1a\n", 8, FORMAT_PNG},
+        {"\xff\xd8\xff", 3, FORMAT_JPEG},
+    };
+    for (size_t i = 0; i < sizeof signatures / sizeof signatures[0]; i++)
+        if (size >= signatures[i].size &&
+            memcmp(data, signatures[i].bytes, signatures[i].size) == 0)
+            return signatures[i].format;
+    return FORMAT_UNKNOWN;
+}
+
+bool image_check_format(const char *path, struct err *err)
+{
+    if (format_of_output(path) != FORMAT_UNKNOWN)
+        return true;
+    return err_set(err, ERR_USAGE, "%s: extension \"%s\" is not known; expected .exr or .png", path,
+                   path_extension(path));
+}
+
+bool image_write(const struct image_write_params *params, struct err *err)
+{
+    if (!image_check_format(params->path, err))
+        return false;
+    if (params->image->width == 0 || params->image->height == 0)
+        return err_set(err, ERR_BUG, "%s: the picture is %u x %u pixels; expected at least 1 x 1",
+                       params->path, params->image->width, params->image->height);
+    struct byte_buffer buffer = {0};
+    bool ok = format_of_output(params->path) == FORMAT_EXR ? image_exr_write(params, &buffer, err)
+                                                           : image_png_write(params, &buffer, err);
+    if (ok)
+        ok = file_write_atomic(params->path, buffer.data, buffer.size, err);
+    else
+        err_prepend(err, "%s", params->path);
+    byte_buffer_finish(&buffer);
+    return ok;
+}
+
+bool image_allocate(const struct image_source *source, uint64_t width, uint64_t height,
+                    uint64_t extra_bytes, struct arena *arena, struct image *out, struct err *err)
+{
+    if (width == 0 || height == 0 || width > UINT32_MAX || height > UINT32_MAX)
+        return err_set(err, ERR_INPUT, "the picture is %llu x %llu pixels; expected at least 1 x 1",
+                       (unsigned long long)width, (unsigned long long)height);
+    uint64_t bytes;
+    if (__builtin_mul_overflow(width * height, sizeof *out->pixels, &bytes) ||
+        __builtin_add_overflow(bytes, extra_bytes, &bytes) || bytes > source->max_bytes)
+        return err_set(err, ERR_INPUT,
+                       "the picture is %llu x %llu pixels, which needs more than the limit of %zu "
+                       "bytes of memory",
+                       (unsigned long long)width, (unsigned long long)height, source->max_bytes);
+    out->width = (uint32_t)width;
+    out->height = (uint32_t)height;
+    out->pixels = arena_alloc(arena, (size_t)(width * height), sizeof *out->pixels);
+    return out->pixels ? true : err_memory(err, "pixels", bytes);
+}
+
+static size_t memory_budget(size_t max_bytes)
+{
+    const uint64_t default_bytes = UINT64_C(8) << 30;
+    if (max_bytes > 0)
+        return max_bytes;
+    return default_bytes < SIZE_MAX ? (size_t)default_bytes : SIZE_MAX;
+}
+
+static bool decode(const struct image_source *source, struct arena *arena, struct image *out,
+                   struct err *err)
+{
+    enum format format = format_of_bytes(source->data, source->size);
+    if (source->layer && format != FORMAT_EXR && format != FORMAT_UNKNOWN)
+        return err_set(err, ERR_INPUT, "has no layer \"%s\": only EXR files have layers",
+                       source->layer);
+    switch (format) {
+    case FORMAT_EXR:
+        return image_exr_read(source, arena, out, err);
+    case FORMAT_HDR:
+        return image_hdr_read(source, arena, out, err);
+    case FORMAT_PNG:
+        return image_png_read(source, arena, out, err);
+    case FORMAT_JPEG:
+        return image_jpeg_read(source, arena, out, err);
+    case FORMAT_UNKNOWN:
+        break;
+    }
+    return err_set(err, ERR_INPUT,
+                   "is no picture that can be read; expected EXR, HDR, PNG or JPEG");
+}
+
+bool image_decode(const void *data, size_t size, const struct image_read_params *params,
+                  struct arena *arena, struct image *out, struct err *err)
+{
+    struct image_source source = {.path = params->path,
+                                  .data = data,
+                                  .size = size,
+                                  .layer = params->layer,
+                                  .max_bytes = memory_budget(params->max_bytes)};
+    *out = (struct image){0};
+    if (decode(&source, arena, out, err))
+        return true;
+    *out = (struct image){0};
+    return err_prepend(err, "%s", params->path);
+}
+
+bool image_read(const struct image_read_params *params, struct arena *arena, struct image *out,
+                struct err *err)
+{
+    struct arena scratch = {0};
+    struct file_bytes file;
+    *out = (struct image){0};
+    size_t budget = memory_budget(params->max_bytes);
+    bool ok = file_read(&scratch, params->path, budget, &file, err);
+    if (ok) {
+        struct image_read_params remaining = *params;
+        // Of a budget that the file uses up to the last byte nothing is left; 0 would mean 8 GiB.
+        remaining.max_bytes = budget > file.size ? budget - file.size : 1;
+        ok = image_decode(file.data, file.size, &remaining, arena, out, err);
+    }
+    arena_finish(&scratch);
+    return ok;
+}
+
+static bool decode_attributes(const struct image_source *source, struct arena *arena,
+                              struct image_attribute **out, uint32_t *count, struct err *err)
+{
+    switch (format_of_bytes(source->data, source->size)) {
+    case FORMAT_EXR:
+        return image_exr_read_attributes(source, arena, out, count, err);
+    case FORMAT_PNG:
+        return image_png_read_attributes(source, arena, out, count, err);
+    default:
+        return err_set(err, ERR_INPUT, "has no metadata that can be read; expected EXR or PNG");
+    }
+}
+
+bool image_read_attributes(const char *path, struct arena *arena, struct image_attribute **out,
+                           uint32_t *count, struct err *err)
+{
+    struct arena scratch = {0};
+    struct file_bytes file;
+    *out = NULL;
+    *count = 0;
+    size_t budget = memory_budget(0);
+    bool ok = file_read(&scratch, path, budget, &file, err);
+    if (ok) {
+        struct image_source source = {
+            .path = path, .data = file.data, .size = file.size, .max_bytes = budget};
+        ok = decode_attributes(&source, arena, out, count, err) || err_prepend(err, "%s", path);
+    }
+    arena_finish(&scratch);
+    return ok;
+}

@@ -1,4 +1,5 @@
-// Pictures in memory and on disk: EXR, PNG, Radiance HDR. No Vulkan.
+// Pictures in memory and on disk: EXR, PNG, Radiance HDR, JPEG. No Vulkan. All functions may be
+// called from any thread, on different arguments at the same time.
 #ifndef LAMPYRIS_IMAGE_IMAGE_H
 #define LAMPYRIS_IMAGE_IMAGE_H
 
@@ -33,31 +34,44 @@ struct image_write_params {
     uint32_t layer_count;
     const struct image_attribute *attributes;
     uint32_t attribute_count;
-    bool half_float;      // EXR: 16-bit channels; values past 65504 saturate, and a warning says how many
+    bool half_float;      // EXR: 16-bit channels; finite values past 65504 saturate, with a warning
     float exposure_stops; // PNG: multiplies by 2^stops before the curve
     enum image_tone tone; // PNG
 };
 
 // Whether the extension is one that image_write knows; ERR_USAGE naming those it does.
 bool image_check_format(const char *path, struct err *err);
-// Writes atomically (base/file.h). ERR_OUTPUT on failure; an older file stays intact then.
+// Writes atomically (base/file.h). ERR_OUTPUT on failure; an older file stays intact then. The file
+// is put together in memory first.
 bool image_write(const struct image_write_params *params, struct err *err);
 
 struct image_read_params {
-    const char *path;    // .exr, .hdr, .png (sRGB decoded to linear), .jpg (the same)
-    const char *layer;   // EXR: layer to read, NULL: the plain R, G, B (or Y) channels
-    size_t max_bytes;    // memory budget, 0: 8 GiB
+    const char *path;  // .exr, .hdr, .png (sRGB decoded to linear), .jpg (the same)
+    const char *layer; // EXR: layer to read, NULL: the plain R, G, B (or Y) channels
+    size_t max_bytes;  // memory for the file, the pixels and the decoder; 0: 8 GiB
 };
 
-// Pixels live in `arena`. EXR: single-part, scanline or tiled; deep and multi-part files are
-// ERR_INPUT. Non-finite and negative values are kept as they are: the caller judges.
+// Pixels live in `arena`. The format is told by the file's first bytes, not by its name. EXR:
+// single-part, scanline or tiled (the finest level); deep and multi-part files are ERR_INPUT. The
+// picture is the data window, wherever the display window lies. Non-finite and negative values are
+// kept as they are: the caller judges. Alpha is dropped, PNG colour profiles other than sRGB too.
 bool image_read(const struct image_read_params *params, struct arena *arena, struct image *out,
                 struct err *err);
-// Reads string attributes of an EXR or tEXt chunks of a PNG. *out lives in the arena.
+// The same from memory, for pictures inside other files; params->path names the place in messages.
+bool image_decode(const void *data, size_t size, const struct image_read_params *params,
+                  struct arena *arena, struct image *out, struct err *err);
+// Reads string attributes of an EXR or the tEXt, zTXt and iTXt chunks that precede the pixels of a
+// PNG. *out lives in the arena.
 bool image_read_attributes(const char *path, struct arena *arena, struct image_attribute **out,
                            uint32_t *count, struct err *err);
 
 // One pixel from linear radiance to display values in [0, 1] before 8-bit rounding, sRGB-encoded.
 void image_tone_map(enum image_tone tone, float exposure_stops, const float rgb[3], float out[3]);
+
+// The transfer function of sRGB and its inverse (IEC 61966-2-1), of values in [0, 1].
+float image_srgb_from_linear(float linear);
+float image_srgb_to_linear(float encoded);
+// To 8 bits, to the nearest code, halves up; of values in [0, 1].
+uint8_t image_quantize(float display);
 
 #endif

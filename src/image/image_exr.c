@@ -1,1 +1,75 @@
-typedef int image_exr_placeholder;
+#include "image_exr.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static struct exr_stream *stream_of(exr_const_context_t context)
+{
+    void *user_data = NULL;
+    exr_get_user_data(context, &user_data);
+    return user_data;
+}
+
+static void keep_message(exr_const_context_t context, exr_result_t code, const char *message)
+{
+    struct exr_stream *stream = stream_of(context);
+    if (!stream || stream->message[0])
+        return;
+    (void)code; // comes back as the call's result
+    snprintf(stream->message, sizeof stream->message, "%s", message);
+}
+
+static int64_t read_bytes(exr_const_context_t context, void *user_data, void *buffer, uint64_t size,
+                          uint64_t offset, exr_stream_error_func_ptr_t report)
+{
+    const struct exr_stream *stream = user_data;
+    (void)context;
+    (void)report; // a short count is reported by the library itself
+    uint64_t left = offset < stream->size ? stream->size - offset : 0;
+    uint64_t count = size < left ? size : left;
+    if (count > 0)
+        memcpy(buffer, stream->data + offset, (size_t)count);
+    return (int64_t)count;
+}
+
+static int64_t query_size(exr_const_context_t context, void *user_data)
+{
+    const struct exr_stream *stream = user_data;
+    (void)context;
+    return (int64_t)stream->size;
+}
+
+static int64_t write_bytes(exr_const_context_t context, void *user_data, const void *buffer,
+                           uint64_t size, uint64_t offset, exr_stream_error_func_ptr_t report)
+{
+    struct exr_stream *stream = user_data;
+    (void)context;
+    (void)report;
+    if (!byte_buffer_write(stream->out, (size_t)offset, buffer, (size_t)size)) {
+        stream->out_of_memory = true;
+        return -1;
+    }
+    return (int64_t)size;
+}
+
+exr_context_initializer_t exr_stream_initializer(struct exr_stream *stream)
+{
+    exr_context_initializer_t initializer = EXR_DEFAULT_CONTEXT_INITIALIZER;
+    initializer.error_handler_fn = keep_message;
+    initializer.user_data = stream;
+    initializer.read_fn = read_bytes;
+    initializer.size_fn = query_size;
+    initializer.write_fn = write_bytes;
+    // A file with lost chunks is an error, not a picture with holes.
+    initializer.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
+    return initializer;
+}
+
+bool exr_fail(const struct exr_stream *stream, exr_result_t result, enum err_code code,
+              struct err *err)
+{
+    if (stream->out_of_memory || result == EXR_ERR_OUT_OF_MEMORY)
+        return err_set(err, ERR_SYSTEM, "out of memory in the EXR library");
+    return err_set(err, code, "EXR: %s",
+                   stream->message[0] ? stream->message : exr_get_default_error_message(result));
+}

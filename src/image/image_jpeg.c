@@ -1,1 +1,132 @@
-typedef int image_jpeg_placeholder;
+// JPEG by libjpeg-turbo: grey or colour, 8 bits, baseline or progressive.
+#include "image_internal.h"
+
+#include <setjmp.h>
+#include <stdio.h> // jpeglib.h wants FILE and size_t
+#include <stdlib.h>
+#include <string.h>
+
+#include <jerror.h>
+#include <jpeglib.h>
+
+// A progressive file may repeat scans over the whole picture without end, each a few bytes long.
+// The standard's progression for three components needs ten; ten times that is nobody's picture.
+enum { SCANS_MAX = 100 };
+
+// Everything that must survive a longjmp lives here, outside of the function that calls setjmp.
+struct jpeg_reader {
+    struct jpeg_error_mgr error; // first, so that the library's pointer to it leads here
+    struct jpeg_progress_mgr progress;
+    jmp_buf on_error;
+    char message[JMSG_LENGTH_MAX];
+    enum err_code code;
+    struct jpeg_decompress_struct decompress;
+    const struct image_source *source;
+    struct arena *arena;
+    struct image *out;
+    struct err *err;
+    bool reported; // err is filled in already
+    JSAMPROW row;
+};
+
+static void leave(j_common_ptr common)
+{
+    struct jpeg_reader *reader = (struct jpeg_reader *)common->err;
+    common->err->format_message(common, reader->message);
+    reader->code = common->err->msg_code == JERR_OUT_OF_MEMORY ? ERR_SYSTEM : ERR_INPUT;
+    longjmp(reader->on_error, 1);
+}
+
+// Level -1 is a warning: the library goes on with pixels of its own making. What only concerns
+// bytes between the segments or a marker's version does no harm to the picture.
+static void judge_message(j_common_ptr common, int level)
+{
+    int code = common->err->msg_code;
+    bool harmless = code == JWRN_EXTRANEOUS_DATA || code == JWRN_ADOBE_XFORM ||
+                    code == JWRN_JFIF_MAJOR || code == JWRN_BOGUS_ICC;
+    if (level < 0 && !harmless)
+        leave(common);
+}
+
+static void print_nothing(j_common_ptr common)
+{
+    (void)common;
+}
+
+static void limit_scans(j_common_ptr common)
+{
+    struct jpeg_reader *reader = (struct jpeg_reader *)common->err;
+    if (reader->decompress.input_scan_number <= SCANS_MAX)
+        return;
+    snprintf(reader->message, sizeof reader->message, "more than %d scans", SCANS_MAX);
+    reader->code = ERR_INPUT;
+    longjmp(reader->on_error, 1);
+}
+
+static bool allocate(struct jpeg_reader *reader)
+{
+    const struct jpeg_decompress_struct *decompress = &reader->decompress;
+    uint64_t width = decompress->image_width, height = decompress->image_height;
+    // A progressive picture's coefficients are held as a whole, two bytes each, padded to blocks of
+    // 16 pixels; components that are sampled less take less.
+    uint64_t padded = (width + 15) / 16 * 16 * ((height + 15) / 16 * 16);
+    uint64_t extra = padded * 2 * (uint64_t)decompress->num_components + width * 3;
+    if (!image_allocate(reader->source, width, height, extra, reader->arena, reader->out,
+                        reader->err))
+        return false;
+    reader->row = malloc((size_t)width * 3);
+    return reader->row ? true : err_memory(reader->err, "a line", width * 3);
+}
+
+static void decode_row(struct jpeg_reader *reader, const float linear[256])
+{
+    size_t width = reader->out->width;
+    float(*pixels)[3] = reader->out->pixels + reader->decompress.output_scanline * width;
+    jpeg_read_scanlines(&reader->decompress, &reader->row, 1);
+    for (size_t x = 0; x < width; x++)
+        for (size_t c = 0; c < 3; c++)
+            pixels[x][c] = linear[reader->row[3 * x + c]];
+}
+
+// Runs the library; false after an error that came by longjmp or is in reader->err.
+static bool run(struct jpeg_reader *reader, const float linear[256])
+{
+    struct jpeg_decompress_struct *decompress = &reader->decompress;
+    if (setjmp(reader->on_error))
+        return false;
+    jpeg_create_decompress(decompress);
+    decompress->progress = &reader->progress;
+    jpeg_mem_src(decompress, reader->source->data, reader->source->size);
+    jpeg_read_header(decompress, TRUE);
+    decompress->out_color_space = JCS_RGB; // also from grey; from CMYK it is an error
+    if (!allocate(reader)) {
+        reader->reported = true;
+        return false;
+    }
+    jpeg_start_decompress(decompress);
+    while (decompress->output_scanline < decompress->output_height)
+        decode_row(reader, linear);
+    jpeg_finish_decompress(decompress);
+    return true;
+}
+
+bool image_jpeg_read(const struct image_source *source, struct arena *arena, struct image *out,
+                     struct err *err)
+{
+    struct jpeg_reader reader = {
+        .source = source, .arena = arena, .out = out, .err = err, .code = ERR_INPUT};
+    reader.decompress.err = jpeg_std_error(&reader.error);
+    reader.error.error_exit = leave;
+    reader.error.emit_message = judge_message;
+    reader.error.output_message = print_nothing;
+    reader.progress.progress_monitor = limit_scans;
+    float linear[256];
+    for (int i = 0; i < 256; i++)
+        linear[i] = image_srgb_to_linear((float)i / 255.0f);
+    bool ok = run(&reader, linear);
+    jpeg_destroy_decompress(&reader.decompress);
+    free(reader.row);
+    if (!ok && !reader.reported)
+        err_set(err, reader.code, "JPEG: %s", reader.message);
+    return ok;
+}

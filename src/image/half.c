@@ -1,0 +1,28 @@
+#include "image_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+uint16_t half_from_float(float value)
+{
+    uint32_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    uint16_t sign = (uint16_t)(bits >> 16 & 0x8000);
+    if (isnan(value)) // quiet, with the upper bits of the payload
+        return (uint16_t)(sign | 0x7e00 | (bits >> 13 & 0x3ff));
+    if (isinf(value))
+        return (uint16_t)(sign | 0x7c00);
+    float magnitude = fabsf(value);
+    if (magnitude >= HALF_MAX)
+        return (uint16_t)(sign | 0x7bff);
+    // Below 2^-14 halves are multiples of 2^-24: the number of those is the encoding, and the
+    // first normal number follows on without a seam.
+    if (magnitude < 0x1p-14f)
+        return (uint16_t)(sign | (uint16_t)nearbyintf(magnitude * 0x1p24f));
+    // Dropping 13 bits of the fraction: adding just under half a step, and one more where the kept
+    // part is odd, carries exactly when rounding to nearest even goes up, into the exponent too.
+    uint32_t magnitude_bits = bits & 0x7fffffff;
+    uint32_t rounded = magnitude_bits + 0xfff + (magnitude_bits >> 13 & 1);
+    const uint32_t bias_difference = (uint32_t)(127 - 15) << 10;
+    return (uint16_t)(sign | (uint16_t)((rounded >> 13) - bias_difference));
+}

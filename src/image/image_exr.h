@@ -1,0 +1,27 @@
+// What reading and writing EXR by OpenEXRCore have in common: the error callback.
+#ifndef LAMPYRIS_IMAGE_IMAGE_EXR_H
+#define LAMPYRIS_IMAGE_IMAGE_EXR_H
+
+#include "image_internal.h"
+// The library's headers have unprototyped functions only in C++; in C they are clean.
+#include <OpenEXR/openexr.h>
+
+// The user data of a context. The library hands messages to a callback, which keeps the first one:
+// later ones are consequences.
+struct exr_stream {
+    const uint8_t *data; // reading
+    size_t size;
+    struct byte_buffer *out; // writing
+    bool out_of_memory;
+    char message[256];
+};
+
+// The callbacks that keep the library from printing and from opening files.
+exr_context_initializer_t exr_stream_initializer(struct exr_stream *stream);
+
+// Fills in *err from a failed call and the message that came with it; returns false. Lack of memory
+// is ERR_SYSTEM, all else `code`.
+bool exr_fail(const struct exr_stream *stream, exr_result_t result, enum err_code code,
+              struct err *err);
+
+#endif

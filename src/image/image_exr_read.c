@@ -1,0 +1,285 @@
+// Single-part EXR, scanlines or tiles, of any compression that OpenEXRCore decodes.
+#include "image_exr.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { COMPONENTS = 3, NAME_MAX_BYTES = 255 };
+
+struct exr_reader {
+    const struct image_source *source;
+    struct exr_stream stream;
+    exr_context_t context;
+    bool tiled;
+    exr_attr_box2i_t window;
+    uint64_t width, height;
+    uint64_t tile_width, tile_height; // tiled only
+    int32_t lines_per_chunk;          // scanlines only
+    // Indices into the channel list of the channels that make R, G, B; all the same for luminance.
+    int channels[COMPONENTS];
+    exr_decode_pipeline_t decoder;
+    bool decoder_ready;
+    struct image *out;
+};
+
+static bool check(const struct exr_reader *reader, exr_result_t result, struct err *err)
+{
+    return result == EXR_ERR_SUCCESS || exr_fail(&reader->stream, result, ERR_INPUT, err);
+}
+
+static bool reader_open(struct exr_reader *reader, const struct image_source *source,
+                        struct err *err)
+{
+    *reader = (struct exr_reader){.source = source,
+                                  .stream = {.data = source->data, .size = source->size}};
+    exr_context_initializer_t initializer = exr_stream_initializer(&reader->stream);
+    if (!check(reader, exr_start_read(&reader->context, source->path, &initializer), err))
+        return false;
+    int parts;
+    exr_storage_t storage;
+    if (!check(reader, exr_get_count(reader->context, &parts), err))
+        return false;
+    if (parts != 1)
+        return err_set(err, ERR_INPUT, "EXR: has %d parts; expected a single-part file", parts);
+    if (!check(reader, exr_get_storage(reader->context, 0, &storage), err))
+        return false;
+    if (storage != EXR_STORAGE_SCANLINE && storage != EXR_STORAGE_TILED)
+        return err_set(err, ERR_INPUT, "EXR: has deep pixels; expected scanlines or tiles");
+    reader->tiled = storage == EXR_STORAGE_TILED;
+    return true;
+}
+
+static void reader_close(struct exr_reader *reader)
+{
+    if (reader->decoder_ready)
+        exr_decoding_destroy(reader->context, &reader->decoder);
+    if (reader->context)
+        exr_finish(&reader->context);
+}
+
+static int find_channel(const exr_attr_chlist_t *list, const char *layer, const char *component)
+{
+    char name[NAME_MAX_BYTES + 1];
+    int length = layer ? snprintf(name, sizeof name, "%s.%s", layer, component)
+                       : snprintf(name, sizeof name, "%s", component);
+    if (length < 0 || length > NAME_MAX_BYTES)
+        return -1;
+    for (int i = 0; i < list->num_channels; i++)
+        if (strcmp(list->entries[i].name.str, name) == 0)
+            return i;
+    return -1;
+}
+
+// "A, B, C", shortened to what fits.
+static void list_channels(const exr_attr_chlist_t *list, char *text, size_t size)
+{
+    size_t used = 0;
+    text[0] = '\0';
+    for (int i = 0; i < list->num_channels && used < size; i++) {
+        int length =
+            snprintf(text + used, size - used, "%s%s", i ? ", " : "", list->entries[i].name.str);
+        used += length > 0 ? (size_t)length : size;
+    }
+}
+
+// R, G and B, or else Y in all three.
+static bool choose_channels(struct exr_reader *reader, struct err *err)
+{
+    const exr_attr_chlist_t *list;
+    if (!check(reader, exr_get_channels(reader->context, 0, &list), err))
+        return false;
+    const char *layer = reader->source->layer;
+    int luminance = find_channel(list, layer, "Y");
+    bool missing = false;
+    for (int c = 0; c < COMPONENTS; c++) {
+        reader->channels[c] = find_channel(list, layer, (const char *[]){"R", "G", "B"}[c]);
+        missing |= reader->channels[c] < 0;
+    }
+    if (missing && luminance < 0) {
+        char present[200];
+        list_channels(list, present, sizeof present);
+        return err_set(
+            err, ERR_INPUT, "EXR: expected channels %s%s{R, G, B} or %s%sY; present are %s",
+            layer ? layer : "", layer ? "." : "", layer ? layer : "", layer ? "." : "", present);
+    }
+    for (int c = 0; c < COMPONENTS; c++) {
+        if (missing)
+            reader->channels[c] = luminance;
+        const exr_attr_chlist_entry_t *entry = &list->entries[reader->channels[c]];
+        if (entry->x_sampling != 1 || entry->y_sampling != 1)
+            return err_set(err, ERR_INPUT, "EXR: channel %s is subsampled %d x %d; expected 1 x 1",
+                           entry->name.str, entry->x_sampling, entry->y_sampling);
+    }
+    return true;
+}
+
+// Reads the sizes and allocates; refuses what would need more memory than the budget.
+static bool allocate(struct exr_reader *reader, struct arena *arena, struct err *err)
+{
+    exr_const_context_t context = reader->context;
+    const exr_attr_box2i_t *window = &reader->window;
+    if (!check(reader, exr_get_data_window(context, 0, &reader->window), err))
+        return false;
+    int64_t width = (int64_t)window->max.x - window->min.x + 1;
+    int64_t height = (int64_t)window->max.y - window->min.y + 1;
+    if (width <= 0 || height <= 0)
+        return err_set(err, ERR_INPUT, "EXR: data window (%d, %d)-(%d, %d) is empty", window->min.x,
+                       window->min.y, window->max.x, window->max.y);
+    reader->width = (uint64_t)width;
+    reader->height = (uint64_t)height;
+    if (reader->width * sizeof *reader->out->pixels > INT32_MAX)
+        return err_set(err, ERR_INPUT, "EXR: is %llu pixels wide; expected at most %zu",
+                       (unsigned long long)reader->width,
+                       (size_t)INT32_MAX / sizeof *reader->out->pixels);
+    int32_t chunks;
+    uint64_t chunk_bytes;
+    if (!check(reader, exr_get_chunk_count(context, 0, &chunks), err) ||
+        !check(reader, exr_get_chunk_unpacked_size(context, 0, &chunk_bytes), err))
+        return false;
+    // The library holds a table of chunk offsets, the chunk as stored (no longer than the file) and
+    // up to three buffers of the unpacked size.
+    uint64_t table_bytes = chunks > 0 ? (uint64_t)chunks * sizeof(uint64_t) : 0;
+    uint64_t extra;
+    if (__builtin_mul_overflow(chunk_bytes, 3u, &extra) ||
+        __builtin_add_overflow(extra, table_bytes + reader->source->size, &extra))
+        return err_set(err, ERR_INPUT, "EXR: a chunk of %llu bytes is too long",
+                       (unsigned long long)chunk_bytes);
+    return image_allocate(reader->source, reader->width, reader->height, extra, arena, reader->out,
+                          err);
+}
+
+// Lets the decoder write the chunk's chosen channels into the picture, the first pixel at (x, y).
+static void aim_decoder(struct exr_reader *reader, uint64_t x, uint64_t y)
+{
+    float *first = reader->out->pixels[y * reader->width + x];
+    exr_decode_pipeline_t *decoder = &reader->decoder;
+    for (int i = 0; i < decoder->channel_count; i++)
+        decoder->channels[i].decode_to_ptr = NULL; // left out
+    for (int c = COMPONENTS - 1; c >= 0; c--) {
+        exr_coding_channel_info_t *channel = &decoder->channels[reader->channels[c]];
+        channel->decode_to_ptr = (uint8_t *)(first + c);
+        channel->user_bytes_per_element = sizeof(float);
+        channel->user_data_type = EXR_PIXEL_FLOAT;
+        channel->user_pixel_stride = sizeof *reader->out->pixels;
+        channel->user_line_stride = (int32_t)(reader->width * sizeof *reader->out->pixels);
+    }
+}
+
+static bool decode_chunk(struct exr_reader *reader, const exr_chunk_info_t *chunk, uint64_t x,
+                         uint64_t y, struct err *err)
+{
+    if (chunk->width <= 0 || chunk->height <= 0 || x + (uint64_t)chunk->width > reader->width ||
+        y + (uint64_t)chunk->height > reader->height)
+        return err_set(err, ERR_INPUT, "EXR: a chunk of %d x %d pixels lies outside the picture",
+                       chunk->width, chunk->height);
+    exr_const_context_t context = reader->context;
+    exr_decode_pipeline_t *decoder = &reader->decoder;
+    bool first = !reader->decoder_ready;
+    exr_result_t result = first ? exr_decoding_initialize(context, 0, chunk, decoder)
+                                : exr_decoding_update(context, 0, chunk, decoder);
+    reader->decoder_ready |= result == EXR_ERR_SUCCESS;
+    if (!check(reader, result, err))
+        return false;
+    aim_decoder(reader, x, y);
+    if (first)
+        result = exr_decoding_choose_default_routines(context, 0, decoder);
+    return check(reader, result, err) && check(reader, exr_decoding_run(context, 0, decoder), err);
+}
+
+static bool read_scanlines(struct exr_reader *reader, struct err *err)
+{
+    int32_t lines;
+    if (!check(reader, exr_get_scanlines_per_chunk(reader->context, 0, &lines), err))
+        return false;
+    for (uint64_t y = 0; y < reader->height; y += (uint64_t)lines) {
+        exr_chunk_info_t chunk;
+        int64_t row = reader->window.min.y + (int64_t)y;
+        if (!check(reader, exr_read_scanline_chunk_info(reader->context, 0, (int)row, &chunk),
+                   err) ||
+            !decode_chunk(reader, &chunk, 0, y, err))
+            return err_prepend(err, "line %lld", (long long)row);
+    }
+    return true;
+}
+
+static bool read_tiles(struct exr_reader *reader, struct err *err)
+{
+    int32_t tile_width, tile_height;
+    if (!check(reader, exr_get_tile_sizes(reader->context, 0, 0, 0, &tile_width, &tile_height),
+               err))
+        return false;
+    if (tile_width <= 0 || tile_height <= 0)
+        return err_set(err, ERR_INPUT, "EXR: tiles of %d x %d pixels", tile_width, tile_height);
+    for (uint64_t y = 0; y < reader->height; y += (uint64_t)tile_height)
+        for (uint64_t x = 0; x < reader->width; x += (uint64_t)tile_width) {
+            exr_chunk_info_t chunk;
+            int column = (int)(x / (uint64_t)tile_width), row = (int)(y / (uint64_t)tile_height);
+            if (!check(reader,
+                       exr_read_tile_chunk_info(reader->context, 0, column, row, 0, 0, &chunk),
+                       err) ||
+                !decode_chunk(reader, &chunk, x, y, err))
+                return err_prepend(err, "tile (%d, %d)", column, row);
+        }
+    return true;
+}
+
+// A luminance channel was decoded into the first component.
+static void spread_luminance(const struct exr_reader *reader)
+{
+    if (reader->channels[0] != reader->channels[1])
+        return;
+    for (uint64_t i = 0; i < reader->width * reader->height; i++)
+        reader->out->pixels[i][1] = reader->out->pixels[i][2] = reader->out->pixels[i][0];
+}
+
+bool image_exr_read(const struct image_source *source, struct arena *arena, struct image *out,
+                    struct err *err)
+{
+    struct exr_reader reader;
+    bool ok = reader_open(&reader, source, err);
+    reader.out = out;
+    ok = ok && choose_channels(&reader, err) && allocate(&reader, arena, err) &&
+         (reader.tiled ? read_tiles(&reader, err) : read_scanlines(&reader, err));
+    if (ok)
+        spread_luminance(&reader);
+    reader_close(&reader);
+    return ok;
+}
+
+static bool copy_attributes(struct exr_reader *reader, struct arena *arena,
+                            struct image_attribute **out, uint32_t *count, struct err *err)
+{
+    int32_t total;
+    if (!check(reader, exr_get_attribute_count(reader->context, 0, &total), err))
+        return false;
+    *out = ARENA_NEW(arena, struct image_attribute, (size_t)total);
+    if (!*out)
+        return err_memory(err, "attributes", (size_t)total * sizeof **out);
+    for (int32_t i = 0; i < total; i++) {
+        const exr_attribute_t *attribute;
+        if (!check(reader,
+                   exr_get_attribute_by_index(reader->context, 0, EXR_ATTR_LIST_FILE_ORDER, i,
+                                              &attribute),
+                   err))
+            return false;
+        // "type" is part of the format: it tells scanlines from tiles.
+        if (attribute->type != EXR_ATTR_STRING || strcmp(attribute->name, "type") == 0)
+            continue;
+        char *key = arena_strdup(arena, attribute->name);
+        char *value =
+            arena_printf(arena, "%.*s", attribute->string->length, attribute->string->str);
+        if (!key || !value)
+            return err_memory(err, "an attribute", (size_t)attribute->string->length);
+        (*out)[(*count)++] = (struct image_attribute){key, value};
+    }
+    return true;
+}
+
+bool image_exr_read_attributes(const struct image_source *source, struct arena *arena,
+                               struct image_attribute **out, uint32_t *count, struct err *err)
+{
+    struct exr_reader reader;
+    bool ok = reader_open(&reader, source, err) && copy_attributes(&reader, arena, out, count, err);
+    reader_close(&reader);
+    return ok;
+}

@@ -1,0 +1,229 @@
+// Single-part scanline EXR, ZIP-compressed in blocks of 16 lines, 32-bit float or half.
+#include "image_exr.h"
+
+#include "log.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    NAME_MAX_BYTES = 255,      // of a channel or attribute (EXR file layout, long names)
+    SHORT_NAME_MAX_BYTES = 31, // longer ones need a flag in the file's version field
+    BLOCK_LINES = 16,          // of ZIP compression
+    COMPONENTS = 3,
+};
+
+struct exr_writer {
+    const struct image_write_params *params;
+    struct exr_stream stream;
+    exr_context_t context;
+    exr_encode_pipeline_t encoder;
+    bool encoder_ready;
+    uint16_t *halves; // one block, channel after channel; NULL when writing floats
+    uint64_t saturated;
+};
+
+static bool check(const struct exr_writer *writer, exr_result_t result, struct err *err)
+{
+    return result == EXR_ERR_SUCCESS || exr_fail(&writer->stream, result, ERR_OUTPUT, err);
+}
+
+// Component 0, 1, 2 of the plain picture (layer -1) or of a layer. False when the name is too long.
+static bool channel_name(const struct image_write_params *params, int layer, int component,
+                         char name[NAME_MAX_BYTES + 1])
+{
+    const char letter = "RGB"[component];
+    int length =
+        layer < 0 ? snprintf(name, NAME_MAX_BYTES + 1, "%c", letter)
+                  : snprintf(name, NAME_MAX_BYTES + 1, "%s.%c", params->layers[layer].name, letter);
+    return length > 0 && length <= NAME_MAX_BYTES;
+}
+
+// Where the channel of this name comes from: the first component of the first pixel.
+static const float *channel_source(const struct image_write_params *params, const char *wanted)
+{
+    char name[NAME_MAX_BYTES + 1];
+    for (int layer = -1; layer < (int)params->layer_count; layer++) {
+        const float(*pixels)[3] =
+            layer < 0 ? (const float(*)[3])params->image->pixels : params->layers[layer].pixels;
+        for (int component = 0; component < COMPONENTS; component++)
+            if (channel_name(params, layer, component, name) && strcmp(name, wanted) == 0)
+                return &pixels[0][component];
+    }
+    return NULL;
+}
+
+static bool add_channels(struct exr_writer *writer, struct err *err)
+{
+    const struct image_write_params *params = writer->params;
+    exr_pixel_type_t type = params->half_float ? EXR_PIXEL_HALF : EXR_PIXEL_FLOAT;
+    char name[NAME_MAX_BYTES + 1];
+    for (int layer = -1; layer < (int)params->layer_count; layer++)
+        for (int component = 0; component < COMPONENTS; component++) {
+            if (!channel_name(params, layer, component, name))
+                return err_set(err, ERR_OUTPUT, "layer name \"%.40s…\" is longer than %d bytes",
+                               params->layers[layer].name, NAME_MAX_BYTES - 2);
+            // The library keeps the list sorted by name, as the format demands.
+            if (!check(writer,
+                       exr_add_channel(writer->context, 0, name, type, EXR_PERCEPTUALLY_LOGARITHMIC,
+                                       1, 1),
+                       err))
+                return err_prepend(err, "channel %s", name);
+        }
+    return true;
+}
+
+static bool add_attributes(struct exr_writer *writer, struct err *err)
+{
+    const struct image_write_params *params = writer->params;
+    for (uint32_t i = 0; i < params->attribute_count; i++) {
+        const struct image_attribute *attribute = &params->attributes[i];
+        if (!check(writer,
+                   exr_attr_set_string(writer->context, 0, attribute->key, attribute->value), err))
+            return err_prepend(err, "attribute \"%s\"", attribute->key);
+    }
+    return true;
+}
+
+static bool needs_long_names(const struct image_write_params *params)
+{
+    const size_t suffix = 2; // ".R"
+    for (uint32_t i = 0; i < params->layer_count; i++)
+        if (strlen(params->layers[i].name) + suffix > SHORT_NAME_MAX_BYTES)
+            return true;
+    for (uint32_t i = 0; i < params->attribute_count; i++)
+        if (strlen(params->attributes[i].key) > SHORT_NAME_MAX_BYTES)
+            return true;
+    return false;
+}
+
+static bool write_header(struct exr_writer *writer, struct err *err)
+{
+    const struct image *image = writer->params->image;
+    exr_context_initializer_t initializer = exr_stream_initializer(&writer->stream);
+    int part;
+    return check(writer,
+                 exr_start_write(&writer->context, writer->params->path, EXR_WRITE_FILE_DIRECTLY,
+                                 &initializer),
+                 err) &&
+           check(writer,
+                 exr_set_longname_support(writer->context, needs_long_names(writer->params)),
+                 err) &&
+           check(writer, exr_add_part(writer->context, NULL, EXR_STORAGE_SCANLINE, &part), err) &&
+           check(writer,
+                 exr_initialize_required_attr_simple(writer->context, part, (int32_t)image->width,
+                                                     (int32_t)image->height, EXR_COMPRESSION_ZIP),
+                 err) &&
+           add_channels(writer, err) && add_attributes(writer, err) &&
+           check(writer, exr_write_header(writer->context), err);
+}
+
+static void convert_to_half(struct exr_writer *writer, const float *from, uint32_t lines,
+                            uint16_t *to)
+{
+    size_t count = (size_t)lines * writer->params->image->width;
+    for (size_t i = 0; i < count; i++) {
+        float value = from[i * COMPONENTS];
+        writer->saturated += isfinite(value) && fabsf(value) > HALF_MAX;
+        to[i] = half_from_float(value);
+    }
+}
+
+// Points the encoder's channels at the lines [y, y + lines).
+static bool feed_encoder(struct exr_writer *writer, uint32_t y, uint32_t lines, struct err *err)
+{
+    const struct image *image = writer->params->image;
+    size_t first = (size_t)y * image->width * COMPONENTS;
+    for (int i = 0; i < writer->encoder.channel_count; i++) {
+        exr_coding_channel_info_t *channel = &writer->encoder.channels[i];
+        const float *from = channel_source(writer->params, channel->channel_name);
+        if (!from)
+            return err_set(err, ERR_BUG, "EXR: channel %s has no source", channel->channel_name);
+        size_t stride = COMPONENTS * sizeof(float);
+        const void *data = from + first;
+        if (writer->halves) {
+            uint16_t *block = writer->halves + (size_t)i * BLOCK_LINES * image->width;
+            convert_to_half(writer, from + first, lines, block);
+            stride = sizeof *block;
+            data = block;
+        }
+        channel->encode_from_ptr = data;
+        channel->user_pixel_stride = (int32_t)stride;
+        channel->user_line_stride = (int32_t)(stride * image->width);
+        channel->user_data_type = channel->data_type;
+        channel->user_bytes_per_element = channel->bytes_per_element;
+    }
+    return true;
+}
+
+static bool write_block(struct exr_writer *writer, uint32_t y, struct err *err)
+{
+    exr_chunk_info_t chunk;
+    if (!check(writer, exr_write_scanline_chunk_info(writer->context, 0, (int)y, &chunk), err))
+        return false;
+    exr_encode_pipeline_t *encoder = &writer->encoder;
+    bool first = !writer->encoder_ready;
+    exr_result_t result = first ? exr_encoding_initialize(writer->context, 0, &chunk, encoder)
+                                : exr_encoding_update(writer->context, 0, &chunk, encoder);
+    writer->encoder_ready |= result == EXR_ERR_SUCCESS;
+    if (!check(writer, result, err) || !feed_encoder(writer, y, (uint32_t)chunk.height, err))
+        return false;
+    if (first)
+        result = exr_encoding_choose_default_routines(writer->context, 0, encoder);
+    return check(writer, result, err) &&
+           check(writer, exr_encoding_run(writer->context, 0, encoder), err);
+}
+
+static bool write_pixels(struct exr_writer *writer, struct err *err)
+{
+    const struct image *image = writer->params->image;
+    if (writer->params->half_float) {
+        size_t channels = (size_t)COMPONENTS * (writer->params->layer_count + 1);
+        size_t count;
+        if (__builtin_mul_overflow(channels * BLOCK_LINES, image->width, &count))
+            return err_set(err, ERR_OUTPUT, "EXR: too many channels");
+        writer->halves = calloc(count, sizeof *writer->halves);
+        if (!writer->halves)
+            return err_memory(err, "half-precision lines", count * sizeof *writer->halves);
+    }
+    int32_t lines_per_block;
+    if (!check(writer, exr_get_scanlines_per_chunk(writer->context, 0, &lines_per_block), err))
+        return false;
+    if (lines_per_block != BLOCK_LINES)
+        return err_set(err, ERR_BUG, "EXR: blocks of %d lines; expected %d", lines_per_block,
+                       BLOCK_LINES);
+    for (uint32_t y = 0; y < image->height; y += BLOCK_LINES)
+        if (!write_block(writer, y, err))
+            return false;
+    return true;
+}
+
+// Strides and coordinates are 32-bit in the library.
+static bool check_size(const struct image *image, struct err *err)
+{
+    const uint32_t width_max = INT32_MAX / (COMPONENTS * sizeof(float));
+    if (image->width <= width_max && image->height < INT32_MAX - BLOCK_LINES)
+        return true;
+    return err_set(err, ERR_OUTPUT,
+                   "%u x %u pixels are too many for EXR; expected a width up to %u", image->width,
+                   image->height, width_max);
+}
+
+bool image_exr_write(const struct image_write_params *params, struct byte_buffer *out,
+                     struct err *err)
+{
+    struct exr_writer writer = {.params = params, .stream = {.out = out}};
+    bool ok =
+        check_size(params->image, err) && write_header(&writer, err) && write_pixels(&writer, err);
+    if (writer.encoder_ready)
+        exr_encoding_destroy(writer.context, &writer.encoder);
+    // Writes the table of block offsets.
+    exr_result_t result = writer.context ? exr_finish(&writer.context) : EXR_ERR_SUCCESS;
+    ok = ok && check(&writer, result, err);
+    free(writer.halves);
+    if (ok && writer.saturated > 0)
+        log_warn("%s: %llu values past %g do not fit half precision and were clamped to it",
+                 params->path, (unsigned long long)writer.saturated, (double)HALF_MAX);
+    return ok;
+}

@@ -1,0 +1,19 @@
+// What reading and writing PNG by libpng have in common: errors that come by longjmp.
+#ifndef LAMPYRIS_IMAGE_IMAGE_PNG_H
+#define LAMPYRIS_IMAGE_IMAGE_PNG_H
+
+#include "image_internal.h"
+#include <png.h>
+
+// The error pointer of a png_struct.
+struct png_failure {
+    char message[256];
+    bool out_of_memory;
+};
+
+// Callbacks for png_create_*_struct: the error is kept and jumps, warnings are dropped (libpng
+// would print both).
+void png_keep_error(png_structp png, png_const_charp message) __attribute__((noreturn));
+void png_drop_warning(png_structp png, png_const_charp message);
+
+#endif

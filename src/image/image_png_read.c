@@ -1,0 +1,171 @@
+// PNG of any colour type and depth, decoded from sRGB to linear.
+#include "image_png.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+// Everything that must survive a longjmp lives here, outside of the function that calls setjmp.
+struct png_reader {
+    const struct image_source *source;
+    size_t at;
+    struct png_failure failure;
+    png_structp png;
+    png_infop info;
+    struct arena *arena;
+    struct image *out;
+    struct err *err;
+    bool reported; // err is filled in already
+    png_bytep bytes;
+    png_bytepp rows;
+};
+
+static void read_bytes(png_structp png, png_bytep data, size_t size)
+{
+    struct png_reader *reader = png_get_io_ptr(png);
+    if (size > reader->source->size - reader->at)
+        png_error(png, "the file ends early");
+    memcpy(data, reader->source->data + reader->at, size);
+    reader->at += size;
+}
+
+// For what libpng allocates by itself: chunks, the decompressor, a line.
+static void set_limits(struct png_reader *reader)
+{
+    // Text and colour profiles; the bound keeps compressed ones from growing without end.
+    const png_alloc_size_t chunk_bytes_max = 64u << 20;
+    png_set_user_limits(reader->png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
+    png_set_chunk_malloc_max(reader->png, chunk_bytes_max);
+}
+
+static bool allocate(struct png_reader *reader)
+{
+    uint64_t width = png_get_image_width(reader->png, reader->info);
+    uint64_t height = png_get_image_height(reader->png, reader->info);
+    uint64_t row_bytes = png_get_rowbytes(reader->png, reader->info);
+    // Interlaced pictures come in seven passes over all lines, so all are held.
+    uint64_t extra;
+    if (__builtin_mul_overflow(row_bytes + sizeof *reader->rows, height, &extra))
+        extra = UINT64_MAX;
+    if (!image_allocate(reader->source, width, height, extra, reader->arena, reader->out,
+                        reader->err))
+        return false;
+    reader->bytes = malloc((size_t)(row_bytes * height));
+    reader->rows = malloc((size_t)height * sizeof *reader->rows);
+    if (!reader->bytes || !reader->rows)
+        return err_memory(reader->err, "lines", extra);
+    for (uint64_t y = 0; y < height; y++)
+        reader->rows[y] = reader->bytes + y * row_bytes;
+    return true;
+}
+
+// Whatever comes in, three components of 8 or 16 bits come out.
+static void set_transformations(struct png_reader *reader)
+{
+    png_set_expand(reader->png);
+    png_set_gray_to_rgb(reader->png);
+    png_set_strip_alpha(reader->png);
+    png_set_interlace_handling(reader->png);
+    png_read_update_info(reader->png, reader->info);
+}
+
+static bool open_source(struct png_reader *reader)
+{
+    if (setjmp(png_jmpbuf(reader->png)))
+        return false;
+    set_limits(reader);
+    png_set_read_fn(reader->png, reader, read_bytes);
+    png_read_info(reader->png, reader->info);
+    return true;
+}
+
+static bool read_image(struct png_reader *reader)
+{
+    if (setjmp(png_jmpbuf(reader->png)))
+        return false;
+    set_transformations(reader);
+    if (!allocate(reader)) {
+        reader->reported = true;
+        return false;
+    }
+    png_read_image(reader->png, reader->rows);
+    png_read_end(reader->png, NULL);
+    return true;
+}
+
+static void convert(const struct png_reader *reader)
+{
+    float linear[256];
+    for (int i = 0; i < 256; i++)
+        linear[i] = image_srgb_to_linear((float)i / 255.0f);
+    bool wide = png_get_bit_depth(reader->png, reader->info) == 16;
+    const struct image *image = reader->out;
+    for (uint32_t y = 0; y < image->height; y++) {
+        float *to = image->pixels[(size_t)y * image->width];
+        const uint8_t *from = reader->rows[y];
+        for (size_t i = 0; i < 3 * (size_t)image->width; i++)
+            to[i] =
+                wide ? image_srgb_to_linear((float)(from[2 * i] << 8 | from[2 * i + 1]) / 65535.0f)
+                     : linear[from[i]];
+    }
+}
+
+static bool reader_open(struct png_reader *reader, struct err *err)
+{
+    reader->png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &reader->failure, png_keep_error,
+                                         png_drop_warning);
+    reader->info = reader->png ? png_create_info_struct(reader->png) : NULL;
+    return reader->info ? true : err_memory(err, "the PNG reader", 0);
+}
+
+static bool reader_close(struct png_reader *reader, bool ok, bool ran, struct err *err)
+{
+    if (!ok && ran && !reader->reported)
+        err_set(err, ERR_INPUT, "PNG: %s", reader->failure.message);
+    png_destroy_read_struct(&reader->png, &reader->info, NULL);
+    free(reader->bytes);
+    free(reader->rows);
+    return ok;
+}
+
+bool image_png_read(const struct image_source *source, struct arena *arena, struct image *out,
+                    struct err *err)
+{
+    struct png_reader reader = {.source = source, .arena = arena, .out = out, .err = err};
+    bool ran = reader_open(&reader, err);
+    bool ok = ran && open_source(&reader) && read_image(&reader);
+    if (ok)
+        convert(&reader);
+    return reader_close(&reader, ok, ran, err);
+}
+
+static bool copy_texts(struct png_reader *reader, struct image_attribute **out, uint32_t *count)
+{
+    png_textp texts;
+    int total = 0;
+    png_get_text(reader->png, reader->info, &texts, &total);
+    *out = ARENA_NEW(reader->arena, struct image_attribute, (size_t)total);
+    if (!*out)
+        return err_memory(reader->err, "attributes", (size_t)total * sizeof **out);
+    for (int i = 0; i < total; i++) {
+        char *key = arena_strdup(reader->arena, texts[i].key);
+        char *value = arena_strdup(reader->arena, texts[i].text ? texts[i].text : "");
+        if (!key || !value)
+            return err_memory(reader->err, "an attribute", texts[i].text_length);
+        (*out)[(*count)++] = (struct image_attribute){key, value};
+    }
+    return true;
+}
+
+bool image_png_read_attributes(const struct image_source *source, struct arena *arena,
+                               struct image_attribute **out, uint32_t *count, struct err *err)
+{
+    struct png_reader reader = {.source = source, .arena = arena, .err = err};
+    bool ran = reader_open(&reader, err);
+    bool ok = ran && open_source(&reader);
+    if (ok) {
+        ok = copy_texts(&reader, out, count);
+        reader.reported = !ok;
+    }
+    return reader_close(&reader, ok, ran, err);
+}

@@ -1,0 +1,155 @@
+// 8-bit RGB PNG: tone-mapped, sRGB-encoded, with tEXt (ASCII) and iTXt (UTF-8) metadata.
+#include "image_png.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+// Everything that must survive a longjmp lives here, outside of the function that calls setjmp:
+// automatic variables changed after setjmp are indeterminate after longjmp (C17 7.13.2.1).
+struct png_writer {
+    const struct image_write_params *params;
+    struct byte_buffer *out;
+    struct png_failure failure;
+    png_structp png;
+    png_infop info;
+    png_textp texts;
+    png_bytep row;
+};
+
+void png_keep_error(png_structp png, png_const_charp message)
+{
+    struct png_failure *failure = png_get_error_ptr(png);
+    snprintf(failure->message, sizeof failure->message, "%s", message);
+    png_longjmp(png, 1);
+}
+
+void png_drop_warning(png_structp png, png_const_charp message)
+{
+    (void)png;
+    (void)message;
+}
+
+static void write_bytes(png_structp png, png_bytep data, size_t size)
+{
+    struct png_writer *writer = png_get_io_ptr(png);
+    if (!byte_buffer_write(writer->out, writer->out->size, data, size)) {
+        writer->failure.out_of_memory = true;
+        png_error(png, "out of memory");
+    }
+}
+
+static void flush_nothing(png_structp png)
+{
+    (void)png;
+}
+
+static bool is_ascii(const char *text)
+{
+    for (; *text; text++)
+        if ((unsigned char)*text >= 0x80)
+            return false;
+    return true;
+}
+
+// tEXt is Latin-1, so whatever is not ASCII goes to iTXt, which is UTF-8.
+static void set_texts(struct png_writer *writer)
+{
+    const struct image_write_params *params = writer->params;
+    for (uint32_t i = 0; i < params->attribute_count; i++) {
+        const struct image_attribute *attribute = &params->attributes[i];
+        // libpng copies both; its pointers are not const for the sake of its readers.
+        writer->texts[i] = (png_text){
+            .compression =
+                is_ascii(attribute->value) ? PNG_TEXT_COMPRESSION_NONE : PNG_ITXT_COMPRESSION_NONE,
+            .key = (char *)(uintptr_t)attribute->key,
+            .text = (char *)(uintptr_t)attribute->value,
+        };
+    }
+    png_set_text(writer->png, writer->info, writer->texts, (int)params->attribute_count);
+}
+
+static void fill_row(struct png_writer *writer, uint32_t y)
+{
+    const struct image_write_params *params = writer->params;
+    const float(*pixels)[3] =
+        (const float(*)[3])params->image->pixels + (size_t)y * params->image->width;
+    for (uint32_t x = 0; x < params->image->width; x++) {
+        float display[3];
+        image_tone_map(params->tone, params->exposure_stops, pixels[x], display);
+        for (int c = 0; c < 3; c++)
+            writer->row[3 * (size_t)x + (size_t)c] = image_quantize(display[c]);
+    }
+}
+
+// Runs libpng; false after an error that came by longjmp.
+static bool run(struct png_writer *writer)
+{
+    if (setjmp(png_jmpbuf(writer->png)))
+        return false;
+    const struct image *image = writer->params->image;
+    png_set_write_fn(writer->png, writer, write_bytes, flush_nothing);
+    // The bound of libpng's own is 10^6 a side; memory is the only one here.
+    png_set_user_limits(writer->png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
+    png_set_IHDR(writer->png, writer->info, image->width, image->height, 8, PNG_COLOR_TYPE_RGB,
+                 PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    png_set_sRGB(writer->png, writer->info, PNG_sRGB_INTENT_RELATIVE);
+    set_texts(writer);
+    png_write_info(writer->png, writer->info);
+    for (uint32_t y = 0; y < image->height; y++) {
+        fill_row(writer, y);
+        png_write_row(writer->png, writer->row);
+    }
+    png_write_end(writer->png, NULL);
+    return true;
+}
+
+static bool prepare(struct png_writer *writer, struct err *err)
+{
+    const struct image_write_params *params = writer->params;
+    writer->texts = calloc((size_t)params->attribute_count + 1, sizeof *writer->texts);
+    writer->row = calloc(params->image->width, 3);
+    writer->png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &writer->failure, png_keep_error,
+                                          png_drop_warning);
+    writer->info = writer->png ? png_create_info_struct(writer->png) : NULL;
+    if (writer->texts && writer->row && writer->info)
+        return true;
+    return err_memory(err, "the PNG writer", 3ull * params->image->width);
+}
+
+// PNG specification 11.3.4.2: 1 to 79 printable Latin-1 characters, of which we write ASCII. libpng
+// drops other keys with a warning, and the picture could not be repeated from its metadata.
+static bool check_keys(const struct image_write_params *params, struct err *err)
+{
+    for (uint32_t i = 0; i < params->attribute_count; i++) {
+        const char *key = params->attributes[i].key;
+        size_t length = strlen(key);
+        bool ok = length >= 1 && length <= 79 && key[0] != ' ' && key[length - 1] != ' ' &&
+                  !strstr(key, "  ");
+        for (const char *c = key; *c; c++)
+            ok &= *c >= ' ' && *c <= '~';
+        if (!ok)
+            return err_set(err, ERR_OUTPUT,
+                           "metadata key \"%.79s\" cannot be written to a PNG; expected 1 to 79 "
+                           "printable ASCII characters",
+                           key);
+    }
+    return true;
+}
+
+bool image_png_write(const struct image_write_params *params, struct byte_buffer *out,
+                     struct err *err)
+{
+    if (!check_keys(params, err))
+        return false;
+    struct png_writer writer = {.params = params, .out = out};
+    bool ok = prepare(&writer, err);
+    if (ok && !run(&writer))
+        ok = writer.failure.out_of_memory
+                 ? err_memory(err, "the PNG", out->size)
+                 : err_set(err, ERR_OUTPUT, "PNG: %s", writer.failure.message);
+    png_destroy_write_struct(&writer.png, &writer.info);
+    free(writer.texts);
+    free(writer.row);
+    return ok;
+}
