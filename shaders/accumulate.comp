@@ -1,0 +1,55 @@
+// One thread adds the samples of one pixel to the film, in ascending order and compensated, so that
+// neither the wave's size nor the number of samples changes what a sum is worth.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+
+#include "lib/queue.glsl"
+
+layout(std430, set = 0, binding = BINDING_FILM) buffer film_block {
+    uvec4 film_words[];
+};
+
+struct compensated {
+    vec3 sum;
+    vec3 lost; // what the sum holds too much
+};
+
+// Kahan 1965, "Further remarks on reducing truncation errors".
+void add(inout compensated c, vec3 value)
+{
+    precise vec3 y = value - c.lost;
+    precise vec3 t = c.sum + y;
+    precise vec3 lost = (t - c.sum) - y;
+    c.sum = t;
+    c.lost = lost;
+}
+
+void main()
+{
+    uint item = item_index();
+    if (item >= min(push.pixel_count, push.first_item + push.part_items) ||
+        counters.unfinished != 0u)
+        return;
+    uint at = (push.first_pixel + item - push.film_first_pixel) * FILM_WORDS;
+    uvec4 words[FILM_WORDS];
+    for (uint i = 0u; i < FILM_WORDS; i++)
+        words[i] = film_words[at + i];
+    compensated halves[2];
+    halves[0] = compensated(uintBitsToFloat(words[0].xyz), uintBitsToFloat(words[1].xyz));
+    halves[1] = compensated(uintBitsToFloat(words[2].xyz), uintBitsToFloat(words[3].xyz));
+
+    uint samples = 1u << push.sample_shift;
+    for (uint i = 0u; i < samples; i++) {
+        vec4 radiance = load_radiance_float((item << push.sample_shift) + i);
+        if (((push.first_sample + i) & 1u) == 0u)
+            add(halves[0], radiance.rgb);
+        else
+            add(halves[1], radiance.rgb);
+        words[1].w += uint(radiance.w);
+    }
+
+    film_words[at] = uvec4(floatBitsToUint(halves[0].sum), words[0].w + samples);
+    film_words[at + 1u] = uvec4(floatBitsToUint(halves[0].lost), words[1].w);
+    film_words[at + 2u] = uvec4(floatBitsToUint(halves[1].sum), 0u);
+    film_words[at + 3u] = uvec4(floatBitsToUint(halves[1].lost), 0u);
+}

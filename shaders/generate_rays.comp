@@ -1,0 +1,38 @@
+// One thread starts one path: the slot's pixel and sample give the camera ray. Fills the queue of
+// rays with all slots of the wave.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+
+#include "lib/queue.glsl"
+#include "lib/random.glsl"
+
+vec3 array3(float a[3])
+{
+    return vec3(a[0], a[1], a[2]);
+}
+
+void main()
+{
+    uint slot = item_index();
+    uint count = push.pixel_count << push.sample_shift;
+    if (slot >= min(count, push.first_item + push.part_items))
+        return;
+    if (slot == 0u)
+        counters.queue[QUEUE_RAYS] = count;
+
+    uint pixel = slot_pixel(slot);
+    vec2 inside = vec2(0.5);
+    if (HAS(FEATURE_JITTER))
+        inside = random_4d(push.seed, pixel, slot_sample(slot), DIMENSION_CAMERA).xy;
+    vec2 size = vec2(push.width, push.height);
+    vec2 at = (vec2(pixel % push.width, pixel / push.width) + inside) / size * 2.0 - 1.0;
+    vec3 direction = normalize(array3(push.camera_forward) + at.x * array3(push.camera_right) -
+                               at.y * array3(push.camera_up));
+
+    store_path(slot, PATH_ORIGIN,
+               uvec4(floatBitsToUint(array3(push.camera_position)), NO_PRIMITIVE));
+    store_path(slot, PATH_DIRECTION, uvec4(floatBitsToUint(direction), 0u));
+    store_path(slot, PATH_THROUGHPUT, floatBitsToUint(vec4(1.0, 1.0, 1.0, 0.0)));
+    radiance_words[slot] = uvec4(0u);
+    queue_slots[queue_index(QUEUE_RAYS, slot)] = slot;
+}

@@ -1,0 +1,25 @@
+// One thread tests whether anything stands between a surface and the sampled point on an emitter.
+// Reads the queue of shadow rays; where the way is free the contribution joins the path's radiance.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+
+#define ANY_HIT
+#include "lib/queue.glsl"
+#include "lib/suspend.glsl"
+
+void main()
+{
+    uint item = item_index();
+    bool valid = item < item_count();
+    uint slot = valid ? queue_slot(push.queue, item) : 0u;
+
+    uvec4 origin = load_shadow_rays(slot * SHADOW_WORDS);
+    uvec4 direction = load_shadow_rays(slot * SHADOW_WORDS + 1u);
+    trace_ray ray = trace_ray(uintBitsToFloat(origin.xyz), uintBitsToFloat(direction.xyz),
+                              origin.w, direction.w);
+    trace_hit hit = trace_hit(1.0, vec2(0.0), NO_PRIMITIVE, 0u);
+    bool done = trace_or_suspend(slot, valid, ray, hit);
+
+    if (done && hit.primitive == NO_PRIMITIVE)
+        add_radiance(slot, load_shadow_rays_float(slot * SHADOW_WORDS + 2u).rgb, SITE_SHADOW);
+}

@@ -1,0 +1,108 @@
+// Owns the bindings. All reads of scene data and path state go through load_*(), which is an SSBO
+// read or a texel fetch of the same four words by specialization.
+#ifndef BUFFERS_GLSL
+#define BUFFERS_GLSL
+
+#include "shared/types.h"
+#include "lib/constants.glsl"
+
+layout(push_constant) uniform push_block {
+    gpu_push push;
+};
+
+// READABLE(name, binding, texel feature): uvec4 load_name(uint index), index in units of four words.
+#define READABLE(name, number, feature)                                                            \
+    layout(std430, set = 0, binding = number) buffer name##_block {                                \
+        uvec4 name##_words[];                                                                      \
+    };                                                                                             \
+    layout(set = 0, binding = TEXEL_BINDING(number)) uniform usamplerBuffer name##_texels;         \
+    uvec4 load_##name(uint index)                                                                  \
+    {                                                                                              \
+        if (HAS(feature))                                                                          \
+            return texelFetch(name##_texels, int(index));                                          \
+        return name##_words[index];                                                                \
+    }                                                                                              \
+    vec4 load_##name##_float(uint index)                                                           \
+    {                                                                                              \
+        return uintBitsToFloat(load_##name(index));                                                \
+    }
+
+READABLE(nodes, BINDING_NODES, FEATURE_TEXEL_SCENE)
+READABLE(triangles, BINDING_TRIANGLES, FEATURE_TEXEL_SCENE)
+READABLE(normals, BINDING_NORMALS, FEATURE_TEXEL_SCENE)
+READABLE(shapes, BINDING_SHAPES, FEATURE_TEXEL_SCENE)
+READABLE(materials, BINDING_MATERIALS, FEATURE_TEXEL_SCENE)
+READABLE(emitters, BINDING_EMITTERS, FEATURE_TEXEL_SCENE)
+READABLE(environment, BINDING_ENVIRONMENT, FEATURE_TEXEL_SCENE)
+READABLE(paths, BINDING_PATHS, FEATURE_TEXEL_STATE)
+READABLE(shadow_rays, BINDING_SHADOW_RAYS, FEATURE_TEXEL_STATE)
+READABLE(radiance, BINDING_RADIANCE, FEATURE_TEXEL_STATE)
+
+layout(std430, set = 0, binding = BINDING_QUEUES) buffer queues_block {
+    uint queue_slots[];
+};
+
+layout(std430, set = 0, binding = BINDING_COUNTERS) buffer counters_block {
+    gpu_counters counters;
+};
+
+void store_path(uint slot, uint word, uvec4 value)
+{
+    paths_words[slot * PATH_WORDS + word] = value;
+}
+
+uvec4 load_path(uint slot, uint word)
+{
+    return load_paths(slot * PATH_WORDS + word);
+}
+
+void store_shadow_ray(uint slot, uint word, uvec4 value)
+{
+    shadow_rays_words[slot * SHADOW_WORDS + word] = value;
+}
+
+// The image pixel and the sample number that a slot of this wave works on.
+uint slot_pixel(uint slot)
+{
+    return push.first_pixel + (slot >> push.sample_shift);
+}
+
+uint slot_sample(uint slot)
+{
+    return push.first_sample + (slot & ((1u << push.sample_shift) - 1u));
+}
+
+// By bit pattern: drivers may assume that floats are finite.
+bool is_finite(vec3 v)
+{
+    uvec3 exponent = floatBitsToUint(v) & 0x7f800000u;
+    return all(notEqual(exponent, uvec3(0x7f800000u)));
+}
+
+// Counts a contribution that is not finite, and keeps what is needed to reproduce it.
+void report_nonfinite(uint slot, uint site)
+{
+    atomicAdd(counters.nonfinite[site], 1u);
+    uint record = atomicAdd(counters.nonfinite_records, 1u);
+    if (record < NONFINITE_RECORDS) {
+        counters.nonfinite_record[record * 4u + 0u] = slot_pixel(slot);
+        counters.nonfinite_record[record * 4u + 1u] = slot_sample(slot);
+        counters.nonfinite_record[record * 4u + 2u] = site;
+        counters.nonfinite_record[record * 4u + 3u] = push.bounce;
+    }
+}
+
+// Adds to the slot's radiance, in the order of the dispatches. w marks that something was dropped.
+void add_radiance(uint slot, vec3 contribution, uint site)
+{
+    vec4 radiance = load_radiance_float(slot);
+    if (is_finite(contribution)) {
+        radiance.rgb += contribution;
+    } else {
+        radiance.w = 1.0;
+        report_nonfinite(slot, site);
+    }
+    radiance_words[slot] = floatBitsToUint(radiance);
+}
+
+#endif

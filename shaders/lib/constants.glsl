@@ -1,0 +1,23 @@
+// Specialization constants: everything that is fixed per scene and device.
+#ifndef CONSTANTS_GLSL
+#define CONSTANTS_GLSL
+
+#include "shared/bindings.h"
+
+layout(constant_id = CONSTANT_FEATURES) const uint FEATURES = 0u;
+layout(local_size_x_id = CONSTANT_WORKGROUP) in;
+layout(constant_id = CONSTANT_STACK_ENTRIES) const uint STACK_ENTRIES = 96u;
+layout(constant_id = CONSTANT_ITERATION_BUDGET) const uint ITERATION_BUDGET = 0xffffffffu;
+layout(constant_id = CONSTANT_INTERLEAVE) const uint INTERLEAVE = 1u;
+
+// Constant-folded: an absent feature's code is gone.
+#define HAS(feature) ((FEATURES & (feature)) != 0u)
+
+const float PI = 3.14159265358979323846;
+const float INV_PI = 0.31830988618379067154;
+// Half a unit in the last place of 1: the bound of one rounding, as in Higham 2002, section 2.2.
+const float ROUNDING = 5.9604644775390625e-8;
+// Bound of n roundings in a row (Higham 2002, lemma 3.1).
+#define GAMMA(n) (float(n) * ROUNDING / (1.0 - float(n) * ROUNDING))
+
+#endif

@@ -1,0 +1,77 @@
+// Owns the queues: compact arrays of slot indices with a count (counters.queue).
+#ifndef QUEUE_GLSL
+#define QUEUE_GLSL
+
+#include "lib/buffers.glsl"
+
+#ifdef BALLOT
+#extension GL_KHR_shader_subgroup_ballot : require
+#else
+shared uint queue_reserved;
+shared uint queue_base;
+#endif
+
+// The item of the consumed queue that this thread works on; at least item_count() for threads past
+// the end. Interleaving spreads neighbouring workgroups over the queue: a driver that gives each
+// CPU thread one contiguous range of workgroups then balances its threads.
+uint item_index()
+{
+    uint group = gl_WorkGroupID.x;
+    if (INTERLEAVE > 1u) {
+        uint rows = gl_NumWorkGroups.x / INTERLEAVE;
+        if (group < rows * INTERLEAVE)
+            group = group % INTERLEAVE * rows + group / INTERLEAVE;
+    }
+    return push.first_item + group * gl_WorkGroupSize.x + gl_LocalInvocationID.x;
+}
+
+// As prepare_dispatch found it.
+uint item_count()
+{
+    uint items = counters.dispatch[push.queue * DISPATCH_PARTS].items;
+    return min(items, push.first_item + push.part_items);
+}
+
+// Queues that this scene does not need have no memory: those above move down.
+uint queue_index(uint queue, uint item)
+{
+    uint row = queue;
+    if (!HAS(FEATURE_ENVIRONMENT) && queue > QUEUE_MISS)
+        row--;
+    if (!HAS(FEATURE_NEE) && queue > QUEUE_SHADOW)
+        row--;
+    return row * push.wave_slots + item;
+}
+
+uint queue_slot(uint queue, uint item)
+{
+    return queue_slots[queue_index(queue, item)];
+}
+
+// Appends `slot` where `wanted`. All threads of the workgroup must call it together. The order of a
+// queue is not deterministic; nothing may depend on it.
+void queue_push(uint queue, uint slot, bool wanted)
+{
+#ifdef BALLOT
+    uvec4 votes = subgroupBallot(wanted);
+    uint base = 0u;
+    if (subgroupElect())
+        base = atomicAdd(counters.queue[queue], subgroupBallotBitCount(votes));
+    uint item = subgroupBroadcastFirst(base) + subgroupBallotExclusiveBitCount(votes);
+#else
+    barrier();
+    if (gl_LocalInvocationIndex == 0u)
+        queue_reserved = 0u;
+    barrier();
+    uint offset = wanted ? atomicAdd(queue_reserved, 1u) : 0u;
+    barrier();
+    if (gl_LocalInvocationIndex == 0u)
+        queue_base = atomicAdd(counters.queue[queue], queue_reserved);
+    barrier();
+    uint item = queue_base + offset;
+#endif
+    if (wanted)
+        queue_slots[queue_index(queue, item)] = slot;
+}
+
+#endif

@@ -1,0 +1,41 @@
+// Random numbers by counter: a value depends on (seed, pixel, sample, dimension) alone.
+#ifndef RANDOM_GLSL
+#define RANDOM_GLSL
+
+// A dimension belongs to a use, so that leaving a feature out shifts nothing. Each number stands
+// for four values.
+const uint DIMENSION_CAMERA = 0u;       // pixel x, y; lens x, y
+const uint DIMENSION_FIRST_BOUNCE = 1u; // then DIMENSIONS_A_BOUNCE each
+const uint DIMENSIONS_A_BOUNCE = 2u;
+const uint DIMENSION_LIGHT = 0u; // which emitter; point on it x, y; roulette
+const uint DIMENSION_BSDF = 1u;  // direction x, y; lobe; opacity
+
+uint bounce_dimension(uint bounce, uint use)
+{
+    return DIMENSION_FIRST_BOUNCE + bounce * DIMENSIONS_A_BOUNCE + use;
+}
+
+// pcg4d, Jarzynski and Olano 2020, "Hash Functions for GPU Rendering", listing in section 4.
+uvec4 pcg4d(uvec4 v)
+{
+    v = v * 1664525u + 1013904223u;
+    v.x += v.y * v.w;
+    v.y += v.z * v.x;
+    v.z += v.x * v.y;
+    v.w += v.y * v.z;
+    v ^= v >> 16u;
+    v.x += v.y * v.w;
+    v.y += v.z * v.x;
+    v.z += v.x * v.y;
+    v.w += v.y * v.z;
+    return v;
+}
+
+// Four independent uniforms in [0, 1), multiples of 2^-24.
+vec4 random_4d(uint seed, uint pixel, uint sample_index, uint dimension)
+{
+    uvec4 bits = pcg4d(uvec4(pixel, sample_index, dimension, seed));
+    return vec4(bits >> 8u) * 5.9604644775390625e-8;
+}
+
+#endif

@@ -1,0 +1,61 @@
+// Warps of uniforms to directions and points. Pure functions.
+#ifndef SAMPLING_GLSL
+#define SAMPLING_GLSL
+
+#include "lib/constants.glsl"
+
+// Two vectors that complete the unit vector n to an orthonormal basis (Duff et al. 2017,
+// "Building an Orthonormal Basis, Revisited", listing 3).
+mat3 basis_around(vec3 n)
+{
+    float s = n.z >= 0.0 ? 1.0 : -1.0;
+    float a = -1.0 / (s + n.z);
+    float b = n.x * n.y * a;
+    return mat3(vec3(1.0 + s * n.x * n.x * a, s * b, -s * n.x),
+                vec3(b, s + n.y * n.y * a, -n.y), n);
+}
+
+// Uniform on the unit disc, by polar coordinates.
+vec2 sample_disc(vec2 u)
+{
+    float radius = sqrt(u.x);
+    float angle = 2.0 * PI * u.y;
+    return radius * vec2(cos(angle), sin(angle));
+}
+
+// About +z, density cos(theta) / pi per solid angle (Malley's method).
+vec3 sample_cosine_hemisphere(vec2 u)
+{
+    vec2 d = sample_disc(u);
+    return vec3(d, sqrt(max(0.0, 1.0 - u.x)));
+}
+
+float pdf_cosine_hemisphere(float cos_theta)
+{
+    return cos_theta * INV_PI;
+}
+
+vec3 sample_sphere(vec2 u)
+{
+    float z = 1.0 - 2.0 * u.x;
+    float radius = sqrt(max(0.0, 4.0 * u.x * (1.0 - u.x)));
+    float angle = 2.0 * PI * u.y;
+    return vec3(radius * cos(angle), radius * sin(angle), z);
+}
+
+// Uniform barycentric coordinates of corners 1 and 2 (Turk 1990, Graphics Gems, p. 24).
+vec2 sample_triangle(vec2 u)
+{
+    float root = sqrt(u.x);
+    return vec2(root * (1.0 - u.y), root * u.y);
+}
+
+// Weight of the first of two techniques by the power heuristic with exponent 2 (Veach 1997, eq.
+// 9.13), written so that squares cannot overflow.
+float mis_power_weight(float pdf, float other_pdf)
+{
+    float ratio = other_pdf / pdf;
+    return 1.0 / (1.0 + ratio * ratio);
+}
+
+#endif

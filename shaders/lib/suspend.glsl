@@ -1,0 +1,67 @@
+// Owns the buffer of suspended traversals: what trace() needs to go on in a later dispatch.
+#ifndef SUSPEND_GLSL
+#define SUSPEND_GLSL
+
+#include "lib/traverse.glsl"
+
+layout(std430, set = 0, binding = BINDING_SUSPENDED) buffer suspended_block {
+    uint suspended_words[];
+};
+
+const uint SUSPENDED_HEADER = 8u;
+const uint SUSPENDED_STRIDE = SUSPENDED_HEADER + STACK_ENTRIES + 2u;
+
+void suspend(uint slot, trace_state state, trace_hit hit)
+{
+    uint base = slot * SUSPENDED_STRIDE;
+    suspended_words[base + 0u] = state.current;
+    suspended_words[base + 1u] = state.depth;
+    suspended_words[base + 2u] = floatBitsToUint(hit.t);
+    suspended_words[base + 3u] = floatBitsToUint(hit.uv.x);
+    suspended_words[base + 4u] = floatBitsToUint(hit.uv.y);
+    suspended_words[base + 5u] = hit.primitive;
+    suspended_words[base + 6u] = hit.id;
+    for (uint i = 0u; i < state.depth; i++)
+        suspended_words[base + SUSPENDED_HEADER + i] = stack[i];
+}
+
+void resume(uint slot, out trace_state state, out trace_hit hit)
+{
+    uint base = slot * SUSPENDED_STRIDE;
+    state = trace_state(suspended_words[base + 0u], suspended_words[base + 1u]);
+    hit = trace_hit(uintBitsToFloat(suspended_words[base + 2u]),
+                    vec2(uintBitsToFloat(suspended_words[base + 3u]),
+                         uintBitsToFloat(suspended_words[base + 4u])),
+                    suspended_words[base + 5u], suspended_words[base + 6u]);
+    for (uint i = 0u; i < state.depth; i++)
+        stack[i] = suspended_words[base + SUSPENDED_HEADER + i];
+}
+
+// Traces from the start, or from where a suspended ray was left; true when it is done. What is left
+// over is saved and queued (FEATURE_SUSPEND), or else counted: the wave's results are void then.
+bool trace_or_suspend(uint slot, bool valid, trace_ray ray, inout trace_hit hit)
+{
+    trace_state state;
+    trace_begin(state);
+    bool resuming = HAS(FEATURE_SUSPEND) && push.queue >= QUEUE_SUSPENDED;
+    if (resuming && valid)
+        resume(slot, state, hit);
+    if (!valid)
+        state.current = BVH_EMPTY;
+
+    uint iterations = 0u;
+    trace(ray, state, hit, iterations);
+    bool done = state.current == BVH_EMPTY;
+
+    if (HAS(FEATURE_SUSPEND)) {
+        if (!done)
+            suspend(slot, state, hit);
+        uint next = push.queue == QUEUE_SUSPENDED ? QUEUE_SUSPENDED + 1u : QUEUE_SUSPENDED;
+        queue_push(next, slot, !done);
+    } else if (!done) {
+        atomicAdd(counters.unfinished, 1u);
+    }
+    return done && valid;
+}
+
+#endif

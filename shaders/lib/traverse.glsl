@@ -1,0 +1,121 @@
+// Depth-first traversal of the BVH, nearest child first. Included by the kernels that trace; a
+// kernel defines ANY_HIT to stop at the first hit.
+#ifndef TRAVERSE_GLSL
+#define TRAVERSE_GLSL
+
+#include "lib/bvh_node.glsl"
+#include "lib/intersect_shape.glsl"
+#include "lib/intersect_triangle.glsl"
+
+struct trace_ray {
+    vec3 origin;
+    vec3 direction;
+    uint ignore_a, ignore_b; // primitive words; see intersect_leaf
+};
+
+struct trace_hit {
+    float t;        // distance so far, in units of the direction's length
+    vec2 uv;
+    uint primitive; // NO_PRIMITIVE: none
+    uint id;        // decides between equal distances, so that the BVH's shape does not
+};
+
+// What a traversal is in the middle of.
+struct trace_state {
+    uint current; // node, or leaf word, or BVH_EMPTY: done
+    uint depth;   // entries on the stack, the sentinel included
+};
+
+uint stack[STACK_ENTRIES + 2u]; // the sentinel, and one that a branch-free push may overwrite
+
+void trace_begin(out trace_state state)
+{
+    stack[0] = BVH_EMPTY;
+    state = trace_state(0u, 1u);
+}
+
+void accept_hit(inout trace_hit best, bool hit, float t, vec2 uv, uint primitive, uint id)
+{
+    bool nearer = hit && t > 0.0 && (t < best.t || (t == best.t && id < best.id));
+    best.t = nearer ? t : best.t;
+    best.uv = nearer ? uv : best.uv;
+    best.primitive = nearer ? primitive : best.primitive;
+    best.id = nearer ? id : best.id;
+}
+
+void intersect_triangle_leaf(trace_ray ray, triangle_frame frame, uint index, inout trace_hit best)
+{
+    uvec4 w0 = load_triangles(index * 3u);
+    uvec4 w1 = load_triangles(index * 3u + 1u);
+    uvec4 w2 = load_triangles(index * 3u + 2u);
+    float t;
+    vec2 uv;
+    // A plane cannot be hit again by a ray that starts on it.
+    bool hit = intersect_triangle(frame, ray.origin, uintBitsToFloat(w0.xyz),
+                                  uintBitsToFloat(w1.xyz), uintBitsToFloat(w2.xyz), t, uv) &&
+               index != ray.ignore_a && index != ray.ignore_b;
+    accept_hit(best, hit, t, uv, index, w0.w);
+}
+
+void intersect_shape_leaf(trace_ray ray, uint index, inout trace_hit best)
+{
+    vec4 w0 = load_shapes_float(index * 2u);
+    uvec4 w1 = load_shapes(index * 2u + 1u);
+    uint kind = w1.w >> SHAPE_KIND_SHIFT;
+    uint primitive = PRIMITIVE_SHAPE | index;
+    float t = -1.0;
+    if (HAS(FEATURE_SPHERES) && kind == SHAPE_KIND_SPHERE && primitive != ray.ignore_b)
+        t = intersect_sphere(ray.origin, ray.direction, w0.xyz, w0.w, primitive == ray.ignore_a);
+    if (HAS(FEATURE_DISCS) && kind == SHAPE_KIND_DISC && primitive != ray.ignore_a &&
+        primitive != ray.ignore_b)
+        t = intersect_disc(ray.origin, ray.direction, w0.xyz, uintBitsToFloat(w1.xyz), w0.w);
+    accept_hit(best, true, t, vec2(0.0), primitive, primitive);
+}
+
+// Goes on until the traversal is done or `iterations` reaches the budget. Both loops count
+// together, since a driver may limit the iterations of all loops of an invocation.
+void trace(trace_ray ray, inout trace_state state, inout trace_hit best, inout uint iterations)
+{
+    bvh_ray box_ray = bvh_ray_create(ray.origin, ray.direction);
+    triangle_frame frame = triangle_frame_create(ray.direction);
+    uint current = state.current;
+    uint depth = state.depth;
+    while (current != BVH_EMPTY && iterations < ITERATION_BUDGET) {
+        while (current < BVH_LEAF && iterations < ITERATION_BUDGET) {
+            iterations++;
+            uint top = stack[depth - 1u];
+            uvec4 children;
+            ivec4 keys = bvh_test_children(box_ray, current, best.t, children);
+            stack[depth] = child_word(children, keys.w);
+            depth += keys.w < BVH_MISS ? 1u : 0u;
+            stack[depth] = child_word(children, keys.z);
+            depth += keys.z < BVH_MISS ? 1u : 0u;
+            stack[depth] = child_word(children, keys.y);
+            depth += keys.y < BVH_MISS ? 1u : 0u;
+            bool none = keys.x == BVH_MISS;
+            current = none ? top : child_word(children, keys.x);
+            depth -= none ? 1u : 0u;
+        }
+        iterations++;
+        if (current != BVH_EMPTY && current >= BVH_LEAF) {
+            uint top = stack[depth - 1u];
+            uint index = current & BVH_LEAF_INDEX;
+            bool is_shape = (HAS(FEATURE_SPHERES) || HAS(FEATURE_DISCS)) &&
+                            (HAS(FEATURE_TRIANGLES) ? (current & BVH_LEAF_SHAPE) != 0u : true);
+            if (HAS(FEATURE_TRIANGLES) && !is_shape)
+                intersect_triangle_leaf(ray, frame, index, best);
+            if (is_shape)
+                intersect_shape_leaf(ray, index, best);
+            // One triangle a round: lanes with one-triangle leaves do not wait for the others.
+            bool more = (current & BVH_LEAF_TWO) != 0u;
+            current = more ? (current & ~BVH_LEAF_TWO) + 1u : top;
+            depth -= more ? 0u : 1u;
+#ifdef ANY_HIT
+            current = best.primitive != NO_PRIMITIVE ? BVH_EMPTY : current;
+#endif
+        }
+    }
+    state = trace_state(current, depth);
+}
+
+#endif

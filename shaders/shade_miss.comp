@@ -1,0 +1,23 @@
+// One thread adds what arrives from the environment along one ray that left the scene. Reads the
+// queue of misses.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+
+#include "lib/environment.glsl"
+#include "lib/queue.glsl"
+
+void main()
+{
+    uint item = item_index();
+    if (item >= item_count())
+        return;
+    uint slot = queue_slot(push.queue, item);
+    vec3 radiance = vec3(push.environment[0], push.environment[1], push.environment[2]);
+    if (HAS(FEATURE_ENVIRONMENT_IMAGE)) {
+        vec3 direction = uintBitsToFloat(load_path(slot, PATH_DIRECTION).xyz);
+        uvec2 size = uvec2(push.environment_size & 0xffffu, push.environment_size >> 16u);
+        radiance *= load_environment_float(environment_texel(direction, size)).rgb;
+    }
+    vec3 throughput = uintBitsToFloat(load_path(slot, PATH_THROUGHPUT).rgb);
+    add_radiance(slot, throughput * radiance, SITE_MISS);
+}

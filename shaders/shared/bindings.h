@@ -1,0 +1,61 @@
+// Binding numbers, specialization-constant ids and feature bits: read by C and by GLSL.
+#ifndef LAMPYRIS_SHARED_BINDINGS_H
+#define LAMPYRIS_SHARED_BINDINGS_H
+
+// Storage buffers. A buffer that kernels read is also bound as a uniform texel buffer of
+// RGBA32_UINT at TEXEL_BINDING(number): on some drivers that read is several times faster.
+#define BINDING_NODES 0       // struct bvh_node
+#define BINDING_TRIANGLES 1   // struct gpu_triangle, leaf order
+#define BINDING_NORMALS 2     // struct gpu_normals, leaf order
+#define BINDING_SHAPES 3      // struct gpu_shape
+#define BINDING_MATERIALS 4   // struct gpu_material
+#define BINDING_EMITTERS 5    // struct gpu_emitter
+#define BINDING_ENVIRONMENT 6 // one vec4 a texel
+#define BINDING_PATHS 7       // struct gpu_path, one a slot of the wave
+#define BINDING_SHADOW_RAYS 8 // struct gpu_shadow_ray, one a slot
+#define BINDING_RADIANCE 9    // vec4 a slot: what its path has gathered
+#define BINDING_QUEUES 10     // uint slot indices, QUEUE_COUNT arrays of wave_slots each
+#define BINDING_COUNTERS 11   // struct gpu_counters
+#define BINDING_FILM 12       // struct gpu_film_pixel
+#define BINDING_RESOLVED 13   // struct gpu_resolved_pixel
+#define BINDING_SUSPENDED 14  // traversals that ran out of their budget, one a slot
+#define BINDING_COUNT 15
+
+#define TEXEL_BINDING_FIRST 16
+#define TEXEL_BINDING_COUNT 12
+#define TEXEL_BINDING(binding) (TEXEL_BINDING_FIRST + (binding))
+
+// Specialization constants, in the order of struct specialization (render/specialize.h).
+#define CONSTANT_FEATURES 0
+#define CONSTANT_WORKGROUP 1
+#define CONSTANT_STACK_ENTRIES 2
+#define CONSTANT_ITERATION_BUDGET 3
+#define CONSTANT_INTERLEAVE 4
+#define CONSTANT_COUNT 5
+
+// What a (scene, settings, device) needs. Kernels test these bits of one specialization constant,
+// so that what is not needed is not in the code.
+#define FEATURE_TRIANGLES (1u << 0)
+#define FEATURE_SPHERES (1u << 1)
+#define FEATURE_DISCS (1u << 2)
+#define FEATURE_NORMALS (1u << 3)           // interpolated shading normals
+#define FEATURE_DIFFUSE (1u << 4)
+#define FEATURE_MIRROR (1u << 5)
+#define FEATURE_EMISSION (1u << 6)          // some surface emits
+#define FEATURE_EMISSIVE_TRIANGLES (1u << 7)
+#define FEATURE_EMISSIVE_SPHERES (1u << 8)
+#define FEATURE_EMISSIVE_DISCS (1u << 9)
+#define FEATURE_NEE (1u << 10)              // shadow rays to emitters
+#define FEATURE_BSDF_HITS_EMITTERS (1u << 11) // emitters found by BSDF sampling count too
+#define FEATURE_ENVIRONMENT (1u << 12)
+#define FEATURE_ENVIRONMENT_IMAGE (1u << 13)
+#define FEATURE_ROULETTE (1u << 14)
+#define FEATURE_JITTER (1u << 15)
+// Of the device rather than of the scene.
+#define FEATURE_TEXEL_SCENE (1u << 24)   // scene buffers are read as texel buffers
+#define FEATURE_TEXEL_STATE (1u << 25)   // path state likewise
+#define FEATURE_BALLOT (1u << 26)        // queue slots are reserved by subgroup ballot
+// Of one dispatch: a traversal that runs out of its budget saves its state and goes on later.
+#define FEATURE_SUSPEND (1u << 27)
+
+#endif

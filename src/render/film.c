@@ -1,0 +1,113 @@
+#include "film.h"
+
+#include <string.h>
+
+static uint64_t pixel_count(const struct renderer *r)
+{
+    return (uint64_t)r->push.width * r->push.height;
+}
+
+static uint64_t chunk_pixels(const struct renderer *r, uint32_t chunk)
+{
+    uint64_t first = chunk * r->plan.film_chunk_pixels;
+    uint64_t left = pixel_count(r) - first;
+    return left < r->plan.film_chunk_pixels ? left : r->plan.film_chunk_pixels;
+}
+
+bool film_create(struct renderer *r, struct err *err)
+{
+    r->film = ARENA_NEW(&r->arena, struct gpu_buffer, r->plan.film_chunks);
+    if (!r->film)
+        return err_memory(err, "film", r->plan.film_chunks * sizeof *r->film);
+    for (uint32_t i = 0; i < r->plan.film_chunks; i++)
+        if (!gpu_buffer_create(r->gpu, binding_name(BINDING_FILM),
+                               chunk_pixels(r, i) * sizeof(struct gpu_film_pixel), GPU_DEVICE,
+                               false, &r->film[i], err))
+            return false;
+    return true;
+}
+
+void film_finish(struct renderer *r)
+{
+    for (uint32_t i = 0; r->film && i < r->plan.film_chunks; i++)
+        gpu_buffer_finish(r->gpu, &r->film[i]);
+}
+
+bool renderer_clear(struct renderer *r, struct err *err)
+{
+    if (!gpu_begin(r->gpu, &r->commands, err))
+        return false;
+    for (uint32_t i = 0; i < r->plan.film_chunks; i++)
+        gpu_fill(r->gpu, &r->commands, &r->film[i], 0, r->film[i].bytes, 0);
+    gpu_barrier(r->gpu, &r->commands);
+    return gpu_submit(r->gpu, &r->commands, err) && gpu_wait(r->gpu, &r->commands, err);
+}
+
+// Resolves `count` pixels from `first` of a chunk and copies them into the mapped buffer.
+static bool resolve(struct renderer *r, uint32_t chunk, uint64_t first, uint32_t count,
+                    struct err *err)
+{
+    uint32_t workgroup = r->specialization.workgroup;
+    r->push.film_first_pixel = (uint32_t)(chunk * r->plan.film_chunk_pixels);
+    r->push.first_pixel = (uint32_t)(r->push.film_first_pixel + first);
+    r->push.pixel_count = count;
+    r->push.first_item = 0;
+    r->push.part_items = count;
+    if (!gpu_begin(r->gpu, &r->commands, err))
+        return false;
+    gpu_bind(r->gpu, &r->commands, &r->bindings[chunk]);
+    gpu_push(r->gpu, &r->commands, &r->push, sizeof r->push);
+    gpu_dispatch(r->gpu, &r->commands, &r->kernels[KERNEL_resolve],
+                 (count + workgroup - 1) / workgroup);
+    gpu_barrier(r->gpu, &r->commands);
+    return gpu_submit(r->gpu, &r->commands, err) && gpu_wait(r->gpu, &r->commands, err);
+}
+
+static void add_pixel(struct film_image *image, uint64_t at, const struct gpu_resolved_pixel *p)
+{
+    double samples_b = p->samples / 2, samples_a = p->samples - samples_b;
+    for (int c = 0; c < 3; c++) {
+        double sum = samples_a * p->mean_a[c] + samples_b * p->mean_b[c];
+        image->mean[at][c] = p->samples ? (float)(sum / p->samples) : 0.0f;
+    }
+    memcpy(image->half_a[at], p->mean_a, sizeof p->mean_a);
+    memcpy(image->half_b[at], p->mean_b, sizeof p->mean_b);
+    image->samples[at] = p->samples;
+    image->dropped += p->dropped;
+    if (p->samples < image->least_samples)
+        image->least_samples = p->samples;
+    if (p->samples > image->most_samples)
+        image->most_samples = p->samples;
+}
+
+bool renderer_read(struct renderer *r, struct arena *arena, struct film_image *out,
+                   struct err *err)
+{
+    uint64_t pixels = pixel_count(r);
+    *out = (struct film_image){
+        .width = r->push.width,
+        .height = r->push.height,
+        .mean = arena_alloc(arena, pixels, sizeof *out->mean),
+        .half_a = arena_alloc(arena, pixels, sizeof *out->half_a),
+        .half_b = arena_alloc(arena, pixels, sizeof *out->half_b),
+        .samples = ARENA_NEW(arena, uint32_t, pixels),
+        .least_samples = UINT64_MAX,
+    };
+    if (!out->mean || !out->half_a || !out->half_b || !out->samples)
+        return err_memory(err, "image", pixels * (3 * sizeof *out->mean + 4));
+
+    const struct gpu_buffer *resolved = &r->buffers[BINDING_RESOLVED];
+    for (uint32_t chunk = 0; chunk < r->plan.film_chunks; chunk++) {
+        for (uint64_t first = 0; first < chunk_pixels(r, chunk);
+             first += r->plan.resolve_pixels) {
+            uint64_t left = chunk_pixels(r, chunk) - first;
+            uint64_t count = left < r->plan.resolve_pixels ? left : r->plan.resolve_pixels;
+            if (!resolve(r, chunk, first, (uint32_t)count, err))
+                return false;
+            const struct gpu_resolved_pixel *records = resolved->mapped;
+            for (uint64_t i = 0; i < count; i++)
+                add_pixel(out, r->push.first_pixel + i, &records[i]);
+        }
+    }
+    return true;
+}

@@ -1,0 +1,10 @@
+// The film in device memory: buffers by ranges of pixels, and reading them back.
+#ifndef LAMPYRIS_RENDER_FILM_H
+#define LAMPYRIS_RENDER_FILM_H
+
+#include "render.h"
+
+bool film_create(struct renderer *renderer, struct err *err);
+void film_finish(struct renderer *renderer);
+
+#endif

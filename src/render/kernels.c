@@ -1,0 +1,30 @@
+#include "kernels.h"
+
+#include "accumulate.spv.h"
+#include "accumulate_plain.spv.h"
+#include "generate_rays.spv.h"
+#include "generate_rays_plain.spv.h"
+#include "intersect_closest.spv.h"
+#include "intersect_closest_plain.spv.h"
+#include "intersect_shadow.spv.h"
+#include "intersect_shadow_plain.spv.h"
+#include "prepare_dispatch.spv.h"
+#include "prepare_dispatch_plain.spv.h"
+#include "resolve.spv.h"
+#include "resolve_plain.spv.h"
+#include "shade_miss.spv.h"
+#include "shade_miss_plain.spv.h"
+#include "shade_surface.spv.h"
+#include "shade_surface_plain.spv.h"
+
+struct kernel_code kernel_code(enum kernel_id id, bool ballot)
+{
+    static const struct kernel_code codes[KERNEL_COUNT][2] = {
+#define X(name)                                                                                    \
+    [KERNEL_##name] = {{#name, name##_plain_spirv, sizeof name##_plain_spirv},                     \
+                       {#name, name##_spirv, sizeof name##_spirv}},
+        KERNEL_LIST(X)
+#undef X
+    };
+    return codes[id][ballot];
+}

@@ -1,0 +1,36 @@
+// The list of kernels. A new one costs a .comp file, a line here and a line in shaders/meson.build.
+#ifndef LAMPYRIS_RENDER_KERNELS_H
+#define LAMPYRIS_RENDER_KERNELS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+// File name = name here = name in every report and profile.
+#define KERNEL_LIST(X)                                                                             \
+    X(generate_rays)                                                                               \
+    X(intersect_closest)                                                                           \
+    X(shade_miss)                                                                                  \
+    X(shade_surface)                                                                               \
+    X(intersect_shadow)                                                                            \
+    X(accumulate)                                                                                  \
+    X(prepare_dispatch)                                                                            \
+    X(resolve)
+
+enum kernel_id {
+#define X(name) KERNEL_##name,
+    KERNEL_LIST(X)
+#undef X
+        KERNEL_COUNT
+};
+
+struct kernel_code {
+    const char *name;
+    const uint32_t *spirv;
+    size_t bytes;
+};
+
+// The embedded SPIR-V, with or without subgroup ballot.
+struct kernel_code kernel_code(enum kernel_id id, bool ballot);
+
+#endif

@@ -1,0 +1,42 @@
+// What a render will take of the device's memory, known before anything is allocated.
+#ifndef LAMPYRIS_RENDER_MEMORY_PLAN_H
+#define LAMPYRIS_RENDER_MEMORY_PLAN_H
+
+#include "specialize.h"
+#include "shared/bindings.h"
+
+#define PLAN_MAX_SUSPENDED_BYTES (64u << 20)
+
+struct planned_buffer {
+    const char *name; // NULL: the scene does not need it
+    uint64_t bytes;   // 0 where not needed
+    uint64_t unneeded_bytes; // what leaving it out saves
+    uint32_t copies;  // film: buffers of `bytes` each, the last one may be smaller
+};
+
+struct memory_plan {
+    struct planned_buffer buffers[BINDING_COUNT];
+    uint32_t wave_slots;        // paths in flight, a multiple of the workgroup size
+    uint32_t part_items;        // items of a queue that one dispatch takes at most
+    uint64_t film_chunk_pixels; // pixels a film buffer holds
+    uint32_t film_chunks;
+    uint64_t resolve_pixels; // pixels that are read back at a time
+    uint64_t total_bytes;
+};
+
+struct memory_plan_params {
+    const struct scene *scene;
+    const struct flat_scene *flat;
+    const struct bvh *bvh;
+    const struct specialization *specialization;
+    const struct gpu *gpu;
+    uint32_t wave; // wanted; 0: the device's default. Lowered where a limit asks for it.
+};
+
+// Fails with ERR_GPU, naming buffer, bytes, limit and what would help, when the scene cannot fit.
+bool memory_plan_make(const struct memory_plan_params *params, struct memory_plan *out,
+                      struct err *err);
+
+const char *binding_name(uint32_t binding);
+
+#endif

@@ -1,0 +1,311 @@
+#include "render.h"
+
+#include "clock.h"
+#include "film.h"
+#include "log.h"
+#include "upload.h"
+#include "wave.h"
+#include <math.h>
+#include <string.h>
+
+// At most this many samples of a pixel in one wave: its paths stay coherent, and the loop that
+// accumulates them stays far below what drivers allow.
+#define MAX_SAMPLE_SHIFT 4u
+
+// --- camera ---------------------------------------------------------------------------------------
+
+static void cross(const double a[3], const double b[3], double out[3])
+{
+    for (int i = 0; i < 3; i++)
+        out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
+}
+
+static void scale_to(double v[3], double length)
+{
+    double factor = length / sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    for (int i = 0; i < 3; i++)
+        v[i] *= factor;
+}
+
+// In double precision: a narrow field of view leaves few digits to a float.
+static void set_camera(struct gpu_push *push, const struct camera *camera, const double origin[3])
+{
+    double right[3], up[3];
+    double half_height = tan(0.5 * camera->fov_y);
+    cross(camera->direction, camera->up, right);
+    cross(right, camera->direction, up);
+    scale_to(right, half_height * push->width / push->height);
+    scale_to(up, half_height);
+    for (int i = 0; i < 3; i++) {
+        push->camera_position[i] = (float)(camera->position[i] - origin[i]);
+        push->camera_forward[i] = (float)camera->direction[i];
+        push->camera_right[i] = (float)right[i];
+        push->camera_up[i] = (float)up[i];
+    }
+}
+
+// --- creation -------------------------------------------------------------------------------------
+
+static struct bvh_box shape_box(const struct flat_shape *shape)
+{
+    struct bvh_box box;
+    for (int c = 0; c < 3; c++) {
+        float n = shape->normal[c];
+        float extent = shape->kind == SHAPE_SPHERE
+                           ? shape->radius
+                           : shape->radius * sqrtf(fmaxf(0.0f, 1.0f - n * n));
+        // The extent has a handful of roundings, and a sum one: four ulps of the largest term.
+        float margin = 4.0f * 1.1920929e-7f * (fabsf(shape->center[c]) + shape->radius);
+        box.min[c] = shape->center[c] - extent - margin;
+        box.max[c] = shape->center[c] + extent + margin;
+    }
+    return box;
+}
+
+static bool build_bvh(struct renderer *r, struct err *err)
+{
+    struct arena scratch = {0};
+    struct bvh_box *boxes = ARENA_NEW(&scratch, struct bvh_box, r->flat.shape_count);
+    if (!boxes)
+        return err_memory(err, "shapes", r->flat.shape_count * sizeof *boxes);
+    for (uint32_t i = 0; i < r->flat.shape_count; i++)
+        boxes[i] = shape_box(&r->flat.shapes[i]);
+    const void *vertices = r->flat.triangles;
+    struct bvh_params params = {
+        .triangle_vertices = vertices,
+        .triangle_stride = sizeof *r->flat.triangles,
+        .triangle_count = r->flat.triangle_count,
+        .shape_boxes = boxes,
+        .shape_count = r->flat.shape_count,
+        .progress = r->progress,
+    };
+    bool ok = bvh_build(&params, &r->arena, &r->bvh, err);
+    arena_finish(&scratch);
+    return ok;
+}
+
+static bool plan_memory(struct renderer *r, uint32_t wave, struct err *err)
+{
+    struct memory_plan_params params = {
+        .scene = r->scene,
+        .flat = &r->flat,
+        .bvh = &r->bvh,
+        .specialization = &r->specialization,
+        .gpu = r->gpu,
+        .wave = wave,
+    };
+    return memory_plan_make(&params, &r->plan, err);
+}
+
+static bool create_buffer(struct renderer *r, uint32_t binding, enum gpu_memory memory, bool texel,
+                          struct err *err)
+{
+    const struct planned_buffer *plan = &r->plan.buffers[binding];
+    gpu_buffer_finish(r->gpu, &r->buffers[binding]);
+    return !plan->name || gpu_buffer_create(r->gpu, plan->name, plan->bytes, memory, texel,
+                                            &r->buffers[binding], err);
+}
+
+static bool create_bindings(struct renderer *r, struct err *err)
+{
+    struct gpu_binding storage[GPU_MAX_STORAGE] = {0};
+    const struct gpu_buffer *texels[GPU_MAX_TEXEL] = {0};
+    for (uint32_t b = 0; b < BINDING_COUNT; b++)
+        if (r->buffers[b].handle)
+            storage[b].buffer = &r->buffers[b];
+    for (uint32_t b = 0; b < TEXEL_BINDING_COUNT; b++)
+        if (r->buffers[b].texel_view)
+            texels[b] = &r->buffers[b];
+    for (uint32_t i = 0; i < r->plan.film_chunks; i++) {
+        gpu_bindings_finish(r->gpu, &r->bindings[i]);
+        storage[BINDING_FILM].buffer = &r->film[i];
+        if (!gpu_bindings_create(r->gpu, storage, texels, &r->bindings[i], err))
+            return false;
+    }
+    return true;
+}
+
+// The buffers that grow with the wave, and the sets that bind them.
+static bool create_wave_state(struct renderer *r, struct err *err)
+{
+    bool texel = r->specialization.features & FEATURE_TEXEL_STATE;
+    r->push.wave_slots = r->plan.wave_slots;
+    return create_buffer(r, BINDING_PATHS, GPU_DEVICE, texel, err) &&
+           create_buffer(r, BINDING_SHADOW_RAYS, GPU_DEVICE, texel, err) &&
+           create_buffer(r, BINDING_RADIANCE, GPU_DEVICE, texel, err) &&
+           create_buffer(r, BINDING_QUEUES, GPU_DEVICE, false, err) &&
+           create_buffer(r, BINDING_SUSPENDED, GPU_DEVICE, false, err) && create_bindings(r, err);
+}
+
+static bool upload(struct renderer *r, struct err *err)
+{
+    struct upload_params params = {
+        .scene = r->scene,
+        .flat = &r->flat,
+        .bvh = &r->bvh,
+        .specialization = &r->specialization,
+        .plan = &r->plan,
+    };
+    r->counters = ARENA_NEW(&r->arena, struct gpu_counters, 1);
+    r->marks = ARENA_NEW(&r->arena, uint8_t, GPU_MAX_TIMESTAMPS);
+    r->bindings = ARENA_NEW(&r->arena, struct gpu_bindings, r->plan.film_chunks);
+    if (!r->counters || !r->marks || !r->bindings)
+        return err_memory(err, "renderer", sizeof *r->counters);
+    return upload_scene(r->gpu, &params, r->buffers, &r->emitter_count, err) &&
+           create_buffer(r, BINDING_COUNTERS, GPU_DEVICE, false, err) &&
+           create_buffer(r, BINDING_RESOLVED, GPU_READBACK, false, err) && film_create(r, err) &&
+           create_wave_state(r, err) && gpu_commands_create(r->gpu, &r->commands, err);
+}
+
+static void set_push(struct renderer *r, uint32_t camera)
+{
+    const struct settings *settings = &r->scene->settings;
+    const struct environment *environment = &r->scene->environment;
+    r->push = (struct gpu_push){
+        .width = settings->width,
+        .height = settings->height,
+        .seed = settings->seed,
+        .max_bounces = settings->max_bounces,
+        .roulette_min_bounces = settings->roulette_min_bounces,
+        .environment_size = environment->width | environment->height << 16,
+        .emitter_count = r->emitter_count,
+        .wave_slots = r->plan.wave_slots,
+    };
+    if (environment->width == 0)
+        r->push.environment_size = 1u | 1u << 16; // the white texel that upload.c puts there
+    if (environment->present)
+        memcpy(r->push.environment, environment->radiance, sizeof r->push.environment);
+    set_camera(&r->push, &r->scene->cameras[camera], r->flat.origin);
+}
+
+bool renderer_create(const struct renderer_params *params, struct renderer *r, struct err *err)
+{
+    *r = (struct renderer){
+        .gpu = params->gpu, .scene = params->scene, .progress = params->progress};
+
+    uint64_t start = clock_ns();
+    if (!scene_flatten(r->scene, &r->arena, &r->flat, err))
+        goto fail;
+    r->stats.flatten_seconds = clock_seconds_since(start);
+
+    start = clock_ns();
+    if (!build_bvh(r, err))
+        goto fail;
+    r->stats.bvh_seconds = clock_seconds_since(start);
+
+    start = clock_ns();
+    r->specialization =
+        specialize(r->scene, &r->flat, &r->bvh, r->gpu, params->everything);
+    if (!plan_memory(r, params->wave, err))
+        goto fail;
+    set_push(r, params->camera);
+    if (!upload(r, err))
+        goto fail;
+    r->push.emitter_count = r->emitter_count;
+    r->stats.upload_seconds = clock_seconds_since(start);
+
+    start = clock_ns();
+    if (!wave_compile(r, err))
+        goto fail;
+    r->stats.compile_seconds = clock_seconds_since(start);
+    return true;
+
+fail:
+    renderer_finish(r);
+    return false;
+}
+
+void renderer_finish(struct renderer *r)
+{
+    if (!r || !r->gpu)
+        return;
+    gpu_commands_finish(r->gpu, &r->commands);
+    for (int i = 0; i < KERNEL_COUNT; i++)
+        gpu_kernel_finish(r->gpu, &r->kernels[i]);
+    for (uint32_t i = 0; r->bindings && i < r->plan.film_chunks; i++)
+        gpu_bindings_finish(r->gpu, &r->bindings[i]);
+    film_finish(r);
+    for (uint32_t b = 0; b < BINDING_COUNT; b++)
+        gpu_buffer_finish(r->gpu, &r->buffers[b]);
+    arena_finish(&r->arena);
+    *r = (struct renderer){0};
+}
+
+// --- rendering ------------------------------------------------------------------------------------
+
+// From now on rays that run out of their budget are suspended, not given up.
+static bool become_careful(struct renderer *r, struct err *err)
+{
+    log_warn("some rays need more than %u steps through the BVH: going on with suspended "
+             "traversals (slower, the same picture)",
+             r->specialization.iteration_budget);
+    r->specialization.features |= FEATURE_SUSPEND;
+    return plan_memory(r, r->plan.wave_slots, err) && create_wave_state(r, err) &&
+           wave_compile(r, err);
+}
+
+// 2^shift samples of every pixel, in waves that do not cross the film's buffers.
+static bool render_pass(struct renderer *r, uint32_t shift, const struct render_call *call,
+                        uint64_t done, struct err *err)
+{
+    uint64_t pixels = (uint64_t)r->push.width * r->push.height;
+    for (uint64_t pixel = 0; pixel < pixels;) {
+        uint32_t chunk = (uint32_t)(pixel / r->plan.film_chunk_pixels);
+        uint64_t chunk_end = (chunk + 1) * r->plan.film_chunk_pixels;
+        uint64_t count = (chunk_end < pixels ? chunk_end : pixels) - pixel;
+        uint64_t fits = r->plan.wave_slots >> shift;
+        struct wave wave = {
+            .film_chunk = chunk,
+            .first_pixel = pixel,
+            .pixel_count = (uint32_t)(count < fits ? count : fits),
+            .sample_shift = shift,
+            .first_sample = r->next_sample,
+        };
+        bool voided = false;
+        if (!wave_render(r, &wave, &voided, err))
+            return false;
+        if (voided) {
+            if (!become_careful(r, err))
+                return false;
+            continue;
+        }
+        pixel += wave.pixel_count;
+
+        double part = ((double)done + (double)pixel / (double)pixels * (1u << shift)) /
+                      (double)call->samples;
+        progress_report(r->progress, "Rendering",
+                        call->progress_from + part * (call->progress_to - call->progress_from));
+        if (pixel < pixels && progress_should_stop(r->progress)) {
+            *call->stopped = true;
+            return true;
+        }
+    }
+    r->next_sample += UINT64_C(1) << shift;
+    return true;
+}
+
+bool renderer_render(struct renderer *r, const struct render_call *call, struct err *err)
+{
+    uint64_t start = clock_ns();
+    bool stopped = false;
+    struct render_call c = *call;
+    if (!c.stopped)
+        c.stopped = &stopped;
+    if (!(c.progress_to > c.progress_from))
+        c.progress_to = c.progress_from + 1.0;
+    for (uint64_t done = 0; done < c.samples;) {
+        uint32_t shift = MAX_SAMPLE_SHIFT;
+        while (shift > 0 && ((UINT64_C(1) << shift) > c.samples - done ||
+                             (1u << shift) > r->plan.wave_slots))
+            shift--;
+        if (!render_pass(r, shift, &c, done, err))
+            return false;
+        done += UINT64_C(1) << shift;
+        if (!*c.stopped && done < c.samples && progress_should_stop(r->progress))
+            *c.stopped = true;
+        if (*c.stopped)
+            break;
+    }
+    r->stats.render_seconds += clock_seconds_since(start);
+    return true;
+}

@@ -1,0 +1,110 @@
+// The renderer as a library: a scene and a device in, a film out. The wavefront loop itself is in
+// wave.c.
+//
+//   struct renderer r = {0};
+//   renderer_create(&(struct renderer_params){.gpu = &gpu, .scene = &scene}, &r, &err)
+//       && renderer_render(&r, 64, &err) && renderer_read(&r, &arena, &film, &err);
+//   renderer_finish(&r);
+//
+// One thread at a time. What a pixel's samples are depends on (scene, settings, seed) alone; on one
+// device and driver the film has the same bits for every wave size and every way to split the
+// samples over calls.
+#ifndef LAMPYRIS_RENDER_RENDER_H
+#define LAMPYRIS_RENDER_RENDER_H
+
+#include "arena.h"
+#include "bvh.h"
+#include "flatten.h"
+#include "gpu.h"
+#include "memory_plan.h"
+#include "progress.h"
+#include "scene.h"
+#include "shared/types.h"
+#include "specialize.h"
+
+struct renderer_params {
+    struct gpu *gpu;           // must outlive the renderer
+    const struct scene *scene; // the same; its settings are the render's
+    uint32_t wave;             // paths in flight; 0: the device's default
+    uint32_t camera;           // index into the scene's
+    bool everything;           // compile in what the scene does not need (--features all)
+    const struct progress *progress;
+};
+
+struct kernel_stats {
+    double ms; // on the device, by timestamps; 0 without them
+    double longest_ms; // of one dispatch
+    uint64_t launches;
+};
+
+struct nonfinite_stats {
+    uint64_t count[SITE_COUNT]; // dropped contributions
+    // One of them, the lowest of those recorded, for the command that reproduces it.
+    bool recorded;
+    uint32_t pixel, sample, site, bounce;
+};
+
+struct render_stats {
+    double flatten_seconds, bvh_seconds, upload_seconds, compile_seconds, render_seconds;
+    struct kernel_stats kernels[KERNEL_COUNT];
+    uint64_t closest_rays, shadow_rays;
+    uint64_t waves, voided_waves; // voided: traced again because a ray ran out of its budget
+    uint64_t suspended;           // traversals continued in a later dispatch
+    struct nonfinite_stats nonfinite;
+};
+
+struct renderer {
+    struct gpu *gpu;
+    const struct scene *scene;
+    struct arena arena;
+    struct flat_scene flat;
+    struct bvh bvh;
+    struct specialization specialization;
+    struct memory_plan plan;
+    struct gpu_buffer buffers[BINDING_COUNT]; // but the film
+    struct gpu_buffer *film;                  // plan.film_chunks of them, by ranges of pixels
+    struct gpu_bindings *bindings;            // one a film chunk
+    struct gpu_kernel kernels[KERNEL_COUNT];
+    struct gpu_commands commands;
+    struct gpu_push push; // what does not change from dispatch to dispatch is filled in
+    struct gpu_counters *counters; // as last read back
+    uint8_t *marks;                // kernel of each timestamp of the commands being recorded
+    uint32_t mark_count;
+    uint32_t emitter_count;
+    uint64_t next_sample; // of every pixel, when no pass was cut short
+    struct render_stats stats;
+    const struct progress *progress;
+};
+
+// Flattens, builds the BVH, plans memory, uploads and compiles. *out must stay where it is. On
+// failure it is finished.
+bool renderer_create(const struct renderer_params *params, struct renderer *out, struct err *err);
+void renderer_finish(struct renderer *renderer); // accepts NULL and {0}
+
+// Adds `samples` further samples to every pixel. When the progress asks to stop, ends after the
+// wave in flight and sets *stopped; some pixels then have more samples than others, which the film
+// knows. `progress_from`, `progress_to`: the part of the whole that this call is.
+struct render_call {
+    uint64_t samples;
+    double progress_from, progress_to;
+    bool *stopped; // may be NULL
+};
+bool renderer_render(struct renderer *renderer, const struct render_call *call, struct err *err);
+
+// Empties the film; the sample numbers go on, so that what follows is independent of what was.
+bool renderer_clear(struct renderer *renderer, struct err *err);
+
+// Means of the half-buffers and counts, pixels in rows from the top.
+struct film_image {
+    uint32_t width, height;
+    float (*mean)[3];   // of all samples
+    float (*half_a)[3]; // of the even samples
+    float (*half_b)[3]; // of the odd ones; (0,0,0) with one sample
+    uint32_t *samples;
+    uint64_t least_samples, most_samples; // a pixel
+    uint64_t dropped; // samples with a non-finite contribution left out
+};
+bool renderer_read(struct renderer *renderer, struct arena *arena, struct film_image *out,
+                   struct err *err);
+
+#endif

@@ -1,0 +1,318 @@
+#include "wave.h"
+
+#include <string.h>
+
+// Bounces recorded before the host looks whether any path is left: few enough to end soon, enough
+// for the wait not to matter.
+#define BOUNCES_A_SUBMIT 16u
+// The longest one dispatch may take before its work is split further.
+#define LONGEST_DISPATCH_MS 100.0
+
+// --- recording ------------------------------------------------------------------------------------
+
+static void mark(struct renderer *r, enum kernel_id kernel)
+{
+    uint32_t index = gpu_timestamp(r->gpu, &r->commands);
+    if (index != UINT32_MAX)
+        r->marks[index] = (uint8_t)kernel;
+    r->mark_count = r->commands.timestamp_count;
+}
+
+static bool begin(struct renderer *r, const struct wave *wave, struct err *err)
+{
+    if (!gpu_begin(r->gpu, &r->commands, err))
+        return false;
+    gpu_bind(r->gpu, &r->commands, &r->bindings[wave->film_chunk]);
+    mark(r, KERNEL_COUNT);
+    return true;
+}
+
+static void dispatch(struct renderer *r, enum kernel_id kernel, uint32_t groups)
+{
+    gpu_push(r->gpu, &r->commands, &r->push, sizeof r->push);
+    gpu_dispatch(r->gpu, &r->commands, &r->kernels[kernel], groups);
+    gpu_barrier(r->gpu, &r->commands);
+    mark(r, kernel);
+    r->stats.kernels[kernel].launches++;
+}
+
+// A kernel over `items` known to the host, in parts.
+static void record_items(struct renderer *r, enum kernel_id kernel, uint32_t items)
+{
+    uint32_t workgroup = r->specialization.workgroup;
+    r->push.part_items = r->plan.part_items;
+    for (uint32_t first = 0; first < items; first += r->plan.part_items) {
+        uint32_t left = items - first;
+        uint32_t part = left < r->plan.part_items ? left : r->plan.part_items;
+        r->push.first_item = first;
+        dispatch(r, kernel, (part + workgroup - 1) / workgroup);
+    }
+}
+
+// A kernel over a queue whose length only the device knows, in as many parts as it may need.
+static void record_queue(struct renderer *r, enum kernel_id kernel, uint32_t queue)
+{
+    r->push.queue = queue;
+    r->push.part_items = r->plan.part_items;
+    for (uint32_t part = 0; part * (uint64_t)r->plan.part_items < r->plan.wave_slots; part++) {
+        size_t at = offsetof(struct gpu_counters, dispatch) +
+                    (queue * DISPATCH_PARTS + part) * sizeof(struct gpu_dispatch);
+        r->push.first_item = part * r->plan.part_items;
+        gpu_push(r->gpu, &r->commands, &r->push, sizeof r->push);
+        gpu_dispatch_indirect(r->gpu, &r->commands, &r->kernels[kernel],
+                              &r->buffers[BINDING_COUNTERS], at);
+        r->stats.kernels[kernel].launches++;
+    }
+    gpu_barrier(r->gpu, &r->commands);
+    mark(r, kernel);
+}
+
+static void record_prepare(struct renderer *r, uint32_t queue_mask)
+{
+    r->push.queue = queue_mask;
+    r->push.part_items = r->plan.part_items;
+    dispatch(r, KERNEL_prepare_dispatch, 1);
+}
+
+// --- running --------------------------------------------------------------------------------------
+
+static void add_times(struct renderer *r, const double *ns)
+{
+    for (uint32_t i = 1; i < r->mark_count; i++) {
+        struct kernel_stats *kernel = &r->stats.kernels[r->marks[i]];
+        double ms = (ns[i] - ns[i - 1]) * 1e-6;
+        kernel->ms += ms;
+        if (ms > kernel->longest_ms)
+            kernel->longest_ms = ms;
+        // Halves what a dispatch takes when one was too long: on a GPU a watchdog may be waiting.
+        bool splits = r->plan.part_items / 2 * DISPATCH_PARTS >= r->plan.wave_slots;
+        if (ms > LONGEST_DISPATCH_MS && !r->gpu->info.is_cpu && splits)
+            r->plan.part_items /= 2;
+    }
+}
+
+// Submits what was recorded, waits, and reads times and counters back.
+static bool run(struct renderer *r, struct err *err)
+{
+    if (!gpu_submit(r->gpu, &r->commands, err) || !gpu_wait(r->gpu, &r->commands, err))
+        return false;
+    double ns[GPU_MAX_TIMESTAMPS];
+    if (r->gpu->has_timestamps) {
+        if (!gpu_timestamps_ns(r->gpu, &r->commands, ns, err))
+            return false;
+        add_times(r, ns);
+    }
+    return gpu_download(r->gpu, &r->buffers[BINDING_COUNTERS], 0, r->counters,
+                        sizeof *r->counters, err);
+}
+
+// --- the loop -------------------------------------------------------------------------------------
+
+struct loop {
+    struct renderer *r;
+    const struct wave *wave;
+    wave_step_fn step; // NULL: record as much as possible before running it
+    void *context;
+};
+
+static bool step_done(struct loop *l, enum kernel_id kernel, struct err *err)
+{
+    return !l->step || (run(l->r, err) && l->step(l->context, kernel, l->r->push.bounce, err) &&
+                        begin(l->r, l->wave, err));
+}
+
+// Traces a queue. When rays may run out of their budget, the host looks after each dispatch and has
+// those go on that are left.
+static bool trace_queue(struct loop *l, enum kernel_id kernel, uint32_t queue, struct err *err)
+{
+    struct renderer *r = l->r;
+    record_queue(r, kernel, queue);
+    if (r->specialization.features & FEATURE_SUSPEND) {
+        for (uint32_t suspended = QUEUE_SUSPENDED;;
+             suspended = 2 * QUEUE_SUSPENDED + 1 - suspended) {
+            record_prepare(r, 1u << suspended);
+            if (!run(r, err) || !begin(r, l->wave, err))
+                return false;
+            if (r->counters->dispatch[suspended * DISPATCH_PARTS].items == 0)
+                break;
+            record_queue(r, kernel, suspended);
+        }
+    }
+    return step_done(l, kernel, err);
+}
+
+static bool shade(struct loop *l, enum kernel_id kernel, uint32_t queue, struct err *err)
+{
+    if (!specialization_needs_kernel(&l->r->specialization, kernel))
+        return true;
+    record_queue(l->r, kernel, queue);
+    return step_done(l, kernel, err);
+}
+
+static bool trace_bounce(struct loop *l, uint32_t bounce, struct err *err)
+{
+    struct renderer *r = l->r;
+    uint32_t rays = QUEUE_RAYS + (bounce & 1u), next_rays = QUEUE_RAYS + (~bounce & 1u);
+    r->push.bounce = bounce;
+
+    if (!trace_queue(l, KERNEL_intersect_closest, rays, err))
+        return false;
+    record_prepare(r, 1u << QUEUE_SURFACE | 1u << QUEUE_MISS);
+    if (!shade(l, KERNEL_shade_miss, QUEUE_MISS, err) ||
+        !shade(l, KERNEL_shade_surface, QUEUE_SURFACE, err))
+        return false;
+    record_prepare(r, 1u << next_rays | 1u << QUEUE_SHADOW);
+    return !specialization_needs_kernel(&r->specialization, KERNEL_intersect_shadow) ||
+           trace_queue(l, KERNEL_intersect_shadow, QUEUE_SHADOW, err);
+}
+
+// Follows all paths of the wave to their ends; leaves commands open that are not yet run.
+static bool trace_paths(struct loop *l, struct err *err)
+{
+    struct renderer *r = l->r;
+    if (!begin(r, l->wave, err))
+        return false;
+    r->push.bounce = 0;
+    record_items(r, KERNEL_generate_rays, l->wave->pixel_count << l->wave->sample_shift);
+    if (!step_done(l, KERNEL_generate_rays, err))
+        return false;
+    if (!specialization_needs_kernel(&r->specialization, KERNEL_intersect_closest))
+        return true;
+    record_prepare(r, 1u << QUEUE_RAYS);
+    for (uint32_t bounce = 0; bounce <= r->push.max_bounces; bounce++) {
+        if (!trace_bounce(l, bounce, err))
+            return false;
+        if ((bounce + 1) % BOUNCES_A_SUBMIT != 0)
+            continue;
+        if (!run(r, err) || !begin(r, l->wave, err))
+            return false;
+        uint32_t next_rays = QUEUE_RAYS + (~bounce & 1u);
+        if (r->counters->dispatch[next_rays * DISPATCH_PARTS].items == 0)
+            break;
+    }
+    return true;
+}
+
+static void set_wave(struct renderer *r, const struct wave *wave)
+{
+    r->push.first_pixel = (uint32_t)wave->first_pixel;
+    r->push.pixel_count = wave->pixel_count;
+    r->push.sample_shift = wave->sample_shift;
+    r->push.first_sample = (uint32_t)wave->first_sample;
+    r->push.film_first_pixel = (uint32_t)(wave->film_chunk * r->plan.film_chunk_pixels);
+}
+
+static uint64_t count_since(const uint32_t now[2], const uint32_t before[2])
+{
+    return ((uint64_t)now[1] << 32 | now[0]) - ((uint64_t)before[1] << 32 | before[0]);
+}
+
+static void add_counts(struct renderer *r, const struct gpu_counters *before)
+{
+    r->stats.closest_rays += count_since(r->counters->closest_rays, before->closest_rays);
+    r->stats.shadow_rays += count_since(r->counters->shadow_rays, before->shadow_rays);
+    r->stats.suspended += r->counters->suspended - before->suspended;
+}
+
+// Non-finite contributions: their counts, and the lowest of those that the device recorded.
+static void add_nonfinite(struct renderer *r, const struct gpu_counters *before)
+{
+    struct nonfinite_stats *stats = &r->stats.nonfinite;
+    for (int site = 0; site < SITE_COUNT; site++)
+        stats->count[site] += r->counters->nonfinite[site] - before->nonfinite[site];
+    for (uint32_t i = before->nonfinite_records;
+         i < r->counters->nonfinite_records && i < NONFINITE_RECORDS; i++) {
+        const uint32_t *record = &r->counters->nonfinite_record[i * 4];
+        if (stats->recorded && (record[0] > stats->pixel ||
+                                (record[0] == stats->pixel && record[1] >= stats->sample)))
+            continue;
+        stats->recorded = true;
+        stats->pixel = record[0];
+        stats->sample = record[1];
+        stats->site = record[2];
+        stats->bounce = record[3];
+    }
+}
+
+bool wave_render(struct renderer *r, const struct wave *wave, bool *voided, struct err *err)
+{
+    set_wave(r, wave);
+    struct loop loop = {.r = r, .wave = wave};
+    struct gpu_counters before = *r->counters;
+    if (!trace_paths(&loop, err))
+        return false;
+    record_items(r, KERNEL_accumulate, wave->pixel_count);
+    if (!run(r, err))
+        return false;
+    *voided = r->counters->unfinished != 0; // accumulate() has left the film alone then
+    if (*voided) {
+        r->stats.voided_waves++;
+        return true;
+    }
+    r->stats.waves++;
+    add_counts(r, &before);
+    add_nonfinite(r, &before);
+    return true;
+}
+
+bool wave_trace_steps(struct renderer *r, const struct wave *wave, wave_step_fn step,
+                      void *context, struct err *err)
+{
+    set_wave(r, wave);
+    struct loop loop = {.r = r, .wave = wave, .step = step, .context = context};
+    return trace_paths(&loop, err) && run(r, err);
+}
+
+// --- kernels --------------------------------------------------------------------------------------
+
+static bool create_kernels(struct renderer *r, struct err *err)
+{
+    bool ballot = r->specialization.features & FEATURE_BALLOT;
+    for (int id = 0; id < KERNEL_COUNT; id++) {
+        gpu_kernel_finish(r->gpu, &r->kernels[id]);
+        if (!specialization_needs_kernel(&r->specialization, (enum kernel_id)id))
+            continue;
+        struct kernel_code code = kernel_code((enum kernel_id)id, ballot);
+        struct gpu_kernel_params params = {
+            .name = code.name,
+            .spirv = code.spirv,
+            .spirv_bytes = code.bytes,
+            .constants = (const uint32_t *)&r->specialization,
+            .constant_count = CONSTANT_COUNT,
+        };
+        if (!gpu_kernel_create(r->gpu, &params, &r->kernels[id], err))
+            return false;
+    }
+    return true;
+}
+
+// All counters zeroed: the kernels below find nothing to do.
+static bool clear_counters(struct renderer *r, struct err *err)
+{
+    memset(r->counters, 0, sizeof *r->counters);
+    return gpu_upload(r->gpu, &r->buffers[BINDING_COUNTERS], 0, r->counters, sizeof *r->counters,
+                      err);
+}
+
+static bool run_on_nothing(struct renderer *r, struct err *err)
+{
+    struct wave none = {0};
+    set_wave(r, &none);
+    r->push.queue = 0;
+    r->push.part_items = 0;
+    struct kernel_stats kept[KERNEL_COUNT]; // compilation is no run time
+    memcpy(kept, r->stats.kernels, sizeof kept);
+    if (!clear_counters(r, err) || !begin(r, &none, err))
+        return false;
+    for (int id = 0; id < KERNEL_COUNT; id++)
+        if (r->kernels[id].pipeline)
+            dispatch(r, (enum kernel_id)id, 1);
+    bool ok = run(r, err);
+    memcpy(r->stats.kernels, kept, sizeof kept);
+    return ok;
+}
+
+bool wave_compile(struct renderer *r, struct err *err)
+{
+    return create_kernels(r, err) && run_on_nothing(r, err);
+}
