@@ -1,1 +1,182 @@
-typedef int buffer_placeholder;
+// Buffers, each with its own memory.
+#include "gpu_internal.h"
+#include <stdio.h>
+#include <string.h>
+
+#define TEXEL_BYTES 16 // RGBA32_UINT
+
+#define HOST_FLAGS (VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT)
+#define MAPPED_FLAGS (HOST_FLAGS | VK_MEMORY_PROPERTY_HOST_CACHED_BIT)
+
+// Whole texels, so that the last one can be read; also whole words, as vkCmdFillBuffer wants.
+// 0 when that overflows.
+static uint64_t padded_bytes(uint64_t bytes)
+{
+    return (bytes + (TEXEL_BYTES - 1)) & ~(uint64_t)(TEXEL_BYTES - 1);
+}
+
+bool gpu_texel_fits(const struct gpu *gpu, uint64_t bytes)
+{
+    return gpu->max_texel_elements > 0 && bytes <= UINT64_MAX - TEXEL_BYTES &&
+           padded_bytes(bytes) / TEXEL_BYTES <= gpu->max_texel_elements;
+}
+
+// The first type with all required flags and the most of the preferred ones: within equals, the
+// specification puts faster types first. Types with other flags (protected, lazily allocated,
+// vendors' own) need features that we do not enable. UINT32_MAX: none.
+static uint32_t memory_type_find(const struct gpu *gpu, uint32_t allowed_types,
+                                 VkMemoryPropertyFlags required, VkMemoryPropertyFlags preferred,
+                                 VkMemoryPropertyFlags *flags)
+{
+    const VkMemoryPropertyFlags known = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT | MAPPED_FLAGS;
+    VkPhysicalDeviceMemoryProperties memory;
+    vkGetPhysicalDeviceMemoryProperties(gpu->physical, &memory);
+    uint32_t best = UINT32_MAX;
+    int best_score = -1;
+    for (uint32_t i = 0; i < memory.memoryTypeCount; i++) {
+        VkMemoryPropertyFlags has = memory.memoryTypes[i].propertyFlags;
+        int score = __builtin_popcount(has & preferred);
+        if ((allowed_types >> i & 1) && (has & required) == required && !(has & ~known) &&
+            score > best_score) {
+            best = i;
+            best_score = score;
+            *flags = has;
+        }
+    }
+    return best;
+}
+
+// Host-visible memory of a discrete GPU is a window over the bus: reads are slow and it may be
+// small, so there only memory is mapped that the host shares.
+static VkMemoryPropertyFlags preferred_flags(const struct gpu *gpu, enum gpu_memory memory)
+{
+    if (memory == GPU_READBACK)
+        return VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
+    bool shared = gpu->info.is_cpu || strcmp(gpu->info.kind, "integrated GPU") == 0;
+    return VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT | (shared ? MAPPED_FLAGS : 0);
+}
+
+static VkResult memory_call(struct gpu *gpu, uint64_t bytes, uint32_t type, VkDeviceMemory *out)
+{
+    if (++gpu->allocation_count == gpu->params.fail_allocation)
+        return VK_ERROR_OUT_OF_DEVICE_MEMORY;
+    const VkMemoryAllocateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
+        .allocationSize = bytes,
+        .memoryTypeIndex = type,
+    };
+    return vkAllocateMemory(gpu->device, &info, NULL, out);
+}
+
+static bool too_large(struct err *err)
+{
+    return err_set(err, ERR_GPU, "above the limit of one allocation");
+}
+
+static bool memory_create(struct gpu *gpu, struct gpu_buffer *buffer, enum gpu_memory memory,
+                          struct err *err)
+{
+    VkMemoryRequirements needs;
+    vkGetBufferMemoryRequirements(gpu->device, buffer->handle, &needs);
+    if (needs.size > gpu->max_allocation)
+        return too_large(err);
+    VkMemoryPropertyFlags flags = 0;
+    uint32_t type =
+        memory_type_find(gpu, needs.memoryTypeBits, memory == GPU_READBACK ? HOST_FLAGS : 0,
+                         preferred_flags(gpu, memory), &flags);
+    if (type == UINT32_MAX)
+        return err_set(err, ERR_GPU, "the device has no type of memory for it");
+    VkResult result = memory_call(gpu, needs.size, type, &buffer->memory);
+    if (result != VK_SUCCESS)
+        return gpu_fail(gpu, "vkAllocateMemory", result, err);
+    if (!VK(gpu, err, vkBindBufferMemory(gpu->device, buffer->handle, buffer->memory, 0)))
+        return false;
+    bool map = memory == GPU_READBACK ||
+               ((flags & MAPPED_FLAGS) == MAPPED_FLAGS && !gpu->params.limits.no_mapped_device);
+    return !map ||
+           VK(gpu, err,
+              vkMapMemory(gpu->device, buffer->memory, 0, VK_WHOLE_SIZE, 0, &buffer->mapped));
+}
+
+static bool texel_view_create(struct gpu *gpu, struct gpu_buffer *buffer, struct err *err)
+{
+    const VkBufferViewCreateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO,
+        .buffer = buffer->handle,
+        .format = VK_FORMAT_R32G32B32A32_UINT,
+        .range = VK_WHOLE_SIZE,
+    };
+    return VK(gpu, err, vkCreateBufferView(gpu->device, &info, NULL, &buffer->texel_view));
+}
+
+static bool handle_create(struct gpu *gpu, struct gpu_buffer *buffer, struct err *err)
+{
+    const VkBufferCreateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
+        .size = padded_bytes(buffer->bytes),
+        .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
+                 VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
+                 VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+        .sharingMode = VK_SHARING_MODE_EXCLUSIVE,
+    };
+    return VK(gpu, err, vkCreateBuffer(gpu->device, &info, NULL, &buffer->handle));
+}
+
+static void handles_destroy(struct gpu *gpu, struct gpu_buffer *buffer)
+{
+    if (buffer->texel_view)
+        vkDestroyBufferView(gpu->device, buffer->texel_view, NULL);
+    if (buffer->handle)
+        vkDestroyBuffer(gpu->device, buffer->handle, NULL);
+    if (buffer->memory)
+        vkFreeMemory(gpu->device, buffer->memory, NULL); // also unmaps
+    *buffer = (struct gpu_buffer){0};
+}
+
+bool buffer_allocate(struct gpu *gpu, const char *name, uint64_t bytes, enum gpu_memory memory,
+                     bool texel, struct gpu_buffer *out, struct err *err)
+{
+    *out = (struct gpu_buffer){.bytes = bytes ? bytes : TEXEL_BYTES, .name = name};
+    // Refused before Vulkan is asked, whose behaviour with absurd sizes varies.
+    bool fits = out->bytes <= gpu->max_allocation && out->bytes <= UINT64_MAX - TEXEL_BYTES;
+    if (!(fits || too_large(err)) || !handle_create(gpu, out, err) ||
+        !memory_create(gpu, out, memory, err) || (texel && !texel_view_create(gpu, out, err))) {
+        err_prepend(err, "buffer %s, %llu bytes (in use: %llu; largest allocation: %llu)", name,
+                    (unsigned long long)out->bytes, (unsigned long long)gpu->allocated_bytes,
+                    (unsigned long long)gpu->max_allocation);
+        handles_destroy(gpu, out);
+        return false;
+    }
+    DEBUG_NAME(gpu, BUFFER, out->handle, name);
+    gpu->allocated_bytes += padded_bytes(out->bytes);
+    if (gpu->allocated_bytes > gpu->peak_bytes)
+        gpu->peak_bytes = gpu->allocated_bytes;
+    return true;
+}
+
+bool gpu_buffer_create(struct gpu *gpu, const char *name, uint64_t bytes, enum gpu_memory memory,
+                       bool texel, struct gpu_buffer *out, struct err *err)
+{
+    *out = (struct gpu_buffer){0};
+    if (texel && !gpu_texel_fits(gpu, bytes))
+        return err_set(err, ERR_GPU,
+                       "buffer %s: %llu bytes are above the device's limit of %llu texels of %d "
+                       "bytes (maxTexelBufferElements)",
+                       name, (unsigned long long)bytes, (unsigned long long)gpu->max_texel_elements,
+                       TEXEL_BYTES);
+    if (!buffer_allocate(gpu, name, bytes, memory, texel, out, err))
+        return false;
+    if (!buffer_zero(gpu, out, err)) {
+        gpu_buffer_finish(gpu, out);
+        return false;
+    }
+    return true;
+}
+
+void gpu_buffer_finish(struct gpu *gpu, struct gpu_buffer *buffer)
+{
+    if (!buffer || !buffer->handle)
+        return;
+    gpu->allocated_bytes -= padded_bytes(buffer->bytes);
+    handles_destroy(gpu, buffer);
+}

@@ -1,1 +1,204 @@
-typedef int command_placeholder;
+// Recording, submitting and timing.
+#include "gpu_internal.h"
+#include <assert.h>
+
+static bool query_pool_create(struct gpu *gpu, struct gpu_commands *commands, struct err *err)
+{
+    const VkQueryPoolCreateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
+        .queryType = VK_QUERY_TYPE_TIMESTAMP,
+        .queryCount = GPU_MAX_TIMESTAMPS,
+    };
+    return VK(gpu, err, vkCreateQueryPool(gpu->device, &info, NULL, &commands->queries));
+}
+
+bool gpu_commands_create(struct gpu *gpu, struct gpu_commands *out, struct err *err)
+{
+    *out = (struct gpu_commands){0};
+    const VkCommandPoolCreateInfo pool = {
+        .sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
+        .flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT,
+        .queueFamilyIndex = gpu->queue_family,
+    };
+    const VkFenceCreateInfo fence = {.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
+    VkCommandBufferAllocateInfo buffer = {
+        .sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
+        .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
+        .commandBufferCount = 1,
+    };
+    if (!VK(gpu, err, vkCreateCommandPool(gpu->device, &pool, NULL, &out->pool)))
+        goto fail;
+    buffer.commandPool = out->pool;
+    if (!VK(gpu, err, vkAllocateCommandBuffers(gpu->device, &buffer, &out->handle)) ||
+        !VK(gpu, err, vkCreateFence(gpu->device, &fence, NULL, &out->fence)) ||
+        (gpu->has_timestamps && !query_pool_create(gpu, out, err)))
+        goto fail;
+    return true;
+fail:
+    gpu_commands_finish(gpu, out);
+    return false;
+}
+
+void gpu_commands_finish(struct gpu *gpu, struct gpu_commands *commands)
+{
+    if (!commands)
+        return;
+    gpu_wait(gpu, commands, NULL); // what is in use must not be destroyed
+    if (commands->queries)
+        vkDestroyQueryPool(gpu->device, commands->queries, NULL);
+    if (commands->fence)
+        vkDestroyFence(gpu->device, commands->fence, NULL);
+    if (commands->pool)
+        vkDestroyCommandPool(gpu->device, commands->pool, NULL); // frees the command buffer
+    *commands = (struct gpu_commands){0};
+}
+
+bool gpu_begin(struct gpu *gpu, struct gpu_commands *commands, struct err *err)
+{
+    const VkCommandBufferBeginInfo info = {
+        .sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
+        .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT,
+    };
+    if (!gpu_wait(gpu, commands, err) ||
+        !VK(gpu, err, vkResetCommandPool(gpu->device, commands->pool, 0)) ||
+        !VK(gpu, err, vkBeginCommandBuffer(commands->handle, &info)))
+        return false;
+    commands->timestamp_count = 0;
+    if (commands->queries)
+        vkCmdResetQueryPool(commands->handle, commands->queries, 0, GPU_MAX_TIMESTAMPS);
+    return true;
+}
+
+void gpu_bind(struct gpu *gpu, struct gpu_commands *commands, const struct gpu_bindings *bindings)
+{
+    vkCmdBindDescriptorSets(commands->handle, VK_PIPELINE_BIND_POINT_COMPUTE, gpu->pipeline_layout,
+                            0, 1, &bindings->set, 0, NULL);
+}
+
+void gpu_push(struct gpu *gpu, struct gpu_commands *commands, const void *data, uint32_t bytes)
+{
+    assert(bytes <= GPU_PUSH_BYTES && bytes % 4 == 0);
+    vkCmdPushConstants(commands->handle, gpu->pipeline_layout, VK_SHADER_STAGE_COMPUTE_BIT, 0,
+                       bytes, data);
+}
+
+void gpu_dispatch(struct gpu *gpu, struct gpu_commands *commands, const struct gpu_kernel *kernel,
+                  uint32_t groups_x)
+{
+    assert(groups_x <= gpu->max_groups);
+    (void)gpu;
+    vkCmdBindPipeline(commands->handle, VK_PIPELINE_BIND_POINT_COMPUTE, kernel->pipeline);
+    vkCmdDispatch(commands->handle, groups_x, 1, 1);
+}
+
+void gpu_dispatch_indirect(struct gpu *gpu, struct gpu_commands *commands,
+                           const struct gpu_kernel *kernel, const struct gpu_buffer *arguments,
+                           uint64_t offset)
+{
+    (void)gpu;
+    vkCmdBindPipeline(commands->handle, VK_PIPELINE_BIND_POINT_COMPUTE, kernel->pipeline);
+    vkCmdDispatchIndirect(commands->handle, arguments->handle, offset);
+}
+
+// The source stages include the reading of indirect arguments, because they may be overwritten
+// after it.
+void gpu_barrier(struct gpu *gpu, struct gpu_commands *commands)
+{
+    (void)gpu;
+    const VkPipelineStageFlags work = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT |
+                                      VK_PIPELINE_STAGE_TRANSFER_BIT |
+                                      VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT;
+    const VkMemoryBarrier barrier = {
+        .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER,
+        .srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT,
+        .dstAccessMask = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT |
+                         VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_TRANSFER_WRITE_BIT |
+                         VK_ACCESS_INDIRECT_COMMAND_READ_BIT | VK_ACCESS_HOST_READ_BIT |
+                         VK_ACCESS_HOST_WRITE_BIT,
+    };
+    vkCmdPipelineBarrier(commands->handle, work, work | VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &barrier,
+                         0, NULL, 0, NULL);
+}
+
+void gpu_fill(struct gpu *gpu, struct gpu_commands *commands, const struct gpu_buffer *buffer,
+              uint64_t offset, uint64_t bytes, uint32_t value)
+{
+    (void)gpu;
+    vkCmdFillBuffer(commands->handle, buffer->handle, offset, bytes, value);
+}
+
+void gpu_copy(struct gpu *gpu, struct gpu_commands *commands, const struct gpu_buffer *from,
+              uint64_t from_offset, const struct gpu_buffer *to, uint64_t to_offset, uint64_t bytes)
+{
+    (void)gpu;
+    const VkBufferCopy region = {from_offset, to_offset, bytes};
+    vkCmdCopyBuffer(commands->handle, from->handle, to->handle, 1, &region);
+}
+
+uint32_t gpu_timestamp(struct gpu *gpu, struct gpu_commands *commands)
+{
+    (void)gpu;
+    if (!commands->queries || commands->timestamp_count == GPU_MAX_TIMESTAMPS)
+        return UINT32_MAX;
+    vkCmdWriteTimestamp(commands->handle, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, commands->queries,
+                        commands->timestamp_count);
+    return commands->timestamp_count++;
+}
+
+static VkResult submit_call(struct gpu *gpu, const struct gpu_commands *commands)
+{
+    if (++gpu->submit_count == gpu->params.lose_device_at_submit || gpu->lost)
+        return VK_ERROR_DEVICE_LOST;
+    const VkSubmitInfo info = {
+        .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO,
+        .commandBufferCount = 1,
+        .pCommandBuffers = &commands->handle,
+    };
+    return vkQueueSubmit(gpu->queue, 1, &info, commands->fence);
+}
+
+bool gpu_submit(struct gpu *gpu, struct gpu_commands *commands, struct err *err)
+{
+    gpu_barrier(gpu, commands);
+    if (!VK(gpu, err, vkEndCommandBuffer(commands->handle)) ||
+        !VK(gpu, err, vkResetFences(gpu->device, 1, &commands->fence)))
+        return false;
+    VkResult result = submit_call(gpu, commands);
+    if (result != VK_SUCCESS)
+        return gpu_fail(gpu, "vkQueueSubmit", result, err);
+    commands->pending = true;
+    return true;
+}
+
+bool gpu_wait(struct gpu *gpu, struct gpu_commands *commands, struct err *err)
+{
+    if (!commands->pending)
+        return true;
+    // However long it takes: a driver whose device hangs reports it as lost. Slices, because some
+    // drivers overflow on UINT64_MAX.
+    const uint64_t slice_ns = UINT64_C(1000000000);
+    VkResult result;
+    do
+        result = vkWaitForFences(gpu->device, 1, &commands->fence, VK_TRUE, slice_ns);
+    while (result == VK_TIMEOUT);
+    commands->pending = false;
+    return result == VK_SUCCESS || gpu_fail(gpu, "vkWaitForFences", result, err);
+}
+
+bool gpu_timestamps_ns(struct gpu *gpu, struct gpu_commands *commands, double *out, struct err *err)
+{
+    uint64_t ticks[GPU_MAX_TIMESTAMPS];
+    uint32_t count = commands->timestamp_count;
+    if (!gpu_wait(gpu, commands, err))
+        return false;
+    if (count == 0)
+        return true;
+    if (!VK(gpu, err,
+            vkGetQueryPoolResults(gpu->device, commands->queries, 0, count, sizeof ticks, ticks,
+                                  sizeof ticks[0], VK_QUERY_RESULT_64_BIT)))
+        return false;
+    // The counter wraps at its valid bits; a difference modulo them is right all the same.
+    for (uint32_t i = 0; i < count; i++)
+        out[i] = (double)((ticks[i] - ticks[0]) & gpu->timestamp_mask) * gpu->timestamp_ns;
+    return true;
+}

@@ -1,7 +1,8 @@
 // A thin layer over Vulkan: every vk* call of the renderer is in this folder. Raw handles stay
 // visible. One queue, one descriptor-set layout, one pipeline layout, one push-constant block.
 //
-// Threads: one thread at a time uses a struct gpu and what belongs to it.
+// Threads: one thread at a time uses a struct gpu and what belongs to it. Opening, closing and
+// listing set the process-wide function pointers of volk: not on two threads at once.
 #ifndef LAMPYRIS_GPU_GPU_H
 #define LAMPYRIS_GPU_GPU_H
 
@@ -14,7 +15,9 @@
 #define GPU_MAX_STORAGE 16 // storage-buffer bindings, 0 .. 15
 #define GPU_MAX_TEXEL 12   // uniform-texel-buffer bindings, GPU_MAX_STORAGE + 0 .. 11
 #define GPU_PUSH_BYTES 128
+#define GPU_MAX_CONSTANTS 64 // specialization constants of a kernel
 #define GPU_MAX_DEVICES 16
+#define GPU_MIN_INVOCATIONS 128 // threads a workgroup that kernels may count on
 
 struct gpu_device_info {
     uint32_t index;
@@ -24,11 +27,13 @@ struct gpu_device_info {
     bool is_cpu;      // runs on the processor (lavapipe, SwiftShader)
     uint32_t api_version;
     uint64_t memory_bytes; // largest device-local heap
-    const char *unusable;  // NULL, or what it lacks for us
+    char unusable[256];    // "", or what it lacks for us
 };
 
-// Lists devices in the loader's order; fails with ERR_NO_VULKAN when there is no loader or driver.
-bool gpu_list_devices(struct gpu_device_info *out, uint32_t *count, struct err *err);
+// Lists the first GPU_MAX_DEVICES devices in the loader's order; fails with ERR_NO_VULKAN when
+// there is no loader or driver.
+bool gpu_list_devices(struct gpu_device_info out[GPU_MAX_DEVICES], uint32_t *count,
+                      struct err *err);
 
 // Lower limits than the device's, to test fallbacks; 0 means the device's own.
 struct gpu_limit_overrides {
@@ -37,13 +42,14 @@ struct gpu_limit_overrides {
     uint64_t allocation;     // largest VkDeviceMemory, bytes
     bool no_texel;           // SSBO reads only
     bool no_ballot;          // without subgroup ballot
+    bool no_mapped_device;   // device memory is never mapped: uploads and downloads are staged
 };
 
 struct gpu_params {
     const char *device; // index or part of a name, case-insensitive; NULL: the fastest kind
     bool validation;    // VK_LAYER_KHRONOS_validation with synchronization validation
     struct gpu_limit_overrides limits;
-    // Faults for tests: fail the n-th (from 1) allocation / submission; 0: never.
+    // Faults for tests: fail the n-th (from 1) allocation / submission, staging included; 0: never.
     uint32_t fail_allocation, lose_device_at_submit;
 };
 
@@ -58,15 +64,18 @@ struct gpu {
     uint64_t max_storage_range;
     uint64_t max_texel_elements; // 0 without texel buffers
     uint64_t max_allocation;
-    uint32_t max_groups;      // workgroups in x a dispatch
-    uint32_t max_invocations; // threads a workgroup
+    uint64_t storage_alignment; // offsets of storage ranges are multiples of this, bytes
+    uint32_t max_groups;        // workgroups in x a dispatch
+    uint32_t max_invocations;   // threads a workgroup
     uint32_t subgroup_size;
-    bool has_ballot;      // ballot and arithmetic subgroup operations in compute
+    bool has_ballot; // ballot and arithmetic subgroup operations in compute
     bool has_timestamps;
-    double timestamp_ns;  // nanoseconds a tick
-    uint32_t validation_messages; // warnings and errors of the validation layers so far
+    double timestamp_ns;          // nanoseconds a tick
+    uint64_t timestamp_mask;      // the bits of a tick count that are valid
+    uint32_t validation_messages; // warnings and errors of the validation layers so far; gpu_close
+                                  // keeps it, so that objects left over can be counted
     bool lost;                    // VK_ERROR_DEVICE_LOST was seen
-    uint64_t allocated_bytes, peak_bytes;
+    uint64_t allocated_bytes, peak_bytes; // of all buffers, staging included
 
     VkDescriptorSetLayout set_layout;
     VkPipelineLayout pipeline_layout;
@@ -76,11 +85,16 @@ struct gpu {
     uint32_t allocation_count, submit_count;
 };
 
+// params may be NULL: all defaults. *out must not move until gpu_close: the validation layers hold
+// its address.
 bool gpu_open(const struct gpu_params *params, struct gpu *out, struct err *err);
 void gpu_close(struct gpu *gpu); // accepts NULL and {0}
 
 // --- buffers ------------------------------------------------------------------------------------
-enum gpu_memory { GPU_DEVICE, GPU_READBACK }; // readback: host-visible, cached where possible, mapped
+enum gpu_memory {
+    GPU_DEVICE,
+    GPU_READBACK
+}; // readback: host-visible, cached where possible, mapped
 
 struct gpu_buffer {
     VkBuffer handle;
@@ -88,14 +102,14 @@ struct gpu_buffer {
     uint64_t bytes;
     VkBufferView texel_view; // RGBA32_UINT over the whole buffer, or VK_NULL_HANDLE
     void *mapped;            // GPU_READBACK, or device memory that the host sees; else NULL
-    const char *name;
+    const char *name;        // the caller's, who keeps it while the buffer lives
 };
 
 // texel: also make a uniform-texel view (the size must fit the limit: ask gpu_texel_fits before).
 // Storage, indirect, transfer usage. A size of 0 is made 16. Zero-filled.
 bool gpu_buffer_create(struct gpu *gpu, const char *name, uint64_t bytes, enum gpu_memory memory,
                        bool texel, struct gpu_buffer *out, struct err *err);
-void gpu_buffer_finish(struct gpu *gpu, struct gpu_buffer *buffer);
+void gpu_buffer_finish(struct gpu *gpu, struct gpu_buffer *buffer); // accepts NULL and {0}
 bool gpu_texel_fits(const struct gpu *gpu, uint64_t bytes);
 // Synchronous copies; through staging memory in pieces of at most 64 MiB where needed.
 bool gpu_upload(struct gpu *gpu, struct gpu_buffer *buffer, uint64_t offset, const void *data,
@@ -119,14 +133,14 @@ struct gpu_kernel {
 
 bool gpu_kernel_create(struct gpu *gpu, const struct gpu_kernel_params *params,
                        struct gpu_kernel *out, struct err *err);
-void gpu_kernel_finish(struct gpu *gpu, struct gpu_kernel *kernel);
+void gpu_kernel_finish(struct gpu *gpu, struct gpu_kernel *kernel); // accepts NULL and {0}
 
 // --- bindings -----------------------------------------------------------------------------------
 // A descriptor set. Every binding is always valid: those left {0} are bound to a small dummy buffer
 // that the set owns.
 struct gpu_binding {
     const struct gpu_buffer *buffer; // NULL: the dummy
-    uint64_t offset, bytes;          // storage: the range; bytes 0: from offset to the end
+    uint64_t offset, bytes; // the range, from a multiple of storage_alignment; bytes 0: to the end
 };
 
 struct gpu_bindings {
@@ -135,6 +149,8 @@ struct gpu_bindings {
     struct gpu_buffer dummy;
 };
 
+// storage, texel: NULL for none at all. Texel buffers need a texel view. The buffers must outlive
+// the bindings.
 bool gpu_bindings_create(struct gpu *gpu, const struct gpu_binding storage[GPU_MAX_STORAGE],
                          const struct gpu_buffer *const texel[GPU_MAX_TEXEL],
                          struct gpu_bindings *out, struct err *err);
@@ -154,6 +170,7 @@ struct gpu_commands {
 
 bool gpu_commands_create(struct gpu *gpu, struct gpu_commands *out, struct err *err);
 void gpu_commands_finish(struct gpu *gpu, struct gpu_commands *commands);
+// Starts recording anew; waits for a submission of these commands that is still pending.
 bool gpu_begin(struct gpu *gpu, struct gpu_commands *commands, struct err *err);
 void gpu_bind(struct gpu *gpu, struct gpu_commands *commands, const struct gpu_bindings *bindings);
 void gpu_push(struct gpu *gpu, struct gpu_commands *commands, const void *data, uint32_t bytes);
@@ -172,9 +189,10 @@ void gpu_copy(struct gpu *gpu, struct gpu_commands *commands, const struct gpu_b
               uint64_t bytes);
 // Index of the timestamp, or UINT32_MAX when there is none (no support, or the pool is full).
 uint32_t gpu_timestamp(struct gpu *gpu, struct gpu_commands *commands);
+// Ends recording with a barrier, so that the next submission and, after gpu_wait, the host see all.
 bool gpu_submit(struct gpu *gpu, struct gpu_commands *commands, struct err *err);
 bool gpu_wait(struct gpu *gpu, struct gpu_commands *commands, struct err *err);
-// After gpu_wait: nanoseconds from timestamp 0, for all timestamp_count of them.
+// Waits as gpu_wait does; then: nanoseconds from timestamp 0, for all timestamp_count of them.
 bool gpu_timestamps_ns(struct gpu *gpu, struct gpu_commands *commands, double *out,
                        struct err *err);
 

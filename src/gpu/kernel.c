@@ -1,1 +1,118 @@
-typedef int kernel_placeholder;
+// Compute pipelines, and the one layout that all of them share.
+#include "gpu_internal.h"
+
+// Bindings 0 .. GPU_MAX_STORAGE-1 are storage buffers, then come GPU_MAX_TEXEL uniform texel
+// buffers.
+static bool set_layout_create(struct gpu *gpu, struct err *err)
+{
+    VkDescriptorSetLayoutBinding bindings[GPU_MAX_STORAGE + GPU_MAX_TEXEL];
+    for (uint32_t i = 0; i < GPU_MAX_STORAGE + GPU_MAX_TEXEL; i++)
+        bindings[i] = (VkDescriptorSetLayoutBinding){
+            .binding = i,
+            .descriptorType = i < GPU_MAX_STORAGE ? VK_DESCRIPTOR_TYPE_STORAGE_BUFFER
+                                                  : VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER,
+            .descriptorCount = 1,
+            .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT,
+        };
+    const VkDescriptorSetLayoutCreateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
+        .bindingCount = GPU_MAX_STORAGE + GPU_MAX_TEXEL,
+        .pBindings = bindings,
+    };
+    return VK(gpu, err, vkCreateDescriptorSetLayout(gpu->device, &info, NULL, &gpu->set_layout));
+}
+
+static bool pipeline_layout_create(struct gpu *gpu, struct err *err)
+{
+    const VkPushConstantRange push = {
+        .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT,
+        .size = GPU_PUSH_BYTES,
+    };
+    const VkPipelineLayoutCreateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
+        .setLayoutCount = 1,
+        .pSetLayouts = &gpu->set_layout,
+        .pushConstantRangeCount = 1,
+        .pPushConstantRanges = &push,
+    };
+    return VK(gpu, err, vkCreatePipelineLayout(gpu->device, &info, NULL, &gpu->pipeline_layout));
+}
+
+bool layouts_create(struct gpu *gpu, struct err *err)
+{
+    const VkPipelineCacheCreateInfo cache = {
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO,
+    };
+    return set_layout_create(gpu, err) && pipeline_layout_create(gpu, err) &&
+           VK(gpu, err, vkCreatePipelineCache(gpu->device, &cache, NULL, &gpu->pipeline_cache));
+}
+
+void layouts_destroy(struct gpu *gpu)
+{
+    vkDestroyPipelineCache(gpu->device, gpu->pipeline_cache, NULL);
+    vkDestroyPipelineLayout(gpu->device, gpu->pipeline_layout, NULL);
+    vkDestroyDescriptorSetLayout(gpu->device, gpu->set_layout, NULL);
+}
+
+static bool pipeline_create(struct gpu *gpu, const struct gpu_kernel_params *params,
+                            VkShaderModule module, VkPipeline *out, struct err *err)
+{
+    VkSpecializationMapEntry entries[GPU_MAX_CONSTANTS];
+    for (uint32_t i = 0; i < params->constant_count; i++)
+        entries[i] = (VkSpecializationMapEntry){
+            .constantID = i,
+            .offset = i * (uint32_t)sizeof(uint32_t),
+            .size = sizeof(uint32_t),
+        };
+    const VkSpecializationInfo specialization = {
+        .mapEntryCount = params->constant_count,
+        .pMapEntries = entries,
+        .dataSize = params->constant_count * sizeof(uint32_t),
+        .pData = params->constants,
+    };
+    const VkComputePipelineCreateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
+        .stage =
+            {
+                .sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
+                .stage = VK_SHADER_STAGE_COMPUTE_BIT,
+                .module = module,
+                .pName = "main",
+                .pSpecializationInfo = &specialization,
+            },
+        .layout = gpu->pipeline_layout,
+    };
+    return VK(gpu, err,
+              vkCreateComputePipelines(gpu->device, gpu->pipeline_cache, 1, &info, NULL, out));
+}
+
+bool gpu_kernel_create(struct gpu *gpu, const struct gpu_kernel_params *params,
+                       struct gpu_kernel *out, struct err *err)
+{
+    *out = (struct gpu_kernel){.name = params->name};
+    if (params->constant_count > GPU_MAX_CONSTANTS)
+        return err_set(err, ERR_BUG, "kernel %s: %u specialization constants, expected at most %d",
+                       params->name, params->constant_count, GPU_MAX_CONSTANTS);
+    const VkShaderModuleCreateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
+        .codeSize = params->spirv_bytes,
+        .pCode = params->spirv,
+    };
+    VkShaderModule module = VK_NULL_HANDLE;
+    bool ok = VK(gpu, err, vkCreateShaderModule(gpu->device, &info, NULL, &module)) &&
+              pipeline_create(gpu, params, module, &out->pipeline, err);
+    vkDestroyShaderModule(gpu->device, module, NULL);
+    if (!ok)
+        return err_prepend(err, "kernel %s", params->name);
+    DEBUG_NAME(gpu, PIPELINE, out->pipeline, params->name);
+    return true;
+}
+
+void gpu_kernel_finish(struct gpu *gpu, struct gpu_kernel *kernel)
+{
+    if (!kernel)
+        return;
+    if (kernel->pipeline)
+        vkDestroyPipeline(gpu->device, kernel->pipeline, NULL);
+    *kernel = (struct gpu_kernel){0};
+}

@@ -1,1 +1,3 @@
-typedef int volk_placeholder;
+// Debian's libvulkan-volk-dev is source only: this unit compiles it into our library.
+#define VOLK_IMPLEMENTATION
+#include <volk.h>

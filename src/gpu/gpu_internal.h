@@ -1,0 +1,41 @@
+// What the files of this folder share and nobody else sees.
+#ifndef LAMPYRIS_GPU_INTERNAL_H
+#define LAMPYRIS_GPU_INTERNAL_H
+
+#include "gpu.h"
+
+// Runs a Vulkan call; true on success, else the call's name and its result are recorded in err.
+#define VK(gpu, err, call) vk_check((gpu), #call, (call), (err))
+bool vk_check(struct gpu *gpu, const char *call, VkResult result, struct err *err);
+
+// --- instance.c ---------------------------------------------------------------------------------
+// Needs gpu->params; with validation on, messages carry the pointer gpu from now on.
+bool instance_create(struct gpu *gpu, struct err *err);
+void instance_destroy(struct gpu *gpu);
+// A function of an extension that this instance has enabled. volk's pointers to such functions are
+// no use: they are NULL again once an instance without the extension is opened.
+PFN_vkVoidFunction instance_function(const struct gpu *gpu, const char *name);
+
+// --- select.c -----------------------------------------------------------------------------------
+// Chooses by gpu->params.device; fills in physical, queue_family and info.
+bool device_select(struct gpu *gpu, struct err *err);
+// Reads the limits of gpu->physical, lowered by the overrides.
+void device_read_limits(struct gpu *gpu);
+
+// --- buffer.c -----------------------------------------------------------------------------------
+// Without the check against max_texel_elements, and left as allocated, not zero-filled.
+bool buffer_allocate(struct gpu *gpu, const char *name, uint64_t bytes, enum gpu_memory memory,
+                     bool texel, struct gpu_buffer *out, struct err *err);
+bool buffer_zero(struct gpu *gpu, struct gpu_buffer *buffer, struct err *err);
+
+// --- kernel.c -----------------------------------------------------------------------------------
+bool layouts_create(struct gpu *gpu, struct err *err);
+void layouts_destroy(struct gpu *gpu);
+
+// --- debug.c ------------------------------------------------------------------------------------
+// Names an object for the validation layers' messages and for debuggers; nothing without them.
+void debug_name(const struct gpu *gpu, VkObjectType type, uint64_t handle, const char *name);
+#define DEBUG_NAME(gpu, type, handle, name)                                                        \
+    debug_name((gpu), VK_OBJECT_TYPE_##type, (uint64_t)(handle), (name))
+
+#endif

@@ -1,0 +1,172 @@
+// The loader, the instance and the validation layers.
+#include "gpu_internal.h"
+#include "log.h"
+#include <stdlib.h>
+#include <string.h>
+
+#define VALIDATION_LAYER "VK_LAYER_KHRONOS_validation"
+
+static bool loader_open(struct err *err)
+{
+    if (!vkCreateInstance && volkInitialize() != VK_SUCCESS)
+        return err_set(err, ERR_NO_VULKAN,
+                       "no Vulkan loader: libvulkan.so.1 was not found; install the package that "
+                       "has it (Debian: libvulkan1) and a driver (mesa-vulkan-drivers)");
+    uint32_t version = volkGetInstanceVersion();
+    if (version < VK_API_VERSION_1_2)
+        return err_set(err, ERR_NO_VULKAN, "the Vulkan loader has version %u.%u, expected 1.2",
+                       VK_API_VERSION_MAJOR(version), VK_API_VERSION_MINOR(version));
+    return true;
+}
+
+static bool has_layer(const char *name)
+{
+    uint32_t count = 0;
+    if (vkEnumerateInstanceLayerProperties(&count, NULL) != VK_SUCCESS)
+        return false;
+    VkLayerProperties *list = calloc(count + 1, sizeof *list);
+    bool found = false;
+    if (list && vkEnumerateInstanceLayerProperties(&count, list) >= VK_SUCCESS)
+        for (uint32_t i = 0; i < count; i++)
+            found |= strcmp(list[i].layerName, name) == 0;
+    free(list);
+    return found;
+}
+
+// layer: NULL asks for those of the loader and the drivers.
+static bool has_extension(const char *layer, const char *name)
+{
+    uint32_t count = 0;
+    if (vkEnumerateInstanceExtensionProperties(layer, &count, NULL) != VK_SUCCESS)
+        return false;
+    VkExtensionProperties *list = calloc(count + 1, sizeof *list);
+    bool found = false;
+    if (list && vkEnumerateInstanceExtensionProperties(layer, &count, list) >= VK_SUCCESS)
+        for (uint32_t i = 0; i < count; i++)
+            found |= strcmp(list[i].extensionName, name) == 0;
+    free(list);
+    return found;
+}
+
+static VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
+                                                 VkDebugUtilsMessageTypeFlagsEXT types,
+                                                 const VkDebugUtilsMessengerCallbackDataEXT *data,
+                                                 void *context)
+{
+    (void)severity, (void)types;
+    struct gpu *gpu = context;
+    gpu->validation_messages++;
+    log_warn("Vulkan validation: %s", data->pMessage);
+    return VK_FALSE; // the call goes on as it would without the layers
+}
+
+// The type GENERAL is left out: it is the loader's talk about drivers, not about what we do.
+static VkDebugUtilsMessengerCreateInfoEXT messenger_info(struct gpu *gpu)
+{
+    return (VkDebugUtilsMessengerCreateInfoEXT){
+        .sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
+        .messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT |
+                           VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
+        .messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT |
+                       VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT,
+        .pfnUserCallback = on_message,
+        .pUserData = gpu,
+    };
+}
+
+static bool validation_check(struct err *err)
+{
+    if (!has_layer(VALIDATION_LAYER))
+        return err_set(err, ERR_GPU,
+                       "validation: the layer " VALIDATION_LAYER
+                       " is not installed (Debian: vulkan-validationlayers)");
+    if (!has_extension(VALIDATION_LAYER, VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME))
+        return err_set(err, ERR_GPU,
+                       "validation: " VALIDATION_LAYER
+                       " lacks VK_EXT_validation_features, which synchronization validation needs");
+    return true;
+}
+
+static VkResult instance_call(struct gpu *gpu, const void *next, bool portability)
+{
+    bool validation = gpu->params.validation;
+    const char *layers[] = {VALIDATION_LAYER};
+    const char *extensions[3];
+    uint32_t extension_count = 0;
+    if (validation) {
+        extensions[extension_count++] = VK_EXT_DEBUG_UTILS_EXTENSION_NAME;
+        extensions[extension_count++] = VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME;
+    }
+    if (portability)
+        extensions[extension_count++] = VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME;
+
+    const VkApplicationInfo application = {
+        .sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
+        .pApplicationName = "lampyris",
+        .apiVersion = VK_API_VERSION_1_2,
+    };
+    const VkInstanceCreateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
+        .pNext = next,
+        .flags = portability ? VK_INSTANCE_CREATE_ENUMERATE_PORTABILITY_BIT_KHR : 0,
+        .pApplicationInfo = &application,
+        .enabledLayerCount = validation ? 1 : 0,
+        .ppEnabledLayerNames = layers,
+        .enabledExtensionCount = extension_count,
+        .ppEnabledExtensionNames = extensions,
+    };
+    return vkCreateInstance(&info, NULL, &gpu->instance);
+}
+
+PFN_vkVoidFunction instance_function(const struct gpu *gpu, const char *name)
+{
+    return vkGetInstanceProcAddr(gpu->instance, name);
+}
+
+bool instance_create(struct gpu *gpu, struct err *err)
+{
+    bool validation = gpu->params.validation;
+    if (!loader_open(err) || (validation && !validation_check(err)))
+        return false;
+
+    // Both stand in the chain, so that messages about the instance itself are heard, too.
+    const VkDebugUtilsMessengerCreateInfoEXT messenger = messenger_info(gpu);
+    const VkValidationFeatureEnableEXT enable[] = {
+        VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT};
+    const VkValidationFeaturesEXT features = {
+        .sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT,
+        .pNext = &messenger,
+        .enabledValidationFeatureCount = 1,
+        .pEnabledValidationFeatures = enable,
+    };
+    VkResult result =
+        instance_call(gpu, validation ? &features : NULL,
+                      has_extension(NULL, VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME));
+    if (result == VK_ERROR_INCOMPATIBLE_DRIVER)
+        return err_set(err, ERR_NO_VULKAN,
+                       "no Vulkan driver was found; install one (Debian: mesa-vulkan-drivers, "
+                       "which also has lavapipe for machines without a GPU)");
+    if (result != VK_SUCCESS)
+        return gpu_fail(gpu, "vkCreateInstance", result, err);
+    // Pointers to core functions that come from an instance dispatch by their first argument, so
+    // several open devices do not disturb each other; volkLoadDevice would bind them to the latest.
+    volkLoadInstance(gpu->instance);
+    return !validation ||
+           VK(gpu, err,
+              vkCreateDebugUtilsMessengerEXT(gpu->instance, &messenger, NULL, &gpu->messenger));
+}
+
+void instance_destroy(struct gpu *gpu)
+{
+    if (!gpu->instance)
+        return;
+    if (gpu->messenger) {
+        PFN_vkDestroyDebugUtilsMessengerEXT destroy =
+            (PFN_vkDestroyDebugUtilsMessengerEXT)instance_function(
+                gpu, "vkDestroyDebugUtilsMessengerEXT");
+        destroy(gpu->instance, gpu->messenger, NULL);
+    }
+    vkDestroyInstance(gpu->instance, NULL);
+    gpu->messenger = VK_NULL_HANDLE;
+    gpu->instance = VK_NULL_HANDLE;
+}

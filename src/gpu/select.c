@@ -1,0 +1,280 @@
+// Which devices there are, whether they suffice, and which one is used.
+#include "gpu_internal.h"
+#include <ctype.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct device_properties {
+    VkPhysicalDeviceProperties core;
+    VkPhysicalDeviceVulkan11Properties v11;
+    VkPhysicalDeviceVulkan12Properties v12;
+};
+
+// Devices below 1.2 have only the core part filled in.
+static void properties_read(VkPhysicalDevice device, struct device_properties *out)
+{
+    *out = (struct device_properties){0};
+    vkGetPhysicalDeviceProperties(device, &out->core);
+    if (out->core.apiVersion < VK_API_VERSION_1_2)
+        return;
+    out->v12.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_PROPERTIES;
+    out->v11.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_PROPERTIES;
+    out->v11.pNext = &out->v12;
+    VkPhysicalDeviceProperties2 all = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2,
+        .pNext = &out->v11,
+    };
+    vkGetPhysicalDeviceProperties2(device, &all);
+}
+
+// The first family that computes and draws (on GPUs the widest one), else the first that computes.
+static uint32_t queue_family_find(VkPhysicalDevice device, uint32_t *timestamp_bits)
+{
+    VkQueueFamilyProperties families[32];
+    uint32_t count = 32, found = UINT32_MAX;
+    vkGetPhysicalDeviceQueueFamilyProperties(device, &count, families);
+    for (uint32_t i = count; i-- > 0;) {
+        VkQueueFlags flags = families[i].queueFlags;
+        bool computes = flags & VK_QUEUE_COMPUTE_BIT;
+        bool found_draws =
+            found != UINT32_MAX && (families[found].queueFlags & VK_QUEUE_GRAPHICS_BIT);
+        if (computes && ((flags & VK_QUEUE_GRAPHICS_BIT) || !found_draws))
+            found = i;
+    }
+    *timestamp_bits = found == UINT32_MAX ? 0 : families[found].timestampValidBits;
+    return found;
+}
+
+static uint64_t device_memory_bytes(VkPhysicalDevice device)
+{
+    VkPhysicalDeviceMemoryProperties memory;
+    vkGetPhysicalDeviceMemoryProperties(device, &memory);
+    uint64_t largest = 0;
+    for (uint32_t i = 0; i < memory.memoryHeapCount; i++)
+        if ((memory.memoryHeaps[i].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT) &&
+            memory.memoryHeaps[i].size > largest)
+            largest = memory.memoryHeaps[i].size;
+    return largest;
+}
+
+// Writes what the device lacks, or "".
+static void find_lacks(const struct device_properties *p, uint32_t family, char *out, size_t size)
+{
+    const VkPhysicalDeviceLimits *l = &p->core.limits;
+    // Uniform texel buffers count as sampled images (Vulkan specification, "Required Limits").
+    const struct {
+        const char *name;
+        uint32_t value, need;
+    } limits[] = {
+        {"maxPerStageDescriptorStorageBuffers", l->maxPerStageDescriptorStorageBuffers,
+         GPU_MAX_STORAGE},
+        {"maxDescriptorSetStorageBuffers", l->maxDescriptorSetStorageBuffers, GPU_MAX_STORAGE},
+        {"maxPerStageDescriptorSampledImages", l->maxPerStageDescriptorSampledImages,
+         GPU_MAX_TEXEL},
+        {"maxDescriptorSetSampledImages", l->maxDescriptorSetSampledImages, GPU_MAX_TEXEL},
+        {"maxPerStageResources", l->maxPerStageResources, GPU_MAX_STORAGE + GPU_MAX_TEXEL},
+        {"maxPushConstantsSize", l->maxPushConstantsSize, GPU_PUSH_BYTES},
+        {"maxComputeWorkGroupInvocations", l->maxComputeWorkGroupInvocations, GPU_MIN_INVOCATIONS},
+        {"maxComputeWorkGroupSize[0]", l->maxComputeWorkGroupSize[0], GPU_MIN_INVOCATIONS},
+    };
+    out[0] = '\0';
+    if (p->core.apiVersion < VK_API_VERSION_1_2) {
+        snprintf(out, size, "Vulkan %u.%u, expected 1.2", VK_API_VERSION_MAJOR(p->core.apiVersion),
+                 VK_API_VERSION_MINOR(p->core.apiVersion));
+        return;
+    }
+    if (family == UINT32_MAX) {
+        snprintf(out, size, "no queue that computes");
+        return;
+    }
+    for (size_t i = 0, used = 0; i < sizeof limits / sizeof limits[0] && used < size; i++)
+        if (limits[i].value < limits[i].need)
+            used +=
+                (size_t)snprintf(out + used, size - used, "%s%s is %u, expected at least %u",
+                                 used ? "; " : "", limits[i].name, limits[i].value, limits[i].need);
+}
+
+static const char *kind_name(VkPhysicalDeviceType type)
+{
+    switch (type) {
+    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
+        return "discrete GPU";
+    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
+        return "integrated GPU";
+    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
+        return "virtual GPU";
+    case VK_PHYSICAL_DEVICE_TYPE_CPU:
+        return "CPU";
+    default:
+        return "other";
+    }
+}
+
+static void info_read(VkPhysicalDevice device, uint32_t index, struct gpu_device_info *out)
+{
+    struct device_properties p;
+    properties_read(device, &p);
+    uint32_t timestamp_bits;
+    uint32_t family = queue_family_find(device, &timestamp_bits);
+    *out = (struct gpu_device_info){
+        .index = index,
+        .kind = kind_name(p.core.deviceType),
+        .is_cpu = p.core.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU,
+        .api_version = p.core.apiVersion,
+        .memory_bytes = device_memory_bytes(device),
+    };
+    snprintf(out->name, sizeof out->name, "%s", p.core.deviceName);
+    // The encoding of driverVersion differs by vendor; driverInfo has it in words.
+    if (p.v12.driverInfo[0])
+        snprintf(out->driver, sizeof out->driver, "%s %s", p.v12.driverName, p.v12.driverInfo);
+    else
+        snprintf(out->driver, sizeof out->driver, "%s version 0x%x", p.v12.driverName,
+                 p.core.driverVersion);
+    find_lacks(&p, family, out->unusable, sizeof out->unusable);
+}
+
+struct device_list {
+    VkPhysicalDevice handles[GPU_MAX_DEVICES];
+    struct gpu_device_info infos[GPU_MAX_DEVICES];
+    uint32_t count;
+};
+
+static bool list_read(struct gpu *gpu, struct device_list *out, struct err *err)
+{
+    out->count = GPU_MAX_DEVICES;
+    VkResult result = vkEnumeratePhysicalDevices(gpu->instance, &out->count, out->handles);
+    // Loaders report drivers of which none has found its device as a failed initialization.
+    if (result == VK_ERROR_INITIALIZATION_FAILED || (result == VK_SUCCESS && out->count == 0))
+        return err_set(err, ERR_NO_VULKAN, "the Vulkan drivers that are installed have no device");
+    if (result != VK_SUCCESS && result != VK_INCOMPLETE)
+        return gpu_fail(gpu, "vkEnumeratePhysicalDevices", result, err);
+    for (uint32_t i = 0; i < out->count; i++)
+        info_read(out->handles[i], i, &out->infos[i]);
+    return true;
+}
+
+bool gpu_list_devices(struct gpu_device_info out[GPU_MAX_DEVICES], uint32_t *count, struct err *err)
+{
+    struct gpu gpu = {0};
+    struct device_list list;
+    bool ok = instance_create(&gpu, err) && list_read(&gpu, &list, err);
+    *count = ok ? list.count : 0;
+    if (ok)
+        memcpy(out, list.infos, list.count * sizeof *out);
+    instance_destroy(&gpu);
+    return ok;
+}
+
+// Lower is faster.
+static int kind_rank(const struct gpu_device_info *info)
+{
+    static const char *const order[] = {"discrete GPU", "integrated GPU", "virtual GPU", "CPU"};
+    int rank = 0;
+    while (rank < 4 && strcmp(info->kind, order[rank]) != 0)
+        rank++;
+    return rank;
+}
+
+static bool contains_ignoring_case(const char *text, const char *part)
+{
+    for (; *text; text++) {
+        size_t i = 0;
+        while (part[i] && tolower((unsigned char)text[i]) == tolower((unsigned char)part[i]))
+            i++;
+        if (!part[i])
+            return true;
+    }
+    return !*part;
+}
+
+// A number below the count is an index; "4090" may still be part of a name.
+static bool wants(const char *wanted, const struct gpu_device_info *info, uint32_t count)
+{
+    if (!wanted)
+        return true;
+    char *end;
+    unsigned long index = strtoul(wanted, &end, 10);
+    if (isdigit((unsigned char)wanted[0]) && !*end && index < count)
+        return index == info->index;
+    return contains_ignoring_case(info->name, wanted);
+}
+
+// The best of those that are wanted: a usable one before an unusable one, then by kind, then the
+// loader's order. UINT32_MAX: none is wanted.
+static uint32_t list_choose(const struct device_list *list, const char *wanted)
+{
+    uint32_t best = UINT32_MAX;
+    int best_score = 0;
+    for (uint32_t i = 0; i < list->count; i++) {
+        const struct gpu_device_info *info = &list->infos[i];
+        int score = kind_rank(info) + (info->unusable[0] ? 100 : 0);
+        if (wants(wanted, info, list->count) && (best == UINT32_MAX || score < best_score)) {
+            best = i;
+            best_score = score;
+        }
+    }
+    return best;
+}
+
+static bool unknown_device(const struct device_list *list, const char *wanted, struct err *err)
+{
+    char names[400] = "";
+    for (uint32_t i = 0; i < list->count; i++) {
+        size_t used = strlen(names);
+        snprintf(names + used, sizeof names - used, "%s%u: %s", i ? ", " : "", i,
+                 list->infos[i].name);
+    }
+    return err_set(err, ERR_USAGE, "no device is called '%s'; there are: %s", wanted, names);
+}
+
+bool device_select(struct gpu *gpu, struct err *err)
+{
+    struct device_list list;
+    if (!list_read(gpu, &list, err))
+        return false;
+    uint32_t chosen = list_choose(&list, gpu->params.device);
+    if (chosen == UINT32_MAX)
+        return unknown_device(&list, gpu->params.device, err);
+    gpu->info = list.infos[chosen];
+    gpu->physical = list.handles[chosen];
+    if (gpu->info.unusable[0])
+        return err_set(err, ERR_GPU, "%s cannot be used: %s", gpu->info.name, gpu->info.unusable);
+    return true;
+}
+
+static uint64_t lowered(uint64_t limit, uint64_t override)
+{
+    return override && override < limit ? override : limit;
+}
+
+void device_read_limits(struct gpu *gpu)
+{
+    struct device_properties p;
+    properties_read(gpu->physical, &p);
+    const VkPhysicalDeviceLimits *limits = &p.core.limits;
+    const struct gpu_limit_overrides *lower = &gpu->params.limits;
+    const VkSubgroupFeatureFlags ballot =
+        VK_SUBGROUP_FEATURE_BASIC_BIT | VK_SUBGROUP_FEATURE_VOTE_BIT |
+        VK_SUBGROUP_FEATURE_ARITHMETIC_BIT | VK_SUBGROUP_FEATURE_BALLOT_BIT;
+
+    gpu->max_storage_range = lowered(limits->maxStorageBufferRange, lower->storage_range);
+    gpu->max_texel_elements =
+        lower->no_texel ? 0 : lowered(limits->maxTexelBufferElements, lower->texel_elements);
+    gpu->max_allocation = lowered(p.v11.maxMemoryAllocationSize, lower->allocation);
+    gpu->storage_alignment = limits->minStorageBufferOffsetAlignment;
+    gpu->max_groups = limits->maxComputeWorkGroupCount[0];
+    gpu->max_invocations = limits->maxComputeWorkGroupInvocations;
+    if (limits->maxComputeWorkGroupSize[0] < gpu->max_invocations)
+        gpu->max_invocations = limits->maxComputeWorkGroupSize[0];
+    gpu->subgroup_size = p.v11.subgroupSize;
+    gpu->has_ballot = !lower->no_ballot &&
+                      (p.v11.subgroupSupportedStages & VK_SHADER_STAGE_COMPUTE_BIT) &&
+                      (p.v11.subgroupSupportedOperations & ballot) == ballot;
+
+    uint32_t timestamp_bits;
+    gpu->queue_family = queue_family_find(gpu->physical, &timestamp_bits);
+    gpu->has_timestamps = timestamp_bits > 0;
+    gpu->timestamp_ns = (double)limits->timestampPeriod;
+    gpu->timestamp_mask = timestamp_bits >= 64 ? UINT64_MAX : (UINT64_C(1) << timestamp_bits) - 1;
+}
