@@ -1,0 +1,121 @@
+#include "commands.h"
+
+#include "log.h"
+#include "suggest.h"
+#include <string.h>
+
+const struct command commands[COMMAND_TOTAL] = {
+    [COMMAND_RENDER] =
+        {
+            .name = "render",
+            .summary = "render a scene to pictures",
+            .arguments = "SCENE",
+            .description =
+                "Renders a scene file (.json, .gltf, .glb, .obj or .ply) by path tracing, on any "
+                "Vulkan device with compute shaders. Settings come from the options, else from "
+                "the scene file, else they are the defaults given below. A model without a camera "
+                "is framed; one without a light gets an even environment. The summary says how "
+                "good the picture is, what it cost, and what was left out. An interrupted render "
+                "(SIGINT, SIGTERM) writes the samples that it has.",
+            .examples = "lampyris render scenes/cornell.json -o cornell.exr -o cornell.png\n"
+                        "lampyris render model.glb --spp 256 --size 1920x1080 --env 1,1,1\n"
+                        "lampyris render scenes/mesh_room.json -D mesh=bunny.ply --time 30 --json",
+            .min_arguments = 1,
+            .max_arguments = 1,
+        },
+    [COMMAND_COMPARE] =
+        {
+            .name = "compare",
+            .summary = "measure how far a picture is from a reference",
+            .arguments = "IMAGE REFERENCE",
+            .description =
+                "Compares two pictures (.exr, .hdr, .png or .jpg; the latter two decoded to linear "
+                "light) of the same size x and r and prints, over all pixels and channels: mse, "
+                "the mean of (x - r)^2; rmse, its root; relmse, the mean of (x - r)^2 / (r^2 + "
+                "0.01); psnr in dB for a peak of 1; and max, the greatest difference. Pixels with "
+                "a non-finite value in either picture are counted and left out.",
+            .examples = "lampyris compare out.exr reference.exr --max relmse=1e-3\n"
+                        "lampyris compare a.exr b.exr --max differing=0 --difference d.png",
+            .min_arguments = 2,
+            .max_arguments = 2,
+            .run = cmd_compare,
+        },
+    [COMMAND_INFO] =
+        {
+            .name = "info",
+            .summary = "say what is in a scene and what it needs",
+            .arguments = "SCENE",
+            .description =
+                "Loads a scene and prints what is in it, which features a render of it would use, "
+                "and how much device memory each buffer would take, without rendering.",
+            .examples = "lampyris info scenes/cornell.json\n"
+                        "lampyris info model.glb --size 3840x2160 --json",
+            .min_arguments = 1,
+            .max_arguments = 1,
+        },
+    [COMMAND_DEVICES] =
+        {
+            .name = "devices",
+            .summary = "list the Vulkan devices",
+            .arguments = "",
+            .description = "Lists the Vulkan devices with their drivers, and marks the one that "
+                           "would be chosen. A device that runs on the processor is called CPU.",
+            .examples = "lampyris devices\n"
+                        "lampyris devices --device llvmpipe --json",
+            .run = cmd_devices,
+        },
+    [COMMAND_HELP] =
+        {
+            .name = "help",
+            .summary = "explain the program or a command",
+            .arguments = "[COMMAND]",
+            .description = "Prints the help of a command, or of the program. With --man, a manual "
+                           "page.",
+            .examples = "lampyris help render\n"
+                        "lampyris help --man | man -l -",
+            .max_arguments = 1,
+            .run = cmd_help,
+        },
+};
+
+const struct command *command_find(const char *name, struct err *err)
+{
+    struct suggestion suggestion = {.wanted = name};
+    for (int i = 0; i < COMMAND_TOTAL; i++) {
+        if (strcmp(commands[i].name, name) == 0)
+            return &commands[i];
+        suggest_offer(&suggestion, commands[i].name);
+    }
+    if (suggestion.nearest)
+        err_set(err, ERR_USAGE, "unknown command \"%s\"; did you mean \"%s\"?", name,
+                suggestion.nearest);
+    else
+        err_set(err, ERR_USAGE, "unknown command \"%s\"", name);
+    return NULL;
+}
+
+int exit_code(enum err_code code)
+{
+    switch (code) {
+    case ERR_NONE:
+        return EXIT_CODE_OK;
+    case ERR_USAGE:
+    case ERR_INPUT:
+        return EXIT_CODE_INPUT;
+    case ERR_SYSTEM:
+    case ERR_GPU:
+    case ERR_BUG:
+        return EXIT_CODE_DEVICE;
+    case ERR_NO_VULKAN:
+        return EXIT_CODE_NO_VULKAN;
+    case ERR_OUTPUT:
+        return EXIT_CODE_OUTPUT;
+    }
+    return EXIT_CODE_DEVICE;
+}
+
+int command_fail(const struct err *err)
+{
+    log_message(LOG_ERROR, "%s", err->msg);
+    return exit_code(err->code);
+}

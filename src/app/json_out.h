@@ -1,0 +1,16 @@
+// JSON results on stdout.
+#ifndef LAMPYRIS_APP_JSON_OUT_H
+#define LAMPYRIS_APP_JSON_OUT_H
+
+#include <jansson.h>
+
+// A number; null where it is not finite, for which JSON has no word.
+json_t *json_number(double value);
+// A string; bytes that are no valid UTF-8 (file names may have them) become '?'.
+json_t *json_words(const char *text);
+
+// Prints one object and a newline to stdout and drops the reference. NULL, which is what jansson's
+// constructors return, means that memory ran out. Returns an exit code.
+int json_print(json_t *object);
+
+#endif

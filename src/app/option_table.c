@@ -1,0 +1,271 @@
+#include "commands.h"
+#include "options.h"
+
+#define FOR_RENDER (1u << COMMAND_RENDER)
+#define FOR_COMPARE (1u << COMMAND_COMPARE)
+#define FOR_DEVICES (1u << COMMAND_DEVICES)
+#define FOR_HELP (1u << COMMAND_HELP)
+#define FOR_SCENE (FOR_RENDER | 1u << COMMAND_INFO)
+#define FOR_ALL ((1u << COMMAND_TOTAL) - 1)
+
+#define FIELD(member)                                                                              \
+    .offset = offsetof(struct options, member), .size = sizeof(((struct options *)NULL)->member)
+
+#define IN_SCENE_FILE "the scene file's, else "
+
+_Static_assert(offsetof(struct settings, height) == offsetof(struct settings, width) + 4,
+               "--size writes width and height at once");
+_Static_assert(OPTION_TOTAL <= 64, "one bit of struct options.given each");
+
+// Filled paragraphs: one field a line would make the table four times as long.
+// clang-format off
+const struct option_def option_table[OPTION_TOTAL] = {
+    [OPTION_OUTPUT] = {
+        .name = "output", .short_name = 'o', .argument = "FILE", .type = VALUE_OUTPUT,
+        .group = "Picture", .commands = FOR_RENDER, .fallback = "the scene's name with .exr, here",
+        .help = "Write the picture to FILE, .exr (linear) or .png (tone-mapped). May be given "
+                "several times.",
+    },
+    [OPTION_SIZE] = {
+        .name = "size", .argument = "WxH", .type = VALUE_SIZE, .min = 1, .max = 16777216,
+        .group = "Picture", .commands = FOR_SCENE, .fallback = IN_SCENE_FILE "512x512",
+        .help = "Width and height in pixels, at most 2^31 pixels in all.",
+        .offset = offsetof(struct options, settings.width), .size = 2 * sizeof(uint32_t),
+    },
+    [OPTION_HALF] = {
+        .name = "half", .type = VALUE_FLAG, .group = "Picture", .commands = FOR_RENDER,
+        .help = "Write EXR files with 16-bit instead of 32-bit channels.", FIELD(half_float),
+    },
+    [OPTION_EXPOSURE] = {
+        .name = "exposure", .argument = "STOPS", .type = VALUE_REAL, .min = -100, .max = 100,
+        .group = "Picture", .commands = FOR_RENDER, .fallback = IN_SCENE_FILE "0",
+        .help = "Multiply PNG pictures by 2^STOPS before the tone curve. EXR stays as it is.",
+        FIELD(settings.exposure),
+    },
+    [OPTION_TONE] = {
+        .name = "tone", .argument = "none|reinhard|aces|agx", .type = VALUE_CHOICE,
+        .group = "Picture", .commands = FOR_RENDER, .fallback = IN_SCENE_FILE "none",
+        .help = "Tone curve of PNG pictures.", FIELD(settings.tone_curve),
+    },
+
+    [OPTION_SPP] = {
+        .name = "spp", .argument = "N", .type = VALUE_COUNT, .min = 1, .max = 4294967295.0,
+        .group = "Sampling", .commands = FOR_SCENE, .fallback = IN_SCENE_FILE "64",
+        .help = "Samples per pixel.", FIELD(settings.spp),
+    },
+    [OPTION_TIME] = {
+        .name = "time", .argument = "SECONDS", .type = VALUE_REAL, .min = 0, .max = 1e9,
+        .group = "Sampling", .commands = FOR_RENDER, .fallback = "no limit",
+        .help = "Stop at the first whole sample per pixel after this many seconds of rendering, "
+                "or at --spp, whichever comes first. At least one sample per pixel is taken.",
+        FIELD(time_seconds),
+    },
+    [OPTION_SEED] = {
+        .name = "seed", .argument = "N", .type = VALUE_COUNT, .min = 0, .max = 4294967295.0,
+        .group = "Sampling", .commands = FOR_RENDER, .fallback = IN_SCENE_FILE "0",
+        .help = "Seed of the random numbers. The same seed gives the same picture, bit for bit.",
+        FIELD(settings.seed),
+    },
+    [OPTION_FILTER] = {
+        .name = "filter", .argument = "box", .type = VALUE_CHOICE, .group = "Sampling",
+        .commands = FOR_RENDER, .fallback = IN_SCENE_FILE "box", .help = "Pixel filter.",
+        FIELD(settings.filter),
+    },
+    [OPTION_MAX_BOUNCES] = {
+        .name = "max-bounces", .argument = "N", .type = VALUE_COUNT, .min = 0, .max = 1048576,
+        .group = "Sampling", .commands = FOR_SCENE, .fallback = IN_SCENE_FILE "9",
+        .help = "Scattering events on a path: 0 is emission only, 1 direct light.",
+        FIELD(settings.max_bounces),
+    },
+    [OPTION_ESTIMATOR] = {
+        .name = "estimator", .argument = "mis|nee|bsdf", .type = VALUE_CHOICE,
+        .group = "Sampling", .commands = FOR_SCENE, .fallback = "mis",
+        .help = "How paths find lights: by sampling lights (nee), by scattering (bsdf), or by both "
+                "with multiple importance sampling (mis). All converge to the same picture.",
+        FIELD(settings.estimator),
+    },
+    [OPTION_ROULETTE_MIN_BOUNCES] = {
+        .name = "roulette-min-bounces", .argument = "N|off", .type = VALUE_COUNT_OR_OFF,
+        .min = 0, .max = 1048576, .group = "Sampling", .commands = FOR_SCENE,
+        .fallback = IN_SCENE_FILE "3",
+        .help = "Paths may end by Russian roulette after this many scattering events.",
+        FIELD(settings.roulette_min_bounces),
+    },
+
+    [OPTION_CAMERA] = {
+        .name = "camera", .argument = "NAME|INDEX", .type = VALUE_TEXT, .group = "Scene",
+        .commands = FOR_SCENE, .fallback = "the first",
+        .help = "Which of the scene's cameras, by name or by number from 0.", FIELD(camera),
+    },
+    [OPTION_ENV] = {
+        .name = "env", .argument = "FILE|R,G,B", .type = VALUE_ENVIRONMENT, .group = "Scene",
+        .commands = FOR_SCENE, .fallback = "the scene's",
+        .help = "What surrounds the scene: a latitude-longitude picture, or a constant radiance "
+                "in W/(sr m^2). A file whose name looks like a colour is written ./1,1,1.",
+    },
+    [OPTION_DEFINE] = {
+        .name = "define", .short_name = 'D', .argument = "KEY=VALUE", .type = VALUE_DEFINE,
+        .group = "Scene", .commands = FOR_SCENE,
+        .help = "Replace a value of a JSON scene, by its \"define\" name or its dotted path, as in "
+                "camera.fov=40. May be given several times.",
+    },
+    [OPTION_ALLOW_OUTSIDE_PATHS] = {
+        .name = "allow-outside-paths", .type = VALUE_FLAG, .group = "Scene",
+        .commands = FOR_SCENE,
+        .help = "Let scene files name files outside their own folder. Only for files you trust.",
+        FIELD(allow_outside_paths),
+    },
+
+    [OPTION_FRAMES] = {
+        .name = "frames", .argument = "N", .type = VALUE_COUNT, .min = 1, .max = 4294967295.0,
+        .group = "Frames", .commands = FOR_RENDER, .fallback = "one picture of --spp samples",
+        .help = "Render exactly N frames of --spp-per-frame samples each. N frames of K samples "
+                "equal --spp N*K bit for bit.",
+        FIELD(frames),
+    },
+    [OPTION_SPP_PER_FRAME] = {
+        .name = "spp-per-frame", .argument = "N", .type = VALUE_COUNT, .min = 1,
+        .max = 4294967295.0, .group = "Frames", .commands = FOR_RENDER, .fallback = "1",
+        .help = "Samples per pixel of one frame.", FIELD(spp_per_frame),
+    },
+    [OPTION_EVERY] = {
+        .name = "every", .argument = "N", .type = VALUE_COUNT, .min = 1, .max = 4294967295.0,
+        .group = "Frames", .commands = FOR_RENDER, .fallback = "only after the last frame",
+        .help = "Write a numbered picture after every N frames.", FIELD(every),
+    },
+    [OPTION_ACCUMULATE] = {
+        .name = "accumulate", .argument = "on|off", .type = VALUE_SWITCH, .group = "Frames",
+        .commands = FOR_RENDER, .fallback = "on",
+        .help = "Whether frames add up to one picture. Off: each is fresh, with samples of its own.",
+        FIELD(accumulate),
+    },
+
+    [OPTION_DEVICE] = {
+        .name = "device", .argument = "INDEX|NAME", .type = VALUE_TEXT, .group = "Device",
+        .commands = FOR_SCENE | FOR_DEVICES, .fallback = "the fastest kind",
+        .help = "Device to use, by its number in \"lampyris devices\" or a part of its name.",
+        FIELD(gpu.device),
+    },
+    [OPTION_WAVE] = {
+        .name = "wave", .argument = "N", .type = VALUE_COUNT, .min = 64, .max = 16777216,
+        .group = "Device", .commands = FOR_SCENE, .fallback = "chosen by device",
+        .help = "Paths in flight. Changes memory and speed, and no bit of the picture.",
+        FIELD(wave),
+    },
+    [OPTION_VALIDATION] = {
+        .name = "validation", .type = VALUE_FLAG, .group = "Device", .commands = FOR_SCENE,
+        .help = "Enable the Vulkan validation layers, synchronization validation included. Slow.",
+        FIELD(gpu.validation),
+    },
+
+    [OPTION_PIXEL] = {
+        .name = "pixel", .argument = "X,Y", .type = VALUE_PAIR, .min = 0, .max = 16777215,
+        .group = "Replay", .commands = FOR_RENDER,
+        .help = "Follow one path through this pixel, counted from the top left, and print every "
+                "vertex of it instead of rendering.",
+        FIELD(pixel),
+    },
+    [OPTION_SAMPLE] = {
+        .name = "sample", .argument = "S", .type = VALUE_COUNT, .min = 0, .max = 4294967294.0,
+        .group = "Replay", .commands = FOR_RENDER, .fallback = "0",
+        .help = "Index, from 0, of the sample that --pixel follows.", FIELD(sample),
+    },
+
+    [OPTION_FEATURES] = {
+        .name = "features", .argument = "needed|all", .type = VALUE_CHOICE,
+        .group = "Fallbacks, for tests", .commands = FOR_SCENE, .fallback = "needed",
+        .help = "Compile in what the scene needs, or everything.", FIELD(features),
+    },
+    [OPTION_NO_TEXEL] = {
+        .name = "no-texel", .type = VALUE_FLAG, .group = "Fallbacks, for tests",
+        .commands = FOR_SCENE, .help = "Read storage buffers only, no texel buffers.",
+        FIELD(gpu.limits.no_texel),
+    },
+    [OPTION_NO_BALLOT] = {
+        .name = "no-ballot", .type = VALUE_FLAG, .group = "Fallbacks, for tests",
+        .commands = FOR_SCENE, .help = "Do without subgroup ballots.",
+        FIELD(gpu.limits.no_ballot),
+    },
+    [OPTION_LIMIT_STORAGE_RANGE] = {
+        .name = "limit-storage-range", .argument = "BYTES", .type = VALUE_COUNT, .min = 1,
+        .max = 1099511627776.0, .group = "Fallbacks, for tests", .commands = FOR_SCENE,
+        .fallback = "the device's",
+        .help = "Lower the largest range of a storage buffer.", FIELD(gpu.limits.storage_range),
+    },
+    [OPTION_LIMIT_TEXEL_ELEMENTS] = {
+        .name = "limit-texel-elements", .argument = "N", .type = VALUE_COUNT, .min = 1,
+        .max = 4294967295.0, .group = "Fallbacks, for tests", .commands = FOR_SCENE,
+        .fallback = "the device's",
+        .help = "Lower the largest number of elements of a texel buffer.",
+        FIELD(gpu.limits.texel_elements),
+    },
+    [OPTION_LIMIT_ALLOCATION] = {
+        .name = "limit-allocation", .argument = "BYTES", .type = VALUE_COUNT, .min = 1,
+        .max = 1099511627776.0, .group = "Fallbacks, for tests", .commands = FOR_SCENE,
+        .fallback = "the device's", .help = "Lower the largest allocation of device memory.",
+        FIELD(gpu.limits.allocation),
+    },
+
+    [OPTION_MAX] = {
+        .name = "max", .argument = "METRIC=VALUE", .type = VALUE_LIMIT, .group = "Checks",
+        .commands = FOR_COMPARE,
+        .help = "Exit with 1 if the metric is greater: mse, rmse, relmse, max, or the number of "
+                "nonfinite or differing pixels. May be given several times. Any check also fails "
+                "on non-finite pixels unless --max nonfinite=N allows them.",
+    },
+    [OPTION_MIN] = {
+        .name = "min", .argument = "psnr=VALUE", .type = VALUE_LIMIT, .group = "Checks",
+        .commands = FOR_COMPARE, .help = "Exit with 1 if the PSNR, in dB, is smaller.",
+    },
+    [OPTION_DIFFERENCE] = {
+        .name = "difference", .argument = "FILE", .type = VALUE_TEXT, .group = "Picture",
+        .commands = FOR_COMPARE,
+        .help = "Write a false-colour picture, .png or .exr, of the relative difference: black for "
+                "none, then blue, green, yellow and red on a logarithmic scale from 1e-4 to 1.",
+        FIELD(difference),
+    },
+
+    [OPTION_MAN] = {
+        .name = "man", .type = VALUE_FLAG, .group = "Format", .commands = FOR_HELP,
+        .help = "Print a manual page in roff instead of plain text.", FIELD(man),
+    },
+
+    [OPTION_JSON] = {
+        .name = "json", .type = VALUE_FLAG, .group = "General", .commands = FOR_ALL,
+        .help = "Print the result as one JSON object on standard output.", FIELD(json),
+    },
+    [OPTION_QUIET] = {
+        .name = "quiet", .short_name = 'q', .type = VALUE_FLAG, .group = "General",
+        .commands = FOR_ALL, .help = "No progress and no summary; warnings and errors stay.",
+        FIELD(quiet),
+    },
+    [OPTION_LOG_LEVEL] = {
+        .name = "log-level", .argument = "error|warning|note|debug", .type = VALUE_CHOICE,
+        .group = "General", .commands = FOR_ALL, .fallback = "warning",
+        .help = "What is reported on standard error.", FIELD(log_level),
+    },
+    [OPTION_HELP] = {
+        .name = "help", .short_name = 'h', .type = VALUE_FLAG, .group = "General",
+        .commands = FOR_ALL, .help = "Print this help.", FIELD(help),
+    },
+    [OPTION_VERSION] = {
+        .name = "version", .type = VALUE_FLAG, .group = "General", .commands = FOR_ALL,
+        .help = "Print the version.", FIELD(version),
+    },
+};
+// clang-format on
+
+const char *const compare_metric_names[METRIC_TOTAL] = {
+    [METRIC_MSE] = "mse",
+    [METRIC_RMSE] = "rmse",
+    [METRIC_RELMSE] = "relmse",
+    [METRIC_PSNR] = "psnr",
+    [METRIC_MAX] = "max",
+    [METRIC_NONFINITE] = "nonfinite",
+    [METRIC_DIFFERING] = "differing",
+};
+
+bool option_belongs(const struct option_def *def, const struct command *command)
+{
+    return def->commands >> (command - commands) & 1;
+}

@@ -1,0 +1,277 @@
+#include "options.h"
+
+#include "file.h"
+#include "image.h"
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+_Static_assert(sizeof(enum tone_curve) == sizeof(unsigned) &&
+                   sizeof(enum log_level) == sizeof(unsigned),
+               "choices are stored as unsigned");
+
+static bool in_range(const struct option_def *def, double value, const char *text, struct err *err)
+{
+    if (value >= def->min && value <= def->max)
+        return true;
+    return err_set(err, ERR_USAGE, "\"%s\" is outside [%.15g, %.15g]", text, def->min, def->max);
+}
+
+// Digits, then perhaps one of k, M, G for 2^10, 2^20, 2^30: waves, samples and bytes come in powers
+// of two. No sign, no blanks. *rest is what follows; false when there is no number or it is too
+// big.
+static bool parse_count(const char *text, uint64_t *out, const char **rest)
+{
+    if (*text < '0' || *text > '9')
+        return false;
+    char *end;
+    errno = 0;
+    uint64_t value = strtoull(text, &end, 10);
+    if (errno != 0)
+        return false;
+    int shift = *end == 'k' || *end == 'K' ? 10 : *end == 'M' ? 20 : *end == 'G' ? 30 : 0;
+    if (value > UINT64_MAX >> shift)
+        return false;
+    *out = value << shift;
+    *rest = end + (shift > 0);
+    return true;
+}
+
+// A finite decimal number: strtod would also take "nan", "inf", hexadecimal and leading blanks.
+static bool parse_real(const char *text, double *out, const char **rest)
+{
+    size_t length = strspn(text, "+-.0123456789eE");
+    if (length == 0 || strpbrk(text, "xX") == text + length)
+        return false;
+    char *end;
+    *out = strtod(text, &end);
+    *rest = end;
+    return end != text && isfinite(*out);
+}
+
+static void store(struct options *options, const struct option_def *def, const void *value)
+{
+    memcpy((char *)options + def->offset, value, def->size);
+}
+
+static void store_count(struct options *options, const struct option_def *def, uint64_t value)
+{
+    uint32_t narrow = (uint32_t)value; // the range has been checked
+    store(options, def, def->size == sizeof narrow ? (const void *)&narrow : &value);
+}
+
+static bool store_checked_count(const struct option_def *def, const char *text,
+                                struct options *options, struct err *err)
+{
+    uint64_t value;
+    const char *rest;
+    if (!parse_count(text, &value, &rest) || *rest)
+        return err_set(err, ERR_USAGE,
+                       "\"%s\" is not a number; expected digits, perhaps with k, M or G", text);
+    if (!in_range(def, (double)value, text, err))
+        return false;
+    store_count(options, def, value);
+    return true;
+}
+
+static bool store_real(const struct option_def *def, const char *text, struct options *options,
+                       struct err *err)
+{
+    double value;
+    const char *rest;
+    if (!parse_real(text, &value, &rest) || *rest)
+        return err_set(err, ERR_USAGE, "\"%s\" is not a finite number", text);
+    if (!in_range(def, value, text, err))
+        return false;
+    float narrow = (float)value;
+    store(options, def, def->size == sizeof narrow ? (const void *)&narrow : &value);
+    return true;
+}
+
+static bool store_switch(const struct option_def *def, const char *text, struct options *options,
+                         struct err *err)
+{
+    bool on = strcmp(text, "on") == 0;
+    if (!on && strcmp(text, "off") != 0)
+        return err_set(err, ERR_USAGE, "\"%s\" is neither \"on\" nor \"off\"", text);
+    store(options, def, &on);
+    return true;
+}
+
+static bool store_choice(const struct option_def *def, const char *text, struct options *options,
+                         struct err *err)
+{
+    size_t length = strlen(text);
+    unsigned index = 0;
+    for (const char *word = def->argument; word; index++) {
+        size_t word_length = strcspn(word, "|");
+        if (length == word_length && memcmp(word, text, length) == 0) {
+            store(options, def, &index);
+            return true;
+        }
+        word = word[word_length] ? word + word_length + 1 : NULL;
+    }
+    return err_set(err, ERR_USAGE, "\"%s\" is unknown; expected %s%s", text,
+                   strchr(def->argument, '|') ? "one of " : "", def->argument);
+}
+
+// Two counts with a separator: "640x480", "12,34".
+static bool store_two(const struct option_def *def, char separator, const char *text,
+                      struct options *options, struct err *err)
+{
+    uint64_t first, second;
+    const char *rest;
+    if (!parse_count(text, &first, &rest) || *rest != separator ||
+        !parse_count(rest + 1, &second, &rest) || *rest)
+        return err_set(err, ERR_USAGE, "\"%s\" is not of the form %s", text, def->argument);
+    if (!in_range(def, (double)first, text, err) || !in_range(def, (double)second, text, err))
+        return false;
+    uint32_t both[2] = {(uint32_t)first, (uint32_t)second};
+    store(options, def, both);
+    return true;
+}
+
+static bool store_size(const struct option_def *def, const char *text, struct options *options,
+                       struct err *err)
+{
+    if (!store_two(def, 'x', text, options, err))
+        return false;
+    const uint64_t most = UINT64_C(1) << 31; // settings.h
+    if ((uint64_t)options->settings.width * options->settings.height > most)
+        return err_set(err, ERR_USAGE, "\"%s\" is more than 2^31 pixels", text);
+    return true;
+}
+
+static bool parse_color(const char *text, float out[3])
+{
+    for (int i = 0; i < 3; i++) {
+        double value;
+        const char *rest;
+        if (!parse_real(text, &value, &rest) || *rest != (i < 2 ? ',' : '\0'))
+            return false;
+        out[i] = (float)value;
+        text = rest + 1;
+    }
+    return true;
+}
+
+static bool store_environment(const char *text, struct options *options, struct err *err)
+{
+    struct environment_option *environment = &options->environment;
+    *environment = (struct environment_option){0};
+    // What consists of a number's characters and commas is a colour, if a misspelt one.
+    bool is_color = strchr(text, ',') && text[strspn(text, "+-.0123456789eE,")] == '\0';
+    if (!is_color) {
+        environment->file = text;
+        return *text ? true : err_set(err, ERR_USAGE, "the value is empty; expected FILE or R,G,B");
+    }
+    if (!parse_color(text, environment->radiance))
+        return err_set(err, ERR_USAGE, "\"%s\" is not a colour; expected R,G,B as in 1,0.5,0",
+                       text);
+    for (int i = 0; i < 3; i++)
+        if (!(environment->radiance[i] >= 0 && isfinite(environment->radiance[i])))
+            return err_set(err, ERR_USAGE, "\"%s\" has a negative or too large component", text);
+    return true;
+}
+
+static bool store_output(const char *text, struct options *options, struct err *err)
+{
+    if (!image_check_format(text, err)) {
+        if (err)
+            err->code = ERR_USAGE;
+        return false;
+    }
+    for (uint32_t i = 0; i < options->output_count; i++)
+        if (strcmp(options->outputs[i], text) == 0)
+            return err_set(err, ERR_USAGE, "\"%s\" is given twice", text);
+    options->outputs[options->output_count++] = text;
+    return true;
+}
+
+static bool store_define(const char *text, struct options *options, struct err *err)
+{
+    const char *equals = strchr(text, '=');
+    if (!equals || equals == text)
+        return err_set(err, ERR_USAGE, "\"%s\" is not of the form KEY=VALUE", text);
+    char *key = arena_printf(&options->arena, "%.*s", (int)(equals - text), text);
+    if (!key)
+        return err_memory(err, "a key", strlen(text));
+    options->overrides[options->override_count++] = (struct scene_override){key, equals + 1};
+    return true;
+}
+
+static int metric_find(const char *name, size_t length)
+{
+    for (int i = 0; i < METRIC_TOTAL; i++)
+        if (strlen(compare_metric_names[i]) == length &&
+            memcmp(compare_metric_names[i], name, length) == 0)
+            return i;
+    return -1;
+}
+
+static bool store_limit(const struct option_def *def, const char *text, struct options *options,
+                        struct err *err)
+{
+    size_t length = strcspn(text, "=");
+    int metric = metric_find(text, length);
+    if (metric < 0 || !text[length])
+        return err_set(err, ERR_USAGE,
+                       "\"%s\" is not of the form %s; metrics are mse, rmse, relmse, psnr, max, "
+                       "nonfinite and differing",
+                       text, def->argument);
+    bool is_minimum = def == &option_table[OPTION_MIN];
+    if (is_minimum != (metric == METRIC_PSNR))
+        return err_set(err, ERR_USAGE, "\"%s\": a greater %s is %s; use --%s", text,
+                       compare_metric_names[metric], is_minimum ? "worse" : "better",
+                       option_table[is_minimum ? OPTION_MAX : OPTION_MIN].name);
+    double value;
+    const char *rest;
+    if (!parse_real(text + length + 1, &value, &rest) || *rest || value < 0)
+        return err_set(err, ERR_USAGE, "\"%s\": the limit is not a finite number >= 0", text);
+    options->limits[options->limit_count++] =
+        (struct compare_limit){(enum compare_metric)metric, is_minimum, value};
+    return true;
+}
+
+bool option_store(const struct option_def *def, const char *text, struct options *options,
+                  struct err *err)
+{
+    switch (def->type) {
+    case VALUE_FLAG:
+        store(options, def, &(bool){true});
+        return true;
+    case VALUE_SWITCH:
+        return store_switch(def, text, options, err);
+    case VALUE_COUNT_OR_OFF:
+        if (strcmp(text, "off") == 0) {
+            store_count(options, def, UINT32_MAX);
+            return true;
+        }
+        return store_checked_count(def, text, options, err);
+    case VALUE_COUNT:
+        return store_checked_count(def, text, options, err);
+    case VALUE_REAL:
+        return store_real(def, text, options, err);
+    case VALUE_CHOICE:
+        return store_choice(def, text, options, err);
+    case VALUE_TEXT:
+        if (!*text)
+            return err_set(err, ERR_USAGE, "the value is empty; expected %s", def->argument);
+        store(options, def, &text);
+        return true;
+    case VALUE_SIZE:
+        return store_size(def, text, options, err);
+    case VALUE_PAIR:
+        return store_two(def, ',', text, options, err);
+    case VALUE_ENVIRONMENT:
+        return store_environment(text, options, err);
+    case VALUE_OUTPUT:
+        return store_output(text, options, err);
+    case VALUE_DEFINE:
+        return store_define(text, options, err);
+    case VALUE_LIMIT:
+        return store_limit(def, text, options, err);
+    }
+    return err_set(err, ERR_BUG, "an option of unknown type");
+}

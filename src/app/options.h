@@ -1,0 +1,184 @@
+// The command line. One table, option_table, says what each option is called, takes and means;
+// parsing, the help texts and the manual page all come from it.
+#ifndef LAMPYRIS_APP_OPTIONS_H
+#define LAMPYRIS_APP_OPTIONS_H
+
+#include "arena.h"
+#include "err.h"
+#include "gpu.h"
+#include "log.h"
+#include "progress.h"
+#include "scene.h"
+#include "settings.h"
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+struct command;
+
+// In the order of option_table, which is the order of the help.
+enum option_id {
+    OPTION_OUTPUT,
+    OPTION_SIZE,
+    OPTION_HALF,
+    OPTION_EXPOSURE,
+    OPTION_TONE,
+    OPTION_SPP,
+    OPTION_TIME,
+    OPTION_SEED,
+    OPTION_FILTER,
+    OPTION_MAX_BOUNCES,
+    OPTION_ESTIMATOR,
+    OPTION_ROULETTE_MIN_BOUNCES,
+    OPTION_CAMERA,
+    OPTION_ENV,
+    OPTION_DEFINE,
+    OPTION_ALLOW_OUTSIDE_PATHS,
+    OPTION_FRAMES,
+    OPTION_SPP_PER_FRAME,
+    OPTION_EVERY,
+    OPTION_ACCUMULATE,
+    OPTION_DEVICE,
+    OPTION_WAVE,
+    OPTION_VALIDATION,
+    OPTION_PIXEL,
+    OPTION_SAMPLE,
+    OPTION_FEATURES,
+    OPTION_NO_TEXEL,
+    OPTION_NO_BALLOT,
+    OPTION_LIMIT_STORAGE_RANGE,
+    OPTION_LIMIT_TEXEL_ELEMENTS,
+    OPTION_LIMIT_ALLOCATION,
+    OPTION_MAX,
+    OPTION_MIN,
+    OPTION_DIFFERENCE,
+    OPTION_MAN,
+    OPTION_JSON,
+    OPTION_QUIET,
+    OPTION_LOG_LEVEL,
+    OPTION_HELP,
+    OPTION_VERSION,
+    OPTION_TOTAL
+};
+
+// How an option's value is written, and what stands in its field of struct options.
+enum option_type {
+    VALUE_FLAG,         // none; bool
+    VALUE_SWITCH,       // "on" or "off"; bool
+    VALUE_COUNT,        // digits and perhaps k, M or G (powers of 1024); uint32_t or uint64_t
+    VALUE_COUNT_OR_OFF, // the same, or "off": UINT32_MAX
+    VALUE_REAL,         // decimal; float or double
+    VALUE_CHOICE,       // a word of the '|'-separated `argument`; an enum in that order
+    VALUE_TEXT,         // anything; const char *
+    VALUE_SIZE,         // WxH; two uint32_t
+    VALUE_PAIR,         // X,Y; two uint32_t
+    VALUE_ENVIRONMENT,  // FILE or R,G,B
+    // Repeatable, each with a list of its own:
+    VALUE_OUTPUT,
+    VALUE_DEFINE, // KEY=VALUE
+    VALUE_LIMIT,  // METRIC=VALUE
+};
+
+struct option_def {
+    const char *name;     // without the dashes
+    char short_name;      // 0: none
+    const char *argument; // what the help calls the value; NULL for a flag
+    enum option_type type;
+    double min, max;      // range of a number, both ends included; 0, 0 where there is none
+    const char *fallback; // what holds when it is not given, for the help; or NULL
+    const char *help;     // sentences, with units
+    const char *group;    // heading in the help
+    unsigned commands;    // bit 1 << enum command_id for each command that takes it
+    size_t offset, size;  // of the field in struct options
+};
+
+extern const struct option_def option_table[OPTION_TOTAL];
+
+// What --env gives: a file, or a constant radiance where file is NULL.
+struct environment_option {
+    const char *file;
+    float radiance[3]; // W/(sr m^2)
+};
+
+enum features_option { FEATURES_NEEDED, FEATURES_ALL };
+
+enum compare_metric {
+    METRIC_MSE,
+    METRIC_RMSE,
+    METRIC_RELMSE,
+    METRIC_PSNR,
+    METRIC_MAX,
+    METRIC_NONFINITE,
+    METRIC_DIFFERING,
+    METRIC_TOTAL
+};
+
+extern const char *const compare_metric_names[METRIC_TOTAL];
+
+struct compare_limit {
+    enum compare_metric metric;
+    bool is_minimum;
+    double value;
+};
+
+struct options {
+    const struct command *command; // NULL only with --help or --version
+    const char *arguments[2];      // SCENE; IMAGE and REFERENCE; the COMMAND of help
+    uint32_t argument_count;
+    uint64_t given; // bit 1 << enum option_id
+
+    bool help, version, man, quiet, json;
+    enum log_level log_level;
+    const struct progress *progress; // where to report, and who asks to stop; set by main
+
+    struct settings settings; // only what was given is filled in: see options_apply_settings
+    double time_seconds;      // 0: no limit
+    bool half_float;
+    const char **outputs;
+    uint32_t output_count;
+
+    const char *camera; // name or index; NULL: the first
+    struct environment_option environment;
+    struct scene_override *overrides;
+    uint32_t override_count;
+    bool allow_outside_paths;
+
+    uint32_t frames, spp_per_frame; // 0 frames: one picture of settings.spp samples
+    uint32_t every;                 // write a picture every so many frames; 0: at the end only
+    bool accumulate;
+
+    struct gpu_params gpu;
+    uint32_t wave; // paths in flight; 0: chosen by device
+    enum features_option features;
+    uint32_t pixel[2]; // the path to follow, where --pixel was given
+    uint64_t sample;
+
+    struct compare_limit *limits;
+    uint32_t limit_count;
+    const char *difference; // NULL: no picture
+
+    struct arena arena; // owns the lists; strings are argv's
+};
+
+// Parses and checks the command line. Errors are ERR_USAGE (or ERR_SYSTEM). *out is to be finished
+// in any case; after a failure its command says for which one help may be offered.
+bool options_parse(int argc, char **argv, struct options *out, struct err *err);
+void options_finish(struct options *options); // accepts NULL and {0}
+
+static inline bool options_given(const struct options *options, enum option_id id)
+{
+    return options->given >> id & 1;
+}
+
+// Replaces those settings for which an option was given.
+void options_apply_settings(const struct options *options, struct settings *settings);
+
+// Converts the text of one value and stores it (option_values.c). err: what is wrong and what was
+// expected, without the option's name.
+bool option_store(const struct option_def *def, const char *text, struct options *options,
+                  struct err *err);
+
+// Whether the command takes the option.
+bool option_belongs(const struct option_def *def, const struct command *command);
+
+#endif

@@ -1,0 +1,56 @@
+#include "render_job.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static bool set_environment(const struct options *options, struct scene *scene, struct err *err)
+{
+    if (!options_given(options, OPTION_ENV))
+        return true;
+    const struct environment_option *environment = &options->environment;
+    if (environment->file)
+        return scene_set_environment_image(scene, environment->file, err);
+    scene->environment = (struct environment){.present = true};
+    memcpy(scene->environment.radiance, environment->radiance, sizeof environment->radiance);
+    return true;
+}
+
+static bool choose_camera(const struct options *options, const struct scene *scene,
+                          uint32_t *camera, struct err *err)
+{
+    *camera = 0;
+    if (!options->camera)
+        return true;
+    for (uint32_t i = 0; i < scene->camera_count; i++) {
+        const char *name = scene->cameras[i].name;
+        if (name && strcmp(name, options->camera) == 0) {
+            *camera = i;
+            return true;
+        }
+    }
+    char *end;
+    unsigned long index = strtoul(options->camera, &end, 10);
+    if (*end == '\0' && end != options->camera && index < scene->camera_count) {
+        *camera = (uint32_t)index;
+        return true;
+    }
+    return err_set(err, ERR_USAGE,
+                   "--camera %s: no such camera in %s: expected a name or an index below %u",
+                   options->camera, scene->path, scene->camera_count);
+}
+
+bool job_load_scene(const struct options *options, struct scene *scene, uint32_t *camera,
+                    struct err *err)
+{
+    struct scene_load_params params = {
+        .path = options->arguments[0],
+        .overrides = options->overrides,
+        .override_count = options->override_count,
+        .allow_outside_paths = options->allow_outside_paths,
+        .progress = options->progress,
+    };
+    if (!scene_load(&params, scene, err))
+        return false;
+    options_apply_settings(options, &scene->settings);
+    return set_environment(options, scene, err) && choose_camera(options, scene, camera, err);
+}

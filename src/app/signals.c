@@ -1,0 +1,38 @@
+#include "signals.h"
+
+#include <signal.h>
+#include <stddef.h>
+#include <unistd.h>
+
+// A handler is given no context, so this must be a global.
+static volatile sig_atomic_t received;
+
+static void handle(int signal)
+{
+    if (received)
+        _exit(128 + signal);
+    received = signal;
+}
+
+static void install(int signal)
+{
+    struct sigaction old;
+    if (sigaction(signal, NULL, &old) == 0 && old.sa_handler == SIG_IGN)
+        return;
+    // SA_RESTART: files are read and written to the end; the flag is looked at between steps.
+    struct sigaction action = {.sa_handler = handle, .sa_flags = SA_RESTART};
+    sigemptyset(&action.sa_mask);
+    sigaction(signal, &action, NULL);
+}
+
+void signals_install(void)
+{
+    install(SIGINT);
+    install(SIGTERM);
+    signal(SIGPIPE, SIG_IGN);
+}
+
+int signals_received(void)
+{
+    return received;
+}

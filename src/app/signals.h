@@ -1,0 +1,13 @@
+// SIGINT and SIGTERM ask the program to stop in good order; a second one ends it at once.
+#ifndef LAMPYRIS_APP_SIGNALS_H
+#define LAMPYRIS_APP_SIGNALS_H
+
+// Handles SIGINT and SIGTERM, unless the parent had them ignored, and ignores SIGPIPE: a reader
+// that goes away is an error of writing, which must not lose the pictures. Call once, before
+// threads start.
+void signals_install(void);
+
+// The signal that asked to stop, or 0. The exit code is then 128 + signal.
+int signals_received(void);
+
+#endif
