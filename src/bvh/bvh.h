@@ -32,21 +32,32 @@ _Static_assert(sizeof(struct bvh_node) == 64, "one cache line");
 #define BVH_LEAF_INDEX 0x1fffffffu
 #define BVH_EMPTY 0xffffffffu
 
+// No tree of bvh_build has more pending entries; see bvh_stats.stack_entries.
+#define BVH_STACK_ENTRIES_MAX 96u
+
 struct bvh_box {
     float min[3], max[3];
 };
 
 struct bvh_stats {
-    double sah_cost;        // expected cost of a random ray: 1 a wide node visited, 1 a primitive
-    uint32_t depth;         // of the wide tree; a root alone has 1
-    uint32_t stack_entries; // the most entries a depth-first traversal can have pending
-    uint32_t node_count, leaf_count;
-    uint64_t bytes;
+    // Expected cost of a random ray that hits the root's box and then nothing: 1 a wide node
+    // visited (the root included), 1 a primitive tested. Of the boxes as quantised.
+    double sah_cost;
+    uint32_t depth; // of the wide tree; a root alone has 1
+    // The most children (inner ones and leaves) that can be pending besides the one in hand, when
+    // a traversal goes on with any of a node's children and puts off the other three: the maximum
+    // over all orders and rays.
+    uint32_t stack_entries;
+    uint32_t node_count, leaf_count; // leaves: child words, of one or two primitives
+    uint64_t bytes;                  // of nodes and triangle_order
     double build_seconds;
 };
 
 struct bvh {
-    struct bvh_node *nodes;   // nodes[0] is the root; exists even for an empty scene (all children empty)
+    // nodes[0] is the root; it exists even for an empty scene (all children empty). Every node
+    // stands after its parent, inner children of one node stand together, and so do the triangles
+    // of its leaves.
+    struct bvh_node *nodes;
     uint32_t node_count;
     uint32_t *triangle_order; // leaf order -> triangle as given
     uint32_t triangle_count;
@@ -55,24 +66,26 @@ struct bvh {
 
 struct bvh_params {
     const float (*triangle_vertices)[3][3]; // see triangle_stride
-    size_t triangle_stride; // bytes from one triangle to the next, 0: 36
+    size_t triangle_stride;                 // bytes from one triangle to the next, 0: 36
     uint32_t triangle_count;
     const struct bvh_box *shape_boxes; // boxes of analytic shapes (conservative)
     uint32_t shape_count;
-    unsigned threads;  // 0: all
-    uint32_t max_leaf; // triangles a leaf, 1 or 2; 0: 2
+    unsigned threads;                // 0: all
+    uint32_t max_leaf;               // triangles a leaf, 1 or 2; 0: 2
     const struct progress *progress; // phase "Building BVH"
 };
 
 // The same input gives the same bits whatever the number of threads. Bounded depth also for a
 // million identical triangles (median split where SAH cannot separate): stack_entries <= 96.
 // Vertices must be finite (ERR_BUG otherwise). Counts up to BVH_LEAF_INDEX.
-// The result lives in `arena`; scratch memory is released before returning.
+// The result lives in `arena`; scratch memory is released before returning. Progress is reported by
+// the calling thread; being asked to stop is an error (ERR_SYSTEM).
 bool bvh_build(const struct bvh_params *params, struct arena *arena, struct bvh *out,
                struct err *err);
 
 // Checks every invariant above against the primitives: boxes contain what is below them, every
-// primitive appears once, no cycle, depth and stack_entries right. For tests and loaded caches.
+// primitive appears once, no cycle, statistics right (but the time). For tests and loaded caches;
+// ERR_INPUT says what is wrong.
 bool bvh_validate(const struct bvh *bvh, const struct bvh_params *params, struct err *err);
 
 // --- CPU reference ------------------------------------------------------------------------------
@@ -102,7 +115,8 @@ struct bvh_trace_scene {
 };
 
 // In double precision on the single-precision vertices (watertight test of Woop, Benthin, Wald
-// 2013, two-sided). Of hits with equal t the lowest primitive wins, triangles before shapes.
+// 2013, two-sided). Of hits with equal t the lowest primitive wins, triangles before shapes. All
+// three agree on every ray, bit for bit, also where rounding decides. Without a hit t is t_max.
 void bvh_trace_closest(const struct bvh_trace_scene *scene, const struct bvh_ray *ray,
                        struct bvh_hit *hit);
 bool bvh_trace_any(const struct bvh_trace_scene *scene, const struct bvh_ray *ray);

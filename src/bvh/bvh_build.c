@@ -1,1 +1,187 @@
-typedef int bvh_build_placeholder;
+// Building from the caller's point of view: checking the input, boxes of the primitives, the binary
+// tree, the wide tree.
+#include "bvh_binary.h"
+#include "bvh_node.h"
+#include "bvh_triangle.h"
+#include "clock.h"
+#include "parallel.h"
+
+#include <stdatomic.h>
+
+enum {
+    // The wide tree is at most as deep as the binary one, and each level leaves at most 3 children
+    // pending: so 32 binary levels keep the promise of BVH_STACK_ENTRIES_MAX for every input, and
+    // they
+    // suffice for 2^32 primitives. Hardly any input needs that: first the tree may be deeper.
+    DEPTH_LIMIT = 64,
+    DEPTH_LIMIT_SAFE = 32,
+};
+
+// --- Input --------------------------------------------------------------------------------------
+
+struct gather_job {
+    const struct bvh_params *params;
+    struct bvh_primitive *primitives;
+    _Atomic uint32_t first_bad; // the least primitive (triangles first) whose box is not usable
+};
+
+static bool box_is_valid(const struct bvh_box *box)
+{
+    for (int axis = 0; axis < 3; axis++)
+        if (!isfinite(box->min[axis]) || !isfinite(box->max[axis]) ||
+            box->min[axis] > box->max[axis])
+            return false;
+    return true;
+}
+
+static bool triangle_bounds(const struct bvh_params *params, uint32_t triangle, struct bvh_box *box)
+{
+    float vertices[3][3];
+    bvh_triangle_load(params, triangle, vertices);
+    *box = box_empty();
+    bool finite = true;
+    for (int corner = 0; corner < 3; corner++) {
+        for (int axis = 0; axis < 3; axis++)
+            finite = finite && isfinite(vertices[corner][axis]);
+        box_add_point(box, vertices[corner]);
+    }
+    return finite;
+}
+
+static void note_bad(struct gather_job *job, uint32_t primitive)
+{
+    uint32_t first = atomic_load(&job->first_bad);
+    while (primitive < first && !atomic_compare_exchange_weak(&job->first_bad, &first, primitive))
+        continue;
+}
+
+static void gather_primitives(void *context, size_t begin, size_t end, unsigned thread)
+{
+    (void)thread;
+    struct gather_job *job = context;
+    uint32_t triangles = job->params->triangle_count;
+    for (size_t i = begin; i < end; i++) {
+        struct bvh_primitive *primitive = &job->primitives[i];
+        bool valid;
+        if (i < triangles) {
+            primitive->id = (uint32_t)i;
+            valid = triangle_bounds(job->params, primitive->id, &primitive->box);
+        } else {
+            uint32_t shape = (uint32_t)i - triangles;
+            primitive->id = BVH_LEAF_SHAPE | shape;
+            primitive->box = job->params->shape_boxes[shape];
+            valid = box_is_valid(&primitive->box);
+        }
+        if (!valid)
+            note_bad(job, (uint32_t)i);
+        for (int axis = 0; axis < 3; axis++) { // adding 0 turns -0 into +0
+            primitive->box.min[axis] += 0.0f;
+            primitive->box.max[axis] += 0.0f;
+        }
+    }
+}
+
+static bool check_params(const struct bvh_params *params, struct err *err)
+{
+    if (params->triangle_count > BVH_LEAF_INDEX || params->shape_count > BVH_LEAF_INDEX)
+        return err_set(err, ERR_BUG, "BVH: %u triangles and %u shapes, at most %u of each",
+                       params->triangle_count, params->shape_count, BVH_LEAF_INDEX);
+    if ((params->triangle_count > 0 && !params->triangle_vertices) ||
+        (params->shape_count > 0 && !params->shape_boxes))
+        return err_set(err, ERR_BUG, "BVH: primitives without vertices or boxes");
+    if (params->triangle_stride != 0 && params->triangle_stride < sizeof(float[3][3]))
+        return err_set(err, ERR_BUG, "BVH: triangle_stride: %zu is less than 36",
+                       params->triangle_stride);
+    if (params->max_leaf > 2)
+        return err_set(err, ERR_BUG, "BVH: max_leaf: %u is not 0, 1 or 2", params->max_leaf);
+    return true;
+}
+
+static bool make_primitives(const struct bvh_params *params, unsigned threads,
+                            struct bvh_primitive *primitives, struct err *err)
+{
+    struct gather_job job = {params, primitives, UINT32_MAX};
+    parallel_for((size_t)params->triangle_count + params->shape_count, 1 << 14, threads,
+                 gather_primitives, &job);
+    uint32_t bad = atomic_load(&job.first_bad);
+    if (bad == UINT32_MAX)
+        return true;
+    if (bad < params->triangle_count)
+        return err_set(err, ERR_BUG, "BVH: triangle %u has a vertex that is not finite", bad);
+    return err_set(err, ERR_BUG, "BVH: the box of shape %u is not finite or has min > max",
+                   bad - params->triangle_count);
+}
+
+// --- Trees --------------------------------------------------------------------------------------
+
+static bool build_empty(struct arena *arena, struct bvh *out, struct err *err)
+{
+    out->nodes = ARENA_NEW(arena, struct bvh_node, 1);
+    if (!out->nodes)
+        return err_memory(err, "the BVH's nodes", sizeof *out->nodes);
+    out->node_count = 1;
+    for (int i = 0; i < 4; i++)
+        out->nodes[0].child[i] = BVH_EMPTY;
+    bvh_node_set_boxes(&out->nodes[0], NULL, 0);
+    return bvh_compute_stats(out, &out->stats, err);
+}
+
+static bool build_limited(const struct bvh_params *params, uint32_t depth_limit, unsigned threads,
+                          struct arena *arena, struct bvh *out, struct err *err)
+{
+    bool ok = false;
+    struct arena scratch = {0};
+    uint32_t count = params->triangle_count + params->shape_count;
+    struct bvh_primitive *primitives = ARENA_NEW(&scratch, struct bvh_primitive, count);
+    if (!primitives) {
+        err_memory(err, "the BVH's primitives", (uint64_t)count * sizeof *primitives);
+        goto done;
+    }
+    if (!make_primitives(params, threads, primitives, err))
+        goto done;
+    struct bvh_binary_node *nodes =
+        bvh_binary_build(&(struct bvh_binary_params){.primitives = primitives,
+                                                     .count = count,
+                                                     .depth_limit = depth_limit,
+                                                     .threads = threads,
+                                                     .progress = params->progress},
+                         &scratch, err);
+    if (!nodes)
+        goto done;
+    ok = bvh_wide_build(&(struct bvh_wide_params){.nodes = nodes,
+                                                  .primitive_count = count,
+                                                  .max_leaf = params->max_leaf == 1 ? 1 : 2,
+                                                  .threads = threads},
+                        arena, out, err);
+done:
+    arena_finish(&scratch);
+    return ok;
+}
+
+bool bvh_build(const struct bvh_params *params, struct arena *arena, struct bvh *out,
+               struct err *err)
+{
+    uint64_t start = clock_ns();
+    unsigned threads = params->threads > 0 ? params->threads : cpu_count();
+    *out = (struct bvh){.triangle_count = params->triangle_count};
+    if (!check_params(params, err))
+        return false;
+    out->triangle_order = ARENA_NEW(arena, uint32_t, params->triangle_count);
+    if (!out->triangle_order)
+        return err_memory(err, "the BVH's triangle order",
+                          (uint64_t)params->triangle_count * sizeof *out->triangle_order);
+    progress_report(params->progress, "Building BVH", 0);
+    bool ok;
+    if (params->triangle_count + params->shape_count == 0) {
+        ok = build_empty(arena, out, err);
+    } else {
+        ok = build_limited(params, DEPTH_LIMIT, threads, arena, out, err);
+        if (ok && out->stats.stack_entries > BVH_STACK_ENTRIES_MAX)
+            ok = build_limited(params, DEPTH_LIMIT_SAFE, threads, arena, out, err);
+    }
+    if (!ok)
+        return false;
+    out->stats.build_seconds = clock_seconds_since(start);
+    progress_report(params->progress, "Building BVH", 1);
+    return true;
+}

@@ -1,1 +1,266 @@
-typedef int bvh_trace_placeholder;
+// The CPU reference: closest hit, any hit and brute force in double precision.
+//
+// The tree never changes the answer, for any input. A primitive counts as hit only where the ray
+// also hits the primitive's own box by the same slab test as the nodes' boxes, and its t is clamped
+// to that box's interval. The slab test is monotone: rounding preserves order, so of two nested
+// boxes the outer one's interval contains the inner one's, bit for bit. Hence no node above a hit
+// primitive is missed or begins behind its t. The boxes are widened by more than the rounding
+// errors of the triangle test, so that neither rule touches a hit that is not itself rounding
+// noise.
+#include "bvh_node.h"
+#include "bvh_triangle.h"
+
+#include <math.h>
+
+// The triangle test computes coordinates relative to the ray's origin, and products of those, with
+// a relative error of a few 2^-53 of the largest coordinate. 2^-46 of it is 128 times as much, and
+// 2^-22 of the spacing of floats.
+#define BOX_PAD 0x1p-46
+
+// --- Boxes --------------------------------------------------------------------------------------
+
+struct slab_ray {
+    double origin[3], inverse[3];
+    bool negative[3];
+};
+
+static struct slab_ray slab_ray_for(const struct bvh_ray *ray)
+{
+    struct slab_ray slab;
+    for (int axis = 0; axis < 3; axis++) {
+        slab.origin[axis] = ray->origin[axis];
+        slab.inverse[axis] = 1 / ray->direction[axis]; // infinite for zeros, by their sign
+        slab.negative[axis] = signbit(ray->direction[axis]);
+    }
+    return slab;
+}
+
+// The interval of t in which the ray is in the widened box; false when it is empty or wholly behind
+// the origin. A plane that contains a ray parallel to it gives 0 * infinity, a NaN, which no
+// comparison below takes: it does not limit the interval.
+static bool slab_test(const struct slab_ray *ray, const double min[3], const double max[3],
+                      double interval[2])
+{
+    double reach = 0;
+    for (int axis = 0; axis < 3; axis++) {
+        reach = fmax(reach, fabs(min[axis] - ray->origin[axis]));
+        reach = fmax(reach, fabs(max[axis] - ray->origin[axis]));
+    }
+    double pad = reach * BOX_PAD, near = -INFINITY, far = INFINITY;
+    for (int axis = 0; axis < 3; axis++) {
+        double lo = (min[axis] - ray->origin[axis] - pad) * ray->inverse[axis];
+        double hi = (max[axis] - ray->origin[axis] + pad) * ray->inverse[axis];
+        double enter = ray->negative[axis] ? hi : lo, leave = ray->negative[axis] ? lo : hi;
+        near = enter > near ? enter : near;
+        far = leave < far ? leave : far;
+    }
+    interval[0] = near;
+    interval[1] = far;
+    return near <= far && far >= 0;
+}
+
+// --- Triangles ----------------------------------------------------------------------------------
+
+// The shear that turns the ray into the unit z axis.
+struct shear_ray {
+    int kx, ky, kz; // kz: the direction's largest component
+    double sx, sy, sz;
+};
+
+static struct shear_ray shear_ray_for(const struct bvh_ray *ray)
+{
+    const double *d = ray->direction;
+    struct shear_ray shear = {.kz = 0};
+    for (int axis = 1; axis < 3; axis++)
+        shear.kz = fabs(d[axis]) > fabs(d[shear.kz]) ? axis : shear.kz;
+    shear.kx = (shear.kz + 1) % 3;
+    shear.ky = (shear.kx + 1) % 3;
+    shear.sx = d[shear.kx] / d[shear.kz];
+    shear.sy = d[shear.ky] / d[shear.kz];
+    shear.sz = 1 / d[shear.kz];
+    return shear;
+}
+
+// Woop, Benthin, Wald 2013, "Watertight ray/triangle intersection", without culling. The edge
+// functions of an edge shared by two triangles are exact negatives of each other, and zero counts
+// as inside for both.
+static bool triangle_test(const struct shear_ray *shear, const double origin[3],
+                          const float vertices[3][3], struct bvh_hit *hit)
+{
+    double x[3], y[3], z[3];
+    for (int i = 0; i < 3; i++) {
+        z[i] = vertices[i][shear->kz] - origin[shear->kz];
+        x[i] = vertices[i][shear->kx] - origin[shear->kx] - shear->sx * z[i];
+        y[i] = vertices[i][shear->ky] - origin[shear->ky] - shear->sy * z[i];
+    }
+    double u = x[2] * y[1] - y[2] * x[1]; // the weight of corner 0, times the determinant
+    double v = x[0] * y[2] - y[0] * x[2];
+    double w = x[1] * y[0] - y[1] * x[0];
+    if ((u < 0 || v < 0 || w < 0) && (u > 0 || v > 0 || w > 0))
+        return false;
+    double determinant = u + v + w;
+    if (determinant == 0) // edge-on, or without area
+        return false;
+    hit->t = (u * z[0] + v * z[1] + w * z[2]) * shear->sz / determinant;
+    hit->u = v / determinant;
+    hit->v = w / determinant;
+    return isfinite(hit->t);
+}
+
+// --- Primitives ---------------------------------------------------------------------------------
+
+struct tracer {
+    const struct bvh_trace_scene *scene;
+    const struct bvh_ray *ray;
+    struct slab_ray slab;
+    struct shear_ray shear;
+};
+
+static struct tracer tracer_for(const struct bvh_trace_scene *scene, const struct bvh_ray *ray)
+{
+    return (struct tracer){scene, ray, slab_ray_for(ray), shear_ray_for(ray)};
+}
+
+static struct bvh_box triangle_box(const float vertices[3][3])
+{
+    struct bvh_box box = box_empty();
+    for (int i = 0; i < 3; i++)
+        box_add_point(&box, vertices[i]);
+    return box;
+}
+
+// The hit with a primitive, whatever lies before it.
+static bool primitive_test(const struct tracer *tracer, uint32_t primitive, struct bvh_hit *hit)
+{
+    const struct bvh_ray *ray = tracer->ray;
+    const struct bvh_trace_scene *scene = tracer->scene;
+    if (primitive == ray->ignore[0] || primitive == ray->ignore[1])
+        return false;
+    struct bvh_box box;
+    *hit = (struct bvh_hit){.primitive = primitive};
+    if (primitive & BVH_LEAF_SHAPE) {
+        uint32_t shape = primitive & BVH_LEAF_INDEX;
+        hit->t = scene->intersect_shape(scene->shape_context, shape, ray);
+        if (!(hit->t > 0))
+            return false;
+        box = scene->geometry->shape_boxes[shape];
+    } else {
+        float vertices[3][3];
+        bvh_triangle_load(scene->geometry, primitive, vertices);
+        if (!triangle_test(&tracer->shear, ray->origin, (const float(*)[3])vertices, hit))
+            return false;
+        box = triangle_box((const float(*)[3])vertices);
+    }
+    double min[3], max[3], interval[2];
+    for (int axis = 0; axis < 3; axis++) {
+        min[axis] = box.min[axis];
+        max[axis] = box.max[axis];
+    }
+    if (!slab_test(&tracer->slab, min, max, interval))
+        return false;
+    hit->t = hit->t < interval[0] ? interval[0] : hit->t > interval[1] ? interval[1] : hit->t;
+    return hit->t > 0 && hit->t < ray->t_max;
+}
+
+// Keeps the nearer hit, of equal ones the lower primitive. The counts in *best go on.
+static void consider(const struct tracer *tracer, uint32_t primitive, struct bvh_hit *best)
+{
+    struct bvh_hit hit;
+    best->primitives_tested++;
+    if (!primitive_test(tracer, primitive, &hit))
+        return;
+    if (hit.t > best->t || (hit.t == best->t && hit.primitive > best->primitive))
+        return;
+    hit.nodes_visited = best->nodes_visited;
+    hit.primitives_tested = best->primitives_tested;
+    *best = hit;
+}
+
+static struct bvh_hit no_hit(const struct bvh_ray *ray)
+{
+    return (struct bvh_hit){.t = ray->t_max, .primitive = UINT32_MAX};
+}
+
+// --- Traversal ----------------------------------------------------------------------------------
+
+struct stack_entry {
+    double near;
+    uint32_t child;
+};
+
+// Pushes the children that the ray hits, the nearest on top.
+static uint32_t push_children(const struct tracer *tracer, const struct bvh_node *node,
+                              double t_max, struct stack_entry *stack, uint32_t size)
+{
+    uint32_t base = size;
+    for (uint32_t i = 0; i < bvh_child_count(node); i++) {
+        double min[3], max[3], interval[2];
+        bvh_node_child_box(node, i, min, max);
+        if (!slab_test(&tracer->slab, min, max, interval) || interval[0] > t_max)
+            continue;
+        uint32_t at = size++;
+        for (; at > base && stack[at - 1].near < interval[0]; at--)
+            stack[at] = stack[at - 1];
+        stack[at] = (struct stack_entry){interval[0], node->child[i]};
+    }
+    return size;
+}
+
+static void test_leaf(const struct tracer *tracer, uint32_t leaf, struct bvh_hit *best)
+{
+    uint32_t first = leaf & BVH_LEAF_INDEX;
+    if (leaf & BVH_LEAF_SHAPE) {
+        consider(tracer, BVH_LEAF_SHAPE | first, best);
+        return;
+    }
+    for (uint32_t i = 0; i < bvh_leaf_count(leaf); i++)
+        consider(tracer, tracer->scene->bvh->triangle_order[first + i], best);
+}
+
+// Boxes at the distance of the best hit are not culled: there may be an equal hit of a lower
+// primitive.
+static void traverse(const struct bvh_trace_scene *scene, const struct bvh_ray *ray, bool any,
+                     struct bvh_hit *best)
+{
+    struct tracer tracer = tracer_for(scene, ray);
+    // The child in hand is on this stack, too, hence one more than are pending besides it.
+    struct stack_entry stack[BVH_STACK_ENTRIES_MAX + 1];
+    uint32_t size = 1;
+    stack[0] = (struct stack_entry){-INFINITY, 0};
+    *best = no_hit(ray);
+    while (size > 0 && !(any && best->primitive != UINT32_MAX)) {
+        struct stack_entry entry = stack[--size];
+        if (entry.near > best->t)
+            continue;
+        if (bvh_child_is_leaf(entry.child)) {
+            test_leaf(&tracer, entry.child, best);
+            continue;
+        }
+        best->nodes_visited++;
+        size = push_children(&tracer, &scene->bvh->nodes[entry.child], best->t, stack, size);
+    }
+}
+
+void bvh_trace_closest(const struct bvh_trace_scene *scene, const struct bvh_ray *ray,
+                       struct bvh_hit *hit)
+{
+    traverse(scene, ray, false, hit);
+}
+
+bool bvh_trace_any(const struct bvh_trace_scene *scene, const struct bvh_ray *ray)
+{
+    struct bvh_hit hit;
+    traverse(scene, ray, true, &hit);
+    return hit.primitive != UINT32_MAX;
+}
+
+void bvh_trace_brute_force(const struct bvh_trace_scene *scene, const struct bvh_ray *ray,
+                           struct bvh_hit *hit)
+{
+    struct tracer tracer = tracer_for(scene, ray);
+    *hit = no_hit(ray);
+    for (uint32_t i = 0; i < scene->geometry->triangle_count; i++)
+        consider(&tracer, i, hit);
+    for (uint32_t i = 0; i < scene->geometry->shape_count; i++)
+        consider(&tracer, BVH_LEAF_SHAPE | i, hit);
+}

@@ -1,1 +1,201 @@
-typedef int bvh_validate_placeholder;
+// Checking a tree against its primitives: for tests, and for trees that come from a file.
+#include "bvh_node.h"
+#include "bvh_triangle.h"
+
+struct validator {
+    const struct bvh *bvh;
+    const struct bvh_params *params;
+    uint8_t *node_seen, *triangle_seen, *shape_seen;
+    struct bvh_box *bounds; // of the primitives below each node
+    uint32_t order_used;    // entries of triangle_order in leaves
+    struct err *err;
+};
+
+static bool allocate(struct validator *validator, struct arena *scratch)
+{
+    const struct bvh *bvh = validator->bvh;
+    validator->node_seen = ARENA_NEW(scratch, uint8_t, bvh->node_count);
+    validator->triangle_seen = ARENA_NEW(scratch, uint8_t, bvh->triangle_count);
+    validator->shape_seen = ARENA_NEW(scratch, uint8_t, validator->params->shape_count);
+    validator->bounds = ARENA_NEW(scratch, struct bvh_box, bvh->node_count);
+    if (!validator->node_seen || !validator->triangle_seen || !validator->shape_seen ||
+        !validator->bounds)
+        return err_memory(validator->err, "validating the BVH",
+                          bvh->node_count * sizeof *validator->bounds);
+    return true;
+}
+
+static bool check_counts(const struct validator *validator)
+{
+    const struct bvh *bvh = validator->bvh;
+    if (bvh->node_count == 0 || bvh->node_count >= BVH_LEAF || !bvh->nodes)
+        return err_set(validator->err, ERR_INPUT, "BVH: node_count: %u is not in [1, 2^31)",
+                       bvh->node_count);
+    if (bvh->triangle_count != validator->params->triangle_count)
+        return err_set(validator->err, ERR_INPUT, "BVH: %u triangles, expected %u",
+                       bvh->triangle_count, validator->params->triangle_count);
+    return true;
+}
+
+// What holds for a node by itself.
+static bool check_node(const struct validator *validator, uint32_t index)
+{
+    const struct bvh_node *node = &validator->bvh->nodes[index];
+    for (int axis = 0; axis < 3; axis++) {
+        if (!isfinite(node->origin[axis]))
+            return err_set(validator->err, ERR_INPUT, "BVH: nodes[%u].origin is not finite", index);
+        uint32_t exponent = node->exponents >> (8 * axis) & 255u;
+        if (exponent < 1 || exponent > 254)
+            return err_set(validator->err, ERR_INPUT,
+                           "BVH: nodes[%u].exponents: %u is outside [1, 254]", index, exponent);
+    }
+    if (node->exponents >> 24 != 0 || node->spare[0] != 0 || node->spare[1] != 0)
+        return err_set(validator->err, ERR_INPUT, "BVH: nodes[%u]: spare bits are not 0", index);
+    for (uint32_t i = bvh_child_count(node); i < 4; i++)
+        for (int axis = 0; axis < 3; axis++)
+            if (node->child[i] != BVH_EMPTY || (node->lo[axis] >> (8 * i) & 255u) != 255 ||
+                (node->hi[axis] >> (8 * i) & 255u) != 0)
+                return err_set(validator->err, ERR_INPUT,
+                               "BVH: nodes[%u].child[%u] comes after an empty one or is empty with "
+                               "a box",
+                               index, i);
+    return true;
+}
+
+// Marks a triangle or shape and adds its box; each may be seen once.
+static bool visit_primitive(struct validator *validator, uint32_t primitive, struct bvh_box *bounds)
+{
+    const struct bvh_params *params = validator->params;
+    uint32_t index = primitive & BVH_LEAF_INDEX;
+    bool is_shape = (primitive & BVH_LEAF_SHAPE) != 0;
+    const char *kind = is_shape ? "shape" : "triangle";
+    if (index >= (is_shape ? params->shape_count : params->triangle_count))
+        return err_set(validator->err, ERR_INPUT, "BVH: there is no %s %u", kind, index);
+    uint8_t *seen = is_shape ? validator->shape_seen : validator->triangle_seen;
+    if (seen[index])
+        return err_set(validator->err, ERR_INPUT, "BVH: %s %u is in two leaves", kind, index);
+    seen[index] = 1;
+    if (is_shape) {
+        box_add_box(bounds, &params->shape_boxes[index]);
+        return true;
+    }
+    float vertices[3][3];
+    bvh_triangle_load(params, index, vertices);
+    for (int i = 0; i < 3; i++)
+        box_add_point(bounds, vertices[i]);
+    return true;
+}
+
+static bool visit_leaf(struct validator *validator, uint32_t leaf, struct bvh_box *bounds)
+{
+    const struct bvh *bvh = validator->bvh;
+    uint32_t first = leaf & BVH_LEAF_INDEX;
+    if (leaf & BVH_LEAF_SHAPE) {
+        if (leaf & BVH_LEAF_TWO)
+            return err_set(validator->err, ERR_INPUT, "BVH: a leaf has two shapes, from %u", first);
+        return visit_primitive(validator, BVH_LEAF_SHAPE | first, bounds);
+    }
+    uint32_t count = bvh_leaf_count(leaf);
+    if (count == 2 && validator->params->max_leaf == 1)
+        return err_set(validator->err, ERR_INPUT,
+                       "BVH: a leaf has two triangles, at most 1 allowed");
+    if (first >= bvh->triangle_count || count > bvh->triangle_count - first)
+        return err_set(validator->err, ERR_INPUT,
+                       "BVH: a leaf has triangles %u to %u of %u in leaf order", first,
+                       first + count - 1, bvh->triangle_count);
+    for (uint32_t i = first; i < first + count; i++) {
+        if (bvh->triangle_order[i] > BVH_LEAF_INDEX)
+            return err_set(validator->err, ERR_INPUT, "BVH: triangle_order[%u]: %u is too large", i,
+                           bvh->triangle_order[i]);
+        if (!visit_primitive(validator, bvh->triangle_order[i], bounds))
+            return false;
+    }
+    return true;
+}
+
+// Nodes are visited backwards, children before parents.
+static bool visit_child(struct validator *validator, uint32_t index, uint32_t i)
+{
+    const struct bvh_node *node = &validator->bvh->nodes[index];
+    uint32_t child = node->child[i];
+    struct bvh_box bounds = box_empty();
+    if (bvh_child_is_leaf(child)) {
+        if (!visit_leaf(validator, child, &bounds))
+            return err_prepend(validator->err, "nodes[%u].child[%u]", index, i);
+    } else {
+        // That children stand after their parents excludes cycles.
+        if (child <= index || child >= validator->bvh->node_count || validator->node_seen[child])
+            return err_set(validator->err, ERR_INPUT,
+                           "BVH: nodes[%u].child[%u]: %u is not a later node without parent", index,
+                           i, child);
+        validator->node_seen[child] = 1;
+        bounds = validator->bounds[child];
+    }
+    if (!bvh_node_child_contains(node, i, &bounds))
+        return err_set(validator->err, ERR_INPUT,
+                       "BVH: nodes[%u].child[%u]: the box does not contain what is below", index,
+                       i);
+    box_add_box(&validator->bounds[index], &bounds);
+    return true;
+}
+
+static bool visit_all(struct validator *validator)
+{
+    for (uint32_t n = validator->bvh->node_count; n-- > 0;) {
+        validator->bounds[n] = box_empty();
+        if (!check_node(validator, n))
+            return false;
+        for (uint32_t i = 0; i < bvh_child_count(&validator->bvh->nodes[n]); i++)
+            if (!visit_child(validator, n, i))
+                return false;
+    }
+    return true;
+}
+
+static bool check_all_seen(const struct validator *validator)
+{
+    for (uint32_t i = 1; i < validator->bvh->node_count; i++)
+        if (!validator->node_seen[i])
+            return err_set(validator->err, ERR_INPUT, "BVH: nodes[%u] has no parent", i);
+    for (uint32_t i = 0; i < validator->params->triangle_count; i++)
+        if (!validator->triangle_seen[i])
+            return err_set(validator->err, ERR_INPUT, "BVH: triangle %u is in no leaf", i);
+    for (uint32_t i = 0; i < validator->params->shape_count; i++)
+        if (!validator->shape_seen[i])
+            return err_set(validator->err, ERR_INPUT, "BVH: shape %u is in no leaf", i);
+    return true;
+}
+
+static bool check_stats(const struct validator *validator)
+{
+    const struct bvh_stats *have = &validator->bvh->stats;
+    struct bvh_stats want;
+    if (!bvh_compute_stats(validator->bvh, &want, validator->err))
+        return false;
+    if (have->depth != want.depth || have->stack_entries != want.stack_entries)
+        return err_set(validator->err, ERR_INPUT,
+                       "BVH: depth %u and stack_entries %u, expected %u and %u", have->depth,
+                       have->stack_entries, want.depth, want.stack_entries);
+    if (want.stack_entries > BVH_STACK_ENTRIES_MAX)
+        return err_set(validator->err, ERR_INPUT, "BVH: stack_entries: %u is more than %u",
+                       want.stack_entries, BVH_STACK_ENTRIES_MAX);
+    if (have->node_count != want.node_count || have->leaf_count != want.leaf_count ||
+        have->bytes != want.bytes || have->sah_cost != want.sah_cost)
+        return err_set(validator->err, ERR_INPUT,
+                       "BVH: stats: %u nodes, %u leaves, %llu bytes, SAH cost %.17g; expected %u, "
+                       "%u, %llu, %.17g",
+                       have->node_count, have->leaf_count, (unsigned long long)have->bytes,
+                       have->sah_cost, want.node_count, want.leaf_count,
+                       (unsigned long long)want.bytes, want.sah_cost);
+    return true;
+}
+
+bool bvh_validate(const struct bvh *bvh, const struct bvh_params *params, struct err *err)
+{
+    struct arena scratch = {0};
+    struct validator validator = {.bvh = bvh, .params = params, .err = err};
+    bool ok = check_counts(&validator) && allocate(&validator, &scratch) && visit_all(&validator) &&
+              check_all_seen(&validator) && check_stats(&validator);
+    arena_finish(&scratch);
+    return ok;
+}

@@ -1,1 +1,217 @@
-typedef int bvh_wide_placeholder;
+// Collapsing the binary tree into the wide one, optimally for the surface area heuristic by dynamic
+// programming (Ylitie, Karras, Laine 2017, "Efficient incoherent ray traversal on GPUs through
+// compressed wide BVHs", section 3.1), then laying it out and quantising it.
+#include "bvh_binary.h"
+#include "bvh_node.h"
+#include "parallel.h"
+
+// What a visit costs on average, in the unit of bvh_stats.sah_cost.
+#define NODE_COST 1.0
+#define PRIMITIVE_COST 1.0
+
+enum { WIDTH = 4 };
+
+// The best ways to represent a binary subtree by at most 1, 2, 3 children of one wide node.
+struct choice {
+    double cost[WIDTH];      // [i]: by at most i children; [0] unused
+    uint8_t left[WIDTH + 1]; // [i]: of i children, so many go to the left subtree; 0: use fewer.
+                             // [WIDTH] is for a wide node at this subtree's root
+    bool is_leaf;            // as one child, it is a leaf and not a wide node
+};
+
+struct collapse {
+    const struct bvh_wide_params *params;
+    struct choice *choices; // for each binary node
+    struct draft *drafts;   // for each wide node
+    uint32_t draft_count;
+    double root_area;
+    struct bvh *out;
+    uint32_t order_count; // triangles laid out so far
+};
+
+// A wide node before quantisation.
+struct draft {
+    uint32_t binary[WIDTH]; // the subtrees that are its children
+    uint32_t child_count;
+    uint32_t first_inner;    // the wide index of its first inner child; the others follow
+    uint32_t first_triangle; // likewise in triangle_order
+};
+
+static bool is_binary_leaf(const struct bvh_binary_node *node)
+{
+    return node->right == 0;
+}
+
+static bool is_triangle(const struct bvh_binary_node *node)
+{
+    return is_binary_leaf(node) && !(node->left & BVH_LEAF_SHAPE);
+}
+
+// --- Choosing -----------------------------------------------------------------------------------
+
+// The least cost of `children` children shared by both subtrees, and the left one's number.
+static double distribute(const struct collapse *collapse, const struct bvh_binary_node *node,
+                         uint32_t children, uint8_t *left)
+{
+    const struct choice *l = &collapse->choices[node->left], *r = &collapse->choices[node->right];
+    double best = INFINITY;
+    for (uint32_t i = 1; i < children; i++) {
+        double cost = l->cost[i] + r->cost[children - i];
+        if (cost < best) {
+            best = cost;
+            *left = (uint8_t)i;
+        }
+    }
+    return best;
+}
+
+static void choose(const struct collapse *collapse, uint32_t index)
+{
+    const struct bvh_binary_node *node = &collapse->params->nodes[index];
+    struct choice *choice = &collapse->choices[index];
+    double area = box_half_area(&node->box) / collapse->root_area;
+    if (is_binary_leaf(node)) {
+        choice->is_leaf = true;
+        for (uint32_t i = 1; i < WIDTH; i++)
+            choice->cost[i] = area * PRIMITIVE_COST;
+        return;
+    }
+    choice->cost[1] = distribute(collapse, node, WIDTH, &choice->left[WIDTH]) + area * NODE_COST;
+    const struct bvh_binary_node *nodes = collapse->params->nodes;
+    if (collapse->params->max_leaf >= 2 && is_triangle(&nodes[node->left]) &&
+        is_triangle(&nodes[node->right]) && 2 * area * PRIMITIVE_COST <= choice->cost[1]) {
+        choice->cost[1] = 2 * area * PRIMITIVE_COST;
+        choice->is_leaf = true;
+    }
+    for (uint32_t i = 2; i < WIDTH; i++) {
+        choice->cost[i] = distribute(collapse, node, i, &choice->left[i]);
+        if (choice->cost[i] > choice->cost[i - 1]) {
+            choice->cost[i] = choice->cost[i - 1];
+            choice->left[i] = 0;
+        }
+    }
+}
+
+// Children stand after their parents, so backwards is bottom-up.
+static void choose_all(struct collapse *collapse)
+{
+    double area = box_half_area(&collapse->params->nodes[0].box);
+    collapse->root_area = area > 0 ? area : 1;
+    for (uint32_t i = 2 * collapse->params->primitive_count - 1; i-- > 0;)
+        choose(collapse, i);
+}
+
+// --- Layout -------------------------------------------------------------------------------------
+
+static void gather(const struct collapse *collapse, struct draft *draft, uint32_t index,
+                   uint32_t children)
+{
+    const struct bvh_binary_node *node = &collapse->params->nodes[index];
+    const struct choice *choice = &collapse->choices[index];
+    while (children > 1 && children < WIDTH && choice->left[children] == 0)
+        children--;
+    if (children == 1 || is_binary_leaf(node)) {
+        draft->binary[draft->child_count++] = index;
+        return;
+    }
+    gather(collapse, draft, node->left, choice->left[children]);
+    gather(collapse, draft, node->right, children - choice->left[children]);
+}
+
+static void append_triangles(struct collapse *collapse, const struct bvh_binary_node *node)
+{
+    const struct bvh_binary_node *nodes = collapse->params->nodes;
+    if (is_triangle(node)) {
+        collapse->out->triangle_order[collapse->order_count++] = node->left;
+    } else if (!is_binary_leaf(node)) {
+        collapse->out->triangle_order[collapse->order_count++] = nodes[node->left].left;
+        collapse->out->triangle_order[collapse->order_count++] = nodes[node->right].left;
+    }
+}
+
+// Drafts the wide node for a binary subtree and all below it. The inner children of a node stand
+// together, as do the triangles of its leaves, and subtrees follow one another depth first. The
+// recursion is at most as deep as the binary tree.
+static void lay_out(struct collapse *collapse, uint32_t wide, uint32_t binary)
+{
+    struct draft *draft = &collapse->drafts[wide];
+    const struct choice *choice = &collapse->choices[binary];
+    if (wide == 0 && choice->is_leaf)
+        draft->binary[draft->child_count++] = binary; // only a root has a single child
+    else
+        gather(collapse, draft, binary, WIDTH);
+    draft->first_inner = collapse->draft_count;
+    draft->first_triangle = collapse->order_count;
+    for (uint32_t i = 0; i < draft->child_count; i++) {
+        if (collapse->choices[draft->binary[i]].is_leaf)
+            append_triangles(collapse, &collapse->params->nodes[draft->binary[i]]);
+        else
+            collapse->draft_count++;
+    }
+    uint32_t inner = draft->first_inner;
+    for (uint32_t i = 0; i < draft->child_count; i++)
+        if (!collapse->choices[draft->binary[i]].is_leaf)
+            lay_out(collapse, inner++, draft->binary[i]);
+}
+
+// --- Writing ------------------------------------------------------------------------------------
+
+// The child word of a leaf; moves *triangle past it.
+static uint32_t leaf_word(const struct bvh_binary_node *node, uint32_t *triangle)
+{
+    if (is_binary_leaf(node) && !is_triangle(node))
+        return BVH_LEAF | node->left; // the id has BVH_LEAF_SHAPE
+    uint32_t first = *triangle;
+    *triangle += is_binary_leaf(node) ? 1 : 2;
+    return BVH_LEAF | (is_binary_leaf(node) ? 0 : BVH_LEAF_TWO) | first;
+}
+
+static void write_nodes(void *context, size_t begin, size_t end, unsigned thread)
+{
+    (void)thread;
+    const struct collapse *collapse = context;
+    for (size_t n = begin; n < end; n++) {
+        const struct draft *draft = &collapse->drafts[n];
+        struct bvh_node *node = &collapse->out->nodes[n];
+        uint32_t inner = draft->first_inner, triangle = draft->first_triangle;
+        struct bvh_box boxes[WIDTH];
+        for (uint32_t i = 0; i < WIDTH; i++) {
+            node->child[i] = BVH_EMPTY;
+            if (i >= draft->child_count)
+                continue;
+            const struct bvh_binary_node *child = &collapse->params->nodes[draft->binary[i]];
+            boxes[i] = child->box;
+            node->child[i] =
+                collapse->choices[draft->binary[i]].is_leaf ? leaf_word(child, &triangle) : inner++;
+        }
+        bvh_node_set_boxes(node, boxes, draft->child_count);
+    }
+}
+
+bool bvh_wide_build(const struct bvh_wide_params *params, struct arena *arena, struct bvh *out,
+                    struct err *err)
+{
+    bool ok = false;
+    struct arena scratch = {0};
+    size_t binary_count = 2 * (size_t)params->primitive_count - 1;
+    struct collapse collapse = {.params = params, .out = out, .draft_count = 1};
+    collapse.choices = ARENA_NEW(&scratch, struct choice, binary_count);
+    collapse.drafts = ARENA_NEW(&scratch, struct draft, params->primitive_count);
+    if (!collapse.choices || !collapse.drafts) {
+        err_memory(err, "collapsing the BVH", binary_count * sizeof(struct choice));
+        goto done;
+    }
+    choose_all(&collapse);
+    lay_out(&collapse, 0, 0);
+    out->node_count = collapse.draft_count;
+    out->nodes = ARENA_NEW(arena, struct bvh_node, out->node_count);
+    if (!out->nodes) {
+        err_memory(err, "the BVH's nodes", out->node_count * sizeof *out->nodes);
+        goto done;
+    }
+    parallel_for(out->node_count, 1 << 12, params->threads, write_nodes, &collapse);
+    ok = bvh_compute_stats(out, &out->stats, err);
+done:
+    arena_finish(&scratch);
+    return ok;
+}

@@ -1,0 +1,171 @@
+// Building the binary tree: ranges near the root one after the other, each on all threads; then
+// the subtrees below side by side.
+#include "bvh_binary.h"
+#include "parallel.h"
+
+#include <stdatomic.h>
+#include <stdlib.h>
+
+enum {
+    // Subtrees of at most so many primitives are one thread's task, unless the tree is so small
+    // that
+    // the threads would get too few of them.
+    TASK_MAX = 1 << 15,
+    TASK_MIN = 1 << 10,
+    TASKS_PER_THREAD = 8,
+    TASK_WORTH = 64, // fewer primitives than that are done at once
+};
+
+struct binary_builder {
+    struct bvh_splitter splitter;
+    struct bvh_binary_node *nodes;
+    const struct bvh_binary_params *params;
+    struct bvh_range *tasks;
+    uint32_t task_count, task_size;
+    double task_start;           // the fraction of all work that was done when the tasks began
+    _Atomic uint32_t tasks_done; // in primitives
+    _Atomic bool stopped;
+};
+
+static void write_node(const struct binary_builder *builder, const struct bvh_range *range,
+                       const struct bvh_range children[2])
+{
+    struct bvh_binary_node *node = &builder->nodes[range->node];
+    node->box = range->box;
+    if (range->count == 1) {
+        node->left = builder->splitter.primitives[range->side][range->first].id;
+        node->right = 0;
+    } else {
+        node->left = children[0].node;
+        node->right = children[1].node;
+    }
+}
+
+// The recursion is as deep as the tree, which has a limit.
+static void build_subtree(const struct binary_builder *builder, const struct bvh_range *range)
+{
+    struct bvh_range children[2];
+    if (range->count > 1)
+        bvh_split(&builder->splitter, range, 1, children);
+    write_node(builder, range, children);
+    if (range->count > 1) {
+        build_subtree(builder, &children[0]);
+        build_subtree(builder, &children[1]);
+    }
+}
+
+// Reports the fraction of the binary build, and asks whether to go on. Calling thread only.
+static void checkpoint(struct binary_builder *builder, double fraction)
+{
+    progress_report(builder->params->progress, "Building BVH", BVH_BINARY_PROGRESS * fraction);
+    if (progress_should_stop(builder->params->progress))
+        atomic_store(&builder->stopped, true);
+}
+
+static void run_task(void *context, size_t begin, size_t end, unsigned thread)
+{
+    struct binary_builder *builder = context;
+    for (size_t i = begin; i < end; i++) {
+        if (atomic_load(&builder->stopped))
+            return;
+        uint32_t count = builder->tasks[i].count;
+        build_subtree(builder, &builder->tasks[i]);
+        uint32_t done = atomic_fetch_add(&builder->tasks_done, count) + count;
+        if (thread == 0)
+            checkpoint(builder, builder->task_start +
+                                    (1 - builder->task_start) * done / builder->params->count);
+    }
+}
+
+// Large tasks first, so that no thread starts one when the others are done.
+static int compare_tasks(const void *a, const void *b)
+{
+    const struct bvh_range *x = a, *y = b;
+    if (x->count != y->count)
+        return x->count > y->count ? -1 : 1;
+    return x->first < y->first ? -1 : 1;
+}
+
+// Splits the ranges above the task size and leaves the others in builder->tasks. The array serves
+// as the stack, too: tasks grow from its start, ranges yet to be split from its end.
+static void split_top(struct binary_builder *builder, const struct bvh_range *root,
+                      uint32_t capacity)
+{
+    double levels = 1; // splitting a range costs about as much as one level of its subtree
+    for (uint32_t size = root->count; size > 1; size /= 2)
+        levels++;
+    double all = levels * root->count, done = 0;
+    uint32_t stack = capacity;
+    builder->tasks[--stack] = *root;
+    while (stack < capacity && !atomic_load(&builder->stopped)) {
+        struct bvh_range range = builder->tasks[stack++], children[2];
+        if (range.count < TASK_WORTH) {
+            build_subtree(builder, &range);
+            continue;
+        }
+        if (range.count <= builder->task_size) {
+            builder->tasks[builder->task_count++] = range;
+            continue;
+        }
+        bvh_split(&builder->splitter, &range, builder->params->threads, children);
+        write_node(builder, &range, children);
+        builder->tasks[--stack] = children[1];
+        builder->tasks[--stack] = children[0];
+        done += range.count;
+        builder->task_start = done / all < 1 ? done / all : 1;
+        checkpoint(builder, builder->task_start);
+    }
+}
+
+static struct bvh_range root_range(const struct bvh_primitive *primitives, uint32_t count)
+{
+    struct bvh_range root = {.box = box_empty(), .centroids = box_empty(), .count = count};
+    for (uint32_t i = 0; i < count; i++) {
+        const struct bvh_box *box = &primitives[i].box;
+        float centroid[3] = {bvh_centroid(box, 0), bvh_centroid(box, 1), bvh_centroid(box, 2)};
+        box_add_box(&root.box, box);
+        box_add_point(&root.centroids, centroid);
+    }
+    return root;
+}
+
+static uint32_t task_size_for(uint32_t count, unsigned threads)
+{
+    uint32_t size = count / (TASKS_PER_THREAD * threads);
+    return size < TASK_MIN ? TASK_MIN : size > TASK_MAX ? TASK_MAX : size;
+}
+
+struct bvh_binary_node *bvh_binary_build(const struct bvh_binary_params *params,
+                                         struct arena *arena, struct err *err)
+{
+    uint32_t count = params->count;
+    struct arena scratch = {0};
+    struct binary_builder builder = {.params = params};
+    builder.task_size = task_size_for(count, params->threads);
+    // Tasks are disjoint and not tiny; the stack has at most one entry a level, and one more.
+    uint32_t capacity = count / TASK_WORTH + params->depth_limit + 1;
+    builder.tasks = ARENA_NEW(&scratch, struct bvh_range, capacity);
+    builder.splitter.depth_limit = params->depth_limit;
+    builder.splitter.primitives[0] = params->primitives;
+    builder.splitter.primitives[1] = ARENA_NEW(&scratch, struct bvh_primitive, count);
+    builder.splitter.chunks = arena_alloc(&scratch, BVH_CHUNKS_MAX, bvh_chunk_bytes());
+    builder.nodes = ARENA_NEW(arena, struct bvh_binary_node, 2 * (size_t)count - 1);
+    if (!builder.tasks || !builder.splitter.primitives[1] || !builder.splitter.chunks ||
+        !builder.nodes) {
+        err_memory(err, "the BVH's binary tree",
+                   count * (2 * sizeof(struct bvh_binary_node) + sizeof(struct bvh_primitive)));
+        builder.nodes = NULL;
+        goto done;
+    }
+    struct bvh_range root = root_range(params->primitives, count);
+    split_top(&builder, &root, capacity);
+    qsort(builder.tasks, builder.task_count, sizeof *builder.tasks, compare_tasks);
+    parallel_for(builder.task_count, 1, params->threads, run_task, &builder);
+    if (atomic_load(&builder.stopped)) {
+        err_set(err, ERR_SYSTEM, "building the BVH was stopped");
+        builder.nodes = NULL;
+    }
+done:
+    arena_finish(&scratch);
+    return builder.nodes;
+}

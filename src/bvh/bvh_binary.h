@@ -1,0 +1,84 @@
+// The binary tree from which the wide one is made. Private to this folder.
+#ifndef LAMPYRIS_BVH_BVH_BINARY_H
+#define LAMPYRIS_BVH_BVH_BINARY_H
+
+#include "bvh.h"
+#include "bvh_box.h"
+
+// What is sorted into the tree: a triangle (its index as given) or a shape (BVH_LEAF_SHAPE |
+// index), by its box alone. The box has no negative zero, so that minima do not depend on the
+// order.
+struct bvh_primitive {
+    struct bvh_box box;
+    uint32_t id;
+};
+
+// Nodes stand in depth-first order: the left child follows its parent, and a subtree of n leaves
+// takes 2n - 1 nodes. So every subtree knows its place beforehand, whichever thread builds it.
+struct bvh_binary_node {
+    struct bvh_box box;
+    uint32_t left;  // leaf: the id of its one primitive
+    uint32_t right; // 0: a leaf (the root is nobody's child)
+};
+
+// Consecutive primitives that become one subtree.
+struct bvh_range {
+    struct bvh_box box;
+    struct bvh_box centroids; // bounds of bvh_centroid()
+    uint32_t first, count;
+    uint32_t node;  // where its root stands
+    uint32_t depth; // of that root; the tree's root has 0
+    uint32_t side;  // which of the two buffers holds the primitives
+};
+
+// Two buffers, because partitioning is stable: it copies from one to the other.
+struct bvh_splitter {
+    struct bvh_primitive *primitives[2];
+    struct bvh_chunk
+        *chunks;          // BVH_CHUNKS_MAX, for the one range at a time that is split in parallel
+    uint32_t depth_limit; // no leaf is deeper
+};
+
+// Ranges are binned and partitioned in chunks of at least BVH_CHUNK_MIN primitives.
+enum { BVH_CHUNKS_MAX = 256, BVH_CHUNK_MIN = 1 << 14 };
+
+size_t bvh_chunk_bytes(void);
+
+// Splits a range of at least two primitives; the children are in depth-first order and not empty.
+// With threads > 1 only one call at a time, for it uses splitter->chunks.
+void bvh_split(const struct bvh_splitter *splitter, const struct bvh_range *range, unsigned threads,
+               struct bvh_range children[2]);
+
+// A quarter of min + max: half the centre. The half keeps the difference of two centres finite for
+// every pair of floats.
+static inline float bvh_centroid(const struct bvh_box *box, int axis)
+{
+    return 0.25f * box->min[axis] + 0.25f * box->max[axis];
+}
+
+struct bvh_binary_params {
+    struct bvh_primitive *primitives; // count of them; reordered
+    uint32_t count;                   // at least 1
+    uint32_t depth_limit;             // at least the binary logarithm of count, rounded up
+    unsigned threads;                 // at least 1
+    const struct progress *progress;  // told fractions from 0 to BVH_BINARY_PROGRESS
+};
+#define BVH_BINARY_PROGRESS 0.8
+
+// NULL on failure; 2 * count - 1 nodes in the arena otherwise.
+struct bvh_binary_node *bvh_binary_build(const struct bvh_binary_params *params,
+                                         struct arena *arena, struct err *err);
+
+struct bvh_wide_params {
+    const struct bvh_binary_node *nodes;
+    uint32_t primitive_count; // at least 1
+    uint32_t max_leaf;        // 1 or 2
+    unsigned threads;         // at least 1
+};
+
+// Collapses the binary tree into out->nodes, node_count and triangle_order (which the caller has
+// allocated) and fills in the statistics but build_seconds.
+bool bvh_wide_build(const struct bvh_wide_params *params, struct arena *arena, struct bvh *out,
+                    struct err *err);
+
+#endif

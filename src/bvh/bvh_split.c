@@ -1,0 +1,402 @@
+// Where to split a range of primitives, and splitting it. Three ways:
+//   binned   the surface area heuristic over bins of the centroids (Wald 2007, "On fast
+//            construction of SAH-based bounding volume hierarchies");
+//   sweep    the same over all positions, for short ranges;
+//   median   halves, where the centroids coincide or the depth runs out.
+// Everything that chunks contribute (minima, maxima, counts) is independent of their order and
+// number, and partitioning is stable: so the result depends on the input alone.
+#include "bvh_binary.h"
+#include "parallel.h"
+
+#include <float.h>
+#include <string.h>
+
+enum {
+    BIN_COUNT = 32,
+    SWEEP_MAX = 16, // ranges of at most so many primitives are swept
+};
+
+struct bin {
+    struct bvh_box box;
+    uint32_t count;
+};
+
+// One thread's share of a range.
+struct bvh_chunk {
+    struct bin bins[3][BIN_COUNT];
+    uint32_t begin, end;            // offsets in the range
+    uint32_t next_left, next_right; // where its first left and right primitives go
+    struct bvh_box centroids[2];
+};
+
+struct bin_map {
+    float origin[3], scale[3];
+};
+
+struct bin_split {
+    double cost;    // areas times primitives, summed over both sides
+    uint32_t axis;  // 3: none found
+    uint32_t first; // bin or position that starts the right side
+    uint32_t left_count;
+    struct bvh_box left, right;
+};
+
+// All that the chunk functions share.
+struct split_job {
+    const struct bvh_primitive *source; // the range's primitives
+    struct bvh_primitive *target;
+    struct bvh_chunk *chunks;
+    struct bin_map map;
+    struct bin_split split;
+};
+
+size_t bvh_chunk_bytes(void)
+{
+    return sizeof(struct bvh_chunk);
+}
+
+// --- Binned -------------------------------------------------------------------------------------
+
+static struct bin_map bin_map_for(const struct bvh_box *centroids)
+{
+    struct bin_map map;
+    for (int axis = 0; axis < 3; axis++) {
+        float extent = centroids->max[axis] - centroids->min[axis];
+        map.origin[axis] = centroids->min[axis];
+        // Below this bound the scale would overflow; then all centroids go to bin 0.
+        map.scale[axis] = extent > BIN_COUNT * FLT_MIN ? BIN_COUNT / extent : 0;
+    }
+    return map;
+}
+
+static int bin_index(const struct bin_map *map, int axis, const struct bvh_box *box)
+{
+    int index = (int)((bvh_centroid(box, axis) - map->origin[axis]) * map->scale[axis]);
+    return index < BIN_COUNT - 1 ? index : BIN_COUNT - 1;
+}
+
+static void bins_clear(struct bin bins[3][BIN_COUNT])
+{
+    for (int axis = 0; axis < 3; axis++)
+        for (int i = 0; i < BIN_COUNT; i++)
+            bins[axis][i] = (struct bin){.box = box_empty()};
+}
+
+static void chunk_bin(void *context, size_t begin, size_t end, unsigned thread)
+{
+    (void)thread;
+    const struct split_job *job = context;
+    for (size_t i = begin; i < end; i++) {
+        struct bvh_chunk *chunk = &job->chunks[i];
+        bins_clear(chunk->bins);
+        for (uint32_t p = chunk->begin; p < chunk->end; p++) {
+            const struct bvh_box *box = &job->source[p].box;
+            for (int axis = 0; axis < 3; axis++) {
+                struct bin *bin = &chunk->bins[axis][bin_index(&job->map, axis, box)];
+                box_add_box(&bin->box, box);
+                bin->count++;
+            }
+        }
+    }
+}
+
+static void bins_merge(struct bin into[3][BIN_COUNT], const struct bin from[3][BIN_COUNT])
+{
+    for (int axis = 0; axis < 3; axis++) {
+        for (int i = 0; i < BIN_COUNT; i++) {
+            box_add_box(&into[axis][i].box, &from[axis][i].box);
+            into[axis][i].count += from[axis][i].count;
+        }
+    }
+}
+
+// Of equal costs (a flat scene may have nothing but zeros) the most even split wins, so that the
+// depth stays small.
+static bool split_is_better(double cost, uint32_t left, uint32_t right,
+                            const struct bin_split *best, uint32_t count)
+{
+    if (best->axis == 3 || cost != best->cost)
+        return best->axis == 3 || cost < best->cost;
+    uint32_t best_right = count - best->left_count;
+    uint32_t best_smaller = best->left_count < best_right ? best->left_count : best_right;
+    return (left < right ? left : right) > best_smaller;
+}
+
+static void axis_best_split(const struct bin bins[BIN_COUNT], uint32_t axis, uint32_t count,
+                            struct bin_split *best)
+{
+    struct bin right[BIN_COUNT]; // the union of bins i to the last
+    right[BIN_COUNT - 1] = bins[BIN_COUNT - 1];
+    for (int i = BIN_COUNT - 2; i > 0; i--) {
+        right[i] = bins[i];
+        box_add_box(&right[i].box, &right[i + 1].box);
+        right[i].count += right[i + 1].count;
+    }
+    struct bin left = bins[0];
+    for (uint32_t i = 1; i < BIN_COUNT; i++) {
+        if (left.count > 0 && bins[i].count > 0) { // else the same as another position
+            double cost = box_half_area(&left.box) * left.count +
+                          box_half_area(&right[i].box) * right[i].count;
+            if (split_is_better(cost, left.count, right[i].count, best, count))
+                *best = (struct bin_split){cost, axis, i, left.count, left.box, right[i].box};
+        }
+        box_add_box(&left.box, &bins[i].box);
+        left.count += bins[i].count;
+    }
+}
+
+static void chunk_partition(void *context, size_t begin, size_t end, unsigned thread)
+{
+    (void)thread;
+    const struct split_job *job = context;
+    int axis = (int)job->split.axis, first_right = (int)job->split.first;
+    for (size_t i = begin; i < end; i++) {
+        struct bvh_chunk *chunk = &job->chunks[i];
+        uint32_t next[2] = {chunk->next_left, chunk->next_right};
+        struct bvh_box centroids[2] = {box_empty(), box_empty()};
+        for (uint32_t p = chunk->begin; p < chunk->end; p++) {
+            const struct bvh_primitive *primitive = &job->source[p];
+            int side = bin_index(&job->map, axis, &primitive->box) >= first_right;
+            float centroid[3] = {bvh_centroid(&primitive->box, 0), bvh_centroid(&primitive->box, 1),
+                                 bvh_centroid(&primitive->box, 2)};
+            box_add_point(&centroids[side], centroid);
+            job->target[next[side]++] = *primitive;
+        }
+        chunk->centroids[0] = centroids[0];
+        chunk->centroids[1] = centroids[1];
+    }
+}
+
+static void run_chunks(struct split_job *job, uint32_t chunk_count, unsigned threads,
+                       parallel_fn fn)
+{
+    if (chunk_count == 1)
+        fn(job, 0, 1, 0);
+    else
+        parallel_for(chunk_count, 1, threads, fn, job);
+}
+
+// Gives each chunk its places in the partitioned range: chunks in order, left before right.
+static void chunks_place(struct split_job *job, uint32_t chunk_count)
+{
+    uint32_t left = 0, right = job->split.left_count;
+    for (uint32_t i = 0; i < chunk_count; i++) {
+        struct bvh_chunk *chunk = &job->chunks[i];
+        uint32_t left_count = 0;
+        for (uint32_t b = 0; b < job->split.first; b++)
+            left_count += chunk->bins[job->split.axis][b].count;
+        chunk->next_left = left;
+        chunk->next_right = right;
+        left += left_count;
+        right += chunk->end - chunk->begin - left_count;
+    }
+}
+
+// False when no axis separates the centroids.
+static bool find_binned_split(struct split_job *job, uint32_t count, uint32_t chunk_count,
+                              unsigned threads)
+{
+    run_chunks(job, chunk_count, threads, chunk_bin);
+    struct bin merged[3][BIN_COUNT];
+    memcpy(merged, job->chunks[0].bins, sizeof merged);
+    for (uint32_t i = 1; i < chunk_count; i++)
+        bins_merge(merged, (const struct bin(*)[BIN_COUNT])job->chunks[i].bins);
+    job->split = (struct bin_split){.axis = 3};
+    for (uint32_t axis = 0; axis < 3; axis++)
+        axis_best_split(merged[axis], axis, count, &job->split);
+    return job->split.axis < 3;
+}
+
+// Fills in the children's boxes, centroids, counts and side.
+static bool split_binned(const struct bvh_splitter *splitter, const struct bvh_range *range,
+                         unsigned threads, struct bvh_range children[2])
+{
+    struct bvh_chunk only;
+    uint32_t chunk_count = threads > 1 ? range->count / BVH_CHUNK_MIN : 1;
+    chunk_count = chunk_count > BVH_CHUNKS_MAX ? BVH_CHUNKS_MAX : chunk_count > 1 ? chunk_count : 1;
+    struct split_job job = {
+        .source = splitter->primitives[range->side] + range->first,
+        .target = splitter->primitives[!range->side] + range->first,
+        .chunks = chunk_count > 1 ? splitter->chunks : &only,
+        .map = bin_map_for(&range->centroids),
+    };
+    for (uint32_t i = 0; i < chunk_count; i++) {
+        job.chunks[i].begin = (uint32_t)((uint64_t)range->count * i / chunk_count);
+        job.chunks[i].end = (uint32_t)((uint64_t)range->count * (i + 1) / chunk_count);
+    }
+    if (!find_binned_split(&job, range->count, chunk_count, threads))
+        return false;
+    chunks_place(&job, chunk_count);
+    run_chunks(&job, chunk_count, threads, chunk_partition);
+    const struct bvh_box *boxes[2] = {&job.split.left, &job.split.right};
+    for (int side = 0; side < 2; side++) {
+        children[side].box = *boxes[side];
+        children[side].centroids = job.chunks[0].centroids[side];
+        for (uint32_t i = 1; i < chunk_count; i++)
+            box_add_box(&children[side].centroids, &job.chunks[i].centroids[side]);
+        children[side].side = !range->side;
+    }
+    children[0].count = job.split.left_count;
+    children[1].count = range->count - job.split.left_count;
+    return true;
+}
+
+// --- In place: sweep and median -----------------------------------------------------------------
+
+// The bounds of a child whose count and first primitive are known.
+static void bound_child(const struct bvh_splitter *splitter, struct bvh_range *child)
+{
+    const struct bvh_primitive *primitives = splitter->primitives[child->side] + child->first;
+    child->box = box_empty();
+    child->centroids = box_empty();
+    for (uint32_t i = 0; i < child->count; i++) {
+        const struct bvh_box *box = &primitives[i].box;
+        float centroid[3] = {bvh_centroid(box, 0), bvh_centroid(box, 1), bvh_centroid(box, 2)};
+        box_add_box(&child->box, box);
+        box_add_point(&child->centroids, centroid);
+    }
+}
+
+static void sort_by_centroid(const struct bvh_primitive *primitives, uint32_t count, int axis,
+                             uint8_t order[SWEEP_MAX])
+{
+    float keys[SWEEP_MAX];
+    for (uint32_t i = 0; i < count; i++) {
+        float key = bvh_centroid(&primitives[i].box, axis);
+        uint32_t at = i;
+        for (; at > 0 && keys[at - 1] > key; at--) {
+            keys[at] = keys[at - 1];
+            order[at] = order[at - 1];
+        }
+        keys[at] = key;
+        order[at] = (uint8_t)i;
+    }
+}
+
+static bool sweep_axis(const struct bvh_primitive *primitives, uint32_t count, uint32_t axis,
+                       const uint8_t order[SWEEP_MAX], struct bin_split *best)
+{
+    double right_area[SWEEP_MAX];
+    struct bvh_box box = primitives[order[count - 1]].box;
+    right_area[count - 1] = box_half_area(&box);
+    for (uint32_t i = count - 2; i > 0; i--) {
+        box_add_box(&box, &primitives[order[i]].box);
+        right_area[i] = box_half_area(&box);
+    }
+    bool improved = false;
+    box = primitives[order[0]].box;
+    for (uint32_t i = 1; i < count; i++) {
+        double cost = box_half_area(&box) * i + right_area[i] * (count - i);
+        if (split_is_better(cost, i, count - i, best, count)) {
+            *best = (struct bin_split){.cost = cost, .axis = axis, .first = i, .left_count = i};
+            improved = true;
+        }
+        box_add_box(&box, &primitives[order[i]].box);
+    }
+    return improved;
+}
+
+// Sorts a short range by its best axis and returns the length of the left side.
+static uint32_t sweep(struct bvh_primitive *primitives, uint32_t count)
+{
+    if (count == 2)
+        return 1;
+    uint8_t order[SWEEP_MAX], best_order[SWEEP_MAX];
+    struct bin_split best = {.axis = 3};
+    for (uint32_t axis = 0; axis < 3; axis++) {
+        sort_by_centroid(primitives, count, (int)axis, order);
+        if (sweep_axis(primitives, count, axis, order, &best))
+            memcpy(best_order, order, sizeof order);
+    }
+    struct bvh_primitive copy[SWEEP_MAX];
+    memcpy(copy, primitives, count * sizeof *copy);
+    for (uint32_t i = 0; i < count; i++)
+        primitives[i] = copy[best_order[i]];
+    return best.left_count;
+}
+
+static bool centroid_less(const struct bvh_primitive *a, const struct bvh_primitive *b, int axis)
+{
+    float key_a = bvh_centroid(&a->box, axis), key_b = bvh_centroid(&b->box, axis);
+    return key_a < key_b || (key_a == key_b && a->id < b->id);
+}
+
+static void swap(struct bvh_primitive *a, struct bvh_primitive *b)
+{
+    struct bvh_primitive copy = *a;
+    *a = *b;
+    *b = copy;
+}
+
+// Quickselect (Hoare 1961): puts the `middle` least centroids first. Ids differ, so there are no
+// equal keys.
+static void select_smallest(struct bvh_primitive *primitives, uint32_t count, uint32_t middle,
+                            int axis)
+{
+    uint32_t begin = 0, end = count;
+    while (end - begin > 1) {
+        swap(&primitives[begin], &primitives[begin + (end - begin) / 2]); // the pivot
+        uint32_t place = begin;
+        for (uint32_t i = begin + 1; i < end; i++)
+            if (centroid_less(&primitives[i], &primitives[begin], axis))
+                swap(&primitives[++place], &primitives[i]);
+        swap(&primitives[begin], &primitives[place]);
+        if (place == middle)
+            return;
+        if (place < middle)
+            begin = place + 1;
+        else
+            end = place;
+    }
+}
+
+// Halves by the centroid on the widest axis; by the present order where all centroids coincide.
+static uint32_t split_median(struct bvh_primitive *primitives, const struct bvh_range *range)
+{
+    int axis = 0;
+    float extent[3];
+    for (int i = 0; i < 3; i++) {
+        extent[i] = range->centroids.max[i] - range->centroids.min[i];
+        axis = extent[i] > extent[axis] ? i : axis;
+    }
+    if (extent[axis] > 0)
+        select_smallest(primitives, range->count, range->count / 2, axis);
+    return range->count / 2;
+}
+
+// True when a range can stay within the limit only if it is halved from here on.
+static bool depth_runs_out(const struct bvh_splitter *splitter, const struct bvh_range *range)
+{
+    uint32_t halvings = 32 - (uint32_t)__builtin_clz(range->count - 1); // log2, rounded up
+    return range->depth + halvings >= splitter->depth_limit;
+}
+
+// --- Both ---------------------------------------------------------------------------------------
+
+static void place_children(const struct bvh_range *range, struct bvh_range children[2])
+{
+    children[0].first = range->first;
+    children[0].node = range->node + 1;
+    children[1].first = range->first + children[0].count;
+    children[1].node = range->node + 2 * children[0].count;
+    children[0].depth = children[1].depth = range->depth + 1;
+}
+
+void bvh_split(const struct bvh_splitter *splitter, const struct bvh_range *range, unsigned threads,
+               struct bvh_range children[2])
+{
+    bool halve = depth_runs_out(splitter, range);
+    if (!halve && range->count > SWEEP_MAX && split_binned(splitter, range, threads, children)) {
+        place_children(range, children);
+        return;
+    }
+    struct bvh_primitive *primitives = splitter->primitives[range->side] + range->first;
+    bool short_range = range->count <= SWEEP_MAX && !halve;
+    children[0].count =
+        short_range ? sweep(primitives, range->count) : split_median(primitives, range);
+    children[1].count = range->count - children[0].count;
+    children[0].side = children[1].side = range->side;
+    place_children(range, children);
+    bound_child(splitter, &children[0]);
+    bound_child(splitter, &children[1]);
+}

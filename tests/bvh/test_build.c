@@ -1,0 +1,447 @@
+// The builder: every tree is validated, bounded, and the same for any number of threads; and the
+// validation finds what is broken.
+#include "bvh.h"
+#include "meshes.h"
+#include "test.h"
+
+#include <float.h>
+
+// Builds and validates; the test fails with the message of whichever goes wrong.
+static bool build(const struct bvh_params *params, struct arena *arena, struct bvh *bvh)
+{
+    struct err err = {0};
+    bool built = bvh_build(params, arena, bvh, &err);
+    CHECK(built, "%s", err.msg);
+    if (!built)
+        return false;
+    bool valid = bvh_validate(bvh, params, &err);
+    CHECK(valid, "%s", err.msg);
+    CHECK(bvh->stats.stack_entries <= BVH_STACK_ENTRIES_MAX, "%u", bvh->stats.stack_entries);
+    return valid;
+}
+
+static void build_mesh(const struct mesh *mesh, struct bvh_stats *stats)
+{
+    struct arena arena = {0};
+    struct bvh bvh;
+    struct bvh_params params = mesh_params(mesh);
+    if (build(&params, &arena, &bvh) && stats)
+        *stats = bvh.stats;
+    arena_finish(&arena);
+}
+
+TEST(few_triangles)
+{
+    for (uint32_t count = 0; count <= 40; count++) {
+        for (uint32_t max_leaf = 0; max_leaf <= 2; max_leaf++) {
+            struct arena arena = {0};
+            struct mesh mesh = mesh_soup(&arena, count, 0.3, count);
+            struct bvh_params params = mesh_params(&mesh);
+            params.max_leaf = max_leaf;
+            struct bvh bvh;
+            if (build(&params, &arena, &bvh) && count == 0)
+                CHECK(bvh.node_count == 1 && bvh.nodes[0].child[0] == BVH_EMPTY);
+            arena_finish(&arena);
+        }
+    }
+}
+
+TEST(soups)
+{
+    static const double sizes[] = {0, 0.001, 0.1, 1};
+    for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
+        struct arena arena = {0};
+        struct mesh mesh = mesh_soup(&arena, 20000, sizes[i], i);
+        build_mesh(&mesh, NULL);
+        arena_finish(&arena);
+    }
+}
+
+// Longest path, and the most pending children by trying every order, straight from the definition.
+static void measure(const struct bvh *bvh, uint32_t index, uint32_t level, uint32_t pending,
+                    uint32_t *depth, uint32_t *entries)
+{
+    const struct bvh_node *node = &bvh->nodes[index];
+    uint32_t count = 0;
+    while (count < 4 && node->child[count] != BVH_EMPTY)
+        count++;
+    *depth = level > *depth ? level : *depth;
+    for (uint32_t i = 0; i < count; i++) {
+        for (uint32_t visited_before = 0; visited_before < count; visited_before++) {
+            uint32_t left = pending + count - 1 - visited_before;
+            *entries = left > *entries ? left : *entries;
+            if (visited_before == 0 && !(node->child[i] & BVH_LEAF))
+                measure(bvh, node->child[i], level + 1, left, depth, entries);
+        }
+    }
+}
+
+TEST(statistics)
+{
+    struct arena arena = {0};
+    struct mesh mesh = mesh_soup(&arena, 3000, 0.05, 5);
+    struct bvh_params params = mesh_params(&mesh);
+    struct bvh bvh;
+    if (build(&params, &arena, &bvh)) {
+        uint32_t depth = 0, entries = 0;
+        measure(&bvh, 0, 1, 0, &depth, &entries);
+        CHECK(bvh.stats.depth == depth, "%u, not %u", bvh.stats.depth, depth);
+        CHECK(bvh.stats.stack_entries == entries, "%u, not %u", bvh.stats.stack_entries, entries);
+        CHECK(bvh.stats.bytes == bvh.node_count * 64ull + 3000 * 4ull);
+        CHECK(bvh.stats.build_seconds > 0);
+    }
+    arena_finish(&arena);
+}
+
+// One triangle: the root is visited and then its only leaf, for certain.
+TEST(sah_cost_of_one_triangle)
+{
+    struct arena arena = {0};
+    struct mesh mesh = mesh_identical(&arena, 1);
+    struct bvh_stats stats = {0};
+    build_mesh(&mesh, &stats);
+    CHECK(stats.sah_cost == 2, "%g", stats.sah_cost);
+    CHECK(stats.depth == 1 && stats.stack_entries == 0 && stats.leaf_count == 1);
+    arena_finish(&arena);
+}
+
+TEST(identical_triangles)
+{
+    static const uint32_t counts[] = {17, 10000, 1000000};
+    for (size_t i = 0; i < sizeof counts / sizeof counts[0]; i++) {
+        struct arena arena = {0};
+        struct mesh mesh = mesh_identical(&arena, counts[i]);
+        struct bvh_stats stats = {0};
+        build_mesh(&mesh, &stats);
+        CHECK(stats.depth <= 20, "%u triangles: depth %u", counts[i], stats.depth);
+        arena_finish(&arena);
+    }
+}
+
+TEST(slivers)
+{
+    struct arena arena = {0};
+    struct mesh mesh = mesh_soup(&arena, 5000, 0.01, 8);
+    for (uint32_t i = 0; i < mesh.count; i++) // 1e6 : 1, along each axis in turn
+        for (int v = 0; v < 3; v++)
+            mesh.vertices[i][v][i % 3] = v == 0 ? -5000.0f : 5000.0f;
+    build_mesh(&mesh, NULL);
+    arena_finish(&arena);
+}
+
+TEST(extreme_coordinates)
+{
+    static const float scales[] = {0, 1e-45f, 1e-38f, 1e-30f, 1e-8f, 1e8f, 1e30f, FLT_MAX};
+    static const float offsets[] = {0, 1e-8f, -1, 1e8f, -1e30f};
+    for (size_t s = 0; s < sizeof scales / sizeof scales[0]; s++) {
+        for (size_t o = 0; o < sizeof offsets / sizeof offsets[0]; o++) {
+            struct arena arena = {0};
+            struct mesh mesh = mesh_soup(&arena, 500, 0.1, s);
+            for (uint32_t i = 0; i < mesh.count; i++)
+                for (int v = 0; v < 3; v++)
+                    for (int axis = 0; axis < 3; axis++) {
+                        float *x = &mesh.vertices[i][v][axis];
+                        // Spread over the whole range from -scale to scale, then clamp to floats.
+                        double value = (2.0 * *x - 1) * scales[s] + offsets[o];
+                        *x = (float)fmax(-FLT_MAX, fmin(FLT_MAX, value));
+                    }
+            build_mesh(&mesh, NULL);
+            arena_finish(&arena);
+        }
+    }
+}
+
+// All magnitudes from 1e-38 to 1e38 in one mesh.
+TEST(all_magnitudes_together)
+{
+    struct arena arena = {0};
+    struct mesh mesh = mesh_new(&arena, 20000);
+    struct random random = {3};
+    for (uint32_t i = 0; i < mesh.count; i++)
+        for (int v = 0; v < 3; v++)
+            for (int axis = 0; axis < 3; axis++) {
+                double magnitude = pow(10, random_between(&random, -38, 38));
+                mesh.vertices[i][v][axis] =
+                    (float)(random_unit(&random) < 0.5 ? -magnitude : magnitude);
+            }
+    build_mesh(&mesh, NULL);
+    arena_finish(&arena);
+}
+
+// Small triangles at exponentially growing distances: the surface area heuristic takes off a few at
+// a time, so only the depth limit keeps the tree from becoming a list.
+TEST(exponential_spacing_stays_shallow)
+{
+    static const uint32_t counts[] = {200, 3000, 50000};
+    for (size_t c = 0; c < sizeof counts / sizeof counts[0]; c++) {
+        struct arena arena = {0};
+        struct mesh mesh = mesh_new(&arena, counts[c]);
+        for (uint32_t i = 0; i < mesh.count; i++) {
+            float at = (float)pow(2, 240.0 * i / mesh.count - 120);
+            for (int v = 0; v < 3; v++)
+                for (int axis = 0; axis < 3; axis++)
+                    mesh.vertices[i][v][axis] = at * (v == axis ? 1.001f : 1);
+        }
+        build_mesh(&mesh, NULL);
+        arena_finish(&arena);
+    }
+}
+
+// The limit on the depth must hold whatever the tree is like before: 24 levels of a list, each of
+// which is a list in turn.
+TEST(nested_lists_stay_shallow)
+{
+    struct arena arena = {0};
+    struct mesh mesh = mesh_new(&arena, 24 * 24 * 24);
+    for (uint32_t i = 0; i < mesh.count; i++) {
+        uint32_t digits[3] = {i / (24 * 24), i / 24 % 24, i % 24};
+        for (int v = 0; v < 3; v++)
+            for (int axis = 0; axis < 3; axis++) {
+                float at = (float)pow(2, 5.0 * digits[axis] - 60);
+                mesh.vertices[i][v][axis] = at * (v == axis ? 1.01f : 1);
+            }
+    }
+    build_mesh(&mesh, NULL);
+    arena_finish(&arena);
+}
+
+static void check_same_bits(const struct mesh *mesh)
+{
+    static const unsigned threads[] = {1, 2, 5};
+    struct arena arena = {0};
+    struct bvh bvh[3];
+    for (size_t i = 0; i < 3; i++) {
+        struct bvh_params params = mesh_params(mesh);
+        params.threads = threads[i];
+        struct err err;
+        REQUIRE(bvh_build(&params, &arena, &bvh[i], &err), "%s", err.msg);
+        REQUIRE(bvh[i].node_count == bvh[0].node_count, "%u threads", threads[i]);
+        CHECK(!memcmp(bvh[i].nodes, bvh[0].nodes, bvh[0].node_count * sizeof *bvh[0].nodes),
+              "%u threads", threads[i]);
+        CHECK(!memcmp(bvh[i].triangle_order, bvh[0].triangle_order,
+                      mesh->count * sizeof *bvh[0].triangle_order),
+              "%u threads", threads[i]);
+    }
+    arena_finish(&arena);
+}
+
+TEST(same_bits_for_any_threads)
+{
+    struct arena arena = {0};
+    struct mesh mesh = mesh_grid(&arena, 300);
+    check_same_bits(&mesh);
+    mesh = mesh_soup(&arena, 150000, 0.02, 4);
+    for (uint32_t i = 0; i < mesh.count; i++) // both zeros, whose order must not matter
+        mesh.vertices[i][0][0] = i % 3 == 0 ? 0.0f : i % 3 == 1 ? -0.0f : mesh.vertices[i][0][0];
+    check_same_bits(&mesh);
+    mesh = mesh_identical(&arena, 100000);
+    check_same_bits(&mesh);
+    arena_finish(&arena);
+}
+
+TEST(stride_and_shapes)
+{
+    enum { TRIANGLES = 100, SHAPES = 57 };
+    struct arena arena = {0};
+    struct mesh soup = mesh_soup(&arena, TRIANGLES, 0.2, 6);
+    struct wide_triangle {
+        float vertices[3][3];
+        uint32_t material, spare[2];
+    } *wide = ARENA_NEW(&arena, struct wide_triangle, TRIANGLES);
+    struct bvh_box boxes[SHAPES];
+    for (uint32_t i = 0; i < TRIANGLES; i++) {
+        memcpy(wide[i].vertices, soup.vertices[i], sizeof wide[i].vertices);
+        wide[i].material = 0x7fc00000; // a NaN, if it were taken for a coordinate
+    }
+    for (uint32_t i = 0; i < SHAPES; i++)
+        for (int axis = 0; axis < 3; axis++) {
+            boxes[i].min[axis] = (float)(i * 7 % 13) / 13;
+            boxes[i].max[axis] = boxes[i].min[axis] + (float)(i * 5 % 3) * 0.1f;
+        }
+    struct bvh_params params = {
+        .triangle_vertices = (const float(*)[3][3])wide,
+        .triangle_stride = sizeof *wide,
+        .triangle_count = TRIANGLES,
+        .shape_boxes = boxes,
+        .shape_count = SHAPES,
+    };
+    struct bvh bvh;
+    build(&params, &arena, &bvh);
+    params.triangle_count = 0;
+    build(&params, &arena, &bvh);
+    params.shape_count = 1;
+    build(&params, &arena, &bvh);
+    arena_finish(&arena);
+}
+
+// --- Errors -------------------------------------------------------------------------------------
+
+static void check_refused(const struct bvh_params *params, const char *expected)
+{
+    struct arena arena = {0};
+    struct bvh bvh;
+    struct err err = {0};
+    CHECK(!bvh_build(params, &arena, &bvh, &err));
+    CHECK(err.code == ERR_BUG && strstr(err.msg, expected), "%s", err.msg);
+    arena_finish(&arena);
+}
+
+TEST(bad_input)
+{
+    static const float bad[] = {NAN, INFINITY, -INFINITY};
+    struct arena arena = {0};
+    struct mesh mesh = mesh_soup(&arena, 100, 0.1, 1);
+    for (size_t i = 0; i < 3; i++) {
+        float good = mesh.vertices[42][1][2];
+        mesh.vertices[42][1][2] = mesh.vertices[77][0][0] = bad[i];
+        struct bvh_params params = mesh_params(&mesh);
+        check_refused(&params, "triangle 42");
+        mesh.vertices[42][1][2] = mesh.vertices[77][0][0] = good;
+    }
+    struct bvh_params params = mesh_params(&mesh);
+    params.triangle_stride = 35;
+    check_refused(&params, "triangle_stride: 35");
+    params = mesh_params(&mesh);
+    params.max_leaf = 3;
+    check_refused(&params, "max_leaf: 3");
+    struct bvh_box boxes[2] = {{{0, 0, 0}, {1, 1, 1}}, {{0, 0, 2}, {1, 1, 1}}};
+    params = (struct bvh_params){.shape_boxes = boxes, .shape_count = 2};
+    check_refused(&params, "shape 1");
+    params = (struct bvh_params){.triangle_count = BVH_LEAF_INDEX + 1};
+    check_refused(&params, "at most");
+    params = (struct bvh_params){.triangle_count = 1};
+    check_refused(&params, "without vertices");
+    arena_finish(&arena);
+}
+
+TEST(every_allocation_may_fail)
+{
+    struct arena data = {0};
+    struct mesh mesh = mesh_soup(&data, 3000, 0.1, 1);
+    struct bvh_params params = mesh_params(&mesh);
+    for (uint64_t n = 1; n < 50; n++) {
+        struct arena arena = {0};
+        struct bvh bvh;
+        struct err err = {0};
+        arena_fail_at(n);
+        bool built = bvh_build(&params, &arena, &bvh, &err);
+        arena_fail_at(0);
+        CHECK(built || err.code == ERR_SYSTEM, "allocation %d: %s", (int)n, err.msg);
+        arena_finish(&arena);
+        if (built) {
+            CHECK(n > 5, "only %d allocations failed", (int)n - 1);
+            break;
+        }
+    }
+    arena_finish(&data);
+}
+
+struct listener {
+    double last;
+    int reports, stop_after;
+    bool in_order;
+};
+
+static void listen(void *context, const char *phase, double fraction)
+{
+    struct listener *listener = context;
+    CHECK(!strcmp(phase, "Building BVH"));
+    listener->in_order = listener->in_order && fraction >= listener->last && fraction <= 1;
+    listener->last = fraction;
+    listener->reports++;
+}
+
+static bool wants_stop(void *context)
+{
+    const struct listener *listener = context;
+    return listener->reports >= listener->stop_after;
+}
+
+TEST(progress_and_stopping)
+{
+    struct arena arena = {0};
+    struct mesh mesh = mesh_grid(&arena, 300);
+    struct listener listener = {.in_order = true, .stop_after = 1000000};
+    struct progress progress = {listen, wants_stop, &listener};
+    struct bvh_params params = mesh_params(&mesh);
+    params.progress = &progress;
+    struct bvh bvh;
+    struct err err = {0};
+    CHECK(bvh_build(&params, &arena, &bvh, &err), "%s", err.msg);
+    CHECK(listener.in_order && listener.last == 1 && listener.reports > 5, "%d reports, last %g",
+          listener.reports, listener.last);
+    listener = (struct listener){.in_order = true, .stop_after = 3};
+    CHECK(!bvh_build(&params, &arena, &bvh, &err));
+    CHECK(err.code == ERR_SYSTEM && strstr(err.msg, "stopped"), "%s", err.msg);
+    arena_finish(&arena);
+}
+
+// --- Validation ---------------------------------------------------------------------------------
+
+static void check_flips(const struct bvh *bvh, const struct bvh_params *params, uint32_t *word,
+                        const char *what, uint32_t index)
+{
+    for (int bit = 0; bit < 32; bit++) {
+        *word ^= 1u << bit;
+        struct err err = {0};
+        CHECK(!bvh_validate(bvh, params, &err), "%s %u, bit %d", what, index, bit);
+        CHECK(err.code == ERR_INPUT && err.msg[0], "%s %u, bit %d", what, index, bit);
+        *word ^= 1u << bit;
+    }
+}
+
+// Every bit counts but those of the origins, which may still describe a box that is large enough.
+TEST(validate_finds_every_flipped_bit)
+{
+    struct arena arena = {0};
+    struct mesh mesh = mesh_soup(&arena, 60, 0.2, 2);
+    struct bvh_box boxes[3] = {
+        {{0, 0, 0}, {1, 1, 1}}, {{0, 0.5f, 0}, {0.1f, 1, 1}}, {{0.5f, 0, 0}, {1, 0.2f, 1}}};
+    struct bvh_params params = mesh_params(&mesh);
+    params.shape_boxes = boxes;
+    params.shape_count = 3;
+    struct bvh bvh;
+    if (build(&params, &arena, &bvh)) {
+        for (uint32_t n = 0; n < bvh.node_count; n++) {
+            struct bvh_node *node = &bvh.nodes[n];
+            check_flips(&bvh, &params, &node->exponents, "exponents of node", n);
+            for (int i = 0; i < 4; i++)
+                check_flips(&bvh, &params, &node->child[i], "child of node", n);
+            for (int i = 0; i < 3; i++) {
+                check_flips(&bvh, &params, &node->lo[i], "lo of node", n);
+                check_flips(&bvh, &params, &node->hi[i], "hi of node", n);
+            }
+            for (int i = 0; i < 2; i++)
+                check_flips(&bvh, &params, &node->spare[i], "spare of node", n);
+        }
+        for (uint32_t i = 0; i < mesh.count; i++)
+            check_flips(&bvh, &params, &bvh.triangle_order[i], "triangle_order", i);
+        check_flips(&bvh, &params, &bvh.stats.depth, "depth", 0);
+        check_flips(&bvh, &params, &bvh.stats.stack_entries, "stack_entries", 0);
+        check_flips(&bvh, &params, &bvh.stats.node_count, "node_count", 0);
+        check_flips(&bvh, &params, &bvh.stats.leaf_count, "leaf_count", 0);
+    }
+    arena_finish(&arena);
+}
+
+TEST(validate_finds_moved_triangle)
+{
+    struct arena arena = {0};
+    struct mesh mesh = mesh_soup(&arena, 1000, 0.1, 2);
+    struct bvh_params params = mesh_params(&mesh);
+    struct bvh bvh;
+    struct err err = {0};
+    if (build(&params, &arena, &bvh)) {
+        mesh.vertices[500][2][1] += 0.1f;
+        CHECK(!bvh_validate(&bvh, &params, &err) && strstr(err.msg, "box"), "%s", err.msg);
+    }
+    arena_finish(&arena);
+}
+
+TEST_MAIN(TEST_CASE(few_triangles), TEST_CASE(soups), TEST_CASE(statistics),
+          TEST_CASE(sah_cost_of_one_triangle), TEST_CASE(identical_triangles), TEST_CASE(slivers),
+          TEST_CASE(extreme_coordinates), TEST_CASE(all_magnitudes_together),
+          TEST_CASE(exponential_spacing_stays_shallow), TEST_CASE(nested_lists_stay_shallow),
+          TEST_CASE(same_bits_for_any_threads), TEST_CASE(stride_and_shapes), TEST_CASE(bad_input),
+          TEST_CASE(every_allocation_may_fail), TEST_CASE(progress_and_stopping),
+          TEST_CASE(validate_finds_every_flipped_bit), TEST_CASE(validate_finds_moved_triangle))
