@@ -1,1 +1,324 @@
-typedef int flatten_placeholder;
+// World space, single precision, one level: what the BVH and the kernels take.
+#include "flatten.h"
+
+#include "affine.h"
+#include "bounds.h"
+#include "log.h"
+#include <float.h>
+#include <math.h>
+
+// An instance's transform, prepared.
+struct placement {
+    const struct mesh *mesh;
+    const struct instance *instance;
+    double origin[3];     // of the flat scene
+    double normals[3][3]; // inverse transpose up to a positive factor
+    bool is_mirrored;
+};
+
+// --- bounds and origin ---------------------------------------------------------------------------
+
+static bool is_in_range(const double point[3])
+{
+    for (int i = 0; i < 3; i++)
+        if (!(fabs(point[i]) <= SCENE_COORDINATE_MAX))
+            return false;
+    return true;
+}
+
+static bool fail_vertex(const struct scene *scene, const struct instance *instance, uint32_t vertex,
+                        const double point[3], struct err *err)
+{
+    const char *name = scene->meshes[instance->mesh].name;
+    return err_set(err, ERR_INPUT,
+                   "%s: instance %td: mesh %u%s%s%s: vertex %u lies at (%g, %g, %g) in the world; "
+                   "expected coordinates within +-%g",
+                   scene->path ? scene->path : "scene", instance - scene->instances, instance->mesh,
+                   *name ? " \"" : "", name, *name ? "\"" : "", vertex, point[0], point[1],
+                   point[2], SCENE_COORDINATE_MAX);
+}
+
+// Coordinates of a file in single precision that are far from its own origin have lost their digits
+// before anything here can save them: beyond this ratio of position to size a mesh is resolved in
+// fewer than 2^24 / 2^18 = 64 steps (stiff case C2).
+#define COARSE_RATIO 262144
+
+static void warn_if_coarse(const struct mesh *mesh)
+{
+    struct bounds bounds = BOUNDS_EMPTY;
+    double extent = 0, farthest = 0;
+    if (mesh->exact_positions || mesh->triangle_count == 0)
+        return;
+    for (uint32_t t = 0; t < mesh->triangle_count; t++) {
+        for (int corner = 0; corner < 3; corner++) {
+            double point[3];
+            mesh_vertex(mesh, mesh->indices[t][corner], point);
+            bounds_add_point(&bounds, point);
+        }
+    }
+    for (int i = 0; i < 3; i++) {
+        extent = fmax(extent, bounds.max[i] - bounds.min[i]);
+        farthest = fmax(farthest, fmax(-bounds.min[i], bounds.max[i]));
+    }
+    if (farthest > COARSE_RATIO * extent)
+        log_warn("mesh \"%s\" is %g in size and %g from its origin: single precision resolves it "
+                 "in steps of %.2g",
+                 mesh->name, extent, farthest, farthest * (double)FLT_EPSILON);
+}
+
+// Adds an instance to the bounds; false with *err set when a vertex is out of range.
+static bool measure_instance(const struct scene *scene, const struct instance *instance,
+                             struct bounds *bounds, struct err *err)
+{
+    const struct mesh *mesh = &scene->meshes[instance->mesh];
+    for (uint32_t t = 0; t < mesh->triangle_count; t++) {
+        for (int corner = 0; corner < 3; corner++) {
+            uint32_t vertex = mesh->indices[t][corner];
+            double point[3];
+            mesh_vertex(mesh, vertex, point);
+            affine_point(instance->transform, point, point);
+            if (!is_in_range(point))
+                return fail_vertex(scene, instance, vertex, point, err);
+            bounds_add_point(bounds, point);
+        }
+    }
+    return true;
+}
+
+static bool is_singular(const struct instance *instance)
+{
+    double determinant = affine_determinant(instance->transform);
+    return determinant == 0 || isnan(determinant);
+}
+
+struct census {
+    struct bounds bounds;
+    uint64_t triangle_count;
+    bool has_normals;
+    uint32_t skipped_instances;
+};
+
+static bool take_census(const struct scene *scene, struct census *census, struct err *err)
+{
+    *census = (struct census){.bounds = BOUNDS_EMPTY};
+    for (uint32_t i = 0; i < scene->mesh_count; i++)
+        warn_if_coarse(&scene->meshes[i]);
+    for (uint32_t i = 0; i < scene->instance_count; i++) {
+        const struct instance *instance = &scene->instances[i];
+        const struct mesh *mesh = &scene->meshes[instance->mesh];
+        if (is_singular(instance)) {
+            log_warn("instance %u of mesh \"%s\" is skipped: its transform is singular", i,
+                     mesh->name);
+            census->skipped_instances++;
+            continue;
+        }
+        census->triangle_count += mesh->triangle_count;
+        census->has_normals |= mesh->normals != NULL;
+        if (!measure_instance(scene, instance, &census->bounds, err))
+            return false;
+    }
+    for (uint32_t i = 0; i < scene->shape_count; i++)
+        bounds_add_shape(&census->bounds, &scene->shapes[i]);
+    return true;
+}
+
+// Coordinates up to 16 times the size cost four of the 24 bits; beyond that the arrays get an
+// origin of their own, the middle of the scene.
+#define REBASE_RATIO 16
+
+static void choose_origin(const struct bounds *bounds, double origin[3])
+{
+    double extent = 0, farthest = 0;
+    for (int i = 0; i < 3; i++)
+        origin[i] = 0;
+    if (bounds_is_empty(bounds))
+        return;
+    for (int i = 0; i < 3; i++) {
+        extent = fmax(extent, bounds->max[i] - bounds->min[i]);
+        farthest = fmax(farthest, fmax(-bounds->min[i], bounds->max[i]));
+    }
+    if (farthest > REBASE_RATIO * extent)
+        for (int i = 0; i < 3; i++)
+            origin[i] = bounds->min[i] + (bounds->max[i] - bounds->min[i]) / 2;
+}
+
+// --- triangles -----------------------------------------------------------------------------------
+
+static void add_to_bounds(struct flat_scene *flat, const float low[3], const float high[3])
+{
+    for (int i = 0; i < 3; i++) {
+        flat->bounds_min[i] = fminf(flat->bounds_min[i], low[i]);
+        flat->bounds_max[i] = fmaxf(flat->bounds_max[i], high[i]);
+    }
+}
+
+static struct placement place(const struct scene *scene, uint32_t index, const double origin[3])
+{
+    const struct instance *instance = &scene->instances[index];
+    struct placement placement = {
+        .mesh = &scene->meshes[instance->mesh],
+        .instance = instance,
+        .origin = {origin[0], origin[1], origin[2]},
+        .is_mirrored = affine_determinant(instance->transform) < 0,
+    };
+    // Cofactors are the inverse transpose times the determinant, whose sign is taken back here.
+    affine_cofactors(instance->transform, placement.normals);
+    for (int i = 0; i < 9 && placement.is_mirrored; i++)
+        placement.normals[i / 3][i % 3] *= -1;
+    return placement;
+}
+
+static void place_vertex(const struct placement *placement, uint32_t vertex, float out[3])
+{
+    double point[3];
+    mesh_vertex(placement->mesh, vertex, point);
+    affine_point(placement->instance->transform, point, point);
+    for (int i = 0; i < 3; i++)
+        out[i] = (float)(point[i] - placement->origin[i]);
+}
+
+// The normal of a triangle from its rounded corners, not normalised. Exactly zero for a triangle
+// without area: differences of floats, and products of two such, are exact in double precision
+// unless their exponents are far apart.
+static void triangle_normal(const struct flat_triangle *triangle, double out[3])
+{
+    double edges[2][3];
+    for (int e = 0; e < 2; e++)
+        for (int i = 0; i < 3; i++)
+            edges[e][i] = (double)triangle->v[e + 1][i] - (double)triangle->v[0][i];
+    vec3_cross(edges[0], edges[1], out);
+}
+
+static void place_normal(const struct placement *placement, uint32_t vertex,
+                         const double geometric[3], float out[3])
+{
+    double normal[3] = {geometric[0], geometric[1], geometric[2]};
+    if (placement->mesh->normals) {
+        const float *given = placement->mesh->normals[vertex];
+        double turned[3];
+        for (int i = 0; i < 3; i++)
+            turned[i] = placement->normals[i][0] * (double)given[0] +
+                        placement->normals[i][1] * (double)given[1] +
+                        placement->normals[i][2] * (double)given[2];
+        if (vec3_normalize(turned))
+            for (int i = 0; i < 3; i++)
+                normal[i] = turned[i];
+    }
+    for (int i = 0; i < 3; i++)
+        out[i] = (float)normal[i];
+}
+
+static void add_triangle(struct flat_scene *flat, const struct placement *placement, uint32_t index)
+{
+    const struct mesh *mesh = placement->mesh;
+    const uint32_t *corners = mesh->indices[index];
+    // A reflection turns the winding round; exchanging two corners keeps the outside outside.
+    const uint32_t vertices[3] = {
+        corners[0],
+        corners[placement->is_mirrored ? 2 : 1],
+        corners[placement->is_mirrored ? 1 : 2],
+    };
+    struct flat_triangle *triangle = &flat->triangles[flat->triangle_count];
+    for (int corner = 0; corner < 3; corner++)
+        place_vertex(placement, vertices[corner], triangle->v[corner]);
+    double geometric[3];
+    triangle_normal(triangle, geometric);
+    if (!vec3_normalize(geometric)) {
+        flat->dropped_degenerate++;
+        return;
+    }
+    triangle->material = placement->instance->material != SCENE_NONE ? placement->instance->material
+                         : mesh->triangle_material ? mesh->triangle_material[index]
+                                                   : mesh->material;
+    for (int corner = 0; corner < 3; corner++) {
+        add_to_bounds(flat, triangle->v[corner], triangle->v[corner]);
+        if (flat->normals)
+            place_normal(placement, vertices[corner], geometric,
+                         flat->normals[flat->triangle_count][corner]);
+    }
+    flat->triangle_count++;
+}
+
+// --- shapes --------------------------------------------------------------------------------------
+
+static bool add_shape(struct flat_scene *flat, const struct scene *scene, uint32_t index,
+                      struct err *err)
+{
+    const struct shape *shape = &scene->shapes[index];
+    if (!is_in_range(shape->center) || !(shape->radius <= SCENE_COORDINATE_MAX))
+        return err_set(err, ERR_INPUT,
+                       "%s: shape %u at (%g, %g, %g) with radius %g; expected numbers within +-%g",
+                       scene->path ? scene->path : "scene", index, shape->center[0],
+                       shape->center[1], shape->center[2], shape->radius, SCENE_COORDINATE_MAX);
+    struct flat_shape *added = &flat->shapes[flat->shape_count++];
+    added->kind = shape->kind;
+    added->material = shape->material;
+    added->radius = (float)shape->radius;
+    for (int i = 0; i < 3; i++) {
+        added->center[i] = (float)(shape->center[i] - flat->origin[i]);
+        added->normal[i] = (float)shape->normal[i];
+    }
+    // The bounds of the shape as it was rounded, rounded outwards.
+    struct shape rounded = *shape;
+    struct bounds bounds = BOUNDS_EMPTY;
+    float low[3], high[3];
+    rounded.radius = (double)added->radius;
+    for (int i = 0; i < 3; i++) {
+        rounded.center[i] = (double)added->center[i];
+        rounded.normal[i] = (double)added->normal[i];
+    }
+    bounds_add_shape(&bounds, &rounded);
+    for (int i = 0; i < 3; i++) {
+        low[i] = nextafterf((float)bounds.min[i], -INFINITY);
+        high[i] = nextafterf((float)bounds.max[i], INFINITY);
+    }
+    add_to_bounds(flat, low, high);
+    return true;
+}
+
+// --- the whole -----------------------------------------------------------------------------------
+
+static bool reserve(const struct scene *scene, const struct census *census, struct arena *arena,
+                    struct flat_scene *flat, struct err *err)
+{
+    if (census->triangle_count >= UINT32_MAX)
+        return err_set(err, ERR_INPUT, "%s: %llu triangles in all; expected fewer than 4294967295",
+                       scene->path ? scene->path : "scene",
+                       (unsigned long long)census->triangle_count);
+    size_t count = (size_t)census->triangle_count;
+    flat->triangles = ARENA_NEW(arena, struct flat_triangle, count);
+    flat->shapes = ARENA_NEW(arena, struct flat_shape, scene->shape_count);
+    if (census->has_normals)
+        flat->normals = arena_alloc(arena, count, sizeof *flat->normals);
+    if (!flat->triangles || !flat->shapes || (census->has_normals && !flat->normals))
+        return err_memory(
+            err, "the flattened scene",
+            census->triangle_count *
+                (sizeof *flat->triangles + (census->has_normals ? sizeof *flat->normals : 0)));
+    return true;
+}
+
+bool scene_flatten(const struct scene *scene, struct arena *arena, struct flat_scene *out,
+                   struct err *err)
+{
+    struct census census;
+    *out = (struct flat_scene){
+        .bounds_min = {INFINITY, INFINITY, INFINITY},
+        .bounds_max = {-INFINITY, -INFINITY, -INFINITY},
+    };
+    if (!take_census(scene, &census, err) || !reserve(scene, &census, arena, out, err))
+        return false;
+    out->skipped_instances = census.skipped_instances;
+    choose_origin(&census.bounds, out->origin);
+    for (uint32_t i = 0; i < scene->instance_count; i++) {
+        if (is_singular(&scene->instances[i]))
+            continue;
+        const struct placement placement = place(scene, i, out->origin);
+        for (uint32_t t = 0; t < placement.mesh->triangle_count; t++)
+            add_triangle(out, &placement, t);
+    }
+    for (uint32_t i = 0; i < scene->shape_count; i++)
+        if (!add_shape(out, scene, i, err))
+            return false;
+    return true;
+}

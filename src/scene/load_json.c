@@ -1,1 +1,160 @@
-typedef int load_json_placeholder;
+// Our scene format: the document as a whole.
+#include "load_json.h"
+
+#include "file.h"
+#include "hash.h"
+#include <string.h>
+
+// A scene file describes; meshes and images lie in files of their own. jansson needs up to some
+// thirty times the text's size for its tree, outside the scene's byte budget.
+#define MAX_DOCUMENT_BYTES ((size_t)64 << 20)
+
+#define FORMAT_VERSION 1
+
+const char *const load_json_document_keys[] = {
+    "lampyris", "define", "camera", "film", "settings", "materials", "environment", "shapes", NULL};
+
+const struct range RANGE_UNIT = {0, 1, false};
+const struct range RANGE_RADIANCE = {0, SCENE_RADIANCE_MAX, false};
+const struct range RANGE_COORDINATE = {-SCENE_COORDINATE_MAX, SCENE_COORDINATE_MAX, false};
+const struct range RANGE_RADIUS = {1 / SCENE_COORDINATE_MAX, SCENE_COORDINATE_MAX, false};
+
+static json_t *parse(const char *path, const struct file_bytes *bytes, struct err *err)
+{
+    json_error_t problem;
+    json_t *root =
+        json_loadb((const char *)bytes->data, bytes->size, JSON_REJECT_DUPLICATES, &problem);
+    if (root)
+        return root;
+    if (json_error_code(&problem) == json_error_out_of_memory)
+        err_memory(err, "the JSON document", bytes->size);
+    else
+        err_set(err, ERR_INPUT, "%s: line %d, column %d: %s", path, problem.line, problem.column,
+                problem.text);
+    return NULL;
+}
+
+// Before anything else: a file of a later version may differ in every way.
+static bool check_version(const struct json_node *document, struct err *err)
+{
+    if (!json_is_object(document->value))
+        return node_unexpected(document, "an object", err);
+    const struct json_node version = node_member(document, "lampyris");
+    if (!version.value)
+        return node_fail(document, err,
+                         "\"lampyris\" is missing: a scene file begins {\"lampyris\": %d",
+                         FORMAT_VERSION);
+    if (json_is_integer(version.value) && json_integer_value(version.value) == FORMAT_VERSION)
+        return true;
+    return node_fail(&version, err, "format version %s; this program reads %d",
+                     node_describe(version.value).text, FORMAT_VERSION);
+}
+
+static bool load_sections(struct json_loader *loader, const struct json_node *document,
+                          struct err *err)
+{
+    static const char *const none[] = {NULL};
+    struct scene *scene = loader->scene;
+    if (!node_check_object(document, none, load_json_document_keys, err))
+        return false;
+    const struct json_node camera = node_member(document, "camera");
+    const struct json_node film = node_member(document, "film");
+    const struct json_node settings = node_member(document, "settings");
+    const struct json_node materials = node_member(document, "materials");
+    const struct json_node environment = node_member(document, "environment");
+    const struct json_node shapes = node_member(document, "shapes");
+    return (!camera.value || load_json_camera(scene, &camera, err)) &&
+           (!film.value || load_json_film(scene, &film, err)) &&
+           (!settings.value || load_json_settings(scene, &settings, err)) &&
+           (!materials.value || load_json_materials(loader, &materials, err)) &&
+           (!environment.value || load_json_environment(loader, &environment, err)) &&
+           (!shapes.value || load_json_shapes(loader, &shapes, err));
+}
+
+static bool load_document(const struct scene_load_params *params, struct scene *scene, json_t *root,
+                          struct err *err)
+{
+    const struct json_node document = node_root(params->path, root);
+    json_t *trusted = json_array(), *material_names = json_object(), *shape_names = json_object();
+    struct json_loader loader = {
+        .scene = scene,
+        .params = params,
+        .folder = path_folder(&scene->arena, params->path),
+        .trusted = trusted,
+        .material_names = material_names,
+        .shape_names = shape_names,
+    };
+    bool ok;
+    if (!trusted || !material_names || !shape_names || !loader.folder)
+        ok = err_memory(err, "the scene loader", sizeof loader);
+    else
+        ok = check_version(&document, err) &&
+             load_json_apply_overrides(&document, params, trusted, err) &&
+             load_json_resolve_references(&document, err) && load_sections(&loader, &document, err);
+    json_decref(trusted);
+    json_decref(material_names);
+    json_decref(shape_names);
+    return ok;
+}
+
+static void hash_inputs(struct scene *scene, const struct file_bytes *bytes,
+                        const struct scene_load_params *params)
+{
+    scene->hash = hash_bytes(scene->hash, bytes->data, bytes->size);
+    for (uint32_t i = 0; i < params->override_count; i++) {
+        // With their final NUL bytes, so that no two lists of strings run into the same bytes.
+        const char *key = params->overrides[i].key, *value = params->overrides[i].value;
+        scene->hash = hash_bytes(scene->hash, key, strlen(key) + 1);
+        scene->hash = hash_bytes(scene->hash, value, strlen(value) + 1);
+    }
+}
+
+bool load_json(struct scene *scene, const struct scene_load_params *params, struct err *err)
+{
+    struct file_bytes bytes;
+    if (!file_read(&scene->arena, params->path, MAX_DOCUMENT_BYTES, &bytes, err))
+        return false;
+    hash_inputs(scene, &bytes, params);
+    json_t *root = parse(params->path, &bytes, err);
+    bool ok = root && load_document(params, scene, root, err);
+    json_decref(root);
+    return ok;
+}
+
+// Whether the very value `wanted`, not an equal one, is `value` or inside it.
+static bool contains_value(const json_t *value, const json_t *wanted)
+{
+    if (value == wanted)
+        return true;
+    const char *key;
+    json_t *child;
+    size_t i;
+    json_object_foreach((json_t *)value, key, child) if (contains_value(child, wanted)) return true;
+    json_array_foreach(value, i, child) if (contains_value(child, wanted)) return true;
+    return false;
+}
+
+const char *load_json_path(struct json_loader *loader, const struct json_node *object,
+                           const char *key, struct err *err)
+{
+    struct arena *arena = &loader->scene->arena;
+    const struct json_node node = node_member(object, key);
+    const char *text = "", *path;
+    if (!node_read_string(object, key, &text, err))
+        return NULL;
+    if (contains_value(loader->trusted, node.value)) {
+        path = arena_strdup(arena, text);
+    } else if (loader->params->allow_outside_paths) {
+        path = *text == '/' ? arena_strdup(arena, text)
+                            : arena_printf(arena, "%s/%s", loader->folder, text);
+    } else {
+        path = file_resolve_inside(arena, loader->folder, text, false, err);
+        if (!path) {
+            node_prepend(&node, err);
+            return NULL;
+        }
+    }
+    if (!path)
+        err_memory(err, "a path", strlen(loader->folder) + strlen(text) + 2);
+    return path;
+}

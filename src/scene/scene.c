@@ -1,6 +1,7 @@
 // The scene's growing arrays and its end of life.
 #include "scene.h"
 
+#include "affine.h"
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -92,6 +93,19 @@ struct camera *scene_add_camera(struct scene *scene, uint32_t *index)
     struct camera *added = &items[scene->camera_count++];
     added->name = "";
     return added;
+}
+
+bool scene_place_meshes(struct scene *scene, uint32_t first_mesh, uint32_t count, struct err *err)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        struct instance *instance = scene_add_instance(scene, NULL);
+        if (!instance)
+            return err_memory(err, "an instance", sizeof *instance);
+        instance->mesh = first_mesh + i;
+        instance->material = SCENE_NONE;
+        memcpy(instance->transform, AFFINE_IDENTITY, sizeof instance->transform);
+    }
+    return true;
 }
 
 // The text of a printf in the arena, however long.

@@ -16,6 +16,11 @@
 
 #define SCENE_NONE UINT32_MAX // no index
 
+// What kernels square must stay finite in single precision: (1e18)^2 = 1e36 < 3.4e38.
+#define SCENE_COORDINATE_MAX 1e18 // positions and lengths, metres
+// Leaves a factor of 1e8 for sums over samples and products with throughputs.
+#define SCENE_RADIANCE_MAX 1e30 // W/(sr m^2)
+
 enum material_type {
     MATERIAL_DIFFUSE, // Lambert, two-sided
     MATERIAL_MIRROR,  // perfect mirror of reflectance base_color, two-sided
@@ -34,16 +39,17 @@ struct mesh {
     const char *name;
     uint32_t vertex_count;
     uint32_t triangle_count;
-    float (*positions)[3];      // vertex_count
-    float (*normals)[3];        // vertex_count, unit length or (0,0,0) where missing; or NULL
-    uint32_t (*indices)[3];     // triangle_count, each below vertex_count
-    uint32_t *triangle_material; // triangle_count; or NULL: `material` for all
+    float (*positions)[3];        // vertex_count
+    double (*exact_positions)[3]; // vertex_count, what `positions` round; or NULL: nothing better
+    float (*normals)[3];          // vertex_count, unit length or (0,0,0) where missing; or NULL
+    uint32_t (*indices)[3];       // triangle_count, each below vertex_count
+    uint32_t *triangle_material;  // triangle_count; or NULL: `material` for all
     uint32_t material;
 };
 
 struct instance {
     uint32_t mesh;
-    uint32_t material; // replaces the mesh's materials; SCENE_NONE keeps them
+    uint32_t material;      // replaces the mesh's materials; SCENE_NONE keeps them
     double transform[3][4]; // mesh space to world
 };
 
@@ -70,9 +76,9 @@ struct camera {
 // What arrives where a ray leaves the scene. With an image, radiance multiplies it.
 struct environment {
     bool present;
-    float radiance[3];  // constant radiance, or the factor on the image
+    float radiance[3];      // constant radiance, or the factor on the image
     uint32_t width, height; // 0 x 0: constant
-    float (*texels)[3]; // latitude-longitude, row 0 at the top (+Y), see environment.h
+    float (*texels)[3];     // latitude-longitude, row 0 at the top (+Y), see environment.h
 };
 
 struct scene {
@@ -88,10 +94,12 @@ struct scene {
     uint32_t shape_count;
     struct camera *cameras; // as in the file; the first is used unless chosen otherwise
     uint32_t camera_count;  // after scene_load at least 1: a model without one is framed
+    bool camera_is_framed;  // cameras[0] was made up: scene_frame_camera fits it to another picture
     struct environment environment;
     struct settings settings; // defaults, overridden by the file
     uint64_t hash;            // of the file's bytes and of all files it names, and of the overrides
-    // What the loader did on its own, for the report: "no camera in the file: framed from the front"
+    // What the loader did on its own, for the report: "no camera in the file: framed from the
+    // front"
     const char **notes;
     uint32_t note_count;
     // Room in the arrays above; only the scene_add_ functions and scene_note touch these.
@@ -109,7 +117,10 @@ struct scene_load_params {
     const struct scene_override *overrides; // -D key=value; our JSON format only
     uint32_t override_count;
     bool allow_outside_paths; // let files name files outside their own folder
-    size_t max_bytes;         // memory budget of the load, 0: 16 GiB
+    // What replaces the file's environment, see scene_set_environment; both NULL: nothing does.
+    const char *environment_file;
+    const float *environment_radiance; // 3
+    size_t max_bytes;                  // memory budget of the load, 0: 16 GiB
     const struct progress *progress;
 };
 
@@ -119,12 +130,17 @@ struct scene_load_params {
 bool scene_load(const struct scene_load_params *params, struct scene *out, struct err *err);
 void scene_finish(struct scene *scene); // accepts NULL and {0}
 
+// Moves the camera of a scene that came without one to where the whole bounding sphere fills the
+// picture of settings.width x settings.height: to be called again when these change. Does nothing
+// to cameras of the file.
+void scene_frame_camera(struct scene *scene);
+
 // Adds "TEXT" to scene->notes; false when out of memory.
-bool scene_note(struct scene *scene, const char *format, ...)
-    __attribute__((format(printf, 2, 3)));
+bool scene_note(struct scene *scene, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 // --- what the loaders share (scene_load.c calls exactly one of these by extension) ---------------
-// Each appends to *scene (already initialised with defaults, arena and path set).
+// Each appends to *scene (already initialised with defaults, arena and path set) and continues
+// scene->hash over the bytes of every file that it reads.
 bool load_json(struct scene *scene, const struct scene_load_params *params, struct err *err);
 bool load_gltf(struct scene *scene, const struct scene_load_params *params, struct err *err);
 // Meshes in OBJ and PLY, also used by load_json for {"type": "mesh", "file": …}. On success one or
@@ -149,5 +165,8 @@ struct mesh *scene_add_mesh(struct scene *scene, uint32_t *index);
 struct instance *scene_add_instance(struct scene *scene, uint32_t *index);
 struct shape *scene_add_shape(struct scene *scene, uint32_t *index);
 struct camera *scene_add_camera(struct scene *scene, uint32_t *index);
+
+// One instance, at its own coordinates and with its own materials, of each of `count` meshes.
+bool scene_place_meshes(struct scene *scene, uint32_t first_mesh, uint32_t count, struct err *err);
 
 #endif

@@ -1,1 +1,175 @@
-typedef int scene_load_placeholder;
+// From a path to a complete scene: the loader for the extension, then what a file may leave out.
+#include "scene.h"
+
+#include "affine.h"
+#include "bounds.h"
+#include "environment.h"
+#include "file.h"
+#include "hash.h"
+#include <math.h>
+#include <strings.h>
+
+#define DEFAULT_MAX_BYTES ((size_t)16 << 30)
+
+// --- camera --------------------------------------------------------------------------------------
+
+// A little from above, so that what lies flat is seen as well; a normal lens.
+#define FRAMED_ELEVATION (15 * (M_PI / 180))
+#define FRAMED_FOV_Y (40 * (M_PI / 180))
+
+void scene_frame_camera(struct scene *scene)
+{
+    if (!scene->camera_is_framed || scene->camera_count == 0)
+        return;
+    const struct scene_part whole = scene_whole(scene);
+    const struct bounds bounds = bounds_of_part(scene, &whole);
+    double center[3] = {0, 0, 0}, radius = 0;
+    if (!bounds_is_empty(&bounds)) {
+        for (int i = 0; i < 3; i++)
+            center[i] = (bounds.min[i] + bounds.max[i]) / 2;
+        radius = bounds_radius(scene, &whole, center);
+    }
+    if (!(radius > 0) || !isfinite(radius))
+        radius = 1;
+
+    // The sphere touches the narrower pair of the frustum's sides.
+    double aspect = (double)scene->settings.width / scene->settings.height;
+    double half_height = FRAMED_FOV_Y / 2;
+    double half_width = atan(aspect * tan(half_height));
+    double distance = radius / sin(fmin(half_width, half_height));
+    const double towards_camera[3] = {0, sin(FRAMED_ELEVATION), cos(FRAMED_ELEVATION)};
+    struct camera *camera = &scene->cameras[0];
+    for (int i = 0; i < 3; i++) {
+        camera->position[i] = center[i] + distance * towards_camera[i];
+        camera->direction[i] = -towards_camera[i];
+        camera->up[i] = i == 1;
+    }
+    camera->fov_y = FRAMED_FOV_Y;
+}
+
+static bool provide_camera(struct scene *scene, struct err *err)
+{
+    if (scene->camera_count > 0)
+        return true;
+    struct camera *camera = scene_add_camera(scene, NULL);
+    if (!camera || !scene_note(scene, "no camera in the file: framed from the front"))
+        return err_memory(err, "a camera", sizeof *camera);
+    camera->name = "framed";
+    scene->camera_is_framed = true;
+    scene_frame_camera(scene);
+    return true;
+}
+
+// --- light and materials -------------------------------------------------------------------------
+
+static bool is_emissive(const struct scene *scene, uint32_t material)
+{
+    const float *emission = scene->materials[material].emission;
+    return emission[0] > 0 || emission[1] > 0 || emission[2] > 0;
+}
+
+static bool instance_is_emissive(const struct scene *scene, const struct instance *instance)
+{
+    const struct mesh *mesh = &scene->meshes[instance->mesh];
+    if (instance->material != SCENE_NONE)
+        return is_emissive(scene, instance->material);
+    if (!mesh->triangle_material)
+        return is_emissive(scene, mesh->material);
+    for (uint32_t t = 0; t < mesh->triangle_count; t++)
+        if (is_emissive(scene, mesh->triangle_material[t]))
+            return true;
+    return false;
+}
+
+static bool has_light(const struct scene *scene)
+{
+    if (scene->environment.present)
+        return true;
+    for (uint32_t i = 0; i < scene->instance_count; i++)
+        if (instance_is_emissive(scene, &scene->instances[i]))
+            return true;
+    for (uint32_t i = 0; i < scene->shape_count; i++)
+        if (is_emissive(scene, scene->shapes[i].material))
+            return true;
+    return false;
+}
+
+static bool provide_light(struct scene *scene, struct err *err)
+{
+    if (has_light(scene))
+        return true;
+    scene->environment = (struct environment){.present = true, .radiance = {1, 1, 1}};
+    return scene_note(scene, "no light in the file: even environment of radiance 1") ||
+           err_memory(err, "a note", 0);
+}
+
+static bool provide_material(struct scene *scene, struct err *err)
+{
+    if (scene->material_count > 0)
+        return true;
+    struct material *grey = scene_add_material(scene, NULL);
+    if (!grey)
+        return err_memory(err, "a material", sizeof *grey);
+    *grey = (struct material){.name = "default", .base_color = {0.5f, 0.5f, 0.5f}};
+    return true;
+}
+
+// --- dispatch ------------------------------------------------------------------------------------
+
+static bool load_mesh_alone(struct scene *scene, const struct scene_load_params *params,
+                            bool is_obj, struct err *err)
+{
+    uint32_t first, count;
+    bool ok = is_obj ? load_obj(scene, params->path, SCENE_NONE, params->allow_outside_paths,
+                                &first, &count, err)
+                     : load_ply(scene, params->path, SCENE_NONE, &first, &count, err);
+    return ok && scene_place_meshes(scene, first, count, err);
+}
+
+static bool load_by_extension(struct scene *scene, const struct scene_load_params *params,
+                              struct err *err)
+{
+    const char *extension = path_extension(params->path);
+    if (strcasecmp(extension, "json") == 0)
+        return load_json(scene, params, err);
+    if (params->override_count > 0)
+        return err_set(err, ERR_USAGE, "%s: -D %s: only .json scenes have values to override",
+                       params->path, params->overrides[0].key);
+    if (strcasecmp(extension, "gltf") == 0 || strcasecmp(extension, "glb") == 0)
+        return load_gltf(scene, params, err);
+    if (strcasecmp(extension, "obj") == 0)
+        return load_mesh_alone(scene, params, true, err);
+    if (strcasecmp(extension, "ply") == 0)
+        return load_mesh_alone(scene, params, false, err);
+    return err_set(err, ERR_INPUT,
+                   "%s: extension \"%s\" is unknown; expected json, gltf, glb, obj or ply",
+                   params->path, extension);
+}
+
+static bool override_environment(struct scene *scene, const struct scene_load_params *params,
+                                 struct err *err)
+{
+    if (!params->environment_file && !params->environment_radiance)
+        return true;
+    return scene_set_environment(scene, params->environment_file, params->environment_radiance,
+                                 err);
+}
+
+bool scene_load(const struct scene_load_params *params, struct scene *out, struct err *err)
+{
+    *out = (struct scene){
+        .arena.limit_bytes = params->max_bytes > 0 ? params->max_bytes : DEFAULT_MAX_BYTES,
+        .settings = settings_default(),
+        .hash = HASH_INIT,
+    };
+    progress_report(params->progress, "Loading", 0);
+    out->path = arena_strdup(&out->arena, params->path);
+    bool ok =
+        out->path ? load_by_extension(out, params, err) : err_memory(err, "a path", sizeof *params);
+    ok = ok && override_environment(out, params, err) && provide_material(out, err) &&
+         provide_light(out, err) && provide_camera(out, err);
+    progress_report(params->progress, "Loading", 1);
+    if (!ok)
+        scene_finish(out);
+    return ok;
+}

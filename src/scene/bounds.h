@@ -1,0 +1,34 @@
+// Bounds of what a scene places in the world, in double precision.
+#ifndef LAMPYRIS_SCENE_BOUNDS_H
+#define LAMPYRIS_SCENE_BOUNDS_H
+
+#include "scene.h"
+
+// A run of instances and one of shapes.
+struct scene_part {
+    uint32_t first_instance, instance_count;
+    uint32_t first_shape, shape_count;
+};
+
+struct bounds {
+    double min[3], max[3]; // min > max when empty
+};
+
+extern const struct bounds BOUNDS_EMPTY;
+
+struct scene_part scene_whole(const struct scene *scene);
+
+// Position of a vertex in its mesh's space, as exact as is known.
+void mesh_vertex(const struct mesh *mesh, uint32_t vertex, double out[3]);
+
+void bounds_add_point(struct bounds *bounds, const double point[3]);
+void bounds_add_shape(struct bounds *bounds, const struct shape *shape);
+bool bounds_is_empty(const struct bounds *bounds);
+
+// Vertices that no triangle uses do not count.
+struct bounds bounds_of_part(const struct scene *scene, const struct scene_part *part);
+// The largest distance from `center` to anything in the part; 0 when that is empty.
+double bounds_radius(const struct scene *scene, const struct scene_part *part,
+                     const double center[3]);
+
+#endif

@@ -1,0 +1,95 @@
+#include "environment.h"
+
+#include "file.h"
+#include "hash.h"
+#include "image.h"
+#include <math.h>
+
+static bool check_radiance(const float radiance[3], struct err *err)
+{
+    for (int c = 0; c < 3; c++)
+        if (!(radiance[c] >= 0 && (double)radiance[c] <= SCENE_RADIANCE_MAX))
+            return err_set(err, ERR_INPUT, "radiance %.9g is outside [0, %g]", (double)radiance[c],
+                           SCENE_RADIANCE_MAX);
+    return true;
+}
+
+static bool hash_file(struct scene *scene, const char *path, struct err *err)
+{
+    struct arena scratch = {.limit_bytes = scene->arena.limit_bytes};
+    struct file_bytes bytes;
+    bool ok = file_read(&scratch, path, 0, &bytes, err);
+    if (ok)
+        scene->hash = hash_bytes(scene->hash, bytes.data, bytes.size);
+    arena_finish(&scratch);
+    return ok;
+}
+
+// Zeroes what is no radiance; false with *err set for a texel beyond all limits.
+static bool clean_texels(struct scene *scene, const char *path, struct image *image,
+                         const float factor[3], struct err *err)
+{
+    size_t count = (size_t)image->width * image->height, zeroed = 0;
+    for (size_t i = 0; i < count; i++) {
+        float *texel = image->pixels[i];
+        if (!isfinite(texel[0]) || !isfinite(texel[1]) || !isfinite(texel[2]) || texel[0] < 0 ||
+            texel[1] < 0 || texel[2] < 0) {
+            texel[0] = texel[1] = texel[2] = 0;
+            zeroed++;
+        }
+        for (int c = 0; c < 3; c++)
+            if ((double)texel[c] * (double)factor[c] > SCENE_RADIANCE_MAX)
+                return err_set(err, ERR_INPUT, "%s: texel %zu, %zu: radiance %g exceeds %g", path,
+                               i % image->width, i / image->width,
+                               (double)texel[c] * (double)factor[c], SCENE_RADIANCE_MAX);
+    }
+    return zeroed == 0 ||
+           scene_note(scene, "%s: %zu of %zu texels were negative or not finite and are black",
+                      path, zeroed, count) ||
+           err_memory(err, "a note", 0);
+}
+
+static bool load_image(struct scene *scene, const char *path, const float factor[3],
+                       struct environment *out, struct err *err)
+{
+    const struct image_read_params params = {.path = path, .max_bytes = scene->arena.limit_bytes};
+    struct image image = {0};
+    if (!hash_file(scene, path, err) || !image_read(&params, &scene->arena, &image, err))
+        return false;
+    if (image.width > ENVIRONMENT_SIZE_MAX || image.height > ENVIRONMENT_SIZE_MAX)
+        return err_set(err, ERR_INPUT, "%s: is %u x %u pixels; expected at most %d on a side", path,
+                       image.width, image.height, ENVIRONMENT_SIZE_MAX);
+    if (!clean_texels(scene, path, &image, factor, err))
+        return false;
+    out->width = image.width;
+    out->height = image.height;
+    out->texels = image.pixels;
+    return true;
+}
+
+bool scene_set_environment(struct scene *scene, const char *file, const float radiance[3],
+                           struct err *err)
+{
+    struct environment environment = {.present = true, .radiance = {1, 1, 1}};
+    for (int c = 0; radiance && c < 3; c++)
+        environment.radiance[c] = radiance[c];
+    if (!check_radiance(environment.radiance, err))
+        return false;
+    scene->hash = hash_bytes(scene->hash, environment.radiance, sizeof environment.radiance);
+    if (file && !load_image(scene, file, environment.radiance, &environment, err))
+        return false;
+    scene->environment = environment;
+    return true;
+}
+
+uint32_t environment_texel(const struct environment *environment, const double direction[3])
+{
+    double u = 0.5 + atan2(direction[2], direction[0]) / (2 * M_PI);
+    double v = acos(fmin(fmax(direction[1], -1), 1)) / M_PI;
+    uint32_t column = (uint32_t)(u * environment->width), row = (uint32_t)(v * environment->height);
+    if (column >= environment->width)
+        column = environment->width - 1;
+    if (row >= environment->height)
+        row = environment->height - 1;
+    return row * environment->width + column;
+}

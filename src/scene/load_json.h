@@ -1,0 +1,67 @@
+// What the parts of the loader of our JSON format share. Internal to scene/; the format is
+// described in docs/scene-format.md.
+#ifndef LAMPYRIS_SCENE_LOAD_JSON_H
+#define LAMPYRIS_SCENE_LOAD_JSON_H
+
+#include "json_node.h"
+#include "scene.h"
+
+struct json_loader {
+    struct scene *scene;
+    const struct scene_load_params *params;
+    const char *folder;     // of the scene file
+    const json_t *trusted;  // array of the values given with -D: paths in them are the user's own
+    json_t *material_names; // object: the index of each named material
+    json_t *shape_names;    // object: the index of each named shape in the list of shapes
+};
+
+// Puts the overrides into the document and replaces its references "${NAME}". The values given are
+// appended to the array `trusted`, which shares them with the document.
+bool load_json_apply_overrides(const struct json_node *document,
+                               const struct scene_load_params *params, json_t *trusted,
+                               struct err *err);
+bool load_json_resolve_references(const struct json_node *document, struct err *err);
+
+// The keys of the document, ended by NULL.
+extern const char *const load_json_document_keys[];
+
+// One section of the document each; the node's value is there.
+bool load_json_camera(struct scene *scene, const struct json_node *camera, struct err *err);
+bool load_json_film(struct scene *scene, const struct json_node *film, struct err *err);
+bool load_json_settings(struct scene *scene, const struct json_node *settings, struct err *err);
+bool load_json_materials(struct json_loader *loader, const struct json_node *materials,
+                         struct err *err);
+bool load_json_environment(struct json_loader *loader, const struct json_node *environment,
+                           struct err *err);
+bool load_json_shapes(struct json_loader *loader, const struct json_node *shapes, struct err *err);
+
+// The parts of a section that have a file of their own. A primitive appends itself in its own
+// space: an instance of a mesh with the identity as its transform, or an analytic shape.
+// material SCENE_NONE cannot occur.
+bool load_json_quad(struct scene *scene, const struct json_node *quad, uint32_t material,
+                    struct err *err);
+bool load_json_box(struct scene *scene, const struct json_node *box, uint32_t material,
+                   struct err *err);
+bool load_json_sphere(struct scene *scene, const struct json_node *sphere, uint32_t material,
+                      struct err *err);
+bool load_json_disc(struct scene *scene, const struct json_node *disc, uint32_t material,
+                    struct err *err);
+bool load_json_generated(struct scene *scene, const struct json_node *generated, uint32_t material,
+                         struct err *err);
+
+// A transform or a list of transforms, composed; the node's value is there.
+bool load_json_transform(const struct json_node *transform, double out[3][4], struct err *err);
+
+// The path that the string at `key` names: confined to the scene file's folder, unless it came from
+// the command line or the user allows it. NULL with *err set on failure; lives in the scene's
+// arena.
+const char *load_json_path(struct json_loader *loader, const struct json_node *object,
+                           const char *key, struct err *err);
+
+// Ranges that several sections use.
+extern const struct range RANGE_UNIT;       // [0, 1]
+extern const struct range RANGE_RADIANCE;   // [0, SCENE_RADIANCE_MAX]
+extern const struct range RANGE_COORDINATE; // +-SCENE_COORDINATE_MAX
+extern const struct range RANGE_RADIUS;     // up to SCENE_COORDINATE_MAX, squares normal in float
+
+#endif
