@@ -1,0 +1,295 @@
+// The half-buffer estimate against synthetic noise whose true error is known.
+#include "metrics.h"
+#include "test.h"
+
+#include <stdint.h>
+
+// SplitMix64 (Steele, Lea, Flood 2014): not the generator under test.
+static uint64_t random_next(uint64_t *state)
+{
+    uint64_t z = *state += UINT64_C(0x9e3779b97f4a7c15);
+    z = (z ^ z >> 30) * UINT64_C(0xbf58476d1ce4e5b9);
+    z = (z ^ z >> 27) * UINT64_C(0x94d049bb133111eb);
+    return z ^ z >> 31;
+}
+
+static double random_uniform(uint64_t *state) // in (0, 1]
+{
+    return (double)((random_next(state) >> 11) + 1) * 0x1p-53;
+}
+
+// Means of `samples` draws from distributions of mean 1.
+typedef double (*noise_fn)(uint64_t *random, int samples);
+
+static double exponential_noise(uint64_t *random, int samples)
+{
+    double product = 1;
+    for (int i = 0; i < samples; i++)
+        product *= random_uniform(random);
+    return -log(product) / samples; // variance 1 a sample
+}
+
+static double spike_noise(uint64_t *random, int samples)
+{
+    int hits = 0;
+    for (int i = 0; i < samples; i++)
+        hits += random_uniform(random) <= 0.05;
+    return hits / 0.05 / samples; // variance 1 / .05 - 1 = 19 a sample
+}
+
+struct picture {
+    uint32_t width, height;
+    float (*half_a)[3], (*half_b)[3];
+};
+
+static void picture_finish(struct picture *picture)
+{
+    free(picture->half_a);
+    free(picture->half_b);
+}
+
+static struct picture picture_create(uint32_t width, uint32_t height)
+{
+    size_t count = (size_t)width * height;
+    struct picture picture = {width, height, calloc(count, sizeof(float[3])),
+                              calloc(count, sizeof(float[3]))};
+    return picture;
+}
+
+// The true value of a pixel.
+typedef double (*content_fn)(uint32_t x, uint32_t y, int channel);
+
+static double flat_content(uint32_t x, uint32_t y, int channel)
+{
+    return x + y + (uint32_t)channel < UINT32_MAX ? 1 : 0;
+}
+
+static double smooth_content(uint32_t x, uint32_t y, int channel)
+{
+    return 0.05 * (channel + 1) + x * 0.01 + 0.3 * (1 + sin(y * 0.2));
+}
+
+// Squares of 8 pixels with values 1 and 4.
+static double checked_content(uint32_t x, uint32_t y, int channel)
+{
+    return (x / 8 + y / 8 + (uint32_t)channel) % 2 ? 4 : 1;
+}
+
+static void fill(struct picture *picture, content_fn content, noise_fn noise, int samples,
+                 uint64_t *random)
+{
+    for (uint32_t y = 0; y < picture->height; y++)
+        for (uint32_t x = 0; x < picture->width; x++)
+            for (int c = 0; c < 3; c++) {
+                size_t i = (size_t)y * picture->width + x;
+                double value = content(x, y, c);
+                picture->half_a[i][c] = (float)(value * noise(random, samples / 2));
+                picture->half_b[i][c] = (float)(value * noise(random, samples / 2));
+            }
+}
+
+// The expectation of relMSE for noise of this variance a sample.
+static double true_relmse(const struct picture *picture, content_fn content, double variance,
+                          int samples)
+{
+    double sum = 0;
+    for (uint32_t y = 0; y < picture->height; y++)
+        for (uint32_t x = 0; x < picture->width; x++)
+            for (int c = 0; c < 3; c++) {
+                double square = content(x, y, c) * content(x, y, c);
+                sum += square * variance / samples / (square + METRICS_RELMSE_EPSILON);
+            }
+    return sum / (3.0 * picture->width * picture->height);
+}
+
+static struct half_error estimate(const struct picture *picture, uint64_t samples, uint32_t seed)
+{
+    struct half_error_params params = {.half_a = (const float(*)[3])picture->half_a,
+                                       .half_b = (const float(*)[3])picture->half_b,
+                                       .width = picture->width,
+                                       .height = picture->height,
+                                       .samples = samples,
+                                       .seed = seed};
+    struct half_error error;
+    CHECK(metrics_half_error(&params, &error));
+    return error;
+}
+
+// The mean over so many pictures that the test's own noise is well below the tolerance.
+static double mean_ratio(content_fn content, noise_fn noise, double variance, int samples)
+{
+    enum { PICTURES = 24, SIDE = 128 };
+    struct picture picture = picture_create(SIDE, SIDE);
+    uint64_t random = 1;
+    double sum = 0;
+    for (int i = 0; i < PICTURES; i++) {
+        fill(&picture, content, noise, samples, &random);
+        struct half_error error = estimate(&picture, (uint64_t)samples, 1);
+        CHECK(error.known, "%s", error.reason ? error.reason : "");
+        sum += error.relmse;
+    }
+    double ratio = sum / PICTURES / true_relmse(&picture, content, variance, samples);
+    picture_finish(&picture);
+    return ratio;
+}
+
+static void check_unbiased(const char *name, content_fn content, noise_fn noise, double variance,
+                           int samples, double tolerance)
+{
+    double ratio = mean_ratio(content, noise, variance, samples);
+    printf("     %s, %d spp: estimate / truth %.4f\n", name, samples, ratio);
+    CHECK(fabs(ratio - 1) <= tolerance, "%s, %d spp: %g", name, samples, ratio);
+}
+
+TEST(relmse_is_unbiased)
+{
+    check_unbiased("flat, exponential", flat_content, exponential_noise, 1, 16, 0.02);
+    check_unbiased("flat, exponential", flat_content, exponential_noise, 1, 64, 0.02);
+    check_unbiased("flat, spikes", flat_content, spike_noise, 19, 16, 0.02);
+    check_unbiased("flat, spikes", flat_content, spike_noise, 19, 64, 0.02);
+    check_unbiased("smooth, exponential", smooth_content, exponential_noise, 1, 16, 0.02);
+    check_unbiased("smooth, spikes", smooth_content, spike_noise, 19, 16, 0.05);
+}
+
+// Edges are where the filter is wrong: stated here so that a change of it shows.
+TEST(relmse_at_edges_is_within_its_known_bias)
+{
+    check_unbiased("checks, exponential", checked_content, exponential_noise, 1, 64, 0.15);
+}
+
+TEST(mse_matches_hand_value)
+{
+    enum { SIDE = 16 };
+    struct picture picture = picture_create(SIDE, SIDE);
+    for (int i = 0; i < SIDE * SIDE; i++)
+        for (int c = 0; c < 3; c++) {
+            picture.half_a[i][c] = i % 2 ? 3.5f : 4.5f; // mean 4, A - B = -1 or 1
+            picture.half_b[i][c] = i % 2 ? 4.5f : 3.5f;
+        }
+    struct half_error error = estimate(&picture, 16, 3);
+    CHECK(error.known && error.mse == 0.25, "%g", error.mse);
+    // All neighbours are 4; their mean's variance at the centre is .25 / 8, at a corner .25 / 3.
+    CHECK(fabs(error.relmse / (0.25 / 16.01) - 1) < 0.01, "%g", error.relmse);
+    CHECK(error.ci_low <= error.relmse && error.relmse <= error.ci_high);
+    picture_finish(&picture);
+}
+
+// The interval must cover the truth in 95 % of pictures; 3 % are 4.4 deviations of 1,000 draws.
+static void check_coverage(const char *name, noise_fn noise, double variance, uint32_t width,
+                           uint32_t height, double slack)
+{
+    enum { DRAWS = 1000, SAMPLES = 16 };
+    struct picture picture = picture_create(width, height);
+    double truth = true_relmse(&picture, flat_content, variance, SAMPLES);
+    uint64_t random = 7;
+    int covered = 0;
+    for (int i = 0; i < DRAWS; i++) {
+        fill(&picture, flat_content, noise, SAMPLES, &random);
+        struct half_error error = estimate(&picture, SAMPLES, (uint32_t)i);
+        CHECK(error.known);
+        covered += error.ci_low <= truth && truth <= error.ci_high;
+    }
+    double coverage = (double)covered / DRAWS;
+    printf("     %s, %u x %u: coverage %.3f\n", name, width, height, coverage);
+    CHECK(fabs(coverage - 0.95) <= slack, "%s: %g", name, coverage);
+    picture_finish(&picture);
+}
+
+TEST(interval_covers_the_truth)
+{
+    check_coverage("exponential", exponential_noise, 1, 64, 64, 0.03);
+    check_coverage("exponential", exponential_noise, 1, 50, 20, 0.03);
+    check_coverage("spikes", spike_noise, 19, 64, 64, 0.03);
+}
+
+TEST(unknown_where_it_cannot_be_known)
+{
+    struct picture picture = picture_create(64, 64);
+    uint64_t random = 1;
+    CHECK(!estimate(&picture, 64, 1).known, "all black");
+    fill(&picture, flat_content, exponential_noise, 16, &random);
+    CHECK(!estimate(&picture, 15, 1).known && estimate(&picture, 16, 1).known);
+    CHECK(strstr(estimate(&picture, 15, 1).reason, "16 samples"));
+    CHECK(estimate(&picture, 16, 1).reason == NULL);
+    for (int i = 0; i < 29; i++) // as many bright samples as are too few
+        picture.half_a[i * 130][0] = 1e3f;
+    struct half_error error = estimate(&picture, 16, 1);
+    CHECK(!error.known && strstr(error.reason, "30 pixels carry"), "%s", error.reason);
+    for (int i = 0; i < 64 * 64; i++)
+        picture.half_b[i][1] = NAN;
+    error = estimate(&picture, 16, 1);
+    CHECK(!error.known && strstr(error.reason, "finite"), "%s", error.reason);
+    picture_finish(&picture);
+}
+
+TEST(small_and_odd_pictures)
+{
+    static const uint32_t sizes[][2] = {{1, 1}, {29, 1}, {1, 30}, {7, 5}, {1000, 1}, {33, 31}};
+    for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
+        struct picture picture = picture_create(sizes[i][0], sizes[i][1]);
+        uint64_t random = i;
+        fill(&picture, flat_content, exponential_noise, 64, &random);
+        struct half_error error = estimate(&picture, 64, 1);
+        uint32_t pixels = sizes[i][0] * sizes[i][1];
+        CHECK(pixels >= 30 || !error.known, "%u pixels", pixels);
+        CHECK(pixels < 1000 || (error.known && error.ci_low < error.ci_high), "%u pixels", pixels);
+        picture_finish(&picture);
+    }
+}
+
+TEST(no_variance_is_no_error)
+{
+    struct picture picture = picture_create(40, 40);
+    for (int i = 0; i < 1600; i++)
+        picture.half_a[i][0] = picture.half_b[i][0] = 0.7f;
+    struct half_error error = estimate(&picture, 16, 1);
+    CHECK(error.known && error.relmse == 0 && error.ci_low == 0 && error.ci_high == 0);
+    picture_finish(&picture);
+}
+
+TEST(nonfinite_pixels_are_left_out)
+{
+    struct picture picture = picture_create(64, 64);
+    uint64_t random = 5;
+    fill(&picture, flat_content, exponential_noise, 64, &random);
+    double before = estimate(&picture, 64, 1).relmse;
+    picture.half_a[2000][1] = INFINITY;
+    picture.half_b[77][2] = NAN;
+    struct half_error error = estimate(&picture, 64, 1);
+    CHECK(error.known && fabs(error.relmse / before - 1) < 0.01, "%g", error.relmse / before);
+    picture_finish(&picture);
+}
+
+TEST(extreme_values_stay_finite)
+{
+    struct picture picture = picture_create(64, 64);
+    uint64_t random = 5;
+    fill(&picture, flat_content, exponential_noise, 16, &random);
+    for (int i = 0; i < 64 * 64; i++)
+        for (int c = 0; c < 3; c++) {
+            float scale = i % 64 < 32 ? 1e37f : 1e-37f;
+            picture.half_a[i][c] *= scale;
+            picture.half_b[i][c] *= scale;
+        }
+    struct half_error error = estimate(&picture, 16, 1);
+    CHECK(error.known && isfinite(error.relmse) && isfinite(error.mse) && isfinite(error.ci_high));
+    picture_finish(&picture);
+}
+
+TEST(bootstrap_is_deterministic)
+{
+    struct picture picture = picture_create(96, 64);
+    uint64_t random = 9;
+    fill(&picture, smooth_content, exponential_noise, 16, &random);
+    struct half_error first = estimate(&picture, 16, 42), again = estimate(&picture, 16, 42);
+    struct half_error other = estimate(&picture, 16, 43);
+    CHECK(memcmp(&first, &again, sizeof first) == 0);
+    CHECK(first.relmse == other.relmse && first.ci_low != other.ci_low);
+    picture_finish(&picture);
+}
+
+TEST_MAIN(TEST_CASE(relmse_is_unbiased), TEST_CASE(relmse_at_edges_is_within_its_known_bias),
+          TEST_CASE(mse_matches_hand_value), TEST_CASE(interval_covers_the_truth),
+          TEST_CASE(unknown_where_it_cannot_be_known), TEST_CASE(small_and_odd_pictures),
+          TEST_CASE(no_variance_is_no_error), TEST_CASE(nonfinite_pixels_are_left_out),
+          TEST_CASE(extreme_values_stay_finite), TEST_CASE(bootstrap_is_deterministic))
