@@ -10,11 +10,11 @@
 #define METRICS_RELMSE_EPSILON 1e-2
 
 struct metrics {
+    // The first four are NaN when no pixel is finite.
     double mse;         // mean over pixels and channels of (x - r)^2
     double rmse;        // its square root
     double relmse;      // mean (x - r)^2 / (r^2 + 1e-2), per channel
     double psnr;        // dB, peak 1, on values as given (linear), +inf when equal
-                        // these four are NaN when no pixel is finite
     double max;         // greatest |x - r|
     uint64_t max_pixel; // its pixel index
     uint64_t nonfinite; // pixels with a non-finite value in either image, left out of the above
@@ -32,13 +32,14 @@ void metrics_difference_picture(const float (*image)[3], const float (*reference
 
 // Error of (A + B) / 2 from two independent half-buffers' means.
 struct half_error {
-    bool known; // false: below 16 spp, fewer than 30 pixels carry half of the variance (they
-                // stand for 30 samples, which a film does not keep apart), or all is black
+    // False below 16 spp, while fewer than 30 pixels carry half of the variance (they stand for
+    // 30 samples, which a film does not keep apart), and while all is black. The rest is 0 then.
+    bool known;
     const char *reason; // why not known; NULL when known
     double relmse;
-    double ci_low,
-        ci_high; // 95 %, bootstrap of 16 x 16 pixel tiles; low is >= 0. Pictures of fewer
-                 // than 16 such tiles take smaller ones, of more than 65536 larger ones.
+    // 95 %, by bootstrap of tiles of 16 x 16 pixels; low is >= 0. Pictures of fewer than 16 such
+    // tiles take smaller ones, of more than 65536 larger ones.
+    double ci_low, ci_high;
     double mse;
 };
 
@@ -55,9 +56,8 @@ struct half_error_params {
 bool metrics_half_error(const struct half_error_params *params, struct half_error *out);
 
 // --- statistics ---------------------------------------------------------------------------------
-// Quantile of Student's t, p in (0, 1), degrees of freedom >= 1, NaN outside of that. Relative
-// error
-// <= 1e-6 for p >= 1e-150 and up to 1e9 degrees of freedom.
+// Quantile of Student's t, p in (0, 1), degrees of freedom >= 1; NaN outside of that. The relative
+// error is <= 1e-6 for p >= 1e-150 and up to 1e9 degrees of freedom.
 double stats_t_quantile(double p, double degrees_of_freedom);
 // Mean, unbiased variance (two-pass). NaN without values, the variance also with one alone.
 void stats_mean_variance(const double *values, size_t count, double *mean, double *variance);

@@ -167,7 +167,7 @@ TEST(mse_matches_hand_value)
             picture.half_b[i][c] = i % 2 ? 4.5f : 3.5f;
         }
     struct half_error error = estimate(&picture, 16, 3);
-    CHECK(error.known && error.mse == 0.25, "%g", error.mse);
+    CHECK(error.known && fabs(error.mse - 0.25) < 1e-12, "%.17g", error.mse);
     // All neighbours are 4; their mean's variance at the centre is .25 / 8, at a corner .25 / 3.
     CHECK(fabs(error.relmse / (0.25 / 16.01) - 1) < 0.01, "%g", error.relmse);
     CHECK(error.ci_low <= error.relmse && error.relmse <= error.ci_high);
