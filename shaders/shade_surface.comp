@@ -49,7 +49,7 @@ bool connect_light(uint slot, surface s, material m, vec3 throughput, vec3 u, ui
                     (INV_PI * cos_surface * weight / l.pdf);
     store_shadow_ray(slot, 0u, uvec4(floatBitsToUint(origin), primitive));
     store_shadow_ray(slot, 1u, uvec4(floatBitsToUint(l.to_light), l.primitive));
-    store_shadow_ray(slot, 2u, uvec4(floatBitsToUint(radiance), 0u));
+    store_shadow_ray(slot, 2u, floatBitsToUint(vec4(radiance, l.pdf)));
     return true;
 }
 

@@ -1,6 +1,7 @@
 // lampyris compare: error metrics between a picture and a reference.
 #include "commands.h"
 
+#include "file.h"
 #include "image.h"
 #include "json_out.h"
 #include "log.h"
@@ -148,11 +149,15 @@ static int print_json(const struct comparison *c)
 static int compare(struct comparison *c)
 {
     struct err err = {0};
+    const char *difference = c->options->difference;
+    if (difference &&
+        !(image_check_format(difference, &err) && file_check_writable(difference, &err)))
+        return command_fail(&err);
     if (!read_pictures(c, &err))
         return command_fail(&err);
     metrics_compare((const float(*)[3])c->image.pixels, (const float(*)[3])c->reference.pixels,
                     pixel_count(&c->image), &c->metrics);
-    if (c->options->difference && !write_difference(c, &err))
+    if (difference && !write_difference(c, &err))
         return command_fail(&err);
     check_limits(c);
     int code = EXIT_CODE_OK;

@@ -1,11 +1,9 @@
 #include "commands.h"
 
 #include "clock.h"
-#include "file.h"
 #include "hash.h"
 #include "log.h"
 #include "render_job.h"
-#include "signals.h"
 
 // --- how many samples, in which frames
 // ------------------------------------------------------------
@@ -191,5 +189,5 @@ int cmd_render(const struct options *options)
     arena_finish(&job.arena);
     if (!ok)
         return command_fail(&err);
-    return job.stopped ? signal_exit_code() : EXIT_CODE_OK;
+    return EXIT_CODE_OK; // or main's, when a signal stopped it
 }

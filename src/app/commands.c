@@ -22,6 +22,7 @@ const struct command commands[COMMAND_TOTAL] = {
                         "lampyris render scenes/mesh_room.json -D mesh=bunny.ply --time 30 --json",
             .min_arguments = 1,
             .max_arguments = 1,
+            .run = cmd_render,
         },
     [COMMAND_COMPARE] =
         {
@@ -52,6 +53,7 @@ const struct command commands[COMMAND_TOTAL] = {
                         "lampyris info model.glb --size 3840x2160 --json",
             .min_arguments = 1,
             .max_arguments = 1,
+            .run = cmd_info,
         },
     [COMMAND_DEVICES] =
         {

@@ -96,16 +96,22 @@ static void options_section(const struct help_writer *writer, const struct comma
     option_list(writer, command);
 }
 
+// whatis(1) reads this section of a manual page: "lampyris-render \- render a scene to pictures".
+static void name_section(const struct help_writer *writer, const struct command *command)
+{
+    const char *summary = command ? command->summary : program_summary;
+    const char *name = command ? command->name : "";
+    if (writer->roff)
+        fprintf(writer->out, ".SH NAME\nlampyris%s%s \\- %s\n", command ? "\\-" : "", name,
+                summary);
+    else
+        fprintf(writer->out, "lampyris%s%s - %s\n", command ? " " : "", name, summary);
+}
+
 static void command_page(const struct help_writer *writer, const struct command *command)
 {
     char line[128];
-    help_section(writer, "NAME");
-    snprintf(line, sizeof line, "lampyris %s - %s", command->name, command->summary);
-    // whatis(1) reads this line, so that it must be plain.
-    if (writer->roff)
-        fprintf(writer->out, "lampyris\\-%s \\- %s\n", command->name, command->summary);
-    else
-        help_paragraph(writer, line);
+    name_section(writer, command);
     help_section(writer, "SYNOPSIS");
     usage_line(command, line, sizeof line);
     help_literal(writer, line);
@@ -119,11 +125,7 @@ static void command_page(const struct help_writer *writer, const struct command 
 
 static void program_head(const struct help_writer *writer)
 {
-    help_section(writer, "NAME");
-    if (writer->roff)
-        fprintf(writer->out, "lampyris \\- %s\n", program_summary);
-    else
-        fprintf(writer->out, "  lampyris - %s\n", program_summary);
+    name_section(writer, NULL);
     help_section(writer, "SYNOPSIS");
     help_literal(writer, "lampyris COMMAND [OPTIONS] [ARGUMENTS]");
 }

@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-enum { COLUMNS = 80, INDENT = 2, ITEM_COLUMN = 26 };
+enum { COLUMNS = 80, INDENT = 2, ITEM_COLUMN = 27 };
 
 // Escapes what roff would take for markup (groff_char(7)): a hyphen would else become a dash that
 // cannot be pasted into a shell, and a line that starts with a point a request.
@@ -97,7 +97,7 @@ void help_item(const struct help_writer *writer, const char *names, const char *
     }
     int used = fprintf(writer->out, "%*s%s%s%s", INDENT, "", names, argument ? " " : "",
                        argument ? argument : "");
-    if (used < ITEM_COLUMN)
+    if (used + 1 < ITEM_COLUMN)
         fprintf(writer->out, "%*s", ITEM_COLUMN - used, "");
     else
         fprintf(writer->out, "\n%*s", ITEM_COLUMN, "");

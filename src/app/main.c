@@ -72,5 +72,5 @@ int main(int argc, char **argv)
     progress_bar_finish(&bar);
     code = finish_stdout(code);
     options_finish(&options);
-    return code == EXIT_CODE_OK && signals_received() ? 128 + signals_received() : code;
+    return code == EXIT_CODE_OK ? signal_exit_code() : code;
 }

@@ -56,8 +56,8 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_TIME] = {
         .name = "time", .argument = "SECONDS", .type = VALUE_REAL, .min = 0, .max = 1e9,
         .group = "Sampling", .commands = FOR_RENDER, .fallback = "no limit",
-        .help = "Stop at the first whole sample per pixel after this many seconds of rendering, "
-                "or at --spp, whichever comes first. At least one sample per pixel is taken.",
+        .help = "Stop at whole samples per pixel after about this many seconds of rendering, or "
+                "at --spp or --frames where given. At least one sample per pixel is taken.",
         FIELD(time_seconds),
     },
     [OPTION_SEED] = {

@@ -155,8 +155,7 @@ static bool check_combinations(const struct options *options, struct err *err)
     } rules[] = {
         {OPTION_SPP_PER_FRAME, OPTION_FRAMES, true}, {OPTION_EVERY, OPTION_FRAMES, true},
         {OPTION_ACCUMULATE, OPTION_FRAMES, true},    {OPTION_SAMPLE, OPTION_PIXEL, true},
-        {OPTION_SPP, OPTION_FRAMES, false},          {OPTION_TIME, OPTION_FRAMES, false},
-        {OPTION_FRAMES, OPTION_PIXEL, false},
+        {OPTION_SPP, OPTION_FRAMES, false},          {OPTION_FRAMES, OPTION_PIXEL, false},
     };
     for (size_t i = 0; i < sizeof rules / sizeof rules[0]; i++) {
         const char *name = option_table[rules[i].id].name;
@@ -196,10 +195,49 @@ static bool allocate_lists(struct options *options, int argc, struct err *err)
     return err_memory(err, "the command line", most * sizeof(struct scene_override));
 }
 
+// Text that a shell reads as this one word; returns the end. `out` has room for 4 bytes a byte,
+// and 3.
+static char *quote(const char *word, char *out)
+{
+    static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
+                                "_@%+=:,./-";
+    bool is_plain = *word && word[strspn(word, plain)] == '\0';
+    if (is_plain)
+        return stpcpy(out, word);
+    *out++ = '\'';
+    for (; *word; word++) {
+        if (*word == '\'')
+            out = stpcpy(out, "'\\'"); // close, a quote, and the quote itself opens again
+        *out++ = *word;
+    }
+    return stpcpy(out, "'");
+}
+
+static bool keep_command_line(struct options *options, int argc, char **argv, struct err *err)
+{
+    size_t size = 16;
+    for (int i = 1; i < argc; i++)
+        size += 4 * strlen(argv[i]) + 4;
+    char *line = ARENA_NEW(&options->arena, char, size);
+    if (!line)
+        return err_memory(err, "the command line", size);
+    options->command_line = line;
+    char *end = stpcpy(line, "lampyris");
+    for (int i = 1; i < argc; i++) {
+        *end++ = ' ';
+        end = quote(argv[i], end);
+    }
+    return true;
+}
+
 bool options_parse(int argc, char **argv, struct options *out, struct err *err)
 {
-    *out = (struct options){.log_level = LOG_WARN, .accumulate = true, .spp_per_frame = 1};
-    if (!allocate_lists(out, argc, err))
+    *out = (struct options){.argc = argc,
+                            .argv = argv,
+                            .log_level = LOG_WARN,
+                            .accumulate = true,
+                            .spp_per_frame = 1};
+    if (!keep_command_line(out, argc, argv, err) || !allocate_lists(out, argc, err))
         return false;
     struct parser parser = {.arguments = argv, .count = argc, .next = 1, .options = out};
     return parse_all(&parser, err) && check(out, err);

@@ -122,10 +122,13 @@ struct compare_limit {
 };
 
 struct options {
+    int argc; // as main was given them, for commands that reproduce a run
+    char **argv;
     const struct command *command; // NULL only with --help or --version
     const char *arguments[2];      // SCENE; IMAGE and REFERENCE; the COMMAND of help
     uint32_t argument_count;
-    uint64_t given; // bit 1 << enum option_id
+    uint64_t given;           // bit 1 << enum option_id
+    const char *command_line; // all of it, quoted for a shell
 
     bool help, version, man, quiet, json;
     enum log_level log_level;
@@ -157,7 +160,7 @@ struct options {
     uint32_t limit_count;
     const char *difference; // NULL: no picture
 
-    struct arena arena; // owns the lists; strings are argv's
+    struct arena arena; // owns the lists and the command line; other strings are argv's
 };
 
 // Parses and checks the command line. Errors are ERR_USAGE (or ERR_SYSTEM). *out is to be finished

@@ -46,7 +46,10 @@ bool job_write_outputs(struct render_job *job, uint32_t frame, struct err *err);
 // --- render_report.c ---
 void job_print_summary(const struct render_job *job);
 void job_print_json(const struct render_job *job);
-// The command that follows the path of a dropped contribution; lives in the job's arena.
+// The command line, quoted for a shell, with `extra` behind it; NULL when out of memory.
+const char *job_command_line(const struct options *options, struct arena *arena,
+                             const char *extra);
+// The command that follows the path of a dropped contribution, or NULL; lives in the job's arena.
 const char *job_reproducing_command(struct render_job *job);
 
 // --- render_replay.c ---

@@ -1,11 +1,11 @@
 #include "render_job.h"
 
 #include "clock.h"
-#include "config.h"
 #include "file.h"
 #include "image.h"
 #include <inttypes.h>
 #include <stdarg.h>
+#include <stdio.h>
 #include <string.h>
 
 static char *without_extension(struct arena *arena, const char *path)
@@ -53,18 +53,23 @@ struct attributes {
 static void add(struct attributes *a, const char *key, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-static void add(struct attributes *a, const char *key, const char *format, ...)
+// Takes a value that lives in the arena, or NULL when there was no memory for it.
+static void add_text(struct attributes *a, const char *key, const char *value)
 {
-    char text[1024];
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
-    va_end(arguments);
-    const char *value = arena_strdup(a->arena, text);
     if (!value || a->count == MAX_ATTRIBUTES)
         a->failed = true;
     else
         a->list[a->count++] = (struct image_attribute){key, value};
+}
+
+static void add(struct attributes *a, const char *key, const char *format, ...)
+{
+    char text[600]; // the longest is the driver's name
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    add_text(a, key, arena_strdup(a->arena, text));
 }
 
 static const char *estimator_name(enum light_estimator estimator)
@@ -110,8 +115,8 @@ static void add_attributes(struct attributes *a, const struct render_job *job)
 {
     const struct options *options = job->options;
     add(a, "lampyris:version", "%s", LAMPYRIS_VERSION);
-    add(a, "lampyris:command", "%s", options->command_line);
-    add(a, "lampyris:scene", "%s", job->scene.path);
+    add_text(a, "lampyris:command", job_command_line(options, a->arena, ""));
+    add_text(a, "lampyris:scene", arena_strdup(a->arena, job->scene.path));
     add(a, "lampyris:scene_hash", "%016" PRIx64, job->scene.hash);
     add(a, "lampyris:device", "%s", job->gpu.info.name);
     add(a, "lampyris:driver", "%s", job->gpu.info.driver);

@@ -1,3 +1,4 @@
+#include "environment.h"
 #include "render_job.h"
 
 #include <stdlib.h>
@@ -8,11 +9,8 @@ static bool set_environment(const struct options *options, struct scene *scene, 
     if (!options_given(options, OPTION_ENV))
         return true;
     const struct environment_option *environment = &options->environment;
-    if (environment->file)
-        return scene_set_environment_image(scene, environment->file, err);
-    scene->environment = (struct environment){.present = true};
-    memcpy(scene->environment.radiance, environment->radiance, sizeof environment->radiance);
-    return true;
+    return scene_set_environment(scene, environment->file,
+                                 environment->file ? NULL : environment->radiance, err);
 }
 
 static bool choose_camera(const struct options *options, const struct scene *scene,

@@ -36,3 +36,8 @@ int signals_received(void)
 {
     return received;
 }
+
+int signal_exit_code(void)
+{
+    return received ? 128 + received : 0;
+}

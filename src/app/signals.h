@@ -7,7 +7,9 @@
 // threads start.
 void signals_install(void);
 
-// The signal that asked to stop, or 0. The exit code is then 128 + signal.
+// The signal that asked to stop, or 0.
 int signals_received(void);
+// 128 + that signal, as shells have it; 0 when there was none.
+int signal_exit_code(void);
 
 #endif

@@ -62,26 +62,33 @@ static struct bvh_box shape_box(const struct flat_shape *shape)
     return box;
 }
 
-static bool build_bvh(struct renderer *r, struct err *err)
+static bool build_bvh(const struct flat_scene *flat, const struct progress *progress,
+                      struct arena *arena, struct bvh *bvh, struct err *err)
 {
     struct arena scratch = {0};
-    struct bvh_box *boxes = ARENA_NEW(&scratch, struct bvh_box, r->flat.shape_count);
+    struct bvh_box *boxes = ARENA_NEW(&scratch, struct bvh_box, flat->shape_count);
     if (!boxes)
-        return err_memory(err, "shapes", r->flat.shape_count * sizeof *boxes);
-    for (uint32_t i = 0; i < r->flat.shape_count; i++)
-        boxes[i] = shape_box(&r->flat.shapes[i]);
-    const void *vertices = r->flat.triangles;
+        return err_memory(err, "shapes", flat->shape_count * sizeof *boxes);
+    for (uint32_t i = 0; i < flat->shape_count; i++)
+        boxes[i] = shape_box(&flat->shapes[i]);
+    const void *vertices = flat->triangles;
     struct bvh_params params = {
         .triangle_vertices = vertices,
-        .triangle_stride = sizeof *r->flat.triangles,
-        .triangle_count = r->flat.triangle_count,
+        .triangle_stride = sizeof *flat->triangles,
+        .triangle_count = flat->triangle_count,
         .shape_boxes = boxes,
-        .shape_count = r->flat.shape_count,
-        .progress = r->progress,
+        .shape_count = flat->shape_count,
+        .progress = progress,
     };
-    bool ok = bvh_build(&params, &r->arena, &r->bvh, err);
+    bool ok = bvh_build(&params, arena, bvh, err);
     arena_finish(&scratch);
     return ok;
+}
+
+bool render_prepare(const struct scene *scene, const struct progress *progress,
+                    struct arena *arena, struct flat_scene *flat, struct bvh *bvh, struct err *err)
+{
+    return scene_flatten(scene, arena, flat, err) && build_bvh(flat, progress, arena, bvh, err);
 }
 
 static bool plan_memory(struct renderer *r, uint32_t wave, struct err *err)
@@ -184,14 +191,10 @@ bool renderer_create(const struct renderer_params *params, struct renderer *r, s
         .gpu = params->gpu, .scene = params->scene, .progress = params->progress};
 
     uint64_t start = clock_ns();
-    if (!scene_flatten(r->scene, &r->arena, &r->flat, err))
+    if (!render_prepare(r->scene, r->progress, &r->arena, &r->flat, &r->bvh, err))
         goto fail;
-    r->stats.flatten_seconds = clock_seconds_since(start);
-
-    start = clock_ns();
-    if (!build_bvh(r, err))
-        goto fail;
-    r->stats.bvh_seconds = clock_seconds_since(start);
+    r->stats.bvh_seconds = r->bvh.stats.build_seconds;
+    r->stats.flatten_seconds = clock_seconds_since(start) - r->stats.bvh_seconds;
 
     start = clock_ns();
     r->specialization =

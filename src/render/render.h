@@ -76,6 +76,12 @@ struct renderer {
     const struct progress *progress;
 };
 
+// The host's part, for those who only want to look: flattens and builds the BVH. Results live in
+// `arena`.
+bool render_prepare(const struct scene *scene, const struct progress *progress,
+                    struct arena *arena, struct flat_scene *flat, struct bvh *bvh,
+                    struct err *err);
+
 // Flattens, builds the BVH, plans memory, uploads and compiles. *out must stay where it is. On
 // failure it is finished.
 bool renderer_create(const struct renderer_params *params, struct renderer *out, struct err *err);

@@ -1,0 +1,137 @@
+// `lampyris info`: what is in a scene, what rendering it will need, and what it will take.
+#include "commands.h"
+
+#include "json_out.h"
+#include "render_job.h"
+#include <inttypes.h>
+#include <stdio.h>
+
+struct info {
+    struct scene scene;
+    struct flat_scene flat;
+    struct bvh bvh;
+    struct specialization specialization;
+    struct memory_plan plan;
+    struct emitter_counts emitters;
+    struct gpu gpu;
+    uint32_t camera;
+};
+
+static void print_text(const struct info *info)
+{
+    const struct scene *scene = &info->scene;
+    const struct flat_scene *flat = &info->flat;
+    const struct settings *s = &scene->settings;
+    printf("%s\n", scene->path);
+    printf("geometry  %u triangles (%u meshes, %u instances), %u analytic shapes\n",
+           flat->triangle_count, scene->mesh_count, scene->instance_count, flat->shape_count);
+    if (flat->dropped_degenerate || flat->skipped_instances)
+        printf("dropped   %u triangles without area, %u instances with a singular transform\n",
+               flat->dropped_degenerate, flat->skipped_instances);
+    printf("bounds    (%g %g %g) to (%g %g %g), about (%g %g %g)\n", flat->bounds_min[0],
+           flat->bounds_min[1], flat->bounds_min[2], flat->bounds_max[0], flat->bounds_max[1],
+           flat->bounds_max[2], flat->origin[0], flat->origin[1], flat->origin[2]);
+    printf("materials %u\n", scene->material_count);
+    printf("emitters  %u triangles, %u spheres, %u discs\n", info->emitters.triangles,
+           info->emitters.spheres, info->emitters.discs);
+    printf("cameras   %u", scene->camera_count);
+    for (uint32_t i = 0; i < scene->camera_count; i++)
+        printf("%s%s", i ? ", " : ": ", scene->cameras[i].name ? scene->cameras[i].name : "unnamed");
+    printf("\nsettings  %u x %u, %" PRIu64 " spp, %u bounces, seed %u\n", s->width, s->height,
+           s->spp, s->max_bounces, s->seed);
+    for (uint32_t i = 0; i < scene->note_count; i++)
+        printf("note      %s\n", scene->notes[i]);
+    const struct bvh_stats *b = &info->bvh.stats;
+    printf("BVH       %u nodes, depth %u, SAH cost %.2f, %.1f KiB, built in %.3f s\n",
+           b->node_count, b->depth, b->sah_cost, (double)b->bytes / 1024.0, b->build_seconds);
+    printf("device    %s (%s)\n", info->gpu.info.name, info->gpu.info.kind);
+    printf("memory    %.1f MiB planned, wave of %u paths; at most %.1f MiB a buffer\n",
+           (double)info->plan.total_bytes / 1048576.0, info->plan.wave_slots,
+           (double)info->gpu.max_storage_range / 1048576.0);
+    for (uint32_t i = 0; i < BINDING_COUNT; i++) {
+        const struct planned_buffer *buffer = &info->plan.buffers[i];
+        if (buffer->name)
+            printf("  %-12s %12" PRIu64 " bytes%s\n", buffer->name, buffer->bytes * buffer->copies,
+                   buffer->copies > 1 ? " (in several buffers)" : "");
+    }
+    printf("features ");
+    for (int bit = 0; bit < 32; bit++) {
+        const char *name = feature_name(1u << bit);
+        if (name && (info->specialization.features >> bit & 1u))
+            printf(" [%s]", name);
+    }
+    putchar('\n');
+}
+
+static int print_json(const struct info *info)
+{
+    const struct scene *scene = &info->scene;
+    const struct flat_scene *flat = &info->flat;
+    const struct bvh_stats *b = &info->bvh.stats;
+    json_t *buffers = json_object(), *features = json_array(), *left_out = json_array();
+    for (uint32_t i = 0; i < BINDING_COUNT; i++) {
+        const struct planned_buffer *buffer = &info->plan.buffers[i];
+        if (buffer->name)
+            json_object_set_new(buffers, buffer->name,
+                                json_integer((json_int_t)(buffer->bytes * buffer->copies)));
+    }
+    for (int bit = 0; bit < 32; bit++) {
+        const char *name = feature_name(1u << bit);
+        bool kept = info->specialization.features >> bit & 1u;
+        if (name)
+            json_array_append_new(kept ? features : left_out, json_string(name));
+    }
+    json_t *notes = json_array();
+    for (uint32_t i = 0; i < scene->note_count; i++)
+        json_array_append_new(notes, json_words(scene->notes[i]));
+    return json_print(json_pack(
+        "{s:o, s:i, s:i, s:i, s:i, s:i, s:i, s:i, s:{s:i, s:i, s:i}, s:i, s:o, s:{s:i, s:i, s:f, "
+        "s:I, s:f}, s:{s:o, s:o}, s:{s:I, s:o}, s:i}",
+        "scene", json_words(scene->path), "triangles", flat->triangle_count, "shapes",
+        flat->shape_count, "meshes", scene->mesh_count, "instances", scene->instance_count,
+        "materials", scene->material_count, "dropped_degenerate", flat->dropped_degenerate,
+        "skipped_instances", flat->skipped_instances, "emitters", "triangles",
+        info->emitters.triangles, "spheres", info->emitters.spheres, "discs",
+        info->emitters.discs, "cameras", scene->camera_count, "notes", notes, "bvh", "nodes",
+        b->node_count, "depth", b->depth, "sah_cost", b->sah_cost, "bytes", (json_int_t)b->bytes,
+        "build_seconds", b->build_seconds, "features", "kept", features, "left_out", left_out,
+        "memory", "device_bytes", (json_int_t)info->plan.total_bytes, "buffers", buffers, "wave",
+        info->plan.wave_slots));
+}
+
+static bool gather(const struct options *options, struct info *info, struct err *err)
+{
+    if (!job_load_scene(options, &info->scene, &info->camera, err) ||
+        !gpu_open(&options->gpu, &info->gpu, err) ||
+        !render_prepare(&info->scene, options->progress, &info->scene.arena, &info->flat,
+                        &info->bvh, err))
+        return false;
+    info->specialization = specialize(&info->scene, &info->flat, &info->bvh, &info->gpu,
+                                      options->features == FEATURES_ALL);
+    info->emitters = emitters_count(&info->scene, &info->flat);
+    struct memory_plan_params params = {
+        .scene = &info->scene,
+        .flat = &info->flat,
+        .bvh = &info->bvh,
+        .specialization = &info->specialization,
+        .gpu = &info->gpu,
+        .wave = options->wave,
+    };
+    return memory_plan_make(&params, &info->plan, err);
+}
+
+int cmd_info(const struct options *options)
+{
+    struct info info = {0};
+    struct err err = {0};
+    int code = EXIT_CODE_OK;
+    if (!gather(options, &info, &err))
+        code = command_fail(&err);
+    else if (options->json)
+        code = print_json(&info);
+    else
+        print_text(&info);
+    gpu_close(&info.gpu);
+    scene_finish(&info.scene);
+    return code;
+}

@@ -1,0 +1,293 @@
+// What a render reports: a summary for people, one JSON object for machines.
+#include "json_out.h"
+#include "render_job.h"
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/resource.h>
+
+static double host_peak_bytes(void)
+{
+    struct rusage usage;
+    return getrusage(RUSAGE_SELF, &usage) == 0 ? (double)usage.ru_maxrss * 1024.0 : 0.0;
+}
+
+static double total_rays(const struct render_stats *stats)
+{
+    return (double)stats->closest_rays + (double)stats->shadow_rays;
+}
+
+static double total_samples(const struct render_job *job)
+{
+    double sum = 0.0;
+    uint64_t pixels = (uint64_t)job->film.width * job->film.height;
+    for (uint64_t i = 0; i < pixels; i++)
+        sum += job->film.samples[i];
+    return sum;
+}
+
+static uint64_t nonfinite(const struct render_stats *stats)
+{
+    uint64_t sum = 0;
+    for (int site = 0; site < SITE_COUNT; site++)
+        sum += stats->nonfinite.count[site];
+    return sum;
+}
+
+static const char *site_name(int site)
+{
+    static const char *const names[SITE_COUNT] = {
+        [SITE_MISS] = "shade_miss: environment",
+        [SITE_EMISSION] = "shade_surface: emission",
+        [SITE_SHADOW] = "intersect_shadow: light connection",
+        [SITE_THROUGHPUT] = "shade_surface: throughput",
+    };
+    return names[site];
+}
+
+// --- the command line -----------------------------------------------------------------------------
+
+// Inside single quotes a shell takes everything but the quote itself as it is.
+static const char *quoted(struct arena *arena, const char *text)
+{
+    static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
+                                "-_=+,./:@%";
+    if (*text && strspn(text, plain) == strlen(text))
+        return text;
+    char *out = arena_alloc(arena, strlen(text) * 4 + 3, 1);
+    if (!out)
+        return NULL;
+    char *at = out;
+    *at++ = '\'';
+    for (; *text; text++) {
+        if (*text == '\'')
+            at = stpcpy(at, "'\\'");
+        *at++ = *text;
+    }
+    *at = '\'';
+    return out;
+}
+
+const char *job_command_line(const struct options *options, struct arena *arena,
+                             const char *extra)
+{
+    const char *line = "lampyris";
+    for (int i = 1; i < options->argc && line; i++) {
+        const char *word = quoted(arena, options->argv[i]);
+        line = word ? arena_printf(arena, "%s %s", line, word) : NULL;
+    }
+    return line && *extra ? arena_printf(arena, "%s %s", line, extra) : line;
+}
+
+const char *job_reproducing_command(struct render_job *job)
+{
+    const struct nonfinite_stats *stats = &job->renderer.stats.nonfinite;
+    if (!stats->recorded)
+        return NULL;
+    char extra[64];
+    snprintf(extra, sizeof extra, "--pixel %u,%u --sample %u", stats->pixel % job->film.width,
+             stats->pixel / job->film.width, stats->sample);
+    return job_command_line(job->options, &job->arena, extra);
+}
+
+// --- what was kept and left out -------------------------------------------------------------------
+
+typedef void (*feature_fn)(void *context, bool kept, const char *kind, const char *name,
+                           uint64_t bytes);
+
+static void for_each_feature(const struct renderer *r, feature_fn fn, void *context)
+{
+    for (int bit = 0; bit < 32; bit++) {
+        const char *name = feature_name(1u << bit);
+        if (name)
+            fn(context, r->specialization.features >> bit & 1u, "feature", name, 0);
+    }
+    for (int id = 0; id < KERNEL_COUNT; id++) {
+        struct kernel_code code = kernel_code((enum kernel_id)id, r->gpu->has_ballot);
+        fn(context, r->kernels[id].pipeline != VK_NULL_HANDLE, "kernel", code.name, 0);
+    }
+    for (uint32_t b = 0; b < BINDING_COUNT; b++) {
+        const struct planned_buffer *plan = &r->plan.buffers[b];
+        fn(context, plan->name, "buffer", binding_name(b),
+           plan->name ? plan->bytes * plan->copies : plan->unneeded_bytes);
+    }
+}
+
+static void print_left_out(void *context, bool kept, const char *kind, const char *name,
+                           uint64_t bytes)
+{
+    const char **separator = context;
+    if (kept)
+        return;
+    bool is_feature = strcmp(kind, "feature") == 0;
+    printf("%s%s%s%s", *separator, is_feature ? "" : kind, is_feature ? "" : " ", name);
+    if (bytes)
+        printf(" (%.1f KiB)", (double)bytes / 1024.0);
+    *separator = ", ";
+}
+
+struct feature_lists {
+    json_t *kept, *left_out;
+};
+
+static void list_feature(void *context, bool kept, const char *kind, const char *name,
+                         uint64_t bytes)
+{
+    struct feature_lists *lists = context;
+    json_array_append_new(kept ? lists->kept : lists->left_out,
+                          json_pack("{s:s, s:s, s:I}", "kind", kind, "name", name, "bytes",
+                                    (json_int_t)bytes));
+}
+
+// --- for people -----------------------------------------------------------------------------------
+
+static void print_error(const struct render_job *job)
+{
+    const struct half_error *e = &job->error;
+    if (e->known)
+        printf("error     relMSE %.3g, 95 %% interval %.3g to %.3g (variance from half-buffers, "
+               "blind to bias)\n",
+               e->relmse, e->ci_low, e->ci_high);
+    else
+        printf("error     not yet known: %s\n", e->reason);
+}
+
+static void print_times(const struct render_job *job)
+{
+    const struct job_seconds *s = &job->seconds;
+    const struct render_stats *stats = &job->renderer.stats;
+    printf("time      %.3f s = load %.3f + BVH %.3f + upload %.3f + compile %.3f + render %.3f + "
+           "write %.3f + other %.3f\n",
+           s->total, s->load, s->bvh, s->upload, s->compile, s->render, s->write,
+           s->total - s->load - s->bvh - s->upload - s->compile - s->render - s->write);
+    printf("speed     %.3f Msamples/s, %.2f Mrays/s (%.1f M closest, %.1f M shadow)\n",
+           total_samples(job) * 1e-6 / s->render, total_rays(stats) * 1e-6 / s->render,
+           (double)stats->closest_rays * 1e-6, (double)stats->shadow_rays * 1e-6);
+    double sum = 0.0;
+    for (int id = 0; id < KERNEL_COUNT; id++)
+        sum += stats->kernels[id].ms;
+    if (sum <= 0.0)
+        return;
+    printf("kernels  ");
+    for (int id = 0; id < KERNEL_COUNT; id++)
+        if (stats->kernels[id].ms > 0.005 * sum)
+            printf(" %s %.0f ms (%.0f %%)", kernel_code((enum kernel_id)id, true).name,
+                   stats->kernels[id].ms, 100.0 * stats->kernels[id].ms / sum);
+    putchar('\n');
+}
+
+static void print_nonfinite(const struct render_job *job)
+{
+    const struct nonfinite_stats *stats = &job->renderer.stats.nonfinite;
+    for (int site = 0; site < SITE_COUNT; site++)
+        if (stats->count[site])
+            printf("dropped   %" PRIu64 " contributions that were not finite (%s)\n",
+                   stats->count[site], site_name(site));
+}
+
+void job_print_summary(const struct render_job *job)
+{
+    const struct film_image *film = &job->film;
+    printf("%s  %u x %u, %" PRIu64, job->scene.path, film->width, film->height,
+           film->least_samples);
+    if (film->most_samples != film->least_samples)
+        printf(" to %" PRIu64, film->most_samples);
+    printf(" spp, seed %u%s\n", job->scene.settings.seed,
+           job->stopped ? ", stopped early" : job->timed_out ? ", ended by --time" : "");
+    printf("device    %s (%s)\n", job->gpu.info.name, job->gpu.info.kind);
+    for (uint32_t i = 0; i < job->scene.note_count; i++)
+        printf("note      %s\n", job->scene.notes[i]);
+    print_error(job);
+    print_times(job);
+    print_nonfinite(job);
+    printf("memory    %.1f MiB on the device, %.1f MiB on the host at its peak; wave of %u paths\n",
+           (double)job->gpu.peak_bytes / 1048576.0, host_peak_bytes() / 1048576.0,
+           job->renderer.plan.wave_slots);
+    if (job->renderer.stats.suspended)
+        printf("continued %" PRIu64 " traversals of more than %u steps\n",
+               job->renderer.stats.suspended, job->renderer.specialization.iteration_budget);
+    printf("left out  ");
+    const char *separator = "";
+    for_each_feature(&job->renderer, print_left_out, &separator);
+    puts(*separator ? "" : "nothing");
+    for (uint32_t i = 0; i < job->output_count; i++)
+        printf("wrote     %s\n", job->outputs[i]);
+}
+
+// --- for machines ---------------------------------------------------------------------------------
+
+static json_t *kernels_json(const struct renderer *r)
+{
+    json_t *kernels = json_object();
+    for (int id = 0; id < KERNEL_COUNT; id++) {
+        const struct kernel_stats *stats = &r->stats.kernels[id];
+        if (r->kernels[id].pipeline)
+            json_object_set_new(kernels, r->kernels[id].name,
+                                json_pack("{s:f, s:I, s:f}", "ms", stats->ms, "launches",
+                                          (json_int_t)stats->launches, "longest_ms",
+                                          stats->longest_ms));
+    }
+    return kernels;
+}
+
+static json_t *error_json(const struct half_error *error)
+{
+    if (!error->known)
+        return json_pack("{s:n, s:n, s:n, s:s}", "relmse", "ci_low", "ci_high", "reason",
+                         error->reason);
+    return json_pack("{s:o, s:o, s:o}", "relmse", json_number(error->relmse), "ci_low",
+                     json_number(error->ci_low), "ci_high", json_number(error->ci_high));
+}
+
+static json_t *seconds_json(const struct job_seconds *s)
+{
+    return json_pack("{s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "load", s->load, "bvh", s->bvh,
+                     "upload", s->upload, "compile", s->compile, "render", s->render, "write",
+                     s->write, "total", s->total);
+}
+
+static json_t *strings_json(const char *const *strings, uint32_t count)
+{
+    json_t *array = json_array();
+    for (uint32_t i = 0; i < count; i++)
+        json_array_append_new(array, json_words(strings[i]));
+    return array;
+}
+
+static json_t *frames_json(const struct render_job *job)
+{
+    json_t *array = json_array();
+    for (uint32_t i = 0; i < job->frame_count; i++)
+        json_array_append_new(array, json_number(job->frames_ms[i]));
+    return array;
+}
+
+void job_print_json(const struct render_job *job)
+{
+    const struct render_stats *stats = &job->renderer.stats;
+    const struct film_image *film = &job->film;
+    double render = job->seconds.render;
+    char hash[20];
+    snprintf(hash, sizeof hash, "%016" PRIx64, job->image_hash);
+    struct feature_lists lists = {json_array(), json_array()};
+    for_each_feature(&job->renderer, list_feature, &lists);
+    json_t *object = json_pack(
+        "{s:o, s:s, s:s, s:i, s:i, s:I, s:I, s:I, s:o, s:{s:I, s:I}, s:o, s:o, s:o, s:o, s:I, "
+        "s:o, s:{s:o, s:o}, s:{s:I, s:I}, s:I, s:I, s:s, s:o, s:o, s:b, s:s}",
+        "scene", json_words(job->scene.path), "device", job->gpu.info.name, "driver",
+        job->gpu.info.driver, "width", film->width, "height", film->height, "spp",
+        (json_int_t)film->least_samples, "spp_most", (json_int_t)film->most_samples, "seed",
+        (json_int_t)job->scene.settings.seed, "seconds", seconds_json(&job->seconds), "rays",
+        "closest", (json_int_t)stats->closest_rays, "shadow", (json_int_t)stats->shadow_rays,
+        "mrays_per_s", json_number(total_rays(stats) * 1e-6 / render), "samples_per_s",
+        json_number(total_samples(job) / render), "kernels", kernels_json(&job->renderer), "error",
+        error_json(&job->error), "nonfinite", (json_int_t)nonfinite(stats), "frames_ms",
+        frames_json(job), "features", "kept", lists.kept, "left_out", lists.left_out, "memory",
+        "device_bytes", (json_int_t)job->gpu.peak_bytes, "host_peak_bytes",
+        (json_int_t)host_peak_bytes(), "wave", (json_int_t)job->renderer.plan.wave_slots,
+        "continued_traversals", (json_int_t)stats->suspended, "image_hash", hash, "outputs",
+        strings_json(job->outputs, job->output_count), "notes",
+        strings_json(job->scene.notes, job->scene.note_count), "stopped_early", job->stopped,
+        "version", LAMPYRIS_VERSION);
+    json_print(object);
+}

@@ -1,0 +1,134 @@
+#include "replay.h"
+
+#include "wave.h"
+#include <string.h>
+
+struct follower {
+    struct renderer *r;
+    struct arena *arena;
+    struct replay *out;
+    uint32_t capacity;
+    float radiance[4]; // after the last step
+};
+
+// One path is in flight: it is in slot 0, and a queue holds it or is empty.
+static bool in_queue(const struct follower *f, uint32_t queue)
+{
+    return f->r->counters->queue[queue] != 0;
+}
+
+static struct replay_vertex *add_vertex(struct follower *f)
+{
+    struct replay *out = f->out;
+    if (out->vertex_count == f->capacity) {
+        uint32_t capacity = f->capacity ? 2 * f->capacity : 16;
+        struct replay_vertex *grown = ARENA_NEW(f->arena, struct replay_vertex, capacity);
+        if (!grown)
+            return NULL;
+        if (out->vertex_count)
+            memcpy(grown, out->vertices, out->vertex_count * sizeof *grown);
+        out->vertices = grown;
+        f->capacity = capacity;
+    }
+    return &out->vertices[out->vertex_count++];
+}
+
+static uint32_t flat_primitive(const struct renderer *r, uint32_t word, bool *is_shape)
+{
+    *is_shape = word & PRIMITIVE_SHAPE;
+    return *is_shape ? word & ~PRIMITIVE_SHAPE : r->bvh.triangle_order[word];
+}
+
+static bool read_hit(struct follower *f, uint32_t bounce, struct err *err)
+{
+    struct renderer *r = f->r;
+    struct gpu_path path;
+    if (!gpu_download(r->gpu, &r->buffers[BINDING_PATHS], 0, &path, sizeof path, err))
+        return false;
+    struct replay_vertex *v = add_vertex(f);
+    if (!v)
+        return err_memory(err, "replay", f->capacity * sizeof *v);
+    v->bounce = bounce;
+    memcpy(v->direction, path.direction, sizeof v->direction);
+    memcpy(v->throughput, path.throughput, sizeof v->throughput);
+    v->bsdf_pdf = path.bsdf_pdf;
+    v->t = path.t;
+    for (int c = 0; c < 3; c++) {
+        v->origin[c] = (float)(path.origin[c] + r->flat.origin[c]);
+        v->position[c] = path.origin[c] + (double)path.t * path.direction[c] + r->flat.origin[c];
+    }
+    v->queue = in_queue(f, QUEUE_SURFACE) ? "surface" : in_queue(f, QUEUE_MISS) ? "miss" : "none";
+    if (in_queue(f, QUEUE_SURFACE)) {
+        v->primitive = flat_primitive(r, path.primitive, &v->is_shape);
+        uint32_t material = v->is_shape ? r->flat.shapes[v->primitive].material
+                                        : r->flat.triangles[v->primitive].material;
+        v->material = &r->scene->materials[material];
+    }
+    return true;
+}
+
+// What the last step added.
+static bool read_gain(struct follower *f, float gain[3], struct err *err)
+{
+    float now[4];
+    if (!gpu_download(f->r->gpu, &f->r->buffers[BINDING_RADIANCE], 0, now, sizeof now, err))
+        return false;
+    for (int c = 0; c < 3; c++)
+        gain[c] = now[c] - f->radiance[c];
+    memcpy(f->radiance, now, sizeof now);
+    return true;
+}
+
+static bool read_connection(struct follower *f, struct replay_vertex *v, struct err *err)
+{
+    struct gpu_shadow_ray ray;
+    if (!gpu_download(f->r->gpu, &f->r->buffers[BINDING_SHADOW_RAYS], 0, &ray, sizeof ray, err))
+        return false;
+    v->connected = true;
+    v->light_pdf = ray.light_pdf;
+    memcpy(v->light_point, ray.direction, sizeof v->light_point);
+    memcpy(v->light_radiance, ray.radiance, sizeof v->light_radiance);
+    v->light_primitive = flat_primitive(f->r, ray.ignore_to, &v->light_is_shape);
+    return true;
+}
+
+static bool step(void *context, enum kernel_id kernel, uint32_t bounce, struct err *err)
+{
+    struct follower *f = context;
+    uint32_t rays = QUEUE_RAYS + (bounce & 1u);
+    if (kernel == KERNEL_generate_rays ||
+        f->r->counters->dispatch[rays * DISPATCH_PARTS].items == 0)
+        return true; // nothing yet, or the path has ended
+    if (kernel == KERNEL_intersect_closest)
+        return read_hit(f, bounce, err);
+
+    struct replay_vertex *v = &f->out->vertices[f->out->vertex_count - 1];
+    float gain[3];
+    if (!read_gain(f, gain, err))
+        return false;
+    if (kernel == KERNEL_intersect_shadow) {
+        v->occluded = v->connected && gain[0] == 0.0f && gain[1] == 0.0f && gain[2] == 0.0f;
+        return true;
+    }
+    for (int c = 0; c < 3; c++)
+        v->gained[c] += gain[c];
+    return kernel != KERNEL_shade_surface || !in_queue(f, QUEUE_SHADOW) ||
+           read_connection(f, v, err);
+}
+
+bool renderer_replay(struct renderer *r, uint32_t x, uint32_t y, uint64_t sample,
+                     struct arena *arena, struct replay *out, struct err *err)
+{
+    *out = (struct replay){0};
+    struct follower f = {.r = r, .arena = arena, .out = out};
+    struct wave wave = {
+        .first_pixel = (uint64_t)y * r->push.width + x,
+        .pixel_count = 1,
+        .first_sample = sample,
+    };
+    if (!wave_trace_steps(r, &wave, step, &f, err))
+        return false;
+    memcpy(out->radiance, f.radiance, sizeof out->radiance);
+    out->dropped = f.radiance[3] != 0.0f;
+    return true;
+}
