@@ -179,7 +179,7 @@ void help_manual(FILE *out, const struct command *command)
 {
     const struct help_writer writer = {.out = out, .roff = true};
     // Without a date, so that the same source gives the same page.
-    fprintf(out, ".TH LAMPYRIS%s%s 1 \"\" \"lampyris %s\" \"User Commands\"\n",
+    fprintf(out, ".TH lampyris%s%s 1 \"\" \"lampyris %s\" \"User Commands\"\n",
             command ? "\\-" : "", command ? command->name : "", LAMPYRIS_VERSION);
     fputs(".nh\n.ad l\n", out); // names of options are not to be hyphenated or spread
     if (command)
