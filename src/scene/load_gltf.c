@@ -1,1 +1,253 @@
-typedef int load_gltf_placeholder;
+// glTF 2.0 and GLB files: opens the document and turns its default scene into meshes, instances,
+// materials and cameras.
+#include "gltf_load.h"
+
+#include "affine.h"
+#include "gltf_node.h"
+#include "hash.h"
+#include "mesh_loader.h"
+#include <math.h>
+
+// --- cameras -------------------------------------------------------------------------------------
+
+// A camera looks along the -Z axis of its node with +Y up (section 3.10.2). False when the node's
+// transform leaves no such directions.
+static bool place_camera(const double world[3][4], struct camera *camera)
+{
+    double side[3];
+    for (int i = 0; i < 3; i++) {
+        camera->position[i] = world[i][3];
+        camera->direction[i] = -world[i][2];
+        camera->up[i] = world[i][1];
+    }
+    if (!vec3_normalize(camera->direction) || !vec3_normalize(camera->up))
+        return false;
+    vec3_cross(camera->direction, camera->up, side);
+    return vec3_normalize(side);
+}
+
+static bool read_perspective(const struct json_node *node, double *fov_y, struct err *err)
+{
+    static const double pi = 3.14159265358979323846;
+    struct json_node perspective;
+    return gltf_require(node, "perspective", err) &&
+           gltf_read_object(node, "perspective", &perspective, err) &&
+           gltf_require(&perspective, "yfov", err) &&
+           node_read_number(&perspective, "yfov", (struct range){0, pi, true}, fov_y, err);
+}
+
+// `holder` is the camera's node; it gives its name to a camera that has none.
+static bool load_camera(struct gltf_load *load, uint32_t index, const struct json_node *holder,
+                        const double world[3][4], struct err *err)
+{
+    static const char *const types[] = {"perspective", "orthographic", NULL};
+    const struct json_node node = gltf_item(&load->document, GLTF_CAMERAS, index);
+    struct camera camera = {0};
+    uint32_t type = 0;
+    if (!gltf_require(&node, "type", err) || !node_read_choice(&node, "type", types, &type, err))
+        return false;
+    if (type != 0) {
+        load->tally.orthographic_cameras++;
+        return true;
+    }
+    if (!read_perspective(&node, &camera.fov_y, err) ||
+        !gltf_read_name(&node, &load->scene->arena, &camera.name, err) ||
+        (!*camera.name && !gltf_read_name(holder, &load->scene->arena, &camera.name, err)))
+        return false;
+    for (int i = 0; i < 3; i++)
+        if (fabs(world[i][3]) > SCENE_COORDINATE_MAX)
+            return node_fail(holder, err, "the camera's coordinate %g is beyond %g metres",
+                             world[i][3], SCENE_COORDINATE_MAX);
+    if (!place_camera(world, &camera)) {
+        load->tally.singular_cameras++;
+        return true;
+    }
+    struct camera *added = scene_add_camera(load->scene, NULL);
+    if (!added)
+        return gltf_no_memory(&load->document, "cameras", sizeof *added, err);
+    *added = camera;
+    return true;
+}
+
+// --- nodes ---------------------------------------------------------------------------------------
+
+static bool load_node_mesh(struct gltf_load *load, const struct json_node *node, uint32_t mesh,
+                           const double world[3][4], struct err *err)
+{
+    struct gltf_mesh_range meshes;
+    bool is_instanced;
+    load->tally.skinned_nodes += json_object_get(node->value, "skin") != NULL;
+    return gltf_mesh_load(load, mesh, &meshes, err) &&
+           gltf_instancing_load(load, node, world, meshes, &is_instanced, err) &&
+           (is_instanced || gltf_instance_add(load, world, meshes, err));
+}
+
+static bool load_node(struct gltf_load *load, uint32_t index, const double world[3][4],
+                      bool with_cameras, struct err *err)
+{
+    const struct gltf_document *document = &load->document;
+    const struct json_node node = gltf_item(document, GLTF_NODES, index);
+    uint32_t mesh, camera;
+    if (!gltf_read_index(&node, "mesh", document->counts[GLTF_MESHES], &mesh, err) ||
+        !gltf_read_index(&node, "camera", document->counts[GLTF_CAMERAS], &camera, err))
+        return false;
+    if (mesh != GLTF_NONE && !load_node_mesh(load, &node, mesh, world, err))
+        return false;
+    return camera == GLTF_NONE || !with_cameras || load_camera(load, camera, &node, world, err);
+}
+
+// --- notes ---------------------------------------------------------------------------------------
+
+struct note {
+    uint32_t count;
+    const char *text;
+};
+
+// Notes "NAME: N TEXT" for every count that is not zero.
+static bool add_notes(struct gltf_load *load, const struct note *notes, size_t count)
+{
+    const char *name = path_name(load->document.source->path);
+    for (size_t i = 0; i < count; i++)
+        if (notes[i].count > 0 &&
+            !scene_note(load->scene, "%s: %u %s", name, notes[i].count, notes[i].text))
+            return false;
+    return true;
+}
+
+static bool note_diffuse(struct gltf_load *load)
+{
+    const struct gltf_tally *t = &load->tally;
+    uint32_t count = load->document.counts[GLTF_MATERIALS];
+    return count == 0 ||
+           scene_note(load->scene,
+                      "%s: all %u materials are approximated as diffuse "
+                      "(metallic: %u, transparent: %u, specular-glossiness: %u, unlit: %u)",
+                      path_name(load->document.source->path), count, t->metallic, t->transparent,
+                      t->specular_glossy, t->unlit);
+}
+
+static bool note_what_is_missing(struct gltf_load *load, struct err *err)
+{
+    const struct gltf_document *document = &load->document;
+    const struct gltf_tally *t = &load->tally;
+    const struct note notes[] = {
+        {document->counts[GLTF_TEXTURES], "textures are not used yet; their factors are"},
+        {t->emissive_textures, "materials with an emissive texture do not emit yet"},
+        {t->primitives_without_material, "primitives without a material are grey"},
+        {t->point_and_line_primitives, "primitives of points or lines are skipped"},
+        {t->primitives_without_positions, "primitives without positions are skipped"},
+        {t->skinned_nodes, "skinned nodes are shown unskinned"},
+        {t->morph_target_meshes, "meshes are shown without their morph targets"},
+        {document->counts[GLTF_ANIMATIONS], "animations are not used"},
+        {t->orthographic_cameras, "orthographic cameras are skipped"},
+        {t->singular_cameras, "cameras are skipped: their node has a singular transform"},
+    };
+    bool noted = add_notes(load, notes, sizeof notes / sizeof notes[0]) && note_diffuse(load);
+    if (noted && document->ignored_extensions)
+        noted = scene_note(load->scene, "%s: ignored extensions: %s",
+                           path_name(document->source->path), document->ignored_extensions);
+    return noted || gltf_no_memory(document, "notes", sizeof(char *), err);
+}
+
+// --- loading -------------------------------------------------------------------------------------
+
+static void hash_files(struct gltf_load *load)
+{
+    const struct gltf_document *document = &load->document;
+    uint64_t *hash = &load->scene->hash;
+    *hash = hash_bytes(*hash, document->source->bytes.data, document->source->bytes.size);
+    for (uint32_t i = 0; i < document->counts[GLTF_BUFFERS]; i++)
+        if (document->buffers[i].is_external)
+            *hash = hash_bytes(*hash, document->buffers[i].data, document->buffers[i].size);
+}
+
+static bool allocate_tables(struct gltf_load *load, struct err *err)
+{
+    const uint32_t *counts = load->document.counts;
+    struct arena *arena = &load->document.arena;
+    load->meshes = ARENA_NEW(arena, struct gltf_mesh_range, counts[GLTF_MESHES]);
+    load->vectors = ARENA_NEW(arena, struct gltf_vectors, counts[GLTF_ACCESSORS]);
+    return (load->meshes && load->vectors) ||
+           gltf_no_memory(&load->document, "tables",
+                          counts[GLTF_MESHES] * sizeof *load->meshes +
+                              counts[GLTF_ACCESSORS] * sizeof *load->vectors,
+                          err);
+}
+
+// What the document holds until the end counts against what the scene may still take.
+static void charge_scene(struct gltf_load *load)
+{
+    const struct gltf_document *document = &load->document;
+    size_t held =
+        document->source->bytes.size + (size_t)document->json_bytes + document->arena.used_bytes;
+    size_t *limit = &load->scene->arena.limit_bytes;
+    if (*limit > 0)
+        *limit = *limit > held ? *limit - held : 1;
+}
+
+// Cameras and instances come in the order of the file's nodes.
+static bool convert(struct gltf_load *load, const struct gltf_load_params *params, struct err *err)
+{
+    struct gltf_nodes nodes;
+    if (!allocate_tables(load, err) ||
+        !gltf_nodes_open(&nodes, &load->document, params->place, &load->document.arena, err))
+        return false;
+    charge_scene(load);
+    if (!gltf_materials_load(load, err))
+        return false;
+    for (uint32_t i = 0; i < nodes.count; i++)
+        if (nodes.is_in_scene[i] &&
+            !load_node(load, i, (const double(*)[4])nodes.world[i], params->with_cameras, err))
+            return false;
+    hash_files(load);
+    return note_what_is_missing(load, err);
+}
+
+bool gltf_load_bytes(struct scene *scene, const struct gltf_load_params *params, struct err *err)
+{
+    struct gltf_load load = {
+        .scene = scene,
+        .progress = params->progress,
+        .default_material = SCENE_NONE,
+    };
+    size_t scene_limit = scene->arena.limit_bytes;
+    size_t limit = mesh_scratch(scene).limit_bytes, file_size = params->source.bytes.size;
+    if (limit > 0)
+        limit = limit > file_size ? limit - file_size : 1;
+    bool ok = gltf_document_open(&load.document, &params->source, limit, err) &&
+              convert(&load, params, err);
+    scene->arena.limit_bytes = scene_limit;
+    gltf_document_close(&load.document);
+    return ok;
+}
+
+// Reads a file and loads it; params->source.bytes are filled in here.
+static bool load_file(struct scene *scene, struct gltf_load_params *params, struct err *err)
+{
+    struct arena arena = mesh_scratch(scene);
+    bool ok = file_read(&arena, params->source.path, 0, &params->source.bytes, err) &&
+              gltf_load_bytes(scene, params, err);
+    arena_finish(&arena);
+    return ok;
+}
+
+bool load_gltf(struct scene *scene, const struct scene_load_params *params, struct err *err)
+{
+    struct gltf_load_params load = {
+        .source = {.path = params->path, .allow_outside_paths = params->allow_outside_paths},
+        .place = AFFINE_IDENTITY,
+        .with_cameras = true,
+        .progress = params->progress,
+    };
+    return load_file(scene, &load, err);
+}
+
+bool load_gltf_into(struct scene *scene, const char *path, const double place[3][4],
+                    bool allow_outside_paths, struct err *err)
+{
+    struct gltf_load_params load = {
+        .source = {.path = path, .allow_outside_paths = allow_outside_paths},
+        .place = place,
+    };
+    return load_file(scene, &load, err);
+}

@@ -1,0 +1,26 @@
+// The bytes behind a glTF document's buffers: data URIs, files beside the document, and the binary
+// chunk of a GLB file. Internal to scene/.
+#ifndef LAMPYRIS_SCENE_GLTF_BUFFER_H
+#define LAMPYRIS_SCENE_GLTF_BUFFER_H
+
+#include "gltf_document.h"
+
+// The two chunks of a GLB file that the specification knows.
+struct glb_chunks {
+    struct file_bytes json;
+    struct file_bytes binary; // data is NULL when there is none
+};
+
+bool glb_is_container(const struct file_bytes *bytes); // begins with the magic "glTF"
+// Finds the chunks and checks the container to its last byte. err without the file's name.
+bool glb_open(const struct file_bytes *bytes, struct glb_chunks *out, struct err *err);
+
+// Loads all buffers into document->buffers. `binary` is the GLB file's chunk, data NULL if none.
+bool gltf_buffers_load(struct gltf_document *document, const struct file_bytes *binary,
+                       struct err *err);
+
+// Strict base64 (RFC 4648, section 4): padded, no other characters, unused bits zero. Decodes into
+// `out` of length / 4 * 3 bytes; returns false on anything else.
+bool base64_decode(const char *text, size_t length, uint8_t *out, size_t *size);
+
+#endif

@@ -1,0 +1,63 @@
+// What the parts of the glTF loader share while a file is loaded. Internal to scene/.
+#ifndef LAMPYRIS_SCENE_GLTF_LOAD_H
+#define LAMPYRIS_SCENE_GLTF_LOAD_H
+
+#include "gltf_document.h"
+#include "scene.h"
+
+// What was left out or approximated, for the scene's notes.
+struct gltf_tally {
+    uint32_t metallic, transparent, specular_glossy, unlit; // materials
+    uint32_t emissive_textures;
+    uint32_t point_and_line_primitives, primitives_without_positions, primitives_without_material;
+    uint32_t skinned_nodes, morph_target_meshes;
+    uint32_t orthographic_cameras, singular_cameras;
+};
+
+// The scene's meshes that came from one glTF mesh: one a primitive, but for those left out.
+struct gltf_mesh_range {
+    bool is_loaded;
+    uint32_t first, count;
+};
+
+// Arrays decoded from an accessor. Primitives that share the accessor share the array.
+struct gltf_vectors {
+    float (*positions)[3], (*normals)[3]; // NULL until wanted
+};
+
+struct gltf_load {
+    struct scene *scene;
+    struct gltf_document document;
+    const struct progress *progress;
+    uint32_t first_material;        // the scene's index of the file's material 0
+    uint32_t default_material;      // of primitives without one; SCENE_NONE until needed
+    struct gltf_mesh_range *meshes; // one for each glTF mesh
+    struct gltf_vectors *vectors;   // one for each accessor
+    struct gltf_tally tally;
+};
+
+// gltf_material.c: appends all materials of the file to the scene.
+bool gltf_materials_load(struct gltf_load *load, struct err *err);
+
+// gltf_mesh.c: the scene's meshes for glTF mesh `index`, converted when first asked for.
+bool gltf_mesh_load(struct gltf_load *load, uint32_t index, struct gltf_mesh_range *out,
+                    struct err *err);
+
+// gltf_instancing.c: adds instances of scene mesh range `meshes` at the transforms that the node's
+// EXT_mesh_gpu_instancing gives, each after `world`. *found: the node has that extension.
+bool gltf_instancing_load(struct gltf_load *load, const struct json_node *node,
+                          const double world[3][4], struct gltf_mesh_range meshes, bool *found,
+                          struct err *err);
+bool gltf_instance_add(struct gltf_load *load, const double transform[3][4],
+                       struct gltf_mesh_range meshes, struct err *err);
+
+// load_gltf.c: loads a file whose bytes are in memory, as load_gltf_into does one on disk.
+struct gltf_load_params {
+    struct gltf_source source;
+    const double (*place)[4]; // 3x4, the file's world to the scene's
+    bool with_cameras;
+    const struct progress *progress; // NULL: nobody listens
+};
+bool gltf_load_bytes(struct scene *scene, const struct gltf_load_params *params, struct err *err);
+
+#endif

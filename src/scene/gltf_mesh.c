@@ -1,0 +1,275 @@
+// Meshes, glTF 2.0, section 3.7: a mesh of the scene for each primitive made of triangles.
+#include "gltf_load.h"
+
+#include "gltf_accessor.h"
+#include "mesh_loader.h"
+#include <stdio.h>
+
+// The codes of the specification.
+enum primitive_mode {
+    MODE_POINTS = 0,
+    MODE_LINE_STRIP = 3,
+    MODE_TRIANGLES = 4,
+    MODE_TRIANGLE_STRIP = 5,
+    MODE_TRIANGLE_FAN = 6,
+};
+
+#define SMALL_SIGNED (COMPONENT_BIT(COMPONENT_I8) | COMPONENT_BIT(COMPONENT_I16))
+#define SMALL_UNSIGNED (COMPONENT_BIT(COMPONENT_U8) | COMPONENT_BIT(COMPONENT_U16))
+
+static const struct accessor_rule position_rule = {
+    .use = "POSITION",
+    .components = 3,
+    .types = COMPONENT_BIT(COMPONENT_F32),
+    .quantized_types = SMALL_SIGNED | SMALL_UNSIGNED,
+    .quantized_normalized = SMALL_SIGNED | SMALL_UNSIGNED,
+    .is_vertex_attribute = true,
+};
+static const struct accessor_rule normal_rule = {
+    .use = "NORMAL",
+    .components = 3,
+    .types = COMPONENT_BIT(COMPONENT_F32),
+    .quantized_normalized = SMALL_SIGNED,
+    .is_vertex_attribute = true,
+};
+static const struct accessor_rule index_rule = {
+    .use = "indices",
+    .components = 1,
+    .types = SMALL_UNSIGNED | COMPONENT_BIT(COMPONENT_U32),
+};
+
+// --- vertices ------------------------------------------------------------------------------------
+
+// The three-component vectors of an accessor, in the scene's arena.
+static float (*read_vectors(struct gltf_load *load, const struct accessor_view *view,
+                            struct err *err))[3]
+{
+    float(*vectors)[3] = arena_alloc(&load->scene->arena, view->count, sizeof *vectors);
+    if (!vectors) {
+        gltf_no_memory(&load->document, "vertices", (uint64_t)view->count * sizeof *vectors, err);
+        return NULL;
+    }
+    return accessor_read_floats(view, &vectors[0][0], err) ? vectors : NULL;
+}
+
+static bool read_positions(struct gltf_load *load, uint32_t accessor, struct mesh *mesh,
+                           struct err *err)
+{
+    struct accessor_view view;
+    if (!accessor_view(&load->document, accessor, &position_rule, &view, err))
+        return false;
+    struct gltf_vectors *shared = &load->vectors[accessor];
+    if (!shared->positions)
+        shared->positions = read_vectors(load, &view, err);
+    mesh->positions = shared->positions;
+    mesh->vertex_count = view.count;
+    return mesh->positions != NULL;
+}
+
+static bool read_normals(struct gltf_load *load, uint32_t accessor, struct mesh *mesh,
+                         struct err *err)
+{
+    struct accessor_view view;
+    if (!accessor_view(&load->document, accessor, &normal_rule, &view, err))
+        return false;
+    if (view.count != mesh->vertex_count)
+        return node_fail(&view.node, err, "%u normals for %u positions", view.count,
+                         mesh->vertex_count);
+    struct gltf_vectors *shared = &load->vectors[accessor];
+    if (!shared->normals) {
+        shared->normals = read_vectors(load, &view, err);
+        for (uint32_t i = 0; shared->normals && i < view.count; i++)
+            mesh_unit_normal(shared->normals[i], shared->normals[i]);
+    }
+    mesh->normals = shared->normals;
+    return mesh->normals != NULL;
+}
+
+// --- triangles -----------------------------------------------------------------------------------
+
+// The corners of triangle `i`, as places in the sequence of vertices or indices (section 3.7.2.1).
+static void triangle_corners(enum primitive_mode mode, uint32_t i, uint32_t corners[3])
+{
+    switch (mode) {
+    case MODE_TRIANGLE_STRIP: // every other one is turned, so that all face the same way
+        corners[0] = i;
+        corners[1] = i + 1 + i % 2;
+        corners[2] = i + 2 - i % 2;
+        return;
+    case MODE_TRIANGLE_FAN:
+        corners[0] = i + 1;
+        corners[1] = i + 2;
+        corners[2] = 0;
+        return;
+    default:
+        for (uint32_t c = 0; c < 3; c++)
+            corners[c] = 3 * i + c;
+    }
+}
+
+// `count` vertices or indices, given by `node`, make whole triangles.
+static bool count_triangles(const struct json_node *node, enum primitive_mode mode, uint32_t count,
+                            uint32_t *out, struct err *err)
+{
+    if (mode == MODE_TRIANGLES && count % 3 != 0)
+        return node_fail(node, err, "%u vertices of triangles; expected a multiple of 3", count);
+    if (count < 3)
+        return node_fail(node, err, "%u vertices of a triangle strip or fan; expected at least 3",
+                         count);
+    *out = mode == MODE_TRIANGLES ? count / 3 : count - 2;
+    return true;
+}
+
+// Makes room for the triangles of `count` vertices or indices, which `node` gave.
+static bool allocate_triangles(struct gltf_load *load, const struct json_node *node,
+                               enum primitive_mode mode, uint32_t count, struct mesh *mesh,
+                               struct err *err)
+{
+    if (!count_triangles(node, mode, count, &mesh->triangle_count, err))
+        return false;
+    mesh->indices = arena_alloc(&load->scene->arena, mesh->triangle_count, sizeof *mesh->indices);
+    if (!mesh->indices)
+        return gltf_no_memory(&load->document, "triangles",
+                              (uint64_t)mesh->triangle_count * sizeof *mesh->indices, err);
+    return true;
+}
+
+// sequence: the vertices' order; NULL: 0, 1, 2, …
+static void write_triangles(struct mesh *mesh, enum primitive_mode mode, const uint32_t *sequence)
+{
+    for (uint32_t i = 0; i < mesh->triangle_count; i++) {
+        uint32_t corners[3];
+        triangle_corners(mode, i, corners);
+        for (int c = 0; c < 3; c++)
+            mesh->indices[i][c] = sequence ? sequence[corners[c]] : corners[c];
+    }
+}
+
+static bool read_indexed_triangles(struct gltf_load *load, uint32_t accessor,
+                                   enum primitive_mode mode, struct mesh *mesh, struct err *err)
+{
+    struct accessor_view view;
+    if (!accessor_view(&load->document, accessor, &index_rule, &view, err) ||
+        !allocate_triangles(load, &view.node, mode, view.count, mesh, err))
+        return false;
+    struct arena scratch = mesh_scratch(load->scene);
+    uint32_t *sequence = ARENA_NEW(&scratch, uint32_t, view.count);
+    bool ok = sequence ? accessor_read_indices(&view, mesh->vertex_count, "the number of vertices",
+                                               sequence, err)
+                       : gltf_no_memory(&load->document, "indices", 4 * (uint64_t)view.count, err);
+    if (ok)
+        write_triangles(mesh, mode, sequence);
+    arena_finish(&scratch);
+    return ok;
+}
+
+static bool read_triangles(struct gltf_load *load, const struct json_node *primitive,
+                           enum primitive_mode mode, struct mesh *mesh, struct err *err)
+{
+    uint32_t accessor;
+    if (!gltf_read_index(primitive, "indices", load->document.counts[GLTF_ACCESSORS], &accessor,
+                         err))
+        return false;
+    if (accessor != GLTF_NONE)
+        return read_indexed_triangles(load, accessor, mode, mesh, err);
+    if (!allocate_triangles(load, primitive, mode, mesh->vertex_count, mesh, err))
+        return false;
+    write_triangles(mesh, mode, NULL);
+    return true;
+}
+
+// --- primitives ----------------------------------------------------------------------------------
+
+static bool read_material(struct gltf_load *load, const struct json_node *primitive,
+                          uint32_t *material, struct err *err)
+{
+    uint32_t index;
+    if (!gltf_read_index(primitive, "material", load->document.counts[GLTF_MATERIALS], &index, err))
+        return false;
+    if (index != GLTF_NONE) {
+        *material = load->first_material + index;
+        return true;
+    }
+    load->tally.primitives_without_material++;
+    if (!mesh_default_material(load->scene, load->default_material, material, err))
+        return false;
+    load->default_material = *material;
+    return true;
+}
+
+// Whether the primitive makes triangles in space at all; what does not is counted.
+static bool is_drawable(struct gltf_tally *tally, enum primitive_mode mode, uint32_t position)
+{
+    if (mode <= MODE_LINE_STRIP)
+        tally->point_and_line_primitives++;
+    else if (position == GLTF_NONE)
+        tally->primitives_without_positions++;
+    return mode > MODE_LINE_STRIP && position != GLTF_NONE;
+}
+
+static bool load_primitive(struct gltf_load *load, const struct json_node *primitive,
+                           const char *name, struct err *err)
+{
+    if (!json_is_object(primitive->value))
+        return node_unexpected(primitive, "an object", err);
+    uint32_t accessor_count = load->document.counts[GLTF_ACCESSORS], position, normal;
+    uint64_t mode = MODE_TRIANGLES;
+    struct json_node attributes;
+    if (!gltf_require(primitive, "attributes", err) ||
+        !gltf_read_object(primitive, "attributes", &attributes, err) ||
+        !gltf_read_index(&attributes, "POSITION", accessor_count, &position, err) ||
+        !gltf_read_index(&attributes, "NORMAL", accessor_count, &normal, err) ||
+        !node_read_integer(primitive, "mode", MODE_POINTS, MODE_TRIANGLE_FAN, &mode, err))
+        return false;
+    if (!is_drawable(&load->tally, (enum primitive_mode)mode, position))
+        return true;
+    struct mesh mesh = {.name = name};
+    if (!read_positions(load, position, &mesh, err) ||
+        (normal != GLTF_NONE && !read_normals(load, normal, &mesh, err)) ||
+        !read_triangles(load, primitive, (enum primitive_mode)mode, &mesh, err) ||
+        !read_material(load, primitive, &mesh.material, err))
+        return false;
+    struct mesh *added = scene_add_mesh(load->scene, NULL);
+    if (!added)
+        return gltf_no_memory(&load->document, "meshes", sizeof *added, err);
+    *added = mesh;
+    return true;
+}
+
+static bool load_primitives(struct gltf_load *load, const struct json_node *node, struct err *err)
+{
+    struct json_node primitives;
+    const char *name;
+    if (!gltf_require(node, "primitives", err) ||
+        !gltf_read_array(node, "primitives", &primitives, err) ||
+        !node_check_array(&primitives, 1, GLTF_MAX_COUNT, err) ||
+        !gltf_read_name(node, &load->scene->arena, &name, err))
+        return false;
+    bool has_targets = false;
+    for (size_t i = 0; i < json_array_size(primitives.value); i++) {
+        const struct json_node primitive = node_element(&primitives, i);
+        has_targets |= json_object_get(primitive.value, "targets") != NULL;
+        if (!load_primitive(load, &primitive, name, err))
+            return false;
+    }
+    load->tally.morph_target_meshes += has_targets;
+    return true;
+}
+
+bool gltf_mesh_load(struct gltf_load *load, uint32_t index, struct gltf_mesh_range *out,
+                    struct err *err)
+{
+    struct gltf_mesh_range *range = &load->meshes[index];
+    if (!range->is_loaded) {
+        const struct json_node node = gltf_item(&load->document, GLTF_MESHES, index);
+        range->first = load->scene->mesh_count;
+        if (!load_primitives(load, &node, err))
+            return false;
+        range->count = load->scene->mesh_count - range->first;
+        range->is_loaded = true;
+        progress_report(load->progress, "Loading",
+                        (double)(index + 1) / load->document.counts[GLTF_MESHES]);
+    }
+    *out = *range;
+    return true;
+}
