@@ -19,6 +19,10 @@ PFN_vkVoidFunction instance_function(const struct gpu *gpu, const char *name);
 // --- select.c -----------------------------------------------------------------------------------
 // Chooses by gpu->params.device; fills in physical, queue_family and info.
 bool device_select(struct gpu *gpu, struct err *err);
+// Writes in words what keeps us from using the device, or "". queue_family: UINT32_MAX when no
+// family computes.
+void device_find_lacks(const VkPhysicalDeviceProperties *device, uint32_t queue_family, char *out,
+                       size_t size);
 // Reads the limits of gpu->physical, lowered by the overrides.
 void device_read_limits(struct gpu *gpu);
 

@@ -58,10 +58,10 @@ static uint64_t device_memory_bytes(VkPhysicalDevice device)
     return largest;
 }
 
-// Writes what the device lacks, or "".
-static void find_lacks(const struct device_properties *p, uint32_t family, char *out, size_t size)
+void device_find_lacks(const VkPhysicalDeviceProperties *device, uint32_t queue_family, char *out,
+                       size_t size)
 {
-    const VkPhysicalDeviceLimits *l = &p->core.limits;
+    const VkPhysicalDeviceLimits *l = &device->limits;
     // Uniform texel buffers count as sampled images (Vulkan specification, "Required Limits").
     const struct {
         const char *name;
@@ -79,12 +79,12 @@ static void find_lacks(const struct device_properties *p, uint32_t family, char 
         {"maxComputeWorkGroupSize[0]", l->maxComputeWorkGroupSize[0], GPU_MIN_INVOCATIONS},
     };
     out[0] = '\0';
-    if (p->core.apiVersion < VK_API_VERSION_1_2) {
-        snprintf(out, size, "Vulkan %u.%u, expected 1.2", VK_API_VERSION_MAJOR(p->core.apiVersion),
-                 VK_API_VERSION_MINOR(p->core.apiVersion));
+    if (device->apiVersion < VK_API_VERSION_1_2) {
+        snprintf(out, size, "Vulkan %u.%u, expected 1.2", VK_API_VERSION_MAJOR(device->apiVersion),
+                 VK_API_VERSION_MINOR(device->apiVersion));
         return;
     }
-    if (family == UINT32_MAX) {
+    if (queue_family == UINT32_MAX) {
         snprintf(out, size, "no queue that computes");
         return;
     }
@@ -131,7 +131,7 @@ static void info_read(VkPhysicalDevice device, uint32_t index, struct gpu_device
     else
         snprintf(out->driver, sizeof out->driver, "%s version 0x%x", p.v12.driverName,
                  p.core.driverVersion);
-    find_lacks(&p, family, out->unusable, sizeof out->unusable);
+    device_find_lacks(&p.core, family, out->unusable, sizeof out->unusable);
 }
 
 struct device_list {

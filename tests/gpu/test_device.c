@@ -1,0 +1,212 @@
+// Listing, choosing, opening and closing devices.
+#include "gpu_fixture.h"
+#include "gpu_internal.h"
+#include <ctype.h>
+#include <stdio.h>
+
+static bool list_or_fail(struct gpu_device_info devices[GPU_MAX_DEVICES], uint32_t *count,
+                         struct err *err)
+{
+    *err = (struct err){0};
+    return gpu_list_devices(devices, count, err);
+}
+
+#define LIST(devices, count)                                                                       \
+    do {                                                                                           \
+        struct err list_err;                                                                       \
+        if (!list_or_fail((devices), (count), &list_err)) {                                        \
+            if (list_err.code == ERR_NO_VULKAN)                                                    \
+                SKIP("%s", list_err.msg);                                                          \
+            REQUIRE(false, "%s", list_err.msg);                                                    \
+        }                                                                                          \
+    } while (0)
+
+TEST(list_names_every_device)
+{
+    struct gpu_device_info devices[GPU_MAX_DEVICES];
+    uint32_t count;
+    LIST(devices, &count);
+    CHECK(count >= 1 && count <= GPU_MAX_DEVICES, "%u devices", count);
+    for (uint32_t i = 0; i < count; i++) {
+        const struct gpu_device_info *device = &devices[i];
+        CHECK(device->index == i, "index %u of device %u", device->index, i);
+        CHECK(device->name[0] && device->driver[0], "device %u", i);
+        CHECK(device->memory_bytes > 0, "device %u", i);
+        CHECK(device->is_cpu == (strcmp(device->kind, "CPU") == 0), "%s", device->kind);
+        if (strstr(device->name, "llvmpipe"))
+            CHECK(device->is_cpu && !device->unusable[0], "%s", device->unusable);
+    }
+}
+
+TEST(device_is_chosen_by_index_and_by_name)
+{
+    struct gpu_device_info devices[GPU_MAX_DEVICES];
+    uint32_t count;
+    LIST(devices, &count);
+    for (uint32_t i = 0; i < count; i++) {
+        if (devices[i].unusable[0])
+            continue;
+        char index[16], name[256];
+        snprintf(index, sizeof index, "%u", i);
+        struct gpu gpu;
+        OPEN(&gpu, .device = index);
+        CHECK(gpu.info.index == i, "device %u for '%s'", gpu.info.index, index);
+        gpu_close(&gpu);
+
+        // The name without its first letter, in capitals.
+        snprintf(name, sizeof name, "%s", devices[i].name + 1);
+        for (char *c = name; *c; c++)
+            *c = (char)toupper((unsigned char)*c);
+        OPEN(&gpu, .device = name);
+        CHECK(strcmp(gpu.info.name, devices[i].name) == 0, "%s for '%s'", gpu.info.name, name);
+        gpu_close(&gpu);
+    }
+}
+
+TEST(unknown_device_is_refused_with_a_list)
+{
+    struct gpu_device_info devices[GPU_MAX_DEVICES];
+    uint32_t count;
+    LIST(devices, &count);
+    const char *const unknown[] = {"no such device", "99", "-1", "0x0", "0 "};
+    for (size_t i = 0; i < sizeof unknown / sizeof unknown[0]; i++) {
+        struct gpu gpu;
+        struct err err = {0};
+        CHECK(!gpu_open(&(struct gpu_params){.device = unknown[i]}, &gpu, &err), "%s", unknown[i]);
+        CHECK(err.code == ERR_USAGE, "code %d", err.code);
+        CHECK(strstr(err.msg, unknown[i]) && strstr(err.msg, devices[0].name), "%s", err.msg);
+    }
+}
+
+TEST(default_is_the_fastest_kind)
+{
+    struct gpu_device_info devices[GPU_MAX_DEVICES];
+    uint32_t count;
+    LIST(devices, &count);
+    struct gpu gpu;
+    OPEN(&gpu, .device = NULL);
+    bool has_gpu = false;
+    for (uint32_t i = 0; i < count; i++)
+        has_gpu |= strstr(devices[i].kind, "GPU") && !devices[i].unusable[0];
+    CHECK(!has_gpu || strstr(gpu.info.kind, "GPU"), "%s", gpu.info.kind);
+    gpu_close(&gpu);
+}
+
+// The minima of the Vulkan specification, "Required Limits", and what device_find_lacks asks for.
+TEST(limits_are_read)
+{
+    struct gpu gpu;
+    OPEN(&gpu, .device = NULL);
+    CHECK(gpu.max_storage_range >= 1u << 27, "%llu", (unsigned long long)gpu.max_storage_range);
+    CHECK(gpu.max_texel_elements >= 65536, "%llu", (unsigned long long)gpu.max_texel_elements);
+    CHECK(gpu.max_allocation >= 1u << 30, "%llu", (unsigned long long)gpu.max_allocation);
+    CHECK(gpu.storage_alignment >= 1 && gpu.storage_alignment <= 256);
+    CHECK(gpu.max_groups >= 65535, "%u", gpu.max_groups);
+    CHECK(gpu.max_invocations >= GPU_MIN_INVOCATIONS, "%u", gpu.max_invocations);
+    CHECK(gpu.subgroup_size >= 1, "%u", gpu.subgroup_size);
+    CHECK(!gpu.has_timestamps || (gpu.timestamp_ns > 0 && gpu.timestamp_mask >= UINT32_MAX));
+    CHECK(gpu_texel_fits(&gpu, gpu.max_texel_elements * 16));
+    CHECK(!gpu_texel_fits(&gpu, gpu.max_texel_elements * 16 + 1));
+    CHECK(!gpu_texel_fits(&gpu, UINT64_MAX));
+    gpu_close(&gpu);
+}
+
+static VkPhysicalDeviceProperties sufficient_device(void)
+{
+    return (VkPhysicalDeviceProperties){
+        .apiVersion = VK_API_VERSION_1_2,
+        .limits =
+            {
+                .maxPerStageDescriptorStorageBuffers = GPU_MAX_STORAGE,
+                .maxDescriptorSetStorageBuffers = GPU_MAX_STORAGE,
+                .maxPerStageDescriptorSampledImages = GPU_MAX_TEXEL,
+                .maxDescriptorSetSampledImages = GPU_MAX_TEXEL,
+                .maxPerStageResources = GPU_MAX_STORAGE + GPU_MAX_TEXEL,
+                .maxPushConstantsSize = GPU_PUSH_BYTES,
+                .maxComputeWorkGroupInvocations = GPU_MIN_INVOCATIONS,
+                .maxComputeWorkGroupSize = {GPU_MIN_INVOCATIONS, 1, 1},
+            },
+    };
+}
+
+TEST(lacking_devices_say_what_they_lack)
+{
+    char lacks[256];
+    VkPhysicalDeviceProperties device = sufficient_device();
+    device_find_lacks(&device, 0, lacks, sizeof lacks);
+    CHECK(!lacks[0], "%s", lacks);
+    device_find_lacks(&device, UINT32_MAX, lacks, sizeof lacks);
+    CHECK(strstr(lacks, "no queue"), "%s", lacks);
+
+    device.limits.maxPerStageDescriptorStorageBuffers = 8;
+    device.limits.maxPushConstantsSize = 64;
+    device_find_lacks(&device, 0, lacks, sizeof lacks);
+    CHECK(strcmp(lacks, "maxPerStageDescriptorStorageBuffers is 8, expected at least 16; "
+                        "maxPushConstantsSize is 64, expected at least 128") == 0,
+          "%s", lacks);
+
+    device.apiVersion = VK_API_VERSION_1_1;
+    device_find_lacks(&device, 0, lacks, sizeof lacks);
+    CHECK(strcmp(lacks, "Vulkan 1.1, expected 1.2") == 0, "%s", lacks);
+
+    // More than fits into the text: cut, not overrun.
+    device = (VkPhysicalDeviceProperties){.apiVersion = VK_API_VERSION_1_2};
+    device_find_lacks(&device, 0, lacks, sizeof lacks);
+    CHECK(strlen(lacks) == sizeof lacks - 1, "%zu", strlen(lacks));
+}
+
+TEST(overrides_lower_limits_and_never_raise_them)
+{
+    struct gpu gpu, own;
+    OPEN(&own, .device = NULL);
+    OPEN(&gpu,
+         .limits = {
+             .storage_range = 4096, .texel_elements = 7, .allocation = 1 << 20, .no_ballot = true});
+    CHECK(gpu.max_storage_range == 4096 && gpu.max_texel_elements == 7);
+    CHECK(gpu.max_allocation == 1 << 20 && !gpu.has_ballot);
+    CHECK(gpu_texel_fits(&gpu, 7 * 16) && !gpu_texel_fits(&gpu, 7 * 16 + 1));
+    gpu_close(&gpu);
+
+    OPEN(&gpu, .limits = {.storage_range = UINT64_MAX, .allocation = UINT64_MAX, .no_texel = true});
+    CHECK(gpu.max_storage_range == own.max_storage_range);
+    CHECK(gpu.max_allocation == own.max_allocation && gpu.has_ballot == own.has_ballot);
+    CHECK(gpu.max_texel_elements == 0 && !gpu_texel_fits(&gpu, 16));
+    gpu_close(&gpu);
+    gpu_close(&own);
+}
+
+// A second instance replaces volk's global pointers; the first must not notice.
+TEST(two_devices_are_open_at_once)
+{
+    struct gpu first, second;
+    OPEN(&first, .validation = true);
+    OPEN(&second, .validation = false);
+    struct gpu_buffer buffer;
+    struct err err = {0};
+    CHECK(gpu_buffer_create(&first, "first", 64, GPU_DEVICE, false, &buffer, &err), "%s", err.msg);
+    gpu_buffer_finish(&first, &buffer);
+    gpu_close(&second);
+    gpu_close(&first);
+    CHECK(first.validation_messages == 0, "%u", first.validation_messages);
+}
+
+TEST(finish_and_close_accept_nothing)
+{
+    struct gpu gpu = {0};
+    gpu_close(NULL);
+    gpu_close(&gpu);
+    gpu_buffer_finish(&gpu, NULL);
+    gpu_buffer_finish(&gpu, &(struct gpu_buffer){0});
+    gpu_kernel_finish(&gpu, NULL);
+    gpu_kernel_finish(&gpu, &(struct gpu_kernel){0});
+    gpu_bindings_finish(&gpu, NULL);
+    gpu_bindings_finish(&gpu, &(struct gpu_bindings){0});
+    gpu_commands_finish(&gpu, NULL);
+    gpu_commands_finish(&gpu, &(struct gpu_commands){0});
+}
+
+TEST_MAIN(TEST_CASE(list_names_every_device), TEST_CASE(device_is_chosen_by_index_and_by_name),
+          TEST_CASE(unknown_device_is_refused_with_a_list), TEST_CASE(default_is_the_fastest_kind),
+          TEST_CASE(limits_are_read), TEST_CASE(lacking_devices_say_what_they_lack),
+          TEST_CASE(overrides_lower_limits_and_never_raise_them),
+          TEST_CASE(two_devices_are_open_at_once), TEST_CASE(finish_and_close_accept_nothing))
