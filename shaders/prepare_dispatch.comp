@@ -1,5 +1,8 @@
 // One thread a queue whose bit is set in push.queue: turns its count into indirect dispatches of
 // its consumer, in parts of push.part_items, and empties it for its producers.
+//
+// The hits of a queue of rays are as many as its rays at most: the same thread sets the dispatches of
+// the shading kernels to that, so that one such pass a bounce is enough.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -20,15 +23,25 @@ void main()
     uint count = counters.queue[queue];
     counters.queue[queue] = 0u;
 
+    bool rays = queue == QUEUE_RAYS || queue == QUEUE_RAYS + 1u;
     uint parts = (push.wave_slots + push.part_items - 1u) / push.part_items;
     for (uint part = 0u; part < parts; part++) {
         uint first = part * push.part_items;
         uint items = min(count - min(count, first), push.part_items);
         uint groups = (items + gl_WorkGroupSize.x - 1u) / gl_WorkGroupSize.x;
-        counters.dispatch[queue * DISPATCH_PARTS + part] = gpu_dispatch(groups, 1u, 1u, count);
+        gpu_dispatch dispatch = gpu_dispatch(groups, 1u, 1u, count);
+        counters.dispatch[queue * DISPATCH_PARTS + part] = dispatch;
+        if (rays) {
+            counters.dispatch[QUEUE_SURFACE * DISPATCH_PARTS + part] = dispatch;
+            counters.dispatch[QUEUE_MISS * DISPATCH_PARTS + part] = dispatch;
+        }
+    }
+    if (rays) {
+        counters.queue[QUEUE_SURFACE] = 0u;
+        counters.queue[QUEUE_MISS] = 0u;
     }
 
-    if (queue == QUEUE_RAYS || queue == QUEUE_RAYS + 1u)
+    if (rays)
         add_64(counters.closest_rays, count);
     else if (queue == QUEUE_SHADOW)
         add_64(counters.shadow_rays, count);

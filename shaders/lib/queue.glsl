@@ -25,10 +25,13 @@ uint item_index()
     return push.first_item + group * gl_WorkGroupSize.x + gl_LocalInvocationID.x;
 }
 
-// As prepare_dispatch found it.
+// How many items the consumed queue holds, as far as this part of the dispatch goes. Queues of hits
+// are complete when they are consumed; of the others prepare_dispatch has kept the count.
 uint item_count()
 {
-    uint items = counters.dispatch[push.queue * DISPATCH_PARTS].items;
+    bool hits = push.queue == QUEUE_SURFACE || push.queue == QUEUE_MISS;
+    uint items = hits ? counters.queue[push.queue]
+                      : counters.dispatch[push.queue * DISPATCH_PARTS].items;
     return min(items, push.first_item + push.part_items);
 }
 

@@ -8,7 +8,8 @@ struct follower {
     struct arena *arena;
     struct replay *out;
     uint32_t capacity;
-    float radiance[4]; // after the last step
+    float radiance[4];   // after the last step
+    bool shadow_pending; // of the last vertex
 };
 
 // One path is in flight: it is in slot 0, and a queue holds it or is empty.
@@ -92,28 +93,43 @@ static bool read_connection(struct follower *f, struct replay_vertex *v, struct 
     return true;
 }
 
-static bool step(void *context, enum kernel_id kernel, uint32_t bounce, struct err *err)
+static bool read_shadow(struct follower *f, struct err *err)
 {
-    struct follower *f = context;
-    uint32_t rays = QUEUE_RAYS + (bounce & 1u);
-    if (kernel == KERNEL_generate_rays ||
-        f->r->counters->dispatch[rays * DISPATCH_PARTS].items == 0)
-        return true; // nothing yet, or the path has ended
-    if (kernel == KERNEL_intersect_closest)
-        return read_hit(f, bounce, err);
+    float gain[3];
+    if (!f->shadow_pending)
+        return true;
+    f->shadow_pending = false;
+    if (!read_gain(f, gain, err))
+        return false;
+    struct replay_vertex *v = &f->out->vertices[f->out->vertex_count - 1];
+    v->occluded = gain[0] == 0.0f && gain[1] == 0.0f && gain[2] == 0.0f;
+    return true;
+}
 
+static bool read_shading(struct follower *f, enum kernel_id kernel, struct err *err)
+{
     struct replay_vertex *v = &f->out->vertices[f->out->vertex_count - 1];
     float gain[3];
     if (!read_gain(f, gain, err))
         return false;
-    if (kernel == KERNEL_intersect_shadow) {
-        v->occluded = v->connected && gain[0] == 0.0f && gain[1] == 0.0f && gain[2] == 0.0f;
-        return true;
-    }
     for (int c = 0; c < 3; c++)
         v->gained[c] += gain[c];
-    return kernel != KERNEL_shade_surface || !in_queue(f, QUEUE_SHADOW) ||
-           read_connection(f, v, err);
+    f->shadow_pending = kernel == KERNEL_shade_surface && in_queue(f, QUEUE_SHADOW);
+    return !f->shadow_pending || read_connection(f, v, err);
+}
+
+static bool step(void *context, enum kernel_id kernel, uint32_t bounce, struct err *err)
+{
+    struct follower *f = context;
+    uint32_t rays = QUEUE_RAYS + (bounce & 1u);
+    if (kernel == KERNEL_generate_rays)
+        return true;
+    if (kernel == KERNEL_intersect_shadow)
+        return read_shadow(f, err);
+    if (f->r->counters->dispatch[rays * DISPATCH_PARTS].items == 0)
+        return true; // the path has ended
+    return kernel == KERNEL_intersect_closest ? read_hit(f, bounce, err)
+                                              : read_shading(f, kernel, err);
 }
 
 bool renderer_replay(struct renderer *r, uint32_t x, uint32_t y, uint64_t sample,

@@ -149,21 +149,20 @@ static bool shade(struct loop *l, enum kernel_id kernel, uint32_t queue, struct 
     return step_done(l, kernel, err);
 }
 
+// The shadow rays of the bounce before join the radiance first: contributions are added in the order
+// of bounces.
 static bool trace_bounce(struct loop *l, uint32_t bounce, struct err *err)
 {
     struct renderer *r = l->r;
-    uint32_t rays = QUEUE_RAYS + (bounce & 1u), next_rays = QUEUE_RAYS + (~bounce & 1u);
+    uint32_t rays = QUEUE_RAYS + (bounce & 1u);
     r->push.bounce = bounce;
-
-    if (!trace_queue(l, KERNEL_intersect_closest, rays, err))
-        return false;
-    record_prepare(r, 1u << QUEUE_SURFACE | 1u << QUEUE_MISS);
-    if (!shade(l, KERNEL_shade_miss, QUEUE_MISS, err) ||
-        !shade(l, KERNEL_shade_surface, QUEUE_SURFACE, err))
-        return false;
-    record_prepare(r, 1u << next_rays | 1u << QUEUE_SHADOW);
-    return !specialization_needs_kernel(&r->specialization, KERNEL_intersect_shadow) ||
-           trace_queue(l, KERNEL_intersect_shadow, QUEUE_SHADOW, err);
+    record_prepare(r, 1u << rays | 1u << QUEUE_SHADOW);
+    bool shadows = specialization_needs_kernel(&r->specialization, KERNEL_intersect_shadow);
+    return (!shadows || bounce == 0 ||
+            trace_queue(l, KERNEL_intersect_shadow, QUEUE_SHADOW, err)) &&
+           trace_queue(l, KERNEL_intersect_closest, rays, err) &&
+           shade(l, KERNEL_shade_miss, QUEUE_MISS, err) &&
+           shade(l, KERNEL_shade_surface, QUEUE_SURFACE, err);
 }
 
 // Follows all paths of the wave to their ends; leaves commands open that are not yet run.
@@ -178,7 +177,6 @@ static bool trace_paths(struct loop *l, struct err *err)
         return false;
     if (!specialization_needs_kernel(&r->specialization, KERNEL_intersect_closest))
         return true;
-    record_prepare(r, 1u << QUEUE_RAYS);
     for (uint32_t bounce = 0; bounce <= r->push.max_bounces; bounce++) {
         if (!trace_bounce(l, bounce, err))
             return false;
@@ -187,7 +185,7 @@ static bool trace_paths(struct loop *l, struct err *err)
         if (!run(r, err) || !begin(r, l->wave, err))
             return false;
         uint32_t next_rays = QUEUE_RAYS + (~bounce & 1u);
-        if (r->counters->dispatch[next_rays * DISPATCH_PARTS].items == 0)
+        if (r->counters->queue[next_rays] == 0 && r->counters->queue[QUEUE_SHADOW] == 0)
             break;
     }
     return true;
