@@ -125,7 +125,7 @@ static json_t *checks_json(const struct comparison *c)
     for (uint32_t i = 0; i < c->options->limit_count; i++) {
         const struct compare_limit *limit = &c->options->limits[i];
         json_array_append_new(
-            checks, json_pack("{s:s, s:o, s:o, s:b}", "metric", compare_metric_names[limit->metric],
+            checks, json_pack("{s:s, s:o, s:b}", "metric", compare_metric_names[limit->metric],
                               limit->is_minimum ? "min" : "max", json_number(limit->value),
                               "passed", limit_holds(limit, &c->metrics)));
     }

@@ -89,10 +89,10 @@ static void options_section(const struct help_writer *writer, const struct comma
 {
     help_section(writer, "OPTIONS");
     help_paragraph(writer,
-                   "A value follows after a blank or \"=\": --spp 64, --spp=64. Counts may end in "
-                   "k, M or G, for factors of 2^10, 2^20 and 2^30: --wave 16k means 16384. Where "
-                   "an option may not be given several times, the last one holds. After \"--\" "
-                   "everything is an argument.");
+                   "A value follows after a blank or \"=\": --log-level note, --log-level=note. "
+                   "Counts may end in k, M or G, for factors of 2^10, 2^20 and 2^30: 16k is 16384. "
+                   "Where an option may not be given several times, the last one holds. After "
+                   "\"--\" everything is an argument.");
     option_list(writer, command);
 }
 

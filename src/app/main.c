@@ -9,13 +9,6 @@
 #include <stdio.h>
 #include <string.h>
 
-static int fail_missing(const struct command *command)
-{
-    struct err err = {0};
-    err_set(&err, ERR_USAGE, "this build has no command \"%s\"", command->name);
-    return command_fail(&err);
-}
-
 static int run(const struct options *options)
 {
     if (options->version)
@@ -24,10 +17,8 @@ static int run(const struct options *options)
         help_command(stdout, options->command);
     else if (options->help)
         help_program(stdout);
-    else if (options->command->run)
-        return options->command->run(options);
     else
-        return fail_missing(options->command);
+        return options->command->run(options);
     return EXIT_CODE_OK;
 }
 

@@ -11,6 +11,7 @@
 #define FIELD(member)                                                                              \
     .offset = offsetof(struct options, member), .size = sizeof(((struct options *)NULL)->member)
 
+#define MOST_BYTES (UINT64_C(1) << 40) // more than a device has
 #define IN_SCENE_FILE "the scene file's, else "
 
 _Static_assert(offsetof(struct settings, height) == offsetof(struct settings, width) + 4,
@@ -22,12 +23,13 @@ _Static_assert(OPTION_TOTAL <= 64, "one bit of struct options.given each");
 const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_OUTPUT] = {
         .name = "output", .short_name = 'o', .argument = "FILE", .type = VALUE_OUTPUT,
-        .group = "Picture", .commands = FOR_RENDER, .fallback = "the scene's name with .exr, here",
+        .group = "Picture", .commands = FOR_RENDER,
+        .fallback = "the scene's name with .exr, in the working directory",
         .help = "Write the picture to FILE, .exr (linear) or .png (tone-mapped). May be given "
                 "several times.",
     },
     [OPTION_SIZE] = {
-        .name = "size", .argument = "WxH", .type = VALUE_SIZE, .min = 1, .max = 16777216,
+        .name = "size", .argument = "WxH", .type = VALUE_SIZE, .min = 1, .max = SETTINGS_SIZE_MAX,
         .group = "Picture", .commands = FOR_SCENE, .fallback = IN_SCENE_FILE "512x512",
         .help = "Width and height in pixels, at most 2^31 pixels in all.",
         .offset = offsetof(struct options, settings.width), .size = 2 * sizeof(uint32_t),
@@ -37,7 +39,8 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .help = "Write EXR files with 16-bit instead of 32-bit channels.", FIELD(half_float),
     },
     [OPTION_EXPOSURE] = {
-        .name = "exposure", .argument = "STOPS", .type = VALUE_REAL, .min = -100, .max = 100,
+        .name = "exposure", .argument = "STOPS", .type = VALUE_REAL, .min = -SETTINGS_EXPOSURE_MAX,
+        .max = SETTINGS_EXPOSURE_MAX,
         .group = "Picture", .commands = FOR_RENDER, .fallback = IN_SCENE_FILE "0",
         .help = "Multiply PNG pictures by 2^STOPS before the tone curve. EXR stays as it is.",
         FIELD(settings.exposure),
@@ -49,7 +52,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
     },
 
     [OPTION_SPP] = {
-        .name = "spp", .argument = "N", .type = VALUE_COUNT, .min = 1, .max = 4294967295.0,
+        .name = "spp", .argument = "N", .type = VALUE_COUNT, .min = 1, .max = SETTINGS_SPP_MAX,
         .group = "Sampling", .commands = FOR_SCENE, .fallback = IN_SCENE_FILE "64",
         .help = "Samples per pixel.", FIELD(settings.spp),
     },
@@ -61,7 +64,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
         FIELD(time_seconds),
     },
     [OPTION_SEED] = {
-        .name = "seed", .argument = "N", .type = VALUE_COUNT, .min = 0, .max = 4294967295.0,
+        .name = "seed", .argument = "N", .type = VALUE_COUNT, .min = 0, .max = UINT32_MAX,
         .group = "Sampling", .commands = FOR_RENDER, .fallback = IN_SCENE_FILE "0",
         .help = "Seed of the random numbers. The same seed gives the same picture, bit for bit.",
         FIELD(settings.seed),
@@ -72,8 +75,8 @@ const struct option_def option_table[OPTION_TOTAL] = {
         FIELD(settings.filter),
     },
     [OPTION_MAX_BOUNCES] = {
-        .name = "max-bounces", .argument = "N", .type = VALUE_COUNT, .min = 0, .max = 1048576,
-        .group = "Sampling", .commands = FOR_SCENE, .fallback = IN_SCENE_FILE "9",
+        .name = "max-bounces", .argument = "N", .type = VALUE_COUNT, .min = 0,
+        .max = SETTINGS_BOUNCES_MAX, .group = "Sampling", .commands = FOR_SCENE, .fallback = IN_SCENE_FILE "9",
         .help = "Scattering events on a path: 0 is emission only, 1 direct light.",
         FIELD(settings.max_bounces),
     },
@@ -86,7 +89,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
     },
     [OPTION_ROULETTE_MIN_BOUNCES] = {
         .name = "roulette-min-bounces", .argument = "N|off", .type = VALUE_COUNT_OR_OFF,
-        .min = 0, .max = 1048576, .group = "Sampling", .commands = FOR_SCENE,
+        .min = 0, .max = SETTINGS_BOUNCES_MAX, .group = "Sampling", .commands = FOR_SCENE,
         .fallback = IN_SCENE_FILE "3",
         .help = "Paths may end by Russian roulette after this many scattering events.",
         FIELD(settings.roulette_min_bounces),
@@ -117,7 +120,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
     },
 
     [OPTION_FRAMES] = {
-        .name = "frames", .argument = "N", .type = VALUE_COUNT, .min = 1, .max = 4294967295.0,
+        .name = "frames", .argument = "N", .type = VALUE_COUNT, .min = 1, .max = UINT32_MAX,
         .group = "Frames", .commands = FOR_RENDER, .fallback = "one picture of --spp samples",
         .help = "Render exactly N frames of --spp-per-frame samples each. N frames of K samples "
                 "equal --spp N*K bit for bit.",
@@ -125,18 +128,19 @@ const struct option_def option_table[OPTION_TOTAL] = {
     },
     [OPTION_SPP_PER_FRAME] = {
         .name = "spp-per-frame", .argument = "N", .type = VALUE_COUNT, .min = 1,
-        .max = 4294967295.0, .group = "Frames", .commands = FOR_RENDER, .fallback = "1",
+        .max = SETTINGS_SPP_MAX, .group = "Frames", .commands = FOR_RENDER, .fallback = "1",
         .help = "Samples per pixel of one frame.", FIELD(spp_per_frame),
     },
     [OPTION_EVERY] = {
-        .name = "every", .argument = "N", .type = VALUE_COUNT, .min = 1, .max = 4294967295.0,
+        .name = "every", .argument = "N", .type = VALUE_COUNT, .min = 1, .max = UINT32_MAX,
         .group = "Frames", .commands = FOR_RENDER, .fallback = "only after the last frame",
         .help = "Write a numbered picture after every N frames.", FIELD(every),
     },
     [OPTION_ACCUMULATE] = {
         .name = "accumulate", .argument = "on|off", .type = VALUE_SWITCH, .group = "Frames",
         .commands = FOR_RENDER, .fallback = "on",
-        .help = "Whether frames add up to one picture. Off: each is fresh, with samples of its own.",
+        .help = "Whether frames add up to one picture. Off: each is fresh, with samples of its "
+                "own.",
         FIELD(accumulate),
     },
 
@@ -159,15 +163,15 @@ const struct option_def option_table[OPTION_TOTAL] = {
     },
 
     [OPTION_PIXEL] = {
-        .name = "pixel", .argument = "X,Y", .type = VALUE_PAIR, .min = 0, .max = 16777215,
-        .group = "Replay", .commands = FOR_RENDER,
+        .name = "pixel", .argument = "X,Y", .type = VALUE_PAIR, .min = 0,
+        .max = SETTINGS_SIZE_MAX - 1, .group = "Replay", .commands = FOR_RENDER,
         .help = "Follow one path through this pixel, counted from the top left, and print every "
                 "vertex of it instead of rendering.",
         FIELD(pixel),
     },
     [OPTION_SAMPLE] = {
-        .name = "sample", .argument = "S", .type = VALUE_COUNT, .min = 0, .max = 4294967294.0,
-        .group = "Replay", .commands = FOR_RENDER, .fallback = "0",
+        .name = "sample", .argument = "S", .type = VALUE_COUNT, .min = 0,
+        .max = SETTINGS_SPP_MAX - 1, .group = "Replay", .commands = FOR_RENDER, .fallback = "0",
         .help = "Index, from 0, of the sample that --pixel follows.", FIELD(sample),
     },
 
@@ -188,20 +192,20 @@ const struct option_def option_table[OPTION_TOTAL] = {
     },
     [OPTION_LIMIT_STORAGE_RANGE] = {
         .name = "limit-storage-range", .argument = "BYTES", .type = VALUE_COUNT, .min = 1,
-        .max = 1099511627776.0, .group = "Fallbacks, for tests", .commands = FOR_SCENE,
+        .max = MOST_BYTES, .group = "Fallbacks, for tests", .commands = FOR_SCENE,
         .fallback = "the device's",
         .help = "Lower the largest range of a storage buffer.", FIELD(gpu.limits.storage_range),
     },
     [OPTION_LIMIT_TEXEL_ELEMENTS] = {
         .name = "limit-texel-elements", .argument = "N", .type = VALUE_COUNT, .min = 1,
-        .max = 4294967295.0, .group = "Fallbacks, for tests", .commands = FOR_SCENE,
+        .max = UINT32_MAX, .group = "Fallbacks, for tests", .commands = FOR_SCENE,
         .fallback = "the device's",
         .help = "Lower the largest number of elements of a texel buffer.",
         FIELD(gpu.limits.texel_elements),
     },
     [OPTION_LIMIT_ALLOCATION] = {
         .name = "limit-allocation", .argument = "BYTES", .type = VALUE_COUNT, .min = 1,
-        .max = 1099511627776.0, .group = "Fallbacks, for tests", .commands = FOR_SCENE,
+        .max = MOST_BYTES, .group = "Fallbacks, for tests", .commands = FOR_SCENE,
         .fallback = "the device's", .help = "Lower the largest allocation of device memory.",
         FIELD(gpu.limits.allocation),
     },

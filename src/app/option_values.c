@@ -137,8 +137,7 @@ static bool store_size(const struct option_def *def, const char *text, struct op
 {
     if (!store_two(def, 'x', text, options, err))
         return false;
-    const uint64_t most = UINT64_C(1) << 31; // settings.h
-    if ((uint64_t)options->settings.width * options->settings.height > most)
+    if ((uint64_t)options->settings.width * options->settings.height > SETTINGS_PIXELS_MAX)
         return err_set(err, ERR_USAGE, "\"%s\" is more than 2^31 pixels", text);
     return true;
 }
@@ -177,11 +176,8 @@ static bool store_environment(const char *text, struct options *options, struct 
 
 static bool store_output(const char *text, struct options *options, struct err *err)
 {
-    if (!image_check_format(text, err)) {
-        if (err)
-            err->code = ERR_USAGE;
+    if (!image_check_format(text, err))
         return false;
-    }
     for (uint32_t i = 0; i < options->output_count; i++)
         if (strcmp(options->outputs[i], text) == 0)
             return err_set(err, ERR_USAGE, "\"%s\" is given twice", text);

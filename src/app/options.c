@@ -180,7 +180,13 @@ static bool check(const struct options *options, struct err *err)
     if (options->argument_count < command->min_arguments)
         return err_set(err, ERR_USAGE, "too few arguments: expected %s %s", command->name,
                        command->arguments);
-    return check_combinations(options, err);
+    if (!check_combinations(options, err))
+        return false;
+    uint64_t samples = (uint64_t)options->frames * options->spp_per_frame;
+    if (samples > SETTINGS_SPP_MAX)
+        return err_set(err, ERR_USAGE, "--frames x --spp-per-frame is %llu samples; at most %llu",
+                       (unsigned long long)samples, (unsigned long long)SETTINGS_SPP_MAX);
+    return true;
 }
 
 // No list can have more entries than the command line has arguments.
@@ -232,11 +238,8 @@ static bool keep_command_line(struct options *options, int argc, char **argv, st
 
 bool options_parse(int argc, char **argv, struct options *out, struct err *err)
 {
-    *out = (struct options){.argc = argc,
-                            .argv = argv,
-                            .log_level = LOG_WARN,
-                            .accumulate = true,
-                            .spp_per_frame = 1};
+    *out = (struct options){
+        .argc = argc, .argv = argv, .log_level = LOG_WARN, .accumulate = true, .spp_per_frame = 1};
     if (!keep_command_line(out, argc, argv, err) || !allocate_lists(out, argc, err))
         return false;
     struct parser parser = {.arguments = argv, .count = argc, .next = 1, .options = out};

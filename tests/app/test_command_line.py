@@ -1,0 +1,262 @@
+#!/usr/bin/env python3
+"""Runs the program as a user would: exit codes, what goes to stdout and what to stderr.
+
+Usage: test_command_line.py LAMPYRIS [unittest arguments]
+"""
+import json
+import math
+import os
+import re
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+import unittest
+
+LAMPYRIS = sys.argv.pop(1)
+
+
+def run(*arguments, **options):
+    return subprocess.run([LAMPYRIS, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                          text=True, timeout=60, **options)
+
+
+def exr(path, width, height, rgb):
+    """Writes an uncompressed 32-bit EXR (OpenEXR file layout); rgb(x, y) gives a pixel."""
+    def attribute(name, kind, value):
+        return name + b'\0' + kind + b'\0' + struct.pack('<i', len(value)) + value
+    channels = b''.join(c + b'\0' + struct.pack('<iiii', 2, 0, 1, 1) for c in (b'B', b'G', b'R'))
+    window = struct.pack('<iiii', 0, 0, width - 1, height - 1)
+    header = struct.pack('<ii', 20000630, 2)
+    header += attribute(b'channels', b'chlist', channels + b'\0')
+    header += attribute(b'compression', b'compression', b'\0')
+    header += attribute(b'dataWindow', b'box2i', window)
+    header += attribute(b'displayWindow', b'box2i', window)
+    header += attribute(b'lineOrder', b'lineOrder', b'\0')
+    header += attribute(b'pixelAspectRatio', b'float', struct.pack('<f', 1))
+    header += attribute(b'screenWindowCenter', b'v2f', struct.pack('<ff', 0, 0))
+    header += attribute(b'screenWindowWidth', b'float', struct.pack('<f', 1)) + b'\0'
+    line = 8 + 12 * width
+    first = len(header) + 8 * height
+    with open(path, 'wb') as file:
+        file.write(header)
+        for y in range(height):
+            file.write(struct.pack('<Q', first + y * line))
+        for y in range(height):
+            file.write(struct.pack('<ii', y, 12 * width))
+            for channel in (2, 1, 0):
+                for x in range(width):
+                    file.write(struct.pack('<f', rgb(x, y)[channel]))
+
+
+class Help(unittest.TestCase):
+    def test_help_goes_to_stdout(self):
+        for arguments in (['help'], ['--help'], ['-h']):
+            result = run(*arguments)
+            self.assertEqual((result.returncode, result.stderr), (0, ''), arguments)
+            for command in ('render', 'compare', 'info', 'devices', 'help'):
+                self.assertIn('\n  ' + command + ' ', result.stdout)
+
+    def test_help_of_each_command(self):
+        for command in ('render', 'compare', 'info', 'devices', 'help'):
+            result = run('help', command)
+            self.assertEqual((result.returncode, result.stderr), (0, ''))
+            self.assertIn('lampyris ' + command + ' [OPTIONS]', result.stdout)
+            self.assertEqual(run(command, '--help').stdout, result.stdout)
+            self.assertLessEqual(max(map(len, result.stdout.split('\n'))), 80)
+
+    def test_options_stand_in_the_help_of_their_commands_only(self):
+        self.assertIn('--spp N', run('help', 'render').stdout)
+        self.assertNotIn('--spp', run('help', 'compare').stdout)
+
+    def test_version(self):
+        result = run('--version')
+        self.assertEqual((result.returncode, result.stderr), (0, ''))
+        self.assertRegex(result.stdout, r'^lampyris \d+\.\d+\.\d+\n$')
+
+    def test_help_of_an_unknown_command(self):
+        result = run('help', 'rendre')
+        self.assertEqual((result.returncode, result.stdout), (2, ''))
+        self.assertIn('did you mean "render"?', result.stderr)
+
+    @unittest.skipUnless(shutil.which('groff'), 'groff is not installed')
+    def test_manual_pages_are_clean_roff(self):
+        for command in ([], ['render'], ['compare'], ['info'], ['devices'], ['help']):
+            page = run('help', '--man', *command).stdout
+            result = subprocess.run(['groff', '-man', '-Tutf8', '-ww', '-P-c'], input=page,
+                                    stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+            self.assertEqual((result.returncode, result.stderr), (0, ''), command)
+            plain = re.sub('.\b', '', result.stdout)  # bold is overstruck
+            self.assertIn('EXIT STATUS', plain)
+            self.assertIn('--json', plain)
+
+
+class Failures(unittest.TestCase):
+    def test_usage_errors(self):
+        for arguments in ([], ['rendr'], ['compare'], ['compare', 'a'], ['compare', 'a', 'b', 'c'],
+                          ['devices', 'x'], ['devices', '--spp', '1'], ['--bogus'], ['-x'],
+                          ['compare', 'a', 'b', '--max'], ['compare', 'a', 'b', '--max', 'mse'],
+                          ['render'], ['render', 's.json', '--spp', '0'],
+                          ['render', 's.json', '-o', 'a.jpg'], ['info']):
+            result = run(*arguments)
+            self.assertEqual((result.returncode, result.stdout), (2, ''), arguments)
+            self.assertRegex(result.stderr, r'^lampyris: error: .+\nTry "lampyris help.*"\.\n$')
+
+    def test_the_hint_names_the_command(self):
+        self.assertIn('Try "lampyris help compare".', run('compare').stderr)
+
+    def test_control_characters_do_not_reach_the_terminal(self):
+        self.assertNotIn('\x1b', run('\x1b[31m').stderr)
+
+    def test_missing_files(self):
+        result = run('compare', 'nowhere-1.exr', 'nowhere-2.exr')
+        self.assertEqual((result.returncode, result.stdout), (2, ''))
+        self.assertIn('nowhere-1.exr', result.stderr)
+
+    @unittest.skipUnless(os.path.exists('/dev/full'), 'there is no /dev/full')
+    def test_a_full_standard_output(self):
+        with open('/dev/full', 'w') as full:
+            result = subprocess.run([LAMPYRIS, 'help'], stdout=full, stderr=subprocess.PIPE,
+                                    text=True)
+        self.assertEqual(result.returncode, 4)
+        self.assertIn('standard output: cannot write', result.stderr)
+
+    def test_a_reader_that_has_gone(self):
+        read_end, write_end = os.pipe()
+        os.close(read_end)
+        result = subprocess.run([LAMPYRIS, 'help'], stdout=write_end, stderr=subprocess.PIPE,
+                                text=True)
+        os.close(write_end)
+        self.assertEqual((result.returncode, result.stderr), (4, ''))
+
+
+class Devices(unittest.TestCase):
+    def setUp(self):
+        if run('devices').returncode == 69:
+            if os.environ.get('LAMPYRIS_NO_SKIP'):
+                self.fail('there is no Vulkan device')
+            self.skipTest('there is no Vulkan device')
+
+    def test_one_device_is_marked(self):
+        result = run('devices', '--json')
+        self.assertEqual(result.returncode, 0, result.stderr)
+        devices = json.loads(result.stdout)['devices']
+        usable = [d for d in devices if d['unusable'] is None]
+        self.assertEqual(sum(d['chosen'] for d in devices), 1 if usable else 0)
+        text = run('devices').stdout
+        for device in devices:
+            self.assertIn(device['name'], text)
+            self.assertEqual(device['cpu'], device['kind'] == 'CPU')
+
+    def test_an_unknown_device(self):
+        result = run('devices', '--device', 'no such device')
+        self.assertEqual((result.returncode, result.stdout), (2, ''))
+        self.assertIn('no such device', result.stderr)
+
+
+class NoVulkan(unittest.TestCase):
+    def test_no_driver(self):
+        nothing = {**os.environ, 'VK_ICD_FILENAMES': '/nonexistent.json',
+                   'VK_DRIVER_FILES': '/nonexistent.json'}
+        result = run('devices', env=nothing)
+        self.assertEqual((result.returncode, result.stdout), (69, ''))
+        self.assertRegex(result.stderr, r'^lampyris: error: .+\n$')
+
+
+class Compare(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+        # Half of the pixels of a are 0.5 above b in red, so that mse = 0.25 / 2 / 3.
+        exr(self.path('a.exr'), 8, 4, lambda x, y: (1.5 if x < 4 else 1.0, 1.0, 1.0))
+        exr(self.path('b.exr'), 8, 4, lambda x, y: (1.0, 1.0, 1.0))
+        exr(self.path('nan.exr'), 8, 4,
+            lambda x, y: (math.nan if (x, y) == (2, 3) else 1.0, 1.0, 1.0))
+        exr(self.path('small.exr'), 4, 4, lambda x, y: (1.0, 1.0, 1.0))
+
+    def path(self, name):
+        return os.path.join(self.folder.name, name)
+
+    def compare(self, first, second, *arguments):
+        return run('compare', self.path(first), self.path(second), *arguments)
+
+    def test_known_metrics(self):
+        result = self.compare('a.exr', 'b.exr', '--json')
+        self.assertEqual((result.returncode, result.stderr), (0, ''))
+        values = json.loads(result.stdout)
+        mse = 0.25 / 2 / 3
+        self.assertAlmostEqual(values['mse'], mse, places=7)
+        self.assertAlmostEqual(values['rmse'], math.sqrt(mse), places=7)
+        self.assertAlmostEqual(values['relmse'], mse / 1.01, places=7)
+        self.assertAlmostEqual(values['psnr'], -10 * math.log10(mse), places=6)
+        self.assertEqual(values['max'], 0.5)
+        self.assertEqual((values['differing'], values['nonfinite']), (16, 0))
+        self.assertEqual((values['width'], values['height']), (8, 4))
+        self.assertTrue(values['passed'])
+
+    def test_text(self):
+        result = self.compare('a.exr', 'b.exr')
+        self.assertIn('mse     0.0416667', result.stdout)
+        self.assertIn('8 x 4 pixels', result.stdout)
+        self.assertEqual(self.compare('a.exr', 'b.exr', '--quiet').stdout, '')
+
+    def test_limits_set_the_exit_code(self):
+        for limit, code in (('mse=0.0417', 0), ('mse=0.0416', 1), ('rmse=0.2', 1), ('max=0.5', 0),
+                            ('max=0.49', 1), ('relmse=0.0413', 0), ('differing=16', 0),
+                            ('differing=15', 1), ('nonfinite=0', 0)):
+            result = self.compare('a.exr', 'b.exr', '--max', limit)
+            self.assertEqual(result.returncode, code, limit)
+            self.assertEqual('expected at most' in result.stderr, code == 1, limit)
+        self.assertEqual(self.compare('a.exr', 'b.exr', '--min', 'psnr=13.8').returncode, 0)
+        self.assertEqual(self.compare('a.exr', 'b.exr', '--min', 'psnr=13.9').returncode, 1)
+
+    def test_all_limits_count(self):
+        result = self.compare('a.exr', 'b.exr', '--max', 'mse=1', '--max', 'max=0.1', '--max',
+                              'relmse=1', '--json')
+        self.assertEqual(result.returncode, 1)
+        values = json.loads(result.stdout)
+        self.assertEqual([c['passed'] for c in values['checks']], [True, False, True])
+        self.assertFalse(values['passed'])
+
+    def test_equal_pictures(self):
+        result = self.compare('b.exr', 'b.exr', '--json', '--max', 'mse=0', '--min', 'psnr=1000')
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIsNone(json.loads(result.stdout)['psnr'])  # infinite
+
+    def test_pixels_that_are_not_finite_fail_checks(self):
+        self.assertEqual(self.compare('nan.exr', 'b.exr').returncode, 0)
+        result = self.compare('nan.exr', 'b.exr', '--max', 'mse=0')
+        self.assertEqual(result.returncode, 1)
+        self.assertIn('1 pixels are not finite', result.stderr)
+        result = self.compare('nan.exr', 'b.exr', '--max', 'mse=0', '--max', 'nonfinite=1')
+        self.assertEqual(result.returncode, 0, result.stderr)
+
+    def test_different_sizes(self):
+        result = self.compare('a.exr', 'small.exr')
+        self.assertEqual((result.returncode, result.stdout), (2, ''))
+        self.assertIn('8 x 4', result.stderr)
+        self.assertIn('4 x 4', result.stderr)
+
+    def test_difference_pictures(self):
+        for name in ('d.png', 'd.exr'):
+            result = self.compare('a.exr', 'b.exr', '--difference', self.path(name))
+            self.assertEqual(result.returncode, 0, result.stderr)
+        # The two formats hold the same colours, but for 8 bits; equal pixels are black.
+        result = self.compare('d.png', 'd.exr', '--max', 'max=0.005')
+        self.assertEqual(result.returncode, 0, result.stdout)
+        exr(self.path('black.exr'), 8, 4, lambda x, y: (0.0, 0.0, 0.0))
+        result = self.compare('d.exr', 'black.exr', '--json')
+        self.assertEqual(json.loads(result.stdout)['differing'], 16)
+
+    def test_difference_pictures_that_cannot_be_written(self):
+        result = self.compare('a.exr', 'b.exr', '--difference', self.path('nowhere/d.png'))
+        self.assertEqual((result.returncode, result.stdout), (4, ''))
+        result = self.compare('a.exr', 'b.exr', '--difference', self.path('d.gif'))
+        self.assertEqual((result.returncode, result.stdout), (2, ''))
+        self.assertEqual(sorted(os.listdir(self.folder.name)),
+                         ['a.exr', 'b.exr', 'nan.exr', 'small.exr'])
+
+
+if __name__ == '__main__':
+    unittest.main()
