@@ -76,7 +76,8 @@ const struct option_def option_table[OPTION_TOTAL] = {
     },
     [OPTION_MAX_BOUNCES] = {
         .name = "max-bounces", .argument = "N", .type = VALUE_COUNT, .min = 0,
-        .max = SETTINGS_BOUNCES_MAX, .group = "Sampling", .commands = FOR_SCENE, .fallback = IN_SCENE_FILE "9",
+        .max = SETTINGS_BOUNCES_MAX, .group = "Sampling", .commands = FOR_SCENE,
+        .fallback = IN_SCENE_FILE "9",
         .help = "Scattering events on a path: 0 is emission only, 1 direct light.",
         FIELD(settings.max_bounces),
     },
