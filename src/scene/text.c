@@ -1,5 +1,5 @@
-// Words, numbers and lines of text formats. The float parser is written for meshes of millions of
-// short numbers: strtof takes four times as long.
+// Words, numbers and lines of text formats. Numbers have a parser of their own because strtof obeys
+// the locale, and takes twice as long for the short numbers of meshes.
 #include "text.h"
 
 #include <float.h>

@@ -1,0 +1,13 @@
+// libFuzzer target for OBJ: fuzz_obj CORPUS_FOLDER. Material libraries are out of its reach.
+#include "fuzz_input.h"
+
+static bool load(struct scene *scene, const char *path, struct err *err)
+{
+    uint32_t first, count;
+    return load_obj(scene, path, SCENE_NONE, false, &first, &count, err);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    return fuzz_load(load, data, size);
+}

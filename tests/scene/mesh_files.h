@@ -1,0 +1,155 @@
+// What the tests of the mesh loaders share: a temporary folder, files in it, captured warnings, and
+// damaging files in every way.
+#ifndef LAMPYRIS_TESTS_MESH_FILES_H
+#define LAMPYRIS_TESTS_MESH_FILES_H
+
+// Included first, so that nftw is declared.
+#define _XOPEN_SOURCE 700
+#define _DEFAULT_SOURCE
+
+#include "log.h"
+#include "scene.h"
+#include "test.h"
+
+#include <ftw.h>
+#include <unistd.h>
+
+static char folder[64];    // exists while main runs
+static unsigned warnings;  // since expect_warnings(0) or the start
+static char warning[1024]; // the last one
+static char path_buffer[512];
+
+static inline void capture_warning(void *context, enum log_level level, const char *message)
+{
+    (void)context, (void)level;
+    warnings++;
+    snprintf(warning, sizeof warning, "%s", message);
+}
+
+static inline int remove_entry(const char *path, const struct stat *status, int type,
+                               struct FTW *where)
+{
+    (void)status, (void)type, (void)where;
+    return remove(path);
+}
+
+static inline void remove_folder(void)
+{
+    nftw(folder, remove_entry, 8, FTW_DEPTH | FTW_PHYS);
+}
+
+// Makes the folder, removed at exit, and captures warnings. False where there can be none.
+static inline bool begin_mesh_tests(void)
+{
+    const char *parent = getenv("TMPDIR");
+    snprintf(folder, sizeof folder, "%s/lampyris-XXXXXX",
+             parent && strlen(parent) < 32 ? parent : "/tmp");
+    if (!mkdtemp(folder))
+        return false;
+    atexit(remove_folder);
+    log_configure(LOG_WARN, capture_warning, NULL);
+    return true;
+}
+
+// The path of a file in the folder; valid until the next call.
+static inline const char *in_folder(const char *name)
+{
+    snprintf(path_buffer, sizeof path_buffer, "%s/%s", folder, name);
+    return path_buffer;
+}
+
+static inline const char *write_bytes(const char *name, const void *data, size_t size)
+{
+    const char *path = in_folder(name);
+    remove(
+        path); // Some file systems flush a file that replaces its own content: slow thousandfold.
+    FILE *file = fopen(path, "wb");
+    CHECK(file && fwrite(data, 1, size, file) == size, "cannot write %s", path);
+    if (file)
+        fclose(file);
+    return path;
+}
+
+static inline const char *write_text(const char *name, const char *text)
+{
+    return write_bytes(name, text, strlen(text));
+}
+
+// A file of the external data, or NULL where it is missing.
+static inline const char *data_file(const char *name)
+{
+    const char *data = getenv("LAMPYRIS_DATA"), *root = getenv("LAMPYRIS_SOURCE_ROOT");
+    if (data)
+        snprintf(path_buffer, sizeof path_buffer, "%s/%s", data, name);
+    else
+        snprintf(path_buffer, sizeof path_buffer, "%s/../shared/data/%s", root ? root : ".", name);
+    return access(path_buffer, R_OK) == 0 ? path_buffer : NULL;
+}
+
+// Every index below its bound, every float finite, every normal of length 1 or 0.
+static inline void check_mesh(const struct scene *scene, const struct mesh *mesh)
+{
+    for (uint32_t t = 0; t < mesh->triangle_count; t++) {
+        for (int c = 0; c < 3; c++)
+            REQUIRE(mesh->indices[t][c] < mesh->vertex_count, "triangle %u", t);
+        REQUIRE(!mesh->triangle_material || mesh->triangle_material[t] < scene->material_count,
+                "triangle %u", t);
+    }
+    for (uint32_t v = 0; v < mesh->vertex_count; v++) {
+        const float *p = mesh->positions[v];
+        REQUIRE(isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2]), "vertex %u", v);
+        if (!mesh->normals)
+            continue;
+        const float *n = mesh->normals[v];
+        double square = (double)n[0] * n[0] + (double)n[1] * n[1] + (double)n[2] * n[2];
+        REQUIRE(square == 0.0 || fabs(square - 1.0) < 1e-6, "vertex %u: %g", v, square);
+    }
+    REQUIRE(mesh->material < scene->material_count, "material %u", mesh->material);
+}
+
+typedef bool (*mesh_load_fn)(struct scene *scene, const char *path, struct err *err);
+
+// Whatever the file holds, it loads to a valid mesh or is ERR_INPUT with a message.
+static inline void check_loads_or_fails(mesh_load_fn load, const char *path, const char *how,
+                                        size_t where)
+{
+    struct scene scene = {0};
+    struct err err = {0};
+    if (load(&scene, path, &err))
+        check_mesh(&scene, &scene.meshes[0]);
+    else
+        CHECK(err.code == ERR_INPUT && err.msg[0], "%s %zu: code %d: %s", how, where, err.code,
+              err.msg);
+    scene_finish(&scene);
+}
+
+// The file cut at every byte.
+static inline void cut_everywhere(mesh_load_fn load, const char *name, const void *data,
+                                  size_t size)
+{
+    for (size_t length = 0; length <= size; length++)
+        check_loads_or_fails(load, write_bytes(name, data, length), "cut at", length);
+}
+
+// `count` copies with one to four random bytes changed; SplitMix64 makes the same ones every time.
+static inline void flip_bytes(mesh_load_fn load, const char *name, const void *data, size_t size,
+                              unsigned count)
+{
+    uint64_t state = 1;
+    unsigned char *copy = malloc(size);
+    REQUIRE(copy, "out of memory");
+    for (unsigned i = 0; i < count; i++) {
+        memcpy(copy, data, size);
+        for (unsigned flips = 0; flips <= i % 4; flips++) {
+            uint64_t x = state += UINT64_C(0x9e3779b97f4a7c15);
+            x = (x ^ (x >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
+            x = (x ^ (x >> 27)) * UINT64_C(0x94d049bb133111eb);
+            x ^= x >> 31;
+            copy[(x >> 8) % size] = (unsigned char)x;
+        }
+        check_loads_or_fails(load, write_bytes(name, copy, size), "copy", i);
+    }
+    free(copy);
+}
+
+#endif

@@ -1,0 +1,140 @@
+// The generated blob: closed, of the wanted size, with right normals.
+#include "generate.h"
+#include "test.h"
+
+static bool make_blob(struct scene *scene, uint32_t triangles, uint32_t *mesh, struct err *err)
+{
+    *scene = (struct scene){0};
+    *err = (struct err){0};
+    return scene_add_material(scene, NULL) && generate_blob(scene, triangles, 0, mesh, err);
+}
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+// Twice the area times the unit normal of a triangle.
+static void area_vector(const struct mesh *mesh, uint32_t triangle, double out[3])
+{
+    const uint32_t *corners = mesh->indices[triangle];
+    double e[2][3];
+    for (int i = 0; i < 2; i++) {
+        for (int c = 0; c < 3; c++)
+            e[i][c] = (double)mesh->positions[corners[i + 1]][c] - mesh->positions[corners[0]][c];
+    }
+    out[0] = e[0][1] * e[1][2] - e[0][2] * e[1][1];
+    out[1] = e[0][2] * e[1][0] - e[0][0] * e[1][2];
+    out[2] = e[0][0] * e[1][1] - e[0][1] * e[1][0];
+}
+
+TEST(sizes)
+{
+    static const uint32_t wanted[] = {0, 8, 24, 100, 1000, 99999, 1000000};
+    for (size_t i = 0; i < sizeof wanted / sizeof wanted[0]; i++) {
+        struct scene scene;
+        struct err err;
+        uint32_t index;
+        bool is_made = make_blob(&scene, wanted[i], &index, &err);
+        REQUIRE(is_made, "%s", err.msg);
+        uint32_t got = scene.meshes[index].triangle_count;
+        // Neighbouring grids differ by 8 n triangles where 4 n^2 were wanted.
+        CHECK(got >= 8 && (got <= wanted[i] || got == 8), "%u", got);
+        CHECK((double)got + 4.0 * sqrt((double)got) + 8.0 >= (double)wanted[i], "%u for %u", got,
+              wanted[i]);
+        scene_finish(&scene);
+    }
+}
+
+// Each directed edge stands once, and its opposite once: a closed, oriented surface.
+TEST(the_surface_is_closed)
+{
+    struct scene scene;
+    struct err err;
+    uint32_t index;
+    bool is_made = make_blob(&scene, 500, &index, &err);
+    REQUIRE(is_made, "%s", err.msg);
+    const struct mesh *mesh = &scene.meshes[index];
+    uint32_t n = mesh->vertex_count;
+    unsigned char *edges = calloc(n, n);
+    REQUIRE(edges, "out of memory");
+    for (uint32_t t = 0; t < mesh->triangle_count; t++) {
+        for (int c = 0; c < 3; c++)
+            edges[mesh->indices[t][c] * n + mesh->indices[t][(c + 1) % 3]]++;
+    }
+    for (uint32_t a = 0; a < n; a++) {
+        for (uint32_t b = 0; b < n; b++)
+            CHECK(edges[a * n + b] <= 1 && edges[a * n + b] == edges[b * n + a], "%u %u", a, b);
+    }
+    CHECK(mesh->triangle_count == 2 * (n - 2), "Euler: %u, %u", mesh->triangle_count, n);
+    free(edges);
+    scene_finish(&scene);
+}
+
+TEST(radius_and_normals)
+{
+    struct scene scene;
+    struct err err;
+    uint32_t index;
+    bool is_made = make_blob(&scene, 100000, &index, &err);
+    REQUIRE(is_made, "%s", err.msg);
+    const struct mesh *mesh = &scene.meshes[index];
+    // The mean radius over solid angle: each triangle's spans n . p / |p|^3 of it, nearly.
+    double solid_angle = 0.0, mean = 0.0, worst = 1.0, smallest = INFINITY, largest = 0.0;
+    for (uint32_t t = 0; t < mesh->triangle_count; t++) {
+        double area[3], center[3] = {0.0, 0.0, 0.0};
+        area_vector(mesh, t, area);
+        for (int c = 0; c < 9; c++)
+            center[c % 3] += (double)mesh->positions[mesh->indices[t][c / 3]][c % 3] / 3.0;
+        double radius = sqrt(dot(center, center));
+        double weight = 0.5 * dot(area, center) / (radius * radius * radius);
+        CHECK(weight > 0.0, "triangle %u faces inwards", t);
+        solid_angle += weight;
+        mean += weight * radius;
+        double length = sqrt(dot(area, area));
+        smallest = fmin(smallest, length);
+        largest = fmax(largest, length);
+        for (int i = 0; i < 3; i++) {
+            double normal[3];
+            for (int c = 0; c < 3; c++)
+                normal[c] = (double)mesh->normals[mesh->indices[t][i]][c];
+            CHECK(fabs(dot(normal, normal) - 1.0) < 1e-6, "triangle %u", t);
+            worst = fmin(worst, dot(normal, area) / length);
+        }
+    }
+    CHECK(fabs(solid_angle - 4.0 * M_PI) < 1e-2, "%g", solid_angle);
+    CHECK(fabs(mean / solid_angle - 1.0) < 1e-3, "%g", mean / solid_angle);
+    // 1e5 triangles have edges of about 0.02, over which a normal turns by a few degrees.
+    CHECK(worst > 0.97, "a normal is off by acos(%g)", worst);
+    CHECK(largest > 10.0 * smallest, "sizes %g to %g", smallest, largest);
+    scene_finish(&scene);
+}
+
+TEST(the_same_every_time)
+{
+    struct scene scenes[2];
+    struct err err;
+    uint32_t index;
+    for (int i = 0; i < 2; i++) {
+        bool is_made = make_blob(&scenes[i], 1000, &index, &err);
+        REQUIRE(is_made, "%s", err.msg);
+    }
+    const struct mesh *a = &scenes[0].meshes[0], *b = &scenes[1].meshes[0];
+    CHECK(a->vertex_count == b->vertex_count &&
+          memcmp(a->positions, b->positions, a->vertex_count * sizeof *a->positions) == 0);
+    for (int i = 0; i < 2; i++)
+        scene_finish(&scenes[i]);
+}
+
+TEST(too_large_is_an_error)
+{
+    struct scene scene = {.arena.limit_bytes = 1 << 20};
+    struct err err = {0};
+    uint32_t index;
+    CHECK(!generate_blob(&scene, UINT32_MAX, 0, &index, &err) && err.code == ERR_SYSTEM, "%s",
+          err.msg);
+    scene_finish(&scene);
+}
+
+TEST_MAIN(TEST_CASE(sizes), TEST_CASE(the_surface_is_closed), TEST_CASE(radius_and_normals),
+          TEST_CASE(the_same_every_time), TEST_CASE(too_large_is_an_error))

@@ -1,0 +1,470 @@
+// OBJ and MTL: what is read, what is refused, and that nothing crashes.
+#include "mesh_files.h"
+
+#include "file.h"
+#include "text.h"
+
+#include <sys/stat.h>
+
+static bool load(struct scene *scene, const char *path, struct err *err)
+{
+    uint32_t first, count;
+    return load_obj(scene, path, SCENE_NONE, false, &first, &count, err);
+}
+
+// Loads `text` as mesh.obj; the caller finishes the scene. A zero mesh on failure.
+static struct mesh load_text(struct scene *scene, const char *text)
+{
+    struct err err = {0};
+    *scene = (struct scene){0};
+    warnings = 0;
+    bool is_loaded = load(scene, write_text("mesh.obj", text), &err);
+    CHECK(is_loaded, "%s", err.msg);
+    if (!is_loaded)
+        return (struct mesh){0};
+    check_mesh(scene, &scene->meshes[0]);
+    return scene->meshes[0];
+}
+
+static void check_triangle(const struct mesh *mesh, uint32_t triangle, uint32_t a, uint32_t b,
+                           uint32_t c)
+{
+    REQUIRE(triangle < mesh->triangle_count, "%u of %u", triangle, mesh->triangle_count);
+    const uint32_t *corners = mesh->indices[triangle];
+    CHECK(corners[0] == a && corners[1] == b && corners[2] == c, "triangle %u: %u %u %u", triangle,
+          corners[0], corners[1], corners[2]);
+}
+
+#define SQUARE "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
+
+TEST(one_triangle)
+{
+    struct scene scene;
+    struct mesh mesh = load_text(&scene, "# comment\nv 0 0 0\nv 1.5 0 -2e1\nv 0 .25 +3.\nf 1 2 3");
+    CHECK(mesh.vertex_count == 3 && mesh.triangle_count == 1 && !mesh.normals);
+    CHECK(strcmp(mesh.name, "mesh.obj") == 0, "%s", mesh.name);
+    check_triangle(&mesh, 0, 0, 1, 2);
+    if (mesh.vertex_count == 3) {
+        CHECK(mesh.positions[1][0] == 1.5f && mesh.positions[1][2] == -20.0f);
+        CHECK(mesh.positions[2][1] == 0.25f && mesh.positions[2][2] == 3.0f);
+    }
+    CHECK(scene.material_count == 1 && scene.materials[0].type == MATERIAL_DIFFUSE);
+    CHECK(!mesh.triangle_material && warnings == 0, "%s", warning);
+    scene_finish(&scene);
+}
+
+TEST(polygons_become_fans)
+{
+    struct scene scene;
+    struct mesh mesh = load_text(&scene, SQUARE "v -1 .5 0\nf 1 2 3 4 5\nf 1 2 3\n");
+    CHECK(mesh.triangle_count == 4, "%u", mesh.triangle_count);
+    check_triangle(&mesh, 0, 0, 1, 2);
+    check_triangle(&mesh, 1, 0, 2, 3);
+    check_triangle(&mesh, 2, 0, 3, 4);
+    check_triangle(&mesh, 3, 0, 1, 2);
+    scene_finish(&scene);
+}
+
+TEST(all_forms_of_indices)
+{
+    struct scene scene;
+    struct mesh mesh = load_text(&scene, SQUARE "vt 0 0\nf 1/1 2/1 3/1\nf -4 -3 -2\nf -1/-1 1/1 2");
+    CHECK(mesh.triangle_count == 3 && !mesh.normals);
+    check_triangle(&mesh, 0, 0, 1, 2);
+    check_triangle(&mesh, 1, 0, 1, 2);
+    check_triangle(&mesh, 2, 3, 0, 1);
+    scene_finish(&scene);
+
+    // With normals, vertices are numbered in the order of their first use.
+    mesh = load_text(&scene, SQUARE "vt 0 0\nvn 0 0 2\nf 1//1 2/1/1 4//-1\nf 1/-1/-1 2//1 3");
+    CHECK(mesh.vertex_count == 4 && mesh.triangle_count == 2 && mesh.normals);
+    check_triangle(&mesh, 0, 0, 1, 2);
+    check_triangle(&mesh, 1, 0, 1, 3);
+    if (mesh.normals) {
+        CHECK(mesh.normals[0][2] == 1.0f, "%g", (double)mesh.normals[0][2]);
+        CHECK(mesh.normals[3][2] == 0.0f, "a missing normal: %g", (double)mesh.normals[3][2]);
+        CHECK(mesh.positions[2][1] == 1.0f && mesh.positions[2][0] == 0.0f);
+    }
+    scene_finish(&scene);
+}
+
+TEST(vertices_may_stand_below_faces)
+{
+    struct scene scene;
+    struct mesh mesh = load_text(&scene, "f 1//1 2//1 3//1\nvn 0 1 0\n" SQUARE);
+    CHECK(mesh.vertex_count == 3 && mesh.triangle_count == 1);
+    scene_finish(&scene);
+}
+
+TEST(line_ends_continuations_and_comments)
+{
+    static const char *const texts[] = {
+        "v 0 0 0\r\nv 1 0 0\r\nv 1 1 0\r\nf 1 2 3\r\n",
+        "v 0 0 0\rv 1 0 0\rv 1 1 0\rf 1 2 3\r",
+        "\xef\xbb\xbfv 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n",
+        "v 0 \\\n 0 0\nv 1 0 0\nv 1 1\\\r\n0\nf 1 \\\n2\\\n\\\n 3\\\n",
+        "# in C:\\models\\\nv 0 0 0 # here # too\n\n\tv\t1 0 0 1\n  v 1 1 0 .5 .5 .5\nf 1 2 3 # "
+        "4\n",
+        "o \\\n a\ng b \\\n c\ns off\nv 0 0 0\nv 1 0 0\nv 1 1 0\nfo 1 2 3 \n",
+        "usemtl \\\nv 9 9 9\nv 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n",
+    };
+    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
+        struct scene scene;
+        struct mesh mesh = load_text(&scene, texts[i]);
+        CHECK(mesh.vertex_count == 3 && mesh.triangle_count == 1, "text %zu", i);
+        scene_finish(&scene);
+    }
+}
+
+TEST(what_has_no_faces_is_empty)
+{
+    struct scene scene;
+    struct mesh mesh = load_text(&scene, "");
+    CHECK(mesh.vertex_count == 0 && mesh.triangle_count == 0 && scene.material_count == 1);
+    scene_finish(&scene);
+    mesh = load_text(&scene, SQUARE "l 1 2\np 3\n");
+    CHECK(mesh.triangle_count == 0 && warnings == 1 && strstr(warning, "mesh.obj:5"), "%s",
+          warning);
+    scene_finish(&scene);
+}
+
+TEST(pairs_of_position_and_normal_are_merged)
+{
+    // A cube: 8 positions, 6 normals, 24 pairs.
+    struct scene scene;
+    struct mesh mesh =
+        load_text(&scene, "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
+                          "vn 0 0 -1\nvn 0 0 1\nvn 0 -1 0\nvn 0 1 0\nvn -1 0 0\nvn 1 0 0\n"
+                          "f 4//1 3//1 2//1 1//1\nf 5//2 6//2 7//2 8//2\nf 1//3 2//3 6//3 5//3\n"
+                          "f 3//4 4//4 8//4 7//4\nf 1//5 5//5 8//5 4//5\nf 2//6 3//6 7//6 6//6\n");
+    CHECK(mesh.vertex_count == 24 && mesh.triangle_count == 12, "%u", mesh.vertex_count);
+    for (uint32_t t = 0; t < mesh.triangle_count && mesh.normals; t++) {
+        const uint32_t *corners = mesh.indices[t];
+        const float *n = mesh.normals[corners[0]];
+        for (int c = 0; c < 3; c++) {
+            // On a unit cube a face's normal is +-1 where all its corners have coordinate 1 or 0.
+            const float *p = mesh.positions[corners[c]];
+            for (int axis = 0; axis < 3; axis++)
+                CHECK(n[axis] == 0.0f || p[axis] == (n[axis] > 0.0f ? 1.0f : 0.0f), "triangle %u",
+                      t);
+            CHECK(memcmp(n, mesh.normals[corners[c]], sizeof(float[3])) == 0, "triangle %u", t);
+        }
+    }
+    scene_finish(&scene);
+}
+
+TEST(normals_without_direction_are_missing)
+{
+    struct scene scene;
+    struct mesh mesh =
+        load_text(&scene, SQUARE "vn 0 0 0\nvn nan 0 1\nvn 1e-30 0 0\nvn 3e38 3e38 0\n"
+                                 "f 1//1 2//2 3//3\nf 1//4 2//4 3//4\n");
+    CHECK(warnings == 1 && strstr(warning, "2 such"), "%s", warning);
+    if (mesh.normals) {
+        CHECK(mesh.normals[0][0] == 0.0f && mesh.normals[1][2] == 0.0f);
+        CHECK(mesh.normals[2][0] == 1.0f, "%g", (double)mesh.normals[2][0]);
+        CHECK(fabsf(mesh.normals[3][0] - sqrtf(0.5f)) < 1e-6f);
+    }
+    scene_finish(&scene);
+}
+
+// --- materials -----------------------------------------------------------------------------------
+
+static const struct material *find_material(const struct scene *scene, const char *name)
+{
+    static const struct material none = {.name = "", .type = MATERIAL_TYPE_COUNT};
+    for (uint32_t i = 0; i < scene->material_count; i++) {
+        if (strcmp(scene->materials[i].name, name) == 0)
+            return &scene->materials[i];
+    }
+    return &none;
+}
+
+TEST(materials)
+{
+    write_text("a b.mtl", "# stray\nKd 1 1 1\nnewmtl red wall\nKd .8 .1 .2\nillum 2\nNs 10\n"
+                          "newmtl lamp\r\nKe 10 20 30\r\n"
+                          "newmtl unused\nKd 1 1 1\n"
+                          "newmtl mirror\nillum 5\nKs .9 .8 .7\nKd .1 .1 .1\n"
+                          "newmtl metal\nillum 3\nKd .6 .5 .4\nKs 1 1 1\n"
+                          "newmtl chrome\nKd 0\nillum 3\n"
+                          "newmtl lamp\nKe 1 1 1\n");
+    struct scene scene;
+    struct mesh mesh = load_text(&scene, "mtllib a b.mtl\n" SQUARE
+                                         "f 1 2 3\nusemtl red wall \nf 1 2 3 4\nusemtl lamp\n"
+                                         "f 1 2 3\nusemtl unused\nusemtl mirror\nf 1 2 3\n"
+                                         "usemtl metal\nf 1 2 3\nusemtl chrome\nf 1 2 3\n"
+                                         "usemtl red wall\nf 1 2 3\nusemtl nobody\nf 1 2 3\n");
+    CHECK(scene.material_count == 6, "%u", scene.material_count);
+    REQUIRE(mesh.triangle_count == 9 && mesh.triangle_material, "%u", mesh.triangle_count);
+    static const char *const names[] = {"default", "red wall", "red wall", "lamp",   "mirror",
+                                        "metal",   "chrome",   "red wall", "default"};
+    for (uint32_t t = 0; t < 9; t++) {
+        const char *name = scene.materials[mesh.triangle_material[t]].name;
+        CHECK(strcmp(name, names[t]) == 0, "triangle %u: %s", t, name);
+    }
+    const struct material *red = find_material(&scene, "red wall");
+    CHECK(red->type == MATERIAL_DIFFUSE && red->base_color[0] == 0.8f && red->emission[0] == 0.0f);
+    const struct material *lamp = find_material(&scene, "lamp");
+    CHECK(lamp->emission[0] == 10.0f && lamp->emission[2] == 30.0f && lamp->base_color[1] == 0.5f,
+          "the first of two definitions counts");
+    const struct material *mirror = find_material(&scene, "mirror");
+    CHECK(mirror->type == MATERIAL_MIRROR && mirror->base_color[2] == 0.7f);
+    const struct material *metal = find_material(&scene, "metal");
+    CHECK(metal->type == MATERIAL_DIFFUSE && metal->base_color[0] == 0.6f);
+    const struct material *chrome = find_material(&scene, "chrome");
+    CHECK(chrome->type == MATERIAL_MIRROR && chrome->base_color[0] == 1.0f);
+    CHECK(warnings == 1 && strstr(warning, "mesh.obj:20"), "%s", warning);
+    scene_finish(&scene);
+}
+
+TEST(one_material_needs_no_list)
+{
+    write_text("one.mtl", "newmtl a\nnewmtl b\n");
+    struct scene scene;
+    struct mesh mesh =
+        load_text(&scene, "mtllib one.mtl\n" SQUARE "usemtl b\nf 1 2 3\nusemtl b\nf 1 2 3\n");
+    CHECK(!mesh.triangle_material && scene.material_count == 1);
+    CHECK(strcmp(scene.materials[mesh.material].name, "b") == 0);
+    scene_finish(&scene);
+}
+
+TEST(a_given_default_material_is_used)
+{
+    struct scene scene = {0};
+    struct err err = {0};
+    uint32_t wanted, first, count;
+    struct material *added = scene_add_material(&scene, NULL);
+    added = scene_add_material(&scene, &wanted);
+    REQUIRE(added, "out of memory");
+    bool is_loaded = load_obj(&scene, write_text("mesh.obj", SQUARE "f 1 2 3"), wanted, false,
+                              &first, &count, &err);
+    REQUIRE(is_loaded, "%s", err.msg);
+    CHECK(first == 0 && count == 1 && scene.meshes[0].material == wanted);
+    CHECK(scene.material_count == 2 && scene.hash != 0);
+    scene_finish(&scene);
+}
+
+TEST(colours_are_clamped_and_counted)
+{
+    write_text("c.mtl", "newmtl a\nKd 1.5 .5 -1\nKe -1 2 3\nKs 1 1 1\nmap_Kd x.png\n"
+                        "Kd spectral x.rfl\n");
+    struct scene scene;
+    load_text(&scene, "mtllib c.mtl\n" SQUARE "usemtl a\nf 1 2 3\n");
+    CHECK(warnings == 2 && strstr(warning, "c.mtl:5"), "%u %s", warnings, warning);
+    const struct material *a = find_material(&scene, "a");
+    CHECK(a->base_color[0] == 1.0f && a->base_color[1] == 0.5f && a->base_color[2] == 0.0f);
+    CHECK(a->emission[0] == 0.0f && a->emission[1] == 2.0f);
+    scene_finish(&scene);
+}
+
+TEST(material_libraries_are_confined)
+{
+    // The OBJ file stands in a folder of its own beside the library.
+    write_text("outside.mtl", "newmtl a\nKd 1 0 0\n");
+    CHECK(mkdir(in_folder("inner"), 0700) == 0);
+    CHECK(symlink("../outside.mtl", in_folder("inner/link.mtl")) == 0);
+    CHECK(mkfifo(in_folder("inner/pipe.mtl"), 0600) == 0);
+    static const char *const names[] = {"../outside.mtl", "link.mtl", "/etc/hostname",
+                                        "pipe.mtl",       "none.mtl", ""};
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+        char text[256];
+        snprintf(text, sizeof text, "mtllib %s\n" SQUARE "usemtl a\nf 1 2 3\n", names[i]);
+        struct scene scene = {0};
+        struct err err = {0};
+        warnings = 0;
+        bool is_loaded = load(&scene, write_text("inner/mesh.obj", text), &err);
+        CHECK(is_loaded, "%s: %s", names[i], err.msg);
+        CHECK(warnings == 2, "%s: %u warnings", names[i], warnings);
+        CHECK(find_material(&scene, "a")->type == MATERIAL_TYPE_COUNT, "%s", names[i]);
+        scene_finish(&scene);
+    }
+    for (size_t i = 0; i < 2; i++) {
+        char text[256];
+        snprintf(text, sizeof text, "mtllib %s\n" SQUARE "usemtl a\nf 1 2 3\n", names[i]);
+        struct scene scene = {0};
+        struct err err = {0};
+        uint32_t first, count;
+        bool is_loaded = load_obj(&scene, write_text("inner/mesh.obj", text), SCENE_NONE, true,
+                                  &first, &count, &err);
+        CHECK(is_loaded && find_material(&scene, "a")->type == MATERIAL_DIFFUSE, "%s: %s", names[i],
+              err.msg);
+        scene_finish(&scene);
+    }
+}
+
+// --- errors --------------------------------------------------------------------------------------
+
+static void check_error(const char *path, enum err_code code, const char *expected)
+{
+    struct scene scene = {0};
+    struct err err = {0};
+    bool is_loaded = load(&scene, path, &err);
+    CHECK(!is_loaded && err.code == code && strstr(err.msg, expected), "expected '%s', got '%s'",
+          expected, err.msg);
+    scene_finish(&scene);
+}
+
+TEST(errors_name_file_line_value_and_expectation)
+{
+    static const struct {
+        const char *text, *message;
+    } cases[] = {
+        {SQUARE "f 1 0 2\n", "mesh.obj:5: vertex 0, expected indices from 1"},
+        {SQUARE "f 1 2 5\n", "mesh.obj:5: vertex 5, but the file has 4"},
+        {SQUARE "f 1 2 -5\n", "mesh.obj:5: vertex -5, but only 4 stand above"},
+        {SQUARE "f 1 2 99999999999999999999\n", "mesh.obj:5: vertex 9223372036854775807, but"},
+        {SQUARE "f 1 2 -99999999999999999999\n", "mesh.obj:5: vertex -9223372036854775807, but"},
+        {"f -1 -2 -3\n" SQUARE, "mesh.obj:1: vertex -1, but only 0 stand above"},
+        {SQUARE "f 1//1 2//1 3//1\n", "mesh.obj:5: normal 1, but the file has 0"},
+        {SQUARE "vn 0 0 1\nf 1//0 2//1 3//1\n", "mesh.obj:6: normal 0, expected"},
+        {SQUARE "f 1/2 2/1 3/1\n", "mesh.obj:5: texture coordinate 2, but the file has 0"},
+        {SQUARE "f 1 2\n", "mesh.obj:5: a face of 2 corners, expected at least 3"},
+        {SQUARE "f\n", "mesh.obj:5: a face of 0 corners"},
+        {SQUARE "f 1 2 x\n", "mesh.obj:5: expected a face's index, found 'x'"},
+        {SQUARE "f 1 2 3/\n", "mesh.obj:5: expected a face's index, found the end of the line"},
+        {SQUARE "f 1 2 3//\n", "expected a face's index"},
+        {SQUARE "f 1 2 3.5\n", "mesh.obj:5: expected a corner v, v/t, v//n or v/t/n, found '3.5'"},
+        {SQUARE "f 1 2 3/1/1/1\n", "texture coordinate 1, but"},
+        {"v 1 2\n", "mesh.obj:1: expected three numbers after v, found the end of the line"},
+        {"v 1 2", "mesh.obj:1: expected three numbers after v, found the end of the file"},
+        {"v 1 2 3x\n", "found '3x'"},
+        {"v 1 0x10 3\n", "found '0x10'"},
+        {"v 1 1.#INF 3\n", "found '1.#INF'"},
+        {"v 1 \x1b[2J 3\n", "found '?[2J'"},
+        {"v 1 2 3\nv 0 nan 0\n", "mesh.obj:2: vertex 2: y is nan, expected a finite number"},
+        {"v 1 2 -inf\n", "mesh.obj:1: vertex 1: z is -inf, expected a finite number"},
+        {"v 1e39 2 3\n", "mesh.obj:1: vertex 1: x is inf, expected a finite number"},
+        {"vn 1 2\n", "mesh.obj:1: expected three numbers after vn"},
+        {"v 0 \\\n 0 \\\n a\n", "mesh.obj:3: expected three numbers after v, found 'a'"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++)
+        check_error(write_text("mesh.obj", cases[i].text), ERR_INPUT, cases[i].message);
+}
+
+TEST(errors_in_mtl_files)
+{
+    static const struct {
+        const char *text, *message;
+    } cases[] = {
+        {"newmtl\n", "bad.mtl:1: newmtl: expected a name"},
+        {"newmtl a\nKd\n", "bad.mtl:2: expected a number after Kd, found the end of the line"},
+        {"newmtl a\nKd 1 2\n", "bad.mtl:2: expected a number after Kd"},
+        {"newmtl a\nKe 1 2 red\n", "bad.mtl:2: expected a number after Ke, found 'red'"},
+        {"newmtl a\nKd 1 inf 1\n", "bad.mtl:2: a number after Kd: inf, expected a finite one"},
+        {"newmtl a\nillum x\n", "bad.mtl:2: expected an integer after illum, found 'x'"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        write_text("bad.mtl", cases[i].text);
+        check_error(write_text("mesh.obj", "mtllib bad.mtl\n" SQUARE), ERR_INPUT, cases[i].message);
+    }
+}
+
+TEST(files_that_cannot_be_read)
+{
+    check_error(in_folder("nothing.obj"), ERR_INPUT, "nothing.obj");
+    check_error(folder, ERR_INPUT, "folder");
+}
+
+// Every limit from nothing to enough: an error that says so, or success.
+TEST(memory_limits_are_errors)
+{
+    write_text("m.mtl", "newmtl a\nnewmtl b\n");
+    char path[512];
+    snprintf(path, sizeof path, "%s",
+             write_text("mesh.obj", "mtllib m.mtl\n" SQUARE "vn 0 0 1\nusemtl a\nf 1//1 2//1 3//1\n"
+                                    "usemtl b\nf 1//1 2//1 3 4//1\n"));
+    unsigned failures = 0;
+    bool is_loaded = false;
+    for (size_t limit = 1; limit < 100000 && !is_loaded; limit += 16) {
+        struct scene scene = {.arena.limit_bytes = limit};
+        struct err err = {0};
+        is_loaded = load(&scene, path, &err);
+        CHECK(is_loaded || err.code == ERR_SYSTEM, "limit %zu: %s", limit, err.msg);
+        failures += !is_loaded;
+        scene_finish(&scene);
+    }
+    CHECK(is_loaded && failures > 10, "%u", failures);
+}
+
+// --- damage --------------------------------------------------------------------------------------
+
+static const char sample[] = "mtllib s.mtl\n" SQUARE "vn 0 0 1\nvn 0 .6 .8\nvt 0 0\n# c\\\no name\n"
+                             "usemtl a\nf 1/1/1 2//2 3 -1/-1\nusemtl b \\\nf 1 2 \\\n 3\n"
+                             "v 1e-3 -2.5E+2 0.1234567890123456789\nf -1 -2 -3\nl 1 2\n";
+
+TEST(cut_and_damaged_files_never_crash)
+{
+    write_text("s.mtl", "newmtl a\nKd .1 .2 .3\nnewmtl b\n");
+    cut_everywhere(load, "cut.obj", sample, sizeof sample - 1);
+    flip_bytes(load, "cut.obj", sample, sizeof sample - 1, 10000);
+}
+
+TEST(cut_and_damaged_libraries_never_crash)
+{
+    static const char library[] = "newmtl a\nKd .1 .2 .3\nKe 1 2 3\nillum 5\nKs 1\nnewmtl b\n";
+    char path[512];
+    snprintf(path, sizeof path, "%s",
+             write_text("t.obj", "mtllib t.mtl\n" SQUARE "usemtl a\nf 1 2 3\nusemtl b\nf 1 2 3\n"));
+    for (size_t length = 0; length < sizeof library; length++) {
+        write_bytes("t.mtl", library, length);
+        check_loads_or_fails(load, path, "library cut at", length);
+    }
+}
+
+// --- real meshes ---------------------------------------------------------------------------------
+
+TEST(real_meshes)
+{
+    static const struct {
+        const char *name;
+        uint32_t triangles, vertices; // counted by other means: faces and their corners, lines "v"
+    } meshes[] = {
+        {"mesh/nefertiti.obj", 99938, 49971}, {"mesh/stanford-bunny.obj", 69451, 35947},
+        {"mesh/spot.obj", 5856, 2930},        {"mesh/teapot.obj", 6320, 3644},
+        {"mesh/suzanne.obj", 968, 507},
+    };
+    for (size_t i = 0; i < sizeof meshes / sizeof meshes[0]; i++) {
+        const char *path = data_file(meshes[i].name);
+        if (!path)
+            SKIP("no %s", meshes[i].name);
+        struct scene scene = {0};
+        struct err err = {0};
+        bool is_loaded = load(&scene, path, &err);
+        REQUIRE(is_loaded, "%s", err.msg);
+        const struct mesh *mesh = &scene.meshes[0];
+        CHECK(mesh->triangle_count == meshes[i].triangles, "%s: %u", path, mesh->triangle_count);
+        CHECK(mesh->vertex_count == meshes[i].vertices, "%s: %u", path, mesh->vertex_count);
+        check_mesh(&scene, mesh);
+        scene_finish(&scene);
+    }
+}
+
+int main(int argc, char **argv)
+{
+    static const struct test_case cases[] = {
+        TEST_CASE(one_triangle),
+        TEST_CASE(polygons_become_fans),
+        TEST_CASE(all_forms_of_indices),
+        TEST_CASE(vertices_may_stand_below_faces),
+        TEST_CASE(line_ends_continuations_and_comments),
+        TEST_CASE(what_has_no_faces_is_empty),
+        TEST_CASE(pairs_of_position_and_normal_are_merged),
+        TEST_CASE(normals_without_direction_are_missing),
+        TEST_CASE(materials),
+        TEST_CASE(one_material_needs_no_list),
+        TEST_CASE(a_given_default_material_is_used),
+        TEST_CASE(colours_are_clamped_and_counted),
+        TEST_CASE(material_libraries_are_confined),
+        TEST_CASE(errors_name_file_line_value_and_expectation),
+        TEST_CASE(errors_in_mtl_files),
+        TEST_CASE(files_that_cannot_be_read),
+        TEST_CASE(memory_limits_are_errors),
+        TEST_CASE(cut_and_damaged_files_never_crash),
+        TEST_CASE(cut_and_damaged_libraries_never_crash),
+        TEST_CASE(real_meshes),
+    };
+    if (!begin_mesh_tests())
+        return 1;
+    return test_run(cases, sizeof cases / sizeof cases[0], argc, argv);
+}
