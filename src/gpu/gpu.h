@@ -92,16 +92,16 @@ void gpu_close(struct gpu *gpu); // accepts NULL and {0}
 
 // --- buffers ------------------------------------------------------------------------------------
 enum gpu_memory {
-    GPU_DEVICE,
-    GPU_READBACK
-}; // readback: host-visible, cached where possible, mapped
+    GPU_DEVICE,   // the fastest for kernels; also mapped where the host shares it
+    GPU_READBACK, // always mapped, and cached where possible
+};
 
 struct gpu_buffer {
     VkBuffer handle;
     VkDeviceMemory memory;
     uint64_t bytes;
     VkBufferView texel_view; // RGBA32_UINT over the whole buffer, or VK_NULL_HANDLE
-    void *mapped;            // GPU_READBACK, or device memory that the host sees; else NULL
+    void *mapped;            // NULL where not mapped
     const char *name;        // the caller's, who keeps it while the buffer lives
 };
 
