@@ -6,7 +6,7 @@
 #include "scene.h"
 
 struct flat_triangle {
-    float v[3][3];     // relative to flat_scene.origin
+    float v[3][3]; // relative to flat_scene.origin
     uint32_t material;
 };
 
@@ -31,8 +31,8 @@ struct flat_scene {
     struct flat_shape *shapes;
     uint32_t shape_count;
     float bounds_min[3], bounds_max[3]; // relative to origin; min > max when empty
-    uint32_t dropped_degenerate; // zero-area triangles left out (stiff case C6)
-    uint32_t skipped_instances;  // singular transforms (C30)
+    uint32_t dropped_degenerate;        // zero-area triangles left out (stiff case C6)
+    uint32_t skipped_instances;         // singular transforms (C30)
 };
 
 // Memory comes from `arena`. A vertex that is not finite after transformation is ERR_INPUT naming
