@@ -57,7 +57,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .help = "Samples per pixel.", FIELD(settings.spp),
     },
     [OPTION_TIME] = {
-        .name = "time", .argument = "SECONDS", .type = VALUE_REAL, .min = 0, .max = 1e9,
+        .name = "time", .argument = "SECONDS", .type = VALUE_REAL, .min = 0.001, .max = 1e9,
         .group = "Sampling", .commands = FOR_RENDER, .fallback = "no limit",
         .help = "Stop at whole samples per pixel after about this many seconds of rendering, or "
                 "at --spp or --frames where given. At least one sample per pixel is taken.",

@@ -8,6 +8,7 @@ import math
 import os
 import re
 import shutil
+import signal
 import struct
 import subprocess
 import sys
@@ -131,26 +132,38 @@ class Failures(unittest.TestCase):
         self.assertEqual((result.returncode, result.stderr), (4, ''))
 
 
+# Drivers leak in libraries that are unloaded before the leak checker could be told their names.
+GPU_ENVIRONMENT = {**os.environ, 'ASAN_OPTIONS': 'detect_leaks=0'}
+
+
+def run_gpu(*arguments):
+    return run(*arguments, env=GPU_ENVIRONMENT)
+
+
+def need_device(test):
+    if run_gpu('devices').returncode == 69:
+        if os.environ.get('LAMPYRIS_NO_SKIP'):
+            test.fail('there is no Vulkan device')
+        test.skipTest('there is no Vulkan device')
+
+
 class Devices(unittest.TestCase):
     def setUp(self):
-        if run('devices').returncode == 69:
-            if os.environ.get('LAMPYRIS_NO_SKIP'):
-                self.fail('there is no Vulkan device')
-            self.skipTest('there is no Vulkan device')
+        need_device(self)
 
     def test_one_device_is_marked(self):
-        result = run('devices', '--json')
+        result = run_gpu('devices', '--json')
         self.assertEqual(result.returncode, 0, result.stderr)
         devices = json.loads(result.stdout)['devices']
         usable = [d for d in devices if d['unusable'] is None]
         self.assertEqual(sum(d['chosen'] for d in devices), 1 if usable else 0)
-        text = run('devices').stdout
+        text = run_gpu('devices').stdout
         for device in devices:
             self.assertIn(device['name'], text)
             self.assertEqual(device['cpu'], device['kind'] == 'CPU')
 
     def test_an_unknown_device(self):
-        result = run('devices', '--device', 'no such device')
+        result = run_gpu('devices', '--device', 'no such device')
         self.assertEqual((result.returncode, result.stdout), (2, ''))
         self.assertIn('no such device', result.stderr)
 
@@ -256,6 +269,72 @@ class Compare(unittest.TestCase):
         self.assertEqual((result.returncode, result.stdout), (2, ''))
         self.assertEqual(sorted(os.listdir(self.folder.name)),
                          ['a.exr', 'b.exr', 'nan.exr', 'small.exr'])
+
+
+class Render(unittest.TestCase):
+    SCENE = os.path.join(os.path.dirname(os.path.abspath(__file__)), '../../scenes/cornell.json')
+
+    def setUp(self):
+        need_device(self)
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+
+    def path(self, name):
+        return os.path.join(self.folder.name, name)
+
+    def render(self, *arguments):
+        return run_gpu('render', self.SCENE, '--size', '16x16', *arguments)
+
+    def test_pictures_are_written_and_told(self):
+        result = self.render('--spp', '2', '--json', '-o', self.path('a.exr'), '-o',
+                             self.path('a.png'))
+        self.assertEqual(result.returncode, 0, result.stderr)
+        values = json.loads(result.stdout)
+        self.assertEqual((values['width'], values['height'], values['spp']), (16, 16, 2))
+        self.assertEqual(sorted(os.listdir(self.folder.name)), ['a.exr', 'a.png'])
+
+    def test_quiet(self):
+        result = self.render('--spp', '1', '--quiet', '-o', self.path('a.exr'))
+        self.assertEqual((result.returncode, result.stdout, result.stderr), (0, '', ''))
+
+    def test_frames_equal_samples(self):
+        self.assertEqual(self.render('--spp', '6', '-o', self.path('a.exr')).returncode, 0)
+        self.assertEqual(self.render('--frames', '3', '--spp-per-frame', '2', '-o',
+                                     self.path('b.exr')).returncode, 0)
+        result = run('compare', self.path('a.exr'), self.path('b.exr'), '--max', 'differing=0')
+        self.assertEqual(result.returncode, 0, result.stderr)
+
+    def test_outputs_that_cannot_be_written(self):
+        # A sample count that would take hours: the failure must come before.
+        result = self.render('--spp', '1G', '-o', self.path('nowhere/a.exr'))
+        self.assertEqual((result.returncode, result.stdout), (4, ''))
+        self.assertIn('nowhere/a.exr', result.stderr)
+
+    @unittest.skipUnless(os.path.exists('/dev/full'), 'there is no /dev/full')
+    def test_a_full_disk(self):
+        os.symlink('/dev/full', self.path('full.exr'))
+        result = self.render('--spp', '1', '-o', self.path('full.exr'))
+        self.assertEqual(result.returncode, 4)
+        self.assertIn('full.exr: cannot write', result.stderr)
+
+    def test_missing_scenes(self):
+        result = run_gpu('render', self.path('nowhere.json'), '-o', self.path('a.exr'))
+        self.assertEqual((result.returncode, result.stdout), (2, ''))
+        self.assertIn('nowhere.json', result.stderr)
+        self.assertEqual(os.listdir(self.folder.name), [])
+
+    def test_signals_stop_with_a_picture(self):
+        for number, code in ((signal.SIGINT, 130), (signal.SIGTERM, 143)):
+            path = self.path('stopped-%d.exr' % code)
+            process = subprocess.Popen([LAMPYRIS, 'render', self.SCENE, '--size', '16x16', '--spp',
+                                        '1G', '-o', path], env=GPU_ENVIRONMENT,
+                                       stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+            # Its progress, which starts after a second, tells that it renders.
+            self.assertIn('Rendering', process.stderr.readline())
+            process.send_signal(number)
+            process.communicate(timeout=60)
+            self.assertEqual(process.returncode, code)
+            self.assertTrue(os.path.exists(path))
 
 
 if __name__ == '__main__':

@@ -185,7 +185,7 @@ TEST(value_errors_name_the_option_and_the_value)
     check_error("render s --exposure 1e999", "is not a finite number");
     check_error("render s --exposure 0x1p3", "is not a finite number");
     check_error("render s --exposure 101", "is outside [-100, 100]");
-    check_error("render s --time -1", "is outside [0, ");
+    check_error("render s --time -1", "is outside [0.001, ");
     check_error("render s --tone filmic", "\"filmic\" is unknown; expected one of none|reinhard");
     check_error("render s --tone none|reinhard", "is unknown");
     check_error("render s --tone=", "\"\" is unknown");
