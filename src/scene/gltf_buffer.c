@@ -168,8 +168,28 @@ static int hex_value(char c)
     return found ? (int)(found - digits) : -1;
 }
 
-// The path that a URI names when paths may lead anywhere: %XX decoded (RFC 3986, section 2.1),
-// relative to the document's folder unless absolute. NULL with *err set.
+// Decodes %XX in place (RFC 3986, section 2.1). False for a malformed escape and for %00.
+static bool decode_percent(char *text)
+{
+    char *to = text;
+    for (const char *from = text; *from;) {
+        if (*from != '%') {
+            *to++ = *from++;
+            continue;
+        }
+        int high = hex_value(from[1]);
+        int low = high >= 0 ? hex_value(from[2]) : -1;
+        if (low < 0 || high + low == 0)
+            return false;
+        *to++ = (char)(high * 16 + low);
+        from += 3;
+    }
+    *to = '\0';
+    return true;
+}
+
+// The path that a URI names when paths may lead anywhere: relative to the document's folder unless
+// absolute. NULL with *err set.
 static char *resolve_anywhere(const struct json_node *node, const char *uri, const char *folder,
                               struct arena *arena, struct err *err)
 {
@@ -180,18 +200,10 @@ static char *resolve_anywhere(const struct json_node *node, const char *uri, con
         return NULL;
     }
     // The folder's own name is no URI: decoding starts behind it.
-    char *to = path + (*uri == '/' ? 0 : strlen(folder) + 1);
-    for (const char *from = to; *from; from++) {
-        int high = *from == '%' ? hex_value(from[1]) : -1;
-        int low = high >= 0 ? hex_value(from[2]) : -1;
-        if (*from == '%' && (low < 0 || high + low == 0)) {
-            node_fail(node, err, "the URI \"%.128s\" has a malformed escape or %%00", uri);
-            return NULL;
-        }
-        *to++ = *from == '%' ? (char)(high * 16 + low) : *from;
-        from += *from == '%' ? 2 : 0;
+    if (!decode_percent(*uri == '/' ? path : path + strlen(folder) + 1)) {
+        node_fail(node, err, "the URI \"%.128s\" has a malformed escape or %%00", uri);
+        return NULL;
     }
-    *to = '\0';
     return path;
 }
 
