@@ -11,6 +11,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+// A file that was read; a list.
+struct mtl_file {
+    struct mtl_file *next;
+    const char *path;
+};
+
 // One material's statements; what its last line leaves is turned into a struct material.
 struct mtl_statements {
     const char *name; // NULL before the first newmtl
@@ -170,15 +176,39 @@ static void warn_about(const struct mtl_parser *parser)
                  (unsigned long long)parser->skipped_count);
 }
 
+static bool was_read(const struct mtl_library *library, const char *path)
+{
+    for (const struct mtl_file *file = library->files; file; file = file->next) {
+        if (strcmp(file->path, path) == 0)
+            return true;
+    }
+    return false;
+}
+
+static bool remember_file(struct arena *arena, struct mtl_library *library, const char *path,
+                          struct err *err)
+{
+    struct mtl_file *file = ARENA_NEW(arena, struct mtl_file, 1);
+    if (!file)
+        return err_memory(err, "a material library", sizeof *file);
+    *file = (struct mtl_file){.next = library->files, .path = path};
+    library->files = file;
+    return true;
+}
+
 bool load_mtl(struct arena *arena, const char *path, struct mtl_library *library, uint64_t *hash,
               bool *missing, struct err *err)
 {
     struct file_bytes bytes;
+    *missing = false;
+    if (was_read(library, path))
+        return true;
     if (!file_read(arena, path, 0, &bytes, err)) {
         *missing = err->code == ERR_INPUT;
         return false;
     }
-    *missing = false;
+    if (!remember_file(arena, library, path, err))
+        return false;
     *hash = hash_bytes(*hash, bytes.data, bytes.size);
     struct mtl_parser parser = {
         .text = text_open(path, &bytes), .arena = arena, .library = library};

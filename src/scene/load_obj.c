@@ -30,6 +30,8 @@ struct obj_parser {
     struct obj_counts counts; // of the whole file
     struct obj_counts seen;   // by the second pass so far
     struct mtl_library library;
+    struct err missing_library; // why the first could not be read
+    uint64_t missing_library_count, missing_library_line;
     struct mtl_material *wanted_material; // of the next face; NULL: the default one
     uint32_t material;                    // the same in the scene; SCENE_NONE until a face needs it
 
@@ -118,12 +120,13 @@ static bool read_material_library(struct obj_parser *parser, struct err *err)
     if (path &&
         load_mtl(&parser->scratch, path, &parser->library, &parser->scene->hash, &missing, &reason))
         return true;
-    if (missing && reason.code == ERR_INPUT) {
-        log_warn("%s:%llu: mtllib: %s; going on without it", parser->text.path,
-                 (unsigned long long)parser->text.line, reason.msg);
-        return true;
+    if (!missing || reason.code != ERR_INPUT)
+        return err_set(err, reason.code, "%s", reason.msg);
+    if (parser->missing_library_count++ == 0) {
+        parser->missing_library = reason;
+        parser->missing_library_line = parser->text.line;
     }
-    return err_set(err, reason.code, "%s", reason.msg);
+    return true;
 }
 
 static bool count_statement(struct obj_parser *parser, struct err *err)
@@ -451,6 +454,10 @@ static void warn_about(const struct obj_parser *parser)
         log_warn("%s:%llu: not a vertex, face or material: skipped (%llu such lines in the file)",
                  path, (unsigned long long)parser->skipped_line,
                  (unsigned long long)parser->skipped_count);
+    if (parser->missing_library_count > 0)
+        log_warn("%s:%llu: mtllib: %s; going on without it (%llu such lines in the file)", path,
+                 (unsigned long long)parser->missing_library_line, parser->missing_library.msg,
+                 (unsigned long long)parser->missing_library_count);
     if (parser->unknown_material_count > 0)
         log_warn("%s:%llu: usemtl: an unknown material; the default one is used (%u such lines)",
                  path, (unsigned long long)parser->unknown_material_line,

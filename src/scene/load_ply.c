@@ -2,6 +2,7 @@
 // become fans around their first corner, triangle strips alternate their winding. What a mesh has
 // no use for is skipped by its declared size.
 #include "mesh_loader.h"
+#include "ply_header.h"
 
 #include "file.h"
 #include "hash.h"
@@ -13,51 +14,11 @@
 #include <stdio.h>
 #include <string.h>
 
-enum ply_format { PLY_ASCII, PLY_LITTLE_ENDIAN, PLY_BIG_ENDIAN };
-
-enum ply_type { PLY_I8, PLY_U8, PLY_I16, PLY_U16, PLY_I32, PLY_U32, PLY_F32, PLY_F64 };
-
-static const struct {
-    const char *name, *other_name;
-    uint32_t size;
-} ply_types[] = {
-    [PLY_I8] = {"char", "int8", 1},      [PLY_U8] = {"uchar", "uint8", 1},
-    [PLY_I16] = {"short", "int16", 2},   [PLY_U16] = {"ushort", "uint16", 2},
-    [PLY_I32] = {"int", "int32", 4},     [PLY_U32] = {"uint", "uint32", 4},
-    [PLY_F32] = {"float", "float32", 4}, [PLY_F64] = {"double", "float64", 8},
-};
-
-// What a property is to us. The first six are also slots of a vertex's values.
-enum ply_use { USE_X, USE_Y, USE_Z, USE_NX, USE_NY, USE_NZ, USE_POLYGON, USE_STRIP, USE_NONE };
-
-#define VERTEX_VALUE_COUNT 6
-
-struct ply_property {
-    struct ply_property *next;
-    enum ply_type type;
-    bool is_list;
-    enum ply_type count_type; // of a list
-    enum ply_use use;
-};
-
-struct ply_element {
-    struct ply_element *next;
-    char name[32]; // shortened and printable
-    uint64_t count;
-    struct ply_property *properties, *last_property;
-    uint64_t property_count;
-    uint64_t min_row_bytes; // of a binary file: lists count as empty
-    uint32_t uses;          // bits 1 << enum ply_use
-};
-
 struct ply_parser {
     struct scene *scene;
     struct arena scratch;
     struct text_reader text; // a byte position in binary files
-    enum ply_format format;
-    bool has_format;
-    struct ply_element *elements, *last_element;
-    struct ply_element *vertices; // the element of that name
+    struct ply_header header;
     // Where the data is being read, for messages.
     const struct ply_element *element;
     uint64_t row;
@@ -67,207 +28,6 @@ struct ply_parser {
     struct triangle_list triangles;
     uint64_t bad_normal_count;
 };
-
-// --- the header ----------------------------------------------------------------------------------
-
-static bool read_type(struct ply_parser *parser, enum ply_type *type, struct err *err)
-{
-    struct text_reader start = parser->text;
-    struct text_span word = text_word(&parser->text);
-    for (size_t i = 0; i < sizeof ply_types / sizeof ply_types[0]; i++) {
-        if (text_equals(word, ply_types[i].name) || text_equals(word, ply_types[i].other_name)) {
-            *type = (enum ply_type)i;
-            return true;
-        }
-    }
-    return text_unexpected(&start, "a type such as float or uchar", err);
-}
-
-static bool is_float(enum ply_type type)
-{
-    return type == PLY_F32 || type == PLY_F64;
-}
-
-static bool is_corner_list(enum ply_use use)
-{
-    return use == USE_POLYGON || use == USE_STRIP;
-}
-
-static bool read_format(struct ply_parser *parser, struct err *err)
-{
-    static const char *const names[] = {
-        [PLY_ASCII] = "ascii",
-        [PLY_LITTLE_ENDIAN] = "binary_little_endian",
-        [PLY_BIG_ENDIAN] = "binary_big_endian",
-    };
-    struct text_reader start = parser->text;
-    struct text_span word = text_word(&parser->text);
-    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
-        if (!text_equals(word, names[i]))
-            continue;
-        parser->format = (enum ply_format)i;
-        parser->has_format = true;
-        start = parser->text;
-        return text_equals(text_word(&parser->text), "1.0") ||
-               text_unexpected(&start, "format version 1.0", err);
-    }
-    return text_unexpected(&start, "the format ascii, binary_little_endian or binary_big_endian",
-                           err);
-}
-
-static bool read_element(struct ply_parser *parser, struct err *err)
-{
-    struct ply_element *element = ARENA_NEW(&parser->scratch, struct ply_element, 1);
-    if (!element)
-        return err_memory(err, "a PLY element", sizeof *element);
-    text_printable(text_word(&parser->text), element->name, sizeof element->name);
-    int64_t count;
-    if (!text_integer(&parser->text, "an element's name and count", &count, err))
-        return false;
-    if (count < 0)
-        return text_fail(&parser->text, err, "element %s: a count of %lld", element->name,
-                         (long long)count);
-    element->count = (uint64_t)count;
-    if (parser->last_element)
-        parser->last_element->next = element;
-    else
-        parser->elements = element;
-    parser->last_element = element;
-    if (strcmp(element->name, "vertex") != 0)
-        return true;
-    if (parser->vertices)
-        return text_fail(&parser->text, err, "element vertex stands twice");
-    parser->vertices = element;
-    return true;
-}
-
-static enum ply_use find_use(const struct ply_element *element, struct text_span name, bool is_list)
-{
-    static const struct {
-        const char *element, *property;
-        enum ply_use use;
-    } uses[] = {
-        {"vertex", "x", USE_X},
-        {"vertex", "y", USE_Y},
-        {"vertex", "z", USE_Z},
-        {"vertex", "nx", USE_NX},
-        {"vertex", "ny", USE_NY},
-        {"vertex", "nz", USE_NZ},
-        {"face", "vertex_indices", USE_POLYGON},
-        {"face", "vertex_index", USE_POLYGON},
-        {"tristrips", "vertex_indices", USE_STRIP},
-        {"tristrips", "vertex_index", USE_STRIP},
-    };
-    for (size_t i = 0; i < sizeof uses / sizeof uses[0]; i++) {
-        if (strcmp(element->name, uses[i].element) == 0 && text_equals(name, uses[i].property) &&
-            is_list == (uses[i].use >= VERTEX_VALUE_COUNT))
-            return uses[i].use;
-    }
-    return USE_NONE;
-}
-
-// Reads "float" or "list uchar int".
-static bool read_property_type(struct ply_parser *parser, struct ply_property *property,
-                               struct err *err)
-{
-    struct text_reader ahead = parser->text;
-    property->is_list = text_equals(text_word(&ahead), "list");
-    if (property->is_list) {
-        parser->text = ahead;
-        if (!read_type(parser, &property->count_type, err))
-            return false;
-        if (is_float(property->count_type))
-            return text_unexpected(&ahead, "an integer type for a list's count", err);
-    }
-    return read_type(parser, &property->type, err);
-}
-
-static bool read_property(struct ply_parser *parser, struct err *err)
-{
-    struct ply_element *element = parser->last_element;
-    if (!element)
-        return text_fail(&parser->text, err, "a property before the first element");
-    struct ply_property *property = ARENA_NEW(&parser->scratch, struct ply_property, 1);
-    if (!property)
-        return err_memory(err, "a PLY property", sizeof *property);
-    if (!read_property_type(parser, property, err))
-        return false;
-    struct text_span name = text_word(&parser->text);
-    property->use = find_use(element, name, property->is_list);
-    if (property->use != USE_NONE && element->uses & 1u << property->use)
-        return text_fail(&parser->text, err, "%.*s stands twice in element %s", (int)name.size,
-                         name.data, element->name);
-    if (is_corner_list(property->use) && is_float(property->type))
-        return text_fail(&parser->text, err, "%.*s: expected an integer type", (int)name.size,
-                         name.data);
-    element->uses |= 1u << property->use;
-    if (element->last_property)
-        element->last_property->next = property;
-    else
-        element->properties = property;
-    element->last_property = property;
-    element->property_count++;
-    element->min_row_bytes +=
-        ply_types[property->is_list ? property->count_type : property->type].size;
-    return true;
-}
-
-// Reads one line; sets *is_last at end_header.
-static bool read_header_line(struct ply_parser *parser, bool *is_last, struct err *err)
-{
-    struct text_reader start = parser->text;
-    struct text_span keyword = text_word(&parser->text);
-    *is_last = text_equals(keyword, "end_header");
-    if (*is_last || text_equals(keyword, "comment") || text_equals(keyword, "obj_info"))
-        return true;
-    if (text_equals(keyword, "format"))
-        return read_format(parser, err);
-    if (text_equals(keyword, "element"))
-        return read_element(parser, err);
-    if (text_equals(keyword, "property"))
-        return read_property(parser, err);
-    return text_unexpected(&start, "a line of a PLY header", err);
-}
-
-// Checks what only the whole header tells.
-static bool check_header(const struct ply_parser *parser, struct err *err)
-{
-    const uint32_t needed = 1u << USE_X | 1u << USE_Y | 1u << USE_Z;
-    const char *path = parser->text.path;
-    if (!parser->has_format)
-        return err_set(err, ERR_INPUT, "%s: the header has no format line", path);
-    if (!parser->vertices)
-        return err_set(err, ERR_INPUT, "%s: the header has no element vertex", path);
-    if ((parser->vertices->uses & needed) != needed)
-        return err_set(err, ERR_INPUT, "%s: element vertex: expected properties x, y and z", path);
-    if (parser->vertices->count > UINT32_MAX)
-        return err_set(err, ERR_INPUT, "%s: %llu vertices, expected at most 4294967295", path,
-                       (unsigned long long)parser->vertices->count);
-    return true;
-}
-
-// Reads up to the first byte behind the header.
-static bool read_header(struct ply_parser *parser, struct err *err)
-{
-    struct text_reader *text = &parser->text, start = *text;
-    if (!text_equals(text_word(text), "ply"))
-        return text_unexpected(&start, "'ply', the first line of a PLY file", err);
-    // Where lines end with CR alone, an LF behind the header would be data.
-    bool has_bare_cr = text->at[0] == '\r' && text->at[1] != '\n';
-    bool is_last = false;
-    while (!is_last) {
-        text_next_line(text);
-        if (text_remaining(text) == 0)
-            return text_fail(text, err, "the file ends inside the header");
-        if (!read_header_line(parser, &is_last, err))
-            return false;
-    }
-    if (has_bare_cr && text->at[0] == '\r')
-        text->at++;
-    else
-        text_next_line(text);
-    return check_header(parser, err);
-}
 
 // --- values --------------------------------------------------------------------------------------
 
@@ -285,7 +45,7 @@ static bool ply_fail(const struct ply_parser *parser, struct err *err, const cha
     va_end(arguments);
     const char *element = parser->element->name;
     unsigned long long row = parser->row;
-    if (parser->format == PLY_ASCII)
+    if (parser->header.format == PLY_ASCII)
         return text_fail(&parser->text, err, "%s %llu: %s", element, row, message);
     return err_set(err, ERR_INPUT, "%s: %s %llu: %s", parser->text.path, element, row, message);
 }
@@ -297,12 +57,12 @@ static bool read_ascii_value(struct ply_parser *parser, enum ply_type type, doub
     float real;
     int64_t integer;
     text_skip_space(text);
-    if (is_float(type) && text_take_float(text, &real)) {
+    if (ply_type_is_float(type) && text_take_float(text, &real)) {
         *out = (double)real;
         return true;
     }
     struct text_reader start = *text;
-    if (!is_float(type) && text_take_integer(text, &integer) && text_word_ended(text)) {
+    if (!ply_type_is_float(type) && text_take_integer(text, &integer) && text_word_ended(text)) {
         *out = (double)integer;
         return true;
     }
@@ -311,7 +71,7 @@ static bool read_ascii_value(struct ply_parser *parser, enum ply_type type, doub
     if (shown[0] == '\0')
         return ply_fail(parser, err, "the file ends here");
     return ply_fail(parser, err, "expected %s, found '%s'",
-                    is_float(type) ? "a number" : "an integer", shown);
+                    ply_type_is_float(type) ? "a number" : "an integer", shown);
 }
 
 static double decode_value(uint64_t bits, enum ply_type type)
@@ -344,12 +104,12 @@ static bool read_binary_value(struct ply_parser *parser, enum ply_type type, dou
                               struct err *err)
 {
     const unsigned char *bytes = (const unsigned char *)parser->text.at;
-    uint32_t size = ply_types[type].size;
+    uint32_t size = ply_type_size(type);
     if (text_remaining(&parser->text) < size)
         return ply_fail(parser, err, "the file ends here");
     uint64_t bits = 0;
     for (uint32_t i = 0; i < size; i++) {
-        uint32_t place = parser->format == PLY_BIG_ENDIAN ? size - 1 - i : i;
+        uint32_t place = parser->header.format == PLY_BIG_ENDIAN ? size - 1 - i : i;
         bits |= (uint64_t)bytes[i] << 8 * place;
     }
     parser->text.at += size;
@@ -360,8 +120,8 @@ static bool read_binary_value(struct ply_parser *parser, enum ply_type type, dou
 // Every value fits a double: integers have at most 32 bits.
 static bool read_value(struct ply_parser *parser, enum ply_type type, double *out, struct err *err)
 {
-    return parser->format == PLY_ASCII ? read_ascii_value(parser, type, out, err)
-                                       : read_binary_value(parser, type, out, err);
+    return parser->header.format == PLY_ASCII ? read_ascii_value(parser, type, out, err)
+                                              : read_binary_value(parser, type, out, err);
 }
 
 // Checks that `count` things of at least `size` bytes (a digit and a blank each in ASCII, where the
@@ -370,7 +130,7 @@ static bool check_room(const struct ply_parser *parser, uint64_t count, uint64_t
                        struct err *err)
 {
     uint64_t needed, remaining = text_remaining(&parser->text);
-    uint64_t slack = parser->format == PLY_ASCII ? 1 : 0;
+    uint64_t slack = parser->header.format == PLY_ASCII ? 1 : 0;
     if (!__builtin_mul_overflow(count, size, &needed) && needed <= remaining + slack)
         return true;
     return ply_fail(parser, err, "%llu entries of %llu bytes or more, but only %llu bytes remain",
@@ -414,9 +174,9 @@ static bool add_corner(struct ply_parser *parser, const struct ply_property *pro
         *run = (struct corner_run){0};
         return true;
     }
-    if (index < 0.0 || index >= (double)parser->vertices->count)
+    if (index < 0.0 || index >= (double)parser->header.vertices->count)
         return ply_fail(parser, err, "vertex index %.0f, expected 0 or more and below %llu", index,
-                        (unsigned long long)parser->vertices->count);
+                        (unsigned long long)parser->header.vertices->count);
     uint32_t corner = (uint32_t)index;
     if (property->use == USE_STRIP ? !add_strip_corner(parser, run, corner, err)
                                    : !add_polygon_corner(parser, run, corner, err))
@@ -438,8 +198,8 @@ static bool read_list(struct ply_parser *parser, const struct ply_property *prop
         return ply_fail(parser, err, "a list of %.0f entries", count);
     if (property->use == USE_POLYGON && count < 3.0)
         return ply_fail(parser, err, "a face of %.0f corners, expected at least 3", count);
-    bool is_ascii = parser->format == PLY_ASCII;
-    uint64_t entries = (uint64_t)count, size = is_ascii ? 2 : ply_types[property->type].size;
+    bool is_ascii = parser->header.format == PLY_ASCII;
+    uint64_t entries = (uint64_t)count, size = is_ascii ? 2 : ply_type_size(property->type);
     if (!check_room(parser, entries, size, err))
         return false;
     if (property->use == USE_NONE && !is_ascii) {
@@ -491,17 +251,17 @@ static bool read_row(struct ply_parser *parser, struct err *err)
         if (property->use < VERTEX_VALUE_COUNT)
             values[property->use] = value;
     }
-    return parser->element != parser->vertices || store_vertex(parser, values, err);
+    return parser->element != parser->header.vertices || store_vertex(parser, values, err);
 }
 
 static bool allocate_vertices(struct ply_parser *parser, struct err *err)
 {
     const uint32_t normal_uses = 1u << USE_NX | 1u << USE_NY | 1u << USE_NZ;
-    size_t count = (size_t)parser->vertices->count;
+    size_t count = (size_t)parser->header.vertices->count;
     parser->positions = arena_alloc(&parser->scene->arena, count, sizeof *parser->positions);
     if (!parser->positions)
         return err_memory(err, "vertices", count * sizeof *parser->positions);
-    if ((parser->vertices->uses & normal_uses) != normal_uses)
+    if ((parser->header.vertices->uses & normal_uses) != normal_uses)
         return true;
     parser->normals = arena_alloc(&parser->scene->arena, count, sizeof *parser->normals);
     return parser->normals || err_memory(err, "normals", count * sizeof *parser->normals);
@@ -514,11 +274,11 @@ static bool read_rows(struct ply_parser *parser, struct err *err)
     parser->row = 0;
     if (element->property_count == 0)
         return true; // Such rows take no bytes, whatever their count.
-    bool is_ascii = parser->format == PLY_ASCII;
+    bool is_ascii = parser->header.format == PLY_ASCII;
     uint64_t row_bytes = is_ascii ? 2 * element->property_count : element->min_row_bytes;
     if (!check_room(parser, element->count, row_bytes, err))
         return false;
-    if (element == parser->vertices && !allocate_vertices(parser, err))
+    if (element == parser->header.vertices && !allocate_vertices(parser, err))
         return false;
     if (element->uses & 1u << USE_POLYGON &&
         !triangle_list_reserve(&parser->triangles, element->count, err))
@@ -539,7 +299,7 @@ static bool build_mesh(struct ply_parser *parser, uint32_t default_material, str
     const struct triangle_list *triangles = &parser->triangles;
     size_t size = triangles->count * sizeof *triangles->indices;
     mesh->name = arena_strdup(arena, path_name(parser->text.path));
-    mesh->vertex_count = (uint32_t)parser->vertices->count;
+    mesh->vertex_count = (uint32_t)parser->header.vertices->count;
     mesh->triangle_count = triangles->count;
     mesh->positions = parser->positions;
     mesh->normals = parser->normals;
@@ -568,9 +328,9 @@ static bool parse(struct ply_parser *parser, uint32_t default_material, struct m
         return false;
     parser->scene->hash = hash_bytes(parser->scene->hash, bytes.data, bytes.size);
     parser->text = text_open(parser->text.path, &bytes);
-    if (!read_header(parser, err))
+    if (!ply_read_header(&parser->scratch, &parser->text, &parser->header, err))
         return false;
-    for (parser->element = parser->elements; parser->element;
+    for (parser->element = parser->header.elements; parser->element;
          parser->element = parser->element->next) {
         if (!read_rows(parser, err))
             return false;

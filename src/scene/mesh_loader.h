@@ -52,16 +52,19 @@ struct mtl_material {
 
 // The materials of all MTL files of one OBJ file.
 struct mtl_library {
+    struct mtl_file *files; // that were read
     struct mtl_material *materials;
     uint32_t count, capacity;
 };
 
-// Appends the materials of an MTL file; names and arrays live in `arena`. What is read:
+// Appends the materials of an MTL file, unless it was read before (many OBJ files name theirs again
+// and again); names and arrays live in `arena`. What is read:
 //   Kd  base colour, default 0.5;  Ke  emitted radiance;  Ks  a mirror's reflectance, default 1
 //   illum 5, and illum 3 with a black Kd: a perfect mirror; all other models are diffuse
 // Colours outside [0, 1] are clamped and negative emission becomes 0, with one warning a file; so
 // are spectral and XYZ colours and texture maps skipped. *hash goes on over the file's bytes.
-// *missing: there is no such file, or none that can be read. err is not NULL here.
+// `path` lives as long as the library. *missing: there is no such file, or none that can be read.
+// err is not NULL here.
 bool load_mtl(struct arena *arena, const char *path, struct mtl_library *library, uint64_t *hash,
               bool *missing, struct err *err);
 

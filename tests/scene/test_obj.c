@@ -103,8 +103,7 @@ TEST(line_ends_continuations_and_comments)
         "v 0 0 0\rv 1 0 0\rv 1 1 0\rf 1 2 3\r",
         "\xef\xbb\xbfv 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n",
         "v 0 \\\n 0 0\nv 1 0 0\nv 1 1\\\r\n0\nf 1 \\\n2\\\n\\\n 3\\\n",
-        "# in C:\\models\\\nv 0 0 0 # here # too\n\n\tv\t1 0 0 1\n  v 1 1 0 .5 .5 .5\nf 1 2 3 # "
-        "4\n",
+        "# in C:\\models\\\nv 0 0 0 # here # too\n\n\tv\t1 0 0 1\n  v 1 1 0 .5 .5\nf 1 2 3 # 4\n",
         "o \\\n a\ng b \\\n c\ns off\nv 0 0 0\nv 1 0 0\nv 1 1 0\nfo 1 2 3 \n",
         "usemtl \\\nv 9 9 9\nv 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n",
     };
@@ -242,6 +241,16 @@ TEST(a_given_default_material_is_used)
     REQUIRE(is_loaded, "%s", err.msg);
     CHECK(first == 0 && count == 1 && scene.meshes[0].material == wanted);
     CHECK(scene.material_count == 2 && scene.hash != 0);
+    scene_finish(&scene);
+}
+
+TEST(libraries_are_read_once)
+{
+    write_text("twice.mtl", "newmtl a\nKd 2 2 2\n");
+    struct scene scene;
+    load_text(&scene, "mtllib twice.mtl\nmtllib twice.mtl\nmtllib no.mtl\nmtllib no.mtl\n");
+    CHECK(warnings == 2, "one clamped colour, two lines that name nothing: %u", warnings);
+    CHECK(strstr(warning, "mesh.obj:3") && strstr(warning, "2 such"), "%s", warning);
     scene_finish(&scene);
 }
 
@@ -454,6 +463,7 @@ int main(int argc, char **argv)
         TEST_CASE(materials),
         TEST_CASE(one_material_needs_no_list),
         TEST_CASE(a_given_default_material_is_used),
+        TEST_CASE(libraries_are_read_once),
         TEST_CASE(colours_are_clamped_and_counted),
         TEST_CASE(material_libraries_are_confined),
         TEST_CASE(errors_name_file_line_value_and_expectation),
