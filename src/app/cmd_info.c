@@ -36,7 +36,8 @@ static void print_text(const struct info *info)
            info->emitters.spheres, info->emitters.discs);
     printf("cameras   %u", scene->camera_count);
     for (uint32_t i = 0; i < scene->camera_count; i++)
-        printf("%s%s", i ? ", " : ": ", scene->cameras[i].name ? scene->cameras[i].name : "unnamed");
+        printf("%s%s", i ? ", " : ": ",
+               scene->cameras[i].name ? scene->cameras[i].name : "unnamed");
     printf("\nsettings  %u x %u, %" PRIu64 " spp, %u bounces, seed %u\n", s->width, s->height,
            s->spp, s->max_bounces, s->seed);
     for (uint32_t i = 0; i < scene->note_count; i++)
@@ -91,11 +92,11 @@ static int print_json(const struct info *info)
         flat->shape_count, "meshes", scene->mesh_count, "instances", scene->instance_count,
         "materials", scene->material_count, "dropped_degenerate", flat->dropped_degenerate,
         "skipped_instances", flat->skipped_instances, "emitters", "triangles",
-        info->emitters.triangles, "spheres", info->emitters.spheres, "discs",
-        info->emitters.discs, "cameras", scene->camera_count, "notes", notes, "bvh", "nodes",
-        b->node_count, "depth", b->depth, "sah_cost", b->sah_cost, "bytes", (json_int_t)b->bytes,
-        "build_seconds", b->build_seconds, "features", "kept", features, "left_out", left_out,
-        "memory", "device_bytes", (json_int_t)info->plan.total_bytes, "buffers", buffers, "wave",
+        info->emitters.triangles, "spheres", info->emitters.spheres, "discs", info->emitters.discs,
+        "cameras", scene->camera_count, "notes", notes, "bvh", "nodes", b->node_count, "depth",
+        b->depth, "sah_cost", b->sah_cost, "bytes", (json_int_t)b->bytes, "build_seconds",
+        b->build_seconds, "features", "kept", features, "left_out", left_out, "memory",
+        "device_bytes", (json_int_t)info->plan.total_bytes, "buffers", buffers, "wave",
         info->plan.wave_slots));
 }
 

@@ -48,25 +48,25 @@ static json_t *vector_json(const float v[3])
 
 static json_t *vertex_json(const struct replay_vertex *v)
 {
-    json_t *object = json_pack("{s:i, s:s, s:o, s:o, s:o, s:o, s:o}", "bounce", v->bounce, "queue",
-                               v->queue, "origin", vector_json(v->origin), "direction",
-                               vector_json(v->direction), "bsdf_pdf", json_number(v->bsdf_pdf),
-                               "throughput", vector_json(v->throughput), "gained",
-                               vector_json(v->gained));
+    json_t *object =
+        json_pack("{s:i, s:s, s:o, s:o, s:o, s:o, s:o}", "bounce", v->bounce, "queue", v->queue,
+                  "origin", vector_json(v->origin), "direction", vector_json(v->direction),
+                  "bsdf_pdf", json_number(v->bsdf_pdf), "throughput", vector_json(v->throughput),
+                  "gained", vector_json(v->gained));
     if (object && v->material)
-        json_object_update_new(
-            object, json_pack("{s:{s:s, s:i, s:o, s:s, s:[o, o, o]}}", "hit", "kind",
-                              v->is_shape ? "shape" : "triangle", "primitive", v->primitive, "t",
-                              json_number(v->t), "material", v->material->name, "position",
-                              json_number(v->position[0]), json_number(v->position[1]),
-                              json_number(v->position[2])));
+        json_object_update_new(object,
+                               json_pack("{s:{s:s, s:i, s:o, s:s, s:[o, o, o]}}", "hit", "kind",
+                                         v->is_shape ? "shape" : "triangle", "primitive",
+                                         v->primitive, "t", json_number(v->t), "material",
+                                         v->material->name, "position", json_number(v->position[0]),
+                                         json_number(v->position[1]), json_number(v->position[2])));
     if (object && v->connected)
-        json_object_update_new(
-            object,
-            json_pack("{s:{s:s, s:i, s:o, s:o, s:o, s:b}}", "light", "kind",
-                      v->light_is_shape ? "shape" : "triangle", "primitive", v->light_primitive,
-                      "pdf", json_number(v->light_pdf), "to_light", vector_json(v->light_point),
-                      "radiance", vector_json(v->light_radiance), "occluded", v->occluded));
+        json_object_update_new(object,
+                               json_pack("{s:{s:s, s:i, s:o, s:o, s:o, s:b}}", "light", "kind",
+                                         v->light_is_shape ? "shape" : "triangle", "primitive",
+                                         v->light_primitive, "pdf", json_number(v->light_pdf),
+                                         "to_light", vector_json(v->light_point), "radiance",
+                                         vector_json(v->light_radiance), "occluded", v->occluded));
     return object;
 }
 
@@ -95,8 +95,7 @@ bool job_replay(struct render_job *job, struct err *err)
         print_json(&replay, options->pixel, options->sample);
         return true;
     }
-    printf("pixel %u,%u sample %" PRIu64 ": %u rays\n", x, y, options->sample,
-           replay.vertex_count);
+    printf("pixel %u,%u sample %" PRIu64 ": %u rays\n", x, y, options->sample, replay.vertex_count);
     for (uint32_t i = 0; i < replay.vertex_count; i++)
         print_vertex(&replay.vertices[i]);
     printf("radiance %.9g %.9g %.9g%s\n", replay.radiance[0], replay.radiance[1],

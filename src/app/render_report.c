@@ -45,7 +45,8 @@ static const char *site_name(int site)
     return names[site];
 }
 
-// --- the command line -----------------------------------------------------------------------------
+// --- the command line
+// -----------------------------------------------------------------------------
 
 // Inside single quotes a shell takes everything but the quote itself as it is.
 static const char *quoted(struct arena *arena, const char *text)
@@ -68,8 +69,7 @@ static const char *quoted(struct arena *arena, const char *text)
     return out;
 }
 
-const char *job_command_line(const struct options *options, struct arena *arena,
-                             const char *extra)
+const char *job_command_line(const struct options *options, struct arena *arena, const char *extra)
 {
     const char *line = "lampyris";
     for (int i = 1; i < options->argc && line; i++) {
@@ -90,7 +90,8 @@ const char *job_reproducing_command(struct render_job *job)
     return job_command_line(job->options, &job->arena, extra);
 }
 
-// --- what was kept and left out -------------------------------------------------------------------
+// --- what was kept and left out
+// -------------------------------------------------------------------
 
 typedef void (*feature_fn)(void *context, bool kept, const char *kind, const char *name,
                            uint64_t bytes);
@@ -134,12 +135,13 @@ static void list_feature(void *context, bool kept, const char *kind, const char 
                          uint64_t bytes)
 {
     struct feature_lists *lists = context;
-    json_array_append_new(kept ? lists->kept : lists->left_out,
-                          json_pack("{s:s, s:s, s:I}", "kind", kind, "name", name, "bytes",
-                                    (json_int_t)bytes));
+    json_array_append_new(
+        kept ? lists->kept : lists->left_out,
+        json_pack("{s:s, s:s, s:I}", "kind", kind, "name", name, "bytes", (json_int_t)bytes));
 }
 
-// --- for people -----------------------------------------------------------------------------------
+// --- for people
+// -----------------------------------------------------------------------------------
 
 static void print_error(const struct render_job *job)
 {
@@ -193,7 +195,9 @@ void job_print_summary(const struct render_job *job)
     if (film->most_samples != film->least_samples)
         printf(" to %" PRIu64, film->most_samples);
     printf(" spp, seed %u%s\n", job->scene.settings.seed,
-           job->stopped ? ", stopped early" : job->timed_out ? ", ended by --time" : "");
+           job->stopped     ? ", stopped early"
+           : job->timed_out ? ", ended by --time"
+                            : "");
     printf("device    %s (%s)\n", job->gpu.info.name, job->gpu.info.kind);
     for (uint32_t i = 0; i < job->scene.note_count; i++)
         printf("note      %s\n", job->scene.notes[i]);
@@ -214,7 +218,8 @@ void job_print_summary(const struct render_job *job)
         printf("wrote     %s\n", job->outputs[i]);
 }
 
-// --- for machines ---------------------------------------------------------------------------------
+// --- for machines
+// ---------------------------------------------------------------------------------
 
 static json_t *kernels_json(const struct renderer *r)
 {

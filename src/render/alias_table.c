@@ -31,7 +31,8 @@ bool alias_table_build(const double *weights, uint32_t count, struct arena *scra
         }
     }
     // What is left over is full but for rounding. A bin of weight 0 cannot be left here with a
-    // positive threshold unless rounding took its partner: point it at itself only if it has weight.
+    // positive threshold unless rounding took its partner: point it at itself only if it has
+    // weight.
     while (large_count) {
         uint32_t i = large[--large_count];
         bins[i] = (struct alias_bin){1.0f, i};

@@ -80,8 +80,7 @@ static void add_pixel(struct film_image *image, uint64_t at, const struct gpu_re
         image->most_samples = p->samples;
 }
 
-bool renderer_read(struct renderer *r, struct arena *arena, struct film_image *out,
-                   struct err *err)
+bool renderer_read(struct renderer *r, struct arena *arena, struct film_image *out, struct err *err)
 {
     uint64_t pixels = pixel_count(r);
     *out = (struct film_image){
@@ -98,8 +97,7 @@ bool renderer_read(struct renderer *r, struct arena *arena, struct film_image *o
 
     const struct gpu_buffer *resolved = &r->buffers[BINDING_RESOLVED];
     for (uint32_t chunk = 0; chunk < r->plan.film_chunks; chunk++) {
-        for (uint64_t first = 0; first < chunk_pixels(r, chunk);
-             first += r->plan.resolve_pixels) {
+        for (uint64_t first = 0; first < chunk_pixels(r, chunk); first += r->plan.resolve_pixels) {
             uint64_t left = chunk_pixels(r, chunk) - first;
             uint64_t count = left < r->plan.resolve_pixels ? left : r->plan.resolve_pixels;
             if (!resolve(r, chunk, first, (uint32_t)count, err))

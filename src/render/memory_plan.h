@@ -2,16 +2,16 @@
 #ifndef LAMPYRIS_RENDER_MEMORY_PLAN_H
 #define LAMPYRIS_RENDER_MEMORY_PLAN_H
 
-#include "specialize.h"
 #include "shared/bindings.h"
+#include "specialize.h"
 
 #define PLAN_MAX_SUSPENDED_BYTES (64u << 20)
 
 struct planned_buffer {
-    const char *name; // NULL: the scene does not need it
-    uint64_t bytes;   // 0 where not needed
+    const char *name;        // NULL: the scene does not need it
+    uint64_t bytes;          // 0 where not needed
     uint64_t unneeded_bytes; // what leaving it out saves
-    uint32_t copies;  // film: buffers of `bytes` each, the last one may be smaller
+    uint32_t copies;         // film: buffers of `bytes` each, the last one may be smaller
 };
 
 struct memory_plan {

@@ -12,7 +12,8 @@
 // accumulates them stays far below what drivers allow.
 #define MAX_SAMPLE_SHIFT 4u
 
-// --- camera ---------------------------------------------------------------------------------------
+// --- camera
+// ---------------------------------------------------------------------------------------
 
 static void cross(const double a[3], const double b[3], double out[3])
 {
@@ -44,7 +45,8 @@ static void set_camera(struct gpu_push *push, const struct camera *camera, const
     }
 }
 
-// --- creation -------------------------------------------------------------------------------------
+// --- creation
+// -------------------------------------------------------------------------------------
 
 static struct bvh_box shape_box(const struct flat_shape *shape)
 {
@@ -85,8 +87,8 @@ static bool build_bvh(const struct flat_scene *flat, const struct progress *prog
     return ok;
 }
 
-bool render_prepare(const struct scene *scene, const struct progress *progress,
-                    struct arena *arena, struct flat_scene *flat, struct bvh *bvh, struct err *err)
+bool render_prepare(const struct scene *scene, const struct progress *progress, struct arena *arena,
+                    struct flat_scene *flat, struct bvh *bvh, struct err *err)
 {
     return scene_flatten(scene, arena, flat, err) && build_bvh(flat, progress, arena, bvh, err);
 }
@@ -187,8 +189,8 @@ static void set_push(struct renderer *r, uint32_t camera)
 
 bool renderer_create(const struct renderer_params *params, struct renderer *r, struct err *err)
 {
-    *r = (struct renderer){
-        .gpu = params->gpu, .scene = params->scene, .progress = params->progress};
+    *r =
+        (struct renderer){.gpu = params->gpu, .scene = params->scene, .progress = params->progress};
 
     uint64_t start = clock_ns();
     if (!render_prepare(r->scene, r->progress, &r->arena, &r->flat, &r->bvh, err))
@@ -197,8 +199,7 @@ bool renderer_create(const struct renderer_params *params, struct renderer *r, s
     r->stats.flatten_seconds = clock_seconds_since(start) - r->stats.bvh_seconds;
 
     start = clock_ns();
-    r->specialization =
-        specialize(r->scene, &r->flat, &r->bvh, r->gpu, params->everything);
+    r->specialization = specialize(r->scene, &r->flat, &r->bvh, r->gpu, params->everything);
     if (!plan_memory(r, params->wave, err))
         goto fail;
     set_push(r, params->camera);
@@ -234,7 +235,8 @@ void renderer_finish(struct renderer *r)
     *r = (struct renderer){0};
 }
 
-// --- rendering ------------------------------------------------------------------------------------
+// --- rendering
+// ------------------------------------------------------------------------------------
 
 // From now on rays that run out of their budget are suspended, not given up.
 static bool become_careful(struct renderer *r, struct err *err)
@@ -274,8 +276,8 @@ static bool render_pass(struct renderer *r, uint32_t shift, const struct render_
         }
         pixel += wave.pixel_count;
 
-        double part = ((double)done + (double)pixel / (double)pixels * (1u << shift)) /
-                      (double)call->samples;
+        double part =
+            ((double)done + (double)pixel / (double)pixels * (1u << shift)) / (double)call->samples;
         progress_report(r->progress, "Rendering",
                         call->progress_from + part * (call->progress_to - call->progress_from));
         if (pixel < pixels && progress_should_stop(r->progress)) {
@@ -298,8 +300,8 @@ bool renderer_render(struct renderer *r, const struct render_call *call, struct 
         c.progress_to = c.progress_from + 1.0;
     for (uint64_t done = 0; done < c.samples;) {
         uint32_t shift = MAX_SAMPLE_SHIFT;
-        while (shift > 0 && ((UINT64_C(1) << shift) > c.samples - done ||
-                             (1u << shift) > r->plan.wave_slots))
+        while (shift > 0 &&
+               ((UINT64_C(1) << shift) > c.samples - done || (1u << shift) > r->plan.wave_slots))
             shift--;
         if (!render_pass(r, shift, &c, done, err))
             return false;

@@ -32,7 +32,7 @@ struct renderer_params {
 };
 
 struct kernel_stats {
-    double ms; // on the device, by timestamps; 0 without them
+    double ms;         // on the device, by timestamps; 0 without them
     double longest_ms; // of one dispatch
     uint64_t launches;
 };
@@ -66,7 +66,7 @@ struct renderer {
     struct gpu_bindings *bindings;            // one a film chunk
     struct gpu_kernel kernels[KERNEL_COUNT];
     struct gpu_commands commands;
-    struct gpu_push push; // what does not change from dispatch to dispatch is filled in
+    struct gpu_push push;          // what does not change from dispatch to dispatch is filled in
     struct gpu_counters *counters; // as last read back
     uint8_t *marks;                // kernel of each timestamp of the commands being recorded
     uint32_t mark_count;
@@ -78,9 +78,8 @@ struct renderer {
 
 // The host's part, for those who only want to look: flattens and builds the BVH. Results live in
 // `arena`.
-bool render_prepare(const struct scene *scene, const struct progress *progress,
-                    struct arena *arena, struct flat_scene *flat, struct bvh *bvh,
-                    struct err *err);
+bool render_prepare(const struct scene *scene, const struct progress *progress, struct arena *arena,
+                    struct flat_scene *flat, struct bvh *bvh, struct err *err);
 
 // Flattens, builds the BVH, plans memory, uploads and compiles. *out must stay where it is. On
 // failure it is finished.
@@ -108,7 +107,7 @@ struct film_image {
     float (*half_b)[3]; // of the odd ones; (0,0,0) with one sample
     uint32_t *samples;
     uint64_t least_samples, most_samples; // a pixel
-    uint64_t dropped; // samples with a non-finite contribution left out
+    uint64_t dropped;                     // samples with a non-finite contribution left out
 };
 bool renderer_read(struct renderer *renderer, struct arena *arena, struct film_image *out,
                    struct err *err);

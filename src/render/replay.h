@@ -22,7 +22,7 @@ struct replay_vertex {
 
     float gained[3]; // emission of the surface or radiance of the environment, weighted
 
-    bool connected; // a shadow ray was sent
+    bool connected;       // a shadow ray was sent
     float light_point[3]; // relative to the shadow ray's origin
     float light_pdf;
     bool light_is_shape;

@@ -3,8 +3,9 @@
 #include "shared/types.h"
 
 // lavapipe's loops silently end after 65,535 rounds of all loops of one subgroup together. Rounds
-// are counted a lane; a subgroup of n lanes does at most n times as many as its busiest lane counts,
-// so each lane may have 1/n of them, with an eighth kept for the loops around the traversal.
+// are counted a lane; a subgroup of n lanes does at most n times as many as its busiest lane
+// counts, so each lane may have 1/n of them, with an eighth kept for the loops around the
+// traversal.
 #define CPU_SUBGROUP_ROUNDS 57344u
 // On GPUs nothing ends silently, but a watchdog may: about 100 ms of one ray's work.
 #define GPU_LANE_ROUNDS 500000u
@@ -42,8 +43,8 @@ static uint32_t geometry_features(const struct scene *scene, const struct flat_s
         uint32_t material = i < flat->triangle_count
                                 ? flat->triangles[i].material
                                 : flat->shapes[i - flat->triangle_count].material;
-        features |= scene->materials[material].type == MATERIAL_MIRROR ? FEATURE_MIRROR
-                                                                        : FEATURE_DIFFUSE;
+        features |=
+            scene->materials[material].type == MATERIAL_MIRROR ? FEATURE_MIRROR : FEATURE_DIFFUSE;
     }
     return features;
 }
@@ -74,11 +75,10 @@ static uint32_t light_features(const struct scene *scene, const struct flat_scen
 // What compiling in changes nothing but the time: what it would add is zero, or never met.
 static uint32_t harmless_features(const struct settings *settings)
 {
-    uint32_t features = FEATURE_TRIANGLES | FEATURE_SPHERES | FEATURE_DISCS | FEATURE_NORMALS |
-                        FEATURE_DIFFUSE | FEATURE_MIRROR | FEATURE_EMISSION |
-                        FEATURE_EMISSIVE_TRIANGLES | FEATURE_EMISSIVE_SPHERES |
-                        FEATURE_EMISSIVE_DISCS | FEATURE_ENVIRONMENT |
-                        FEATURE_ENVIRONMENT_IMAGE | FEATURE_ROULETTE;
+    uint32_t features =
+        FEATURE_TRIANGLES | FEATURE_SPHERES | FEATURE_DISCS | FEATURE_NORMALS | FEATURE_DIFFUSE |
+        FEATURE_MIRROR | FEATURE_EMISSION | FEATURE_EMISSIVE_TRIANGLES | FEATURE_EMISSIVE_SPHERES |
+        FEATURE_EMISSIVE_DISCS | FEATURE_ENVIRONMENT | FEATURE_ENVIRONMENT_IMAGE | FEATURE_ROULETTE;
     if (settings->estimator != ESTIMATOR_BSDF)
         features |= FEATURE_NEE;
     return features;
@@ -137,8 +137,8 @@ bool specialization_needs_kernel(const struct specialization *s, enum kernel_id 
     case KERNEL_intersect_closest:
         // Without surfaces every ray is a miss, found by the same kernel in an empty tree; without
         // an environment either, nothing can be seen.
-        return s->features & (FEATURE_TRIANGLES | FEATURE_SPHERES | FEATURE_DISCS |
-                              FEATURE_ENVIRONMENT);
+        return s->features &
+               (FEATURE_TRIANGLES | FEATURE_SPHERES | FEATURE_DISCS | FEATURE_ENVIRONMENT);
     case KERNEL_intersect_shadow:
         return s->features & FEATURE_NEE;
     default:

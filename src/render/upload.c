@@ -245,8 +245,7 @@ bool upload_scene(struct gpu *gpu, const struct upload_params *p, struct gpu_buf
          upload_emitters(gpu, p, &emitters, buffers, &scratch, err)) &&
         (!plan[BINDING_MATERIALS].name ||
          upload_materials(gpu, p, emitters.total, buffers, &scratch, err)) &&
-        (!plan[BINDING_ENVIRONMENT].name ||
-         upload_environment(gpu, p, buffers, &scratch, err));
+        (!plan[BINDING_ENVIRONMENT].name || upload_environment(gpu, p, buffers, &scratch, err));
     *emitter_count = emitters.count;
     arena_finish(&scratch);
     return ok;

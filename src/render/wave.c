@@ -8,7 +8,8 @@
 // The longest one dispatch may take before its work is split further.
 #define LONGEST_DISPATCH_MS 100.0
 
-// --- recording ------------------------------------------------------------------------------------
+// --- recording
+// ------------------------------------------------------------------------------------
 
 static void mark(struct renderer *r, enum kernel_id kernel)
 {
@@ -74,7 +75,8 @@ static void record_prepare(struct renderer *r, uint32_t queue_mask)
     dispatch(r, KERNEL_prepare_dispatch, 1);
 }
 
-// --- running --------------------------------------------------------------------------------------
+// --- running
+// --------------------------------------------------------------------------------------
 
 static void add_times(struct renderer *r, const double *ns)
 {
@@ -102,11 +104,12 @@ static bool run(struct renderer *r, struct err *err)
             return false;
         add_times(r, ns);
     }
-    return gpu_download(r->gpu, &r->buffers[BINDING_COUNTERS], 0, r->counters,
-                        sizeof *r->counters, err);
+    return gpu_download(r->gpu, &r->buffers[BINDING_COUNTERS], 0, r->counters, sizeof *r->counters,
+                        err);
 }
 
-// --- the loop -------------------------------------------------------------------------------------
+// --- the loop
+// -------------------------------------------------------------------------------------
 
 struct loop {
     struct renderer *r;
@@ -149,8 +152,8 @@ static bool shade(struct loop *l, enum kernel_id kernel, uint32_t queue, struct 
     return step_done(l, kernel, err);
 }
 
-// The shadow rays of the bounce before join the radiance first: contributions are added in the order
-// of bounces.
+// The shadow rays of the bounce before join the radiance first: contributions are added in the
+// order of bounces.
 static bool trace_bounce(struct loop *l, uint32_t bounce, struct err *err)
 {
     struct renderer *r = l->r;
@@ -221,8 +224,8 @@ static void add_nonfinite(struct renderer *r, const struct gpu_counters *before)
     for (uint32_t i = before->nonfinite_records;
          i < r->counters->nonfinite_records && i < NONFINITE_RECORDS; i++) {
         const uint32_t *record = &r->counters->nonfinite_record[i * 4];
-        if (stats->recorded && (record[0] > stats->pixel ||
-                                (record[0] == stats->pixel && record[1] >= stats->sample)))
+        if (stats->recorded &&
+            (record[0] > stats->pixel || (record[0] == stats->pixel && record[1] >= stats->sample)))
             continue;
         stats->recorded = true;
         stats->pixel = record[0];
@@ -253,15 +256,16 @@ bool wave_render(struct renderer *r, const struct wave *wave, bool *voided, stru
     return true;
 }
 
-bool wave_trace_steps(struct renderer *r, const struct wave *wave, wave_step_fn step,
-                      void *context, struct err *err)
+bool wave_trace_steps(struct renderer *r, const struct wave *wave, wave_step_fn step, void *context,
+                      struct err *err)
 {
     set_wave(r, wave);
     struct loop loop = {.r = r, .wave = wave, .step = step, .context = context};
     return trace_paths(&loop, err) && run(r, err);
 }
 
-// --- kernels --------------------------------------------------------------------------------------
+// --- kernels
+// --------------------------------------------------------------------------------------
 
 static bool create_kernels(struct renderer *r, struct err *err)
 {

@@ -14,14 +14,14 @@ struct wave {
 };
 
 // *voided: some ray ran out of its budget without FEATURE_SUSPEND, and nothing reached the film.
-bool wave_render(struct renderer *renderer, const struct wave *wave, bool *voided,
-                 struct err *err);
+bool wave_render(struct renderer *renderer, const struct wave *wave, bool *voided, struct err *err);
 
 // Creates the kernels that the renderer needs at present; compiles them by running each once on
 // nothing, since drivers put that off until then.
 bool wave_compile(struct renderer *renderer, struct err *err);
 
-// --- for replay.c, which follows one path step by step --------------------------------------------
+// --- for replay.c, which follows one path step by step
+// --------------------------------------------
 typedef bool (*wave_step_fn)(void *context, enum kernel_id kernel, uint32_t bounce,
                              struct err *err);
 // wave_render without accumulation, calling `step` after each kernel with its results in memory.
