@@ -11,8 +11,10 @@
 
 #define FORMAT_VERSION 1
 
-const char *const load_json_document_keys[] = {
-    "lampyris", "define", "camera", "film", "settings", "materials", "environment", "shapes", NULL};
+// "$schema" tells editors where the schema is.
+const char *const load_json_document_keys[] = {"lampyris", "define",    "camera",      "film",
+                                               "settings", "materials", "environment", "shapes",
+                                               "$schema",  NULL};
 
 const struct range RANGE_UNIT = {0, 1, false};
 const struct range RANGE_RADIANCE = {0, SCENE_RADIANCE_MAX, false};

@@ -221,6 +221,8 @@ static bool check_definitions(const struct json_node *definitions, struct err *e
     json_t *value;
     json_object_foreach(definitions->value, name, value)
     {
+        if (strcmp(name, "comment") == 0)
+            continue;
         const struct json_node definition = node_member(definitions, name);
         if (!node_check_name(&definition, name, err))
             return false;
