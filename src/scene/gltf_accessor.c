@@ -2,7 +2,6 @@
 #include "gltf_accessor.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 static const struct {
@@ -53,8 +52,7 @@ static bool read_buffer_view(const struct gltf_document *document, uint32_t inde
     uint64_t end;
     if (__builtin_add_overflow(out->offset, out->length, &end) || end > out->buffer->size)
         return node_fail(node, err,
-                         "byteOffset %llu + byteLength %llu is beyond buffers[%u] of "
-                         "%llu bytes",
+                         "byteOffset %llu + byteLength %llu is beyond buffers[%u] of %llu bytes",
                          (unsigned long long)out->offset, (unsigned long long)out->length, buffer,
                          (unsigned long long)out->buffer->size);
     if (out->stride % 4 != 0)
@@ -74,8 +72,7 @@ static bool choose_stride(const struct buffer_view *view, const struct claim *cl
     // Other data than vertex attributes has no stride; one that says the same does no harm.
     if (!claim->is_vertex_attribute && *stride != claim->size)
         return node_fail(claim->holder, err,
-                         "a byteStride of %llu; expected elements of %u bytes "
-                         "without gaps",
+                         "a byteStride of %llu; expected elements of %u bytes without gaps",
                          (unsigned long long)*stride, claim->size);
     if (claim->is_vertex_attribute && *stride % 4 != 0)
         return node_fail(claim->holder, err, "vertices %llu bytes apart; expected a multiple of 4",
@@ -101,16 +98,16 @@ static bool open_window(const struct gltf_document *document, const struct claim
         __builtin_add_overflow(span, claim->size, &span) ||
         __builtin_add_overflow(offset, span, &end) || end > view.length)
         return node_fail(claim->holder, err,
-                         "%u elements of %u bytes from byteOffset %llu on do "
-                         "not fit into bufferViews[%u] of %llu bytes",
+                         "%u elements of %u bytes from byteOffset %llu on do not fit into "
+                         "bufferViews[%u] of %llu bytes",
                          claim->count, claim->size, (unsigned long long)offset, index,
                          (unsigned long long)view.length);
     uint64_t start = view.offset + offset; // below the buffer's size: no overflow
     uint32_t alignment = claim->is_vertex_attribute ? 4 : claim->component_size;
     if (offset % alignment != 0 || start % claim->component_size != 0)
         return node_fail(claim->holder, err,
-                         "begins at byte %llu of bufferViews[%u], byte %llu of "
-                         "the buffer; expected multiples of %u and %u",
+                         "begins at byte %llu of bufferViews[%u], byte %llu of the buffer; "
+                         "expected multiples of %u and %u",
                          (unsigned long long)offset, index, (unsigned long long)start, alignment,
                          claim->component_size);
     *data = view.buffer->data + (size_t)start;
@@ -164,8 +161,7 @@ static bool read_type(const struct gltf_document *document, const struct accesso
         return false;
     if (!(always & COMPONENT_BIT(out->type)) && !document->is_quantized)
         return node_fail(node, err,
-                         "%s for %s needs KHR_mesh_quantization, which the file does "
-                         "not declare",
+                         "%s for %s needs KHR_mesh_quantization, which the file does not declare",
                          components[out->type].name, rule->use);
     return true;
 }
@@ -199,8 +195,8 @@ static bool check_sparse_indices(const struct accessor_view *view, const struct 
         uint32_t index = sparse_index(view, i);
         if (index < least || index >= view->count)
             return node_fail(node, err,
-                             "element %u is %u; expected indices that ascend strictly "
-                             "below the accessor's count, %u",
+                             "element %u is %u; expected indices that ascend strictly below the "
+                             "accessor's count, %u",
                              i, index, view->count);
         least = index + 1; // count is at most GLTF_MAX_COUNT
     }
@@ -242,8 +238,7 @@ static bool open_base(const struct gltf_document *document, const struct accesso
             return node_fail(&out->node, err, "\"byteOffset\" without \"bufferView\"");
         if (out->count > ACCESSOR_MAX_UNBACKED_COUNT)
             return node_fail(&out->node, err,
-                             "%u elements without \"bufferView\"; at most %llu "
-                             "are read",
+                             "%u elements without \"bufferView\"; at most %llu are read",
                              out->count, (unsigned long long)ACCESSOR_MAX_UNBACKED_COUNT);
         return true;
     }
@@ -315,9 +310,8 @@ static bool read_element(const struct accessor_view *view, const uint8_t *at, ui
         out[i] = load_float(at + i * size, view->type, view->is_normalized);
         if (!isfinite(out[i]))
             return node_fail(&view->node, err,
-                             "element %u, component %u is %g; expected a finite "
-                             "number",
-                             element, i, (double)out[i]);
+                             "element %u, component %u is %g; expected a finite number", element, i,
+                             (double)out[i]);
     }
     return true;
 }
@@ -350,8 +344,7 @@ static bool check_index(const struct accessor_view *view, uint32_t element, uint
                                                      : UINT32_MAX;
     if (index == restart)
         return node_fail(&view->node, err,
-                         "element %u is %u, the primitive restart value, which "
-                         "is not allowed",
+                         "element %u is %u, the primitive restart value, which is not allowed",
                          element, index);
     if (index >= limit)
         return node_fail(&view->node, err, "element %u is %u; expected an index below %s, %u",

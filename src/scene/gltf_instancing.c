@@ -61,8 +61,7 @@ static bool read_part(struct gltf_load *load, const struct json_node *attributes
         return false;
     if (parts->count > 0 && view.count != parts->count)
         return node_fail(attributes, err,
-                         "%s has %u elements, another attribute %u; expected the "
-                         "same count",
+                         "%s has %u elements, another attribute %u; expected the same count",
                          rule->use, view.count, parts->count);
     parts->count = view.count;
     parts->nodes[attribute] = view.node;
@@ -102,9 +101,7 @@ static bool add_one(struct gltf_load *load, const struct parts *parts, uint32_t 
     take(parts, SCALE, i, scale);
     if (!gltf_compose(translation, rotation, scale, transform))
         return node_fail(&parts->nodes[ROTATION], err,
-                         "element %u: the zero quaternion is no "
-                         "rotation",
-                         i);
+                         "element %u: the zero quaternion is no rotation", i);
     affine_multiply(world, transform, transform);
     return gltf_instance_add(load, transform, meshes, err);
 }

@@ -23,6 +23,7 @@ struct gltf_mesh_range {
 // Arrays decoded from an accessor. Primitives that share the accessor share the array.
 struct gltf_vectors {
     float (*positions)[3], (*normals)[3]; // NULL until wanted
+    uint32_t count;                       // of either
 };
 
 struct gltf_load {
@@ -33,6 +34,7 @@ struct gltf_load {
     uint32_t default_material;      // of primitives without one; SCENE_NONE until needed
     struct gltf_mesh_range *meshes; // one for each glTF mesh
     struct gltf_vectors *vectors;   // one for each accessor
+    uint32_t loaded_meshes;
     struct gltf_tally tally;
 };
 

@@ -3,7 +3,6 @@
 
 #include "gltf_accessor.h"
 #include "mesh_loader.h"
-#include <stdio.h>
 
 // The codes of the specification.
 enum primitive_mode {
@@ -40,49 +39,53 @@ static const struct accessor_rule index_rule = {
 
 // --- vertices ------------------------------------------------------------------------------------
 
-// The three-component vectors of an accessor, in the scene's arena.
-static float (*read_vectors(struct gltf_load *load, const struct accessor_view *view,
-                            struct err *err))[3]
+// Decodes an accessor's vectors into the scene's arena, unless *cached, its place in load->vectors,
+// has them already.
+static bool share_vectors(struct gltf_load *load, uint32_t accessor,
+                          const struct accessor_rule *rule, float (**cached)[3], struct err *err)
 {
-    float(*vectors)[3] = arena_alloc(&load->scene->arena, view->count, sizeof *vectors);
-    if (!vectors) {
-        gltf_no_memory(&load->document, "vertices", (uint64_t)view->count * sizeof *vectors, err);
-        return NULL;
-    }
-    return accessor_read_floats(view, &vectors[0][0], err) ? vectors : NULL;
+    struct accessor_view view;
+    if (*cached)
+        return true;
+    if (!accessor_view(&load->document, accessor, rule, &view, err))
+        return false;
+    float(*vectors)[3] = arena_alloc(&load->scene->arena, view.count, sizeof *vectors);
+    if (!vectors)
+        return gltf_no_memory(&load->document, "vertices", (uint64_t)view.count * sizeof *vectors,
+                              err);
+    if (!accessor_read_floats(&view, &vectors[0][0], err))
+        return false;
+    load->vectors[accessor].count = view.count;
+    *cached = vectors;
+    return true;
 }
 
 static bool read_positions(struct gltf_load *load, uint32_t accessor, struct mesh *mesh,
                            struct err *err)
 {
-    struct accessor_view view;
-    if (!accessor_view(&load->document, accessor, &position_rule, &view, err))
-        return false;
     struct gltf_vectors *shared = &load->vectors[accessor];
-    if (!shared->positions)
-        shared->positions = read_vectors(load, &view, err);
+    if (!share_vectors(load, accessor, &position_rule, &shared->positions, err))
+        return false;
     mesh->positions = shared->positions;
-    mesh->vertex_count = view.count;
-    return mesh->positions != NULL;
+    mesh->vertex_count = shared->count;
+    return true;
 }
 
 static bool read_normals(struct gltf_load *load, uint32_t accessor, struct mesh *mesh,
                          struct err *err)
 {
-    struct accessor_view view;
-    if (!accessor_view(&load->document, accessor, &normal_rule, &view, err))
-        return false;
-    if (view.count != mesh->vertex_count)
-        return node_fail(&view.node, err, "%u normals for %u positions", view.count,
-                         mesh->vertex_count);
     struct gltf_vectors *shared = &load->vectors[accessor];
-    if (!shared->normals) {
-        shared->normals = read_vectors(load, &view, err);
-        for (uint32_t i = 0; shared->normals && i < view.count; i++)
-            mesh_unit_normal(shared->normals[i], shared->normals[i]);
-    }
+    const struct json_node node = gltf_item(&load->document, GLTF_ACCESSORS, accessor);
+    bool is_new = !shared->normals;
+    if (!share_vectors(load, accessor, &normal_rule, &shared->normals, err))
+        return false;
+    if (shared->count != mesh->vertex_count)
+        return node_fail(&node, err, "%u normals for %u positions", shared->count,
+                         mesh->vertex_count);
+    for (uint32_t i = 0; is_new && i < shared->count; i++)
+        mesh_unit_normal(shared->normals[i], shared->normals[i]);
     mesh->normals = shared->normals;
-    return mesh->normals != NULL;
+    return true;
 }
 
 // --- triangles -----------------------------------------------------------------------------------
@@ -268,7 +271,7 @@ bool gltf_mesh_load(struct gltf_load *load, uint32_t index, struct gltf_mesh_ran
         range->count = load->scene->mesh_count - range->first;
         range->is_loaded = true;
         progress_report(load->progress, "Loading",
-                        (double)(index + 1) / load->document.counts[GLTF_MESHES]);
+                        (double)++load->loaded_meshes / load->document.counts[GLTF_MESHES]);
     }
     *out = *range;
     return true;

@@ -120,8 +120,8 @@ static bool note_diffuse(struct gltf_load *load)
     uint32_t count = load->document.counts[GLTF_MATERIALS];
     return count == 0 ||
            scene_note(load->scene,
-                      "%s: all %u materials are approximated as diffuse "
-                      "(metallic: %u, transparent: %u, specular-glossiness: %u, unlit: %u)",
+                      "%s: all %u materials are approximated as diffuse (metallic: %u, "
+                      "transparent: %u, specular-glossiness: %u, unlit: %u)",
                       path_name(load->document.source->path), count, t->metallic, t->transparent,
                       t->specular_glossy, t->unlit);
 }
