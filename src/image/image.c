@@ -63,11 +63,12 @@ bool image_write(const struct image_write_params *params, struct err *err)
 bool image_allocate(const struct image_source *source, uint64_t width, uint64_t height,
                     uint64_t extra_bytes, struct arena *arena, struct image *out, struct err *err)
 {
-    if (width == 0 || height == 0 || width > UINT32_MAX || height > UINT32_MAX)
+    if (width == 0 || height == 0)
         return err_set(err, ERR_INPUT, "the picture is %llu x %llu pixels; expected at least 1 x 1",
                        (unsigned long long)width, (unsigned long long)height);
     uint64_t bytes;
-    if (__builtin_mul_overflow(width * height, sizeof *out->pixels, &bytes) ||
+    if (width > UINT32_MAX || height > UINT32_MAX ||
+        __builtin_mul_overflow(width * height, sizeof *out->pixels, &bytes) ||
         __builtin_add_overflow(bytes, extra_bytes, &bytes) || bytes > source->max_bytes)
         return err_set(err, ERR_INPUT,
                        "the picture is %llu x %llu pixels, which needs more than the limit of %zu "

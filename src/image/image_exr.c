@@ -1,22 +1,24 @@
 #include "image_exr.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <string.h>
 
-static struct exr_stream *stream_of(exr_const_context_t context)
-{
-    void *user_data = NULL;
-    exr_get_user_data(context, &user_data);
-    return user_data;
-}
-
 static void keep_message(exr_const_context_t context, exr_result_t code, const char *message)
 {
-    struct exr_stream *stream = stream_of(context);
-    if (!stream || stream->message[0])
-        return;
     (void)code; // comes back as the call's result
-    snprintf(stream->message, sizeof stream->message, "%s", message);
+    void *user_data = NULL;
+    exr_get_user_data(context, &user_data);
+    struct exr_stream *stream = user_data;
+    if (stream && !stream->message[0])
+        snprintf(stream->message, sizeof stream->message, "%s", message);
+}
+
+// A context for writing is locked while it reports an error (OpenEXRCore 3.1.5), and asking it for
+// its user data would wait for ever.
+static void drop_message(exr_const_context_t context, exr_result_t code, const char *message)
+{
+    (void)context, (void)code, (void)message;
 }
 
 static int64_t read_bytes(exr_const_context_t context, void *user_data, void *buffer, uint64_t size,
@@ -55,7 +57,8 @@ static int64_t write_bytes(exr_const_context_t context, void *user_data, const v
 exr_context_initializer_t exr_stream_initializer(struct exr_stream *stream)
 {
     exr_context_initializer_t initializer = EXR_DEFAULT_CONTEXT_INITIALIZER;
-    initializer.error_handler_fn = keep_message;
+    errno = 0; // for exr_fail
+    initializer.error_handler_fn = stream->out ? drop_message : keep_message;
     initializer.user_data = stream;
     initializer.read_fn = read_bytes;
     initializer.size_fn = query_size;
@@ -68,7 +71,9 @@ exr_context_initializer_t exr_stream_initializer(struct exr_stream *stream)
 bool exr_fail(const struct exr_stream *stream, exr_result_t result, enum err_code code,
               struct err *err)
 {
-    if (stream->out_of_memory || result == EXR_ERR_OUT_OF_MEMORY)
+    // Some decompressors say so of damaged data as well; malloc, when it does fail, sets errno.
+    bool exhausted = result == EXR_ERR_OUT_OF_MEMORY && errno == ENOMEM;
+    if (stream->out_of_memory || exhausted)
         return err_set(err, ERR_SYSTEM, "out of memory in the EXR library");
     return err_set(err, code, "EXR: %s",
                    stream->message[0] ? stream->message : exr_get_default_error_message(result));

@@ -3,10 +3,9 @@
 #define LAMPYRIS_IMAGE_IMAGE_EXR_H
 
 #include "image_internal.h"
-// The library's headers have unprototyped functions only in C++; in C they are clean.
 #include <OpenEXR/openexr.h>
 
-// The user data of a context. The library hands messages to a callback, which keeps the first one:
+// The user data of a context. Of the messages that come with errors of reading the first is kept:
 // later ones are consequences.
 struct exr_stream {
     const uint8_t *data; // reading

@@ -56,17 +56,17 @@ static bool read_header(struct hdr_reader *reader, struct err *err)
 // "-Y height +X width" and its mirror images; rows first only.
 static bool read_resolution(struct hdr_reader *reader, struct err *err)
 {
-    char line[64];
+    char line[64], height[10], width[10]; // nine digits
     char sign_y, sign_x;
-    unsigned long long height, width;
     int end = 0;
-    bool ok = next_line(reader, line, sizeof line) &&
-              sscanf(line, "%cY %9llu %cX %9llu%n", &sign_y, &height, &sign_x, &width, &end) == 4 &&
-              line[end] == '\0' && strchr("+-", sign_y) && strchr("+-", sign_x);
+    bool ok =
+        next_line(reader, line, sizeof line) &&
+        sscanf(line, "%cY %9[0-9] %cX %9[0-9]%n", &sign_y, height, &sign_x, width, &end) == 4 &&
+        line[end] == '\0' && strchr("+-", sign_y) && strchr("+-", sign_x);
     if (!ok)
         return err_set(err, ERR_INPUT, "HDR: expected a line \"-Y height +X width\"");
-    reader->height = height;
-    reader->width = width;
+    reader->height = strtoull(height, NULL, 10);
+    reader->width = strtoull(width, NULL, 10);
     reader->flip_y = sign_y == '+';
     reader->flip_x = sign_x == '-';
     return true;

@@ -16,6 +16,7 @@ struct png_reader {
     struct image *out;
     struct err *err;
     bool reported; // err is filled in already
+    size_t row_bytes;
     png_bytep bytes;
     png_bytepp rows;
 };
@@ -38,14 +39,18 @@ static void set_limits(struct png_reader *reader)
     png_set_chunk_malloc_max(reader->png, chunk_bytes_max);
 }
 
+// Before the transformations are set up, for then libpng allocates lines by itself.
 static bool allocate(struct png_reader *reader)
 {
     uint64_t width = png_get_image_width(reader->png, reader->info);
     uint64_t height = png_get_image_height(reader->png, reader->info);
-    uint64_t row_bytes = png_get_rowbytes(reader->png, reader->info);
-    // Interlaced pictures come in seven passes over all lines, so all are held.
+    uint64_t row_bytes = 3 * width * (png_get_bit_depth(reader->png, reader->info) == 16 ? 2 : 1);
+    // Interlaced pictures come in seven passes over all lines, so all are held. libpng holds two
+    // lines, at most four components of 16 bits.
+    const uint64_t library_bytes = 2 * 4 * 2 * width;
     uint64_t extra;
-    if (__builtin_mul_overflow(row_bytes + sizeof *reader->rows, height, &extra))
+    if (__builtin_mul_overflow(row_bytes + sizeof *reader->rows, height, &extra) ||
+        __builtin_add_overflow(extra, library_bytes, &extra))
         extra = UINT64_MAX;
     if (!image_allocate(reader->source, width, height, extra, reader->arena, reader->out,
                         reader->err))
@@ -54,6 +59,7 @@ static bool allocate(struct png_reader *reader)
     reader->rows = malloc((size_t)height * sizeof *reader->rows);
     if (!reader->bytes || !reader->rows)
         return err_memory(reader->err, "lines", extra);
+    reader->row_bytes = (size_t)row_bytes;
     for (uint64_t y = 0; y < height; y++)
         reader->rows[y] = reader->bytes + y * row_bytes;
     return true;
@@ -83,11 +89,13 @@ static bool read_image(struct png_reader *reader)
 {
     if (setjmp(png_jmpbuf(reader->png)))
         return false;
-    set_transformations(reader);
     if (!allocate(reader)) {
         reader->reported = true;
         return false;
     }
+    set_transformations(reader);
+    if (png_get_rowbytes(reader->png, reader->info) != reader->row_bytes)
+        png_error(reader->png, "lines of unexpected length");
     png_read_image(reader->png, reader->rows);
     png_read_end(reader->png, NULL);
     return true;

@@ -1,0 +1,35 @@
+// libFuzzer target: a picture of the format FUZZ_FORMAT ("exr", "hdr", "jpeg" or "png") from
+// memory, and its metadata. Bytes of another format are not wanted in the corpus.
+#include "image.h"
+#include "image_internal.h"
+#include <string.h>
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+static bool read_format(const struct image_source *source, struct arena *arena)
+{
+    struct image image;
+    struct image_attribute *attributes;
+    uint32_t count = 0;
+    if (strcmp(FUZZ_FORMAT, "exr") == 0) {
+        image_exr_read_attributes(source, arena, &attributes, &count, NULL);
+        return image_exr_read(source, arena, &image, NULL);
+    }
+    if (strcmp(FUZZ_FORMAT, "png") == 0) {
+        image_png_read_attributes(source, arena, &attributes, &count, NULL);
+        return image_png_read(source, arena, &image, NULL);
+    }
+    if (strcmp(FUZZ_FORMAT, "hdr") == 0)
+        return image_hdr_read(source, arena, &image, NULL);
+    return image_jpeg_read(source, arena, &image, NULL);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    struct image_source source = {
+        .path = "fuzz", .data = data, .size = size, .max_bytes = 64u << 20};
+    struct arena arena = {0};
+    read_format(&source, &arena);
+    arena_finish(&arena);
+    return 0;
+}

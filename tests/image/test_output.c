@@ -1,0 +1,174 @@
+#define _GNU_SOURCE // nftw
+// Faults of writing and limits of reading, of all formats alike.
+#include "base/temporary_folder.h"
+#include "picture.h"
+
+#include <errno.h>
+#include <signal.h>
+#include <sys/resource.h>
+
+static char folder[512];
+static const char *const names[] = {"picture.exr", "picture.png"};
+
+static bool write_picture(const char *path, struct err *err)
+{
+    struct arena arena = {0};
+    struct image image = picture_create(&arena, 60, 40);
+    bool ok = image_write(&(struct image_write_params){.path = path, .image = &image}, err);
+    arena_finish(&arena);
+    return ok;
+}
+
+TEST(formats_are_told_by_extension)
+{
+    struct err err;
+    CHECK(image_check_format("a/b.exr", &err) && image_check_format("B.PNG", &err));
+    CHECK(!image_check_format("a.jpg", &err) && err.code == ERR_USAGE);
+    CHECK(strstr(err.msg, "a.jpg") && strstr(err.msg, ".exr or .png"), "%s", err.msg);
+    CHECK(!image_check_format("exr", &err) && !image_check_format(".exr", &err));
+    CHECK(!write_picture("a.tiff", &err) && err.code == ERR_USAGE);
+}
+
+TEST(full_disk_is_an_error)
+{
+    REQUIRE(temporary_enter(folder, sizeof folder));
+    for (int i = 0; i < 2; i++) {
+        struct err err = {0};
+        if (symlink("/dev/full", names[i]) != 0 || access(names[i], W_OK) != 0)
+            SKIP("/dev/full is not there");
+        CHECK(!write_picture(names[i], &err) && err.code == ERR_OUTPUT, "%s", err.msg);
+        CHECK(strstr(err.msg, names[i]) || strstr(err.msg, "/dev/full"), "%s", err.msg);
+        CHECK(strstr(err.msg, strerror(ENOSPC)), "%s", err.msg);
+    }
+    temporary_leave(folder);
+}
+
+TEST(missing_folder_is_an_error)
+{
+    struct err err = {0};
+    CHECK(!write_picture("/nonexistent-folder/picture.exr", &err) && err.code == ERR_OUTPUT);
+    CHECK(!write_picture("/nonexistent-folder/picture.png", &err) && err.code == ERR_OUTPUT);
+}
+
+// Root may write to any folder but those of the kernel's own.
+TEST(unwritable_folder_is_an_error)
+{
+    REQUIRE(temporary_enter(folder, sizeof folder));
+    CHECK(chmod(".", 0500) == 0);
+    const char *path = geteuid() == 0 ? "/proc/picture.exr" : "picture.exr";
+    struct err err = {0};
+    CHECK(!write_picture(path, &err) && err.code == ERR_OUTPUT, "%s", err.msg);
+    CHECK(chmod(".", 0700) == 0);
+    temporary_leave(folder);
+}
+
+// A limit on the file's size stands for a disk that fills up half-way.
+TEST(failed_write_keeps_the_old_file)
+{
+    REQUIRE(temporary_enter(folder, sizeof folder));
+    signal(SIGXFSZ, SIG_IGN); // the write then fails with EFBIG
+    struct rlimit before, limit;
+    REQUIRE(getrlimit(RLIMIT_FSIZE, &before) == 0);
+    for (int i = 0; i < 2; i++) {
+        struct err err = {0};
+        REQUIRE(temporary_write(names[i], "old"));
+        limit = before;
+        limit.rlim_cur = 1000;
+        setrlimit(RLIMIT_FSIZE, &limit);
+        bool ok = write_picture(names[i], &err);
+        setrlimit(RLIMIT_FSIZE, &before);
+        CHECK(!ok && err.code == ERR_OUTPUT, "%s", err.msg);
+        struct arena arena = {0};
+        struct file_bytes file;
+        CHECK(file_read(&arena, names[i], 0, &file, NULL) && file.size == 3 &&
+              memcmp(file.data, "old", 3) == 0);
+        arena_finish(&arena);
+        CHECK(temporary_entries(".") == i + 1, "temporary files are left behind");
+        CHECK(write_picture(names[i], &err), "%s", err.msg);
+    }
+    temporary_leave(folder);
+}
+
+TEST(empty_pictures_are_refused)
+{
+    struct image image = {0};
+    struct err err = {0};
+    CHECK(!image_write(&(struct image_write_params){.path = "x.exr", .image = &image}, &err));
+    CHECK(err.code == ERR_BUG);
+}
+
+TEST(reading_what_is_no_picture)
+{
+    REQUIRE(temporary_enter(folder, sizeof folder));
+    struct arena arena = {0};
+    struct image image;
+    struct image_attribute *attributes;
+    uint32_t count;
+    struct err err = {0};
+    CHECK(!image_read(&(struct image_read_params){.path = "none.exr"}, &arena, &image, &err));
+    CHECK(err.code == ERR_INPUT && strstr(err.msg, "none.exr"), "%s", err.msg);
+    REQUIRE(temporary_write("text.exr", "just text") && temporary_write("empty.png", ""));
+    CHECK(!image_read(&(struct image_read_params){.path = "text.exr"}, &arena, &image, &err));
+    CHECK(err.code == ERR_INPUT && strstr(err.msg, "expected EXR, HDR, PNG or JPEG"), "%s",
+          err.msg);
+    CHECK(!image_read(&(struct image_read_params){.path = "empty.png"}, &arena, &image, &err));
+    CHECK(!image_read(&(struct image_read_params){.path = "."}, &arena, &image, &err));
+    CHECK(err.code == ERR_INPUT && !image.pixels);
+    CHECK(!image_read_attributes("text.exr", &arena, &attributes, &count, &err) && count == 0);
+    CHECK(err.code == ERR_INPUT && strncmp(err.msg, "text.exr: ", 10) == 0, "%s", err.msg);
+    arena_finish(&arena);
+    temporary_leave(folder);
+}
+
+TEST(reading_keeps_to_its_budget)
+{
+    REQUIRE(temporary_enter(folder, sizeof folder));
+    for (int i = 0; i < 2; i++) {
+        struct arena arena = {0};
+        struct image image;
+        struct err err = {0};
+        REQUIRE(write_picture(names[i], &err), "%s", err.msg);
+        struct image_read_params params = {.path = names[i], .max_bytes = 60 * 40 * 12};
+        CHECK(!image_read(&params, &arena, &image, &err) && err.code == ERR_INPUT);
+        CHECK(strstr(err.msg, "limit") || strstr(err.msg, "at most"), "%s", err.msg);
+        CHECK(arena.used_bytes == 0, "%zu", arena.used_bytes);
+        params.max_bytes = 60 * 40 * 12 * 8;
+        CHECK(image_read(&params, &arena, &image, &err), "%s", err.msg);
+        arena_finish(&arena);
+        // An arena that is too small is a lack of memory, not a fault of the file.
+        arena.limit_bytes = 1000;
+        CHECK(!image_read(&params, &arena, &image, &err) && err.code == ERR_SYSTEM, "%s", err.msg);
+        arena_finish(&arena);
+    }
+    temporary_leave(folder);
+}
+
+// The n-th allocation fails, for all n up to success.
+TEST(reading_survives_exhausted_memory)
+{
+    REQUIRE(temporary_enter(folder, sizeof folder));
+    for (int i = 0; i < 2; i++) {
+        struct err err = {0};
+        REQUIRE(write_picture(names[i], &err), "%s", err.msg);
+        bool ok = false;
+        int failures = 0;
+        for (uint64_t n = 1; !ok && n < 100; n++) {
+            struct arena arena = {0};
+            struct image image;
+            arena_fail_at(n);
+            ok = image_read(&(struct image_read_params){.path = names[i]}, &arena, &image, &err);
+            CHECK(ok || err.code == ERR_SYSTEM, "%s", err.msg);
+            failures += !ok;
+            arena_finish(&arena);
+        }
+        arena_fail_at(0);
+        CHECK(ok && failures >= 2, "%d failures", failures);
+    }
+    temporary_leave(folder);
+}
+
+TEST_MAIN(TEST_CASE(formats_are_told_by_extension), TEST_CASE(full_disk_is_an_error),
+          TEST_CASE(missing_folder_is_an_error), TEST_CASE(unwritable_folder_is_an_error),
+          TEST_CASE(failed_write_keeps_the_old_file), TEST_CASE(empty_pictures_are_refused),
+          TEST_CASE(reading_what_is_no_picture), TEST_CASE(reading_keeps_to_its_budget),
+          TEST_CASE(reading_survives_exhausted_memory))
