@@ -294,6 +294,24 @@ TEST(quantization)
     free(json);
 }
 
+// Aligned in the buffer, but not in its view.
+TEST(alignment_in_the_view)
+{
+    char *view = replace_text(sample_json, "'byteOffset':48,'byteLength':48",
+                              "'byteOffset':46,'byteLength':50");
+    char *json = replace_text(view, "{'bufferView':1,", "{'bufferView':1,'byteOffset':2,");
+    struct scene scene;
+    struct err err;
+    bool ok = load_glb(&scene, json, &sample_binary, sizeof sample_binary, &err);
+    check_rejected(ok, &err, "test.glb: ",
+                   (const char *const[3]){"accessors[1]: begins at byte 2 of bufferViews[1], "
+                                          "byte 48 of the buffer; expected multiples of 4"},
+                   "byteOffset 2");
+    scene_finish(&scene);
+    free(json);
+    free(view);
+}
+
 TEST(sparse)
 {
     static const struct bad_case cases[] = {
@@ -649,7 +667,8 @@ TEST(memory_of_the_tree)
 }
 
 TEST_MAIN(TEST_CASE(frame), TEST_CASE(buffers), TEST_CASE(second_buffer_without_uri),
-          TEST_CASE(buffer_views), TEST_CASE(accessors), TEST_CASE(quantization), TEST_CASE(sparse),
-          TEST_CASE(primitives), TEST_CASE(fan_of_two_vertices), TEST_CASE(nodes),
-          TEST_CASE(infinite_transform), TEST_CASE(cameras_and_materials), TEST_CASE(instancing),
-          TEST_CASE(values), TEST_CASE(glb), TEST_CASE(json), TEST_CASE(memory_of_the_tree))
+          TEST_CASE(buffer_views), TEST_CASE(accessors), TEST_CASE(quantization),
+          TEST_CASE(alignment_in_the_view), TEST_CASE(sparse), TEST_CASE(primitives),
+          TEST_CASE(fan_of_two_vertices), TEST_CASE(nodes), TEST_CASE(infinite_transform),
+          TEST_CASE(cameras_and_materials), TEST_CASE(instancing), TEST_CASE(values),
+          TEST_CASE(glb), TEST_CASE(json), TEST_CASE(memory_of_the_tree))

@@ -174,6 +174,26 @@ TEST(memory_budget)
     free(json);
 }
 
+// What is held of the file counts as well: half the budget of vertices does not fit twice.
+TEST(memory_budget_counts_the_file)
+{
+    char json[512];
+    const size_t count = FIXTURE_MAX_BYTES / 2 / 12 / 3 * 3;
+    snprintf(json, sizeof json,
+             "{'asset':{'version':'2.0'},'nodes':[{'mesh':0}],'meshes':[{'primitives':["
+             "{'attributes':{'POSITION':0}}]}],'accessors':[{'bufferView':0,'componentType':5126,"
+             "'count':%zu,'type':'VEC3'}],'bufferViews':[{'buffer':0,'byteLength':%zu}],"
+             "'buffers':[{'byteLength':%zu}]}",
+             count, 12 * count, 12 * count);
+    float *zeros = calloc(count, 12);
+    struct scene scene;
+    struct err err;
+    bool ok = load_glb(&scene, json, zeros, 12 * count, &err);
+    CHECK(!ok && err.code == ERR_SYSTEM, "%s", err.msg);
+    scene_finish(&scene);
+    free(zeros);
+}
+
 // --- hierarchies ---------------------------------------------------------------------------------
 
 // A chain of `count` nodes, each moved by 1 along X; the last has the mesh. `last` ends its node.
@@ -426,7 +446,8 @@ TEST(buffer_error_names_both_files)
 }
 
 TEST_MAIN(TEST_CASE(cut_glb), TEST_CASE(cut_json), TEST_CASE(damaged_glb), TEST_CASE(damaged_json),
-          TEST_CASE(allocation_failures), TEST_CASE(memory_budget), TEST_CASE(chain_of_20000_nodes),
+          TEST_CASE(allocation_failures), TEST_CASE(memory_budget),
+          TEST_CASE(memory_budget_counts_the_file), TEST_CASE(chain_of_20000_nodes),
           TEST_CASE(cycle_of_20000_nodes), TEST_CASE(dag_of_40_levels), TEST_CASE(buffer_files),
           TEST_CASE(cut_buffer_file), TEST_CASE(hash_covers_buffer_files),
           TEST_CASE(buffer_error_names_both_files))
