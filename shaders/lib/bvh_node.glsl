@@ -43,8 +43,8 @@ uint child_word(uvec4 children, int key)
     return (key & 2) != 0 ? high : low;
 }
 
-// Tests the ray, clipped to (0, t_max), against the four children of node `index`. `keys` are
-// sorted: the entry distance's bits with the child's number in the lowest two, or BVH_MISS.
+// Tests the ray, clipped to (0, t_max), against the four children of node `index`: the bits of each
+// one's entry distance, or BVH_MISS.
 //
 // Distances of boxes behind the origin are clamped to 0, so that their bits order like integers;
 // integer minima and maxima are cheaper than float ones where those have to mind NaN.
@@ -81,13 +81,8 @@ ivec4 bvh_test_children(bvh_ray ray, uint index, float t_max, out uvec4 children
         ivec3 leave = floatBitsToInt(vec3((far_planes >> shift) & 255u) * slope + offset_far);
         int first = max(max(enter.x, enter.y), max(enter.z, 0));
         int last = min(min(leave.x, leave.y), min(leave.z, limit));
-        keys[i] = first <= last && children[i] != BVH_EMPTY ? (first & ~3) | i : BVH_MISS;
+        keys[i] = first <= last && children[i] != BVH_EMPTY ? first : BVH_MISS;
     }
-    order(keys.x, keys.z);
-    order(keys.y, keys.w);
-    order(keys.x, keys.y);
-    order(keys.z, keys.w);
-    order(keys.y, keys.z);
     return keys;
 }
 

@@ -72,6 +72,48 @@ void intersect_shape_leaf(trace_ray ray, uint index, inout trace_hit best)
     accept_hit(best, true, t, vec2(0.0), primitive, primitive);
 }
 
+// Chooses the next node among the children that the ray enters and pushes the others. `keys` are the
+// entry distances' bits, or BVH_MISS; `top` is the stack's top, popped when there is no child.
+// Branch-free: every push is written, and the depth says which ones count.
+#ifdef ANY_HIT
+// The first hit will do: in the children's own order, which saves the sorting.
+uint visit_children(ivec4 keys, uvec4 children, uint top, inout uint depth)
+{
+    uint next = BVH_EMPTY;
+    bool none = true;
+    for (int i = 0; i < 4; i++) {
+        bool hit = keys[i] < BVH_MISS;
+        stack[depth] = next;
+        depth += hit && !none ? 1u : 0u;
+        next = hit ? children[i] : next;
+        none = none && !hit;
+    }
+    depth -= none ? 1u : 0u;
+    return none ? top : next;
+}
+#else
+// Nearest first. The child's number takes the place of the distance's lowest two bits.
+uint visit_children(ivec4 keys, uvec4 children, uint top, inout uint depth)
+{
+    for (int i = 0; i < 4; i++)
+        keys[i] = keys[i] < BVH_MISS ? (keys[i] & ~3) | i : BVH_MISS;
+    order(keys.x, keys.z);
+    order(keys.y, keys.w);
+    order(keys.x, keys.y);
+    order(keys.z, keys.w);
+    order(keys.y, keys.z);
+    stack[depth] = child_word(children, keys.w);
+    depth += keys.w < BVH_MISS ? 1u : 0u;
+    stack[depth] = child_word(children, keys.z);
+    depth += keys.z < BVH_MISS ? 1u : 0u;
+    stack[depth] = child_word(children, keys.y);
+    depth += keys.y < BVH_MISS ? 1u : 0u;
+    bool none = keys.x == BVH_MISS;
+    depth -= none ? 1u : 0u;
+    return none ? top : child_word(children, keys.x);
+}
+#endif
+
 // Goes on until the traversal is done or `iterations` reaches the budget. Both loops count
 // together, since a driver may limit the iterations of all loops of an invocation.
 void trace(trace_ray ray, inout trace_state state, inout trace_hit best, inout uint iterations)
@@ -86,15 +128,7 @@ void trace(trace_ray ray, inout trace_state state, inout trace_hit best, inout u
             uint top = stack[depth - 1u];
             uvec4 children;
             ivec4 keys = bvh_test_children(box_ray, current, best.t, children);
-            stack[depth] = child_word(children, keys.w);
-            depth += keys.w < BVH_MISS ? 1u : 0u;
-            stack[depth] = child_word(children, keys.z);
-            depth += keys.z < BVH_MISS ? 1u : 0u;
-            stack[depth] = child_word(children, keys.y);
-            depth += keys.y < BVH_MISS ? 1u : 0u;
-            bool none = keys.x == BVH_MISS;
-            current = none ? top : child_word(children, keys.x);
-            depth -= none ? 1u : 0u;
+            current = visit_children(keys, children, top, depth);
         }
         iterations++;
         if (current != BVH_EMPTY && current >= BVH_LEAF) {
