@@ -131,7 +131,8 @@ static bool note_what_is_missing(struct gltf_load *load, struct err *err)
     const struct gltf_document *document = &load->document;
     const struct gltf_tally *t = &load->tally;
     const struct note notes[] = {
-        {document->counts[GLTF_TEXTURES], "textures are not used yet; their factors are"},
+        {document->counts[GLTF_TEXTURES],
+         "textures are not used yet, only the factors beside them"},
         {t->emissive_textures, "materials with an emissive texture do not emit yet"},
         {t->primitives_without_material, "primitives without a material are grey"},
         {t->point_and_line_primitives, "primitives of points or lines are skipped"},
