@@ -118,12 +118,11 @@ static bool note_diffuse(struct gltf_load *load)
 {
     const struct gltf_tally *t = &load->tally;
     uint32_t count = load->document.counts[GLTF_MATERIALS];
-    return count == 0 ||
-           scene_note(load->scene,
-                      "%s: all %u materials are approximated as diffuse (metallic: %u, "
-                      "transparent: %u, specular-glossiness: %u, unlit: %u)",
-                      path_name(load->document.source->path), count, t->metallic, t->transparent,
-                      t->specular_glossy, t->unlit);
+    return count == 0 || scene_note(load->scene,
+                                    "%s: materials approximated as diffuse: %u (metallic: %u, "
+                                    "transparent: %u, specular-glossiness: %u, unlit: %u)",
+                                    path_name(load->document.source->path), count, t->metallic,
+                                    t->transparent, t->specular_glossy, t->unlit);
 }
 
 static bool note_what_is_missing(struct gltf_load *load, struct err *err)
