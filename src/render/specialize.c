@@ -109,7 +109,7 @@ struct specialization specialize(const struct scene *scene, const struct flat_sc
 {
     const struct settings *settings = &scene->settings;
     struct specialization s = {
-        .workgroup = gpu->info.is_cpu ? 32 : 64,
+        .workgroup = gpu->info.is_cpu ? 128 : 64,
         .stack_entries = bvh->stats.stack_entries,
         .iteration_budget =
             gpu->info.is_cpu ? CPU_SUBGROUP_ROUNDS / gpu->subgroup_size : GPU_LANE_ROUNDS,
