@@ -1,0 +1,63 @@
+// What the tests of the kernels share: scenes built in C, a device and a renderer on them, and
+// running one kernel on buffers that the test filled.
+#ifndef LAMPYRIS_TESTS_KERNEL_FIXTURE_H
+#define LAMPYRIS_TESTS_KERNEL_FIXTURE_H
+
+#include "render.h"
+#include "test.h"
+
+// Opens a device or leaves the test: as skipped where there is no Vulkan, as failed for any other
+// reason.
+#define OPEN_GPU(gpu, ...)                                                                         \
+    do {                                                                                           \
+        const struct gpu_params open_params = {__VA_ARGS__};                                       \
+        struct err open_err = {0};                                                                 \
+        if (!gpu_open(&open_params, (gpu), &open_err)) {                                           \
+            if (open_err.code == ERR_NO_VULKAN)                                                    \
+                SKIP("%s", open_err.msg);                                                          \
+            REQUIRE(false, "%s", open_err.msg);                                                    \
+        }                                                                                          \
+    } while (0)
+
+// --- random numbers: PCG-XSH-RR 64/32 (O'Neill 2014) ---------------------------------------------
+
+struct random {
+    uint64_t state;
+};
+uint32_t random_u32(struct random *random);
+double random_unit(struct random *random); // [0, 1)
+double random_between(struct random *random, double min, double max);
+void random_direction(struct random *random, float direction[3]); // uniform on the sphere
+
+// --- vectors -------------------------------------------------------------------------------------
+
+void subtract(const float a[3], const float b[3], double out[3]);
+void cross(const double a[3], const double b[3], double out[3]);
+double dot(const double a[3], const double b[3]);
+double length(const double v[3]);
+
+// --- scenes --------------------------------------------------------------------------------------
+// Helpers exit when memory is exhausted. A scene is released by scene_finish().
+
+// A grey material 0, a camera at (0, 0, 4) that looks along -z, settings by default, nothing else.
+void scene_start(struct scene *scene, uint32_t width, uint32_t height);
+uint32_t add_material(struct scene *scene, const struct material *material);
+// Unshared vertices; the mesh is placed where it is.
+void add_triangles(struct scene *scene, const float (*vertices)[3][3], uint32_t count,
+                   uint32_t material);
+// The same with a normal for each corner.
+void add_smooth_triangles(struct scene *scene, const float (*vertices)[3][3],
+                          const float (*normals)[3][3], uint32_t count, uint32_t material);
+void add_sphere(struct scene *scene, const double center[3], double radius, uint32_t material);
+void add_disc(struct scene *scene, const double center[3], const double normal[3], double radius,
+              uint32_t material);
+// An image of width x height texels, all different.
+void add_environment_image(struct scene *scene, uint32_t width, uint32_t height);
+
+// --- one kernel ----------------------------------------------------------------------------------
+
+// Runs `kernel` over `items` items with renderer->push as it is, and waits.
+bool run_kernel(struct renderer *r, const struct gpu_kernel *kernel, uint32_t items,
+                struct err *err);
+
+#endif
