@@ -25,6 +25,7 @@ struct binary_builder {
     double task_start;           // the fraction of all work that was done when the tasks began
     _Atomic uint32_t tasks_done; // in primitives
     _Atomic bool stopped;
+    struct err *err; // why it was stopped
 };
 
 static void write_node(const struct binary_builder *builder, const struct bvh_range *range,
@@ -54,11 +55,18 @@ static void build_subtree(const struct binary_builder *builder, const struct bvh
     }
 }
 
-// Reports the fraction of the binary build, and asks whether to go on. Calling thread only.
+bool bvh_checkpoint(const struct progress *progress, double fraction, struct err *err)
+{
+    progress_report(progress, "Building BVH", fraction);
+    if (progress_should_stop(progress))
+        return err_set(err, ERR_SYSTEM, "building the BVH was stopped");
+    return true;
+}
+
+// For the calling thread only.
 static void checkpoint(struct binary_builder *builder, double fraction)
 {
-    progress_report(builder->params->progress, "Building BVH", BVH_BINARY_PROGRESS * fraction);
-    if (progress_should_stop(builder->params->progress))
+    if (!bvh_checkpoint(builder->params->progress, BVH_PROGRESS_BINARY * fraction, builder->err))
         atomic_store(&builder->stopped, true);
 }
 
@@ -140,7 +148,7 @@ struct bvh_binary_node *bvh_binary_build(const struct bvh_binary_params *params,
 {
     uint32_t count = params->count;
     struct arena scratch = {0};
-    struct binary_builder builder = {.params = params};
+    struct binary_builder builder = {.params = params, .err = err};
     builder.task_size = task_size_for(count, params->threads);
     // Tasks are disjoint and not tiny; the stack has at most one entry a level, and one more.
     uint32_t capacity = count / TASK_WORTH + params->depth_limit + 1;
@@ -161,10 +169,8 @@ struct bvh_binary_node *bvh_binary_build(const struct bvh_binary_params *params,
     split_top(&builder, &root, capacity);
     qsort(builder.tasks, builder.task_count, sizeof *builder.tasks, compare_tasks);
     parallel_for(builder.task_count, 1, params->threads, run_task, &builder);
-    if (atomic_load(&builder.stopped)) {
-        err_set(err, ERR_SYSTEM, "building the BVH was stopped");
+    if (atomic_load(&builder.stopped))
         builder.nodes = NULL;
-    }
 done:
     arena_finish(&scratch);
     return builder.nodes;

@@ -13,8 +13,9 @@ struct bvh_primitive {
     uint32_t id;
 };
 
-// Nodes stand in depth-first order: the left child follows its parent, and a subtree of n leaves
-// takes 2n - 1 nodes. So every subtree knows its place beforehand, whichever thread builds it.
+// As built, nodes stand in depth-first order: the left child follows its parent, and a subtree of n
+// leaves takes 2n - 1 nodes. So every subtree knows its place beforehand, whichever thread builds
+// it. Optimizing moves subtrees without keeping that order; the root stays first.
 struct bvh_binary_node {
     struct bvh_box box;
     uint32_t left;  // leaf: the id of its one primitive
@@ -61,18 +62,29 @@ struct bvh_binary_params {
     uint32_t count;                   // at least 1
     uint32_t depth_limit;             // at least the binary logarithm of count, rounded up
     unsigned threads;                 // at least 1
-    const struct progress *progress;  // told fractions from 0 to BVH_BINARY_PROGRESS
+    const struct progress *progress;
 };
-#define BVH_BINARY_PROGRESS 0.8
+
+// The fractions reported when each stage ends.
+#define BVH_PROGRESS_BINARY 0.5
+#define BVH_PROGRESS_OPTIMIZED 0.9
+
+// Reports a fraction and asks whether to go on; false with an error when not.
+bool bvh_checkpoint(const struct progress *progress, double fraction, struct err *err);
 
 // NULL on failure; 2 * count - 1 nodes in the arena otherwise.
 struct bvh_binary_node *bvh_binary_build(const struct bvh_binary_params *params,
                                          struct arena *arena, struct err *err);
 
+// Lowers the tree's cost, in place. *usable is false when that made it deeper than the later stages
+// allow, which takes an odd input: then the tree has to be built anew and left as it is.
+bool bvh_optimize(struct bvh_binary_node *nodes, uint32_t primitive_count,
+                  const struct progress *progress, bool *usable, struct err *err);
+
 struct bvh_wide_params {
     const struct bvh_binary_node *nodes;
     uint32_t primitive_count; // at least 1
-    uint32_t max_leaf;        // 1 or 2
+    uint32_t max_leaf;        // 1, or 2 (or 0)
     unsigned threads;         // at least 1
 };
 

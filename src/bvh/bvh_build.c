@@ -8,14 +8,13 @@
 
 #include <stdatomic.h>
 
-enum {
-    // The wide tree is at most as deep as the binary one, and each level leaves at most 3 children
-    // pending: so 32 binary levels keep the promise of BVH_STACK_ENTRIES_MAX for every input, and
-    // they
-    // suffice for 2^32 primitives. Hardly any input needs that: first the tree may be deeper.
-    DEPTH_LIMIT = 64,
-    DEPTH_LIMIT_SAFE = 32,
-};
+// How to build. The second way serves where the first needs too large a stack: the wide tree is at
+// most as deep as the binary one, and each level leaves at most 3 children pending, so 32 binary
+// levels keep within BVH_STACK_ENTRIES_MAX for every input; and they suffice for 2^32 primitives.
+static const struct attempt {
+    uint32_t depth_limit;
+    bool optimize;
+} attempts[] = {{64, true}, {32, false}};
 
 // --- Input --------------------------------------------------------------------------------------
 
@@ -126,11 +125,13 @@ static bool build_empty(struct arena *arena, struct bvh *out, struct err *err)
     return bvh_compute_stats(out, &out->stats, err);
 }
 
-static bool build_limited(const struct bvh_params *params, uint32_t depth_limit, unsigned threads,
-                          struct arena *arena, struct bvh *out, struct err *err)
+// *fits tells whether the tree keeps within the limits.
+static bool build_once(const struct bvh_params *params, const struct attempt *attempt,
+                       struct arena *arena, struct bvh *out, bool *fits, struct err *err)
 {
     bool ok = false;
     struct arena scratch = {0};
+    unsigned threads = params->threads > 0 ? params->threads : cpu_count();
     uint32_t count = params->triangle_count + params->shape_count;
     struct bvh_primitive *primitives = ARENA_NEW(&scratch, struct bvh_primitive, count);
     if (!primitives) {
@@ -142,19 +143,34 @@ static bool build_limited(const struct bvh_params *params, uint32_t depth_limit,
     struct bvh_binary_node *nodes =
         bvh_binary_build(&(struct bvh_binary_params){.primitives = primitives,
                                                      .count = count,
-                                                     .depth_limit = depth_limit,
+                                                     .depth_limit = attempt->depth_limit,
                                                      .threads = threads,
                                                      .progress = params->progress},
                          &scratch, err);
     if (!nodes)
         goto done;
-    ok = bvh_wide_build(&(struct bvh_wide_params){.nodes = nodes,
-                                                  .primitive_count = count,
-                                                  .max_leaf = params->max_leaf == 1 ? 1 : 2,
-                                                  .threads = threads},
-                        arena, out, err);
+    *fits = true;
+    if (attempt->optimize && !bvh_optimize(nodes, count, params->progress, fits, err))
+        goto done;
+    ok = !*fits || bvh_wide_build(&(struct bvh_wide_params){.nodes = nodes,
+                                                            .primitive_count = count,
+                                                            .max_leaf = params->max_leaf,
+                                                            .threads = threads},
+                                  arena, out, err);
+    *fits = *fits && out->stats.stack_entries <= BVH_STACK_ENTRIES_MAX;
 done:
     arena_finish(&scratch);
+    return ok;
+}
+
+static bool build_tree(const struct bvh_params *params, struct arena *arena, struct bvh *out,
+                       struct err *err)
+{
+    if (params->triangle_count + params->shape_count == 0)
+        return build_empty(arena, out, err);
+    bool ok = true, fits = false;
+    for (size_t i = 0; ok && !fits; i++) // the second one always fits
+        ok = build_once(params, &attempts[i], arena, out, &fits, err);
     return ok;
 }
 
@@ -162,24 +178,14 @@ bool bvh_build(const struct bvh_params *params, struct arena *arena, struct bvh 
                struct err *err)
 {
     uint64_t start = clock_ns();
-    unsigned threads = params->threads > 0 ? params->threads : cpu_count();
     *out = (struct bvh){.triangle_count = params->triangle_count};
-    if (!check_params(params, err))
+    if (!check_params(params, err) || !bvh_checkpoint(params->progress, 0, err))
         return false;
     out->triangle_order = ARENA_NEW(arena, uint32_t, params->triangle_count);
     if (!out->triangle_order)
         return err_memory(err, "the BVH's triangle order",
                           (uint64_t)params->triangle_count * sizeof *out->triangle_order);
-    progress_report(params->progress, "Building BVH", 0);
-    bool ok;
-    if (params->triangle_count + params->shape_count == 0) {
-        ok = build_empty(arena, out, err);
-    } else {
-        ok = build_limited(params, DEPTH_LIMIT, threads, arena, out, err);
-        if (ok && out->stats.stack_entries > BVH_STACK_ENTRIES_MAX)
-            ok = build_limited(params, DEPTH_LIMIT_SAFE, threads, arena, out, err);
-    }
-    if (!ok)
+    if (!build_tree(params, arena, out, err))
         return false;
     out->stats.build_seconds = clock_seconds_since(start);
     progress_report(params->progress, "Building BVH", 1);

@@ -78,7 +78,7 @@ static void choose(const struct collapse *collapse, uint32_t index)
     }
     choice->cost[1] = distribute(collapse, node, WIDTH, &choice->left[WIDTH]) + area * NODE_COST;
     const struct bvh_binary_node *nodes = collapse->params->nodes;
-    if (collapse->params->max_leaf >= 2 && is_triangle(&nodes[node->left]) &&
+    if (collapse->params->max_leaf != 1 && is_triangle(&nodes[node->left]) &&
         is_triangle(&nodes[node->right]) && 2 * area * PRIMITIVE_COST <= choice->cost[1]) {
         choice->cost[1] = 2 * area * PRIMITIVE_COST;
         choice->is_leaf = true;
@@ -92,13 +92,15 @@ static void choose(const struct collapse *collapse, uint32_t index)
     }
 }
 
-// Children stand after their parents, so backwards is bottom-up.
-static void choose_all(struct collapse *collapse)
+// Bottom-up. The recursion is as deep as the binary tree, which has a limit.
+static void choose_below(const struct collapse *collapse, uint32_t index)
 {
-    double area = box_half_area(&collapse->params->nodes[0].box);
-    collapse->root_area = area > 0 ? area : 1;
-    for (uint32_t i = 2 * collapse->params->primitive_count - 1; i-- > 0;)
-        choose(collapse, i);
+    const struct bvh_binary_node *node = &collapse->params->nodes[index];
+    if (!is_binary_leaf(node)) {
+        choose_below(collapse, node->left);
+        choose_below(collapse, node->right);
+    }
+    choose(collapse, index);
 }
 
 // --- Layout -------------------------------------------------------------------------------------
@@ -201,7 +203,9 @@ bool bvh_wide_build(const struct bvh_wide_params *params, struct arena *arena, s
         err_memory(err, "collapsing the BVH", binary_count * sizeof(struct choice));
         goto done;
     }
-    choose_all(&collapse);
+    double root_area = box_half_area(&params->nodes[0].box);
+    collapse.root_area = root_area > 0 ? root_area : 1;
+    choose_below(&collapse, 0);
     lay_out(&collapse, 0, 0);
     out->node_count = collapse.draft_count;
     out->nodes = ARENA_NEW(arena, struct bvh_node, out->node_count);

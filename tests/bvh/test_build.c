@@ -105,6 +105,28 @@ TEST(sah_cost_of_one_triangle)
     arena_finish(&arena);
 }
 
+// A room of twelve triangles around a sphere of many. Splitting from the top lets the walls go down
+// with the sphere's triangles, for a cost of 11.64; moved to their places they cost 10.16.
+TEST(large_triangles_among_small_ones)
+{
+    static const float corners[8][3] = {{-2, -2, -2}, {3, -2, -2}, {-2, 2.5f, -2}, {3, 2.5f, -2},
+                                        {-2, -2, 2},  {3, -2, 2},  {-2, 2.5f, 2},  {3, 2.5f, 2}};
+    static const uint8_t walls[12][3] = {{0, 1, 2}, {1, 2, 3}, {4, 5, 6}, {5, 6, 7},
+                                         {0, 1, 4}, {1, 4, 5}, {2, 3, 6}, {3, 6, 7},
+                                         {0, 2, 4}, {2, 4, 6}, {1, 3, 5}, {3, 5, 7}};
+    struct arena arena = {0};
+    struct mesh sphere = mesh_sphere(&arena, 100, 200);
+    struct mesh mesh = mesh_new(&arena, 12 + sphere.count);
+    memcpy(mesh.vertices + 12, sphere.vertices, sphere.count * sizeof *sphere.vertices);
+    for (int i = 0; i < 12; i++)
+        for (int v = 0; v < 3; v++)
+            memcpy(mesh.vertices[i][v], corners[walls[i][v]], sizeof(float[3]));
+    struct bvh_stats stats = {0};
+    build_mesh(&mesh, &stats);
+    CHECK(stats.sah_cost < 10.2, "%g", stats.sah_cost);
+    arena_finish(&arena);
+}
+
 TEST(identical_triangles)
 {
     static const uint32_t counts[] = {17, 10000, 1000000};
@@ -439,9 +461,10 @@ TEST(validate_finds_moved_triangle)
 }
 
 TEST_MAIN(TEST_CASE(few_triangles), TEST_CASE(soups), TEST_CASE(statistics),
-          TEST_CASE(sah_cost_of_one_triangle), TEST_CASE(identical_triangles), TEST_CASE(slivers),
-          TEST_CASE(extreme_coordinates), TEST_CASE(all_magnitudes_together),
-          TEST_CASE(exponential_spacing_stays_shallow), TEST_CASE(nested_lists_stay_shallow),
-          TEST_CASE(same_bits_for_any_threads), TEST_CASE(stride_and_shapes), TEST_CASE(bad_input),
-          TEST_CASE(every_allocation_may_fail), TEST_CASE(progress_and_stopping),
-          TEST_CASE(validate_finds_every_flipped_bit), TEST_CASE(validate_finds_moved_triangle))
+          TEST_CASE(sah_cost_of_one_triangle), TEST_CASE(large_triangles_among_small_ones),
+          TEST_CASE(identical_triangles), TEST_CASE(slivers), TEST_CASE(extreme_coordinates),
+          TEST_CASE(all_magnitudes_together), TEST_CASE(exponential_spacing_stays_shallow),
+          TEST_CASE(nested_lists_stay_shallow), TEST_CASE(same_bits_for_any_threads),
+          TEST_CASE(stride_and_shapes), TEST_CASE(bad_input), TEST_CASE(every_allocation_may_fail),
+          TEST_CASE(progress_and_stopping), TEST_CASE(validate_finds_every_flipped_bit),
+          TEST_CASE(validate_finds_moved_triangle))
