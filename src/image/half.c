@@ -26,3 +26,19 @@ uint16_t half_from_float(float value)
     const uint32_t bias_difference = (uint32_t)(127 - 15) << 10;
     return (uint16_t)(sign | (uint16_t)((rounded >> 13) - bias_difference));
 }
+
+float float_from_half(uint16_t half)
+{
+    uint32_t sign = (uint32_t)(half & 0x8000) << 16, magnitude = half & 0x7fff, bits;
+    if (magnitude < 0x0400) { // zero and the subnormal, multiples of 2^-24
+        float value = (float)magnitude * 0x1p-24f;
+        return sign ? -value : value;
+    }
+    if (magnitude >= 0x7c00) // infinity and NaN have all bits of the exponent set
+        bits = sign | 0x7f800000 | (magnitude & 0x3ff) << 13;
+    else
+        bits = sign | ((magnitude << 13) + ((uint32_t)(127 - 15) << 23));
+    float value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}

@@ -127,10 +127,6 @@ static bool allocate(struct exr_reader *reader, struct arena *arena, struct err 
                        window->min.y, window->max.x, window->max.y);
     reader->width = (uint64_t)width;
     reader->height = (uint64_t)height;
-    if (reader->width * sizeof *reader->out->pixels > INT32_MAX)
-        return err_set(err, ERR_INPUT, "EXR: is %llu pixels wide; expected at most %zu",
-                       (unsigned long long)reader->width,
-                       (size_t)INT32_MAX / sizeof *reader->out->pixels);
     int32_t chunks;
     uint64_t chunk_bytes;
     if (!check(reader, exr_get_chunk_count(context, 0, &chunks), err) ||
@@ -148,21 +144,54 @@ static bool allocate(struct exr_reader *reader, struct arena *arena, struct err 
                           err);
 }
 
-// Lets the decoder write the chunk's chosen channels into the picture, the first pixel at (x, y).
-static void aim_decoder(struct exr_reader *reader, uint64_t x, uint64_t y)
+static float sample_value(const uint8_t *bytes, exr_pixel_type_t type)
 {
-    float *first = reader->out->pixels[y * reader->width + x];
-    exr_decode_pipeline_t *decoder = &reader->decoder;
-    for (int i = 0; i < decoder->channel_count; i++)
-        decoder->channels[i].decode_to_ptr = NULL; // left out
-    for (int c = COMPONENTS - 1; c >= 0; c--) {
-        exr_coding_channel_info_t *channel = &decoder->channels[reader->channels[c]];
-        channel->decode_to_ptr = (uint8_t *)(first + c);
-        channel->user_bytes_per_element = sizeof(float);
-        channel->user_data_type = EXR_PIXEL_FLOAT;
-        channel->user_pixel_stride = sizeof *reader->out->pixels;
-        channel->user_line_stride = (int32_t)(reader->width * sizeof *reader->out->pixels);
+    uint32_t bits = bytes[0] | (uint32_t)bytes[1] << 8; // little-endian in the file
+    if (type == EXR_PIXEL_HALF)
+        return float_from_half((uint16_t)bits);
+    bits |= (uint32_t)bytes[2] << 16 | (uint32_t)bytes[3] << 24;
+    if (type == EXR_PIXEL_UINT)
+        return (float)bits;
+    float value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+// One line of one channel into the components of the picture that it makes.
+static void unpack_line(const struct exr_reader *reader, int index, const uint8_t *bytes,
+                        const exr_coding_channel_info_t *channel, float (*pixels)[3])
+{
+    for (int c = 0; c < COMPONENTS; c++)
+        for (int32_t x = 0; reader->channels[c] == index && x < channel->width; x++)
+            pixels[x][c] = sample_value(bytes + (size_t)x * (size_t)channel->bytes_per_element,
+                                        (exr_pixel_type_t)channel->data_type);
+}
+
+// Spreads a decompressed chunk, whose first pixel is (x, y) of the picture: line by line, of each
+// line channel after channel (OpenEXR file layout, "scan line blocks"). Our own, because the
+// library's (3.1.5) writes through the null pointers that are meant to leave out a channel when
+// there are three.
+static bool unpack_chunk(struct exr_reader *reader, uint64_t x, uint64_t y, struct err *err)
+{
+    const exr_decode_pipeline_t *decoder = &reader->decoder;
+    const uint8_t *bytes = decoder->unpacked_buffer;
+    uint64_t left = bytes ? decoder->chunk.unpacked_size : 0;
+    for (int32_t line = 0; line < decoder->chunk.height; line++) {
+        float(*pixels)[3] = reader->out->pixels + (y + (uint64_t)line) * reader->width + x;
+        int64_t row = reader->window.min.y + (int64_t)y + line;
+        for (int i = 0; i < decoder->channel_count; i++) {
+            const exr_coding_channel_info_t *channel = &decoder->channels[i];
+            if (row % channel->y_samples != 0)
+                continue; // a subsampled channel, not one of ours, without samples on this line
+            uint64_t size = (uint64_t)channel->width * (uint64_t)channel->bytes_per_element;
+            if (size > left)
+                return err_set(err, ERR_INPUT, "EXR: a chunk ends early");
+            unpack_line(reader, i, bytes, channel, pixels);
+            bytes += size;
+            left -= size;
+        }
     }
+    return true;
 }
 
 static bool decode_chunk(struct exr_reader *reader, const exr_chunk_info_t *chunk, uint64_t x,
@@ -178,12 +207,13 @@ static bool decode_chunk(struct exr_reader *reader, const exr_chunk_info_t *chun
     exr_result_t result = first ? exr_decoding_initialize(context, 0, chunk, decoder)
                                 : exr_decoding_update(context, 0, chunk, decoder);
     reader->decoder_ready |= result == EXR_ERR_SUCCESS;
-    if (!check(reader, result, err))
-        return false;
-    aim_decoder(reader, x, y);
-    if (first)
+    if (first && result == EXR_ERR_SUCCESS) {
         result = exr_decoding_choose_default_routines(context, 0, decoder);
-    return check(reader, result, err) && check(reader, exr_decoding_run(context, 0, decoder), err);
+        decoder->unpack_and_convert_fn = NULL; // stop at the decompressed bytes
+    }
+    return check(reader, result, err) &&
+           check(reader, exr_decoding_run(context, 0, decoder), err) &&
+           unpack_chunk(reader, x, y, err);
 }
 
 static bool read_scanlines(struct exr_reader *reader, struct err *err)
@@ -223,15 +253,6 @@ static bool read_tiles(struct exr_reader *reader, struct err *err)
     return true;
 }
 
-// A luminance channel was decoded into the first component.
-static void spread_luminance(const struct exr_reader *reader)
-{
-    if (reader->channels[0] != reader->channels[1])
-        return;
-    for (uint64_t i = 0; i < reader->width * reader->height; i++)
-        reader->out->pixels[i][1] = reader->out->pixels[i][2] = reader->out->pixels[i][0];
-}
-
 bool image_exr_read(const struct image_source *source, struct arena *arena, struct image *out,
                     struct err *err)
 {
@@ -240,8 +261,6 @@ bool image_exr_read(const struct image_source *source, struct arena *arena, stru
     reader.out = out;
     ok = ok && choose_channels(&reader, err) && allocate(&reader, arena, err) &&
          (reader.tiled ? read_tiles(&reader, err) : read_scanlines(&reader, err));
-    if (ok)
-        spread_luminance(&reader);
     reader_close(&reader);
     return ok;
 }

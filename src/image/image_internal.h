@@ -61,5 +61,6 @@ bool image_png_write(const struct image_write_params *params, struct byte_buffer
 // IEEE 754 binary16, rounded to nearest, ties to even. Finite values past HALF_MAX saturate;
 // infinities and NaN stay what they are.
 uint16_t half_from_float(float value);
+float float_from_half(uint16_t half); // exact
 
 #endif

@@ -30,6 +30,22 @@ static void read_bytes(png_structp png, png_bytep data, size_t size)
     reader->at += size;
 }
 
+// Every chunk (length, type, data, checksum) must lie inside the file: libpng allocates some by
+// their length alone.
+static void check_chunks(struct png_reader *reader)
+{
+    const uint8_t *data = reader->source->data;
+    const size_t signature_bytes = 8, frame_bytes = 12;
+    for (size_t at = signature_bytes;;) {
+        size_t left = reader->source->size - at;
+        if (left < frame_bytes || png_get_uint_32(data + at) > left - frame_bytes)
+            png_error(reader->png, "the file ends early");
+        if (memcmp(data + at + 4, "IEND", 4) == 0)
+            return;
+        at += png_get_uint_32(data + at) + frame_bytes;
+    }
+}
+
 // For what libpng allocates by itself: chunks, the decompressor, a line.
 static void set_limits(struct png_reader *reader)
 {
@@ -79,6 +95,7 @@ static bool open_source(struct png_reader *reader)
 {
     if (setjmp(png_jmpbuf(reader->png)))
         return false;
+    check_chunks(reader);
     set_limits(reader);
     png_set_read_fn(reader->png, reader, read_bytes);
     png_read_info(reader->png, reader->info);

@@ -206,6 +206,16 @@ TEST(luminance_becomes_grey)
     struct exr_file file = {.window = {.max = {{{6, 4}}}},
                             .channels = {{"Y", EXR_PIXEL_HALF}, {"Z", EXR_PIXEL_FLOAT}}};
     check_file(&file, (const int[]){0, 0, 0}, "Y");
+    // Of three channels one: the library's own unpacking writes through a null pointer here.
+    struct exr_file third = {
+        .window = {.max = {{{6, 4}}}},
+        .channels = {{"A", EXR_PIXEL_HALF}, {"B", EXR_PIXEL_HALF}, {"Y", EXR_PIXEL_HALF}}};
+    check_file(&third, (const int[]){2, 2, 2}, "Y of three");
+    // Luminance and subsampled chroma, as OpenEXR's luminance/chroma pictures have.
+    struct exr_file chroma = {
+        .window = {{{{0, -4}}}, {{{7, 3}}}},
+        .channels = {{"BY", EXR_PIXEL_HALF, 2}, {"RY", EXR_PIXEL_HALF, 2}, {"Y", EXR_PIXEL_HALF}}};
+    check_file(&chroma, (const int[]){2, 2, 2}, "Y with chroma");
     struct exr_file both = {.window = {.max = {{{6, 4}}}},
                             .channels = {{"A", EXR_PIXEL_HALF},
                                          {"B", EXR_PIXEL_HALF},

@@ -12,7 +12,12 @@ TEST(every_half_is_itself)
 {
     for (uint32_t half = 0; half < 0x10000; half++)
         if ((half & 0x7c00) != 0x7c00)
-            CHECK(half_from_float((float)half_value((uint16_t)half)) == half, "%04x", half);
+            CHECK(half_from_float((float)half_value((uint16_t)half)) == half &&
+                      float_from_half((uint16_t)half) == (float)half_value((uint16_t)half),
+                  "%04x", half);
+    CHECK(signbit(float_from_half(0x8000)) && !signbit(float_from_half(0)));
+    CHECK(float_from_half(0x7c00) == INFINITY && float_from_half(0xfc00) == -INFINITY);
+    CHECK(isnan(float_from_half(0x7c01)) && isnan(float_from_half(0xfe00)));
 }
 
 // Between neighbours the nearer one, in the middle the even one.

@@ -95,16 +95,12 @@ TEST(attributes_come_back)
     temporary_leave(folder);
 }
 
+#define TEN_BYTES "1234567890"
+#define EIGHTY_BYTES TEN_BYTES TEN_BYTES TEN_BYTES TEN_BYTES TEN_BYTES TEN_BYTES TEN_BYTES TEN_BYTES
+
 TEST(bad_keys_are_refused)
 {
-    static const char *const keys[] = {"",
-                                       " a",
-                                       "a ",
-                                       "a  b",
-                                       "Gerät",
-                                       "a\nb",
-                                       "12345678901234567890123456789012345678901234567890"
-                                       "123456789012345678901234567890"};
+    static const char *const keys[] = {"", " a", "a ", "a  b", "Gerät", "a\nb", EIGHTY_BYTES};
     struct arena arena = {0};
     struct image image = picture_create(&arena, 1, 1);
     for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++) {
