@@ -23,7 +23,7 @@ static inline void fuzz_ignore_message(void *context, enum log_level level, cons
 
 typedef bool (*fuzz_load_fn)(struct scene *scene, const char *path, struct err *err);
 
-// Loads the bytes within a budget; aborts where the outcome is neither a mesh with sound indices
+// Loads the bytes within a budget; aborts where the outcome is neither meshes with sound indices
 // nor an error of input or memory.
 static inline int fuzz_load(fuzz_load_fn load, const uint8_t *data, size_t size)
 {
@@ -36,11 +36,13 @@ static inline int fuzz_load(fuzz_load_fn load, const uint8_t *data, size_t size)
     struct scene scene = {.arena.limit_bytes = 256 << 20};
     struct err err = {0};
     if (load(&scene, path, &err)) {
-        const struct mesh *mesh = &scene.meshes[0];
-        for (uint32_t t = 0; t < mesh->triangle_count; t++) {
-            for (int c = 0; c < 3; c++) {
-                if (mesh->indices[t][c] >= mesh->vertex_count)
-                    abort();
+        for (uint32_t m = 0; m < scene.mesh_count; m++) {
+            const struct mesh *mesh = &scene.meshes[m];
+            for (uint32_t t = 0; t < mesh->triangle_count; t++) {
+                for (int c = 0; c < 3; c++) {
+                    if (mesh->indices[t][c] >= mesh->vertex_count)
+                        abort();
+                }
             }
         }
     } else if (err.code != ERR_INPUT && err.code != ERR_SYSTEM) {

@@ -1,0 +1,21 @@
+// libFuzzer target for the JSON format: fuzz_json CORPUS_FOLDER, scenes/ for a beginning. What
+// loads must flatten or say why not.
+#include "fuzz_input.h"
+
+#include "flatten.h"
+
+static bool load(struct scene *scene, const char *path, struct err *err)
+{
+    const struct scene_load_params params = {.path = path};
+    struct arena arena = {.limit_bytes = 256 << 20};
+    struct flat_scene flat;
+    scene->settings = settings_default();
+    bool ok = load_json(scene, &params, err) && scene_flatten(scene, &arena, &flat, err);
+    arena_finish(&arena);
+    return ok;
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    return fuzz_load(load, data, size);
+}

@@ -1,0 +1,392 @@
+// Flattening against what can be said in closed form.
+#include "mesh_files.h"
+
+#include "affine.h"
+#include "flatten.h"
+
+#include <float.h>
+
+// A scene with one triangle mesh and one material, on the stack's arrays.
+struct fixture {
+    struct scene scene;
+    struct mesh mesh;
+    struct instance instances[4];
+    struct material materials[3];
+    float positions[8][3], normals[8][3];
+    double exact[8][3];
+    uint32_t indices[4][3];
+    struct arena arena;
+    struct flat_scene flat;
+    struct err err;
+};
+
+// One triangle (0,0,0) (1,0,0) (0,1,0) and one instance of it.
+static void begin(struct fixture *f)
+{
+    *f = (struct fixture){
+        .positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}},
+        .indices = {{0, 1, 2}},
+    };
+    f->mesh = (struct mesh){
+        .name = "triangle",
+        .vertex_count = 3,
+        .triangle_count = 1,
+        .positions = f->positions,
+        .indices = f->indices,
+        .material = 1,
+    };
+    for (int i = 0; i < 4; i++) {
+        f->instances[i].material = SCENE_NONE;
+        memcpy(f->instances[i].transform, AFFINE_IDENTITY, sizeof AFFINE_IDENTITY);
+    }
+    f->scene = (struct scene){
+        .path = "test",
+        .meshes = &f->mesh,
+        .mesh_count = 1,
+        .instances = f->instances,
+        .instance_count = 1,
+        .materials = f->materials,
+        .material_count = 3,
+    };
+}
+
+static bool flatten(struct fixture *f)
+{
+    warnings = 0;
+    return scene_flatten(&f->scene, &f->arena, &f->flat, &f->err);
+}
+
+static void end(struct fixture *f)
+{
+    arena_finish(&f->arena);
+}
+
+static void set_matrix(struct instance *instance, const double m[12])
+{
+    memcpy(instance->transform, m, sizeof instance->transform);
+}
+
+static bool is_point(const float p[3], double x, double y, double z)
+{
+    return p[0] == (float)x && p[1] == (float)y && p[2] == (float)z;
+}
+
+TEST(transforms_and_materials)
+{
+    struct fixture f;
+    uint32_t per_triangle[] = {2};
+    begin(&f);
+    f.scene.instance_count = 3;
+    set_matrix(&f.instances[1], (const double[]){0, -2, 0, 5, 3, 0, 0, 6, 0, 0, 1, 7});
+    f.instances[2].material = 0;
+    REQUIRE(flatten(&f), "%s", f.err.msg);
+    REQUIRE(f.flat.triangle_count == 3 && !f.flat.normals && warnings == 0);
+    const struct flat_triangle *t = f.flat.triangles;
+    CHECK(is_point(t[1].v[0], 5, 6, 7) && is_point(t[1].v[1], 5, 9, 7) &&
+          is_point(t[1].v[2], 3, 6, 7));
+    CHECK(t[0].material == 1 && t[2].material == 0);
+    CHECK(f.flat.bounds_min[0] == 0 && f.flat.bounds_max[0] == 5 && f.flat.bounds_max[1] == 9 &&
+          f.flat.bounds_max[2] == 7);
+    CHECK(f.flat.origin[0] == 0 && f.flat.dropped_degenerate == 0);
+    f.mesh.triangle_material = per_triangle;
+    REQUIRE(flatten(&f), "%s", f.err.msg);
+    CHECK(f.flat.triangles[0].material == 2 && f.flat.triangles[2].material == 0);
+    end(&f);
+}
+
+TEST(an_empty_scene)
+{
+    struct fixture f;
+    begin(&f);
+    f.scene.instance_count = 0;
+    REQUIRE(flatten(&f), "%s", f.err.msg);
+    CHECK(f.flat.triangle_count == 0 && f.flat.shape_count == 0);
+    CHECK(f.flat.bounds_min[0] > f.flat.bounds_max[0]);
+    end(&f);
+}
+
+static double dot(const float a[3], const float b[3])
+{
+    return (double)a[0] * (double)b[0] + (double)a[1] * (double)b[1] + (double)a[2] * (double)b[2];
+}
+
+TEST(normals_are_transformed_by_the_inverse_transpose)
+{
+    struct fixture f;
+    begin(&f);
+    // The plane x + y = 1, its normal, and a scale that tilts it: x' / 4 + y' = 1.
+    const float positions[3][3] = {{1, 0, 0}, {0, 1, 0}, {1, 0, -1}};
+    memcpy(f.positions, positions, sizeof positions);
+    for (int i = 0; i < 3; i++)
+        f.normals[i][0] = f.normals[i][1] = (float)sqrt(0.5);
+    f.mesh.normals = f.normals;
+    set_matrix(&f.instances[0], (const double[]){4, 0, 0, 1, 0, 1, 0, 2, 0, 0, 1, 3});
+    REQUIRE(flatten(&f) && f.flat.triangle_count == 1 && f.flat.normals, "%s", f.err.msg);
+    const float *n = f.flat.normals[0][0];
+    CHECK(fabs((double)n[0] - 1 / sqrt(17)) < 1e-6 && fabs((double)n[1] - 4 / sqrt(17)) < 1e-6,
+          "%g %g %g", (double)n[0], (double)n[1], (double)n[2]);
+    end(&f);
+}
+
+// Turns out-of-plane normals and winding through a reflection: both stay on the outside.
+TEST(mirrored_instances_stay_outside_out)
+{
+    struct fixture f;
+    begin(&f);
+    for (int i = 0; i < 3; i++)
+        f.normals[i][2] = 1;
+    f.mesh.normals = f.normals;
+    set_matrix(&f.instances[0], (const double[]){1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1, 0});
+    REQUIRE(flatten(&f) && f.flat.triangle_count == 1, "%s", f.err.msg);
+    const float(*v)[3] = (const float(*)[3])f.flat.triangles[0].v;
+    double cross = (double)(v[1][0] - v[0][0]) * (double)(v[2][1] - v[0][1]) -
+                   (double)(v[1][1] - v[0][1]) * (double)(v[2][0] - v[0][0]);
+    CHECK(cross < 0, "the mirrored triangle faces +z");
+    CHECK(is_point(f.flat.normals[0][0], 0, 0, -1));
+    end(&f);
+}
+
+TEST(normals_belong_to_their_corners_when_mirrored)
+{
+    struct fixture f;
+    begin(&f);
+    const float normals[3][3] = {{0, 0, 1}, {1, 0, 0}, {0, 1, 0}};
+    memcpy(f.normals, normals, sizeof normals);
+    f.mesh.normals = f.normals;
+    set_matrix(&f.instances[0], (const double[]){-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0});
+    REQUIRE(flatten(&f) && f.flat.triangle_count == 1, "%s", f.err.msg);
+    for (int corner = 0; corner < 3; corner++) {
+        const float *p = f.flat.triangles[0].v[corner], *n = f.flat.normals[0][corner];
+        double expected_z = p[0] == 0 && p[1] == 0;
+        CHECK(dot(p, n) == (expected_z > 0 ? 0 : 1) && (double)n[2] == expected_z, "corner %d",
+              corner);
+    }
+    end(&f);
+}
+
+TEST(missing_normals_are_geometric)
+{
+    struct fixture f;
+    begin(&f);
+    const float normals[3][3] = {{0, 0, 0}, {NAN, 0, 1}, {0, INFINITY, 0}};
+    memcpy(f.normals, normals, sizeof normals);
+    f.mesh.normals = f.normals;
+    REQUIRE(flatten(&f) && f.flat.triangle_count == 1, "%s", f.err.msg);
+    for (int corner = 0; corner < 3; corner++)
+        CHECK(is_point(f.flat.normals[0][corner], 0, 0, 1), "corner %d", corner);
+    end(&f);
+}
+
+TEST(degenerate_triangles_are_dropped_and_counted)
+{
+    struct fixture f;
+    begin(&f);
+    // A point, a line, a triangle, another line.
+    const float positions[6][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0},
+                                   {3, 0, 0}, {0, 0, 1}, {0, 0, 2}};
+    const uint32_t indices[4][3] = {{1, 1, 1}, {0, 1, 3}, {0, 1, 2}, {0, 4, 5}};
+    memcpy(f.positions, positions, sizeof positions);
+    memcpy(f.indices, indices, sizeof indices);
+    f.mesh.vertex_count = 6;
+    f.mesh.triangle_count = 4;
+    for (int i = 0; i < 6; i++)
+        f.normals[i][2] = 1;
+    f.normals[2][0] = 7;
+    f.mesh.normals = f.normals;
+    REQUIRE(flatten(&f), "%s", f.err.msg);
+    CHECK(f.flat.triangle_count == 1 && f.flat.dropped_degenerate == 3, "%u",
+          f.flat.triangle_count);
+    CHECK(is_point(f.flat.triangles[0].v[2], 0, 1, 0));
+    CHECK(f.flat.normals[0][2][0] > 0.9f, "the normals went with the dropped");
+    CHECK(f.flat.bounds_max[0] == 1, "a dropped triangle counts in the bounds");
+
+    // Slivers have an area, however small.
+    f.positions[1][0] = 1e-15f;
+    REQUIRE(flatten(&f), "%s", f.err.msg);
+    CHECK(f.flat.triangle_count == 1);
+    end(&f);
+}
+
+TEST(singular_instances_are_skipped_with_a_warning)
+{
+    struct fixture f;
+    begin(&f);
+    f.scene.instance_count = 4;
+    set_matrix(&f.instances[1], (const double[]){1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0});
+    // Two equal columns, turned: the determinant is 0 up to rounding.
+    set_matrix(&f.instances[2], (const double[]){.1, .1, .7, 0, .3, .3, .2, 0, .9, .9, .6, 0});
+    set_matrix(&f.instances[3], (const double[]){NAN, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0});
+    REQUIRE(flatten(&f), "%s", f.err.msg);
+    CHECK(f.flat.triangle_count == 1 && f.flat.skipped_instances == 3 && warnings == 3);
+    CHECK(strstr(warning, "instance 3 of mesh \"triangle\" is skipped"), "%s", warning);
+    end(&f);
+}
+
+TEST(tiny_and_huge_scales_are_not_singular)
+{
+    struct fixture f;
+    begin(&f);
+    for (double scale = 1e-15; scale <= 1e15; scale *= 1e15) {
+        const double m[12] = {scale, 0, 0, 0, 0, scale, 0, 0, 0, 0, scale, 0};
+        set_matrix(&f.instances[0], m);
+        REQUIRE(flatten(&f), "%s", f.err.msg);
+        CHECK(f.flat.triangle_count == 1 && f.flat.skipped_instances == 0, "scale %g", scale);
+    }
+    end(&f);
+}
+
+TEST(far_scenes_are_rebased_in_double_precision)
+{
+    struct fixture f;
+    begin(&f);
+    set_matrix(&f.instances[0], (const double[]){1, 0, 0, 1e5, 0, 1, 0, 1e5 + 1e-3, 0, 0, 1, 0});
+    REQUIRE(flatten(&f), "%s", f.err.msg);
+    const float(*v)[3] = (const float(*)[3])f.flat.triangles[0].v;
+    CHECK(f.flat.origin[0] == 1e5 + 0.5, "%.17g", f.flat.origin[0]);
+    for (int corner = 0; corner < 3; corner++)
+        for (int i = 0; i < 3; i++) {
+            double exact = (double)f.positions[corner][i] + f.instances[0].transform[i][3];
+            double got = (double)v[corner][i] + f.flat.origin[i];
+            CHECK(fabs(got - exact) < 1e-7, "corner %d axis %d: %.17g", corner, i, got - exact);
+        }
+    CHECK(warnings == 0, "%s", warning);
+
+    // Up to 16 times the extent it stays where it is.
+    set_matrix(&f.instances[0], (const double[]){1, 0, 0, 15, 0, 1, 0, 0, 0, 0, 1, 0});
+    REQUIRE(flatten(&f), "%s", f.err.msg);
+    CHECK(f.flat.origin[0] == 0 && f.flat.triangles[0].v[1][0] == 16);
+    end(&f);
+}
+
+TEST(exact_positions_come_first)
+{
+    struct fixture f;
+    begin(&f);
+    for (int v = 0; v < 3; v++)
+        for (int i = 0; i < 3; i++) {
+            f.exact[v][i] = 4e6 + 0.1 * (double)f.positions[v][i];
+            f.positions[v][i] = (float)f.exact[v][i];
+        }
+    f.mesh.exact_positions = f.exact;
+    REQUIRE(flatten(&f) && f.flat.triangle_count == 1, "%s", f.err.msg);
+    const float(*v)[3] = (const float(*)[3])f.flat.triangles[0].v;
+    CHECK(fabs((double)(v[1][0] - v[0][0]) - 0.1) < 1e-8, "%.9g", (double)(v[1][0] - v[0][0]));
+    CHECK(warnings == 0);
+    end(&f);
+}
+
+TEST(meshes_beyond_their_precision_are_warned_of)
+{
+    struct fixture f;
+    begin(&f);
+    for (int v = 0; v < 3; v++)
+        f.positions[v][0] += 4e6f;
+    REQUIRE(flatten(&f), "%s", f.err.msg);
+    CHECK(warnings == 1 && strstr(warning, "\"triangle\" is 1 in size and 4e+06 from its origin"),
+          "%s", warning);
+    end(&f);
+}
+
+TEST(vertices_out_of_range_are_errors)
+{
+    static const float bad[] = {NAN, INFINITY, -INFINITY, 1e38f, 1.1e18f};
+    struct fixture f;
+    begin(&f);
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        f.positions[2][1] = bad[i];
+        f.err = (struct err){0};
+        CHECK(!flatten(&f) && f.err.code == ERR_INPUT, "%g", (double)bad[i]);
+        CHECK(strstr(f.err.msg, "test: instance 0: mesh 0 \"triangle\": vertex 2 lies at ("), "%s",
+              f.err.msg);
+    }
+    // An unused vertex harms nobody.
+    f.positions[2][1] = 1;
+    f.positions[3][0] = NAN;
+    f.mesh.vertex_count = 4;
+    CHECK(flatten(&f), "%s", f.err.msg);
+    end(&f);
+}
+
+TEST(shapes)
+{
+    struct fixture f;
+    struct shape list[2] = {
+        {.kind = SHAPE_SPHERE, .material = 2, .center = {1e5, 0, 0}, .radius = 2},
+        {.kind = SHAPE_DISC, .center = {1e5, 3, 0}, .normal = {0, 1, 0}, .radius = 1},
+    };
+    begin(&f);
+    f.scene.instance_count = 0;
+    f.scene.shapes = list;
+    f.scene.shape_count = 2;
+    REQUIRE(flatten(&f) && f.flat.shape_count == 2, "%s", f.err.msg);
+    CHECK(f.flat.origin[0] == 1e5 && f.flat.origin[1] == 0.5 && f.flat.origin[2] == 0);
+    CHECK(is_point(f.flat.shapes[0].center, 0, -0.5, 0) && f.flat.shapes[0].material == 2);
+    CHECK(is_point(f.flat.shapes[1].center, 0, 2.5, 0) &&
+          is_point(f.flat.shapes[1].normal, 0, 1, 0));
+    CHECK(f.flat.shapes[0].kind == SHAPE_SPHERE && f.flat.shapes[0].radius == 2);
+    // The disc is flat: nothing of it above y = 2.5 but the outward rounding.
+    CHECK(f.flat.bounds_max[1] >= 2.5f && f.flat.bounds_max[1] < 2.5f + 1e-6f);
+    CHECK(f.flat.bounds_min[0] <= -2 && f.flat.bounds_min[0] > -2.00001f);
+
+    list[1].center[2] = INFINITY;
+    f.err = (struct err){0};
+    CHECK(!flatten(&f) && f.err.code == ERR_INPUT && strstr(f.err.msg, "shape 1 at"), "%s",
+          f.err.msg);
+    end(&f);
+}
+
+TEST(memory_limits_are_errors)
+{
+    struct fixture f;
+    begin(&f);
+    f.mesh.normals = f.normals;
+    bool ok = false;
+    for (size_t limit = 1; limit < 100000 && !ok; limit *= 2) {
+        f.arena.limit_bytes = limit;
+        f.err = (struct err){0};
+        ok = flatten(&f);
+        CHECK(ok || f.err.code == ERR_SYSTEM, "%zu bytes: %s", limit, f.err.msg);
+        end(&f);
+    }
+    CHECK(ok);
+}
+
+TEST(uniform_scales_are_recognised)
+{
+    double scale, turned[3][4];
+    const double axis[3] = {1, 2, 3};
+    CHECK(affine_rotation(axis, 1.0, turned));
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            turned[i][j] *= -0.25;
+    CHECK(affine_uniform_scale(turned, &scale) && fabs(scale - 0.25) < 1e-15, "%g", scale);
+    turned[0][0] *= 1.001;
+    CHECK(!affine_uniform_scale(turned, &scale));
+    const double zero[3] = {0, 0, 0};
+    CHECK(!affine_rotation(zero, 1.0, turned));
+}
+
+int main(int argc, char **argv)
+{
+    static const struct test_case cases[] = {
+        TEST_CASE(transforms_and_materials),
+        TEST_CASE(an_empty_scene),
+        TEST_CASE(normals_are_transformed_by_the_inverse_transpose),
+        TEST_CASE(mirrored_instances_stay_outside_out),
+        TEST_CASE(normals_belong_to_their_corners_when_mirrored),
+        TEST_CASE(missing_normals_are_geometric),
+        TEST_CASE(degenerate_triangles_are_dropped_and_counted),
+        TEST_CASE(singular_instances_are_skipped_with_a_warning),
+        TEST_CASE(tiny_and_huge_scales_are_not_singular),
+        TEST_CASE(far_scenes_are_rebased_in_double_precision),
+        TEST_CASE(exact_positions_come_first),
+        TEST_CASE(meshes_beyond_their_precision_are_warned_of),
+        TEST_CASE(vertices_out_of_range_are_errors),
+        TEST_CASE(shapes),
+        TEST_CASE(memory_limits_are_errors),
+        TEST_CASE(uniform_scales_are_recognised),
+    };
+    if (!begin_mesh_tests())
+        return 1;
+    return test_run(cases, sizeof cases / sizeof cases[0], argc, argv);
+}

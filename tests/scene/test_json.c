@@ -1,0 +1,445 @@
+// The JSON format: what is read, how it is overridden, and that nothing crashes. What is refused,
+// and with which words, stands in bad_scenes.json, which check_format.py runs.
+#include "mesh_files.h"
+
+#include <sys/stat.h>
+
+#define ONE_TRIANGLE "v 0 0 0\nv 1 0 0\nv 0 2 0\nf 1 2 3\n"
+
+// Loads a file with overrides KEY, VALUE, …, NULL; the caller finishes the scene.
+static bool load_file_with(struct scene *scene, const char *path, const char *const *overrides,
+                           struct err *err)
+{
+    struct scene_override list[8];
+    struct scene_load_params params = {.path = path, .overrides = list};
+    *err = (struct err){0};
+    for (; overrides && *overrides; overrides += 2)
+        list[params.override_count++] = (struct scene_override){overrides[0], overrides[1]};
+    return scene_load(&params, scene, err);
+}
+
+#define WITH(...) ((const char *const[]){__VA_ARGS__, NULL})
+
+// Loads {"lampyris": 1, BODY} with overrides; {0}, and a failure, when that is refused.
+static struct scene load_body_with(const char *body, const char *const *overrides)
+{
+    char text[4096];
+    struct scene scene;
+    struct err err;
+    snprintf(text, sizeof text, "{\"lampyris\": 1%s%s}", *body ? ", " : "", body);
+    bool ok = load_file_with(&scene, write_text("scene.json", text), overrides, &err);
+    CHECK(ok, "%s", err.msg);
+    return scene;
+}
+
+static struct scene load_body(const char *body)
+{
+    return load_body_with(body, NULL);
+}
+
+static bool is_near(const double *a, const double *b, int count, double tolerance)
+{
+    for (int i = 0; i < count; i++)
+        if (!(fabs(a[i] - b[i]) <= tolerance))
+            return false;
+    return true;
+}
+
+#define IS_VECTOR(v, ...) is_near((v), (const double[]){__VA_ARGS__}, 3, 1e-12)
+
+static bool is_color(const float *c, float r, float g, float b)
+{
+    return c[0] == r && c[1] == g && c[2] == b;
+}
+
+TEST(an_empty_document_is_a_scene)
+{
+    struct scene scene = load_body("");
+    CHECK(scene.settings.width == 512 && scene.settings.spp == 64 && scene.settings.pixel_jitter);
+    CHECK(scene.settings.max_bounces == 9 && scene.settings.roulette_min_bounces == 3);
+    CHECK(scene.camera_count == 1 && scene.material_count == 1 && scene.environment.present);
+    CHECK(scene.note_count == 2, "%u notes", scene.note_count);
+    scene_finish(&scene);
+}
+
+TEST(camera)
+{
+    struct scene scene =
+        load_body("\"camera\": {\"position\": [1, 2, 3], \"target\": [1, 2, -7], \"up\": [1, 0, 0],"
+                  " \"fov_degrees\": 60, \"name\": \"front\"}");
+    REQUIRE(scene.camera_count == 1);
+    const struct camera *camera = &scene.cameras[0];
+    CHECK(IS_VECTOR(camera->position, 1, 2, 3) && IS_VECTOR(camera->direction, 0, 0, -1));
+    CHECK(IS_VECTOR(camera->up, 1, 0, 0) && strcmp(camera->name, "front") == 0);
+    CHECK(fabs(camera->fov_y - M_PI / 3) < 1e-15, "%g", camera->fov_y);
+    CHECK(!scene.camera_is_framed);
+    scene_finish(&scene);
+
+    scene = load_body("\"camera\": {\"position\": [0, 0, 0], \"direction\": [0, 0, 9],"
+                      " \"focal_length_mm\": 12}");
+    REQUIRE(scene.camera_count == 1);
+    CHECK(IS_VECTOR(scene.cameras[0].direction, 0, 0, 1) &&
+          IS_VECTOR(scene.cameras[0].up, 0, 1, 0));
+    CHECK(fabs(scene.cameras[0].fov_y - M_PI / 2) < 1e-15, "%g", scene.cameras[0].fov_y);
+    scene_finish(&scene);
+}
+
+TEST(film_and_settings)
+{
+    struct scene scene = load_body(
+        "\"film\": {\"width\": 7, \"height\": 5, \"exposure\": -1.5, \"tone\": \"agx\"},"
+        "\"settings\": {\"spp\": 4294967295, \"seed\": 3, \"max_bounces\": 0, \"estimator\": "
+        "\"bsdf\","
+        " \"roulette_min_bounces\": \"off\", \"pixel_jitter\": false, \"filter\": \"box\"}");
+    const struct settings *s = &scene.settings;
+    CHECK(s->width == 7 && s->height == 5 && s->exposure == -1.5f && s->tone_curve == TONE_AGX);
+    CHECK(s->spp == UINT32_MAX && s->seed == 3 && s->max_bounces == 0 && !s->pixel_jitter);
+    CHECK(s->estimator == ESTIMATOR_BSDF && s->roulette_min_bounces == UINT32_MAX);
+    scene_finish(&scene);
+}
+
+TEST(materials_keep_their_order)
+{
+    struct scene scene = load_body("\"materials\": {\"z\": {\"base_color\": [0.25, 0.5, 1]},"
+                                   " \"comment\": \"none\", \"a\": {\"type\": \"mirror\"},"
+                                   " \"m\": {\"emission\": [1, 2, 3]}}");
+    REQUIRE(scene.material_count == 3, "%u", scene.material_count);
+    const struct material *m = scene.materials;
+    CHECK(strcmp(m[0].name, "z") == 0 && strcmp(m[1].name, "a") == 0);
+    CHECK(is_color(m[0].base_color, 0.25f, 0.5f, 1) && is_color(m[0].emission, 0, 0, 0));
+    CHECK(m[1].type == MATERIAL_MIRROR && is_color(m[1].base_color, 1, 1, 1));
+    CHECK(m[2].type == MATERIAL_DIFFUSE && is_color(m[2].base_color, 0.5f, 0.5f, 0.5f));
+    CHECK(is_color(m[2].emission, 1, 2, 3));
+    scene_finish(&scene);
+}
+
+#define WHITE "\"materials\": {\"white\": {}, \"red\": {\"base_color\": [1, 0, 0]}}, "
+
+static void check_outward(const struct mesh *mesh, const double center[3])
+{
+    for (uint32_t t = 0; t < mesh->triangle_count; t++) {
+        const double *v[3];
+        double e[2][3], out[3], normal[3];
+        for (int c = 0; c < 3; c++)
+            v[c] = mesh->exact_positions[mesh->indices[t][c]];
+        for (int i = 0; i < 3; i++) {
+            e[0][i] = v[1][i] - v[0][i];
+            e[1][i] = v[2][i] - v[0][i];
+            out[i] = v[0][i] - center[i];
+        }
+        for (int i = 0; i < 3; i++)
+            normal[i] =
+                e[0][(i + 1) % 3] * e[1][(i + 2) % 3] - e[0][(i + 2) % 3] * e[1][(i + 1) % 3];
+        CHECK(normal[0] * out[0] + normal[1] * out[1] + normal[2] * out[2] > 0, "triangle %u", t);
+    }
+}
+
+TEST(primitives)
+{
+    struct scene scene = load_body(
+        WHITE "\"shapes\": ["
+              "{\"type\": \"quad\", \"material\": \"red\", \"corner\": [1, 1, 1], \"u\": [2, 0, 0],"
+              " \"v\": [0, 3, 0]},"
+              "{\"type\": \"quad\", \"material\": \"white\", \"vertices\": [[0, 0, 0], [1, 0, 0],"
+              " [2, 2, 0], [0, 1, 0]]},"
+              "{\"type\": \"box\", \"material\": \"red\", \"min\": [0, 0, 0], \"max\": [1, 2, 3]},"
+              "{\"type\": \"sphere\", \"material\": \"red\", \"radius\": 2},"
+              "{\"type\": \"disc\", \"material\": \"white\", \"center\": [1, 2, 3], \"radius\": 4,"
+              " \"normal\": [0, 0, -5]},"
+              "{\"type\": \"generated\", \"material\": \"red\", \"triangles\": 100}]");
+    REQUIRE(scene.mesh_count == 4 && scene.instance_count == 4 && scene.shape_count == 2);
+    const struct mesh *quad = &scene.meshes[0], *box = &scene.meshes[2];
+    CHECK(quad->material == 1 && quad->vertex_count == 4 && quad->triangle_count == 2);
+    CHECK(IS_VECTOR(quad->exact_positions[2], 3, 4, 1) && quad->positions[2][1] == 4);
+    CHECK(IS_VECTOR(scene.meshes[1].exact_positions[2], 2, 2, 0) && scene.meshes[1].material == 0);
+    CHECK(box->vertex_count == 8 && box->triangle_count == 12);
+    check_outward(box, (const double[]){0.5, 1, 1.5});
+    CHECK(scene.instances[2].material == SCENE_NONE && scene.instances[2].mesh == 2);
+    CHECK(scene.shapes[0].kind == SHAPE_SPHERE && scene.shapes[0].radius == 2);
+    CHECK(IS_VECTOR(scene.shapes[0].center, 0, 0, 0) && scene.shapes[0].material == 1);
+    CHECK(scene.shapes[1].kind == SHAPE_DISC && IS_VECTOR(scene.shapes[1].normal, 0, 0, -1));
+    CHECK(scene.meshes[3].triangle_count >= 8 && scene.meshes[3].normals);
+    scene_finish(&scene);
+}
+
+TEST(transforms_apply_in_their_order)
+{
+    struct scene scene = load_body(
+        WHITE
+        "\"shapes\": ["
+        "{\"type\": \"box\", \"material\": \"red\", \"min\": [0, 0, 0], \"max\": [1, 1, 1],"
+        " \"transform\": [{\"scale\": [2, 3, 4]}, {\"rotate\": {\"axis\": [0, 0, 2],"
+        " \"degrees\": 90}}, {\"translate\": [10, 0, 0]}]},"
+        "{\"type\": \"box\", \"material\": \"red\", \"min\": [0, 0, 0], \"max\": [1, 1, 1],"
+        " \"transform\": {\"matrix\": [1, 2, 3, 4,  5, 6, 7, 8,  9, 10, 11, 12,  0, 0, 0, 1]}},"
+        "{\"type\": \"disc\", \"material\": \"red\", \"center\": [1, 0, 0],"
+        " \"normal\": [0, 1, 0], \"radius\": 1, \"transform\": [{\"scale\": -2},"
+        " {\"rotate\": {\"axis\": [1, 0, 0], \"degrees\": 450}}]}]");
+    REQUIRE(scene.instance_count == 2 && scene.shape_count == 1);
+    // x' = 10 - 3 y, y' = 2 x, z' = 4 z
+    const double expected[12] = {0, -3, 0, 10, 2, 0, 0, 0, 0, 0, 4, 0};
+    CHECK(is_near(scene.instances[0].transform[0], expected, 12, 1e-15));
+    const double rows[12] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
+    CHECK(is_near(scene.instances[1].transform[0], rows, 12, 0));
+    const struct shape *disc = &scene.shapes[0];
+    CHECK(fabs(disc->radius - 2) < 1e-15 && IS_VECTOR(disc->center, -2, 0, 0));
+    CHECK(IS_VECTOR(disc->normal, 0, 0, -1), "%g %g %g", disc->normal[0], disc->normal[1],
+          disc->normal[2]);
+    scene_finish(&scene);
+}
+
+TEST(mesh_files_fit_their_box)
+{
+    write_text("one.obj", ONE_TRIANGLE);
+    struct scene scene = load_body(
+        WHITE "\"shapes\": [{\"type\": \"mesh\", \"file\": \"one.obj\", \"material\": \"red\","
+              " \"transform\": {\"translate\": [5, 5, 5]},"
+              " \"fit\": {\"min\": [-3, 1, -2], \"max\": [1, 2, 2]}}]");
+    REQUIRE(scene.instance_count == 1);
+    // 1 x 2 x 0 in size: the height decides, by 1/2; the middle goes to x = -1 and z = 0.
+    const double expected[12] = {.5, 0, 0, -1.25, 0, .5, 0, 1, 0, 0, .5, 0};
+    CHECK(is_near(scene.instances[0].transform[0], expected, 12, 1e-15));
+    CHECK(scene.instances[0].material == 1);
+    scene_finish(&scene);
+}
+
+TEST(mesh_files_keep_their_materials)
+{
+    write_text("one.obj", ONE_TRIANGLE);
+    struct scene scene = load_body("\"shapes\": [{\"type\": \"mesh\", \"file\": \"one.obj\"}]");
+    REQUIRE(scene.instance_count == 1 && scene.material_count == 1);
+    CHECK(scene.instances[0].material == SCENE_NONE);
+    scene_finish(&scene);
+}
+
+TEST(gltf_and_ply_are_meshes_too)
+{
+    write_text("one.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
+                          "property float y\nproperty float z\nelement face 1\n"
+                          "property list uchar int vertex_indices\nend_header\n"
+                          "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+    write_text("one.gltf",
+               "{\"asset\": {\"version\": \"2.0\"}, \"scene\": 0,"
+               "\"scenes\": [{\"nodes\": [0]}],"
+               "\"nodes\": [{\"mesh\": 0, \"translation\": [0, 7, 0]}],"
+               "\"meshes\": [{\"primitives\": [{\"attributes\": {\"POSITION\": 0}}]}],"
+               "\"accessors\": [{\"bufferView\": 0, \"componentType\": 5126, \"count\": 3,"
+               " \"type\": \"VEC3\", \"min\": [0, 0, 0], \"max\": [0, 0, 0]}],"
+               "\"bufferViews\": [{\"buffer\": 0, \"byteLength\": 36}],"
+               "\"buffers\": [{\"byteLength\": 36, \"uri\": \"data:application/octet-stream;base64,"
+               "AAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAA\"}]}");
+    struct scene scene =
+        load_body(WHITE "\"shapes\": [{\"type\": \"mesh\", \"file\": \"one.ply\"},"
+                        "{\"type\": \"mesh\", \"file\": \"one.gltf\", \"name\": \"g\","
+                        " \"transform\": {\"scale\": 2}},"
+                        "{\"type\": \"instance\", \"of\": \"g\", \"material\": \"red\"}]");
+    REQUIRE(scene.instance_count == 3, "%u", scene.instance_count);
+    CHECK(scene.instances[1].transform[1][3] == 14, "%g", scene.instances[1].transform[1][3]);
+    CHECK(scene.instances[2].mesh == scene.instances[1].mesh && scene.instances[2].material == 1);
+    scene_finish(&scene);
+}
+
+TEST(instances_copy_what_stands_in_the_world)
+{
+    struct scene scene = load_body(
+        WHITE
+        "\"shapes\": ["
+        "{\"type\": \"sphere\", \"name\": \"ball\", \"material\": \"red\", \"radius\": 1,"
+        " \"transform\": {\"translate\": [1, 0, 0]}},"
+        "{\"type\": \"box\", \"name\": \"box\", \"material\": \"red\", \"min\": [0, 0, 0],"
+        " \"max\": [1, 1, 1], \"transform\": {\"translate\": [1, 0, 0]}},"
+        "{\"type\": \"instance\", \"of\": \"ball\", \"material\": \"white\", \"name\": \"ball-2\","
+        " \"transform\": {\"scale\": 3}},"
+        "{\"type\": \"instance\", \"of\": \"ball-2\", \"transform\": {\"translate\": [0, 1, 0]}},"
+        "{\"type\": \"instance\", \"of\": \"box\", \"material\": \"white\","
+        " \"transform\": {\"scale\": [1, 2, 1]}}]");
+    REQUIRE(scene.shape_count == 3 && scene.instance_count == 2 && scene.mesh_count == 1);
+    CHECK(scene.shapes[0].radius == 1 && scene.shapes[0].material == 1);
+    CHECK(fabs(scene.shapes[1].radius - 3) < 1e-14 && IS_VECTOR(scene.shapes[1].center, 3, 0, 0));
+    CHECK(scene.shapes[1].material == 0 && scene.shapes[2].material == 0);
+    CHECK(IS_VECTOR(scene.shapes[2].center, 3, 1, 0));
+    CHECK(scene.instances[1].mesh == 0 && scene.instances[1].material == 0);
+    CHECK(scene.instances[0].material == SCENE_NONE && scene.instances[1].transform[1][1] == 2);
+    scene_finish(&scene);
+}
+
+TEST(overrides)
+{
+    static const char body[] =
+        "\"define\": {\"w\": 7, \"color\": null, \"s\": {\"radius\": 1}},"
+        "\"film\": {\"width\": \"${w}\"}, \"settings\": {},"
+        "\"materials\": {\"a\": {\"base_color\": \"${color}\"}, \"b\": {\"emission\": [1, 1, 1]}},"
+        "\"shapes\": [{\"type\": \"sphere\", \"radius\": 1, \"material\": \"a\"}]";
+    struct scene scene = load_body_with(
+        body, WITH("w", "9", "color", "[0, 0.5, 1]", "settings.spp", "5", "shapes.0.material", "b",
+                   "shapes[0].radius", "2", "materials.b.emission[1]", "6", "camera",
+                   "{\"position\": [0, 0, 9], \"target\": [0, 0, 0], \"fov_degrees\": 9}"));
+    REQUIRE(scene.material_count == 2 && scene.shape_count == 1);
+    CHECK(scene.settings.width == 9 && scene.settings.spp == 5);
+    CHECK(is_color(scene.materials[0].base_color, 0, 0.5f, 1));
+    CHECK(is_color(scene.materials[1].emission, 1, 6, 1));
+    CHECK(scene.shapes[0].radius == 2 && scene.shapes[0].material == 1);
+    CHECK(scene.cameras[0].position[2] == 9 && !scene.camera_is_framed);
+    scene_finish(&scene);
+}
+
+TEST(overrides_that_are_no_json_are_strings)
+{
+    struct scene scene =
+        load_body_with("\"define\": {\"tone\": null}, \"film\": {\"tone\": \"${tone}\"}",
+                       WITH("tone", "reinhard"));
+    CHECK(scene.settings.tone_curve == TONE_REINHARD);
+    scene_finish(&scene);
+    scene = load_body_with("\"film\": {}", WITH("film.tone", "\"aces\""));
+    CHECK(scene.settings.tone_curve == TONE_ACES);
+    scene_finish(&scene);
+}
+
+TEST(paths_confined_to_the_folder)
+{
+    char outside[128], inner[160];
+    snprintf(inner, sizeof inner, "%s/inner", folder);
+    CHECK(mkdir(inner, 0700) == 0);
+    write_text("one.obj", ONE_TRIANGLE);
+    const char *path = write_text("inner/scene.json",
+                                  "{\"lampyris\": 1, \"define\": {\"mesh\": \"../one.obj\"},"
+                                  " \"shapes\": [{\"type\": \"mesh\", \"file\": \"${mesh}\"}]}");
+    struct scene scene;
+    struct err err = {0};
+    CHECK(!load_file_with(&scene, path, NULL, &err) && err.code == ERR_INPUT, "%s", err.msg);
+    CHECK(strstr(err.msg, "shapes[0].file: path \"../one.obj\" contains \"..\""), "%s", err.msg);
+
+    // Allowed, it is relative to the scene's folder.
+    const struct scene_load_params allowed = {.path = path, .allow_outside_paths = true};
+    CHECK(scene_load(&allowed, &scene, &err) && scene.mesh_count == 1, "%s", err.msg);
+    scene_finish(&scene);
+
+    // From the command line it is the user's own, whether by definition or in a whole shape.
+    snprintf(outside, sizeof outside, "%s/one.obj", folder);
+    CHECK(load_file_with(&scene, path, WITH("mesh", outside), &err), "%s", err.msg);
+    scene_finish(&scene);
+    char shape[256];
+    snprintf(shape, sizeof shape, "{\"type\": \"mesh\", \"file\": \"%s\"}", outside);
+    CHECK(load_file_with(&scene, path, WITH("shapes[0]", shape), &err), "%s", err.msg);
+    scene_finish(&scene);
+}
+
+static uint64_t hash_of(const char *path, const char *const *overrides)
+{
+    struct scene scene;
+    struct err err;
+    bool ok = load_file_with(&scene, path, overrides, &err);
+    CHECK(ok, "%s", err.msg);
+    uint64_t hash = scene.hash;
+    scene_finish(&scene);
+    return hash;
+}
+
+TEST(the_hash_covers_every_input)
+{
+    char path[512];
+    write_text("one.obj", ONE_TRIANGLE);
+    snprintf(path, sizeof path, "%s",
+             write_text("scene.json", "{\"lampyris\": 1, \"film\": {}, \"shapes\":"
+                                      " [{\"type\": \"mesh\", \"file\": \"one.obj\"}]}"));
+    uint64_t hash = hash_of(path, NULL);
+    CHECK(hash == hash_of(path, NULL));
+    uint64_t with_override = hash_of(path, WITH("film.width", "8"));
+    CHECK(with_override != hash && with_override != hash_of(path, WITH("film.width", "9")));
+    write_text("one.obj", ONE_TRIANGLE "\n");
+    uint64_t with_other_mesh = hash_of(path, NULL);
+    CHECK(with_other_mesh != hash);
+    write_text("scene.json", "{\"lampyris\": 1, \"film\": {}, \"shapes\" :"
+                             " [{\"type\": \"mesh\", \"file\": \"one.obj\"}]}");
+    CHECK(hash_of(path, NULL) != with_other_mesh);
+}
+
+TEST(memory_limits_are_errors)
+{
+    const char *path = write_text(
+        "scene.json", "{\"lampyris\": 1, \"materials\": {\"a\": {}}, \"shapes\":"
+                      " [{\"type\": \"generated\", \"material\": \"a\", \"triangles\": 1000}]}");
+    bool loaded = false;
+    for (size_t limit = 64; limit < ((size_t)1 << 24); limit += limit / 4) {
+        const struct scene_load_params params = {.path = path, .max_bytes = limit};
+        struct scene scene;
+        struct err err = {0};
+        loaded = scene_load(&params, &scene, &err);
+        CHECK(loaded || err.code == ERR_SYSTEM, "%zu bytes: code %d: %s", limit, err.code, err.msg);
+        CHECK(loaded || !scene.arena.blocks, "%zu bytes: not finished", limit);
+        scene_finish(&scene);
+    }
+    CHECK(loaded, "16 MiB are not enough");
+}
+
+// Where the closing brace of the document is.
+static size_t document_end(const char *text, size_t size)
+{
+    while (size > 0 && text[size - 1] != '}')
+        size--;
+    return size;
+}
+
+static void cut_scene_everywhere(const char *name)
+{
+    char source[512], *text = malloc(1 << 20);
+    const char *root = getenv("LAMPYRIS_SOURCE_ROOT");
+    REQUIRE(text && root, "LAMPYRIS_SOURCE_ROOT is not set");
+    char mesh_path[512], path[512];
+    snprintf(mesh_path, sizeof mesh_path, "%s", write_text("one.obj", ONE_TRIANGLE));
+    snprintf(source, sizeof source, "%s/scenes/%s", root, name);
+    FILE *file = fopen(source, "rb");
+    REQUIRE(file, "no %s", source);
+    size_t size = fread(text, 1, 1 << 20, file);
+    fclose(file);
+    snprintf(path, sizeof path, "%s", write_bytes("cut.json", text, size));
+    const char *const given[] = {"mesh", mesh_path, NULL};
+    bool needs_mesh = strcmp(name, "mesh_room.json") == 0;
+
+    size_t end = document_end(text, size);
+    for (size_t length = size; length-- > 0;) {
+        struct scene scene;
+        struct err err = {0};
+        CHECK(truncate(path, (off_t)length) == 0);
+        bool ok = load_file_with(&scene, path, needs_mesh ? given : NULL, &err);
+        CHECK(ok == (length >= end), "%s cut at %zu: %s", name, length, err.msg);
+        CHECK(ok || (err.code == ERR_INPUT && err.msg[0]), "%s cut at %zu: code %d", name, length,
+              err.code);
+        scene_finish(&scene);
+    }
+    free(text);
+}
+
+TEST(scenes_cut_at_every_byte)
+{
+    cut_scene_everywhere("cornell.json");
+    cut_scene_everywhere("furnace.json");
+    cut_scene_everywhere("furnace_sky.json");
+    cut_scene_everywhere("mesh_room.json");
+    cut_scene_everywhere("spheres.json");
+}
+
+int main(int argc, char **argv)
+{
+    static const struct test_case cases[] = {
+        TEST_CASE(an_empty_document_is_a_scene),
+        TEST_CASE(camera),
+        TEST_CASE(film_and_settings),
+        TEST_CASE(materials_keep_their_order),
+        TEST_CASE(primitives),
+        TEST_CASE(transforms_apply_in_their_order),
+        TEST_CASE(mesh_files_fit_their_box),
+        TEST_CASE(mesh_files_keep_their_materials),
+        TEST_CASE(gltf_and_ply_are_meshes_too),
+        TEST_CASE(instances_copy_what_stands_in_the_world),
+        TEST_CASE(overrides),
+        TEST_CASE(overrides_that_are_no_json_are_strings),
+        TEST_CASE(paths_confined_to_the_folder),
+        TEST_CASE(the_hash_covers_every_input),
+        TEST_CASE(memory_limits_are_errors),
+        TEST_CASE(scenes_cut_at_every_byte),
+    };
+    if (!begin_mesh_tests())
+        return 1;
+    return test_run(cases, sizeof cases / sizeof cases[0], argc, argv);
+}
