@@ -125,7 +125,8 @@ static bool build_empty(struct arena *arena, struct bvh *out, struct err *err)
     return bvh_compute_stats(out, &out->stats, err);
 }
 
-// *fits tells whether the tree keeps within the limits.
+// *fits tells whether the tree keeps within the limits; one that does not stays in the arena
+// unused.
 static bool build_once(const struct bvh_params *params, const struct attempt *attempt,
                        struct arena *arena, struct bvh *out, bool *fits, struct err *err)
 {

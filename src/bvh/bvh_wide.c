@@ -19,6 +19,14 @@ struct choice {
     bool is_leaf;            // as one child, it is a leaf and not a wide node
 };
 
+// A wide node before quantisation.
+struct draft {
+    uint32_t binary[WIDTH]; // the subtrees that are its children
+    uint32_t child_count;
+    uint32_t first_inner;    // the wide index of its first inner child; the others follow
+    uint32_t first_triangle; // likewise in triangle_order
+};
+
 struct collapse {
     const struct bvh_wide_params *params;
     struct choice *choices; // for each binary node
@@ -27,14 +35,6 @@ struct collapse {
     double root_area;
     struct bvh *out;
     uint32_t order_count; // triangles laid out so far
-};
-
-// A wide node before quantisation.
-struct draft {
-    uint32_t binary[WIDTH]; // the subtrees that are its children
-    uint32_t child_count;
-    uint32_t first_inner;    // the wide index of its first inner child; the others follow
-    uint32_t first_triangle; // likewise in triangle_order
 };
 
 static bool is_binary_leaf(const struct bvh_binary_node *node)
