@@ -23,9 +23,13 @@ void mesh_vertex(const struct mesh *mesh, uint32_t vertex, double out[3])
 
 void bounds_add_point(struct bounds *bounds, const double point[3])
 {
+    // Comparisons rather than fmin and fmax, which are function calls: this is the inner loop of
+    // every pass over a mesh.
     for (int i = 0; i < 3; i++) {
-        bounds->min[i] = fmin(bounds->min[i], point[i]);
-        bounds->max[i] = fmax(bounds->max[i], point[i]);
+        if (point[i] < bounds->min[i])
+            bounds->min[i] = point[i];
+        if (point[i] > bounds->max[i])
+            bounds->max[i] = point[i];
     }
 }
 

@@ -147,8 +147,10 @@ static void choose_origin(const struct bounds *bounds, double origin[3])
 static void add_to_bounds(struct flat_scene *flat, const float low[3], const float high[3])
 {
     for (int i = 0; i < 3; i++) {
-        flat->bounds_min[i] = fminf(flat->bounds_min[i], low[i]);
-        flat->bounds_max[i] = fmaxf(flat->bounds_max[i], high[i]);
+        if (low[i] < flat->bounds_min[i])
+            flat->bounds_min[i] = low[i];
+        if (high[i] > flat->bounds_max[i])
+            flat->bounds_max[i] = high[i];
     }
 }
 

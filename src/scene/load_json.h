@@ -35,9 +35,8 @@ bool load_json_environment(struct json_loader *loader, const struct json_node *e
                            struct err *err);
 bool load_json_shapes(struct json_loader *loader, const struct json_node *shapes, struct err *err);
 
-// The parts of a section that have a file of their own. A primitive appends itself in its own
-// space: an instance of a mesh with the identity as its transform, or an analytic shape.
-// material SCENE_NONE cannot occur.
+// Shapes that need no other file. Each appends itself in its own space: an instance of a mesh with
+// the identity as its transform, or an analytic shape.
 bool load_json_quad(struct scene *scene, const struct json_node *quad, uint32_t material,
                     struct err *err);
 bool load_json_box(struct scene *scene, const struct json_node *box, uint32_t material,
@@ -48,9 +47,6 @@ bool load_json_disc(struct scene *scene, const struct json_node *disc, uint32_t 
                     struct err *err);
 bool load_json_generated(struct scene *scene, const struct json_node *generated, uint32_t material,
                          struct err *err);
-
-// A transform or a list of transforms, composed; the node's value is there.
-bool load_json_transform(const struct json_node *transform, double out[3][4], struct err *err);
 
 // The path that the string at `key` names: confined to the scene file's folder, unless it came from
 // the command line or the user allows it. NULL with *err set on failure; lives in the scene's

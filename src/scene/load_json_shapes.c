@@ -61,7 +61,7 @@ static bool read_matrix(const struct json_node *node, double out[3][4], struct e
 }
 
 // An object with exactly one of the four kinds.
-static bool read_transform(const struct json_node *node, double out[3][4], struct err *err)
+static bool read_transform_step(const struct json_node *node, double out[3][4], struct err *err)
 {
     static const char *const required[] = {NULL};
     static const char *const kinds[] = {"translate", "rotate", "scale", "matrix", NULL};
@@ -96,15 +96,16 @@ static bool read_transform(const struct json_node *node, double out[3][4], struc
     return true;
 }
 
-bool load_json_transform(const struct json_node *transform, double out[3][4], struct err *err)
+// A step or a list of steps, composed.
+static bool read_transform(const struct json_node *transform, double out[3][4], struct err *err)
 {
     if (!json_is_array(transform->value))
-        return read_transform(transform, out, err);
+        return read_transform_step(transform, out, err);
     memcpy(out, AFFINE_IDENTITY, sizeof AFFINE_IDENTITY);
     for (size_t i = 0; i < json_array_size(transform->value); i++) {
         const struct json_node element = node_element(transform, i);
         double step[3][4];
-        if (!read_transform(&element, step, err))
+        if (!read_transform_step(&element, step, err))
             return false;
         affine_multiply(step, out, out);
     }
@@ -370,8 +371,8 @@ static bool load_shape(struct shape_list *list, const struct json_node *node, st
     const struct json_node transform = node_member(node, "transform");
     const struct json_node fit = node_member(node, "fit");
     double m[3][4];
-    if (transform.value && (!load_json_transform(&transform, m, err) ||
-                            !transform_part(scene, part, &transform, m, err)))
+    if (transform.value &&
+        (!read_transform(&transform, m, err) || !transform_part(scene, part, &transform, m, err)))
         return false;
     if (fit.value && !fit_part(scene, part, &fit, err))
         return false;
