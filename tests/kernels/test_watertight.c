@@ -1,0 +1,257 @@
+// What a traversal must get exactly right: nothing slips through a closed surface, the lowest id
+// wins among equals, and a library of its own agrees on scanned meshes.
+#include "../bench/bench.h"
+#include "traversal_judge.h"
+#include "traversal_scenes.h"
+
+enum { RAYS = 16384 };
+
+static struct single_ray rays[RAYS];
+static struct single_hit hits[RAYS];
+
+struct traced {
+    struct gpu gpu;
+    struct renderer r;
+};
+
+static void traced_close(struct traced *traced)
+{
+    renderer_finish(&traced->r);
+    gpu_close(&traced->gpu);
+}
+
+// Leaves the test as skipped or failed unless a renderer on the scene can be made.
+#define OPEN_TRACED(out, on_scene)                                                                 \
+    do {                                                                                           \
+        struct err create_err = {0};                                                               \
+        OPEN_GPU(&(out)->gpu, .validation = false);                                                \
+        const struct renderer_params create_params = {                                             \
+            .gpu = &(out)->gpu, .scene = (on_scene), .wave = RAYS};                                \
+        bool created = renderer_create(&create_params, &(out)->r, &create_err);                    \
+        REQUIRE(created, "%s", create_err.msg);                                                    \
+    } while (0)
+
+static void trace(struct renderer *r, enum kernel_id kernel, uint32_t count)
+{
+    struct err err = {0};
+    bool complete = false;
+    double ms;
+    for (uint32_t first = 0; first < count; first += r->plan.wave_slots) {
+        uint32_t part = count - first < r->plan.wave_slots ? count - first : r->plan.wave_slots;
+        bool ok =
+            single_kernel_trace(r, kernel, rays + first, part, hits + first, &ms, &complete, &err);
+        REQUIRE(ok && complete, "%s", ok ? "a ray ran out of its budget" : err.msg);
+    }
+}
+
+static uint32_t count_misses(uint32_t count)
+{
+    uint32_t misses = 0;
+    for (uint32_t i = 0; i < count; i++)
+        misses += hits[i].primitive == NO_PRIMITIVE;
+    return misses;
+}
+
+// --- closed surfaces -----------------------------------------------------------------------------
+
+// Rays from about `center` at vertices and edges: none may get out. Shadow rays reach twice as far.
+static void check_closed(const char *name, struct scene *scene, const double center[3],
+                         double inner_radius)
+{
+    struct traced traced;
+    scene->materials[0].emission[0] = 1; // so that there are shadow rays
+    OPEN_TRACED(&traced, scene);
+    const struct flat_scene *flat = &traced.r.flat;
+    struct random random = {11};
+    for (uint32_t i = 0; i < RAYS; i++) {
+        const struct flat_triangle *triangle = &flat->triangles[i % flat->triangle_count];
+        uint32_t edge = random_u32(&random) % 3;
+        // Every other ray meets a vertex, the others a random point of an edge.
+        double along = i % 2 == 0 ? 0 : random_unit(&random);
+        float offset[3], target[3];
+        random_direction(&random, offset);
+        for (int c = 0; c < 3; c++) {
+            rays[i].origin[c] =
+                (float)(center[c] - flat->origin[c] + inner_radius * (double)offset[c]);
+            target[c] = (float)((1 - along) * (double)triangle->v[edge][c] +
+                                along * (double)triangle->v[(edge + 1) % 3][c]);
+        }
+        aim(rays[i].origin, target, rays[i].direction);
+    }
+    trace(&traced.r, KERNEL_intersect_closest, RAYS);
+    CHECK(count_misses(RAYS) == 0, "%s: %u of %u rays got out", name, count_misses(RAYS), RAYS);
+
+    double diagonal[3];
+    subtract(flat->bounds_max, flat->bounds_min, diagonal);
+    for (uint32_t i = 0; i < RAYS; i++)
+        for (int c = 0; c < 3; c++)
+            rays[i].direction[c] *= (float)(2 * length(diagonal));
+    trace(&traced.r, KERNEL_intersect_shadow, RAYS);
+    CHECK(count_misses(RAYS) == 0, "%s: %u of %u shadow rays got out", name, count_misses(RAYS),
+          RAYS);
+    traced_close(&traced);
+}
+
+TEST(nothing_leaves_a_blob)
+{
+    // Scale 1 at up to 32 is not moved to the origin when it is loaded.
+    static const struct {
+        const char *name;
+        double scale, center[3];
+    } blobs[] = {{"blob", 1, {0, 0, 0}},
+                 {"blob of 1e-4", 1e-4, {0, 0, 0}},
+                 {"blob of 1e5", 1e5, {0, 0, 0}},
+                 {"blob off centre", 1, {20, -13, 7}}};
+    for (int i = 0; i < 4; i++) {
+        struct scene scene;
+        scene_start(&scene, 8, 8);
+        REQUIRE(add_blob(&scene, 20000, blobs[i].scale, blobs[i].center), "out of memory");
+        check_closed(blobs[i].name, &scene, blobs[i].center, 0.3 * blobs[i].scale);
+        scene_finish(&scene);
+    }
+}
+
+TEST(nothing_leaves_a_cube)
+{
+    static const double center[3] = {0, 0, 0};
+    float triangles[12][3][3];
+    for (int face = 0; face < 6; face++) {
+        int axis = face / 2, u = (axis + 1) % 3, v = (axis + 2) % 3;
+        for (int corner = 0; corner < 6; corner++) {
+            // Corners 0 1 3 and 0 3 2 of a square.
+            static const int order[6] = {0, 1, 3, 0, 3, 2};
+            float *vertex = triangles[2 * face + corner / 3][corner % 3];
+            vertex[axis] = face % 2 ? 1.0f : -1.0f;
+            vertex[u] = order[corner] & 1 ? 1.0f : -1.0f;
+            vertex[v] = order[corner] & 2 ? 1.0f : -1.0f;
+        }
+    }
+    struct scene scene;
+    scene_start(&scene, 8, 8);
+    add_triangles(&scene, (const float(*)[3][3])triangles, 12, 0);
+    check_closed("cube", &scene, center, 0.5);
+    // From the very centre the diagonals and the edges' middles are exact.
+    check_closed("cube, from its centre", &scene, center, 0);
+    scene_finish(&scene);
+}
+
+// --- equals --------------------------------------------------------------------------------------
+
+// Every triangle twice, the copies far from the originals in the list: the original's id wins,
+// whatever the tree.
+TEST(the_lower_of_two_equal_triangles_wins)
+{
+    struct scene scene;
+    struct traced traced;
+    static const double zero[3] = {0, 0, 0};
+    enum { COUNT = 1000 };
+    scene_start(&scene, 8, 8);
+    add_soup(&scene, COUNT, 1, 0.2, zero, 12);
+    add_soup(&scene, COUNT, 1, 0.2, zero, 12);
+    OPEN_TRACED(&traced, &scene);
+    REQUIRE(traced.r.flat.triangle_count == 2 * COUNT, "%u", traced.r.flat.triangle_count);
+    random_closest_rays(&traced.r.flat, RAYS, 13, rays);
+    trace(&traced.r, KERNEL_intersect_closest, RAYS);
+    uint32_t higher = 0;
+    for (uint32_t i = 0; i < RAYS; i++)
+        higher += hits[i].primitive != NO_PRIMITIVE && hits[i].primitive >= COUNT;
+    CHECK(higher == 0, "%u of %u", higher, RAYS - count_misses(RAYS));
+    CHECK(count_misses(RAYS) < RAYS / 2, "%u misses", count_misses(RAYS));
+    traced_close(&traced);
+    scene_finish(&scene);
+}
+
+// Spheres and discs twice, and discs that lie in a triangle: triangles win, then the lower shape.
+TEST(triangles_win_against_equal_shapes)
+{
+    struct scene scene;
+    struct traced traced;
+    static const float floor[1][3][3] = {{{-8, 0, -8}, {8, 0, -8}, {0, 0, 8}}};
+    scene_start(&scene, 8, 8);
+    for (int i = 0; i < 2; i++) {
+        add_sphere(&scene, (double[3]){0.25, 0.5, -0.5}, 0.25, 0);
+        add_disc(&scene, (double[3]){-0.5, 0.5, 0}, (double[3]){1, 1, 0}, 0.5, 0);
+        add_disc(&scene, (double[3]){0, 0, 0}, (double[3]){0, 1, 0}, 0.5, 0);
+    }
+    add_triangles(&scene, floor, 1, 0);
+    OPEN_TRACED(&traced, &scene);
+    struct random random = {14};
+    for (uint32_t i = 0; i < RAYS; i++) {
+        // Straight down: all distances to the floor are exact.
+        rays[i] = (struct single_ray){.origin = {(float)random_between(&random, -1, 1), 2,
+                                                 (float)random_between(&random, -1, 1)},
+                                      .direction = {0, -1, 0}};
+    }
+    trace(&traced.r, KERNEL_intersect_closest, RAYS);
+    uint32_t seen[6] = {0}, floor_hits = 0;
+    for (uint32_t i = 0; i < RAYS; i++) {
+        uint32_t primitive = hits[i].primitive;
+        CHECK(primitive == 0 || (primitive & PRIMITIVE_SHAPE && (primitive & 7u) < 6), "0x%x",
+              primitive);
+        floor_hits += primitive == 0;
+        if (primitive & PRIMITIVE_SHAPE && (primitive & 7u) < 6)
+            seen[primitive & 7u]++;
+    }
+    CHECK(floor_hits && seen[0] && seen[1], "floor %u, sphere %u, disc %u", floor_hits, seen[0],
+          seen[1]);
+    for (int i = 2; i < 6; i++)
+        CHECK(seen[i] == 0, "shape %d was seen %u times", i, seen[i]);
+    traced_close(&traced);
+    scene_finish(&scene);
+}
+
+// --- Embree --------------------------------------------------------------------------------------
+
+// Embree computes in single precision too, and here without its robust mode: where the two differ,
+// the judge must find ours right.
+static void compare_with_embree(const char *name)
+{
+    struct scene scene;
+    struct traced traced;
+    struct err err = {0};
+    static struct single_hit embree_hits[RAYS];
+    if (!load_mesh_file(name, &scene, &err))
+        SKIP("%s (LAMPYRIS_DATA says where data is)", err.msg);
+    OPEN_TRACED(&traced, &scene);
+    struct yardstick *embree = yardstick_create(&traced.r.flat, 0);
+    if (!embree) {
+        traced_close(&traced);
+        scene_finish(&scene);
+        SKIP("built without Embree");
+    }
+    random_closest_rays(&traced.r.flat, RAYS, 15, rays);
+    trace(&traced.r, KERNEL_intersect_closest, RAYS);
+    yardstick_trace(embree, false, rays, RAYS, embree_hits);
+    uint32_t differ = 0, at_edges = 0, wrong = 0;
+    for (uint32_t i = 0; i < RAYS; i++) {
+        bool ours = hits[i].primitive != NO_PRIMITIVE;
+        bool theirs = embree_hits[i].primitive != NO_PRIMITIVE;
+        if (ours == theirs &&
+            (!ours || fabsf(hits[i].t - embree_hits[i].t) <= 1e-4f * embree_hits[i].t))
+            continue;
+        differ += !ray_aims_at_edge(i);
+        at_edges += ray_aims_at_edge(i);
+        wrong += !judge_closest(&traced.r.flat, &rays[i], &hits[i]);
+    }
+    printf("  %s: %u of %u differ from Embree, and %u at edges\n", name, differ, RAYS, at_edges);
+    CHECK(wrong == 0, "%s: %u", name, wrong);
+    CHECK(differ <= RAYS / 4096, "%s: %u", name, differ);
+    yardstick_destroy(embree);
+    traced_close(&traced);
+    scene_finish(&scene);
+}
+
+TEST(embree_agrees_on_nefertiti)
+{
+    compare_with_embree("nefertiti.obj");
+}
+
+TEST(embree_agrees_on_the_bunny)
+{
+    compare_with_embree("stanford-bunny.obj");
+}
+
+TEST_MAIN(TEST_CASE(nothing_leaves_a_blob), TEST_CASE(nothing_leaves_a_cube),
+          TEST_CASE(the_lower_of_two_equal_triangles_wins),
+          TEST_CASE(triangles_win_against_equal_shapes), TEST_CASE(embree_agrees_on_nefertiti),
+          TEST_CASE(embree_agrees_on_the_bunny))

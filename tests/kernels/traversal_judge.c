@@ -1,0 +1,270 @@
+#include "traversal_judge.h"
+
+#include "kernel_fixture.h"
+
+// Half a unit in the last place of 1.
+#define ROUNDING 0x1p-24
+
+// --- the reference -------------------------------------------------------------------------------
+
+static double nearest_of_sphere(const struct flat_shape *shape, const struct bvh_ray *ray)
+{
+    double f[3], closest[3];
+    for (int c = 0; c < 3; c++)
+        f[c] = ray->origin[c] - (double)shape->center[c];
+    double a = dot(ray->direction, ray->direction), middle = -dot(f, ray->direction) / a;
+    for (int c = 0; c < 3; c++)
+        closest[c] = f[c] + middle * ray->direction[c];
+    double chord2 = (double)shape->radius * (double)shape->radius - dot(closest, closest);
+    if (chord2 < 0)
+        return -1;
+    double half_chord = sqrt(chord2 / a);
+    return middle - half_chord > 0 ? middle - half_chord : middle + half_chord;
+}
+
+static double nearest_of_disc(const struct flat_shape *shape, const struct bvh_ray *ray)
+{
+    double normal[3], to_center[3], from_center[3];
+    for (int c = 0; c < 3; c++) {
+        normal[c] = (double)shape->normal[c];
+        to_center[c] = (double)shape->center[c] - ray->origin[c];
+    }
+    double t = dot(to_center, normal) / dot(ray->direction, normal);
+    for (int c = 0; c < 3; c++)
+        from_center[c] = t * ray->direction[c] - to_center[c];
+    return length(from_center) <= (double)shape->radius ? t : -1; // also for a t that is NaN
+}
+
+static double intersect_shape(const void *context, uint32_t index, const struct bvh_ray *ray)
+{
+    const struct flat_shape *shape = &((const struct flat_scene *)context)->shapes[index];
+    double t =
+        shape->kind == SHAPE_SPHERE ? nearest_of_sphere(shape, ray) : nearest_of_disc(shape, ray);
+    return t > 0 && t < ray->t_max ? t : -1;
+}
+
+bool reference_create(const struct renderer *r, struct arena *arena, struct reference *out)
+{
+    const struct flat_scene *flat = &r->flat;
+    struct bvh_box *boxes = ARENA_NEW(arena, struct bvh_box, flat->shape_count);
+    if (!boxes)
+        return false;
+    for (uint32_t i = 0; i < flat->shape_count; i++) {
+        for (int c = 0; c < 3; c++) {
+            boxes[i].min[c] =
+                nextafterf(flat->shapes[i].center[c] - flat->shapes[i].radius, -1e30f);
+            boxes[i].max[c] = nextafterf(flat->shapes[i].center[c] + flat->shapes[i].radius, 1e30f);
+        }
+    }
+    const void *vertices = flat->triangles;
+    *out = (struct reference){
+        .flat = flat,
+        .boxes = boxes,
+        .geometry = {.triangle_vertices = vertices,
+                     .triangle_stride = sizeof *flat->triangles,
+                     .triangle_count = flat->triangle_count,
+                     .shape_boxes = boxes,
+                     .shape_count = flat->shape_count},
+    };
+    out->scene = (struct bvh_trace_scene){
+        .bvh = &r->bvh,
+        .geometry = &out->geometry,
+        .intersect_shape = intersect_shape,
+        .shape_context = flat,
+    };
+    return true;
+}
+
+struct bvh_ray reference_ray(const struct single_ray *ray, double t_max)
+{
+    struct bvh_ray out = {.t_max = t_max, .ignore = {UINT32_MAX, UINT32_MAX}};
+    for (int c = 0; c < 3; c++) {
+        out.origin[c] = (double)ray->origin[c];
+        out.direction[c] = (double)ray->direction[c];
+    }
+    return out;
+}
+
+// --- one primitive -------------------------------------------------------------------------------
+
+enum certainty { SURE_MISS, DOUBTFUL, SURE_HIT };
+
+// If there is a hit, it is at t +- tolerance.
+struct judgement {
+    enum certainty certainty;
+    double t, tolerance;
+};
+
+// The test of Woop, Benthin, Wald 2013 as lib/intersect_triangle.glsl does it. Rounding: a
+// difference of coordinates has one, the shear 5 (a division is good to 2.5 ulp by the Vulkan
+// specification), product and difference one each: at most 10 of the largest coordinate relative to
+// the origin, in each sheared coordinate.
+static struct judgement judge_triangle(const struct flat_triangle *triangle,
+                                       const struct bvh_ray *ray)
+{
+    const double *d = ray->direction;
+    int z = 0;
+    for (int axis = 1; axis < 3; axis++)
+        z = fabs(d[axis]) > fabs(d[z]) ? axis : z;
+    int x = (z + 1) % 3, y = (z + 2) % 3;
+    double p[3][3], reach = 0, distance = 0;
+    for (int i = 0; i < 3; i++) {
+        double s[3];
+        for (int c = 0; c < 3; c++) {
+            s[c] = (double)triangle->v[i][c] - ray->origin[c];
+            reach = fmax(reach, fabs(s[c]));
+        }
+        p[i][0] = s[x] - d[x] / d[z] * s[z];
+        p[i][1] = s[y] - d[y] / d[z] * s[z];
+        p[i][2] = s[z] / d[z];
+        distance = fmax(distance, fabs(p[i][2]));
+    }
+    double offset = 10 * ROUNDING * reach;
+
+    double weight[3], error[3], sum = 0, sum_error = 0, t = 0, t_error = 0;
+    bool sure_inside = true, positive = false, negative = false;
+    for (int i = 0; i < 3; i++) {
+        const double *a = p[(i + 1) % 3], *b = p[(i + 2) % 3];
+        weight[i] = a[0] * b[1] - a[1] * b[0];
+        error[i] = offset * (fabs(a[0]) + fabs(a[1]) + fabs(b[0]) + fabs(b[1]) + 2 * offset) +
+                   2 * ROUNDING * (fabs(a[0] * b[1]) + fabs(a[1] * b[0]));
+        positive = positive || weight[i] > error[i];
+        negative = negative || weight[i] < -error[i];
+        sure_inside = sure_inside && fabs(weight[i]) > error[i];
+        sum += weight[i];
+        sum_error += error[i];
+        t += weight[i] * p[i][2];
+    }
+    if (positive && negative)
+        return (struct judgement){.certainty = SURE_MISS};
+    t /= sum;
+    if (!(fabs(sum) > sum_error))
+        return (struct judgement){DOUBTFUL, isfinite(t) ? t : 0, INFINITY};
+    for (int i = 0; i < 3; i++)
+        t_error += error[i] * fabs(p[i][2] - t) / (fabs(sum) - sum_error);
+    // Three products and sums, a reciprocal, and the 7 of the sheared z.
+    return (struct judgement){sure_inside ? SURE_HIT : DOUBTFUL, t,
+                              t_error + 20 * ROUNDING * distance};
+}
+
+// lib/intersect_shape.glsl. Sums of three products have 3 roundings, each sum of absolute values
+// is at most that of the vectors' lengths; a division has 5.
+static struct judgement judge_sphere(const struct flat_shape *shape, const struct bvh_ray *ray)
+{
+    double f[3], closest[3], radius = (double)shape->radius;
+    for (int c = 0; c < 3; c++)
+        f[c] = ray->origin[c] - (double)shape->center[c];
+    double a = dot(ray->direction, ray->direction), middle = -dot(f, ray->direction) / a;
+    for (int c = 0; c < 3; c++)
+        closest[c] = f[c] + middle * ray->direction[c];
+    double near = length(closest), far = length(f);
+    double offset = 20 * ROUNDING * far; // of the closest point
+    double chord2 = radius * radius - near * near;
+    double chord2_error =
+        offset * (2 * near + offset) + 4 * ROUNDING * (radius * radius + near * near);
+    if (chord2 < -chord2_error)
+        return (struct judgement){.certainty = SURE_MISS};
+    if (chord2 <= chord2_error)
+        return (struct judgement){DOUBTFUL, middle,
+                                  sqrt(2 * chord2_error / a) + 20 * ROUNDING * far / sqrt(a)};
+
+    // The root with the larger magnitude is a sum, the other one the product over it.
+    double half = sqrt(chord2 / a);
+    double error =
+        chord2_error / (2 * sqrt((chord2 - chord2_error) * a)) + 20 * ROUNDING * far / sqrt(a);
+    double larger = fabs(middle) + half;
+    double product_error = 4 * ROUNDING * (far * far + radius * radius) / a;
+    double smaller_error = (product_error + fabs(fabs(middle) - half) * error) / larger;
+    double low = middle - half, high = middle + half;
+    double low_error = middle > 0 ? smaller_error : error;
+    double high_error = middle > 0 ? error : smaller_error;
+    if (fabs(low) <= low_error) // either one may be the first in front
+        return (struct judgement){DOUBTFUL, high / 2, high / 2 + low_error + high_error};
+    return low > 0 ? (struct judgement){SURE_HIT, low, low_error}
+                   : (struct judgement){SURE_HIT, high, high_error};
+}
+
+static struct judgement judge_disc(const struct flat_shape *shape, const struct bvh_ray *ray)
+{
+    double normal[3], to_center[3], from_center[3], center[3];
+    for (int c = 0; c < 3; c++) {
+        normal[c] = (double)shape->normal[c];
+        center[c] = (double)shape->center[c];
+        to_center[c] = center[c] - ray->origin[c];
+    }
+    double slope = dot(ray->direction, normal), speed = length(ray->direction);
+    double slope_error = 4 * ROUNDING * speed;
+    if (fabs(slope) <= slope_error)
+        return (struct judgement){DOUBTFUL, 0, INFINITY};
+    double t = dot(to_center, normal) / slope;
+    double error =
+        (5 * ROUNDING * length(to_center) + fabs(t) * slope_error) / (fabs(slope) - slope_error) +
+        6 * ROUNDING * fabs(t);
+    for (int c = 0; c < 3; c++)
+        from_center[c] = t * ray->direction[c] - to_center[c];
+    double inside = (double)shape->radius - length(from_center);
+    double inside_error = error * speed + 4 * ROUNDING *
+                                              (length(ray->origin) + fabs(t) * speed +
+                                               length(center) + (double)shape->radius);
+    enum certainty certainty = inside > inside_error    ? SURE_HIT
+                               : inside < -inside_error ? SURE_MISS
+                                                        : DOUBTFUL;
+    return (struct judgement){certainty, t, error};
+}
+
+static struct judgement judge(const struct flat_scene *flat, uint32_t primitive,
+                              const struct bvh_ray *ray)
+{
+    if (!(primitive & PRIMITIVE_SHAPE))
+        return judge_triangle(&flat->triangles[primitive], ray);
+    const struct flat_shape *shape = &flat->shapes[primitive & ~PRIMITIVE_SHAPE];
+    return shape->kind == SHAPE_SPHERE ? judge_sphere(shape, ray) : judge_disc(shape, ray);
+}
+
+// --- a result ------------------------------------------------------------------------------------
+
+static uint32_t primitive_count(const struct flat_scene *flat)
+{
+    return flat->triangle_count + flat->shape_count;
+}
+
+static uint32_t nth_primitive(const struct flat_scene *flat, uint32_t i)
+{
+    return i < flat->triangle_count ? i : PRIMITIVE_SHAPE | (i - flat->triangle_count);
+}
+
+// A primitive that is certainly hit in (0, t_max).
+static bool certain_hit_before(const struct flat_scene *flat, const struct bvh_ray *ray,
+                               double t_max)
+{
+    for (uint32_t i = 0; i < primitive_count(flat); i++) {
+        struct judgement j = judge(flat, nth_primitive(flat, i), ray);
+        if (j.certainty == SURE_HIT && j.t - j.tolerance > 0 && j.t + j.tolerance < t_max)
+            return true;
+    }
+    return false;
+}
+
+bool judge_closest(const struct flat_scene *flat, const struct single_ray *ray,
+                   const struct single_hit *hit)
+{
+    const struct bvh_ray exact = reference_ray(ray, INFINITY);
+    if (hit->primitive == NO_PRIMITIVE)
+        return !certain_hit_before(flat, &exact, INFINITY);
+    struct judgement j = judge(flat, hit->primitive, &exact);
+    return j.certainty != SURE_MISS && fabs((double)hit->t - j.t) <= j.tolerance &&
+           !certain_hit_before(flat, &exact, (double)hit->t);
+}
+
+bool judge_occluded(const struct flat_scene *flat, const struct single_ray *ray, bool occluded)
+{
+    const struct bvh_ray exact = reference_ray(ray, 1);
+    if (!occluded)
+        return !certain_hit_before(flat, &exact, 1);
+    for (uint32_t i = 0; i < primitive_count(flat); i++) {
+        struct judgement j = judge(flat, nth_primitive(flat, i), &exact);
+        if (j.certainty != SURE_MISS && j.t + j.tolerance > 0 && j.t - j.tolerance < 1)
+            return true;
+    }
+    return false;
+}

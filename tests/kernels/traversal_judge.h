@@ -1,0 +1,28 @@
+// Who is right where a kernel and the reference disagree: every primitive is looked at in double
+// precision, with bounds of the error that the kernel's single-precision arithmetic may make.
+#ifndef LAMPYRIS_TESTS_TRAVERSAL_JUDGE_H
+#define LAMPYRIS_TESTS_TRAVERSAL_JUDGE_H
+
+#include "bvh.h"
+#include "flatten.h"
+#include "single_kernel.h"
+
+// The CPU reference on a renderer's own geometry.
+struct reference {
+    const struct flat_scene *flat;
+    struct bvh_box *boxes; // of the shapes
+    struct bvh_params geometry;
+    struct bvh_trace_scene scene;
+};
+
+// Memory comes from `arena`; *out must stay where it is. False when out of memory.
+bool reference_create(const struct renderer *r, struct arena *arena, struct reference *out);
+struct bvh_ray reference_ray(const struct single_ray *ray, double t_max);
+
+// True when no exact arithmetic within the kernel's error bounds contradicts the result: the
+// primitive may be hit at that distance, and none is hit for certain before it.
+bool judge_closest(const struct flat_scene *flat, const struct single_ray *ray,
+                   const struct single_hit *hit);
+bool judge_occluded(const struct flat_scene *flat, const struct single_ray *ray, bool occluded);
+
+#endif

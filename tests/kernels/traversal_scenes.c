@@ -1,0 +1,220 @@
+#include "traversal_scenes.h"
+
+#include "generate.h"
+
+// --- scenes --------------------------------------------------------------------------------------
+
+void add_soup(struct scene *scene, uint32_t count, double extent, double size,
+              const double center[3], uint64_t seed)
+{
+    struct random random = {seed};
+    float(*triangles)[3][3] = calloc(count, sizeof *triangles);
+    for (uint32_t i = 0; triangles && i < count; i++) {
+        double corner[3];
+        for (int c = 0; c < 3; c++)
+            corner[c] = center[c] + random_between(&random, -extent / 2, extent / 2);
+        for (int v = 0; v < 3; v++)
+            for (int c = 0; c < 3; c++)
+                triangles[i][v][c] = (float)(corner[c] + random_between(&random, 0, size));
+    }
+    if (triangles)
+        add_triangles(scene, (const float(*)[3][3])triangles, count, 0);
+    free(triangles);
+}
+
+void add_slivers(struct scene *scene, uint32_t count, double aspect, uint64_t seed)
+{
+    struct random random = {seed};
+    float(*triangles)[3][3] = calloc(count, sizeof *triangles);
+    for (uint32_t i = 0; triangles && i < count; i++) {
+        float along[3], other[3];
+        random_direction(&random, along);
+        random_direction(&random, other);
+        for (int c = 0; c < 3; c++) {
+            double corner = random_between(&random, -1, 1);
+            triangles[i][0][c] = (float)corner;
+            triangles[i][1][c] = (float)(corner + (double)along[c]);
+            triangles[i][2][c] = (float)(corner + (double)along[c] / 2 + (double)other[c] / aspect);
+        }
+    }
+    if (triangles)
+        add_triangles(scene, (const float(*)[3][3])triangles, count, 0);
+    free(triangles);
+}
+
+void add_spheres_and_discs(struct scene *scene, uint32_t count, uint64_t seed)
+{
+    struct random random = {seed};
+    for (uint32_t i = 0; i < count; i++) {
+        double center[3], normal[3];
+        float direction[3];
+        random_direction(&random, direction);
+        for (int c = 0; c < 3; c++) {
+            center[c] = random_between(&random, -0.5, 0.5);
+            normal[c] = (double)direction[c];
+        }
+        // Radii over three orders of magnitude.
+        double radius = 0.2 * pow(10, random_between(&random, -3, 0));
+        if (i % 2 == 0)
+            add_sphere(scene, center, radius, 0);
+        else
+            add_disc(scene, center, normal, radius, 0);
+    }
+}
+
+bool add_blob(struct scene *scene, uint32_t triangles, double scale, const double center[3])
+{
+    uint32_t mesh;
+    struct instance *instance =
+        generate_blob(scene, triangles, 0, &mesh, NULL) ? scene_add_instance(scene, NULL) : NULL;
+    if (!instance)
+        return false;
+    *instance = (struct instance){.mesh = mesh, .material = SCENE_NONE};
+    for (int c = 0; c < 3; c++) {
+        instance->transform[c][c] = scale;
+        instance->transform[c][3] = center[c];
+    }
+    return true;
+}
+
+bool load_mesh_file(const char *name, struct scene *scene, struct err *err)
+{
+    char path[4096];
+    const char *data = getenv("LAMPYRIS_DATA"), *root = getenv("LAMPYRIS_SOURCE_ROOT");
+    snprintf(path, sizeof path, "%s%s/mesh/%s",
+             data   ? ""
+             : root ? root
+                    : ".",
+             data ? data : "/../shared/data", name);
+    return scene_load(&(struct scene_load_params){.path = path}, scene, err);
+}
+
+// --- rays ----------------------------------------------------------------------------------------
+
+void aim(const float from[3], const float to[3], float direction[3])
+{
+    double d[3];
+    subtract(to, from, d);
+    double factor = 1 / length(d);
+    for (int c = 0; c < 3; c++)
+        direction[c] = (float)(d[c] * factor);
+}
+
+static void normalize(float v[3])
+{
+    static const float zero[3] = {0};
+    aim(zero, v, v);
+}
+
+static void point_inside(const struct flat_scene *flat, struct random *random, float point[3])
+{
+    for (int c = 0; c < 3; c++)
+        point[c] =
+            (float)random_between(random, (double)flat->bounds_min[c], (double)flat->bounds_max[c]);
+}
+
+// On the sphere about the bounds' centre with twice the radius of the one around them.
+static void point_around(const struct flat_scene *flat, struct random *random, float point[3])
+{
+    double diagonal[3];
+    float direction[3];
+    subtract(flat->bounds_max, flat->bounds_min, diagonal);
+    random_direction(random, direction);
+    for (int c = 0; c < 3; c++)
+        point[c] = (float)(((double)flat->bounds_min[c] + (double)flat->bounds_max[c]) / 2 +
+                           (double)direction[c] * length(diagonal));
+}
+
+// A vertex of a random triangle or the middle of one of its edges; a random point where there are
+// no triangles.
+static void point_on_edge(const struct flat_scene *flat, struct random *random, float point[3])
+{
+    if (flat->triangle_count == 0) {
+        point_inside(flat, random, point);
+        return;
+    }
+    const struct flat_triangle *triangle =
+        &flat->triangles[random_u32(random) % flat->triangle_count];
+    uint32_t a = random_u32(random) % 3, b = random_u32(random) % 2 ? a : (a + 1) % 3;
+    for (int c = 0; c < 3; c++)
+        point[c] = (float)(((double)triangle->v[a][c] + (double)triangle->v[b][c]) / 2);
+}
+
+bool ray_aims_at_edge(uint32_t ray)
+{
+    return ray % 8 == 7;
+}
+
+static float signed_zero(struct random *random)
+{
+    return random_u32(random) & 1u ? -0.0f : 0.0f;
+}
+
+// Leaves `components` components of a direction and makes the others zeros of either sign.
+static void flatten_ray(struct random *random, uint32_t components, struct single_ray *ray)
+{
+    uint32_t first = random_u32(random) % 3;
+    for (uint32_t i = components; i < 3; i++)
+        ray->direction[(first + i) % 3] = signed_zero(random);
+    if (ray->direction[first] == 0.0f)
+        ray->direction[first] = 1.0f;
+    normalize(ray->direction);
+}
+
+void random_closest_rays(const struct flat_scene *flat, uint32_t count, uint64_t seed,
+                         struct single_ray *rays)
+{
+    struct random random = {seed};
+    for (uint32_t i = 0; i < count; i++) {
+        struct single_ray *ray = &rays[i];
+        float target[3];
+        if (ray_aims_at_edge(i))
+            point_on_edge(flat, &random, target);
+        else
+            point_inside(flat, &random, target);
+        if (i % 3 == 0)
+            point_inside(flat, &random, ray->origin);
+        else
+            point_around(flat, &random, ray->origin);
+        aim(ray->origin, target, ray->direction);
+        switch (i % 8) {
+        case 4: // along an axis
+            point_inside(flat, &random, ray->origin);
+            flatten_ray(&random, 1, ray);
+            break;
+        case 5: // in a plane of two axes
+            point_inside(flat, &random, ray->origin);
+            flatten_ray(&random, 2, ray);
+            break;
+        case 6: // nearly so: down to below what a float's square holds
+            ray->direction[random_u32(&random) % 3] =
+                (float)pow(10, random_between(&random, -30, -3));
+            normalize(ray->direction);
+            break;
+        default:
+            break;
+        }
+    }
+}
+
+void random_shadow_rays(const struct flat_scene *flat, uint32_t count, uint64_t seed,
+                        struct single_ray *rays)
+{
+    struct random random = {seed};
+    for (uint32_t i = 0; i < count; i++) {
+        struct single_ray *ray = &rays[i];
+        float target[3];
+        if (i % 2 == 0)
+            point_inside(flat, &random, ray->origin);
+        else
+            point_around(flat, &random, ray->origin);
+        if (ray_aims_at_edge(i))
+            point_on_edge(flat, &random, target);
+        else
+            point_inside(flat, &random, target);
+        for (int c = 0; c < 3; c++)
+            ray->direction[c] = target[c] - ray->origin[c];
+        if (i % 8 == 6)
+            ray->direction[random_u32(&random) % 3] = signed_zero(&random);
+    }
+}

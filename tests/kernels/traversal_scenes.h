@@ -1,0 +1,36 @@
+// Scenes and rays for the tests of the traversal kernels.
+#ifndef LAMPYRIS_TESTS_TRAVERSAL_SCENES_H
+#define LAMPYRIS_TESTS_TRAVERSAL_SCENES_H
+
+#include "kernel_fixture.h"
+#include "single_kernel.h"
+
+// --- scenes: added to one that scene_start() made ------------------------------------------------
+
+// Triangles in a cube of edge `extent` about `center`; their corners are up to `size` apart.
+void add_soup(struct scene *scene, uint32_t count, double extent, double size,
+              const double center[3], uint64_t seed);
+// Triangles of edge 1 and height 1 / aspect in a cube of edge 2 about the origin.
+void add_slivers(struct scene *scene, uint32_t count, double aspect, uint64_t seed);
+void add_spheres_and_discs(struct scene *scene, uint32_t count, uint64_t seed);
+// The closed bumpy sphere of generate.h.
+bool add_blob(struct scene *scene, uint32_t triangles, double scale, const double center[3]);
+// Loads $LAMPYRIS_DATA/mesh/NAME; false where there is none.
+bool load_mesh_file(const char *name, struct scene *scene, struct err *err);
+
+// --- rays ----------------------------------------------------------------------------------------
+
+// From around and from inside the scene's bounds, in random directions, along axes (with zeros of
+// both signs), in planes of two axes, with tiny components, and at vertices and edges' midpoints of
+// random triangles: by turns.
+void random_closest_rays(const struct flat_scene *flat, uint32_t count, uint64_t seed,
+                         struct single_ray *rays);
+// Segments between random points, among them ones along axes; some end at vertices.
+void random_shadow_rays(const struct flat_scene *flat, uint32_t count, uint64_t seed,
+                        struct single_ray *rays);
+// Whether the ray of that number, of either kind, passes or ends at an edge or vertex.
+bool ray_aims_at_edge(uint32_t ray);
+// Unit direction (but for rounding) from a point to another.
+void aim(const float from[3], const float to[3], float direction[3]);
+
+#endif
