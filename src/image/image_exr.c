@@ -2,6 +2,7 @@
 
 #include <errno.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static void keep_message(exr_const_context_t context, exr_result_t code, const char *message)
@@ -54,11 +55,20 @@ static int64_t write_bytes(exr_const_context_t context, void *user_data, const v
     return (int64_t)size;
 }
 
+// Of damaged blocks some decompressors fill only a part and report success: what is left is to be
+// black, not whatever the memory held.
+static void *allocate_zeroed(size_t size)
+{
+    return calloc(1, size);
+}
+
 exr_context_initializer_t exr_stream_initializer(struct exr_stream *stream)
 {
     exr_context_initializer_t initializer = EXR_DEFAULT_CONTEXT_INITIALIZER;
     errno = 0; // for exr_fail
     initializer.error_handler_fn = stream->out ? drop_message : keep_message;
+    initializer.alloc_fn = allocate_zeroed;
+    initializer.free_fn = free;
     initializer.user_data = stream;
     initializer.read_fn = read_bytes;
     initializer.size_fn = query_size;

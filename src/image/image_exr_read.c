@@ -13,8 +13,6 @@ struct exr_reader {
     bool tiled;
     exr_attr_box2i_t window;
     uint64_t width, height;
-    uint64_t tile_width, tile_height; // tiled only
-    int32_t lines_per_chunk;          // scanlines only
     // Indices into the channel list of the channels that make R, G, B; all the same for luminance.
     int channels[COMPONENTS];
     exr_decode_pipeline_t decoder;
@@ -218,11 +216,8 @@ static bool decode_chunk(struct exr_reader *reader, const exr_chunk_info_t *chun
 
 static bool read_scanlines(struct exr_reader *reader, struct err *err)
 {
-    int32_t lines;
-    if (!check(reader, exr_get_scanlines_per_chunk(reader->context, 0, &lines), err))
-        return false;
-    for (uint64_t y = 0; y < reader->height; y += (uint64_t)lines) {
-        exr_chunk_info_t chunk;
+    exr_chunk_info_t chunk;
+    for (uint64_t y = 0; y < reader->height; y += (uint64_t)chunk.height) {
         int64_t row = reader->window.min.y + (int64_t)y;
         if (!check(reader, exr_read_scanline_chunk_info(reader->context, 0, (int)row, &chunk),
                    err) ||

@@ -37,7 +37,7 @@ static void check_chunks(struct png_reader *reader)
     const uint8_t *data = reader->source->data;
     const size_t signature_bytes = 8, frame_bytes = 12;
     for (size_t at = signature_bytes;;) {
-        size_t left = reader->source->size - at;
+        size_t left = reader->source->size > at ? reader->source->size - at : 0;
         if (left < frame_bytes || png_get_uint_32(data + at) > left - frame_bytes)
             png_error(reader->png, "the file ends early");
         if (memcmp(data + at + 4, "IEND", 4) == 0)

@@ -1,7 +1,6 @@
 // 8-bit RGB PNG: tone-mapped, sRGB-encoded, with tEXt (ASCII) and iTXt (UTF-8) metadata.
 #include "image_png.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -16,19 +15,6 @@ struct png_writer {
     png_textp texts;
     png_bytep row;
 };
-
-void png_keep_error(png_structp png, png_const_charp message)
-{
-    struct png_failure *failure = png_get_error_ptr(png);
-    snprintf(failure->message, sizeof failure->message, "%s", message);
-    png_longjmp(png, 1);
-}
-
-void png_drop_warning(png_structp png, png_const_charp message)
-{
-    (void)png;
-    (void)message;
-}
 
 static void write_bytes(png_structp png, png_bytep data, size_t size)
 {
