@@ -1,0 +1,34 @@
+// Declares every record of shared/types.h in a std430 block, for test_layout to read the offsets
+// from the compiled module. Never run.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+
+#include "shared/bindings.h"
+#include "shared/types.h"
+
+layout(local_size_x = 1) in;
+
+layout(push_constant) uniform push_block {
+    gpu_push push;
+};
+
+#define BLOCK(name, number)                                                                        \
+    layout(std430, set = 0, binding = number) buffer name##_block {                                \
+        name name##_items[];                                                                       \
+    };
+
+BLOCK(gpu_triangle, 0)
+BLOCK(gpu_normals, 1)
+BLOCK(gpu_shape, 2)
+BLOCK(gpu_material, 3)
+BLOCK(gpu_emitter, 4)
+BLOCK(gpu_path, 5)
+BLOCK(gpu_shadow_ray, 6)
+BLOCK(gpu_film_pixel, 7)
+BLOCK(gpu_resolved_pixel, 8)
+BLOCK(gpu_dispatch, 9)
+BLOCK(gpu_counters, 10)
+
+void main()
+{
+}

@@ -1,0 +1,185 @@
+// C and GLSL agree on every record of shared/types.h: members by name, offset, size and type, and
+// the strides of arrays, as the GLSL compiler laid them out in SPIR-V.
+#include "kernels.h"
+#include "shared/types.h"
+#include "spirv_layout.h"
+#include "test.h"
+
+#include "layout_test.spv.h"
+
+#define TRIANGLE(M) M(v0) M(id) M(v1) M(material) M(v2) M(align_v2)
+#define NORMALS(M) M(n0) M(n1) M(n2) M(align_normals)
+#define SHAPE(M) M(center) M(radius) M(normal) M(kind_material)
+#define MATERIAL(M) M(base_color) M(kind) M(emission) M(pick_density)
+#define EMITTER(M) M(threshold) M(primitive) M(alias_primitive) M(align_emitter)
+#define PATH(M)                                                                                    \
+    M(origin)                                                                                      \
+    M(ignore) M(direction) M(bsdf_pdf) M(throughput) M(align_throughput) M(t) M(u) M(v)            \
+        M(primitive)
+#define SHADOW_RAY(M) M(origin) M(ignore_from) M(direction) M(ignore_to) M(radiance) M(light_pdf)
+#define FILM_PIXEL(M)                                                                              \
+    M(sum_a) M(samples) M(lost_a) M(dropped) M(sum_b) M(align_b) M(lost_b) M(align_lost_b)
+#define RESOLVED_PIXEL(M) M(mean_a) M(samples) M(mean_b) M(dropped)
+#define DISPATCH(M) M(x) M(y) M(z) M(items)
+#define COUNTERS(M)                                                                                \
+    M(queue)                                                                                       \
+    M(closest_rays) M(shadow_rays) M(unfinished) M(suspended) M(nonfinite) M(nonfinite_records)    \
+        M(align_records) M(dispatch) M(nonfinite_record)
+#define PUSH(M)                                                                                    \
+    M(camera_position)                                                                             \
+    M(width) M(camera_forward) M(height) M(camera_right) M(seed) M(camera_up) M(bounce)            \
+        M(environment) M(environment_size) M(wave_slots) M(first_pixel) M(pixel_count)             \
+            M(first_sample) M(sample_shift) M(queue) M(first_item) M(part_items) M(max_bounces)    \
+                M(roulette_min_bounces) M(emitter_count) M(film_first_pixel)
+
+#define RECORDS(R)                                                                                 \
+    R(gpu_triangle, TRIANGLE)                                                                      \
+    R(gpu_normals, NORMALS)                                                                        \
+    R(gpu_shape, SHAPE)                                                                            \
+    R(gpu_material, MATERIAL)                                                                      \
+    R(gpu_emitter, EMITTER)                                                                        \
+    R(gpu_path, PATH)                                                                              \
+    R(gpu_shadow_ray, SHADOW_RAY)                                                                  \
+    R(gpu_film_pixel, FILM_PIXEL)                                                                  \
+    R(gpu_resolved_pixel, RESOLVED_PIXEL)                                                          \
+    R(gpu_dispatch, DISPATCH)                                                                      \
+    R(gpu_counters, COUNTERS)                                                                      \
+    R(gpu_push, PUSH)
+
+struct member {
+    const char *name;
+    size_t offset, bytes;
+    enum spirv_kind kind;
+};
+
+struct record {
+    const char *name;
+    size_t bytes;
+    struct member members[SPIRV_MAX_MEMBERS];
+};
+
+// Arrays decay to pointers.
+#define KIND(value)                                                                                \
+    _Generic((value), float: SPIRV_FLOAT, float *: SPIRV_FLOAT, uint: SPIRV_UINT,                  \
+             uint *: SPIRV_UINT, struct gpu_dispatch *: SPIRV_STRUCT)
+#define MEMBER_OF(type, member)                                                                    \
+    {#member, offsetof(type, member), sizeof((type *)0)->member, KIND(((type *)0)->member)},
+
+#define M_gpu_triangle(m) MEMBER_OF(struct gpu_triangle, m)
+#define M_gpu_normals(m) MEMBER_OF(struct gpu_normals, m)
+#define M_gpu_shape(m) MEMBER_OF(struct gpu_shape, m)
+#define M_gpu_material(m) MEMBER_OF(struct gpu_material, m)
+#define M_gpu_emitter(m) MEMBER_OF(struct gpu_emitter, m)
+#define M_gpu_path(m) MEMBER_OF(struct gpu_path, m)
+#define M_gpu_shadow_ray(m) MEMBER_OF(struct gpu_shadow_ray, m)
+#define M_gpu_film_pixel(m) MEMBER_OF(struct gpu_film_pixel, m)
+#define M_gpu_resolved_pixel(m) MEMBER_OF(struct gpu_resolved_pixel, m)
+#define M_gpu_dispatch(m) MEMBER_OF(struct gpu_dispatch, m)
+#define M_gpu_counters(m) MEMBER_OF(struct gpu_counters, m)
+#define M_gpu_push(m) MEMBER_OF(struct gpu_push, m)
+#define RECORD_OF(name, members) {#name, sizeof(struct name), {members(M_##name)}},
+
+static const struct record records[] = {RECORDS(RECORD_OF)};
+enum { RECORD_COUNT = sizeof records / sizeof records[0] };
+
+static const struct member *find_member(const struct record *record, const char *name)
+{
+    for (int i = 0; i < SPIRV_MAX_MEMBERS && record->members[i].name; i++)
+        if (strcmp(record->members[i].name, name) == 0)
+            return &record->members[i];
+    return NULL;
+}
+
+static uint32_t member_count(const struct record *record)
+{
+    uint32_t count = 0;
+    while (count < SPIRV_MAX_MEMBERS && record->members[count].name)
+        count++;
+    return count;
+}
+
+static void check_members(const char *module, const struct spirv_layout *layout,
+                          const struct spirv_id *id, const struct record *record)
+{
+    CHECK(id->member_count == member_count(record), "%s: %s has %u members in GLSL, %u in the test",
+          module, record->name, id->member_count, member_count(record));
+    for (uint32_t i = 0; i < id->member_count; i++) {
+        const struct spirv_member *glsl = &id->member[i];
+        const struct member *c = find_member(record, glsl->name);
+        REQUIRE(c, "%s: %s.%s is not in the test", module, record->name, glsl->name);
+        CHECK(glsl->offset == c->offset, "%s: %s.%s is at %u in GLSL, at %zu in C", module,
+              record->name, glsl->name, glsl->offset, c->offset);
+        uint32_t bytes = spirv_type_bytes(layout, glsl->type);
+        CHECK(bytes == c->bytes, "%s: %s.%s has %u bytes in GLSL, %zu in C", module, record->name,
+              glsl->name, bytes, c->bytes);
+        CHECK(spirv_type_kind(layout, glsl->type) == c->kind, "%s: %s.%s: other type", module,
+              record->name, glsl->name);
+    }
+}
+
+// Compares each structure of the module that is one of the records and is laid out in memory
+// (copies in registers have no offsets). Returns the records seen, as bits; *strides: those of
+// which there is an array.
+static uint32_t check_module(const char *module, const uint32_t *words, size_t bytes,
+                             uint32_t *strides)
+{
+    struct spirv_layout layout;
+    uint32_t seen = 0;
+    *strides = 0;
+    bool ok = spirv_layout_read(words, bytes, &layout);
+    CHECK(ok, "%s cannot be read", module);
+    for (uint32_t i = 0; ok && i < layout.bound; i++) {
+        const struct spirv_id *id = &layout.ids[i];
+        const struct spirv_id *element = &layout.ids[id->element];
+        for (int r = 0; r < RECORD_COUNT; r++) {
+            if (id->member_count && id->name && strcmp(id->name, records[r].name) == 0 &&
+                id->member[0].offset != UINT32_MAX) {
+                check_members(module, &layout, id, &records[r]);
+                seen |= 1u << r;
+            }
+            if (id->stride && element->name && strcmp(element->name, records[r].name) == 0) {
+                CHECK(id->stride == records[r].bytes, "%s: %s: stride %u in GLSL, %zu bytes in C",
+                      module, records[r].name, id->stride, records[r].bytes);
+                *strides |= 1u << r;
+            }
+        }
+    }
+    spirv_layout_finish(&layout);
+    return seen;
+}
+
+TEST(every_record)
+{
+    uint32_t strides, all = (1u << RECORD_COUNT) - 1;
+    uint32_t seen = check_module("layout.comp", layout_spirv, sizeof layout_spirv, &strides);
+    CHECK(seen == all, "seen 0x%x of 0x%x", seen, all);
+    CHECK(strides == all >> 1, "arrays of 0x%x of 0x%x", strides,
+          all >> 1); // the push block has none
+}
+
+// What is shipped, too: the push block is in all kernels, and most have the counters.
+TEST(embedded_kernels)
+{
+    for (int id = 0; id < KERNEL_COUNT; id++) {
+        for (int ballot = 0; ballot < 2; ballot++) {
+            uint32_t strides;
+            struct kernel_code code = kernel_code((enum kernel_id)id, ballot);
+            uint32_t seen = check_module(code.name, code.spirv, code.bytes, &strides);
+            CHECK(seen >> (RECORD_COUNT - 1) & 1u, "%s: no push block", code.name);
+        }
+    }
+}
+
+// Kernels address these by words of 16 bytes.
+TEST(words_a_record)
+{
+    CHECK(sizeof(struct gpu_path) == 16 * PATH_WORDS, "%zu", sizeof(struct gpu_path));
+    CHECK(offsetof(struct gpu_path, origin) == 16 * PATH_ORIGIN, "origin");
+    CHECK(offsetof(struct gpu_path, direction) == 16 * PATH_DIRECTION, "direction");
+    CHECK(offsetof(struct gpu_path, throughput) == 16 * PATH_THROUGHPUT, "throughput");
+    CHECK(offsetof(struct gpu_path, t) == 16 * PATH_HIT, "hit");
+    CHECK(sizeof(struct gpu_shadow_ray) == 16 * SHADOW_WORDS, "%zu", sizeof(struct gpu_shadow_ray));
+    CHECK(sizeof(struct gpu_film_pixel) == 16 * FILM_WORDS, "%zu", sizeof(struct gpu_film_pixel));
+}
+
+TEST_MAIN(TEST_CASE(every_record), TEST_CASE(embedded_kernels), TEST_CASE(words_a_record))
