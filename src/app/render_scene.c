@@ -1,17 +1,7 @@
-#include "environment.h"
 #include "render_job.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-static bool set_environment(const struct options *options, struct scene *scene, struct err *err)
-{
-    if (!options_given(options, OPTION_ENV))
-        return true;
-    const struct environment_option *environment = &options->environment;
-    return scene_set_environment(scene, environment->file,
-                                 environment->file ? NULL : environment->radiance, err);
-}
 
 static bool choose_camera(const struct options *options, const struct scene *scene,
                           uint32_t *camera, struct err *err)
@@ -40,15 +30,20 @@ static bool choose_camera(const struct options *options, const struct scene *sce
 bool job_load_scene(const struct options *options, struct scene *scene, uint32_t *camera,
                     struct err *err)
 {
+    const struct environment_option *environment = &options->environment;
+    bool has_radiance = options_given(options, OPTION_ENV) && !environment->file;
     struct scene_load_params params = {
         .path = options->arguments[0],
         .overrides = options->overrides,
         .override_count = options->override_count,
         .allow_outside_paths = options->allow_outside_paths,
+        .environment_file = environment->file,
+        .environment_radiance = has_radiance ? environment->radiance : NULL,
         .progress = options->progress,
     };
     if (!scene_load(&params, scene, err))
         return false;
     options_apply_settings(options, &scene->settings);
-    return set_environment(options, scene, err) && choose_camera(options, scene, camera, err);
+    scene_frame_camera(scene);
+    return choose_camera(options, scene, camera, err);
 }
