@@ -43,6 +43,13 @@ bool renderer_clear(struct renderer *r, struct err *err)
     return gpu_submit(r->gpu, &r->commands, err) && gpu_wait(r->gpu, &r->commands, err);
 }
 
+bool renderer_restart(struct renderer *r, uint32_t seed, struct err *err)
+{
+    r->push.seed = seed;
+    r->next_sample = 0;
+    return renderer_clear(r, err);
+}
+
 // Resolves `count` pixels from `first` of a chunk and copies them into the mapped buffer.
 static bool resolve(struct renderer *r, uint32_t chunk, uint64_t first, uint32_t count,
                     struct err *err)
@@ -65,9 +72,9 @@ static bool resolve(struct renderer *r, uint32_t chunk, uint64_t first, uint32_t
 
 static void add_pixel(struct film_image *image, uint64_t at, const struct gpu_resolved_pixel *p)
 {
-    double samples_b = p->samples / 2, samples_a = p->samples - samples_b;
+    uint32_t samples_b = p->samples / 2, samples_a = p->samples - samples_b;
     for (int c = 0; c < 3; c++) {
-        double sum = samples_a * p->mean_a[c] + samples_b * p->mean_b[c];
+        double sum = (double)samples_a * p->mean_a[c] + (double)samples_b * p->mean_b[c];
         image->mean[at][c] = p->samples ? (float)(sum / p->samples) : 0.0f;
     }
     memcpy(image->half_a[at], p->mean_a, sizeof p->mean_a);

@@ -70,6 +70,7 @@ struct renderer {
     struct gpu_counters *counters; // as last read back
     uint8_t *marks;                // kernel of each timestamp of the commands being recorded
     uint32_t mark_count;
+    bool dispatch_too_long; // some dispatch since the last wave began: split further
     uint32_t emitter_count;
     uint64_t next_sample; // of every pixel, when no pass was cut short
     struct render_stats stats;
@@ -98,6 +99,9 @@ bool renderer_render(struct renderer *renderer, const struct render_call *call, 
 
 // Empties the film; the sample numbers go on, so that what follows is independent of what was.
 bool renderer_clear(struct renderer *renderer, struct err *err);
+// Empties the film and begins anew with sample 0 of another seed: what a new renderer would do, but
+// without building and compiling anything.
+bool renderer_restart(struct renderer *renderer, uint32_t seed, struct err *err);
 
 // Means of the half-buffers and counts, pixels in rows from the top.
 struct film_image {

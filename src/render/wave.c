@@ -63,9 +63,9 @@ static void record_queue(struct renderer *r, enum kernel_id kernel, uint32_t que
         gpu_dispatch_indirect(r->gpu, &r->commands, &r->kernels[kernel],
                               &r->buffers[BINDING_COUNTERS], at);
         r->stats.kernels[kernel].launches++;
+        mark(r, kernel);
     }
     gpu_barrier(r->gpu, &r->commands);
-    mark(r, kernel);
 }
 
 static void record_prepare(struct renderer *r, uint32_t queue_mask)
@@ -86,10 +86,7 @@ static void add_times(struct renderer *r, const double *ns)
         kernel->ms += ms;
         if (ms > kernel->longest_ms)
             kernel->longest_ms = ms;
-        // Halves what a dispatch takes when one was too long: on a GPU a watchdog may be waiting.
-        bool splits = r->plan.part_items / 2 * DISPATCH_PARTS >= r->plan.wave_slots;
-        if (ms > LONGEST_DISPATCH_MS && !r->gpu->info.is_cpu && splits)
-            r->plan.part_items /= 2;
+        r->dispatch_too_long |= ms > LONGEST_DISPATCH_MS && !r->gpu->info.is_cpu;
     }
 }
 
@@ -194,8 +191,19 @@ static bool trace_paths(struct loop *l, struct err *err)
     return true;
 }
 
+// Between waves, since dispatches are prepared for parts of one size: halves what a dispatch takes
+// when one took too long. On a GPU a watchdog may be waiting.
+static void adapt_parts(struct renderer *r)
+{
+    uint32_t half = r->plan.part_items / 2;
+    if (r->dispatch_too_long && (uint64_t)half * DISPATCH_PARTS >= r->plan.wave_slots)
+        r->plan.part_items = half;
+    r->dispatch_too_long = false;
+}
+
 static void set_wave(struct renderer *r, const struct wave *wave)
 {
+    adapt_parts(r);
     r->push.first_pixel = (uint32_t)wave->first_pixel;
     r->push.pixel_count = wave->pixel_count;
     r->push.sample_shift = wave->sample_shift;
