@@ -55,8 +55,10 @@ static bool storage_range(const struct gpu *gpu, const struct gpu_binding *bindi
 static bool texel_view(const struct gpu_buffer *buffer, const struct gpu_buffer *dummy,
                        VkBufferView *out, struct err *err)
 {
+    if (buffer && !buffer->texel_view)
+        return err_set(err, ERR_BUG, "buffer %s: bound without a texel view", buffer->name);
     *out = buffer ? buffer->texel_view : dummy->texel_view;
-    return *out || err_set(err, ERR_BUG, "buffer %s: bound without a texel view", buffer->name);
+    return true;
 }
 
 bool gpu_bindings_create(struct gpu *gpu, const struct gpu_binding storage[GPU_MAX_STORAGE],
