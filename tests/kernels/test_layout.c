@@ -14,8 +14,7 @@
 #define EMITTER(M) M(threshold) M(primitive) M(alias_primitive) M(align_emitter)
 #define PATH(M)                                                                                    \
     M(origin)                                                                                      \
-    M(ignore) M(direction) M(bsdf_pdf) M(throughput) M(align_throughput) M(t) M(u) M(v)            \
-        M(primitive)
+    M(ignore) M(direction) M(bsdf_pdf) M(throughput) M(align_throughput) M(t) M(u) M(v) M(primitive)
 #define SHADOW_RAY(M) M(origin) M(ignore_from) M(direction) M(ignore_to) M(radiance) M(light_pdf)
 #define FILM_PIXEL(M)                                                                              \
     M(sum_a) M(samples) M(lost_a) M(dropped) M(sum_b) M(align_b) M(lost_b) M(align_lost_b)
@@ -23,14 +22,18 @@
 #define DISPATCH(M) M(x) M(y) M(z) M(items)
 #define COUNTERS(M)                                                                                \
     M(queue)                                                                                       \
-    M(closest_rays) M(shadow_rays) M(unfinished) M(suspended) M(nonfinite) M(nonfinite_records)    \
-        M(align_records) M(dispatch) M(nonfinite_record)
+    M(closest_rays)                                                                                \
+    M(shadow_rays)                                                                                 \
+    M(unfinished) M(suspended) M(nonfinite) M(nonfinite_records) M(align_records) M(dispatch)      \
+        M(nonfinite_record)
 #define PUSH(M)                                                                                    \
     M(camera_position)                                                                             \
-    M(width) M(camera_forward) M(height) M(camera_right) M(seed) M(camera_up) M(bounce)            \
-        M(environment) M(environment_size) M(wave_slots) M(first_pixel) M(pixel_count)             \
-            M(first_sample) M(sample_shift) M(queue) M(first_item) M(part_items) M(max_bounces)    \
-                M(roulette_min_bounces) M(emitter_count) M(film_first_pixel)
+    M(width)                                                                                       \
+    M(camera_forward)                                                                              \
+    M(height) M(camera_right) M(seed) M(camera_up) M(bounce) M(environment) M(environment_size)    \
+        M(wave_slots) M(first_pixel) M(pixel_count) M(first_sample) M(sample_shift) M(queue)       \
+            M(first_item) M(part_items) M(max_bounces) M(roulette_min_bounces) M(emitter_count)    \
+                M(film_first_pixel)
 
 #define RECORDS(R)                                                                                 \
     R(gpu_triangle, TRIANGLE)                                                                      \

@@ -1,0 +1,226 @@
+// Routines that must hold for every number: origins of rays that leave a surface, octahedral
+// normals, and the test for finite numbers; as shipped, on the device.
+#include "library_fixture.h"
+#include "upload.h"
+
+enum { COUNT = 100000 };
+
+static union words items[COUNT], inputs[COUNT];
+
+static void to_double(const float v[3], double out[3])
+{
+    for (int c = 0; c < 3; c++)
+        out[c] = (double)v[c];
+}
+
+static float signed_magnitude(struct random *random, double low, double high)
+{
+    double magnitude = pow(10, random_between(random, low, high));
+    return (float)(random_u32(random) & 1u ? -magnitude : magnitude);
+}
+
+// --- leaving a point -----------------------------------------------------------------------------
+
+// A point known to +-error: no point of that box may be on the wrong side of a plane through the
+// new origin. In double precision, for the normal as it was rounded.
+TEST(offset_origin)
+{
+    struct library library;
+    struct random random = {41};
+    scene_start(&library.scene, 8, 8);
+    OPEN_LIBRARY(&library);
+    for (uint32_t i = 0; i < COUNT; i++) {
+        float(*in)[4] = items[i].f;
+        for (int c = 0; c < 3; c++) {
+            in[0][c] = i % 16 == 0 ? 0.0f : signed_magnitude(&random, -6, 6);
+            // What surfaces report: a few roundings of the coordinates, or nothing.
+            in[1][c] = fabsf(in[0][c]) * (float)random_between(&random, 0, 7) * 0x1p-24f;
+        }
+        random_direction(&random, in[2]);
+        if (i % 8 == 0) { // along an axis
+            memset(in[2], 0, sizeof(float[3]));
+            in[2][random_u32(&random) % 3] = random_u32(&random) & 1u ? -1.0f : 1.0f;
+        }
+        random_direction(&random, in[3]);
+    }
+    memcpy(inputs, items, sizeof inputs);
+    REQUIRE(library_run(&library, ROUTINE_OFFSET, items, COUNT), "not run");
+    uint32_t wrong = 0, far = 0;
+    for (uint32_t i = 0; i < COUNT; i++) {
+        double normal[3], side[3], moved[3], box = 0, ulps = 0;
+        to_double(inputs[i].f[2], normal);
+        to_double(inputs[i].f[3], side);
+        subtract(items[i].f[0], inputs[i].f[0], moved);
+        double sign = dot(normal, side) < 0 ? -1 : 1;
+        for (int c = 0; c < 3; c++) {
+            box += fabs(normal[c]) * (double)inputs[i].f[1][c];
+            ulps += fabs((double)inputs[i].f[0][c]) * 0x1p-22;
+        }
+        double height = sign * dot(normal, moved);
+        wrong += !(height >= box);
+        // And not further than it takes: the box, once along the normal, and two steps.
+        far += !(length(moved) <= 1.001 * box + ulps + 2e-38);
+    }
+    CHECK(wrong == 0, "%u of %u on the wrong side", wrong, COUNT);
+    CHECK(far == 0, "%u of %u too far away", far, COUNT);
+    library_close(&library);
+}
+
+// --- leaving a triangle --------------------------------------------------------------------------
+
+static void random_triangle(struct random *random, struct gpu_triangle *out)
+{
+    float *const corners[3] = {out->v0, out->v1, out->v2};
+    double size = pow(10, random_between(random, -6, 6));
+    double distance = size * pow(10, random_between(random, -3, 3));
+    float away[3], direction[3];
+    random_direction(random, away);
+    for (int v = 0; v < 3; v++) {
+        random_direction(random, direction);
+        for (int c = 0; c < 3; c++)
+            corners[v][c] = (float)((double)away[c] * distance + (double)direction[c] * size);
+    }
+}
+
+// Barycentric coordinates of corners 1 and 2: inside, on edges and at corners.
+static void random_barycentrics(struct random *random, float uv[2])
+{
+    double u = random_unit(random), v = random_unit(random);
+    if (u + v > 1) {
+        u = 1 - u;
+        v = 1 - v;
+    }
+    uint32_t kind = random_u32(random) % 8;
+    uv[0] = kind == 0 ? 0.0f : (float)u;
+    uv[1] = kind <= 1 ? 0.0f : kind == 2 ? 1.0f - uv[0] : (float)v;
+}
+
+// The origin of a ray that leaves a triangle is on that side of the exact plane that the normal of
+// single precision points to; the reported error bounds the distance to the plane.
+TEST(leave_triangle)
+{
+    struct library library;
+    struct random random = {42};
+    static float dummies[COUNT][3][3];
+    static struct gpu_triangle triangles[COUNT];
+    scene_start(&library.scene, 8, 8);
+    for (uint32_t i = 0; i < COUNT; i++) {
+        dummies[i][1][0] = dummies[i][2][1] = 1;
+        random_triangle(&random, &triangles[i]);
+    }
+    add_triangles(&library.scene, (const float(*)[3][3])dummies, COUNT, 0);
+    OPEN_LIBRARY(&library);
+    struct err err = {0};
+    bool ok = gpu_upload(&library.gpu, &library.r.buffers[BINDING_TRIANGLES], 0, triangles,
+                         sizeof triangles, &err);
+    REQUIRE(ok && library.r.plan.wave_slots >= COUNT, "%s", err.msg);
+    for (uint32_t i = 0; i < COUNT; i++) {
+        random_barycentrics(&random, items[i].f[0]);
+        random_direction(&random, items[i].f[1]);
+    }
+    memcpy(inputs, items, sizeof inputs);
+    REQUIRE(library_run(&library, ROUTINE_LEAVE_TRIANGLE, items, COUNT), "not run");
+
+    uint32_t wrong = 0, unbounded = 0, tested = 0;
+    for (uint32_t i = 0; i < COUNT; i++) {
+        double edge[2][3], normal[3], side[3], from_plane[3], origin[3];
+        subtract(triangles[i].v1, triangles[i].v0, edge[0]);
+        subtract(triangles[i].v2, triangles[i].v0, edge[1]);
+        cross(edge[0], edge[1], normal);
+        double area = length(normal);
+        to_double(inputs[i].f[1], side);
+        double slope = dot(normal, side) / area;
+        // Which side is meant is unknown where the direction is in the plane, up to the normal's
+        // own rounding; that grows with coordinates over size.
+        if (!(area > 1e-3 * length(edge[0]) * length(edge[1])) || fabs(slope) < 1e-3)
+            continue;
+        tested++;
+        subtract(items[i].f[0], triangles[i].v0, from_plane);
+        subtract(items[i].f[2], triangles[i].v0, origin);
+        double bound = 0;
+        for (int c = 0; c < 3; c++)
+            bound += fabs(normal[c]) / area * (double)items[i].f[1][c];
+        unbounded += !(fabs(dot(from_plane, normal)) / area <= bound);
+        wrong += !(dot(origin, normal) * slope > 0);
+    }
+    printf("  %u triangles of 1e-6 to 1e6\n", tested);
+    CHECK(wrong == 0, "%u of %u on the wrong side", wrong, tested);
+    CHECK(unbounded == 0, "%u of %u further from the plane than the error bound", unbounded,
+          tested);
+    CHECK(tested > COUNT / 2, "%u", tested);
+    library_close(&library);
+}
+
+// --- normals -------------------------------------------------------------------------------------
+
+// Rounding to 16 bits moves each of two coordinates on the octahedron by up to h = 2^-1 / 32767.
+// The octahedron's faces turn that into at most sqrt(6) h along the face, which at its centre, 1 /
+// sqrt(3) from the origin, is an angle of sqrt(18) h = 6.48e-5; single precision adds some 1e-7.
+TEST(octahedral_normals)
+{
+    struct library library;
+    struct random random = {43};
+    double bound = sqrt(18) * 0.5 / 32767 + 5e-7, worst = 0;
+    scene_start(&library.scene, 8, 8);
+    OPEN_LIBRARY(&library);
+    static float normals[COUNT][3];
+    for (uint32_t i = 0; i < COUNT; i++) {
+        random_direction(&random, normals[i]);
+        // Axes, planes of two axes, and next to them.
+        for (int c = 0; c < 3 && i < 4096; c++)
+            if (i >> (2 * c) & 3u)
+                normals[i][c] *= i >> (2 * c) & 1u ? 0.0f : 1e-5f;
+        double exact[3];
+        to_double(normals[i], exact);
+        if (!(length(exact) > 0))
+            exact[2] = -1;
+        for (int c = 0; c < 3; c++)
+            normals[i][c] = (float)(exact[c] / length(exact));
+        items[i].u[0][0] = encode_normal(normals[i]);
+        CHECK(items[i].u[0][0] != NORMAL_FLAT, "a normal is encoded as missing");
+    }
+    REQUIRE(library_run(&library, ROUTINE_DECODE_NORMAL, items, COUNT), "not run");
+    for (uint32_t i = 0; i < COUNT; i++) {
+        double decoded[3], exact[3], turn[3];
+        to_double(items[i].f[0], decoded);
+        to_double(normals[i], exact);
+        cross(decoded, exact, turn);
+        double angle = atan2(length(turn), dot(decoded, exact));
+        worst = fmax(worst, angle);
+        CHECK(fabs(length(decoded) - 1) <= 1e-6, "length %.9g", length(decoded));
+    }
+    printf("  worst angle of %d normals: %.3g, bound %.3g\n", COUNT, worst, bound);
+    CHECK(worst <= bound, "%g", worst);
+    library_close(&library);
+}
+
+// --- finite numbers ------------------------------------------------------------------------------
+
+TEST(is_finite)
+{
+    static const uint32_t patterns[] = {
+        0x00000000u, 0x80000000u,                           // zeros
+        0x00000001u, 0x807fffffu,                           // subnormals
+        0x00800000u, 0x3f800000u, 0xff7fffffu, 0x7f7fffffu, // up to the largest
+        0x7f800000u, 0xff800000u,                           // infinities
+        0x7fc00000u, 0xffc00000u, 0x7f800001u, 0xff800001u,
+        0x7fffffffu, // quiet and signalling NaNs
+    };
+    enum { PATTERNS = sizeof patterns / sizeof patterns[0], FINITE = 8 };
+    struct library library;
+    scene_start(&library.scene, 8, 8);
+    OPEN_LIBRARY(&library);
+    memset(items, 0, sizeof items);
+    for (uint32_t i = 0; i < 3 * PATTERNS; i++)
+        items[i].u[0][i % 3] = patterns[i / 3];
+    REQUIRE(library_run(&library, ROUTINE_IS_FINITE, items, 3 * PATTERNS), "not run");
+    for (uint32_t i = 0; i < 3 * PATTERNS; i++) {
+        bool finite = items[i].f[0][0] == 1.0f;
+        CHECK(finite == (i / 3 < FINITE), "0x%08x in component %u: %d", patterns[i / 3], i % 3,
+              finite);
+    }
+    library_close(&library);
+}
+
+TEST_MAIN(TEST_CASE(offset_origin), TEST_CASE(leave_triangle), TEST_CASE(octahedral_normals),
+          TEST_CASE(is_finite))

@@ -1,0 +1,265 @@
+// The warps of lib/sampling.glsl and the choice of a light, as shipped, run on the device: their
+// distributions by chi-square, their extremes, and that bases are orthonormal.
+#include "library_fixture.h"
+#include "metrics.h"
+
+// --- distributions -------------------------------------------------------------------------------
+
+enum {
+    ROWS = 32,
+    COLUMNS = 64,
+    SAMPLES = 1 << 19,
+    DISTRIBUTIONS = 4, // tested, which the significance level is shared among
+};
+
+static union words samples[SAMPLES];
+
+// Counts of samples in cells of known probability.
+struct cells {
+    double probability[ROWS][COLUMNS];
+    uint32_t count[ROWS][COLUMNS];
+};
+
+// Uniforms as the kernels have them, multiples of 2^-24 below 1.
+static void fill_uniforms(uint64_t seed)
+{
+    struct random random = {seed};
+    for (uint32_t i = 0; i < SAMPLES; i++)
+        for (int c = 0; c < 2; c++)
+            samples[i].f[0][c] = (float)(random_u32(&random) >> 8) * 0x1p-24f;
+}
+
+static uint32_t cell_of(double fraction, uint32_t cells)
+{
+    double cell = fraction * cells;
+    return cell >= cells ? cells - 1 : (uint32_t)cell;
+}
+
+// Of the angle of (x, y).
+static uint32_t column_of(const float p[2])
+{
+    double turn = atan2((double)p[1], (double)p[0]) / (2 * M_PI);
+    return cell_of(turn < 0 ? turn + 1 : turn, COLUMNS);
+}
+
+// Pearson's statistic as a standard normal deviate (Wilson and Hilferty 1931), at a level of 1 %
+// for all distributions together (Sidak 1967).
+static void check_cells(const char *name, const struct cells *cells)
+{
+    double statistic = 0, used = 0, probability = 0;
+    for (int r = 0; r < ROWS; r++) {
+        for (int c = 0; c < COLUMNS; c++) {
+            double expected = cells->probability[r][c] * SAMPLES;
+            probability += cells->probability[r][c];
+            if (!(expected > 0)) {
+                CHECK(cells->count[r][c] == 0, "%s: %u samples outside the domain", name,
+                      cells->count[r][c]);
+                continue;
+            }
+            REQUIRE(expected >= 5, "%s: %g expected in a cell", name, expected);
+            double difference = cells->count[r][c] - expected;
+            statistic += difference * difference / expected;
+            used++;
+        }
+    }
+    CHECK(fabs(probability - 1) < 1e-12, "%s: cells of %.15g in all", name, probability);
+    double spread = 2 / (9 * (used - 1));
+    double deviate = (cbrt(statistic / (used - 1)) - (1 - spread)) / sqrt(spread);
+    double limit = stats_t_quantile(pow(0.99, 1.0 / DISTRIBUTIONS), 1e9);
+    printf("  %-18s chi-square %.0f in %.0f cells, %.2f deviations (limit %.2f)\n", name, statistic,
+           used, deviate, limit);
+    CHECK(deviate <= limit, "%s", name);
+    // Too even would be as suspicious.
+    CHECK(deviate >= -4.5, "%s", name);
+}
+
+static void scene_empty(struct scene *scene)
+{
+    scene_start(scene, 8, 8);
+}
+
+TEST(cosine_hemisphere)
+{
+    static struct cells cells;
+    struct library library;
+    scene_empty(&library.scene);
+    OPEN_LIBRARY(&library);
+    fill_uniforms(31);
+    REQUIRE(library_run(&library, ROUTINE_COSINE_HEMISPHERE, samples, SAMPLES), "not run");
+    uint32_t bad = 0;
+    for (uint32_t i = 0; i < SAMPLES; i++) {
+        const float *d = samples[i].f[0];
+        double z = (double)d[2];
+        double norm = (double)d[0] * (double)d[0] + (double)d[1] * (double)d[1] + z * z;
+        bad += !(fabs(norm - 1) <= 1e-6) || !(z >= 0) || !(fabs((double)d[3] - z / M_PI) <= 1e-7);
+        cells.count[cell_of(z, ROWS)][column_of(d)]++;
+    }
+    CHECK(bad == 0, "%u of %u", bad, SAMPLES);
+    for (int r = 0; r < ROWS; r++)
+        for (int c = 0; c < COLUMNS; c++) // cos^2 is uniform
+            cells.probability[r][c] = (2 * r + 1) / ((double)ROWS * ROWS * COLUMNS);
+    check_cells("cosine hemisphere", &cells);
+    library_close(&library);
+}
+
+TEST(sphere)
+{
+    static struct cells cells;
+    struct library library;
+    scene_empty(&library.scene);
+    OPEN_LIBRARY(&library);
+    fill_uniforms(32);
+    REQUIRE(library_run(&library, ROUTINE_SPHERE, samples, SAMPLES), "not run");
+    uint32_t bad = 0;
+    for (uint32_t i = 0; i < SAMPLES; i++) {
+        const float *d = samples[i].f[0];
+        double z = (double)d[2];
+        double norm = (double)d[0] * (double)d[0] + (double)d[1] * (double)d[1] + z * z;
+        bad += !(fabs(norm - 1) <= 1e-6);
+        cells.count[cell_of((z + 1) / 2, ROWS)][column_of(d)]++;
+    }
+    CHECK(bad == 0, "%u of %u", bad, SAMPLES);
+    for (int r = 0; r < ROWS; r++)
+        for (int c = 0; c < COLUMNS; c++)
+            cells.probability[r][c] = 1.0 / (ROWS * COLUMNS);
+    check_cells("sphere", &cells);
+    library_close(&library);
+}
+
+TEST(disc)
+{
+    static struct cells cells;
+    struct library library;
+    scene_empty(&library.scene);
+    OPEN_LIBRARY(&library);
+    fill_uniforms(33);
+    REQUIRE(library_run(&library, ROUTINE_DISC, samples, SAMPLES), "not run");
+    uint32_t bad = 0;
+    for (uint32_t i = 0; i < SAMPLES; i++) {
+        const float *p = samples[i].f[0];
+        double radius = sqrt((double)p[0] * (double)p[0] + (double)p[1] * (double)p[1]);
+        bad += !(radius <= 1 + 1e-6);
+        cells.count[cell_of(radius, ROWS)][column_of(p)]++;
+    }
+    CHECK(bad == 0, "%u of %u", bad, SAMPLES);
+    for (int r = 0; r < ROWS; r++)
+        for (int c = 0; c < COLUMNS; c++)
+            cells.probability[r][c] = (2 * r + 1) / ((double)ROWS * ROWS * COLUMNS);
+    check_cells("disc", &cells);
+    library_close(&library);
+}
+
+// Cells of the unit square of barycentric coordinates: the hypotenuse halves the ones it crosses.
+TEST(triangle)
+{
+    static struct cells cells;
+    struct library library;
+    scene_empty(&library.scene);
+    OPEN_LIBRARY(&library);
+    fill_uniforms(34);
+    REQUIRE(library_run(&library, ROUTINE_TRIANGLE, samples, SAMPLES), "not run");
+    uint32_t bad = 0;
+    for (uint32_t i = 0; i < SAMPLES; i++) {
+        double u = (double)samples[i].f[0][0], v = (double)samples[i].f[0][1];
+        bad += !(u >= 0 && v >= 0 && u + v <= 1 + 1e-7);
+        uint32_t row = cell_of(u, ROWS), column = cell_of(v, ROWS);
+        // A sum that was rounded beyond 1 belongs to the cells that the hypotenuse crosses.
+        cells.count[row][column < ROWS - row ? column : ROWS - 1 - row]++;
+    }
+    CHECK(bad == 0, "%u of %u", bad, SAMPLES);
+    for (int r = 0; r < ROWS; r++)
+        for (int c = 0; c < ROWS - r; c++)
+            cells.probability[r][c] = (c == ROWS - r - 1 ? 1.0 : 2.0) / (ROWS * ROWS);
+    check_cells("triangle", &cells);
+    library_close(&library);
+}
+
+// --- extremes ------------------------------------------------------------------------------------
+
+// Uniforms of 0, the smallest and the largest: never a NaN, always on the domain.
+TEST(extreme_uniforms)
+{
+    static const float extremes[] = {0, 0x1p-24f, 0.25f, 0.5f, 0.75f, 1 - 0x1p-24f};
+    static const uint32_t routines[] = {ROUTINE_COSINE_HEMISPHERE, ROUTINE_SPHERE, ROUTINE_DISC,
+                                        ROUTINE_TRIANGLE};
+    enum { COUNT = sizeof extremes / sizeof extremes[0] };
+    struct library library;
+    scene_empty(&library.scene);
+    OPEN_LIBRARY(&library);
+    for (int routine = 0; routine < 4; routine++) {
+        union words items[COUNT * COUNT] = {0};
+        for (int i = 0; i < COUNT * COUNT; i++) {
+            items[i].f[0][0] = extremes[i / COUNT];
+            items[i].f[0][1] = extremes[i % COUNT];
+        }
+        if (!library_run(&library, routines[routine], items, COUNT * COUNT))
+            break;
+        for (int i = 0; i < COUNT * COUNT; i++) {
+            const float *d = items[i].f[0];
+            double norm = (double)d[0] * (double)d[0] + (double)d[1] * (double)d[1] +
+                          (routine < 2 ? (double)d[2] * (double)d[2] : 0);
+            bool on_sphere = fabs(norm - 1) <= 1e-6;
+            CHECK(routine < 2 ? on_sphere : norm <= 1 + 1e-6, "routine %d, u %g %g: %g %g %g",
+                  routine, (double)extremes[i / COUNT], (double)extremes[i % COUNT], (double)d[0],
+                  (double)d[1], (double)d[2]);
+        }
+    }
+    library_close(&library);
+}
+
+// --- bases ---------------------------------------------------------------------------------------
+
+// Orthonormal and right-handed about random directions, the axes, and close to -z, where the
+// construction changes sides.
+TEST(basis_around)
+{
+    struct library library;
+    struct random random = {35};
+    enum { COUNT = 100000 };
+    scene_empty(&library.scene);
+    OPEN_LIBRARY(&library);
+    for (uint32_t i = 0; i < COUNT; i++) {
+        float *n = samples[i].f[0];
+        random_direction(&random, n);
+        if (i < 6) {
+            memset(n, 0, sizeof(float[3]));
+            n[i / 2] = i % 2 ? -1.0f : 1.0f;
+        } else if (i < 1000) {
+            double tilt = pow(10, random_between(&random, -8, -1));
+            double turn = random_between(&random, 0, 2 * M_PI);
+            n[0] = (float)(sin(tilt) * cos(turn));
+            n[1] = (float)(sin(tilt) * sin(turn));
+            n[2] = (float)(i % 2 ? -cos(tilt) : cos(tilt));
+        } else if (i < 1100) {
+            float flat = sqrtf(n[0] * n[0] + n[1] * n[1]);
+            n[0] /= flat;
+            n[1] /= flat;
+            n[2] = i % 2 ? -0.0f : 0.0f;
+        }
+    }
+    static union words inputs[COUNT];
+    memcpy(inputs, samples, sizeof inputs);
+    REQUIRE(library_run(&library, ROUTINE_BASIS, samples, COUNT), "not run");
+    double worst = 0;
+    for (uint32_t i = 0; i < COUNT; i++) {
+        double axis[3][3], third[3];
+        for (int a = 0; a < 3; a++)
+            for (int c = 0; c < 3; c++)
+                axis[a][c] = (double)samples[i].f[a][c];
+        for (int a = 0; a < 3; a++) {
+            worst = fmax(worst, fabs(dot(axis[a], axis[(a + 1) % 3])));
+            worst = fmax(worst, fabs(length(axis[a]) - 1));
+        }
+        cross(axis[0], axis[1], third);
+        for (int c = 0; c < 3; c++) {
+            worst = fmax(worst, fabs(third[c] - axis[2][c]));
+            CHECK(samples[i].f[2][c] == inputs[i].f[0][c], "the normal changed");
+        }
+    }
+    printf("  worst deviation of %d bases: %.2g\n", COUNT, worst);
+    CHECK(worst <= 1e-6, "%g", worst);
+    library_close(&library);
+}
+
+TEST_MAIN(TEST_CASE(cosine_hemisphere), TEST_CASE(sphere), TEST_CASE(disc), TEST_CASE(triangle),
+          TEST_CASE(extreme_uniforms), TEST_CASE(basis_around))
