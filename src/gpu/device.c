@@ -51,7 +51,8 @@ bool gpu_open(const struct gpu_params *params, struct gpu *out, struct err *err)
     *out = (struct gpu){0};
     if (params)
         out->params = *params;
-    if (!instance_create(out, err) || !device_select(out, err))
+    if (!limits_from_environment(&out->params.limits, err) || !instance_create(out, err) ||
+        !device_select(out, err))
         goto fail;
     out->params.device = NULL; // the caller's string, not needed any more
     device_read_limits(out);

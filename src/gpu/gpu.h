@@ -35,7 +35,10 @@ struct gpu_device_info {
 bool gpu_list_devices(struct gpu_device_info out[GPU_MAX_DEVICES], uint32_t *count,
                       struct err *err);
 
-// Lower limits than the device's, to test fallbacks; 0 means the device's own.
+// Lower limits than the device's, to test fallbacks; 0 means the device's own. What is 0 or false
+// here is taken from the environment variable LAMPYRIS_LIMITS, so that any program and any test can
+// be run on the fallbacks: words separated by commas out of no-texel, no-ballot, no-mapped-device,
+// storage-range=BYTES, texel-elements=N, allocation=BYTES. Other words are ERR_USAGE.
 struct gpu_limit_overrides {
     uint64_t storage_range;  // maxStorageBufferRange, bytes
     uint64_t texel_elements; // maxTexelBufferElements

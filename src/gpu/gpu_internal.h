@@ -16,6 +16,10 @@ void instance_destroy(struct gpu *gpu);
 // no use: they are NULL again once an instance without the extension is opened.
 PFN_vkVoidFunction instance_function(const struct gpu *gpu, const char *name);
 
+// --- limits.c -----------------------------------------------------------------------------------
+// Adds what the environment variable LAMPYRIS_LIMITS says to what is not set yet.
+bool limits_from_environment(struct gpu_limit_overrides *limits, struct err *err);
+
 // --- select.c -----------------------------------------------------------------------------------
 // Chooses by gpu->params.device; fills in physical, queue_family and info.
 bool device_select(struct gpu *gpu, struct err *err);

@@ -190,6 +190,31 @@ TEST(two_devices_are_open_at_once)
     CHECK(first.validation_messages == 0, "%u", first.validation_messages);
 }
 
+// Restores the variable, for suites that run all tests with it.
+TEST(environment_lowers_limits)
+{
+    char *kept = getenv("LAMPYRIS_LIMITS") ? strdup(getenv("LAMPYRIS_LIMITS")) : NULL;
+    struct gpu_limit_overrides limits = {.texel_elements = 70000};
+    struct err err = {0};
+    setenv("LAMPYRIS_LIMITS", "no-ballot,texel-elements=65536,storage-range=1048576", 1);
+    CHECK(limits_from_environment(&limits, &err), "%s", err.msg);
+    CHECK(limits.no_ballot && !limits.no_texel && !limits.no_mapped_device, "flags");
+    CHECK(limits.texel_elements == 70000, "what the caller set counts");
+    CHECK(limits.storage_range == 1048576, "%llu", (unsigned long long)limits.storage_range);
+    static const char *const bad[] = {
+        "no-bullet",         "no-texels", "allocation=", "allocation=0", "storage-range=-1x",
+        "storage-range=12k", ","};
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        setenv("LAMPYRIS_LIMITS", bad[i], 1);
+        CHECK(!limits_from_environment(&limits, &err) && err.code == ERR_USAGE, "%s", bad[i]);
+    }
+    unsetenv("LAMPYRIS_LIMITS");
+    CHECK(limits_from_environment(&limits, &err), "%s", err.msg);
+    if (kept)
+        setenv("LAMPYRIS_LIMITS", kept, 1);
+    free(kept);
+}
+
 TEST(finish_and_close_accept_nothing)
 {
     struct gpu gpu = {0};
@@ -209,4 +234,5 @@ TEST_MAIN(TEST_CASE(list_names_every_device), TEST_CASE(device_is_chosen_by_inde
           TEST_CASE(unknown_device_is_refused_with_a_list), TEST_CASE(default_is_the_fastest_kind),
           TEST_CASE(limits_are_read), TEST_CASE(lacking_devices_say_what_they_lack),
           TEST_CASE(overrides_lower_limits_and_never_raise_them),
-          TEST_CASE(two_devices_are_open_at_once), TEST_CASE(finish_and_close_accept_nothing))
+          TEST_CASE(environment_lowers_limits), TEST_CASE(two_devices_are_open_at_once),
+          TEST_CASE(finish_and_close_accept_nothing))
