@@ -77,6 +77,17 @@ static const char *estimator_name(enum light_estimator estimator)
     return estimator == ESTIMATOR_MIS ? "mis" : estimator == ESTIMATOR_NEE ? "nee" : "bsdf";
 }
 
+static const char *tone_name(enum tone_curve curve)
+{
+    static const char *const names[] = {
+        [TONE_NONE] = "none",
+        [TONE_REINHARD] = "reinhard",
+        [TONE_ACES] = "aces",
+        [TONE_AGX] = "agx",
+    };
+    return names[curve];
+}
+
 static void add_settings(struct attributes *a, const struct render_job *job)
 {
     const struct settings *s = &job->scene.settings;
@@ -90,8 +101,18 @@ static void add_settings(struct attributes *a, const struct render_job *job)
     add(a, "lampyris:estimator", "%s", estimator_name(s->estimator));
     add(a, "lampyris:filter", "box");
     add(a, "lampyris:pixel_jitter", "%s", s->pixel_jitter ? "on" : "off");
+    add(a, "lampyris:exposure", "%.9g", s->exposure);
+    add(a, "lampyris:tone", "%s", tone_name(s->tone_curve));
     add(a, "lampyris:camera", "%u", job->camera);
     add(a, "lampyris:wave", "%u", job->renderer.plan.wave_slots);
+    add(a, "lampyris:features", "%s", job->options->features == FEATURES_ALL ? "all" : "needed");
+    if (job->options->frames) {
+        add(a, "lampyris:frames", "%u", job->options->frames);
+        add(a, "lampyris:spp_per_frame", "%u", job->options->spp_per_frame);
+        add(a, "lampyris:accumulate", "%s", job->options->accumulate ? "on" : "off");
+    }
+    if (job->options->time_seconds > 0.0)
+        add(a, "lampyris:time_limit", "%.9g", job->options->time_seconds);
 }
 
 static void add_result(struct attributes *a, const struct render_job *job)
@@ -103,6 +124,9 @@ static void add_result(struct attributes *a, const struct render_job *job)
         add(a, "lampyris:relmse_ci_low", "%.9g", job->error.ci_low);
         add(a, "lampyris:relmse_ci_high", "%.9g", job->error.ci_high);
     }
+    add(a, "lampyris:dropped_samples", "%" PRIu64, job->film.dropped);
+    add(a, "lampyris:rays_closest", "%" PRIu64, job->renderer.stats.closest_rays);
+    add(a, "lampyris:rays_shadow", "%" PRIu64, job->renderer.stats.shadow_rays);
     add(a, "lampyris:seconds_load", "%.6f", job->seconds.load);
     add(a, "lampyris:seconds_bvh", "%.6f", job->seconds.bvh);
     add(a, "lampyris:seconds_upload", "%.6f", job->seconds.upload);
