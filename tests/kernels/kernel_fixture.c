@@ -141,6 +141,15 @@ void add_environment_image(struct scene *scene, uint32_t width, uint32_t height)
             environment->texels[i][c] = (float)(3 * i + (uint32_t)c + 1);
 }
 
+// --- a renderer ----------------------------------------------------------------------------------
+
+void setup_close(struct setup *setup)
+{
+    renderer_finish(&setup->r);
+    gpu_close(&setup->gpu);
+    scene_finish(&setup->scene);
+}
+
 // --- one kernel ----------------------------------------------------------------------------------
 
 bool run_kernel(struct renderer *r, const struct gpu_kernel *kernel, uint32_t items,

@@ -54,6 +54,27 @@ void add_disc(struct scene *scene, const double center[3], const double normal[3
 // An image of width x height texels, all different.
 void add_environment_image(struct scene *scene, uint32_t width, uint32_t height);
 
+// --- a renderer ----------------------------------------------------------------------------------
+
+struct setup {
+    struct gpu gpu;
+    struct scene scene;
+    struct renderer r;
+};
+
+// Makes a renderer on setup->scene, which the test filled before; leaves the test as skipped or
+// failed when that cannot be. `slots`: paths in flight wanted.
+#define OPEN_SETUP(setup, slots)                                                                   \
+    do {                                                                                           \
+        struct err setup_err = {0};                                                                \
+        OPEN_GPU(&(setup)->gpu, .validation = false);                                              \
+        const struct renderer_params setup_params = {                                              \
+            .gpu = &(setup)->gpu, .scene = &(setup)->scene, .wave = (slots)};                      \
+        bool created = renderer_create(&setup_params, &(setup)->r, &setup_err);                    \
+        REQUIRE(created, "%s", setup_err.msg);                                                     \
+    } while (0)
+void setup_close(struct setup *setup); // the scene, too
+
 // --- one kernel ----------------------------------------------------------------------------------
 
 // Runs `kernel` over `items` items with renderer->push as it is, and waits.

@@ -4,13 +4,6 @@
 
 _Static_assert(sizeof(union words) == sizeof(struct gpu_path), "they share a buffer");
 
-void library_close(struct library *library)
-{
-    renderer_finish(&library->r);
-    gpu_close(&library->gpu);
-    scene_finish(&library->scene);
-}
-
 static bool create_kernel(struct renderer *r, uint32_t routine, struct gpu_kernel *kernel,
                           struct err *err)
 {
@@ -39,9 +32,9 @@ static bool run_part(struct renderer *r, const struct gpu_kernel *kernel, union 
            gpu_download(r->gpu, buffer, 0, items, count * sizeof *items, err);
 }
 
-bool library_run(struct library *library, uint32_t routine, union words *items, uint32_t count)
+bool library_run(struct setup *setup, uint32_t routine, union words *items, uint32_t count)
 {
-    struct renderer *r = &library->r;
+    struct renderer *r = &setup->r;
     struct gpu_kernel kernel = {0};
     struct err err = {0};
     bool ok = create_kernel(r, routine, &kernel, &err);

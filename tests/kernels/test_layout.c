@@ -24,16 +24,17 @@
     M(queue)                                                                                       \
     M(closest_rays)                                                                                \
     M(shadow_rays)                                                                                 \
-    M(unfinished) M(suspended) M(nonfinite) M(nonfinite_records) M(align_records) M(dispatch)      \
-        M(nonfinite_record)
+    M(unfinished)                                                                                  \
+    M(suspended) M(nonfinite) M(nonfinite_records) M(align_records) M(dispatch) M(nonfinite_record)
 #define PUSH(M)                                                                                    \
     M(camera_position)                                                                             \
     M(width)                                                                                       \
     M(camera_forward)                                                                              \
-    M(height) M(camera_right) M(seed) M(camera_up) M(bounce) M(environment) M(environment_size)    \
-        M(wave_slots) M(first_pixel) M(pixel_count) M(first_sample) M(sample_shift) M(queue)       \
-            M(first_item) M(part_items) M(max_bounces) M(roulette_min_bounces) M(emitter_count)    \
-                M(film_first_pixel)
+    M(height)                                                                                      \
+    M(camera_right)                                                                                \
+    M(seed) M(camera_up) M(bounce) M(environment) M(environment_size) M(wave_slots) M(first_pixel) \
+        M(pixel_count) M(first_sample) M(sample_shift) M(queue) M(first_item) M(part_items)        \
+            M(max_bounces) M(roulette_min_bounces) M(emitter_count) M(film_first_pixel)
 
 #define RECORDS(R)                                                                                 \
     R(gpu_triangle, TRIANGLE)                                                                      \

@@ -25,10 +25,10 @@ static float signed_magnitude(struct random *random, double low, double high)
 // new origin. In double precision, for the normal as it was rounded.
 TEST(offset_origin)
 {
-    struct library library;
+    struct setup setup;
     struct random random = {41};
-    scene_start(&library.scene, 8, 8);
-    OPEN_LIBRARY(&library);
+    scene_start(&setup.scene, 8, 8);
+    OPEN_SETUP(&setup, LIBRARY_SLOTS);
     for (uint32_t i = 0; i < COUNT; i++) {
         float(*in)[4] = items[i].f;
         for (int c = 0; c < 3; c++) {
@@ -44,7 +44,7 @@ TEST(offset_origin)
         random_direction(&random, in[3]);
     }
     memcpy(inputs, items, sizeof inputs);
-    REQUIRE(library_run(&library, ROUTINE_OFFSET, items, COUNT), "not run");
+    REQUIRE(library_run(&setup, ROUTINE_OFFSET, items, COUNT), "not run");
     uint32_t wrong = 0, far = 0;
     for (uint32_t i = 0; i < COUNT; i++) {
         double normal[3], side[3], moved[3], box = 0, ulps = 0;
@@ -63,7 +63,7 @@ TEST(offset_origin)
     }
     CHECK(wrong == 0, "%u of %u on the wrong side", wrong, COUNT);
     CHECK(far == 0, "%u of %u too far away", far, COUNT);
-    library_close(&library);
+    setup_close(&setup);
 }
 
 // --- leaving a triangle --------------------------------------------------------------------------
@@ -99,27 +99,27 @@ static void random_barycentrics(struct random *random, float uv[2])
 // single precision points to; the reported error bounds the distance to the plane.
 TEST(leave_triangle)
 {
-    struct library library;
+    struct setup setup;
     struct random random = {42};
     static float dummies[COUNT][3][3];
     static struct gpu_triangle triangles[COUNT];
-    scene_start(&library.scene, 8, 8);
+    scene_start(&setup.scene, 8, 8);
     for (uint32_t i = 0; i < COUNT; i++) {
         dummies[i][1][0] = dummies[i][2][1] = 1;
         random_triangle(&random, &triangles[i]);
     }
-    add_triangles(&library.scene, (const float(*)[3][3])dummies, COUNT, 0);
-    OPEN_LIBRARY(&library);
+    add_triangles(&setup.scene, (const float(*)[3][3])dummies, COUNT, 0);
+    OPEN_SETUP(&setup, LIBRARY_SLOTS);
     struct err err = {0};
-    bool ok = gpu_upload(&library.gpu, &library.r.buffers[BINDING_TRIANGLES], 0, triangles,
+    bool ok = gpu_upload(&setup.gpu, &setup.r.buffers[BINDING_TRIANGLES], 0, triangles,
                          sizeof triangles, &err);
-    REQUIRE(ok && library.r.plan.wave_slots >= COUNT, "%s", err.msg);
+    REQUIRE(ok && setup.r.plan.wave_slots >= COUNT, "%s", err.msg);
     for (uint32_t i = 0; i < COUNT; i++) {
         random_barycentrics(&random, items[i].f[0]);
         random_direction(&random, items[i].f[1]);
     }
     memcpy(inputs, items, sizeof inputs);
-    REQUIRE(library_run(&library, ROUTINE_LEAVE_TRIANGLE, items, COUNT), "not run");
+    REQUIRE(library_run(&setup, ROUTINE_LEAVE_TRIANGLE, items, COUNT), "not run");
 
     uint32_t wrong = 0, unbounded = 0, tested = 0;
     for (uint32_t i = 0; i < COUNT; i++) {
@@ -148,7 +148,7 @@ TEST(leave_triangle)
     CHECK(unbounded == 0, "%u of %u further from the plane than the error bound", unbounded,
           tested);
     CHECK(tested > COUNT / 2, "%u", tested);
-    library_close(&library);
+    setup_close(&setup);
 }
 
 // --- normals -------------------------------------------------------------------------------------
@@ -158,11 +158,11 @@ TEST(leave_triangle)
 // sqrt(3) from the origin, is an angle of sqrt(18) h = 6.48e-5; single precision adds some 1e-7.
 TEST(octahedral_normals)
 {
-    struct library library;
+    struct setup setup;
     struct random random = {43};
     double bound = sqrt(18) * 0.5 / 32767 + 5e-7, worst = 0;
-    scene_start(&library.scene, 8, 8);
-    OPEN_LIBRARY(&library);
+    scene_start(&setup.scene, 8, 8);
+    OPEN_SETUP(&setup, LIBRARY_SLOTS);
     static float normals[COUNT][3];
     for (uint32_t i = 0; i < COUNT; i++) {
         random_direction(&random, normals[i]);
@@ -179,7 +179,7 @@ TEST(octahedral_normals)
         items[i].u[0][0] = encode_normal(normals[i]);
         CHECK(items[i].u[0][0] != NORMAL_FLAT, "a normal is encoded as missing");
     }
-    REQUIRE(library_run(&library, ROUTINE_DECODE_NORMAL, items, COUNT), "not run");
+    REQUIRE(library_run(&setup, ROUTINE_DECODE_NORMAL, items, COUNT), "not run");
     for (uint32_t i = 0; i < COUNT; i++) {
         double decoded[3], exact[3], turn[3];
         to_double(items[i].f[0], decoded);
@@ -191,7 +191,7 @@ TEST(octahedral_normals)
     }
     printf("  worst angle of %d normals: %.3g, bound %.3g\n", COUNT, worst, bound);
     CHECK(worst <= bound, "%g", worst);
-    library_close(&library);
+    setup_close(&setup);
 }
 
 // --- finite numbers ------------------------------------------------------------------------------
@@ -207,19 +207,19 @@ TEST(is_finite)
         0x7fffffffu, // quiet and signalling NaNs
     };
     enum { PATTERNS = sizeof patterns / sizeof patterns[0], FINITE = 8 };
-    struct library library;
-    scene_start(&library.scene, 8, 8);
-    OPEN_LIBRARY(&library);
+    struct setup setup;
+    scene_start(&setup.scene, 8, 8);
+    OPEN_SETUP(&setup, LIBRARY_SLOTS);
     memset(items, 0, sizeof items);
     for (uint32_t i = 0; i < 3 * PATTERNS; i++)
         items[i].u[0][i % 3] = patterns[i / 3];
-    REQUIRE(library_run(&library, ROUTINE_IS_FINITE, items, 3 * PATTERNS), "not run");
+    REQUIRE(library_run(&setup, ROUTINE_IS_FINITE, items, 3 * PATTERNS), "not run");
     for (uint32_t i = 0; i < 3 * PATTERNS; i++) {
         bool finite = items[i].f[0][0] == 1.0f;
         CHECK(finite == (i / 3 < FINITE), "0x%08x in component %u: %d", patterns[i / 3], i % 3,
               finite);
     }
-    library_close(&library);
+    setup_close(&setup);
 }
 
 TEST_MAIN(TEST_CASE(offset_origin), TEST_CASE(leave_triangle), TEST_CASE(octahedral_normals),

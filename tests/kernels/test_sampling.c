@@ -73,19 +73,14 @@ static void check_cells(const char *name, const struct cells *cells)
     CHECK(deviate >= -4.5, "%s", name);
 }
 
-static void scene_empty(struct scene *scene)
-{
-    scene_start(scene, 8, 8);
-}
-
 TEST(cosine_hemisphere)
 {
     static struct cells cells;
-    struct library library;
-    scene_empty(&library.scene);
-    OPEN_LIBRARY(&library);
+    struct setup setup;
+    scene_start(&setup.scene, 8, 8);
+    OPEN_SETUP(&setup, LIBRARY_SLOTS);
     fill_uniforms(31);
-    REQUIRE(library_run(&library, ROUTINE_COSINE_HEMISPHERE, samples, SAMPLES), "not run");
+    REQUIRE(library_run(&setup, ROUTINE_COSINE_HEMISPHERE, samples, SAMPLES), "not run");
     uint32_t bad = 0;
     for (uint32_t i = 0; i < SAMPLES; i++) {
         const float *d = samples[i].f[0];
@@ -99,17 +94,17 @@ TEST(cosine_hemisphere)
         for (int c = 0; c < COLUMNS; c++) // cos^2 is uniform
             cells.probability[r][c] = (2 * r + 1) / ((double)ROWS * ROWS * COLUMNS);
     check_cells("cosine hemisphere", &cells);
-    library_close(&library);
+    setup_close(&setup);
 }
 
 TEST(sphere)
 {
     static struct cells cells;
-    struct library library;
-    scene_empty(&library.scene);
-    OPEN_LIBRARY(&library);
+    struct setup setup;
+    scene_start(&setup.scene, 8, 8);
+    OPEN_SETUP(&setup, LIBRARY_SLOTS);
     fill_uniforms(32);
-    REQUIRE(library_run(&library, ROUTINE_SPHERE, samples, SAMPLES), "not run");
+    REQUIRE(library_run(&setup, ROUTINE_SPHERE, samples, SAMPLES), "not run");
     uint32_t bad = 0;
     for (uint32_t i = 0; i < SAMPLES; i++) {
         const float *d = samples[i].f[0];
@@ -123,17 +118,17 @@ TEST(sphere)
         for (int c = 0; c < COLUMNS; c++)
             cells.probability[r][c] = 1.0 / (ROWS * COLUMNS);
     check_cells("sphere", &cells);
-    library_close(&library);
+    setup_close(&setup);
 }
 
 TEST(disc)
 {
     static struct cells cells;
-    struct library library;
-    scene_empty(&library.scene);
-    OPEN_LIBRARY(&library);
+    struct setup setup;
+    scene_start(&setup.scene, 8, 8);
+    OPEN_SETUP(&setup, LIBRARY_SLOTS);
     fill_uniforms(33);
-    REQUIRE(library_run(&library, ROUTINE_DISC, samples, SAMPLES), "not run");
+    REQUIRE(library_run(&setup, ROUTINE_DISC, samples, SAMPLES), "not run");
     uint32_t bad = 0;
     for (uint32_t i = 0; i < SAMPLES; i++) {
         const float *p = samples[i].f[0];
@@ -146,18 +141,18 @@ TEST(disc)
         for (int c = 0; c < COLUMNS; c++)
             cells.probability[r][c] = (2 * r + 1) / ((double)ROWS * ROWS * COLUMNS);
     check_cells("disc", &cells);
-    library_close(&library);
+    setup_close(&setup);
 }
 
 // Cells of the unit square of barycentric coordinates: the hypotenuse halves the ones it crosses.
 TEST(triangle)
 {
     static struct cells cells;
-    struct library library;
-    scene_empty(&library.scene);
-    OPEN_LIBRARY(&library);
+    struct setup setup;
+    scene_start(&setup.scene, 8, 8);
+    OPEN_SETUP(&setup, LIBRARY_SLOTS);
     fill_uniforms(34);
-    REQUIRE(library_run(&library, ROUTINE_TRIANGLE, samples, SAMPLES), "not run");
+    REQUIRE(library_run(&setup, ROUTINE_TRIANGLE, samples, SAMPLES), "not run");
     uint32_t bad = 0;
     for (uint32_t i = 0; i < SAMPLES; i++) {
         double u = (double)samples[i].f[0][0], v = (double)samples[i].f[0][1];
@@ -171,7 +166,7 @@ TEST(triangle)
         for (int c = 0; c < ROWS - r; c++)
             cells.probability[r][c] = (c == ROWS - r - 1 ? 1.0 : 2.0) / (ROWS * ROWS);
     check_cells("triangle", &cells);
-    library_close(&library);
+    setup_close(&setup);
 }
 
 // --- extremes ------------------------------------------------------------------------------------
@@ -183,16 +178,16 @@ TEST(extreme_uniforms)
     static const uint32_t routines[] = {ROUTINE_COSINE_HEMISPHERE, ROUTINE_SPHERE, ROUTINE_DISC,
                                         ROUTINE_TRIANGLE};
     enum { COUNT = sizeof extremes / sizeof extremes[0] };
-    struct library library;
-    scene_empty(&library.scene);
-    OPEN_LIBRARY(&library);
+    struct setup setup;
+    scene_start(&setup.scene, 8, 8);
+    OPEN_SETUP(&setup, LIBRARY_SLOTS);
     for (int routine = 0; routine < 4; routine++) {
         union words items[COUNT * COUNT] = {0};
         for (int i = 0; i < COUNT * COUNT; i++) {
             items[i].f[0][0] = extremes[i / COUNT];
             items[i].f[0][1] = extremes[i % COUNT];
         }
-        if (!library_run(&library, routines[routine], items, COUNT * COUNT))
+        if (!library_run(&setup, routines[routine], items, COUNT * COUNT))
             break;
         for (int i = 0; i < COUNT * COUNT; i++) {
             const float *d = items[i].f[0];
@@ -204,7 +199,7 @@ TEST(extreme_uniforms)
                   (double)d[1], (double)d[2]);
         }
     }
-    library_close(&library);
+    setup_close(&setup);
 }
 
 // --- bases ---------------------------------------------------------------------------------------
@@ -213,11 +208,11 @@ TEST(extreme_uniforms)
 // construction changes sides.
 TEST(basis_around)
 {
-    struct library library;
+    struct setup setup;
     struct random random = {35};
     enum { COUNT = 100000 };
-    scene_empty(&library.scene);
-    OPEN_LIBRARY(&library);
+    scene_start(&setup.scene, 8, 8);
+    OPEN_SETUP(&setup, LIBRARY_SLOTS);
     for (uint32_t i = 0; i < COUNT; i++) {
         float *n = samples[i].f[0];
         random_direction(&random, n);
@@ -239,7 +234,7 @@ TEST(basis_around)
     }
     static union words inputs[COUNT];
     memcpy(inputs, samples, sizeof inputs);
-    REQUIRE(library_run(&library, ROUTINE_BASIS, samples, COUNT), "not run");
+    REQUIRE(library_run(&setup, ROUTINE_BASIS, samples, COUNT), "not run");
     double worst = 0;
     for (uint32_t i = 0; i < COUNT; i++) {
         double axis[3][3], third[3];
@@ -258,7 +253,7 @@ TEST(basis_around)
     }
     printf("  worst deviation of %d bases: %.2g\n", COUNT, worst);
     CHECK(worst <= 1e-6, "%g", worst);
-    library_close(&library);
+    setup_close(&setup);
 }
 
 TEST_MAIN(TEST_CASE(cosine_hemisphere), TEST_CASE(sphere), TEST_CASE(disc), TEST_CASE(triangle),

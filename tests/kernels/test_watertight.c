@@ -9,28 +9,6 @@ enum { RAYS = 16384 };
 static struct single_ray rays[RAYS];
 static struct single_hit hits[RAYS];
 
-struct traced {
-    struct gpu gpu;
-    struct renderer r;
-};
-
-static void traced_close(struct traced *traced)
-{
-    renderer_finish(&traced->r);
-    gpu_close(&traced->gpu);
-}
-
-// Leaves the test as skipped or failed unless a renderer on the scene can be made.
-#define OPEN_TRACED(out, on_scene)                                                                 \
-    do {                                                                                           \
-        struct err create_err = {0};                                                               \
-        OPEN_GPU(&(out)->gpu, .validation = false);                                                \
-        const struct renderer_params create_params = {                                             \
-            .gpu = &(out)->gpu, .scene = (on_scene), .wave = RAYS};                                \
-        bool created = renderer_create(&create_params, &(out)->r, &create_err);                    \
-        REQUIRE(created, "%s", create_err.msg);                                                    \
-    } while (0)
-
 static void trace(struct renderer *r, enum kernel_id kernel, uint32_t count)
 {
     struct err err = {0};
@@ -54,14 +32,14 @@ static uint32_t count_misses(uint32_t count)
 
 // --- closed surfaces -----------------------------------------------------------------------------
 
-// Rays from about `center` at vertices and edges: none may get out. Shadow rays reach twice as far.
-static void check_closed(const char *name, struct scene *scene, const double center[3],
+// Rays from about `center` at vertices and edges of setup->scene: none may get out. Shadow rays
+// reach twice as far.
+static void check_closed(const char *name, struct setup *setup, const double center[3],
                          double inner_radius)
 {
-    struct traced traced;
-    scene->materials[0].emission[0] = 1; // so that there are shadow rays
-    OPEN_TRACED(&traced, scene);
-    const struct flat_scene *flat = &traced.r.flat;
+    setup->scene.materials[0].emission[0] = 1; // so that there are shadow rays
+    OPEN_SETUP(setup, RAYS);
+    const struct flat_scene *flat = &setup->r.flat;
     struct random random = {11};
     for (uint32_t i = 0; i < RAYS; i++) {
         const struct flat_triangle *triangle = &flat->triangles[i % flat->triangle_count];
@@ -78,7 +56,7 @@ static void check_closed(const char *name, struct scene *scene, const double cen
         }
         aim(rays[i].origin, target, rays[i].direction);
     }
-    trace(&traced.r, KERNEL_intersect_closest, RAYS);
+    trace(&setup->r, KERNEL_intersect_closest, RAYS);
     CHECK(count_misses(RAYS) == 0, "%s: %u of %u rays got out", name, count_misses(RAYS), RAYS);
 
     double diagonal[3];
@@ -86,10 +64,10 @@ static void check_closed(const char *name, struct scene *scene, const double cen
     for (uint32_t i = 0; i < RAYS; i++)
         for (int c = 0; c < 3; c++)
             rays[i].direction[c] *= (float)(2 * length(diagonal));
-    trace(&traced.r, KERNEL_intersect_shadow, RAYS);
+    trace(&setup->r, KERNEL_intersect_shadow, RAYS);
     CHECK(count_misses(RAYS) == 0, "%s: %u of %u shadow rays got out", name, count_misses(RAYS),
           RAYS);
-    traced_close(&traced);
+    setup_close(setup);
 }
 
 TEST(nothing_leaves_a_blob)
@@ -103,11 +81,10 @@ TEST(nothing_leaves_a_blob)
                  {"blob of 1e5", 1e5, {0, 0, 0}},
                  {"blob off centre", 1, {20, -13, 7}}};
     for (int i = 0; i < 4; i++) {
-        struct scene scene;
-        scene_start(&scene, 8, 8);
-        REQUIRE(add_blob(&scene, 20000, blobs[i].scale, blobs[i].center), "out of memory");
-        check_closed(blobs[i].name, &scene, blobs[i].center, 0.3 * blobs[i].scale);
-        scene_finish(&scene);
+        struct setup setup;
+        scene_start(&setup.scene, 8, 8);
+        REQUIRE(add_blob(&setup.scene, 20000, blobs[i].scale, blobs[i].center), "out of memory");
+        check_closed(blobs[i].name, &setup, blobs[i].center, 0.3 * blobs[i].scale);
     }
 }
 
@@ -126,13 +103,14 @@ TEST(nothing_leaves_a_cube)
             vertex[v] = order[corner] & 2 ? 1.0f : -1.0f;
         }
     }
-    struct scene scene;
-    scene_start(&scene, 8, 8);
-    add_triangles(&scene, (const float(*)[3][3])triangles, 12, 0);
-    check_closed("cube", &scene, center, 0.5);
     // From the very centre the diagonals and the edges' middles are exact.
-    check_closed("cube, from its centre", &scene, center, 0);
-    scene_finish(&scene);
+    static const double radii[] = {0.5, 0};
+    for (int i = 0; i < 2; i++) {
+        struct setup setup;
+        scene_start(&setup.scene, 8, 8);
+        add_triangles(&setup.scene, (const float(*)[3][3])triangles, 12, 0);
+        check_closed("cube", &setup, center, radii[i]);
+    }
 }
 
 // --- equals --------------------------------------------------------------------------------------
@@ -141,40 +119,37 @@ TEST(nothing_leaves_a_cube)
 // whatever the tree.
 TEST(the_lower_of_two_equal_triangles_wins)
 {
-    struct scene scene;
-    struct traced traced;
+    struct setup setup;
     static const double zero[3] = {0, 0, 0};
     enum { COUNT = 1000 };
-    scene_start(&scene, 8, 8);
-    add_soup(&scene, COUNT, 1, 0.2, zero, 12);
-    add_soup(&scene, COUNT, 1, 0.2, zero, 12);
-    OPEN_TRACED(&traced, &scene);
-    REQUIRE(traced.r.flat.triangle_count == 2 * COUNT, "%u", traced.r.flat.triangle_count);
-    random_closest_rays(&traced.r.flat, RAYS, 13, rays);
-    trace(&traced.r, KERNEL_intersect_closest, RAYS);
+    scene_start(&setup.scene, 8, 8);
+    add_soup(&setup.scene, COUNT, 1, 0.2, zero, 12);
+    add_soup(&setup.scene, COUNT, 1, 0.2, zero, 12);
+    OPEN_SETUP(&setup, RAYS);
+    REQUIRE(setup.r.flat.triangle_count == 2 * COUNT, "%u", setup.r.flat.triangle_count);
+    random_closest_rays(&setup.r.flat, RAYS, 13, rays);
+    trace(&setup.r, KERNEL_intersect_closest, RAYS);
     uint32_t higher = 0;
     for (uint32_t i = 0; i < RAYS; i++)
         higher += hits[i].primitive != NO_PRIMITIVE && hits[i].primitive >= COUNT;
     CHECK(higher == 0, "%u of %u", higher, RAYS - count_misses(RAYS));
     CHECK(count_misses(RAYS) < RAYS / 2, "%u misses", count_misses(RAYS));
-    traced_close(&traced);
-    scene_finish(&scene);
+    setup_close(&setup);
 }
 
 // Spheres and discs twice, and discs that lie in a triangle: triangles win, then the lower shape.
 TEST(triangles_win_against_equal_shapes)
 {
-    struct scene scene;
-    struct traced traced;
+    struct setup setup;
     static const float floor[1][3][3] = {{{-8, 0, -8}, {8, 0, -8}, {0, 0, 8}}};
-    scene_start(&scene, 8, 8);
+    scene_start(&setup.scene, 8, 8);
     for (int i = 0; i < 2; i++) {
-        add_sphere(&scene, (double[3]){0.25, 0.5, -0.5}, 0.25, 0);
-        add_disc(&scene, (double[3]){-0.5, 0.5, 0}, (double[3]){1, 1, 0}, 0.5, 0);
-        add_disc(&scene, (double[3]){0, 0, 0}, (double[3]){0, 1, 0}, 0.5, 0);
+        add_sphere(&setup.scene, (double[3]){0.25, 0.5, -0.5}, 0.25, 0);
+        add_disc(&setup.scene, (double[3]){-0.5, 0.5, 0}, (double[3]){1, 1, 0}, 0.5, 0);
+        add_disc(&setup.scene, (double[3]){0, 0, 0}, (double[3]){0, 1, 0}, 0.5, 0);
     }
-    add_triangles(&scene, floor, 1, 0);
-    OPEN_TRACED(&traced, &scene);
+    add_triangles(&setup.scene, floor, 1, 0);
+    OPEN_SETUP(&setup, RAYS);
     struct random random = {14};
     for (uint32_t i = 0; i < RAYS; i++) {
         // Straight down: all distances to the floor are exact.
@@ -182,7 +157,7 @@ TEST(triangles_win_against_equal_shapes)
                                                  (float)random_between(&random, -1, 1)},
                                       .direction = {0, -1, 0}};
     }
-    trace(&traced.r, KERNEL_intersect_closest, RAYS);
+    trace(&setup.r, KERNEL_intersect_closest, RAYS);
     uint32_t seen[6] = {0}, floor_hits = 0;
     for (uint32_t i = 0; i < RAYS; i++) {
         uint32_t primitive = hits[i].primitive;
@@ -196,8 +171,7 @@ TEST(triangles_win_against_equal_shapes)
           seen[1]);
     for (int i = 2; i < 6; i++)
         CHECK(seen[i] == 0, "shape %d was seen %u times", i, seen[i]);
-    traced_close(&traced);
-    scene_finish(&scene);
+    setup_close(&setup);
 }
 
 // --- Embree --------------------------------------------------------------------------------------
@@ -206,21 +180,19 @@ TEST(triangles_win_against_equal_shapes)
 // the judge must find ours right.
 static void compare_with_embree(const char *name)
 {
-    struct scene scene;
-    struct traced traced;
+    struct setup setup;
     struct err err = {0};
     static struct single_hit embree_hits[RAYS];
-    if (!load_mesh_file(name, &scene, &err))
+    if (!load_mesh_file(name, &setup.scene, &err))
         SKIP("%s (LAMPYRIS_DATA says where data is)", err.msg);
-    OPEN_TRACED(&traced, &scene);
-    struct yardstick *embree = yardstick_create(&traced.r.flat, 0);
+    OPEN_SETUP(&setup, RAYS);
+    struct yardstick *embree = yardstick_create(&setup.r.flat, 0);
     if (!embree) {
-        traced_close(&traced);
-        scene_finish(&scene);
+        setup_close(&setup);
         SKIP("built without Embree");
     }
-    random_closest_rays(&traced.r.flat, RAYS, 15, rays);
-    trace(&traced.r, KERNEL_intersect_closest, RAYS);
+    random_closest_rays(&setup.r.flat, RAYS, 15, rays);
+    trace(&setup.r, KERNEL_intersect_closest, RAYS);
     yardstick_trace(embree, false, rays, RAYS, embree_hits);
     uint32_t differ = 0, at_edges = 0, wrong = 0;
     for (uint32_t i = 0; i < RAYS; i++) {
@@ -231,14 +203,13 @@ static void compare_with_embree(const char *name)
             continue;
         differ += !ray_aims_at_edge(i);
         at_edges += ray_aims_at_edge(i);
-        wrong += !judge_closest(&traced.r.flat, &rays[i], &hits[i]);
+        wrong += !judge_closest(&setup.r.flat, &rays[i], &hits[i]);
     }
     printf("  %s: %u of %u differ from Embree, and %u at edges\n", name, differ, RAYS, at_edges);
     CHECK(wrong == 0, "%s: %u", name, wrong);
     CHECK(differ <= RAYS / 4096, "%s: %u", name, differ);
     yardstick_destroy(embree);
-    traced_close(&traced);
-    scene_finish(&scene);
+    setup_close(&setup);
 }
 
 TEST(embree_agrees_on_nefertiti)

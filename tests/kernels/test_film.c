@@ -1,0 +1,204 @@
+// accumulate and resolve against a compensated sum in C, bit for bit.
+#include "kernel_fixture.h"
+
+enum { SLOTS = 1024, WIDTH = 16, HEIGHT = 8, PIXELS = WIDTH * HEIGHT };
+
+// Kahan 1965; the tests are compiled without contraction.
+static void add(float *sum, float *lost, float value)
+{
+    float y = value - *lost;
+    float t = *sum + y;
+    *lost = (t - *sum) - y;
+    *sum = t;
+}
+
+static struct gpu_film_pixel expected[PIXELS], film[PIXELS];
+static float radiance[SLOTS][4];
+
+static void expect_wave(const struct gpu_push *push)
+{
+    for (uint32_t slot = 0; slot < push->pixel_count << push->sample_shift; slot++) {
+        struct gpu_film_pixel *pixel =
+            &expected[push->first_pixel - push->film_first_pixel + (slot >> push->sample_shift)];
+        uint32_t sample = push->first_sample + (slot & ((1u << push->sample_shift) - 1));
+        bool odd = sample & 1u;
+        for (int c = 0; c < 3; c++)
+            add(odd ? &pixel->sum_b[c] : &pixel->sum_a[c],
+                odd ? &pixel->lost_b[c] : &pixel->lost_a[c], radiance[slot][c]);
+        pixel->samples++;
+        pixel->dropped += radiance[slot][3] != 0.0f;
+    }
+}
+
+// Over 24 orders of magnitude, with exact zeros, and bright spikes among small values.
+static void fill_radiance(struct random *random)
+{
+    for (uint32_t slot = 0; slot < SLOTS; slot++) {
+        for (int c = 0; c < 3; c++) {
+            double exponent =
+                c == 0 ? random_between(random, -12, 12) : random_between(random, -1, 1);
+            radiance[slot][c] = random_u32(random) % 8 == 0 ? 0.0f : (float)pow(10, exponent);
+        }
+        radiance[slot][3] = random_u32(random) % 16 == 0 ? 1.0f : 0.0f;
+    }
+}
+
+static bool accumulate(struct renderer *r, uint32_t part, struct err *err)
+{
+    bool ok = gpu_upload(r->gpu, &r->buffers[BINDING_RADIANCE], 0, radiance, sizeof radiance, err);
+    r->push.part_items = part;
+    for (uint32_t first = 0; first < r->push.pixel_count && ok; first += part) {
+        uint32_t left = r->push.pixel_count - first;
+        r->push.first_item = first;
+        ok = run_kernel(r, &r->kernels[KERNEL_accumulate], left < part ? left : part, err);
+    }
+    return ok && gpu_download(r->gpu, &r->film[0], 0, film, sizeof film, err);
+}
+
+static void make_setup_scene(struct scene *scene)
+{
+    scene_start(scene, WIDTH, HEIGHT);
+    scene->environment = (struct environment){.present = true, .radiance = {1, 1, 1}};
+}
+
+static uint32_t count_differing(void)
+{
+    uint32_t differing = 0;
+    for (uint32_t i = 0; i < PIXELS; i++)
+        differing += memcmp(&film[i], &expected[i], sizeof film[i]) != 0;
+    return differing;
+}
+
+TEST(accumulate_is_a_compensated_sum)
+{
+    struct setup setup;
+    struct err err = {0};
+    struct random random = {61};
+    make_setup_scene(&setup.scene);
+    OPEN_SETUP(&setup, SLOTS);
+    memset(expected, 0, sizeof expected);
+    struct gpu_push *push = &setup.r.push;
+    for (uint32_t wave = 0; wave < 300; wave++) {
+        push->sample_shift = wave % 5;
+        push->pixel_count = 1 + random_u32(&random) % (SLOTS >> push->sample_shift);
+        if (push->pixel_count > PIXELS)
+            push->pixel_count = PIXELS;
+        push->first_pixel = random_u32(&random) % (PIXELS + 1 - push->pixel_count);
+        push->first_sample = random_u32(&random);
+        // The film's buffer may begin with a later pixel of the image.
+        push->film_first_pixel = wave % 3 * 1000;
+        push->first_pixel += push->film_first_pixel;
+        fill_radiance(&random);
+        bool ok = accumulate(&setup.r, wave % 2 ? 32 : PIXELS, &err);
+        expect_wave(push);
+        REQUIRE(ok, "%s", err.msg);
+    }
+    CHECK(count_differing() == 0, "%u of %d pixels", count_differing(), PIXELS);
+    setup_close(&setup);
+}
+
+// The sum stays right where a plain one stands still: 2^24 and then ones.
+TEST(accumulate_goes_on_past_2_to_24)
+{
+    struct setup setup;
+    struct err err = {0};
+    make_setup_scene(&setup.scene);
+    OPEN_SETUP(&setup, SLOTS);
+    struct gpu_push *push = &setup.r.push;
+    push->pixel_count = 1;
+    push->sample_shift = 4;
+    bool ok = true;
+    for (uint32_t wave = 0; wave < 101 && ok; wave++) {
+        push->first_sample = wave * 16;
+        for (uint32_t slot = 0; slot < 16; slot++)
+            for (int c = 0; c < 3; c++)
+                radiance[slot][c] = wave == 0 && slot < 2 ? 0x1p24f : 1.0f;
+        ok = accumulate(&setup.r, PIXELS, &err);
+    }
+    REQUIRE(ok, "%s", err.msg);
+    double a = (double)film[0].sum_a[0] - (double)film[0].lost_a[0];
+    double b = (double)film[0].sum_b[2] - (double)film[0].lost_b[2];
+    double exact = 0x1p24 + 101 * 8 - 1;
+    CHECK(fabs(a - exact) <= 1 && fabs(b - exact) <= 1, "%.9g and %.9g, not %.9g", a, b, exact);
+    setup_close(&setup);
+}
+
+// A wave with a ray that ran out of its budget is void: nothing of it reaches the film.
+TEST(accumulate_leaves_void_waves_alone)
+{
+    struct setup setup;
+    struct err err = {0};
+    struct random random = {62};
+    make_setup_scene(&setup.scene);
+    OPEN_SETUP(&setup, SLOTS);
+    memset(expected, 0, sizeof expected);
+    struct renderer *r = &setup.r;
+    r->push.pixel_count = PIXELS;
+    r->push.sample_shift = 0;
+    r->counters->unfinished = 1;
+    fill_radiance(&random);
+    bool ok = gpu_upload(r->gpu, &r->buffers[BINDING_COUNTERS], 0, r->counters, sizeof *r->counters,
+                         &err) &&
+              accumulate(r, PIXELS, &err);
+    REQUIRE(ok, "%s", err.msg);
+    CHECK(count_differing() == 0, "%u of %d pixels", count_differing(), PIXELS);
+    setup_close(&setup);
+}
+
+// --- resolve -------------------------------------------------------------------------------------
+
+// A subtraction and a division, which Vulkan wants good to 2.5 ulp.
+static bool is_mean(float mean, float sum, float lost, uint32_t samples)
+{
+    if (samples == 0)
+        return mean == 0.0f;
+    double exact = (double)(sum - lost) / samples;
+    return fabs((double)mean - exact) <= 3 * 0x1p-23 * fabs(exact);
+}
+
+TEST(resolve_takes_means)
+{
+    struct setup setup;
+    struct err err = {0};
+    struct random random = {63};
+    make_setup_scene(&setup.scene);
+    OPEN_SETUP(&setup, SLOTS);
+    struct renderer *r = &setup.r;
+    static const uint32_t counts[] = {0, 1, 2, 3, 64, 1000001};
+    for (uint32_t i = 0; i < PIXELS; i++) {
+        struct gpu_film_pixel *pixel = &film[i];
+        pixel->samples = counts[i % 6];
+        pixel->dropped = i;
+        for (int c = 0; c < 3; c++) {
+            pixel->sum_a[c] = (float)pow(10, random_between(&random, -10, 10));
+            pixel->sum_b[c] = pixel->samples > 1 ? (float)random_unit(&random) : 0.0f;
+            pixel->lost_a[c] = pixel->sum_a[c] * 0x1p-24f;
+            pixel->lost_b[c] = pixel->sum_b[c] * -0x1p-24f;
+        }
+    }
+    struct arena arena = {0};
+    struct film_image image;
+    bool ok = gpu_upload(r->gpu, &r->film[0], 0, film, sizeof film, &err) &&
+              renderer_read(r, &arena, &image, &err);
+    REQUIRE(ok, "%s", err.msg);
+    uint32_t wrong = 0;
+    uint64_t dropped = 0;
+    for (uint32_t i = 0; i < PIXELS; i++) {
+        uint32_t samples_b = film[i].samples / 2, samples_a = film[i].samples - samples_b;
+        for (int c = 0; c < 3; c++)
+            wrong += !is_mean(image.half_a[i][c], film[i].sum_a[c], film[i].lost_a[c], samples_a) ||
+                     !is_mean(image.half_b[i][c], film[i].sum_b[c], film[i].lost_b[c], samples_b);
+        wrong += image.samples[i] != film[i].samples;
+        dropped += film[i].dropped;
+    }
+    CHECK(wrong == 0, "%u of %d pixels", wrong, PIXELS);
+    CHECK(image.dropped == dropped, "%llu dropped, not %llu", (unsigned long long)image.dropped,
+          (unsigned long long)dropped);
+    CHECK(image.least_samples == 0 && image.most_samples == 1000001, "%llu to %llu samples",
+          (unsigned long long)image.least_samples, (unsigned long long)image.most_samples);
+    arena_finish(&arena);
+    setup_close(&setup);
+}
+
+TEST_MAIN(TEST_CASE(accumulate_is_a_compensated_sum), TEST_CASE(accumulate_goes_on_past_2_to_24),
+          TEST_CASE(accumulate_leaves_void_waves_alone), TEST_CASE(resolve_takes_means))

@@ -1,0 +1,88 @@
+// prepare_dispatch: from the counts of queues to the arguments of indirect dispatches.
+#include "kernel_fixture.h"
+
+enum { SLOTS = 4096 };
+
+static const uint32_t rubbish = 0x5a5a5a5au;
+
+// What the kernel makes of the counters.
+static void expect(struct gpu_counters *counters, uint32_t mask, uint32_t workgroup,
+                   uint32_t part_items, uint32_t slots)
+{
+    for (uint32_t queue = 0; queue < QUEUE_COUNT; queue++) {
+        if (!(mask >> queue & 1u))
+            continue;
+        uint32_t count = counters->queue[queue];
+        bool rays = queue <= QUEUE_RAYS + 1;
+        counters->queue[queue] = 0;
+        for (uint32_t part = 0; part * part_items < slots; part++) {
+            uint32_t first = part * part_items, items = count > first ? count - first : 0;
+            if (items > part_items)
+                items = part_items;
+            struct gpu_dispatch dispatch = {(items + workgroup - 1) / workgroup, 1, 1, count};
+            counters->dispatch[queue * DISPATCH_PARTS + part] = dispatch;
+            if (rays) {
+                counters->dispatch[QUEUE_SURFACE * DISPATCH_PARTS + part] = dispatch;
+                counters->dispatch[QUEUE_MISS * DISPATCH_PARTS + part] = dispatch;
+            }
+        }
+        uint32_t *total = rays                    ? counters->closest_rays
+                          : queue == QUEUE_SHADOW ? counters->shadow_rays
+                                                  : NULL;
+        if (total) {
+            uint64_t sum = ((uint64_t)total[1] << 32 | total[0]) + count;
+            total[0] = (uint32_t)sum;
+            total[1] = (uint32_t)(sum >> 32);
+        }
+        if (rays)
+            counters->queue[QUEUE_SURFACE] = counters->queue[QUEUE_MISS] = 0;
+        if (queue >= QUEUE_SUSPENDED)
+            counters->suspended += count;
+    }
+}
+
+static void check(struct renderer *r, uint32_t mask, uint32_t count, uint32_t part_items)
+{
+    struct gpu_counters expected;
+    struct err err = {0};
+    memset(&expected, 0x5a, sizeof expected);
+    for (uint32_t queue = 0; queue < QUEUE_COUNT; queue++)
+        expected.queue[queue] = count;
+    // The next ray carries into the high word.
+    expected.closest_rays[0] = expected.shadow_rays[0] = 0xffffffffu;
+    expected.suspended = 7;
+    r->push.queue = mask;
+    r->push.part_items = part_items;
+    bool ok =
+        gpu_upload(r->gpu, &r->buffers[BINDING_COUNTERS], 0, &expected, sizeof expected, &err) &&
+        run_kernel(r, &r->kernels[KERNEL_prepare_dispatch], QUEUE_COUNT, &err) &&
+        gpu_download(r->gpu, &r->buffers[BINDING_COUNTERS], 0, r->counters, sizeof *r->counters,
+                     &err);
+    REQUIRE(ok, "%s", err.msg);
+    expect(&expected, mask, r->specialization.workgroup, part_items, r->push.wave_slots);
+    CHECK(memcmp(&expected, r->counters, sizeof expected) == 0,
+          "queues 0x%x with %u items in parts of %u", mask, count, part_items);
+    CHECK(r->counters->align_records == rubbish, "what is not the kernel's was written");
+}
+
+TEST(prepare_dispatch)
+{
+    struct setup setup;
+    scene_start(&setup.scene, 8, 8);
+    OPEN_SETUP(&setup, SLOTS);
+    uint32_t workgroup = setup.r.specialization.workgroup, slots = setup.r.push.wave_slots;
+    const uint32_t counts[] = {
+        0,         1,    workgroup - 1, workgroup, workgroup + 1, 3 * workgroup, slots / 2 + 1,
+        slots - 1, slots};
+    const uint32_t parts[] = {slots, slots / 2, slots / 3, slots / DISPATCH_PARTS, 2 * slots};
+    const uint32_t masks[] = {1u << QUEUE_RAYS | 1u << QUEUE_SHADOW,
+                              1u << (QUEUE_RAYS + 1) | 1u << QUEUE_SHADOW, 1u << QUEUE_SUSPENDED,
+                              1u << (QUEUE_SUSPENDED + 1), 0};
+    for (size_t m = 0; m < sizeof masks / sizeof masks[0]; m++)
+        for (size_t p = 0; p < sizeof parts / sizeof parts[0]; p++)
+            for (size_t c = 0; c < sizeof counts / sizeof counts[0]; c++)
+                check(&setup.r, masks[m], counts[c], parts[p]);
+    setup_close(&setup);
+}
+
+TEST_MAIN(TEST_CASE(prepare_dispatch))
