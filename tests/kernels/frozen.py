@@ -1,0 +1,277 @@
+"""What a feature's bit leaves in the code.
+
+For each feature: the kernels' SPIR-V with the specialization constants frozen, with the feature and
+without it, as a driver's compiler would see it. Functions, buffers and push constants that only the
+feature needs must be there in the first and gone in the second, which must be smaller. Prints
+instructions and bytes of both, calls inlined and debug names included.
+
+    frozen.py BINDINGS_H NAME.spv ...
+
+Exit status: 0 passed, 1 failed, 77 skipped (without spirv-tools).
+"""
+
+import functools
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+# Local variables become values before constants are followed through branches; twice, since a
+# branch that falls leaves constants behind.
+PASSES = """--freeze-spec-const --fold-spec-const-op-composite
+    --ssa-rewrite --ccp --eliminate-dead-branches --merge-blocks
+    --ssa-rewrite --ccp --eliminate-dead-branches --merge-blocks
+    --eliminate-dead-functions --eliminate-dead-code-aggressive
+    --eliminate-dead-variables --eliminate-dead-const""".split()
+# For the size: each call counts, as drivers inline them.
+INLINE = """--merge-return --inline-entry-points-exhaustive --eliminate-dead-functions --ssa-rewrite --ccp
+    --eliminate-dead-branches --merge-blocks --eliminate-dead-code-aggressive""".split()
+
+# name: (features without which the rest is looked at, {kernel: what must go}). What must go is
+#   name()       a function
+#   [name]       a storage buffer, or name_texels a texel buffer
+#   push.name    a read of a push constant
+#   Name         an instruction, extended ones included
+#   name() xN    N calls of a function fewer, the function may stay
+#   -            nothing by name, but the kernel must become smaller
+EMISSIVE = ["EMISSIVE_TRIANGLES", "EMISSIVE_SPHERES", "EMISSIVE_DISCS"]
+FEATURES = {
+    "triangles": (["TRIANGLES", "NORMALS", "EMISSIVE_TRIANGLES"], {
+        "intersect_closest": ["intersect_triangle()", "intersect_triangle_leaf()", "[triangles]"],
+        "intersect_shadow": ["intersect_triangle()", "intersect_triangle_leaf()", "[triangles]"],
+        "shade_surface": ["load_triangle_surface()", "sample_triangle_light()", "[triangles]"],
+    }),
+    "spheres": (["SPHERES", "EMISSIVE_SPHERES"], {
+        "intersect_closest": ["intersect_sphere()"],
+        "intersect_shadow": ["intersect_sphere()"],
+        "shade_surface": ["sample_sphere_light()", "pdf_sphere_cone()"],
+    }),
+    "discs": (["DISCS", "EMISSIVE_DISCS"], {
+        "intersect_closest": ["intersect_disc()"],
+        "intersect_shadow": ["intersect_disc()"],
+        "shade_surface": ["-"],
+    }),
+    "spheres and discs": (["SPHERES", "DISCS", "EMISSIVE_SPHERES", "EMISSIVE_DISCS"], {
+        "intersect_closest": ["intersect_shape_leaf()", "[shapes]"],
+        "intersect_shadow": ["intersect_shape_leaf()", "[shapes]"],
+        "shade_surface": ["load_shape_surface()", "sample_shape_light()", "[shapes]"],
+    }),
+    "shading normals": (["NORMALS"], {"shade_surface": ["decode_normal()", "[normals]"]}),
+    "diffuse surfaces": (["DIFFUSE", "NEE"], {"shade_surface": ["sample_cosine_hemisphere()"]}),
+    "mirrors": (["MIRROR"], {"shade_surface": ["Reflect"]}),
+    "emission": (["EMISSION", "NEE"] + EMISSIVE, {
+        "shade_surface": ["add_emission()", "add_radiance()", "[radiance]"],
+    }),
+    "emissive triangles": (["EMISSIVE_TRIANGLES"], {"shade_surface": ["sample_triangle_light()"]}),
+    "emissive spheres": (["EMISSIVE_SPHERES"], {
+        "shade_surface": ["sample_sphere_light()", "pdf_sphere_cone()", "sample_sphere()"],
+    }),
+    "emissive discs": (["EMISSIVE_DISCS"], {"shade_surface": ["basis_around() x1"]}),
+    "emissive shapes": (["EMISSIVE_SPHERES", "EMISSIVE_DISCS"], {
+        "shade_surface": ["sample_shape_light()"],
+    }),
+    "next-event estimation": (["NEE"], {
+        "shade_surface": ["connect_light()", "sample_light()", "pdf_light()", "[emitters]",
+                          "[shadow_rays]", "push.emitter_count", "queue_push() x1"],
+    }),
+    "emitters hit by the BSDF": (["BSDF_HITS_EMITTERS"], {
+        "shade_surface": ["mis_power_weight()", "pdf_light()"],
+    }),
+    "environment": (["ENVIRONMENT", "ENVIRONMENT_IMAGE"], {
+        "intersect_closest": ["queue_push() x1"],
+    }),
+    "environment image": (["ENVIRONMENT_IMAGE"], {
+        "shade_miss": ["environment_texel()", "[environment]", "push.environment_size"],
+    }),
+    "Russian roulette": (["ROULETTE"], {"shade_surface": ["push.roulette_min_bounces"]}),
+    "pixel jitter": (["JITTER"], {"generate_rays": ["random_4d()", "pcg4d()", "push.seed"]}),
+    "suspended traversals": (["SUSPEND"], {
+        "intersect_closest": ["suspend()", "resume()", "[suspended]", "queue_push() x1"],
+        "intersect_shadow": ["suspend()", "resume()", "queue_push()", "[suspended]"],
+    }),
+    "texel reads of the scene": (["TEXEL_SCENE"], {
+        "intersect_closest": ["nodes_texels", "triangles_texels", "shapes_texels"],
+        "intersect_shadow": ["nodes_texels", "triangles_texels", "shapes_texels"],
+        "shade_surface": ["triangles_texels", "materials_texels", "emitters_texels"],
+        "shade_miss": ["environment_texels"],
+    }),
+    "texel reads of state": (["TEXEL_STATE"], {
+        "intersect_closest": ["paths_texels"],
+        "intersect_shadow": ["shadow_rays_texels", "radiance_texels"],
+        "shade_surface": ["paths_texels"],
+        "shade_miss": ["paths_texels"],
+        "accumulate": ["radiance_texels"],
+    }),
+}
+# With texel reads the other way takes their place, so the code need not become smaller.
+EXCHANGED = {
+    "texel reads of the scene": {
+        "intersect_closest": ["[nodes]", "[triangles]", "[shapes]"],
+        "intersect_shadow": ["[nodes]", "[triangles]", "[shapes]"],
+        "shade_surface": ["[triangles]", "[materials]", "[emitters]"],
+        "shade_miss": ["[environment]"],
+    },
+    "texel reads of state": {
+        "intersect_shadow": ["[shadow_rays]"],
+        "intersect_closest": [], "shade_surface": [], "shade_miss": [], "accumulate": [],
+    },
+}
+
+failures = 0
+
+
+def fail(message):
+    global failures
+    failures += 1
+    print("FAIL " + message)
+
+
+def read_features(path):
+    """The bits of shared/bindings.h by name."""
+    with open(path, encoding="utf-8") as file:
+        found = re.findall(r"#define FEATURE_(\w+) \(1u << (\d+)\)", file.read())
+    return {name: 1 << int(bit) for name, bit in found}
+
+
+def disassemble(path):
+    text = subprocess.run(["spirv-dis", path], check=True, stdout=subprocess.PIPE,
+                          universal_newlines=True).stdout
+    lines = [line.split(";")[0].strip() for line in text.splitlines()]
+    return [line for line in lines if line]
+
+
+def code_of(lines):
+    """Without declarations: from the first function on."""
+    return lines[next(i for i, line in enumerate(lines) if " OpFunction " in line):]
+
+
+@functools.lru_cache(maxsize=None)
+def freeze(path, features, folder):
+    return Module(path, features, folder)
+
+
+class Module:
+    """A frozen kernel: its size and the names of what is left in it."""
+
+    def __init__(self, path, features, folder):
+        frozen = os.path.join(folder, "frozen.spv")
+        inlined = os.path.join(folder, "inlined.spv")
+        constant = "--set-spec-const-default-value=0:%d" % features
+        subprocess.run(["spirv-opt", constant] + PASSES + [path, "-o", frozen], check=True)
+        subprocess.run(["spirv-val", "--target-env", "vulkan1.2", frozen], check=True)
+        subprocess.run(["spirv-opt"] + INLINE + [frozen, "-o", inlined], check=True)
+        self.bytes = os.path.getsize(inlined)
+        self.instructions = len(code_of(disassemble(inlined)))
+        self.names = self.find_names(disassemble(frozen))
+
+    @staticmethod
+    def find_names(lines):
+        """How often each of the names that FEATURES may ask for is there."""
+        names = {}
+
+        def add(name, count=1):
+            names[name] = names.get(name, 0) + count
+
+        functions = {}
+        members = {}
+        for line in lines:
+            function = re.match(r'OpName (%\w+) "(\w+)\(', line)
+            if function:
+                functions[function[1]] = function[2]
+            member = re.match(r'OpMemberName %gpu_push (\d+) "(\w+)"', line)
+            if member:
+                members[member[1]] = member[2]
+            buffer = re.search(r"OpVariable %_ptr_StorageBuffer_(\w+)_block ", line)
+            if buffer:
+                add("[%s]" % buffer[1])
+            texels = re.match(r"%(\w+_texels) = OpVariable", line)
+            if texels:
+                add(texels[1])
+        for line in code_of(lines):
+            called = re.search(r"OpFunctionCall %\w+ (%\w+)", line)
+            if called:
+                add(functions[called[1]] + "()")
+            push = re.search(r"OpAccessChain %_ptr_PushConstant_\w+ %\w+ %int_0 %int_(\d+)", line)
+            if push:
+                add("push." + members[push[1]])
+            instruction = re.search(r"OpExtInst %\w+ %\w+ (\w+)|\b(Op\w+)", line)
+            add(instruction[1] or instruction[2])
+        return names
+
+    def count(self, name):
+        return self.names.get(name, 0)
+
+
+def check_gone(place, want, on, off):
+    if want == "-":
+        return
+    name, _, fewer = want.partition(" x")
+    if fewer:
+        if on.count(name) - off.count(name) != int(fewer):
+            fail("%s: %d uses of %s became %d, not %s fewer" %
+                 (place, on.count(name), name, off.count(name), fewer))
+        return
+    if not on.count(name):
+        fail("%s: %s is not there with the feature" % (place, name))
+    if off.count(name):
+        fail("%s: %s is still there without the feature" % (place, name))
+
+
+def check_feature(name, bits, kernels, folder):
+    removed, expected = FEATURES[name]
+    texel = bits["TEXEL_SCENE"] | bits["TEXEL_STATE"]
+    everything = sum(bits.values()) & ~texel
+    for feature in removed:
+        everything |= bits[feature]
+    without = everything & ~sum(bits[feature] for feature in removed)
+    for kernel, wanted in expected.items():
+        place = "%s, %s" % (name, kernel)
+        on = freeze(kernels[kernel], everything, folder)
+        off = freeze(kernels[kernel], without, folder)
+        for want in wanted:
+            check_gone(place, want, on, off)
+        exchanged = EXCHANGED.get(name)
+        for want in exchanged[kernel] if exchanged else []:
+            check_gone(place, want, off, on)
+        if not exchanged and off.instructions >= on.instructions:
+            fail("%s: %d instructions did not become fewer" % (place, on.instructions))
+        print("%-26s %-18s %5d -> %5d instructions, %6d -> %6d bytes" %
+              (name, kernel, on.instructions, off.instructions, on.bytes, off.bytes))
+
+
+def check_ballot(bits, kernels, folder):
+    """Ballot is another module rather than a constant."""
+    for kernel in ("intersect_closest", "shade_surface"):
+        on = freeze(kernels[kernel], sum(bits.values()), folder)
+        off = freeze(kernels[kernel + "_plain"], sum(bits.values()), folder)
+        check_gone("ballot, " + kernel, "OpGroupNonUniformBallot", on, off)
+        check_gone("no ballot, " + kernel, "OpControlBarrier", off, on)
+
+
+def check_all_are_tested(bits):
+    tested = set()
+    for removed, _ in FEATURES.values():
+        tested.update(removed)
+    for name in sorted(set(bits) - tested - {"BALLOT"}):
+        fail("no test removes FEATURE_" + name)
+
+
+def main():
+    for tool in ("spirv-opt", "spirv-dis", "spirv-val"):
+        if not shutil.which(tool):
+            print("skipped: there is no %s" % tool)
+            return 1 if os.environ.get("LAMPYRIS_NO_SKIP") else 77
+    bits = read_features(sys.argv[1])
+    kernels = {os.path.basename(path)[:-len(".spv")]: path for path in sys.argv[2:]}
+    with tempfile.TemporaryDirectory() as folder:
+        for name in FEATURES:
+            check_feature(name, bits, kernels, folder)
+        check_ballot(bits, kernels, folder)
+    check_all_are_tested(bits)
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
