@@ -4,9 +4,10 @@
 #include "shared/types.h"
 #include <inttypes.h>
 
-// Measured: throughput of lavapipe is flat from 4k to 16k paths and falls as the path state leaves
-// the caches. GPUs want enough paths to fill every lane many times over.
-#define CPU_WAVE 16384u
+// Measured (docs/performance.md): a dispatch on lavapipe costs some 65 us to wake its threads, so
+// larger waves pay until the path state leaves the caches. GPUs want enough paths to fill every lane
+// many times over.
+#define CPU_WAVE 65536u
 #define GPU_WAVE (1u << 20)
 // The same in items a dispatch: a lavapipe dispatch of 64k rays takes some 20 ms, one of 1M on a
 // GPU a few.
