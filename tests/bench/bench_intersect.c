@@ -154,9 +154,9 @@ static bool measure(struct bench *b, enum ray_kind kind, struct err *err)
     printf("  %-8s %8.2f Mrays/s", names[kind], mrays / median(ours, ROUNDS));
     if (b->yardstick) {
         uint32_t wrong = disagreements(shadow, b->hits, b->reference, count);
+        double ratio = median(ratios, ROUNDS); // sorts them
         printf("   Embree %8.2f   ratio %.2f (%.2f to %.2f)   %u of %u hits differ",
-               mrays / median(theirs, ROUNDS), median(ratios, ROUNDS), ratios[0],
-               ratios[ROUNDS - 1], wrong, count);
+               mrays / median(theirs, ROUNDS), ratio, ratios[0], ratios[ROUNDS - 1], wrong, count);
     }
     putchar('\n');
     fflush(stdout);
