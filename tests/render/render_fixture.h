@@ -1,0 +1,34 @@
+// What the render tests share: a device, scenes from files, and pictures of them.
+#ifndef LAMPYRIS_TESTS_RENDER_FIXTURE_H
+#define LAMPYRIS_TESTS_RENDER_FIXTURE_H
+
+#include "render.h"
+#include "test.h"
+
+// Opens a device or leaves the test: as skipped where there is no Vulkan (or no validation layer,
+// if that was asked for), as failed for any other reason.
+#define OPEN_GPU(gpu, ...)                                                                         \
+    do {                                                                                           \
+        const struct gpu_params open_params = {__VA_ARGS__};                                       \
+        struct err open_err = {0};                                                                 \
+        if (!gpu_open(&open_params, (gpu), &open_err)) {                                           \
+            if (open_err.code == ERR_NO_VULKAN || strstr(open_err.msg, "is not installed"))        \
+                SKIP("%s", open_err.msg);                                                          \
+            REQUIRE(false, "%s", open_err.msg);                                                    \
+        }                                                                                          \
+    } while (0)
+
+// For calls with a struct err called `err` as their last argument.
+#define REQUIRE_OK(call) REQUIRE(call, "%s", err.msg)
+
+// A scene file of the project, by its path from the source root. Overrides end with a key of NULL;
+// NULL: none.
+bool load_scene(const char *path, const struct scene_override *overrides, struct scene *out,
+                struct err *err);
+
+// `samples` of every pixel as one picture in `arena`. A renderer is made for it and released;
+// params->scene and params->gpu must be set. stats may be NULL.
+bool render_film(const struct renderer_params *params, uint64_t samples, struct arena *arena,
+                 struct film_image *film, struct render_stats *stats, struct err *err);
+
+#endif

@@ -1,0 +1,77 @@
+#include "replicates.h"
+
+#include "metrics.h"
+#include <math.h>
+
+static void measure_mean(const struct film_image *film, double *values)
+{
+    size_t pixels = (size_t)film->width * film->height;
+    for (int c = 0; c < 3; c++) {
+        double sum = 0.0;
+        for (size_t i = 0; i < pixels; i++)
+            sum += film->mean[i][c];
+        values[c] = sum / (double)pixels;
+    }
+}
+
+const struct measurement MEASURE_MEAN = {3, measure_mean};
+
+bool replicates_render(struct renderer *r, const struct measurement *measurement,
+                       uint32_t first_seed, uint64_t samples, struct replicates *out,
+                       struct err *err)
+{
+    const struct render_call call = {.samples = samples};
+    struct arena arena = {0};
+    bool ok = true;
+    out->count = measurement->count;
+    for (uint32_t i = 0; ok && i < REPLICATES; i++) {
+        struct film_image film;
+        double values[REPLICATES_VALUES];
+        ok = renderer_restart(r, first_seed + i, err) && renderer_render(r, &call, err) &&
+             renderer_read(r, &arena, &film, err);
+        if (!ok)
+            break;
+        measurement->measure(&film, values);
+        for (uint32_t v = 0; v < measurement->count; v++)
+            out->values[v][i] = values[v];
+        arena_finish(&arena);
+    }
+    arena_finish(&arena);
+    return ok;
+}
+
+struct estimate replicates_estimate(const struct replicates *replicates, uint32_t value)
+{
+    struct estimate e;
+    double variance;
+    stats_mean_variance(replicates->values[value], REPLICATES, &e.mean, &variance);
+    e.standard_error = sqrt(variance / REPLICATES);
+    e.half_width = e.standard_error * stats_t_quantile(0.975, REPLICATES - 1);
+    return e;
+}
+
+// Seeds of the pilot are far from those of the tests: what decides how many samples there will be
+// must not be part of them.
+#define PILOT_SEED 1000000u
+#define PILOT_SAMPLES 4
+// The pilot's variance is itself known to +-18 % (its chi-square has 63 degrees of freedom), and so
+// is that of the test: their ratio exceeds 2 in less than 0.4 % of all cases.
+#define PILOT_MARGIN 2.0
+
+bool replicates_pilot(struct renderer *r, const struct measurement *measurement, double relative,
+                      uint64_t most, uint64_t *samples, struct err *err)
+{
+    struct replicates pilot;
+    if (!replicates_render(r, measurement, PILOT_SEED, PILOT_SAMPLES, &pilot, err))
+        return false;
+    double needed = 1.0;
+    for (uint32_t v = 0; v < pilot.count; v++) {
+        struct estimate e = replicates_estimate(&pilot, v);
+        double ratio = e.mean > 0.0 ? e.half_width / (relative * e.mean) : 0.0;
+        needed = fmax(needed, PILOT_MARGIN * PILOT_SAMPLES * ratio * ratio);
+    }
+    // A wave takes up to 16 samples of a pixel at once.
+    uint64_t step = needed <= 16.0 ? 1 : 16;
+    *samples = needed < (double)most ? (uint64_t)ceil(needed / (double)step) * step : most;
+    return true;
+}

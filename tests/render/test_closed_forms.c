@@ -1,0 +1,376 @@
+// Scenes whose radiance is known in closed form (verification.md B): furnaces, configuration
+// factors, mirrors. Without an argument each form once, in the default configuration and with the
+// fewest samples that give the confidence interval; with the argument "long" by every estimator
+// that applies and with 1024 samples a pixel.
+#include "clock.h"
+#include "render_fixture.h"
+#include "replicates.h"
+
+#include <inttypes.h>
+
+// Half-width of the 95 % confidence interval and bias, relative to the value.
+#define HALF_WIDTH_MAX 1e-3
+#define BIAS_MAX 3e-3
+// What single precision may add on a path of many bounces; also the bound for forms without
+// variance.
+#define ROUNDING_MAX 1e-5
+#define LONG_SAMPLES 1024
+
+enum kind {
+    BY_STATISTICS,
+    WITHOUT_VARIANCE, // every pixel, at 1 spp
+    EXACT,            // every pixel, bit for bit
+};
+
+// Which estimators besides MIS reach HALF_WIDTH_MAX with LONG_SAMPLES.
+enum { NEE_ALONE = 1, BSDF_ALONE = 2, EACH_ALONE = 3 };
+
+struct form {
+    const char *name, *scene;
+    // Radiance of a channel from its reflectance, what the light emits, and a parameter.
+    double (*radiance)(double rho, double le, double parameter);
+    double parameter;
+    enum kind kind;
+    unsigned alone;
+    struct scene_override overrides[6]; // to the first without a key
+};
+
+// Of red, green and blue, in all scenes.
+static const double albedo[3] = {0.8, 0.5, 0.2}, emission[3] = {1, 2, 4};
+
+// --- the forms ----------------------------------------------------------------------------------
+// Configuration factors: the part of what leaves a surface element into its hemisphere (after
+// Lambert's law) that reaches another surface. Howell, "A Catalog of Radiation Heat Transfer
+// Configuration Factors".
+
+static double sky(double rho, double le, double unused)
+{
+    (void)rho, (void)unused;
+    return le;
+}
+
+// A convex body sees nothing but the environment.
+static double convex(double rho, double le, double unused)
+{
+    (void)unused;
+    return rho * le;
+}
+
+// Every ray meets a wall: sum of the first `bounces` + 1 terms of a geometric series.
+static double closed(double rho, double le, double bounces)
+{
+    return le * (1.0 - pow(rho, bounces + 1.0)) / (1.0 - rho);
+}
+
+// Square of side 2 parallel to the element and centred above it: four times factor B-3, of
+// a rectangle a x b with a corner above the element; here a = b = 1 / height.
+static double square_above(double rho, double le, double height)
+{
+    double a = 1.0 / height, root = sqrt(1.0 + a * a);
+    double corner = a / root * atan(a / root) / M_PI;
+    return rho * le * 4.0 * corner;
+}
+
+// Disc of radius 1 parallel to the element and centred above it: the integral over rings of radius
+// r, of 2 r h^2 / (r^2 + h^2)^2 dr.
+static double disc_above(double rho, double le, double height)
+{
+    return rho * le / (1.0 + height * height);
+}
+
+// Sphere of radius 1 whole above the horizon, at (d, d, 0): (r / d')^2 cos of its direction, with
+// its distance d' = sqrt(2) d.
+static double sphere_above(double rho, double le, double d)
+{
+    return rho * le / (2.0 * d * d) * sqrt(0.5);
+}
+
+static const double triangle[3][3] = {{-0.5, 0.25, 0.5}, {0.75, 0.5, 0.25}, {0.5, 1.5, -0.5}};
+
+static void cross(const double a[3], const double b[3], double out[3])
+{
+    for (int i = 0; i < 3; i++)
+        out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
+}
+
+static double length(const double a[3])
+{
+    return sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
+}
+
+// Lambert's sum over the edges of a polygon whole above the horizon of a floor in y = 0 (Lambert
+// 1760, "Photometria"): E = (Le / 2) |sum of beta_i cos gamma_i|, beta the angle under which an
+// edge is seen from the origin, gamma that between the floor's normal and the normal of the plane
+// through edge and origin.
+static double triangle_above(double rho, double le, double unused)
+{
+    (void)unused;
+    double sum = 0.0;
+    for (int i = 0; i < 3; i++) {
+        const double *a = triangle[i], *b = triangle[(i + 1) % 3];
+        double normal[3];
+        cross(a, b, normal);
+        double sine = length(normal), cosine = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        sum += atan2(sine, cosine) * normal[1] / sine;
+    }
+    return rho / M_PI * 0.5 * le * fabs(sum);
+}
+
+// Two equal squares of side 1 at distance 1, mean over one of them: factor C-11 with X = Y = 1.
+static double facing_squares(double rho, double le, double unused)
+{
+    (void)unused;
+    double factor =
+        2.0 / M_PI * (log(sqrt(4.0 / 3.0)) + 2.0 * sqrt(2.0) * atan(sqrt(0.5)) - 2.0 * atan(1.0));
+    return rho * le * factor;
+}
+
+// Infinite plates: L1 = Le + rho L2, L2 = rho L1.
+static double plates(double rho, double le, double unused)
+{
+    (void)unused;
+    return le / (1.0 - rho * rho);
+}
+
+static double mirrors(double rho, double le, double count)
+{
+    return le * pow(rho, count);
+}
+
+// The mean over the disc is (2/3) rho E / pi (Lambert's sphere at full phase); E / pi = Le
+// sin^2 of the light's radius; the disc fills pi / 2.2^2 of the picture.
+static double full_moon(double rho, double le, double light_radius)
+{
+    double mean = 2.0 / 3.0 * rho * le * light_radius * light_radius;
+    return mean * M_PI / (2.2 * 2.2);
+}
+
+static double part_covered(double rho, double le, double part)
+{
+    (void)rho;
+    return le * part;
+}
+
+// The text of its argument, for values of the scene file.
+#define JSON(...) #__VA_ARGS__
+#define OURS "tests/render/scenes/"
+#define WHITE_BODY                                                                                 \
+    {"albedo", "[0.8, 0.5, 0.2]"}, {"sky", "[1, 2, 4]"},                                           \
+    {                                                                                              \
+        "camera.fov_degrees", "5"                                                                  \
+    }
+#define COLORS                                                                                     \
+    {"albedo", "[0.8, 0.5, 0.2]"},                                                                 \
+    {                                                                                              \
+        "emission", "[1, 2, 4]"                                                                    \
+    }
+
+// clang-format off
+static const struct form forms[] = {
+    {"1 sky", OURS "sky.json", sky, 0, EXACT, EACH_ALONE, {{0}}},
+
+    {"2 convex: sphere", "scenes/furnace_sky.json", convex, 0, WITHOUT_VARIANCE, EACH_ALONE,
+     {WHITE_BODY}},
+    {"2 convex: disc", "scenes/furnace_sky.json", convex, 0, WITHOUT_VARIANCE, EACH_ALONE,
+     {WHITE_BODY, {"shape", JSON({"type": "disc", "material": "white", "radius": 1,
+                                  "normal": [1, 1, 2]})}}},
+    {"2 convex: box", "scenes/furnace_sky.json", convex, 0, WITHOUT_VARIANCE, EACH_ALONE,
+     {WHITE_BODY, {"shape", JSON({"type": "box", "material": "white", "min": [-1, -1, -1],
+                                  "max": [1, 1, 1]})}}},
+
+    {"3 glowing sphere, 0 bounces", OURS "sphere_furnace.json", closed, 0, WITHOUT_VARIANCE,
+     EACH_ALONE, {{"settings", JSON({"max_bounces": 0})}}},
+    {"3 glowing sphere, 1 bounce", OURS "sphere_furnace.json", closed, 1, BY_STATISTICS,
+     EACH_ALONE, {{"settings", JSON({"max_bounces": 1})}}},
+    {"3 glowing sphere, 2 bounces", OURS "sphere_furnace.json", closed, 2, BY_STATISTICS,
+     EACH_ALONE, {{"settings", JSON({"max_bounces": 2})}}},
+    {"3 glowing sphere, 9 bounces", OURS "sphere_furnace.json", closed, 9, BY_STATISTICS,
+     EACH_ALONE, {{0}}},
+    {"3 glowing sphere, all bounces", OURS "sphere_furnace.json", closed, INFINITY, BY_STATISTICS,
+     EACH_ALONE, {{"settings", JSON({"max_bounces": 1000})}}},
+    {"3 glowing room", "scenes/furnace.json", closed, 20, BY_STATISTICS, EACH_ALONE,
+     {COLORS, {"film", JSON({"width": 32, "height": 32})}}},
+
+    {"8 square at 1", OURS "floor_light.json", square_above, 1, BY_STATISTICS, EACH_ALONE,
+     {{"light", JSON({"type": "quad", "material": "light", "corner": [-1, 1, 1], "u": [2, 0, 0],
+                      "v": [0, 0, -2]})}}},
+    {"9 square at 0.001", OURS "floor_light.json", square_above, 1e-3, BY_STATISTICS, BSDF_ALONE,
+     {{"light", JSON({"type": "quad", "material": "light", "corner": [-1, 1e-3, 1], "u": [2, 0, 0],
+                      "v": [0, 0, -2]})}}},
+    {"9 square at 1000", OURS "floor_light.json", square_above, 1e3, BY_STATISTICS, NEE_ALONE,
+     {{"light", JSON({"type": "quad", "material": "light", "corner": [-1, 1e3, 1], "u": [2, 0, 0],
+                      "v": [0, 0, -2]})}}},
+
+    {"10 disc at 1", OURS "floor_light.json", disc_above, 1, BY_STATISTICS, EACH_ALONE,
+     {{"light", JSON({"type": "disc", "material": "light", "center": [0, 1, 0],
+                      "normal": [0, -1, 0], "radius": 1})}}},
+    {"10 disc at 0.25", OURS "floor_light.json", disc_above, 0.25, BY_STATISTICS, EACH_ALONE,
+     {{"light", JSON({"type": "disc", "material": "light", "center": [0, 0.25, 0],
+                      "normal": [0, 1, 0], "radius": 1})}}},
+
+    {"11 sphere at 2", OURS "floor_light.json", sphere_above, 2, BY_STATISTICS, EACH_ALONE,
+     {{"light", JSON({"type": "sphere", "material": "light", "center": [2, 2, 0], "radius": 1})}}},
+    {"11 sphere at 10000", OURS "floor_light.json", sphere_above, 1e4, BY_STATISTICS, NEE_ALONE,
+     {{"light", JSON({"type": "sphere", "material": "light", "center": [1e4, 1e4, 0],
+                      "radius": 1})}}},
+
+    {"12 triangle", OURS "floor_light.json", triangle_above, 0, BY_STATISTICS, EACH_ALONE,
+     {{"light", JSON({"type": "quad", "material": "light", "vertices": [
+                      [-0.5, 0.25, 0.5], [0.75, 0.5, 0.25], [0.5, 1.5, -0.5], [0.5, 1.5, -0.5]]})}}},
+
+    {"13 facing squares", OURS "facing_squares.json", facing_squares, 0, BY_STATISTICS, EACH_ALONE,
+     {{0}}},
+
+    {"14 parallel plates", OURS "plates.json", plates, 0, BY_STATISTICS, EACH_ALONE, {{0}}},
+
+    {"15 corridor, 1 mirror", OURS "mirror_corridor.json", mirrors, 1, WITHOUT_VARIANCE,
+     EACH_ALONE, {{"end", "[1, 0, 0]"}}},
+    {"15 corridor, 40 mirrors", OURS "mirror_corridor.json", mirrors, 40, WITHOUT_VARIANCE,
+     EACH_ALONE, {{"end", "[40, 0, 0]"}}},
+    {"15 corridor, 4 mirrors, roulette", OURS "mirror_corridor.json", mirrors, 4, BY_STATISTICS,
+     EACH_ALONE, {{"end", "[4, 0, 0]"}, {"settings", "{}"}}},
+
+    {"23 full moon", OURS "full_moon.json", full_moon, 1e-3, BY_STATISTICS, NEE_ALONE, {{0}}},
+
+    {"27 level edge", OURS "edge.json", part_covered, 0.3, BY_STATISTICS, EACH_ALONE, {{0}}},
+    {"27 upright edge", OURS "edge.json", part_covered, 0.3, BY_STATISTICS, EACH_ALONE,
+     {{"film", JSON({"width": 1, "height": 1024})}, {"camera.sensor_height_mm", "2048"},
+      {"turn", JSON({"rotate": {"axis": [0, 0, 1], "degrees": 90}})}}},
+};
+// clang-format on
+
+// --- measuring ----------------------------------------------------------------------------------
+
+static const char *const estimator_names[] = {
+    [ESTIMATOR_MIS] = "mis", [ESTIMATOR_NEE] = "nee", [ESTIMATOR_BSDF] = "bsdf"};
+
+// One form by one estimator.
+struct trial {
+    const struct form *form;
+    enum light_estimator estimator;
+    struct renderer renderer;
+    double expected[3];
+    uint64_t samples;
+};
+
+static void check_pixels(struct trial *trial)
+{
+    struct arena arena = {0};
+    struct film_image film;
+    struct err err = {0};
+    // A power of two: the mean of as many equal values is exact.
+    trial->samples = trial->form->kind == EXACT ? 64 : 1;
+    const struct render_call call = {.samples = trial->samples};
+    REQUIRE_OK(renderer_render(&trial->renderer, &call, &err) &&
+               renderer_read(&trial->renderer, &arena, &film, &err));
+    double worst = 0.0;
+    for (size_t i = 0; i < (size_t)film.width * film.height; i++)
+        for (int c = 0; c < 3; c++)
+            worst = fmax(worst, fabs(film.mean[i][c] / trial->expected[c] - 1.0));
+    printf("  bias of the worst pixel %.1e", worst);
+    CHECK(worst <= (trial->form->kind == EXACT ? 0.0 : ROUNDING_MAX), "%s: off by %.3e",
+          trial->form->name, worst);
+    arena_finish(&arena);
+}
+
+static void check_channel(const struct trial *trial, const struct replicates *replicates, int c)
+{
+    struct estimate e = replicates_estimate(replicates, (uint32_t)c);
+    double expected = trial->expected[c], bias = e.mean - expected;
+    double t = bias / e.standard_error;
+    printf("  %+.1e (t %+.1f) +-%.1e", bias / expected, t, e.half_width / expected);
+    CHECK(fabs(t) <= REPLICATES_T_MAX || fabs(bias) <= ROUNDING_MAX * expected,
+          "%s, channel %d: mean %.9g, expected %.9g: t = %.2f", trial->form->name, c, e.mean,
+          expected, t);
+    CHECK(e.half_width <= HALF_WIDTH_MAX * expected, "%s, channel %d: half-width %.3g of the value",
+          trial->form->name, c, e.half_width / expected);
+    CHECK(fabs(bias) <= BIAS_MAX * expected, "%s, channel %d: mean %.9g, expected %.9g",
+          trial->form->name, c, e.mean, expected);
+}
+
+static void check_statistics(struct trial *trial, uint64_t samples)
+{
+    struct replicates replicates;
+    struct err err = {0};
+    trial->samples = samples;
+    REQUIRE_OK(samples || replicates_pilot(&trial->renderer, &MEASURE_MEAN, HALF_WIDTH_MAX,
+                                           LONG_SAMPLES, &trial->samples, &err));
+    // Seeds of its own for each form: equal ones would give forms that share their random numbers.
+    uint32_t first_seed = REPLICATES * (uint32_t)(trial->form - forms);
+    REQUIRE_OK(replicates_render(&trial->renderer, &MEASURE_MEAN, first_seed, trial->samples,
+                                 &replicates, &err));
+    for (int c = 0; c < 3; c++)
+        check_channel(trial, &replicates, c);
+}
+
+// samples: 0 for as many as are needed.
+static void check_form(struct gpu *gpu, const struct form *form, enum light_estimator estimator,
+                       uint64_t samples)
+{
+    uint64_t start = clock_ns();
+    struct scene scene;
+    struct err err = {0};
+    REQUIRE_OK(load_scene(form->scene, form->overrides, &scene, &err));
+    scene.settings.estimator = estimator;
+    const struct renderer_params params = {.gpu = gpu, .scene = &scene};
+    struct trial trial = {.form = form, .estimator = estimator};
+    for (int c = 0; c < 3; c++)
+        trial.expected[c] = form->radiance(albedo[c], emission[c], form->parameter);
+    printf("%-34s %-4s", form->name, estimator_names[estimator]);
+    REQUIRE_OK(renderer_create(&params, &trial.renderer, &err));
+    if (form->kind == BY_STATISTICS)
+        check_statistics(&trial, samples);
+    else
+        check_pixels(&trial);
+    printf("  %" PRIu64 " spp, %.1f s\n", trial.samples, clock_seconds_since(start));
+    renderer_finish(&trial.renderer);
+    scene_finish(&scene);
+}
+
+#define FORM_COUNT (sizeof forms / sizeof forms[0])
+
+TEST(by_default)
+{
+    struct gpu gpu;
+    OPEN_GPU(&gpu, 0);
+    for (size_t i = 0; i < FORM_COUNT; i++)
+        check_form(&gpu, &forms[i], ESTIMATOR_MIS, 0);
+    gpu_close(&gpu);
+}
+
+TEST(by_every_estimator)
+{
+    struct gpu gpu;
+    OPEN_GPU(&gpu, 0);
+    for (size_t i = 0; i < FORM_COUNT; i++) {
+        check_form(&gpu, &forms[i], ESTIMATOR_MIS, LONG_SAMPLES);
+        if (forms[i].alone & NEE_ALONE)
+            check_form(&gpu, &forms[i], ESTIMATOR_NEE, LONG_SAMPLES);
+        if (forms[i].alone & BSDF_ALONE)
+            check_form(&gpu, &forms[i], ESTIMATOR_BSDF, LONG_SAMPLES);
+    }
+    gpu_close(&gpu);
+}
+
+// Every kind of surface and light, a sample a pixel.
+TEST(validation_is_silent)
+{
+    struct gpu gpu;
+    OPEN_GPU(&gpu, .validation = true);
+    for (size_t i = 0; i < FORM_COUNT; i++) {
+        struct scene scene;
+        struct arena arena = {0};
+        struct film_image film;
+        struct err err = {0};
+        REQUIRE_OK(load_scene(forms[i].scene, forms[i].overrides, &scene, &err));
+        const struct renderer_params params = {.gpu = &gpu, .scene = &scene};
+        CHECK(render_film(&params, 1, &arena, &film, NULL, &err), "%s: %s", forms[i].name, err.msg);
+        CHECK(gpu.validation_messages == 0, "%s: %u messages", forms[i].name,
+              gpu.validation_messages);
+        arena_finish(&arena);
+        scene_finish(&scene);
+    }
+    gpu_close(&gpu);
+}
+
+TEST_MAIN(TEST_CASE(by_default), TEST_CASE(validation_is_silent), TEST_CASE(by_every_estimator))

@@ -1,0 +1,168 @@
+// Contributions that are not finite are left out, counted by the place they came from, and can be
+// followed. Loaders let no such scene pass, so each test spoils one in memory.
+#include "render_fixture.h"
+#include "render_job.h"
+#include "replay.h"
+
+#include <inttypes.h>
+
+#define SAMPLES 4u
+
+// One light close above a floor, as a file would give it.
+static bool load_floor(enum light_estimator estimator, struct scene *scene, struct err *err)
+{
+    const struct scene_override light[] = {
+        {"light", "{\"type\": \"quad\", \"material\": \"light\", \"corner\": [-1, 0.01, 1],"
+                  " \"u\": [2, 0, 0], \"v\": [0, 0, -2]}"},
+        {0}};
+    bool ok = load_scene("tests/render/scenes/floor_light.json", light, scene, err);
+    scene->settings.estimator = estimator;
+    return ok;
+}
+
+static struct material *material_named(struct scene *scene, const char *name)
+{
+    for (uint32_t i = 0; i < scene->material_count; i++)
+        if (strcmp(scene->materials[i].name, name) == 0)
+            return &scene->materials[i];
+    abort();
+}
+
+// The film knows what was left out, and nothing else of it is harmed.
+static void check_film(const struct film_image *film, uint64_t dropped)
+{
+    CHECK(film->dropped == dropped, "%" PRIu64 " dropped, expected %" PRIu64, film->dropped,
+          dropped);
+    for (size_t i = 0; i < (size_t)film->width * film->height; i++)
+        for (int c = 0; c < 3; c++)
+            CHECK(isfinite(film->mean[i][c]) && isfinite(film->half_a[i][c]) &&
+                      isfinite(film->half_b[i][c]),
+                  "pixel %zu is not finite", i);
+}
+
+// What is recorded leads to a path that loses a contribution again, and at the same bounce.
+static void check_replay(struct renderer *r, uint32_t x, uint32_t y, uint64_t sample)
+{
+    struct arena arena = {0};
+    struct replay replay;
+    struct err err = {0};
+    REQUIRE_OK(renderer_replay(r, x, y, sample, &arena, &replay, &err));
+    CHECK(replay.dropped, "pixel %u,%u sample %" PRIu64 " is finite", x, y, sample);
+    CHECK(replay.vertex_count > r->stats.nonfinite.bounce, "%u vertices", replay.vertex_count);
+    arena_finish(&arena);
+}
+
+// Renders a spoilt scene, which must lose contributions at `site` and nowhere else.
+static void check_site(struct gpu *gpu, const struct scene *scene, int site)
+{
+    const struct renderer_params params = {.gpu = gpu, .scene = scene};
+    const struct render_call call = {.samples = SAMPLES};
+    struct renderer r;
+    struct arena arena = {0};
+    struct film_image film;
+    struct err err = {0};
+    REQUIRE_OK(renderer_create(&params, &r, &err) && renderer_render(&r, &call, &err) &&
+               renderer_read(&r, &arena, &film, &err));
+    const struct nonfinite_stats *stats = &r.stats.nonfinite;
+    for (int i = 0; i < SITE_COUNT; i++)
+        CHECK((stats->count[i] > 0) == (i == site), "site %d: %" PRIu64, i, stats->count[i]);
+    check_film(&film, stats->count[site]);
+    REQUIRE(stats->recorded && (int)stats->site == site, "not recorded");
+    check_replay(&r, stats->pixel % film.width, stats->pixel / film.width, stats->sample);
+    arena_finish(&arena);
+    renderer_finish(&r);
+}
+
+TEST(emission)
+{
+    struct scene scene;
+    struct gpu gpu;
+    struct err err = {0};
+    OPEN_GPU(&gpu, 0);
+    REQUIRE_OK(load_floor(ESTIMATOR_BSDF, &scene, &err));
+    material_named(&scene, "light")->emission[1] = INFINITY;
+    check_site(&gpu, &scene, SITE_EMISSION);
+    scene_finish(&scene);
+    gpu_close(&gpu);
+}
+
+// Finite until it is divided by the density of the light's sample.
+TEST(light_connection)
+{
+    struct scene scene;
+    struct gpu gpu;
+    struct err err = {0};
+    OPEN_GPU(&gpu, 0);
+    REQUIRE_OK(load_floor(ESTIMATOR_NEE, &scene, &err));
+    for (int c = 0; c < 3; c++)
+        material_named(&scene, "light")->emission[c] = 3e35f;
+    check_site(&gpu, &scene, SITE_SHADOW);
+    scene_finish(&scene);
+    gpu_close(&gpu);
+}
+
+TEST(throughput)
+{
+    struct scene scene;
+    struct gpu gpu;
+    struct err err = {0};
+    OPEN_GPU(&gpu, 0);
+    REQUIRE_OK(load_floor(ESTIMATOR_BSDF, &scene, &err));
+    material_named(&scene, "floor")->base_color[2] = NAN;
+    check_site(&gpu, &scene, SITE_THROUGHPUT);
+    scene_finish(&scene);
+    gpu_close(&gpu);
+}
+
+TEST(environment)
+{
+    struct scene scene;
+    struct gpu gpu;
+    struct err err = {0};
+    OPEN_GPU(&gpu, 0);
+    REQUIRE_OK(load_scene("tests/render/scenes/sky.json", NULL, &scene, &err));
+    scene.environment.radiance[0] = INFINITY;
+    check_site(&gpu, &scene, SITE_MISS);
+    scene_finish(&scene);
+    gpu_close(&gpu);
+}
+
+// The command that `lampyris render` prints, read back as its command line, follows such a path.
+TEST(reproducing_command)
+{
+    char *argv[] = {"lampyris", "render", "floor.json", "--spp", "4", NULL};
+    struct options options, again;
+    struct render_job job = {.options = &options};
+    struct err err = {0};
+    OPEN_GPU(&job.gpu, 0);
+    REQUIRE_OK(options_parse(5, argv, &options, &err));
+    REQUIRE_OK(load_floor(ESTIMATOR_NEE, &job.scene, &err));
+    for (int c = 0; c < 3; c++)
+        material_named(&job.scene, "light")->emission[c] = 3e35f;
+    const struct renderer_params params = {.gpu = &job.gpu, .scene = &job.scene};
+    const struct render_call call = {.samples = SAMPLES};
+    REQUIRE_OK(renderer_create(&params, &job.renderer, &err) &&
+               renderer_render(&job.renderer, &call, &err) &&
+               renderer_read(&job.renderer, &job.arena, &job.film, &err));
+
+    const char *command = job_reproducing_command(&job);
+    REQUIRE(command, "none");
+    char *rest = arena_strdup(&job.arena, command), *words[16];
+    int count = 0;
+    for (char *word; (word = strsep(&rest, " ")) && count < 16;)
+        words[count++] = word;
+    REQUIRE_OK(options_parse(count, words, &again, &err));
+    CHECK(options_given(&again, OPTION_PIXEL) && options_given(&again, OPTION_SAMPLE) &&
+              again.settings.spp == 4 && strcmp(again.arguments[0], "floor.json") == 0,
+          "%s", command);
+    check_replay(&job.renderer, again.pixel[0], again.pixel[1], again.sample);
+    options_finish(&again);
+    options_finish(&options);
+    renderer_finish(&job.renderer);
+    scene_finish(&job.scene);
+    gpu_close(&job.gpu);
+    arena_finish(&job.arena);
+}
+
+TEST_MAIN(TEST_CASE(emission), TEST_CASE(light_connection), TEST_CASE(throughput),
+          TEST_CASE(environment), TEST_CASE(reproducing_command))

@@ -1,0 +1,226 @@
+// What must not change one bit of a picture: the size of the waves, how samples are split over
+// calls, features that the scene lacks, ways to read and to reserve, and lower limits of the
+// device.
+#include "render_fixture.h"
+
+#define ALL_SAMPLES 64u
+
+struct variant {
+    const char *name;
+    struct gpu_limit_overrides limits;
+    uint32_t wave;
+    bool everything;
+    uint32_t first_calls[2]; // samples of the first calls; the last one makes up ALL_SAMPLES
+    bool restarted;          // after other samples of another seed
+};
+
+// The limits are far below those that Vulkan guarantees, for the pictures are small.
+static const struct variant variants[] = {
+    {"again", {0}},
+    {"waves of 2^10", {0}, .wave = 1u << 10},
+    {"waves of 2^14", {0}, .wave = 1u << 14},
+    {"waves of 2^20", {0}, .wave = 1u << 20},
+    {"waves of 352", {0}, .wave = 352},
+    {"split 1 + 2 + 61", {0}, .first_calls = {1, 2}},
+    {"split 13 + 40 + 11", {0}, .first_calls = {13, 40}},
+    {"restarted", {0}, .restarted = true},
+    {"with all features", {0}, .everything = true},
+    {"without texel buffers", {.no_texel = true}},
+    {"without ballot", {.no_ballot = true}},
+    {"without mapped device memory", {.no_mapped_device = true}},
+    {"storage buffers of 64 KiB", {.storage_range = 1u << 16}},
+    {"allocations of 64 KiB", {.allocation = 1u << 16}},
+    {"65536 texels", {.texel_elements = 65536}},
+    {"1024 texels", {.texel_elements = 1024}},
+    {"16 texels", {.texel_elements = 16}},
+    {"all at once",
+     {.no_texel = true, .no_ballot = true, .no_mapped_device = true, .storage_range = 1u << 16},
+     .wave = 1u << 10,
+     .everything = true,
+     .first_calls = {3, 32}},
+};
+
+static bool render_samples(struct renderer *r, uint64_t samples, struct err *err)
+{
+    const struct render_call call = {.samples = samples};
+    return renderer_render(r, &call, err);
+}
+
+static bool render_split(struct renderer *r, const struct variant *variant, struct err *err)
+{
+    const uint32_t *first = variant->first_calls;
+    uint32_t seed = r->scene->settings.seed;
+    return (!variant->restarted ||
+            (render_samples(r, 7, err) && renderer_restart(r, seed + 1, err) &&
+             render_samples(r, 5, err) && renderer_restart(r, seed, err))) &&
+           render_samples(r, first[0], err) && render_samples(r, first[1], err) &&
+           render_samples(r, ALL_SAMPLES - first[0] - first[1], err);
+}
+
+// A picture as `variant` makes it. Whatever limits it has, the film needs several buffers.
+static bool render_variant(const struct scene *scene, const struct variant *variant,
+                           struct arena *arena, struct film_image *film, struct err *err)
+{
+    const struct gpu_params gpu_params = {.limits = variant->limits};
+    struct gpu gpu;
+    struct renderer renderer;
+    if (!gpu_open(&gpu_params, &gpu, err))
+        return false;
+    const struct renderer_params params = {
+        .gpu = &gpu, .scene = scene, .wave = variant->wave, .everything = variant->everything};
+    bool ok = renderer_create(&params, &renderer, err);
+    if (ok) {
+        bool lowered = variant->limits.storage_range || variant->limits.allocation;
+        CHECK(!lowered || renderer.plan.film_chunks > 1, "%s: one film buffer", variant->name);
+        ok = render_split(&renderer, variant, err) && renderer_read(&renderer, arena, film, err);
+        renderer_finish(&renderer);
+    }
+    gpu_close(&gpu);
+    return ok;
+}
+
+static bool same_bits(const struct film_image *a, const struct film_image *b)
+{
+    size_t pixels = (size_t)a->width * a->height;
+    return a->width == b->width && a->height == b->height &&
+           memcmp(a->mean, b->mean, pixels * sizeof *a->mean) == 0 &&
+           memcmp(a->half_a, b->half_a, pixels * sizeof *a->half_a) == 0 &&
+           memcmp(a->half_b, b->half_b, pixels * sizeof *a->half_b) == 0 &&
+           memcmp(a->samples, b->samples, pixels * sizeof *a->samples) == 0;
+}
+
+// Pixels that are not black: equal pictures of nothing would prove nothing.
+static size_t lit_pixels(const struct film_image *film)
+{
+    size_t lit = 0;
+    for (size_t i = 0; i < (size_t)film->width * film->height; i++)
+        lit += film->mean[i][0] > 0.0f || film->mean[i][1] > 0.0f || film->mean[i][2] > 0.0f;
+    return lit;
+}
+
+static void check_scene(struct scene *scene, const char *name)
+{
+    const struct variant plain = {"plain", {0}};
+    struct arena arena = {0};
+    struct film_image expected, film;
+    struct err err = {0};
+    REQUIRE_OK(render_variant(scene, &plain, &arena, &expected, &err));
+    size_t pixels = (size_t)expected.width * expected.height;
+    CHECK(lit_pixels(&expected) > pixels / 2, "%s is dark", name);
+    CHECK(expected.least_samples == ALL_SAMPLES && expected.most_samples == ALL_SAMPLES,
+          "%s: wrong number of samples", name);
+    for (size_t i = 0; i < sizeof variants / sizeof variants[0]; i++) {
+        CHECK(render_variant(scene, &variants[i], &arena, &film, &err), "%s, %s: %s", name,
+              variants[i].name, err.msg);
+        if (err.code == ERR_NONE)
+            CHECK(same_bits(&film, &expected), "%s, %s: different", name, variants[i].name);
+        err = (struct err){0};
+    }
+    scene->settings.seed++;
+    REQUIRE_OK(render_variant(scene, &plain, &arena, &film, &err));
+    CHECK(!same_bits(&film, &expected), "%s: another seed gives the same picture", name);
+    arena_finish(&arena);
+}
+
+static void check_file(const char *path)
+{
+    const struct scene_override small[] = {
+        {"film.width", "64"}, {"film.height", "48"}, {"settings.max_bounces", "6"}, {0}};
+    struct scene scene;
+    struct gpu gpu;
+    struct err err = {0};
+    OPEN_GPU(&gpu, 0);
+    gpu_close(&gpu);
+    REQUIRE_OK(load_scene(path, small, &scene, &err));
+    check_scene(&scene, path);
+    scene_finish(&scene);
+}
+
+TEST(cornell)
+{
+    check_file("scenes/cornell.json");
+}
+
+TEST(spheres)
+{
+    check_file("scenes/spheres.json");
+}
+
+TEST(furnace)
+{
+    check_file("scenes/furnace.json");
+}
+
+TEST(even_sky)
+{
+    check_file("scenes/furnace_sky.json");
+}
+
+// Shading normals under an image of a sky, every texel different.
+TEST(normals_and_environment_image)
+{
+    enum { WIDTH = 16, HEIGHT = 8 };
+    struct scene scene;
+    struct gpu gpu;
+    struct err err = {0};
+    OPEN_GPU(&gpu, 0);
+    gpu_close(&gpu);
+    REQUIRE_OK(load_scene("tests/render/scenes/blob.json", NULL, &scene, &err));
+    struct environment *environment = &scene.environment;
+    environment->width = WIDTH;
+    environment->height = HEIGHT;
+    environment->texels = arena_alloc(&scene.arena, WIDTH * HEIGHT, sizeof *environment->texels);
+    REQUIRE(environment->texels, "out of memory");
+    for (uint32_t i = 0; i < WIDTH * HEIGHT; i++)
+        for (uint32_t c = 0; c < 3; c++)
+            environment->texels[i][c] = 0.01f * (float)(1 + (i * 7 + c * 31) % 101);
+    check_scene(&scene, "blob");
+    scene_finish(&scene);
+}
+
+// Large enough for a wave of 2^20 paths to be filled.
+TEST(waves_of_a_large_picture)
+{
+    static const uint32_t waves[] = {1u << 10, 1u << 14, 1u << 20};
+    const struct scene_override size[] = {{"film.width", "256"}, {"film.height", "256"}, {0}};
+    struct scene scene;
+    struct gpu gpu;
+    struct arena arena = {0};
+    struct film_image films[3];
+    struct err err = {0};
+    OPEN_GPU(&gpu, 0);
+    REQUIRE_OK(load_scene("scenes/cornell.json", size, &scene, &err));
+    for (int i = 0; i < 3; i++) {
+        const struct renderer_params params = {.gpu = &gpu, .scene = &scene, .wave = waves[i]};
+        struct render_stats stats;
+        REQUIRE_OK(render_film(&params, 17, &arena, &films[i], &stats, &err));
+        uint64_t full = (UINT64_C(1) << 20) / waves[i], last = full / 16 ? full / 16 : 1;
+        CHECK(stats.waves == full + last, "%u paths: %u waves", waves[i], (unsigned)stats.waves);
+        CHECK(same_bits(&films[i], &films[0]), "%u paths", waves[i]);
+    }
+    arena_finish(&arena);
+    scene_finish(&scene);
+    gpu_close(&gpu);
+}
+
+TEST(validation_is_silent)
+{
+    const struct scene_override size[] = {{"film.width", "32"}, {"film.height", "32"}, {0}};
+    struct scene scene;
+    struct gpu gpu;
+    struct arena arena = {0};
+    struct film_image film;
+    struct err err = {0};
+    OPEN_GPU(&gpu, .validation = true, .limits = {.storage_range = 1u << 15});
+    REQUIRE_OK(load_scene("scenes/spheres.json", size, &scene, &err));
+    const struct renderer_params params = {.gpu = &gpu, .scene = &scene, .everything = true};
+    REQUIRE_OK(render_film(&params, 3, &arena, &film, NULL, &err));
+    CHECK(gpu.validation_messages == 0, "%u messages", gpu.validation_messages);
+    arena_finish(&arena);
+    scene_finish(&scene);
+    gpu_close(&gpu);
+}
+
+TEST_MAIN(TEST_CASE(cornell), TEST_CASE(spheres), TEST_CASE(furnace), TEST_CASE(even_sky),
+          TEST_CASE(normals_and_environment_image), TEST_CASE(waves_of_a_large_picture),
+          TEST_CASE(validation_is_silent))
