@@ -158,35 +158,17 @@ static char *real_path(struct arena *arena, const char *path, struct err *err)
     return copy;
 }
 
-char *file_resolve_inside(struct arena *arena, const char *base_dir, const char *relative,
-                          bool percent_decode, struct err *err)
+// The regular file under `folder` that `joined`, its decoded path with the folder in front, leads
+// to; NULL with *err set. `written` is the path for messages.
+static char *resolve_inside(struct arena *arena, const char *folder, const char *joined,
+                            const char *written, struct err *err)
 {
-    char *decoded = arena_strdup(arena, relative);
-    if (!decoded) {
-        err_memory(err, "a path", strlen(relative) + 1);
-        return NULL;
-    }
-    if (percent_decode && !decode_escapes(decoded)) {
-        err_set(err, ERR_INPUT, "path \"%s\" has a malformed escape or %%00", relative);
-        return NULL;
-    }
-    const char *objection = path_objection(decoded);
-    if (objection) {
-        err_set(err, ERR_INPUT, "path \"%s\" %s; expected one relative to the file's folder",
-                relative, objection);
-        return NULL;
-    }
-    char *joined = arena_printf(arena, "%s/%s", base_dir, decoded);
-    if (!joined) {
-        err_memory(err, "a path", strlen(base_dir) + strlen(decoded) + 2);
-        return NULL;
-    }
-    char *base = real_path(arena, base_dir, err);
+    char *base = real_path(arena, folder, err);
     char *path = base ? real_path(arena, joined, err) : NULL;
     if (!path)
         return NULL;
     if (!is_under(path, base)) {
-        err_set(err, ERR_INPUT, "path \"%s\" leads out of the file's folder %s", relative, base);
+        err_set(err, ERR_INPUT, "path \"%s\" leads out of the file's folder %s", written, base);
         return NULL;
     }
     struct stat status;
@@ -195,6 +177,35 @@ char *file_resolve_inside(struct arena *arena, const char *base_dir, const char 
         return NULL;
     }
     return path;
+}
+
+char *file_resolve(struct arena *arena, const struct file_reference *reference, const char *path,
+                   struct err *err)
+{
+    char *decoded = arena_strdup(arena, path);
+    if (!decoded) {
+        err_memory(err, "a path", strlen(path) + 1);
+        return NULL;
+    }
+    if (reference->percent_decode && !decode_escapes(decoded)) {
+        err_set(err, ERR_INPUT, "path \"%s\" has a malformed escape or %%00", path);
+        return NULL;
+    }
+    const char *objection = reference->allow_outside ? NULL : path_objection(decoded);
+    if (objection) {
+        err_set(err, ERR_INPUT, "path \"%s\" %s; expected one relative to the file's folder", path,
+                objection);
+        return NULL;
+    }
+    if (*decoded == '/')
+        return decoded;
+    char *joined = arena_printf(arena, "%s/%s", reference->folder, decoded);
+    if (!joined) {
+        err_memory(err, "a path", strlen(reference->folder) + strlen(decoded) + 2);
+        return NULL;
+    }
+    return reference->allow_outside ? joined
+                                    : resolve_inside(arena, reference->folder, joined, path, err);
 }
 
 char *path_folder(struct arena *arena, const char *path)

@@ -17,13 +17,20 @@ struct file_bytes {
 bool file_read(struct arena *arena, const char *path, size_t max_bytes, struct file_bytes *out,
                struct err *err);
 
-// Resolves `relative`, a path or URI path that stands inside a file of folder `base_dir`, to a path
-// that is a regular file under that folder, symbolic links resolved too. Rejected (ERR_INPUT):
-// absolute paths, "..", schemes such as "file:", escapes that are malformed or decode to such
-// things or to NUL, and whatever is no regular file. percent_decode decodes %XX first (glTF URIs).
-// NULL on failure; the result lives in the arena.
-char *file_resolve_inside(struct arena *arena, const char *base_dir, const char *relative,
-                          bool percent_decode, struct err *err);
+// How a path that stands inside a file is to be understood.
+struct file_reference {
+    const char *folder;  // of the file that names the path
+    bool percent_decode; // decode %XX first, as URIs want it; a malformed escape or %00 is refused
+    bool allow_outside;  // the path may lead anywhere
+};
+
+// The path that `path`, found inside a file, names as seen from the working directory. Unless
+// allow_outside, that is a regular file under the folder, symbolic links resolved; refused are then
+// absolute paths, "..", schemes such as "file:" (all of them written as escapes, too), and whatever
+// is no regular file. With allow_outside nothing is looked up: reading the file will tell.
+// ERR_INPUT or ERR_SYSTEM and NULL on failure; the result lives in the arena.
+char *file_resolve(struct arena *arena, const struct file_reference *reference, const char *path,
+                   struct err *err);
 
 char *path_folder(struct arena *arena, const char *path); // "a/b.c" -> "a", "b.c" -> "."
 const char *path_extension(const char *path);             // "a.PNG" -> "PNG", else ""

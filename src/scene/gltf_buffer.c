@@ -161,72 +161,21 @@ static bool is_data_uri(const char *uri)
     return strncasecmp(uri, "data:", 5) == 0;
 }
 
-static int hex_value(char c)
-{
-    const char *digits = "0123456789abcdef";
-    const char *found = c ? strchr(digits, c >= 'A' && c <= 'F' ? c - 'A' + 'a' : c) : NULL;
-    return found ? (int)(found - digits) : -1;
-}
-
-// Decodes %XX in place (RFC 3986, section 2.1). False for a malformed escape and for %00.
-static bool decode_percent(char *text)
-{
-    char *to = text;
-    for (const char *from = text; *from;) {
-        if (*from != '%') {
-            *to++ = *from++;
-            continue;
-        }
-        int high = hex_value(from[1]);
-        int low = high >= 0 ? hex_value(from[2]) : -1;
-        if (low < 0 || high + low == 0)
-            return false;
-        *to++ = (char)(high * 16 + low);
-        from += 3;
-    }
-    *to = '\0';
-    return true;
-}
-
-// The path that a URI names when paths may lead anywhere: relative to the document's folder unless
-// absolute. NULL with *err set.
-static char *resolve_anywhere(const struct json_node *node, const char *uri, const char *folder,
-                              struct arena *arena, struct err *err)
-{
-    char *path = *uri == '/' ? arena_strdup(arena, uri) : arena_printf(arena, "%s/%s", folder, uri);
-    if (!path) {
-        err_memory(err, "a path", strlen(folder) + strlen(uri) + 2);
-        node_prepend(node, err);
-        return NULL;
-    }
-    // The folder's own name is no URI: decoding starts behind it.
-    if (!decode_percent(*uri == '/' ? path : path + strlen(folder) + 1)) {
-        node_fail(node, err, "the URI \"%.128s\" has a malformed escape or %%00", uri);
-        return NULL;
-    }
-    return path;
-}
-
 static bool read_external(struct gltf_document *document, const struct json_node *node,
                           const char *uri, struct file_bytes *out, struct err *err)
 {
     struct arena *arena = &document->arena;
-    const char *folder = path_folder(arena, document->source->path);
-    if (!folder) {
+    const struct file_reference reference = {
+        .folder = path_folder(arena, document->source->path),
+        .percent_decode = true,
+        .allow_outside = document->source->allow_outside_paths,
+    };
+    if (!reference.folder) {
         err_memory(err, "a path", strlen(document->source->path) + 1);
         return node_prepend(node, err);
     }
-    const char *path;
-    if (document->source->allow_outside_paths) {
-        path = resolve_anywhere(node, uri, folder, arena, err);
-        if (!path)
-            return false;
-    } else {
-        path = file_resolve_inside(arena, folder, uri, true, err);
-        if (!path)
-            return node_prepend(node, err);
-    }
-    return file_read(arena, path, 0, out, err) || node_prepend(node, err);
+    const char *path = file_resolve(arena, &reference, uri, err);
+    return (path && file_read(arena, path, 0, out, err)) || node_prepend(node, err);
 }
 
 // --- buffers -------------------------------------------------------------------------------------

@@ -146,17 +146,16 @@ const char *load_json_path(struct json_loader *loader, const struct json_node *o
         return NULL;
     if (contains_value(loader->trusted, node.value)) {
         path = arena_strdup(arena, text);
-    } else if (loader->params->allow_outside_paths) {
-        path = *text == '/' ? arena_strdup(arena, text)
-                            : arena_printf(arena, "%s/%s", loader->folder, text);
+        if (!path)
+            err_memory(err, "a path", strlen(text) + 1);
     } else {
-        path = file_resolve_inside(arena, loader->folder, text, false, err);
-        if (!path) {
-            node_prepend(&node, err);
-            return NULL;
-        }
+        const struct file_reference reference = {
+            .folder = loader->folder,
+            .allow_outside = loader->params->allow_outside_paths,
+        };
+        path = file_resolve(arena, &reference, text, err);
     }
     if (!path)
-        err_memory(err, "a path", strlen(loader->folder) + strlen(text) + 2);
+        node_prepend(&node, err);
     return path;
 }

@@ -101,13 +101,11 @@ static char *library_path(struct obj_parser *parser, struct text_span name, stru
         err_memory(err, "a path", name.size + 1);
         return NULL;
     }
-    if (!parser->allow_outside_paths)
-        return file_resolve_inside(&parser->scratch, folder, relative, false, err);
-    char *path =
-        relative[0] == '/' ? relative : arena_printf(&parser->scratch, "%s/%s", folder, relative);
-    if (!path)
-        err_memory(err, "a path", name.size + 1);
-    return path;
+    const struct file_reference reference = {
+        .folder = folder,
+        .allow_outside = parser->allow_outside_paths,
+    };
+    return file_resolve(&parser->scratch, &reference, relative, err);
 }
 
 // A library that is not there, or that may not be read, costs colours but no geometry: a warning.

@@ -69,8 +69,9 @@ TEST(reading_reports_memory)
 
 static void check_resolves(const char *base, const char *relative, bool decode, const char *to)
 {
+    const struct file_reference reference = {.folder = base, .percent_decode = decode};
     struct err err = {0};
-    char *path = file_resolve_inside(&arena, base, relative, decode, &err);
+    char *path = file_resolve(&arena, &reference, relative, &err);
     REQUIRE(path, "%s: %s", relative, err.msg);
     char *expected = realpath(to, NULL);
     CHECK(expected && strcmp(path, expected) == 0, "%s instead of %s", path, to);
@@ -79,8 +80,9 @@ static void check_resolves(const char *base, const char *relative, bool decode, 
 
 static void check_rejected(const char *relative, bool decode, const char *expected)
 {
+    const struct file_reference reference = {.folder = "base", .percent_decode = decode};
     struct err err = {0};
-    char *path = file_resolve_inside(&arena, "base", relative, decode, &err);
+    char *path = file_resolve(&arena, &reference, relative, &err);
     CHECK(!path, "\"%s\" led to %s", relative, path);
     CHECK(err.code == ERR_INPUT, "\"%s\": code %d", relative, err.code);
     CHECK(strstr(err.msg, expected), "%s", err.msg);
@@ -147,14 +149,46 @@ TEST(paths_that_lead_out_are_rejected)
     arena_finish(&arena);
 }
 
+static void check_joined(const char *relative, bool decode, const char *expected)
+{
+    const struct file_reference reference = {
+        .folder = "100%41", .percent_decode = decode, .allow_outside = true};
+    struct err err = {0};
+    char *path = file_resolve(&arena, &reference, relative, &err);
+    CHECK(path ? expected && strcmp(path, expected) == 0 : !expected, "\"%s\": %s", relative,
+          path ? path : err.msg);
+    CHECK(path || (err.code == ERR_INPUT && strstr(err.msg, "malformed escape")), "%s", err.msg);
+}
+
+TEST(paths_that_may_lead_out_are_joined_only)
+{
+    check_joined("missing", false, "100%41/missing");
+    check_joined("../a", false, "100%41/../a");
+    check_joined("/etc/passwd", false, "/etc/passwd");
+    check_joined("%2Fetc/passwd", true, "/etc/passwd");
+    check_joined("a%20b", true, "100%41/a b");
+    check_joined("a%20b", false, "100%41/a%20b");
+    check_joined("a%2", true, NULL);
+    check_joined("a%00", true, NULL);
+    arena_finish(&arena);
+}
+
 TEST(resolving_reports_memory)
 {
+    const struct file_reference inside = {.folder = "base", .percent_decode = true};
+    const struct file_reference anywhere = {.folder = "base", .allow_outside = true};
     char folder[200];
     REQUIRE(temporary_enter(folder, sizeof folder) && make_tree());
     for (uint64_t n = 1; n <= 4; n++) {
         struct err err = {0};
         arena_fail_at(n);
-        CHECK(!file_resolve_inside(&arena, "base", "sub/c", true, &err), "%d", (int)n);
+        CHECK(!file_resolve(&arena, &inside, "sub/c", &err), "%d", (int)n);
+        CHECK(err.code == ERR_SYSTEM, "%d: %s", (int)n, err.msg);
+    }
+    for (uint64_t n = 1; n <= 2; n++) {
+        struct err err = {0};
+        arena_fail_at(n);
+        CHECK(!file_resolve(&arena, &anywhere, "sub/c", &err), "%d", (int)n);
         CHECK(err.code == ERR_SYSTEM, "%d: %s", (int)n, err.msg);
     }
     arena_fail_at(0);
@@ -180,4 +214,5 @@ TEST(paths_are_taken_apart)
 TEST_MAIN(TEST_CASE(reads_whole_files_with_a_nul_behind),
           TEST_CASE(refuses_what_is_no_regular_file), TEST_CASE(reading_reports_memory),
           TEST_CASE(paths_inside_are_resolved), TEST_CASE(paths_that_lead_out_are_rejected),
-          TEST_CASE(resolving_reports_memory), TEST_CASE(paths_are_taken_apart))
+          TEST_CASE(paths_that_may_lead_out_are_joined_only), TEST_CASE(resolving_reports_memory),
+          TEST_CASE(paths_are_taken_apart))
