@@ -4,6 +4,11 @@
 #include <stdio.h>
 #include <string.h>
 
+// Here the functions themselves are meant.
+#undef err_set
+#undef err_prepend
+#undef err_memory
+
 static void replace_control_characters(char *text)
 {
     for (; *text; text++)

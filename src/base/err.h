@@ -36,4 +36,14 @@ bool err_prepend(struct err *err, const char *format, ...) __attribute__((format
 // ERR_SYSTEM, "out of memory (N bytes for WHAT)"; returns false.
 bool err_memory(struct err *err, const char *what, unsigned long long bytes);
 
+// Lets compilers and analysers see, in every file, that the value is always false: else they warn
+// of what would be uninitialised if a failure returned true. (git's error() does the same.)
+static inline bool err_false(void)
+{
+    return false;
+}
+#define err_set(...) (err_set(__VA_ARGS__), err_false())
+#define err_prepend(...) (err_prepend(__VA_ARGS__), err_false())
+#define err_memory(...) (err_memory(__VA_ARGS__), err_false())
+
 #endif

@@ -6,6 +6,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+// Here the functions themselves are meant.
+#undef node_fail
+#undef node_prepend
+#undef node_unexpected
+
 struct json_node node_root(const char *file, json_t *value)
 {
     return (struct json_node){.value = value, .file = file};
@@ -367,10 +372,10 @@ bool node_read_choice(const struct json_node *object, const char *key, const cha
 {
     const struct json_node node = node_member(object, key);
     const char *word = NULL;
-    if (!node.value)
-        return true;
     if (!node_read_string(object, key, &word, err))
         return false;
+    if (!word)
+        return true;
     for (uint32_t i = 0; names[i]; i++) {
         if (strcmp(names[i], word) == 0) {
             *out = i;

@@ -32,6 +32,11 @@ bool node_prepend(const struct json_node *node, struct err *err);
 // "expected WHAT, not VALUE"
 bool node_unexpected(const struct json_node *node, const char *what, struct err *err);
 
+// As in err.h: the value is seen to be false.
+#define node_fail(...) (node_fail(__VA_ARGS__), err_false())
+#define node_prepend(...) (node_prepend(__VA_ARGS__), err_false())
+#define node_unexpected(...) (node_unexpected(__VA_ARGS__), err_false())
+
 // A short rendering of the value for messages.
 struct node_text {
     char text[64];
