@@ -29,6 +29,20 @@ void random_direction(struct random *random, float direction[3])
     direction[2] = (float)z;
 }
 
+void pcg4d(uint32_t v[4])
+{
+    for (int i = 0; i < 4; i++)
+        v[i] = v[i] * 1664525u + 1013904223u;
+    for (int round = 0; round < 2; round++) {
+        for (int i = 0; i < 4 && round == 1; i++)
+            v[i] ^= v[i] >> 16;
+        v[0] += v[1] * v[3];
+        v[1] += v[2] * v[0];
+        v[2] += v[0] * v[1];
+        v[3] += v[1] * v[2];
+    }
+}
+
 // --- vectors -------------------------------------------------------------------------------------
 
 void subtract(const float a[3], const float b[3], double out[3])

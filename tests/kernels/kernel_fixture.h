@@ -19,8 +19,9 @@
         }                                                                                          \
     } while (0)
 
-// --- random numbers: PCG-XSH-RR 64/32 (O'Neill 2014) ---------------------------------------------
+// --- random numbers ------------------------------------------------------------------------------
 
+// PCG-XSH-RR 64/32 (O'Neill 2014).
 struct random {
     uint64_t state;
 };
@@ -28,6 +29,10 @@ uint32_t random_u32(struct random *random);
 double random_unit(struct random *random); // [0, 1)
 double random_between(struct random *random, double min, double max);
 void random_direction(struct random *random, float direction[3]); // uniform on the sphere
+
+// The kernels' own: Jarzynski and Olano 2020, "Hash Functions for GPU Rendering", listing in
+// section 4.
+void pcg4d(uint32_t v[4]);
 
 // --- vectors -------------------------------------------------------------------------------------
 

@@ -3,21 +3,6 @@
 
 enum { WIDTH = 37, HEIGHT = 23, SLOTS = 1024 };
 
-// pcg4d, Jarzynski and Olano 2020, "Hash Functions for GPU Rendering", listing in section 4.
-static void pcg4d(uint32_t v[4])
-{
-    for (int i = 0; i < 4; i++)
-        v[i] = v[i] * 1664525u + 1013904223u;
-    for (int round = 0; round < 2; round++) {
-        for (int i = 0; i < 4 && round == 1; i++)
-            v[i] ^= v[i] >> 16;
-        v[0] += v[1] * v[3];
-        v[1] += v[2] * v[0];
-        v[2] += v[0] * v[1];
-        v[3] += v[1] * v[2];
-    }
-}
-
 static void make_camera(struct scene *scene, struct camera camera)
 {
     scene_start(scene, WIDTH, HEIGHT);

@@ -1,0 +1,544 @@
+// shade_surface on hits of random rays: emission and its weight, the light sample in the shadow ray
+// and its weight, the scattered path and roulette, each recomputed in double precision. Azimuths,
+// which depend on the choice of a basis, are taken as they come out: test_sampling checks them.
+#include "single_kernel.h"
+#include "surface_reference.h"
+
+enum { SLOTS = 4096 };
+
+static struct gpu_path before[SLOTS], after[SLOTS];
+static struct gpu_shadow_ray shadows[SLOTS];
+static float radiance[SLOTS][4];
+static bool has_shadow[SLOTS], goes_on[SLOTS];
+static uint32_t queue[SLOTS];
+
+// --- scenes --------------------------------------------------------------------------------------
+
+enum { SMOOTH = 1, ENCLOSED = 2 };
+
+// A floor, a tilted mirror, and an emitter of each kind above; ENCLOSED: in an emissive sphere.
+static void make_scene(struct scene *scene, uint32_t kind)
+{
+    static const float floor[2][3][3] = {{{-2, 0, -2}, {2, 0, -2}, {2, 0, 2}},
+                                         {{-2, 0, -2}, {2, 0, 2}, {-2, 0, 2}}};
+    static const float mirror[1][3][3] = {{{-2, 0, -2}, {2, 0, -2}, {0, 2.5f, -1.5f}}};
+    static const float lamp[1][3][3] = {{{-1.5f, 2, 0}, {-0.5f, 2, 0.5f}, {-1, 2.25f, 1}}};
+    static const float bent[2][3][3] = {{{0.28f, 0.96f, 0}, {-0.28f, 0.96f, 0}, {0, 0.96f, 0.28f}},
+                                        {{0.28f, 0.96f, 0}, {0, 0.96f, 0.28f}, {0, 0.96f, -0.28f}}};
+    scene_start(scene, 64, 64);
+    const struct material materials[] = {
+        {.name = "floor", .base_color = {0.75f, 0.5f, 0.25f}},
+        {.name = "mirror", .type = MATERIAL_MIRROR, .base_color = {0.9f, 0.8f, 0.7f}},
+        {.name = "lamp", .base_color = {0.1f, 0.2f, 0.3f}, .emission = {8, 6, 4}},
+        {.name = "bulb", .base_color = {0.5f, 0.5f, 0.5f}, .emission = {1, 2, 3}},
+        {.name = "disc", .base_color = {0.4f, 0.4f, 0.4f}, .emission = {3, 2, 0}},
+        {.name = "sky", .base_color = {0.3f, 0.3f, 0.3f}, .emission = {0.1f, 0.1f, 0.2f}},
+    };
+    uint32_t first = 0;
+    for (size_t i = 0; i < sizeof materials / sizeof materials[0]; i++) {
+        uint32_t index = add_material(scene, &materials[i]);
+        first = i == 0 ? index : first;
+    }
+    add_smooth_triangles(scene, floor, kind & SMOOTH ? bent : NULL, 2, first);
+    add_triangles(scene, mirror, 1, first + 1);
+    add_triangles(scene, lamp, 1, first + 2);
+    add_sphere(scene, (double[3]){0.75, 1.25, 0.5}, 0.4, first + 3);
+    add_sphere(scene, (double[3]){1.5, 0.5, -0.5}, 0.3, first);
+    add_disc(scene, (double[3]){0, 2.5, 0}, (double[3]){0.2, -1, 0.1}, 0.5, first + 4);
+    if (kind & ENCLOSED)
+        add_sphere(scene, (double[3]){0, 1, 0}, 6, first + 5);
+    scene->settings.max_bounces = 6;
+    scene->settings.roulette_min_bounces = 2;
+    scene->settings.seed = 1234567;
+}
+
+// --- running -------------------------------------------------------------------------------------
+
+static uint64_t row_bytes(const struct renderer *r, uint32_t row)
+{
+    return (uint64_t)row * r->push.wave_slots * 4;
+}
+
+// Hits of random rays, and paths that have come some way.
+static bool trace_rays(struct renderer *r, struct err *err)
+{
+    static struct single_ray rays[SLOTS];
+    struct random random = {81};
+    bool complete;
+    double ms;
+    for (uint32_t i = 0; i < SLOTS; i++) {
+        random_direction(&random, rays[i].direction);
+        rays[i].origin[0] = (float)random_between(&random, -1.5, 1.5);
+        rays[i].origin[1] = (float)random_between(&random, 0.1, 2);
+        rays[i].origin[2] = (float)random_between(&random, -0.5, 1.5);
+    }
+    if (!single_kernel_trace(r, KERNEL_intersect_closest, rays, SLOTS, NULL, &ms, &complete, err) ||
+        !gpu_download(r->gpu, &r->buffers[BINDING_PATHS], 0, before, sizeof before, err))
+        return false;
+    for (uint32_t i = 0; i < SLOTS; i++) {
+        // A third as after a mirror or from the camera.
+        before[i].bsdf_pdf = i % 3 == 0 ? 0.0f : (float)random_between(&random, 0.01, 0.3);
+        for (int c = 0; c < 3; c++)
+            before[i].throughput[c] = (float)random_between(&random, 0, 1.5);
+    }
+    return true;
+}
+
+static bool read_queue(struct renderer *r, uint32_t number, uint32_t row, bool in_queue[SLOTS],
+                       struct err *err)
+{
+    uint32_t count = r->counters->queue[number];
+    memset(in_queue, 0, SLOTS * sizeof *in_queue);
+    if (!gpu_download(r->gpu, &r->buffers[BINDING_QUEUES], row_bytes(r, row), queue, sizeof queue,
+                      err))
+        return false;
+    CHECK(count <= SLOTS, "%u in queue %u", count, number);
+    for (uint32_t i = 0; i < count && i < SLOTS; i++) {
+        bool fresh = queue[i] < SLOTS && !in_queue[queue[i]];
+        CHECK(fresh, "slot %u in queue %u twice or out of range", queue[i], number);
+        if (fresh)
+            in_queue[queue[i]] = true;
+    }
+    return true;
+}
+
+// Shades what trace_rays() hit, as the paths of `before`.
+static bool shade(struct renderer *r, uint32_t bounce, struct err *err)
+{
+    struct gpu_buffer *buffers = r->buffers;
+    bool nee = r->specialization.features & FEATURE_NEE;
+    r->push.bounce = bounce;
+    r->push.first_pixel = 77;
+    r->push.first_sample = 12;
+    r->push.sample_shift = 1;
+    r->push.queue = QUEUE_SURFACE;
+    r->push.first_item = 0;
+    r->push.part_items = SLOTS;
+    memset(radiance, 0, sizeof radiance);
+    memset(has_shadow, 0, sizeof has_shadow);
+    uint32_t next = QUEUE_RAYS + ((bounce + 1) & 1u);
+    return gpu_upload(r->gpu, &buffers[BINDING_PATHS], 0, before, sizeof before, err) &&
+           gpu_upload(r->gpu, &buffers[BINDING_RADIANCE], 0, radiance, sizeof radiance, err) &&
+           run_kernel(r, &r->kernels[KERNEL_shade_surface], SLOTS, err) &&
+           gpu_download(r->gpu, &buffers[BINDING_PATHS], 0, after, sizeof after, err) &&
+           gpu_download(r->gpu, &buffers[BINDING_RADIANCE], 0, radiance, sizeof radiance, err) &&
+           gpu_download(r->gpu, &buffers[BINDING_COUNTERS], 0, r->counters, sizeof *r->counters,
+                        err) &&
+           read_queue(r, next, next, goes_on, err) &&
+           // Without an environment the queue of misses has no row.
+           (!nee ||
+            (gpu_download(r->gpu, &buffers[BINDING_SHADOW_RAYS], 0, shadows, sizeof shadows, err) &&
+             read_queue(r, QUEUE_SHADOW, QUEUE_SHADOW - 1, has_shadow, err)));
+}
+
+// --- one hit -------------------------------------------------------------------------------------
+
+struct hit {
+    const struct renderer *r;
+    uint32_t slot;
+    struct surface_point s;
+    double origin[3], direction[3], throughput[3]; // of the path
+    double u_light[4], u_bsdf[4];
+    double normal_error; // of shading normals: octahedral codes, see test_precision
+    bool interpolated;   // the shading normal is, and may not be the geometric one
+};
+
+static struct hit load_hit(const struct renderer *r, uint32_t slot)
+{
+    const struct gpu_path *path = &before[slot];
+    struct hit h = {.r = r, .slot = slot, .s = surface_at(r, path)};
+    for (int c = 0; c < 3; c++) {
+        h.origin[c] = (double)path->origin[c];
+        h.direction[c] = (double)path->direction[c];
+        h.throughput[c] = (double)path->throughput[c];
+    }
+    const struct gpu_push *push = &r->push;
+    uint32_t pixel = push->first_pixel + (slot >> push->sample_shift);
+    uint32_t sample = push->first_sample + (slot & ((1u << push->sample_shift) - 1));
+    uint32_t dimension = 1 + 2 * push->bounce;
+    random_4d(pixel, sample, dimension, push->seed, h.u_light);
+    random_4d(pixel, sample, dimension + 1, push->seed, h.u_bsdf);
+    h.interpolated = r->flat.normals && !h.s.shape;
+    h.normal_error = h.interpolated ? 7e-5 : 0;
+    return h;
+}
+
+static bool is_close(double value, double expected, double relative)
+{
+    return fabs(value - expected) <= relative * fabs(expected) + 1e-12;
+}
+
+static bool is_mirror(const struct hit *h)
+{
+    return h->s.material->type == MATERIAL_MIRROR;
+}
+
+static bool has_feature(const struct hit *h, uint32_t feature)
+{
+    return h->r->specialization.features & feature;
+}
+
+// --- emission ------------------------------------------------------------------------------------
+
+static void check_emission(const struct hit *h)
+{
+    double pdf = (double)before[h->slot].bsdf_pdf, weight = 1;
+    double pick = pick_density(h->r, h->s.material);
+    if (has_feature(h, FEATURE_NEE) && pdf > 0 && pick > 0)
+        weight = has_feature(h, FEATURE_BSDF_HITS_EMITTERS)
+                     ? power_heuristic(pdf, light_density(h->r, h->origin, h->direction, &h->s))
+                     : 0;
+    // Seen edge-on, the cosine's own rounding shows.
+    double relative = 2e-5 + 4e-6 / fabs(dot(h->direction, h->s.geometric));
+    for (int c = 0; c < 3; c++) {
+        double expected = h->throughput[c] * (double)h->s.material->emission[c] * weight;
+        CHECK(is_close((double)radiance[h->slot][c], expected, relative),
+              "slot %u, %s: emission %.9g, not %.9g", h->slot, h->s.material->name,
+              (double)radiance[h->slot][c], expected);
+    }
+}
+
+// --- the light sample ----------------------------------------------------------------------------
+
+// Where on a triangle the numbers lead to.
+static void triangle_sample(const struct flat_triangle *triangle, const double u[2], double out[3])
+{
+    double root = sqrt(u[0]), b1 = root * (1 - u[1]), b2 = root * u[1];
+    for (int c = 0; c < 3; c++)
+        out[c] = (1 - b1 - b2) * (double)triangle->v[0][c] + b1 * (double)triangle->v[1][c] +
+                 b2 * (double)triangle->v[2][c];
+}
+
+// The sampled point is on its emitter, where the numbers say as far as that can be told.
+static void check_light_point(const struct hit *h, uint32_t primitive, const double origin[3],
+                              const double point[3])
+{
+    const struct flat_scene *flat = &h->r->flat;
+    if (!(primitive & PRIMITIVE_SHAPE)) {
+        double expected[3], off = 0;
+        triangle_sample(&flat->triangles[h->r->bvh.triangle_order[primitive]], &h->u_light[1],
+                        expected);
+        for (int c = 0; c < 3; c++)
+            off = fmax(off, fabs(point[c] - expected[c]));
+        CHECK(off <= 2e-6, "slot %u: %g off the point of the triangle", h->slot, off);
+        return;
+    }
+    const struct flat_shape *shape = &flat->shapes[primitive & ~PRIMITIVE_SHAPE];
+    double from_center[3], normal[3], to_center[3], to_point[3], radius = (double)shape->radius;
+    for (int c = 0; c < 3; c++) {
+        from_center[c] = point[c] - (double)shape->center[c];
+        to_center[c] = (double)shape->center[c] - origin[c];
+        to_point[c] = point[c] - origin[c];
+        normal[c] = (double)shape->normal[c];
+    }
+    double wanted_radius = shape->kind == SHAPE_SPHERE ? radius : radius * sqrt(h->u_light[1]);
+    CHECK(fabs(length(from_center) - wanted_radius) <= 4e-6 * (1 + radius),
+          "slot %u: %.9g from the centre, not %.9g", h->slot, length(from_center), wanted_radius);
+    if (shape->kind == SHAPE_DISC) {
+        CHECK(fabs(dot(from_center, normal)) <= 4e-6, "slot %u: off the disc", h->slot);
+        return;
+    }
+    double sine = radius / length(to_center);
+    if (sine >= 1)
+        return;
+    double cosine = dot(to_point, to_center) / (length(to_point) * length(to_center));
+    double expected = h->u_light[1] * (1 - sqrt(1 - sine * sine));
+    CHECK(fabs(1 - cosine - expected) <= 1e-5, "slot %u: 1 - cos %.9g in the cone, not %.9g",
+          h->slot, 1 - cosine, expected);
+    CHECK(dot(from_center, to_center) <= 1e-5, "slot %u: the far side of the sphere", h->slot);
+}
+
+// The emitter that the table gives for u, as the kernel computes it.
+static uint32_t picked_emitter(const struct renderer *r, const struct gpu_emitter *table, double u)
+{
+    float scaled = (float)u * (float)r->emitter_count;
+    uint32_t bin = (uint32_t)scaled < r->emitter_count ? (uint32_t)scaled : r->emitter_count - 1;
+    return scaled - (float)bin < table[bin].threshold ? table[bin].primitive
+                                                      : table[bin].alias_primitive;
+}
+
+// The point as a surface seen from the shadow ray's origin.
+static struct surface_point light_surface(const struct renderer *r, uint32_t primitive,
+                                          const double origin[3], const double wi[3],
+                                          double distance)
+{
+    struct gpu_path path = {.primitive = primitive, .t = (float)distance};
+    for (int c = 0; c < 3; c++) {
+        path.origin[c] = (float)origin[c];
+        path.direction[c] = (float)wi[c];
+    }
+    struct surface_point out = surface_at(r, &path);
+    out.distance = distance;
+    return out;
+}
+
+static void check_shadow_ray(const struct hit *h)
+{
+    const struct gpu_shadow_ray *ray = &shadows[h->slot];
+    double origin[3], to_light[3], point[3], wi[3];
+    for (int c = 0; c < 3; c++) {
+        origin[c] = (double)ray->origin[c];
+        to_light[c] = (double)ray->direction[c];
+        point[c] = origin[c] + to_light[c];
+    }
+    double distance = length(to_light);
+    for (int c = 0; c < 3; c++)
+        wi[c] = to_light[c] / distance;
+    check_light_point(h, ray->ignore_to, origin, point);
+    CHECK(ray->ignore_from == before[h->slot].primitive, "slot %u", h->slot);
+
+    struct surface_point light = light_surface(h->r, ray->ignore_to, origin, wi, distance);
+    double pdf = light_density(h->r, origin, wi, &light);
+    double cosine = dot(wi, h->s.shading), cos_light = fabs(dot(wi, light.geometric));
+    double relative =
+        1e-4 + (h->normal_error + 4e-6) / fabs(cosine) + 4e-6 / cos_light + 4e-6 / distance;
+    CHECK(is_close((double)ray->light_pdf, pdf, relative), "slot %u, %s: pdf %.9g, not %.9g",
+          h->slot, light.material->name, (double)ray->light_pdf, pdf);
+    CHECK(cosine > -h->normal_error && dot(wi, h->s.geometric) > -1e-6, "slot %u: behind", h->slot);
+    double weight =
+        has_feature(h, FEATURE_BSDF_HITS_EMITTERS) ? power_heuristic(pdf, cosine / M_PI) : 1;
+    for (int c = 0; c < 3; c++) {
+        double expected = h->throughput[c] * (double)h->s.material->base_color[c] / M_PI *
+                          (double)light.material->emission[c] * cosine * weight / pdf;
+        CHECK(is_close((double)ray->radiance[c], expected, 3 * relative),
+              "slot %u, %s: %.9g arrives, not %.9g", h->slot, light.material->name,
+              (double)ray->radiance[c], expected);
+    }
+}
+
+// Whether there must be a shadow ray: 1, must not be: 0, or either: -1.
+static int wants_shadow_ray(const struct hit *h, uint32_t emitter)
+{
+    if (!has_feature(h, FEATURE_NEE) || h->r->push.bounce >= h->r->push.max_bounces || is_mirror(h))
+        return 0;
+    const struct flat_scene *flat = &h->r->flat;
+    double point[3], wi[3], extent = 0;
+    if (emitter & PRIMITIVE_SHAPE) {
+        const struct flat_shape *shape = &flat->shapes[emitter & ~PRIMITIVE_SHAPE];
+        extent = (double)shape->radius;
+        for (int c = 0; c < 3; c++)
+            point[c] = (double)shape->center[c];
+    } else {
+        triangle_sample(&flat->triangles[h->r->bvh.triangle_order[emitter]], &h->u_light[1], point);
+    }
+    for (int c = 0; c < 3; c++)
+        wi[c] = point[c] - h->s.position[c];
+    double margin = extent + (1e-5 + 2 * h->normal_error) * (1 + length(wi));
+    double lower = fmin(dot(wi, h->s.geometric), dot(wi, h->s.shading));
+    return lower > margin ? 1 : lower < -margin ? 0 : -1;
+}
+
+// --- scattering ----------------------------------------------------------------------------------
+
+// The probability to go on; 1 before roulette begins.
+static double survival(const struct hit *h)
+{
+    double most = 0;
+    for (int c = 0; c < 3; c++)
+        most = fmax(most, h->throughput[c] * (double)h->s.material->base_color[c]);
+    bool plays =
+        has_feature(h, FEATURE_ROULETTE) && h->r->push.bounce >= h->r->push.roulette_min_bounces;
+    return plays ? fmin(1, most) : 1;
+}
+
+static void mirror_direction(const struct hit *h, double out[3])
+{
+    for (int c = 0; c < 3; c++)
+        out[c] = h->direction[c] - 2 * dot(h->direction, h->s.shading) * h->s.shading[c];
+}
+
+// The new origin is beside the surface, on the direction's side.
+static void check_new_origin(const struct hit *h, const double direction[3])
+{
+    double off[3], from_plane[3];
+    for (int c = 0; c < 3; c++) {
+        off[c] = (double)after[h->slot].origin[c] - h->s.position[c];
+        from_plane[c] = (double)after[h->slot].origin[c] - h->s.plane_point[c];
+    }
+    double side = dot(direction, h->s.geometric);
+    double height = dot(from_plane, h->s.geometric);
+    if (h->s.shape && h->s.shape->kind == SHAPE_SPHERE) {
+        // The geometric normal may point inwards.
+        double outwards = dot(from_plane, h->s.geometric) > 0 ? 1 : -1;
+        height = outwards * (length(from_plane) - (double)h->s.shape->radius);
+    }
+    CHECK(length(off) <= 1e-5, "slot %u: the origin is %g away", h->slot, length(off));
+    // Exactly in the plane is where an axis-parallel plane at 0 leaves it.
+    CHECK(height * side >= 0, "slot %u, %s: the origin is on the wrong side by %g", h->slot,
+          h->s.material->name, height);
+}
+
+static void check_next_path(const struct hit *h)
+{
+    const struct gpu_path *path = &after[h->slot];
+    double direction[3], mirrored[3], q = survival(h);
+    for (int c = 0; c < 3; c++)
+        direction[c] = (double)path->direction[c];
+    CHECK(fabs(length(direction) - 1) <= 1e-6, "slot %u: not a unit vector", h->slot);
+    if (is_mirror(h)) {
+        mirror_direction(h, mirrored);
+        double off = 0;
+        for (int c = 0; c < 3; c++)
+            off = fmax(off, fabs(direction[c] - mirrored[c]));
+        CHECK(off <= 2e-6 + 2 * h->normal_error && path->bsdf_pdf == 0.0f,
+              "slot %u: reflected %g off, pdf %g", h->slot, off, (double)path->bsdf_pdf);
+    } else {
+        double cosine = sqrt(1 - h->u_bsdf[0]);
+        CHECK(fabs(dot(direction, h->s.shading) - cosine) <= 2e-6 + h->normal_error,
+              "slot %u: cos %.9g, not %.9g", h->slot, dot(direction, h->s.shading), cosine);
+        CHECK(fabs((double)path->bsdf_pdf - cosine / M_PI) <= 1e-6, "slot %u: pdf %.9g", h->slot,
+              (double)path->bsdf_pdf);
+    }
+    for (int c = 0; c < 3; c++) {
+        double expected = h->throughput[c] * (double)h->s.material->base_color[c] / q;
+        CHECK(is_close((double)path->throughput[c], expected, 1e-6),
+              "slot %u: throughput %.9g, not %.9g", h->slot, (double)path->throughput[c], expected);
+    }
+    CHECK(dot(direction, h->s.geometric) > 0, "slot %u: through the surface", h->slot);
+    CHECK(path->ignore == before[h->slot].primitive, "slot %u: ignores 0x%x", h->slot,
+          path->ignore);
+    check_new_origin(h, direction);
+}
+
+// 1, 0, or -1: either, where a bent normal may send the path into the surface.
+static int wants_next_path(const struct hit *h)
+{
+    if (h->r->push.bounce >= h->r->push.max_bounces)
+        return 0;
+    if (h->u_light[3] >= survival(h))
+        return 0;
+    return h->interpolated ? -1 : 1;
+}
+
+// --- all of it -----------------------------------------------------------------------------------
+
+struct tally {
+    uint32_t hits, emitting, shadow_rays, next_paths;
+};
+
+static struct tally check_slots(const struct renderer *r, const struct gpu_emitter *emitters)
+{
+    struct tally tally = {0};
+    for (uint32_t slot = 0; slot < SLOTS; slot++) {
+        if (before[slot].primitive == NO_PRIMITIVE) {
+            CHECK(!goes_on[slot] && !has_shadow[slot], "slot %u was not hit", slot);
+            continue;
+        }
+        struct hit h = load_hit(r, slot);
+        uint32_t emitter = picked_emitter(r, emitters, h.u_light[0]);
+        int shadow = wants_shadow_ray(&h, emitter), next = wants_next_path(&h);
+        check_emission(&h);
+        CHECK(shadow < 0 || shadow == has_shadow[slot], "slot %u, %s: shadow ray %d, not %d", slot,
+              h.s.material->name, has_shadow[slot], shadow);
+        CHECK(next < 0 || next == goes_on[slot], "slot %u, %s: goes on %d, not %d", slot,
+              h.s.material->name, goes_on[slot], next);
+        if (has_shadow[slot]) {
+            CHECK(shadows[slot].ignore_to == emitter, "slot %u: emitter 0x%x, not 0x%x", slot,
+                  shadows[slot].ignore_to, emitter);
+            check_shadow_ray(&h);
+        }
+        if (goes_on[slot])
+            check_next_path(&h);
+        tally.hits++;
+        tally.emitting += radiance[slot][0] > 0.0f;
+        tally.shadow_rays += has_shadow[slot];
+        tally.next_paths += goes_on[slot];
+    }
+    return tally;
+}
+
+// Leaves the test when there is no device.
+static void check_scene(uint32_t kind, enum light_estimator estimator, uint32_t bounce)
+{
+    struct setup setup;
+    struct err err = {0};
+    struct gpu_emitter emitters[16] = {{0}};
+    make_scene(&setup.scene, kind);
+    setup.scene.settings.estimator = estimator;
+    OPEN_SETUP(&setup, SLOTS);
+    struct renderer *r = &setup.r;
+    bool ok = r->plan.wave_slots >= SLOTS && r->emitter_count <= 16 && trace_rays(r, &err) &&
+              (!r->buffers[BINDING_EMITTERS].handle ||
+               gpu_download(r->gpu, &r->buffers[BINDING_EMITTERS], 0, emitters,
+                            r->emitter_count * sizeof emitters[0], &err)) &&
+              shade(r, bounce, &err);
+    REQUIRE(ok, "%s", err.msg);
+    struct tally tally = check_slots(r, emitters);
+    printf("  %u hits, %u emitting, %u shadow rays, %u go on\n", tally.hits, tally.emitting,
+           tally.shadow_rays, tally.next_paths);
+    bool last = bounce >= setup.scene.settings.max_bounces;
+    CHECK(tally.hits > SLOTS / 8 && tally.emitting > SLOTS / 32, "%u hits, %u emitting", tally.hits,
+          tally.emitting);
+    CHECK(last == (tally.next_paths == 0), "%u go on", tally.next_paths);
+    CHECK((last || estimator == ESTIMATOR_BSDF) == (tally.shadow_rays == 0), "%u shadow rays",
+          tally.shadow_rays);
+    setup_close(&setup);
+}
+
+TEST(first_bounce)
+{
+    check_scene(0, ESTIMATOR_MIS, 0);
+}
+
+TEST(shading_normals)
+{
+    check_scene(SMOOTH, ESTIMATOR_MIS, 1);
+}
+
+TEST(inside_of_an_emitter)
+{
+    check_scene(ENCLOSED, ESTIMATOR_MIS, 0);
+}
+
+TEST(other_estimators)
+{
+    check_scene(ENCLOSED, ESTIMATOR_NEE, 1);
+    check_scene(ENCLOSED, ESTIMATOR_BSDF, 1);
+}
+
+TEST(roulette)
+{
+    check_scene(0, ESTIMATOR_MIS, 2);
+    check_scene(0, ESTIMATOR_MIS, 5);
+}
+
+TEST(last_bounce)
+{
+    check_scene(ENCLOSED | SMOOTH, ESTIMATOR_MIS, 6);
+}
+
+// What is not finite is left out of the sum, counted by its place, and ends the path.
+TEST(nonfinite_throughput)
+{
+    struct setup setup;
+    struct err err = {0};
+    make_scene(&setup.scene, ENCLOSED);
+    setup.scene.settings.estimator = ESTIMATOR_BSDF;
+    OPEN_SETUP(&setup, SLOTS);
+    bool ok = trace_rays(&setup.r, &err);
+    uint32_t hits = 0, emitting = 0;
+    for (uint32_t i = 0; i < SLOTS && ok; i++) {
+        if (before[i].primitive == NO_PRIMITIVE)
+            continue;
+        before[i].throughput[i % 3] = i % 2 ? INFINITY : NAN;
+        struct surface_point s = surface_at(&setup.r, &before[i]);
+        const float *e = s.material->emission;
+        hits++;
+        emitting += e[0] > 0.0f || e[1] > 0.0f || e[2] > 0.0f;
+    }
+    ok = ok && shade(&setup.r, 0, &err);
+    REQUIRE(ok, "%s", err.msg);
+    const uint32_t *count = setup.r.counters->nonfinite;
+    CHECK(count[SITE_EMISSION] == emitting && emitting > 0, "%u, not %u", count[SITE_EMISSION],
+          emitting);
+    CHECK(count[SITE_THROUGHPUT] == hits, "%u, not %u", count[SITE_THROUGHPUT], hits);
+    for (uint32_t i = 0; i < SLOTS; i++)
+        CHECK(!goes_on[i] && radiance[i][0] == 0.0f && radiance[i][1] == 0.0f &&
+                  radiance[i][2] == 0.0f,
+              "slot %u goes on or has radiance", i);
+    setup_close(&setup);
+}
+
+TEST_MAIN(TEST_CASE(first_bounce), TEST_CASE(shading_normals), TEST_CASE(inside_of_an_emitter),
+          TEST_CASE(other_estimators), TEST_CASE(roulette), TEST_CASE(last_bounce),
+          TEST_CASE(nonfinite_throughput))
