@@ -201,9 +201,16 @@ TEST(environment_lowers_limits)
     CHECK(limits.no_ballot && !limits.no_texel && !limits.no_mapped_device, "flags");
     CHECK(limits.texel_elements == 70000, "what the caller set counts");
     CHECK(limits.storage_range == 1048576, "%llu", (unsigned long long)limits.storage_range);
-    static const char *const bad[] = {
-        "no-bullet",         "no-texels", "allocation=", "allocation=0", "storage-range=-1x",
-        "storage-range=12k", ","};
+    static const char *const bad[] = {"no-bullet",
+                                      "no-texels",
+                                      "allocation=",
+                                      "allocation=0",
+                                      "allocation=-1",
+                                      "allocation=+1",
+                                      "allocation= 1",
+                                      "storage-range=12k",
+                                      "texel-elements=99999999999999999999",
+                                      ","};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         setenv("LAMPYRIS_LIMITS", bad[i], 1);
         CHECK(!limits_from_environment(&limits, &err) && err.code == ERR_USAGE, "%s", bad[i]);
