@@ -8,8 +8,7 @@
 
 enum {
     // Subtrees of at most so many primitives are one thread's task, unless the tree is so small
-    // that
-    // the threads would get too few of them.
+    // that the threads would get too few of them.
     TASK_MAX = 1 << 15,
     TASK_MIN = 1 << 10,
     TASKS_PER_THREAD = 8,
@@ -28,31 +27,33 @@ struct binary_builder {
     struct err *err; // why it was stopped
 };
 
-static void write_node(const struct binary_builder *builder, const struct bvh_range *range,
-                       const struct bvh_range children[2])
+static void write_leaf(const struct binary_builder *builder, const struct bvh_range *range)
 {
-    struct bvh_binary_node *node = &builder->nodes[range->node];
-    node->box = range->box;
-    if (range->count == 1) {
-        node->left = builder->splitter.primitives[range->side][range->first].id;
-        node->right = 0;
-    } else {
-        node->left = children[0].node;
-        node->right = children[1].node;
-    }
+    const struct bvh_primitive *primitives = builder->splitter.primitives[range->side];
+    builder->nodes[range->node] =
+        (struct bvh_binary_node){.box = range->box, .left = primitives[range->first].id};
+}
+
+// Splits a range of two primitives or more and writes the node above both parts.
+static void split_range(const struct binary_builder *builder, const struct bvh_range *range,
+                        unsigned threads, struct bvh_range children[2])
+{
+    bvh_split(&builder->splitter, range, threads, children);
+    builder->nodes[range->node] = (struct bvh_binary_node){
+        .box = range->box, .left = children[0].node, .right = children[1].node};
 }
 
 // The recursion is as deep as the tree, which has a limit.
 static void build_subtree(const struct binary_builder *builder, const struct bvh_range *range)
 {
-    struct bvh_range children[2];
-    if (range->count > 1)
-        bvh_split(&builder->splitter, range, 1, children);
-    write_node(builder, range, children);
-    if (range->count > 1) {
-        build_subtree(builder, &children[0]);
-        build_subtree(builder, &children[1]);
+    if (range->count == 1) {
+        write_leaf(builder, range);
+        return;
     }
+    struct bvh_range children[2];
+    split_range(builder, range, 1, children);
+    build_subtree(builder, &children[0]);
+    build_subtree(builder, &children[1]);
 }
 
 bool bvh_checkpoint(const struct progress *progress, double fraction, struct err *err)
@@ -115,8 +116,7 @@ static void split_top(struct binary_builder *builder, const struct bvh_range *ro
             builder->tasks[builder->task_count++] = range;
             continue;
         }
-        bvh_split(&builder->splitter, &range, builder->params->threads, children);
-        write_node(builder, &range, children);
+        split_range(builder, &range, builder->params->threads, children);
         builder->tasks[--stack] = children[1];
         builder->tasks[--stack] = children[0];
         done += range.count;
@@ -127,13 +127,8 @@ static void split_top(struct binary_builder *builder, const struct bvh_range *ro
 
 static struct bvh_range root_range(const struct bvh_primitive *primitives, uint32_t count)
 {
-    struct bvh_range root = {.box = box_empty(), .centroids = box_empty(), .count = count};
-    for (uint32_t i = 0; i < count; i++) {
-        const struct bvh_box *box = &primitives[i].box;
-        float centroid[3] = {bvh_centroid(box, 0), bvh_centroid(box, 1), bvh_centroid(box, 2)};
-        box_add_box(&root.box, box);
-        box_add_point(&root.centroids, centroid);
-    }
+    struct bvh_range root = {.count = count};
+    bvh_range_bound(&root, primitives);
     return root;
 }
 

@@ -32,12 +32,14 @@ struct bvh_range {
     uint32_t side;  // which of the two buffers holds the primitives
 };
 
+// Sets the two boxes from range->count primitives, of which `primitives` is the first.
+void bvh_range_bound(struct bvh_range *range, const struct bvh_primitive *primitives);
+
 // Two buffers, because partitioning is stable: it copies from one to the other.
 struct bvh_splitter {
     struct bvh_primitive *primitives[2];
-    struct bvh_chunk
-        *chunks;          // BVH_CHUNKS_MAX, for the one range at a time that is split in parallel
-    uint32_t depth_limit; // no leaf is deeper
+    struct bvh_chunk *chunks; // BVH_CHUNKS_MAX, for the one range that is split in parallel
+    uint32_t depth_limit;     // no leaf is deeper
 };
 
 // Ranges are binned and partitioned in chunks of at least BVH_CHUNK_MIN primitives.

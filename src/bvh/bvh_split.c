@@ -8,6 +8,7 @@
 #include "bvh_binary.h"
 #include "parallel.h"
 
+#include <assert.h>
 #include <float.h>
 #include <string.h>
 
@@ -53,6 +54,21 @@ struct split_job {
 size_t bvh_chunk_bytes(void)
 {
     return sizeof(struct bvh_chunk);
+}
+
+static void add_centroid(struct bvh_box *centroids, const struct bvh_box *box)
+{
+    const float centroid[3] = {bvh_centroid(box, 0), bvh_centroid(box, 1), bvh_centroid(box, 2)};
+    box_add_point(centroids, centroid);
+}
+
+void bvh_range_bound(struct bvh_range *range, const struct bvh_primitive *primitives)
+{
+    range->box = range->centroids = box_empty();
+    for (uint32_t i = 0; i < range->count; i++) {
+        box_add_box(&range->box, &primitives[i].box);
+        add_centroid(&range->centroids, &primitives[i].box);
+    }
 }
 
 // --- Binned -------------------------------------------------------------------------------------
@@ -157,9 +173,7 @@ static void chunk_partition(void *context, size_t begin, size_t end, unsigned th
         for (uint32_t p = chunk->begin; p < chunk->end; p++) {
             const struct bvh_primitive *primitive = &job->source[p];
             int side = bin_index(&job->map, axis, &primitive->box) >= first_right;
-            float centroid[3] = {bvh_centroid(&primitive->box, 0), bvh_centroid(&primitive->box, 1),
-                                 bvh_centroid(&primitive->box, 2)};
-            box_add_point(&centroids[side], centroid);
+            add_centroid(&centroids[side], &primitive->box);
             job->target[next[side]++] = *primitive;
         }
         chunk->centroids[0] = centroids[0];
@@ -243,20 +257,6 @@ static bool split_binned(const struct bvh_splitter *splitter, const struct bvh_r
 
 // --- In place: sweep and median -----------------------------------------------------------------
 
-// The bounds of a child whose count and first primitive are known.
-static void bound_child(const struct bvh_splitter *splitter, struct bvh_range *child)
-{
-    const struct bvh_primitive *primitives = splitter->primitives[child->side] + child->first;
-    child->box = box_empty();
-    child->centroids = box_empty();
-    for (uint32_t i = 0; i < child->count; i++) {
-        const struct bvh_box *box = &primitives[i].box;
-        float centroid[3] = {bvh_centroid(box, 0), bvh_centroid(box, 1), bvh_centroid(box, 2)};
-        box_add_box(&child->box, box);
-        box_add_point(&child->centroids, centroid);
-    }
-}
-
 static void sort_by_centroid(const struct bvh_primitive *primitives, uint32_t count, int axis,
                              uint8_t order[SWEEP_MAX])
 {
@@ -273,7 +273,7 @@ static void sort_by_centroid(const struct bvh_primitive *primitives, uint32_t co
     }
 }
 
-static bool sweep_axis(const struct bvh_primitive *primitives, uint32_t count, uint32_t axis,
+static void sweep_axis(const struct bvh_primitive *primitives, uint32_t count, uint32_t axis,
                        const uint8_t order[SWEEP_MAX], struct bin_split *best)
 {
     double right_area[SWEEP_MAX];
@@ -283,17 +283,13 @@ static bool sweep_axis(const struct bvh_primitive *primitives, uint32_t count, u
         box_add_box(&box, &primitives[order[i]].box);
         right_area[i] = box_half_area(&box);
     }
-    bool improved = false;
     box = primitives[order[0]].box;
     for (uint32_t i = 1; i < count; i++) {
         double cost = box_half_area(&box) * i + right_area[i] * (count - i);
-        if (split_is_better(cost, i, count - i, best, count)) {
+        if (split_is_better(cost, i, count - i, best, count))
             *best = (struct bin_split){.cost = cost, .axis = axis, .first = i, .left_count = i};
-            improved = true;
-        }
         box_add_box(&box, &primitives[order[i]].box);
     }
-    return improved;
 }
 
 // Sorts a short range by its best axis and returns the length of the left side.
@@ -301,17 +297,17 @@ static uint32_t sweep(struct bvh_primitive *primitives, uint32_t count)
 {
     if (count == 2)
         return 1;
-    uint8_t order[SWEEP_MAX], best_order[SWEEP_MAX];
+    uint8_t orders[3][SWEEP_MAX];
     struct bin_split best = {.axis = 3};
     for (uint32_t axis = 0; axis < 3; axis++) {
-        sort_by_centroid(primitives, count, (int)axis, order);
-        if (sweep_axis(primitives, count, axis, order, &best))
-            memcpy(best_order, order, sizeof order);
+        sort_by_centroid(primitives, count, (int)axis, orders[axis]);
+        sweep_axis(primitives, count, axis, orders[axis], &best);
     }
+    assert(best.axis < 3); // the first split is taken whatever it costs
     struct bvh_primitive copy[SWEEP_MAX];
     memcpy(copy, primitives, count * sizeof *copy);
     for (uint32_t i = 0; i < count; i++)
-        primitives[i] = copy[best_order[i]];
+        primitives[i] = copy[orders[best.axis][i]];
     return best.left_count;
 }
 
@@ -385,6 +381,7 @@ static void place_children(const struct bvh_range *range, struct bvh_range child
 void bvh_split(const struct bvh_splitter *splitter, const struct bvh_range *range, unsigned threads,
                struct bvh_range children[2])
 {
+    assert(range->count >= 2);
     bool halve = depth_runs_out(splitter, range);
     if (!halve && range->count > SWEEP_MAX && split_binned(splitter, range, threads, children)) {
         place_children(range, children);
@@ -397,6 +394,6 @@ void bvh_split(const struct bvh_splitter *splitter, const struct bvh_range *rang
     children[1].count = range->count - children[0].count;
     children[0].side = children[1].side = range->side;
     place_children(range, children);
-    bound_child(splitter, &children[0]);
-    bound_child(splitter, &children[1]);
+    bvh_range_bound(&children[0], primitives);
+    bvh_range_bound(&children[1], primitives + children[0].count);
 }
