@@ -140,19 +140,19 @@ static bool feed_encoder(struct exr_writer *writer, uint32_t y, uint32_t lines, 
         const float *from = channel_source(writer->params, channel->channel_name);
         if (!from)
             return err_set(err, ERR_BUG, "EXR: channel %s has no source", channel->channel_name);
-        size_t stride = COMPONENTS * sizeof(float);
+        size_t value_bytes = sizeof(float), stride = COMPONENTS * value_bytes;
         const void *data = from + first;
         if (writer->halves) {
             uint16_t *block = writer->halves + (size_t)i * BLOCK_LINES * image->width;
             convert_to_half(writer, from + first, lines, block);
-            stride = sizeof *block;
+            value_bytes = stride = sizeof *block;
             data = block;
         }
         channel->encode_from_ptr = data;
         channel->user_pixel_stride = (int32_t)stride;
         channel->user_line_stride = (int32_t)(stride * image->width);
         channel->user_data_type = channel->data_type;
-        channel->user_bytes_per_element = channel->bytes_per_element;
+        channel->user_bytes_per_element = (int16_t)value_bytes;
     }
     return true;
 }
