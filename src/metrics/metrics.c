@@ -8,13 +8,22 @@ static bool is_finite(const float pixel[3])
     return isfinite(pixel[0]) && isfinite(pixel[1]) && isfinite(pixel[2]);
 }
 
+// Of the bits: 0 and -0 differ, and a NaN is like itself.
+static bool is_same(const float a[3], const float b[3])
+{
+    uint32_t a_bits[3], b_bits[3];
+    memcpy(a_bits, a, sizeof a_bits);
+    memcpy(b_bits, b, sizeof b_bits);
+    return a_bits[0] == b_bits[0] && a_bits[1] == b_bits[1] && a_bits[2] == b_bits[2];
+}
+
 void metrics_compare(const float (*image)[3], const float (*reference)[3], uint64_t pixel_count,
                      struct metrics *out)
 {
     *out = (struct metrics){0};
     double squares = 0, relative_squares = 0;
     for (uint64_t i = 0; i < pixel_count; i++) {
-        out->differing += memcmp(image[i], reference[i], sizeof image[i]) != 0;
+        out->differing += !is_same(image[i], reference[i]);
         if (!is_finite(image[i]) || !is_finite(reference[i])) {
             out->nonfinite++;
             continue;
