@@ -1,3 +1,4 @@
+#define _GNU_SOURCE // O_TMPFILE
 #include "file.h"
 
 #include "log.h"
@@ -46,41 +47,93 @@ static int folder_length(const char *path)
     return slash ? (int)(slash + 1 - path) : 0;
 }
 
+enum { NAME_ATTEMPTS = 1000, NAME_BYTES = 64 };
+
 // A short name of its own, so that a long name of the picture does not become too long, and so that
 // two processes, or two writers of one, do not meet.
-static bool temporary_create(struct file_writer *writer, const char *path, mode_t mode,
-                             struct err *err)
+static bool temporary_path_allocate(struct file_writer *writer, struct err *err)
 {
-    enum { ATTEMPTS = 1000 };
-    int folder = folder_length(path);
-    size_t size = (size_t)folder + 64;
+    size_t size = (size_t)folder_length(writer->path) + NAME_BYTES;
     writer->temporary_path = malloc(size);
-    if (!writer->temporary_path)
-        return err_memory(err, "a path", size);
-    for (int i = 0; i < ATTEMPTS; i++) {
-        snprintf(writer->temporary_path, size, "%.*s.lampyris-%ld-%d.tmp", folder, path,
-                 (long)getpid(), i);
+    return writer->temporary_path ? true : err_memory(err, "a path", size);
+}
+
+static void temporary_path_print(struct file_writer *writer, int attempt)
+{
+    int folder = folder_length(writer->path);
+    snprintf(writer->temporary_path, (size_t)folder + NAME_BYTES, "%.*s.lampyris-%ld-%d.tmp",
+             folder, writer->path, (long)getpid(), attempt);
+}
+
+static void temporary_path_forget(struct file_writer *writer)
+{
+    free(writer->temporary_path);
+    writer->temporary_path = NULL;
+}
+
+// Linux: the link by which a file without a name can be given one.
+static void descriptor_path(int fd, char path[NAME_BYTES])
+{
+    snprintf(path, NAME_BYTES, "/proc/self/fd/%d", fd);
+}
+
+// A file without a name is gone when the process ends, in whatever way. Not every system and file
+// system has them; whether the folder can be written to at all is for the others to say.
+static bool unnamed_create(struct file_writer *writer, mode_t mode)
+{
+#ifdef O_TMPFILE
+    int length = folder_length(writer->path);
+    char *folder = length > 0 ? strndup(writer->path, (size_t)length) : strdup(".");
+    if (folder)
+        writer->fd = open(folder, O_WRONLY | O_TMPFILE | O_CLOEXEC, mode);
+    free(folder);
+    char link[NAME_BYTES];
+    descriptor_path(writer->fd, link);
+    if (writer->fd >= 0 && access(link, F_OK) == 0)
+        return true;
+    if (writer->fd >= 0)
+        close(writer->fd);
+    writer->fd = -1;
+#else
+    (void)writer, (void)mode;
+#endif
+    return false;
+}
+
+static bool named_create(struct file_writer *writer, mode_t mode, struct err *err)
+{
+    if (!temporary_path_allocate(writer, err))
+        return false;
+    for (int i = 0; i < NAME_ATTEMPTS && writer->fd < 0; i++) {
+        temporary_path_print(writer, i);
         int flags = O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC;
-        writer->fd = open(writer->temporary_path, flags, mode ? mode : 0666);
-        if (writer->fd >= 0 || errno != EEXIST)
+        writer->fd = open(writer->temporary_path, flags, mode);
+        if (writer->fd < 0 && errno != EEXIST)
             break;
     }
-    if (writer->fd < 0) {
-        fail(err, path, "create a file in its folder");
-        free(writer->temporary_path); // not ours to remove
-        writer->temporary_path = NULL;
+    if (writer->fd >= 0)
+        return true;
+    fail(err, writer->path, "create a file in its folder");
+    temporary_path_forget(writer); // not ours to remove
+    return false;
+}
+
+static bool temporary_create(struct file_writer *writer, mode_t mode, struct err *err)
+{
+    mode_t wanted = mode ? mode : 0666;
+    if (!unnamed_create(writer, wanted) && !named_create(writer, wanted, err))
         return false;
-    }
     // open() applied the umask; an older file's permissions are kept as they are.
     if (mode && fchmod(writer->fd, mode) != 0)
-        return fail(err, path, "keep its permissions");
+        return fail(err, writer->path, "keep its permissions");
     return true;
 }
 
 // Non-blocking while opening, because a pipe that nobody reads would block for ever; a picture is
 // then written as slowly as the reader likes.
-static bool stream_open(struct file_writer *writer, const char *path, struct err *err)
+static bool stream_open(struct file_writer *writer, struct err *err)
 {
+    const char *path = writer->path;
     writer->fd = open(path, O_WRONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
     if (writer->fd < 0 && errno == ENXIO)
         return err_set(err, ERR_OUTPUT, "%s: is a pipe that nobody reads", path);
@@ -101,13 +154,12 @@ bool file_writer_open(struct file_writer *writer, const char *path, struct err *
         return false;
     // A link that leads nowhere has no real path and is replaced by the file.
     writer->path = target == TARGET_REGULAR ? realpath(path, NULL) : strdup(path);
-    bool ok = writer->path ? true : fail(err, path, "resolve");
-    if (ok)
-        ok = target == TARGET_STREAM ? stream_open(writer, path, err)
-                                     : temporary_create(writer, writer->path, mode, err);
-    if (!ok)
-        file_writer_finish(writer);
-    return ok;
+    if (!writer->path)
+        return fail(err, path, "resolve");
+    if (target == TARGET_STREAM ? stream_open(writer, err) : temporary_create(writer, mode, err))
+        return true;
+    file_writer_finish(writer);
+    return false;
 }
 
 bool file_writer_write(struct file_writer *writer, const void *data, size_t size, struct err *err)
@@ -140,25 +192,47 @@ static void sync_folder(const char *path)
     free(folder);
 }
 
+// rename() is what replaces an older file at one stroke, and it needs a name: the file has one of
+// its own for the moment between.
+static bool temporary_name(struct file_writer *writer, struct err *err)
+{
+    if (writer->temporary_path)
+        return true;
+    if (!temporary_path_allocate(writer, err))
+        return false;
+    char link[NAME_BYTES];
+    descriptor_path(writer->fd, link);
+    for (int i = 0; i < NAME_ATTEMPTS; i++) {
+        temporary_path_print(writer, i);
+        if (linkat(AT_FDCWD, link, AT_FDCWD, writer->temporary_path, AT_SYMLINK_FOLLOW) == 0)
+            return true;
+        if (errno != EEXIST)
+            break;
+    }
+    fail(err, writer->path, "name the temporary file");
+    temporary_path_forget(writer);
+    return false;
+}
+
+static bool replace_target(struct file_writer *writer, struct err *err)
+{
+    if (!temporary_name(writer, err))
+        return false;
+    if (rename(writer->temporary_path, writer->path) != 0)
+        return fail(err, writer->path, "rename the temporary file");
+    temporary_path_forget(writer);
+    sync_folder(writer->path);
+    return true;
+}
+
 bool file_writer_commit(struct file_writer *writer, struct err *err)
 {
-    bool ok = true;
-    if (writer->temporary_path && fsync(writer->fd) != 0)
-        ok = fail(err, writer->path, "sync");
+    bool ok = writer->direct || fsync(writer->fd) == 0 || fail(err, writer->path, "sync");
+    ok = ok && (writer->direct || replace_target(writer, err));
     int closed = close(writer->fd);
     writer->fd = -1;
     if (ok && closed != 0)
         ok = fail(err, writer->path, "close");
-    if (ok && writer->temporary_path) {
-        ok = rename(writer->temporary_path, writer->path) == 0;
-        if (ok) {
-            free(writer->temporary_path);
-            writer->temporary_path = NULL;
-            sync_folder(writer->path);
-        } else {
-            fail(err, writer->path, "rename the temporary file");
-        }
-    }
     file_writer_finish(writer);
     return ok;
 }
