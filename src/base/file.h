@@ -40,13 +40,17 @@ const char *path_name(const char *path);                  // "a/b.c" -> "b.c"
 // commit succeeds, an older file of that name stays intact; its permissions pass to the new one. A
 // symbolic link is followed and kept. A file that the user may not write is not replaced either.
 //
+// Where the system allows it, the temporary file has no name until the rename, so that nothing is
+// left behind when the process is killed.
+//
 // Character devices and pipes (/dev/null, /dev/full, a shell's >(command)) cannot be renamed over:
 // they are written to directly, so a failure may come after part of the data. Block devices and
 // sockets are refused.
 struct file_writer {
     int fd;               // -1 when closed
     char *path;           // what the rename replaces, symbolic links resolved; NULL when closed
-    char *temporary_path; // NULL when written to directly
+    char *temporary_path; // NULL when it has no name
+    bool direct;          // a device or pipe: there is no temporary file
 };
 
 // Creates the temporary file: so an unwritable folder is found out before any work is done.

@@ -156,7 +156,8 @@ bool file_writer_open(struct file_writer *writer, const char *path, struct err *
     writer->path = target == TARGET_REGULAR ? realpath(path, NULL) : strdup(path);
     if (!writer->path)
         return fail(err, path, "resolve");
-    if (target == TARGET_STREAM ? stream_open(writer, err) : temporary_create(writer, mode, err))
+    writer->direct = target == TARGET_STREAM;
+    if (writer->direct ? stream_open(writer, err) : temporary_create(writer, mode, err))
         return true;
     file_writer_finish(writer);
     return false;

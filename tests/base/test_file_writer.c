@@ -7,6 +7,7 @@
 #include <signal.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 
 static bool content_is(const char *path, const char *expected)
 {
@@ -188,6 +189,36 @@ TEST(a_failed_rename_removes_the_temporary_file)
     temporary_leave(folder);
 }
 
+// Linux only: elsewhere the temporary file has a name from the start.
+TEST(a_killed_process_leaves_nothing)
+{
+#ifndef O_TMPFILE
+    SKIP("files without a name are not known here");
+#else
+    char folder[200];
+    REQUIRE(temporary_enter(folder, sizeof folder));
+    int probe = open(".", O_TMPFILE | O_WRONLY, 0600);
+    if (probe < 0) {
+        temporary_leave(folder);
+        SKIP("this file system knows no files without a name");
+    }
+    close(probe);
+    REQUIRE(temporary_write("old", "before"));
+    pid_t child = fork();
+    if (child == 0) {
+        struct file_writer writer;
+        struct err err;
+        if (file_writer_open(&writer, "old", &err) && file_writer_write(&writer, "x", 1, &err))
+            _exit(0);
+        _exit(1);
+    }
+    int status;
+    REQUIRE(waitpid(child, &status, 0) == child && status == 0, "%d", status);
+    CHECK(content_is("old", "before") && temporary_entries(".") == 1);
+    temporary_leave(folder);
+#endif
+}
+
 TEST_MAIN(TEST_CASE(a_new_file_appears_only_at_commit),
           TEST_CASE(an_old_file_stays_until_commit_and_passes_on_its_permissions),
           TEST_CASE(two_writers_do_not_meet), TEST_CASE(links_are_followed_and_kept),
@@ -195,4 +226,5 @@ TEST_MAIN(TEST_CASE(a_new_file_appears_only_at_commit),
           TEST_CASE(devices_are_written_to_directly),
           TEST_CASE(pipes_are_written_to_when_somebody_reads),
           TEST_CASE(a_disk_that_fills_up_loses_nothing),
-          TEST_CASE(a_failed_rename_removes_the_temporary_file))
+          TEST_CASE(a_failed_rename_removes_the_temporary_file),
+          TEST_CASE(a_killed_process_leaves_nothing))
