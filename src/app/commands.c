@@ -1,6 +1,7 @@
 #include "commands.h"
 
 #include "log.h"
+#include "signals.h"
 #include "suggest.h"
 #include <string.h>
 
@@ -108,6 +109,8 @@ int exit_code(enum err_code code)
     case ERR_GPU:
     case ERR_BUG:
         return EXIT_CODE_DEVICE;
+    case ERR_STOPPED:
+        return signal_exit_code();
     case ERR_NO_VULKAN:
         return EXIT_CODE_NO_VULKAN;
     case ERR_OUTPUT:

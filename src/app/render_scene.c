@@ -43,6 +43,8 @@ bool job_load_scene(const struct options *options, struct scene *scene, uint32_t
     };
     if (!scene_load(&params, scene, err))
         return false;
+    if (progress_should_stop(options->progress))
+        return err_set(err, ERR_STOPPED, "%s: loading was stopped", scene->path);
     options_apply_settings(options, &scene->settings);
     scene_frame_camera(scene);
     return choose_camera(options, scene, camera, err);

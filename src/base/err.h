@@ -14,6 +14,7 @@ enum err_code {
     ERR_GPU,       // the device or its driver [3]
     ERR_NO_VULKAN, // no loader or no driver at all [69]
     ERR_OUTPUT,    // a file that was to be written [4]
+    ERR_STOPPED,   // nobody's: the listener of struct progress asked to stop [128 + signal]
     ERR_BUG,       // ours [3]
 };
 

@@ -79,7 +79,7 @@ struct bvh_params {
 // million identical triangles (median split where SAH cannot separate): stack_entries <= 96.
 // Vertices must be finite (ERR_BUG otherwise). Counts up to BVH_LEAF_INDEX.
 // The result lives in `arena`; scratch memory is released before returning. Progress is reported by
-// the calling thread; being asked to stop is an error (ERR_SYSTEM).
+// the calling thread; being asked to stop is an error (ERR_STOPPED).
 bool bvh_build(const struct bvh_params *params, struct arena *arena, struct bvh *out,
                struct err *err);
 

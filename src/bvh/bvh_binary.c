@@ -60,7 +60,7 @@ bool bvh_checkpoint(const struct progress *progress, double fraction, struct err
 {
     progress_report(progress, "Building BVH", fraction);
     if (progress_should_stop(progress))
-        return err_set(err, ERR_SYSTEM, "building the BVH was stopped");
+        return err_set(err, ERR_STOPPED, "building the BVH was stopped");
     return true;
 }
 

@@ -336,6 +336,23 @@ class Render(unittest.TestCase):
             self.assertEqual(process.returncode, code)
             self.assertTrue(os.path.exists(path))
 
+    def test_a_signal_before_the_first_sample(self):
+        with open(self.path('big.json'), 'w') as file:
+            json.dump({'lampyris': 1, 'shapes': [{'type': 'generated', 'triangles': 2500000,
+                                                  'material': 'grey'}],
+                       'materials': {'grey': {}}}, file)
+        process = subprocess.Popen([LAMPYRIS, 'render', self.path('big.json'), '-o',
+                                    self.path('big.exr')], env=GPU_ENVIRONMENT,
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        while not (line := process.stderr.readline()).startswith('Building BVH'):
+            if not line:
+                self.skipTest('the BVH was built within a second')
+        process.send_signal(signal.SIGTERM)
+        _, messages = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 143, messages)
+        self.assertIn('stopped', messages)
+        self.assertEqual(os.listdir(self.folder.name), ['big.json'])
+
 
 if __name__ == '__main__':
     unittest.main()

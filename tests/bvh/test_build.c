@@ -394,7 +394,7 @@ TEST(progress_and_stopping)
           listener.reports, listener.last);
     listener = (struct listener){.in_order = true, .stop_after = 3};
     CHECK(!bvh_build(&params, &arena, &bvh, &err));
-    CHECK(err.code == ERR_SYSTEM && strstr(err.msg, "stopped"), "%s", err.msg);
+    CHECK(err.code == ERR_STOPPED && strstr(err.msg, "stopped"), "%s", err.msg);
     arena_finish(&arena);
 }
 
