@@ -35,7 +35,8 @@
     M(seed)                                                                                        \
     M(camera_up)                                                                                   \
     M(bounce)                                                                                      \
-    M(environment) M(environment_size) M(wave_slots) M(first_pixel) M(pixel_count) M(first_sample) \
+    M(environment)                                                                                 \
+    M(environment_size) M(wave_slots) M(first_pixel) M(pixel_count) M(first_sample)                \
         M(sample_shift) M(queue) M(first_item) M(part_items) M(max_bounces)                        \
             M(roulette_min_bounces) M(emitter_count) M(film_first_pixel)
 

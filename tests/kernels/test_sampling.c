@@ -169,6 +169,61 @@ TEST(triangle)
     setup_close(&setup);
 }
 
+// --- the choice of a light -----------------------------------------------------------------------
+
+enum { LIGHTS = 1000, STEPS = 1 << 24 };
+
+// Triangles of random areas, over six orders of magnitude.
+static void add_lights(struct scene *scene)
+{
+    static float triangles[LIGHTS][3][3];
+    struct random random = {36};
+    for (uint32_t i = 0; i < LIGHTS; i++) {
+        float side = (float)pow(10, random_between(&random, -3, 0));
+        triangles[i][0][0] = triangles[i][1][0] = triangles[i][2][0] = (float)i;
+        triangles[i][1][1] = triangles[i][2][2] = side;
+    }
+    scene->materials[0].emission[0] = 1;
+    add_triangles(scene, (const float(*)[3][3])triangles, LIGHTS, 0);
+}
+
+static double light_area(const struct renderer *r, uint32_t triangle)
+{
+    double edge[2][3];
+    for (int i = 0; i < 2; i++)
+        subtract(r->flat.triangles[triangle].v[i + 1], r->flat.triangles[triangle].v[0], edge[i]);
+    return length(edge[0]) * length(edge[1]) / 2; // a right angle
+}
+
+// All 2^24 values of the uniform: exact probabilities. The ends of each bin and the threshold in it
+// fall between two values, so that probability 2^-24 may go the wrong way at each: the total
+// variation is at most 2^-24 a bin.
+TEST(light_choice)
+{
+    struct setup setup;
+    static uint32_t count[LIGHTS];
+    scene_start(&setup.scene, 8, 8);
+    add_lights(&setup.scene);
+    OPEN_SETUP(&setup, LIBRARY_SLOTS);
+    for (uint32_t first = 0; first < STEPS; first += SAMPLES) {
+        for (uint32_t i = 0; i < SAMPLES; i++) {
+            samples[i].f[0][0] = (float)(first + i) * 0x1p-24f;
+            samples[i].f[0][1] = samples[i].f[0][2] = 0.5f;
+        }
+        REQUIRE(library_run(&setup, ROUTINE_PICK_LIGHT, samples, SAMPLES), "not run");
+        for (uint32_t i = 0; i < SAMPLES; i++)
+            count[setup.r.bvh.triangle_order[samples[i].u[0][0]]]++;
+    }
+    double sum = 0, variation = 0;
+    for (uint32_t i = 0; i < LIGHTS; i++)
+        sum += light_area(&setup.r, i);
+    for (uint32_t i = 0; i < LIGHTS; i++)
+        variation += fabs((double)count[i] / STEPS - light_area(&setup.r, i) / sum) / 2;
+    printf("  total variation of %d lights: %.3g\n", LIGHTS, variation);
+    CHECK(variation <= LIGHTS * 0x1p-24, "%g", variation);
+    setup_close(&setup);
+}
+
 // --- extremes ------------------------------------------------------------------------------------
 
 // Uniforms of 0, the smallest and the largest: never a NaN, always on the domain.
@@ -257,4 +312,4 @@ TEST(basis_around)
 }
 
 TEST_MAIN(TEST_CASE(cosine_hemisphere), TEST_CASE(sphere), TEST_CASE(disc), TEST_CASE(triangle),
-          TEST_CASE(extreme_uniforms), TEST_CASE(basis_around))
+          TEST_CASE(light_choice), TEST_CASE(extreme_uniforms), TEST_CASE(basis_around))

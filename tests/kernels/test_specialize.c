@@ -1,6 +1,7 @@
 // What a scene does not need is left out: pairs of tiny scenes, with and without one need. Of the
 // first, the Vulkan objects must be there; of the second they must be gone, and nothing else.
 #include "kernel_fixture.h"
+#include "replay.h"
 
 #define BIT(n) (1u << (n))
 
@@ -311,6 +312,12 @@ TEST(suspended_traversals_are_made_when_needed)
               before.buffers, after.buffers);
         CHECK(after.queue_rows == before.queue_rows + 2, "%llu and %llu queues",
               (unsigned long long)before.queue_rows, (unsigned long long)after.queue_rows);
+        struct arena arena = {0};
+        struct replay path = {0};
+        bool followed = renderer_replay(&r, 0, 0, 0, &arena, &path, &err);
+        CHECK(followed && path.vertex_count > 0 && path.vertices[0].primitive == 0,
+              "not the lowest of the identical triangles");
+        arena_finish(&arena);
         CHECK(r.stats.suspended > 0 && r.stats.voided_waves == 1, "%llu suspended",
               (unsigned long long)r.stats.suspended);
     }
