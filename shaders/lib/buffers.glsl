@@ -79,9 +79,10 @@ bool is_finite(vec3 v)
     return all(notEqual(exponent, uvec3(0x7f800000u)));
 }
 
-// Counts a contribution that is not finite, and keeps what is needed to reproduce it.
+// Counts a contribution that is left out, marks its sample, and keeps what is needed to reproduce it.
 void report_nonfinite(uint slot, uint site)
 {
+    radiance_words[slot].w = floatBitsToUint(1.0);
     atomicAdd(counters.nonfinite[site], 1u);
     uint record = atomicAdd(counters.nonfinite_records, 1u);
     if (record < NONFINITE_RECORDS) {
@@ -92,17 +93,16 @@ void report_nonfinite(uint slot, uint site)
     }
 }
 
-// Adds to the slot's radiance, in the order of the dispatches. w marks that something was dropped.
+// Adds to the slot's radiance, in the order of the dispatches, unless the sum would not be finite.
+// w marks that something was dropped.
 void add_radiance(uint slot, vec3 contribution, uint site)
 {
     vec4 radiance = load_radiance_float(slot);
-    if (is_finite(contribution)) {
-        radiance.rgb += contribution;
-    } else {
-        radiance.w = 1.0;
+    vec3 sum = radiance.rgb + contribution;
+    if (is_finite(sum))
+        radiance_words[slot] = floatBitsToUint(vec4(sum, radiance.w));
+    else
         report_nonfinite(slot, site);
-    }
-    radiance_words[slot] = floatBitsToUint(radiance);
 }
 
 #endif
