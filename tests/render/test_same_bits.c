@@ -203,6 +203,59 @@ TEST(waves_of_a_large_picture)
     gpu_close(&gpu);
 }
 
+static void scale_scene(struct scene *scene, double factor)
+{
+    for (uint32_t m = 0; m < scene->mesh_count; m++) {
+        struct mesh *mesh = &scene->meshes[m];
+        for (uint32_t v = 0; v < mesh->vertex_count; v++)
+            for (int c = 0; c < 3; c++)
+                mesh->positions[v][c] *= (float)factor;
+        for (uint32_t v = 0; mesh->exact_positions && v < mesh->vertex_count; v++)
+            for (int c = 0; c < 3; c++)
+                mesh->exact_positions[v][c] *= factor;
+    }
+    for (uint32_t s = 0; s < scene->shape_count; s++)
+        scene->shapes[s].radius *= factor;
+    for (int c = 0; c < 3; c++) {
+        for (uint32_t i = 0; i < scene->instance_count; i++)
+            scene->instances[i].transform[c][3] *= factor;
+        for (uint32_t s = 0; s < scene->shape_count; s++)
+            scene->shapes[s].center[c] *= factor;
+        scene->cameras[0].position[c] *= factor;
+    }
+}
+
+// Radiance does not depend on the unit of length, and roundings do not either where they are
+// relative: 2^20 is about the 1e6 of stiff case C1.
+static void check_scales(const char *path)
+{
+    static const int exponents[] = {0, -20, 20};
+    const struct scene_override small[] = {{"film.width", "64"}, {"film.height", "48"}, {0}};
+    struct gpu gpu;
+    struct arena arena = {0};
+    struct film_image films[3];
+    struct err err = {0};
+    OPEN_GPU(&gpu, 0);
+    for (int i = 0; i < 3; i++) {
+        struct scene scene;
+        REQUIRE_OK(load_scene(path, small, &scene, &err));
+        scale_scene(&scene, ldexp(1.0, exponents[i]));
+        const struct renderer_params params = {.gpu = &gpu, .scene = &scene};
+        REQUIRE_OK(render_film(&params, 16, &arena, &films[i], NULL, &err));
+        CHECK(same_bits(&films[i], &films[0]), "%s scaled by 2^%d", path, exponents[i]);
+        scene_finish(&scene);
+    }
+    arena_finish(&arena);
+    gpu_close(&gpu);
+}
+
+TEST(scales)
+{
+    check_scales("scenes/cornell.json");
+    check_scales("scenes/spheres.json");
+    check_scales("tests/render/scenes/blob.json");
+}
+
 TEST(validation_is_silent)
 {
     const struct scene_override size[] = {{"film.width", "32"}, {"film.height", "32"}, {0}};
@@ -223,4 +276,4 @@ TEST(validation_is_silent)
 
 TEST_MAIN(TEST_CASE(cornell), TEST_CASE(spheres), TEST_CASE(furnace), TEST_CASE(even_sky),
           TEST_CASE(normals_and_environment_image), TEST_CASE(waves_of_a_large_picture),
-          TEST_CASE(validation_is_silent))
+          TEST_CASE(scales), TEST_CASE(validation_is_silent))
