@@ -64,6 +64,10 @@ void file_writer_finish(struct file_writer *writer);
 // Opens, writes, commits.
 bool file_write_atomic(const char *path, const void *data, size_t size, struct err *err);
 
+// ERR_OUTPUT when the file system on which `path` is to be written has less than `bytes` left for
+// this user. True of devices and pipes, and where it cannot be known.
+bool file_check_space(const char *path, uint64_t bytes, struct err *err);
+
 // Finds out before rendering whether `path` could be written: its folder exists and is writable,
 // and path itself is not a folder. Leaves nothing behind. ERR_OUTPUT. Of a device or pipe only the
 // permission is checked: that /dev/full is full shows when it is written.

@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <sys/statvfs.h>
 #include <unistd.h>
 
 static bool fail(struct err *err, const char *path, const char *action)
@@ -277,4 +278,22 @@ bool file_check_writable(const char *path, struct err *err)
         return false;
     file_writer_finish(&writer);
     return true;
+}
+
+bool file_check_space(const char *path, uint64_t bytes, struct err *err)
+{
+    struct stat status;
+    bool exists = stat(path, &status) == 0;
+    if (exists && !S_ISREG(status.st_mode))
+        return true;
+    int length = folder_length(path);
+    char *place = exists ? strdup(path) : length > 0 ? strndup(path, (size_t)length) : strdup(".");
+    struct statvfs space;
+    bool is_known = place && statvfs(place, &space) == 0 && space.f_blocks > 0;
+    free(place);
+    if (!is_known || bytes / space.f_frsize < space.f_bavail)
+        return true;
+    return err_set(err, ERR_OUTPUT, "%s: may take %llu bytes, but its disk has only %llu left",
+                   path, (unsigned long long)bytes,
+                   (unsigned long long)space.f_bavail * space.f_frsize);
 }

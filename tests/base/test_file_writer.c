@@ -189,6 +189,23 @@ TEST(a_failed_rename_removes_the_temporary_file)
     temporary_leave(folder);
 }
 
+TEST(space_is_known_before_writing)
+{
+    char folder[200];
+    REQUIRE(temporary_enter(folder, sizeof folder) && temporary_write("old", "x"));
+    struct err err = {0};
+    const char *const paths[] = {"new", "old", "./new"};
+    for (size_t i = 0; i < sizeof paths / sizeof paths[0]; i++) {
+        CHECK(file_check_space(paths[i], 0, &err), "%s", err.msg);
+        err = (struct err){0};
+        CHECK(!file_check_space(paths[i], UINT64_MAX, &err), "%s", paths[i]);
+        CHECK(err.code == ERR_OUTPUT && strstr(err.msg, "18446744073709551615 bytes"), "%s",
+              err.msg);
+    }
+    CHECK(file_check_space("/dev/null", UINT64_MAX, &err), "a device has no size");
+    temporary_leave(folder);
+}
+
 // Linux only: elsewhere the temporary file has a name from the start.
 TEST(a_killed_process_leaves_nothing)
 {
@@ -227,4 +244,4 @@ TEST_MAIN(TEST_CASE(a_new_file_appears_only_at_commit),
           TEST_CASE(pipes_are_written_to_when_somebody_reads),
           TEST_CASE(a_disk_that_fills_up_loses_nothing),
           TEST_CASE(a_failed_rename_removes_the_temporary_file),
-          TEST_CASE(a_killed_process_leaves_nothing))
+          TEST_CASE(space_is_known_before_writing), TEST_CASE(a_killed_process_leaves_nothing))
