@@ -3,6 +3,7 @@
 
 #include "json_out.h"
 #include "render_job.h"
+#include "text_out.h"
 #include <inttypes.h>
 #include <stdio.h>
 
@@ -35,13 +36,15 @@ static void print_text(const struct info *info)
     printf("emitters  %u triangles, %u spheres, %u discs\n", info->emitters.triangles,
            info->emitters.spheres, info->emitters.discs);
     printf("cameras   %u", scene->camera_count);
-    for (uint32_t i = 0; i < scene->camera_count; i++)
-        printf("%s%s", i ? ", " : ": ",
-               scene->cameras[i].name ? scene->cameras[i].name : "unnamed");
+    for (uint32_t i = 0; i < scene->camera_count; i++) {
+        const char *name = scene->cameras[i].name;
+        fputs(i ? ", " : ": ", stdout);
+        print_words(name && *name ? name : "unnamed");
+    }
     printf("\nsettings  %u x %u, %" PRIu64 " spp, %u bounces, seed %u\n", s->width, s->height,
            s->spp, s->max_bounces, s->seed);
     for (uint32_t i = 0; i < scene->note_count; i++)
-        printf("note      %s\n", scene->notes[i]);
+        print_line("note      ", scene->notes[i]);
     const struct bvh_stats *b = &info->bvh.stats;
     printf("BVH       %u nodes, depth %u, SAH cost %.2f, %.1f KiB, built in %.3f s\n",
            b->node_count, b->depth, b->sah_cost, (double)b->bytes / 1024.0, b->build_seconds);

@@ -4,6 +4,7 @@
 #include "hash.h"
 #include "log.h"
 #include "render_job.h"
+#include <string.h>
 
 // --- how many samples, in which frames
 // ------------------------------------------------------------
@@ -48,9 +49,28 @@ static bool render_until(struct render_job *job, uint64_t samples, struct err *e
     return true;
 }
 
+// A list that grows by doubling: how many frames there will be may be for a clock or a signal to
+// say.
+static bool add_frame_time(struct render_job *job, double ms, struct err *err)
+{
+    if (job->frame_count == job->frame_capacity) {
+        uint32_t capacity = job->frame_count ? 2 * job->frame_count : 64;
+        double *larger = ARENA_NEW(&job->arena, double, capacity);
+        if (!larger)
+            return err_memory(err, "frame times", capacity * sizeof *larger);
+        if (job->frame_count)
+            memcpy(larger, job->frames_ms, job->frame_count * sizeof *larger);
+        job->frames_ms = larger;
+        job->frame_capacity = capacity;
+    }
+    job->frames_ms[job->frame_count++] = ms;
+    return true;
+}
+
 static bool read_film(struct render_job *job, struct err *err)
 {
-    if (!renderer_read(&job->renderer, &job->arena, &job->film, err))
+    arena_finish(&job->film_arena);
+    if (!renderer_read(&job->renderer, &job->film_arena, &job->film, err))
         return false;
     const struct film_image *film = &job->film;
     uint64_t pixels = (uint64_t)film->width * film->height;
@@ -77,23 +97,21 @@ static bool render_frames(struct render_job *job, struct err *err)
 {
     const struct options *options = job->options;
     uint32_t frames = options->frames;
-    job->frames_ms = ARENA_NEW(&job->arena, double, frames);
-    if (!job->frames_ms)
-        return err_memory(err, "frame times", frames * sizeof(double));
     double limit = options->time_seconds;
     for (uint32_t frame = 0; frame < frames && !job->stopped; frame++) {
         if (frame > 0 && !options->accumulate && !renderer_clear(&job->renderer, err))
             return false;
         uint64_t start = clock_ns();
         if (!render_samples(job, options->spp_per_frame, (double)frame / frames,
-                            (frame + 1.0) / frames, err))
+                            (frame + 1.0) / frames, err) ||
+            !add_frame_time(job, clock_seconds_since(start) * 1e3, err))
             return false;
-        job->frames_ms[job->frame_count++] = clock_seconds_since(start) * 1e3;
+        job->seconds.render = job->renderer.stats.render_seconds;
         if (is_numbered(job, frame) && !job->stopped) {
             if (!read_film(job, err) || !job_write_outputs(job, frame + 1, err))
                 return false;
         }
-        job->timed_out = limit > 0.0 && job->renderer.stats.render_seconds >= limit;
+        job->timed_out = limit > 0.0 && job->seconds.render >= limit && frame + 1 < frames;
         if (job->timed_out)
             break;
     }
@@ -104,17 +122,13 @@ static bool render_picture(struct render_job *job, struct err *err)
 {
     const struct options *options = job->options;
     uint64_t samples = job->scene.settings.spp;
-    job->frames_ms = ARENA_NEW(&job->arena, double, 1);
-    if (!job->frames_ms)
-        return err_memory(err, "frame times", sizeof(double));
     uint64_t start = clock_ns();
     bool ok;
     if (options->time_seconds > 0.0)
         ok = render_until(job, options_given(options, OPTION_SPP) ? samples : UINT32_MAX, err);
     else
         ok = render_samples(job, samples, 0.0, 1.0, err);
-    job->frames_ms[job->frame_count++] = clock_seconds_since(start) * 1e3;
-    return ok;
+    return ok && add_frame_time(job, clock_seconds_since(start) * 1e3, err);
 }
 
 // --- the command
@@ -129,6 +143,8 @@ static bool set_up(struct render_job *job, struct err *err)
     if (!job_load_scene(options, &job->scene, &job->camera, err))
         return false;
     job->seconds.load = clock_seconds_since(start);
+    if (!job_check_space(job, err))
+        return false;
     for (uint32_t i = 0; i < job->scene.note_count; i++)
         log_info("%s", job->scene.notes[i]);
 
@@ -144,6 +160,8 @@ static bool set_up(struct render_job *job, struct err *err)
     };
     if (!renderer_create(&params, &job->renderer, err))
         return false;
+    if (job->renderer.flat.triangle_count == 0 && job->renderer.flat.shape_count == 0)
+        log_warn("%s has no surface: there is only the environment to see", job->scene.path);
     const struct render_stats *stats = &job->renderer.stats;
     job->seconds.load += stats->flatten_seconds;
     job->seconds.bvh = stats->bvh_seconds;
@@ -186,6 +204,8 @@ int cmd_render(const struct options *options)
     renderer_finish(&job.renderer);
     gpu_close(&job.gpu);
     scene_finish(&job.scene);
+    job_release_outputs(&job);
+    arena_finish(&job.film_arena);
     arena_finish(&job.arena);
     if (!ok)
         return command_fail(&err);

@@ -57,7 +57,8 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .help = "Samples per pixel.", FIELD(settings.spp),
     },
     [OPTION_TIME] = {
-        .name = "time", .argument = "SECONDS", .type = VALUE_REAL, .min = 0.001, .max = 1e9,
+        .name = "time", .argument = "SECONDS", .type = VALUE_REAL, .min = 0.001,
+        .max = OPTION_TIME_MAX,
         .group = "Sampling", .commands = FOR_RENDER, .fallback = "no limit",
         .help = "Stop at whole samples per pixel after about this many seconds of rendering, or "
                 "at --spp or --frames where given. At least one sample per pixel is taken.",
@@ -111,7 +112,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .name = "define", .short_name = 'D', .argument = "KEY=VALUE", .type = VALUE_DEFINE,
         .group = "Scene", .commands = FOR_SCENE,
         .help = "Replace a value of a JSON scene, by its \"define\" name or its dotted path, as in "
-                "camera.fov=40. May be given several times.",
+                "film.exposure=1. May be given several times.",
     },
     [OPTION_ALLOW_OUTSIDE_PATHS] = {
         .name = "allow-outside-paths", .type = VALUE_FLAG, .group = "Scene",
@@ -209,6 +210,19 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .max = MOST_BYTES, .group = "Fallbacks, for tests", .commands = FOR_SCENE,
         .fallback = "the device's", .help = "Lower the largest allocation of device memory.",
         FIELD(gpu.limits.allocation),
+    },
+
+    [OPTION_FAIL_ALLOCATION] = {
+        .name = "fail-allocation", .argument = "N", .type = VALUE_COUNT, .min = 1,
+        .max = UINT32_MAX, .group = "Faults, for tests", .commands = FOR_RENDER,
+        .help = "Have the N-th allocation of device memory fail.",
+        FIELD(gpu.fail_allocation),
+    },
+    [OPTION_LOSE_DEVICE] = {
+        .name = "lose-device", .argument = "N", .type = VALUE_COUNT, .min = 1,
+        .max = UINT32_MAX, .group = "Faults, for tests", .commands = FOR_RENDER,
+        .help = "Lose the device at the N-th submission of commands.",
+        FIELD(gpu.lose_device_at_submit),
     },
 
     [OPTION_MAX] = {

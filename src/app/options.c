@@ -115,6 +115,9 @@ static bool parse_short(struct parser *parser, const char *text, struct err *err
 static bool parse_argument(struct parser *parser, const char *text, struct err *err)
 {
     struct options *options = parser->options;
+    if (!*text)
+        return err_set(err, ERR_USAGE, "an argument is empty; expected %s",
+                       options->command ? options->command->arguments : "COMMAND");
     if (!options->command) {
         options->command = command_find(text, err);
         return options->command != NULL;
@@ -155,7 +158,7 @@ static bool check_combinations(const struct options *options, struct err *err)
     } rules[] = {
         {OPTION_SPP_PER_FRAME, OPTION_FRAMES, true}, {OPTION_EVERY, OPTION_FRAMES, true},
         {OPTION_ACCUMULATE, OPTION_FRAMES, true},    {OPTION_SAMPLE, OPTION_PIXEL, true},
-        {OPTION_SPP, OPTION_FRAMES, false},          {OPTION_FRAMES, OPTION_PIXEL, false},
+        {OPTION_SPP, OPTION_FRAMES, false},
     };
     for (size_t i = 0; i < sizeof rules / sizeof rules[0]; i++) {
         const char *name = option_table[rules[i].id].name;

@@ -16,6 +16,8 @@
 
 struct command;
 
+#define OPTION_TIME_MAX 1e9 // of --time, seconds: more than anyone waits
+
 // In the order of option_table, which is the order of the help.
 enum option_id {
     OPTION_OUTPUT,
@@ -49,6 +51,8 @@ enum option_id {
     OPTION_LIMIT_STORAGE_RANGE,
     OPTION_LIMIT_TEXEL_ELEMENTS,
     OPTION_LIMIT_ALLOCATION,
+    OPTION_FAIL_ALLOCATION,
+    OPTION_LOSE_DEVICE,
     OPTION_MAX,
     OPTION_MIN,
     OPTION_DIFFERENCE,

@@ -2,6 +2,8 @@
 #ifndef LAMPYRIS_APP_RENDER_JOB_H
 #define LAMPYRIS_APP_RENDER_JOB_H
 
+#include "file_lock.h"
+#include "image.h"
 #include "metrics.h"
 #include "options.h"
 #include "render.h"
@@ -12,21 +14,23 @@ struct job_seconds {
 
 struct render_job {
     const struct options *options;
-    struct arena arena; // pictures, names, the list of frames
+    struct arena arena; // names, the list of frames
     struct scene scene;
     struct gpu gpu;
     struct renderer renderer;
     uint32_t camera;
     const char **outputs;
+    struct file_lock *locks; // one an output
     uint32_t output_count;
 
     uint64_t start_ns;
     struct job_seconds seconds;
     double *frames_ms; // of each frame rendered
-    uint32_t frame_count;
+    uint32_t frame_count, frame_capacity;
     bool stopped;   // by a signal; some pixels may have fewer samples
     bool timed_out; // --time ended it
 
+    struct arena film_arena; // of the film as last read, and what is said about it
     struct film_image film;
     struct half_error error;
     uint64_t image_hash; // of the mean's bits
@@ -38,17 +42,34 @@ bool job_load_scene(const struct options *options, struct scene *scene, uint32_t
                     struct err *err);
 
 // --- render_output.c ---
-// Settles the names and finds out what can be found out before rendering.
+// Settles the names and finds out what can be found out before rendering: whether the formats are
+// known, the folders can be written to, and no other run is writing the same files. They stay
+// locked until job_release_outputs.
 bool job_check_outputs(struct render_job *job, struct err *err);
-// Writes all pictures; frame > 0: numbered, "NAME.0012.exr".
+// When the size of the pictures is known: whether they fit where they are to go.
+bool job_check_space(const struct render_job *job, struct err *err);
+// Writes all pictures; frame > 0: numbered, "NAME.0012.exr". One that cannot be written does not
+// keep the others from it; where no EXR file could be, the picture is saved in the system's folder
+// for temporary files.
 bool job_write_outputs(struct render_job *job, uint32_t frame, struct err *err);
+void job_release_outputs(struct render_job *job);
+
+// --- render_metadata.c ---
+#define JOB_MAX_ATTRIBUTES 64
+
+struct job_attributes {
+    struct image_attribute list[JOB_MAX_ATTRIBUTES];
+    uint32_t count;
+};
+
+// What is written into a picture about how it was made. The values live as long as the job's
+// options, scene and `arena`. frame: as of job_write_outputs.
+bool job_describe(const struct render_job *job, uint32_t frame, struct arena *arena,
+                  struct job_attributes *out, struct err *err);
 
 // --- render_report.c ---
 void job_print_summary(const struct render_job *job);
 void job_print_json(const struct render_job *job);
-// The command line, quoted for a shell, with `extra` behind it; NULL when out of memory.
-const char *job_command_line(const struct options *options, struct arena *arena,
-                             const char *extra);
 // The command that follows the path of a dropped contribution, or NULL; lives in the job's arena.
 const char *job_reproducing_command(struct render_job *job);
 

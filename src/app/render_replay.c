@@ -2,6 +2,7 @@
 
 #include "json_out.h"
 #include "render_job.h"
+#include "text_out.h"
 #include <inttypes.h>
 #include <stdio.h>
 
@@ -33,8 +34,9 @@ static void print_vertex(const struct replay_vertex *v)
         printf("    %-12s %s %u at t %.9g, position %.9g %.9g %.9g\n", "hit",
                v->is_shape ? "shape" : "triangle", v->primitive, v->t, v->position[0],
                v->position[1], v->position[2]);
-        printf("    %-12s \"%s\" (%s)\n", "material", v->material->name,
-               v->material->type == MATERIAL_MIRROR ? "mirror" : "diffuse");
+        printf("    %-12s \"", "material");
+        print_words(v->material->name);
+        printf("\" (%s)\n", v->material->type == MATERIAL_MIRROR ? "mirror" : "diffuse");
     }
     print_vector("gained", v->gained);
     if (v->connected)
@@ -54,12 +56,12 @@ static json_t *vertex_json(const struct replay_vertex *v)
                   "bsdf_pdf", json_number(v->bsdf_pdf), "throughput", vector_json(v->throughput),
                   "gained", vector_json(v->gained));
     if (object && v->material)
-        json_object_update_new(object,
-                               json_pack("{s:{s:s, s:i, s:o, s:s, s:[o, o, o]}}", "hit", "kind",
-                                         v->is_shape ? "shape" : "triangle", "primitive",
-                                         v->primitive, "t", json_number(v->t), "material",
-                                         v->material->name, "position", json_number(v->position[0]),
-                                         json_number(v->position[1]), json_number(v->position[2])));
+        json_object_update_new(
+            object, json_pack("{s:{s:s, s:i, s:o, s:o, s:[o, o, o]}}", "hit", "kind",
+                              v->is_shape ? "shape" : "triangle", "primitive", v->primitive, "t",
+                              json_number(v->t), "material", json_words(v->material->name),
+                              "position", json_number(v->position[0]), json_number(v->position[1]),
+                              json_number(v->position[2])));
     if (object && v->connected)
         json_object_update_new(object,
                                json_pack("{s:{s:s, s:i, s:o, s:o, s:o, s:b}}", "light", "kind",

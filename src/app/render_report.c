@@ -1,6 +1,7 @@
 // What a render reports: a summary for people, one JSON object for machines.
 #include "json_out.h"
 #include "render_job.h"
+#include "text_out.h"
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
@@ -45,49 +46,14 @@ static const char *site_name(int site)
     return names[site];
 }
 
-// --- the command line
-// -----------------------------------------------------------------------------
-
-// Inside single quotes a shell takes everything but the quote itself as it is.
-static const char *quoted(struct arena *arena, const char *text)
-{
-    static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
-                                "-_=+,./:@%";
-    if (*text && strspn(text, plain) == strlen(text))
-        return text;
-    char *out = arena_alloc(arena, strlen(text) * 4 + 3, 1);
-    if (!out)
-        return NULL;
-    char *at = out;
-    *at++ = '\'';
-    for (; *text; text++) {
-        if (*text == '\'')
-            at = stpcpy(at, "'\\'");
-        *at++ = *text;
-    }
-    *at = '\'';
-    return out;
-}
-
-const char *job_command_line(const struct options *options, struct arena *arena, const char *extra)
-{
-    const char *line = "lampyris";
-    for (int i = 1; i < options->argc && line; i++) {
-        const char *word = quoted(arena, options->argv[i]);
-        line = word ? arena_printf(arena, "%s %s", line, word) : NULL;
-    }
-    return line && *extra ? arena_printf(arena, "%s %s", line, extra) : line;
-}
-
 const char *job_reproducing_command(struct render_job *job)
 {
     const struct nonfinite_stats *stats = &job->renderer.stats.nonfinite;
     if (!stats->recorded)
         return NULL;
-    char extra[64];
-    snprintf(extra, sizeof extra, "--pixel %u,%u --sample %u", stats->pixel % job->film.width,
-             stats->pixel / job->film.width, stats->sample);
-    return job_command_line(job->options, &job->arena, extra);
+    return arena_printf(&job->arena, "%s --pixel %u,%u --sample %u", job->options->command_line,
+                        stats->pixel % job->film.width, stats->pixel / job->film.width,
+                        stats->sample);
 }
 
 // --- what was kept and left out
@@ -200,7 +166,11 @@ void job_print_summary(const struct render_job *job)
                             : "");
     printf("device    %s (%s)\n", job->gpu.info.name, job->gpu.info.kind);
     for (uint32_t i = 0; i < job->scene.note_count; i++)
-        printf("note      %s\n", job->scene.notes[i]);
+        print_line("note      ", job->scene.notes[i]);
+    const struct flat_scene *flat = &job->renderer.flat;
+    if (flat->dropped_degenerate || flat->skipped_instances)
+        printf("dropped   %u triangles without area, %u instances with a singular transform\n",
+               flat->dropped_degenerate, flat->skipped_instances);
     print_error(job);
     print_times(job);
     print_nonfinite(job);
@@ -278,7 +248,7 @@ void job_print_json(const struct render_job *job)
     for_each_feature(&job->renderer, list_feature, &lists);
     json_t *object = json_pack(
         "{s:o, s:s, s:s, s:i, s:i, s:I, s:I, s:I, s:o, s:{s:I, s:I}, s:o, s:o, s:o, s:o, s:I, "
-        "s:o, s:{s:o, s:o}, s:{s:I, s:I}, s:I, s:I, s:s, s:o, s:o, s:b, s:s}",
+        "s:o, s:{s:o, s:o}, s:{s:I, s:I}, s:I, s:I, s:I, s:I, s:s, s:o, s:o, s:b, s:s}",
         "scene", json_words(job->scene.path), "device", job->gpu.info.name, "driver",
         job->gpu.info.driver, "width", film->width, "height", film->height, "spp",
         (json_int_t)film->least_samples, "spp_most", (json_int_t)film->most_samples, "seed",
@@ -290,7 +260,9 @@ void job_print_json(const struct render_job *job)
         frames_json(job), "features", "kept", lists.kept, "left_out", lists.left_out, "memory",
         "device_bytes", (json_int_t)job->gpu.peak_bytes, "host_peak_bytes",
         (json_int_t)host_peak_bytes(), "wave", (json_int_t)job->renderer.plan.wave_slots,
-        "continued_traversals", (json_int_t)stats->suspended, "image_hash", hash, "outputs",
+        "continued_traversals", (json_int_t)stats->suspended, "dropped_degenerate",
+        (json_int_t)job->renderer.flat.dropped_degenerate, "skipped_instances",
+        (json_int_t)job->renderer.flat.skipped_instances, "image_hash", hash, "outputs",
         strings_json(job->outputs, job->output_count), "notes",
         strings_json(job->scene.notes, job->scene.note_count), "stopped_early", job->stopped,
         "version", LAMPYRIS_VERSION);

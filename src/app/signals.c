@@ -4,14 +4,26 @@
 #include <stddef.h>
 #include <unistd.h>
 
-// A handler is given no context, so this must be a global.
+// A handler is given no context, so these must be globals.
 static volatile sig_atomic_t received;
+static const char *const *volatile leftovers;
+static volatile sig_atomic_t leftover_count;
 
 static void handle(int signal)
 {
-    if (received)
+    if (received) {
+        for (int i = 0; i < leftover_count; i++)
+            unlink(leftovers[i]); // async-signal-safe, as _exit is (POSIX)
         _exit(128 + signal);
+    }
     received = signal;
+}
+
+void signals_set_leftovers(const char *const *paths, unsigned count)
+{
+    leftover_count = 0; // before the list changes, and set again only after it has
+    leftovers = paths;
+    leftover_count = (sig_atomic_t)count;
 }
 
 static void install(int signal)

@@ -9,6 +9,10 @@ void signals_install(void);
 
 // The signal that asked to stop, or 0.
 int signals_received(void);
+// Files that a second signal removes before it ends the program: those that live only as long as
+// it does. The list must stay until it is replaced; call from one thread.
+void signals_set_leftovers(const char *const *paths, unsigned count);
+
 // 128 + that signal, as shells have it; 0 when there was none.
 int signal_exit_code(void);
 

@@ -317,6 +317,90 @@ class Render(unittest.TestCase):
         self.assertEqual(result.returncode, 4)
         self.assertIn('full.exr: cannot write', result.stderr)
 
+    @unittest.skipUnless(os.path.exists('/dev/full'), 'there is no /dev/full')
+    def test_a_full_disk_loses_no_picture(self):
+        os.symlink('/dev/full', self.path('full.exr'))
+        os.symlink('/dev/full', self.path('full.png'))
+        result = self.render('--spp', '1', '-o', self.path('full.exr'), '-o', self.path('a.exr'))
+        self.assertEqual(result.returncode, 4)
+        self.assertIn('a.exr', os.listdir(self.folder.name))
+        # None of the outputs is left: the picture is saved in $TMPDIR.
+        os.mkdir(self.path('tmp'))
+        result = run('render', self.SCENE, '--size', '16x16', '--spp', '1', '-o',
+                     self.path('full.exr'), '-o', self.path('full.png'),
+                     env={**GPU_ENVIRONMENT, 'TMPDIR': self.path('tmp')})
+        self.assertEqual(result.returncode, 4)
+        self.assertIn('full.exr: cannot write', result.stderr)
+        self.assertIn('full.png: cannot write', result.stderr)
+        saved = re.search(r'saved as (\S+)', result.stderr).group(1)
+        self.assertTrue(saved.startswith(self.path('tmp')))
+        same = run('compare', saved, self.path('a.exr'), '--max', 'differing=0')
+        self.assertEqual(same.returncode, 0, same.stderr)
+
+    def test_a_picture_that_cannot_fit(self):
+        # Far more bytes than any disk has; only the size of the film would fail later, and slowly.
+        space = os.statvfs(self.folder.name)
+        if space.f_bavail * space.f_frsize > 1 << 44:
+            self.skipTest('the disk is large')
+        result = run_gpu('render', self.SCENE, '--size', '65536x32768', '--frames', '1k',
+                         '--every', '1', '-o', self.path('a.exr'))
+        self.assertEqual((result.returncode, result.stdout), (4, ''))
+        self.assertRegex(result.stderr, r'a\.exr: may take \d+ bytes, but its disk has only \d+ left')
+
+    def test_frames_say_which_and_how_to_repeat_them(self):
+        result = self.render('--frames', '3', '--every', '1', '--accumulate', 'off', '-o',
+                             self.path('a.exr'))
+        self.assertEqual(result.returncode, 0, result.stderr)
+        with open(self.path('a.0002.exr'), 'rb') as file:
+            header = file.read(8192)
+        self.assertIn(b'lampyris:frame\0string\0\1\0\0\0' + b'2', header)
+        self.assertNotIn(b'seconds_render\0string\0\x08\0\0\0' + b'0.000000', header)
+        command = re.search(rb'lampyris:repeat\0string\0....lampyris (.*?)lampyris:', header,
+                            re.DOTALL).group(1).decode().split()
+        command[command.index('-o') + 1] = self.path('again.exr')
+        command[command.index('--every'):][:2] = []
+        self.assertEqual(run_gpu(*command).returncode, 0)
+        result = run('compare', self.path('again.exr'), self.path('a.0002.exr'), '--max',
+                     'differing=0')
+        self.assertEqual(result.returncode, 0, result.stderr)
+
+    def test_two_runs_and_one_output(self):
+        first = subprocess.Popen([LAMPYRIS, 'render', self.SCENE, '--size', '16x16', '--spp', '1G',
+                                  '-o', self.path('a.exr')], env=GPU_ENVIRONMENT,
+                                 stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        self.assertIn('Rendering', first.stderr.readline())
+        second = self.render('--spp', '1', '-o', self.path('a.exr'))
+        self.assertEqual((second.returncode, second.stdout), (4, ''))
+        self.assertIn('a.exr: is being written by another run', second.stderr)
+        first.send_signal(signal.SIGTERM)
+        first.communicate(timeout=60)
+        self.assertEqual(first.returncode, 143)
+        self.assertEqual(self.render('--spp', '1', '-o', self.path('a.exr')).returncode, 0)
+        result = self.render('--spp', '1', '-o', self.path('b.exr'), '-o',
+                             os.path.join(self.folder.name, '.', 'b.exr'))
+        self.assertEqual(result.returncode, 4)
+        self.assertEqual(os.listdir(self.folder.name), ['a.exr'])
+
+    def test_a_second_signal_leaves_nothing_behind(self):
+        process = subprocess.Popen([LAMPYRIS, 'render', self.SCENE, '--size', '2048x2048', '--spp',
+                                    '1G', '-o', self.path('a.exr')], env=GPU_ENVIRONMENT,
+                                   stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        self.assertIn('Rendering', process.stderr.readline())
+        # Two different ones: the second of the same kind might be merged with the first.
+        process.send_signal(signal.SIGTERM)
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=60)
+        self.assertIn(process.returncode, (130, 143))
+        self.assertEqual(os.listdir(self.folder.name), [])
+
+    def test_faults_of_the_device(self):
+        for fault in ('--fail-allocation', '--lose-device'):
+            for nth in ('1', '3', '5'):
+                result = self.render('--spp', '64', '-o', self.path('a.exr'), fault, nth)
+                self.assertEqual((result.returncode, result.stdout), (3, ''), (fault, nth))
+                self.assertRegex(result.stderr, r'^lampyris: error: .+\n$')
+        self.assertEqual(os.listdir(self.folder.name), [])
+
     def test_missing_scenes(self):
         result = run_gpu('render', self.path('nowhere.json'), '-o', self.path('a.exr'))
         self.assertEqual((result.returncode, result.stdout), (2, ''))

@@ -219,7 +219,6 @@ TEST(combinations_are_checked)
     check_error("render s --sample 2", "--sample needs --pixel");
     check_error("render s --spp 4 --frames 2", "--spp and --frames exclude each other");
     check_error("render s --frames 1M --spp-per-frame 4k", "is 4294967296 samples; at most");
-    check_error("render s --frames 2 --pixel 1,1", "--frames and --pixel exclude each other");
 }
 
 TEST(memory_runs_out_politely)

@@ -1,0 +1,134 @@
+// What a picture says about how it was made: enough to judge it, and to make it again.
+#include "render_job.h"
+
+#include <inttypes.h>
+#include <stdarg.h>
+#include <stdio.h>
+
+struct attributes {
+    struct arena *arena;
+    struct job_attributes *out;
+    bool failed;
+};
+
+static void add(struct attributes *a, const char *key, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+// Takes a value that lives as long as the arena, or NULL when there was no memory for it.
+static void add_text(struct attributes *a, const char *key, const char *value)
+{
+    if (!value || a->out->count == JOB_MAX_ATTRIBUTES)
+        a->failed = true;
+    else
+        a->out->list[a->out->count++] = (struct image_attribute){key, value};
+}
+
+static void add(struct attributes *a, const char *key, const char *format, ...)
+{
+    char text[600]; // the longest is the driver's name
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    add_text(a, key, arena_strdup(a->arena, text));
+}
+
+static const char *estimator_name(enum light_estimator estimator)
+{
+    return estimator == ESTIMATOR_MIS ? "mis" : estimator == ESTIMATOR_NEE ? "nee" : "bsdf";
+}
+
+static const char *tone_name(enum tone_curve curve)
+{
+    static const char *const names[] = {
+        [TONE_NONE] = "none",
+        [TONE_REINHARD] = "reinhard",
+        [TONE_ACES] = "aces",
+        [TONE_AGX] = "agx",
+    };
+    return names[curve];
+}
+
+static void add_settings(struct attributes *a, const struct render_job *job)
+{
+    const struct settings *s = &job->scene.settings;
+    add(a, "lampyris:spp", "%" PRIu64, job->film.most_samples);
+    add(a, "lampyris:seed", "%u", s->seed);
+    add(a, "lampyris:max_bounces", "%u", s->max_bounces);
+    if (s->roulette_min_bounces == UINT32_MAX)
+        add(a, "lampyris:roulette_min_bounces", "off");
+    else
+        add(a, "lampyris:roulette_min_bounces", "%u", s->roulette_min_bounces);
+    add(a, "lampyris:estimator", "%s", estimator_name(s->estimator));
+    add(a, "lampyris:filter", "box");
+    add(a, "lampyris:pixel_jitter", "%s", s->pixel_jitter ? "on" : "off");
+    add(a, "lampyris:exposure", "%.9g", s->exposure);
+    add(a, "lampyris:tone", "%s", tone_name(s->tone_curve));
+    add(a, "lampyris:camera", "%u", job->camera);
+    add(a, "lampyris:wave", "%u", job->renderer.plan.wave_slots);
+    add(a, "lampyris:features", "%s", job->options->features == FEATURES_ALL ? "all" : "needed");
+    if (job->options->frames) {
+        add(a, "lampyris:frames", "%u", job->options->frames);
+        add(a, "lampyris:spp_per_frame", "%u", job->options->spp_per_frame);
+        add(a, "lampyris:accumulate", "%s", job->options->accumulate ? "on" : "off");
+    }
+    if (job->options->time_seconds > 0.0)
+        add(a, "lampyris:time_limit", "%.9g", job->options->time_seconds);
+}
+
+static void add_result(struct attributes *a, const struct render_job *job)
+{
+    if (job->film.least_samples != job->film.most_samples)
+        add(a, "lampyris:spp_least", "%" PRIu64, job->film.least_samples);
+    if (job->error.known) {
+        add(a, "lampyris:relmse", "%.9g", job->error.relmse);
+        add(a, "lampyris:relmse_ci_low", "%.9g", job->error.ci_low);
+        add(a, "lampyris:relmse_ci_high", "%.9g", job->error.ci_high);
+    }
+    add(a, "lampyris:dropped_samples", "%" PRIu64, job->film.dropped);
+    add(a, "lampyris:rays_closest", "%" PRIu64, job->renderer.stats.closest_rays);
+    add(a, "lampyris:rays_shadow", "%" PRIu64, job->renderer.stats.shadow_rays);
+    add(a, "lampyris:seconds_load", "%.6f", job->seconds.load);
+    add(a, "lampyris:seconds_bvh", "%.6f", job->seconds.bvh);
+    add(a, "lampyris:seconds_upload", "%.6f", job->seconds.upload);
+    add(a, "lampyris:seconds_compile", "%.6f", job->seconds.compile);
+    add(a, "lampyris:seconds_render", "%.6f", job->seconds.render);
+    add(a, "lampyris:image_hash", "%016" PRIx64, job->image_hash);
+}
+
+// The command that makes this picture again, wherever a clock or the number of the frame decided
+// what is in it. There is none for one that a signal cut short.
+static const char *repeating_command(const struct render_job *job, uint32_t frame,
+                                     struct arena *arena)
+{
+    const struct options *options = job->options;
+    const char *line = options->command_line;
+    if (frame > 0)
+        line = arena_printf(arena, "%s --frames %u", line, frame);
+    else if (job->timed_out && options->frames)
+        line = arena_printf(arena, "%s --frames %u", line, job->frame_count);
+    else if (job->timed_out)
+        line = arena_printf(arena, "%s --spp %" PRIu64, line, job->film.most_samples);
+    bool is_timed = options->time_seconds > 0.0;
+    return line && is_timed ? arena_printf(arena, "%s --time %.9g", line, OPTION_TIME_MAX) : line;
+}
+
+bool job_describe(const struct render_job *job, uint32_t frame, struct arena *arena,
+                  struct job_attributes *out, struct err *err)
+{
+    struct attributes a = {.arena = arena, .out = out};
+    *out = (struct job_attributes){0};
+    add(&a, "lampyris:version", "%s", LAMPYRIS_VERSION);
+    add_text(&a, "lampyris:command", job->options->command_line);
+    if (!job->stopped)
+        add_text(&a, "lampyris:repeat", repeating_command(job, frame, arena));
+    add_text(&a, "lampyris:scene", job->scene.path);
+    add(&a, "lampyris:scene_hash", "%016" PRIx64, job->scene.hash);
+    add(&a, "lampyris:device", "%s", job->gpu.info.name);
+    add(&a, "lampyris:driver", "%s", job->gpu.info.driver);
+    if (frame > 0)
+        add(&a, "lampyris:frame", "%u", frame);
+    add_settings(&a, job);
+    add_result(&a, job);
+    return a.failed ? err_memory(err, "metadata", sizeof *out) : true;
+}
