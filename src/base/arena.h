@@ -3,6 +3,7 @@
 #ifndef LAMPYRIS_BASE_ARENA_H
 #define LAMPYRIS_BASE_ARENA_H
 
+#include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -20,8 +21,11 @@ struct arena {
 // pointer.
 void *arena_alloc(struct arena *arena, size_t count, size_t size);
 char *arena_strdup(struct arena *arena, const char *text); // NULL like arena_alloc
+// The whole text, however long; NULL like arena_alloc.
 char *arena_printf(struct arena *arena, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
+char *arena_vprintf(struct arena *arena, const char *format, va_list arguments)
+    __attribute__((format(printf, 2, 0)));
 // Releases everything; the arena is {0} with its limit kept. Accepts NULL and {0}.
 void arena_finish(struct arena *arena);
 

@@ -16,6 +16,16 @@ static void replace_control_characters(char *text)
             *text = '?';
 }
 
+// What does not fit is cut off; a format that fails leaves "".
+static void print(char *text, size_t size, const char *format, va_list arguments)
+    __attribute__((format(printf, 3, 0)));
+
+static void print(char *text, size_t size, const char *format, va_list arguments)
+{
+    if (vsnprintf(text, size, format, arguments) < 0)
+        text[0] = '\0';
+}
+
 bool err_set(struct err *err, enum err_code code, const char *format, ...)
 {
     if (!err)
@@ -23,8 +33,7 @@ bool err_set(struct err *err, enum err_code code, const char *format, ...)
     char msg[sizeof err->msg];
     va_list arguments;
     va_start(arguments, format);
-    if (vsnprintf(msg, sizeof msg, format, arguments) < 0)
-        msg[0] = '\0';
+    print(msg, sizeof msg, format, arguments);
     va_end(arguments);
     replace_control_characters(msg);
     err->code = code;
@@ -39,8 +48,7 @@ bool err_prepend(struct err *err, const char *format, ...)
     char context[sizeof err->msg];
     va_list arguments;
     va_start(arguments, format);
-    if (vsnprintf(context, sizeof context, format, arguments) < 0)
-        context[0] = '\0';
+    print(context, sizeof context, format, arguments);
     va_end(arguments);
     return err_set(err, err->code, "%s: %s", context, err->msg);
 }
