@@ -32,7 +32,7 @@ bool buffer_zero(struct gpu *gpu, struct gpu_buffer *buffer, struct err *err)
         memset(buffer->mapped, 0, buffer->bytes);
         return true;
     }
-    struct gpu_commands commands;
+    struct gpu_commands commands = {0};
     bool ok = gpu_commands_create(gpu, &commands, err) && gpu_begin(gpu, &commands, err);
     if (ok) {
         gpu_fill(gpu, &commands, buffer, 0, VK_WHOLE_SIZE, 0);
@@ -42,39 +42,49 @@ bool buffer_zero(struct gpu *gpu, struct gpu_buffer *buffer, struct err *err)
     return ok || err_prepend(err, "buffer %s", buffer->name);
 }
 
-// The two ways through staging memory, piece by piece.
-static bool upload_pieces(struct gpu *gpu, struct gpu_commands *commands,
-                          const struct gpu_buffer *staging, const struct gpu_buffer *buffer,
-                          uint64_t offset, const char *data, uint64_t bytes, struct err *err)
+// A copy between the host and a buffer.
+struct transfer {
+    const struct gpu_buffer *buffer;
+    uint64_t offset, bytes;
+    const char *from; // upload, else NULL
+    char *to;         // download, else NULL
+};
+
+static bool copy_piece(struct gpu *gpu, struct gpu_commands *commands,
+                       const struct gpu_buffer *staging, const struct transfer *transfer,
+                       uint64_t done, struct err *err)
 {
-    for (uint64_t done = 0; done < bytes;) {
-        uint64_t piece = piece_bytes(bytes - done);
-        memcpy(staging->mapped, data + done, piece);
-        if (!gpu_begin(gpu, commands, err))
-            return false;
-        gpu_copy(gpu, commands, staging, 0, buffer, offset + done, piece);
-        if (!submit_and_wait(gpu, commands, err))
-            return false;
-        done += piece;
+    uint64_t bytes = piece_bytes(transfer->bytes - done), at = transfer->offset + done;
+    if (!gpu_begin(gpu, commands, err))
+        return false;
+    if (transfer->from) {
+        memcpy(staging->mapped, transfer->from + done, bytes);
+        gpu_copy(gpu, commands, staging, 0, transfer->buffer, at, bytes);
+    } else {
+        gpu_copy(gpu, commands, transfer->buffer, at, staging, 0, bytes);
     }
+    if (!submit_and_wait(gpu, commands, err))
+        return false;
+    if (transfer->to)
+        memcpy(transfer->to + done, staging->mapped, bytes);
     return true;
 }
 
-static bool download_pieces(struct gpu *gpu, struct gpu_commands *commands,
-                            const struct gpu_buffer *staging, const struct gpu_buffer *buffer,
-                            uint64_t offset, char *data, uint64_t bytes, struct err *err)
+// Through staging memory, piece by piece.
+static bool transfer_staged(struct gpu *gpu, const struct transfer *transfer, struct err *err)
 {
-    for (uint64_t done = 0; done < bytes;) {
-        uint64_t piece = piece_bytes(bytes - done);
-        if (!gpu_begin(gpu, commands, err))
-            return false;
-        gpu_copy(gpu, commands, buffer, offset + done, staging, 0, piece);
-        if (!submit_and_wait(gpu, commands, err))
-            return false;
-        memcpy(data + done, staging->mapped, piece);
-        done += piece;
-    }
-    return true;
+    const char *name = transfer->from ? "upload staging" : "download staging";
+    struct gpu_buffer staging = {0};
+    struct gpu_commands commands = {0};
+    bool ok = buffer_allocate(gpu, name, piece_bytes(transfer->bytes), GPU_READBACK, false,
+                              &staging, err) &&
+              gpu_commands_create(gpu, &commands, err);
+    for (uint64_t done = 0; ok && done < transfer->bytes; done += STAGING_BYTES)
+        ok = copy_piece(gpu, &commands, &staging, transfer, done, err);
+    gpu_commands_finish(gpu, &commands);
+    gpu_buffer_finish(gpu, &staging);
+    return ok || err_prepend(err, "buffer %s: %s", transfer->buffer->name,
+                             transfer->from ? "upload" : "download");
 }
 
 bool gpu_upload(struct gpu *gpu, struct gpu_buffer *buffer, uint64_t offset, const void *data,
@@ -88,15 +98,8 @@ bool gpu_upload(struct gpu *gpu, struct gpu_buffer *buffer, uint64_t offset, con
         memcpy((char *)buffer->mapped + offset, data, bytes);
         return true;
     }
-    struct gpu_buffer staging = {0};
-    struct gpu_commands commands = {0};
-    bool ok = buffer_allocate(gpu, "upload staging", piece_bytes(bytes), GPU_READBACK, false,
-                              &staging, err) &&
-              gpu_commands_create(gpu, &commands, err) &&
-              upload_pieces(gpu, &commands, &staging, buffer, offset, data, bytes, err);
-    gpu_commands_finish(gpu, &commands);
-    gpu_buffer_finish(gpu, &staging);
-    return ok || err_prepend(err, "buffer %s: upload", buffer->name);
+    const struct transfer transfer = {buffer, offset, bytes, .from = data};
+    return transfer_staged(gpu, &transfer, err);
 }
 
 bool gpu_download(struct gpu *gpu, const struct gpu_buffer *buffer, uint64_t offset, void *data,
@@ -110,13 +113,6 @@ bool gpu_download(struct gpu *gpu, const struct gpu_buffer *buffer, uint64_t off
         memcpy(data, (const char *)buffer->mapped + offset, bytes);
         return true;
     }
-    struct gpu_buffer staging = {0};
-    struct gpu_commands commands = {0};
-    bool ok = buffer_allocate(gpu, "download staging", piece_bytes(bytes), GPU_READBACK, false,
-                              &staging, err) &&
-              gpu_commands_create(gpu, &commands, err) &&
-              download_pieces(gpu, &commands, &staging, buffer, offset, data, bytes, err);
-    gpu_commands_finish(gpu, &commands);
-    gpu_buffer_finish(gpu, &staging);
-    return ok || err_prepend(err, "buffer %s: download", buffer->name);
+    const struct transfer transfer = {buffer, offset, bytes, .to = data};
+    return transfer_staged(gpu, &transfer, err);
 }
