@@ -129,9 +129,5 @@ bool generate_blob(struct scene *scene, uint32_t triangles, uint32_t material, u
                               1ull * blob.triangle_count * sizeof *blob.indices);
     fill_vertices(grid, &blob);
     fill_triangles(grid, &blob);
-    struct mesh *added = scene_add_mesh(scene, mesh);
-    if (!added)
-        return err_memory(err, "a mesh", sizeof *added);
-    *added = blob;
-    return true;
+    return scene_append_mesh(scene, &blob, mesh, err);
 }

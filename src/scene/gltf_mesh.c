@@ -232,11 +232,7 @@ static bool load_primitive(struct gltf_load *load, const struct json_node *primi
         !read_triangles(load, primitive, (enum primitive_mode)mode, &mesh, err) ||
         !read_material(load, primitive, &mesh.material, err))
         return false;
-    struct mesh *added = scene_add_mesh(load->scene, NULL);
-    if (!added)
-        return gltf_no_memory(&load->document, "meshes", sizeof *added, err);
-    *added = mesh;
-    return true;
+    return scene_append_mesh(load->scene, &mesh, NULL, err) || node_prepend(primitive, err);
 }
 
 static bool load_primitives(struct gltf_load *load, const struct json_node *node, struct err *err)

@@ -14,19 +14,17 @@ static bool add_polygons(struct scene *scene, const char *name, uint32_t materia
                          const double (*vertices)[3], uint32_t vertex_count,
                          const uint32_t (*triangles)[3], uint32_t triangle_count, struct err *err)
 {
-    uint32_t index;
-    struct mesh *mesh = scene_add_mesh(scene, &index);
     double(*exact)[3] = arena_alloc(&scene->arena, vertex_count, sizeof *exact);
     float(*positions)[3] = arena_alloc(&scene->arena, vertex_count, sizeof *positions);
     uint32_t(*indices)[3] = arena_alloc(&scene->arena, triangle_count, sizeof *indices);
-    if (!mesh || !exact || !positions || !indices)
-        return err_memory(err, "a mesh", sizeof *mesh);
+    if (!exact || !positions || !indices)
+        return err_memory(err, "a mesh's vertices", vertex_count * sizeof *exact);
     memcpy(exact, vertices, vertex_count * sizeof *exact);
     memcpy(indices, triangles, triangle_count * sizeof *indices);
     for (uint32_t v = 0; v < vertex_count; v++)
         for (int i = 0; i < 3; i++)
             positions[v][i] = (float)vertices[v][i];
-    *mesh = (struct mesh){
+    const struct mesh mesh = {
         .name = name,
         .vertex_count = vertex_count,
         .triangle_count = triangle_count,
@@ -35,7 +33,8 @@ static bool add_polygons(struct scene *scene, const char *name, uint32_t materia
         .indices = indices,
         .material = material,
     };
-    return scene_place_meshes(scene, index, 1, err);
+    uint32_t index;
+    return scene_append_mesh(scene, &mesh, &index, err) && scene_place_meshes(scene, index, 1, err);
 }
 
 // --- quad ----------------------------------------------------------------------------------------

@@ -156,21 +156,21 @@ static bool load_mesh_file(struct json_loader *loader, const char *path, uint32_
 {
     struct scene *scene = loader->scene;
     bool allow_outside = loader->params->allow_outside_paths;
-    uint32_t first, count;
+    uint32_t mesh;
     if (is_extension(path, "gltf") || is_extension(path, "glb"))
         return load_gltf_into(scene, path, AFFINE_IDENTITY, allow_outside, err);
     if (is_extension(path, "obj")) {
-        if (!load_obj(scene, path, material, allow_outside, &first, &count, err))
+        if (!load_obj(scene, path, material, allow_outside, &mesh, err))
             return false;
     } else if (is_extension(path, "ply")) {
-        if (!load_ply(scene, path, material, &first, &count, err))
+        if (!load_ply(scene, path, material, &mesh, err))
             return false;
     } else {
         return err_set(err, ERR_INPUT,
                        "%s: extension \"%s\" is unknown; expected obj, ply, gltf or glb", path,
                        path_extension(path));
     }
-    return scene_place_meshes(scene, first, count, err);
+    return scene_place_meshes(scene, mesh, 1, err);
 }
 
 static bool load_mesh(struct json_loader *loader, const struct json_node *node, uint32_t material,

@@ -485,7 +485,7 @@ static bool parse(struct obj_parser *parser, struct mesh *mesh, struct err *err)
 }
 
 bool load_obj(struct scene *scene, const char *path, uint32_t default_material,
-              bool allow_outside_paths, uint32_t *first_mesh, uint32_t *mesh_count, struct err *err)
+              bool allow_outside_paths, uint32_t *index, struct err *err)
 {
     struct obj_parser parser = {
         .scene = scene,
@@ -498,12 +498,5 @@ bool load_obj(struct scene *scene, const char *path, uint32_t default_material,
     struct mesh mesh = {.name = ""};
     bool is_loaded = parse(&parser, &mesh, err);
     arena_finish(&parser.scratch);
-    if (!is_loaded)
-        return false;
-    struct mesh *added = scene_add_mesh(scene, first_mesh);
-    if (!added)
-        return err_memory(err, "a mesh", sizeof *added);
-    *added = mesh;
-    *mesh_count = 1;
-    return true;
+    return is_loaded && scene_append_mesh(scene, &mesh, index, err);
 }

@@ -341,8 +341,8 @@ static bool parse(struct ply_parser *parser, uint32_t default_material, struct m
     return true;
 }
 
-bool load_ply(struct scene *scene, const char *path, uint32_t default_material,
-              uint32_t *first_mesh, uint32_t *mesh_count, struct err *err)
+bool load_ply(struct scene *scene, const char *path, uint32_t default_material, uint32_t *index,
+              struct err *err)
 {
     struct ply_parser parser = {
         .scene = scene, .scratch = mesh_scratch(scene), .text = {.path = path}};
@@ -350,12 +350,5 @@ bool load_ply(struct scene *scene, const char *path, uint32_t default_material,
     struct mesh mesh = {.name = ""};
     bool is_loaded = parse(&parser, default_material, &mesh, err);
     arena_finish(&parser.scratch);
-    if (!is_loaded)
-        return false;
-    struct mesh *added = scene_add_mesh(scene, first_mesh);
-    if (!added)
-        return err_memory(err, "a mesh", sizeof *added);
-    *added = mesh;
-    *mesh_count = 1;
-    return true;
+    return is_loaded && scene_append_mesh(scene, &mesh, index, err);
 }

@@ -3,7 +3,6 @@
 
 #include "affine.h"
 #include <stdarg.h>
-#include <stdio.h>
 #include <string.h>
 
 // The first capacity of a growing array; most scenes have a handful of each thing.
@@ -57,6 +56,16 @@ struct mesh *scene_add_mesh(struct scene *scene, uint32_t *index)
     return added;
 }
 
+bool scene_append_mesh(struct scene *scene, const struct mesh *mesh, uint32_t *index,
+                       struct err *err)
+{
+    struct mesh *added = scene_add_mesh(scene, index);
+    if (!added)
+        return err_memory(err, "a mesh", sizeof *added);
+    *added = *mesh;
+    return true;
+}
+
 struct instance *scene_add_instance(struct scene *scene, uint32_t *index)
 {
     struct instance *items = reserve_one(&scene->arena, scene->instances, scene->instance_count,
@@ -108,30 +117,11 @@ bool scene_place_meshes(struct scene *scene, uint32_t first_mesh, uint32_t count
     return true;
 }
 
-// The text of a printf in the arena, however long.
-static char *format_in_arena(struct arena *arena, const char *format, va_list arguments)
-    __attribute__((format(printf, 2, 0)));
-
-static char *format_in_arena(struct arena *arena, const char *format, va_list arguments)
-{
-    va_list measured;
-    va_copy(measured, arguments);
-    int length = vsnprintf(NULL, 0, format, measured);
-    va_end(measured);
-    if (length < 0)
-        return NULL;
-    size_t size = (size_t)length + 1;
-    char *text = ARENA_NEW(arena, char, size);
-    if (text)
-        vsnprintf(text, size, format, arguments);
-    return text;
-}
-
 bool scene_note(struct scene *scene, const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
-    const char *text = format_in_arena(&scene->arena, format, arguments);
+    const char *text = arena_vprintf(&scene->arena, format, arguments);
     va_end(arguments);
     const char **notes = reserve_one(&scene->arena, scene->notes, scene->note_count,
                                      &scene->note_capacity, sizeof *notes);

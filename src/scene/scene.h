@@ -143,15 +143,13 @@ bool scene_note(struct scene *scene, const char *format, ...) __attribute__((for
 // scene->hash over the bytes of every file that it reads.
 bool load_json(struct scene *scene, const struct scene_load_params *params, struct err *err);
 bool load_gltf(struct scene *scene, const struct scene_load_params *params, struct err *err);
-// Meshes in OBJ and PLY, also used by load_json for {"type": "mesh", "file": …}. On success one or
-// more meshes, and the materials they need, were appended and *first_mesh, *mesh_count say which;
-// no instances are added. `path` is trusted: confine it before.
-// default_material: for triangles without one; SCENE_NONE: append a grey one when needed.
+// OBJ and PLY, also used by load_json for {"type": "mesh", "file": …}. On success one mesh, *index,
+// and the materials it needs were appended; no instances are added. `path` is trusted: confine it
+// before. default_material: for triangles without one; SCENE_NONE: append a grey one when needed.
 bool load_obj(struct scene *scene, const char *path, uint32_t default_material,
-              bool allow_outside_paths, uint32_t *first_mesh, uint32_t *mesh_count,
+              bool allow_outside_paths, uint32_t *index, struct err *err);
+bool load_ply(struct scene *scene, const char *path, uint32_t default_material, uint32_t *index,
               struct err *err);
-bool load_ply(struct scene *scene, const char *path, uint32_t default_material,
-              uint32_t *first_mesh, uint32_t *mesh_count, struct err *err);
 // glTF as a mesh inside our JSON format: appends meshes, materials and, through `place` (3x4), the
 // instances of the default scene's nodes; cameras of the file are ignored here.
 bool load_gltf_into(struct scene *scene, const char *path, const double place[3][4],
@@ -165,6 +163,10 @@ struct mesh *scene_add_mesh(struct scene *scene, uint32_t *index);
 struct instance *scene_add_instance(struct scene *scene, uint32_t *index);
 struct shape *scene_add_shape(struct scene *scene, uint32_t *index);
 struct camera *scene_add_camera(struct scene *scene, uint32_t *index);
+
+// Appends a copy of *mesh; its arrays live in the scene's arena already.
+bool scene_append_mesh(struct scene *scene, const struct mesh *mesh, uint32_t *index,
+                       struct err *err);
 
 // One instance, at its own coordinates and with its own materials, of each of `count` meshes.
 bool scene_place_meshes(struct scene *scene, uint32_t first_mesh, uint32_t count, struct err *err);

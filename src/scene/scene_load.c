@@ -6,6 +6,7 @@
 #include "environment.h"
 #include "file.h"
 #include "hash.h"
+#include "mesh_loader.h"
 #include <math.h>
 #include <strings.h>
 
@@ -105,13 +106,8 @@ static bool provide_light(struct scene *scene, struct err *err)
 
 static bool provide_material(struct scene *scene, struct err *err)
 {
-    if (scene->material_count > 0)
-        return true;
-    struct material *grey = scene_add_material(scene, NULL);
-    if (!grey)
-        return err_memory(err, "a material", sizeof *grey);
-    *grey = (struct material){.name = "default", .base_color = {0.5f, 0.5f, 0.5f}};
-    return true;
+    uint32_t grey;
+    return scene->material_count > 0 || mesh_default_material(scene, SCENE_NONE, &grey, err);
 }
 
 // --- dispatch ------------------------------------------------------------------------------------
@@ -119,11 +115,11 @@ static bool provide_material(struct scene *scene, struct err *err)
 static bool load_mesh_alone(struct scene *scene, const struct scene_load_params *params,
                             bool is_obj, struct err *err)
 {
-    uint32_t first, count;
-    bool ok = is_obj ? load_obj(scene, params->path, SCENE_NONE, params->allow_outside_paths,
-                                &first, &count, err)
-                     : load_ply(scene, params->path, SCENE_NONE, &first, &count, err);
-    return ok && scene_place_meshes(scene, first, count, err);
+    uint32_t mesh;
+    bool ok =
+        is_obj ? load_obj(scene, params->path, SCENE_NONE, params->allow_outside_paths, &mesh, err)
+               : load_ply(scene, params->path, SCENE_NONE, &mesh, err);
+    return ok && scene_place_meshes(scene, mesh, 1, err);
 }
 
 static bool load_by_extension(struct scene *scene, const struct scene_load_params *params,

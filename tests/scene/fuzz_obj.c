@@ -3,8 +3,8 @@
 
 static bool load(struct scene *scene, const char *path, struct err *err)
 {
-    uint32_t first, count;
-    return load_obj(scene, path, SCENE_NONE, false, &first, &count, err);
+    uint32_t mesh;
+    return load_obj(scene, path, SCENE_NONE, false, &mesh, err);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)

@@ -3,8 +3,8 @@
 
 static bool load(struct scene *scene, const char *path, struct err *err)
 {
-    uint32_t first, count;
-    return load_ply(scene, path, SCENE_NONE, &first, &count, err);
+    uint32_t mesh;
+    return load_ply(scene, path, SCENE_NONE, &mesh, err);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)

@@ -8,8 +8,8 @@
 
 static bool load(struct scene *scene, const char *path, struct err *err)
 {
-    uint32_t first, count;
-    return load_obj(scene, path, SCENE_NONE, false, &first, &count, err);
+    uint32_t mesh;
+    return load_obj(scene, path, SCENE_NONE, false, &mesh, err);
 }
 
 // Loads `text` as mesh.obj; the caller finishes the scene. A zero mesh on failure.
@@ -232,14 +232,14 @@ TEST(a_given_default_material_is_used)
 {
     struct scene scene = {0};
     struct err err = {0};
-    uint32_t wanted, first, count;
+    uint32_t wanted, mesh;
     struct material *added = scene_add_material(&scene, NULL);
     added = scene_add_material(&scene, &wanted);
     REQUIRE(added, "out of memory");
-    bool is_loaded = load_obj(&scene, write_text("mesh.obj", SQUARE "f 1 2 3"), wanted, false,
-                              &first, &count, &err);
+    bool is_loaded =
+        load_obj(&scene, write_text("mesh.obj", SQUARE "f 1 2 3"), wanted, false, &mesh, &err);
     REQUIRE(is_loaded, "%s", err.msg);
-    CHECK(first == 0 && count == 1 && scene.meshes[0].material == wanted);
+    CHECK(mesh == 0 && scene.mesh_count == 1 && scene.meshes[0].material == wanted);
     CHECK(scene.material_count == 2 && scene.hash != 0);
     scene_finish(&scene);
 }
@@ -293,9 +293,9 @@ TEST(material_libraries_are_confined)
         snprintf(text, sizeof text, "mtllib %s\n" SQUARE "usemtl a\nf 1 2 3\n", names[i]);
         struct scene scene = {0};
         struct err err = {0};
-        uint32_t first, count;
-        bool is_loaded = load_obj(&scene, write_text("inner/mesh.obj", text), SCENE_NONE, true,
-                                  &first, &count, &err);
+        uint32_t mesh;
+        bool is_loaded =
+            load_obj(&scene, write_text("inner/mesh.obj", text), SCENE_NONE, true, &mesh, &err);
         CHECK(is_loaded && find_material(&scene, "a")->type == MATERIAL_DIFFUSE, "%s: %s", names[i],
               err.msg);
         scene_finish(&scene);
