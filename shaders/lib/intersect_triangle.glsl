@@ -45,15 +45,17 @@ float max_abs(float x, float y, float z)
 }
 
 // Bound of the rounding error of t (Pharr, Jakob, Humphreys 2023, section 6.8.7), from the
-// transformed corners and the edge functions.
-float distance_error(vec3 a, vec3 b, vec3 c, vec3 edges, float inverse)
+// transformed corners and the edge functions. The corners' z are in units of the direction's length;
+// what the shear adds to x and y is not.
+float distance_error(triangle_frame frame, vec3 a, vec3 b, vec3 c, vec3 edges, float inverse)
 {
     float max_x = max_abs(a.x, b.x, c.x);
     float max_y = max_abs(a.y, b.y, c.y);
     float max_z = max_abs(a.z, b.z, c.z);
     float max_edge = max_abs(edges.x, edges.y, edges.z);
-    float delta_x = GAMMA(5) * (max_x + max_z);
-    float delta_y = GAMMA(5) * (max_y + max_z);
+    float sheared_z = max_z * abs(1.0 / frame.shear.z);
+    float delta_x = GAMMA(5) * (max_x + sheared_z);
+    float delta_y = GAMMA(5) * (max_y + sheared_z);
     float delta_z = GAMMA(3) * max_z;
     float delta_edge = 2.0 * (GAMMA(2) * max_x * max_y + delta_y * max_x + delta_x * max_y);
     return 3.0 * (GAMMA(3) * max_edge * max_z + delta_edge * max_z + delta_z * max_edge) *
@@ -79,7 +81,7 @@ bool intersect_triangle(triangle_frame frame, vec3 origin, vec3 v0, vec3 v1, vec
     uv = vec2(v, w) * inverse;
     bool same_side = (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0);
     bool in_front = (a.z > 0.0 && b.z > 0.0 && c.z > 0.0) ||
-                    t > distance_error(a, b, c, vec3(u, v, w), inverse);
+                    t > distance_error(frame, a, b, c, vec3(u, v, w), inverse);
     return same_side && determinant != 0.0 && in_front;
 }
 
