@@ -93,7 +93,34 @@ enum certainty { SURE_MISS, DOUBTFUL, SURE_HIT };
 struct judgement {
     enum certainty certainty;
     double t, tolerance;
+    double refused; // at most here, a kernel may take the hit as rounded to the front: no hit
 };
+
+// n roundings in a row (Higham 2002, lemma 3.1).
+static double gamma_n(int n)
+{
+    return n * ROUNDING / (1 - n * ROUNDING);
+}
+
+static double largest(double p[3][3], int c)
+{
+    return fmax(fabs(p[0][c]), fmax(fabs(p[1][c]), fabs(p[2][c])));
+}
+
+// The bound of t's error by Pharr, Jakob, Humphreys 2023, section 6.8.7, up to which hits are
+// refused, but for triangles that are wholly in front. p: sheared corners, z in units of t; speed:
+// the direction's largest component.
+static double refused_distance(double p[3][3], const double weight[3], double speed)
+{
+    if (p[0][2] > 0 && p[1][2] > 0 && p[2][2] > 0)
+        return 0;
+    double x = largest(p, 0), y = largest(p, 1), z = largest(p, 2);
+    double edge = fmax(fabs(weight[0]), fmax(fabs(weight[1]), fabs(weight[2])));
+    double dx = gamma_n(5) * (x + z * speed), dy = gamma_n(5) * (y + z * speed);
+    double edge_error = 2 * (gamma_n(2) * x * y + dy * x + dx * y);
+    return 3 * (gamma_n(3) * edge * z + edge_error * z + gamma_n(3) * z * edge) /
+           fabs(weight[0] + weight[1] + weight[2]);
+}
 
 // The test of Woop, Benthin, Wald 2013 as lib/intersect_triangle.glsl does it. Rounding: a
 // difference of coordinates has one, the shear 5 (a division is good to 2.5 ulp by the Vulkan
@@ -144,7 +171,8 @@ static struct judgement judge_triangle(const struct flat_triangle *triangle,
         t_error += error[i] * fabs(p[i][2] - t) / (fabs(sum) - sum_error);
     // Three products and sums, a reciprocal, and the 7 of the sheared z.
     return (struct judgement){sure_inside ? SURE_HIT : DOUBTFUL, t,
-                              t_error + 20 * ROUNDING * distance};
+                              t_error + 20 * ROUNDING * distance,
+                              refused_distance(p, weight, fabs(d[z]))};
 }
 
 // lib/intersect_shape.glsl. Sums of three products have 3 roundings, each sum of absolute values
@@ -239,7 +267,7 @@ static bool certain_hit_before(const struct flat_scene *flat, const struct bvh_r
 {
     for (uint32_t i = 0; i < primitive_count(flat); i++) {
         struct judgement j = judge(flat, nth_primitive(flat, i), ray);
-        if (j.certainty == SURE_HIT && j.t - j.tolerance > 0 && j.t + j.tolerance < t_max)
+        if (j.certainty == SURE_HIT && j.t - j.tolerance > j.refused && j.t + j.tolerance < t_max)
             return true;
     }
     return false;

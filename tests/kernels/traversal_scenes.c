@@ -125,22 +125,49 @@ static void point_around(const struct flat_scene *flat, struct random *random, f
                            (double)direction[c] * length(diagonal));
 }
 
-// A vertex of a random triangle or the middle of one of its edges; a random point where there are
-// no triangles.
-static void point_on_edge(const struct flat_scene *flat, struct random *random, float point[3])
+// A vertex of a triangle or the middle of one of its edges.
+static void point_on_triangle_edge(const struct flat_triangle *triangle, struct random *random,
+                                   float point[3])
 {
-    if (flat->triangle_count == 0) {
-        point_inside(flat, random, point);
-        return;
-    }
-    const struct flat_triangle *triangle =
-        &flat->triangles[random_u32(random) % flat->triangle_count];
     uint32_t a = random_u32(random) % 3, b = random_u32(random) % 2 ? a : (a + 1) % 3;
     for (int c = 0; c < 3; c++)
         point[c] = (float)(((double)triangle->v[a][c] + (double)triangle->v[b][c]) / 2);
 }
 
-bool ray_aims_at_edge(uint32_t ray)
+// Where a ray from `origin` just hits or misses a sphere or disc: by 1e-8 to 1e-2 of its radius.
+static void point_at_rim(const struct flat_shape *shape, const float origin[3],
+                         struct random *random, float point[3])
+{
+    double axis[3], aside[3], other[3], radius = (double)shape->radius;
+    float direction[3];
+    random_direction(random, direction);
+    for (int c = 0; c < 3; c++) {
+        axis[c] = shape->kind == SHAPE_SPHERE ? (double)shape->center[c] - (double)origin[c]
+                                              : (double)shape->normal[c];
+        other[c] = (double)direction[c];
+    }
+    cross(axis, other, aside);
+    // Seen from nearby, the outline of a sphere is before its centre.
+    double sine = radius / length(axis);
+    if (shape->kind == SHAPE_SPHERE && sine < 1)
+        radius /= sqrt(1 - sine * sine);
+    double by = pow(10, random_between(random, -8, -2));
+    radius *= random_u32(random) & 1u ? 1 + by : 1 - by;
+    for (int c = 0; c < 3; c++)
+        point[c] = (float)((double)shape->center[c] + radius * aside[c] / length(aside));
+}
+
+static void point_on_edge(const struct flat_scene *flat, const float origin[3],
+                          struct random *random, float point[3])
+{
+    uint32_t i = random_u32(random) % (flat->triangle_count + flat->shape_count);
+    if (i < flat->triangle_count)
+        point_on_triangle_edge(&flat->triangles[i], random, point);
+    else
+        point_at_rim(&flat->shapes[i - flat->triangle_count], origin, random, point);
+}
+
+bool ray_is_delicate(uint32_t ray)
 {
     return ray % 8 == 7;
 }
@@ -168,14 +195,14 @@ void random_closest_rays(const struct flat_scene *flat, uint32_t count, uint64_t
     for (uint32_t i = 0; i < count; i++) {
         struct single_ray *ray = &rays[i];
         float target[3];
-        if (ray_aims_at_edge(i))
-            point_on_edge(flat, &random, target);
-        else
-            point_inside(flat, &random, target);
         if (i % 3 == 0)
             point_inside(flat, &random, ray->origin);
         else
             point_around(flat, &random, ray->origin);
+        if (ray_is_delicate(i))
+            point_on_edge(flat, ray->origin, &random, target);
+        else
+            point_inside(flat, &random, target);
         aim(ray->origin, target, ray->direction);
         switch (i % 8) {
         case 4: // along an axis
@@ -197,6 +224,27 @@ void random_closest_rays(const struct flat_scene *flat, uint32_t count, uint64_t
     }
 }
 
+// A segment through a point of a triangle, from one hundred-thousandth of the scene's extent long
+// to all of it.
+static void cross_triangle(const struct flat_scene *flat, struct random *random,
+                           struct single_ray *ray)
+{
+    const struct flat_triangle *triangle =
+        &flat->triangles[random_u32(random) % flat->triangle_count];
+    double diagonal[3], u = random_unit(random), v = random_unit(random) * (1 - u);
+    subtract(flat->bounds_max, flat->bounds_min, diagonal);
+    double reach = length(diagonal) * pow(10, random_between(random, -5, 0));
+    double before = random_unit(random);
+    float direction[3];
+    random_direction(random, direction);
+    for (int c = 0; c < 3; c++) {
+        double point = (1 - u - v) * (double)triangle->v[0][c] + u * (double)triangle->v[1][c] +
+                       v * (double)triangle->v[2][c];
+        ray->direction[c] = (float)(reach * (double)direction[c]);
+        ray->origin[c] = (float)(point - before * reach * (double)direction[c]);
+    }
+}
+
 void random_shadow_rays(const struct flat_scene *flat, uint32_t count, uint64_t seed,
                         struct single_ray *rays)
 {
@@ -208,13 +256,15 @@ void random_shadow_rays(const struct flat_scene *flat, uint32_t count, uint64_t 
             point_inside(flat, &random, ray->origin);
         else
             point_around(flat, &random, ray->origin);
-        if (ray_aims_at_edge(i))
-            point_on_edge(flat, &random, target);
+        if (ray_is_delicate(i))
+            point_on_edge(flat, ray->origin, &random, target);
         else
             point_inside(flat, &random, target);
         for (int c = 0; c < 3; c++)
             ray->direction[c] = target[c] - ray->origin[c];
         if (i % 8 == 6)
             ray->direction[random_u32(&random) % 3] = signed_zero(&random);
+        if (i % 16 == 15 && flat->triangle_count > 0)
+            cross_triangle(flat, &random, ray);
     }
 }

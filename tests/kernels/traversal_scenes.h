@@ -21,15 +21,17 @@ bool load_mesh_file(const char *name, struct scene *scene, struct err *err);
 // --- rays ----------------------------------------------------------------------------------------
 
 // From around and from inside the scene's bounds, in random directions, along axes (with zeros of
-// both signs), in planes of two axes, with tiny components, and at vertices and edges' midpoints of
-// random triangles: by turns.
+// both signs), in planes of two axes, with tiny components, and at edges (vertices and edges'
+// midpoints of triangles, and just inside or outside of the outlines of shapes): by turns.
 void random_closest_rays(const struct flat_scene *flat, uint32_t count, uint64_t seed,
                          struct single_ray *rays);
-// Segments between random points, among them ones along axes; some end at vertices.
+// Segments between random points, among them ones along axes; some end at edges,
+// and short ones through triangles.
 void random_shadow_rays(const struct flat_scene *flat, uint32_t count, uint64_t seed,
                         struct single_ray *rays);
-// Whether the ray of that number, of either kind, passes or ends at an edge or vertex.
-bool ray_aims_at_edge(uint32_t ray);
+// Whether rounding may well decide about the ray of that number, of either kind: those at edges and
+// the short ones.
+bool ray_is_delicate(uint32_t ray);
 // Unit direction (but for rounding) from a point to another.
 void aim(const float from[3], const float to[3], float direction[3]);
 
