@@ -62,7 +62,7 @@ FEATURES = {
     "diffuse surfaces": (["DIFFUSE", "NEE"], {"shade_surface": ["sample_cosine_hemisphere()"]}),
     "mirrors": (["MIRROR"], {"shade_surface": ["Reflect"]}),
     "emission": (["EMISSION", "NEE"] + EMISSIVE, {
-        "shade_surface": ["add_emission()", "add_radiance()", "[radiance]"],
+        "shade_surface": ["add_emission()", "add_radiance()"],
     }),
     "emissive triangles": (["EMISSIVE_TRIANGLES"], {"shade_surface": ["sample_triangle_light()"]}),
     "emissive spheres": (["EMISSIVE_SPHERES"], {

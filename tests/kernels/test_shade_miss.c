@@ -214,6 +214,27 @@ TEST(nonfinite_contributions_are_dropped_and_reported)
     setup_close(&setup);
 }
 
+// A finite contribution that would make the sum infinite is dropped, too.
+TEST(sums_stay_finite)
+{
+    struct setup setup;
+    struct err err = {0};
+    scene_start(&setup.scene, 16, 16);
+    setup.scene.environment = (struct environment){.present = true, .radiance = {1e30f, 1, 1}};
+    OPEN_SETUP(&setup, SLOTS);
+    clear();
+    set_throughput(&paths[0], 3e8f);
+    radiance[0][0] = 3e38f;
+    radiance[0][1] = 2;
+    bool ok = shade(&setup.r, 1, &err);
+    REQUIRE(ok, "%s", err.msg);
+    CHECK(radiance[0][0] == 3e38f && radiance[0][1] == 2.0f && radiance[0][3] == 1.0f,
+          "%g %g, mark %g", (double)radiance[0][0], (double)radiance[0][1], (double)radiance[0][3]);
+    CHECK(setup.r.counters->nonfinite[SITE_MISS] == 1, "%u reported",
+          setup.r.counters->nonfinite[SITE_MISS]);
+    setup_close(&setup);
+}
+
 TEST_MAIN(TEST_CASE(constant_environment), TEST_CASE(axes_see_their_texels),
           TEST_CASE(directions_see_the_reference_texels),
-          TEST_CASE(nonfinite_contributions_are_dropped_and_reported))
+          TEST_CASE(nonfinite_contributions_are_dropped_and_reported), TEST_CASE(sums_stay_finite))

@@ -507,7 +507,7 @@ TEST(last_bounce)
     check_scene(ENCLOSED | SMOOTH, ESTIMATOR_MIS, 6);
 }
 
-// What is not finite is left out of the sum, counted by its place, and ends the path.
+// What is not finite is left out of the sum, counted by its place, marked, and ends the path.
 TEST(nonfinite_throughput)
 {
     struct setup setup;
@@ -532,10 +532,12 @@ TEST(nonfinite_throughput)
     CHECK(count[SITE_EMISSION] == emitting && emitting > 0, "%u, not %u", count[SITE_EMISSION],
           emitting);
     CHECK(count[SITE_THROUGHPUT] == hits, "%u, not %u", count[SITE_THROUGHPUT], hits);
-    for (uint32_t i = 0; i < SLOTS; i++)
+    for (uint32_t i = 0; i < SLOTS; i++) {
+        float mark = before[i].primitive == NO_PRIMITIVE ? 0.0f : 1.0f;
         CHECK(!goes_on[i] && radiance[i][0] == 0.0f && radiance[i][1] == 0.0f &&
-                  radiance[i][2] == 0.0f,
-              "slot %u goes on or has radiance", i);
+                  radiance[i][2] == 0.0f && radiance[i][3] == mark,
+              "slot %u goes on, has radiance, or is marked %g", i, (double)radiance[i][3]);
+    }
     setup_close(&setup);
 }
 
