@@ -107,7 +107,9 @@ static int base64_digit(char c)
                                   : -1;
 }
 
-bool base64_decode(const char *text, size_t length, uint8_t *out, size_t *size)
+// Strict base64 (RFC 4648, section 4): padded, no other characters, unused bits zero. Decodes into
+// `out` of length / 4 * 3 bytes; returns false on anything else.
+static bool base64_decode(const char *text, size_t length, uint8_t *out, size_t *size)
 {
     if (length % 4 != 0)
         return false;

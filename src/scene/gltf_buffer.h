@@ -19,8 +19,4 @@ bool glb_open(const struct file_bytes *bytes, struct glb_chunks *out, struct err
 bool gltf_buffers_load(struct gltf_document *document, const struct file_bytes *binary,
                        struct err *err);
 
-// Strict base64 (RFC 4648, section 4): padded, no other characters, unused bits zero. Decodes into
-// `out` of length / 4 * 3 bytes; returns false on anything else.
-bool base64_decode(const char *text, size_t length, uint8_t *out, size_t *size);
-
 #endif
