@@ -1,4 +1,5 @@
-// Files: reading whole, writing atomically, and confining paths that come from inside files.
+// Files: reading whole, writing atomically, and confining paths that come from inside files. Any
+// thread may call, one at a time for one arena or writer.
 #ifndef LAMPYRIS_BASE_FILE_H
 #define LAMPYRIS_BASE_FILE_H
 

@@ -1,5 +1,6 @@
 // Bounding volume hierarchy: binned SAH on all CPU threads, collapsed to a wide, quantised node of
-// 64 bytes; and a CPU reference traversal. No Vulkan, no scene: boxes and plain arrays in.
+// 64 bytes; and a CPU reference traversal. No Vulkan, no scene: boxes and plain arrays in. Any
+// thread may call; a finished BVH is only read and may be shared.
 #ifndef LAMPYRIS_BVH_BVH_H
 #define LAMPYRIS_BVH_BVH_H
 

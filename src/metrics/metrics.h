@@ -1,5 +1,6 @@
 // Error metrics between images and error estimates from half-buffers. Plain arrays in, numbers out.
-// All sums in double. Arrays are interleaved RGB, width * height pixels.
+// All sums in double. Arrays are interleaved RGB, width * height pixels, and the caller's. Any
+// thread may call.
 #ifndef LAMPYRIS_METRICS_METRICS_H
 #define LAMPYRIS_METRICS_METRICS_H
 

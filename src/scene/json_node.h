@@ -3,7 +3,7 @@
 //
 // A node is a value together with the way to it; nodes live on the stack and point at their
 // parents. Readers take the object and a key. A key that is absent leaves the output as it is: set
-// defaults before, and name what is required in node_check_keys.
+// defaults before, and name what is required in node_check_object.
 #ifndef LAMPYRIS_SCENE_JSON_NODE_H
 #define LAMPYRIS_SCENE_JSON_NODE_H
 

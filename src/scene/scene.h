@@ -3,6 +3,8 @@
 //
 // Units: metres, radiance in W/(sr m^2) in linear Rec. 709 primaries, angles in radians.
 // Right-handed world, any up axis; matrices are row-major, column vectors: p' = M p.
+//
+// Threads: any, but one at a time for one scene.
 #ifndef LAMPYRIS_SCENE_SCENE_H
 #define LAMPYRIS_SCENE_SCENE_H
 
