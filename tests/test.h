@@ -62,15 +62,17 @@ static inline int test_run(const struct test_case *cases, size_t count, int argc
             continue;
         int failures = test_failures, skips = test_skips;
         cases[i].run();
-        printf("%s %s\n",
-               test_failures > failures ? "FAIL" : test_skips > skips ? "skip" : "ok  ",
-               cases[i].name);
+        const char *result = test_skips > skips ? "skip" : "ok  ";
+        printf("%s %s\n", test_failures > failures ? "FAIL" : result, cases[i].name);
         fflush(stdout);
     }
     return test_failures ? 1 : test_skips ? 77 : 0;
 }
 
+// clang-format takes these braces for a block.
+// clang-format off
 #define TEST_CASE(name) {#name, test_##name}
+// clang-format on
 #define TEST_MAIN(...)                                                                             \
     int main(int argc, char **argv)                                                                \
     {                                                                                              \
