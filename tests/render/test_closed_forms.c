@@ -223,7 +223,7 @@ static const struct form forms[] = {
     {"13 facing squares", OURS "facing_squares.json", facing_squares, 0, BY_STATISTICS, EACH_ALONE,
      {{0}}},
 
-    {"14 parallel plates", OURS "plates.json", plates, 0, BY_STATISTICS, EACH_ALONE, {{0}}},
+    {"14 parallel plates", OURS "plates.json", plates, 0, BY_STATISTICS, BSDF_ALONE, {{0}}},
 
     {"15 corridor, 1 mirror", OURS "mirror_corridor.json", mirrors, 1, WITHOUT_VARIANCE,
      EACH_ALONE, {{"end", "[1, 0, 0]"}}},
