@@ -15,7 +15,7 @@
 #include <unistd.h>
 
 static char folder[64];    // exists while main runs
-static unsigned warnings;  // since expect_warnings(0) or the start
+static unsigned warnings;  // since load_checked() or the start
 static char warning[1024]; // the last one
 static char path_buffer[512];
 
@@ -61,8 +61,8 @@ static inline const char *in_folder(const char *name)
 static inline const char *write_bytes(const char *name, const void *data, size_t size)
 {
     const char *path = in_folder(name);
-    remove(
-        path); // Some file systems flush a file that replaces its own content: slow thousandfold.
+    // Some file systems flush a file that replaces its own content, which is slow thousandfold.
+    remove(path);
     FILE *file = fopen(path, "wb");
     CHECK(file && fwrite(data, 1, size, file) == size, "cannot write %s", path);
     if (file)
@@ -107,7 +107,58 @@ static inline void check_mesh(const struct scene *scene, const struct mesh *mesh
     REQUIRE(mesh->material < scene->material_count, "material %u", mesh->material);
 }
 
+static inline void check_triangle(const struct mesh *mesh, uint32_t triangle, uint32_t a,
+                                  uint32_t b, uint32_t c)
+{
+    REQUIRE(triangle < mesh->triangle_count, "%u of %u", triangle, mesh->triangle_count);
+    const uint32_t *corners = mesh->indices[triangle];
+    CHECK(corners[0] == a && corners[1] == b && corners[2] == c, "triangle %u: %u %u %u", triangle,
+          corners[0], corners[1], corners[2]);
+}
+
 typedef bool (*mesh_load_fn)(struct scene *scene, const char *path, struct err *err);
+
+// Starts counting warnings and loads a file that has to be fine; the caller finishes the scene. A
+// zero mesh on failure.
+static inline struct mesh load_checked(mesh_load_fn load, const char *path, struct scene *scene)
+{
+    struct err err = {0};
+    *scene = (struct scene){0};
+    warnings = 0;
+    bool is_loaded = load(scene, path, &err);
+    CHECK(is_loaded, "%s", err.msg);
+    if (!is_loaded)
+        return (struct mesh){0};
+    check_mesh(scene, &scene->meshes[0]);
+    return scene->meshes[0];
+}
+
+// The file is ERR_INPUT with a message that contains `expected`.
+static inline void check_mesh_refused(mesh_load_fn load, const char *path, const char *expected)
+{
+    struct scene scene = {0};
+    struct err err = {0};
+    bool is_loaded = load(&scene, path, &err);
+    CHECK(!is_loaded && err.code == ERR_INPUT && strstr(err.msg, expected),
+          "expected '%s', got '%s'", expected, err.msg);
+    scene_finish(&scene);
+}
+
+// Every limit from nothing to enough: an error that says so, or success.
+static inline void check_memory_limits(mesh_load_fn load, const char *path)
+{
+    unsigned failures = 0;
+    bool is_loaded = false;
+    for (size_t limit = 1; limit < 100000 && !is_loaded; limit += 16) {
+        struct scene scene = {.arena.limit_bytes = limit};
+        struct err err = {0};
+        is_loaded = load(&scene, path, &err);
+        CHECK(is_loaded || err.code == ERR_SYSTEM, "limit %zu: %s", limit, err.msg);
+        failures += !is_loaded;
+        scene_finish(&scene);
+    }
+    CHECK(is_loaded && failures > 10, "%u", failures);
+}
 
 // Whatever the file holds, it loads to a valid mesh or is ERR_INPUT with a message.
 static inline void check_loads_or_fails(mesh_load_fn load, const char *path, const char *how,

@@ -15,24 +15,7 @@ static bool load(struct scene *scene, const char *path, struct err *err)
 // Loads `text` as mesh.obj; the caller finishes the scene. A zero mesh on failure.
 static struct mesh load_text(struct scene *scene, const char *text)
 {
-    struct err err = {0};
-    *scene = (struct scene){0};
-    warnings = 0;
-    bool is_loaded = load(scene, write_text("mesh.obj", text), &err);
-    CHECK(is_loaded, "%s", err.msg);
-    if (!is_loaded)
-        return (struct mesh){0};
-    check_mesh(scene, &scene->meshes[0]);
-    return scene->meshes[0];
-}
-
-static void check_triangle(const struct mesh *mesh, uint32_t triangle, uint32_t a, uint32_t b,
-                           uint32_t c)
-{
-    REQUIRE(triangle < mesh->triangle_count, "%u of %u", triangle, mesh->triangle_count);
-    const uint32_t *corners = mesh->indices[triangle];
-    CHECK(corners[0] == a && corners[1] == b && corners[2] == c, "triangle %u: %u %u %u", triangle,
-          corners[0], corners[1], corners[2]);
+    return load_checked(load, write_text("mesh.obj", text), scene);
 }
 
 #define SQUARE "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
@@ -304,16 +287,6 @@ TEST(material_libraries_are_confined)
 
 // --- errors --------------------------------------------------------------------------------------
 
-static void check_error(const char *path, enum err_code code, const char *expected)
-{
-    struct scene scene = {0};
-    struct err err = {0};
-    bool is_loaded = load(&scene, path, &err);
-    CHECK(!is_loaded && err.code == code && strstr(err.msg, expected), "expected '%s', got '%s'",
-          expected, err.msg);
-    scene_finish(&scene);
-}
-
 TEST(errors_name_file_line_value_and_expectation)
 {
     static const struct {
@@ -348,7 +321,7 @@ TEST(errors_name_file_line_value_and_expectation)
         {"v 0 \\\n 0 \\\n a\n", "mesh.obj:3: expected three numbers after v, found 'a'"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++)
-        check_error(write_text("mesh.obj", cases[i].text), ERR_INPUT, cases[i].message);
+        check_mesh_refused(load, write_text("mesh.obj", cases[i].text), cases[i].message);
 }
 
 TEST(errors_in_mtl_files)
@@ -365,35 +338,23 @@ TEST(errors_in_mtl_files)
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         write_text("bad.mtl", cases[i].text);
-        check_error(write_text("mesh.obj", "mtllib bad.mtl\n" SQUARE), ERR_INPUT, cases[i].message);
+        check_mesh_refused(load, write_text("mesh.obj", "mtllib bad.mtl\n" SQUARE),
+                           cases[i].message);
     }
 }
 
 TEST(files_that_cannot_be_read)
 {
-    check_error(in_folder("nothing.obj"), ERR_INPUT, "nothing.obj");
-    check_error(folder, ERR_INPUT, "folder");
+    check_mesh_refused(load, in_folder("nothing.obj"), "nothing.obj");
+    check_mesh_refused(load, folder, "folder");
 }
 
-// Every limit from nothing to enough: an error that says so, or success.
 TEST(memory_limits_are_errors)
 {
     write_text("m.mtl", "newmtl a\nnewmtl b\n");
-    char path[512];
-    snprintf(path, sizeof path, "%s",
-             write_text("mesh.obj", "mtllib m.mtl\n" SQUARE "vn 0 0 1\nusemtl a\nf 1//1 2//1 3//1\n"
-                                    "usemtl b\nf 1//1 2//1 3 4//1\n"));
-    unsigned failures = 0;
-    bool is_loaded = false;
-    for (size_t limit = 1; limit < 100000 && !is_loaded; limit += 16) {
-        struct scene scene = {.arena.limit_bytes = limit};
-        struct err err = {0};
-        is_loaded = load(&scene, path, &err);
-        CHECK(is_loaded || err.code == ERR_SYSTEM, "limit %zu: %s", limit, err.msg);
-        failures += !is_loaded;
-        scene_finish(&scene);
-    }
-    CHECK(is_loaded && failures > 10, "%u", failures);
+    check_memory_limits(load, write_text("mesh.obj", "mtllib m.mtl\n" SQUARE
+                                                     "vn 0 0 1\nusemtl a\nf 1//1 2//1 3//1\n"
+                                                     "usemtl b\nf 1//1 2//1 3 4//1\n"));
 }
 
 // --- damage --------------------------------------------------------------------------------------

@@ -12,29 +12,12 @@ static bool load(struct scene *scene, const char *path, struct err *err)
 // Loads bytes as mesh.ply; the caller finishes the scene. A zero mesh on failure.
 static struct mesh load_bytes(struct scene *scene, const void *data, size_t size)
 {
-    struct err err = {0};
-    *scene = (struct scene){0};
-    warnings = 0;
-    bool is_loaded = load(scene, write_bytes("mesh.ply", data, size), &err);
-    CHECK(is_loaded, "%s", err.msg);
-    if (!is_loaded)
-        return (struct mesh){0};
-    check_mesh(scene, &scene->meshes[0]);
-    return scene->meshes[0];
+    return load_checked(load, write_bytes("mesh.ply", data, size), scene);
 }
 
 static struct mesh load_text(struct scene *scene, const char *text)
 {
     return load_bytes(scene, text, strlen(text));
-}
-
-static void check_triangle(const struct mesh *mesh, uint32_t triangle, uint32_t a, uint32_t b,
-                           uint32_t c)
-{
-    REQUIRE(triangle < mesh->triangle_count, "%u of %u", triangle, mesh->triangle_count);
-    const uint32_t *corners = mesh->indices[triangle];
-    CHECK(corners[0] == a && corners[1] == b && corners[2] == c, "triangle %u: %u %u %u", triangle,
-          corners[0], corners[1], corners[2]);
 }
 
 #define XYZ "property float x\nproperty float y\nproperty float z\n"
@@ -257,16 +240,6 @@ TEST(data_may_begin_with_a_line_end)
 
 // --- errors --------------------------------------------------------------------------------------
 
-static void check_error(const char *path, enum err_code code, const char *expected)
-{
-    struct scene scene = {0};
-    struct err err = {0};
-    bool is_loaded = load(&scene, path, &err);
-    CHECK(!is_loaded && err.code == code && strstr(err.msg, expected), "expected '%s', got '%s'",
-          expected, err.msg);
-    scene_finish(&scene);
-}
-
 #define ASCII "ply\nformat ascii 1.0\n"
 #define BINARY "ply\nformat binary_little_endian 1.0\n"
 
@@ -302,7 +275,7 @@ TEST(errors_in_the_header)
          "mesh.ply: 5000000000 vertices, expected at most 4294967295"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++)
-        check_error(write_text("mesh.ply", cases[i].text), ERR_INPUT, cases[i].message);
+        check_mesh_refused(load, write_text("mesh.ply", cases[i].text), cases[i].message);
 }
 
 TEST(errors_in_the_data)
@@ -349,7 +322,7 @@ TEST(errors_in_the_data)
          "mesh.ply: face 0: "},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++)
-        check_error(write_text("mesh.ply", cases[i].text), ERR_INPUT, cases[i].message);
+        check_mesh_refused(load, write_text("mesh.ply", cases[i].text), cases[i].message);
 }
 
 TEST(binary_values_that_are_not_finite)
@@ -360,33 +333,20 @@ TEST(binary_values_that_are_not_finite)
         put_text(&file, BINARY "element vertex 2\nproperty double x\nproperty double y\n"
                                "property double z\nend_header\n");
         PUT(&file, double, 0.0, 0.0, 0.0, 0.0, 0.0, bad[i]);
-        check_error(write_bytes("mesh.ply", file.bytes, file.size), ERR_INPUT,
-                    "mesh.ply: vertex 1: z is ");
+        check_mesh_refused(load, write_bytes("mesh.ply", file.bytes, file.size),
+                           "mesh.ply: vertex 1: z is ");
     }
 }
 
 TEST(files_that_cannot_be_read)
 {
-    check_error(in_folder("nothing.ply"), ERR_INPUT, "nothing.ply");
+    check_mesh_refused(load, in_folder("nothing.ply"), "nothing.ply");
 }
 
-// Every limit from nothing to enough: an error that says so, or success.
 TEST(memory_limits_are_errors)
 {
     struct builder file = build_binary(false);
-    char path[512];
-    snprintf(path, sizeof path, "%s", write_bytes("mesh.ply", file.bytes, file.size));
-    unsigned failures = 0;
-    bool is_loaded = false;
-    for (size_t limit = 1; limit < 100000 && !is_loaded; limit += 16) {
-        struct scene scene = {.arena.limit_bytes = limit};
-        struct err err = {0};
-        is_loaded = load(&scene, path, &err);
-        CHECK(is_loaded || err.code == ERR_SYSTEM, "limit %zu: %s", limit, err.msg);
-        failures += !is_loaded;
-        scene_finish(&scene);
-    }
-    CHECK(is_loaded && failures > 10, "%u", failures);
+    check_memory_limits(load, write_bytes("mesh.ply", file.bytes, file.size));
 }
 
 // --- damage --------------------------------------------------------------------------------------
