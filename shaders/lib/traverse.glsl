@@ -10,8 +10,36 @@
 struct trace_ray {
     vec3 origin;
     vec3 direction;
-    uint ignore_a, ignore_b; // primitive words; see intersect_leaf
+    uint ignore_a, ignore_b; // primitive words: where it starts, and what it is sent to
 };
+
+// The plane of the triangle that a ray starts on. Its coplanar neighbours cannot be hit either: their
+// distance is 0 and must not become more by rounding, which is some epsilon times the triangle's size.
+struct left_plane {
+    vec3 normal; // not normalised
+    bool exists;
+};
+
+left_plane load_left_plane(uint primitive)
+{
+    left_plane plane = left_plane(vec3(0.0), false);
+    if (HAS(FEATURE_TRIANGLES) && primitive < PRIMITIVE_SHAPE) {
+        vec3 v0 = load_triangles_float(primitive * 3u).xyz;
+        vec3 v1 = load_triangles_float(primitive * 3u + 1u).xyz;
+        vec3 v2 = load_triangles_float(primitive * 3u + 2u).xyz;
+        plane = left_plane(cross(v1 - v0, v2 - v0), true);
+    }
+    return plane;
+}
+
+// Whether a corner lies in the plane through the ray's origin. Of its computed height at most 16
+// roundings of the coordinates are error: 7 by which the origin was moved off the surface, 4 of the
+// normal, 5 of the difference and the dot product.
+bool in_plane(left_plane plane, vec3 origin, vec3 corner)
+{
+    float height = dot(plane.normal, corner - origin);
+    return abs(height) <= GAMMA(16) * dot(abs(plane.normal), abs(corner) + abs(origin));
+}
 
 struct trace_hit {
     float t;        // distance so far, in units of the direction's length
@@ -43,16 +71,20 @@ void accept_hit(inout trace_hit best, bool hit, float t, vec2 uv, uint primitive
     best.id = nearer ? id : best.id;
 }
 
-void intersect_triangle_leaf(trace_ray ray, triangle_frame frame, uint index, inout trace_hit best)
+void intersect_triangle_leaf(trace_ray ray, triangle_frame frame, left_plane plane, uint index,
+                             inout trace_hit best)
 {
     uvec4 w0 = load_triangles(index * 3u);
     uvec4 w1 = load_triangles(index * 3u + 1u);
     uvec4 w2 = load_triangles(index * 3u + 2u);
+    vec3 v0 = uintBitsToFloat(w0.xyz);
+    vec3 v1 = uintBitsToFloat(w1.xyz);
+    vec3 v2 = uintBitsToFloat(w2.xyz);
     float t;
     vec2 uv;
-    // A plane cannot be hit again by a ray that starts on it.
-    bool hit = intersect_triangle(frame, ray.origin, uintBitsToFloat(w0.xyz),
-                                  uintBitsToFloat(w1.xyz), uintBitsToFloat(w2.xyz), t, uv) &&
+    bool leaves = plane.exists && in_plane(plane, ray.origin, v0) &&
+                  in_plane(plane, ray.origin, v1) && in_plane(plane, ray.origin, v2);
+    bool hit = intersect_triangle(frame, ray.origin, v0, v1, v2, t, uv) && !leaves &&
                index != ray.ignore_a && index != ray.ignore_b;
     accept_hit(best, hit, t, uv, index, w0.w);
 }
@@ -120,6 +152,7 @@ void trace(trace_ray ray, inout trace_state state, inout trace_hit best, inout u
 {
     bvh_ray box_ray = bvh_ray_create(ray.origin, ray.direction);
     triangle_frame frame = triangle_frame_create(ray.direction);
+    left_plane plane = load_left_plane(ray.ignore_a);
     uint current = state.current;
     uint depth = state.depth;
     while (current != BVH_EMPTY && iterations < ITERATION_BUDGET) {
@@ -137,7 +170,7 @@ void trace(trace_ray ray, inout trace_state state, inout trace_hit best, inout u
             bool is_shape = (HAS(FEATURE_SPHERES) || HAS(FEATURE_DISCS)) &&
                             (HAS(FEATURE_TRIANGLES) ? (current & BVH_LEAF_SHAPE) != 0u : true);
             if (HAS(FEATURE_TRIANGLES) && !is_shape)
-                intersect_triangle_leaf(ray, frame, index, best);
+                intersect_triangle_leaf(ray, frame, plane, index, best);
             if (is_shape)
                 intersect_shape_leaf(ray, index, best);
             // One triangle a round: lanes with one-triangle leaves do not wait for the others.
