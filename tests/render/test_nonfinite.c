@@ -7,6 +7,7 @@
 #include <inttypes.h>
 
 #define SAMPLES 4u
+#define SIDE 32u // of the pictures
 
 // One light close above a floor, as a file would give it.
 static bool load_floor(enum light_estimator estimator, struct scene *scene, struct err *err)
@@ -127,6 +128,28 @@ TEST(environment)
     gpu_close(&gpu);
 }
 
+TEST(validation_is_silent)
+{
+    struct scene scene;
+    struct gpu gpu;
+    struct err err = {0};
+    OPEN_GPU(&gpu, .validation = true);
+    REQUIRE_OK(load_floor(ESTIMATOR_MIS, &scene, &err));
+    material_named(&scene, "light")->emission[1] = INFINITY;
+    const struct renderer_params params = {.gpu = &gpu, .scene = &scene};
+    struct renderer r;
+    REQUIRE_OK(renderer_create(&params, &r, &err));
+    const struct render_call call = {.samples = 1};
+    REQUIRE_OK(renderer_render(&r, &call, &err));
+    REQUIRE(r.stats.nonfinite.recorded, "nothing was left out");
+    check_replay(&r, r.stats.nonfinite.pixel % SIDE, r.stats.nonfinite.pixel / SIDE,
+                 r.stats.nonfinite.sample);
+    CHECK(gpu.validation_messages == 0, "%u messages", gpu.validation_messages);
+    renderer_finish(&r);
+    scene_finish(&scene);
+    gpu_close(&gpu);
+}
+
 // The command that `lampyris render` prints, read back as its command line, follows such a path.
 TEST(reproducing_command)
 {
@@ -165,4 +188,4 @@ TEST(reproducing_command)
 }
 
 TEST_MAIN(TEST_CASE(emission), TEST_CASE(light_connection), TEST_CASE(throughput),
-          TEST_CASE(environment), TEST_CASE(reproducing_command))
+          TEST_CASE(environment), TEST_CASE(validation_is_silent), TEST_CASE(reproducing_command))

@@ -3,7 +3,16 @@
 #include "render_fixture.h"
 
 #define PILE 1000000u
+// Several times the steps of a dispatch on the CPU driver.
+#define SMALL_PILE 20000u
 #define PILE_SAMPLES 2u
+
+// As many triangles as the device takes, where its limits are lowered.
+static uint32_t pile_size(const struct gpu *gpu)
+{
+    uint64_t fits = gpu->max_storage_range / sizeof(struct gpu_triangle) - 16;
+    return fits < PILE ? (uint32_t)fits : PILE;
+}
 
 // Adds the pile: the first triangle of the scene's first material, the others of the second.
 static bool add_pile(struct scene *scene, uint32_t count)
@@ -125,11 +134,12 @@ TEST(hits_equal_the_reference)
     struct film_image film;
     struct err err = {0};
     OPEN_GPU(&gpu, 0);
-    REQUIRE_OK(load_pile(glowing, PILE, &scene, &err));
+    uint32_t count = pile_size(&gpu);
+    REQUIRE_OK(load_pile(glowing, count, &scene, &err));
     const struct renderer_params params = {.gpu = &gpu, .scene = &scene};
     const struct render_call call = {.samples = 1};
     REQUIRE_OK(renderer_create(&params, &r, &err));
-    CHECK(r.flat.triangle_count == PILE + 4, "%u triangles", r.flat.triangle_count);
+    CHECK(r.flat.triangle_count == count + 4, "%u triangles", r.flat.triangle_count);
     REQUIRE_OK(renderer_render(&r, &call, &err) && renderer_read(&r, &arena, &film, &err));
     CHECK(r.stats.suspended > 0, "no traversal was continued");
     uint32_t of_the_pile = 0;
@@ -153,12 +163,12 @@ TEST(hits_equal_the_reference)
 // With shadow rays and bounces through the pile: the same bits as its lowest triangle alone.
 TEST(looks_like_its_lowest_triangle)
 {
-    static const uint32_t counts[2] = {1, PILE};
     struct gpu gpu;
     struct arena arena = {0};
     struct film_image films[2];
     struct err err = {0};
     OPEN_GPU(&gpu, 0);
+    const uint32_t counts[2] = {1, pile_size(&gpu)};
     for (int i = 0; i < 2; i++) {
         struct scene scene;
         struct render_stats stats;
@@ -176,4 +186,25 @@ TEST(looks_like_its_lowest_triangle)
     gpu_close(&gpu);
 }
 
-TEST_MAIN(TEST_CASE(hits_equal_the_reference), TEST_CASE(looks_like_its_lowest_triangle))
+// A pile that is just too large for one dispatch.
+TEST(validation_is_silent)
+{
+    struct scene scene;
+    struct gpu gpu;
+    struct arena arena = {0};
+    struct film_image film;
+    struct render_stats stats;
+    struct err err = {0};
+    OPEN_GPU(&gpu, .validation = true);
+    REQUIRE_OK(load_pile(NULL, SMALL_PILE, &scene, &err));
+    const struct renderer_params params = {.gpu = &gpu, .scene = &scene};
+    REQUIRE_OK(render_film(&params, 1, &arena, &film, &stats, &err));
+    CHECK(!gpu.info.is_cpu || stats.suspended > 0, "no traversal was continued");
+    CHECK(gpu.validation_messages == 0, "%u messages", gpu.validation_messages);
+    arena_finish(&arena);
+    scene_finish(&scene);
+    gpu_close(&gpu);
+}
+
+TEST_MAIN(TEST_CASE(hits_equal_the_reference), TEST_CASE(looks_like_its_lowest_triangle),
+          TEST_CASE(validation_is_silent))

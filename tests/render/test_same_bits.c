@@ -195,7 +195,11 @@ TEST(waves_of_a_large_picture)
         struct render_stats stats;
         REQUIRE_OK(render_film(&params, 17, &arena, &films[i], &stats, &err));
         uint64_t full = (UINT64_C(1) << 20) / waves[i], last = full / 16 ? full / 16 : 1;
-        CHECK(stats.waves == full + last, "%u paths: %u waves", waves[i], (unsigned)stats.waves);
+        // Limits may lower a wave.
+        uint64_t bytes = waves[i] * sizeof(struct gpu_path);
+        bool fits = bytes <= gpu.max_storage_range && bytes <= gpu.max_texel_elements * 16;
+        CHECK(!fits || stats.waves == full + last, "%u paths: %u waves", waves[i],
+              (unsigned)stats.waves);
         CHECK(same_bits(&films[i], &films[0]), "%u paths", waves[i]);
     }
     arena_finish(&arena);
