@@ -3,10 +3,11 @@
 #include "log.h"
 #include "shared/types.h"
 #include <inttypes.h>
+#include <unistd.h>
 
 // Measured (docs/performance.md): a dispatch on lavapipe costs some 65 us to wake its threads, so
-// larger waves pay until the path state leaves the caches. GPUs want enough paths to fill every lane
-// many times over.
+// larger waves pay until the path state leaves the caches. GPUs want enough paths to fill every
+// lane many times over.
 #define CPU_WAVE 65536u
 #define GPU_WAVE (1u << 20)
 // The same in items a dispatch: a lavapipe dispatch of 64k rays takes some 20 ms, one of 1M on a
@@ -122,19 +123,53 @@ static uint32_t fit_wave(const struct memory_plan_params *p)
     return (uint32_t)slots;
 }
 
+// Scene buffers that are read as texels may be longer than a storage buffer's range.
+static uint64_t limit_of(const struct memory_plan_params *p, uint32_t b)
+{
+    const struct gpu *gpu = p->gpu;
+    bool texels = b <= BINDING_ENVIRONMENT && (p->specialization->features & FEATURE_TEXEL_SCENE);
+    uint64_t limit = texels ? gpu->max_texel_elements * 16 : gpu->max_storage_range;
+    return least(limit, gpu->max_allocation);
+}
+
 static bool check(const struct memory_plan_params *p, const struct memory_plan *plan, uint32_t b,
                   struct err *err)
 {
-    uint64_t limit = least(p->gpu->max_storage_range, p->gpu->max_allocation);
+    uint64_t limit = limit_of(p, b);
     uint64_t bytes = plan->buffers[b].bytes;
     if (bytes <= limit)
         return true;
     bool grows = bytes_a_slot(p->specialization, b) > 0;
     return err_set(err, ERR_GPU,
                    "buffer %s needs %" PRIu64 " bytes, but %s takes at most %" PRIu64
-                   " a storage buffer: expected %s",
+                   " a buffer: expected %s",
                    binding_name(b), bytes, p->gpu->info.name, limit,
                    grows ? "a smaller --wave" : "a smaller scene, or a device with a higher limit");
+}
+
+// What the host keeps of a picture to read it back, estimate its error and write it.
+#define HOST_BYTES_A_PIXEL 64
+
+// On a CPU driver device memory is the host's, whatever size the driver gives its heap.
+static bool check_total(const struct memory_plan_params *p, const struct memory_plan *plan,
+                        uint64_t pixels, struct err *err)
+{
+    long pages = sysconf(_SC_AVPHYS_PAGES), page = sysconf(_SC_PAGESIZE);
+    uint64_t host = pages > 0 && page > 0 ? (uint64_t)pages * (uint64_t)page : UINT64_MAX;
+    bool is_cpu = p->gpu->info.is_cpu;
+    uint64_t device = is_cpu ? host : p->gpu->info.memory_bytes;
+    uint64_t host_needed = pixels * HOST_BYTES_A_PIXEL + (is_cpu ? plan->total_bytes : 0);
+    if (plan->total_bytes > device)
+        return err_set(err, ERR_GPU,
+                       "the plan needs %" PRIu64 " bytes of device memory, but %s has %" PRIu64
+                       ": expected a smaller scene, picture (--size) or --wave",
+                       plan->total_bytes, p->gpu->info.name, device);
+    if (host_needed > host)
+        return err_set(err, ERR_SYSTEM,
+                       "the plan needs %" PRIu64 " bytes of memory, but %" PRIu64
+                       " are free: expected a smaller picture (--size)",
+                       host_needed, host);
+    return true;
 }
 
 bool memory_plan_make(const struct memory_plan_params *p, struct memory_plan *out, struct err *err)
@@ -181,5 +216,5 @@ bool memory_plan_make(const struct memory_plan_params *p, struct memory_plan *ou
             return false;
         out->total_bytes += out->buffers[b].bytes * copies;
     }
-    return true;
+    return check_total(p, out, pixels, err);
 }

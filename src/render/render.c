@@ -119,9 +119,16 @@ static bool create_bindings(struct renderer *r, struct err *err)
 {
     struct gpu_binding storage[GPU_MAX_STORAGE] = {0};
     const struct gpu_buffer *texels[GPU_MAX_TEXEL] = {0};
-    for (uint32_t b = 0; b < BINDING_COUNT; b++)
-        if (r->buffers[b].handle)
-            storage[b].buffer = &r->buffers[b];
+    for (uint32_t b = 0; b < BINDING_COUNT; b++) {
+        if (!r->buffers[b].handle)
+            continue;
+        // A buffer longer than a storage range is read as texels: its binding is not used then.
+        bool is_long = r->buffers[b].bytes > r->gpu->max_storage_range;
+        storage[b] = (struct gpu_binding){
+            .buffer = &r->buffers[b],
+            .bytes = is_long ? r->gpu->max_storage_range : 0,
+        };
+    }
     for (uint32_t b = 0; b < TEXEL_BINDING_COUNT; b++)
         if (r->buffers[b].texel_view)
             texels[b] = &r->buffers[b];

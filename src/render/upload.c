@@ -20,6 +20,19 @@ uint32_t encode_normal(const float n[3])
     return high << 16 | (uint16_t)(int16_t)lrintf(x * 32767.0f);
 }
 
+// The cross product of the edges; returns the area, half its length.
+static double triangle_normal(const struct flat_triangle *triangle, double n[3])
+{
+    double e[2][3];
+    for (int c = 0; c < 3; c++) {
+        e[0][c] = (double)triangle->v[1][c] - triangle->v[0][c];
+        e[1][c] = (double)triangle->v[2][c] - triangle->v[0][c];
+    }
+    for (int c = 0; c < 3; c++)
+        n[c] = e[0][(c + 1) % 3] * e[1][(c + 2) % 3] - e[0][(c + 2) % 3] * e[1][(c + 1) % 3];
+    return 0.5 * sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+}
+
 // A buffer without records still holds one, zeroed: kernels that are compiled with a feature which
 // the scene lacks may read it and multiply it away.
 #define SMALLEST_BUFFER 64
@@ -63,11 +76,18 @@ static bool upload_triangles(struct gpu *gpu, const struct upload_params *p,
     return create_filled(gpu, p, BINDING_TRIANGLES, records, buffers, err);
 }
 
-static bool is_flat(const float normals[3][3])
+// The largest error of a decoded normal's component: 16 bits octahedrally.
+#define NORMAL_RESOLUTION 6.52e-5
+
+// Whether the shading normals say no more than the geometric one, as far as their code can tell:
+// that one is exact then.
+static bool is_flat(const struct flat_triangle *triangle, const float normals[3][3])
 {
+    double n[3];
+    double length = 2.0 * triangle_normal(triangle, n);
     for (int corner = 0; corner < 3; corner++)
         for (int c = 0; c < 3; c++)
-            if (normals[corner][c] != 0.0f)
+            if (!(fabs(normals[corner][c] - n[c] / length) <= NORMAL_RESOLUTION))
                 return false;
     return true;
 }
@@ -83,8 +103,9 @@ static bool upload_normals(struct gpu *gpu, const struct upload_params *p,
         records[i].n0 = NORMAL_FLAT;
         if (!p->flat->normals)
             continue;
-        const float(*normals)[3] = p->flat->normals[p->bvh->triangle_order[i]];
-        if (is_flat(normals))
+        uint32_t id = p->bvh->triangle_order[i];
+        const float(*normals)[3] = p->flat->normals[id];
+        if (is_flat(&p->flat->triangles[id], normals))
             continue;
         records[i] = (struct gpu_normals){.n0 = encode_normal(normals[0]),
                                           .n1 = encode_normal(normals[1]),
@@ -116,18 +137,6 @@ static bool upload_shapes(struct gpu *gpu, const struct upload_params *p,
 static double luminance(const float rgb[3])
 {
     return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]; // ITU-R BT.709
-}
-
-static double triangle_area(const struct flat_triangle *triangle)
-{
-    double e[2][3], n[3];
-    for (int c = 0; c < 3; c++) {
-        e[0][c] = (double)triangle->v[1][c] - triangle->v[0][c];
-        e[1][c] = (double)triangle->v[2][c] - triangle->v[0][c];
-    }
-    for (int c = 0; c < 3; c++)
-        n[c] = e[0][(c + 1) % 3] * e[1][(c + 2) % 3] - e[0][(c + 2) % 3] * e[1][(c + 1) % 3];
-    return 0.5 * sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
 }
 
 static double shape_area(const struct flat_shape *shape)
@@ -163,8 +172,9 @@ static bool list_emitters(const struct upload_params *p, struct arena *scratch,
     for (uint32_t i = 0; i < p->flat->triangle_count; i++) {
         const struct flat_triangle *triangle = &p->flat->triangles[p->bvh->triangle_order[i]];
         double radiance = luminance(p->scene->materials[triangle->material].emission);
+        double normal[3];
         if (radiance > 0.0)
-            add_emitter(list, i, radiance * triangle_area(triangle));
+            add_emitter(list, i, radiance * triangle_normal(triangle, normal));
     }
     for (uint32_t i = 0; i < p->flat->shape_count; i++) {
         const struct flat_shape *shape = &p->flat->shapes[i];
