@@ -87,10 +87,29 @@ static bool build_bvh(const struct flat_scene *flat, const struct progress *prog
     return ok;
 }
 
+// Cross products of edges overflow or underflow single precision beyond these, with room for edges
+// that are smaller than the scene.
+#define LARGEST_EXTENT 1e9f
+#define SMALLEST_EXTENT 1e-9f
+
+static void warn_about_extent(const struct flat_scene *flat)
+{
+    float extent = 0.0f;
+    for (int c = 0; c < 3; c++)
+        extent = fmaxf(extent, flat->bounds_max[c] - flat->bounds_min[c]);
+    if (extent > LARGEST_EXTENT || (extent > 0.0f && extent < SMALLEST_EXTENT))
+        log_warn("the scene is %g m across; surfaces are lost to single precision beyond %g m and "
+                 "below %g m: expected a scene scaled into that range",
+                 (double)extent, (double)LARGEST_EXTENT, (double)SMALLEST_EXTENT);
+}
+
 bool render_prepare(const struct scene *scene, const struct progress *progress, struct arena *arena,
                     struct flat_scene *flat, struct bvh *bvh, struct err *err)
 {
-    return scene_flatten(scene, arena, flat, err) && build_bvh(flat, progress, arena, bvh, err);
+    if (!scene_flatten(scene, arena, flat, err))
+        return false;
+    warn_about_extent(flat);
+    return build_bvh(flat, progress, arena, bvh, err);
 }
 
 static bool plan_memory(struct renderer *r, uint32_t wave, struct err *err)

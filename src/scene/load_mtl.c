@@ -155,7 +155,8 @@ static bool read_statement(struct mtl_parser *parser, struct text_span keyword, 
     if (text_equals(keyword, "Ks"))
         return read_color(parser, "a number after Ks", 1.0f, current->specular, err);
     if (text_equals(keyword, "Ke"))
-        return read_color(parser, "a number after Ke", INFINITY, current->emission, err);
+        return read_color(parser, "a number after Ke", (float)SCENE_RADIANCE_MAX, current->emission,
+                          err);
     if (text_equals(keyword, "illum"))
         return text_integer(&parser->text, "an integer after illum", &current->illumination_model,
                             err);
