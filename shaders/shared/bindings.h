@@ -38,23 +38,23 @@
 #define FEATURE_TRIANGLES (1u << 0)
 #define FEATURE_SPHERES (1u << 1)
 #define FEATURE_DISCS (1u << 2)
-#define FEATURE_NORMALS (1u << 3)           // interpolated shading normals
+#define FEATURE_NORMALS (1u << 3) // interpolated shading normals
 #define FEATURE_DIFFUSE (1u << 4)
 #define FEATURE_MIRROR (1u << 5)
-#define FEATURE_EMISSION (1u << 6)          // some surface emits
+#define FEATURE_EMISSION (1u << 6) // some surface emits
 #define FEATURE_EMISSIVE_TRIANGLES (1u << 7)
 #define FEATURE_EMISSIVE_SPHERES (1u << 8)
 #define FEATURE_EMISSIVE_DISCS (1u << 9)
-#define FEATURE_NEE (1u << 10)              // shadow rays to emitters
+#define FEATURE_NEE (1u << 10)                // shadow rays to emitters
 #define FEATURE_BSDF_HITS_EMITTERS (1u << 11) // emitters found by BSDF sampling count too
 #define FEATURE_ENVIRONMENT (1u << 12)
 #define FEATURE_ENVIRONMENT_IMAGE (1u << 13)
 #define FEATURE_ROULETTE (1u << 14)
 #define FEATURE_JITTER (1u << 15)
 // Of the device rather than of the scene.
-#define FEATURE_TEXEL_SCENE (1u << 24)   // scene buffers are read as texel buffers
-#define FEATURE_TEXEL_STATE (1u << 25)   // path state likewise
-#define FEATURE_BALLOT (1u << 26)        // queue slots are reserved by subgroup ballot
+#define FEATURE_TEXEL_SCENE (1u << 24) // scene buffers are read as texel buffers
+#define FEATURE_TEXEL_STATE (1u << 25) // path state likewise
+#define FEATURE_BALLOT (1u << 26)      // queue slots are reserved by subgroup ballot
 // Of one dispatch: a traversal that runs out of its budget saves its state and goes on later.
 #define FEATURE_SUSPEND (1u << 27)
 

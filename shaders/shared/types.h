@@ -17,7 +17,8 @@ typedef uint32_t uint;
 
 #define NO_PRIMITIVE 0xffffffffu
 #define NORMAL_FLAT 0x80008000u // gpu_normals.n0 of a triangle without shading normals
-#define PRIMITIVE_SHAPE 0x40000000u // a primitive word: shape index with this bit, or leaf-order triangle
+// A primitive word: a shape's index with this bit, or a triangle's place in leaf order.
+#define PRIMITIVE_SHAPE 0x40000000u
 
 // Three words of four; w's carry what shading needs, so that no index leads elsewhere.
 struct gpu_triangle {
@@ -73,7 +74,7 @@ SHARED_STATIC_ASSERT_SIZE(gpu_emitter, 16);
 // One path in flight: one cache line.
 struct gpu_path {
     float origin[3];
-    uint ignore; // the primitive the ray starts on; planar ones cannot be hit again
+    uint ignore;        // the primitive the ray starts on; planar ones cannot be hit again
     float direction[3]; // unit
     float bsdf_pdf; // solid-angle density that chose the direction; 0: camera or perfectly specular
     float throughput[3];
@@ -125,11 +126,11 @@ struct gpu_resolved_pixel {
 SHARED_STATIC_ASSERT_SIZE(gpu_resolved_pixel, 32);
 
 // Queues of slot indices.
-#define QUEUE_RAYS 0          // even bounces; QUEUE_RAYS + 1: odd bounces
+#define QUEUE_RAYS 0 // even bounces; QUEUE_RAYS + 1: odd bounces
 #define QUEUE_SURFACE 2
-#define QUEUE_MISS 3          // with FEATURE_ENVIRONMENT only
-#define QUEUE_SHADOW 4        // with FEATURE_NEE only
-#define QUEUE_SUSPENDED 5     // + 1: the other one, by turns; with FEATURE_SUSPEND only
+#define QUEUE_MISS 3      // with FEATURE_ENVIRONMENT only
+#define QUEUE_SHADOW 4    // with FEATURE_NEE only
+#define QUEUE_SUSPENDED 5 // + 1: the other one, by turns; with FEATURE_SUSPEND only
 #define QUEUE_COUNT 7
 
 // Where a non-finite contribution came from.
@@ -148,13 +149,13 @@ struct gpu_dispatch {
 };
 
 struct gpu_counters {
-    uint queue[8];            // QUEUE_COUNT used
-    uint closest_rays[2];     // 64 bits, low word first
+    uint queue[8];        // QUEUE_COUNT used
+    uint closest_rays[2]; // 64 bits, low word first
     uint shadow_rays[2];
-    uint unfinished;          // rays that ran out of budget without FEATURE_SUSPEND: results void
-    uint suspended;           // continuations in all
+    uint unfinished; // rays that ran out of budget without FEATURE_SUSPEND: results void
+    uint suspended;  // continuations in all
     uint nonfinite[SITE_COUNT];
-    uint nonfinite_records;   // how many of the following were claimed (may exceed their number)
+    uint nonfinite_records; // how many of the following were claimed (may exceed their number)
     uint align_records;
     RECORD(gpu_dispatch) dispatch[QUEUE_COUNT * DISPATCH_PARTS];
     uint nonfinite_record[NONFINITE_RECORDS * 4]; // pixel, sample, site, bounce
@@ -170,11 +171,11 @@ struct gpu_push {
     uint seed;
     float camera_up[3]; // to the upper edge
     uint bounce;
-    float environment[3]; // radiance, or the factor on the image's
+    float environment[3];  // radiance, or the factor on the image's
     uint environment_size; // width in bits 0-15, height in 16-31
-    uint wave_slots;   // capacity of a queue and of the path arrays
-    uint first_pixel;  // of the image, of this wave
-    uint pixel_count;  // of this wave
+    uint wave_slots;       // capacity of a queue and of the path arrays
+    uint first_pixel;      // of the image, of this wave
+    uint pixel_count;      // of this wave
     uint first_sample;
     uint sample_shift; // a wave holds pixel_count << sample_shift paths, a pixel's samples adjacent
     uint queue;        // that the kernel consumes, or a mask for prepare_dispatch

@@ -75,9 +75,9 @@ static int print_json(const struct info *info)
     json_t *buffers = json_object(), *features = json_array(), *left_out = json_array();
     for (uint32_t i = 0; i < BINDING_COUNT; i++) {
         const struct planned_buffer *buffer = &info->plan.buffers[i];
+        json_int_t bytes = (json_int_t)buffer->bytes * buffer->copies;
         if (buffer->name)
-            json_object_set_new(buffers, buffer->name,
-                                json_integer((json_int_t)(buffer->bytes * buffer->copies)));
+            json_object_set_new(buffers, buffer->name, json_integer(bytes));
     }
     for (int bit = 0; bit < 32; bit++) {
         const char *name = feature_name(1u << bit);

@@ -2,6 +2,7 @@
 
 #include "file.h"
 #include "image.h"
+#include <assert.h>
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -102,6 +103,7 @@ static bool store_switch(const struct option_def *def, const char *text, struct 
 static bool store_choice(const struct option_def *def, const char *text, struct options *options,
                          struct err *err)
 {
+    assert(def->argument); // its words are the choices
     size_t length = strlen(text);
     unsigned index = 0;
     for (const char *word = def->argument; word; index++) {

@@ -155,7 +155,7 @@ bool job_write_outputs(struct render_job *job, uint32_t frame, struct err *err)
         struct err failure = {0};
         const char *path = numbered(&job->film_arena, job->outputs[i], frame);
         if (!path)
-            return err_memory(err, "output name", strlen(job->outputs[i]) + 16);
+            return err_memory(err, "output names", job->output_count * sizeof path);
         if (write_picture(job, path, &attributes, &failure)) {
             has_exr |= strcasecmp(path_extension(path), "exr") == 0;
             continue;

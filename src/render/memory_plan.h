@@ -5,8 +5,6 @@
 #include "shared/bindings.h"
 #include "specialize.h"
 
-#define PLAN_MAX_SUSPENDED_BYTES (64u << 20)
-
 struct planned_buffer {
     const char *name;        // NULL: the scene does not need it
     uint64_t bytes;          // 0 where not needed
