@@ -41,8 +41,9 @@
     M(first_pixel)                                                                                 \
     M(pixel_count)                                                                                 \
     M(first_sample)                                                                                \
-    M(sample_shift) M(queue) M(first_item) M(part_items) M(max_bounces) M(roulette_min_bounces)    \
-        M(emitter_count) M(film_first_pixel)
+    M(sample_shift)                                                                                \
+    M(queue) M(first_item) M(part_items) M(max_bounces) M(roulette_min_bounces) M(emitter_count)   \
+        M(film_first_pixel)
 
 #define RECORDS(R)                                                                                 \
     R(gpu_triangle, TRIANGLE)                                                                      \
