@@ -3,7 +3,8 @@
 //
 //   struct renderer r = {0};
 //   renderer_create(&(struct renderer_params){.gpu = &gpu, .scene = &scene}, &r, &err)
-//       && renderer_render(&r, 64, &err) && renderer_read(&r, &arena, &film, &err);
+//       && renderer_render(&r, &(struct render_call){.samples = 64}, &err)
+//       && renderer_read(&r, &arena, &film, &err);
 //   renderer_finish(&r);
 //
 // One thread at a time. What a pixel's samples are depends on (scene, settings, seed) alone; on one

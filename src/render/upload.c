@@ -48,7 +48,7 @@ static bool create(struct gpu *gpu, const struct upload_params *p, uint32_t bind
                              &buffers[binding], err);
 }
 
-// Creates a buffer and uploads `count` records of `size` bytes.
+// Creates a buffer and uploads as many bytes as are planned for it.
 static bool create_filled(struct gpu *gpu, const struct upload_params *p, uint32_t binding,
                           const void *data, struct gpu_buffer *buffers, struct err *err)
 {
