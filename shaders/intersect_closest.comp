@@ -6,6 +6,19 @@
 #include "lib/queue.glsl"
 #include "lib/suspend.glsl"
 
+// The class that shades a primitive: beside its geometry stands its material word.
+uint hit_class(uint primitive)
+{
+    bool is_shape = (HAS(FEATURE_SPHERES) || HAS(FEATURE_DISCS)) &&
+                    (HAS(FEATURE_TRIANGLES) ? (primitive & PRIMITIVE_SHAPE) != 0u : true);
+    uint word = 0u;
+    if (HAS(FEATURE_TRIANGLES) && !is_shape)
+        word = load_triangles(primitive * 3u + 1u).w;
+    if (is_shape)
+        word = load_shapes((primitive & ~PRIMITIVE_SHAPE) * 2u + 1u).w;
+    return word >> MATERIAL_CLASS_SHIFT & MATERIAL_CLASS_MASK;
+}
+
 void main()
 {
     uint item = item_index();
@@ -22,7 +35,14 @@ void main()
     bool found = done && hit.primitive != NO_PRIMITIVE;
     if (found)
         store_path(slot, PATH_HIT, uvec4(floatBitsToUint(vec3(hit.t, hit.uv)), hit.primitive));
-    queue_push(QUEUE_SURFACE, slot, found);
+    if (HAS(FEATURE_CLASSES)) {
+        uint surface_class = found ? hit_class(hit.primitive) : 0u;
+        for (uint c = 0u; c < CLASS_COUNT; c++)
+            if ((QUEUES >> (QUEUE_SURFACE + c) & 1u) != 0u)
+                queue_push(QUEUE_SURFACE + c, slot, found && surface_class == c);
+    } else {
+        queue_push(QUEUE_SURFACE, slot, found);
+    }
     if (HAS(FEATURE_ENVIRONMENT))
         queue_push(QUEUE_MISS, slot, done && !found);
 }

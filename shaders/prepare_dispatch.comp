@@ -32,13 +32,15 @@ void main()
         gpu_dispatch dispatch = gpu_dispatch(groups, 1u, 1u, count);
         counters.dispatch[queue * DISPATCH_PARTS + part] = dispatch;
         if (rays) {
-            counters.dispatch[QUEUE_SURFACE * DISPATCH_PARTS + part] = dispatch;
-            counters.dispatch[QUEUE_MISS * DISPATCH_PARTS + part] = dispatch;
+            for (uint hits = QUEUE_SURFACE; hits <= QUEUE_MISS; hits++)
+                counters.dispatch[hits * DISPATCH_PARTS + part] = dispatch;
         }
     }
-    if (rays) {
-        counters.queue[QUEUE_SURFACE] = 0u;
-        counters.queue[QUEUE_MISS] = 0u;
+    for (uint hits = QUEUE_SURFACE; rays && hits <= QUEUE_MISS; hits++) {
+        // Those of the bounce before.
+        if (hits < QUEUE_MISS)
+            add_64(counters.surface_hits[hits - QUEUE_SURFACE], counters.queue[hits]);
+        counters.queue[hits] = 0u;
     }
 
     if (rays)

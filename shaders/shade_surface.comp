@@ -21,14 +21,14 @@ void add_emission(uint slot, surface s, material m, vec3 origin, vec3 direction,
                   float bsdf_pdf, vec3 throughput)
 {
     float weight = 1.0;
-    if (HAS(FEATURE_NEE) && bsdf_pdf > 0.0 && m.pick_density > 0.0) {
+    if (HAS(FEATURE_NEE) && bsdf_pdf > 0.0 && m.group[GROUP_EMISSION].a > 0.0) {
         weight = 0.0;
         if (HAS(FEATURE_BSDF_HITS_EMITTERS))
             weight = mis_power_weight(bsdf_pdf,
-                                      pdf_light(origin, direction, distance, s, m.pick_density));
+                                      pdf_light(origin, direction, distance, s, m.group[GROUP_EMISSION].a));
     }
-    if (weight > 0.0 && any(greaterThan(m.emission, vec3(0.0))))
-        add_radiance(slot, throughput * m.emission * weight, SITE_EMISSION);
+    if (weight > 0.0 && any(greaterThan(m.group[GROUP_EMISSION].rgb, vec3(0.0))))
+        add_radiance(slot, throughput * m.group[GROUP_EMISSION].rgb * weight, SITE_EMISSION);
 }
 
 // Writes the shadow ray to a point on an emitter; false when there is nothing to connect.
@@ -39,13 +39,13 @@ bool connect_light(uint slot, surface s, material m, vec3 throughput, vec3 u, ui
     vec3 wi = normalize(l.to_light);
     float cos_surface = dot(wi, s.normal_shading);
     bool facing = cos_surface > 0.0 && dot(wi, s.normal_geometric) > 0.0;
-    if (!facing || !(l.pdf > 0.0) || m.kind != MATERIAL_KIND_DIFFUSE)
+    if (!facing || !(l.pdf > 0.0) || material_model(m) != MATERIAL_LAMBERT)
         return false;
 
     float weight = 1.0;
     if (HAS(FEATURE_BSDF_HITS_EMITTERS))
         weight = mis_power_weight(l.pdf, pdf_cosine_hemisphere(cos_surface));
-    vec3 radiance = throughput * m.base_color * l.radiance *
+    vec3 radiance = throughput * m.group[GROUP_BASE].rgb * l.radiance *
                     (INV_PI * cos_surface * weight / l.pdf);
     store_shadow_ray(slot, 0u, uvec4(floatBitsToUint(origin), primitive));
     store_shadow_ray(slot, 1u, uvec4(floatBitsToUint(l.to_light), l.primitive));
@@ -55,14 +55,14 @@ bool connect_light(uint slot, surface s, material m, vec3 throughput, vec3 u, ui
 
 scattering scatter(surface s, material m, vec3 direction, vec2 u)
 {
-    scattering result = scattering(vec3(0.0), m.base_color, 0.0, false);
-    if (HAS(FEATURE_DIFFUSE) && m.kind == MATERIAL_KIND_DIFFUSE) {
+    scattering result = scattering(vec3(0.0), m.group[GROUP_BASE].rgb, 0.0, false);
+    if (HAS_LOBE(LOBE_LAMBERT) && material_model(m) == MATERIAL_LAMBERT) {
         vec3 local = sample_cosine_hemisphere(u);
         result.direction = basis_around(s.normal_shading) * local;
         result.pdf = pdf_cosine_hemisphere(local.z);
         result.valid = local.z > 0.0;
     }
-    if (HAS(FEATURE_MIRROR) && m.kind == MATERIAL_KIND_MIRROR) {
+    if (HAS_LOBE(LOBE_MIRROR) && material_model(m) == MATERIAL_MIRROR) {
         result.direction = reflect(direction, s.normal_shading);
         result.valid = true;
     }

@@ -3,15 +3,19 @@
 #define CONSTANTS_GLSL
 
 #include "shared/bindings.h"
+#include "shared/material.h"
 
 layout(constant_id = CONSTANT_FEATURES) const uint FEATURES = 0u;
 layout(local_size_x_id = CONSTANT_WORKGROUP) in;
 layout(constant_id = CONSTANT_STACK_ENTRIES) const uint STACK_ENTRIES = 96u;
 layout(constant_id = CONSTANT_ITERATION_BUDGET) const uint ITERATION_BUDGET = 0xffffffffu;
 layout(constant_id = CONSTANT_INTERLEAVE) const uint INTERLEAVE = 1u;
+layout(constant_id = CONSTANT_LOBES) const uint LOBES = 0u;
+layout(constant_id = CONSTANT_QUEUES) const uint QUEUES = 0u;
 
 // Constant-folded: an absent feature's code is gone.
 #define HAS(feature) ((FEATURES & (feature)) != 0u)
+#define HAS_LOBE(lobe) ((LOBES & (lobe)) != 0u)
 
 const float PI = 3.14159265358979323846;
 const float INV_PI = 0.31830988618379067154;

@@ -52,8 +52,8 @@ void finish_area_sample(inout light_sample l, vec3 to_light, vec3 normal, materi
     float distance = length(to_light);
     float cos_light = abs(dot(to_light, normal)) / distance;
     l.to_light = to_light;
-    l.pdf = pdf_area_to_solid_angle(m.pick_density, distance, cos_light);
-    l.radiance = m.emission;
+    l.pdf = pdf_area_to_solid_angle(m.group[GROUP_EMISSION].a, distance, cos_light);
+    l.radiance = m.group[GROUP_EMISSION].rgb;
 }
 
 void sample_triangle_light(vec3 origin, uint index, vec2 u, inout light_sample l)
@@ -85,8 +85,8 @@ void sample_sphere_light(vec3 origin, vec3 center, float radius, material m, vec
         float half_chord = sqrt(max(0.0, radius * radius - distance2 * sin2_theta));
         l.to_light = basis_around(to_center / distance) * local *
                      (distance * cos_theta - half_chord);
-        l.pdf = pdf_sphere_cone(radius, sin2_max, m.pick_density);
-        l.radiance = m.emission;
+        l.pdf = pdf_sphere_cone(radius, sin2_max, m.group[GROUP_EMISSION].a);
+        l.radiance = m.group[GROUP_EMISSION].rgb;
     } else {
         vec3 normal = sample_sphere(u);
         finish_area_sample(l, to_center + radius * normal, normal, m);
@@ -98,7 +98,7 @@ void sample_shape_light(vec3 origin, uint index, vec2 u, inout light_sample l)
     vec4 w0 = load_shapes_float(index * 2u);
     uvec4 w1 = load_shapes(index * 2u + 1u);
     uint kind = w1.w >> SHAPE_KIND_SHIFT;
-    material m = load_material(w1.w & SHAPE_MATERIAL_MASK);
+    material m = load_material(w1.w);
     if (HAS(FEATURE_EMISSIVE_SPHERES) && kind == SHAPE_KIND_SPHERE)
         sample_sphere_light(origin, w0.xyz, w0.w, m, u, l);
     if (HAS(FEATURE_EMISSIVE_DISCS) && kind == SHAPE_KIND_DISC) {

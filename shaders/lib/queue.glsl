@@ -29,7 +29,7 @@ uint item_index()
 // are complete when they are consumed; of the others prepare_dispatch has kept the count.
 uint item_count()
 {
-    bool hits = push.queue == QUEUE_SURFACE || push.queue == QUEUE_MISS;
+    bool hits = push.queue >= QUEUE_SURFACE && push.queue <= QUEUE_MISS;
     uint items = hits ? counters.queue[push.queue]
                       : counters.dispatch[push.queue * DISPATCH_PARTS].items;
     return min(items, push.first_item + push.part_items);
@@ -38,11 +38,7 @@ uint item_count()
 // Queues that this scene does not need have no memory: those above move down.
 uint queue_index(uint queue, uint item)
 {
-    uint row = queue;
-    if (!HAS(FEATURE_ENVIRONMENT) && queue > QUEUE_MISS)
-        row--;
-    if (!HAS(FEATURE_NEE) && queue > QUEUE_SHADOW)
-        row--;
+    uint row = uint(bitCount(QUEUES & ((1u << queue) - 1u)));
     return row * push.wave_slots + item;
 }
 

@@ -2,7 +2,7 @@
 #ifndef SURFACE_GLSL
 #define SURFACE_GLSL
 
-#include "lib/buffers.glsl"
+#include "lib/attributes.glsl"
 #include "lib/constants.glsl"
 
 struct surface {
@@ -10,7 +10,7 @@ struct surface {
     vec3 error;            // bound of the position's rounding, per component
     vec3 normal_geometric; // unit, towards the ray's origin
     vec3 normal_shading;   // unit, on the same side
-    uint material;
+    uint material;         // word
     float radius; // of a sphere; 0 otherwise
     vec3 center;  // of a sphere
 };
@@ -41,7 +41,7 @@ surface load_triangle_surface(uint index, vec2 uv)
     s.normal_geometric = normalize(cross(v1 - v0, v2 - v0));
     s.normal_shading = s.normal_geometric;
     if (HAS(FEATURE_NORMALS)) {
-        uvec4 encoded = load_normals(index);
+        uvec4 encoded = load_attributes(index * ATTRIBUTE_WORDS);
         vec3 n = b.x * decode_normal(encoded.x) + b.y * decode_normal(encoded.y) +
                  b.z * decode_normal(encoded.z);
         // Opposite normals may cancel (stiff case C26).
@@ -63,7 +63,7 @@ surface load_shape_surface(uint index, vec3 point)
     float radius = w0.w;
 
     surface s;
-    s.material = w1.w & SHAPE_MATERIAL_MASK;
+    s.material = w1.w;
     s.center = center;
     if (HAS(FEATURE_SPHERES) && kind == SHAPE_KIND_SPHERE) {
         // Projected back onto the sphere: what is left is the rounding of normalize (4), scaling

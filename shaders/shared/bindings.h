@@ -6,20 +6,21 @@
 // RGBA32_UINT at TEXEL_BINDING(number): on some drivers that read is several times faster.
 #define BINDING_NODES 0       // struct bvh_node
 #define BINDING_TRIANGLES 1   // struct gpu_triangle, leaf order
-#define BINDING_NORMALS 2     // struct gpu_normals, leaf order
+#define BINDING_ATTRIBUTES 2  // what triangles' corners carry, leaf order: see types.h
 #define BINDING_SHAPES 3      // struct gpu_shape
-#define BINDING_MATERIALS 4   // struct gpu_material
+#define BINDING_MATERIALS 4   // struct gpu_material_header, then the sections it names
 #define BINDING_EMITTERS 5    // struct gpu_emitter
 #define BINDING_ENVIRONMENT 6 // one vec4 a texel
-#define BINDING_PATHS 7       // struct gpu_path, one a slot of the wave
-#define BINDING_SHADOW_RAYS 8 // struct gpu_shadow_ray, one a slot
-#define BINDING_RADIANCE 9    // vec4 a slot: what its path has gathered
-#define BINDING_QUEUES 10     // uint slot indices, QUEUE_COUNT arrays of wave_slots each
-#define BINDING_COUNTERS 11   // struct gpu_counters
-#define BINDING_FILM 12       // struct gpu_film_pixel
-#define BINDING_RESOLVED 13   // struct gpu_resolved_pixel
-#define BINDING_SUSPENDED 14  // traversals that ran out of their budget, one a slot
-#define BINDING_COUNT 15
+#define BINDING_TEXELS 7      // of all textures
+#define BINDING_PATHS 8       // struct gpu_path, one a slot of the wave
+#define BINDING_SHADOW_RAYS 9 // struct gpu_shadow_ray, one a slot
+#define BINDING_RADIANCE 10   // vec4 a slot: what its path has gathered
+#define BINDING_QUEUES 11     // uint slot indices, an array of wave_slots for each needed queue
+#define BINDING_COUNTERS 12   // struct gpu_counters
+#define BINDING_FILM 13       // struct gpu_film_pixel
+#define BINDING_RESOLVED 14   // struct gpu_resolved_pixel
+#define BINDING_SUSPENDED 15  // traversals that ran out of their budget, one a slot
+#define BINDING_COUNT 16
 
 #define TEXEL_BINDING_FIRST 16
 #define TEXEL_BINDING_COUNT 12
@@ -31,16 +32,18 @@
 #define CONSTANT_STACK_ENTRIES 2
 #define CONSTANT_ITERATION_BUDGET 3
 #define CONSTANT_INTERLEAVE 4
-#define CONSTANT_COUNT 5
+#define CONSTANT_LOBES 5   // LOBE_* of the class that a kernel shades, or of all
+#define CONSTANT_QUEUES 6  // bits of the queues that exist
+#define CONSTANT_COUNT 7
 
 // What a (scene, settings, device) needs. Kernels test these bits of one specialization constant,
 // so that what is not needed is not in the code.
 #define FEATURE_TRIANGLES (1u << 0)
 #define FEATURE_SPHERES (1u << 1)
 #define FEATURE_DISCS (1u << 2)
-#define FEATURE_NORMALS (1u << 3) // interpolated shading normals
-#define FEATURE_DIFFUSE (1u << 4)
-#define FEATURE_MIRROR (1u << 5)
+#define FEATURE_NORMALS (1u << 3)  // interpolated shading normals
+#define FEATURE_LIGHTS (1u << 4)   // point, spot and directional lights
+#define FEATURE_CLASSES (1u << 5)  // surface hits are sorted by class
 #define FEATURE_EMISSION (1u << 6) // some surface emits
 #define FEATURE_EMISSIVE_TRIANGLES (1u << 7)
 #define FEATURE_EMISSIVE_SPHERES (1u << 8)
@@ -51,11 +54,22 @@
 #define FEATURE_ENVIRONMENT_IMAGE (1u << 13)
 #define FEATURE_ROULETTE (1u << 14)
 #define FEATURE_JITTER (1u << 15)
+#define FEATURE_TEXTURES (1u << 16)
+#define FEATURE_TEXELS_FLOAT (1u << 17) // some texture has texels of four floats
+#define FEATURE_TEXELS_HALF (1u << 18)  // some has texels of four halves
+#define FEATURE_UV0 (1u << 19)
+#define FEATURE_UV1 (1u << 20)
+#define FEATURE_TANGENTS (1u << 21)
+#define FEATURE_COLORS (1u << 22) // of vertices: they scale base colour and opacity
+#define FEATURE_ALPHA (1u << 23)  // some surface is not everywhere there
 // Of the device rather than of the scene.
 #define FEATURE_TEXEL_SCENE (1u << 24) // scene buffers are read as texel buffers
 #define FEATURE_TEXEL_STATE (1u << 25) // path state likewise
 #define FEATURE_BALLOT (1u << 26)      // queue slots are reserved by subgroup ballot
 // Of one dispatch: a traversal that runs out of its budget saves its state and goes on later.
 #define FEATURE_SUSPEND (1u << 27)
+// Of the scene again.
+#define FEATURE_MEDIA (1u << 28)       // some surfaces bound something: refraction, absorption
+#define FEATURE_NORMAL_MAPS (1u << 29)
 
 #endif

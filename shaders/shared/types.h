@@ -4,6 +4,8 @@
 #ifndef LAMPYRIS_SHARED_TYPES_H
 #define LAMPYRIS_SHARED_TYPES_H
 
+#include "material.h"
+
 #ifdef GL_core_profile
 #define RECORD(name) name
 #define SHARED_STATIC_ASSERT_SIZE(name, bytes)
@@ -19,24 +21,28 @@ typedef uint32_t uint;
 #define NORMAL_FLAT 0x80008000u // gpu_normals.n0 of a triangle without shading normals
 // A primitive word: a shape's index with this bit, or a triangle's place in leaf order.
 #define PRIMITIVE_SHAPE 0x40000000u
+// A light without extent: its index with this bit. Never hit.
+#define PRIMITIVE_LIGHT 0x20000000u
 
 // Three words of four; w's carry what shading needs, so that no index leads elsewhere.
 struct gpu_triangle {
     float v0[3];
     uint id; // of the flat scene: decides between hits at equal distance
     float v1[3];
-    uint material;
+    uint material; // a material word, see below
     float v2[3];
     uint align_v2;
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_triangle, 48);
 
-// Octahedral unit vectors, 2 x 16-bit snorm each.
-struct gpu_normals {
-    uint n0, n1, n2;
-    uint align_normals;
-};
-SHARED_STATIC_ASSERT_SIZE(gpu_normals, 16);
+// Attributes of a triangle: words of four in this order, those that the scene has; so many of them
+// from one triangle to the next (attribute_words() in lib/attributes.glsl and render/attributes.h).
+//   FEATURE_NORMALS   1: octahedral unit vectors, 2 x 16-bit snorm each, of the corners; 0
+//   FEATURE_TANGENTS  1: the same for tangents; bit c of the last word: bitangent of corner c is
+//                        -cross(normal, tangent), else +
+//   FEATURE_UV0       2: u, v of three corners; 0, 0
+//   FEATURE_UV1       2: the same
+//   FEATURE_COLORS    2: RGBA of three corners as halves (2 uints each); 0, 0
 
 #define SHAPE_KIND_SPHERE 0u
 #define SHAPE_KIND_DISC 1u
@@ -44,23 +50,78 @@ struct gpu_shape {
     float center[3];
     float radius;
     float normal[3];
-    uint kind_material; // kind in bits 28-31, material below
+    uint kind_material; // kind in bits 28-31, a material word below
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_shape, 32);
 #define SHAPE_KIND_SHIFT 28
-#define SHAPE_MATERIAL_MASK 0x0fffffffu
 
-#define MATERIAL_KIND_DIFFUSE 0u
-#define MATERIAL_KIND_MIRROR 1u
-struct gpu_material {
-    float base_color[3];
-    uint kind;
-    float emission[3];
-    // Density, a unit area, with which next-event estimation picks a point on an emitter of this
-    // material: luminance / sum of (luminance * area) over all emitters. 0: never picked.
-    float pick_density;
+// A material word: index, class, and whether the surface may be not there.
+#define MATERIAL_INDEX_MASK 0x00ffffffu
+#define MATERIAL_CLASS_SHIFT 24 // 2 bits
+#define MATERIAL_CLASS_MASK 3u
+#define MATERIAL_WORD_ALPHA (1u << 27)
+
+// The materials' buffer: this header, then struct gpu_material for each material, and the sections
+// that begin at these words of four.
+struct gpu_material_header {
+    uint textures; // struct gpu_texture
+    uint lights;   // struct gpu_light
+    uint media;    // struct gpu_medium; medium m is record m - 1
+    uint albedos;  // the tables of lib/albedo.glsl
+    uint camera_media; // the stack of media that camera rays start in, see lib/media.glsl
+    float camera_ior;  // of the one they start in
+    uint align_header[2];
 };
-SHARED_STATIC_ASSERT_SIZE(gpu_material, 32);
+SHARED_STATIC_ASSERT_SIZE(gpu_material_header, 32);
+#define MATERIAL_HEADER_WORDS 2 // of four
+
+struct gpu_material {
+    uint model_flags;       // MATERIAL_*
+    uint first_texture;     // of its textures, which are adjacent
+    uint texture_count;
+    uint medium;            // of its inside; 0: none
+    float parameter[PARAMETER_COUNT];
+};
+SHARED_STATIC_ASSERT_SIZE(gpu_material, 192);
+#define MATERIAL_WORDS 12
+
+struct gpu_texture {
+    uint texels; // the first one: in units of 16 bytes of the texels' buffer
+    uint size;   // width in bits 0-15, height in 16-31
+    uint flags;  // TEXTURE_*
+    uint align_texture;
+    float transform[2][4]; // s = row 0 . (u, v, 1), t = row 1 . (u, v, 1); the fourth is 0
+};
+SHARED_STATIC_ASSERT_SIZE(gpu_texture, 48);
+#define TEXTURE_WORDS 3
+
+// What is inside of a closed surface.
+struct gpu_medium {
+    float extinction[3]; // 1/m, at most 3.4e38 in place of infinity
+    float ior;
+    uint priority; // where media overlap, the highest one is there; 0: air
+    float dispersion; // 20 / Abbe number
+    uint align_medium[2];
+};
+SHARED_STATIC_ASSERT_SIZE(gpu_medium, 32);
+#define MEDIUM_WORDS 2
+#define MEDIA_MAX 255u // different ones in a scene: a stack of four is one word
+
+#define LIGHT_POINT 0u
+#define LIGHT_SPOT 1u
+#define LIGHT_DIRECTIONAL 2u
+struct gpu_light {
+    float position[3]; // point, spot
+    uint kind;
+    float direction[3]; // unit, in which light travels: spot, directional
+    float pick_probability;
+    float radiant[3]; // point, spot: intensity, W/sr; directional: irradiance, W/m^2
+    float range;      // beyond which there is no light; infinity: none
+    float spot_scale, spot_offset; // falloff: clamp(cos * scale + offset, 0, 1)^2
+    float align_light[2];
+};
+SHARED_STATIC_ASSERT_SIZE(gpu_light, 64);
+#define LIGHT_WORDS 4
 
 // Vose's alias table: with u < threshold the bin's own primitive, else its alias.
 struct gpu_emitter {
@@ -78,7 +139,7 @@ struct gpu_path {
     float direction[3]; // unit
     float bsdf_pdf; // solid-angle density that chose the direction; 0: camera or perfectly specular
     float throughput[3];
-    uint align_throughput;
+    uint media; // the stack of media it is in, see lib/media.glsl
     float t; // of the hit; not valid for misses
     float u, v;
     uint primitive;
@@ -127,11 +188,11 @@ SHARED_STATIC_ASSERT_SIZE(gpu_resolved_pixel, 32);
 
 // Queues of slot indices.
 #define QUEUE_RAYS 0 // even bounces; QUEUE_RAYS + 1: odd bounces
-#define QUEUE_SURFACE 2
-#define QUEUE_MISS 3      // with FEATURE_ENVIRONMENT only
-#define QUEUE_SHADOW 4    // with FEATURE_NEE only
-#define QUEUE_SUSPENDED 5 // + 1: the other one, by turns; with FEATURE_SUSPEND only
-#define QUEUE_COUNT 7
+#define QUEUE_SURFACE 2   // + class, with FEATURE_CLASSES; else the first one for all
+#define QUEUE_MISS 6      // with FEATURE_ENVIRONMENT only
+#define QUEUE_SHADOW 7    // with FEATURE_NEE only
+#define QUEUE_SUSPENDED 8 // + 1: the other one, by turns; with FEATURE_SUSPEND only
+#define QUEUE_COUNT 10
 
 // Where a non-finite contribution came from.
 #define SITE_MISS 0
@@ -149,7 +210,10 @@ struct gpu_dispatch {
 };
 
 struct gpu_counters {
-    uint queue[8];        // QUEUE_COUNT used
+    uint queue[12];       // QUEUE_COUNT used
+    uint surface_hits[CLASS_COUNT][2]; // 64 bits each
+    uint media_lost; // paths that entered more media than the stack holds, or left one never entered
+    uint align_counters[3];
     uint closest_rays[2]; // 64 bits, low word first
     uint shadow_rays[2];
     uint unfinished; // rays that ran out of budget without FEATURE_SUSPEND: results void

@@ -12,6 +12,7 @@ struct info {
     struct flat_scene flat;
     struct bvh bvh;
     struct specialization specialization;
+    struct shading_tables tables;
     struct memory_plan plan;
     struct emitter_counts emitters;
     struct gpu gpu;
@@ -110,14 +111,28 @@ static bool gather(const struct options *options, struct info *info, struct err 
         !render_prepare(&info->scene, options->progress, &info->scene.arena, &info->flat,
                         &info->bvh, err))
         return false;
-    info->specialization = specialize(&info->scene, &info->flat, &info->bvh, &info->gpu,
-                                      options->features == FEATURES_ALL);
+    info->specialization = specialize(&(struct specialize_params){
+        .scene = &info->scene,
+        .flat = &info->flat,
+        .bvh = &info->bvh,
+        .gpu = &info->gpu,
+        .everything = options->features == FEATURES_ALL,
+    });
+    const struct shading_tables_params tables = {
+        .scene = &info->scene,
+        .flat = &info->flat,
+        .bvh = &info->bvh,
+        .camera = &info->scene.cameras[info->camera],
+    };
+    if (!shading_tables_build(&tables, &info->scene.arena, &info->tables, err))
+        return false;
     info->emitters = emitters_count(&info->scene, &info->flat);
     struct memory_plan_params params = {
         .scene = &info->scene,
         .flat = &info->flat,
         .bvh = &info->bvh,
         .specialization = &info->specialization,
+        .tables = &info->tables,
         .gpu = &info->gpu,
         .wave = options->wave,
     };

@@ -36,7 +36,7 @@ static void print_vertex(const struct replay_vertex *v)
                v->position[1], v->position[2]);
         printf("    %-12s \"", "material");
         print_words(v->material->name);
-        printf("\" (%s)\n", v->material->type == MATERIAL_MIRROR ? "mirror" : "diffuse");
+        printf("\" (%s)\n", v->material->model == MATERIAL_MIRROR ? "mirror" : "diffuse");
     }
     print_vector("gained", v->gained);
     if (v->connected)

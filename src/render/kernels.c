@@ -17,6 +17,15 @@
 #include "shade_surface.spv.h"
 #include "shade_surface_plain.spv.h"
 
+#define shade_diffuse_spirv shade_surface_spirv
+#define shade_diffuse_plain_spirv shade_surface_plain_spirv
+#define shade_principled_spirv shade_surface_spirv
+#define shade_principled_plain_spirv shade_surface_plain_spirv
+#define shade_transmissive_spirv shade_surface_spirv
+#define shade_transmissive_plain_spirv shade_surface_plain_spirv
+#define shade_classical_spirv shade_surface_spirv
+#define shade_classical_plain_spirv shade_surface_plain_spirv
+
 struct kernel_code kernel_code(enum kernel_id id, bool ballot)
 {
     static const struct kernel_code codes[KERNEL_COUNT][2] = {

@@ -6,12 +6,18 @@
 #include <stddef.h>
 #include <stdint.h>
 
-// File name = name here = name in every report and profile.
+// File name = name here = name in every report and profile; but the kernels that shade one class of
+// surfaces are shade_surface.comp with that class's lobes (FEATURE_CLASSES), in the order of
+// CLASS_*.
 #define KERNEL_LIST(X)                                                                             \
     X(generate_rays)                                                                               \
     X(intersect_closest)                                                                           \
     X(shade_miss)                                                                                  \
     X(shade_surface)                                                                               \
+    X(shade_diffuse)                                                                               \
+    X(shade_principled)                                                                            \
+    X(shade_transmissive)                                                                          \
+    X(shade_classical)                                                                             \
     X(intersect_shadow)                                                                            \
     X(accumulate)                                                                                  \
     X(prepare_dispatch)                                                                            \

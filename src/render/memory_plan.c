@@ -1,5 +1,6 @@
 #include "memory_plan.h"
 
+#include "attributes.h"
 #include "log.h"
 #include "shared/types.h"
 #include <inttypes.h>
@@ -21,11 +22,12 @@ const char *binding_name(uint32_t binding)
     static const char *const names[BINDING_COUNT] = {
         [BINDING_NODES] = "nodes",
         [BINDING_TRIANGLES] = "triangles",
-        [BINDING_NORMALS] = "normals",
+        [BINDING_ATTRIBUTES] = "attributes",
         [BINDING_SHAPES] = "shapes",
         [BINDING_MATERIALS] = "materials",
         [BINDING_EMITTERS] = "emitters",
         [BINDING_ENVIRONMENT] = "environment",
+        [BINDING_TEXELS] = "texels",
         [BINDING_PATHS] = "paths",
         [BINDING_SHADOW_RAYS] = "shadow_rays",
         [BINDING_RADIANCE] = "radiance",
@@ -40,8 +42,7 @@ const char *binding_name(uint32_t binding)
 
 static uint32_t queue_rows(const struct specialization *s)
 {
-    return 3u + !!(s->features & FEATURE_ENVIRONMENT) + !!(s->features & FEATURE_NEE) +
-           (s->features & FEATURE_SUSPEND ? 2u : 0u);
+    return (uint32_t)__builtin_popcount(s->queues);
 }
 
 // Bytes that one slot of the wave takes in a buffer; 0 for buffers that do not grow with the wave.
@@ -66,22 +67,22 @@ static uint64_t bytes_a_slot(const struct specialization *s, uint32_t binding)
 static uint64_t scene_bytes(const struct memory_plan_params *p, uint32_t binding)
 {
     const struct environment *environment = &p->scene->environment;
-    struct emitter_counts emitters;
     switch (binding) {
     case BINDING_NODES:
         return (uint64_t)p->bvh->node_count * sizeof(struct bvh_node);
     case BINDING_TRIANGLES:
         return (uint64_t)p->flat->triangle_count * sizeof(struct gpu_triangle);
-    case BINDING_NORMALS:
-        return (uint64_t)p->flat->triangle_count * sizeof(struct gpu_normals);
+    case BINDING_ATTRIBUTES:
+        return (uint64_t)p->flat->triangle_count * attribute_words(p->specialization->features) *
+               16;
     case BINDING_SHAPES:
         return (uint64_t)p->flat->shape_count * sizeof(struct gpu_shape);
     case BINDING_MATERIALS:
-        return (uint64_t)p->scene->material_count * sizeof(struct gpu_material);
+        return p->tables->material_bytes;
     case BINDING_EMITTERS:
-        emitters = emitters_count(p->scene, p->flat);
-        return ((uint64_t)emitters.triangles + emitters.spheres + emitters.discs) *
-               sizeof(struct gpu_emitter);
+        return (uint64_t)p->tables->emitters.count * sizeof(struct gpu_emitter);
+    case BINDING_TEXELS:
+        return p->tables->textures.texel_bytes;
     case BINDING_ENVIRONMENT:
         return (uint64_t)environment->width * environment->height * 16;
     case BINDING_COUNTERS:
@@ -127,7 +128,7 @@ static uint32_t fit_wave(const struct memory_plan_params *p)
 static uint64_t limit_of(const struct memory_plan_params *p, uint32_t b)
 {
     const struct gpu *gpu = p->gpu;
-    bool texels = b <= BINDING_ENVIRONMENT && (p->specialization->features & FEATURE_TEXEL_SCENE);
+    bool texels = b <= BINDING_TEXELS && (p->specialization->features & FEATURE_TEXEL_SCENE);
     uint64_t limit = texels ? gpu->max_texel_elements * 16 : gpu->max_storage_range;
     return least(limit, gpu->max_allocation);
 }

@@ -2,6 +2,7 @@
 #ifndef LAMPYRIS_RENDER_MEMORY_PLAN_H
 #define LAMPYRIS_RENDER_MEMORY_PLAN_H
 
+#include "shading_tables.h"
 #include "shared/bindings.h"
 #include "specialize.h"
 
@@ -27,6 +28,7 @@ struct memory_plan_params {
     const struct flat_scene *flat;
     const struct bvh *bvh;
     const struct specialization *specialization;
+    const struct shading_tables *tables;
     const struct gpu *gpu;
     uint32_t wave; // wanted; 0: the device's default. Lowered where a limit asks for it.
 };

@@ -119,6 +119,7 @@ static bool plan_memory(struct renderer *r, uint32_t wave, struct err *err)
         .flat = &r->flat,
         .bvh = &r->bvh,
         .specialization = &r->specialization,
+        .tables = &r->tables,
         .gpu = r->gpu,
         .wave = wave,
     };
@@ -180,13 +181,14 @@ static bool upload(struct renderer *r, struct err *err)
         .bvh = &r->bvh,
         .specialization = &r->specialization,
         .plan = &r->plan,
+        .tables = &r->tables,
     };
     r->counters = ARENA_NEW(&r->arena, struct gpu_counters, 1);
     r->marks = ARENA_NEW(&r->arena, uint8_t, GPU_MAX_TIMESTAMPS);
     r->bindings = ARENA_NEW(&r->arena, struct gpu_bindings, r->plan.film_chunks);
     if (!r->counters || !r->marks || !r->bindings)
         return err_memory(err, "renderer", sizeof *r->counters);
-    return upload_scene(r->gpu, &params, r->buffers, &r->emitter_count, err) &&
+    return upload_scene(r->gpu, &params, r->buffers, err) &&
            create_buffer(r, BINDING_COUNTERS, GPU_DEVICE, false, err) &&
            create_buffer(r, BINDING_RESOLVED, GPU_READBACK, false, err) && film_create(r, err) &&
            create_wave_state(r, err) && gpu_commands_create(r->gpu, &r->commands, err);
@@ -203,7 +205,7 @@ static void set_push(struct renderer *r, uint32_t camera)
         .max_bounces = settings->max_bounces,
         .roulette_min_bounces = settings->roulette_min_bounces,
         .environment_size = environment->width | environment->height << 16,
-        .emitter_count = r->emitter_count,
+        .emitter_count = r->tables.emitters.count,
         .wave_slots = r->plan.wave_slots,
     };
     if (environment->width == 0)
@@ -225,13 +227,27 @@ bool renderer_create(const struct renderer_params *params, struct renderer *r, s
     r->stats.flatten_seconds = clock_seconds_since(start) - r->stats.bvh_seconds;
 
     start = clock_ns();
-    r->specialization = specialize(r->scene, &r->flat, &r->bvh, r->gpu, params->everything);
+    r->specialization = specialize(&(struct specialize_params){
+        .scene = r->scene,
+        .flat = &r->flat,
+        .bvh = &r->bvh,
+        .gpu = r->gpu,
+        .everything = params->everything,
+        .merge_classes = params->merge_classes,
+    });
+    const struct shading_tables_params tables = {
+        .scene = r->scene,
+        .flat = &r->flat,
+        .bvh = &r->bvh,
+        .camera = &r->scene->cameras[params->camera],
+    };
+    if (!shading_tables_build(&tables, &r->arena, &r->tables, err))
+        goto fail;
     if (!plan_memory(r, params->wave, err))
         goto fail;
     set_push(r, params->camera);
     if (!upload(r, err))
         goto fail;
-    r->push.emitter_count = r->emitter_count;
     r->stats.upload_seconds = clock_seconds_since(start);
 
     start = clock_ns();
@@ -270,7 +286,7 @@ static bool become_careful(struct renderer *r, struct err *err)
     log_warn("some rays need more than %u steps through the BVH: going on with suspended "
              "traversals (slower, the same picture)",
              r->specialization.iteration_budget);
-    r->specialization.features |= FEATURE_SUSPEND;
+    specialization_suspend(&r->specialization);
     return plan_memory(r, r->plan.wave_slots, err) && create_wave_state(r, err) &&
            wave_compile(r, err);
 }

@@ -29,6 +29,7 @@ struct renderer_params {
     uint32_t wave;             // paths in flight; 0: the device's default
     uint32_t camera;           // index into the scene's
     bool everything;           // compile in what the scene does not need (--features all)
+    bool merge_classes;        // one kernel for all surfaces (--classes merged)
     const struct progress *progress;
 };
 
@@ -49,6 +50,8 @@ struct render_stats {
     double flatten_seconds, bvh_seconds, upload_seconds, compile_seconds, render_seconds;
     struct kernel_stats kernels[KERNEL_COUNT];
     uint64_t closest_rays, shadow_rays;
+    uint64_t surface_hits[CLASS_COUNT]; // by class; all in the first without FEATURE_CLASSES
+    uint64_t media_lost; // times that a stack of media overflowed, or missed one to leave
     uint64_t waves, voided_waves; // voided: traced again because a ray ran out of its budget
     uint64_t suspended;           // traversals continued in a later dispatch
     struct nonfinite_stats nonfinite;
@@ -60,6 +63,7 @@ struct renderer {
     struct arena arena;
     struct flat_scene flat;
     struct bvh bvh;
+    struct shading_tables tables;
     struct specialization specialization;
     struct memory_plan plan;
     struct gpu_buffer buffers[BINDING_COUNT]; // but the film
@@ -72,8 +76,7 @@ struct renderer {
     uint8_t *marks;                // kernel of each timestamp of the commands being recorded
     uint32_t mark_count;
     bool dispatch_too_long; // some dispatch since the last wave began: split further
-    uint32_t emitter_count;
-    uint64_t next_sample; // of every pixel, when no pass was cut short
+    uint64_t next_sample;   // of every pixel, when no pass was cut short
     struct render_stats stats;
     const struct progress *progress;
 };

@@ -58,8 +58,11 @@ static bool read_hit(struct follower *f, uint32_t bounce, struct err *err)
         v->origin[c] = (float)(path.origin[c] + r->flat.origin[c]);
         v->position[c] = path.origin[c] + (double)path.t * path.direction[c] + r->flat.origin[c];
     }
-    v->queue = in_queue(f, QUEUE_SURFACE) ? "surface" : in_queue(f, QUEUE_MISS) ? "miss" : "none";
-    if (in_queue(f, QUEUE_SURFACE)) {
+    bool is_hit = false;
+    for (uint32_t c = 0; c < CLASS_COUNT; c++)
+        is_hit |= in_queue(f, QUEUE_SURFACE + c);
+    v->queue = is_hit ? "surface" : in_queue(f, QUEUE_MISS) ? "miss" : "none";
+    if (is_hit) {
         v->primitive = flat_primitive(r, path.primitive, &v->is_shape);
         uint32_t material = v->is_shape ? r->flat.shapes[v->primitive].material
                                         : r->flat.triangles[v->primitive].material;
@@ -114,7 +117,7 @@ static bool read_shading(struct follower *f, enum kernel_id kernel, struct err *
         return false;
     for (int c = 0; c < 3; c++)
         v->gained[c] += gain[c];
-    f->shadow_pending = kernel == KERNEL_shade_surface && in_queue(f, QUEUE_SHADOW);
+    f->shadow_pending = kernel != KERNEL_shade_miss && in_queue(f, QUEUE_SHADOW);
     return !f->shadow_pending || read_connection(f, v, err);
 }
 

@@ -1,5 +1,7 @@
 #include "specialize.h"
 
+#include "attributes.h"
+#include "emitters.h"
 #include "shared/types.h"
 
 // lavapipe's loops silently end after 65,535 rounds of all loops of one subgroup together. Rounds
@@ -10,47 +12,142 @@
 // On GPUs nothing ends silently, but a watchdog may: about 100 ms of one ray's work.
 #define GPU_LANE_ROUNDS 500000u
 
-static bool emits(const struct material *material)
+// Whether some texture of the material scales this parameter, so that it may be less.
+static bool is_textured(const struct scene *scene, const struct material *material,
+                        uint32_t parameter)
 {
-    return material->emission[0] > 0.0f || material->emission[1] > 0.0f ||
-           material->emission[2] > 0.0f;
-}
-
-struct emitter_counts emitters_count(const struct scene *scene, const struct flat_scene *flat)
-{
-    struct emitter_counts counts = {0};
-    for (uint32_t i = 0; i < flat->triangle_count; i++)
-        counts.triangles += emits(&scene->materials[flat->triangles[i].material]);
-    for (uint32_t i = 0; i < flat->shape_count; i++) {
-        if (!emits(&scene->materials[flat->shapes[i].material]))
-            continue;
-        if (flat->shapes[i].kind == SHAPE_SPHERE)
-            counts.spheres++;
-        else
-            counts.discs++;
+    for (uint32_t i = 0; i < material->texture_count; i++) {
+        uint32_t flags = scene->textures[material->first_texture + i].flags;
+        if ((flags >> TEXTURE_USE_SHIFT & 3u) == TEXTURE_USE_SCALE &&
+            (flags >> TEXTURE_GROUP_SHIFT & 15u) == parameter / 4 &&
+            (flags >> (TEXTURE_MASK_SHIFT + parameter % 4) & 1u))
+            return true;
     }
-    return counts;
+    return false;
 }
 
-static uint32_t geometry_features(const struct scene *scene, const struct flat_scene *flat)
+static uint32_t lobe_if(const struct material *material, uint32_t parameter, uint32_t lobe)
+{
+    return material->parameters[parameter] > 0.0f ? lobe : 0u;
+}
+
+// Below this alpha is a delta: what single precision still resolves (verification of GGX's D).
+#define SMALLEST_ALPHA 1e-4f
+
+static uint32_t roughness_lobes(const struct scene *scene, const struct material *material,
+                                uint32_t parameter)
+{
+    float roughness = material->parameters[parameter];
+    bool is_rough = roughness * roughness >= SMALLEST_ALPHA;
+    if (is_textured(scene, material, parameter))
+        return LOBE_ROUGH | LOBE_DELTA;
+    return is_rough ? LOBE_ROUGH : LOBE_DELTA;
+}
+
+static uint32_t principled_lobes(const struct scene *scene, const struct material *m)
+{
+    uint32_t lobes = LOBE_PRINCIPLED | roughness_lobes(scene, m, PARAMETER_ROUGHNESS);
+    lobes |= lobe_if(m, PARAMETER_METALLIC, LOBE_METAL);
+    lobes |= lobe_if(m, PARAMETER_SUBSURFACE, LOBE_SUBSURFACE);
+    lobes |= lobe_if(m, PARAMETER_SHEEN, LOBE_SHEEN);
+    for (uint32_t c = 0; c < 3; c++)
+        lobes |= lobe_if(m, PARAMETER_SHEEN_COLOR + c, LOBE_CHARLIE);
+    if (m->clearcoat > 0.0f) {
+        lobes |= LOBE_CLEARCOAT;
+        lobes |= m->flags & MATERIAL_COAT_GGX
+                     ? roughness_lobes(scene, m, PARAMETER_CLEARCOAT_ROUGHNESS)
+                     : LOBE_ROUGH;
+    }
+    lobes |= lobe_if(m, PARAMETER_TRANSMISSION, LOBE_TRANSMISSION);
+    lobes |= lobe_if(m, PARAMETER_ANISOTROPIC, LOBE_ANISOTROPIC);
+    lobes |= lobe_if(m, PARAMETER_IRIDESCENCE, LOBE_IRIDESCENCE);
+    lobes |= lobe_if(m, PARAMETER_DISPERSION, LOBE_DISPERSION);
+    lobes |= lobe_if(m, PARAMETER_DIFFUSE_TRANSMISSION, LOBE_DIFFUSE_TRANSMISSION);
+    return lobes;
+}
+
+// What shading a material needs of lib/bsdf.glsl.
+static uint32_t material_lobes(const struct scene *scene, const struct material *m)
+{
+    uint32_t lobes = m->flags & MATERIAL_THIN ? LOBE_THIN : 0u;
+    lobes |= m->flags & MATERIAL_SEPARABLE ? LOBE_SEPARABLE : 0u;
+    switch (m->model) {
+    case MATERIAL_LAMBERT:
+        return LOBE_LAMBERT;
+    case MATERIAL_MIRROR:
+        return LOBE_MIRROR;
+    case MATERIAL_PRINCIPLED:
+        lobes |= m->flags & MATERIAL_COMPENSATE ? LOBE_COMPENSATE : 0u;
+        return lobes | principled_lobes(scene, m);
+    case MATERIAL_DIELECTRIC:
+        lobes |= lobe_if(m, PARAMETER_DISPERSION, LOBE_DISPERSION);
+        return lobes | LOBE_DIELECTRIC | roughness_lobes(scene, m, PARAMETER_ROUGHNESS);
+    case MATERIAL_CONDUCTOR:
+        lobes |= m->flags & MATERIAL_COMPENSATE ? LOBE_COMPENSATE : 0u;
+        return lobes | LOBE_CONDUCTOR | roughness_lobes(scene, m, PARAMETER_ROUGHNESS);
+    case MATERIAL_PHONG:
+        return LOBE_PHONG;
+    case MATERIAL_BLINN_PHONG:
+        return LOBE_BLINN_PHONG;
+    default:
+        return LOBE_MICROFACET | roughness_lobes(scene, m, PARAMETER_ROUGHNESS);
+    }
+}
+
+// Lobes that connect to a point on an emitter: all but deltas.
+#define LOBES_CONNECTING                                                                           \
+    (LOBE_LAMBERT | LOBE_PRINCIPLED | LOBE_PHONG | LOBE_BLINN_PHONG | LOBE_MICROFACET | LOBE_ROUGH)
+
+static uint32_t geometry_features(const struct flat_scene *flat)
 {
     uint32_t features = flat->triangle_count ? FEATURE_TRIANGLES : 0u;
     features |= flat->normals ? FEATURE_NORMALS : 0u;
+    features |= flat->tangents ? FEATURE_TANGENTS : 0u;
+    features |= flat->uvs[0] ? FEATURE_UV0 : 0u;
+    features |= flat->uvs[1] ? FEATURE_UV1 : 0u;
+    features |= flat->colors ? FEATURE_COLORS : 0u;
     for (uint32_t i = 0; i < flat->shape_count; i++)
         features |= flat->shapes[i].kind == SHAPE_SPHERE ? FEATURE_SPHERES : FEATURE_DISCS;
-    // Materials that no primitive uses are not needed.
-    for (uint32_t i = 0; i < flat->triangle_count + flat->shape_count; i++) {
-        uint32_t material = i < flat->triangle_count
-                                ? flat->triangles[i].material
-                                : flat->shapes[i - flat->triangle_count].material;
+    return features;
+}
+
+static uint32_t texture_features(const struct scene *scene, const struct material *material)
+{
+    uint32_t features = 0;
+    for (uint32_t i = 0; i < material->texture_count; i++) {
+        const struct texture *texture = &scene->textures[material->first_texture + i];
+        features |= FEATURE_TEXTURES;
         features |=
-            scene->materials[material].type == MATERIAL_MIRROR ? FEATURE_MIRROR : FEATURE_DIFFUSE;
+            scene->images[texture->image].is_float ? FEATURE_TEXELS_FLOAT : FEATURE_TEXELS_HALF;
+        if ((texture->flags >> TEXTURE_USE_SHIFT & 3u) == TEXTURE_USE_NORMAL)
+            features |= FEATURE_NORMAL_MAPS;
+    }
+    return features;
+}
+
+// Features and lobes of the materials that some primitive has.
+static uint32_t material_features(const struct scene *scene, const struct flat_scene *flat,
+                                  uint32_t class_lobes[CLASS_COUNT])
+{
+    uint32_t features = 0;
+    for (uint32_t i = 0; i < scene->material_count; i++) {
+        const struct material *material = &scene->materials[i];
+        if (!flat->material_used[i])
+            continue;
+        class_lobes[material_class(material)] |= material_lobes(scene, material);
+        features |= texture_features(scene, material);
+        if (material->flags & (MATERIAL_ALPHA_MASK | MATERIAL_ALPHA_BLEND))
+            features |= FEATURE_ALPHA;
+        if (material_has_inside(material))
+            features |= FEATURE_MEDIA;
+        if (material_emits(material))
+            features |= FEATURE_EMISSION;
     }
     return features;
 }
 
 static uint32_t light_features(const struct scene *scene, const struct flat_scene *flat,
-                               uint32_t geometry)
+                               uint32_t lobes)
 {
     const struct settings *settings = &scene->settings;
     struct emitter_counts emitters = emitters_count(scene, flat);
@@ -58,9 +155,8 @@ static uint32_t light_features(const struct scene *scene, const struct flat_scen
     features |= emitters.triangles ? FEATURE_EMISSIVE_TRIANGLES : 0u;
     features |= emitters.spheres ? FEATURE_EMISSIVE_SPHERES : 0u;
     features |= emitters.discs ? FEATURE_EMISSIVE_DISCS : 0u;
-    if (features)
-        features |= FEATURE_EMISSION;
-    bool can_connect = features && (geometry & FEATURE_DIFFUSE) && settings->max_bounces > 0;
+    features |= emitters.lights ? FEATURE_LIGHTS : 0u;
+    bool can_connect = features && (lobes & LOBES_CONNECTING) && settings->max_bounces > 0;
     if (can_connect && settings->estimator != ESTIMATOR_BSDF)
         features |= FEATURE_NEE;
     if (settings->estimator != ESTIMATOR_NEE)
@@ -75,27 +171,32 @@ static uint32_t light_features(const struct scene *scene, const struct flat_scen
 // What compiling in changes nothing but the time: what it would add is zero, or never met.
 static uint32_t harmless_features(const struct settings *settings)
 {
-    uint32_t features =
-        FEATURE_TRIANGLES | FEATURE_SPHERES | FEATURE_DISCS | FEATURE_NORMALS | FEATURE_DIFFUSE |
-        FEATURE_MIRROR | FEATURE_EMISSION | FEATURE_EMISSIVE_TRIANGLES | FEATURE_EMISSIVE_SPHERES |
-        FEATURE_EMISSIVE_DISCS | FEATURE_ENVIRONMENT | FEATURE_ENVIRONMENT_IMAGE | FEATURE_ROULETTE;
+    uint32_t features = FEATURE_TRIANGLES | FEATURE_SPHERES | FEATURE_DISCS | FEATURE_NORMALS |
+                        FEATURE_EMISSION | FEATURE_EMISSIVE_TRIANGLES | FEATURE_EMISSIVE_SPHERES |
+                        FEATURE_EMISSIVE_DISCS | FEATURE_ENVIRONMENT | FEATURE_ENVIRONMENT_IMAGE |
+                        FEATURE_ROULETTE | FEATURE_LIGHTS | FEATURE_MEDIA;
     if (settings->estimator != ESTIMATOR_BSDF)
         features |= FEATURE_NEE;
     return features;
 }
 
 static uint32_t device_features(const struct gpu *gpu, const struct flat_scene *flat,
-                                const struct bvh *bvh, const struct environment *environment)
+                                const struct bvh *bvh, const struct scene *scene)
 {
+    const struct environment *environment = &scene->environment;
     uint32_t features = gpu->has_ballot ? FEATURE_BALLOT : 0u;
     // Measured on lavapipe: texel fetches are three times as fast as storage-buffer reads.
     // Elsewhere storage buffers are the reference path.
     if (!gpu->info.is_cpu)
         return features;
     uint64_t environment_bytes = (uint64_t)environment->width * environment->height * 16;
+    uint64_t texel_bytes = 0; // at most: equal images are uploaded once
+    for (uint32_t i = 0; i < scene->image_count; i++)
+        texel_bytes += (uint64_t)scene->images[i].width * scene->images[i].height *
+                       (scene->images[i].is_float ? 16u : 8u);
     if (gpu_texel_fits(gpu, (uint64_t)bvh->node_count * sizeof(struct bvh_node)) &&
         gpu_texel_fits(gpu, (uint64_t)flat->triangle_count * sizeof(struct gpu_triangle)) &&
-        gpu_texel_fits(gpu, environment_bytes))
+        gpu_texel_fits(gpu, environment_bytes) && gpu_texel_fits(gpu, texel_bytes))
         features |= FEATURE_TEXEL_SCENE;
     // The least that Vulkan guarantees still gives a wave of 16,384 paths; below, the wave matters
     // more than the way it is read.
@@ -104,9 +205,31 @@ static uint32_t device_features(const struct gpu *gpu, const struct flat_scene *
     return features;
 }
 
-struct specialization specialize(const struct scene *scene, const struct flat_scene *flat,
-                                 const struct bvh *bvh, const struct gpu *gpu, bool everything)
+// All that shading may need, but for what changes the result of a material that lacks it.
+#define LOBES_ALL ((LOBE_SEPARABLE << 1) - 1u)
+
+static uint32_t queues_needed(uint32_t features, const uint32_t class_lobes[CLASS_COUNT])
 {
+    uint32_t queues = 1u << QUEUE_RAYS | 1u << (QUEUE_RAYS + 1) | 1u << QUEUE_SURFACE;
+    for (uint32_t c = 0; c < CLASS_COUNT && (features & FEATURE_CLASSES); c++)
+        queues |= class_lobes[c] ? 1u << (QUEUE_SURFACE + c) : 0u;
+    queues |= features & FEATURE_ENVIRONMENT ? 1u << QUEUE_MISS : 0u;
+    queues |= features & FEATURE_NEE ? 1u << QUEUE_SHADOW : 0u;
+    return queues;
+}
+
+void specialization_suspend(struct specialization *s)
+{
+    s->features |= FEATURE_SUSPEND;
+    s->queues |= 3u << QUEUE_SUSPENDED;
+}
+
+struct specialization specialize(const struct specialize_params *p)
+{
+    const struct scene *scene = p->scene;
+    const struct flat_scene *flat = p->flat;
+    const struct bvh *bvh = p->bvh;
+    const struct gpu *gpu = p->gpu;
     const struct settings *settings = &scene->settings;
     struct specialization s = {
         .workgroup = gpu->info.is_cpu ? 128 : 64,
@@ -115,15 +238,27 @@ struct specialization specialize(const struct scene *scene, const struct flat_sc
             gpu->info.is_cpu ? CPU_SUBGROUP_ROUNDS / gpu->subgroup_size : GPU_LANE_ROUNDS,
         .interleave = gpu->info.is_cpu ? 16 : 1,
     };
-    s.features = geometry_features(scene, flat);
-    s.features |= light_features(scene, flat, s.features);
+    uint32_t classes = 0;
+    s.features = geometry_features(flat) | material_features(scene, flat, s.class_lobes);
+    for (uint32_t c = 0; c < CLASS_COUNT; c++) {
+        classes += s.class_lobes[c] != 0;
+        s.lobes |= s.class_lobes[c];
+    }
+    s.features |= light_features(scene, flat, s.lobes);
+    if (classes > 1 && !p->merge_classes)
+        s.features |= FEATURE_CLASSES;
     if (settings->roulette_min_bounces < settings->max_bounces)
         s.features |= FEATURE_ROULETTE;
-    if (everything)
+    if (p->everything) {
         s.features |= harmless_features(settings);
+        s.lobes = LOBES_ALL;
+        for (uint32_t c = 0; c < CLASS_COUNT; c++)
+            s.class_lobes[c] = s.class_lobes[c] ? LOBES_ALL : 0u;
+    }
     if (settings->pixel_jitter)
         s.features |= FEATURE_JITTER;
-    s.features |= device_features(gpu, flat, bvh, &scene->environment);
+    s.features |= device_features(gpu, flat, bvh, scene);
+    s.queues = queues_needed(s.features, s.class_lobes);
     return s;
 }
 
@@ -133,7 +268,13 @@ bool specialization_needs_kernel(const struct specialization *s, enum kernel_id 
     case KERNEL_shade_miss:
         return s->features & FEATURE_ENVIRONMENT;
     case KERNEL_shade_surface:
-        return s->features & (FEATURE_TRIANGLES | FEATURE_SPHERES | FEATURE_DISCS);
+        return !(s->features & FEATURE_CLASSES) &&
+               (s->features & (FEATURE_TRIANGLES | FEATURE_SPHERES | FEATURE_DISCS));
+    case KERNEL_shade_diffuse:
+    case KERNEL_shade_principled:
+    case KERNEL_shade_transmissive:
+    case KERNEL_shade_classical:
+        return (s->features & FEATURE_CLASSES) && s->class_lobes[id - KERNEL_shade_diffuse];
     case KERNEL_intersect_closest:
         // Without surfaces every ray is a miss, found by the same kernel in an empty tree; without
         // an environment either, nothing can be seen.
@@ -152,8 +293,10 @@ bool specialization_needs_binding(const struct specialization *s, uint32_t bindi
     switch (binding) {
     case BINDING_TRIANGLES:
         return s->features & FEATURE_TRIANGLES;
-    case BINDING_NORMALS:
-        return s->features & FEATURE_NORMALS;
+    case BINDING_ATTRIBUTES:
+        return attribute_words(s->features) > 0;
+    case BINDING_TEXELS:
+        return s->features & FEATURE_TEXTURES;
     case BINDING_SHAPES:
         return s->features & shapes;
     case BINDING_MATERIALS:
@@ -170,6 +313,28 @@ bool specialization_needs_binding(const struct specialization *s, uint32_t bindi
     }
 }
 
+const char *lobe_name(uint32_t bit)
+{
+    static const char *const names[] = {
+        "Lambert",           "mirror",
+        "principled",        "metal",
+        "subsurface",        "sheen",
+        "Charlie sheen",     "clearcoat",
+        "transmission",      "dielectric",
+        "conductor",         "Phong",
+        "Blinn-Phong",       "microfacet",
+        "rough specular",    "perfectly specular",
+        "anisotropy",        "energy compensation",
+        "thin walls",        "iridescence",
+        "dispersion",        "diffuse transmission",
+        "separable masking",
+    };
+    for (uint32_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (bit == 1u << i)
+            return names[i];
+    return NULL;
+}
+
 const char *feature_name(uint32_t bit)
 {
     switch (bit) {
@@ -181,10 +346,30 @@ const char *feature_name(uint32_t bit)
         return "discs";
     case FEATURE_NORMALS:
         return "shading normals";
-    case FEATURE_DIFFUSE:
-        return "diffuse surfaces";
-    case FEATURE_MIRROR:
-        return "mirrors";
+    case FEATURE_LIGHTS:
+        return "lights without extent";
+    case FEATURE_CLASSES:
+        return "surface classes";
+    case FEATURE_TEXTURES:
+        return "textures";
+    case FEATURE_TEXELS_FLOAT:
+        return "float textures";
+    case FEATURE_TEXELS_HALF:
+        return "half-float textures";
+    case FEATURE_UV0:
+        return "texture coordinates";
+    case FEATURE_UV1:
+        return "second texture coordinates";
+    case FEATURE_TANGENTS:
+        return "tangents";
+    case FEATURE_COLORS:
+        return "vertex colors";
+    case FEATURE_ALPHA:
+        return "alpha";
+    case FEATURE_MEDIA:
+        return "media";
+    case FEATURE_NORMAL_MAPS:
+        return "normal maps";
     case FEATURE_EMISSION:
         return "emission";
     case FEATURE_EMISSIVE_TRIANGLES:

@@ -8,6 +8,7 @@
 #include "kernels.h"
 #include "scene.h"
 #include "shared/bindings.h"
+#include <stddef.h>
 
 // Values of the specialization constants, in the order of their ids.
 struct specialization {
@@ -16,25 +17,34 @@ struct specialization {
     uint32_t stack_entries;
     uint32_t iteration_budget; // of a lane; see specialize.c
     uint32_t interleave;
+    uint32_t lobes;  // LOBE_*
+    uint32_t queues; // bits of the queues that exist
+    // Not a constant: `lobes` of the kernels that shade one class; 0 where the scene has none of
+    // it.
+    uint32_t class_lobes[CLASS_COUNT];
 };
-_Static_assert(sizeof(struct specialization) == 4 * CONSTANT_COUNT, "one word a constant");
+_Static_assert(offsetof(struct specialization, class_lobes) == 4 * CONSTANT_COUNT,
+               "one word a constant");
 
-// Counts of what a scene emits with, for the features and the emitters' table.
-struct emitter_counts {
-    uint32_t triangles, spheres, discs;
+struct specialize_params {
+    const struct scene *scene;
+    const struct flat_scene *flat;
+    const struct bvh *bvh;
+    const struct gpu *gpu;
+    // Compiles in all that does not change what is computed: for measuring what leaving out is
+    // worth, and for testing that it changes no bit.
+    bool everything;
+    bool merge_classes; // one queue and one kernel for all classes of surfaces
 };
-
-struct emitter_counts emitters_count(const struct scene *scene, const struct flat_scene *flat);
-
-// `everything` compiles in all that does not change what is computed: for measuring what leaving
-// out is worth, and for testing that it changes no bit.
-struct specialization specialize(const struct scene *scene, const struct flat_scene *flat,
-                                 const struct bvh *bvh, const struct gpu *gpu, bool everything);
+struct specialization specialize(const struct specialize_params *params);
+// From now on rays that run out of their budget are suspended.
+void specialization_suspend(struct specialization *s);
 
 bool specialization_needs_kernel(const struct specialization *s, enum kernel_id id);
 // By binding number; a buffer that is not needed is not created.
 bool specialization_needs_binding(const struct specialization *s, uint32_t binding);
 // "spheres", …; NULL for bits that are none.
 const char *feature_name(uint32_t bit);
+const char *lobe_name(uint32_t bit);
 
 #endif

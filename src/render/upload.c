@@ -1,6 +1,6 @@
 #include "upload.h"
 
-#include "alias_table.h"
+#include "attributes.h"
 #include "shared/types.h"
 #include <math.h>
 #include <string.h>
@@ -57,6 +57,15 @@ static bool create_filled(struct gpu *gpu, const struct upload_params *p, uint32
            (bytes == 0 || gpu_upload(gpu, &buffers[binding], 0, data, bytes, err));
 }
 
+// Index, class and alpha of a material, as primitives carry it.
+static uint32_t material_word(const struct upload_params *p, uint32_t index)
+{
+    const struct material *material = &p->scene->materials[index];
+    bool alpha = material->flags & (MATERIAL_ALPHA_MASK | MATERIAL_ALPHA_BLEND);
+    return index | material_class(material) << MATERIAL_CLASS_SHIFT |
+           (alpha ? MATERIAL_WORD_ALPHA : 0u);
+}
+
 static bool upload_triangles(struct gpu *gpu, const struct upload_params *p,
                              struct gpu_buffer *buffers, struct arena *scratch, struct err *err)
 {
@@ -71,7 +80,7 @@ static bool upload_triangles(struct gpu *gpu, const struct upload_params *p,
         memcpy(records[i].v1, triangle->v[1], sizeof records[i].v1);
         memcpy(records[i].v2, triangle->v[2], sizeof records[i].v2);
         records[i].id = id;
-        records[i].material = triangle->material;
+        records[i].material = material_word(p, triangle->material);
     }
     return create_filled(gpu, p, BINDING_TRIANGLES, records, buffers, err);
 }
@@ -92,26 +101,34 @@ static bool is_flat(const struct flat_triangle *triangle, const float normals[3]
     return true;
 }
 
-static bool upload_normals(struct gpu *gpu, const struct upload_params *p,
-                           struct gpu_buffer *buffers, struct arena *scratch, struct err *err)
+static void fill_normals(const struct flat_scene *flat, uint32_t id, uint32_t word[4])
+{
+    word[0] = NORMAL_FLAT;
+    if (!flat->normals || is_flat(&flat->triangles[id], flat->normals[id]))
+        return;
+    for (int corner = 0; corner < 3; corner++)
+        word[corner] = encode_normal(flat->normals[id][corner]);
+}
+
+// The attributes of one triangle, in the order of shared/types.h.
+static void fill_attributes(const struct upload_params *p, uint32_t id, uint32_t (*word)[4])
+{
+    uint32_t features = p->specialization->features;
+    if (features & FEATURE_NORMALS)
+        fill_normals(p->flat, id, *word++);
+}
+
+static bool upload_attributes(struct gpu *gpu, const struct upload_params *p,
+                              struct gpu_buffer *buffers, struct arena *scratch, struct err *err)
 {
     uint32_t count = p->flat->triangle_count;
-    struct gpu_normals *records = ARENA_NEW(scratch, struct gpu_normals, count);
+    uint32_t words = attribute_words(p->specialization->features);
+    uint32_t(*records)[4] = arena_alloc(scratch, (uint64_t)count * words, sizeof *records);
     if (!records)
-        return err_memory(err, "normals", (uint64_t)count * sizeof *records);
-    for (uint32_t i = 0; i < count; i++) {
-        records[i].n0 = NORMAL_FLAT;
-        if (!p->flat->normals)
-            continue;
-        uint32_t id = p->bvh->triangle_order[i];
-        const float(*normals)[3] = p->flat->normals[id];
-        if (is_flat(&p->flat->triangles[id], normals))
-            continue;
-        records[i] = (struct gpu_normals){.n0 = encode_normal(normals[0]),
-                                          .n1 = encode_normal(normals[1]),
-                                          .n2 = encode_normal(normals[2])};
-    }
-    return create_filled(gpu, p, BINDING_NORMALS, records, buffers, err);
+        return err_memory(err, "attributes", (uint64_t)count * words * sizeof *records);
+    for (uint32_t i = 0; i < count; i++)
+        fill_attributes(p, p->bvh->triangle_order[i], &records[(uint64_t)i * words]);
+    return create_filled(gpu, p, BINDING_ATTRIBUTES, records, buffers, err);
 }
 
 static bool upload_shapes(struct gpu *gpu, const struct upload_params *p,
@@ -127,98 +144,9 @@ static bool upload_shapes(struct gpu *gpu, const struct upload_params *p,
         memcpy(records[i].center, shape->center, sizeof records[i].center);
         memcpy(records[i].normal, shape->normal, sizeof records[i].normal);
         records[i].radius = shape->radius;
-        records[i].kind_material = kind << SHAPE_KIND_SHIFT | shape->material;
+        records[i].kind_material = kind << SHAPE_KIND_SHIFT | material_word(p, shape->material);
     }
     return create_filled(gpu, p, BINDING_SHAPES, records, buffers, err);
-}
-
-// --- emitters -----------------------------------------------------------------------------------
-
-static double luminance(const float rgb[3])
-{
-    return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]; // ITU-R BT.709
-}
-
-static double shape_area(const struct flat_shape *shape)
-{
-    double disc = M_PI * shape->radius * shape->radius;
-    return shape->kind == SHAPE_SPHERE ? 4.0 * disc : disc;
-}
-
-struct emitter_list {
-    uint32_t *primitives;
-    double *powers; // luminance times area: what a diffuse emitter sends, but for a constant
-    uint32_t count;
-    double total;
-};
-
-static void add_emitter(struct emitter_list *list, uint32_t primitive, double power)
-{
-    list->primitives[list->count] = primitive;
-    list->powers[list->count++] = power;
-    list->total += power;
-}
-
-// Every primitive with emission, those of zero area too: they get no weight.
-static bool list_emitters(const struct upload_params *p, struct arena *scratch,
-                          struct emitter_list *list, struct err *err)
-{
-    struct emitter_counts counts = emitters_count(p->scene, p->flat);
-    uint64_t count = (uint64_t)counts.triangles + counts.spheres + counts.discs;
-    *list = (struct emitter_list){.primitives = ARENA_NEW(scratch, uint32_t, count),
-                                  .powers = ARENA_NEW(scratch, double, count)};
-    if (!list->primitives || !list->powers)
-        return err_memory(err, "emitters", count * 12);
-    for (uint32_t i = 0; i < p->flat->triangle_count; i++) {
-        const struct flat_triangle *triangle = &p->flat->triangles[p->bvh->triangle_order[i]];
-        double radiance = luminance(p->scene->materials[triangle->material].emission);
-        double normal[3];
-        if (radiance > 0.0)
-            add_emitter(list, i, radiance * triangle_normal(triangle, normal));
-    }
-    for (uint32_t i = 0; i < p->flat->shape_count; i++) {
-        const struct flat_shape *shape = &p->flat->shapes[i];
-        double radiance = luminance(p->scene->materials[shape->material].emission);
-        if (radiance > 0.0)
-            add_emitter(list, PRIMITIVE_SHAPE | i, radiance * shape_area(shape));
-    }
-    return true;
-}
-
-static bool upload_emitters(struct gpu *gpu, const struct upload_params *p,
-                            const struct emitter_list *list, struct gpu_buffer *buffers,
-                            struct arena *scratch, struct err *err)
-{
-    if (list->count == 0 || !(list->total > 0.0))
-        return create(gpu, p, BINDING_EMITTERS, buffers, err);
-    struct alias_bin *bins = ARENA_NEW(scratch, struct alias_bin, list->count);
-    struct gpu_emitter *records = ARENA_NEW(scratch, struct gpu_emitter, list->count);
-    if (!bins || !records || !alias_table_build(list->powers, list->count, scratch, bins))
-        return err_memory(err, "emitters", (uint64_t)list->count * sizeof *records);
-    for (uint32_t i = 0; i < list->count; i++)
-        records[i] = (struct gpu_emitter){.threshold = bins[i].threshold,
-                                          .primitive = list->primitives[i],
-                                          .alias_primitive = list->primitives[bins[i].alias]};
-    return create_filled(gpu, p, BINDING_EMITTERS, records, buffers, err);
-}
-
-static bool upload_materials(struct gpu *gpu, const struct upload_params *p, double total_power,
-                             struct gpu_buffer *buffers, struct arena *scratch, struct err *err)
-{
-    uint32_t count = p->scene->material_count;
-    struct gpu_material *records = ARENA_NEW(scratch, struct gpu_material, count);
-    if (!records)
-        return err_memory(err, "materials", (uint64_t)count * sizeof *records);
-    for (uint32_t i = 0; i < count; i++) {
-        const struct material *material = &p->scene->materials[i];
-        memcpy(records[i].base_color, material->base_color, sizeof records[i].base_color);
-        memcpy(records[i].emission, material->emission, sizeof records[i].emission);
-        records[i].kind =
-            material->type == MATERIAL_MIRROR ? MATERIAL_KIND_MIRROR : MATERIAL_KIND_DIFFUSE;
-        if (total_power > 0.0)
-            records[i].pick_density = (float)(luminance(material->emission) / total_power);
-    }
-    return create_filled(gpu, p, BINDING_MATERIALS, records, buffers, err);
 }
 
 static bool upload_environment(struct gpu *gpu, const struct upload_params *p,
@@ -240,23 +168,24 @@ static bool upload_environment(struct gpu *gpu, const struct upload_params *p,
 }
 
 bool upload_scene(struct gpu *gpu, const struct upload_params *p, struct gpu_buffer *buffers,
-                  uint32_t *emitter_count, struct err *err)
+                  struct err *err)
 {
     struct arena scratch = {0};
-    struct emitter_list emitters = {0};
     const struct planned_buffer *plan = p->plan->buffers;
+    const struct shading_tables *tables = p->tables;
     bool ok =
         create_filled(gpu, p, BINDING_NODES, p->bvh->nodes, buffers, err) &&
         (!plan[BINDING_TRIANGLES].name || upload_triangles(gpu, p, buffers, &scratch, err)) &&
-        (!plan[BINDING_NORMALS].name || upload_normals(gpu, p, buffers, &scratch, err)) &&
+        (!plan[BINDING_ATTRIBUTES].name || upload_attributes(gpu, p, buffers, &scratch, err)) &&
         (!plan[BINDING_SHAPES].name || upload_shapes(gpu, p, buffers, &scratch, err)) &&
-        list_emitters(p, &scratch, &emitters, err) &&
         (!plan[BINDING_EMITTERS].name ||
-         upload_emitters(gpu, p, &emitters, buffers, &scratch, err)) &&
+         create_filled(gpu, p, BINDING_EMITTERS, tables->emitters.bins, buffers, err)) &&
         (!plan[BINDING_MATERIALS].name ||
-         upload_materials(gpu, p, emitters.total, buffers, &scratch, err)) &&
+         create_filled(gpu, p, BINDING_MATERIALS, tables->materials, buffers, err)) &&
+        (!plan[BINDING_TEXELS].name ||
+         (create(gpu, p, BINDING_TEXELS, buffers, err) &&
+          texture_set_upload(gpu, p->scene, &tables->textures, &buffers[BINDING_TEXELS], err))) &&
         (!plan[BINDING_ENVIRONMENT].name || upload_environment(gpu, p, buffers, &scratch, err));
-    *emitter_count = emitters.count;
     arena_finish(&scratch);
     return ok;
 }

@@ -3,6 +3,7 @@
 #define LAMPYRIS_RENDER_UPLOAD_H
 
 #include "memory_plan.h"
+#include "shading_tables.h"
 
 struct upload_params {
     const struct scene *scene;
@@ -10,12 +11,13 @@ struct upload_params {
     const struct bvh *bvh;
     const struct specialization *specialization;
     const struct memory_plan *plan;
+    const struct shading_tables *tables;
 };
 
-// Creates and fills buffers[BINDING_NODES … BINDING_ENVIRONMENT] as far as they are planned. The
-// caller finishes them, also on failure. *emitter_count: entries of the emitters' alias table.
+// Creates and fills buffers[BINDING_NODES … BINDING_TEXELS] as far as they are planned. The
+// caller finishes them, also on failure.
 bool upload_scene(struct gpu *gpu, const struct upload_params *params, struct gpu_buffer *buffers,
-                  uint32_t *emitter_count, struct err *err);
+                  struct err *err);
 
 // The octahedral code that shaders decode (lib/surface.glsl); never NORMAL_FLAT.
 uint32_t encode_normal(const float n[3]);

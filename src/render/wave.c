@@ -149,6 +149,14 @@ static bool shade(struct loop *l, enum kernel_id kernel, uint32_t queue, struct 
     return step_done(l, kernel, err);
 }
 
+static bool shade_surfaces(struct loop *l, struct err *err)
+{
+    for (uint32_t c = 0; c < CLASS_COUNT; c++)
+        if (!shade(l, (enum kernel_id)(KERNEL_shade_diffuse + c), QUEUE_SURFACE + c, err))
+            return false;
+    return shade(l, KERNEL_shade_surface, QUEUE_SURFACE, err);
+}
+
 // The shadow rays of the bounce before join the radiance first: contributions are added in the
 // order of bounces.
 static bool trace_bounce(struct loop *l, uint32_t bounce, struct err *err)
@@ -161,8 +169,7 @@ static bool trace_bounce(struct loop *l, uint32_t bounce, struct err *err)
     return (!shadows || bounce == 0 ||
             trace_queue(l, KERNEL_intersect_shadow, QUEUE_SHADOW, err)) &&
            trace_queue(l, KERNEL_intersect_closest, rays, err) &&
-           shade(l, KERNEL_shade_miss, QUEUE_MISS, err) &&
-           shade(l, KERNEL_shade_surface, QUEUE_SURFACE, err);
+           shade(l, KERNEL_shade_miss, QUEUE_MISS, err) && shade_surfaces(l, err);
 }
 
 // Follows all paths of the wave to their ends; leaves commands open that are not yet run.
@@ -221,6 +228,12 @@ static void add_counts(struct renderer *r, const struct gpu_counters *before)
     r->stats.closest_rays += count_since(r->counters->closest_rays, before->closest_rays);
     r->stats.shadow_rays += count_since(r->counters->shadow_rays, before->shadow_rays);
     r->stats.suspended += r->counters->suspended - before->suspended;
+    r->stats.media_lost += r->counters->media_lost - before->media_lost;
+    // Hits of a wave's last bounce still stand in their queues.
+    for (uint32_t c = 0; c < CLASS_COUNT; c++)
+        r->stats.surface_hits[c] +=
+            count_since(r->counters->surface_hits[c], before->surface_hits[c]) +
+            r->counters->queue[QUEUE_SURFACE + c] - before->queue[QUEUE_SURFACE + c];
 }
 
 // Non-finite contributions: their counts, and the lowest of those that the device recorded.
@@ -283,11 +296,14 @@ static bool create_kernels(struct renderer *r, struct err *err)
         if (!specialization_needs_kernel(&r->specialization, (enum kernel_id)id))
             continue;
         struct kernel_code code = kernel_code((enum kernel_id)id, ballot);
+        struct specialization constants = r->specialization;
+        if (id >= KERNEL_shade_diffuse && id <= KERNEL_shade_classical)
+            constants.lobes = constants.class_lobes[id - KERNEL_shade_diffuse];
         struct gpu_kernel_params params = {
             .name = code.name,
             .spirv = code.spirv,
             .spirv_bytes = code.bytes,
-            .constants = (const uint32_t *)&r->specialization,
+            .constants = (const uint32_t *)&constants,
             .constant_count = CONSTANT_COUNT,
         };
         if (!gpu_kernel_create(r->gpu, &params, &r->kernels[id], err))

@@ -290,9 +290,10 @@ static bool reserve(const struct scene *scene, const struct census *census, stru
     size_t count = (size_t)census->triangle_count;
     flat->triangles = ARENA_NEW(arena, struct flat_triangle, count);
     flat->shapes = ARENA_NEW(arena, struct flat_shape, scene->shape_count);
+    flat->material_used = ARENA_NEW(arena, bool, scene->material_count);
     if (census->has_normals)
         flat->normals = arena_alloc(arena, count, sizeof *flat->normals);
-    if (!flat->triangles || !flat->shapes || (census->has_normals && !flat->normals))
+    if (!flat->triangles || !flat->shapes || !flat->material_used || (census->has_normals && !flat->normals))
         return err_memory(
             err, "the flattened scene",
             census->triangle_count *
@@ -322,5 +323,9 @@ bool scene_flatten(const struct scene *scene, struct arena *arena, struct flat_s
     for (uint32_t i = 0; i < scene->shape_count; i++)
         if (!add_shape(out, scene, i, err))
             return false;
+    for (uint32_t i = 0; i < out->triangle_count; i++)
+        out->material_used[out->triangles[i].material] = true;
+    for (uint32_t i = 0; i < out->shape_count; i++)
+        out->material_used[out->shapes[i].material] = true;
     return true;
 }

@@ -93,7 +93,7 @@ static bool load_material(struct gltf_load *load, uint32_t index, struct err *er
     struct material *material = scene_add_material(load->scene, NULL);
     if (!material)
         return gltf_no_memory(&load->document, "materials", sizeof *material, err);
-    material->type = MATERIAL_DIFFUSE;
+    material->model = MATERIAL_LAMBERT;
     for (int i = 0; i < 3; i++)
         material->base_color[i] = 1; // the specification's default
     struct gltf_tally *tally = &load->tally;

@@ -176,8 +176,8 @@ static bool read_material(const struct json_node *node, struct material *materia
 {
     static const char *const optional[] = {"type", "base_color", "emission", NULL};
     static const char *const types[] = {
-        [MATERIAL_DIFFUSE] = "diffuse", [MATERIAL_MIRROR] = "mirror", NULL};
-    uint32_t type = MATERIAL_DIFFUSE;
+        [MATERIAL_LAMBERT] = "diffuse", [MATERIAL_MIRROR] = "mirror", NULL};
+    uint32_t type = MATERIAL_LAMBERT;
     if (!node_check_object(node, none, optional, err) ||
         !node_read_choice(node, "type", types, &type, err))
         return false;
@@ -185,7 +185,7 @@ static bool read_material(const struct json_node *node, struct material *materia
     float fallback = type == MATERIAL_MIRROR ? 1.0f : 0.5f;
     for (int c = 0; c < 3; c++)
         material->base_color[c] = fallback;
-    material->type = (enum material_type)type;
+    material->model = type;
     return node_read_color(node, "base_color", RANGE_UNIT, material->base_color, err) &&
            node_read_color(node, "emission", RANGE_RADIANCE, material->emission, err);
 }

@@ -72,7 +72,7 @@ static bool finish_material(struct mtl_parser *parser, struct err *err)
     bool is_mirror =
         read->illumination_model == 5 || (read->illumination_model == 3 && is_black(read->diffuse));
     *added = (struct mtl_material){
-        .material = {.name = read->name, .type = is_mirror ? MATERIAL_MIRROR : MATERIAL_DIFFUSE},
+        .material = {.name = read->name, .model = is_mirror ? MATERIAL_MIRROR : MATERIAL_LAMBERT},
         .order = parser->library->count - 1,
         .scene_index = SCENE_NONE,
     };

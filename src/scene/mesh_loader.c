@@ -33,7 +33,7 @@ bool mesh_default_material(struct scene *scene, uint32_t given, uint32_t *materi
     if (!grey)
         return err_memory(err, "a material", sizeof *grey);
     grey->name = "default";
-    grey->type = MATERIAL_DIFFUSE;
+    grey->model = MATERIAL_LAMBERT;
     for (int c = 0; c < 3; c++)
         grey->base_color[c] = 0.5f;
     return true;

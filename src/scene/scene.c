@@ -38,7 +38,7 @@ struct material *scene_add_material(struct scene *scene, uint32_t *index)
     if (index)
         *index = scene->material_count;
     struct material *added = &items[scene->material_count++];
-    added->name = "";
+    material_init(added);
     return added;
 }
 
@@ -100,6 +100,48 @@ struct camera *scene_add_camera(struct scene *scene, uint32_t *index)
     if (index)
         *index = scene->camera_count;
     struct camera *added = &items[scene->camera_count++];
+    added->name = "";
+    return added;
+}
+
+struct texture_image *scene_add_image(struct scene *scene, uint32_t *index)
+{
+    struct texture_image *items = reserve_one(&scene->arena, scene->images, scene->image_count,
+                                              &scene->image_capacity, sizeof *items);
+    if (!items)
+        return NULL;
+    scene->images = items;
+    if (index)
+        *index = scene->image_count;
+    struct texture_image *added = &items[scene->image_count++];
+    added->name = "";
+    return added;
+}
+
+struct texture *scene_add_texture(struct scene *scene, uint32_t *index)
+{
+    struct texture *items = reserve_one(&scene->arena, scene->textures, scene->texture_count,
+                                        &scene->texture_capacity, sizeof *items);
+    if (!items)
+        return NULL;
+    scene->textures = items;
+    if (index)
+        *index = scene->texture_count;
+    struct texture *added = &items[scene->texture_count++];
+    added->transform[0][0] = added->transform[1][1] = 1.0f;
+    return added;
+}
+
+struct light *scene_add_light(struct scene *scene, uint32_t *index)
+{
+    struct light *items = reserve_one(&scene->arena, scene->lights, scene->light_count,
+                                      &scene->light_capacity, sizeof *items);
+    if (!items)
+        return NULL;
+    scene->lights = items;
+    if (index)
+        *index = scene->light_count;
+    struct light *added = &items[scene->light_count++];
     added->name = "";
     return added;
 }

@@ -11,6 +11,7 @@
 #include "arena.h"
 #include "err.h"
 #include "progress.h"
+#include "scene_material.h"
 #include "settings.h"
 #include <stdbool.h>
 #include <stddef.h>
@@ -23,19 +24,6 @@
 // Leaves a factor of 1e8 for sums over samples and products with throughputs.
 #define SCENE_RADIANCE_MAX 1e30 // W/(sr m^2)
 
-enum material_type {
-    MATERIAL_DIFFUSE, // Lambert, two-sided
-    MATERIAL_MIRROR,  // perfect mirror of reflectance base_color, two-sided
-    MATERIAL_TYPE_COUNT,
-};
-
-struct material {
-    const char *name; // never NULL; "" when the file gives none
-    enum material_type type;
-    float base_color[3]; // reflectance, each in [0, 1]
-    float emission[3];   // radiance emitted from both sides, >= 0
-};
-
 // A triangle mesh in its own space.
 struct mesh {
     const char *name;
@@ -44,6 +32,9 @@ struct mesh {
     float (*positions)[3];        // vertex_count
     double (*exact_positions)[3]; // vertex_count, what `positions` round; or NULL: nothing better
     float (*normals)[3];          // vertex_count, unit length or (0,0,0) where missing; or NULL
+    float (*tangents)[4];         // vertex_count, unit length and the bitangent's sign; or NULL
+    float (*uvs[2])[2];           // two sets, vertex_count each, t downwards; or NULL
+    float (*colors)[4];           // vertex_count, linear RGBA; or NULL
     uint32_t (*indices)[3];       // triangle_count, each below vertex_count
     uint32_t *triangle_material;  // triangle_count; or NULL: `material` for all
     uint32_t material;
@@ -97,6 +88,12 @@ struct scene {
     struct camera *cameras; // as in the file; the first is used unless chosen otherwise
     uint32_t camera_count;  // after scene_load at least 1: a model without one is framed
     bool camera_is_framed;  // cameras[0] was made up: scene_frame_camera fits it to another picture
+    struct texture_image *images;
+    uint32_t image_count;
+    struct texture *textures; // those of one material are adjacent
+    uint32_t texture_count;
+    struct light *lights; // without extent
+    uint32_t light_count;
     struct environment environment;
     struct settings settings; // defaults, overridden by the file
     uint64_t hash;            // of the file's bytes and of all files it names, and of the overrides
@@ -106,7 +103,7 @@ struct scene {
     uint32_t note_count;
     // Room in the arrays above; only the scene_add_ functions and scene_note touch these.
     uint32_t material_capacity, mesh_capacity, instance_capacity, shape_capacity, camera_capacity;
-    uint32_t note_capacity;
+    uint32_t note_capacity, image_capacity, texture_capacity, light_capacity;
 };
 
 struct scene_override {
@@ -165,6 +162,9 @@ struct mesh *scene_add_mesh(struct scene *scene, uint32_t *index);
 struct instance *scene_add_instance(struct scene *scene, uint32_t *index);
 struct shape *scene_add_shape(struct scene *scene, uint32_t *index);
 struct camera *scene_add_camera(struct scene *scene, uint32_t *index);
+struct texture_image *scene_add_image(struct scene *scene, uint32_t *index);
+struct texture *scene_add_texture(struct scene *scene, uint32_t *index);
+struct light *scene_add_light(struct scene *scene, uint32_t *index);
 
 // Appends a copy of *mesh; its arrays live in the scene's arena already.
 bool scene_append_mesh(struct scene *scene, const struct mesh *mesh, uint32_t *index,

@@ -35,7 +35,7 @@ TEST(sample)
         CHECK(near3(mesh->normals[1], 0, 0, 1) && near3(mesh->normals[3], 0, 0, 0));
         CHECK(mesh->indices[1][0] == 0 && mesh->indices[1][1] == 2 && mesh->indices[1][2] == 3);
         const struct material *red = &scene.materials[0];
-        CHECK(red->type == MATERIAL_DIFFUSE && strcmp(red->name, "red") == 0);
+        CHECK(red->model == MATERIAL_LAMBERT && strcmp(red->name, "red") == 0);
         CHECK(near3(red->base_color, 1, 0.5, 0.25) && near3(red->emission, 2, 0, 0));
         const struct camera *camera = &scene.cameras[0];
         CHECK(strcmp(camera->name, "front") == 0 && camera->fov_y == 0.5);

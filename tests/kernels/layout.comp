@@ -18,7 +18,7 @@ layout(push_constant) uniform push_block {
     };
 
 BLOCK(gpu_triangle, 0)
-BLOCK(gpu_normals, 1)
+BLOCK(gpu_material_header, 1)
 BLOCK(gpu_shape, 2)
 BLOCK(gpu_material, 3)
 BLOCK(gpu_emitter, 4)
@@ -28,6 +28,9 @@ BLOCK(gpu_film_pixel, 7)
 BLOCK(gpu_resolved_pixel, 8)
 BLOCK(gpu_dispatch, 9)
 BLOCK(gpu_counters, 10)
+BLOCK(gpu_texture, 11)
+BLOCK(gpu_medium, 12)
+BLOCK(gpu_light, 13)
 
 void main()
 {

@@ -8,7 +8,7 @@ static bool create_kernel(struct renderer *r, uint32_t routine, struct gpu_kerne
                           struct err *err)
 {
     uint32_t constants[CONSTANT_ROUTINE + 1];
-    memcpy(constants, &r->specialization, sizeof r->specialization);
+    memcpy(constants, &r->specialization, 4 * CONSTANT_COUNT);
     constants[CONSTANT_FEATURES] &= ~FEATURE_TEXEL_STATE; // the test writes what it reads
     constants[CONSTANT_ROUTINE] = routine;
     const struct gpu_kernel_params params = {

@@ -8,13 +8,21 @@
 #include "layout_test.spv.h"
 
 #define TRIANGLE(M) M(v0) M(id) M(v1) M(material) M(v2) M(align_v2)
-#define NORMALS(M) M(n0) M(n1) M(n2) M(align_normals)
+#define HEADER(M)                                                                                  \
+    M(textures) M(lights) M(media) M(albedos) M(camera_media) M(camera_ior) M(align_header)
+#define TEXTURE(M) M(texels) M(size) M(flags) M(align_texture) M(transform)
+#define MEDIUM(M) M(extinction) M(ior) M(priority) M(dispersion) M(align_medium)
+#define LIGHT(M)                                                                                   \
+    M(position)                                                                                    \
+    M(kind)                                                                                        \
+    M(direction)                                                                                   \
+    M(pick_probability) M(radiant) M(range) M(spot_scale) M(spot_offset) M(align_light)
 #define SHAPE(M) M(center) M(radius) M(normal) M(kind_material)
-#define MATERIAL(M) M(base_color) M(kind) M(emission) M(pick_density)
+#define MATERIAL(M) M(model_flags) M(first_texture) M(texture_count) M(medium) M(parameter)
 #define EMITTER(M) M(threshold) M(primitive) M(alias_primitive) M(align_emitter)
 #define PATH(M)                                                                                    \
     M(origin)                                                                                      \
-    M(ignore) M(direction) M(bsdf_pdf) M(throughput) M(align_throughput) M(t) M(u) M(v) M(primitive)
+    M(ignore) M(direction) M(bsdf_pdf) M(throughput) M(media) M(t) M(u) M(v) M(primitive)
 #define SHADOW_RAY(M) M(origin) M(ignore_from) M(direction) M(ignore_to) M(radiance) M(light_pdf)
 #define FILM_PIXEL(M)                                                                              \
     M(sum_a) M(samples) M(lost_a) M(dropped) M(sum_b) M(align_b) M(lost_b) M(align_lost_b)
@@ -22,6 +30,9 @@
 #define DISPATCH(M) M(x) M(y) M(z) M(items)
 #define COUNTERS(M)                                                                                \
     M(queue)                                                                                       \
+    M(surface_hits)                                                                                \
+    M(media_lost)                                                                                  \
+    M(align_counters)                                                                              \
     M(closest_rays)                                                                                \
     M(shadow_rays)                                                                                 \
     M(unfinished)                                                                                  \
@@ -47,7 +58,10 @@
 
 #define RECORDS(R)                                                                                 \
     R(gpu_triangle, TRIANGLE)                                                                      \
-    R(gpu_normals, NORMALS)                                                                        \
+    R(gpu_material_header, HEADER)                                                                 \
+    R(gpu_texture, TEXTURE)                                                                        \
+    R(gpu_medium, MEDIUM)                                                                          \
+    R(gpu_light, LIGHT)                                                                            \
     R(gpu_shape, SHAPE)                                                                            \
     R(gpu_material, MATERIAL)                                                                      \
     R(gpu_emitter, EMITTER)                                                                        \
@@ -74,12 +88,15 @@ struct record {
 // Arrays decay to pointers.
 #define KIND(value)                                                                                \
     _Generic((value), float: SPIRV_FLOAT, float *: SPIRV_FLOAT, uint: SPIRV_UINT,                  \
-             uint *: SPIRV_UINT, struct gpu_dispatch *: SPIRV_STRUCT)
+             float(*)[4]: SPIRV_FLOAT, uint(*)[2]: SPIRV_UINT, uint *: SPIRV_UINT, struct gpu_dispatch *: SPIRV_STRUCT)
 #define MEMBER_OF(type, member)                                                                    \
     {#member, offsetof(type, member), sizeof((type *)0)->member, KIND(((type *)0)->member)},
 
 #define M_gpu_triangle(m) MEMBER_OF(struct gpu_triangle, m)
-#define M_gpu_normals(m) MEMBER_OF(struct gpu_normals, m)
+#define M_gpu_material_header(m) MEMBER_OF(struct gpu_material_header, m)
+#define M_gpu_texture(m) MEMBER_OF(struct gpu_texture, m)
+#define M_gpu_medium(m) MEMBER_OF(struct gpu_medium, m)
+#define M_gpu_light(m) MEMBER_OF(struct gpu_light, m)
 #define M_gpu_shape(m) MEMBER_OF(struct gpu_shape, m)
 #define M_gpu_material(m) MEMBER_OF(struct gpu_material, m)
 #define M_gpu_emitter(m) MEMBER_OF(struct gpu_emitter, m)

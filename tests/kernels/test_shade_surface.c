@@ -28,7 +28,7 @@ static void make_scene(struct scene *scene, uint32_t kind)
     scene_start(scene, 64, 64);
     const struct material materials[] = {
         {.name = "floor", .base_color = {0.75f, 0.5f, 0.25f}},
-        {.name = "mirror", .type = MATERIAL_MIRROR, .base_color = {0.9f, 0.8f, 0.7f}},
+        {.name = "mirror", .model = MATERIAL_MIRROR, .base_color = {0.9f, 0.8f, 0.7f}},
         {.name = "lamp", .base_color = {0.1f, 0.2f, 0.3f}, .emission = {8, 6, 4}},
         {.name = "bulb", .base_color = {0.5f, 0.5f, 0.5f}, .emission = {1, 2, 3}},
         {.name = "disc", .base_color = {0.4f, 0.4f, 0.4f}, .emission = {3, 2, 0}},
@@ -170,7 +170,7 @@ static bool is_close(double value, double expected, double relative)
 
 static bool is_mirror(const struct hit *h)
 {
-    return h->s.material->type == MATERIAL_MIRROR;
+    return h->s.material->model == MATERIAL_MIRROR;
 }
 
 static bool has_feature(const struct hit *h, uint32_t feature)
@@ -251,8 +251,8 @@ static void check_light_point(const struct hit *h, uint32_t primitive, const dou
 // The emitter that the table gives for u, as the kernel computes it.
 static uint32_t picked_emitter(const struct renderer *r, const struct gpu_emitter *table, double u)
 {
-    float scaled = (float)u * (float)r->emitter_count;
-    uint32_t bin = (uint32_t)scaled < r->emitter_count ? (uint32_t)scaled : r->emitter_count - 1;
+    float scaled = (float)u * (float)r->tables.emitters.count;
+    uint32_t bin = (uint32_t)scaled < r->tables.emitters.count ? (uint32_t)scaled : r->tables.emitters.count - 1;
     return scaled - (float)bin < table[bin].threshold ? table[bin].primitive
                                                       : table[bin].alias_primitive;
 }
@@ -457,10 +457,10 @@ static void check_scene(uint32_t kind, enum light_estimator estimator, uint32_t 
     setup.scene.settings.estimator = estimator;
     OPEN_SETUP(&setup, SLOTS);
     struct renderer *r = &setup.r;
-    bool ok = r->plan.wave_slots >= SLOTS && r->emitter_count <= 16 && trace_rays(r, &err) &&
+    bool ok = r->plan.wave_slots >= SLOTS && r->tables.emitters.count <= 16 && trace_rays(r, &err) &&
               (!r->buffers[BINDING_EMITTERS].handle ||
                gpu_download(r->gpu, &r->buffers[BINDING_EMITTERS], 0, emitters,
-                            r->emitter_count * sizeof emitters[0], &err)) &&
+                            r->tables.emitters.count * sizeof emitters[0], &err)) &&
               shade(r, bounce, &err);
     REQUIRE(ok, "%s", err.msg);
     struct tally tally = check_slots(r, emitters);

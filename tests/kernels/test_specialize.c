@@ -43,7 +43,7 @@ static void make_scene(uint32_t has, struct scene *scene)
             continue;
         struct material material = {
             .name = "part",
-            .type = has & parts[i].mirror ? MATERIAL_MIRROR : MATERIAL_DIFFUSE,
+            .model = has & parts[i].mirror ? MATERIAL_MIRROR : MATERIAL_LAMBERT,
             .base_color = {0.5f, 0.6f, 0.7f},
         };
         for (int c = 0; c < 3 && (has & parts[i].bright); c++)
@@ -57,7 +57,7 @@ static void make_scene(uint32_t has, struct scene *scene)
             add_disc(scene, (double[3]){-0.5, 0.8, 1}, (double[3]){1, -1, 1}, 0.3, index);
     }
     if (has & SPARE_MIRROR)
-        add_material(scene, &(struct material){.name = "spare", .type = MATERIAL_MIRROR});
+        add_material(scene, &(struct material){.name = "spare", .model = MATERIAL_MIRROR});
     if (has & SKY)
         scene->environment = (struct environment){.present = true, .radiance = {1, 1, 1}};
     if (has & SKY_IMAGE)
@@ -130,13 +130,13 @@ static const struct pair pairs[] = {
     {"spheres", QUAD | SPHERE, QUAD, FEATURE_SPHERES, 0, BIT(BINDING_SHAPES), 0},
     {"discs", QUAD | DISC, QUAD, FEATURE_DISCS, 0, BIT(BINDING_SHAPES), 0},
     {"spheres beside discs", DISC | SPHERE, DISC, FEATURE_SPHERES, 0, 0, 0},
-    {"normals", QUAD | SMOOTH, QUAD, FEATURE_NORMALS, 0, BIT(BINDING_NORMALS), 0},
+    {"normals", QUAD | SMOOTH, QUAD, FEATURE_NORMALS, 0, BIT(BINDING_ATTRIBUTES), 0},
     {"diffuse", QUAD | SPHERE | MIRROR_SPHERE, QUAD | MIRROR_QUAD | SPHERE | MIRROR_SPHERE,
-     FEATURE_DIFFUSE, 0, 0, 0},
+     0, 0, 0, 0},
     {"diffuse to connect with", QUAD | SPHERE | BRIGHT_SPHERE | MIRROR_SPHERE,
-     QUAD | MIRROR_QUAD | SPHERE | BRIGHT_SPHERE | MIRROR_SPHERE, FEATURE_DIFFUSE | FEATURE_NEE,
+     QUAD | MIRROR_QUAD | SPHERE | BRIGHT_SPHERE | MIRROR_SPHERE, FEATURE_NEE,
      SHADOW_KERNELS, SHADOW_BUFFERS, 1},
-    {"mirror", QUAD | SPHERE | MIRROR_SPHERE, QUAD | SPHERE | SPARE_MIRROR, FEATURE_MIRROR, 0, 0,
+    {"mirror", QUAD | SPHERE | MIRROR_SPHERE, QUAD | SPHERE | SPARE_MIRROR, 0, 0, 0,
      0},
     {"emissive triangles", QUAD | BRIGHT_QUAD, QUAD,
      FEATURE_EMISSION | FEATURE_EMISSIVE_TRIANGLES | FEATURE_NEE, SHADOW_KERNELS, SHADOW_BUFFERS,
@@ -162,7 +162,7 @@ static const struct pair pairs[] = {
      BIT(BINDING_ENVIRONMENT), 0},
     {"roulette", QUAD | ROULETTE, QUAD, FEATURE_ROULETTE, 0, 0, 0},
     {"jitter", QUAD | JITTER, QUAD, FEATURE_JITTER, 0, 0, 0},
-    {"surfaces", QUAD | SKY, SKY, FEATURE_TRIANGLES | FEATURE_DIFFUSE, BIT(KERNEL_shade_surface),
+    {"surfaces", QUAD | SKY, SKY, FEATURE_TRIANGLES, BIT(KERNEL_shade_surface),
      BIT(BINDING_TRIANGLES) | BIT(BINDING_MATERIALS), 0},
     {"anything to see", SKY, 0, FEATURE_ENVIRONMENT,
      BIT(KERNEL_shade_miss) | BIT(KERNEL_intersect_closest), 0, 1},

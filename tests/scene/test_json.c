@@ -107,8 +107,8 @@ TEST(materials_keep_their_order)
     const struct material *m = scene.materials;
     CHECK(strcmp(m[0].name, "z") == 0 && strcmp(m[1].name, "a") == 0);
     CHECK(is_color(m[0].base_color, 0.25f, 0.5f, 1) && is_color(m[0].emission, 0, 0, 0));
-    CHECK(m[1].type == MATERIAL_MIRROR && is_color(m[1].base_color, 1, 1, 1));
-    CHECK(m[2].type == MATERIAL_DIFFUSE && is_color(m[2].base_color, 0.5f, 0.5f, 0.5f));
+    CHECK(m[1].model == MATERIAL_MIRROR && is_color(m[1].base_color, 1, 1, 1));
+    CHECK(m[2].model == MATERIAL_LAMBERT && is_color(m[2].base_color, 0.5f, 0.5f, 0.5f));
     CHECK(is_color(m[2].emission, 1, 2, 3));
     scene_finish(&scene);
 }

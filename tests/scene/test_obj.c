@@ -31,7 +31,7 @@ TEST(one_triangle)
         CHECK(mesh.positions[1][0] == 1.5f && mesh.positions[1][2] == -20.0f);
         CHECK(mesh.positions[2][1] == 0.25f && mesh.positions[2][2] == 3.0f);
     }
-    CHECK(scene.material_count == 1 && scene.materials[0].type == MATERIAL_DIFFUSE);
+    CHECK(scene.material_count == 1 && scene.materials[0].model == MATERIAL_LAMBERT);
     CHECK(!mesh.triangle_material && warnings == 0, "%s", warning);
     scene_finish(&scene);
 }
@@ -154,7 +154,7 @@ TEST(normals_without_direction_are_missing)
 
 static const struct material *find_material(const struct scene *scene, const char *name)
 {
-    static const struct material none = {.name = "", .type = MATERIAL_TYPE_COUNT};
+    static const struct material none = {.name = "", .model = MATERIAL_MODEL_COUNT};
     for (uint32_t i = 0; i < scene->material_count; i++) {
         if (strcmp(scene->materials[i].name, name) == 0)
             return &scene->materials[i];
@@ -186,16 +186,16 @@ TEST(materials)
         CHECK(strcmp(name, names[t]) == 0, "triangle %u: %s", t, name);
     }
     const struct material *red = find_material(&scene, "red wall");
-    CHECK(red->type == MATERIAL_DIFFUSE && red->base_color[0] == 0.8f && red->emission[0] == 0.0f);
+    CHECK(red->model == MATERIAL_LAMBERT && red->base_color[0] == 0.8f && red->emission[0] == 0.0f);
     const struct material *lamp = find_material(&scene, "lamp");
     CHECK(lamp->emission[0] == 10.0f && lamp->emission[2] == 30.0f && lamp->base_color[1] == 0.5f,
           "the first of two definitions counts");
     const struct material *mirror = find_material(&scene, "mirror");
-    CHECK(mirror->type == MATERIAL_MIRROR && mirror->base_color[2] == 0.7f);
+    CHECK(mirror->model == MATERIAL_MIRROR && mirror->base_color[2] == 0.7f);
     const struct material *metal = find_material(&scene, "metal");
-    CHECK(metal->type == MATERIAL_DIFFUSE && metal->base_color[0] == 0.6f);
+    CHECK(metal->model == MATERIAL_LAMBERT && metal->base_color[0] == 0.6f);
     const struct material *chrome = find_material(&scene, "chrome");
-    CHECK(chrome->type == MATERIAL_MIRROR && chrome->base_color[0] == 1.0f);
+    CHECK(chrome->model == MATERIAL_MIRROR && chrome->base_color[0] == 1.0f);
     CHECK(warnings == 1 && strstr(warning, "mesh.obj:20"), "%s", warning);
     scene_finish(&scene);
 }
@@ -268,7 +268,7 @@ TEST(material_libraries_are_confined)
         bool is_loaded = load(&scene, write_text("inner/mesh.obj", text), &err);
         CHECK(is_loaded, "%s: %s", names[i], err.msg);
         CHECK(warnings == 2, "%s: %u warnings", names[i], warnings);
-        CHECK(find_material(&scene, "a")->type == MATERIAL_TYPE_COUNT, "%s", names[i]);
+        CHECK(find_material(&scene, "a")->model == MATERIAL_MODEL_COUNT, "%s", names[i]);
         scene_finish(&scene);
     }
     for (size_t i = 0; i < 2; i++) {
@@ -279,7 +279,7 @@ TEST(material_libraries_are_confined)
         uint32_t mesh;
         bool is_loaded =
             load_obj(&scene, write_text("inner/mesh.obj", text), SCENE_NONE, true, &mesh, &err);
-        CHECK(is_loaded && find_material(&scene, "a")->type == MATERIAL_DIFFUSE, "%s: %s", names[i],
+        CHECK(is_loaded && find_material(&scene, "a")->model == MATERIAL_LAMBERT, "%s: %s", names[i],
               err.msg);
         scene_finish(&scene);
     }

@@ -1,0 +1,36 @@
+// What the parts of lib/bsdf.glsl share. Pure.
+//
+// Local frame: z is the shading normal on the viewer's side, x the tangent; wo (towards the viewer)
+// and wi (towards the light) are unit vectors and wo.z > 0. `eta` is the index of refraction beyond
+// the surface over the one on wo's side; surfaces without an inside give their own ior over that of
+// the medium outside.
+//
+// BSDFs are of radiance: refraction scales by 1 / eta^2 (Veach 1997, section 5.2), so that the
+// radiance inside of glass of index n is n^2 times that outside.
+#ifndef BSDF_TYPES_GLSL
+#define BSDF_TYPES_GLSL
+
+#include "lib/material.glsl"
+
+struct bsdf_sample {
+    vec3 wi;
+    vec3 weight;      // BSDF * |wi.z| / pdf
+    float pdf;        // per solid angle; 0 where `specular`
+    bool specular;    // a Dirac delta: nothing else finds this direction
+    bool transmitted; // wi is on the other side
+    bool valid;       // false: absorbed
+};
+
+// Each model has these two:
+//   bsdf_sample sample_MODEL(material m, vec3 wo, float eta, vec4 u)
+//     u: direction x, y; choice of the lobe; a second choice
+//   vec3 eval_MODEL(material m, vec3 wo, vec3 wi, float eta, out float pdf)
+//     BSDF * |wi.z| of all that is not a delta, and the density with which sample_MODEL draws wi
+// and the weight of a sample that is no delta is eval / pdf for the same wi.
+
+bsdf_sample bsdf_absorbed()
+{
+    return bsdf_sample(vec3(0.0, 0.0, 1.0), vec3(0.0), 0.0, false, false, false);
+}
+
+#endif

@@ -1,0 +1,16 @@
+// What triangles' corners carry on the device; see shaders/shared/types.h and lib/attributes.glsl.
+#ifndef LAMPYRIS_RENDER_ATTRIBUTES_H
+#define LAMPYRIS_RENDER_ATTRIBUTES_H
+
+#include "shared/bindings.h"
+#include <stdint.h>
+
+// Words of four from one triangle to the next.
+static inline uint32_t attribute_words(uint32_t features)
+{
+    return !!(features & FEATURE_NORMALS) + !!(features & FEATURE_TANGENTS) +
+           2u * (!!(features & FEATURE_UV0) + !!(features & FEATURE_UV1) +
+                 !!(features & FEATURE_COLORS));
+}
+
+#endif

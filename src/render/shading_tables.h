@@ -1,0 +1,27 @@
+// What kernels read of a scene besides its geometry, in the form they read it: built before memory
+// is planned, since the plan needs its size.
+#ifndef LAMPYRIS_RENDER_SHADING_TABLES_H
+#define LAMPYRIS_RENDER_SHADING_TABLES_H
+
+#include "emitters.h"
+#include "texture_set.h"
+
+struct shading_tables {
+    struct emitters emitters;
+    struct texture_set textures;
+    void *materials; // gpu_material_header and the sections it names
+    uint64_t material_bytes;
+};
+
+struct shading_tables_params {
+    const struct scene *scene;
+    const struct flat_scene *flat;
+    const struct bvh *bvh;
+    const struct camera *camera; // whose rays may start inside of something
+};
+
+// Everything in `arena`. ERR_INPUT for more than MEDIA_MAX different media.
+bool shading_tables_build(const struct shading_tables_params *params, struct arena *arena,
+                          struct shading_tables *out, struct err *err);
+
+#endif
