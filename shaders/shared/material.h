@@ -26,6 +26,7 @@
 #define MATERIAL_NORMAL_MAP (1u << 11) // one of its textures is a normal map
 #define MATERIAL_MEDIUM (1u << 12)     // has an inside: closed, refracting or absorbing
 #define MATERIAL_EMITS (1u << 13)      // emission may be above zero somewhere
+#define MATERIAL_TINT_EACH (1u << 14)  // every crossing tints by base_color (glTF), not by its root
 // Choices of MATERIAL_MICROFACET.
 #define MATERIAL_DISTRIBUTION_SHIFT 16 // 2 bits
 #define DISTRIBUTION_GGX 0u

@@ -119,7 +119,12 @@ struct scene_load_params {
     // What replaces the file's environment, see scene_set_environment; both NULL: nothing does.
     const char *environment_file;
     const float *environment_radiance; // 3
-    size_t max_bytes;                  // memory budget of the load, 0: 16 GiB
+    // glTF only.
+    double at_seconds;      // time of the pose: of animation 0, or the one named below
+    const char *animation;  // by name or index; NULL: the first
+    const char *scene_name; // by name or index; NULL: the file's default
+    const char *variant;    // of KHR_materials_variants, by name; NULL: none
+    size_t max_bytes;       // memory budget of the load, 0: 16 GiB
     const struct progress *progress;
 };
 
