@@ -32,7 +32,8 @@ void main()
     store_path(slot, PATH_ORIGIN,
                uvec4(floatBitsToUint(array3(push.camera_position)), NO_PRIMITIVE));
     store_path(slot, PATH_DIRECTION, uvec4(floatBitsToUint(direction), 0u));
-    store_path(slot, PATH_THROUGHPUT, floatBitsToUint(vec4(1.0, 1.0, 1.0, 0.0)));
+    uint media = HAS(FEATURE_MEDIA) ? load_materials(1u).x : 0u;
+    store_path(slot, PATH_THROUGHPUT, uvec4(floatBitsToUint(vec3(1.0)), media));
     radiance_words[slot] = uvec4(0u);
     queue_slots[queue_index(QUEUE_RAYS, slot)] = slot;
 }

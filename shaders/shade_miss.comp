@@ -4,6 +4,7 @@
 #extension GL_GOOGLE_include_directive : require
 
 #include "lib/environment.glsl"
+#include "lib/media.glsl"
 #include "lib/queue.glsl"
 
 void main()
@@ -18,6 +19,12 @@ void main()
         uvec2 size = uvec2(push.environment_size & 0xffffu, push.environment_size >> 16u);
         radiance *= load_environment_float(environment_texel(direction, size)).rgb;
     }
-    vec3 throughput = uintBitsToFloat(load_path(slot, PATH_THROUGHPUT).rgb);
+    uvec4 words = load_path(slot, PATH_THROUGHPUT);
+    vec3 throughput = uintBitsToFloat(words.rgb);
+    // Out of an open mesh, or with the camera inside of something endless.
+    if (HAS(FEATURE_MEDIA)) {
+        vec3 extinction = load_medium(media_current(words.a)).extinction;
+        throughput *= vec3(equal(extinction, vec3(0.0)));
+    }
     add_radiance(slot, throughput * radiance, SITE_MISS);
 }

@@ -24,6 +24,8 @@ bool material_has(material m, uint flag)
     return (m.model_flags & flag) != 0u;
 }
 
+#define LOAD_GROUP(number) m.group[number] = load_materials_float(at + 1u + uint(number))
+
 // `word` is a material word: what a primitive carries.
 material load_material(uint word)
 {
@@ -34,20 +36,18 @@ material load_material(uint word)
     m.first_texture = head.y;
     m.texture_count = head.z;
     m.medium = head.w;
-    for (uint i = 0u; i < GROUP_COUNT; i++)
-        m.group[i] = load_materials_float(at + 1u + i);
+    LOAD_GROUP(GROUP_BASE);
+    LOAD_GROUP(GROUP_EMISSION);
+    LOAD_GROUP(GROUP_METAL);
+    LOAD_GROUP(GROUP_SPECULAR);
+    LOAD_GROUP(GROUP_INTERFACE);
+    LOAD_GROUP(GROUP_CLEARCOAT);
+    LOAD_GROUP(GROUP_SHEEN);
+    LOAD_GROUP(GROUP_DIFFUSE);
+    LOAD_GROUP(GROUP_FILM);
+    LOAD_GROUP(GROUP_CONDUCTOR);
+    LOAD_GROUP(GROUP_CONDUCTOR_K);
     return m;
-}
-
-uint material_class(uint word)
-{
-    return word >> MATERIAL_CLASS_SHIFT & MATERIAL_CLASS_MASK;
-}
-
-// The first word of four of the materials' buffer.
-uvec4 load_material_sections()
-{
-    return load_materials(0u);
 }
 
 #endif

@@ -6,9 +6,10 @@
 // for four values.
 const uint DIMENSION_CAMERA = 0u;       // pixel x, y; lens x, y
 const uint DIMENSION_FIRST_BOUNCE = 1u; // then DIMENSIONS_A_BOUNCE each
-const uint DIMENSIONS_A_BOUNCE = 2u;
+const uint DIMENSIONS_A_BOUNCE = 3u;
 const uint DIMENSION_LIGHT = 0u; // which emitter; point on it x, y; roulette
-const uint DIMENSION_BSDF = 1u;  // direction x, y; lobe; opacity
+const uint DIMENSION_BSDF = 1u;  // direction x, y; lobe; a second choice
+const uint DIMENSION_EXTRA = 2u; // within the emitter's bin; dispersion; two to spare
 
 uint bounce_dimension(uint bounce, uint use)
 {

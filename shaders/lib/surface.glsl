@@ -13,6 +13,7 @@ struct surface {
     uint material;         // word
     float radius; // of a sphere; 0 otherwise
     vec3 center;  // of a sphere
+    bool front;   // seen from where corners run counter-clockwise, or from outside
 };
 
 // Octahedral decoding (Cigolle et al. 2014, "A Survey of Efficient Representations for Independent
@@ -95,7 +96,8 @@ surface load_surface(vec3 origin, vec3 direction, vec4 hit)
     if (is_shape)
         s = load_shape_surface(primitive & ~PRIMITIVE_SHAPE, origin + hit.x * direction);
     // Both sides of a surface reflect and emit: face the viewer.
-    if (dot(s.normal_geometric, direction) > 0.0)
+    s.front = dot(s.normal_geometric, direction) <= 0.0;
+    if (!s.front)
         s.normal_geometric = -s.normal_geometric;
     if (dot(s.normal_shading, s.normal_geometric) < 0.0)
         s.normal_shading = -s.normal_shading;

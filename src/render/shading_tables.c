@@ -1,5 +1,7 @@
 #include "shading_tables.h"
 
+#include "camera_media.h"
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -8,9 +10,7 @@ struct media {
     uint32_t count;
 };
 
-// The number of a material's inside, 1 and up; equal media share one.
-static bool add_medium(const struct material *material, struct media *media, uint32_t *number,
-                       struct err *err)
+static struct gpu_medium inside_of(const struct material *material)
 {
     struct gpu_medium medium = {
         .ior = material->ior,
@@ -18,17 +18,40 @@ static bool add_medium(const struct material *material, struct media *media, uin
         .dispersion = material->dispersion,
     };
     for (int c = 0; c < 3; c++)
-        medium.extinction[c] = fminf(material->extinction[c], 3.4e38f);
-    for (uint32_t i = 0; i < media->count; i++) {
-        *number = i + 1;
-        if (memcmp(&media->records[i], &medium, sizeof medium) == 0)
-            return true;
+        medium.extinction[c] = fminf(material->extinction[c], FLT_MAX);
+    return medium;
+}
+
+// The number of a material's inside, 1 and up; 0 where it is not listed.
+static uint32_t medium_number(const struct media *media, const struct gpu_medium *medium)
+{
+    for (uint32_t i = 0; i < media->count; i++)
+        if (memcmp(&media->records[i], medium, sizeof *medium) == 0)
+            return i + 1;
+    return 0;
+}
+
+// Lists the different media in ascending order of priority; among equals the one listed first is
+// lower.
+static bool list_media(const struct scene *scene, const struct flat_scene *flat,
+                       struct media *media, struct err *err)
+{
+    for (uint32_t m = 0; m < scene->material_count; m++) {
+        const struct material *material = &scene->materials[m];
+        if (!flat->material_used[m] || !material_has_inside(material))
+            continue;
+        const struct gpu_medium medium = inside_of(material);
+        if (medium_number(media, &medium))
+            continue;
+        if (media->count == MEDIA_MAX)
+            return err_set(err, ERR_INPUT,
+                           "material \"%s\": more than %u different media in a scene",
+                           material->name, MEDIA_MAX);
+        uint32_t at = media->count++;
+        for (; at > 0 && media->records[at - 1].priority > medium.priority; at--)
+            media->records[at] = media->records[at - 1];
+        media->records[at] = medium;
     }
-    if (media->count == MEDIA_MAX)
-        return err_set(err, ERR_INPUT, "material \"%s\": more than %u different media in a scene",
-                       material->name, MEDIA_MAX);
-    media->records[media->count++] = medium;
-    *number = media->count;
     return true;
 }
 
@@ -44,8 +67,8 @@ static uint32_t derived_flags(const struct scene *scene, const struct material *
     return flags;
 }
 
-static bool fill_materials(const struct shading_tables_params *p, const struct emitters *emitters,
-                           struct gpu_material *records, struct media *media, struct err *err)
+static void fill_materials(const struct shading_tables_params *p, const struct emitters *emitters,
+                           const struct media *media, struct gpu_material *records)
 {
     for (uint32_t i = 0; i < p->scene->material_count; i++) {
         const struct material *material = &p->scene->materials[i];
@@ -56,11 +79,10 @@ static bool fill_materials(const struct shading_tables_params *p, const struct e
         memcpy(record->parameter, material->parameters, sizeof record->parameter);
         record->parameter[PARAMETER_PICK_DENSITY] =
             emitters_pick_density(emitters, p->scene, material);
-        if (p->flat->material_used[i] && material_has_inside(material) &&
-            !add_medium(material, media, &record->medium, err))
-            return false;
+        const struct gpu_medium inside = inside_of(material);
+        if (material_has_inside(material))
+            record->medium = medium_number(media, &inside);
     }
-    return true;
 }
 
 // Sections of the materials' buffer, each of `count` records.
@@ -80,6 +102,21 @@ static struct sections lay_out(const struct scene *scene, uint32_t medium_count,
     return s;
 }
 
+// The media that the camera is in, and the index of refraction there.
+static void place_camera(const struct shading_tables_params *p,
+                         const struct gpu_material *materials, const struct media *media,
+                         struct gpu_material_header *header)
+{
+    header->camera_media = camera_media_find(p, materials);
+    uint32_t current = 0;
+    for (uint32_t shift = 0; shift < 32; shift += 8) {
+        uint32_t number = header->camera_media >> shift & 255u;
+        current = number > current ? number : current;
+    }
+    if (current > 0)
+        header->camera_ior = media->records[current - 1].ior;
+}
+
 bool shading_tables_build(const struct shading_tables_params *p, struct arena *arena,
                           struct shading_tables *out, struct err *err)
 {
@@ -93,8 +130,9 @@ bool shading_tables_build(const struct shading_tables_params *p, struct arena *a
         ARENA_NEW(arena, struct gpu_material, p->scene->material_count);
     if (!materials)
         return err_memory(err, "materials", p->scene->material_count * sizeof *materials);
-    if (!fill_materials(p, &out->emitters, materials, &media, err))
+    if (!list_media(p->scene, p->flat, &media, err))
         return false;
+    fill_materials(p, &out->emitters, &media, materials);
 
     struct sections s = lay_out(p->scene, media.count, 0);
     out->material_bytes = s.end * 16u;
@@ -108,6 +146,8 @@ bool shading_tables_build(const struct shading_tables_params *p, struct arena *a
         .albedos = (uint32_t)s.albedos,
         .camera_ior = 1.0f,
     };
+    if (media.count > 0)
+        place_camera(p, materials, &media, &header);
     memcpy(bytes, &header, sizeof header);
     memcpy(bytes + s.materials * 16u, materials, p->scene->material_count * sizeof *materials);
     if (p->scene->texture_count > 0)
