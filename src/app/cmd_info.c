@@ -117,6 +117,7 @@ static bool gather(const struct options *options, struct info *info, struct err 
         .bvh = &info->bvh,
         .gpu = &info->gpu,
         .everything = options->features == FEATURES_ALL,
+        .merge_classes = options->classes == CLASSES_MERGED,
     });
     const struct shading_tables_params tables = {
         .scene = &info->scene,

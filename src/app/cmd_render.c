@@ -156,6 +156,7 @@ static bool set_up(struct render_job *job, struct err *err)
         .wave = options->wave,
         .camera = job->camera,
         .everything = options->features == FEATURES_ALL,
+        .merge_classes = options->classes == CLASSES_MERGED,
         .progress = options->progress,
     };
     if (!renderer_create(&params, &job->renderer, err))

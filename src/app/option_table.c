@@ -182,6 +182,12 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .group = "Fallbacks, for tests", .commands = FOR_SCENE, .fallback = "needed",
         .help = "Compile in what the scene needs, or everything.", FIELD(features),
     },
+    [OPTION_CLASSES] = {
+        .name = "classes", .argument = "sorted|merged", .type = VALUE_CHOICE,
+        .group = "Kernels", .commands = FOR_SCENE, .fallback = "sorted",
+        .help = "Shade each class of surfaces (diffuse, principled, transmissive, classical) by a "
+                "kernel of its own, or all by one. The picture is the same.", FIELD(classes),
+    },
     [OPTION_NO_TEXEL] = {
         .name = "no-texel", .type = VALUE_FLAG, .group = "Fallbacks, for tests",
         .commands = FOR_SCENE, .help = "Read storage buffers only, no texel buffers.",

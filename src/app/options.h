@@ -46,6 +46,7 @@ enum option_id {
     OPTION_PIXEL,
     OPTION_SAMPLE,
     OPTION_FEATURES,
+    OPTION_CLASSES,
     OPTION_NO_TEXEL,
     OPTION_NO_BALLOT,
     OPTION_LIMIT_STORAGE_RANGE,
@@ -105,6 +106,7 @@ struct environment_option {
 };
 
 enum features_option { FEATURES_NEEDED, FEATURES_ALL };
+enum classes_option { CLASSES_SORTED, CLASSES_MERGED };
 
 enum compare_metric {
     METRIC_MSE,
@@ -157,6 +159,7 @@ struct options {
     struct gpu_params gpu;
     uint32_t wave; // paths in flight; 0: chosen by device
     enum features_option features;
+    enum classes_option classes;
     uint32_t pixel[2]; // the path to follow, where --pixel was given
     uint64_t sample;
 

@@ -69,6 +69,11 @@ static void for_each_feature(const struct renderer *r, feature_fn fn, void *cont
         if (name)
             fn(context, r->specialization.features >> bit & 1u, "feature", name, 0);
     }
+    for (int bit = 0; bit < 32; bit++) {
+        const char *name = lobe_name(1u << bit);
+        if (name)
+            fn(context, r->specialization.lobes >> bit & 1u, "lobe", name, 0);
+    }
     for (int id = 0; id < KERNEL_COUNT; id++) {
         struct kernel_code code = kernel_code((enum kernel_id)id, r->gpu->has_ballot);
         fn(context, r->kernels[id].pipeline != VK_NULL_HANDLE, "kernel", code.name, 0);
@@ -80,17 +85,25 @@ static void for_each_feature(const struct renderer *r, feature_fn fn, void *cont
     }
 }
 
+struct left_out {
+    const char *kind; // of the line that is being printed
+    bool any;
+};
+
 static void print_left_out(void *context, bool kept, const char *kind, const char *name,
                            uint64_t bytes)
 {
-    const char **separator = context;
+    struct left_out *line = context;
     if (kept)
         return;
-    bool is_feature = strcmp(kind, "feature") == 0;
-    printf("%s%s%s%s", *separator, is_feature ? "" : kind, is_feature ? "" : " ", name);
+    if (!line->kind || strcmp(kind, line->kind) != 0)
+        printf("%s%-8s  %ss: %s", line->any ? "\n" : "", line->any ? "" : "left out", kind, name);
+    else
+        printf(", %s", name);
     if (bytes)
         printf(" (%.1f KiB)", (double)bytes / 1024.0);
-    *separator = ", ";
+    line->kind = kind;
+    line->any = true;
 }
 
 struct feature_lists {
@@ -144,6 +157,43 @@ static void print_times(const struct render_job *job)
     putchar('\n');
 }
 
+static const char *const class_names[CLASS_COUNT] = {
+    [CLASS_DIFFUSE] = "diffuse",
+    [CLASS_PRINCIPLED] = "principled",
+    [CLASS_TRANSMISSIVE] = "transmissive",
+    [CLASS_CLASSICAL] = "classical",
+};
+
+static void print_classes(const struct renderer *r)
+{
+    if (!(r->specialization.features & FEATURE_CLASSES))
+        return;
+    printf("classes  ");
+    for (int c = 0; c < (int)CLASS_COUNT; c++)
+        if (r->specialization.class_lobes[c])
+            printf(" %s %.1f M hits", class_names[c], (double)r->stats.surface_hits[c] * 1e-6);
+    putchar('\n');
+}
+
+static json_t *classes_json(const struct renderer *r)
+{
+    bool sorted = r->specialization.features & FEATURE_CLASSES;
+    json_t *classes = json_object();
+    for (int c = 0; c < (int)CLASS_COUNT && sorted; c++)
+        if (r->specialization.class_lobes[c])
+            json_object_set_new(classes, class_names[c],
+                                json_integer((json_int_t)r->stats.surface_hits[c]));
+    return classes;
+}
+
+static uint64_t surface_hits(const struct render_stats *stats)
+{
+    uint64_t sum = 0;
+    for (int c = 0; c < (int)CLASS_COUNT; c++)
+        sum += stats->surface_hits[c];
+    return sum;
+}
+
 static void print_nonfinite(const struct render_job *job)
 {
     const struct nonfinite_stats *stats = &job->renderer.stats.nonfinite;
@@ -173,17 +223,22 @@ void job_print_summary(const struct render_job *job)
                flat->dropped_degenerate, flat->skipped_instances);
     print_error(job);
     print_times(job);
+    print_classes(&job->renderer);
     print_nonfinite(job);
+    if (job->renderer.stats.media_lost)
+        printf("media     %" PRIu64
+               " crossings of surfaces that are open, or nest deeper than four: "
+               "what is inside is not certain there\n",
+               job->renderer.stats.media_lost);
     printf("memory    %.1f MiB on the device, %.1f MiB on the host at its peak; wave of %u paths\n",
            (double)job->gpu.peak_bytes / 1048576.0, host_peak_bytes() / 1048576.0,
            job->renderer.plan.wave_slots);
     if (job->renderer.stats.suspended)
         printf("continued %" PRIu64 " traversals of more than %u steps\n",
                job->renderer.stats.suspended, job->renderer.specialization.iteration_budget);
-    printf("left out  ");
-    const char *separator = "";
-    for_each_feature(&job->renderer, print_left_out, &separator);
-    puts(*separator ? "" : "nothing");
+    struct left_out left_out = {0};
+    for_each_feature(&job->renderer, print_left_out, &left_out);
+    puts(left_out.any ? "" : "left out  nothing");
     for (uint32_t i = 0; i < job->output_count; i++)
         printf("wrote     %s\n", job->outputs[i]);
 }
@@ -247,14 +302,17 @@ void job_print_json(const struct render_job *job)
     struct feature_lists lists = {json_array(), json_array()};
     for_each_feature(&job->renderer, list_feature, &lists);
     json_t *object = json_pack(
-        "{s:o, s:s, s:s, s:i, s:i, s:I, s:I, s:I, s:o, s:{s:I, s:I}, s:o, s:o, s:o, s:o, s:I, "
+        "{s:o, s:s, s:s, s:i, s:i, s:I, s:I, s:I, s:o, s:{s:I, s:I}, s:I, s:o, s:I, s:o, s:o, s:o, "
+        "s:o, s:I, "
         "s:o, s:{s:o, s:o}, s:{s:I, s:I}, s:I, s:I, s:I, s:I, s:s, s:o, s:o, s:b, s:s}",
         "scene", json_words(job->scene.path), "device", job->gpu.info.name, "driver",
         job->gpu.info.driver, "width", film->width, "height", film->height, "spp",
         (json_int_t)film->least_samples, "spp_most", (json_int_t)film->most_samples, "seed",
         (json_int_t)job->scene.settings.seed, "seconds", seconds_json(&job->seconds), "rays",
         "closest", (json_int_t)stats->closest_rays, "shadow", (json_int_t)stats->shadow_rays,
-        "mrays_per_s", json_number(total_rays(stats) * 1e-6 / render), "samples_per_s",
+        "surface_hits", (json_int_t)surface_hits(stats), "hits_by_class",
+        classes_json(&job->renderer), "media_lost", (json_int_t)stats->media_lost, "mrays_per_s",
+        json_number(total_rays(stats) * 1e-6 / render), "samples_per_s",
         json_number(total_samples(job) / render), "kernels", kernels_json(&job->renderer), "error",
         error_json(&job->error), "nonfinite", (json_int_t)nonfinite(stats), "frames_ms",
         frames_json(job), "features", "kept", lists.kept, "left_out", lists.left_out, "memory",
