@@ -135,14 +135,17 @@ static bool read_component_type(const struct json_node *object, uint32_t allowed
     return true;
 }
 
-static bool check_type_name(const struct json_node *node, const struct accessor_rule *rule,
-                            struct err *err)
+static bool read_type_name(const struct json_node *node, const struct accessor_rule *rule,
+                           uint32_t *components_out, struct err *err)
 {
     const char *name = NULL;
     const struct json_node type = node_member(node, "type");
     if (!gltf_require(node, "type", err) || !node_read_string(node, "type", &name, err))
         return false;
-    if (strcmp(name, type_names[rule->components]) != 0)
+    *components_out = rule->components;
+    if (rule->fewer_components > 0 && strcmp(name, type_names[rule->fewer_components]) == 0)
+        *components_out = rule->fewer_components;
+    else if (strcmp(name, type_names[rule->components]) != 0)
         return node_fail(&type, err, "%s; expected \"%s\" for %s", node_describe(type.value).text,
                          type_names[rule->components], rule->use);
     return true;
@@ -152,7 +155,7 @@ static bool read_type(const struct gltf_document *document, const struct accesso
                       struct accessor_view *out, struct err *err)
 {
     const struct json_node *node = &out->node;
-    if (!check_type_name(node, rule, err) ||
+    if (!read_type_name(node, rule, &out->components, err) ||
         !node_read_boolean(node, "normalized", &out->is_normalized, err))
         return false;
     uint32_t always = out->is_normalized ? rule->normalized_types : rule->types;
@@ -258,7 +261,6 @@ bool accessor_view(const struct gltf_document *document, uint32_t index,
 {
     *out = (struct accessor_view){
         .node = gltf_item(document, GLTF_ACCESSORS, index),
-        .components = rule->components,
     };
     struct json_node sparse;
     uint64_t count = 0;
@@ -302,37 +304,53 @@ static float load_float(const uint8_t *at, enum component_type type, bool is_nor
     return value;
 }
 
+// replaced: counts numbers that are not finite, which become 0; NULL: they are errors.
 static bool read_element(const struct accessor_view *view, const uint8_t *at, uint32_t element,
-                         float *out, struct err *err)
+                         float *out, uint32_t *replaced, struct err *err)
 {
     size_t size = components[view->type].size;
     for (uint32_t i = 0; i < view->components; i++) {
         out[i] = load_float(at + i * size, view->type, view->is_normalized);
-        if (!isfinite(out[i]))
+        if (isfinite(out[i]))
+            continue;
+        if (!replaced)
             return node_fail(&view->node, err,
                              "element %u, component %u is %g; expected a finite number", element, i,
                              (double)out[i]);
+        out[i] = 0;
+        ++*replaced;
     }
     return true;
 }
 
-bool accessor_read_floats(const struct accessor_view *view, float *out, struct err *err)
+static bool read_elements(const struct accessor_view *view, float *out, uint32_t *replaced,
+                          struct err *err)
 {
     size_t n = view->components;
     for (uint32_t i = 0; i < view->count; i++) {
         if (!view->data)
             memset(out + i * n, 0, n * sizeof *out);
-        else if (!read_element(view, view->data + i * view->stride, i, out + i * n, err))
+        else if (!read_element(view, view->data + i * view->stride, i, out + i * n, replaced, err))
             return false;
     }
     size_t value_size = n * components[view->type].size;
     for (uint32_t i = 0; i < view->sparse_count; i++) {
         uint32_t element = sparse_index(view, i);
         if (!read_element(view, view->sparse_values + i * value_size, element, out + element * n,
-                          err))
+                          replaced, err))
             return false;
     }
     return true;
+}
+
+bool accessor_read_floats(const struct accessor_view *view, float *out, struct err *err)
+{
+    return read_elements(view, out, NULL, err);
+}
+
+bool accessor_read_or_zero(const struct accessor_view *view, float *out, uint32_t *replaced)
+{
+    return read_elements(view, out, replaced, NULL);
 }
 
 static bool check_index(const struct accessor_view *view, uint32_t element, uint32_t limit,

@@ -24,6 +24,7 @@ enum component_type {
 struct accessor_rule {
     const char *use;               // "POSITION", for messages
     uint32_t components;           // 1 SCALAR, 2 VEC2, 3 VEC3, 4 VEC4
+    uint32_t fewer_components;     // of another type that will do; 0: none
     uint32_t types;                // COMPONENT_BITs allowed as they are
     uint32_t normalized_types;     // and with "normalized": true
     uint32_t quantized_types;      // as `types`, but only with KHR_mesh_quantization
@@ -51,6 +52,8 @@ bool accessor_view(const struct gltf_document *document, uint32_t index,
 
 // Writes count * components numbers. One that is not finite is an error that names the element.
 bool accessor_read_floats(const struct accessor_view *view, float *out, struct err *err);
+// The same, but numbers that are not finite become 0 and are counted in *replaced. Returns true.
+bool accessor_read_or_zero(const struct accessor_view *view, float *out, uint32_t *replaced);
 // Writes count unsigned integers of a SCALAR accessor. One that is not below `limit` is an error
 // that calls the limit by its name, "the vertex count", and so is the primitive restart value.
 bool accessor_read_indices(const struct accessor_view *view, uint32_t limit, const char *limit_name,

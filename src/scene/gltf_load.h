@@ -10,6 +10,7 @@ struct gltf_tally {
     uint32_t metallic, transparent, specular_glossy, unlit; // materials
     uint32_t emissive_textures;
     uint32_t point_and_line_primitives, primitives_without_positions, primitives_without_material;
+    uint32_t clamped_colors, infinite_texcoords; // vertices, numbers
     uint32_t skinned_nodes, morph_target_meshes;
     uint32_t orthographic_cameras, singular_cameras;
 };
@@ -20,10 +21,20 @@ struct gltf_mesh_range {
     uint32_t first, count;
 };
 
+// What vertices carry.
+enum gltf_attribute {
+    GLTF_POSITION,
+    GLTF_NORMAL,
+    GLTF_TANGENT,
+    GLTF_TEXCOORD,
+    GLTF_COLOR,
+    GLTF_ATTRIBUTE_COUNT,
+};
+
 // Arrays decoded from an accessor. Primitives that share the accessor share the array.
 struct gltf_vectors {
-    float (*positions)[3], (*normals)[3]; // NULL until wanted
-    uint32_t count;                       // of either
+    float *values[GLTF_ATTRIBUTE_COUNT]; // NULL until wanted as that
+    uint32_t count;                      // elements of each
 };
 
 struct gltf_load {

@@ -2,6 +2,7 @@
 #include "gltf_load.h"
 
 #include "gltf_accessor.h"
+#include "gltf_attribute.h"
 #include "mesh_loader.h"
 
 // The codes of the specification.
@@ -13,24 +14,8 @@ enum primitive_mode {
     MODE_TRIANGLE_FAN = 6,
 };
 
-#define SMALL_SIGNED (COMPONENT_BIT(COMPONENT_I8) | COMPONENT_BIT(COMPONENT_I16))
 #define SMALL_UNSIGNED (COMPONENT_BIT(COMPONENT_U8) | COMPONENT_BIT(COMPONENT_U16))
 
-static const struct accessor_rule position_rule = {
-    .use = "POSITION",
-    .components = 3,
-    .types = COMPONENT_BIT(COMPONENT_F32),
-    .quantized_types = SMALL_SIGNED | SMALL_UNSIGNED,
-    .quantized_normalized = SMALL_SIGNED | SMALL_UNSIGNED,
-    .is_vertex_attribute = true,
-};
-static const struct accessor_rule normal_rule = {
-    .use = "NORMAL",
-    .components = 3,
-    .types = COMPONENT_BIT(COMPONENT_F32),
-    .quantized_normalized = SMALL_SIGNED,
-    .is_vertex_attribute = true,
-};
 static const struct accessor_rule index_rule = {
     .use = "indices",
     .components = 1,
@@ -39,52 +24,30 @@ static const struct accessor_rule index_rule = {
 
 // --- vertices ------------------------------------------------------------------------------------
 
-// Decodes an accessor's vectors into the scene's arena, unless *cached, its place in load->vectors,
-// has them already.
-static bool share_vectors(struct gltf_load *load, uint32_t accessor,
-                          const struct accessor_rule *rule, float (**cached)[3], struct err *err)
+// The arrays of *mesh, which shares them with other primitives of the same accessors. All that a
+// mesh may carry is kept, used by its material or not: arrays are shared, and what no used material
+// needs is left out when the scene is flattened.
+static bool read_vertices(struct gltf_load *load, const struct json_node *attributes,
+                          uint32_t position_accessor, struct mesh *mesh, struct err *err)
 {
-    struct accessor_view view;
-    if (*cached)
-        return true;
-    if (!accessor_view(&load->document, accessor, rule, &view, err))
+    float *positions, *normals, *tangents, *uvs[2], *colors;
+    if (!gltf_attribute_read(load, attributes, "POSITION", GLTF_POSITION, 0, &positions, err))
         return false;
-    float(*vectors)[3] = arena_alloc(&load->scene->arena, view.count, sizeof *vectors);
-    if (!vectors)
-        return gltf_no_memory(&load->document, "vertices", (uint64_t)view.count * sizeof *vectors,
-                              err);
-    if (!accessor_read_floats(&view, &vectors[0][0], err))
+    uint32_t count = load->vectors[position_accessor].count;
+    if (!gltf_attribute_read(load, attributes, "NORMAL", GLTF_NORMAL, count, &normals, err) ||
+        !gltf_attribute_read(load, attributes, "TANGENT", GLTF_TANGENT, count, &tangents, err) ||
+        !gltf_attribute_read(load, attributes, "TEXCOORD_0", GLTF_TEXCOORD, count, &uvs[0], err) ||
+        !gltf_attribute_read(load, attributes, "TEXCOORD_1", GLTF_TEXCOORD, count, &uvs[1], err) ||
+        !gltf_attribute_read(load, attributes, "COLOR_0", GLTF_COLOR, count, &colors, err))
         return false;
-    load->vectors[accessor].count = view.count;
-    *cached = vectors;
-    return true;
-}
-
-static bool read_positions(struct gltf_load *load, uint32_t accessor, struct mesh *mesh,
-                           struct err *err)
-{
-    struct gltf_vectors *shared = &load->vectors[accessor];
-    if (!share_vectors(load, accessor, &position_rule, &shared->positions, err))
-        return false;
-    mesh->positions = shared->positions;
-    mesh->vertex_count = shared->count;
-    return true;
-}
-
-static bool read_normals(struct gltf_load *load, uint32_t accessor, struct mesh *mesh,
-                         struct err *err)
-{
-    struct gltf_vectors *shared = &load->vectors[accessor];
-    const struct json_node node = gltf_item(&load->document, GLTF_ACCESSORS, accessor);
-    bool is_new = !shared->normals;
-    if (!share_vectors(load, accessor, &normal_rule, &shared->normals, err))
-        return false;
-    if (shared->count != mesh->vertex_count)
-        return node_fail(&node, err, "%u normals for %u positions", shared->count,
-                         mesh->vertex_count);
-    for (uint32_t i = 0; is_new && i < shared->count; i++)
-        mesh_unit_normal(shared->normals[i], shared->normals[i]);
-    mesh->normals = shared->normals;
+    mesh->vertex_count = count;
+    mesh->positions = (float(*)[3])positions;
+    // Section 3.7.2.1: without normals a mesh is flat, and its tangents do not count.
+    mesh->normals = (float(*)[3])normals;
+    mesh->tangents = normals ? (float(*)[4])tangents : NULL;
+    for (int set = 0; set < 2; set++)
+        mesh->uvs[set] = (float(*)[2])uvs[set];
+    mesh->colors = (float(*)[4])colors;
     return true;
 }
 
@@ -215,20 +178,18 @@ static bool load_primitive(struct gltf_load *load, const struct json_node *primi
 {
     if (!json_is_object(primitive->value))
         return node_unexpected(primitive, "an object", err);
-    uint32_t accessor_count = load->document.counts[GLTF_ACCESSORS], position, normal;
+    uint32_t accessor_count = load->document.counts[GLTF_ACCESSORS], position;
     uint64_t mode = MODE_TRIANGLES;
     struct json_node attributes;
     if (!gltf_require(primitive, "attributes", err) ||
         !gltf_read_object(primitive, "attributes", &attributes, err) ||
         !gltf_read_index(&attributes, "POSITION", accessor_count, &position, err) ||
-        !gltf_read_index(&attributes, "NORMAL", accessor_count, &normal, err) ||
         !node_read_integer(primitive, "mode", MODE_POINTS, MODE_TRIANGLE_FAN, &mode, err))
         return false;
     if (!is_drawable(&load->tally, (enum primitive_mode)mode, position))
         return true;
     struct mesh mesh = {.name = name};
-    if (!read_positions(load, position, &mesh, err) ||
-        (normal != GLTF_NONE && !read_normals(load, normal, &mesh, err)) ||
+    if (!read_vertices(load, &attributes, position, &mesh, err) ||
         !read_triangles(load, primitive, (enum primitive_mode)mode, &mesh, err) ||
         !read_material(load, primitive, &mesh.material, err))
         return false;

@@ -136,6 +136,8 @@ static bool note_what_is_missing(struct gltf_load *load, struct err *err)
         {t->primitives_without_material, "primitives without a material are grey"},
         {t->point_and_line_primitives, "primitives of points or lines are skipped"},
         {t->primitives_without_positions, "primitives without positions are skipped"},
+        {t->clamped_colors, "vertex colours outside [0, 1] are clamped"},
+        {t->infinite_texcoords, "texture coordinates that are not finite become 0"},
         {t->skinned_nodes, "skinned nodes are shown unskinned"},
         {t->morph_target_meshes, "meshes are shown without their morph targets"},
         {document->counts[GLTF_ANIMATIONS], "animations are not used"},

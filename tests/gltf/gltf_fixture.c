@@ -160,6 +160,15 @@ static const char *mesh_objection(const struct scene *scene, const struct mesh *
     if (!all_finite(mesh->positions[0], (size_t)mesh->vertex_count * 3) ||
         (mesh->normals && !all_finite(mesh->normals[0], (size_t)mesh->vertex_count * 3)))
         return "a vertex that is not finite";
+    for (int set = 0; set < 2; set++)
+        if (mesh->uvs[set] && !all_finite(mesh->uvs[set][0], (size_t)mesh->vertex_count * 2))
+            return "a texture coordinate that is not finite";
+    for (uint32_t i = 0; mesh->tangents && i < mesh->vertex_count; i++)
+        if (!all_finite(mesh->tangents[i], 3) || fabsf(mesh->tangents[i][3]) != 1)
+            return "a tangent that is not finite or has no side";
+    for (uint32_t i = 0; mesh->colors && i < 4 * mesh->vertex_count; i++)
+        if (!(mesh->colors[0][i] >= 0 && mesh->colors[0][i] <= 1))
+            return "a vertex colour outside [0, 1]";
     return NULL;
 }
 

@@ -266,7 +266,7 @@ TEST(accessors)
          {"accessors[1].type: \"VEC4\"; expected \"VEC3\" for NORMAL"}},
         {NORMAL_ACCESSOR,
          "{'bufferView':1,'componentType':5126,'count':3,'type':'VEC3'}",
-         {"accessors[1]: 3 normals for 4 positions"}},
+         {"accessors[1]: 3 elements of NORMAL for 4 positions"}},
         {NORMAL_ACCESSOR,
          "{'bufferView':1,'componentType':5126,'count':4,'type':'VEC3',"
          "'sparse':[]}",
