@@ -1,4 +1,4 @@
-#include "image_internal.h"
+#include "image.h"
 
 #include <math.h>
 #include <string.h>

@@ -60,26 +60,6 @@ bool image_write(const struct image_write_params *params, struct err *err)
     return ok;
 }
 
-bool image_allocate(const struct image_source *source, uint64_t width, uint64_t height,
-                    uint64_t extra_bytes, struct arena *arena, struct image *out, struct err *err)
-{
-    if (width == 0 || height == 0)
-        return err_set(err, ERR_INPUT, "the picture is %llu x %llu pixels; expected at least 1 x 1",
-                       (unsigned long long)width, (unsigned long long)height);
-    uint64_t bytes;
-    if (width > UINT32_MAX || height > UINT32_MAX ||
-        __builtin_mul_overflow(width * height, sizeof *out->pixels, &bytes) ||
-        __builtin_add_overflow(bytes, extra_bytes, &bytes) || bytes > source->max_bytes)
-        return err_set(err, ERR_INPUT,
-                       "the picture is %llu x %llu pixels, which needs more than the limit of %zu "
-                       "bytes of memory",
-                       (unsigned long long)width, (unsigned long long)height, source->max_bytes);
-    out->width = (uint32_t)width;
-    out->height = (uint32_t)height;
-    out->pixels = arena_alloc(arena, (size_t)(width * height), sizeof *out->pixels);
-    return out->pixels ? true : err_memory(err, "pixels", bytes);
-}
-
 static size_t memory_budget(size_t max_bytes)
 {
     const uint64_t default_bytes = UINT64_C(8) << 30;
@@ -88,7 +68,7 @@ static size_t memory_budget(size_t max_bytes)
     return default_bytes < SIZE_MAX ? (size_t)default_bytes : SIZE_MAX;
 }
 
-static bool decode(const struct image_source *source, struct arena *arena, struct image *out,
+static bool decode(const struct image_source *source, struct arena *arena, struct pixels *out,
                    struct err *err)
 {
     enum format format = format_of_bytes(source->data, source->size);
@@ -111,19 +91,45 @@ static bool decode(const struct image_source *source, struct arena *arena, struc
                    "is no picture that can be read; expected EXR, HDR, PNG or JPEG");
 }
 
+static bool decode_params(const struct image_read_params *params, struct image_source *source,
+                          struct arena *arena, struct pixels *out, struct err *err)
+{
+    source->path = params->path;
+    source->layer = params->layer;
+    source->max_bytes = memory_budget(params->max_bytes);
+    source->side_max = params->side_max;
+    source->is_linear = params->is_linear;
+    return decode(source, arena, out, err) || err_prepend(err, "%s", params->path);
+}
+
 bool image_decode(const void *data, size_t size, const struct image_read_params *params,
                   struct arena *arena, struct image *out, struct err *err)
 {
-    struct image_source source = {.path = params->path,
-                                  .data = data,
-                                  .size = size,
-                                  .layer = params->layer,
-                                  .max_bytes = memory_budget(params->max_bytes)};
+    struct image_source source = {.data = data, .size = size};
+    struct pixels pixels = {0};
     *out = (struct image){0};
-    if (decode(&source, arena, out, err))
-        return true;
-    *out = (struct image){0};
-    return err_prepend(err, "%s", params->path);
+    if (!decode_params(params, &source, arena, &pixels, err))
+        return false;
+    *out = (struct image){pixels.width, pixels.height, pixels.values};
+    return true;
+}
+
+bool image_decode_texels(const void *data, size_t size, const struct image_read_params *params,
+                         struct arena *arena, struct image_texels *out, struct err *err)
+{
+    struct image_source source = {.data = data, .size = size, .with_alpha = true};
+    struct pixels pixels = {0};
+    *out = (struct image_texels){0};
+    if (!decode_params(params, &source, arena, &pixels, err))
+        return false;
+    *out = (struct image_texels){pixels.width, pixels.height, !pixels.is_half, pixels.values};
+    return true;
+}
+
+bool image_has_encoding(const void *data, size_t size)
+{
+    enum format format = format_of_bytes(data, size);
+    return format == FORMAT_PNG || format == FORMAT_JPEG;
 }
 
 bool image_read(const struct image_read_params *params, struct arena *arena, struct image *out,

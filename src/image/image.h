@@ -49,6 +49,8 @@ struct image_read_params {
     const char *path;  // .exr, .hdr, .png (sRGB decoded to linear), .jpg (the same)
     const char *layer; // EXR: layer to read, NULL: the plain R, G, B (or Y) channels
     size_t max_bytes;  // memory for the file, the pixels and the decoder; 0: 8 GiB
+    uint32_t side_max; // longest side that is accepted; 0: any
+    bool is_linear;    // colours of PNG and JPEG are taken as they are, not as sRGB-encoded
 };
 
 // Pixels live in `arena`. The format is told by the file's first bytes, not by its name. EXR:
@@ -60,10 +62,34 @@ bool image_read(const struct image_read_params *params, struct arena *arena, str
 // The same from memory, for pictures inside other files; params->path names the place in messages.
 bool image_decode(const void *data, size_t size, const struct image_read_params *params,
                   struct arena *arena, struct image *out, struct err *err);
+
+// Linear values, interleaved RGBA, row 0 at the top.
+struct image_texels {
+    uint32_t width, height;
+    bool is_float; // four floats a texel, else four halves
+    void *texels;
+};
+
+// A picture with its alpha. What has at most 8 bits a component (PNG, JPEG) comes in halves, whose
+// step is at most 2^-11 in [0, 1], an eighth of the codes'; all else in floats. Alpha is 1 where a
+// file has none, and never sRGB-encoded. EXR stores colours multiplied by alpha (OpenEXR technical
+// introduction, "Alpha"): they are divided by it again, but for alpha 0.
+bool image_decode_texels(const void *data, size_t size, const struct image_read_params *params,
+                         struct arena *arena, struct image_texels *out, struct err *err);
+// Whether image_read_params.is_linear is of account for such a file: PNG and JPEG.
+bool image_has_encoding(const void *data, size_t size);
+
 // Reads string attributes of an EXR or the tEXt, zTXt and iTXt chunks that precede the pixels of a
 // PNG. *out lives in the arena.
 bool image_read_attributes(const char *path, struct arena *arena, struct image_attribute **out,
                            uint32_t *count, struct err *err);
+
+#define HALF_MAX 65504.0f // (2 - 2^-10) 2^15, the greatest finite half
+
+// IEEE 754 binary16, rounded to nearest, ties to even. Finite values past HALF_MAX saturate;
+// infinities and NaN stay what they are.
+uint16_t half_from_float(float value);
+float float_from_half(uint16_t half); // exact
 
 // One pixel from linear radiance to display values in [0, 1] before 8-bit rounding, sRGB-encoded.
 void image_tone_map(enum image_tone tone, float exposure_stops, const float rgb[3], float out[3]);

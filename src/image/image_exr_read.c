@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { COMPONENTS = 3, NAME_MAX_BYTES = 255 };
+enum { COLORS = 3, COMPONENTS = 4, NAME_MAX_BYTES = 255 };
 
 struct exr_reader {
     const struct image_source *source;
@@ -13,11 +13,12 @@ struct exr_reader {
     bool tiled;
     exr_attr_box2i_t window;
     uint64_t width, height;
-    // Indices into the channel list of the channels that make R, G, B; all the same for luminance.
+    // Indices into the channel list of the channels that make R, G, B, all the same for luminance,
+    // and A; that one -1 where there is none or it is not wanted.
     int channels[COMPONENTS];
     exr_decode_pipeline_t decoder;
     bool decoder_ready;
-    struct image *out;
+    struct pixels *out;
 };
 
 static bool check(const struct exr_reader *reader, exr_result_t result, struct err *err)
@@ -80,7 +81,7 @@ static void list_channels(const exr_attr_chlist_t *list, char *text, size_t size
     }
 }
 
-// R, G and B, or else Y in all three.
+// R, G and B, or else Y in all three; A where there is one.
 static bool choose_channels(struct exr_reader *reader, struct err *err)
 {
     const exr_attr_chlist_t *list;
@@ -89,7 +90,8 @@ static bool choose_channels(struct exr_reader *reader, struct err *err)
     const char *layer = reader->source->layer;
     int luminance = find_channel(list, layer, "Y");
     bool missing = false;
-    for (int c = 0; c < COMPONENTS; c++) {
+    reader->channels[COLORS] = reader->source->with_alpha ? find_channel(list, layer, "A") : -1;
+    for (int c = 0; c < COLORS; c++) {
         reader->channels[c] = find_channel(list, layer, (const char *[]){"R", "G", "B"}[c]);
         missing |= reader->channels[c] < 0;
     }
@@ -101,8 +103,10 @@ static bool choose_channels(struct exr_reader *reader, struct err *err)
             layer ? layer : "", layer ? "." : "", layer ? layer : "", layer ? "." : "", present);
     }
     for (int c = 0; c < COMPONENTS; c++) {
-        if (missing)
+        if (missing && c < COLORS)
             reader->channels[c] = luminance;
+        if (reader->channels[c] < 0)
+            continue;
         const exr_attr_chlist_entry_t *entry = &list->entries[reader->channels[c]];
         if (entry->x_sampling != 1 || entry->y_sampling != 1)
             return err_set(err, ERR_INPUT, "EXR: channel %s is subsampled %d x %d; expected 1 x 1",
@@ -138,8 +142,8 @@ static bool allocate(struct exr_reader *reader, struct arena *arena, struct err 
         __builtin_add_overflow(extra, table_bytes + reader->source->size, &extra))
         return err_set(err, ERR_INPUT, "EXR: a chunk of %llu bytes is too long",
                        (unsigned long long)chunk_bytes);
-    return image_allocate(reader->source, reader->width, reader->height, extra, arena, reader->out,
-                          err);
+    const struct pixels_size size = {reader->width, reader->height, 32, extra};
+    return pixels_allocate(reader->source, &size, arena, reader->out, err);
 }
 
 static float sample_value(const uint8_t *bytes, exr_pixel_type_t type)
@@ -155,14 +159,15 @@ static float sample_value(const uint8_t *bytes, exr_pixel_type_t type)
     return value;
 }
 
-// One line of one channel into the components of the picture that it makes.
+// One line of one channel into the components of the pixels from `first` on that it makes.
 static void unpack_line(const struct exr_reader *reader, int index, const uint8_t *bytes,
-                        const exr_coding_channel_info_t *channel, float (*pixels)[3])
+                        const exr_coding_channel_info_t *channel, uint64_t first)
 {
     for (int c = 0; c < COMPONENTS; c++)
         for (int32_t x = 0; reader->channels[c] == index && x < channel->width; x++)
-            pixels[x][c] = sample_value(bytes + (size_t)x * (size_t)channel->bytes_per_element,
-                                        (exr_pixel_type_t)channel->data_type);
+            pixels_at(reader->out, first + (uint64_t)x)[c] =
+                sample_value(bytes + (size_t)x * (size_t)channel->bytes_per_element,
+                             (exr_pixel_type_t)channel->data_type);
 }
 
 // Spreads a decompressed chunk, whose first pixel is (x, y) of the picture: line by line, of each
@@ -175,7 +180,7 @@ static bool unpack_chunk(struct exr_reader *reader, uint64_t x, uint64_t y, stru
     const uint8_t *bytes = decoder->unpacked_buffer;
     uint64_t left = bytes ? decoder->chunk.unpacked_size : 0;
     for (int32_t line = 0; line < decoder->chunk.height; line++) {
-        float(*pixels)[3] = reader->out->pixels + (y + (uint64_t)line) * reader->width + x;
+        uint64_t first = (y + (uint64_t)line) * reader->width + x;
         int64_t row = reader->window.min.y + (int64_t)y + line;
         for (int i = 0; i < decoder->channel_count; i++) {
             const exr_coding_channel_info_t *channel = &decoder->channels[i];
@@ -184,7 +189,7 @@ static bool unpack_chunk(struct exr_reader *reader, uint64_t x, uint64_t y, stru
             uint64_t size = (uint64_t)channel->width * (uint64_t)channel->bytes_per_element;
             if (size > left)
                 return err_set(err, ERR_INPUT, "EXR: a chunk ends early");
-            unpack_line(reader, i, bytes, channel, pixels);
+            unpack_line(reader, i, bytes, channel, first);
             bytes += size;
             left -= size;
         }
@@ -248,7 +253,22 @@ static bool read_tiles(struct exr_reader *reader, struct err *err)
     return true;
 }
 
-bool image_exr_read(const struct image_source *source, struct arena *arena, struct image *out,
+// Alpha of 1 where the file has none; else the colours without the factor that they are stored
+// with.
+static void finish_alpha(const struct exr_reader *reader)
+{
+    bool has_alpha = reader->channels[COLORS] >= 0;
+    uint64_t count = reader->width * reader->height;
+    for (uint64_t i = 0; i < count && reader->out->components == COMPONENTS; i++) {
+        float *pixel = pixels_at(reader->out, i);
+        float alpha = has_alpha ? pixel[COLORS] : 1.0f;
+        pixel[COLORS] = alpha;
+        for (int c = 0; c < COLORS && alpha != 0.0f && alpha != 1.0f; c++)
+            pixel[c] /= alpha;
+    }
+}
+
+bool image_exr_read(const struct image_source *source, struct arena *arena, struct pixels *out,
                     struct err *err)
 {
     struct exr_reader reader;
@@ -256,6 +276,8 @@ bool image_exr_read(const struct image_source *source, struct arena *arena, stru
     reader.out = out;
     ok = ok && choose_channels(&reader, err) && allocate(&reader, arena, err) &&
          (reader.tiled ? read_tiles(&reader, err) : read_scanlines(&reader, err));
+    if (ok)
+        finish_alpha(&reader);
     reader_close(&reader);
     return ok;
 }

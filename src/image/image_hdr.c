@@ -144,18 +144,22 @@ static bool read_row(struct hdr_reader *reader, uint8_t (*row)[4], struct err *e
 
 // m 2^(e - 136), a mantissa in 1/256 and an exponent biased by 128. Ward's own reader adds half a
 // step to each mantissa, which makes 0 positive; like most other readers this one does not.
-static void decode_row(const struct hdr_reader *reader, uint8_t (*row)[4], float (*out)[3])
+static void decode_row(const struct hdr_reader *reader, uint8_t (*row)[4], uint64_t y,
+                       const struct pixels *out)
 {
     for (uint64_t x = 0; x < reader->width; x++) {
         const uint8_t *rgbe = row[x];
-        float *pixel = out[reader->flip_x ? reader->width - 1 - x : x];
+        uint64_t column = reader->flip_x ? reader->width - 1 - x : x;
+        float *pixel = pixels_at(out, y * reader->width + column);
         double scale = rgbe[3] ? ldexp(1 / reader->exposure, rgbe[3] - 136) : 0;
         for (int c = 0; c < 3; c++)
             pixel[c] = (float)(rgbe[c] * scale);
+        if (out->components == 4)
+            pixel[3] = 1.0f;
     }
 }
 
-bool image_hdr_read(const struct image_source *source, struct arena *arena, struct image *out,
+bool image_hdr_read(const struct image_source *source, struct arena *arena, struct pixels *out,
                     struct err *err)
 {
     struct hdr_reader reader = {.data = source->data, .size = source->size};
@@ -164,7 +168,8 @@ bool image_hdr_read(const struct image_source *source, struct arena *arena, stru
     // The old runs can repeat a pixel without end, the new ones 127 times a byte: there is no lower
     // bound on the file's length to check, only the budget.
     uint64_t row_bytes = reader.width * 4;
-    if (!image_allocate(source, reader.width, reader.height, row_bytes, arena, out, err))
+    const struct pixels_size size = {reader.width, reader.height, 32, row_bytes};
+    if (!pixels_allocate(source, &size, arena, out, err))
         return false;
     uint8_t(*row)[4] = calloc((size_t)reader.width, sizeof *row);
     if (!row)
@@ -174,7 +179,7 @@ bool image_hdr_read(const struct image_source *source, struct arena *arena, stru
         ok = read_row(&reader, row, err) || err_prepend(err, "line %llu", (unsigned long long)y);
         uint64_t to = reader.flip_y ? reader.height - 1 - y : y;
         if (ok)
-            decode_row(&reader, row, out->pixels + to * reader.width);
+            decode_row(&reader, row, to, out);
     }
     free(row);
     return ok;

@@ -19,48 +19,72 @@ struct byte_buffer {
 bool byte_buffer_write(struct byte_buffer *buffer, size_t offset, const void *data, size_t size);
 void byte_buffer_finish(struct byte_buffer *buffer);
 
-// --- image.c ------------------------------------------------------------------------------------
-// An encoded picture in memory, and what may be spent on decoding it.
+// --- pixels.c -----------------------------------------------------------------------------------
+// An encoded picture in memory, what is wanted of it and what may be spent on decoding it.
 struct image_source {
     const char *path; // for messages
     const uint8_t *data;
     size_t size;
     const char *layer; // EXR; NULL: the plain channels
     size_t max_bytes;  // for pixels and whatever the decoder holds beside them
+    uint32_t side_max; // 0: any
+    bool is_linear;    // codes of PNG and JPEG are not sRGB
+    bool with_alpha;   // RGBA, in halves where they will do; else RGB in floats
 };
 
-// Checks width * height pixels and `extra_bytes` of the decoder's own against the budget, then
-// allocates the pixels in the arena.
-bool image_allocate(const struct image_source *source, uint64_t width, uint64_t height,
-                    uint64_t extra_bytes, struct arena *arena, struct image *out, struct err *err);
+// Pixels as a decoder leaves them: RGB or RGBA.
+struct pixels {
+    uint32_t width, height;
+    unsigned components;
+    bool is_half; // else float
+    void *values;
+};
+
+struct pixels_size {
+    uint64_t width, height;
+    unsigned bits;        // a component in the file: up to 8 fit into halves
+    uint64_t extra_bytes; // of the decoder's own
+};
+
+// Checks the sides and, with the decoder's own bytes, the budget, then allocates in the arena.
+bool pixels_allocate(const struct image_source *source, const struct pixels_size *size,
+                     struct arena *arena, struct pixels *out, struct err *err);
+
+// What codes of 8 bits stand for: [0] in colours, [1] in alpha.
+struct code_table {
+    float values[2][256];
+    uint16_t halves[2][256];
+};
+void code_table_fill(const struct image_source *source, struct code_table *table);
+// One row of codes, `components` a pixel; alpha, where there is none, is 1.
+void pixels_put_codes(const struct pixels *out, uint64_t row, const uint8_t *codes,
+                      unsigned components, const struct code_table *table);
+
+// The components of pixel number `index` of float pixels.
+static inline float *pixels_at(const struct pixels *pixels, uint64_t index)
+{
+    return (float *)pixels->values + index * pixels->components;
+}
 
 // --- one file a format --------------------------------------------------------------------------
-bool image_exr_read(const struct image_source *source, struct arena *arena, struct image *out,
+bool image_exr_read(const struct image_source *source, struct arena *arena, struct pixels *out,
                     struct err *err);
 bool image_exr_read_attributes(const struct image_source *source, struct arena *arena,
                                struct image_attribute **out, uint32_t *count, struct err *err);
 bool image_exr_write(const struct image_write_params *params, struct byte_buffer *out,
                      struct err *err);
 
-bool image_hdr_read(const struct image_source *source, struct arena *arena, struct image *out,
+bool image_hdr_read(const struct image_source *source, struct arena *arena, struct pixels *out,
                     struct err *err);
 
-bool image_jpeg_read(const struct image_source *source, struct arena *arena, struct image *out,
+bool image_jpeg_read(const struct image_source *source, struct arena *arena, struct pixels *out,
                      struct err *err);
 
-bool image_png_read(const struct image_source *source, struct arena *arena, struct image *out,
+bool image_png_read(const struct image_source *source, struct arena *arena, struct pixels *out,
                     struct err *err);
 bool image_png_read_attributes(const struct image_source *source, struct arena *arena,
                                struct image_attribute **out, uint32_t *count, struct err *err);
 bool image_png_write(const struct image_write_params *params, struct byte_buffer *out,
                      struct err *err);
-
-// --- half.c -------------------------------------------------------------------------------------
-#define HALF_MAX 65504.0f // (2 - 2^-10) 2^15, the greatest finite half
-
-// IEEE 754 binary16, rounded to nearest, ties to even. Finite values past HALF_MAX saturate;
-// infinities and NaN stay what they are.
-uint16_t half_from_float(float value);
-float float_from_half(uint16_t half); // exact
 
 #endif

@@ -23,7 +23,7 @@ struct jpeg_reader {
     struct jpeg_decompress_struct decompress;
     const struct image_source *source;
     struct arena *arena;
-    struct image *out;
+    struct pixels *out;
     struct err *err;
     bool reported; // err is filled in already
     JSAMPROW row;
@@ -71,25 +71,22 @@ static bool allocate(struct jpeg_reader *reader)
     // 16 pixels; components that are sampled less take less.
     uint64_t padded = (width + 15) / 16 * 16 * ((height + 15) / 16 * 16);
     uint64_t extra = padded * 2 * (uint64_t)decompress->num_components + width * 3;
-    if (!image_allocate(reader->source, width, height, extra, reader->arena, reader->out,
-                        reader->err))
+    const struct pixels_size size = {width, height, BITS_IN_JSAMPLE, extra};
+    if (!pixels_allocate(reader->source, &size, reader->arena, reader->out, reader->err))
         return false;
     reader->row = malloc((size_t)width * 3);
     return reader->row ? true : err_memory(reader->err, "a line", width * 3);
 }
 
-static void decode_row(struct jpeg_reader *reader, const float linear[256])
+static void decode_row(struct jpeg_reader *reader, const struct code_table *table)
 {
-    size_t width = reader->out->width;
-    float(*pixels)[3] = reader->out->pixels + reader->decompress.output_scanline * width;
+    uint64_t row = reader->decompress.output_scanline;
     jpeg_read_scanlines(&reader->decompress, &reader->row, 1);
-    for (size_t x = 0; x < width; x++)
-        for (size_t c = 0; c < 3; c++)
-            pixels[x][c] = linear[reader->row[3 * x + c]];
+    pixels_put_codes(reader->out, row, reader->row, 3, table);
 }
 
 // Runs the library; false after an error that came by longjmp or is in reader->err.
-static bool run(struct jpeg_reader *reader, const float linear[256])
+static bool run(struct jpeg_reader *reader, const struct code_table *table)
 {
     struct jpeg_decompress_struct *decompress = &reader->decompress;
     if (setjmp(reader->on_error))
@@ -105,12 +102,12 @@ static bool run(struct jpeg_reader *reader, const float linear[256])
     }
     jpeg_start_decompress(decompress);
     while (decompress->output_scanline < decompress->output_height)
-        decode_row(reader, linear);
+        decode_row(reader, table);
     jpeg_finish_decompress(decompress);
     return true;
 }
 
-bool image_jpeg_read(const struct image_source *source, struct arena *arena, struct image *out,
+bool image_jpeg_read(const struct image_source *source, struct arena *arena, struct pixels *out,
                      struct err *err)
 {
     struct jpeg_reader reader = {
@@ -120,10 +117,9 @@ bool image_jpeg_read(const struct image_source *source, struct arena *arena, str
     reader.error.emit_message = judge_message;
     reader.error.output_message = print_nothing;
     reader.progress.progress_monitor = limit_scans;
-    float linear[256];
-    for (int i = 0; i < 256; i++)
-        linear[i] = image_srgb_to_linear((float)i / 255.0f);
-    bool ok = run(&reader, linear);
+    struct code_table table;
+    code_table_fill(source, &table);
+    bool ok = run(&reader, &table);
     jpeg_destroy_decompress(&reader.decompress);
     free(reader.row);
     if (!ok && !reader.reported)

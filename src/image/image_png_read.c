@@ -1,4 +1,4 @@
-// PNG of any colour type and depth, decoded from sRGB to linear.
+// PNG of any colour type and depth.
 #include "image_png.h"
 
 #include <math.h>
@@ -13,9 +13,10 @@ struct png_reader {
     png_structp png;
     png_infop info;
     struct arena *arena;
-    struct image *out;
+    struct pixels *out;
     struct err *err;
-    bool reported; // err is filled in already
+    bool reported;             // err is filled in already
+    unsigned components, bits; // of the lines: 3 or 4, 8 or 16
     size_t row_bytes;
     png_bytep bytes;
     png_bytepp rows;
@@ -60,7 +61,9 @@ static bool allocate(struct png_reader *reader)
 {
     uint64_t width = png_get_image_width(reader->png, reader->info);
     uint64_t height = png_get_image_height(reader->png, reader->info);
-    uint64_t row_bytes = 3 * width * (png_get_bit_depth(reader->png, reader->info) == 16 ? 2 : 1);
+    reader->components = reader->source->with_alpha ? 4 : 3;
+    reader->bits = png_get_bit_depth(reader->png, reader->info) == 16 ? 16 : 8;
+    uint64_t row_bytes = reader->components * width * (reader->bits / 8);
     // Interlaced pictures come in seven passes over all lines, so all are held. libpng holds two
     // lines, at most four components of 16 bits.
     const uint64_t library_bytes = 2 * 4 * 2 * width;
@@ -68,8 +71,8 @@ static bool allocate(struct png_reader *reader)
     if (__builtin_mul_overflow(row_bytes + sizeof *reader->rows, height, &extra) ||
         __builtin_add_overflow(extra, library_bytes, &extra))
         extra = UINT64_MAX;
-    if (!image_allocate(reader->source, width, height, extra, reader->arena, reader->out,
-                        reader->err))
+    const struct pixels_size size = {width, height, reader->bits, extra};
+    if (!pixels_allocate(reader->source, &size, reader->arena, reader->out, reader->err))
         return false;
     reader->bytes = malloc((size_t)(row_bytes * height));
     reader->rows = malloc((size_t)height * sizeof *reader->rows);
@@ -81,12 +84,17 @@ static bool allocate(struct png_reader *reader)
     return true;
 }
 
-// Whatever comes in, three components of 8 or 16 bits come out.
+// Whatever comes in, three or four components of 8 or 16 bits come out.
 static void set_transformations(struct png_reader *reader)
 {
-    png_set_expand(reader->png);
+    bool has_alpha = (png_get_color_type(reader->png, reader->info) & PNG_COLOR_MASK_ALPHA) ||
+                     png_get_valid(reader->png, reader->info, PNG_INFO_tRNS);
+    png_set_expand(reader->png); // palettes, fewer than 8 bits, and transparent colours to alpha
     png_set_gray_to_rgb(reader->png);
-    png_set_strip_alpha(reader->png);
+    if (!reader->source->with_alpha)
+        png_set_strip_alpha(reader->png);
+    else if (!has_alpha)
+        png_set_add_alpha(reader->png, 0xffff, PNG_FILLER_AFTER);
     png_set_interlace_handling(reader->png);
     png_read_update_info(reader->png, reader->info);
 }
@@ -118,20 +126,27 @@ static bool read_image(struct png_reader *reader)
     return true;
 }
 
+static void convert_wide_row(const struct png_reader *reader, uint32_t y)
+{
+    const struct pixels *out = reader->out;
+    const uint8_t *from = reader->rows[y];
+    float *to = pixels_at(out, (uint64_t)y * out->width);
+    for (size_t i = 0; i < (size_t)out->width * reader->components; i++) {
+        float value = (float)(from[2 * i] << 8 | from[2 * i + 1]) / 65535.0f;
+        bool is_encoded = i % reader->components < 3 && !reader->source->is_linear;
+        to[i] = is_encoded ? image_srgb_to_linear(value) : value;
+    }
+}
+
 static void convert(const struct png_reader *reader)
 {
-    float linear[256];
-    for (int i = 0; i < 256; i++)
-        linear[i] = image_srgb_to_linear((float)i / 255.0f);
-    bool wide = png_get_bit_depth(reader->png, reader->info) == 16;
-    const struct image *image = reader->out;
-    for (uint32_t y = 0; y < image->height; y++) {
-        float *to = image->pixels[(size_t)y * image->width];
-        const uint8_t *from = reader->rows[y];
-        for (size_t i = 0; i < 3 * (size_t)image->width; i++)
-            to[i] =
-                wide ? image_srgb_to_linear((float)(from[2 * i] << 8 | from[2 * i + 1]) / 65535.0f)
-                     : linear[from[i]];
+    struct code_table table;
+    code_table_fill(reader->source, &table);
+    for (uint32_t y = 0; y < reader->out->height; y++) {
+        if (reader->bits == 16)
+            convert_wide_row(reader, y);
+        else
+            pixels_put_codes(reader->out, y, reader->rows[y], reader->components, &table);
     }
 }
 
@@ -153,7 +168,7 @@ static bool reader_close(struct png_reader *reader, bool ok, bool ran, struct er
     return ok;
 }
 
-bool image_png_read(const struct image_source *source, struct arena *arena, struct image *out,
+bool image_png_read(const struct image_source *source, struct arena *arena, struct pixels *out,
                     struct err *err)
 {
     struct png_reader reader = {.source = source, .arena = arena, .out = out, .err = err};

@@ -8,7 +8,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 static bool read_format(const struct image_source *source, struct arena *arena)
 {
-    struct image image;
+    struct pixels image = {0};
     struct image_attribute *attributes;
     uint32_t count = 0;
     if (strcmp(FUZZ_FORMAT, "exr") == 0) {

@@ -1,0 +1,58 @@
+// Where decoders put pixels.
+#include "image_internal.h"
+
+bool pixels_allocate(const struct image_source *source, const struct pixels_size *size,
+                     struct arena *arena, struct pixels *out, struct err *err)
+{
+    uint64_t width = size->width, height = size->height, bytes;
+    bool is_half = source->with_alpha && size->bits <= 8;
+    unsigned components = source->with_alpha ? 4 : 3;
+    size_t pixel_bytes = components * (is_half ? sizeof(uint16_t) : sizeof(float));
+    if (width == 0 || height == 0)
+        return err_set(err, ERR_INPUT, "the picture is %llu x %llu pixels; expected at least 1 x 1",
+                       (unsigned long long)width, (unsigned long long)height);
+    if (source->side_max && (width > source->side_max || height > source->side_max))
+        return err_set(err, ERR_INPUT,
+                       "the picture is %llu x %llu pixels; expected at most %u on a side",
+                       (unsigned long long)width, (unsigned long long)height, source->side_max);
+    if (width > UINT32_MAX || height > UINT32_MAX ||
+        __builtin_mul_overflow(width * height, pixel_bytes, &bytes) ||
+        __builtin_add_overflow(bytes, size->extra_bytes, &bytes) || bytes > source->max_bytes)
+        return err_set(err, ERR_INPUT,
+                       "the picture is %llu x %llu pixels, which needs more than the limit of %zu "
+                       "bytes of memory",
+                       (unsigned long long)width, (unsigned long long)height, source->max_bytes);
+    *out = (struct pixels){
+        .width = (uint32_t)width,
+        .height = (uint32_t)height,
+        .components = components,
+        .is_half = is_half,
+        .values = arena_alloc(arena, (size_t)(width * height), pixel_bytes),
+    };
+    return out->values ? true : err_memory(err, "pixels", bytes);
+}
+
+void code_table_fill(const struct image_source *source, struct code_table *table)
+{
+    for (int i = 0; i < 256; i++) {
+        float value = (float)i / 255.0f;
+        table->values[0][i] = source->is_linear ? value : image_srgb_to_linear(value);
+        table->values[1][i] = value;
+        for (int k = 0; k < 2; k++)
+            table->halves[k][i] = half_from_float(table->values[k][i]);
+    }
+}
+
+void pixels_put_codes(const struct pixels *out, uint64_t row, const uint8_t *codes,
+                      unsigned components, const struct code_table *table)
+{
+    uint64_t at = row * out->width * out->components;
+    for (uint64_t x = 0; x < out->width; x++)
+        for (unsigned c = 0; c < out->components; c++, at++) {
+            uint8_t code = c < components ? codes[x * components + c] : 255;
+            if (out->is_half)
+                ((uint16_t *)out->values)[at] = table->halves[c == 3][code];
+            else
+                ((float *)out->values)[at] = table->values[c == 3][code];
+        }
+}

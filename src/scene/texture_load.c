@@ -1,0 +1,185 @@
+// Images as textures: read, decoded once, judged.
+#include "texture_load.h"
+
+#include "file.h"
+#include "hash.h"
+#include "image.h"
+#include <math.h>
+
+#define SIDE_MAX 65535 // gpu_texture.size keeps a side in 16 bits
+
+// --- texels --------------------------------------------------------------------------------------
+
+// What a pass over the texels found.
+struct judgement {
+    double sum[4];
+    size_t zeroed; // texels
+    bool has_alpha;
+};
+
+// Whatever a texture does, it scales or is mapped from [0, 1]: below 0 nothing makes sense.
+static bool is_usable(const float texel[4])
+{
+    for (int c = 0; c < 4; c++)
+        if (!(texel[c] >= 0 && isfinite(texel[c])))
+            return false;
+    return true;
+}
+
+static void judge_texel(const float texel[4], struct judgement *judgement)
+{
+    for (int c = 0; c < 4; c++)
+        judgement->sum[c] += (double)texel[c];
+    judgement->has_alpha |= texel[3] < 1;
+}
+
+// Halves come from codes, so they are in [0, 1]. Floats that are no use become 0, alpha 1.
+static void judge_texels(const struct image_texels *texels, struct judgement *out)
+{
+    size_t count = (size_t)texels->width * texels->height;
+    *out = (struct judgement){0};
+    for (size_t i = 0; i < count; i++) {
+        float texel[4];
+        if (texels->is_float) {
+            float *given = (float *)texels->texels + 4 * i;
+            if (!is_usable(given)) {
+                given[0] = given[1] = given[2] = 0;
+                given[3] = 1;
+                out->zeroed++;
+            }
+            for (int c = 0; c < 4; c++)
+                texel[c] = given[c];
+        } else {
+            for (int c = 0; c < 4; c++)
+                texel[c] = float_from_half(((const uint16_t *)texels->texels)[4 * i + (size_t)c]);
+        }
+        judge_texel(texel, out);
+    }
+}
+
+// --- images --------------------------------------------------------------------------------------
+
+struct texture_file {
+    const char *name;
+    const void *data;
+    size_t size;
+    uint64_t hash; // of the bytes and of how they are decoded
+};
+
+static size_t memory_left(const struct scene *scene)
+{
+    const struct arena *arena = &scene->arena;
+    if (arena->limit_bytes == 0)
+        return 0;
+    // 0 would mean no limit.
+    return arena->limit_bytes > arena->used_bytes ? arena->limit_bytes - arena->used_bytes : 1;
+}
+
+static bool find_image(const struct scene *scene, uint64_t hash, uint32_t *index)
+{
+    for (uint32_t i = 0; i < scene->image_count; i++) {
+        *index = i;
+        if (scene->images[i].hash == hash)
+            return true;
+    }
+    return false;
+}
+
+static bool add_image(struct scene *scene, const struct texture_file *file,
+                      const struct image_texels *texels, uint32_t *index, struct err *err)
+{
+    struct judgement judgement;
+    judge_texels(texels, &judgement);
+    size_t count = (size_t)texels->width * texels->height;
+    struct texture_image *image = scene_add_image(scene, index);
+    const char *name = arena_strdup(&scene->arena, file->name);
+    if (!image || !name)
+        return err_memory(err, "a texture", sizeof *image);
+    *image = (struct texture_image){
+        .name = name,
+        .width = texels->width,
+        .height = texels->height,
+        .is_float = texels->is_float,
+        .has_alpha = judgement.has_alpha,
+        .texels = texels->texels,
+        .hash = file->hash,
+    };
+    for (int c = 0; c < 4; c++)
+        image->mean[c] = (float)(judgement.sum[c] / (double)count);
+    return judgement.zeroed == 0 ||
+           scene_note(scene, "%s: %zu of %zu texels were negative or not finite and are black",
+                      name, judgement.zeroed, count) ||
+           err_memory(err, "a note", 0);
+}
+
+static bool load_file(struct scene *scene, struct texture_file *file, bool is_srgb, uint32_t *index,
+                      struct err *err)
+{
+    const struct image_read_params params = {
+        .path = file->name,
+        .max_bytes = memory_left(scene),
+        .side_max = SIDE_MAX,
+        .is_linear = !is_srgb,
+    };
+    // What the encoding makes no difference to is one image for both.
+    const uint8_t decoding = is_srgb && image_has_encoding(file->data, file->size);
+    struct image_texels texels;
+    scene->hash = hash_bytes(scene->hash, file->data, file->size);
+    file->hash = hash_bytes(hash_bytes(HASH_INIT, file->data, file->size), &decoding, 1);
+    return find_image(scene, file->hash, index) ||
+           (image_decode_texels(file->data, file->size, &params, &scene->arena, &texels, err) &&
+            add_image(scene, file, &texels, index, err));
+}
+
+bool texture_image_load(struct scene *scene, const struct texture_source *source, uint32_t *index,
+                        struct err *err)
+{
+    struct texture_file file = {
+        .name = source->name   ? source->name
+                : source->path ? source->path
+                               : "image",
+        .data = source->data,
+        .size = source->size,
+    };
+    struct arena scratch = {.limit_bytes = memory_left(scene)};
+    bool ok = true;
+    if (source->path) {
+        struct file_bytes bytes;
+        ok = file_read(&scratch, source->path, 0, &bytes, err);
+        if (ok) {
+            file.data = bytes.data;
+            file.size = bytes.size;
+        }
+    }
+    ok = ok && load_file(scene, &file, source->is_srgb, index, err);
+    arena_finish(&scratch);
+    return ok;
+}
+
+// --- textures ------------------------------------------------------------------------------------
+
+bool material_add_texture(struct scene *scene, struct material *material,
+                          const struct texture *texture, struct err *err)
+{
+    if (material->texture_count == 0)
+        material->first_texture = scene->texture_count;
+    if (material->first_texture + material->texture_count != scene->texture_count)
+        return err_set(err, ERR_BUG, "material \"%s\": its textures are not the last ones",
+                       material->name);
+    struct texture *added = scene_add_texture(scene, NULL);
+    if (!added)
+        return err_memory(err, "a texture", sizeof *added);
+    *added = *texture;
+    material->texture_count++;
+    return true;
+}
+
+uint32_t texture_scales(uint32_t group, const int channel[4])
+{
+    uint32_t flags = TEXTURE_USE_SCALE << TEXTURE_USE_SHIFT | group << TEXTURE_GROUP_SHIFT;
+    for (uint32_t i = 0; i < 4; i++)
+        if (channel[i] >= 0)
+            flags |= 1u << (TEXTURE_MASK_SHIFT + i) | (uint32_t)channel[i]
+                                                          << (TEXTURE_CHANNELS_SHIFT + 2 * i);
+    return flags;
+}
