@@ -1,4 +1,4 @@
-// Sections of a scene file but its shapes: camera, film, settings, materials, environment.
+// Sections of a scene file without lists: camera, film, settings, environment.
 #include "load_json.h"
 
 #include "affine.h"
@@ -167,50 +167,6 @@ bool load_json_settings(struct scene *scene, const struct json_node *node, struc
         return false;
     settings->estimator = (enum light_estimator)estimator;
     settings->filter = (enum pixel_filter)filter;
-    return true;
-}
-
-// --- materials -----------------------------------------------------------------------------------
-
-static bool read_material(const struct json_node *node, struct material *material, struct err *err)
-{
-    static const char *const optional[] = {"type", "base_color", "emission", NULL};
-    static const char *const types[] = {
-        [MATERIAL_LAMBERT] = "diffuse", [MATERIAL_MIRROR] = "mirror", NULL};
-    uint32_t type = MATERIAL_LAMBERT;
-    if (!node_check_object(node, none, optional, err) ||
-        !node_read_choice(node, "type", types, &type, err))
-        return false;
-    // A mirror's reflectance is 1 unless it is said; a wall's is the loaders' common grey.
-    float fallback = type == MATERIAL_MIRROR ? 1.0f : 0.5f;
-    for (int c = 0; c < 3; c++)
-        material->base_color[c] = fallback;
-    material->model = type;
-    return node_read_color(node, "base_color", RANGE_UNIT, material->base_color, err) &&
-           node_read_color(node, "emission", RANGE_RADIANCE, material->emission, err);
-}
-
-bool load_json_materials(struct json_loader *loader, const struct json_node *materials,
-                         struct err *err)
-{
-    if (!json_is_object(materials->value))
-        return node_unexpected(materials, "an object of materials by name", err);
-    struct scene *scene = loader->scene;
-    const char *name;
-    json_t *value;
-    json_object_foreach(materials->value, name, value)
-    {
-        if (strcmp(name, "comment") == 0)
-            continue;
-        const struct json_node node = node_member(materials, name);
-        uint32_t index;
-        struct material *material = scene_add_material(scene, &index);
-        if (!material || !(material->name = arena_strdup(&scene->arena, name)) ||
-            json_object_set_new(loader->material_names, name, json_integer(index)) != 0)
-            return err_memory(err, "a material", sizeof *material);
-        if (!node_check_name(&node, name, err) || !read_material(&node, material, err))
-            return false;
-    }
     return true;
 }
 

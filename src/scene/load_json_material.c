@@ -1,0 +1,299 @@
+// Materials of a scene file. The parameters are those of material_parameters[]; here is what the
+// format adds to them: choices, switches and other ways to say the same.
+#include "load_json.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define ONLY(model) (1u << (model))
+#define ALL_MODELS ((1u << MATERIAL_MODEL_COUNT) - 1u)
+#define THROUGH (ONLY(MATERIAL_PRINCIPLED) | ONLY(MATERIAL_DIELECTRIC))
+#define SMITH_ONLY (THROUGH | ONLY(MATERIAL_CONDUCTOR))
+
+// Keys that are not parameters.
+static const struct {
+    const char *name;
+    uint32_t models; // that take it
+} other_keys[] = {
+    {"type", ALL_MODELS},
+    {"alpha", ALL_MODELS},
+    {"smoothness", ONLY(MATERIAL_PHONG) | ONLY(MATERIAL_BLINN_PHONG)},
+    {"thin", THROUGH},
+    {"absorption", THROUGH},
+    {"extinction", THROUGH},
+    {"priority", THROUGH},
+    {"compensate", ONLY(MATERIAL_PRINCIPLED) | ONLY(MATERIAL_CONDUCTOR)},
+    {"masking", SMITH_ONLY | ONLY(MATERIAL_MICROFACET)},
+    {"distribution", ONLY(MATERIAL_MICROFACET)},
+    {"fresnel", ONLY(MATERIAL_MICROFACET)},
+};
+#define OTHER_KEY_COUNT (sizeof other_keys / sizeof *other_keys)
+
+// --- keys ----------------------------------------------------------------------------------------
+
+// "principled, dielectric": the models of a mask.
+struct model_list {
+    char text[128];
+};
+
+static struct model_list list_models(uint32_t models)
+{
+    struct model_list list = {""};
+    size_t length = 0;
+    for (uint32_t i = 0; i < MATERIAL_MODEL_COUNT; i++) {
+        if (!(models & ONLY(i)))
+            continue;
+        int written = snprintf(list.text + length, sizeof list.text - length, "%s%s",
+                               length > 0 ? ", " : "", material_model_names[i]);
+        length += (size_t)written;
+    }
+    return list;
+}
+
+// That the material has no such key, or is of a model that takes it.
+static bool check_model(const struct json_node *material, const char *key, uint32_t model,
+                        uint32_t models, struct err *err)
+{
+    const struct json_node node = node_member(material, key);
+    if (!node.value || (models & ONLY(model)))
+        return true;
+    return node_fail(&node, err, "is not for \"type\": \"%s\" but for: %s",
+                     material_model_names[model], list_models(models).text);
+}
+
+// That every key is known, and one of the material's model.
+static bool check_keys(const struct json_node *node, uint32_t *model, struct err *err)
+{
+    static const char *const none[] = {NULL};
+    const char *known[PARAMETER_COUNT + OTHER_KEY_COUNT + 1] = {NULL};
+    size_t count = 0;
+    for (size_t i = 0; i < OTHER_KEY_COUNT; i++)
+        known[count++] = other_keys[i].name;
+    for (uint32_t i = 0; i < material_parameter_count; i++)
+        known[count++] = material_parameters[i].name;
+    const char *models[MATERIAL_MODEL_COUNT + 1] = {NULL};
+    memcpy(models, material_model_names, sizeof material_model_names);
+    if (!node_check_object(node, none, known, err) ||
+        !node_read_choice(node, "type", models, model, err))
+        return false;
+    for (size_t i = 0; i < OTHER_KEY_COUNT; i++)
+        if (!check_model(node, other_keys[i].name, *model, other_keys[i].models, err))
+            return false;
+    for (uint32_t i = 0; i < material_parameter_count; i++)
+        if (!check_model(node, material_parameters[i].name, *model, material_parameters[i].models,
+                         err))
+            return false;
+    return true;
+}
+
+// --- parameters ----------------------------------------------------------------------------------
+
+// The decimal number that a bound of the table was written as: of up to FLT_DIG digits single
+// precision keeps all (0.001f itself is a little above 0.001).
+static double as_written(float bound)
+{
+    char text[32];
+    snprintf(text, sizeof text, "%.*g", FLT_DIG, (double)bound);
+    return strtod(text, NULL);
+}
+
+static bool read_parameters(const struct json_node *node, struct material *material,
+                            struct err *err)
+{
+    for (uint32_t i = 0; i < material_parameter_count; i++) {
+        const struct material_parameter *p = &material_parameters[i];
+        const struct range range = {as_written(p->min), as_written(p->max), false};
+        float *values = &material->parameters[p->first];
+        double value = (double)values[0];
+        if (p->count == 3 ? !node_read_color(node, p->name, range, values, err)
+                          : !node_read_number(node, p->name, range, &value, err))
+            return false;
+        if (p->count == 1)
+            values[0] = (float)value;
+    }
+    return true;
+}
+
+// What a model is expected to be where nothing else is said: a mirror loses nothing, glass and
+// metal are smooth. The other fallbacks are the table's.
+static void set_fallbacks(struct material *material)
+{
+    if (material->model == MATERIAL_MIRROR)
+        for (int c = 0; c < 3; c++)
+            material->base_color[c] = 1.0f;
+    if (material->model == MATERIAL_DIELECTRIC || material->model == MATERIAL_CONDUCTOR)
+        material->roughness = 0.0f;
+}
+
+// The exponent of the classical models on a scale on which the highlight's width changes evenly.
+static bool read_smoothness(const struct json_node *node, struct material *material,
+                            struct err *err)
+{
+    const struct json_node smoothness = node_member(node, "smoothness");
+    double s = 0;
+    if (!smoothness.value)
+        return true;
+    if (node_member(node, "exponent").value)
+        return node_fail(node, err, "both \"smoothness\" and \"exponent\" are given; expected one");
+    if (!node_read_number(node, "smoothness", RANGE_UNIT, &s, err))
+        return false;
+    material->exponent = (float)pow(1000, s * s);
+    return true;
+}
+
+// --- choices -------------------------------------------------------------------------------------
+
+static bool read_flag(const struct json_node *node, const char *key, uint32_t flag,
+                      struct material *material, struct err *err)
+{
+    bool on = material->flags & flag;
+    if (!node_read_boolean(node, key, &on, err))
+        return false;
+    material->flags = on ? material->flags | flag : material->flags & ~flag;
+    return true;
+}
+
+static bool read_alpha(const struct json_node *node, struct material *material, struct err *err)
+{
+    static const char *const modes[] = {"opaque", "mask", "blend", NULL};
+    static const uint32_t flags[] = {0, MATERIAL_ALPHA_MASK, MATERIAL_ALPHA_BLEND};
+    uint32_t mode = material->opacity < 1.0f ? 2 : 0;
+    if (!node_read_choice(node, "alpha", modes, &mode, err))
+        return false;
+    const struct json_node cutoff = node_member(node, "alpha_cutoff");
+    if (cutoff.value && flags[mode] != MATERIAL_ALPHA_MASK)
+        return node_fail(&cutoff, err, "goes with \"alpha\": \"mask\"");
+    material->flags |= flags[mode];
+    return true;
+}
+
+// The microfacet model has a choice of four; the others are Smith's, for both directions together
+// or each alone.
+static bool read_masking(const struct json_node *node, struct material *material, struct err *err)
+{
+    static const char *const choices[] = {[MASKING_SMITH] = "smith",
+                                          [MASKING_SCHLICK_GGX] = "schlick_ggx",
+                                          [MASKING_LH] = "lh",
+                                          [MASKING_RATIONAL] = "rational",
+                                          NULL};
+    static const char *const smith[] = {"smith", "separable", NULL};
+    bool is_microfacet = material->model == MATERIAL_MICROFACET;
+    uint32_t choice = 0;
+    if (!node_read_choice(node, "masking", is_microfacet ? choices : smith, &choice, err))
+        return false;
+    if (is_microfacet)
+        material->flags |= choice << MATERIAL_MASKING_SHIFT;
+    else if (choice > 0)
+        material->flags |= MATERIAL_SEPARABLE;
+    return true;
+}
+
+static bool read_microfacets(const struct json_node *node, struct material *material,
+                             struct err *err)
+{
+    static const char *const distributions[] = {[DISTRIBUTION_GGX] = "ggx",
+                                                [DISTRIBUTION_BECKMANN] = "beckmann",
+                                                [DISTRIBUTION_PHONG] = "phong",
+                                                NULL};
+    static const char *const fresnels[] = {"schlick", "exact", NULL};
+    uint32_t distribution = DISTRIBUTION_GGX, fresnel = 0;
+    if (!read_masking(node, material, err) ||
+        !node_read_choice(node, "distribution", distributions, &distribution, err) ||
+        !node_read_choice(node, "fresnel", fresnels, &fresnel, err))
+        return false;
+    material->flags |= distribution << MATERIAL_DISTRIBUTION_SHIFT;
+    material->flags |= fresnel > 0 ? MATERIAL_EXACT_FRESNEL : 0;
+    return true;
+}
+
+// Burley's coat and glTF's are two; the roughness of the second chooses it.
+static bool read_coat(const struct json_node *node, struct material *material, struct err *err)
+{
+    if (!node_member(node, "clearcoat_roughness").value)
+        return true;
+    if (node_member(node, "clearcoat_gloss").value)
+        return node_fail(node, err,
+                         "both \"clearcoat_roughness\" and \"clearcoat_gloss\" are given; expected "
+                         "one, which chooses the coat");
+    material->flags |= MATERIAL_COAT_GGX;
+    return true;
+}
+
+// --- the inside ----------------------------------------------------------------------------------
+
+static bool read_absorption(const struct json_node *node, struct material *material,
+                            struct err *err)
+{
+    static const char *const none[] = {NULL};
+    static const char *const required[] = {"color", "distance", NULL};
+    float color[3];
+    double distance = 0;
+    if (!node_check_object(node, required, none, err) ||
+        !node_read_color(node, "color", RANGE_UNIT, color, err) ||
+        !node_read_number(node, "distance", RANGE_RADIUS, &distance, err))
+        return false;
+    material_set_absorption(material, color, (float)distance);
+    return true;
+}
+
+static bool read_inside(const struct json_node *node, struct material *material, struct err *err)
+{
+    const struct json_node absorption = node_member(node, "absorption");
+    const struct json_node extinction = node_member(node, "extinction");
+    const struct json_node priority = node_member(node, "priority");
+    const struct json_node *given[] = {&absorption, &extinction, &priority};
+    if (absorption.value && extinction.value)
+        return node_fail(node, err,
+                         "both \"absorption\" and \"extinction\" are given; expected one");
+    for (size_t i = 0; i < sizeof given / sizeof *given; i++)
+        if (given[i]->value && (material->flags & MATERIAL_THIN))
+            return node_fail(given[i], err, "a \"thin\" material has no inside");
+    uint64_t number = material->medium_priority;
+    if ((absorption.value && !read_absorption(&absorption, material, err)) ||
+        !node_read_color(node, "extinction", RANGE_RADIANCE, material->extinction, err) ||
+        !node_read_integer(node, "priority", 1, 255, &number, err))
+        return false;
+    material->medium_priority = (uint32_t)number;
+    return true;
+}
+
+// --- the list ------------------------------------------------------------------------------------
+
+static bool read_material(const struct json_node *node, struct material *material, struct err *err)
+{
+    if (!check_keys(node, &material->model, err))
+        return false;
+    set_fallbacks(material);
+    return read_parameters(node, material, err) && read_smoothness(node, material, err) &&
+           read_alpha(node, material, err) && read_coat(node, material, err) &&
+           read_flag(node, "thin", MATERIAL_THIN, material, err) &&
+           read_flag(node, "compensate", MATERIAL_COMPENSATE, material, err) &&
+           read_microfacets(node, material, err) && read_inside(node, material, err);
+}
+
+bool load_json_materials(struct json_loader *loader, const struct json_node *materials,
+                         struct err *err)
+{
+    if (!json_is_object(materials->value))
+        return node_unexpected(materials, "an object of materials by name", err);
+    struct scene *scene = loader->scene;
+    const char *name;
+    json_t *value;
+    json_object_foreach(materials->value, name, value)
+    {
+        if (strcmp(name, "comment") == 0)
+            continue;
+        const struct json_node node = node_member(materials, name);
+        uint32_t index;
+        struct material *material = scene_add_material(scene, &index);
+        if (!material || !(material->name = arena_strdup(&scene->arena, name)) ||
+            json_object_set_new(loader->material_names, name, json_integer(index)) != 0)
+            return err_memory(err, "a material", sizeof *material);
+        if (!node_check_name(&node, name, err) || !read_material(&node, material, err))
+            return false;
+    }
+    return true;
+}
