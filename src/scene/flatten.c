@@ -3,18 +3,10 @@
 
 #include "affine.h"
 #include "bounds.h"
+#include "flatten_attributes.h"
 #include "log.h"
 #include <float.h>
 #include <math.h>
-
-// An instance's transform, prepared.
-struct placement {
-    const struct mesh *mesh;
-    const struct instance *instance;
-    double origin[3];     // of the flat scene
-    double normals[3][3]; // inverse transpose up to a positive factor
-    bool is_mirrored;
-};
 
 // --- bounds and origin ---------------------------------------------------------------------------
 
@@ -94,7 +86,7 @@ static bool is_singular(const struct instance *instance)
 struct census {
     struct bounds bounds;
     uint64_t triangle_count;
-    bool has_normals;
+    struct attribute_needs needs;
     uint32_t skipped_instances;
 };
 
@@ -113,7 +105,7 @@ static bool take_census(const struct scene *scene, struct census *census, struct
             continue;
         }
         census->triangle_count += mesh->triangle_count;
-        census->has_normals |= mesh->normals != NULL;
+        attributes_census(scene, instance, &census->needs);
         if (!measure_instance(scene, instance, &census->bounds, err))
             return false;
     }
@@ -191,26 +183,8 @@ static void triangle_normal(const struct flat_triangle *triangle, double out[3])
     vec3_cross(edges[0], edges[1], out);
 }
 
-static void place_normal(const struct placement *placement, uint32_t vertex,
-                         const double geometric[3], float out[3])
-{
-    double normal[3] = {geometric[0], geometric[1], geometric[2]};
-    if (placement->mesh->normals) {
-        const float *given = placement->mesh->normals[vertex];
-        double turned[3];
-        for (int i = 0; i < 3; i++)
-            turned[i] = placement->normals[i][0] * (double)given[0] +
-                        placement->normals[i][1] * (double)given[1] +
-                        placement->normals[i][2] * (double)given[2];
-        if (vec3_normalize(turned))
-            for (int i = 0; i < 3; i++)
-                normal[i] = turned[i];
-    }
-    for (int i = 0; i < 3; i++)
-        out[i] = (float)normal[i];
-}
-
-static void add_triangle(struct flat_scene *flat, const struct placement *placement, uint32_t index)
+static void add_triangle(struct flat_scene *flat, const struct scene *scene,
+                         const struct placement *placement, uint32_t index)
 {
     const struct mesh *mesh = placement->mesh;
     const uint32_t *corners = mesh->indices[index];
@@ -229,15 +203,10 @@ static void add_triangle(struct flat_scene *flat, const struct placement *placem
         flat->dropped_degenerate++;
         return;
     }
-    triangle->material = placement->instance->material != SCENE_NONE ? placement->instance->material
-                         : mesh->triangle_material ? mesh->triangle_material[index]
-                                                   : mesh->material;
-    for (int corner = 0; corner < 3; corner++) {
+    triangle->material = instance_material(mesh, placement->instance, index);
+    for (int corner = 0; corner < 3; corner++)
         add_to_bounds(flat, triangle->v[corner], triangle->v[corner]);
-        if (flat->normals)
-            place_normal(placement, vertices[corner], geometric,
-                         flat->normals[flat->triangle_count][corner]);
-    }
+    attributes_place(flat, scene, placement, vertices, geometric);
     flat->triangle_count++;
 }
 
@@ -291,14 +260,9 @@ static bool reserve(const struct scene *scene, const struct census *census, stru
     flat->triangles = ARENA_NEW(arena, struct flat_triangle, count);
     flat->shapes = ARENA_NEW(arena, struct flat_shape, scene->shape_count);
     flat->material_used = ARENA_NEW(arena, bool, scene->material_count);
-    if (census->has_normals)
-        flat->normals = arena_alloc(arena, count, sizeof *flat->normals);
-    if (!flat->triangles || !flat->shapes || !flat->material_used || (census->has_normals && !flat->normals))
-        return err_memory(
-            err, "the flattened scene",
-            census->triangle_count *
-                (sizeof *flat->triangles + (census->has_normals ? sizeof *flat->normals : 0)));
-    return true;
+    if (!flat->triangles || !flat->shapes || !flat->material_used)
+        return err_memory(err, "the flattened scene", count * sizeof *flat->triangles);
+    return attributes_reserve(&census->needs, count, arena, flat, err);
 }
 
 bool scene_flatten(const struct scene *scene, struct arena *arena, struct flat_scene *out,
@@ -318,7 +282,7 @@ bool scene_flatten(const struct scene *scene, struct arena *arena, struct flat_s
             continue;
         const struct placement placement = place(scene, i, out->origin);
         for (uint32_t t = 0; t < placement.mesh->triangle_count; t++)
-            add_triangle(out, &placement, t);
+            add_triangle(out, scene, &placement, t);
     }
     for (uint32_t i = 0; i < scene->shape_count; i++)
         if (!add_shape(out, scene, i, err))

@@ -27,14 +27,17 @@ struct flat_scene {
     float (*normals)[3][3]; // per triangle and corner; NULL when no mesh has normals. Where one is
                             // missing or not finite: the geometric normal. Transformed by the
                             // inverse transpose.
-    // What else corners carry, per triangle and corner; NULL when no used material needs it.
-    float (*tangents)[3][4]; // unit, and the sign of the bitangent sign * cross(normal, tangent)
-    float (*uvs[2])[3][2];   // finite; t downwards
-    float (*colors)[3][4];   // linear RGBA
+    // What else corners carry, per triangle and corner; NULL when no used material needs it, or no
+    // mesh has it.
+    float (*tangents)[3][4]; // unit, not always orthogonal to the normal, and the sign of the
+                             // bitangent sign * cross(normal, tangent). Where a mesh has none:
+                             // along growing u, or any where that has no direction either
+    float (*uvs[2])[3][2]; // finite, 0 where missing; t downwards
+    float (*colors)[3][4]; // linear RGBA, 1 where missing
     uint32_t triangle_count;
     struct flat_shape *shapes;
     uint32_t shape_count;
-    bool *material_used; // scene->material_count: some primitive has it
+    bool *material_used;                // scene->material_count: some primitive has it
     float bounds_min[3], bounds_max[3]; // relative to origin; min > max when empty
     uint32_t dropped_degenerate;        // zero-area triangles left out (stiff case C6)
     uint32_t skipped_instances;         // singular transforms (C30)
