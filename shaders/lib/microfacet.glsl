@@ -27,7 +27,7 @@ float ggx_stretched_length(vec3 w, vec2 alpha)
     return length(vec3(alpha * w.xy, w.z));
 }
 
-// Smith's Lambda (Heitz 2014, eqs. 72 and 85), (sqrt(1 + t) - 1) / 2 without the difference;
+// Smith's Lambda (Heitz 2014, eqs. 72 and 86), (sqrt(1 + t) - 1) / 2 without the difference;
 // infinite at w.z = 0.
 float ggx_lambda(vec3 w, vec2 alpha)
 {
