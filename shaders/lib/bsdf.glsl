@@ -3,6 +3,8 @@
 #ifndef BSDF_GLSL
 #define BSDF_GLSL
 
+#include "lib/bsdf_classical.glsl"
+#include "lib/bsdf_dielectric.glsl"
 #include "lib/bsdf_types.glsl"
 #include "lib/sampling.glsl"
 
@@ -32,6 +34,16 @@ vec3 eval_bsdf(material m, vec3 wo, vec3 wi, float eta, out float pdf)
     pdf = 0.0;
     if (HAS_LOBE(LOBE_LAMBERT) && model == MATERIAL_LAMBERT)
         f = eval_lambert(m, wi, pdf);
+    if (HAS_LOBE(LOBE_DIELECTRIC) && model == MATERIAL_DIELECTRIC)
+        f = eval_dielectric(m, wo, wi, eta, pdf);
+    if (HAS_LOBE(LOBE_CONDUCTOR) && model == MATERIAL_CONDUCTOR)
+        f = eval_conductor(m, wo, wi, eta, pdf);
+    if (HAS_LOBE(LOBE_PHONG) && model == MATERIAL_PHONG)
+        f = eval_phong(m, wo, wi, pdf);
+    if (HAS_LOBE(LOBE_BLINN_PHONG) && model == MATERIAL_BLINN_PHONG)
+        f = eval_blinn_phong(m, wo, wi, pdf);
+    if (HAS_LOBE(LOBE_MICROFACET) && model == MATERIAL_MICROFACET)
+        f = eval_microfacet(m, wo, wi, eta, pdf);
     return f;
 }
 
@@ -43,6 +55,16 @@ bsdf_sample sample_bsdf(material m, vec3 wo, float eta, vec4 u)
         s = sample_lambert(m, u);
     if (HAS_LOBE(LOBE_MIRROR) && model == MATERIAL_MIRROR)
         s = sample_mirror(m, wo);
+    if (HAS_LOBE(LOBE_DIELECTRIC) && model == MATERIAL_DIELECTRIC)
+        s = sample_dielectric(m, wo, eta, u);
+    if (HAS_LOBE(LOBE_CONDUCTOR) && model == MATERIAL_CONDUCTOR)
+        s = sample_conductor(m, wo, eta, u);
+    if (HAS_LOBE(LOBE_PHONG) && model == MATERIAL_PHONG)
+        s = sample_phong(m, wo, u);
+    if (HAS_LOBE(LOBE_BLINN_PHONG) && model == MATERIAL_BLINN_PHONG)
+        s = sample_blinn_phong(m, wo, u);
+    if (HAS_LOBE(LOBE_MICROFACET) && model == MATERIAL_MICROFACET)
+        s = sample_microfacet(m, wo, eta, u);
     return s;
 }
 

@@ -1,0 +1,107 @@
+// Microfacet distributions beside GGX, Beckmann's and Phong's, with the masking functions that go with
+// them or are chosen in place of Smith's. Pure functions.
+//
+// Directions are unit vectors of the local frame, z along the macroscopic normal, on its side; h is a
+// microfacet's normal. alpha is from 1e-4 on, and Walter et al. 2007 is "Microfacet Models for
+// Refraction through Rough Surfaces".
+#ifndef BECKMANN_GLSL
+#define BECKMANN_GLSL
+
+#include "lib/constants.glsl"
+
+// log(1 - x) for 0 <= x < 1. Vulkan's log errs by 2^-21 around 1; below 1/4 the series of
+// -2 atanh(x / (2 - x)), whose fifth term is less than 2^-24 of the sum.
+float log_one_minus(float x)
+{
+    float z = x / (2.0 - x);
+    float z2 = z * z;
+    float series = -2.0 * z * (1.0 + z2 * (1.0 / 3.0 + z2 * (1.0 / 5.0 + z2 * (1.0 / 7.0))));
+    return x < 0.25 ? series : log(1.0 - x);
+}
+
+// 1 - exp(-x) for x >= 0. Below 1/4 six terms of the series: the seventh is less than 2^-24 of it.
+float one_minus_exp(float x)
+{
+    float series =
+        x * (1.0 - x / 2.0 *
+                       (1.0 - x / 3.0 * (1.0 - x / 4.0 * (1.0 - x / 5.0 * (1.0 - x / 6.0)))));
+    return x < 0.25 ? series : 1.0 - exp(-x);
+}
+
+// (1 - x)^n without the rounding of 1 - x, which a large n would magnify; 0 for x >= 1.
+float power_one_minus(float x, float n)
+{
+    return x < 1.0 ? exp(n * log_one_minus(max(x, 0.0))) : 0.0;
+}
+
+// Walter et al. 2007, eq. 25.
+float beckmann_d(vec3 h, float alpha)
+{
+    float cos2 = h.z * h.z;
+    float exponent = dot(h.xy, h.xy) / (cos2 * alpha * alpha);
+    // From here on exp underflows in single precision, and so may cos^4.
+    if (!(exponent < 87.0))
+        return 0.0;
+    return exp(-exponent) * INV_PI / (alpha * alpha * cos2 * cos2);
+}
+
+// Walter et al. 2007, eq. 30, (a_p + 2) / (2 pi) cos^a_p, with a_p = 2 / alpha^2 - 2: the exponent
+// whose highlight is as wide as Beckmann's (section 5.2).
+float phong_d(vec3 h, float alpha)
+{
+    float inverse = 1.0 / (alpha * alpha); // a_p / 2 + 1
+    return inverse * INV_PI * power_one_minus(dot(h.xy, h.xy), inverse - 1.0);
+}
+
+// Abramowitz and Stegun 1964, eq. 7.1.26, for x >= 0: within 1.5e-7.
+float error_function(float x)
+{
+    float t = 1.0 / (1.0 + 0.3275911 * x);
+    float sum =
+        t * (0.254829592 +
+             t * (-0.284496736 + t * (1.421413741 + t * (-1.453152027 + t * 1.061405429))));
+    return 1.0 - sum * exp(-x * x);
+}
+
+// Smith's Lambda of Beckmann's distribution (Heitz 2014, eq. 66), with a = 1 / (alpha tan(theta)).
+// Phong's has no closed form and takes the same, with a = sqrt(a_p / 2 + 1) / tan(theta) (Walter et
+// al. 2007, section 5.2), which is the same a. Never divides by the sine, and from a = 4 on Lambda is
+// less than 2^-24 (its asymptote is exp(-a^2) / (4 sqrt(pi) a^3)).
+float beckmann_lambda(vec3 w, float alpha)
+{
+    float slope = alpha * length(w.xy);
+    if (!(w.z < 4.0 * slope))
+        return 0.0;
+    float a = w.z / slope;
+    const float INV_SQRT_PI = 0.56418958354775628695;
+    return max(0.0, 0.5 * (error_function(a) - 1.0 + INV_SQRT_PI * exp(-a * a) / a));
+}
+
+// Masking and shadowing of two directions on one side: height-correlated (Heitz 2014, eq. 99), or
+// separable.
+float beckmann_g2(vec3 wo, vec3 wi, float alpha, bool separable)
+{
+    float o = beckmann_lambda(wo, alpha);
+    float i = beckmann_lambda(wi, alpha);
+    return separable ? 1.0 / ((1.0 + o) * (1.0 + i)) : 1.0 / (1.0 + o + i);
+}
+
+// The rational fit to Beckmann's G1 (Walter et al. 2007, eq. 27).
+float rational_g1(vec3 w, float alpha)
+{
+    float slope = alpha * length(w.xy);
+    if (!(w.z < 1.6 * slope))
+        return 1.0;
+    float a = w.z / slope;
+    return a * (3.535 + 2.181 * a) / (1.0 + a * (2.276 + 2.577 * a));
+}
+
+// Schlick 1994, "An Inexpensive BRDF Model for Physically-based Rendering", eq. 19, with k = alpha / 2
+// after Karis 2013, "Real Shading in Unreal Engine 4", which meets GGX's at grazing incidence.
+float schlick_ggx_g1(vec3 w, float alpha)
+{
+    float k = 0.5 * alpha;
+    return w.z / (w.z * (1.0 - k) + k);
+}
+
+#endif

@@ -1,0 +1,233 @@
+// The models that papers and courses compare with: Phong, Blinn-Phong and Torrance-Sparrow
+// microfacets, each over a Lambert base. Pure. See lib/bsdf_types.glsl for the frame and the
+// conventions, docs/materials-classical.md for the formulas in one place and for their energy.
+#ifndef BSDF_CLASSICAL_GLSL
+#define BSDF_CLASSICAL_GLSL
+
+#include "lib/beckmann.glsl"
+#include "lib/bsdf_dielectric.glsl"
+#include "lib/sampling.glsl"
+
+// What stays the same for all wi: the parts' colours, and how often the specular one is drawn.
+struct classical_parts {
+    vec3 diffuse;  // albedo
+    vec3 specular; // scale of the highlight
+    float p_specular;
+};
+
+float sum_of(vec3 v)
+{
+    return v.r + v.g + v.b;
+}
+
+classical_parts classical_choose(vec3 diffuse, vec3 specular, float albedo_diffuse,
+                                 float albedo_specular)
+{
+    float p = albedo_diffuse > 0.0 ? albedo_specular / (albedo_specular + albedo_diffuse) : 1.0;
+    return classical_parts(diffuse, specular, p);
+}
+
+vec3 classical_specular_color(material m)
+{
+    return min(m.group[GROUP_SPECULAR].rgb, vec3(1.0));
+}
+
+// Of Phong and Blinn-Phong, whose highlights reflect `specular` at most: the base has what is left.
+classical_parts phong_parts(material m)
+{
+    vec3 specular = classical_specular_color(m);
+    vec3 diffuse = min(m.group[GROUP_BASE].rgb, 1.0 - specular);
+    return classical_choose(diffuse, specular, sum_of(diffuse), sum_of(specular));
+}
+
+// Adds the base to a highlight of BSDF * wi.z = f and density pdf; the base's light passes `through`.
+vec3 classical_sum(classical_parts parts, vec3 wi, vec3 through, vec3 f, inout float pdf)
+{
+    float cosine = pdf_cosine_hemisphere(wi.z);
+    pdf = mix(cosine, pdf, parts.p_specular);
+    return f + parts.diffuse * through * cosine;
+}
+
+bsdf_sample classical_sample(vec3 wi, vec3 f, float pdf)
+{
+    bool valid = pdf > 0.0;
+    return bsdf_sample(wi, valid ? f / pdf : vec3(0.0), pdf, false, false, valid);
+}
+
+// A direction of density (n + 1) / (2 pi) cos^n about z; the part of sampling that Phong's lobe and
+// Blinn's normals share. .w is 1 - z, precise where n is large.
+vec4 sample_cosine_power(float n, vec2 u)
+{
+    float below = one_minus_exp(max(0.0, -log(1.0 - u.x) / (n + 1.0)));
+    float radius = sqrt(below * (2.0 - below));
+    float angle = 2.0 * PI * u.y;
+    return vec4(radius * cos(angle), radius * sin(angle), 1.0 - below, below);
+}
+
+// --- Phong --------------------------------------------------------------------------------------
+
+vec3 mirrored(vec3 wo)
+{
+    return vec3(-wo.xy, wo.z);
+}
+
+// Lafortune and Willems 1994, "Using the Modified Phong Reflectance Model for Physically Based
+// Rendering": kd / pi + ks (n + 2) / (2 pi) cos^n of the angle from the mirrored direction. The
+// cosine is 1 - |difference|^2 / 2.
+vec3 eval_phong(material m, vec3 wo, vec3 wi, out float pdf)
+{
+    pdf = 0.0;
+    classical_parts parts = phong_parts(m);
+    if (!(wi.z > 0.0))
+        return vec3(0.0);
+    float n = m.group[GROUP_CONDUCTOR].a;
+    vec3 difference = wi - mirrored(wo);
+    float lobe = 0.5 * INV_PI * power_one_minus(0.5 * dot(difference, difference), n);
+    pdf = (n + 1.0) * lobe;
+    return classical_sum(parts, wi, vec3(1.0), parts.specular * ((n + 2.0) * lobe * wi.z), pdf);
+}
+
+bsdf_sample sample_phong(material m, vec3 wo, vec4 u)
+{
+    classical_parts parts = phong_parts(m);
+    vec3 wi;
+    if (u.z < parts.p_specular)
+        wi = normalize(basis_around(mirrored(wo)) *
+                       sample_cosine_power(m.group[GROUP_CONDUCTOR].a, u.xy).xyz);
+    else
+        wi = sample_cosine_hemisphere(u.xy);
+    float pdf;
+    vec3 f = eval_phong(m, wo, wi, pdf);
+    return classical_sample(wi, f, pdf);
+}
+
+// --- Blinn-Phong --------------------------------------------------------------------------------
+
+// 1 / the integral of cos^n(theta / 2) cos(theta) over the hemisphere: the highlight reflects 1 at
+// normal incidence (Giesen 2009, "Phong and Blinn-Phong Normalization Factors").
+float blinn_phong_normalization(float n)
+{
+    return (n + 2.0) * (n + 4.0) / (8.0 * PI * (exp2(-0.5 * n) + n));
+}
+
+// kd / pi + ks normalization cos^n of the half vector's angle.
+vec3 eval_blinn_phong(material m, vec3 wo, vec3 wi, out float pdf)
+{
+    pdf = 0.0;
+    classical_parts parts = phong_parts(m);
+    vec4 h = reflection_half_vector(wo, wi);
+    if (!(wi.z > 0.0) || !(h.w > 0.0))
+        return vec3(0.0);
+    float n = m.group[GROUP_CONDUCTOR].a;
+    float lobe = power_one_minus(dot(h.xy, h.xy), 0.5 * n);
+    pdf = (n + 1.0) * 0.5 * INV_PI * lobe / (4.0 * h.w);
+    return classical_sum(parts, wi, vec3(1.0),
+                         parts.specular * (blinn_phong_normalization(n) * lobe * wi.z), pdf);
+}
+
+bsdf_sample sample_blinn_phong(material m, vec3 wo, vec4 u)
+{
+    classical_parts parts = phong_parts(m);
+    vec3 wi;
+    if (u.z < parts.p_specular) {
+        vec3 h = sample_cosine_power(m.group[GROUP_CONDUCTOR].a, u.xy).xyz;
+        float cosine = dot(wo, h);
+        if (!(cosine > 0.0))
+            return bsdf_absorbed();
+        wi = normalize(2.0 * cosine * h - wo);
+    } else {
+        wi = sample_cosine_hemisphere(u.xy);
+    }
+    float pdf;
+    vec3 f = eval_blinn_phong(m, wo, wi, pdf);
+    return classical_sample(wi, f, pdf);
+}
+
+// --- microfacets --------------------------------------------------------------------------------
+
+uint microfacet_distribution(material m)
+{
+    return m.model_flags >> MATERIAL_DISTRIBUTION_SHIFT & 3u;
+}
+
+vec3 microfacet_fresnel(material m, float cos_theta, float eta)
+{
+    vec3 color = classical_specular_color(m);
+    float cos_t;
+    if (material_has(m, MATERIAL_EXACT_FRESNEL))
+        return color * fresnel_dielectric(cos_theta, eta, cos_t);
+    return fresnel_schlick(color, cos_theta);
+}
+
+// The base lies below: light enters and leaves through what the surface does not reflect.
+classical_parts microfacet_parts(material m, vec3 wo, float eta)
+{
+    vec3 reflected = microfacet_fresnel(m, wo.z, eta);
+    vec3 diffuse = m.group[GROUP_BASE].rgb * (1.0 - reflected);
+    return classical_choose(diffuse, reflected, sum_of(diffuse), sum_of(reflected));
+}
+
+float microfacet_d(material m, vec3 h, float alpha)
+{
+    uint distribution = microfacet_distribution(m);
+    if (distribution == DISTRIBUTION_BECKMANN)
+        return beckmann_d(h, alpha);
+    if (distribution == DISTRIBUTION_PHONG)
+        return phong_d(h, alpha);
+    return ggx_d(h, vec2(alpha));
+}
+
+// G / wo.z; cos_h is the cosine of either direction with the microfacet's normal.
+float microfacet_masking(material m, vec3 wo, vec3 wi, float cos_h, float alpha)
+{
+    uint masking = m.model_flags >> MATERIAL_MASKING_SHIFT & 7u;
+    if (masking == MASKING_LH) // Kelemen and Szirmay-Kalos 2001: G / (wo.z wi.z) = 1 / cos_h^2
+        return wi.z / (cos_h * cos_h);
+    if (masking == MASKING_SCHLICK_GGX)
+        return schlick_ggx_g1(wo, alpha) * schlick_ggx_g1(wi, alpha) / wo.z;
+    if (masking == MASKING_RATIONAL)
+        return rational_g1(wo, alpha) * rational_g1(wi, alpha) / wo.z;
+    if (microfacet_distribution(m) == DISTRIBUTION_GGX)
+        return ggx_g2(wo, wi, vec2(alpha), is_separable(m)) / wo.z;
+    return beckmann_g2(wo, wi, alpha, is_separable(m)) / wo.z;
+}
+
+// Walter et al. 2007, eq. 20. Normals are drawn from GGX's visible ones whatever the distribution:
+// GGX has the longest tail, so that weights stay bounded.
+vec3 eval_microfacet(material m, vec3 wo, vec3 wi, float eta, out float pdf)
+{
+    pdf = 0.0;
+    classical_parts parts = microfacet_parts(m, wo, eta);
+    if (!(wi.z > 0.0))
+        return vec3(0.0);
+    vec3 f = vec3(0.0);
+    float alpha = dielectric_alpha(m);
+    vec4 h = reflection_half_vector(wo, wi);
+    if (HAS_LOBE(LOBE_ROUGH) && !is_delta(alpha) && h.w > 0.0) {
+        pdf = pdf_ggx_vndf(wo, h.xyz, vec2(alpha)) / (4.0 * h.w);
+        f = microfacet_fresnel(m, h.w, eta) *
+            (0.25 * microfacet_d(m, h.xyz, alpha) * microfacet_masking(m, wo, wi, h.w, alpha));
+    }
+    return classical_sum(parts, wi, 1.0 - microfacet_fresnel(m, wi.z, eta), f, pdf);
+}
+
+bsdf_sample sample_microfacet(material m, vec3 wo, float eta, vec4 u)
+{
+    classical_parts parts = microfacet_parts(m, wo, eta);
+    float alpha = dielectric_alpha(m);
+    vec3 wi;
+    if (u.z < parts.p_specular) {
+        if (is_delta(alpha))
+            return bsdf_sample(mirrored(wo), parts.specular / parts.p_specular, 0.0, true, false,
+                               true);
+        vec3 h = sample_ggx_vndf(wo, vec2(alpha), u.xy);
+        wi = normalize(2.0 * dot(wo, h) * h - wo);
+    } else {
+        wi = sample_cosine_hemisphere(u.xy);
+    }
+    float pdf;
+    vec3 f = eval_microfacet(m, wo, wi, eta, pdf);
+    return classical_sample(wi, f, pdf);
+}
+
+#endif

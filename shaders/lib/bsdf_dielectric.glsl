@@ -1,0 +1,210 @@
+// Interfaces of dielectrics and conductors, smooth and rough. Pure. See lib/bsdf_types.glsl for the
+// frame and the conventions, docs/materials-classical.md for the formulas in one place.
+#ifndef BSDF_DIELECTRIC_GLSL
+#define BSDF_DIELECTRIC_GLSL
+
+#include "lib/bsdf_types.glsl"
+#include "lib/fresnel.glsl"
+#include "lib/microfacet.glsl"
+
+// A refracted lobe is about alpha |eta - 1| wide, and directions are rounded to 2^-24. Narrower ones
+// than this are drawn as they are but not evaluated.
+const float SMALLEST_REFRACTED_WIDTH = 7.62939453125e-6; // 2^-17
+
+float dielectric_alpha(material m)
+{
+    float roughness = m.group[GROUP_METAL].g;
+    return roughness * roughness;
+}
+
+bool is_delta(float alpha)
+{
+    return HAS_LOBE(LOBE_DELTA) && (!HAS_LOBE(LOBE_ROUGH) || alpha < SMALLEST_ALPHA);
+}
+
+bool is_separable(material m)
+{
+    return HAS_LOBE(LOBE_SEPARABLE) && material_has(m, MATERIAL_SEPARABLE);
+}
+
+bool is_thin(material m)
+{
+    return HAS_LOBE(LOBE_THIN) && material_has(m, MATERIAL_THIN);
+}
+
+// Nothing to see: the indices on both sides are the same but for what Vulkan's division may err (2.5
+// units in the last place).
+bool is_index_matched(float eta)
+{
+    return abs(eta - 1.0) <= GAMMA(6);
+}
+
+// The two faces of a thin slab and all that is reflected between them:
+// R + (1 - R)^2 R / (1 - R^2) = 2 R / (1 + R).
+float fresnel_slab(float cos_i, float eta)
+{
+    float cos_t;
+    float r = fresnel_dielectric(cos_i, eta, cos_t);
+    return 2.0 * r / (1.0 + r);
+}
+
+// The normal between two directions on the same side, and in .w its cosine with either of them, which
+// is half of the length of their sum. 0 where they are opposite to single precision.
+vec4 reflection_half_vector(vec3 wo, vec3 wi)
+{
+    vec3 sum = wo + wi;
+    float length2 = dot(sum, sum);
+    if (!(length2 > 0.0))
+        return vec4(0.0);
+    float l = sqrt(length2);
+    return vec4(sum / l, 0.5 * l);
+}
+
+// What all reflection by GGX microfacets is but for their reflectance: D G2 / (4 wo.z), and the
+// density of reflecting about a visible normal. wi.z > 0.
+float eval_ggx_reflection(vec3 wo, vec3 wi, vec4 h, float alpha, bool separable, out float pdf)
+{
+    vec2 alphas = vec2(alpha);
+    pdf = 0.0;
+    if (!(h.w > 0.0))
+        return 0.0;
+    pdf = pdf_ggx_vndf(wo, h.xyz, alphas) / (4.0 * h.w);
+    return pdf * ggx_g2(wo, wi, alphas, separable) / ggx_g1(wo, alphas);
+}
+
+bsdf_sample dielectric_straight(vec3 wo)
+{
+    return bsdf_sample(-wo, vec3(1.0), 0.0, true, true, true);
+}
+
+bsdf_sample sample_smooth_dielectric(vec3 wo, float eta, bool thin, float u)
+{
+    float cos_t;
+    float reflectance = thin ? fresnel_slab(wo.z, eta) : fresnel_dielectric(wo.z, eta, cos_t);
+    if (u < reflectance)
+        return bsdf_sample(vec3(-wo.xy, wo.z), vec3(1.0), 0.0, true, false, true);
+    if (thin)
+        return dielectric_straight(wo);
+    return bsdf_sample(vec3(-wo.xy / eta, -cos_t), vec3(1.0 / (eta * eta)), 0.0, true, true, true);
+}
+
+// Walter et al. 2007, eqs. 16, 17, 20, 21; thin: reflection, and its mirror image behind.
+vec3 eval_rough_dielectric(vec3 wo, vec3 wi, float eta, float alpha, bool thin, bool separable,
+                           out float pdf)
+{
+    pdf = 0.0;
+    vec2 alphas = vec2(alpha);
+    float cos_t;
+    if (wi.z > 0.0 || thin) {
+        vec3 mirrored = vec3(wi.xy, abs(wi.z));
+        vec4 h = reflection_half_vector(wo, mirrored);
+        float f = eval_ggx_reflection(wo, mirrored, h, alpha, separable, pdf);
+        float part = thin ? fresnel_slab(h.w, eta) : fresnel_dielectric(h.w, eta, cos_t);
+        part = wi.z > 0.0 ? part : 1.0 - part;
+        pdf *= part;
+        return vec3(f * part);
+    }
+    vec3 sum = refraction_half_vector(wo, wi, eta);
+    float length2 = dot(sum, sum);
+    if (alpha * abs(eta - 1.0) < SMALLEST_REFRACTED_WIDTH || !(length2 > 0.0))
+        return vec3(0.0);
+    vec3 h = sum * inversesqrt(length2);
+    float cos_o = dot(wo, h);
+    float cos_i = -dot(wi, h);
+    if (!(cos_o > 0.0 && cos_i > 0.0))
+        return vec3(0.0);
+    float transmittance = 1.0 - fresnel_dielectric(cos_o, eta, cos_t);
+    float jacobian = eta * eta * cos_i / length2;
+    pdf = transmittance * pdf_ggx_vndf(wo, h, alphas) * jacobian;
+    return vec3(pdf * ggx_g1(wi, alphas) / (eta * eta));
+}
+
+bsdf_sample sample_rough_dielectric(vec3 wo, float eta, float alpha, bool thin, bool separable,
+                                    vec4 u)
+{
+    vec2 alphas = vec2(alpha);
+    vec3 h = sample_ggx_vndf(wo, alphas, u.xy);
+    float cos_o = dot(wo, h);
+    if (!(cos_o > 0.0))
+        return bsdf_absorbed();
+    float cos_t;
+    float reflectance = thin ? fresnel_slab(cos_o, eta) : fresnel_dielectric(cos_o, eta, cos_t);
+    bool reflects = u.z < reflectance;
+    vec3 wi;
+    if (reflects || thin)
+        wi = normalize(2.0 * cos_o * h - wo);
+    else
+        wi = refract_about(wo, h, eta, cos_o, cos_t);
+    if (reflects || thin ? !(wi.z > 0.0) : !(wi.z < 0.0))
+        return bsdf_absorbed();
+
+    float shadowing = ggx_g2(wo, wi, alphas, separable) / ggx_g1(wo, alphas);
+    if (!reflects && !thin && alpha * abs(eta - 1.0) < SMALLEST_REFRACTED_WIDTH)
+        return bsdf_sample(wi, vec3(shadowing / (eta * eta)), 0.0, true, true, true);
+    if (!reflects && thin)
+        wi.z = -wi.z;
+    float scale = reflects || thin ? 1.0 : 1.0 / (eta * eta);
+    float pdf;
+    eval_rough_dielectric(wo, wi, eta, alpha, thin, separable, pdf);
+    return bsdf_sample(wi, vec3(shadowing * scale), pdf, false, !reflects, pdf > 0.0);
+}
+
+vec3 eval_dielectric(material m, vec3 wo, vec3 wi, float eta, out float pdf)
+{
+    float alpha = dielectric_alpha(m);
+    pdf = 0.0;
+    vec3 f = vec3(0.0);
+    if (HAS_LOBE(LOBE_ROUGH) && !is_delta(alpha) && !is_index_matched(eta))
+        f = eval_rough_dielectric(wo, wi, eta, alpha, is_thin(m), is_separable(m), pdf);
+    return f;
+}
+
+bsdf_sample sample_dielectric(material m, vec3 wo, float eta, vec4 u)
+{
+    float alpha = dielectric_alpha(m);
+    if (is_index_matched(eta))
+        return dielectric_straight(wo);
+    bsdf_sample s = bsdf_absorbed();
+    if (HAS_LOBE(LOBE_DELTA) && is_delta(alpha))
+        s = sample_smooth_dielectric(wo, eta, is_thin(m), u.z);
+    if (HAS_LOBE(LOBE_ROUGH) && !is_delta(alpha))
+        s = sample_rough_dielectric(wo, eta, alpha, is_thin(m), is_separable(m), u);
+    return s;
+}
+
+// The complex index of a conductor is against vacuum; its ior is none of its own but makes `eta` tell
+// the index outside.
+vec3 conductor_reflectance(material m, float cos_theta, float eta)
+{
+    float outside = m.group[GROUP_INTERFACE].g / eta;
+    return fresnel_conductor(cos_theta, m.group[GROUP_CONDUCTOR].rgb / outside,
+                             m.group[GROUP_CONDUCTOR_K].rgb / outside);
+}
+
+vec3 eval_conductor(material m, vec3 wo, vec3 wi, float eta, out float pdf)
+{
+    float alpha = dielectric_alpha(m);
+    pdf = 0.0;
+    if (!HAS_LOBE(LOBE_ROUGH) || is_delta(alpha) || !(wi.z > 0.0))
+        return vec3(0.0);
+    vec4 h = reflection_half_vector(wo, wi);
+    float f = eval_ggx_reflection(wo, wi, h, alpha, is_separable(m), pdf);
+    return f * conductor_reflectance(m, h.w, eta);
+}
+
+bsdf_sample sample_conductor(material m, vec3 wo, float eta, vec4 u)
+{
+    float alpha = dielectric_alpha(m);
+    if (is_delta(alpha))
+        return bsdf_sample(vec3(-wo.xy, wo.z), conductor_reflectance(m, wo.z, eta), 0.0, true,
+                           false, true);
+    if (!HAS_LOBE(LOBE_ROUGH))
+        return bsdf_absorbed();
+    vec3 h = sample_ggx_vndf(wo, vec2(alpha), u.xy);
+    vec3 wi = normalize(2.0 * dot(wo, h) * h - wo);
+    float pdf;
+    vec3 f = eval_conductor(m, wo, wi, eta, pdf);
+    return bsdf_sample(wi, pdf > 0.0 ? f / pdf : vec3(0.0), pdf, false, false, pdf > 0.0);
+}
+
+#endif
