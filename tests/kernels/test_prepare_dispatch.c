@@ -5,6 +5,13 @@ enum { SLOTS = 4096 };
 
 static const uint32_t rubbish = 0x5a5a5a5au;
 
+static void add_64(uint32_t words[2], uint32_t value)
+{
+    uint64_t sum = ((uint64_t)words[1] << 32 | words[0]) + value;
+    words[0] = (uint32_t)sum;
+    words[1] = (uint32_t)(sum >> 32);
+}
+
 // What the kernel makes of the counters.
 static void expect(struct gpu_counters *counters, uint32_t mask, uint32_t workgroup,
                    uint32_t part_items, uint32_t slots)
@@ -21,21 +28,20 @@ static void expect(struct gpu_counters *counters, uint32_t mask, uint32_t workgr
                 items = part_items;
             struct gpu_dispatch dispatch = {(items + workgroup - 1) / workgroup, 1, 1, count};
             counters->dispatch[queue * DISPATCH_PARTS + part] = dispatch;
-            if (rays) {
-                counters->dispatch[QUEUE_SURFACE * DISPATCH_PARTS + part] = dispatch;
-                counters->dispatch[QUEUE_MISS * DISPATCH_PARTS + part] = dispatch;
-            }
+            // Queues of hits by class, and of misses.
+            for (uint32_t hits = QUEUE_SURFACE; hits <= QUEUE_MISS && rays; hits++)
+                counters->dispatch[hits * DISPATCH_PARTS + part] = dispatch;
         }
         uint32_t *total = rays                    ? counters->closest_rays
                           : queue == QUEUE_SHADOW ? counters->shadow_rays
                                                   : NULL;
-        if (total) {
-            uint64_t sum = ((uint64_t)total[1] << 32 | total[0]) + count;
-            total[0] = (uint32_t)sum;
-            total[1] = (uint32_t)(sum >> 32);
+        if (total)
+            add_64(total, count);
+        for (uint32_t hits = QUEUE_SURFACE; hits <= QUEUE_MISS && rays; hits++) {
+            if (hits < QUEUE_MISS)
+                add_64(counters->surface_hits[hits - QUEUE_SURFACE], counters->queue[hits]);
+            counters->queue[hits] = 0;
         }
-        if (rays)
-            counters->queue[QUEUE_SURFACE] = counters->queue[QUEUE_MISS] = 0;
         if (queue >= QUEUE_SUSPENDED)
             counters->suspended += count;
     }
@@ -48,8 +54,12 @@ static void check(struct renderer *r, uint32_t mask, uint32_t count, uint32_t pa
     memset(&expected, 0x5a, sizeof expected);
     for (uint32_t queue = 0; queue < QUEUE_COUNT; queue++)
         expected.queue[queue] = count;
+    // Of the bounce before: another number of each class.
+    for (uint32_t c = 0; c < CLASS_COUNT; c++)
+        expected.queue[QUEUE_SURFACE + c] = count / (c + 1);
     // The next ray carries into the high word.
     expected.closest_rays[0] = expected.shadow_rays[0] = 0xffffffffu;
+    expected.surface_hits[1][0] = 0xffffffffu;
     expected.suspended = 7;
     r->push.queue = mask;
     r->push.part_items = part_items;

@@ -20,7 +20,7 @@ static bool shade(struct renderer *r, uint32_t count, struct err *err)
     r->push.queue = QUEUE_MISS;
     r->push.first_item = 0;
     r->push.part_items = SLOTS;
-    uint64_t row = (uint64_t)QUEUE_MISS * r->push.wave_slots * sizeof *queue;
+    uint64_t row = queue_offset(r, QUEUE_MISS);
     return gpu_upload(r->gpu, &buffers[BINDING_PATHS], 0, paths, sizeof paths, err) &&
            gpu_upload(r->gpu, &buffers[BINDING_RADIANCE], 0, radiance, sizeof radiance, err) &&
            gpu_upload(r->gpu, &buffers[BINDING_QUEUES], row, queue, count * sizeof *queue, err) &&

@@ -54,11 +54,6 @@ static void make_scene(struct scene *scene, uint32_t kind)
 
 // --- running -------------------------------------------------------------------------------------
 
-static uint64_t row_bytes(const struct renderer *r, uint32_t row)
-{
-    return (uint64_t)row * r->push.wave_slots * 4;
-}
-
 // Hits of random rays, and paths that have come some way.
 static bool trace_rays(struct renderer *r, struct err *err)
 {
@@ -84,13 +79,12 @@ static bool trace_rays(struct renderer *r, struct err *err)
     return true;
 }
 
-static bool read_queue(struct renderer *r, uint32_t number, uint32_t row, bool in_queue[SLOTS],
-                       struct err *err)
+static bool read_queue(struct renderer *r, uint32_t number, bool in_queue[SLOTS], struct err *err)
 {
     uint32_t count = r->counters->queue[number];
     memset(in_queue, 0, SLOTS * sizeof *in_queue);
-    if (!gpu_download(r->gpu, &r->buffers[BINDING_QUEUES], row_bytes(r, row), queue, sizeof queue,
-                      err))
+    if (!gpu_download(r->gpu, &r->buffers[BINDING_QUEUES], queue_offset(r, number), queue,
+                      sizeof queue, err))
         return false;
     CHECK(count <= SLOTS, "%u in queue %u", count, number);
     for (uint32_t i = 0; i < count && i < SLOTS; i++) {
@@ -124,11 +118,10 @@ static bool shade(struct renderer *r, uint32_t bounce, struct err *err)
            gpu_download(r->gpu, &buffers[BINDING_RADIANCE], 0, radiance, sizeof radiance, err) &&
            gpu_download(r->gpu, &buffers[BINDING_COUNTERS], 0, r->counters, sizeof *r->counters,
                         err) &&
-           read_queue(r, next, next, goes_on, err) &&
-           // Without an environment the queue of misses has no row.
+           read_queue(r, next, goes_on, err) &&
            (!nee ||
             (gpu_download(r->gpu, &buffers[BINDING_SHADOW_RAYS], 0, shadows, sizeof shadows, err) &&
-             read_queue(r, QUEUE_SHADOW, QUEUE_SHADOW - 1, has_shadow, err)));
+             read_queue(r, QUEUE_SHADOW, has_shadow, err)));
 }
 
 // --- one hit -------------------------------------------------------------------------------------
@@ -155,7 +148,7 @@ static struct hit load_hit(const struct renderer *r, uint32_t slot)
     const struct gpu_push *push = &r->push;
     uint32_t pixel = push->first_pixel + (slot >> push->sample_shift);
     uint32_t sample = push->first_sample + (slot & ((1u << push->sample_shift) - 1));
-    uint32_t dimension = 1 + 2 * push->bounce;
+    uint32_t dimension = 1 + 3 * push->bounce;
     random_4d(pixel, sample, dimension, push->seed, h.u_light);
     random_4d(pixel, sample, dimension + 1, push->seed, h.u_bsdf);
     h.interpolated = r->flat.normals && !h.s.shape;
@@ -252,7 +245,8 @@ static void check_light_point(const struct hit *h, uint32_t primitive, const dou
 static uint32_t picked_emitter(const struct renderer *r, const struct gpu_emitter *table, double u)
 {
     float scaled = (float)u * (float)r->tables.emitters.count;
-    uint32_t bin = (uint32_t)scaled < r->tables.emitters.count ? (uint32_t)scaled : r->tables.emitters.count - 1;
+    uint32_t bin = (uint32_t)scaled < r->tables.emitters.count ? (uint32_t)scaled
+                                                               : r->tables.emitters.count - 1;
     return scaled - (float)bin < table[bin].threshold ? table[bin].primitive
                                                       : table[bin].alias_primitive;
 }
@@ -457,7 +451,8 @@ static void check_scene(uint32_t kind, enum light_estimator estimator, uint32_t 
     setup.scene.settings.estimator = estimator;
     OPEN_SETUP(&setup, SLOTS);
     struct renderer *r = &setup.r;
-    bool ok = r->plan.wave_slots >= SLOTS && r->tables.emitters.count <= 16 && trace_rays(r, &err) &&
+    bool ok = r->plan.wave_slots >= SLOTS && r->tables.emitters.count <= 16 &&
+              trace_rays(r, &err) &&
               (!r->buffers[BINDING_EMITTERS].handle ||
                gpu_download(r->gpu, &r->buffers[BINDING_EMITTERS], 0, emitters,
                             r->tables.emitters.count * sizeof emitters[0], &err)) &&
