@@ -13,8 +13,8 @@
 
 // "$schema" tells editors where the schema is.
 const char *const load_json_document_keys[] = {"lampyris", "define",    "camera",      "film",
-                                               "settings", "materials", "environment", "shapes",
-                                               "$schema",  NULL};
+                                               "settings", "materials", "environment", "lights",
+                                               "shapes",   "$schema",   NULL};
 
 const struct range RANGE_UNIT = {0, 1, false};
 const struct range RANGE_RADIANCE = {0, SCENE_RADIANCE_MAX, false};
@@ -64,12 +64,14 @@ static bool load_sections(struct json_loader *loader, const struct json_node *do
     const struct json_node settings = node_member(document, "settings");
     const struct json_node materials = node_member(document, "materials");
     const struct json_node environment = node_member(document, "environment");
+    const struct json_node lights = node_member(document, "lights");
     const struct json_node shapes = node_member(document, "shapes");
     return (!camera.value || load_json_camera(scene, &camera, err)) &&
            (!film.value || load_json_film(scene, &film, err)) &&
            (!settings.value || load_json_settings(scene, &settings, err)) &&
            (!materials.value || load_json_materials(loader, &materials, err)) &&
            (!environment.value || load_json_environment(loader, &environment, err)) &&
+           (!lights.value || load_json_lights(scene, &lights, err)) &&
            (!shapes.value || load_json_shapes(loader, &shapes, err));
 }
 

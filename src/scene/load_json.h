@@ -31,6 +31,7 @@ bool load_json_film(struct scene *scene, const struct json_node *film, struct er
 bool load_json_settings(struct scene *scene, const struct json_node *settings, struct err *err);
 bool load_json_materials(struct json_loader *loader, const struct json_node *materials,
                          struct err *err);
+bool load_json_lights(struct scene *scene, const struct json_node *lights, struct err *err);
 bool load_json_environment(struct json_loader *loader, const struct json_node *environment,
                            struct err *err);
 bool load_json_shapes(struct json_loader *loader, const struct json_node *shapes, struct err *err);
@@ -47,6 +48,11 @@ bool load_json_disc(struct scene *scene, const struct json_node *disc, uint32_t 
                     struct err *err);
 bool load_json_generated(struct scene *scene, const struct json_node *generated, uint32_t material,
                          struct err *err);
+
+// A unit vector: the object's "direction", or where its "target" lies from the position. Without a
+// position there is no target.
+bool load_json_direction(const struct json_node *object, const double position[3],
+                         double direction[3], struct err *err);
 
 // The path that the string at `key` names: confined to the scene file's folder, unless it came from
 // the command line or the user allows it. NULL with *err set on failure; lives in the scene's

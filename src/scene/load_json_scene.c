@@ -19,22 +19,22 @@ static double radians(double degrees)
 // The millimetres' range leaves fields of view that are neither 0 nor 180 degrees in double.
 static const struct range RANGE_MILLIMETRES = {1e-6, 1e6, false};
 
-static bool read_direction(const struct json_node *node, struct camera *camera, struct err *err)
+bool load_json_direction(const struct json_node *node, const double position[3],
+                         double direction[3], struct err *err)
 {
     double target[3];
-    if (!node_check_either(node, "target", "direction", err) ||
-        !node_read_vector(node, "direction", RANGE_COORDINATE, camera->direction, err))
+    if ((position && !node_check_either(node, "target", "direction", err)) ||
+        !node_read_vector(node, "direction", RANGE_COORDINATE, direction, err))
         return false;
     const struct json_node target_node = node_member(node, "target");
-    if (target_node.value) {
+    if (position && target_node.value) {
         if (!node_read_vector(node, "target", RANGE_COORDINATE, target, err))
             return false;
-        vec3_subtract(target, camera->position, camera->direction);
-        return vec3_normalize(camera->direction) ||
-               node_fail(&target_node, err, "is the camera's own position");
+        vec3_subtract(target, position, direction);
+        return vec3_normalize(direction) || node_fail(&target_node, err, "is its own position");
     }
     const struct json_node direction_node = node_member(node, "direction");
-    return vec3_normalize(camera->direction) ||
+    return vec3_normalize(direction) ||
            node_fail(&direction_node, err, "is zero; expected a direction");
 }
 
@@ -84,8 +84,8 @@ bool load_json_camera(struct scene *scene, const struct json_node *node, struct 
     if (!node_check_object(node, required, optional, err) ||
         !node_read_string(node, "name", &name, err) ||
         !node_read_vector(node, "position", RANGE_COORDINATE, camera.position, err) ||
-        !read_direction(node, &camera, err) || !read_up(node, &camera, err) ||
-        !read_field_of_view(node, &camera, err))
+        !load_json_direction(node, camera.position, camera.direction, err) ||
+        !read_up(node, &camera, err) || !read_field_of_view(node, &camera, err))
         return false;
     struct camera *added = scene_add_camera(scene, NULL);
     camera.name = arena_strdup(&scene->arena, name);

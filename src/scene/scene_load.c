@@ -7,6 +7,7 @@
 #include "file.h"
 #include "hash.h"
 #include "mesh_loader.h"
+#include "tangents.h"
 #include <math.h>
 #include <strings.h>
 
@@ -84,7 +85,7 @@ static bool instance_is_emissive(const struct scene *scene, const struct instanc
 
 static bool has_light(const struct scene *scene)
 {
-    if (scene->environment.present)
+    if (scene->environment.present || scene->light_count > 0)
         return true;
     for (uint32_t i = 0; i < scene->instance_count; i++)
         if (instance_is_emissive(scene, &scene->instances[i]))
@@ -163,7 +164,7 @@ bool scene_load(const struct scene_load_params *params, struct scene *out, struc
     bool ok =
         out->path ? load_by_extension(out, params, err) : err_memory(err, "a path", sizeof *params);
     ok = ok && override_environment(out, params, err) && provide_material(out, err) &&
-         provide_light(out, err) && provide_camera(out, err);
+         provide_light(out, err) && provide_camera(out, err) && scene_generate_tangents(out, err);
     progress_report(params->progress, "Loading", 1);
     if (!ok)
         scene_finish(out);

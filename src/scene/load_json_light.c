@@ -1,0 +1,119 @@
+// Lights without extent of a scene file.
+#include "load_json.h"
+
+#include "shared/types.h"
+#include <math.h>
+
+static const char *const type_names[] = {
+    [LIGHT_POINT] = "point", [LIGHT_SPOT] = "spot", [LIGHT_DIRECTIONAL] = "directional", NULL};
+
+static const struct {
+    const char *required[4], *optional[9];
+} type_keys[] = {
+    [LIGHT_POINT] = {{"type", "position"}, {"name", "intensity", "power", "range"}},
+    [LIGHT_SPOT] = {{"type", "position"},
+                    {"name", "intensity", "power", "range", "direction", "target", "inner_degrees",
+                     "outer_degrees"}},
+    [LIGHT_DIRECTIONAL] = {{"type", "direction", "irradiance"}, {"name"}},
+};
+
+// The least width of a spot's edge in cosines, and its angles where nothing is said: of glTF's
+// KHR_lights_punctual, as is the falloff.
+#define SPOT_WIDTH_MIN 0.001
+#define SPOT_OUTER_DEGREES 45
+
+// The integral over directions of the spot's falloff, clamp((cos - cos o) / d, 0, 1)^2 with
+// d = max(0.001, cos i - cos o): the power of a spot of intensity 1. In x = cos - cos o, from 0 to
+// 1 - cos o, it is 2 pi times the integral of (x / d)^2 up to d and of 1 beyond.
+static double spot_solid_angle(double inner, double outer)
+{
+    double extent = 2 * sin(outer / 2) * sin(outer / 2); // 1 - cos o
+    double width = fmax(SPOT_WIDTH_MIN, extent - 2 * sin(inner / 2) * sin(inner / 2));
+    double ramp = fmin(extent, width);
+    return 2 * M_PI * (ramp * ramp * ramp / (3 * width * width) + (extent - ramp));
+}
+
+static bool read_cone(const struct json_node *node, struct light *light, struct err *err)
+{
+    const struct range range = {0, 90, false};
+    double inner = 0, outer = SPOT_OUTER_DEGREES;
+    if (!load_json_direction(node, light->position, light->direction, err) ||
+        !node_read_number(node, "inner_degrees", range, &inner, err) ||
+        !node_read_number(node, "outer_degrees", range, &outer, err))
+        return false;
+    // In single precision, as the kernels take them.
+    light->inner_angle = (float)(inner * (M_PI / 180));
+    light->outer_angle = (float)(outer * (M_PI / 180));
+    return light->inner_angle < light->outer_angle ||
+           node_fail(node, err, "inner_degrees %.9g is not below outer_degrees %.9g", inner, outer);
+}
+
+// "intensity", or "power" divided by the solid angle that it is spread over.
+static bool read_intensity(const struct json_node *node, struct light *light, struct err *err)
+{
+    double solid_angle = 4 * M_PI;
+    if (light->kind == LIGHT_SPOT)
+        solid_angle = spot_solid_angle((double)light->inner_angle, (double)light->outer_angle);
+    if (!node_check_either(node, "intensity", "power", err) ||
+        !node_read_color(node, "intensity", RANGE_RADIANCE, light->radiant, err))
+        return false;
+    const struct json_node power_node = node_member(node, "power");
+    double power[3];
+    if (!power_node.value)
+        return true;
+    if (!node_read_vector(node, "power", RANGE_RADIANCE, power, err))
+        return false;
+    for (int c = 0; c < 3; c++) {
+        double intensity = power[c] / solid_angle;
+        if (!(intensity <= RANGE_RADIANCE.max))
+            return node_fail(&power_node, err, "makes the intensity %.9g; expected at most %g",
+                             intensity, RANGE_RADIANCE.max);
+        light->radiant[c] = (float)intensity;
+    }
+    return true;
+}
+
+static bool read_directional(const struct json_node *node, struct light *light, struct err *err)
+{
+    return load_json_direction(node, NULL, light->direction, err) &&
+           node_read_color(node, "irradiance", RANGE_RADIANCE, light->radiant, err);
+}
+
+static bool read_light(const struct json_node *node, struct light *light, struct err *err)
+{
+    if (!json_is_object(node->value))
+        return node_unexpected(node, "an object", err);
+    if (!node_member(node, "type").value)
+        return node_fail(node, err, "\"type\" is missing");
+    double range = INFINITY;
+    if (!node_read_choice(node, "type", type_names, &light->kind, err) ||
+        !node_check_object(node, type_keys[light->kind].required, type_keys[light->kind].optional,
+                           err) ||
+        !node_read_string(node, "name", &light->name, err) ||
+        !node_read_vector(node, "position", RANGE_COORDINATE, light->position, err) ||
+        !node_read_number(node, "range", RANGE_RADIUS, &range, err))
+        return false;
+    light->range = (float)range;
+    if (light->kind == LIGHT_DIRECTIONAL)
+        return read_directional(node, light, err);
+    return (light->kind == LIGHT_POINT || read_cone(node, light, err)) &&
+           read_intensity(node, light, err);
+}
+
+bool load_json_lights(struct scene *scene, const struct json_node *lights, struct err *err)
+{
+    if (!node_check_array(lights, 0, UINT32_MAX, err))
+        return false;
+    for (size_t i = 0; i < json_array_size(lights->value); i++) {
+        const struct json_node node = node_element(lights, i);
+        struct light *light = scene_add_light(scene, NULL);
+        if (!light)
+            return err_memory(err, "a light", sizeof *light);
+        if (!read_light(&node, light, err))
+            return false;
+        light->name = arena_strdup(&scene->arena, light->name);
+        if (!light->name)
+            return err_memory(err, "a name", 1);
+    }
+    return true;
+}
