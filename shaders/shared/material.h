@@ -93,6 +93,11 @@
 #define PARAMETER_ALPHA_CUTOFF 43
 #define PARAMETER_COUNT 44
 
+// Lights without extent.
+#define LIGHT_POINT 0u
+#define LIGHT_SPOT 1u
+#define LIGHT_DIRECTIONAL 2u
+
 // Classes of surfaces by what shading them costs: each has a queue and a kernel of its own.
 #define CLASS_DIFFUSE 0u      // Lambert, mirror
 #define CLASS_PRINCIPLED 1u   // without transmission

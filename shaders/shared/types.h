@@ -21,7 +21,7 @@ typedef uint32_t uint;
 #define NORMAL_FLAT 0x80008000u // gpu_normals.n0 of a triangle without shading normals
 // A primitive word: a shape's index with this bit, or a triangle's place in leaf order.
 #define PRIMITIVE_SHAPE 0x40000000u
-// A light without extent: its index with this bit. Never hit.
+// A light without extent: its index with this bit. Never hit, so that shadow rays may ignore it.
 #define PRIMITIVE_LIGHT 0x20000000u
 
 // Three words of four; w's carry what shading needs, so that no index leads elsewhere.
@@ -107,18 +107,16 @@ SHARED_STATIC_ASSERT_SIZE(gpu_medium, 32);
 #define MEDIUM_WORDS 2
 #define MEDIA_MAX 255u // different ones in a scene: a stack of four is one word
 
-#define LIGHT_POINT 0u
-#define LIGHT_SPOT 1u
-#define LIGHT_DIRECTIONAL 2u
 struct gpu_light {
     float position[3]; // point, spot
     uint kind;
     float direction[3]; // unit, in which light travels: spot, directional
     float pick_probability;
-    float radiant[3]; // point, spot: intensity, W/sr; directional: irradiance, W/m^2
-    float range;      // beyond which there is no light; infinity: none
-    float spot_scale, spot_offset; // falloff: clamp(cos * scale + offset, 0, 1)^2
-    float align_light[2];
+    float radiant[3];    // point, spot: intensity, W/sr; directional: irradiance, W/m^2
+    float inverse_range; // of that beyond which there is no light, 1/m; 0: unlimited
+    float spot_scale, spot_offset; // falloff: clamp(offset - scale * (1 - cos), 0, 1)^2
+    float reach;                   // directional: the length of shadow rays
+    float align_light;
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_light, 64);
 #define LIGHT_WORDS 4

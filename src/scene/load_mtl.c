@@ -1,5 +1,6 @@
-// Materials of OBJ files: the part of MTL that has a meaning for a path tracer of diffuse surfaces,
-// lights and mirrors. Format: Wavefront, "MTL material format", 1995.
+// Materials of OBJ files: the statements of MTL. Format: Wavefront, "MTL material format", 1995,
+// and the statements for physically based materials that exporters share ("Physically-Based
+// rendering extension" of the MTL format, Exocortex, 2014).
 #include "mesh_loader.h"
 
 #include "file.h"
@@ -15,13 +16,6 @@
 struct mtl_file {
     struct mtl_file *next;
     const char *path;
-};
-
-// One material's statements; what its last line leaves is turned into a struct material.
-struct mtl_statements {
-    const char *name; // NULL before the first newmtl
-    float diffuse[3], specular[3], emission[3];
-    int64_t illumination_model;
 };
 
 struct mtl_parser {
@@ -53,11 +47,6 @@ static struct mtl_material *add_material(struct mtl_parser *parser)
     return &library->materials[library->count++];
 }
 
-static bool is_black(const float color[3])
-{
-    return color[0] == 0.0f && color[1] == 0.0f && color[2] == 0.0f;
-}
-
 // Appends the material that was being read, if any.
 static bool finish_material(struct mtl_parser *parser, struct err *err)
 {
@@ -67,18 +56,13 @@ static bool finish_material(struct mtl_parser *parser, struct err *err)
     struct mtl_material *added = add_material(parser);
     if (!added)
         return err_memory(err, "a material", sizeof *added);
-    // Model 5 is ray-traced reflection with Fresnel's factor, 3 without; exporters also write 3 for
-    // glossy metals, whose colour stands in Kd.
-    bool is_mirror =
-        read->illumination_model == 5 || (read->illumination_model == 3 && is_black(read->diffuse));
     *added = (struct mtl_material){
-        .material = {.name = read->name, .model = is_mirror ? MATERIAL_MIRROR : MATERIAL_LAMBERT},
+        .file = parser->text.path,
         .order = parser->library->count - 1,
         .scene_index = SCENE_NONE,
     };
-    memcpy(added->material.base_color, is_mirror ? read->specular : read->diffuse,
-           sizeof read->diffuse);
-    memcpy(added->material.emission, read->emission, sizeof read->emission);
+    mtl_material_make(read, &added->material);
+    memcpy(added->maps, read->maps, sizeof added->maps);
     return true;
 }
 
@@ -89,11 +73,7 @@ static bool begin_material(struct mtl_parser *parser, struct err *err)
     struct text_span name = text_rest_of_line(&parser->text);
     if (name.size == 0)
         return text_fail(&parser->text, err, "newmtl: expected a name");
-    parser->current = (struct mtl_statements){
-        .name = text_copy(parser->arena, name),
-        .diffuse = {0.5f, 0.5f, 0.5f},
-        .specular = {1.0f, 1.0f, 1.0f},
-    };
+    mtl_statements_init(&parser->current, text_copy(parser->arena, name));
     return parser->current.name || err_memory(err, "a material's name", name.size + 1);
 }
 
@@ -143,20 +123,124 @@ static bool read_color(struct mtl_parser *parser, const char *what, float max, f
     return true;
 }
 
+// A number of [0, max]; one outside is clamped and counted like colours.
+static bool read_scalar(struct mtl_parser *parser, const char *what, float max, float *out,
+                        struct err *err)
+{
+    float value[3];
+    if (!text_float(&parser->text, what, &value[0], err))
+        return false;
+    if (!isfinite(value[0]))
+        return text_fail(&parser->text, err, "%s: %g, expected a finite one", what,
+                         (double)value[0]);
+    value[1] = value[2] = value[0];
+    clamp_color(parser, max, value);
+    *out = value[0];
+    return true;
+}
+
+// "-o U [V [W]]" and its like: as many numbers as stand there, of which two are kept.
+static void read_pair(struct text_reader *text, float out[2])
+{
+    float unused;
+    for (int i = 0; i < 3; i++)
+        if (!text_take_float(text, i < 2 ? &out[i] : &unused))
+            break;
+}
+
+// "map_Kd [OPTION…] FILE": the file's name is the rest of the line and may have blanks in it.
+static bool read_map(struct mtl_parser *parser, enum mtl_map_kind kind, struct err *err)
+{
+    struct text_reader *text = &parser->text;
+    struct mtl_map map = {.line = text->line, .scale = {1, 1}, .bump_scale = 1};
+    for (;;) {
+        struct text_reader ahead = *text;
+        struct text_span option = text_word(&ahead);
+        if (option.size < 2 || option.data[0] != '-')
+            break;
+        *text = ahead;
+        float unused[2];
+        if (text_equals(option, "-o"))
+            read_pair(text, map.offset);
+        else if (text_equals(option, "-s"))
+            read_pair(text, map.scale);
+        else if (text_equals(option, "-bm"))
+            text_take_float(text, &map.bump_scale);
+        else if (text_equals(option, "-clamp"))
+            map.is_clamped = text_equals(text_word(text), "on");
+        else if (text_equals(option, "-mm") || text_equals(option, "-t"))
+            read_pair(text, unused);
+        else // -blendu on, -blendv on, -cc on, -boost N, -texres N, -imfchan C, -type T
+            text_word(text);
+    }
+    struct text_span name = text_rest_of_line(text);
+    if (name.size == 0)
+        return text_fail(text, err, "a texture map: expected a file name");
+    map.path = text_copy(parser->arena, name);
+    if (!map.path)
+        return err_memory(err, "a path", name.size + 1);
+    for (int i = 0; i < 2; i++)
+        if (!isfinite(map.offset[i]) || !isfinite(map.scale[i]) || !isfinite(map.bump_scale))
+            return text_fail(text, err, "a texture map: its options' numbers are not finite");
+    parser->current.maps[kind] = map;
+    return true;
+}
+
+#define EXPONENT_MAX 1e6f
+#define IOR_MAX 100.0f
+
 static bool read_statement(struct mtl_parser *parser, struct text_span keyword, struct err *err)
 {
     struct mtl_statements *current = &parser->current;
+    const struct {
+        const char *word, *what;
+        float max;
+        float *color, *scalar;
+    } numbers[] = {
+        {"Kd", "a number after Kd", 1, current->diffuse, NULL},
+        {"Ks", "a number after Ks", 1, current->specular, NULL},
+        {"Ka", "a number after Ka", 1, current->ambient, NULL},
+        {"Tf", "a number after Tf", 1, current->filter, NULL},
+        {"Ke", "a number after Ke", (float)SCENE_RADIANCE_MAX, current->emission, NULL},
+        {"Ns", "a number after Ns", EXPONENT_MAX, NULL, &current->exponent},
+        {"Ni", "a number after Ni", IOR_MAX, NULL, &current->ior},
+        {"d", "a number after d", 1, NULL, &current->opacity},
+        {"Pr", "a number after Pr", 1, NULL, &current->roughness},
+        {"Pm", "a number after Pm", 1, NULL, &current->metallic},
+        {"Ps", "a number after Ps", 1, NULL, &current->sheen},
+        {"Pc", "a number after Pc", 1, NULL, &current->coat},
+        {"Pcr", "a number after Pcr", 1, NULL, &current->coat_roughness},
+        {"aniso", "a number after aniso", 1, NULL, &current->anisotropy},
+        {"anisor", "a number after anisor", 1, NULL, &current->anisotropy_rotation},
+    };
+    static const struct {
+        const char *word;
+        enum mtl_map_kind kind;
+    } maps[] = {
+        {"map_Kd", MTL_MAP_DIFFUSE},   {"map_Ke", MTL_MAP_EMISSION}, {"map_d", MTL_MAP_OPACITY},
+        {"map_Pr", MTL_MAP_ROUGHNESS}, {"map_Pm", MTL_MAP_METALLIC}, {"map_Bump", MTL_MAP_BUMP},
+        {"map_bump", MTL_MAP_BUMP},    {"bump", MTL_MAP_BUMP},       {"norm", MTL_MAP_NORMAL},
+    };
     if (text_equals(keyword, "newmtl"))
         return begin_material(parser, err);
     if (!current->name) // Stray lines in front of the first material say nothing about any.
         return true;
-    if (text_equals(keyword, "Kd"))
-        return read_color(parser, "a number after Kd", 1.0f, current->diffuse, err);
-    if (text_equals(keyword, "Ks"))
-        return read_color(parser, "a number after Ks", 1.0f, current->specular, err);
-    if (text_equals(keyword, "Ke"))
-        return read_color(parser, "a number after Ke", (float)SCENE_RADIANCE_MAX, current->emission,
-                          err);
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
+        if (text_equals(keyword, numbers[i].word))
+            return numbers[i].color
+                       ? read_color(parser, numbers[i].what, numbers[i].max, numbers[i].color, err)
+                       : read_scalar(parser, numbers[i].what, numbers[i].max, numbers[i].scalar,
+                                     err);
+    for (size_t i = 0; i < sizeof maps / sizeof *maps; i++)
+        if (text_equals(keyword, maps[i].word))
+            return read_map(parser, maps[i].kind, err);
+    if (text_equals(keyword, "Tr")) {
+        float transparency;
+        if (!read_scalar(parser, "a number after Tr", 1, &transparency, err))
+            return false;
+        current->opacity = 1.0f - transparency;
+        return true;
+    }
     if (text_equals(keyword, "illum"))
         return text_integer(&parser->text, "an integer after illum", &current->illumination_model,
                             err);
@@ -172,7 +256,8 @@ static void warn_about(const struct mtl_parser *parser)
                  (unsigned long long)parser->clamped_line,
                  (unsigned long long)parser->clamped_count);
     if (parser->skipped_count > 0)
-        log_warn("%s:%llu: texture maps, spectral and XYZ colours are not read (%llu in the file)",
+        log_warn("%s:%llu: spectral and XYZ colours and maps of other kinds are not read "
+                 "(%llu in the file)",
                  parser->text.path, (unsigned long long)parser->skipped_line,
                  (unsigned long long)parser->skipped_count);
 }

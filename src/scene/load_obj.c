@@ -9,6 +9,7 @@
 
 #include "file.h"
 #include "hash.h"
+#include "image.h"
 #include "log.h"
 #include "text.h"
 
@@ -19,6 +20,7 @@ struct obj_counts {
     uint64_t positions, texture_coordinates, normals;
     uint64_t triangles;
     uint64_t material_statements;
+    uint64_t colored_positions; // with six numbers
 };
 
 struct obj_parser {
@@ -37,8 +39,11 @@ struct obj_parser {
 
     float (*positions)[3];
     float (*normals)[3];
+    float (*uvs)[2];
+    float (*colors)[4];              // of positions; NULL in a file without
     uint32_t (*indices)[3];          // of positions
     uint32_t (*normal_indices)[3];   // NULL in a file without normals
+    uint32_t (*uv_indices)[3];       // NULL in a file without texture coordinates
     uint32_t *triangle_material;     // NULL in a file without usemtl
     uint32_t unknown_material_count; // usemtl statements that name no known material
     uint64_t unknown_material_line;  // the first of them
@@ -134,6 +139,7 @@ static bool count_statement(struct obj_parser *parser, struct err *err)
     switch (read_keyword(&parser->text)) {
     case OBJ_POSITION:
         counts->positions++;
+        counts->colored_positions += count_words(&parser->text) == 6;
         break;
     case OBJ_TEXTURE_COORDINATE:
         counts->texture_coordinates++;
@@ -177,10 +183,35 @@ static bool for_each_statement(struct obj_parser *parser, const struct text_read
 
 // --- the second pass: numbers --------------------------------------------------------------------
 
-// What stands behind the three numbers, a weight or a colour, has no meaning for polygons here.
+// Colours behind positions (MeshLab's and others' extension) are sRGB-encoded in [0, 1].
+static bool read_color(struct obj_parser *parser, float color[4], struct err *err)
+{
+    for (int c = 0; c < 3; c++) {
+        float encoded;
+        if (!text_float(&parser->text, "three numbers of a colour after v x y z", &encoded, err))
+            return false;
+        color[c] = image_srgb_to_linear(fminf(fmaxf(encoded, 0.0f), 1.0f)); // NaN becomes 0
+    }
+    color[3] = 1.0f;
+    return true;
+}
+
+static bool read_texture_coordinate(struct obj_parser *parser, struct err *err)
+{
+    float *uv = parser->uvs[parser->seen.texture_coordinates++];
+    if (!text_float(&parser->text, "a number after vt", &uv[0], err))
+        return false;
+    float v = 0.0f; // the second may be left out
+    text_take_float(&parser->text, &v);
+    uv[1] = 1.0f - v; // ours points downwards
+    return true;
+}
+
+// A weight behind the three numbers has no meaning for polygons.
 static bool read_position(struct obj_parser *parser, struct err *err)
 {
-    float *position = parser->positions[parser->seen.positions++];
+    uint64_t index = parser->seen.positions++;
+    float *position = parser->positions[index];
     for (int c = 0; c < 3; c++) {
         if (!text_float(&parser->text, "three numbers after v", &position[c], err))
             return false;
@@ -189,7 +220,7 @@ static bool read_position(struct obj_parser *parser, struct err *err)
                              (unsigned long long)parser->seen.positions, 'x' + c,
                              (double)position[c]);
     }
-    return true;
+    return !parser->colors || read_color(parser, parser->colors[index], err);
 }
 
 static bool read_normal(struct obj_parser *parser, struct err *err)
@@ -227,20 +258,19 @@ static bool read_index(struct obj_parser *parser, const char *what, uint64_t see
 
 // One corner: v, v/t, v//n or v/t/n.
 static bool read_corner(struct obj_parser *parser, uint32_t *position, uint32_t *normal,
-                        struct err *err)
+                        uint32_t *uv, struct err *err)
 {
     struct text_reader *text = &parser->text;
     const struct obj_counts *counts = &parser->counts, *seen = &parser->seen;
-    uint32_t unused_texture_coordinate;
     text_skip_blanks(text);
     struct text_reader start = *text;
-    *normal = MESH_NO_NORMAL;
+    *normal = *uv = MESH_NO_INDEX;
     if (!read_index(parser, "vertex", seen->positions, counts->positions, position, err))
         return false;
     if (*text->at == '/' && text->at[1] != '/') {
         text->at++;
         if (!read_index(parser, "texture coordinate", seen->texture_coordinates,
-                        counts->texture_coordinates, &unused_texture_coordinate, err))
+                        counts->texture_coordinates, uv, err))
             return false;
     } else if (*text->at == '/') {
         text->at++;
@@ -256,28 +286,31 @@ static bool read_corner(struct obj_parser *parser, uint32_t *position, uint32_t 
 }
 
 static void add_triangle(struct obj_parser *parser, const uint32_t positions[3],
-                         const uint32_t normals[3])
+                         const uint32_t normals[3], const uint32_t uvs[3])
 {
     uint64_t triangle = parser->seen.triangles++;
     memcpy(parser->indices[triangle], positions, sizeof parser->indices[triangle]);
     if (parser->normal_indices)
         memcpy(parser->normal_indices[triangle], normals, sizeof parser->normal_indices[triangle]);
+    if (parser->uv_indices)
+        memcpy(parser->uv_indices[triangle], uvs, sizeof parser->uv_indices[triangle]);
     if (parser->triangle_material)
         parser->triangle_material[triangle] = parser->material;
 }
 
 static bool read_face(struct obj_parser *parser, struct err *err)
 {
-    uint32_t positions[3], normals[3]; // the fan's centre, the corner before, this corner
+    uint32_t positions[3], normals[3], uvs[3]; // the fan's centre, the corner before, this corner
     for (uint64_t corner = 0; !text_line_ended(&parser->text); corner++) {
         uint32_t slot = corner < 2 ? (uint32_t)corner : 2;
-        if (!read_corner(parser, &positions[slot], &normals[slot], err))
+        if (!read_corner(parser, &positions[slot], &normals[slot], &uvs[slot], err))
             return false;
         if (slot < 2)
             continue;
-        add_triangle(parser, positions, normals);
+        add_triangle(parser, positions, normals, uvs);
         positions[1] = positions[2];
         normals[1] = normals[2];
+        uvs[1] = uvs[2];
     }
     return true;
 }
@@ -289,19 +322,6 @@ static void select_material(struct obj_parser *parser)
     parser->wanted_material = mtl_find(&parser->library, name.data, name.size);
     if (!parser->wanted_material && parser->unknown_material_count++ == 0)
         parser->unknown_material_line = parser->text.line;
-}
-
-// Adds a library's material to the scene.
-static bool add_material(struct scene *scene, struct mtl_material *wanted, struct err *err)
-{
-    struct material *added = scene_add_material(scene, &wanted->scene_index);
-    if (!added)
-        return err_memory(err, "a material", sizeof *added);
-    *added = wanted->material;
-    added->name = arena_strdup(&scene->arena, wanted->material.name);
-    if (!added->name)
-        return err_memory(err, "a material's name", strlen(wanted->material.name) + 1);
-    return true;
 }
 
 // Sets parser->material for the faces that follow; only what faces use comes into the scene.
@@ -317,7 +337,8 @@ static bool require_material(struct obj_parser *parser, struct err *err)
         parser->material = *fallback;
         return true;
     }
-    if (wanted->scene_index == SCENE_NONE && !add_material(parser->scene, wanted, err))
+    if (wanted->scene_index == SCENE_NONE &&
+        !mtl_material_add(parser->scene, wanted, parser->allow_outside_paths, err))
         return false;
     parser->material = wanted->scene_index;
     return true;
@@ -329,8 +350,7 @@ static bool read_statement(struct obj_parser *parser, struct err *err)
     case OBJ_POSITION:
         return read_position(parser, err);
     case OBJ_TEXTURE_COORDINATE:
-        parser->seen.texture_coordinates++;
-        return true;
+        return read_texture_coordinate(parser, err);
     case OBJ_NORMAL:
         return read_normal(parser, err);
     case OBJ_FACE:
@@ -353,15 +373,18 @@ static bool allocate(struct obj_parser *parser, struct err *err)
     const struct obj_counts *counts = &parser->counts;
     struct arena *scene_arena = &parser->scene->arena, *scratch = &parser->scratch;
     bool has_normals = counts->normals > 0;
-    if (counts->positions > UINT32_MAX || counts->normals >= MESH_NO_NORMAL ||
-        counts->triangles > UINT32_MAX)
+    if (counts->positions > UINT32_MAX || counts->normals >= MESH_NO_INDEX ||
+        counts->texture_coordinates >= MESH_NO_INDEX || counts->triangles > UINT32_MAX)
         return err_set(err, ERR_INPUT,
                        "%s: %llu vertices, %llu normals, %llu triangles, "
                        "expected fewer than 4294967295 of each",
                        parser->text.path, (unsigned long long)counts->positions,
                        (unsigned long long)counts->normals, (unsigned long long)counts->triangles);
-    // With normals the vertices are made anew from pairs, and the positions as read are scratch.
-    parser->positions = arena_alloc(has_normals ? scratch : scene_arena, (size_t)counts->positions,
+    bool has_uvs = counts->texture_coordinates > 0;
+    // With normals or texture coordinates the vertices are made anew, and the positions as read are
+    // scratch.
+    bool merges = has_normals || has_uvs;
+    parser->positions = arena_alloc(merges ? scratch : scene_arena, (size_t)counts->positions,
                                     sizeof *parser->positions);
     parser->indices = arena_alloc(scene_arena, (size_t)counts->triangles, sizeof *parser->indices);
     bool is_complete = parser->positions && parser->indices;
@@ -370,6 +393,18 @@ static bool allocate(struct obj_parser *parser, struct err *err)
         parser->normal_indices =
             arena_alloc(scratch, (size_t)counts->triangles, sizeof *parser->normal_indices);
         is_complete &= parser->normals && parser->normal_indices;
+    }
+    if (has_uvs) {
+        parser->uvs =
+            arena_alloc(scratch, (size_t)counts->texture_coordinates, sizeof *parser->uvs);
+        parser->uv_indices =
+            arena_alloc(scratch, (size_t)counts->triangles, sizeof *parser->uv_indices);
+        is_complete &= parser->uvs && parser->uv_indices;
+    }
+    if (counts->positions > 0 && counts->colored_positions == counts->positions) {
+        parser->colors = arena_alloc(merges ? scratch : scene_arena, (size_t)counts->positions,
+                                     sizeof *parser->colors);
+        is_complete &= parser->colors != NULL;
     }
     if (counts->material_statements > 0) {
         parser->triangle_material = ARENA_NEW(scratch, uint32_t, (size_t)counts->triangles);
@@ -406,24 +441,34 @@ static bool set_materials(struct obj_parser *parser, struct mesh *mesh, struct e
     return true;
 }
 
-// One vertex for each pair of position and normal that a corner uses.
+// One vertex for each triple of position, normal and texture coordinates that a corner uses.
 static bool merge_vertices(struct obj_parser *parser, struct mesh *mesh, struct err *err)
 {
-    struct vertex_pairs pairs;
-    if (!mesh_pair_vertices(&parser->scratch, parser->counts.triangles, parser->indices,
-                            parser->normal_indices, &pairs, err))
+    struct vertex_list list;
+    if (!mesh_merge_corners(&parser->scratch, parser->counts.triangles, parser->indices,
+                            parser->normal_indices, parser->uv_indices, &list, err))
         return false;
     struct arena *arena = &parser->scene->arena;
-    mesh->vertex_count = pairs.count;
-    mesh->positions = arena_alloc(arena, pairs.count, sizeof *mesh->positions);
-    mesh->normals = arena_alloc(arena, pairs.count, sizeof *mesh->normals);
-    if (!mesh->positions || !mesh->normals)
-        return err_memory(err, "vertices", pairs.count * 2 * sizeof *mesh->positions);
-    for (uint32_t v = 0; v < pairs.count; v++) {
-        const uint32_t *pair = pairs.pairs[v];
-        memcpy(mesh->positions[v], parser->positions[pair[0]], sizeof mesh->positions[v]);
-        if (pair[1] != MESH_NO_NORMAL)
-            memcpy(mesh->normals[v], parser->normals[pair[1]], sizeof mesh->normals[v]);
+    mesh->vertex_count = list.count;
+    mesh->positions = arena_alloc(arena, list.count, sizeof *mesh->positions);
+    if (parser->normals)
+        mesh->normals = arena_alloc(arena, list.count, sizeof *mesh->normals);
+    if (parser->uvs)
+        mesh->uvs[0] = arena_alloc(arena, list.count, sizeof *mesh->uvs[0]);
+    if (parser->colors)
+        mesh->colors = arena_alloc(arena, list.count, sizeof *mesh->colors);
+    if (!mesh->positions || !mesh->normals != !parser->normals || !mesh->uvs[0] != !parser->uvs ||
+        !mesh->colors != !parser->colors)
+        return err_memory(err, "vertices", list.count * 4 * sizeof *mesh->positions);
+    for (uint32_t v = 0; v < list.count; v++) {
+        const uint32_t *corner = list.corners[v];
+        memcpy(mesh->positions[v], parser->positions[corner[0]], sizeof mesh->positions[v]);
+        if (corner[1] != MESH_NO_INDEX)
+            memcpy(mesh->normals[v], parser->normals[corner[1]], sizeof mesh->normals[v]);
+        if (corner[2] != MESH_NO_INDEX)
+            memcpy(mesh->uvs[0][v], parser->uvs[corner[2]], sizeof mesh->uvs[0][v]);
+        if (mesh->colors)
+            memcpy(mesh->colors[v], parser->colors[corner[0]], sizeof mesh->colors[v]);
     }
     return true;
 }
@@ -435,12 +480,13 @@ static bool build_mesh(struct obj_parser *parser, struct mesh *mesh, struct err 
     mesh->name = arena_strdup(&parser->scene->arena, path_name(parser->text.path));
     if (!mesh->name)
         return err_memory(err, "a mesh's name", strlen(parser->text.path) + 1);
-    if (parser->normal_indices) {
+    if (parser->normal_indices || parser->uv_indices) {
         if (!merge_vertices(parser, mesh, err))
             return false;
     } else {
         mesh->vertex_count = (uint32_t)parser->counts.positions;
         mesh->positions = parser->positions;
+        mesh->colors = parser->colors;
     }
     return set_materials(parser, mesh, err);
 }

@@ -27,25 +27,48 @@ bool triangle_list_reserve(struct triangle_list *list, uint64_t capacity, struct
 bool triangle_list_add(struct triangle_list *list, uint32_t a, uint32_t b, uint32_t c,
                        struct err *err);
 
-// --- vertices from pairs of position and normal --------------------------------------------------
+// --- vertices from corners -----------------------------------------------------------------------
 
-#define MESH_NO_NORMAL UINT32_MAX // a corner without a normal
+#define MESH_NO_INDEX UINT32_MAX // a corner without a normal, or without texture coordinates
 
-struct vertex_pairs {
-    uint32_t (*pairs)[2]; // of a position and a normal, for each vertex
+struct vertex_list {
+    uint32_t (*corners)[3]; // indices of position, normal and texture coordinates of each vertex
     uint32_t count;
 };
 
-// Makes one vertex for each pair of position and normal that a corner uses, in the order of first
-// use. In: `indices` of positions and `normal_indices`; out: `indices` of vertices. Memory comes
-// from `scratch`.
-bool mesh_pair_vertices(struct arena *scratch, uint64_t triangle_count, uint32_t (*indices)[3],
-                        uint32_t (*normal_indices)[3], struct vertex_pairs *out, struct err *err);
+// Makes one vertex for each triple of position, normal and texture coordinates that a corner uses,
+// in the order of first use. In: `indices` of positions, and of the others (or NULL); out:
+// `indices` of vertices. Memory comes from `scratch`.
+bool mesh_merge_corners(struct arena *scratch, uint64_t triangle_count, uint32_t (*indices)[3],
+                        uint32_t (*normal_indices)[3], uint32_t (*uv_indices)[3],
+                        struct vertex_list *out, struct err *err);
 
 // --- MTL -----------------------------------------------------------------------------------------
 
+// A texture of a material, loaded when a face uses the material.
+struct mtl_map {
+    const char *path; // in the file; NULL: none
+    uint64_t line;
+    float offset[2], scale[2];
+    float bump_scale; // -bm
+    bool is_clamped;
+};
+
+enum mtl_map_kind {
+    MTL_MAP_DIFFUSE,   // map_Kd
+    MTL_MAP_EMISSION,  // map_Ke
+    MTL_MAP_OPACITY,   // map_d
+    MTL_MAP_ROUGHNESS, // map_Pr
+    MTL_MAP_METALLIC,  // map_Pm
+    MTL_MAP_BUMP,      // map_Bump, bump: read where it holds normals
+    MTL_MAP_NORMAL,    // norm
+    MTL_MAP_COUNT,
+};
+
 struct mtl_material {
     struct material material;
+    struct mtl_map maps[MTL_MAP_COUNT];
+    const char *file;     // that it stands in
     uint32_t order;       // of definition: the first of two with one name counts
     uint32_t scene_index; // in the scene's materials; SCENE_NONE until a face uses it
 };
@@ -58,15 +81,31 @@ struct mtl_library {
 };
 
 // Appends the materials of an MTL file, unless it was read before (many OBJ files name theirs again
-// and again); names and arrays live in `arena`. What is read:
-//   Kd  base colour, default 0.5;  Ke  emitted radiance;  Ks  a mirror's reflectance, default 1
-//   illum 5, and illum 3 with a black Kd: a perfect mirror; all other models are diffuse
-// Colours outside [0, 1] are clamped and negative emission becomes 0, with one warning a file; so
-// are spectral and XYZ colours and texture maps skipped. *hash goes on over the file's bytes.
-// `path` lives as long as the library. *missing: there is no such file, or none that can be read.
-// err is not NULL here.
+// and again); names and arrays live in `arena`. Which statements make which material stands in
+// mtl_material.c. Colours outside [0, 1] are clamped and negative emission becomes 0, with one
+// warning a file; so are spectral and XYZ colours and unknown maps skipped. *hash goes on over the
+// file's bytes. `path` lives as long as the library. *missing: there is no such file, or none that
+// can be read. err is not NULL here.
 bool load_mtl(struct arena *arena, const char *path, struct mtl_library *library, uint64_t *hash,
               bool *missing, struct err *err);
+
+// What the statements of one material say; those not given are negative.
+struct mtl_statements {
+    const char *name; // NULL before the first newmtl
+    float diffuse[3], specular[3], ambient[3], emission[3], filter[3]; // Kd Ks Ka Ke Tf
+    float exponent, opacity, ior;                                      // Ns d Ni
+    float roughness, metallic, sheen;                                  // Pr Pm Ps
+    float coat, coat_roughness, anisotropy, anisotropy_rotation;       // Pc Pcr aniso anisor
+    int64_t illumination_model;                                        // -1: not given
+    struct mtl_map maps[MTL_MAP_COUNT];
+};
+void mtl_statements_init(struct mtl_statements *statements, const char *name);
+// mtl_material.c
+void mtl_material_make(const struct mtl_statements *statements, struct material *out);
+// Adds a library's material and its textures to the scene; textures that cannot be read cost
+// colours but no geometry: a warning each. `allow_outside`: of files that it names.
+bool mtl_material_add(struct scene *scene, struct mtl_material *wanted, bool allow_outside,
+                      struct err *err);
 
 // Sorts the library by name for mtl_find.
 void mtl_sort(struct mtl_library *library);

@@ -90,7 +90,7 @@ struct texture {
 
 struct light {
     const char *name;
-    uint32_t kind;                  // LIGHT_POINT, LIGHT_SPOT, LIGHT_DIRECTIONAL (shared/types.h)
+    uint32_t kind;                  // LIGHT_POINT, LIGHT_SPOT, LIGHT_DIRECTIONAL
     double position[3];             // point, spot
     double direction[3];            // unit, in which light travels: spot, directional
     float radiant[3];               // point, spot: intensity, W/sr; directional: irradiance, W/m^2
