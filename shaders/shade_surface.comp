@@ -57,7 +57,7 @@ bool sides_agree(vertex v, vec3 direction, vec3 local)
 }
 
 // Writes the shadow ray to a point on an emitter; false when there is nothing to connect.
-bool connect_light(vertex v, vec3 u)
+bool connect_light(vertex v, vec4 u)
 {
     surface s = v.s;
     vec3 origin = offset_origin(s.position, s.error, s.normal_geometric, s.normal_geometric);
@@ -70,7 +70,7 @@ bool connect_light(vertex v, vec3 u)
     float pdf;
     vec3 f = eval_bsdf(v.m, v.wo, local, v.eta, pdf);
     float weight = 1.0;
-    if (HAS(FEATURE_BSDF_HITS_EMITTERS))
+    if (HAS(FEATURE_BSDF_HITS_EMITTERS) && !l.delta)
         weight = mis_power_weight(l.pdf, pdf);
     vec3 radiance = v.throughput * f * l.radiance * (weight / l.pdf);
     if (HAS(FEATURE_MEDIA))
@@ -204,7 +204,7 @@ void main()
         uint pixel = slot_pixel(slot);
         uint number = slot_sample(slot);
         vec4 u_extra = vec4(0.0);
-        if (HAS_LOBE(LOBE_DISPERSION))
+        if (HAS(FEATURE_NEE) || HAS_LOBE(LOBE_DISPERSION))
             u_extra = random_4d(push.seed, pixel, number,
                                 bounce_dimension(push.bounce, DIMENSION_EXTRA));
         bool passes = false;
@@ -223,7 +223,7 @@ void main()
                                     bounce_dimension(push.bounce, DIMENSION_BSDF));
 
             if (HAS(FEATURE_NEE) && !passes)
-                shadow = connect_light(v, u_light.xyz);
+                shadow = connect_light(v, vec4(u_light.xyz, u_extra.x));
 
             ray_onwards next = scatter(v, ray.xyz, passes, stack, u_bsdf);
             if (!is_finite(v.throughput)) {

@@ -1,5 +1,6 @@
-// Next-event estimation: sampling a point on an emitter, and the density with which that would
-// have happened. sample_light and pdf_light must agree for the weights of MIS to sum to one.
+// Next-event estimation: sampling a point on an emitter or a light without extent, and the density
+// with which that would have happened. sample_light and pdf_light must agree for the weights of MIS
+// to sum to one.
 #ifndef LIGHT_GLSL
 #define LIGHT_GLSL
 
@@ -12,6 +13,8 @@ struct light_sample {
     float pdf;      // per solid angle at the reference point, the choice of the emitter included
     vec3 radiance;
     uint primitive;
+    bool delta; // without extent: nothing else finds it, so that its weight is 1; `radiance` is the
+                // irradiance of a surface that faces it, and `pdf` that of the choice alone
 };
 
 // 1 - cos of the half-angle under which a sphere is seen, from sin^2 of it; does not cancel.
@@ -109,27 +112,92 @@ void sample_shape_light(vec3 origin, uint index, vec2 u, inout light_sample l)
     }
 }
 
-// Chooses an emitter in proportion to its power by the alias table (Walker 1977; Vose 1991), then a
-// point on it. A pdf of 0 means that there is nothing to connect to.
-light_sample sample_light(vec3 origin, vec3 u)
+// What a spot sends into the unit direction `from_light`, as a part of its intensity
+// (KHR_lights_punctual): clamp((cos - cos_outer) / (cos_inner - cos_outer), 0, 1)^2, by 1 - cos,
+// which does not cancel where the cone is narrow.
+float spot_falloff(vec3 direction, vec3 from_light, float scale, float offset)
 {
-    float scaled = u.x * float(push.emitter_count);
-    uint bin = min(uint(scaled), push.emitter_count - 1u);
-    uvec4 emitter = load_emitters(bin);
-    bool own = scaled - float(bin) < uintBitsToFloat(emitter.x);
+    float cos_theta = dot(direction, from_light);
+    vec3 normal = cross(direction, from_light);
+    float one_minus_cos =
+        cos_theta > 0.0 ? dot(normal, normal) / (1.0 + cos_theta) : 1.0 - cos_theta;
+    float falloff = clamp(offset - scale * one_minus_cos, 0.0, 1.0);
+    return falloff * falloff;
+}
+
+// The part of a light's intensity that a distance of `part` ranges leaves, besides the square of the
+// distance (KHR_lights_punctual, "Range Property").
+float range_window(float part)
+{
+    float square = part * part;
+    return clamp(1.0 - square * square, 0.0, 1.0);
+}
+
+void sample_point_light(vec3 origin, uint index, inout light_sample l)
+{
+    uint at = load_materials(0u).y + index * LIGHT_WORDS;
+    uvec4 w0 = load_materials(at);
+    vec4 w1 = load_materials_float(at + 1u);
+    vec4 w2 = load_materials_float(at + 2u);
+    vec4 w3 = load_materials_float(at + 3u);
+    l.delta = true;
+    l.pdf = w1.w;
+    l.radiance = w2.rgb;
+    if (w0.w == LIGHT_DIRECTIONAL) {
+        l.to_light = -w3.z * w1.xyz;
+        return;
+    }
+    l.to_light = uintBitsToFloat(w0.xyz) - origin;
+    float distance2 = dot(l.to_light, l.to_light);
+    float distance = sqrt(distance2);
+    l.radiance *= range_window(distance * w2.w) / distance2;
+    if (w0.w == LIGHT_SPOT)
+        l.radiance *= spot_falloff(w1.xyz, -l.to_light / distance, w3.x, w3.y);
+    // A point that the light is in has no direction to it.
+    l.pdf = distance2 > 0.0 ? l.pdf : 0.0;
+}
+
+// One of push.emitter_count bins of the alias table, and where in it, by two uniforms: one alone has
+// too few bits for bins that are many, or that are shared unequally. u = (x, y) stands for the number
+// x + 2^-24 y, which has 48.
+uint choose_bin(vec2 u, out float within)
+{
+    uvec2 bits = uvec2(u * 16777216.0);
+    uint high, low, below_high, below_low, carry;
+    umulExtended(bits.x, push.emitter_count, high, low);
+    umulExtended(bits.y, push.emitter_count, below_high, below_low);
+    low = uaddCarry(low, below_high << 8 | below_low >> 24, carry);
+    high += carry;
+    within = float(low & 0xffffffu) * 5.9604644775390625e-8 +
+             float(below_low & 0xffffffu) * 3.552713678800501e-15;
+    return high << 8 | low >> 24;
+}
+
+// Chooses an emitter in proportion to its power by the alias table (Walker 1977; Vose 1991), then a
+// point on it. A pdf of 0 means that there is nothing to connect to. `u`: bin; point x, y; in the
+// bin.
+light_sample sample_light(vec3 origin, vec4 u)
+{
+    float within;
+    uvec4 emitter = load_emitters(choose_bin(u.xw, within));
+    bool own = within < uintBitsToFloat(emitter.x);
 
     light_sample l;
     l.primitive = own ? emitter.y : emitter.z;
     l.to_light = vec3(0.0);
     l.pdf = 0.0;
     l.radiance = vec3(0.0);
-    bool is_shape = (HAS(FEATURE_EMISSIVE_SPHERES) || HAS(FEATURE_EMISSIVE_DISCS)) &&
+    l.delta = false;
+    bool is_point = HAS(FEATURE_LIGHTS) && (l.primitive & PRIMITIVE_LIGHT) != 0u;
+    bool is_shape = (HAS(FEATURE_EMISSIVE_SPHERES) || HAS(FEATURE_EMISSIVE_DISCS)) && !is_point &&
                     (HAS(FEATURE_EMISSIVE_TRIANGLES) ? (l.primitive & PRIMITIVE_SHAPE) != 0u
                                                      : true);
-    if (HAS(FEATURE_EMISSIVE_TRIANGLES) && !is_shape)
+    if (HAS(FEATURE_EMISSIVE_TRIANGLES) && !is_shape && !is_point)
         sample_triangle_light(origin, l.primitive, u.yz, l);
     if (is_shape)
         sample_shape_light(origin, l.primitive & ~PRIMITIVE_SHAPE, u.yz, l);
+    if (is_point)
+        sample_point_light(origin, l.primitive & ~PRIMITIVE_LIGHT, l);
     return l;
 }
 

@@ -61,7 +61,8 @@
 #define PARAMETER_OPACITY 3
 #define PARAMETER_EMISSION 4
 // Density, a unit area, with which next-event estimation picks a point on an emitter of this
-// material: luminance / sum of (luminance * area) over all emitters. 0: never picked. Set at upload.
+// material: luminance / sum of (luminance * area) over all emitters, where a light without extent
+// counts by its power over 2 pi. 0: never picked. Set at upload.
 #define PARAMETER_PICK_DENSITY 7
 #define PARAMETER_ANISOTROPIC 8
 #define PARAMETER_ROUGHNESS 9

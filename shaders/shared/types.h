@@ -156,7 +156,8 @@ struct gpu_shadow_ray {
     float direction[3]; // not normalised: reaches to the sampled point
     uint ignore_to;
     float radiance[3];
-    float light_pdf; // solid-angle density of the sampled direction: for replay
+    float light_pdf; // solid-angle density of the sampled direction, or the probability of a light
+                     // without extent: for replay
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_shadow_ray, 48);
 #define SHADOW_WORDS 3

@@ -18,10 +18,10 @@ struct emitters {
     struct gpu_emitter *bins; // alias table
     struct gpu_light *lights; // scene->light_count
     uint32_t count;           // bins; 0: nothing to sample
-    double total_power;
+    double total_power;       // in units of luminance * area
 };
 
-// In `arena`.
+// In `arena`. Warns of lights without extent that the estimator cannot find.
 bool emitters_build(const struct scene *scene, const struct flat_scene *flat, const struct bvh *bvh,
                     struct arena *arena, struct emitters *out, struct err *err);
 // PARAMETER_PICK_DENSITY of a material.

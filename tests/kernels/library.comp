@@ -84,7 +84,7 @@ void main()
     if (ROUTINE == ROUTINE_IS_FINITE)
         store_output(item, 0u, vec4(is_finite(load_input_float(item, 0u).xyz) ? 1.0 : 0.0));
     if (ROUTINE == ROUTINE_PICK_LIGHT) {
-        light_sample l = sample_light(vec3(0.0), load_input_float(item, 0u).xyz);
+        light_sample l = sample_light(vec3(0.0), load_input_float(item, 0u));
         paths_words[item * PATH_WORDS] = uvec4(l.primitive);
     }
 }

@@ -16,7 +16,8 @@
     M(position)                                                                                    \
     M(kind)                                                                                        \
     M(direction)                                                                                   \
-    M(pick_probability) M(radiant) M(range) M(spot_scale) M(spot_offset) M(align_light)
+    M(pick_probability)                                                                            \
+    M(radiant) M(inverse_range) M(spot_scale) M(spot_offset) M(reach) M(align_light)
 #define SHAPE(M) M(center) M(radius) M(normal) M(kind_material)
 #define MATERIAL(M) M(model_flags) M(first_texture) M(texture_count) M(medium) M(parameter)
 #define EMITTER(M) M(threshold) M(primitive) M(alias_primitive) M(align_emitter)
@@ -53,7 +54,8 @@
     M(pixel_count)                                                                                 \
     M(first_sample)                                                                                \
     M(sample_shift)                                                                                \
-    M(queue) M(first_item) M(part_items) M(max_bounces) M(roulette_min_bounces) M(emitter_count)   \
+    M(queue)                                                                                       \
+    M(first_item) M(part_items) M(max_bounces) M(roulette_min_bounces) M(emitter_count)            \
         M(film_first_pixel)
 
 #define RECORDS(R)                                                                                 \
