@@ -157,7 +157,7 @@ static bool read_material(struct gltf_load *load, const struct json_node *primit
         return true;
     }
     load->tally.primitives_without_material++;
-    if (!mesh_default_material(load->scene, load->default_material, material, err))
+    if (!mesh_default_material(load->scene, load->default_material, false, material, err))
         return false;
     load->default_material = *material;
     return true;

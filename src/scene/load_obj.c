@@ -332,7 +332,7 @@ static bool require_material(struct obj_parser *parser, struct err *err)
         return true;
     if (!wanted) {
         uint32_t *fallback = &parser->default_material;
-        if (!mesh_default_material(parser->scene, *fallback, fallback, err))
+        if (!mesh_default_material(parser->scene, *fallback, parser->colors, fallback, err))
             return false;
         parser->material = *fallback;
         return true;
@@ -425,7 +425,8 @@ static bool set_materials(struct obj_parser *parser, struct mesh *mesh, struct e
     const uint32_t *materials = parser->triangle_material;
     if (!materials || mesh->triangle_count == 0) {
         mesh->material = parser->default_material;
-        return mesh_default_material(parser->scene, mesh->material, &mesh->material, err);
+        return mesh_default_material(parser->scene, mesh->material, parser->colors, &mesh->material,
+                                     err);
     }
     mesh->material = materials[0];
     uint32_t agreeing = 1;

@@ -6,6 +6,7 @@
 
 #include "file.h"
 #include "hash.h"
+#include "image.h"
 #include "log.h"
 #include "text.h"
 
@@ -25,6 +26,8 @@ struct ply_parser {
 
     float (*positions)[3];
     float (*normals)[3]; // NULL without nx, ny, nz
+    float (*uvs)[2];     // NULL without u, v
+    float (*colors)[4];  // NULL without red, green, blue
     struct triangle_list triangles;
     uint64_t bad_normal_count;
 };
@@ -218,6 +221,15 @@ static bool read_list(struct ply_parser *parser, const struct ply_property *prop
 
 // --- elements ------------------------------------------------------------------------------------
 
+// Colours of integers are sRGB-encoded, as scanners and painters write them; those of floats are
+// linear.
+static float color_value(double value, enum ply_type type)
+{
+    double most = type == PLY_U8 ? UINT8_MAX : type == PLY_U16 ? UINT16_MAX : 1.0;
+    float clamped = (float)fmin(fmax(value / most, 0.0), 1.0); // NaN becomes 0
+    return ply_type_is_float(type) ? clamped : image_srgb_to_linear(clamped);
+}
+
 static bool store_vertex(struct ply_parser *parser, const double values[VERTEX_VALUE_COUNT],
                          struct err *err)
 {
@@ -233,12 +245,19 @@ static bool store_vertex(struct ply_parser *parser, const double values[VERTEX_V
         if (!mesh_unit_normal(given, parser->normals[parser->row]))
             parser->bad_normal_count++;
     }
+    if (parser->uvs) {
+        parser->uvs[parser->row][0] = (float)values[USE_U];
+        parser->uvs[parser->row][1] = (float)(1.0 - values[USE_V]); // ours points downwards
+    }
+    if (parser->colors)
+        for (int c = 0; c < 4; c++)
+            parser->colors[parser->row][c] = (float)values[USE_RED + c];
     return true;
 }
 
 static bool read_row(struct ply_parser *parser, struct err *err)
 {
-    double values[VERTEX_VALUE_COUNT] = {0}, value;
+    double values[VERTEX_VALUE_COUNT] = {[USE_ALPHA] = 1}, value;
     for (const struct ply_property *property = parser->element->properties; property;
          property = property->next) {
         if (property->is_list) {
@@ -248,6 +267,10 @@ static bool read_row(struct ply_parser *parser, struct err *err)
         }
         if (!read_value(parser, property->type, &value, err))
             return false;
+        if (property->use >= USE_RED && property->use <= USE_BLUE)
+            value = (double)color_value(value, property->type);
+        if (property->use == USE_ALPHA && property->type == PLY_U8)
+            value /= UINT8_MAX;
         if (property->use < VERTEX_VALUE_COUNT)
             values[property->use] = value;
     }
@@ -257,14 +280,21 @@ static bool read_row(struct ply_parser *parser, struct err *err)
 static bool allocate_vertices(struct ply_parser *parser, struct err *err)
 {
     const uint32_t normal_uses = 1u << USE_NX | 1u << USE_NY | 1u << USE_NZ;
+    const uint32_t uv_uses = 1u << USE_U | 1u << USE_V;
+    const uint32_t color_uses = 1u << USE_RED | 1u << USE_GREEN | 1u << USE_BLUE;
+    uint32_t uses = parser->header.vertices->uses;
     size_t count = (size_t)parser->header.vertices->count;
-    parser->positions = arena_alloc(&parser->scene->arena, count, sizeof *parser->positions);
-    if (!parser->positions)
-        return err_memory(err, "vertices", count * sizeof *parser->positions);
-    if ((parser->header.vertices->uses & normal_uses) != normal_uses)
-        return true;
-    parser->normals = arena_alloc(&parser->scene->arena, count, sizeof *parser->normals);
-    return parser->normals || err_memory(err, "normals", count * sizeof *parser->normals);
+    struct arena *arena = &parser->scene->arena;
+    parser->positions = arena_alloc(arena, count, sizeof *parser->positions);
+    bool is_complete = parser->positions;
+    if ((uses & normal_uses) == normal_uses)
+        is_complete &=
+            (parser->normals = arena_alloc(arena, count, sizeof *parser->normals)) != NULL;
+    if ((uses & uv_uses) == uv_uses)
+        is_complete &= (parser->uvs = arena_alloc(arena, count, sizeof *parser->uvs)) != NULL;
+    if ((uses & color_uses) == color_uses)
+        is_complete &= (parser->colors = arena_alloc(arena, count, sizeof *parser->colors)) != NULL;
+    return is_complete || err_memory(err, "vertices", count * 4 * sizeof *parser->positions);
 }
 
 // Reads all rows of parser->element. Memory is only taken for rows that the file can hold.
@@ -303,12 +333,15 @@ static bool build_mesh(struct ply_parser *parser, uint32_t default_material, str
     mesh->triangle_count = triangles->count;
     mesh->positions = parser->positions;
     mesh->normals = parser->normals;
+    mesh->uvs[0] = parser->uvs;
+    mesh->colors = parser->colors;
     mesh->indices = arena_alloc(arena, triangles->count, sizeof *mesh->indices);
     if (!mesh->name || !mesh->indices)
         return err_memory(err, "triangles", size);
     if (size > 0)
         memcpy(mesh->indices, triangles->indices, size);
-    return mesh_default_material(parser->scene, default_material, &mesh->material, err);
+    return mesh_default_material(parser->scene, default_material, mesh->colors, &mesh->material,
+                                 err);
 }
 
 static void warn_about(const struct ply_parser *parser)

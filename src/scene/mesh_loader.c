@@ -24,7 +24,8 @@ bool mesh_unit_normal(const float direction[3], float out[3])
     return is_valid;
 }
 
-bool mesh_default_material(struct scene *scene, uint32_t given, uint32_t *material, struct err *err)
+bool mesh_default_material(struct scene *scene, uint32_t given, bool has_colors, uint32_t *material,
+                           struct err *err)
 {
     *material = given;
     if (given != SCENE_NONE)
@@ -33,9 +34,8 @@ bool mesh_default_material(struct scene *scene, uint32_t given, uint32_t *materi
     if (!grey)
         return err_memory(err, "a material", sizeof *grey);
     grey->name = "default";
-    grey->model = MATERIAL_LAMBERT;
-    for (int c = 0; c < 3; c++)
-        grey->base_color[c] = 0.5f;
+    for (int c = 0; c < 3 && has_colors; c++)
+        grey->base_color[c] = 1.0f;
     return true;
 }
 

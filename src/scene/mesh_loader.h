@@ -11,8 +11,9 @@ struct arena mesh_scratch(const struct scene *scene);
 // no direction: zero or not finite.
 bool mesh_unit_normal(const float direction[3], float out[3]);
 
-// Sets *material to `given`, or to a new grey one when that is SCENE_NONE.
-bool mesh_default_material(struct scene *scene, uint32_t given, uint32_t *material,
+// Sets *material to `given`, or to a new one when that is SCENE_NONE: grey, or white under colours
+// of vertices, which scale it.
+bool mesh_default_material(struct scene *scene, uint32_t given, bool has_colors, uint32_t *material,
                            struct err *err);
 
 // A list of triangles that grows in an arena.

@@ -11,10 +11,26 @@ enum ply_type { PLY_I8, PLY_U8, PLY_I16, PLY_U16, PLY_I32, PLY_U32, PLY_F32, PLY
 uint32_t ply_type_size(enum ply_type type); // bytes in a binary file
 bool ply_type_is_float(enum ply_type type);
 
-// What a property is to us. The first six are also slots of a vertex's values.
-enum ply_use { USE_X, USE_Y, USE_Z, USE_NX, USE_NY, USE_NZ, USE_POLYGON, USE_STRIP, USE_NONE };
+// What a property is to us. Those before USE_POLYGON are also slots of a vertex's values.
+enum ply_use {
+    USE_X,
+    USE_Y,
+    USE_Z,
+    USE_NX,
+    USE_NY,
+    USE_NZ,
+    USE_U,
+    USE_V,
+    USE_RED,
+    USE_GREEN,
+    USE_BLUE,
+    USE_ALPHA,
+    USE_POLYGON,
+    USE_STRIP,
+    USE_NONE
+};
 
-#define VERTEX_VALUE_COUNT 6
+#define VERTEX_VALUE_COUNT USE_POLYGON
 
 struct ply_property {
     struct ply_property *next;

@@ -108,7 +108,7 @@ static bool provide_light(struct scene *scene, struct err *err)
 static bool provide_material(struct scene *scene, struct err *err)
 {
     uint32_t grey;
-    return scene->material_count > 0 || mesh_default_material(scene, SCENE_NONE, &grey, err);
+    return scene->material_count > 0 || mesh_default_material(scene, SCENE_NONE, false, &grey, err);
 }
 
 // --- dispatch ------------------------------------------------------------------------------------

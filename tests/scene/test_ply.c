@@ -2,6 +2,7 @@
 #include "mesh_files.h"
 
 #include <float.h>
+#include <math.h>
 
 static bool load(struct scene *scene, const char *path, struct err *err)
 {
@@ -93,6 +94,33 @@ TEST(normals)
     mesh = load_text(&scene, "ply\nformat ascii 1.0\nelement vertex 1\n" XYZ
                              "property float nx\nproperty float ny\nend_header\n0 0 0 1 0\n");
     CHECK(mesh.vertex_count == 1 && !mesh.normals && warnings == 1, "no faces: a warning");
+    scene_finish(&scene);
+}
+
+TEST(colours_and_texture_coordinates)
+{
+    struct scene scene;
+    struct mesh mesh = load_text(
+        &scene, "ply\nformat ascii 1.0\nelement vertex 3\n" XYZ
+                "property uchar red\nproperty uchar green\nproperty uchar blue\n"
+                "property uchar alpha\nproperty float s\nproperty float t\n"
+                "element face 1\n" FACES "end_header\n"
+                "0 0 0 255 0 128 51 .25 .5\n1 0 0 0 0 0 255 0 0\n0 1 0 1 2 3 0 1 1\n3 0 1 2\n");
+    REQUIRE(mesh.colors && mesh.uvs[0], "not read");
+    CHECK(mesh.colors[0][0] == 1.0f && mesh.colors[0][1] == 0.0f);
+    CHECK(fabs((double)mesh.colors[0][2] - 0.21586050) < 1e-6, "sRGB: %.8g",
+          (double)mesh.colors[0][2]);
+    CHECK(fabs((double)mesh.colors[0][3] - 0.2) < 1e-6, "alpha is linear");
+    CHECK(mesh.uvs[0][0][0] == 0.25f && mesh.uvs[0][0][1] == 0.5f && mesh.uvs[0][2][1] == 0.0f);
+    CHECK(scene.materials[mesh.material].base_color[0] == 1.0f, "colours scale white");
+    scene_finish(&scene);
+    mesh = load_text(&scene, "ply\nformat ascii 1.0\nelement vertex 1\n" XYZ
+                             "property float red\nproperty float green\nproperty float blue\n"
+                             "end_header\n0 0 0 .5 nan 7\n");
+    REQUIRE(mesh.colors, "not read");
+    CHECK(mesh.colors[0][0] == 0.5f && mesh.colors[0][1] == 0.0f && mesh.colors[0][2] == 1.0f &&
+              mesh.colors[0][3] == 1.0f,
+          "floats are linear");
     scene_finish(&scene);
 }
 
@@ -414,6 +442,7 @@ int main(int argc, char **argv)
         TEST_CASE(line_ends),
         TEST_CASE(unknown_elements_and_properties_are_skipped),
         TEST_CASE(normals),
+        TEST_CASE(colours_and_texture_coordinates),
         TEST_CASE(strips_alternate_their_winding),
         TEST_CASE(stitched_strips_keep_their_winding),
         TEST_CASE(binary_of_both_byte_orders),
