@@ -367,21 +367,25 @@ bool node_read_color(const struct json_node *object, const char *key, struct ran
     return true;
 }
 
-bool node_read_choice(const struct json_node *object, const char *key, const char *const *names,
-                      uint32_t *out, struct err *err)
+bool node_choice(const struct json_node *node, const char *const *names, uint32_t *out,
+                 struct err *err)
 {
-    const struct json_node node = node_member(object, key);
-    const char *word = NULL;
-    if (!node_read_string(object, key, &word, err))
-        return false;
+    const char *word = json_string_value(node->value);
     if (!word)
-        return true;
+        return node_unexpected(node, "a string", err);
     for (uint32_t i = 0; names[i]; i++) {
         if (strcmp(names[i], word) == 0) {
             *out = i;
             return true;
         }
     }
-    return node_fail(&node, err, "%s is unknown%s", node_describe(node.value).text,
+    return node_fail(node, err, "%s is unknown%s", node_describe(node->value).text,
                      suggest(word, name_in_list, names).text);
+}
+
+bool node_read_choice(const struct json_node *object, const char *key, const char *const *names,
+                      uint32_t *out, struct err *err)
+{
+    const struct json_node node = node_member(object, key);
+    return !node.value || node_choice(&node, names, out, err);
 }

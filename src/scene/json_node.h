@@ -70,7 +70,9 @@ bool node_read_vector(const struct json_node *object, const char *key, struct ra
                       double out[3], struct err *err);
 bool node_read_color(const struct json_node *object, const char *key, struct range range,
                      float out[3], struct err *err);
-// The index of a string in `names`, which ends with NULL.
+// The index of a string in `names`, which ends with NULL. node_choice: the node itself is it.
+bool node_choice(const struct json_node *node, const char *const *names, uint32_t *out,
+                 struct err *err);
 bool node_read_choice(const struct json_node *object, const char *key, const char *const *names,
                       uint32_t *out, struct err *err);
 

@@ -31,6 +31,10 @@ bool load_json_film(struct scene *scene, const struct json_node *film, struct er
 bool load_json_settings(struct scene *scene, const struct json_node *settings, struct err *err);
 bool load_json_materials(struct json_loader *loader, const struct json_node *materials,
                          struct err *err);
+// Appends the textures of a material and sets the parameters that they scale. `owner` is the
+// material's node.
+bool load_json_textures(struct json_loader *loader, const struct json_node *owner,
+                        struct material *material, struct err *err);
 bool load_json_lights(struct scene *scene, const struct json_node *lights, struct err *err);
 bool load_json_environment(struct json_loader *loader, const struct json_node *environment,
                            struct err *err);

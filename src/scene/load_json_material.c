@@ -20,6 +20,7 @@ static const struct {
 } other_keys[] = {
     {"type", ALL_MODELS},
     {"alpha", ALL_MODELS},
+    {"textures", ALL_MODELS},
     {"smoothness", ONLY(MATERIAL_PHONG) | ONLY(MATERIAL_BLINN_PHONG)},
     {"thin", THROUGH},
     {"absorption", THROUGH},
@@ -156,11 +157,26 @@ static bool read_flag(const struct json_node *node, const char *key, uint32_t fl
     return true;
 }
 
-static bool read_alpha(const struct json_node *node, struct material *material, struct err *err)
+// Whether a texture scales the material's opacity.
+static bool has_alpha_texture(const struct scene *scene, const struct material *material)
+{
+    const uint32_t mask = 1u << (TEXTURE_MASK_SHIFT + PARAMETER_OPACITY % 4);
+    for (uint32_t i = 0; i < material->texture_count; i++) {
+        uint32_t flags = scene->textures[material->first_texture + i].flags;
+        if ((flags >> TEXTURE_USE_SHIFT & 3u) == TEXTURE_USE_SCALE &&
+            (flags >> TEXTURE_GROUP_SHIFT & 15u) == PARAMETER_OPACITY / 4 && (flags & mask))
+            return true;
+    }
+    return false;
+}
+
+// What may be transparent blends unless the file says otherwise.
+static bool read_alpha(const struct scene *scene, const struct json_node *node,
+                       struct material *material, struct err *err)
 {
     static const char *const modes[] = {"opaque", "mask", "blend", NULL};
     static const uint32_t flags[] = {0, MATERIAL_ALPHA_MASK, MATERIAL_ALPHA_BLEND};
-    uint32_t mode = material->opacity < 1.0f ? 2 : 0;
+    uint32_t mode = material->opacity < 1.0f || has_alpha_texture(scene, material) ? 2 : 0;
     if (!node_read_choice(node, "alpha", modes, &mode, err))
         return false;
     const struct json_node cutoff = node_member(node, "alpha_cutoff");
@@ -262,13 +278,15 @@ static bool read_inside(const struct json_node *node, struct material *material,
 
 // --- the list ------------------------------------------------------------------------------------
 
-static bool read_material(const struct json_node *node, struct material *material, struct err *err)
+static bool read_material(struct json_loader *loader, const struct json_node *node,
+                          struct material *material, struct err *err)
 {
     if (!check_keys(node, &material->model, err))
         return false;
     set_fallbacks(material);
     return read_parameters(node, material, err) && read_smoothness(node, material, err) &&
-           read_alpha(node, material, err) && read_coat(node, material, err) &&
+           load_json_textures(loader, node, material, err) &&
+           read_alpha(loader->scene, node, material, err) && read_coat(node, material, err) &&
            read_flag(node, "thin", MATERIAL_THIN, material, err) &&
            read_flag(node, "compensate", MATERIAL_COMPENSATE, material, err) &&
            read_microfacets(node, material, err) && read_inside(node, material, err);
@@ -292,7 +310,7 @@ bool load_json_materials(struct json_loader *loader, const struct json_node *mat
         if (!material || !(material->name = arena_strdup(&scene->arena, name)) ||
             json_object_set_new(loader->material_names, name, json_integer(index)) != 0)
             return err_memory(err, "a material", sizeof *material);
-        if (!node_check_name(&node, name, err) || !read_material(&node, material, err))
+        if (!node_check_name(&node, name, err) || !read_material(loader, &node, material, err))
             return false;
     }
     return true;

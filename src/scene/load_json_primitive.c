@@ -8,34 +8,44 @@
 // Enough for any memory that a load may take; a clearer message than that it is exhausted.
 #define GENERATED_TRIANGLES_MAX 200000000
 
-// Appends a mesh and an instance of it. The numbers of the document are kept in double precision:
-// they may be far from the origin in a world that is rebased later.
-static bool add_polygons(struct scene *scene, const char *name, uint32_t material,
-                         const double (*vertices)[3], uint32_t vertex_count,
-                         const uint32_t (*triangles)[3], uint32_t triangle_count, struct err *err)
+// Appends a mesh of convex quadrilaterals, and an instance of it: of each the corners in order, the
+// triangles 0 1 2 and 0 2 3, and where in the picture each corner is. The numbers of the document
+// are kept in double precision: they may be far from the origin in a world that is rebased later.
+static bool add_quadrilaterals(struct scene *scene, const char *name, uint32_t material,
+                               const double (*corners)[3], const float (*uvs)[2], uint32_t count,
+                               struct err *err)
 {
-    double(*exact)[3] = arena_alloc(&scene->arena, vertex_count, sizeof *exact);
-    float(*positions)[3] = arena_alloc(&scene->arena, vertex_count, sizeof *positions);
-    uint32_t(*indices)[3] = arena_alloc(&scene->arena, triangle_count, sizeof *indices);
-    if (!exact || !positions || !indices)
-        return err_memory(err, "a mesh's vertices", vertex_count * sizeof *exact);
-    memcpy(exact, vertices, vertex_count * sizeof *exact);
-    memcpy(indices, triangles, triangle_count * sizeof *indices);
-    for (uint32_t v = 0; v < vertex_count; v++)
-        for (int i = 0; i < 3; i++)
-            positions[v][i] = (float)vertices[v][i];
-    const struct mesh mesh = {
+    struct mesh mesh = {
         .name = name,
-        .vertex_count = vertex_count,
-        .triangle_count = triangle_count,
-        .positions = positions,
-        .exact_positions = exact,
-        .indices = indices,
+        .vertex_count = 4 * count,
+        .triangle_count = 2 * count,
         .material = material,
     };
+    struct arena *arena = &scene->arena;
+    mesh.exact_positions = arena_alloc(arena, mesh.vertex_count, sizeof *mesh.exact_positions);
+    mesh.positions = arena_alloc(arena, mesh.vertex_count, sizeof *mesh.positions);
+    mesh.uvs[0] = arena_alloc(arena, mesh.vertex_count, sizeof *mesh.uvs[0]);
+    mesh.indices = arena_alloc(arena, mesh.triangle_count, sizeof *mesh.indices);
+    if (!mesh.exact_positions || !mesh.positions || !mesh.uvs[0] || !mesh.indices)
+        return err_memory(err, "a mesh's vertices",
+                          mesh.vertex_count * sizeof *mesh.exact_positions);
+    memcpy(mesh.exact_positions, corners, mesh.vertex_count * sizeof *corners);
+    memcpy(mesh.uvs[0], uvs, mesh.vertex_count * sizeof *uvs);
+    for (uint32_t v = 0; v < mesh.vertex_count; v++)
+        for (int i = 0; i < 3; i++)
+            mesh.positions[v][i] = (float)corners[v][i];
+    for (uint32_t t = 0; t < mesh.triangle_count; t++) {
+        uint32_t *corner = mesh.indices[t], first = t / 2 * 4;
+        corner[0] = first;
+        corner[1] = first + 1 + t % 2;
+        corner[2] = first + 2 + t % 2;
+    }
     uint32_t index;
     return scene_append_mesh(scene, &mesh, &index, err) && scene_place_meshes(scene, index, 1, err);
 }
+
+// The corners of a picture, counter-clockwise from its lower left.
+static const float picture_corners[4][2] = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
 
 // --- quad ----------------------------------------------------------------------------------------
 
@@ -74,7 +84,6 @@ static bool read_parallelogram(const struct json_node *quad, double vertices[4][
 bool load_json_quad(struct scene *scene, const struct json_node *quad, uint32_t material,
                     struct err *err)
 {
-    static const uint32_t triangles[2][3] = {{0, 1, 2}, {0, 2, 3}};
     double vertices[4][3];
     if (!node_check_either(quad, "vertices", "corner", err))
         return false;
@@ -83,7 +92,7 @@ bool load_json_quad(struct scene *scene, const struct json_node *quad, uint32_t 
         return node_fail(quad, err, "\"u\" and \"v\" go with \"corner\", not with \"vertices\"");
     if (!(has_vertices ? read_four_vertices : read_parallelogram)(quad, vertices, err))
         return false;
-    return add_polygons(scene, "quad", material, vertices, 4, triangles, 2, err);
+    return add_quadrilaterals(scene, "quad", material, vertices, picture_corners, 1, err);
 }
 
 // --- box -----------------------------------------------------------------------------------------
@@ -92,12 +101,16 @@ bool load_json_box(struct scene *scene, const struct json_node *box, uint32_t ma
                    struct err *err)
 {
     // Corner c takes max along x, y, z where bits 0, 1, 2 of c are set. Counter-clockwise from
-    // outside: -x, +x, -y, +y, -z, +z.
-    static const uint32_t triangles[12][3] = {
-        {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}, {0, 1, 5}, {0, 5, 4},
-        {2, 6, 7}, {2, 7, 3}, {0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6},
+    // outside, and which corner of the picture is the first: -x, +x, -y, +y, -z, +z. The sides show
+    // it upright, the top with its upper edge at -z, the bottom at +z.
+    static const struct {
+        uint8_t corners[4], first;
+    } faces[6] = {
+        {{0, 4, 6, 2}, 0}, {{1, 3, 7, 5}, 1}, {{0, 1, 5, 4}, 0},
+        {{2, 6, 7, 3}, 3}, {{0, 2, 3, 1}, 1}, {{4, 5, 7, 6}, 0},
     };
-    double bounds[2][3], vertices[8][3];
+    double bounds[2][3], vertices[24][3];
+    float uvs[24][2];
     if (!node_read_vector(box, "min", RANGE_COORDINATE, bounds[0], err) ||
         !node_read_vector(box, "max", RANGE_COORDINATE, bounds[1], err))
         return false;
@@ -105,10 +118,13 @@ bool load_json_box(struct scene *scene, const struct json_node *box, uint32_t ma
         if (!(bounds[0][i] < bounds[1][i]))
             return node_fail(box, err, "max[%d] %.9g is not above min[%d] %.9g", i, bounds[1][i], i,
                              bounds[0][i]);
-    for (unsigned corner = 0; corner < 8; corner++)
+    for (unsigned v = 0; v < 24; v++) {
+        unsigned corner = faces[v / 4].corners[v % 4];
         for (unsigned i = 0; i < 3; i++)
-            vertices[corner][i] = bounds[corner >> i & 1][i];
-    return add_polygons(scene, "box", material, vertices, 8, triangles, 12, err);
+            vertices[v][i] = bounds[corner >> i & 1][i];
+        memcpy(uvs[v], picture_corners[(faces[v / 4].first + v) % 4], sizeof uvs[v]);
+    }
+    return add_quadrilaterals(scene, "box", material, vertices, uvs, 6, err);
 }
 
 // --- analytic shapes -----------------------------------------------------------------------------

@@ -152,7 +152,7 @@ TEST(primitives)
     CHECK(quad->material == 1 && quad->vertex_count == 4 && quad->triangle_count == 2);
     CHECK(IS_VECTOR(quad->exact_positions[2], 3, 4, 1) && quad->positions[2][1] == 4);
     CHECK(IS_VECTOR(scene.meshes[1].exact_positions[2], 2, 2, 0) && scene.meshes[1].material == 0);
-    CHECK(box->vertex_count == 8 && box->triangle_count == 12);
+    CHECK(box->vertex_count == 24 && box->triangle_count == 12);
     check_outward(box, (const double[]){0.5, 1, 1.5});
     CHECK(scene.instances[2].material == SCENE_NONE && scene.instances[2].mesh == 2);
     CHECK(scene.shapes[0].kind == SHAPE_SPHERE && scene.shapes[0].radius == 2);
