@@ -1,8 +1,8 @@
-// Microfacet distributions beside GGX, Beckmann's and Phong's, with the masking functions that go with
-// them or are chosen in place of Smith's. Pure functions.
+// Microfacet distributions beside GGX, Beckmann's and Phong's, with the masking functions that go
+// with them or are chosen in place of Smith's. Pure functions.
 //
-// Directions are unit vectors of the local frame, z along the macroscopic normal, on its side; h is a
-// microfacet's normal. alpha is from 1e-4 on, and Walter et al. 2007 is "Microfacet Models for
+// Directions are unit vectors of the local frame, z along the macroscopic normal, on its side; h is
+// a microfacet's normal. alpha is from 1e-4 on, and Walter et al. 2007 is "Microfacet Models for
 // Refraction through Rough Surfaces".
 #ifndef BECKMANN_GLSL
 #define BECKMANN_GLSL
@@ -64,9 +64,8 @@ float error_function(float x)
 }
 
 // Smith's Lambda of Beckmann's distribution (Heitz 2014, eq. 66), with a = 1 / (alpha tan(theta)).
-// Phong's has no closed form and takes the same, with a = sqrt(a_p / 2 + 1) / tan(theta) (Walter et
-// al. 2007, section 5.2), which is the same a. Never divides by the sine, and from a = 4 on Lambda is
-// less than 2^-24 (its asymptote is exp(-a^2) / (4 sqrt(pi) a^3)).
+// Never divides by the sine; from a = 4 on Lambda is less than 2^-24 (its asymptote is
+// exp(-a^2) / (4 sqrt(pi) a^3)).
 float beckmann_lambda(vec3 w, float alpha)
 {
     float slope = alpha * length(w.xy);
@@ -77,13 +76,40 @@ float beckmann_lambda(vec3 w, float alpha)
     return max(0.0, 0.5 * (error_function(a) - 1.0 + INV_SQRT_PI * exp(-a * a) / a));
 }
 
-// Masking and shadowing of two directions on one side: height-correlated (Heitz 2014, eq. 99), or
-// separable.
-float beckmann_g2(vec3 wo, vec3 wi, float alpha, bool separable)
+// Smith's Lambda of Phong's distribution (Smith 1967, "Geometrical Shadowing of a Random Rough
+// Surface"): the integral of (m / cot(theta) - 1) P(m) over the slopes m beyond cot(theta). Slopes
+// are distributed as Student's t with 2 k = 2 / alpha^2 degrees of freedom, so that
+//   Lambda = c s^k / ((2 k - 1) x) - 1/2 + P_k,  P_k = c integral of (1 - y^2)^(k-1) over 0 ... x,
+//   x = cos(theta), s = 1 - x^2, c_k = Gamma(k + 1/2) / (sqrt(pi) Gamma(k)).
+// P comes from Wallace's approximation of Student's distribution by the normal one (1959, "Bounds on
+// Normal Approximations to Student's and the Chi-Square Distributions"), for k + 3 where it is
+// within 2e-4, and three steps of P_k = P_(k+1) - c_k x s^k / (2 k) (by parts); c from the
+// asymptotic series of c_k^2 for k + 3, within 1e-5.
+float phong_lambda(vec3 w, float alpha)
 {
-    float o = beckmann_lambda(wo, alpha);
-    float i = beckmann_lambda(wi, alpha);
-    return separable ? 1.0 / ((1.0 + o) * (1.0 + i)) : 1.0 / (1.0 + o + i);
+    float x = w.z;
+    float s = dot(w.xy, w.xy);
+    if (!(s > ROUNDING)) // Lambda < s
+        return 0.0;
+    float k = 1.0 / (alpha * alpha);
+    float k3 = k + 3.0;
+    float c3 = sqrt((k3 - 0.25 + (0.03125 + 0.0078125 / k3) / k3) * INV_PI);
+    float c2 = c3 * (k + 2.0) / (k + 2.5);
+    float c1 = c2 * (k + 1.0) / (k + 1.5);
+    float c = c1 * k / (k + 0.5);
+    float root = sqrt(-k3 * log_one_minus(min(x * x, 1.0 - s)));
+    float p = 0.5 * error_function((16.0 * k3 + 1.0) / (16.0 * k3 + 3.0) * root);
+    float steps = c / k + s * (c1 / (k + 1.0) + s * c2 / (k + 2.0));
+    float power = power_one_minus(x * x, k);
+    return max(0.0, c * power / ((2.0 * k - 1.0) * x) - 0.5 * x * power * steps + (p - 0.5));
+}
+
+// Masking and shadowing of two directions on one side from their Lambdas: height-correlated (Heitz
+// 2014, eq. 99), or separable.
+float smith_g2(float lambda_o, float lambda_i, bool separable)
+{
+    return separable ? 1.0 / ((1.0 + lambda_o) * (1.0 + lambda_i))
+                     : 1.0 / (1.0 + lambda_o + lambda_i);
 }
 
 // The rational fit to Beckmann's G1 (Walter et al. 2007, eq. 27).
@@ -96,8 +122,9 @@ float rational_g1(vec3 w, float alpha)
     return a * (3.535 + 2.181 * a) / (1.0 + a * (2.276 + 2.577 * a));
 }
 
-// Schlick 1994, "An Inexpensive BRDF Model for Physically-based Rendering", eq. 19, with k = alpha / 2
-// after Karis 2013, "Real Shading in Unreal Engine 4", which meets GGX's at grazing incidence.
+// Schlick 1994, "An Inexpensive BRDF Model for Physically-based Rendering", eq. 19, with
+// k = alpha / 2 after Karis 2013, "Real Shading in Unreal Engine 4", which meets GGX's at grazing
+// incidence.
 float schlick_ggx_g1(vec3 w, float alpha)
 {
     float k = 0.5 * alpha;

@@ -177,6 +177,36 @@ float microfacet_d(material m, vec3 h, float alpha)
     return ggx_d(h, vec2(alpha));
 }
 
+// G1 of the distribution, exact for GGX and Beckmann, and as good as for Phong.
+float microfacet_g1(material m, vec3 w, float alpha)
+{
+    uint distribution = microfacet_distribution(m);
+    if (distribution == DISTRIBUTION_GGX)
+        return ggx_g1(w, vec2(alpha));
+    return 1.0 / (1.0 + (distribution == DISTRIBUTION_PHONG ? phong_lambda(w, alpha)
+                                                            : beckmann_lambda(w, alpha)));
+}
+
+float microfacet_smith(material m, vec3 wo, vec3 wi, float alpha)
+{
+    bool separable = is_separable(m);
+    uint distribution = microfacet_distribution(m);
+    if (distribution == DISTRIBUTION_GGX)
+        return ggx_g2(wo, wi, vec2(alpha), separable);
+    if (distribution == DISTRIBUTION_PHONG)
+        return smith_g2(phong_lambda(wo, alpha), phong_lambda(wi, alpha), separable);
+    return smith_g2(beckmann_lambda(wo, alpha), beckmann_lambda(wi, alpha), separable);
+}
+
+// The fit is to Beckmann's. With another distribution it would leave more area visible than a
+// surface has, and reflect up to 1.7 times the light; so no more is visible than that one's G1 says.
+float microfacet_rational(material m, vec3 w, float alpha)
+{
+    float g1 = rational_g1(w, alpha);
+    bool fits = microfacet_distribution(m) == DISTRIBUTION_BECKMANN;
+    return fits ? g1 : min(g1, microfacet_g1(m, w, alpha));
+}
+
 // G / wo.z; cos_h is the cosine of either direction with the microfacet's normal.
 float microfacet_masking(material m, vec3 wo, vec3 wi, float cos_h, float alpha)
 {
@@ -186,10 +216,8 @@ float microfacet_masking(material m, vec3 wo, vec3 wi, float cos_h, float alpha)
     if (masking == MASKING_SCHLICK_GGX)
         return schlick_ggx_g1(wo, alpha) * schlick_ggx_g1(wi, alpha) / wo.z;
     if (masking == MASKING_RATIONAL)
-        return rational_g1(wo, alpha) * rational_g1(wi, alpha) / wo.z;
-    if (microfacet_distribution(m) == DISTRIBUTION_GGX)
-        return ggx_g2(wo, wi, vec2(alpha), is_separable(m)) / wo.z;
-    return beckmann_g2(wo, wi, alpha, is_separable(m)) / wo.z;
+        return microfacet_rational(m, wo, alpha) * microfacet_rational(m, wi, alpha) / wo.z;
+    return microfacet_smith(m, wo, wi, alpha) / wo.z;
 }
 
 // Walter et al. 2007, eq. 20. Normals are drawn from GGX's visible ones whatever the distribution:

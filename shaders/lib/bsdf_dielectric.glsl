@@ -32,8 +32,8 @@ bool is_thin(material m)
     return HAS_LOBE(LOBE_THIN) && material_has(m, MATERIAL_THIN);
 }
 
-// Nothing to see: the indices on both sides are the same but for what Vulkan's division may err (2.5
-// units in the last place).
+// Nothing to see: the indices on both sides are the same but for what Vulkan's division may err
+// (2.5 units in the last place).
 bool is_index_matched(float eta)
 {
     return abs(eta - 1.0) <= GAMMA(6);
