@@ -1,6 +1,7 @@
 #include "upload.h"
 
 #include "attributes.h"
+#include "image.h"
 #include "shared/types.h"
 #include <math.h>
 #include <string.h>
@@ -110,12 +111,45 @@ static void fill_normals(const struct flat_scene *flat, uint32_t id, uint32_t wo
         word[corner] = encode_normal(flat->normals[id][corner]);
 }
 
-// The attributes of one triangle, in the order of shared/types.h.
+static void fill_tangents(const struct flat_scene *flat, uint32_t id, uint32_t word[4])
+{
+    for (int corner = 0; corner < 3 && flat->tangents; corner++) {
+        word[corner] = encode_normal(flat->tangents[id][corner]);
+        word[3] |= flat->tangents[id][corner][3] < 0.0f ? 1u << corner : 0u;
+    }
+}
+
+static void fill_uvs(const struct flat_scene *flat, int set, uint32_t id, uint32_t (*word)[4])
+{
+    if (flat->uvs[set])
+        memcpy(word, flat->uvs[set][id], sizeof flat->uvs[set][id]);
+}
+
+// Two halves a word, the first one low.
+static void fill_colors(const struct flat_scene *flat, uint32_t id, uint32_t (*word)[4])
+{
+    for (int i = 0; i < 12; i++) {
+        float value = flat->colors ? flat->colors[id][i / 4][i % 4] : 1.0f;
+        word[i / 8][i / 2 % 4] |= (uint32_t)half_from_float(value) << i % 2 * 16;
+    }
+}
+
+// The attributes of one triangle, zeroed so far, in the order of shared/types.h.
 static void fill_attributes(const struct upload_params *p, uint32_t id, uint32_t (*word)[4])
 {
     uint32_t features = p->specialization->features;
     if (features & FEATURE_NORMALS)
         fill_normals(p->flat, id, *word++);
+    if (features & FEATURE_TANGENTS)
+        fill_tangents(p->flat, id, *word++);
+    for (int set = 0; set < 2; set++) {
+        if (!(features & (set ? FEATURE_UV1 : FEATURE_UV0)))
+            continue;
+        fill_uvs(p->flat, set, id, word);
+        word += 2;
+    }
+    if (features & FEATURE_COLORS)
+        fill_colors(p->flat, id, word);
 }
 
 static bool upload_attributes(struct gpu *gpu, const struct upload_params *p,

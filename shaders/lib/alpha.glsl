@@ -1,0 +1,69 @@
+// Reads materials, corners and textures: whether a surface is there where a ray meets it.
+#ifndef ALPHA_GLSL
+#define ALPHA_GLSL
+
+#include "lib/random.glsl"
+#include "lib/texture.glsl"
+
+// The opacity where a ray meets a primitive: of its material, textures and vertex colours. A
+// triangle is met at the barycentric coordinates of its corners 1 and 2, a shape at a point.
+float alpha_at(uint primitive, vec2 barycentrics, vec3 point, uint material_word)
+{
+    surface s;
+    s.uv0 = s.uv1 = vec2(0.0);
+    s.color = vec4(1.0);
+    bool is_shape = (HAS(FEATURE_SPHERES) || HAS(FEATURE_DISCS)) &&
+                    (HAS(FEATURE_TRIANGLES) ? (primitive & PRIMITIVE_SHAPE) != 0u : true);
+    if (HAS(FEATURE_TRIANGLES) && !is_shape)
+        load_corner_attributes(primitive, barycentrics, s);
+    if (HAS(FEATURE_TEXTURES) && is_shape)
+        s = load_shape_surface(primitive & ~PRIMITIVE_SHAPE, point);
+
+    uint at = MATERIAL_HEADER_WORDS + (material_word & MATERIAL_INDEX_MASK) * MATERIAL_WORDS;
+    uvec4 head = load_materials(at);
+    float alpha = load_materials_float(at + 1u + GROUP_BASE).a;
+    if (HAS(FEATURE_COLORS))
+        alpha *= s.color.a;
+    if (!HAS(FEATURE_TEXTURES))
+        return alpha;
+    uint textures = textures_begin() + head.y * TEXTURE_WORDS;
+    const uint scales_alpha = 1u << (TEXTURE_MASK_SHIFT + PARAMETER_OPACITY);
+    for (uint i = 0u; i < head.z; i++) {
+        texture_record t = load_texture(textures + i * TEXTURE_WORDS);
+        if (texture_use(t.flags) == TEXTURE_USE_SCALE && texture_group(t.flags) == GROUP_BASE &&
+            (t.flags & scales_alpha) != 0u)
+            alpha = scale_group(vec4(alpha), t.flags, filter_texture(t, s.uv0, s.uv1)).a;
+    }
+    return alpha;
+}
+
+// The probability that the surface is there: its opacity, or with a mask 0 or 1.
+float alpha_probability(uint primitive, vec2 barycentrics, vec3 point, uint material_word)
+{
+    uint at = MATERIAL_HEADER_WORDS + (material_word & MATERIAL_INDEX_MASK) * MATERIAL_WORDS;
+    float alpha = alpha_at(primitive, barycentrics, point, material_word);
+    float cutoff = load_materials_float(at + 1u + GROUP_CONDUCTOR_K).a;
+    bool is_masked = (load_materials(at).x & MATERIAL_ALPHA_MASK) != 0u;
+    return is_masked ? (alpha >= cutoff ? 1.0 : 0.0) : alpha;
+}
+
+// What all decisions along one ray have in common. `is_shadow` tells a shadow ray from the one that
+// goes on, of the same bounce.
+uvec4 alpha_key(uint seed, uint pixel, uint sample_index, uint bounce, bool is_shadow)
+{
+    const uint apart = 0x80000000u; // from the dimensions of random_4d()
+    return pcg4d(uvec4(pixel, sample_index, apart | bounce << 1u | (is_shadow ? 1u : 0u), seed));
+}
+
+// Whether the surface is there. `crossing` stands for the place of decision: the primitive's id,
+// another one where the ray meets the same sphere again. A pure function, so that the order in which
+// a traversal meets surfaces decides nothing.
+bool alpha_passes(uint primitive, vec2 barycentrics, vec3 point, uint material_word, uint crossing,
+                  uvec4 key)
+{
+    uint bits = pcg4d(key + uvec4(0u, 0u, 0u, crossing)).x >> 8u;
+    return float(bits) * 5.9604644775390625e-8 <
+           alpha_probability(primitive, barycentrics, point, material_word);
+}
+
+#endif
