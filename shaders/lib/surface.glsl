@@ -206,7 +206,8 @@ surface load_surface(vec3 origin, vec3 direction, vec4 hit)
         s.normal_geometric = -s.normal_geometric;
     if (dot(s.normal_shading, s.normal_geometric) < 0.0) {
         s.normal_shading = -s.normal_shading;
-        s.tangent = -s.tangent;
+        if (HAS_TANGENT)
+            s.tangent = -s.tangent;
     }
     return s;
 }
