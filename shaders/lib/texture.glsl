@@ -216,17 +216,23 @@ void apply_textures(inout material m, inout surface s)
     }
 }
 
-// Emission as textures leave it, where no more of the material is asked for.
-vec3 textured_emission(material m, surface s)
+// A group of parameters as textures leave it, where no more of the material is asked for. The number
+// is to be a constant.
+vec4 textured_group(material m, uint group, vec2 uv0, vec2 uv1)
 {
-    vec4 emission = m.group[GROUP_EMISSION];
+    vec4 result = m.group[group];
     uint at = textures_begin() + m.first_texture * TEXTURE_WORDS;
     for (uint i = 0u; i < m.texture_count; i++) {
         texture_record t = load_texture(at + i * TEXTURE_WORDS);
-        if (texture_use(t.flags) == TEXTURE_USE_SCALE && texture_group(t.flags) == GROUP_EMISSION)
-            emission = scale_group(emission, t.flags, filter_texture(t, s.uv0, s.uv1));
+        if (texture_use(t.flags) == TEXTURE_USE_SCALE && texture_group(t.flags) == group)
+            result = scale_group(result, t.flags, filter_texture(t, uv0, uv1));
     }
-    return emission.rgb;
+    return result;
+}
+
+vec3 textured_emission(material m, surface s)
+{
+    return textured_group(m, GROUP_EMISSION, s.uv0, s.uv1).rgb;
 }
 
 // --- the shading frame ---------------------------------------------------------------------------
