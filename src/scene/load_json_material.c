@@ -186,24 +186,24 @@ static bool read_alpha(const struct scene *scene, const struct json_node *node,
     return true;
 }
 
-// The microfacet model has a choice of four; the others are Smith's, for both directions together
-// or each alone.
+// Smith's, for both directions together or for each alone; the microfacet model has others as well.
 static bool read_masking(const struct json_node *node, struct material *material, struct err *err)
 {
-    static const char *const choices[] = {[MASKING_SMITH] = "smith",
-                                          [MASKING_SCHLICK_GGX] = "schlick_ggx",
-                                          [MASKING_LH] = "lh",
-                                          [MASKING_RATIONAL] = "rational",
-                                          NULL};
-    static const char *const smith[] = {"smith", "separable", NULL};
-    bool is_microfacet = material->model == MATERIAL_MICROFACET;
+    static const char *const names[] = {"smith", "separable", "schlick_ggx",
+                                        "lh",    "rational",  NULL};
+    static const uint32_t flags[] = {
+        MASKING_SMITH << MATERIAL_MASKING_SHIFT,
+        MASKING_SMITH << MATERIAL_MASKING_SHIFT | MATERIAL_SEPARABLE,
+        MASKING_SCHLICK_GGX << MATERIAL_MASKING_SHIFT,
+        MASKING_LH << MATERIAL_MASKING_SHIFT,
+        MASKING_RATIONAL << MATERIAL_MASKING_SHIFT,
+    };
+    static const char *const smith_names[] = {"smith", "separable", NULL};
+    bool has_all = material->model == MATERIAL_MICROFACET;
     uint32_t choice = 0;
-    if (!node_read_choice(node, "masking", is_microfacet ? choices : smith, &choice, err))
+    if (!node_read_choice(node, "masking", has_all ? names : smith_names, &choice, err))
         return false;
-    if (is_microfacet)
-        material->flags |= choice << MATERIAL_MASKING_SHIFT;
-    else if (choice > 0)
-        material->flags |= MATERIAL_SEPARABLE;
+    material->flags |= flags[choice];
     return true;
 }
 

@@ -3,8 +3,10 @@
 
 check_format.py SOURCE_ROOT LOAD_SCENE: every file of scenes/ fits the schema; every bad document of
 bad_scenes.json is refused by the loader with the message that stands there, and by the schema where
-a schema can say it; every good one passes both.
+a schema can say it; every good one passes both. Schema and description have every parameter of the
+loader's table, and the schema has its range and its types.
 """
+import base64
 import json
 import os
 import subprocess
@@ -17,6 +19,9 @@ except ImportError:
     print("skipped: no module jsonschema")
     sys.exit(1 if os.environ.get("LAMPYRIS_NO_SKIP") else 77)
 
+# A PNG of one texel.
+TEXEL = base64.b64decode(
+    "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg==")
 ERR_USAGE, ERR_INPUT = 1, 2
 failures = 0
 
@@ -62,12 +67,39 @@ def check_good(loader, folder, validator, case):
         fail(case["name"], f"schema: {error.message}")
 
 
+def try_schema(validator, material):
+    return validator.is_valid({"lampyris": 1, "materials": {"a": material}})
+
+
+def check_parameters(loader, validator, description):
+    table = subprocess.run([loader, "--parameters"], stdout=subprocess.PIPE, encoding="utf-8")
+    lines = table.stdout.strip().split("\n")
+    for line in lines:
+        name, count, least, greatest, models, _ = line.split(" ", 5)
+        if f"`{name}`" not in description:
+            fail(name, "scene-format.md does not describe it")
+        for model in "diffuse mirror principled dielectric conductor phong blinn_phong microfacet".split():
+            material = {"type": model}
+            if name == "alpha_cutoff":
+                material["alpha"] = "mask"
+            for value, inside in ((float(least), True), (float(greatest), True),
+                                  (float(least) - 1, False), (2 * float(greatest), False)):
+                material[name] = value if count == "1" else [value] * 3
+                expected = inside and model in models.split(",")
+                if try_schema(validator, material) != expected:
+                    fail(name, f"the schema {'refuses' if expected else 'accepts'} {value} of {model}")
+    return len(lines)
+
+
 def main():
     root, loader = sys.argv[1:3]
     with open(os.path.join(root, "docs", "scene.schema.json"), encoding="utf-8") as file:
         schema = json.load(file)
     jsonschema.Draft202012Validator.check_schema(schema)
     validator = jsonschema.Draft202012Validator(schema)
+
+    with open(os.path.join(root, "docs", "scene-format.md"), encoding="utf-8") as file:
+        parameters = check_parameters(loader, validator, file.read())
 
     scenes = os.path.join(root, "scenes")
     names = sorted(name for name in os.listdir(scenes) if name.endswith(".json"))
@@ -85,6 +117,8 @@ def main():
             file.write("v 1 1 1\nf 1 1 1\n")
         with open(os.path.join(folder, "mesh.fbx"), "w") as file:
             file.write("x")
+        with open(os.path.join(folder, "texel.png"), "wb") as file:
+            file.write(TEXEL)
         with open(os.path.join(folder, "broken.obj"), "w") as file:
             file.write("v 0 0\n")
         os.mkfifo(os.path.join(folder, "pipe.obj"))
@@ -93,7 +127,7 @@ def main():
             check_bad(loader, folder, validator, case)
         for case in table["good"]:
             check_good(loader, folder, validator, case)
-    print(f"{len(names)} scenes, {len(table['bad'])} bad and {len(table['good'])} good documents, "
+    print(f"{parameters} parameters, {len(names)} scenes, {len(table['bad'])} bad and {len(table['good'])} good documents, "
           f"{failures} failures")
     sys.exit(failures > 0)
 

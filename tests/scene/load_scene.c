@@ -1,5 +1,6 @@
 // load_scene FILE [KEY=VALUE …]: loads a scene with overrides. Exit status 0, or 1 with the error's
-// code and message on stdout: what check_format.py drives.
+// code and message on stdout: what check_format.py drives. load_scene --parameters: prints the
+// table of the materials' parameters, a line each: name, components, least, greatest, models, help.
 #include "scene.h"
 
 #include <stdio.h>
@@ -7,12 +8,28 @@
 
 #define MAX_OVERRIDES 16
 
+static void print_parameters(void)
+{
+    for (uint32_t i = 0; i < material_parameter_count; i++) {
+        const struct material_parameter *p = &material_parameters[i];
+        printf("%s %u %g %g ", p->name, p->count, (double)p->min, (double)p->max);
+        for (uint32_t model = 0; model < MATERIAL_MODEL_COUNT; model++)
+            if (p->models >> model & 1u)
+                printf("%s,", material_model_names[model]);
+        printf(" %s\n", p->help);
+    }
+}
+
 int main(int argc, char **argv)
 {
     struct scene_override overrides[MAX_OVERRIDES];
     struct scene_load_params params = {.overrides = overrides};
     if (argc < 2 || argc - 2 > MAX_OVERRIDES)
         return 2;
+    if (strcmp(argv[1], "--parameters") == 0) {
+        print_parameters();
+        return 0;
+    }
     params.path = argv[1];
     for (int i = 2; i < argc; i++) {
         char *equals = strchr(argv[i], '=');

@@ -2,7 +2,16 @@
 // and with which words, stands in bad_scenes.json, which check_format.py runs.
 #include "mesh_files.h"
 
+#include "shared/types.h"
 #include <sys/stat.h>
+
+// A PNG of one texel.
+static const unsigned char texel_png[] = {
+    0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d, 0x49, 0x48,
+    0x44, 0x52, 0x00, 0x00, 0x00, 0x01, 0x00, 0x00, 0x00, 0x01, 0x08, 0x06, 0x00, 0x00,
+    0x00, 0x1f, 0x15, 0xc4, 0x89, 0x00, 0x00, 0x00, 0x0d, 0x49, 0x44, 0x41, 0x54, 0x78,
+    0xda, 0x63, 0x64, 0xf8, 0xcf, 0x50, 0x0f, 0x00, 0x03, 0x86, 0x01, 0x80, 0x5a, 0x34,
+    0x7d, 0x6b, 0x00, 0x00, 0x00, 0x00, 0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82};
 
 #define ONE_TRIANGLE "v 0 0 0\nv 1 0 0\nv 0 2 0\nf 1 2 3\n"
 
@@ -113,6 +122,143 @@ TEST(materials_keep_their_order)
     scene_finish(&scene);
 }
 
+TEST(materials_of_every_model)
+{
+    struct scene scene = load_body(
+        "\"materials\": {"
+        "\"p\": {\"type\": \"principled\", \"metallic\": 0.25, \"clearcoat_roughness\": 0.5,"
+        " \"masking\": \"separable\", \"compensate\": false, \"sheen_color\": [0.25, 0.5, 1]},"
+        "\"d\": {\"type\": \"dielectric\", \"ior\": 1.25, \"priority\": 9, \"absorption\":"
+        " {\"color\": [1, 0.5, 0], \"distance\": 2}},"
+        "\"c\": {\"type\": \"conductor\", \"conductor_eta\": [0.001, 2, 3]},"
+        "\"b\": {\"type\": \"blinn_phong\", \"smoothness\": 0.5},"
+        "\"m\": {\"type\": \"microfacet\", \"distribution\": \"phong\", \"masking\": \"lh\","
+        " \"fresnel\": \"exact\", \"roughness\": 0.75},"
+        "\"t\": {\"type\": \"dielectric\", \"thin\": true, \"roughness\": 0.125}}");
+    REQUIRE(scene.material_count == 6, "%u", scene.material_count);
+    const struct material *m = scene.materials;
+    CHECK(m[0].model == MATERIAL_PRINCIPLED && m[0].metallic == 0.25f && m[0].roughness == 0.5f);
+    CHECK(m[0].flags == (MATERIAL_COAT_GGX | MATERIAL_SEPARABLE) && m[0].clearcoat_gloss == 1);
+    CHECK(is_color(m[0].sheen_color, 0.25f, 0.5f, 1) && m[0].clearcoat_roughness == 0.5f);
+    CHECK(m[1].model == MATERIAL_DIELECTRIC && m[1].roughness == 0 && m[1].ior == 1.25f);
+    CHECK(m[1].medium_priority == 9 && m[1].extinction[0] == 0 && isinf(m[1].extinction[2]));
+    CHECK(fabsf(m[1].extinction[1] - logf(2) / 2) < 1e-7f, "%g", (double)m[1].extinction[1]);
+    CHECK(m[2].model == MATERIAL_CONDUCTOR && m[2].conductor_eta[0] == 0.001f);
+    CHECK(m[2].flags == MATERIAL_COMPENSATE && m[2].roughness == 0 && m[2].conductor_k[1] == 3.9f);
+    // 1000^(1/4)
+    CHECK(m[3].model == MATERIAL_BLINN_PHONG && fabsf(m[3].exponent - 5.6234133f) < 1e-6f);
+    CHECK(m[4].model == MATERIAL_MICROFACET && m[4].roughness == 0.75f);
+    CHECK((m[4].flags & ~MATERIAL_COMPENSATE) ==
+          (DISTRIBUTION_PHONG << MATERIAL_DISTRIBUTION_SHIFT |
+           MASKING_LH << MATERIAL_MASKING_SHIFT | MATERIAL_EXACT_FRESNEL));
+    CHECK((m[5].flags & MATERIAL_THIN) && m[5].roughness == 0.125f && m[5].medium_priority == 1);
+    CHECK(material_has_inside(&m[1]) && !material_has_inside(&m[5]));
+    scene_finish(&scene);
+}
+
+#define ALPHA_FLAGS (MATERIAL_ALPHA_BLEND | MATERIAL_ALPHA_MASK)
+
+TEST(alpha_blends_what_may_be_transparent)
+{
+    write_bytes("texel.png", texel_png, sizeof texel_png);
+    struct scene scene = load_body(
+        "\"materials\": {\"a\": {}, \"b\": {\"opacity\": 0.5},"
+        "\"c\": {\"opacity\": 0.5, \"alpha\": \"opaque\"}, \"d\": {\"alpha\": \"mask\","
+        " \"alpha_cutoff\": 0.25}, \"e\": {\"textures\": [{\"file\": \"texel.png\","
+        " \"parameters\": {\"base_color\": \"rgb\", \"opacity\": \"a\"}}]},"
+        "\"f\": {\"textures\": [{\"file\": \"texel.png\", \"parameters\": {\"base_color\":"
+        " \"rgb\"}}]}}");
+    const uint32_t expected[] = {
+        0, MATERIAL_ALPHA_BLEND, 0, MATERIAL_ALPHA_MASK, MATERIAL_ALPHA_BLEND, 0};
+    REQUIRE(scene.material_count == 6, "%u", scene.material_count);
+    for (int i = 0; i < 6; i++)
+        CHECK((scene.materials[i].flags & ALPHA_FLAGS) == expected[i], "%d: %x", i,
+              scene.materials[i].flags);
+    CHECK(scene.materials[3].alpha_cutoff == 0.25f && scene.image_count == 1);
+    scene_finish(&scene);
+}
+
+TEST(textures_scale_groups_of_parameters)
+{
+    write_bytes("texel.png", texel_png, sizeof texel_png);
+    struct scene scene = load_body(
+        "\"materials\": {\"x\": {\"type\": \"principled\", \"textures\": ["
+        "{\"file\": \"texel.png\", \"parameters\": {\"base_color\": \"g\"}, \"wrap\": \"clamp\"},"
+        "{\"file\": \"texel.png\", \"parameters\": {\"roughness\": \"g\", \"metallic\": \"b\","
+        " \"clearcoat\": \"r\"}, \"wrap\": [\"mirror\", \"repeat\"], \"filter\": \"nearest\","
+        " \"uv_set\": 1, \"offset\": [5, 6], \"scale\": [2, 3], \"rotation_degrees\": 450}]},"
+        "\"y\": {\"type\": \"principled\", \"roughness\": 0.25, \"textures\": ["
+        "{\"file\": \"texel.png\", \"parameters\": {\"roughness\": \"a\", \"metallic\": \"a\"},"
+        " \"invert\": true}, {\"file\": \"texel.png\", \"use\": \"normal\"},"
+        " {\"file\": \"texel.png\", \"use\": \"anisotropy\"}]}}");
+    REQUIRE(scene.material_count == 2 && scene.texture_count == 6, "%u", scene.texture_count);
+    const struct material *x = &scene.materials[0], *y = &scene.materials[1];
+    CHECK(x->first_texture == 0 && x->texture_count == 3 && y->first_texture == 3);
+    CHECK(x->base_color[1] == 1 && x->roughness == 1 && x->metallic == 1 && x->clearcoat == 1);
+    CHECK(y->roughness == 0.25f && y->metallic == 0 && y->anisotropic == 1);
+
+    const struct texture *t = scene.textures;
+    // Bits of a mask and channels of two bits, component 0 lowest.
+    const uint32_t wrapped = TEXTURE_WRAP_MIRROR | TEXTURE_NEAREST | TEXTURE_UV1;
+    CHECK(t[0].flags == (TEXTURE_WRAP_CLAMP | TEXTURE_WRAP_CLAMP << TEXTURE_WRAP_T_SHIFT |
+                         GROUP_BASE << TEXTURE_GROUP_SHIFT | 7u << TEXTURE_MASK_SHIFT |
+                         0x15u << TEXTURE_CHANNELS_SHIFT),
+          "%x", t[0].flags);
+    CHECK(t[1].flags == (wrapped | GROUP_METAL << TEXTURE_GROUP_SHIFT | 6u << TEXTURE_MASK_SHIFT |
+                         0x24u << TEXTURE_CHANNELS_SHIFT),
+          "%x", t[1].flags);
+    CHECK(t[2].flags ==
+              (wrapped | GROUP_CLEARCOAT << TEXTURE_GROUP_SHIFT | 1u << TEXTURE_MASK_SHIFT),
+          "%x", t[2].flags);
+    CHECK(t[3].flags == (GROUP_METAL << TEXTURE_GROUP_SHIFT | 6u << TEXTURE_MASK_SHIFT |
+                         6u << TEXTURE_INVERT_SHIFT | 0x3cu << TEXTURE_CHANNELS_SHIFT),
+          "%x", t[3].flags);
+    CHECK(t[4].flags == TEXTURE_USE_NORMAL << TEXTURE_USE_SHIFT, "%x", t[4].flags);
+    CHECK(t[5].flags == TEXTURE_USE_ANISOTROPY << TEXTURE_USE_SHIFT, "%x", t[5].flags);
+    // Colours and numbers of one file are two images: the texel is sRGB-encoded in one of them.
+    CHECK(scene.image_count == 2 && t[1].image == t[4].image && t[0].image != t[1].image);
+
+    // A quarter turn: s = 5 + 3 v, t = 6 - 2 u.
+    const float turned[2][3] = {{0, 3, 5}, {-2, 0, 6}};
+    for (int i = 0; i < 2; i++)
+        for (int j = 0; j < 3; j++)
+            CHECK(fabsf(t[1].transform[i][j] - turned[i][j]) < 1e-6f, "%d %d: %g", i, j,
+                  (double)t[1].transform[i][j]);
+    scene_finish(&scene);
+}
+
+TEST(lights)
+{
+    struct scene scene = load_body(
+        "\"lights\": [{\"type\": \"point\", \"name\": \"bulb\", \"position\": [1, 2, 3],"
+        " \"power\": [100, 0, 0], \"range\": 7},"
+        "{\"type\": \"spot\", \"position\": [0, 3, 0], \"target\": [0, 0, 0],"
+        " \"inner_degrees\": 30, \"outer_degrees\": 60, \"intensity\": [1, 2, 3]},"
+        "{\"type\": \"spot\", \"position\": [0, 3, 0], \"direction\": [0, 0, 9],"
+        " \"inner_degrees\": 30, \"outer_degrees\": 60, \"power\": [1, 1, 1]},"
+        "{\"type\": \"directional\", \"direction\": [0, -2, 0], \"irradiance\": [4, 5, 6]}]");
+    REQUIRE(scene.light_count == 4 && !scene.environment.present);
+    const struct light *l = scene.lights;
+    CHECK(l[0].kind == LIGHT_POINT && l[0].range == 7 && strcmp(l[0].name, "bulb") == 0);
+    CHECK(IS_VECTOR(l[0].position, 1, 2, 3));
+    CHECK(fabs((double)l[0].radiant[0] - 100 / (4 * M_PI)) < 1e-6, "%g", (double)l[0].radiant[0]);
+    CHECK(l[1].kind == LIGHT_SPOT && IS_VECTOR(l[1].direction, 0, -1, 0) && isinf(l[1].range));
+    CHECK(fabs((double)l[1].inner_angle - M_PI / 6) < 1e-7 &&
+          fabs((double)l[1].outer_angle - M_PI / 3) < 1e-7);
+    CHECK(is_color(l[1].radiant, 1, 2, 3) && IS_VECTOR(l[2].direction, 0, 0, 1));
+    // By the midpoint rule over cosines, against the loader's closed form.
+    double solid_angle = 0, outer = cos(M_PI / 3), inner = cos(M_PI / 6);
+    const int steps = 100000;
+    for (int i = 0; i < steps; i++) {
+        double f = fmin(1, (1 - outer) * (i + 0.5) / steps / (inner - outer));
+        solid_angle += 2 * M_PI * f * f * (1 - outer) / steps;
+    }
+    CHECK(fabs((double)l[2].radiant[1] * solid_angle - 1) < 1e-6, "%g", solid_angle);
+    CHECK(l[3].kind == LIGHT_DIRECTIONAL && IS_VECTOR(l[3].direction, 0, -1, 0));
+    CHECK(is_color(l[3].radiant, 4, 5, 6) && scene.note_count == 1);
+    scene_finish(&scene);
+}
+
 #define WHITE "\"materials\": {\"white\": {}, \"red\": {\"base_color\": [1, 0, 0]}}, "
 
 static void check_outward(const struct mesh *mesh, const double center[3])
@@ -131,6 +277,17 @@ static void check_outward(const struct mesh *mesh, const double center[3])
             normal[i] =
                 e[0][(i + 1) % 3] * e[1][(i + 2) % 3] - e[0][(i + 2) % 3] * e[1][(i + 1) % 3];
         CHECK(normal[0] * out[0] + normal[1] * out[1] + normal[2] * out[2] > 0, "triangle %u", t);
+    }
+}
+
+// What is counter-clockwise on the surface is so in the picture, whose v points downwards.
+static void check_not_mirrored(const struct mesh *mesh)
+{
+    for (uint32_t t = 0; t < mesh->triangle_count; t++) {
+        const float *a = mesh->uvs[0][mesh->indices[t][0]], *b = mesh->uvs[0][mesh->indices[t][1]],
+                    *c = mesh->uvs[0][mesh->indices[t][2]];
+        float area = (b[0] - a[0]) * (a[1] - c[1]) - (c[0] - a[0]) * (a[1] - b[1]);
+        CHECK(area == 1, "triangle %u: %g", t, (double)area);
     }
 }
 
@@ -153,6 +310,12 @@ TEST(primitives)
     CHECK(IS_VECTOR(quad->exact_positions[2], 3, 4, 1) && quad->positions[2][1] == 4);
     CHECK(IS_VECTOR(scene.meshes[1].exact_positions[2], 2, 2, 0) && scene.meshes[1].material == 0);
     CHECK(box->vertex_count == 24 && box->triangle_count == 12);
+    check_not_mirrored(quad);
+    check_not_mirrored(box);
+    // Upright on the side at +z: the upper left corner of the picture.
+    for (uint32_t v = 20; v < 24; v++)
+        CHECK((box->uvs[0][v][0] == 0 && box->uvs[0][v][1] == 0) ==
+              IS_VECTOR(box->exact_positions[v], 0, 2, 3));
     check_outward(box, (const double[]){0.5, 1, 1.5});
     CHECK(scene.instances[2].material == SCENE_NONE && scene.instances[2].mesh == 2);
     CHECK(scene.shapes[0].kind == SHAPE_SPHERE && scene.shapes[0].radius == 2);
@@ -426,6 +589,10 @@ int main(int argc, char **argv)
         TEST_CASE(camera),
         TEST_CASE(film_and_settings),
         TEST_CASE(materials_keep_their_order),
+        TEST_CASE(materials_of_every_model),
+        TEST_CASE(alpha_blends_what_may_be_transparent),
+        TEST_CASE(textures_scale_groups_of_parameters),
+        TEST_CASE(lights),
         TEST_CASE(primitives),
         TEST_CASE(transforms_apply_in_their_order),
         TEST_CASE(mesh_files_fit_their_box),
