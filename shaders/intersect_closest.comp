@@ -28,7 +28,8 @@ void main()
     uvec4 origin = load_path(slot, PATH_ORIGIN);
     vec3 direction = uintBitsToFloat(load_path(slot, PATH_DIRECTION).xyz);
     const float infinity = uintBitsToFloat(0x7f800000u);
-    trace_ray ray = trace_ray(uintBitsToFloat(origin.xyz), direction, origin.w, NO_PRIMITIVE);
+    trace_ray ray = trace_ray(uintBitsToFloat(origin.xyz), direction, origin.w, NO_PRIMITIVE,
+                              ray_alpha(slot, false));
     trace_hit hit = trace_hit(infinity, vec2(0.0), NO_PRIMITIVE, NO_PRIMITIVE);
     bool done = trace_or_suspend(slot, valid, ray, hit);
 

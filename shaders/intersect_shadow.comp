@@ -16,7 +16,7 @@ void main()
     uvec4 origin = load_shadow_rays(slot * SHADOW_WORDS);
     uvec4 direction = load_shadow_rays(slot * SHADOW_WORDS + 1u);
     trace_ray ray = trace_ray(uintBitsToFloat(origin.xyz), uintBitsToFloat(direction.xyz),
-                              origin.w, direction.w);
+                              origin.w, direction.w, ray_alpha(slot, true));
     trace_hit hit = trace_hit(1.0, vec2(0.0), NO_PRIMITIVE, 0u);
     bool done = trace_or_suspend(slot, valid, ray, hit);
 

@@ -10,6 +10,7 @@
 #include "lib/queue.glsl"
 #include "lib/random.glsl"
 #include "lib/ray_offset.glsl"
+#include "lib/texture.glsl"
 
 // Where a path is: all that its vertex is shaded from.
 struct vertex {
@@ -197,7 +198,9 @@ void main()
         v.primitive = floatBitsToUint(hit.w);
         v.s = load_surface(origin, ray.xyz, hit);
         v.m = load_material(v.s.material);
-        v.frame = basis_around(v.s.normal_shading);
+        if (HAS(FEATURE_TEXTURES) || HAS(FEATURE_COLORS))
+            apply_textures(v.m, v.s);
+        v.frame = shading_frame(v.s, v.m, -ray.xyz);
         v.wo = -ray.xyz * v.frame;
         v.eta = v.m.group[GROUP_INTERFACE].g;
 

@@ -4,6 +4,7 @@
 #ifndef LIGHT_GLSL
 #define LIGHT_GLSL
 
+#include "lib/alpha.glsl"
 #include "lib/material.glsl"
 #include "lib/sampling.glsl"
 #include "lib/surface.glsl"
@@ -15,6 +16,8 @@ struct light_sample {
     uint primitive;
     bool delta; // without extent: nothing else finds it, so that its weight is 1; `radiance` is the
                 // irradiance of a surface that faces it, and `pdf` that of the choice alone
+    uint material;     // word of a primitive's
+    vec2 barycentrics; // of the point on a triangle
 };
 
 // 1 - cos of the half-angle under which a sphere is seen, from sin^2 of it; does not cancel.
@@ -67,6 +70,8 @@ void sample_triangle_light(vec3 origin, uint index, vec2 u, inout light_sample l
     vec3 v2 = load_triangles_float(index * 3u + 2u).xyz;
     vec2 b = sample_triangle(u);
     vec3 point = v0 + b.x * (v1 - v0) + b.y * (v2 - v0);
+    l.material = w1.w;
+    l.barycentrics = b;
     finish_area_sample(l, point - origin, normalize(cross(v1 - v0, v2 - v0)),
                        load_material(w1.w));
 }
@@ -102,6 +107,7 @@ void sample_shape_light(vec3 origin, uint index, vec2 u, inout light_sample l)
     uvec4 w1 = load_shapes(index * 2u + 1u);
     uint kind = w1.w >> SHAPE_KIND_SHIFT;
     material m = load_material(w1.w);
+    l.material = w1.w;
     if (HAS(FEATURE_EMISSIVE_SPHERES) && kind == SHAPE_KIND_SPHERE)
         sample_sphere_light(origin, w0.xyz, w0.w, m, u, l);
     if (HAS(FEATURE_EMISSIVE_DISCS) && kind == SHAPE_KIND_DISC) {
@@ -110,6 +116,24 @@ void sample_shape_light(vec3 origin, uint index, vec2 u, inout light_sample l)
         mat3 basis = basis_around(normal);
         finish_area_sample(l, w0.xyz + basis[0] * d.x + basis[1] * d.y - origin, normal, m);
     }
+}
+
+// What textures leave of a sampled primitive's emission, and whether it is there at all: on average,
+// since the shadow ray does not ask what it is sent to.
+void texture_light(vec3 origin, inout light_sample l)
+{
+    vec3 point = origin + l.to_light;
+    if (HAS(FEATURE_TEXTURES)) {
+        surface s;
+        bool is_shape = (l.primitive & PRIMITIVE_SHAPE) != 0u;
+        if (HAS(FEATURE_EMISSIVE_TRIANGLES) && !is_shape)
+            load_corner_attributes(l.primitive, l.barycentrics, s);
+        if ((HAS(FEATURE_EMISSIVE_SPHERES) || HAS(FEATURE_EMISSIVE_DISCS)) && is_shape)
+            s = load_shape_surface(l.primitive & ~PRIMITIVE_SHAPE, point);
+        l.radiance = textured_emission(load_material(l.material), s);
+    }
+    if (HAS(FEATURE_ALPHA) && (l.material & MATERIAL_WORD_ALPHA) != 0u)
+        l.radiance *= alpha_probability(l.primitive, l.barycentrics, point, l.material);
 }
 
 // What a spot sends into the unit direction `from_light`, as a part of its intensity
@@ -188,6 +212,8 @@ light_sample sample_light(vec3 origin, vec4 u)
     l.pdf = 0.0;
     l.radiance = vec3(0.0);
     l.delta = false;
+    l.material = 0u;
+    l.barycentrics = vec2(0.0);
     bool is_point = HAS(FEATURE_LIGHTS) && (l.primitive & PRIMITIVE_LIGHT) != 0u;
     bool is_shape = (HAS(FEATURE_EMISSIVE_SPHERES) || HAS(FEATURE_EMISSIVE_DISCS)) && !is_point &&
                     (HAS(FEATURE_EMISSIVE_TRIANGLES) ? (l.primitive & PRIMITIVE_SHAPE) != 0u
@@ -196,6 +222,8 @@ light_sample sample_light(vec3 origin, vec4 u)
         sample_triangle_light(origin, l.primitive, u.yz, l);
     if (is_shape)
         sample_shape_light(origin, l.primitive & ~PRIMITIVE_SHAPE, u.yz, l);
+    if ((HAS(FEATURE_TEXTURES) || HAS(FEATURE_ALPHA)) && !is_point)
+        texture_light(origin, l);
     if (is_point)
         sample_point_light(origin, l.primitive & ~PRIMITIVE_LIGHT, l);
     return l;

@@ -37,6 +37,14 @@ void resume(uint slot, out trace_state state, out trace_hit hit)
         stack[i] = suspended_words[base + SUSPENDED_HEADER + i];
 }
 
+// The key of alpha's decisions for the ray of a slot.
+uvec4 ray_alpha(uint slot, bool is_shadow)
+{
+    if (!HAS(FEATURE_ALPHA))
+        return uvec4(0u);
+    return alpha_key(push.seed, slot_pixel(slot), slot_sample(slot), push.bounce, is_shadow);
+}
+
 // Traces from the start, or from where a suspended ray was left; true when it is done. What is left
 // over is saved and queued (FEATURE_SUSPEND), or else counted: the wave's results are void then.
 bool trace_or_suspend(uint slot, bool valid, trace_ray ray, inout trace_hit hit)

@@ -3,6 +3,7 @@
 #ifndef TRAVERSE_GLSL
 #define TRAVERSE_GLSL
 
+#include "lib/alpha.glsl"
 #include "lib/bvh_node.glsl"
 #include "lib/intersect_shape.glsl"
 #include "lib/intersect_triangle.glsl"
@@ -11,6 +12,7 @@ struct trace_ray {
     vec3 origin;
     vec3 direction;
     uint ignore_a, ignore_b; // primitive words: where it starts, and what it is sent to
+    uvec4 alpha; // what decides whether it meets surfaces that are not everywhere there
 };
 
 // The plane of the triangle that a ray starts on. Its coplanar neighbours cannot be hit either: their
@@ -86,7 +88,27 @@ void intersect_triangle_leaf(trace_ray ray, triangle_frame frame, left_plane pla
                   in_plane(plane, ray.origin, v1) && in_plane(plane, ray.origin, v2);
     bool hit = intersect_triangle(frame, ray.origin, v0, v1, v2, t, uv) && !leaves &&
                index != ray.ignore_a && index != ray.ignore_b;
+    if (HAS(FEATURE_ALPHA) && hit && t > 0.0 && t <= best.t && (w1.w & MATERIAL_WORD_ALPHA) != 0u)
+        hit = alpha_passes(index, uv, vec3(0.0), w1.w, w0.w, ray.alpha);
     accept_hit(best, hit, t, uv, index, w0.w);
+}
+
+// The distance at which a shape that is not everywhere there is met: where a ray passes a sphere's
+// near side it may meet the far one, another place of decision. Negative: nowhere.
+float shape_hit_there(trace_ray ray, vec3 center, uint kind, uint primitive, uint word, float t)
+{
+    const uint far_side = 0x80000000u;
+    vec3 point = ray.origin + t * ray.direction;
+    if (!(t > 0.0) || alpha_passes(primitive, vec2(0.0), point, word, primitive, ray.alpha))
+        return t;
+    if (!HAS(FEATURE_SPHERES) || kind != SHAPE_KIND_SPHERE || primitive == ray.ignore_a)
+        return -1.0;
+    // The roots' sum is twice the distance of the point nearest to the centre.
+    float far = 2.0 * dot(center - ray.origin, ray.direction) / dot(ray.direction, ray.direction) - t;
+    point = ray.origin + far * ray.direction;
+    bool there = far > t && alpha_passes(primitive, vec2(0.0), point, word, primitive | far_side,
+                                         ray.alpha);
+    return there ? far : -1.0;
 }
 
 void intersect_shape_leaf(trace_ray ray, uint index, inout trace_hit best)
@@ -101,6 +123,8 @@ void intersect_shape_leaf(trace_ray ray, uint index, inout trace_hit best)
     if (HAS(FEATURE_DISCS) && kind == SHAPE_KIND_DISC && primitive != ray.ignore_a &&
         primitive != ray.ignore_b)
         t = intersect_disc(ray.origin, ray.direction, w0.xyz, uintBitsToFloat(w1.xyz), w0.w);
+    if (HAS(FEATURE_ALPHA) && (w1.w & MATERIAL_WORD_ALPHA) != 0u)
+        t = shape_hit_there(ray, w0.xyz, kind, primitive, w1.w, t);
     accept_hit(best, true, t, vec2(0.0), primitive, primitive);
 }
 
