@@ -18,7 +18,10 @@ struct test_case {
     void (*run)(void);
 };
 
-static int test_failures, test_skips;
+// Of the whole program: fixtures in files of their own count too. Weak, so that each of them may
+// define these.
+extern int test_failures, test_skips;
+__attribute__((weak)) int test_failures, test_skips;
 
 #define TEST(name) static void test_##name(void)
 
