@@ -276,7 +276,9 @@ mat3 shading_frame(surface s, material m, vec3 wo)
         material_model(m) != MATERIAL_LAMBERT)
         n = bend_normal(n, s.normal_geometric, wo);
     mat3 frame = basis_around(n);
-    if (HAS_LOBE(LOBE_ANISOTROPIC)) {
+    // Only where it matters, so that leaving it out changes no bit elsewhere.
+    bool turned = material_model(m) == MATERIAL_PRINCIPLED && m.group[GROUP_METAL].r > 0.0;
+    if (HAS_LOBE(LOBE_ANISOTROPIC) && turned) {
         vec3 across = s.tangent.xyz - dot(s.tangent.xyz, n) * n;
         if (dot(across, across) > 0.0) {
             frame[0] = normalize(across);
