@@ -1,4 +1,5 @@
-// Procedural meshes for tests and benchmarks that need size without a file.
+// Meshes without a file: for tests and benchmarks that need size, and for pictures that need a
+// shape.
 #ifndef LAMPYRIS_SCENE_GENERATE_H
 #define LAMPYRIS_SCENE_GENERATE_H
 
@@ -9,5 +10,15 @@
 // of sines so that curvature and triangle size vary. Deterministic.
 bool generate_blob(struct scene *scene, uint32_t triangles, uint32_t material, uint32_t *mesh,
                    struct err *err);
+
+#define TEAPOT_RESOLUTION_MAX 1024
+
+// Appends the Utah teapot, with normals and texture coordinates: 32 patches of `resolution` (1 to
+// TEAPOT_RESOLUTION_MAX) squared cells. It stands on y = 0, its lid's knob at y = 3.15, its spout
+// towards +x (to x = 3.434), its handle towards -x (to x = -3). Not closed: the spout is open, and
+// there is a gap between body and lid. Each of body, lid, bottom, handle and spout has the whole
+// picture: s around it, t along it.
+bool generate_teapot(struct scene *scene, uint32_t resolution, uint32_t material, uint32_t *mesh,
+                     struct err *err);
 
 #endif

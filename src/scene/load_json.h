@@ -52,6 +52,8 @@ bool load_json_disc(struct scene *scene, const struct json_node *disc, uint32_t 
                     struct err *err);
 bool load_json_generated(struct scene *scene, const struct json_node *generated, uint32_t material,
                          struct err *err);
+bool load_json_teapot(struct scene *scene, const struct json_node *teapot, uint32_t material,
+                      struct err *err);
 
 // A unit vector: the object's "direction", or where its "target" lies from the position. Without a
 // position there is no target.

@@ -1,4 +1,5 @@
-// The generated blob: closed, of the wanted size, with right normals.
+// Generated meshes: the blob is closed, of the wanted size, with right normals; the teapot is the
+// one that is known.
 #include "generate.h"
 #include "test.h"
 
@@ -136,5 +137,113 @@ TEST(too_large_is_an_error)
     scene_finish(&scene);
 }
 
+// --- teapot --------------------------------------------------------------------------------------
+
+static struct mesh make_teapot(struct scene *scene, uint32_t resolution)
+{
+    struct err err = {0};
+    uint32_t index = 0;
+    *scene = (struct scene){0};
+    bool is_made =
+        scene_add_material(scene, NULL) && generate_teapot(scene, resolution, 0, &index, &err);
+    CHECK(is_made, "%s", err.msg);
+    return is_made ? scene->meshes[index] : (struct mesh){0};
+}
+
+// 32 patches of n^2 cells of two triangles, but one in a cell at a pole; eight patches have one.
+TEST(teapot_sizes)
+{
+    for (uint32_t n = 1; n < 20; n++) {
+        struct scene scene;
+        const struct mesh mesh = make_teapot(&scene, n);
+        CHECK(mesh.vertex_count == 32 * (n + 1) * (n + 1), "%u", mesh.vertex_count);
+        CHECK(mesh.triangle_count == 64 * n * n - 8 * n, "%u", mesh.triangle_count);
+        for (uint32_t t = 0; t < mesh.triangle_count; t++)
+            for (int c = 0; c < 3; c++)
+                CHECK(mesh.indices[t][c] < mesh.vertex_count);
+        scene_finish(&scene);
+    }
+}
+
+// The spout's outline in the plane of symmetry ends in the cubic of x = 3.3, 3.525, 3.45, 3.2,
+// whose derivative is 3 (0.225 - 0.6 t + 0.125 t^2): it is greatest at t = (0.6 - sqrt(0.2475)) /
+// 0.25.
+TEST(teapot_extents)
+{
+    struct scene scene;
+    const struct mesh mesh = make_teapot(&scene, 64);
+    double t = (0.6 - sqrt(0.2475)) / 0.25, s = 1 - t;
+    double tip = 3.3 * s * s * s + 3 * 3.525 * s * s * t + 3 * 3.45 * s * t * t + 3.2 * t * t * t;
+    const double expected[2][3] = {{-3, 0, -2}, {tip, 3.15, 2}};
+    double found[2][3] = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    for (uint32_t v = 0; v < mesh.vertex_count; v++) {
+        for (int i = 0; i < 3; i++) {
+            found[0][i] = fmin(found[0][i], (double)mesh.positions[v][i]);
+            found[1][i] = fmax(found[1][i], (double)mesh.positions[v][i]);
+        }
+    }
+    CHECK(fabs(tip - 3.434) < 1e-4, "%g", tip);
+    for (int i = 0; i < 3; i++) {
+        // The tip is up to 1/128 of the parameter from a vertex; the curve's second derivative
+        // there is 3 (-0.6 + 0.25 t), 1.5 in size.
+        double below = i == 0 ? 1.5 / 2 / 128 / 128 : 0;
+        CHECK(fabs(found[0][i] - expected[0][i]) < 1e-6, "%d: %.9g", i, found[0][i]);
+        CHECK(found[1][i] < expected[1][i] + 1e-6 && found[1][i] > expected[1][i] - below - 1e-6,
+              "%d: %.9g", i, found[1][i]);
+    }
+    scene_finish(&scene);
+}
+
+// Unit normals, on the side from which the triangles are counter-clockwise. Where patches of a body
+// of revolution meet, in the very same points, their normals agree; so they do at the poles.
+TEST(teapot_normals)
+{
+    struct scene scene;
+    const uint32_t n = 16, patch_vertices = (n + 1) * (n + 1);
+    const struct mesh mesh = make_teapot(&scene, n);
+    for (uint32_t t = 0; t < mesh.triangle_count; t++) {
+        double area[3];
+        area_vector(&mesh, t, area);
+        double length = sqrt(dot(area, area));
+        CHECK(length > 0, "triangle %u has no area", t);
+        for (int c = 0; c < 3; c++) {
+            const float *f = mesh.normals[mesh.indices[t][c]];
+            const double normal[3] = {(double)f[0], (double)f[1], (double)f[2]};
+            CHECK(fabs(dot(normal, normal) - 1) < 1e-6, "triangle %u", t);
+            CHECK(dot(area, normal) > 0.5 * length, "triangle %u: %g", t,
+                  dot(area, normal) / length);
+        }
+    }
+    uint32_t shared = 0;
+    for (uint32_t a = 0; a < 24 * patch_vertices; a++) {
+        for (uint32_t b = a + 1; b < 24 * patch_vertices; b++) {
+            if (memcmp(mesh.positions[a], mesh.positions[b], sizeof *mesh.positions) != 0)
+                continue;
+            shared++;
+            for (int i = 0; i < 3; i++)
+                CHECK(fabsf(mesh.normals[a][i] - mesh.normals[b][i]) < 1e-5f, "%u and %u", a, b);
+        }
+    }
+    // The four profiles of six patches, and the three circles between patches and the one that body
+    // and bottom share, at least.
+    CHECK(shared >= (4 * 6 + 4 * 4) * (n + 1), "%u", shared);
+    scene_finish(&scene);
+}
+
+// Seen from outside the picture is not mirrored: s runs to the right where t runs down.
+TEST(teapot_coordinates)
+{
+    struct scene scene;
+    const struct mesh mesh = make_teapot(&scene, 8);
+    for (uint32_t t = 0; t < mesh.triangle_count; t++) {
+        const float *a = mesh.uvs[0][mesh.indices[t][0]], *b = mesh.uvs[0][mesh.indices[t][1]],
+                    *c = mesh.uvs[0][mesh.indices[t][2]];
+        float area = (b[0] - a[0]) * (a[1] - c[1]) - (c[0] - a[0]) * (a[1] - b[1]);
+        CHECK(area > 0, "triangle %u", t);
+    }
+    scene_finish(&scene);
+}
+
 TEST_MAIN(TEST_CASE(sizes), TEST_CASE(the_surface_is_closed), TEST_CASE(radius_and_normals),
-          TEST_CASE(the_same_every_time), TEST_CASE(too_large_is_an_error))
+          TEST_CASE(the_same_every_time), TEST_CASE(too_large_is_an_error), TEST_CASE(teapot_sizes),
+          TEST_CASE(teapot_extents), TEST_CASE(teapot_normals), TEST_CASE(teapot_coordinates))
