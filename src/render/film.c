@@ -63,11 +63,23 @@ static bool resolve(struct renderer *r, uint32_t chunk, uint64_t first, uint32_t
     if (!gpu_begin(r->gpu, &r->commands, err))
         return false;
     gpu_bind(r->gpu, &r->commands, &r->bindings[chunk]);
+    gpu_timestamp(r->gpu, &r->commands);
     gpu_push(r->gpu, &r->commands, &r->push, sizeof r->push);
     gpu_dispatch(r->gpu, &r->commands, &r->kernels[KERNEL_resolve],
                  (count + workgroup - 1) / workgroup);
     gpu_barrier(r->gpu, &r->commands);
-    return gpu_submit(r->gpu, &r->commands, err) && gpu_wait(r->gpu, &r->commands, err);
+    gpu_timestamp(r->gpu, &r->commands);
+    double ns[GPU_MAX_TIMESTAMPS];
+    if (!gpu_submit(r->gpu, &r->commands, err) || !gpu_wait(r->gpu, &r->commands, err))
+        return false;
+    if (r->gpu->has_timestamps && !gpu_timestamps_ns(r->gpu, &r->commands, ns, err))
+        return false;
+    struct kernel_stats *stats = &r->stats.kernels[KERNEL_resolve];
+    double ms = r->gpu->has_timestamps ? (ns[1] - ns[0]) * 1e-6 : 0.0;
+    stats->launches++;
+    stats->ms += ms;
+    stats->longest_ms = ms > stats->longest_ms ? ms : stats->longest_ms;
+    return true;
 }
 
 static void add_pixel(struct film_image *image, uint64_t at, const struct gpu_resolved_pixel *p)
