@@ -5,6 +5,7 @@
 
 #include "lib/bsdf_classical.glsl"
 #include "lib/bsdf_dielectric.glsl"
+#include "lib/bsdf_principled.glsl"
 #include "lib/bsdf_types.glsl"
 #include "lib/sampling.glsl"
 
@@ -34,6 +35,8 @@ vec3 eval_bsdf(material m, vec3 wo, vec3 wi, float eta, out float pdf)
     pdf = 0.0;
     if (HAS_LOBE(LOBE_LAMBERT) && model == MATERIAL_LAMBERT)
         f = eval_lambert(m, wi, pdf);
+    if (HAS_LOBE(LOBE_PRINCIPLED) && model == MATERIAL_PRINCIPLED)
+        f = eval_principled(m, wo, wi, eta, pdf);
     if (HAS_LOBE(LOBE_DIELECTRIC) && model == MATERIAL_DIELECTRIC)
         f = eval_dielectric(m, wo, wi, eta, pdf);
     if (HAS_LOBE(LOBE_CONDUCTOR) && model == MATERIAL_CONDUCTOR)
@@ -55,6 +58,8 @@ bsdf_sample sample_bsdf(material m, vec3 wo, float eta, vec4 u)
         s = sample_lambert(m, u);
     if (HAS_LOBE(LOBE_MIRROR) && model == MATERIAL_MIRROR)
         s = sample_mirror(m, wo);
+    if (HAS_LOBE(LOBE_PRINCIPLED) && model == MATERIAL_PRINCIPLED)
+        s = sample_principled(m, wo, eta, u);
     if (HAS_LOBE(LOBE_DIELECTRIC) && model == MATERIAL_DIELECTRIC)
         s = sample_dielectric(m, wo, eta, u);
     if (HAS_LOBE(LOBE_CONDUCTOR) && model == MATERIAL_CONDUCTOR)

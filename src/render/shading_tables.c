@@ -1,5 +1,6 @@
 #include "shading_tables.h"
 
+#include "albedo_tables.h"
 #include "camera_media.h"
 #include <float.h>
 #include <math.h>
@@ -117,6 +118,15 @@ static void place_camera(const struct shading_tables_params *p,
         header->camera_ior = media->records[current - 1].ior;
 }
 
+// Whether shading some surface reads directional albedos.
+static bool needs_albedos(const struct shading_tables_params *p)
+{
+    for (uint32_t i = 0; i < p->scene->material_count; i++)
+        if (p->flat->material_used[i] && p->scene->materials[i].model == MATERIAL_PRINCIPLED)
+            return true;
+    return false;
+}
+
 bool shading_tables_build(const struct shading_tables_params *p, struct arena *arena,
                           struct shading_tables *out, struct err *err)
 {
@@ -134,7 +144,8 @@ bool shading_tables_build(const struct shading_tables_params *p, struct arena *a
         return false;
     fill_materials(p, &out->emitters, &media, materials);
 
-    struct sections s = lay_out(p->scene, media.count, 0);
+    uint32_t albedo_words = needs_albedos(p) ? ALBEDO_WORDS : 0u;
+    struct sections s = lay_out(p->scene, media.count, albedo_words);
     out->material_bytes = s.end * 16u;
     char *bytes = out->materials = arena_alloc(arena, s.end, 16);
     if (!bytes)
@@ -158,5 +169,7 @@ bool shading_tables_build(const struct shading_tables_params *p, struct arena *a
                p->scene->light_count * sizeof *out->emitters.lights);
     if (media.count > 0)
         memcpy(bytes + s.media * 16u, media.records, media.count * sizeof *media.records);
+    if (albedo_words > 0)
+        memcpy(bytes + s.albedos * 16u, albedo_tables, sizeof albedo_tables);
     return true;
 }

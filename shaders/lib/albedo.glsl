@@ -1,0 +1,115 @@
+// Directional albedos, interpolated in tables of the materials' buffer (shared/albedo.h). How they are
+// computed and how far they are from the truth: render/albedo_generate.c, docs/materials.md.
+//
+// `tables` is the first word of the tables: load_material_sections().w. mu is the cosine of wo.
+#ifndef ALBEDO_GLSL
+#define ALBEDO_GLSL
+
+#include "lib/material.glsl"
+#include "lib/microfacet.glsl"
+#include "shared/albedo.h"
+
+// Coordinates in [0, 1] along the axes. Albedos change over cosines of about `scale`, and with the
+// square root of that near 0.
+float albedo_axis_mu(float mu, float scale)
+{
+    return sqrt(mu * (1.0 + scale) / (mu + scale));
+}
+
+// alpha from SMALLEST_ALPHA to 1.
+float albedo_axis_alpha(float alpha)
+{
+    return clamp((sqrt(sqrt(alpha)) - 0.1) / 0.9, 0.0, 1.0);
+}
+
+float albedo_quad(uint first, uint width, uint height, vec2 at)
+{
+    vec2 cells = vec2(width, height);
+    vec2 position = clamp(at, 0.0, 1.0) * cells;
+    vec2 corner = min(floor(position), cells - 1.0);
+    vec2 w = position - corner;
+    vec4 v = load_materials_float(first + uint(corner.y) * width + uint(corner.x));
+    return mix(mix(v.x, v.y, w.x), mix(v.z, v.w, w.x), w.y);
+}
+
+// E1: of GGX with height-correlated masking that reflects everything.
+float albedo_ggx(uint tables, float mu, float alpha)
+{
+    return albedo_quad(tables + ALBEDO_GGX, ALBEDO_GGX_MU, ALBEDO_GGX_ALPHA,
+                       vec2(albedo_axis_mu(mu, alpha), albedo_axis_alpha(alpha)));
+}
+
+// The mean of Schlick's weight over what GGX reflects: reflectance f0 + (1 - f0) W has the albedo
+// E1 (f0 + (1 - f0) this).
+float albedo_schlick(uint tables, float mu, float alpha)
+{
+    return albedo_quad(tables + ALBEDO_SCHLICK, ALBEDO_SCHLICK_MU, ALBEDO_SCHLICK_ALPHA,
+                       vec2(albedo_axis_mu(mu, alpha + 0.2), albedo_axis_alpha(alpha)));
+}
+
+// Before it is divided by max(1, albedo). 0.1 <= roughness <= 1.
+float albedo_charlie(uint tables, float mu, float roughness)
+{
+    return albedo_quad(tables + ALBEDO_CHARLIE, ALBEDO_CHARLIE_MU, ALBEDO_CHARLIE_ROUGHNESS,
+                       vec2(albedo_axis_mu(mu, roughness), (roughness - 0.1) / 0.9));
+}
+
+// Burley's coat of weight 1.
+float albedo_coat(uint tables, float mu, float gloss)
+{
+    return albedo_quad(tables + ALBEDO_COAT, ALBEDO_COAT_MU, ALBEDO_COAT_GLOSS,
+                       vec2(albedo_axis_mu(mu, 0.25), gloss));
+}
+
+// xyz: the coefficients, of powers of the roughness, of the albedo of Burley's subsurface
+// approximation; w: the albedo of his sheen.
+vec4 albedo_diffuse(uint tables, float mu)
+{
+    float position = clamp(albedo_axis_mu(mu, 0.2), 0.0, 1.0) * float(ALBEDO_DIFFUSE_MU);
+    float corner = min(floor(position), float(ALBEDO_DIFFUSE_MU) - 1.0);
+    uint first = tables + ALBEDO_DIFFUSE + uint(corner);
+    return mix(load_materials_float(first), load_materials_float(first + 1u), position - corner);
+}
+
+// The mean of fresnel_dielectric() over what GGX reflects. Along eta the axis is the fourth root of
+// |eta - 1| / (eta + 1); from inside, where reflection is total from a cosine of c on, it bends around
+// c on the axis of mu.
+float albedo_fresnel(uint tables, float mu, float alpha, float eta)
+{
+    bool inside = eta < 1.0;
+    float root_k = sqrt(abs((eta - 1.0) * (eta + 1.0)));
+    float beyond = (mu - root_k) / (inside && mu > root_k ? 1.0 - root_k : root_k);
+    float x = inside ? 0.5 + 0.5 * sign(beyond) * sqrt(abs(beyond))
+                     : albedo_axis_mu(mu, alpha + 0.6 * root_k / (1.0 + root_k));
+    vec3 at = vec3(x, albedo_axis_alpha(alpha), sqrt(sqrt(abs(eta - 1.0) / (eta + 1.0))));
+
+    vec3 cells = vec3(ALBEDO_FRESNEL_MU, ALBEDO_FRESNEL_ALPHA, ALBEDO_FRESNEL_ETA);
+    vec3 position = clamp(at, 0.0, 1.0) * cells;
+    vec3 corner = min(floor(position), cells - 1.0);
+    vec3 w = position - corner;
+    uvec3 cell = uvec3(corner);
+    uvec4 v = load_materials(tables + ALBEDO_FRESNEL + (inside ? ALBEDO_FRESNEL_SIDE : 0u) +
+                             (cell.z * ALBEDO_FRESNEL_ALPHA + cell.y) * ALBEDO_FRESNEL_MU + cell.x);
+    vec4 low = mix(vec4(v & 0xffffu), vec4(v >> 16u), w.x);
+    vec2 middle = mix(low.xz, low.yw, w.y);
+    return mix(middle.x, middle.y, w.z) / 65535.0;
+}
+
+// Of Burley's diffuse reflection, base colour 1, in closed form: with A = FD90 - 1 =
+// roughness (1 + wi.wo) - 1/2 and s = W(c_i), the integral of (1 + A s) (1 + A W(mu)) / pi over the
+// cosine-weighted hemisphere, through <wi.wo> = c_i mu, <(wi.wo)^2> = (c_i mu)^2 + (1 - c_i^2)
+// (1 - mu^2) / 2 and the moments of c^n (1 - c)^5: 1/42, 1/168, 1/504 for n = 1, 2, 3.
+float albedo_burley(float mu, float roughness)
+{
+    const float j1 = 1.0 / 42.0, j2 = 1.0 / 168.0, j3 = 1.0 / 504.0;
+    float m = 1.0 - clamp(mu, 0.0, 1.0);
+    float s = m * m * m * m * m;
+    float r = roughness;
+    float a_s = (r - 0.5) * j1 + r * mu * j2;
+    float a = 0.5 * (r - 0.5) + r * mu / 3.0;
+    float a2_s = r * r * (j1 + 2.0 * mu * j2 + mu * mu * j3 + 0.5 * (1.0 - mu * mu) * (j1 - j3)) -
+                 r * (j1 + mu * j2) + 0.25 * j1;
+    return 2.0 * (0.5 + a_s + s * (a + a2_s));
+}
+
+#endif

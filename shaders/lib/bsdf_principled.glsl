@@ -1,0 +1,552 @@
+// The principled model: Burley 2012 and 2015 with the layers of glTF's extensions. Formulas, sources
+// and deviations: docs/materials.md, whose names the code keeps. Reads the tables of lib/albedo.glsl;
+// else pure. See lib/bsdf_types.glsl for the frame and the conventions.
+//
+// principled_prepare() finds what depends on wo alone: the weights of the layers and the
+// probabilities of the lobes.
+#ifndef BSDF_PRINCIPLED_GLSL
+#define BSDF_PRINCIPLED_GLSL
+
+#include "lib/albedo.glsl"
+#include "lib/bsdf_dielectric.glsl"
+#include "lib/fresnel.glsl"
+#include "lib/microfacet.glsl"
+#include "lib/sampling.glsl"
+
+struct principled {
+    // Of the base.
+    vec3 base_color;
+    float roughness;
+    vec2 alpha;
+    vec2 turn; // cosine and sine of the tangent's rotation
+    float eta; // 1 where the indices match
+    float metallic;
+    float transmission; // times 1 - metallic
+    vec3 f0;            // of the dielectric, as asked for
+    float f0_index;     // of eta
+    float specular_weight;
+    vec3 compensation; // M
+    vec3 tint;         // of what goes through
+    bool is_delta;
+    bool thin;
+    bool separable;
+    // Diffuse, and what it is weighted with.
+    vec3 below; // (1 - metallic) (1 - transmission) K
+    vec3 sheen;
+    float sheen_layer; // B
+    float subsurface;
+    float diffuse_transmission;
+    float albedo_diffuse; // E_d(wo)
+    // Layers above.
+    vec3 fibre_color;
+    float fibre_roughness;
+    float fibre_albedo; // E_charlie(wo)
+    float fibre_layer;  // S
+    float coat;
+    float coat_alpha; // of D
+    bool coat_ggx;
+    bool coat_delta;
+    float base_layer; // S C
+    // Lobes are chosen with these probabilities.
+    float p_fibre, p_coat, p_base, p_diffuse, p_through;
+    uint tables;
+};
+
+float max_channel(vec3 v)
+{
+    return max(v.r, max(v.g, v.b));
+}
+
+float mean_channel(vec3 v)
+{
+    return (v.r + v.g + v.b) * (1.0 / 3.0);
+}
+
+// Into, or with `back` out of, the frame of the turned tangent.
+vec3 principled_turn(principled p, vec3 w, bool back)
+{
+    if (!HAS_LOBE(LOBE_ANISOTROPIC))
+        return w;
+    float s = back ? -p.turn.y : p.turn.y;
+    return vec3(p.turn.x * w.x + s * w.y, p.turn.x * w.y - s * w.x, w.z);
+}
+
+vec3 burley_tint(vec3 base_color)
+{
+    float luminance = dot(base_color, vec3(0.2126, 0.7152, 0.0722));
+    return luminance > 0.0 ? base_color / luminance : vec3(1.0);
+}
+
+// E_d, of base colour 1.
+float principled_albedo_diffuse(principled p, float mu)
+{
+    float albedo = albedo_burley(mu, p.roughness);
+    if (HAS_LOBE(LOBE_SUBSURFACE)) {
+        vec4 e = albedo_diffuse(p.tables, mu);
+        float below = e.x + p.roughness * (e.y + p.roughness * e.z);
+        albedo += p.subsurface * (below - albedo);
+    }
+    return albedo;
+}
+
+// What the interface of the base reflects and what it lets through at a microfacet, for
+// cos_o = wo.h: R, and (1 - metallic) transmission tint (1 - F_t).
+void principled_interface(principled p, float cos_o, out vec3 reflected, out vec3 through)
+{
+    float cos_t;
+    float exact = fresnel_dielectric(cos_o, p.eta, cos_t);
+    bool total = p.eta < 1.0 && cos_t <= 0.0;
+    vec3 f = exact + (p.f0 - p.f0_index) * ((1.0 - exact) / (1.0 - p.f0_index));
+    f = total ? vec3(1.0) : p.specular_weight * clamp(f, 0.0, 1.0);
+    reflected = (1.0 - p.metallic) * f;
+    through = vec3(0.0);
+    if (HAS_LOBE(LOBE_TRANSMISSION)) {
+        vec3 f_t = p.thin ? 2.0 * f / (1.0 + f) : f;
+        reflected += p.transmission * (f_t - f);
+        through = p.transmission * p.tint * (1.0 - f_t);
+    }
+    if (HAS_LOBE(LOBE_METAL))
+        reflected += p.metallic * p.compensation * fresnel_schlick(p.base_color, cos_o);
+}
+
+// The probability with which a microfacet reflects rather than lets through.
+float principled_reflect_probability(vec3 reflected, vec3 through)
+{
+    if (!HAS_LOBE(LOBE_TRANSMISSION))
+        return 1.0;
+    float r = reflected.r + reflected.g + reflected.b;
+    float t = through.r + through.g + through.b;
+    return t > 0.0 ? r / (r + t) : 1.0;
+}
+
+// --- what depends on wo alone --------------------------------------------------------------------
+
+void prepare_fibres(inout principled p, material m, float mu)
+{
+    p.fibre_layer = 1.0;
+    if (!HAS_LOBE(LOBE_CHARLIE))
+        return;
+    p.fibre_color = m.group[GROUP_SHEEN].rgb;
+    p.fibre_roughness = max(0.1, m.group[GROUP_SHEEN].a);
+    p.fibre_albedo = albedo_charlie(p.tables, mu, p.fibre_roughness);
+    float albedo = min(1.0, p.fibre_albedo);
+    p.fibre_layer = 1.0 - max_channel(p.fibre_color) * albedo;
+    p.p_fibre = mean_channel(p.fibre_color) * albedo;
+}
+
+void prepare_coat(inout principled p, material m, float mu)
+{
+    p.base_layer = p.fibre_layer;
+    if (!HAS_LOBE(LOBE_CLEARCOAT))
+        return;
+    vec4 group = m.group[GROUP_CLEARCOAT];
+    p.coat_ggx = material_has(m, MATERIAL_COAT_GGX);
+    p.coat = p.coat_ggx ? group.r : 0.25 * group.r;
+    p.coat_alpha = p.coat_ggx ? group.g * group.g : mix(0.1, 0.001, group.b);
+    p.coat_delta = p.coat_ggx && is_delta(p.coat_alpha);
+    float mean = p.coat_delta ? schlick_weight(mu) : albedo_schlick(p.tables, mu, p.coat_alpha);
+    float albedo = (p.coat_delta ? 1.0 : albedo_ggx(p.tables, mu, p.coat_alpha)) *
+                   (0.04 + 0.96 * mean);
+    if (!p.coat_ggx)
+        albedo = 4.0 * albedo_coat(p.tables, mu, group.b);
+    albedo *= p.coat;
+    p.base_layer = p.fibre_layer * (1.0 - albedo);
+    p.p_coat = p.fibre_layer * albedo;
+}
+
+// The dielectric's reflectance at normal incidence: that of the index, scaled and tinted.
+void prepare_dielectric(inout principled p, material m, float eta)
+{
+    p.eta = is_index_matched(eta) ? 1.0 : eta;
+    p.f0_index = fresnel_f0(p.eta);
+    vec4 interface_group = m.group[GROUP_INTERFACE];
+    vec3 tint = mix(vec3(1.0), burley_tint(p.base_color), interface_group.a);
+    // Left at 1/2 and untinted, the factor is 1 and the curve exactly that of the index.
+    p.f0 = min(vec3(1.0),
+               p.f0_index * (2.0 * interface_group.b * tint * m.group[GROUP_SPECULAR].rgb));
+    p.specular_weight = m.group[GROUP_SPECULAR].a;
+}
+
+// E_dielectric, E of F_t in its place where light goes through, and of the metal, with M.
+vec3 prepare_interface(inout principled p, material m, vec3 wo, float alpha, out vec3 albedo)
+{
+    float e1 = p.is_delta ? 1.0 : albedo_ggx(p.tables, wo.z, alpha);
+    float cos_t;
+    float mean = fresnel_dielectric(wo.z, p.eta, cos_t);
+    if (!p.is_delta && p.eta != 1.0)
+        mean = albedo_fresnel(p.tables, wo.z, alpha, p.eta);
+    vec3 f = mean + (p.f0 - p.f0_index) * ((1.0 - mean) / (1.0 - p.f0_index));
+    f = (p.eta < 1.0 ? 1.0 : p.specular_weight) * clamp(f, 0.0, 1.0);
+    albedo = (1.0 - p.metallic) * f;
+    if (HAS_LOBE(LOBE_TRANSMISSION)) {
+        vec3 f_t = p.thin ? 2.0 * f / (1.0 + f) : f;
+        albedo += p.transmission * (f_t - f + p.tint * (1.0 - f_t));
+    }
+    if (HAS_LOBE(LOBE_METAL)) {
+        if (HAS_LOBE(LOBE_COMPENSATE) && material_has(m, MATERIAL_COMPENSATE))
+            p.compensation = 1.0 + p.base_color * ((1.0 - e1) / e1);
+        float weight = p.is_delta ? schlick_weight(wo.z) : albedo_schlick(p.tables, wo.z, alpha);
+        vec3 metal = p.base_color + (1.0 - p.base_color) * weight;
+        albedo += p.metallic * p.compensation * metal;
+    }
+    albedo *= e1;
+    return e1 * f;
+}
+
+void prepare_diffuse(inout principled p, material m, float mu)
+{
+    vec4 group = m.group[GROUP_DIFFUSE];
+    p.subsurface = group.r;
+    p.albedo_diffuse = principled_albedo_diffuse(p, mu);
+    p.sheen_layer = 1.0;
+    vec3 albedo = vec3(0.0);
+    if (HAS_LOBE(LOBE_SHEEN)) {
+        vec3 color = group.g * mix(vec3(1.0), burley_tint(p.base_color), group.b);
+        float largest = load_materials_float(p.tables + ALBEDO_DIFFUSE).w;
+        p.sheen = color / max(1.0, largest * max_channel(color));
+        float sheen_albedo = albedo_diffuse(p.tables, mu).w;
+        p.sheen_layer = 1.0 - max_channel(p.sheen) * sheen_albedo;
+        albedo = p.sheen * sheen_albedo;
+    }
+    if (HAS_LOBE(LOBE_DIFFUSE_TRANSMISSION) && p.thin)
+        p.diffuse_transmission = group.a;
+    vec3 rest = p.sheen_layer * p.base_color;
+    albedo += rest * ((1.0 - p.diffuse_transmission) * min(1.0, p.albedo_diffuse));
+    p.p_diffuse = p.base_layer * mean_channel(p.below * albedo);
+    p.p_through = p.base_layer * p.diffuse_transmission * mean_channel(p.below * rest);
+}
+
+principled principled_prepare(material m, vec3 wo, float eta)
+{
+    principled p;
+    p.tables = load_material_sections().w;
+    vec4 metal = m.group[GROUP_METAL];
+    p.base_color = m.group[GROUP_BASE].rgb;
+    p.roughness = metal.g;
+    p.metallic = HAS_LOBE(LOBE_METAL) ? metal.b : 0.0;
+    p.transmission =
+        HAS_LOBE(LOBE_TRANSMISSION) ? (1.0 - p.metallic) * m.group[GROUP_INTERFACE].r : 0.0;
+    p.thin = is_thin(m);
+    p.separable = is_separable(m);
+    p.tint = p.thin || material_has(m, MATERIAL_TINT_EACH) ? p.base_color : sqrt(p.base_color);
+    p.compensation = vec3(1.0);
+    p.sheen = vec3(0.0);
+    p.diffuse_transmission = 0.0;
+    p.fibre_color = vec3(0.0);
+    p.fibre_roughness = 1.0;
+    p.fibre_albedo = 0.0;
+    p.coat = 0.0;
+    p.coat_alpha = 1.0;
+    p.coat_ggx = false;
+    p.coat_delta = false;
+    p.p_fibre = 0.0;
+    p.p_coat = 0.0;
+
+    float alpha = p.roughness * p.roughness;
+    p.is_delta = is_delta(alpha);
+    p.alpha = vec2(alpha);
+    p.turn = vec2(1.0, 0.0);
+    if (HAS_LOBE(LOBE_ANISOTROPIC) && metal.r > 0.0) {
+        float aspect = sqrt(1.0 - 0.9 * metal.r);
+        p.alpha = vec2(alpha / aspect, max(SMALLEST_ALPHA, alpha * aspect));
+        if (metal.a != 0.0)
+            p.turn = vec2(cos(2.0 * PI * metal.a), sin(2.0 * PI * metal.a));
+    }
+
+    prepare_fibres(p, m, wo.z);
+    prepare_coat(p, m, wo.z);
+    prepare_dielectric(p, m, eta);
+    vec3 albedo;
+    vec3 dielectric = prepare_interface(p, m, wo, alpha, albedo);
+    p.p_base = p.base_layer * mean_channel(albedo);
+    p.below = (1.0 - p.metallic - p.transmission) * (1.0 - dielectric);
+    prepare_diffuse(p, m, wo.z);
+
+    float sum = p.p_fibre + p.p_coat + p.p_base + p.p_diffuse + p.p_through;
+    float scale = sum > 0.0 ? 1.0 / sum : 0.0;
+    p.p_fibre *= scale;
+    p.p_coat *= scale;
+    p.p_base *= scale;
+    p.p_diffuse *= scale;
+    p.p_through *= scale;
+    return p;
+}
+
+// --- lobes: each gives BSDF * |wi.z| and its own density -----------------------------------------
+
+vec3 eval_fibres(principled p, vec3 wo, vec3 wi, vec4 h, out float pdf)
+{
+    pdf = 0.5 * INV_PI;
+    float a = p.fibre_roughness * p.fibre_roughness;
+    float sin2 = dot(h.xy, h.xy);
+    float d = (2.0 + 1.0 / a) * pow(min(1.0, sin2), 0.5 / a) * (0.5 * INV_PI);
+    float g = d / (4.0 * (wo.z + wi.z - wo.z * wi.z));
+    float largest = max(p.fibre_albedo, albedo_charlie(p.tables, wi.z, p.fibre_roughness));
+    return p.fibre_color * (g * wi.z / max(1.0, largest));
+}
+
+// GTR1 (Burley 2012, eq. 4 and appendix B.2), without the difference in a^2 cos^2 + sin^2.
+float gtr1_d(vec3 h, float a)
+{
+    float a2 = a * a;
+    return INV_PI * (a2 - 1.0) / (log(a2) * (a2 * h.z * h.z + dot(h.xy, h.xy)));
+}
+
+vec3 sample_gtr1(float a, vec2 u)
+{
+    float a2 = a * a;
+    float power = pow(a2, 1.0 - u.x);
+    float cos2 = (1.0 - power) / (1.0 - a2);
+    float sin2 = (power - a2) / (1.0 - a2);
+    float phi = 2.0 * PI * u.y;
+    return vec3(sqrt(max(0.0, sin2)) * vec2(cos(phi), sin(phi)), sqrt(max(0.0, cos2)));
+}
+
+float eval_coat(principled p, vec3 wo, vec3 wi, vec4 h, out float pdf)
+{
+    float f = p.coat * (0.04 + 0.96 * schlick_weight(h.w));
+    if (p.coat_ggx)
+        return f * eval_ggx_reflection(wo, wi, h, p.coat_alpha, p.separable, pdf);
+    float d = gtr1_d(h.xyz, p.coat_alpha);
+    pdf = d * h.z / (4.0 * h.w);
+    // G1 / (4 wo.z wi.z) wi.z, of alpha 1/4.
+    float g = ggx_g1(wi, vec2(0.25)) / (2.0 * (wo.z + ggx_stretched_length(wo, vec2(0.25))));
+    return f * d * g;
+}
+
+vec3 eval_base_reflection(principled p, vec3 wo, vec3 wi, vec4 h, out float pdf)
+{
+    vec3 reflected, through;
+    principled_interface(p, h.w, reflected, through);
+    vec3 h_turned = principled_turn(p, h.xyz, false);
+    vec3 wo_turned = principled_turn(p, wo, false);
+    vec3 wi_turned = principled_turn(p, wi, false);
+    pdf = pdf_ggx_vndf(wo_turned, h_turned, p.alpha) / (4.0 * h.w);
+    vec3 f = reflected * (pdf * ggx_g2(wo_turned, wi_turned, p.alpha, p.separable) /
+                          ggx_g1(wo_turned, p.alpha));
+    pdf *= principled_reflect_probability(reflected, through);
+    return f;
+}
+
+// Whether what goes through the base is an exact direction, or one so narrowly spread that single
+// precision does not resolve it (as in lib/bsdf_dielectric.glsl).
+bool principled_through_is_delta(principled p)
+{
+    return p.is_delta || p.eta == 1.0 ||
+           (!p.thin && min(p.alpha.x, p.alpha.y) * abs(p.eta - 1.0) < SMALLEST_REFRACTED_WIDTH);
+}
+
+// Walter et al. 2007, eqs. 16, 17 and 21, of radiance.
+vec3 eval_base_refraction(principled p, vec3 wo, vec3 wi, out float pdf)
+{
+    pdf = 0.0;
+    vec3 sum = refraction_half_vector(wo, wi, p.eta);
+    float length2 = dot(sum, sum);
+    if (!(length2 > 0.0))
+        return vec3(0.0);
+    vec3 h = sum * inversesqrt(length2);
+    float cos_o = dot(wo, h);
+    float cos_i = -dot(wi, h);
+    if (!(cos_o > 0.0 && cos_i > 0.0))
+        return vec3(0.0);
+    vec3 reflected, through;
+    principled_interface(p, cos_o, reflected, through);
+    float jacobian = p.eta * p.eta * cos_i / length2;
+    pdf = pdf_ggx_vndf(principled_turn(p, wo, false), principled_turn(p, h, false), p.alpha) *
+          jacobian;
+    vec3 f = through * (pdf * ggx_g1(principled_turn(p, wi, false), p.alpha) / (p.eta * p.eta));
+    pdf *= 1.0 - principled_reflect_probability(reflected, through);
+    return f;
+}
+
+// The reflection, turned to the other side.
+vec3 eval_base_thin(principled p, vec3 wo, vec3 wi, out float pdf)
+{
+    pdf = 0.0;
+    vec3 mirrored = vec3(wi.xy, -wi.z);
+    vec4 h = reflection_half_vector(wo, mirrored);
+    if (!(h.w > 0.0))
+        return vec3(0.0);
+    vec3 reflected, through;
+    principled_interface(p, h.w, reflected, through);
+    vec3 wo_turned = principled_turn(p, wo, false);
+    vec3 wi_turned = principled_turn(p, mirrored, false);
+    pdf = pdf_ggx_vndf(wo_turned, principled_turn(p, h.xyz, false), p.alpha) / (4.0 * h.w);
+    vec3 f = through * (pdf * ggx_g2(wo_turned, wi_turned, p.alpha, p.separable) /
+                        ggx_g1(wo_turned, p.alpha));
+    pdf *= 1.0 - principled_reflect_probability(reflected, through);
+    return f;
+}
+
+// Without the weight of the layers above and `below`.
+vec3 eval_principled_diffuse(principled p, vec3 wo, vec3 wi, vec4 h, out float pdf)
+{
+    pdf = pdf_cosine_hemisphere(wi.z);
+    float weight_o = schlick_weight(wo.z);
+    float weight_i = schlick_weight(wi.z);
+    float f90 = p.roughness * h.w * h.w;
+    float a = 2.0 * f90 - 0.5;
+    float d = (1.0 + a * weight_o) * (1.0 + a * weight_i);
+    if (HAS_LOBE(LOBE_SUBSURFACE)) {
+        float f = (1.0 + (f90 - 1.0) * weight_o) * (1.0 + (f90 - 1.0) * weight_i);
+        float below = 1.25 * (f * (1.0 / (wo.z + wi.z) - 0.5) + 0.5);
+        d += p.subsurface * (below - d);
+    }
+    d /= max(1.0, max(p.albedo_diffuse, principled_albedo_diffuse(p, wi.z)));
+    vec3 f = p.base_color * (p.sheen_layer * (1.0 - p.diffuse_transmission) * d * pdf);
+    if (HAS_LOBE(LOBE_SHEEN))
+        f += p.sheen * (schlick_weight(h.w) * wi.z);
+    return f;
+}
+
+// --- all of them ---------------------------------------------------------------------------------
+
+vec3 eval_principled_reflection(principled p, vec3 wo, vec3 wi, out float pdf)
+{
+    pdf = 0.0;
+    vec4 h = reflection_half_vector(wo, wi);
+    if (!(h.w > 0.0))
+        return vec3(0.0);
+    float lobe_pdf;
+    vec3 f = p.base_layer * p.below * eval_principled_diffuse(p, wo, wi, h, lobe_pdf);
+    pdf = p.p_diffuse * lobe_pdf;
+    if (HAS_LOBE(LOBE_ROUGH) && !p.is_delta) {
+        f += p.base_layer * eval_base_reflection(p, wo, wi, h, lobe_pdf);
+        pdf += p.p_base * lobe_pdf;
+    }
+    if (HAS_LOBE(LOBE_CLEARCOAT) && !p.coat_delta) {
+        f += p.fibre_layer * eval_coat(p, wo, wi, h, lobe_pdf);
+        pdf += p.p_coat * lobe_pdf;
+    }
+    if (HAS_LOBE(LOBE_CHARLIE)) {
+        f += eval_fibres(p, wo, wi, h, lobe_pdf);
+        pdf += p.p_fibre * lobe_pdf;
+    }
+    return f;
+}
+
+vec3 eval_principled_through(principled p, vec3 wo, vec3 wi, out float pdf)
+{
+    pdf = 0.0;
+    float lobe_pdf;
+    vec3 f = vec3(0.0);
+    if (HAS_LOBE(LOBE_DIFFUSE_TRANSMISSION)) {
+        lobe_pdf = pdf_cosine_hemisphere(-wi.z);
+        f = p.base_layer * p.below * p.base_color *
+            (p.sheen_layer * p.diffuse_transmission * lobe_pdf);
+        pdf = p.p_through * lobe_pdf;
+    }
+    if (HAS_LOBE(LOBE_TRANSMISSION) && HAS_LOBE(LOBE_ROUGH) && !principled_through_is_delta(p)) {
+        if (p.thin)
+            f += p.base_layer * eval_base_thin(p, wo, wi, lobe_pdf);
+        else
+            f += p.base_layer * eval_base_refraction(p, wo, wi, lobe_pdf);
+        pdf += p.p_base * lobe_pdf;
+    }
+    return f;
+}
+
+vec3 eval_prepared(principled p, vec3 wo, vec3 wi, out float pdf)
+{
+    pdf = 0.0;
+    if (wi.z > 0.0)
+        return eval_principled_reflection(p, wo, wi, pdf);
+    if ((HAS_LOBE(LOBE_TRANSMISSION) || HAS_LOBE(LOBE_DIFFUSE_TRANSMISSION)) && wi.z < 0.0)
+        return eval_principled_through(p, wo, wi, pdf);
+    return vec3(0.0);
+}
+
+vec3 eval_principled(material m, vec3 wo, vec3 wi, float eta, out float pdf)
+{
+    return eval_prepared(principled_prepare(m, wo, eta), wo, wi, pdf);
+}
+
+// A direction of the base: in a delta's case complete, else with wi alone.
+bsdf_sample sample_base(principled p, vec3 wo, vec4 u)
+{
+    bsdf_sample s = bsdf_absorbed();
+    vec3 h = vec3(0.0, 0.0, 1.0);
+    if (HAS_LOBE(LOBE_ROUGH) && !p.is_delta)
+        h = principled_turn(p, sample_ggx_vndf(principled_turn(p, wo, false), p.alpha, u.xy),
+                            true);
+    float cos_o = dot(wo, h);
+    if (!(cos_o > 0.0))
+        return s;
+    vec3 reflected, through;
+    principled_interface(p, cos_o, reflected, through);
+    float reflect_probability = principled_reflect_probability(reflected, through);
+    bool reflects = u.w < reflect_probability;
+    float probability = p.p_base * (reflects ? reflect_probability : 1.0 - reflect_probability);
+    if (!(probability > 0.0))
+        return s;
+    s.wi = p.is_delta ? vec3(-wo.xy, wo.z) : normalize(2.0 * cos_o * h - wo);
+    s.weight = reflected * (p.base_layer / probability);
+    s.specular = p.is_delta;
+    s.valid = s.wi.z > 0.0;
+    if (HAS_LOBE(LOBE_TRANSMISSION) && !reflects) {
+        s.weight = through * (p.base_layer / probability);
+        s.specular = principled_through_is_delta(p);
+        s.transmitted = true;
+        if (p.eta == 1.0 || (p.thin && p.is_delta)) {
+            s.wi = -wo;
+            s.valid = true;
+        } else if (p.thin) {
+            s.wi.z = -s.wi.z;
+        } else {
+            float cos_t;
+            fresnel_dielectric(cos_o, p.eta, cos_t);
+            s.wi = refract_about(wo, h, p.eta, cos_o, cos_t);
+            s.weight /= p.eta * p.eta;
+            if (HAS_LOBE(LOBE_ROUGH) && !p.is_delta)
+                s.weight *= ggx_g1(principled_turn(p, s.wi, false), p.alpha);
+            s.valid = s.wi.z < 0.0;
+        }
+    }
+    return s;
+}
+
+vec3 sample_coat_normal(principled p, vec3 wo, vec2 u)
+{
+    if (p.coat_ggx)
+        return sample_ggx_vndf(wo, vec2(p.coat_alpha), u);
+    return sample_gtr1(p.coat_alpha, u);
+}
+
+bsdf_sample sample_principled(material m, vec3 wo, float eta, vec4 u)
+{
+    principled p = principled_prepare(m, wo, eta);
+    float bound_diffuse = p.p_diffuse;
+    float bound_through = bound_diffuse + p.p_through;
+    float bound_fibre = bound_through + p.p_fibre;
+    float bound_coat = bound_fibre + p.p_coat;
+
+    bsdf_sample s = bsdf_absorbed();
+    if (u.z >= bound_coat) {
+        s = sample_base(p, wo, u);
+    } else if (HAS_LOBE(LOBE_CLEARCOAT) && u.z >= bound_fibre) {
+        vec3 h = p.coat_delta ? vec3(0.0, 0.0, 1.0) : sample_coat_normal(p, wo, u.xy);
+        s.wi = normalize(2.0 * dot(wo, h) * h - wo);
+        s.weight = vec3(p.fibre_layer * p.coat / p.p_coat *
+                        (0.04 + 0.96 * schlick_weight(wo.z)));
+        s.specular = p.coat_delta;
+        s.valid = s.wi.z > 0.0;
+    } else if (HAS_LOBE(LOBE_CHARLIE) && u.z >= bound_through) {
+        // Uniform over the hemisphere, by height.
+        float radius = sqrt(u.x * (2.0 - u.x));
+        s.wi = vec3(radius * cos(2.0 * PI * u.y), radius * sin(2.0 * PI * u.y), 1.0 - u.x);
+        s.valid = true;
+    } else {
+        s.wi = sample_cosine_hemisphere(u.xy);
+        s.valid = s.wi.z > 0.0;
+        s.transmitted = u.z >= bound_diffuse;
+        s.wi.z = s.transmitted ? -s.wi.z : s.wi.z;
+    }
+    if (s.valid && !s.specular) {
+        vec3 f = eval_prepared(p, wo, s.wi, s.pdf);
+        s.valid = s.pdf > 0.0;
+        s.weight = s.valid ? f / s.pdf : vec3(0.0);
+    }
+    return s;
+}
+
+#endif

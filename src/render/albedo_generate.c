@@ -1,0 +1,349 @@
+// Computes the tables of directional albedos at build time and prints them as C. Run natively.
+//
+// albedo_generate > albedo_data.h
+//
+// At build time rather than at start-up since it takes seconds. Everything is numerical quadrature
+// of the formulas of docs/materials.md in double precision. Tables are interpolated linearly; where
+// that comes out below the truth between nodes, the nodes are raised, so that what lies beneath a
+// layer never gets light that the layer already reflected.
+#include "shared/albedo.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define PI 3.14159265358979323846
+
+static double clamp01(double x)
+{
+    return fmin(1.0, fmax(0.0, x));
+}
+
+static double schlick_weight(double cos_theta)
+{
+    return pow(1.0 - clamp01(cos_theta), 5.0);
+}
+
+// As fresnel_dielectric() of lib/fresnel.glsl.
+static double fresnel(double cos_i, double eta)
+{
+    double k = (eta - 1.0) * (eta + 1.0);
+    double g2 = k + cos_i * cos_i;
+    if (k == 0.0 || g2 <= 0.0)
+        return k == 0.0 ? 0.0 : 1.0;
+    double g = sqrt(g2);
+    double sum = cos_i + g;
+    double r_s = k / (sum * sum);
+    double r_p = k * (cos_i * sum - 1.0) / (sum * (eta * eta * cos_i + g));
+    return 0.5 * (r_s * r_s + r_p * r_p);
+}
+
+// Visible GGX normals as a quadrature over the random numbers that would sample them (Dupuy and
+// Benyoub 2023, as sample_ggx_vndf()): the weights G2 / G1(wo) sum to the albedo of F = 1.
+#define NORMALS_MAX (128 * 64)
+struct visible_normals {
+    uint32_t count;
+    double weight[NORMALS_MAX];
+    double cosine[NORMALS_MAX]; // wo.h
+};
+
+static void find_visible_normals(struct visible_normals *n, double mu, double alpha, int rows,
+                                 int columns)
+{
+    double wo_x = sqrt((1.0 - mu) * (1.0 + mu));
+    double length_o = hypot(alpha * wo_x, mu);
+    double tilt = alpha * wo_x / length_o;
+    double k = mu / length_o;
+    double below = tilt * tilt / (1.0 + k);
+    n->count = 0;
+    for (int i = 0; i < rows; i++) {
+        // Smoothstep as change of variable: the integrand has kinks at both ends.
+        double t = (i + 0.5) / rows;
+        double u = t * t * (3.0 - 2.0 * t);
+        double density = 6.0 * t * (1.0 - t) / (rows * columns);
+        double height = (1.0 - u) * (1.0 + k);
+        double sine = sqrt(u * (1.0 + k) * (height + below));
+        for (int j = 0; j < columns; j++) {
+            double phi = PI * (j + 0.5) / columns; // the other half is symmetric
+            double h_x = alpha * (sine * cos(phi) + tilt);
+            double h_y = alpha * sine * sin(phi);
+            double norm = 1.0 / sqrt(h_x * h_x + h_y * h_y + height * height);
+            double cosine = (wo_x * h_x + mu * height) * norm;
+            double wi_z = 2.0 * cosine * height * norm - mu;
+            if (wi_z <= 0.0 || cosine <= 0.0)
+                continue;
+            double wi_x = 2.0 * cosine * h_x * norm - wo_x;
+            double wi_y = 2.0 * cosine * h_y * norm;
+            double length_i = sqrt(alpha * alpha * (wi_x * wi_x + wi_y * wi_y) + wi_z * wi_z);
+            n->weight[n->count] =
+                density * wi_z * (mu + length_o) / (mu * length_i + wi_z * length_o);
+            n->cosine[n->count++] = cosine;
+        }
+    }
+}
+
+// Axes, as in lib/albedo.glsl: coordinates in [0, 1] to parameters.
+static double axis_alpha(double y)
+{
+    double root4 = 0.1 + 0.9 * y;
+    return root4 * root4 * root4 * root4;
+}
+
+static double axis_mu(double x, double scale)
+{
+    double v = x * x;
+    return v * scale / (1.0 + scale - v);
+}
+
+static double axis_eta(double z, int inside)
+{
+    double r = z * z * z * z;
+    // The end stands for infinity.
+    if (r >= 1.0)
+        return inside ? 0.0 : 1e6;
+    return inside ? (1.0 - r) / (1.0 + r) : (1.0 + r) / (1.0 - r);
+}
+
+static double fresnel_mu(double x, double alpha, double eta, int inside)
+{
+    double root_k = sqrt(fabs((eta - 1.0) * (eta + 1.0)));
+    if (!inside)
+        return axis_mu(x, alpha + 0.6 * root_k / (1.0 + root_k));
+    double t = 2.0 * x - 1.0;
+    return t < 0.0 ? root_k * (1.0 - t * t) : root_k + (1.0 - root_k) * t * t;
+}
+
+static double albedo_ggx(double x, double y)
+{
+    static struct visible_normals n;
+    double alpha = axis_alpha(y);
+    double sum = 0.0;
+    find_visible_normals(&n, axis_mu(x, alpha), alpha, 128, 64);
+    for (uint32_t i = 0; i < n.count; i++)
+        sum += n.weight[i];
+    return fmin(1.0, sum);
+}
+
+// The mean of Schlick's weight over the reflected light.
+static double albedo_schlick(double x, double y)
+{
+    static struct visible_normals n;
+    double alpha = axis_alpha(y);
+    double sum = 0.0, weighted = 0.0;
+    find_visible_normals(&n, axis_mu(x, alpha + 0.2), alpha, 128, 64);
+    for (uint32_t i = 0; i < n.count; i++) {
+        sum += n.weight[i];
+        weighted += n.weight[i] * schlick_weight(n.cosine[i]);
+    }
+    return weighted / sum;
+}
+
+// The mean of Fresnel's reflectance over the reflected light.
+static double albedo_fresnel(double x, double y, double z, int inside)
+{
+    static struct visible_normals n;
+    double alpha = axis_alpha(y), eta = axis_eta(z, inside);
+    double sum = 0.0, weighted = 0.0;
+    if (z == 0.0)
+        return 0.0;
+    find_visible_normals(&n, fresnel_mu(x, alpha, eta, inside), alpha, 64, 32);
+    for (uint32_t i = 0; i < n.count; i++) {
+        sum += n.weight[i];
+        weighted += n.weight[i] * fresnel(n.cosine[i], eta);
+    }
+    return weighted / sum;
+}
+
+static double albedo_charlie(double x, double y)
+{
+    double roughness = 0.1 + 0.9 * y;
+    double mu = axis_mu(x, roughness);
+    double a = roughness * roughness;
+    double sin_o = sqrt(1.0 - mu * mu);
+    double sum = 0.0;
+    const int rows = 96, columns = 48;
+    for (int i = 0; i < rows; i++)
+        for (int j = 0; j < columns; j++) {
+            // Squares gather points at grazing angles and around the direction away from wo, where
+            // the fibres reflect.
+            double t = (i + 0.5) / rows, q = (j + 0.5) / columns;
+            double cos_i = t * t, sin_i = sqrt(1.0 - cos_i * cos_i);
+            double phi = PI * (1.0 - q * q);
+            double x_h = sin_i * cos(phi) + sin_o, y_h = sin_i * sin(phi), z_h = cos_i + mu;
+            double tangential = x_h * x_h + y_h * y_h;
+            double sin2 = tangential / (tangential + z_h * z_h);
+            double d = (2.0 + 1.0 / a) * pow(sin2, 0.5 / a) / (2.0 * PI);
+            double g = d / (4.0 * (cos_i + mu - cos_i * mu));
+            sum += g * cos_i * (2.0 * t / rows) * 2.0 * (2.0 * PI * q / columns);
+        }
+    return sum;
+}
+
+// Of a coat of weight 1.
+static double albedo_coat(double x, double y)
+{
+    double mu = axis_mu(x, 0.25);
+    double a = 0.1 + (0.001 - 0.1) * y;
+    double sin_o = sqrt(1.0 - mu * mu);
+    double sum = 0.0;
+    const int rows = 128, columns = 32;
+    for (int i = 0; i < rows; i++)
+        for (int j = 0; j < columns; j++) {
+            double t = (i + 0.5) / rows;
+            double u = t * t * (3.0 - 2.0 * t);
+            double phi = PI * (j + 0.5) / columns;
+            double cos2 = (1.0 - pow(a * a, 1.0 - u)) / (1.0 - a * a);
+            double h_z = sqrt(cos2), h_xy = sqrt(1.0 - cos2);
+            double cosine = sin_o * h_xy * cos(phi) + mu * h_z;
+            double wi_z = 2.0 * cosine * h_z - mu;
+            if (wi_z <= 0.0 || cosine <= 0.0)
+                continue;
+            double length_o = sqrt(0.0625 * (1.0 - mu * mu) + mu * mu);
+            double length_i = sqrt(0.0625 * (1.0 - wi_z * wi_z) + wi_z * wi_z);
+            double g1_over_mu = 2.0 / (mu + length_o), g1_i = 2.0 * wi_z / (wi_z + length_i);
+            double f = 0.04 + 0.96 * schlick_weight(cosine);
+            sum += 0.25 * f * g1_over_mu * g1_i * cosine / h_z * 6.0 * t * (1.0 - t) /
+                   (rows * columns);
+        }
+    return sum;
+}
+
+// Of Burley's subsurface approximation at one roughness (0, 1 or 2), or of his sheen (3).
+static void albedo_diffuse(double x, double out[4])
+{
+    double mu = axis_mu(x, 0.2);
+    double sin_o = sqrt(1.0 - mu * mu);
+    const int rows = 256, columns = 64;
+    memset(out, 0, 4 * sizeof *out);
+    for (int i = 0; i < rows; i++)
+        for (int j = 0; j < columns; j++) {
+            double t = (i + 0.5) / rows;
+            double cos_i = t * t, sin_i = sqrt(1.0 - cos_i * cos_i);
+            double phi = PI * (j + 0.5) / columns;
+            double cos2_d = 0.5 * (1.0 + cos_i * mu + sin_i * sin_o * cos(phi));
+            double measure = 2.0 * cos_i * 2.0 * t / (rows * columns); // cos / pi
+            for (int r = 0; r < 3; r++) {
+                double f90 = r * 0.5 * cos2_d;
+                double f = (1.0 + (f90 - 1.0) * schlick_weight(cos_i)) *
+                           (1.0 + (f90 - 1.0) * schlick_weight(mu));
+                out[r] += measure * 1.25 * (f * (1.0 / (cos_i + mu) - 0.5) + 0.5);
+            }
+            out[3] += measure * PI * schlick_weight(sqrt(cos2_d));
+        }
+}
+
+static uint32_t words[ALBEDO_WORDS][4];
+
+static uint32_t float_bits(double value)
+{
+    float rounded = (float)value;
+    uint32_t bits;
+    memcpy(&bits, &rounded, sizeof bits);
+    return bits;
+}
+
+// A cell's word: the values at (0, 0), (1, 0), (0, 1), (1, 1).
+static void fill_quads(uint32_t first, uint32_t width, uint32_t height,
+                       double (*albedo)(double, double))
+{
+    // At twice the resolution, so that what lies between the nodes is known too.
+    uint32_t w = 2 * width + 1, h = 2 * height + 1;
+    double *fine = calloc((size_t)w * h, sizeof *fine);
+    double *raise = calloc((size_t)w * h, sizeof *raise);
+    if (!fine || !raise)
+        exit(1);
+    for (uint32_t j = 0; j < h; j++)
+        for (uint32_t i = 0; i < w; i++)
+            fine[j * w + i] = albedo(0.5 * i / width, 0.5 * j / height);
+    for (uint32_t j = 0; j < h; j++)
+        for (uint32_t i = 0; i < w; i++) {
+            uint32_t left = i & ~1u, right = (i + 1) & ~1u, low = j & ~1u, high = (j + 1) & ~1u;
+            uint32_t corner[4] = {low * w + left, low * w + right, high * w + left,
+                                  high * w + right};
+            double mean =
+                0.25 * (fine[corner[0]] + fine[corner[1]] + fine[corner[2]] + fine[corner[3]]);
+            for (int c = 0; c < 4; c++)
+                raise[corner[c]] = fmax(raise[corner[c]], fine[j * w + i] - mean);
+        }
+    for (uint32_t j = 0; j < height; j++)
+        for (uint32_t i = 0; i < width; i++)
+            for (uint32_t c = 0; c < 4; c++) {
+                uint32_t at = 2 * (j + (c >> 1)) * w + 2 * (i + (c & 1));
+                words[first + j * width + i][c] = float_bits(fine[at] + raise[at]);
+            }
+    free(fine);
+    free(raise);
+}
+
+static void fill_diffuse(void)
+{
+    for (uint32_t i = 0; i <= ALBEDO_DIFFUSE_MU; i++) {
+        double e[4];
+        albedo_diffuse((double)i / ALBEDO_DIFFUSE_MU, e);
+        // A polynomial of degree 2 in the roughness, by its values at 0, 1/2 and 1.
+        words[ALBEDO_DIFFUSE + i][0] = float_bits(e[0]);
+        words[ALBEDO_DIFFUSE + i][1] = float_bits(-3.0 * e[0] + 4.0 * e[1] - e[2]);
+        words[ALBEDO_DIFFUSE + i][2] = float_bits(2.0 * e[0] - 4.0 * e[1] + 2.0 * e[2]);
+        words[ALBEDO_DIFFUSE + i][3] = float_bits(e[3]);
+    }
+}
+
+// A cell's word: eight values of 16 bits, mu fastest, then alpha, then eta.
+static void fill_fresnel(int inside)
+{
+    const uint32_t nm = ALBEDO_FRESNEL_MU, na = ALBEDO_FRESNEL_ALPHA, ne = ALBEDO_FRESNEL_ETA;
+    const uint32_t row = nm + 1, slice = row * (na + 1);
+    double *node = calloc((size_t)slice * (ne + 1), sizeof *node);
+    double *raise = calloc((size_t)slice * (ne + 1), sizeof *raise);
+    if (!node || !raise)
+        exit(1);
+    for (uint32_t k = 0; k <= ne; k++)
+        for (uint32_t j = 0; j <= na; j++)
+            for (uint32_t i = 0; i <= nm; i++)
+                node[k * slice + j * row + i] =
+                    albedo_fresnel((double)i / nm, (double)j / na, (double)k / ne, inside);
+    for (int pass = 0; pass < 2; pass++)
+        for (uint32_t k = 0; k < ne; k++)
+            for (uint32_t j = 0; j < na; j++)
+                for (uint32_t i = 0; i < nm; i++) {
+                    uint32_t corner[8];
+                    double mean = 0.0;
+                    for (uint32_t c = 0; c < 8; c++) {
+                        corner[c] = (k + (c >> 2)) * slice + (j + (c >> 1 & 1)) * row + i + (c & 1);
+                        mean += 0.125 * node[corner[c]];
+                    }
+                    if (pass == 0) {
+                        double truth =
+                            albedo_fresnel((i + 0.5) / nm, (j + 0.5) / na, (k + 0.5) / ne, inside);
+                        for (uint32_t c = 0; c < 8; c++)
+                            raise[corner[c]] = fmax(raise[corner[c]], truth - mean);
+                        continue;
+                    }
+                    uint32_t *word = words[ALBEDO_FRESNEL + (uint32_t)inside * ALBEDO_FRESNEL_SIDE +
+                                           (k * na + j) * nm + i];
+                    for (uint32_t c = 0; c < 8; c++) {
+                        double value = clamp01(node[corner[c]] + raise[corner[c]]);
+                        word[c / 2] |= (uint32_t)ceil(value * 65535.0) << (16 * (c & 1));
+                    }
+                }
+    free(node);
+    free(raise);
+}
+
+int main(void)
+{
+    fill_quads(ALBEDO_GGX, ALBEDO_GGX_MU, ALBEDO_GGX_ALPHA, albedo_ggx);
+    fill_quads(ALBEDO_SCHLICK, ALBEDO_SCHLICK_MU, ALBEDO_SCHLICK_ALPHA, albedo_schlick);
+    fill_quads(ALBEDO_CHARLIE, ALBEDO_CHARLIE_MU, ALBEDO_CHARLIE_ROUGHNESS, albedo_charlie);
+    fill_quads(ALBEDO_COAT, ALBEDO_COAT_MU, ALBEDO_COAT_GLOSS, albedo_coat);
+    fill_diffuse();
+    fill_fresnel(0);
+    fill_fresnel(1);
+    for (uint32_t i = 0; i < ALBEDO_WORDS; i++)
+        if (printf("{0x%x,0x%x,0x%x,0x%x},\n", words[i][0], words[i][1], words[i][2], words[i][3]) <
+            0)
+            return 1;
+    return fflush(stdout) == 0 ? 0 : 1;
+}
