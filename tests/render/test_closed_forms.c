@@ -1,5 +1,5 @@
 // Scenes whose radiance is known in closed form (by their numbers in verification.md B): furnaces,
-// configuration factors, mirrors, an edge. by_default takes each form in the default configuration
+// lights without extent, configuration factors, mirrors, an edge. by_default takes each form in the default configuration
 // and with the fewest samples that give the confidence interval, by_every_estimator with 1024
 // samples a pixel.
 #include "clock.h"
@@ -63,6 +63,50 @@ static double closed(double rho, double le, double bounces)
     return le * (1.0 - pow(rho, bounces + 1.0)) / (1.0 - rho);
 }
 
+// A point light of intensity `le` in the centre of a sphere of radius 2: (le / 2^2) rho / pi leaves the
+// wall at first, then as above.
+static double lamp_in_sphere(double rho, double le, double bounces)
+{
+    return rho / M_PI * le / 4.0 * (1.0 - pow(rho, bounces)) / (1.0 - rho);
+}
+
+// A point light at `distance`, 60 degrees off the normal.
+static double lamp_above(double rho, double le, double distance)
+{
+    return rho / M_PI * le * 0.5 / (distance * distance);
+}
+
+// The same at 2 m, with a range of 3 m (KHR_lights_punctual).
+static double lamp_with_range(double rho, double le, double unused)
+{
+    (void)unused;
+    return lamp_above(rho, le, 2.0) * (1.0 - pow(2.0 / 3.0, 4.0));
+}
+
+static double sun_above(double rho, double le, double degrees)
+{
+    return rho / M_PI * le * cos(degrees * M_PI / 180.0);
+}
+
+// A spot right above at 2 m whose axis passes the point by 10 degrees, and its outer angle; the inner
+// one is half of that (KHR_lights_punctual).
+static double spot_above(double rho, double le, double outer)
+{
+    double degree = M_PI / 180.0, edge = cos(outer * degree);
+    double falloff = (cos(10 * degree) - edge) / fmax(1e-3, cos(0.5 * outer * degree) - edge);
+    falloff = fmin(fmax(falloff, 0.0), 1.0);
+    return rho / M_PI * le / 4.0 * falloff * falloff;
+}
+
+// A spot of inner angle 0 and outer angle 0.5 degrees, whose axis passes by 0.25 degrees.
+static double narrow_spot(double rho, double le, double unused)
+{
+    (void)unused;
+    double degree = M_PI / 180.0;
+    double falloff = (cos(0.25 * degree) - cos(0.5 * degree)) / 1e-3;
+    return rho / M_PI * le / 4.0 * falloff * falloff;
+}
+
 // Square of side 2 parallel to the element and centred above it: four times factor B-3, of
 // a rectangle a x b with a corner above the element; here a = b = 1 / height.
 static double square_above(double rho, double le, double height)
@@ -84,6 +128,23 @@ static double disc_above(double rho, double le, double height)
 static double sphere_above(double rho, double le, double d)
 {
     return rho * le / (2.0 * d * d) * sqrt(0.5);
+}
+
+// Stiff case C14: 1e8 W from a sphere of radius 1e-4 (Le = power / (4 pi^2 r^2)) at 1e4.
+static double pinpoint(double rho, double le, double unused)
+{
+    (void)unused;
+    return rho * le * 1e14 * 1e-16 * sqrt(0.5);
+}
+
+static double square_above(double rho, double le, double height);
+
+// A square, a point light, a sun and a spot at once.
+static double all_lights(double rho, double le, double unused)
+{
+    (void)unused;
+    return square_above(rho, le, 3.0) + lamp_above(rho, le, 2.0) + sun_above(rho, le, 60.0) +
+           spot_above(rho, le, 60.0);
 }
 
 static const double triangle[3][3] = {{-0.5, 0.25, 0.5}, {0.75, 0.5, 0.25}, {0.5, 1.5, -0.5}};
@@ -166,6 +227,21 @@ static double part_covered(double rho, double le, double part)
         "emission", "[1, 2, 4]"                                                                    \
     }
 
+// Lights above the floor's point, in the plane z = 0.
+#define LAMP_AT(x, y)                                                                              \
+    JSON({"type" : "point", "position" : [ x, y, 0 ], "intensity" : [1, 2, 4]})
+#define SUN_FROM(x, y)                                                                             \
+    JSON({"type" : "directional", "direction" : [ -x, -y, 0 ], "irradiance" : [1, 2, 4]})
+#define SPOT(inner, outer)                                                                         \
+    JSON({                                                                                         \
+        "type" : "spot",                                                                           \
+        "position" : [ 0, 2, 0 ],                                                                  \
+        "intensity" : [ 1, 2, 4 ],                                                               \
+        "direction" : [ 0.17364817766693033, -0.984807753012208, 0 ],                              \
+        "inner_degrees" : inner,                                                                   \
+        "outer_degrees" : outer                                                                    \
+    })
+
 // clang-format off
 static const struct form forms[] = {
     {"1 sky", OURS "sky.json", sky, 0, EXACT, EACH_ALONE, {{0}}},
@@ -192,6 +268,45 @@ static const struct form forms[] = {
     {"3 glowing room", "scenes/furnace.json", closed, 6, BY_STATISTICS, BSDF_ALONE,
      {COLORS, {"film", JSON({"width": 32, "height": 32})},
       {"settings", JSON({"max_bounces": 6, "roulette_min_bounces": "off"})}}},
+
+    {"4 lamp in a sphere, 1 bounce", OURS "sphere_lamp.json", lamp_in_sphere, 1, WITHOUT_VARIANCE,
+     NEE_ALONE, {{"settings", JSON({"max_bounces": 1})}}},
+    {"4 lamp in a sphere, all bounces", OURS "sphere_lamp.json", lamp_in_sphere, INFINITY,
+     BY_STATISTICS, NEE_ALONE, {{"settings", JSON({"max_bounces": 1000})}}},
+    {"5 lamp at 0.001", OURS "floor_lamp.json", lamp_above, 1e-3, WITHOUT_VARIANCE, NEE_ALONE,
+     {{"lamp", LAMP_AT(8.660254037844386e-4, 0.5e-3)}}},
+    {"5 lamp at 1", OURS "floor_lamp.json", lamp_above, 1, WITHOUT_VARIANCE, NEE_ALONE,
+     {{"lamp", LAMP_AT(0.8660254037844386, 0.5)}}},
+    {"5 lamp at 1000", OURS "floor_lamp.json", lamp_above, 1e3, WITHOUT_VARIANCE, NEE_ALONE,
+     {{"lamp", LAMP_AT(866.0254037844386, 500)}}},
+    {"5 lamp at 1000000", OURS "floor_lamp.json", lamp_above, 1e6, WITHOUT_VARIANCE, NEE_ALONE,
+     {{"lamp", LAMP_AT(866025.4037844386, 500000)}}},
+    {"5 lamp with a range", OURS "floor_lamp.json", lamp_with_range, 0, WITHOUT_VARIANCE, NEE_ALONE,
+     {{"lamp", JSON({"type": "point", "position": [1.7320508075688772, 1, 0],
+                     "intensity": [1, 2, 4], "range": 3})}}},
+    {"6 sun at 60 degrees", OURS "floor_lamp.json", sun_above, 60, WITHOUT_VARIANCE, NEE_ALONE,
+     {{"lamp", SUN_FROM(0.8660254037844386, 0.5)}}},
+    {"6 sun at 89 degrees", OURS "floor_lamp.json", sun_above, 89, WITHOUT_VARIANCE, NEE_ALONE,
+     {{"lamp", SUN_FROM(0.9998476951563913, 0.01745240643728351)}}},
+    {"7 spot, on the slope", OURS "floor_lamp.json", spot_above, 15, WITHOUT_VARIANCE, NEE_ALONE,
+     {{"lamp", SPOT(7.5, 15)}}},
+    {"7 spot, inside", OURS "floor_lamp.json", spot_above, 30, WITHOUT_VARIANCE, NEE_ALONE,
+     {{"lamp", SPOT(15, 30)}}},
+    {"7 spot, outside", OURS "floor_lamp.json", spot_above, 9, WITHOUT_VARIANCE, NEE_ALONE,
+     {{"lamp", SPOT(4.5, 9)}}},
+    {"7 narrow spot", OURS "floor_lamp.json", narrow_spot, 0, WITHOUT_VARIANCE, NEE_ALONE,
+     {{"lamp", JSON({"type": "spot", "position": [0, 2, 0], "intensity": [1, 2, 4],
+                     "direction": [0.004363309284746571, -0.999990480720734, 0],
+                     "inner_degrees": 0, "outer_degrees": 0.5})}}},
+    {"5 to 8 together", OURS "floor_light.json", all_lights, 0, BY_STATISTICS, NEE_ALONE,
+     {{"light", JSON({"type": "quad", "material": "light", "corner": [-1, 3, 1], "u": [2, 0, 0],
+                      "v": [0, 0, -2]})},
+      {"lights", "[" LAMP_AT(1.7320508075688772, 1) "," SUN_FROM(0.8660254037844386, 0.5) ","
+                 SPOT(30, 60) "]"}}},
+    {"C14 pinpoint of 1e8 W", OURS "floor_light.json", pinpoint, 0, WITHOUT_VARIANCE, NEE_ALONE,
+     {{"light", JSON({"type": "sphere", "material": "light", "radius": 1e-4,
+                      "center": [7071.0678118654752, 7071.0678118654752, 0]})},
+      {"emission", "[1e14, 2e14, 4e14]"}}},
 
     {"8 square at 1", OURS "floor_light.json", square_above, 1, BY_STATISTICS, EACH_ALONE,
      {{"light", JSON({"type": "quad", "material": "light", "corner": [-1, 1, 1], "u": [2, 0, 0],
@@ -255,6 +370,12 @@ struct trial {
     uint64_t samples;
 };
 
+// Where nothing is expected, anything is too much.
+static double relative_error(double value, double expected)
+{
+    return expected > 0.0 ? fabs(value / expected - 1.0) : value == 0.0 ? 0.0 : INFINITY;
+}
+
 static void check_pixels(struct trial *trial)
 {
     struct arena arena = {0};
@@ -268,7 +389,7 @@ static void check_pixels(struct trial *trial)
     double worst = 0.0;
     for (size_t i = 0; i < (size_t)film.width * film.height; i++)
         for (int c = 0; c < 3; c++)
-            worst = fmax(worst, fabs(film.mean[i][c] / trial->expected[c] - 1.0));
+            worst = fmax(worst, relative_error(film.mean[i][c], trial->expected[c]));
     printf("  bias of the worst pixel %.1e", worst);
     CHECK(worst <= (trial->form->kind == EXACT ? 0.0 : ROUNDING_MAX), "%s: off by %.3e",
           trial->form->name, worst);
