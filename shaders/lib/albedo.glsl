@@ -1,13 +1,18 @@
 // Directional albedos, interpolated in tables of the materials' buffer (shared/albedo.h). How they are
 // computed and how far they are from the truth: render/albedo_generate.c, docs/materials.md.
 //
-// `tables` is the first word of the tables: load_material_sections().w. mu is the cosine of wo.
+// `tables` is what albedo_first() says: the first word of the tables. mu is the cosine of wo.
 #ifndef ALBEDO_GLSL
 #define ALBEDO_GLSL
 
 #include "lib/material.glsl"
 #include "lib/microfacet.glsl"
 #include "shared/albedo.h"
+
+uint albedo_first()
+{
+    return load_materials(0u).w; // gpu_material_header.albedos
+}
 
 // Coordinates in [0, 1] along the axes. Albedos change over cosines of about `scale`, and with the
 // square root of that near 0.

@@ -219,7 +219,7 @@ void prepare_diffuse(inout principled p, material m, float mu)
 principled principled_prepare(material m, vec3 wo, float eta)
 {
     principled p;
-    p.tables = load_material_sections().w;
+    p.tables = albedo_first();
     vec4 metal = m.group[GROUP_METAL];
     p.base_color = m.group[GROUP_BASE].rgb;
     p.roughness = metal.g;
