@@ -163,10 +163,10 @@ static bool is_data_uri(const char *uri)
     return strncasecmp(uri, "data:", 5) == 0;
 }
 
-static bool read_external(struct gltf_document *document, const struct json_node *node,
-                          const char *uri, struct file_bytes *out, struct err *err)
+static bool read_external(const struct gltf_document *document, const struct json_node *node,
+                          const char *uri, struct arena *arena, struct file_bytes *out,
+                          const char **path, struct err *err)
 {
-    struct arena *arena = &document->arena;
     const struct file_reference reference = {
         .folder = path_folder(arena, document->source->path),
         .percent_decode = true,
@@ -176,8 +176,20 @@ static bool read_external(struct gltf_document *document, const struct json_node
         err_memory(err, "a path", strlen(document->source->path) + 1);
         return node_prepend(node, err);
     }
-    const char *path = file_resolve(arena, &reference, uri, err);
-    return (path && file_read(arena, path, 0, out, err)) || node_prepend(node, err);
+    *path = file_resolve(arena, &reference, uri, err);
+    return (*path && file_read(arena, *path, 0, out, err)) || node_prepend(node, err);
+}
+
+bool gltf_uri_load(const struct gltf_document *document, const struct json_node *uri,
+                   struct arena *arena, struct file_bytes *out, const char **path, struct err *err)
+{
+    const char *text = json_string_value(uri->value);
+    *path = NULL;
+    if (!text)
+        return node_unexpected(uri, "a string", err);
+    if (is_data_uri(text))
+        return decode_data_uri(uri, text, arena, out, err);
+    return read_external(document, uri, text, arena, out, path, err);
 }
 
 // --- buffers -------------------------------------------------------------------------------------
@@ -187,19 +199,17 @@ static bool find_bytes(struct gltf_document *document, const struct json_node *n
                        const struct file_bytes *binary, struct file_bytes *out, bool *is_external,
                        struct err *err)
 {
-    const char *uri = NULL;
-    if (!node_read_string(node, "uri", &uri, err))
-        return false;
-    if (!uri) {
+    const struct json_node uri = node_member(node, "uri");
+    const char *path = NULL;
+    if (!uri.value) {
         // The first buffer of a GLB file is its binary chunk.
         *out = node->index == 0 ? *binary : (struct file_bytes){0};
         return true;
     }
-    const struct json_node uri_node = node_member(node, "uri");
-    if (is_data_uri(uri))
-        return decode_data_uri(&uri_node, uri, &document->arena, out, err);
-    *is_external = true;
-    return read_external(document, &uri_node, uri, out, err);
+    if (!gltf_uri_load(document, &uri, &document->arena, out, &path, err))
+        return false;
+    *is_external = path != NULL;
+    return true;
 }
 
 static bool load_buffer(struct gltf_document *document, uint32_t index,

@@ -19,4 +19,9 @@ bool glb_open(const struct file_bytes *bytes, struct glb_chunks *out, struct err
 bool gltf_buffers_load(struct gltf_document *document, const struct file_bytes *binary,
                        struct err *err);
 
+// The bytes that a "uri" stands for, in `arena`: a data URI, or a file where the document may have
+// one. *path is the file's, NULL for a data URI.
+bool gltf_uri_load(const struct gltf_document *document, const struct json_node *uri,
+                   struct arena *arena, struct file_bytes *out, const char **path, struct err *err);
+
 #endif

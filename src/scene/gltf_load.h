@@ -7,8 +7,9 @@
 
 // What was left out or approximated, for the scene's notes.
 struct gltf_tally {
-    uint32_t metallic, transparent, specular_glossy, unlit; // materials
-    uint32_t emissive_textures;
+    uint32_t specular_glossy, coat_normals, anisotropic; // materials
+    uint32_t translucent, translucent_volumes;
+    uint32_t textures_without_image, mislabelled_images;
     uint32_t point_and_line_primitives, primitives_without_positions, primitives_without_material;
     uint32_t clamped_colors, infinite_texcoords; // vertices, numbers
     uint32_t skinned_nodes, morph_target_meshes;
@@ -42,6 +43,7 @@ struct gltf_load {
     struct gltf_document document;
     const struct progress *progress;
     uint32_t first_material;        // the scene's index of the file's material 0
+    struct gltf_material *materials; // one for each of the file's, see gltf_material.h
     uint32_t default_material;      // of primitives without one; SCENE_NONE until needed
     struct gltf_mesh_range *meshes; // one for each glTF mesh
     struct gltf_vectors *vectors;   // one for each accessor
@@ -49,8 +51,10 @@ struct gltf_load {
     struct gltf_tally tally;
 };
 
-// gltf_material.c: appends all materials of the file to the scene.
+// gltf_material.c: appends all materials of the file to the scene, yet without textures.
 bool gltf_materials_load(struct gltf_load *load, struct err *err);
+// gltf_texture.c: decodes the images of materials in use, and gives these their textures.
+bool gltf_textures_load(struct gltf_load *load, struct err *err);
 
 // gltf_mesh.c: the scene's meshes for glTF mesh `index`, converted when first asked for.
 bool gltf_mesh_load(struct gltf_load *load, uint32_t index, struct gltf_mesh_range *out,
