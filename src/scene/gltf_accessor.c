@@ -14,7 +14,8 @@ static const struct {
 };
 enum { COMPONENT_TYPE_COUNT = sizeof components / sizeof components[0] };
 
-static const char *const type_names[] = {"", "SCALAR", "VEC2", "VEC3", "VEC4"};
+static const char *const type_names[] = {
+    [1] = "SCALAR", [2] = "VEC2", [3] = "VEC3", [4] = "VEC4", [ACCESSOR_MAT4] = "MAT4"};
 
 #define INDEX_TYPES                                                                                \
     (COMPONENT_BIT(COMPONENT_U8) | COMPONENT_BIT(COMPONENT_U16) | COMPONENT_BIT(COMPONENT_U32))
@@ -58,16 +59,6 @@ static bool read_buffer_view(const struct gltf_document *document, uint32_t inde
     if (out->stride % 4 != 0)
         return node_fail(node, err, "byteStride %llu is no multiple of 4",
                          (unsigned long long)out->stride);
-    return true;
-}
-
-bool gltf_view_bytes(const struct gltf_document *document, uint32_t index, struct file_bytes *out,
-                     struct err *err)
-{
-    struct buffer_view view;
-    if (!read_buffer_view(document, index, &view, err))
-        return false;
-    *out = (struct file_bytes){view.buffer->data + view.offset, (size_t)view.length};
     return true;
 }
 
@@ -377,6 +368,31 @@ static bool check_index(const struct accessor_view *view, uint32_t element, uint
     if (index >= limit)
         return node_fail(&view->node, err, "element %u is %u; expected an index below %s, %u",
                          element, index, limit_name, limit);
+    return true;
+}
+
+// The integers of element `at`, one a component.
+static void load_joints(const struct accessor_view *view, const uint8_t *at, uint32_t out[4])
+{
+    for (size_t c = 0; c < 4; c++)
+        out[c] = load_unsigned(at + c * components[view->type].size, view->type);
+}
+
+bool accessor_read_joints(const struct accessor_view *view, uint32_t limit, uint32_t *out,
+                          struct err *err)
+{
+    memset(out, 0, 4 * view->count * sizeof *out);
+    for (uint32_t i = 0; view->data && i < view->count; i++)
+        load_joints(view, view->data + i * view->stride, out + 4 * (size_t)i);
+    size_t size = 4 * (size_t)components[view->type].size;
+    for (uint32_t i = 0; i < view->sparse_count; i++)
+        load_joints(view, view->sparse_values + i * size, out + 4 * (size_t)sparse_index(view, i));
+    for (size_t i = 0; i < 4 * (size_t)view->count; i++)
+        if (out[i] >= limit)
+            return node_fail(&view->node, err,
+                             "element %zu, component %zu is %u; expected an index below the number "
+                             "of joints, %u",
+                             i / 4, i % 4, out[i], limit);
     return true;
 }
 

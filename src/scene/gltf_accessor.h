@@ -20,10 +20,12 @@ enum component_type {
 // the file's own size does not bound. 2^24 is more than anybody writes and less than hurts.
 #define ACCESSOR_MAX_UNBACKED_COUNT (UINT64_C(1) << 24)
 
+#define ACCESSOR_MAT4 16 // components
+
 // What a use of an accessor demands of it.
 struct accessor_rule {
     const char *use;               // "POSITION", for messages
-    uint32_t components;           // 1 SCALAR, 2 VEC2, 3 VEC3, 4 VEC4
+    uint32_t components;           // 1 SCALAR, 2 VEC2, 3 VEC3, 4 VEC4, 16 MAT4
     uint32_t fewer_components;     // of another type that will do; 0: none
     uint32_t types;                // COMPONENT_BITs allowed as they are
     uint32_t normalized_types;     // and with "normalized": true
@@ -54,13 +56,12 @@ bool accessor_view(const struct gltf_document *document, uint32_t index,
 bool accessor_read_floats(const struct accessor_view *view, float *out, struct err *err);
 // The same, but numbers that are not finite become 0 and are counted in *replaced. Returns true.
 bool accessor_read_or_zero(const struct accessor_view *view, float *out, uint32_t *replaced);
+// Writes 4 * count unsigned integers of a VEC4 accessor, each below `limit`, the number of joints.
+bool accessor_read_joints(const struct accessor_view *view, uint32_t limit, uint32_t *out,
+                          struct err *err);
 // Writes count unsigned integers of a SCALAR accessor. One that is not below `limit` is an error
 // that calls the limit by its name, "the vertex count", and so is the primitive restart value.
 bool accessor_read_indices(const struct accessor_view *view, uint32_t limit, const char *limit_name,
                            uint32_t *out, struct err *err);
-
-// The bytes of buffer view `index`, which is below the document's count. They are the document's.
-bool gltf_view_bytes(const struct gltf_document *document, uint32_t index, struct file_bytes *out,
-                     struct err *err);
 
 #endif

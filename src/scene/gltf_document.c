@@ -4,37 +4,28 @@
 #include "gltf_buffer.h"
 #include <float.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
 static const char *const list_names[GLTF_LIST_COUNT] = {
     [GLTF_ACCESSORS] = "accessors", [GLTF_ANIMATIONS] = "animations",
     [GLTF_BUFFERS] = "buffers",     [GLTF_BUFFER_VIEWS] = "bufferViews",
-    [GLTF_CAMERAS] = "cameras",     [GLTF_IMAGES] = "images",
-    [GLTF_MATERIALS] = "materials", [GLTF_MESHES] = "meshes",
-    [GLTF_NODES] = "nodes",         [GLTF_SAMPLERS] = "samplers",
+    [GLTF_CAMERAS] = "cameras",     [GLTF_MATERIALS] = "materials",
+    [GLTF_MESHES] = "meshes",       [GLTF_NODES] = "nodes",
     [GLTF_SCENES] = "scenes",       [GLTF_SKINS] = "skins",
     [GLTF_TEXTURES] = "textures",
 };
 
 #define QUANTIZATION "KHR_mesh_quantization"
 
-// What the loader reads, and so what a file may require.
+// What the loader reads, and so what a file may require. KHR_texture_transform concerns nothing but
+// textures, which the loader reports as unused.
 static const char *const known_extensions[] = {
     "EXT_mesh_gpu_instancing",
-    "KHR_materials_anisotropy",
-    "KHR_materials_clearcoat",
-    "KHR_materials_diffuse_transmission",
-    "KHR_materials_dispersion",
     "KHR_materials_emissive_strength",
-    "KHR_materials_ior",
-    "KHR_materials_iridescence",
     "KHR_materials_pbrSpecularGlossiness",
-    "KHR_materials_sheen",
-    "KHR_materials_specular",
-    "KHR_materials_transmission",
     "KHR_materials_unlit",
-    "KHR_materials_volume",
     QUANTIZATION,
     "KHR_texture_transform",
     NULL,
@@ -68,6 +59,24 @@ bool gltf_read_index(const struct json_node *object, const char *key, uint32_t c
                          count);
     *out = (uint32_t)index;
     return true;
+}
+
+bool gltf_find(const struct gltf_document *document, enum gltf_list list, const char *what,
+               const char *wanted, uint32_t *out, struct err *err)
+{
+    for (*out = 0; *out < document->counts[list]; ++*out) {
+        const struct json_node node = gltf_item(document, list, *out);
+        const char *name = json_string_value(json_object_get(node.value, "name"));
+        if (name && strcmp(name, wanted) == 0)
+            return true;
+    }
+    char *end;
+    unsigned long index = strtoul(wanted, &end, 10);
+    *out = (uint32_t)index;
+    if (*wanted >= '0' && *wanted <= '9' && *end == '\0' && index < document->counts[list])
+        return true;
+    return err_set(err, ERR_USAGE, "%s: no %s \"%s\": expected a name or an index below %u",
+                   document->source->path, what, wanted, document->counts[list]);
 }
 
 bool gltf_read_object(const struct json_node *object, const char *key, struct json_node *out,

@@ -20,11 +20,9 @@ enum gltf_list {
     GLTF_BUFFERS,
     GLTF_BUFFER_VIEWS,
     GLTF_CAMERAS,
-    GLTF_IMAGES,
     GLTF_MATERIALS,
     GLTF_MESHES,
     GLTF_NODES,
-    GLTF_SAMPLERS,
     GLTF_SCENES,
     GLTF_SKINS,
     GLTF_TEXTURES,
@@ -77,6 +75,10 @@ bool gltf_require(const struct json_node *object, const char *key, struct err *e
 // An index below `count`; GLTF_NONE where the key is absent.
 bool gltf_read_index(const struct json_node *object, const char *key, uint32_t count, uint32_t *out,
                      struct err *err);
+// The element of a list that has this name, else this index; `what` is one of them, "animation". The
+// wish comes from the command line: ERR_USAGE where there is none.
+bool gltf_find(const struct gltf_document *document, enum gltf_list list, const char *what,
+               const char *wanted, uint32_t *out, struct err *err);
 // A member that is an object or absent (its value is then NULL), and the same for an array.
 bool gltf_read_object(const struct json_node *object, const char *key, struct json_node *out,
                       struct err *err);

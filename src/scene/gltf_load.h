@@ -7,19 +7,27 @@
 
 // What was left out or approximated, for the scene's notes.
 struct gltf_tally {
-    uint32_t specular_glossy, coat_normals, anisotropic; // materials
-    uint32_t translucent, translucent_volumes;
-    uint32_t textures_without_image, mislabelled_images;
+    uint32_t metallic, transparent, specular_glossy, unlit; // materials
+    uint32_t emissive_textures;
     uint32_t point_and_line_primitives, primitives_without_positions, primitives_without_material;
+    uint32_t empty_primitives;
     uint32_t clamped_colors, infinite_texcoords; // vertices, numbers
-    uint32_t skinned_nodes, morph_target_meshes;
+    uint32_t ignored_channels, projective_joints, vertices_without_joints, instanced_skins;
     uint32_t orthographic_cameras, singular_cameras;
+};
+
+// Of a mesh's morph targets.
+struct gltf_weights {
+    const double *values;
+    uint32_t count; // 0: none has any weight
 };
 
 // The scene's meshes that came from one glTF mesh: one a primitive, but for those left out.
 struct gltf_mesh_range {
     bool is_loaded;
+    bool is_counted; // in loaded_meshes
     uint32_t first, count;
+    struct gltf_weights weights; // that they were converted with
 };
 
 // What vertices carry.
@@ -38,27 +46,31 @@ struct gltf_vectors {
     uint32_t count;                      // elements of each
 };
 
+struct gltf_node_pose;
+
 struct gltf_load {
     struct scene *scene;
     struct gltf_document document;
     const struct progress *progress;
     uint32_t first_material;        // the scene's index of the file's material 0
-    struct gltf_material *materials; // one for each of the file's, see gltf_material.h
     uint32_t default_material;      // of primitives without one; SCENE_NONE until needed
     struct gltf_mesh_range *meshes; // one for each glTF mesh
+    struct gltf_node_pose *poses;   // one for each node; NULL: no animation is shown
     struct gltf_vectors *vectors;   // one for each accessor
     uint32_t loaded_meshes;
     struct gltf_tally tally;
 };
 
-// gltf_material.c: appends all materials of the file to the scene, yet without textures.
+// gltf_material.c: appends all materials of the file to the scene.
 bool gltf_materials_load(struct gltf_load *load, struct err *err);
-// gltf_texture.c: decodes the images of materials in use, and gives these their textures.
-bool gltf_textures_load(struct gltf_load *load, struct err *err);
 
-// gltf_mesh.c: the scene's meshes for glTF mesh `index`, converted when first asked for.
-bool gltf_mesh_load(struct gltf_load *load, uint32_t index, struct gltf_mesh_range *out,
-                    struct err *err);
+// gltf_mesh.c: the scene's meshes for glTF mesh `index`, with its morph targets by these weights,
+// which must live as long as the document. Those of the last call for this mesh are returned again
+// where the weights are the same. skin: moves them into the world; such ones are new every time.
+// NULL: they stay in their own space.
+struct gltf_skin;
+bool gltf_mesh_load(struct gltf_load *load, uint32_t index, const struct gltf_weights *weights,
+                    const struct gltf_skin *skin, struct gltf_mesh_range *out, struct err *err);
 
 // gltf_instancing.c: adds instances of scene mesh range `meshes` at the transforms that the node's
 // EXT_mesh_gpu_instancing gives, each after `world`. *found: the node has that extension.
@@ -73,6 +85,8 @@ struct gltf_load_params {
     struct gltf_source source;
     const double (*place)[4]; // 3x4, the file's world to the scene's
     bool with_cameras;
+    const double *at_seconds; // as in scene_load_params, and these two
+    const char *animation, *scene_name;
     const struct progress *progress; // NULL: nobody listens
 };
 bool gltf_load_bytes(struct scene *scene, const struct gltf_load_params *params, struct err *err);

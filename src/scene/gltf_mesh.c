@@ -3,8 +3,9 @@
 
 #include "gltf_accessor.h"
 #include "gltf_attribute.h"
-#include "gltf_material.h"
+#include "gltf_pose.h"
 #include "mesh_loader.h"
+#include <string.h>
 
 // The codes of the specification.
 enum primitive_mode {
@@ -101,15 +102,20 @@ static bool allocate_triangles(struct gltf_load *load, const struct json_node *n
     return true;
 }
 
-// sequence: the vertices' order; NULL: 0, 1, 2, …
+// sequence: the vertices' order; NULL: 0, 1, 2, … Strips repeat vertices where they turn: triangles
+// with a vertex twice are left out of them.
 static void write_triangles(struct mesh *mesh, enum primitive_mode mode, const uint32_t *sequence)
 {
+    uint32_t count = 0;
     for (uint32_t i = 0; i < mesh->triangle_count; i++) {
-        uint32_t corners[3];
+        uint32_t corners[3], *to = mesh->indices[count];
         triangle_corners(mode, i, corners);
         for (int c = 0; c < 3; c++)
-            mesh->indices[i][c] = sequence ? sequence[corners[c]] : corners[c];
+            to[c] = sequence ? sequence[corners[c]] : corners[c];
+        bool is_turn = to[0] == to[1] || to[1] == to[2] || to[2] == to[0];
+        count += mode == MODE_TRIANGLES || !is_turn;
     }
+    mesh->triangle_count = count;
 }
 
 static bool read_indexed_triangles(struct gltf_load *load, uint32_t accessor,
@@ -154,7 +160,6 @@ static bool read_material(struct gltf_load *load, const struct json_node *primit
     if (!gltf_read_index(primitive, "material", load->document.counts[GLTF_MATERIALS], &index, err))
         return false;
     if (index != GLTF_NONE) {
-        load->materials[index].is_used = true;
         *material = load->first_material + index;
         return true;
     }
@@ -175,8 +180,14 @@ static bool is_drawable(struct gltf_tally *tally, enum primitive_mode mode, uint
     return mode > MODE_LINE_STRIP && position != GLTF_NONE;
 }
 
+// What a node makes of a mesh.
+struct deformation {
+    const struct gltf_weights *weights;
+    const struct gltf_skin *skin; // or NULL
+};
+
 static bool load_primitive(struct gltf_load *load, const struct json_node *primitive,
-                           const char *name, struct err *err)
+                           const char *name, const struct deformation *deformation, struct err *err)
 {
     if (!json_is_object(primitive->value))
         return node_unexpected(primitive, "an object", err);
@@ -193,12 +204,17 @@ static bool load_primitive(struct gltf_load *load, const struct json_node *primi
     struct mesh mesh = {.name = name};
     if (!read_vertices(load, &attributes, position, &mesh, err) ||
         !read_triangles(load, primitive, (enum primitive_mode)mode, &mesh, err) ||
+        !gltf_morph_apply(load, primitive, deformation->weights, &mesh, err) ||
+        (deformation->skin && !gltf_skin_apply(load, primitive, deformation->skin, &mesh, err)) ||
         !read_material(load, primitive, &mesh.material, err))
         return false;
-    return scene_append_mesh(load->scene, &mesh, NULL, err) || node_prepend(primitive, err);
+    load->tally.empty_primitives += mesh.triangle_count == 0;
+    return mesh.triangle_count == 0 || scene_append_mesh(load->scene, &mesh, NULL, err) ||
+           node_prepend(primitive, err);
 }
 
-static bool load_primitives(struct gltf_load *load, const struct json_node *node, struct err *err)
+static bool load_primitives(struct gltf_load *load, const struct json_node *node,
+                            const struct deformation *deformation, struct err *err)
 {
     struct json_node primitives;
     const char *name;
@@ -207,31 +223,39 @@ static bool load_primitives(struct gltf_load *load, const struct json_node *node
         !node_check_array(&primitives, 1, GLTF_MAX_COUNT, err) ||
         !gltf_read_name(node, &load->scene->arena, &name, err))
         return false;
-    bool has_targets = false;
     for (size_t i = 0; i < json_array_size(primitives.value); i++) {
         const struct json_node primitive = node_element(&primitives, i);
-        has_targets |= json_object_get(primitive.value, "targets") != NULL;
-        if (!load_primitive(load, &primitive, name, err))
+        if (!load_primitive(load, &primitive, name, deformation, err))
             return false;
     }
-    load->tally.morph_target_meshes += has_targets;
     return true;
 }
 
-bool gltf_mesh_load(struct gltf_load *load, uint32_t index, struct gltf_mesh_range *out,
-                    struct err *err)
+static bool is_loaded_so(const struct gltf_mesh_range *range, const struct gltf_weights *weights)
+{
+    return range->is_loaded && range->weights.count == weights->count &&
+           (weights->count == 0 || memcmp(range->weights.values, weights->values,
+                                          weights->count * sizeof *weights->values) == 0);
+}
+
+bool gltf_mesh_load(struct gltf_load *load, uint32_t index, const struct gltf_weights *weights,
+                    const struct gltf_skin *skin, struct gltf_mesh_range *out, struct err *err)
 {
     struct gltf_mesh_range *range = &load->meshes[index];
-    if (!range->is_loaded) {
-        const struct json_node node = gltf_item(&load->document, GLTF_MESHES, index);
-        range->first = load->scene->mesh_count;
-        if (!load_primitives(load, &node, err))
-            return false;
-        range->count = load->scene->mesh_count - range->first;
-        range->is_loaded = true;
-        progress_report(load->progress, "Loading",
-                        (double)++load->loaded_meshes / load->document.counts[GLTF_MESHES]);
+    if (!skin && is_loaded_so(range, weights)) {
+        *out = *range;
+        return true;
     }
-    *out = *range;
+    const struct json_node node = gltf_item(&load->document, GLTF_MESHES, index);
+    *out = (struct gltf_mesh_range){.first = load->scene->mesh_count, .weights = *weights};
+    if (!load_primitives(load, &node, &(struct deformation){weights, skin}, err))
+        return false;
+    out->count = load->scene->mesh_count - out->first;
+    load->loaded_meshes += !range->is_counted;
+    range->is_counted = out->is_counted = out->is_loaded = true;
+    if (!skin)
+        *range = *out;
+    progress_report(load->progress, "Loading",
+                    (double)load->loaded_meshes / load->document.counts[GLTF_MESHES]);
     return true;
 }

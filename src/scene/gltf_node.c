@@ -2,6 +2,7 @@
 #include "gltf_node.h"
 
 #include "affine.h"
+#include "gltf_pose.h"
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -71,7 +72,9 @@ static bool read_matrix(const struct json_node *node, double out[3][4], struct e
     return true;
 }
 
-static bool read_local(const struct json_node *node, double out[3][4], struct err *err)
+// pose: what an animation has set, or NULL.
+static bool read_local(const struct json_node *node, const struct gltf_node_pose *pose,
+                       double out[3][4], struct err *err)
 {
     if (json_object_get(node->value, "matrix"))
         return read_matrix(node, out, err);
@@ -80,6 +83,12 @@ static bool read_local(const struct json_node *node, double out[3][4], struct er
         !gltf_read_numbers(node, "rotation", 4, rotation, err) ||
         !gltf_read_numbers(node, "scale", 3, scale, err))
         return false;
+    if (pose && pose->has_translation)
+        memcpy(translation, pose->translation, sizeof translation);
+    if (pose && pose->has_rotation)
+        memcpy(rotation, pose->rotation, sizeof rotation);
+    if (pose && pose->has_scale)
+        memcpy(scale, pose->scale, sizeof scale);
     const struct json_node rotation_node = node_member(node, "rotation");
     if (!gltf_compose(translation, rotation, scale, out))
         return node_fail(&rotation_node, err, "the zero quaternion is no rotation");
@@ -97,9 +106,8 @@ static bool is_finite(const double m[3][4])
 
 // --- hierarchy -----------------------------------------------------------------------------------
 
-// Reads element `i` of an array of node indices.
-static bool read_node_index(const struct json_node *array, size_t i, uint32_t count, uint32_t *out,
-                            struct err *err)
+bool gltf_node_index(const struct json_node *array, size_t i, uint32_t count, uint32_t *out,
+                     struct err *err)
 {
     const struct json_node element = node_element(array, i);
     if (!json_is_integer(element.value))
@@ -121,7 +129,7 @@ static bool link_children(const struct gltf_document *document, struct gltf_node
         return false;
     for (size_t i = 0; i < json_array_size(children.value); i++) {
         uint32_t child;
-        if (!read_node_index(&children, i, nodes->count, &child, err))
+        if (!gltf_node_index(&children, i, nodes->count, &child, err))
             return false;
         const struct json_node element = node_element(&children, i);
         if (nodes->parent[child] != GLTF_NONE)
@@ -156,6 +164,7 @@ static bool check_acyclic(const struct gltf_document *document, const struct glt
 // Nodes in the scene, parents before children: places [0, count) are known, and those below `next`
 // have handed on to their children.
 struct walk {
+    const struct gltf_nodes_params *params;
     uint32_t *order;
     uint32_t count, next;
 };
@@ -165,8 +174,9 @@ static bool walk_add(struct walk *walk, const struct gltf_document *document,
                      struct err *err)
 {
     const struct json_node node = gltf_item(document, GLTF_NODES, index);
+    const struct gltf_node_pose *poses = walk->params->poses;
     double local[3][4];
-    if (!read_local(&node, local, err))
+    if (!read_local(&node, poses ? &poses[index] : NULL, local, err))
         return false;
     affine_multiply(parent, local, nodes->world[index]);
     if (!is_finite(nodes->world[index]))
@@ -177,8 +187,7 @@ static bool walk_add(struct walk *walk, const struct gltf_document *document,
 }
 
 static bool add_scene_roots(struct walk *walk, const struct gltf_document *document,
-                            struct gltf_nodes *nodes, uint32_t scene_index,
-                            const double place[3][4], struct err *err)
+                            struct gltf_nodes *nodes, uint32_t scene_index, struct err *err)
 {
     const struct json_node scene = gltf_item(document, GLTF_SCENES, scene_index);
     struct json_node roots;
@@ -186,7 +195,7 @@ static bool add_scene_roots(struct walk *walk, const struct gltf_document *docum
         return false;
     for (size_t i = 0; i < json_array_size(roots.value); i++) {
         uint32_t index;
-        if (!read_node_index(&roots, i, nodes->count, &index, err))
+        if (!gltf_node_index(&roots, i, nodes->count, &index, err))
             return false;
         const struct json_node element = node_element(&roots, i);
         if (nodes->parent[index] != GLTF_NONE)
@@ -194,15 +203,16 @@ static bool add_scene_roots(struct walk *walk, const struct gltf_document *docum
                              index, nodes->parent[index]);
         if (nodes->is_in_scene[index])
             return node_fail(&element, err, "node %u is named twice", index);
-        if (!walk_add(walk, document, nodes, index, place, err))
+        if (!walk_add(walk, document, nodes, index, walk->params->place, err))
             return false;
     }
     return true;
 }
 
 static bool add_all_roots(struct walk *walk, const struct gltf_document *document,
-                          struct gltf_nodes *nodes, const double place[3][4], struct err *err)
+                          struct gltf_nodes *nodes, struct err *err)
 {
+    const double(*place)[4] = walk->params->place;
     for (uint32_t i = 0; i < nodes->count; i++)
         if (nodes->parent[i] == GLTF_NONE && !walk_add(walk, document, nodes, i, place, err))
             return false;
@@ -210,15 +220,17 @@ static bool add_all_roots(struct walk *walk, const struct gltf_document *documen
 }
 
 static bool add_roots(struct walk *walk, const struct gltf_document *document,
-                      struct gltf_nodes *nodes, const double place[3][4], struct err *err)
+                      struct gltf_nodes *nodes, struct err *err)
 {
     uint32_t scene, scene_count = document->counts[GLTF_SCENES];
-    if (!gltf_read_index(&document->root, "scene", scene_count, &scene, err))
+    const char *wanted = walk->params->scene;
+    if (wanted ? !gltf_find(document, GLTF_SCENES, "scene", wanted, &scene, err)
+               : !gltf_read_index(&document->root, "scene", scene_count, &scene, err))
         return false;
     if (scene == GLTF_NONE && scene_count > 0)
         scene = 0;
-    return scene == GLTF_NONE ? add_all_roots(walk, document, nodes, place, err)
-                              : add_scene_roots(walk, document, nodes, scene, place, err);
+    return scene == GLTF_NONE ? add_all_roots(walk, document, nodes, err)
+                              : add_scene_roots(walk, document, nodes, scene, err);
 }
 
 static bool walk_on(struct walk *walk, const struct gltf_document *document,
@@ -236,7 +248,7 @@ static bool walk_on(struct walk *walk, const struct gltf_document *document,
 }
 
 bool gltf_nodes_open(struct gltf_nodes *nodes, const struct gltf_document *document,
-                     const double place[3][4], struct arena *arena, struct err *err)
+                     const struct gltf_nodes_params *params, struct arena *arena, struct err *err)
 {
     uint32_t count = document->counts[GLTF_NODES];
     *nodes = (struct gltf_nodes){
@@ -246,7 +258,7 @@ bool gltf_nodes_open(struct gltf_nodes *nodes, const struct gltf_document *docum
         .world = arena_alloc(arena, count, sizeof *nodes->world),
     };
     uint32_t *visit = ARENA_NEW(arena, uint32_t, count);
-    struct walk walk = {.order = ARENA_NEW(arena, uint32_t, count)};
+    struct walk walk = {.params = params, .order = ARENA_NEW(arena, uint32_t, count)};
     if (!nodes->parent || !nodes->is_in_scene || !nodes->world || !visit || !walk.order)
         return gltf_no_memory(document, "nodes", count * sizeof *nodes->world, err);
     for (uint32_t i = 0; i < count; i++)
@@ -254,8 +266,7 @@ bool gltf_nodes_open(struct gltf_nodes *nodes, const struct gltf_document *docum
     for (uint32_t i = 0; i < count; i++)
         if (!link_children(document, nodes, i, err))
             return false;
-    if (!check_acyclic(document, nodes, visit, err) ||
-        !add_roots(&walk, document, nodes, place, err))
+    if (!check_acyclic(document, nodes, visit, err) || !add_roots(&walk, document, nodes, err))
         return false;
     while (walk.next < walk.count)
         if (!walk_on(&walk, document, nodes, err))

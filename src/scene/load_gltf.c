@@ -4,6 +4,7 @@
 
 #include "affine.h"
 #include "gltf_node.h"
+#include "gltf_pose.h"
 #include "hash.h"
 #include "mesh_loader.h"
 #include <math.h>
@@ -71,27 +72,56 @@ static bool load_camera(struct gltf_load *load, uint32_t index, const struct jso
 
 // --- nodes ---------------------------------------------------------------------------------------
 
-static bool load_node_mesh(struct gltf_load *load, const struct json_node *node, uint32_t mesh,
-                           const double world[3][4], struct err *err)
+// A skinned mesh is in the world already.
+static bool load_skinned_mesh(struct gltf_load *load, const struct gltf_nodes *nodes, uint32_t skin,
+                              uint32_t mesh, const struct gltf_weights *weights, struct err *err)
 {
     struct gltf_mesh_range meshes;
+    struct gltf_skin opened;
+    struct arena scratch = mesh_scratch(load->scene);
+    bool ok = gltf_skin_open(load, nodes, skin, &scratch, &opened, err) &&
+              gltf_mesh_load(load, mesh, weights, &opened, &meshes, err);
+    arena_finish(&scratch);
+    return ok && gltf_instance_add(load, AFFINE_IDENTITY, meshes, err);
+}
+
+static bool load_node_mesh(struct gltf_load *load, const struct gltf_nodes *nodes, uint32_t index,
+                           uint32_t mesh, struct err *err)
+{
+    const struct gltf_document *document = &load->document;
+    const struct json_node node = gltf_item(document, GLTF_NODES, index);
+    const double(*world)[4] = (const double(*)[4])nodes->world[index];
+    struct gltf_mesh_range meshes;
+    struct gltf_weights weights;
+    uint32_t skin;
     bool is_instanced;
-    load->tally.skinned_nodes += json_object_get(node->value, "skin") != NULL;
-    return gltf_mesh_load(load, mesh, &meshes, err) &&
-           gltf_instancing_load(load, node, world, meshes, &is_instanced, err) &&
+    if (!gltf_read_index(&node, "skin", document->counts[GLTF_SKINS], &skin, err) ||
+        !gltf_morph_weights(load, index, mesh, load->poses ? &load->poses[index] : NULL, &weights,
+                            err))
+        return false;
+    if (skin != GLTF_NONE) {
+        struct json_node extensions, instancing;
+        if (!gltf_read_extension(&node, "EXT_mesh_gpu_instancing", &extensions, &instancing, err))
+            return false;
+        load->tally.instanced_skins += instancing.value != NULL;
+        return load_skinned_mesh(load, nodes, skin, mesh, &weights, err);
+    }
+    return gltf_mesh_load(load, mesh, &weights, NULL, &meshes, err) &&
+           gltf_instancing_load(load, &node, world, meshes, &is_instanced, err) &&
            (is_instanced || gltf_instance_add(load, world, meshes, err));
 }
 
-static bool load_node(struct gltf_load *load, uint32_t index, const double world[3][4],
+static bool load_node(struct gltf_load *load, const struct gltf_nodes *nodes, uint32_t index,
                       bool with_cameras, struct err *err)
 {
     const struct gltf_document *document = &load->document;
     const struct json_node node = gltf_item(document, GLTF_NODES, index);
+    const double(*world)[4] = (const double(*)[4])nodes->world[index];
     uint32_t mesh, camera;
     if (!gltf_read_index(&node, "mesh", document->counts[GLTF_MESHES], &mesh, err) ||
         !gltf_read_index(&node, "camera", document->counts[GLTF_CAMERAS], &camera, err))
         return false;
-    if (mesh != GLTF_NONE && !load_node_mesh(load, &node, mesh, world, err))
+    if (mesh != GLTF_NONE && !load_node_mesh(load, nodes, index, mesh, err))
         return false;
     return camera == GLTF_NONE || !with_cameras || load_camera(load, camera, &node, world, err);
 }
@@ -114,31 +144,43 @@ static bool add_notes(struct gltf_load *load, const struct note *notes, size_t c
     return true;
 }
 
+static bool note_diffuse(struct gltf_load *load)
+{
+    const struct gltf_tally *t = &load->tally;
+    uint32_t count = load->document.counts[GLTF_MATERIALS];
+    return count == 0 || scene_note(load->scene,
+                                    "%s: materials approximated as diffuse: %u (metallic: %u, "
+                                    "transparent: %u, specular-glossiness: %u, unlit: %u)",
+                                    path_name(load->document.source->path), count, t->metallic,
+                                    t->transparent, t->specular_glossy, t->unlit);
+}
+
 static bool note_what_is_missing(struct gltf_load *load, struct err *err)
 {
     const struct gltf_document *document = &load->document;
     const struct gltf_tally *t = &load->tally;
     const struct note notes[] = {
-        {t->specular_glossy, "materials of specular-glossiness are shown as dielectrics of that "
-                             "reflectance"},
-        {t->coat_normals, "materials: the normals of the clear coat are approximated by the base's"},
-        {t->anisotropic, "materials: anisotropy is approximated"},
-        {t->translucent, "materials: light that is transmitted diffusely has the base colour"},
-        {t->translucent_volumes, "materials: diffuse transmission into volumes is left out"},
-        {t->textures_without_image, "textures are left out: they name no image"},
-        {t->mislabelled_images, "images are not of the type that their mimeType says"},
+        {document->counts[GLTF_TEXTURES],
+         "textures are not used yet, only the factors beside them"},
+        {t->emissive_textures, "materials with an emissive texture do not emit yet"},
         {t->primitives_without_material, "primitives without a material are grey"},
         {t->point_and_line_primitives, "primitives of points or lines are skipped"},
         {t->primitives_without_positions, "primitives without positions are skipped"},
         {t->clamped_colors, "vertex colours outside [0, 1] are clamped"},
         {t->infinite_texcoords, "texture coordinates that are not finite become 0"},
-        {t->skinned_nodes, "skinned nodes are shown unskinned"},
-        {t->morph_target_meshes, "meshes are shown without their morph targets"},
-        {document->counts[GLTF_ANIMATIONS], "animations are not used"},
+        {t->empty_primitives, "primitives whose triangles all have a vertex twice are skipped"},
+        {load->poses ? 0 : document->counts[GLTF_ANIMATIONS],
+         "animations are not used: the nodes stand as they are without"},
+        {t->ignored_channels, "channels of the animation are ignored: their target is not a "
+                              "node's translation, rotation, scale or weights"},
+        {t->projective_joints, "inverse bind matrices have a last row other than (0, 0, 0, 1), "
+                               "which is ignored"},
+        {t->vertices_without_joints, "vertices without weights follow their skin's first joint"},
+        {t->instanced_skins, "skinned nodes are shown once, without their instances"},
         {t->orthographic_cameras, "orthographic cameras are skipped"},
         {t->singular_cameras, "cameras are skipped: their node has a singular transform"},
     };
-    bool noted = add_notes(load, notes, sizeof notes / sizeof notes[0]);
+    bool noted = add_notes(load, notes, sizeof notes / sizeof notes[0]) && note_diffuse(load);
     if (noted && document->ignored_extensions)
         noted = scene_note(load->scene, "%s: ignored extensions: %s",
                            path_name(document->source->path), document->ignored_extensions);
@@ -181,22 +223,41 @@ static void charge_scene(struct gltf_load *load)
         *limit = *limit > held ? *limit - held : 1;
 }
 
+// Without a wish for an animation or a time, the nodes stand as they are: viewers that do not play
+// show the same.
+static bool pose_nodes(struct gltf_load *load, const struct gltf_load_params *params,
+                       struct err *err)
+{
+    if (!params->at_seconds && !params->animation)
+        return true;
+    double seconds = params->at_seconds ? *params->at_seconds : 0;
+    if (!gltf_animation_pose(load, params->animation, seconds, &load->poses, err))
+        return false;
+    return load->poses ||
+           scene_note(load->scene, "%s: no animation to show the time %g of",
+                      path_name(load->document.source->path), seconds) ||
+           gltf_no_memory(&load->document, "notes", sizeof(char *), err);
+}
+
 // Cameras and instances come in the order of the file's nodes.
 static bool convert(struct gltf_load *load, const struct gltf_load_params *params, struct err *err)
 {
     struct gltf_nodes nodes;
-    if (!allocate_tables(load, err) ||
-        !gltf_nodes_open(&nodes, &load->document, params->place, &load->document.arena, err))
+    if (!allocate_tables(load, err) || !pose_nodes(load, params, err))
+        return false;
+    const struct gltf_nodes_params nodes_params = {
+        .place = params->place,
+        .scene = params->scene_name,
+        .poses = load->poses,
+    };
+    if (!gltf_nodes_open(&nodes, &load->document, &nodes_params, &load->document.arena, err))
         return false;
     charge_scene(load);
     if (!gltf_materials_load(load, err))
         return false;
     for (uint32_t i = 0; i < nodes.count; i++)
-        if (nodes.is_in_scene[i] &&
-            !load_node(load, i, (const double(*)[4])nodes.world[i], params->with_cameras, err))
+        if (nodes.is_in_scene[i] && !load_node(load, &nodes, i, params->with_cameras, err))
             return false;
-    if (!gltf_textures_load(load, err))
-        return false;
     hash_files(load);
     return note_what_is_missing(load, err);
 }
@@ -235,6 +296,9 @@ bool load_gltf(struct scene *scene, const struct scene_load_params *params, stru
         .source = {.path = params->path, .allow_outside_paths = params->allow_outside_paths},
         .place = AFFINE_IDENTITY,
         .with_cameras = true,
+        .at_seconds = params->at_seconds,
+        .animation = params->animation,
+        .scene_name = params->scene_name,
         .progress = params->progress,
     };
     return load_file(scene, &load, err);

@@ -120,7 +120,9 @@ struct scene_load_params {
     const char *environment_file;
     const float *environment_radiance; // 3
     // glTF only.
-    double at_seconds;      // time of the pose: of animation 0, or the one named below
+    // Time of the pose: of animation 0, or the one named below. NULL: the nodes as they are without
+    // animation, or the beginning of the animation where one is named.
+    const double *at_seconds;
     const char *animation;  // by name or index; NULL: the first
     const char *scene_name; // by name or index; NULL: the file's default
     const char *variant;    // of KHR_materials_variants, by name; NULL: none
