@@ -3,6 +3,7 @@
 
 #include "json_out.h"
 #include "render_job.h"
+#include "shared/types.h"
 #include "text_out.h"
 #include <inttypes.h>
 #include <stdio.h>
@@ -19,6 +20,44 @@ struct info {
     uint32_t camera;
 };
 
+static uint32_t count_materials(const struct scene *scene, uint32_t model)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < scene->material_count; i++)
+        count += scene->materials[i].model == model;
+    return count;
+}
+
+static uint32_t count_lights(const struct scene *scene, uint32_t kind)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < scene->light_count; i++)
+        count += scene->lights[i].kind == kind;
+    return count;
+}
+
+static void print_materials(const struct scene *scene)
+{
+    printf("materials %u", scene->material_count);
+    const char *separator = ": ";
+    for (uint32_t model = 0; model < MATERIAL_MODEL_COUNT; model++) {
+        uint32_t count = count_materials(scene, model);
+        if (count > 0) {
+            printf("%s%u %s", separator, count, material_model_names[model]);
+            separator = ", ";
+        }
+    }
+    putchar('\n');
+    if (scene->texture_count > 0)
+        printf("textures  %u, of %u images\n", scene->texture_count, scene->image_count);
+    for (uint32_t i = 0; i < scene->image_count; i++) {
+        const struct texture_image *image = &scene->images[i];
+        printf("  %5u x %-5u %s%s ", image->width, image->height,
+               image->is_float ? "floats" : "halves", image->has_alpha ? ", alpha" : "");
+        print_line(" ", image->name);
+    }
+}
+
 static void print_text(const struct info *info)
 {
     const struct scene *scene = &info->scene;
@@ -33,9 +72,12 @@ static void print_text(const struct info *info)
     printf("bounds    (%g %g %g) to (%g %g %g), about (%g %g %g)\n", flat->bounds_min[0],
            flat->bounds_min[1], flat->bounds_min[2], flat->bounds_max[0], flat->bounds_max[1],
            flat->bounds_max[2], flat->origin[0], flat->origin[1], flat->origin[2]);
-    printf("materials %u\n", scene->material_count);
+    print_materials(scene);
     printf("emitters  %u triangles, %u spheres, %u discs\n", info->emitters.triangles,
            info->emitters.spheres, info->emitters.discs);
+    if (scene->light_count > 0)
+        printf("lights    %u point, %u spot, %u directional\n", count_lights(scene, LIGHT_POINT),
+               count_lights(scene, LIGHT_SPOT), count_lights(scene, LIGHT_DIRECTIONAL));
     printf("cameras   %u", scene->camera_count);
     for (uint32_t i = 0; i < scene->camera_count; i++) {
         const char *name = scene->cameras[i].name;
@@ -86,17 +128,24 @@ static int print_json(const struct info *info)
         if (name)
             json_array_append_new(kept ? features : left_out, json_string(name));
     }
-    json_t *notes = json_array();
+    json_t *models = json_object(), *notes = json_array();
+    for (uint32_t model = 0; model < MATERIAL_MODEL_COUNT; model++)
+        json_object_set_new(models, material_model_names[model],
+                            json_integer(count_materials(scene, model)));
     for (uint32_t i = 0; i < scene->note_count; i++)
         json_array_append_new(notes, json_words(scene->notes[i]));
     return json_print(json_pack(
-        "{s:o, s:i, s:i, s:i, s:i, s:i, s:i, s:i, s:{s:i, s:i, s:i}, s:i, s:o, s:{s:i, s:i, s:f, "
+        "{s:o, s:i, s:i, s:i, s:i, s:i, s:o, s:i, s:i, s:i, s:i, s:{s:i, s:i, s:i}, s:{s:i, s:i, "
+        "s:i}, s:i, s:o, s:{s:i, s:i, s:f, "
         "s:I, s:f}, s:{s:o, s:o}, s:{s:I, s:o}, s:i}",
         "scene", json_words(scene->path), "triangles", flat->triangle_count, "shapes",
         flat->shape_count, "meshes", scene->mesh_count, "instances", scene->instance_count,
-        "materials", scene->material_count, "dropped_degenerate", flat->dropped_degenerate,
+        "materials", scene->material_count, "models", models, "textures", scene->texture_count,
+        "images", scene->image_count, "dropped_degenerate", flat->dropped_degenerate,
         "skipped_instances", flat->skipped_instances, "emitters", "triangles",
         info->emitters.triangles, "spheres", info->emitters.spheres, "discs", info->emitters.discs,
+        "lights", "point", count_lights(scene, LIGHT_POINT), "spot",
+        count_lights(scene, LIGHT_SPOT), "directional", count_lights(scene, LIGHT_DIRECTIONAL),
         "cameras", scene->camera_count, "notes", notes, "bvh", "nodes", b->node_count, "depth",
         b->depth, "sah_cost", b->sah_cost, "bytes", (json_int_t)b->bytes, "build_seconds",
         b->build_seconds, "features", "kept", features, "left_out", left_out, "memory",
