@@ -62,6 +62,16 @@ static bool read_buffer_view(const struct gltf_document *document, uint32_t inde
     return true;
 }
 
+bool gltf_view_bytes(const struct gltf_document *document, uint32_t index, struct file_bytes *out,
+                     struct err *err)
+{
+    struct buffer_view view;
+    if (!read_buffer_view(document, index, &view, err))
+        return false;
+    *out = (struct file_bytes){view.buffer->data + view.offset, (size_t)view.length};
+    return true;
+}
+
 // The distance between elements: the view's stride, or the size of an element where it has none.
 static bool choose_stride(const struct buffer_view *view, const struct claim *claim,
                           uint64_t *stride, struct err *err)

@@ -64,4 +64,8 @@ bool accessor_read_joints(const struct accessor_view *view, uint32_t limit, uint
 bool accessor_read_indices(const struct accessor_view *view, uint32_t limit, const char *limit_name,
                            uint32_t *out, struct err *err);
 
+// The bytes of buffer view `index`, which is below the document's count. They are the document's.
+bool gltf_view_bytes(const struct gltf_document *document, uint32_t index, struct file_bytes *out,
+                     struct err *err);
+
 #endif

@@ -11,21 +11,31 @@
 static const char *const list_names[GLTF_LIST_COUNT] = {
     [GLTF_ACCESSORS] = "accessors", [GLTF_ANIMATIONS] = "animations",
     [GLTF_BUFFERS] = "buffers",     [GLTF_BUFFER_VIEWS] = "bufferViews",
-    [GLTF_CAMERAS] = "cameras",     [GLTF_MATERIALS] = "materials",
-    [GLTF_MESHES] = "meshes",       [GLTF_NODES] = "nodes",
+    [GLTF_CAMERAS] = "cameras",     [GLTF_IMAGES] = "images",
+    [GLTF_MATERIALS] = "materials", [GLTF_MESHES] = "meshes",
+    [GLTF_NODES] = "nodes",         [GLTF_SAMPLERS] = "samplers",
     [GLTF_SCENES] = "scenes",       [GLTF_SKINS] = "skins",
     [GLTF_TEXTURES] = "textures",
 };
 
 #define QUANTIZATION "KHR_mesh_quantization"
 
-// What the loader reads, and so what a file may require. KHR_texture_transform concerns nothing but
-// textures, which the loader reports as unused.
+// What the loader reads, and so what a file may require.
 static const char *const known_extensions[] = {
     "EXT_mesh_gpu_instancing",
+    "KHR_materials_anisotropy",
+    "KHR_materials_clearcoat",
+    "KHR_materials_diffuse_transmission",
+    "KHR_materials_dispersion",
     "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_iridescence",
     "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_sheen",
+    "KHR_materials_specular",
+    "KHR_materials_transmission",
     "KHR_materials_unlit",
+    "KHR_materials_volume",
     QUANTIZATION,
     "KHR_texture_transform",
     NULL,

@@ -7,8 +7,9 @@
 
 // What was left out or approximated, for the scene's notes.
 struct gltf_tally {
-    uint32_t metallic, transparent, specular_glossy, unlit; // materials
-    uint32_t emissive_textures;
+    uint32_t specular_glossy, coat_normals, anisotropic; // materials
+    uint32_t translucent, translucent_volumes;
+    uint32_t textures_without_image, mislabelled_images;
     uint32_t point_and_line_primitives, primitives_without_positions, primitives_without_material;
     uint32_t empty_primitives;
     uint32_t clamped_colors, infinite_texcoords; // vertices, numbers
@@ -53,6 +54,7 @@ struct gltf_load {
     struct gltf_document document;
     const struct progress *progress;
     uint32_t first_material;        // the scene's index of the file's material 0
+    struct gltf_material *materials; // one for each of the file's, see gltf_material.h
     uint32_t default_material;      // of primitives without one; SCENE_NONE until needed
     struct gltf_mesh_range *meshes; // one for each glTF mesh
     struct gltf_node_pose *poses;   // one for each node; NULL: no animation is shown
@@ -61,8 +63,10 @@ struct gltf_load {
     struct gltf_tally tally;
 };
 
-// gltf_material.c: appends all materials of the file to the scene.
+// gltf_material.c: appends all materials of the file to the scene, yet without textures.
 bool gltf_materials_load(struct gltf_load *load, struct err *err);
+// gltf_texture.c: decodes the images of materials in use, and gives these their textures.
+bool gltf_textures_load(struct gltf_load *load, struct err *err);
 
 // gltf_mesh.c: the scene's meshes for glTF mesh `index`, with its morph targets by these weights,
 // which must live as long as the document. Those of the last call for this mesh are returned again

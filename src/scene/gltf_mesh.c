@@ -3,6 +3,7 @@
 
 #include "gltf_accessor.h"
 #include "gltf_attribute.h"
+#include "gltf_material.h"
 #include "gltf_pose.h"
 #include "mesh_loader.h"
 #include <string.h>
@@ -160,6 +161,7 @@ static bool read_material(struct gltf_load *load, const struct json_node *primit
     if (!gltf_read_index(primitive, "material", load->document.counts[GLTF_MATERIALS], &index, err))
         return false;
     if (index != GLTF_NONE) {
+        load->materials[index].is_used = true;
         *material = load->first_material + index;
         return true;
     }

@@ -144,25 +144,19 @@ static bool add_notes(struct gltf_load *load, const struct note *notes, size_t c
     return true;
 }
 
-static bool note_diffuse(struct gltf_load *load)
-{
-    const struct gltf_tally *t = &load->tally;
-    uint32_t count = load->document.counts[GLTF_MATERIALS];
-    return count == 0 || scene_note(load->scene,
-                                    "%s: materials approximated as diffuse: %u (metallic: %u, "
-                                    "transparent: %u, specular-glossiness: %u, unlit: %u)",
-                                    path_name(load->document.source->path), count, t->metallic,
-                                    t->transparent, t->specular_glossy, t->unlit);
-}
-
 static bool note_what_is_missing(struct gltf_load *load, struct err *err)
 {
     const struct gltf_document *document = &load->document;
     const struct gltf_tally *t = &load->tally;
     const struct note notes[] = {
-        {document->counts[GLTF_TEXTURES],
-         "textures are not used yet, only the factors beside them"},
-        {t->emissive_textures, "materials with an emissive texture do not emit yet"},
+        {t->specular_glossy, "materials of specular-glossiness are shown as dielectrics of that "
+                             "reflectance"},
+        {t->coat_normals, "materials: the normals of the clear coat are approximated by the base's"},
+        {t->anisotropic, "materials: anisotropy is approximated"},
+        {t->translucent, "materials: light that is transmitted diffusely has the base colour"},
+        {t->translucent_volumes, "materials: diffuse transmission into volumes is left out"},
+        {t->textures_without_image, "textures are left out: they name no image"},
+        {t->mislabelled_images, "images are not of the type that their mimeType says"},
         {t->primitives_without_material, "primitives without a material are grey"},
         {t->point_and_line_primitives, "primitives of points or lines are skipped"},
         {t->primitives_without_positions, "primitives without positions are skipped"},
@@ -180,7 +174,7 @@ static bool note_what_is_missing(struct gltf_load *load, struct err *err)
         {t->orthographic_cameras, "orthographic cameras are skipped"},
         {t->singular_cameras, "cameras are skipped: their node has a singular transform"},
     };
-    bool noted = add_notes(load, notes, sizeof notes / sizeof notes[0]) && note_diffuse(load);
+    bool noted = add_notes(load, notes, sizeof notes / sizeof notes[0]);
     if (noted && document->ignored_extensions)
         noted = scene_note(load->scene, "%s: ignored extensions: %s",
                            path_name(document->source->path), document->ignored_extensions);
@@ -258,6 +252,8 @@ static bool convert(struct gltf_load *load, const struct gltf_load_params *param
     for (uint32_t i = 0; i < nodes.count; i++)
         if (nodes.is_in_scene[i] && !load_node(load, &nodes, i, params->with_cameras, err))
             return false;
+    if (!gltf_textures_load(load, err))
+        return false;
     hash_files(load);
     return note_what_is_missing(load, err);
 }
