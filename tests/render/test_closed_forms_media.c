@@ -1,0 +1,259 @@
+// Scenes of dielectrics, media and metals whose radiance is known in closed form (by their numbers
+// in verification.md, B and C): slabs, absorption, total reflection, nested glass, a rough plate.
+#include "closed_form.h"
+
+#include <complex.h>
+
+// Beyond the seeds of the other closed forms.
+#define FIRST_SEED 100000u
+
+// --- the forms ----------------------------------------------------------------------------------
+
+static double radians(double degrees)
+{
+    return degrees * M_PI / 180.0;
+}
+
+static double cos_refracted(double cos_i, double n)
+{
+    double sine = sqrt(1.0 - cos_i * cos_i) / n;
+    return sqrt(1.0 - sine * sine);
+}
+
+// Of unpolarised light (Fresnel), at an interface to a relative index n, which may be complex.
+static double reflectance(double degrees, double complex n)
+{
+    double cos_i = cos(radians(degrees));
+    double complex sine = sqrt(1.0 - cos_i * cos_i) / n;
+    double complex cos_t = csqrt(1.0 - sine * sine);
+    double complex s = (cos_i - n * cos_t) / (cos_i + n * cos_t);
+    double complex p = (n * cos_i - cos_t) / (n * cos_i + cos_t);
+    return 0.5 * (creal(s * conj(s)) + creal(p * conj(p)));
+}
+
+static double all(double rho, double le, double part)
+{
+    (void)rho;
+    return part * le;
+}
+
+// What n glass interfaces in a row let through, with all orders of reflection between them and
+// unpolarised at each: T = (1 - R) / (1 + (n - 1) R).
+static double through_interfaces(double degrees, double count)
+{
+    double r = reflectance(degrees, 1.5);
+    return (1.0 - r) / (1.0 + (count - 1.0) * r);
+}
+
+static double through_slab(double rho, double le, double degrees)
+{
+    (void)rho;
+    return le * through_interfaces(degrees, 2.0);
+}
+
+static double from_slab(double rho, double le, double degrees)
+{
+    (void)rho;
+    return le * (1.0 - through_interfaces(degrees, 2.0));
+}
+
+// The box's two walls are two sheets of two interfaces each.
+static double through_sheets(double rho, double le, double degrees)
+{
+    (void)rho;
+    return le * through_interfaces(degrees, 4.0);
+}
+
+// Transmittance rho at distance 1, of a slab of thickness 1 that refracts nothing.
+static double through_fog(double rho, double le, double degrees)
+{
+    return le * pow(rho, 1.0 / cos(radians(degrees)));
+}
+
+static double through_tinted_slab(double rho, double le, double degrees)
+{
+    double r = reflectance(degrees, 1.5);
+    double tau = pow(rho, 1.0 / cos_refracted(cos(radians(degrees)), 1.5));
+    return le * (1.0 - r) * (1.0 - r) * tau / (1.0 - r * r * tau * tau);
+}
+
+// A ball of radius 1 passed at distance b of its centre.
+static double through_ball_of_fog(double rho, double le, double b)
+{
+    return le * pow(rho, 2.0 * sqrt(1.0 - b * b));
+}
+
+// Stiff case C43: black, half and clear at distance 1.
+static double through_extremes(double rho, double le, double unused)
+{
+    (void)unused;
+    return rho > 0.6 ? 0.0 : rho > 0.3 ? 0.5 * le : le;
+}
+
+// The metal of METAL below.
+static double metal(double rho, double le, double degrees)
+{
+    double complex n = rho > 0.6 ? 0.2 + 3.9 * I : rho > 0.3 ? 0.9 + 2.4 * I : 1.5 + 1.9 * I;
+    return le * reflectance(degrees, n);
+}
+
+#define GLASS                                                                                      \
+    {                                                                                              \
+        "slab", JSON({"type" : "dielectric", "ior" : 1.5})                                         \
+    }
+#define TINTED(n)                                                                                  \
+    JSON({                                                                                         \
+        "type" : "dielectric",                                                                     \
+        "ior" : n,                                                                                 \
+        "absorption" : {"color" : [ 0.8, 0.5, 0.2 ], "distance" : 1}                               \
+    })
+#define METAL                                                                                      \
+    JSON({                                                                                         \
+        "type" : "conductor",                                                                      \
+        "conductor_eta" : [ 0.2, 0.9, 1.5 ],                                                       \
+        "conductor_k" : [ 3.9, 2.4, 1.9 ]                                                          \
+    })
+// GGX with F = 1; roughness is the root of alpha.
+#define WHITE(roughness)                                                                           \
+    {                                                                                              \
+        "plate",                                                                                   \
+            "{\"type\": \"microfacet\", \"base_color\": [0, 0, 0], \"roughness\": " roughness "}"  \
+    }
+#define FROM(x, z)                                                                                 \
+    {                                                                                              \
+        "from", "[" x ",0," z "]"                                                                  \
+    }
+#define AT_45 FROM("0.7071067811865476", "0.7071067811865476")
+#define AT_60 FROM("0.8660254037844386", "0.5")
+#define AT_80 FROM("0.984807753012208", "0.17364817766693")
+#define AT_GRAZING FROM("0.99498743710662", "0.1")
+#define BALL(of, x, r)                                                                             \
+    "{\"type\":\"sphere\",\"material\":\"" of "\",\"center\":[" x ",0,0],\"radius\":" r "}"
+#define ONE_BALL                                                                                   \
+    {                                                                                              \
+        "bodies", "[" BALL("body", "0", "1") "]"                                                   \
+    }
+#define OVERLAPPING                                                                                \
+    {                                                                                              \
+        "bodies", "[" BALL("glass", "0", "1") "," BALL("water", "0.7", "1") "]"                    \
+    }
+#define NESTED                                                                                     \
+    {                                                                                              \
+        "bodies", "[" BALL("water", "0", "1") "," BALL("glass", "0.1", "0.8") "," BALL(            \
+                      "ice", "0.2", "0.6") "," BALL("air", "-0.4", "0.2") "]"                      \
+    }
+#define ROUND_ICE_IN_A_BLOCK                                                                       \
+    {                                                                                              \
+        "bodies", "[{\"type\":\"box\",\"material\":\"water\",\"min\":[-1,-0.7,-0.6],"              \
+                  "\"max\":[0.9,0.8,0.7]}," BALL("ice", "0.5", "0.7") "]"                          \
+    }
+
+// clang-format off
+static const struct closed_form forms[] = {
+    {"16 slab", OURS "slab.json", through_slab, 0, BY_STATISTICS, BSDF_ALONE, {GLASS}},
+    {"16 slab at 60", OURS "slab.json", through_slab, 60, BY_STATISTICS, BSDF_ALONE,
+     {GLASS, AT_60}},
+    {"16 slab at 80, reflected", OURS "slab.json", from_slab, 80, BY_STATISTICS, BSDF_ALONE,
+     {GLASS, AT_80, {"light", "[0, 0, 5]"}}},
+    {"16 two thin sheets at 60", OURS "slab.json", through_sheets, 60, BY_STATISTICS, BSDF_ALONE,
+     {{"slab", JSON({"type": "dielectric", "ior": 1.5, "thin": true})}, AT_60}},
+
+    {"17 fog", OURS "slab.json", through_fog, 0, WITHOUT_VARIANCE, BSDF_ALONE,
+     {{"slab", TINTED(1)}}},
+    {"17 fog at 60", OURS "slab.json", through_fog, 60, WITHOUT_VARIANCE, BSDF_ALONE,
+     {{"slab", TINTED(1)}, AT_60}},
+    {"18 tinted slab", OURS "slab.json", through_tinted_slab, 0, BY_STATISTICS, BSDF_ALONE,
+     {{"slab", TINTED(1.5)}}},
+    {"18 tinted slab at 60", OURS "slab.json", through_tinted_slab, 60, BY_STATISTICS, BSDF_ALONE,
+     {{"slab", TINTED(1.5)}, AT_60}},
+    {"19 ball of fog", OURS "media.json", through_ball_of_fog, 0, WITHOUT_VARIANCE, EACH_ALONE,
+     {{"body", TINTED(1)}, ONE_BALL, {"fov", "1e-5"}}},
+    {"19 ball of fog, at 0.6", OURS "media.json", through_ball_of_fog, 0.6, WITHOUT_VARIANCE,
+     EACH_ALONE, {{"body", TINTED(1)}, ONE_BALL, {"fov", "1e-5"}, {"from", "[0.6, 0, 4]"}}},
+    {"19 ball of fog, at 0.99", OURS "media.json", through_ball_of_fog, 0.99, WITHOUT_VARIANCE,
+     EACH_ALONE, {{"body", TINTED(1)}, ONE_BALL, {"fov", "1e-5"}, {"from", "[0.99, 0, 4]"}}},
+
+    {"20 total reflection, behind", OURS "slab.json", all, 0, EXACT, BSDF_ALONE,
+     {{"slab", JSON({"type": "dielectric", "ior": 0.5})}, AT_60}},
+    {"20 total reflection, in front", OURS "slab.json", all, 1, EXACT, BSDF_ALONE,
+     {{"slab", JSON({"type": "dielectric", "ior": 0.5})}, AT_60, {"light", "[0, 0, 5]"}}},
+    {"20 glass ball", OURS "media.json", all, 1, WITHOUT_VARIANCE, EACH_ALONE,
+     {{"body", JSON({"type": "dielectric", "ior": 1.5})}, ONE_BALL}},
+
+    // Radiance within glass of index n is n^2 times that outside.
+    {"21 camera in glass", OURS "media.json", all, 2.25, WITHOUT_VARIANCE, EACH_ALONE,
+     {{"body", JSON({"type": "dielectric", "ior": 1.5})}, ONE_BALL, {"from", "[0.2, 0.1, 0.1]"},
+      {"fov", "120"}}},
+
+    // Of verification.md, A6: 1 - ln 2 at alpha = 1 from above, the others by quadrature.
+    {"22 GGX, alpha 0.1", OURS "plate.json", all, .98831, BY_STATISTICS, EACH_ALONE,
+     {WHITE("0.31622776601683794")}},
+    {"22 GGX, alpha 0.1, at 45", OURS "plate.json", all, .98169, BY_STATISTICS, EACH_ALONE,
+     {WHITE("0.31622776601683794"), AT_45}},
+    {"22 GGX, alpha 0.1, grazing", OURS "plate.json", all, .88345, BY_STATISTICS, EACH_ALONE,
+     {WHITE("0.31622776601683794"), AT_GRAZING}},
+    {"22 GGX, alpha 0.25, at 60", OURS "plate.json", all, .85726, BY_STATISTICS, EACH_ALONE,
+     {WHITE("0.5"), AT_60}},
+    {"22 GGX, alpha 0.5", OURS "plate.json", all, .68785, BY_STATISTICS, EACH_ALONE,
+     {WHITE("0.7071067811865476")}},
+    {"22 GGX, alpha 0.5, grazing", OURS "plate.json", all, .86011, BY_STATISTICS, EACH_ALONE,
+     {WHITE("0.7071067811865476"), AT_GRAZING}},
+    {"22 GGX, alpha 1", OURS "plate.json", all, .3068528194400547, BY_STATISTICS, EACH_ALONE,
+     {WHITE("1")}},
+    {"22 GGX, alpha 1, at 45", OURS "plate.json", all, .37677, BY_STATISTICS, EACH_ALONE,
+     {WHITE("1"), AT_45}},
+    {"22 GGX, alpha 1, at 60", OURS "plate.json", all, .45069, BY_STATISTICS, EACH_ALONE,
+     {WHITE("1"), AT_60}},
+
+    {"C20 smooth metal", OURS "plate.json", metal, 0, WITHOUT_VARIANCE, EACH_ALONE,
+     {{"plate", METAL}}},
+    {"C20 smooth metal at 60", OURS "plate.json", metal, 60, WITHOUT_VARIANCE, EACH_ALONE,
+     {{"plate", METAL}, AT_60}},
+    {"C21 index 1", OURS "media.json", all, 1, EXACT, EACH_ALONE,
+     {{"body", JSON({"type": "dielectric", "ior": 1})}, ONE_BALL}},
+    {"C21 index 1, rough", OURS "media.json", all, 1, EXACT, EACH_ALONE,
+     {{"body", JSON({"type": "dielectric", "ior": 1, "roughness": 0.7})}, ONE_BALL}},
+    {"C21 index 1.0001", OURS "media.json", all, 1, WITHOUT_VARIANCE, EACH_ALONE,
+     {{"body", JSON({"type": "dielectric", "ior": 1.0001})}, ONE_BALL}},
+    {"C21 index 0.67", OURS "media.json", all, 1, WITHOUT_VARIANCE, EACH_ALONE,
+     {{"body", JSON({"type": "dielectric", "ior": 0.67})}, ONE_BALL}},
+
+    {"C22 overlapping balls", OURS "media.json", all, 1, WITHOUT_VARIANCE, EACH_ALONE,
+     {OVERLAPPING}},
+    {"C22 balls in balls", OURS "media.json", all, 1, WITHOUT_VARIANCE, EACH_ALONE, {NESTED}},
+    {"C22 ball and block", OURS "media.json", all, 1, WITHOUT_VARIANCE, EACH_ALONE,
+     {ROUND_ICE_IN_A_BLOCK}},
+    {"C22 camera where both are", OURS "media.json", all, 2.25, WITHOUT_VARIANCE, EACH_ALONE,
+     {OVERLAPPING, {"from", "[0.4, 0, 0]"}, {"towards", "[-1, 0, 0]"}, {"fov", "20"}}},
+    {"C22 camera in the water", OURS "media.json", all, 1.33 * 1.33, WITHOUT_VARIANCE, EACH_ALONE,
+     {OVERLAPPING, {"from", "[1.2, 0, 0]"}, {"towards", "[1, 0, 0]"}, {"fov", "20"}}},
+
+    {"C43 black, half and clear", OURS "slab.json", through_extremes, 0, WITHOUT_VARIANCE,
+     BSDF_ALONE,
+     {{"slab", JSON({"type": "dielectric", "ior": 1,
+                     "absorption": {"color": [0, 0.5, 1], "distance": 1}})}}},
+    {"C43 sigma 1e6, ln 2, 1e-9", OURS "slab.json", through_extremes, 0, WITHOUT_VARIANCE,
+     BSDF_ALONE,
+     {{"slab", JSON({"type": "dielectric", "ior": 1,
+                     "extinction": [1e6, 0.6931471805599453, 1e-9]})}}},
+};
+// clang-format on
+
+#define FORM_COUNT (sizeof forms / sizeof forms[0])
+
+TEST(by_default)
+{
+    closed_forms_by_default(forms, FORM_COUNT, FIRST_SEED);
+}
+
+TEST(by_every_estimator)
+{
+    closed_forms_by_every_estimator(forms, FORM_COUNT, FIRST_SEED);
+}
+
+TEST(validation_is_silent)
+{
+    closed_forms_validated(forms, FORM_COUNT);
+}
+
+TEST_MAIN(TEST_CASE(by_default), TEST_CASE(validation_is_silent), TEST_CASE(by_every_estimator))
