@@ -23,6 +23,7 @@ static const char *const list_names[GLTF_LIST_COUNT] = {
 // What the loader reads, and so what a file may require.
 static const char *const known_extensions[] = {
     "EXT_mesh_gpu_instancing",
+    "KHR_lights_punctual",
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
     "KHR_materials_diffuse_transmission",
@@ -35,6 +36,7 @@ static const char *const known_extensions[] = {
     "KHR_materials_specular",
     "KHR_materials_transmission",
     "KHR_materials_unlit",
+    "KHR_materials_variants",
     "KHR_materials_volume",
     QUANTIZATION,
     "KHR_texture_transform",

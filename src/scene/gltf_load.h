@@ -9,7 +9,7 @@
 struct gltf_tally {
     uint32_t specular_glossy, coat_normals, anisotropic; // materials
     uint32_t translucent, translucent_volumes;
-    uint32_t textures_without_image, mislabelled_images;
+    uint32_t textures_without_image, mislabelled_images, singular_lights;
     uint32_t point_and_line_primitives, primitives_without_positions, primitives_without_material;
     uint32_t empty_primitives;
     uint32_t clamped_colors, infinite_texcoords; // vertices, numbers
@@ -55,6 +55,7 @@ struct gltf_load {
     const struct progress *progress;
     uint32_t first_material;        // the scene's index of the file's material 0
     struct gltf_material *materials; // one for each of the file's, see gltf_material.h
+    uint32_t variant;               // of materials; GLTF_NONE: primitives have their own
     uint32_t default_material;      // of primitives without one; SCENE_NONE until needed
     struct gltf_mesh_range *meshes; // one for each glTF mesh
     struct gltf_node_pose *poses;   // one for each node; NULL: no animation is shown
@@ -67,6 +68,17 @@ struct gltf_load {
 bool gltf_materials_load(struct gltf_load *load, struct err *err);
 // gltf_texture.c: decodes the images of materials in use, and gives these their textures.
 bool gltf_textures_load(struct gltf_load *load, struct err *err);
+
+// gltf_variant.c: sets load->variant to that of KHR_materials_variants by this name, NULL: none.
+// ERR_USAGE naming those there are.
+bool gltf_variant_find(struct gltf_load *load, const char *name, struct err *err);
+// The material that a primitive has with it, now in use; GLTF_NONE: none.
+bool gltf_variant_material(struct gltf_load *load, const struct json_node *primitive,
+                           uint32_t *material, struct err *err);
+
+// gltf_light.c: adds the light that `holder`, a node, has.
+bool gltf_light_load(struct gltf_load *load, const struct json_node *holder,
+                     const double world[3][4], struct err *err);
 
 // gltf_mesh.c: the scene's meshes for glTF mesh `index`, with its morph targets by these weights,
 // which must live as long as the document. Those of the last call for this mesh are returned again
@@ -89,6 +101,7 @@ struct gltf_load_params {
     struct gltf_source source;
     const double (*place)[4]; // 3x4, the file's world to the scene's
     bool with_cameras;
+    const char *variant; // as in scene_load_params
     const double *at_seconds; // as in scene_load_params, and these two
     const char *animation, *scene_name;
     const struct progress *progress; // NULL: nobody listens

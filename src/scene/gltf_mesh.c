@@ -3,7 +3,6 @@
 
 #include "gltf_accessor.h"
 #include "gltf_attribute.h"
-#include "gltf_material.h"
 #include "gltf_pose.h"
 #include "mesh_loader.h"
 #include <string.h>
@@ -158,10 +157,9 @@ static bool read_material(struct gltf_load *load, const struct json_node *primit
                           uint32_t *material, struct err *err)
 {
     uint32_t index;
-    if (!gltf_read_index(primitive, "material", load->document.counts[GLTF_MATERIALS], &index, err))
+    if (!gltf_variant_material(load, primitive, &index, err))
         return false;
     if (index != GLTF_NONE) {
-        load->materials[index].is_used = true;
         *material = load->first_material + index;
         return true;
     }

@@ -123,6 +123,8 @@ static bool load_node(struct gltf_load *load, const struct gltf_nodes *nodes, ui
         return false;
     if (mesh != GLTF_NONE && !load_node_mesh(load, nodes, index, mesh, err))
         return false;
+    if (!gltf_light_load(load, &node, world, err))
+        return false;
     return camera == GLTF_NONE || !with_cameras || load_camera(load, camera, &node, world, err);
 }
 
@@ -171,6 +173,7 @@ static bool note_what_is_missing(struct gltf_load *load, struct err *err)
                                "which is ignored"},
         {t->vertices_without_joints, "vertices without weights follow their skin's first joint"},
         {t->instanced_skins, "skinned nodes are shown once, without their instances"},
+        {t->singular_lights, "lights are skipped: their node has a singular transform"},
         {t->orthographic_cameras, "orthographic cameras are skipped"},
         {t->singular_cameras, "cameras are skipped: their node has a singular transform"},
     };
@@ -247,7 +250,7 @@ static bool convert(struct gltf_load *load, const struct gltf_load_params *param
     if (!gltf_nodes_open(&nodes, &load->document, &nodes_params, &load->document.arena, err))
         return false;
     charge_scene(load);
-    if (!gltf_materials_load(load, err))
+    if (!gltf_variant_find(load, params->variant, err) || !gltf_materials_load(load, err))
         return false;
     for (uint32_t i = 0; i < nodes.count; i++)
         if (nodes.is_in_scene[i] && !load_node(load, &nodes, i, params->with_cameras, err))
@@ -292,6 +295,7 @@ bool load_gltf(struct scene *scene, const struct scene_load_params *params, stru
         .source = {.path = params->path, .allow_outside_paths = params->allow_outside_paths},
         .place = AFFINE_IDENTITY,
         .with_cameras = true,
+        .variant = params->variant,
         .at_seconds = params->at_seconds,
         .animation = params->animation,
         .scene_name = params->scene_name,

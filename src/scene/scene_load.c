@@ -64,10 +64,11 @@ static bool provide_camera(struct scene *scene, struct err *err)
 
 // --- light and materials -------------------------------------------------------------------------
 
-static bool is_emissive(const struct scene *scene, uint32_t material)
+// What is unlit is seen but lights nothing.
+static bool is_emissive(const struct scene *scene, uint32_t index)
 {
-    const float *emission = scene->materials[material].emission;
-    return emission[0] > 0 || emission[1] > 0 || emission[2] > 0;
+    const struct material *material = &scene->materials[index];
+    return material_emits(material) && !(material->flags & MATERIAL_UNLIT);
 }
 
 static bool instance_is_emissive(const struct scene *scene, const struct instance *instance)
@@ -123,16 +124,36 @@ static bool load_mesh_alone(struct scene *scene, const struct scene_load_params 
     return ok && scene_place_meshes(scene, mesh, 1, err);
 }
 
+// Our own format has defines and one scene; models in it stand as they are without animation.
+static bool check_gltf_only(const struct scene_load_params *params, struct err *err)
+{
+    const struct {
+        const void *value;
+        const char *option;
+    } wishes[] = {{params->scene_name, "--scene"},
+                  {params->animation, "--animation"},
+                  {params->at_seconds, "--at"},
+                  {params->variant, "--variant"}};
+    for (size_t i = 0; i < sizeof wishes / sizeof wishes[0]; i++)
+        if (wishes[i].value)
+            return err_set(err, ERR_USAGE, "%s: %s is for .gltf and .glb files alone", params->path,
+                           wishes[i].option);
+    return true;
+}
+
 static bool load_by_extension(struct scene *scene, const struct scene_load_params *params,
                               struct err *err)
 {
     const char *extension = path_extension(params->path);
+    bool is_gltf = strcasecmp(extension, "gltf") == 0 || strcasecmp(extension, "glb") == 0;
+    if (!is_gltf && !check_gltf_only(params, err))
+        return false;
     if (strcasecmp(extension, "json") == 0)
         return load_json(scene, params, err);
     if (params->override_count > 0)
         return err_set(err, ERR_USAGE, "%s: -D %s: only .json scenes have values to override",
                        params->path, params->overrides[0].key);
-    if (strcasecmp(extension, "gltf") == 0 || strcasecmp(extension, "glb") == 0)
+    if (is_gltf)
         return load_gltf(scene, params, err);
     if (strcasecmp(extension, "obj") == 0)
         return load_mesh_alone(scene, params, true, err);
