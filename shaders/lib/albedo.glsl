@@ -40,8 +40,9 @@ float albedo_quad(uint first, uint width, uint height, vec2 at)
 // E1: of GGX with height-correlated masking that reflects everything.
 float albedo_ggx(uint tables, float mu, float alpha)
 {
-    return albedo_quad(tables + ALBEDO_GGX, ALBEDO_GGX_MU, ALBEDO_GGX_ALPHA,
-                       vec2(albedo_axis_mu(mu, alpha), albedo_axis_alpha(alpha)));
+    float albedo = albedo_quad(tables + ALBEDO_GGX, ALBEDO_GGX_MU, ALBEDO_GGX_ALPHA,
+                               vec2(albedo_axis_mu(mu, alpha), albedo_axis_alpha(alpha)));
+    return min(1.0, albedo); // nodes were raised
 }
 
 // The mean of Schlick's weight over what GGX reflects: reflectance f0 + (1 - f0) W has the albedo

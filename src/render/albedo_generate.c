@@ -94,7 +94,7 @@ static double axis_alpha(double y)
 static double axis_mu(double x, double scale)
 {
     double v = x * x;
-    return v * scale / (1.0 + scale - v);
+    return fmin(1.0, v * scale / (1.0 + scale - v)); // rounding may lead beyond 1
 }
 
 static double axis_eta(double z, int inside)
@@ -341,6 +341,10 @@ int main(void)
     fill_diffuse();
     fill_fresnel(0);
     fill_fresnel(1);
+    for (uint32_t i = 0; i < ALBEDO_FRESNEL; i++)
+        for (int c = 0; c < 4; c++)
+            if ((words[i][c] & 0x7f800000u) == 0x7f800000u)
+                return 1; // not finite
     for (uint32_t i = 0; i < ALBEDO_WORDS; i++)
         if (printf("{0x%x,0x%x,0x%x,0x%x},\n", words[i][0], words[i][1], words[i][2], words[i][3]) <
             0)
