@@ -102,6 +102,31 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .commands = FOR_SCENE, .fallback = "the first",
         .help = "Which of the scene's cameras, by name or by number from 0.", FIELD(camera),
     },
+    [OPTION_SCENE] = {
+        .name = "scene", .argument = "NAME|INDEX", .type = VALUE_TEXT, .group = "Scene",
+        .commands = FOR_SCENE, .fallback = "the one that the file names, else the first",
+        .help = "Which scene of a glTF file, by name or by number from 0.", FIELD(scene),
+    },
+    [OPTION_ANIMATION] = {
+        .name = "animation", .argument = "NAME|INDEX", .type = VALUE_TEXT, .group = "Scene",
+        .commands = FOR_SCENE, .fallback = "none; with --at, the first",
+        .help = "Which animation of a glTF file, by name or by number from 0. Without --at it is "
+                "shown as it begins.",
+        FIELD(animation),
+    },
+    [OPTION_AT] = {
+        .name = "at", .argument = "SECONDS", .type = VALUE_REAL, .min = 0, .max = OPTION_TIME_MAX,
+        .group = "Scene", .commands = FOR_SCENE,
+        .fallback = "the nodes as they are without animation",
+        .help = "Pose a glTF file as its animation has it at this time. Before the first key and "
+                "after the last it stands still.",
+        FIELD(at_seconds),
+    },
+    [OPTION_VARIANT] = {
+        .name = "variant", .argument = "NAME", .type = VALUE_TEXT, .group = "Scene",
+        .commands = FOR_SCENE, .fallback = "the materials that need none",
+        .help = "Which variant of its materials a glTF file is shown with.", FIELD(variant),
+    },
     [OPTION_ENV] = {
         .name = "env", .argument = "FILE|R,G,B", .type = VALUE_ENVIRONMENT, .group = "Scene",
         .commands = FOR_SCENE, .fallback = "the scene's",

@@ -33,6 +33,10 @@ enum option_id {
     OPTION_ESTIMATOR,
     OPTION_ROULETTE_MIN_BOUNCES,
     OPTION_CAMERA,
+    OPTION_SCENE,
+    OPTION_ANIMATION,
+    OPTION_AT,
+    OPTION_VARIANT,
     OPTION_ENV,
     OPTION_DEFINE,
     OPTION_ALLOW_OUTSIDE_PATHS,
@@ -146,7 +150,10 @@ struct options {
     const char **outputs;
     uint32_t output_count;
 
-    const char *camera; // name or index; NULL: the first
+    const char *camera;            // name or index; NULL: the first
+    const char *scene, *animation; // of a glTF file: names or indices; NULL: see the table
+    double at_seconds;
+    const char *variant; // of a glTF file's materials; NULL: none
     struct environment_option environment;
     struct scene_override *overrides;
     uint32_t override_count;

@@ -65,6 +65,14 @@ static void add_settings(struct attributes *a, const struct render_job *job)
     add(a, "lampyris:exposure", "%.9g", s->exposure);
     add(a, "lampyris:tone", "%s", tone_name(s->tone_curve));
     add(a, "lampyris:camera", "%u", job->camera);
+    if (job->options->scene)
+        add(a, "lampyris:scene", "%s", job->options->scene);
+    if (job->options->animation)
+        add(a, "lampyris:animation", "%s", job->options->animation);
+    if (job->options->variant)
+        add(a, "lampyris:variant", "%s", job->options->variant);
+    if (options_given(job->options, OPTION_AT))
+        add(a, "lampyris:at_seconds", "%.17g", job->options->at_seconds);
     add(a, "lampyris:wave", "%u", job->renderer.plan.wave_slots);
     add(a, "lampyris:features", "%s", job->options->features == FEATURES_ALL ? "all" : "needed");
     if (job->options->frames) {

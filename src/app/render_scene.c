@@ -39,6 +39,10 @@ bool job_load_scene(const struct options *options, struct scene *scene, uint32_t
         .allow_outside_paths = options->allow_outside_paths,
         .environment_file = environment->file,
         .environment_radiance = has_radiance ? environment->radiance : NULL,
+        .at_seconds = options_given(options, OPTION_AT) ? &options->at_seconds : NULL,
+        .animation = options->animation,
+        .scene_name = options->scene,
+        .variant = options->variant,
         .progress = options->progress,
     };
     if (!scene_load(&params, scene, err))

@@ -8,6 +8,7 @@
 #include "hash.h"
 #include "mesh_loader.h"
 #include <math.h>
+#include <string.h>
 
 // --- cameras -------------------------------------------------------------------------------------
 
@@ -196,6 +197,17 @@ static void hash_files(struct gltf_load *load)
             *hash = hash_bytes(*hash, document->buffers[i].data, document->buffers[i].size);
 }
 
+// What was wished for decides what is loaded, as the files do.
+static void hash_wishes(struct scene *scene, const struct gltf_load_params *params)
+{
+    const char *const names[] = {params->animation, params->scene_name, params->variant};
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++)
+        if (names[i])
+            scene->hash = hash_bytes(scene->hash, names[i], strlen(names[i]) + 1);
+    if (params->at_seconds)
+        scene->hash = hash_bytes(scene->hash, params->at_seconds, sizeof *params->at_seconds);
+}
+
 static bool allocate_tables(struct gltf_load *load, struct err *err)
 {
     const uint32_t *counts = load->document.counts;
@@ -258,6 +270,7 @@ static bool convert(struct gltf_load *load, const struct gltf_load_params *param
     if (!gltf_textures_load(load, err))
         return false;
     hash_files(load);
+    hash_wishes(load->scene, params);
     return note_what_is_missing(load, err);
 }
 

@@ -51,6 +51,11 @@ TEST(every_option_of_render_is_stored)
           o.environment.radiance[1] == 0.5f && o.environment.radiance[2] == 100);
     options_finish(&o);
 
+    REQUIRE(parse("info s.glb --scene main --animation 2 --at 1.25", &o, &err), "%s", err.msg);
+    CHECK(strcmp(o.scene, "main") == 0 && strcmp(o.animation, "2") == 0 && o.at_seconds == 1.25);
+    CHECK(options_given(&o, OPTION_AT));
+    options_finish(&o);
+
     REQUIRE(parse("render s.glb --env sky.hdr --allow-outside-paths --frames 10 --spp-per-frame 2 "
                   "--every 5 --accumulate off --device llvm --wave 16k --validation "
                   "--features all --no-texel --no-ballot --limit-storage-range 1M "
@@ -198,6 +203,8 @@ TEST(value_errors_name_the_option_and_the_value)
     check_error("render s --env 1,2,1e39", "too large");
     check_error("render s --env=", "--env: the value is empty");
     check_error("render s --camera=", "--camera: the value is empty");
+    check_error("render s --at -1", "--at: \"-1\" is outside [0, 1000000000]");
+    check_error("render s --at 1e400", "--at: \"1e400\" is not a finite number");
     check_error("render s -o a.jpg", "--output: ");
     check_error("render s -o a.exr -o a.exr", "\"a.exr\" is given twice");
     check_error("render s -D key", "\"key\" is not of the form KEY=VALUE");

@@ -51,6 +51,13 @@ TEST(unknown_files_are_refused)
     const struct scene_override override = {"a", "b"};
     check_refused(&(struct scene_load_params){.path = "a.obj", &override, 1}, ERR_USAGE,
                   "-D a: only .json scenes");
+    const double seconds = 0;
+    check_refused(&(struct scene_load_params){.path = "a.json", .at_seconds = &seconds}, ERR_USAGE,
+                  "a.json: --at is for .gltf and .glb files alone");
+    check_refused(&(struct scene_load_params){.path = "a.obj", .animation = "x"}, ERR_USAGE,
+                  "a.obj: --animation is for .gltf and .glb files alone");
+    check_refused(&(struct scene_load_params){.path = "a.ply", .scene_name = "0"}, ERR_USAGE,
+                  "a.ply: --scene is for .gltf and .glb files alone");
 }
 
 TEST(an_emitter_in_use_is_light_enough)
