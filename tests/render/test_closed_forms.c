@@ -1,43 +1,6 @@
 // Scenes whose radiance is known in closed form (by their numbers in verification.md B): furnaces,
-// lights without extent, configuration factors, mirrors, an edge. by_default takes each form in the default configuration
-// and with the fewest samples that give the confidence interval, by_every_estimator with 1024
-// samples a pixel.
-#include "clock.h"
-#include "render_fixture.h"
-#include "replicates.h"
-
-#include <inttypes.h>
-
-// Half-width of the 95 % confidence interval and bias, relative to the value.
-#define HALF_WIDTH_MAX 1e-3
-#define BIAS_MAX 3e-3
-// What single precision may add on a path of many bounces; also the bound for forms without
-// variance.
-#define ROUNDING_MAX 1e-5
-#define LONG_SAMPLES 1024
-
-enum kind {
-    BY_STATISTICS,
-    WITHOUT_VARIANCE, // every pixel, at 1 spp
-    EXACT,            // every pixel, bit for bit
-};
-
-// Which estimators besides MIS reach HALF_WIDTH_MAX with LONG_SAMPLES. Light sampling does not
-// where lights touch what they light: 1 / distance^2 has no variance there.
-enum { NEE_ALONE = 1, BSDF_ALONE = 2, EACH_ALONE = 3 };
-
-struct form {
-    const char *name, *scene;
-    // Radiance of a channel from its reflectance, what the light emits, and a parameter.
-    double (*radiance)(double rho, double le, double parameter);
-    double parameter;
-    enum kind kind;
-    unsigned alone;
-    struct scene_override overrides[6]; // to the first without a key
-};
-
-// Of red, green and blue, in all scenes.
-static const double albedo[3] = {0.8, 0.5, 0.2}, emission[3] = {1, 2, 4};
+// lights without extent, configuration factors, mirrors, an edge.
+#include "closed_form.h"
 
 // --- the forms ----------------------------------------------------------------------------------
 // Configuration factors: the part of what leaves a surface element into its hemisphere (after
@@ -63,8 +26,8 @@ static double closed(double rho, double le, double bounces)
     return le * (1.0 - pow(rho, bounces + 1.0)) / (1.0 - rho);
 }
 
-// A point light of intensity `le` in the centre of a sphere of radius 2: (le / 2^2) rho / pi leaves the
-// wall at first, then as above.
+// A point light of intensity `le` in the centre of a sphere of radius 2: (le / 2^2) rho / pi leaves
+// the wall at first, then as above.
 static double lamp_in_sphere(double rho, double le, double bounces)
 {
     return rho / M_PI * le / 4.0 * (1.0 - pow(rho, bounces)) / (1.0 - rho);
@@ -88,8 +51,8 @@ static double sun_above(double rho, double le, double degrees)
     return rho / M_PI * le * cos(degrees * M_PI / 180.0);
 }
 
-// A spot right above at 2 m whose axis passes the point by 10 degrees, and its outer angle; the inner
-// one is half of that (KHR_lights_punctual).
+// A spot right above at 2 m whose axis passes the point by 10 degrees, and its outer angle; the
+// inner one is half of that (KHR_lights_punctual).
 static double spot_above(double rho, double le, double outer)
 {
     double degree = M_PI / 180.0, edge = cos(outer * degree);
@@ -213,9 +176,6 @@ static double part_covered(double rho, double le, double part)
     return le * part;
 }
 
-// The text of its argument, for values of the scene file.
-#define JSON(...) #__VA_ARGS__
-#define OURS "tests/render/scenes/"
 #define WHITE_BODY                                                                                 \
     {"albedo", "[0.8, 0.5, 0.2]"}, {"sky", "[1, 2, 4]"},                                           \
     {                                                                                              \
@@ -228,22 +188,21 @@ static double part_covered(double rho, double le, double part)
     }
 
 // Lights above the floor's point, in the plane z = 0.
-#define LAMP_AT(x, y)                                                                              \
-    JSON({"type" : "point", "position" : [ x, y, 0 ], "intensity" : [1, 2, 4]})
+#define LAMP_AT(x, y) JSON({"type" : "point", "position" : [ x, y, 0 ], "intensity" : [ 1, 2, 4 ]})
 #define SUN_FROM(x, y)                                                                             \
-    JSON({"type" : "directional", "direction" : [ -x, -y, 0 ], "irradiance" : [1, 2, 4]})
+    JSON({"type" : "directional", "direction" : [ -x, -y, 0 ], "irradiance" : [ 1, 2, 4 ]})
 #define SPOT(inner, outer)                                                                         \
     JSON({                                                                                         \
         "type" : "spot",                                                                           \
         "position" : [ 0, 2, 0 ],                                                                  \
-        "intensity" : [ 1, 2, 4 ],                                                               \
+        "intensity" : [ 1, 2, 4 ],                                                                 \
         "direction" : [ 0.17364817766693033, -0.984807753012208, 0 ],                              \
         "inner_degrees" : inner,                                                                   \
         "outer_degrees" : outer                                                                    \
     })
 
 // clang-format off
-static const struct form forms[] = {
+static const struct closed_form forms[] = {
     {"1 sky", OURS "sky.json", sky, 0, EXACT, EACH_ALONE, {{0}}},
 
     {"2 convex: sphere", "scenes/furnace_sky.json", convex, 0, WITHOUT_VARIANCE, EACH_ALONE,
@@ -356,144 +315,22 @@ static const struct form forms[] = {
 };
 // clang-format on
 
-// --- measuring ----------------------------------------------------------------------------------
-
-static const char *const estimator_names[] = {
-    [ESTIMATOR_MIS] = "mis", [ESTIMATOR_NEE] = "nee", [ESTIMATOR_BSDF] = "bsdf"};
-
-// One form by one estimator.
-struct trial {
-    const struct form *form;
-    enum light_estimator estimator;
-    struct renderer renderer;
-    double expected[3];
-    uint64_t samples;
-};
-
-// Where nothing is expected, anything is too much.
-static double relative_error(double value, double expected)
-{
-    return expected > 0.0 ? fabs(value / expected - 1.0) : value == 0.0 ? 0.0 : INFINITY;
-}
-
-static void check_pixels(struct trial *trial)
-{
-    struct arena arena = {0};
-    struct film_image film;
-    struct err err = {0};
-    // A power of two: the mean of as many equal values is exact.
-    trial->samples = trial->form->kind == EXACT ? 64 : 1;
-    const struct render_call call = {.samples = trial->samples};
-    REQUIRE_OK(renderer_render(&trial->renderer, &call, &err) &&
-               renderer_read(&trial->renderer, &arena, &film, &err));
-    double worst = 0.0;
-    for (size_t i = 0; i < (size_t)film.width * film.height; i++)
-        for (int c = 0; c < 3; c++)
-            worst = fmax(worst, relative_error(film.mean[i][c], trial->expected[c]));
-    printf("  bias of the worst pixel %.1e", worst);
-    CHECK(worst <= (trial->form->kind == EXACT ? 0.0 : ROUNDING_MAX), "%s: off by %.3e",
-          trial->form->name, worst);
-    arena_finish(&arena);
-}
-
-static void check_channel(const struct trial *trial, const struct replicates *replicates, int c)
-{
-    struct estimate e = replicates_estimate(replicates, (uint32_t)c);
-    double expected = trial->expected[c], bias = e.mean - expected;
-    double t = bias / e.standard_error;
-    printf("  %+.1e (t %+.1f) +-%.1e", bias / expected, t, e.half_width / expected);
-    CHECK(fabs(t) <= REPLICATES_T_MAX || fabs(bias) <= ROUNDING_MAX * expected,
-          "%s, channel %d: mean %.9g, expected %.9g: t = %.2f", trial->form->name, c, e.mean,
-          expected, t);
-    CHECK(e.half_width <= HALF_WIDTH_MAX * expected, "%s, channel %d: half-width %.3g of the value",
-          trial->form->name, c, e.half_width / expected);
-    CHECK(fabs(bias) <= BIAS_MAX * expected, "%s, channel %d: mean %.9g, expected %.9g",
-          trial->form->name, c, e.mean, expected);
-}
-
-static void check_statistics(struct trial *trial, uint64_t samples)
-{
-    struct replicates replicates;
-    struct err err = {0};
-    trial->samples = samples;
-    REQUIRE_OK(samples || replicates_pilot(&trial->renderer, &MEASURE_MEAN, HALF_WIDTH_MAX,
-                                           LONG_SAMPLES, &trial->samples, &err));
-    // Seeds of its own for each form: equal ones would give forms that share their random numbers.
-    uint32_t first_seed = REPLICATES * (uint32_t)(trial->form - forms);
-    REQUIRE_OK(replicates_render(&trial->renderer, &MEASURE_MEAN, first_seed, trial->samples,
-                                 &replicates, &err));
-    for (int c = 0; c < 3; c++)
-        check_channel(trial, &replicates, c);
-}
-
-// samples: 0 for as many as are needed.
-static void check_form(struct gpu *gpu, const struct form *form, enum light_estimator estimator,
-                       uint64_t samples)
-{
-    uint64_t start = clock_ns();
-    struct scene scene;
-    struct err err = {0};
-    REQUIRE_OK(load_scene(form->scene, form->overrides, &scene, &err));
-    scene.settings.estimator = estimator;
-    const struct renderer_params params = {.gpu = gpu, .scene = &scene};
-    struct trial trial = {.form = form, .estimator = estimator};
-    for (int c = 0; c < 3; c++)
-        trial.expected[c] = form->radiance(albedo[c], emission[c], form->parameter);
-    printf("%-34s %-4s", form->name, estimator_names[estimator]);
-    REQUIRE_OK(renderer_create(&params, &trial.renderer, &err));
-    if (form->kind == BY_STATISTICS)
-        check_statistics(&trial, samples);
-    else
-        check_pixels(&trial);
-    printf("  %" PRIu64 " spp, %.1f s\n", trial.samples, clock_seconds_since(start));
-    renderer_finish(&trial.renderer);
-    scene_finish(&scene);
-}
-
 #define FORM_COUNT (sizeof forms / sizeof forms[0])
 
 TEST(by_default)
 {
-    struct gpu gpu;
-    OPEN_GPU(&gpu, 0);
-    for (size_t i = 0; i < FORM_COUNT; i++)
-        check_form(&gpu, &forms[i], ESTIMATOR_MIS, 0);
-    gpu_close(&gpu);
+    closed_forms_by_default(forms, FORM_COUNT, 0);
 }
 
 TEST(by_every_estimator)
 {
-    struct gpu gpu;
-    OPEN_GPU(&gpu, 0);
-    for (size_t i = 0; i < FORM_COUNT; i++) {
-        check_form(&gpu, &forms[i], ESTIMATOR_MIS, LONG_SAMPLES);
-        if (forms[i].alone & NEE_ALONE)
-            check_form(&gpu, &forms[i], ESTIMATOR_NEE, LONG_SAMPLES);
-        if (forms[i].alone & BSDF_ALONE)
-            check_form(&gpu, &forms[i], ESTIMATOR_BSDF, LONG_SAMPLES);
-    }
-    gpu_close(&gpu);
+    closed_forms_by_every_estimator(forms, FORM_COUNT, 0);
 }
 
 // Every kind of surface and light, a sample a pixel.
 TEST(validation_is_silent)
 {
-    struct gpu gpu;
-    OPEN_GPU(&gpu, .validation = true);
-    for (size_t i = 0; i < FORM_COUNT; i++) {
-        struct scene scene;
-        struct arena arena = {0};
-        struct film_image film;
-        struct err err = {0};
-        REQUIRE_OK(load_scene(forms[i].scene, forms[i].overrides, &scene, &err));
-        const struct renderer_params params = {.gpu = &gpu, .scene = &scene};
-        CHECK(render_film(&params, 1, &arena, &film, NULL, &err), "%s: %s", forms[i].name, err.msg);
-        CHECK(gpu.validation_messages == 0, "%s: %u messages", forms[i].name,
-              gpu.validation_messages);
-        arena_finish(&arena);
-        scene_finish(&scene);
-    }
-    gpu_close(&gpu);
+    closed_forms_validated(forms, FORM_COUNT);
 }
 
 TEST_MAIN(TEST_CASE(by_default), TEST_CASE(validation_is_silent), TEST_CASE(by_every_estimator))
