@@ -1,115 +1,8 @@
 // What materials and textures of glTF files become: every expected number is written out.
 #include "gltf_fixture.h"
 #include "gltf_picture.h"
+#include "material_file.h"
 #include "test.h"
-
-static const uint8_t picture[2][4] = {{128, 64, 255, 51}, {0, 102, 255, 255}};
-
-// A file of one triangle a material. `lists` are the document's further members, each with a comma
-// before it; %s in them is the URI of the first picture.
-struct material_file {
-    const char *materials;
-    uint32_t count;
-    const char *lists;
-};
-
-#define TWO_TEXTURES                                                                               \
-    ",'textures':[{'source':0},{'source':1}],"                                                     \
-    "'images':[{'uri':'%s'},{'uri':'%s'}]"
-
-static char *material_json(const struct material_file *file)
-{
-    char *uris[2] = {png_uri(picture[0], "image/png"), png_uri(picture[1], "image/png")};
-    char *json = malloc(16384), primitives[2048] = "";
-    for (uint32_t i = 0; i < file->count; i++)
-        sprintf(primitives + strlen(primitives),
-                "%s{'attributes':{'POSITION':0,'TEXCOORD_0':1,'TEXCOORD_1':1},'material':%u}",
-                i > 0 ? "," : "", i);
-    int length = sprintf(json,
-                         "{'asset':{'version':'2.0'},'nodes':[{'mesh':0}],"
-                         "'meshes':[{'primitives':[%s]}],"
-                         "'accessors':[{'bufferView':0,'componentType':5126,'count':3,"
-                         "'type':'VEC3'},{'componentType':5126,'count':3,'type':'VEC2'}],"
-                         "'bufferViews':[{'buffer':0,'byteLength':36}],"
-                         "'buffers':[{'byteLength':36}],'materials':[%s]",
-                         primitives, file->materials);
-    if (file->lists)
-        length += sprintf(json + length, file->lists, uris[0], uris[1]);
-    strcpy(json + length, "}");
-    free(uris[0]);
-    free(uris[1]);
-    return json;
-}
-
-static bool load_materials(struct scene *scene, const struct material_file *file)
-{
-    static const float positions[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-    struct err err;
-    char *json = material_json(file);
-    bool ok = load_glb(scene, json, positions, sizeof positions, &err);
-    CHECK(ok, "%s", err.msg);
-    if (ok)
-        CHECK(!scene_objection(scene), "%s", scene_objection(scene));
-    ok = ok && scene->material_count == file->count;
-    CHECK(ok, "%u materials", scene->material_count);
-    if (!ok)
-        scene_finish(scene);
-    free(json);
-    return ok;
-}
-
-static bool near(float a, double b)
-{
-    return fabs((double)a - b) < 1e-6;
-}
-
-static bool near3(const float *a, double x, double y, double z)
-{
-    return near(a[0], x) && near(a[1], y) && near(a[2], z);
-}
-
-// The texture of a material that scales a group; NULL: none, or two.
-static const struct texture *scale_of(const struct scene *scene, uint32_t material, uint32_t group)
-{
-    const struct material *m = &scene->materials[material];
-    const struct texture *found = NULL;
-    uint32_t count = 0;
-    for (uint32_t i = 0; i < m->texture_count; i++) {
-        const struct texture *texture = &scene->textures[m->first_texture + i];
-        if ((texture->flags >> TEXTURE_USE_SHIFT & 3) != TEXTURE_USE_SCALE ||
-            (texture->flags >> TEXTURE_GROUP_SHIFT & 15) != group)
-            continue;
-        found = texture;
-        count++;
-    }
-    return count == 1 ? found : NULL;
-}
-
-// That a group is scaled like this: "rgb-" is the texel's colours and nothing for the fourth; upper
-// case for the inverse.
-static void check_scale(const struct scene *scene, uint32_t material, uint32_t group,
-                        const char *expected)
-{
-    const struct texture *texture = scale_of(scene, material, group);
-    char found[5] = "none";
-    for (uint32_t i = 0; texture && i < 4; i++) {
-        bool is_inverse = texture->flags >> (TEXTURE_INVERT_SHIFT + i) & 1;
-        uint32_t channel = texture->flags >> (TEXTURE_CHANNELS_SHIFT + 2 * i) & 3;
-        found[i] = (is_inverse ? "RGBA" : "rgba")[channel];
-        if (!(texture->flags >> (TEXTURE_MASK_SHIFT + i) & 1))
-            found[i] = '-';
-    }
-    CHECK(strcmp(found, expected) == 0, "material %u, group %u: %s, expected %s", material, group,
-          found, expected);
-}
-
-static const struct texture_image *image_of(const struct scene *scene, uint32_t material,
-                                            uint32_t group)
-{
-    static const struct texture_image none;
-    const struct texture *texture = scale_of(scene, material, group);
-    return texture ? &scene->images[texture->image] : &none;
-}
 
 // --- the core ------------------------------------------------------------------------------------
 
@@ -264,7 +157,7 @@ TEST(samplers_and_transforms)
 // materials leave theirs alone.
 TEST(image_sources)
 {
-    struct bytes png = png_bytes(3, 2, picture[0]);
+    struct bytes png = png_bytes(3, 2, material_pictures[0]);
     const char json[] = "{'asset':{'version':'2.0'},'nodes':[{'mesh':0}],'meshes':[{'primitives':"
                         "[{'attributes':{'POSITION':0},'material':1}]}],"
                         "'accessors':[{'componentType':5126,'count':3,'type':'VEC3'}],"
@@ -297,5 +190,126 @@ TEST(image_sources)
     free(png.data);
 }
 
+// --- bad input -----------------------------------------------------------------------------------
+
+static const struct {
+    const char *material, *lists, *message;
+} bad_rows[] = {
+    {"{'pbrMetallicRoughness':{'baseColorTexture':{'index':2}}}", TWO_TEXTURES,
+     "materials[0].pbrMetallicRoughness.baseColorTexture.index: 2, expected an index below 2"},
+    {"{'pbrMetallicRoughness':{'baseColorTexture':{}}}", TWO_TEXTURES,
+     "baseColorTexture: \"index\" is missing"},
+    {"{'pbrMetallicRoughness':{'baseColorTexture':0}}", TWO_TEXTURES,
+     "baseColorTexture: expected an object, not 0"},
+    {"{'pbrMetallicRoughness':{'roughnessFactor':1.5}}", NULL,
+     "materials[0].pbrMetallicRoughness.roughnessFactor: 1.5 is outside [0, 1]"},
+    {"{'pbrMetallicRoughness':{'baseColorFactor':[1,1,1]}}", NULL, "baseColorFactor: "},
+    {"{'alphaCutoff':-1}", NULL, "materials[0].alphaCutoff: -1 is outside"},
+    {"{'normalTexture':{'index':0,'texCoord':7}}", TWO_TEXTURES,
+     "materials[0].normalTexture: \"texCoord\" is 7, but only sets 0 and 1 are read"},
+    {"{'normalTexture':{'index':0,'texCoord':-1}}", TWO_TEXTURES, "normalTexture.texCoord: "},
+    {"{'normalTexture':{'index':0,'scale':'big'}}", TWO_TEXTURES, "normalTexture.scale: "},
+    {"{'normalTexture':{'index':0,'extensions':{'KHR_texture_transform':{'texCoord':2}}}}",
+     TWO_TEXTURES, "\"texCoord\" is 2"},
+    {"{'normalTexture':{'index':0,'extensions':{'KHR_texture_transform':{'offset':[1]}}}}",
+     TWO_TEXTURES, "KHR_texture_transform.offset: "},
+    {"{'normalTexture':{'index':0,'extensions':{'KHR_texture_transform':{'scale':[1,1e30]}}}}",
+     TWO_TEXTURES, "is beyond 1e+18"},
+    {"{'normalTexture':{'index':0}}",
+     ",'textures':[{'source':0,'sampler':0}],'samplers':[{'wrapS':1}],'images':[{'uri':'%s'}]",
+     "samplers[0].wrapS: 1 is no value of a sampler's \"wrapS\"; the default is 10497"},
+    {"{'normalTexture':{'index':0}}",
+     ",'textures':[{'source':0,'sampler':0}],'samplers':[{'magFilter':9987}],"
+     "'images':[{'uri':'%s'}]",
+     "samplers[0].magFilter: 9987"},
+    {"{'normalTexture':{'index':0}}",
+     ",'textures':[{'source':0,'sampler':0}],'samplers':[{'minFilter':3}],'images':[{'uri':'%s'}]",
+     "samplers[0].minFilter: 3"},
+    {"{'normalTexture':{'index':0}}", ",'textures':[{'source':0,'sampler':0}],'images':[{}]",
+     "textures[0].sampler: 0, expected an index below 0"},
+    {"{'normalTexture':{'index':0}}", ",'textures':[{'source':1}],'images':[{}]",
+     "textures[0].source: 1, expected an index below 1"},
+    {"{'normalTexture':{'index':0}}", ",'textures':[{'source':0}],'images':[{}]",
+     "images[0]: expected one of \"uri\" and \"bufferView\""},
+    {"{'normalTexture':{'index':0}}", ",'textures':[{'source':0}],'images':[{'uri':7}]",
+     "images[0].uri: expected a string, not 7"},
+    {"{'normalTexture':{'index':0}}", ",'textures':[{'source':0}],'images':[{'bufferView':1}]",
+     "images[0].bufferView: 1, expected an index below 1"},
+    {"{'normalTexture':{'index':0}}", ",'textures':[{'source':0}],'images':[{'bufferView':0}]",
+     "test.glb: images[0]: test.glb: images[0]: expected a PNG or JPEG file"},
+    {"{'normalTexture':{'index':0}}", ",'textures':[{'source':0}],'images':[{'uri':'nowhere.png'}]",
+     "images[0].uri: "},
+    {"{'normalTexture':{'index':0}}", ",'textures':[{'source':0}],'images':[{'uri':'../a.png'}]",
+     "images[0].uri: "},
+    {"{'normalTexture':{'index':0}}", ",'textures':[{'source':0}],'images':[{'uri':'/etc/passwd'}]",
+     "images[0].uri: "},
+    {"{'normalTexture':{'index':0}}",
+     ",'textures':[{'source':0}],'images':[{'uri':'data:image/png;base64,iVBORw0KGgoAAAAN'}]",
+     "test.glb: images[0]: "},
+    {"{" EXTENSION("clearcoat", "'clearcoatFactor':2") "}", NULL,
+     "KHR_materials_clearcoat.clearcoatFactor: 2 is outside [0, 1]"},
+    {"{" EXTENSION("sheen", "'sheenColorFactor':[1,2,1]") "}", NULL, "sheenColorFactor[1]: 2"},
+    {"{" EXTENSION("ior", "'ior':0.5") "}", NULL, "ior: 0.5 is between 0 and 1"},
+    {"{" EXTENSION("ior", "'ior':-1") "}", NULL, "ior: -1 is outside"},
+    {"{" EXTENSION("specular", "'specularColorFactor':[-1,0,0]") "}", NULL,
+     "specularColorFactor[0]: -1 is outside"},
+    {"{" EXTENSION("anisotropy", "'anisotropyStrength':-0.5") "}", NULL,
+     "anisotropyStrength: -0.5"},
+    {"{" EXTENSION("transmission", "'transmissionFactor':true") "}", NULL, "transmissionFactor: "},
+    {"{" EXTENSION("volume", "'attenuationDistance':0") "}", NULL, "attenuationDistance: 0"},
+    {"{" EXTENSION("volume", "'thicknessFactor':-1") "}", NULL, "thicknessFactor: -1"},
+    {"{" EXTENSION("dispersion", "'dispersion':-1") "}", NULL, "dispersion: -1"},
+    {"{" EXTENSION("iridescence", "'iridescenceIor':0.5") "}", NULL, "iridescenceIor: 0.5"},
+    {"{" EXTENSION("unlit", "") ",'alphaMode':7}", NULL, "materials[0].alphaMode: "},
+    {"{'extensions':{'KHR_materials_unlit':true}}", NULL,
+     "KHR_materials_unlit: expected an object, not true"},
+    {"{" EXTENSION("pbrSpecularGlossiness", "'glossinessFactor':3") "}", NULL,
+     "glossinessFactor: 3 is outside [0, 1]"},
+};
+
+TEST(bad_input)
+{
+    for (size_t i = 0; i < sizeof bad_rows / sizeof *bad_rows; i++) {
+        struct scene scene;
+        struct err err;
+        const struct material_file file = {bad_rows[i].material, 1, bad_rows[i].lists};
+        char *json = material_json(&file);
+        bool ok = load_material_json(&scene, json, &err);
+        CHECK(!ok && err.code == ERR_INPUT, "%s", bad_rows[i].message);
+        CHECK(ok ||
+                  (strncmp(err.msg, "test.glb: ", 10) == 0 && strstr(err.msg, bad_rows[i].message)),
+              "%s\n  expected: %s", err.msg, bad_rows[i].message);
+        scene_finish(&scene);
+        free(json);
+    }
+}
+
+// A picture whose pixels are cut off or damaged anywhere is an error or a picture, nothing else.
+TEST(damaged_picture)
+{
+    struct bytes png = png_bytes(4, 4, material_pictures[0]);
+    for (size_t i = 0; i < png.size; i++) {
+        uint8_t *copy = malloc(png.size);
+        memcpy(copy, png.data, png.size);
+        copy[i] ^= 0x55;
+        char *uri = data_uri(copy, i % 2 ? png.size : i), lists[2048];
+        snprintf(lists, sizeof lists, ",'textures':[{'source':0}],'images':[{'uri':'%s'}]", uri);
+        char *json =
+            material_json(&(struct material_file){"{'normalTexture':{'index':0}}", 1, lists});
+        struct scene scene;
+        struct err err;
+        bool ok = load_material_json(&scene, json, &err);
+        CHECK(ok || (err.code == ERR_INPUT && strstr(err.msg, "test.glb: images[0]")),
+              "byte %zu: %s", i, err.msg);
+        CHECK(!ok || i % 2, "cut after %zu bytes", i);
+        scene_finish(&scene);
+        free(json);
+        free(uri);
+        free(copy);
+    }
+    free(png.data);
+}
+
 TEST_MAIN(TEST_CASE(metallic_roughness), TEST_CASE(alpha), TEST_CASE(normals_and_emission),
-          TEST_CASE(unlit), TEST_CASE(samplers_and_transforms), TEST_CASE(image_sources))
+          TEST_CASE(unlit), TEST_CASE(samplers_and_transforms), TEST_CASE(image_sources),
+          TEST_CASE(bad_input), TEST_CASE(damaged_picture))
