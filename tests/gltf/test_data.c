@@ -8,7 +8,7 @@
 struct expectation {
     const char *file;
     uint64_t triangles;
-    uint32_t instances, materials, cameras;
+    uint32_t instances, materials, cameras, textures, images;
     double bounds[2][3];
     double area;
 };
@@ -19,6 +19,8 @@ static const struct expectation expectations[] = {
      37,
      37,
      0,
+     19,
+     17,
      {{-0.1414320021867752, 0.21339499950408936, -0.28598603606224043},
       {0.43839697539806366, 0.9081050157546997, 0.2917779982089998}},
      1.144309481722075},
@@ -27,6 +29,8 @@ static const struct expectation expectations[] = {
      10,
      10,
      0,
+     5,
+     5,
      {{-0.9999999403953552, -4.0, -6.999999940395355}, {1.0, 4.0, 6.999999940395355}},
      125.51266081976135},
     {"shader_ball/shader_ball.gltf",
@@ -34,6 +38,8 @@ static const struct expectation expectations[] = {
      1,
      1,
      1,
+     0,
+     0,
      {{-1.0, -1.045469045639038, -1.2017070055007935},
       {1.3013720512390137, 1.0, 1.2017070055007935}},
      22.82256627861396},
@@ -122,6 +128,12 @@ static void check_file(const struct expectation *expected, const char *path)
                   scene.camera_count == expected->cameras,
               "%s: %u instances, %u materials, %u cameras", expected->file, scene.instance_count,
               scene.material_count, scene.camera_count);
+        CHECK(scene.texture_count == expected->textures && scene.image_count == expected->images,
+              "%s: %u textures, %u images", expected->file, scene.texture_count, scene.image_count);
+        for (uint32_t i = 0; i < scene.material_count; i++)
+            CHECK(scene.materials[i].model == MATERIAL_PRINCIPLED);
+        CHECK(scene.note_count == 0, "%s: %s", expected->file,
+              scene.note_count ? scene.notes[0] : "");
         check_measure(&scene, expected);
     }
     scene_finish(&scene);
@@ -163,6 +175,31 @@ TEST(camera_of_the_shader_ball)
     scene_finish(&scene);
 }
 
+// Five materials have their roughness as a factor, the others as a texture of one texel; the file
+// is made so that they come in pairs.
+TEST(roughness_by_factor_and_by_texture)
+{
+    char path[4096];
+    if (!find_file("roughness-scale/scene.gltf", path, sizeof path))
+        SKIP("%s is not there", path);
+    struct scene scene = empty_scene(path);
+    struct err err = {0};
+    CHECK(load_gltf(&scene, &(struct scene_load_params){.path = path}, &err), "%s", err.msg);
+    uint32_t pairs = 0;
+    for (uint32_t i = 0; i < scene.material_count; i++) {
+        const struct material *textured = &scene.materials[i];
+        if (textured->texture_count != 1)
+            continue;
+        const struct texture *texture = &scene.textures[textured->first_texture];
+        float roughness = textured->roughness * scene.images[texture->image].mean[1];
+        for (uint32_t j = 0; j < scene.material_count; j++)
+            pairs += scene.materials[j].texture_count == 0 &&
+                     fabsf(scene.materials[j].roughness - roughness) < 1e-3f;
+    }
+    CHECK(pairs == 5, "%u", pairs);
+    scene_finish(&scene);
+}
+
 // Placed inside another scene: the same triangles elsewhere, and no cameras.
 TEST(placed_in_another_scene)
 {
@@ -188,4 +225,4 @@ TEST(placed_in_another_scene)
 }
 
 TEST_MAIN(TEST_CASE(real_files), TEST_CASE(camera_of_the_shader_ball),
-          TEST_CASE(placed_in_another_scene))
+          TEST_CASE(roughness_by_factor_and_by_texture), TEST_CASE(placed_in_another_scene))
