@@ -125,19 +125,26 @@ vec4 scale_group(vec4 group, uint flags, vec4 texel)
     return group;
 }
 
+// The orthonormal frame of a unit normal and the tangent nearest to the given one; left-handed where
+// the bitangent's sign is negative. Any tangent where the given one is along the normal, as far as
+// rounding can tell. Orthogonalised twice: once leaves an error that grows as the two get closer
+// (Giraud, Langou, Rozloznik 2005, "The loss of orthogonality in the Gram-Schmidt process").
+mat3 tangent_frame(vec3 n, vec4 tangent)
+{
+    vec3 t = tangent.xyz - dot(tangent.xyz, n) * n;
+    if (dot(t, t) <= GAMMA(8) * GAMMA(8))
+        return basis_around(n);
+    t = normalize(t);
+    t = normalize(t - dot(t, n) * n);
+    return mat3(t, tangent.w * cross(n, t), n);
+}
+
 // A tangent-space normal about the shading normal. One that says nothing leaves it.
 void perturb_normal(vec4 texel, float scale, inout surface s)
 {
     vec3 local = texel.xyz * 2.0 - 1.0;
     local.xy *= scale;
-    vec3 n = s.normal_shading;
-    vec3 across = s.tangent.xyz - dot(s.tangent.xyz, n) * n;
-    mat3 frame = basis_around(n);
-    if (dot(across, across) > 0.0) {
-        frame[0] = normalize(across);
-        frame[1] = s.tangent.w * cross(n, frame[0]);
-    }
-    vec3 turned = frame * local;
+    vec3 turned = tangent_frame(s.normal_shading, s.tangent) * local;
     if (dot(turned, turned) > 0.0)
         s.normal_shading = normalize(turned);
 }
@@ -248,20 +255,23 @@ vec3 textured_emission(material m, surface s)
 //   dot(n, wo) = (1 + dot(h, wo)) / |wo + h| > 0, since h = -wo would be below the surface;
 //   dot(n, ng) = (low + dot(wo, ng)) / |wo + h| > 0;
 //   and h for its mirror direction, above the surface.
-// `low` keeps h above it in single precision too (reflection, frame and normalisation are less than
-// 32 roundings), but never asks for more than the true mirror direction of ng has, as in Cycles'
-// ensure_valid_specular_reflection(): so ng itself is never bent.
+// In single precision, too: an error e of the sum turns n by e / |wo + h| and its mirror direction by
+// twice that, where |wo + h| >= dot(wo + h, ng) >= 2 low; so low^2 = e is enough, and e is less than
+// 32 roundings. Never is more asked for than the mirror direction of ng itself has (as in Cycles'
+// ensure_valid_specular_reflection()), so that ng is never bent, and is the answer for a viewer that
+// is as low as that.
 // No energy is made: BSDFs reflect at most 1 about any normal that faces wo, and directions below
 // the surface are refused.
 vec3 bend_normal(vec3 ns, vec3 ng, vec3 wo)
 {
-    float low = min(dot(wo, ng), GAMMA(32));
+    float low = sqrt(GAMMA(32));
+    float cos_o = dot(wo, ng);
     vec3 r = 2.0 * dot(wo, ns) * ns - wo;
     float height = dot(r, ng);
-    if (height >= low)
+    if (height >= min(low, cos_o))
         return dot(wo, ns) < 0.0 ? -ns : ns;
     vec3 along = r - height * ng;
-    if (!(dot(along, along) > 0.0))
+    if (cos_o <= low || !(dot(along, along) > 0.0))
         return ng;
     return normalize(wo + normalize(normalize(along) + low * ng));
 }
@@ -275,17 +285,11 @@ mat3 shading_frame(surface s, material m, vec3 wo)
     if ((HAS(FEATURE_NORMALS) || HAS(FEATURE_NORMAL_MAPS)) &&
         material_model(m) != MATERIAL_LAMBERT)
         n = bend_normal(n, s.normal_geometric, wo);
-    mat3 frame = basis_around(n);
     // Only where it matters, so that leaving it out changes no bit elsewhere.
     bool turned = material_model(m) == MATERIAL_PRINCIPLED && m.group[GROUP_METAL].r > 0.0;
-    if (HAS_LOBE(LOBE_ANISOTROPIC) && turned) {
-        vec3 across = s.tangent.xyz - dot(s.tangent.xyz, n) * n;
-        if (dot(across, across) > 0.0) {
-            frame[0] = normalize(across);
-            frame[1] = s.tangent.w * cross(n, frame[0]);
-        }
-    }
-    return frame;
+    if (HAS_LOBE(LOBE_ANISOTROPIC) && turned)
+        return tangent_frame(n, s.tangent);
+    return basis_around(n);
 }
 
 #endif
