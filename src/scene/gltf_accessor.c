@@ -32,7 +32,7 @@ struct claim {
 struct buffer_view {
     struct json_node node;
     uint64_t offset, length, stride; // stride 0: none is given
-    const struct gltf_buffer *buffer;
+    const uint8_t *data;
 };
 
 static bool read_buffer_view(const struct gltf_document *document, uint32_t index,
@@ -47,18 +47,22 @@ static bool read_buffer_view(const struct gltf_document *document, uint32_t inde
         !node_read_integer(node, "byteLength", 1, INT64_MAX, &out->length, err) ||
         !node_read_integer(node, "byteStride", 4, 252, &out->stride, err))
         return false;
-    out->buffer = &document->buffers[buffer];
-    if (!out->buffer->data)
+    const struct gltf_buffer *its = &document->buffers[buffer];
+    const uint8_t *decoded = document->decoded_views[index];
+    if (!its->data && !decoded)
         return node_fail(node, err, "buffers[%u] has no \"uri\" and no binary chunk", buffer);
     uint64_t end;
-    if (__builtin_add_overflow(out->offset, out->length, &end) || end > out->buffer->size)
+    if (__builtin_add_overflow(out->offset, out->length, &end) || end > its->size)
         return node_fail(node, err,
                          "byteOffset %llu + byteLength %llu is beyond buffers[%u] of %llu bytes",
                          (unsigned long long)out->offset, (unsigned long long)out->length, buffer,
-                         (unsigned long long)out->buffer->size);
+                         (unsigned long long)its->size);
     if (out->stride % 4 != 0)
         return node_fail(node, err, "byteStride %llu is no multiple of 4",
                          (unsigned long long)out->stride);
+    out->data = decoded ? decoded : its->data + (size_t)out->offset;
+    if (decoded)
+        out->offset = 0;
     return true;
 }
 
@@ -68,7 +72,7 @@ bool gltf_view_bytes(const struct gltf_document *document, uint32_t index, struc
     struct buffer_view view;
     if (!read_buffer_view(document, index, &view, err))
         return false;
-    *out = (struct file_bytes){view.buffer->data + view.offset, (size_t)view.length};
+    *out = (struct file_bytes){view.data, (size_t)view.length};
     return true;
 }
 
@@ -121,7 +125,7 @@ static bool open_window(const struct gltf_document *document, const struct claim
                          "expected multiples of %u and %u",
                          (unsigned long long)offset, index, (unsigned long long)start, alignment,
                          claim->component_size);
-    *data = view.buffer->data + (size_t)start;
+    *data = view.data + (size_t)offset;
     *stride_out = (size_t)stride;
     return true;
 }

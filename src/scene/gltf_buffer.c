@@ -218,9 +218,16 @@ static bool load_buffer(struct gltf_document *document, uint32_t index,
     struct gltf_buffer *buffer = &document->buffers[index];
     const struct json_node node = gltf_item(document, GLTF_BUFFERS, index);
     struct file_bytes bytes = {0};
+    struct json_node extensions, meshopt;
+    bool is_fallback = false; // for readers without EXT_meshopt_compression: nothing here reads it
     if (!gltf_require(&node, "byteLength", err) ||
         !node_read_integer(&node, "byteLength", 1, INT64_MAX, &buffer->size, err) ||
-        !find_bytes(document, &node, binary, &bytes, &buffer->is_external, err))
+        !gltf_read_extension(&node, "EXT_meshopt_compression", &extensions, &meshopt, err) ||
+        !node_read_boolean(&meshopt, "fallback", &is_fallback, err))
+        return false;
+    if (is_fallback)
+        return true;
+    if (!find_bytes(document, &node, binary, &bytes, &buffer->is_external, err))
         return false;
     // More bytes than byteLength are allowed: the chunk of a GLB file is padded.
     if (bytes.data && bytes.size < buffer->size)

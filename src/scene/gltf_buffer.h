@@ -19,6 +19,10 @@ bool glb_open(const struct file_bytes *bytes, struct glb_chunks *out, struct err
 bool gltf_buffers_load(struct gltf_document *document, const struct file_bytes *binary,
                        struct err *err);
 
+// gltf_meshopt.c: decodes the buffer views with EXT_meshopt_compression into
+// document->decoded_views. Buffers that they alone name need have no bytes.
+bool gltf_meshopt_decode(struct gltf_document *document, struct err *err);
+
 // The bytes that a "uri" stands for, in `arena`: a data URI, or a file where the document may have
 // one. *path is the file's, NULL for a data URI.
 bool gltf_uri_load(const struct gltf_document *document, const struct json_node *uri,

@@ -23,6 +23,7 @@ static const char *const list_names[GLTF_LIST_COUNT] = {
 // What the loader reads, and so what a file may require.
 static const char *const known_extensions[] = {
     "EXT_mesh_gpu_instancing",
+    "EXT_meshopt_compression",
     "KHR_lights_punctual",
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
@@ -334,7 +335,8 @@ bool gltf_document_open(struct gltf_document *document, const struct gltf_source
     *document = (struct gltf_document){.source = source, .arena.limit_bytes = limit_bytes};
     struct glb_chunks chunks;
     return open_container(source, &chunks, err) && parse_json(document, &chunks.json, err) &&
-           check_frame(document, err) && gltf_buffers_load(document, &chunks.binary, err);
+           check_frame(document, err) && gltf_buffers_load(document, &chunks.binary, err) &&
+           gltf_meshopt_decode(document, err);
 }
 
 void gltf_document_close(struct gltf_document *document)

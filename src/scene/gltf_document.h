@@ -53,6 +53,8 @@ struct gltf_document {
     struct json_node lists[GLTF_LIST_COUNT];
     uint32_t counts[GLTF_LIST_COUNT];
     struct gltf_buffer *buffers;    // counts[GLTF_BUFFERS]
+    // counts[GLTF_BUFFER_VIEWS]: byteLength bytes that were compressed; NULL: they are in a buffer.
+    const uint8_t **decoded_views;
     bool is_quantized;              // KHR_mesh_quantization is declared
     const char *ignored_extensions; // "A, B": used by the file, unknown here; NULL: none
 };
