@@ -157,7 +157,7 @@ bool load_obj(struct scene *scene, const char *path, uint32_t default_material,
 bool load_ply(struct scene *scene, const char *path, uint32_t default_material, uint32_t *index,
               struct err *err);
 // glTF as a mesh inside our JSON format: appends meshes, materials and, through `place` (3x4), the
-// instances of the default scene's nodes; cameras of the file are ignored here.
+// instances and lights of the default scene's nodes; cameras of the file are ignored here.
 bool load_gltf_into(struct scene *scene, const char *path, const double place[3][4],
                     bool allow_outside_paths, struct err *err);
 
