@@ -1,6 +1,10 @@
-// libFuzzer target for glTF and GLB bytes: `fuzz_gltf CORPUS_FOLDER`. The first four bytes decide
-// the container. Built with clang on demand; what it loads must be whole.
+// libFuzzer target for glTF and GLB bytes: `fuzz_gltf CORPUS_FOLDER`, which write_seeds fills. The
+// first four bytes decide the container. Built with clang on demand; what it loads must be whole,
+// with its animation at half a second and with tangents where there are texture coordinates.
+#include "affine.h"
 #include "gltf_fixture.h"
+#include "gltf_load.h"
+#include "tangents.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -8,20 +12,37 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
+static bool make_tangents(struct scene *scene)
+{
+    struct err err;
+    for (uint32_t i = 0; i < scene->mesh_count; i++)
+        if (scene->meshes[i].uvs[0] && !scene->meshes[i].tangents &&
+            !mesh_generate_tangents(&scene->meshes[i], 0, &scene->arena, &err))
+            return err.code == ERR_SYSTEM; // the budget is small
+    return true;
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    struct bytes copy = {malloc(size + 1), size};
-    memcpy(copy.data, data, size);
-    copy.data[size] = 0; // as file_read leaves it
-    struct scene scene;
+    static const double half = 0.5;
+    uint8_t *copy = malloc(size + 1);
+    memcpy(copy, data, size);
+    copy[size] = 0; // as file_read leaves it
     struct err err;
-    // No such folder, so that no URI of the fuzzer's names a file.
-    const char *path = "/nonexistent/fuzz.gltf";
-    if (load_bytes(&scene, path, copy, &err) && scene_objection(&scene)) {
+    const struct gltf_load_params params = {
+        // No such folder, so that no URI of the fuzzer's names a file.
+        .source = {.path = "/nonexistent/fuzz.gltf", .bytes = {copy, size}},
+        .place = AFFINE_IDENTITY,
+        .with_cameras = true,
+        .at_seconds = &half,
+    };
+    struct scene scene = empty_scene(params.source.path);
+    if (gltf_load_bytes(&scene, &params, &err) &&
+        (!make_tangents(&scene) || scene_objection(&scene))) {
         fprintf(stderr, "%s\n", scene_objection(&scene));
         abort();
     }
     scene_finish(&scene);
-    free(copy.data);
+    free(copy);
     return 0;
 }
