@@ -154,18 +154,46 @@ static struct bytes make_sample(void)
     return glb_bytes(sample_json, &sample_binary, sizeof sample_binary);
 }
 
+static uint32_t load_u32(const uint8_t *at)
+{
+    return (uint32_t)at[0] | (uint32_t)at[1] << 8 | (uint32_t)at[2] << 16 | (uint32_t)at[3] << 24;
+}
+
+// The same as JSON alone, the binary chunk in a data URI: damage reaches deeper where no lengths
+// have to agree.
+static struct bytes embed(struct bytes glb)
+{
+    static const char before[] = "\"buffers\":[{";
+    size_t json_size = load_u32(glb.data + 12), binary_size = load_u32(glb.data + 20 + json_size);
+    char *uri = data_uri(glb.data + 28 + json_size, binary_size);
+    char *json = calloc(1, json_size + 1), *with = malloc(strlen(uri) + 64);
+    memcpy(json, glb.data + 20, json_size);
+    snprintf(with, strlen(uri) + 64, "%s\"uri\":\"%s\",", before, uri);
+    struct bytes out = {.data = (uint8_t *)replace_text(json, before, with)};
+    out.size = strlen((const char *)out.data);
+    free(with);
+    free(json);
+    free(uri);
+    free(glb.data);
+    return out;
+}
+
 bool gltf_seed_make(uint32_t index, struct gltf_seed *out)
 {
     static const struct {
-        const char *name;
+        const char *glb, *gltf;
         struct bytes (*make)(void);
-    } seeds[] = {{"sample.glb", make_sample},
-                 {"skin.glb", make_skin},
-                 {"morph.glb", make_morph},
-                 {"meshopt.glb", make_meshopt},
-                 {"vertices.glb", make_vertices}};
-    if (index >= sizeof seeds / sizeof seeds[0])
+    } seeds[] = {{"sample.glb", "sample.gltf", make_sample},
+                 {"skin.glb", "skin.gltf", make_skin},
+                 {"morph.glb", "morph.gltf", make_morph},
+                 {"meshopt.glb", "meshopt.gltf", make_meshopt},
+                 {"vertices.glb", "vertices.gltf", make_vertices}};
+    if (index >= 2 * sizeof seeds / sizeof seeds[0])
         return false;
-    *out = (struct gltf_seed){seeds[index].name, seeds[index].make()};
+    bool is_glb = index % 2 == 0;
+    out->name = is_glb ? seeds[index / 2].glb : seeds[index / 2].gltf;
+    out->bytes = seeds[index / 2].make();
+    if (!is_glb)
+        out->bytes = embed(out->bytes);
     return true;
 }
