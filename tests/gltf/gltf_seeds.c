@@ -167,6 +167,8 @@ static struct bytes embed(struct bytes glb)
     size_t json_size = load_u32(glb.data + 12), binary_size = load_u32(glb.data + 20 + json_size);
     char *uri = data_uri(glb.data + 28 + json_size, binary_size);
     char *json = calloc(1, json_size + 1), *with = malloc(strlen(uri) + 64);
+    while (glb.data[20 + json_size - 1] == ' ') // the chunk's padding
+        json_size--;
     memcpy(json, glb.data + 20, json_size);
     snprintf(with, strlen(uri) + 64, "%s\"uri\":\"%s\",", before, uri);
     struct bytes out = {.data = (uint8_t *)replace_text(json, before, with)};
