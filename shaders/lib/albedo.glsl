@@ -77,9 +77,23 @@ vec4 albedo_diffuse(uint tables, float mu)
     return mix(load_materials_float(first), load_materials_float(first + 1u), position - corner);
 }
 
+// Eight values of 16 bits a cell.
+float albedo_cube(uint first, uvec3 size, vec3 at)
+{
+    vec3 cells = vec3(size);
+    vec3 position = clamp(at, 0.0, 1.0) * cells;
+    vec3 corner = min(floor(position), cells - 1.0);
+    vec3 w = position - corner;
+    uvec3 cell = uvec3(corner);
+    uvec4 v = load_materials(first + (cell.z * size.y + cell.y) * size.x + cell.x);
+    vec4 low = mix(vec4(v & 0xffffu), vec4(v >> 16u), w.x);
+    vec2 middle = mix(low.xz, low.yw, w.y);
+    return mix(middle.x, middle.y, w.z) / 65535.0;
+}
+
 // The mean of fresnel_dielectric() over what GGX reflects. Along eta the axis is the fourth root of
-// |eta - 1| / (eta + 1); from inside, where reflection is total from a cosine of c on, it bends around
-// c on the axis of mu.
+// |eta - 1| / (eta + 1); from inside, where reflection is total up to a cosine of c, it bends around c
+// on the axis of mu.
 float albedo_fresnel(uint tables, float mu, float alpha, float eta)
 {
     bool inside = eta < 1.0;
@@ -87,18 +101,53 @@ float albedo_fresnel(uint tables, float mu, float alpha, float eta)
     float beyond = (mu - root_k) / (inside && mu > root_k ? 1.0 - root_k : root_k);
     float x = inside ? 0.5 + 0.5 * sign(beyond) * sqrt(abs(beyond))
                      : albedo_axis_mu(mu, alpha + 0.6 * root_k / (1.0 + root_k));
-    vec3 at = vec3(x, albedo_axis_alpha(alpha), sqrt(sqrt(abs(eta - 1.0) / (eta + 1.0))));
+    return albedo_cube(tables + ALBEDO_FRESNEL + (inside ? ALBEDO_FRESNEL_SIDE : 0u),
+                       uvec3(ALBEDO_FRESNEL_MU, ALBEDO_FRESNEL_ALPHA, ALBEDO_FRESNEL_ETA),
+                       vec3(x, albedo_axis_alpha(alpha),
+                            sqrt(sqrt(abs(eta - 1.0) / (eta + 1.0)))));
+}
 
-    vec3 cells = vec3(ALBEDO_FRESNEL_MU, ALBEDO_FRESNEL_ALPHA, ALBEDO_FRESNEL_ETA);
-    vec3 position = clamp(at, 0.0, 1.0) * cells;
-    vec3 corner = min(floor(position), cells - 1.0);
-    vec3 w = position - corner;
-    uvec3 cell = uvec3(corner);
-    uvec4 v = load_materials(tables + ALBEDO_FRESNEL + (inside ? ALBEDO_FRESNEL_SIDE : 0u) +
-                             (cell.z * ALBEDO_FRESNEL_ALPHA + cell.y) * ALBEDO_FRESNEL_MU + cell.x);
-    vec4 low = mix(vec4(v & 0xffffu), vec4(v >> 16u), w.x);
-    vec2 middle = mix(low.xz, low.yw, w.y);
-    return mix(middle.x, middle.y, w.z) / 65535.0;
+// Where wo is on the axes of anisotropic tables: roughness, anisotropy, azimuth. `alpha_o` is the
+// standard deviation of slopes along wo, and with it the scale on mu's axis. The azimuth's axis is
+// the angle half-way between that of wo and that of wo stretched to an isotropic surface.
+vec3 albedo_axes_turned(vec3 wo, float roughness, float anisotropic, vec2 alpha, out float alpha_o)
+{
+    vec2 azimuth = abs(wo.xy) * sqrt(alpha);
+    bool tilted = azimuth.x + azimuth.y > 0.0;
+    alpha_o = tilted ? length(alpha * wo.xy) / length(wo.xy) : alpha.x;
+    return vec3((roughness - 0.01) / 0.99, log(1.0 - 0.9 * anisotropic) / log(0.1),
+                tilted ? atan(azimuth.y, azimuth.x) / (0.5 * PI) : 0.0);
+}
+
+// Between two tables, each for one azimuth.
+float albedo_slices(uint first, uvec4 size, vec4 at)
+{
+    float position = clamp(at.w, 0.0, 1.0) * float(size.w);
+    float corner = min(floor(position), float(size.w) - 1.0);
+    uint slice = size.x * size.y * size.z;
+    first += uint(corner) * slice;
+    return mix(albedo_cube(first, size.xyz, at.xyz), albedo_cube(first + slice, size.xyz, at.xyz),
+               position - corner);
+}
+
+// E1 of anisotropic GGX.
+float albedo_turned(uint tables, float mu, vec3 axes, float alpha_o)
+{
+    return albedo_slices(tables + ALBEDO_TURNED,
+                         uvec4(ALBEDO_TURNED_MU, ALBEDO_TURNED_ROUGHNESS, ALBEDO_TURNED_ASPECT,
+                               ALBEDO_TURNED_AZIMUTH),
+                         vec4(albedo_axis_mu(mu, alpha_o), axes));
+}
+
+// A cosine that stands for all of wo.h over what anisotropic GGX reflects: the mean of
+// (1 - wo.h)^12 is that of it. Fresnel's reflectance for indices from 1.05 on, being concave in that
+// power, is at this cosine no less than its mean.
+float albedo_turned_cosine(uint tables, float mu, vec3 axes, float alpha_o)
+{
+    return 1.0 - albedo_slices(tables + ALBEDO_SINE,
+                               uvec4(ALBEDO_SINE_MU, ALBEDO_SINE_ROUGHNESS, ALBEDO_SINE_ASPECT,
+                                     ALBEDO_SINE_AZIMUTH),
+                               vec4(albedo_axis_mu(mu, alpha_o + 0.2), axes));
 }
 
 // Of Burley's diffuse reflection, base colour 1, in closed form: with A = FD90 - 1 =

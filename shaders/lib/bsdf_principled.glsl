@@ -167,15 +167,43 @@ void prepare_dielectric(inout principled p, material m, float eta)
     p.specular_weight = m.group[GROUP_SPECULAR].a;
 }
 
-// E_dielectric, E of F_t in its place where light goes through, and of the metal, with M.
+// What depends on the microfacets' slopes alone: E1, and means over what they reflect of Fresnel's
+// reflectance (an upper bound, where the surface is anisotropic) and of Schlick's weight.
+vec3 principled_albedo_slopes(principled p, material m, vec3 wo, float alpha)
+{
+    float cos_t;
+    vec3 e = vec3(1.0, fresnel_dielectric(wo.z, p.eta, cos_t), schlick_weight(wo.z));
+    if (!HAS_LOBE(LOBE_ROUGH) || p.is_delta)
+        return e;
+    float anisotropic = m.group[GROUP_METAL].r;
+    if (HAS_LOBE(LOBE_ANISOTROPIC) && anisotropic > 0.0) {
+        float alpha_o;
+        vec3 axes = albedo_axes_turned(principled_turn(p, wo, false), p.roughness, anisotropic,
+                                       p.alpha, alpha_o);
+        float cosine = albedo_turned_cosine(p.tables, wo.z, axes, alpha_o);
+        e.x = albedo_turned(p.tables, wo.z, axes, alpha_o);
+        e.z = schlick_weight(cosine);
+        e.y = fresnel_dielectric(cosine, max(p.eta, 1.05), cos_t);
+        // From inside: no more than Schlick's curve from the angle of total reflection on.
+        float critical = sqrt(max(0.0, (1.0 - p.eta) * (1.0 + p.eta)));
+        float beyond = schlick_weight((cosine - critical) / (1.0 - critical));
+        if (p.eta < 1.0)
+            e.y = p.f0_index + (1.0 - p.f0_index) * beyond;
+        if (p.eta == 1.0)
+            e.y = 0.0;
+    } else {
+        e.x = albedo_ggx(p.tables, wo.z, alpha);
+        e.y = p.eta == 1.0 ? 0.0 : albedo_fresnel(p.tables, wo.z, alpha, p.eta);
+        e.z = HAS_LOBE(LOBE_METAL) ? albedo_schlick(p.tables, wo.z, alpha) : 0.0;
+    }
+    return e;
+}
+
+// E_dielectric; and in `albedo` that of all that the interface sends back or through.
 vec3 prepare_interface(inout principled p, material m, vec3 wo, float alpha, out vec3 albedo)
 {
-    float e1 = p.is_delta ? 1.0 : albedo_ggx(p.tables, wo.z, alpha);
-    float cos_t;
-    float mean = fresnel_dielectric(wo.z, p.eta, cos_t);
-    if (!p.is_delta && p.eta != 1.0)
-        mean = albedo_fresnel(p.tables, wo.z, alpha, p.eta);
-    vec3 f = mean + (p.f0 - p.f0_index) * ((1.0 - mean) / (1.0 - p.f0_index));
+    vec3 e = principled_albedo_slopes(p, m, wo, alpha);
+    vec3 f = e.y + (p.f0 - p.f0_index) * ((1.0 - e.y) / (1.0 - p.f0_index));
     f = (p.eta < 1.0 ? 1.0 : p.specular_weight) * clamp(f, 0.0, 1.0);
     albedo = (1.0 - p.metallic) * f;
     if (HAS_LOBE(LOBE_TRANSMISSION)) {
@@ -184,13 +212,11 @@ vec3 prepare_interface(inout principled p, material m, vec3 wo, float alpha, out
     }
     if (HAS_LOBE(LOBE_METAL)) {
         if (HAS_LOBE(LOBE_COMPENSATE) && material_has(m, MATERIAL_COMPENSATE))
-            p.compensation = 1.0 + p.base_color * ((1.0 - e1) / e1);
-        float weight = p.is_delta ? schlick_weight(wo.z) : albedo_schlick(p.tables, wo.z, alpha);
-        vec3 metal = p.base_color + (1.0 - p.base_color) * weight;
-        albedo += p.metallic * p.compensation * metal;
+            p.compensation = 1.0 + p.base_color * ((1.0 - e.x) / e.x);
+        albedo += p.metallic * p.compensation * (p.base_color + (1.0 - p.base_color) * e.z);
     }
-    albedo *= e1;
-    return e1 * f;
+    albedo *= e.x;
+    return e.x * f;
 }
 
 void prepare_diffuse(inout principled p, material m, float mu)

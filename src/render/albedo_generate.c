@@ -9,12 +9,18 @@
 #include "shared/albedo.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #define PI 3.14159265358979323846
+
+static double square(double x)
+{
+    return x * x;
+}
 
 static double clamp01(double x)
 {
@@ -42,21 +48,30 @@ static double fresnel(double cos_i, double eta)
 
 // Visible GGX normals as a quadrature over the random numbers that would sample them (Dupuy and
 // Benyoub 2023, as sample_ggx_vndf()): the weights G2 / G1(wo) sum to the albedo of F = 1.
-#define NORMALS_MAX (128 * 64)
+#define ROWS_MAX 128
+#define COLUMNS_MAX 64
 struct visible_normals {
     uint32_t count;
-    double weight[NORMALS_MAX];
-    double cosine[NORMALS_MAX]; // wo.h
+    double weight[ROWS_MAX * COLUMNS_MAX];
+    double cosine[ROWS_MAX * COLUMNS_MAX]; // wo.h
 };
 
-static void find_visible_normals(struct visible_normals *n, double mu, double alpha, int rows,
-                                 int columns)
+// wo has the azimuth phi. Where alpha_x = alpha_y and phi = 0, half of the circle stands for both.
+static void find_visible_normals(struct visible_normals *n, double mu, double phi, double alpha_x,
+                                 double alpha_y, int rows, int columns)
 {
-    double wo_x = sqrt((1.0 - mu) * (1.0 + mu));
-    double length_o = hypot(alpha * wo_x, mu);
-    double tilt = alpha * wo_x / length_o;
+    bool symmetric = alpha_x == alpha_y && phi == 0.0;
+    double cosines[COLUMNS_MAX], sines[COLUMNS_MAX];
+    for (int j = 0; j < columns; j++) {
+        cosines[j] = cos((symmetric ? PI : 2.0 * PI) * (j + 0.5) / columns);
+        sines[j] = sin((symmetric ? PI : 2.0 * PI) * (j + 0.5) / columns);
+    }
+    double sin_o = sqrt((1.0 - mu) * (1.0 + mu));
+    double wo_x = sin_o * cos(phi), wo_y = sin_o * sin(phi);
+    double length_o = sqrt(square(alpha_x * wo_x) + square(alpha_y * wo_y) + mu * mu);
+    double tilt_x = alpha_x * wo_x / length_o, tilt_y = alpha_y * wo_y / length_o;
     double k = mu / length_o;
-    double below = tilt * tilt / (1.0 + k);
+    double below = (tilt_x * tilt_x + tilt_y * tilt_y) / (1.0 + k);
     n->count = 0;
     for (int i = 0; i < rows; i++) {
         // Smoothstep as change of variable: the integrand has kinks at both ends.
@@ -66,17 +81,16 @@ static void find_visible_normals(struct visible_normals *n, double mu, double al
         double height = (1.0 - u) * (1.0 + k);
         double sine = sqrt(u * (1.0 + k) * (height + below));
         for (int j = 0; j < columns; j++) {
-            double phi = PI * (j + 0.5) / columns; // the other half is symmetric
-            double h_x = alpha * (sine * cos(phi) + tilt);
-            double h_y = alpha * sine * sin(phi);
+            double h_x = alpha_x * (sine * cosines[j] + tilt_x);
+            double h_y = alpha_y * (sine * sines[j] + tilt_y);
             double norm = 1.0 / sqrt(h_x * h_x + h_y * h_y + height * height);
-            double cosine = (wo_x * h_x + mu * height) * norm;
+            double cosine = (wo_x * h_x + wo_y * h_y + mu * height) * norm;
             double wi_z = 2.0 * cosine * height * norm - mu;
             if (wi_z <= 0.0 || cosine <= 0.0)
                 continue;
             double wi_x = 2.0 * cosine * h_x * norm - wo_x;
-            double wi_y = 2.0 * cosine * h_y * norm;
-            double length_i = sqrt(alpha * alpha * (wi_x * wi_x + wi_y * wi_y) + wi_z * wi_z);
+            double wi_y = 2.0 * cosine * h_y * norm - wo_y;
+            double length_i = sqrt(square(alpha_x * wi_x) + square(alpha_y * wi_y) + wi_z * wi_z);
             n->weight[n->count] =
                 density * wi_z * (mu + length_o) / (mu * length_i + wi_z * length_o);
             n->cosine[n->count++] = cosine;
@@ -120,7 +134,7 @@ static double albedo_ggx(double x, double y)
     static struct visible_normals n;
     double alpha = axis_alpha(y);
     double sum = 0.0;
-    find_visible_normals(&n, axis_mu(x, alpha), alpha, 128, 64);
+    find_visible_normals(&n, axis_mu(x, alpha), 0.0, alpha, alpha, 128, 64);
     for (uint32_t i = 0; i < n.count; i++)
         sum += n.weight[i];
     return fmin(1.0, sum);
@@ -132,7 +146,7 @@ static double albedo_schlick(double x, double y)
     static struct visible_normals n;
     double alpha = axis_alpha(y);
     double sum = 0.0, weighted = 0.0;
-    find_visible_normals(&n, axis_mu(x, alpha + 0.2), alpha, 128, 64);
+    find_visible_normals(&n, axis_mu(x, alpha + 0.2), 0.0, alpha, alpha, 128, 64);
     for (uint32_t i = 0; i < n.count; i++) {
         sum += n.weight[i];
         weighted += n.weight[i] * schlick_weight(n.cosine[i]);
@@ -141,19 +155,65 @@ static double albedo_schlick(double x, double y)
 }
 
 // The mean of Fresnel's reflectance over the reflected light.
-static double albedo_fresnel(double x, double y, double z, int inside)
+static double albedo_fresnel(double x, double y, double z, double w)
 {
+    int inside = w > 0.5;
     static struct visible_normals n;
     double alpha = axis_alpha(y), eta = axis_eta(z, inside);
     double sum = 0.0, weighted = 0.0;
     if (z == 0.0)
         return 0.0;
-    find_visible_normals(&n, fresnel_mu(x, alpha, eta, inside), alpha, 64, 32);
+    find_visible_normals(&n, fresnel_mu(x, alpha, eta, inside), 0.0, alpha, alpha, 64, 32);
     for (uint32_t i = 0; i < n.count; i++) {
         sum += n.weight[i];
         weighted += n.weight[i] * fresnel(n.cosine[i], eta);
     }
     return weighted / sum;
+}
+
+// Anisotropic GGX: a roughness, an aspect (alpha_y / alpha_x)^(1/2) and wo's azimuth, on axes as in
+// lib/albedo.glsl.
+struct anisotropy {
+    double alpha_x, alpha_y, phi;
+    double alpha_o; // the slope's deviation along wo
+};
+
+static struct anisotropy axis_anisotropy(double y, double z, double w)
+{
+    double alpha = square(0.01 + 0.99 * y);
+    double aspect = pow(0.1, 0.5 * z);
+    double psi = 0.5 * PI * w;
+    struct anisotropy a = {.alpha_x = alpha / aspect, .alpha_y = fmax(1e-4, alpha * aspect)};
+    a.phi = w >= 1.0 ? 0.5 * PI : atan(tan(psi) * sqrt(a.alpha_x / a.alpha_y));
+    a.alpha_o = hypot(a.alpha_x * cos(a.phi), a.alpha_y * sin(a.phi));
+    return a;
+}
+
+static double albedo_anisotropic(double x, double y, double z, double w)
+{
+    static struct visible_normals n;
+    struct anisotropy a = axis_anisotropy(y, z, w);
+    double sum = 0.0;
+    find_visible_normals(&n, axis_mu(x, a.alpha_o), a.phi, a.alpha_x, a.alpha_y, 48, 48);
+    for (uint32_t i = 0; i < n.count; i++)
+        sum += n.weight[i];
+    return fmin(1.0, sum);
+}
+
+// 1 - the cosine at which (1 - cos)^12 is its mean over the reflected light. Fresnel's reflectance
+// is a concave function of that power, so that its mean is at most what it is at that cosine.
+static double albedo_anisotropic_sine(double x, double y, double z, double w)
+{
+    static struct visible_normals n;
+    struct anisotropy a = axis_anisotropy(y, z, w);
+    double sum = 0.0, weighted = 0.0;
+    find_visible_normals(&n, axis_mu(x, a.alpha_o + 0.2), a.phi, a.alpha_x, a.alpha_y, 48, 48);
+    for (uint32_t i = 0; i < n.count; i++) {
+        double power = square(square(1.0 - fmin(1.0, n.cosine[i])));
+        sum += n.weight[i];
+        weighted += n.weight[i] * power * power * power;
+    }
+    return pow(weighted / sum, 1.0 / 12.0);
 }
 
 static double albedo_charlie(double x, double y)
@@ -290,44 +350,51 @@ static void fill_diffuse(void)
     }
 }
 
-// A cell's word: eight values of 16 bits, mu fastest, then alpha, then eta.
-static void fill_fresnel(int inside)
+// A table of cells of eight values of 16 bits, along the first axis fastest. A fourth axis has
+// nodes, each with a table of its own.
+struct cubes {
+    uint32_t first;
+    uint32_t size[3];
+    uint32_t slices; // nodes along the fourth axis
+    double (*albedo)(double x, double y, double z, double w);
+};
+
+static void fill_cubes(const struct cubes *c, uint32_t slice)
 {
-    const uint32_t nm = ALBEDO_FRESNEL_MU, na = ALBEDO_FRESNEL_ALPHA, ne = ALBEDO_FRESNEL_ETA;
-    const uint32_t row = nm + 1, slice = row * (na + 1);
-    double *node = calloc((size_t)slice * (ne + 1), sizeof *node);
-    double *raise = calloc((size_t)slice * (ne + 1), sizeof *raise);
+    const uint32_t row = c->size[0] + 1, layer = row * (c->size[1] + 1);
+    double w = c->slices > 1 ? (double)slice / (c->slices - 1) : 0.0;
+    double *node = calloc((size_t)layer * (c->size[2] + 1), sizeof *node);
+    double *raise = calloc((size_t)layer * (c->size[2] + 1), sizeof *raise);
     if (!node || !raise)
         exit(1);
-    for (uint32_t k = 0; k <= ne; k++)
-        for (uint32_t j = 0; j <= na; j++)
-            for (uint32_t i = 0; i <= nm; i++)
-                node[k * slice + j * row + i] =
-                    albedo_fresnel((double)i / nm, (double)j / na, (double)k / ne, inside);
+    for (uint32_t k = 0; k <= c->size[2]; k++)
+        for (uint32_t j = 0; j <= c->size[1]; j++)
+            for (uint32_t i = 0; i <= c->size[0]; i++)
+                node[k * layer + j * row + i] = c->albedo(
+                    (double)i / c->size[0], (double)j / c->size[1], (double)k / c->size[2], w);
     for (int pass = 0; pass < 2; pass++)
-        for (uint32_t k = 0; k < ne; k++)
-            for (uint32_t j = 0; j < na; j++)
-                for (uint32_t i = 0; i < nm; i++) {
-                    uint32_t corner[8];
-                    double mean = 0.0;
-                    for (uint32_t c = 0; c < 8; c++) {
-                        corner[c] = (k + (c >> 2)) * slice + (j + (c >> 1 & 1)) * row + i + (c & 1);
-                        mean += 0.125 * node[corner[c]];
-                    }
-                    if (pass == 0) {
-                        double truth =
-                            albedo_fresnel((i + 0.5) / nm, (j + 0.5) / na, (k + 0.5) / ne, inside);
-                        for (uint32_t c = 0; c < 8; c++)
-                            raise[corner[c]] = fmax(raise[corner[c]], truth - mean);
-                        continue;
-                    }
-                    uint32_t *word = words[ALBEDO_FRESNEL + (uint32_t)inside * ALBEDO_FRESNEL_SIDE +
-                                           (k * na + j) * nm + i];
-                    for (uint32_t c = 0; c < 8; c++) {
-                        double value = clamp01(node[corner[c]] + raise[corner[c]]);
-                        word[c / 2] |= (uint32_t)ceil(value * 65535.0) << (16 * (c & 1));
-                    }
-                }
+        for (uint32_t cell = 0; cell < c->size[0] * c->size[1] * c->size[2]; cell++) {
+            uint32_t i = cell % c->size[0], j = cell / c->size[0] % c->size[1];
+            uint32_t k = cell / (c->size[0] * c->size[1]);
+            uint32_t corner[8];
+            double mean = 0.0;
+            for (uint32_t b = 0; b < 8; b++) {
+                corner[b] = (k + (b >> 2)) * layer + (j + (b >> 1 & 1)) * row + i + (b & 1);
+                mean += 0.125 * node[corner[b]];
+            }
+            if (pass == 0) {
+                double truth = c->albedo((i + 0.5) / c->size[0], (j + 0.5) / c->size[1],
+                                         (k + 0.5) / c->size[2], w);
+                for (uint32_t b = 0; b < 8; b++)
+                    raise[corner[b]] = fmax(raise[corner[b]], truth - mean);
+                continue;
+            }
+            uint32_t *word = words[c->first + slice * c->size[0] * c->size[1] * c->size[2] + cell];
+            for (uint32_t b = 0; b < 8; b++) {
+                double value = clamp01(node[corner[b]] + raise[corner[b]]);
+                word[b / 2] |= (uint32_t)ceil(value * 65535.0) << (16 * (b & 1));
+            }
+        }
     free(node);
     free(raise);
 }
@@ -339,8 +406,23 @@ int main(void)
     fill_quads(ALBEDO_CHARLIE, ALBEDO_CHARLIE_MU, ALBEDO_CHARLIE_ROUGHNESS, albedo_charlie);
     fill_quads(ALBEDO_COAT, ALBEDO_COAT_MU, ALBEDO_COAT_GLOSS, albedo_coat);
     fill_diffuse();
-    fill_fresnel(0);
-    fill_fresnel(1);
+    const struct cubes cubes[] = {
+        {ALBEDO_FRESNEL,
+         {ALBEDO_FRESNEL_MU, ALBEDO_FRESNEL_ALPHA, ALBEDO_FRESNEL_ETA},
+         2,
+         albedo_fresnel},
+        {ALBEDO_TURNED,
+         {ALBEDO_TURNED_MU, ALBEDO_TURNED_ROUGHNESS, ALBEDO_TURNED_ASPECT},
+         ALBEDO_TURNED_AZIMUTH + 1u,
+         albedo_anisotropic},
+        {ALBEDO_SINE,
+         {ALBEDO_SINE_MU, ALBEDO_SINE_ROUGHNESS, ALBEDO_SINE_ASPECT},
+         ALBEDO_SINE_AZIMUTH + 1u,
+         albedo_anisotropic_sine},
+    };
+    for (uint32_t i = 0; i < sizeof cubes / sizeof *cubes; i++)
+        for (uint32_t slice = 0; slice < cubes[i].slices; slice++)
+            fill_cubes(&cubes[i], slice);
     for (uint32_t i = 0; i < ALBEDO_FRESNEL; i++)
         for (int c = 0; c < 4; c++)
             if ((words[i][c] & 0x7f800000u) == 0x7f800000u)

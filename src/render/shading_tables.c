@@ -118,13 +118,22 @@ static void place_camera(const struct shading_tables_params *p,
         header->camera_ior = media->records[current - 1].ior;
 }
 
-// Whether shading some surface reads directional albedos.
-static bool needs_albedos(const struct shading_tables_params *p)
+// How many words of the tables of directional albedos shading reads.
+static uint32_t count_albedo_words(const struct shading_tables_params *p)
 {
-    for (uint32_t i = 0; i < p->scene->material_count; i++)
-        if (p->flat->material_used[i] && p->scene->materials[i].model == MATERIAL_PRINCIPLED)
-            return true;
-    return false;
+    uint32_t words = 0;
+    for (uint32_t i = 0; i < p->scene->material_count; i++) {
+        const struct material *material = &p->scene->materials[i];
+        bool principled = material->model == MATERIAL_PRINCIPLED;
+        bool compensated = material->model == MATERIAL_CONDUCTOR &&
+                           (material->flags & MATERIAL_COMPENSATE) != 0u;
+        if (!p->flat->material_used[i] || (!principled && !compensated))
+            continue;
+        if (principled && material->anisotropic > 0.0f)
+            return ALBEDO_WORDS;
+        words = ALBEDO_WORDS_ISOTROPIC;
+    }
+    return words;
 }
 
 bool shading_tables_build(const struct shading_tables_params *p, struct arena *arena,
@@ -144,7 +153,7 @@ bool shading_tables_build(const struct shading_tables_params *p, struct arena *a
         return false;
     fill_materials(p, &out->emitters, &media, materials);
 
-    uint32_t albedo_words = needs_albedos(p) ? ALBEDO_WORDS : 0u;
+    uint32_t albedo_words = count_albedo_words(p);
     struct sections s = lay_out(p->scene, media.count, albedo_words);
     out->material_bytes = s.end * 16u;
     char *bytes = out->materials = arena_alloc(arena, s.end, 16);
@@ -170,6 +179,6 @@ bool shading_tables_build(const struct shading_tables_params *p, struct arena *a
     if (media.count > 0)
         memcpy(bytes + s.media * 16u, media.records, media.count * sizeof *media.records);
     if (albedo_words > 0)
-        memcpy(bytes + s.albedos * 16u, albedo_tables, sizeof albedo_tables);
+        memcpy(bytes + s.albedos * 16u, albedo_tables, albedo_words * sizeof *albedo_tables);
     return true;
 }
