@@ -78,6 +78,7 @@ struct texture_image {
     bool has_alpha;         // some alpha is below 1
     const void *texels;     // row 0 at the top
     float mean[4];          // of all texels
+    float greatest;         // component of all texels
     uint64_t hash;          // of the file's bytes and of how they were decoded
 };
 

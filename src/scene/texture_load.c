@@ -13,6 +13,7 @@
 // What a pass over the texels found.
 struct judgement {
     double sum[4];
+    float greatest;
     size_t zeroed; // texels
     bool has_alpha;
 };
@@ -28,8 +29,10 @@ static bool is_usable(const float texel[4])
 
 static void judge_texel(const float texel[4], struct judgement *judgement)
 {
-    for (int c = 0; c < 4; c++)
+    for (int c = 0; c < 4; c++) {
         judgement->sum[c] += (double)texel[c];
+        judgement->greatest = fmaxf(judgement->greatest, texel[c]);
+    }
     judgement->has_alpha |= texel[3] < 1;
 }
 
@@ -101,6 +104,7 @@ static bool add_image(struct scene *scene, const struct texture_file *file,
         .height = texels->height,
         .is_float = texels->is_float,
         .has_alpha = judgement.has_alpha,
+        .greatest = judgement.greatest,
         .texels = texels->texels,
         .hash = file->hash,
     };
@@ -158,6 +162,20 @@ bool texture_image_load(struct scene *scene, const struct texture_source *source
 
 // --- textures ------------------------------------------------------------------------------------
 
+// lib/texture.glsl cuts what would take parameters out of their range.
+static bool note_if_cut(struct scene *scene, const struct material *material,
+                        const struct texture *texture, struct err *err)
+{
+    const struct texture_image *image = &scene->images[texture->image];
+    bool is_cut = (texture->flags >> TEXTURE_USE_SHIFT & 3u) == TEXTURE_USE_SCALE &&
+                  (texture->flags >> TEXTURE_GROUP_SHIFT & 15u) != GROUP_EMISSION &&
+                  image->greatest > 1;
+    return !is_cut ||
+           scene_note(scene, "material \"%s\": texels of %s above 1 count as 1", material->name,
+                      image->name) ||
+           err_memory(err, "a note", 0);
+}
+
 bool material_add_texture(struct scene *scene, struct material *material,
                           const struct texture *texture, struct err *err)
 {
@@ -171,7 +189,7 @@ bool material_add_texture(struct scene *scene, struct material *material,
         return err_memory(err, "a texture", sizeof *added);
     *added = *texture;
     material->texture_count++;
-    return true;
+    return note_if_cut(scene, material, texture, err);
 }
 
 uint32_t texture_scales(uint32_t group, const int channel[4])

@@ -20,7 +20,8 @@ bool texture_image_load(struct scene *scene, const struct texture_source *source
                         struct err *err);
 
 // Appends a texture to the material, whose textures must be the last ones of the scene's: a
-// material's are added one after the other. *texture is copied.
+// material's are added one after the other. *texture is copied. Texels above 1 count as 1 but for
+// emission: a note says so of an image that has some.
 bool material_add_texture(struct scene *scene, struct material *material,
                           const struct texture *texture, struct err *err);
 

@@ -70,6 +70,31 @@ TEST(equal_images_are_kept_once)
     end();
 }
 
+// Only emission may be scaled up; the user is told of what is cut.
+TEST(texels_above_one_are_noted)
+{
+    static const float bright[3] = {0.5f, 1.5f, 0.25f}, plain[3] = {1, 1, 1};
+    const uint32_t base = texture_scales(GROUP_BASE, (int[]){0, 1, 2, -1});
+    const uint32_t emission = texture_scales(GROUP_EMISSION, (int[]){0, 1, 2, -1});
+    struct texture texture = {.flags = emission};
+    uint32_t second;
+    begin();
+    write_picture("bright.exr", 2, 2, bright);
+    write_picture("plain.exr", 2, 2, plain);
+    REQUIRE(load("bright.exr", true, &texture.image) && load("plain.exr", true, &second), "%s",
+            error.msg);
+    struct material *material = scene_add_material(&scene, NULL);
+    material->name = "paint";
+    CHECK(material_add_texture(&scene, material, &texture, &error) && scene.note_count == 0);
+    texture.flags = base;
+    CHECK(material_add_texture(&scene, material, &texture, &error) && scene.note_count == 1 &&
+          strstr(scene.notes[0], "material \"paint\": texels of ") &&
+          strstr(scene.notes[0], "bright.exr above 1 count as 1"));
+    texture.image = second;
+    CHECK(material_add_texture(&scene, material, &texture, &error) && scene.note_count == 1);
+    end();
+}
+
 // What a colour is encoded in is of no account to floats.
 TEST(hdr_pictures_have_no_encoding)
 {
@@ -161,9 +186,10 @@ TEST(what_cannot_be_read)
 
 TEST(textures_of_materials_are_adjacent)
 {
-    struct texture texture = {.image = 7,
-                              .flags = texture_scales(GROUP_METAL, (int[]){-1, 1, 2, -1})};
+    struct texture texture = {.flags = texture_scales(GROUP_METAL, (int[]){-1, 1, 2, -1})};
     begin();
+    for (int i = 0; i < 8; i++)
+        CHECK(scene_add_image(&scene, &texture.image));
     struct material *first = scene_add_material(&scene, NULL);
     CHECK(material_add_texture(&scene, first, &texture, &error) &&
               material_add_texture(&scene, first, &texture, &error),
@@ -195,6 +221,7 @@ int main(int argc, char **argv)
 {
     static const struct test_case cases[] = {
         TEST_CASE(equal_images_are_kept_once),
+        TEST_CASE(texels_above_one_are_noted),
         TEST_CASE(hdr_pictures_have_no_encoding),
         TEST_CASE(sides),
         TEST_CASE(texels_that_are_no_use_are_black_and_noted),
