@@ -97,7 +97,7 @@ float phong_lambda(vec3 w, float alpha)
     float c2 = c3 * (k + 2.0) / (k + 2.5);
     float c1 = c2 * (k + 1.0) / (k + 1.5);
     float c = c1 * k / (k + 0.5);
-    float root = sqrt(-k3 * log_one_minus(min(x * x, 1.0 - s)));
+    float root = sqrt(-k3 * log_one_minus(min(x * x, 1.0 - ROUNDING)));
     float p = 0.5 * error_function((16.0 * k3 + 1.0) / (16.0 * k3 + 3.0) * root);
     float steps = c / k + s * (c1 / (k + 1.0) + s * c2 / (k + 2.0));
     float power = power_one_minus(x * x, k);

@@ -232,7 +232,7 @@ vec3 eval_microfacet(material m, vec3 wo, vec3 wi, float eta, out float pdf)
     float alpha = dielectric_alpha(m);
     vec4 h = reflection_half_vector(wo, wi);
     if (HAS_LOBE(LOBE_ROUGH) && !is_delta(alpha) && h.w > 0.0) {
-        pdf = pdf_ggx_vndf(wo, h.xyz, vec2(alpha)) / (4.0 * h.w);
+        pdf = pdf_ggx_reflection(wo, h.xyz, vec2(alpha));
         f = microfacet_fresnel(m, h.w, eta) *
             (0.25 * microfacet_d(m, h.xyz, alpha) * microfacet_masking(m, wo, wi, h.w, alpha));
     }

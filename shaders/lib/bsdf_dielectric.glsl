@@ -1,8 +1,10 @@
-// Interfaces of dielectrics and conductors, smooth and rough. Pure. See lib/bsdf_types.glsl for the
-// frame and the conventions, docs/materials-classical.md for the formulas in one place.
+// Interfaces of dielectrics and conductors, smooth and rough. Pure but for the tables of
+// lib/albedo.glsl. See lib/bsdf_types.glsl for the frame and the conventions,
+// docs/materials-classical.md for the formulas in one place.
 #ifndef BSDF_DIELECTRIC_GLSL
 #define BSDF_DIELECTRIC_GLSL
 
+#include "lib/albedo.glsl"
 #include "lib/bsdf_types.glsl"
 #include "lib/fresnel.glsl"
 #include "lib/microfacet.glsl"
@@ -48,18 +50,6 @@ float fresnel_slab(float cos_i, float eta)
     return 2.0 * r / (1.0 + r);
 }
 
-// The normal between two directions on the same side, and in .w its cosine with either of them, which
-// is half of the length of their sum. 0 where they are opposite to single precision.
-vec4 reflection_half_vector(vec3 wo, vec3 wi)
-{
-    vec3 sum = wo + wi;
-    float length2 = dot(sum, sum);
-    if (!(length2 > 0.0))
-        return vec4(0.0);
-    float l = sqrt(length2);
-    return vec4(sum / l, 0.5 * l);
-}
-
 // What all reflection by GGX microfacets is but for their reflectance: D G2 / (4 wo.z), and the
 // density of reflecting about a visible normal. wi.z > 0.
 float eval_ggx_reflection(vec3 wo, vec3 wi, vec4 h, float alpha, bool separable, out float pdf)
@@ -68,7 +58,7 @@ float eval_ggx_reflection(vec3 wo, vec3 wi, vec4 h, float alpha, bool separable,
     pdf = 0.0;
     if (!(h.w > 0.0))
         return 0.0;
-    pdf = pdf_ggx_vndf(wo, h.xyz, alphas) / (4.0 * h.w);
+    pdf = pdf_ggx_reflection(wo, h.xyz, alphas);
     return pdf * ggx_g2(wo, wi, alphas, separable) / ggx_g1(wo, alphas);
 }
 
@@ -181,6 +171,17 @@ vec3 conductor_reflectance(material m, float cos_theta, float eta)
                              m.group[GROUP_CONDUCTOR_K].rgb / outside);
 }
 
+// What more bounces between microfacets would bring, given back to the single one: 1 + F0 (1 - E1) /
+// E1 (Turquin 2019, "Practical Multiple Scattering Compensation for Microfacet Models", eqs. 14 to
+// 16).
+vec3 conductor_compensation(material m, float cos_o, float eta, float alpha)
+{
+    if (!HAS_LOBE(LOBE_COMPENSATE) || !material_has(m, MATERIAL_COMPENSATE))
+        return vec3(1.0);
+    float e1 = albedo_ggx(albedo_first(), cos_o, alpha);
+    return 1.0 + conductor_reflectance(m, 1.0, eta) * ((1.0 - e1) / e1);
+}
+
 vec3 eval_conductor(material m, vec3 wo, vec3 wi, float eta, out float pdf)
 {
     float alpha = dielectric_alpha(m);
@@ -189,7 +190,7 @@ vec3 eval_conductor(material m, vec3 wo, vec3 wi, float eta, out float pdf)
         return vec3(0.0);
     vec4 h = reflection_half_vector(wo, wi);
     float f = eval_ggx_reflection(wo, wi, h, alpha, is_separable(m), pdf);
-    return f * conductor_reflectance(m, h.w, eta);
+    return f * conductor_reflectance(m, h.w, eta) * conductor_compensation(m, wo.z, eta, alpha);
 }
 
 bsdf_sample sample_conductor(material m, vec3 wo, float eta, vec4 u)

@@ -82,12 +82,41 @@ float pdf_ggx_vndf(vec3 wo, vec3 h, vec2 alpha)
            (abs(wo.z) + ggx_stretched_length(wo, alpha));
 }
 
+// Density of reflecting about such a normal, per solid angle of the reflected direction:
+// pdf_ggx_vndf() / (4 wo.h), in which wo.h cancels.
+float pdf_ggx_reflection(vec3 wo, vec3 h, vec2 alpha)
+{
+    return 0.5 * ggx_d(h, alpha) / (abs(wo.z) + ggx_stretched_length(wo, alpha));
+}
+
+// Directions are rounded, so that their lengths are not quite 1. Where they nearly cancel that turns
+// their sum, by more than a narrow highlight's width when wo.z is small. Both half-vectors are freed
+// of it to first order by what is known of unit vectors: (a + b).(a - b) = |a|^2 - |b|^2.
+
+// The normal between two directions on the same side, and in .w its cosine with either of them, which
+// is half of the length of their sum. 0 where they are opposite to single precision.
+vec4 reflection_half_vector(vec3 wo, vec3 wi)
+{
+    vec3 sum = wo + wi;
+    vec3 difference = wo - wi;
+    // sum^2 + difference^2 = 4: a small difference means that nothing cancels.
+    sum -= difference * (dot(sum, difference) / max(1.0, dot(difference, difference)));
+    float length2 = dot(sum, sum);
+    if (!(length2 > 0.0))
+        return vec4(0.0);
+    float l = sqrt(length2);
+    return vec4(sum / l, 0.5 * l);
+}
+
 // The microfacet's normal that refracts wo into wi on the other side, h.z > 0, times the length of
 // wo + eta wi (Walter et al. 2007, eq. 16). The near-cancelling part is subtracted first, where that
 // is exact, so that eta may be close to 1.
 vec3 refraction_half_vector(vec3 wo, vec3 wi, float eta)
 {
     vec3 h = (wo + wi) + (eta - 1.0) * wi;
+    vec3 difference = (wo - wi) - (eta - 1.0) * wi;
+    float excess = dot(h, difference) + (eta - 1.0) * (eta + 1.0);
+    h -= difference * (excess / max(1.0, dot(difference, difference)));
     return h.z < 0.0 ? -h : h;
 }
 
