@@ -125,8 +125,8 @@ static uint32_t count_albedo_words(const struct shading_tables_params *p)
     for (uint32_t i = 0; i < p->scene->material_count; i++) {
         const struct material *material = &p->scene->materials[i];
         bool principled = material->model == MATERIAL_PRINCIPLED;
-        bool compensated = material->model == MATERIAL_CONDUCTOR &&
-                           (material->flags & MATERIAL_COMPENSATE) != 0u;
+        bool compensated =
+            material->model == MATERIAL_CONDUCTOR && (material->flags & MATERIAL_COMPENSATE) != 0u;
         if (!p->flat->material_used[i] || (!principled && !compensated))
             continue;
         if (principled && material->anisotropic > 0.0f)
