@@ -138,12 +138,14 @@ static bool read_ior(struct gltf_material_reader *reader, bool *is_infinite, str
 
 static bool read_specular(struct gltf_material_reader *reader, struct err *err)
 {
-    const struct range colors = {0, 1e3, false}; // those of specular_color
     struct material *material = reader->material;
     struct layer layer;
     bool is_infinite;
-    if (!read_ior(reader, &is_infinite, err) ||
-        !open_layer(reader, "KHR_materials_specular", &layer, err) ||
+    if (!read_ior(reader, &is_infinite, err))
+        return false;
+    // So that the parameter is at most 1000.
+    const struct range colors = {0, is_infinite ? 1e3 * (double)GLTF_REFLECTANCE : 1e3, false};
+    if (!open_layer(reader, "KHR_materials_specular", &layer, err) ||
         !node_read_color(&layer.node, "specularColorFactor", colors, material->specular_color,
                          err) ||
         !read_colors(&layer, "specularColorTexture", GROUP_SPECULAR, err) ||

@@ -179,14 +179,35 @@ static const char *instance_objection(const struct scene *scene, const struct in
     return NULL;
 }
 
-static const char *material_objection(const struct material *material)
+static const char *material_objection(const struct scene *scene, const struct material *material)
 {
-    if (!material->name || !all_finite(material->emission, 3))
-        return "a material without a name or with an infinite emission";
+    if (!material->name || material->model >= MATERIAL_MODEL_COUNT)
+        return "a material without a name or a model";
+    for (uint32_t i = 0; i < material_parameter_count; i++) {
+        const struct material_parameter *p = &material_parameters[i];
+        for (uint32_t c = p->first; c < p->first + p->count; c++)
+            if (!(material->parameters[c] >= p->min && material->parameters[c] <= p->max))
+                return p->name;
+    }
+    for (int c = 0; c < 3; c++)
+        if (!(material->extinction[c] >= 0))
+            return "an extinction out of range";
+    for (uint32_t i = 0; i < material->texture_count; i++) {
+        uint32_t index = material->first_texture + i;
+        if (index >= scene->texture_count || scene->textures[index].image >= scene->image_count ||
+            !all_finite(scene->textures[index].transform[0], 6))
+            return "a texture without an image or with an infinite transform";
+    }
+    return NULL;
+}
+
+static const char *light_objection(const struct light *light)
+{
+    if (!light->name || !all_finite(light->radiant, 3) || !(light->range > 0))
+        return "a light without a name, or of infinite intensity";
     for (int i = 0; i < 3; i++)
-        if (!(material->base_color[i] >= 0 && material->base_color[i] <= 1) ||
-            material->emission[i] < 0)
-            return "a colour out of range";
+        if (!isfinite(light->position[i]) || !isfinite(light->direction[i]))
+            return "a light nowhere";
     return NULL;
 }
 
@@ -198,7 +219,9 @@ const char *scene_objection(const struct scene *scene)
     for (uint32_t i = 0; i < scene->instance_count && !objection; i++)
         objection = instance_objection(scene, &scene->instances[i]);
     for (uint32_t i = 0; i < scene->material_count && !objection; i++)
-        objection = material_objection(&scene->materials[i]);
+        objection = material_objection(scene, &scene->materials[i]);
+    for (uint32_t i = 0; i < scene->light_count && !objection; i++)
+        objection = light_objection(&scene->lights[i]);
     for (uint32_t i = 0; i < scene->camera_count && !objection; i++)
         if (!scene->cameras[i].name || !(scene->cameras[i].fov_y > 0))
             objection = "a camera without a name or a field of view";

@@ -1,6 +1,7 @@
 #include "gltf_seeds.h"
 
 #include "gltf_builder.h"
+#include "material_file.h"
 #include <meshoptimizer.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -189,7 +190,8 @@ bool gltf_seed_make(uint32_t index, struct gltf_seed *out)
                  {"skin.glb", "skin.gltf", make_skin},
                  {"morph.glb", "morph.gltf", make_morph},
                  {"meshopt.glb", "meshopt.gltf", make_meshopt},
-                 {"vertices.glb", "vertices.gltf", make_vertices}};
+                 {"vertices.glb", "vertices.gltf", make_vertices},
+                 {"materials.glb", "materials.gltf", material_seed}};
     if (index >= 2 * sizeof seeds / sizeof seeds[0])
         return false;
     bool is_glb = index % 2 == 0;

@@ -30,10 +30,11 @@ char *material_json(const struct material_file *file)
     return json;
 }
 
+static const float triangle[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+
 bool load_material_json(struct scene *scene, const char *json, struct err *err)
 {
-    static const float positions[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-    return load_glb(scene, json, positions, sizeof positions, err);
+    return load_glb(scene, json, triangle, sizeof triangle, err);
 }
 
 bool load_materials(struct scene *scene, const struct material_file *file)
@@ -50,6 +51,55 @@ bool load_materials(struct scene *scene, const struct material_file *file)
         scene_finish(scene);
     free(json);
     return ok;
+}
+
+// The members of every extension; each texture is one of the two.
+static const char seed_materials[] =
+    "{'name':'layers','alphaMode':'MASK','alphaCutoff':0.25,'pbrMetallicRoughness':"
+    "{'baseColorFactor':[1,0.5,0.25,0.75],'baseColorTexture':{'index':0,'texCoord':1},"
+    "'metallicFactor':0.5,'roughnessFactor':0.5,'metallicRoughnessTexture':{'index':1}},"
+    "'normalTexture':{'index':1,'scale':0.5},'emissiveFactor':[1,1,0.5],"
+    "'emissiveTexture':{'index':0,'extensions':{'KHR_texture_transform':{'offset':[0.5,0.25],"
+    "'rotation':1.5,'scale':[2,-1],'texCoord':0}}},'extensions':{"
+    "'KHR_materials_emissive_strength':{'emissiveStrength':3},"
+    "'KHR_materials_clearcoat':{'clearcoatFactor':0.5,'clearcoatTexture':{'index':0},"
+    "'clearcoatRoughnessFactor':0.25,'clearcoatNormalTexture':{'index':1}},"
+    "'KHR_materials_sheen':{'sheenColorFactor':[1,0.5,0],'sheenRoughnessFactor':0.5,"
+    "'sheenRoughnessTexture':{'index':0}},"
+    "'KHR_materials_ior':{'ior':1.25},'KHR_materials_specular':{'specularFactor':0.5,"
+    "'specularColorFactor':[2,1,0],'specularColorTexture':{'index':1}},"
+    "'KHR_materials_iridescence':{'iridescenceFactor':1,'iridescenceIor':1.5,"
+    "'iridescenceThicknessMinimum':200,'iridescenceThicknessMaximum':600,"
+    "'iridescenceThicknessTexture':{'index':0}},"
+    "'KHR_materials_anisotropy':{'anisotropyStrength':0.5,'anisotropyRotation':2,"
+    "'anisotropyTexture':{'index':1}}}},"
+    "{'extensions':{'KHR_materials_transmission':{'transmissionFactor':1},"
+    "'KHR_materials_volume':{'thicknessFactor':1,'attenuationDistance':0.5,"
+    "'attenuationColor':[1,0.5,0]},'KHR_materials_dispersion':{'dispersion':0.5}}},"
+    "{'extensions':{'KHR_materials_pbrSpecularGlossiness':{'diffuseFactor':[1,1,0,1],"
+    "'specularFactor':[1,0.5,0],'glossinessFactor':0.5,'specularGlossinessTexture':{'index':0}},"
+    "'KHR_materials_diffuse_transmission':{'diffuseTransmissionFactor':0.5}}},"
+    "{'alphaMode':'BLEND','extensions':{'KHR_materials_unlit':{}}}";
+
+struct bytes material_seed(void)
+{
+    static const char lists[] =
+        ",'textures':[{'source':0,'sampler':0},{'source':1}],'samplers':[{'wrapS':33071,"
+        "'wrapT':33648,'magFilter':9728,'minFilter':9987}],'images':[{'uri':'%s'},{'uri':'%s',"
+        "'mimeType':'image/png'}],'extensions':{'KHR_lights_punctual':{'lights':["
+        "{'type':'point','color':[1,0.5,0.25],'intensity':8,'range':20},{'type':'directional'},"
+        "{'type':'spot','spot':{'innerConeAngle':0.25,'outerConeAngle':0.75}}]}},"
+        "'scene':0,'scenes':[{'nodes':[0,1,2,3]}]";
+    static const char nodes[] = "'nodes':[{'mesh':0},"
+                                "{'extensions':{'KHR_lights_punctual':{'light':0}}},"
+                                "{'extensions':{'KHR_lights_punctual':{'light':1}}},"
+                                "{'extensions':{'KHR_lights_punctual':{'light':2}}}]";
+    char *json = material_json(&(struct material_file){seed_materials, 4, lists});
+    char *lit = replace_text(json, "'nodes':[{'mesh':0}]", nodes);
+    struct bytes glb = glb_bytes(lit, triangle, sizeof triangle);
+    free(lit);
+    free(json);
+    return glb;
 }
 
 bool near(float a, double b)

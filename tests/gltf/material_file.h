@@ -29,6 +29,9 @@ bool load_material_json(struct scene *scene, const char *json, struct err *err);
 // Loads the file; records a failure, finishes the scene and returns false where that fails.
 bool load_materials(struct scene *scene, const struct material_file *file);
 
+// A file with every extension of materials, an image inside, and the three kinds of lights.
+struct bytes material_seed(void);
+
 bool near(float a, double b); // within 1e-6
 bool near3(const float *a, double x, double y, double z);
 
