@@ -210,7 +210,8 @@ static uint32_t device_features(const struct gpu *gpu, const struct flat_scene *
 
 static uint32_t queues_needed(uint32_t features, const uint32_t class_lobes[CLASS_COUNT])
 {
-    uint32_t queues = 1u << QUEUE_RAYS | 1u << (QUEUE_RAYS + 1) | 1u << QUEUE_SURFACE;
+    uint32_t queues = 1u << QUEUE_RAYS | 1u << (QUEUE_RAYS + 1);
+    queues |= features & FEATURE_CLASSES ? 0u : 1u << QUEUE_SURFACE;
     for (uint32_t c = 0; c < CLASS_COUNT && (features & FEATURE_CLASSES); c++)
         queues |= class_lobes[c] ? 1u << (QUEUE_SURFACE + c) : 0u;
     queues |= features & FEATURE_ENVIRONMENT ? 1u << QUEUE_MISS : 0u;
