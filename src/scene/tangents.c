@@ -80,14 +80,15 @@ static void corner_normal(const struct work *work, uint32_t corner, double out[3
         memset(out, 0, 3 * sizeof *out);
 }
 
-// The direction of growing u, of unit length: Mikkelsen 2008, section 3.3. Sets *is_mirrored by the
-// orientation of (u, v) with v upwards. False when the texture coordinates give no direction.
-static bool triangle_tangent(const struct work *work, uint32_t triangle, double out[3],
-                             bool *is_mirrored)
+// The directions of growing u and v, of unit length: Mikkelsen 2008, section 3.3. Sets *is_mirrored
+// by the orientation of (u, v) with v upwards. False when the texture coordinates give no
+// direction.
+static bool triangle_directions(const struct work *work, uint32_t triangle, double along_u[3],
+                                double along_v[3], bool *is_mirrored)
 {
     const uint32_t *corners = work->mesh->indices[triangle];
     const float *uv[3] = {work->uvs[corners[0]], work->uvs[corners[1]], work->uvs[corners[2]]};
-    double edges[2][3], du[2], dv[2], along_v[3];
+    double edges[2][3], du[2], dv[2];
     for (int e = 0; e < 2; e++) {
         du[e] = (double)uv[e + 1][0] - (double)uv[0][0];
         dv[e] = (double)uv[0][1] - (double)uv[e + 1][1]; // upwards
@@ -95,11 +96,11 @@ static bool triangle_tangent(const struct work *work, uint32_t triangle, double 
     double area = du[0] * dv[1] - du[1] * dv[0];
     triangle_edges(work, triangle, edges);
     for (int i = 0; i < 3; i++) {
-        out[i] = copysign(1, area) * (dv[1] * edges[0][i] - dv[0] * edges[1][i]);
-        along_v[i] = du[0] * edges[1][i] - du[1] * edges[0][i];
+        along_u[i] = copysign(1, area) * (dv[1] * edges[0][i] - dv[0] * edges[1][i]);
+        along_v[i] = copysign(1, area) * (du[0] * edges[1][i] - du[1] * edges[0][i]);
     }
     *is_mirrored = area < 0;
-    return area != 0 && vec3_normalize(along_v) && vec3_normalize(out);
+    return area != 0 && vec3_normalize(along_v) && vec3_normalize(along_u);
 }
 
 static bool is_same_place(const struct work *work, uint32_t a, uint32_t b)
@@ -114,13 +115,13 @@ static void classify_triangles(struct work *work)
 {
     for (uint32_t t = 0; t < work->mesh->triangle_count; t++) {
         const uint32_t *corners = work->mesh->indices[t];
-        double tangent[3];
+        double along_u[3], along_v[3];
         bool is_mirrored;
         if (is_same_place(work, corners[0], corners[1]) ||
             is_same_place(work, corners[1], corners[2]) ||
             is_same_place(work, corners[2], corners[0]))
             work->flags[t] = HAS_NO_AREA;
-        else if (!triangle_tangent(work, t, tangent, &is_mirrored))
+        else if (!triangle_directions(work, t, along_u, along_v, &is_mirrored))
             work->flags[t] = HAS_NO_MAP;
         else
             work->flags[t] = is_mirrored ? IS_MIRRORED : 0;
@@ -319,30 +320,166 @@ static double corner_angle(const struct work *work, uint32_t corner, const doubl
 
 // Of a group.
 struct direction {
-    double sum[3];
+    double sum[3];   // of the directions of growing u, by angle
+    double sum_v[3]; // of those of growing v
     bool is_mirrored;
 };
 
-// Mikkelsen's program also leaves out of a corner's mean the triangles whose direction is exactly
-// opposite to that of the corner's own triangle; those that are mapped so differently without a
-// change of orientation do not share two vertices with equal texture coordinates.
-static void sum_directions(const struct work *work, struct direction *directions)
+// The directions of growing u and v at a corner, in the plane of its normal; false where the
+// triangle has none.
+static bool corner_directions(const struct work *work, uint32_t corner, double along_u[3],
+                              double along_v[3], bool *is_mirrored)
 {
-    for (uint32_t c = 0; c < work->corner_count; c++) {
-        double normal[3], tangent[3];
-        bool is_mirrored;
-        if (work->flags[c / 3] & (HAS_NO_AREA | HAS_NO_MAP))
-            continue;
-        corner_normal(work, c, normal);
-        if (!triangle_tangent(work, c / 3, tangent, &is_mirrored) || !project(normal, tangent))
-            continue;
-        double angle = corner_angle(work, c, normal);
-        struct direction *direction = &directions[work->group[c]];
-        direction->is_mirrored = is_mirrored;
-        for (int i = 0; i < 3; i++)
-            direction->sum[i] += angle * tangent[i];
+    double normal[3];
+    if (work->flags[corner / 3] & (HAS_NO_AREA | HAS_NO_MAP))
+        return false;
+    corner_normal(work, corner, normal);
+    return triangle_directions(work, corner / 3, along_u, along_v, is_mirrored) &&
+           project(normal, along_u) && project(normal, along_v);
+}
+
+// Adds what a corner contributes to `direction`.
+static void add_corner(const struct work *work, uint32_t corner, struct direction *direction)
+{
+    double normal[3], along_u[3], along_v[3];
+    bool is_mirrored;
+    if (!corner_directions(work, corner, along_u, along_v, &is_mirrored))
+        return;
+    corner_normal(work, corner, normal);
+    double angle = corner_angle(work, corner, normal);
+    direction->is_mirrored = is_mirrored;
+    for (int i = 0; i < 3; i++) {
+        direction->sum[i] += angle * along_u[i];
+        direction->sum_v[i] += angle * along_v[i];
     }
 }
+
+// --- opposite directions -------------------------------------------------------------------------
+
+// In Mikkelsen's program a corner leaves out of its mean the triangles that are mapped the opposite
+// way from its own: those whose cosine, in single precision, is -1. They meet at poles of spheres
+// that have one vertex there.
+
+static bool is_opposite(const double a[3], const double b[3])
+{
+    float dot = 0;
+    for (int i = 0; i < 3; i++)
+        dot += (float)a[i] * (float)b[i];
+    return dot <= -1.0f;
+}
+
+// The corners of each group, one group after the other.
+struct members {
+    uint32_t *corners;
+    uint32_t *first; // of groups, and one more
+};
+
+static bool list_members(struct work *work, struct members *members)
+{
+    members->corners = ARENA_NEW(&work->arena, uint32_t, work->corner_count);
+    members->first = ARENA_NEW(&work->arena, uint32_t, (size_t)work->group_count + 2);
+    if (!members->corners || !members->first)
+        return false;
+    // Counted two places on, summed up, and moved one place on while they are filled in.
+    for (uint32_t c = 0; c < work->corner_count; c++)
+        members->first[work->group[c] + 2]++;
+    for (uint32_t g = 1; g <= work->group_count; g++)
+        members->first[g + 1] += members->first[g];
+    for (uint32_t c = 0; c < work->corner_count; c++)
+        members->corners[members->first[work->group[c] + 1]++] = c;
+    return true;
+}
+
+// Two directions that are both on the side of a third one are not opposite.
+static bool may_have_opposites(const struct work *work, const struct direction *direction,
+                               const uint32_t *corners, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        double along_u[3], along_v[3];
+        bool is_mirrored;
+        if (corner_directions(work, corners[i], along_u, along_v, &is_mirrored) &&
+            !(vec3_dot(along_u, direction->sum) > 0 && vec3_dot(along_v, direction->sum_v) > 0))
+            return true;
+    }
+    return false;
+}
+
+// The mean at corner `own` of a group; false when nothing is left out of it.
+static bool sum_without_opposites(const struct work *work, uint32_t own, const uint32_t *corners,
+                                  uint32_t count, struct direction *out)
+{
+    double own_u[3], own_v[3], along_u[3], along_v[3];
+    bool is_mirrored, is_complete = true;
+    if (!corner_directions(work, own, own_u, own_v, &is_mirrored))
+        return false;
+    *out = (struct direction){0};
+    for (uint32_t i = 0; i < count; i++) {
+        bool is_left_out = corner_directions(work, corners[i], along_u, along_v, &is_mirrored) &&
+                           (is_opposite(own_u, along_u) || is_opposite(own_v, along_v));
+        if (!is_left_out)
+            add_corner(work, corners[i], out);
+        is_complete &= !is_left_out;
+    }
+    return !is_complete;
+}
+
+// Beyond this many triangles at a vertex, whose pairs would take seconds, all are in the mean.
+#define MOST_COMPARED 4096
+
+// Gives the corners of one group that leave others out groups of their own, shared by those with
+// the same sum. directions: of all groups so far, with room for one more a corner.
+static void divide_group(struct work *work, const uint32_t *corners, uint32_t count,
+                         struct direction *directions)
+{
+    uint32_t first_new = work->group_count;
+    for (uint32_t i = 0; i < count; i++) {
+        struct direction *direction = &directions[work->group_count];
+        if (!sum_without_opposites(work, corners[i], corners, count, direction))
+            continue;
+        uint32_t g = first_new;
+        while (g < work->group_count &&
+               memcmp(directions[g].sum, direction->sum, sizeof direction->sum) != 0)
+            g++;
+        work->group[corners[i]] = g;
+        work->group_count += g == work->group_count;
+    }
+}
+
+// The directions of all groups, after the corners with opposites have been given their own; NULL
+// when out of memory.
+static struct direction *sum_directions(struct work *work)
+{
+    struct members members;
+    uint32_t groups = work->group_count, wide_corners = 0;
+    struct direction *directions = ARENA_NEW(&work->arena, struct direction, groups);
+    bool *is_wide = ARENA_NEW(&work->arena, bool, groups);
+    if (!directions || !is_wide || !list_members(work, &members))
+        return NULL;
+    for (uint32_t g = 0; g < groups; g++) {
+        const uint32_t *corners = members.corners + members.first[g];
+        uint32_t count = members.first[g + 1] - members.first[g];
+        for (uint32_t i = 0; i < count; i++)
+            add_corner(work, corners[i], &directions[g]);
+        is_wide[g] =
+            count <= MOST_COMPARED && may_have_opposites(work, &directions[g], corners, count);
+        wide_corners += is_wide[g] ? count : 0;
+    }
+    if (wide_corners == 0)
+        return directions;
+    // One place more for a sum that is compared before it is kept.
+    struct direction *all =
+        ARENA_NEW(&work->arena, struct direction, (size_t)groups + wide_corners + 1);
+    if (!all)
+        return NULL;
+    memcpy(all, directions, groups * sizeof *directions);
+    for (uint32_t g = 0; g < groups; g++)
+        if (is_wide[g])
+            divide_group(work, members.corners + members.first[g],
+                         members.first[g + 1] - members.first[g], all);
+    return all;
+}
+
+// --- tangents ------------------------------------------------------------------------------------
 
 // Where nothing says which way u grows, any direction in the plane of the normal will do: along the
 // axis that is farthest from the normal.
@@ -483,10 +620,9 @@ static bool generate(struct work *work, struct arena *arena, struct mesh *mesh)
     weld_corners(work);
     connect_triangles(work);
     group_corners(work);
-    struct direction *directions = ARENA_NEW(&work->arena, struct direction, work->group_count);
+    const struct direction *directions = sum_directions(work);
     if (!directions || !split_vertices(work, &split))
         return false;
-    sum_directions(work, directions);
     bool is_kept = keeps_vertices(work, &split);
     float(*tangents)[4] = arena_alloc(arena, split.count, sizeof *tangents);
     if (!tangents)

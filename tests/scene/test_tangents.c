@@ -309,6 +309,30 @@ TEST(triangles_without_a_direction)
     }
 }
 
+// The middle of a square with one texture coordinate, its rim a circle in the picture: u grows
+// along the sides. All four triangles are connected, and each leaves out the opposite one: what the
+// others add is across and cancels.
+TEST(pole)
+{
+    float positions[6][3] = {{0, 0, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}, {-1, -1, 0}, {1, -1, 0}};
+    float normals[6][3], uvs[6][2] = {{0, 0}, {0, 1}, {.25f, 1}, {.5f, 1}, {.75f, 1}, {1, 1}};
+    uint32_t indices[4][3] = {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 5}};
+    for (int v = 0; v < 6; v++)
+        for (int i = 0; i < 3; i++)
+            normals[v][i] = i == 2;
+    struct mesh mesh = MESH(.vertex_count = 6, .triangle_count = 4, .positions = positions,
+                            .normals = normals, .uvs = {uvs}, .indices = indices);
+    struct arena arena = {0};
+    if (generate(&mesh, &arena)) {
+        CHECK(mesh.vertex_count == 9, "%u", mesh.vertex_count);
+        check_tangent(tangent_at(&mesh, 0, 0), 0, 1, 0, 1, "right");
+        check_tangent(tangent_at(&mesh, 1, 0), -1, 0, 0, 1, "top");
+        check_tangent(tangent_at(&mesh, 2, 0), 0, -1, 0, 1, "left");
+        check_tangent(tangent_at(&mesh, 3, 0), 1, 0, 0, 1, "bottom");
+    }
+    arena_finish(&arena);
+}
+
 // Three triangles at one edge: the first two that pass it in opposite directions are connected.
 TEST(edge_of_three_triangles)
 {
@@ -599,6 +623,6 @@ TEST(which_meshes_get_tangents)
 TEST_MAIN(TEST_CASE(upright_square), TEST_CASE(mirrored_halves), TEST_CASE(cube_with_seams),
           TEST_CASE(sphere), TEST_CASE(mirrored_sphere), TEST_CASE(weights_are_angles),
           TEST_CASE(tangents_lie_in_the_plane_of_the_normal), TEST_CASE(touching_in_a_point),
-          TEST_CASE(triangles_without_a_direction), TEST_CASE(edge_of_three_triangles),
-          TEST_CASE(slow_search_agrees), TEST_CASE(soup), TEST_CASE(allocation_failures),
-          TEST_CASE(which_meshes_get_tangents))
+          TEST_CASE(triangles_without_a_direction), TEST_CASE(pole),
+          TEST_CASE(edge_of_three_triangles), TEST_CASE(slow_search_agrees), TEST_CASE(soup),
+          TEST_CASE(allocation_failures), TEST_CASE(which_meshes_get_tangents))
