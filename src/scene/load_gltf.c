@@ -202,8 +202,10 @@ static void hash_wishes(struct scene *scene, const struct gltf_load_params *para
 {
     const char *const names[] = {params->animation, params->scene_name, params->variant};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++)
-        if (names[i])
+        if (names[i]) {
+            scene->hash = hash_bytes(scene->hash, &i, sizeof i);
             scene->hash = hash_bytes(scene->hash, names[i], strlen(names[i]) + 1);
+        }
     if (params->at_seconds)
         scene->hash = hash_bytes(scene->hash, params->at_seconds, sizeof *params->at_seconds);
 }

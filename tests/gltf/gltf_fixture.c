@@ -166,8 +166,9 @@ static const char *mesh_objection(const struct scene *scene, const struct mesh *
     for (uint32_t i = 0; mesh->tangents && i < mesh->vertex_count; i++)
         if (!all_finite(mesh->tangents[i], 3) || fabsf(mesh->tangents[i][3]) != 1)
             return "a tangent that is not finite or has no side";
-    for (uint32_t i = 0; mesh->colors && i < 4 * mesh->vertex_count; i++)
-        if (!(mesh->colors[0][i] >= 0 && mesh->colors[0][i] <= 1))
+    const float *colors = mesh->colors ? mesh->colors[0] : NULL;
+    for (uint32_t i = 0; colors && i < 4 * mesh->vertex_count; i++)
+        if (!(colors[i] >= 0 && colors[i] <= 1))
             return "a vertex colour outside [0, 1]";
     return NULL;
 }

@@ -220,6 +220,39 @@ TEST(choice_of_the_animation)
     CHECK(isnan(translation_of(&builder, "", &one, &err)) && err.code == ERR_USAGE);
 }
 
+static uint64_t hash_of(const char *animation, const char *scene_name, const double *seconds)
+{
+    struct gltf_builder builder = with_triangle();
+    struct scene scene;
+    struct err err;
+    BUILDER_FLOATS(&builder, "SCALAR", 1, 0);
+    BUILDER_FLOATS(&builder, "VEC3", 1, 1, 0, 0);
+    CHECK(builder_load(&builder,
+                       TRIANGLE_LISTS ",'nodes':[{'mesh':0}],'scenes':[{'nodes':[0]}],"
+                                      "'animations':[{'samplers':[{'input':1,'output':2}],"
+                                      "'channels':[]}]",
+                       &(struct gltf_load_params){
+                           .animation = animation, .scene_name = scene_name, .at_seconds = seconds},
+                       &scene, &err),
+          "%s", err.msg);
+    uint64_t hash = scene.hash;
+    scene_finish(&scene);
+    return hash;
+}
+
+// What was chosen decides what is loaded: a render that goes on must not mix two poses.
+TEST(hash_covers_the_choice)
+{
+    const double zero = 0, one = 1;
+    const uint64_t hashes[] = {hash_of(NULL, NULL, NULL), hash_of("0", NULL, NULL),
+                               hash_of(NULL, "0", NULL), hash_of(NULL, NULL, &zero),
+                               hash_of(NULL, NULL, &one)};
+    for (int i = 0; i < 5; i++)
+        for (int j = 0; j < i; j++)
+            CHECK(hashes[i] != hashes[j], "%d and %d", i, j);
+    CHECK(hashes[0] == hash_of(NULL, NULL, NULL));
+}
+
 TEST(no_animation)
 {
     struct gltf_builder builder = with_triangle();
@@ -375,5 +408,6 @@ TEST(bad_animations)
 TEST_MAIN(TEST_CASE(linear_and_step), TEST_CASE(one_key), TEST_CASE(cubic_spline), TEST_CASE(scale),
           TEST_CASE(spherical_interpolation), TEST_CASE(equal_rotations),
           TEST_CASE(quantized_rotations), TEST_CASE(spline_of_rotations),
-          TEST_CASE(choice_of_the_animation), TEST_CASE(no_animation),
-          TEST_CASE(choice_of_the_scene), TEST_CASE(children_follow), TEST_CASE(bad_animations))
+          TEST_CASE(choice_of_the_animation), TEST_CASE(hash_covers_the_choice),
+          TEST_CASE(no_animation), TEST_CASE(choice_of_the_scene), TEST_CASE(children_follow),
+          TEST_CASE(bad_animations))
