@@ -30,6 +30,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         .path = "fuzz", .data = data, .size = size, .max_bytes = 64u << 20};
     struct arena arena = {0};
     read_format(&source, &arena);
+    source.with_alpha = source.is_linear = true;
+    read_format(&source, &arena);
     arena_finish(&arena);
     return 0;
 }
