@@ -1,6 +1,6 @@
 // Next-event estimation alone, BSDF sampling alone and both by multiple importance sampling
-// estimate the same picture: the Cornell box, as a whole and in 4 x 4 tiles. Estimates are compared
-// by pairs, each with 64 replicates.
+// estimate the same picture: the Cornell box, and a row of rough materials, as a whole and in 4 x 4
+// tiles. Estimates are compared by pairs, each with 64 replicates.
 #include "clock.h"
 #include "metrics.h"
 #include "render_fixture.h"
@@ -27,24 +27,26 @@ static void measure_tiles(const struct film_image *film, double *values)
 static const struct measurement tiles = {WHOLE + 1, measure_tiles};
 
 struct plan {
+    const char *scene;
     uint64_t samples[3]; // by estimator
     // Greatest half-width of the 95 % confidence interval of a difference, relative to the value.
     double half_width_whole, half_width_tile;
 };
 
-static void render_estimator(struct gpu *gpu, enum light_estimator estimator, uint64_t samples,
-                             struct replicates *out)
+static void render_estimator(struct gpu *gpu, const struct plan *plan,
+                             enum light_estimator estimator, struct replicates *out)
 {
     const struct scene_override size[] = {{"film.width", "32"}, {"film.height", "32"}, {0}};
     uint64_t start = clock_ns();
     struct scene scene;
     struct renderer r;
     struct err err = {0};
-    REQUIRE_OK(load_scene("scenes/cornell.json", size, &scene, &err));
+    REQUIRE_OK(load_scene(plan->scene, size, &scene, &err));
     scene.settings.estimator = estimator;
     const struct renderer_params params = {.gpu = gpu, .scene = &scene};
     REQUIRE_OK(renderer_create(&params, &r, &err));
-    REQUIRE_OK(replicates_render(&r, &tiles, REPLICATES * estimator, samples, out, &err));
+    REQUIRE_OK(
+        replicates_render(&r, &tiles, REPLICATES * estimator, plan->samples[estimator], out, &err));
     struct estimate whole = replicates_estimate(out, WHOLE);
     printf("estimator %d: mean %.6g +-%.2g %%, %.1f s\n", estimator, whole.mean / (3 * SIDE * SIDE),
            100 * whole.half_width / whole.mean, clock_seconds_since(start));
@@ -77,7 +79,7 @@ static void check_estimators(const struct plan *plan)
     struct replicates replicates[3] = {0};
     OPEN_GPU(&gpu, 0);
     for (int e = 0; e < 3; e++)
-        render_estimator(&gpu, (enum light_estimator)e, plan->samples[e], &replicates[e]);
+        render_estimator(&gpu, plan, (enum light_estimator)e, &replicates[e]);
     gpu_close(&gpu);
     check_pair(&replicates[ESTIMATOR_MIS], &replicates[ESTIMATOR_NEE], plan);
     check_pair(&replicates[ESTIMATOR_MIS], &replicates[ESTIMATOR_BSDF], plan);
@@ -87,14 +89,41 @@ static void check_estimators(const struct plan *plan)
 // The lamp fills little of what a surface sees: BSDF sampling alone needs the most samples.
 TEST(agree)
 {
-    check_estimators(&(struct plan){
-        {[ESTIMATOR_MIS] = 32, [ESTIMATOR_NEE] = 32, [ESTIMATOR_BSDF] = 128}, 0.007, 0.10});
+    check_estimators(
+        &(struct plan){"scenes/cornell.json",
+                       {[ESTIMATOR_MIS] = 32, [ESTIMATOR_NEE] = 32, [ESTIMATOR_BSDF] = 128},
+                       0.007,
+                       0.10});
 }
 
 TEST(agree_long)
 {
-    check_estimators(&(struct plan){
-        {[ESTIMATOR_MIS] = 512, [ESTIMATOR_NEE] = 512, [ESTIMATOR_BSDF] = 2048}, 0.002, 0.025});
+    check_estimators(
+        &(struct plan){"scenes/cornell.json",
+                       {[ESTIMATOR_MIS] = 512, [ESTIMATOR_NEE] = 512, [ESTIMATOR_BSDF] = 2048},
+                       0.002,
+                       0.025});
 }
 
-TEST_MAIN(TEST_CASE(agree), TEST_CASE(agree_long))
+#define ROUGH_ROW "tests/render/scenes/rough_row.json"
+
+TEST(agree_on_materials)
+{
+    check_estimators(
+        &(struct plan){ROUGH_ROW,
+                       {[ESTIMATOR_MIS] = 32, [ESTIMATOR_NEE] = 64, [ESTIMATOR_BSDF] = 64},
+                       0.007,
+                       0.10});
+}
+
+TEST(agree_on_materials_long)
+{
+    check_estimators(
+        &(struct plan){ROUGH_ROW,
+                       {[ESTIMATOR_MIS] = 512, [ESTIMATOR_NEE] = 1024, [ESTIMATOR_BSDF] = 1024},
+                       0.002,
+                       0.025});
+}
+
+TEST_MAIN(TEST_CASE(agree), TEST_CASE(agree_long), TEST_CASE(agree_on_materials),
+          TEST_CASE(agree_on_materials_long))
