@@ -10,6 +10,7 @@ struct gltf_tally {
     uint32_t specular_glossy, coat_normals, anisotropic; // materials
     uint32_t translucent, translucent_volumes;
     uint32_t textures_without_image, mislabelled_images, singular_lights;
+    uint32_t meshes_without_texcoords;
     uint32_t point_and_line_primitives, primitives_without_positions, primitives_without_material;
     uint32_t empty_primitives;
     uint32_t clamped_colors, infinite_texcoords; // vertices, numbers
@@ -68,6 +69,8 @@ struct gltf_load {
 bool gltf_materials_load(struct gltf_load *load, struct err *err);
 // gltf_texture.c: decodes the images of materials in use, and gives these their textures.
 bool gltf_textures_load(struct gltf_load *load, struct err *err);
+// gltf_material_use.c: what is known of materials once all meshes and images are there.
+bool gltf_materials_finish(struct gltf_load *load, struct err *err);
 
 // gltf_variant.c: sets load->variant to that of KHR_materials_variants by this name, NULL: none.
 // ERR_USAGE naming those there are.

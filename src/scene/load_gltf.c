@@ -159,6 +159,7 @@ static bool note_what_is_missing(struct gltf_load *load, struct err *err)
         {t->translucent, "materials: light that is transmitted diffusely has the base colour"},
         {t->translucent_volumes, "materials: diffuse transmission into volumes is left out"},
         {t->textures_without_image, "textures are left out: they name no image"},
+        {t->meshes_without_texcoords, "meshes lack the texture coordinates of their textures"},
         {t->mislabelled_images, "images are not of the type that their mimeType says"},
         {t->primitives_without_material, "primitives without a material are grey"},
         {t->point_and_line_primitives, "primitives of points or lines are skipped"},
@@ -269,7 +270,7 @@ static bool convert(struct gltf_load *load, const struct gltf_load_params *param
     for (uint32_t i = 0; i < nodes.count; i++)
         if (nodes.is_in_scene[i] && !load_node(load, &nodes, i, params->with_cameras, err))
             return false;
-    if (!gltf_textures_load(load, err))
+    if (!gltf_textures_load(load, err) || !gltf_materials_finish(load, err))
         return false;
     hash_files(load);
     hash_wishes(load->scene, params);

@@ -48,8 +48,11 @@ TEST(alpha)
             "{'alphaMode':'MASK','pbrMetallicRoughness':{'baseColorFactor':[1,1,1,0.5]}},"
             "{'alphaMode':'MASK','alphaCutoff':0.75,'pbrMetallicRoughness':{'baseColorTexture':"
             "{'index':0}}},"
-            "{'alphaMode':'BLEND','pbrMetallicRoughness':{'baseColorFactor':[1,1,1,0.25]}}",
-        .count = 3,
+            "{'alphaMode':'BLEND','pbrMetallicRoughness':{'baseColorFactor':[1,1,1,0.25]}},"
+            "{'alphaMode':'BLEND','pbrMetallicRoughness':{'baseColorTexture':{'index':1}}},"
+            "{'alphaMode':'MASK','alphaCutoff':1}," // 1 is there
+            "{'alphaMode':'MASK','alphaCutoff':1.5}",
+        .count = 6,
         .lists = TWO_TEXTURES,
     };
     if (!load_materials(&scene, &file))
@@ -60,7 +63,46 @@ TEST(alpha)
     check_scale(&scene, 1, GROUP_BASE, "rgba");
     CHECK(image_of(&scene, 1, GROUP_BASE)->has_alpha);
     CHECK((m[2].flags & MATERIAL_ALPHA_BLEND) && m[2].opacity == 0.25f);
+    // Alpha that is 1 everywhere is none.
+    CHECK(!(m[3].flags & (MATERIAL_ALPHA_MASK | MATERIAL_ALPHA_BLEND)));
+    CHECK(!(m[4].flags & (MATERIAL_ALPHA_MASK | MATERIAL_ALPHA_BLEND)));
+    CHECK(m[5].flags & MATERIAL_ALPHA_MASK);
     scene_finish(&scene);
+}
+
+// The colours of vertices can make a material less opaque; and a mesh may lack what a texture
+// needs.
+TEST(attributes_of_meshes)
+{
+    static const struct {
+        float positions[3][3];
+        uint8_t colors[2][3][4];
+    } binary = {.colors = {{{255, 255, 255, 255}, {255, 255, 255, 254}, {255, 255, 255, 255}},
+                           {{0, 0, 0, 255}, {0, 0, 0, 255}, {0, 0, 0, 255}}}};
+    static const char json[] =
+        "{'asset':{'version':'2.0'},'nodes':[{'mesh':0}],'meshes':[{'primitives':["
+        "{'attributes':{'POSITION':0,'COLOR_0':1},'material':0},"
+        "{'attributes':{'POSITION':0,'COLOR_0':2},'material':1}]}],'accessors':["
+        "{'bufferView':0,'componentType':5126,'count':3,'type':'VEC3'},"
+        "{'bufferView':1,'componentType':5121,'normalized':true,'count':3,'type':'VEC4'},"
+        "{'bufferView':2,'componentType':5121,'normalized':true,'count':3,'type':'VEC4'}],"
+        "'bufferViews':[{'buffer':0,'byteLength':36},{'buffer':0,'byteOffset':36,'byteLength':12},"
+        "{'buffer':0,'byteOffset':48,'byteLength':12}],'buffers':[{'byteLength':60}],"
+        "'images':[{'uri':'%s'}],'textures':[{'source':0}],"
+        "'materials':[{'alphaMode':'BLEND'},{'alphaMode':'BLEND','normalTexture':{'index':0}}]}";
+    char text[4096], *uri = png_uri(material_pictures[0], "image/png");
+    snprintf(text, sizeof text, json, uri);
+    struct scene scene;
+    struct err err;
+    bool ok = load_glb(&scene, text, &binary, sizeof binary, &err);
+    CHECK(ok && scene.material_count == 2, "%s", err.msg);
+    if (ok) {
+        CHECK(scene.materials[0].flags & MATERIAL_ALPHA_BLEND);
+        CHECK(!(scene.materials[1].flags & MATERIAL_ALPHA_BLEND));
+        CHECK(has_note(&scene, "1 meshes lack the texture coordinates of their textures"));
+    }
+    scene_finish(&scene);
+    free(uri);
 }
 
 TEST(normals_and_emission)
@@ -183,6 +225,7 @@ TEST(image_sources)
                   strcmp(scene.images[0].name, "test.glb: images[1]") == 0);
         CHECK(scene.material_count == 2 && scene.materials[0].texture_count == 0);
         CHECK(has_note(&scene, "1 textures are left out: they name no image"));
+        CHECK(has_note(&scene, "1 meshes lack the texture coordinates"));
         CHECK(has_note(&scene, "1 images are not of the type") == mislabelled);
         scene_finish(&scene);
     }
@@ -310,6 +353,6 @@ TEST(damaged_picture)
     free(png.data);
 }
 
-TEST_MAIN(TEST_CASE(metallic_roughness), TEST_CASE(alpha), TEST_CASE(normals_and_emission),
-          TEST_CASE(unlit), TEST_CASE(samplers_and_transforms), TEST_CASE(image_sources),
-          TEST_CASE(bad_input), TEST_CASE(damaged_picture))
+TEST_MAIN(TEST_CASE(metallic_roughness), TEST_CASE(alpha), TEST_CASE(attributes_of_meshes),
+          TEST_CASE(normals_and_emission), TEST_CASE(unlit), TEST_CASE(samplers_and_transforms),
+          TEST_CASE(image_sources), TEST_CASE(bad_input), TEST_CASE(damaged_picture))
