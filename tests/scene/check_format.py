@@ -1,10 +1,10 @@
 #!/usr/bin/python3
 """Holds the scene format's schema against its loader.
 
-check_format.py SOURCE_ROOT LOAD_SCENE: every file of scenes/ fits the schema; every bad document of
-bad_scenes.json is refused by the loader with the message that stands there, and by the schema where
-a schema can say it; every good one passes both. Schema and description have every parameter of the
-loader's table, and the schema has its range and its types.
+check_format.py SOURCE_ROOT LOAD_SCENE: every file of scenes/ fits the schema and loads; every bad
+document of bad_scenes.json is refused by the loader with the message that stands there, and by the
+schema where a schema can say it; every good one passes both. Schema and description have every
+parameter of the loader's table, and the schema has its range and its types.
 """
 import base64
 import json
@@ -41,6 +41,20 @@ def load(loader, folder, case):
     done = subprocess.run([loader, path] + arguments, stdout=subprocess.PIPE, encoding="utf-8")
     code, _, message = done.stdout.strip().partition(" ")
     return done.returncode, int(code or 0), message
+
+
+def check_scene(loader, validator, path, mesh):
+    """A scene that stands in the tree; one with a mesh of the user's gets `mesh`."""
+    name = os.path.basename(path)
+    with open(path, encoding="utf-8") as file:
+        scene = json.load(file)
+    for error in validator.iter_errors(scene):
+        fail(name, f"{error.json_path}: {error.message}")
+    needs_mesh = "mesh" in scene.get("define", {})
+    done = subprocess.run([loader, path] + ([f"mesh={mesh}"] if needs_mesh else []),
+                          stdout=subprocess.PIPE, encoding="utf-8")
+    if done.returncode != 0:
+        fail(name, done.stdout.strip())
 
 
 def check_bad(loader, folder, validator, case):
@@ -103,11 +117,6 @@ def main():
 
     scenes = os.path.join(root, "scenes")
     names = sorted(name for name in os.listdir(scenes) if name.endswith(".json"))
-    for name in names:
-        with open(os.path.join(scenes, name), encoding="utf-8") as file:
-            for error in validator.iter_errors(json.load(file)):
-                fail(name, f"{error.json_path}: {error.message}")
-
     with open(os.path.join(root, "tests", "scene", "bad_scenes.json"), encoding="utf-8") as file:
         table = json.load(file)
     with tempfile.TemporaryDirectory() as folder:
@@ -123,6 +132,9 @@ def main():
             file.write("v 0 0\n")
         os.mkfifo(os.path.join(folder, "pipe.obj"))
         os.symlink("/etc/passwd", os.path.join(folder, "link.obj"))
+        for name in names:
+            check_scene(loader, validator, os.path.join(scenes, name),
+                        os.path.join(folder, "one.obj"))
         for case in table["bad"]:
             check_bad(loader, folder, validator, case)
         for case in table["good"]:
