@@ -170,6 +170,18 @@ static double full_moon(double rho, double le, double light_radius)
     return mean * M_PI / (2.2 * 2.2);
 }
 
+// Surfaces that are there with probability 0.3 each.
+static double veiled(double rho, double le, double layers)
+{
+    (void)rho;
+    return le * pow(0.7, layers);
+}
+
+static double veiled_square(double rho, double le, double layers)
+{
+    return square_above(rho, le, 1.0) * pow(0.7, layers);
+}
+
 static double part_covered(double rho, double le, double part)
 {
     (void)rho;
@@ -307,6 +319,14 @@ static const struct closed_form forms[] = {
      EACH_ALONE, {{"end", "[4, 0, 0]"}, {"settings", "{}"}}},
 
     {"23 full moon", OURS "full_moon.json", full_moon, 1e-3, BY_STATISTICS, NEE_ALONE, {{0}}},
+
+    {"26 three veils", OURS "alpha_layers.json", veiled, 3, BY_STATISTICS, EACH_ALONE, {{0}}},
+    {"26 three masks, not there", OURS "alpha_layers.json", veiled, 0, EXACT, EACH_ALONE,
+     {{"alpha", "\"mask\""}}},
+    {"26 two veils before a light", OURS "alpha_shadow.json", veiled_square, 2, BY_STATISTICS,
+     EACH_ALONE, {{0}}},
+    {"26 two masks before a light", OURS "alpha_shadow.json", veiled_square, 0, BY_STATISTICS,
+     EACH_ALONE, {{"alpha", "\"mask\""}}},
 
     {"27 level edge", OURS "edge.json", part_covered, 0.3, BY_STATISTICS, EACH_ALONE, {{0}}},
     {"27 upright edge", OURS "edge.json", part_covered, 0.3, BY_STATISTICS, EACH_ALONE,
