@@ -38,7 +38,8 @@ struct channel {
     uint32_t width; // numbers of a key's value
     enum interpolation interpolation;
     uint32_t key_count;
-    float *times, *values;
+    const float *times; // of the player's
+    float *values;
     struct json_node output; // the accessor of the values, for messages
     // Between key `before` and the next, `part` of the `interval` seconds on; before the first key
     // and after the last, part is 0.
@@ -46,38 +47,67 @@ struct channel {
     double part, interval;
 };
 
+// What the channels of an animation share.
+struct player {
+    struct gltf_load *load;
+    struct arena arena;
+    struct json_node samplers;
+    double seconds;
+    struct gltf_node_pose *poses;
+    // Of accessors that are inputs, read and checked once: most animations have but a few.
+    struct key_times {
+        float *values; // NULL: not read yet
+        uint32_t count;
+    } * times;
+};
+
 // --- reading -------------------------------------------------------------------------------------
 
-static bool read_numbers(struct gltf_load *load, struct channel *channel, uint32_t accessor,
+static bool read_numbers(struct gltf_load *load, struct arena *arena, uint32_t accessor,
                          const struct accessor_rule *rule, float **out, struct accessor_view *view,
                          struct err *err)
 {
     const struct gltf_document *document = &load->document;
     if (!accessor_view(document, accessor, rule, view, err))
         return false;
-    *out = arena_alloc(&channel->arena, view->count, rule->components * sizeof **out);
-    if (!*out)
+    float *values = arena_alloc(arena, view->count, rule->components * sizeof *values);
+    if (!values)
         return gltf_no_memory(document, "an animation",
-                              (uint64_t)view->count * rule->components * sizeof **out, err);
-    return accessor_read_floats(view, *out, err);
+                              (uint64_t)view->count * rule->components * sizeof *values, err);
+    if (!accessor_read_floats(view, values, err))
+        return false;
+    *out = values;
+    return true;
 }
 
-static bool read_times(struct gltf_load *load, struct channel *channel, uint32_t accessor,
-                       struct err *err)
+static bool check_times(const struct accessor_view *view, const float *times, struct err *err)
 {
-    struct accessor_view view;
-    if (!read_numbers(load, channel, accessor, &time_rule, &channel->times, &view, err))
-        return false;
-    channel->key_count = view.count;
     double last = -INFINITY;
-    for (uint32_t i = 0; i < view.count; i++) {
-        double time = (double)channel->times[i];
+    for (uint32_t i = 0; i < view->count; i++) {
+        double time = (double)times[i];
         if (time < 0 || time <= last)
-            return node_fail(&view.node, err,
+            return node_fail(&view->node, err,
                              "element %u is %g; expected times from 0 on that increase strictly", i,
                              time);
         last = time;
     }
+    return true;
+}
+
+static bool read_times(struct player *player, struct channel *channel, uint32_t accessor,
+                       struct err *err)
+{
+    struct key_times *times = &player->times[accessor];
+    struct accessor_view view;
+    if (!times->values) {
+        if (!read_numbers(player->load, &player->arena, accessor, &time_rule, &times->values, &view,
+                          err) ||
+            !check_times(&view, times->values, err))
+            return false;
+        times->count = view.count;
+    }
+    channel->times = times->values;
+    channel->key_count = times->count;
     return true;
 }
 
@@ -86,7 +116,7 @@ static bool read_values(struct gltf_load *load, struct channel *channel, uint32_
 {
     struct accessor_view view;
     const struct accessor_rule *rule = &value_rules[channel->path];
-    if (!read_numbers(load, channel, accessor, rule, &channel->values, &view, err))
+    if (!read_numbers(load, &channel->arena, accessor, rule, &channel->values, &view, err))
         return false;
     channel->output = view.node;
     uint64_t expected = (uint64_t)channel->key_count * (channel->width / rule->components) *
@@ -98,9 +128,10 @@ static bool read_values(struct gltf_load *load, struct channel *channel, uint32_
     return true;
 }
 
-static bool read_sampler(struct gltf_load *load, const struct json_node *sampler,
+static bool read_sampler(struct player *player, const struct json_node *sampler,
                          struct channel *channel, struct err *err)
 {
+    struct gltf_load *load = player->load;
     static const char *const names[] = {"LINEAR", "STEP", "CUBICSPLINE", NULL};
     uint32_t accessors = load->document.counts[GLTF_ACCESSORS], input, output, choice = LINEAR;
     if (!json_is_object(sampler->value))
@@ -111,7 +142,7 @@ static bool read_sampler(struct gltf_load *load, const struct json_node *sampler
         !node_read_choice(sampler, "interpolation", names, &choice, err))
         return false;
     channel->interpolation = (enum interpolation)choice;
-    return read_times(load, channel, input, err) && read_values(load, channel, output, err);
+    return read_times(player, channel, input, err) && read_values(load, channel, output, err);
 }
 
 // The numbers of the channel's value: 0 where it has nothing to do.
@@ -128,7 +159,7 @@ static bool find_width(struct gltf_load *load, const struct json_node *target,
                          channel->node);
     }
     if (!gltf_read_index(&node, "mesh", document->counts[GLTF_MESHES], &mesh, err) ||
-        (mesh != GLTF_NONE && !gltf_morph_count(document, mesh, &channel->width, err)))
+        (mesh != GLTF_NONE && !gltf_morph_count(load, mesh, &channel->width, err)))
         return false;
     return channel->width > 0 ||
            node_fail(target, err, "nodes[%u] has no mesh with morph targets", channel->node);
@@ -268,36 +299,55 @@ static double *open_value(struct gltf_load *load, const struct json_node *node,
     return weights;
 }
 
-static bool apply_channel(struct gltf_load *load, const struct json_node *node,
-                          const struct json_node *samplers, double seconds,
-                          struct gltf_node_pose *poses, struct channel *channel, struct err *err)
+static bool apply_channel(struct player *player, const struct json_node *node,
+                          struct channel *channel, struct err *err)
 {
+    struct gltf_load *load = player->load;
     uint32_t sampler = 0;
     bool is_ignored;
     if (!json_is_object(node->value))
         return node_unexpected(node, "an object", err);
     if (!gltf_require(node, "sampler", err) ||
-        !gltf_read_index(node, "sampler", (uint32_t)json_array_size(samplers->value), &sampler,
-                         err) ||
+        !gltf_read_index(node, "sampler", (uint32_t)json_array_size(player->samplers.value),
+                         &sampler, err) ||
         !read_target(load, node, channel, &is_ignored, err))
         return false;
     load->tally.ignored_channels += is_ignored;
     if (is_ignored)
         return true;
-    const struct json_node sampler_node = node_element(samplers, sampler);
-    if (!read_sampler(load, &sampler_node, channel, err))
+    const struct json_node sampler_node = node_element(&player->samplers, sampler);
+    double *value = open_value(load, node, channel, &player->poses[channel->node], err);
+    if (!value || !read_sampler(player, &sampler_node, channel, err))
         return false;
-    place_time(channel, seconds);
-    double *value = open_value(load, node, channel, &poses[channel->node], err);
-    return value && evaluate(channel, value, err);
+    place_time(channel, player->seconds);
+    return evaluate(channel, value, err);
+}
+
+static bool play(struct player *player, const struct json_node *channels, struct err *err)
+{
+    const struct gltf_document *document = &player->load->document;
+    uint32_t count = document->counts[GLTF_ACCESSORS];
+    player->times = ARENA_NEW(&player->arena, struct key_times, count);
+    if (!player->times)
+        return gltf_no_memory(document, "an animation", count * sizeof *player->times, err);
+    for (size_t i = 0; i < json_array_size(channels->value); i++) {
+        const struct json_node node = node_element(channels, i);
+        struct channel channel = {.arena = mesh_scratch(player->load->scene)};
+        bool ok = apply_channel(player, &node, &channel, err);
+        arena_finish(&channel.arena);
+        if (!ok)
+            return false;
+    }
+    return true;
 }
 
 bool gltf_animation_pose(struct gltf_load *load, const char *name, double seconds,
                          struct gltf_node_pose **poses, struct err *err)
 {
     struct gltf_document *document = &load->document;
-    uint32_t index = 0;
-    struct json_node channels, samplers;
+    struct player player = {.load = load, .seconds = seconds};
+    uint32_t index = 0, node_count = document->counts[GLTF_NODES];
+    struct json_node channels;
     *poses = NULL;
     if (name && !gltf_find(document, GLTF_ANIMATIONS, "animation", name, &index, err))
         return false;
@@ -306,19 +356,14 @@ bool gltf_animation_pose(struct gltf_load *load, const char *name, double second
     const struct json_node animation = gltf_item(document, GLTF_ANIMATIONS, index);
     if (!gltf_require(&animation, "channels", err) || !gltf_require(&animation, "samplers", err) ||
         !gltf_read_array(&animation, "channels", &channels, err) ||
-        !gltf_read_array(&animation, "samplers", &samplers, err))
+        !gltf_read_array(&animation, "samplers", &player.samplers, err))
         return false;
-    *poses = ARENA_NEW(&document->arena, struct gltf_node_pose, document->counts[GLTF_NODES]);
+    *poses = ARENA_NEW(&document->arena, struct gltf_node_pose, node_count);
     if (!*poses)
-        return gltf_no_memory(document, "poses", document->counts[GLTF_NODES] * sizeof **poses,
-                              err);
-    for (size_t i = 0; i < json_array_size(channels.value); i++) {
-        const struct json_node node = node_element(&channels, i);
-        struct channel channel = {.arena = mesh_scratch(load->scene)};
-        bool ok = apply_channel(load, &node, &samplers, seconds, *poses, &channel, err);
-        arena_finish(&channel.arena);
-        if (!ok)
-            return false;
-    }
-    return true;
+        return gltf_no_memory(document, "poses", node_count * sizeof **poses, err);
+    player.poses = *poses;
+    player.arena = mesh_scratch(load->scene);
+    bool ok = play(&player, &channels, err);
+    arena_finish(&player.arena);
+    return ok;
 }

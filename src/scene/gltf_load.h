@@ -28,6 +28,8 @@ struct gltf_weights {
 struct gltf_mesh_range {
     bool is_loaded;
     bool is_counted; // in loaded_meshes
+    bool has_target_count;
+    uint32_t target_count; // of morph targets
     uint32_t first, count;
     struct gltf_weights weights; // that they were converted with
 };
@@ -49,18 +51,20 @@ struct gltf_vectors {
 };
 
 struct gltf_node_pose;
+struct gltf_skin;
 
 struct gltf_load {
     struct scene *scene;
     struct gltf_document document;
     const struct progress *progress;
-    uint32_t first_material;        // the scene's index of the file's material 0
+    uint32_t first_material;         // the scene's index of the file's material 0
     struct gltf_material *materials; // one for each of the file's, see gltf_material.h
-    uint32_t variant;               // of materials; GLTF_NONE: primitives have their own
-    uint32_t default_material;      // of primitives without one; SCENE_NONE until needed
-    struct gltf_mesh_range *meshes; // one for each glTF mesh
-    struct gltf_node_pose *poses;   // one for each node; NULL: no animation is shown
-    struct gltf_vectors *vectors;   // one for each accessor
+    uint32_t variant;                // of materials; GLTF_NONE: primitives have their own
+    uint32_t default_material;       // of primitives without one; SCENE_NONE until needed
+    struct gltf_mesh_range *meshes;  // one for each glTF mesh
+    struct gltf_skin *skins;         // one for each of the file's; joints NULL: not asked for yet
+    struct gltf_node_pose *poses;    // one for each node; NULL: no animation is shown
+    struct gltf_vectors *vectors;    // one for each accessor
     uint32_t loaded_meshes;
     struct gltf_tally tally;
 };
@@ -87,7 +91,6 @@ bool gltf_light_load(struct gltf_load *load, const struct json_node *holder,
 // which must live as long as the document. Those of the last call for this mesh are returned again
 // where the weights are the same. skin: moves them into the world; such ones are new every time.
 // NULL: they stay in their own space.
-struct gltf_skin;
 bool gltf_mesh_load(struct gltf_load *load, uint32_t index, const struct gltf_weights *weights,
                     const struct gltf_skin *skin, struct gltf_mesh_range *out, struct err *err);
 
@@ -104,7 +107,7 @@ struct gltf_load_params {
     struct gltf_source source;
     const double (*place)[4]; // 3x4, the file's world to the scene's
     bool with_cameras;
-    const char *variant; // as in scene_load_params
+    const char *variant;      // as in scene_load_params
     const double *at_seconds; // as in scene_load_params, and these two
     const char *animation, *scene_name;
     const struct progress *progress; // NULL: nobody listens

@@ -247,7 +247,9 @@ bool gltf_mesh_load(struct gltf_load *load, uint32_t index, const struct gltf_we
         return true;
     }
     const struct json_node node = gltf_item(&load->document, GLTF_MESHES, index);
-    *out = (struct gltf_mesh_range){.first = load->scene->mesh_count, .weights = *weights};
+    *out = *range;
+    out->first = load->scene->mesh_count;
+    out->weights = *weights;
     if (!load_primitives(load, &node, &(struct deformation){weights, skin}, err))
         return false;
     out->count = load->scene->mesh_count - out->first;

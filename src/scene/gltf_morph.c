@@ -45,12 +45,14 @@ static const struct accessor_rule rules[GLTF_ATTRIBUTE_COUNT] = {
 
 // --- weights -------------------------------------------------------------------------------------
 
-bool gltf_morph_count(const struct gltf_document *document, uint32_t mesh, uint32_t *count,
-                      struct err *err)
+bool gltf_morph_count(struct gltf_load *load, uint32_t mesh, uint32_t *count, struct err *err)
 {
-    const struct json_node node = gltf_item(document, GLTF_MESHES, mesh);
+    struct gltf_mesh_range *range = &load->meshes[mesh];
+    const struct json_node node = gltf_item(&load->document, GLTF_MESHES, mesh);
     struct json_node primitives, targets;
-    *count = 0;
+    *count = range->target_count;
+    if (range->has_target_count)
+        return true;
     if (!gltf_read_array(&node, "primitives", &primitives, err))
         return false;
     for (size_t i = 0; i < json_array_size(primitives.value); i++) {
@@ -63,6 +65,8 @@ bool gltf_morph_count(const struct gltf_document *document, uint32_t mesh, uint3
                              its, *count);
         *count = its;
     }
+    range->target_count = *count;
+    range->has_target_count = true;
     return true;
 }
 
@@ -80,7 +84,7 @@ bool gltf_morph_weights(struct gltf_load *load, uint32_t node, uint32_t mesh,
     const struct json_node mesh_object = gltf_item(&load->document, GLTF_MESHES, mesh);
     uint32_t count;
     *out = (struct gltf_weights){0};
-    if (!gltf_morph_count(&load->document, mesh, &count, err))
+    if (!gltf_morph_count(load, mesh, &count, err))
         return false;
     double *values = ARENA_NEW(&load->document.arena, double, count);
     if (!values)

@@ -25,8 +25,7 @@ bool gltf_animation_pose(struct gltf_load *load, const char *name, double second
 // --- gltf_morph.c --------------------------------------------------------------------------------
 
 // The number of morph targets of a mesh, 0 for most. err: its primitives disagree.
-bool gltf_morph_count(const struct gltf_document *document, uint32_t mesh, uint32_t *count,
-                      struct err *err);
+bool gltf_morph_count(struct gltf_load *load, uint32_t mesh, uint32_t *count, struct err *err);
 // The weights of a node's mesh: of its pose (may be NULL), else of the node, else of the mesh.
 bool gltf_morph_weights(struct gltf_load *load, uint32_t node, uint32_t mesh,
                         const struct gltf_node_pose *pose, struct gltf_weights *out,
@@ -42,9 +41,9 @@ struct gltf_skin {
     double (*joints)[3][4]; // from the space of the skinned mesh to the world
 };
 
-// Reads skin `index` as the nodes stand. Memory comes from `arena`.
-bool gltf_skin_open(struct gltf_load *load, const struct gltf_nodes *nodes, uint32_t index,
-                    struct arena *arena, struct gltf_skin *out, struct err *err);
+// Reads skin `index` as the nodes stand, when first asked for; NULL with *err set on failure.
+const struct gltf_skin *gltf_skin_open(struct gltf_load *load, const struct gltf_nodes *nodes,
+                                       uint32_t index, struct err *err);
 // Moves *mesh, whose triangles are there, into the world. What is written is new.
 bool gltf_skin_apply(struct gltf_load *load, const struct json_node *primitive,
                      const struct gltf_skin *skin, struct mesh *mesh, struct err *err);

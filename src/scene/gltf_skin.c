@@ -71,10 +71,10 @@ static bool apply_bind_matrices(struct gltf_load *load, uint32_t accessor, struc
     return ok;
 }
 
-bool gltf_skin_open(struct gltf_load *load, const struct gltf_nodes *nodes, uint32_t index,
-                    struct arena *arena, struct gltf_skin *out, struct err *err)
+static bool read_skin(struct gltf_load *load, const struct gltf_nodes *nodes, uint32_t index,
+                      struct gltf_skin *out, struct err *err)
 {
-    const struct gltf_document *document = &load->document;
+    struct gltf_document *document = &load->document;
     const struct json_node node = gltf_item(document, GLTF_SKINS, index);
     struct json_node joints;
     uint32_t accessor, skeleton;
@@ -85,7 +85,7 @@ bool gltf_skin_open(struct gltf_load *load, const struct gltf_nodes *nodes, uint
                          err))
         return false;
     out->joint_count = (uint32_t)json_array_size(joints.value);
-    out->joints = arena_alloc(arena, out->joint_count, sizeof *out->joints);
+    out->joints = arena_alloc(&document->arena, out->joint_count, sizeof *out->joints);
     if (!out->joints)
         return gltf_no_memory(document, "joints", out->joint_count * sizeof *out->joints, err);
     for (uint32_t j = 0; j < out->joint_count; j++) {
@@ -95,6 +95,13 @@ bool gltf_skin_open(struct gltf_load *load, const struct gltf_nodes *nodes, uint
         memcpy(out->joints[j], nodes->world[joint], sizeof out->joints[j]);
     }
     return accessor == GLTF_NONE || apply_bind_matrices(load, accessor, out, err);
+}
+
+const struct gltf_skin *gltf_skin_open(struct gltf_load *load, const struct gltf_nodes *nodes,
+                                       uint32_t index, struct err *err)
+{
+    struct gltf_skin *skin = &load->skins[index];
+    return skin->joints || read_skin(load, nodes, index, skin, err) ? skin : NULL;
 }
 
 // --- weights -------------------------------------------------------------------------------------

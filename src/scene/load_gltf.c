@@ -78,12 +78,9 @@ static bool load_skinned_mesh(struct gltf_load *load, const struct gltf_nodes *n
                               uint32_t mesh, const struct gltf_weights *weights, struct err *err)
 {
     struct gltf_mesh_range meshes;
-    struct gltf_skin opened;
-    struct arena scratch = mesh_scratch(load->scene);
-    bool ok = gltf_skin_open(load, nodes, skin, &scratch, &opened, err) &&
-              gltf_mesh_load(load, mesh, weights, &opened, &meshes, err);
-    arena_finish(&scratch);
-    return ok && gltf_instance_add(load, AFFINE_IDENTITY, meshes, err);
+    const struct gltf_skin *opened = gltf_skin_open(load, nodes, skin, err);
+    return opened && gltf_mesh_load(load, mesh, weights, opened, &meshes, err) &&
+           gltf_instance_add(load, AFFINE_IDENTITY, meshes, err);
 }
 
 static bool load_node_mesh(struct gltf_load *load, const struct gltf_nodes *nodes, uint32_t index,
@@ -154,7 +151,8 @@ static bool note_what_is_missing(struct gltf_load *load, struct err *err)
     const struct note notes[] = {
         {t->specular_glossy, "materials of specular-glossiness are shown as dielectrics of that "
                              "reflectance"},
-        {t->coat_normals, "materials: the normals of the clear coat are approximated by the base's"},
+        {t->coat_normals,
+         "materials: the normals of the clear coat are approximated by the base's"},
         {t->anisotropic, "materials: anisotropy is approximated"},
         {t->translucent, "materials: light that is transmitted diffusely has the base colour"},
         {t->translucent_volumes, "materials: diffuse transmission into volumes is left out"},
@@ -217,7 +215,8 @@ static bool allocate_tables(struct gltf_load *load, struct err *err)
     struct arena *arena = &load->document.arena;
     load->meshes = ARENA_NEW(arena, struct gltf_mesh_range, counts[GLTF_MESHES]);
     load->vectors = ARENA_NEW(arena, struct gltf_vectors, counts[GLTF_ACCESSORS]);
-    return (load->meshes && load->vectors) ||
+    load->skins = ARENA_NEW(arena, struct gltf_skin, counts[GLTF_SKINS]);
+    return (load->meshes && load->vectors && load->skins) ||
            gltf_no_memory(&load->document, "tables",
                           counts[GLTF_MESHES] * sizeof *load->meshes +
                               counts[GLTF_ACCESSORS] * sizeof *load->vectors,

@@ -158,6 +158,37 @@ static void check_index_type(const char *code, size_t index_size)
     scene_finish(&scene);
 }
 
+// Strips that are sewn together by repeated vertices, and one that is nothing else.
+TEST(turns_of_strips)
+{
+    const struct {
+        float positions[4][3];
+        uint16_t indices[14];
+    } binary = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}},
+                {0, 1, 2, 3, 3, 0, 0, 1, 2, 2, 1, 1, 1, 2}};
+    const struct one_mesh file = {
+        .primitive = "{'attributes':{'POSITION':0},'indices':1,'mode':5},"
+                     "{'attributes':{'POSITION':0},'indices':2,'mode':5}",
+        .accessors = "{'bufferView':0,'componentType':5126,'count':4,'type':'VEC3'},"
+                     "{'bufferView':1,'componentType':5123,'count':9,'type':'SCALAR'},"
+                     "{'bufferView':1,'byteOffset':20,'componentType':5123,'count':3,"
+                     "'type':'SCALAR'}",
+        .views = "{'buffer':0,'byteLength':48},{'buffer':0,'byteOffset':48,'byteLength':28}",
+        .binary = &binary,
+        .size = sizeof binary,
+    };
+    static const uint32_t expected[3][3] = {{0, 1, 2}, {1, 3, 2}, {0, 1, 2}};
+    struct scene scene;
+    struct err err;
+    bool ok = load_one_mesh(&scene, &file, &err);
+    CHECK(ok, "%s", err.msg);
+    CHECK(ok && scene.mesh_count == 1 && scene.meshes[0].triangle_count == 3 &&
+              memcmp(scene.meshes[0].indices, expected, sizeof expected) == 0,
+          "%u triangles", scene.mesh_count ? scene.meshes[0].triangle_count : 0);
+    CHECK(has_note(&scene, "1 primitives whose triangles all have a vertex twice are skipped"));
+    scene_finish(&scene);
+}
+
 TEST(index_types)
 {
     check_index_type("5121", 1);
@@ -506,8 +537,9 @@ TEST(ignored_extensions)
 }
 
 TEST_MAIN(TEST_CASE(sample), TEST_CASE(hash_covers_the_file), TEST_CASE(primitive_modes),
-          TEST_CASE(index_types), TEST_CASE(interleaved_vertices), TEST_CASE(quantized_positions),
-          TEST_CASE(quantized_normals), TEST_CASE(sparse_without_base), TEST_CASE(data_uris),
+          TEST_CASE(turns_of_strips), TEST_CASE(index_types), TEST_CASE(interleaved_vertices),
+          TEST_CASE(quantized_positions), TEST_CASE(quantized_normals),
+          TEST_CASE(sparse_without_base), TEST_CASE(data_uris),
           TEST_CASE(primitives_share_accessors), TEST_CASE(node_transforms),
           TEST_CASE(scene_choice), TEST_CASE(zero_scale_is_left_to_the_scene),
           TEST_CASE(gpu_instancing), TEST_CASE(cameras), TEST_CASE(ignored_extensions))

@@ -265,6 +265,24 @@ TEST(notes)
     scene_finish(&scene);
 }
 
+// A node may be a joint of its own skin: nothing goes round.
+TEST(own_joint)
+{
+    const struct gltf_builder builder = with_skin();
+    struct scene scene;
+    struct err err;
+    bool ok = load_skin(&builder,
+                        &(struct skin_file){.nodes = "{'mesh':0,'skin':0,'translation':[0,3,0],"
+                                                     "'children':[1]},{'mesh':0,'skin':0}",
+                                            .skin = "'joints':[0,1]"},
+                        &scene, &err);
+    CHECK(ok && scene.mesh_count == 2, "%s", err.msg);
+    if (ok)
+        CHECK(near3(scene.meshes[0].positions[0], 0, 3, 0) &&
+              near3(scene.meshes[1].positions[0], 0, 3, 0));
+    scene_finish(&scene);
+}
+
 static void check_rejected(const struct skin_file *file, const char *message)
 {
     struct gltf_builder builder = with_skin();
@@ -337,4 +355,4 @@ TEST(bad_weights)
 TEST_MAIN(TEST_CASE(two_joints), TEST_CASE(linear_blend), TEST_CASE(second_set_of_weights),
           TEST_CASE(byte_weights), TEST_CASE(reflected_joint), TEST_CASE(placed_in_another_world),
           TEST_CASE(one_mesh_with_two_skins), TEST_CASE(morphed_and_animated), TEST_CASE(notes),
-          TEST_CASE(bad_skins), TEST_CASE(bad_weights))
+          TEST_CASE(own_joint), TEST_CASE(bad_skins), TEST_CASE(bad_weights))
