@@ -16,8 +16,8 @@
 struct image_source {
     struct json_node node;
     struct file_bytes bytes;
-    const char *name; // for messages
-    bool is_mislabelled;
+    const char *name; // for messages: a file's path, or the way to the image in the document
+    bool is_file, is_mislabelled;
 };
 
 // "uri" or "bufferView": one of them. Files, decoded URIs and names are put into `arena`.
@@ -34,10 +34,17 @@ static bool find_bytes(const struct gltf_document *document, struct image_source
     if (view.value ? !gltf_view_bytes(document, index, &source->bytes, err)
                    : !gltf_uri_load(document, &uri, arena, &source->bytes, &source->name, err))
         return false;
-    if (!source->name)
-        source->name =
-            arena_printf(arena, "%s: images[%zu]", path_name(document->source->path), node->index);
+    source->is_file = source->name != NULL;
+    if (!source->is_file)
+        source->name = arena_printf(arena, "%s: images[%zu]", document->source->path, node->index);
     return source->name || err_memory(err, "a name", 0);
+}
+
+// Before a message that begins with a file's name says which image that is; an image inside of the
+// document is named so already. Returns false.
+static bool fail_image(const struct image_source *source, struct err *err)
+{
+    return source->is_file ? node_prepend(&source->node, err) : err_false();
 }
 
 // The content says what a file is; "mimeType" is only compared with it. What is neither PNG nor
@@ -49,8 +56,10 @@ static bool check_content(struct image_source *source, struct err *err)
     const char *claimed = NULL;
     if (!node_read_string(&source->node, "mimeType", &claimed, err))
         return false;
-    if (!image_has_encoding(bytes->data, bytes->size))
-        return node_fail(&source->node, err, "%s: expected a PNG or JPEG file", source->name);
+    if (!image_has_encoding(bytes->data, bytes->size)) {
+        err_set(err, ERR_INPUT, "%s: expected a PNG or JPEG file", source->name);
+        return fail_image(source, err);
+    }
     bool is_png = bytes->size >= 4 && memcmp(bytes->data, png_magic, sizeof png_magic) == 0;
     source->is_mislabelled = claimed && strcmp(claimed, is_png ? "image/png" : "image/jpeg") != 0;
     return true;
@@ -101,7 +110,7 @@ static bool decode(struct image_job *job, struct arena *scratch, struct err *err
         .is_srgb = job->image->is_srgb,
     };
     if (!texture_image_load(&job->scene, &texels, &index, err))
-        return node_prepend(&source.node, err);
+        return fail_image(&source, err);
     if (job->image->green[0] != 0 || job->image->green[1] != 0)
         map_green(&job->scene.images[index], job->image->green);
     return true;

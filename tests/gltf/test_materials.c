@@ -1,5 +1,6 @@
 // What materials and textures of glTF files become: every expected number is written out.
 #include "gltf_fixture.h"
+#include "gltf_load.h"
 #include "gltf_picture.h"
 #include "material_file.h"
 #include "test.h"
@@ -279,7 +280,7 @@ static const struct {
     {"{'normalTexture':{'index':0}}", ",'textures':[{'source':0}],'images':[{'bufferView':1}]",
      "images[0].bufferView: 1, expected an index below 1"},
     {"{'normalTexture':{'index':0}}", ",'textures':[{'source':0}],'images':[{'bufferView':0}]",
-     "test.glb: images[0]: test.glb: images[0]: expected a PNG or JPEG file"},
+     "test.glb: images[0]: expected a PNG or JPEG file"},
     {"{'normalTexture':{'index':0}}", ",'textures':[{'source':0}],'images':[{'uri':'nowhere.png'}]",
      "images[0].uri: "},
     {"{'normalTexture':{'index':0}}", ",'textures':[{'source':0}],'images':[{'uri':'../a.png'}]",
@@ -353,6 +354,55 @@ TEST(damaged_picture)
     free(png.data);
 }
 
+// Of two images that are decoded at once one needs nearly all memory: half of it each is not
+// enough, and must not be taken for the limit.
+TEST(memory_of_images)
+{
+    static const double identity[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
+    struct bytes png = png_bytes(128, 120, material_pictures[0]);
+    char *uri = data_uri(png.data, png.size), *lists = malloc(strlen(uri) + 256);
+    sprintf(lists, ",'textures':[{'source':0},{'source':1}],'images':[{'uri':'%s'},{'uri':'%%s'}]",
+            uri);
+    char *text = malloc(strlen(lists) + 8192),
+         *json = material_json(&(struct material_file){"{'normalTexture':{'index':0},"
+                                                       "'emissiveFactor':[1,1,1],"
+                                                       "'emissiveTexture':{'index':1}}",
+                                                       1, NULL});
+    strcpy(text, json);
+    char *picture = png_uri(material_pictures[1], "image/png");
+    sprintf(text + strlen(json) - 1, lists, picture);
+    strcat(text, "}");
+    const float positions[3][3] = {{0}};
+    struct bytes glb = glb_bytes(text, positions, sizeof positions);
+    size_t least = 0;
+    for (size_t limit = 64 << 10; limit < 4 << 20; limit += 64 << 10) {
+        const struct gltf_load_params params = {
+            .source = {.path = "test.glb", .bytes = {glb.data, glb.size}},
+            .place = identity,
+        };
+        struct scene scene = empty_scene("test.glb");
+        struct err err = {0};
+        scene.arena.limit_bytes = limit;
+        bool ok = gltf_load_bytes(&scene, &params, &err);
+        CHECK(ok || (strncmp(err.msg, "test.glb: ", 10) == 0 && strstr(err.msg, " memory")),
+              "%zu bytes: code %d, %s", limit, (int)err.code, err.msg);
+        CHECK(ok || least == 0, "%zu bytes are less than %zu", least, limit);
+        CHECK(!ok || scene.image_count == 2);
+        if (ok && least == 0)
+            least = limit;
+        scene_finish(&scene);
+    }
+    CHECK(least > 0 && least < 2 << 20, "%zu", least);
+    free(glb.data);
+    free(picture);
+    free(json);
+    free(text);
+    free(lists);
+    free(uri);
+    free(png.data);
+}
+
 TEST_MAIN(TEST_CASE(metallic_roughness), TEST_CASE(alpha), TEST_CASE(attributes_of_meshes),
           TEST_CASE(normals_and_emission), TEST_CASE(unlit), TEST_CASE(samplers_and_transforms),
-          TEST_CASE(image_sources), TEST_CASE(bad_input), TEST_CASE(damaged_picture))
+          TEST_CASE(image_sources), TEST_CASE(bad_input), TEST_CASE(damaged_picture),
+          TEST_CASE(memory_of_images))
