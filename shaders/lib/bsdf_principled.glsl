@@ -25,6 +25,9 @@ struct principled {
     vec3 f0;            // of the dielectric, as asked for
     float f0_index;     // of eta
     float specular_weight;
+    float film; // iridescence; 0 where the film's index is below the medium's in front
+    float film_index;
+    float film_thickness;
     vec3 compensation; // M
     vec3 tint;         // of what goes through
     bool is_delta;
@@ -89,6 +92,26 @@ float principled_albedo_diffuse(principled p, float mu)
     return albedo;
 }
 
+// `reflectance`, of a surface of reflectance f0 at normal incidence, seen through the film. The film
+// lies on the side of the lower index; from the other side what is reflected is the same for the
+// refracted direction.
+vec3 principled_film(principled p, float cos_o, float cos_t, vec3 f0, vec3 reflectance,
+                     bool highest)
+{
+    if (!HAS_LOBE(LOBE_IRIDESCENCE) || !(p.film > 0.0))
+        return reflectance;
+    vec3 film = fresnel_film(p.eta < 1.0 ? cos_t : cos_o, p.film_index, index_of_f0(f0),
+                             p.film_thickness, highest);
+    return reflectance + p.film * (film - reflectance);
+}
+
+// F_w, for the exact Fresnel reflectance of eta.
+vec3 principled_dielectric(principled p, float cos_o, float exact, float cos_t, bool highest)
+{
+    vec3 f = exact + (p.f0 - p.f0_index) * ((1.0 - exact) / (1.0 - p.f0_index));
+    return principled_film(p, cos_o, cos_t, p.f0, clamp(f, 0.0, 1.0), highest);
+}
+
 // What the interface of the base reflects and what it lets through at a microfacet, for
 // cos_o = wo.h: R, and (1 - metallic) transmission tint (1 - F_t).
 void principled_interface(principled p, float cos_o, out vec3 reflected, out vec3 through)
@@ -96,8 +119,8 @@ void principled_interface(principled p, float cos_o, out vec3 reflected, out vec
     float cos_t;
     float exact = fresnel_dielectric(cos_o, p.eta, cos_t);
     bool total = p.eta < 1.0 && cos_t <= 0.0;
-    vec3 f = exact + (p.f0 - p.f0_index) * ((1.0 - exact) / (1.0 - p.f0_index));
-    f = total ? vec3(1.0) : p.specular_weight * clamp(f, 0.0, 1.0);
+    vec3 f = principled_dielectric(p, cos_o, exact, cos_t, false);
+    f = total ? vec3(1.0) : p.specular_weight * f;
     reflected = (1.0 - p.metallic) * f;
     through = vec3(0.0);
     if (HAS_LOBE(LOBE_TRANSMISSION)) {
@@ -105,8 +128,11 @@ void principled_interface(principled p, float cos_o, out vec3 reflected, out vec
         reflected += p.transmission * (f_t - f);
         through = p.transmission * p.tint * (1.0 - f_t);
     }
-    if (HAS_LOBE(LOBE_METAL))
-        reflected += p.metallic * p.compensation * fresnel_schlick(p.base_color, cos_o);
+    if (HAS_LOBE(LOBE_METAL)) {
+        vec3 metal = fresnel_schlick(p.base_color, cos_o);
+        metal = principled_film(p, cos_o, cos_t, p.base_color, metal, false);
+        reflected += p.metallic * p.compensation * metal;
+    }
 }
 
 // The probability with which a microfacet reflects rather than lets through.
@@ -165,14 +191,22 @@ void prepare_dielectric(inout principled p, material m, float eta)
     p.f0 = min(vec3(1.0),
                p.f0_index * (2.0 * interface_group.b * tint * m.group[GROUP_SPECULAR].rgb));
     p.specular_weight = m.group[GROUP_SPECULAR].a;
+    if (HAS_LOBE(LOBE_IRIDESCENCE)) {
+        vec4 film = m.group[GROUP_FILM];
+        // ior over eta is the index on the other side.
+        p.film_index = film.b / interface_group.g * (p.eta < 1.0 ? 1.0 / p.eta : p.eta);
+        p.film_thickness = film.g;
+        p.film = p.film_index >= 1.0 ? film.r : 0.0;
+    }
 }
 
-// What depends on the microfacets' slopes alone: E1, and means over what they reflect of Fresnel's
-// reflectance (an upper bound, where the surface is anisotropic) and of Schlick's weight.
-vec3 principled_albedo_slopes(principled p, material m, vec3 wo, float alpha)
+// What depends on the microfacets' slopes alone: E1, means over what they reflect of Fresnel's
+// reflectance (an upper bound, where the surface is anisotropic) and of Schlick's weight, and a
+// cosine that stands for theirs.
+vec4 principled_albedo_slopes(principled p, material m, vec3 wo, float alpha)
 {
     float cos_t;
-    vec3 e = vec3(1.0, fresnel_dielectric(wo.z, p.eta, cos_t), schlick_weight(wo.z));
+    vec4 e = vec4(1.0, fresnel_dielectric(wo.z, p.eta, cos_t), schlick_weight(wo.z), wo.z);
     if (!HAS_LOBE(LOBE_ROUGH) || p.is_delta)
         return e;
     float anisotropic = m.group[GROUP_METAL].r;
@@ -183,6 +217,7 @@ vec3 principled_albedo_slopes(principled p, material m, vec3 wo, float alpha)
         float cosine = albedo_turned_cosine(p.tables, wo.z, axes, alpha_o);
         e.x = albedo_turned(p.tables, wo.z, axes, alpha_o);
         e.z = schlick_weight(cosine);
+        e.w = cosine;
         e.y = fresnel_dielectric(cosine, max(p.eta, 1.05), cos_t);
         // From inside: no more than Schlick's curve from the angle of total reflection on.
         float critical = sqrt(max(0.0, (1.0 - p.eta) * (1.0 + p.eta)));
@@ -194,7 +229,10 @@ vec3 principled_albedo_slopes(principled p, material m, vec3 wo, float alpha)
     } else {
         e.x = albedo_ggx(p.tables, wo.z, alpha);
         e.y = p.eta == 1.0 ? 0.0 : albedo_fresnel(p.tables, wo.z, alpha, p.eta);
-        e.z = HAS_LOBE(LOBE_METAL) ? albedo_schlick(p.tables, wo.z, alpha) : 0.0;
+        if (HAS_LOBE(LOBE_METAL) || HAS_LOBE(LOBE_IRIDESCENCE))
+            e.z = albedo_schlick(p.tables, wo.z, alpha);
+        if (HAS_LOBE(LOBE_IRIDESCENCE))
+            e.w = 1.0 - pow(e.z, 0.2);
     }
     return e;
 }
@@ -202,9 +240,12 @@ vec3 principled_albedo_slopes(principled p, material m, vec3 wo, float alpha)
 // E_dielectric; and in `albedo` that of all that the interface sends back or through.
 vec3 prepare_interface(inout principled p, material m, vec3 wo, float alpha, out vec3 albedo)
 {
-    vec3 e = principled_albedo_slopes(p, m, wo, alpha);
-    vec3 f = e.y + (p.f0 - p.f0_index) * ((1.0 - e.y) / (1.0 - p.f0_index));
-    f = (p.eta < 1.0 ? 1.0 : p.specular_weight) * clamp(f, 0.0, 1.0);
+    vec4 e = principled_albedo_slopes(p, m, wo, alpha);
+    float cos_t = e.w;
+    if (HAS_LOBE(LOBE_IRIDESCENCE))
+        fresnel_dielectric(e.w, p.eta, cos_t);
+    vec3 f = principled_dielectric(p, e.w, e.y, cos_t, !p.is_delta);
+    f *= p.eta < 1.0 ? 1.0 : p.specular_weight;
     albedo = (1.0 - p.metallic) * f;
     if (HAS_LOBE(LOBE_TRANSMISSION)) {
         vec3 f_t = p.thin ? 2.0 * f / (1.0 + f) : f;
@@ -213,7 +254,9 @@ vec3 prepare_interface(inout principled p, material m, vec3 wo, float alpha, out
     if (HAS_LOBE(LOBE_METAL)) {
         if (HAS_LOBE(LOBE_COMPENSATE) && material_has(m, MATERIAL_COMPENSATE))
             p.compensation = 1.0 + p.base_color * ((1.0 - e.x) / e.x);
-        albedo += p.metallic * p.compensation * (p.base_color + (1.0 - p.base_color) * e.z);
+        vec3 metal = p.base_color + (1.0 - p.base_color) * e.z;
+        metal = principled_film(p, e.w, cos_t, p.base_color, metal, false);
+        albedo += p.metallic * p.compensation * metal;
     }
     albedo *= e.x;
     return e.x * f;
@@ -255,6 +298,9 @@ principled principled_prepare(material m, vec3 wo, float eta)
     p.thin = is_thin(m);
     p.separable = is_separable(m);
     p.tint = p.thin || material_has(m, MATERIAL_TINT_EACH) ? p.base_color : sqrt(p.base_color);
+    p.film = 0.0;
+    p.film_index = 1.0;
+    p.film_thickness = 0.0;
     p.compensation = vec3(1.0);
     p.sheen = vec3(0.0);
     p.diffuse_transmission = 0.0;

@@ -78,4 +78,45 @@ vec3 fresnel_conductor(float cos_theta, vec3 eta, vec3 k)
     return min(vec3(1.0), 0.5 * (r_s + r_p));
 }
 
+// A film of index n2 and `thickness` (nm) over a base of index n3, both relative to the medium in
+// front (n2 >= 1), for unpolarised light: Airy's sum of all reflections (Born and Wolf 1999, section
+// 7.6.1, eqs. 1 to 13) of amplitudes r12 and r23,
+//   R = (r12^2 + r23^2 + 2 r12 r23 V cos(phi)) / (1 + r12^2 r23^2 + 2 r12 r23 V cos(phi)),
+// phi = 4 pi n2 cos_2 thickness / wavelength, at the dominant wavelengths of Rec. 709's primaries.
+// V = exp(-(phi sigma / wavelength)^2 / 2) is what is left of a fringe over a Gaussian band whose full
+// width at half maximum is the mean distance of the three, 74 nm. Belcour and Barla 2017, "A Practical
+// Extension to Microfacet Theory for the Modeling of Varying Iridescence", integrate the series over
+// measured responses; this keeps 0 <= R <= 1 and costs one cosine. For highest = true the fringes are
+// as bright as any thickness makes them.
+vec3 fresnel_film(float cos_1, float n2, vec3 n3, float thickness, bool highest)
+{
+    const vec3 wavelength = vec3(611.4, 549.1, 464.2);
+    const float sigma = 73.6 / 2.3548; // full width at half maximum over 2 sqrt(2 ln 2)
+    float s2 = (1.0 - cos_1) * (1.0 + cos_1);
+    float a2 = sqrt((n2 - 1.0) * (n2 + 1.0) + cos_1 * cos_1); // n2 cos_2
+    vec3 a3 = sqrt(max(vec3(0.0), n3 * n3 - s2));
+    vec3 phi = 4.0 * 3.14159265358979 * thickness * a2 / wavelength;
+    vec3 band = phi * sigma / wavelength;
+    vec3 fringe = exp(-0.5 * band * band) * cos(phi);
+
+    vec2 r12 = vec2((cos_1 - a2) / (cos_1 + a2),
+                    (n2 * n2 * cos_1 - a2) / (n2 * n2 * cos_1 + a2));
+    vec3 r23_s = (a2 - a3) / (a2 + a3);
+    vec3 r23_p = (n3 * n3 * a2 - n2 * n2 * a3) / (n3 * n3 * a2 + n2 * n2 * a3);
+    vec3 product_s = r12.x * r23_s;
+    vec3 product_p = r12.y * r23_p;
+    vec3 mixed_s = 2.0 * (highest ? abs(product_s) : product_s * fringe);
+    vec3 mixed_p = 2.0 * (highest ? abs(product_p) : product_p * fringe);
+    vec3 s = (r12.x * r12.x + r23_s * r23_s + mixed_s) / (1.0 + product_s * product_s + mixed_s);
+    vec3 p = (r12.y * r12.y + r23_p * r23_p + mixed_p) / (1.0 + product_p * product_p + mixed_p);
+    return clamp(0.5 * (s + p), 0.0, 1.0);
+}
+
+// The real index that reflects f0 at normal incidence; of f0 = 1 what single precision resolves.
+vec3 index_of_f0(vec3 f0)
+{
+    vec3 root = sqrt(min(f0, vec3(0.9999)));
+    return (1.0 + root) / (1.0 - root);
+}
+
 #endif
