@@ -52,8 +52,8 @@ vec4 load_texel(texture_record t, ivec2 place)
 }
 
 // A coordinate to where it lies in the picture, [0, 1]. x - floor(x) is exact in single precision
-// for x >= 0 and off by at most 2^-25 below, so that what counts is how finely the coordinate itself
-// is resolved: in steps of 2^-4 at 1e6.
+// for x >= 0 and off by at most 2^-25 below, so that what counts is how finely the coordinate
+// itself is resolved: in steps of 2^-4 at 1e6.
 float wrap_coordinate(float x, uint mode)
 {
     if (mode == TEXTURE_WRAP_CLAMP)
@@ -125,9 +125,9 @@ vec4 scale_group(vec4 group, uint flags, vec4 texel)
     return group;
 }
 
-// The orthonormal frame of a unit normal and the tangent nearest to the given one; left-handed where
-// the bitangent's sign is negative. Any tangent where the given one is along the normal, as far as
-// rounding can tell. Orthogonalised twice: once leaves an error that grows as the two get closer
+// The orthonormal frame of a unit normal and the tangent nearest to the given one; left-handed
+// where the bitangent's sign is negative. Any tangent where the given one is along the normal, as far
+// as rounding can tell. Orthogonalised twice: once leaves an error that grows as the two get closer
 // (Giraud, Langou, Rozloznik 2005, "The loss of orthogonality in the Gram-Schmidt process").
 mat3 tangent_frame(vec3 n, vec4 tangent)
 {
@@ -223,8 +223,8 @@ void apply_textures(inout material m, inout surface s)
     }
 }
 
-// A group of parameters as textures leave it, where no more of the material is asked for. The number
-// is to be a constant.
+// A group of parameters as textures leave it, where no more of the material is asked for. The
+// number is to be a constant.
 vec4 textured_group(material m, uint group, vec2 uv0, vec2 uv1)
 {
     vec4 result = m.group[group];
@@ -245,8 +245,9 @@ vec3 textured_emission(material m, surface s)
 // --- the shading frame ---------------------------------------------------------------------------
 
 // The shading normal, bent to where the surface could reflect: its mirror direction r of wo lies on
-// the side of the geometric normal ng that wo is on, which normals of maps and interpolated ones may
-// miss. Otherwise what is reflected is lost, and a normal that faces away has no hemisphere at all.
+// the side of the geometric normal ng that wo is on, which normals of maps and interpolated ones
+// may miss. Otherwise what is reflected is lost, and a normal that faces away has no hemisphere at
+// all.
 //
 // The bent normal is the half vector of wo and of r pulled up to the horizon (Keller et al. 2017,
 // "The Iray Light Transport Simulation and Rendering System", appendix A.3, with the projection
@@ -255,11 +256,11 @@ vec3 textured_emission(material m, surface s)
 //   dot(n, wo) = (1 + dot(h, wo)) / |wo + h| > 0, since h = -wo would be below the surface;
 //   dot(n, ng) = (low + dot(wo, ng)) / |wo + h| > 0;
 //   and h for its mirror direction, above the surface.
-// In single precision, too: an error e of the sum turns n by e / |wo + h| and its mirror direction by
-// twice that, where |wo + h| >= dot(wo + h, ng) >= 2 low; so low^2 = e is enough, and e is less than
-// 32 roundings. Never is more asked for than the mirror direction of ng itself has (as in Cycles'
-// ensure_valid_specular_reflection()), so that ng is never bent, and is the answer for a viewer that
-// is as low as that.
+// In single precision, too: an error e of the sum turns n by e / |wo + h| and its mirror direction
+// by twice that, where |wo + h| >= dot(wo + h, ng) >= 2 low; so low^2 = e is enough, and e is less
+// than 32 roundings. Never is more asked for than the mirror direction of ng itself has (as in
+// Cycles' ensure_valid_specular_reflection()), so that ng is never bent, and is the answer for a viewer
+// that is as low as that.
 // No energy is made: BSDFs reflect at most 1 about any normal that faces wo, and directions below
 // the surface are refused.
 vec3 bend_normal(vec3 ns, vec3 ng, vec3 wo)

@@ -32,8 +32,8 @@ struct flat_scene {
     float (*tangents)[3][4]; // unit, not always orthogonal to the normal, and the sign of the
                              // bitangent sign * cross(normal, tangent). Where a mesh has none:
                              // along growing u, or any where that has no direction either
-    float (*uvs[2])[3][2]; // finite, 0 where missing; t downwards
-    float (*colors)[3][4]; // linear RGBA, 1 where missing
+    float (*uvs[2])[3][2];   // finite, 0 where missing; t downwards
+    float (*colors)[3][4];   // linear RGBA, 1 where missing
     uint32_t triangle_count;
     struct flat_shape *shapes;
     uint32_t shape_count;

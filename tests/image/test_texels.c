@@ -21,7 +21,8 @@ static float component(const struct image_texels *texels, uint32_t pixel, uint32
                             : float_from_half(((const uint16_t *)texels->texels)[i]);
 }
 
-// Halves have 11 bits: they round once by at most 2^-11 of the value, or by 2^-25 where that is less.
+// Halves have 11 bits: they round once by at most 2^-11 of the value, or by 2^-25 where that is
+// less.
 static float tolerance(const struct image_texels *texels, float value)
 {
     return texels->is_float ? 1e-6f * value : fmaxf(0x1p-11f * value, 0x1p-25f);
