@@ -126,9 +126,9 @@ vec4 scale_group(vec4 group, uint flags, vec4 texel)
 }
 
 // The orthonormal frame of a unit normal and the tangent nearest to the given one; left-handed
-// where the bitangent's sign is negative. Any tangent where the given one is along the normal, as far
-// as rounding can tell. Orthogonalised twice: once leaves an error that grows as the two get closer
-// (Giraud, Langou, Rozloznik 2005, "The loss of orthogonality in the Gram-Schmidt process").
+// where the bitangent's sign is negative. Any tangent where the given one is along the normal, as
+// far as rounding can tell. Orthogonalised twice: once leaves an error that grows as the two get
+// closer (Giraud, Langou, Rozloznik 2005, "The loss of orthogonality in the Gram-Schmidt process").
 mat3 tangent_frame(vec3 n, vec4 tangent)
 {
     vec3 t = tangent.xyz - dot(tangent.xyz, n) * n;
@@ -259,8 +259,8 @@ vec3 textured_emission(material m, surface s)
 // In single precision, too: an error e of the sum turns n by e / |wo + h| and its mirror direction
 // by twice that, where |wo + h| >= dot(wo + h, ng) >= 2 low; so low^2 = e is enough, and e is less
 // than 32 roundings. Never is more asked for than the mirror direction of ng itself has (as in
-// Cycles' ensure_valid_specular_reflection()), so that ng is never bent, and is the answer for a viewer
-// that is as low as that.
+// Cycles' ensure_valid_specular_reflection()), so that ng is never bent, and is the answer for a
+// viewer that is as low as that.
 // No energy is made: BSDFs reflect at most 1 about any normal that faces wo, and directions below
 // the surface are refused.
 vec3 bend_normal(vec3 ns, vec3 ng, vec3 wo)
