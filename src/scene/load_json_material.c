@@ -19,6 +19,7 @@ static const struct {
     uint32_t models; // that take it
 } other_keys[] = {
     {"type", ALL_MODELS},
+    {"like", ALL_MODELS},
     {"alpha", ALL_MODELS},
     {"textures", ALL_MODELS},
     {"smoothness", ONLY(MATERIAL_PHONG) | ONLY(MATERIAL_BLINN_PHONG)},
@@ -292,6 +293,31 @@ static bool read_material(struct json_loader *loader, const struct json_node *no
            read_microfacets(node, material, err) && read_inside(node, material, err);
 }
 
+// Gives a material that is "like" one before it that one's keys, but those of its own. The values
+// themselves are shared, so that a path in them is still known to be the user's own.
+static bool inherit(struct json_loader *loader, const struct json_node *materials,
+                    struct json_node *node, struct err *err)
+{
+    const char *other = NULL;
+    if (!json_is_object(node->value))
+        return true; // to be complained of later
+    if (!node_read_string(node, "like", &other, err))
+        return false;
+    if (!other)
+        return true;
+    const struct json_node like = node_member(node, "like");
+    if (!json_object_get(loader->material_names, other))
+        return node_fail(&like, err, "no material %s stands before this one%s",
+                         node_describe(like.value).text,
+                         node_suggest_key(other, loader->material_names).text);
+    json_t *merged = json_copy(json_object_get(materials->value, other));
+    bool ok = merged && json_object_update(merged, node->value) == 0 &&
+              json_object_set(materials->value, node->key, merged) == 0;
+    node->value = merged;
+    json_decref(merged); // the document holds it
+    return ok || err_memory(err, "a material's keys", sizeof *merged);
+}
+
 bool load_json_materials(struct json_loader *loader, const struct json_node *materials,
                          struct err *err)
 {
@@ -304,7 +330,9 @@ bool load_json_materials(struct json_loader *loader, const struct json_node *mat
     {
         if (strcmp(name, "comment") == 0)
             continue;
-        const struct json_node node = node_member(materials, name);
+        struct json_node node = node_member(materials, name);
+        if (!inherit(loader, materials, &node, err))
+            return false;
         uint32_t index;
         struct material *material = scene_add_material(scene, &index);
         if (!material || !(material->name = arena_strdup(&scene->arena, name)) ||

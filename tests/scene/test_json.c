@@ -156,6 +156,27 @@ TEST(materials_of_every_model)
     scene_finish(&scene);
 }
 
+TEST(materials_like_others)
+{
+    write_bytes("texel.png", texel_png, sizeof texel_png);
+    char textures[256];
+    snprintf(textures, sizeof textures, "[{\"file\": \"%s/texel.png\", \"use\": \"normal\"}]",
+             folder);
+    struct scene scene = load_body_with(
+        "\"materials\": {\"a\": {\"type\": \"principled\", \"metallic\": 0.25, \"roughness\": "
+        "0.75},"
+        "\"b\": {\"like\": \"a\", \"roughness\": 1}, \"c\": {\"like\": \"b\", \"metallic\": 0}}",
+        WITH("materials.a.textures", textures, "materials.b.metallic", "0.5"));
+    REQUIRE(scene.material_count == 3, "%u", scene.material_count);
+    const struct material *m = scene.materials;
+    CHECK(m[0].metallic == 0.25f && m[0].roughness == 0.75f);
+    CHECK(m[1].model == MATERIAL_PRINCIPLED && m[1].metallic == 0.5f && m[1].roughness == 1);
+    CHECK(m[2].model == MATERIAL_PRINCIPLED && m[2].metallic == 0 && m[2].roughness == 1);
+    // A path of the user's own stays that where it is inherited.
+    CHECK(scene.texture_count == 3 && scene.image_count == 1 && m[2].texture_count == 1);
+    scene_finish(&scene);
+}
+
 #define ALPHA_FLAGS (MATERIAL_ALPHA_BLEND | MATERIAL_ALPHA_MASK)
 
 TEST(alpha_blends_what_may_be_transparent)
@@ -590,6 +611,7 @@ int main(int argc, char **argv)
         TEST_CASE(film_and_settings),
         TEST_CASE(materials_keep_their_order),
         TEST_CASE(materials_of_every_model),
+        TEST_CASE(materials_like_others),
         TEST_CASE(alpha_blends_what_may_be_transparent),
         TEST_CASE(textures_scale_groups_of_parameters),
         TEST_CASE(lights),
