@@ -8,7 +8,7 @@
 #include "image.h"
 #include "parallel.h"
 #include "texture_load.h"
-#include <stdio.h>
+#include <assert.h>
 #include <string.h>
 
 // --- bytes ---------------------------------------------------------------------------------------
@@ -180,6 +180,7 @@ static size_t memory_left(const struct arena *arena)
 // A share of the memory that is left for each of the round; whoever fails has all of it alone.
 static bool run_round(struct gltf_load *load, struct image_job *jobs, size_t count, struct err *err)
 {
+    assert(count > 0);
     size_t left = memory_left(&load->scene->arena);
     struct image_round round = {jobs, left > count ? left / count : left};
     parallel_for(count, 1, 0, run_jobs, &round);

@@ -3,7 +3,6 @@
 
 #include "texture_load.h"
 #include <math.h>
-#include <string.h>
 
 // --- how it is read ------------------------------------------------------------------------------
 
@@ -119,6 +118,15 @@ static bool is_scale(const struct texture *texture)
     return (texture->flags >> TEXTURE_USE_SHIFT & 3u) == TEXTURE_USE_SCALE;
 }
 
+static bool is_same_transform(const struct texture *a, const struct texture *b)
+{
+    for (int i = 0; i < 2; i++)
+        for (int j = 0; j < 3; j++)
+            if (a->transform[i][j] != b->transform[i][j])
+                return false;
+    return true;
+}
+
 // Whether one fetch will do for both: the same image, read alike, scaling the same group.
 static bool can_merge(const struct gltf_texture *a, const struct gltf_texture *b)
 {
@@ -127,7 +135,7 @@ static bool can_merge(const struct gltf_texture *a, const struct gltf_texture *b
            a->green[0] == b->green[0] && a->green[1] == b->green[1] &&
            !(scaled(&a->texture) & scaled(&b->texture)) &&
            (a->texture.flags & ~differing) == (b->texture.flags & ~differing) &&
-           memcmp(a->texture.transform, b->texture.transform, sizeof a->texture.transform) == 0;
+           is_same_transform(&a->texture, &b->texture);
 }
 
 static bool append_texture(struct gltf_material_reader *reader, const struct gltf_texture *texture,
