@@ -114,7 +114,10 @@ vec3 principled_dielectric(principled p, float cos_o, float exact, float cos_t, 
 
 // What the interface of the base reflects and what it lets through at a microfacet, for
 // cos_o = wo.h: R, and (1 - metallic) transmission tint (1 - F_t).
-void principled_interface(principled p, float cos_o, out vec3 reflected, out vec3 through)
+//
+// Sums that lobes are added to are `precise`: else a compiler may round them in another way where it
+// knows that a lobe is not there.
+void principled_interface(principled p, float cos_o, out precise vec3 reflected, out vec3 through)
 {
     float cos_t;
     float exact = fresnel_dielectric(cos_o, p.eta, cos_t);
@@ -238,7 +241,8 @@ vec4 principled_albedo_slopes(principled p, material m, vec3 wo, float alpha)
 }
 
 // E_dielectric; and in `albedo` that of all that the interface sends back or through.
-vec3 prepare_interface(inout principled p, material m, vec3 wo, float alpha, out vec3 albedo)
+vec3 prepare_interface(inout principled p, material m, vec3 wo, float alpha,
+                       out precise vec3 albedo)
 {
     vec4 e = principled_albedo_slopes(p, m, wo, alpha);
     float cos_t = e.w;
