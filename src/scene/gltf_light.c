@@ -9,7 +9,8 @@
 
 #define EXTENSION "KHR_lights_punctual"
 
-// Half-angles of a spot's cone. The specification wants them to differ.
+// Half-angles of a spot's cone. The specification wants them to differ; exporters make them equal
+// where a cone's edge is sharp. The falloff has a least width either way.
 static bool read_cone(const struct json_node *node, struct light *light, struct err *err)
 {
     const struct range right_angle = {0, M_PI / 2, false};
@@ -22,6 +23,8 @@ static bool read_cone(const struct json_node *node, struct light *light, struct 
     // In single precision, as the kernels take them.
     light->inner_angle = (float)inner;
     light->outer_angle = (float)outer;
+    if (light->inner_angle == light->outer_angle)
+        light->inner_angle = nextafterf(light->outer_angle, 0);
     return light->inner_angle < light->outer_angle ||
            node_fail(node, err, "innerConeAngle %.9g is not below outerConeAngle %.9g", inner,
                      outer);

@@ -33,16 +33,18 @@ TEST(kinds)
                "{'rotation':[-0.7071067811865476,0,0,0.7071067811865476],'scale':[2,3,4]," HOLDS(
                    2) "},"
                       "{" HOLDS(0) "},{'rotation':[0,0.7071067811865476,0,0.7071067811865476]"
-                                   "," HOLDS(3) "}",
+                                   "," HOLDS(3) "},"
+                                                "{" HOLDS(4) "}",
         "{'type':'point','name':'bulb','color':[1,0.5,0.25],'intensity':8,'range':20},"
         "{'type':'spot'},"
         "{'type':'directional','intensity':3},"
-        "{'type':'spot','spot':{'innerConeAngle':0.25,'outerConeAngle':1.5},'intensity':2}",
+        "{'type':'spot','spot':{'innerConeAngle':0.25,'outerConeAngle':1.5},'intensity':2},"
+        "{'type':'spot','spot':{'innerConeAngle':0.5,'outerConeAngle':0.5}}",
         &err);
     REQUIRE(ok, "%s", err.msg);
     const struct light *l = scene.lights;
-    CHECK(scene.light_count == 5, "%u", scene.light_count);
-    if (scene.light_count == 5) {
+    CHECK(scene.light_count == 6, "%u", scene.light_count);
+    if (scene.light_count == 6) {
         CHECK(l[0].kind == LIGHT_POINT && strcmp(l[0].name, "bulb") == 0);
         CHECK(near3(l[0].position, 1, 2, 3) && l[0].range == 20);
         CHECK(l[0].radiant[0] == 8 && l[0].radiant[1] == 4 && l[0].radiant[2] == 2);
@@ -54,6 +56,8 @@ TEST(kinds)
         CHECK(near3(l[3].position, 0, 0, 0) && l[3].kind == LIGHT_POINT);
         CHECK(l[4].inner_angle == 0.25f && l[4].outer_angle == 1.5f);
         CHECK(near3(l[4].direction, -1, 0, 0));
+        // A sharp edge.
+        CHECK(l[5].inner_angle < 0.5f && l[5].inner_angle > 0.4999999f && l[5].outer_angle == 0.5f);
     }
     CHECK(scene.note_count == 0);
     scene_finish(&scene);
