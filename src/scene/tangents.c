@@ -171,23 +171,42 @@ static uint32_t *vertex_chain(const struct work *work, const struct vertex_key *
     return &work->heads[hash & work->mask];
 }
 
-static void weld_corners(struct work *work)
+// Whether the mesh itself has a normal for a vertex: then all corners there are the same.
+static bool has_normal(const struct work *work, uint32_t vertex)
+{
+    const float *normal = work->mesh->normals ? work->mesh->normals[vertex] : NULL;
+    return normal && (normal[0] != 0 || normal[1] != 0 || normal[2] != 0);
+}
+
+// The first corner that is the same vertex; *chain: where it is put when it is that itself.
+static uint32_t find_same(const struct work *work, uint32_t corner, uint32_t **chain)
+{
+    const struct vertex_key key = key_of(work, corner);
+    *chain = vertex_chain(work, &key);
+    for (uint32_t same = **chain; same != NONE; same = work->next[same]) {
+        const struct vertex_key other = key_of(work, same);
+        if (memcmp(&key, &other, sizeof key) == 0)
+            return same;
+    }
+    return corner;
+}
+
+// known: for each of the mesh's vertices NONE.
+static void weld_corners(struct work *work, uint32_t *known)
 {
     clear_table(work);
     for (uint32_t c = 0; c < work->corner_count; c++) {
-        const struct vertex_key key = key_of(work, c);
-        uint32_t *head = vertex_chain(work, &key);
-        uint32_t same = *head;
-        for (; same != NONE; same = work->next[same]) {
-            const struct vertex_key other = key_of(work, same);
-            if (memcmp(&key, &other, sizeof key) == 0)
-                break;
+        uint32_t vertex = corner_vertex(work, c), *chain;
+        work->weld[c] = known[vertex];
+        if (known[vertex] != NONE)
+            continue;
+        work->weld[c] = find_same(work, c, &chain);
+        if (work->weld[c] == c) {
+            work->next[c] = *chain;
+            *chain = c;
         }
-        work->weld[c] = same == NONE ? c : same;
-        if (same == NONE) {
-            work->next[c] = *head;
-            *head = c;
-        }
+        if (has_normal(work, vertex))
+            known[vertex] = work->weld[c];
     }
 }
 
@@ -320,8 +339,7 @@ static double corner_angle(const struct work *work, uint32_t corner, const doubl
 
 // Of a group.
 struct direction {
-    double sum[3];   // of the directions of growing u, by angle
-    double sum_v[3]; // of those of growing v
+    double sum[3]; // of the directions of growing u, by angle
     bool is_mirrored;
 };
 
@@ -338,20 +356,16 @@ static bool corner_directions(const struct work *work, uint32_t corner, double a
            project(normal, along_u) && project(normal, along_v);
 }
 
-// Adds what a corner contributes to `direction`.
-static void add_corner(const struct work *work, uint32_t corner, struct direction *direction)
+// Adds a corner to the mean, where it has `along_u`.
+static void add_corner(const struct work *work, uint32_t corner, const double along_u[3],
+                       bool is_mirrored, struct direction *direction)
 {
-    double normal[3], along_u[3], along_v[3];
-    bool is_mirrored;
-    if (!corner_directions(work, corner, along_u, along_v, &is_mirrored))
-        return;
+    double normal[3];
     corner_normal(work, corner, normal);
     double angle = corner_angle(work, corner, normal);
     direction->is_mirrored = is_mirrored;
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; i++)
         direction->sum[i] += angle * along_u[i];
-        direction->sum_v[i] += angle * along_v[i];
-    }
 }
 
 // --- opposite directions -------------------------------------------------------------------------
@@ -390,20 +404,6 @@ static bool list_members(struct work *work, struct members *members)
     return true;
 }
 
-// Two directions that are both on the side of a third one are not opposite.
-static bool may_have_opposites(const struct work *work, const struct direction *direction,
-                               const uint32_t *corners, uint32_t count)
-{
-    for (uint32_t i = 0; i < count; i++) {
-        double along_u[3], along_v[3];
-        bool is_mirrored;
-        if (corner_directions(work, corners[i], along_u, along_v, &is_mirrored) &&
-            !(vec3_dot(along_u, direction->sum) > 0 && vec3_dot(along_v, direction->sum_v) > 0))
-            return true;
-    }
-    return false;
-}
-
 // The mean at corner `own` of a group; false when nothing is left out of it.
 static bool sum_without_opposites(const struct work *work, uint32_t own, const uint32_t *corners,
                                   uint32_t count, struct direction *out)
@@ -414,11 +414,11 @@ static bool sum_without_opposites(const struct work *work, uint32_t own, const u
         return false;
     *out = (struct direction){0};
     for (uint32_t i = 0; i < count; i++) {
-        bool is_left_out = corner_directions(work, corners[i], along_u, along_v, &is_mirrored) &&
-                           (is_opposite(own_u, along_u) || is_opposite(own_v, along_v));
-        if (!is_left_out)
-            add_corner(work, corners[i], out);
+        bool has_map = corner_directions(work, corners[i], along_u, along_v, &is_mirrored);
+        bool is_left_out = has_map && (is_opposite(own_u, along_u) || is_opposite(own_v, along_v));
         is_complete &= !is_left_out;
+        if (has_map && !is_left_out)
+            add_corner(work, corners[i], along_u, is_mirrored, out);
     }
     return !is_complete;
 }
@@ -445,6 +445,27 @@ static void divide_group(struct work *work, const uint32_t *corners, uint32_t co
     }
 }
 
+// Sums up a group. Returns whether some of its corners may be opposite: two directions that are
+// both on the side of a third one, the first corner's, are not.
+static bool sum_group(const struct work *work, const uint32_t *corners, uint32_t count,
+                      struct direction *out)
+{
+    double first_u[3] = {0, 0, 0}, first_v[3] = {0, 0, 0}, along_u[3], along_v[3];
+    bool is_mirrored, is_first = true, is_wide = false;
+    for (uint32_t i = 0; i < count; i++) {
+        if (!corner_directions(work, corners[i], along_u, along_v, &is_mirrored))
+            continue;
+        if (is_first) {
+            memcpy(first_u, along_u, sizeof first_u);
+            memcpy(first_v, along_v, sizeof first_v);
+        }
+        is_first = false;
+        is_wide |= !(vec3_dot(along_u, first_u) > 0 && vec3_dot(along_v, first_v) > 0);
+        add_corner(work, corners[i], along_u, is_mirrored, out);
+    }
+    return is_wide;
+}
+
 // The directions of all groups, after the corners with opposites have been given their own; NULL
 // when out of memory.
 static struct direction *sum_directions(struct work *work)
@@ -456,12 +477,9 @@ static struct direction *sum_directions(struct work *work)
     if (!directions || !is_wide || !list_members(work, &members))
         return NULL;
     for (uint32_t g = 0; g < groups; g++) {
-        const uint32_t *corners = members.corners + members.first[g];
         uint32_t count = members.first[g + 1] - members.first[g];
-        for (uint32_t i = 0; i < count; i++)
-            add_corner(work, corners[i], &directions[g]);
-        is_wide[g] =
-            count <= MOST_COMPARED && may_have_opposites(work, &directions[g], corners, count);
+        is_wide[g] = sum_group(work, members.corners + members.first[g], count, &directions[g]) &&
+                     count <= MOST_COMPARED;
         wide_corners += is_wide[g] ? count : 0;
     }
     if (wide_corners == 0)
@@ -617,7 +635,12 @@ static bool generate(struct work *work, struct arena *arena, struct mesh *mesh)
     if (!start(work))
         return false;
     classify_triangles(work);
-    weld_corners(work);
+    uint32_t *known = ARENA_NEW(&work->arena, uint32_t, mesh->vertex_count);
+    if (!known)
+        return false;
+    for (uint32_t v = 0; v < mesh->vertex_count; v++)
+        known[v] = NONE;
+    weld_corners(work, known);
     connect_triangles(work);
     group_corners(work);
     const struct direction *directions = sum_directions(work);
