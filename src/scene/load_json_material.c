@@ -29,6 +29,7 @@ static const struct {
     {"priority", THROUGH},
     {"compensate", ONLY(MATERIAL_PRINCIPLED) | ONLY(MATERIAL_CONDUCTOR)},
     {"masking", SMITH_ONLY | ONLY(MATERIAL_MICROFACET)},
+    {"metal", ONLY(MATERIAL_CONDUCTOR)},
     {"distribution", ONLY(MATERIAL_MICROFACET)},
     {"fresnel", ONLY(MATERIAL_MICROFACET)},
 };
@@ -143,6 +144,34 @@ static bool read_smoothness(const struct json_node *node, struct material *mater
     if (!node_read_number(node, "smoothness", RANGE_UNIT, &s, err))
         return false;
     material->exponent = (float)pow(1000, s * s);
+    return true;
+}
+
+// P. B. Johnson and R. W. Christy, "Optical Constants of the Noble Metals", Physical Review B 6
+// (1972), 4370-4379, at 616.8, 548.6 and 450.9 nm (2.01, 2.26 and 2.75 eV).
+static const struct {
+    float eta[3], k[3];
+} metals[] = {
+    {{0.30f, 1.02f, 1.24f}, {3.205f, 2.577f, 2.397f}},
+    {{0.21f, 0.43f, 1.38f}, {3.272f, 2.455f, 1.914f}},
+    {{0.06f, 0.06f, 0.04f}, {4.152f, 3.586f, 2.657f}},
+};
+
+static bool read_metal(const struct json_node *node, struct material *material, struct err *err)
+{
+    static const char *const names[] = {"copper", "gold", "silver", NULL};
+    const struct json_node metal = node_member(node, "metal");
+    uint32_t choice = 0;
+    if (!metal.value)
+        return true;
+    if (node_member(node, "conductor_eta").value || node_member(node, "conductor_k").value)
+        return node_fail(node, err,
+                         "both \"metal\" and \"conductor_eta\" or \"conductor_k\" are given; "
+                         "expected one");
+    if (!node_choice(&metal, names, &choice, err))
+        return false;
+    memcpy(material->conductor_eta, metals[choice].eta, sizeof metals[choice].eta);
+    memcpy(material->conductor_k, metals[choice].k, sizeof metals[choice].k);
     return true;
 }
 
@@ -286,7 +315,7 @@ static bool read_material(struct json_loader *loader, const struct json_node *no
         return false;
     set_fallbacks(material);
     return read_parameters(node, material, err) && read_smoothness(node, material, err) &&
-           load_json_textures(loader, node, material, err) &&
+           read_metal(node, material, err) && load_json_textures(loader, node, material, err) &&
            read_alpha(loader->scene, node, material, err) && read_coat(node, material, err) &&
            read_flag(node, "thin", MATERIAL_THIN, material, err) &&
            read_flag(node, "compensate", MATERIAL_COMPENSATE, material, err) &&

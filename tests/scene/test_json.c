@@ -134,8 +134,9 @@ TEST(materials_of_every_model)
         "\"b\": {\"type\": \"blinn_phong\", \"smoothness\": 0.5},"
         "\"m\": {\"type\": \"microfacet\", \"distribution\": \"phong\", \"masking\": \"lh\","
         " \"fresnel\": \"exact\", \"roughness\": 0.75},"
-        "\"t\": {\"type\": \"dielectric\", \"thin\": true, \"roughness\": 0.125}}");
-    REQUIRE(scene.material_count == 6, "%u", scene.material_count);
+        "\"t\": {\"type\": \"dielectric\", \"thin\": true, \"roughness\": 0.125},"
+        "\"g\": {\"type\": \"conductor\", \"metal\": \"gold\"}}");
+    REQUIRE(scene.material_count == 7, "%u", scene.material_count);
     const struct material *m = scene.materials;
     CHECK(m[0].model == MATERIAL_PRINCIPLED && m[0].metallic == 0.25f && m[0].roughness == 0.5f);
     CHECK(m[0].flags == (MATERIAL_COAT_GGX | MATERIAL_SEPARABLE) && m[0].clearcoat_gloss == 1);
@@ -153,6 +154,7 @@ TEST(materials_of_every_model)
            MASKING_LH << MATERIAL_MASKING_SHIFT | MATERIAL_EXACT_FRESNEL));
     CHECK((m[5].flags & MATERIAL_THIN) && m[5].roughness == 0.125f && m[5].medium_priority == 1);
     CHECK(material_has_inside(&m[1]) && !material_has_inside(&m[5]));
+    CHECK(is_color(m[6].conductor_eta, 0.21f, 0.43f, 1.38f) && m[6].conductor_k[2] == 1.914f);
     scene_finish(&scene);
 }
 
