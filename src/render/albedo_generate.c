@@ -351,49 +351,88 @@ static void fill_diffuse(void)
 }
 
 // A table of cells of eight values of 16 bits, along the first axis fastest. A fourth axis has
-// nodes, each with a table of its own.
+// nodes, each with a table of its own: interpolated between if `blended`, else separate.
 struct cubes {
     uint32_t first;
     uint32_t size[3];
     uint32_t slices; // nodes along the fourth axis
+    bool blended;
     double (*albedo)(double x, double y, double z, double w);
 };
 
-static void fill_cubes(const struct cubes *c, uint32_t slice)
+static uint32_t cube_node(const struct cubes *c, uint32_t i, uint32_t j, uint32_t k, uint32_t l)
 {
-    const uint32_t row = c->size[0] + 1, layer = row * (c->size[1] + 1);
-    double w = c->slices > 1 ? (double)slice / (c->slices - 1) : 0.0;
-    double *node = calloc((size_t)layer * (c->size[2] + 1), sizeof *node);
-    double *raise = calloc((size_t)layer * (c->size[2] + 1), sizeof *raise);
+    return ((l * (c->size[2] + 1) + k) * (c->size[1] + 1) + j) * (c->size[0] + 1) + i;
+}
+
+// Raises the corners of cell (i, j, k, l) where interpolation at `at` in it is below the truth.
+static void raise_cube(const struct cubes *c, const uint32_t cell[4], const double at[4],
+                       const double *node, double *raise)
+{
+    double p[4];
+    for (int a = 0; a < 3; a++)
+        p[a] = (cell[a] + at[a]) / c->size[a];
+    p[3] = (cell[3] + at[3]) / (c->slices - 1);
+    double deficit = c->albedo(p[0], p[1], p[2], p[3]);
+    uint32_t corner[16];
+    double weight[16];
+    for (uint32_t b = 0; b < 16; b++) {
+        weight[b] = 1.0;
+        uint32_t n[4];
+        for (uint32_t a = 0; a < 4; a++) {
+            n[a] = cell[a] + (b >> a & 1);
+            weight[b] *= b >> a & 1 ? at[a] : 1.0 - at[a];
+        }
+        corner[b] = cube_node(c, n[0], n[1], n[2], n[3]);
+        if (weight[b] > 0.0)
+            deficit -= weight[b] * node[corner[b]];
+    }
+    for (uint32_t b = 0; b < 16; b++)
+        if (weight[b] > 0.0)
+            raise[corner[b]] = fmax(raise[corner[b]], deficit);
+}
+
+static void store_cube(const struct cubes *c, const uint32_t cell[4], const double *node,
+                       const double *raise)
+{
+    uint32_t *word =
+        words[c->first + ((cell[3] * c->size[2] + cell[2]) * c->size[1] + cell[1]) * c->size[0] +
+              cell[0]];
+    for (uint32_t b = 0; b < 8; b++) {
+        uint32_t n =
+            cube_node(c, cell[0] + (b & 1), cell[1] + (b >> 1 & 1), cell[2] + (b >> 2), cell[3]);
+        word[b / 2] |= (uint32_t)ceil(clamp01(node[n] + raise[n]) * 65535.0) << (16 * (b & 1));
+    }
+}
+
+static void fill_cubes(const struct cubes *c)
+{
+    const uint32_t *size = c->size;
+    uint32_t nodes = cube_node(c, size[0], size[1], size[2], c->slices - 1) + 1;
+    double *node = calloc(nodes, sizeof *node);
+    double *raise = calloc(nodes, sizeof *raise);
     if (!node || !raise)
         exit(1);
-    for (uint32_t k = 0; k <= c->size[2]; k++)
-        for (uint32_t j = 0; j <= c->size[1]; j++)
-            for (uint32_t i = 0; i <= c->size[0]; i++)
-                node[k * layer + j * row + i] = c->albedo(
-                    (double)i / c->size[0], (double)j / c->size[1], (double)k / c->size[2], w);
+    for (uint32_t n = 0; n < nodes; n++) {
+        uint32_t i = n % (size[0] + 1), rest = n / (size[0] + 1);
+        uint32_t j = rest % (size[1] + 1), k = rest / (size[1] + 1) % (size[2] + 1);
+        uint32_t l = rest / (size[1] + 1) / (size[2] + 1);
+        node[n] = c->albedo((double)i / size[0], (double)j / size[1], (double)k / size[2],
+                            (double)l / (c->slices - 1));
+    }
+    static const double middles[2][4] = {{0.5, 0.5, 0.5, 0.0}, {0.5, 0.5, 0.5, 0.5}};
     for (int pass = 0; pass < 2; pass++)
-        for (uint32_t cell = 0; cell < c->size[0] * c->size[1] * c->size[2]; cell++) {
-            uint32_t i = cell % c->size[0], j = cell / c->size[0] % c->size[1];
-            uint32_t k = cell / (c->size[0] * c->size[1]);
-            uint32_t corner[8];
-            double mean = 0.0;
-            for (uint32_t b = 0; b < 8; b++) {
-                corner[b] = (k + (b >> 2)) * layer + (j + (b >> 1 & 1)) * row + i + (b & 1);
-                mean += 0.125 * node[corner[b]];
-            }
-            if (pass == 0) {
-                double truth = c->albedo((i + 0.5) / c->size[0], (j + 0.5) / c->size[1],
-                                         (k + 0.5) / c->size[2], w);
-                for (uint32_t b = 0; b < 8; b++)
-                    raise[corner[b]] = fmax(raise[corner[b]], truth - mean);
+        for (uint32_t n = 0; n < size[0] * size[1] * size[2] * c->slices; n++) {
+            const uint32_t cell[4] = {n % size[0], n / size[0] % size[1],
+                                      n / size[0] / size[1] % size[2],
+                                      n / size[0] / size[1] / size[2]};
+            if (pass == 1) {
+                store_cube(c, cell, node, raise);
                 continue;
             }
-            uint32_t *word = words[c->first + slice * c->size[0] * c->size[1] * c->size[2] + cell];
-            for (uint32_t b = 0; b < 8; b++) {
-                double value = clamp01(node[corner[b]] + raise[corner[b]]);
-                word[b / 2] |= (uint32_t)ceil(value * 65535.0) << (16 * (b & 1));
-            }
+            raise_cube(c, cell, middles[0], node, raise);
+            if (c->blended && cell[3] + 1 < c->slices)
+                raise_cube(c, cell, middles[1], node, raise);
         }
     free(node);
     free(raise);
@@ -406,23 +445,24 @@ int main(void)
     fill_quads(ALBEDO_CHARLIE, ALBEDO_CHARLIE_MU, ALBEDO_CHARLIE_ROUGHNESS, albedo_charlie);
     fill_quads(ALBEDO_COAT, ALBEDO_COAT_MU, ALBEDO_COAT_GLOSS, albedo_coat);
     fill_diffuse();
-    const struct cubes cubes[] = {
-        {ALBEDO_FRESNEL,
-         {ALBEDO_FRESNEL_MU, ALBEDO_FRESNEL_ALPHA, ALBEDO_FRESNEL_ETA},
-         2,
-         albedo_fresnel},
-        {ALBEDO_TURNED,
-         {ALBEDO_TURNED_MU, ALBEDO_TURNED_ROUGHNESS, ALBEDO_TURNED_ASPECT},
-         ALBEDO_TURNED_AZIMUTH + 1u,
-         albedo_anisotropic},
-        {ALBEDO_SINE,
-         {ALBEDO_SINE_MU, ALBEDO_SINE_ROUGHNESS, ALBEDO_SINE_ASPECT},
-         ALBEDO_SINE_AZIMUTH + 1u,
-         albedo_anisotropic_sine},
+    static const struct cubes cubes[] = {
+        {.first = ALBEDO_FRESNEL,
+         .size = {ALBEDO_FRESNEL_MU, ALBEDO_FRESNEL_ALPHA, ALBEDO_FRESNEL_ETA},
+         .slices = 2,
+         .albedo = albedo_fresnel},
+        {.first = ALBEDO_TURNED,
+         .size = {ALBEDO_TURNED_MU, ALBEDO_TURNED_ROUGHNESS, ALBEDO_TURNED_ASPECT},
+         .slices = ALBEDO_TURNED_AZIMUTH + 1u,
+         .blended = true,
+         .albedo = albedo_anisotropic},
+        {.first = ALBEDO_SINE,
+         .size = {ALBEDO_SINE_MU, ALBEDO_SINE_ROUGHNESS, ALBEDO_SINE_ASPECT},
+         .slices = ALBEDO_SINE_AZIMUTH + 1u,
+         .blended = true,
+         .albedo = albedo_anisotropic_sine},
     };
     for (uint32_t i = 0; i < sizeof cubes / sizeof *cubes; i++)
-        for (uint32_t slice = 0; slice < cubes[i].slices; slice++)
-            fill_cubes(&cubes[i], slice);
+        fill_cubes(&cubes[i]);
     for (uint32_t i = 0; i < ALBEDO_FRESNEL; i++)
         for (int c = 0; c < 4; c++)
             if ((words[i][c] & 0x7f800000u) == 0x7f800000u)
