@@ -51,7 +51,9 @@ TEST(every_option_of_render_is_stored)
           o.environment.radiance[1] == 0.5f && o.environment.radiance[2] == 100);
     options_finish(&o);
 
-    REQUIRE(parse("info s.glb --scene main --animation 2 --at 1.25", &o, &err), "%s", err.msg);
+    REQUIRE(parse("info s.glb --scene main --animation 2 --at 1.25 --variant red", &o, &err), "%s",
+            err.msg);
+    CHECK(strcmp(o.variant, "red") == 0);
     CHECK(strcmp(o.scene, "main") == 0 && strcmp(o.animation, "2") == 0 && o.at_seconds == 1.25);
     CHECK(options_given(&o, OPTION_AT));
     options_finish(&o);

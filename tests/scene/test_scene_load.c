@@ -58,6 +58,8 @@ TEST(unknown_files_are_refused)
                   "a.obj: --animation is for .gltf and .glb files alone");
     check_refused(&(struct scene_load_params){.path = "a.ply", .scene_name = "0"}, ERR_USAGE,
                   "a.ply: --scene is for .gltf and .glb files alone");
+    check_refused(&(struct scene_load_params){.path = "a.json", .variant = "red"}, ERR_USAGE,
+                  "a.json: --variant is for .gltf and .glb files alone");
 }
 
 TEST(an_emitter_in_use_is_light_enough)
