@@ -64,7 +64,7 @@ static bool provide_camera(struct scene *scene, struct err *err)
 
 // --- light and materials -------------------------------------------------------------------------
 
-// What is unlit is seen but lights nothing.
+// What is unlit is to be seen, not to light a scene.
 static bool is_emissive(const struct scene *scene, uint32_t index)
 {
     const struct material *material = &scene->materials[index];
