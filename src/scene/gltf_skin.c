@@ -56,9 +56,9 @@ static bool apply_bind_matrices(struct gltf_load *load, uint32_t accessor, struc
                          skin->joint_count);
     struct arena scratch = mesh_scratch(load->scene);
     float(*matrices)[16] = arena_alloc(&scratch, view.count, sizeof *matrices);
-    bool ok = matrices
-                  ? accessor_read_floats(&view, matrices[0], err)
-                  : gltf_no_memory(&load->document, "matrices", view.count * sizeof *matrices, err);
+    if (!matrices)
+        return gltf_no_memory(&load->document, "matrices", view.count * sizeof *matrices, err);
+    bool ok = accessor_read_floats(&view, matrices[0], err);
     for (uint32_t j = 0; ok && j < skin->joint_count; j++) {
         double inverse_bind[3][4];
         for (int row = 0; row < 3; row++)
@@ -277,9 +277,9 @@ static bool move_vertices(struct gltf_load *load, const struct json_node *primit
                              "vertex %u: its joints bring it to (%g, %g, %g); expected "
                              "coordinates within +-%g",
                              v, exact[0], exact[1], exact[2], SCENE_COORDINATE_MAX);
-        if (mesh->normals)
+        if (rest.normals)
             move_normal(transform, rest.normals[v], mesh->normals[v]);
-        if (mesh->tangents)
+        if (rest.tangents)
             move_tangent(transform, rest.tangents[v], mesh->tangents[v]);
     }
     return true;

@@ -131,6 +131,14 @@ static bool has_normal(const struct tangent_work *work, uint32_t vertex)
     return normal && (normal[0] != 0 || normal[1] != 0 || normal[2] != 0);
 }
 
+static bool is_same_key(const struct vertex_key *a, const struct vertex_key *b)
+{
+    for (int i = 0; i < 8; i++)
+        if (a->numbers[i] != b->numbers[i])
+            return false;
+    return true;
+}
+
 // The first corner that is the same vertex; *chain: where it is put when it is that itself.
 static uint32_t find_same(const struct tangent_work *work, uint32_t corner, uint32_t **chain)
 {
@@ -138,7 +146,7 @@ static uint32_t find_same(const struct tangent_work *work, uint32_t corner, uint
     *chain = vertex_chain(work, &key);
     for (uint32_t same = **chain; same != TANGENT_NONE; same = work->next[same]) {
         const struct vertex_key other = key_of(work, same);
-        if (memcmp(&key, &other, sizeof key) == 0)
+        if (is_same_key(&key, &other))
             return same;
     }
     return corner;

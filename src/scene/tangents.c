@@ -123,6 +123,11 @@ static bool sum_without_opposites(const struct tangent_work *work, uint32_t own,
 // Beyond this many triangles at a vertex, whose pairs would take seconds, all are in the mean.
 #define MOST_COMPARED 4096
 
+static bool is_same_sum(const struct direction *a, const struct direction *b)
+{
+    return a->sum[0] == b->sum[0] && a->sum[1] == b->sum[1] && a->sum[2] == b->sum[2];
+}
+
 // Gives the corners of one group that leave others out groups of their own, shared by those with
 // the same sum. directions: of all groups so far, with room for one more a corner.
 static void divide_group(struct tangent_work *work, const uint32_t *corners, uint32_t count,
@@ -134,8 +139,7 @@ static void divide_group(struct tangent_work *work, const uint32_t *corners, uin
         if (!sum_without_opposites(work, corners[i], corners, count, direction))
             continue;
         uint32_t g = first_new;
-        while (g < work->group_count &&
-               memcmp(directions[g].sum, direction->sum, sizeof direction->sum) != 0)
+        while (g < work->group_count && !is_same_sum(&directions[g], direction))
             g++;
         work->group[corners[i]] = g;
         work->group_count += g == work->group_count;
