@@ -113,14 +113,14 @@ vec3 principled_dielectric(principled p, float cos_o, float exact, float cos_t, 
 }
 
 // What the interface of the base reflects and what it lets through at a microfacet, for
-// cos_o = wo.h: R, and (1 - metallic) transmission tint (1 - F_t).
+// cos_o = wo.h, the refracted direction's cosine and Fresnel's reflectance: R, and
+// (1 - metallic) transmission tint (1 - F_t).
 //
 // Sums that lobes are added to are `precise`: else a compiler may round them in another way where it
 // knows that a lobe is not there.
-void principled_interface(principled p, float cos_o, out precise vec3 reflected, out vec3 through)
+void principled_interface(principled p, float cos_o, float cos_t, float exact,
+                          out precise vec3 reflected, out vec3 through)
 {
-    float cos_t;
-    float exact = fresnel_dielectric(cos_o, p.eta, cos_t);
     bool total = p.eta < 1.0 && cos_t <= 0.0;
     vec3 f = principled_dielectric(p, cos_o, exact, cos_t, false);
     f = total ? vec3(1.0) : p.specular_weight * f;
@@ -393,7 +393,9 @@ float eval_coat(principled p, vec3 wo, vec3 wi, vec4 h, out float pdf)
 vec3 eval_base_reflection(principled p, vec3 wo, vec3 wi, vec4 h, out float pdf)
 {
     vec3 reflected, through;
-    principled_interface(p, h.w, reflected, through);
+    float cos_t;
+    float exact = fresnel_dielectric(h.w, p.eta, cos_t);
+    principled_interface(p, h.w, cos_t, exact, reflected, through);
     vec3 h_turned = principled_turn(p, h.xyz, false);
     vec3 wo_turned = principled_turn(p, wo, false);
     vec3 wi_turned = principled_turn(p, wi, false);
@@ -426,7 +428,9 @@ vec3 eval_base_refraction(principled p, vec3 wo, vec3 wi, out float pdf)
     if (!(cos_o > 0.0 && cos_i > 0.0))
         return vec3(0.0);
     vec3 reflected, through;
-    principled_interface(p, cos_o, reflected, through);
+    // By both cosines, since near total reflection the one says little about the other.
+    principled_interface(p, cos_o, cos_i, fresnel_refracted(cos_o, cos_i, p.eta), reflected,
+                         through);
     float jacobian = p.eta * p.eta * cos_i / length2;
     pdf = pdf_ggx_vndf(principled_turn(p, wo, false), principled_turn(p, h, false), p.alpha) *
           jacobian;
@@ -444,7 +448,9 @@ vec3 eval_base_thin(principled p, vec3 wo, vec3 wi, out float pdf)
     if (!(h.w > 0.0))
         return vec3(0.0);
     vec3 reflected, through;
-    principled_interface(p, h.w, reflected, through);
+    float cos_t;
+    float exact = fresnel_dielectric(h.w, p.eta, cos_t);
+    principled_interface(p, h.w, cos_t, exact, reflected, through);
     vec3 wo_turned = principled_turn(p, wo, false);
     vec3 wi_turned = principled_turn(p, mirrored, false);
     pdf = pdf_ggx_vndf(wo_turned, principled_turn(p, h.xyz, false), p.alpha) / (4.0 * h.w);
@@ -549,7 +555,9 @@ bsdf_sample sample_base(principled p, vec3 wo, vec4 u)
     if (!(cos_o > 0.0))
         return s;
     vec3 reflected, through;
-    principled_interface(p, cos_o, reflected, through);
+    float cos_t;
+    float exact = fresnel_dielectric(cos_o, p.eta, cos_t);
+    principled_interface(p, cos_o, cos_t, exact, reflected, through);
     float reflect_probability = principled_reflect_probability(reflected, through);
     bool reflects = u.w < reflect_probability;
     float probability = p.p_base * (reflects ? reflect_probability : 1.0 - reflect_probability);
@@ -569,8 +577,6 @@ bsdf_sample sample_base(principled p, vec3 wo, vec4 u)
         } else if (p.thin) {
             s.wi.z = -s.wi.z;
         } else {
-            float cos_t;
-            fresnel_dielectric(cos_o, p.eta, cos_t);
             s.wi = refract_about(wo, h, p.eta, cos_o, cos_t);
             s.weight /= p.eta * p.eta;
             if (HAS_LOBE(LOBE_ROUGH) && !p.is_delta)

@@ -3,31 +3,33 @@
 #define FRESNEL_GLSL
 
 // Reflectance of unpolarised light at a dielectric of relative index eta = n_t / n_i (Born and Wolf
-// 1999, section 1.5.2, eqs. 21), for 0 <= cos_i <= 1. cos_t >= 0 is the cosine of refraction; it is
-// 0, and the reflectance 1, from the angle of total internal reflection on.
+// 1999, section 1.5.2, eqs. 21), between a direction of cosine cos_i and the refracted one of cos_t.
 //
 // With k = eta^2 - 1 and g = eta cos_t, g^2 = k + cos_i^2, and the amplitudes' differences are
 // written as products, since subtracting loses everything as eta approaches 1:
 //   r_s = (cos_i - g) / (cos_i + g)             = -k / (cos_i + g)^2
 //   r_p = (eta^2 cos_i - g) / (eta^2 cos_i + g) = k (cos_i (cos_i + g) - 1) /
 //                                                 ((cos_i + g) (eta^2 cos_i + g))
+float fresnel_refracted(float cos_i, float cos_t, float eta)
+{
+    float k = (eta - 1.0) * (eta + 1.0);
+    if (k == 0.0)
+        return 0.0;
+    float g = eta * cos_t;
+    float sum = cos_i + g;
+    float r_s = k / (sum * sum);
+    float r_p = k * (cos_i * sum - 1.0) / (sum * (eta * eta * cos_i + g));
+    return min(1.0, 0.5 * (r_s * r_s + r_p * r_p));
+}
+
+// The same from 0 <= cos_i <= 1 alone. cos_t >= 0; it is 0, and the reflectance 1, from the angle of
+// total internal reflection on.
 float fresnel_dielectric(float cos_i, float eta, out float cos_t)
 {
     float k = (eta - 1.0) * (eta + 1.0);
     float g2 = k + cos_i * cos_i;
-    cos_t = 0.0;
-    if (k == 0.0) {
-        cos_t = cos_i;
-        return 0.0;
-    }
-    if (g2 <= 0.0)
-        return 1.0;
-    float g = sqrt(g2);
-    float sum = cos_i + g;
-    cos_t = g / eta;
-    float r_s = k / (sum * sum);
-    float r_p = k * (cos_i * sum - 1.0) / (sum * (eta * eta * cos_i + g));
-    return min(1.0, 0.5 * (r_s * r_s + r_p * r_p));
+    cos_t = k == 0.0 ? cos_i : sqrt(max(0.0, g2)) / eta;
+    return g2 > 0.0 || k == 0.0 ? fresnel_refracted(cos_i, cos_t, eta) : 1.0;
 }
 
 // Reflectance at normal incidence.
