@@ -166,10 +166,14 @@ static bool check_numbers(const struct json_node *primitive, const struct sum *s
     return true;
 }
 
-static void store(const struct sum *sum, float *out)
+static bool store(struct gltf_load *load, const struct sum *sum, float **out, struct err *err)
 {
+    size_t size = sum->width * sizeof(float);
+    float *stored = arena_alloc(&load->scene->arena, sum->vertex_count, size);
+    if (!stored)
+        return gltf_no_memory(&load->document, "vertices", sum->vertex_count * size, err);
     for (uint32_t v = 0; v < sum->vertex_count; v++) {
-        float *to = out + (size_t)v * sum->width;
+        float *to = stored + (size_t)v * sum->width;
         for (uint32_t c = 0; c < sum->width; c++)
             to[c] = (float)sum->numbers[(size_t)v * sum->width + c];
         if (sum->attribute == GLTF_NORMAL || sum->attribute == GLTF_TANGENT)
@@ -177,6 +181,8 @@ static void store(const struct sum *sum, float *out)
         for (uint32_t c = 0; c < sum->width && sum->attribute == GLTF_COLOR; c++)
             to[c] = fminf(fmaxf(to[c], 0.0f), 1.0f); // as the specification demands
     }
+    *out = stored;
+    return true;
 }
 
 // Replaces *values by themselves with the displacements.
@@ -191,14 +197,8 @@ static bool morph(struct gltf_load *load, const struct json_node *primitive, str
     bool ok = true;
     for (uint32_t i = 0; ok && i < sum->weights->count; i++)
         ok = add_target(load, i, base, sum, err);
-    if (ok && sum->numbers) {
-        size_t size = sum->width * sizeof(float);
-        *values = arena_alloc(&load->scene->arena, sum->vertex_count, size);
-        ok = *values ? check_numbers(primitive, sum, err)
-                     : gltf_no_memory(&load->document, "vertices", sum->vertex_count * size, err);
-        if (ok)
-            store(sum, *values);
-    }
+    if (ok && sum->numbers)
+        ok = check_numbers(primitive, sum, err) && store(load, sum, values, err);
     arena_finish(&sum->arena);
     return ok;
 }
