@@ -1,5 +1,5 @@
-// Directional albedos, interpolated in tables of the materials' buffer (shared/albedo.h). How they are
-// computed and how far they are from the truth: render/albedo_generate.c, docs/materials.md.
+// Directional albedos, interpolated in tables of the materials' buffer (shared/albedo.h). How they
+// are computed and how far they are from the truth: render/albedo_generate.c, docs/materials.md.
 //
 // `tables` is what albedo_first() says: the first word of the tables. mu is the cosine of wo.
 #ifndef ALBEDO_GLSL
@@ -92,8 +92,8 @@ float albedo_cube(uint first, uvec3 size, vec3 at)
 }
 
 // The mean of fresnel_dielectric() over what GGX reflects. Along eta the axis is the fourth root of
-// |eta - 1| / (eta + 1); from inside, where reflection is total up to a cosine of c, it bends around c
-// on the axis of mu.
+// |eta - 1| / (eta + 1); from inside, where reflection is total up to a cosine of c, it bends
+// around c on the axis of mu.
 float albedo_fresnel(uint tables, float mu, float alpha, float eta)
 {
     bool inside = eta < 1.0;
@@ -140,8 +140,8 @@ float albedo_turned(uint tables, float mu, vec3 axes, float alpha_o)
 }
 
 // A cosine that stands for all of wo.h over what anisotropic GGX reflects: the mean of
-// (1 - wo.h)^12 is that of it. Fresnel's reflectance for indices from 1.05 on, being concave in that
-// power, is at this cosine no less than its mean.
+// (1 - wo.h)^12 is that of it. Fresnel's reflectance for indices from 1.05 on, being concave in
+// that power, is at this cosine no less than its mean.
 float albedo_turned_cosine(uint tables, float mu, vec3 axes, float alpha_o)
 {
     return 1.0 - albedo_slices(tables + ALBEDO_SINE,

@@ -3,7 +3,8 @@
 #define FRESNEL_GLSL
 
 // Reflectance of unpolarised light at a dielectric of relative index eta = n_t / n_i (Born and Wolf
-// 1999, section 1.5.2, eqs. 21), between a direction of cosine cos_i and the refracted one of cos_t.
+// 1999, section 1.5.2, eqs. 21), between a direction of cosine cos_i and the refracted one of
+// cos_t.
 //
 // With k = eta^2 - 1 and g = eta cos_t, g^2 = k + cos_i^2, and the amplitudes' differences are
 // written as products, since subtracting loses everything as eta approaches 1:
@@ -22,8 +23,8 @@ float fresnel_refracted(float cos_i, float cos_t, float eta)
     return min(1.0, 0.5 * (r_s * r_s + r_p * r_p));
 }
 
-// The same from 0 <= cos_i <= 1 alone. cos_t >= 0; it is 0, and the reflectance 1, from the angle of
-// total internal reflection on.
+// The same from 0 <= cos_i <= 1 alone. cos_t >= 0; it is 0, and the reflectance 1, from the angle
+// of total internal reflection on.
 float fresnel_dielectric(float cos_i, float eta, out float cos_t)
 {
     float k = (eta - 1.0) * (eta + 1.0);
@@ -53,8 +54,8 @@ vec3 fresnel_schlick(vec3 f0, float cos_theta)
     return f0 + (1.0 - f0) * schlick_weight(cos_theta);
 }
 
-// Reflectance of unpolarised light at a conductor of index eta + i k relative to the medium in front
-// (Born and Wolf 1999, section 14.4, with u and v there called a and b here: eqs. 23 and 24):
+// Reflectance of unpolarised light at a conductor of index eta + i k relative to the medium in
+// front (Born and Wolf 1999, section 14.4, with u and v there called a and b here: eqs. 23 and 24):
 //   (a + i b)^2 = (eta + i k)^2 - sin^2
 //   R_s = ((a - cos)^2 + b^2) / ((a + cos)^2 + b^2)
 //   R_p = R_s ((a cos - sin^2)^2 + b^2 cos^2) / ((a cos + sin^2)^2 + b^2 cos^2)
@@ -81,15 +82,15 @@ vec3 fresnel_conductor(float cos_theta, vec3 eta, vec3 k)
 }
 
 // A film of index n2 and `thickness` (nm) over a base of index n3, both relative to the medium in
-// front (n2 >= 1), for unpolarised light: Airy's sum of all reflections (Born and Wolf 1999, section
-// 7.6.1, eqs. 1 to 13) of amplitudes r12 and r23,
+// front (n2 >= 1), for unpolarised light: Airy's sum of all reflections (Born and Wolf 1999,
+// section 7.6.1, eqs. 1 to 13) of amplitudes r12 and r23,
 //   R = (r12^2 + r23^2 + 2 r12 r23 V cos(phi)) / (1 + r12^2 r23^2 + 2 r12 r23 V cos(phi)),
 // phi = 4 pi n2 cos_2 thickness / wavelength, at the dominant wavelengths of Rec. 709's primaries.
-// V = exp(-(phi sigma / wavelength)^2 / 2) is what is left of a fringe over a Gaussian band whose full
-// width at half maximum is the mean distance of the three, 74 nm. Belcour and Barla 2017, "A Practical
-// Extension to Microfacet Theory for the Modeling of Varying Iridescence", integrate the series over
-// measured responses; this keeps 0 <= R <= 1 and costs one cosine. For highest = true the fringes are
-// as bright as any thickness makes them.
+// V = exp(-(phi sigma / wavelength)^2 / 2) is what is left of a fringe over a Gaussian band whose
+// full width at half maximum is the mean distance of the three, 74 nm. Belcour and Barla 2017, "A
+// Practical Extension to Microfacet Theory for the Modeling of Varying Iridescence", integrate the
+// series over measured responses; this keeps 0 <= R <= 1 and costs one cosine. For highest = true
+// the fringes are as bright as any thickness makes them.
 vec3 fresnel_film(float cos_1, float n2, vec3 n3, float thickness, bool highest)
 {
     const vec3 wavelength = vec3(611.4, 549.1, 464.2);

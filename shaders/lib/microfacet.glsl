@@ -1,9 +1,9 @@
 // Microfacets of the GGX distribution (Trowbridge and Reitz 1975; Walter et al. 2007), anisotropic
 // after Burley 2012, appendix B.2, with Smith's masking (Heitz 2014). Pure functions.
 //
-// Directions are unit vectors of the local frame, z along the macroscopic normal; h is a microfacet's
-// normal, h.z >= 0. alpha = (alpha_x, alpha_y) from 1e-4 on: below, single precision does not resolve
-// the highlight, and callers take a perfect reflection instead.
+// Directions are unit vectors of the local frame, z along the macroscopic normal; h is a
+// microfacet's normal, h.z >= 0. alpha = (alpha_x, alpha_y) from 1e-4 on: below, single precision
+// does not resolve the highlight, and callers take a perfect reflection instead.
 #ifndef MICROFACET_GLSL
 #define MICROFACET_GLSL
 
@@ -89,12 +89,12 @@ float pdf_ggx_reflection(vec3 wo, vec3 h, vec2 alpha)
     return 0.5 * ggx_d(h, alpha) / (abs(wo.z) + ggx_stretched_length(wo, alpha));
 }
 
-// Directions are rounded, so that their lengths are not quite 1. Where they nearly cancel that turns
-// their sum, by more than a narrow highlight's width when wo.z is small. Both half-vectors are freed
-// of it to first order by what is known of unit vectors: (a + b).(a - b) = |a|^2 - |b|^2.
+// Directions are rounded, so that their lengths are not quite 1. Where they nearly cancel that
+// turns their sum, by more than a narrow highlight's width when wo.z is small. Both half-vectors
+// are freed of it to first order by what is known of unit vectors: (a + b).(a - b) = |a|^2 - |b|^2.
 
-// The normal between two directions on the same side, and in .w its cosine with either of them, which
-// is half of the length of their sum. 0 where they are opposite to single precision.
+// The normal between two directions on the same side, and in .w its cosine with either of them,
+// which is half of the length of their sum. 0 where they are opposite to single precision.
 vec4 reflection_half_vector(vec3 wo, vec3 wi)
 {
     vec3 sum = wo + wi;
@@ -109,8 +109,8 @@ vec4 reflection_half_vector(vec3 wo, vec3 wi)
 }
 
 // The microfacet's normal that refracts wo into wi on the other side, h.z > 0, times the length of
-// wo + eta wi (Walter et al. 2007, eq. 16). The near-cancelling part is subtracted first, where that
-// is exact, so that eta may be close to 1.
+// wo + eta wi (Walter et al. 2007, eq. 16). The near-cancelling part is subtracted first, where
+// that is exact, so that eta may be close to 1.
 vec3 refraction_half_vector(vec3 wo, vec3 wi, float eta)
 {
     vec3 h = (wo + wi) + (eta - 1.0) * wi;

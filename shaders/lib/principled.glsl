@@ -1,0 +1,346 @@
+// What the principled model makes of a material and of wo alone: the weights of the layers and the
+// probabilities of the lobes. Part of lib/bsdf_principled.glsl.
+#ifndef PRINCIPLED_GLSL
+#define PRINCIPLED_GLSL
+
+#include "lib/albedo.glsl"
+#include "lib/bsdf_dielectric.glsl"
+#include "lib/fresnel.glsl"
+#include "lib/microfacet.glsl"
+
+struct principled {
+    // Of the base.
+    vec3 base_color;
+    float roughness;
+    vec2 alpha;
+    vec2 turn; // cosine and sine of the tangent's rotation
+    float eta; // 1 where the indices match
+    float metallic;
+    float transmission; // times 1 - metallic
+    vec3 f0;            // of the dielectric, as asked for
+    float f0_index;     // of eta
+    float specular_weight;
+    float film; // iridescence; 0 where the film's index is below the medium's in front
+    float film_index;
+    float film_thickness;
+    vec3 compensation; // M
+    vec3 tint;         // of what goes through
+    bool is_delta;
+    bool thin;
+    bool separable;
+    // Diffuse, and what it is weighted with.
+    vec3 below; // (1 - metallic) (1 - transmission) K
+    vec3 sheen;
+    float sheen_layer; // B
+    float subsurface;
+    float diffuse_transmission;
+    float albedo_diffuse; // E_d(wo)
+    // Layers above.
+    vec3 fibre_color;
+    float fibre_roughness;
+    float fibre_albedo; // E_charlie(wo)
+    float fibre_layer;  // S
+    float coat;
+    float coat_alpha; // of D
+    bool coat_ggx;
+    bool coat_delta;
+    float base_layer; // S C
+    // Lobes are chosen with these probabilities.
+    float p_fibre, p_coat, p_base, p_diffuse, p_through;
+    uint tables;
+};
+
+float max_channel(vec3 v)
+{
+    return max(v.r, max(v.g, v.b));
+}
+
+float mean_channel(vec3 v)
+{
+    return (v.r + v.g + v.b) * (1.0 / 3.0);
+}
+
+// Into, or with `back` out of, the frame of the turned tangent.
+vec3 principled_turn(principled p, vec3 w, bool back)
+{
+    if (!HAS_LOBE(LOBE_ANISOTROPIC))
+        return w;
+    float s = back ? -p.turn.y : p.turn.y;
+    return vec3(p.turn.x * w.x + s * w.y, p.turn.x * w.y - s * w.x, w.z);
+}
+
+vec3 burley_tint(vec3 base_color)
+{
+    float luminance = dot(base_color, vec3(0.2126, 0.7152, 0.0722));
+    return luminance > 0.0 ? base_color / luminance : vec3(1.0);
+}
+
+// E_d, of base colour 1.
+float principled_albedo_diffuse(principled p, float mu)
+{
+    float albedo = albedo_burley(mu, p.roughness);
+    if (HAS_LOBE(LOBE_SUBSURFACE)) {
+        vec4 e = albedo_diffuse(p.tables, mu);
+        float below = e.x + p.roughness * (e.y + p.roughness * e.z);
+        albedo += p.subsurface * (below - albedo);
+    }
+    return albedo;
+}
+
+// `reflectance`, of a surface of reflectance f0 at normal incidence, seen through the film. The
+// film lies on the side of the lower index; from the other side what is reflected is the same for
+// the refracted direction.
+vec3 principled_film(principled p, float cos_o, float cos_t, vec3 f0, vec3 reflectance,
+                     bool highest)
+{
+    if (!HAS_LOBE(LOBE_IRIDESCENCE) || !(p.film > 0.0))
+        return reflectance;
+    vec3 film = fresnel_film(p.eta < 1.0 ? cos_t : cos_o, p.film_index, index_of_f0(f0),
+                             p.film_thickness, highest);
+    return reflectance + p.film * (film - reflectance);
+}
+
+// F_w, for the exact Fresnel reflectance of eta.
+vec3 principled_dielectric(principled p, float cos_o, float exact, float cos_t, bool highest)
+{
+    vec3 f = exact + (p.f0 - p.f0_index) * ((1.0 - exact) / (1.0 - p.f0_index));
+    return principled_film(p, cos_o, cos_t, p.f0, clamp(f, 0.0, 1.0), highest);
+}
+
+// What the interface of the base reflects and what it lets through at a microfacet, for
+// cos_o = wo.h, the refracted direction's cosine and Fresnel's reflectance: R, and
+// (1 - metallic) transmission tint (1 - F_t).
+//
+// Sums that lobes are added to are `precise`: else a compiler may round them in another way where
+// it knows that a lobe is not there.
+void principled_interface(principled p, float cos_o, float cos_t, float exact,
+                          out precise vec3 reflected, out vec3 through)
+{
+    bool total = p.eta < 1.0 && cos_t <= 0.0;
+    vec3 f = principled_dielectric(p, cos_o, exact, cos_t, false);
+    f = total ? vec3(1.0) : p.specular_weight * f;
+    reflected = (1.0 - p.metallic) * f;
+    through = vec3(0.0);
+    if (HAS_LOBE(LOBE_TRANSMISSION)) {
+        vec3 f_t = p.thin ? 2.0 * f / (1.0 + f) : f;
+        reflected += p.transmission * (f_t - f);
+        through = p.transmission * p.tint * (1.0 - f_t);
+    }
+    if (HAS_LOBE(LOBE_METAL)) {
+        vec3 metal = fresnel_schlick(p.base_color, cos_o);
+        metal = principled_film(p, cos_o, cos_t, p.base_color, metal, false);
+        reflected += p.metallic * p.compensation * metal;
+    }
+}
+
+// The probability with which a microfacet reflects rather than lets through.
+float principled_reflect_probability(vec3 reflected, vec3 through)
+{
+    if (!HAS_LOBE(LOBE_TRANSMISSION))
+        return 1.0;
+    float r = reflected.r + reflected.g + reflected.b;
+    float t = through.r + through.g + through.b;
+    return t > 0.0 ? r / (r + t) : 1.0;
+}
+
+// --- layers and lobes ----------------------------------------------------------------------------
+
+void prepare_fibres(inout principled p, material m, float mu)
+{
+    p.fibre_layer = 1.0;
+    if (!HAS_LOBE(LOBE_CHARLIE))
+        return;
+    p.fibre_color = m.group[GROUP_SHEEN].rgb;
+    p.fibre_roughness = max(0.1, m.group[GROUP_SHEEN].a);
+    p.fibre_albedo = albedo_charlie(p.tables, mu, p.fibre_roughness);
+    float albedo = min(1.0, p.fibre_albedo);
+    p.fibre_layer = 1.0 - max_channel(p.fibre_color) * albedo;
+    p.p_fibre = mean_channel(p.fibre_color) * albedo;
+}
+
+void prepare_coat(inout principled p, material m, float mu)
+{
+    p.base_layer = p.fibre_layer;
+    if (!HAS_LOBE(LOBE_CLEARCOAT))
+        return;
+    vec4 group = m.group[GROUP_CLEARCOAT];
+    p.coat_ggx = material_has(m, MATERIAL_COAT_GGX);
+    p.coat = p.coat_ggx ? group.r : 0.25 * group.r;
+    p.coat_alpha = p.coat_ggx ? group.g * group.g : mix(0.1, 0.001, group.b);
+    p.coat_delta = p.coat_ggx && is_delta(p.coat_alpha);
+    float mean = p.coat_delta ? schlick_weight(mu) : albedo_schlick(p.tables, mu, p.coat_alpha);
+    float albedo = (p.coat_delta ? 1.0 : albedo_ggx(p.tables, mu, p.coat_alpha)) *
+                   (0.04 + 0.96 * mean);
+    if (!p.coat_ggx)
+        albedo = 4.0 * albedo_coat(p.tables, mu, group.b);
+    albedo *= p.coat;
+    p.base_layer = p.fibre_layer * (1.0 - albedo);
+    p.p_coat = p.fibre_layer * albedo;
+}
+
+// The dielectric's reflectance at normal incidence: that of the index, scaled and tinted.
+void prepare_dielectric(inout principled p, material m, float eta)
+{
+    p.eta = is_index_matched(eta) ? 1.0 : eta;
+    p.f0_index = fresnel_f0(p.eta);
+    vec4 interface_group = m.group[GROUP_INTERFACE];
+    vec3 tint = mix(vec3(1.0), burley_tint(p.base_color), interface_group.a);
+    // Left at 1/2 and untinted, the factor is 1 and the curve exactly that of the index.
+    p.f0 = min(vec3(1.0),
+               p.f0_index * (2.0 * interface_group.b * tint * m.group[GROUP_SPECULAR].rgb));
+    p.specular_weight = m.group[GROUP_SPECULAR].a;
+    if (HAS_LOBE(LOBE_IRIDESCENCE)) {
+        vec4 film = m.group[GROUP_FILM];
+        // ior over eta is the index on the other side.
+        p.film_index = film.b / interface_group.g * (p.eta < 1.0 ? 1.0 / p.eta : p.eta);
+        p.film_thickness = film.g;
+        p.film = p.film_index >= 1.0 ? film.r : 0.0;
+    }
+}
+
+// What depends on the microfacets' slopes alone: E1, means over what they reflect of Fresnel's
+// reflectance (an upper bound, where the surface is anisotropic) and of Schlick's weight, and a
+// cosine that stands for theirs.
+vec4 principled_albedo_slopes(principled p, material m, vec3 wo, float alpha)
+{
+    float cos_t;
+    vec4 e = vec4(1.0, fresnel_dielectric(wo.z, p.eta, cos_t), schlick_weight(wo.z), wo.z);
+    if (!HAS_LOBE(LOBE_ROUGH) || p.is_delta)
+        return e;
+    float anisotropic = m.group[GROUP_METAL].r;
+    if (HAS_LOBE(LOBE_ANISOTROPIC) && anisotropic > 0.0) {
+        float alpha_o;
+        vec3 axes = albedo_axes_turned(principled_turn(p, wo, false), p.roughness, anisotropic,
+                                       p.alpha, alpha_o);
+        float cosine = albedo_turned_cosine(p.tables, wo.z, axes, alpha_o);
+        e.x = albedo_turned(p.tables, wo.z, axes, alpha_o);
+        e.z = schlick_weight(cosine);
+        e.w = cosine;
+        e.y = fresnel_dielectric(cosine, max(p.eta, 1.05), cos_t);
+        // From inside: no more than Schlick's curve from the angle of total reflection on.
+        float critical = sqrt(max(0.0, (1.0 - p.eta) * (1.0 + p.eta)));
+        float beyond = schlick_weight((cosine - critical) / (1.0 - critical));
+        if (p.eta < 1.0)
+            e.y = p.f0_index + (1.0 - p.f0_index) * beyond;
+        if (p.eta == 1.0)
+            e.y = 0.0;
+    } else {
+        e.x = albedo_ggx(p.tables, wo.z, alpha);
+        e.y = p.eta == 1.0 ? 0.0 : albedo_fresnel(p.tables, wo.z, alpha, p.eta);
+        if (HAS_LOBE(LOBE_METAL) || HAS_LOBE(LOBE_IRIDESCENCE))
+            e.z = albedo_schlick(p.tables, wo.z, alpha);
+        if (HAS_LOBE(LOBE_IRIDESCENCE))
+            e.w = 1.0 - pow(e.z, 0.2);
+    }
+    return e;
+}
+
+// E_dielectric; and in `albedo` that of all that the interface sends back or through.
+vec3 prepare_interface(inout principled p, material m, vec3 wo, float alpha,
+                       out precise vec3 albedo)
+{
+    vec4 e = principled_albedo_slopes(p, m, wo, alpha);
+    float cos_t = e.w;
+    if (HAS_LOBE(LOBE_IRIDESCENCE))
+        fresnel_dielectric(e.w, p.eta, cos_t);
+    vec3 f = principled_dielectric(p, e.w, e.y, cos_t, !p.is_delta);
+    f *= p.eta < 1.0 ? 1.0 : p.specular_weight;
+    albedo = (1.0 - p.metallic) * f;
+    if (HAS_LOBE(LOBE_TRANSMISSION)) {
+        vec3 f_t = p.thin ? 2.0 * f / (1.0 + f) : f;
+        albedo += p.transmission * (f_t - f + p.tint * (1.0 - f_t));
+    }
+    if (HAS_LOBE(LOBE_METAL)) {
+        if (HAS_LOBE(LOBE_COMPENSATE) && material_has(m, MATERIAL_COMPENSATE))
+            p.compensation = 1.0 + p.base_color * ((1.0 - e.x) / e.x);
+        vec3 metal = p.base_color + (1.0 - p.base_color) * e.z;
+        metal = principled_film(p, e.w, cos_t, p.base_color, metal, false);
+        albedo += p.metallic * p.compensation * metal;
+    }
+    albedo *= e.x;
+    return e.x * f;
+}
+
+void prepare_diffuse(inout principled p, material m, float mu)
+{
+    vec4 group = m.group[GROUP_DIFFUSE];
+    p.subsurface = group.r;
+    p.albedo_diffuse = principled_albedo_diffuse(p, mu);
+    p.sheen_layer = 1.0;
+    vec3 albedo = vec3(0.0);
+    if (HAS_LOBE(LOBE_SHEEN)) {
+        vec3 color = group.g * mix(vec3(1.0), burley_tint(p.base_color), group.b);
+        float largest = load_materials_float(p.tables + ALBEDO_DIFFUSE).w;
+        p.sheen = color / max(1.0, largest * max_channel(color));
+        float sheen_albedo = albedo_diffuse(p.tables, mu).w;
+        p.sheen_layer = 1.0 - max_channel(p.sheen) * sheen_albedo;
+        albedo = p.sheen * sheen_albedo;
+    }
+    if (HAS_LOBE(LOBE_DIFFUSE_TRANSMISSION) && p.thin)
+        p.diffuse_transmission = group.a;
+    vec3 rest = p.sheen_layer * p.base_color;
+    albedo += rest * ((1.0 - p.diffuse_transmission) * min(1.0, p.albedo_diffuse));
+    p.p_diffuse = p.base_layer * mean_channel(p.below * albedo);
+    p.p_through = p.base_layer * p.diffuse_transmission * mean_channel(p.below * rest);
+}
+
+principled principled_prepare(material m, vec3 wo, float eta)
+{
+    principled p;
+    p.tables = albedo_first();
+    vec4 metal = m.group[GROUP_METAL];
+    p.base_color = m.group[GROUP_BASE].rgb;
+    p.roughness = metal.g;
+    p.metallic = HAS_LOBE(LOBE_METAL) ? metal.b : 0.0;
+    p.transmission =
+        HAS_LOBE(LOBE_TRANSMISSION) ? (1.0 - p.metallic) * m.group[GROUP_INTERFACE].r : 0.0;
+    p.thin = is_thin(m);
+    p.separable = is_separable(m);
+    p.tint = p.thin || material_has(m, MATERIAL_TINT_EACH) ? p.base_color : sqrt(p.base_color);
+    p.film = 0.0;
+    p.film_index = 1.0;
+    p.film_thickness = 0.0;
+    p.compensation = vec3(1.0);
+    p.sheen = vec3(0.0);
+    p.diffuse_transmission = 0.0;
+    p.fibre_color = vec3(0.0);
+    p.fibre_roughness = 1.0;
+    p.fibre_albedo = 0.0;
+    p.coat = 0.0;
+    p.coat_alpha = 1.0;
+    p.coat_ggx = false;
+    p.coat_delta = false;
+    p.p_fibre = 0.0;
+    p.p_coat = 0.0;
+
+    float alpha = p.roughness * p.roughness;
+    p.is_delta = is_delta(alpha);
+    p.alpha = vec2(alpha);
+    p.turn = vec2(1.0, 0.0);
+    if (HAS_LOBE(LOBE_ANISOTROPIC) && metal.r > 0.0) {
+        float aspect = sqrt(1.0 - 0.9 * metal.r);
+        p.alpha = vec2(alpha / aspect, max(SMALLEST_ALPHA, alpha * aspect));
+        if (metal.a != 0.0)
+            p.turn = vec2(cos(2.0 * PI * metal.a), sin(2.0 * PI * metal.a));
+    }
+
+    prepare_fibres(p, m, wo.z);
+    prepare_coat(p, m, wo.z);
+    prepare_dielectric(p, m, eta);
+    vec3 albedo;
+    vec3 dielectric = prepare_interface(p, m, wo, alpha, albedo);
+    p.p_base = p.base_layer * mean_channel(albedo);
+    p.below = (1.0 - p.metallic - p.transmission) * (1.0 - dielectric);
+    prepare_diffuse(p, m, wo.z);
+
+    float sum = p.p_fibre + p.p_coat + p.p_base + p.p_diffuse + p.p_through;
+    float scale = sum > 0.0 ? 1.0 / sum : 0.0;
+    p.p_fibre *= scale;
+    p.p_coat *= scale;
+    p.p_base *= scale;
+    p.p_diffuse *= scale;
+    p.p_through *= scale;
+    return p;
+}
+
+#endif
