@@ -44,6 +44,7 @@ static const char *const known_extensions[] = {
     NULL,
 };
 
+#undef gltf_no_memory // here the function itself is meant
 bool gltf_no_memory(const struct gltf_document *document, const char *what, uint64_t bytes,
                     struct err *err)
 {

@@ -68,6 +68,8 @@ void gltf_document_close(struct gltf_document *document); // accepts {0} and hal
 // ERR_SYSTEM with the file's name in front; returns false.
 bool gltf_no_memory(const struct gltf_document *document, const char *what, uint64_t bytes,
                     struct err *err);
+// As in err.h: the value is seen to be false.
+#define gltf_no_memory(...) (gltf_no_memory(__VA_ARGS__), err_false())
 
 // An element of one of the arrays, always an object. index < document->counts[list].
 struct json_node gltf_item(const struct gltf_document *document, enum gltf_list list,
