@@ -171,57 +171,76 @@ TEST(triangle)
 
 // --- the choice of a light -----------------------------------------------------------------------
 
-enum { LIGHTS = 1000, STEPS = 1 << 24 };
+enum { STEPS = 1 << 24 };
 
-// Triangles of random areas, over six orders of magnitude.
-static void add_lights(struct scene *scene)
+// So many triangles that emit, one in a hundred of which is dim: legs of 1, or of the root of DIM.
+#define DIM 3e-3
+
+static bool is_dim(uint32_t light)
 {
-    static float triangles[LIGHTS][3][3];
-    struct random random = {36};
-    for (uint32_t i = 0; i < LIGHTS; i++) {
-        float side = (float)pow(10, random_between(&random, -3, 0));
+    return light % 100 == 50;
+}
+
+static void add_lights(struct scene *scene, uint32_t count)
+{
+    float(*triangles)[3][3] = arena_alloc(&scene->arena, count, sizeof *triangles);
+    REQUIRE(triangles, "out of memory");
+    for (uint32_t i = 0; i < count; i++) {
+        float side = is_dim(i) ? (float)sqrt(DIM) : 1;
         triangles[i][0][0] = triangles[i][1][0] = triangles[i][2][0] = (float)i;
         triangles[i][1][1] = triangles[i][2][2] = side;
     }
     scene->materials[0].emission[0] = 1;
-    add_triangles(scene, (const float(*)[3][3])triangles, LIGHTS, 0);
+    add_triangles(scene, (const float(*)[3][3])triangles, count, 0);
 }
 
-static double light_area(const struct renderer *r, uint32_t triangle)
-{
-    double edge[2][3];
-    for (int i = 0; i < 2; i++)
-        subtract(r->flat.triangles[triangle].v[i + 1], r->flat.triangles[triangle].v[0], edge[i]);
-    return length(edge[0]) * length(edge[1]) / 2; // a right angle
-}
-
-// All 2^24 values of the uniform: exact probabilities. The ends of each bin and the threshold in it
-// fall between two values, so that probability 2^-24 may go the wrong way at each: the total
-// variation is at most 2^-24 a bin.
-TEST(light_choice)
+// All 2^24 values of the first uniform, each with a random one in the bin: dim lights as a whole
+// are chosen as often as their area says, and each of the others as often as the rest. With bins
+// that are a power of two in number, the first uniform alone would have 128 values in each, and
+// choose dim lights 2.6 times as often.
+static void check_choice(uint32_t count)
 {
     struct setup setup;
-    static uint32_t count[LIGHTS];
+    struct random random = {36};
+    uint64_t dim = 0, upper = 0;
     scene_start(&setup.scene, 8, 8);
-    add_lights(&setup.scene);
+    add_lights(&setup.scene, count);
     OPEN_SETUP(&setup, LIBRARY_SLOTS);
     for (uint32_t first = 0; first < STEPS; first += SAMPLES) {
         for (uint32_t i = 0; i < SAMPLES; i++) {
             samples[i].f[0][0] = (float)(first + i) * 0x1p-24f;
             samples[i].f[0][1] = samples[i].f[0][2] = 0.5f;
+            samples[i].f[0][3] = (float)(random_u32(&random) >> 8) * 0x1p-24f;
         }
         REQUIRE(library_run(&setup, ROUTINE_PICK_LIGHT, samples, SAMPLES), "not run");
-        for (uint32_t i = 0; i < SAMPLES; i++)
-            count[setup.r.bvh.triangle_order[samples[i].u[0][0]]]++;
+        for (uint32_t i = 0; i < SAMPLES; i++) {
+            uint32_t light = setup.r.bvh.triangle_order[samples[i].u[0][0]];
+            dim += is_dim(light);
+            upper += !is_dim(light) && light >= count / 2;
+        }
     }
-    double sum = 0, variation = 0;
-    for (uint32_t i = 0; i < LIGHTS; i++)
-        sum += light_area(&setup.r, i);
-    for (uint32_t i = 0; i < LIGHTS; i++)
-        variation += fabs((double)count[i] / STEPS - light_area(&setup.r, i) / sum) / 2;
-    printf("  total variation of %d lights: %.3g\n", LIGHTS, variation);
-    CHECK(variation <= LIGHTS * 0x1p-24, "%g", variation);
+    double dims[2] = {0}, lights[2] = {0};
+    for (uint32_t i = 0; i < count; i++) {
+        dims[i >= count / 2] += is_dim(i);
+        lights[i >= count / 2] += !is_dim(i);
+    }
+    double sum = lights[0] + lights[1] + DIM * (dims[0] + dims[1]);
+    double expected_dim = STEPS * DIM * (dims[0] + dims[1]) / sum;
+    double expected_upper = STEPS * lights[1] / sum;
+    double t_dim = ((double)dim - expected_dim) / sqrt(expected_dim);
+    // Binomial at most: the first uniform is stratified.
+    double t_upper = ((double)upper - expected_upper) / sqrt(expected_upper / 2);
+    printf(
+        "  %u lights: %.0f of %.0f dim (%.1f deviations), %.0f of %.0f in the upper half (%.1f)\n",
+        count, (double)dim, expected_dim, t_dim, (double)upper, expected_upper, t_upper);
+    CHECK(fabs(t_dim) <= 4.5 && fabs(t_upper) <= 4.5, "%u lights: %g, %g", count, t_dim, t_upper);
     setup_close(&setup);
+}
+
+TEST(light_choice)
+{
+    check_choice(100000);
+    check_choice(1 << 17);
 }
 
 // --- extremes ------------------------------------------------------------------------------------
