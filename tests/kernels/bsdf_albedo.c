@@ -1,0 +1,157 @@
+#include "bsdf_albedo.h"
+
+#include "albedo_tables.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <string.h>
+
+static double float_at(uint32_t word, uint32_t component)
+{
+    float value;
+    memcpy(&value, &albedo_tables[word][component], sizeof value);
+    return (double)value;
+}
+
+static double axis_mu(double mu, double scale)
+{
+    return sqrt(mu * (1 + scale) / (mu + scale));
+}
+
+static double axis_alpha(double alpha)
+{
+    return fmin(fmax((pow(alpha, 0.25) - 0.1) / 0.9, 0), 1);
+}
+
+// The cell of a coordinate in [0, 1], and the place in it.
+static uint32_t find_cell(double at, uint32_t cells, double *fraction)
+{
+    double position = fmin(fmax(at, 0), 1) * cells, corner = fmin(floor(position), cells - 1.0);
+    *fraction = position - corner;
+    return (uint32_t)corner;
+}
+
+static double mix(double a, double b, double w)
+{
+    return a + (b - a) * w;
+}
+
+static double quad(uint32_t first, uint32_t width, uint32_t height, double x, double y)
+{
+    double u, v;
+    uint32_t i = find_cell(x, width, &u), j = find_cell(y, height, &v);
+    uint32_t word = first + j * width + i;
+    return mix(mix(float_at(word, 0), float_at(word, 1), u),
+               mix(float_at(word, 2), float_at(word, 3), u), v);
+}
+
+// Eight values of 16 bits a cell.
+static double cube(uint32_t first, const uint32_t size[3], const double at[3])
+{
+    uint32_t cell[3];
+    double w[3], corner[8];
+    for (int a = 0; a < 3; a++)
+        cell[a] = find_cell(at[a], size[a], &w[a]);
+    const uint32_t *word = albedo_tables[first + (cell[2] * size[1] + cell[1]) * size[0] + cell[0]];
+    for (int c = 0; c < 8; c++)
+        corner[c] = (word[c / 2] >> (16 * (c & 1)) & 0xffff) / 65535.0;
+    double low = mix(mix(corner[0], corner[1], w[0]), mix(corner[2], corner[3], w[0]), w[1]);
+    double high = mix(mix(corner[4], corner[5], w[0]), mix(corner[6], corner[7], w[0]), w[1]);
+    return mix(low, high, w[2]);
+}
+
+double table_ggx(double mu, double alpha)
+{
+    return fmin(1, quad(ALBEDO_GGX, ALBEDO_GGX_MU, ALBEDO_GGX_ALPHA, axis_mu(mu, alpha),
+                        axis_alpha(alpha)));
+}
+
+double table_schlick(double mu, double alpha)
+{
+    return quad(ALBEDO_SCHLICK, ALBEDO_SCHLICK_MU, ALBEDO_SCHLICK_ALPHA, axis_mu(mu, alpha + 0.2),
+                axis_alpha(alpha));
+}
+
+double table_charlie(double mu, double roughness)
+{
+    return quad(ALBEDO_CHARLIE, ALBEDO_CHARLIE_MU, ALBEDO_CHARLIE_ROUGHNESS, axis_mu(mu, roughness),
+                (roughness - 0.1) / 0.9);
+}
+
+double table_coat(double mu, double gloss)
+{
+    return quad(ALBEDO_COAT, ALBEDO_COAT_MU, ALBEDO_COAT_GLOSS, axis_mu(mu, 0.25), gloss);
+}
+
+static double diffuse(double mu, uint32_t component)
+{
+    double u;
+    uint32_t i = find_cell(axis_mu(mu, 0.2), ALBEDO_DIFFUSE_MU, &u);
+    return mix(float_at(ALBEDO_DIFFUSE + i, component), float_at(ALBEDO_DIFFUSE + i + 1, component),
+               u);
+}
+
+double table_below(double mu, double roughness)
+{
+    return diffuse(mu, 0) + roughness * (diffuse(mu, 1) + roughness * diffuse(mu, 2));
+}
+
+double table_sheen(double mu)
+{
+    return diffuse(mu, 3);
+}
+
+double table_fresnel(double mu, double alpha, double eta)
+{
+    bool inside = eta < 1;
+    double root_k = sqrt(fabs(eta * eta - 1)), x;
+    double beyond = (mu - root_k) / (inside && mu > root_k ? 1 - root_k : root_k);
+    if (inside)
+        x = 0.5 + 0.5 * copysign(sqrt(fabs(beyond)), beyond);
+    else
+        x = axis_mu(mu, alpha + 0.6 * root_k / (1 + root_k));
+    const uint32_t size[3] = {ALBEDO_FRESNEL_MU, ALBEDO_FRESNEL_ALPHA, ALBEDO_FRESNEL_ETA};
+    const double at[3] = {x, axis_alpha(alpha), pow(fabs(eta - 1) / (eta + 1), 0.25)};
+    return cube(ALBEDO_FRESNEL + (inside ? ALBEDO_FRESNEL_SIDE : 0), size, at);
+}
+
+// --- anisotropic ---------------------------------------------------------------------------------
+
+static double slices(uint32_t first, const uint32_t size[4], const double at[4])
+{
+    double w;
+    uint32_t slice = size[0] * size[1] * size[2];
+    first += find_cell(at[3], size[3], &w) * slice;
+    return mix(cube(first, size, at), cube(first + slice, size, at), w);
+}
+
+// The mu axis has the scale alpha_o + `more`.
+static void turned_axes(const double wo[3], double roughness, double anisotropic,
+                        const double alpha[2], double more, double at[4])
+{
+    double x = fabs(wo[0]), y = fabs(wo[1]), sine = hypot(x, y);
+    double alpha_o = sine > 0 ? hypot(alpha[0] * x, alpha[1] * y) / sine : alpha[0];
+    at[0] = axis_mu(wo[2], alpha_o + more);
+    at[1] = (roughness - 0.01) / 0.99;
+    at[2] = log(1 - 0.9 * anisotropic) / log(0.1);
+    at[3] = sine > 0 ? atan2(y * sqrt(alpha[1]), x * sqrt(alpha[0])) / (M_PI / 2) : 0;
+}
+
+double table_turned(const double wo[3], double roughness, double anisotropic, const double alpha[2])
+{
+    const uint32_t size[4] = {ALBEDO_TURNED_MU, ALBEDO_TURNED_ROUGHNESS, ALBEDO_TURNED_ASPECT,
+                              ALBEDO_TURNED_AZIMUTH};
+    double at[4];
+    turned_axes(wo, roughness, anisotropic, alpha, 0, at);
+    return slices(ALBEDO_TURNED, size, at);
+}
+
+double table_turned_cosine(const double wo[3], double roughness, double anisotropic,
+                           const double alpha[2])
+{
+    const uint32_t size[4] = {ALBEDO_SINE_MU, ALBEDO_SINE_ROUGHNESS, ALBEDO_SINE_ASPECT,
+                              ALBEDO_SINE_AZIMUTH};
+    double at[4];
+    turned_axes(wo, roughness, anisotropic, alpha, 0.2, at);
+    return 1 - slices(ALBEDO_SINE, size, at);
+}

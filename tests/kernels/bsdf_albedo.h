@@ -1,0 +1,21 @@
+// The tables of directional albedos, looked up in double precision as lib/albedo.glsl does in
+// single. That they are right is tested by quadrature.
+#ifndef LAMPYRIS_TESTS_BSDF_ALBEDO_H
+#define LAMPYRIS_TESTS_BSDF_ALBEDO_H
+
+double table_ggx(double mu, double alpha);     // E1
+double table_schlick(double mu, double alpha); // mean of Schlick's weight over what GGX reflects
+double table_fresnel(double mu, double alpha, double eta); // the same of Fresnel's reflectance
+// Of anisotropic GGX: E1, and a cosine that stands for those of what it reflects. wo in the frame
+// of the turned tangent.
+double table_turned(const double wo[3], double roughness, double anisotropic,
+                    const double alpha[2]);
+double table_turned_cosine(const double wo[3], double roughness, double anisotropic,
+                           const double alpha[2]);
+double table_charlie(double mu, double roughness);
+double table_coat(double mu, double gloss); // Burley's, of weight 1
+// Burley's subsurface approximation, base colour 1, and his sheen.
+double table_below(double mu, double roughness);
+double table_sheen(double mu);
+
+#endif

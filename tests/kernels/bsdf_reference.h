@@ -1,0 +1,59 @@
+// The BSDFs once more in double precision, written from the papers and from docs/materials*.md
+// rather than from the kernels: what a sample's density and value ought to be.
+//
+// The frame, eta and the scaling of radiance are those of shaders/lib/bsdf_types.glsl.
+#ifndef LAMPYRIS_TESTS_BSDF_REFERENCE_H
+#define LAMPYRIS_TESTS_BSDF_REFERENCE_H
+
+#include "bsdf_optics.h"
+#include "scene_material.h"
+
+enum { REFERENCE_MAX_DELTAS = 4 };
+
+// A direction that has a probability rather than a density.
+struct reference_delta {
+    double wi[3];
+    double probability;
+    double weight[3]; // of a sample of it
+    bool transmitted;
+};
+
+struct reference {
+    const struct material *material;
+    double wo[3], eta;
+    struct principled_state *principled; // heap; NULL for other models
+};
+
+// wo and eta are what the kernel gets. Directions were rounded: they are taken to stand for the
+// unit vectors that are parallel to them. `material` must outlive it.
+bool reference_init(struct reference *reference, const struct material *material, const float wo[3],
+                    float eta);
+void reference_finish(struct reference *reference);
+// BSDF * |wi.z| of all that is not a delta in f; returns the density.
+double reference_eval(const struct reference *reference, const double wi[3], double f[3]);
+// Fills out; returns how many there are.
+int reference_deltas(const struct reference *reference,
+                     struct reference_delta out[REFERENCE_MAX_DELTAS]);
+// Whether what goes through is called specular although it has an extent (or weights that differ):
+// so narrow that single precision does not resolve it, or straight on. The density is 0 there.
+bool reference_hides_refraction(const struct reference *reference);
+// The density of microfacets' normals with which that is drawn.
+double reference_hidden_normal(const struct reference *reference, const double h[3]);
+
+// --- by model ------------------------------------------------------------------------------------
+
+double classical_eval(const struct reference *reference, const double wi[3], double f[3]);
+int classical_deltas(const struct reference *reference, struct reference_delta *out);
+double dielectric_eval(const struct reference *reference, const double wi[3], double f[3]);
+int dielectric_deltas(const struct reference *reference, struct reference_delta *out);
+bool dielectric_hides_refraction(const struct reference *reference);
+double dielectric_through_normal(const struct reference *reference, const double h[3]);
+double conductor_eval(const struct reference *reference, const double wi[3], double f[3]);
+int conductor_deltas(const struct reference *reference, struct reference_delta *out);
+bool principled_prepare(struct reference *reference);
+double principled_eval(const struct reference *reference, const double wi[3], double f[3]);
+int principled_deltas(const struct reference *reference, struct reference_delta *out);
+bool principled_hides_refraction(const struct reference *reference);
+double principled_through_normal(const struct reference *reference, const double h[3]);
+
+#endif

@@ -1,0 +1,302 @@
+// Parts of the shipped BSDFs against closed forms, tabulated values and quadrature in double
+// precision.
+#include "bsdf_albedo.h"
+#include "bsdf_means.h"
+#include "bsdf_optics.h"
+
+// Tables are raised to stay above the truth between their nodes: below it a layer would return more
+// than it leaves, above it a little is lost.
+#define TABLE_BELOW 1e-3
+#define TABLE_ABOVE 1e-2
+
+static struct bsdf_device device;
+static struct configuration plate[32];
+
+// A white conductor: |F - 1| <= 4e-7, of (0.001, 100) at normal incidence.
+static void make_plate(struct configuration *c, double alpha, double mu, uint32_t flags)
+{
+    *c = (struct configuration){.eta = 1.5f};
+    material_init(&c->material);
+    c->material.model = MATERIAL_CONDUCTOR;
+    c->material.flags = flags;
+    c->material.roughness = (float)sqrt(alpha);
+    for (int i = 0; i < 3; i++) {
+        c->material.conductor_eta[i] = 1e-3f;
+        c->material.conductor_k[i] = 100;
+    }
+    c->wo[0] = (float)sqrt(1 - mu * mu);
+    c->wo[2] = (float)mu;
+}
+
+static bool open_plates(uint32_t count)
+{
+    static struct material materials[32];
+    for (uint32_t i = 0; i < count; i++) {
+        plate[i].material.name = "plate";
+        materials[i] = plate[i].material;
+    }
+    return bsdf_device_open(&device, materials, count);
+}
+
+// --- albedo --------------------------------------------------------------------------------------
+
+// Measured by quadrature in double precision; 1 - ln 2 at alpha 1 and normal incidence is exact.
+TEST(ggx_albedo)
+{
+    static const double alphas[4] = {0.1, 0.25, 0.5, 1}, mus[4] = {1, 0.70710678, 0.5, 0.1};
+    static const double expected[4][4] = {{0.98831, 0.98169, 0.96920, 0.88345},
+                                          {0.91581, 0.88624, 0.85726, 0.89162},
+                                          {0.68785, 0.68277, 0.69825, 0.86011},
+                                          {0.30685, 0.37677, 0.45069, 0.76021}};
+    double worst = 0;
+    for (int i = 0; i < 16; i++)
+        make_plate(&plate[i], alphas[i / 4], mus[i % 4], 0);
+    make_plate(&plate[16], 1, 0.1, MATERIAL_SEPARABLE);
+    if (!open_plates(17))
+        return;
+    for (uint32_t i = 0; i < 17; i++) {
+        struct bsdf_means means;
+        if (!bsdf_measure(&device, &plate[i], i, 8, 1 << 16, &means))
+            return;
+        double truth = i < 16 ? expected[i / 4][i % 4] : 0.5579;
+        double error = fabs(means.albedo[0] - truth);
+        CHECK(error <= 5e-4, "alpha %g, mu %g%s: %.5f +- %.5f instead of %.5f",
+              i < 16 ? alphas[i / 4] : 1, i < 16 ? mus[i % 4] : 0.1, i < 16 ? "" : ", separable",
+              means.albedo[0], means.albedo_error[0], truth);
+        worst = fmax(worst, error);
+    }
+    printf("  GGX without compensation: within %.2g\n", worst);
+    bsdf_device_close(&device);
+}
+
+// --- Fresnel -------------------------------------------------------------------------------------
+
+// The mean over the cosine-weighted hemisphere, by the midpoint rule on the shipped function: with
+// c = c0 + (1 - c0) x^2 from the critical angle on, below which it must be 1.
+TEST(mean_fresnel)
+{
+    static const double etas[5] = {1.0001, 1.5, 2, 4, 1 / 1.5};
+    static const double expected[5] = {3.33e-5, 0.0917780, 0.1605966, 0.3666381, 0.5963458};
+    enum { STEPS = 1 << 16 };
+    static union bsdf_item items[STEPS];
+    make_plate(&plate[0], 0.1, 1, 0);
+    if (!open_plates(1))
+        return;
+    for (int e = 0; e < 5; e++) {
+        double critical = etas[e] < 1 ? sqrt(1 - etas[e] * etas[e]) : 0;
+        double sum = critical * critical, worst = 0;
+        for (uint32_t i = 0; i < STEPS; i++) {
+            double x = (i + 0.5) / STEPS, c = critical + (1 - critical) * x * x;
+            items[i] = (union bsdf_item){.in = {.wo = {(float)c, (float)etas[e]}, .material = 1}};
+        }
+        static union bsdf_item outputs[STEPS];
+        memcpy(outputs, items, sizeof items);
+        if (!bsdf_run(&device, BSDF_ROUTINE_FRESNEL, BSDF_LOBES_CLASS, &plate[0].material, outputs,
+                      STEPS))
+            return;
+        for (uint32_t i = 0; i < STEPS; i++) {
+            double x = (i + 0.5) / STEPS, c = critical + (1 - critical) * x * x;
+            double got = (double)outputs[i].out[0];
+            double truth = optics_fresnel((double)items[i].in.wo[0], (double)items[i].in.wo[1]);
+            sum += 2 * got * c * (1 - critical) * 2 * x / STEPS;
+            // At the critical angle itself the slope is infinite.
+            if (c > critical + 1e-5)
+                worst = fmax(worst, fabs(got - truth) / truth);
+        }
+        CHECK(fabs(sum - expected[e]) <= 1e-5, "eta %g: %.7f instead of %.7f", etas[e], sum,
+              expected[e]);
+        CHECK(fabs(sum - optics_mean_fresnel(etas[e])) <= 1e-6, "eta %g: reference %.7f", etas[e],
+              optics_mean_fresnel(etas[e]));
+        CHECK(worst <= 1e-3, "eta %g: %.3g from the reference", etas[e], worst);
+        printf("  eta %.5g: mean %.7f, off by %.1g; pointwise %.1g\n", etas[e], sum,
+               fabs(sum - expected[e]), worst);
+    }
+    bsdf_device_close(&device);
+}
+
+// --- normals -------------------------------------------------------------------------------------
+
+// The whole hemisphere of normals in the coordinates of bsdf_cells.h: midpoint rule.
+enum { ROWS = 512, COLUMNS = 512, NODES = ROWS * COLUMNS };
+static union bsdf_item nodes[NODES], values[NODES];
+static double angles[NODES];
+
+static bool integrate_normals(const double wo[3], const double alpha[2], double *normals,
+                              double *visible, double *coat)
+{
+    struct chart chart = {.kind = CHART_NORMALS, .lobes = 1, .turn = {1, 0}};
+    memcpy(chart.wo, wo, sizeof chart.wo);
+    memcpy(chart.alpha[0], alpha, sizeof chart.alpha[0]);
+    for (int i = 0; i < NODES; i++) {
+        double h[3], x = (i / COLUMNS + 0.5) / ROWS, phi = (i % COLUMNS + 0.5) / COLUMNS * 2 * M_PI;
+        angles[i] = chart_normal(&chart, x, phi, h) / ROWS / COLUMNS * 2 * M_PI;
+        nodes[i] = (union bsdf_item){.in = {.material = 1}};
+        for (int c = 0; c < 3; c++) {
+            nodes[i].in.wo[c] = (float)wo[c];
+            nodes[i].in.wi[c] = (float)h[c];
+        }
+        nodes[i].in.u[0] = (float)alpha[0];
+        nodes[i].in.u[1] = (float)alpha[1];
+    }
+    memcpy(values, nodes, sizeof nodes);
+    if (!bsdf_run(&device, BSDF_ROUTINE_MICROFACET, BSDF_LOBES_ALL, &plate[0].material, values,
+                  NODES))
+        return false;
+    *normals = *visible = *coat = 0;
+    for (int i = 0; i < NODES; i++) {
+        double z = (double)nodes[i].in.wi[2];
+        *normals += (double)values[i].out[0] * z * angles[i];
+        *visible += (double)values[i].out[1] * angles[i];
+        *coat += (double)values[i].out[3] * z * angles[i];
+    }
+    return true;
+}
+
+// Integral of D h.z = 1 (to 1e-5), and of the density of what wo sees, G1 D max(0, wo.h) / wo.z =
+// 1: Heitz 2014, eqs. 4 and 14, where the latter is half of the weak white furnace test, the other
+// half being the reflection's Jacobian, which the closure of the densities tests.
+TEST(normals)
+{
+    static const double alphas[][2] = {{1e-4, 1e-4}, {1e-3, 1e-3}, {0.01, 0.01},   {0.1, 0.1},
+                                       {0.5, 0.5},   {1, 1},       {0.0316, 1e-3}, {0.3, 0.03}};
+    static const double tilts[] = {0, 30, 60, 80, 89, 89.9, 89.99};
+    double worst_d = 0, worst_v = 0;
+    make_plate(&plate[0], 0.1, 1, 0);
+    if (!open_plates(1))
+        return;
+    for (size_t a = 0; a < sizeof alphas / sizeof *alphas; a++)
+        for (size_t t = 0; t < sizeof tilts / sizeof *tilts; t++) {
+            double tilt = tilts[t] * M_PI / 180, normals, visible, coat;
+            const double wo[3] = {sin(tilt) * cos(1.0), sin(tilt) * sin(1.0), cos(tilt)};
+            if (!integrate_normals(wo, alphas[a], &normals, &visible, &coat))
+                return;
+            CHECK(fabs(normals - 1) <= 1e-5, "alpha %g %g: D integrates to %.7f", alphas[a][0],
+                  alphas[a][1], normals);
+            CHECK(fabs(visible - 1) <= 1e-3, "alpha %g %g, %g degrees: weak furnace %.6f",
+                  alphas[a][0], alphas[a][1], tilts[t], visible);
+            worst_d = fmax(worst_d, fabs(normals - 1));
+            worst_v = fmax(worst_v, fabs(visible - 1));
+            if (alphas[a][0] == alphas[a][1] && alphas[a][0] >= 1e-3 && alphas[a][0] <= 0.1)
+                CHECK(fabs(coat - 1) <= 1e-3, "GTR1 of alpha %g integrates to %.6f", alphas[a][0],
+                      coat);
+        }
+    printf("  integral of D cos: 1 +- %.1g; weak furnace: 1 +- %.1g\n", worst_d, worst_v);
+    bsdf_device_close(&device);
+}
+
+// --- tables --------------------------------------------------------------------------------------
+
+enum integrand { E_GGX, E_SCHLICK, E_FRESNEL, E_CHARLIE, E_COAT, E_BELOW, E_SHEEN, INTEGRANDS };
+static const char *const integrand_names[INTEGRANDS] = {"E1",   "Schlick",    "Fresnel", "Charlie",
+                                                        "coat", "subsurface", "sheen"};
+
+struct point {
+    double mu, alpha, eta, roughness;
+};
+
+static double weight5(double cosine)
+{
+    return pow(1 - fmin(cosine, 1), 5);
+}
+
+// f cos of docs/materials.md, section by section.
+static double evaluate(enum integrand kind, const struct point *p, const double wo[3],
+                       const double wi[3])
+{
+    const double alpha[2] = {p->alpha, p->alpha}, quarter[2] = {0.25, 0.25};
+    double h[3], cosine = optics_half_reflected(wo, wi, h), c_o = wo[2], c_i = wi[2];
+    double sine2 = h[0] * h[0] + h[1] * h[1], f90 = p->roughness * cosine * cosine;
+    double reflected = ggx_density(h, alpha) * ggx_masking_both(wo, wi, alpha, false) / (4 * c_o);
+    double a = kind == E_CHARLIE ? p->roughness * p->roughness : 0.1 - 0.099 * p->roughness;
+    switch (kind) {
+    case E_GGX:
+        return reflected;
+    case E_SCHLICK:
+        return reflected * weight5(cosine);
+    case E_FRESNEL:
+        return reflected * optics_fresnel(fmin(cosine, 1), p->eta);
+    case E_CHARLIE:
+        return (2 + 1 / a) * pow(sine2, 0.5 / a) / (2 * M_PI) * c_i / (4 * (c_o + c_i - c_o * c_i));
+    case E_COAT:
+        return 0.25 * optics_schlick(0.04, cosine) * (a * a - 1) /
+               (M_PI * log(a * a) * (a * a * h[2] * h[2] + sine2)) * ggx_masking(wo, quarter) *
+               ggx_masking(wi, quarter) / (4 * c_o);
+    case E_BELOW:
+        return 1.25 / M_PI * c_i *
+               ((1 + (f90 - 1) * weight5(c_o)) * (1 + (f90 - 1) * weight5(c_i)) *
+                    (1 / (c_o + c_i) - 0.5) +
+                0.5);
+    default:
+        return weight5(cosine) * c_i;
+    }
+}
+
+// Midpoint rule in a chart by half-vectors that ends at the horizon.
+static double integrate(enum integrand kind, const struct point *p)
+{
+    enum { STEPS = 200 };
+    double scale = kind <= E_FRESNEL ? p->alpha : kind == E_COAT ? 0.1 - 0.099 * p->roughness : 1;
+    struct chart chart = {.kind = CHART_REFLECT,
+                          .wo = {sqrt(1 - p->mu * p->mu), 0, p->mu},
+                          .alpha = {{scale, scale}},
+                          .lobes = 1,
+                          .turn = {1, 0}};
+    double sum = 0;
+    for (int j = 0; j < STEPS; j++) {
+        double phi = (j + 0.5) / STEPS * M_PI, end = chart_end(&chart, phi); // the rest mirrors it
+        for (int i = 0; i < STEPS; i++) {
+            double wi[3], jacobian;
+            if (chart_direction(&chart, end * (i + 0.5) / STEPS, phi, wi, &jacobian))
+                sum += evaluate(kind, p, chart.wo, wi) * jacobian * end;
+        }
+    }
+    return sum * 2 * M_PI / STEPS / STEPS;
+}
+
+static double look_up(enum integrand kind, const struct point *p)
+{
+    switch (kind) {
+    case E_GGX:
+        return table_ggx(p->mu, p->alpha);
+    case E_SCHLICK:
+        return table_ggx(p->mu, p->alpha) * table_schlick(p->mu, p->alpha);
+    case E_FRESNEL:
+        return table_ggx(p->mu, p->alpha) * table_fresnel(p->mu, p->alpha, p->eta);
+    case E_CHARLIE:
+        return table_charlie(p->mu, p->roughness);
+    case E_COAT:
+        return table_coat(p->mu, p->roughness);
+    case E_BELOW:
+        return table_below(p->mu, p->roughness);
+    default:
+        return table_sheen(p->mu);
+    }
+}
+
+// Nodes were raised to stay above the truth between them: how far, and that they do.
+TEST(albedo_tables)
+{
+    enum { POINTS = 40 };
+    struct random random = {44};
+    for (int kind = 0; kind < INTEGRANDS; kind++) {
+        double most = 0, least = 0;
+        for (int i = 0; i < POINTS; i++) {
+            struct point p = {.mu = random_between(&random, 0.02, 1),
+                              .alpha = pow(random_between(&random, 0.1, 1), 4),
+                              .eta = random_between(&random, 1.1, 3),
+                              .roughness = random_between(&random, 0.1, 1)};
+            if (i & 1)
+                p.eta = 1 / p.eta;
+            double error = look_up((enum integrand)kind, &p) - integrate((enum integrand)kind, &p);
+            most = fmax(most, error);
+            least = fmin(least, error);
+            CHECK(error >= -TABLE_BELOW && error <= TABLE_ABOVE,
+                  "%s of mu %.4f, alpha %.5f, eta %.3f, roughness %.3f: %.5f off",
+                  integrand_names[kind], p.mu, p.alpha, p.eta, p.roughness, error);
+        }
+        printf("  table of %-10s %+.1e to %+.1e\n", integrand_names[kind], least, most);
+    }
+}
+
+TEST_MAIN(TEST_CASE(ggx_albedo), TEST_CASE(mean_fresnel), TEST_CASE(normals),
+          TEST_CASE(albedo_tables))
