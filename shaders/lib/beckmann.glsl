@@ -81,8 +81,8 @@ float beckmann_lambda(vec3 w, float alpha)
 // are distributed as Student's t with 2 k = 2 / alpha^2 degrees of freedom, so that
 //   Lambda = c s^k / ((2 k - 1) x) - 1/2 + P_k,  P_k = c integral of (1 - y^2)^(k-1) over 0 ... x,
 //   x = cos(theta), s = 1 - x^2, c_k = Gamma(k + 1/2) / (sqrt(pi) Gamma(k)).
-// P comes from Wallace's approximation of Student's distribution by the normal one (1959, "Bounds on
-// Normal Approximations to Student's and the Chi-Square Distributions"), for k + 3 where it is
+// P comes from Wallace's approximation of Student's distribution by the normal one (1959, "Bounds
+// on Normal Approximations to Student's and the Chi-Square Distributions"), for k + 3 where it is
 // within 2e-4, and three steps of P_k = P_(k+1) - c_k x s^k / (2 k) (by parts); c from the
 // asymptotic series of c_k^2 for k + 3, within 1e-5.
 float phong_lambda(vec3 w, float alpha)

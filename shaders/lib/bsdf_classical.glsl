@@ -40,7 +40,8 @@ classical_parts phong_parts(material m)
     return classical_choose(diffuse, specular, sum_of(diffuse), sum_of(specular));
 }
 
-// Adds the base to a highlight of BSDF * wi.z = f and density pdf; the base's light passes `through`.
+// Adds the base to a highlight of BSDF * wi.z = f and density pdf; the base's light passes
+// `through`.
 vec3 classical_sum(classical_parts parts, vec3 wi, vec3 through, vec3 f, inout float pdf)
 {
     float cosine = pdf_cosine_hemisphere(wi.z);
@@ -199,7 +200,7 @@ float microfacet_smith(material m, vec3 wo, vec3 wi, float alpha)
 }
 
 // The fit is to Beckmann's. With another distribution it would leave more area visible than a
-// surface has, and reflect up to 1.7 times the light; so no more is visible than that one's G1 says.
+// surface has, and reflect up to 1.7 times the light; so no more is visible than by that one's G1.
 float microfacet_rational(material m, vec3 w, float alpha)
 {
     float g1 = rational_g1(w, alpha);

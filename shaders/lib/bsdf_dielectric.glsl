@@ -9,8 +9,8 @@
 #include "lib/fresnel.glsl"
 #include "lib/microfacet.glsl"
 
-// A refracted lobe is about alpha |eta - 1| wide, and directions are rounded to 2^-24. Narrower ones
-// than this are drawn as they are but not evaluated.
+// A refracted lobe is about alpha |eta - 1| wide, and directions are rounded to 2^-24. Narrower
+// ones than this are drawn as they are but not evaluated.
 const float SMALLEST_REFRACTED_WIDTH = 7.62939453125e-6; // 2^-17
 
 float dielectric_alpha(material m)
@@ -162,8 +162,8 @@ bsdf_sample sample_dielectric(material m, vec3 wo, float eta, vec4 u)
     return s;
 }
 
-// The complex index of a conductor is against vacuum; its ior is none of its own but makes `eta` tell
-// the index outside.
+// The complex index of a conductor is against vacuum; its ior is none of its own but makes `eta`
+// tell the index outside.
 vec3 conductor_reflectance(material m, float cos_theta, float eta)
 {
     float outside = m.group[GROUP_INTERFACE].g / eta;
@@ -171,9 +171,9 @@ vec3 conductor_reflectance(material m, float cos_theta, float eta)
                              m.group[GROUP_CONDUCTOR_K].rgb / outside);
 }
 
-// What more bounces between microfacets would bring, given back to the single one: 1 + F0 (1 - E1) /
-// E1 (Turquin 2019, "Practical Multiple Scattering Compensation for Microfacet Models", eqs. 14 to
-// 16).
+// What more bounces between microfacets would bring, given back to the single one:
+// 1 + F0 (1 - E1) / E1 (Turquin 2019, "Practical Multiple Scattering Compensation for Microfacet
+// Models", eqs. 14 to 16).
 vec3 conductor_compensation(material m, float cos_o, float eta, float alpha)
 {
     if (!HAS_LOBE(LOBE_COMPENSATE) || !material_has(m, MATERIAL_COMPENSATE))
