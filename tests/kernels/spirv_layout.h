@@ -7,7 +7,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { SPIRV_MAX_MEMBERS = 32 };
+enum { SPIRV_MAX_MEMBERS = 64 };
 
 struct spirv_member {
     const char *name;
