@@ -2,6 +2,7 @@
 // calls, features that the scene lacks, ways to read and to reserve, and lower limits of the
 // device.
 #include "render_fixture.h"
+#include <math.h>
 
 #define ALL_SAMPLES 64u
 
@@ -207,6 +208,66 @@ TEST(waves_of_a_large_picture)
     gpu_close(&gpu);
 }
 
+static uint64_t all_hits(const struct render_stats *stats)
+{
+    uint64_t sum = 0;
+    for (uint32_t c = 0; c < CLASS_COUNT; c++)
+        sum += stats->surface_hits[c];
+    return sum;
+}
+
+// The largest difference of a pixel, in parts of the mean.
+static double largest_difference(const struct film_image *a, const struct film_image *b)
+{
+    double worst = 0.0, sum = 0.0;
+    size_t count = (size_t)a->width * a->height;
+    for (size_t i = 0; i < count; i++)
+        for (int c = 0; c < 3; c++) {
+            worst = fmax(worst, fabs((double)a->mean[i][c] - (double)b->mean[i][c]));
+            sum += (double)a->mean[i][c];
+        }
+    return worst * 3.0 * (double)count / sum;
+}
+
+// Surfaces sorted by class or shaded by one kernel: the same picture, and as many hits in all. Bits
+// may differ: a kernel of more lobes compiles the sums of principled surfaces to other roundings.
+TEST(classes)
+{
+    const struct scene_override small[] = {{"film.width", "48"}, {"film.height", "32"}, {0}};
+    struct scene scene;
+    struct gpu gpu;
+    struct arena arena = {0};
+    struct film_image films[2];
+    struct render_stats stats[2];
+    struct err err = {0};
+    OPEN_GPU(&gpu, 0);
+    REQUIRE_OK(load_scene("scenes/all_classes.json", small, &scene, &err));
+    for (int merged = 0; merged < 2; merged++) {
+        const struct renderer_params params = {
+            .gpu = &gpu, .scene = &scene, .merge_classes = merged != 0};
+        REQUIRE_OK(render_film(&params, 8, &arena, &films[merged], &stats[merged], &err));
+    }
+    double difference = largest_difference(&films[0], &films[1]);
+    printf("  largest difference of a pixel: %.1e of the mean\n", difference);
+    CHECK(difference <= 1e-5, "classes change the picture by %g of the mean", difference);
+    for (uint32_t c = 0; c < CLASS_COUNT; c++) {
+        CHECK(stats[0].surface_hits[c] > 0, "class %u is not hit", c);
+        CHECK(stats[0].kernels[KERNEL_shade_diffuse + c].launches > 0 &&
+                  stats[1].kernels[KERNEL_shade_diffuse + c].launches == 0,
+              "class %u: wrong kernel", c);
+    }
+    CHECK(stats[0].kernels[KERNEL_shade_surface].launches == 0 &&
+              stats[1].kernels[KERNEL_shade_surface].launches > 0,
+          "the kernel of all classes");
+    CHECK(all_hits(&stats[0]) == all_hits(&stats[1]) &&
+              stats[1].surface_hits[0] == all_hits(&stats[1]),
+          "%llu hits by class, %llu in all", (unsigned long long)all_hits(&stats[0]),
+          (unsigned long long)all_hits(&stats[1]));
+    arena_finish(&arena);
+    scene_finish(&scene);
+    gpu_close(&gpu);
+}
+
 static void scale_scene(struct scene *scene, double factor)
 {
     for (uint32_t m = 0; m < scene->mesh_count; m++) {
@@ -280,4 +341,4 @@ TEST(validation_is_silent)
 
 TEST_MAIN(TEST_CASE(cornell), TEST_CASE(spheres), TEST_CASE(furnace), TEST_CASE(even_sky),
           TEST_CASE(normals_and_environment_image), TEST_CASE(waves_of_a_large_picture),
-          TEST_CASE(scales), TEST_CASE(validation_is_silent))
+          TEST_CASE(scales), TEST_CASE(classes), TEST_CASE(validation_is_silent))
