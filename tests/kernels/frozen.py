@@ -5,6 +5,8 @@ without it, as a driver's compiler would see it. Functions, buffers and push con
 feature needs must be there in the first and gone in the second, which must be smaller. Prints
 instructions and bytes of both, calls inlined and debug names included.
 
+Lobes of materials, the bits of a second constant, likewise.
+
     frozen.py BINDINGS_H NAME.spv ...
 
 Exit status: 0 passed, 1 failed, 77 skipped (without spirv-tools).
@@ -58,9 +60,37 @@ FEATURES = {
         "intersect_shadow": ["intersect_shape_leaf()", "[shapes]"],
         "shade_surface": ["load_shape_surface()", "sample_shape_light()", "[shapes]"],
     }),
-    "shading normals": (["NORMALS"], {"shade_surface": ["decode_normal()", "[normals]"]}),
-    "diffuse surfaces": (["DIFFUSE", "NEE"], {"shade_surface": ["sample_cosine_hemisphere()"]}),
-    "mirrors": (["MIRROR"], {"shade_surface": ["Reflect"]}),
+    "shading normals": (["NORMALS", "NORMAL_MAPS"], {"shade_surface": ["bend_normal()"]}),
+    "corner attributes": (["NORMALS", "TANGENTS", "UV0", "UV1", "COLORS"], {
+        "intersect_closest": ["load_uv()"],
+        "intersect_shadow": ["load_uv()"],
+        "shade_surface": ["decode_normal()", "load_uv()", "[attributes]"],
+    }),
+    "tangents": (["TANGENTS"], {"shade_surface": ["decode_tangent()"]}),
+    "texture coordinates": (["UV0", "UV1"], {"shade_surface": ["load_uv()"]}),
+    "vertex colours": (["COLORS"], {"shade_surface": ["load_color()", "apply_color()"]}),
+    "textures": (["TEXTURES", "TEXELS_HALF", "TEXELS_FLOAT", "NORMAL_MAPS"], {
+        "intersect_closest": ["filter_texture()", "[texels]"],
+        "intersect_shadow": ["filter_texture()", "[texels]"],
+        "shade_surface": ["filter_texture()", "load_texel()", "[texels]", "sphere_uv()",
+                          "scale_material()"],
+    }),
+    "half textures": (["TEXELS_HALF"], {"shade_surface": ["-"]}),
+    "float textures": (["TEXELS_FLOAT"], {"shade_surface": ["-"]}),
+    "normal maps": (["NORMAL_MAPS"], {"shade_surface": ["perturb_normal()"]}),
+    "alpha": (["ALPHA"], {
+        "intersect_closest": ["alpha_passes()", "filter_texture()", "[materials]"],
+        "intersect_shadow": ["alpha_passes()", "filter_texture()", "[materials]"],
+    }),
+    "media": (["MEDIA"], {
+        "generate_rays": ["[materials]"],
+        "shade_miss": ["load_medium()", "media_current()", "[materials]"],
+        "shade_surface": ["find_media()", "media_cross()", "load_medium()", "transmittance()"],
+    }),
+    "classes": (["CLASSES"], {"intersect_closest": ["hit_class()"]}),
+    "lights without extent": (["LIGHTS"], {
+        "shade_surface": ["sample_point_light()", "spot_falloff()", "range_window()"],
+    }),
     "emission": (["EMISSION", "NEE"] + EMISSIVE, {
         "shade_surface": ["add_emission()", "add_radiance()"],
     }),
@@ -105,6 +135,36 @@ FEATURES = {
         "accumulate": ["radiance_texels"],
     }),
 }
+# The same of lobes, in shade_surface: (lobes that are there besides, what must go).
+PRINCIPLED = ["PRINCIPLED", "ROUGH"]
+LOBES = {
+    "LAMBERT": ([], ["eval_lambert()", "sample_lambert()"]),
+    "MIRROR": ([], ["sample_mirror()"]),
+    "PRINCIPLED": (["ROUGH"], ["eval_principled()", "sample_principled()", "albedo_burley()"]),
+    "METAL": (PRINCIPLED, ["-"]),
+    "SUBSURFACE": (PRINCIPLED, ["-"]),
+    "SHEEN": (PRINCIPLED, ["-"]),
+    "CHARLIE": (PRINCIPLED, ["eval_fibres()", "albedo_charlie()"]),
+    "CLEARCOAT": (PRINCIPLED, ["eval_coat()", "sample_gtr1()", "albedo_coat()"]),
+    "TRANSMISSION": (PRINCIPLED, ["eval_base_refraction()", "eval_base_thin()"]),
+    "DIELECTRIC": (["ROUGH"], ["eval_dielectric()", "sample_dielectric()"]),
+    "CONDUCTOR": (["ROUGH"], ["eval_conductor()", "sample_conductor()", "fresnel_conductor()"]),
+    "PHONG": ([], ["eval_phong()", "sample_phong()"]),
+    "BLINN_PHONG": ([], ["eval_blinn_phong()", "sample_blinn_phong()"]),
+    "MICROFACET": (["ROUGH"], ["eval_microfacet()", "sample_microfacet()"]),
+    "ROUGH": (["DIELECTRIC", "DELTA"], ["eval_rough_dielectric()", "sample_rough_dielectric()"]),
+    "DELTA": (["DIELECTRIC", "ROUGH"], ["sample_smooth_dielectric()"]),
+    "ANISOTROPIC": (PRINCIPLED, ["albedo_turned()", "turn_anisotropy()"]),
+    "COMPENSATE": (["CONDUCTOR", "ROUGH"], ["-"]),
+    "THIN": (["DIELECTRIC", "ROUGH"], ["-"]),
+    "IRIDESCENCE": (PRINCIPLED, ["fresnel_film()"]),
+    "DISPERSION": (["DIELECTRIC", "ROUGH"], ["disperse()"]),
+    "DIFFUSE_TRANSMISSION": (PRINCIPLED + ["THIN"], ["-"]),
+    "SEPARABLE": (["DIELECTRIC", "ROUGH"], ["-"]),
+}
+# The others then cost spirv-opt no time.
+FEW_LOBES = ["LAMBERT", "MIRROR", "DISPERSION"]
+
 # With texel reads the other way takes their place, so the code need not become smaller.
 EXCHANGED = {
     "texel reads of the scene": {
@@ -128,10 +188,10 @@ def fail(message):
     print("FAIL " + message)
 
 
-def read_features(path):
-    """The bits of shared/bindings.h by name."""
+def read_bits(path, prefix):
+    """The bits of a header by name."""
     with open(path, encoding="utf-8") as file:
-        found = re.findall(r"#define FEATURE_(\w+) \(1u << (\d+)\)", file.read())
+        found = re.findall(r"#define %s_(\w+) \(1u << (\d+)\)" % prefix, file.read())
     return {name: 1 << int(bit) for name, bit in found}
 
 
@@ -148,17 +208,18 @@ def code_of(lines):
 
 
 @functools.lru_cache(maxsize=None)
-def freeze(path, features, folder):
-    return Module(path, features, folder)
+def freeze(path, features, lobes, folder):
+    return Module(path, features, lobes, folder)
 
 
 class Module:
     """A frozen kernel: its size and the names of what is left in it."""
 
-    def __init__(self, path, features, folder):
+    def __init__(self, path, features, lobes, folder):
         frozen = os.path.join(folder, "frozen.spv")
         inlined = os.path.join(folder, "inlined.spv")
-        constant = "--set-spec-const-default-value=0:%d" % features
+        # Ids as in shared/bindings.h; all queues exist.
+        constant = "--set-spec-const-default-value=0:%d 5:%d 6:1023" % (features, lobes)
         subprocess.run(["spirv-opt", constant] + PASSES + [path, "-o", frozen], check=True)
         subprocess.run(["spirv-val", "--target-env", "vulkan1.2", frozen], check=True)
         subprocess.run(["spirv-opt"] + INLINE + [frozen, "-o", inlined], check=True)
@@ -219,7 +280,29 @@ def check_gone(place, want, on, off):
         fail("%s: %s is still there without the feature" % (place, name))
 
 
-def check_feature(name, bits, kernels, folder):
+def check_fewer(place, on, off):
+    if off.instructions >= on.instructions:
+        fail("%s: %d instructions did not become fewer" % (place, on.instructions))
+
+
+def report(name, kernel, on, off):
+    print("%-26s %-18s %5d -> %5d instructions, %6d -> %6d bytes" %
+          (name, kernel, on.instructions, off.instructions, on.bytes, off.bytes))
+
+
+def check_lobe(name, bits, lobes, kernels, folder):
+    besides, wanted = LOBES[name]
+    features = sum(bits.values()) & ~bits["TEXEL_SCENE"] & ~bits["TEXEL_STATE"]
+    without = sum(lobes[lobe] for lobe in besides)
+    on = freeze(kernels["shade_surface"], features, without | lobes[name], folder)
+    off = freeze(kernels["shade_surface"], features, without, folder)
+    for want in wanted:
+        check_gone(name, want, on, off)
+    check_fewer(name, on, off)
+    report(name, "shade_surface", on, off)
+
+
+def check_feature(name, bits, lobes, kernels, folder):
     removed, expected = FEATURES[name]
     texel = bits["TEXEL_SCENE"] | bits["TEXEL_STATE"]
     everything = sum(bits.values()) & ~texel
@@ -228,34 +311,35 @@ def check_feature(name, bits, kernels, folder):
     without = everything & ~sum(bits[feature] for feature in removed)
     for kernel, wanted in expected.items():
         place = "%s, %s" % (name, kernel)
-        on = freeze(kernels[kernel], everything, folder)
-        off = freeze(kernels[kernel], without, folder)
+        on = freeze(kernels[kernel], everything, lobes, folder)
+        off = freeze(kernels[kernel], without, lobes, folder)
         for want in wanted:
             check_gone(place, want, on, off)
         exchanged = EXCHANGED.get(name)
         for want in exchanged[kernel] if exchanged else []:
             check_gone(place, want, off, on)
-        if not exchanged and off.instructions >= on.instructions:
-            fail("%s: %d instructions did not become fewer" % (place, on.instructions))
-        print("%-26s %-18s %5d -> %5d instructions, %6d -> %6d bytes" %
-              (name, kernel, on.instructions, off.instructions, on.bytes, off.bytes))
+        if not exchanged:
+            check_fewer(place, on, off)
+        report(name, kernel, on, off)
 
 
-def check_ballot(bits, kernels, folder):
+def check_ballot(bits, lobes, kernels, folder):
     """Ballot is another module rather than a constant."""
     for kernel in ("intersect_closest", "shade_surface"):
-        on = freeze(kernels[kernel], sum(bits.values()), folder)
-        off = freeze(kernels[kernel + "_plain"], sum(bits.values()), folder)
+        on = freeze(kernels[kernel], sum(bits.values()), lobes, folder)
+        off = freeze(kernels[kernel + "_plain"], sum(bits.values()), lobes, folder)
         check_gone("ballot, " + kernel, "OpGroupNonUniformBallot", on, off)
         check_gone("no ballot, " + kernel, "OpControlBarrier", off, on)
 
 
-def check_all_are_tested(bits):
+def check_all_are_tested(bits, lobes):
     tested = set()
     for removed, _ in FEATURES.values():
         tested.update(removed)
     for name in sorted(set(bits) - tested - {"BALLOT"}):
         fail("no test removes FEATURE_" + name)
+    for name in sorted(set(lobes) - set(LOBES)):
+        fail("no test removes LOBE_" + name)
 
 
 def main():
@@ -263,13 +347,17 @@ def main():
         if not shutil.which(tool):
             print("skipped: there is no %s" % tool)
             return 1 if os.environ.get("LAMPYRIS_NO_SKIP") else 77
-    bits = read_features(sys.argv[1])
+    bits = read_bits(sys.argv[1], "FEATURE")
+    lobes = read_bits(os.path.join(os.path.dirname(sys.argv[1]), "material.h"), "LOBE")
+    few = sum(lobes[name] for name in FEW_LOBES)
     kernels = {os.path.basename(path)[:-len(".spv")]: path for path in sys.argv[2:]}
     with tempfile.TemporaryDirectory() as folder:
         for name in FEATURES:
-            check_feature(name, bits, kernels, folder)
-        check_ballot(bits, kernels, folder)
-    check_all_are_tested(bits)
+            check_feature(name, bits, few, kernels, folder)
+        for name in LOBES:
+            check_lobe(name, bits, lobes, kernels, folder)
+        check_ballot(bits, few, kernels, folder)
+    check_all_are_tested(bits, lobes)
     return 1 if failures else 0
 
 
