@@ -11,11 +11,15 @@ static void print_vector(const char *name, const float v[3])
     printf("    %-12s %.9g %.9g %.9g\n", name, v[0], v[1], v[2]);
 }
 
+static const char *light_kind(const struct replay_vertex *v)
+{
+    return v->light_is_point ? "light" : v->light_is_shape ? "shape" : "triangle";
+}
+
 static void print_connection(const struct replay_vertex *v)
 {
-    printf("    %-12s %s %u, pdf %.9g per sr, %s\n", "light",
-           v->light_is_shape ? "shape" : "triangle", v->light_primitive, v->light_pdf,
-           v->occluded ? "occluded" : "visible");
+    printf("    %-12s %s %u, pdf %.9g per sr, %s\n", "light", light_kind(v), v->light_primitive,
+           v->light_pdf, v->occluded ? "occluded" : "visible");
     print_vector("to light", v->light_point);
     print_vector("would bring", v->light_radiance);
 }
@@ -63,12 +67,11 @@ static json_t *vertex_json(const struct replay_vertex *v)
                               "position", json_number(v->position[0]), json_number(v->position[1]),
                               json_number(v->position[2])));
     if (object && v->connected)
-        json_object_update_new(object,
-                               json_pack("{s:{s:s, s:i, s:o, s:o, s:o, s:b}}", "light", "kind",
-                                         v->light_is_shape ? "shape" : "triangle", "primitive",
-                                         v->light_primitive, "pdf", json_number(v->light_pdf),
-                                         "to_light", vector_json(v->light_point), "radiance",
-                                         vector_json(v->light_radiance), "occluded", v->occluded));
+        json_object_update_new(
+            object, json_pack("{s:{s:s, s:i, s:o, s:o, s:o, s:b}}", "light", "kind", light_kind(v),
+                              "primitive", v->light_primitive, "pdf", json_number(v->light_pdf),
+                              "to_light", vector_json(v->light_point), "radiance",
+                              vector_json(v->light_radiance), "occluded", v->occluded));
     return object;
 }
 

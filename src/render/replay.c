@@ -92,7 +92,10 @@ static bool read_connection(struct follower *f, struct replay_vertex *v, struct 
     v->light_pdf = ray.light_pdf;
     memcpy(v->light_point, ray.direction, sizeof v->light_point);
     memcpy(v->light_radiance, ray.radiance, sizeof v->light_radiance);
-    v->light_primitive = flat_primitive(f->r, ray.ignore_to, &v->light_is_shape);
+    v->light_is_point = !(ray.ignore_to & PRIMITIVE_SHAPE) && (ray.ignore_to & PRIMITIVE_LIGHT);
+    v->light_primitive = v->light_is_point
+                             ? ray.ignore_to & ~PRIMITIVE_LIGHT
+                             : flat_primitive(f->r, ray.ignore_to, &v->light_is_shape);
     return true;
 }
 
