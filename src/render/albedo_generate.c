@@ -48,8 +48,8 @@ static double fresnel(double cos_i, double eta)
 
 // Visible GGX normals as a quadrature over the random numbers that would sample them (Dupuy and
 // Benyoub 2023, as sample_ggx_vndf()): the weights G2 / G1(wo) sum to the albedo of F = 1.
-#define ROWS_MAX 128
-#define COLUMNS_MAX 64
+#define ROWS_MAX 192
+#define COLUMNS_MAX 192
 struct visible_normals {
     uint32_t count;
     double weight[ROWS_MAX * COLUMNS_MAX];
@@ -194,7 +194,10 @@ static double albedo_anisotropic(double x, double y, double z, double w)
     static struct visible_normals n;
     struct anisotropy a = axis_anisotropy(y, z, w);
     double sum = 0.0;
-    find_visible_normals(&n, axis_mu(x, a.alpha_o), a.phi, a.alpha_x, a.alpha_y, 48, 48);
+    double mu = axis_mu(x, a.alpha_o);
+    // From above, what is reflected is a narrow band of azimuths: 48 points are 2 % off.
+    int points = mu > 0.95 ? 192 : 48;
+    find_visible_normals(&n, mu, a.phi, a.alpha_x, a.alpha_y, points, points);
     for (uint32_t i = 0; i < n.count; i++)
         sum += n.weight[i];
     return fmin(1.0, sum);
