@@ -88,7 +88,7 @@ float albedo_cube(uint first, uvec3 size, vec3 at)
     uvec4 v = load_materials(first + (cell.z * size.y + cell.y) * size.x + cell.x);
     vec4 low = mix(vec4(v & 0xffffu), vec4(v >> 16u), w.x);
     vec2 middle = mix(low.xz, low.yw, w.y);
-    return mix(middle.x, middle.y, w.z) / 65535.0;
+    return min(1.0, mix(middle.x, middle.y, w.z) * (ALBEDO_HIGHEST / 65535.0));
 }
 
 // The mean of fresnel_dielectric() over what GGX reflects. Along eta the axis is the fourth root of

@@ -26,6 +26,9 @@
 #define ALBEDO_SINE_ASPECT 4u
 #define ALBEDO_SINE_AZIMUTH 4u
 
+// What 65535 stands for where values have 16 bits: nodes of 1 may be raised too.
+#define ALBEDO_HIGHEST 1.015625
+
 // First words of four, from the beginning of the tables.
 #define ALBEDO_GGX 0u
 #define ALBEDO_SCHLICK (ALBEDO_GGX + ALBEDO_GGX_MU * ALBEDO_GGX_ALPHA)

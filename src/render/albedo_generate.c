@@ -404,7 +404,8 @@ static void store_cube(const struct cubes *c, const uint32_t cell[4], const doub
     for (uint32_t b = 0; b < 8; b++) {
         uint32_t n =
             cube_node(c, cell[0] + (b & 1), cell[1] + (b >> 1 & 1), cell[2] + (b >> 2), cell[3]);
-        word[b / 2] |= (uint32_t)ceil(clamp01(node[n] + raise[n]) * 65535.0) << (16 * (b & 1));
+        word[b / 2] |= (uint32_t)ceil(clamp01((node[n] + raise[n]) / ALBEDO_HIGHEST) * 65535.0)
+                       << (16 * (b & 1));
     }
 }
 
