@@ -1,4 +1,4 @@
-// libFuzzer target: a picture of the format FUZZ_FORMAT ("exr", "hdr", "jpeg" or "png") from
+// Fuzz target: a picture of the format FUZZ_FORMAT ("exr", "hdr", "jpeg" or "png") from
 // memory, and its metadata. Bytes of another format are not wanted in the corpus.
 #include "image.h"
 #include "image_internal.h"
