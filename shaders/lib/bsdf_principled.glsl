@@ -9,13 +9,13 @@
 
 // --- lobes: each gives BSDF * |wi.z| and its own density -----------------------------------------
 
-vec3 eval_fibres(principled p, vec3 wo, vec3 wi, vec4 h, out float pdf)
+vec3 eval_fibres(principled p, vec3 wo, vec3 wi, vec4 h, out precise float pdf)
 {
     pdf = 0.5 * INV_PI;
     float a = p.fibre_roughness * p.fibre_roughness;
     float sin2 = dot(h.xy, h.xy);
-    float d = (2.0 + 1.0 / a) * pow(min(1.0, sin2), 0.5 / a) * (0.5 * INV_PI);
-    float g = d / (4.0 * (wo.z + wi.z - wo.z * wi.z));
+    precise float d = (2.0 + 1.0 / a) * pow(min(1.0, sin2), 0.5 / a) * (0.5 * INV_PI);
+    precise float g = d / (4.0 * (wo.z + wi.z - wo.z * wi.z));
     float largest = max(p.fibre_albedo, albedo_charlie(p.tables, wi.z, p.fibre_roughness));
     return p.fibre_color * (g * wi.z / max(1.0, largest));
 }
@@ -37,19 +37,20 @@ vec3 sample_gtr1(float a, vec2 u)
     return vec3(sqrt(max(0.0, sin2)) * vec2(cos(phi), sin(phi)), sqrt(max(0.0, cos2)));
 }
 
-float eval_coat(principled p, vec3 wo, vec3 wi, vec4 h, out float pdf)
+float eval_coat(principled p, vec3 wo, vec3 wi, vec4 h, out precise float pdf)
 {
     float f = p.coat * (0.04 + 0.96 * schlick_weight(h.w));
     if (p.coat_ggx)
         return f * eval_ggx_reflection(wo, wi, h, p.coat_alpha, p.separable, pdf);
-    float d = gtr1_d(h.xyz, p.coat_alpha);
+    precise float d = gtr1_d(h.xyz, p.coat_alpha);
     pdf = d * h.z / (4.0 * h.w);
     // G1 / (4 wo.z wi.z) wi.z, of alpha 1/4.
-    float g = ggx_g1(wi, vec2(0.25)) / (2.0 * (wo.z + ggx_stretched_length(wo, vec2(0.25))));
+    precise float g =
+        ggx_g1(wi, vec2(0.25)) / (2.0 * (wo.z + ggx_stretched_length(wo, vec2(0.25))));
     return f * d * g;
 }
 
-vec3 eval_base_reflection(principled p, vec3 wo, vec3 wi, vec4 h, out float pdf)
+vec3 eval_base_reflection(principled p, vec3 wo, vec3 wi, vec4 h, out precise float pdf)
 {
     vec3 reflected, through;
     float cos_t;
@@ -59,9 +60,9 @@ vec3 eval_base_reflection(principled p, vec3 wo, vec3 wi, vec4 h, out float pdf)
     vec3 wo_turned = principled_turn(p, wo, false);
     vec3 wi_turned = principled_turn(p, wi, false);
     pdf = pdf_ggx_vndf(wo_turned, h_turned, p.alpha) / (4.0 * h.w);
-    vec3 f = reflected * (pdf * ggx_g2(wo_turned, wi_turned, p.alpha, p.separable) /
-                          ggx_g1(wo_turned, p.alpha));
-    pdf *= principled_reflect_probability(reflected, through);
+    precise vec3 f = reflected * (pdf * ggx_g2(wo_turned, wi_turned, p.alpha, p.separable) /
+                                  ggx_g1(wo_turned, p.alpha));
+    pdf *= principled_probabilities(reflected, through).x;
     return f;
 }
 
@@ -74,7 +75,7 @@ bool principled_through_is_delta(principled p)
 }
 
 // Walter et al. 2007, eqs. 16, 17 and 21, of radiance.
-vec3 eval_base_refraction(principled p, vec3 wo, vec3 wi, out float pdf)
+vec3 eval_base_refraction(principled p, vec3 wo, vec3 wi, out precise float pdf)
 {
     pdf = 0.0;
     vec3 sum = refraction_half_vector(wo, wi, p.eta);
@@ -93,13 +94,14 @@ vec3 eval_base_refraction(principled p, vec3 wo, vec3 wi, out float pdf)
     float jacobian = p.eta * p.eta * cos_i / length2;
     pdf = pdf_ggx_vndf(principled_turn(p, wo, false), principled_turn(p, h, false), p.alpha) *
           jacobian;
-    vec3 f = through * (pdf * ggx_g1(principled_turn(p, wi, false), p.alpha) / (p.eta * p.eta));
-    pdf *= 1.0 - principled_reflect_probability(reflected, through);
+    float g1 = ggx_g1(principled_turn(p, wi, false), p.alpha);
+    precise vec3 f = through * (pdf * g1 / (p.eta * p.eta));
+    pdf *= principled_probabilities(reflected, through).y;
     return f;
 }
 
 // The reflection, turned to the other side.
-vec3 eval_base_thin(principled p, vec3 wo, vec3 wi, out float pdf)
+vec3 eval_base_thin(principled p, vec3 wo, vec3 wi, out precise float pdf)
 {
     pdf = 0.0;
     vec3 mirrored = vec3(wi.xy, -wi.z);
@@ -113,28 +115,28 @@ vec3 eval_base_thin(principled p, vec3 wo, vec3 wi, out float pdf)
     vec3 wo_turned = principled_turn(p, wo, false);
     vec3 wi_turned = principled_turn(p, mirrored, false);
     pdf = pdf_ggx_vndf(wo_turned, principled_turn(p, h.xyz, false), p.alpha) / (4.0 * h.w);
-    vec3 f = through * (pdf * ggx_g2(wo_turned, wi_turned, p.alpha, p.separable) /
-                        ggx_g1(wo_turned, p.alpha));
-    pdf *= 1.0 - principled_reflect_probability(reflected, through);
+    precise vec3 f = through * (pdf * ggx_g2(wo_turned, wi_turned, p.alpha, p.separable) /
+                                ggx_g1(wo_turned, p.alpha));
+    pdf *= principled_probabilities(reflected, through).y;
     return f;
 }
 
 // Without the weight of the layers above and `below`.
-vec3 eval_principled_diffuse(principled p, vec3 wo, vec3 wi, vec4 h, out float pdf)
+vec3 eval_principled_diffuse(principled p, vec3 wo, vec3 wi, vec4 h, out precise float pdf)
 {
     pdf = pdf_cosine_hemisphere(wi.z);
     float weight_o = schlick_weight(wo.z);
     float weight_i = schlick_weight(wi.z);
     float f90 = p.roughness * h.w * h.w;
     float a = 2.0 * f90 - 0.5;
-    float d = (1.0 + a * weight_o) * (1.0 + a * weight_i);
+    precise float d = (1.0 + a * weight_o) * (1.0 + a * weight_i);
     if (HAS_LOBE(LOBE_SUBSURFACE)) {
         float f = (1.0 + (f90 - 1.0) * weight_o) * (1.0 + (f90 - 1.0) * weight_i);
         float below = 1.25 * (f * (1.0 / (wo.z + wi.z) - 0.5) + 0.5);
         d += p.subsurface * (below - d);
     }
     d /= max(1.0, max(p.albedo_diffuse, principled_albedo_diffuse(p, wi.z)));
-    vec3 f = p.base_color * (p.sheen_layer * (1.0 - p.diffuse_transmission) * d * pdf);
+    precise vec3 f = p.base_color * (p.sheen_layer * (1.0 - p.diffuse_transmission) * d * pdf);
     if (HAS_LOBE(LOBE_SHEEN))
         f += p.sheen * (schlick_weight(h.w) * wi.z);
     return f;
@@ -142,14 +144,14 @@ vec3 eval_principled_diffuse(principled p, vec3 wo, vec3 wi, vec4 h, out float p
 
 // --- all of them ---------------------------------------------------------------------------------
 
-vec3 eval_principled_reflection(principled p, vec3 wo, vec3 wi, out float pdf)
+vec3 eval_principled_reflection(principled p, vec3 wo, vec3 wi, out precise float pdf)
 {
     pdf = 0.0;
     vec4 h = reflection_half_vector(wo, wi);
     if (!(h.w > 0.0))
         return vec3(0.0);
     float lobe_pdf;
-    vec3 f = p.base_layer * p.below * eval_principled_diffuse(p, wo, wi, h, lobe_pdf);
+    precise vec3 f = p.base_layer * p.below * eval_principled_diffuse(p, wo, wi, h, lobe_pdf);
     pdf = p.p_diffuse * lobe_pdf;
     if (HAS_LOBE(LOBE_ROUGH) && !p.is_delta) {
         f += p.base_layer * eval_base_reflection(p, wo, wi, h, lobe_pdf);
@@ -166,11 +168,11 @@ vec3 eval_principled_reflection(principled p, vec3 wo, vec3 wi, out float pdf)
     return f;
 }
 
-vec3 eval_principled_through(principled p, vec3 wo, vec3 wi, out float pdf)
+vec3 eval_principled_through(principled p, vec3 wo, vec3 wi, out precise float pdf)
 {
     pdf = 0.0;
     float lobe_pdf;
-    vec3 f = vec3(0.0);
+    precise vec3 f = vec3(0.0);
     if (HAS_LOBE(LOBE_DIFFUSE_TRANSMISSION)) {
         lobe_pdf = pdf_cosine_hemisphere(-wi.z);
         f = p.base_layer * p.below * p.base_color *
@@ -187,7 +189,7 @@ vec3 eval_principled_through(principled p, vec3 wo, vec3 wi, out float pdf)
     return f;
 }
 
-vec3 eval_prepared(principled p, vec3 wo, vec3 wi, out float pdf)
+vec3 eval_prepared(principled p, vec3 wo, vec3 wi, out precise float pdf)
 {
     pdf = 0.0;
     if (wi.z > 0.0)
@@ -197,7 +199,7 @@ vec3 eval_prepared(principled p, vec3 wo, vec3 wi, out float pdf)
     return vec3(0.0);
 }
 
-vec3 eval_principled(material m, vec3 wo, vec3 wi, float eta, out float pdf)
+vec3 eval_principled(material m, vec3 wo, vec3 wi, float eta, out precise float pdf)
 {
     return eval_prepared(principled_prepare(m, wo, eta), wo, wi, pdf);
 }
@@ -205,7 +207,7 @@ vec3 eval_principled(material m, vec3 wo, vec3 wi, float eta, out float pdf)
 // A direction of the base: in a delta's case complete, else with wi alone.
 bsdf_sample sample_base(principled p, vec3 wo, vec4 u)
 {
-    bsdf_sample s = bsdf_absorbed();
+    precise bsdf_sample s = bsdf_absorbed();
     vec3 h = vec3(0.0, 0.0, 1.0);
     if (HAS_LOBE(LOBE_ROUGH) && !p.is_delta)
         h = principled_turn(p, sample_ggx_vndf(principled_turn(p, wo, false), p.alpha, u.xy),
@@ -217,9 +219,9 @@ bsdf_sample sample_base(principled p, vec3 wo, vec4 u)
     float cos_t;
     float exact = fresnel_dielectric(cos_o, p.eta, cos_t);
     principled_interface(p, cos_o, cos_t, exact, reflected, through);
-    float reflect_probability = principled_reflect_probability(reflected, through);
-    bool reflects = u.w < reflect_probability;
-    float probability = p.p_base * (reflects ? reflect_probability : 1.0 - reflect_probability);
+    vec2 probabilities = principled_probabilities(reflected, through);
+    bool reflects = u.w < probabilities.x;
+    float probability = p.p_base * (reflects ? probabilities.x : probabilities.y);
     if (!(probability > 0.0))
         return s;
     s.wi = p.is_delta ? vec3(-wo.xy, wo.z) : normalize(2.0 * cos_o * h - wo);
@@ -261,7 +263,7 @@ bsdf_sample sample_principled(material m, vec3 wo, float eta, vec4 u)
     float bound_fibre = bound_through + p.p_fibre;
     float bound_coat = bound_fibre + p.p_coat;
 
-    bsdf_sample s = bsdf_absorbed();
+    precise bsdf_sample s = bsdf_absorbed();
     if (u.z >= bound_coat) {
         s = sample_base(p, wo, u);
     } else if (HAS_LOBE(LOBE_CLEARCOAT) && u.z >= bound_fibre) {

@@ -103,7 +103,7 @@ vec3 principled_film(principled p, float cos_o, float cos_t, vec3 f0, vec3 refle
 // F_w, for the exact Fresnel reflectance of eta.
 vec3 principled_dielectric(principled p, float cos_o, float exact, float cos_t, bool highest)
 {
-    vec3 f = exact + (p.f0 - p.f0_index) * ((1.0 - exact) / (1.0 - p.f0_index));
+    precise vec3 f = exact + (p.f0 - p.f0_index) * ((1.0 - exact) / (1.0 - p.f0_index));
     return principled_film(p, cos_o, cos_t, p.f0, clamp(f, 0.0, 1.0), highest);
 }
 
@@ -111,13 +111,13 @@ vec3 principled_dielectric(principled p, float cos_o, float exact, float cos_t, 
 // cos_o = wo.h, the refracted direction's cosine and Fresnel's reflectance: R, and
 // (1 - metallic) transmission tint (1 - F_t).
 //
-// Sums that lobes are added to are `precise`: else a compiler may round them in another way where
-// it knows that a lobe is not there.
+// Here and in lib/bsdf_principled.glsl what is stored or returned is `precise`: else a compiler may
+// regroup sums and products, and round them in another way where it knows that a lobe is not there.
 void principled_interface(principled p, float cos_o, float cos_t, float exact,
                           out precise vec3 reflected, out vec3 through)
 {
     bool total = p.eta < 1.0 && cos_t <= 0.0;
-    vec3 f = principled_dielectric(p, cos_o, exact, cos_t, false);
+    precise vec3 f = principled_dielectric(p, cos_o, exact, cos_t, false);
     f = total ? vec3(1.0) : p.specular_weight * f;
     reflected = (1.0 - p.metallic) * f;
     through = vec3(0.0);
@@ -133,19 +133,20 @@ void principled_interface(principled p, float cos_o, float cos_t, float exact,
     }
 }
 
-// The probability with which a microfacet reflects rather than lets through.
-float principled_reflect_probability(vec3 reflected, vec3 through)
+// The probabilities with which a microfacet reflects and lets through. Neither is one minus the other,
+// which would cancel where it is small.
+vec2 principled_probabilities(vec3 reflected, vec3 through)
 {
     if (!HAS_LOBE(LOBE_TRANSMISSION))
-        return 1.0;
+        return vec2(1.0, 0.0);
     float r = reflected.r + reflected.g + reflected.b;
     float t = through.r + through.g + through.b;
-    return t > 0.0 ? r / (r + t) : 1.0;
+    return t > 0.0 ? vec2(r, t) / (r + t) : vec2(1.0, 0.0);
 }
 
 // --- layers and lobes ----------------------------------------------------------------------------
 
-void prepare_fibres(inout principled p, material m, float mu)
+void prepare_fibres(inout precise principled p, material m, float mu)
 {
     p.fibre_layer = 1.0;
     if (!HAS_LOBE(LOBE_CHARLIE))
@@ -158,7 +159,7 @@ void prepare_fibres(inout principled p, material m, float mu)
     p.p_fibre = mean_channel(p.fibre_color) * albedo;
 }
 
-void prepare_coat(inout principled p, material m, float mu)
+void prepare_coat(inout precise principled p, material m, float mu)
 {
     p.base_layer = p.fibre_layer;
     if (!HAS_LOBE(LOBE_CLEARCOAT))
@@ -179,7 +180,7 @@ void prepare_coat(inout principled p, material m, float mu)
 }
 
 // The dielectric's reflectance at normal incidence: that of the index, scaled and tinted.
-void prepare_dielectric(inout principled p, material m, float eta)
+void prepare_dielectric(inout precise principled p, material m, float eta)
 {
     p.eta = is_index_matched(eta) ? 1.0 : eta;
     p.f0_index = fresnel_f0(p.eta);
@@ -236,14 +237,14 @@ vec4 principled_albedo_slopes(principled p, material m, vec3 wo, float alpha)
 }
 
 // E_dielectric; and in `albedo` that of all that the interface sends back or through.
-vec3 prepare_interface(inout principled p, material m, vec3 wo, float alpha,
+vec3 prepare_interface(inout precise principled p, material m, vec3 wo, float alpha,
                        out precise vec3 albedo)
 {
     vec4 e = principled_albedo_slopes(p, m, wo, alpha);
     float cos_t = e.w;
     if (HAS_LOBE(LOBE_IRIDESCENCE))
         fresnel_dielectric(e.w, p.eta, cos_t);
-    vec3 f = principled_dielectric(p, e.w, e.y, cos_t, !p.is_delta);
+    precise vec3 f = principled_dielectric(p, e.w, e.y, cos_t, !p.is_delta);
     f *= p.eta < 1.0 ? 1.0 : p.specular_weight;
     albedo = (1.0 - p.metallic) * f;
     if (HAS_LOBE(LOBE_TRANSMISSION)) {
@@ -261,7 +262,7 @@ vec3 prepare_interface(inout principled p, material m, vec3 wo, float alpha,
     return e.x * f;
 }
 
-void prepare_diffuse(inout principled p, material m, float mu)
+void prepare_diffuse(inout precise principled p, material m, float mu)
 {
     vec4 group = m.group[GROUP_DIFFUSE];
     p.subsurface = group.r;
@@ -286,7 +287,7 @@ void prepare_diffuse(inout principled p, material m, float mu)
 
 principled principled_prepare(material m, vec3 wo, float eta)
 {
-    principled p;
+    precise principled p;
     p.tables = albedo_first();
     vec4 metal = m.group[GROUP_METAL];
     p.base_color = m.group[GROUP_BASE].rgb;
