@@ -2,7 +2,9 @@
 // its consumer, in parts of push.part_items, and empties it for its producers.
 //
 // The hits of a queue of rays are as many as its rays at most: the same thread sets the dispatches of
-// the shading kernels to that, so that one such pass a bounce is enough.
+// the shading kernels to that, so that one such pass a bounce is enough. Where surfaces are sorted by
+// class a second pass, over the queues of hits, gives each kernel what its own queue holds; their
+// counts stay, since their consumers look at them.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -21,7 +23,9 @@ void main()
     if (queue >= QUEUE_COUNT || (push.queue >> queue & 1u) == 0u)
         return;
     uint count = counters.queue[queue];
-    counters.queue[queue] = 0u;
+    bool hits_of_class = queue >= QUEUE_SURFACE && queue <= QUEUE_MISS;
+    if (!hits_of_class)
+        counters.queue[queue] = 0u;
 
     bool rays = queue == QUEUE_RAYS || queue == QUEUE_RAYS + 1u;
     uint parts = (push.wave_slots + push.part_items - 1u) / push.part_items;

@@ -5,6 +5,7 @@
 // Bounces recorded before the host looks whether any path is left: few enough to end soon, enough
 // for the wait not to matter.
 #define BOUNCES_A_SUBMIT 16u
+#define QUEUES_OF_HITS ((1u << (QUEUE_MISS + 1)) - (1u << QUEUE_SURFACE))
 // The longest one dispatch may take before its work is split further.
 #define LONGEST_DISPATCH_MS 100.0
 
@@ -166,10 +167,13 @@ static bool trace_bounce(struct loop *l, uint32_t bounce, struct err *err)
     r->push.bounce = bounce;
     record_prepare(r, 1u << rays | 1u << QUEUE_SHADOW);
     bool shadows = specialization_needs_kernel(&r->specialization, KERNEL_intersect_shadow);
-    return (!shadows || bounce == 0 ||
-            trace_queue(l, KERNEL_intersect_shadow, QUEUE_SHADOW, err)) &&
-           trace_queue(l, KERNEL_intersect_closest, rays, err) &&
-           shade(l, KERNEL_shade_miss, QUEUE_MISS, err) && shade_surfaces(l, err);
+    if (shadows && bounce > 0 && !trace_queue(l, KERNEL_intersect_shadow, QUEUE_SHADOW, err))
+        return false;
+    if (!trace_queue(l, KERNEL_intersect_closest, rays, err))
+        return false;
+    if (r->specialization.features & FEATURE_CLASSES)
+        record_prepare(r, r->specialization.queues & QUEUES_OF_HITS);
+    return shade(l, KERNEL_shade_miss, QUEUE_MISS, err) && shade_surfaces(l, err);
 }
 
 // Follows all paths of the wave to their ends; leaves commands open that are not yet run.
