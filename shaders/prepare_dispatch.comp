@@ -3,7 +3,7 @@
 //
 // The hits of a queue of rays are as many as its rays at most: the same thread sets the dispatches of
 // the shading kernels to that, so that one such pass a bounce is enough. Where surfaces are sorted by
-// class a second pass, over the queues of hits, gives each kernel what its own queue holds; their
+// class, or rays may miss, a second pass, over the queues of hits, gives each kernel what its own queue holds; their
 // counts stay, since their consumers look at them.
 #version 460
 #extension GL_GOOGLE_include_directive : require

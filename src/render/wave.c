@@ -171,7 +171,7 @@ static bool trace_bounce(struct loop *l, uint32_t bounce, struct err *err)
         return false;
     if (!trace_queue(l, KERNEL_intersect_closest, rays, err))
         return false;
-    if (r->specialization.features & FEATURE_CLASSES)
+    if (r->specialization.features & (FEATURE_CLASSES | FEATURE_ENVIRONMENT))
         record_prepare(r, r->specialization.queues & QUEUES_OF_HITS);
     return shade(l, KERNEL_shade_miss, QUEUE_MISS, err) && shade_surfaces(l, err);
 }
