@@ -104,7 +104,8 @@ float shape_hit_there(trace_ray ray, vec3 center, uint kind, uint primitive, uin
     if (!HAS(FEATURE_SPHERES) || kind != SHAPE_KIND_SPHERE || primitive == ray.ignore_a)
         return -1.0;
     // The roots' sum is twice the distance of the point nearest to the centre.
-    float far = 2.0 * dot(center - ray.origin, ray.direction) / dot(ray.direction, ray.direction) - t;
+    float length2 = dot(ray.direction, ray.direction);
+    float far = 2.0 * dot(center - ray.origin, ray.direction) / length2 - t;
     point = ray.origin + far * ray.direction;
     bool there = far > t && alpha_passes(primitive, vec2(0.0), point, word, primitive | far_side,
                                          ray.alpha);

@@ -52,7 +52,7 @@ struct gltf_document {
     struct json_node root; // the nodes point into this struct: do not copy it
     struct json_node lists[GLTF_LIST_COUNT];
     uint32_t counts[GLTF_LIST_COUNT];
-    struct gltf_buffer *buffers;    // counts[GLTF_BUFFERS]
+    struct gltf_buffer *buffers; // counts[GLTF_BUFFERS]
     // counts[GLTF_BUFFER_VIEWS]: byteLength bytes that were compressed; NULL: they are in a buffer.
     const uint8_t **decoded_views;
     bool is_quantized;              // KHR_mesh_quantization is declared
@@ -81,8 +81,8 @@ bool gltf_require(const struct json_node *object, const char *key, struct err *e
 // An index below `count`; GLTF_NONE where the key is absent.
 bool gltf_read_index(const struct json_node *object, const char *key, uint32_t count, uint32_t *out,
                      struct err *err);
-// The element of a list that has this name, else this index; `what` is one of them, "animation". The
-// wish comes from the command line: ERR_USAGE where there is none.
+// The element of a list that has this name, else this index; `what` is one of them, "animation".
+// The wish comes from the command line: ERR_USAGE where there is none.
 bool gltf_find(const struct gltf_document *document, enum gltf_list list, const char *what,
                const char *wanted, uint32_t *out, struct err *err);
 // A member that is an object or absent (its value is then NULL), and the same for an array.
