@@ -4,12 +4,7 @@
 #extension GL_GOOGLE_include_directive : require
 
 #include "lib/queue.glsl"
-#include "lib/random.glsl"
-
-vec3 array3(float a[3])
-{
-    return vec3(a[0], a[1], a[2]);
-}
+#include "lib/sampler.glsl"
 
 void main()
 {
@@ -23,14 +18,13 @@ void main()
     uint pixel = slot_pixel(slot);
     vec2 inside = vec2(0.5);
     if (HAS(FEATURE_JITTER))
-        inside = random_4d(push.seed, pixel, slot_sample(slot), DIMENSION_CAMERA).xy;
-    vec2 size = vec2(push.width, push.height);
-    vec2 at = (vec2(pixel % push.width, pixel / push.width) + inside) / size * 2.0 - 1.0;
-    vec3 direction = normalize(array3(push.camera_forward) + at.x * array3(push.camera_right) -
-                               at.y * array3(push.camera_up));
+        inside = uniforms(slot, DIMENSION_CAMERA).xy;
+    vec2 size = vec2(frame.width, frame.height);
+    vec2 at = (vec2(pixel % frame.width, pixel / frame.width) + inside) / size * 2.0 - 1.0;
+    vec3 direction =
+        normalize(frame.camera_forward + at.x * frame.camera_right - at.y * frame.camera_up);
 
-    store_path(slot, PATH_ORIGIN,
-               uvec4(floatBitsToUint(array3(push.camera_position)), NO_PRIMITIVE));
+    store_path(slot, PATH_ORIGIN, uvec4(floatBitsToUint(frame.camera_position), NO_PRIMITIVE));
     store_path(slot, PATH_DIRECTION, uvec4(floatBitsToUint(direction), 0u));
     uint media = HAS(FEATURE_MEDIA) ? load_materials(1u).x : 0u;
     store_path(slot, PATH_THROUGHPUT, uvec4(floatBitsToUint(vec3(1.0)), media));

@@ -15,7 +15,7 @@ uint hit_class(uint primitive)
     if (HAS(FEATURE_TRIANGLES) && !is_shape)
         word = load_triangles(primitive * 3u + 1u).w;
     if (is_shape)
-        word = load_shapes((primitive & ~PRIMITIVE_SHAPE) * 2u + 1u).w;
+        word = load_shapes((primitive & ~PRIMITIVE_SHAPE) * SHAPE_WORDS + 1u).w;
     return word >> MATERIAL_CLASS_SHIFT & MATERIAL_CLASS_MASK;
 }
 

@@ -13,13 +13,16 @@ void main()
     bool valid = item < item_count();
     uint slot = valid ? queue_slot(push.queue, item) : 0u;
 
-    uvec4 origin = load_shadow_rays(slot * SHADOW_WORDS);
-    uvec4 direction = load_shadow_rays(slot * SHADOW_WORDS + 1u);
+    uvec4 origin = load_shadow_ray(slot, push.light_ray, 0u);
+    uvec4 direction = load_shadow_ray(slot, push.light_ray, 1u);
+    vec3 radiance = uintBitsToFloat(load_shadow_ray(slot, push.light_ray, 2u).rgb);
+    if (LIGHT_RAYS > 1u && all(equal(radiance, vec3(0.0))))
+        valid = false;
     trace_ray ray = trace_ray(uintBitsToFloat(origin.xyz), uintBitsToFloat(direction.xyz),
                               origin.w, direction.w, ray_alpha(slot, true));
     trace_hit hit = trace_hit(1.0, vec2(0.0), NO_PRIMITIVE, 0u);
     bool done = trace_or_suspend(slot, valid, ray, hit);
 
     if (done && hit.primitive == NO_PRIMITIVE)
-        add_radiance(slot, load_shadow_rays_float(slot * SHADOW_WORDS + 2u).rgb, SITE_SHADOW);
+        add_radiance(slot, radiance, SITE_SHADOW);
 }

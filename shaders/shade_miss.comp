@@ -13,10 +13,10 @@ void main()
     if (item >= item_count())
         return;
     uint slot = queue_slot(push.queue, item);
-    vec3 radiance = vec3(push.environment[0], push.environment[1], push.environment[2]);
+    vec3 radiance = frame.environment;
     if (HAS(FEATURE_ENVIRONMENT_IMAGE)) {
         vec3 direction = uintBitsToFloat(load_path(slot, PATH_DIRECTION).xyz);
-        uvec2 size = uvec2(push.environment_size & 0xffffu, push.environment_size >> 16u);
+        uvec2 size = uvec2(frame.environment_size & 0xffffu, frame.environment_size >> 16u);
         radiance *= load_environment_float(environment_texel(direction, size)).rgb;
     }
     uvec4 words = load_path(slot, PATH_THROUGHPUT);

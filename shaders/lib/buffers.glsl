@@ -10,6 +10,10 @@ layout(push_constant) uniform push_block {
     gpu_push push;
 };
 
+layout(std140, set = 0, binding = UNIFORM_BINDING_FRAME) uniform frame_block {
+    gpu_frame frame;
+};
+
 // READABLE(name, binding, texel feature): uvec4 load_name(uint index), index in units of four words.
 #define READABLE(name, number, feature)                                                            \
     layout(std430, set = 0, binding = number) buffer name##_block {                                \
@@ -57,9 +61,15 @@ uvec4 load_path(uint slot, uint word)
     return load_paths(slot * PATH_WORDS + word);
 }
 
-void store_shadow_ray(uint slot, uint word, uvec4 value)
+// A slot has LIGHT_RAYS shadow rays.
+void store_shadow_ray(uint slot, uint ray, uint word, uvec4 value)
 {
-    shadow_rays_words[slot * SHADOW_WORDS + word] = value;
+    shadow_rays_words[(slot * LIGHT_RAYS + ray) * SHADOW_WORDS + word] = value;
+}
+
+uvec4 load_shadow_ray(uint slot, uint ray, uint word)
+{
+    return load_shadow_rays((slot * LIGHT_RAYS + ray) * SHADOW_WORDS + word);
 }
 
 // The image pixel and the sample number that a slot of this wave works on.

@@ -4,6 +4,7 @@
 
 #include "shared/bindings.h"
 #include "shared/material.h"
+#include "shared/methods.h"
 
 layout(constant_id = CONSTANT_FEATURES) const uint FEATURES = 0u;
 layout(local_size_x_id = CONSTANT_WORKGROUP) in;
@@ -12,10 +13,24 @@ layout(constant_id = CONSTANT_ITERATION_BUDGET) const uint ITERATION_BUDGET = 0x
 layout(constant_id = CONSTANT_INTERLEAVE) const uint INTERLEAVE = 1u;
 layout(constant_id = CONSTANT_LOBES) const uint LOBES = 0u;
 layout(constant_id = CONSTANT_QUEUES) const uint QUEUES = 0u;
+layout(constant_id = CONSTANT_EMITTERS) const uint EMITTERS = 0u;
+layout(constant_id = CONSTANT_AOVS) const uint AOVS = 0u;
+layout(constant_id = CONSTANT_INTEGRATOR) const uint INTEGRATOR = INTEGRATOR_PATH;
+layout(constant_id = CONSTANT_SAMPLER) const uint SAMPLER = SAMPLER_PCG;
+layout(constant_id = CONSTANT_HALVES) const uint HALVES = HALVES_INDEPENDENT;
+layout(constant_id = CONSTANT_FILTER) const uint FILTER = FILTER_BOX;
+layout(constant_id = CONSTANT_CAMERA) const uint CAMERA = CAMERA_PERSPECTIVE;
+layout(constant_id = CONSTANT_LIGHT_CHOICE) const uint LIGHT_CHOICE = LIGHT_CHOICE_POWER;
+layout(constant_id = CONSTANT_LIGHT_RAYS) const uint LIGHT_RAYS = 1u;
+layout(constant_id = CONSTANT_MIS) const uint MIS = MIS_POWER;
+layout(constant_id = CONSTANT_DIRECTIONS) const uint DIRECTIONS = DIRECTIONS_BSDF;
+layout(constant_id = CONSTANT_ROULETTE) const uint ROULETTE = ROULETTE_THROUGHPUT;
 
 // Constant-folded: an absent feature's code is gone.
 #define HAS(feature) ((FEATURES & (feature)) != 0u)
 #define HAS_LOBE(lobe) ((LOBES & (lobe)) != 0u)
+#define HAS_EMITTER(emitters) ((EMITTERS & (emitters)) != 0u)
+#define HAS_AOV(aovs) ((AOVS & (aovs)) != 0u)
 
 const float PI = 3.14159265358979323846;
 const float INV_PI = 0.31830988618379067154;

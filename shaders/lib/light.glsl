@@ -42,7 +42,7 @@ float pdf_area_to_solid_angle(float density, float distance, float cos_light)
 // `origin`, given the surface that it hits at `distance`.
 float pdf_light(vec3 origin, vec3 direction, float distance, surface s, float pick_density)
 {
-    if (HAS(FEATURE_EMISSIVE_SPHERES) && s.radius > 0.0) {
+    if (HAS_EMITTER(EMITTER_SPHERES) && s.radius > 0.0) {
         vec3 to_center = s.center - origin;
         float sin2_max = s.radius * s.radius / dot(to_center, to_center);
         if (sin2_max < 1.0)
@@ -103,14 +103,14 @@ void sample_sphere_light(vec3 origin, vec3 center, float radius, material m, vec
 
 void sample_shape_light(vec3 origin, uint index, vec2 u, inout light_sample l)
 {
-    vec4 w0 = load_shapes_float(index * 2u);
-    uvec4 w1 = load_shapes(index * 2u + 1u);
+    vec4 w0 = load_shapes_float(index * SHAPE_WORDS);
+    uvec4 w1 = load_shapes(index * SHAPE_WORDS + 1u);
     uint kind = w1.w >> SHAPE_KIND_SHIFT;
     material m = load_material(w1.w);
     l.material = w1.w;
-    if (HAS(FEATURE_EMISSIVE_SPHERES) && kind == SHAPE_KIND_SPHERE)
+    if (HAS_EMITTER(EMITTER_SPHERES) && kind == SHAPE_KIND_SPHERE)
         sample_sphere_light(origin, w0.xyz, w0.w, m, u, l);
-    if (HAS(FEATURE_EMISSIVE_DISCS) && kind == SHAPE_KIND_DISC) {
+    if (HAS_EMITTER(EMITTER_DISCS) && kind == SHAPE_KIND_DISC) {
         vec3 normal = uintBitsToFloat(w1.xyz);
         vec2 d = w0.w * sample_disc(u);
         mat3 basis = basis_around(normal);
@@ -126,9 +126,9 @@ void texture_light(vec3 origin, inout light_sample l)
     if (HAS(FEATURE_TEXTURES)) {
         surface s;
         bool is_shape = (l.primitive & PRIMITIVE_SHAPE) != 0u;
-        if (HAS(FEATURE_EMISSIVE_TRIANGLES) && !is_shape)
+        if (HAS_EMITTER(EMITTER_TRIANGLES) && !is_shape)
             load_corner_attributes(l.primitive, l.barycentrics, s);
-        if ((HAS(FEATURE_EMISSIVE_SPHERES) || HAS(FEATURE_EMISSIVE_DISCS)) && is_shape)
+        if (HAS_EMITTER(EMITTERS_SHAPES) && is_shape)
             s = load_shape_surface(l.primitive & ~PRIMITIVE_SHAPE, point);
         l.radiance = textured_emission(load_material(l.material), s);
     }
@@ -181,15 +181,15 @@ void sample_point_light(vec3 origin, uint index, inout light_sample l)
     l.pdf = distance2 > 0.0 ? l.pdf : 0.0;
 }
 
-// One of push.emitter_count bins of the alias table, and where in it, by two uniforms: one alone has
+// One of frame.emitter_count bins of the alias table, and where in it, by two uniforms: one alone has
 // too few bits for bins that are many, or that are shared unequally. u = (x, y) stands for the number
 // x + 2^-24 y, which has 48.
 uint choose_bin(vec2 u, out float within)
 {
     uvec2 bits = uvec2(u * 16777216.0);
     uint high, low, below_high, below_low, carry;
-    umulExtended(bits.x, push.emitter_count, high, low);
-    umulExtended(bits.y, push.emitter_count, below_high, below_low);
+    umulExtended(bits.x, frame.emitter_count, high, low);
+    umulExtended(bits.y, frame.emitter_count, below_high, below_low);
     low = uaddCarry(low, below_high << 8 | below_low >> 24, carry);
     high += carry;
     within = float(low & 0xffffffu) * 5.9604644775390625e-8 +
@@ -214,11 +214,11 @@ light_sample sample_light(vec3 origin, vec4 u)
     l.delta = false;
     l.material = 0u;
     l.barycentrics = vec2(0.0);
-    bool is_point = HAS(FEATURE_LIGHTS) && (l.primitive & PRIMITIVE_LIGHT) != 0u;
-    bool is_shape = (HAS(FEATURE_EMISSIVE_SPHERES) || HAS(FEATURE_EMISSIVE_DISCS)) && !is_point &&
-                    (HAS(FEATURE_EMISSIVE_TRIANGLES) ? (l.primitive & PRIMITIVE_SHAPE) != 0u
+    bool is_point = HAS_EMITTER(EMITTER_LIGHTS) && (l.primitive & PRIMITIVE_LIGHT) != 0u;
+    bool is_shape = HAS_EMITTER(EMITTERS_SHAPES) && !is_point &&
+                    (HAS_EMITTER(EMITTER_TRIANGLES) ? (l.primitive & PRIMITIVE_SHAPE) != 0u
                                                      : true);
-    if (HAS(FEATURE_EMISSIVE_TRIANGLES) && !is_shape && !is_point)
+    if (HAS_EMITTER(EMITTER_TRIANGLES) && !is_shape && !is_point)
         sample_triangle_light(origin, l.primitive, u.yz, l);
     if (is_shape)
         sample_shape_light(origin, l.primitive & ~PRIMITIVE_SHAPE, u.yz, l);

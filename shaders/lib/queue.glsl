@@ -39,7 +39,7 @@ uint item_count()
 uint queue_index(uint queue, uint item)
 {
     uint row = uint(bitCount(QUEUES & ((1u << queue) - 1u)));
-    return row * push.wave_slots + item;
+    return row * frame.wave_slots + item;
 }
 
 uint queue_slot(uint queue, uint item)

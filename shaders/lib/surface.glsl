@@ -161,8 +161,8 @@ void load_shape_attributes(inout surface s, uint kind, float radius)
 
 surface load_shape_surface(uint index, vec3 point)
 {
-    vec4 w0 = load_shapes_float(index * 2u);
-    uvec4 w1 = load_shapes(index * 2u + 1u);
+    vec4 w0 = load_shapes_float(index * SHAPE_WORDS);
+    uvec4 w1 = load_shapes(index * SHAPE_WORDS + 1u);
     uint kind = w1.w >> SHAPE_KIND_SHIFT;
     vec3 center = w0.xyz;
     float radius = w0.w;

@@ -114,8 +114,8 @@ float shape_hit_there(trace_ray ray, vec3 center, uint kind, uint primitive, uin
 
 void intersect_shape_leaf(trace_ray ray, uint index, inout trace_hit best)
 {
-    vec4 w0 = load_shapes_float(index * 2u);
-    uvec4 w1 = load_shapes(index * 2u + 1u);
+    vec4 w0 = load_shapes_float(index * SHAPE_WORDS);
+    uvec4 w1 = load_shapes(index * SHAPE_WORDS + 1u);
     uint kind = w1.w >> SHAPE_KIND_SHIFT;
     uint primitive = PRIMITIVE_SHAPE | index;
     float t = -1.0;

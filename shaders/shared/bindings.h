@@ -25,6 +25,7 @@
 #define TEXEL_BINDING_FIRST 16
 #define TEXEL_BINDING_COUNT 12
 #define TEXEL_BINDING(binding) (TEXEL_BINDING_FIRST + (binding))
+#define UNIFORM_BINDING_FRAME 28 // struct gpu_frame
 
 // Specialization constants, in the order of struct specialization (render/specialize.h).
 #define CONSTANT_FEATURES 0
@@ -32,22 +33,31 @@
 #define CONSTANT_STACK_ENTRIES 2
 #define CONSTANT_ITERATION_BUDGET 3
 #define CONSTANT_INTERLEAVE 4
-#define CONSTANT_LOBES 5   // LOBE_* of the class that a kernel shades, or of all
-#define CONSTANT_QUEUES 6  // bits of the queues that exist
-#define CONSTANT_COUNT 7
+#define CONSTANT_LOBES 5    // LOBE_* of the class that a kernel shades, or of all
+#define CONSTANT_QUEUES 6   // bits of the queues that exist
+#define CONSTANT_EMITTERS 7 // EMITTER_* that next-event estimation may connect to
+#define CONSTANT_AOVS 8     // AOV_* that are asked for
+// Of shared/methods.h:
+#define CONSTANT_INTEGRATOR 9
+#define CONSTANT_SAMPLER 10
+#define CONSTANT_HALVES 11
+#define CONSTANT_FILTER 12
+#define CONSTANT_CAMERA 13
+#define CONSTANT_LIGHT_CHOICE 14
+#define CONSTANT_LIGHT_RAYS 15 // shadow rays that a vertex sends at most
+#define CONSTANT_MIS 16
+#define CONSTANT_DIRECTIONS 17
+#define CONSTANT_ROULETTE 18
+#define CONSTANT_COUNT 19
 
 // What a (scene, settings, device) needs. Kernels test these bits of one specialization constant,
 // so that what is not needed is not in the code.
 #define FEATURE_TRIANGLES (1u << 0)
 #define FEATURE_SPHERES (1u << 1)
 #define FEATURE_DISCS (1u << 2)
-#define FEATURE_NORMALS (1u << 3)  // interpolated shading normals
-#define FEATURE_LIGHTS (1u << 4)   // point, spot and directional lights
-#define FEATURE_CLASSES (1u << 5)  // surface hits are sorted by class
-#define FEATURE_EMISSION (1u << 6) // some surface emits
-#define FEATURE_EMISSIVE_TRIANGLES (1u << 7)
-#define FEATURE_EMISSIVE_SPHERES (1u << 8)
-#define FEATURE_EMISSIVE_DISCS (1u << 9)
+#define FEATURE_NORMALS (1u << 3)             // interpolated shading normals
+#define FEATURE_CLASSES (1u << 5)             // surface hits are sorted by class
+#define FEATURE_EMISSION (1u << 6)            // some surface emits
 #define FEATURE_NEE (1u << 10)                // shadow rays to emitters
 #define FEATURE_BSDF_HITS_EMITTERS (1u << 11) // emitters found by BSDF sampling count too
 #define FEATURE_ENVIRONMENT (1u << 12)
@@ -69,7 +79,30 @@
 // Of one dispatch: a traversal that runs out of its budget saves its state and goes on later.
 #define FEATURE_SUSPEND (1u << 27)
 // Of the scene again.
-#define FEATURE_MEDIA (1u << 28)       // some surfaces bound something: refraction, absorption
+#define FEATURE_MEDIA (1u << 28) // some surfaces bound something: refraction, absorption
 #define FEATURE_NORMAL_MAPS (1u << 29)
+
+// What emits and is connected to.
+#define EMITTER_TRIANGLES (1u << 0)
+#define EMITTER_SPHERES (1u << 1)
+#define EMITTER_DISCS (1u << 2)
+#define EMITTER_LIGHTS (1u << 3) // point, spot and directional lights without extent
+#define EMITTERS_SHAPES (EMITTER_SPHERES | EMITTER_DISCS)
+
+// Pictures besides the radiance. Of the first surface that a camera ray meets:
+#define AOV_ALBEDO (1u << 0)
+#define AOV_NORMAL (1u << 1)
+#define AOV_NORMAL_GEOMETRIC (1u << 2)
+#define AOV_DEPTH (1u << 3)
+#define AOV_POSITION (1u << 4)
+#define AOV_IDS (1u << 5)
+// Parts of the radiance: after no, one and more scattering events.
+#define AOV_EMISSION (1u << 6)
+#define AOV_DIRECT (1u << 7)
+#define AOV_INDIRECT (1u << 8)
+// What the film has anyway.
+#define AOV_SAMPLES (1u << 9)
+#define AOV_VARIANCE (1u << 10)
+#define AOV_HALVES (1u << 11)
 
 #endif

@@ -5,14 +5,17 @@
 #define LAMPYRIS_SHARED_TYPES_H
 
 #include "material.h"
+#include "methods.h"
 
 #ifdef GL_core_profile
 #define RECORD(name) name
+#define VEC3(name) vec3 name // with a scalar behind it: in uniform blocks arrays would be padded
 #define SHARED_STATIC_ASSERT_SIZE(name, bytes)
 #else
 #include <stdint.h>
 typedef uint32_t uint;
 #define RECORD(name) struct name
+#define VEC3(name) float name[3]
 #define SHARED_STATIC_ASSERT_SIZE(name, bytes)                                                     \
     _Static_assert(sizeof(struct name) == (bytes), "std430 and C must agree")
 #endif
@@ -23,6 +26,9 @@ typedef uint32_t uint;
 #define PRIMITIVE_SHAPE 0x40000000u
 // A light without extent: its index with this bit. Never hit, so that shadow rays may ignore it.
 #define PRIMITIVE_LIGHT 0x20000000u
+// What is around the scene, as an emitter.
+#define PRIMITIVE_ENVIRONMENT 0x10000000u
+#define NO_EMITTER 0xffffffffu
 
 // Three words of four; w's carry what shading needs, so that no index leads elsewhere.
 struct gpu_triangle {
@@ -31,7 +37,7 @@ struct gpu_triangle {
     float v1[3];
     uint material; // a material word, see below
     float v2[3];
-    uint align_v2;
+    uint emitter; // its number among the emitters, or NO_EMITTER
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_triangle, 48);
 
@@ -51,8 +57,11 @@ struct gpu_shape {
     float radius;
     float normal[3];
     uint kind_material; // kind in bits 28-31, a material word below
+    uint emitter;       // as of triangles
+    uint align_shape[3];
 };
-SHARED_STATIC_ASSERT_SIZE(gpu_shape, 32);
+SHARED_STATIC_ASSERT_SIZE(gpu_shape, 48);
+#define SHAPE_WORDS 3
 #define SHAPE_KIND_SHIFT 28
 
 // A material word: index, class, and whether the surface may be not there.
@@ -64,10 +73,10 @@ SHARED_STATIC_ASSERT_SIZE(gpu_shape, 32);
 // The materials' buffer: this header, then struct gpu_material for each material, and the sections
 // that begin at these words of four.
 struct gpu_material_header {
-    uint textures; // struct gpu_texture
-    uint lights;   // struct gpu_light
-    uint media;    // struct gpu_medium; medium m is record m - 1
-    uint albedos;  // the tables of lib/albedo.glsl
+    uint textures;     // struct gpu_texture
+    uint lights;       // struct gpu_light
+    uint media;        // struct gpu_medium; medium m is record m - 1
+    uint albedos;      // the tables of lib/albedo.glsl
     uint camera_media; // the stack of media that camera rays start in, see lib/media.glsl
     float camera_ior;  // of the one they start in
     uint align_header[2];
@@ -76,10 +85,10 @@ SHARED_STATIC_ASSERT_SIZE(gpu_material_header, 32);
 #define MATERIAL_HEADER_WORDS 2 // of four
 
 struct gpu_material {
-    uint model_flags;       // MATERIAL_*
-    uint first_texture;     // of its textures, which are adjacent
+    uint model_flags;   // MATERIAL_*
+    uint first_texture; // of its textures, which are adjacent
     uint texture_count;
-    uint medium;            // of its inside; 0: none
+    uint medium; // of its inside; 0: none
     float parameter[PARAMETER_COUNT];
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_material, 192);
@@ -99,7 +108,7 @@ SHARED_STATIC_ASSERT_SIZE(gpu_texture, 48);
 struct gpu_medium {
     float extinction[3]; // 1/m, at most 3.4e38 in place of infinity
     float ior;
-    uint priority; // where media overlap, the highest one is there; 0: air
+    uint priority;    // where media overlap, the highest one is there; 0: air
     float dispersion; // 20 / Abbe number
     uint align_medium[2];
 };
@@ -112,8 +121,8 @@ struct gpu_light {
     uint kind;
     float direction[3]; // unit, in which light travels: spot, directional
     float pick_probability;
-    float radiant[3];    // point, spot: intensity, W/sr; directional: irradiance, W/m^2
-    float inverse_range; // of that beyond which there is no light, 1/m; 0: unlimited
+    float radiant[3];              // point, spot: intensity, W/sr; directional: irradiance, W/m^2
+    float inverse_range;           // of that beyond which there is no light, 1/m; 0: unlimited
     float spot_scale, spot_offset; // falloff: clamp(offset - scale * (1 - cos), 0, 1)^2
     float reach;                   // directional: the length of shadow rays
     float align_light;
@@ -138,7 +147,7 @@ struct gpu_path {
     float bsdf_pdf; // solid-angle density that chose the direction; 0: camera or perfectly specular
     float throughput[3];
     uint media; // the stack of media it is in, see lib/media.glsl
-    float t; // of the hit; not valid for misses
+    float t;    // of the hit; not valid for misses
     float u, v;
     uint primitive;
 };
@@ -186,10 +195,10 @@ struct gpu_resolved_pixel {
 SHARED_STATIC_ASSERT_SIZE(gpu_resolved_pixel, 32);
 
 // Queues of slot indices.
-#define QUEUE_RAYS 0 // even bounces; QUEUE_RAYS + 1: odd bounces
+#define QUEUE_RAYS 0      // even bounces; QUEUE_RAYS + 1: odd bounces
 #define QUEUE_SURFACE 2   // + class, with FEATURE_CLASSES; else the first one for all
 #define QUEUE_MISS 6      // with FEATURE_ENVIRONMENT only
-#define QUEUE_SHADOW 7    // with FEATURE_NEE only
+#define QUEUE_SHADOW 7    // with FEATURE_NEE only: slots with some shadow ray
 #define QUEUE_SUSPENDED 8 // + 1: the other one, by turns; with FEATURE_SUSPEND only
 #define QUEUE_COUNT 10
 
@@ -209,9 +218,10 @@ struct gpu_dispatch {
 };
 
 struct gpu_counters {
-    uint queue[12];       // QUEUE_COUNT used
+    uint queue[12];                    // QUEUE_COUNT used
     uint surface_hits[CLASS_COUNT][2]; // 64 bits each
-    uint media_lost; // paths that entered more media than the stack holds, or left one never entered
+    uint
+        media_lost; // paths that entered more media than the stack holds, or left one never entered
     uint align_counters[3];
     uint closest_rays[2]; // 64 bits, low word first
     uint shadow_rays[2];
@@ -224,31 +234,55 @@ struct gpu_counters {
     uint nonfinite_record[NONFINITE_RECORDS * 4]; // pixel, sample, site, bounce
 };
 
-// Push constants: what changes from dispatch to dispatch, and what is small and the same for all.
+// Push constants: what changes from dispatch to dispatch.
 struct gpu_push {
-    float camera_position[3];
-    uint width;
-    float camera_forward[3]; // unit
-    uint height;
-    float camera_right[3]; // scaled: to the image's right edge at distance 1
-    uint seed;
-    float camera_up[3]; // to the upper edge
     uint bounce;
-    float environment[3];  // radiance, or the factor on the image's
-    uint environment_size; // width in bits 0-15, height in 16-31
-    uint wave_slots;       // capacity of a queue and of the path arrays
-    uint first_pixel;      // of the image, of this wave
-    uint pixel_count;      // of this wave
+    uint first_pixel; // of the image, of this wave
+    uint pixel_count; // of this wave
     uint first_sample;
     uint sample_shift; // a wave holds pixel_count << sample_shift paths, a pixel's samples adjacent
     uint queue;        // that the kernel consumes, or a mask for prepare_dispatch
     uint first_item;   // of the queue, for this part of a split dispatch
     uint part_items;   // items a part has at most
-    uint max_bounces;
-    uint roulette_min_bounces;
-    uint emitter_count;
     uint film_first_pixel; // pixel that the bound range of the film begins with
+    uint light_ray;        // which of a slot's shadow rays
+    uint align_push[2];
 };
-SHARED_STATIC_ASSERT_SIZE(gpu_push, 128);
+SHARED_STATIC_ASSERT_SIZE(gpu_push, 48);
+
+// The uniform block: what is small and the same for all dispatches of a render.
+struct gpu_frame {
+    VEC3(camera_position);
+    uint width;
+    VEC3(camera_forward); // unit
+    uint height;
+    VEC3(camera_right); // scaled: to the image's right edge at distance 1; orthographic: metres
+    uint seed;
+    VEC3(camera_up); // to the upper edge
+    uint max_bounces;
+    VEC3(environment);     // radiance, or the factor on the image's
+    uint environment_size; // width in bits 0-15, height in 16-31
+    float environment_cos; // of the angle by which it is turned about +Y
+    float environment_sin;
+    float environment_pick; // the probability to connect to it, where that does not depend on where
+    uint emitter_count;
+    uint wave_slots;   // capacity of a queue and of the path arrays
+    uint samples;      // a pixel, as planned; 0: not known
+    uint nee_depth;    // vertices that send shadow rays
+    float clamp_limit; // of a contribution's largest component
+    uint roulette_min_bounces;
+    uint roulette_max_bounces; // of ROULETTE_FRAME: its cap
+    float roulette_survival;
+    float direction_exponent; // of DIRECTIONS_POWER_COSINE
+    float lens_radius;        // metres
+    float focus_distance;     // from the camera to the plane in focus, metres
+    float lens_rotation;      // of the aperture's blades, radians
+    uint lens_blades;         // 0: round
+    float filter_radius;      // pixels
+    float ao_distance;        // metres
+    float falloff;            // 1/m^3
+    uint align_frame;
+};
+SHARED_STATIC_ASSERT_SIZE(gpu_frame, 160);
 
 #endif

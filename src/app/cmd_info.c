@@ -165,6 +165,7 @@ static bool gather(const struct options *options, struct info *info, struct err 
         .flat = &info->flat,
         .bvh = &info->bvh,
         .gpu = &info->gpu,
+        .camera = &info->scene.cameras[info->camera],
         .everything = options->features == FEATURES_ALL,
         .merge_classes = options->classes == CLASSES_MERGED,
     });

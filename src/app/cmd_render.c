@@ -155,6 +155,7 @@ static bool set_up(struct render_job *job, struct err *err)
         .scene = &job->scene,
         .wave = options->wave,
         .camera = job->camera,
+        .aovs = options->aovs,
         .everything = options->features == FEATURES_ALL,
         .merge_classes = options->classes == CLASSES_MERGED,
         .progress = options->progress,

@@ -16,7 +16,6 @@
 
 _Static_assert(offsetof(struct settings, height) == offsetof(struct settings, width) + 4,
                "--size writes width and height at once");
-_Static_assert(OPTION_TOTAL <= 64, "one bit of struct options.given each");
 
 // Filled paragraphs: one field a line would make the table four times as long.
 // clang-format off
@@ -37,6 +36,14 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_HALF] = {
         .name = "half", .type = VALUE_FLAG, .group = "Picture", .commands = FOR_RENDER,
         .help = "Write EXR files with 16-bit instead of 32-bit channels.", FIELD(half_float),
+    },
+    [OPTION_AOV] = {
+        .name = "aov", .argument = "NAME,...", .type = VALUE_AOVS, .group = "Picture",
+        .commands = FOR_RENDER, .fallback = "none",
+        .help = "Pictures besides the radiance, as layers of the EXR files: albedo, normal, "
+                "normal_geometric, depth, position, ids, emission, direct, indirect, samples, "
+                "variance, halves; or all.",
+        FIELD(aovs),
     },
     [OPTION_EXPOSURE] = {
         .name = "exposure", .argument = "STOPS", .type = VALUE_REAL, .min = -SETTINGS_EXPOSURE_MAX,
@@ -64,16 +71,25 @@ const struct option_def option_table[OPTION_TOTAL] = {
                 "at --spp or --frames where given. At least one sample per pixel is taken.",
         FIELD(time_seconds),
     },
+    [OPTION_ERROR] = {
+        .name = "error", .argument = "RELMSE", .type = VALUE_REAL, .min = 1e-12, .max = 1e6,
+        .group = "Sampling", .commands = FOR_RENDER, .fallback = "no limit",
+        .help = "Stop when the upper end of the 95 % interval of the relative mean squared error "
+                "is below this. Looks at doubling sample counts; --spp or --time bound it.",
+        FIELD(error),
+    },
+    [OPTION_ADAPTIVE] = {
+        .name = "adaptive", .argument = "on|off", .type = VALUE_SWITCH, .group = "Sampling",
+        .commands = FOR_RENDER, .fallback = "off",
+        .help = "Give tiles of the picture as many samples as their error asks for, with --spp on "
+                "average. A pilot pass, whose samples are not part of the picture, says how many.",
+        FIELD(adaptive),
+    },
     [OPTION_SEED] = {
         .name = "seed", .argument = "N", .type = VALUE_COUNT, .min = 0, .max = UINT32_MAX,
         .group = "Sampling", .commands = FOR_RENDER, .fallback = IN_SCENE_FILE "0",
         .help = "Seed of the random numbers. The same seed gives the same picture, bit for bit.",
         FIELD(settings.seed),
-    },
-    [OPTION_FILTER] = {
-        .name = "filter", .argument = "box", .type = VALUE_CHOICE, .group = "Sampling",
-        .commands = FOR_RENDER, .fallback = IN_SCENE_FILE "box", .help = "Pixel filter.",
-        FIELD(settings.filter),
     },
     [OPTION_MAX_BOUNCES] = {
         .name = "max-bounces", .argument = "N", .type = VALUE_COUNT, .min = 0,
@@ -82,19 +98,132 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .help = "Scattering events on a path: 0 is emission only, 1 direct light.",
         FIELD(settings.max_bounces),
     },
-    [OPTION_ESTIMATOR] = {
-        .name = "estimator", .argument = "mis|nee|bsdf", .type = VALUE_CHOICE,
-        .group = "Sampling", .commands = FOR_SCENE, .fallback = "mis",
-        .help = "How paths find lights: by sampling lights (nee), by scattering (bsdf), or by both "
-                "with multiple importance sampling (mis). All converge to the same picture.",
-        FIELD(settings.estimator),
+    [OPTION_INTEGRATOR] = {
+        .name = "integrator", .argument = "path|direct|ao|whitted", .type = VALUE_CHOICE,
+        .group = "Method", .commands = FOR_SCENE, .fallback = IN_SCENE_FILE "path",
+        .help = "What is computed: light over any number of bounces (path), over one (direct), how "
+                "open each surface is (ao), or Whitted's recursion of 1979: perfect reflection and "
+                "refraction, hard shadows and Phong shading, for comparison.",
+        FIELD(settings.integrator),
+    },
+    [OPTION_AO_DISTANCE] = {
+        .name = "ao-distance", .argument = "METRES", .type = VALUE_REAL, .min = 1e-30,
+        .max = 1e30, .group = "Method", .commands = FOR_SCENE,
+        .fallback = IN_SCENE_FILE "any distance",
+        .help = "How far away a surface still occludes, with --integrator ao.",
+        FIELD(settings.ao_distance),
+    },
+    [OPTION_FALLOFF] = {
+        .name = "falloff", .argument = "K", .type = VALUE_REAL, .min = 0, .max = 1e30,
+        .group = "Method", .commands = FOR_SCENE, .fallback = IN_SCENE_FILE "0: none",
+        .help = "Fade what the camera sees at a distance of t metres into the background by "
+                "1 - exp(-K t^3). Not physical.",
+        FIELD(settings.falloff),
+    },
+    [OPTION_SAMPLER] = {
+        .name = "sampler", .argument = "sobol|pcg|lcg|stratified|grid|blue-noise",
+        .type = VALUE_CHOICE, .group = "Method", .commands = FOR_SCENE,
+        .fallback = IN_SCENE_FILE "sobol",
+        .help = "Where random numbers come from: an Owen-scrambled Sobol sequence, independent "
+                "ones (pcg; lcg: a linear congruential generator seeded by TEA), one in each "
+                "stratum at random or at its centre (grid), or a sequence whose errors are blue "
+                "noise over the picture, for few samples.",
+        FIELD(settings.sampler),
+    },
+    [OPTION_HALVES] = {
+        .name = "halves", .argument = "independent|contiguous", .type = VALUE_CHOICE,
+        .group = "Method", .commands = FOR_SCENE, .fallback = IN_SCENE_FILE "independent",
+        .help = "Whether the half-buffers that tell the error have a sequence of their own each, "
+                "or are the first and the second half of one, whose error is an upper bound.",
+        FIELD(settings.halves),
+    },
+    [OPTION_FILTER] = {
+        .name = "filter", .argument = "box|tent|gaussian|blackman-harris", .type = VALUE_CHOICE,
+        .group = "Method", .commands = FOR_SCENE, .fallback = IN_SCENE_FILE "box",
+        .help = "Pixel filter, sampled by importance.", FIELD(settings.filter),
+    },
+    [OPTION_FILTER_RADIUS] = {
+        .name = "filter-radius", .argument = "PIXELS", .type = VALUE_REAL, .min = 0,
+        .max = SETTINGS_FILTER_RADIUS_MAX, .group = "Method", .commands = FOR_SCENE,
+        .fallback = IN_SCENE_FILE "0: the filter's own",
+        .help = "Half the width of the pixel filter.", FIELD(settings.filter_radius),
+    },
+    [OPTION_LIGHT_CHOICE] = {
+        .name = "light-choice", .argument = "auto|uniform|power|all|tree", .type = VALUE_CHOICE,
+        .group = "Method", .commands = FOR_SCENE, .fallback = IN_SCENE_FILE "auto",
+        .help = "Which emitters a vertex is connected to: any with the same probability, by power, "
+                "all of them, or by what they may send there, through a tree of lights.",
+        FIELD(settings.light_choice),
+    },
+    [OPTION_NEE] = {
+        .name = "nee", .argument = "on|off", .type = VALUE_SWITCH, .group = "Method",
+        .commands = FOR_SCENE, .fallback = IN_SCENE_FILE "on",
+        .help = "Next-event estimation: shadow rays to emitters.", FIELD(settings.nee),
+    },
+    [OPTION_NEE_DEPTH] = {
+        .name = "nee-depth", .argument = "N|off", .type = VALUE_COUNT_OR_OFF, .min = 0,
+        .max = SETTINGS_BOUNCES_MAX, .group = "Method", .commands = FOR_SCENE,
+        .fallback = IN_SCENE_FILE "off: all of them",
+        .help = "Only the first N vertices of a path send shadow rays.",
+        FIELD(settings.nee_depth),
+    },
+    [OPTION_MIS] = {
+        .name = "mis", .argument = "power|balance|none", .type = VALUE_CHOICE, .group = "Method",
+        .commands = FOR_SCENE, .fallback = IN_SCENE_FILE "power",
+        .help = "Weights of the two ways to find an emitter, by shadow rays and by scattering: the "
+                "power or the balance heuristic, or shadow rays only where they can.",
+        FIELD(settings.mis),
+    },
+    [OPTION_DIRECTIONS] = {
+        .name = "directions", .argument = "bsdf|sphere|hemisphere|cosine|power-cosine",
+        .type = VALUE_CHOICE, .group = "Method", .commands = FOR_SCENE,
+        .fallback = IN_SCENE_FILE "bsdf",
+        .help = "How paths choose the direction in which they go on from a surface that is not "
+                "perfectly specular: as the surface scatters, or evenly over the sphere or the "
+                "hemisphere, by the cosine, or by a power of the cosine about the mirrored "
+                "direction.",
+        FIELD(settings.directions),
+    },
+    [OPTION_DIRECTION_EXPONENT] = {
+        .name = "direction-exponent", .argument = "N", .type = VALUE_REAL, .min = 0,
+        .max = SETTINGS_EXPONENT_MAX, .group = "Method", .commands = FOR_SCENE,
+        .fallback = IN_SCENE_FILE "15", .help = "The power of --directions power-cosine.",
+        FIELD(settings.direction_exponent),
+    },
+    [OPTION_CLAMP] = {
+        .name = "clamp", .argument = "LIMIT", .type = VALUE_REAL, .min = 0, .max = 1e30,
+        .group = "Method", .commands = FOR_SCENE, .fallback = IN_SCENE_FILE "0: off",
+        .help = "Scale every contribution to a sample down to this largest component. Removes "
+                "fireflies, and light with them: the picture is biased.",
+        FIELD(settings.clamp_limit),
+    },
+    [OPTION_ROULETTE] = {
+        .name = "roulette", .argument = "throughput|constant|frame|off", .type = VALUE_CHOICE,
+        .group = "Method", .commands = FOR_SCENE, .fallback = IN_SCENE_FILE "throughput",
+        .help = "Russian roulette: paths survive by their throughput, with a constant "
+                "probability, or together: each sample number has one depth for all pixels.",
+        FIELD(settings.roulette),
     },
     [OPTION_ROULETTE_MIN_BOUNCES] = {
         .name = "roulette-min-bounces", .argument = "N|off", .type = VALUE_COUNT_OR_OFF,
-        .min = 0, .max = SETTINGS_BOUNCES_MAX, .group = "Sampling", .commands = FOR_SCENE,
+        .min = 0, .max = SETTINGS_BOUNCES_MAX, .group = "Method", .commands = FOR_SCENE,
         .fallback = IN_SCENE_FILE "3",
         .help = "Paths may end by Russian roulette after this many scattering events.",
         FIELD(settings.roulette_min_bounces),
+    },
+    [OPTION_ROULETTE_MAX_BOUNCES] = {
+        .name = "roulette-max-bounces", .argument = "N|off", .type = VALUE_COUNT_OR_OFF,
+        .min = 0, .max = SETTINGS_BOUNCES_MAX, .group = "Method", .commands = FOR_SCENE,
+        .fallback = IN_SCENE_FILE "off",
+        .help = "The greatest depth that --roulette frame draws. Deeper light is lost: the "
+                "picture is biased.",
+        FIELD(settings.roulette_max_bounces),
+    },
+    [OPTION_ROULETTE_SURVIVAL] = {
+        .name = "roulette-survival", .argument = "P", .type = VALUE_REAL, .min = 0.01, .max = 1,
+        .group = "Method", .commands = FOR_SCENE, .fallback = IN_SCENE_FILE "0.7",
+        .help = "Probability to survive, of --roulette constant and frame.",
+        FIELD(settings.roulette_survival),
     },
 
     [OPTION_CAMERA] = {
@@ -133,6 +262,18 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .help = "What surrounds the scene: a latitude-longitude picture, or a constant radiance "
                 "in W/(sr m^2). A file whose name looks like a colour is written ./1,1,1.",
     },
+    [OPTION_ENV_ROTATE] = {
+        .name = "env-rotate", .argument = "DEGREES", .type = VALUE_REAL, .min = -1e6, .max = 1e6,
+        .group = "Scene", .commands = FOR_SCENE, .fallback = "0",
+        .help = "Turn what surrounds the scene about +Y, counter-clockwise seen from above, in "
+                "addition to the scene's own rotation.",
+        FIELD(environment_rotate_degrees),
+    },
+    [OPTION_ENV_STRENGTH] = {
+        .name = "env-strength", .argument = "X", .type = VALUE_REAL, .min = 0, .max = 1e30,
+        .group = "Scene", .commands = FOR_SCENE, .fallback = "1",
+        .help = "Multiply the radiance of what surrounds the scene.", FIELD(environment_strength),
+    },
     [OPTION_DEFINE] = {
         .name = "define", .short_name = 'D', .argument = "KEY=VALUE", .type = VALUE_DEFINE,
         .group = "Scene", .commands = FOR_SCENE,
@@ -169,6 +310,23 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .help = "Whether frames add up to one picture. Off: each is fresh, with samples of its "
                 "own.",
         FIELD(accumulate),
+    },
+    [OPTION_CHECKPOINT] = {
+        .name = "checkpoint", .argument = "FILE", .type = VALUE_TEXT, .group = "Frames",
+        .commands = FOR_RENDER, .fallback = "none is kept",
+        .help = "Keep in FILE what is needed to go on with this render later.", FIELD(checkpoint),
+    },
+    [OPTION_CHECKPOINT_EVERY] = {
+        .name = "checkpoint-every", .argument = "SECONDS", .type = VALUE_REAL, .min = 0,
+        .max = OPTION_TIME_MAX, .group = "Frames", .commands = FOR_RENDER, .fallback = "60",
+        .help = "Time between two checkpoints.", FIELD(checkpoint_seconds),
+    },
+    [OPTION_RESUME] = {
+        .name = "resume", .type = VALUE_FLAG, .group = "Frames", .commands = FOR_RENDER,
+        .help = "Go on from the file of --checkpoint. The picture is that of a run without "
+                "interruption, bit for bit; a checkpoint of another scene or of other settings is "
+                "refused.",
+        FIELD(resume),
     },
 
     [OPTION_DEVICE] = {

@@ -2,6 +2,7 @@
 
 #include "file.h"
 #include "image.h"
+#include "shared/bindings.h"
 #include <assert.h>
 #include <errno.h>
 #include <math.h>
@@ -232,6 +233,47 @@ static bool store_limit(const struct option_def *def, const char *text, struct o
     return true;
 }
 
+static const struct {
+    const char *name;
+    uint32_t bits;
+} aov_words[] = {
+    {"albedo", AOV_ALBEDO},
+    {"normal", AOV_NORMAL},
+    {"normal_geometric", AOV_NORMAL_GEOMETRIC},
+    {"depth", AOV_DEPTH},
+    {"position", AOV_POSITION},
+    {"ids", AOV_IDS},
+    {"emission", AOV_EMISSION},
+    {"direct", AOV_DIRECT},
+    {"indirect", AOV_INDIRECT},
+    {"samples", AOV_SAMPLES},
+    {"variance", AOV_VARIANCE},
+    {"halves", AOV_HALVES},
+    {"all", (AOV_HALVES << 1) - 1u},
+};
+
+static bool store_aovs(const struct option_def *def, const char *text, struct options *options,
+                       struct err *err)
+{
+    uint32_t bits = options->aovs;
+    for (const char *word = text; word;) {
+        size_t length = strcspn(word, ","), i = 0, count = sizeof aov_words / sizeof *aov_words;
+        while (i < count && (strlen(aov_words[i].name) != length ||
+                             memcmp(aov_words[i].name, word, length) != 0))
+            i++;
+        if (i == count)
+            return err_set(err, ERR_USAGE,
+                           "\"%.*s\" is unknown; expected some of albedo, normal, "
+                           "normal_geometric, depth, position, ids, emission, direct, indirect, "
+                           "samples, variance, halves, all",
+                           (int)length, word);
+        bits |= aov_words[i].bits;
+        word = word[length] ? word + length + 1 : NULL;
+    }
+    store(options, def, &bits);
+    return true;
+}
+
 bool option_store(const struct option_def *def, const char *text, struct options *options,
                   struct err *err)
 {
@@ -270,6 +312,8 @@ bool option_store(const struct option_def *def, const char *text, struct options
         return store_define(text, options, err);
     case VALUE_LIMIT:
         return store_limit(def, text, options, err);
+    case VALUE_AOVS:
+        return store_aovs(def, text, options, err);
     }
     return err_set(err, ERR_BUG, "an option of unknown type");
 }

@@ -90,7 +90,7 @@ static bool apply(struct parser *parser, const struct option_def *def, const cha
     }
     if (!option_store(def, value, parser->options, err))
         return err_prepend(err, "--%s", def->name);
-    parser->options->given |= UINT64_C(1) << (def - option_table);
+    parser->options->given[def - option_table] = true;
     return true;
 }
 

@@ -23,27 +23,50 @@ enum option_id {
     OPTION_OUTPUT,
     OPTION_SIZE,
     OPTION_HALF,
+    OPTION_AOV,
     OPTION_EXPOSURE,
     OPTION_TONE,
     OPTION_SPP,
     OPTION_TIME,
+    OPTION_ERROR,
+    OPTION_ADAPTIVE,
     OPTION_SEED,
-    OPTION_FILTER,
     OPTION_MAX_BOUNCES,
-    OPTION_ESTIMATOR,
+    OPTION_INTEGRATOR,
+    OPTION_AO_DISTANCE,
+    OPTION_FALLOFF,
+    OPTION_SAMPLER,
+    OPTION_HALVES,
+    OPTION_FILTER,
+    OPTION_FILTER_RADIUS,
+    OPTION_LIGHT_CHOICE,
+    OPTION_NEE,
+    OPTION_NEE_DEPTH,
+    OPTION_MIS,
+    OPTION_DIRECTIONS,
+    OPTION_DIRECTION_EXPONENT,
+    OPTION_CLAMP,
+    OPTION_ROULETTE,
     OPTION_ROULETTE_MIN_BOUNCES,
+    OPTION_ROULETTE_MAX_BOUNCES,
+    OPTION_ROULETTE_SURVIVAL,
     OPTION_CAMERA,
     OPTION_SCENE,
     OPTION_ANIMATION,
     OPTION_AT,
     OPTION_VARIANT,
     OPTION_ENV,
+    OPTION_ENV_ROTATE,
+    OPTION_ENV_STRENGTH,
     OPTION_DEFINE,
     OPTION_ALLOW_OUTSIDE_PATHS,
     OPTION_FRAMES,
     OPTION_SPP_PER_FRAME,
     OPTION_EVERY,
     OPTION_ACCUMULATE,
+    OPTION_CHECKPOINT,
+    OPTION_CHECKPOINT_EVERY,
+    OPTION_RESUME,
     OPTION_DEVICE,
     OPTION_WAVE,
     OPTION_VALIDATION,
@@ -86,6 +109,7 @@ enum option_type {
     VALUE_OUTPUT,
     VALUE_DEFINE, // KEY=VALUE
     VALUE_LIMIT,  // METRIC=VALUE
+    VALUE_AOVS,   // names separated by commas; bits of AOV_*
 };
 
 struct option_def {
@@ -137,7 +161,7 @@ struct options {
     const struct command *command; // NULL only with --help or --version
     const char *arguments[2];      // SCENE; IMAGE and REFERENCE; the COMMAND of help
     uint32_t argument_count;
-    uint64_t given;           // bit 1 << enum option_id
+    bool given[OPTION_TOTAL];
     const char *command_line; // all of it, quoted for a shell
 
     bool help, version, man, quiet, json;
@@ -146,6 +170,9 @@ struct options {
 
     struct settings settings; // only what was given is filled in: see options_apply_settings
     double time_seconds;      // 0: no limit
+    double error;             // relMSE to stop at; 0: no such limit
+    bool adaptive;            // sample counts by tile
+    uint32_t aovs;            // AOV_*
     bool half_float;
     const char **outputs;
     uint32_t output_count;
@@ -155,6 +182,8 @@ struct options {
     double at_seconds;
     const char *variant; // of a glTF file's materials; NULL: none
     struct environment_option environment;
+    double environment_rotate_degrees; // about +Y, added to the scene's
+    double environment_strength;       // factor on its radiance
     struct scene_override *overrides;
     uint32_t override_count;
     bool allow_outside_paths;
@@ -162,6 +191,9 @@ struct options {
     uint32_t frames, spp_per_frame; // 0 frames: one picture of settings.spp samples
     uint32_t every;                 // write a picture every so many frames; 0: at the end only
     bool accumulate;
+    const char *checkpoint;    // NULL: none is kept
+    double checkpoint_seconds; // between two of them
+    bool resume;
 
     struct gpu_params gpu;
     uint32_t wave; // paths in flight; 0: chosen by device
@@ -184,7 +216,7 @@ void options_finish(struct options *options); // accepts NULL and {0}
 
 static inline bool options_given(const struct options *options, enum option_id id)
 {
-    return options->given >> id & 1;
+    return options->given[id];
 }
 
 // Replaces those settings for which an option was given.

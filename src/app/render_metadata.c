@@ -33,22 +33,6 @@ static void add(struct attributes *a, const char *key, const char *format, ...)
     add_text(a, key, arena_strdup(a->arena, text));
 }
 
-static const char *estimator_name(enum light_estimator estimator)
-{
-    return estimator == ESTIMATOR_MIS ? "mis" : estimator == ESTIMATOR_NEE ? "nee" : "bsdf";
-}
-
-static const char *tone_name(enum tone_curve curve)
-{
-    static const char *const names[] = {
-        [TONE_NONE] = "none",
-        [TONE_REINHARD] = "reinhard",
-        [TONE_ACES] = "aces",
-        [TONE_AGX] = "agx",
-    };
-    return names[curve];
-}
-
 static void add_settings(struct attributes *a, const struct render_job *job)
 {
     const struct settings *s = &job->scene.settings;
@@ -59,11 +43,20 @@ static void add_settings(struct attributes *a, const struct render_job *job)
         add(a, "lampyris:roulette_min_bounces", "off");
     else
         add(a, "lampyris:roulette_min_bounces", "%u", s->roulette_min_bounces);
-    add(a, "lampyris:estimator", "%s", estimator_name(s->estimator));
-    add(a, "lampyris:filter", "box");
+    add(a, "lampyris:integrator", "%s", integrator_names[s->integrator]);
+    add(a, "lampyris:sampler", "%s", sampler_names[s->sampler]);
+    add(a, "lampyris:halves", "%s", halves_names[s->halves]);
+    add(a, "lampyris:filter", "%s", filter_names[s->filter]);
+    add(a, "lampyris:light_choice", "%s", light_choice_names[s->light_choice]);
+    add(a, "lampyris:nee", "%s", s->nee ? "on" : "off");
+    add(a, "lampyris:mis", "%s", mis_names[s->mis]);
+    add(a, "lampyris:directions", "%s", directions_names[s->directions]);
+    add(a, "lampyris:roulette", "%s", roulette_names[s->roulette]);
+    if (s->clamp_limit > 0.0f)
+        add(a, "lampyris:clamp", "%.9g", (double)s->clamp_limit);
     add(a, "lampyris:pixel_jitter", "%s", s->pixel_jitter ? "on" : "off");
     add(a, "lampyris:exposure", "%.9g", s->exposure);
-    add(a, "lampyris:tone", "%s", tone_name(s->tone_curve));
+    add(a, "lampyris:tone", "%s", tone_names[s->tone_curve]);
     add(a, "lampyris:camera", "%u", job->camera);
     if (job->options->scene)
         add(a, "lampyris:scene", "%s", job->options->scene);

@@ -74,6 +74,11 @@ static void for_each_feature(const struct renderer *r, feature_fn fn, void *cont
         if (name)
             fn(context, r->specialization.lobes >> bit & 1u, "lobe", name, 0);
     }
+    for (int bit = 0; bit < 32; bit++) {
+        const char *name = emitter_name(1u << bit);
+        if (name)
+            fn(context, r->specialization.emitters >> bit & 1u, "emitter", name, 0);
+    }
     for (int id = 0; id < KERNEL_COUNT; id++) {
         struct kernel_code code = kernel_code((enum kernel_id)id, r->gpu->has_ballot);
         fn(context, r->kernels[id].pipeline != VK_NULL_HANDLE, "kernel", code.name, 0);

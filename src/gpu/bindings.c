@@ -6,11 +6,12 @@ static bool set_create(struct gpu *gpu, struct gpu_bindings *out, struct err *er
     const VkDescriptorPoolSize sizes[] = {
         {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, GPU_MAX_STORAGE},
         {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, GPU_MAX_TEXEL},
+        {VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1},
     };
     const VkDescriptorPoolCreateInfo pool = {
         .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
         .maxSets = 1,
-        .poolSizeCount = 2,
+        .poolSizeCount = 3,
         .pPoolSizes = sizes,
     };
     if (!VK(gpu, err, vkCreateDescriptorPool(gpu->device, &pool, NULL, &out->pool)))
@@ -63,7 +64,8 @@ static bool texel_view(const struct gpu_buffer *buffer, const struct gpu_buffer 
 
 bool gpu_bindings_create(struct gpu *gpu, const struct gpu_binding storage[GPU_MAX_STORAGE],
                          const struct gpu_buffer *const texel[GPU_MAX_TEXEL],
-                         struct gpu_bindings *out, struct err *err)
+                         const struct gpu_buffer *uniform, struct gpu_bindings *out,
+                         struct err *err)
 {
     *out = (struct gpu_bindings){0};
     // One texel: within every device's limits, and a view is needed even where none is used.
@@ -73,6 +75,8 @@ bool gpu_bindings_create(struct gpu *gpu, const struct gpu_binding storage[GPU_M
 
     VkDescriptorBufferInfo ranges[GPU_MAX_STORAGE];
     VkBufferView views[GPU_MAX_TEXEL];
+    const struct gpu_buffer *constants = uniform ? uniform : &out->dummy;
+    const VkDescriptorBufferInfo uniform_range = {constants->handle, 0, constants->bytes};
     for (uint32_t i = 0; i < GPU_MAX_STORAGE; i++)
         if (!storage_range(gpu, storage ? &storage[i] : &(struct gpu_binding){0}, &out->dummy,
                            &ranges[i], err))
@@ -99,8 +103,16 @@ bool gpu_bindings_create(struct gpu *gpu, const struct gpu_binding storage[GPU_M
             .descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER,
             .pTexelBufferView = views,
         },
+        {
+            .sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+            .dstSet = out->set,
+            .dstBinding = GPU_UNIFORM_BINDING,
+            .descriptorCount = 1,
+            .descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER,
+            .pBufferInfo = &uniform_range,
+        },
     };
-    vkUpdateDescriptorSets(gpu->device, 2, writes, 0, NULL);
+    vkUpdateDescriptorSets(gpu->device, 3, writes, 0, NULL);
     return true;
 fail:
     gpu_bindings_finish(gpu, out);

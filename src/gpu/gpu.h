@@ -14,6 +14,8 @@
 
 #define GPU_MAX_STORAGE 16 // storage-buffer bindings, 0 .. 15
 #define GPU_MAX_TEXEL 12   // uniform-texel-buffer bindings, GPU_MAX_STORAGE + 0 .. 11
+#define GPU_UNIFORM_BINDING (GPU_MAX_STORAGE + GPU_MAX_TEXEL) // the one uniform buffer
+#define GPU_MAX_UNIFORM_BYTES 16384                           // of it: what every device takes
 #define GPU_PUSH_BYTES 128
 #define GPU_MAX_CONSTANTS 64 // specialization constants of a kernel
 #define GPU_MAX_DEVICES 16
@@ -152,11 +154,12 @@ struct gpu_bindings {
     struct gpu_buffer dummy;
 };
 
-// storage, texel: NULL for none at all. Texel buffers need a texel view. The buffers must outlive
-// the bindings.
+// storage, texel, uniform: NULL for none at all. Texel buffers need a texel view. The buffers must
+// outlive the bindings.
 bool gpu_bindings_create(struct gpu *gpu, const struct gpu_binding storage[GPU_MAX_STORAGE],
                          const struct gpu_buffer *const texel[GPU_MAX_TEXEL],
-                         struct gpu_bindings *out, struct err *err);
+                         const struct gpu_buffer *uniform, struct gpu_bindings *out,
+                         struct err *err);
 void gpu_bindings_finish(struct gpu *gpu, struct gpu_bindings *bindings);
 
 // --- commands -----------------------------------------------------------------------------------

@@ -2,21 +2,27 @@
 #include "gpu_internal.h"
 
 // Bindings 0 .. GPU_MAX_STORAGE-1 are storage buffers, then come GPU_MAX_TEXEL uniform texel
-// buffers.
+// buffers and one uniform buffer.
+static VkDescriptorType binding_type(uint32_t binding)
+{
+    return binding < GPU_MAX_STORAGE       ? VK_DESCRIPTOR_TYPE_STORAGE_BUFFER
+           : binding < GPU_UNIFORM_BINDING ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER
+                                           : VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
+}
+
 static bool set_layout_create(struct gpu *gpu, struct err *err)
 {
-    VkDescriptorSetLayoutBinding bindings[GPU_MAX_STORAGE + GPU_MAX_TEXEL];
-    for (uint32_t i = 0; i < GPU_MAX_STORAGE + GPU_MAX_TEXEL; i++)
+    VkDescriptorSetLayoutBinding bindings[GPU_UNIFORM_BINDING + 1];
+    for (uint32_t i = 0; i <= GPU_UNIFORM_BINDING; i++)
         bindings[i] = (VkDescriptorSetLayoutBinding){
             .binding = i,
-            .descriptorType = i < GPU_MAX_STORAGE ? VK_DESCRIPTOR_TYPE_STORAGE_BUFFER
-                                                  : VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER,
+            .descriptorType = binding_type(i),
             .descriptorCount = 1,
             .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT,
         };
     const VkDescriptorSetLayoutCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
-        .bindingCount = GPU_MAX_STORAGE + GPU_MAX_TEXEL,
+        .bindingCount = GPU_UNIFORM_BINDING + 1,
         .pBindings = bindings,
     };
     return VK(gpu, err, vkCreateDescriptorSetLayout(gpu->device, &info, NULL, &gpu->set_layout));

@@ -73,7 +73,7 @@ void device_find_lacks(const VkPhysicalDeviceProperties *device, uint32_t queue_
         {"maxPerStageDescriptorSampledImages", l->maxPerStageDescriptorSampledImages,
          GPU_MAX_TEXEL},
         {"maxDescriptorSetSampledImages", l->maxDescriptorSetSampledImages, GPU_MAX_TEXEL},
-        {"maxPerStageResources", l->maxPerStageResources, GPU_MAX_STORAGE + GPU_MAX_TEXEL},
+        {"maxPerStageResources", l->maxPerStageResources, GPU_UNIFORM_BINDING + 1},
         {"maxPushConstantsSize", l->maxPushConstantsSize, GPU_PUSH_BYTES},
         {"maxComputeWorkGroupInvocations", l->maxComputeWorkGroupInvocations, GPU_MIN_INVOCATIONS},
         {"maxComputeWorkGroupSize[0]", l->maxComputeWorkGroupSize[0], GPU_MIN_INVOCATIONS},

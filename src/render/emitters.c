@@ -215,9 +215,9 @@ static bool fill_lights(const struct scene *scene, const struct flat_scene *flat
     for (uint32_t i = 0; i < count; i++)
         out->lights[i] = light_record(&scene->lights[i], flat);
     set_pick_probabilities(out, count, sums);
-    if (scene->settings.estimator == ESTIMATOR_BSDF)
-        log_warn("the estimator \"bsdf\" finds no lights without extent: %u left dark: expected "
-                 "\"mis\" or \"nee\"",
+    if (!scene->settings.nee)
+        log_warn("without next-event estimation no light without extent is found: %u left dark: "
+                 "expected --nee on",
                  count);
     return true;
 }

@@ -1,10 +1,12 @@
 #include "film.h"
 
+#include "frame.h"
+
 #include <string.h>
 
 static uint64_t pixel_count(const struct renderer *r)
 {
-    return (uint64_t)r->push.width * r->push.height;
+    return (uint64_t)r->frame.width * r->frame.height;
 }
 
 static uint64_t chunk_pixels(const struct renderer *r, uint32_t chunk)
@@ -45,9 +47,9 @@ bool renderer_clear(struct renderer *r, struct err *err)
 
 bool renderer_restart(struct renderer *r, uint32_t seed, struct err *err)
 {
-    r->push.seed = seed;
+    r->frame.seed = seed;
     r->next_sample = 0;
-    return renderer_clear(r, err);
+    return frame_upload(r, err) && renderer_clear(r, err);
 }
 
 // Resolves `count` pixels from `first` of a chunk and copies them into the mapped buffer.
@@ -103,8 +105,8 @@ bool renderer_read(struct renderer *r, struct arena *arena, struct film_image *o
 {
     uint64_t pixels = pixel_count(r);
     *out = (struct film_image){
-        .width = r->push.width,
-        .height = r->push.height,
+        .width = r->frame.width,
+        .height = r->frame.height,
         .mean = arena_alloc(arena, pixels, sizeof *out->mean),
         .half_a = arena_alloc(arena, pixels, sizeof *out->half_a),
         .half_b = arena_alloc(arena, pixels, sizeof *out->half_b),

@@ -52,7 +52,7 @@ static uint64_t bytes_a_slot(const struct specialization *s, uint32_t binding)
     case BINDING_PATHS:
         return sizeof(struct gpu_path);
     case BINDING_SHADOW_RAYS:
-        return sizeof(struct gpu_shadow_ray);
+        return (uint64_t)s->light_rays * sizeof(struct gpu_shadow_ray);
     case BINDING_RADIANCE:
         return 16;
     case BINDING_QUEUES:

@@ -2,6 +2,7 @@
 
 #include "clock.h"
 #include "film.h"
+#include "frame.h"
 #include "log.h"
 #include "upload.h"
 #include "wave.h"
@@ -11,39 +12,6 @@
 // At most this many samples of a pixel in one wave: its paths stay coherent, and the loop that
 // accumulates them stays far below what drivers allow.
 #define MAX_SAMPLE_SHIFT 4u
-
-// --- camera
-// ---------------------------------------------------------------------------------------
-
-static void cross(const double a[3], const double b[3], double out[3])
-{
-    for (int i = 0; i < 3; i++)
-        out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
-}
-
-static void scale_to(double v[3], double length)
-{
-    double factor = length / sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-    for (int i = 0; i < 3; i++)
-        v[i] *= factor;
-}
-
-// In double precision: a narrow field of view leaves few digits to a float.
-static void set_camera(struct gpu_push *push, const struct camera *camera, const double origin[3])
-{
-    double right[3], up[3];
-    double half_height = tan(0.5 * camera->fov_y);
-    cross(camera->direction, camera->up, right);
-    cross(right, camera->direction, up);
-    scale_to(right, half_height * push->width / push->height);
-    scale_to(up, half_height);
-    for (int i = 0; i < 3; i++) {
-        push->camera_position[i] = (float)(camera->position[i] - origin[i]);
-        push->camera_forward[i] = (float)camera->direction[i];
-        push->camera_right[i] = (float)right[i];
-        push->camera_up[i] = (float)up[i];
-    }
-}
 
 // --- creation
 // -------------------------------------------------------------------------------------
@@ -155,7 +123,7 @@ static bool create_bindings(struct renderer *r, struct err *err)
     for (uint32_t i = 0; i < r->plan.film_chunks; i++) {
         gpu_bindings_finish(r->gpu, &r->bindings[i]);
         storage[BINDING_FILM].buffer = &r->film[i];
-        if (!gpu_bindings_create(r->gpu, storage, texels, &r->bindings[i], err))
+        if (!gpu_bindings_create(r->gpu, storage, texels, &r->frame_buffer, &r->bindings[i], err))
             return false;
     }
     return true;
@@ -165,8 +133,8 @@ static bool create_bindings(struct renderer *r, struct err *err)
 static bool create_wave_state(struct renderer *r, struct err *err)
 {
     bool texel = r->specialization.features & FEATURE_TEXEL_STATE;
-    r->push.wave_slots = r->plan.wave_slots;
-    return create_buffer(r, BINDING_PATHS, GPU_DEVICE, texel, err) &&
+    r->frame.wave_slots = r->plan.wave_slots;
+    return frame_upload(r, err) && create_buffer(r, BINDING_PATHS, GPU_DEVICE, texel, err) &&
            create_buffer(r, BINDING_SHADOW_RAYS, GPU_DEVICE, texel, err) &&
            create_buffer(r, BINDING_RADIANCE, GPU_DEVICE, texel, err) &&
            create_buffer(r, BINDING_QUEUES, GPU_DEVICE, false, err) &&
@@ -191,28 +159,8 @@ static bool upload(struct renderer *r, struct err *err)
     return upload_scene(r->gpu, &params, r->buffers, err) &&
            create_buffer(r, BINDING_COUNTERS, GPU_DEVICE, false, err) &&
            create_buffer(r, BINDING_RESOLVED, GPU_READBACK, false, err) && film_create(r, err) &&
-           create_wave_state(r, err) && gpu_commands_create(r->gpu, &r->commands, err);
-}
-
-static void set_push(struct renderer *r, uint32_t camera)
-{
-    const struct settings *settings = &r->scene->settings;
-    const struct environment *environment = &r->scene->environment;
-    r->push = (struct gpu_push){
-        .width = settings->width,
-        .height = settings->height,
-        .seed = settings->seed,
-        .max_bounces = settings->max_bounces,
-        .roulette_min_bounces = settings->roulette_min_bounces,
-        .environment_size = environment->width | environment->height << 16,
-        .emitter_count = r->tables.emitters.count,
-        .wave_slots = r->plan.wave_slots,
-    };
-    if (environment->width == 0)
-        r->push.environment_size = 1u | 1u << 16; // the white texel that upload.c puts there
-    if (environment->present)
-        memcpy(r->push.environment, environment->radiance, sizeof r->push.environment);
-    set_camera(&r->push, &r->scene->cameras[camera], r->flat.origin);
+           frame_create(r, err) && create_wave_state(r, err) &&
+           gpu_commands_create(r->gpu, &r->commands, err);
 }
 
 bool renderer_create(const struct renderer_params *params, struct renderer *r, struct err *err)
@@ -232,6 +180,8 @@ bool renderer_create(const struct renderer_params *params, struct renderer *r, s
         .flat = &r->flat,
         .bvh = &r->bvh,
         .gpu = r->gpu,
+        .camera = &r->scene->cameras[params->camera],
+        .aovs = params->aovs,
         .everything = params->everything,
         .merge_classes = params->merge_classes,
     });
@@ -245,7 +195,7 @@ bool renderer_create(const struct renderer_params *params, struct renderer *r, s
         goto fail;
     if (!plan_memory(r, params->wave, err))
         goto fail;
-    set_push(r, params->camera);
+    frame_fill(r, &r->scene->cameras[params->camera]);
     if (!upload(r, err))
         goto fail;
     r->stats.upload_seconds = clock_seconds_since(start);
@@ -271,6 +221,7 @@ void renderer_finish(struct renderer *r)
     for (uint32_t i = 0; r->bindings && i < r->plan.film_chunks; i++)
         gpu_bindings_finish(r->gpu, &r->bindings[i]);
     film_finish(r);
+    gpu_buffer_finish(r->gpu, &r->frame_buffer);
     for (uint32_t b = 0; b < BINDING_COUNT; b++)
         gpu_buffer_finish(r->gpu, &r->buffers[b]);
     arena_finish(&r->arena);
@@ -295,7 +246,7 @@ static bool become_careful(struct renderer *r, struct err *err)
 static bool render_pass(struct renderer *r, uint32_t shift, const struct render_call *call,
                         uint64_t done, struct err *err)
 {
-    uint64_t pixels = (uint64_t)r->push.width * r->push.height;
+    uint64_t pixels = (uint64_t)r->frame.width * r->frame.height;
     for (uint64_t pixel = 0; pixel < pixels;) {
         uint32_t chunk = (uint32_t)(pixel / r->plan.film_chunk_pixels);
         uint64_t chunk_end = (chunk + 1) * r->plan.film_chunk_pixels;

@@ -28,6 +28,7 @@ struct renderer_params {
     const struct scene *scene; // the same; its settings are the render's
     uint32_t wave;             // paths in flight; 0: the device's default
     uint32_t camera;           // index into the scene's
+    uint32_t aovs;             // AOV_*: pictures wanted besides the radiance
     bool everything;           // compile in what the scene does not need (--features all)
     bool merge_classes;        // one kernel for all surfaces (--classes merged)
     const struct progress *progress;
@@ -71,7 +72,9 @@ struct renderer {
     struct gpu_bindings *bindings;            // one a film chunk
     struct gpu_kernel kernels[KERNEL_COUNT];
     struct gpu_commands commands;
-    struct gpu_push push;          // what does not change from dispatch to dispatch is filled in
+    struct gpu_push push;
+    struct gpu_frame frame; // as last uploaded: see frame.h
+    struct gpu_buffer frame_buffer;
     struct gpu_counters *counters; // as last read back
     uint8_t *marks;                // kernel of each timestamp of the commands being recorded
     uint32_t mark_count;

@@ -144,7 +144,7 @@ bool renderer_replay(struct renderer *r, uint32_t x, uint32_t y, uint64_t sample
     *out = (struct replay){0};
     struct follower f = {.r = r, .arena = arena, .out = out};
     struct wave wave = {
-        .first_pixel = (uint64_t)y * r->push.width + x,
+        .first_pixel = (uint64_t)y * r->frame.width + x,
         .pixel_count = 1,
         .first_sample = sample,
     };

@@ -146,20 +146,26 @@ static uint32_t material_features(const struct scene *scene, const struct flat_s
     return features;
 }
 
-static uint32_t light_features(const struct scene *scene, const struct flat_scene *flat,
-                               uint32_t lobes)
+// What can be connected to.
+static uint32_t emitters_of(const struct scene *scene, const struct flat_scene *flat)
+{
+    struct emitter_counts counts = emitters_count(scene, flat);
+    uint32_t emitters = 0;
+    emitters |= counts.triangles ? EMITTER_TRIANGLES : 0u;
+    emitters |= counts.spheres ? EMITTER_SPHERES : 0u;
+    emitters |= counts.discs ? EMITTER_DISCS : 0u;
+    emitters |= counts.lights ? EMITTER_LIGHTS : 0u;
+    return emitters;
+}
+
+static uint32_t light_features(const struct scene *scene, uint32_t emitters, uint32_t lobes)
 {
     const struct settings *settings = &scene->settings;
-    struct emitter_counts emitters = emitters_count(scene, flat);
     uint32_t features = 0;
-    features |= emitters.triangles ? FEATURE_EMISSIVE_TRIANGLES : 0u;
-    features |= emitters.spheres ? FEATURE_EMISSIVE_SPHERES : 0u;
-    features |= emitters.discs ? FEATURE_EMISSIVE_DISCS : 0u;
-    features |= emitters.lights ? FEATURE_LIGHTS : 0u;
-    bool can_connect = features && (lobes & LOBES_CONNECTING) && settings->max_bounces > 0;
-    if (can_connect && settings->estimator != ESTIMATOR_BSDF)
+    bool can_connect = emitters && (lobes & LOBES_CONNECTING) && settings->max_bounces > 0;
+    if (can_connect && settings->nee)
         features |= FEATURE_NEE;
-    if (settings->estimator != ESTIMATOR_NEE)
+    if (!settings->nee || settings->mis != MIS_NONE)
         features |= FEATURE_BSDF_HITS_EMITTERS;
     if (scene->environment.present) {
         features |= FEATURE_ENVIRONMENT;
@@ -172,10 +178,9 @@ static uint32_t light_features(const struct scene *scene, const struct flat_scen
 static uint32_t harmless_features(const struct settings *settings)
 {
     uint32_t features = FEATURE_TRIANGLES | FEATURE_SPHERES | FEATURE_DISCS | FEATURE_NORMALS |
-                        FEATURE_EMISSION | FEATURE_EMISSIVE_TRIANGLES | FEATURE_EMISSIVE_SPHERES |
-                        FEATURE_EMISSIVE_DISCS | FEATURE_ENVIRONMENT | FEATURE_ENVIRONMENT_IMAGE |
-                        FEATURE_ROULETTE | FEATURE_LIGHTS | FEATURE_MEDIA;
-    if (settings->estimator != ESTIMATOR_BSDF)
+                        FEATURE_EMISSION | FEATURE_ENVIRONMENT | FEATURE_ENVIRONMENT_IMAGE |
+                        FEATURE_ROULETTE | FEATURE_MEDIA;
+    if (settings->nee)
         features |= FEATURE_NEE;
     return features;
 }
@@ -238,6 +243,17 @@ struct specialization specialize(const struct specialize_params *p)
         .iteration_budget =
             gpu->info.is_cpu ? CPU_SUBGROUP_ROUNDS / gpu->subgroup_size : GPU_LANE_ROUNDS,
         .interleave = gpu->info.is_cpu ? 16 : 1,
+        .aovs = p->aovs,
+        .integrator = settings->integrator,
+        .sampler = settings->sampler,
+        .halves = settings->halves,
+        .filter = settings->filter,
+        .camera = p->camera->kind,
+        .light_choice = LIGHT_CHOICE_POWER,
+        .light_rays = 1,
+        .mis = settings->mis,
+        .directions = settings->directions,
+        .roulette = settings->roulette,
     };
     uint32_t classes = 0;
     s.features = geometry_features(flat) | material_features(scene, flat, s.class_lobes);
@@ -245,13 +261,16 @@ struct specialization specialize(const struct specialize_params *p)
         classes += s.class_lobes[c] != 0;
         s.lobes |= s.class_lobes[c];
     }
-    s.features |= light_features(scene, flat, s.lobes);
+    s.emitters = emitters_of(scene, flat);
+    s.features |= light_features(scene, s.emitters, s.lobes);
     if (classes > 1 && !p->merge_classes)
         s.features |= FEATURE_CLASSES;
-    if (settings->roulette_min_bounces < settings->max_bounces)
+    if (settings->roulette != ROULETTE_OFF &&
+        settings->roulette_min_bounces < settings->max_bounces)
         s.features |= FEATURE_ROULETTE;
     if (p->everything) {
         s.features |= harmless_features(settings);
+        s.emitters |= EMITTER_TRIANGLES | EMITTER_SPHERES | EMITTER_DISCS | EMITTER_LIGHTS;
         s.lobes = LOBES_ALL;
         for (uint32_t c = 0; c < CLASS_COUNT; c++)
             s.class_lobes[c] = s.class_lobes[c] ? LOBES_ALL : 0u;
@@ -336,6 +355,20 @@ const char *lobe_name(uint32_t bit)
     return NULL;
 }
 
+const char *emitter_name(uint32_t bit)
+{
+    static const char *const names[] = {
+        "emissive triangles",
+        "emissive spheres",
+        "emissive discs",
+        "lights without extent",
+    };
+    for (uint32_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (bit == 1u << i)
+            return names[i];
+    return NULL;
+}
+
 const char *feature_name(uint32_t bit)
 {
     switch (bit) {
@@ -347,8 +380,6 @@ const char *feature_name(uint32_t bit)
         return "discs";
     case FEATURE_NORMALS:
         return "shading normals";
-    case FEATURE_LIGHTS:
-        return "lights without extent";
     case FEATURE_CLASSES:
         return "surface classes";
     case FEATURE_TEXTURES:
@@ -373,12 +404,6 @@ const char *feature_name(uint32_t bit)
         return "normal maps";
     case FEATURE_EMISSION:
         return "emission";
-    case FEATURE_EMISSIVE_TRIANGLES:
-        return "emissive triangles";
-    case FEATURE_EMISSIVE_SPHERES:
-        return "emissive spheres";
-    case FEATURE_EMISSIVE_DISCS:
-        return "emissive discs";
     case FEATURE_NEE:
         return "next-event estimation";
     case FEATURE_BSDF_HITS_EMITTERS:

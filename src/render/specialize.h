@@ -17,8 +17,14 @@ struct specialization {
     uint32_t stack_entries;
     uint32_t iteration_budget; // of a lane; see specialize.c
     uint32_t interleave;
-    uint32_t lobes;  // LOBE_*
-    uint32_t queues; // bits of the queues that exist
+    uint32_t lobes;                                       // LOBE_*
+    uint32_t queues;                                      // bits of the queues that exist
+    uint32_t emitters;                                    // EMITTER_*
+    uint32_t aovs;                                        // AOV_*
+    uint32_t integrator, sampler, halves, filter, camera; // of shared/methods.h
+    uint32_t light_choice;                                // never LIGHT_CHOICE_AUTO
+    uint32_t light_rays;                                  // shadow rays that a vertex sends at most
+    uint32_t mis, directions, roulette;
     // Not a constant: `lobes` of the kernels that shade one class; 0 where the scene has none of
     // it.
     uint32_t class_lobes[CLASS_COUNT];
@@ -31,6 +37,8 @@ struct specialize_params {
     const struct flat_scene *flat;
     const struct bvh *bvh;
     const struct gpu *gpu;
+    const struct camera *camera;
+    uint32_t aovs; // AOV_*
     // Compiles in all that does not change what is computed: for measuring what leaving out is
     // worth, and for testing that it changes no bit.
     bool everything;
@@ -46,5 +54,6 @@ bool specialization_needs_binding(const struct specialization *s, uint32_t bindi
 // "spheres", …; NULL for bits that are none.
 const char *feature_name(uint32_t bit);
 const char *lobe_name(uint32_t bit);
+const char *emitter_name(uint32_t bit);
 
 #endif

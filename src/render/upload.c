@@ -81,6 +81,7 @@ static bool upload_triangles(struct gpu *gpu, const struct upload_params *p,
         memcpy(records[i].v1, triangle->v[1], sizeof records[i].v1);
         memcpy(records[i].v2, triangle->v[2], sizeof records[i].v2);
         records[i].id = id;
+        records[i].emitter = NO_EMITTER;
         records[i].material = material_word(p, triangle->material);
     }
     return create_filled(gpu, p, BINDING_TRIANGLES, records, buffers, err);
@@ -178,6 +179,7 @@ static bool upload_shapes(struct gpu *gpu, const struct upload_params *p,
         memcpy(records[i].center, shape->center, sizeof records[i].center);
         memcpy(records[i].normal, shape->normal, sizeof records[i].normal);
         records[i].radius = shape->radius;
+        records[i].emitter = NO_EMITTER;
         records[i].kind_material = kind << SHAPE_KIND_SHIFT | material_word(p, shape->material);
     }
     return create_filled(gpu, p, BINDING_SHAPES, records, buffers, err);

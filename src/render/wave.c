@@ -142,6 +142,20 @@ static bool trace_queue(struct loop *l, enum kernel_id kernel, uint32_t queue, s
     return step_done(l, kernel, err);
 }
 
+// One after the other, so that contributions are added in the order of lights.
+static bool trace_shadow_rays(struct loop *l, struct err *err)
+{
+    struct renderer *r = l->r;
+    if (!specialization_needs_kernel(&r->specialization, KERNEL_intersect_shadow))
+        return true;
+    for (uint32_t ray = 0; ray < r->specialization.light_rays; ray++) {
+        r->push.light_ray = ray;
+        if (!trace_queue(l, KERNEL_intersect_shadow, QUEUE_SHADOW, err))
+            return false;
+    }
+    return true;
+}
+
 static bool shade(struct loop *l, enum kernel_id kernel, uint32_t queue, struct err *err)
 {
     if (!specialization_needs_kernel(&l->r->specialization, kernel))
@@ -166,8 +180,7 @@ static bool trace_bounce(struct loop *l, uint32_t bounce, struct err *err)
     uint32_t rays = QUEUE_RAYS + (bounce & 1u);
     r->push.bounce = bounce;
     record_prepare(r, 1u << rays | 1u << QUEUE_SHADOW);
-    bool shadows = specialization_needs_kernel(&r->specialization, KERNEL_intersect_shadow);
-    if (shadows && bounce > 0 && !trace_queue(l, KERNEL_intersect_shadow, QUEUE_SHADOW, err))
+    if (bounce > 0 && !trace_shadow_rays(l, err))
         return false;
     if (!trace_queue(l, KERNEL_intersect_closest, rays, err))
         return false;
@@ -188,7 +201,7 @@ static bool trace_paths(struct loop *l, struct err *err)
         return false;
     if (!specialization_needs_kernel(&r->specialization, KERNEL_intersect_closest))
         return true;
-    for (uint32_t bounce = 0; bounce <= r->push.max_bounces; bounce++) {
+    for (uint32_t bounce = 0; bounce <= r->frame.max_bounces; bounce++) {
         if (!trace_bounce(l, bounce, err))
             return false;
         if ((bounce + 1) % BOUNCES_A_SUBMIT != 0)

@@ -110,11 +110,6 @@ static bool read_uint32(const struct json_node *object, const char *key, uint32_
 bool load_json_film(struct scene *scene, const struct json_node *node, struct err *err)
 {
     static const char *const optional[] = {"width", "height", "exposure", "tone", NULL};
-    static const char *const tones[] = {[TONE_NONE] = "none",
-                                        [TONE_REINHARD] = "reinhard",
-                                        [TONE_ACES] = "aces",
-                                        [TONE_AGX] = "agx",
-                                        NULL};
     const struct range stops = {-SETTINGS_EXPOSURE_MAX, SETTINGS_EXPOSURE_MAX, false};
     struct settings *settings = &scene->settings;
     double exposure = (double)settings->exposure;
@@ -123,7 +118,7 @@ bool load_json_film(struct scene *scene, const struct json_node *node, struct er
         !read_uint32(node, "width", 1, SETTINGS_SIZE_MAX, &settings->width, err) ||
         !read_uint32(node, "height", 1, SETTINGS_SIZE_MAX, &settings->height, err) ||
         !node_read_number(node, "exposure", stops, &exposure, err) ||
-        !node_read_choice(node, "tone", tones, &tone, err))
+        !node_read_choice(node, "tone", tone_names, &tone, err))
         return false;
     settings->exposure = (float)exposure;
     settings->tone_curve = (enum tone_curve)tone;
@@ -146,28 +141,85 @@ static bool read_roulette(const struct json_node *settings, uint32_t *out, struc
     return true;
 }
 
+static const struct range RANGE_AO = {0, FLT_MAX, true};
+static const struct range RANGE_FALLOFF = {0, FLT_MAX, false};
+static const struct range RANGE_CLAMP = {0, FLT_MAX, true};
+static const struct range RANGE_FILTER_RADIUS = {0, SETTINGS_FILTER_RADIUS_MAX, false};
+static const struct range RANGE_EXPONENT = {0, SETTINGS_EXPONENT_MAX, false};
+static const struct range RANGE_SURVIVAL = {0.01, 1, false};
+
+static bool read_float(const struct json_node *object, const char *key, struct range range,
+                       float *out, struct err *err)
+{
+    double value = (double)*out;
+    if (!node_read_number(object, key, range, &value, err))
+        return false;
+    *out = (float)value;
+    return true;
+}
+
+static bool read_choices(const struct json_node *node, struct settings *settings, struct err *err)
+{
+    return node_read_choice(node, "integrator", integrator_names, &settings->integrator, err) &&
+           node_read_choice(node, "sampler", sampler_names, &settings->sampler, err) &&
+           node_read_choice(node, "halves", halves_names, &settings->halves, err) &&
+           node_read_choice(node, "filter", filter_names, &settings->filter, err) &&
+           node_read_choice(node, "light_choice", light_choice_names, &settings->light_choice,
+                            err) &&
+           node_read_choice(node, "mis", mis_names, &settings->mis, err) &&
+           node_read_choice(node, "directions", directions_names, &settings->directions, err) &&
+           node_read_choice(node, "roulette", roulette_names, &settings->roulette, err);
+}
+
+static bool read_parameters(const struct json_node *node, struct settings *settings,
+                            struct err *err)
+{
+    return read_float(node, "ao_distance", RANGE_AO, &settings->ao_distance, err) &&
+           read_float(node, "falloff", RANGE_FALLOFF, &settings->falloff, err) &&
+           read_float(node, "filter_radius", RANGE_FILTER_RADIUS, &settings->filter_radius, err) &&
+           read_uint32(node, "nee_depth", 0, SETTINGS_BOUNCES_MAX, &settings->nee_depth, err) &&
+           read_float(node, "direction_exponent", RANGE_EXPONENT, &settings->direction_exponent,
+                      err) &&
+           read_float(node, "clamp", RANGE_CLAMP, &settings->clamp_limit, err) &&
+           read_uint32(node, "roulette_max_bounces", 0, SETTINGS_BOUNCES_MAX,
+                       &settings->roulette_max_bounces, err) &&
+           read_float(node, "roulette_survival", RANGE_SURVIVAL, &settings->roulette_survival, err);
+}
+
 bool load_json_settings(struct scene *scene, const struct json_node *node, struct err *err)
 {
-    static const char *const optional[] = {
-        "spp",    "seed",         "max_bounces", "roulette_min_bounces",
-        "filter", "pixel_jitter", "estimator",   NULL};
-    static const char *const estimators[] = {
-        [ESTIMATOR_MIS] = "mis", [ESTIMATOR_NEE] = "nee", [ESTIMATOR_BSDF] = "bsdf", NULL};
-    static const char *const filters[] = {[FILTER_BOX] = "box", NULL};
+    static const char *const optional[] = {"spp",
+                                           "seed",
+                                           "max_bounces",
+                                           "integrator",
+                                           "ao_distance",
+                                           "falloff",
+                                           "sampler",
+                                           "halves",
+                                           "filter",
+                                           "filter_radius",
+                                           "pixel_jitter",
+                                           "light_choice",
+                                           "nee",
+                                           "nee_depth",
+                                           "mis",
+                                           "directions",
+                                           "direction_exponent",
+                                           "clamp",
+                                           "roulette",
+                                           "roulette_min_bounces",
+                                           "roulette_max_bounces",
+                                           "roulette_survival",
+                                           NULL};
     struct settings *settings = &scene->settings;
-    uint32_t estimator = settings->estimator, filter = settings->filter;
-    if (!node_check_object(node, none, optional, err) ||
-        !node_read_integer(node, "spp", 1, SETTINGS_SPP_MAX, &settings->spp, err) ||
-        !read_uint32(node, "seed", 0, UINT32_MAX, &settings->seed, err) ||
-        !read_uint32(node, "max_bounces", 0, SETTINGS_BOUNCES_MAX, &settings->max_bounces, err) ||
-        !read_roulette(node, &settings->roulette_min_bounces, err) ||
-        !node_read_choice(node, "estimator", estimators, &estimator, err) ||
-        !node_read_choice(node, "filter", filters, &filter, err) ||
-        !node_read_boolean(node, "pixel_jitter", &settings->pixel_jitter, err))
-        return false;
-    settings->estimator = (enum light_estimator)estimator;
-    settings->filter = (enum pixel_filter)filter;
-    return true;
+    return node_check_object(node, none, optional, err) &&
+           node_read_integer(node, "spp", 1, SETTINGS_SPP_MAX, &settings->spp, err) &&
+           read_uint32(node, "seed", 0, UINT32_MAX, &settings->seed, err) &&
+           read_uint32(node, "max_bounces", 0, SETTINGS_BOUNCES_MAX, &settings->max_bounces, err) &&
+           read_roulette(node, &settings->roulette_min_bounces, err) &&
+           node_read_boolean(node, "pixel_jitter", &settings->pixel_jitter, err) &&
+           node_read_boolean(node, "nee", &settings->nee, err) &&
+           read_choices(node, settings, err) && read_parameters(node, settings, err);
 }
 
 // --- environment ---------------------------------------------------------------------------------

@@ -60,9 +60,15 @@ struct shape {
 
 struct camera {
     double position[3];
-    double direction[3]; // unit, where it looks
-    double up[3];        // not parallel to direction; need not be orthogonal to it
-    double fov_y;        // vertical field of view, radians, in (0, pi)
+    double direction[3];   // unit, where it looks
+    double up[3];          // not parallel to direction; need not be orthogonal to it
+    uint32_t kind;         // CAMERA_*
+    double fov_y;          // perspective: vertical field of view, radians, in (0, pi)
+    double height;         // orthographic: of what is seen, metres
+    double lens_radius;    // 0: a pinhole. Metres
+    double focus_distance; // along the direction, metres, > 0 with a lens
+    uint32_t lens_blades;  // of the aperture, at least 3; 0: round
+    double lens_rotation;  // of the blades, radians
     const char *name;
 };
 
@@ -70,6 +76,7 @@ struct camera {
 struct environment {
     bool present;
     float radiance[3];      // constant radiance, or the factor on the image
+    double rotation;        // about +Y, radians, see environment.h
     uint32_t width, height; // 0 x 0: constant
     float (*texels)[3];     // latitude-longitude, row 0 at the top (+Y), see environment.h
 };

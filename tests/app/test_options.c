@@ -35,7 +35,7 @@ TEST(every_option_of_render_is_stored)
     struct options o;
     struct err err;
     REQUIRE(parse("render scene.json -o a.exr --output=b.PNG --size 640x480 --half --exposure -1.5 "
-                  "--tone agx --time 2.5 --seed 7 --filter box --max-bounces 0 --estimator bsdf "
+                  "--tone agx --time 2.5 --seed 7 --filter box --max-bounces 0 --mis none "
                   "--roulette-min-bounces off --camera 1 --env 0,0.5,1e2",
                   &o, &err),
             "%s", err.msg);
@@ -45,7 +45,7 @@ TEST(every_option_of_render_is_stored)
     CHECK(o.settings.width == 640 && o.settings.height == 480 && o.half_float);
     CHECK(o.settings.exposure == -1.5f && o.settings.tone_curve == TONE_AGX);
     CHECK(o.time_seconds == 2.5 && o.settings.seed == 7 && o.settings.filter == FILTER_BOX);
-    CHECK(o.settings.max_bounces == 0 && o.settings.estimator == ESTIMATOR_BSDF);
+    CHECK(o.settings.max_bounces == 0 && o.settings.mis == MIS_NONE);
     CHECK(o.settings.roulette_min_bounces == UINT32_MAX && strcmp(o.camera, "1") == 0);
     CHECK(!o.environment.file && o.environment.radiance[0] == 0 &&
           o.environment.radiance[1] == 0.5f && o.environment.radiance[2] == 100);
@@ -84,12 +84,20 @@ TEST(every_option_of_render_is_stored)
     options_finish(&o);
 }
 
+static bool given_any(const struct options *options)
+{
+    for (int i = 0; i < OPTION_TOTAL; i++)
+        if (options_given(options, (enum option_id)i))
+            return true;
+    return false;
+}
+
 TEST(defaults_hold_where_nothing_is_given)
 {
     struct options o;
     struct err err;
     REQUIRE(parse("render scene.json", &o, &err), "%s", err.msg);
-    CHECK(o.given == 0 && o.output_count == 0 && o.override_count == 0);
+    CHECK(!given_any(&o) && o.output_count == 0 && o.override_count == 0);
     CHECK(o.accumulate && o.spp_per_frame == 1 && o.frames == 0 && o.log_level == LOG_WARN);
     CHECK(!o.gpu.device && !o.camera && !o.difference && o.time_seconds == 0 && o.wave == 0);
     options_finish(&o);
@@ -196,7 +204,7 @@ TEST(value_errors_name_the_option_and_the_value)
     check_error("render s --tone filmic", "\"filmic\" is unknown; expected one of none|reinhard");
     check_error("render s --tone none|reinhard", "is unknown");
     check_error("render s --tone=", "\"\" is unknown");
-    check_error("render s --filter gauss", "expected box");
+    check_error("render s --filter gauss", "expected one of box|tent");
     check_error("render s --accumulate yes", "\"yes\" is neither \"on\" nor \"off\"");
     check_error("render s --roulette-min-bounces never", "--roulette-min-bounces: \"never\"");
     check_error("render s --env 1,2", "--env: \"1,2\" is not a colour; expected R,G,B");
@@ -283,7 +291,32 @@ TEST(the_help_tells_the_true_defaults)
               option_table[rows[i].id].name, fallback, rows[i].value);
     }
     CHECK(strcmp(first_choice(&option_table[OPTION_TONE], s.tone_curve), "none") == 0);
-    CHECK(strcmp(first_choice(&option_table[OPTION_ESTIMATOR], s.estimator), "mis") == 0);
+    CHECK(strcmp(first_choice(&option_table[OPTION_MIS], s.mis), "power") == 0);
+}
+
+// The words of an option are those of scene files, in the same order.
+TEST(choices_have_the_words_of_scene_files)
+{
+    const struct {
+        enum option_id id;
+        const char *const *names;
+    } rows[] = {
+        {OPTION_TONE, tone_names},         {OPTION_INTEGRATOR, integrator_names},
+        {OPTION_SAMPLER, sampler_names},   {OPTION_HALVES, halves_names},
+        {OPTION_FILTER, filter_names},     {OPTION_LIGHT_CHOICE, light_choice_names},
+        {OPTION_MIS, mis_names},           {OPTION_DIRECTIONS, directions_names},
+        {OPTION_ROULETTE, roulette_names},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char words[200] = "";
+        for (int n = 0; rows[i].names[n]; n++) {
+            strcat(words, n ? "|" : "");
+            strcat(words, rows[i].names[n]);
+        }
+        const struct option_def *def = &option_table[rows[i].id];
+        CHECK(strcmp(words, def->argument) == 0, "--%s: %s, not %s", def->name, def->argument,
+              words);
+    }
 }
 
 TEST(the_table_is_complete)
@@ -310,4 +343,5 @@ TEST_MAIN(TEST_CASE(every_option_of_render_is_stored),
           TEST_CASE(usage_errors_say_what_was_expected),
           TEST_CASE(value_errors_name_the_option_and_the_value),
           TEST_CASE(combinations_are_checked), TEST_CASE(memory_runs_out_politely),
-          TEST_CASE(the_help_tells_the_true_defaults), TEST_CASE(the_table_is_complete))
+          TEST_CASE(the_help_tells_the_true_defaults),
+          TEST_CASE(choices_have_the_words_of_scene_files), TEST_CASE(the_table_is_complete))

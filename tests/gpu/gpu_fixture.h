@@ -49,7 +49,7 @@ static inline bool pair_bindings_create(struct gpu *gpu, const struct gpu_buffer
 {
     const struct gpu_binding storage[GPU_MAX_STORAGE] = {{.buffer = from}, {.buffer = to}};
     const struct gpu_buffer *const texel[GPU_MAX_TEXEL] = {from->texel_view ? from : NULL};
-    return gpu_bindings_create(gpu, storage, texel, out, err);
+    return gpu_bindings_create(gpu, storage, texel, NULL, out, err);
 }
 
 static inline uint32_t groups_for(uint32_t count)

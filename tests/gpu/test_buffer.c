@@ -153,14 +153,14 @@ TEST(bindings_outside_the_limits_are_refused)
             [3] = {&buffer, cases[i].offset, cases[i].bytes},
         };
         err = (struct err){0};
-        CHECK(gpu_bindings_create(&gpu, storage, NULL, &bindings, &err) ==
+        CHECK(gpu_bindings_create(&gpu, storage, NULL, NULL, &bindings, &err) ==
                   (cases[i].code == ERR_NONE),
               "case %zu", i);
         CHECK(err.code == cases[i].code, "case %zu: code %d: %s", i, err.code, err.msg);
         gpu_bindings_finish(&gpu, &bindings);
     }
     const struct gpu_buffer *const texel[GPU_MAX_TEXEL] = {&buffer};
-    CHECK(!gpu_bindings_create(&gpu, NULL, texel, &bindings, &err) && err.code == ERR_BUG);
+    CHECK(!gpu_bindings_create(&gpu, NULL, texel, NULL, &bindings, &err) && err.code == ERR_BUG);
     gpu_buffer_finish(&gpu, &buffer);
     gpu_close(&gpu);
 }

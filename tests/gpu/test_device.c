@@ -121,7 +121,7 @@ static VkPhysicalDeviceProperties sufficient_device(void)
                 .maxDescriptorSetStorageBuffers = GPU_MAX_STORAGE,
                 .maxPerStageDescriptorSampledImages = GPU_MAX_TEXEL,
                 .maxDescriptorSetSampledImages = GPU_MAX_TEXEL,
-                .maxPerStageResources = GPU_MAX_STORAGE + GPU_MAX_TEXEL,
+                .maxPerStageResources = GPU_UNIFORM_BINDING + 1,
                 .maxPushConstantsSize = GPU_PUSH_BYTES,
                 .maxComputeWorkGroupInvocations = GPU_MIN_INVOCATIONS,
                 .maxComputeWorkGroupSize = {GPU_MIN_INVOCATIONS, 1, 1},

@@ -103,7 +103,7 @@ TEST(bindings_respect_offset_and_range)
         {.buffer = &pair.from, .offset = skip * 4},
         {.buffer = &pair.to, .offset = skip * 8, .bytes = 512},
     };
-    if (ok && gpu_bindings_create(&gpu, storage, NULL, &bindings, &err) &&
+    if (ok && gpu_bindings_create(&gpu, storage, NULL, NULL, &bindings, &err) &&
         gpu_begin(&gpu, &pair.commands, &err)) {
         const struct copy_push push = {.count = 128};
         gpu_bind(&gpu, &pair.commands, &bindings);

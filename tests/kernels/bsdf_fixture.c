@@ -41,8 +41,12 @@ bool bsdf_device_open(struct bsdf_device *device, const struct material *materia
     struct renderer *r = &device->setup.r;
     if (!r->gpu)
         return false;
-    const struct specialize_params params = {
-        .scene = scene, .flat = &r->flat, .bvh = &r->bvh, .gpu = r->gpu, .everything = true};
+    const struct specialize_params params = {.scene = scene,
+                                             .flat = &r->flat,
+                                             .bvh = &r->bvh,
+                                             .gpu = r->gpu,
+                                             .camera = &scene->cameras[0],
+                                             .everything = true};
     device->all_lobes = specialize(&params).lobes;
     return true;
 }

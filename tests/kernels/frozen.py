@@ -34,28 +34,28 @@ INLINE = """--merge-return --inline-entry-points-exhaustive --eliminate-dead-fun
 # name: (features without which the rest is looked at, {kernel: what must go}). What must go is
 #   name()       a function
 #   [name]       a storage buffer, or name_texels a texel buffer
-#   push.name    a read of a push constant
+#   frame.name   a read of the uniform block
 #   Name         an instruction, extended ones included
 #   name() xN    N calls of a function fewer, the function may stay
 #   -            nothing by name, but the kernel must become smaller
-EMISSIVE = ["EMISSIVE_TRIANGLES", "EMISSIVE_SPHERES", "EMISSIVE_DISCS"]
+EMISSIVE = ["EMITTER_TRIANGLES", "EMITTER_SPHERES", "EMITTER_DISCS"]
 FEATURES = {
-    "triangles": (["TRIANGLES", "NORMALS", "EMISSIVE_TRIANGLES"], {
+    "triangles": (["TRIANGLES", "NORMALS", "EMITTER_TRIANGLES"], {
         "intersect_closest": ["intersect_triangle()", "intersect_triangle_leaf()", "[triangles]"],
         "intersect_shadow": ["intersect_triangle()", "intersect_triangle_leaf()", "[triangles]"],
         "shade_surface": ["load_triangle_surface()", "sample_triangle_light()", "[triangles]"],
     }),
-    "spheres": (["SPHERES", "EMISSIVE_SPHERES"], {
+    "spheres": (["SPHERES", "EMITTER_SPHERES"], {
         "intersect_closest": ["intersect_sphere()"],
         "intersect_shadow": ["intersect_sphere()"],
         "shade_surface": ["sample_sphere_light()", "pdf_sphere_cone()"],
     }),
-    "discs": (["DISCS", "EMISSIVE_DISCS"], {
+    "discs": (["DISCS", "EMITTER_DISCS"], {
         "intersect_closest": ["intersect_disc()"],
         "intersect_shadow": ["intersect_disc()"],
         "shade_surface": ["-"],
     }),
-    "spheres and discs": (["SPHERES", "DISCS", "EMISSIVE_SPHERES", "EMISSIVE_DISCS"], {
+    "spheres and discs": (["SPHERES", "DISCS", "EMITTER_SPHERES", "EMITTER_DISCS"], {
         "intersect_closest": ["intersect_shape_leaf()", "[shapes]"],
         "intersect_shadow": ["intersect_shape_leaf()", "[shapes]"],
         "shade_surface": ["load_shape_surface()", "sample_shape_light()", "[shapes]"],
@@ -88,23 +88,23 @@ FEATURES = {
         "shade_surface": ["find_media()", "media_cross()", "load_medium()", "transmittance()"],
     }),
     "classes": (["CLASSES"], {"intersect_closest": ["hit_class()"]}),
-    "lights without extent": (["LIGHTS"], {
+    "lights without extent": (["EMITTER_LIGHTS"], {
         "shade_surface": ["sample_point_light()", "spot_falloff()", "range_window()"],
     }),
     "emission": (["EMISSION", "NEE"] + EMISSIVE, {
         "shade_surface": ["add_emission()", "add_radiance()"],
     }),
-    "emissive triangles": (["EMISSIVE_TRIANGLES"], {"shade_surface": ["sample_triangle_light()"]}),
-    "emissive spheres": (["EMISSIVE_SPHERES"], {
+    "emissive triangles": (["EMITTER_TRIANGLES"], {"shade_surface": ["sample_triangle_light()"]}),
+    "emissive spheres": (["EMITTER_SPHERES"], {
         "shade_surface": ["sample_sphere_light()", "pdf_sphere_cone()", "sample_sphere()"],
     }),
-    "emissive discs": (["EMISSIVE_DISCS"], {"shade_surface": ["basis_around() x1"]}),
-    "emissive shapes": (["EMISSIVE_SPHERES", "EMISSIVE_DISCS"], {
+    "emissive discs": (["EMITTER_DISCS"], {"shade_surface": ["basis_around() x1"]}),
+    "emissive shapes": (["EMITTER_SPHERES", "EMITTER_DISCS"], {
         "shade_surface": ["sample_shape_light()"],
     }),
     "next-event estimation": (["NEE"], {
         "shade_surface": ["connect_light()", "sample_light()", "pdf_light()", "[emitters]",
-                          "[shadow_rays]", "push.emitter_count", "queue_push() x1"],
+                          "[shadow_rays]", "frame.emitter_count", "queue_push() x1"],
     }),
     "emitters hit by the BSDF": (["BSDF_HITS_EMITTERS"], {
         "shade_surface": ["mis_power_weight()", "pdf_light()"],
@@ -113,10 +113,10 @@ FEATURES = {
         "intersect_closest": ["queue_push() x1"],
     }),
     "environment image": (["ENVIRONMENT_IMAGE"], {
-        "shade_miss": ["environment_texel()", "[environment]", "push.environment_size"],
+        "shade_miss": ["environment_texel()", "[environment]", "frame.environment_size"],
     }),
-    "Russian roulette": (["ROULETTE"], {"shade_surface": ["push.roulette_min_bounces"]}),
-    "pixel jitter": (["JITTER"], {"generate_rays": ["random_4d()", "pcg4d()", "push.seed"]}),
+    "Russian roulette": (["ROULETTE"], {"shade_surface": ["frame.roulette_min_bounces"]}),
+    "pixel jitter": (["JITTER"], {"generate_rays": ["random_4d()", "pcg4d()", "frame.seed"]}),
     "suspended traversals": (["SUSPEND"], {
         "intersect_closest": ["suspend()", "resume()", "[suspended]", "queue_push() x1"],
         "intersect_shadow": ["suspend()", "resume()", "queue_push()", "[suspended]"],
@@ -219,7 +219,8 @@ class Module:
         frozen = os.path.join(folder, "frozen.spv")
         inlined = os.path.join(folder, "inlined.spv")
         # Ids as in shared/bindings.h; all queues exist.
-        constant = "--set-spec-const-default-value=0:%d 5:%d 6:1023" % (features, lobes)
+        constant = "--set-spec-const-default-value=0:%d 5:%d 6:1023 7:%d" % (
+            features & 0xffffffff, lobes, features >> 32)
         subprocess.run(["spirv-opt", constant] + PASSES + [path, "-o", frozen], check=True)
         subprocess.run(["spirv-val", "--target-env", "vulkan1.2", frozen], check=True)
         subprocess.run(["spirv-opt"] + INLINE + [frozen, "-o", inlined], check=True)
@@ -241,7 +242,7 @@ class Module:
             function = re.match(r'OpName (%\w+) "(\w+)\(', line)
             if function:
                 functions[function[1]] = function[2]
-            member = re.match(r'OpMemberName %gpu_push (\d+) "(\w+)"', line)
+            member = re.match(r'OpMemberName %gpu_frame (\d+) "(\w+)"', line)
             if member:
                 members[member[1]] = member[2]
             buffer = re.search(r"OpVariable %_ptr_StorageBuffer_(\w+)_block ", line)
@@ -254,9 +255,9 @@ class Module:
             called = re.search(r"OpFunctionCall %\w+ (%\w+)", line)
             if called:
                 add(functions[called[1]] + "()")
-            push = re.search(r"OpAccessChain %_ptr_PushConstant_\w+ %\w+ %int_0 %int_(\d+)", line)
-            if push:
-                add("push." + members[push[1]])
+            uniform = re.search(r"OpAccessChain %_ptr_Uniform_\w+ %\w+ %int_0 %int_(\d+)", line)
+            if uniform:
+                add("frame." + members[uniform[1]])
             instruction = re.search(r"OpExtInst %\w+ %\w+ (\w+)|\b(Op\w+)", line)
             add(instruction[1] or instruction[2])
         return names
@@ -337,7 +338,7 @@ def check_all_are_tested(bits, lobes):
     for removed, _ in FEATURES.values():
         tested.update(removed)
     for name in sorted(set(bits) - tested - {"BALLOT"}):
-        fail("no test removes FEATURE_" + name)
+        fail("no test removes " + name)
     for name in sorted(set(lobes) - set(LOBES)):
         fail("no test removes LOBE_" + name)
 
@@ -347,7 +348,10 @@ def main():
         if not shutil.which(tool):
             print("skipped: there is no %s" % tool)
             return 1 if os.environ.get("LAMPYRIS_NO_SKIP") else 77
+    # Emitters are bits of a third constant: above the features here.
     bits = read_bits(sys.argv[1], "FEATURE")
+    for name, bit in read_bits(sys.argv[1], "EMITTER").items():
+        bits["EMITTER_" + name] = bit << 32
     lobes = read_bits(os.path.join(os.path.dirname(sys.argv[1]), "material.h"), "LOBE")
     few = sum(lobes[name] for name in FEW_LOBES)
     kernels = {os.path.basename(path)[:-len(".spv")]: path for path in sys.argv[2:]}

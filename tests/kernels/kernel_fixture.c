@@ -81,6 +81,7 @@ static void *present(void *memory)
 void scene_start(struct scene *scene, uint32_t width, uint32_t height)
 {
     *scene = (struct scene){.path = "test", .settings = settings_default()};
+    scene->settings.sampler = SAMPLER_PCG;
     scene->settings.width = width;
     scene->settings.height = height;
     add_material(scene, &(struct material){.name = "grey", .base_color = {0.5f, 0.5f, 0.5f}});
@@ -182,5 +183,5 @@ bool run_kernel(struct renderer *r, const struct gpu_kernel *kernel, uint32_t it
 uint64_t queue_offset(const struct renderer *r, uint32_t queue)
 {
     uint32_t below = r->specialization.queues & ((1u << queue) - 1u);
-    return (uint64_t)__builtin_popcount(below) * r->push.wave_slots * sizeof(uint32_t);
+    return (uint64_t)__builtin_popcount(below) * r->frame.wave_slots * sizeof(uint32_t);
 }

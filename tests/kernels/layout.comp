@@ -12,6 +12,10 @@ layout(push_constant) uniform push_block {
     gpu_push push;
 };
 
+layout(std140, set = 0, binding = UNIFORM_BINDING_FRAME) uniform frame_block {
+    gpu_frame frame;
+};
+
 #define BLOCK(name, number)                                                                        \
     layout(std430, set = 0, binding = number) buffer name##_block {                                \
         name name##_items[];                                                                       \

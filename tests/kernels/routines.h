@@ -2,7 +2,7 @@
 #ifndef LAMPYRIS_TESTS_ROUTINES_H
 #define LAMPYRIS_TESTS_ROUTINES_H
 
-#define CONSTANT_ROUTINE 7 // after those of shared/bindings.h
+#define CONSTANT_ROUTINE CONSTANT_COUNT
 
 #define ROUTINE_COSINE_HEMISPHERE 0u
 #define ROUTINE_SPHERE 1u

@@ -9,6 +9,7 @@ enum {
     OP_MEMBER_NAME = 6,
     OP_TYPE_INT = 21,
     OP_TYPE_FLOAT = 22,
+    OP_TYPE_VECTOR = 23,
     OP_TYPE_ARRAY = 28,
     OP_TYPE_RUNTIME_ARRAY = 29,
     OP_TYPE_STRUCT = 30,
@@ -82,6 +83,10 @@ static bool read_instruction(struct spirv_layout *layout, const uint32_t *op, ui
         id->length = op[3];
         id->element = op[2];
         break;
+    case OP_TYPE_VECTOR:
+        id->element = op[2];
+        id->value = op[3];
+        break;
     case OP_TYPE_RUNTIME_ARRAY:
         id->element = op[2];
         break;
@@ -128,6 +133,8 @@ uint32_t spirv_type_bytes(const struct spirv_layout *layout, uint32_t type)
         return 4;
     case OP_TYPE_ARRAY:
         return id->stride * layout->ids[id->length].value;
+    case OP_TYPE_VECTOR:
+        return 4 * id->value;
     default:
         return 0;
     }
@@ -144,6 +151,7 @@ enum spirv_kind spirv_type_kind(const struct spirv_layout *layout, uint32_t type
     case OP_TYPE_STRUCT:
         return SPIRV_STRUCT;
     case OP_TYPE_ARRAY:
+    case OP_TYPE_VECTOR:
         return spirv_type_kind(layout, id->element);
     default:
         return SPIRV_OTHER;

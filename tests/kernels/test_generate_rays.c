@@ -41,7 +41,7 @@ static struct expected expect(const struct renderer *r, uint32_t slot)
         .sample = push->first_sample + (slot & ((1u << push->sample_shift) - 1)),
         .inside = {0.5, 0.5},
     };
-    uint32_t bits[4] = {out.pixel, out.sample, 0, push->seed};
+    uint32_t bits[4] = {out.pixel, out.sample, 0, r->frame.seed};
     pcg4d(bits);
     for (int c = 0; c < 2 && (r->specialization.features & FEATURE_JITTER); c++)
         out.inside[c] = (bits[c] >> 8) * 0x1p-24;

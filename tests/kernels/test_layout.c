@@ -7,7 +7,7 @@
 
 #include "layout_test.spv.h"
 
-#define TRIANGLE(M) M(v0) M(id) M(v1) M(material) M(v2) M(align_v2)
+#define TRIANGLE(M) M(v0) M(id) M(v1) M(material) M(v2) M(emitter)
 #define HEADER(M)                                                                                  \
     M(textures) M(lights) M(media) M(albedos) M(camera_media) M(camera_ior) M(align_header)
 #define TEXTURE(M) M(texels) M(size) M(flags) M(align_texture) M(transform)
@@ -18,7 +18,7 @@
     M(direction)                                                                                   \
     M(pick_probability)                                                                            \
     M(radiant) M(inverse_range) M(spot_scale) M(spot_offset) M(reach) M(align_light)
-#define SHAPE(M) M(center) M(radius) M(normal) M(kind_material)
+#define SHAPE(M) M(center) M(radius) M(normal) M(kind_material) M(emitter) M(align_shape)
 #define MATERIAL(M) M(model_flags) M(first_texture) M(texture_count) M(medium) M(parameter)
 #define EMITTER(M) M(threshold) M(primitive) M(alias_primitive) M(align_emitter)
 #define PATH(M)                                                                                    \
@@ -38,7 +38,7 @@
     M(shadow_rays)                                                                                 \
     M(unfinished)                                                                                  \
     M(suspended) M(nonfinite) M(nonfinite_records) M(align_records) M(dispatch) M(nonfinite_record)
-#define PUSH(M)                                                                                    \
+#define FRAME(M)                                                                                   \
     M(camera_position)                                                                             \
     M(width)                                                                                       \
     M(camera_forward)                                                                              \
@@ -46,17 +46,33 @@
     M(camera_right)                                                                                \
     M(seed)                                                                                        \
     M(camera_up)                                                                                   \
-    M(bounce)                                                                                      \
+    M(max_bounces)                                                                                 \
     M(environment)                                                                                 \
     M(environment_size)                                                                            \
+    M(environment_cos)                                                                             \
+    M(environment_sin)                                                                             \
+    M(environment_pick)                                                                            \
+    M(emitter_count)                                                                               \
     M(wave_slots)                                                                                  \
+    M(samples)                                                                                     \
+    M(nee_depth)                                                                                   \
+    M(clamp_limit)                                                                                 \
+    M(roulette_min_bounces)                                                                        \
+    M(roulette_max_bounces)                                                                        \
+    M(roulette_survival)                                                                           \
+    M(direction_exponent)                                                                          \
+    M(lens_radius)                                                                                 \
+    M(focus_distance)                                                                              \
+    M(lens_rotation)                                                                               \
+    M(lens_blades)                                                                                 \
+    M(filter_radius) M(ao_distance) M(falloff) M(align_frame)
+#define PUSH(M)                                                                                    \
+    M(bounce)                                                                                      \
     M(first_pixel)                                                                                 \
     M(pixel_count)                                                                                 \
     M(first_sample)                                                                                \
     M(sample_shift)                                                                                \
-    M(queue)                                                                                       \
-    M(first_item) M(part_items) M(max_bounces) M(roulette_min_bounces) M(emitter_count)            \
-        M(film_first_pixel)
+    M(queue) M(first_item) M(part_items) M(film_first_pixel) M(light_ray) M(align_push)
 
 #define RECORDS(R)                                                                                 \
     R(gpu_triangle, TRIANGLE)                                                                      \
@@ -73,6 +89,7 @@
     R(gpu_resolved_pixel, RESOLVED_PIXEL)                                                          \
     R(gpu_dispatch, DISPATCH)                                                                      \
     R(gpu_counters, COUNTERS)                                                                      \
+    R(gpu_frame, FRAME)                                                                            \
     R(gpu_push, PUSH)
 
 struct member {
@@ -108,6 +125,7 @@ struct record {
 #define M_gpu_resolved_pixel(m) MEMBER_OF(struct gpu_resolved_pixel, m)
 #define M_gpu_dispatch(m) MEMBER_OF(struct gpu_dispatch, m)
 #define M_gpu_counters(m) MEMBER_OF(struct gpu_counters, m)
+#define M_gpu_frame(m) MEMBER_OF(struct gpu_frame, m)
 #define M_gpu_push(m) MEMBER_OF(struct gpu_push, m)
 #define RECORD_OF(name, members) {#name, sizeof(struct name), {members(M_##name)}},
 
@@ -185,8 +203,8 @@ TEST(every_record)
     uint32_t strides, all = (1u << RECORD_COUNT) - 1;
     uint32_t seen = check_module("layout.comp", layout_spirv, sizeof layout_spirv, &strides);
     CHECK(seen == all, "seen 0x%x of 0x%x", seen, all);
-    CHECK(strides == all >> 1, "arrays of 0x%x of 0x%x", strides,
-          all >> 1); // the push block has none
+    CHECK(strides == all >> 2, "arrays of 0x%x of 0x%x", strides,
+          all >> 2); // the frame and the push block have none
 }
 
 // What is shipped, too: the push block is in all kernels, and most have the counters.

@@ -69,7 +69,7 @@ static void check(struct renderer *r, uint32_t mask, uint32_t count, uint32_t pa
         gpu_download(r->gpu, &r->buffers[BINDING_COUNTERS], 0, r->counters, sizeof *r->counters,
                      &err);
     REQUIRE(ok, "%s", err.msg);
-    expect(&expected, mask, r->specialization.workgroup, part_items, r->push.wave_slots);
+    expect(&expected, mask, r->specialization.workgroup, part_items, r->frame.wave_slots);
     CHECK(memcmp(&expected, r->counters, sizeof expected) == 0,
           "queues 0x%x with %u items in parts of %u", mask, count, part_items);
     CHECK(r->counters->align_records == rubbish, "what is not the kernel's was written");
@@ -80,7 +80,7 @@ TEST(prepare_dispatch)
     struct setup setup;
     scene_start(&setup.scene, 8, 8);
     OPEN_SETUP(&setup, SLOTS);
-    uint32_t workgroup = setup.r.specialization.workgroup, slots = setup.r.push.wave_slots;
+    uint32_t workgroup = setup.r.specialization.workgroup, slots = setup.r.frame.wave_slots;
     const uint32_t counts[] = {
         0,         1,    workgroup - 1, workgroup, workgroup + 1, 3 * workgroup, slots / 2 + 1,
         slots - 1, slots};

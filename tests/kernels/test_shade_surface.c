@@ -1,6 +1,7 @@
 // shade_surface on hits of random rays: emission and its weight, the light sample in the shadow ray
 // and its weight, the scattered path and roulette, each recomputed in double precision. Azimuths,
 // which depend on the choice of a basis, are taken as they come out: test_sampling checks them.
+#include "estimators.h"
 #include "single_kernel.h"
 #include "surface_reference.h"
 
@@ -149,8 +150,8 @@ static struct hit load_hit(const struct renderer *r, uint32_t slot)
     uint32_t pixel = push->first_pixel + (slot >> push->sample_shift);
     uint32_t sample = push->first_sample + (slot & ((1u << push->sample_shift) - 1));
     uint32_t dimension = 1 + 3 * push->bounce;
-    random_4d(pixel, sample, dimension, push->seed, h.u_light);
-    random_4d(pixel, sample, dimension + 1, push->seed, h.u_bsdf);
+    random_4d(pixel, sample, dimension, r->frame.seed, h.u_light);
+    random_4d(pixel, sample, dimension + 1, r->frame.seed, h.u_bsdf);
     h.interpolated = r->flat.normals && !h.s.shape;
     h.normal_error = h.interpolated ? 7e-5 : 0;
     return h;
@@ -303,7 +304,8 @@ static void check_shadow_ray(const struct hit *h)
 // Whether there must be a shadow ray: 1, must not be: 0, or either: -1.
 static int wants_shadow_ray(const struct hit *h, uint32_t emitter)
 {
-    if (!has_feature(h, FEATURE_NEE) || h->r->push.bounce >= h->r->push.max_bounces || is_mirror(h))
+    if (!has_feature(h, FEATURE_NEE) || h->r->push.bounce >= h->r->frame.max_bounces ||
+        is_mirror(h))
         return 0;
     const struct flat_scene *flat = &h->r->flat;
     double point[3], wi[3], extent = 0;
@@ -331,7 +333,7 @@ static double survival(const struct hit *h)
     for (int c = 0; c < 3; c++)
         most = fmax(most, h->throughput[c] * (double)h->s.material->base_color[c]);
     bool plays =
-        has_feature(h, FEATURE_ROULETTE) && h->r->push.bounce >= h->r->push.roulette_min_bounces;
+        has_feature(h, FEATURE_ROULETTE) && h->r->push.bounce >= h->r->frame.roulette_min_bounces;
     return plays ? fmin(1, most) : 1;
 }
 
@@ -397,7 +399,7 @@ static void check_next_path(const struct hit *h)
 // 1, 0, or -1: either, where a bent normal may send the path into the surface.
 static int wants_next_path(const struct hit *h)
 {
-    if (h->r->push.bounce >= h->r->push.max_bounces)
+    if (h->r->push.bounce >= h->r->frame.max_bounces)
         return 0;
     if (h->u_light[3] >= survival(h))
         return 0;
@@ -448,7 +450,7 @@ static void check_scene(uint32_t kind, enum light_estimator estimator, uint32_t 
     struct err err = {0};
     struct gpu_emitter emitters[16] = {{0}};
     make_scene(&setup.scene, kind);
-    setup.scene.settings.estimator = estimator;
+    set_estimator(&setup.scene.settings, estimator);
     OPEN_SETUP(&setup, SLOTS);
     struct renderer *r = &setup.r;
     bool ok = r->plan.wave_slots >= SLOTS && r->tables.emitters.count <= 16 &&
@@ -508,7 +510,7 @@ TEST(nonfinite_throughput)
     struct setup setup;
     struct err err = {0};
     make_scene(&setup.scene, ENCLOSED);
-    setup.scene.settings.estimator = ESTIMATOR_BSDF;
+    set_estimator(&setup.scene.settings, ESTIMATOR_BSDF);
     OPEN_SETUP(&setup, SLOTS);
     bool ok = trace_rays(&setup.r, &err);
     uint32_t hits = 0, emitting = 0;

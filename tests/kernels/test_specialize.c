@@ -163,14 +163,13 @@ static void make_scene(uint32_t has, struct scene *scene)
     settings->pixel_jitter = has & JITTER;
     settings->roulette_min_bounces = has & ROULETTE ? 1 : UINT32_MAX;
     settings->max_bounces = has & NO_BOUNCE ? 0 : 4;
-    settings->estimator = has & ONLY_BSDF  ? ESTIMATOR_BSDF
-                          : has & ONLY_NEE ? ESTIMATOR_NEE
-                                           : ESTIMATOR_MIS;
+    settings->nee = !(has & ONLY_BSDF);
+    settings->mis = has & ONLY_NEE ? MIS_NONE : MIS_POWER;
 }
 
 // What was made for a scene.
 struct inventory {
-    uint32_t features; // of the scene
+    uint64_t features; // of the scene; emitters from bit 32 on
     uint32_t kernels;  // bits by enum kernel_id: pipelines
     uint32_t buffers;  // bits by binding: VkBuffers
     uint32_t planned;  // bits by binding: in the memory plan
@@ -183,6 +182,7 @@ static struct inventory take_inventory(const struct renderer *r)
     for (uint32_t bit = 0; bit < 32; bit++)
         if (feature_name(BIT(bit)))
             out.features |= r->specialization.features & BIT(bit);
+    out.features |= (uint64_t)r->specialization.emitters << 32;
     for (int id = 0; id < KERNEL_COUNT; id++)
         out.kernels |= r->kernels[id].pipeline ? BIT(id) : 0;
     for (uint32_t b = 0; b < BINDING_COUNT; b++) {
@@ -215,11 +215,13 @@ struct pair {
     const char *name;
     uint32_t with, without;
     // What goes with the need, and nothing else.
-    uint32_t features, kernels, buffers;
+    uint64_t features;
+    uint32_t kernels, buffers;
     uint32_t queue_rows;
     uint32_t kernels_instead; // that only the one without it has
 };
 
+#define EMITS(emitter) ((uint64_t)(emitter) << 32)
 #define SHADOW_KERNELS BIT(KERNEL_intersect_shadow)
 #define SHADOW_BUFFERS (BIT(BINDING_EMITTERS) | BIT(BINDING_SHADOW_RAYS))
 
@@ -236,18 +238,17 @@ static const struct pair pairs[] = {
      SHADOW_BUFFERS, 1},
     {"mirror", QUAD | SPHERE | MIRROR_SPHERE, QUAD | SPHERE | SPARE_MIRROR, 0, 0, 0, 0},
     {"emissive triangles", QUAD | BRIGHT_QUAD, QUAD,
-     FEATURE_EMISSION | FEATURE_EMISSIVE_TRIANGLES | FEATURE_NEE, SHADOW_KERNELS, SHADOW_BUFFERS,
-     1},
+     FEATURE_EMISSION | EMITS(EMITTER_TRIANGLES) | FEATURE_NEE, SHADOW_KERNELS, SHADOW_BUFFERS, 1},
     {"emissive spheres", QUAD | SPHERE | BRIGHT_SPHERE, QUAD | SPHERE,
-     FEATURE_EMISSION | FEATURE_EMISSIVE_SPHERES | FEATURE_NEE, SHADOW_KERNELS, SHADOW_BUFFERS, 1},
+     FEATURE_EMISSION | EMITS(EMITTER_SPHERES) | FEATURE_NEE, SHADOW_KERNELS, SHADOW_BUFFERS, 1},
     {"emissive discs", QUAD | DISC | BRIGHT_DISC, QUAD | DISC,
-     FEATURE_EMISSION | FEATURE_EMISSIVE_DISCS | FEATURE_NEE, SHADOW_KERNELS, SHADOW_BUFFERS, 1},
+     FEATURE_EMISSION | EMITS(EMITTER_DISCS) | FEATURE_NEE, SHADOW_KERNELS, SHADOW_BUFFERS, 1},
     {"emissive triangles beside spheres", QUAD | BRIGHT_QUAD | SPHERE | BRIGHT_SPHERE,
-     QUAD | SPHERE | BRIGHT_SPHERE, FEATURE_EMISSIVE_TRIANGLES, 0, 0, 0},
+     QUAD | SPHERE | BRIGHT_SPHERE, EMITS(EMITTER_TRIANGLES), 0, 0, 0},
     {"emissive spheres beside triangles", QUAD | BRIGHT_QUAD | SPHERE | BRIGHT_SPHERE,
-     QUAD | BRIGHT_QUAD | SPHERE, FEATURE_EMISSIVE_SPHERES, 0, 0, 0},
+     QUAD | BRIGHT_QUAD | SPHERE, EMITS(EMITTER_SPHERES), 0, 0, 0},
     {"emissive discs beside triangles", QUAD | BRIGHT_QUAD | DISC | BRIGHT_DISC,
-     QUAD | BRIGHT_QUAD | DISC, FEATURE_EMISSIVE_DISCS, 0, 0, 0},
+     QUAD | BRIGHT_QUAD | DISC, EMITS(EMITTER_DISCS), 0, 0, 0},
     {"next-event estimation", QUAD | BRIGHT_QUAD, QUAD | BRIGHT_QUAD | ONLY_BSDF, FEATURE_NEE,
      SHADOW_KERNELS, SHADOW_BUFFERS, 1},
     {"a bounce to connect from", QUAD | BRIGHT_QUAD, QUAD | BRIGHT_QUAD | NO_BOUNCE, FEATURE_NEE,
@@ -259,10 +260,10 @@ static const struct pair pairs[] = {
      BIT(BINDING_ENVIRONMENT), 0},
     {"roulette", QUAD | ROULETTE, QUAD, FEATURE_ROULETTE, 0, 0, 0},
     {"jitter", QUAD | JITTER, QUAD, FEATURE_JITTER, 0, 0, 0},
-    {"point lights", QUAD | LAMP, QUAD, FEATURE_LIGHTS | FEATURE_NEE, SHADOW_KERNELS,
+    {"point lights", QUAD | LAMP, QUAD, EMITS(EMITTER_LIGHTS) | FEATURE_NEE, SHADOW_KERNELS,
      SHADOW_BUFFERS, 1},
-    {"point lights beside triangles", QUAD | BRIGHT_QUAD | LAMP, QUAD | BRIGHT_QUAD, FEATURE_LIGHTS,
-     0, 0, 0},
+    {"point lights beside triangles", QUAD | BRIGHT_QUAD | LAMP, QUAD | BRIGHT_QUAD,
+     EMITS(EMITTER_LIGHTS), 0, 0, 0},
     {"classes", QUAD | SPHERE | PRINCIPLED_SPHERE, QUAD | SPHERE, FEATURE_CLASSES,
      BIT(KERNEL_shade_diffuse) | BIT(KERNEL_shade_principled), 0, 1, BIT(KERNEL_shade_surface)},
     {"a class of its own", SPHERE | GLASS_SPHERE | THIN, SPHERE, 0, 0, 0, 0},
@@ -301,7 +302,8 @@ static void check_pair(struct gpu *gpu, const struct pair *pair)
         return;
     CHECK(with.features == (without.features | pair->features) &&
               !(without.features & pair->features),
-          "%s: features 0x%x and 0x%x", pair->name, with.features, without.features);
+          "%s: features 0x%llx and 0x%llx", pair->name, (unsigned long long)with.features,
+          (unsigned long long)without.features);
     uint32_t kept = without.kernels & ~pair->kernels_instead;
     CHECK(with.kernels == (kept | pair->kernels) && !(without.kernels & pair->kernels) &&
               kept + pair->kernels_instead == without.kernels,
@@ -322,6 +324,9 @@ static void check_pair(struct gpu *gpu, const struct pair *pair)
     for (uint32_t bit = 0; bit < 32; bit++)
         if (pair->features >> bit & 1u)
             printf(", %s", feature_name(BIT(bit)));
+    for (uint32_t bit = 0; bit < 32; bit++)
+        if (pair->features >> 32 >> bit & 1u)
+            printf(", %s", emitter_name(BIT(bit)));
     putchar('\n');
 }
 
@@ -334,15 +339,24 @@ TEST(each_need)
     gpu_close(&gpu);
 }
 
+static uint64_t named_bits(void)
+{
+    uint64_t named = 0;
+    for (uint32_t bit = 0; bit < 32; bit++) {
+        named |= feature_name(BIT(bit)) ? BIT(bit) : 0;
+        named |= emitter_name(BIT(bit)) ? EMITS(BIT(bit)) : 0;
+    }
+    return named;
+}
+
 // Every feature with a name is removed by some pair.
 TEST(no_feature_is_forgotten)
 {
-    uint32_t seen = 0, named = 0;
+    uint64_t seen = 0, named = named_bits();
     for (size_t i = 0; i < sizeof pairs / sizeof pairs[0]; i++)
         seen |= pairs[i].features;
-    for (uint32_t bit = 0; bit < 32; bit++)
-        named |= feature_name(BIT(bit)) ? BIT(bit) : 0;
-    CHECK(seen == named, "tested 0x%x, named 0x%x", seen, named);
+    CHECK(seen == named, "tested 0x%llx, named 0x%llx", (unsigned long long)seen,
+          (unsigned long long)named);
 }
 
 // What works on data that scenes may lack is not compiled in on demand.
@@ -361,16 +375,16 @@ TEST(everything_is_created_on_demand)
     struct inventory empty, all, full;
     if (make(&gpu, 0, false, &empty) && make(&gpu, JITTER, true, &all) &&
         make(&gpu, JITTER | data, true, &full)) {
-        uint32_t named = 0, buffers = (BIT(BINDING_COUNT) - 1) & ~BIT(BINDING_SUSPENDED);
-        for (uint32_t bit = 0; bit < 32; bit++)
-            named |= feature_name(BIT(bit)) ? BIT(bit) : 0;
+        uint64_t named = named_bits();
+        uint32_t buffers = (BIT(BINDING_COUNT) - 1) & ~BIT(BINDING_SUSPENDED);
         CHECK(all.kernels == (BIT(KERNEL_COUNT) - 1) - CLASS_KERNELS, "kernels 0x%x", all.kernels);
         CHECK(all.buffers == (buffers & ~BIT(BINDING_TEXELS)), "buffers 0x%x", all.buffers);
-        CHECK(all.features == (named & ~WITH_DATA), "features 0x%x", all.features);
+        CHECK(all.features == (named & ~(uint64_t)WITH_DATA), "features 0x%llx",
+              (unsigned long long)all.features);
         CHECK(all.queue_rows == 5 && empty.queue_rows == 3, "%llu and %llu queues",
               (unsigned long long)all.queue_rows, (unsigned long long)empty.queue_rows);
-        CHECK(full.features == named && full.buffers == buffers, "features 0x%x, buffers 0x%x",
-              full.features, full.buffers);
+        CHECK(full.features == named && full.buffers == buffers, "features 0x%llx, buffers 0x%x",
+              (unsigned long long)full.features, full.buffers);
         CHECK(full.queue_rows == 6, "%llu queues", (unsigned long long)full.queue_rows);
     }
     gpu_close(&gpu);
@@ -447,8 +461,11 @@ static uint32_t lobes_of(struct gpu *gpu, const struct lobe_case *c)
     bool ok = render_prepare(&scene, NULL, &arena, &flat, &bvh, &err);
     CHECK(ok, "%s", err.msg);
     if (ok)
-        lobes = specialize(&(struct specialize_params){
-                               .scene = &scene, .flat = &flat, .bvh = &bvh, .gpu = gpu})
+        lobes = specialize(&(struct specialize_params){.scene = &scene,
+                                                       .flat = &flat,
+                                                       .bvh = &bvh,
+                                                       .gpu = gpu,
+                                                       .camera = &scene.cameras[0]})
                     .lobes;
     arena_finish(&arena);
     scene_finish(&scene);

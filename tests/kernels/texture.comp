@@ -47,7 +47,7 @@ void apply(uint item)
     store_output(item, 3u, vec4(s.normal_shading, 0.0));
 }
 
-void frame(uint item)
+void axes(uint item)
 {
     surface s;
     s.normal_shading = load_input_float(item, 1u).xyz;
@@ -94,7 +94,7 @@ void main()
     if (ROUTINE == ROUTINE_APPLY)
         apply(item);
     if (ROUTINE == ROUTINE_FRAME)
-        frame(item);
+        axes(item);
     if (ROUTINE == ROUTINE_ALPHA)
         alpha(item);
     if (ROUTINE == ROUTINE_SURFACE)

@@ -2,7 +2,7 @@
 #ifndef LAMPYRIS_TESTS_TEXTURE_ITEM_H
 #define LAMPYRIS_TESTS_TEXTURE_ITEM_H
 
-#define CONSTANT_ROUTINE 7 // after those of shared/bindings.h
+#define CONSTANT_ROUTINE CONSTANT_COUNT
 
 // in: texture, -, -, -; uv0, uv1. out: the texel.
 #define ROUTINE_SAMPLE 0u

@@ -88,7 +88,7 @@ static void check_form(struct gpu *gpu, struct trial trial, uint64_t samples)
     struct scene scene;
     struct err err = {0};
     REQUIRE_OK(load_scene(form->scene, form->overrides, &scene, &err));
-    scene.settings.estimator = trial.estimator;
+    set_estimator(&scene.settings, trial.estimator);
     const struct renderer_params params = {.gpu = gpu, .scene = &scene};
     for (int c = 0; c < 3; c++)
         trial.expected[c] =

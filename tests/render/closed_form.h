@@ -3,6 +3,7 @@
 #ifndef LAMPYRIS_TESTS_CLOSED_FORM_H
 #define LAMPYRIS_TESTS_CLOSED_FORM_H
 
+#include "estimators.h"
 #include "render_fixture.h"
 
 enum closed_form_kind {

@@ -2,6 +2,7 @@
 // estimate the same picture: the Cornell box, and a row of rough materials, as a whole and in 4 x 4
 // tiles. Estimates are compared by pairs, each with 64 replicates.
 #include "clock.h"
+#include "estimators.h"
 #include "metrics.h"
 #include "render_fixture.h"
 #include "replicates.h"
@@ -42,7 +43,7 @@ static void render_estimator(struct gpu *gpu, const struct plan *plan,
     struct renderer r;
     struct err err = {0};
     REQUIRE_OK(load_scene(plan->scene, size, &scene, &err));
-    scene.settings.estimator = estimator;
+    set_estimator(&scene.settings, estimator);
     const struct renderer_params params = {.gpu = gpu, .scene = &scene};
     REQUIRE_OK(renderer_create(&params, &r, &err));
     REQUIRE_OK(

@@ -1,5 +1,6 @@
 // Contributions that are not finite are left out, counted by the place they came from, and can be
 // followed. Loaders let no such scene pass, so each test spoils one in memory.
+#include "estimators.h"
 #include "render_fixture.h"
 #include "render_job.h"
 #include "replay.h"
@@ -17,7 +18,7 @@ static bool load_floor(enum light_estimator estimator, struct scene *scene, stru
                   " \"u\": [2, 0, 0], \"v\": [0, 0, -2]}"},
         {0}};
     bool ok = load_scene("tests/render/scenes/floor_light.json", light, scene, err);
-    scene->settings.estimator = estimator;
+    set_estimator(&scene->settings, estimator);
     return ok;
 }
 

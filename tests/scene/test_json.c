@@ -97,13 +97,13 @@ TEST(film_and_settings)
 {
     struct scene scene = load_body(
         "\"film\": {\"width\": 7, \"height\": 5, \"exposure\": -1.5, \"tone\": \"agx\"},"
-        "\"settings\": {\"spp\": 4294967295, \"seed\": 3, \"max_bounces\": 0, \"estimator\": "
-        "\"bsdf\","
+        "\"settings\": {\"spp\": 4294967295, \"seed\": 3, \"max_bounces\": 0, \"mis\": "
+        "\"balance\", \"nee\": false,"
         " \"roulette_min_bounces\": \"off\", \"pixel_jitter\": false, \"filter\": \"box\"}");
     const struct settings *s = &scene.settings;
     CHECK(s->width == 7 && s->height == 5 && s->exposure == -1.5f && s->tone_curve == TONE_AGX);
     CHECK(s->spp == UINT32_MAX && s->seed == 3 && s->max_bounces == 0 && !s->pixel_jitter);
-    CHECK(s->estimator == ESTIMATOR_BSDF && s->roulette_min_bounces == UINT32_MAX);
+    CHECK(s->mis == MIS_BALANCE && !s->nee && s->roulette_min_bounces == UINT32_MAX);
     scene_finish(&scene);
 }
 

@@ -1,0 +1,24 @@
+// What a surface that a path has met sends back along it.
+#ifndef EMISSION_GLSL
+#define EMISSION_GLSL
+
+#include "lib/light.glsl"
+#include "lib/vertex.glsl"
+
+// Emission as seen by the path, weighted against next-event estimation.
+void add_emission(vertex v, vec3 origin, vec3 direction, float distance, float bsdf_pdf)
+{
+    float weight = 1.0;
+    float pick_density = v.m.group[GROUP_EMISSION].a;
+    if (HAS(FEATURE_NEE) && bsdf_pdf > 0.0 && pick_density > 0.0) {
+        weight = 0.0;
+        if (HAS(FEATURE_BSDF_HITS_EMITTERS))
+            weight = mis_power_weight(bsdf_pdf,
+                                      pdf_light(origin, direction, distance, v.s, pick_density));
+    }
+    vec3 emission = v.m.group[GROUP_EMISSION].rgb;
+    if (weight > 0.0 && any(greaterThan(emission, vec3(0.0))))
+        add_radiance(v.slot, v.throughput * emission * weight, SITE_EMISSION);
+}
+
+#endif

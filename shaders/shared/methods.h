@@ -1,0 +1,60 @@
+// Choices between methods: each is a setting, in the order of the words that name it (see
+// scene/settings.c), and a specialization constant of the kernels.
+#ifndef LAMPYRIS_SHARED_METHODS_H
+#define LAMPYRIS_SHARED_METHODS_H
+
+// What a picture is of.
+#define INTEGRATOR_PATH 0u
+#define INTEGRATOR_DIRECT 1u // one scattering event
+#define INTEGRATOR_AO 2u     // how much of the sky each surface sees within a distance
+#define INTEGRATOR_WHITTED                                                                         \
+    3u // Whitted 1979: perfect reflection and refraction, hard shadows, Phong
+
+// Where random numbers come from.
+#define SAMPLER_SOBOL 0u      // Owen-scrambled Sobol (Burley 2020)
+#define SAMPLER_PCG 1u        // independent: pcg4d
+#define SAMPLER_LCG 2u        // independent: a linear congruential generator seeded by TEA
+#define SAMPLER_STRATIFIED 3u // one point at random in each stratum
+#define SAMPLER_GRID 4u       // the same without jitter: at the strata's centres
+#define SAMPLER_BLUE_NOISE                                                                         \
+    5u // one sequence for all pixels, dealt out so that errors are blue noise
+
+// How the two half-buffers, which tell the error, share the samples.
+#define HALVES_INDEPENDENT 0u // each has a sequence of its own: the estimate is unbiased
+#define HALVES_CONTIGUOUS 1u  // one sequence, first and second half: an upper bound
+
+// Pixel filters, drawn from by importance.
+#define FILTER_BOX 0u
+#define FILTER_TENT 1u
+#define FILTER_GAUSSIAN 2u
+#define FILTER_BLACKMAN_HARRIS 3u
+
+#define CAMERA_PERSPECTIVE 0u
+#define CAMERA_ORTHOGRAPHIC 1u
+#define CAMERA_PANORAMIC 2u // all directions, in latitude and longitude
+
+// Which emitters a vertex connects to.
+#define LIGHT_CHOICE_AUTO 0u // a setting only: the tree where there are many, else by power
+#define LIGHT_CHOICE_UNIFORM 1u
+#define LIGHT_CHOICE_POWER 2u
+#define LIGHT_CHOICE_ALL 3u
+#define LIGHT_CHOICE_TREE 4u // by what they may send here, through a light BVH
+
+// Weights of the two techniques that find emitters.
+#define MIS_POWER 0u
+#define MIS_BALANCE 1u
+#define MIS_NONE 2u // those that can be connected to count when connected to only
+
+// How a path goes on from a surface that is not perfectly specular.
+#define DIRECTIONS_BSDF 0u
+#define DIRECTIONS_SPHERE 1u
+#define DIRECTIONS_HEMISPHERE 2u
+#define DIRECTIONS_COSINE 3u
+#define DIRECTIONS_POWER_COSINE 4u // about the mirrored direction
+
+#define ROULETTE_THROUGHPUT 0u
+#define ROULETTE_CONSTANT 1u // one probability for all
+#define ROULETTE_FRAME 2u    // a geometric depth for each sample number, shared by all pixels
+#define ROULETTE_OFF 3u
+
+#endif

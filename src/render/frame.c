@@ -1,0 +1,81 @@
+#include "frame.h"
+
+#include <math.h>
+#include <string.h>
+
+static void cross(const double a[3], const double b[3], double out[3])
+{
+    for (int i = 0; i < 3; i++)
+        out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
+}
+
+static void scale_to(double v[3], double length)
+{
+    double factor = length / sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    for (int i = 0; i < 3; i++)
+        v[i] *= factor;
+}
+
+// In double precision: a narrow field of view leaves few digits to a float.
+static void set_camera(struct gpu_frame *frame, const struct camera *camera, const double origin[3])
+{
+    double right[3], up[3];
+    double half_height = tan(0.5 * camera->fov_y);
+    cross(camera->direction, camera->up, right);
+    cross(right, camera->direction, up);
+    scale_to(right, half_height * frame->width / frame->height);
+    scale_to(up, half_height);
+    for (int i = 0; i < 3; i++) {
+        frame->camera_position[i] = (float)(camera->position[i] - origin[i]);
+        frame->camera_forward[i] = (float)camera->direction[i];
+        frame->camera_right[i] = (float)right[i];
+        frame->camera_up[i] = (float)up[i];
+    }
+}
+
+static void set_environment(struct gpu_frame *frame, const struct environment *environment)
+{
+    frame->environment_size = environment->width | environment->height << 16;
+    if (environment->width == 0)
+        frame->environment_size = 1u | 1u << 16; // the white texel that upload.c puts there
+    if (environment->present)
+        memcpy(frame->environment, environment->radiance, sizeof frame->environment);
+    frame->environment_cos = (float)cos(environment->rotation);
+    frame->environment_sin = (float)sin(environment->rotation);
+}
+
+void frame_fill(struct renderer *r, const struct camera *camera)
+{
+    const struct settings *settings = &r->scene->settings;
+    r->frame = (struct gpu_frame){
+        .width = settings->width,
+        .height = settings->height,
+        .seed = settings->seed,
+        .max_bounces = settings->integrator == INTEGRATOR_DIRECT ? 1u : settings->max_bounces,
+        .emitter_count = r->tables.emitters.count,
+        .wave_slots = r->plan.wave_slots,
+        .samples = (uint32_t)settings->spp,
+        .nee_depth = settings->nee_depth,
+        .clamp_limit = settings->clamp_limit,
+        .roulette_min_bounces = settings->roulette_min_bounces,
+        .roulette_max_bounces = settings->roulette_max_bounces,
+        .roulette_survival = settings->roulette_survival,
+        .direction_exponent = settings->direction_exponent,
+        .filter_radius = settings->filter_radius,
+        .ao_distance = settings->ao_distance,
+        .falloff = settings->falloff,
+    };
+    set_environment(&r->frame, &r->scene->environment);
+    set_camera(&r->frame, camera, r->flat.origin);
+}
+
+bool frame_create(struct renderer *r, struct err *err)
+{
+    return gpu_buffer_create(r->gpu, "frame", sizeof r->frame, GPU_DEVICE, false, &r->frame_buffer,
+                             err);
+}
+
+bool frame_upload(struct renderer *r, struct err *err)
+{
+    return gpu_upload(r->gpu, &r->frame_buffer, 0, &r->frame, sizeof r->frame, err);
+}

@@ -1,0 +1,13 @@
+// The uniform block that all kernels read: camera, picture, settings.
+#ifndef LAMPYRIS_RENDER_FRAME_H
+#define LAMPYRIS_RENDER_FRAME_H
+
+#include "render.h"
+
+// Fills renderer->frame from the scene, its settings and the camera; the plan must be made.
+void frame_fill(struct renderer *renderer, const struct camera *camera);
+bool frame_create(struct renderer *renderer, struct err *err); // the buffer
+// To be called after renderer->frame was changed, while nothing runs.
+bool frame_upload(struct renderer *renderer, struct err *err);
+
+#endif

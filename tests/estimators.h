@@ -1,0 +1,19 @@
+// The ways to find emitters that tests compare: all converge to the same picture.
+#ifndef LAMPYRIS_TESTS_ESTIMATORS_H
+#define LAMPYRIS_TESTS_ESTIMATORS_H
+
+#include "settings.h"
+
+enum light_estimator {
+    ESTIMATOR_MIS,  // next-event estimation and BSDF sampling, power heuristic
+    ESTIMATOR_NEE,  // next-event estimation only, where a light can be sampled
+    ESTIMATOR_BSDF, // BSDF sampling only
+};
+
+static inline void set_estimator(struct settings *settings, enum light_estimator estimator)
+{
+    settings->nee = estimator != ESTIMATOR_BSDF;
+    settings->mis = estimator == ESTIMATOR_MIS ? MIS_POWER : MIS_NONE;
+}
+
+#endif
