@@ -3,6 +3,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
+#include "lib/filter.glsl"
 #include "lib/queue.glsl"
 #include "lib/sampler.glsl"
 
@@ -18,7 +19,7 @@ void main()
     uint pixel = slot_pixel(slot);
     vec2 inside = vec2(0.5);
     if (HAS(FEATURE_JITTER))
-        inside = uniforms(slot, DIMENSION_CAMERA).xy;
+        inside = filter_position(uniforms(slot, DIMENSION_CAMERA).xy);
     vec2 size = vec2(frame.width, frame.height);
     vec2 at = (vec2(pixel % frame.width, pixel / frame.width) + inside) / size * 2.0 - 1.0;
     vec3 direction =
