@@ -21,7 +21,7 @@ bool connect_light(vertex v, vec4 u)
     vec3 f = eval_bsdf(v.m, v.wo, local, v.eta, pdf);
     float weight = 1.0;
     if (HAS(FEATURE_BSDF_HITS_EMITTERS) && !l.delta)
-        weight = mis_power_weight(l.pdf, pdf);
+        weight = mis_weight(l.pdf, pdf);
     vec3 radiance = v.throughput * f * l.radiance * (weight / l.pdf);
     if (HAS(FEATURE_MEDIA))
         radiance *= transmittance(load_medium(medium_towards(v, wi)), length(l.to_light));

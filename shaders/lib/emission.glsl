@@ -13,8 +13,8 @@ void add_emission(vertex v, vec3 origin, vec3 direction, float distance, float b
     if (HAS(FEATURE_NEE) && bsdf_pdf > 0.0 && pick_density > 0.0) {
         weight = 0.0;
         if (HAS(FEATURE_BSDF_HITS_EMITTERS))
-            weight = mis_power_weight(bsdf_pdf,
-                                      pdf_light(origin, direction, distance, v.s, pick_density));
+            weight = mis_weight(bsdf_pdf,
+                                pdf_light(origin, direction, distance, v.s, pick_density));
     }
     vec3 emission = v.m.group[GROUP_EMISSION].rgb;
     if (weight > 0.0 && any(greaterThan(emission, vec3(0.0))))

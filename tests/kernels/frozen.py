@@ -107,7 +107,7 @@ FEATURES = {
                           "[shadow_rays]", "frame.emitter_count", "queue_push() x1"],
     }),
     "emitters hit by the BSDF": (["BSDF_HITS_EMITTERS"], {
-        "shade_surface": ["mis_power_weight()", "pdf_light()"],
+        "shade_surface": ["mis_weight()", "pdf_light()"],
     }),
     "environment": (["ENVIRONMENT", "ENVIRONMENT_IMAGE"], {
         "intersect_closest": ["queue_push() x1"],
