@@ -13,12 +13,8 @@ void main()
     if (item >= item_count())
         return;
     uint slot = queue_slot(push.queue, item);
-    vec3 radiance = frame.environment;
-    if (HAS(FEATURE_ENVIRONMENT_IMAGE)) {
-        vec3 direction = uintBitsToFloat(load_path(slot, PATH_DIRECTION).xyz);
-        uvec2 size = uvec2(frame.environment_size & 0xffffu, frame.environment_size >> 16u);
-        radiance *= load_environment_float(environment_texel(direction, size)).rgb;
-    }
+    vec3 direction = uintBitsToFloat(load_path(slot, PATH_DIRECTION).xyz);
+    vec3 radiance = environment_radiance(direction);
     uvec4 words = load_path(slot, PATH_THROUGHPUT);
     vec3 throughput = uintBitsToFloat(words.rgb);
     // Out of an open mesh, or with the camera inside of something endless.
