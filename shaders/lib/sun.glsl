@@ -1,0 +1,40 @@
+// Directional lights with an angular diameter: cones of constant radiance around a direction. Pure
+// functions. A cone is given by its versine, 1 - cos of half the diameter, which keeps its digits
+// where the cone is narrow.
+#ifndef SUN_GLSL
+#define SUN_GLSL
+
+#include "lib/sampling.glsl"
+
+// Of a cone whose irradiance on a surface that faces it is given: the integral of the cosine over
+// the cone is pi sin^2.
+vec3 sun_radiance(vec3 irradiance, float versine)
+{
+    return irradiance / (PI * versine * (2.0 - versine));
+}
+
+// Per solid angle, in the cone.
+float pdf_sun(float versine)
+{
+    return 1.0 / (2.0 * PI * versine);
+}
+
+// Uniform in the cone around the unit `axis`, which points to the sun. Returns the density.
+float sample_sun(vec3 axis, float versine, vec2 u, out vec3 direction)
+{
+    float one_minus_cos = u.x * versine;
+    float sin_theta = sqrt(one_minus_cos * (2.0 - one_minus_cos));
+    float angle = 2.0 * PI * u.y;
+    vec3 local = vec3(sin_theta * vec2(cos(angle), sin(angle)), 1.0 - one_minus_cos);
+    direction = normalize(basis_around(axis) * local);
+    return pdf_sun(versine);
+}
+
+// Whether a unit direction is in the cone: |direction - axis|^2 is twice the versine between them.
+bool sees_sun(vec3 axis, float versine, vec3 direction)
+{
+    vec3 chord = direction - axis;
+    return dot(chord, chord) <= 2.0 * versine;
+}
+
+#endif
