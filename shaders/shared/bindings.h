@@ -14,7 +14,7 @@
 #define BINDING_TEXELS 7      // of all textures
 #define BINDING_PATHS 8       // struct gpu_path, one a slot of the wave
 #define BINDING_SHADOW_RAYS 9 // struct gpu_shadow_ray, one a slot
-#define BINDING_RADIANCE 10   // vec4 a slot: what its path has gathered
+#define BINDING_RADIANCE 10   // what a slot's path has gathered: vec4, and see aov.h
 #define BINDING_QUEUES 11     // uint slot indices, an array of wave_slots for each needed queue
 #define BINDING_COUNTERS 12   // struct gpu_counters
 #define BINDING_FILM 13       // struct gpu_film_pixel
@@ -58,6 +58,8 @@
 #define FEATURE_NORMALS (1u << 3)             // interpolated shading normals
 #define FEATURE_CLASSES (1u << 5)             // surface hits are sorted by class
 #define FEATURE_EMISSION (1u << 6)            // some surface emits
+#define FEATURE_FALLOFF (1u << 8)             // what the camera sees fades with the distance
+#define FEATURE_NEE_DEPTH (1u << 9)           // by the first vertices of a path only
 #define FEATURE_NEE (1u << 10)                // shadow rays to emitters
 #define FEATURE_BSDF_HITS_EMITTERS (1u << 11) // emitters found by BSDF sampling count too
 #define FEATURE_ENVIRONMENT (1u << 12)
@@ -81,12 +83,15 @@
 // Of the scene again.
 #define FEATURE_MEDIA (1u << 28) // some surfaces bound something: refraction, absorption
 #define FEATURE_NORMAL_MAPS (1u << 29)
+#define FEATURE_TILES (1u << 30) // tiles of the picture have sample counts of their own
 
 // What emits and is connected to.
 #define EMITTER_TRIANGLES (1u << 0)
 #define EMITTER_SPHERES (1u << 1)
 #define EMITTER_DISCS (1u << 2)
-#define EMITTER_LIGHTS (1u << 3) // point, spot and directional lights without extent
+#define EMITTER_LIGHTS (1u << 3)      // point, spot and directional lights without extent
+#define EMITTER_SUNS (1u << 4)        // directional lights with an angular diameter
+#define EMITTER_ENVIRONMENT (1u << 6) // its image
 #define EMITTERS_SHAPES (EMITTER_SPHERES | EMITTER_DISCS)
 
 // Pictures besides the radiance. Of the first surface that a camera ray meets:
@@ -104,5 +109,7 @@
 #define AOV_SAMPLES (1u << 9)
 #define AOV_VARIANCE (1u << 10)
 #define AOV_HALVES (1u << 11)
+#define AOV_ALPHA (1u << 12) // the share of samples that met a surface
+#define AOV_END (1u << 13)
 
 #endif

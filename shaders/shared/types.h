@@ -79,7 +79,8 @@ struct gpu_material_header {
     uint albedos;      // the tables of lib/albedo.glsl
     uint camera_media; // the stack of media that camera rays start in, see lib/media.glsl
     float camera_ior;  // of the one they start in
-    uint align_header[2];
+    uint suns;         // struct gpu_sun
+    uint sun_count;
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_material_header, 32);
 #define MATERIAL_HEADER_WORDS 2 // of four
@@ -125,10 +126,20 @@ struct gpu_light {
     float inverse_range;           // of that beyond which there is no light, 1/m; 0: unlimited
     float spot_scale, spot_offset; // falloff: clamp(offset - scale * (1 - cos), 0, 1)^2
     float reach;                   // directional: the length of shadow rays
-    float align_light;
+    float versine; // directional: 1 - cos of the angular radius of a sun; 0: without extent
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_light, 64);
 #define LIGHT_WORDS 4
+
+// A directional light with an angular radius, for the rays that see it.
+struct gpu_sun {
+    float direction[3]; // unit, towards it
+    float versine;
+    float radiance[3];
+    float pick_probability;
+};
+SHARED_STATIC_ASSERT_SIZE(gpu_sun, 32);
+#define SUN_WORDS 2
 
 // Vose's alias table: with u < threshold the bin's own primitive, else its alias.
 struct gpu_emitter {
@@ -193,6 +204,7 @@ struct gpu_resolved_pixel {
     uint dropped;
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_resolved_pixel, 32);
+#define RESOLVED_WORDS 2
 
 // Queues of slot indices.
 #define QUEUE_RAYS 0      // even bounces; QUEUE_RAYS + 1: odd bounces
@@ -280,7 +292,7 @@ struct gpu_frame {
     uint lens_blades;         // 0: round
     float filter_radius;      // pixels
     float ao_distance;        // metres
-    float falloff;            // 1/m^3
+    float falloff;            // cube root of its k, 1/m
     uint align_frame;
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_frame, 160);

@@ -97,6 +97,7 @@ struct light {
     float radiant[3];               // point, spot: intensity, W/sr; directional: irradiance, W/m^2
     float range;                    // metres, > 0; INFINITY: unlimited
     float inner_angle, outer_angle; // spot: half-angles, radians, 0 <= inner < outer <= pi / 2
+    double angular_radius; // directional: of the sun it comes from, radians, to pi / 2; 0: a point
 };
 
 #endif

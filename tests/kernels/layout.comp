@@ -35,6 +35,7 @@ BLOCK(gpu_counters, 10)
 BLOCK(gpu_texture, 11)
 BLOCK(gpu_medium, 12)
 BLOCK(gpu_light, 13)
+BLOCK(gpu_sun, 14)
 
 void main()
 {

@@ -9,7 +9,7 @@
 
 #define TRIANGLE(M) M(v0) M(id) M(v1) M(material) M(v2) M(emitter)
 #define HEADER(M)                                                                                  \
-    M(textures) M(lights) M(media) M(albedos) M(camera_media) M(camera_ior) M(align_header)
+    M(textures) M(lights) M(media) M(albedos) M(camera_media) M(camera_ior) M(suns) M(sun_count)
 #define TEXTURE(M) M(texels) M(size) M(flags) M(align_texture) M(transform)
 #define MEDIUM(M) M(extinction) M(ior) M(priority) M(dispersion) M(align_medium)
 #define LIGHT(M)                                                                                   \
@@ -17,7 +17,8 @@
     M(kind)                                                                                        \
     M(direction)                                                                                   \
     M(pick_probability)                                                                            \
-    M(radiant) M(inverse_range) M(spot_scale) M(spot_offset) M(reach) M(align_light)
+    M(radiant) M(inverse_range) M(spot_scale) M(spot_offset) M(reach) M(versine)
+#define SUN(M) M(direction) M(versine) M(radiance) M(pick_probability)
 #define SHAPE(M) M(center) M(radius) M(normal) M(kind_material) M(emitter) M(align_shape)
 #define MATERIAL(M) M(model_flags) M(first_texture) M(texture_count) M(medium) M(parameter)
 #define EMITTER(M) M(threshold) M(primitive) M(alias_primitive) M(align_emitter)
@@ -80,6 +81,7 @@
     R(gpu_texture, TEXTURE)                                                                        \
     R(gpu_medium, MEDIUM)                                                                          \
     R(gpu_light, LIGHT)                                                                            \
+    R(gpu_sun, SUN)                                                                                \
     R(gpu_shape, SHAPE)                                                                            \
     R(gpu_material, MATERIAL)                                                                      \
     R(gpu_emitter, EMITTER)                                                                        \
@@ -116,6 +118,7 @@ struct record {
 #define M_gpu_texture(m) MEMBER_OF(struct gpu_texture, m)
 #define M_gpu_medium(m) MEMBER_OF(struct gpu_medium, m)
 #define M_gpu_light(m) MEMBER_OF(struct gpu_light, m)
+#define M_gpu_sun(m) MEMBER_OF(struct gpu_sun, m)
 #define M_gpu_shape(m) MEMBER_OF(struct gpu_shape, m)
 #define M_gpu_material(m) MEMBER_OF(struct gpu_material, m)
 #define M_gpu_emitter(m) MEMBER_OF(struct gpu_emitter, m)
