@@ -30,7 +30,8 @@ void main()
     if (item >= min(push.pixel_count, push.first_item + push.part_items) ||
         counters.unfinished != 0u)
         return;
-    uint at = (push.first_pixel + item - push.film_first_pixel) * FILM_WORDS;
+    uint at = (item_pixel(item) - push.film_first_pixel) * FILM_WORDS;
+    uint first_sample = item_first_sample(item);
     uvec4 words[FILM_WORDS];
     for (uint i = 0u; i < FILM_WORDS; i++)
         words[i] = film_words[at + i];
@@ -41,7 +42,7 @@ void main()
     uint samples = 1u << push.sample_shift;
     for (uint i = 0u; i < samples; i++) {
         vec4 radiance = load_radiance_float((item << push.sample_shift) + i);
-        if (((push.first_sample + i) & 1u) == 0u)
+        if (((first_sample + i) & 1u) == 0u)
             add(halves[0], radiance.rgb);
         else
             add(halves[1], radiance.rgb);

@@ -72,15 +72,33 @@ uvec4 load_shadow_ray(uint slot, uint ray, uint word)
     return load_shadow_rays((slot * LIGHT_RAYS + ray) * SHADOW_WORDS + word);
 }
 
+// A wave takes 2^sample_shift samples of each of its items, which are pixels next to each other.
+// Where tiles have sample counts of their own, the host lists them behind the last queue: the
+// pixels, then the sample that each begins with.
+uint listed(uint row, uint item)
+{
+    return queue_slots[(uint(bitCount(QUEUES)) + row) * frame.wave_slots + item];
+}
+
+uint item_pixel(uint item)
+{
+    return HAS(FEATURE_TILES) ? listed(0u, item) : push.first_pixel + item;
+}
+
+uint item_first_sample(uint item)
+{
+    return HAS(FEATURE_TILES) ? listed(1u, item) : push.first_sample;
+}
+
 // The image pixel and the sample number that a slot of this wave works on.
 uint slot_pixel(uint slot)
 {
-    return push.first_pixel + (slot >> push.sample_shift);
+    return item_pixel(slot >> push.sample_shift);
 }
 
 uint slot_sample(uint slot)
 {
-    return push.first_sample + (slot & ((1u << push.sample_shift) - 1u));
+    return item_first_sample(slot >> push.sample_shift) + (slot & ((1u << push.sample_shift) - 1u));
 }
 
 // By bit pattern: drivers may assume that floats are finite.

@@ -37,6 +37,7 @@ void film_finish(struct renderer *r)
 
 bool renderer_clear(struct renderer *r, struct err *err)
 {
+    r->pass = (struct pass){0};
     if (!gpu_begin(r->gpu, &r->commands, err))
         return false;
     for (uint32_t i = 0; i < r->plan.film_chunks; i++)
@@ -48,7 +49,9 @@ bool renderer_clear(struct renderer *r, struct err *err)
 bool renderer_restart(struct renderer *r, uint32_t seed, struct err *err)
 {
     r->frame.seed = seed;
-    r->next_sample = 0;
+    r->next_sample = r->round_target = 0;
+    if (r->tiles.done)
+        memset(r->tiles.done, 0, r->tiles.count * sizeof *r->tiles.done);
     return frame_upload(r, err) && renderer_clear(r, err);
 }
 

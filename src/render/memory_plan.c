@@ -56,7 +56,8 @@ static uint64_t bytes_a_slot(const struct specialization *s, uint32_t binding)
     case BINDING_RADIANCE:
         return 16;
     case BINDING_QUEUES:
-        return (uint64_t)queue_rows(s) * 4;
+        // With tiles, two lists besides: of pixels and of the samples that they begin with.
+        return (uint64_t)(queue_rows(s) + (s->features & FEATURE_TILES ? 2u : 0u)) * 4;
     case BINDING_SUSPENDED:
         return ((uint64_t)s->stack_entries + 10) * 4;
     default:

@@ -1,5 +1,6 @@
 #include "render.h"
 
+#include "adaptive.h"
 #include "clock.h"
 #include "film.h"
 #include "frame.h"
@@ -8,10 +9,6 @@
 #include "wave.h"
 #include <math.h>
 #include <string.h>
-
-// At most this many samples of a pixel in one wave: its paths stay coherent, and the loop that
-// accumulates them stays far below what drivers allow.
-#define MAX_SAMPLE_SHIFT 4u
 
 // --- creation
 // -------------------------------------------------------------------------------------
@@ -184,6 +181,7 @@ bool renderer_create(const struct renderer_params *params, struct renderer *r, s
         .aovs = params->aovs,
         .everything = params->everything,
         .merge_classes = params->merge_classes,
+        .tiles = params->tiles,
     });
     const struct shading_tables_params tables = {
         .scene = r->scene,
@@ -242,23 +240,47 @@ static bool become_careful(struct renderer *r, struct err *err)
            wave_compile(r, err);
 }
 
-// 2^shift samples of every pixel, in waves that do not cross the film's buffers.
-static bool render_pass(struct renderer *r, uint32_t shift, const struct render_call *call,
-                        uint64_t done, struct err *err)
+static bool has_tiles(const struct renderer *r)
 {
-    uint64_t pixels = (uint64_t)r->frame.width * r->frame.height;
-    for (uint64_t pixel = 0; pixel < pixels;) {
-        uint32_t chunk = (uint32_t)(pixel / r->plan.film_chunk_pixels);
-        uint64_t chunk_end = (chunk + 1) * r->plan.film_chunk_pixels;
-        uint64_t count = (chunk_end < pixels ? chunk_end : pixels) - pixel;
-        uint64_t fits = r->plan.wave_slots >> shift;
-        struct wave wave = {
-            .film_chunk = chunk,
-            .first_pixel = pixel,
-            .pixel_count = (uint32_t)(count < fits ? count : fits),
-            .sample_shift = shift,
-            .first_sample = r->next_sample,
-        };
+    return r->specialization.features & FEATURE_TILES;
+}
+
+// The next pixels of the pass, in a wave that does not cross the film's buffers.
+static bool fill_wave(struct renderer *r, struct wave *wave, struct err *err)
+{
+    *wave = (struct wave){.sample_shift = r->pass.shift, .first_sample = r->next_sample};
+    if (has_tiles(r))
+        return tile_wave_fill(r, wave, err);
+    uint64_t pixel = r->pass.position, pixels = r->pass.length;
+    wave->film_chunk = (uint32_t)(pixel / r->plan.film_chunk_pixels);
+    uint64_t chunk_end = (wave->film_chunk + 1) * r->plan.film_chunk_pixels;
+    uint64_t count = (chunk_end < pixels ? chunk_end : pixels) - pixel;
+    uint64_t fits = r->plan.wave_slots >> r->pass.shift;
+    wave->first_pixel = pixel;
+    wave->pixel_count = (uint32_t)(count < fits ? count : fits);
+    return true;
+}
+
+// What a call has done of all that it is to do, in samples of single pixels.
+struct work {
+    const struct render_call *call;
+    double done, total;
+};
+
+static void report(struct renderer *r, struct work *work, const struct wave *wave)
+{
+    const struct render_call *call = work->call;
+    work->done += (double)wave->pixel_count * (1u << wave->sample_shift);
+    double part = work->total > 0.0 ? fmin(work->done / work->total, 1.0) : 1.0;
+    progress_report(r->progress, "Rendering",
+                    call->progress_from + part * (call->progress_to - call->progress_from));
+}
+
+static bool run_pass(struct renderer *r, struct work *work, struct err *err)
+{
+    const struct render_call *call = work->call;
+    while (r->pass.position < r->pass.length && !*call->stopped) {
+        struct wave wave;
         bool voided = false;
         if (!wave_render(r, &wave, &voided, err))
             return false;
@@ -267,18 +289,46 @@ static bool render_pass(struct renderer *r, uint32_t shift, const struct render_
                 return false;
             continue;
         }
-        pixel += wave.pixel_count;
-
-        double part =
-            ((double)done + (double)pixel / (double)pixels * (1u << shift)) / (double)call->samples;
-        progress_report(r->progress, "Rendering",
-                        call->progress_from + part * (call->progress_to - call->progress_from));
-        if (pixel < pixels && progress_should_stop(r->progress)) {
+        r->pass.position += wave.pixel_count;
+        report(r, work, &wave);
+        if (call->after_wave && !call->after_wave(call->context, err))
+            return false;
+        if (r->pass.position < r->pass.length && progress_should_stop(r->progress))
             *call->stopped = true;
-            return true;
-        }
     }
-    r->next_sample += UINT64_C(1) << shift;
+    if (r->pass.position < r->pass.length)
+        return true;
+    if (has_tiles(r))
+        tile_pass_end(r);
+    else
+        r->next_sample += UINT64_C(1) << r->pass.shift;
+    r->pass = (struct pass){0};
+    return true;
+}
+
+// Begins a pass towards sample or round `end`, unless one is under way; false when there is nothing
+// left to do.
+static bool begin_pass(struct renderer *r, uint64_t end)
+{
+    if (r->pass.length > 0)
+        return true;
+    if (has_tiles(r)) {
+        if (r->round_target == r->next_sample)
+            r->round_target = end;
+        if (tile_pass_begin(r))
+            return true;
+        r->next_sample = r->round_target;
+        return r->next_sample < end && begin_pass(r, end);
+    }
+    if (r->next_sample >= end)
+        return false;
+    uint32_t shift = MAX_SAMPLE_SHIFT;
+    while (UINT64_C(1) << shift > end - r->next_sample || 1u << shift > r->plan.wave_slots)
+        shift--;
+    r->pass = (struct pass){
+        .shift = shift,
+        .length = (uint64_t)r->frame.width * r->frame.height,
+    };
     return true;
 }
 
@@ -291,12 +341,14 @@ bool renderer_render(struct renderer *r, const struct render_call *call, struct 
         c.stopped = &stopped;
     if (!(c.progress_to > c.progress_from))
         c.progress_to = c.progress_from + 1.0;
-    for (uint64_t done = 0; done < c.samples;) {
-        uint32_t shift = MAX_SAMPLE_SHIFT;
-        while (shift > 0 &&
-               ((UINT64_C(1) << shift) > c.samples - done || (1u << shift) > r->plan.wave_slots))
-            shift--;
-        if (!render_pass(r, shift, &c, done, err))
+    double pixels = (double)r->frame.width * r->frame.height;
+    struct work work = {
+        .call = &c,
+        .total = has_tiles(r) ? (double)tile_samples(r, c.samples) : pixels * (double)c.samples,
+    };
+    uint64_t end = r->next_sample + c.samples;
+    while (!*c.stopped && begin_pass(r, end)) {
+        if (!run_pass(r, &work, err))
             return false;
         done += UINT64_C(1) << shift;
         if (!*c.stopped && done < c.samples && progress_should_stop(r->progress))

@@ -23,6 +23,10 @@
 #include "shared/types.h"
 #include "specialize.h"
 
+// At most 2^this samples of a pixel in one wave: its paths stay coherent, and the loop that
+// accumulates them stays far below what drivers allow.
+#define MAX_SAMPLE_SHIFT 4u
+
 struct renderer_params {
     struct gpu *gpu;           // must outlive the renderer
     const struct scene *scene; // the same; its settings are the render's
@@ -31,6 +35,7 @@ struct renderer_params {
     uint32_t aovs;             // AOV_*: pictures wanted besides the radiance
     bool everything;           // compile in what the scene does not need (--features all)
     bool merge_classes;        // one kernel for all surfaces (--classes merged)
+    bool tiles;                // sample counts by tile: see adaptive.h
     const struct progress *progress;
 };
 
@@ -58,6 +63,21 @@ struct render_stats {
     struct nonfinite_stats nonfinite;
 };
 
+// Samples over the picture that are taken together: 2^shift of every pixel, or of those that the
+// plan says. One that a signal cut short goes on with the next call.
+struct pass {
+    uint32_t shift;
+    uint64_t position, length; // pixels done, and in all; 0: none is under way
+};
+
+// Of a picture whose tiles have sample counts of their own.
+struct tiles {
+    uint32_t across, count;
+    uint32_t *counts, *done; // of each: samples a round, and in all the passes that are over
+    uint64_t total;          // samples of all pixels in a round
+    uint32_t *pixels, *first_samples, list_length; // of the wave in flight
+};
+
 struct renderer {
     struct gpu *gpu;
     const struct scene *scene;
@@ -79,7 +99,10 @@ struct renderer {
     uint8_t *marks;                // kernel of each timestamp of the commands being recorded
     uint32_t mark_count;
     bool dispatch_too_long; // some dispatch since the last wave began: split further
-    uint64_t next_sample;   // of every pixel, when no pass was cut short
+    uint64_t next_sample;   // of every pixel; with tiles: rounds that are over
+    uint64_t round_target;  // with tiles: rounds that the passes lead up to
+    struct pass pass;
+    struct tiles tiles;
     struct render_stats stats;
     const struct progress *progress;
 };
@@ -96,11 +119,16 @@ void renderer_finish(struct renderer *renderer); // accepts NULL and {0}
 
 // Adds `samples` further samples to every pixel. When the progress asks to stop, ends after the
 // wave in flight and sets *stopped; some pixels then have more samples than others, which the film
-// knows. `progress_from`, `progress_to`: the part of the whole that this call is.
+// knows, and the next call goes on there. `progress_from`, `progress_to`: the part of the whole that
+// this call is.
 struct render_call {
-    uint64_t samples;
+    uint64_t samples; // with tiles: rounds
     double progress_from, progress_to;
     bool *stopped; // may be NULL
+    // Called after every wave, when the film and the renderer's state agree; may be NULL. False
+    // ends the call as failed.
+    bool (*after_wave)(void *context, struct err *err);
+    void *context;
 };
 bool renderer_render(struct renderer *renderer, const struct render_call *call, struct err *err);
 

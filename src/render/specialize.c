@@ -193,6 +193,21 @@ static uint32_t device_features(const struct gpu *gpu, const struct flat_scene *
     // Measured on lavapipe: texel fetches are three times as fast as storage-buffer reads.
     // Elsewhere storage buffers are the reference path.
     if (!gpu->info.is_cpu)
+// Ambient occlusion asks of a surface where it is, and whether: no material, no emitter. White is
+// around it.
+static void specialize_ao(struct specialization *s)
+{
+    uint32_t surfaces = FEATURE_TRIANGLES | FEATURE_SPHERES | FEATURE_DISCS;
+    uint32_t kept = surfaces | FEATURE_NORMALS | FEATURE_FALLOFF;
+    if (s->features & FEATURE_ALPHA)
+        kept |= FEATURE_ALPHA | FEATURE_TEXTURES | FEATURE_TEXELS_FLOAT | FEATURE_TEXELS_HALF |
+                FEATURE_UV0 | FEATURE_UV1 | FEATURE_COLORS;
+    s->features = (s->features & kept) | FEATURE_ENVIRONMENT;
+    s->features |= s->features & surfaces ? FEATURE_NEE : 0u;
+    s->emitters = s->lobes = 0;
+    memset(s->class_lobes, 0, sizeof s->class_lobes);
+}
+
         return features;
     uint64_t environment_bytes = (uint64_t)environment->width * environment->height * 16;
     uint64_t texel_bytes = 0; // at most: equal images are uploaded once
@@ -289,6 +304,8 @@ bool specialization_needs_kernel(const struct specialization *s, enum kernel_id 
         return s->features & FEATURE_ENVIRONMENT;
     case KERNEL_shade_surface:
         return !(s->features & FEATURE_CLASSES) &&
+    if (p->tiles)
+        s.features |= FEATURE_TILES;
                (s->features & (FEATURE_TRIANGLES | FEATURE_SPHERES | FEATURE_DISCS));
     case KERNEL_shade_diffuse:
     case KERNEL_shade_principled:
@@ -420,3 +437,7 @@ const char *feature_name(uint32_t bit)
         return NULL;
     }
 }
+    case FEATURE_TILES:
+        return "sample counts by tile";
+    case FEATURE_FALLOFF:
+        return "falloff";

@@ -43,6 +43,7 @@ struct specialize_params {
     // worth, and for testing that it changes no bit.
     bool everything;
     bool merge_classes; // one queue and one kernel for all classes of surfaces
+    bool tiles;         // sample counts by tile
 };
 struct specialization specialize(const struct specialize_params *params);
 // From now on rays that run out of their budget are suspended.

@@ -7,7 +7,7 @@
 // pixel_count << sample_shift paths: at most plan.wave_slots.
 struct wave {
     uint32_t film_chunk;
-    uint64_t first_pixel; // of the image
+    uint64_t first_pixel; // of the image; with tiles this and first_sample are in lists instead
     uint32_t pixel_count;
     uint32_t sample_shift;
     uint64_t first_sample;

@@ -121,6 +121,10 @@ FEATURES = {
         "intersect_closest": ["suspend()", "resume()", "[suspended]", "queue_push() x1"],
         "intersect_shadow": ["suspend()", "resume()", "queue_push()", "[suspended]"],
     }),
+    "sample counts by tile": (["TILES"], {
+        "generate_rays": ["listed()"],
+        "accumulate": ["listed()", "[queues]"],
+    }),
     "texel reads of the scene": (["TEXEL_SCENE"], {
         "intersect_closest": ["nodes_texels", "triangles_texels", "shapes_texels"],
         "intersect_shadow": ["nodes_texels", "triangles_texels", "shapes_texels"],

@@ -37,6 +37,8 @@ enum {
     TEXTURE_1 = BIT(27),     // another, over the second coordinates
     NORMAL_MAP = BIT(28),
     MASK = BIT(29), // all surfaces have an alpha mask
+    FALLOFF = BIT(30),
+    TILES = BIT(31), // sample counts by tile are asked for
 };
 
 static void *present(void *memory)
@@ -201,7 +203,12 @@ static bool make(struct gpu *gpu, uint32_t has, bool everything, struct inventor
     struct err err = {0};
     make_scene(has, &scene);
     const struct renderer_params params = {
-        .gpu = gpu, .scene = &scene, .wave = 1024, .everything = everything};
+        .gpu = gpu,
+        .scene = &scene,
+        .wave = 1024,
+        .everything = everything,
+        .tiles = has & TILES,
+    };
     bool ok = renderer_create(&params, &r, &err);
     CHECK(ok, "%s", err.msg);
     if (ok)
@@ -262,6 +269,7 @@ static const struct pair pairs[] = {
     {"jitter", QUAD | JITTER, QUAD, FEATURE_JITTER, 0, 0, 0},
     {"point lights", QUAD | LAMP, QUAD, EMITS(EMITTER_LIGHTS) | FEATURE_NEE, SHADOW_KERNELS,
      SHADOW_BUFFERS, 1},
+    {"tiles", QUAD | TILES, QUAD, FEATURE_TILES, 0, 0, 2},
     {"point lights beside triangles", QUAD | BRIGHT_QUAD | LAMP, QUAD | BRIGHT_QUAD,
      EMITS(EMITTER_LIGHTS), 0, 0, 0},
     {"classes", QUAD | SPHERE | PRINCIPLED_SPHERE, QUAD | SPHERE, FEATURE_CLASSES,
@@ -363,13 +371,14 @@ TEST(no_feature_is_forgotten)
 #define WITH_DATA                                                                                  \
     (FEATURE_CLASSES | FEATURE_TEXTURES | FEATURE_TEXELS_FLOAT | FEATURE_TEXELS_HALF |             \
      FEATURE_UV0 | FEATURE_UV1 | FEATURE_TANGENTS | FEATURE_COLORS | FEATURE_ALPHA |               \
-     FEATURE_NORMAL_MAPS)
+     FEATURE_NORMAL_MAPS | FEATURE_TILES)
+#define OTHER_KERNELS BIT(KERNEL_shade_ao) // of other integrators
 #define CLASS_KERNELS (((1u << CLASS_COUNT) - 1u) << KERNEL_shade_diffuse)
 
 TEST(everything_is_created_on_demand)
 {
     const uint32_t data = QUAD | UVS | COLORS | TEXTURE | FLOAT_TEXTURE | TEXTURE_1 | NORMAL_MAP |
-                          MASK | SPHERE | PRINCIPLED_SPHERE;
+                          MASK | SPHERE | PRINCIPLED_SPHERE | TILES;
     struct gpu gpu;
     OPEN_GPU(&gpu, .validation = false);
     struct inventory empty, all, full;
@@ -385,7 +394,7 @@ TEST(everything_is_created_on_demand)
               (unsigned long long)all.queue_rows, (unsigned long long)empty.queue_rows);
         CHECK(full.features == named && full.buffers == buffers, "features 0x%llx, buffers 0x%x",
               (unsigned long long)full.features, full.buffers);
-        CHECK(full.queue_rows == 6, "%llu queues", (unsigned long long)full.queue_rows);
+        CHECK(full.queue_rows == 8, "%llu queues", (unsigned long long)full.queue_rows);
     }
     gpu_close(&gpu);
 }
