@@ -282,7 +282,7 @@ static bool run_pass(struct renderer *r, struct work *work, struct err *err)
     while (r->pass.position < r->pass.length && !*call->stopped) {
         struct wave wave;
         bool voided = false;
-        if (!wave_render(r, &wave, &voided, err))
+        if (!fill_wave(r, &wave, err) || !wave_render(r, &wave, &voided, err))
             return false;
         if (voided) {
             if (!become_careful(r, err))
@@ -350,11 +350,8 @@ bool renderer_render(struct renderer *r, const struct render_call *call, struct 
     while (!*c.stopped && begin_pass(r, end)) {
         if (!run_pass(r, &work, err))
             return false;
-        done += UINT64_C(1) << shift;
-        if (!*c.stopped && done < c.samples && progress_should_stop(r->progress))
+        if (!*c.stopped && r->next_sample < end && progress_should_stop(r->progress))
             *c.stopped = true;
-        if (*c.stopped)
-            break;
     }
     r->stats.render_seconds += clock_seconds_since(start);
     return true;
