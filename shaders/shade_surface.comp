@@ -6,6 +6,7 @@
 
 #include "lib/connect.glsl"
 #include "lib/emission.glsl"
+#include "lib/falloff.glsl"
 #include "lib/interface.glsl"
 #include "lib/queue.glsl"
 #include "lib/roulette.glsl"
@@ -44,6 +45,8 @@ void main()
         if (HAS(FEATURE_NEE) || HAS_LOBE(LOBE_DISPERSION))
             u_extra = uniforms(slot, bounce_dimension(push.bounce, DIMENSION_EXTRA));
         bool passes = false;
+        if (HAS(FEATURE_FALLOFF) && push.bounce == 0u)
+            v.throughput *= fade(slot, ray.xyz, hit.x);
         if (HAS(FEATURE_MEDIA))
             passes = !find_media(v, stack, hit.x, u_extra.y);
 

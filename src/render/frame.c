@@ -45,6 +45,36 @@ static void set_environment(struct gpu_frame *frame, const struct environment *e
 }
 
 void frame_fill(struct renderer *r, const struct camera *camera)
+// How far rays have to go so that nothing is beyond: from within the bounds, their diagonal and as
+// much again for what rounding adds.
+static float ao_distance(const struct flat_scene *flat, float asked)
+{
+    double square = 0.0;
+    for (int c = 0; c < 3; c++) {
+        double extent = (double)flat->bounds_max[c] - (double)flat->bounds_min[c];
+        square += extent > 0.0 ? extent * extent : 0.0;
+    }
+    return fminf(asked, (float)(2.0 * sqrt(square)));
+}
+
+// Ambient occlusion is what surfaces see of a white surrounding.
+static void set_ambient_occlusion(struct renderer *r)
+{
+    r->frame.max_bounces = 1;
+    r->frame.ao_distance = ao_distance(&r->flat, r->scene->settings.ao_distance);
+    for (int c = 0; c < 3; c++)
+        r->frame.environment[c] = 1.0f;
+}
+
+// Roulette that draws no depth beyond its own limit is nothing else than that limit.
+static uint32_t max_bounces(const struct settings *settings)
+{
+    uint32_t most = settings->integrator == INTEGRATOR_DIRECT ? 1u : settings->max_bounces;
+    bool capped =
+        settings->roulette == ROULETTE_FRAME && settings->roulette_max_bounces < most;
+    return capped ? settings->roulette_max_bounces : most;
+}
+
 {
     const struct settings *settings = &r->scene->settings;
     r->frame = (struct gpu_frame){
@@ -62,11 +92,12 @@ void frame_fill(struct renderer *r, const struct camera *camera)
         .roulette_survival = settings->roulette_survival,
         .direction_exponent = settings->direction_exponent,
         .filter_radius = settings->filter_radius,
-        .ao_distance = settings->ao_distance,
-        .falloff = settings->falloff,
+        .falloff = (float)cbrt((double)settings->falloff),
     };
     set_environment(&r->frame, &r->scene->environment);
     set_camera(&r->frame, camera, r->flat.origin);
+    if (settings->integrator == INTEGRATOR_AO)
+        set_ambient_occlusion(r);
 }
 
 bool frame_create(struct renderer *r, struct err *err)

@@ -12,6 +12,8 @@
 #include "prepare_dispatch_plain.spv.h"
 #include "resolve.spv.h"
 #include "resolve_plain.spv.h"
+#include "shade_ao.spv.h"
+#include "shade_ao_plain.spv.h"
 #include "shade_miss.spv.h"
 #include "shade_miss_plain.spv.h"
 #include "shade_surface.spv.h"

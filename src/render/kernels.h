@@ -18,6 +18,7 @@
     X(shade_principled)                                                                            \
     X(shade_transmissive)                                                                          \
     X(shade_classical)                                                                             \
+    X(shade_ao)                                                                                    \
     X(intersect_shadow)                                                                            \
     X(accumulate)                                                                                  \
     X(prepare_dispatch)                                                                            \

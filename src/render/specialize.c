@@ -3,6 +3,7 @@
 #include "attributes.h"
 #include "emitters.h"
 #include "shared/types.h"
+#include <string.h>
 
 // lavapipe's loops silently end after 65,535 rounds of all loops of one subgroup together. Rounds
 // are counted a lane; a subgroup of n lanes does at most n times as many as its busiest lane
@@ -158,14 +159,21 @@ static uint32_t emitters_of(const struct scene *scene, const struct flat_scene *
     return emitters;
 }
 
+static bool wants_nee(const struct settings *settings)
+{
+    return settings->nee && settings->nee_depth > 0;
+}
+
 static uint32_t light_features(const struct scene *scene, uint32_t emitters, uint32_t lobes)
 {
     const struct settings *settings = &scene->settings;
     uint32_t features = 0;
     bool can_connect = emitters && (lobes & LOBES_CONNECTING) && settings->max_bounces > 0;
-    if (can_connect && settings->nee)
+    if (can_connect && wants_nee(settings)) {
         features |= FEATURE_NEE;
-    if (!settings->nee || settings->mis != MIS_NONE)
+        features |= settings->nee_depth < settings->max_bounces ? FEATURE_NEE_DEPTH : 0u;
+    }
+    if (!wants_nee(settings) || settings->mis != MIS_NONE)
         features |= FEATURE_BSDF_HITS_EMITTERS;
     if (scene->environment.present) {
         features |= FEATURE_ENVIRONMENT;
@@ -179,20 +187,12 @@ static uint32_t harmless_features(const struct settings *settings)
 {
     uint32_t features = FEATURE_TRIANGLES | FEATURE_SPHERES | FEATURE_DISCS | FEATURE_NORMALS |
                         FEATURE_EMISSION | FEATURE_ENVIRONMENT | FEATURE_ENVIRONMENT_IMAGE |
-                        FEATURE_ROULETTE | FEATURE_MEDIA;
-    if (settings->nee)
-        features |= FEATURE_NEE;
+                        FEATURE_ROULETTE | FEATURE_MEDIA | FEATURE_FALLOFF;
+    if (wants_nee(settings))
+        features |= FEATURE_NEE | FEATURE_NEE_DEPTH;
     return features;
 }
 
-static uint32_t device_features(const struct gpu *gpu, const struct flat_scene *flat,
-                                const struct bvh *bvh, const struct scene *scene)
-{
-    const struct environment *environment = &scene->environment;
-    uint32_t features = gpu->has_ballot ? FEATURE_BALLOT : 0u;
-    // Measured on lavapipe: texel fetches are three times as fast as storage-buffer reads.
-    // Elsewhere storage buffers are the reference path.
-    if (!gpu->info.is_cpu)
 // Ambient occlusion asks of a surface where it is, and whether: no material, no emitter. White is
 // around it.
 static void specialize_ao(struct specialization *s)
@@ -208,6 +208,14 @@ static void specialize_ao(struct specialization *s)
     memset(s->class_lobes, 0, sizeof s->class_lobes);
 }
 
+static uint32_t device_features(const struct gpu *gpu, const struct flat_scene *flat,
+                                const struct bvh *bvh, const struct scene *scene)
+{
+    const struct environment *environment = &scene->environment;
+    uint32_t features = gpu->has_ballot ? FEATURE_BALLOT : 0u;
+    // Measured on lavapipe: texel fetches are three times as fast as storage-buffer reads.
+    // Elsewhere storage buffers are the reference path.
+    if (!gpu->info.is_cpu)
         return features;
     uint64_t environment_bytes = (uint64_t)environment->width * environment->height * 16;
     uint64_t texel_bytes = 0; // at most: equal images are uploaded once
@@ -283,6 +291,8 @@ struct specialization specialize(const struct specialize_params *p)
     if (settings->roulette != ROULETTE_OFF &&
         settings->roulette_min_bounces < settings->max_bounces)
         s.features |= FEATURE_ROULETTE;
+    if (settings->falloff > 0.0f)
+        s.features |= FEATURE_FALLOFF;
     if (p->everything) {
         s.features |= harmless_features(settings);
         s.emitters |= EMITTER_TRIANGLES | EMITTER_SPHERES | EMITTER_DISCS | EMITTER_LIGHTS;
@@ -290,23 +300,32 @@ struct specialization specialize(const struct specialize_params *p)
         for (uint32_t c = 0; c < CLASS_COUNT; c++)
             s.class_lobes[c] = s.class_lobes[c] ? LOBES_ALL : 0u;
     }
+    if (settings->integrator == INTEGRATOR_AO)
+        specialize_ao(&s);
     if (settings->pixel_jitter)
         s.features |= FEATURE_JITTER;
+    if (p->tiles)
+        s.features |= FEATURE_TILES;
     s.features |= device_features(gpu, flat, bvh, scene);
     s.queues = queues_needed(s.features, s.class_lobes);
     return s;
 }
 
+static bool uses_bsdfs(const struct specialization *s)
+{
+    return s->integrator == INTEGRATOR_PATH || s->integrator == INTEGRATOR_DIRECT;
+}
+
 bool specialization_needs_kernel(const struct specialization *s, enum kernel_id id)
 {
+    uint32_t surfaces = FEATURE_TRIANGLES | FEATURE_SPHERES | FEATURE_DISCS;
     switch (id) {
     case KERNEL_shade_miss:
         return s->features & FEATURE_ENVIRONMENT;
     case KERNEL_shade_surface:
-        return !(s->features & FEATURE_CLASSES) &&
-    if (p->tiles)
-        s.features |= FEATURE_TILES;
-               (s->features & (FEATURE_TRIANGLES | FEATURE_SPHERES | FEATURE_DISCS));
+        return uses_bsdfs(s) && !(s->features & FEATURE_CLASSES) && (s->features & surfaces);
+    case KERNEL_shade_ao:
+        return s->integrator == INTEGRATOR_AO && (s->features & surfaces);
     case KERNEL_shade_diffuse:
     case KERNEL_shade_principled:
     case KERNEL_shade_transmissive:
@@ -315,8 +334,7 @@ bool specialization_needs_kernel(const struct specialization *s, enum kernel_id 
     case KERNEL_intersect_closest:
         // Without surfaces every ray is a miss, found by the same kernel in an empty tree; without
         // an environment either, nothing can be seen.
-        return s->features &
-               (FEATURE_TRIANGLES | FEATURE_SPHERES | FEATURE_DISCS | FEATURE_ENVIRONMENT);
+        return s->features & (surfaces | FEATURE_ENVIRONMENT);
     case KERNEL_intersect_shadow:
         return s->features & FEATURE_NEE;
     default:
@@ -337,8 +355,10 @@ bool specialization_needs_binding(const struct specialization *s, uint32_t bindi
     case BINDING_SHAPES:
         return s->features & shapes;
     case BINDING_MATERIALS:
-        return s->features & (FEATURE_TRIANGLES | shapes);
+        return (s->features & (FEATURE_TRIANGLES | shapes)) &&
+               (s->integrator != INTEGRATOR_AO || (s->features & FEATURE_ALPHA));
     case BINDING_EMITTERS:
+        return (s->features & FEATURE_NEE) && s->emitters;
     case BINDING_SHADOW_RAYS:
         return s->features & FEATURE_NEE;
     case BINDING_ENVIRONMENT:
@@ -421,6 +441,8 @@ const char *feature_name(uint32_t bit)
         return "normal maps";
     case FEATURE_EMISSION:
         return "emission";
+    case FEATURE_NEE_DEPTH:
+        return "shadow rays by the first vertices only";
     case FEATURE_NEE:
         return "next-event estimation";
     case FEATURE_BSDF_HITS_EMITTERS:
@@ -433,11 +455,11 @@ const char *feature_name(uint32_t bit)
         return "Russian roulette";
     case FEATURE_JITTER:
         return "pixel jitter";
-    default:
-        return NULL;
-    }
-}
     case FEATURE_TILES:
         return "sample counts by tile";
     case FEATURE_FALLOFF:
         return "falloff";
+    default:
+        return NULL;
+    }
+}

@@ -169,7 +169,8 @@ static bool shade_surfaces(struct loop *l, struct err *err)
     for (uint32_t c = 0; c < CLASS_COUNT; c++)
         if (!shade(l, (enum kernel_id)(KERNEL_shade_diffuse + c), QUEUE_SURFACE + c, err))
             return false;
-    return shade(l, KERNEL_shade_surface, QUEUE_SURFACE, err);
+    return shade(l, KERNEL_shade_surface, QUEUE_SURFACE, err) &&
+           shade(l, KERNEL_shade_ao, QUEUE_SURFACE, err);
 }
 
 // The shadow rays of the bounce before join the radiance first: contributions are added in the

@@ -116,10 +116,9 @@ FEATURES = {
         "shade_miss": ["environment_texel()", "[environment]", "frame.environment_size"],
     }),
     "Russian roulette": (["ROULETTE"], {"shade_surface": ["frame.roulette_min_bounces"]}),
-    "pixel jitter": (["JITTER"], {"generate_rays": ["random_4d()", "pcg4d()", "frame.seed"]}),
-    "suspended traversals": (["SUSPEND"], {
-        "intersect_closest": ["suspend()", "resume()", "[suspended]", "queue_push() x1"],
-        "intersect_shadow": ["suspend()", "resume()", "queue_push()", "[suspended]"],
+    "falloff": (["FALLOFF"], {
+        "shade_surface": ["fade()", "frame.falloff"],
+        "shade_ao": ["fade()", "frame.falloff"],
     }),
     "sample counts by tile": (["TILES"], {
         "generate_rays": ["listed()"],

@@ -165,6 +165,7 @@ static void make_scene(uint32_t has, struct scene *scene)
     settings->pixel_jitter = has & JITTER;
     settings->roulette_min_bounces = has & ROULETTE ? 1 : UINT32_MAX;
     settings->max_bounces = has & NO_BOUNCE ? 0 : 4;
+    settings->falloff = has & FALLOFF ? 0.5f : 0.0f;
     settings->nee = !(has & ONLY_BSDF);
     settings->mis = has & ONLY_NEE ? MIS_NONE : MIS_POWER;
 }
@@ -266,6 +267,7 @@ static const struct pair pairs[] = {
     {"environment image", QUAD | SKY_IMAGE, QUAD | SKY, FEATURE_ENVIRONMENT_IMAGE, 0,
      BIT(BINDING_ENVIRONMENT), 0},
     {"roulette", QUAD | ROULETTE, QUAD, FEATURE_ROULETTE, 0, 0, 0},
+    {"falloff", QUAD | FALLOFF, QUAD, FEATURE_FALLOFF, 0, 0, 0},
     {"jitter", QUAD | JITTER, QUAD, FEATURE_JITTER, 0, 0, 0},
     {"point lights", QUAD | LAMP, QUAD, EMITS(EMITTER_LIGHTS) | FEATURE_NEE, SHADOW_KERNELS,
      SHADOW_BUFFERS, 1},
@@ -386,7 +388,8 @@ TEST(everything_is_created_on_demand)
         make(&gpu, JITTER | data, true, &full)) {
         uint64_t named = named_bits();
         uint32_t buffers = (BIT(BINDING_COUNT) - 1) & ~BIT(BINDING_SUSPENDED);
-        CHECK(all.kernels == (BIT(KERNEL_COUNT) - 1) - CLASS_KERNELS, "kernels 0x%x", all.kernels);
+        CHECK(all.kernels == (BIT(KERNEL_COUNT) - 1) - CLASS_KERNELS - OTHER_KERNELS,
+              "kernels 0x%x", all.kernels);
         CHECK(all.buffers == (buffers & ~BIT(BINDING_TEXELS)), "buffers 0x%x", all.buffers);
         CHECK(all.features == (named & ~(uint64_t)WITH_DATA), "features 0x%llx",
               (unsigned long long)all.features);

@@ -1,0 +1,47 @@
+// Ambient occlusion: one thread sends one shadow ray, cosine-weighted about the normal of the surface
+// that a camera ray has met, as far as frame.ao_distance. A sample is worth 1 where nothing is in the
+// way (Zhukov, Iones, Kronin 1998, "An Ambient Light Illumination Model", section 3, with an obscurance
+// of 1 at all distances that count). Reads the queue of surface hits. No material is looked at.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+
+#include "lib/falloff.glsl"
+#include "lib/queue.glsl"
+#include "lib/ray_offset.glsl"
+#include "lib/sampler.glsl"
+#include "lib/sampling.glsl"
+#include "lib/surface.glsl"
+
+void main()
+{
+    uint item = item_index();
+    bool valid = item < item_count();
+    uint slot = valid ? queue_slot(push.queue, item) : 0u;
+    bool shadow = false;
+
+    if (valid) {
+        uvec4 words = load_path(slot, PATH_ORIGIN);
+        vec3 direction = uintBitsToFloat(load_path(slot, PATH_DIRECTION).xyz);
+        vec4 hit = uintBitsToFloat(load_path(slot, PATH_HIT));
+        surface s = load_surface(uintBitsToFloat(words.xyz), direction, hit);
+        float worth = 1.0;
+        if (HAS(FEATURE_FALLOFF))
+            worth = fade(slot, direction, hit.x);
+
+        vec4 u = uniforms(slot, bounce_dimension(0u, DIMENSION_BSDF));
+        vec3 local = sample_cosine_hemisphere(u.xy);
+        vec3 wi = normalize(basis_around(s.normal_shading) * local);
+        // Below the real surface, where an interpolated normal leans over, nothing is open.
+        shadow = dot(wi, s.normal_geometric) > 0.0 && worth > 0.0;
+        if (shadow) {
+            vec3 from = offset_origin(s.position, s.error, s.normal_geometric, wi);
+            store_shadow_ray(slot, 0u, 0u,
+                             uvec4(floatBitsToUint(from), floatBitsToUint(hit.w)));
+            store_shadow_ray(slot, 0u, 1u,
+                             uvec4(floatBitsToUint(frame.ao_distance * wi), NO_PRIMITIVE));
+            store_shadow_ray(slot, 0u, 2u,
+                             floatBitsToUint(vec4(vec3(worth), pdf_cosine_hemisphere(local.z))));
+        }
+    }
+    queue_push(QUEUE_SHADOW, slot, shadow);
+}
