@@ -1,5 +1,6 @@
 #include "frame.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -16,15 +17,27 @@ static void scale_to(double v[3], double length)
         v[i] *= factor;
 }
 
+static void set_lens(struct gpu_frame *frame, const struct camera *camera)
+{
+    frame->lens_radius = (float)camera->lens_radius;
+    // Compiled in without a lens, the kernel divides by it all the same.
+    frame->focus_distance = camera->lens_radius > 0.0 ? (float)camera->focus_distance : 1.0f;
+    frame->lens_rotation = (float)camera->lens_rotation;
+    frame->lens_blades = camera->lens_blades;
+}
+
 // In double precision: a narrow field of view leaves few digits to a float.
 static void set_camera(struct gpu_frame *frame, const struct camera *camera, const double origin[3])
 {
     double right[3], up[3];
-    double half_height = tan(0.5 * camera->fov_y);
+    double half_height = camera->kind == CAMERA_ORTHOGRAPHIC ? 0.5 * camera->height
+                                                             : tan(0.5 * camera->fov_y);
     cross(camera->direction, camera->up, right);
     cross(right, camera->direction, up);
-    scale_to(right, half_height * frame->width / frame->height);
-    scale_to(up, half_height);
+    bool is_panoramic = camera->kind == CAMERA_PANORAMIC;
+    scale_to(right, is_panoramic ? 1.0 : half_height * frame->width / frame->height);
+    scale_to(up, is_panoramic ? 1.0 : half_height);
+    set_lens(frame, camera);
     for (int i = 0; i < 3; i++) {
         frame->camera_position[i] = (float)(camera->position[i] - origin[i]);
         frame->camera_forward[i] = (float)camera->direction[i];
@@ -44,7 +57,6 @@ static void set_environment(struct gpu_frame *frame, const struct environment *e
     frame->environment_sin = (float)sin(environment->rotation);
 }
 
-void frame_fill(struct renderer *r, const struct camera *camera)
 // How far rays have to go so that nothing is beyond: from within the bounds, their diagonal and as
 // much again for what rounding adds.
 static float ao_distance(const struct flat_scene *flat, float asked)
@@ -75,18 +87,19 @@ static uint32_t max_bounces(const struct settings *settings)
     return capped ? settings->roulette_max_bounces : most;
 }
 
+void frame_fill(struct renderer *r, const struct camera *camera)
 {
     const struct settings *settings = &r->scene->settings;
     r->frame = (struct gpu_frame){
         .width = settings->width,
         .height = settings->height,
         .seed = settings->seed,
-        .max_bounces = settings->integrator == INTEGRATOR_DIRECT ? 1u : settings->max_bounces,
+        .max_bounces = max_bounces(settings),
         .emitter_count = r->tables.emitters.count,
         .wave_slots = r->plan.wave_slots,
         .samples = (uint32_t)settings->spp,
         .nee_depth = settings->nee_depth,
-        .clamp_limit = settings->clamp_limit,
+        .clamp_limit = settings->clamp_limit > 0.0f ? settings->clamp_limit : FLT_MAX,
         .roulette_min_bounces = settings->roulette_min_bounces,
         .roulette_max_bounces = settings->roulette_max_bounces,
         .roulette_survival = settings->roulette_survival,
@@ -95,9 +108,9 @@ static uint32_t max_bounces(const struct settings *settings)
         .falloff = (float)cbrt((double)settings->falloff),
     };
     set_environment(&r->frame, &r->scene->environment);
-    set_camera(&r->frame, camera, r->flat.origin);
     if (settings->integrator == INTEGRATOR_AO)
         set_ambient_occlusion(r);
+    set_camera(&r->frame, camera, r->flat.origin);
 }
 
 bool frame_create(struct renderer *r, struct err *err)

@@ -120,9 +120,17 @@ FEATURES = {
         "shade_surface": ["fade()", "frame.falloff"],
         "shade_ao": ["fade()", "frame.falloff"],
     }),
+    "pixel jitter": (["JITTER", "LENS"], {"generate_rays": ["random_4d()", "pcg4d()", "frame.seed"]}),
     "sample counts by tile": (["TILES"], {
         "generate_rays": ["listed()"],
         "accumulate": ["listed()", "[queues]"],
+    }),
+    "lens": (["LENS"], {
+        "generate_rays": ["ray_through_lens()", "sample_aperture()", "frame.lens_radius"],
+    }),
+    "suspended traversals": (["SUSPEND"], {
+        "intersect_closest": ["suspend()", "resume()", "[suspended]", "queue_push() x1"],
+        "intersect_shadow": ["suspend()", "resume()", "queue_push()", "[suspended]"],
     }),
     "texel reads of the scene": (["TEXEL_SCENE"], {
         "intersect_closest": ["nodes_texels", "triangles_texels", "shapes_texels"],
