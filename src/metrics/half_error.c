@@ -33,7 +33,14 @@ enum {
     TILES_MIN = 16,    // fewer make a poor bootstrap: the tiles become smaller then
     TILES_MAX = 65536, // more cost time and change nothing: the tiles become larger then
     RESAMPLES = 2000,
+    // Of an interval wider than the usual: so many resamples lie beyond each of its ends, but no
+    // more than so many tiles are drawn in all. (Where that is less, there are many tiles.)
+    RESAMPLES_BEYOND = 20,
+    RESAMPLES_MAX = 100000,
+    DRAWS_MAX = 100000000,
 };
+
+static const double usual_confidence = 0.95;
 
 static const double relative_variance_wanted = 0.02;
 
@@ -234,28 +241,42 @@ static double resample(const struct estimator *estimator, uint64_t *random)
     return pixels > 0 ? relative / pixels : 0;
 }
 
+static int resample_count(double tail, double tiles)
+{
+    double wanted = fmin(RESAMPLES_BEYOND / tail, RESAMPLES_MAX);
+    wanted = fmin(wanted, DRAWS_MAX / tiles);
+    return wanted > RESAMPLES ? (int)wanted : RESAMPLES;
+}
+
 // Percentile interval, expanded for the bootstrap's narrowness with few tiles n: the tail is
-// Phi(-sqrt(n / (n - 1)) t(.975, n - 1)) instead of .025 (Hesterberg 2015, "What teachers should
+// Phi(-sqrt(n / (n - 1)) t(1 - a, n - 1)) instead of a (Hesterberg 2015, "What teachers should
 // know about the bootstrap", section 3.3). The tiles stand for independent draws of one population;
 // as the picture's content differs from tile to tile, the interval is rather too wide.
-static void bootstrap(const struct estimator *estimator, struct half_error *out)
+static bool bootstrap(const struct estimator *estimator, struct half_error *out)
 {
-    double errors[RESAMPLES];
+    double confidence = estimator->params->confidence;
+    double n = (double)estimator->tiles_x * estimator->tiles_y;
+    double outside = 0.5 * (1 - (confidence > 0 ? confidence : usual_confidence));
+    double deviations = sqrt(n / (n - 1)) * stats_t_quantile(1 - outside, n - 1);
+    double tail = 0.5 * erfc(deviations / sqrt(2));
+    int count = confidence > 0 ? resample_count(tail, n) : RESAMPLES;
+    double *errors = calloc((size_t)count, sizeof *errors);
+    if (!errors)
+        return false;
     uint64_t random = estimator->params->seed;
     pcg_next(&random); // a small seed's first state is small too
-    for (int i = 0; i < RESAMPLES; i++)
+    for (int i = 0; i < count; i++)
         errors[i] = resample(estimator, &random);
-    qsort(errors, RESAMPLES, sizeof errors[0], compare_doubles);
-    double n = (double)estimator->tiles_x * estimator->tiles_y;
-    double deviations = sqrt(n / (n - 1)) * stats_t_quantile(0.975, n - 1);
-    double tail = 0.5 * erfc(deviations / sqrt(2));
-    int rank = (int)(tail * (RESAMPLES - 1));
+    qsort(errors, (size_t)count, sizeof errors[0], compare_doubles);
+    int rank = (int)(tail * (count - 1));
     out->ci_low = errors[rank];
-    out->ci_high = errors[RESAMPLES - 1 - rank];
+    out->ci_high = errors[count - 1 - rank];
+    free(errors);
+    return true;
 }
 
 // Judges the sums; fills in what is known.
-static void conclude(const struct estimator *estimator, struct half_error *out)
+static bool conclude(const struct estimator *estimator, struct half_error *out)
 {
     struct tile total = {0};
     for (uint32_t i = 0; i < estimator->tiles_x * estimator->tiles_y; i++) {
@@ -275,11 +296,35 @@ static void conclude(const struct estimator *estimator, struct half_error *out)
     else if (total.relative > 0 && carried >= total.relative / 2)
         out->reason = "fewer than 30 pixels carry half of the variance";
     if (out->reason)
-        return;
+        return true;
     out->known = true;
     out->relmse = total.relative / total.pixels;
     out->mse = total.squared / total.pixels;
-    bootstrap(estimator, out);
+    return bootstrap(estimator, out);
+}
+
+static bool allocate(struct estimator *estimator)
+{
+    size_t tiles = (size_t)estimator->tiles_x * estimator->tiles_y;
+    estimator->tiles = calloc(tiles, sizeof *estimator->tiles);
+    estimator->columns = calloc(estimator->params->width, sizeof *estimator->columns);
+    return estimator->tiles && estimator->columns;
+}
+
+static void release(struct estimator *estimator)
+{
+    free(estimator->tiles);
+    free(estimator->columns);
+}
+
+static void add_pixels(struct estimator *estimator)
+{
+    choose_radius(estimator);
+    for (uint32_t y = 0; y < estimator->params->height; y++) {
+        sum_columns(estimator, y);
+        for (uint32_t x = 0; x < estimator->params->width; x++)
+            add_pixel(estimator, x, y);
+    }
 }
 
 bool metrics_half_error(const struct half_error_params *params, struct half_error *out)
@@ -295,20 +340,30 @@ bool metrics_half_error(const struct half_error_params *params, struct half_erro
     }
     struct estimator estimator = {.params = params};
     choose_tiles(&estimator);
-    estimator.tiles =
-        calloc((size_t)estimator.tiles_x * estimator.tiles_y, sizeof *estimator.tiles);
-    estimator.columns = calloc(params->width, sizeof *estimator.columns);
-    bool ok = estimator.tiles && estimator.columns;
+    bool ok = allocate(&estimator);
     if (ok) {
-        choose_radius(&estimator);
-        for (uint32_t y = 0; y < params->height; y++) {
-            sum_columns(&estimator, y);
-            for (uint32_t x = 0; x < params->width; x++)
-                add_pixel(&estimator, x, y);
-        }
-        conclude(&estimator, out);
+        add_pixels(&estimator);
+        ok = conclude(&estimator, out);
     }
-    free(estimator.tiles);
-    free(estimator.columns);
+    release(&estimator);
+    return ok;
+}
+
+bool metrics_tile_errors(const struct half_error_params *params, uint32_t side, double *out)
+{
+    struct estimator estimator = {
+        .params = params,
+        .tile_side = side,
+        .tiles_x = tiles_along(params->width, side),
+        .tiles_y = tiles_along(params->height, side),
+    };
+    bool ok = allocate(&estimator);
+    if (ok)
+        add_pixels(&estimator);
+    for (uint32_t i = 0; ok && i < estimator.tiles_x * estimator.tiles_y; i++) {
+        const struct tile *tile = &estimator.tiles[i];
+        out[i] = tile->pixels > 0 ? tile->relative / tile->pixels : 0;
+    }
+    release(&estimator);
     return ok;
 }

@@ -38,8 +38,8 @@ struct half_error {
     bool known;
     const char *reason; // why not known; NULL when known
     double relmse;
-    // 95 %, by bootstrap of tiles of 16 x 16 pixels; low is >= 0. Pictures of fewer than 16 such
-    // tiles take smaller ones, of more than 65536 larger ones.
+    // By bootstrap of tiles of 16 x 16 pixels; low is >= 0. Pictures of fewer than 16 such tiles
+    // take smaller ones, of more than 65536 larger ones.
     double ci_low, ci_high;
     double mse;
 };
@@ -48,13 +48,31 @@ struct half_error_params {
     const float (*half_a)[3];
     const float (*half_b)[3];
     uint32_t width, height;
-    uint64_t samples; // per pixel, both halves together
-    uint32_t seed;    // of the bootstrap: the result is deterministic
+    // Per pixel, both halves together; the mean where pixels have different counts. Each pixel's
+    // halves are to have as many samples as each other (or one more, where there are many).
+    uint64_t samples;
+    uint32_t seed;     // of the bootstrap: the result is deterministic
+    double confidence; // of the interval, in [0.5, 1); 0: 0.95
 };
 
 // mean (A-B)^2 / 4 over a denominator that is a smoothed image: half_error.c states the filter and
 // why. Non-finite pixels are left out. False only when out of memory.
 bool metrics_half_error(const struct half_error_params *params, struct half_error *out);
+
+// Mean over each tile's pixels of the variance of the picture's mean, over the square of the value,
+// as above: what the tile adds to relMSE, a pixel. Tiles of side x side pixels in rows from the
+// top, those at the right and lower edge are smaller; 0 where no pixel can be judged.
+bool metrics_tile_errors(const struct half_error_params *params, uint32_t side, double *out);
+
+// --- when to stop -------------------------------------------------------------------------------
+// A render that ends when its error is small enough looks at the error more than once, and each
+// look may err. Looks are at LOOKS_FIRST samples and at every doubling, the last at the bound; each
+// takes an interval of so much more confidence that all of them together err in 5 % at most
+// (Bonferroni's inequality: Dunn 1961, "Multiple comparisons among means").
+#define LOOKS_FIRST 16u
+uint32_t looks_within(uint64_t bound);              // how many there are at most; bound >= 1
+uint64_t looks_next(uint64_t done, uint64_t bound); // at how many samples the next one is
+double looks_confidence(uint32_t looks);            // of each, where so many may be taken
 
 // --- statistics ---------------------------------------------------------------------------------
 // Quantile of Student's t, p in (0, 1), degrees of freedom >= 1; NaN outside of that. The relative

@@ -102,17 +102,24 @@ static double true_relmse(const struct picture *picture, content_fn content, dou
     return sum / (3.0 * picture->width * picture->height);
 }
 
-static struct half_error estimate(const struct picture *picture, uint64_t samples, uint32_t seed)
+static struct half_error estimate_with(const struct picture *picture, uint64_t samples,
+                                       uint32_t seed, double confidence)
 {
     struct half_error_params params = {.half_a = (const float(*)[3])picture->half_a,
                                        .half_b = (const float(*)[3])picture->half_b,
                                        .width = picture->width,
                                        .height = picture->height,
                                        .samples = samples,
-                                       .seed = seed};
+                                       .seed = seed,
+                                       .confidence = confidence};
     struct half_error error;
     CHECK(metrics_half_error(&params, &error));
     return error;
+}
+
+static struct half_error estimate(const struct picture *picture, uint64_t samples, uint32_t seed)
+{
+    return estimate_with(picture, samples, seed, 0);
 }
 
 // The mean over so many pictures that the test's own noise is well below the tolerance.
@@ -200,6 +207,122 @@ TEST(interval_covers_the_truth)
     check_coverage("exponential", exponential_noise, 1, 64, 64, 0.03);
     check_coverage("exponential", exponential_noise, 1, 50, 20, 0.03);
     check_coverage("spikes", spike_noise, 19, 64, 64, 0.03);
+}
+
+// The share of wider intervals that miss the truth, within four deviations of what it should be.
+TEST(confidence_is_what_is_asked_for)
+{
+    enum { DRAWS = 2000, SAMPLES = 16, SIDE = 40 };
+    const double confidence = 0.99;
+    struct picture picture = picture_create(SIDE, SIDE);
+    double truth = true_relmse(&picture, flat_content, 1, SAMPLES);
+    uint64_t random = 11;
+    int missed = 0;
+    for (int i = 0; i < DRAWS; i++) {
+        fill(&picture, flat_content, exponential_noise, SAMPLES, &random);
+        struct half_error error = estimate_with(&picture, SAMPLES, (uint32_t)i, confidence);
+        CHECK(error.known);
+        missed += truth < error.ci_low || error.ci_high < truth;
+    }
+    printf("     99 %%: missed %.4f\n", (double)missed / DRAWS);
+    double expected = (1 - confidence) * DRAWS;
+    CHECK(fabs(missed - expected) <= 4 * sqrt(expected), "%d of %d", missed, DRAWS);
+    struct half_error narrow = estimate_with(&picture, SAMPLES, 1, 0.95);
+    struct half_error usual = estimate(&picture, SAMPLES, 1);
+    struct half_error wide = estimate_with(&picture, SAMPLES, 1, 0.998);
+    CHECK(narrow.relmse == wide.relmse && fabs(narrow.ci_high / usual.ci_high - 1) < 0.02);
+    CHECK(wide.ci_low < narrow.ci_low && narrow.ci_high < wide.ci_high);
+    picture_finish(&picture);
+}
+
+// Squares of 16 pixels, of 4 and of 64 samples.
+static int uneven_samples(uint32_t x, uint32_t y)
+{
+    return (x / 16 + y / 16) % 2 ? 64 : 4;
+}
+
+TEST(unequal_counts_change_no_expectation)
+{
+    enum { PICTURES = 32, SIDE = 128 };
+    struct picture picture = picture_create(SIDE, SIDE);
+    uint64_t random = 3;
+    double sum = 0, truth = 0, by_tile[2] = {0};
+    for (uint32_t i = 0; i < SIDE * SIDE; i++)
+        truth += 1 / 1.01 / uneven_samples(i % SIDE, i / SIDE) / (SIDE * SIDE);
+    for (int i = 0; i < PICTURES; i++) {
+        double tiles[SIDE / 16 * SIDE / 16];
+        for (uint32_t p = 0; p < SIDE * SIDE; p++)
+            for (int c = 0; c < 3; c++) {
+                int half = uneven_samples(p % SIDE, p / SIDE) / 2;
+                picture.half_a[p][c] = (float)exponential_noise(&random, half);
+                picture.half_b[p][c] = (float)exponential_noise(&random, half);
+            }
+        struct half_error error = estimate(&picture, 34, 1);
+        CHECK(error.known, "%s", error.reason);
+        sum += error.relmse / PICTURES;
+        const struct half_error_params params = {.half_a = (const float(*)[3])picture.half_a,
+                                                 .half_b = (const float(*)[3])picture.half_b,
+                                                 .width = SIDE,
+                                                 .height = SIDE};
+        CHECK(metrics_tile_errors(&params, 16, tiles));
+        by_tile[0] += tiles[0] / PICTURES;
+        by_tile[1] += tiles[1] / PICTURES;
+    }
+    printf("     estimate / truth %.4f, of tiles with 4 and 64 spp %.4f, %.4f\n", sum / truth,
+           by_tile[0] * 4 * 1.01, by_tile[1] * 64 * 1.01);
+    // Beside a noisy tile the filter's correction is one for the mean of both: within 5 %.
+    CHECK(fabs(sum / truth - 1) < 0.05, "%g", sum / truth);
+    CHECK(fabs(by_tile[0] * 4 * 1.01 - 1) < 0.1 && fabs(by_tile[1] * 64 * 1.01 - 1) < 0.1);
+    picture_finish(&picture);
+}
+
+TEST(looks_double_up_to_the_bound)
+{
+    CHECK(looks_within(1) == 1 && looks_within(16) == 1 && looks_within(17) == 2);
+    CHECK(looks_within(64) == 3 && looks_within(65536) == 13 && looks_within(UINT32_MAX) == 29);
+    CHECK(looks_next(0, 100) == 16 && looks_next(16, 100) == 32 && looks_next(20, 100) == 32);
+    CHECK(looks_next(64, 100) == 100 && looks_next(0, 5) == 5);
+    CHECK(fabs(looks_confidence(5) - 0.99) < 1e-12);
+}
+
+// Runs that look at doubling counts and stop at an upper end below the limit, which is set just
+// under the truth at 64 samples: stopping there, or before, is an error, and may happen in 5 %.
+TEST(stopped_runs_keep_their_promise)
+{
+    enum { RUNS = 300, SIDE = 32, BOUND = 1024 };
+    struct picture sum = picture_create(SIDE, SIDE), part = picture_create(SIDE, SIDE);
+    double limit = 0.999 * true_relmse(&sum, flat_content, 1, 64);
+    double confidence = looks_confidence(looks_within(BOUND));
+    uint64_t random = 21, stopped_at[12] = {0};
+    int wrong = 0;
+    for (int run = 0; run < RUNS; run++) {
+        int done = 0;
+        for (int look = 0; done < BOUND; look++) {
+            int next = (int)looks_next((uint64_t)done, BOUND), more = next - done;
+            fill(&part, flat_content, exponential_noise, more, &random);
+            for (int i = 0; i < SIDE * SIDE; i++)
+                for (int c = 0; c < 3; c++) {
+                    float weight = (float)more / (float)next;
+                    sum.half_a[i][c] += weight * (part.half_a[i][c] - sum.half_a[i][c]);
+                    sum.half_b[i][c] += weight * (part.half_b[i][c] - sum.half_b[i][c]);
+                }
+            done = next;
+            struct half_error error =
+                estimate_with(&sum, (uint64_t)done, (uint32_t)run, confidence);
+            if (error.known && error.ci_high < limit) {
+                stopped_at[look]++;
+                break;
+            }
+        }
+        wrong += done <= 64;
+        CHECK(done <= 256, "the run went on to %d", done);
+    }
+    printf("     %d of %d runs stopped too early; at 32, 64, 128, 256: %d, %d, %d, %d\n", wrong,
+           RUNS, (int)stopped_at[1], (int)stopped_at[2], (int)stopped_at[3], (int)stopped_at[4]);
+    // 5 % of 300 are 15; 28 are exceeded with a probability of 1e-3 where it is 5 %.
+    CHECK(wrong <= 28, "%d of %d", wrong, RUNS);
+    picture_finish(&sum);
+    picture_finish(&part);
 }
 
 TEST(unknown_where_it_cannot_be_known)
@@ -290,6 +413,9 @@ TEST(bootstrap_is_deterministic)
 
 TEST_MAIN(TEST_CASE(relmse_is_unbiased), TEST_CASE(relmse_at_edges_is_within_its_known_bias),
           TEST_CASE(mse_matches_hand_value), TEST_CASE(interval_covers_the_truth),
-          TEST_CASE(unknown_where_it_cannot_be_known), TEST_CASE(small_and_odd_pictures),
-          TEST_CASE(no_variance_is_no_error), TEST_CASE(nonfinite_pixels_are_left_out),
-          TEST_CASE(extreme_values_stay_finite), TEST_CASE(bootstrap_is_deterministic))
+          TEST_CASE(confidence_is_what_is_asked_for),
+          TEST_CASE(unequal_counts_change_no_expectation), TEST_CASE(looks_double_up_to_the_bound),
+          TEST_CASE(stopped_runs_keep_their_promise), TEST_CASE(unknown_where_it_cannot_be_known),
+          TEST_CASE(small_and_odd_pictures), TEST_CASE(no_variance_is_no_error),
+          TEST_CASE(nonfinite_pixels_are_left_out), TEST_CASE(extreme_values_stay_finite),
+          TEST_CASE(bootstrap_is_deterministic))
