@@ -93,3 +93,34 @@ uint32_t environment_texel(const struct environment *environment, const double d
         row = environment->height - 1;
     return row * environment->width + column;
 }
+
+double environment_texel_solid_angle(const struct environment *environment, uint32_t row)
+{
+    // cos a - cos b = 2 sin((a + b) / 2) sin((b - a) / 2), which does not cancel.
+    double half = 0.5 * M_PI / environment->height;
+    return 2 * M_PI / environment->width * 2 * sin((2.0 * row + 1) * half) * sin(half);
+}
+
+static double luminance(const double rgb[3])
+{
+    return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
+}
+
+double environment_luminance(const struct environment *environment)
+{
+    double mean[3] = {1, 1, 1};
+    for (uint32_t row = 0; row < environment->height; row++) {
+        const float(*texels)[3] =
+            (const float(*)[3])environment->texels + (size_t)row * environment->width;
+        double sum[3] = {0, 0, 0};
+        for (uint32_t i = 0; i < environment->width; i++)
+            for (int c = 0; c < 3; c++)
+                sum[c] += (double)texels[i][c];
+        double part = environment_texel_solid_angle(environment, row) / (4 * M_PI);
+        for (int c = 0; c < 3; c++)
+            mean[c] = (row > 0 ? mean[c] : 0) + part * sum[c];
+    }
+    for (int c = 0; c < 3; c++)
+        mean[c] *= (double)environment->radiance[c];
+    return environment->present ? luminance(mean) : 0;
+}

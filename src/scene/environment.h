@@ -31,5 +31,9 @@ bool scene_set_environment(struct scene *scene, const char *file, const float ra
 
 // The texel that a unit direction sees, row * width + column.
 uint32_t environment_texel(const struct environment *environment, const double direction[3]);
+// Of each texel of a row, steradians.
+double environment_texel_solid_angle(const struct environment *environment, uint32_t row);
+// The mean luminance (BT.709) over all directions, its factor included.
+double environment_luminance(const struct environment *environment);
 
 #endif

@@ -1,0 +1,56 @@
+// Angles in turns, to a few roundings on every device: Vulkan lets atan() be off by 4096 units in
+// the last place and cos() by 2^-11, which is more than a texel of a large environment. Pure
+// functions.
+#ifndef ANGLE_GLSL
+#define ANGLE_GLSL
+
+#include "lib/constants.glsl"
+
+// The sine of at most an eighth of a turn and a bit, by Taylor's series: the next term is below
+// 2e-9 there.
+float sin_small(float turns)
+{
+    float t = turns * (2.0 * PI);
+    float t2 = t * t;
+    return t * (1.0 - t2 / 6.0 * (1.0 - t2 / 20.0 * (1.0 - t2 / 42.0 * (1.0 - t2 / 72.0))));
+}
+
+// The same for the cosine; the next term is below 3e-8.
+float cos_small(float turns)
+{
+    float t = turns * (2.0 * PI);
+    float t2 = t * t;
+    return 1.0 - t2 / 2.0 * (1.0 - t2 / 12.0 * (1.0 - t2 / 30.0 * (1.0 - t2 / 56.0)));
+}
+
+// Cosine and sine of at most one turn.
+vec2 cos_sin_turns(float turns)
+{
+    float quarter = floor(4.0 * turns + 0.5);
+    float rest = turns - 0.25 * quarter; // exact
+    vec2 v = vec2(cos_small(rest), sin_small(rest));
+    int quadrant = int(quarter) & 3;
+    if ((quadrant & 1) != 0)
+        v = vec2(-v.y, v.x);
+    return quadrant >= 2 ? -v : v;
+}
+
+// The angle of (x, y) from the x axis, in [-1/2, 1/2]. Gregory's series of the arctangent of at
+// most tan(pi / 8), to which all others are brought; the next term is below 2e-8.
+float atan_turns(float y, float x)
+{
+    float low = min(abs(x), abs(y)), high = max(max(abs(x), abs(y)), 1e-37);
+    bool steep = low > 0.41421356 * high;
+    float z = steep ? (low - high) / (low + high) : low / high;
+    float z2 = z * z;
+    float series = 1.0 / 13.0 - z2 / 15.0;
+    series = 1.0 / 9.0 - z2 * (1.0 / 11.0 - z2 * series);
+    series = 1.0 / 5.0 - z2 * (1.0 / 7.0 - z2 * series);
+    series = z * (1.0 - z2 * (1.0 / 3.0 - z2 * series));
+    float turns = series * (0.5 * INV_PI) + (steep ? 0.125 : 0.0);
+    turns = abs(y) > abs(x) ? 0.25 - turns : turns;
+    turns = x < 0.0 ? 0.5 - turns : turns;
+    return y < 0.0 ? -turns : turns;
+}
+
+#endif
