@@ -3,6 +3,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
+#include "lib/camera.glsl"
 #include "lib/filter.glsl"
 #include "lib/queue.glsl"
 #include "lib/sampler.glsl"
@@ -17,16 +18,16 @@ void main()
         counters.queue[QUEUE_RAYS] = count;
 
     uint pixel = slot_pixel(slot);
-    vec2 inside = vec2(0.5);
-    if (HAS(FEATURE_JITTER))
-        inside = filter_position(uniforms(slot, DIMENSION_CAMERA).xy);
+    vec4 u = vec4(0.0);
+    if (HAS(FEATURE_JITTER) || HAS(FEATURE_LENS))
+        u = uniforms(slot, DIMENSION_CAMERA);
+    vec2 inside = HAS(FEATURE_JITTER) ? filter_position(u.xy) : vec2(0.5);
     vec2 size = vec2(frame.width, frame.height);
     vec2 at = (vec2(pixel % frame.width, pixel / frame.width) + inside) / size * 2.0 - 1.0;
-    vec3 direction =
-        normalize(frame.camera_forward + at.x * frame.camera_right - at.y * frame.camera_up);
+    camera_ray ray = make_camera_ray(at, u.zw);
 
-    store_path(slot, PATH_ORIGIN, uvec4(floatBitsToUint(frame.camera_position), NO_PRIMITIVE));
-    store_path(slot, PATH_DIRECTION, uvec4(floatBitsToUint(direction), 0u));
+    store_path(slot, PATH_ORIGIN, uvec4(floatBitsToUint(ray.origin), NO_PRIMITIVE));
+    store_path(slot, PATH_DIRECTION, uvec4(floatBitsToUint(ray.direction), 0u));
     uint media = HAS(FEATURE_MEDIA) ? load_materials(1u).x : 0u;
     store_path(slot, PATH_THROUGHPUT, uvec4(floatBitsToUint(vec3(1.0)), media));
     radiance_words[slot] = uvec4(0u);

@@ -56,6 +56,7 @@
 #define FEATURE_SPHERES (1u << 1)
 #define FEATURE_DISCS (1u << 2)
 #define FEATURE_NORMALS (1u << 3)             // interpolated shading normals
+#define FEATURE_LENS (1u << 4)                // camera rays begin all over an aperture
 #define FEATURE_CLASSES (1u << 5)             // surface hits are sorted by class
 #define FEATURE_EMISSION (1u << 6)            // some surface emits
 #define FEATURE_FALLOFF (1u << 8)             // what the camera sees fades with the distance

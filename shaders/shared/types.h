@@ -268,7 +268,7 @@ struct gpu_frame {
     uint width;
     VEC3(camera_forward); // unit
     uint height;
-    VEC3(camera_right); // scaled: to the image's right edge at distance 1; orthographic: metres
+    VEC3(camera_right); // to the right edge: at distance 1, orthographic in metres, panoramic unit
     uint seed;
     VEC3(camera_up); // to the upper edge
     uint max_bounces;

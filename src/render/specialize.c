@@ -187,7 +187,7 @@ static uint32_t harmless_features(const struct settings *settings)
 {
     uint32_t features = FEATURE_TRIANGLES | FEATURE_SPHERES | FEATURE_DISCS | FEATURE_NORMALS |
                         FEATURE_EMISSION | FEATURE_ENVIRONMENT | FEATURE_ENVIRONMENT_IMAGE |
-                        FEATURE_ROULETTE | FEATURE_MEDIA | FEATURE_FALLOFF;
+                        FEATURE_ROULETTE | FEATURE_LENS | FEATURE_MEDIA | FEATURE_FALLOFF;
     if (wants_nee(settings))
         features |= FEATURE_NEE | FEATURE_NEE_DEPTH;
     return features;
@@ -302,11 +302,15 @@ struct specialization specialize(const struct specialize_params *p)
     }
     if (settings->integrator == INTEGRATOR_AO)
         specialize_ao(&s);
+    if (settings->integrator == INTEGRATOR_WHITTED)
+        specialize_whitted(&s, settings);
     if (settings->pixel_jitter)
         s.features |= FEATURE_JITTER;
+    if (p->camera->lens_radius > 0.0)
+        s.features |= FEATURE_LENS;
     if (p->tiles)
         s.features |= FEATURE_TILES;
-    s.features |= device_features(gpu, flat, bvh, scene);
+    s.features |= device_features(gpu, flat, bvh, scene, s.emitters);
     s.queues = queues_needed(s.features, s.class_lobes);
     return s;
 }
@@ -455,6 +459,8 @@ const char *feature_name(uint32_t bit)
         return "Russian roulette";
     case FEATURE_JITTER:
         return "pixel jitter";
+    case FEATURE_LENS:
+        return "lens";
     case FEATURE_TILES:
         return "sample counts by tile";
     case FEATURE_FALLOFF:

@@ -38,21 +38,37 @@ static bool read_perspective(const struct json_node *node, double *fov_y, struct
            node_read_number(&perspective, "yfov", (struct range){0, pi, true}, fov_y, err);
 }
 
+// Half the height is given; the width follows the picture's. Rays begin in the camera's plane,
+// whatever znear says, and have no end.
+static bool read_orthographic(const struct json_node *node, double *height, struct err *err)
+{
+    static const struct range coordinates = {-SCENE_COORDINATE_MAX, SCENE_COORDINATE_MAX, false};
+    struct json_node orthographic;
+    double half = 0;
+    if (!gltf_require(node, "orthographic", err) ||
+        !gltf_read_object(node, "orthographic", &orthographic, err) ||
+        !gltf_require(&orthographic, "ymag", err) ||
+        !node_read_number(&orthographic, "ymag", coordinates, &half, err))
+        return false;
+    const struct json_node ymag = node_member(&orthographic, "ymag");
+    *height = 2 * fabs(half);
+    return *height >= 1 / SCENE_COORDINATE_MAX ||
+           node_fail(&ymag, err, "%g; expected a height that is not 0", half);
+}
+
 // `holder` is the camera's node; it gives its name to a camera that has none.
 static bool load_camera(struct gltf_load *load, uint32_t index, const struct json_node *holder,
                         const double world[3][4], struct err *err)
 {
-    static const char *const types[] = {"perspective", "orthographic", NULL};
+    static const char *const types[] = {[CAMERA_PERSPECTIVE] = "perspective",
+                                        [CAMERA_ORTHOGRAPHIC] = "orthographic", NULL};
     const struct json_node node = gltf_item(&load->document, GLTF_CAMERAS, index);
     struct camera camera = {0};
-    uint32_t type = 0;
-    if (!gltf_require(&node, "type", err) || !node_read_choice(&node, "type", types, &type, err))
+    if (!gltf_require(&node, "type", err) ||
+        !node_read_choice(&node, "type", types, &camera.kind, err))
         return false;
-    if (type != 0) {
-        load->tally.orthographic_cameras++;
-        return true;
-    }
-    if (!read_perspective(&node, &camera.fov_y, err) ||
+    if (!(camera.kind == CAMERA_ORTHOGRAPHIC ? read_orthographic(&node, &camera.height, err)
+                                             : read_perspective(&node, &camera.fov_y, err)) ||
         !gltf_read_name(&node, &load->scene->arena, &camera.name, err) ||
         (!*camera.name && !gltf_read_name(holder, &load->scene->arena, &camera.name, err)))
         return false;
@@ -68,6 +84,7 @@ static bool load_camera(struct gltf_load *load, uint32_t index, const struct jso
     if (!added)
         return gltf_no_memory(&load->document, "cameras", sizeof *added, err);
     *added = camera;
+    load->tally.orthographic_cameras += camera.kind == CAMERA_ORTHOGRAPHIC;
     return true;
 }
 
@@ -174,7 +191,8 @@ static bool note_what_is_missing(struct gltf_load *load, struct err *err)
         {t->vertices_without_joints, "vertices without weights follow their skin's first joint"},
         {t->instanced_skins, "skinned nodes are shown once, without their instances"},
         {t->singular_lights, "lights are skipped: their node has a singular transform"},
-        {t->orthographic_cameras, "orthographic cameras are skipped"},
+        {t->orthographic_cameras, "orthographic cameras are as high as their ymag says; xmag, znear and zfar are "
+                                  "ignored"},
         {t->singular_cameras, "cameras are skipped: their node has a singular transform"},
     };
     bool noted = add_notes(load, notes, sizeof notes / sizeof notes[0]);

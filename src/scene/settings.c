@@ -57,6 +57,13 @@ const char *const directions_names[] = {
     NULL,
 };
 
+const char *const camera_names[] = {
+    [CAMERA_PERSPECTIVE] = "perspective",
+    [CAMERA_ORTHOGRAPHIC] = "orthographic",
+    [CAMERA_PANORAMIC] = "panoramic",
+    NULL,
+};
+
 const char *const roulette_names[] = {
     [ROULETTE_THROUGHPUT] = "throughput",
     [ROULETTE_CONSTANT] = "constant",

@@ -62,5 +62,6 @@ extern const char *const integrator_names[],
                                                                *const directions_names[],
                                                                    *const roulette_names[],
                                                                        *const tone_names[];
+extern const char *const camera_names[]; // of struct camera.kind
 
 #endif

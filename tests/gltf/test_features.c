@@ -509,15 +509,17 @@ TEST(cameras)
         "'nodes':[{'camera':1},{'name':'back','camera':0,'rotation':[0,1,0,0],'scale':[2,3,4]},"
         "{'camera':0,'scale':[0,0,0]}],"
         "'cameras':[{'type':'perspective','perspective':{'yfov':1,'znear':0.1}},"
-        "{'type':'orthographic','orthographic':{'xmag':1,'ymag':1,'zfar':2,'znear':1}}]}",
+        "{'type':'orthographic','orthographic':{'xmag':1,'ymag':1.5,'zfar':2,'znear':1}}]}",
         NULL, 0, &err);
     CHECK(ok, "%s", err.msg);
-    CHECK(scene.camera_count == 1, "%u", scene.camera_count);
-    if (ok && scene.camera_count == 1) {
-        CHECK(strcmp(scene.cameras[0].name, "back") == 0);
-        CHECK(near_double3(scene.cameras[0].direction, 0, 0, 1) &&
-              near_double3(scene.cameras[0].up, 0, 1, 0));
-        CHECK(has_note(&scene, "1 orthographic cameras are skipped") &&
+    CHECK(scene.camera_count == 2, "%u", scene.camera_count);
+    if (ok && scene.camera_count == 2) {
+        CHECK(scene.cameras[0].kind == CAMERA_ORTHOGRAPHIC && scene.cameras[0].height == 3);
+        CHECK(scene.cameras[1].kind == CAMERA_PERSPECTIVE &&
+              strcmp(scene.cameras[1].name, "back") == 0);
+        CHECK(near_double3(scene.cameras[1].direction, 0, 0, 1) &&
+              near_double3(scene.cameras[1].up, 0, 1, 0));
+        CHECK(has_note(&scene, "1 orthographic cameras are as high as their ymag says") &&
               has_note(&scene, "1 cameras are skipped"));
     }
     scene_finish(&scene);

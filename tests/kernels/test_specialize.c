@@ -6,39 +6,41 @@
 #define BIT(n) (1u << (n))
 
 // What a tiny scene has.
+#define TRAIT(n) (UINT64_C(1) << (n))
 enum {
-    QUAD = BIT(0),
-    SPHERE = BIT(1),
-    DISC = BIT(2),
-    SMOOTH = BIT(3),        // the quad has normals
-    MIRROR_QUAD = BIT(4),   // the quad is a mirror, not diffuse
-    MIRROR_SPHERE = BIT(5), // the sphere likewise
-    BRIGHT_QUAD = BIT(6),   // the quad emits
-    BRIGHT_SPHERE = BIT(7), // the sphere emits
-    BRIGHT_DISC = BIT(8),   // the disc emits
-    SKY = BIT(9),           // a constant environment
-    SKY_IMAGE = BIT(10),    // an image of one
-    JITTER = BIT(11),
-    ROULETTE = BIT(12),
-    ONLY_BSDF = BIT(13),
-    ONLY_NEE = BIT(14),
-    NO_BOUNCE = BIT(15),
-    SPARE_MIRROR = BIT(16), // a material that nothing is made of
-    LAMP = BIT(17),         // a point light
-    PRINCIPLED_SPHERE = BIT(18),
-    GLASS_SPHERE = BIT(19),
-    PHONG_SPHERE = BIT(20),
-    THIN = BIT(21),          // all surfaces are
-    UVS = BIT(22),           // the quad has two sets
-    COLORS = BIT(23),        // and colours
-    BRUSHED_QUAD = BIT(24),  // it is anisotropic
-    TEXTURE = BIT(25),       // of halves, on all surfaces
-    FLOAT_TEXTURE = BIT(26), // another, of floats
-    TEXTURE_1 = BIT(27),     // another, over the second coordinates
-    NORMAL_MAP = BIT(28),
-    MASK = BIT(29), // all surfaces have an alpha mask
-    FALLOFF = BIT(30),
-    TILES = BIT(31), // sample counts by tile are asked for
+    QUAD = TRAIT(0),
+    SPHERE = TRAIT(1),
+    DISC = TRAIT(2),
+    SMOOTH = TRAIT(3),        // the quad has normals
+    MIRROR_QUAD = TRAIT(4),   // the quad is a mirror, not diffuse
+    MIRROR_SPHERE = TRAIT(5), // the sphere likewise
+    BRIGHT_QUAD = TRAIT(6),   // the quad emits
+    BRIGHT_SPHERE = TRAIT(7), // the sphere emits
+    BRIGHT_DISC = TRAIT(8),   // the disc emits
+    SKY = TRAIT(9),           // a constant environment
+    SKY_IMAGE = TRAIT(10),    // an image of one
+    JITTER = TRAIT(11),
+    ROULETTE = TRAIT(12),
+    ONLY_BSDF = TRAIT(13),
+    ONLY_NEE = TRAIT(14),
+    NO_BOUNCE = TRAIT(15),
+    SPARE_MIRROR = TRAIT(16), // a material that nothing is made of
+    LAMP = TRAIT(17),         // a point light
+    PRINCIPLED_SPHERE = TRAIT(18),
+    GLASS_SPHERE = TRAIT(19),
+    PHONG_SPHERE = TRAIT(20),
+    THIN = TRAIT(21),          // all surfaces are
+    UVS = TRAIT(22),           // the quad has two sets
+    COLORS = TRAIT(23),        // and colours
+    BRUSHED_QUAD = TRAIT(24),  // it is anisotropic
+    TEXTURE = TRAIT(25),       // of halves, on all surfaces
+    FLOAT_TEXTURE = TRAIT(26), // another, of floats
+    TEXTURE_1 = TRAIT(27),     // another, over the second coordinates
+    NORMAL_MAP = TRAIT(28),
+    MASK = TRAIT(29), // all surfaces have an alpha mask
+    FALLOFF = TRAIT(30),
+    LENS = TRAIT(32),
+    TILES = TRAIT(31), // sample counts by tile are asked for
 };
 
 static void *present(void *memory)
@@ -70,7 +72,7 @@ static void add_texture(struct scene *scene, struct material *material, bool is_
         material->first_texture = index;
 }
 
-static void add_textures(struct scene *scene, uint32_t has, struct material *material)
+static void add_textures(struct scene *scene, uint64_t has, struct material *material)
 {
     // Red, green and blue scale the base colour.
     const uint32_t base = TEXTURE_USE_SCALE << TEXTURE_USE_SHIFT |
@@ -87,7 +89,7 @@ static void add_textures(struct scene *scene, uint32_t has, struct material *mat
 }
 
 // What a part is made of: `model`, and the bit that says whether it emits.
-static uint32_t make_material(struct scene *scene, uint32_t has, uint32_t model, uint32_t bright)
+static uint32_t make_material(struct scene *scene, uint64_t has, uint32_t model, uint64_t bright)
 {
     struct material material;
     material_init(&material);
@@ -103,7 +105,7 @@ static uint32_t make_material(struct scene *scene, uint32_t has, uint32_t model,
     return add_material(scene, &material);
 }
 
-static void add_quad(struct scene *scene, uint32_t has, uint32_t material)
+static void add_quad(struct scene *scene, uint64_t has, uint32_t material)
 {
     static const float quad[2][3][3] = {{{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}},
                                         {{-1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}};
@@ -124,7 +126,7 @@ static void add_quad(struct scene *scene, uint32_t has, uint32_t material)
         mesh->colors = colors;
 }
 
-static uint32_t sphere_model(uint32_t has)
+static uint32_t sphere_model(uint64_t has)
 {
     return has & MIRROR_SPHERE       ? MATERIAL_MIRROR
            : has & PRINCIPLED_SPHERE ? MATERIAL_PRINCIPLED
@@ -133,7 +135,7 @@ static uint32_t sphere_model(uint32_t has)
                                      : MATERIAL_LAMBERT;
 }
 
-static void make_scene(uint32_t has, struct scene *scene)
+static void make_scene(uint64_t has, struct scene *scene)
 {
     scene_start(scene, 16, 16);
     if (has & QUAD) {
@@ -163,6 +165,8 @@ static void make_scene(uint32_t has, struct scene *scene)
         add_environment_image(scene, 4, 2);
     struct settings *settings = &scene->settings;
     settings->pixel_jitter = has & JITTER;
+    scene->cameras[0].lens_radius = has & LENS ? 0.1 : 0.0;
+    scene->cameras[0].focus_distance = has & LENS ? 2.0 : 0.0;
     settings->roulette_min_bounces = has & ROULETTE ? 1 : UINT32_MAX;
     settings->max_bounces = has & NO_BOUNCE ? 0 : 4;
     settings->falloff = has & FALLOFF ? 0.5f : 0.0f;
@@ -197,7 +201,7 @@ static struct inventory take_inventory(const struct renderer *r)
     return out;
 }
 
-static bool make(struct gpu *gpu, uint32_t has, bool everything, struct inventory *out)
+static bool make(struct gpu *gpu, uint64_t has, bool everything, struct inventory *out)
 {
     struct scene scene;
     struct renderer r;
@@ -221,7 +225,7 @@ static bool make(struct gpu *gpu, uint32_t has, bool everything, struct inventor
 
 struct pair {
     const char *name;
-    uint32_t with, without;
+    uint64_t with, without;
     // What goes with the need, and nothing else.
     uint64_t features;
     uint32_t kernels, buffers;
@@ -268,6 +272,7 @@ static const struct pair pairs[] = {
      BIT(BINDING_ENVIRONMENT), 0},
     {"roulette", QUAD | ROULETTE, QUAD, FEATURE_ROULETTE, 0, 0, 0},
     {"falloff", QUAD | FALLOFF, QUAD, FEATURE_FALLOFF, 0, 0, 0},
+    {"lens", QUAD | LENS, QUAD, FEATURE_LENS, 0, 0, 0},
     {"jitter", QUAD | JITTER, QUAD, FEATURE_JITTER, 0, 0, 0},
     {"tiles", QUAD | TILES, QUAD, FEATURE_TILES, 0, 0, 2},
     {"point lights", QUAD | LAMP, QUAD, EMITS(EMITTER_LIGHTS) | FEATURE_NEE, SHADOW_KERNELS,
@@ -379,7 +384,7 @@ TEST(no_feature_is_forgotten)
 
 TEST(everything_is_created_on_demand)
 {
-    const uint32_t data = QUAD | UVS | COLORS | TEXTURE | FLOAT_TEXTURE | TEXTURE_1 | NORMAL_MAP |
+    const uint64_t data = QUAD | UVS | COLORS | TEXTURE | FLOAT_TEXTURE | TEXTURE_1 | NORMAL_MAP |
                           MASK | SPHERE | PRINCIPLED_SPHERE | TILES;
     struct gpu gpu;
     OPEN_GPU(&gpu, .validation = false);
@@ -522,7 +527,7 @@ static bool render(struct gpu *gpu, const struct scene *scene, bool everything, 
 // Compiled in or left out changes no bit, where the driver compiles the rest alike (lavapipe).
 TEST(everything_changes_no_bit)
 {
-    static const uint32_t scenes[] = {
+    static const uint64_t scenes[] = {
         QUAD | SKY,
         QUAD | BRIGHT_QUAD | JITTER,
         QUAD | SMOOTH | SPHERE | BRIGHT_SPHERE | ROULETTE,
@@ -546,7 +551,7 @@ TEST(everything_changes_no_bit)
             size_t size = 16 * 16 * sizeof *lean.half_a;
             CHECK(memcmp(lean.half_a, full.half_a, size) == 0 &&
                       memcmp(lean.half_b, full.half_b, size) == 0,
-                  "scene 0x%x", scenes[i]);
+                  "scene 0x%llx", (unsigned long long)scenes[i]);
         }
         arena_finish(&arena);
         scene_finish(&scene);

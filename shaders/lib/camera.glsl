@@ -1,0 +1,51 @@
+// Where the ray of a sample begins and where it goes, by the camera of the scene. Reads the uniform
+// block.
+#ifndef CAMERA_GLSL
+#define CAMERA_GLSL
+
+#include "lib/buffers.glsl"
+#include "lib/lens.glsl"
+
+struct camera_ray {
+    vec3 origin;
+    vec3 direction; // unit
+};
+
+// The direction that a panorama shows at a point of the picture, (-1, 1) its upper left corner: the
+// convention of scene/environment.h with the camera's axes, forward for +X, up for +Y.
+vec3 panorama_direction(vec2 at)
+{
+    float longitude = at.x * PI;
+    float latitude = -at.y * (0.5 * PI);
+    vec3 level = cos(longitude) * frame.camera_forward + sin(longitude) * frame.camera_right;
+    return cos(latitude) * level + sin(latitude) * frame.camera_up;
+}
+
+// From a point of the aperture to where the pinhole's ray of this point of the picture meets the
+// plane in focus (Cook, Porter, Carpenter 1984, "Distributed Ray Tracing", section 4.2).
+// `direction`: with a component of 1 along the line of sight.
+camera_ray ray_through_lens(vec3 direction, vec2 u)
+{
+    vec2 on_lens = frame.lens_radius * sample_aperture(u, frame.lens_blades, frame.lens_rotation);
+    vec3 offset =
+        on_lens.x * normalize(frame.camera_right) + on_lens.y * normalize(frame.camera_up);
+    return camera_ray(frame.camera_position + offset,
+                      normalize(direction - offset / frame.focus_distance));
+}
+
+// `at`: from (-1, -1), the picture's upper left corner, to (1, 1). `u_lens`: used with a lens only.
+camera_ray make_camera_ray(vec2 at, vec2 u_lens)
+{
+    if (CAMERA == CAMERA_PANORAMIC)
+        return camera_ray(frame.camera_position, normalize(panorama_direction(at)));
+    if (CAMERA == CAMERA_ORTHOGRAPHIC)
+        return camera_ray(frame.camera_position + at.x * frame.camera_right -
+                              at.y * frame.camera_up,
+                          frame.camera_forward);
+    vec3 direction = frame.camera_forward + at.x * frame.camera_right - at.y * frame.camera_up;
+    if (HAS(FEATURE_LENS))
+        return ray_through_lens(direction, u_lens);
+    return camera_ray(frame.camera_position, normalize(direction));
+}
+
+#endif

@@ -1,0 +1,22 @@
+// Apertures. Pure functions.
+#ifndef LENS_GLSL
+#define LENS_GLSL
+
+#include "lib/sampling.glsl"
+
+// A point of an aperture of radius 1, uniform over its area: a disc, or a regular polygon with its
+// corners on the circle, the first one at the angle `rotation` (radians, from right to up).
+vec2 sample_aperture(vec2 u, uint blades, float rotation)
+{
+    if (blades == 0u)
+        return sample_disc(u);
+    float scaled = u.x * float(blades);
+    float blade = min(floor(scaled), float(blades) - 1.0);
+    vec2 between = sample_triangle(vec2(scaled - blade, u.y));
+    float angle = 2.0 * PI / float(blades);
+    float first = rotation + angle * blade;
+    return between.x * vec2(cos(first), sin(first)) +
+           between.y * vec2(cos(first + angle), sin(first + angle));
+}
+
+#endif
