@@ -6,6 +6,7 @@
 #include "json_out.h"
 #include "log.h"
 #include "metrics.h"
+#include "perceptual.h"
 #include <stdio.h>
 
 struct comparison {
@@ -13,11 +14,14 @@ struct comparison {
     struct arena arena;
     struct image image, reference;
     struct metrics metrics;
+    double ssim, flip, hdr_flip;
+    struct flip_exposures exposures;
     bool passed;
 };
 
-static double metric_value(const struct metrics *metrics, enum compare_metric metric)
+static double metric_value(const struct comparison *c, enum compare_metric metric)
 {
+    const struct metrics *metrics = &c->metrics;
     switch (metric) {
     case METRIC_MSE:
         return metrics->mse;
@@ -25,8 +29,16 @@ static double metric_value(const struct metrics *metrics, enum compare_metric me
         return metrics->rmse;
     case METRIC_RELMSE:
         return metrics->relmse;
+    case METRIC_SMAPE:
+        return metrics->smape;
     case METRIC_PSNR:
         return metrics->psnr;
+    case METRIC_SSIM:
+        return c->ssim;
+    case METRIC_FLIP:
+        return c->flip;
+    case METRIC_HDR_FLIP:
+        return c->hdr_flip;
     case METRIC_MAX:
         return metrics->max;
     case METRIC_NONFINITE:
@@ -39,9 +51,9 @@ static double metric_value(const struct metrics *metrics, enum compare_metric me
 }
 
 // Written so that a metric that is no number fails.
-static bool limit_holds(const struct compare_limit *limit, const struct metrics *metrics)
+static bool limit_holds(const struct comparison *c, const struct compare_limit *limit)
 {
-    double value = metric_value(metrics, limit->metric);
+    double value = metric_value(c, limit->metric);
     return limit->is_minimum ? value >= limit->value : value <= limit->value;
 }
 
@@ -89,11 +101,11 @@ static void check_limits(struct comparison *c)
     for (uint32_t i = 0; i < options->limit_count; i++) {
         const struct compare_limit *limit = &options->limits[i];
         nonfinite_limited = nonfinite_limited || limit->metric == METRIC_NONFINITE;
-        if (limit_holds(limit, &c->metrics))
+        if (limit_holds(c, limit))
             continue;
         c->passed = false;
         log_message(LOG_ERROR, "%s is %.6g; expected at %s %.6g",
-                    compare_metric_names[limit->metric], metric_value(&c->metrics, limit->metric),
+                    compare_metric_names[limit->metric], metric_value(c, limit->metric),
                     limit->is_minimum ? "least" : "most", limit->value);
     }
     if (c->metrics.nonfinite == 0 || nonfinite_limited)
@@ -111,8 +123,11 @@ static void print_text(const struct comparison *c)
     uint32_t width = c->image.width;
     printf("%s against %s, %u x %u pixels\n", c->options->arguments[0], c->options->arguments[1],
            width, c->image.height);
-    printf("  mse     %.6g\n  rmse    %.6g\n  relmse  %.6g\n  psnr    %.6g dB\n", m->mse, m->rmse,
-           m->relmse, m->psnr);
+    printf("  mse     %.6g\n  rmse    %.6g\n  relmse  %.6g\n  smape   %.6g\n  psnr    %.6g dB\n",
+           m->mse, m->rmse, m->relmse, m->smape, m->psnr);
+    printf("  ssim    %.6g\n  flip    %.6g\n  hdr-flip %.6g, %u exposures of %.2f to %.2f stops\n",
+           c->ssim, c->flip, c->hdr_flip, c->exposures.count, c->exposures.start,
+           c->exposures.stop);
     printf("  max     %.6g at pixel %llu,%llu\n", m->max,
            (unsigned long long)(m->max_pixel % width), (unsigned long long)(m->max_pixel / width));
     printf("  differing pixels   %llu\n  non-finite pixels  %llu\n",
@@ -127,7 +142,7 @@ static json_t *checks_json(const struct comparison *c)
         json_array_append_new(
             checks, json_pack("{s:s, s:o, s:b}", "metric", compare_metric_names[limit->metric],
                               limit->is_minimum ? "min" : "max", json_number(limit->value),
-                              "passed", limit_holds(limit, &c->metrics)));
+                              "passed", limit_holds(c, limit)));
     }
     return checks;
 }
@@ -137,13 +152,31 @@ static int print_json(const struct comparison *c)
     const struct metrics *m = &c->metrics;
     uint32_t width = c->image.width;
     return json_print(json_pack(
-        "{s:o, s:o, s:i, s:i, s:o, s:o, s:o, s:o, s:o, s:[I, I], s:I, s:I, s:o, s:b}", "image",
-        json_words(c->options->arguments[0]), "reference", json_words(c->options->arguments[1]),
-        "width", (int)width, "height", (int)c->image.height, "mse", json_number(m->mse), "rmse",
-        json_number(m->rmse), "relmse", json_number(m->relmse), "psnr", json_number(m->psnr), "max",
-        json_number(m->max), "max_pixel", (json_int_t)(m->max_pixel % width),
-        (json_int_t)(m->max_pixel / width), "nonfinite", (json_int_t)m->nonfinite, "differing",
-        (json_int_t)m->differing, "checks", checks_json(c), "passed", c->passed));
+        "{s:o, s:o, s:i, s:i, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:[f, f, i], s:o, s:[I, I], "
+        "s:I, s:I, s:o, s:b}",
+        "image", json_words(c->options->arguments[0]), "reference",
+        json_words(c->options->arguments[1]), "width", (int)width, "height", (int)c->image.height,
+        "mse", json_number(m->mse), "rmse", json_number(m->rmse), "relmse", json_number(m->relmse),
+        "smape", json_number(m->smape), "psnr", json_number(m->psnr), "ssim", json_number(c->ssim),
+        "flip", json_number(c->flip), "hdr_flip", json_number(c->hdr_flip), "hdr_flip_exposures",
+        c->exposures.start, c->exposures.stop, (int)c->exposures.count, "max", json_number(m->max),
+        "max_pixel", (json_int_t)(m->max_pixel % width), (json_int_t)(m->max_pixel / width),
+        "nonfinite", (json_int_t)m->nonfinite, "differing", (json_int_t)m->differing, "checks",
+        checks_json(c), "passed", c->passed));
+}
+
+static bool look(struct comparison *c, struct err *err)
+{
+    const struct picture_pair pair = {
+        .image = (const float(*)[3])c->image.pixels,
+        .reference = (const float(*)[3])c->reference.pixels,
+        .width = c->image.width,
+        .height = c->image.height,
+    };
+    return (metrics_ssim(&pair, &c->ssim) && metrics_flip_exposures(&pair, &c->exposures) &&
+            metrics_flip(&pair, FLIP_PIXELS_PER_DEGREE, NULL, &c->flip) &&
+            metrics_flip_hdr(&pair, FLIP_PIXELS_PER_DEGREE, &c->exposures, NULL, &c->hdr_flip)) ||
+           err_memory(err, "SSIM and FLIP", pixel_count(&c->image) * sizeof(float));
 }
 
 static int compare(struct comparison *c)
@@ -157,6 +190,8 @@ static int compare(struct comparison *c)
         return command_fail(&err);
     metrics_compare((const float(*)[3])c->image.pixels, (const float(*)[3])c->reference.pixels,
                     pixel_count(&c->image), &c->metrics);
+    if (!look(c, &err))
+        return command_fail(&err);
     if (difference && !write_difference(c, &err))
         return command_fail(&err);
     check_limits(c);

@@ -417,13 +417,13 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_MAX] = {
         .name = "max", .argument = "METRIC=VALUE", .type = VALUE_LIMIT, .group = "Checks",
         .commands = FOR_COMPARE,
-        .help = "Exit with 1 if the metric is greater: mse, rmse, relmse, max, or the number of "
-                "nonfinite or differing pixels. May be given several times. Any check also fails "
+        .help = "Exit with 1 if the metric is greater: mse, rmse, relmse, smape, flip, hdr-flip, "
+                "max, or the number of nonfinite or differing pixels. May be given several times. Any check also fails "
                 "on non-finite pixels unless --max nonfinite=N allows them.",
     },
     [OPTION_MIN] = {
-        .name = "min", .argument = "psnr=VALUE", .type = VALUE_LIMIT, .group = "Checks",
-        .commands = FOR_COMPARE, .help = "Exit with 1 if the PSNR, in dB, is smaller.",
+        .name = "min", .argument = "METRIC=VALUE", .type = VALUE_LIMIT, .group = "Checks",
+        .commands = FOR_COMPARE, .help = "Exit with 1 if the metric is smaller: psnr, in dB, or ssim.",
     },
     [OPTION_DIFFERENCE] = {
         .name = "difference", .argument = "FILE", .type = VALUE_TEXT, .group = "Picture",
@@ -467,7 +467,11 @@ const char *const compare_metric_names[METRIC_TOTAL] = {
     [METRIC_MSE] = "mse",
     [METRIC_RMSE] = "rmse",
     [METRIC_RELMSE] = "relmse",
+    [METRIC_SMAPE] = "smape",
     [METRIC_PSNR] = "psnr",
+    [METRIC_SSIM] = "ssim",
+    [METRIC_FLIP] = "flip",
+    [METRIC_HDR_FLIP] = "hdr-flip",
     [METRIC_MAX] = "max",
     [METRIC_NONFINITE] = "nonfinite",
     [METRIC_DIFFERING] = "differing",

@@ -216,11 +216,12 @@ static bool store_limit(const struct option_def *def, const char *text, struct o
     int metric = metric_find(text, length);
     if (metric < 0 || !text[length])
         return err_set(err, ERR_USAGE,
-                       "\"%s\" is not of the form %s; metrics are mse, rmse, relmse, psnr, max, "
-                       "nonfinite and differing",
+                       "\"%s\" is not of the form %s; metrics are mse, rmse, relmse, smape, psnr, "
+                       "ssim, flip, hdr-flip, max, nonfinite and differing",
                        text, def->argument);
     bool is_minimum = def == &option_table[OPTION_MIN];
-    if (is_minimum != (metric == METRIC_PSNR))
+    bool greater_is_better = metric == METRIC_PSNR || metric == METRIC_SSIM;
+    if (is_minimum != greater_is_better)
         return err_set(err, ERR_USAGE, "\"%s\": a greater %s is %s; use --%s", text,
                        compare_metric_names[metric], is_minimum ? "worse" : "better",
                        option_table[is_minimum ? OPTION_MAX : OPTION_MIN].name);

@@ -21,7 +21,7 @@ void metrics_compare(const float (*image)[3], const float (*reference)[3], uint6
                      struct metrics *out)
 {
     *out = (struct metrics){0};
-    double squares = 0, relative_squares = 0;
+    double squares = 0, relative_squares = 0, symmetric = 0;
     for (uint64_t i = 0; i < pixel_count; i++) {
         out->differing += !is_same(image[i], reference[i]);
         if (!is_finite(image[i]) || !is_finite(reference[i])) {
@@ -31,6 +31,7 @@ void metrics_compare(const float (*image)[3], const float (*reference)[3], uint6
         for (int c = 0; c < 3; c++) {
             double r = reference[i][c], difference = image[i][c] - r;
             squares += difference * difference;
+            symmetric += 2 * fabs(difference) / (fabs((double)image[i][c]) + fabs(r) + 1e-6);
             relative_squares += difference * difference / (r * r + METRICS_RELMSE_EPSILON);
             if (fabs(difference) > out->max) {
                 out->max = fabs(difference);
@@ -42,6 +43,7 @@ void metrics_compare(const float (*image)[3], const float (*reference)[3], uint6
     double values = 3 * (double)(pixel_count - out->nonfinite);
     out->mse = values > 0 ? squares / values : NAN;
     out->relmse = values > 0 ? relative_squares / values : NAN;
+    out->smape = values > 0 ? symmetric / values : NAN;
     out->rmse = sqrt(out->mse);
     out->psnr = -10 * log10(out->mse);
 }

@@ -11,12 +11,13 @@
 #define METRICS_RELMSE_EPSILON 1e-2
 
 struct metrics {
-    // The first four are NaN when no pixel is finite.
-    double mse;         // mean over pixels and channels of (x - r)^2
-    double rmse;        // its square root
-    double relmse;      // mean (x - r)^2 / (r^2 + 1e-2), per channel
-    double psnr;        // dB, peak 1, on values as given (linear), +inf when equal
-    double max;         // greatest |x - r|
+    // The first five are NaN when no pixel is finite.
+    double mse;    // mean over pixels and channels of (x - r)^2
+    double rmse;   // its square root
+    double relmse; // mean (x - r)^2 / (r^2 + 1e-2), per channel
+    double smape;  // mean 2 |x - r| / (|x| + |r| + 1e-6), per channel; rewards what is too dark
+    double psnr;   // dB, peak 1, on values as given (linear), +inf when equal
+    double max;    // greatest |x - r|
     uint64_t max_pixel; // its pixel index
     uint64_t nonfinite; // pixels with a non-finite value in either image, left out of the above
     uint64_t differing; // pixels that are not bit-equal

@@ -204,6 +204,11 @@ class Compare(unittest.TestCase):
         self.assertAlmostEqual(values['relmse'], mse / 1.01, places=7)
         self.assertAlmostEqual(values['psnr'], -10 * math.log10(mse), places=6)
         self.assertEqual(values['max'], 0.5)
+        self.assertAlmostEqual(values['smape'], 2 * 0.5 / 2.5 / 2 / 3, places=6)
+        # What is shown ends at 1: only exposures below tell them apart.
+        self.assertEqual((values['ssim'], values['flip']), (1, 0))
+        self.assertTrue(0 < values['hdr_flip'] < 1)
+        self.assertEqual(values['hdr_flip_exposures'][2], 2)
         self.assertEqual((values['differing'], values['nonfinite']), (16, 0))
         self.assertEqual((values['width'], values['height']), (8, 4))
         self.assertTrue(values['passed'])
@@ -223,6 +228,8 @@ class Compare(unittest.TestCase):
             self.assertEqual('expected at most' in result.stderr, code == 1, limit)
         self.assertEqual(self.compare('a.exr', 'b.exr', '--min', 'psnr=13.8').returncode, 0)
         self.assertEqual(self.compare('a.exr', 'b.exr', '--min', 'psnr=13.9').returncode, 1)
+        self.assertEqual(self.compare('a.exr', 'b.exr', '--min', 'ssim=0.999').returncode, 0)
+        self.assertEqual(self.compare('a.exr', 'b.exr', '--max', 'hdr-flip=0').returncode, 1)
 
     def test_all_limits_count(self):
         result = self.compare('a.exr', 'b.exr', '--max', 'mse=1', '--max', 'max=0.1', '--max',

@@ -220,7 +220,8 @@ TEST(value_errors_name_the_option_and_the_value)
     check_error("render s -D key", "\"key\" is not of the form KEY=VALUE");
     check_error("render s -D =1", "is not of the form KEY=VALUE");
     check_error("compare a b --max mse", "is not of the form METRIC=VALUE");
-    check_error("compare a b --max ssim=1", "metrics are mse, rmse");
+    check_error("compare a b --max sim=1", "metrics are mse, rmse");
+    check_error("compare a b --max ssim=1", "a greater ssim is better; use --min");
     check_error("compare a b --max mse=", "the limit is not a finite number");
     check_error("compare a b --max mse=-1", "the limit is not a finite number");
     check_error("compare a b --max psnr=30", "a greater psnr is better; use --min");

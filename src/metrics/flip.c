@@ -1,0 +1,465 @@
+// FLIP and HDR-FLIP. Constants are those of the two papers; where a formula has a number, it is
+// that of the first one.
+#include "perceptual.h"
+
+#include "convolve.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+// --- colours -------------------------------------------------------------------------------------
+
+// Linear Rec. 709 to CIE XYZ for D65, in which (1, 1, 1) is the white point.
+static const double to_xyz[3][3] = {
+    {10135552.0 / 24577794.0, 8788810.0 / 24577794.0, 4435075.0 / 24577794.0},
+    {2613072.0 / 12288897.0, 8788810.0 / 12288897.0, 887015.0 / 12288897.0},
+    {1425312.0 / 73733382.0, 8788810.0 / 73733382.0, 70074185.0 / 73733382.0},
+};
+
+// X, Y, Z divided by those of white.
+static void relative_xyz(const double rgb[3], double out[3])
+{
+    for (int i = 0; i < 3; i++) {
+        double sum = 0, white = 0;
+        for (int c = 0; c < 3; c++) {
+            sum += to_xyz[i][c] * rgb[c];
+            white += to_xyz[i][c];
+        }
+        out[i] = sum / white;
+    }
+}
+
+// The inverse, by Cramer's rule.
+static void rgb_of_relative_xyz(const double relative[3], double out[3])
+{
+    double m[3][3], v[3];
+    for (int i = 0; i < 3; i++) {
+        double white = to_xyz[i][0] + to_xyz[i][1] + to_xyz[i][2];
+        v[i] = relative[i] * white;
+        memcpy(m[i], to_xyz[i], sizeof m[i]);
+    }
+    double determinant = 0;
+    for (int c = 0; c < 3; c++)
+        determinant += m[0][c] * (m[1][(c + 1) % 3] * m[2][(c + 2) % 3] -
+                                  m[1][(c + 2) % 3] * m[2][(c + 1) % 3]);
+    for (int c = 0; c < 3; c++) {
+        int d = (c + 1) % 3, e = (c + 2) % 3;
+        double minor = v[0] * (m[1][d] * m[2][e] - m[1][e] * m[2][d]) +
+                       v[1] * (m[2][d] * m[0][e] - m[2][e] * m[0][d]) +
+                       v[2] * (m[0][d] * m[1][e] - m[0][e] * m[1][d]);
+        out[c] = minor / determinant;
+    }
+}
+
+// The opponent colours that contrast sensitivity is known for: linear in X, Y, Z.
+static void ycxcz_of_rgb(const double rgb[3], double out[3])
+{
+    double xyz[3];
+    relative_xyz(rgb, xyz);
+    out[0] = 116 * xyz[1] - 16;
+    out[1] = 500 * (xyz[0] - xyz[1]);
+    out[2] = 200 * (xyz[1] - xyz[2]);
+}
+
+static void rgb_of_ycxcz(const double ycxcz[3], double out[3])
+{
+    double y = (ycxcz[0] + 16) / 116;
+    const double xyz[3] = {y + ycxcz[1] / 500, y, y - ycxcz[2] / 200};
+    rgb_of_relative_xyz(xyz, out);
+}
+
+static double lab_curve(double t)
+{
+    const double delta = 6.0 / 29.0;
+    return t > delta * delta * delta ? cbrt(t) : t / (3 * delta * delta) + 4.0 / 29.0;
+}
+
+// CIE L*a*b*, chroma scaled by lightness after Hunt (1952).
+static void hunt_lab(const double rgb[3], double out[3])
+{
+    double xyz[3];
+    relative_xyz(rgb, xyz);
+    double fx = lab_curve(xyz[0]), fy = lab_curve(xyz[1]), fz = lab_curve(xyz[2]);
+    out[0] = 116 * fy - 16;
+    out[1] = 0.01 * out[0] * 500 * (fx - fy);
+    out[2] = 0.01 * out[0] * 200 * (fy - fz);
+}
+
+// The distance of large colour differences (Abasi, Tehran, Fairchild 2020).
+static double hyab(const double a[3], const double b[3])
+{
+    return fabs(a[0] - b[0]) + hypot(a[1] - b[1], a[2] - b[2]);
+}
+
+// --- filters -------------------------------------------------------------------------------------
+
+static int bounded_radius(double radius)
+{
+    double whole = ceil(radius);
+    return whole > KERNEL_RADIUS_MAX ? KERNEL_RADIUS_MAX : (int)whole;
+}
+
+// Contrast sensitivity of each opponent channel as a sum of two Gaussians (Johnson and Fairchild
+// 2003): a sqrt(pi / b) exp(-pi^2 d^2 / b) at a distance of d degrees.
+static const struct {
+    double a, b;
+} sensitivity[3][2] = {
+    {{1, 0.0047}, {0, 1e-5}},
+    {{1, 0.0053}, {0, 1e-5}},
+    {{34.1, 0.04}, {13.5, 0.025}},
+};
+#define WIDEST_B 0.04
+
+// One Gaussian, its sum brought to 1; returns the sum of the products that stand in the plane.
+static double sensitivity_kernel(double a, double b, double pixels_per_degree,
+                                 struct kernel_1d *out)
+{
+    out->radius = bounded_radius(3 * sqrt(WIDEST_B / (2 * M_PI * M_PI)) * pixels_per_degree);
+    double sum = 0;
+    for (int i = -out->radius; i <= out->radius; i++) {
+        double d = i / pixels_per_degree;
+        sum += out->weight[i + out->radius] = exp(-M_PI * M_PI * d * d / b);
+    }
+    for (int i = 0; i <= 2 * out->radius; i++)
+        out->weight[i] /= sum;
+    return a * sqrt(M_PI / b) * sum * sum;
+}
+
+// Detectors of edges (first derivative of a Gaussian) and points (second), whose positive weights
+// sum to 1, and negative ones to -1; `smooth` is the Gaussian across.
+static void feature_kernels(double pixels_per_degree, struct kernel_1d *smooth,
+                            struct kernel_1d *edge, struct kernel_1d *point)
+{
+    double sigma = 0.5 * 0.082 * pixels_per_degree, sum = 0;
+    int radius = bounded_radius(3 * sigma);
+    smooth->radius = edge->radius = point->radius = radius;
+    for (int i = -radius; i <= radius; i++) {
+        double g = exp(-i * i / (2 * sigma * sigma));
+        sum += smooth->weight[i + radius] = g;
+        edge->weight[i + radius] = -i * g;
+        point->weight[i + radius] = (i * i / (sigma * sigma) - 1) * g;
+    }
+    struct kernel_1d *detectors[2] = {edge, point};
+    for (int k = 0; k < 2; k++) {
+        double positive = 0, negative = 0;
+        for (int i = 0; i <= 2 * radius; i++) {
+            positive += fmax(detectors[k]->weight[i], 0);
+            negative -= fmin(detectors[k]->weight[i], 0);
+        }
+        for (int i = 0; i <= 2 * radius; i++) {
+            double *weight = &detectors[k]->weight[i];
+            *weight = *weight > 0 ? *weight / positive : *weight < 0 ? *weight / negative : 0;
+        }
+    }
+    for (int i = 0; i <= 2 * radius; i++)
+        smooth->weight[i] /= sum;
+}
+
+// --- one picture ---------------------------------------------------------------------------------
+
+struct planes {
+    uint32_t width, height;
+    float *opponent[3]; // YCxCz; then Lab of what is seen
+    float *edges, *points;
+    float *scratch[2];
+};
+
+enum { PLANES_A_PICTURE = 7 };
+
+static uint64_t pixels_of(const struct planes *p)
+{
+    return (uint64_t)p->width * p->height;
+}
+
+static bool planes_create(uint32_t width, uint32_t height, struct planes *out)
+{
+    *out = (struct planes){.width = width, .height = height};
+    float **all[PLANES_A_PICTURE] = {&out->opponent[0], &out->opponent[1], &out->opponent[2],
+                                     &out->edges,       &out->points,      &out->scratch[0],
+                                     &out->scratch[1]};
+    bool ok = true;
+    for (int i = 0; i < PLANES_A_PICTURE; i++) {
+        *all[i] = calloc(pixels_of(out), sizeof **all[i]);
+        ok = ok && *all[i];
+    }
+    return ok;
+}
+
+static void planes_finish(struct planes *p)
+{
+    for (int c = 0; c < 3; c++)
+        free(p->opponent[c]);
+    for (int i = 0; i < 2; i++)
+        free(p->scratch[i]);
+    free(p->edges);
+    free(p->points);
+}
+
+// How strong a detector answers in the picture, in either direction.
+static void detect(struct planes *p, const float *lightness, const struct kernel_1d *smooth,
+                   const struct kernel_1d *detector, float *out)
+{
+    convolve(lightness, p->width, p->height, detector, smooth, p->scratch[0], out);
+    convolve(lightness, p->width, p->height, smooth, detector, p->scratch[0], p->scratch[1]);
+    for (uint64_t i = 0; i < pixels_of(p); i++)
+        out[i] = hypotf(out[i], p->scratch[1][i]);
+}
+
+// An opponent channel as it is seen from a distance, in place.
+static bool see(struct planes *p, int channel, double pixels_per_degree)
+{
+    struct kernel_1d kernel;
+    double share[2], total = 0;
+    float *sum = calloc(pixels_of(p), sizeof *sum);
+    if (!sum)
+        return false;
+    for (int g = 0; g < 2; g++)
+        total += share[g] = sensitivity_kernel(sensitivity[channel][g].a, sensitivity[channel][g].b,
+                                               pixels_per_degree, &kernel);
+    for (int g = 0; g < 2; g++) {
+        if (share[g] == 0)
+            continue;
+        sensitivity_kernel(sensitivity[channel][g].a, sensitivity[channel][g].b, pixels_per_degree,
+                           &kernel);
+        convolve(p->opponent[channel], p->width, p->height, &kernel, &kernel, p->scratch[0],
+                 p->scratch[1]);
+        for (uint64_t i = 0; i < pixels_of(p); i++)
+            sum[i] += (float)(share[g] / total) * p->scratch[1][i];
+    }
+    free(p->opponent[channel]);
+    p->opponent[channel] = sum;
+    return true;
+}
+
+static void perceive(struct planes *p)
+{
+    for (uint64_t i = 0; i < pixels_of(p); i++) {
+        double color[3], rgb[3];
+        for (int c = 0; c < 3; c++)
+            color[c] = (double)p->opponent[c][i];
+        rgb_of_ycxcz(color, rgb);
+        for (int c = 0; c < 3; c++)
+            rgb[c] = fmin(fmax(rgb[c], 0), 1);
+        hunt_lab(rgb, color);
+        for (int c = 0; c < 3; c++)
+            p->opponent[c][i] = (float)color[c];
+    }
+}
+
+// Fills the planes from display-referred linear values, clamped to [0, 1].
+static bool analyse(struct planes *p, const float (*pixels)[3], double pixels_per_degree)
+{
+    struct kernel_1d smooth, edge, point;
+    float *lightness = malloc(pixels_of(p) * sizeof *lightness);
+    if (!lightness)
+        return false;
+    for (uint64_t i = 0; i < pixels_of(p); i++) {
+        double rgb[3], color[3];
+        for (int c = 0; c < 3; c++)
+            rgb[c] = fmin(fmax((double)pixels[i][c], 0), 1);
+        ycxcz_of_rgb(rgb, color);
+        for (int c = 0; c < 3; c++)
+            p->opponent[c][i] = (float)color[c];
+        lightness[i] = (float)((color[0] + 16) / 116);
+    }
+    feature_kernels(pixels_per_degree, &smooth, &edge, &point);
+    detect(p, lightness, &smooth, &edge, p->edges);
+    detect(p, lightness, &smooth, &point, p->points);
+    free(lightness);
+    for (int c = 0; c < 3; c++)
+        if (!see(p, c, pixels_per_degree))
+            return false;
+    perceive(p);
+    return true;
+}
+
+// --- both ----------------------------------------------------------------------------------------
+
+// The greatest difference of colours there is: between green and blue.
+static double greatest_difference(void)
+{
+    double green[3], blue[3];
+    hunt_lab((const double[3]){0, 1, 0}, green);
+    hunt_lab((const double[3]){0, 0, 1}, blue);
+    return pow(hyab(green, blue), 0.7);
+}
+
+// Differences of colours to [0, 1]: those up to .4 of the greatest fill .95 of it (eq. 8).
+static double redistribute(double difference, double greatest)
+{
+    const double knee = 0.4 * greatest, at_knee = 0.95;
+    double d = pow(difference, 0.7);
+    if (d < knee)
+        return at_knee * d / knee;
+    return at_knee + (d - knee) / (greatest - knee) * (1 - at_knee);
+}
+
+static void combine(const struct planes *image, const struct planes *reference, float *map)
+{
+    double greatest = greatest_difference();
+    for (uint64_t i = 0; i < pixels_of(image); i++) {
+        double a[3], b[3];
+        for (int c = 0; c < 3; c++) {
+            a[c] = (double)image->opponent[c][i];
+            b[c] = (double)reference->opponent[c][i];
+        }
+        double color = redistribute(hyab(a, b), greatest);
+        double edges = fabs((double)image->edges[i] - (double)reference->edges[i]);
+        double points = fabs((double)image->points[i] - (double)reference->points[i]);
+        double feature = sqrt(fmax(edges, points) / M_SQRT2);
+        map[i] = (float)pow(color, 1 - feature);
+    }
+}
+
+static bool flip_map(const struct picture_pair *pair, double pixels_per_degree, float *map)
+{
+    struct planes image, reference;
+    bool ok = planes_create(pair->width, pair->height, &image);
+    ok = planes_create(pair->width, pair->height, &reference) && ok;
+    ok = ok && analyse(&image, pair->image, pixels_per_degree) &&
+         analyse(&reference, pair->reference, pixels_per_degree);
+    if (ok)
+        combine(&image, &reference, map);
+    planes_finish(&image);
+    planes_finish(&reference);
+    return ok;
+}
+
+static double mean_of(const float *map, uint64_t count)
+{
+    double sum = 0;
+    for (uint64_t i = 0; i < count; i++)
+        sum += (double)map[i];
+    return sum / (double)count;
+}
+
+// --- exposures -----------------------------------------------------------------------------------
+
+// The curve (k0 x^2 + k1 x + k2) / (k3 x^2 + k4 x + k5) of ACES (Narkowicz 2015), exposed by .6.
+static const double curve[6] = {0.6 * 0.6 * 2.51, 0.6 * 0.03, 0,
+                                0.6 * 0.6 * 2.43, 0.6 * 0.59, 0.14};
+
+static double tone(double x)
+{
+    double value =
+        (curve[0] * x * x + curve[1] * x + curve[2]) / (curve[3] * x * x + curve[4] * x + curve[5]);
+    return fmin(fmax(value, 0), 1);
+}
+
+// Where the curve reaches .85.
+static double knee_of_curve(void)
+{
+    double a = curve[0] - 0.85 * curve[3], b = curve[1] - 0.85 * curve[4];
+    double c = curve[2] - 0.85 * curve[5], half = -0.5 * b / a;
+    return half + sqrt(half * half - c / a);
+}
+
+static bool is_finite_pair(const struct picture_pair *pair, uint64_t i)
+{
+    bool ok = true;
+    for (int c = 0; c < 3; c++)
+        ok = ok && isfinite(pair->image[i][c]) && isfinite(pair->reference[i][c]);
+    return ok;
+}
+
+static int compare_floats(const void *a, const void *b)
+{
+    const float x = *(const float *)a, y = *(const float *)b;
+    return (x > y) - (x < y);
+}
+
+bool metrics_flip_exposures(const struct picture_pair *pair, struct flip_exposures *out)
+{
+    uint64_t count = (uint64_t)pair->width * pair->height;
+    float *luminance = calloc(count, sizeof *luminance);
+    if (!luminance)
+        return false;
+    for (uint64_t i = 0; i < count; i++)
+        for (int c = 0; c < 3 && is_finite_pair(pair, i); c++)
+            luminance[i] += (float)(to_xyz[1][c] * fmax((double)pair->reference[i][c], 0));
+    qsort(luminance, count, sizeof *luminance, compare_floats);
+    double brightest = (double)luminance[count - 1], median = (double)luminance[(count - 1) / 2];
+    free(luminance);
+    double knee = knee_of_curve();
+    out->start = brightest > 0 ? log2(knee / brightest) : 0;
+    out->stop = median > 0 ? log2(knee / median) : out->start + FLIP_STOPS_MAX;
+    out->stop = fmin(out->stop, out->start + FLIP_STOPS_MAX);
+    out->count = (uint32_t)fmax(2, ceil(out->stop - out->start));
+    return true;
+}
+
+static void expose(const struct picture_pair *pair, const float (*pixels)[3], double stops,
+                   float (*out)[3])
+{
+    double factor = exp2(stops);
+    for (uint64_t i = 0; i < (uint64_t)pair->width * pair->height; i++) {
+        bool finite = is_finite_pair(pair, i);
+        for (int c = 0; c < 3; c++)
+            out[i][c] = finite ? (float)tone(factor * fmax((double)pixels[i][c], 0)) : 0.0f;
+    }
+}
+
+// Raises `greatest` to the FLIP of the pair at an exposure.
+static bool raise_map(const struct picture_pair *pair, double pixels_per_degree, double stops,
+                      float (*exposed[2])[3], float *map, float *greatest)
+{
+    uint64_t count = (uint64_t)pair->width * pair->height;
+    expose(pair, pair->image, stops, exposed[0]);
+    expose(pair, pair->reference, stops, exposed[1]);
+    struct picture_pair shown = {(const float(*)[3])exposed[0], (const float(*)[3])exposed[1],
+                                 pair->width, pair->height};
+    if (!flip_map(&shown, pixels_per_degree, map))
+        return false;
+    for (uint64_t i = 0; i < count; i++)
+        greatest[i] = fmaxf(greatest[i], map[i]);
+    return true;
+}
+
+bool metrics_flip_hdr(const struct picture_pair *pair, double pixels_per_degree,
+                      const struct flip_exposures *exposures, float *map, double *out)
+{
+    uint64_t count = (uint64_t)pair->width * pair->height;
+    float(*exposed[2])[3] = {malloc(count * sizeof **exposed), malloc(count * sizeof **exposed)};
+    float *one = malloc(count * sizeof *one), *greatest = calloc(count, sizeof *greatest);
+    bool ok = exposed[0] && exposed[1] && one && greatest;
+    for (uint32_t i = 0; i < exposures->count && ok; i++) {
+        double stops =
+            exposures->start + (exposures->stop - exposures->start) * i / (exposures->count - 1);
+        ok = raise_map(pair, pixels_per_degree, stops, exposed, one, greatest);
+    }
+    if (ok) {
+        *out = mean_of(greatest, count);
+        if (map)
+            memcpy(map, greatest, count * sizeof *map);
+    }
+    free(exposed[0]);
+    free(exposed[1]);
+    free(one);
+    free(greatest);
+    return ok;
+}
+
+bool metrics_flip(const struct picture_pair *pair, double pixels_per_degree, float *map,
+                  double *out)
+{
+    uint64_t count = (uint64_t)pair->width * pair->height;
+    float(*clean[2])[3] = {calloc(count, sizeof **clean), calloc(count, sizeof **clean)};
+    float *own = map ? map : malloc(count * sizeof *own);
+    bool ok = clean[0] && clean[1] && own;
+    for (uint64_t i = 0; i < count && ok; i++) {
+        if (!is_finite_pair(pair, i))
+            continue;
+        memcpy(clean[0][i], pair->image[i], sizeof clean[0][i]);
+        memcpy(clean[1][i], pair->reference[i], sizeof clean[1][i]);
+    }
+    struct picture_pair shown = {(const float(*)[3])clean[0], (const float(*)[3])clean[1],
+                                 pair->width, pair->height};
+    ok = ok && flip_map(&shown, pixels_per_degree, own);
+    if (ok)
+        *out = mean_of(own, count);
+    free(clean[0]);
+    free(clean[1]);
+    if (own != map)
+        free(own);
+    return ok;
+}

@@ -1,0 +1,48 @@
+// Metrics after how people see: SSIM and FLIP. Plain arrays in, numbers out. Any thread may call.
+#ifndef LAMPYRIS_METRICS_PERCEPTUAL_H
+#define LAMPYRIS_METRICS_PERCEPTUAL_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+// Two pictures of the same size, linear Rec. 709, interleaved RGB. Pixels that are not finite in
+// either count as black in both.
+struct picture_pair {
+    const float (*image)[3];
+    const float (*reference)[3];
+    uint32_t width, height; // at least 1
+};
+
+// Mean structural similarity (Wang, Bovik, Sheikh, Simoncelli 2004) of the luma of the display
+// values: clamped to [0, 1], sRGB-encoded. Windows are Gaussian, 11 x 11, sigma 1.5, K1 = .01,
+// K2 = .03; at borders the part that is inside, its weights scaled up to 1. 1 is equality; noise
+// counts as structure. False only when out of memory.
+bool metrics_ssim(const struct picture_pair *pair, double *out);
+
+// 0.7 m from a screen 0.7 m and 3840 pixels wide: .7 * 3840 / .7 * pi / 180.
+#define FLIP_PIXELS_PER_DEGREE 67.02064327658226
+
+// FLIP (Andersson et al. 2020, "FLIP: A Difference Evaluator for Alternating Images") of the
+// display values; *out is the mean over pixels, in [0, 1]. `map`: width * height values, or NULL.
+// False only when out of memory.
+bool metrics_flip(const struct picture_pair *pair, double pixels_per_degree, float *map,
+                  double *out);
+
+// The exposures that HDR-FLIP looks at (Andersson et al. 2021, "Visualizing Errors in Rendered High
+// Dynamic Range Images"): from where the tone curve brings the reference's brightest pixel to .85
+// to where it brings the median there, `count` of them, about one a stop.
+struct flip_exposures {
+    double start, stop; // stops
+    uint32_t count;     // at least 2
+};
+
+// Pictures whose median is dark are cut off at FLIP_STOPS_MAX stops: the range would have no end.
+#define FLIP_STOPS_MAX 20
+bool metrics_flip_exposures(const struct picture_pair *pair, struct flip_exposures *out);
+
+// HDR-FLIP: the greatest FLIP of each pixel over the exposures, tone-mapped by the curve of ACES
+// that the paper uses; *out is its mean. False only when out of memory.
+bool metrics_flip_hdr(const struct picture_pair *pair, double pixels_per_degree,
+                      const struct flip_exposures *exposures, float *map, double *out);
+
+#endif

@@ -1,0 +1,122 @@
+#include "perceptual.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum { RADIUS = 5, SIDE = 2 * RADIUS + 1 };
+
+// The transfer function of sRGB (IEC 61966-2-1) of a value clamped to [0, 1].
+static double encode(double linear)
+{
+    double x = fmin(fmax(linear, 0), 1);
+    return x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1 / 2.4) - 0.055;
+}
+
+static bool is_finite(const float pixel[3])
+{
+    return isfinite(pixel[0]) && isfinite(pixel[1]) && isfinite(pixel[2]);
+}
+
+// Luma of BT.709, of what is shown.
+static double luma(const float pixel[3])
+{
+    return 0.2126 * encode((double)pixel[0]) + 0.7152 * encode((double)pixel[1]) +
+           0.0722 * encode((double)pixel[2]);
+}
+
+struct moments {
+    double weight, a, b, aa, bb, ab;
+};
+
+static void add(struct moments *m, double weight, double a, double b)
+{
+    m->weight += weight;
+    m->a += weight * a;
+    m->b += weight * b;
+    m->aa += weight * a * a;
+    m->bb += weight * b * b;
+    m->ab += weight * a * b;
+}
+
+static void add_scaled(struct moments *sum, double weight, const struct moments *m)
+{
+    sum->weight += weight * m->weight;
+    sum->a += weight * m->a;
+    sum->b += weight * m->b;
+    sum->aa += weight * m->aa;
+    sum->bb += weight * m->bb;
+    sum->ab += weight * m->ab;
+}
+
+static double similarity(const struct moments *m)
+{
+    const double c1 = 0.01 * 0.01, c2 = 0.03 * 0.03; // (K L)^2 with L = 1
+    double a = m->a / m->weight, b = m->b / m->weight;
+    double var_a = m->aa / m->weight - a * a, var_b = m->bb / m->weight - b * b;
+    double covariance = m->ab / m->weight - a * b;
+    return (2 * a * b + c1) * (2 * covariance + c2) / ((a * a + b * b + c1) * (var_a + var_b + c2));
+}
+
+// The window's weights along one axis, not brought to 1: similarity() divides.
+static void fill_window(double window[SIDE])
+{
+    for (int i = -RADIUS; i <= RADIUS; i++)
+        window[i + RADIUS] = exp(-i * i / (2 * 1.5 * 1.5));
+}
+
+// Sums along a row, of every pixel of it.
+static void sum_row(const struct picture_pair *p, const double (*values)[2], uint32_t y,
+                    const double window[SIDE], struct moments *out)
+{
+    for (uint32_t x = 0; x < p->width; x++) {
+        out[x] = (struct moments){0};
+        for (int i = -RADIUS; i <= RADIUS; i++) {
+            int64_t at = (int64_t)x + i;
+            if (at < 0 || at >= (int64_t)p->width)
+                continue;
+            const double *v = values[(uint64_t)y * p->width + (uint64_t)at];
+            add(&out[x], window[i + RADIUS], v[0], v[1]);
+        }
+    }
+}
+
+static double sum_similarities(const struct picture_pair *p, const double (*values)[2],
+                               struct moments *rows)
+{
+    double window[SIDE], sum = 0;
+    fill_window(window);
+    uint32_t summed = 0; // rows of which `rows`, a ring of SIDE, holds the last
+    for (uint32_t y = 0; y < p->height; y++) {
+        for (; summed < p->height && summed <= y + RADIUS; summed++)
+            sum_row(p, values, summed, window, rows + (uint64_t)(summed % SIDE) * p->width);
+        for (uint32_t x = 0; x < p->width; x++) {
+            struct moments m = {0};
+            for (int i = -RADIUS; i <= RADIUS; i++) {
+                int64_t at = (int64_t)y + i;
+                if (at >= 0 && at < (int64_t)p->height)
+                    add_scaled(&m, window[i + RADIUS], &rows[(uint64_t)(at % SIDE) * p->width + x]);
+            }
+            sum += similarity(&m);
+        }
+    }
+    return sum;
+}
+
+bool metrics_ssim(const struct picture_pair *p, double *out)
+{
+    uint64_t count = (uint64_t)p->width * p->height;
+    double(*values)[2] = calloc(count, sizeof *values);
+    struct moments *rows = calloc((uint64_t)SIDE * p->width, sizeof *rows);
+    bool ok = values && rows;
+    for (uint64_t i = 0; i < count && ok; i++) {
+        if (!is_finite(p->image[i]) || !is_finite(p->reference[i]))
+            continue;
+        values[i][0] = luma(p->image[i]);
+        values[i][1] = luma(p->reference[i]);
+    }
+    if (ok)
+        *out = sum_similarities(p, (const double(*)[2])values, rows) / (double)count;
+    free(values);
+    free(rows);
+    return ok;
+}
