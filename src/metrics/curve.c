@@ -1,0 +1,127 @@
+#include "curve.h"
+
+#include "metrics.h"
+#include <math.h>
+#include <stdlib.h>
+
+static const struct interval unknown = {NAN, NAN, NAN};
+
+static struct interval t_interval(const double *values, size_t count)
+{
+    double mean, variance;
+    stats_mean_variance(values, count, &mean, &variance);
+    if (count < 2)
+        return unknown;
+    double half = stats_t_quantile(0.975, (double)count - 1) * sqrt(variance / (double)count);
+    return (struct interval){mean, mean - half, mean + half};
+}
+
+static struct interval exponential(struct interval i)
+{
+    return (struct interval){exp(i.value), exp(i.low), exp(i.high)};
+}
+
+// Welford's (1962) mean and sum of squares, so that no list is needed.
+struct running {
+    double mean, squares;
+    size_t count;
+};
+
+static void run_add(struct running *r, double value)
+{
+    double before = value - r->mean;
+    r->count++;
+    r->mean += before / (double)r->count;
+    r->squares += before * (value - r->mean);
+}
+
+static struct interval run_interval(const struct running *r)
+{
+    if (r->count < 2 || !isfinite(r->mean))
+        return unknown;
+    double n = (double)r->count, deviation = sqrt(r->squares / (n - 1) / n);
+    double half = stats_t_quantile(0.975, n - 1) * deviation;
+    return (struct interval){r->mean, r->mean - half, r->mean + half};
+}
+
+struct interval curve_geometric_mean(const double *values, size_t count)
+{
+    struct running logs = {0};
+    for (size_t i = 0; i < count; i++)
+        run_add(&logs, values[i] > 0 ? log(values[i]) : NAN);
+    return exponential(run_interval(&logs));
+}
+
+static double line_slope(const double *x, const double *y, size_t count)
+{
+    double mean_x = 0, mean_y = 0, xx = 0, xy = 0;
+    for (size_t i = 0; i < count; i++) {
+        mean_x += log(x[i]) / (double)count;
+        mean_y += (y[i] > 0 ? log(y[i]) : NAN) / (double)count;
+    }
+    for (size_t i = 0; i < count; i++) {
+        double dx = log(x[i]) - mean_x;
+        xx += dx * dx;
+        xy += dx * (log(y[i]) - mean_y);
+    }
+    return xy / xx;
+}
+
+struct interval curve_slope(const double *x, const double *errors, size_t points, size_t replicates)
+{
+    struct running slopes = {0};
+    for (size_t r = 0; r < replicates && points > 1; r++)
+        run_add(&slopes, line_slope(x, errors + r * points, points));
+    return run_interval(&slopes);
+}
+
+struct interval curve_paired_ratio(const double *a, const double *b, size_t count)
+{
+    struct running logs = {0};
+    for (size_t i = 0; i < count; i++)
+        run_add(&logs, a[i] > 0 && b[i] > 0 ? log(a[i] / b[i]) : NAN);
+    return exponential(run_interval(&logs));
+}
+
+enum curve_verdict curve_judge(struct interval ratio)
+{
+    return ratio.low > 1 ? CURVE_BETTER : ratio.high < 1 ? CURVE_WORSE : CURVE_NOT_TOLD_APART;
+}
+
+// With n values of each pixel, of mean m and unbiased variance s^2: E (m - r)^2 is the squared bias
+// plus s^2 / n and the reference's variance.
+static double squared_bias(double sum, double squares, double n, double reference)
+{
+    double mean = sum / n, variance = (squares - sum * mean) / (n - 1);
+    return (mean - reference) * (mean - reference) - variance / n;
+}
+
+bool curve_bias(const struct curve_bias_params *p, struct interval *out)
+{
+    size_t count = p->count;
+    double *without = calloc(count, sizeof *without), all = 0;
+    if (!without)
+        return false;
+    for (size_t i = 0; i < p->length; i++) {
+        double reference = (double)p->reference[i], sum = 0, squares = 0;
+        // From the reference: what is squared is small then.
+        for (size_t k = 0; k < count; k++) {
+            double v = (double)p->pictures[k][i] - reference;
+            sum += v;
+            squares += v * v;
+        }
+        all += squared_bias(sum, squares, (double)count, 0);
+        for (size_t k = 0; k < count; k++) {
+            double v = (double)p->pictures[k][i] - reference;
+            without[k] += squared_bias(sum - v, squares - v * v, (double)count - 1, 0);
+        }
+    }
+    double length = (double)p->length, n = (double)count;
+    all /= length;
+    // Pseudo-values (Tukey 1958): their mean and its t interval.
+    for (size_t k = 0; k < count; k++)
+        without[k] = n * all - (n - 1) * without[k] / length - p->reference_variance;
+    *out = t_interval(without, count);
+    free(without);
+    return true;
+}

@@ -1,0 +1,48 @@
+// Error against samples and time, from replicates: independent runs of the same method with other
+// seeds. Plain arrays in, numbers out; any thread may call.
+#ifndef LAMPYRIS_METRICS_CURVE_H
+#define LAMPYRIS_METRICS_CURVE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+// A number with its 95 % interval. NAN where not known.
+struct interval {
+    double value, low, high;
+};
+
+// The mean of what is positive and spread over factors, such as errors: the geometric mean with
+// Student's t interval of the logarithms. Not known with fewer than two values, or with one that is
+// not positive.
+struct interval curve_geometric_mean(const double *values, size_t count);
+
+// What an error falls off with: the exponent of x in errors[r][i] ~ x[i]^slope. One least-squares
+// line through the logarithms for each replicate, whose points share their samples and are no
+// independent ones; then Student's t interval over the replicates. `errors`: `replicates` rows of
+// `points`. Not known with fewer than two of either, or with an error that is not positive.
+struct interval curve_slope(const double *x, const double *errors, size_t points,
+                            size_t replicates);
+
+// The ratio a / b of what two methods reached with the same seeds, by the mean of the logarithms of
+// the `count` ratios and its t interval.
+struct interval curve_paired_ratio(const double *a, const double *b, size_t count);
+
+enum curve_verdict { CURVE_NOT_TOLD_APART, CURVE_BETTER, CURVE_WORSE };
+// Of a ratio of efficiencies: better where all of the interval is above 1.
+enum curve_verdict curve_judge(struct interval ratio);
+
+// The mean squared error that stays however many samples there are, from `count` pictures of the
+// same method (values interleaved, `length` each) and a reference: the squared distance of their
+// mean from the reference, less what noise of the pictures and of the reference (its variance, mean
+// over values) puts there. Unbiased, so that it may be negative. The interval is by jackknife over
+// pictures. False only when out of memory; count must be at least 3.
+struct curve_bias_params {
+    const float *const *pictures;
+    size_t count, length;
+    const float *reference;
+    double reference_variance;
+};
+bool curve_bias(const struct curve_bias_params *params, struct interval *out);
+
+#endif

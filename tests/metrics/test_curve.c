@@ -1,0 +1,140 @@
+// What is said of curves of errors, on noise whose truth is known: intervals must cover it in 95 %
+// of 1,000 draws. The counts' own 99.9 % range about 950 is +-23.
+#include "curve.h"
+#include "test.h"
+
+enum { DRAWS = 1000, REPLICATES = 16, POINTS = 8, LEAST = 927, MOST = 973 };
+
+static uint64_t state = 1;
+
+static double uniform(void)
+{
+    state = state * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
+    return ((double)(state >> 11) + 0.5) * 0x1p-53;
+}
+
+// Box and Muller 1958.
+static double normal(void)
+{
+    return sqrt(-2 * log(uniform())) * cos(2 * acos(-1.0) * uniform());
+}
+
+static void check_coverage(const char *what, int covered)
+{
+    printf("  %s: %d of %d\n", what, covered, DRAWS);
+    CHECK(covered >= LEAST && covered <= MOST, "%s: %d of %d", what, covered, DRAWS);
+}
+
+static bool covers(struct interval i, double truth)
+{
+    return i.low <= truth && truth <= i.high && i.low <= i.value && i.value <= i.high;
+}
+
+TEST(geometric_mean_covers)
+{
+    int covered = 0;
+    for (int d = 0; d < DRAWS; d++) {
+        double values[REPLICATES];
+        for (int r = 0; r < REPLICATES; r++)
+            values[r] = 3e-4 * exp(0.7 * normal());
+        covered += covers(curve_geometric_mean(values, REPLICATES), 3e-4);
+    }
+    check_coverage("geometric mean", covered);
+}
+
+// Errors of one replicate go on from each other, as those of a film do: a random walk on the line.
+TEST(slope_covers)
+{
+    double x[POINTS], errors[REPLICATES][POINTS];
+    int covered = 0;
+    for (int i = 0; i < POINTS; i++)
+        x[i] = (double)(16 << i);
+    for (int d = 0; d < DRAWS; d++) {
+        for (int r = 0; r < REPLICATES; r++) {
+            double walk = 0;
+            for (int i = 0; i < POINTS; i++) {
+                walk += 0.1 * normal();
+                errors[r][i] = 5 * pow(x[i], -1.25) * exp(walk);
+            }
+        }
+        covered += covers(curve_slope(x, errors[0], POINTS, REPLICATES), -1.25);
+    }
+    check_coverage("slope", covered);
+}
+
+TEST(exact_lines)
+{
+    const double x[3] = {1, 10, 100}, errors[2][3] = {{8, 0.8, 0.08}, {5, 0.5, 0.05}};
+    struct interval slope = curve_slope(x, errors[0], 3, 2);
+    CHECK(fabs(slope.value + 1) < 1e-12 && fabs(slope.low + 1) < 1e-9, "%.17g", slope.value);
+    const double a[3] = {2, 4, 6}, b[3] = {1, 2, 3};
+    struct interval ratio = curve_paired_ratio(a, b, 3);
+    CHECK(fabs(ratio.value - 2) < 1e-12 && curve_judge(ratio) == CURVE_BETTER);
+    ratio = curve_paired_ratio(b, a, 3);
+    CHECK(fabs(ratio.value - 0.5) < 1e-12 && curve_judge(ratio) == CURVE_WORSE);
+}
+
+TEST(paired_ratio_covers)
+{
+    int covered = 0, told_apart = 0;
+    for (int d = 0; d < DRAWS; d++) {
+        double a[REPLICATES], b[REPLICATES];
+        for (int r = 0; r < REPLICATES; r++) {
+            double shared = exp(2 * normal()); // what both have of the seed
+            a[r] = shared * exp(0.2 * normal());
+            b[r] = shared * exp(0.2 * normal());
+        }
+        struct interval ratio = curve_paired_ratio(a, b, REPLICATES);
+        covered += covers(ratio, 1);
+        told_apart += curve_judge(ratio) != CURVE_NOT_TOLD_APART;
+    }
+    check_coverage("paired ratio", covered);
+    CHECK(told_apart == DRAWS - covered, "%d", told_apart);
+}
+
+// Pictures of `truth` and noise, and a reference with noise of its own: how often the interval of
+// the remaining error covers bias^2.
+static int count_covered(double bias)
+{
+    enum { LENGTH = 300 };
+    static float pictures[REPLICATES][LENGTH], reference[LENGTH];
+    const float *rows[REPLICATES];
+    int covered = 0;
+    for (int d = 0; d < DRAWS; d++) {
+        for (int i = 0; i < LENGTH; i++) {
+            double truth = 0.01 * i;
+            reference[i] = (float)(truth + 0.02 * normal());
+            for (int r = 0; r < REPLICATES; r++)
+                pictures[r][i] = (float)(truth + bias + 0.3 * normal());
+        }
+        for (int r = 0; r < REPLICATES; r++)
+            rows[r] = pictures[r];
+        struct curve_bias_params params = {rows, REPLICATES, LENGTH, reference, 0.02 * 0.02};
+        struct interval found = {0};
+        bool ok = curve_bias(&params, &found);
+        CHECK(ok);
+        covered += covers(found, bias * bias);
+    }
+    return covered;
+}
+
+TEST(bias_covers)
+{
+    int covered = count_covered(0);
+    printf("  no bias: %d of %d\n", covered, DRAWS);
+    CHECK(covered >= LEAST, "%d", covered);
+    check_coverage("a bias of a third of the noise", count_covered(0.1));
+}
+
+TEST(what_is_not_known)
+{
+    const double values[3] = {1, 0, 2}, x[1] = {1};
+    CHECK(isnan(curve_geometric_mean(values, 1).value));
+    CHECK(isnan(curve_geometric_mean(values, 3).value), "an error of 0 has no logarithm");
+    CHECK(isnan(curve_slope(x, values, 1, 3).value));
+    CHECK(isnan(curve_paired_ratio(values, values, 3).value));
+    CHECK(curve_judge(curve_paired_ratio(values, values, 3)) == CURVE_NOT_TOLD_APART);
+}
+
+TEST_MAIN(TEST_CASE(geometric_mean_covers), TEST_CASE(slope_covers), TEST_CASE(exact_lines),
+          TEST_CASE(paired_ratio_covers), TEST_CASE(bias_covers), TEST_CASE(what_is_not_known))
