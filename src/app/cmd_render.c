@@ -1,138 +1,8 @@
 #include "commands.h"
 
 #include "clock.h"
-#include "hash.h"
 #include "log.h"
 #include "render_job.h"
-#include <string.h>
-
-// --- how many samples, in which frames
-// ------------------------------------------------------------
-
-static bool render_samples(struct render_job *job, uint64_t samples, double from, double to,
-                           struct err *err)
-{
-    struct render_call call = {
-        .samples = samples,
-        .progress_from = from,
-        .progress_to = to,
-        .stopped = &job->stopped,
-    };
-    return renderer_render(&job->renderer, &call, err);
-}
-
-// Samples are added in steps that grow while they are short against the time left, so that a run
-// ends within a step of its limit, at whole samples.
-static bool render_until(struct render_job *job, uint64_t samples, struct err *err)
-{
-    double limit = job->options->time_seconds;
-    uint64_t start = clock_ns();
-    uint64_t done = 0;
-    while (done < samples && !job->stopped) {
-        double elapsed = clock_seconds_since(start);
-        uint64_t step = 1;
-        if (done > 0) {
-            double fits = (limit - elapsed) * (double)done / elapsed;
-            if (fits < 1.0) {
-                job->timed_out = true;
-                break;
-            }
-            // Half of what is left: the estimate is a noisy one.
-            step = fits < 32.0 ? (uint64_t)(0.5 * fits) + 1 : 16;
-        }
-        if (step > samples - done)
-            step = samples - done;
-        if (!render_samples(job, step, elapsed / limit, (elapsed + 1e-9) / limit, err))
-            return false;
-        done += step;
-    }
-    return true;
-}
-
-// A list that grows by doubling: how many frames there will be may be for a clock or a signal to
-// say.
-static bool add_frame_time(struct render_job *job, double ms, struct err *err)
-{
-    if (job->frame_count == job->frame_capacity) {
-        uint32_t capacity = job->frame_count ? 2 * job->frame_count : 64;
-        double *larger = ARENA_NEW(&job->arena, double, capacity);
-        if (!larger)
-            return err_memory(err, "frame times", capacity * sizeof *larger);
-        if (job->frame_count)
-            memcpy(larger, job->frames_ms, job->frame_count * sizeof *larger);
-        job->frames_ms = larger;
-        job->frame_capacity = capacity;
-    }
-    job->frames_ms[job->frame_count++] = ms;
-    return true;
-}
-
-static bool read_film(struct render_job *job, struct err *err)
-{
-    arena_finish(&job->film_arena);
-    if (!renderer_read(&job->renderer, &job->film_arena, &job->film, err))
-        return false;
-    const struct film_image *film = &job->film;
-    uint64_t pixels = (uint64_t)film->width * film->height;
-    job->image_hash = hash_bytes(HASH_INIT, film->mean, pixels * sizeof *film->mean);
-    struct half_error_params params = {
-        .half_a = (const float(*)[3])film->half_a,
-        .half_b = (const float(*)[3])film->half_b,
-        .width = film->width,
-        .height = film->height,
-        .samples = film->least_samples,
-        .seed = job->scene.settings.seed,
-    };
-    if (!metrics_half_error(&params, &job->error))
-        return err_memory(err, "error estimate", pixels * sizeof *film->mean);
-    return true;
-}
-
-static bool is_numbered(const struct render_job *job, uint32_t frame)
-{
-    return job->options->every && (frame + 1) % job->options->every == 0;
-}
-
-static bool render_frames(struct render_job *job, struct err *err)
-{
-    const struct options *options = job->options;
-    uint32_t frames = options->frames;
-    double limit = options->time_seconds;
-    for (uint32_t frame = 0; frame < frames && !job->stopped; frame++) {
-        if (frame > 0 && !options->accumulate && !renderer_clear(&job->renderer, err))
-            return false;
-        uint64_t start = clock_ns();
-        if (!render_samples(job, options->spp_per_frame, (double)frame / frames,
-                            (frame + 1.0) / frames, err) ||
-            !add_frame_time(job, clock_seconds_since(start) * 1e3, err))
-            return false;
-        job->seconds.render = job->renderer.stats.render_seconds;
-        if (is_numbered(job, frame) && !job->stopped) {
-            if (!read_film(job, err) || !job_write_outputs(job, frame + 1, err))
-                return false;
-        }
-        job->timed_out = limit > 0.0 && job->seconds.render >= limit && frame + 1 < frames;
-        if (job->timed_out)
-            break;
-    }
-    return true;
-}
-
-static bool render_picture(struct render_job *job, struct err *err)
-{
-    const struct options *options = job->options;
-    uint64_t samples = job->scene.settings.spp;
-    uint64_t start = clock_ns();
-    bool ok;
-    if (options->time_seconds > 0.0)
-        ok = render_until(job, options_given(options, OPTION_SPP) ? samples : UINT32_MAX, err);
-    else
-        ok = render_samples(job, samples, 0.0, 1.0, err);
-    return ok && add_frame_time(job, clock_seconds_since(start) * 1e3, err);
-}
-
-// --- the command
-// ----------------------------------------------------------------------------------
 
 static bool set_up(struct render_job *job, struct err *err)
 {
@@ -143,12 +13,14 @@ static bool set_up(struct render_job *job, struct err *err)
     if (!job_load_scene(options, &job->scene, &job->camera, err))
         return false;
     job->seconds.load = clock_seconds_since(start);
-    if (!job_check_space(job, err))
+    if (!job_check_space(job, err) || !job_settle_samples(job, err))
         return false;
     for (uint32_t i = 0; i < job->scene.note_count; i++)
         log_info("%s", job->scene.notes[i]);
 
-    if (!gpu_open(&options->gpu, &job->gpu, err))
+    bool follows_path = options_given(options, OPTION_PIXEL);
+    if (!gpu_open(&options->gpu, &job->gpu, err) ||
+        (!follows_path && !job_checkpoint_open(job, err)))
         return false;
     struct renderer_params params = {
         .gpu = &job->gpu,
@@ -158,6 +30,7 @@ static bool set_up(struct render_job *job, struct err *err)
         .aovs = options->aovs,
         .everything = options->features == FEATURES_ALL,
         .merge_classes = options->classes == CLASSES_MERGED,
+        .tiles = options->adaptive && !follows_path,
         .progress = options->progress,
     };
     if (!renderer_create(&params, &job->renderer, err))
@@ -172,6 +45,21 @@ static bool set_up(struct render_job *job, struct err *err)
     return true;
 }
 
+// What is there is kept, in both ways, whatever becomes of the other.
+static bool finish_outputs(struct render_job *job, struct err *err)
+{
+    struct err failure = {0};
+    bool saved = job_checkpoint_save(job, &failure);
+    if (!job_read_film(job, err) || !job_write_outputs(job, 0, err)) {
+        if (!saved)
+            log_message(LOG_ERROR, "%s", failure.msg);
+        return false;
+    }
+    if (!saved && err)
+        *err = failure;
+    return saved;
+}
+
 static bool run(struct render_job *job, struct err *err)
 {
     if (!set_up(job, err))
@@ -179,10 +67,10 @@ static bool run(struct render_job *job, struct err *err)
     if (options_given(job->options, OPTION_PIXEL))
         return job_replay(job, err);
 
-    bool ok = job->options->frames ? render_frames(job, err) : render_picture(job, err);
-    job->seconds.render = job->renderer.stats.render_seconds;
-    if (!ok || !read_film(job, err) || !job_write_outputs(job, 0, err))
+    if (!job_checkpoint_restore(job, err) || !job_render(job, err) || !finish_outputs(job, err)) {
+        job_checkpoint_mention(job, err);
         return false;
+    }
     job->seconds.total = clock_seconds_since(job->start_ns);
     if (job->options->json)
         job_print_json(job);
@@ -203,6 +91,7 @@ int cmd_render(const struct options *options)
     if (ok && job.gpu.validation_messages > 0)
         ok = err_set(&err, ERR_BUG, "the validation layers reported %u messages",
                      job.gpu.validation_messages);
+    checkpoint_close(&job.resumed);
     renderer_finish(&job.renderer);
     gpu_close(&job.gpu);
     scene_finish(&job.scene);

@@ -158,7 +158,9 @@ static bool check_combinations(const struct options *options, struct err *err)
     } rules[] = {
         {OPTION_SPP_PER_FRAME, OPTION_FRAMES, true}, {OPTION_EVERY, OPTION_FRAMES, true},
         {OPTION_ACCUMULATE, OPTION_FRAMES, true},    {OPTION_SAMPLE, OPTION_PIXEL, true},
-        {OPTION_SPP, OPTION_FRAMES, false},
+        {OPTION_SPP, OPTION_FRAMES, false},          {OPTION_ERROR, OPTION_FRAMES, false},
+        {OPTION_ADAPTIVE, OPTION_FRAMES, false},     {OPTION_CHECKPOINT_EVERY, OPTION_CHECKPOINT, true},
+        {OPTION_RESUME, OPTION_CHECKPOINT, true},
     };
     for (size_t i = 0; i < sizeof rules / sizeof rules[0]; i++) {
         const char *name = option_table[rules[i].id].name;
@@ -222,27 +224,59 @@ static char *quote(const char *word, char *out)
     return stpcpy(out, "'");
 }
 
+// How many arguments from this one on belong to an option of one run only.
+static int passing_arguments(const char *argument)
+{
+    static const enum option_id passing[] = {OPTION_ERROR, OPTION_CHECKPOINT,
+                                             OPTION_CHECKPOINT_EVERY, OPTION_RESUME};
+    if (strncmp(argument, "--", 2) != 0)
+        return 0;
+    const char *name = argument + 2;
+    size_t length = strcspn(name, "=");
+    for (size_t i = 0; i < sizeof passing / sizeof passing[0]; i++) {
+        const struct option_def *def = &option_table[passing[i]];
+        if (strlen(def->name) == length && memcmp(def->name, name, length) == 0)
+            return def->type == VALUE_FLAG || name[length] ? 1 : 2;
+    }
+    return 0;
+}
+
+static const char *make_line(struct arena *arena, size_t size, int argc, char **argv, bool repeatable)
+{
+    char *line = ARENA_NEW(arena, char, size);
+    if (!line)
+        return NULL;
+    char *end = stpcpy(line, "lampyris");
+    bool only_arguments = false;
+    for (int i = 1; i < argc; i++) {
+        int left_out = repeatable && !only_arguments ? passing_arguments(argv[i]) : 0;
+        only_arguments |= strcmp(argv[i], "--") == 0;
+        if (left_out > 0) {
+            i += left_out - 1;
+            continue;
+        }
+        *end++ = ' ';
+        end = quote(argv[i], end);
+    }
+    return line;
+}
+
 static bool keep_command_line(struct options *options, int argc, char **argv, struct err *err)
 {
     size_t size = 16;
     for (int i = 1; i < argc; i++)
         size += 4 * strlen(argv[i]) + 4;
-    char *line = ARENA_NEW(&options->arena, char, size);
-    if (!line)
-        return err_memory(err, "the command line", size);
-    options->command_line = line;
-    char *end = stpcpy(line, "lampyris");
-    for (int i = 1; i < argc; i++) {
-        *end++ = ' ';
-        end = quote(argv[i], end);
-    }
-    return true;
+    options->command_line = make_line(&options->arena, size, argc, argv, false);
+    options->repeatable_line = make_line(&options->arena, size, argc, argv, true);
+    return (options->command_line && options->repeatable_line) ||
+           err_memory(err, "the command line", size);
 }
 
 bool options_parse(int argc, char **argv, struct options *out, struct err *err)
 {
     *out = (struct options){
-        .argc = argc, .argv = argv, .log_level = LOG_WARN, .accumulate = true, .spp_per_frame = 1};
+        .argc = argc, .argv = argv, .log_level = LOG_WARN, .accumulate = true, .spp_per_frame = 1,
+        .checkpoint_seconds = 60.0};
     if (!keep_command_line(out, argc, argv, err) || !allocate_lists(out, argc, err))
         return false;
     struct parser parser = {.arguments = argv, .count = argc, .next = 1, .options = out};

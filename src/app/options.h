@@ -170,6 +170,8 @@ struct options {
 
     bool help, version, man, quiet, json;
     enum log_level log_level;
+    // The same without what belongs to one run: --error, --checkpoint and what goes with it.
+    const char *repeatable_line;
     const struct progress *progress; // where to report, and who asks to stop; set by main
 
     struct settings settings; // only what was given is filled in: see options_apply_settings

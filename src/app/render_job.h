@@ -2,6 +2,8 @@
 #ifndef LAMPYRIS_APP_RENDER_JOB_H
 #define LAMPYRIS_APP_RENDER_JOB_H
 
+#include "adaptive.h"
+#include "checkpoint.h"
 #include "file_lock.h"
 #include "image.h"
 #include "metrics.h"
@@ -12,6 +14,15 @@ struct job_seconds {
     double load, bvh, upload, compile, render, write, total;
 };
 
+enum render_end { ENDED_BY_SAMPLES, ENDED_BY_TIME, ENDED_BY_ERROR, ENDED_BY_SIGNAL };
+
+// What --error saw.
+struct error_look {
+    uint64_t samples; // a pixel
+    double confidence;
+    struct half_error error;
+};
+
 struct render_job {
     const struct options *options;
     struct arena arena; // names, the list of frames
@@ -20,15 +31,25 @@ struct render_job {
     struct renderer renderer;
     uint32_t camera;
     const char **outputs;
-    struct file_lock *locks; // one an output
-    uint32_t output_count;
+    struct file_lock *locks; // one an output, then the checkpoint's
+    uint32_t output_count, lock_count;
 
     uint64_t start_ns;
     struct job_seconds seconds;
     double *frames_ms; // of each frame rendered
     uint32_t frame_count, frame_capacity;
-    bool stopped;   // by a signal; some pixels may have fewer samples
-    bool timed_out; // --time ended it
+    bool stopped; // by a signal; some pixels may have fewer samples
+    enum render_end ended_by;
+    uint64_t samples_most;  // of a pixel, on average: as many as there may be
+    uint32_t round_samples; // with --adaptive: on average, of a round of the plan
+    struct tile_plan plan;  // of the tiles; no counts before the pilot has ended
+    struct error_look *looks;
+    uint32_t look_count, look_capacity;
+
+    const char *identity;      // of what a checkpoint is of
+    struct checkpoint resumed; // closed once it is restored
+    uint64_t checkpoint_ns;    // when the last one was written, or rendering began
+    bool has_checkpoint;       // a file from which this render can go on
 
     struct arena film_arena; // of the film as last read, and what is said about it
     struct film_image film;
@@ -40,6 +61,33 @@ struct render_job {
 // Loads the scene and applies the command line to it.
 bool job_load_scene(const struct options *options, struct scene *scene, uint32_t *camera,
                     struct err *err);
+
+// --- render_loop.c ---
+// How many samples there are to be at most; refuses what cannot be decided on. Before the renderer
+// is created.
+bool job_settle_samples(struct render_job *job, struct err *err);
+// Renders until something ends it, writing numbered frames.
+bool job_render(struct render_job *job, struct err *err);
+// Samples of a pixel that are rendered; by tile, on average.
+uint64_t job_samples(const struct render_job *job);
+const char *job_ended_by(const struct render_job *job); // "spp", "time", "error" or "signal"
+// Reads the film, and says how good it is.
+bool job_read_film(struct render_job *job, struct err *err);
+// Has the renderer take 16 samples a pixel that are not part of the picture, and makes the plan of
+// the tiles from them. Leaves the film empty, unless the job was stopped.
+bool job_run_pilot(struct render_job *job, struct err *err);
+
+// --- render_checkpoint.c ---
+// With --resume, reads the checkpoint and compares what it is of with this run. Needs the device.
+bool job_checkpoint_open(struct render_job *job, struct err *err);
+// Puts the new renderer into the state that was read, if any.
+bool job_checkpoint_restore(struct render_job *job, struct err *err);
+// Writes one, if --checkpoint asks for it.
+bool job_checkpoint_save(struct render_job *job, struct err *err);
+// The same when the time for it has come; as render_call.after_wave.
+bool job_checkpoint_when_due(void *job, struct err *err);
+// Adds to a device's failure what is left of the work.
+void job_checkpoint_mention(const struct render_job *job, struct err *err);
 
 // --- render_output.c ---
 // Settles the names and finds out what can be found out before rendering: whether the formats are

@@ -36,7 +36,7 @@ static void add(struct attributes *a, const char *key, const char *format, ...)
 static void add_settings(struct attributes *a, const struct render_job *job)
 {
     const struct settings *s = &job->scene.settings;
-    add(a, "lampyris:spp", "%" PRIu64, job->film.most_samples);
+    add(a, "lampyris:spp", "%" PRIu64, job_samples(job));
     add(a, "lampyris:seed", "%u", s->seed);
     add(a, "lampyris:max_bounces", "%u", s->max_bounces);
     if (s->roulette_min_bounces == UINT32_MAX)
@@ -75,12 +75,18 @@ static void add_settings(struct attributes *a, const struct render_job *job)
     }
     if (job->options->time_seconds > 0.0)
         add(a, "lampyris:time_limit", "%.9g", job->options->time_seconds);
+    if (job->options->error > 0.0)
+        add(a, "lampyris:error_limit", "%.9g", job->options->error);
+    add(a, "lampyris:adaptive", "%s", job->options->adaptive ? "on" : "off");
 }
 
 static void add_result(struct attributes *a, const struct render_job *job)
 {
-    if (job->film.least_samples != job->film.most_samples)
+    if (job->film.least_samples != job->film.most_samples) {
         add(a, "lampyris:spp_least", "%" PRIu64, job->film.least_samples);
+        add(a, "lampyris:spp_most", "%" PRIu64, job->film.most_samples);
+    }
+    add(a, "lampyris:ended_by", "%s", job_ended_by(job));
     if (job->error.known) {
         add(a, "lampyris:relmse", "%.9g", job->error.relmse);
         add(a, "lampyris:relmse_ci_low", "%.9g", job->error.ci_low);
@@ -97,19 +103,19 @@ static void add_result(struct attributes *a, const struct render_job *job)
     add(a, "lampyris:image_hash", "%016" PRIx64, job->image_hash);
 }
 
-// The command that makes this picture again, wherever a clock or the number of the frame decided
-// what is in it. There is none for one that a signal cut short.
+// The command that makes this picture again, wherever a clock, the error or the number of the frame
+// decided what is in it. There is none for one that a signal cut short.
 static const char *repeating_command(const struct render_job *job, uint32_t frame,
                                      struct arena *arena)
 {
     const struct options *options = job->options;
-    const char *line = options->command_line;
+    const char *line = options->repeatable_line;
     if (frame > 0)
         line = arena_printf(arena, "%s --frames %u", line, frame);
-    else if (job->timed_out && options->frames)
+    else if (job->ended_by == ENDED_BY_TIME && options->frames)
         line = arena_printf(arena, "%s --frames %u", line, job->frame_count);
-    else if (job->timed_out)
-        line = arena_printf(arena, "%s --spp %" PRIu64, line, job->film.most_samples);
+    else if (job->ended_by == ENDED_BY_TIME || options->error > 0.0)
+        line = arena_printf(arena, "%s --spp %" PRIu64, line, job_samples(job));
     bool is_timed = options->time_seconds > 0.0;
     return line && is_timed ? arena_printf(arena, "%s --time %.9g", line, OPTION_TIME_MAX) : line;
 }

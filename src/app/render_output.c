@@ -35,11 +35,11 @@ static bool default_output(struct render_job *job, struct err *err)
 // What a signal's handler is to remove when it ends the program.
 static bool list_locks(struct render_job *job, struct err *err)
 {
-    const char **paths = ARENA_NEW(&job->arena, const char *, job->output_count);
+    const char **paths = ARENA_NEW(&job->arena, const char *, job->lock_count);
     if (!paths)
-        return err_memory(err, "names of locks", job->output_count * sizeof *paths);
+        return err_memory(err, "names of locks", job->lock_count * sizeof *paths);
     uint32_t count = 0;
-    for (uint32_t i = 0; i < job->output_count; i++)
+    for (uint32_t i = 0; i < job->lock_count; i++)
         if (job->locks[i].path)
             paths[count++] = job->locks[i].path;
     signals_set_leftovers(paths, count);
@@ -52,22 +52,27 @@ bool job_check_outputs(struct render_job *job, struct err *err)
     job->output_count = job->options->output_count;
     if (job->output_count == 0 && !default_output(job, err))
         return false;
-    job->locks = ARENA_NEW(&job->arena, struct file_lock, job->output_count);
+    const char *checkpoint = job->options->checkpoint;
+    job->lock_count = job->output_count + (checkpoint != NULL);
+    job->locks = ARENA_NEW(&job->arena, struct file_lock, job->lock_count);
     if (!job->locks)
-        return err_memory(err, "locks", job->output_count * sizeof *job->locks);
+        return err_memory(err, "locks", job->lock_count * sizeof *job->locks);
     for (uint32_t i = 0; i < job->output_count; i++) {
         const char *output = job->outputs[i];
         if (!image_check_format(output, err) || !file_check_writable(output, err) ||
             !file_lock_take(&job->locks[i], output, err))
             return false;
     }
+    if (checkpoint && (!file_check_writable(checkpoint, err) ||
+                       !file_lock_take(&job->locks[job->output_count], checkpoint, err)))
+        return false;
     return list_locks(job, err);
 }
 
 void job_release_outputs(struct render_job *job)
 {
     signals_set_leftovers(NULL, 0);
-    for (uint32_t i = 0; job->locks && i < job->output_count; i++)
+    for (uint32_t i = 0; job->locks && i < job->lock_count; i++)
         file_lock_release(&job->locks[i]);
 }
 

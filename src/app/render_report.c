@@ -138,6 +138,21 @@ static void print_error(const struct render_job *job)
         printf("error     not yet known: %s\n", e->reason);
 }
 
+static void print_ending(const struct render_job *job)
+{
+    const struct error_look *look = job->looks + job->look_count - 1;
+    if (job->look_count > 0 && look->error.known)
+        printf("looks     %u; at the last, after %" PRIu64 " spp, the error is below %.3g with "
+               "%.4g %% confidence, where %.3g was asked for\n",
+               job->look_count, look->samples, look->error.ci_high, 100.0 * look->confidence,
+               job->options->error);
+    if (job->plan.counts)
+        printf("adaptive  %u to %u samples for every %u, by a pilot of 16 besides\n", job->plan.least,
+               job->plan.most, job->round_samples);
+    if (job->options->checkpoint && job->has_checkpoint)
+        printf("kept      %s, from which --resume goes on\n", job->options->checkpoint);
+}
+
 static void print_times(const struct render_job *job)
 {
     const struct job_seconds *s = &job->seconds;
@@ -216,9 +231,10 @@ void job_print_summary(const struct render_job *job)
     if (film->most_samples != film->least_samples)
         printf(" to %" PRIu64, film->most_samples);
     printf(" spp, seed %u%s\n", job->scene.settings.seed,
-           job->stopped     ? ", stopped early"
-           : job->timed_out ? ", ended by --time"
-                            : "");
+           job->stopped                       ? ", stopped early"
+           : job->ended_by == ENDED_BY_TIME  ? ", ended by --time"
+           : job->ended_by == ENDED_BY_ERROR ? ", ended by --error"
+                                             : "");
     printf("device    %s (%s)\n", job->gpu.info.name, job->gpu.info.kind);
     for (uint32_t i = 0; i < job->scene.note_count; i++)
         print_line("note      ", job->scene.notes[i]);
@@ -227,6 +243,7 @@ void job_print_summary(const struct render_job *job)
         printf("dropped   %u triangles without area, %u instances with a singular transform\n",
                flat->dropped_degenerate, flat->skipped_instances);
     print_error(job);
+    print_ending(job);
     print_times(job);
     print_classes(&job->renderer);
     print_nonfinite(job);
@@ -297,6 +314,37 @@ static json_t *frames_json(const struct render_job *job)
     return array;
 }
 
+static json_t *looks_json(const struct render_job *job)
+{
+    json_t *looks = json_array();
+    for (uint32_t i = 0; i < job->look_count; i++) {
+        const struct error_look *look = &job->looks[i];
+        json_t *object = error_json(&look->error);
+        json_object_set_new(object, "spp", json_integer((json_int_t)look->samples));
+        json_object_set_new(object, "confidence", json_number(look->confidence));
+        json_array_append_new(looks, object);
+    }
+    return looks;
+}
+
+static json_t *adaptive_json(const struct render_job *job)
+{
+    if (!job->plan.counts)
+        return json_null();
+    return json_pack("{s:i, s:i, s:i, s:i}", "pilot_spp", 16, "round_spp", job->round_samples,
+                     "least", job->plan.least, "most", job->plan.most);
+}
+
+// How it ended, and what it takes to go on.
+static void add_ending(json_t *object, const struct render_job *job)
+{
+    json_object_set_new(object, "ended_by", json_string(job_ended_by(job)));
+    json_object_set_new(object, "looks", looks_json(job));
+    json_object_set_new(object, "adaptive", adaptive_json(job));
+    json_object_set_new(object, "checkpoint",
+                        job->has_checkpoint ? json_words(job->options->checkpoint) : json_null());
+}
+
 void job_print_json(const struct render_job *job)
 {
     const struct render_stats *stats = &job->renderer.stats;
@@ -329,5 +377,6 @@ void job_print_json(const struct render_job *job)
         strings_json(job->outputs, job->output_count), "notes",
         strings_json(job->scene.notes, job->scene.note_count), "stopped_early", job->stopped,
         "version", LAMPYRIS_VERSION);
+    add_ending(object, job);
     json_print(object);
 }

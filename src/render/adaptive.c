@@ -12,23 +12,41 @@ uint32_t tiles_along(uint32_t length)
     return length / TILE_SIDE + (length % TILE_SIDE != 0);
 }
 
+static uint32_t side_of(uint32_t tile, uint32_t tiles, uint32_t length)
+{
+    return tile + 1 < tiles ? TILE_SIDE : length - tile * TILE_SIDE;
+}
+
+static uint32_t tile_pixels(uint32_t width, uint32_t height, uint32_t tile)
+{
+    uint32_t across = tiles_along(width);
+    return side_of(tile % across, across, width) *
+           side_of(tile / across, tiles_along(height), height);
+}
+
+struct tile_plan tile_plan_of(uint32_t width, uint32_t height, uint32_t *counts)
+{
+    struct tile_plan plan = {
+        .tiles_x = tiles_along(width),
+        .tiles_y = tiles_along(height),
+        .counts = counts,
+        .least = UINT32_MAX,
+    };
+    for (uint32_t tile = 0; tile < plan.tiles_x * plan.tiles_y; tile++) {
+        plan.total += (uint64_t)counts[tile] * tile_pixels(width, height, tile);
+        plan.least = counts[tile] < plan.least ? counts[tile] : plan.least;
+        plan.most = counts[tile] > plan.most ? counts[tile] : plan.most;
+    }
+    return plan;
+}
+
+// Samples shared out.
 struct allotment {
     const struct tile_plan_params *params;
     uint32_t tiles_x, tiles_y;
     uint32_t least, most;
     const double *weights;
 };
-
-static uint32_t side_of(uint32_t tile, uint32_t tiles, uint32_t length)
-{
-    return tile + 1 < tiles ? TILE_SIDE : length - tile * TILE_SIDE;
-}
-
-static uint32_t tile_pixels(const struct allotment *a, uint32_t tile)
-{
-    return side_of(tile % a->tiles_x, a->tiles_x, a->params->width) *
-           side_of(tile / a->tiles_x, a->tiles_y, a->params->height);
-}
 
 static uint32_t count_at(const struct allotment *a, uint32_t tile, double scale)
 {
@@ -40,7 +58,8 @@ static uint64_t total_at(const struct allotment *a, double scale)
 {
     uint64_t total = 0;
     for (uint32_t tile = 0; tile < a->tiles_x * a->tiles_y; tile++)
-        total += (uint64_t)count_at(a, tile, scale) * tile_pixels(a, tile);
+        total += (uint64_t)count_at(a, tile, scale) *
+                 tile_pixels(a->params->width, a->params->height, tile);
     return total;
 }
 
@@ -126,14 +145,9 @@ bool tile_plan_make(const struct tile_plan_params *p, struct arena *arena, struc
     a.weights = weights;
     set_limits(&a);
     double scale = find_scale(&a, (uint64_t)p->average * p->width * p->height);
-    out->least = UINT32_MAX;
-    for (uint32_t tile = 0; tile < tiles; tile++) {
-        uint32_t count = count_at(&a, tile, scale);
-        out->counts[tile] = count;
-        out->total += (uint64_t)count * tile_pixels(&a, tile);
-        out->least = count < out->least ? count : out->least;
-        out->most = count > out->most ? count : out->most;
-    }
+    for (uint32_t tile = 0; tile < tiles; tile++)
+        out->counts[tile] = count_at(&a, tile, scale);
+    *out = tile_plan_of(p->width, p->height, out->counts);
     arena_finish(&scratch);
     return true;
 }

@@ -40,6 +40,9 @@ uint32_t tiles_along(uint32_t length);
 bool tile_plan_make(const struct tile_plan_params *params, struct arena *arena,
                     struct tile_plan *out, struct err *err);
 
+// The plan that has these counts, which are not copied.
+struct tile_plan tile_plan_of(uint32_t width, uint32_t height, uint32_t *counts);
+
 // From now on a render_call's samples are rounds of this plan, of which a copy is made. The film
 // must be empty. The renderer must have been created with `tiles`.
 bool renderer_set_plan(struct renderer *renderer, const struct tile_plan *plan, struct err *err);

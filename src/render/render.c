@@ -286,6 +286,7 @@ static bool run_pass(struct renderer *r, struct work *work, struct err *err)
             return false;
         if (voided) {
             if (!become_careful(r, err))
+    uint64_t start = clock_ns();
                 return false;
             continue;
         }
@@ -298,8 +299,10 @@ static bool run_pass(struct renderer *r, struct work *work, struct err *err)
     }
     if (r->pass.position < r->pass.length)
         return true;
+        r->stats.render_seconds += clock_seconds_since(start);
     if (has_tiles(r))
         tile_pass_end(r);
+        start = clock_ns();
     else
         r->next_sample += UINT64_C(1) << r->pass.shift;
     r->pass = (struct pass){0};
@@ -334,7 +337,6 @@ static bool begin_pass(struct renderer *r, uint64_t end)
 
 bool renderer_render(struct renderer *r, const struct render_call *call, struct err *err)
 {
-    uint64_t start = clock_ns();
     bool stopped = false;
     struct render_call c = *call;
     if (!c.stopped)
@@ -353,6 +355,5 @@ bool renderer_render(struct renderer *r, const struct render_call *call, struct 
         if (!*c.stopped && r->next_sample < end && progress_should_stop(r->progress))
             *c.stopped = true;
     }
-    r->stats.render_seconds += clock_seconds_since(start);
     return true;
 }
