@@ -162,6 +162,10 @@ static bool store_environment(const char *text, struct options *options, struct 
 {
     struct environment_option *environment = &options->environment;
     *environment = (struct environment_option){0};
+    if (strncmp(text, "sky", 3) == 0 && (text[3] == '\0' || text[3] == ':')) {
+        environment->is_sky = true;
+        return sky_parse(text + (text[3] ? 4 : 3), &environment->sky, err);
+    }
     // What consists of a number's characters and commas is a colour, if a misspelt one.
     bool is_color = strchr(text, ',') && text[strspn(text, "+-.0123456789eE,")] == '\0';
     if (!is_color) {

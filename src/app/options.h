@@ -10,6 +10,7 @@
 #include "progress.h"
 #include "scene.h"
 #include "settings.h"
+#include "sky.h"
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -127,9 +128,11 @@ struct option_def {
 
 extern const struct option_def option_table[OPTION_TOTAL];
 
-// What --env gives: a file, or a constant radiance where file is NULL.
+// What --env gives: a file, a sky, or else a constant radiance.
 struct environment_option {
     const char *file;
+    bool is_sky;
+    struct sky sky;
     float radiance[3]; // W/(sr m^2)
 };
 
@@ -167,11 +170,11 @@ struct options {
     uint32_t argument_count;
     bool given[OPTION_TOTAL];
     const char *command_line; // all of it, quoted for a shell
+    // The same without what belongs to one run: --error, --checkpoint and what goes with it.
+    const char *repeatable_line;
 
     bool help, version, man, quiet, json;
     enum log_level log_level;
-    // The same without what belongs to one run: --error, --checkpoint and what goes with it.
-    const char *repeatable_line;
     const struct progress *progress; // where to report, and who asks to stop; set by main
 
     struct settings settings; // only what was given is filled in: see options_apply_settings

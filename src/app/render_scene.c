@@ -1,5 +1,6 @@
 #include "render_job.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -31,7 +32,9 @@ bool job_load_scene(const struct options *options, struct scene *scene, uint32_t
                     struct err *err)
 {
     const struct environment_option *environment = &options->environment;
-    bool has_radiance = options_given(options, OPTION_ENV) && !environment->file;
+    bool has_radiance =
+        options_given(options, OPTION_ENV) && !environment->file && !environment->is_sky;
+    bool has_strength = options_given(options, OPTION_ENV_STRENGTH);
     struct scene_load_params params = {
         .path = options->arguments[0],
         .overrides = options->overrides,
@@ -39,6 +42,9 @@ bool job_load_scene(const struct options *options, struct scene *scene, uint32_t
         .allow_outside_paths = options->allow_outside_paths,
         .environment_file = environment->file,
         .environment_radiance = has_radiance ? environment->radiance : NULL,
+        .environment_sky = environment->is_sky ? &environment->sky : NULL,
+        .environment_rotation = options->environment_rotate_degrees * (M_PI / 180),
+        .environment_strength = has_strength ? &options->environment_strength : NULL,
         .at_seconds = options_given(options, OPTION_AT) ? &options->at_seconds : NULL,
         .animation = options->animation,
         .scene_name = options->scene,

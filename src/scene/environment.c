@@ -3,6 +3,7 @@
 #include "file.h"
 #include "hash.h"
 #include "image.h"
+#include "shared/types.h"
 #include <math.h>
 
 static bool check_radiance(const float radiance[3], struct err *err)
@@ -79,6 +80,96 @@ bool scene_set_environment(struct scene *scene, const char *file, const float ra
     if (file && !load_image(scene, file, environment.radiance, &environment, err))
         return false;
     scene->environment = environment;
+    return true;
+}
+
+bool scene_set_gradient(struct scene *scene, const struct environment_gradient *gradient,
+                        struct err *err)
+{
+    struct environment environment = {
+        .present = true, .radiance = {1, 1, 1}, .width = 1, .height = ENVIRONMENT_GRADIENT_ROWS};
+    if (!check_radiance(gradient->zenith, err) || !check_radiance(gradient->horizon, err) ||
+        !check_radiance(gradient->nadir, err))
+        return false;
+    environment.texels = arena_alloc(&scene->arena, environment.height, sizeof *environment.texels);
+    if (!environment.texels)
+        return err_memory(err, "a gradient", environment.height * sizeof *environment.texels);
+    for (uint32_t row = 0; row < environment.height; row++) {
+        // The mean of what is linear in the height.
+        double height = 0.5 * (cos(M_PI * row / environment.height) +
+                               cos(M_PI * (row + 1) / environment.height));
+        const float *pole = height > 0 ? gradient->zenith : gradient->nadir;
+        for (int c = 0; c < 3; c++)
+            environment.texels[row][c] = (float)((double)gradient->horizon[c] * (1 - fabs(height)) +
+                                                 (double)pole[c] * fabs(height));
+    }
+    scene->hash = hash_bytes(scene->hash, gradient, sizeof *gradient);
+    scene->environment = environment;
+    return true;
+}
+
+double environment_sun_radiance(double irradiance, double angular_radius)
+{
+    // The integral of the cosine over the disc is pi sin^2 of its radius.
+    double sine = sin(angular_radius);
+    return irradiance / (M_PI * sine * sine);
+}
+
+static float largest_texel(const struct environment *environment)
+{
+    float largest = 0;
+    size_t count = (size_t)environment->width * environment->height;
+    for (size_t i = 0; i < count; i++)
+        for (int c = 0; c < 3; c++)
+            largest = fmaxf(largest, environment->texels[i][c] * environment->radiance[c]);
+    for (int c = 0; c < 3 && count == 0; c++)
+        largest = fmaxf(largest, environment->radiance[c]);
+    return largest;
+}
+
+bool scene_adjust_environment(struct scene *scene, double radians, double strength, struct err *err)
+{
+    struct environment *environment = &scene->environment;
+    struct environment_sun *sun = &environment->sun;
+    if (!environment->present || (radians == 0 && strength == 1))
+        return true;
+    double largest = (double)largest_texel(environment);
+    for (int c = 0; c < 3 && sun->angular_radius > 0; c++)
+        largest = fmax(largest,
+                       environment_sun_radiance((double)sun->irradiance[c], sun->angular_radius));
+    if (!(strength >= 0 && largest * strength <= SCENE_RADIANCE_MAX))
+        return err_set(err, ERR_INPUT,
+                       "a strength of %.9g makes the radiance %g; expected at most %g", strength,
+                       largest * strength, SCENE_RADIANCE_MAX);
+    for (int c = 0; c < 3; c++) {
+        environment->radiance[c] = (float)((double)environment->radiance[c] * strength);
+        sun->irradiance[c] = (float)((double)sun->irradiance[c] * strength);
+    }
+    environment->rotation += radians;
+    double x = sun->direction[0], z = sun->direction[2];
+    sun->direction[0] = x * cos(radians) + z * sin(radians);
+    sun->direction[2] = z * cos(radians) - x * sin(radians);
+    const double hashed[] = {radians, strength};
+    scene->hash = hash_bytes(scene->hash, hashed, sizeof hashed);
+    return true;
+}
+
+bool scene_add_sky_sun(struct scene *scene, struct err *err)
+{
+    const struct environment_sun *sun = &scene->environment.sun;
+    if (!(sun->angular_radius > 0))
+        return true;
+    struct light *light = scene_add_light(scene, NULL);
+    if (!light)
+        return err_memory(err, "a sun", sizeof *light);
+    light->name = "sun";
+    light->kind = LIGHT_DIRECTIONAL;
+    light->range = INFINITY;
+    light->angular_radius = sun->angular_radius;
+    for (int c = 0; c < 3; c++) {
+        light->direction[c] = sun->direction[c];
+        light->radiant[c] = sun->irradiance[c];
+    }
     return true;
 }
 

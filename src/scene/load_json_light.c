@@ -1,6 +1,7 @@
-// Lights without extent of a scene file.
+// Lights of a scene file that are no surfaces.
 #include "load_json.h"
 
+#include "environment.h"
 #include "shared/types.h"
 #include <math.h>
 
@@ -14,7 +15,8 @@ static const struct {
     [LIGHT_SPOT] = {{"type", "position"},
                     {"name", "intensity", "power", "range", "direction", "target", "inner_degrees",
                      "outer_degrees"}},
-    [LIGHT_DIRECTIONAL] = {{"type", "direction", "irradiance"}, {"name"}},
+    [LIGHT_DIRECTIONAL] = {{"type", "direction", "irradiance"},
+                           {"name", "angular_diameter_degrees"}},
 };
 
 // The least width of a spot's edge in cosines, and its angles where nothing is said: of glTF's
@@ -75,8 +77,25 @@ static bool read_intensity(const struct json_node *node, struct light *light, st
 
 static bool read_directional(const struct json_node *node, struct light *light, struct err *err)
 {
-    return load_json_direction(node, NULL, light->direction, err) &&
-           node_read_color(node, "irradiance", RANGE_RADIANCE, light->radiant, err);
+    double degrees = 0, limit = ENVIRONMENT_SUN_DIAMETER_MIN;
+    const struct json_node diameter = node_member(node, "angular_diameter_degrees");
+    const struct range range = {0, ENVIRONMENT_SUN_DIAMETER_MAX, false};
+    if (!load_json_direction(node, NULL, light->direction, err) ||
+        !node_read_color(node, "irradiance", RANGE_RADIANCE, light->radiant, err) ||
+        !node_read_number(node, diameter.key, range, &degrees, err))
+        return false;
+    if (degrees > 0 && degrees < limit)
+        return node_fail(&diameter, err, "%.9g is below %g and not 0, a light without extent",
+                         degrees, limit);
+    light->angular_radius = degrees / 2 * (M_PI / 180);
+    for (int c = 0; c < 3 && degrees > 0; c++) {
+        double radiance =
+            environment_sun_radiance((double)light->radiant[c], light->angular_radius);
+        if (!(radiance <= SCENE_RADIANCE_MAX))
+            return node_fail(&diameter, err, "makes the radiance %.9g; expected at most %g",
+                             radiance, SCENE_RADIANCE_MAX);
+    }
+    return true;
 }
 
 static bool read_light(const struct json_node *node, struct light *light, struct err *err)

@@ -1,7 +1,6 @@
-// Sections of a scene file without lists: film, settings, environment.
+// Sections of a scene file without lists: film, settings.
 #include "load_json.h"
 
-#include "environment.h"
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -133,25 +132,4 @@ bool load_json_settings(struct scene *scene, const struct json_node *node, struc
            node_read_boolean(node, "pixel_jitter", &settings->pixel_jitter, err) &&
            node_read_boolean(node, "nee", &settings->nee, err) &&
            read_choices(node, settings, err) && read_parameters(node, settings, err);
-}
-
-// --- environment ---------------------------------------------------------------------------------
-
-bool load_json_environment(struct json_loader *loader, const struct json_node *node,
-                           struct err *err)
-{
-    static const char *const optional[] = {"radiance", "file", NULL};
-    float radiance[3] = {1, 1, 1};
-    const char *file = NULL;
-    if (!node_check_object(node, none, optional, err))
-        return false;
-    if (!node_member(node, "radiance").value && !node_member(node, "file").value)
-        return node_fail(node, err, "\"radiance\" or \"file\" is missing");
-    if (!node_read_color(node, "radiance", RANGE_RADIANCE, radiance, err))
-        return false;
-    const struct json_node file_node = node_member(node, "file");
-    if (file_node.value && !(file = load_json_path(loader, node, "file", err)))
-        return false;
-    return scene_set_environment(loader->scene, file, radiance, err) ||
-           node_prepend(file ? &file_node : node, err);
 }

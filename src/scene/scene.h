@@ -72,6 +72,13 @@ struct camera {
     const char *name;
 };
 
+// The sun of a sky: becomes a light when the scene is complete.
+struct environment_sun {
+    double direction[3];   // unit, in which its light travels
+    float irradiance[3];   // on a surface that faces it, W/m^2
+    double angular_radius; // 0: none
+};
+
 // What arrives where a ray leaves the scene. With an image, radiance multiplies it.
 struct environment {
     bool present;
@@ -79,6 +86,7 @@ struct environment {
     double rotation;        // about +Y, radians, see environment.h
     uint32_t width, height; // 0 x 0: constant
     float (*texels)[3];     // latitude-longitude, row 0 at the top (+Y), see environment.h
+    struct environment_sun sun;
 };
 
 struct scene {
@@ -123,9 +131,12 @@ struct scene_load_params {
     const struct scene_override *overrides; // -D key=value; our JSON format only
     uint32_t override_count;
     bool allow_outside_paths; // let files name files outside their own folder
-    // What replaces the file's environment, see scene_set_environment; both NULL: nothing does.
+    // What replaces the file's environment, see environment.h and sky.h; all NULL: nothing does.
     const char *environment_file;
     const float *environment_radiance; // 3
+    const struct sky *environment_sky;
+    double environment_rotation;        // in addition, radians
+    const double *environment_strength; // a further factor; NULL: 1
     // glTF only.
     // Time of the pose: of animation 0, or the one named below. NULL: the nodes as they are without
     // animation, or the beginning of the animation where one is named.

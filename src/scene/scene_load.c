@@ -7,6 +7,7 @@
 #include "file.h"
 #include "hash.h"
 #include "mesh_loader.h"
+#include "sky.h"
 #include "tangents.h"
 #include <math.h>
 #include <strings.h>
@@ -167,10 +168,19 @@ static bool load_by_extension(struct scene *scene, const struct scene_load_param
 static bool override_environment(struct scene *scene, const struct scene_load_params *params,
                                  struct err *err)
 {
-    if (!params->environment_file && !params->environment_radiance)
-        return true;
-    return scene_set_environment(scene, params->environment_file, params->environment_radiance,
+    if (params->environment_sky && !scene_set_sky(scene, params->environment_sky, err))
+        return false;
+    return (!params->environment_file && !params->environment_radiance) ||
+           scene_set_environment(scene, params->environment_file, params->environment_radiance,
                                  err);
+}
+
+static bool finish_environment(struct scene *scene, const struct scene_load_params *params,
+                               struct err *err)
+{
+    double strength = params->environment_strength ? *params->environment_strength : 1;
+    return scene_adjust_environment(scene, params->environment_rotation, strength, err) &&
+           scene_add_sky_sun(scene, err);
 }
 
 bool scene_load(const struct scene_load_params *params, struct scene *out, struct err *err)
@@ -185,7 +195,8 @@ bool scene_load(const struct scene_load_params *params, struct scene *out, struc
     bool ok =
         out->path ? load_by_extension(out, params, err) : err_memory(err, "a path", sizeof *params);
     ok = ok && override_environment(out, params, err) && provide_material(out, err) &&
-         provide_light(out, err) && provide_camera(out, err) && scene_generate_tangents(out, err);
+         provide_light(out, err) && finish_environment(out, params, err) &&
+         provide_camera(out, err) && scene_generate_tangents(out, err);
     progress_report(params->progress, "Loading", 1);
     if (!ok)
         scene_finish(out);
