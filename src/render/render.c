@@ -279,6 +279,7 @@ static void report(struct renderer *r, struct work *work, const struct wave *wav
 static bool run_pass(struct renderer *r, struct work *work, struct err *err)
 {
     const struct render_call *call = work->call;
+    uint64_t start = clock_ns();
     while (r->pass.position < r->pass.length && !*call->stopped) {
         struct wave wave;
         bool voided = false;
@@ -286,23 +287,22 @@ static bool run_pass(struct renderer *r, struct work *work, struct err *err)
             return false;
         if (voided) {
             if (!become_careful(r, err))
-    uint64_t start = clock_ns();
                 return false;
             continue;
         }
         r->pass.position += wave.pixel_count;
         report(r, work, &wave);
+        r->stats.render_seconds += clock_seconds_since(start);
         if (call->after_wave && !call->after_wave(call->context, err))
             return false;
+        start = clock_ns();
         if (r->pass.position < r->pass.length && progress_should_stop(r->progress))
             *call->stopped = true;
     }
     if (r->pass.position < r->pass.length)
         return true;
-        r->stats.render_seconds += clock_seconds_since(start);
     if (has_tiles(r))
         tile_pass_end(r);
-        start = clock_ns();
     else
         r->next_sample += UINT64_C(1) << r->pass.shift;
     r->pass = (struct pass){0};
