@@ -3,6 +3,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
+#include "lib/halves.glsl"
 #include "lib/queue.glsl"
 
 layout(std430, set = 0, binding = BINDING_FILM) buffer film_block {
@@ -14,6 +15,9 @@ struct compensated {
     vec3 lost; // what the sum holds too much
 };
 
+const uint SUM_WORDS = AOV_SUM_WORDS(AOVS);
+const uint PIXEL_WORDS = AOV_FILM_WORDS(AOVS);
+
 // Kahan 1965, "Further remarks on reducing truncation errors".
 void add(inout compensated c, vec3 value)
 {
@@ -24,13 +28,38 @@ void add(inout compensated c, vec3 value)
     c.lost = lost;
 }
 
+void add(inout vec4 sum, inout vec4 lost, vec4 value)
+{
+    precise vec4 y = value - lost;
+    precise vec4 t = sum + y;
+    precise vec4 rounded = (t - sum) - y;
+    sum = t;
+    lost = rounded;
+}
+
+// The AOVs of an item's samples, four floats after the other. `at`: of the pixel's record.
+void add_aovs(uint item, uint at)
+{
+    uint samples = 1u << push.sample_shift;
+    for (uint word = 0u; word < SUM_WORDS; word++) {
+        vec4 sum = uintBitsToFloat(film_words[at + FILM_WORDS + word]);
+        vec4 lost = uintBitsToFloat(film_words[at + FILM_WORDS + SUM_WORDS + word]);
+        for (uint i = 0u; i < samples; i++) {
+            uint slot = (item << push.sample_shift) + i;
+            add(sum, lost, load_radiance_float(slot * SLOT_WORDS + 1u + word));
+        }
+        film_words[at + FILM_WORDS + word] = floatBitsToUint(sum);
+        film_words[at + FILM_WORDS + SUM_WORDS + word] = floatBitsToUint(lost);
+    }
+}
+
 void main()
 {
     uint item = item_index();
     if (item >= min(push.pixel_count, push.first_item + push.part_items) ||
         counters.unfinished != 0u)
         return;
-    uint at = (item_pixel(item) - push.film_first_pixel) * FILM_WORDS;
+    uint at = (item_pixel(item) - push.film_first_pixel) * PIXEL_WORDS;
     uint first_sample = item_first_sample(item);
     uvec4 words[FILM_WORDS];
     for (uint i = 0u; i < FILM_WORDS; i++)
@@ -41,14 +70,20 @@ void main()
 
     uint samples = 1u << push.sample_shift;
     for (uint i = 0u; i < samples; i++) {
-        vec4 radiance = load_radiance_float((item << push.sample_shift) + i);
-        if (((first_sample + i) & 1u) == 0u)
+        vec4 radiance = load_radiance_float(((item << push.sample_shift) + i) * SLOT_WORDS);
+        if (half_of_sample(first_sample + i) == 0u)
             add(halves[0], radiance.rgb);
         else
             add(halves[1], radiance.rgb);
         words[1].w += uint(radiance.w);
     }
 
+    if (HAS_AOV(AOVS_SUMMED))
+        add_aovs(item, at);
+    // Of the first sample that the pixel gets.
+    if (HAS_AOV(AOV_IDS) && words[0].w == 0u)
+        film_words[at + PIXEL_WORDS - 1u] =
+            load_radiance(((item << push.sample_shift) + 1u) * SLOT_WORDS - 1u);
     film_words[at] = uvec4(floatBitsToUint(halves[0].sum), words[0].w + samples);
     film_words[at + 1u] = uvec4(floatBitsToUint(halves[0].lost), words[1].w);
     film_words[at + 2u] = uvec4(floatBitsToUint(halves[1].sum), 0u);

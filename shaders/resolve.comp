@@ -1,19 +1,24 @@
-// One thread turns one pixel of the film into the means of its two half-buffers.
+// One thread turns one pixel of the film into the means of its two half-buffers, and of its AOVs.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
+#include "lib/halves.glsl"
 #include "lib/queue.glsl"
 
 layout(std430, set = 0, binding = BINDING_FILM) readonly buffer film_block {
-    gpu_film_pixel film[];
+    uvec4 film_words[]; // gpu_film_pixel, and see shared/aov.h
 };
 layout(std430, set = 0, binding = BINDING_RESOLVED) writeonly buffer resolved_block {
-    gpu_resolved_pixel resolved[];
+    uvec4 resolved_words[]; // gpu_resolved_pixel, and see shared/aov.h
 };
 
-float mean(float sum, float lost, uint samples)
+const uint SUM_WORDS = AOV_SUM_WORDS(AOVS);
+
+// Of the compensated sum in words `sum` and `lost` of the film. w is of no meaning.
+vec4 mean(uint sum, uint lost, uint samples)
 {
-    return samples > 0u ? (sum - lost) / float(samples) : 0.0;
+    vec4 exact = uintBitsToFloat(film_words[sum]) - uintBitsToFloat(film_words[lost]);
+    return samples > 0u ? exact / float(samples) : vec4(0.0);
 }
 
 void main()
@@ -21,14 +26,22 @@ void main()
     uint item = item_index();
     if (item >= min(push.pixel_count, push.first_item + push.part_items))
         return;
-    gpu_film_pixel pixel = film[push.first_pixel - push.film_first_pixel + item];
-    // Sample 0 belongs to half A.
-    uint samples_b = pixel.samples / 2u;
-    uint samples_a = pixel.samples - samples_b;
-    for (uint c = 0u; c < 3u; c++) {
-        resolved[item].mean_a[c] = mean(pixel.sum_a[c], pixel.lost_a[c], samples_a);
-        resolved[item].mean_b[c] = mean(pixel.sum_b[c], pixel.lost_b[c], samples_b);
+    uint at = (push.first_pixel - push.film_first_pixel + item) * AOV_FILM_WORDS(AOVS);
+    uint to = item * AOV_RESOLVED_WORDS(AOVS);
+    uint samples = film_words[at].w;
+    uint dropped = film_words[at + 1u].w;
+    uint samples_a = samples_of_first_half(samples);
+    uint samples_b = samples - samples_a;
+    resolved_words[to] = uvec4(floatBitsToUint(mean(at, at + 1u, samples_a).rgb), samples);
+    resolved_words[to + 1u] =
+        uvec4(floatBitsToUint(mean(at + 2u, at + 3u, samples_b).rgb), dropped);
+    if (HAS_AOV(AOVS_SUMMED)) {
+        uint sums = at + FILM_WORDS;
+        for (uint word = 0u; word < SUM_WORDS; word++)
+            resolved_words[to + RESOLVED_WORDS + word] =
+                floatBitsToUint(mean(sums + word, sums + SUM_WORDS + word, samples));
     }
-    resolved[item].samples = pixel.samples;
-    resolved[item].dropped = pixel.dropped;
+    if (HAS_AOV(AOV_IDS))
+        resolved_words[to + AOV_RESOLVED_WORDS(AOVS) - 1u] =
+            film_words[at + AOV_FILM_WORDS(AOVS) - 1u];
 }

@@ -4,6 +4,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
+#include "lib/aov.glsl"
 #include "lib/connect.glsl"
 #include "lib/emission.glsl"
 #include "lib/falloff.glsl"
@@ -37,6 +38,8 @@ void main()
         v.m = load_material(v.s.material);
         if (HAS(FEATURE_TEXTURES) || HAS(FEATURE_COLORS))
             apply_textures(v.m, v.s);
+        if (HAS_AOV(AOVS_OF_SURFACES) && push.bounce == 0u)
+            store_first_hit(slot, v.s, v.m, v.primitive, hit.x);
         v.frame = shading_frame(v.s, v.m, -ray.xyz);
         v.wo = -ray.xyz * v.frame;
         v.eta = v.m.group[GROUP_INTERFACE].g;

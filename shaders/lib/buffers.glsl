@@ -3,6 +3,7 @@
 #ifndef BUFFERS_GLSL
 #define BUFFERS_GLSL
 
+#include "shared/aov.h"
 #include "shared/types.h"
 #include "lib/constants.glsl"
 
@@ -101,6 +102,47 @@ uint slot_sample(uint slot)
     return item_first_sample(slot >> push.sample_shift) + (slot & ((1u << push.sample_shift) - 1u));
 }
 
+// A slot's record of the radiance's buffer: the radiance, then AOVs.
+const uint SLOT_WORDS = AOV_SLOT_WORDS(AOVS);
+
+// Component by component, at places that are constants. See shared/aov.h.
+void store_aov_float(uint slot, uint place, float value)
+{
+    radiance_words[slot * SLOT_WORDS + 1u + (place >> 2u)][place & 3u] = floatBitsToUint(value);
+}
+
+void store_aov_vector(uint slot, const uint aov, vec3 value)
+{
+    for (uint c = 0u; c < 3u; c++)
+        store_aov_float(slot, AOV_VECTOR_AT(AOVS, aov) + c, value[c]);
+}
+
+void store_aov_scalar(uint slot, const uint aov, float value)
+{
+    store_aov_float(slot, AOV_SCALAR_AT(AOVS, aov), value);
+}
+
+void add_aov_vector(uint slot, const uint aov, vec3 value)
+{
+    for (uint c = 0u; c < 3u; c++) {
+        uint place = AOV_VECTOR_AT(AOVS, aov) + c;
+        float sum = load_radiance_float(slot * SLOT_WORDS + 1u + (place >> 2u))[place & 3u];
+        store_aov_float(slot, place, sum + value[c]);
+    }
+}
+
+// By how often light was scattered on its way: in the kernels that find emitters that is the number
+// of the bounce, and shadow rays are traced in the bounce after the one that sends them.
+void add_part(uint slot, vec3 contribution)
+{
+    if (HAS_AOV(AOV_EMISSION) && push.bounce == 0u)
+        add_aov_vector(slot, AOV_EMISSION, contribution);
+    if (HAS_AOV(AOV_DIRECT) && push.bounce == 1u)
+        add_aov_vector(slot, AOV_DIRECT, contribution);
+    if (HAS_AOV(AOV_INDIRECT) && push.bounce > 1u)
+        add_aov_vector(slot, AOV_INDIRECT, contribution);
+}
+
 // By bit pattern: drivers may assume that floats are finite.
 bool is_finite(vec3 v)
 {
@@ -111,7 +153,7 @@ bool is_finite(vec3 v)
 // Counts a contribution that is left out, marks its sample, and keeps what is needed to reproduce it.
 void report_nonfinite(uint slot, uint site)
 {
-    radiance_words[slot].w = floatBitsToUint(1.0);
+    radiance_words[slot * SLOT_WORDS].w = floatBitsToUint(1.0);
     atomicAdd(counters.nonfinite[site], 1u);
     uint record = atomicAdd(counters.nonfinite_records, 1u);
     if (record < NONFINITE_RECORDS) {
@@ -126,12 +168,15 @@ void report_nonfinite(uint slot, uint site)
 // w marks that something was dropped.
 void add_radiance(uint slot, vec3 contribution, uint site)
 {
-    vec4 radiance = load_radiance_float(slot);
+    vec4 radiance = load_radiance_float(slot * SLOT_WORDS);
     vec3 sum = radiance.rgb + contribution;
-    if (is_finite(sum))
-        radiance_words[slot] = floatBitsToUint(vec4(sum, radiance.w));
-    else
+    if (!is_finite(sum)) {
         report_nonfinite(slot, site);
+        return;
+    }
+    radiance_words[slot * SLOT_WORDS] = floatBitsToUint(vec4(sum, radiance.w));
+    if (HAS_AOV(AOVS_OF_PARTS))
+        add_part(slot, contribution);
 }
 
 #endif

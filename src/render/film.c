@@ -1,6 +1,7 @@
 #include "film.h"
 
 #include "frame.h"
+#include "shared/aov.h"
 
 #include <string.h>
 
@@ -23,8 +24,8 @@ bool film_create(struct renderer *r, struct err *err)
         return err_memory(err, "film", r->plan.film_chunks * sizeof *r->film);
     for (uint32_t i = 0; i < r->plan.film_chunks; i++)
         if (!gpu_buffer_create(r->gpu, binding_name(BINDING_FILM),
-                               chunk_pixels(r, i) * sizeof(struct gpu_film_pixel), GPU_DEVICE,
-                               false, &r->film[i], err))
+                               chunk_pixels(r, i) * 16 * AOV_FILM_WORDS(r->specialization.aovs),
+                               GPU_DEVICE, false, &r->film[i], err))
             return false;
     return true;
 }
@@ -87,9 +88,20 @@ static bool resolve(struct renderer *r, uint32_t chunk, uint64_t first, uint32_t
     return true;
 }
 
-static void add_pixel(struct film_image *image, uint64_t at, const struct gpu_resolved_pixel *p)
+// As in lib/halves.glsl: how many of a pixel's samples are in the first half-buffer.
+static uint32_t samples_of_first_half(const struct renderer *r, uint32_t samples)
 {
-    uint32_t samples_b = p->samples / 2, samples_a = p->samples - samples_b;
+    uint32_t planned = r->frame.samples - r->frame.samples / 2;
+    if (r->specialization.halves == HALVES_CONTIGUOUS)
+        return samples < planned ? samples : planned;
+    return samples - samples / 2;
+}
+
+static void add_pixel(const struct renderer *r, struct film_image *image, uint64_t at,
+                      const struct gpu_resolved_pixel *p)
+{
+    uint32_t samples_a = samples_of_first_half(r, p->samples);
+    uint32_t samples_b = p->samples - samples_a;
     for (int c = 0; c < 3; c++) {
         double sum = (double)samples_a * p->mean_a[c] + (double)samples_b * p->mean_b[c];
         image->mean[at][c] = p->samples ? (float)(sum / p->samples) : 0.0f;
@@ -102,6 +114,20 @@ static void add_pixel(struct film_image *image, uint64_t at, const struct gpu_re
         image->least_samples = p->samples;
     if (p->samples > image->most_samples)
         image->most_samples = p->samples;
+}
+
+// Record i of those that were resolved.
+static void read_pixel(const struct renderer *r, const uint32_t (*words)[4], uint64_t i,
+                       struct film_image *image)
+{
+    uint32_t device = r->specialization.aovs;
+    uint64_t at = r->push.first_pixel + i;
+    struct gpu_resolved_pixel pixel;
+    words += i * AOV_RESOLVED_WORDS(device);
+    memcpy(&pixel, words, sizeof pixel);
+    add_pixel(r, image, at, &pixel);
+    if (r->aovs)
+        film_aovs_read(&image->aovs, at, words[RESOLVED_WORDS], device, &r->flat);
 }
 
 bool renderer_read(struct renderer *r, struct arena *arena, struct film_image *out, struct err *err)
@@ -118,6 +144,8 @@ bool renderer_read(struct renderer *r, struct arena *arena, struct film_image *o
     };
     if (!out->mean || !out->half_a || !out->half_b || !out->samples)
         return err_memory(err, "image", pixels * (3 * sizeof *out->mean + 4));
+    if (!film_aovs_allocate(r->aovs, pixels, arena, &out->aovs, err))
+        return false;
 
     const struct gpu_buffer *resolved = &r->buffers[BINDING_RESOLVED];
     for (uint32_t chunk = 0; chunk < r->plan.film_chunks; chunk++) {
@@ -126,9 +154,8 @@ bool renderer_read(struct renderer *r, struct arena *arena, struct film_image *o
             uint64_t count = left < r->plan.resolve_pixels ? left : r->plan.resolve_pixels;
             if (!resolve(r, chunk, first, (uint32_t)count, err))
                 return false;
-            const struct gpu_resolved_pixel *records = resolved->mapped;
             for (uint64_t i = 0; i < count; i++)
-                add_pixel(out, r->push.first_pixel + i, &records[i]);
+                read_pixel(r, (const uint32_t(*)[4])resolved->mapped, i, out);
         }
     }
     return true;

@@ -3,6 +3,7 @@
 #include "attributes.h"
 #include "log.h"
 #include "shared/types.h"
+#include "shared/aov.h"
 #include <inttypes.h>
 #include <unistd.h>
 
@@ -54,7 +55,7 @@ static uint64_t bytes_a_slot(const struct specialization *s, uint32_t binding)
     case BINDING_SHADOW_RAYS:
         return (uint64_t)s->light_rays * sizeof(struct gpu_shadow_ray);
     case BINDING_RADIANCE:
-        return 16;
+        return 16 * AOV_SLOT_WORDS(s->aovs);
     case BINDING_QUEUES:
         // With tiles, two lists besides: of pixels and of the samples that they begin with.
         return (uint64_t)(queue_rows(s) + (s->features & FEATURE_TILES ? 2u : 0u)) * 4;
@@ -181,14 +182,15 @@ bool memory_plan_make(const struct memory_plan_params *p, struct memory_plan *ou
     *out = (struct memory_plan){0};
     out->wave_slots = fit_wave(p);
 
+    const uint32_t aovs = p->specialization->aovs;
     uint64_t pixels = (uint64_t)settings->width * settings->height;
     uint64_t range = least(gpu->max_storage_range, gpu->max_allocation);
-    out->film_chunk_pixels = least(pixels, range / sizeof(struct gpu_film_pixel));
+    out->film_chunk_pixels = least(pixels, range / (16 * AOV_FILM_WORDS(aovs)));
     if (out->film_chunk_pixels == 0)
         return err_set(err, ERR_GPU, "a storage range of %" PRIu64 " bytes holds no pixel", range);
     out->film_chunks = (uint32_t)((pixels + out->film_chunk_pixels - 1) / out->film_chunk_pixels);
     out->resolve_pixels = least(least(out->film_chunk_pixels, RESOLVE_PIXELS),
-                                range / sizeof(struct gpu_resolved_pixel));
+                                range / (16 * AOV_RESOLVED_WORDS(aovs)));
 
     uint64_t part = gpu->info.is_cpu ? CPU_PART : GPU_PART;
     part = least(part, (uint64_t)gpu->max_groups * p->specialization->workgroup);
@@ -202,10 +204,10 @@ bool memory_plan_make(const struct memory_plan_params *p, struct memory_plan *ou
         uint64_t bytes = scene_bytes(p, b) + bytes_a_slot(p->specialization, b) * out->wave_slots;
         uint32_t copies = 1;
         if (b == BINDING_FILM) {
-            bytes = out->film_chunk_pixels * sizeof(struct gpu_film_pixel);
+            bytes = out->film_chunk_pixels * 16 * AOV_FILM_WORDS(aovs);
             copies = out->film_chunks;
         } else if (b == BINDING_RESOLVED) {
-            bytes = out->resolve_pixels * sizeof(struct gpu_resolved_pixel);
+            bytes = out->resolve_pixels * 16 * AOV_RESOLVED_WORDS(aovs);
         }
         bool needed = specialization_needs_binding(p->specialization, b);
         out->buffers[b] = (struct planned_buffer){

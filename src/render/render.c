@@ -162,8 +162,12 @@ static bool upload(struct renderer *r, struct err *err)
 
 bool renderer_create(const struct renderer_params *params, struct renderer *r, struct err *err)
 {
-    *r =
-        (struct renderer){.gpu = params->gpu, .scene = params->scene, .progress = params->progress};
+    *r = (struct renderer){
+        .gpu = params->gpu,
+        .scene = params->scene,
+        .aovs = params->aovs,
+        .progress = params->progress,
+    };
 
     uint64_t start = clock_ns();
     if (!render_prepare(r->scene, r->progress, &r->arena, &r->flat, &r->bvh, err))

@@ -15,6 +15,7 @@
 
 #include "arena.h"
 #include "bvh.h"
+#include "film_aovs.h"
 #include "flatten.h"
 #include "gpu.h"
 #include "memory_plan.h"
@@ -82,6 +83,7 @@ struct renderer {
     struct gpu *gpu;
     const struct scene *scene;
     struct arena arena;
+    uint32_t aovs; // AOV_*, as asked for
     struct flat_scene flat;
     struct bvh bvh;
     struct shading_tables tables;
@@ -149,6 +151,7 @@ struct film_image {
     uint64_t dropped;                     // samples with a non-finite contribution left out
 };
 bool renderer_read(struct renderer *renderer, struct arena *arena, struct film_image *out,
+    struct film_aovs aovs;
                    struct err *err);
 
 #endif

@@ -2,6 +2,8 @@
 
 #include "attributes.h"
 #include "emitters.h"
+#include "film_aovs.h"
+#include "environment_table.h"
 #include "shared/types.h"
 #include <string.h>
 
@@ -266,7 +268,7 @@ struct specialization specialize(const struct specialize_params *p)
         .iteration_budget =
             gpu->info.is_cpu ? CPU_SUBGROUP_ROUNDS / gpu->subgroup_size : GPU_LANE_ROUNDS,
         .interleave = gpu->info.is_cpu ? 16 : 1,
-        .aovs = p->aovs,
+        .aovs = film_aovs_of_device(p->aovs),
         .integrator = settings->integrator,
         .sampler = settings->sampler,
         .halves = settings->halves,

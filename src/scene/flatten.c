@@ -7,6 +7,7 @@
 #include "log.h"
 #include <float.h>
 #include <math.h>
+#include <string.h>
 
 // --- bounds and origin ---------------------------------------------------------------------------
 
@@ -183,7 +184,8 @@ static void triangle_normal(const struct flat_triangle *triangle, double out[3])
     vec3_cross(edges[0], edges[1], out);
 }
 
-static void add_triangle(struct flat_scene *flat, const struct scene *scene,
+// False for one without area: it is dropped.
+static bool add_triangle(struct flat_scene *flat, const struct scene *scene,
                          const struct placement *placement, uint32_t index)
 {
     const struct mesh *mesh = placement->mesh;
@@ -199,15 +201,67 @@ static void add_triangle(struct flat_scene *flat, const struct scene *scene,
         place_vertex(placement, vertices[corner], triangle->v[corner]);
     double geometric[3];
     triangle_normal(triangle, geometric);
-    if (!vec3_normalize(geometric)) {
-        flat->dropped_degenerate++;
-        return;
-    }
+    if (!vec3_normalize(geometric))
+        return false;
     triangle->material = instance_material(mesh, placement->instance, index);
     for (int corner = 0; corner < 3; corner++)
         add_to_bounds(flat, triangle->v[corner], triangle->v[corner]);
     attributes_place(flat, scene, placement, vertices, geometric);
     flat->triangle_count++;
+    return true;
+}
+
+// The list of dropped triangles doubles when it is full, which is when their number is a power
+// of 2.
+static bool drop_triangle(struct flat_scene *flat, struct arena *arena)
+{
+    uint32_t count = flat->dropped_degenerate;
+    if ((count & (count - 1)) == 0) {
+        uint32_t *list = ARENA_NEW(arena, uint32_t, count ? 2 * (size_t)count : 1);
+        if (!list)
+            return false;
+        if (count)
+            memcpy(list, flat->dropped_before, count * sizeof *list);
+        flat->dropped_before = list;
+    }
+    flat->dropped_before[flat->dropped_degenerate++] = flat->triangle_count;
+    return true;
+}
+
+static bool add_instance(struct flat_scene *flat, const struct scene *scene, uint32_t index,
+                         struct arena *arena, struct err *err)
+{
+    flat->instance_first[index] = flat->triangle_count + flat->dropped_degenerate;
+    if (is_singular(&scene->instances[index]))
+        return true;
+    const struct placement placement = place(scene, index, flat->origin);
+    for (uint32_t t = 0; t < placement.mesh->triangle_count; t++)
+        if (!add_triangle(flat, scene, &placement, t) && !drop_triangle(flat, arena))
+            return err_memory(err, "dropped triangles", flat->dropped_degenerate * 4u);
+    return true;
+}
+
+// The first of `count` ascending values that is above `value`, or `count`.
+static uint32_t first_above(const uint32_t *values, uint32_t count, uint32_t value)
+{
+    uint32_t low = 0;
+    while (low < count) {
+        uint32_t middle = low + (count - low) / 2;
+        if (values[middle] <= value)
+            low = middle + 1;
+        else
+            count = middle;
+    }
+    return low;
+}
+
+void flat_triangle_source(const struct flat_scene *flat, uint32_t id, uint32_t *instance,
+                          uint32_t *triangle)
+{
+    uint32_t dropped = first_above(flat->dropped_before, flat->dropped_degenerate, id);
+    uint32_t source = id + dropped;
+    *instance = first_above(flat->instance_first, flat->instance_count, source) - 1;
+    *triangle = source - flat->instance_first[*instance];
 }
 
 // --- shapes --------------------------------------------------------------------------------------
@@ -260,7 +314,9 @@ static bool reserve(const struct scene *scene, const struct census *census, stru
     flat->triangles = ARENA_NEW(arena, struct flat_triangle, count);
     flat->shapes = ARENA_NEW(arena, struct flat_shape, scene->shape_count);
     flat->material_used = ARENA_NEW(arena, bool, scene->material_count);
-    if (!flat->triangles || !flat->shapes || !flat->material_used)
+    flat->instance_first = ARENA_NEW(arena, uint32_t, scene->instance_count);
+    flat->instance_count = scene->instance_count;
+    if (!flat->instance_first || !flat->triangles || !flat->shapes || !flat->material_used)
         return err_memory(err, "the flattened scene", count * sizeof *flat->triangles);
     return attributes_reserve(&census->needs, count, arena, flat, err);
 }
@@ -277,13 +333,9 @@ bool scene_flatten(const struct scene *scene, struct arena *arena, struct flat_s
         return false;
     out->skipped_instances = census.skipped_instances;
     choose_origin(&census.bounds, out->origin);
-    for (uint32_t i = 0; i < scene->instance_count; i++) {
-        if (is_singular(&scene->instances[i]))
-            continue;
-        const struct placement placement = place(scene, i, out->origin);
-        for (uint32_t t = 0; t < placement.mesh->triangle_count; t++)
-            add_triangle(out, scene, &placement, t);
-    }
+    for (uint32_t i = 0; i < scene->instance_count; i++)
+        if (!add_instance(out, scene, i, arena, err))
+            return false;
     for (uint32_t i = 0; i < scene->shape_count; i++)
         if (!add_shape(out, scene, i, err))
             return false;

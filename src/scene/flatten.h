@@ -37,11 +37,19 @@ struct flat_scene {
     uint32_t triangle_count;
     struct flat_shape *shapes;
     uint32_t shape_count;
+    // Where triangles come from: see flat_triangle_source.
+    uint32_t instance_count;
+    uint32_t *instance_first;           // of all triangles, dropped ones included
+    uint32_t *dropped_before;           // dropped_degenerate of them: the triangle that came next
     bool *material_used;                // scene->material_count: some primitive has it
     float bounds_min[3], bounds_max[3]; // relative to origin; min > max when empty
     uint32_t dropped_degenerate;        // zero-area triangles left out (stiff case C6)
     uint32_t skipped_instances;         // singular transforms (C30)
 };
+
+// The instance that a flat triangle is of, and which of its mesh's triangles it is.
+void flat_triangle_source(const struct flat_scene *flat, uint32_t id, uint32_t *instance,
+                          uint32_t *triangle);
 
 // Memory comes from `arena`. A vertex that is not finite after transformation is ERR_INPUT naming
 // instance, mesh and vertex.

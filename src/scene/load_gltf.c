@@ -60,8 +60,8 @@ static bool read_orthographic(const struct json_node *node, double *height, stru
 static bool load_camera(struct gltf_load *load, uint32_t index, const struct json_node *holder,
                         const double world[3][4], struct err *err)
 {
-    static const char *const types[] = {[CAMERA_PERSPECTIVE] = "perspective",
-                                        [CAMERA_ORTHOGRAPHIC] = "orthographic", NULL};
+    static const char *const types[] = {
+        [CAMERA_PERSPECTIVE] = "perspective", [CAMERA_ORTHOGRAPHIC] = "orthographic", NULL};
     const struct json_node node = gltf_item(&load->document, GLTF_CAMERAS, index);
     struct camera camera = {0};
     if (!gltf_require(&node, "type", err) ||
@@ -191,8 +191,9 @@ static bool note_what_is_missing(struct gltf_load *load, struct err *err)
         {t->vertices_without_joints, "vertices without weights follow their skin's first joint"},
         {t->instanced_skins, "skinned nodes are shown once, without their instances"},
         {t->singular_lights, "lights are skipped: their node has a singular transform"},
-        {t->orthographic_cameras, "orthographic cameras are as high as their ymag says; xmag, znear and zfar are "
-                                  "ignored"},
+        {t->orthographic_cameras,
+         "orthographic cameras are as high as their ymag says; xmag, znear and zfar are "
+         "ignored"},
         {t->singular_cameras, "cameras are skipped: their node has a singular transform"},
     };
     bool noted = add_notes(load, notes, sizeof notes / sizeof notes[0]);

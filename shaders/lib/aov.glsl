@@ -1,0 +1,44 @@
+// Pictures besides the radiance: what is stored of the first surface that a camera ray meets. Writes
+// the slot's record.
+#ifndef AOV_GLSL
+#define AOV_GLSL
+
+#include "lib/material.glsl"
+#include "lib/surface.glsl"
+
+// What a surface is painted with: its base colour, or where its model has none, how much it
+// reflects at right angles.
+vec3 albedo_color(material m)
+{
+    if (HAS_LOBE(LOBE_CONDUCTOR) && material_model(m) == MATERIAL_CONDUCTOR) {
+        vec3 eta = m.group[GROUP_CONDUCTOR].rgb;
+        vec3 k2 = m.group[GROUP_CONDUCTOR_K].rgb * m.group[GROUP_CONDUCTOR_K].rgb;
+        return m.group[GROUP_SPECULAR].rgb * ((eta - 1.0) * (eta - 1.0) + k2) /
+               ((eta + 1.0) * (eta + 1.0) + k2);
+    }
+    return m.group[GROUP_BASE].rgb;
+}
+
+// `m` and `s` as textures left them; t: distance of the hit. Both normals face the camera.
+void store_first_hit(uint slot, surface s, material m, uint primitive, float t)
+{
+    if (HAS_AOV(AOV_ALBEDO))
+        store_aov_vector(slot, AOV_ALBEDO, albedo_color(m));
+    if (HAS_AOV(AOV_NORMAL))
+        store_aov_vector(slot, AOV_NORMAL, s.normal_shading);
+    if (HAS_AOV(AOV_NORMAL_GEOMETRIC))
+        store_aov_vector(slot, AOV_NORMAL_GEOMETRIC, s.normal_geometric);
+    if (HAS_AOV(AOV_POSITION))
+        store_aov_vector(slot, AOV_POSITION, s.position);
+    if (HAS_AOV(AOV_DEPTH))
+        store_aov_scalar(slot, AOV_DEPTH, t);
+    if (HAS_AOV(AOV_ALPHA))
+        store_aov_scalar(slot, AOV_ALPHA, 1.0);
+    if (HAS_AOV(AOV_IDS)) {
+        bool is_shape = (primitive & PRIMITIVE_SHAPE) != 0u;
+        uint number = is_shape ? primitive : load_triangles(primitive * 3u).w;
+        radiance_words[slot * SLOT_WORDS + SLOT_WORDS - 1u] = uvec4(number + 1u, 0u, 0u, 0u);
+    }
+}
+
+#endif

@@ -1,0 +1,40 @@
+// How samples are shared between the two half-buffers that tell the error, and which point of which
+// sequence each one is. `render/film.c` has the same rule.
+#ifndef HALVES_GLSL
+#define HALVES_GLSL
+
+#include "lib/buffers.glsl"
+
+struct sequence_place {
+    uint sequence; // 0 or 1
+    uint index;    // of the sample in it
+    uint count;    // samples that are planned for it; 0: not known
+};
+
+sequence_place place_in_sequence(uint sample_index)
+{
+    if (HALVES == HALVES_CONTIGUOUS)
+        return sequence_place(0u, sample_index, frame.samples);
+    uint parity = sample_index & 1u;
+    // The second half of a single sample has none, but may get more than was planned.
+    uint count = max(frame.samples / 2u + (frame.samples & ~parity & 1u), min(frame.samples, 1u));
+    return sequence_place(parity, sample_index >> 1u, count);
+}
+
+// 0 or 1
+uint half_of_sample(uint sample_index)
+{
+    if (HALVES == HALVES_CONTIGUOUS)
+        return sample_index < frame.samples - frame.samples / 2u ? 0u : 1u;
+    return sample_index & 1u;
+}
+
+// How many of the first `samples` samples belong to half 0.
+uint samples_of_first_half(uint samples)
+{
+    if (HALVES == HALVES_CONTIGUOUS)
+        return min(samples, frame.samples - frame.samples / 2u);
+    return samples - samples / 2u;
+}
+
+#endif

@@ -1,0 +1,46 @@
+// Where the pictures besides the radiance (AOV_*) lie in the records of slots and of the film. Only
+// what the mask of wanted ones asks for has a place there.
+#ifndef LAMPYRIS_SHARED_AOV_H
+#define LAMPYRIS_SHARED_AOV_H
+
+#include "bindings.h"
+
+// Of the first surface that a camera ray meets. Depth and position are means over the samples that
+// met one, so that they need AOV_ALPHA, the share of those.
+#define AOVS_OF_SURFACES                                                                           \
+    (AOV_ALBEDO | AOV_NORMAL | AOV_NORMAL_GEOMETRIC | AOV_DEPTH | AOV_POSITION | AOV_IDS |         \
+     AOV_ALPHA)
+#define AOVS_OF_PLACES (AOV_DEPTH | AOV_POSITION)
+#define AOVS_OF_PARTS (AOV_EMISSION | AOV_DIRECT | AOV_INDIRECT)
+#define AOVS_OF_SLOTS (AOVS_OF_SURFACES | AOVS_OF_PARTS)
+// Those that are summed over samples: all but the ids.
+#define AOVS_SUMMED (AOVS_OF_SLOTS & ~AOV_IDS)
+
+// Constant expressions: 1 where `bit` is one of those in `aovs` that precede `end`.
+#define AOV_BEFORE(aovs, end, bit) (((aovs) & (bit) & ((end) - 1u)) != 0u ? 1u : 0u)
+#define AOV_VECTORS_BEFORE(aovs, end)                                                              \
+    (AOV_BEFORE(aovs, end, AOV_ALBEDO) + AOV_BEFORE(aovs, end, AOV_NORMAL) +                       \
+     AOV_BEFORE(aovs, end, AOV_NORMAL_GEOMETRIC) + AOV_BEFORE(aovs, end, AOV_POSITION) +           \
+     AOV_BEFORE(aovs, end, AOV_EMISSION) + AOV_BEFORE(aovs, end, AOV_DIRECT) +                     \
+     AOV_BEFORE(aovs, end, AOV_INDIRECT))
+#define AOV_SCALARS_BEFORE(aovs, end)                                                              \
+    (AOV_BEFORE(aovs, end, AOV_DEPTH) + AOV_BEFORE(aovs, end, AOV_ALPHA))
+
+// The first of a picture's floats in a record: vectors of three first, then scalars.
+#define AOV_VECTOR_AT(aovs, bit) (3u * AOV_VECTORS_BEFORE(aovs, bit))
+#define AOV_SCALAR_AT(aovs, bit)                                                                   \
+    (3u * AOV_VECTORS_BEFORE(aovs, AOV_END) + AOV_SCALARS_BEFORE(aovs, bit))
+// So many words of four take them, and as many what the film keeps of a sum's rounding.
+#define AOV_SUM_WORDS(aovs)                                                                        \
+    ((3u * AOV_VECTORS_BEFORE(aovs, AOV_END) + AOV_SCALARS_BEFORE(aovs, AOV_END) + 3u) / 4u)
+// The last word: x is the primitive of the pixel's first sample by its number in the flat scene,
+// shapes with PRIMITIVE_SHAPE, plus 1; 0: it met nothing.
+#define AOV_ID_WORDS(aovs) AOV_BEFORE(aovs, AOV_END, AOV_IDS)
+
+// Records in words of four: of a slot, the radiance first, of the film behind gpu_film_pixel (sums,
+// then what they lost), and of what is read back behind gpu_resolved_pixel.
+#define AOV_SLOT_WORDS(aovs) (1u + AOV_SUM_WORDS(aovs) + AOV_ID_WORDS(aovs))
+#define AOV_FILM_WORDS(aovs) (FILM_WORDS + 2u * AOV_SUM_WORDS(aovs) + AOV_ID_WORDS(aovs))
+#define AOV_RESOLVED_WORDS(aovs) (RESOLVED_WORDS + AOV_SUM_WORDS(aovs) + AOV_ID_WORDS(aovs))
+
+#endif

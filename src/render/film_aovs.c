@@ -1,0 +1,111 @@
+#include "film_aovs.h"
+
+#include "shared/aov.h"
+#include "shared/types.h"
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+// Where the pictures of floats are.
+static const struct plane {
+    uint32_t aov, components;
+    size_t member;
+} planes[] = {
+    {AOV_ALBEDO, 3, offsetof(struct film_aovs, albedo)},
+    {AOV_NORMAL, 3, offsetof(struct film_aovs, normal)},
+    {AOV_NORMAL_GEOMETRIC, 3, offsetof(struct film_aovs, normal_geometric)},
+    {AOV_DEPTH, 1, offsetof(struct film_aovs, depth)},
+    {AOV_POSITION, 3, offsetof(struct film_aovs, position)},
+    {AOV_ALPHA, 1, offsetof(struct film_aovs, alpha)},
+    {AOV_EMISSION, 3, offsetof(struct film_aovs, emission)},
+    {AOV_DIRECT, 3, offsetof(struct film_aovs, direct)},
+    {AOV_INDIRECT, 3, offsetof(struct film_aovs, indirect)},
+};
+enum { PLANE_COUNT = sizeof planes / sizeof *planes };
+
+uint32_t film_aovs_of_device(uint32_t wanted)
+{
+    return (wanted & AOVS_OF_SLOTS) | (wanted & AOVS_OF_PLACES ? AOV_ALPHA : 0u);
+}
+
+uint32_t film_aovs_bytes(uint32_t wanted)
+{
+    uint32_t bytes = wanted & AOV_IDS ? sizeof(uint32_t[3]) : 0;
+    for (int i = 0; i < PLANE_COUNT; i++)
+        if (wanted & planes[i].aov)
+            bytes += planes[i].components * (uint32_t)sizeof(float);
+    return bytes;
+}
+
+static float *plane_of(const struct film_aovs *aovs, const struct plane *plane)
+{
+    float *floats;
+    memcpy(&floats, (const char *)aovs + plane->member, sizeof floats);
+    return floats;
+}
+
+bool film_aovs_allocate(uint32_t wanted, uint64_t pixels, struct arena *arena,
+                        struct film_aovs *out, struct err *err)
+{
+    *out = (struct film_aovs){0};
+    for (int i = 0; i < PLANE_COUNT; i++) {
+        if (!(wanted & planes[i].aov))
+            continue;
+        float *floats = arena_alloc(arena, pixels, planes[i].components * sizeof(float));
+        if (!floats)
+            return err_memory(err, "layers", pixels * planes[i].components * sizeof(float));
+        memcpy((char *)out + planes[i].member, &floats, sizeof floats);
+    }
+    if (!(wanted & AOV_IDS))
+        return true;
+    out->ids = arena_alloc(arena, pixels, sizeof *out->ids);
+    return out->ids || err_memory(err, "layers", pixels * sizeof *out->ids);
+}
+
+static uint32_t float_at(uint32_t device, const struct plane *plane)
+{
+    return plane->components == 3 ? AOV_VECTOR_AT(device, plane->aov)
+                                  : AOV_SCALAR_AT(device, plane->aov);
+}
+
+static void read_ids(uint32_t word, const struct flat_scene *flat, uint32_t ids[3])
+{
+    if (word == 0)
+        return;
+    uint32_t number = word - 1;
+    if (number & PRIMITIVE_SHAPE) {
+        number &= ~PRIMITIVE_SHAPE;
+        ids[0] = flat->instance_count + number + 1;
+        ids[1] = flat->shapes[number].material + 1;
+        ids[2] = 1;
+        return;
+    }
+    uint32_t instance, triangle;
+    flat_triangle_source(flat, number, &instance, &triangle);
+    ids[0] = instance + 1;
+    ids[1] = flat->triangles[number].material + 1;
+    ids[2] = triangle + 1;
+}
+
+void film_aovs_read(const struct film_aovs *aovs, uint64_t at, const uint32_t *words,
+                    uint32_t device, const struct flat_scene *flat)
+{
+    float share = 1.0f;
+    if (device & AOV_ALPHA)
+        memcpy(&share, &words[AOV_SCALAR_AT(device, AOV_ALPHA)], sizeof share);
+    for (int i = 0; i < PLANE_COUNT; i++) {
+        const struct plane *plane = &planes[i];
+        float *to = plane_of(aovs, plane);
+        if (!to)
+            continue;
+        to += at * plane->components;
+        memcpy(to, &words[float_at(device, plane)], plane->components * sizeof *to);
+        for (uint32_t c = 0; c < plane->components && (plane->aov & AOVS_OF_PLACES); c++)
+            to[c] = share > 0.0f ? to[c] / share : plane->aov == AOV_DEPTH ? INFINITY : 0.0f;
+        // The device's coordinates may have an origin of their own.
+        for (uint32_t c = 0; c < 3 && plane->aov == AOV_POSITION && share > 0.0f; c++)
+            to[c] = (float)((double)to[c] + flat->origin[c]);
+    }
+    if (aovs->ids)
+        read_ids(words[4 * AOV_SUM_WORDS(device)], flat, aovs->ids[at]);
+}
