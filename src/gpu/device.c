@@ -72,6 +72,7 @@ void gpu_close(struct gpu *gpu)
         return;
     if (gpu->device) {
         vkDeviceWaitIdle(gpu->device); // fails on a lost device, which is as idle as can be
+        kernels_destroy(gpu);
         layouts_destroy(gpu);
         vkDestroyDevice(gpu->device, NULL);
     }

@@ -18,6 +18,7 @@
 #define GPU_MAX_UNIFORM_BYTES 16384                           // of it: what every device takes
 #define GPU_PUSH_BYTES 128
 #define GPU_MAX_CONSTANTS 64 // specialization constants of a kernel
+#define GPU_KEPT_KERNELS 64
 #define GPU_MAX_DEVICES 16
 #define GPU_MIN_INVOCATIONS 128 // threads a workgroup that kernels may count on
 
@@ -58,6 +59,14 @@ struct gpu_params {
     uint32_t fail_allocation, lose_device_at_submit;
 };
 
+struct gpu_kernel {
+    VkPipeline pipeline;
+    const char *name;
+    // What it was made from.
+    const uint32_t *spirv;
+    uint32_t constants[GPU_MAX_CONSTANTS], constant_count;
+};
+
 struct gpu {
     VkInstance instance;
     VkPhysicalDevice physical;
@@ -85,6 +94,10 @@ struct gpu {
     VkDescriptorSetLayout set_layout;
     VkPipelineLayout pipeline_layout;
     VkPipelineCache pipeline_cache;
+    // Of kernels that are gone, for those to come: drivers take up to half a second to make the
+    // pipelines of a renderer. The oldest goes first.
+    struct gpu_kernel kept[GPU_KEPT_KERNELS];
+    uint32_t kept_next;
     VkDebugUtilsMessengerEXT messenger;
     struct gpu_params params;
     uint32_t allocation_count, submit_count;
@@ -131,14 +144,12 @@ struct gpu_kernel_params {
     uint32_t constant_count;
 };
 
-struct gpu_kernel {
-    VkPipeline pipeline;
-    const char *name;
-};
-
+// The code must outlive the device.
 bool gpu_kernel_create(struct gpu *gpu, const struct gpu_kernel_params *params,
                        struct gpu_kernel *out, struct err *err);
-void gpu_kernel_finish(struct gpu *gpu, struct gpu_kernel *kernel); // accepts NULL and {0}
+// The device keeps the pipeline for a kernel of the same code and constants to come. Accepts NULL
+// and {0}.
+void gpu_kernel_finish(struct gpu *gpu, struct gpu_kernel *kernel);
 
 // --- bindings -----------------------------------------------------------------------------------
 // A descriptor set. Every binding is always valid: those left {0} are bound to a small dummy buffer

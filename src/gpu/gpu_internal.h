@@ -39,6 +39,7 @@ bool buffer_zero(struct gpu *gpu, struct gpu_buffer *buffer, struct err *err);
 // --- kernel.c -----------------------------------------------------------------------------------
 bool layouts_create(struct gpu *gpu, struct err *err);
 void layouts_destroy(struct gpu *gpu);
+void kernels_destroy(struct gpu *gpu); // those that are kept
 
 // --- debug.c ------------------------------------------------------------------------------------
 // Names an object for the validation layers' messages and for debuggers; nothing without them.

@@ -1,5 +1,6 @@
 // Compute pipelines, and the one layout that all of them share.
 #include "gpu_internal.h"
+#include <string.h>
 
 // Bindings 0 .. GPU_MAX_STORAGE-1 are storage buffers, then come GPU_MAX_TEXEL uniform texel
 // buffers and one uniform buffer.
@@ -92,24 +93,50 @@ static bool pipeline_create(struct gpu *gpu, const struct gpu_kernel_params *par
               vkCreateComputePipelines(gpu->device, gpu->pipeline_cache, 1, &info, NULL, out));
 }
 
+static bool same_code(const struct gpu_kernel *kernel, const struct gpu_kernel_params *params)
+{
+    return kernel->spirv == params->spirv && kernel->constant_count == params->constant_count &&
+           memcmp(kernel->constants, params->constants,
+                  params->constant_count * sizeof *params->constants) == 0;
+}
+
+// Takes a pipeline of the same code and constants out of those that are kept.
+static VkPipeline take_kept(struct gpu *gpu, const struct gpu_kernel_params *params)
+{
+    for (uint32_t i = 0; i < GPU_KEPT_KERNELS; i++) {
+        VkPipeline found = gpu->kept[i].pipeline;
+        if (found && same_code(&gpu->kept[i], params)) {
+            gpu->kept[i] = (struct gpu_kernel){0};
+            return found;
+        }
+    }
+    return VK_NULL_HANDLE;
+}
+
 bool gpu_kernel_create(struct gpu *gpu, const struct gpu_kernel_params *params,
                        struct gpu_kernel *out, struct err *err)
 {
-    *out = (struct gpu_kernel){.name = params->name};
+    *out = (struct gpu_kernel){.name = params->name, .spirv = params->spirv};
     if (params->constant_count > GPU_MAX_CONSTANTS)
         return err_set(err, ERR_BUG, "kernel %s: %u specialization constants, expected at most %d",
                        params->name, params->constant_count, GPU_MAX_CONSTANTS);
-    const VkShaderModuleCreateInfo info = {
-        .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
-        .codeSize = params->spirv_bytes,
-        .pCode = params->spirv,
-    };
-    VkShaderModule module = VK_NULL_HANDLE;
-    bool ok = VK(gpu, err, vkCreateShaderModule(gpu->device, &info, NULL, &module)) &&
-              pipeline_create(gpu, params, module, &out->pipeline, err);
-    vkDestroyShaderModule(gpu->device, module, NULL);
-    if (!ok)
-        return err_prepend(err, "kernel %s", params->name);
+    out->constant_count = params->constant_count;
+    for (uint32_t i = 0; i < params->constant_count; i++)
+        out->constants[i] = params->constants[i];
+    out->pipeline = take_kept(gpu, params);
+    if (!out->pipeline) {
+        const VkShaderModuleCreateInfo info = {
+            .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
+            .codeSize = params->spirv_bytes,
+            .pCode = params->spirv,
+        };
+        VkShaderModule module = VK_NULL_HANDLE;
+        bool ok = VK(gpu, err, vkCreateShaderModule(gpu->device, &info, NULL, &module)) &&
+                  pipeline_create(gpu, params, module, &out->pipeline, err);
+        vkDestroyShaderModule(gpu->device, module, NULL);
+        if (!ok)
+            return err_prepend(err, "kernel %s", params->name);
+    }
     DEBUG_NAME(gpu, PIPELINE, out->pipeline, params->name);
     return true;
 }
@@ -118,7 +145,16 @@ void gpu_kernel_finish(struct gpu *gpu, struct gpu_kernel *kernel)
 {
     if (!kernel)
         return;
-    if (kernel->pipeline)
-        vkDestroyPipeline(gpu->device, kernel->pipeline, NULL);
+    if (kernel->pipeline) {
+        struct gpu_kernel *oldest = &gpu->kept[gpu->kept_next++ % GPU_KEPT_KERNELS];
+        vkDestroyPipeline(gpu->device, oldest->pipeline, NULL);
+        *oldest = *kernel;
+    }
     *kernel = (struct gpu_kernel){0};
+}
+
+void kernels_destroy(struct gpu *gpu)
+{
+    for (uint32_t i = 0; i < GPU_KEPT_KERNELS; i++)
+        vkDestroyPipeline(gpu->device, gpu->kept[i].pipeline, NULL);
 }

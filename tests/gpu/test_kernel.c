@@ -317,7 +317,38 @@ TEST(too_many_constants_are_refused)
     gpu_close(&gpu);
 }
 
+// Kernels of the same code and constants share a pipeline one after the other, never at the same
+// time; other constants have pipelines of their own, and the oldest of those kept go first.
+TEST(pipelines_are_kept)
+{
+    struct gpu gpu;
+    OPEN(&gpu, .validation = true);
+    struct gpu_kernel kernels[GPU_KEPT_KERNELS + 1] = {0}, again = {0}, other = {0};
+    struct err err = {0};
+    CHECK(copy_kernel_create(&gpu, 0, false, &kernels[0], &err), "%s", err.msg);
+    VkPipeline first = kernels[0].pipeline;
+    CHECK(copy_kernel_create(&gpu, 0, false, &again, &err) && again.pipeline != first);
+    gpu_kernel_finish(&gpu, &kernels[0]);
+    CHECK(copy_kernel_create(&gpu, 1, false, &other, &err) && other.pipeline != first);
+    CHECK(copy_kernel_create(&gpu, 0, false, &kernels[0], &err) && kernels[0].pipeline == first);
+    gpu_kernel_finish(&gpu, &again);
+    gpu_kernel_finish(&gpu, &other);
+    // One more than are kept: the first of them has gone.
+    for (uint32_t i = 1; i <= GPU_KEPT_KERNELS; i++)
+        CHECK(copy_kernel_create(&gpu, i + 1, false, &kernels[i], &err), "%s", err.msg);
+    VkPipeline last = kernels[GPU_KEPT_KERNELS].pipeline;
+    for (uint32_t i = 0; i <= GPU_KEPT_KERNELS; i++)
+        gpu_kernel_finish(&gpu, &kernels[i]);
+    for (uint32_t i = 0; i < GPU_KEPT_KERNELS; i++)
+        CHECK(gpu.kept[i].pipeline && gpu.kept[i].constants[1] != 0, "%u", i);
+    CHECK(copy_kernel_create(&gpu, GPU_KEPT_KERNELS + 1, false, &again, &err) &&
+          again.pipeline == last);
+    gpu_kernel_finish(&gpu, &again);
+    gpu_close(&gpu);
+    CHECK(gpu.validation_messages == 0, "%u", gpu.validation_messages);
+}
+
 TEST_MAIN(TEST_CASE(copy_through_storage_buffers), TEST_CASE(copy_through_a_texel_buffer),
           TEST_CASE(bindings_respect_offset_and_range), TEST_CASE(indirect_dispatch_after_a_kernel),
           TEST_CASE(ballot_compacts), TEST_CASE(timestamps_rise_and_stop_when_full),
-          TEST_CASE(too_many_constants_are_refused))
+          TEST_CASE(too_many_constants_are_refused), TEST_CASE(pipelines_are_kept))
