@@ -45,7 +45,9 @@ void main()
         v.eta = v.m.group[GROUP_INTERFACE].g;
 
         vec4 u_extra = vec4(0.0);
-        if (HAS(FEATURE_NEE) || HAS_LOBE(LOBE_DISPERSION))
+        // Not as one expression: glslang takes chains of three constants wrong.
+        bool needs_extra = HAS(FEATURE_NEE) || HAS_LOBE(LOBE_DISPERSION);
+        if (needs_extra || DIRECTIONS != DIRECTIONS_BSDF)
             u_extra = uniforms(slot, bounce_dimension(push.bounce, DIMENSION_EXTRA));
         bool passes = false;
         if (HAS(FEATURE_FALLOFF) && push.bounce == 0u)
@@ -62,10 +64,10 @@ void main()
                 u_light = uniforms(slot, bounce_dimension(push.bounce, DIMENSION_LIGHT));
             vec4 u_bsdf = uniforms(slot, bounce_dimension(push.bounce, DIMENSION_BSDF));
 
-            if (HAS(FEATURE_NEE) && !passes)
+            if (sends_shadow_rays() && !passes)
                 shadow = connect_light(v, vec4(u_light.xyz, u_extra.x));
 
-            ray_onwards next = scatter(v, ray.xyz, passes, stack, u_bsdf);
+            ray_onwards next = scatter(v, ray.xyz, passes, stack, u_bsdf, u_extra.z);
             if (!is_finite(v.throughput)) {
                 report_nonfinite(slot, SITE_THROUGHPUT);
                 next.valid = false;
@@ -74,7 +76,7 @@ void main()
             if (HAS(FEATURE_MEDIA) && HAS(FEATURE_ROULETTE))
                 scale = roulette_scale(load_medium(media_current(next.media)).ior);
             scattered = next.valid && any(greaterThan(v.throughput, vec3(0.0))) &&
-                        survives_roulette(v.throughput, scale, u_light.w);
+                        survives_roulette(slot, v.throughput, scale, u_light.w);
             if (scattered) {
                 vec3 from = offset_origin(v.s.position, v.s.error, v.s.normal_geometric,
                                           next.direction);

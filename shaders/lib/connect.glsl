@@ -2,16 +2,17 @@
 #ifndef CONNECT_GLSL
 #define CONNECT_GLSL
 
+#include "lib/directions.glsl"
 #include "lib/light.glsl"
 #include "lib/ray_offset.glsl"
+#include "lib/sampler.glsl"
 #include "lib/vertex.glsl"
 
-// Writes the shadow ray to a point on an emitter; false when there is nothing to connect.
-bool connect_light(vertex v, vec4 u)
+// Writes the shadow ray number `ray` to a sampled point of an emitter; false when there is nothing
+// to connect.
+bool connect_sample(vertex v, vec3 origin, uint ray, light_sample l)
 {
     surface s = v.s;
-    vec3 origin = offset_origin(s.position, s.error, s.normal_geometric, s.normal_geometric);
-    light_sample l = sample_light(origin, u);
     vec3 wi = normalize(l.to_light);
     vec3 local = wi * v.frame;
     if (!(l.pdf > 0.0) || !sides_agree(v, wi, local))
@@ -19,12 +20,13 @@ bool connect_light(vertex v, vec4 u)
 
     float pdf;
     vec3 f = eval_bsdf(v.m, v.wo, local, v.eta, pdf);
+    pdf = pdf_onwards(v.m, v.wo, local, v.eta, pdf);
     float weight = 1.0;
     if (HAS(FEATURE_BSDF_HITS_EMITTERS) && !l.delta)
         weight = mis_weight(l.pdf, pdf);
     vec3 radiance = v.throughput * f * l.radiance * (weight / l.pdf);
     if (HAS(FEATURE_MEDIA))
-        radiance *= transmittance(load_medium(medium_towards(v, wi)), length(l.to_light));
+        radiance *= transmittance(load_medium(medium_towards(v, wi)), light_distance(l));
     if (all(equal(radiance, vec3(0.0))))
         return false;
     if (HAS_LOBE(LOBES_THROUGH) && local.z < 0.0) {
@@ -32,10 +34,35 @@ bool connect_light(vertex v, vec4 u)
         l.to_light += origin - other;
         origin = other;
     }
-    store_shadow_ray(v.slot, 0u, 0u, uvec4(floatBitsToUint(origin), v.primitive));
-    store_shadow_ray(v.slot, 0u, 1u, uvec4(floatBitsToUint(l.to_light), l.primitive));
-    store_shadow_ray(v.slot, 0u, 2u, floatBitsToUint(vec4(radiance, l.pdf)));
+    store_shadow_ray(v.slot, ray, 0u, uvec4(floatBitsToUint(origin), v.primitive));
+    store_shadow_ray(v.slot, ray, 1u, uvec4(floatBitsToUint(l.to_light), l.primitive));
+    store_shadow_ray(v.slot, ray, 2u, floatBitsToUint(vec4(radiance, l.pdf)));
     return true;
+}
+
+// One shadow ray to each emitter; those that have nothing to carry carry nothing.
+bool connect_all_lights(vertex v, vec3 origin)
+{
+    bool any_ray = false;
+    for (uint i = 0u; i < LIGHT_RAYS; i++) {
+        vec4 u = uniforms(v.slot, light_dimension(push.bounce, i));
+        bool connected = connect_sample(v, origin, i, sample_each_light(origin, i, u.xy));
+        any_ray = any_ray || connected;
+        if (!connected && LIGHT_RAYS > 1u)
+            store_shadow_ray(v.slot, i, 2u, uvec4(0u));
+    }
+    return any_ray;
+}
+
+// Writes the vertex's shadow rays; false when there is none. `u`: of one emitter, see
+// sample_light().
+bool connect_light(vertex v, vec4 u)
+{
+    surface s = v.s;
+    vec3 origin = offset_origin(s.position, s.error, s.normal_geometric, s.normal_geometric);
+    if (LIGHT_CHOICE == LIGHT_CHOICE_ALL)
+        return connect_all_lights(v, origin);
+    return connect_sample(v, origin, 0u, sample_light(origin, u));
 }
 
 #endif

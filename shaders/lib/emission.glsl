@@ -3,14 +3,15 @@
 #define EMISSION_GLSL
 
 #include "lib/light.glsl"
+#include "lib/nee.glsl"
 #include "lib/vertex.glsl"
 
 // Emission as seen by the path, weighted against next-event estimation.
 void add_emission(vertex v, vec3 origin, vec3 direction, float distance, float bsdf_pdf)
 {
     float weight = 1.0;
-    float pick_density = v.m.group[GROUP_EMISSION].a;
-    if (HAS(FEATURE_NEE) && bsdf_pdf > 0.0 && pick_density > 0.0) {
+    if (sent_shadow_rays(bsdf_pdf) && v.m.group[GROUP_EMISSION].a > 0.0) {
+        float pick_density = pick_density_at(v.m, v.primitive);
         weight = 0.0;
         if (HAS(FEATURE_BSDF_HITS_EMITTERS))
             weight = mis_weight(bsdf_pdf,

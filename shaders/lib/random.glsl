@@ -2,6 +2,8 @@
 #ifndef RANDOM_GLSL
 #define RANDOM_GLSL
 
+#include "lib/constants.glsl"
+
 // A dimension belongs to a use, so that leaving a feature out shifts nothing. Each number stands
 // for four values.
 const uint DIMENSION_CAMERA = 0u;       // pixel x, y; lens x, y
@@ -9,11 +11,19 @@ const uint DIMENSION_FIRST_BOUNCE = 1u; // then DIMENSIONS_A_BOUNCE each
 const uint DIMENSIONS_A_BOUNCE = 3u;
 const uint DIMENSION_LIGHT = 0u; // which emitter; point on it x, y; roulette
 const uint DIMENSION_BSDF = 1u;  // direction x, y; lobe; a second choice
-const uint DIMENSION_EXTRA = 2u; // within the emitter's bin; dispersion; two to spare
+const uint DIMENSION_EXTRA = 2u; // within the emitter's bin; dispersion; way to go on; one to spare
+const uint DIMENSION_ALL_LIGHTS = 1u << 31; // see light_dimension()
 
 uint bounce_dimension(uint bounce, uint use)
 {
     return DIMENSION_FIRST_BOUNCE + bounce * DIMENSIONS_A_BOUNCE + use;
+}
+
+// Of the point on emitter number `light`, when each of `LIGHT_RAYS` is connected to: apart from all
+// others.
+uint light_dimension(uint bounce, uint light)
+{
+    return DIMENSION_ALL_LIGHTS + bounce * LIGHT_RAYS + light;
 }
 
 // pcg4d, Jarzynski and Olano 2020, "Hash Functions for GPU Rendering", listing in section 4.
@@ -32,11 +42,16 @@ uvec4 pcg4d(uvec4 v)
     return v;
 }
 
-// Four independent uniforms in [0, 1), multiples of 2^-24.
+// Uniforms in [0, 1), multiples of 2^-24.
+vec4 to_uniforms(uvec4 bits)
+{
+    return vec4(bits >> 8u) * 5.9604644775390625e-8;
+}
+
+// Four that are independent.
 vec4 random_4d(uint seed, uint pixel, uint sample_index, uint dimension)
 {
-    uvec4 bits = pcg4d(uvec4(pixel, sample_index, dimension, seed));
-    return vec4(bits >> 8u) * 5.9604644775390625e-8;
+    return to_uniforms(pcg4d(uvec4(pixel, sample_index, dimension, seed)));
 }
 
 #endif

@@ -3,16 +3,28 @@
 #define ROULETTE_GLSL
 
 #include "lib/media.glsl"
+#include "lib/random.glsl"
 
-// Russian roulette by throughput: survivors carry those who are ended (Arvo and Kirk 1990).
-// Refraction into a medium of index n divides the throughput by n^2, and leaving it brings that back:
-// `scale` undoes it here, so that paths inside of glass do not end for it.
-bool survives_roulette(inout vec3 throughput, float scale, float u)
+// In place of a pixel's number, which is less: what all pixels share.
+const uint NO_PIXEL = 0xffffffffu;
+
+// Russian roulette: survivors carry those who are ended (Arvo and Kirk 1990), by throughput, with
+// one probability for all, or with one depth for all pixels of a sample number. That depth is
+// geometric, drawn by a chance a bounce from (seed, sample) alone.
+//
+// Refraction into a medium of index n divides the throughput by n^2, and leaving it brings that
+// back: `scale` undoes it here, so that paths inside of glass do not end for it.
+bool survives_roulette(uint slot, inout vec3 throughput, float scale, float u)
 {
-    if (!HAS(FEATURE_ROULETTE) || push.bounce < frame.roulette_min_bounces)
+    if (!HAS(FEATURE_ROULETTE) || ROULETTE == ROULETTE_OFF ||
+        push.bounce < frame.roulette_min_bounces)
         return true;
-    float survival =
-        min(1.0, max(throughput.r, max(throughput.g, throughput.b)) * scale);
+    float survival = frame.roulette_survival;
+    if (ROULETTE == ROULETTE_THROUGHPUT)
+        survival = min(1.0, max(throughput.r, max(throughput.g, throughput.b)) * scale);
+    if (ROULETTE == ROULETTE_FRAME)
+        u = random_4d(frame.seed, NO_PIXEL, slot_sample(slot),
+                      bounce_dimension(push.bounce, DIMENSION_LIGHT)).w;
     throughput /= survival;
     return u < survival;
 }

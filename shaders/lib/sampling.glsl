@@ -35,6 +35,14 @@ float pdf_cosine_hemisphere(float cos_theta)
     return cos_theta * INV_PI;
 }
 
+// Uniform about +z, by height.
+vec3 sample_hemisphere(vec2 u)
+{
+    float radius = sqrt(u.x * (2.0 - u.x));
+    float angle = 2.0 * PI * u.y;
+    return vec3(radius * cos(angle), radius * sin(angle), 1.0 - u.x);
+}
+
 vec3 sample_sphere(vec2 u)
 {
     float z = 1.0 - 2.0 * u.x;

@@ -1,0 +1,129 @@
+// Ways to choose the direction in which a path goes on that ask little or nothing of the surface,
+// to compare with the BSDF's own. What is drawn is weighted by BSDF * |cos| / density, and the density
+// stands in the weights of multiple importance sampling: every way converges to the same picture.
+//
+// - What the surface sends through itself is looked for as well: where its material transmits
+//   other than perfectly, hemispheres are mirrored to the other side half of the time.
+// - Perfectly specular directions are found by the BSDF's sampling alone. A material of nothing else
+//   is sampled so; one that has other parts besides goes on in either way, half of the time each,
+//   and the density is that of the mixture (Veach and Guibas 1995, the one-sample model).
+#ifndef DIRECTIONS_GLSL
+#define DIRECTIONS_GLSL
+
+#include "lib/bsdf.glsl"
+#include "lib/sampling.glsl"
+
+// The lobe about the mirrored direction leaves out what is far from it: so much of the cosine is
+// mixed in, for weights that are bounded (Hesterberg 1995, "Weighted Average Importance Sampling
+// and Defensive Mixture Distributions").
+const float DEFENSIVE_PART = 0.125;
+
+// Whether something but perfectly specular light goes through.
+bool transmits(material m)
+{
+    uint model = material_model(m);
+    if (HAS_LOBE(LOBE_DIELECTRIC) && model == MATERIAL_DIELECTRIC)
+        return true;
+    bool principled_does = HAS_LOBE(LOBE_TRANSMISSION) && m.group[GROUP_INTERFACE].r > 0.0;
+    if (HAS_LOBE(LOBE_DIFFUSE_TRANSMISSION))
+        principled_does = principled_does || m.group[GROUP_DIFFUSE].a > 0.0;
+    return model == MATERIAL_PRINCIPLED && principled_does;
+}
+
+// How much of what goes on is left to the BSDF's sampling.
+float part_by_bsdf(material m, vec3 wo, float eta)
+{
+    uint model = material_model(m);
+    bool delta = is_delta(dielectric_alpha(m));
+    if (HAS_LOBE(LOBE_MIRROR) && model == MATERIAL_MIRROR)
+        return 1.0;
+    if (HAS_LOBE(LOBE_CONDUCTOR) && model == MATERIAL_CONDUCTOR)
+        return delta ? 1.0 : 0.0;
+    if (HAS_LOBE(LOBE_DIELECTRIC) && model == MATERIAL_DIELECTRIC) {
+        if (delta || is_index_matched(eta))
+            return 1.0;
+        float width = dielectric_alpha(m) * abs(eta - 1.0);
+        return !is_thin(m) && width < SMALLEST_REFRACTED_WIDTH ? 0.5 : 0.0;
+    }
+    if (HAS_LOBE(LOBE_MICROFACET) && model == MATERIAL_MICROFACET)
+        return delta ? 0.5 : 0.0;
+    if (HAS_LOBE(LOBE_PRINCIPLED) && model == MATERIAL_PRINCIPLED) {
+        principled p = principled_prepare(m, wo, eta);
+        bool through = HAS_LOBE(LOBE_TRANSMISSION) && p.transmission > 0.0 &&
+                       principled_through_is_delta(p);
+        return p.is_delta || (p.coat_delta && p.p_coat > 0.0) || through ? 0.5 : 0.0;
+    }
+    return 0.0;
+}
+
+// Densities per solid angle on the whole sphere; below the surface that of the lobe may not be 0.
+float pdf_one_side(vec3 wo, vec3 wi)
+{
+    float cosine = pdf_cosine_hemisphere(max(wi.z, 0.0));
+    if (DIRECTIONS == DIRECTIONS_HEMISPHERE)
+        return wi.z > 0.0 ? 0.5 * INV_PI : 0.0;
+    if (DIRECTIONS == DIRECTIONS_COSINE)
+        return cosine;
+    vec3 difference = wi - mirrored(wo);
+    float n = frame.direction_exponent;
+    float lobe = (n + 1.0) * 0.5 * INV_PI *
+                 power_one_minus(0.5 * dot(difference, difference), n);
+    return mix(lobe, cosine, DEFENSIVE_PART);
+}
+
+float pdf_direction(bool through, vec3 wo, vec3 wi)
+{
+    if (DIRECTIONS == DIRECTIONS_SPHERE)
+        return 0.25 * INV_PI;
+    float pdf = pdf_one_side(wo, wi);
+    return through ? 0.5 * (pdf + pdf_one_side(wo, vec3(wi.xy, -wi.z))) : pdf;
+}
+
+// u: direction x, y; which side; lobe or cosine
+vec3 sample_direction(bool through, vec3 wo, vec4 u)
+{
+    if (DIRECTIONS == DIRECTIONS_SPHERE)
+        return sample_sphere(u.xy);
+    vec3 wi;
+    if (DIRECTIONS == DIRECTIONS_HEMISPHERE)
+        wi = sample_hemisphere(u.xy);
+    else if (DIRECTIONS == DIRECTIONS_COSINE || u.w < DEFENSIVE_PART)
+        wi = sample_cosine_hemisphere(u.xy);
+    else
+        wi = normalize(basis_around(mirrored(wo)) *
+                       sample_cosine_power(frame.direction_exponent, u.xy).xyz);
+    if (through && u.z < 0.5)
+        wi.z = -wi.z;
+    return wi;
+}
+
+// The density with which a path goes on into wi, from that of the BSDF's sampling.
+float pdf_onwards(material m, vec3 wo, vec3 wi, float eta, float bsdf_pdf)
+{
+    if (DIRECTIONS == DIRECTIONS_BSDF)
+        return bsdf_pdf;
+    return mix(pdf_direction(transmits(m), wo, wi), bsdf_pdf, part_by_bsdf(m, wo, eta));
+}
+
+// In place of sample_bsdf(). u_part chooses between the BSDF's sampling and the other way.
+bsdf_sample sample_onwards(material m, vec3 wo, float eta, vec4 u, float u_part)
+{
+    float part = part_by_bsdf(m, wo, eta);
+    bsdf_sample s = bsdf_absorbed();
+    if (u_part < part) {
+        s = sample_bsdf(m, wo, eta, u);
+        s.weight /= part;
+        if (s.specular || !s.valid)
+            return s;
+    } else {
+        s.wi = sample_direction(transmits(m), wo, u);
+        s.transmitted = s.wi.z < 0.0;
+    }
+    vec3 f = eval_bsdf(m, wo, s.wi, eta, s.pdf);
+    s.pdf = pdf_onwards(m, wo, s.wi, eta, s.pdf);
+    s.valid = s.pdf > 0.0;
+    s.weight = s.valid ? f / s.pdf : vec3(0.0);
+    return s;
+}
+
+#endif

@@ -1,0 +1,25 @@
+// Which vertices of a path send shadow rays: what their scattered rays meet is weighted against
+// that.
+#ifndef NEE_GLSL
+#define NEE_GLSL
+
+#include "lib/buffers.glsl"
+
+// Of the vertex that is being shaded.
+bool sends_shadow_rays()
+{
+    if (HAS(FEATURE_NEE_DEPTH) && push.bounce >= frame.nee_depth)
+        return false;
+    return HAS(FEATURE_NEE);
+}
+
+// Of the vertex that the ray of this bounce comes from, by the density that chose its direction.
+// What such a ray meets may have been connected to; else it counts in full.
+bool sent_shadow_rays(float bsdf_pdf)
+{
+    if (HAS(FEATURE_NEE_DEPTH) && push.bounce > frame.nee_depth)
+        return false;
+    return HAS(FEATURE_NEE) && bsdf_pdf > 0.0;
+}
+
+#endif
