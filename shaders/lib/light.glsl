@@ -5,8 +5,11 @@
 #define LIGHT_GLSL
 
 #include "lib/alpha.glsl"
+#include "lib/environment.glsl"
 #include "lib/material.glsl"
+#include "lib/random.glsl"
 #include "lib/sampling.glsl"
+#include "lib/sun.glsl"
 #include "lib/surface.glsl"
 
 struct light_sample {
@@ -16,8 +19,23 @@ struct light_sample {
     uint primitive;
     bool delta; // without extent: nothing else finds it, so that its weight is 1; `radiance` is the
                 // irradiance of a surface that faces it, and `pdf` that of the choice alone
+    bool infinite;     // infinitely far, whatever the length of to_light
     uint material;     // word of a primitive's
     vec2 barycentrics; // of the point on a triangle
+};
+
+// How far the sampled point is, for what is lost on the way.
+float light_distance(light_sample l)
+{
+    bool is_infinite = HAS_EMITTER(EMITTER_SUNS | EMITTER_ENVIRONMENT) && !l.delta && l.infinite;
+    return is_infinite ? 3.4e38 : length(l.to_light);
+}
+
+// An emitter, and the probability with which it was chosen, where its material or its record does
+// not say.
+struct light_choice {
+    uint primitive;
+    float pick;
 };
 
 // 1 - cos of the half-angle under which a sphere is seen, from sin^2 of it; does not cancel.
@@ -52,17 +70,34 @@ float pdf_light(vec3 origin, vec3 direction, float distance, surface s, float pi
                                    abs(dot(direction, s.normal_geometric)));
 }
 
+float triangle_area(vec3 v0, vec3 v1, vec3 v2)
+{
+    return 0.5 * length(cross(v1 - v0, v2 - v0));
+}
+
+float shape_area(uint kind, float radius)
+{
+    return (kind == SHAPE_KIND_SPHERE ? 4.0 : 1.0) * PI * radius * radius;
+}
+
+// The density of choosing an emitter and a point on it, a unit area. By power it is the same for all
+// of one material: no lookup is needed to weight a hit.
+float pick_density_of(material m, float pick, float area)
+{
+    return LIGHT_CHOICE == LIGHT_CHOICE_POWER ? m.group[GROUP_EMISSION].a : pick / area;
+}
+
 // A point chosen uniformly by area: the vector to it and its surface normal give the density.
-void finish_area_sample(inout light_sample l, vec3 to_light, vec3 normal, material m)
+void finish_area_sample(inout light_sample l, vec3 to_light, vec3 normal, material m, float density)
 {
     float distance = length(to_light);
     float cos_light = abs(dot(to_light, normal)) / distance;
     l.to_light = to_light;
-    l.pdf = pdf_area_to_solid_angle(m.group[GROUP_EMISSION].a, distance, cos_light);
+    l.pdf = pdf_area_to_solid_angle(density, distance, cos_light);
     l.radiance = m.group[GROUP_EMISSION].rgb;
 }
 
-void sample_triangle_light(vec3 origin, uint index, vec2 u, inout light_sample l)
+void sample_triangle_light(vec3 origin, uint index, float pick, vec2 u, inout light_sample l)
 {
     vec3 v0 = load_triangles_float(index * 3u).xyz;
     uvec4 w1 = load_triangles(index * 3u + 1u);
@@ -72,12 +107,13 @@ void sample_triangle_light(vec3 origin, uint index, vec2 u, inout light_sample l
     vec3 point = v0 + b.x * (v1 - v0) + b.y * (v2 - v0);
     l.material = w1.w;
     l.barycentrics = b;
-    finish_area_sample(l, point - origin, normalize(cross(v1 - v0, v2 - v0)),
-                       load_material(w1.w));
+    material m = load_material(w1.w);
+    finish_area_sample(l, point - origin, normalize(cross(v1 - v0, v2 - v0)), m,
+                       pick_density_of(m, pick, triangle_area(v0, v1, v2)));
 }
 
 // From outside uniformly in the cone that the sphere fills, to its near side; from inside by area.
-void sample_sphere_light(vec3 origin, vec3 center, float radius, material m, vec2 u,
+void sample_sphere_light(vec3 origin, vec3 center, float radius, material m, float density, vec2 u,
                          inout light_sample l)
 {
     vec3 to_center = center - origin;
@@ -93,28 +129,30 @@ void sample_sphere_light(vec3 origin, vec3 center, float radius, material m, vec
         float half_chord = sqrt(max(0.0, radius * radius - distance2 * sin2_theta));
         l.to_light = basis_around(to_center / distance) * local *
                      (distance * cos_theta - half_chord);
-        l.pdf = pdf_sphere_cone(radius, sin2_max, m.group[GROUP_EMISSION].a);
+        l.pdf = pdf_sphere_cone(radius, sin2_max, density);
         l.radiance = m.group[GROUP_EMISSION].rgb;
     } else {
         vec3 normal = sample_sphere(u);
-        finish_area_sample(l, to_center + radius * normal, normal, m);
+        finish_area_sample(l, to_center + radius * normal, normal, m, density);
     }
 }
 
-void sample_shape_light(vec3 origin, uint index, vec2 u, inout light_sample l)
+void sample_shape_light(vec3 origin, uint index, float pick, vec2 u, inout light_sample l)
 {
     vec4 w0 = load_shapes_float(index * SHAPE_WORDS);
     uvec4 w1 = load_shapes(index * SHAPE_WORDS + 1u);
     uint kind = w1.w >> SHAPE_KIND_SHIFT;
     material m = load_material(w1.w);
+    float density = pick_density_of(m, pick, shape_area(kind, w0.w));
     l.material = w1.w;
     if (HAS_EMITTER(EMITTER_SPHERES) && kind == SHAPE_KIND_SPHERE)
-        sample_sphere_light(origin, w0.xyz, w0.w, m, u, l);
+        sample_sphere_light(origin, w0.xyz, w0.w, m, density, u, l);
     if (HAS_EMITTER(EMITTER_DISCS) && kind == SHAPE_KIND_DISC) {
         vec3 normal = uintBitsToFloat(w1.xyz);
         vec2 d = w0.w * sample_disc(u);
         mat3 basis = basis_around(normal);
-        finish_area_sample(l, w0.xyz + basis[0] * d.x + basis[1] * d.y - origin, normal, m);
+        finish_area_sample(l, w0.xyz + basis[0] * d.x + basis[1] * d.y - origin, normal, m,
+                           density);
     }
 }
 
@@ -157,7 +195,18 @@ float range_window(float part)
     return clamp(1.0 - square * square, 0.0, 1.0);
 }
 
-void sample_point_light(vec3 origin, uint index, inout light_sample l)
+// A directional light with an angular diameter is a cone of constant radiance.
+void sample_sun_light(vec3 towards, vec3 irradiance, float versine, float reach, vec2 u,
+                      inout light_sample l)
+{
+    vec3 direction;
+    l.delta = false;
+    l.pdf *= sample_sun(towards, versine, u, direction);
+    l.to_light = reach * direction;
+    l.radiance = sun_radiance(irradiance, versine);
+}
+
+void sample_point_light(vec3 origin, uint index, float pick, vec2 u, inout light_sample l)
 {
     uint at = load_materials(0u).y + index * LIGHT_WORDS;
     uvec4 w0 = load_materials(at);
@@ -165,10 +214,13 @@ void sample_point_light(vec3 origin, uint index, inout light_sample l)
     vec4 w2 = load_materials_float(at + 2u);
     vec4 w3 = load_materials_float(at + 3u);
     l.delta = true;
-    l.pdf = w1.w;
+    l.pdf = LIGHT_CHOICE == LIGHT_CHOICE_TREE && w0.w != LIGHT_DIRECTIONAL ? pick : w1.w;
     l.radiance = w2.rgb;
     if (w0.w == LIGHT_DIRECTIONAL) {
+        l.infinite = true;
         l.to_light = -w3.z * w1.xyz;
+        if (HAS_EMITTER(EMITTER_SUNS) && (!HAS_EMITTER(EMITTER_LIGHTS) || w3.w > 0.0))
+            sample_sun_light(-w1.xyz, w2.rgb, w3.w, w3.z, u, l);
         return;
     }
     l.to_light = uintBitsToFloat(w0.xyz) - origin;
@@ -179,6 +231,18 @@ void sample_point_light(vec3 origin, uint index, inout light_sample l)
         l.radiance *= spot_falloff(w1.xyz, -l.to_light / distance, w3.x, w3.y);
     // A point that the light is in has no direction to it.
     l.pdf = distance2 > 0.0 ? l.pdf : 0.0;
+}
+
+void sample_environment_light(vec2 u, inout light_sample l)
+{
+    // What the environment's texels need of bits beyond those of u: of no consequence for
+    // stratification.
+    uvec4 more = pcg4d(uvec4(floatBitsToUint(u), 0u, 0u));
+    vec3 direction;
+    l.pdf = frame.environment_pick *
+            sample_environment(u, vec2(more.xy >> 8u) * 5.9604644775390625e-8, direction, l.radiance);
+    l.to_light = frame.environment_reach * direction;
+    l.infinite = true;
 }
 
 // One of frame.emitter_count bins of the alias table, and where in it, by two uniforms: one alone has
@@ -197,36 +261,76 @@ uint choose_bin(vec2 u, out float within)
     return high << 8 | low >> 24;
 }
 
-// Chooses an emitter in proportion to its power by the alias table (Walker 1977; Vose 1991), then a
-// point on it. A pdf of 0 means that there is nothing to connect to. `u`: bin; point x, y; in the
-// bin.
-light_sample sample_light(vec3 origin, vec4 u)
+// Chooses an emitter: in proportion to its power by the alias table (Walker 1977; Vose 1991), or any
+// with the same probability.
+light_choice choose_light(vec2 u)
 {
     float within;
-    uvec4 emitter = load_emitters(choose_bin(u.xw, within));
+    uvec4 emitter = load_emitters(choose_bin(u, within));
     bool own = within < uintBitsToFloat(emitter.x);
+    return light_choice(own ? emitter.y : emitter.z, 1.0 / float(frame.emitter_count));
+}
 
+// A point on an emitter. A pdf of 0 means that there is nothing to connect to.
+light_sample sample_emitter(vec3 origin, light_choice choice, vec2 u)
+{
     light_sample l;
-    l.primitive = own ? emitter.y : emitter.z;
+    l.primitive = choice.primitive;
     l.to_light = vec3(0.0);
     l.pdf = 0.0;
     l.radiance = vec3(0.0);
     l.delta = false;
+    l.infinite = false;
     l.material = 0u;
     l.barycentrics = vec2(0.0);
-    bool is_point = HAS_EMITTER(EMITTER_LIGHTS) && (l.primitive & PRIMITIVE_LIGHT) != 0u;
-    bool is_shape = HAS_EMITTER(EMITTERS_SHAPES) && !is_point &&
+    bool is_point = HAS_EMITTER(EMITTERS_LIGHTS) && (l.primitive & PRIMITIVE_LIGHT) != 0u;
+    bool is_environment = HAS_EMITTER(EMITTER_ENVIRONMENT) && l.primitive == PRIMITIVE_ENVIRONMENT;
+    bool is_shape = HAS_EMITTER(EMITTERS_SHAPES) && !is_point && !is_environment &&
                     (HAS_EMITTER(EMITTER_TRIANGLES) ? (l.primitive & PRIMITIVE_SHAPE) != 0u
                                                      : true);
-    if (HAS_EMITTER(EMITTER_TRIANGLES) && !is_shape && !is_point)
-        sample_triangle_light(origin, l.primitive, u.yz, l);
+    if (HAS_EMITTER(EMITTER_TRIANGLES) && !is_shape && !is_point && !is_environment)
+        sample_triangle_light(origin, l.primitive, choice.pick, u, l);
     if (is_shape)
-        sample_shape_light(origin, l.primitive & ~PRIMITIVE_SHAPE, u.yz, l);
-    if ((HAS(FEATURE_TEXTURES) || HAS(FEATURE_ALPHA)) && !is_point)
+        sample_shape_light(origin, l.primitive & ~PRIMITIVE_SHAPE, choice.pick, u, l);
+    if ((HAS(FEATURE_TEXTURES) || HAS(FEATURE_ALPHA)) && !is_point && !is_environment)
         texture_light(origin, l);
     if (is_point)
-        sample_point_light(origin, l.primitive & ~PRIMITIVE_LIGHT, l);
+        sample_point_light(origin, l.primitive & ~PRIMITIVE_LIGHT, choice.pick, u, l);
+    if (is_environment)
+        sample_environment_light(u, l);
     return l;
+}
+
+// `u`: which emitter; point on it x, y; more of the first.
+light_sample sample_light(vec3 origin, vec4 u)
+{
+    return sample_emitter(origin, choose_light(u.xw), u.yz);
+}
+
+// Emitter number `index` of all, when each is connected to.
+light_sample sample_each_light(vec3 origin, uint index, vec2 u)
+{
+    return sample_emitter(origin, light_choice(load_emitters(index).y, 1.0), u);
+}
+
+// The density of choosing the point of an emitter that a ray met, a unit area. `primitive` is what was
+// met, `m` its material, whose pick density is not 0.
+float pick_density_at(material m, uint primitive)
+{
+    if (LIGHT_CHOICE == LIGHT_CHOICE_POWER)
+        return m.group[GROUP_EMISSION].a;
+    float area;
+    if ((HAS_EMITTER(EMITTERS_SHAPES) && (primitive & PRIMITIVE_SHAPE) != 0u) ||
+        !HAS_EMITTER(EMITTER_TRIANGLES)) {
+        uint at = (primitive & ~PRIMITIVE_SHAPE) * SHAPE_WORDS;
+        area = shape_area(load_shapes(at + 1u).w >> SHAPE_KIND_SHIFT, load_shapes_float(at).w);
+    } else {
+        uint at = primitive * 3u;
+        area = triangle_area(load_triangles_float(at).xyz, load_triangles_float(at + 1u).xyz,
+                             load_triangles_float(at + 2u).xyz);
+    }
+    float pick = LIGHT_CHOICE == LIGHT_CHOICE_ALL ? 1.0 : 1.0 / float(frame.emitter_count);
+    return pick / area;
 }
 
 #endif

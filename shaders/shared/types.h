@@ -141,7 +141,8 @@ struct gpu_sun {
 SHARED_STATIC_ASSERT_SIZE(gpu_sun, 32);
 #define SUN_WORDS 2
 
-// Vose's alias table: with u < threshold the bin's own primitive, else its alias.
+// An emitter to choose, by its primitive's word. By power: a bin of Vose's alias table, with
+// u < threshold the bin's own primitive, else its alias. Uniformly or all: thresholds are 1.
 struct gpu_emitter {
     float threshold;
     uint primitive;
@@ -149,6 +150,43 @@ struct gpu_emitter {
     uint align_emitter;
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_emitter, 16);
+
+// With a tree of emitters their buffer begins with this header; sections begin at words of four.
+struct gpu_light_tree {
+    uint root;           // a child's word; without emitters in the tree none
+    uint trails;         // struct gpu_light_trail, by the number of an emitter
+    uint infinite;       // struct gpu_emitter: bins of those infinitely far
+    uint infinite_count;
+    float infinite_share; // probability to choose one of these
+    uint align_tree[3];
+};
+SHARED_STATIC_ASSERT_SIZE(gpu_light_tree, 32);
+#define LIGHT_TREE_WORDS 2 // then pairs of struct gpu_light_bounds
+
+// Half of a node: where a child's emitters are and where they send light.
+struct gpu_light_bounds {
+    float center[3];
+    float radius;
+    uint axis;    // octahedral
+    uint cosines; // of theta_o in bits 0-15, of theta_e in 16-30, each from -1 to 1; LIGHT_TWO_SIDED
+    float power;  // as a part of all
+    uint child;   // a pair's number, or LIGHT_LEAF and the word of a primitive
+};
+SHARED_STATIC_ASSERT_SIZE(gpu_light_bounds, 32);
+#define LIGHT_PAIR_WORDS 4
+#define LIGHT_LEAF 0x80000000u
+#define LIGHT_TWO_SIDED 0x80000000u
+#define LIGHT_COS_O_SCALE 65535.0
+#define LIGHT_COS_E_SCALE 32767.0
+
+// The way down the tree to an emitter: bit n says whether the n-th child on it is the second one.
+struct gpu_light_trail {
+    uint low, high;
+    uint depth; // bits; LIGHT_NOWHERE: not in the tree
+    uint align_trail;
+};
+SHARED_STATIC_ASSERT_SIZE(gpu_light_trail, 16);
+#define LIGHT_NOWHERE 0xffffffffu
 
 // One path in flight: one cache line.
 struct gpu_path {
@@ -293,7 +331,7 @@ struct gpu_frame {
     float filter_radius;      // pixels
     float ao_distance;        // metres
     float falloff;            // cube root of its k, 1/m
-    uint align_frame;
+    float environment_reach; // the length of shadow rays to it
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_frame, 160);
 

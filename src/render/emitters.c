@@ -1,39 +1,21 @@
 #include "emitters.h"
 
 #include "alias_table.h"
+#include "emitter_power.h"
 #include "log.h"
 #include <math.h>
 #include <string.h>
 
-static double luminance(const float rgb[3])
-{
-    return 0.2126 * (double)rgb[0] + 0.7152 * (double)rgb[1] + 0.0722 * (double)rgb[2]; // BT.709
-}
-
-// The mean radiance of a material's surfaces: textures scale what the parameters say.
-static double mean_radiance(const struct scene *scene, const struct material *material)
-{
-    if (!material_emits(material) || (material->flags & MATERIAL_UNLIT))
-        return 0.0;
-    float mean[3];
-    memcpy(mean, material->emission, sizeof mean);
-    for (uint32_t i = 0; i < material->texture_count; i++) {
-        const struct texture *texture = &scene->textures[material->first_texture + i];
-        if ((texture->flags >> TEXTURE_USE_SHIFT & 3u) != TEXTURE_USE_SCALE ||
-            (texture->flags >> TEXTURE_GROUP_SHIFT & 15u) != GROUP_EMISSION)
-            continue;
-        for (uint32_t c = 0; c < 3; c++) {
-            uint32_t channel = texture->flags >> (TEXTURE_CHANNELS_SHIFT + 2 * c) & 3u;
-            if (texture->flags >> (TEXTURE_MASK_SHIFT + c) & 1u)
-                mean[c] *= scene->images[texture->image].mean[channel];
-        }
-    }
-    return luminance(mean);
-}
-
 struct emitter_counts emitters_count(const struct scene *scene, const struct flat_scene *flat)
 {
-    struct emitter_counts counts = {.lights = scene->light_count};
+    struct emitter_counts counts = {.environment = scene->environment.present &&
+                                                   scene->environment.width > 0};
+    for (uint32_t i = 0; i < scene->light_count; i++) {
+        bool is_sun = scene->lights[i].kind == LIGHT_DIRECTIONAL &&
+                      scene->lights[i].angular_radius > 0.0;
+        counts.suns += is_sun;
+        counts.lights += !is_sun;
+    }
     for (uint32_t i = 0; i < flat->triangle_count; i++)
         counts.triangles +=
             mean_radiance(scene, &scene->materials[flat->triangles[i].material]) > 0.0;
@@ -48,84 +30,24 @@ struct emitter_counts emitters_count(const struct scene *scene, const struct fla
     return counts;
 }
 
-static double triangle_area(const struct flat_triangle *triangle)
+uint64_t emitters_total(const struct emitter_counts *counts)
 {
-    double e[2][3], square = 0.0;
-    for (int c = 0; c < 3; c++) {
-        e[0][c] = (double)triangle->v[1][c] - (double)triangle->v[0][c];
-        e[1][c] = (double)triangle->v[2][c] - (double)triangle->v[0][c];
-    }
-    for (int c = 0; c < 3; c++) {
-        double n = e[0][(c + 1) % 3] * e[1][(c + 2) % 3] - e[0][(c + 2) % 3] * e[1][(c + 1) % 3];
-        square += n * n;
-    }
-    return 0.5 * sqrt(square);
+    return (uint64_t)counts->triangles + counts->spheres + counts->discs + counts->lights +
+           counts->suns + counts->environment;
 }
 
-static double shape_area(const struct flat_shape *shape)
+uint32_t emitters_choice(uint32_t setting, const struct emitter_counts *counts)
 {
-    double disc = M_PI * (double)shape->radius * (double)shape->radius;
-    return shape->kind == SHAPE_SPHERE ? 4.0 * disc : disc;
+    (void)counts;
+    return setting == LIGHT_CHOICE_AUTO ? LIGHT_CHOICE_POWER : setting;
 }
 
-// Half the diagonal of the scene's bounds.
-static double bounding_radius(const struct flat_scene *flat)
-{
-    double square = 0.0;
-    for (int c = 0; c < 3; c++) {
-        double extent = (double)flat->bounds_max[c] - (double)flat->bounds_min[c];
-        square += extent > 0.0 ? extent * extent : 0.0;
-    }
-    return 0.5 * sqrt(square);
-}
-
-// KHR_lights_punctual, "Inner and Outer Cone Angles": the falloff's cosines are this far apart at
-// least.
-#define SPOT_WIDTH_MIN 1e-3
-
-// 1 - cos, without cancellation.
-static double versine(double angle)
-{
-    double sine = sin(0.5 * angle);
-    return 2.0 * sine * sine;
-}
-
-// The cosines between which a spot's light falls off.
-static double spot_width(const struct light *light)
-{
-    double width = versine((double)light->outer_angle) - versine((double)light->inner_angle);
-    return width > SPOT_WIDTH_MIN ? width : SPOT_WIDTH_MIN;
-}
-
-// The solid angle that a spot fills, weighted by its falloff ((cos - cos_outer) / width)^2: over
-// the cosines from the outer one to `width` above it a third of the width, and all of what is
-// beyond.
-static double spot_solid_angle(const struct light *light)
-{
-    double width = spot_width(light), cone = versine((double)light->outer_angle);
-    double sloped = cone < width ? cone : width;
-    return 2.0 * M_PI * (sloped * sloped * sloped / (3.0 * width * width) + cone - sloped);
-}
-
-// What a light without extent sends into the scene. In the units of emitters with an area: those
-// send pi * luminance * area to each of their two sides, which counts as luminance * area.
-static double light_power(const struct light *light, const struct flat_scene *flat)
-{
-    double radius = bounding_radius(flat), brightness = luminance(light->radiant) / (2.0 * M_PI);
-    switch (light->kind) {
-    case LIGHT_DIRECTIONAL:
-        return brightness * M_PI * radius * radius;
-    case LIGHT_SPOT:
-        return brightness * spot_solid_angle(light);
-    default:
-        return brightness * 4.0 * M_PI;
-    }
-}
+// --- the list of emitters ------------------------------------------------------------------------
 
 struct emitter_list {
     uint32_t *primitives;
-    double *powers; // luminance times area: what a diffuse emitter sends, but for a constant
-    uint32_t count;
+    double *powers; // as in emitter_power.h
+    uint32_t count, surface_count;
     double total;
 };
 
@@ -142,7 +64,7 @@ static bool list_emitters(const struct scene *scene, const struct flat_scene *fl
                           struct err *err)
 {
     struct emitter_counts counts = emitters_count(scene, flat);
-    uint64_t count = (uint64_t)counts.triangles + counts.spheres + counts.discs + counts.lights;
+    uint64_t count = emitters_total(&counts);
     *list = (struct emitter_list){.primitives = ARENA_NEW(arena, uint32_t, count),
                                   .powers = ARENA_NEW(arena, double, count)};
     if (!list->primitives || !list->powers)
@@ -159,20 +81,24 @@ static bool list_emitters(const struct scene *scene, const struct flat_scene *fl
         if (radiance > 0.0)
             add_emitter(list, PRIMITIVE_SHAPE | i, radiance * shape_area(shape));
     }
+    list->surface_count = list->count;
     for (uint32_t i = 0; i < scene->light_count; i++)
         add_emitter(list, PRIMITIVE_LIGHT | i, light_power(&scene->lights[i], flat));
+    if (counts.environment)
+        add_emitter(list, PRIMITIVE_ENVIRONMENT, environment_power(&scene->environment, flat));
     return true;
 }
 
+// --- lights without extent, and suns -------------------------------------------------------------
+
 // The record of a light, but for the probability to pick it.
-static struct gpu_light light_record(const struct light *light, const struct flat_scene *flat)
+static struct gpu_light light_record(const struct light *light, const struct flat_scene *flat,
+                                     float reach)
 {
     struct gpu_light record = {
         .kind = light->kind,
         .inverse_range = (float)(1.0 / (double)light->range),
-        // Twice the longest way that there is inside of the bounds: beyond all surfaces from
-        // whichever of them.
-        .reach = (float)(4.0 * bounding_radius(flat)),
+        .reach = reach,
     };
     for (int c = 0; c < 3; c++) {
         record.position[c] = (float)(light->position[c] - flat->origin[c]);
@@ -184,22 +110,9 @@ static struct gpu_light light_record(const struct light *light, const struct fla
         record.spot_scale = (float)(1.0 / width);
         record.spot_offset = (float)(versine((double)light->outer_angle) / width);
     }
+    if (light->kind == LIGHT_DIRECTIONAL)
+        record.versine = (float)versine(light->angular_radius);
     return record;
-}
-
-// Adds up the parts of the bins that lead to each light.
-static void set_pick_probabilities(struct emitters *emitters, uint32_t light_count, double *sums)
-{
-    for (uint32_t i = 0; i < emitters->count; i++) {
-        const struct gpu_emitter *bin = &emitters->bins[i];
-        double own = (double)bin->threshold;
-        if (bin->primitive & PRIMITIVE_LIGHT)
-            sums[bin->primitive & ~PRIMITIVE_LIGHT] += own;
-        if (bin->alias_primitive & PRIMITIVE_LIGHT)
-            sums[bin->alias_primitive & ~PRIMITIVE_LIGHT] += 1.0 - own;
-    }
-    for (uint32_t i = 0; i < light_count; i++)
-        emitters->lights[i].pick_probability = (float)(sums[i] / emitters->count);
 }
 
 static bool fill_lights(const struct scene *scene, const struct flat_scene *flat,
@@ -208,54 +121,117 @@ static bool fill_lights(const struct scene *scene, const struct flat_scene *flat
     uint32_t count = scene->light_count;
     if (count == 0)
         return true;
-    double *sums = ARENA_NEW(arena, double, count);
     out->lights = ARENA_NEW(arena, struct gpu_light, count);
-    if (!sums || !out->lights)
-        return err_memory(err, "lights", count * (sizeof *out->lights + sizeof *sums));
-    for (uint32_t i = 0; i < count; i++)
-        out->lights[i] = light_record(&scene->lights[i], flat);
-    set_pick_probabilities(out, count, sums);
-    if (!scene->settings.nee)
+    if (!out->lights)
+        return err_memory(err, "lights", count * sizeof *out->lights);
+    uint32_t dark = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        out->lights[i] = light_record(&scene->lights[i], flat, out->reach);
+        dark += !(out->lights[i].versine > 0.0f);
+    }
+    if (!scene->settings.nee && dark > 0)
         log_warn("without next-event estimation no light without extent is found: %u left dark: "
                  "expected --nee on",
-                 count);
+                 dark);
     return true;
 }
 
-static bool fill_bins(const struct scene *scene, const struct flat_scene *flat,
-                      const struct bvh *bvh, struct arena *arena, struct emitters *out,
-                      struct err *err)
+// Adds `pick` to the probability of an emitter whose probability is the same everywhere.
+static void add_pick(struct emitters *out, uint32_t primitive, double pick)
 {
-    struct emitter_list list;
-    if (!list_emitters(scene, flat, bvh, arena, &list, err))
-        return false;
-    if (list.count == 0 || !(list.total > 0.0))
+    if (primitive == PRIMITIVE_ENVIRONMENT)
+        out->environment_pick += (float)pick;
+    else if (primitive & PRIMITIVE_LIGHT)
+        out->lights[primitive & ~PRIMITIVE_LIGHT].pick_probability += (float)pick;
+}
+
+// --- ways to choose ------------------------------------------------------------------------------
+
+// Fills bins[count] and the probabilities that they give to lights and the environment, times
+// `share`.
+static bool fill_bins(const uint32_t *primitives, const double *powers, uint32_t count,
+                      double share, struct arena *arena, struct gpu_emitter *bins,
+                      struct emitters *out, struct err *err)
+{
+    struct alias_bin *table = ARENA_NEW(arena, struct alias_bin, count);
+    double *sums = ARENA_NEW(arena, double, count);
+    if (!table || !sums || !alias_table_build(powers, count, arena, table))
+        return err_memory(err, "emitters", (uint64_t)count * sizeof *bins);
+    for (uint32_t i = 0; i < count; i++) {
+        bins[i] = (struct gpu_emitter){.threshold = table[i].threshold,
+                                       .primitive = primitives[i],
+                                       .alias_primitive = primitives[table[i].alias]};
+        sums[i] += (double)table[i].threshold;
+        sums[table[i].alias] += 1.0 - (double)table[i].threshold;
+    }
+    for (uint32_t i = 0; i < count; i++)
+        add_pick(out, primitives[i], share * (sums[i] / count));
+    return true;
+}
+
+static bool build_power(const struct emitter_list *list, struct arena *arena, struct emitters *out,
+                        struct err *err)
+{
+    if (!(list->total > 0.0))
         return true;
-    struct alias_bin *bins = ARENA_NEW(arena, struct alias_bin, list.count);
-    out->bins = ARENA_NEW(arena, struct gpu_emitter, list.count);
-    if (!bins || !out->bins || !alias_table_build(list.powers, list.count, arena, bins))
-        return err_memory(err, "emitters", (uint64_t)list.count * sizeof *out->bins);
-    for (uint32_t i = 0; i < list.count; i++)
-        out->bins[i] = (struct gpu_emitter){.threshold = bins[i].threshold,
-                                            .primitive = list.primitives[i],
-                                            .alias_primitive = list.primitives[bins[i].alias]};
-    out->count = list.count;
-    out->total_power = list.total;
+    struct gpu_emitter *bins = ARENA_NEW(arena, struct gpu_emitter, list->count);
+    if (!bins)
+        return err_memory(err, "emitters", (uint64_t)list->count * sizeof *bins);
+    out->data = bins;
+    out->bytes = (uint64_t)list->count * sizeof *bins;
+    out->count = list->count;
+    out->total_power = list->total;
+    return fill_bins(list->primitives, list->powers, list->count, 1.0, arena, bins, out, err);
+}
+
+// Bins without aliases, each chosen with probability `pick`.
+static bool build_list(const struct emitter_list *list, double pick, struct arena *arena,
+                       struct emitters *out, struct err *err)
+{
+    struct gpu_emitter *bins = ARENA_NEW(arena, struct gpu_emitter, list->count);
+    if (!bins)
+        return err_memory(err, "emitters", (uint64_t)list->count * sizeof *bins);
+    out->data = bins;
+    out->bytes = (uint64_t)list->count * sizeof *bins;
+    out->count = list->count;
+    for (uint32_t i = 0; i < list->count; i++) {
+        bins[i] = (struct gpu_emitter){.threshold = 1.0f,
+                                       .primitive = list->primitives[i],
+                                       .alias_primitive = list->primitives[i]};
+        add_pick(out, list->primitives[i], pick);
+    }
     return true;
 }
 
 bool emitters_build(const struct scene *scene, const struct flat_scene *flat, const struct bvh *bvh,
-                    struct arena *arena, struct emitters *out, struct err *err)
+                    uint32_t choice, struct arena *arena, struct emitters *out, struct err *err)
 {
-    *out = (struct emitters){0};
-    return fill_bins(scene, flat, bvh, arena, out, err) &&
-           fill_lights(scene, flat, arena, out, err);
+    struct emitter_list list;
+    // Twice the longest way that there is inside of the bounds: beyond all surfaces from whichever
+    // of them.
+    *out = (struct emitters){.reach = (float)(4.0 * bounding_radius(flat))};
+    if (!fill_lights(scene, flat, arena, out, err) ||
+        !list_emitters(scene, flat, bvh, arena, &list, err))
+        return false;
+    out->primitives = list.primitives;
+    out->surface_count = list.surface_count;
+    if (list.count == 0)
+        return true;
+    switch (choice) {
+    case LIGHT_CHOICE_UNIFORM:
+        return build_list(&list, 1.0 / list.count, arena, out, err);
+    case LIGHT_CHOICE_ALL:
+        return build_list(&list, 1.0, arena, out, err);
+    default:
+        return build_power(&list, arena, out, err);
+    }
 }
 
 float emitters_pick_density(const struct emitters *emitters, const struct scene *scene,
                             const struct material *material)
 {
-    if (!(emitters->total_power > 0.0))
-        return 0.0f;
-    return (float)(mean_radiance(scene, material) / emitters->total_power);
+    double radiance = mean_radiance(scene, material);
+    if (emitters->total_power > 0.0)
+        return (float)(radiance / emitters->total_power);
+    return emitters->count > 0 && radiance > 0.0 ? 1.0f : 0.0f;
 }

@@ -1,4 +1,5 @@
-// What emits and can be sampled: primitives with emission, lights without extent.
+// What emits and can be connected to, as kernels read it (BINDING_EMITTERS): for each way to choose
+// among emitters (LIGHT_CHOICE_*) what that needs.
 #ifndef LAMPYRIS_RENDER_EMITTERS_H
 #define LAMPYRIS_RENDER_EMITTERS_H
 
@@ -9,22 +10,35 @@
 
 // Counts of what a scene emits with.
 struct emitter_counts {
-    uint32_t triangles, spheres, discs, lights;
+    uint32_t triangles, spheres, discs;
+    uint32_t lights; // without extent
+    uint32_t suns;   // directional lights with one
+    uint32_t environment; // 1: its image is an emitter. Even surroundings are left to chance hits
 };
 
 struct emitter_counts emitters_count(const struct scene *scene, const struct flat_scene *flat);
+uint64_t emitters_total(const struct emitter_counts *counts);
+// What the setting asks for: LIGHT_CHOICE_AUTO is the tree where it pays.
+uint32_t emitters_choice(uint32_t setting, const struct emitter_counts *counts);
 
 struct emitters {
-    struct gpu_emitter *bins; // alias table
+    void *data; // see struct gpu_emitter and struct gpu_light_tree
+    uint64_t bytes;
+    uint32_t count;          // 0: nothing to choose from
+    uint32_t *primitives;    // of the emitters by number: triangles, shapes, lights, environment
+    uint32_t surface_count;  // of them, the first so many are triangles and shapes
     struct gpu_light *lights; // scene->light_count
-    uint32_t count;           // bins; 0: nothing to sample
-    double total_power;       // in units of luminance * area
+    float environment_pick;  // the probability of the environment's image
+    float reach;             // length of shadow rays to what is infinitely far
+    double total_power;      // as in emitter_power.h; when chosen by power
+    double build_seconds;    // of the tree
 };
 
-// In `arena`. Warns of lights without extent that the estimator cannot find.
+// In `arena`; choice: LIGHT_CHOICE_*, not AUTO. Warns of lights that the estimator cannot find.
 bool emitters_build(const struct scene *scene, const struct flat_scene *flat, const struct bvh *bvh,
-                    struct arena *arena, struct emitters *out, struct err *err);
-// PARAMETER_PICK_DENSITY of a material.
+                    uint32_t choice, struct arena *arena, struct emitters *out, struct err *err);
+// PARAMETER_PICK_DENSITY of a material: the density of choosing by power, a unit area; by other ways
+// 1 where its surfaces are emitters.
 float emitters_pick_density(const struct emitters *emitters, const struct scene *scene,
                             const struct material *material);
 

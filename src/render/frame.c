@@ -96,6 +96,8 @@ void frame_fill(struct renderer *r, const struct camera *camera)
         .seed = settings->seed,
         .max_bounces = max_bounces(settings),
         .emitter_count = r->tables.emitters.count,
+        .environment_pick = r->tables.emitters.environment_pick,
+        .environment_reach = r->tables.emitters.reach,
         .wave_slots = r->plan.wave_slots,
         .samples = (uint32_t)settings->spp,
         .nee_depth = settings->nee_depth,

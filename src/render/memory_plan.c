@@ -82,7 +82,7 @@ static uint64_t scene_bytes(const struct memory_plan_params *p, uint32_t binding
     case BINDING_MATERIALS:
         return p->tables->material_bytes;
     case BINDING_EMITTERS:
-        return (uint64_t)p->tables->emitters.count * sizeof(struct gpu_emitter);
+        return p->tables->emitters.bytes;
     case BINDING_TEXELS:
         return p->tables->textures.texel_bytes;
     case BINDING_ENVIRONMENT:

@@ -140,7 +140,7 @@ bool shading_tables_build(const struct shading_tables_params *p, struct arena *a
                           struct shading_tables *out, struct err *err)
 {
     *out = (struct shading_tables){0};
-    if (!emitters_build(p->scene, p->flat, p->bvh, arena, &out->emitters, err) ||
+    if (!emitters_build(p->scene, p->flat, p->bvh, p->light_choice, arena, &out->emitters, err) ||
         !texture_set_build(p->scene, p->flat, arena, &out->textures, err))
         return false;
 

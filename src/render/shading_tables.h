@@ -18,6 +18,7 @@ struct shading_tables_params {
     const struct flat_scene *flat;
     const struct bvh *bvh;
     const struct camera *camera; // whose rays may start inside of something
+    uint32_t light_choice;       // LIGHT_CHOICE_*, not AUTO
 };
 
 // Everything in `arena`. ERR_INPUT for more than MEDIA_MAX different media.

@@ -150,15 +150,24 @@ static uint32_t material_features(const struct scene *scene, const struct flat_s
 }
 
 // What can be connected to.
-static uint32_t emitters_of(const struct scene *scene, const struct flat_scene *flat)
+static uint32_t emitters_of(const struct emitter_counts *counts)
 {
-    struct emitter_counts counts = emitters_count(scene, flat);
     uint32_t emitters = 0;
-    emitters |= counts.triangles ? EMITTER_TRIANGLES : 0u;
-    emitters |= counts.spheres ? EMITTER_SPHERES : 0u;
-    emitters |= counts.discs ? EMITTER_DISCS : 0u;
-    emitters |= counts.lights ? EMITTER_LIGHTS : 0u;
+    emitters |= counts->triangles ? EMITTER_TRIANGLES : 0u;
+    emitters |= counts->spheres ? EMITTER_SPHERES : 0u;
+    emitters |= counts->discs ? EMITTER_DISCS : 0u;
+    emitters |= counts->lights ? EMITTER_LIGHTS : 0u;
+    emitters |= counts->suns ? EMITTER_SUNS : 0u;
+    emitters |= counts->environment ? EMITTER_ENVIRONMENT : 0u;
     return emitters;
+}
+
+static uint32_t light_rays(uint32_t choice, const struct emitter_counts *counts)
+{
+    uint64_t total = emitters_total(counts);
+    if (choice != LIGHT_CHOICE_ALL || total == 0)
+        return 1;
+    return total < UINT32_MAX ? (uint32_t)total : UINT32_MAX;
 }
 
 static bool wants_nee(const struct settings *settings)
@@ -274,8 +283,6 @@ struct specialization specialize(const struct specialize_params *p)
         .halves = settings->halves,
         .filter = settings->filter,
         .camera = p->camera->kind,
-        .light_choice = LIGHT_CHOICE_POWER,
-        .light_rays = 1,
         .mis = settings->mis,
         .directions = settings->directions,
         .roulette = settings->roulette,
@@ -286,7 +293,12 @@ struct specialization specialize(const struct specialize_params *p)
         classes += s.class_lobes[c] != 0;
         s.lobes |= s.class_lobes[c];
     }
-    s.emitters = emitters_of(scene, flat);
+    struct emitter_counts counts = emitters_count(scene, flat);
+    s.emitters = emitters_of(&counts);
+    bool each = settings->integrator == INTEGRATOR_WHITTED;
+    s.light_choice =
+        emitters_choice(each ? LIGHT_CHOICE_ALL : settings->light_choice, &counts);
+    s.light_rays = light_rays(s.light_choice, &counts);
     s.features |= light_features(scene, s.emitters, s.lobes);
     if (classes > 1 && !p->merge_classes)
         s.features |= FEATURE_CLASSES;
@@ -297,7 +309,7 @@ struct specialization specialize(const struct specialize_params *p)
         s.features |= FEATURE_FALLOFF;
     if (p->everything) {
         s.features |= harmless_features(settings);
-        s.emitters |= EMITTER_TRIANGLES | EMITTER_SPHERES | EMITTER_DISCS | EMITTER_LIGHTS;
+        s.emitters |= EMITTERS_ALL;
         s.lobes = LOBES_ALL;
         for (uint32_t c = 0; c < CLASS_COUNT; c++)
             s.class_lobes[c] = s.class_lobes[c] ? LOBES_ALL : 0u;
@@ -405,6 +417,9 @@ const char *emitter_name(uint32_t bit)
         "emissive spheres",
         "emissive discs",
         "lights without extent",
+        "suns",
+        NULL,
+        "environment to connect to",
     };
     for (uint32_t i = 0; i < sizeof names / sizeof *names; i++)
         if (bit == 1u << i)

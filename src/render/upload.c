@@ -67,6 +67,25 @@ static uint32_t material_word(const struct upload_params *p, uint32_t index)
            (alpha ? MATERIAL_WORD_ALPHA : 0u);
 }
 
+// The number of a primitive among the emitters, which are in the order of their primitives: *number
+// is the next one's.
+static uint32_t next_emitter(const struct upload_params *p, uint32_t primitive, uint32_t *number)
+{
+    const struct emitters *emitters = &p->tables->emitters;
+    bool emits =
+        *number < emitters->surface_count && emitters->primitives[*number] == primitive;
+    return emits ? (*number)++ : NO_EMITTER;
+}
+
+static uint32_t first_shape_emitter(const struct upload_params *p)
+{
+    const struct emitters *emitters = &p->tables->emitters;
+    uint32_t number = 0;
+    while (number < emitters->surface_count && !(emitters->primitives[number] & PRIMITIVE_SHAPE))
+        number++;
+    return number;
+}
+
 static bool upload_triangles(struct gpu *gpu, const struct upload_params *p,
                              struct gpu_buffer *buffers, struct arena *scratch, struct err *err)
 {
@@ -74,6 +93,7 @@ static bool upload_triangles(struct gpu *gpu, const struct upload_params *p,
     struct gpu_triangle *records = ARENA_NEW(scratch, struct gpu_triangle, count);
     if (!records)
         return err_memory(err, "triangles", (uint64_t)count * sizeof *records);
+    uint32_t emitter = 0;
     for (uint32_t i = 0; i < count; i++) {
         uint32_t id = p->bvh->triangle_order[i];
         const struct flat_triangle *triangle = &p->flat->triangles[id];
@@ -81,7 +101,7 @@ static bool upload_triangles(struct gpu *gpu, const struct upload_params *p,
         memcpy(records[i].v1, triangle->v[1], sizeof records[i].v1);
         memcpy(records[i].v2, triangle->v[2], sizeof records[i].v2);
         records[i].id = id;
-        records[i].emitter = NO_EMITTER;
+        records[i].emitter = next_emitter(p, i, &emitter);
         records[i].material = material_word(p, triangle->material);
     }
     return create_filled(gpu, p, BINDING_TRIANGLES, records, buffers, err);
@@ -173,34 +193,26 @@ static bool upload_shapes(struct gpu *gpu, const struct upload_params *p,
     struct gpu_shape *records = ARENA_NEW(scratch, struct gpu_shape, count);
     if (!records)
         return err_memory(err, "shapes", (uint64_t)count * sizeof *records);
+    uint32_t emitter = first_shape_emitter(p);
     for (uint32_t i = 0; i < count; i++) {
         const struct flat_shape *shape = &p->flat->shapes[i];
         uint32_t kind = shape->kind == SHAPE_SPHERE ? SHAPE_KIND_SPHERE : SHAPE_KIND_DISC;
         memcpy(records[i].center, shape->center, sizeof records[i].center);
         memcpy(records[i].normal, shape->normal, sizeof records[i].normal);
         records[i].radius = shape->radius;
-        records[i].emitter = NO_EMITTER;
+        records[i].emitter = next_emitter(p, PRIMITIVE_SHAPE | i, &emitter);
         records[i].kind_material = kind << SHAPE_KIND_SHIFT | material_word(p, shape->material);
     }
     return create_filled(gpu, p, BINDING_SHAPES, records, buffers, err);
 }
 
 static bool upload_environment(struct gpu *gpu, const struct upload_params *p,
-                               struct gpu_buffer *buffers, struct arena *scratch, struct err *err)
+                               struct gpu_buffer *buffers, struct err *err)
 {
-    const struct environment *environment = &p->scene->environment;
-    uint64_t count = (uint64_t)environment->width * environment->height;
-    if (count == 0) {
-        static const float white[4] = {1.0f, 1.0f, 1.0f, 0.0f};
-        return create(gpu, p, BINDING_ENVIRONMENT, buffers, err) &&
-               gpu_upload(gpu, &buffers[BINDING_ENVIRONMENT], 0, white, sizeof white, err);
-    }
-    float(*texels)[4] = arena_alloc(scratch, count, sizeof *texels);
-    if (!texels)
-        return err_memory(err, "environment", count * sizeof *texels);
-    for (uint64_t i = 0; i < count; i++)
-        memcpy(texels[i], environment->texels[i], sizeof environment->texels[i]);
-    return create_filled(gpu, p, BINDING_ENVIRONMENT, texels, buffers, err);
+    bool is_sampled = p->specialization->emitters & EMITTER_ENVIRONMENT;
+    return create(gpu, p, BINDING_ENVIRONMENT, buffers, err) &&
+           environment_table_upload(gpu, &p->scene->environment, is_sampled,
+                                    &buffers[BINDING_ENVIRONMENT], err);
 }
 
 bool upload_scene(struct gpu *gpu, const struct upload_params *p, struct gpu_buffer *buffers,
@@ -215,7 +227,7 @@ bool upload_scene(struct gpu *gpu, const struct upload_params *p, struct gpu_buf
         (!plan[BINDING_ATTRIBUTES].name || upload_attributes(gpu, p, buffers, &scratch, err)) &&
         (!plan[BINDING_SHAPES].name || upload_shapes(gpu, p, buffers, &scratch, err)) &&
         (!plan[BINDING_EMITTERS].name ||
-         create_filled(gpu, p, BINDING_EMITTERS, tables->emitters.bins, buffers, err)) &&
+         create_filled(gpu, p, BINDING_EMITTERS, tables->emitters.data, buffers, err)) &&
         (!plan[BINDING_MATERIALS].name ||
          create_filled(gpu, p, BINDING_MATERIALS, tables->materials, buffers, err)) &&
         (!plan[BINDING_TEXELS].name ||

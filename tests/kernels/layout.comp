@@ -36,6 +36,9 @@ BLOCK(gpu_texture, 11)
 BLOCK(gpu_medium, 12)
 BLOCK(gpu_light, 13)
 BLOCK(gpu_sun, 14)
+BLOCK(gpu_light_tree, 15)
+BLOCK(gpu_light_bounds, 16)
+BLOCK(gpu_light_trail, 17)
 
 void main()
 {

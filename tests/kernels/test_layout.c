@@ -22,6 +22,10 @@
 #define SHAPE(M) M(center) M(radius) M(normal) M(kind_material) M(emitter) M(align_shape)
 #define MATERIAL(M) M(model_flags) M(first_texture) M(texture_count) M(medium) M(parameter)
 #define EMITTER(M) M(threshold) M(primitive) M(alias_primitive) M(align_emitter)
+#define LIGHT_TREE(M)                                                                              \
+    M(root) M(trails) M(infinite) M(infinite_count) M(infinite_share) M(align_tree)
+#define LIGHT_BOUNDS(M) M(center) M(radius) M(axis) M(cosines) M(power) M(child)
+#define LIGHT_TRAIL(M) M(low) M(high) M(depth) M(align_trail)
 #define PATH(M)                                                                                    \
     M(origin)                                                                                      \
     M(ignore) M(direction) M(bsdf_pdf) M(throughput) M(media) M(t) M(u) M(v) M(primitive)
@@ -66,7 +70,7 @@
     M(focus_distance)                                                                              \
     M(lens_rotation)                                                                               \
     M(lens_blades)                                                                                 \
-    M(filter_radius) M(ao_distance) M(falloff) M(align_frame)
+    M(filter_radius) M(ao_distance) M(falloff) M(environment_reach)
 #define PUSH(M)                                                                                    \
     M(bounce)                                                                                      \
     M(first_pixel)                                                                                 \
@@ -85,6 +89,9 @@
     R(gpu_shape, SHAPE)                                                                            \
     R(gpu_material, MATERIAL)                                                                      \
     R(gpu_emitter, EMITTER)                                                                        \
+    R(gpu_light_tree, LIGHT_TREE)                                                                  \
+    R(gpu_light_bounds, LIGHT_BOUNDS)                                                              \
+    R(gpu_light_trail, LIGHT_TRAIL)                                                                \
     R(gpu_path, PATH)                                                                              \
     R(gpu_shadow_ray, SHADOW_RAY)                                                                  \
     R(gpu_film_pixel, FILM_PIXEL)                                                                  \
@@ -122,6 +129,9 @@ struct record {
 #define M_gpu_shape(m) MEMBER_OF(struct gpu_shape, m)
 #define M_gpu_material(m) MEMBER_OF(struct gpu_material, m)
 #define M_gpu_emitter(m) MEMBER_OF(struct gpu_emitter, m)
+#define M_gpu_light_tree(m) MEMBER_OF(struct gpu_light_tree, m)
+#define M_gpu_light_bounds(m) MEMBER_OF(struct gpu_light_bounds, m)
+#define M_gpu_light_trail(m) MEMBER_OF(struct gpu_light_trail, m)
 #define M_gpu_path(m) MEMBER_OF(struct gpu_path, m)
 #define M_gpu_shadow_ray(m) MEMBER_OF(struct gpu_shadow_ray, m)
 #define M_gpu_film_pixel(m) MEMBER_OF(struct gpu_film_pixel, m)

@@ -1,0 +1,114 @@
+#include "emitter_power.h"
+
+#include <math.h>
+#include <string.h>
+
+double luminance(const float rgb[3])
+{
+    return 0.2126 * (double)rgb[0] + 0.7152 * (double)rgb[1] + 0.0722 * (double)rgb[2]; // BT.709
+}
+
+double mean_radiance(const struct scene *scene, const struct material *material)
+{
+    if (!material_emits(material) || (material->flags & MATERIAL_UNLIT))
+        return 0.0;
+    float mean[3];
+    memcpy(mean, material->emission, sizeof mean);
+    for (uint32_t i = 0; i < material->texture_count; i++) {
+        const struct texture *texture = &scene->textures[material->first_texture + i];
+        if ((texture->flags >> TEXTURE_USE_SHIFT & 3u) != TEXTURE_USE_SCALE ||
+            (texture->flags >> TEXTURE_GROUP_SHIFT & 15u) != GROUP_EMISSION)
+            continue;
+        for (uint32_t c = 0; c < 3; c++) {
+            uint32_t channel = texture->flags >> (TEXTURE_CHANNELS_SHIFT + 2 * c) & 3u;
+            if (texture->flags >> (TEXTURE_MASK_SHIFT + c) & 1u)
+                mean[c] *= scene->images[texture->image].mean[channel];
+        }
+    }
+    return luminance(mean);
+}
+
+double triangle_area(const struct flat_triangle *triangle)
+{
+    double e[2][3], square = 0.0;
+    for (int c = 0; c < 3; c++) {
+        e[0][c] = (double)triangle->v[1][c] - (double)triangle->v[0][c];
+        e[1][c] = (double)triangle->v[2][c] - (double)triangle->v[0][c];
+    }
+    for (int c = 0; c < 3; c++) {
+        double n = e[0][(c + 1) % 3] * e[1][(c + 2) % 3] - e[0][(c + 2) % 3] * e[1][(c + 1) % 3];
+        square += n * n;
+    }
+    return 0.5 * sqrt(square);
+}
+
+double shape_area(const struct flat_shape *shape)
+{
+    double disc = M_PI * (double)shape->radius * (double)shape->radius;
+    return shape->kind == SHAPE_SPHERE ? 4.0 * disc : disc;
+}
+
+double bounding_radius(const struct flat_scene *flat)
+{
+    double square = 0.0;
+    for (int c = 0; c < 3; c++) {
+        double extent = (double)flat->bounds_max[c] - (double)flat->bounds_min[c];
+        square += extent > 0.0 ? extent * extent : 0.0;
+    }
+    return 0.5 * sqrt(square);
+}
+
+// KHR_lights_punctual, "Inner and Outer Cone Angles": the falloff's cosines are this far apart at
+// least.
+#define SPOT_WIDTH_MIN 1e-3
+
+double versine(double angle)
+{
+    double sine = sin(0.5 * angle);
+    return 2.0 * sine * sine;
+}
+
+double spot_width(const struct light *light)
+{
+    double width = versine((double)light->outer_angle) - versine((double)light->inner_angle);
+    return width > SPOT_WIDTH_MIN ? width : SPOT_WIDTH_MIN;
+}
+
+// The solid angle that a spot fills, weighted by its falloff ((cos - cos_outer) / width)^2: over
+// the cosines from the outer one to `width` above it a third of the width, and all of what is
+// beyond.
+static double spot_solid_angle(const struct light *light)
+{
+    double width = spot_width(light), cone = versine((double)light->outer_angle);
+    double sloped = cone < width ? cone : width;
+    return 2.0 * M_PI * (sloped * sloped * sloped / (3.0 * width * width) + cone - sloped);
+}
+
+double light_power(const struct light *light, const struct flat_scene *flat)
+{
+    double radius = bounding_radius(flat), brightness = luminance(light->radiant) / (2.0 * M_PI);
+    switch (light->kind) {
+    case LIGHT_DIRECTIONAL:
+        return brightness * M_PI * radius * radius;
+    case LIGHT_SPOT:
+        return brightness * spot_solid_angle(light);
+    default:
+        return brightness * 4.0 * M_PI;
+    }
+}
+
+double environment_power(const struct environment *environment, const struct flat_scene *flat)
+{
+    double mean[3] = {0}, radius = bounding_radius(flat);
+    uint32_t width = environment->width, height = environment->height;
+    for (uint32_t y = 0; y < height; y++) {
+        double part = 0.5 * (cos(M_PI * y / height) - cos(M_PI * (y + 1) / height)) / width;
+        for (uint32_t x = 0; x < width; x++)
+            for (int c = 0; c < 3; c++)
+                mean[c] += part * (double)environment->texels[(uint64_t)y * width + x][c];
+    }
+    float scaled[3];
+    for (int c = 0; c < 3; c++)
+        scaled[c] = (float)(mean[c] * (double)environment->radiance[c]);
+    return 2.0 * M_PI * radius * radius * luminance(scaled);
+}

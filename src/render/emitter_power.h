@@ -1,0 +1,26 @@
+// How much emitters send into the scene, in one unit for all: flux / (2 pi), of luminances. A
+// surface of radiance L and area A sends pi L A to each of its two sides, which counts as L A.
+#ifndef LAMPYRIS_RENDER_EMITTER_POWER_H
+#define LAMPYRIS_RENDER_EMITTER_POWER_H
+
+#include "flatten.h"
+#include "scene.h"
+
+double luminance(const float rgb[3]); // ITU-R BT.709
+// Of a material's surfaces: textures scale what the parameters say.
+double mean_radiance(const struct scene *scene, const struct material *material);
+double triangle_area(const struct flat_triangle *triangle);
+double shape_area(const struct flat_shape *shape);
+// Half the diagonal of the scene's bounds; 0 when empty.
+double bounding_radius(const struct flat_scene *flat);
+
+double versine(double angle); // 1 - cos, without cancellation
+// The cosines between which a spot's light falls off are so far apart.
+double spot_width(const struct light *light);
+// What comes from infinitely far is counted through the disc that the scene's bounding sphere, of
+// radius R, is to it: directional lights send E pi R^2.
+double light_power(const struct light *light, const struct flat_scene *flat);
+// Of an image: 4 pi times the mean radiance over the sphere, through pi R^2.
+double environment_power(const struct environment *environment, const struct flat_scene *flat);
+
+#endif
