@@ -1,13 +1,61 @@
-// Where in or around its pixel a sample lies, drawn from the pixel filter.
+// Where in or around its pixel a sample lies, drawn from the pixel filter: all samples then have the
+// same weight.
 #ifndef FILTER_GLSL
 #define FILTER_GLSL
 
-#include "lib/constants.glsl"
+#include "lib/buffers.glsl"
+
+// Density 1 - |x| in [-1, 1], by its inverse distribution function.
+vec2 sample_tent(vec2 u)
+{
+    vec2 t = 2.0 * u - 1.0;
+    vec2 rest = 1.0 - abs(t);
+    return sign(t) * (1.0 - sqrt(rest));
+}
+
+// Density exp(-9/2 r^2) in the unit disc: a standard deviation of a third of the radius. By Box and
+// Muller 1958, cut off at the radius, beyond which lie exp(-9/2) = 1.1 %.
+vec2 sample_gaussian(vec2 u)
+{
+    float r = sqrt(-2.0 / 9.0 * log(1.0 - u.x * 0.98889100346175773));
+    float angle = 2.0 * PI * u.y;
+    return r * vec2(cos(angle), sin(angle));
+}
+
+// Density w(x) = 1 + sum a_k cos(k pi x), k = 1 .. 3, in [-1, 1]: the four-term window with side lobes
+// of -92 dB (Harris 1978, "On the use of windows for harmonic analysis", table 1).
+float sample_blackman_harris(float u)
+{
+    const vec4 a = vec4(0.35875, 0.48829, 0.14128, 0.01168) / 0.35875;
+    float t = abs(2.0 * u - 1.0);
+    // The integral of w from 0 to x is t. A polynomial in y, which a normal deviate is about
+    // proportional to (fitted to the inverse function: it is t to 6e-5), then one step of Newton's
+    // method: 1.2e-7.
+    float y = sqrt(-log((1.0 - t) * (1.0 + t)));
+    float x = 2.89964926e-4;
+    x = x * y - 2.3637407e-3;
+    x = x * y + 4.62546991e-3;
+    x = x * y - 6.52821688e-3;
+    x = x * y + 2.07944843e-3;
+    x = min((x * y + 0.358498156) * y, 1.0);
+    float s = sin(PI * x), c = cos(PI * x);
+    float integral = x + s / PI * (a.y - a.w / 3.0 + c * (a.z + c * a.w * 4.0 / 3.0));
+    float density = 1.0 + a.y * c + a.z * (2.0 * c * c - 1.0) + a.w * c * (4.0 * c * c - 3.0);
+    x = clamp(x + (t - integral) / density, 0.0, 1.0);
+    return u < 0.5 ? -x : x;
+}
 
 // In pixels, from the pixel's upper left corner; u in [0, 1)^2.
 vec2 filter_position(vec2 u)
 {
-    return u;
+    if (FILTER == FILTER_TENT)
+        return 0.5 + frame.filter_radius * sample_tent(u);
+    if (FILTER == FILTER_GAUSSIAN)
+        return 0.5 + frame.filter_radius * sample_gaussian(u);
+    if (FILTER == FILTER_BLACKMAN_HARRIS)
+        return 0.5 + frame.filter_radius *
+                         vec2(sample_blackman_harris(u.x), sample_blackman_harris(u.y));
+    return 0.5 + frame.filter_radius * (2.0 * u - 1.0); // exactly u with a radius of 0.5
 }
 
 #endif

@@ -1,14 +1,242 @@
-// The uniforms of a path, by the sampler that was chosen.
+// The uniforms of a path, by the sampler that was chosen: see docs/sampling.md.
 #ifndef SAMPLER_GLSL
 #define SAMPLER_GLSL
 
-#include "lib/buffers.glsl"
+#include "lib/halves.glsl"
 #include "lib/random.glsl"
 
-// Four uniforms in [0, 1) of the slot's pixel and sample, for one use of them (DIMENSION_*).
+// --- permutations that are drawn at random -------------------------------------------------------
+
+// Owen's scrambling (1995) of fractions whose digits stand in reverse, the first one in bit 0: each
+// bit is flipped or not by what is below it alone. Of the kind of Laine and Karras 2011, "Stratified
+// sampling for stochastic transparency", but with as many random words as make all flips of the
+// first three digits independent; theirs, with one, leaves eight of the 128 combinations twice as
+// likely or worse.
+uvec4 scramble(uvec4 x, uvec4 key)
+{
+    uvec4 other = key >> 16u | key << 16u;
+    x += key;
+    x ^= x * (other & ~1u);
+    x ^= other >> 4u;
+    x += key >> 11u;
+    x ^= x * 0x05526c56u;
+    x *= other >> 8u | 1u;
+    return x ^ x * 0x53a22864u;
+}
+
+// The place of `i` in a permutation of 0 .. count - 1: multiplications and shifts that can be undone
+// in as many bits as `count` needs, again until the result is one of them (Kensler 2013, "Correlated
+// multi-jittered sampling"). Eight rounds leave chi-square tests of pairs nothing to find.
+uint permute(uint i, uint count, uint key)
+{
+    if (count < 2u)
+        return 0u;
+    int bits = findMSB(count - 1u) + 1;
+    uint mask = 0xffffffffu >> (32 - bits);
+    int middle = (bits + 1) / 2;
+    do {
+        uint k = key;
+        for (int round = 0; round < 8; round++) {
+            k = k * 747796405u + 2891336453u;
+            uint mixed = k ^ k >> 15u;
+            i = (i * (mixed | 1u) + (mixed >> 16u)) & mask;
+            i ^= i >> middle;
+        }
+        k = k * 747796405u + 2891336453u;
+        i = (i + (k >> 8u)) & mask;
+    } while (i >= count);
+    return i;
+}
+
+// --- Sobol's sequence ----------------------------------------------------------------------------
+
+// Polynomials over GF(2) are words of their coefficients. The digits of n in base p, lowest first:
+// point n of Niederreiter's sequence (1988, "Low-discrepancy and low-dispersion sequences") for p,
+// in reverse as scramble() wants it. Sobol's (1967) differs from it by a fixed permutation of each
+// digit by those before, which Owen's scrambling swallows, so no direction numbers are needed.
+// Since p(x)^2 = p(x^2), dividing by the powers of p that halve the number of digits is a handful of
+// shifts for all parts of the word at once: n = q p + r becomes q x^e + r.
+
+// p = x + 1
+uint digits_1(uint n)
+{
+    n ^= n >> 16u;
+    n ^= n >> 8u & 0x00ff00ffu;
+    n ^= n >> 4u & 0x0f0f0f0fu;
+    n ^= n >> 2u & 0x33333333u;
+    return n ^ n >> 1u & 0x55555555u;
+}
+
+// p = x^2 + x + 1: by p^8 = x^16 + x^8 + 1, then p^4, p^2, p.
+uint digits_2(uint n)
+{
+    uint q = n >> 16u;
+    q ^= q >> 8u;
+    n ^= q ^ q << 8u;
+    q = n >> 8u & 0x00ff00ffu;
+    q ^= q >> 4u & 0x000f000fu;
+    n ^= q ^ q << 4u;
+    q = n >> 4u & 0x0f0f0f0fu;
+    q ^= q >> 2u & 0x03030303u;
+    n ^= q ^ q << 2u;
+    q = n >> 2u & 0x33333333u;
+    q ^= q >> 1u & 0x11111111u;
+    return n ^ q ^ q << 1u;
+}
+
+// p = x^3 + x + 1: by p^8 = x^24 + x^8 + 1, then p^4, p^2, p.
+uint digits_3(uint n)
+{
+    uint q = n >> 24u;
+    n ^= q ^ q << 8u;
+    q = n >> 12u & 0xfffu;
+    q ^= q >> 8u;
+    n ^= q ^ q << 4u;
+    q = n >> 6u & 0x0303f03fu;
+    q ^= q >> 4u & 0x00003003u;
+    n ^= q ^ q << 2u;
+    q = n >> 3u & 0x071c71c7u;
+    q ^= q >> 2u & 0x01041041u;
+    return n ^ q ^ q << 1u;
+}
+
+// Four dimensions of a point of the sequence, which is shuffled and scrambled by the keys (Burley
+// 2020, "Practical hash-based Owen scrambling"): shuffled differently, the sequences of different
+// dimension numbers go together as if they were independent.
+vec4 sobol_4d(uint index, uvec4 keys)
+{
+    // As a next step of pcg4d() would do.
+    uint order = keys.x + keys.y * keys.w;
+    uint n = bitfieldReverse(scramble(uvec4(bitfieldReverse(index)), uvec4(order)).x);
+    uvec4 digits = uvec4(n, digits_1(n), digits_2(n), digits_3(n));
+    return to_uniforms(bitfieldReverse(scramble(digits, keys)));
+}
+
+// Each pixel has a sequence of its own.
+vec4 sobol(uint pixel, sequence_place place, uint dimension)
+{
+    return sobol_4d(place.index, pcg4d(uvec4(pixel, ~place.sequence, dimension, frame.seed)));
+}
+
+// --- blue noise ----------------------------------------------------------------------------------
+
+#define TILE_BITS 8u // of the coordinates in a tile of pixels that share one sequence
+
+uint spread_bits(uint x)
+{
+    x = (x | x << 4u) & 0x0f0fu;
+    x = (x | x << 2u) & 0x3333u;
+    return (x | x << 1u) & 0x5555u;
+}
+
+// One sequence for a tile of pixels, dealt out along a Z curve: pixels that are close have points
+// that complete each other, so that errors of neighbours differ and the eye averages them (Ahmed and
+// Wonka 2020, "Screen-space blue-noise diffusion of Monte Carlo sampling error via hierarchical
+// ordering of pixels"). The shuffling of sobol_4d() is theirs, in base 2. A pixel has a block of the
+// sequence that holds the samples planned; where their number is not known, or when there are more,
+// further ones, each of another sequence: of 1, 1, 2, 4, ... points where it is not known.
+vec4 blue_noise(uint pixel, sequence_place place, uint dimension)
+{
+    uint bits, block, index;
+    if (place.count > 0u) {
+        bits = place.count > 1u ? min(uint(findMSB(place.count - 1u)) + 1u, 30u) : 0u;
+        block = place.index >> bits;
+        index = place.index & ((1u << bits) - 1u);
+    } else {
+        bits = place.index > 0u ? uint(findMSB(place.index)) : 0u;
+        block = place.index > 0u ? bits + 1u : 0u;
+        index = place.index > 0u ? place.index - (1u << bits) : 0u;
+    }
+    uint tile_bits = min(TILE_BITS, (32u - bits) / 2u);
+    uint x = pixel % frame.width, y = pixel / frame.width;
+    uint tile = (y >> tile_bits) * ((frame.width >> tile_bits) + 1u) + (x >> tile_bits);
+    uint mask = (1u << tile_bits) - 1u;
+    uint curve = spread_bits(x & mask) | spread_bits(y & mask) << 1u;
+    uint sequence = ~(place.sequence | block << 1u);
+    return sobol_4d(curve << bits | index, pcg4d(uvec4(tile, sequence, dimension, frame.seed)));
+}
+
+// --- strata --------------------------------------------------------------------------------------
+
+#define STRATA_MAX 0xfffe0001u // 65535^2: beyond, columns x rows may not fit
+
+// A point in the cell `cell` of columns x rows, in its own of the strata that cut the cell's column
+// into as many as there are rows, and its row likewise: multi-jittered sampling (Chiu, Shirley and
+// Wang 1994), with one permutation for all columns and one for all rows (Kensler 2013). `jitter` is
+// the place in the stratum.
+vec2 stratum_point(uint cell, uint columns, uint rows, uvec2 keys, vec2 jitter)
+{
+    uint column = cell % columns, row = cell / columns;
+    vec2 fine = vec2(column * rows + permute(row, rows, keys.x),
+                     row * columns + permute(column, columns, keys.y));
+    vec2 u = floor((fine + jitter) / float(columns * rows) * 16777216.0);
+    return min(u, 16777215.0) * 5.9604644775390625e-8;
+}
+
+// Components x and y are a point of one set of strata, z and w of another. Where the samples do not
+// fill the cells, cells at random stay empty. Samples beyond those planned have strata of their own;
+// where their number is not known, all are independent.
+vec4 stratified(uint pixel, uint sample_index, sequence_place place, uint dimension)
+{
+    vec4 independent = random_4d(frame.seed, pixel, sample_index, dimension);
+    if (place.count == 0u || place.count > STRATA_MAX)
+        return independent;
+    uint block = place.index / place.count;
+    uint index = place.index - block * place.count;
+    uint columns = uint(ceil(sqrt(float(place.count))));
+    uint rows = (place.count + columns - 1u) / columns;
+    uint sequence = ~(place.sequence | block << 1u);
+    uvec4 keys = pcg4d(uvec4(pixel, sequence, dimension, frame.seed));
+    vec4 jitter = SAMPLER == SAMPLER_GRID ? vec4(0.5) : independent;
+    uint first = permute(index, columns * rows, keys.x);
+    uint second = permute(index, columns * rows, keys.y);
+    return vec4(stratum_point(first, columns, rows, uvec2(keys.z, ~keys.w), jitter.xy),
+                stratum_point(second, columns, rows, uvec2(keys.w, ~keys.z), jitter.zw));
+}
+
+// --- a linear congruential generator -------------------------------------------------------------
+
+// For comparison. The Tiny Encryption Algorithm (Wheeler and Needham 1994) in eight rounds makes the
+// seed, as Zafar, Olano and Curtis 2010 propose; then four steps of the generator of Numerical
+// Recipes (1992, section 7.1), anew for each dimension number.
+vec4 random_lcg(uint pixel, uint sample_index, uint dimension)
+{
+    uvec2 v = uvec2(pixel, sample_index);
+    uint sum = 0u;
+    for (int round = 0; round < 8; round++) {
+        sum += 0x9e3779b9u;
+        v.x += (v.y << 4u) + frame.seed ^ v.y + sum ^ (v.y >> 5u) + dimension;
+        v.y += (v.x << 4u) + ~dimension ^ v.x + sum ^ (v.x >> 5u) + ~frame.seed;
+    }
+    uvec4 states;
+    uint state = v.x;
+    for (int i = 0; i < 4; i++) {
+        state = state * 1664525u + 1013904223u;
+        states[i] = state;
+    }
+    return to_uniforms(states);
+}
+
+// -------------------------------------------------------------------------------------------------
+
+vec4 pixel_uniforms(uint pixel, uint sample_index, uint dimension)
+{
+    if (SAMPLER == SAMPLER_LCG)
+        return random_lcg(pixel, sample_index, dimension);
+    if (SAMPLER == SAMPLER_SOBOL)
+        return sobol(pixel, place_in_sequence(sample_index), dimension);
+    if (SAMPLER == SAMPLER_BLUE_NOISE)
+        return blue_noise(pixel, place_in_sequence(sample_index), dimension);
+    if (SAMPLER == SAMPLER_STRATIFIED || SAMPLER == SAMPLER_GRID)
+        return stratified(pixel, sample_index, place_in_sequence(sample_index), dimension);
+    return random_4d(frame.seed, pixel, sample_index, dimension);
+}
+
+// Four uniforms in [0, 1) of the slot's pixel and sample, for one use of them (DIMENSION_*). Any
+// dimension number will do. Components x and y, and z and w, are stratified together.
 vec4 uniforms(uint slot, uint dimension)
 {
-    return random_4d(frame.seed, slot_pixel(slot), slot_sample(slot), dimension);
+    return pixel_uniforms(slot_pixel(slot), slot_sample(slot), dimension);
 }
 
 #endif

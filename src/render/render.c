@@ -5,6 +5,7 @@
 #include "film.h"
 #include "frame.h"
 #include "log.h"
+#include "sampling_plan.h"
 #include "upload.h"
 #include "wave.h"
 #include <math.h>
@@ -199,6 +200,7 @@ bool renderer_create(const struct renderer_params *params, struct renderer *r, s
     if (!plan_memory(r, params->wave, err))
         goto fail;
     frame_fill(r, &r->scene->cameras[params->camera]);
+    sampling_plan(r, params->open_ended || params->tiles);
     if (!upload(r, err))
         goto fail;
     r->stats.upload_seconds = clock_seconds_since(start);
@@ -354,6 +356,7 @@ bool renderer_render(struct renderer *r, const struct render_call *call, struct 
         .total = has_tiles(r) ? (double)tile_samples(r, c.samples) : pixels * (double)c.samples,
     };
     uint64_t end = r->next_sample + c.samples;
+    sampling_plan_check(r, c.samples);
     while (!*c.stopped && begin_pass(r, end)) {
         if (!run_pass(r, &work, err))
             return false;

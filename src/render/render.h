@@ -37,6 +37,7 @@ struct renderer_params {
     bool everything;           // compile in what the scene does not need (--features all)
     bool merge_classes;        // one kernel for all surfaces (--classes merged)
     bool tiles;                // sample counts by tile: see adaptive.h
+    bool open_ended;           // how many samples there will be is not known
     const struct progress *progress;
 };
 
@@ -82,8 +83,8 @@ struct tiles {
 struct renderer {
     struct gpu *gpu;
     const struct scene *scene;
-    struct arena arena;
     uint32_t aovs; // AOV_*, as asked for
+    struct arena arena;
     struct flat_scene flat;
     struct bvh bvh;
     struct shading_tables tables;
@@ -101,6 +102,7 @@ struct renderer {
     uint8_t *marks;                // kernel of each timestamp of the commands being recorded
     uint32_t mark_count;
     bool dispatch_too_long; // some dispatch since the last wave began: split further
+    bool warned_beyond_plan; // see sampling_plan.h
     uint64_t next_sample;   // of every pixel; with tiles: rounds that are over
     uint64_t round_target;  // with tiles: rounds that the passes lead up to
     struct pass pass;
@@ -149,9 +151,9 @@ struct film_image {
     uint32_t *samples;
     uint64_t least_samples, most_samples; // a pixel
     uint64_t dropped;                     // samples with a non-finite contribution left out
+    struct film_aovs aovs;
 };
 bool renderer_read(struct renderer *renderer, struct arena *arena, struct film_image *out,
-    struct film_aovs aovs;
                    struct err *err);
 
 #endif

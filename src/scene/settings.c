@@ -108,3 +108,14 @@ struct settings settings_default(void)
         .tone_curve = TONE_NONE,
     };
 }
+
+float settings_filter_radius(const struct settings *settings)
+{
+    static const float own[] = {
+        [FILTER_BOX] = 0.5f,
+        [FILTER_TENT] = 1.0f,
+        [FILTER_GAUSSIAN] = 1.5f,
+        [FILTER_BLACKMAN_HARRIS] = 1.5f,
+    };
+    return settings->filter_radius > 0.0f ? settings->filter_radius : own[settings->filter];
+}

@@ -52,6 +52,8 @@ struct settings {
 
 // 512 x 512, 64 spp, seed 0, 9 bounces, roulette after 3, MIS, box, jitter, exposure 0, no curve.
 struct settings settings_default(void);
+// The one that was set, or the filter's own.
+float settings_filter_radius(const struct settings *settings);
 
 // The words for the choices, in the order of their values; each list ends with NULL. Scene files,
 // options and reports say the same.
