@@ -332,7 +332,9 @@ struct gpu_frame {
     float ao_distance;        // metres
     float falloff;            // cube root of its k, 1/m
     float environment_reach; // the length of shadow rays to it
+    VEC3(ambient);            // INTEGRATOR_WHITTED: what is around the scene, on average
+    uint pending_rays;        // of INTEGRATOR_WHITTED: entries of a slot's stack
 };
-SHARED_STATIC_ASSERT_SIZE(gpu_frame, 160);
+SHARED_STATIC_ASSERT_SIZE(gpu_frame, 176);
 
 #endif

@@ -87,6 +87,23 @@ static uint32_t max_bounces(const struct settings *settings)
     return capped ? settings->roulette_max_bounces : most;
 }
 
+// The mean over all directions of what is around the scene.
+static void set_ambient(struct gpu_frame *frame, const struct environment *environment)
+{
+    double sum[3] = {0.0, 0.0, 0.0};
+    for (uint32_t y = 0; y < environment->height; y++) {
+        double top = cos(M_PI * y / environment->height);
+        double weight = (top - cos(M_PI * (y + 1) / environment->height)) / 2.0;
+        for (uint32_t x = 0; x < environment->width; x++)
+            for (int c = 0; c < 3; c++)
+                sum[c] += weight / environment->width *
+                          (double)environment->texels[(size_t)y * environment->width + x][c];
+    }
+    for (int c = 0; c < 3; c++)
+        frame->ambient[c] =
+            (float)((environment->width ? sum[c] : 1.0) * (double)frame->environment[c]);
+}
+
 void frame_fill(struct renderer *r, const struct camera *camera)
 {
     const struct settings *settings = &r->scene->settings;
@@ -106,12 +123,15 @@ void frame_fill(struct renderer *r, const struct camera *camera)
         .roulette_max_bounces = settings->roulette_max_bounces,
         .roulette_survival = settings->roulette_survival,
         .direction_exponent = settings->direction_exponent,
-        .filter_radius = settings->filter_radius,
+        .filter_radius = settings_filter_radius(settings),
+        .pending_rays = r->specialization.pending_rays,
         .falloff = (float)cbrt((double)settings->falloff),
     };
     set_environment(&r->frame, &r->scene->environment);
     if (settings->integrator == INTEGRATOR_AO)
         set_ambient_occlusion(r);
+    if (settings->integrator == INTEGRATOR_WHITTED)
+        set_ambient(&r->frame, &r->scene->environment);
     set_camera(&r->frame, camera, r->flat.origin);
 }
 

@@ -18,6 +18,8 @@
 #include "shade_miss_plain.spv.h"
 #include "shade_surface.spv.h"
 #include "shade_surface_plain.spv.h"
+#include "shade_whitted.spv.h"
+#include "shade_whitted_plain.spv.h"
 
 #define shade_diffuse_spirv shade_surface_spirv
 #define shade_diffuse_plain_spirv shade_surface_plain_spirv

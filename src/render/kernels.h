@@ -19,6 +19,7 @@
     X(shade_transmissive)                                                                          \
     X(shade_classical)                                                                             \
     X(shade_ao)                                                                                    \
+    X(shade_whitted)                                                                               \
     X(intersect_shadow)                                                                            \
     X(accumulate)                                                                                  \
     X(prepare_dispatch)                                                                            \

@@ -53,7 +53,8 @@ static uint64_t bytes_a_slot(const struct specialization *s, uint32_t binding)
     case BINDING_PATHS:
         return sizeof(struct gpu_path);
     case BINDING_SHADOW_RAYS:
-        return (uint64_t)s->light_rays * sizeof(struct gpu_shadow_ray);
+        return ((s->features & FEATURE_NEE ? (uint64_t)s->light_rays : 0) + s->pending_rays) *
+               sizeof(struct gpu_shadow_ray);
     case BINDING_RADIANCE:
         return 16 * AOV_SLOT_WORDS(s->aovs);
     case BINDING_QUEUES:

@@ -28,6 +28,7 @@ struct specialization {
     // Not a constant: `lobes` of the kernels that shade one class; 0 where the scene has none of
     // it.
     uint32_t class_lobes[CLASS_COUNT];
+    uint32_t pending_rays; // that a slot may have put off at once; INTEGRATOR_WHITTED only
 };
 _Static_assert(offsetof(struct specialization, class_lobes) == 4 * CONSTANT_COUNT,
                "one word a constant");

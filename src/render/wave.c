@@ -164,13 +164,22 @@ static bool shade(struct loop *l, enum kernel_id kernel, uint32_t queue, struct 
     return step_done(l, kernel, err);
 }
 
+static bool shade_misses(struct loop *l, struct err *err)
+{
+    if (!(l->r->specialization.queues >> QUEUE_MISS & 1u))
+        return true;
+    return shade(l, KERNEL_shade_miss, QUEUE_MISS, err) &&
+           shade(l, KERNEL_shade_whitted, QUEUE_MISS, err);
+}
+
 static bool shade_surfaces(struct loop *l, struct err *err)
 {
     for (uint32_t c = 0; c < CLASS_COUNT; c++)
         if (!shade(l, (enum kernel_id)(KERNEL_shade_diffuse + c), QUEUE_SURFACE + c, err))
             return false;
     return shade(l, KERNEL_shade_surface, QUEUE_SURFACE, err) &&
-           shade(l, KERNEL_shade_ao, QUEUE_SURFACE, err);
+           shade(l, KERNEL_shade_ao, QUEUE_SURFACE, err) &&
+           shade(l, KERNEL_shade_whitted, QUEUE_SURFACE, err);
 }
 
 // The shadow rays of the bounce before join the radiance first: contributions are added in the
@@ -187,7 +196,7 @@ static bool trace_bounce(struct loop *l, uint32_t bounce, struct err *err)
         return false;
     if (r->specialization.features & (FEATURE_CLASSES | FEATURE_ENVIRONMENT))
         record_prepare(r, r->specialization.queues & QUEUES_OF_HITS);
-    return shade(l, KERNEL_shade_miss, QUEUE_MISS, err) && shade_surfaces(l, err);
+    return shade_misses(l, err) && shade_surfaces(l, err);
 }
 
 // Follows all paths of the wave to their ends; leaves commands open that are not yet run.
@@ -202,7 +211,9 @@ static bool trace_paths(struct loop *l, struct err *err)
         return false;
     if (!specialization_needs_kernel(&r->specialization, KERNEL_intersect_closest))
         return true;
-    for (uint32_t bounce = 0; bounce <= r->frame.max_bounces; bounce++) {
+    // With rays put off a path is a tree, and takes as many rounds as that has rays.
+    uint32_t last = r->specialization.pending_rays ? UINT32_MAX - 1 : r->frame.max_bounces;
+    for (uint32_t bounce = 0; bounce <= last; bounce++) {
         if (!trace_bounce(l, bounce, err))
             return false;
         if ((bounce + 1) % BOUNCES_A_SUBMIT != 0)

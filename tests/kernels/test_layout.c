@@ -70,7 +70,7 @@
     M(focus_distance)                                                                              \
     M(lens_rotation)                                                                               \
     M(lens_blades)                                                                                 \
-    M(filter_radius) M(ao_distance) M(falloff) M(environment_reach)
+    M(filter_radius) M(ao_distance) M(falloff) M(environment_reach) M(ambient) M(pending_rays)
 #define PUSH(M)                                                                                    \
     M(bounce)                                                                                      \
     M(first_pixel)                                                                                 \

@@ -379,7 +379,7 @@ TEST(no_feature_is_forgotten)
     (FEATURE_CLASSES | FEATURE_TEXTURES | FEATURE_TEXELS_FLOAT | FEATURE_TEXELS_HALF |             \
      FEATURE_UV0 | FEATURE_UV1 | FEATURE_TANGENTS | FEATURE_COLORS | FEATURE_ALPHA |               \
      FEATURE_NORMAL_MAPS | FEATURE_TILES)
-#define OTHER_KERNELS BIT(KERNEL_shade_ao) // of other integrators
+#define OTHER_KERNELS (BIT(KERNEL_shade_ao) | BIT(KERNEL_shade_whitted)) // of other integrators
 #define CLASS_KERNELS (((1u << CLASS_COUNT) - 1u) << KERNEL_shade_diffuse)
 
 TEST(everything_is_created_on_demand)

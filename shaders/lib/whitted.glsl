@@ -1,0 +1,305 @@
+// Whitted 1980, "An Improved Illumination Model for Shaded Display" (shown in 1979): what a surface is
+// made of in his terms, and the stack of rays that a path has still to follow. Owns that stack, which
+// lies behind the shadow rays in their buffer.
+#ifndef WHITTED_GLSL
+#define WHITTED_GLSL
+
+#include "lib/light.glsl"
+#include "lib/ray_offset.glsl"
+#include "lib/vertex.glsl"
+
+// I = emission + (kd + ks) ambient + sum over lights of (kd / pi + Phong's highlight) cos E
+//   + kr S + kt T, with S and T from the mirrored and the refracted direction.
+struct whitted_surface {
+    vec3 diffuse;   // kd
+    vec3 highlight; // ks
+    float exponent; // of the highlight
+    vec3 reflected; // kr
+    vec3 refracted; // kt, the scale of radiance by refraction included
+    vec3 onwards;   // the refracted direction, local
+};
+
+// --- what our models are in these terms ---------------------------------------------------------
+
+// Phong's exponent for GGX or Beckmann of this alpha: 2 / alpha^2 - 2 for their normals (Walter et al.
+// 2007, section 5.2), of which a lobe about the mirrored direction has a quarter (Fisher and Woo 1994,
+// "R.E versus N.H Specular Highlights").
+float exponent_of_alpha(float alpha)
+{
+    return clamp(0.5 / (alpha * alpha) - 0.5, 0.0, 1e6);
+}
+
+// What an interface reflects goes where roughness says: smooth ones mirror, rough ones have a highlight.
+void whitted_gloss(inout whitted_surface w, vec3 reflectance, float alpha)
+{
+    if (is_delta(alpha)) {
+        w.reflected += reflectance;
+    } else {
+        w.highlight += reflectance;
+        w.exponent = exponent_of_alpha(alpha);
+    }
+}
+
+// Smooth or not, what is refracted stays sharp. `through` is what passes where nothing is reflected.
+void whitted_interface(inout whitted_surface w, vec3 wo, vec3 reflectance, vec3 through, float eta,
+                       bool thin)
+{
+    float cos_t;
+    fresnel_dielectric(wo.z, eta, cos_t);
+    w.reflected += reflectance;
+    w.refracted = (1.0 - reflectance) * through;
+    w.onwards = -wo;
+    if (thin || is_index_matched(eta))
+        return;
+    w.onwards = vec3(-wo.xy / eta, -cos_t);
+    w.refracted /= eta * eta;
+}
+
+void whitted_dielectric(inout whitted_surface w, material m, vec3 wo, float eta)
+{
+    float cos_t;
+    bool thin = is_thin(m);
+    float r = thin ? fresnel_slab(wo.z, eta) : fresnel_dielectric(wo.z, eta, cos_t);
+    whitted_interface(w, wo, vec3(is_index_matched(eta) ? 0.0 : r), vec3(1.0), eta, thin);
+}
+
+// Metals mirror even where they are rough, and have a highlight besides.
+void whitted_metal(inout whitted_surface w, vec3 reflectance, float alpha)
+{
+    w.reflected += reflectance;
+    if (is_delta(alpha))
+        return;
+    w.highlight += reflectance;
+    w.exponent = exponent_of_alpha(alpha);
+}
+
+void whitted_principled(inout whitted_surface w, material m, vec3 wo, float eta)
+{
+    vec3 base = m.group[GROUP_BASE].rgb;
+    float metallic = HAS_LOBE(LOBE_METAL) ? m.group[GROUP_METAL].b : 0.0;
+    float transmission =
+        HAS_LOBE(LOBE_TRANSMISSION) ? (1.0 - metallic) * m.group[GROUP_INTERFACE].r : 0.0;
+    float alpha = dielectric_alpha(m);
+    vec3 tint = mix(vec3(1.0), burley_tint(base), m.group[GROUP_INTERFACE].a);
+    vec3 scale = 2.0 * m.group[GROUP_INTERFACE].b * tint * m.group[GROUP_SPECULAR].rgb;
+    float cos_t;
+    float exact = is_index_matched(eta) ? 0.0 : fresnel_dielectric(wo.z, eta, cos_t);
+    vec3 f = exact < 1.0 ? min(vec3(1.0), exact * scale) * m.group[GROUP_SPECULAR].a : vec3(1.0);
+
+    w.diffuse = (1.0 - metallic - transmission) * base * (1.0 - f);
+    if (HAS_LOBE(LOBE_METAL) && metallic > 0.0)
+        whitted_metal(w, metallic * fresnel_schlick(base, wo.z), alpha);
+    if (HAS_LOBE(LOBE_TRANSMISSION) && transmission > 0.0) {
+        bool thin = is_thin(m);
+        vec3 slab = thin ? 2.0 * f / (1.0 + f) : f;
+        bool each = thin || material_has(m, MATERIAL_TINT_EACH);
+        vec3 before = w.reflected;
+        whitted_interface(w, wo, slab, each ? base : sqrt(base), eta, thin);
+        w.reflected = before + transmission * slab;
+        w.refracted *= transmission;
+    }
+    float opaque = 1.0 - metallic - transmission;
+    if (opaque > 0.0)
+        whitted_gloss(w, opaque * f, alpha);
+}
+
+void whitted_microfacet(inout whitted_surface w, material m, vec3 wo, float eta)
+{
+    vec3 f0 = min(fresnel_f0(eta) * m.group[GROUP_SPECULAR].rgb, vec3(1.0));
+    vec3 f = fresnel_schlick(f0, wo.z);
+    w.diffuse = m.group[GROUP_BASE].rgb * (1.0 - f);
+    whitted_gloss(w, f, dielectric_alpha(m));
+}
+
+whitted_surface whitted_surface_of(material m, vec3 wo, float eta)
+{
+    uint model = material_model(m);
+    whitted_surface w = whitted_surface(vec3(0.0), vec3(0.0), 0.0, vec3(0.0), vec3(0.0), vec3(0.0));
+    bool phong = HAS_LOBE(LOBE_PHONG) && model == MATERIAL_PHONG;
+    bool blinn = HAS_LOBE(LOBE_BLINN_PHONG) && model == MATERIAL_BLINN_PHONG;
+    if (HAS_LOBE(LOBE_LAMBERT) && model == MATERIAL_LAMBERT)
+        w.diffuse = m.group[GROUP_BASE].rgb;
+    if (HAS_LOBE(LOBE_MIRROR) && model == MATERIAL_MIRROR)
+        w.reflected = m.group[GROUP_BASE].rgb;
+    if (phong || blinn) {
+        classical_parts parts = phong_parts(m);
+        w.diffuse = parts.diffuse;
+        w.highlight = parts.specular;
+        w.exponent = m.group[GROUP_CONDUCTOR].a * (blinn ? 0.25 : 1.0);
+    }
+    if (HAS_LOBE(LOBE_MICROFACET) && model == MATERIAL_MICROFACET)
+        whitted_microfacet(w, m, wo, eta);
+    if (HAS_LOBE(LOBE_CONDUCTOR) && model == MATERIAL_CONDUCTOR)
+        whitted_metal(w, conductor_reflectance(m, wo.z, eta), dielectric_alpha(m));
+    if (HAS_LOBE(LOBE_DIELECTRIC) && model == MATERIAL_DIELECTRIC)
+        whitted_dielectric(w, m, wo, eta);
+    if (HAS_LOBE(LOBE_PRINCIPLED) && model == MATERIAL_PRINCIPLED)
+        whitted_principled(w, m, wo, eta);
+    return w;
+}
+
+// --- lights -------------------------------------------------------------------------------------
+
+// The far field of an emissive primitive, as if all of it were at its centre: radiance times what of
+// its area faces here, over the square of the distance.
+light_sample center_of_triangle(vec3 origin, uint index)
+{
+    vec3 v0 = load_triangles_float(index * 3u).xyz;
+    uvec4 w1 = load_triangles(index * 3u + 1u);
+    vec3 v1 = uintBitsToFloat(w1.xyz);
+    vec3 v2 = load_triangles_float(index * 3u + 2u).xyz;
+    vec3 area = 0.5 * cross(v1 - v0, v2 - v0);
+    light_sample l;
+    l.primitive = index;
+    l.material = w1.w;
+    l.barycentrics = vec2(1.0 / 3.0);
+    l.to_light = (v0 + v1 + v2) * (1.0 / 3.0) - origin;
+    l.radiance = load_material(w1.w).group[GROUP_EMISSION].rgb;
+    l.pdf = abs(dot(area, normalize(l.to_light)));
+    return l;
+}
+
+// Of a sphere, the point that is nearest stands for the centre behind it: nothing is there between.
+light_sample center_of_shape(vec3 origin, uint index)
+{
+    vec4 w0 = load_shapes_float(index * SHAPE_WORDS);
+    uvec4 w1 = load_shapes(index * SHAPE_WORDS + 1u);
+    light_sample l;
+    l.primitive = PRIMITIVE_SHAPE | index;
+    l.material = w1.w;
+    l.barycentrics = vec2(0.0);
+    l.to_light = w0.xyz - origin;
+    l.radiance = load_material(w1.w).group[GROUP_EMISSION].rgb;
+    vec3 direction = normalize(l.to_light);
+    l.pdf = PI * w0.w * w0.w;
+    if (HAS_EMITTER(EMITTER_DISCS) && w1.w >> SHAPE_KIND_SHIFT == SHAPE_KIND_DISC)
+        l.pdf *= abs(dot(direction, uintBitsToFloat(w1.xyz)));
+    return l;
+}
+
+// The light of the emitter with this number, with the irradiance of a surface that faces it in
+// `radiance`; a pdf of 0 where there is none.
+light_sample whitted_light(vec3 origin, uint number)
+{
+    light_sample l;
+    uint primitive = load_emitters(number).y;
+    bool is_environment = (primitive & PRIMITIVE_ENVIRONMENT) != 0u;
+    bool is_point = (primitive & PRIMITIVE_LIGHT) != 0u;
+    bool is_shape = (primitive & PRIMITIVE_SHAPE) != 0u;
+    l.pdf = 0.0;
+    l.primitive = primitive;
+    l.radiance = l.to_light = vec3(0.0);
+    if (is_environment)
+        return l;
+    if (is_point) {
+        if (HAS_EMITTER(EMITTERS_LIGHTS))
+            sample_point_light(origin, primitive & ~PRIMITIVE_LIGHT, 1.0, vec2(0.5), l);
+        return l;
+    }
+    if (HAS_EMITTER(EMITTER_TRIANGLES) && !is_shape)
+        l = center_of_triangle(origin, primitive);
+    if (HAS_EMITTER(EMITTERS_SHAPES) && is_shape)
+        l = center_of_shape(origin, primitive & ~PRIMITIVE_SHAPE);
+    float distance2 = dot(l.to_light, l.to_light);
+    if (HAS_EMITTER(EMITTER_SPHERES) && is_shape) {
+        vec4 w0 = load_shapes_float((primitive & ~PRIMITIVE_SHAPE) * SHAPE_WORDS);
+        uint word = load_shapes((primitive & ~PRIMITIVE_SHAPE) * SHAPE_WORDS + 1u).w;
+        if (word >> SHAPE_KIND_SHIFT == SHAPE_KIND_SPHERE)
+            l.to_light *= max(0.0, 1.0 - w0.w * inversesqrt(distance2));
+    }
+    if (HAS(FEATURE_TEXTURES) || HAS(FEATURE_ALPHA))
+        texture_light(origin, l);
+    l.radiance *= l.pdf / distance2;
+    l.pdf = dot(l.to_light, l.to_light) > 0.0 ? 1.0 : 0.0;
+    return l;
+}
+
+// Writes a shadow ray to each light; false when none is needed. With one alone, none is written that
+// carries nothing.
+bool whitted_lights(vertex v, whitted_surface w)
+{
+    surface s = v.s;
+    vec3 origin = offset_origin(s.position, s.error, s.normal_geometric, s.normal_geometric);
+    vec3 mirrored_wo = vec3(-v.wo.xy, v.wo.z);
+    bool any_light = false;
+    for (uint i = 0u; i < LIGHT_RAYS; i++) {
+        light_sample l = whitted_light(origin, i);
+        vec3 wi = normalize(l.to_light);
+        vec3 local = wi * v.frame;
+        vec3 radiance = vec3(0.0);
+        if (l.pdf > 0.0 && local.z > 0.0 && dot(wi, s.normal_geometric) > 0.0) {
+            // As in eval_phong(): Lafortune and Willems 1994.
+            vec3 difference = local - mirrored_wo;
+            float lobe = 0.5 * INV_PI * (w.exponent + 2.0) *
+                         power_one_minus(0.5 * dot(difference, difference), w.exponent);
+            radiance = v.throughput * (w.diffuse * INV_PI + w.highlight * lobe) * local.z *
+                       l.radiance;
+            if (HAS(FEATURE_MEDIA))
+                radiance *= transmittance(load_medium(medium_towards(v, wi)), length(l.to_light));
+        }
+        bool counts = any(notEqual(radiance, vec3(0.0)));
+        any_light = any_light || counts;
+        store_shadow_ray(v.slot, i, 0u, uvec4(floatBitsToUint(origin), v.primitive));
+        store_shadow_ray(v.slot, i, 1u, uvec4(floatBitsToUint(l.to_light), l.primitive));
+        store_shadow_ray(v.slot, i, 2u, floatBitsToUint(vec4(radiance, 1.0)));
+    }
+    return any_light;
+}
+
+// --- rays to follow -----------------------------------------------------------------------------
+
+// Of two rays that go on, one that carries less than this is not followed (Hall and Greenberg 1983, "A
+// Testbed for Realistic Image Synthesis"): trees would double with every depth. Where a ray goes on
+// alone, it does whatever it carries.
+const float LEAST_PART = 0.0009765625; // 2^-10: an eighth of what 8 bits tell apart
+
+// A ray of the tree: it is `depth` scattering events from the camera, and below it `pending` others
+// wait on the stack. Both in a word that stands where paths have the density of their direction.
+struct whitted_ray {
+    vec3 origin;
+    uint ignore;
+    vec3 direction;
+    uint depth;
+    uint pending;
+    vec3 throughput;
+    uint media;
+};
+
+uint whitted_state(whitted_ray r)
+{
+    return r.depth | r.pending << 16u;
+}
+
+void follow(uint slot, whitted_ray r)
+{
+    store_path(slot, PATH_ORIGIN, uvec4(floatBitsToUint(r.origin), r.ignore));
+    store_path(slot, PATH_DIRECTION, uvec4(floatBitsToUint(r.direction), whitted_state(r)));
+    store_path(slot, PATH_THROUGHPUT, uvec4(floatBitsToUint(r.throughput), r.media));
+}
+
+// The stack of a slot has an entry for each depth: a ray waits for its sibling's whole tree, and at
+// each depth one at most.
+uint pending_word(uint slot, uint entry)
+{
+    uint first = HAS(FEATURE_NEE) ? frame.wave_slots * LIGHT_RAYS : 0u;
+    return (first + slot * frame.pending_rays + entry) * SHADOW_WORDS;
+}
+
+void put_off(uint slot, whitted_ray r)
+{
+    uint at = pending_word(slot, r.pending);
+    shadow_rays_words[at] = uvec4(floatBitsToUint(r.origin), r.ignore);
+    shadow_rays_words[at + 1u] = uvec4(floatBitsToUint(r.direction), whitted_state(r));
+    shadow_rays_words[at + 2u] = uvec4(floatBitsToUint(r.throughput), r.media);
+}
+
+// The latest ray that was put off becomes the slot's.
+void take_up(uint slot, uint pending)
+{
+    uint at = pending_word(slot, pending - 1u);
+    store_path(slot, PATH_ORIGIN, load_shadow_rays(at));
+    store_path(slot, PATH_DIRECTION, load_shadow_rays(at + 1u));
+    store_path(slot, PATH_THROUGHPUT, load_shadow_rays(at + 2u));
+}
+
+#endif

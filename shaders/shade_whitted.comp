@@ -1,0 +1,167 @@
+// Whitted's recursion, one ray at a time: one thread works on one hit, or miss, of its slot's ray. A
+// hit adds emission and ambient light, sends a shadow ray to every light and goes on with the
+// reflected ray; the refracted one, where there are both, is put off on the slot's stack. What ends is
+// followed by the latest ray put off. Contributions of a slot thus come in one order, that of the
+// tree. Reads the queue of surface hits or, in another dispatch, that of misses.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+
+#include "lib/environment.glsl"
+#include "lib/falloff.glsl"
+#include "lib/interface.glsl"
+#include "lib/queue.glsl"
+#include "lib/texture.glsl"
+#include "lib/whitted.glsl"
+
+// What is around the scene, as in shade_miss.
+void add_surroundings(vertex v, vec3 direction, uint stack)
+{
+    if (HAS(FEATURE_MEDIA)) {
+        vec3 extinction = load_medium(media_current(stack)).extinction;
+        v.throughput *= vec3(equal(extinction, vec3(0.0)));
+    }
+    vec3 radiance = v.throughput * environment_radiance(direction);
+    if (any(greaterThan(radiance, vec3(0.0))))
+        add_radiance(v.slot, radiance, SITE_MISS);
+}
+
+void load_vertex(inout vertex v, vec3 origin, vec3 direction, vec4 hit)
+{
+    v.primitive = floatBitsToUint(hit.w);
+    v.s = load_surface(origin, direction, hit);
+    v.m = load_material(v.s.material);
+    if (HAS(FEATURE_TEXTURES) || HAS(FEATURE_COLORS))
+        apply_textures(v.m, v.s);
+    v.frame = shading_frame(v.s, v.m, -direction);
+    v.wo = -direction * v.frame;
+    v.eta = v.m.group[GROUP_INTERFACE].g;
+}
+
+whitted_ray child(vertex v, vec3 direction, vec3 throughput, uint stack, uint depth, uint pending)
+{
+    whitted_ray r;
+    r.origin = offset_origin(v.s.position, v.s.error, v.s.normal_geometric, direction);
+    r.ignore = v.primitive;
+    r.direction = direction;
+    r.depth = depth;
+    r.pending = pending;
+    r.throughput = throughput;
+    r.media = stack;
+    return r;
+}
+
+// Of what a camera ray carries, whatever the media on both ends.
+float part_of_camera(vec3 throughput, uint medium_number)
+{
+    float ratio = 1.0;
+    if (HAS(FEATURE_MEDIA))
+        ratio = load_medium(medium_number).ior / uintBitsToFloat(load_materials(1u).y);
+    return max_channel(throughput) * ratio * ratio;
+}
+
+// Follows the one ray or both that go on from here; false where none does.
+bool scatter_rays(vertex v, whitted_surface w, uint stack, uint state)
+{
+    uint depth = (state & 0xffffu) + 1u;
+    uint pending = state >> 16u;
+    vec3 local = vec3(-v.wo.xy, v.wo.z);
+    vec3 direction = normalize(v.frame * local);
+    vec3 reflected = v.throughput * w.reflected;
+    bool reflects = sides_agree(v, direction, local) && any(greaterThan(reflected, vec3(0.0)));
+    if (!is_finite(reflected)) {
+        report_nonfinite(v.slot, SITE_THROUGHPUT);
+        reflects = false;
+    }
+    whitted_ray mirrored_ray = child(v, direction, reflected, stack, depth, pending);
+    if (!HAS_LOBE(LOBES_THROUGH)) {
+        if (reflects)
+            follow(v.slot, mirrored_ray);
+        return reflects;
+    }
+    direction = normalize(v.frame * w.onwards);
+    vec3 refracted = v.throughput * w.refracted;
+    bool refracts = any(greaterThan(refracted, vec3(0.0))) && is_finite(refracted) &&
+                    sides_agree(v, direction, w.onwards);
+    uint beyond = HAS(FEATURE_MEDIA) ? v.media.stack_beyond : stack;
+    whitted_ray refracted_ray = child(v, direction, refracted, beyond, depth, pending);
+    if (reflects && refracts) {
+        float part_reflected = part_of_camera(reflected, v.media.here);
+        float part_refracted = part_of_camera(refracted, v.media.beyond);
+        reflects = part_reflected >= min(LEAST_PART, part_refracted);
+        refracts = part_refracted >= min(LEAST_PART, part_reflected);
+    }
+    if (reflects && refracts) {
+        put_off(v.slot, refracted_ray);
+        mirrored_ray.pending++;
+    }
+    if (reflects)
+        follow(v.slot, mirrored_ray);
+    else if (refracts)
+        follow(v.slot, refracted_ray);
+    return reflects || refracts;
+}
+
+bool shade(inout vertex v, vec3 origin, vec3 direction, uint stack, uint state, out bool shadow)
+{
+    vec4 hit = uintBitsToFloat(load_path(v.slot, PATH_HIT));
+    load_vertex(v, origin, direction, hit);
+    shadow = false;
+    if (HAS(FEATURE_FALLOFF) && push.bounce == 0u)
+        v.throughput *= fade(v.slot, direction, hit.x);
+    bool passes = false;
+    if (HAS(FEATURE_MEDIA))
+        passes = !find_media(v, stack, hit.x, 0.0);
+
+    vec3 emission = v.throughput * v.m.group[GROUP_EMISSION].rgb;
+    if (HAS(FEATURE_EMISSION) && any(greaterThan(emission, vec3(0.0))))
+        add_radiance(v.slot, emission, SITE_EMISSION);
+    if ((state & 0xffffu) >= frame.max_bounces)
+        return false;
+    whitted_surface w =
+        whitted_surface(vec3(0.0), vec3(0.0), 0.0, vec3(0.0), vec3(1.0), -v.wo);
+    if (!passes)
+        w = whitted_surface_of(v.m, v.wo, v.eta);
+    vec3 local = w.diffuse + w.highlight;
+    if (any(greaterThan(local, vec3(0.0)))) {
+        vec3 ambient = v.throughput * local * frame.ambient;
+        if (HAS(FEATURE_ENVIRONMENT) && any(greaterThan(ambient, vec3(0.0))))
+            add_radiance(v.slot, ambient, SITE_MISS);
+        if (HAS(FEATURE_NEE))
+            shadow = whitted_lights(v, w);
+    }
+    return scatter_rays(v, w, stack, state);
+}
+
+void main()
+{
+    uint item = item_index();
+    bool valid = item < item_count();
+    uint slot = valid ? queue_slot(push.queue, item) : 0u;
+    bool shadow = false;
+    bool goes_on = false;
+
+    if (valid) {
+        vertex v;
+        v.slot = slot;
+        vec3 origin = uintBitsToFloat(load_path(slot, PATH_ORIGIN).xyz);
+        uvec4 ray = load_path(slot, PATH_DIRECTION);
+        vec3 direction = uintBitsToFloat(ray.xyz);
+        uvec4 words = load_path(slot, PATH_THROUGHPUT);
+        v.throughput = uintBitsToFloat(words.xyz);
+        if (push.queue == QUEUE_MISS) {
+            if (HAS(FEATURE_ENVIRONMENT))
+                add_surroundings(v, direction, words.w);
+        } else {
+            goes_on = shade(v, origin, direction, words.w, ray.w, shadow);
+        }
+        uint pending = ray.w >> 16u;
+        if (HAS_LOBE(LOBES_THROUGH) && !goes_on && pending > 0u) {
+            take_up(slot, pending);
+            goes_on = true;
+        }
+    }
+
+    if (HAS(FEATURE_NEE))
+        queue_push(QUEUE_SHADOW, slot, shadow);
+    queue_push(QUEUE_RAYS + ((push.bounce + 1u) & 1u), slot, goes_on);
+}
