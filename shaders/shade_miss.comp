@@ -1,11 +1,46 @@
-// One thread adds what arrives from the environment along one ray that left the scene. Reads the
-// queue of misses.
+// One thread adds what arrives from the environment and from suns along one ray that left the
+// scene. Reads the queue of misses.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
 #include "lib/environment.glsl"
 #include "lib/media.glsl"
+#include "lib/nee.glsl"
 #include "lib/queue.glsl"
+#include "lib/sun.glsl"
+
+// The weight of what a scattered ray has found, given the density with which it would have been
+// connected to.
+float weight_found(float bsdf_pdf, float light_pdf)
+{
+    if (!sent_shadow_rays(bsdf_pdf) || !(light_pdf > 0.0))
+        return 1.0;
+    return HAS(FEATURE_BSDF_HITS_EMITTERS) ? mis_weight(bsdf_pdf, light_pdf) : 0.0;
+}
+
+vec3 found_environment(vec3 direction, float bsdf_pdf)
+{
+    if (!HAS(FEATURE_ENVIRONMENT_IMAGE))
+        return frame.environment;
+    vec4 texel = load_environment_texel(direction);
+    vec3 radiance = frame.environment * texel.rgb;
+    if (HAS_EMITTER(EMITTER_ENVIRONMENT))
+        radiance *= weight_found(bsdf_pdf, frame.environment_pick * texel.a);
+    return radiance;
+}
+
+vec3 found_suns(vec3 direction, float bsdf_pdf)
+{
+    uvec2 suns = load_materials(1u).zw;
+    vec3 radiance = vec3(0.0);
+    for (uint i = 0u; i < suns.y; i++) {
+        vec4 towards = load_materials_float(suns.x + i * SUN_WORDS);
+        vec4 sun = load_materials_float(suns.x + i * SUN_WORDS + 1u);
+        if (sees_sun(towards.xyz, towards.w, direction))
+            radiance += sun.rgb * weight_found(bsdf_pdf, sun.a * pdf_sun(towards.w));
+    }
+    return radiance;
+}
 
 void main()
 {
@@ -13,8 +48,10 @@ void main()
     if (item >= item_count())
         return;
     uint slot = queue_slot(push.queue, item);
-    vec3 direction = uintBitsToFloat(load_path(slot, PATH_DIRECTION).xyz);
-    vec3 radiance = environment_radiance(direction);
+    vec4 ray = uintBitsToFloat(load_path(slot, PATH_DIRECTION));
+    vec3 radiance = found_environment(ray.xyz, ray.w);
+    if (HAS_EMITTER(EMITTER_SUNS))
+        radiance += found_suns(ray.xyz, ray.w);
     uvec4 words = load_path(slot, PATH_THROUGHPUT);
     vec3 throughput = uintBitsToFloat(words.rgb);
     // Out of an open mesh, or with the camera inside of something endless.

@@ -1,6 +1,7 @@
 #include "memory_plan.h"
 
 #include "attributes.h"
+#include "environment_table.h"
 #include "log.h"
 #include "shared/types.h"
 #include "shared/aov.h"
@@ -53,8 +54,7 @@ static uint64_t bytes_a_slot(const struct specialization *s, uint32_t binding)
     case BINDING_PATHS:
         return sizeof(struct gpu_path);
     case BINDING_SHADOW_RAYS:
-        return ((s->features & FEATURE_NEE ? (uint64_t)s->light_rays : 0) + s->pending_rays) *
-               sizeof(struct gpu_shadow_ray);
+        return (uint64_t)s->light_rays * sizeof(struct gpu_shadow_ray);
     case BINDING_RADIANCE:
         return 16 * AOV_SLOT_WORDS(s->aovs);
     case BINDING_QUEUES:
@@ -69,7 +69,6 @@ static uint64_t bytes_a_slot(const struct specialization *s, uint32_t binding)
 
 static uint64_t scene_bytes(const struct memory_plan_params *p, uint32_t binding)
 {
-    const struct environment *environment = &p->scene->environment;
     switch (binding) {
     case BINDING_NODES:
         return (uint64_t)p->bvh->node_count * sizeof(struct bvh_node);
@@ -87,7 +86,9 @@ static uint64_t scene_bytes(const struct memory_plan_params *p, uint32_t binding
     case BINDING_TEXELS:
         return p->tables->textures.texel_bytes;
     case BINDING_ENVIRONMENT:
-        return (uint64_t)environment->width * environment->height * 16;
+        return environment_table_words(&p->scene->environment,
+                                       p->specialization->emitters & EMITTER_ENVIRONMENT) *
+               16;
     case BINDING_COUNTERS:
         return sizeof(struct gpu_counters);
     default:

@@ -2,6 +2,7 @@
 
 #include "albedo_tables.h"
 #include "camera_media.h"
+#include "environment.h"
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -88,8 +89,37 @@ static void fill_materials(const struct shading_tables_params *p, const struct e
 
 // Sections of the materials' buffer, each of `count` records.
 struct sections {
-    uint64_t materials, textures, lights, media, albedos, end; // in words of four
+    uint64_t materials, textures, lights, suns, media, albedos, end; // in words of four
 };
+
+static uint32_t count_suns(const struct scene *scene)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < scene->light_count; i++)
+        count += scene->lights[i].angular_radius > 0.0;
+    return count;
+}
+
+static struct gpu_sun sun_record(const struct light *light, float pick_probability)
+{
+    double half = sin(0.5 * light->angular_radius);
+    struct gpu_sun sun = {.versine = (float)(2.0 * half * half),
+                          .pick_probability = pick_probability};
+    for (int c = 0; c < 3; c++) {
+        sun.direction[c] = (float)-light->direction[c];
+        sun.radiance[c] =
+            (float)environment_sun_radiance((double)light->radiant[c], light->angular_radius);
+    }
+    return sun;
+}
+
+static void fill_suns(const struct scene *scene, const struct gpu_light *lights,
+                      struct gpu_sun *suns)
+{
+    for (uint32_t i = 0; i < scene->light_count; i++)
+        if (scene->lights[i].angular_radius > 0.0)
+            *suns++ = sun_record(&scene->lights[i], lights[i].pick_probability);
+}
 
 static struct sections lay_out(const struct scene *scene, uint32_t medium_count,
                                uint64_t albedo_words)
@@ -97,7 +127,8 @@ static struct sections lay_out(const struct scene *scene, uint32_t medium_count,
     struct sections s = {.materials = MATERIAL_HEADER_WORDS};
     s.textures = s.materials + (uint64_t)scene->material_count * MATERIAL_WORDS;
     s.lights = s.textures + (uint64_t)scene->texture_count * TEXTURE_WORDS;
-    s.media = s.lights + (uint64_t)scene->light_count * LIGHT_WORDS;
+    s.suns = s.lights + (uint64_t)scene->light_count * LIGHT_WORDS;
+    s.media = s.suns + (uint64_t)count_suns(scene) * SUN_WORDS;
     s.albedos = s.media + (uint64_t)medium_count * MEDIUM_WORDS;
     s.end = s.albedos + albedo_words;
     return s;
@@ -165,6 +196,8 @@ bool shading_tables_build(const struct shading_tables_params *p, struct arena *a
         .media = (uint32_t)s.media,
         .albedos = (uint32_t)s.albedos,
         .camera_ior = 1.0f,
+        .suns = (uint32_t)s.suns,
+        .sun_count = count_suns(p->scene),
     };
     if (media.count > 0)
         place_camera(p, materials, &media, &header);
@@ -176,6 +209,8 @@ bool shading_tables_build(const struct shading_tables_params *p, struct arena *a
     if (out->emitters.lights)
         memcpy(bytes + s.lights * 16u, out->emitters.lights,
                p->scene->light_count * sizeof *out->emitters.lights);
+    if (out->emitters.lights)
+        fill_suns(p->scene, out->emitters.lights, (struct gpu_sun *)(bytes + s.suns * 16u));
     if (media.count > 0)
         memcpy(bytes + s.media * 16u, media.records, media.count * sizeof *media.records);
     if (albedo_words > 0)

@@ -186,7 +186,7 @@ static uint32_t light_features(const struct scene *scene, uint32_t emitters, uin
     }
     if (!wants_nee(settings) || settings->mis != MIS_NONE)
         features |= FEATURE_BSDF_HITS_EMITTERS;
-    if (scene->environment.present) {
+    if (scene->environment.present || (emitters & EMITTER_SUNS)) {
         features |= FEATURE_ENVIRONMENT;
         features |= scene->environment.width ? FEATURE_ENVIRONMENT_IMAGE : 0u;
     }
@@ -219,40 +219,17 @@ static void specialize_ao(struct specialization *s)
     memset(s->class_lobes, 0, sizeof s->class_lobes);
 }
 
-// What the materials' models may be made of in Whitted's terms, see lib/whitted.glsl.
-#define LOBES_WHITTED                                                                              \
-    (LOBE_LAMBERT | LOBE_MIRROR | LOBE_PRINCIPLED | LOBE_METAL | LOBE_TRANSMISSION |               \
-     LOBE_DIELECTRIC | LOBE_CONDUCTOR | LOBE_PHONG | LOBE_BLINN_PHONG | LOBE_MICROFACET |          \
-     LOBE_ROUGH | LOBE_DELTA | LOBE_THIN)
-
-// No density of any direction, no roulette; all materials in one kernel. Where both reflection and
-// refraction are followed, one of them waits: misses are then taken up from, too.
-static void specialize_whitted(struct specialization *s, const struct settings *settings)
-{
-    s->features &= ~(FEATURE_CLASSES | FEATURE_ROULETTE | FEATURE_BSDF_HITS_EMITTERS);
-    s->lobes &= LOBES_WHITTED;
-    memset(s->class_lobes, 0, sizeof s->class_lobes);
-    // Suns have no extent here.
-    s->emitters |= s->emitters & EMITTER_SUNS ? EMITTER_LIGHTS : 0u;
-    s->emitters &= ~(EMITTER_ENVIRONMENT | EMITTER_SUNS);
-    if (!s->emitters)
-        s->features &= ~FEATURE_NEE;
-    if (s->lobes & LOBES_THROUGH) {
-        s->pending_rays = settings->max_bounces;
-        s->features |= FEATURE_ENVIRONMENT;
-    }
-}
-
 static uint32_t device_features(const struct gpu *gpu, const struct flat_scene *flat,
-                                const struct bvh *bvh, const struct scene *scene)
+                                const struct bvh *bvh, const struct scene *scene,
+                                uint32_t emitters)
 {
-    const struct environment *environment = &scene->environment;
     uint32_t features = gpu->has_ballot ? FEATURE_BALLOT : 0u;
     // Measured on lavapipe: texel fetches are three times as fast as storage-buffer reads.
     // Elsewhere storage buffers are the reference path.
     if (!gpu->info.is_cpu)
         return features;
-    uint64_t environment_bytes = (uint64_t)environment->width * environment->height * 16;
+    uint64_t environment_bytes =
+        environment_table_words(&scene->environment, emitters & EMITTER_ENVIRONMENT) * 16;
     uint64_t texel_bytes = 0; // at most: equal images are uploaded once
     for (uint32_t i = 0; i < scene->image_count; i++)
         texel_bytes += (uint64_t)scene->images[i].width * scene->images[i].height *
@@ -363,10 +340,7 @@ bool specialization_needs_kernel(const struct specialization *s, enum kernel_id 
     uint32_t surfaces = FEATURE_TRIANGLES | FEATURE_SPHERES | FEATURE_DISCS;
     switch (id) {
     case KERNEL_shade_miss:
-        return s->integrator != INTEGRATOR_WHITTED && (s->features & FEATURE_ENVIRONMENT);
-    case KERNEL_shade_whitted:
-        return s->integrator == INTEGRATOR_WHITTED &&
-               (s->features & (surfaces | FEATURE_ENVIRONMENT));
+        return s->features & FEATURE_ENVIRONMENT;
     case KERNEL_shade_surface:
         return uses_bsdfs(s) && !(s->features & FEATURE_CLASSES) && (s->features & surfaces);
     case KERNEL_shade_ao:
@@ -400,12 +374,13 @@ bool specialization_needs_binding(const struct specialization *s, uint32_t bindi
     case BINDING_SHAPES:
         return s->features & shapes;
     case BINDING_MATERIALS:
-        return (s->features & (FEATURE_TRIANGLES | shapes)) &&
-               (s->integrator != INTEGRATOR_AO || (s->features & FEATURE_ALPHA));
+        return ((s->features & (FEATURE_TRIANGLES | shapes)) &&
+                (s->integrator != INTEGRATOR_AO || (s->features & FEATURE_ALPHA))) ||
+               (s->emitters & EMITTER_SUNS);
     case BINDING_EMITTERS:
         return (s->features & FEATURE_NEE) && s->emitters;
     case BINDING_SHADOW_RAYS:
-        return (s->features & FEATURE_NEE) || s->pending_rays > 0;
+        return s->features & FEATURE_NEE;
     case BINDING_ENVIRONMENT:
         return s->features & FEATURE_ENVIRONMENT_IMAGE;
     case BINDING_SUSPENDED:

@@ -1,6 +1,7 @@
 #include "upload.h"
 
 #include "attributes.h"
+#include "environment_table.h"
 #include "image.h"
 #include "shared/types.h"
 #include <math.h>
@@ -233,7 +234,7 @@ bool upload_scene(struct gpu *gpu, const struct upload_params *p, struct gpu_buf
         (!plan[BINDING_TEXELS].name ||
          (create(gpu, p, BINDING_TEXELS, buffers, err) &&
           texture_set_upload(gpu, p->scene, &tables->textures, &buffers[BINDING_TEXELS], err))) &&
-        (!plan[BINDING_ENVIRONMENT].name || upload_environment(gpu, p, buffers, &scratch, err));
+        (!plan[BINDING_ENVIRONMENT].name || upload_environment(gpu, p, buffers, err));
     arena_finish(&scratch);
     return ok;
 }

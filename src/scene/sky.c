@@ -62,11 +62,16 @@ static double zenith_chromaticity(const double rows[3][4], double turbidity, dou
     return value;
 }
 
-// Perez's distribution, equation 3: `cosine` of the angle from the zenith, `gamma` from the sun.
-static double perez(const double k[5], double cosine, double gamma)
+// The two factors of Perez's distribution, equation 3: by the cosine of the angle from the zenith,
+// and by that from the sun, gamma.
+static double perez_height(const double k[5], double cosine)
 {
-    double c = cos(gamma);
-    return (1 + k[0] * exp(k[1] / cosine)) * (1 + k[2] * exp(k[3] * gamma) + k[4] * c * c);
+    return 1 + k[0] * exp(k[1] / cosine);
+}
+
+static double perez_sun(const double k[5], double cos_gamma)
+{
+    return 1 + k[2] * exp(k[3] * acos(cos_gamma)) + k[4] * cos_gamma * cos_gamma;
 }
 
 static double sun_angle(const double sun_direction[3])
@@ -87,19 +92,34 @@ void sky_model_init(const struct sky *sky, struct sky_model *out)
     for (int i = 0; i < 2; i++)
         out->zenith[1 + i] = zenith_chromaticity(zenith_xy[i], t, angle);
     for (int i = 0; i < 3; i++)
-        out->zenith[i] /= perez(out->perez[i], 1, angle);
+        out->scale[i] = out->zenith[i] /
+                        (perez_height(out->perez[i], 1) * perez_sun(out->perez[i], cos(angle)));
 }
 
-void sky_radiance(const struct sky_model *model, const double direction[3], double rgb[3])
+// With the factors of the height, times the scale.
+static void radiance_at(const struct sky_model *model, const double height[3],
+                        const double direction[3], double rgb[3])
 {
-    double cosine = fmin(dot(direction, model->sun_direction), 1), value[3], xyz[3];
-    double gamma = acos(fmax(cosine, -1));
+    double cosine = fmax(fmin(dot(direction, model->sun_direction), 1), -1), value[3], xyz[3];
     for (int i = 0; i < 3; i++)
-        value[i] = model->zenith[i] * perez(model->perez[i], direction[1], gamma);
+        value[i] = height[i] * perez_sun(model->perez[i], cosine);
     xyz[0] = value[0] * value[1] / value[2];
     xyz[1] = value[0];
     xyz[2] = value[0] * (1 - value[1] - value[2]) / value[2];
     rgb_from_xyz(xyz, rgb);
+}
+
+static void height_factors(const struct sky_model *model, double cosine, double factors[3])
+{
+    for (int i = 0; i < 3; i++)
+        factors[i] = model->scale[i] * perez_height(model->perez[i], cosine);
+}
+
+void sky_radiance(const struct sky_model *model, const double direction[3], double rgb[3])
+{
+    double factors[3];
+    height_factors(model, direction[1], factors);
+    radiance_at(model, factors, direction, rgb);
 }
 
 // --- the sun -------------------------------------------------------------------------------------
@@ -226,35 +246,68 @@ bool sky_parse(const char *text, struct sky *out, struct err *err)
 struct bake {
     struct sky_model model;
     struct environment *environment;
+    double around[SKY_WIDTH][2][2]; // cosine and sine of the azimuths of a column's points
     atomic_uint clipped;
 };
 
-// The mean over a texel, by two Gauss points each in height and azimuth.
+// Gauss's two points on [0, 1]: a texel is the mean over two of them each in height and azimuth.
+static double gauss_point(int i)
+{
+    return 0.5 + (i ? 0.5 : -0.5) / sqrt(3);
+}
+
+static void bake_texel(struct bake *bake, const double heights[2], const double (*factors)[3],
+                       const double (*around)[2], float texel[3])
+{
+    double sum[3] = {0, 0, 0};
+    for (int i = 0; i < 4; i++) {
+        double y = heights[i / 2], radius = sqrt(1 - y * y), rgb[3];
+        const double direction[3] = {radius * around[i % 2][0], y, radius * around[i % 2][1]};
+        radiance_at(&bake->model, factors[i / 2], direction, rgb);
+        for (int c = 0; c < 3; c++)
+            sum[c] += rgb[c] / 4;
+    }
+    if (sum[0] < 0 || sum[1] < 0 || sum[2] < 0)
+        atomic_fetch_add(&bake->clipped, 1);
+    for (int c = 0; c < 3; c++)
+        texel[c] = (float)fmax(sum[c], 0);
+}
+
 static void bake_rows(void *context, size_t begin, size_t end, unsigned thread)
 {
     (void)thread;
     struct bake *bake = context;
-    const double points[2] = {0.5 - 0.5 / sqrt(3), 0.5 + 0.5 / sqrt(3)};
     for (size_t row = begin; row < end; row++) {
         double top = cos(M_PI * (double)row / SKY_HEIGHT);
         double bottom = cos(M_PI * (double)(row + 1) / SKY_HEIGHT);
-        for (size_t column = 0; column < SKY_WIDTH; column++) {
-            double sum[3] = {0, 0, 0};
-            for (int i = 0; i < 4; i++) {
-                double y = top + (bottom - top) * points[i / 2], radius = sqrt(1 - y * y), rgb[3];
-                double angle = 2 * M_PI * (((double)column + points[i % 2]) / SKY_WIDTH - 0.5);
-                const double direction[3] = {radius * cos(angle), y, radius * sin(angle)};
-                sky_radiance(&bake->model, direction, rgb);
-                for (int c = 0; c < 3; c++)
-                    sum[c] += rgb[c] / 4;
-            }
-            if (sum[0] < 0 || sum[1] < 0 || sum[2] < 0)
-                atomic_fetch_add(&bake->clipped, 1);
-            float *texel = bake->environment->texels[row * SKY_WIDTH + column];
-            for (int c = 0; c < 3; c++)
-                texel[c] = (float)fmax(sum[c], 0);
+        double heights[2], factors[2][3];
+        for (int i = 0; i < 2; i++) {
+            heights[i] = top + (bottom - top) * gauss_point(i);
+            height_factors(&bake->model, heights[i], factors[i]);
         }
+        for (size_t column = 0; column < SKY_WIDTH; column++)
+            bake_texel(bake, heights, factors, bake->around[column],
+                       bake->environment->texels[row * SKY_WIDTH + column]);
     }
+}
+
+static bool bake_sky(const struct sky *sky, struct environment *environment, unsigned *clipped)
+{
+    struct bake *bake = calloc(1, sizeof *bake);
+    if (!bake)
+        return false;
+    bake->environment = environment;
+    sky_model_init(sky, &bake->model);
+    for (int column = 0; column < SKY_WIDTH; column++)
+        for (int i = 0; i < 2; i++) {
+            double angle = 2 * M_PI * ((column + gauss_point(i)) / SKY_WIDTH - 0.5);
+            bake->around[column][i][0] = cos(angle);
+            bake->around[column][i][1] = sin(angle);
+        }
+    parallel_for(SKY_HEIGHT / 2, 8, 0, bake_rows, bake);
+    *clipped = bake->clipped;
+    free(bake);
+    return true;
 }
 
 // Even ground reflects what the sky and the sun send down to it.
@@ -297,15 +350,13 @@ bool scene_set_sky(struct scene *scene, const struct sky *sky, struct err *err)
         .present = true, .radiance = {1, 1, 1}, .width = SKY_WIDTH, .height = SKY_HEIGHT};
     environment.texels =
         arena_alloc(&scene->arena, SKY_WIDTH * SKY_HEIGHT, sizeof *environment.texels);
-    if (!environment.texels)
+    unsigned clipped;
+    if (!environment.texels || !bake_sky(sky, &environment, &clipped))
         return err_memory(err, "a sky", SKY_WIDTH * SKY_HEIGHT * sizeof *environment.texels);
-    struct bake bake = {.environment = &environment};
-    sky_model_init(sky, &bake.model);
-    parallel_for(SKY_HEIGHT / 2, 8, 0, bake_rows, &bake);
     bake_ground(sky, &environment);
-    if (bake.clipped > 0 &&
+    if (clipped > 0 &&
         !scene_note(scene, "sky: %u of %u texels have colours beyond Rec. 709 and were clipped",
-                    bake.clipped, SKY_WIDTH * SKY_HEIGHT / 2))
+                    clipped, SKY_WIDTH * SKY_HEIGHT / 2))
         return err_memory(err, "a note", 0);
     if (sky->has_sun) {
         struct environment_sun *sun = &environment.sun;

@@ -36,6 +36,7 @@ struct sky_model {
     double sun_direction[3];
     double zenith[3];   // Y, x, y there
     double perez[3][5]; // coefficients A to E of each
+    double scale[3];    // what makes of the product of their factors Y, x and y
 };
 void sky_model_init(const struct sky *sky, struct sky_model *out);
 // Of a unit direction with y > 0. Components may be negative: colours that Rec. 709 lacks.
