@@ -3,8 +3,8 @@
 #include "attributes.h"
 #include "environment_table.h"
 #include "log.h"
-#include "shared/types.h"
 #include "shared/aov.h"
+#include "shared/types.h"
 #include <inttypes.h>
 #include <unistd.h>
 
@@ -54,7 +54,8 @@ static uint64_t bytes_a_slot(const struct specialization *s, uint32_t binding)
     case BINDING_PATHS:
         return sizeof(struct gpu_path);
     case BINDING_SHADOW_RAYS:
-        return (uint64_t)s->light_rays * sizeof(struct gpu_shadow_ray);
+        return ((s->features & FEATURE_NEE ? (uint64_t)s->light_rays : 0) + s->pending_rays) *
+               sizeof(struct gpu_shadow_ray);
     case BINDING_RADIANCE:
         return 16 * AOV_SLOT_WORDS(s->aovs);
     case BINDING_QUEUES:
@@ -181,10 +182,10 @@ bool memory_plan_make(const struct memory_plan_params *p, struct memory_plan *ou
 {
     const struct settings *settings = &p->scene->settings;
     const struct gpu *gpu = p->gpu;
+    const uint32_t aovs = p->specialization->aovs;
     *out = (struct memory_plan){0};
     out->wave_slots = fit_wave(p);
 
-    const uint32_t aovs = p->specialization->aovs;
     uint64_t pixels = (uint64_t)settings->width * settings->height;
     uint64_t range = least(gpu->max_storage_range, gpu->max_allocation);
     out->film_chunk_pixels = least(pixels, range / (16 * AOV_FILM_WORDS(aovs)));

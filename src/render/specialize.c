@@ -198,7 +198,8 @@ static uint32_t harmless_features(const struct settings *settings)
 {
     uint32_t features = FEATURE_TRIANGLES | FEATURE_SPHERES | FEATURE_DISCS | FEATURE_NORMALS |
                         FEATURE_EMISSION | FEATURE_ENVIRONMENT | FEATURE_ENVIRONMENT_IMAGE |
-                        FEATURE_ROULETTE | FEATURE_LENS | FEATURE_MEDIA | FEATURE_FALLOFF;
+                        FEATURE_ROULETTE | FEATURE_LENS | FEATURE_MEDIA | FEATURE_FALLOFF |
+                        FEATURE_CLAMP;
     if (wants_nee(settings))
         features |= FEATURE_NEE | FEATURE_NEE_DEPTH;
     return features;
@@ -209,7 +210,7 @@ static uint32_t harmless_features(const struct settings *settings)
 static void specialize_ao(struct specialization *s)
 {
     uint32_t surfaces = FEATURE_TRIANGLES | FEATURE_SPHERES | FEATURE_DISCS;
-    uint32_t kept = surfaces | FEATURE_NORMALS | FEATURE_FALLOFF;
+    uint32_t kept = surfaces | FEATURE_NORMALS | FEATURE_FALLOFF | FEATURE_CLAMP;
     if (s->features & FEATURE_ALPHA)
         kept |= FEATURE_ALPHA | FEATURE_TEXTURES | FEATURE_TEXELS_FLOAT | FEATURE_TEXELS_HALF |
                 FEATURE_UV0 | FEATURE_UV1 | FEATURE_COLORS;
@@ -217,6 +218,30 @@ static void specialize_ao(struct specialization *s)
     s->features |= s->features & surfaces ? FEATURE_NEE : 0u;
     s->emitters = s->lobes = 0;
     memset(s->class_lobes, 0, sizeof s->class_lobes);
+}
+
+// What the materials' models may be made of in Whitted's terms, see lib/whitted.glsl.
+#define LOBES_WHITTED                                                                              \
+    (LOBE_LAMBERT | LOBE_MIRROR | LOBE_PRINCIPLED | LOBE_METAL | LOBE_TRANSMISSION |               \
+     LOBE_DIELECTRIC | LOBE_CONDUCTOR | LOBE_PHONG | LOBE_BLINN_PHONG | LOBE_MICROFACET |          \
+     LOBE_ROUGH | LOBE_DELTA | LOBE_THIN)
+
+// No density of any direction, no roulette; all materials in one kernel. Where both reflection and
+// refraction are followed, one of them waits: misses are then taken up from, too.
+static void specialize_whitted(struct specialization *s, const struct settings *settings)
+{
+    s->features &= ~(FEATURE_CLASSES | FEATURE_ROULETTE | FEATURE_BSDF_HITS_EMITTERS);
+    s->lobes &= LOBES_WHITTED;
+    memset(s->class_lobes, 0, sizeof s->class_lobes);
+    // Suns have no extent here.
+    s->emitters |= s->emitters & EMITTER_SUNS ? EMITTER_LIGHTS : 0u;
+    s->emitters &= ~(EMITTER_ENVIRONMENT | EMITTER_SUNS);
+    if (!s->emitters)
+        s->features &= ~FEATURE_NEE;
+    if (s->lobes & LOBES_THROUGH) {
+        s->pending_rays = settings->max_bounces;
+        s->features |= FEATURE_ENVIRONMENT;
+    }
 }
 
 static uint32_t device_features(const struct gpu *gpu, const struct flat_scene *flat,
@@ -306,6 +331,8 @@ struct specialization specialize(const struct specialize_params *p)
     if (settings->roulette != ROULETTE_OFF &&
         settings->roulette_min_bounces < settings->max_bounces)
         s.features |= FEATURE_ROULETTE;
+    if (settings->clamp_limit > 0.0f)
+        s.features |= FEATURE_CLAMP;
     if (settings->falloff > 0.0f)
         s.features |= FEATURE_FALLOFF;
     if (p->everything) {
@@ -340,7 +367,10 @@ bool specialization_needs_kernel(const struct specialization *s, enum kernel_id 
     uint32_t surfaces = FEATURE_TRIANGLES | FEATURE_SPHERES | FEATURE_DISCS;
     switch (id) {
     case KERNEL_shade_miss:
-        return s->features & FEATURE_ENVIRONMENT;
+        return s->integrator != INTEGRATOR_WHITTED && (s->features & FEATURE_ENVIRONMENT);
+    case KERNEL_shade_whitted:
+        return s->integrator == INTEGRATOR_WHITTED &&
+               (s->features & (surfaces | FEATURE_ENVIRONMENT));
     case KERNEL_shade_surface:
         return uses_bsdfs(s) && !(s->features & FEATURE_CLASSES) && (s->features & surfaces);
     case KERNEL_shade_ao:
@@ -380,7 +410,7 @@ bool specialization_needs_binding(const struct specialization *s, uint32_t bindi
     case BINDING_EMITTERS:
         return (s->features & FEATURE_NEE) && s->emitters;
     case BINDING_SHADOW_RAYS:
-        return s->features & FEATURE_NEE;
+        return (s->features & FEATURE_NEE) || s->pending_rays > 0;
     case BINDING_ENVIRONMENT:
         return s->features & FEATURE_ENVIRONMENT_IMAGE;
     case BINDING_SUSPENDED:
@@ -464,6 +494,8 @@ const char *feature_name(uint32_t bit)
         return "normal maps";
     case FEATURE_EMISSION:
         return "emission";
+    case FEATURE_CLAMP:
+        return "clamped contributions";
     case FEATURE_NEE_DEPTH:
         return "shadow rays by the first vertices only";
     case FEATURE_NEE:
