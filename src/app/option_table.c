@@ -41,8 +41,8 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .name = "aov", .argument = "NAME,...", .type = VALUE_AOVS, .group = "Picture",
         .commands = FOR_RENDER, .fallback = "none",
         .help = "Pictures besides the radiance, as layers of the EXR files: albedo, normal, "
-                "normal_geometric, depth, position, ids, emission, direct, indirect, samples, "
-                "variance, halves; or all.",
+                "normal_geometric, depth, position, ids, alpha of the first surface; emission, "
+                "direct, indirect; samples, variance, halves; or all. See docs/output.md.",
         FIELD(aovs),
     },
     [OPTION_EXPOSURE] = {

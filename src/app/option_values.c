@@ -254,7 +254,8 @@ static const struct {
     {"samples", AOV_SAMPLES},
     {"variance", AOV_VARIANCE},
     {"halves", AOV_HALVES},
-    {"all", (AOV_HALVES << 1) - 1u},
+    {"alpha", AOV_ALPHA},
+    {"all", AOV_END - 1u},
 };
 
 static bool store_aovs(const struct option_def *def, const char *text, struct options *options,
@@ -270,7 +271,7 @@ static bool store_aovs(const struct option_def *def, const char *text, struct op
             return err_set(err, ERR_USAGE,
                            "\"%.*s\" is unknown; expected some of albedo, normal, "
                            "normal_geometric, depth, position, ids, emission, direct, indirect, "
-                           "samples, variance, halves, all",
+                           "samples, variance, halves, alpha, all",
                            (int)length, word);
         bits |= aov_words[i].bits;
         word = word[length] ? word + length + 1 : NULL;

@@ -102,6 +102,19 @@ bool job_check_space(const struct render_job *job, struct err *err);
 bool job_write_outputs(struct render_job *job, uint32_t frame, struct err *err);
 void job_release_outputs(struct render_job *job);
 
+// --- render_layers.c ---
+#define JOB_MAX_LAYERS 14
+
+struct job_layers {
+    struct image_layer list[JOB_MAX_LAYERS];
+    uint32_t count;
+};
+
+// Those that --aov asks for; their values are the film's.
+void job_list_layers(const struct render_job *job, struct job_layers *out);
+// What they take in a file at most, uncompressed, a pixel.
+uint64_t job_layer_bytes(const struct render_job *job);
+
 // --- render_metadata.c ---
 #define JOB_MAX_ATTRIBUTES 64
 

@@ -80,6 +80,17 @@ static void add_settings(struct attributes *a, const struct render_job *job)
     add(a, "lampyris:adaptive", "%s", job->options->adaptive ? "on" : "off");
 }
 
+static void add_layers(struct attributes *a, const struct render_job *job)
+{
+    struct job_layers layers;
+    const char *names = "";
+    job_list_layers(job, &layers);
+    for (uint32_t i = 0; i < layers.count && names; i++)
+        names = arena_printf(a->arena, "%s%s%s", names, i ? "," : "", layers.list[i].name);
+    if (layers.count > 0)
+        add_text(a, "lampyris:layers", names);
+}
+
 static void add_result(struct attributes *a, const struct render_job *job)
 {
     if (job->film.least_samples != job->film.most_samples) {
@@ -136,6 +147,7 @@ bool job_describe(const struct render_job *job, uint32_t frame, struct arena *ar
     if (frame > 0)
         add(&a, "lampyris:frame", "%u", frame);
     add_settings(&a, job);
+    add_layers(&a, job);
     add_result(&a, job);
     return a.failed ? err_memory(err, "metadata", sizeof *out) : true;
 }

@@ -46,11 +46,23 @@ static bool list_locks(struct render_job *job, struct err *err)
     return true;
 }
 
+// Other formats have no layers.
+static bool check_layers(const struct render_job *job, struct err *err)
+{
+    bool has_exr = false;
+    for (uint32_t i = 0; i < job->output_count; i++)
+        has_exr |= strcasecmp(path_extension(job->outputs[i]), "exr") == 0;
+    return has_exr || job->options->aovs == 0 ||
+           err_set(err, ERR_USAGE, "--aov: layers go into EXR files; expected -o NAME.exr");
+}
+
 bool job_check_outputs(struct render_job *job, struct err *err)
 {
     job->outputs = job->options->outputs;
     job->output_count = job->options->output_count;
     if (job->output_count == 0 && !default_output(job, err))
+        return false;
+    if (!check_layers(job, err))
         return false;
     const char *checkpoint = job->options->checkpoint;
     job->lock_count = job->output_count + (checkpoint != NULL);
@@ -88,6 +100,7 @@ bool job_check_space(const struct render_job *job, struct err *err)
         // What compression saves is not known yet; noise leaves it little.
         bool is_png = strcasecmp(path_extension(job->outputs[i]), "png") == 0;
         uint64_t bytes = pixels * 3 * (is_png ? 1 : options->half_float ? 2 : 4);
+        bytes += is_png ? 0 : pixels * job_layer_bytes(job);
         if (!file_check_space(job->outputs[i], pictures * bytes, err))
             return false;
     }
@@ -120,9 +133,13 @@ static bool write_picture(const struct render_job *job, const char *path,
                           const struct job_attributes *attributes, struct err *err)
 {
     const struct image image = {job->film.width, job->film.height, job->film.mean};
+    struct job_layers layers;
+    job_list_layers(job, &layers);
     struct image_write_params params = {
         .path = path,
         .image = &image,
+        .layers = layers.list,
+        .layer_count = layers.count,
         .attributes = attributes->list,
         .attribute_count = attributes->count,
         .half_float = job->options->half_float,

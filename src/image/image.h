@@ -21,10 +21,18 @@ struct image_attribute { // metadata: EXR string attributes, PNG tEXt chunks
 
 enum image_tone { IMAGE_TONE_NONE, IMAGE_TONE_REINHARD, IMAGE_TONE_ACES, IMAGE_TONE_AGX };
 
-// A further EXR layer: channels "NAME.R", "NAME.G", "NAME.B".
+enum image_layer_type {
+    IMAGE_LAYER_FLOAT, // as the picture: halves with half_float
+    IMAGE_LAYER_FULL,  // 32-bit floats always: what halves cannot tell apart
+    IMAGE_LAYER_UINT,  // 32-bit integers
+};
+
+// A further EXR layer: channels "NAME.R", "NAME.G", "NAME.B", or of other names.
 struct image_layer {
     const char *name;
-    const float (*pixels)[3];
+    const void *values;          // interleaved: floats, or uint32_t
+    const char *const *channels; // up to three, ended by NULL; NULL: "R", "G", "B"
+    enum image_layer_type type;
 };
 
 struct image_write_params {
@@ -46,8 +54,10 @@ bool image_check_format(const char *path, struct err *err);
 bool image_write(const struct image_write_params *params, struct err *err);
 
 struct image_read_params {
-    const char *path;  // .exr, .hdr, .png (sRGB decoded to linear), .jpg (the same)
-    const char *layer; // EXR: layer to read, NULL: the plain R, G, B (or Y) channels
+    const char *path; // .exr, .hdr, .png (sRGB decoded to linear), .jpg (the same)
+    // EXR: the layer to read, of channels R, G, B, or X, Y, Z, or Y, or one channel by its whole
+    // name ("depth.Z"); NULL: the plain ones.
+    const char *layer;
     size_t max_bytes;  // memory for the file, the pixels and the decoder; 0: 8 GiB
     uint32_t side_max; // longest side that is accepted; 0: any
     bool is_linear;    // colours of PNG and JPEG are taken as they are, not as sRGB-encoded

@@ -81,21 +81,42 @@ static void list_channels(const exr_attr_chlist_t *list, char *text, size_t size
     }
 }
 
-// R, G and B, or else Y in all three; A where there is one.
+// The three channels of these names; false where one is missing.
+static bool find_three(const exr_attr_chlist_t *list, const char *layer,
+                       const char *const names[COLORS], int channels[COLORS])
+{
+    bool found = true;
+    for (int c = 0; c < COLORS; c++) {
+        channels[c] = find_channel(list, layer, names[c]);
+        found &= channels[c] >= 0;
+    }
+    return found;
+}
+
+// R, G and B, or X, Y and Z, or else in all three Y or the channel whose whole name it is.
+static bool find_colors(const exr_attr_chlist_t *list, const char *layer, int channels[COLORS])
+{
+    static const char *const colors[] = {"R", "G", "B"}, *const axes[] = {"X", "Y", "Z"};
+    if (find_three(list, layer, colors, channels) ||
+        (layer && find_three(list, layer, axes, channels)))
+        return true;
+    int single = find_channel(list, layer, "Y");
+    if (single < 0 && layer)
+        single = find_channel(list, NULL, layer);
+    for (int c = 0; c < COLORS; c++)
+        channels[c] = single;
+    return single >= 0;
+}
+
+// Of the colours, and A where there is one.
 static bool choose_channels(struct exr_reader *reader, struct err *err)
 {
     const exr_attr_chlist_t *list;
     if (!check(reader, exr_get_channels(reader->context, 0, &list), err))
         return false;
     const char *layer = reader->source->layer;
-    int luminance = find_channel(list, layer, "Y");
-    bool missing = false;
     reader->channels[COLORS] = reader->source->with_alpha ? find_channel(list, layer, "A") : -1;
-    for (int c = 0; c < COLORS; c++) {
-        reader->channels[c] = find_channel(list, layer, (const char *[]){"R", "G", "B"}[c]);
-        missing |= reader->channels[c] < 0;
-    }
-    if (missing && luminance < 0) {
+    if (!find_colors(list, layer, reader->channels)) {
         char present[200];
         list_channels(list, present, sizeof present);
         return err_set(
@@ -103,8 +124,6 @@ static bool choose_channels(struct exr_reader *reader, struct err *err)
             layer ? layer : "", layer ? "." : "", layer ? layer : "", layer ? "." : "", present);
     }
     for (int c = 0; c < COMPONENTS; c++) {
-        if (missing && c < COLORS)
-            reader->channels[c] = luminance;
         if (reader->channels[c] < 0)
             continue;
         const exr_attr_chlist_entry_t *entry = &list->entries[reader->channels[c]];

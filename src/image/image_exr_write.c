@@ -29,48 +29,83 @@ static bool check(const struct exr_writer *writer, exr_result_t result, struct e
     return result == EXR_ERR_SUCCESS || exr_fail(&writer->stream, result, ERR_OUTPUT, err);
 }
 
-// Component 0, 1, 2 of the plain picture (layer -1) or of a layer. False when the name is too long.
-static bool channel_name(const struct image_write_params *params, int layer, int component,
-                         char name[NAME_MAX_BYTES + 1])
+// A channel of the plain picture (layer -1) or of a layer.
+struct channel {
+    char name[NAME_MAX_BYTES + 1];
+    exr_pixel_type_t type;
+    const char *values; // of the first pixel
+    size_t stride;      // from pixel to pixel, bytes
+};
+
+static const struct image_layer *layer_at(const struct image_write_params *params, int index,
+                                          struct image_layer *plain)
 {
-    const char letter = "RGB"[component];
-    int length =
-        layer < 0 ? snprintf(name, NAME_MAX_BYTES + 1, "%c", letter)
-                  : snprintf(name, NAME_MAX_BYTES + 1, "%s.%c", params->layers[layer].name, letter);
+    *plain = (struct image_layer){.values = params->image->pixels};
+    return index < 0 ? plain : &params->layers[index];
+}
+
+static int component_count(const struct image_layer *layer)
+{
+    int count = 0;
+    while (layer->channels && layer->channels[count])
+        count++;
+    return layer->channels ? count : COMPONENTS;
+}
+
+// False when the name is too long.
+static bool describe_channel(const struct image_write_params *params,
+                             const struct image_layer *layer, int component, struct channel *out)
+{
+    static const char *const colors[] = {"R", "G", "B"};
+    const char *letter = layer->channels ? layer->channels[component] : colors[component];
+    int length = layer->name ? snprintf(out->name, sizeof out->name, "%s.%s", layer->name, letter)
+                             : snprintf(out->name, sizeof out->name, "%s", letter);
+    bool is_half = params->half_float && layer->type == IMAGE_LAYER_FLOAT;
+    out->type = layer->type == IMAGE_LAYER_UINT ? EXR_PIXEL_UINT
+                : is_half                       ? EXR_PIXEL_HALF
+                                                : EXR_PIXEL_FLOAT;
+    out->stride = (size_t)component_count(layer) * sizeof(float);
+    out->values = (const char *)layer->values + (size_t)component * sizeof(float);
     return length > 0 && length <= NAME_MAX_BYTES;
 }
 
-// Where the channel of this name comes from: the first component of the first pixel.
-static const float *channel_source(const struct image_write_params *params, const char *wanted)
+static bool find_channel(const struct image_write_params *params, const char *wanted,
+                         struct channel *out)
 {
-    char name[NAME_MAX_BYTES + 1];
-    for (int layer = -1; layer < (int)params->layer_count; layer++) {
-        const float(*pixels)[3] =
-            layer < 0 ? (const float(*)[3])params->image->pixels : params->layers[layer].pixels;
-        for (int component = 0; component < COMPONENTS; component++)
-            if (channel_name(params, layer, component, name) && strcmp(name, wanted) == 0)
-                return &pixels[0][component];
+    struct image_layer plain;
+    for (int i = -1; i < (int)params->layer_count; i++) {
+        const struct image_layer *layer = layer_at(params, i, &plain);
+        for (int component = 0; component < component_count(layer); component++)
+            if (describe_channel(params, layer, component, out) && strcmp(out->name, wanted) == 0)
+                return true;
     }
-    return NULL;
+    return false;
+}
+
+static bool add_channel(struct exr_writer *writer, const struct image_layer *layer, int component,
+                        struct err *err)
+{
+    struct channel channel;
+    if (!describe_channel(writer->params, layer, component, &channel))
+        return err_set(err, ERR_OUTPUT, "layer name \"%.40s…\" is longer than %d bytes",
+                       layer->name, NAME_MAX_BYTES - 2);
+    // The library keeps the list sorted by name, as the format demands.
+    return check(writer,
+                 exr_add_channel(writer->context, 0, channel.name, channel.type,
+                                 EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1),
+                 err) ||
+           err_prepend(err, "channel %s", channel.name);
 }
 
 static bool add_channels(struct exr_writer *writer, struct err *err)
 {
-    const struct image_write_params *params = writer->params;
-    exr_pixel_type_t type = params->half_float ? EXR_PIXEL_HALF : EXR_PIXEL_FLOAT;
-    char name[NAME_MAX_BYTES + 1];
-    for (int layer = -1; layer < (int)params->layer_count; layer++)
-        for (int component = 0; component < COMPONENTS; component++) {
-            if (!channel_name(params, layer, component, name))
-                return err_set(err, ERR_OUTPUT, "layer name \"%.40s…\" is longer than %d bytes",
-                               params->layers[layer].name, NAME_MAX_BYTES - 2);
-            // The library keeps the list sorted by name, as the format demands.
-            if (!check(writer,
-                       exr_add_channel(writer->context, 0, name, type, EXR_PERCEPTUALLY_LOGARITHMIC,
-                                       1, 1),
-                       err))
-                return err_prepend(err, "channel %s", name);
-        }
+    struct image_layer plain;
+    for (int i = -1; i < (int)writer->params->layer_count; i++) {
+        const struct image_layer *layer = layer_at(writer->params, i, &plain);
+        for (int component = 0; component < component_count(layer); component++)
+            if (!add_channel(writer, layer, component, err))
+                return false;
+    }
     return true;
 }
 
@@ -88,10 +123,13 @@ static bool add_attributes(struct exr_writer *writer, struct err *err)
 
 static bool needs_long_names(const struct image_write_params *params)
 {
-    const size_t suffix = 2; // ".R"
+    struct channel channel;
     for (uint32_t i = 0; i < params->layer_count; i++)
-        if (strlen(params->layers[i].name) + suffix > SHORT_NAME_MAX_BYTES)
-            return true;
+        for (int c = 0; c < component_count(&params->layers[i]); c++) {
+            describe_channel(params, &params->layers[i], c, &channel);
+            if (strlen(channel.name) > SHORT_NAME_MAX_BYTES)
+                return true;
+        }
     for (uint32_t i = 0; i < params->attribute_count; i++)
         if (strlen(params->attributes[i].key) > SHORT_NAME_MAX_BYTES)
             return true;
@@ -119,40 +157,39 @@ static bool write_header(struct exr_writer *writer, struct err *err)
            check(writer, exr_write_header(writer->context), err);
 }
 
-static void convert_to_half(struct exr_writer *writer, const float *from, uint32_t lines,
-                            uint16_t *to)
+static void convert_to_half(struct exr_writer *writer, const char *from, size_t stride,
+                            size_t count, uint16_t *to)
 {
-    size_t count = (size_t)lines * writer->params->image->width;
     for (size_t i = 0; i < count; i++) {
-        float value = from[i * COMPONENTS];
+        float value;
+        memcpy(&value, from + i * stride, sizeof value);
         writer->saturated += isfinite(value) && fabsf(value) > HALF_MAX;
         to[i] = half_from_float(value);
     }
 }
 
-// Points the encoder's channels at the lines [y, y + lines).
+// Points the encoder's channels to the lines from y on.
 static bool feed_encoder(struct exr_writer *writer, uint32_t y, uint32_t lines, struct err *err)
 {
-    const struct image *image = writer->params->image;
-    size_t first = (size_t)y * image->width * COMPONENTS;
+    const uint32_t width = writer->params->image->width;
     for (int i = 0; i < writer->encoder.channel_count; i++) {
-        exr_coding_channel_info_t *channel = &writer->encoder.channels[i];
-        const float *from = channel_source(writer->params, channel->channel_name);
-        if (!from)
-            return err_set(err, ERR_BUG, "EXR: channel %s has no source", channel->channel_name);
-        size_t value_bytes = sizeof(float), stride = COMPONENTS * value_bytes;
-        const void *data = from + first;
-        if (writer->halves) {
-            uint16_t *block = writer->halves + (size_t)i * BLOCK_LINES * image->width;
-            convert_to_half(writer, from + first, lines, block);
+        exr_coding_channel_info_t *coding = &writer->encoder.channels[i];
+        struct channel channel;
+        if (!find_channel(writer->params, coding->channel_name, &channel))
+            return err_set(err, ERR_BUG, "EXR: channel %s has no source", coding->channel_name);
+        size_t value_bytes = sizeof(float), stride = channel.stride;
+        const char *data = channel.values + (size_t)y * width * stride;
+        if (channel.type == EXR_PIXEL_HALF) {
+            uint16_t *block = writer->halves + (size_t)i * BLOCK_LINES * width;
+            convert_to_half(writer, data, stride, (size_t)lines * width, block);
             value_bytes = stride = sizeof *block;
-            data = block;
+            data = (const char *)block;
         }
-        channel->encode_from_ptr = data;
-        channel->user_pixel_stride = (int32_t)stride;
-        channel->user_line_stride = (int32_t)(stride * image->width);
-        channel->user_data_type = channel->data_type;
-        channel->user_bytes_per_element = (int16_t)value_bytes;
+        coding->encode_from_ptr = (const uint8_t *)data;
+        coding->user_pixel_stride = (int32_t)stride;
+        coding->user_line_stride = (int32_t)(stride * width);
+        coding->user_data_type = coding->data_type;
+        coding->user_bytes_per_element = (int16_t)value_bytes;
     }
     return true;
 }

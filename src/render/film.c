@@ -3,6 +3,7 @@
 #include "frame.h"
 #include "shared/aov.h"
 
+#include <math.h>
 #include <string.h>
 
 static uint64_t pixel_count(const struct renderer *r)
@@ -105,6 +106,13 @@ static void add_pixel(const struct renderer *r, struct film_image *image, uint64
     for (int c = 0; c < 3; c++) {
         double sum = (double)samples_a * p->mean_a[c] + (double)samples_b * p->mean_b[c];
         image->mean[at][c] = p->samples ? (float)(sum / p->samples) : 0.0f;
+    }
+    // The halves' means differ by the variance of a sample times 1 / a + 1 / b on average.
+    double share = (double)samples_a * samples_b / fmax((double)p->samples * p->samples, 1.0);
+    for (int c = 0; c < 3 && image->aovs.variance; c++) {
+        double difference = (double)p->mean_a[c] - (double)p->mean_b[c];
+        bool known = samples_a > 0 && samples_b > 0;
+        image->aovs.variance[at][c] = known ? (float)(difference * difference * share) : INFINITY;
     }
     memcpy(image->half_a[at], p->mean_a, sizeof p->mean_a);
     memcpy(image->half_b[at], p->mean_b, sizeof p->mean_b);

@@ -30,7 +30,8 @@ uint32_t film_aovs_of_device(uint32_t wanted)
 
 uint32_t film_aovs_bytes(uint32_t wanted)
 {
-    uint32_t bytes = wanted & AOV_IDS ? sizeof(uint32_t[3]) : 0;
+    uint32_t bytes = wanted & AOV_IDS ? 12 : 0;
+    bytes += wanted & AOV_VARIANCE ? 12 : 0;
     for (int i = 0; i < PLANE_COUNT; i++)
         if (wanted & planes[i].aov)
             bytes += planes[i].components * (uint32_t)sizeof(float);
@@ -56,10 +57,13 @@ bool film_aovs_allocate(uint32_t wanted, uint64_t pixels, struct arena *arena,
             return err_memory(err, "layers", pixels * planes[i].components * sizeof(float));
         memcpy((char *)out + planes[i].member, &floats, sizeof floats);
     }
-    if (!(wanted & AOV_IDS))
-        return true;
-    out->ids = arena_alloc(arena, pixels, sizeof *out->ids);
-    return out->ids || err_memory(err, "layers", pixels * sizeof *out->ids);
+    if (wanted & AOV_IDS)
+        out->ids = arena_alloc(arena, pixels, sizeof *out->ids);
+    if (wanted & AOV_VARIANCE)
+        out->variance = arena_alloc(arena, pixels, sizeof *out->variance);
+    if ((!out->ids && (wanted & AOV_IDS)) || (!out->variance && (wanted & AOV_VARIANCE)))
+        return err_memory(err, "layers", pixels * sizeof *out->ids);
+    return true;
 }
 
 static uint32_t float_at(uint32_t device, const struct plane *plane)

@@ -23,6 +23,7 @@ struct film_aovs {
     uint32_t (*ids)[3];
     // Parts of the radiance: after no, one and more scattering events.
     float (*emission)[3], (*direct)[3], (*indirect)[3];
+    float (*variance)[3]; // of the radiance's mean, from the half-buffers; infinite where unknown
 };
 
 // What the device has to know of those wanted: AOV_*, without those that the film has anyway, with

@@ -130,6 +130,51 @@ TEST(layers_and_attributes_come_back)
     temporary_leave(folder);
 }
 
+// Layers with names of channels and types of their own; integers and those that ask for it keep 32
+// bits beside halves.
+TEST(layers_of_other_types)
+{
+    enum { WIDTH = 19, HEIGHT = 18, PIXELS = WIDTH * HEIGHT };
+    static const char *const depth_names[] = {"Z", NULL},
+                             *const axis_names[] = {"X", "Y", "Z", NULL},
+                             *const id_names[] = {"object", "material", NULL};
+    static float depth[PIXELS], normal[PIXELS][3];
+    static uint32_t ids[PIXELS][2];
+    struct arena arena = {0};
+    struct byte_buffer file = {0};
+    struct err err = {0};
+    struct image image = picture_create(&arena, WIDTH, HEIGHT), back;
+    for (uint32_t i = 0; i < PIXELS; i++) {
+        depth[i] = i == 7 ? INFINITY : 1e6f + (float)i / 16.0f;
+        ids[i][0] = i + 70000;
+        ids[i][1] = i % 5;
+        for (uint32_t c = 0; c < 3; c++)
+            normal[i][c] = (float)(i + c) / 1024.0f; // exact as halves
+    }
+    const struct image_layer layers[] = {{"depth", depth, depth_names, IMAGE_LAYER_FULL},
+                                         {"normal", normal, axis_names, IMAGE_LAYER_FLOAT},
+                                         {"id", ids, id_names, IMAGE_LAYER_UINT}};
+    encode(
+        &(struct image_write_params){
+            .path = "m", .image = &image, .layers = layers, .layer_count = 3, .half_float = true},
+        &file);
+    static const char *const read[] = {"depth.Z", "normal", "id.object", "id.material"};
+    for (int l = 0; l < 4; l++) {
+        uint32_t wrong = 0;
+        REQUIRE(decode_layer(&file, read[l], &arena, &back, &err), "%s", err.msg);
+        for (uint32_t i = 0; i < PIXELS; i++)
+            for (uint32_t c = 0; c < 3; c++)
+                wrong += back.pixels[i][c] != (l == 0   ? depth[i]
+                                               : l == 1 ? normal[i][c]
+                                                        : (float)ids[i][l - 2]);
+        CHECK(wrong == 0, "%s: %u values", read[l], wrong);
+    }
+    CHECK(!decode_layer(&file, "depth", &arena, &back, &err) && strstr(err.msg, "depth.Z"), "%s",
+          err.msg);
+    byte_buffer_finish(&file);
+    arena_finish(&arena);
+}
+
 // The header's bytes, read without the library (OpenEXR file layout): a list of name, type, linear
 // flag and three reserved bytes, x and y sampling, in the order of the names.
 TEST(channels_are_sorted_in_the_file)
@@ -369,8 +414,8 @@ TEST(bad_names_are_refused)
 }
 
 TEST_MAIN(TEST_CASE(floats_come_back_bit_by_bit), TEST_CASE(halves_are_rounded_and_saturate),
-          TEST_CASE(layers_and_attributes_come_back), TEST_CASE(channels_are_sorted_in_the_file),
-          TEST_CASE(channel_types_are_converted), TEST_CASE(luminance_becomes_grey),
-          TEST_CASE(data_windows_and_tiles), TEST_CASE(what_is_not_read_is_refused),
-          TEST_CASE(sizes_are_checked_before_allocation), TEST_CASE(damaged_files),
-          TEST_CASE(bad_names_are_refused))
+          TEST_CASE(layers_and_attributes_come_back), TEST_CASE(layers_of_other_types),
+          TEST_CASE(channels_are_sorted_in_the_file), TEST_CASE(channel_types_are_converted),
+          TEST_CASE(luminance_becomes_grey), TEST_CASE(data_windows_and_tiles),
+          TEST_CASE(what_is_not_read_is_refused), TEST_CASE(sizes_are_checked_before_allocation),
+          TEST_CASE(damaged_files), TEST_CASE(bad_names_are_refused))
