@@ -28,6 +28,24 @@ const struct command commands[COMMAND_TOTAL] = {
             .max_arguments = 1,
             .run = cmd_render,
         },
+    [COMMAND_CONVERGE] =
+        {
+            .name = "converge",
+            .summary = "measure error against samples and run time",
+            .arguments = "SCENE...",
+            .description =
+                "Renders each scene with doubling samples, several times with other seeds, and "
+                "tells the error against samples and against run time: relMSE with its interval, "
+                "the slope it falls off with, efficiency, time to a given error, and what bias "
+                "remains. --vary makes a curve for each value of a setting and says which is "
+                "better. Replicates of all curves take turns, so that a busy machine is busy for "
+                "all.",
+            .examples = "lampyris converge scene.json --vary sampler=sobol,pcg --report report\n"
+                        "lampyris converge scene.json --size 128x128 --vary mis=power,none --spp 1k",
+            .min_arguments = 1,
+            .max_arguments = OPTIONS_ARGUMENTS_MAX,
+            .run = cmd_converge,
+        },
     [COMMAND_COMPARE] =
         {
             .name = "compare",

@@ -5,7 +5,8 @@
 #define FOR_COMPARE (1u << COMMAND_COMPARE)
 #define FOR_DEVICES (1u << COMMAND_DEVICES)
 #define FOR_HELP (1u << COMMAND_HELP)
-#define FOR_SCENE (FOR_RENDER | 1u << COMMAND_INFO)
+#define FOR_CONVERGE (1u << COMMAND_CONVERGE)
+#define FOR_SCENE (FOR_RENDER | FOR_CONVERGE | 1u << COMMAND_INFO)
 #define FOR_ALL ((1u << COMMAND_TOTAL) - 1)
 
 #define FIELD(member)                                                                              \
@@ -330,6 +331,42 @@ const struct option_def option_table[OPTION_TOTAL] = {
                 "interruption, bit for bit; a checkpoint of another scene or of other settings is "
                 "refused.",
         FIELD(resume),
+    },
+
+    [OPTION_REPLICATES] = {
+        .name = "replicates", .argument = "N", .type = VALUE_COUNT, .min = 2, .max = 4096,
+        .group = "Curves", .commands = FOR_CONVERGE, .fallback = "16",
+        .help = "Independent runs of each curve, with seeds from --seed on. Intervals come from "
+                "their spread.",
+        FIELD(replicates),
+    },
+    [OPTION_REFERENCE] = {
+        .name = "reference", .argument = "FILE|auto|none", .type = VALUE_TEXT, .group = "Curves",
+        .commands = FOR_CONVERGE, .fallback = "auto",
+        .help = "What errors are taken against: a picture (its own noise is subtracted where it "
+                "has the layers of --aov halves), one made now with a hundred times the samples, "
+                "or none: the half-buffers then tell the error, and no bias.",
+        FIELD(reference),
+    },
+    [OPTION_VARY] = {
+        .name = "vary", .argument = "KEY=A,B,...", .type = VALUE_VARY, .group = "Curves",
+        .commands = FOR_CONVERGE, .fallback = "one curve",
+        .help = "A curve for each value of an option that says how pictures are computed, as in "
+                "sampler=sobol,pcg. Several multiply.",
+    },
+    [OPTION_SPP_FROM] = {
+        .name = "spp-from", .argument = "N", .type = VALUE_COUNT, .min = 1,
+        .max = SETTINGS_SPP_MAX, .group = "Curves", .commands = FOR_CONVERGE, .fallback = "16",
+        .help = "Samples a pixel of the first point; each further one has twice as many, up to "
+                "--spp (256 where that is not given).",
+        FIELD(spp_from),
+    },
+    [OPTION_REPORT] = {
+        .name = "report", .argument = "FOLDER", .type = VALUE_TEXT, .group = "Curves",
+        .commands = FOR_CONVERGE, .fallback = "none",
+        .help = "Write report.html with plots (by gnuplot), tables and pictures, results.csv and "
+                "results.json.",
+        FIELD(report),
     },
 
     [OPTION_DEVICE] = {

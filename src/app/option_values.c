@@ -204,6 +204,15 @@ static bool store_define(const char *text, struct options *options, struct err *
     return true;
 }
 
+static bool store_vary(const char *text, struct options *options, struct err *err)
+{
+    const char *equals = strchr(text, '=');
+    if (!equals || equals == text || !equals[1])
+        return err_set(err, ERR_USAGE, "\"%s\" is not of the form KEY=A,B,...", text);
+    options->vary[options->vary_count++] = text;
+    return true;
+}
+
 static int metric_find(const char *name, size_t length)
 {
     for (int i = 0; i < METRIC_TOTAL; i++)
@@ -318,6 +327,8 @@ bool option_store(const struct option_def *def, const char *text, struct options
         return store_define(text, options, err);
     case VALUE_LIMIT:
         return store_limit(def, text, options, err);
+    case VALUE_VARY:
+        return store_vary(text, options, err);
     case VALUE_AOVS:
         return store_aovs(def, text, options, err);
     }

@@ -200,8 +200,9 @@ static bool allocate_lists(struct options *options, int argc, struct err *err)
     size_t most = (size_t)argc;
     options->outputs = ARENA_NEW(&options->arena, const char *, most);
     options->overrides = ARENA_NEW(&options->arena, struct scene_override, most);
+    options->vary = ARENA_NEW(&options->arena, const char *, most);
     options->limits = ARENA_NEW(&options->arena, struct compare_limit, most);
-    if (options->outputs && options->overrides && options->limits)
+    if (options->outputs && options->overrides && options->vary && options->limits)
         return true;
     return err_memory(err, "the command line", most * sizeof(struct scene_override));
 }
@@ -276,7 +277,7 @@ bool options_parse(int argc, char **argv, struct options *out, struct err *err)
 {
     *out = (struct options){
         .argc = argc, .argv = argv, .log_level = LOG_WARN, .accumulate = true, .spp_per_frame = 1,
-        .checkpoint_seconds = 60.0};
+        .checkpoint_seconds = 60.0, .replicates = 16, .spp_from = 16};
     if (!keep_command_line(out, argc, argv, err) || !allocate_lists(out, argc, err))
         return false;
     struct parser parser = {.arguments = argv, .count = argc, .next = 1, .options = out};
@@ -289,13 +290,26 @@ void options_finish(struct options *options)
         arena_finish(&options->arena);
 }
 
+static bool in_settings(const struct option_def *def)
+{
+    const size_t begin = offsetof(struct options, settings);
+    return def->offset >= begin && def->offset - begin < sizeof(struct settings);
+}
+
+bool option_is_setting(const struct option_def *def)
+{
+    enum option_id id = (enum option_id)(def - option_table);
+    bool shown = id == OPTION_SIZE || id == OPTION_SPP || id == OPTION_EXPOSURE || id == OPTION_TONE;
+    bool kernels = id == OPTION_WAVE || id == OPTION_FEATURES || id == OPTION_CLASSES;
+    return kernels || (in_settings(def) && !shown);
+}
+
 void options_apply_settings(const struct options *options, struct settings *settings)
 {
     const size_t begin = offsetof(struct options, settings);
     for (int i = 0; i < OPTION_TOTAL; i++) {
         const struct option_def *def = &option_table[i];
-        bool is_setting = def->offset >= begin && def->offset - begin < sizeof *settings;
-        if (is_setting && options_given(options, (enum option_id)i))
+        if (in_settings(def) && options_given(options, (enum option_id)i))
             memcpy((char *)settings + (def->offset - begin), (const char *)options + def->offset,
                    def->size);
     }

@@ -17,6 +17,7 @@
 
 struct command;
 
+#define OPTIONS_ARGUMENTS_MAX 16
 #define OPTION_TIME_MAX 1e9 // of --time, seconds: more than anyone waits
 
 // In the order of option_table, which is the order of the help.
@@ -68,6 +69,11 @@ enum option_id {
     OPTION_CHECKPOINT,
     OPTION_CHECKPOINT_EVERY,
     OPTION_RESUME,
+    OPTION_REPLICATES,
+    OPTION_REFERENCE,
+    OPTION_VARY,
+    OPTION_SPP_FROM,
+    OPTION_REPORT,
     OPTION_DEVICE,
     OPTION_WAVE,
     OPTION_VALIDATION,
@@ -110,6 +116,7 @@ enum option_type {
     VALUE_OUTPUT,
     VALUE_DEFINE, // KEY=VALUE
     VALUE_LIMIT,  // METRIC=VALUE
+    VALUE_VARY,   // KEY=A,B,...
     VALUE_AOVS,   // names separated by commas; bits of AOV_*
 };
 
@@ -166,7 +173,7 @@ struct options {
     int argc; // as main was given them, for commands that reproduce a run
     char **argv;
     const struct command *command; // NULL only with --help or --version
-    const char *arguments[2];      // SCENE; IMAGE and REFERENCE; the COMMAND of help
+    const char *arguments[OPTIONS_ARGUMENTS_MAX]; // SCENE …; IMAGE and REFERENCE; COMMAND of help
     uint32_t argument_count;
     bool given[OPTION_TOTAL];
     const char *command_line; // all of it, quoted for a shell
@@ -211,6 +218,13 @@ struct options {
     uint32_t pixel[2]; // the path to follow, where --pixel was given
     uint64_t sample;
 
+    uint32_t replicates;
+    const char *reference; // file, "auto" or "none"; NULL: auto
+    const char **vary;     // "KEY=A,B,..."
+    uint32_t vary_count;
+    uint64_t spp_from;
+    const char *report; // folder; NULL: none
+
     struct compare_limit *limits;
     uint32_t limit_count;
     const char *difference; // NULL: no picture
@@ -230,6 +244,10 @@ static inline bool options_given(const struct options *options, enum option_id i
 
 // Replaces those settings for which an option was given.
 void options_apply_settings(const struct options *options, struct settings *settings);
+
+// Whether it changes how a picture is computed, and may so be varied: not its size, its samples or
+// how it is shown.
+bool option_is_setting(const struct option_def *def);
 
 // Converts the text of one value and stores it (option_values.c). err: what is wrong and what was
 // expected, without the option's name.

@@ -229,3 +229,14 @@ const char *path_extension(const char *path)
     const char *dot = strrchr(name, '.');
     return dot && dot != name ? dot + 1 : "";
 }
+
+bool file_make_folder(const char *path, struct err *err)
+{
+    struct stat status;
+    if (mkdir(path, 0777) == 0)
+        return true;
+    int reason = errno;
+    if (reason == EEXIST && stat(path, &status) == 0 && S_ISDIR(status.st_mode))
+        return true;
+    return err_set(err, ERR_OUTPUT, "%s: cannot be made a folder: %s", path, strerror(reason));
+}

@@ -33,6 +33,9 @@ struct file_reference {
 char *file_resolve(struct arena *arena, const struct file_reference *reference, const char *path,
                    struct err *err);
 
+// Creates a folder unless it is there; its parent must be. ERR_OUTPUT.
+bool file_make_folder(const char *path, struct err *err);
+
 char *path_folder(struct arena *arena, const char *path); // "a/b.c" -> "a", "b.c" -> "."
 const char *path_extension(const char *path);             // "a.PNG" -> "PNG", else ""
 const char *path_name(const char *path);                  // "a/b.c" -> "b.c"

@@ -172,7 +172,7 @@ TEST(usage_errors_say_what_was_expected)
     check_error("--spp 3 render s", "--spp belongs after the command");
     check_error("render s --max mse=1",
                 "\"render\" has no option --max: it belongs to \"compare\"");
-    check_error("compare a b --spp 3", "it belongs to \"render\", \"info\"");
+    check_error("compare a b --spp 3", "it belongs to \"render\", \"converge\", \"info\"");
     check_error("render s --spp", "--spp needs a value: --spp N");
     check_error("render s --output --half", "--output needs a value: --output FILE");
     check_error("render s --half=yes", "--half takes no value, but got \"yes\"");
@@ -326,7 +326,7 @@ TEST(the_table_is_complete)
         const struct option_def *def = &option_table[i];
         REQUIRE(def->name && def->help && def->group && def->commands, "row %d", i);
         CHECK((def->type == VALUE_FLAG) == !def->argument, "--%s", def->name);
-        bool has_list = def->type == VALUE_OUTPUT || def->type == VALUE_DEFINE ||
+        bool has_list = def->type == VALUE_OUTPUT || def->type == VALUE_VARY || def->type == VALUE_DEFINE ||
                         def->type == VALUE_LIMIT || def->type == VALUE_ENVIRONMENT;
         CHECK(has_list == (def->size == 0), "--%s", def->name);
         for (int j = 0; j < i; j++)

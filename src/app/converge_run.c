@@ -1,0 +1,389 @@
+#include "converge.h"
+
+#include "clock.h"
+#include "image.h"
+#include "log.h"
+#include "perceptual.h"
+#include "render_job.h"
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+// --- curves --------------------------------------------------------------------------------------
+
+static const struct option_def *find_setting(const char *name, size_t length)
+{
+    for (int i = 0; i < OPTION_TOTAL; i++)
+        if (strlen(option_table[i].name) == length &&
+            memcmp(option_table[i].name, name, length) == 0)
+            return &option_table[i];
+    return NULL;
+}
+
+// The n-th of the words between commas; NULL past the last.
+static const char *nth_word(const char *words, uint32_t n, size_t *length)
+{
+    for (; n > 0; n--) {
+        words = strchr(words, ',');
+        if (!words)
+            return NULL;
+        words++;
+    }
+    *length = strcspn(words, ",");
+    return words;
+}
+
+static uint32_t count_words(const char *words)
+{
+    uint32_t count = 1;
+    for (; *words; words++)
+        count += *words == ',';
+    return count;
+}
+
+// Sets what curve number `index` of a scene has of each --vary, the last one changing fastest.
+static bool vary(struct converge *c, struct converge_curve *curve, uint32_t index, struct err *err)
+{
+    const struct options *options = c->options;
+    for (uint32_t v = options->vary_count; v-- > 0;) {
+        const char *text = options->vary[v], *words = strchr(text, '=') + 1;
+        uint32_t count = count_words(words);
+        size_t key_length = (size_t)(words - 1 - text), length = 0;
+        const struct option_def *def = find_setting(text, key_length);
+        const char *word = nth_word(words, index % count, &length);
+        index /= count;
+        const char *value = arena_printf(&c->arena, "%.*s", (int)length, word);
+        const char *label =
+            arena_printf(&c->arena, "%.*s=%s%s%s", (int)key_length, text, value ? value : "",
+                         *curve->label ? " " : "", curve->label);
+        if (!value || !label)
+            return err_memory(err, "a curve", length);
+        curve->label = label;
+        if (!def || !option_belongs(def, options->command) || !option_is_setting(def))
+            return err_set(err, ERR_USAGE,
+                           "--vary %s: \"%.*s\" is no setting; expected one of the group Method, "
+                           "or max-bounces, seed, wave, features or classes",
+                           text, (int)key_length, text);
+        if (!option_store(def, value, &curve->options, err))
+            return err_prepend(err, "--vary %s", text);
+        curve->options.given[def - option_table] = true;
+    }
+    return true;
+}
+
+static bool make_curves(struct converge *c, struct err *err)
+{
+    const struct options *options = c->options;
+    uint64_t variants = 1;
+    for (uint32_t v = 0; v < options->vary_count; v++)
+        variants *= count_words(strchr(options->vary[v], '=') + 1);
+    if (variants * options->argument_count > CONVERGE_CURVES_MAX)
+        return err_set(err, ERR_USAGE, "%llu curves; expected at most %d",
+                       (unsigned long long)variants * options->argument_count, CONVERGE_CURVES_MAX);
+    c->curve_count = (uint32_t)variants * options->argument_count;
+    c->curves = ARENA_NEW(&c->arena, struct converge_curve, c->curve_count);
+    if (!c->curves)
+        return err_memory(err, "curves", c->curve_count * sizeof *c->curves);
+    for (uint32_t i = 0; i < c->curve_count; i++) {
+        struct converge_curve *curve = &c->curves[i];
+        curve->label = "";
+        curve->options = *options;
+        curve->scene = i / (uint32_t)variants;
+        curve->options.arguments[0] = options->arguments[curve->scene];
+        if (!vary(c, curve, i % (uint32_t)variants, err))
+            return false;
+    }
+    return true;
+}
+
+// Doubling from --spp-from to --spp.
+static bool make_points(struct converge *c, struct err *err)
+{
+    uint64_t most = options_given(c->options, OPTION_SPP) ? c->options->settings.spp : 256;
+    uint64_t from = c->options->spp_from;
+    if (from > most)
+        return err_set(err, ERR_USAGE, "--spp-from %llu is above --spp %llu",
+                       (unsigned long long)from, (unsigned long long)most);
+    c->spp = ARENA_NEW(&c->arena, uint64_t, 64);
+    if (!c->spp)
+        return err_memory(err, "points", 64 * sizeof *c->spp);
+    for (uint64_t spp = from; spp <= most; spp *= 2)
+        c->spp[c->point_count++] = spp;
+    return true;
+}
+
+static bool open_curve(struct converge *c, struct converge_curve *curve, struct err *err)
+{
+    uint64_t start = clock_ns();
+    uint32_t camera;
+    size_t count = (size_t)c->replicate_count * c->point_count;
+    curve->samples = ARENA_NEW(&c->arena, struct converge_sample, count);
+    curve->pictures = arena_alloc(&c->arena, c->replicate_count, sizeof *curve->pictures);
+    curve->error = ARENA_NEW(&c->arena, struct interval, c->point_count);
+    curve->seconds = ARENA_NEW(&c->arena, struct interval, c->point_count);
+    if (!curve->samples || !curve->pictures || !curve->error || !curve->seconds)
+        return err_memory(err, "samples", count * sizeof *curve->samples);
+    if (!job_load_scene(&curve->options, &curve->scene_data, &camera, err))
+        return false;
+    curve->scene_data.settings.spp = c->spp[c->point_count - 1];
+    struct renderer_params params = {
+        .gpu = &c->gpu,
+        .scene = &curve->scene_data,
+        .wave = curve->options.wave,
+        .camera = camera,
+        .everything = curve->options.features == FEATURES_ALL,
+        .merge_classes = curve->options.classes == CLASSES_MERGED,
+        .progress = c->options->progress,
+    };
+    if (!renderer_create(&params, &curve->renderer, err))
+        return false;
+    curve->start_seconds = clock_seconds_since(start);
+    return true;
+}
+
+bool converge_prepare(struct converge *c, struct err *err)
+{
+    c->replicate_count = c->options->replicates;
+    if (!make_points(c, err) || !make_curves(c, err) || !gpu_open(&c->options->gpu, &c->gpu, err))
+        return false;
+    for (uint32_t i = 0; i < c->curve_count; i++)
+        if (!open_curve(c, &c->curves[i], err))
+            return false;
+    return true;
+}
+
+void converge_finish(struct converge *c)
+{
+    for (uint32_t i = 0; c->curves && i < c->curve_count; i++) {
+        renderer_finish(&c->curves[i].renderer);
+        scene_finish(&c->curves[i].scene_data);
+    }
+    gpu_close(&c->gpu);
+    arena_finish(&c->arena);
+}
+
+// --- rendering -----------------------------------------------------------------------------------
+
+static bool advance(struct converge *c, struct renderer *renderer, uint64_t samples, double from,
+                    double to, struct err *err)
+{
+    struct render_call call = {
+        .samples = samples,
+        .progress_from = from,
+        .progress_to = to,
+        .stopped = &c->stopped,
+    };
+    return renderer_render(renderer, &call, err);
+}
+
+// The noise of a picture, from its half-buffers: mean (A - B)^2 / 4, and that over r^2 + epsilon.
+static void noise_of(const struct film_image *film, double *mse, double *relmse)
+{
+    uint64_t pixels = (uint64_t)film->width * film->height;
+    double squares = 0.0, relative = 0.0;
+    for (uint64_t i = 0; i < pixels; i++)
+        for (int k = 0; k < 3; k++) {
+            double d = 0.5 * ((double)film->half_a[i][k] - (double)film->half_b[i][k]);
+            double r = (double)film->mean[i][k];
+            squares += d * d;
+            relative += d * d / (r * r + METRICS_RELMSE_EPSILON);
+        }
+    *mse = squares / (3.0 * (double)pixels);
+    *relmse = relative / (3.0 * (double)pixels);
+}
+
+// A hundred times the samples of the longest curve, with a seed of its own, by the settings without
+// what is varied.
+#define REFERENCE_FACTOR 100
+
+static bool render_reference(struct converge *c, uint32_t scene, struct err *err)
+{
+    struct converge_reference *out = &c->references[scene];
+    struct converge_curve curve = {.options = *c->options, .scene = scene};
+    curve.options.arguments[0] = c->options->arguments[scene];
+    struct film_image film;
+    bool ok = open_curve(c, &curve, err);
+    out->spp = REFERENCE_FACTOR * c->spp[c->point_count - 1];
+    curve.renderer.frame.samples = (uint32_t)out->spp;
+    ok = ok && renderer_restart(&curve.renderer, ~curve.scene_data.settings.seed, err) &&
+         advance(c, &curve.renderer, out->spp, 0.0, 1.0, err) &&
+         renderer_read(&curve.renderer, &c->arena, &film, err);
+    if (ok && c->stopped)
+        ok = err_set(err, ERR_STOPPED, "stopped while the reference was rendered");
+    if (ok) {
+        out->width = film.width;
+        out->height = film.height;
+        out->pixels = film.mean;
+        noise_of(&film, &out->mse, &out->relmse);
+        out->noise_known = true;
+    }
+    renderer_finish(&curve.renderer);
+    scene_finish(&curve.scene_data);
+    return ok;
+}
+
+// The layers that --aov halves writes tell a file's own noise.
+static bool read_noise(struct converge *c, const char *path, struct converge_reference *out)
+{
+    struct image halves[2];
+    static const char *const layers[2] = {"half_a", "half_b"};
+    for (int h = 0; h < 2; h++) {
+        struct image_read_params params = {.path = path, .layer = layers[h]};
+        struct err none = {0};
+        if (!image_read(&params, &c->arena, &halves[h], &none))
+            return false;
+    }
+    const struct film_image film = {
+        .width = out->width,
+        .height = out->height,
+        .mean = out->pixels,
+        .half_a = halves[0].pixels,
+        .half_b = halves[1].pixels,
+    };
+    noise_of(&film, &out->mse, &out->relmse);
+    return true;
+}
+
+static bool read_reference(struct converge *c, uint32_t scene, struct err *err)
+{
+    struct converge_reference *out = &c->references[scene];
+    struct image image;
+    struct image_read_params params = {.path = out->name};
+    if (!image_read(&params, &c->arena, &image, err))
+        return false;
+    for (uint32_t i = 0; i < c->curve_count; i++) {
+        const struct settings *settings = &c->curves[i].scene_data.settings;
+        if (c->curves[i].scene == scene &&
+            (settings->width != image.width || settings->height != image.height))
+            return err_set(err, ERR_INPUT, "%s is %u x %u pixels, but %s is rendered with %u x %u",
+                           out->name, image.width, image.height, c->options->arguments[scene],
+                           settings->width, settings->height);
+    }
+    out->width = image.width;
+    out->height = image.height;
+    out->pixels = image.pixels;
+    out->noise_known = read_noise(c, out->name, out);
+    if (!out->noise_known)
+        log_info("%s has no layers half_a and half_b: its own noise is not subtracted", out->name);
+    return true;
+}
+
+bool converge_reference(struct converge *c, struct err *err)
+{
+    const char *name = c->options->reference;
+    uint32_t scenes = c->options->argument_count;
+    c->references = ARENA_NEW(&c->arena, struct converge_reference, scenes);
+    if (!c->references)
+        return err_memory(err, "references", scenes * sizeof *c->references);
+    for (uint32_t scene = 0; scene < scenes; scene++) {
+        if (name && strcmp(name, "none") == 0)
+            continue;
+        c->references[scene].name = name ? name : "auto";
+        bool automatic = !name || strcmp(name, "auto") == 0;
+        if (!(automatic ? render_reference(c, scene, err) : read_reference(c, scene, err)))
+            return false;
+    }
+    return true;
+}
+
+// --- measuring -----------------------------------------------------------------------------------
+
+static void compare(const struct converge_reference *reference, const struct film_image *film,
+                    bool with_perception, double metric[CONVERGE_METRICS])
+{
+    const float(*image)[3] = (const float(*)[3])film->mean;
+    const float(*truth)[3] = (const float(*)[3])reference->pixels;
+    struct metrics m;
+    metrics_compare(image, truth, (uint64_t)film->width * film->height, &m);
+    metric[CONVERGE_MSE] = m.mse - reference->mse;
+    metric[CONVERGE_RELMSE] = m.relmse - reference->relmse;
+    metric[CONVERGE_SMAPE] = m.smape;
+    metric[CONVERGE_PSNR] = m.psnr;
+    const struct picture_pair pair = {image, truth, film->width, film->height};
+    if (!with_perception)
+        return;
+    if (!metrics_ssim(&pair, &metric[CONVERGE_SSIM]))
+        metric[CONVERGE_SSIM] = NAN;
+    if (!metrics_flip(&pair, FLIP_PIXELS_PER_DEGREE, NULL, &metric[CONVERGE_FLIP]))
+        metric[CONVERGE_FLIP] = NAN;
+}
+
+static bool keep_picture(struct converge *c, struct converge_curve *curve, uint32_t replicate,
+                         const struct film_image *film, struct err *err)
+{
+    uint64_t pixels = (uint64_t)film->width * film->height;
+    float(*kept)[3] = arena_alloc(&c->arena, pixels, sizeof *kept);
+    if (!kept)
+        return err_memory(err, "a picture", pixels * sizeof *kept);
+    memcpy(kept, film->mean, pixels * sizeof *kept);
+    curve->pictures[replicate] = kept;
+    return true;
+}
+
+static bool measure_point(struct converge *c, struct converge_curve *curve, uint32_t replicate,
+                          uint32_t point, struct err *err)
+{
+    struct arena scratch = {0};
+    struct film_image film;
+    struct converge_sample *sample = converge_at(c, curve, replicate, point);
+    const struct converge_reference *reference = &c->references[curve->scene];
+    for (int m = 0; m < CONVERGE_METRICS; m++)
+        sample->metric[m] = NAN;
+    bool ok = renderer_read(&curve->renderer, &scratch, &film, err);
+    if (ok && reference->name)
+        compare(reference, &film, replicate == 0, sample->metric);
+    else if (ok)
+        noise_of(&film, &sample->metric[CONVERGE_MSE], &sample->metric[CONVERGE_RELMSE]);
+    if (ok && point + 1 == c->point_count)
+        ok = keep_picture(c, curve, replicate, &film, err);
+    arena_finish(&scratch);
+    return ok;
+}
+
+// Samplers that spread their points over all samples planned begin anew for each point; the others
+// go on from the one before.
+static bool plans_samples(const struct settings *settings)
+{
+    return settings->sampler == SAMPLER_STRATIFIED || settings->sampler == SAMPLER_GRID ||
+           settings->sampler == SAMPLER_BLUE_NOISE || settings->halves == HALVES_CONTIGUOUS;
+}
+
+static bool measure_replicate(struct converge *c, struct converge_curve *curve, uint32_t replicate,
+                              double from, double to, struct err *err)
+{
+    struct renderer *renderer = &curve->renderer;
+    const struct settings *settings = &curve->scene_data.settings;
+    double part = (to - from) / (double)c->spp[c->point_count - 1], start = 0.0;
+    uint64_t done = 0;
+    for (uint32_t point = 0; point < c->point_count && !c->stopped; point++) {
+        if (point == 0 || plans_samples(settings)) {
+            renderer->frame.samples = (uint32_t)c->spp[point];
+            if (!renderer_restart(renderer, settings->seed + replicate, err))
+                return false;
+            start = renderer->stats.render_seconds;
+            done = 0;
+        }
+        if (!advance(c, renderer, c->spp[point] - done, from + part * (double)done,
+                     from + part * (double)c->spp[point], err))
+            return false;
+        done = c->spp[point];
+        converge_at(c, curve, replicate, point)->seconds = renderer->stats.render_seconds - start;
+        if (!c->stopped && !measure_point(c, curve, replicate, point, err))
+            return false;
+    }
+    return true;
+}
+
+bool converge_measure(struct converge *c, struct err *err)
+{
+    double all = (double)c->replicate_count * c->curve_count, done = 0;
+    for (uint32_t replicate = 0; replicate < c->replicate_count; replicate++) {
+        for (uint32_t i = 0; i < c->curve_count; i++, done++)
+            if (!measure_replicate(c, &c->curves[i], replicate, done / all, (done + 1) / all, err))
+                return false;
+        if (c->stopped)
+            break;
+        c->replicates_done = replicate + 1;
+    }
+    return true;
+}
