@@ -27,7 +27,7 @@ static void add(struct text *text, const char *format, ...)
     va_start(arguments, format);
     int length = vsnprintf(line, sizeof line, format, arguments);
     va_end(arguments);
-    for (int i = 0; i < length && line[i] && line[i] != '\0'; i++)
+    for (int i = 0; i < length && line[i] != '\0'; i++)
         if (line[i] == '\n')
             line[i] = ' ';
     if (text->so_far)
@@ -94,6 +94,30 @@ static void add_settings(struct text *text, const struct settings *settings)
     add(text, "pixel jitter=%s", settings->pixel_jitter ? "on" : "off");
 }
 
+// As the command line has changed it.
+static void add_camera(struct text *text, const struct render_job *job)
+{
+    const struct camera *c = &job->scene.cameras[job->camera];
+    add(text,
+        "camera=number %u at %.17g %.17g %.17g towards %.17g %.17g %.17g, up %.17g %.17g %.17g, "
+        "kind %u, field of view %.17g, height %.17g",
+        job->camera, c->position[0], c->position[1], c->position[2], c->direction[0],
+        c->direction[1], c->direction[2], c->up[0], c->up[1], c->up[2], c->kind, c->fov_y,
+        c->height);
+    add(text, "lens=radius %.17g, focus at %.17g, %u blades turned by %.17g", c->lens_radius,
+        c->focus_distance, c->lens_blades, c->lens_rotation);
+}
+
+static void add_environment(struct text *text, const struct environment *e)
+{
+    add(text,
+        "environment=radiance %.9g %.9g %.9g turned by %.17g, sun of %.9g %.9g %.9g and radius "
+        "%.17g from %.17g %.17g %.17g",
+        (double)e->radiance[0], (double)e->radiance[1], (double)e->radiance[2], e->rotation,
+        (double)e->sun.irradiance[0], (double)e->sun.irradiance[1], (double)e->sun.irradiance[2],
+        e->sun.angular_radius, e->sun.direction[0], e->sun.direction[1], e->sun.direction[2]);
+}
+
 static const char *make_identity(struct render_job *job)
 {
     const struct options *options = job->options;
@@ -102,10 +126,8 @@ static const char *make_identity(struct render_job *job)
     add(&text, "device=%s", job->gpu.info.name);
     add(&text, "driver=%s", job->gpu.info.driver);
     add(&text, "scene of hash=%016" PRIx64, job->scene.hash);
-    add(&text, "--camera=%u", job->camera);
-    add(&text, "--env-rotate=%.17g", job->scene.environment.rotation);
-    add(&text, "--env-strength=%.17g",
-        options_given(options, OPTION_ENV_STRENGTH) ? options->environment_strength : 1.0);
+    add_camera(&text, job);
+    add_environment(&text, &job->scene.environment);
     add_settings(&text, &job->scene.settings);
     add(&text, "--aov=0x%x", options->aovs);
     add(&text, "--adaptive=%s", options->adaptive ? "on" : "off");
@@ -169,8 +191,9 @@ bool job_checkpoint_restore(struct render_job *job, struct err *err)
         return false;
     checkpoint_close(&job->resumed);
     job->has_checkpoint = true;
-    job->plan = tile_plan_of(job->renderer.frame.width, job->renderer.frame.height,
-                             job->renderer.tiles.counts);
+    if (job->options->adaptive)
+        job->plan = tile_plan_of(job->renderer.frame.width, job->renderer.frame.height,
+                                 job->renderer.tiles.counts);
     uint64_t begun = samples_begun(job);
     uint64_t wanted =
         options->frames ? (uint64_t)options->frames * options->spp_per_frame : job->samples_most;

@@ -333,10 +333,11 @@ bool checkpoint_check(const struct checkpoint *c, const char *identity, struct e
         return true;
     bool same_name =
         name_length(was) == name_length(is) && memcmp(was, is, (size_t)name_length(was)) == 0;
-    if (same_name && *was && *is)
+    if (same_name && *was && *is) {
+        const char *value = is + name_length(is) + (is[name_length(is)] == '=');
         return err_set(err, ERR_INPUT, "%s: was made with %.*s, but this run has %.*s", c->path,
-                       line_length(was), was, line_length(is),
-                       is + (is[name_length(is)] == '=' ? name_length(is) + 1 : 0));
+                       line_length(was), was, line_length(value), value);
+    }
     return err_set(err, ERR_INPUT, "%s: was made with %.*s, where this run has %.*s", c->path,
                    *was ? line_length(was) : 7, *was ? was : "nothing", *is ? line_length(is) : 7,
                    *is ? is : "nothing");

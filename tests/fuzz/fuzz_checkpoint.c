@@ -1,0 +1,45 @@
+// A checkpoint from anywhere: read as --resume reads it, up to the film. Damage is found by the
+// hash, so the same bytes are tried with a right one, too.
+#include "checkpoint.h"
+#include "hash.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+static bool read_bytes(void *bytes, size_t size)
+{
+    FILE *file = fmemopen(bytes, size, "rb");
+    if (!file)
+        abort();
+    struct arena arena = {0};
+    struct checkpoint checkpoint;
+    struct err err = {0};
+    bool ok = checkpoint_read(file, "fuzz", &arena, &checkpoint, &err);
+    if (ok && strlen(checkpoint.identity) < size)
+        ok = checkpoint_check(&checkpoint, "version=0\n--seed=1\n", &err);
+    if (!ok && (err.code == ERR_NONE || !err.msg[0]))
+        abort();
+    fclose(file);
+    arena_finish(&arena);
+    return ok;
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    if (size == 0) // fmemopen may refuse it
+        return 0;
+    uint8_t *copy = malloc(size);
+    if (!copy)
+        abort();
+    memcpy(copy, data, size);
+    read_bytes(copy, size);
+    if (size > sizeof(uint64_t)) {
+        uint64_t hash = hash_bytes(HASH_INIT, copy, size - sizeof hash);
+        memcpy(copy + size - sizeof hash, &hash, sizeof hash);
+        read_bytes(copy, size);
+    }
+    free(copy);
+    return 0;
+}
