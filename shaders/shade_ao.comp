@@ -5,12 +5,26 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
+#include "lib/aov.glsl"
 #include "lib/falloff.glsl"
 #include "lib/queue.glsl"
 #include "lib/ray_offset.glsl"
 #include "lib/sampler.glsl"
 #include "lib/sampling.glsl"
 #include "lib/surface.glsl"
+#include "lib/texture.glsl"
+
+// For those who asked for it: the only ones to look at materials.
+void store_surface(uint slot, surface s, vec4 hit)
+{
+    material m;
+    if (HAS_AOV(AOV_ALBEDO)) {
+        m = load_material(s.material);
+        if (HAS(FEATURE_TEXTURES) || HAS(FEATURE_COLORS))
+            apply_textures(m, s);
+    }
+    store_first_hit(slot, s, m, floatBitsToUint(hit.w), hit.x);
+}
 
 void main()
 {
@@ -24,6 +38,8 @@ void main()
         vec3 direction = uintBitsToFloat(load_path(slot, PATH_DIRECTION).xyz);
         vec4 hit = uintBitsToFloat(load_path(slot, PATH_HIT));
         surface s = load_surface(uintBitsToFloat(words.xyz), direction, hit);
+        if (HAS_AOV(AOVS_OF_SURFACES))
+            store_surface(slot, s, hit);
         float worth = 1.0;
         if (HAS(FEATURE_FALLOFF))
             worth = fade(slot, direction, hit.x);

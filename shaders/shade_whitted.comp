@@ -6,6 +6,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
+#include "lib/aov.glsl"
 #include "lib/environment.glsl"
 #include "lib/falloff.glsl"
 #include "lib/interface.glsl"
@@ -105,6 +106,8 @@ bool shade(inout vertex v, vec3 origin, vec3 direction, uint stack, uint state, 
 {
     vec4 hit = uintBitsToFloat(load_path(v.slot, PATH_HIT));
     load_vertex(v, origin, direction, hit);
+    if (HAS_AOV(AOVS_OF_SURFACES) && push.bounce == 0u)
+        store_first_hit(v.slot, v.s, v.m, v.primitive, hit.x);
     shadow = false;
     if (HAS(FEATURE_FALLOFF) && push.bounce == 0u)
         v.throughput *= fade(v.slot, direction, hit.x);

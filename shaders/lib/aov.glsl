@@ -10,7 +10,7 @@
 // reflects at right angles.
 vec3 albedo_color(material m)
 {
-    if (HAS_LOBE(LOBE_CONDUCTOR) && material_model(m) == MATERIAL_CONDUCTOR) {
+    if (material_model(m) == MATERIAL_CONDUCTOR) {
         vec3 eta = m.group[GROUP_CONDUCTOR].rgb;
         vec3 k2 = m.group[GROUP_CONDUCTOR_K].rgb * m.group[GROUP_CONDUCTOR_K].rgb;
         return m.group[GROUP_SPECULAR].rgb * ((eta - 1.0) * (eta - 1.0) + k2) /

@@ -2,8 +2,8 @@
 
 #include "attributes.h"
 #include "emitters.h"
-#include "film_aovs.h"
 #include "environment_table.h"
+#include "film_aovs.h"
 #include "shared/types.h"
 #include <string.h>
 
@@ -211,7 +211,7 @@ static void specialize_ao(struct specialization *s)
 {
     uint32_t surfaces = FEATURE_TRIANGLES | FEATURE_SPHERES | FEATURE_DISCS;
     uint32_t kept = surfaces | FEATURE_NORMALS | FEATURE_FALLOFF | FEATURE_CLAMP;
-    if (s->features & FEATURE_ALPHA)
+    if ((s->features & FEATURE_ALPHA) || (s->aovs & AOV_ALBEDO))
         kept |= FEATURE_ALPHA | FEATURE_TEXTURES | FEATURE_TEXELS_FLOAT | FEATURE_TEXELS_HALF |
                 FEATURE_UV0 | FEATURE_UV1 | FEATURE_COLORS;
     s->features = (s->features & kept) | FEATURE_ENVIRONMENT;
@@ -245,8 +245,7 @@ static void specialize_whitted(struct specialization *s, const struct settings *
 }
 
 static uint32_t device_features(const struct gpu *gpu, const struct flat_scene *flat,
-                                const struct bvh *bvh, const struct scene *scene,
-                                uint32_t emitters)
+                                const struct bvh *bvh, const struct scene *scene, uint32_t emitters)
 {
     uint32_t features = gpu->has_ballot ? FEATURE_BALLOT : 0u;
     // Measured on lavapipe: texel fetches are three times as fast as storage-buffer reads.
@@ -322,10 +321,11 @@ struct specialization specialize(const struct specialize_params *p)
     struct emitter_counts counts = emitters_count(scene, flat);
     s.emitters = emitters_of(&counts);
     bool each = settings->integrator == INTEGRATOR_WHITTED;
-    s.light_choice =
-        emitters_choice(each ? LIGHT_CHOICE_ALL : settings->light_choice, &counts);
+    s.light_choice = emitters_choice(each ? LIGHT_CHOICE_ALL : settings->light_choice, &counts);
     s.light_rays = light_rays(s.light_choice, &counts);
     s.features |= light_features(scene, s.emitters, s.lobes);
+    if (!(s.features & FEATURE_NEE))
+        s.emitters &= ~EMITTER_ENVIRONMENT;
     if (classes > 1 && !p->merge_classes)
         s.features |= FEATURE_CLASSES;
     if (settings->roulette != ROULETTE_OFF &&
@@ -405,7 +405,8 @@ bool specialization_needs_binding(const struct specialization *s, uint32_t bindi
         return s->features & shapes;
     case BINDING_MATERIALS:
         return ((s->features & (FEATURE_TRIANGLES | shapes)) &&
-                (s->integrator != INTEGRATOR_AO || (s->features & FEATURE_ALPHA))) ||
+                (s->integrator != INTEGRATOR_AO || (s->features & FEATURE_ALPHA) ||
+                 (s->aovs & AOV_ALBEDO))) ||
                (s->emitters & EMITTER_SUNS);
     case BINDING_EMITTERS:
         return (s->features & FEATURE_NEE) && s->emitters;
