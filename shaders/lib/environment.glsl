@@ -94,7 +94,7 @@ uvec2 long_uniform(float u, float extra)
     return uvec2(min(uint(u * 16777216.0) << 8u | more >> 16u, 0xfffffffeu), more & 0xffffu);
 }
 
-// 1 - cos of an angle of at most a quarter of a turn and a bit; does not cancel.
+// 1 - cos of an angle of at most half a turn; does not cancel.
 float versine_turns(float turns)
 {
     float s = sin_small(0.5 * turns);
