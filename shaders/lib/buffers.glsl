@@ -164,10 +164,33 @@ void report_nonfinite(uint slot, uint site)
     }
 }
 
+// Scales a contribution down to the largest component that is allowed. Counts that, and the luminance
+// (BT.709) that is lost: whole numbers of CLAMP_UNITS a limit, whose sum has no order.
+vec3 clamp_contribution(vec3 contribution)
+{
+    float largest = max(contribution.r, max(contribution.g, contribution.b));
+    if (!(largest > frame.clamp_limit) || !is_finite(contribution))
+        return contribution;
+    vec3 kept = contribution * (frame.clamp_limit / largest);
+    vec3 lost = (contribution - kept) / frame.clamp_limit;
+    float units = min(CLAMP_UNITS * dot(lost, vec3(0.2126, 0.7152, 0.0722)) + 0.5,
+                      CLAMP_UNITS_MOST);
+    uint high = uint(units * 2.3283064365386963e-10); // 2^-32
+    uint low = uint(units - float(high) * 4294967296.0);
+    uint before = atomicAdd(counters.clamped_light[0], low);
+    high += before + low < before ? 1u : 0u;
+    if (high > 0u)
+        atomicAdd(counters.clamped_light[1], high);
+    atomicAdd(counters.clamped, 1u);
+    return kept;
+}
+
 // Adds to the slot's radiance, in the order of the dispatches, unless the sum would not be finite.
 // w marks that something was dropped.
 void add_radiance(uint slot, vec3 contribution, uint site)
 {
+    if (HAS(FEATURE_CLAMP))
+        contribution = clamp_contribution(contribution);
     vec4 radiance = load_radiance_float(slot * SLOT_WORDS);
     vec3 sum = radiance.rgb + contribution;
     if (!is_finite(sum)) {

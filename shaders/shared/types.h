@@ -262,6 +262,9 @@ SHARED_STATIC_ASSERT_SIZE(gpu_resolved_pixel, 32);
 
 #define DISPATCH_PARTS 64
 
+#define CLAMP_UNITS 1024.0f
+#define CLAMP_UNITS_MOST 2.74877907e11f // of one contribution, 2^38: a wave's sum stays below 2^64
+
 struct gpu_dispatch {
     uint x, y, z;
     uint items;
@@ -272,7 +275,8 @@ struct gpu_counters {
     uint surface_hits[CLASS_COUNT][2]; // 64 bits each
     uint
         media_lost; // paths that entered more media than the stack holds, or left one never entered
-    uint align_counters[3];
+    uint clamped;          // contributions, with FEATURE_CLAMP
+    uint clamped_light[2]; // what they lost: 64 bits, CLAMP_UNITS a limit
     uint closest_rays[2]; // 64 bits, low word first
     uint shadow_rays[2];
     uint unfinished; // rays that ran out of budget without FEATURE_SUSPEND: results void

@@ -59,6 +59,9 @@ struct render_stats {
     struct kernel_stats kernels[KERNEL_COUNT];
     uint64_t closest_rays, shadow_rays;
     uint64_t surface_hits[CLASS_COUNT]; // by class; all in the first without FEATURE_CLASSES
+    uint64_t paths;        // that reached the film
+    uint64_t clamped;      // contributions, and the luminance that all of them lost
+    double clamped_light;
     uint64_t media_lost;          // times that a stack of media overflowed, or missed one to leave
     uint64_t waves, voided_waves; // voided: traced again because a ray ran out of its budget
     uint64_t suspended;           // traversals continued in a later dispatch

@@ -258,6 +258,10 @@ static void add_counts(struct renderer *r, const struct gpu_counters *before)
     r->stats.shadow_rays += count_since(r->counters->shadow_rays, before->shadow_rays);
     r->stats.suspended += r->counters->suspended - before->suspended;
     r->stats.media_lost += r->counters->media_lost - before->media_lost;
+    r->stats.clamped += r->counters->clamped - before->clamped;
+    r->stats.clamped_light +=
+        (double)count_since(r->counters->clamped_light, before->clamped_light) /
+        (double)CLAMP_UNITS * (double)r->frame.clamp_limit;
     // Hits of a wave's last bounce still stand in their queues.
     for (uint32_t c = 0; c < CLASS_COUNT; c++)
         r->stats.surface_hits[c] +=
@@ -302,6 +306,7 @@ bool wave_render(struct renderer *r, const struct wave *wave, bool *voided, stru
     }
     r->stats.waves++;
     add_counts(r, &before);
+    r->stats.paths += (uint64_t)wave->pixel_count << wave->sample_shift;
     add_nonfinite(r, &before);
     return true;
 }

@@ -116,6 +116,12 @@ FEATURES = {
         "shade_miss": ["environment_texel()", "[environment]", "frame.environment_size"],
     }),
     "Russian roulette": (["ROULETTE"], {"shade_surface": ["frame.roulette_min_bounces"]}),
+    "clamp": (["CLAMP"], {
+        "shade_surface": ["clamp_contribution()", "frame.clamp_limit"],
+        "shade_miss": ["clamp_contribution()", "frame.clamp_limit"],
+        "intersect_shadow": ["clamp_contribution()", "frame.clamp_limit"],
+    }),
+    "shadow rays by depth": (["NEE_DEPTH"], {"shade_surface": ["frame.nee_depth"]}),
     "falloff": (["FALLOFF"], {
         "shade_surface": ["fade()", "frame.falloff"],
         "shade_ao": ["fade()", "frame.falloff"],

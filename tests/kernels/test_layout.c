@@ -38,7 +38,8 @@
     M(queue)                                                                                       \
     M(surface_hits)                                                                                \
     M(media_lost)                                                                                  \
-    M(align_counters)                                                                              \
+    M(clamped)                                                                                     \
+    M(clamped_light)                                                                               \
     M(closest_rays)                                                                                \
     M(shadow_rays)                                                                                 \
     M(unfinished)                                                                                  \

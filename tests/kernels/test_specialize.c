@@ -41,6 +41,8 @@ enum {
     FALLOFF = TRAIT(30),
     LENS = TRAIT(32),
     TILES = TRAIT(31), // sample counts by tile are asked for
+    NEE_DEPTH = TRAIT(40),
+    CLAMP = TRAIT(41),
 };
 
 static void *present(void *memory)
@@ -170,7 +172,9 @@ static void make_scene(uint64_t has, struct scene *scene)
     settings->roulette_min_bounces = has & ROULETTE ? 1 : UINT32_MAX;
     settings->max_bounces = has & NO_BOUNCE ? 0 : 4;
     settings->falloff = has & FALLOFF ? 0.5f : 0.0f;
+    settings->clamp_limit = has & CLAMP ? 2.0f : 0.0f;
     settings->nee = !(has & ONLY_BSDF);
+    settings->nee_depth = has & NEE_DEPTH ? 1 : UINT32_MAX;
     settings->mis = has & ONLY_NEE ? MIS_NONE : MIS_POWER;
 }
 
@@ -271,6 +275,9 @@ static const struct pair pairs[] = {
     {"environment image", QUAD | SKY_IMAGE, QUAD | SKY, FEATURE_ENVIRONMENT_IMAGE, 0,
      BIT(BINDING_ENVIRONMENT), 0},
     {"roulette", QUAD | ROULETTE, QUAD, FEATURE_ROULETTE, 0, 0, 0},
+    {"shadow rays by depth", QUAD | BRIGHT_QUAD | NEE_DEPTH, QUAD | BRIGHT_QUAD, FEATURE_NEE_DEPTH,
+     0, 0, 0},
+    {"clamp", QUAD | CLAMP, QUAD, FEATURE_CLAMP, 0, 0, 0},
     {"falloff", QUAD | FALLOFF, QUAD, FEATURE_FALLOFF, 0, 0, 0},
     {"lens", QUAD | LENS, QUAD, FEATURE_LENS, 0, 0, 0},
     {"jitter", QUAD | JITTER, QUAD, FEATURE_JITTER, 0, 0, 0},
