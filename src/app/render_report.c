@@ -130,10 +130,13 @@ static void list_feature(void *context, bool kept, const char *kind, const char 
 static void print_error(const struct render_job *job)
 {
     const struct half_error *e = &job->error;
+    bool is_bound = job->renderer.specialization.halves == HALVES_CONTIGUOUS;
     if (e->known)
-        printf("error     relMSE %.3g, 95 %% interval %.3g to %.3g (variance from half-buffers, "
-               "blind to bias)\n",
-               e->relmse, e->ci_low, e->ci_high);
+        printf(
+            "error     relMSE %s%.3g, 95 %% interval %.3g to %.3g (variance from %shalf-buffers, "
+            "blind to bias)\n",
+            is_bound ? "at most " : "", e->relmse, e->ci_low, e->ci_high,
+            is_bound ? "contiguous " : "");
     else
         printf("error     not yet known: %s\n", e->reason);
 }
@@ -147,8 +150,8 @@ static void print_ending(const struct render_job *job)
                job->look_count, look->samples, look->error.ci_high, 100.0 * look->confidence,
                job->options->error);
     if (job->plan.counts)
-        printf("adaptive  %u to %u samples for every %u, by a pilot of 16 besides\n", job->plan.least,
-               job->plan.most, job->round_samples);
+        printf("adaptive  %u to %u samples for every %u, by a pilot of 16 besides\n",
+               job->plan.least, job->plan.most, job->round_samples);
     if (job->options->checkpoint && job->has_checkpoint)
         printf("kept      %s, from which --resume goes on\n", job->options->checkpoint);
 }
@@ -231,7 +234,7 @@ void job_print_summary(const struct render_job *job)
     if (film->most_samples != film->least_samples)
         printf(" to %" PRIu64, film->most_samples);
     printf(" spp, seed %u%s\n", job->scene.settings.seed,
-           job->stopped                       ? ", stopped early"
+           job->stopped                      ? ", stopped early"
            : job->ended_by == ENDED_BY_TIME  ? ", ended by --time"
            : job->ended_by == ENDED_BY_ERROR ? ", ended by --error"
                                              : "");
@@ -282,13 +285,14 @@ static json_t *kernels_json(const struct renderer *r)
     return kernels;
 }
 
-static json_t *error_json(const struct half_error *error)
+static json_t *error_json(const struct half_error *error, bool is_bound)
 {
     if (!error->known)
         return json_pack("{s:n, s:n, s:n, s:s}", "relmse", "ci_low", "ci_high", "reason",
                          error->reason);
-    return json_pack("{s:o, s:o, s:o}", "relmse", json_number(error->relmse), "ci_low",
-                     json_number(error->ci_low), "ci_high", json_number(error->ci_high));
+    return json_pack("{s:o, s:o, s:o, s:b}", "relmse", json_number(error->relmse), "ci_low",
+                     json_number(error->ci_low), "ci_high", json_number(error->ci_high),
+                     "upper_bound", is_bound);
 }
 
 static json_t *seconds_json(const struct job_seconds *s)
@@ -319,7 +323,7 @@ static json_t *looks_json(const struct render_job *job)
     json_t *looks = json_array();
     for (uint32_t i = 0; i < job->look_count; i++) {
         const struct error_look *look = &job->looks[i];
-        json_t *object = error_json(&look->error);
+        json_t *object = error_json(&look->error, false);
         json_object_set_new(object, "spp", json_integer((json_int_t)look->samples));
         json_object_set_new(object, "confidence", json_number(look->confidence));
         json_array_append_new(looks, object);
@@ -367,11 +371,12 @@ void job_print_json(const struct render_job *job)
         classes_json(&job->renderer), "media_lost", (json_int_t)stats->media_lost, "mrays_per_s",
         json_number(total_rays(stats) * 1e-6 / render), "samples_per_s",
         json_number(total_samples(job) / render), "kernels", kernels_json(&job->renderer), "error",
-        error_json(&job->error), "nonfinite", (json_int_t)nonfinite(stats), "frames_ms",
-        frames_json(job), "features", "kept", lists.kept, "left_out", lists.left_out, "memory",
-        "device_bytes", (json_int_t)job->gpu.peak_bytes, "host_peak_bytes",
-        (json_int_t)host_peak_bytes(), "wave", (json_int_t)job->renderer.plan.wave_slots,
-        "continued_traversals", (json_int_t)stats->suspended, "dropped_degenerate",
+        error_json(&job->error, job->renderer.specialization.halves == HALVES_CONTIGUOUS),
+        "nonfinite", (json_int_t)nonfinite(stats), "frames_ms", frames_json(job), "features",
+        "kept", lists.kept, "left_out", lists.left_out, "memory", "device_bytes",
+        (json_int_t)job->gpu.peak_bytes, "host_peak_bytes", (json_int_t)host_peak_bytes(), "wave",
+        (json_int_t)job->renderer.plan.wave_slots, "continued_traversals",
+        (json_int_t)stats->suspended, "dropped_degenerate",
         (json_int_t)job->renderer.flat.dropped_degenerate, "skipped_instances",
         (json_int_t)job->renderer.flat.skipped_instances, "image_hash", hash, "outputs",
         strings_json(job->outputs, job->output_count), "notes",
