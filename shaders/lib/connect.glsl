@@ -62,7 +62,8 @@ bool connect_light(vertex v, vec4 u)
     vec3 origin = offset_origin(s.position, s.error, s.normal_geometric, s.normal_geometric);
     if (LIGHT_CHOICE == LIGHT_CHOICE_ALL)
         return connect_all_lights(v, origin);
-    return connect_sample(v, origin, 0u, sample_light(origin, u));
+    receiver r = receiver(origin, s.normal_geometric, is_lit_from_both_sides(s.material));
+    return connect_sample(v, origin, 0u, sample_light(r, u));
 }
 
 #endif

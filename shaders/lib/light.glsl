@@ -6,6 +6,7 @@
 
 #include "lib/alpha.glsl"
 #include "lib/environment.glsl"
+#include "lib/light_tree.glsl"
 #include "lib/material.glsl"
 #include "lib/random.glsl"
 #include "lib/sampling.glsl"
@@ -261,10 +262,15 @@ uint choose_bin(vec2 u, out float within)
     return high << 8 | low >> 24;
 }
 
-// Chooses an emitter: in proportion to its power by the alias table (Walker 1977; Vose 1991), or any
-// with the same probability.
-light_choice choose_light(vec2 u)
+// Chooses an emitter: in proportion to its power by the alias table (Walker 1977; Vose 1991), any with
+// the same probability, or by the tree.
+light_choice choose_light(receiver r, vec2 u)
 {
+    if (LIGHT_CHOICE == LIGHT_CHOICE_TREE) {
+        float probability;
+        uint primitive = choose_from_tree(r, u, probability);
+        return light_choice(primitive, probability);
+    }
     float within;
     uvec4 emitter = load_emitters(choose_bin(u, within));
     bool own = within < uintBitsToFloat(emitter.x);
@@ -302,9 +308,9 @@ light_sample sample_emitter(vec3 origin, light_choice choice, vec2 u)
 }
 
 // `u`: which emitter; point on it x, y; more of the first.
-light_sample sample_light(vec3 origin, vec4 u)
+light_sample sample_light(receiver r, vec4 u)
 {
-    return sample_emitter(origin, choose_light(u.xw), u.yz);
+    return sample_emitter(r.position, choose_light(r, u.xw), u.yz);
 }
 
 // Emitter number `index` of all, when each is connected to.
@@ -313,23 +319,62 @@ light_sample sample_each_light(vec3 origin, uint index, vec2 u)
     return sample_emitter(origin, light_choice(load_emitters(index).y, 1.0), u);
 }
 
-// The density of choosing the point of an emitter that a ray met, a unit area. `primitive` is what was
-// met, `m` its material, whose pick density is not 0.
-float pick_density_at(material m, uint primitive)
+// Whether light from behind may go on to the viewer: by the material's word.
+bool is_lit_from_both_sides(uint material)
+{
+    return (material >> MATERIAL_CLASS_SHIFT & MATERIAL_CLASS_MASK) == CLASS_TRANSMISSIVE;
+}
+
+// Where a ray comes from, as a receiver: by the primitive that it starts on.
+receiver receiver_of(vec3 origin, vec3 direction, uint primitive)
+{
+    bool is_shape = (HAS(FEATURE_SPHERES) || HAS(FEATURE_DISCS)) &&
+                    (HAS(FEATURE_TRIANGLES) ? (primitive & PRIMITIVE_SHAPE) != 0u : true);
+    vec3 normal = vec3(0.0);
+    uint material = 0u;
+    if (HAS(FEATURE_TRIANGLES) && !is_shape) {
+        vec3 v0 = load_triangles_float(primitive * 3u).xyz;
+        uvec4 w1 = load_triangles(primitive * 3u + 1u);
+        vec3 v1 = uintBitsToFloat(w1.xyz);
+        vec3 v2 = load_triangles_float(primitive * 3u + 2u).xyz;
+        normal = normalize(cross(v1 - v0, v2 - v0));
+        material = w1.w;
+    }
+    if (is_shape) {
+        uint at = (primitive & ~PRIMITIVE_SHAPE) * SHAPE_WORDS;
+        uvec4 w1 = load_shapes(at + 1u);
+        bool is_sphere = HAS(FEATURE_SPHERES) && w1.w >> SHAPE_KIND_SHIFT == SHAPE_KIND_SPHERE;
+        normal = is_sphere ? normalize(origin - load_shapes_float(at).xyz) : uintBitsToFloat(w1.xyz);
+        material = w1.w;
+    }
+    return receiver(origin, dot(normal, direction) < 0.0 ? -normal : normal,
+                    is_lit_from_both_sides(material));
+}
+
+// The density of choosing the point of an emitter that a ray met, a unit area. `m` is its material,
+// whose pick density is not 0; the ray starts on primitive `from`.
+float pick_density_at(material m, uint primitive, vec3 origin, vec3 direction, uint from)
 {
     if (LIGHT_CHOICE == LIGHT_CHOICE_POWER)
         return m.group[GROUP_EMISSION].a;
     float area;
-    if ((HAS_EMITTER(EMITTERS_SHAPES) && (primitive & PRIMITIVE_SHAPE) != 0u) ||
-        !HAS_EMITTER(EMITTER_TRIANGLES)) {
+    uint emitter;
+    bool is_shape = HAS_EMITTER(EMITTERS_SHAPES) &&
+                    (HAS_EMITTER(EMITTER_TRIANGLES) ? (primitive & PRIMITIVE_SHAPE) != 0u : true);
+    if (is_shape) {
         uint at = (primitive & ~PRIMITIVE_SHAPE) * SHAPE_WORDS;
         area = shape_area(load_shapes(at + 1u).w >> SHAPE_KIND_SHIFT, load_shapes_float(at).w);
+        emitter = load_shapes(at + 2u).x;
     } else {
         uint at = primitive * 3u;
+        uvec4 w2 = load_triangles(at + 2u);
         area = triangle_area(load_triangles_float(at).xyz, load_triangles_float(at + 1u).xyz,
-                             load_triangles_float(at + 2u).xyz);
+                             uintBitsToFloat(w2.xyz));
+        emitter = w2.w;
     }
     float pick = LIGHT_CHOICE == LIGHT_CHOICE_ALL ? 1.0 : 1.0 / float(frame.emitter_count);
+    if (LIGHT_CHOICE == LIGHT_CHOICE_TREE)
+        pick = probability_in_tree(receiver_of(origin, direction, from), emitter);
     return pick / area;
 }
 

@@ -13,6 +13,8 @@ static void print_vector(const char *name, const float v[3])
 
 static const char *light_kind(const struct replay_vertex *v)
 {
+    if (v->light_is_environment)
+        return "environment";
     return v->light_is_point ? "light" : v->light_is_shape ? "shape" : "triangle";
 }
 

@@ -1,7 +1,9 @@
 #include "emitters.h"
 
 #include "alias_table.h"
+#include "clock.h"
 #include "emitter_power.h"
+#include "light_tree.h"
 #include "log.h"
 #include <math.h>
 #include <string.h>
@@ -203,6 +205,211 @@ static bool build_list(const struct emitter_list *list, double pick, struct aren
     return true;
 }
 
+// --- the tree ------------------------------------------------------------------------------------
+
+static void bound_triangle(const struct flat_triangle *triangle, struct light_bounds *out)
+{
+    double e[2][3], n[3], square = 0.0, radius = 0.0;
+    for (int c = 0; c < 3; c++) {
+        out->min[c] = fminf(fminf(triangle->v[0][c], triangle->v[1][c]), triangle->v[2][c]);
+        out->max[c] = fmaxf(fmaxf(triangle->v[0][c], triangle->v[1][c]), triangle->v[2][c]);
+        out->center[c] = 0.5f * out->min[c] + 0.5f * out->max[c];
+        e[0][c] = (double)triangle->v[1][c] - (double)triangle->v[0][c];
+        e[1][c] = (double)triangle->v[2][c] - (double)triangle->v[0][c];
+    }
+    for (int c = 0; c < 3; c++) {
+        n[c] = e[0][(c + 1) % 3] * e[1][(c + 2) % 3] - e[0][(c + 2) % 3] * e[1][(c + 1) % 3];
+        square += n[c] * n[c];
+    }
+    for (int c = 0; c < 3; c++)
+        out->axis[c] = n[c] / sqrt(square);
+    for (int corner = 0; corner < 3; corner++) {
+        double distance2 = 0.0;
+        for (int c = 0; c < 3; c++) {
+            double offset = (double)triangle->v[corner][c] - (double)out->center[c];
+            distance2 += offset * offset;
+        }
+        radius = fmax(radius, sqrt(distance2));
+    }
+    out->radius = (float)(radius * 1.000001);
+    out->theta_e = 0.5 * M_PI;
+    out->two_sided = true;
+}
+
+// Spheres send light to everywhere outside, discs to both sides.
+static void bound_shape(const struct flat_shape *shape, struct light_bounds *out)
+{
+    bool is_sphere = shape->kind == SHAPE_SPHERE;
+    for (int c = 0; c < 3; c++) {
+        float n = shape->normal[c];
+        float extent = is_sphere ? shape->radius : shape->radius * sqrtf(fmaxf(0.0f, 1.0f - n * n));
+        out->min[c] = shape->center[c] - extent;
+        out->max[c] = shape->center[c] + extent;
+        out->center[c] = shape->center[c];
+        out->axis[c] = is_sphere ? c == 2 : (double)n;
+    }
+    out->radius = shape->radius * 1.000001f;
+    out->theta_o = is_sphere ? M_PI : 0.0;
+    out->theta_e = 0.5 * M_PI;
+    out->two_sided = !is_sphere;
+}
+
+// The angle over which a spot's light falls off, and a little for rounding.
+static double spot_fall(const struct light *light)
+{
+    return fmin((double)light->outer_angle - (double)light->inner_angle + 1e-3, 0.5 * M_PI);
+}
+
+static void bound_light(const struct light *light, const struct flat_scene *flat,
+                        struct light_bounds *out)
+{
+    bool is_spot = light->kind == LIGHT_SPOT;
+    for (int c = 0; c < 3; c++) {
+        out->center[c] = (float)(light->position[c] - flat->origin[c]);
+        out->min[c] = out->max[c] = out->center[c];
+        out->axis[c] = is_spot ? light->direction[c] : c == 2;
+    }
+    out->theta_o = is_spot ? (double)light->inner_angle : M_PI;
+    out->theta_e = is_spot ? spot_fall(light) : 0.5 * M_PI;
+    out->power = luminance(light->radiant);
+}
+
+// Of an emitter that is not infinitely far; `power` as in the list.
+static struct light_bounds bound_emitter(const struct scene *scene, const struct flat_scene *flat,
+                                         const struct bvh *bvh, uint32_t primitive, double power)
+{
+    struct light_bounds bounds = {.power = power};
+    if (primitive & PRIMITIVE_LIGHT) {
+        bound_light(&scene->lights[primitive & ~PRIMITIVE_LIGHT], flat, &bounds);
+    } else if (primitive & PRIMITIVE_SHAPE) {
+        const struct flat_shape *shape = &flat->shapes[primitive & ~PRIMITIVE_SHAPE];
+        bound_shape(shape, &bounds);
+        // Of a sphere's surface a quarter is seen face on.
+        bounds.power *= shape->kind == SHAPE_SPHERE ? 0.25 : 1.0;
+    } else {
+        bound_triangle(&flat->triangles[bvh->triangle_order[primitive]], &bounds);
+    }
+    return bounds;
+}
+
+static bool is_infinite(const struct scene *scene, uint32_t primitive)
+{
+    return primitive == PRIMITIVE_ENVIRONMENT ||
+           ((primitive & PRIMITIVE_LIGHT) &&
+            scene->lights[primitive & ~PRIMITIVE_LIGHT].kind == LIGHT_DIRECTIONAL);
+}
+
+// The emitters by where they go.
+struct tree_parts {
+    struct light_bounds *bounds; // of those in the tree
+    uint32_t *primitives, *numbers;
+    uint32_t count;
+    uint32_t *infinite;
+    double *infinite_powers;
+    uint32_t infinite_count;
+};
+
+static bool part_emitters(const struct scene *scene, const struct flat_scene *flat,
+                          const struct bvh *bvh, const struct emitter_list *list,
+                          struct arena *scratch, struct tree_parts *out, struct err *err)
+{
+    uint32_t infinite = scene->light_count + 1;
+    *out = (struct tree_parts){
+        .bounds = ARENA_NEW(scratch, struct light_bounds, list->count),
+        .primitives = ARENA_NEW(scratch, uint32_t, list->count),
+        .numbers = ARENA_NEW(scratch, uint32_t, list->count),
+        .infinite = ARENA_NEW(scratch, uint32_t, infinite),
+        .infinite_powers = ARENA_NEW(scratch, double, infinite),
+    };
+    if (!out->bounds || !out->primitives || !out->numbers || !out->infinite ||
+        !out->infinite_powers)
+        return err_memory(err, "light tree", (uint64_t)list->count * sizeof *out->bounds);
+    for (uint32_t i = 0; i < list->count; i++) {
+        uint32_t primitive = list->primitives[i];
+        if (!(list->powers[i] > 0.0))
+            continue;
+        if (is_infinite(scene, primitive)) {
+            out->infinite[out->infinite_count] = primitive;
+            out->infinite_powers[out->infinite_count++] = list->powers[i];
+        } else {
+            out->bounds[out->count] = bound_emitter(scene, flat, bvh, primitive, list->powers[i]);
+            out->primitives[out->count] = primitive;
+            out->numbers[out->count++] = i;
+        }
+    }
+    return true;
+}
+
+// What is infinitely far is chosen with this probability where there are others: none of both is
+// known to matter less.
+#define INFINITE_SHARE 0.5
+
+// The buffer: header, pairs, trails, bins.
+static bool lay_out_tree(const struct tree_parts *parts, uint32_t surface_count,
+                         struct arena *arena, struct emitters *out, struct err *err)
+{
+    uint64_t pairs = parts->count > 0 ? parts->count - 1 : 0;
+    struct gpu_light_tree header = {
+        .root = LIGHT_LEAF,
+        .trails = (uint32_t)(LIGHT_TREE_WORDS + pairs * LIGHT_PAIR_WORDS),
+        .infinite_count = parts->infinite_count,
+        .infinite_share = parts->count == 0            ? 1.0f
+                          : parts->infinite_count == 0 ? 0.0f
+                                                       : (float)INFINITE_SHARE,
+    };
+    header.infinite = header.trails + surface_count;
+    out->bytes = ((uint64_t)header.infinite + parts->infinite_count) * 16;
+    out->data = arena_alloc(arena, out->bytes / 16, 16);
+    if (!out->data)
+        return err_memory(err, "emitters", out->bytes);
+    memcpy(out->data, &header, sizeof header);
+    return true;
+}
+
+static bool fill_tree(const struct tree_parts *parts, uint32_t surface_count, struct arena *scratch,
+                      struct emitters *out, struct err *err)
+{
+    struct gpu_light_tree *header = out->data;
+    struct gpu_light_trail *trails = (struct gpu_light_trail *)out->data + header->trails;
+    for (uint32_t i = 0; i < surface_count; i++)
+        trails[i].depth = LIGHT_NOWHERE;
+    if (parts->infinite_count > 0) {
+        struct gpu_emitter *bins = (struct gpu_emitter *)out->data + header->infinite;
+        if (!fill_bins(parts->infinite, parts->infinite_powers, parts->infinite_count,
+                       (double)header->infinite_share, scratch, bins, out, err))
+            return false;
+    }
+    if (parts->count == 0)
+        return true;
+    struct light_tree tree;
+    if (!light_tree_build(parts->bounds, parts->primitives, parts->count, scratch, &tree, err))
+        return false;
+    header->root = tree.root;
+    memcpy((char *)out->data + sizeof *header, tree.nodes,
+           ((size_t)parts->count - 1) * 2 * sizeof *tree.nodes);
+    for (uint32_t i = 0; i < parts->count; i++)
+        if (parts->numbers[i] < surface_count)
+            trails[parts->numbers[i]] = tree.trails[i];
+    return true;
+}
+
+static bool build_tree(const struct scene *scene, const struct flat_scene *flat,
+                       const struct bvh *bvh, const struct emitter_list *list, struct arena *arena,
+                       struct emitters *out, struct err *err)
+{
+    struct arena scratch = {0};
+    struct tree_parts parts;
+    uint64_t start = clock_ns();
+    bool ok = part_emitters(scene, flat, bvh, list, &scratch, &parts, err);
+    out->count = ok ? parts.count + parts.infinite_count : 0;
+    ok = ok && (out->count == 0 ||
+                (lay_out_tree(&parts, list->surface_count, arena, out, err) &&
+                 fill_tree(&parts, list->surface_count, &scratch, out, err)));
+    arena_finish(&scratch);
+    out->build_seconds = clock_seconds_since(start);
+    return ok;
+}
+
 bool emitters_build(const struct scene *scene, const struct flat_scene *flat, const struct bvh *bvh,
                     uint32_t choice, struct arena *arena, struct emitters *out, struct err *err)
 {
@@ -222,6 +429,8 @@ bool emitters_build(const struct scene *scene, const struct flat_scene *flat, co
         return build_list(&list, 1.0 / list.count, arena, out, err);
     case LIGHT_CHOICE_ALL:
         return build_list(&list, 1.0, arena, out, err);
+    case LIGHT_CHOICE_TREE:
+        return build_tree(scene, flat, bvh, &list, arena, out, err);
     default:
         return build_power(&list, arena, out, err);
     }

@@ -93,9 +93,11 @@ static bool read_connection(struct follower *f, struct replay_vertex *v, struct 
     memcpy(v->light_point, ray.direction, sizeof v->light_point);
     memcpy(v->light_radiance, ray.radiance, sizeof v->light_radiance);
     v->light_is_point = !(ray.ignore_to & PRIMITIVE_SHAPE) && (ray.ignore_to & PRIMITIVE_LIGHT);
-    v->light_primitive = v->light_is_point
-                             ? ray.ignore_to & ~PRIMITIVE_LIGHT
-                             : flat_primitive(f->r, ray.ignore_to, &v->light_is_shape);
+    v->light_is_environment = ray.ignore_to == PRIMITIVE_ENVIRONMENT;
+    if (v->light_is_point)
+        v->light_primitive = ray.ignore_to & ~PRIMITIVE_LIGHT;
+    else if (!v->light_is_environment)
+        v->light_primitive = flat_primitive(f->r, ray.ignore_to, &v->light_is_shape);
     return true;
 }
 

@@ -67,12 +67,51 @@ void leave_triangle(uint item)
     store_output(item, 2u, vec4(offset_origin(s.position, s.error, s.normal_geometric, side), 0.0));
 }
 
+// Word 0: position, and whether light from behind counts; word 1: normal; word 2: uniforms, or the
+// number of an emitter.
+void tree(uint item)
+{
+    vec4 place = load_input_float(item, 0u);
+    receiver r = receiver(place.xyz, load_input_float(item, 1u).xyz, place.w != 0.0);
+    uvec4 last = load_input(item, 2u);
+    float probability;
+    if (ROUTINE == ROUTINE_TREE_CHOICE) {
+        uint primitive = choose_from_tree(r, uintBitsToFloat(last.xy), probability);
+        paths_words[item * PATH_WORDS + 3u] = uvec4(primitive, floatBitsToUint(probability), 0u, 0u);
+    }
+    if (ROUTINE == ROUTINE_TREE_PROBABILITY)
+        store_output(item, 3u, vec4(probability_in_tree(r, last.x), vec3(0.0)));
+}
+
+// What surrounds the scene: a sample of it, and what its direction is found to see.
+void surroundings(uint item)
+{
+    vec4 u = load_input_float(item, 0u);
+    if (ROUTINE == ROUTINE_SAMPLE_ENVIRONMENT) {
+        vec3 direction, radiance;
+        float pdf = sample_environment(u.xy, u.zw, direction, radiance);
+        store_output(item, 0u, vec4(direction, pdf));
+        store_output(item, 1u, vec4(radiance, pdf_environment(direction)));
+    }
+    if (ROUTINE == ROUTINE_SEE_ENVIRONMENT)
+        store_output(item, 0u, vec4(environment_radiance(u.xyz), pdf_environment(u.xyz)));
+    if (ROUTINE == ROUTINE_ANGLES)
+        store_output(item, 0u, vec4(atan_turns(u.y, u.x), cos_sin_turns(u.z), 0.0));
+    if (ROUTINE == ROUTINE_SUN) {
+        vec3 direction;
+        float pdf = sample_sun(u.xyz, u.w, load_input_float(item, 1u).xy, direction);
+        store_output(item, 0u, vec4(direction, pdf));
+        store_output(item, 1u, vec4(sees_sun(u.xyz, u.w, direction)));
+    }
+}
+
 void main()
 {
     uint item = push.first_item + gl_GlobalInvocationID.x;
     if (item >= push.part_items)
         return;
     warp(item);
+    surroundings(item);
     if (ROUTINE == ROUTINE_BASIS)
         basis(item);
     if (ROUTINE == ROUTINE_OFFSET)
@@ -83,8 +122,9 @@ void main()
         store_output(item, 0u, vec4(decode_normal(load_input(item, 0u).x), 0.0));
     if (ROUTINE == ROUTINE_IS_FINITE)
         store_output(item, 0u, vec4(is_finite(load_input_float(item, 0u).xyz) ? 1.0 : 0.0));
+    tree(item);
     if (ROUTINE == ROUTINE_PICK_LIGHT) {
-        light_sample l = sample_light(vec3(0.0), load_input_float(item, 0u));
+        light_sample l = sample_light(receiver(vec3(0.0), vec3(0.0), true), load_input_float(item, 0u));
         paths_words[item * PATH_WORDS] = uvec4(l.primitive);
     }
 }

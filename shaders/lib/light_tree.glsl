@@ -1,0 +1,168 @@
+// Choosing an emitter by what it may send to a point, down a tree (Conty Estevez and Kulla 2018; see
+// render/light_tree.h). Reads the emitters' buffer.
+#ifndef LIGHT_TREE_GLSL
+#define LIGHT_TREE_GLSL
+
+#include "lib/buffers.glsl"
+#include "lib/surface.glsl"
+
+// What emitters send light to: a point of a surface.
+struct receiver {
+    vec3 position;
+    vec3 normal;    // unit, on the side that is lit; 0: any direction counts
+    bool two_sided; // light from behind counts, too
+};
+
+// cos and sin of max(a - b, 0), angles in [0, pi].
+float cos_difference(float sin_a, float cos_a, float sin_b, float cos_b)
+{
+    return cos_a > cos_b ? 1.0 : cos_a * cos_b + sin_a * sin_b;
+}
+
+float sin_difference(float sin_a, float cos_a, float sin_b, float cos_b)
+{
+    return cos_a > cos_b ? 0.0 : sin_a * cos_b - cos_a * sin_b;
+}
+
+float sin_from_cos(float cosine)
+{
+    return sqrt(max(0.0, 1.0 - cosine * cosine));
+}
+
+// The most that the emitters of a child may send to the receiver, as far as their bounds say (Pharr,
+// Jakob, Humphreys 2023, section 12.6.3), by the two words of four at `at`. Distances below the
+// radius of the bounds count as that.
+float light_importance(uint at, receiver r)
+{
+    vec4 sphere = load_emitters_float(at);
+    uvec4 word = load_emitters(at + 1u);
+    vec3 axis = decode_normal(word.x);
+    float cos_o = float(word.y & 0xffffu) * (2.0 / LIGHT_COS_O_SCALE) - 1.0;
+    float cos_e = float(word.y >> 16u & 0x7fffu) * (2.0 / LIGHT_COS_E_SCALE) - 1.0;
+    vec3 to_point = r.position - sphere.xyz;
+    float distance2 = dot(to_point, to_point), radius2 = sphere.w * sphere.w;
+    // Under half of which angle the bounds are seen.
+    bool outside = distance2 > radius2;
+    float sin2_b = outside ? radius2 / distance2 : 0.0;
+    float sin_b = sqrt(sin2_b);
+    float cos_b = outside ? sqrt(1.0 - sin2_b) : -1.0;
+    vec3 direction = outside ? to_point * inversesqrt(distance2) : axis;
+
+    float cos_w = dot(direction, axis);
+    if ((word.y & LIGHT_TWO_SIDED) != 0u)
+        cos_w = abs(cos_w);
+    float sin_w = sin_from_cos(cos_w), sin_o = sin_from_cos(cos_o);
+    float cos_x = cos_difference(sin_w, cos_w, sin_o, cos_o);
+    float sin_x = sin_difference(sin_w, cos_w, sin_o, cos_o);
+    float cos_emitted = cos_difference(sin_x, cos_x, sin_b, cos_b);
+    float importance = cos_emitted > cos_e ? cos_emitted : 0.0;
+
+    float cos_n = -dot(direction, r.normal);
+    if (r.two_sided)
+        cos_n = abs(cos_n);
+    float cos_received = cos_difference(sin_from_cos(cos_n), cos_n, sin_b, cos_b);
+    if (r.normal != vec3(0.0))
+        importance *= max(0.0, cos_received);
+    return importance * uintBitsToFloat(word.z) / max(distance2, radius2);
+}
+
+// How the two children of a pair share what comes to it. The less probable one comes first: the other
+// takes what rounding leaves.
+struct light_fork {
+    float smaller; // its probability; 0 where both are 0, too
+    uint first;    // number of the child it belongs to
+    bool dark;     // neither sends anything
+};
+
+light_fork light_fork_at(uint at, receiver r)
+{
+    float a = light_importance(at, r), b = light_importance(at + 2u, r);
+    float sum = a + b;
+    return light_fork(min(a, b) / sum, a <= b ? 0u : 1u, !(sum > 0.0));
+}
+
+// A number in [0, 1) of 48 bits, in the upper ones of 64, by two uniforms.
+uvec2 number_of(vec2 u)
+{
+    uvec2 bits = uvec2(u * 16777216.0);
+    return uvec2(bits.x << 8u | bits.y >> 16u, bits.y << 16u);
+}
+
+// Whether `number`, which is below `width`, is in the first part of it, of this probability (at most
+// 1/2); moves on to what the number is of that part or of the rest, and their width.
+bool take_first(inout uvec2 number, inout float width, float probability)
+{
+    float part = width * probability;
+    float high = floor(part * 4294967296.0);
+    uvec2 bound = uvec2(uint(high), uint((part * 4294967296.0 - high) * 4294967296.0));
+    if (number.x < bound.x || (number.x == bound.x && number.y < bound.y)) {
+        width = part;
+        return true;
+    }
+    uint borrow, low;
+    low = usubBorrow(number.y, bound.y, borrow);
+    number = uvec2(number.x - bound.x - borrow, low);
+    width -= part;
+    return false;
+}
+
+uint light_pair_at(uint pair)
+{
+    return LIGHT_TREE_WORDS + pair * LIGHT_PAIR_WORDS;
+}
+
+// Chooses an emitter by two uniforms; returns the word of its primitive and the probability, which is
+// 0 where no emitter sends anything.
+uint choose_from_tree(receiver r, vec2 u, out float probability)
+{
+    uvec4 head = load_emitters(0u);
+    float share = load_emitters_float(1u).x;
+    uvec2 number = number_of(u);
+    float width = 1.0;
+    if (share >= 1.0 || (share > 0.0 && take_first(number, width, share))) {
+        // Alias bins by what is left of the number.
+        float place = min(float(number.x) * 2.3283064365386963e-10 / share, 0.99999994) *
+                      float(head.w);
+        uvec4 bin = load_emitters(head.z + uint(place));
+        probability = share;
+        return fract(place) < uintBitsToFloat(bin.x) ? bin.y : bin.z;
+    }
+    uint child = head.x;
+    while ((child & LIGHT_LEAF) == 0u) {
+        uint at = light_pair_at(child);
+        light_fork fork = light_fork_at(at, r);
+        if (fork.dark) {
+            width = 0.0;
+            break;
+        }
+        bool first = take_first(number, width, fork.smaller);
+        uint index = first ? fork.first : 1u - fork.first;
+        child = load_emitters(at + 2u * index + 1u).w;
+    }
+    probability = width;
+    return child & ~LIGHT_LEAF;
+}
+
+// The probability with which choose_from_tree() chooses emitter number `emitter`, a surface.
+float probability_in_tree(receiver r, uint emitter)
+{
+    uvec4 head = load_emitters(0u);
+    uvec4 trail = load_emitters(head.y + emitter);
+    float width = 1.0 - load_emitters_float(1u).x;
+    if (trail.z == LIGHT_NOWHERE)
+        return 0.0;
+    uint child = head.x;
+    for (uint level = 0u; level < trail.z; level++) {
+        uint at = light_pair_at(child);
+        light_fork fork = light_fork_at(at, r);
+        uint index = (level < 32u ? trail.x >> level : trail.y >> (level - 32u)) & 1u;
+        float part = width * fork.smaller;
+        width = index == fork.first ? part : width - part;
+        if (fork.dark)
+            return 0.0;
+        child = load_emitters(at + 2u * index + 1u).w;
+    }
+    return width;
+}
+
+#endif
