@@ -31,6 +31,7 @@ static bool set_up(struct render_job *job, struct err *err)
         .everything = options->features == FEATURES_ALL,
         .merge_classes = options->classes == CLASSES_MERGED,
         .tiles = options->adaptive && !follows_path,
+        .open_ended = job_is_open_ended(options),
         .progress = options->progress,
     };
     if (!renderer_create(&params, &job->renderer, err))

@@ -87,7 +87,7 @@ static void add_settings(struct text *text, const struct settings *settings)
         const struct option_def *def = &option_table[id];
         bool is_setting = def->offset >= begin && def->offset - begin < sizeof *settings;
         bool is_of_output = id == OPTION_EXPOSURE || id == OPTION_TONE;
-        if (!is_setting || is_of_output || (id == OPTION_SPP && !plans_on_count(settings)))
+        if (!is_setting || is_of_output || id == OPTION_SPP)
             continue;
         add_setting(text, def, (const char *)settings + (def->offset - begin));
     }
@@ -129,6 +129,9 @@ static const char *make_identity(struct render_job *job)
     add_camera(&text, job);
     add_environment(&text, &job->scene.environment);
     add_settings(&text, &job->scene.settings);
+    if (plans_on_count(&job->scene.settings))
+        add(&text, "samples planned=%" PRIu64,
+            job_is_open_ended(options) ? 0 : job->scene.settings.spp);
     add(&text, "--aov=0x%x", options->aovs);
     add(&text, "--adaptive=%s", options->adaptive ? "on" : "off");
     if (options->adaptive)

@@ -66,6 +66,8 @@ bool job_load_scene(const struct options *options, struct scene *scene, uint32_t
 // How many samples there are to be at most; refuses what cannot be decided on. Before the renderer
 // is created.
 bool job_settle_samples(struct render_job *job, struct err *err);
+// Whether a clock, or each tile for itself, decides how many samples there are.
+bool job_is_open_ended(const struct options *options);
 // Renders until something ends it, writing numbered frames.
 bool job_render(struct render_job *job, struct err *err);
 // Samples of a pixel that are rendered; by tile, on average.

@@ -92,8 +92,17 @@ static bool estimate_error(const struct render_job *job, double confidence, stru
         .seed = job->scene.settings.seed,
         .confidence = confidence,
     };
-    return metrics_half_error(&params, out) ||
-           err_memory(err, "error estimate", (uint64_t)film->width * film->height * 12);
+    if (!metrics_half_error(&params, out))
+        return err_memory(err, "error estimate", (uint64_t)film->width * film->height * 12);
+    bool contiguous = job->renderer.specialization.halves == HALVES_CONTIGUOUS;
+    if (contiguous && film->least_samples != job->scene.settings.spp)
+        *out = (struct half_error){
+            .reason = "contiguous halves tell it after as many samples as were planned"};
+    if (job_shares_depths(job) && out->known) {
+        out->ci_low = 0.0; // the bootstrap takes tiles to be independent
+        out->ci_high = INFINITY;
+    }
+    return true;
 }
 
 static bool read_film(struct render_job *job, struct err *err)
@@ -357,8 +366,9 @@ static void choose_rounds(struct render_job *job)
         job->samples_most % ROUND_SAMPLES == 0 ? ROUND_SAMPLES : (uint32_t)job->samples_most;
 }
 
-// Strata are a number of samples, and so are the halves of one sequence.
-static const char *fixed_count_method(const struct settings *settings, bool by_tile)
+// Strata are a number of samples, and so are the halves of one sequence. A repeated run, which
+// knows the number, would share another sequence out between the pixels.
+static const char *fixed_count_method(const struct settings *settings, bool is_open)
 {
     if (settings->halves == HALVES_CONTIGUOUS)
         return "--halves contiguous";
@@ -366,21 +376,30 @@ static const char *fixed_count_method(const struct settings *settings, bool by_t
         return "--sampler stratified";
     if (settings->sampler == SAMPLER_GRID)
         return "--sampler grid";
-    if (settings->sampler == SAMPLER_BLUE_NOISE && by_tile)
+    if (settings->sampler == SAMPLER_BLUE_NOISE && !is_open)
         return "--sampler blue-noise";
     return NULL;
+}
+
+bool job_is_open_ended(const struct options *options)
+{
+    return options->time_seconds > 0.0 || options->adaptive;
 }
 
 bool job_settle_samples(struct render_job *job, struct err *err)
 {
     const struct options *options = job->options;
     job->samples_most = most_samples(job);
-    const char *method = fixed_count_method(&job->scene.settings, options->adaptive);
+    const char *method = fixed_count_method(&job->scene.settings, job_is_open_ended(options));
     if (method && (options->adaptive || options->error > 0.0))
         return err_set(err, ERR_USAGE,
                        "%s needs to know the samples of every pixel beforehand, and %s is there to "
                        "decide on them: expected only one of the two",
                        method, options->adaptive ? "--adaptive on" : "--error");
+    if (job->scene.settings.roulette == ROULETTE_FRAME && options->error > 0.0)
+        return err_set(err, ERR_USAGE,
+                       "--roulette frame gives the paths of all pixels one depth, and --error asks "
+                       "how unlike parts of the picture are: expected only one of the two");
     if (options->adaptive && job->samples_most < TILE_SAMPLES_MIN)
         return err_set(err, ERR_USAGE,
                        "--adaptive on: %u sample a pixel cannot be shared out; "
@@ -388,8 +407,8 @@ bool job_settle_samples(struct render_job *job, struct err *err)
                        (unsigned)job->samples_most, TILE_SAMPLES_MIN);
     if (options->adaptive)
         choose_rounds(job);
-    if (options->error > 0.0)
-        job->scene.settings.spp = job->samples_most; // what samplers plan on
+    if (options->frames) // what samplers plan on
+        job->scene.settings.spp = (uint64_t)options->frames * options->spp_per_frame;
     return true;
 }
 
