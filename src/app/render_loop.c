@@ -3,6 +3,7 @@
 
 #include "clock.h"
 #include "hash.h"
+#include "render_bias.h"
 #include <math.h>
 #include <string.h>
 

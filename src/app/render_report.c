@@ -1,5 +1,6 @@
 // What a render reports: a summary for people, one JSON object for machines.
 #include "json_out.h"
+#include "render_bias.h"
 #include "render_job.h"
 #include "text_out.h"
 #include <inttypes.h>
@@ -127,11 +128,34 @@ static void list_feature(void *context, bool kept, const char *kind, const char 
 // --- for people
 // -----------------------------------------------------------------------------------
 
+static void print_biases(const struct render_job *job)
+{
+    struct job_bias list[JOB_MAX_BIASES];
+    uint32_t count = job_list_biases(job, list);
+    for (uint32_t i = 0; i < count; i++)
+        print_line("bias      ", list[i].text);
+}
+
+static json_t *biases_json(const struct render_job *job)
+{
+    struct job_bias list[JOB_MAX_BIASES];
+    uint32_t count = job_list_biases(job, list);
+    json_t *array = json_array();
+    for (uint32_t i = 0; i < count; i++)
+        json_array_append_new(
+            array, json_pack("{s:s, s:s}", "kind", list[i].kind, "text", list[i].text));
+    return array;
+}
+
 static void print_error(const struct render_job *job)
 {
     const struct half_error *e = &job->error;
     bool is_bound = job->renderer.specialization.halves == HALVES_CONTIGUOUS;
-    if (e->known)
+    if (e->known && job_shares_depths(job))
+        printf("error     relMSE %.3g, without an interval: all pixels share their paths' depths "
+               "(variance from half-buffers, blind to bias)\n",
+               e->relmse);
+    else if (e->known)
         printf(
             "error     relMSE %s%.3g, 95 %% interval %.3g to %.3g (variance from %shalf-buffers, "
             "blind to bias)\n",
@@ -246,6 +270,7 @@ void job_print_summary(const struct render_job *job)
         printf("dropped   %u triangles without area, %u instances with a singular transform\n",
                flat->dropped_degenerate, flat->skipped_instances);
     print_error(job);
+    print_biases(job);
     print_ending(job);
     print_times(job);
     print_classes(&job->renderer);
@@ -290,6 +315,7 @@ static json_t *error_json(const struct half_error *error, bool is_bound)
     if (!error->known)
         return json_pack("{s:n, s:n, s:n, s:s}", "relmse", "ci_low", "ci_high", "reason",
                          error->reason);
+    // Without an interval null stands for its ends.
     return json_pack("{s:o, s:o, s:o, s:b}", "relmse", json_number(error->relmse), "ci_low",
                      json_number(error->ci_low), "ci_high", json_number(error->ci_high),
                      "upper_bound", is_bound);
@@ -383,5 +409,6 @@ void job_print_json(const struct render_job *job)
         strings_json(job->scene.notes, job->scene.note_count), "stopped_early", job->stopped,
         "version", LAMPYRIS_VERSION);
     add_ending(object, job);
+    json_object_set_new(object, "bias", biases_json(job));
     json_print(object);
 }
