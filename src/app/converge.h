@@ -54,7 +54,7 @@ struct converge_curve {
     struct interval *error;            // of relMSE, a point
     struct interval *seconds;          // a point
     struct interval slope, efficiency; // of log relMSE on log samples; 1 / (relMSE * s) at the end
-    struct interval bias;              // squared, as MSE; NAN without a reference
+    struct interval bias;              // what of relMSE stays; NAN without a reference
     struct interval ratio;             // of efficiencies to the scene's first curve
     double time_to[CONVERGE_TARGETS];  // seconds with the start; NAN where not known
     bool extrapolated[CONVERGE_TARGETS];

@@ -62,7 +62,7 @@ static bool find_bias(struct converge *c, struct converge_curve *curve, struct e
         .count = c->replicates_done,
         .length = length,
         .reference = reference->pixels[0],
-        .reference_variance = reference->mse,
+        .reference_relmse = reference->relmse,
     };
     return curve_bias(&params, &curve->bias) || err_memory(err, "bias", length);
 }

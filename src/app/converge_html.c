@@ -267,7 +267,7 @@ static bool put_scene(struct page *page, uint32_t scene, struct err *err)
         return false;
     fputs("</div>\n<table><tr><th>curve</th><th>relMSE at the end</th><th>slope</th><th>seconds"
           "</th><th>efficiency</th><th>ratio to the first</th><th></th><th>s to 1e-2</th><th>to "
-          "1e-3</th><th>to 1e-4</th><th>bias<sup>2</sup></th><th>SMAPE</th><th>PSNR</th><th>SSIM"
+          "1e-3</th><th>to 1e-4</th><th>bias</th><th>SMAPE</th><th>PSNR</th><th>SSIM"
           "</th><th>FLIP</th></tr>\n",
           out);
     for (uint32_t i = 0; i < c->curve_count; i++)
@@ -296,8 +296,8 @@ static void put_machine(struct page *page)
             ". Lampyris %s, %u replicates.</p>\n<p>Errors are geometric means over replicates with "
             "95 %% intervals of Student's t. Times are of rendering alone; those to an error add "
             "loading, building and compiling, and follow 1/t from the last point; * marks those "
-            "beyond it. Efficiency is 1 / (relMSE &times; seconds). Bias<sup>2</sup> is the mean "
-            "squared error that more samples would not remove: an interval above 0 is bias. SMAPE, "
+            "beyond it. Efficiency is 1 / (relMSE &times; seconds). Bias is what of relMSE more "
+            "samples would not remove: there is some where the interval is above 0. SMAPE, "
             "PSNR, SSIM and FLIP are of the first replicate.</p>\n<pre>",
             LAMPYRIS_VERSION, c->replicates_done);
     put_escaped(out, c->options->command_line);

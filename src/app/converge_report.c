@@ -67,7 +67,7 @@ static void print_times(const struct converge_curve *curve)
                    curve->extrapolated[i] ? " (extrapolated)" : "");
     }
     if (!isnan(curve->bias.value))
-        printf("; bias^2 %.2g [%.2g, %.2g]%s", curve->bias.value, curve->bias.low, curve->bias.high,
+        printf("; bias %.2g [%.2g, %.2g]%s", curve->bias.value, curve->bias.low, curve->bias.high,
                curve->bias.low > 0 ? ": BIASED" : "");
     putchar('\n');
 }
@@ -128,7 +128,7 @@ static json_t *curve_json(const struct converge *c, const struct converge_curve 
     return json_pack("{s:o, s:o, s:f, s:o, s:o, s:o, s:o, s:o, s:s, s:o}", "scene",
                      json_words(curve->scene_data.path), "label", json_words(curve->label),
                      "start_seconds", curve->start_seconds, "slope", interval_json(curve->slope),
-                     "efficiency", interval_json(curve->efficiency), "bias_squared",
+                     "efficiency", interval_json(curve->efficiency), "bias",
                      interval_json(curve->bias), "efficiency_ratio", interval_json(curve->ratio),
                      "time_to", times, "verdict", verdict_word(curve_judge(curve->ratio)), "points",
                      points);

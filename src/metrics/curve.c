@@ -88,39 +88,38 @@ enum curve_verdict curve_judge(struct interval ratio)
     return ratio.low > 1 ? CURVE_BETTER : ratio.high < 1 ? CURVE_WORSE : CURVE_NOT_TOLD_APART;
 }
 
-// With n values of each pixel, of mean m and unbiased variance s^2: E (m - r)^2 is the squared bias
-// plus s^2 / n and the reference's variance.
-static double squared_bias(double sum, double squares, double n, double reference)
+// From n differences to a reference: with their mean m and unbiased variance s^2, E m^2 is the
+// squared bias plus s^2 / n and the reference's variance.
+static double squared_bias(double sum, double squares, double n)
 {
     double mean = sum / n, variance = (squares - sum * mean) / (n - 1);
-    return (mean - reference) * (mean - reference) - variance / n;
+    return mean * mean - variance / n;
 }
 
 bool curve_bias(const struct curve_bias_params *p, struct interval *out)
 {
     size_t count = p->count;
-    double *without = calloc(count, sizeof *without), all = 0;
+    double *without = calloc(count, sizeof *without), all = 0, n = (double)count;
     if (!without)
         return false;
     for (size_t i = 0; i < p->length; i++) {
         double reference = (double)p->reference[i], sum = 0, squares = 0;
-        // From the reference: what is squared is small then.
+        double weight = 1 / (reference * reference + METRICS_RELMSE_EPSILON);
         for (size_t k = 0; k < count; k++) {
             double v = (double)p->pictures[k][i] - reference;
             sum += v;
             squares += v * v;
         }
-        all += squared_bias(sum, squares, (double)count, 0);
+        all += weight * squared_bias(sum, squares, n);
         for (size_t k = 0; k < count; k++) {
             double v = (double)p->pictures[k][i] - reference;
-            without[k] += squared_bias(sum - v, squares - v * v, (double)count - 1, 0);
+            without[k] += weight * squared_bias(sum - v, squares - v * v, n - 1);
         }
     }
-    double length = (double)p->length, n = (double)count;
-    all /= length;
+    double length = (double)p->length;
     // Pseudo-values (Tukey 1958): their mean and its t interval.
     for (size_t k = 0; k < count; k++)
-        without[k] = n * all - (n - 1) * without[k] / length - p->reference_variance;
+        without[k] = (n * all - (n - 1) * without[k]) / length - p->reference_relmse;
     *out = t_interval(without, count);
     free(without);
     return true;
