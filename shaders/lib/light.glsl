@@ -8,6 +8,7 @@
 #include "lib/environment.glsl"
 #include "lib/light_tree.glsl"
 #include "lib/material.glsl"
+#include "lib/profile.glsl"
 #include "lib/random.glsl"
 #include "lib/sampling.glsl"
 #include "lib/sun.glsl"
@@ -230,6 +231,12 @@ void sample_point_light(vec3 origin, uint index, float pick, vec2 u, inout light
     l.radiance *= range_window(distance * w2.w) / distance2;
     if (w0.w == LIGHT_SPOT)
         l.radiance *= spot_falloff(w1.xyz, -l.to_light / distance, w3.x, w3.y);
+    if (HAS_EMITTER(EMITTER_PROFILES)) {
+        uvec4 w4 = load_materials(at + 4u);
+        if (w4.w != 0u)
+            l.radiance *= profile_intensity(w4.w, w1.xyz, uintBitsToFloat(w4.xyz),
+                                            -l.to_light / distance);
+    }
     // A point that the light is in has no direction to it.
     l.pdf = distance2 > 0.0 ? l.pdf : 0.0;
 }

@@ -93,11 +93,13 @@
 #define EMITTER_DISCS (1u << 2)
 #define EMITTER_LIGHTS (1u << 3)      // point, spot and directional lights without extent
 #define EMITTER_SUNS (1u << 4)        // directional lights with an angular diameter
+#define EMITTER_PROFILES (1u << 5)    // lights without extent have profiles
 #define EMITTER_ENVIRONMENT (1u << 6) // its image
 #define EMITTERS_SHAPES (EMITTER_SPHERES | EMITTER_DISCS)
 #define EMITTERS_LIGHTS (EMITTER_LIGHTS | EMITTER_SUNS)
 #define EMITTERS_ALL                                                                               \
-    (EMITTER_TRIANGLES | EMITTERS_SHAPES | EMITTERS_LIGHTS | EMITTER_ENVIRONMENT)
+    (EMITTER_TRIANGLES | EMITTERS_SHAPES | EMITTERS_LIGHTS | EMITTER_PROFILES |                    \
+     EMITTER_ENVIRONMENT)
 
 // Pictures besides the radiance. Of the first surface that a camera ray meets:
 #define AOV_ALBEDO (1u << 0)

@@ -127,9 +127,12 @@ struct gpu_light {
     float spot_scale, spot_offset; // falloff: clamp(offset - scale * (1 - cos), 0, 1)^2
     float reach;                   // directional: the length of shadow rays
     float versine; // directional: 1 - cos of the angular radius of a sun; 0: without extent
+    // Point, spot: see lib/profile.glsl.
+    float profile_x[3]; // unit, orthogonal to the direction
+    uint profile;       // its first word of four in the materials' buffer; 0: none
 };
-SHARED_STATIC_ASSERT_SIZE(gpu_light, 64);
-#define LIGHT_WORDS 4
+SHARED_STATIC_ASSERT_SIZE(gpu_light, 80);
+#define LIGHT_WORDS 5
 
 // A directional light with an angular radius, for the rays that see it.
 struct gpu_sun {

@@ -1,5 +1,7 @@
 #include "emitter_power.h"
 
+#include "environment.h"
+#include "ies.h"
 #include <math.h>
 #include <string.h>
 
@@ -84,6 +86,11 @@ static double spot_solid_angle(const struct light *light)
     return 2.0 * M_PI * (sloped * sloped * sloped / (3.0 * width * width) + cone - sloped);
 }
 
+static double profile_solid_angle(const struct light *light)
+{
+    return light->profile ? light->profile->solid_angle : 4.0 * M_PI;
+}
+
 double light_power(const struct light *light, const struct flat_scene *flat)
 {
     double radius = bounding_radius(flat), brightness = luminance(light->radiant) / (2.0 * M_PI);
@@ -91,24 +98,15 @@ double light_power(const struct light *light, const struct flat_scene *flat)
     case LIGHT_DIRECTIONAL:
         return brightness * M_PI * radius * radius;
     case LIGHT_SPOT:
-        return brightness * spot_solid_angle(light);
+        // Where there is a profile, too, at most what the narrower one leaves.
+        return brightness * fmin(spot_solid_angle(light), profile_solid_angle(light));
     default:
-        return brightness * 4.0 * M_PI;
+        return brightness * profile_solid_angle(light);
     }
 }
 
 double environment_power(const struct environment *environment, const struct flat_scene *flat)
 {
-    double mean[3] = {0}, radius = bounding_radius(flat);
-    uint32_t width = environment->width, height = environment->height;
-    for (uint32_t y = 0; y < height; y++) {
-        double part = 0.5 * (cos(M_PI * y / height) - cos(M_PI * (y + 1) / height)) / width;
-        for (uint32_t x = 0; x < width; x++)
-            for (int c = 0; c < 3; c++)
-                mean[c] += part * (double)environment->texels[(uint64_t)y * width + x][c];
-    }
-    float scaled[3];
-    for (int c = 0; c < 3; c++)
-        scaled[c] = (float)(mean[c] * (double)environment->radiance[c]);
-    return 2.0 * M_PI * radius * radius * luminance(scaled);
+    double radius = bounding_radius(flat);
+    return 2.0 * M_PI * radius * radius * environment_luminance(environment);
 }

@@ -3,6 +3,7 @@
 #include "albedo_tables.h"
 #include "camera_media.h"
 #include "environment.h"
+#include "ies.h"
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -89,7 +90,7 @@ static void fill_materials(const struct shading_tables_params *p, const struct e
 
 // Sections of the materials' buffer, each of `count` records.
 struct sections {
-    uint64_t materials, textures, lights, suns, media, albedos, end; // in words of four
+    uint64_t materials, textures, lights, suns, media, profiles, albedos, end; // in words of four
 };
 
 static uint32_t count_suns(const struct scene *scene)
@@ -121,6 +122,51 @@ static void fill_suns(const struct scene *scene, const struct gpu_light *lights,
             *suns++ = sun_record(&scene->lights[i], lights[i].pick_probability);
 }
 
+static uint64_t profile_words(const struct light_profile *profile)
+{
+    uint64_t values = (uint64_t)profile->vertical_count + profile->horizontal_count +
+                      (uint64_t)profile->vertical_count * profile->horizontal_count;
+    return 1 + (values + 3) / 4;
+}
+
+static uint64_t count_profile_words(const struct scene *scene)
+{
+    uint64_t words = 0;
+    for (const struct light_profile *p = scene->profiles; p; p = p->next)
+        words += profile_words(p);
+    return words;
+}
+
+// A profile as lib/profile.glsl reads it.
+static void fill_profile(const struct light_profile *profile, char *bytes)
+{
+    uint32_t v = profile->vertical_count, h = profile->horizontal_count;
+    const uint32_t head[4] = {v, h, 0, 0};
+    float *values = (float *)(bytes + sizeof head);
+    memcpy(bytes, head, sizeof head);
+    memcpy(values, profile->vertical, v * sizeof *values);
+    if (h > 1)
+        memcpy(values + v, profile->horizontal, h * sizeof *values);
+    memcpy(values + v + h, profile->relative, (size_t)v * h * sizeof *values);
+}
+
+// The profiles, which begin at the word `first`, and what lights know of theirs.
+static void fill_profiles(const struct scene *scene, uint64_t first, char *bytes,
+                          struct gpu_light *lights)
+{
+    for (const struct light_profile *p = scene->profiles; p; p = p->next) {
+        fill_profile(p, bytes + first * 16u);
+        for (uint32_t i = 0; i < scene->light_count; i++) {
+            if (scene->lights[i].profile != p)
+                continue;
+            lights[i].profile = (uint32_t)first;
+            for (int c = 0; c < 3; c++)
+                lights[i].profile_x[c] = (float)scene->lights[i].profile_x[c];
+        }
+        first += profile_words(p);
+    }
+}
+
 static struct sections lay_out(const struct scene *scene, uint32_t medium_count,
                                uint64_t albedo_words)
 {
@@ -129,7 +175,8 @@ static struct sections lay_out(const struct scene *scene, uint32_t medium_count,
     s.lights = s.textures + (uint64_t)scene->texture_count * TEXTURE_WORDS;
     s.suns = s.lights + (uint64_t)scene->light_count * LIGHT_WORDS;
     s.media = s.suns + (uint64_t)count_suns(scene) * SUN_WORDS;
-    s.albedos = s.media + (uint64_t)medium_count * MEDIUM_WORDS;
+    s.profiles = s.media + (uint64_t)medium_count * MEDIUM_WORDS;
+    s.albedos = s.profiles + count_profile_words(scene);
     s.end = s.albedos + albedo_words;
     return s;
 }
@@ -206,6 +253,8 @@ bool shading_tables_build(const struct shading_tables_params *p, struct arena *a
     if (p->scene->texture_count > 0)
         memcpy(bytes + s.textures * 16u, out->textures.records,
                p->scene->texture_count * sizeof *out->textures.records);
+    if (out->emitters.lights)
+        fill_profiles(p->scene, s.profiles, bytes, out->emitters.lights);
     if (out->emitters.lights)
         memcpy(bytes + s.lights * 16u, out->emitters.lights,
                p->scene->light_count * sizeof *out->emitters.lights);

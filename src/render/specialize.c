@@ -320,6 +320,8 @@ struct specialization specialize(const struct specialize_params *p)
     }
     struct emitter_counts counts = emitters_count(scene, flat);
     s.emitters = emitters_of(&counts);
+    for (uint32_t i = 0; i < scene->light_count; i++)
+        s.emitters |= scene->lights[i].profile ? EMITTER_PROFILES : 0u;
     bool each = settings->integrator == INTEGRATOR_WHITTED;
     s.light_choice = emitters_choice(each ? LIGHT_CHOICE_ALL : settings->light_choice, &counts);
     s.light_rays = light_rays(s.light_choice, &counts);
@@ -451,7 +453,7 @@ const char *emitter_name(uint32_t bit)
         "emissive discs",
         "lights without extent",
         "suns",
-        NULL,
+        "photometric profiles",
         "environment to connect to",
     };
     for (uint32_t i = 0; i < sizeof names / sizeof *names; i++)

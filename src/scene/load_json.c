@@ -71,7 +71,7 @@ static bool load_sections(struct json_loader *loader, const struct json_node *do
            (!settings.value || load_json_settings(scene, &settings, err)) &&
            (!materials.value || load_json_materials(loader, &materials, err)) &&
            (!environment.value || load_json_environment(loader, &environment, err)) &&
-           (!lights.value || load_json_lights(scene, &lights, err)) &&
+           (!lights.value || load_json_lights(loader, &lights, err)) &&
            (!shapes.value || load_json_shapes(loader, &shapes, err));
 }
 

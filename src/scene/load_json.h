@@ -35,7 +35,7 @@ bool load_json_materials(struct json_loader *loader, const struct json_node *mat
 // material's node.
 bool load_json_textures(struct json_loader *loader, const struct json_node *owner,
                         struct material *material, struct err *err);
-bool load_json_lights(struct scene *scene, const struct json_node *lights, struct err *err);
+bool load_json_lights(struct json_loader *loader, const struct json_node *lights, struct err *err);
 bool load_json_environment(struct json_loader *loader, const struct json_node *environment,
                            struct err *err);
 bool load_json_shapes(struct json_loader *loader, const struct json_node *shapes, struct err *err);

@@ -109,6 +109,7 @@ struct scene {
     uint32_t texture_count;
     struct light *lights; // without extent
     uint32_t light_count;
+    const struct light_profile *profiles; // the latest that was read; see ies.h
     struct environment environment;
     struct settings settings; // defaults, overridden by the file
     uint64_t hash;            // of the file's bytes and of all files it names, and of the overrides

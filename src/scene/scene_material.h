@@ -98,6 +98,11 @@ struct light {
     float range;                    // metres, > 0; INFINITY: unlimited
     float inner_angle, outer_angle; // spot: half-angles, radians, 0 <= inner < outer <= pi / 2
     double angular_radius; // directional: of the sun it comes from, radians, to pi / 2; 0: a point
+    // Point, spot: what scales the intensity by direction, see ies.h; or NULL. Its angle 0 is
+    // `direction`, of a point light too, and its plane at 0 degrees that of profile_x, unit and
+    // orthogonal to it.
+    const struct light_profile *profile;
+    double profile_x[3];
 };
 
 #endif

@@ -17,7 +17,8 @@
     M(kind)                                                                                        \
     M(direction)                                                                                   \
     M(pick_probability)                                                                            \
-    M(radiant) M(inverse_range) M(spot_scale) M(spot_offset) M(reach) M(versine)
+    M(radiant)                                                                                     \
+    M(inverse_range) M(spot_scale) M(spot_offset) M(reach) M(versine) M(profile_x) M(profile)
 #define SUN(M) M(direction) M(versine) M(radiance) M(pick_probability)
 #define SHAPE(M) M(center) M(radius) M(normal) M(kind_material) M(emitter) M(align_shape)
 #define MATERIAL(M) M(model_flags) M(first_texture) M(texture_count) M(medium) M(parameter)

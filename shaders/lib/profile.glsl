@@ -1,0 +1,73 @@
+// Photometric profiles: the relative intensity of a light by direction (scene/ies.h). Reads the
+// materials' buffer. A profile begins with a word of its counts of vertical and horizontal angles;
+// then, four in a word, those angles in degrees and the rows of values.
+#ifndef PROFILE_GLSL
+#define PROFILE_GLSL
+
+#include "lib/material.glsl"
+
+float load_profile_value(uint at, uint index)
+{
+    return load_materials_float(at + 1u + (index >> 2u))[index & 3u];
+}
+
+// The last of count - 1 ascending values, from `first` on, that is not above x; and where x lies up to
+// the next one.
+uint find_interval(uint at, uint first, uint count, float x, out float part)
+{
+    uint low = 0u;
+    uint high = count - 1u;
+    while (low + 1u < high) {
+        uint middle = (low + high) / 2u;
+        if (load_profile_value(at, first + middle) <= x)
+            low = middle;
+        else
+            high = middle;
+    }
+    float a = load_profile_value(at, first + low);
+    float b = load_profile_value(at, first + high);
+    part = b > a ? clamp((x - a) / (b - a), 0.0, 1.0) : 0.0;
+    return low;
+}
+
+float profile_row(uint at, uint first, uint v, uint next, float part)
+{
+    float low = load_profile_value(at, first + v);
+    return low + part * (load_profile_value(at, first + next) - low);
+}
+
+// Relative intensity into the unit direction `from_light`. `axis` is where the vertical angle is 0, and
+// the plane at 0 degrees contains x; horizontal angles grow counter-clockwise as seen against the axis.
+// The angles are as good as the device's atan (on lavapipe 1e-6 of a turn).
+float profile_intensity(uint at, vec3 axis, vec3 x, vec3 from_light)
+{
+    const float degrees = 180.0 * INV_PI;
+    uvec4 head = load_materials(at);
+    uint vertical_count = head.x;
+    uint horizontal_count = head.y;
+    vec3 y = cross(x, axis);
+    vec2 across = vec2(dot(from_light, x), dot(from_light, y));
+    float vertical = atan(length(across), dot(from_light, axis)) * degrees;
+    // Rounding must not push what is at an end beyond it.
+    float first = load_profile_value(at, 0u);
+    float last = load_profile_value(at, vertical_count - 1u);
+    const float margin = 2e-4;
+    if (vertical < first - margin || vertical > last + margin)
+        return 0.0;
+
+    float part_v;
+    uint v = find_interval(at, 0u, vertical_count, vertical, part_v);
+    uint next_v = min(v + 1u, vertical_count - 1u);
+    uint rows = vertical_count + horizontal_count;
+    if (horizontal_count == 1u)
+        return profile_row(at, rows, v, next_v, part_v);
+    float horizontal = any(notEqual(across, vec2(0.0))) ? atan(across.y, across.x) * degrees : 0.0;
+    horizontal += horizontal < 0.0 ? 360.0 : 0.0;
+    float part_h;
+    uint h = find_interval(at, vertical_count, horizontal_count, horizontal, part_h);
+    float low = profile_row(at, rows + h * vertical_count, v, next_v, part_v);
+    float high = profile_row(at, rows + (h + 1u) * vertical_count, v, next_v, part_v);
+    return low + part_h * (high - low);
+}
+
+#endif
