@@ -1,5 +1,7 @@
 // Compute pipelines, and the one layout that all of them share.
 #include "gpu_internal.h"
+#include "spirv_trim.h"
+#include <stdlib.h>
 #include <string.h>
 
 // Bindings 0 .. GPU_MAX_STORAGE-1 are storage buffers, then come GPU_MAX_TEXEL uniform texel
@@ -93,6 +95,27 @@ static bool pipeline_create(struct gpu *gpu, const struct gpu_kernel_params *par
               vkCreateComputePipelines(gpu->device, gpu->pipeline_cache, 1, &info, NULL, out));
 }
 
+// From the part of the code that the constants leave.
+static bool pipeline_make(struct gpu *gpu, const struct gpu_kernel_params *params, VkPipeline *out,
+                          struct err *err)
+{
+    uint32_t *trimmed = malloc(params->spirv_bytes);
+    size_t bytes = trimmed ? spirv_trim(params->spirv, params->spirv_bytes, params->constants,
+                                        params->constant_count, trimmed)
+                           : 0;
+    const VkShaderModuleCreateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
+        .codeSize = bytes ? bytes : params->spirv_bytes,
+        .pCode = bytes ? trimmed : params->spirv,
+    };
+    VkShaderModule module = VK_NULL_HANDLE;
+    bool ok = VK(gpu, err, vkCreateShaderModule(gpu->device, &info, NULL, &module)) &&
+              pipeline_create(gpu, params, module, out, err);
+    vkDestroyShaderModule(gpu->device, module, NULL);
+    free(trimmed);
+    return ok;
+}
+
 static bool same_code(const struct gpu_kernel *kernel, const struct gpu_kernel_params *params)
 {
     return kernel->spirv == params->spirv && kernel->constant_count == params->constant_count &&
@@ -124,19 +147,8 @@ bool gpu_kernel_create(struct gpu *gpu, const struct gpu_kernel_params *params,
     for (uint32_t i = 0; i < params->constant_count; i++)
         out->constants[i] = params->constants[i];
     out->pipeline = take_kept(gpu, params);
-    if (!out->pipeline) {
-        const VkShaderModuleCreateInfo info = {
-            .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
-            .codeSize = params->spirv_bytes,
-            .pCode = params->spirv,
-        };
-        VkShaderModule module = VK_NULL_HANDLE;
-        bool ok = VK(gpu, err, vkCreateShaderModule(gpu->device, &info, NULL, &module)) &&
-                  pipeline_create(gpu, params, module, &out->pipeline, err);
-        vkDestroyShaderModule(gpu->device, module, NULL);
-        if (!ok)
-            return err_prepend(err, "kernel %s", params->name);
-    }
+    if (!out->pipeline && !pipeline_make(gpu, params, &out->pipeline, err))
+        return err_prepend(err, "kernel %s", params->name);
     DEBUG_NAME(gpu, PIPELINE, out->pipeline, params->name);
     return true;
 }

@@ -1,0 +1,435 @@
+#include "spirv_trim.h"
+
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+// SPIR-V 1.5, revision 2, section 3.37: what counts here.
+enum {
+    MAGIC = 0x07230203,
+    HEADER_WORDS = 5,
+    DECORATION_SPEC_ID = 1,
+
+    OP_NOP = 0,
+    OP_UNDEF = 1,
+    OP_NAME = 5,
+    OP_LINE = 8,
+    OP_ENTRY_POINT = 15,
+    OP_CONSTANT_TRUE = 41,
+    OP_CONSTANT_FALSE = 42,
+    OP_CONSTANT = 43,
+    OP_SPEC_CONSTANT_TRUE = 48,
+    OP_SPEC_CONSTANT_FALSE = 49,
+    OP_SPEC_CONSTANT = 50,
+    OP_SPEC_CONSTANT_OP = 52,
+    OP_FUNCTION = 54,
+    OP_FUNCTION_END = 56,
+    OP_FUNCTION_CALL = 57,
+    OP_STORE = 62,
+    OP_COPY_MEMORY = 63,
+    OP_COPY_MEMORY_SIZED = 64,
+    OP_DECORATE = 71,
+    OP_IMAGE_WRITE = 99,
+    OP_I_ADD = 128,
+    OP_I_SUB = 130,
+    OP_I_MUL = 132,
+    OP_LOGICAL_EQUAL = 164,
+    OP_LOGICAL_NOT_EQUAL = 165,
+    OP_LOGICAL_OR = 166,
+    OP_LOGICAL_AND = 167,
+    OP_LOGICAL_NOT = 168,
+    OP_SELECT = 169,
+    OP_I_EQUAL = 170,
+    OP_I_NOT_EQUAL = 171,
+    OP_U_GREATER_THAN = 172,
+    OP_S_GREATER_THAN = 173,
+    OP_U_GREATER_THAN_EQUAL = 174,
+    OP_S_GREATER_THAN_EQUAL = 175,
+    OP_U_LESS_THAN = 176,
+    OP_S_LESS_THAN = 177,
+    OP_U_LESS_THAN_EQUAL = 178,
+    OP_S_LESS_THAN_EQUAL = 179,
+    OP_SHIFT_RIGHT_LOGICAL = 194,
+    OP_SHIFT_LEFT_LOGICAL = 196,
+    OP_BITWISE_OR = 197,
+    OP_BITWISE_XOR = 198,
+    OP_BITWISE_AND = 199,
+    OP_NOT = 200,
+    OP_CONTROL_BARRIER = 224,
+    OP_MEMORY_BARRIER = 225,
+    OP_ATOMIC_STORE = 228,
+    OP_PHI = 245,
+    OP_LOOP_MERGE = 246,
+    OP_SELECTION_MERGE = 247,
+    OP_LABEL = 248,
+    OP_BRANCH = 249,
+    OP_BRANCH_CONDITIONAL = 250,
+    OP_SWITCH = 251,
+    OP_RETURN_VALUE = 254,
+    OP_UNREACHABLE = 255,
+    OP_NO_LINE = 317,
+};
+
+// Of an id.
+struct id {
+    uint32_t value; // where it is known: 32 bits, or 0 and 1
+    uint32_t start; // of a function: its first word; 0: no function
+    bool known;
+    bool live;    // of a label or function: reached
+    bool visited; // of a label
+    bool dropped; // its instruction is left out
+    bool needed;  // something that stays names it
+};
+
+struct module {
+    const uint32_t *code;
+    uint32_t words, bound;
+    struct id *ids;
+    uint32_t *pending; // functions that are called and not yet looked at
+    uint32_t pending_count;
+    const uint32_t *constants;
+    uint32_t constant_count;
+};
+
+static uint32_t opcode(const uint32_t *at)
+{
+    return *at & 0xffffu;
+}
+
+static uint32_t length(const uint32_t *at)
+{
+    return *at >> 16;
+}
+
+// Of instructions in a function's body.
+static bool has_result(uint32_t op)
+{
+    switch (op) {
+    case OP_NOP:
+    case OP_LINE:
+    case OP_NO_LINE:
+    case OP_FUNCTION_END:
+    case OP_STORE:
+    case OP_COPY_MEMORY:
+    case OP_COPY_MEMORY_SIZED:
+    case OP_IMAGE_WRITE:
+    case OP_CONTROL_BARRIER:
+    case OP_MEMORY_BARRIER:
+    case OP_ATOMIC_STORE:
+    case OP_LABEL:
+        return false;
+    default:
+        return op < OP_LOOP_MERGE || op > OP_UNREACHABLE;
+    }
+}
+
+static bool stays_in_dead_blocks(uint32_t op)
+{
+    return op >= OP_LOOP_MERGE && op <= OP_UNREACHABLE;
+}
+
+// --- constants -----------------------------------------------------------------------------------
+
+static bool evaluate_2(uint32_t op, uint32_t a, uint32_t b, uint32_t *out)
+{
+    int32_t sa = (int32_t)a, sb = (int32_t)b;
+    // clang-format off
+    switch (op) {
+    case OP_I_ADD: *out = a + b; return true;
+    case OP_I_SUB: *out = a - b; return true;
+    case OP_I_MUL: *out = a * b; return true;
+    case OP_BITWISE_OR:
+    case OP_LOGICAL_OR: *out = a | b; return true;
+    case OP_BITWISE_AND:
+    case OP_LOGICAL_AND: *out = a & b; return true;
+    case OP_BITWISE_XOR: *out = a ^ b; return true;
+    case OP_LOGICAL_EQUAL:
+    case OP_I_EQUAL: *out = a == b; return true;
+    case OP_LOGICAL_NOT_EQUAL:
+    case OP_I_NOT_EQUAL: *out = a != b; return true;
+    case OP_U_GREATER_THAN: *out = a > b; return true;
+    case OP_S_GREATER_THAN: *out = sa > sb; return true;
+    case OP_U_GREATER_THAN_EQUAL: *out = a >= b; return true;
+    case OP_S_GREATER_THAN_EQUAL: *out = sa >= sb; return true;
+    case OP_U_LESS_THAN: *out = a < b; return true;
+    case OP_S_LESS_THAN: *out = sa < sb; return true;
+    case OP_U_LESS_THAN_EQUAL: *out = a <= b; return true;
+    case OP_S_LESS_THAN_EQUAL: *out = sa <= sb; return true;
+    case OP_SHIFT_LEFT_LOGICAL: *out = b < 32 ? a << b : 0; return b < 32;
+    case OP_SHIFT_RIGHT_LOGICAL: *out = b < 32 ? a >> b : 0; return b < 32;
+    default: return false;
+    }
+    // clang-format on
+}
+
+// `operands`: ids, `count` of them.
+static bool evaluate(const struct module *m, uint32_t op, const uint32_t *operands, uint32_t count,
+                     uint32_t *out)
+{
+    const struct id *a = count > 0 ? &m->ids[operands[0]] : NULL;
+    const struct id *b = count > 1 ? &m->ids[operands[1]] : NULL;
+    if (count == 1 && a->known && (op == OP_LOGICAL_NOT || op == OP_NOT)) {
+        *out = op == OP_NOT ? ~a->value : !a->value;
+        return true;
+    }
+    if (count == 3 && op == OP_SELECT && a->known) {
+        const struct id *chosen = &m->ids[operands[a->value ? 1 : 2]];
+        *out = chosen->value;
+        return chosen->known;
+    }
+    if (count != 2)
+        return false;
+    if (op == OP_LOGICAL_AND && ((a->known && !a->value) || (b->known && !b->value))) {
+        *out = 0;
+        return true;
+    }
+    if (op == OP_LOGICAL_OR && ((a->known && a->value) || (b->known && b->value))) {
+        *out = 1;
+        return true;
+    }
+    return a->known && b->known && evaluate_2(op, a->value, b->value, out);
+}
+
+static void know(struct module *m, uint32_t id, uint32_t value)
+{
+    m->ids[id].known = true;
+    m->ids[id].value = value;
+}
+
+// Constants that the caller sets come before their instructions: as decorations.
+static void read_global(struct module *m, const uint32_t *at)
+{
+    uint32_t op = opcode(at), words = length(at), value;
+    if (op == OP_DECORATE && words == 4 && at[2] == DECORATION_SPEC_ID) {
+        if (at[3] < m->constant_count)
+            know(m, at[1], m->constants[at[3]]);
+    } else if (op == OP_CONSTANT_TRUE || op == OP_CONSTANT_FALSE) {
+        know(m, at[2], op == OP_CONSTANT_TRUE);
+    } else if (op == OP_SPEC_CONSTANT_TRUE || op == OP_SPEC_CONSTANT_FALSE) {
+        if (!m->ids[at[2]].known)
+            know(m, at[2], op == OP_SPEC_CONSTANT_TRUE);
+    } else if ((op == OP_CONSTANT || op == OP_SPEC_CONSTANT) && words == 4) {
+        if (!m->ids[at[2]].known)
+            know(m, at[2], at[3]);
+    } else if (op == OP_SPEC_CONSTANT_OP && words > 4) {
+        if (evaluate(m, at[3], at + 4, words - 4, &value))
+            know(m, at[2], value);
+    }
+}
+
+// --- what is reached -----------------------------------------------------------------------------
+
+static bool reach(struct module *m, uint32_t label)
+{
+    // Blocks stand in the order of dominance: only loops lead back, to where control has been.
+    if (m->ids[label].visited && !m->ids[label].live)
+        return false;
+    m->ids[label].live = true;
+    return true;
+}
+
+static bool reach_targets(struct module *m, const uint32_t *at)
+{
+    switch (opcode(at)) {
+    case OP_BRANCH:
+        return reach(m, at[1]);
+    case OP_BRANCH_CONDITIONAL: {
+        const struct id *condition = &m->ids[at[1]];
+        return ((condition->known && !condition->value) || reach(m, at[2])) &&
+               ((condition->known && condition->value) || reach(m, at[3]));
+    }
+    case OP_SWITCH:
+        for (uint32_t i = 4; i < length(at); i += 2)
+            if (!reach(m, at[i]))
+                return false;
+        return reach(m, at[2]);
+    default:
+        return true;
+    }
+}
+
+// A value that all blocks before agree on, so far as they are reached.
+static void merge_values(struct module *m, const uint32_t *at)
+{
+    bool any = false;
+    uint32_t value = 0;
+    for (uint32_t i = 3; i + 1 < length(at); i += 2) {
+        const struct id *incoming = &m->ids[at[i]], *block = &m->ids[at[i + 1]];
+        if (block->visited && !block->live)
+            continue;
+        if (!block->visited || !incoming->known || (any && incoming->value != value))
+            return;
+        any = true;
+        value = incoming->value;
+    }
+    if (any)
+        know(m, at[2], value);
+}
+
+static void call(struct module *m, uint32_t function)
+{
+    if (!m->ids[function].live)
+        m->pending[m->pending_count++] = function;
+    m->ids[function].live = true;
+}
+
+// What an instruction in a block that is reached does to what is known.
+static bool follow(struct module *m, const uint32_t *at)
+{
+    uint32_t op = opcode(at), value;
+    if (op == OP_PHI)
+        merge_values(m, at);
+    else if (op == OP_FUNCTION_CALL)
+        call(m, at[3]);
+    else if (op >= OP_LOGICAL_EQUAL && op <= OP_NOT && length(at) > 3 &&
+             evaluate(m, op, at + 3, length(at) - 3, &value))
+        know(m, at[2], value);
+    return reach_targets(m, at);
+}
+
+// The ids that an instruction names which stays, though what it names may not.
+static void need(struct module *m, const uint32_t *at, bool live)
+{
+    uint32_t op = opcode(at);
+    if (live && op == OP_PHI)
+        for (uint32_t i = 3; i + 1 < length(at); i += 2)
+            m->ids[at[i]].needed = true;
+    else if (!live && (op == OP_BRANCH_CONDITIONAL || op == OP_SWITCH || op == OP_RETURN_VALUE))
+        m->ids[at[1]].needed = true;
+}
+
+static bool follow_function(struct module *m, uint32_t function)
+{
+    bool live = true, first = true;
+    for (const uint32_t *at = m->code + m->ids[function].start; opcode(at) != OP_FUNCTION_END;
+         at += length(at)) {
+        if (opcode(at) == OP_LABEL) {
+            struct id *label = &m->ids[at[1]];
+            label->visited = true;
+            live = label->live = label->live || first;
+            first = false;
+        }
+        need(m, at, live);
+        if (live && !first && !follow(m, at))
+            return false;
+        if (!live && has_result(opcode(at)))
+            m->ids[at[2]].dropped = true;
+    }
+    return true;
+}
+
+// --- reading and writing -------------------------------------------------------------------------
+
+// Whether instructions fill the module, with room for what is read of each, and functions end;
+// finds functions.
+static bool read_module(struct module *m)
+{
+    bool in_function = false, open = false;
+    for (uint32_t i = HEADER_WORDS; i < m->words; i += length(m->code + i)) {
+        const uint32_t *at = m->code + i;
+        uint32_t op = opcode(at);
+        if (length(at) == 0 || length(at) > m->words - i)
+            return false;
+        if (op == OP_FUNCTION) {
+            in_function = open = true;
+            m->ids[at[2]].start = i;
+        }
+        open = open && op != OP_FUNCTION_END;
+        if (!in_function)
+            read_global(m, at);
+        else if (has_result(op) && length(at) < 3)
+            return false;
+        if (op == OP_ENTRY_POINT)
+            call(m, at[2]);
+    }
+    return !open;
+}
+
+static void drop_function(struct module *m, const uint32_t *at)
+{
+    for (; opcode(at) != OP_FUNCTION_END; at += length(at)) {
+        if (opcode(at) == OP_LABEL)
+            m->ids[at[1]].dropped = true;
+        else if (has_result(opcode(at)))
+            m->ids[at[2]].dropped = true;
+    }
+}
+
+// Names and decorations stand before what they are about.
+static bool is_about_dropped(const struct module *m, const uint32_t *at)
+{
+    uint32_t op = opcode(at);
+    return (op == OP_NAME || op == OP_DECORATE) && m->ids[at[1]].dropped;
+}
+
+// What is left of an instruction of a function that stays: words written.
+static uint32_t write_instruction(const struct module *m, const uint32_t *at, bool live,
+                                  uint32_t *out)
+{
+    uint32_t op = opcode(at), words = length(at);
+    if (!live && !stays_in_dead_blocks(op)) {
+        if (!has_result(op) || !m->ids[at[2]].needed)
+            return 0;
+        out[0] = 3u << 16 | OP_UNDEF;
+        out[1] = at[1];
+        out[2] = at[2];
+        return 3;
+    }
+    memcpy(out, at, words * sizeof *at);
+    return words;
+}
+
+static uint32_t write_module(const struct module *m, uint32_t *out)
+{
+    uint32_t written = HEADER_WORDS;
+    bool in_function = false, live_function = true, live = true;
+    memcpy(out, m->code, HEADER_WORDS * sizeof *out);
+    for (uint32_t i = HEADER_WORDS; i < m->words; i += length(m->code + i)) {
+        const uint32_t *at = m->code + i;
+        if (opcode(at) == OP_FUNCTION) {
+            in_function = live = true;
+            live_function = m->ids[at[2]].live;
+        }
+        if (opcode(at) == OP_LABEL)
+            live = m->ids[at[1]].live;
+        if (opcode(at) == OP_FUNCTION_END)
+            live = true;
+        if (in_function ? !live_function : is_about_dropped(m, at))
+            continue;
+        written += write_instruction(m, at, live || opcode(at) == OP_LABEL, out + written);
+    }
+    return written;
+}
+
+static uint32_t trim(struct module *m, uint32_t *out)
+{
+    if (!read_module(m))
+        return 0;
+    while (m->pending_count > 0) {
+        uint32_t function = m->pending[--m->pending_count];
+        if (!m->ids[function].start || !follow_function(m, function))
+            return 0;
+    }
+    for (uint32_t id = 0; id < m->bound; id++)
+        if (m->ids[id].start && !m->ids[id].live)
+            drop_function(m, m->code + m->ids[id].start);
+    return write_module(m, out);
+}
+
+size_t spirv_trim(const uint32_t *code, size_t bytes, const uint32_t *constants, uint32_t count,
+                  uint32_t *out)
+{
+    if (bytes < HEADER_WORDS * sizeof *code || code[0] != MAGIC)
+        return 0;
+    struct module m = {.code = code,
+                       .words = (uint32_t)(bytes / sizeof *code),
+                       .bound = code[3],
+                       .constants = constants,
+                       .constant_count = count};
+    m.ids = calloc(m.bound, sizeof *m.ids);
+    m.pending = calloc(m.bound, sizeof *m.pending);
+    uint32_t written = m.ids && m.pending ? trim(&m, out) : 0;
+    free(m.ids);
+    free(m.pending);
+    return written * sizeof *out;
+}

@@ -1,0 +1,139 @@
+// What specialization constants rule out is left out, and what is left does the same.
+#include "gpu_fixture.h"
+#include "spirv_trim.h"
+
+#include "choices_test.spv.h"
+
+#define COUNT 512u
+#define CHOICES 64u
+
+static uint32_t sum_of_digits(uint32_t x)
+{
+    uint32_t sum = 0;
+    for (; x > 0; x /= 10)
+        sum += x % 10;
+    return sum;
+}
+
+static uint32_t by_case(uint32_t x, uint32_t choices)
+{
+    switch (x % 4) {
+    case 0:
+        return choices & 32 ? x + 1 : x + 2;
+    case 3:
+        return sum_of_digits(x) + 4;
+    default:
+        return choices & 32 ? x + 4 : x + 3;
+    }
+}
+
+static uint32_t expected(uint32_t x, uint32_t choices)
+{
+    if (choices & 1)
+        x = sum_of_digits(x);
+    if ((choices & 2) && x % 2 == 1)
+        x += 100;
+    if (x % 3 == 0 || (choices & 4))
+        x ^= 0x55;
+    while ((choices & 8) && x > 1000)
+        x = x / 2 + sum_of_digits(x) % 7;
+    if (!(choices & 16) || (choices & 3) == 3)
+        x = by_case(x, choices);
+    else if (choices > 60)
+        x += 5;
+    return x;
+}
+
+static size_t trimmed_bytes(uint32_t choices)
+{
+    static uint32_t out[sizeof choices_spirv / sizeof *choices_spirv];
+    const uint32_t constants[] = {GROUP, choices};
+    return spirv_trim(choices_spirv, sizeof choices_spirv, constants, 2, out);
+}
+
+static bool run_choices(struct gpu *gpu, struct gpu_commands *commands,
+                        const struct gpu_bindings *bindings, uint32_t choices, struct err *err)
+{
+    const uint32_t constants[] = {GROUP, choices};
+    const struct gpu_kernel_params params = {
+        .name = "choices",
+        .spirv = choices_spirv,
+        .spirv_bytes = sizeof choices_spirv,
+        .constants = constants,
+        .constant_count = 2,
+    };
+    const struct copy_push push = {.count = COUNT, .addend = 9};
+    struct gpu_kernel kernel;
+    bool ok = gpu_kernel_create(gpu, &params, &kernel, err) && gpu_begin(gpu, commands, err);
+    if (ok) {
+        gpu_bind(gpu, commands, bindings);
+        gpu_push(gpu, commands, &push, sizeof push);
+        gpu_dispatch(gpu, commands, &kernel, groups_for(COUNT));
+        ok = gpu_submit(gpu, commands, err) && gpu_wait(gpu, commands, err);
+    }
+    gpu_kernel_finish(gpu, &kernel);
+    return ok;
+}
+
+// The validation layers check every module.
+TEST(the_rest_does_the_same)
+{
+    struct gpu gpu;
+    OPEN(&gpu, .validation = true);
+    struct gpu_buffer from = {0}, to = {0};
+    struct gpu_bindings bindings = {0};
+    struct gpu_commands commands = {0};
+    struct err err = {0};
+    uint32_t *source = elements_new(COUNT), result[COUNT];
+    bool ok = source &&
+              gpu_buffer_create(&gpu, "from", COUNT * 4, GPU_DEVICE, false, &from, &err) &&
+              gpu_buffer_create(&gpu, "to", COUNT * 4, GPU_DEVICE, false, &to, &err) &&
+              gpu_upload(&gpu, &from, 0, source, COUNT * 4, &err) &&
+              pair_bindings_create(&gpu, &from, &to, &bindings, &err) &&
+              gpu_commands_create(&gpu, &commands, &err);
+    for (uint32_t choices = 0; ok && choices < CHOICES; choices++) {
+        ok = run_choices(&gpu, &commands, &bindings, choices, &err) &&
+             gpu_download(&gpu, &to, 0, result, sizeof result, &err);
+        uint32_t wrong = 0;
+        for (uint32_t i = 0; ok && i < COUNT; i++)
+            wrong += result[i] != expected(source[i], choices) + 9;
+        CHECK(wrong == 0, "choices %u: %u of %u elements", choices, wrong, COUNT);
+    }
+    CHECK(ok, "%s", err.msg);
+    free(source);
+    gpu_commands_finish(&gpu, &commands);
+    gpu_bindings_finish(&gpu, &bindings);
+    gpu_buffer_finish(&gpu, &to);
+    gpu_buffer_finish(&gpu, &from);
+    gpu_close(&gpu);
+    CHECK(gpu.validation_messages == 0, "%u", gpu.validation_messages);
+}
+
+TEST(less_is_left_of_fewer_choices)
+{
+    // 16 is a choice against a part.
+    size_t none = trimmed_bytes(16), all = trimmed_bytes(1 | 2 | 8 | 32);
+    CHECK(none > 0 && none < all && all < sizeof choices_spirv, "%zu, %zu of %zu bytes", none, all,
+          sizeof choices_spirv);
+    for (uint32_t bit = 1; bit <= 8; bit *= 2)
+        CHECK(bit == 4 || trimmed_bytes(16 | bit) > none, "choice %u adds nothing", bit);
+}
+
+TEST(what_is_no_module_is_left_alone)
+{
+    static uint32_t broken[sizeof choices_spirv / 4], out[sizeof choices_spirv / 4];
+    CHECK(spirv_trim(choices_spirv, 16, NULL, 0, out) == 0);
+    memcpy(broken, choices_spirv, sizeof broken);
+    broken[0] ^= 1;
+    CHECK(spirv_trim(broken, sizeof broken, NULL, 0, out) == 0);
+    memcpy(broken, choices_spirv, sizeof broken);
+    broken[5] &= 0xffff; // an instruction of no words
+    CHECK(spirv_trim(broken, sizeof broken, NULL, 0, out) == 0);
+    memcpy(broken, choices_spirv, sizeof broken);
+    CHECK(spirv_trim(broken, sizeof broken - 4, NULL, 0, out) == 0, "a function without an end");
+    broken[sizeof broken / 4 - 1] += 1u << 16; // the last one is longer than what is left
+    CHECK(spirv_trim(broken, sizeof broken, NULL, 0, out) == 0);
+}
+
+TEST_MAIN(TEST_CASE(the_rest_does_the_same), TEST_CASE(less_is_left_of_fewer_choices),
+          TEST_CASE(what_is_no_module_is_left_alone))
