@@ -1,0 +1,232 @@
+// The samplers of lib/sampler.glsl as shipped, run on the device: ranges, strata and elementary
+// intervals exactly; uniformity, scrambling and independence by statistics.
+#include "metrics.h"
+#include "sampler_fixture.h"
+
+enum { SOBOL_DIMENSIONS = 4 };
+
+static union draw draws[SAMPLER_ITEMS];
+
+static bool is_uniform(float u)
+{
+    return u >= 0 && u < 1 && u * 0x1p24f == floorf(u * 0x1p24f);
+}
+
+static bool draw_all(struct sampler_setup *s, uint32_t count)
+{
+    return sampler_uniforms(s, draws, count);
+}
+
+// --- all samplers --------------------------------------------------------------------------------
+
+static const uint32_t extremes[] = {0, 1, 2, 1024, 1025, 0x7fffffff, 0x80000000, 0xfffffffe};
+enum { EXTREMES = sizeof extremes / sizeof *extremes };
+
+static void fill_extremes(void)
+{
+    struct random random = {41};
+    for (uint32_t i = 0; i < SAMPLER_ITEMS; i++) {
+        bool any = i >= EXTREMES * EXTREMES * EXTREMES;
+        draws[i] = (union draw){
+            .pixel = any ? random_u32(&random) : extremes[i % EXTREMES],
+            .sample = any ? random_u32(&random) : extremes[i / EXTREMES % EXTREMES],
+            .dimension = any ? random_u32(&random) : extremes[i / EXTREMES / EXTREMES % EXTREMES],
+        };
+    }
+}
+
+// Multiples of 2^-24 in [0, 1), whatever the pixel, the sample, the dimension number (more than any
+// path has), the seed and the plan.
+TEST(in_range)
+{
+    static const uint32_t plans[] = {0, 1, 2, 37, 1u << 24, 0xffffffff};
+    static struct sampler_setup s;
+    OPEN_SAMPLER(&s, 1000, 3);
+    for (s.sampler = 0; sampler_names[s.sampler]; s.sampler++) {
+        uint32_t bad = 0;
+        for (int plan = 0; plan < 6; plan++) {
+            s.samples = plans[plan];
+            s.seed = plan % 2 ? 0xffffffff : 0;
+            s.halves = s.samples && plan % 3 ? HALVES_CONTIGUOUS : HALVES_INDEPENDENT;
+            fill_extremes();
+            if (!draw_all(&s, SAMPLER_ITEMS))
+                break;
+            for (uint32_t i = 0; i < SAMPLER_ITEMS; i++)
+                for (int c = 0; c < 4; c++)
+                    bad += !is_uniform(draws[i].u[c]);
+        }
+        CHECK(bad == 0, "%s: %u", sampler_names[s.sampler], bad);
+    }
+    sampler_close(&s);
+}
+
+// Chi-square of 16 x 16 cells and of every component's 256 strata, over all pixels and the first
+// samples, a number of them that is no power of two nor a square: unbiased all the same. One in 1e4
+// for all.
+static void check_unbiased(struct sampler_setup *s, uint32_t samples)
+{
+    enum { CELLS = 256 };
+    static const int pairs[3][2] = {{0, 1}, {1, 2}, {2, 3}};
+    uint32_t counts[3][CELLS] = {0}, lines[4][CELLS] = {0};
+    uint32_t total = SAMPLER_ITEMS / samples * samples;
+    double expected[CELLS];
+    for (uint32_t i = 0; i < total; i++)
+        draws[i] = (union draw){.pixel = i / samples, .sample = i % samples, .dimension = 7};
+    if (!draw_all(s, total))
+        return;
+    for (uint32_t i = 0; i < total; i++) {
+        const float *u = draws[i].u;
+        for (int p = 0; p < 3; p++)
+            counts[p][(int)(u[pairs[p][0]] * 16) * 16 + (int)(u[pairs[p][1]] * 16)]++;
+        for (int c = 0; c < 4; c++)
+            lines[c][(int)(u[c] * CELLS)]++;
+    }
+    for (int i = 0; i < CELLS; i++)
+        expected[i] = (double)total / CELLS;
+    for (int i = 0; i < 7; i++) {
+        const uint32_t *row = i < 3 ? counts[i] : lines[i - 3];
+        double deviate = chi_square_deviate(row, expected, CELLS);
+        CHECK(deviate <= 4.5, "%s, %u samples, %s %d: %.2f deviations", sampler_names[s->sampler],
+              samples, i < 3 ? "pair" : "component", i < 3 ? i : i - 3, deviate);
+    }
+}
+
+TEST(unbiased)
+{
+    static const uint32_t counts[] = {1, 3, 7, 37};
+    static struct sampler_setup s;
+    OPEN_SAMPLER(&s, 512, 512);
+    for (s.sampler = 0; sampler_names[s.sampler]; s.sampler++) {
+        if (s.sampler == SAMPLER_GRID) // at fixed places
+            continue;
+        for (int i = 0; i < 4; i++) {
+            s.samples = s.sampler == SAMPLER_SOBOL ? 64 : counts[i];
+            check_unbiased(&s, counts[i]);
+        }
+    }
+    sampler_close(&s);
+}
+
+// --- independence --------------------------------------------------------------------------------
+
+enum { PAIRS = 1 << 16 };
+
+static double correlation(uint32_t first, uint32_t second, int c)
+{
+    double products = 0, squares[2] = {0, 0};
+    for (uint32_t i = 0; i < PAIRS; i++) {
+        double a = (double)draws[first + i].u[c] - 0.5, b = (double)draws[second + i].u[c] - 0.5;
+        products += a * b;
+        squares[0] += a * a;
+        squares[1] += b * b;
+    }
+    return products / sqrt(squares[0] * squares[1]);
+}
+
+struct variation {
+    const char *name;
+    uint32_t pixel, sample, dimension; // what is added
+};
+
+// Over pixels, which are hashed: what changes in one number only must not be correlated. The limit
+// is 4 deviations: one of 120 is beyond it with a probability of 0.8 %.
+TEST(independent)
+{
+    static const struct variation variations[] = {
+        {"next dimension", 0, 0, 1},
+        {"dimension 1024 further", 0, 0, 1024},
+        {"dimension 2^31 further", 0, 0, 0x80000000},
+        {"next pixel", 1, 0, 0},
+        {"next row", 512, 0, 0},
+    };
+    static struct sampler_setup s;
+    OPEN_SAMPLER(&s, 512, 512);
+    s.samples = 64;
+    for (s.sampler = 0; sampler_names[s.sampler]; s.sampler++) {
+        // What is close in the picture, a blue-noise sampler is to correlate.
+        int most = s.sampler == SAMPLER_BLUE_NOISE ? 3 : 5;
+        for (int v = 0; v < most; v++) {
+            for (uint32_t i = 0; i < PAIRS; i++) {
+                draws[i] = (union draw){.pixel = 2 * i, .sample = 5, .dimension = 3};
+                draws[PAIRS + i] = draws[i];
+                draws[PAIRS + i].pixel += variations[v].pixel;
+                draws[PAIRS + i].dimension += variations[v].dimension;
+            }
+            if (!draw_all(&s, 2 * PAIRS))
+                break;
+            for (int c = 0; c < 4; c++) {
+                double r = correlation(0, PAIRS, c);
+                CHECK(fabs(r) < 4 / sqrt(PAIRS), "%s, %s, component %d: %g",
+                      sampler_names[s.sampler], variations[v].name, c, r);
+            }
+        }
+    }
+    sampler_close(&s);
+}
+
+// Seeds 0, 1, 2, 2^31, 2^32 - 2, 2^32 - 1 against each other.
+TEST(seeds)
+{
+    static const uint32_t seeds[] = {0, 1, 2, 0x80000000, 0xfffffffe, 0xffffffff};
+    static union draw kept[6][PAIRS];
+    static struct sampler_setup s;
+    OPEN_SAMPLER(&s, 512, 512);
+    s.samples = 64;
+    for (s.sampler = 0; sampler_names[s.sampler]; s.sampler++) {
+        for (int k = 0; k < 6; k++) {
+            s.seed = seeds[k];
+            for (uint32_t i = 0; i < PAIRS; i++)
+                draws[i] = (union draw){.pixel = i, .sample = 5, .dimension = 3};
+            if (!draw_all(&s, PAIRS))
+                break;
+            memcpy(kept[k], draws, sizeof kept[k]);
+        }
+        for (int pair = 0; pair < 36; pair++) {
+            int a = pair / 6, b = pair % 6;
+            if (a >= b)
+                continue;
+            memcpy(draws, kept[a], sizeof kept[a]);
+            memcpy(draws + PAIRS, kept[b], sizeof kept[b]);
+            double r = correlation(0, PAIRS, 0);
+            // A blue-noise picture is one sequence of 2^16 points for each tile of 2^16 pixels: its
+            // correlation with another is that of two, and smaller than this.
+            CHECK(fabs(r) < 4 / sqrt(PAIRS), "%s, seeds %u and %u: %g", sampler_names[s.sampler],
+                  seeds[a], seeds[b], r);
+        }
+    }
+    sampler_close(&s);
+}
+
+// Dimension numbers are padded: over the samples of one pixel, components of different numbers must
+// not be correlated. Both are shuffled within blocks of 2, 4, 8, ... points, so that where digits k
+// of the two are compared, 2^k points go together: the correlation's variance is 9/7 of that of
+// independent samples in sum. Of 992 pairs one is beyond 5.5 with a probability of 0.1 %. Numbers
+// up to 2^31.
+TEST(padded)
+{
+    enum { COUNT = 4096, NUMBERS = 32 };
+    static struct sampler_setup s;
+    double worst = 0;
+    OPEN_SAMPLER(&s, 512, 512);
+    for (uint32_t n = 0; n < NUMBERS; n++)
+        for (uint32_t i = 0; i < COUNT; i++)
+            draws[n * COUNT + i] =
+                (union draw){.pixel = 99, .sample = 2 * i, .dimension = n < 16 ? n : 1u << n | n};
+    if (draw_all(&s, NUMBERS * COUNT)) {
+        for (uint32_t pair = 0; pair < NUMBERS * NUMBERS; pair++) {
+            uint32_t a = pair / NUMBERS, b = pair % NUMBERS;
+            double product = 0;
+            for (uint32_t i = 0; i < COUNT && a != b; i++)
+                product += ((double)draws[a * COUNT + i].u[pair % 4] - 0.5) *
+                           ((double)draws[b * COUNT + i].u[pair / 4 % 4] - 0.5);
+            worst = fmax(worst, fabs(product) * 12 / sqrt(COUNT));
+        }
+        printf("  largest correlation of %d pairs: %.2f / sqrt(n)\n", NUMBERS * (NUMBERS - 1),
+               worst);
+        CHECK(worst <= 5.5, "%g", worst);
+    }
+    sampler_close(&s);
+}
+
+TEST_MAIN(TEST_CASE(in_range), TEST_CASE(unbiased), TEST_CASE(independent), TEST_CASE(seeds),
+          TEST_CASE(padded))
