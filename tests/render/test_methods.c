@@ -1,0 +1,355 @@
+// Every way to find light, to go on and to end paths estimates the same picture: a scene of all
+// kinds of surfaces and lights, as a whole and in 2 x 2 tiles, by pairs of methods with 64
+// replicates each; and closed forms, also of what is lost where a setting loses light.
+#include "clock.h"
+#include "metrics.h"
+#include "render_fixture.h"
+#include "replicates.h"
+
+// --- comparing methods ---------------------------------------------------------------------------
+
+#define TILES 2u
+#define WHOLE (TILES * TILES) // the value after those of the tiles
+#define MOST_METHODS 140
+
+static void measure_tiles(const struct film_image *film, double *values)
+{
+    memset(values, 0, (WHOLE + 1) * sizeof *values);
+    for (uint32_t y = 0; y < film->height; y++) {
+        for (uint32_t x = 0; x < film->width; x++) {
+            const float *pixel = film->mean[y * film->width + x];
+            double sum = (double)pixel[0] + (double)pixel[1] + (double)pixel[2];
+            values[y * TILES / film->height * TILES + x * TILES / film->width] += sum;
+            values[WHOLE] += sum;
+        }
+    }
+}
+
+static const struct measurement tiles = {WHOLE + 1, measure_tiles};
+
+struct method {
+    bool nee;
+    uint32_t nee_depth, mis, directions, roulette;
+};
+
+static void print_method(const struct method *m)
+{
+    printf("nee %s", !m->nee ? "off" : m->nee_depth == 1 ? "once" : "on");
+    printf(" %s %s %s", mis_names[m->mis], directions_names[m->directions],
+           roulette_names[m->roulette]);
+}
+
+// Before a light horizon and a lighter patch.
+static void add_surroundings(struct scene *scene)
+{
+    static float texels[8][3] = {{0.3f, 0.4f, 0.8f}, {0.3f, 0.4f, 0.8f}, {4.0f, 3.0f, 2.0f},
+                                 {0.3f, 0.4f, 0.8f}, {0.1f, 0.1f, 0.1f}, {0.2f, 0.2f, 0.1f},
+                                 {0.1f, 0.1f, 0.1f}, {0.1f, 0.1f, 0.1f}};
+    scene->environment = (struct environment){
+        .present = true, .radiance = {1, 1, 1}, .width = 4, .height = 2, .texels = texels};
+}
+
+static void render_method(struct gpu *gpu, const struct method *m, uint32_t index, uint64_t samples,
+                          struct replicates *out)
+{
+    uint64_t start = clock_ns();
+    struct scene scene;
+    struct renderer r;
+    struct err err = {0};
+    REQUIRE_OK(load_scene("tests/render/scenes/methods.json", NULL, &scene, &err));
+    add_surroundings(&scene);
+    scene.settings.nee = m->nee;
+    scene.settings.nee_depth = m->nee_depth;
+    scene.settings.mis = m->mis;
+    scene.settings.directions = m->directions;
+    scene.settings.direction_exponent = 4.0f;
+    scene.settings.roulette = m->roulette;
+    const struct renderer_params params = {.gpu = gpu, .scene = &scene, .merge_classes = true};
+    REQUIRE_OK(renderer_create(&params, &r, &err));
+    REQUIRE_OK(replicates_render(&r, &tiles, REPLICATES * index, samples, out, &err));
+    struct estimate whole = replicates_estimate(out, WHOLE);
+    print_method(m);
+    printf(": mean %.6g +-%.2g %%, %.1f s\n", whole.mean, 100 * whole.half_width / whole.mean,
+           clock_seconds_since(start));
+    renderer_finish(&r);
+    scene_finish(&scene);
+}
+
+// The greatest |t| that one of all comparisons exceeds by chance with probability 1e-3. Welch's
+// degrees of freedom are at least those of one.
+static double t_limit(uint32_t methods)
+{
+    double comparisons = 0.5 * methods * (methods - 1) * (WHOLE + 1);
+    return stats_t_quantile(1.0 - 0.5e-3 / comparisons, REPLICATES - 1);
+}
+
+// The greatest |t| between two methods.
+static double compare_methods(const struct replicates *a, const struct replicates *b)
+{
+    double worst = 0.0;
+    for (uint32_t v = 0; v < tiles.count; v++) {
+        struct estimate of_a = replicates_estimate(a, v), of_b = replicates_estimate(b, v);
+        double error = hypot(of_a.standard_error, of_b.standard_error);
+        worst = fmax(worst, fabs(of_a.mean - of_b.mean) / error);
+    }
+    return worst;
+}
+
+// Also that the whole picture's 95 % intervals are narrower than `half_width` of it: a test that
+// knows nothing finds nothing.
+static void check_methods(const struct method *methods, uint32_t count, uint64_t samples,
+                          double half_width)
+{
+    static struct replicates results[MOST_METHODS];
+    struct gpu gpu;
+    double limit = t_limit(count), worst = 0.0;
+    REQUIRE(count <= MOST_METHODS, "%u methods", count);
+    OPEN_GPU(&gpu, 0);
+    for (uint32_t i = 0; i < count; i++) {
+        // What finds lights by chance needs more samples for as good an answer.
+        render_method(&gpu, &methods[i], i, methods[i].nee ? samples : 4 * samples, &results[i]);
+        struct estimate whole = replicates_estimate(&results[i], WHOLE);
+        CHECK(whole.half_width <= half_width * whole.mean, "method %u: half-width %.3g", i,
+              whole.half_width / whole.mean);
+    }
+    gpu_close(&gpu);
+    for (uint32_t i = 0; i < count; i++) {
+        for (uint32_t j = 0; j < i; j++) {
+            double t = compare_methods(&results[i], &results[j]);
+            worst = fmax(worst, t);
+            CHECK(t <= limit, "methods %u and %u: t = %.2f, limit %.2f", j, i, t, limit);
+        }
+    }
+    printf("greatest t %.2f of at most %.2f\n", worst, limit);
+}
+
+#define ALL UINT32_MAX
+
+// Each choice of each setting once at least.
+TEST(agree)
+{
+    static const struct method methods[] = {
+        {true, ALL, MIS_POWER, DIRECTIONS_BSDF, ROULETTE_THROUGHPUT},
+        {true, ALL, MIS_BALANCE, DIRECTIONS_COSINE, ROULETTE_CONSTANT},
+        {true, ALL, MIS_NONE, DIRECTIONS_POWER_COSINE, ROULETTE_OFF},
+        {true, 1, MIS_POWER, DIRECTIONS_HEMISPHERE, ROULETTE_FRAME},
+        {false, ALL, MIS_POWER, DIRECTIONS_SPHERE, ROULETTE_OFF},
+    };
+    check_methods(methods, sizeof methods / sizeof *methods, 4, 0.05);
+}
+
+// All that there are.
+TEST(agree_long)
+{
+    static struct method methods[MOST_METHODS];
+    uint32_t count = 0;
+    for (uint32_t d = DIRECTIONS_BSDF; d <= DIRECTIONS_POWER_COSINE; d++) {
+        for (uint32_t r = ROULETTE_THROUGHPUT; r <= ROULETTE_OFF; r++) {
+            methods[count++] = (struct method){false, ALL, MIS_POWER, d, r};
+            for (uint32_t m = MIS_POWER; m <= MIS_NONE; m++) {
+                methods[count++] = (struct method){true, ALL, m, d, r};
+                methods[count++] = (struct method){true, 1, m, d, r};
+            }
+        }
+    }
+    check_methods(methods, count, 16, 0.03);
+}
+
+// --- closed forms --------------------------------------------------------------------------------
+
+static const double albedo[3] = {0.8, 0.5, 0.2}, emission[3] = {1, 2, 4};
+
+// Le times the first `bounces` + 1 terms of a geometric series: a closed sphere that glows.
+static double furnace(double rho, double le, double bounces)
+{
+    return le * (1.0 - pow(rho, bounces + 1.0)) / (1.0 - rho);
+}
+
+// A point light of intensity Le in the centre of a sphere of radius 2.
+static double lamp_in_sphere(double rho, double le, double bounces)
+{
+    return rho / M_PI * le / 4.0 * (1.0 - pow(rho, bounces)) / (1.0 - rho);
+}
+
+struct form {
+    const char *name, *scene;
+    double (*radiance)(double rho, double le, double bounces);
+    double bounces; // that bring light
+    struct method method;
+    uint32_t roulette_most;
+    uint64_t samples;
+};
+
+static void check_form(struct gpu *gpu, const struct form *form, uint32_t index)
+{
+    struct scene scene;
+    struct renderer r;
+    struct replicates results;
+    struct err err = {0};
+    REQUIRE_OK(load_scene(form->scene, NULL, &scene, &err));
+    struct settings *settings = &scene.settings;
+    settings->width = settings->height = 16;
+    settings->max_bounces = 9;
+    settings->nee = form->method.nee;
+    settings->nee_depth = form->method.nee_depth;
+    settings->mis = form->method.mis;
+    settings->directions = form->method.directions;
+    settings->roulette = form->method.roulette;
+    settings->roulette_min_bounces = 1;
+    settings->roulette_max_bounces = form->roulette_most;
+    const struct renderer_params params = {.gpu = gpu, .scene = &scene};
+    REQUIRE_OK(renderer_create(&params, &r, &err));
+    REQUIRE_OK(replicates_render(&r, &MEASURE_MEAN, 10000 + REPLICATES * index, form->samples,
+                                 &results, &err));
+    printf("%-38s", form->name);
+    for (uint32_t c = 0; c < 3; c++) {
+        struct estimate e = replicates_estimate(&results, c);
+        double expected = form->radiance(albedo[c], emission[c], form->bounces);
+        double bias = e.mean - expected, t = bias / e.standard_error;
+        printf("  %+.1e (t %+.1f) +-%.1e", bias / expected, t, e.half_width / expected);
+        // Without variance there is rounding.
+        CHECK(fabs(t) <= REPLICATES_T_MAX || fabs(bias) <= 1e-5 * expected,
+              "%s, channel %u: %.9g, not %.9g: t = %.2f", form->name, c, e.mean, expected, t);
+        CHECK(e.half_width <= 0.02 * expected, "%s, channel %u: half-width %.3g", form->name, c,
+              e.half_width / expected);
+    }
+    putchar('\n');
+    renderer_finish(&r);
+    scene_finish(&scene);
+}
+
+#define FURNACE "tests/render/scenes/sphere_furnace.json"
+#define LAMP "tests/render/scenes/sphere_lamp.json"
+
+// The lamp in the sphere is found by shadow rays alone: `nee_depth` of its bounces are left.
+TEST(closed_forms)
+{
+    static const struct form forms[] = {
+        {"roulette by throughput",
+         FURNACE,
+         furnace,
+         9,
+         {false, ALL, MIS_POWER, DIRECTIONS_BSDF, ROULETTE_THROUGHPUT},
+         ALL,
+         16},
+        {"roulette by a constant",
+         FURNACE,
+         furnace,
+         9,
+         {false, ALL, MIS_POWER, DIRECTIONS_BSDF, ROULETTE_CONSTANT},
+         ALL,
+         16},
+        {"roulette of frames",
+         FURNACE,
+         furnace,
+         9,
+         {false, ALL, MIS_POWER, DIRECTIONS_BSDF, ROULETTE_FRAME},
+         ALL,
+         256},
+        {"roulette of frames, capped at 4",
+         FURNACE,
+         furnace,
+         4,
+         {false, ALL, MIS_POWER, DIRECTIONS_BSDF, ROULETTE_FRAME},
+         4,
+         256},
+        {"uniform over the sphere",
+         FURNACE,
+         furnace,
+         9,
+         {false, ALL, MIS_POWER, DIRECTIONS_SPHERE, ROULETTE_OFF},
+         ALL,
+         64},
+        {"uniform over the hemisphere",
+         FURNACE,
+         furnace,
+         9,
+         {false, ALL, MIS_POWER, DIRECTIONS_HEMISPHERE, ROULETTE_OFF},
+         ALL,
+         16},
+        {"shadow rays at 2 vertices",
+         FURNACE,
+         furnace,
+         9,
+         {true, 2, MIS_BALANCE, DIRECTIONS_BSDF, ROULETTE_OFF},
+         ALL,
+         16},
+        {"a lamp, shadow rays at 1 vertex",
+         LAMP,
+         lamp_in_sphere,
+         1,
+         {true, 1, MIS_POWER, DIRECTIONS_BSDF, ROULETTE_OFF},
+         ALL,
+         4},
+        {"a lamp, shadow rays at 3 vertices",
+         LAMP,
+         lamp_in_sphere,
+         3,
+         {true, 3, MIS_POWER, DIRECTIONS_BSDF, ROULETTE_OFF},
+         ALL,
+         4},
+    };
+    struct gpu gpu;
+    OPEN_GPU(&gpu, 0);
+    for (uint32_t i = 0; i < sizeof forms / sizeof *forms; i++)
+        check_form(&gpu, &forms[i], i);
+    gpu_close(&gpu);
+}
+
+// --- clamping ------------------------------------------------------------------------------------
+
+static double mean_luminance(const struct film_image *film)
+{
+    double sum = 0.0;
+    uint64_t pixels = (uint64_t)film->width * film->height;
+    for (uint64_t i = 0; i < pixels; i++)
+        sum += 0.2126 * (double)film->mean[i][0] + 0.7152 * (double)film->mean[i][1] +
+               0.0722 * (double)film->mean[i][2];
+    return sum / (double)pixels;
+}
+
+static double render_clamped(struct gpu *gpu, float limit, bool everything,
+                             struct render_stats *stats)
+{
+    const struct scene_override size[] = {{"film.width", "32"}, {"film.height", "32"}, {0}};
+    struct scene scene;
+    struct arena arena = {0};
+    struct film_image film = {0};
+    struct err err = {0};
+    if (!load_scene("scenes/cornell.json", size, &scene, &err))
+        return NAN;
+    scene.settings.clamp_limit = limit;
+    const struct renderer_params params = {.gpu = gpu, .scene = &scene, .everything = everything};
+    bool ok = render_film(&params, 16, &arena, &film, stats, &err);
+    double mean = ok ? mean_luminance(&film) : NAN;
+    arena_finish(&arena);
+    scene_finish(&scene);
+    return mean;
+}
+
+// The same paths with and without a limit: what is missing in the picture is what is reported.
+TEST(clamp_reports_what_it_takes)
+{
+    struct gpu gpu;
+    struct render_stats stats = {0}, free = {0};
+    OPEN_GPU(&gpu, .validation = true);
+    double whole = render_clamped(&gpu, 0.0f, false, &free);
+    double clamped = render_clamped(&gpu, 0.5f, false, &stats);
+    double lost = stats.clamped_light / (double)stats.paths;
+    printf("%.6g of %.6g lost, %.6g reported, in %llu contributions\n", whole - clamped, whole,
+           lost, (unsigned long long)stats.clamped);
+    CHECK(stats.paths == 32u * 32u * 16u, "%llu paths", (unsigned long long)stats.paths);
+    CHECK(whole - clamped > 0.01 * whole, "%.6g and %.6g", whole, clamped);
+    // Whole units of 2^-10 of the limit, rounded, are counted.
+    CHECK(fabs(whole - clamped - lost) <= 1e-3 * lost, "%.6g lost, %.6g reported", whole - clamped,
+          lost);
+    CHECK(free.clamped == 0 && free.clamped_light == 0.0, "clamped without a limit");
+    double compiled_in = render_clamped(&gpu, 0.0f, true, &free);
+    CHECK(compiled_in == whole && free.clamped == 0, "compiled in: %.9g, not %.9g", compiled_in,
+          whole);
+    CHECK(gpu.validation_messages == 0, "%u messages", gpu.validation_messages);
+    gpu_close(&gpu);
+}
+
+TEST_MAIN(TEST_CASE(agree), TEST_CASE(agree_long), TEST_CASE(closed_forms),
+          TEST_CASE(clamp_reports_what_it_takes))
