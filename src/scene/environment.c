@@ -9,7 +9,7 @@
 static bool check_radiance(const float radiance[3], struct err *err)
 {
     for (int c = 0; c < 3; c++)
-        if (!(radiance[c] >= 0 && (double)radiance[c] <= SCENE_RADIANCE_MAX))
+        if (!(radiance[c] >= 0 && radiance[c] <= (float)SCENE_RADIANCE_MAX))
             return err_set(err, ERR_INPUT, "radiance %.9g is outside [0, %g]", (double)radiance[c],
                            SCENE_RADIANCE_MAX);
     return true;
@@ -137,7 +137,7 @@ bool scene_adjust_environment(struct scene *scene, double radians, double streng
     for (int c = 0; c < 3 && sun->angular_radius > 0; c++)
         largest = fmax(largest,
                        environment_sun_radiance((double)sun->irradiance[c], sun->angular_radius));
-    if (!(strength >= 0 && largest * strength <= SCENE_RADIANCE_MAX))
+    if (!(strength >= 0 && largest * strength <= (double)(float)SCENE_RADIANCE_MAX))
         return err_set(err, ERR_INPUT,
                        "a strength of %.9g makes the radiance %g; expected at most %g", strength,
                        largest * strength, SCENE_RADIANCE_MAX);
