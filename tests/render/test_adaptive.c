@@ -1,0 +1,243 @@
+// Sample counts by tile: how they are shared out, that they bias nothing, and what they are worth;
+// and the promise of --error on a real scene.
+#include "metrics.h"
+#include "render_fixture.h"
+#include "render_job.h"
+#include "replicates.h"
+
+// --- the plan
+// -------------------------------------------------------------------------------------
+
+static struct tile_plan plan_of(uint32_t width, uint32_t height, const double *variances,
+                                uint32_t average, struct arena *arena)
+{
+    const struct tile_plan_params params = {
+        .width = width, .height = height, .variances = variances, .average = average};
+    struct tile_plan plan;
+    struct err err = {0};
+    if (!tile_plan_make(&params, arena, &plan, &err))
+        CHECK(false, "%s", err.msg);
+    uint32_t least = UINT32_MAX, most = 0;
+    for (uint32_t i = 0; i < plan.tiles_x * plan.tiles_y; i++) {
+        CHECK(plan.counts[i] % 2 == 0 && plan.counts[i] >= TILE_SAMPLES_MIN, "%u", plan.counts[i]);
+        CHECK(plan.counts[i] <= TILE_MOST_FACTOR * average);
+        CHECK(plan.counts[i] >= average / TILE_LEAST_DIVISOR);
+        least = plan.counts[i] < least ? plan.counts[i] : least;
+        most = plan.counts[i] > most ? plan.counts[i] : most;
+    }
+    CHECK(plan.least == least && plan.most == most);
+    CHECK(plan.total <= (uint64_t)average * width * height, "%llu samples",
+          (unsigned long long)plan.total);
+    return plan;
+}
+
+TEST(even_pictures_are_sampled_evenly)
+{
+    struct arena arena = {0};
+    double ones[12] = {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1}, none[12] = {0};
+    double useless[12] = {NAN, INFINITY, -1, -INFINITY, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN};
+    const double *all[] = {NULL, ones, none, useless};
+    for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) {
+        struct tile_plan plan = plan_of(50, 47, all[i], 16, &arena);
+        CHECK(plan.tiles_x == 4 && plan.tiles_y == 3 && plan.least == 16 && plan.most == 16,
+              "%zu: %u to %u", i, plan.least, plan.most);
+        CHECK(plan.total == 16 * 50 * 47);
+    }
+    CHECK(plan_of(1, 1, NULL, 2, &arena).counts[0] == 2);
+    CHECK(plan_of(1 << 24, 1, NULL, 1000000, &arena).least == 1000000);
+    arena_finish(&arena);
+}
+
+// Neyman 1934: by the root of the variance. The neighbours' part is taken into account.
+TEST(counts_go_with_the_root_of_the_variance)
+{
+    enum { TILES = 40 };
+    struct arena arena = {0};
+    double variances[TILES * TILES];
+    for (int i = 0; i < TILES * TILES; i++)
+        variances[i] = i % TILES < TILES / 2 ? 1.0 : 9.0;
+    struct tile_plan plan = plan_of(16 * TILES, 16 * TILES, variances, 100, &arena);
+    CHECK(plan.least == 50 && plan.most >= 146 && plan.most <= 150, "%u to %u", plan.least,
+          plan.most);
+    CHECK((double)plan.total > 0.98 * 100 * 256 * TILES * TILES);
+    // One tile with all the variance is given the most, and what is left goes to the others.
+    for (int i = 0; i < TILES * TILES; i++)
+        variances[i] = i == 5 * TILES + 5 ? 1e300 : 1e-300;
+    plan = plan_of(16 * TILES, 16 * TILES, variances, 16, &arena);
+    CHECK(plan.counts[5 * TILES + 5] == 256 && plan.counts[4 * TILES + 4] == 256);
+    CHECK(plan.counts[5 * TILES + 8] == 14, "%u", plan.counts[5 * TILES + 8]);
+    for (int i = 0; i < TILES * TILES; i++)
+        variances[i] = i % 2 ? 1.0 : 0.01;
+    plan = plan_of(16 * TILES, 16 * TILES, variances, 3, &arena);
+    CHECK(plan.least == 2 && plan.most <= 48);
+    arena_finish(&arena);
+}
+
+// --- renders
+// --------------------------------------------------------------------------------------
+
+// A job without a command line: what the program does, in one process and many times.
+static bool start_job(struct render_job *job, struct options *options, struct gpu *gpu,
+                      const char *scene, const struct scene_override *overrides, struct err *err)
+{
+    *job = (struct render_job){.options = options};
+    if (!load_scene(scene, overrides, &job->scene, err) || !job_settle_samples(job, err))
+        return false;
+    const struct renderer_params params = {
+        .gpu = gpu, .scene = &job->scene, .tiles = options->adaptive, .wave = 16384};
+    return renderer_create(&params, &job->renderer, err);
+}
+
+static void finish_job(struct render_job *job)
+{
+    renderer_finish(&job->renderer);
+    scene_finish(&job->scene);
+    arena_finish(&job->film_arena);
+    arena_finish(&job->arena);
+}
+
+// From the beginning, with another seed.
+static bool run_job(struct render_job *job, uint32_t seed, struct err *err)
+{
+    job->renderer.tiles.count = 0;
+    job->look_count = 0;
+    job->ended_by = ENDED_BY_SAMPLES;
+    job->scene.settings.seed = seed;
+    return renderer_restart(&job->renderer, seed, err) && job_render(job, err) &&
+           job_read_film(job, err);
+}
+
+#define REFERENCE_SEED 100000u
+
+static const struct scene_override spiky[] = {
+    {"film.width", "40"},      {"film.height", "40"},         {"settings.sampler", "pcg"},
+    {"settings.nee", "false"}, {"settings.max_bounces", "3"}, {0}};
+static const struct scene_override smooth[] = {
+    {"film.width", "40"},     {"film.height", "40"},         {"settings.sampler", "pcg"},
+    {"settings.nee", "true"}, {"settings.max_bounces", "3"}, {0}};
+
+// The mean of pictures whose counts come from a pilot, against that of even ones of the same light
+// by another estimator. Were the pilot's samples part of the picture, those tiles would have more
+// samples that began bright, and come out too dark.
+TEST(counts_bias_nothing)
+{
+    struct options adaptive = {.adaptive = true, .settings.spp = 16};
+    struct options plain = {.settings.spp = 32};
+    adaptive.given[OPTION_SPP] = plain.given[OPTION_SPP] = true;
+    struct render_job job, reference;
+    struct replicates tiles = {.count = 3}, even = {.count = 3};
+    struct gpu gpu;
+    struct err err = {0};
+    OPEN_GPU(&gpu, 0);
+    REQUIRE_OK(start_job(&job, &adaptive, &gpu, "scenes/cornell.json", spiky, &err));
+    REQUIRE_OK(start_job(&reference, &plain, &gpu, "scenes/cornell.json", smooth, &err));
+    for (uint32_t i = 0; i < REPLICATES; i++) {
+        double values[2][REPLICATES_VALUES];
+        REQUIRE_OK(run_job(&job, i, &err) && run_job(&reference, REFERENCE_SEED + i, &err));
+        CHECK(job.plan.least < job.plan.most, "seed %u: all tiles have %u", i, job.plan.least);
+        MEASURE_MEAN.measure(&job.film, values[0]);
+        MEASURE_MEAN.measure(&reference.film, values[1]);
+        for (int c = 0; c < 3; c++) {
+            tiles.values[c][i] = values[0][c];
+            even.values[c][i] = values[1][c];
+        }
+    }
+    for (uint32_t c = 0; c < 3; c++) {
+        struct estimate a = replicates_estimate(&tiles, c), b = replicates_estimate(&even, c);
+        double t = (a.mean - b.mean) / hypot(a.standard_error, b.standard_error);
+        printf("channel %u: by tile %.5f +- %.5f, even %.5f +- %.5f, t = %.2f\n", c, a.mean,
+               a.standard_error, b.mean, b.standard_error, t);
+        CHECK(fabs(t) < REPLICATES_T_MAX, "channel %u: t = %g", c, t);
+        CHECK(a.standard_error < 0.03 * a.mean, "too noisy to tell");
+    }
+    finish_job(&job);
+    finish_job(&reference);
+    gpu_close(&gpu);
+}
+
+static double relmse(const struct film_image *film, const struct film_image *reference)
+{
+    struct metrics metrics;
+    metrics_compare((const float(*)[3])film->mean, (const float(*)[3])reference->mean,
+                    (uint64_t)film->width * film->height, &metrics);
+    return metrics.relmse;
+}
+
+// A small bright caustic on an even floor, at equal numbers of samples, the pilot's included.
+TEST(a_caustic_gains)
+{
+    enum { SEEDS = 8, SAMPLES = 128 };
+    const struct scene_override overrides[] = {{"settings.sampler", "pcg"}, {0}};
+    struct options by_tile = {.adaptive = true, .settings.spp = SAMPLES};
+    struct options even = {.settings.spp = SAMPLES + 16}, many = {.settings.spp = 4096};
+    by_tile.given[OPTION_SPP] = even.given[OPTION_SPP] = many.given[OPTION_SPP] = true;
+    const char *scene = "tests/render/scenes/caustic.json";
+    struct render_job jobs[2], reference;
+    double sums[2] = {0};
+    struct gpu gpu;
+    struct err err = {0};
+    OPEN_GPU(&gpu, 0);
+    REQUIRE_OK(start_job(&jobs[0], &even, &gpu, scene, overrides, &err) &&
+               start_job(&jobs[1], &by_tile, &gpu, scene, overrides, &err) &&
+               start_job(&reference, &many, &gpu, scene, overrides, &err));
+    REQUIRE_OK(run_job(&reference, REFERENCE_SEED, &err));
+    for (uint32_t seed = 0; seed < SEEDS; seed++)
+        for (int i = 0; i < 2; i++) {
+            REQUIRE_OK(run_job(&jobs[i], seed, &err));
+            sums[i] += relmse(&jobs[i].film, &reference.film) / SEEDS;
+        }
+    printf("relMSE evenly %.5f, by tile (%u to %u) %.5f: %.2f times\n", sums[0],
+           jobs[1].film.samples ? (unsigned)jobs[1].film.least_samples : 0,
+           (unsigned)jobs[1].film.most_samples, sums[1], sums[0] / sums[1]);
+    // The reference's own error is in both sums; 8 seeds leave some 20 % of noise.
+    CHECK(sums[0] / sums[1] > 1.05, "%g", sums[0] / sums[1]);
+    for (int i = 0; i < 2; i++)
+        finish_job(&jobs[i]);
+    finish_job(&reference);
+    gpu_close(&gpu);
+}
+
+// --- the promise of --error
+// -----------------------------------------------------------------------
+
+TEST(errors_asked_for_are_kept)
+{
+    // With a chance of 0.95 each, fewer than 19 of 24 hold in 0.2 % of all cases.
+    enum { SEEDS = 24, HOLD_MIN = 19 };
+    const double limit = 0.01;
+    const struct scene_override overrides[] = {{"film.width", "32"},
+                                               {"film.height", "32"},
+                                               {"settings.sampler", "pcg"},
+                                               {"camera.focal_length_mm", "60"},
+                                               {0}};
+    struct options options = {.error = limit}, many = {.settings.spp = 2048};
+    many.given[OPTION_SPP] = true;
+    struct render_job job, reference;
+    struct gpu gpu;
+    struct err err = {0};
+    OPEN_GPU(&gpu, 0);
+    REQUIRE_OK(start_job(&job, &options, &gpu, "scenes/cornell.json", overrides, &err) &&
+               start_job(&reference, &many, &gpu, "scenes/cornell.json", overrides, &err) &&
+               run_job(&reference, REFERENCE_SEED, &err));
+    uint32_t holds = 0;
+    double samples = 0, sum = 0;
+    for (uint32_t seed = 0; seed < SEEDS; seed++) {
+        REQUIRE_OK(run_job(&job, seed, &err));
+        double truth = relmse(&job.film, &reference.film) - reference.error.relmse;
+        CHECK(job.ended_by == ENDED_BY_ERROR, "seed %u", seed);
+        holds += truth < limit;
+        sum += truth / SEEDS;
+        samples += (double)job.film.least_samples / SEEDS;
+    }
+    printf("%u of %u are below %g; on average %.4f after %.0f spp\n", holds, SEEDS, limit, sum,
+           samples);
+    CHECK(holds >= HOLD_MIN, "%u of %u", holds, SEEDS);
+    CHECK(sum > 0.1 * limit, "ended far too late: %g", sum);
+    finish_job(&job);
+    finish_job(&reference);
+    gpu_close(&gpu);
+}
+
+TEST_MAIN(TEST_CASE(even_pictures_are_sampled_evenly),
+          TEST_CASE(counts_go_with_the_root_of_the_variance), TEST_CASE(counts_bias_nothing),
+          TEST_CASE(a_caustic_gains), TEST_CASE(errors_asked_for_are_kept))
