@@ -3,6 +3,7 @@
 #include "alias_table.h"
 #include "clock.h"
 #include "emitter_power.h"
+#include "environment.h"
 #include "light_tree.h"
 #include "log.h"
 #include <math.h>
@@ -10,8 +11,9 @@
 
 struct emitter_counts emitters_count(const struct scene *scene, const struct flat_scene *flat)
 {
-    struct emitter_counts counts = {.environment = scene->environment.present &&
-                                                   scene->environment.width > 0};
+    const struct environment *environment = &scene->environment;
+    struct emitter_counts counts = {.environment = environment->present && environment->width > 0 &&
+                                                   environment_luminance(environment) > 0.0};
     for (uint32_t i = 0; i < scene->light_count; i++) {
         bool is_sun = scene->lights[i].kind == LIGHT_DIRECTIONAL &&
                       scene->lights[i].angular_radius > 0.0;
@@ -38,10 +40,25 @@ uint64_t emitters_total(const struct emitter_counts *counts)
            counts->suns + counts->environment;
 }
 
+// Measured (docs/lighting.md): from about here on the tree is worth what it costs wherever emitters
+// are not all equally far from what they light.
+#define TREE_EMITTERS 16
+
 uint32_t emitters_choice(uint32_t setting, const struct emitter_counts *counts)
 {
-    (void)counts;
-    return setting == LIGHT_CHOICE_AUTO ? LIGHT_CHOICE_POWER : setting;
+    if (setting != LIGHT_CHOICE_AUTO)
+        return setting;
+    uint64_t near = emitters_total(counts) - counts->suns - counts->environment;
+    return near >= TREE_EMITTERS ? LIGHT_CHOICE_TREE : LIGHT_CHOICE_POWER;
+}
+
+uint64_t emitters_bytes(uint32_t choice, const struct emitter_counts *counts)
+{
+    uint64_t total = emitters_total(counts);
+    return choice == LIGHT_CHOICE_TREE
+               ? sizeof(struct gpu_light_tree) +
+                     total * (2 * sizeof(struct gpu_light_bounds) + sizeof(struct gpu_light_trail))
+               : total * sizeof(struct gpu_emitter);
 }
 
 // --- the list of emitters ------------------------------------------------------------------------

@@ -138,6 +138,23 @@ static uint64_t limit_of(const struct memory_plan_params *p, uint32_t b)
     return least(limit, gpu->max_allocation);
 }
 
+// Shadow rays of a vertex: one thread loops over their emitters. Some drivers silently end loops of
+// one invocation after 65,535 rounds (see specialize.c), and each emitter has loops of its own.
+#define LIGHT_RAYS_MAX 4096u
+
+static bool check_light_rays(const struct memory_plan_params *p, struct err *err)
+{
+    const struct specialization *s = p->specialization;
+    uint64_t smallest = (uint64_t)s->workgroup * sizeof(struct gpu_shadow_ray);
+    uint64_t fits = least(LIGHT_RAYS_MAX, limit_of(p, BINDING_SHADOW_RAYS) / smallest);
+    if (!(s->features & FEATURE_NEE) || s->light_rays == 1 || s->light_rays <= fits)
+        return true;
+    return err_set(err, ERR_INPUT,
+                   "a shadow ray to each of %u emitters: expected at most %" PRIu64
+                   " emitters, or another --light-choice, such as tree",
+                   s->light_rays, fits);
+}
+
 static bool check(const struct memory_plan_params *p, const struct memory_plan *plan, uint32_t b,
                   struct err *err)
 {
@@ -184,6 +201,8 @@ bool memory_plan_make(const struct memory_plan_params *p, struct memory_plan *ou
     const struct gpu *gpu = p->gpu;
     const uint32_t aovs = p->specialization->aovs;
     *out = (struct memory_plan){0};
+    if (!check_light_rays(p, err))
+        return false;
     out->wave_slots = fit_wave(p);
 
     uint64_t pixels = (uint64_t)settings->width * settings->height;

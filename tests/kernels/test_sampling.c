@@ -204,6 +204,7 @@ static void check_choice(uint32_t count)
     struct random random = {36};
     uint64_t dim = 0, upper = 0;
     scene_start(&setup.scene, 8, 8);
+    setup.scene.settings.light_choice = LIGHT_CHOICE_POWER;
     add_lights(&setup.scene, count);
     OPEN_SETUP(&setup, LIBRARY_SLOTS);
     for (uint32_t first = 0; first < STEPS; first += SAMPLES) {
