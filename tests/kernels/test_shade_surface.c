@@ -172,20 +172,73 @@ static bool has_feature(const struct hit *h, uint32_t feature)
     return h->r->specialization.features & feature;
 }
 
+// --- weights -------------------------------------------------------------------------------------
+
+static double mis_weight(const struct hit *h, double pdf, double other_pdf)
+{
+    return h->r->specialization.mis == MIS_BALANCE ? pdf / (pdf + other_pdf)
+                                                   : power_heuristic(pdf, other_pdf);
+}
+
+// Whether a vertex that so many bounces come before sends shadow rays.
+static bool connects(const struct hit *h, uint32_t bounces)
+{
+    return has_feature(h, FEATURE_NEE) &&
+           (!has_feature(h, FEATURE_NEE_DEPTH) || bounces < h->r->frame.nee_depth);
+}
+
+static void mirror_direction(const struct hit *h, double out[3])
+{
+    for (int c = 0; c < 3; c++)
+        out[c] = h->direction[c] - 2 * dot(h->direction, h->s.shading) * h->s.shading[c];
+}
+
+// The density with which a path goes on into wi from a diffuse surface; cosine > 0.
+static double density_onwards(const struct hit *h, const double wi[3], double cosine)
+{
+    double mirrored[3], n = (double)h->r->frame.direction_exponent;
+    switch (h->r->specialization.directions) {
+    case DIRECTIONS_SPHERE:
+        return 0.25 / M_PI;
+    case DIRECTIONS_HEMISPHERE:
+        return 0.5 / M_PI;
+    case DIRECTIONS_POWER_COSINE:
+        mirror_direction(h, mirrored);
+        return 0.125 * cosine / M_PI +
+               0.875 * (n + 1) * 0.5 / M_PI * pow(fmax(0, dot(wi, mirrored)), n);
+    default:
+        return cosine / M_PI;
+    }
+}
+
+// By how much a contribution is scaled.
+static double clamp_scale(const struct hit *h, const double radiance_rgb[3])
+{
+    double most = fmax(radiance_rgb[0], fmax(radiance_rgb[1], radiance_rgb[2]));
+    double limit = (double)h->r->frame.clamp_limit;
+    return has_feature(h, FEATURE_CLAMP) && most > limit ? limit / most : 1;
+}
+
 // --- emission ------------------------------------------------------------------------------------
 
 static void check_emission(const struct hit *h)
 {
-    double pdf = (double)before[h->slot].bsdf_pdf, weight = 1;
+    double pdf = (double)before[h->slot].bsdf_pdf, weight = 1, expected_rgb[3];
     double pick = pick_density(h->r, h->s.material);
-    if (has_feature(h, FEATURE_NEE) && pdf > 0 && pick > 0)
+    // At the first bounce the test's paths come from nowhere, but with a density.
+    bool connected = has_feature(h, FEATURE_NEE) && (!has_feature(h, FEATURE_NEE_DEPTH) ||
+                                                     h->r->push.bounce <= h->r->frame.nee_depth);
+    if (connected && pdf > 0 && pick > 0)
         weight = has_feature(h, FEATURE_BSDF_HITS_EMITTERS)
-                     ? power_heuristic(pdf, light_density(h->r, h->origin, h->direction, &h->s))
+                     ? mis_weight(h, pdf, light_density(h->r, h->origin, h->direction, &h->s))
                      : 0;
+    for (int c = 0; c < 3; c++)
+        expected_rgb[c] = h->throughput[c] * (double)h->s.material->emission[c] * weight;
+    double scale = clamp_scale(h, expected_rgb);
     // Seen edge-on, the cosine's own rounding shows.
     double relative = 2e-5 + 4e-6 / fabs(dot(h->direction, h->s.geometric));
     for (int c = 0; c < 3; c++) {
-        double expected = h->throughput[c] * (double)h->s.material->emission[c] * weight;
+        double expected = expected_rgb[c] * scale;
         CHECK(is_close((double)radiance[h->slot][c], expected, relative),
               "slot %u, %s: emission %.9g, not %.9g", h->slot, h->s.material->name,
               (double)radiance[h->slot][c], expected);
@@ -290,8 +343,9 @@ static void check_shadow_ray(const struct hit *h)
     CHECK(is_close((double)ray->light_pdf, pdf, relative), "slot %u, %s: pdf %.9g, not %.9g",
           h->slot, light.material->name, (double)ray->light_pdf, pdf);
     CHECK(cosine > -h->normal_error && dot(wi, h->s.geometric) > -1e-6, "slot %u: behind", h->slot);
-    double weight =
-        has_feature(h, FEATURE_BSDF_HITS_EMITTERS) ? power_heuristic(pdf, cosine / M_PI) : 1;
+    double weight = has_feature(h, FEATURE_BSDF_HITS_EMITTERS)
+                        ? mis_weight(h, pdf, density_onwards(h, wi, fmax(0, cosine)))
+                        : 1;
     for (int c = 0; c < 3; c++) {
         double expected = h->throughput[c] * (double)h->s.material->base_color[c] / M_PI *
                           (double)light.material->emission[c] * cosine * weight / pdf;
@@ -304,7 +358,7 @@ static void check_shadow_ray(const struct hit *h)
 // Whether there must be a shadow ray: 1, must not be: 0, or either: -1.
 static int wants_shadow_ray(const struct hit *h, uint32_t emitter)
 {
-    if (!has_feature(h, FEATURE_NEE) || h->r->push.bounce >= h->r->frame.max_bounces ||
+    if (!connects(h, h->r->push.bounce) || h->r->push.bounce >= h->r->frame.max_bounces ||
         is_mirror(h))
         return 0;
     const struct flat_scene *flat = &h->r->flat;
@@ -334,13 +388,39 @@ static double survival(const struct hit *h)
         most = fmax(most, h->throughput[c] * (double)h->s.material->base_color[c]);
     bool plays =
         has_feature(h, FEATURE_ROULETTE) && h->r->push.bounce >= h->r->frame.roulette_min_bounces;
-    return plays ? fmin(1, most) : 1;
+    if (!plays)
+        return 1;
+    return h->r->specialization.roulette == ROULETTE_THROUGHPUT
+               ? fmin(1, most)
+               : (double)h->r->frame.roulette_survival;
 }
 
-static void mirror_direction(const struct hit *h, double out[3])
+// The number that decides it: of all pixels with the roulette of frames.
+static double survival_number(const struct hit *h)
 {
-    for (int c = 0; c < 3; c++)
-        out[c] = h->direction[c] - 2 * dot(h->direction, h->s.shading) * h->s.shading[c];
+    const struct gpu_push *push = &h->r->push;
+    double u[4];
+    if (h->r->specialization.roulette != ROULETTE_FRAME)
+        return h->u_light[3];
+    random_4d(UINT32_MAX, push->first_sample + (h->slot & ((1u << push->sample_shift) - 1)),
+              1 + 3 * push->bounce, h->r->frame.seed, u);
+    return u[3];
+}
+
+// The cosine that the numbers lead to; NaN where it depends on the choice of a basis.
+static double cosine_onwards(const struct hit *h)
+{
+    double u = h->u_bsdf[0];
+    switch (h->r->specialization.directions) {
+    case DIRECTIONS_SPHERE:
+        return 1 - 2 * u;
+    case DIRECTIONS_HEMISPHERE:
+        return 1 - u;
+    case DIRECTIONS_POWER_COSINE:
+        return h->u_bsdf[3] < 0.125 ? sqrt(1 - u) : NAN;
+    default:
+        return sqrt(1 - u);
+    }
 }
 
 // The new origin is beside the surface, on the direction's side.
@@ -368,6 +448,9 @@ static void check_next_path(const struct hit *h)
 {
     const struct gpu_path *path = &after[h->slot];
     double direction[3], mirrored[3], q = survival(h);
+    double pdf, part = 1, relative = 1e-6; // of the reflectance that this direction stands for
+    uint32_t directions = h->r->specialization.directions;
+    bool fits = directions == DIRECTIONS_BSDF || directions == DIRECTIONS_COSINE;
     for (int c = 0; c < 3; c++)
         direction[c] = (double)path->direction[c];
     CHECK(fabs(length(direction) - 1) <= 1e-6, "slot %u: not a unit vector", h->slot);
@@ -379,15 +462,19 @@ static void check_next_path(const struct hit *h)
         CHECK(off <= 2e-6 + 2 * h->normal_error && path->bsdf_pdf == 0.0f,
               "slot %u: reflected %g off, pdf %g", h->slot, off, (double)path->bsdf_pdf);
     } else {
-        double cosine = sqrt(1 - h->u_bsdf[0]);
-        CHECK(fabs(dot(direction, h->s.shading) - cosine) <= 2e-6 + h->normal_error,
-              "slot %u: cos %.9g, not %.9g", h->slot, dot(direction, h->s.shading), cosine);
-        CHECK(fabs((double)path->bsdf_pdf - cosine / M_PI) <= 1e-6, "slot %u: pdf %.9g", h->slot,
-              (double)path->bsdf_pdf);
+        double cosine = cosine_onwards(h), actual = dot(direction, h->s.shading);
+        CHECK(isnan(cosine) || fabs(actual - cosine) <= 2e-6 + h->normal_error,
+              "slot %u: cos %.9g, not %.9g", h->slot, actual, cosine);
+        cosine = isnan(cosine) ? actual : cosine;
+        pdf = density_onwards(h, direction, cosine);
+        CHECK(fabs((double)path->bsdf_pdf - pdf) <= (fits ? 1e-6 : 1e-5 + 1e-4 * pdf),
+              "slot %u: pdf %.9g, not %.9g", h->slot, (double)path->bsdf_pdf, pdf);
+        part = fits ? 1 : cosine / M_PI / pdf;
+        relative = fits ? 1e-6 : 1e-4 + (h->normal_error + 4e-6) / cosine;
     }
     for (int c = 0; c < 3; c++) {
-        double expected = h->throughput[c] * (double)h->s.material->base_color[c] / q;
-        CHECK(is_close((double)path->throughput[c], expected, 1e-6),
+        double expected = h->throughput[c] * (double)h->s.material->base_color[c] * part / q;
+        CHECK(is_close((double)path->throughput[c], expected, relative),
               "slot %u: throughput %.9g, not %.9g", h->slot, (double)path->throughput[c], expected);
     }
     CHECK(dot(direction, h->s.geometric) > 0, "slot %u: through the surface", h->slot);
@@ -401,9 +488,11 @@ static int wants_next_path(const struct hit *h)
 {
     if (h->r->push.bounce >= h->r->frame.max_bounces)
         return 0;
-    if (h->u_light[3] >= survival(h))
+    if (survival_number(h) >= survival(h))
         return 0;
-    return h->interpolated ? -1 : 1;
+    double cosine = cosine_onwards(h);
+    bool certain = !h->interpolated && (is_mirror(h) || fabs(cosine) > 1e-5);
+    return !certain ? -1 : is_mirror(h) || cosine > 0 ? 1 : 0;
 }
 
 // --- all of it -----------------------------------------------------------------------------------
@@ -443,14 +532,28 @@ static struct tally check_slots(const struct renderer *r, const struct gpu_emitt
     return tally;
 }
 
+// What differs from the defaults.
+struct method {
+    uint32_t mis, directions, roulette;
+    uint32_t nee_depth; // 0: all
+    float clamp_limit;
+};
+
 // Leaves the test when there is no device.
-static void check_scene(uint32_t kind, enum light_estimator estimator, uint32_t bounce)
+static void check_method(uint32_t kind, enum light_estimator estimator, uint32_t bounce,
+                         const struct method *method)
 {
     struct setup setup;
     struct err err = {0};
     struct gpu_emitter emitters[16] = {{0}};
     make_scene(&setup.scene, kind);
-    set_estimator(&setup.scene.settings, estimator);
+    struct settings *settings = &setup.scene.settings;
+    set_estimator(settings, estimator);
+    settings->mis = method->mis ? method->mis : settings->mis;
+    settings->directions = method->directions;
+    settings->roulette = method->roulette;
+    settings->nee_depth = method->nee_depth ? method->nee_depth : UINT32_MAX;
+    settings->clamp_limit = method->clamp_limit;
     OPEN_SETUP(&setup, SLOTS);
     struct renderer *r = &setup.r;
     bool ok = r->plan.wave_slots >= SLOTS && r->tables.emitters.count <= 16 &&
@@ -467,9 +570,16 @@ static void check_scene(uint32_t kind, enum light_estimator estimator, uint32_t 
     CHECK(tally.hits > SLOTS / 8 && tally.emitting > SLOTS / 32, "%u hits, %u emitting", tally.hits,
           tally.emitting);
     CHECK(last == (tally.next_paths == 0), "%u go on", tally.next_paths);
-    CHECK((last || estimator == ESTIMATOR_BSDF) == (tally.shadow_rays == 0), "%u shadow rays",
-          tally.shadow_rays);
+    bool silent = last || estimator == ESTIMATOR_BSDF || bounce >= settings->nee_depth;
+    CHECK(silent == (tally.shadow_rays == 0), "%u shadow rays", tally.shadow_rays);
+    CHECK((method->clamp_limit > 0) == (r->counters->clamped > 0), "%u clamped",
+          r->counters->clamped);
     setup_close(&setup);
+}
+
+static void check_scene(uint32_t kind, enum light_estimator estimator, uint32_t bounce)
+{
+    check_method(kind, estimator, bounce, &(struct method){0});
 }
 
 TEST(first_bounce)
@@ -502,6 +612,42 @@ TEST(roulette)
 TEST(last_bounce)
 {
     check_scene(ENCLOSED | SMOOTH, ESTIMATOR_MIS, 6);
+}
+
+TEST(balance_heuristic)
+{
+    check_method(0, ESTIMATOR_MIS, 0, &(struct method){.mis = MIS_BALANCE});
+}
+
+// Weighted against the density that is drawn from.
+TEST(other_directions)
+{
+    check_method(0, ESTIMATOR_MIS, 0, &(struct method){.directions = DIRECTIONS_SPHERE});
+    check_method(SMOOTH, ESTIMATOR_MIS, 1, &(struct method){.directions = DIRECTIONS_HEMISPHERE});
+    check_method(0, ESTIMATOR_MIS, 1, &(struct method){.directions = DIRECTIONS_COSINE});
+    check_method(0, ESTIMATOR_MIS, 0, &(struct method){.directions = DIRECTIONS_POWER_COSINE});
+}
+
+// The last vertex that sends shadow rays, and the first that does not: what rays from the last one
+// meet is weighted, what others meet counts in full.
+TEST(shadow_rays_by_depth)
+{
+    for (uint32_t bounce = 0; bounce < 4; bounce++)
+        check_method(ENCLOSED, ESTIMATOR_MIS, bounce, &(struct method){.nee_depth = 2});
+}
+
+TEST(other_roulettes)
+{
+    check_method(0, ESTIMATOR_MIS, 1, &(struct method){.roulette = ROULETTE_CONSTANT});
+    check_method(0, ESTIMATOR_MIS, 4, &(struct method){.roulette = ROULETTE_CONSTANT});
+    check_method(0, ESTIMATOR_MIS, 3, &(struct method){.roulette = ROULETTE_FRAME});
+    check_method(0, ESTIMATOR_MIS, 4, &(struct method){.roulette = ROULETTE_FRAME});
+    check_method(0, ESTIMATOR_MIS, 4, &(struct method){.roulette = ROULETTE_OFF});
+}
+
+TEST(clamped_emission)
+{
+    check_method(0, ESTIMATOR_MIS, 0, &(struct method){.clamp_limit = 1.5f});
 }
 
 // What is not finite is left out of the sum, counted by its place, marked, and ends the path.
@@ -540,4 +686,6 @@ TEST(nonfinite_throughput)
 
 TEST_MAIN(TEST_CASE(first_bounce), TEST_CASE(shading_normals), TEST_CASE(inside_of_an_emitter),
           TEST_CASE(other_estimators), TEST_CASE(roulette), TEST_CASE(last_bounce),
+          TEST_CASE(balance_heuristic), TEST_CASE(other_directions),
+          TEST_CASE(shadow_rays_by_depth), TEST_CASE(other_roulettes), TEST_CASE(clamped_emission),
           TEST_CASE(nonfinite_throughput))
