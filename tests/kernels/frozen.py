@@ -91,6 +91,9 @@ FEATURES = {
     "lights without extent": (["EMITTER_LIGHTS"], {
         "shade_surface": ["sample_point_light()", "spot_falloff()", "range_window()"],
     }),
+    "photometric profiles": (["EMITTER_PROFILES"], {
+        "shade_surface": ["profile_intensity()", "find_interval()"],
+    }),
     "emission": (["EMISSION", "NEE"] + EMISSIVE, {
         "shade_surface": ["add_emission()", "add_radiance()"],
     }),

@@ -1,5 +1,6 @@
 // What a scene does not need is left out: pairs of tiny scenes, with and without one need. Of the
 // first, the Vulkan objects must be there; of the second they must be gone, and nothing else.
+#include "ies.h"
 #include "kernel_fixture.h"
 #include "replay.h"
 
@@ -43,6 +44,7 @@ enum {
     TILES = TRAIT(31), // sample counts by tile are asked for
     NEE_DEPTH = TRAIT(40),
     CLAMP = TRAIT(41),
+    PROFILE = TRAIT(42), // the lamp has one
 };
 
 static void *present(void *memory)
@@ -137,6 +139,16 @@ static uint32_t sphere_model(uint64_t has)
                                      : MATERIAL_LAMBERT;
 }
 
+// Even, of two angles.
+static float profile_values[4] = {0, 180, 1, 1};
+static const struct light_profile profile = {
+    .vertical_count = 2,
+    .horizontal_count = 1,
+    .vertical = profile_values,
+    .relative = profile_values + 2,
+    .solid_angle = 4 * M_PI,
+};
+
 static void make_scene(uint64_t has, struct scene *scene)
 {
     scene_start(scene, 16, 16);
@@ -154,13 +166,16 @@ static void make_scene(uint64_t has, struct scene *scene)
                  make_material(scene, has, MATERIAL_LAMBERT, BRIGHT_DISC));
     if (has & SPARE_MIRROR)
         add_material(scene, &(struct material){.name = "spare", .model = MATERIAL_MIRROR});
+    if (has & PROFILE)
+        scene->profiles = &profile;
     if (has & LAMP)
         *(struct light *)present(scene_add_light(scene, NULL)) =
             (struct light){.name = "lamp",
                            .kind = LIGHT_POINT,
                            .position = {1, 2, 3},
                            .radiant = {5, 5, 5},
-                           .range = INFINITY};
+                           .range = INFINITY,
+                           .profile = scene->profiles};
     if (has & SKY)
         scene->environment = (struct environment){.present = true, .radiance = {1, 1, 1}};
     if (has & SKY_IMAGE)
@@ -284,6 +299,7 @@ static const struct pair pairs[] = {
     {"tiles", QUAD | TILES, QUAD, FEATURE_TILES, 0, 0, 2},
     {"point lights", QUAD | LAMP, QUAD, EMITS(EMITTER_LIGHTS) | FEATURE_NEE, SHADOW_KERNELS,
      SHADOW_BUFFERS, 1},
+    {"photometric profiles", QUAD | LAMP | PROFILE, QUAD | LAMP, EMITS(EMITTER_PROFILES), 0, 0, 0},
     {"point lights beside triangles", QUAD | BRIGHT_QUAD | LAMP, QUAD | BRIGHT_QUAD,
      EMITS(EMITTER_LIGHTS), 0, 0, 0},
     {"classes", QUAD | SPHERE | PRINCIPLED_SPHERE, QUAD | SPHERE, FEATURE_CLASSES,
