@@ -6,10 +6,12 @@
 #include "lib/material.glsl"
 #include "lib/surface.glsl"
 
-// What a surface is painted with: its base colour, or where its model has none, how much it
-// reflects at right angles.
+// What a surface is painted with: its base colour. Models without one: dielectrics are white,
+// conductors as much as they reflect at right angles.
 vec3 albedo_color(material m)
 {
+    if (material_model(m) == MATERIAL_DIELECTRIC)
+        return vec3(1.0);
     if (material_model(m) == MATERIAL_CONDUCTOR) {
         vec3 eta = m.group[GROUP_CONDUCTOR].rgb;
         vec3 k2 = m.group[GROUP_CONDUCTOR_K].rgb * m.group[GROUP_CONDUCTOR_K].rgb;

@@ -228,19 +228,19 @@ def code_of(lines):
 
 
 @functools.lru_cache(maxsize=None)
-def freeze(path, features, lobes, folder):
-    return Module(path, features, lobes, folder)
+def freeze(path, features, lobes, folder, aovs=0):
+    return Module(path, features, lobes, folder, aovs)
 
 
 class Module:
     """A frozen kernel: its size and the names of what is left in it."""
 
-    def __init__(self, path, features, lobes, folder):
+    def __init__(self, path, features, lobes, folder, aovs):
         frozen = os.path.join(folder, "frozen.spv")
         inlined = os.path.join(folder, "inlined.spv")
         # Ids as in shared/bindings.h; all queues exist.
-        constant = "--set-spec-const-default-value=0:%d 5:%d 6:1023 7:%d" % (
-            features & 0xffffffff, lobes, features >> 32)
+        constant = "--set-spec-const-default-value=0:%d 5:%d 6:1023 7:%d 8:%d" % (
+            features & 0xffffffff, lobes, features >> 32, aovs)
         subprocess.run(["spirv-opt", constant] + PASSES + [path, "-o", frozen], check=True)
         subprocess.run(["spirv-val", "--target-env", "vulkan1.2", frozen], check=True)
         subprocess.run(["spirv-opt"] + INLINE + [frozen, "-o", inlined], check=True)
@@ -353,6 +353,35 @@ def check_ballot(bits, lobes, kernels, folder):
         check_gone("no ballot, " + kernel, "OpControlBarrier", off, on)
 
 
+# What pictures besides the radiance bring into kernels, in FEATURES' terms: what all of them do, and
+# what must not be there with all but one kind.
+AOVS = {
+    "shade_surface": {"ALBEDO NORMAL NORMAL_GEOMETRIC DEPTH POSITION IDS ALPHA": [
+        "store_first_hit()", "albedo_color()", "store_aov_scalar()"],
+        "EMISSION DIRECT INDIRECT": ["add_part()", "add_aov_vector()"]},
+    "shade_miss": {"EMISSION DIRECT INDIRECT": ["add_part()"]},
+    "intersect_shadow": {"EMISSION DIRECT INDIRECT": ["add_part()"]},
+    "accumulate": {"ALBEDO NORMAL NORMAL_GEOMETRIC DEPTH POSITION ALPHA EMISSION DIRECT INDIRECT": [
+        "add_aovs()"]},
+    "resolve": {},
+}
+
+
+def check_aovs(aovs, bits, lobes, kernels, folder):
+    features = sum(bits.values()) & ~bits["TEXEL_SCENE"] & ~bits["TEXEL_STATE"]
+    for kernel, kinds in AOVS.items():
+        on = freeze(kernels[kernel], features, lobes, folder, sum(aovs.values()))
+        off = freeze(kernels[kernel], features, lobes, folder)
+        check_fewer("AOVs, " + kernel, on, off)
+        report("AOVs", kernel, on, off)
+        for kind, wanted in kinds.items():
+            others = sum(bit for name, bit in aovs.items() if name not in kind.split())
+            without = freeze(kernels[kernel], features, lobes, folder, others)
+            for want in wanted:
+                check_gone("AOVs, " + kernel, want, on, without)
+                check_gone("AOVs, " + kernel, want, on, off)
+
+
 def check_all_are_tested(bits, lobes):
     tested = set()
     for removed, _ in FEATURES.values():
@@ -381,6 +410,7 @@ def main():
         for name in LOBES:
             check_lobe(name, bits, lobes, kernels, folder)
         check_ballot(bits, few, kernels, folder)
+        check_aovs(read_bits(sys.argv[1], "AOV"), bits, few, kernels, folder)
     check_all_are_tested(bits, lobes)
     return 1 if failures else 0
 

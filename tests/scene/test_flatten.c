@@ -207,6 +207,32 @@ TEST(degenerate_triangles_are_dropped_and_counted)
     end(&f);
 }
 
+// Which triangle of which instance a flat one is, past those that were dropped.
+TEST(sources_of_triangles)
+{
+    struct fixture f;
+    begin(&f);
+    const float positions[6][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0},
+                                   {3, 0, 0}, {0, 0, 1}, {0, 0, 2}};
+    const uint32_t indices[4][3] = {{1, 1, 1}, {0, 1, 2}, {0, 4, 5}, {0, 1, 4}};
+    memcpy(f.positions, positions, sizeof positions);
+    memcpy(f.indices, indices, sizeof indices);
+    f.mesh.vertex_count = 6;
+    f.mesh.triangle_count = 4;
+    f.scene.instance_count = 4;
+    memset(f.instances[1].transform, 0, sizeof f.instances[1].transform); // singular
+    REQUIRE(flatten(&f), "%s", f.err.msg);
+    REQUIRE(f.flat.triangle_count == 6 && f.flat.dropped_degenerate == 6);
+    static const uint32_t expected[6][2] = {{0, 1}, {0, 3}, {2, 1}, {2, 3}, {3, 1}, {3, 3}};
+    for (uint32_t id = 0; id < 6; id++) {
+        uint32_t instance, triangle;
+        flat_triangle_source(&f.flat, id, &instance, &triangle);
+        CHECK(instance == expected[id][0] && triangle == expected[id][1], "%u: %u, %u", id,
+              instance, triangle);
+    }
+    end(&f);
+}
+
 TEST(singular_instances_are_skipped_with_a_warning)
 {
     struct fixture f;
@@ -376,6 +402,7 @@ int main(int argc, char **argv)
         TEST_CASE(normals_belong_to_their_corners_when_mirrored),
         TEST_CASE(missing_normals_are_geometric),
         TEST_CASE(degenerate_triangles_are_dropped_and_counted),
+        TEST_CASE(sources_of_triangles),
         TEST_CASE(singular_instances_are_skipped_with_a_warning),
         TEST_CASE(tiny_and_huge_scales_are_not_singular),
         TEST_CASE(far_scenes_are_rebased_in_double_precision),
