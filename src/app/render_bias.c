@@ -89,6 +89,23 @@ static void find_capped(const struct render_job *job, struct biases *biases)
              settings->roulette_max_bounces, depth_asked_for(settings));
 }
 
+static void find_unphysical(const struct render_job *job, struct biases *biases)
+{
+    const struct settings *settings = &job->scene.settings;
+    if (settings->falloff > 0.0f) {
+        struct job_bias *bias = next_bias(biases, "falloff");
+        snprintf(bias->text, sizeof bias->text,
+                 "not physical: what the camera sees at t metres fades into the background by "
+                 "1 - exp(-%g t^3)",
+                 (double)settings->falloff);
+    }
+    if (settings->integrator == INTEGRATOR_WHITTED) {
+        struct job_bias *bias = next_bias(biases, "whitted");
+        snprintf(bias->text, sizeof bias->text,
+                 "not all light: none between diffuse surfaces, none focused, emitters as points");
+    }
+}
+
 uint32_t job_list_biases(const struct render_job *job, struct job_bias list[JOB_MAX_BIASES])
 {
     struct biases biases = {.list = list};
@@ -97,6 +114,7 @@ uint32_t job_list_biases(const struct render_job *job, struct job_bias list[JOB_
         find_capped(job, &biases);
     }
     find_clamped(job, &biases);
+    find_unphysical(job, &biases);
     return biases.count;
 }
 

@@ -5,7 +5,7 @@
 
 #include "render_job.h"
 
-enum { JOB_MAX_BIASES = 3 };
+enum { JOB_MAX_BIASES = 5 };
 
 struct job_bias {
     const char *kind; // the setting that it comes from

@@ -44,6 +44,10 @@ static void add_settings(struct attributes *a, const struct render_job *job)
     else
         add(a, "lampyris:roulette_min_bounces", "%u", s->roulette_min_bounces);
     add(a, "lampyris:integrator", "%s", integrator_names[s->integrator]);
+    if (s->integrator == INTEGRATOR_AO)
+        add(a, "lampyris:ao_distance", "%.9g", (double)s->ao_distance);
+    if (s->falloff > 0.0f)
+        add(a, "lampyris:falloff", "%.9g (not physical)", (double)s->falloff);
     add(a, "lampyris:sampler", "%s", sampler_names[s->sampler]);
     add(a, "lampyris:halves", "%s", halves_names[s->halves]);
     add(a, "lampyris:filter", "%s", filter_names[s->filter]);

@@ -155,6 +155,18 @@ static bool check_light_rays(const struct memory_plan_params *p, struct err *err
                    s->light_rays, fits);
 }
 
+// Rays that a slot of INTEGRATOR_WHITTED puts off: a record of the stack for each depth.
+#define PENDING_RAYS_MAX 64u
+
+static bool check_pending_rays(const struct specialization *s, struct err *err)
+{
+    return s->pending_rays <= PENDING_RAYS_MAX ||
+           err_set(err, ERR_INPUT,
+                   "max_bounces is %u, but the integrator whitted, where something transmits, "
+                   "follows trees of at most %u: expected a lower --max-bounces",
+                   s->pending_rays, PENDING_RAYS_MAX);
+}
+
 static bool check(const struct memory_plan_params *p, const struct memory_plan *plan, uint32_t b,
                   struct err *err)
 {
@@ -201,7 +213,7 @@ bool memory_plan_make(const struct memory_plan_params *p, struct memory_plan *ou
     const struct gpu *gpu = p->gpu;
     const uint32_t aovs = p->specialization->aovs;
     *out = (struct memory_plan){0};
-    if (!check_light_rays(p, err))
+    if (!check_light_rays(p, err) || !check_pending_rays(p->specialization, err))
         return false;
     out->wave_slots = fit_wave(p);
 
