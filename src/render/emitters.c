@@ -15,8 +15,8 @@ struct emitter_counts emitters_count(const struct scene *scene, const struct fla
     struct emitter_counts counts = {.environment = environment->present && environment->width > 0 &&
                                                    environment_luminance(environment) > 0.0};
     for (uint32_t i = 0; i < scene->light_count; i++) {
-        bool is_sun = scene->lights[i].kind == LIGHT_DIRECTIONAL &&
-                      scene->lights[i].angular_radius > 0.0;
+        bool is_sun =
+            scene->lights[i].kind == LIGHT_DIRECTIONAL && scene->lights[i].angular_radius > 0.0;
         counts.suns += is_sun;
         counts.lights += !is_sun;
     }
@@ -419,9 +419,8 @@ static bool build_tree(const struct scene *scene, const struct flat_scene *flat,
     uint64_t start = clock_ns();
     bool ok = part_emitters(scene, flat, bvh, list, &scratch, &parts, err);
     out->count = ok ? parts.count + parts.infinite_count : 0;
-    ok = ok && (out->count == 0 ||
-                (lay_out_tree(&parts, list->surface_count, arena, out, err) &&
-                 fill_tree(&parts, list->surface_count, &scratch, out, err)));
+    ok = ok && (out->count == 0 || (lay_out_tree(&parts, list->surface_count, arena, out, err) &&
+                                    fill_tree(&parts, list->surface_count, &scratch, out, err)));
     arena_finish(&scratch);
     out->build_seconds = clock_seconds_since(start);
     return ok;

@@ -11,8 +11,8 @@
 // Counts of what a scene emits with.
 struct emitter_counts {
     uint32_t triangles, spheres, discs;
-    uint32_t lights; // without extent
-    uint32_t suns;   // directional lights with one
+    uint32_t lights;      // without extent
+    uint32_t suns;        // directional lights with one
     uint32_t environment; // 1: its image is an emitter. Even surroundings are left to chance hits
 };
 
@@ -26,21 +26,21 @@ uint64_t emitters_bytes(uint32_t choice, const struct emitter_counts *counts);
 struct emitters {
     void *data; // see struct gpu_emitter and struct gpu_light_tree
     uint64_t bytes;
-    uint32_t count;          // 0: nothing to choose from
-    uint32_t *primitives;    // of the emitters by number: triangles, shapes, lights, environment
-    uint32_t surface_count;  // of them, the first so many are triangles and shapes
+    uint32_t count;           // 0: nothing to choose from
+    uint32_t *primitives;     // of the emitters by number: triangles, shapes, lights, environment
+    uint32_t surface_count;   // of them, the first so many are triangles and shapes
     struct gpu_light *lights; // scene->light_count
-    float environment_pick;  // the probability of the environment's image
-    float reach;             // length of shadow rays to what is infinitely far
-    double total_power;      // as in emitter_power.h; when chosen by power
-    double build_seconds;    // of the tree
+    float environment_pick;   // the probability of the environment's image
+    float reach;              // length of shadow rays to what is infinitely far
+    double total_power;       // as in emitter_power.h; when chosen by power
+    double build_seconds;     // of the tree
 };
 
 // In `arena`; choice: LIGHT_CHOICE_*, not AUTO. Warns of lights that the estimator cannot find.
 bool emitters_build(const struct scene *scene, const struct flat_scene *flat, const struct bvh *bvh,
                     uint32_t choice, struct arena *arena, struct emitters *out, struct err *err);
-// PARAMETER_PICK_DENSITY of a material: the density of choosing by power, a unit area; by other ways
-// 1 where its surfaces are emitters.
+// PARAMETER_PICK_DENSITY of a material: the density of choosing by power, a unit area; by other
+// ways 1 where its surfaces are emitters.
 float emitters_pick_density(const struct emitters *emitters, const struct scene *scene,
                             const struct material *material);
 

@@ -199,9 +199,9 @@ static double part_area(const struct part *part)
     return 2.0 * (e[0] * e[1] + e[1] * e[2] + e[2] * e[0]) + 1e-3 * square;
 }
 
-// The measure of the directions that it may send to (Conty Estevez and Kulla 2018, section 4.4). The
-// axes' cone is that in which uniformly distributed ones would have the same mean: the mean of a cap
-// of half-angle theta has the length (1 + cos theta) / 2. A bound would need another pass.
+// The measure of the directions that it may send to (Conty Estevez and Kulla 2018, section 4.4).
+// The axes' cone is that in which uniformly distributed ones would have the same mean: the mean of
+// a cap of half-angle theta has the length (1 + cos theta) / 2. A bound would need another pass.
 static double part_orientation(const struct part *part)
 {
     double mean = sqrt(dot(part->axis, part->axis)) / part->count;
@@ -305,8 +305,8 @@ static uint32_t split_range(const struct builder *b, const struct range *range)
 
 // --- building ------------------------------------------------------------------------------------
 
-// The pair of a subtree is followed by the subtree on the left, then by that on the right: n emitters
-// have n - 1 pairs.
+// The pair of a subtree is followed by the subtree on the left, then by that on the right: n
+// emitters have n - 1 pairs.
 static void split_children(const struct builder *b, const struct range *range, struct range out[2])
 {
     uint32_t left = split_range(b, range);
@@ -334,9 +334,9 @@ static struct light_bounds build_range(const struct builder *b, const struct ran
 {
     if (range->count == 1) {
         uint32_t emitter = b->order[range->first];
-        b->tree->trails[emitter] = (struct gpu_light_trail){
-            .low = (uint32_t)range->trail, .high = (uint32_t)(range->trail >> 32),
-            .depth = range->depth};
+        b->tree->trails[emitter] = (struct gpu_light_trail){.low = (uint32_t)range->trail,
+                                                            .high = (uint32_t)(range->trail >> 32),
+                                                            .depth = range->depth};
         return b->bounds[emitter];
     }
     struct range children[2];

@@ -116,9 +116,9 @@ static double importance(const struct gpu_light_bounds *b, const struct place *p
     if (length(p->normal) == 0)
         received = 0;
     double nearest = fmax(distance, radius);
-    return emitted >= e ? 0
-                        : (double)b->power * cos(emitted) * fmax(0, cos(received)) /
-                              (nearest * nearest);
+    return emitted >= e
+               ? 0
+               : (double)b->power * cos(emitted) * fmax(0, cos(received)) / (nearest * nearest);
 }
 
 struct tree {
@@ -135,8 +135,7 @@ static struct tree tree_of(const struct renderer *r)
     const struct gpu_light_tree *header = (const void *)data;
     return (struct tree){header, (const void *)(data + sizeof *header),
                          (const void *)(data + 16 * (size_t)header->trails),
-                         (const void *)(data + 16 * (size_t)header->infinite),
-                         &r->tables.emitters};
+                         (const void *)(data + 16 * (size_t)header->infinite), &r->tables.emitters};
 }
 
 static uint32_t number_of(const struct tree *t, uint32_t primitive)
@@ -301,7 +300,8 @@ TEST(choices_follow_the_probabilities)
         // Wilson and Hilferty 1931.
         double degrees = fmax(1, used - 1), k = 2 / (9 * degrees);
         double deviate = (cbrt(statistic / degrees) - (1 - k)) / sqrt(k);
-        printf("  place %d: %.0f cells, %.2f deviations; hits off by %.2g\n", n, used, deviate, worst);
+        printf("  place %d: %.0f cells, %.2f deviations; hits off by %.2g\n", n, used, deviate,
+               worst);
         CHECK(deviate <= 3.5, "place %d: %g deviations", n, deviate);
     }
     setup_close(&setup);
