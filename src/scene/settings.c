@@ -90,7 +90,7 @@ struct settings settings_default(void)
         .max_bounces = 9,
         .integrator = INTEGRATOR_PATH,
         .ao_distance = INFINITY,
-        .sampler = SAMPLER_PCG,
+        .sampler = SAMPLER_SOBOL,
         .halves = HALVES_INDEPENDENT,
         .filter = FILTER_BOX,
         .pixel_jitter = true,

@@ -50,7 +50,8 @@ struct settings {
     enum tone_curve tone_curve; // PNG only
 };
 
-// 512 x 512, 64 spp, seed 0, 9 bounces, roulette after 3, MIS, box, jitter, exposure 0, no curve.
+// 512 x 512, 64 spp, seed 0, Sobol, 9 bounces, roulette after 3, MIS, box, jitter, exposure 0, no
+// curve.
 struct settings settings_default(void);
 // The one that was set, or the filter's own.
 float settings_filter_radius(const struct settings *settings);

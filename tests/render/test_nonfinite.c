@@ -97,7 +97,7 @@ TEST(light_connection)
     OPEN_GPU(&gpu, 0);
     REQUIRE_OK(load_floor(ESTIMATOR_NEE, &scene, &err));
     for (int c = 0; c < 3; c++)
-        material_named(&scene, "light")->emission[c] = 3e35f;
+        material_named(&scene, "light")->emission[c] = 3e36f;
     check_site(&gpu, &scene, SITE_SHADOW);
     scene_finish(&scene);
     gpu_close(&gpu);
@@ -162,7 +162,7 @@ TEST(reproducing_command)
     REQUIRE_OK(options_parse(5, argv, &options, &err));
     REQUIRE_OK(load_floor(ESTIMATOR_NEE, &job.scene, &err));
     for (int c = 0; c < 3; c++)
-        material_named(&job.scene, "light")->emission[c] = 3e35f;
+        material_named(&job.scene, "light")->emission[c] = 3e36f;
     const struct renderer_params params = {.gpu = &job.gpu, .scene = &job.scene};
     const struct render_call call = {.samples = SAMPLES};
     REQUIRE_OK(renderer_create(&params, &job.renderer, &err) &&
