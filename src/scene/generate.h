@@ -21,4 +21,15 @@ bool generate_blob(struct scene *scene, uint32_t triangles, uint32_t material, u
 bool generate_teapot(struct scene *scene, uint32_t resolution, uint32_t material, uint32_t *mesh,
                      struct err *err);
 
+#define TORUS_SEGMENTS_MAX 4096
+
+struct torus {
+    double tube;                      // radius of the tube, below 1
+    uint32_t segments, tube_segments; // 3 to TORUS_SEGMENTS_MAX
+};
+
+// Appends a closed ring about the y axis, of radius 1 to the middle of its tube, with normals.
+bool generate_torus(struct scene *scene, const struct torus *torus, uint32_t material,
+                    uint32_t *index, struct err *err);
+
 #endif

@@ -55,6 +55,9 @@ bool load_json_generated(struct scene *scene, const struct json_node *generated,
 bool load_json_teapot(struct scene *scene, const struct json_node *teapot, uint32_t material,
                       struct err *err);
 
+bool load_json_torus(struct scene *scene, const struct json_node *torus, uint32_t material,
+                     struct err *err);
+
 // A unit vector: the object's "direction", or where its "target" lies from the position. Without a
 // position there is no target.
 bool load_json_direction(const struct json_node *object, const double position[3],

@@ -189,3 +189,21 @@ bool load_json_teapot(struct scene *scene, const struct json_node *teapot, uint3
         return node_prepend(teapot, err);
     return scene_place_meshes(scene, mesh, 1, err);
 }
+
+bool load_json_torus(struct scene *scene, const struct json_node *node, uint32_t material,
+                     struct err *err)
+{
+    const struct range tubes = {1e-6, 0.999, false};
+    uint64_t segments = 128, tube_segments = 64;
+    struct torus torus = {.tube = 0.25};
+    uint32_t mesh;
+    if (!node_read_number(node, "tube", tubes, &torus.tube, err) ||
+        !node_read_integer(node, "segments", 3, TORUS_SEGMENTS_MAX, &segments, err) ||
+        !node_read_integer(node, "tube_segments", 3, TORUS_SEGMENTS_MAX, &tube_segments, err))
+        return false;
+    torus.segments = (uint32_t)segments;
+    torus.tube_segments = (uint32_t)tube_segments;
+    if (!generate_torus(scene, &torus, material, &mesh, err))
+        return node_prepend(node, err);
+    return scene_place_meshes(scene, mesh, 1, err);
+}

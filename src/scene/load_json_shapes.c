@@ -265,12 +265,13 @@ enum shape_type {
     TYPE_DISC,
     TYPE_GENERATED,
     TYPE_TEAPOT,
+    TYPE_TORUS,
     TYPE_INSTANCE,
     TYPE_COUNT,
 };
 
 static const char *const type_names[TYPE_COUNT + 1] = {
-    "mesh", "quad", "box", "sphere", "disc", "generated", "teapot", "instance", NULL};
+    "mesh", "quad", "box", "sphere", "disc", "generated", "teapot", "torus", "instance", NULL};
 
 // Keys beside "type", and beside "name" and "transform", which all shapes may have.
 static const struct {
@@ -283,6 +284,8 @@ static const struct {
     [TYPE_DISC] = {{"type", "material", "radius", "normal"}, {"name", "transform", "center"}},
     [TYPE_GENERATED] = {{"type", "material", "triangles"}, {"name", "transform"}},
     [TYPE_TEAPOT] = {{"type", "material"}, {"name", "transform", "resolution"}},
+    [TYPE_TORUS] = {{"type", "material"},
+                    {"name", "transform", "tube", "segments", "tube_segments"}},
     [TYPE_INSTANCE] = {{"type", "of"}, {"name", "transform", "material"}},
 };
 
@@ -351,6 +354,8 @@ static bool add_in_own_space(struct shape_list *list, const struct json_node *no
         return load_json_disc(scene, node, material, err);
     case TYPE_GENERATED:
         return load_json_generated(scene, node, material, err);
+    case TYPE_TORUS:
+        return load_json_torus(scene, node, material, err);
     case TYPE_TEAPOT:
         return load_json_teapot(scene, node, material, err);
     case TYPE_INSTANCE:
