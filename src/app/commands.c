@@ -17,13 +17,15 @@ const struct command commands[COMMAND_TOTAL] = {
                 "the scene file, else they are the defaults given below. A model without a camera "
                 "is framed; one without a light gets an even environment. The summary says how "
                 "good the picture is, what it cost, and what was left out. An interrupted render "
-                "(SIGINT, SIGTERM) writes the samples that it has; a second signal ends it at "
-                "once. "
+                "(SIGINT, SIGTERM) writes the samples that it has, and its --checkpoint; a second "
+                "signal ends it at once. "
                 "Outputs are replaced only by whole files, and locked against other runs. A "
                 "picture that cannot be written as EXR where it should be is saved in $TMPDIR.",
             .examples = "lampyris render scenes/cornell.json -o cornell.exr -o cornell.png\n"
                         "lampyris render model.glb --spp 256 --size 1920x1080 --env 1,1,1\n"
-                        "lampyris render scenes/mesh_room.json -D mesh=bunny.ply --time 30 --json",
+                        "lampyris render scenes/mesh_room.json -D mesh=bunny.ply --time 30 --json\n"
+                        "lampyris render scenes/cornell.json --error 1e-3 --adaptive on "
+                        "--checkpoint c.ck",
             .min_arguments = 1,
             .max_arguments = 1,
             .run = cmd_render,

@@ -76,14 +76,17 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .name = "error", .argument = "RELMSE", .type = VALUE_REAL, .min = 1e-12, .max = 1e6,
         .group = "Sampling", .commands = FOR_RENDER, .fallback = "no limit",
         .help = "Stop when the upper end of the 95 % interval of the relative mean squared error "
-                "is below this. Looks at doubling sample counts; --spp or --time bound it.",
+                "is below this. Looks at 16, 32, 64 and so on samples per pixel, with as much more "
+                "confidence as so many looks ask for; ends at --spp (65536 where not given) or "
+                "--time at the latest.",
         FIELD(error),
     },
     [OPTION_ADAPTIVE] = {
         .name = "adaptive", .argument = "on|off", .type = VALUE_SWITCH, .group = "Sampling",
         .commands = FOR_RENDER, .fallback = "off",
-        .help = "Give tiles of the picture as many samples as their error asks for, with --spp on "
-                "average. A pilot pass, whose samples are not part of the picture, says how many.",
+        .help = "Give tiles of 16 x 16 pixels as many samples as their error asks for, with --spp "
+                "on average, a quarter of it at least and 16 times it at most. A pilot of 16 "
+                "samples per pixel, which are not part of the picture, says how many.",
         FIELD(adaptive),
     },
     [OPTION_SEED] = {
@@ -318,18 +321,21 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_CHECKPOINT] = {
         .name = "checkpoint", .argument = "FILE", .type = VALUE_TEXT, .group = "Frames",
         .commands = FOR_RENDER, .fallback = "none is kept",
-        .help = "Keep in FILE what is needed to go on with this render later.", FIELD(checkpoint),
+        .help = "Keep in FILE what is needed to go on with this render later, also after a signal "
+                "and at the end. FILE may exist already only with --resume.", FIELD(checkpoint),
     },
     [OPTION_CHECKPOINT_EVERY] = {
         .name = "checkpoint-every", .argument = "SECONDS", .type = VALUE_REAL, .min = 0,
         .max = OPTION_TIME_MAX, .group = "Frames", .commands = FOR_RENDER, .fallback = "60",
-        .help = "Time between two checkpoints.", FIELD(checkpoint_seconds),
+        .help = "Time between two checkpoints; 0: one after every wave.",
+        FIELD(checkpoint_seconds),
     },
     [OPTION_RESUME] = {
         .name = "resume", .type = VALUE_FLAG, .group = "Frames", .commands = FOR_RENDER,
-        .help = "Go on from the file of --checkpoint. The picture is that of a run without "
-                "interruption, bit for bit; a checkpoint of another scene or of other settings is "
-                "refused.",
+        .help = "Go on from the file of --checkpoint, or begin where there is none yet. The "
+                "picture is that of a run without interruption, bit for bit, whatever --wave is. "
+                "Refuses a checkpoint of another scene, device or other settings; --spp, --time, "
+                "--error, --frames and the outputs may change.",
         FIELD(resume),
     },
 
