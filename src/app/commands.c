@@ -24,8 +24,7 @@ const struct command commands[COMMAND_TOTAL] = {
             .examples = "lampyris render scenes/cornell.json -o cornell.exr -o cornell.png\n"
                         "lampyris render model.glb --spp 256 --size 1920x1080 --env 1,1,1\n"
                         "lampyris render scenes/mesh_room.json -D mesh=bunny.ply --time 30 --json\n"
-                        "lampyris render scenes/cornell.json --error 1e-3 --adaptive on "
-                        "--checkpoint c.ck",
+                        "lampyris render scenes/cornell.json --error 1e-3 --checkpoint c.ck",
             .min_arguments = 1,
             .max_arguments = 1,
             .run = cmd_render,
