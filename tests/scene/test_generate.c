@@ -244,6 +244,40 @@ TEST(teapot_coordinates)
     scene_finish(&scene);
 }
 
-TEST_MAIN(TEST_CASE(sizes), TEST_CASE(the_surface_is_closed), TEST_CASE(radius_and_normals),
-          TEST_CASE(the_same_every_time), TEST_CASE(too_large_is_an_error), TEST_CASE(teapot_sizes),
-          TEST_CASE(teapot_extents), TEST_CASE(teapot_normals), TEST_CASE(teapot_coordinates))
+// --- torus ---------------------------------------------------------------------------------------
+
+// Its area vectors cancel, as those of closed surfaces do, and by the divergence theorem it
+// encloses 2 pi^2 tube^2, so that it faces outwards.
+TEST(torus_is_closed)
+{
+    const struct torus torus = {.tube = 0.3, .segments = 400, .tube_segments = 200};
+    struct scene scene = {0};
+    struct err err = {0};
+    uint32_t index;
+    bool is_made =
+        scene_add_material(&scene, NULL) && generate_torus(&scene, &torus, 0, &index, &err);
+    REQUIRE(is_made, "%s", err.msg);
+    const struct mesh *mesh = &scene.meshes[index];
+    double volume = 0, sum[3] = {0, 0, 0};
+    CHECK(mesh->triangle_count == 160000 && mesh->vertex_count == 80000, "%u triangles",
+          mesh->triangle_count);
+    for (uint32_t t = 0; t < mesh->triangle_count; t++) {
+        double area[3], corner[3], facing = 0;
+        area_vector(mesh, t, area);
+        for (int c = 0; c < 3; c++) {
+            corner[c] = (double)mesh->positions[mesh->indices[t][0]][c];
+            facing += area[c] * (double)mesh->normals[mesh->indices[t][0]][c];
+            sum[c] += area[c];
+        }
+        volume += dot(corner, area) / 6;
+        CHECK(facing > 0, "triangle %u faces inwards", t);
+    }
+    CHECK(fabs(volume / (2 * M_PI * M_PI * 0.09) - 1) < 1e-3, "volume %g", volume);
+    CHECK(dot(sum, sum) < 1e-10, "%g %g %g", sum[0], sum[1], sum[2]);
+    scene_finish(&scene);
+}
+
+TEST_MAIN(TEST_CASE(torus_is_closed), TEST_CASE(sizes), TEST_CASE(the_surface_is_closed),
+          TEST_CASE(radius_and_normals), TEST_CASE(the_same_every_time),
+          TEST_CASE(too_large_is_an_error), TEST_CASE(teapot_sizes), TEST_CASE(teapot_extents),
+          TEST_CASE(teapot_normals), TEST_CASE(teapot_coordinates))
