@@ -179,31 +179,41 @@ static double variance_of(struct gpu *gpu, const char *path, struct method metho
     return variance(value, SEEDS);
 }
 
-// Relative to independent samples. With few samples, a number of them that is no square, and many.
+// Of samplers, and for one how much it costs that the halves are independent.
+static const struct {
+    const char *name;
+    uint32_t sampler, halves;
+} methods[] = {
+    {"sobol", SAMPLER_SOBOL, HALVES_INDEPENDENT},
+    {"sobol, contiguous halves", SAMPLER_SOBOL, HALVES_CONTIGUOUS},
+    {"lcg", SAMPLER_LCG, HALVES_INDEPENDENT},
+    {"stratified", SAMPLER_STRATIFIED, HALVES_INDEPENDENT},
+    {"grid", SAMPLER_GRID, HALVES_INDEPENDENT},
+    {"blue-noise", SAMPLER_BLUE_NOISE, HALVES_INDEPENDENT},
+};
+
+// Relative to independent samples; one of the numbers of samples is neither even nor a square.
 static void compare_samplers(const uint32_t *counts, uint32_t count)
 {
     struct gpu gpu;
     OPEN_GPU(&gpu, 0);
-    printf("variance relative to that of independent samples, %u seeds; halves independent, "
-           "contiguous\n",
-           SEEDS);
-    for (uint32_t s = 0; s < PATHS; s++) {
-        for (uint32_t c = 0; c < count; c++) {
-            struct method method = {SAMPLER_PCG, HALVES_INDEPENDENT, counts[c]};
-            double base = variance_of(&gpu, paths[s], method);
-            printf("%-32s %4u", paths[s], counts[c]);
-            for (method.sampler = 0; sampler_names[method.sampler]; method.sampler++) {
-                const char *name = sampler_names[method.sampler];
-                double ratio[2];
-                for (method.halves = 0; method.halves < 2; method.halves++)
-                    ratio[method.halves] = variance_of(&gpu, paths[s], method) / base;
-                printf("  %s %.2f %.2f", name, ratio[0], ratio[1]);
-                // With few samples some pixels have most of the variance, known to 20 % only.
-                CHECK(ratio[0] <= 1.5 && ratio[1] <= 1.5, "%s, %u samples: %s %g, %g", paths[s],
-                      counts[c], name, ratio[0], ratio[1]);
-            }
-            printf("\n");
+    printf("variance relative to that of independent samples, %u seeds\n", SEEDS);
+    for (uint32_t i = 0; i < PATHS * count; i++) {
+        const char *path = paths[i / count];
+        struct method method = {SAMPLER_PCG, HALVES_INDEPENDENT, counts[i % count]};
+        double base = variance_of(&gpu, path, method);
+        printf("%s, %u samples: pcg %.3g", path, method.samples, base);
+        for (size_t m = 0; m < sizeof methods / sizeof *methods; m++) {
+            method.sampler = methods[m].sampler;
+            method.halves = methods[m].halves;
+            double ratio = variance_of(&gpu, path, method) / base;
+            printf("; %s %.2f", methods[m].name, ratio);
+            // With few samples some pixels have most of the variance, known to 20 % only.
+            CHECK(ratio <= 1.5, "%s, %u samples, %s: %g", path, method.samples, methods[m].name,
+                  ratio);
         }
+        printf("\n");
+        fflush(stdout);
     }
     gpu_close(&gpu);
 }

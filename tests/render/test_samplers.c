@@ -1,0 +1,130 @@
+// Pictures by all samplers have the same mean, and pixel filters see of an edge what their integral
+// says.
+#include "metrics.h"
+#include "render_fixture.h"
+#include "replicates.h"
+
+// --- the same picture ----------------------------------------------------------------------------
+
+// All but the grid, whose places are fixed: a quadrature that is not unbiased.
+static const uint32_t samplers[] = {SAMPLER_SOBOL, SAMPLER_PCG, SAMPLER_LCG, SAMPLER_STRATIFIED,
+                                    SAMPLER_BLUE_NOISE};
+enum { SAMPLERS = sizeof samplers / sizeof *samplers };
+
+static void render_replicates(struct gpu *gpu, const char *path, uint32_t sampler, uint32_t samples,
+                              struct replicates *out)
+{
+    const struct scene_override size[] = {{"film.width", "16"}, {"film.height", "16"}, {0}};
+    struct scene scene;
+    struct renderer r;
+    struct err err = {0};
+    REQUIRE_OK(load_scene(path, size, &scene, &err));
+    scene.settings.sampler = sampler;
+    scene.settings.spp = samples;
+    const struct renderer_params params = {.gpu = gpu, .scene = &scene};
+    REQUIRE_OK(renderer_create(&params, &r, &err));
+    REQUIRE_OK(replicates_render(&r, &MEASURE_MEAN, REPLICATES * sampler, samples, out, &err));
+    renderer_finish(&r);
+    scene_finish(&scene);
+}
+
+// Welch's t of the means of every pair and channel. Channels of one scene go together: 10 pairs at
+// |t| <= 4.2 are a family error of 1e-3.
+static void check_means(const char *path, uint32_t samples)
+{
+    static struct replicates replicates[SAMPLERS];
+    struct gpu gpu;
+    OPEN_GPU(&gpu, 0);
+    for (int i = 0; i < SAMPLERS; i++) {
+        render_replicates(&gpu, path, samplers[i], samples, &replicates[i]);
+        struct estimate e = replicates_estimate(&replicates[i], 1);
+        printf("%s, %u samples, %-10s green %.6g +- %.2g %%\n", path, samples,
+               sampler_names[samplers[i]], e.mean, 100 * e.half_width / e.mean);
+    }
+    for (int pair = 0; pair < SAMPLERS * SAMPLERS; pair++) {
+        int a = pair / SAMPLERS, b = pair % SAMPLERS;
+        for (uint32_t c = 0; c < 3 && a < b; c++) {
+            struct estimate x = replicates_estimate(&replicates[a], c);
+            struct estimate y = replicates_estimate(&replicates[b], c);
+            double t = (x.mean - y.mean) / hypot(x.standard_error, y.standard_error);
+            CHECK(fabs(t) <= 4.2, "%s, %u samples, channel %u: %s and %s differ, t = %.2f", path,
+                  samples, c, sampler_names[samplers[a]], sampler_names[samplers[b]], t);
+        }
+    }
+    gpu_close(&gpu);
+}
+
+// A number of samples whose halves are neither a power of two nor a square.
+TEST(same_means)
+{
+    check_means("scenes/cornell.json", 6);
+}
+
+TEST(same_means_long)
+{
+    check_means("scenes/cornell.json", 74);
+    check_means("scenes/spheres.json", 11);
+    check_means("scenes/classical.json", 37);
+}
+
+// --- an edge -------------------------------------------------------------------------------------
+
+// What a filter of this radius weighs below a horizontal line so far under the pixel's centre: the
+// density over y, integrated over 2^16 strips. All four are symmetric.
+static double weight_below(uint32_t filter, double radius, double line)
+{
+    enum { STRIPS = 1 << 16 };
+    double sum = 0, under = 0;
+    for (int i = 0; i < STRIPS; i++) {
+        double y = (2 * i + 1.0) / STRIPS - 1, w = 1;
+        if (filter == FILTER_TENT)
+            w = 1 - fabs(y);
+        if (filter == FILTER_GAUSSIAN) // of the disc: the chord at y
+            w = exp(-4.5 * y * y) * erf(sqrt(4.5 * (1 - y * y)));
+        if (filter == FILTER_BLACKMAN_HARRIS)
+            w = 0.35875 + 0.48829 * cos(M_PI * y) + 0.14128 * cos(2 * M_PI * y) +
+                0.01168 * cos(3 * M_PI * y);
+        sum += w;
+        under += y * radius > line ? w : 0;
+    }
+    return under / sum;
+}
+
+static void check_edge(struct gpu *gpu, uint32_t filter, float radius)
+{
+    enum { SAMPLES = 1 << 14 };
+    struct scene scene;
+    struct arena arena = {0};
+    struct film_image film;
+    struct err err = {0};
+    REQUIRE_OK(load_scene("tests/render/scenes/edge.json", NULL, &scene, &err));
+    scene.settings.width = scene.settings.height = 1;
+    scene.settings.max_bounces = 0;
+    scene.settings.filter = filter;
+    scene.settings.filter_radius = radius;
+    double used = (double)settings_filter_radius(&scene.settings);
+    const struct renderer_params params = {.gpu = gpu, .scene = &scene};
+    REQUIRE_OK(render_film(&params, SAMPLES, &arena, &film, NULL, &err));
+    // The edge is 70 % of the way down, and what is above has no light; neither has what is a metre
+    // further down.
+    double expected = weight_below(filter, used, 0.2), mean = (double)film.mean[0][0];
+    printf("%-16s radius %.4g: %.5f, expected %.5f\n", filter_names[filter], used, mean, expected);
+    // Sobol's points on a straight edge: below 2 / sqrt(n)^1.5.
+    CHECK(fabs(mean - expected) <= 1.5e-3, "%s, radius %g: %g, expected %g", filter_names[filter],
+          used, mean, expected);
+    arena_finish(&arena);
+    scene_finish(&scene);
+}
+
+TEST(edge)
+{
+    struct gpu gpu;
+    OPEN_GPU(&gpu, 0);
+    for (uint32_t filter = 0; filter_names[filter]; filter++) {
+        check_edge(&gpu, filter, 0);
+        check_edge(&gpu, filter, 4);
+    }
+    gpu_close(&gpu);
+}
+
+TEST_MAIN(TEST_CASE(same_means), TEST_CASE(same_means_long), TEST_CASE(edge))
