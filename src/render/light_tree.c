@@ -7,6 +7,11 @@
 #include <string.h>
 
 #define BUCKETS 12
+#define FEW 32 // emitters that do with fewer buckets
+#define FEW_BUCKETS 4
+// Splits of more emitters are judged by so many of them; fewer than the second are halved.
+#define JUDGED 1024
+#define HALVED 4
 // Levels that a trail has bits for.
 #define DEPTH_MAX 64
 // Subtrees of at most so many emitters, or of this part of all, are built by one thread.
@@ -219,13 +224,18 @@ static double part_cost(const struct part *part)
 struct split {
     double cost;
     int axis;
-    float position; // those whose middle is below it are to the left
+    int position; // those in buckets below it are to the left
 };
 
-static uint32_t bucket_of(float position, float low, float high)
+static int bucket_count(const struct range *range)
 {
-    float bucket = (float)BUCKETS * ((position - low) / (high - low));
-    return bucket >= (float)BUCKETS ? BUCKETS - 1 : (uint32_t)bucket;
+    return range->count < FEW ? FEW_BUCKETS : BUCKETS;
+}
+
+static int bucket_of(float position, float low, float high, int count)
+{
+    float bucket = (float)count * ((position - low) / (high - low));
+    return bucket >= (float)count ? count - 1 : (int)bucket;
 }
 
 // The best split along one axis; `low` and `high` bound the middles, and differ.
@@ -234,25 +244,27 @@ static void try_axis(const struct builder *b, const struct range *range, int axi
 {
     struct part parts[BUCKETS], above[BUCKETS];
     const double *reference = b->bounds[b->order[range->first]].axis;
-    for (int i = 0; i < BUCKETS; i++)
+    int count = bucket_count(range);
+    for (int i = 0; i < count; i++)
         parts[i] = empty_part();
-    for (uint32_t i = 0; i < range->count; i++) {
+    uint32_t stride = (range->count + JUDGED - 1) / JUDGED;
+    for (uint32_t i = 0; i < range->count; i += stride) {
         const struct light_bounds *bounds = &b->bounds[b->order[range->first + i]];
-        part_add(&parts[bucket_of(middle(bounds, axis), low, high)], bounds, reference);
+        part_add(&parts[bucket_of(middle(bounds, axis), low, high, count)], bounds, reference);
     }
-    above[BUCKETS - 1] = parts[BUCKETS - 1];
-    for (int i = BUCKETS - 2; i > 0; i--) {
+    above[count - 1] = parts[count - 1];
+    for (int i = count - 2; i > 0; i--) {
         above[i] = parts[i];
         part_join(&above[i], &above[i + 1]);
     }
     struct part below = empty_part();
-    for (int i = 1; i < BUCKETS; i++) {
+    for (int i = 1; i < count; i++) {
         part_join(&below, &parts[i - 1]);
         if (below.count == 0 || above[i].count == 0)
             continue;
         double cost = regularity * (part_cost(&below) + part_cost(&above[i]));
         if (cost < best->cost)
-            *best = (struct split){cost, axis, (float)i};
+            *best = (struct split){cost, axis, i};
     }
 }
 
@@ -264,7 +276,7 @@ static uint32_t partition(const struct builder *b, const struct range *range,
     for (uint32_t i = 0; i < range->count; i++) {
         uint32_t emitter = order[i];
         float position = middle(&b->bounds[emitter], split->axis);
-        if ((float)bucket_of(position, low, high) >= split->position)
+        if (bucket_of(position, low, high, bucket_count(range)) >= split->position)
             continue;
         order[i] = order[left];
         order[left++] = emitter;
@@ -277,8 +289,22 @@ static uint32_t levels_needed(uint32_t count)
     return count > 1 ? 32u - (uint32_t)__builtin_clz(count - 1) : 0;
 }
 
-// How many of a range of at least 2 go to the left. Halves where nothing tells them apart, or where
-// the trail has no more bits than halving needs.
+// Puts few emitters in ascending order of their middles.
+static void sort_few(const struct builder *b, const struct range *range, int axis)
+{
+    uint32_t *order = b->order + range->first;
+    for (uint32_t i = 1; i < range->count; i++)
+        for (uint32_t j = i;
+             j > 0 && middle(&b->bounds[order[j]], axis) < middle(&b->bounds[order[j - 1]], axis);
+             j--) {
+            uint32_t moved = order[j];
+            order[j] = order[j - 1];
+            order[j - 1] = moved;
+        }
+}
+
+// How many of a range of at least 2 go to the left. Halves where they are few, where nothing tells
+// them apart, and where the trail has no more bits than halving needs.
 static uint32_t split_range(const struct builder *b, const struct range *range)
 {
     uint32_t half = range->count / 2;
@@ -294,6 +320,11 @@ static uint32_t split_range(const struct builder *b, const struct range *range)
         }
     for (int c = 0; c < 3; c++)
         longest = fmaxf(longest, high[c] - low[c]);
+    if (range->count < HALVED) {
+        int axis = longest > high[0] - low[0] ? longest > high[1] - low[1] ? 2 : 1 : 0;
+        sort_few(b, range, axis);
+        return half;
+    }
     struct split best = {.cost = INFINITY};
     for (int c = 0; c < 3; c++)
         if (high[c] > low[c] && isfinite(high[c] - low[c]))
