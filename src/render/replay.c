@@ -52,7 +52,9 @@ static bool read_hit(struct follower *f, uint32_t bounce, struct err *err)
     v->bounce = bounce;
     memcpy(v->direction, path.direction, sizeof v->direction);
     memcpy(v->throughput, path.throughput, sizeof v->throughput);
-    v->bsdf_pdf = path.bsdf_pdf;
+    // Whitted's rays have their depth there, and are all perfectly specular.
+    if (r->specialization.integrator != INTEGRATOR_WHITTED)
+        v->bsdf_pdf = path.bsdf_pdf;
     v->t = path.t;
     for (int c = 0; c < 3; c++) {
         v->origin[c] = (float)(path.origin[c] + r->flat.origin[c]);
@@ -93,7 +95,8 @@ static bool read_connection(struct follower *f, struct replay_vertex *v, struct 
     memcpy(v->light_point, ray.direction, sizeof v->light_point);
     memcpy(v->light_radiance, ray.radiance, sizeof v->light_radiance);
     v->light_is_point = !(ray.ignore_to & PRIMITIVE_SHAPE) && (ray.ignore_to & PRIMITIVE_LIGHT);
-    v->light_is_environment = ray.ignore_to == PRIMITIVE_ENVIRONMENT;
+    v->light_is_environment =
+        ray.ignore_to == PRIMITIVE_ENVIRONMENT || ray.ignore_to == NO_PRIMITIVE;
     if (v->light_is_point)
         v->light_primitive = ray.ignore_to & ~PRIMITIVE_LIGHT;
     else if (!v->light_is_environment)
