@@ -91,6 +91,14 @@ FEATURES = {
     "lights without extent": (["EMITTER_LIGHTS"], {
         "shade_surface": ["sample_point_light()", "spot_falloff()", "range_window()"],
     }),
+    "suns": (["EMITTER_SUNS"], {
+        "shade_surface": ["sample_sun()", "sun_radiance()"],
+        "shade_miss": ["found_suns()", "sees_sun()"],
+    }),
+    "environment to connect to": (["EMITTER_ENVIRONMENT"], {
+        "shade_surface": ["sample_environment()", "search_table()", "[environment]"],
+        "shade_miss": ["frame.environment_pick"],
+    }),
     "photometric profiles": (["EMITTER_PROFILES"], {
         "shade_surface": ["profile_intensity()", "find_interval()"],
     }),
@@ -182,6 +190,17 @@ LOBES = {
     "DIFFUSE_TRANSMISSION": (PRINCIPLED + ["THIN"], ["-"]),
     "SEPARABLE": (["DIELECTRIC", "ROUGH"], ["-"]),
 }
+# What of lib/sampler.glsl each sampler needs, in the order of shared/methods.h.
+SOBOL = {"sobol_4d", "scramble", "digits_1", "digits_2", "digits_3", "pcg4d"}
+STRATA = {"stratified", "stratum_point", "permute", "random_4d", "pcg4d"}
+SAMPLERS = {
+    "sobol": SOBOL | {"sobol"},
+    "pcg": {"random_4d", "pcg4d"},
+    "lcg": {"random_lcg"},
+    "stratified": STRATA,
+    "grid": STRATA,
+    "blue-noise": SOBOL | {"blue_noise", "spread_bits"},
+}
 # The others then cost spirv-opt no time.
 FEW_LOBES = ["LAMBERT", "MIRROR", "DISPERSION"]
 
@@ -228,19 +247,19 @@ def code_of(lines):
 
 
 @functools.lru_cache(maxsize=None)
-def freeze(path, features, lobes, folder, aovs=0):
-    return Module(path, features, lobes, folder, aovs)
+def freeze(path, features, lobes, folder, aovs=0, choices=""):
+    return Module(path, features, lobes, folder, aovs, choices)
 
 
 class Module:
     """A frozen kernel: its size and the names of what is left in it."""
 
-    def __init__(self, path, features, lobes, folder, aovs):
+    def __init__(self, path, features, lobes, folder, aovs, choices):
         frozen = os.path.join(folder, "frozen.spv")
         inlined = os.path.join(folder, "inlined.spv")
         # Ids as in shared/bindings.h; all queues exist.
-        constant = "--set-spec-const-default-value=0:%d 5:%d 6:1023 7:%d 8:%d" % (
-            features & 0xffffffff, lobes, features >> 32, aovs)
+        constant = "--set-spec-const-default-value=0:%d 5:%d 6:1023 7:%d 8:%d %s" % (
+            features & 0xffffffff, lobes, features >> 32, aovs, choices)
         subprocess.run(["spirv-opt", constant] + PASSES + [path, "-o", frozen], check=True)
         subprocess.run(["spirv-val", "--target-env", "vulkan1.2", frozen], check=True)
         subprocess.run(["spirv-opt"] + INLINE + [frozen, "-o", inlined], check=True)
@@ -382,6 +401,18 @@ def check_aovs(aovs, bits, lobes, kernels, folder):
                 check_gone("AOVs, " + kernel, want, on, off)
 
 
+def check_samplers(bits, kernels, folder):
+    """Of all samplers' code, only what the chosen one needs is there."""
+    owned = set().union(*SAMPLERS.values())
+    features = bits["JITTER"]
+    for number, (name, wanted) in enumerate(SAMPLERS.items()):
+        module = freeze(kernels["generate_rays"], features, 0, folder, 0, "10:%d" % number)
+        there = {function for function in owned if module.count(function + "()")}
+        if there != wanted:
+            fail("sampler %s: has %s, expected %s" % (name, sorted(there), sorted(wanted)))
+        print("%-26s %-18s %5d instructions" % (name, "generate_rays", module.instructions))
+
+
 def check_all_are_tested(bits, lobes):
     tested = set()
     for removed, _ in FEATURES.values():
@@ -411,6 +442,7 @@ def main():
             check_lobe(name, bits, lobes, kernels, folder)
         check_ballot(bits, few, kernels, folder)
         check_aovs(read_bits(sys.argv[1], "AOV"), bits, few, kernels, folder)
+        check_samplers(bits, kernels, folder)
     check_all_are_tested(bits, lobes)
     return 1 if failures else 0
 
