@@ -280,4 +280,145 @@ TEST(apertures)
         check_filling(&lenses[i]);
 }
 
-TEST_MAIN(TEST_CASE(rays), TEST_CASE(confusion), TEST_CASE(apertures))
+// --- pictures ------------------------------------------------------------------------------------
+
+static bool take_picture(struct renderer *r, uint64_t samples, struct arena *arena,
+                         struct film_image *film)
+{
+    struct err err = {0};
+    bool ok = renderer_render(r, &(struct render_call){.samples = samples}, &err) &&
+              renderer_read(r, arena, film, &err);
+    CHECK(ok, "%s", err.msg);
+    return ok;
+}
+
+// Of what surrounds it, a panorama is that picture.
+TEST(panorama_of_an_environment)
+{
+    const struct camera camera = {
+        .kind = CAMERA_PANORAMIC, .position = {5, -3, 2}, .direction = {1, 0, 0}, .up = {0, 1, 0}};
+    struct setup setup;
+    struct arena arena = {0};
+    struct film_image film;
+    make_scene(&setup.scene, &camera, false);
+    add_environment_image(&setup.scene, WIDTH, HEIGHT);
+    OPEN_SETUP(&setup, SLOTS);
+    uint32_t wrong = 0;
+    if (take_picture(&setup.r, 1, &arena, &film))
+        for (uint32_t i = 0; i < WIDTH * HEIGHT; i++)
+            for (int c = 0; c < 3; c++)
+                wrong += film.mean[i][c] !=
+                         setup.scene.environment.texels[i][c] * setup.scene.environment.radiance[c];
+    CHECK(wrong == 0, "%u values are not those of their texels", wrong);
+    arena_finish(&arena);
+    setup_close(&setup);
+}
+
+// The part of an aperture of radius 1 with x below u: of a disc, or of the square with level sides.
+static double part_below(const struct lens *lens, double u)
+{
+    if (lens->blades)
+        return fmin(fmax(0.5 + u * M_SQRT1_2, 0), 1);
+    u = fmin(fmax(u, -1), 1);
+    return 0.5 + (u * sqrt(1 - u * u) + asin(u)) / M_PI;
+}
+
+// A light's upright edge at depth z: what a pixel gets of it is the part of the aperture from which
+// its pinhole's ray, aimed at the plane in focus, meets the light.
+static void check_edge(const struct lens *lens)
+{
+    enum { SPP = 256 };
+    const double z = 3, s = lens->focus, edge = 0.05;
+    const float far_left = -40, right = (float)(0.5 + edge), depth = (float)-z;
+    const float light[2][3][3] = {
+        {{far_left, -40, depth}, {right, -40, depth}, {right, 40, depth}},
+        {{far_left, -40, depth}, {right, 40, depth}, {far_left, 40, depth}}};
+    struct setup setup;
+    struct arena arena = {0};
+    struct film_image film;
+    struct camera camera = lens_camera(lens);
+    make_scene(&setup.scene, &camera, false);
+    setup.scene.environment.present = false;
+    struct material material = {.name = "light", .model = MATERIAL_LAMBERT};
+    for (int c = 0; c < 3; c++)
+        material.parameters[PARAMETER_EMISSION + c] = 1;
+    material.flags |= MATERIAL_EMITS;
+    add_triangles(&setup.scene, light, 2, add_material(&setup.scene, &material));
+    OPEN_SETUP(&setup, SLOTS);
+    double worst = 0;
+    if (take_picture(&setup.r, SPP, &arena, &film))
+        for (uint32_t x = 0; x < WIDTH; x++) {
+            double aimed = ((x + 0.5) / WIDTH * 2 - 1) * tan(0.4) * WIDTH / HEIGHT * z;
+            // At depth z a point u R of the aperture is mapped to aimed + u R (1 - z / s).
+            double blur = lens->radius * (1 - z / s);
+            double expected = part_below(lens, (edge - aimed) / fabs(blur)), mean = 0;
+            for (uint32_t y = 0; y < HEIGHT; y++)
+                mean += (double)film.mean[y * WIDTH + x][0] / HEIGHT;
+            double sigma = sqrt(expected * (1 - expected) / (SPP * HEIGHT));
+            worst = fmax(worst, fabs(mean - expected) / fmax(sigma, 1e-9));
+            // Beyond 5 sigma once in 1.7 million.
+            CHECK(fabs(mean - expected) <= 5 * sigma + 1e-6, "%s: column %u: %g, expected %g",
+                  lens->name, x, mean, expected);
+        }
+    printf("  %s: edge within %.2f sigma\n", lens->name, worst);
+    arena_finish(&arena);
+    setup_close(&setup);
+}
+
+TEST(edges_out_of_focus)
+{
+    static const struct lens lenses[] = {
+        {"round, focus in front", 0.4, 1.5, 0, 0},
+        {"round, focus behind", 1.5, 8, 0, 0},
+        {"square", 0.4, 1.5, 4, M_PI / 4},
+    };
+    for (size_t i = 0; i < sizeof lenses / sizeof lenses[0]; i++)
+        check_edge(&lenses[i]);
+}
+
+// A Lambert sphere lit from where it is seen: its disc's mean is (2/3) rho E / pi, and the disc is
+// pi of the picture's 4.4 x 2.2 square metres.
+TEST(orthographic_full_moon)
+{
+    const struct camera camera = {.kind = CAMERA_ORTHOGRAPHIC,
+                                  .position = {0, 0, 10},
+                                  .direction = {0, 0, -1},
+                                  .up = {0, 1, 0},
+                                  .height = 2.2};
+    struct setup setup;
+    struct arena arena = {0};
+    struct film_image film;
+    make_scene(&setup.scene, &camera, true);
+    setup.scene.environment.present = false;
+    struct material material = {.name = "moon", .model = MATERIAL_LAMBERT};
+    for (int c = 0; c < 3; c++)
+        material.parameters[PARAMETER_BASE_COLOR + c] = 0.6f;
+    material.parameters[PARAMETER_OPACITY] = 1;
+    add_sphere(&setup.scene, (const double[]){0, 0, 0}, 1, add_material(&setup.scene, &material));
+    struct light *sun = scene_add_light(&setup.scene, NULL);
+    REQUIRE(sun);
+    *sun = (struct light){.name = "sun",
+                          .kind = LIGHT_DIRECTIONAL,
+                          .direction = {0, 0, -1},
+                          .radiant = {5, 5, 5},
+                          .range = INFINITY};
+    OPEN_SETUP(&setup, SLOTS);
+    double mean = 0, variance = 0;
+    const double pixels = WIDTH * HEIGHT, expected = 2.0 / 3 * 0.6 * 5 / (4.4 * 2.2);
+    if (take_picture(&setup.r, 256, &arena, &film))
+        for (uint32_t i = 0; i < WIDTH * HEIGHT; i++) {
+            double difference = (double)film.half_a[i][0] - (double)film.half_b[i][0];
+            mean += (double)film.mean[i][0] / pixels;
+            variance += difference * difference / 4 / (pixels * pixels);
+        }
+    CHECK(fabs(mean - expected) <= 5 * sqrt(variance), "%g, expected %g within %g", mean, expected,
+          5 * sqrt(variance));
+    CHECK(sqrt(variance) < 1e-3 * expected, "relative error of %g", sqrt(variance) / expected);
+    printf("  mean %.6f, expected %.6f, sigma %.2g\n", mean, expected, sqrt(variance));
+    arena_finish(&arena);
+    setup_close(&setup);
+}
+
+TEST_MAIN(TEST_CASE(rays), TEST_CASE(confusion), TEST_CASE(apertures),
+          TEST_CASE(panorama_of_an_environment), TEST_CASE(edges_out_of_focus),
+          TEST_CASE(orthographic_full_moon))
