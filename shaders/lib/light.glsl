@@ -46,7 +46,8 @@ float sphere_cone(float sin2_max)
     return sin2_max / (1.0 + sqrt(max(0.0, 1.0 - sin2_max)));
 }
 
-// Density per solid angle of a direction that reaches a sphere from outside it: uniform in the cone.
+// Density per solid angle of a direction that reaches a sphere from outside it: uniform in the
+// cone.
 float pdf_sphere_cone(float radius, float sin2_max, float pick_density)
 {
     float pick = pick_density * 4.0 * PI * radius * radius;
@@ -82,14 +83,9 @@ float shape_area(uint kind, float radius)
     return (kind == SHAPE_KIND_SPHERE ? 4.0 : 1.0) * PI * radius * radius;
 }
 
-// The density of choosing an emitter and a point on it, a unit area. By power it is the same for all
-// of one material: no lookup is needed to weight a hit.
-float pick_density_of(material m, float pick, float area)
-{
-    return LIGHT_CHOICE == LIGHT_CHOICE_POWER ? m.group[GROUP_EMISSION].a : pick / area;
-}
-
 // A point chosen uniformly by area: the vector to it and its surface normal give the density.
+// `density`: of choosing the emitter and a point on it, a unit area. By power it is the same for
+// all of one material, so that no lookup is needed to weight a hit.
 void finish_area_sample(inout light_sample l, vec3 to_light, vec3 normal, material m, float density)
 {
     float distance = length(to_light);
@@ -110,8 +106,10 @@ void sample_triangle_light(vec3 origin, uint index, float pick, vec2 u, inout li
     l.material = w1.w;
     l.barycentrics = b;
     material m = load_material(w1.w);
-    finish_area_sample(l, point - origin, normalize(cross(v1 - v0, v2 - v0)), m,
-                       pick_density_of(m, pick, triangle_area(v0, v1, v2)));
+    float density = m.group[GROUP_EMISSION].a;
+    if (LIGHT_CHOICE != LIGHT_CHOICE_POWER)
+        density = pick / triangle_area(v0, v1, v2);
+    finish_area_sample(l, point - origin, normalize(cross(v1 - v0, v2 - v0)), m, density);
 }
 
 // From outside uniformly in the cone that the sphere fills, to its near side; from inside by area.
@@ -145,7 +143,9 @@ void sample_shape_light(vec3 origin, uint index, float pick, vec2 u, inout light
     uvec4 w1 = load_shapes(index * SHAPE_WORDS + 1u);
     uint kind = w1.w >> SHAPE_KIND_SHIFT;
     material m = load_material(w1.w);
-    float density = pick_density_of(m, pick, shape_area(kind, w0.w));
+    float density = m.group[GROUP_EMISSION].a;
+    if (LIGHT_CHOICE != LIGHT_CHOICE_POWER)
+        density = pick / shape_area(kind, w0.w);
     l.material = w1.w;
     if (HAS_EMITTER(EMITTER_SPHERES) && kind == SHAPE_KIND_SPHERE)
         sample_sphere_light(origin, w0.xyz, w0.w, m, density, u, l);
@@ -158,8 +158,8 @@ void sample_shape_light(vec3 origin, uint index, float pick, vec2 u, inout light
     }
 }
 
-// What textures leave of a sampled primitive's emission, and whether it is there at all: on average,
-// since the shadow ray does not ask what it is sent to.
+// What textures leave of a sampled primitive's emission, and whether it is there at all: on
+// average, since the shadow ray does not ask what it is sent to.
 void texture_light(vec3 origin, inout light_sample l)
 {
     vec3 point = origin + l.to_light;
@@ -189,8 +189,8 @@ float spot_falloff(vec3 direction, vec3 from_light, float scale, float offset)
     return falloff * falloff;
 }
 
-// The part of a light's intensity that a distance of `part` ranges leaves, besides the square of the
-// distance (KHR_lights_punctual, "Range Property").
+// The part of a light's intensity that a distance of `part` ranges leaves, besides the square of
+// the distance (KHR_lights_punctual, "Range Property").
 float range_window(float part)
 {
     float square = part * part;
@@ -247,15 +247,15 @@ void sample_environment_light(vec2 u, inout light_sample l)
     // stratification.
     uvec4 more = pcg4d(uvec4(floatBitsToUint(u), 0u, 0u));
     vec3 direction;
-    l.pdf = frame.environment_pick *
-            sample_environment(u, vec2(more.xy >> 8u) * 5.9604644775390625e-8, direction, l.radiance);
+    vec2 low = vec2(more.xy >> 8u) * 5.9604644775390625e-8;
+    l.pdf = frame.environment_pick * sample_environment(u, low, direction, l.radiance);
     l.to_light = frame.environment_reach * direction;
     l.infinite = true;
 }
 
-// One of frame.emitter_count bins of the alias table, and where in it, by two uniforms: one alone has
-// too few bits for bins that are many, or that are shared unequally. u = (x, y) stands for the number
-// x + 2^-24 y, which has 48.
+// One of frame.emitter_count bins of the alias table, and where in it, by two uniforms: one alone
+// has too few bits for bins that are many, or that are shared unequally. u = (x, y) stands for the
+// number x + 2^-24 y, which has 48.
 uint choose_bin(vec2 u, out float within)
 {
     uvec2 bits = uvec2(u * 16777216.0);
@@ -269,8 +269,8 @@ uint choose_bin(vec2 u, out float within)
     return high << 8 | low >> 24;
 }
 
-// Chooses an emitter: in proportion to its power by the alias table (Walker 1977; Vose 1991), any with
-// the same probability, or by the tree.
+// Chooses an emitter: in proportion to its power by the alias table (Walker 1977; Vose 1991), any
+// with the same probability, or by the tree.
 light_choice choose_light(receiver r, vec2 u)
 {
     if (LIGHT_CHOICE == LIGHT_CHOICE_TREE) {
@@ -351,7 +351,9 @@ receiver receiver_of(vec3 origin, vec3 direction, uint primitive)
         uint at = (primitive & ~PRIMITIVE_SHAPE) * SHAPE_WORDS;
         uvec4 w1 = load_shapes(at + 1u);
         bool is_sphere = HAS(FEATURE_SPHERES) && w1.w >> SHAPE_KIND_SHIFT == SHAPE_KIND_SPHERE;
-        normal = is_sphere ? normalize(origin - load_shapes_float(at).xyz) : uintBitsToFloat(w1.xyz);
+        normal = uintBitsToFloat(w1.xyz);
+        if (is_sphere)
+            normal = normalize(origin - load_shapes_float(at).xyz);
         material = w1.w;
     }
     return receiver(origin, dot(normal, direction) < 0.0 ? -normal : normal,

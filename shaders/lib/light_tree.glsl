@@ -1,5 +1,5 @@
-// Choosing an emitter by what it may send to a point, down a tree (Conty Estevez and Kulla 2018; see
-// render/light_tree.h). Reads the emitters' buffer.
+// Choosing an emitter by what it may send to a point, down a tree (Conty Estevez and Kulla 2018;
+// see render/light_tree.h). Reads the emitters' buffer.
 #ifndef LIGHT_TREE_GLSL
 #define LIGHT_TREE_GLSL
 
@@ -29,9 +29,9 @@ float sin_from_cos(float cosine)
     return sqrt(max(0.0, 1.0 - cosine * cosine));
 }
 
-// The most that the emitters of a child may send to the receiver, as far as their bounds say (Pharr,
-// Jakob, Humphreys 2023, section 12.6.3), by the two words of four at `at`. Distances below the
-// radius of the bounds count as that.
+// The most that the emitters of a child may send to the receiver, as far as their bounds say
+// (Pharr, Jakob, Humphreys 2023, section 12.6.3), by the two words of four at `at`. Distances
+// below the radius of the bounds count as that.
 float light_importance(uint at, receiver r)
 {
     vec4 sphere = load_emitters_float(at);
@@ -66,8 +66,8 @@ float light_importance(uint at, receiver r)
     return importance * uintBitsToFloat(word.z) / max(distance2, radius2);
 }
 
-// How the two children of a pair share what comes to it. The less probable one comes first: the other
-// takes what rounding leaves.
+// How the two children of a pair share what comes to it. The less probable one comes first: the
+// other takes what rounding leaves.
 struct light_fork {
     float smaller; // its probability; 0 where both are 0, too
     uint first;    // number of the child it belongs to
@@ -88,8 +88,8 @@ uvec2 number_of(vec2 u)
     return uvec2(bits.x << 8u | bits.y >> 16u, bits.y << 16u);
 }
 
-// Whether `number`, which is below `width`, is in the first part of it, of this probability (at most
-// 1/2); moves on to what the number is of that part or of the rest, and their width.
+// Whether `number`, which is below `width`, is in the first part of it, of this probability (at
+// most 1/2); moves on to what the number is of that part or of the rest, and their width.
 bool take_first(inout uvec2 number, inout float width, float probability)
 {
     float part = width * probability;
@@ -111,8 +111,8 @@ uint light_pair_at(uint pair)
     return LIGHT_TREE_WORDS + pair * LIGHT_PAIR_WORDS;
 }
 
-// Chooses an emitter by two uniforms; returns the word of its primitive and the probability, which is
-// 0 where no emitter sends anything.
+// Chooses an emitter by two uniforms; returns the word of its primitive and the probability, which
+// is 0 where no emitter sends anything.
 uint choose_from_tree(receiver r, vec2 u, out float probability)
 {
     uvec4 head = load_emitters(0u);

@@ -140,7 +140,7 @@ static uint64_t limit_of(const struct memory_plan_params *p, uint32_t b)
 
 // Shadow rays of a vertex: one thread loops over their emitters. Some drivers silently end loops of
 // one invocation after 65,535 rounds (see specialize.c), and each emitter has loops of its own.
-#define LIGHT_RAYS_MAX 4096u
+#define LIGHT_RAYS_MAX 512u
 
 static bool check_light_rays(const struct memory_plan_params *p, struct err *err)
 {

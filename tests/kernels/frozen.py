@@ -60,7 +60,10 @@ FEATURES = {
         "intersect_shadow": ["intersect_shape_leaf()", "[shapes]"],
         "shade_surface": ["load_shape_surface()", "sample_shape_light()", "[shapes]"],
     }),
-    "shading normals": (["NORMALS", "NORMAL_MAPS"], {"shade_surface": ["bend_normal()"]}),
+    "shading normals": (["NORMALS", "NORMAL_MAPS"], {
+        "shade_surface": ["bend_normal()"],
+        "shade_ao": ["decode_normal()", "[attributes]"],
+    }),
     "corner attributes": (["NORMALS", "TANGENTS", "UV0", "UV1", "COLORS"], {
         "intersect_closest": ["load_uv()"],
         "intersect_shadow": ["load_uv()"],
@@ -86,6 +89,7 @@ FEATURES = {
         "generate_rays": ["[materials]"],
         "shade_miss": ["load_medium()", "media_current()", "[materials]"],
         "shade_surface": ["find_media()", "media_cross()", "load_medium()", "transmittance()"],
+        "shade_whitted": ["find_media()", "load_medium()", "transmittance()"],
     }),
     "classes": (["CLASSES"], {"intersect_closest": ["hit_class()"]}),
     "lights without extent": (["EMITTER_LIGHTS"], {
@@ -116,12 +120,14 @@ FEATURES = {
     "next-event estimation": (["NEE"], {
         "shade_surface": ["connect_light()", "sample_light()", "pdf_light()", "[emitters]",
                           "[shadow_rays]", "frame.emitter_count", "queue_push() x1"],
+        "shade_whitted": ["whitted_lights()", "whitted_light()", "[emitters]", "queue_push() x1"],
     }),
     "emitters hit by the BSDF": (["BSDF_HITS_EMITTERS"], {
         "shade_surface": ["mis_weight()", "pdf_light()"],
     }),
     "environment": (["ENVIRONMENT", "ENVIRONMENT_IMAGE"], {
         "intersect_closest": ["queue_push() x1"],
+        "shade_whitted": ["add_surroundings()", "environment_radiance()", "frame.ambient"],
     }),
     "environment image": (["ENVIRONMENT_IMAGE"], {
         "shade_miss": ["environment_texel()", "[environment]", "frame.environment_size"],
@@ -190,6 +196,16 @@ LOBES = {
     "DIFFUSE_TRANSMISSION": (PRINCIPLED + ["THIN"], ["-"]),
     "SEPARABLE": (["DIELECTRIC", "ROUGH"], ["-"]),
 }
+# What of lib/light.glsl and lib/light_tree.glsl each way to choose an emitter needs, in the order of
+# shared/methods.h.
+LIGHT_CHOICES = {
+    "uniform": {"choose_bin", "triangle_area", "shape_area"},
+    "power": {"choose_bin"},
+    "all": {"connect_all_lights", "sample_each_light", "triangle_area", "shape_area"},
+    "tree": {"choose_from_tree", "probability_in_tree", "light_importance", "take_first",
+             "receiver_of", "triangle_area", "shape_area"},
+}
+
 # What of lib/sampler.glsl each sampler needs, in the order of shared/methods.h.
 SOBOL = {"sobol_4d", "scramble", "digits_1", "digits_2", "digits_3", "pcg4d"}
 STRATA = {"stratified", "stratum_point", "permute", "random_4d", "pcg4d"}
@@ -413,6 +429,20 @@ def check_samplers(bits, kernels, folder):
         print("%-26s %-18s %5d instructions" % (name, "generate_rays", module.instructions))
 
 
+def check_light_choices(bits, lobes, kernels, folder):
+    """Of all ways to choose an emitter, only the chosen one is there."""
+    owned = set().union(*LIGHT_CHOICES.values())
+    names = ["TRIANGLES", "SPHERES", "EMISSION", "NEE", "BSDF_HITS_EMITTERS", "EMITTER_TRIANGLES",
+             "EMITTER_SPHERES"]
+    features = sum(bits[name] for name in names)
+    for number, (name, wanted) in enumerate(LIGHT_CHOICES.items(), 1):
+        module = freeze(kernels["shade_surface"], features, lobes, folder, 0, "14:%d" % number)
+        there = {function for function in owned if module.count(function + "()")}
+        if there != wanted:
+            fail("light choice %s: has %s, expected %s" % (name, sorted(there), sorted(wanted)))
+        print("%-26s %-18s %5d instructions" % (name, "shade_surface", module.instructions))
+
+
 def check_all_are_tested(bits, lobes):
     tested = set()
     for removed, _ in FEATURES.values():
@@ -443,6 +473,7 @@ def main():
         check_ballot(bits, few, kernels, folder)
         check_aovs(read_bits(sys.argv[1], "AOV"), bits, few, kernels, folder)
         check_samplers(bits, kernels, folder)
+        check_light_choices(bits, few, kernels, folder)
     check_all_are_tested(bits, lobes)
     return 1 if failures else 0
 
