@@ -235,6 +235,17 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .commands = FOR_SCENE, .fallback = "the first",
         .help = "Which of the scene's cameras, by name or by number from 0.", FIELD(camera),
     },
+    [OPTION_APERTURE] = {
+        .name = "aperture", .argument = "MM", .type = VALUE_REAL, .min = 0, .max = 1e6,
+        .group = "Scene", .commands = FOR_SCENE, .fallback = "the camera's",
+        .help = "Radius of the camera's lens in millimetres; 0: a pinhole.", FIELD(aperture_mm),
+    },
+    [OPTION_FOCUS_DISTANCE] = {
+        .name = "focus-distance", .argument = "METRES", .type = VALUE_REAL, .min = 1e-9,
+        .max = 1e9, .group = "Scene", .commands = FOR_SCENE, .fallback = "the camera's",
+        .help = "How far away what is in focus lies, along the line of sight.",
+        FIELD(focus_distance),
+    },
     [OPTION_SCENE] = {
         .name = "scene", .argument = "NAME|INDEX", .type = VALUE_TEXT, .group = "Scene",
         .commands = FOR_SCENE, .fallback = "the one that the file names, else the first",

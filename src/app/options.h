@@ -53,6 +53,8 @@ enum option_id {
     OPTION_ROULETTE_MAX_BOUNCES,
     OPTION_ROULETTE_SURVIVAL,
     OPTION_CAMERA,
+    OPTION_APERTURE,
+    OPTION_FOCUS_DISTANCE,
     OPTION_SCENE,
     OPTION_ANIMATION,
     OPTION_AT,
@@ -194,6 +196,8 @@ struct options {
     uint32_t output_count;
 
     const char *camera;            // name or index; NULL: the first
+    double aperture_mm;            // radius of the lens
+    double focus_distance;         // metres
     const char *scene, *animation; // of a glTF file: names or indices; NULL: see the table
     double at_seconds;
     const char *variant; // of a glTF file's materials; NULL: none

@@ -1,5 +1,6 @@
 #include "render_job.h"
 
+#include "hash.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -26,6 +27,29 @@ static bool choose_camera(const struct options *options, const struct scene *sce
     return err_set(err, ERR_USAGE,
                    "--camera %s: no such camera in %s: expected a name or an index below %u",
                    options->camera, scene->path, scene->camera_count);
+}
+
+// The lens of the command line. It makes another scene.
+static bool set_lens(const struct options *options, struct scene *scene, struct camera *camera,
+                     struct err *err)
+{
+    bool aperture = options_given(options, OPTION_APERTURE);
+    bool focus = options_given(options, OPTION_FOCUS_DISTANCE);
+    if (!aperture && !focus)
+        return true;
+    if (camera->kind != CAMERA_PERSPECTIVE)
+        return err_set(err, ERR_USAGE, "--%s: lenses go with perspective cameras; this one is %s",
+                       aperture ? "aperture" : "focus-distance", camera_names[camera->kind]);
+    if (aperture)
+        camera->lens_radius = options->aperture_mm * 1e-3;
+    if (focus)
+        camera->focus_distance = options->focus_distance;
+    if (camera->lens_radius > 0 && !(camera->focus_distance > 0))
+        return err_set(err, ERR_USAGE,
+                       "--aperture: the camera has no lens so far: expected --focus-distance, too");
+    const double lens[] = {camera->lens_radius, camera->focus_distance};
+    scene->hash = hash_bytes(scene->hash, lens, sizeof lens);
+    return true;
 }
 
 bool job_load_scene(const struct options *options, struct scene *scene, uint32_t *camera,
@@ -57,5 +81,6 @@ bool job_load_scene(const struct options *options, struct scene *scene, uint32_t
         return err_set(err, ERR_STOPPED, "%s: loading was stopped", scene->path);
     options_apply_settings(options, &scene->settings);
     scene_frame_camera(scene);
-    return choose_camera(options, scene, camera, err);
+    return choose_camera(options, scene, camera, err) &&
+           set_lens(options, scene, &scene->cameras[*camera], err);
 }
