@@ -230,7 +230,8 @@ static void specialize_ao(struct specialization *s)
 // refraction are followed, one of them waits: misses are then taken up from, too.
 static void specialize_whitted(struct specialization *s, const struct settings *settings)
 {
-    s->features &= ~(FEATURE_CLASSES | FEATURE_ROULETTE | FEATURE_BSDF_HITS_EMITTERS);
+    s->features &=
+        ~(FEATURE_CLASSES | FEATURE_ROULETTE | FEATURE_BSDF_HITS_EMITTERS | FEATURE_NEE_DEPTH);
     s->lobes &= LOBES_WHITTED;
     memset(s->class_lobes, 0, sizeof s->class_lobes);
     // Suns have no extent here.

@@ -62,12 +62,13 @@ FEATURES = {
     }),
     "shading normals": (["NORMALS", "NORMAL_MAPS"], {
         "shade_surface": ["bend_normal()"],
-        "shade_ao": ["decode_normal()", "[attributes]"],
+        "shade_ao": ["decode_normal()"],
     }),
     "corner attributes": (["NORMALS", "TANGENTS", "UV0", "UV1", "COLORS"], {
         "intersect_closest": ["load_uv()"],
         "intersect_shadow": ["load_uv()"],
         "shade_surface": ["decode_normal()", "load_uv()", "[attributes]"],
+        "shade_ao": ["decode_normal()", "load_uv()", "[attributes]"],
     }),
     "tangents": (["TANGENTS"], {"shade_surface": ["decode_tangent()"]}),
     "texture coordinates": (["UV0", "UV1"], {"shade_surface": ["load_uv()"]}),
