@@ -311,6 +311,32 @@ class Render(unittest.TestCase):
         result = run('compare', self.path('a.exr'), self.path('b.exr'), '--max', 'differing=0')
         self.assertEqual(result.returncode, 0, result.stderr)
 
+    def test_layers(self):
+        self.assertEqual(self.render('--spp', '2', '-o', self.path('plain.exr')).returncode, 0)
+        result = self.render('--frames', '2', '--every', '1', '--aov', 'normal,ids', '--aov', 'alpha',
+                             '-o', self.path('a.exr'), '-o', self.path('a.png'))
+        self.assertEqual(result.returncode, 0, result.stderr)
+        for name in ('a.0001.exr', 'a.0002.exr', 'a.exr'):
+            with open(self.path(name), 'rb') as file:
+                header = file.read(4096)
+            for channel in (b'normal.X', b'id.object', b'alpha.A', b'R'):
+                self.assertIn(b'\0' + channel + b'\0', header)
+            self.assertIn(b'normal,alpha,id', header)
+            self.assertNotIn(b'depth', header)
+        same = run('compare', self.path('plain.exr'), self.path('a.exr'), '--max', 'differing=0')
+        self.assertEqual(same.returncode, 0, same.stderr)
+        result = self.render('--aov', 'depth', '-o', self.path('b.png'))
+        self.assertEqual(result.returncode, 2)
+        self.assertIn('layers go into EXR files', result.stderr)
+
+    def test_lenses(self):
+        result = self.render('--spp', '1', '--aperture', '20', '-o', self.path('a.exr'))
+        self.assertEqual(result.returncode, 2)
+        self.assertIn('expected --focus-distance', result.stderr)
+        result = self.render('--spp', '1', '--aperture', '20', '--focus-distance', '1', '-o',
+                             self.path('a.exr'))
+        self.assertEqual(result.returncode, 0, result.stderr)
+
     def test_outputs_that_cannot_be_written(self):
         # A sample count that would take hours: the failure must come before.
         result = self.render('--spp', '1G', '-o', self.path('nowhere/a.exr'))
