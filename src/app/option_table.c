@@ -168,7 +168,8 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .name = "nee-depth", .argument = "N|off", .type = VALUE_COUNT_OR_OFF, .min = 0,
         .max = SETTINGS_BOUNCES_MAX, .group = "Method", .commands = FOR_SCENE,
         .fallback = IN_SCENE_FILE "off: all of them",
-        .help = "Only the first N vertices of a path send shadow rays.",
+        .help = "Only the first N vertices of a path send shadow rays. Lights without extent are "
+                "lost beyond: the picture is then biased.",
         FIELD(settings.nee_depth),
     },
     [OPTION_MIS] = {
