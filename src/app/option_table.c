@@ -138,7 +138,8 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .name = "halves", .argument = "independent|contiguous", .type = VALUE_CHOICE,
         .group = "Method", .commands = FOR_SCENE, .fallback = IN_SCENE_FILE "independent",
         .help = "Whether the half-buffers that tell the error have a sequence of their own each, "
-                "or are the first and the second half of one, whose error is an upper bound.",
+                "or are the first and the second half of one: less noise in the picture, and an "
+                "upper bound of its error.",
         FIELD(settings.halves),
     },
     [OPTION_FILTER] = {
@@ -150,7 +151,9 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .name = "filter-radius", .argument = "PIXELS", .type = VALUE_REAL, .min = 0,
         .max = SETTINGS_FILTER_RADIUS_MAX, .group = "Method", .commands = FOR_SCENE,
         .fallback = IN_SCENE_FILE "0: the filter's own",
-        .help = "Half the width of the pixel filter.", FIELD(settings.filter_radius),
+        .help = "Half the width of the pixel filter. Its own: box 0.5, tent 1, gaussian and "
+                "blackman-harris 1.5.",
+        FIELD(settings.filter_radius),
     },
     [OPTION_LIGHT_CHOICE] = {
         .name = "light-choice", .argument = "auto|uniform|power|all|tree", .type = VALUE_CHOICE,

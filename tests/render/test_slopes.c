@@ -224,4 +224,55 @@ TEST(samplers_long)
     compare_samplers(counts, sizeof counts / sizeof *counts);
 }
 
-TEST_MAIN(TEST_CASE(slopes), TEST_CASE(slopes_long), TEST_CASE(samplers_long))
+// --- to the eye ----------------------------------------------------------------------------------
+
+// As the eye does from afar: the means over a pixel and its neighbours, weighted (1, 2, 1) / 4
+// across and down, of the pixels that have all.
+static void blur(float (*value)[VALUES])
+{
+    static float sharp[VALUES];
+    for (uint32_t seed = 0; seed < SEEDS; seed++) {
+        memcpy(sharp, value[seed], sizeof sharp);
+        memset(value[seed], 0, sizeof sharp);
+        for (uint32_t i = 0; i < VALUES; i++) {
+            uint32_t x = i / 3 % SIDE, y = i / 3 / SIDE;
+            if (x == 0 || y == 0 || x + 1 == SIDE || y + 1 == SIDE)
+                continue;
+            for (uint32_t n = 0; n < 9; n++) {
+                uint32_t across = n % 3, down = n / 3;
+                float weight = (across == 1 ? 2.0f : 1.0f) * (down == 1 ? 2.0f : 1.0f) / 16.0f;
+                value[seed][i] += weight * sharp[i - 3 * (SIDE + 1) + 3 * (SIDE * down + across)];
+            }
+        }
+    }
+}
+
+TEST(blurred_long)
+{
+    static const uint32_t others[] = {SAMPLER_SOBOL, SAMPLER_BLUE_NOISE};
+    static float value[SEEDS][VALUES];
+    struct gpu gpu;
+    OPEN_GPU(&gpu, 0);
+    printf("variance after a blur, relative to that of independent samples, %u seeds\n", SEEDS);
+    for (uint32_t i = 0; i < PATHS * 3; i++) {
+        struct method method = {SAMPLER_PCG, HALVES_INDEPENDENT, 1u << i % 3};
+        double ratio[2];
+        render_seeds(&gpu, paths[i / 3], method, value);
+        blur(value);
+        double base = variance(value, SEEDS);
+        for (int o = 0; o < 2; o++) {
+            method.sampler = others[o];
+            render_seeds(&gpu, paths[i / 3], method, value);
+            blur(value);
+            ratio[o] = variance(value, SEEDS) / base;
+        }
+        printf("%s, %u samples: sobol %.2f; blue-noise %.2f\n", paths[i / 3], method.samples,
+               ratio[0], ratio[1]);
+        fflush(stdout);
+        CHECK(ratio[1] <= 1, "%s, %u samples: %g", paths[i / 3], method.samples, ratio[1]);
+    }
+    gpu_close(&gpu);
+}
+
+TEST_MAIN(TEST_CASE(slopes), TEST_CASE(slopes_long), TEST_CASE(samplers_long),
+          TEST_CASE(blurred_long))
