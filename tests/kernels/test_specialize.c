@@ -45,6 +45,7 @@ enum {
     NEE_DEPTH = TRAIT(40),
     CLAMP = TRAIT(41),
     PROFILE = TRAIT(42), // the lamp has one
+    SUN = TRAIT(43),     // a directional light with an extent
 };
 
 static void *present(void *memory)
@@ -176,6 +177,14 @@ static void make_scene(uint64_t has, struct scene *scene)
                            .radiant = {5, 5, 5},
                            .range = INFINITY,
                            .profile = scene->profiles};
+    if (has & SUN)
+        *(struct light *)present(scene_add_light(scene, NULL)) =
+            (struct light){.name = "sun",
+                           .kind = LIGHT_DIRECTIONAL,
+                           .direction = {0, 0, -1},
+                           .radiant = {5, 5, 5},
+                           .range = INFINITY,
+                           .angular_radius = 0.1};
     if (has & SKY)
         scene->environment = (struct environment){.present = true, .radiance = {1, 1, 1}};
     if (has & SKY_IMAGE)
@@ -287,8 +296,12 @@ static const struct pair pairs[] = {
     {"emitters hit by the BSDF", QUAD | BRIGHT_QUAD, QUAD | BRIGHT_QUAD | ONLY_NEE,
      FEATURE_BSDF_HITS_EMITTERS, 0, 0, 0},
     {"environment", QUAD | SKY, QUAD, FEATURE_ENVIRONMENT, BIT(KERNEL_shade_miss), 0, 1},
-    {"environment image", QUAD | SKY_IMAGE, QUAD | SKY, FEATURE_ENVIRONMENT_IMAGE, 0,
-     BIT(BINDING_ENVIRONMENT), 0},
+    {"environment image", QUAD | SKY_IMAGE | ONLY_BSDF, QUAD | SKY | ONLY_BSDF,
+     FEATURE_ENVIRONMENT_IMAGE, 0, BIT(BINDING_ENVIRONMENT), 0},
+    {"environment to connect to", QUAD | SKY_IMAGE, QUAD | SKY_IMAGE | ONLY_BSDF,
+     EMITS(EMITTER_ENVIRONMENT) | FEATURE_NEE, SHADOW_KERNELS, SHADOW_BUFFERS, 1},
+    {"suns", QUAD | SUN, QUAD, EMITS(EMITTER_SUNS) | FEATURE_NEE | FEATURE_ENVIRONMENT,
+     SHADOW_KERNELS | BIT(KERNEL_shade_miss), SHADOW_BUFFERS, 2},
     {"roulette", QUAD | ROULETTE, QUAD, FEATURE_ROULETTE, 0, 0, 0},
     {"shadow rays by depth", QUAD | BRIGHT_QUAD | NEE_DEPTH, QUAD | BRIGHT_QUAD, FEATURE_NEE_DEPTH,
      0, 0, 0},
