@@ -88,12 +88,12 @@ FEATURES = {
     }),
     "media": (["MEDIA"], {
         "generate_rays": ["[materials]"],
-        "shade_miss": ["load_medium()", "media_current()", "[materials]"],
+        "shade_miss": ["load_medium()", "media_current()"],
         "shade_surface": ["find_media()", "media_cross()", "load_medium()", "transmittance()"],
         "shade_whitted": ["find_media()", "load_medium()", "transmittance()"],
     }),
     "classes": (["CLASSES"], {"intersect_closest": ["hit_class()"]}),
-    "lights without extent": (["EMITTER_LIGHTS"], {
+    "lights without extent, suns": (["EMITTER_LIGHTS", "EMITTER_SUNS"], {
         "shade_surface": ["sample_point_light()", "spot_falloff()", "range_window()"],
     }),
     "suns": (["EMITTER_SUNS"], {
@@ -101,7 +101,7 @@ FEATURES = {
         "shade_miss": ["found_suns()", "sees_sun()"],
     }),
     "environment to connect to": (["EMITTER_ENVIRONMENT"], {
-        "shade_surface": ["sample_environment()", "search_table()", "[environment]"],
+        "shade_surface": ["sample_environment()", "search_table()"],
         "shade_miss": ["frame.environment_pick"],
     }),
     "photometric profiles": (["EMITTER_PROFILES"], {
