@@ -408,8 +408,15 @@ bool job_settle_samples(struct render_job *job, struct err *err)
                        (unsigned)job->samples_most, TILE_SAMPLES_MIN);
     if (options->adaptive)
         choose_rounds(job);
+    bool apart = options->frames && !options->accumulate;
+    if (apart && job->scene.settings.halves == HALVES_CONTIGUOUS)
+        return err_set(
+            err, ERR_USAGE,
+            "--halves contiguous is one sequence for all samples, and frames that do not "
+            "accumulate have none in common: expected --accumulate on or --halves "
+            "independent");
     if (options->frames) // what samplers plan on
-        job->scene.settings.spp = (uint64_t)options->frames * options->spp_per_frame;
+        job->scene.settings.spp = (uint64_t)options->spp_per_frame * (apart ? 1 : options->frames);
     return true;
 }
 
