@@ -58,6 +58,14 @@ bool load_json_teapot(struct scene *scene, const struct json_node *teapot, uint3
 bool load_json_torus(struct scene *scene, const struct json_node *torus, uint32_t material,
                      struct err *err);
 
+// Spheres without number, with materials of their own.
+bool load_json_scatter(struct json_loader *loader, const struct json_node *scatter,
+                       struct err *err);
+
+// The index of the material that the object's "material" names; SCENE_NONE without it.
+bool load_json_material_name(const struct json_loader *loader, const struct json_node *object,
+                             uint32_t *material, struct err *err);
+
 // A unit vector: the object's "direction", or where its "target" lies from the position. Without a
 // position there is no target.
 bool load_json_direction(const struct json_node *object, const double position[3],

@@ -266,16 +266,18 @@ enum shape_type {
     TYPE_GENERATED,
     TYPE_TEAPOT,
     TYPE_TORUS,
+    TYPE_SCATTER,
     TYPE_INSTANCE,
     TYPE_COUNT,
 };
 
-static const char *const type_names[TYPE_COUNT + 1] = {
-    "mesh", "quad", "box", "sphere", "disc", "generated", "teapot", "torus", "instance", NULL};
+static const char *const type_names[TYPE_COUNT + 1] = {"mesh",    "quad",      "box",    "sphere",
+                                                       "disc",    "generated", "teapot", "torus",
+                                                       "scatter", "instance",  NULL};
 
 // Keys beside "type", and beside "name" and "transform", which all shapes may have.
 static const struct {
-    const char *required[5], *optional[7];
+    const char *required[6], *optional[7];
 } type_keys[TYPE_COUNT] = {
     [TYPE_MESH] = {{"type", "file"}, {"name", "transform", "material", "fit"}},
     [TYPE_QUAD] = {{"type", "material"}, {"name", "transform", "vertices", "corner", "u", "v"}},
@@ -286,6 +288,8 @@ static const struct {
     [TYPE_TEAPOT] = {{"type", "material"}, {"name", "transform", "resolution"}},
     [TYPE_TORUS] = {{"type", "material"},
                     {"name", "transform", "tube", "segments", "tube_segments"}},
+    [TYPE_SCATTER] = {{"type", "count", "disc_radius", "radius", "materials"},
+                      {"name", "transform", "seed", "as", "subdivision"}},
     [TYPE_INSTANCE] = {{"type", "of"}, {"name", "transform", "material"}},
 };
 
@@ -299,8 +303,8 @@ static bool read_type(const struct json_node *node, uint32_t *type, struct err *
            node_check_object(node, type_keys[*type].required, type_keys[*type].optional, err);
 }
 
-static bool read_material(const struct json_loader *loader, const struct json_node *shape,
-                          uint32_t *material, struct err *err)
+bool load_json_material_name(const struct json_loader *loader, const struct json_node *shape,
+                             uint32_t *material, struct err *err)
 {
     const char *name = NULL;
     *material = SCENE_NONE;
@@ -339,7 +343,7 @@ static bool add_in_own_space(struct shape_list *list, const struct json_node *no
 {
     struct scene *scene = list->loader->scene;
     uint32_t material;
-    if (!read_material(list->loader, node, &material, err))
+    if (!load_json_material_name(list->loader, node, &material, err))
         return false;
     switch (type) {
     case TYPE_MESH:
@@ -358,6 +362,8 @@ static bool add_in_own_space(struct shape_list *list, const struct json_node *no
         return load_json_torus(scene, node, material, err);
     case TYPE_TEAPOT:
         return load_json_teapot(scene, node, material, err);
+    case TYPE_SCATTER:
+        return load_json_scatter(list->loader, node, err);
     case TYPE_INSTANCE:
         return load_instance(list, node, material, err);
     case TYPE_COUNT:

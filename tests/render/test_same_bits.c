@@ -154,9 +154,9 @@ TEST(cornell)
     check_file("scenes/cornell.json");
 }
 
-TEST(spheres)
+TEST(glow_worms)
 {
-    check_file("scenes/spheres.json");
+    check_file("scenes/glow_worms.json");
 }
 
 TEST(furnace)
@@ -322,7 +322,7 @@ static void check_scales(const char *path)
 TEST(scales)
 {
     check_scales("scenes/cornell.json");
-    check_scales("scenes/spheres.json");
+    check_scales("scenes/glow_worms.json");
     check_scales("tests/render/scenes/blob.json");
 }
 
@@ -335,7 +335,7 @@ TEST(validation_is_silent)
     struct film_image film;
     struct err err = {0};
     OPEN_GPU(&gpu, .validation = true, .limits = {.storage_range = 1u << 15});
-    REQUIRE_OK(load_scene("scenes/spheres.json", size, &scene, &err));
+    REQUIRE_OK(load_scene("scenes/glow_worms.json", size, &scene, &err));
     const struct renderer_params params = {.gpu = &gpu, .scene = &scene, .everything = true};
     REQUIRE_OK(render_film(&params, 3, &arena, &film, NULL, &err));
     CHECK(gpu.validation_messages == 0, "%u messages", gpu.validation_messages);
@@ -344,7 +344,7 @@ TEST(validation_is_silent)
     gpu_close(&gpu);
 }
 
-TEST_MAIN(TEST_CASE(cornell), TEST_CASE(spheres), TEST_CASE(furnace), TEST_CASE(even_sky),
+TEST_MAIN(TEST_CASE(cornell), TEST_CASE(glow_worms), TEST_CASE(furnace), TEST_CASE(even_sky),
           TEST_CASE(all_classes), TEST_CASE(normals_and_environment_image),
           TEST_CASE(waves_of_a_large_picture), TEST_CASE(scales), TEST_CASE(classes),
           TEST_CASE(validation_is_silent))

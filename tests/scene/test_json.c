@@ -602,7 +602,7 @@ TEST(scenes_cut_at_every_byte)
     cut_scene_everywhere("furnace.json");
     cut_scene_everywhere("furnace_sky.json");
     cut_scene_everywhere("mesh_room.json");
-    cut_scene_everywhere("spheres.json");
+    cut_scene_everywhere("glow_worms.json");
 }
 
 int main(int argc, char **argv)

@@ -1,0 +1,159 @@
+// Strewn spheres: none overlaps another, all lie on the disc, everywhere the same.
+#include "scatter.h"
+#include "test.h"
+
+#include <stdlib.h>
+
+#define COUNT 3000
+
+static const struct scatter plain = {
+    .count = COUNT, .seed = 1, .disc_radius = 40, .min_radius = 0.1, .max_radius = 1};
+
+static uint32_t strew(const struct scatter *scatter, struct scattered_sphere *out)
+{
+    struct arena scratch = {0};
+    struct err err = {0};
+    uint32_t placed = 0;
+    CHECK(scatter_spheres(scatter, &scratch, out, &placed, &err), "%s", err.msg);
+    arena_finish(&scratch);
+    return placed;
+}
+
+// By brute force, with the distance in space rather than that of the feet.
+static uint32_t count_overlaps(const struct scattered_sphere *s, uint32_t count)
+{
+    uint32_t overlaps = 0;
+    for (uint32_t i = 0; i < count; i++)
+        for (uint32_t j = 0; j < i; j++) {
+            double square = 0, reach = s[i].radius + s[j].radius;
+            for (int c = 0; c < 3; c++)
+                square += (s[i].center[c] - s[j].center[c]) * (s[i].center[c] - s[j].center[c]);
+            overlaps += square < reach * reach * (1 - 1e-12);
+        }
+    return overlaps;
+}
+
+static void check_places(const struct scatter *scatter, const struct scattered_sphere *spheres,
+                         uint32_t placed)
+{
+    for (uint32_t i = 0; i < placed; i++) {
+        const struct scattered_sphere *s = &spheres[i];
+        double edge = hypot(s->center[0], s->center[2]) + s->radius;
+        CHECK(s->radius >= scatter->min_radius && s->radius <= scatter->max_radius, "%u: %g", i,
+              s->radius);
+        CHECK(edge <= scatter->disc_radius * (1 + 1e-12) && s->center[1] == s->radius,
+              "sphere %u reaches %g", i, edge);
+    }
+    CHECK(count_overlaps(spheres, placed) == 0);
+}
+
+TEST(places)
+{
+    static struct scattered_sphere spheres[COUNT];
+    uint32_t placed = strew(&plain, spheres);
+    CHECK(placed == COUNT, "%u", placed);
+    check_places(&plain, spheres, placed);
+}
+
+// More than fit; radii of one value, and of six orders of magnitude; one sphere as large as the
+// disc; a disc far larger than what lies on it.
+TEST(stiff_places)
+{
+    static struct scattered_sphere spheres[COUNT];
+    const struct scatter crowded = {COUNT, 2, 10, 0.5, 1}, equal = {500, 3, 30, 1, 1},
+                         varied = {COUNT, 4, 40, 1e-6, 1}, one = {2, 5, 1, 1, 1},
+                         wide = {COUNT, 6, 1e6, 1e-3, 1e-3};
+    uint32_t placed = strew(&crowded, spheres);
+    CHECK(placed > 100 && placed < COUNT, "%u", placed);
+    check_places(&crowded, spheres, placed);
+    placed = strew(&equal, spheres);
+    CHECK(placed > 350, "%u", placed);
+    check_places(&equal, spheres, placed);
+    placed = strew(&varied, spheres);
+    CHECK(placed == COUNT, "%u", placed);
+    check_places(&varied, spheres, placed);
+    CHECK(strew(&one, spheres) == 1 && spheres[0].center[0] == 0 && spheres[0].center[2] == 0);
+    CHECK(strew(&wide, spheres) == COUNT);
+}
+
+// FNV-1a over the bits: the same on every machine.
+static uint64_t hash_of(const struct scatter *scatter)
+{
+    static struct scattered_sphere spheres[COUNT];
+    uint32_t placed = strew(scatter, spheres);
+    uint64_t hash = 0xcbf29ce484222325u;
+    for (uint32_t i = 0; i < placed; i++) {
+        uint64_t words[5] = {0};
+        memcpy(words, spheres[i].center, 24);
+        memcpy(words + 3, &spheres[i].radius, 8);
+        words[4] = spheres[i].choice;
+        for (int w = 0; w < 5; w++)
+            hash = (hash ^ words[w]) * 0x100000001b3u;
+    }
+    return hash;
+}
+
+TEST(the_seed_decides)
+{
+    struct scatter other = plain;
+    other.seed = 2;
+    uint64_t hash = hash_of(&plain);
+    CHECK(hash == 0x1ef11a89c43d4fc0u, "0x%llx", (unsigned long long)hash);
+    CHECK(hash_of(&plain) == hash);
+    CHECK(hash_of(&other) != hash);
+}
+
+// Radii have the distribution min + (max - min) u^3, choices are even, places fill the disc.
+// Each count's bound is 5 standard deviations.
+TEST(distributions)
+{
+    static struct scattered_sphere spheres[COUNT];
+    const struct scatter sparse = {COUNT, 7, 1e4, 1, 2};
+    uint32_t small = 0, even = 0, inside = 0;
+    REQUIRE(strew(&sparse, spheres) == COUNT);
+    for (uint32_t i = 0; i < COUNT; i++) {
+        small += spheres[i].radius < 1.125;
+        even += spheres[i].choice < 1u << 31;
+        inside += hypot(spheres[i].center[0], spheres[i].center[2]) < 1e4 * sqrt(0.5);
+    }
+    double bound = 5 * sqrt(COUNT / 4.0), half = COUNT / 2.0;
+    CHECK(fabs(small - half) < bound && fabs(even - half) < bound && fabs(inside - half) < bound,
+          "%u, %u, %u of %u", small, even, inside, COUNT);
+}
+
+static void check_icosphere(uint32_t subdivision, double volume_min)
+{
+    struct scene scene = {0};
+    struct err err = {0};
+    uint32_t index;
+
+    REQUIRE(generate_icosphere(&scene, subdivision, &index, &err), "%s", err.msg);
+    const struct mesh *mesh = &scene.meshes[index];
+    CHECK(mesh->triangle_count == 20u << 2 * subdivision, "%u", mesh->triangle_count);
+    double volume = 0;
+    for (uint32_t t = 0; t < mesh->triangle_count; t++) {
+        const float *a = mesh->positions[mesh->indices[t][0]],
+                    *b = mesh->positions[mesh->indices[t][1]],
+                    *c = mesh->positions[mesh->indices[t][2]];
+        double part = (double)a[0] * (b[1] * c[2] - b[2] * c[1]) +
+                      (double)a[1] * (b[2] * c[0] - b[0] * c[2]) +
+                      (double)a[2] * (b[0] * c[1] - b[1] * c[0]);
+        CHECK(part > 0, "triangle %u is seen from inside", t);
+        volume += part / 6;
+    }
+    // All corners are on the sphere, and the triangles close it from within.
+    double whole = 4.0 / 3.0 * acos(-1.0);
+    CHECK(volume < whole && volume > volume_min * whole, "%g of %g", volume, whole);
+    scene_finish(&scene);
+}
+
+// An icosahedron fills 0.6055 of its sphere; each step leaves a quarter of what was missing.
+TEST(icospheres)
+{
+    check_icosphere(0, 0.605);
+    check_icosphere(2, 0.96);
+    check_icosphere(5, 0.999);
+}
+
+TEST_MAIN(TEST_CASE(places), TEST_CASE(stiff_places), TEST_CASE(the_seed_decides),
+          TEST_CASE(distributions), TEST_CASE(icospheres))
