@@ -45,10 +45,10 @@ static void find_unconnected(const struct render_job *job, struct biases *biases
     struct job_bias *bias = next_bias(biases, settings->nee ? "nee-depth" : "nee");
     if (depth == 0)
         snprintf(bias->text, sizeof bias->text,
-                 "without shadow rays, %u lights without extent are dark", count);
+                 "without shadow rays all lights without extent are dark: %u", count);
     else
         snprintf(bias->text, sizeof bias->text,
-                 "%u lights without extent light the first %u surfaces of a path only", count,
+                 "lights without extent (%u) reach the first surfaces of a path only: %u", count,
                  depth);
 }
 
