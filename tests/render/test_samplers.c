@@ -127,4 +127,52 @@ TEST(edge)
     gpu_close(&gpu);
 }
 
-TEST_MAIN(TEST_CASE(same_means), TEST_CASE(same_means_long), TEST_CASE(edge))
+// --- contiguous halves ---------------------------------------------------------------------------
+
+static void render_halves(struct gpu *gpu, uint32_t halves, uint32_t planned, uint32_t samples,
+                          struct arena *arena, struct film_image *film)
+{
+    const struct scene_override size[] = {{"film.width", "16"}, {"film.height", "16"}, {0}};
+    struct scene scene;
+    struct err err = {0};
+    REQUIRE_OK(load_scene("scenes/cornell.json", size, &scene, &err));
+    scene.settings.sampler = SAMPLER_PCG; // whose samples do not depend on the halves
+    scene.settings.halves = halves;
+    scene.settings.spp = planned;
+    const struct renderer_params params = {.gpu = gpu, .scene = &scene};
+    REQUIRE_OK(render_film(&params, samples, arena, film, NULL, &err));
+    scene_finish(&scene);
+}
+
+static double largest_difference(float (*a)[3], float (*b)[3])
+{
+    double largest = 0;
+    for (int i = 0; i < 16 * 16 * 3; i++) {
+        double x = (double)a[i / 3][i % 3], y = (double)b[i / 3][i % 3];
+        largest = fmax(largest, fabs(x - y) / (fabs(y) + 1e-3));
+    }
+    return largest;
+}
+
+// Of 7 samples the first 4 are half A; a render that ends after 3 of them has no half B yet.
+TEST(contiguous)
+{
+    struct gpu gpu;
+    struct arena arena = {0};
+    struct film_image whole, first, parted, ended;
+    OPEN_GPU(&gpu, 0);
+    render_halves(&gpu, HALVES_CONTIGUOUS, 7, 7, &arena, &parted);
+    render_halves(&gpu, HALVES_INDEPENDENT, 7, 7, &arena, &whole);
+    render_halves(&gpu, HALVES_INDEPENDENT, 7, 4, &arena, &first);
+    double mean = largest_difference(parted.mean, whole.mean);
+    double half = largest_difference(parted.half_a, first.mean);
+    CHECK(mean <= 1e-6 && half <= 1e-6, "mean off by %g, first half by %g", mean, half);
+    render_halves(&gpu, HALVES_CONTIGUOUS, 7, 3, &arena, &ended);
+    render_halves(&gpu, HALVES_INDEPENDENT, 7, 3, &arena, &first);
+    mean = largest_difference(ended.mean, first.mean);
+    CHECK(mean <= 1e-6, "mean off by %g when ended early", mean);
+    arena_finish(&arena);
+    gpu_close(&gpu);
+}
+
+TEST_MAIN(TEST_CASE(same_means), TEST_CASE(same_means_long), TEST_CASE(edge), TEST_CASE(contiguous))
