@@ -269,8 +269,9 @@ TEST(blurred_long)
         printf("%s, %u samples: sobol %.2f; blue-noise %.2f\n", paths[i / 3], method.samples,
                ratio[0], ratio[1]);
         fflush(stdout);
-        // Known to some 15 %.
-        CHECK(ratio[1] <= 1.2, "%s, %u samples: %g", paths[i / 3], method.samples, ratio[1]);
+        // Of skewed noise a variance of 16 seeds is known to some 20 %.
+        CHECK(ratio[1] <= 1.3 * ratio[0], "%s, %u samples: %g, sobol %g", paths[i / 3],
+              method.samples, ratio[1], ratio[0]);
     }
     gpu_close(&gpu);
 }
