@@ -20,7 +20,8 @@ static const char *const estimator_names[] = {
 struct trial {
     const struct closed_form *form;
     enum light_estimator estimator;
-    uint32_t first_seed; // of its replicates
+    uint32_t light_choice; // LIGHT_CHOICE_*
+    uint32_t first_seed;   // of its replicates
     struct renderer renderer;
     double expected[3];
     uint64_t samples;
@@ -89,11 +90,13 @@ static void check_form(struct gpu *gpu, struct trial trial, uint64_t samples)
     struct err err = {0};
     REQUIRE_OK(load_scene(form->scene, form->overrides, &scene, &err));
     set_estimator(&scene.settings, trial.estimator);
+    scene.settings.light_choice = trial.light_choice;
     const struct renderer_params params = {.gpu = gpu, .scene = &scene};
     for (int c = 0; c < 3; c++)
         trial.expected[c] =
             form->radiance(closed_form_albedo[c], closed_form_emission[c], form->parameter);
-    printf("%-34s %-4s", form->name, estimator_names[trial.estimator]);
+    printf("%-34s %-4s %-7s", form->name, estimator_names[trial.estimator],
+           light_choice_names[trial.light_choice]);
     REQUIRE_OK(renderer_create(&params, &trial.renderer, &err));
     if (form->kind == BY_STATISTICS)
         check_statistics(&trial, samples);
@@ -137,6 +140,20 @@ void closed_forms_by_every_estimator(const struct closed_form *forms, size_t cou
             check_form(&gpu, trial_of(form, i, first_seed, ESTIMATOR_BSDF),
                        CLOSED_FORM_LONG_SAMPLES);
     }
+    gpu_close(&gpu);
+}
+
+void closed_forms_by_every_light_choice(const struct closed_form *forms, size_t count,
+                                        uint32_t first_seed)
+{
+    struct gpu gpu;
+    OPEN_GPU(&gpu, 0);
+    for (size_t i = 0; i < count; i++)
+        for (uint32_t choice = LIGHT_CHOICE_UNIFORM; choice <= LIGHT_CHOICE_TREE; choice++) {
+            struct trial trial = trial_of(&forms[i], i, first_seed, ESTIMATOR_MIS);
+            trial.light_choice = choice;
+            check_form(&gpu, trial, 0);
+        }
     gpu_close(&gpu);
 }
 

@@ -40,6 +40,9 @@ void closed_forms_by_default(const struct closed_form *forms, size_t count, uint
 // With CLOSED_FORM_LONG_SAMPLES, and by each estimator that can.
 void closed_forms_by_every_estimator(const struct closed_form *forms, size_t count,
                                      uint32_t first_seed);
+// By each way to choose an emitter, with the fewest samples that give the half-width.
+void closed_forms_by_every_light_choice(const struct closed_form *forms, size_t count,
+                                        uint32_t first_seed);
 // One sample a pixel under the validation layers.
 void closed_forms_validated(const struct closed_form *forms, size_t count);
 

@@ -347,10 +347,16 @@ TEST(by_every_estimator)
     closed_forms_by_every_estimator(forms, FORM_COUNT, 0);
 }
 
+TEST(by_every_light_choice)
+{
+    closed_forms_by_every_light_choice(forms, FORM_COUNT, 50000);
+}
+
 // Every kind of surface and light, a sample a pixel.
 TEST(validation_is_silent)
 {
     closed_forms_validated(forms, FORM_COUNT);
 }
 
-TEST_MAIN(TEST_CASE(by_default), TEST_CASE(validation_is_silent), TEST_CASE(by_every_estimator))
+TEST_MAIN(TEST_CASE(by_default), TEST_CASE(validation_is_silent), TEST_CASE(by_every_estimator),
+          TEST_CASE(by_every_light_choice))
