@@ -97,6 +97,15 @@ static uint64_t scene_bytes(const struct memory_plan_params *p, uint32_t binding
     }
 }
 
+bool memory_plan_fits_texels(const struct memory_plan_params *p)
+{
+    for (uint32_t b = 0; b <= BINDING_TEXELS; b++)
+        if (specialization_needs_binding(p->specialization, b) &&
+            !gpu_texel_fits(p->gpu, scene_bytes(p, b)))
+            return false;
+    return true;
+}
+
 static uint64_t least(uint64_t a, uint64_t b)
 {
     return a < b ? a : b;

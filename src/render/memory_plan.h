@@ -37,6 +37,9 @@ struct memory_plan_params {
 bool memory_plan_make(const struct memory_plan_params *params, struct memory_plan *out,
                       struct err *err);
 
+// Whether each of the scene's buffers can be read as texels.
+bool memory_plan_fits_texels(const struct memory_plan_params *params);
+
 const char *binding_name(uint32_t binding);
 
 #endif

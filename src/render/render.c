@@ -89,6 +89,9 @@ static bool plan_memory(struct renderer *r, uint32_t wave, struct err *err)
         .gpu = r->gpu,
         .wave = wave,
     };
+    // How large materials, emitters and what corners carry are is known only now.
+    if (!memory_plan_fits_texels(&params))
+        r->specialization.features &= ~FEATURE_TEXEL_SCENE;
     return memory_plan_make(&params, &r->plan, err);
 }
 
