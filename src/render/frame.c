@@ -30,8 +30,8 @@ static void set_lens(struct gpu_frame *frame, const struct camera *camera)
 static void set_camera(struct gpu_frame *frame, const struct camera *camera, const double origin[3])
 {
     double right[3], up[3];
-    double half_height = camera->kind == CAMERA_ORTHOGRAPHIC ? 0.5 * camera->height
-                                                             : tan(0.5 * camera->fov_y);
+    double half_height =
+        camera->kind == CAMERA_ORTHOGRAPHIC ? 0.5 * camera->height : tan(0.5 * camera->fov_y);
     cross(camera->direction, camera->up, right);
     cross(right, camera->direction, up);
     bool is_panoramic = camera->kind == CAMERA_PANORAMIC;
@@ -82,8 +82,7 @@ static void set_ambient_occlusion(struct renderer *r)
 static uint32_t max_bounces(const struct settings *settings)
 {
     uint32_t most = settings->integrator == INTEGRATOR_DIRECT ? 1u : settings->max_bounces;
-    bool capped =
-        settings->roulette == ROULETTE_FRAME && settings->roulette_max_bounces < most;
+    bool capped = settings->roulette == ROULETTE_FRAME && settings->roulette_max_bounces < most;
     return capped ? settings->roulette_max_bounces : most;
 }
 

@@ -2,6 +2,7 @@
 
 #include "attributes.h"
 #include "environment_table.h"
+#include "film_aovs.h"
 #include "log.h"
 #include "shared/aov.h"
 #include "shared/types.h"
@@ -202,7 +203,8 @@ static bool check_total(const struct memory_plan_params *p, const struct memory_
     uint64_t host = pages > 0 && page > 0 ? (uint64_t)pages * (uint64_t)page : UINT64_MAX;
     bool is_cpu = p->gpu->info.is_cpu;
     uint64_t device = is_cpu ? host : p->gpu->info.memory_bytes;
-    uint64_t host_needed = pixels * HOST_BYTES_A_PIXEL + (is_cpu ? plan->total_bytes : 0);
+    uint64_t host_bytes = HOST_BYTES_A_PIXEL + film_aovs_bytes(p->specialization->aovs);
+    uint64_t host_needed = pixels * host_bytes + (is_cpu ? plan->total_bytes : 0);
     if (plan->total_bytes > device)
         return err_set(err, ERR_GPU,
                        "the plan needs %" PRIu64 " bytes of device memory, but %s has %" PRIu64

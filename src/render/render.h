@@ -59,8 +59,8 @@ struct render_stats {
     struct kernel_stats kernels[KERNEL_COUNT];
     uint64_t closest_rays, shadow_rays;
     uint64_t surface_hits[CLASS_COUNT]; // by class; all in the first without FEATURE_CLASSES
-    uint64_t paths;        // that reached the film
-    uint64_t clamped;      // contributions, and the luminance that all of them lost
+    uint64_t paths;                     // that reached the film
+    uint64_t clamped;                   // contributions, and the luminance that all of them lost
     double clamped_light;
     uint64_t media_lost;          // times that a stack of media overflowed, or missed one to leave
     uint64_t waves, voided_waves; // voided: traced again because a ray ran out of its budget
@@ -104,10 +104,10 @@ struct renderer {
     struct gpu_counters *counters; // as last read back
     uint8_t *marks;                // kernel of each timestamp of the commands being recorded
     uint32_t mark_count;
-    bool dispatch_too_long; // some dispatch since the last wave began: split further
+    bool dispatch_too_long;  // some dispatch since the last wave began: split further
     bool warned_beyond_plan; // see sampling_plan.h
-    uint64_t next_sample;   // of every pixel; with tiles: rounds that are over
-    uint64_t round_target;  // with tiles: rounds that the passes lead up to
+    uint64_t next_sample;    // of every pixel; with tiles: rounds that are over
+    uint64_t round_target;   // with tiles: rounds that the passes lead up to
     struct pass pass;
     struct tiles tiles;
     struct render_stats stats;
@@ -126,8 +126,8 @@ void renderer_finish(struct renderer *renderer); // accepts NULL and {0}
 
 // Adds `samples` further samples to every pixel. When the progress asks to stop, ends after the
 // wave in flight and sets *stopped; some pixels then have more samples than others, which the film
-// knows, and the next call goes on there. `progress_from`, `progress_to`: the part of the whole that
-// this call is.
+// knows, and the next call goes on there. `progress_from`, `progress_to`: the part of the whole
+// that this call is.
 struct render_call {
     uint64_t samples; // with tiles: rounds
     double progress_from, progress_to;
