@@ -278,11 +278,11 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_ENV] = {
         .name = "env", .argument = "FILE|R,G,B|sky:...", .type = VALUE_ENVIRONMENT,
         .group = "Scene", .commands = FOR_SCENE, .fallback = "the scene's",
-        .help = "What surrounds the scene: a latitude-longitude picture, or a constant radiance "
-                "in W/(sr m^2), or a sky of Preetham's with its sun, as in "
-                "sky:turbidity=3,elevation=45,azimuth=90,albedo=0.2,diameter=0.53,sun=1 (these are "
-                "the defaults, but for an azimuth of 0, which is +X; 90 is +Z). A file whose name "
-                "looks like one of the others is written ./1,1,1.",
+        .help = "What surrounds the scene: a latitude-longitude picture, a constant radiance in "
+                "W/(sr m^2), or Preetham's sky with its sun, as in sky:turbidity=3,elevation=45. "
+                "Its keys are turbidity (2 to 10), elevation and azimuth of the sun (degrees; 0 is "
+                "+X, 90 is +Z), albedo of the ground, diameter of the sun (degrees) and sun (0 "
+                "leaves it out). A file whose name looks like one of these is written ./1,1,1.",
     },
     [OPTION_ENV_ROTATE] = {
         .name = "env-rotate", .argument = "DEGREES", .type = VALUE_REAL, .min = -1e6, .max = 1e6,
