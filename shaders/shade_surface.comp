@@ -64,8 +64,10 @@ void main()
                 u_light = uniforms(slot, bounce_dimension(push.bounce, DIMENSION_LIGHT));
             vec4 u_bsdf = uniforms(slot, bounce_dimension(push.bounce, DIMENSION_BSDF));
 
-            if (sends_shadow_rays() && !passes)
-                shadow = connect_light(v, vec4(u_light.xyz, u_extra.x));
+            if (HAS(FEATURE_NEE)) {
+                if (sends_shadow_rays() && !passes)
+                    shadow = connect_light(v, vec4(u_light.xyz, u_extra.x));
+            }
 
             ray_onwards next = scatter(v, ray.xyz, passes, stack, u_bsdf, u_extra.z);
             if (!is_finite(v.throughput)) {

@@ -14,7 +14,7 @@ void add_emission(vertex v, vec3 origin, vec3 direction, float distance, float b
         uint from = load_path(v.slot, PATH_ORIGIN).w;
         float pick_density = pick_density_at(v.m, v.primitive, origin, direction, from);
         weight = 0.0;
-        if (HAS(FEATURE_BSDF_HITS_EMITTERS))
+        if (HAS(FEATURE_NEE) && HAS(FEATURE_BSDF_HITS_EMITTERS))
             weight = mis_weight(bsdf_pdf,
                                 pdf_light(origin, direction, distance, v.s, pick_density));
     }
