@@ -156,10 +156,14 @@ static bool check_combinations(const struct options *options, struct err *err)
         enum option_id id, other;
         bool together;
     } rules[] = {
-        {OPTION_SPP_PER_FRAME, OPTION_FRAMES, true}, {OPTION_EVERY, OPTION_FRAMES, true},
-        {OPTION_ACCUMULATE, OPTION_FRAMES, true},    {OPTION_SAMPLE, OPTION_PIXEL, true},
-        {OPTION_SPP, OPTION_FRAMES, false},          {OPTION_ERROR, OPTION_FRAMES, false},
-        {OPTION_ADAPTIVE, OPTION_FRAMES, false},     {OPTION_CHECKPOINT_EVERY, OPTION_CHECKPOINT, true},
+        {OPTION_SPP_PER_FRAME, OPTION_FRAMES, true},
+        {OPTION_EVERY, OPTION_FRAMES, true},
+        {OPTION_ACCUMULATE, OPTION_FRAMES, true},
+        {OPTION_SAMPLE, OPTION_PIXEL, true},
+        {OPTION_SPP, OPTION_FRAMES, false},
+        {OPTION_ERROR, OPTION_FRAMES, false},
+        {OPTION_ADAPTIVE, OPTION_FRAMES, false},
+        {OPTION_CHECKPOINT_EVERY, OPTION_CHECKPOINT, true},
         {OPTION_RESUME, OPTION_CHECKPOINT, true},
     };
     for (size_t i = 0; i < sizeof rules / sizeof rules[0]; i++) {
@@ -242,7 +246,8 @@ static int passing_arguments(const char *argument)
     return 0;
 }
 
-static const char *make_line(struct arena *arena, size_t size, int argc, char **argv, bool repeatable)
+static const char *make_line(struct arena *arena, size_t size, int argc, char **argv,
+                             bool repeatable)
 {
     char *line = ARENA_NEW(arena, char, size);
     if (!line)
@@ -275,9 +280,14 @@ static bool keep_command_line(struct options *options, int argc, char **argv, st
 
 bool options_parse(int argc, char **argv, struct options *out, struct err *err)
 {
-    *out = (struct options){
-        .argc = argc, .argv = argv, .log_level = LOG_WARN, .accumulate = true, .spp_per_frame = 1,
-        .checkpoint_seconds = 60.0, .replicates = 16, .spp_from = 16};
+    *out = (struct options){.argc = argc,
+                            .argv = argv,
+                            .log_level = LOG_WARN,
+                            .accumulate = true,
+                            .spp_per_frame = 1,
+                            .checkpoint_seconds = 60.0,
+                            .replicates = 16,
+                            .spp_from = 16};
     if (!keep_command_line(out, argc, argv, err) || !allocate_lists(out, argc, err))
         return false;
     struct parser parser = {.arguments = argv, .count = argc, .next = 1, .options = out};
@@ -299,7 +309,8 @@ static bool in_settings(const struct option_def *def)
 bool option_is_setting(const struct option_def *def)
 {
     enum option_id id = (enum option_id)(def - option_table);
-    bool shown = id == OPTION_SIZE || id == OPTION_SPP || id == OPTION_EXPOSURE || id == OPTION_TONE;
+    bool shown =
+        id == OPTION_SIZE || id == OPTION_SPP || id == OPTION_EXPOSURE || id == OPTION_TONE;
     bool kernels = id == OPTION_WAVE || id == OPTION_FEATURES || id == OPTION_CLASSES;
     return kernels || (in_settings(def) && !shown);
 }

@@ -142,8 +142,8 @@ static json_t *biases_json(const struct render_job *job)
     uint32_t count = job_list_biases(job, list);
     json_t *array = json_array();
     for (uint32_t i = 0; i < count; i++)
-        json_array_append_new(
-            array, json_pack("{s:s, s:s}", "kind", list[i].kind, "text", list[i].text));
+        json_array_append_new(array,
+                              json_pack("{s:s, s:s}", "kind", list[i].kind, "text", list[i].text));
     return array;
 }
 

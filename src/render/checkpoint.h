@@ -1,9 +1,9 @@
 // A render's state in a file: what is needed to go on with it, bit for bit, in another process.
 //
 // A file is a header, the identity (what must be the same when the render goes on), the renderer's
-// state, the plan of the tiles, the film's records as they are in device memory, and a hash over all
-// that, in the machine's byte order. It holds nothing that depends on the wave. It is replaced only
-// by whole files: see file_writer.
+// state, the plan of the tiles, the film's records as they are in device memory, and a hash over
+// all that, in the machine's byte order. It holds nothing that depends on the wave. It is replaced
+// only by whole files: see file_writer.
 #ifndef LAMPYRIS_RENDER_CHECKPOINT_H
 #define LAMPYRIS_RENDER_CHECKPOINT_H
 
