@@ -107,7 +107,7 @@ FEATURES = {
     "photometric profiles": (["EMITTER_PROFILES"], {
         "shade_surface": ["profile_intensity()", "find_interval()"],
     }),
-    "emission": (["EMISSION", "NEE"] + EMISSIVE, {
+    "emission": (["EMISSION", "NEE", "FALLOFF"] + EMISSIVE, {
         "shade_surface": ["add_emission()", "add_radiance()"],
     }),
     "emissive triangles": (["EMITTER_TRIANGLES"], {"shade_surface": ["sample_triangle_light()"]}),
