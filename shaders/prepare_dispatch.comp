@@ -1,10 +1,10 @@
 // One thread a queue whose bit is set in push.queue: turns its count into indirect dispatches of
 // its consumer, in parts of push.part_items, and empties it for its producers.
 //
-// The hits of a queue of rays are as many as its rays at most: the same thread sets the dispatches of
-// the shading kernels to that, so that one such pass a bounce is enough. Where surfaces are sorted by
-// class, or rays may miss, a second pass, over the queues of hits, gives each kernel what its own queue holds; their
-// counts stay, since their consumers look at them.
+// The hits of a queue of rays are as many as its rays at most: the same thread sets the dispatches
+// of the shading kernels to that, so that one such pass a bounce is enough. Where surfaces are
+// sorted by class, or rays may miss, a second pass, over the queues of hits, gives each kernel what
+// its own queue holds; their counts stay, since their consumers look at them.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

@@ -1,7 +1,8 @@
-// Ambient occlusion: one thread sends one shadow ray, cosine-weighted about the normal of the surface
-// that a camera ray has met, as far as frame.ao_distance. A sample is worth 1 where nothing is in the
-// way (Zhukov, Iones, Kronin 1998, "An Ambient Light Illumination Model", section 3, with an obscurance
-// of 1 at all distances that count). Reads the queue of surface hits. No material is looked at.
+// Ambient occlusion: one thread sends one shadow ray, cosine-weighted about the normal of the
+// surface that a camera ray has met, as far as frame.ao_distance. A sample is worth 1 where nothing
+// is in the way (Zhukov, Iones, Kronin 1998, "An Ambient Light Illumination Model", section 3, with
+// an obscurance of 1 at all distances that count). Reads the queue of surface hits. No material is
+// looked at.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

@@ -1,8 +1,8 @@
-// Whitted's recursion, one ray at a time: one thread works on one hit, or miss, of its slot's ray. A
-// hit adds emission and ambient light, sends a shadow ray to every light and goes on with the
-// reflected ray; the refracted one, where there are both, is put off on the slot's stack. What ends is
-// followed by the latest ray put off. Contributions of a slot thus come in one order, that of the
-// tree. Reads the queue of surface hits or, in another dispatch, that of misses.
+// Whitted's recursion, one ray at a time: one thread works on one hit, or miss, of its slot's ray.
+// A hit adds emission and ambient light, sends a shadow ray to every light and goes on with the
+// reflected ray; the refracted one, where there are both, is put off on the slot's stack. What ends
+// is followed by the latest ray put off. Contributions of a slot thus come in one order, that of
+// the tree. Reads the queue of surface hits or, in another dispatch, that of misses.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

@@ -1,5 +1,5 @@
-// Pictures besides the radiance: what is stored of the first surface that a camera ray meets. Writes
-// the slot's record.
+// Pictures besides the radiance: what is stored of the first surface that a camera ray meets.
+// Writes the slot's record.
 #ifndef AOV_GLSL
 #define AOV_GLSL
 

@@ -15,7 +15,8 @@ layout(std140, set = 0, binding = UNIFORM_BINDING_FRAME) uniform frame_block {
     gpu_frame frame;
 };
 
-// READABLE(name, binding, texel feature): uvec4 load_name(uint index), index in units of four words.
+// READABLE(name, binding, texel feature): uvec4 load_name(uint index), index in units of four
+// words.
 #define READABLE(name, number, feature)                                                            \
     layout(std430, set = 0, binding = number) buffer name##_block {                                \
         uvec4 name##_words[];                                                                      \
@@ -150,7 +151,8 @@ bool is_finite(vec3 v)
     return all(notEqual(exponent, uvec3(0x7f800000u)));
 }
 
-// Counts a contribution that is left out, marks its sample, and keeps what is needed to reproduce it.
+// Counts a contribution that is left out, marks its sample, and keeps what is needed to reproduce
+// it.
 void report_nonfinite(uint slot, uint site)
 {
     radiance_words[slot * SLOT_WORDS].w = floatBitsToUint(1.0);
@@ -164,8 +166,8 @@ void report_nonfinite(uint slot, uint site)
     }
 }
 
-// Scales a contribution down to the largest component that is allowed. Counts that, and the luminance
-// (BT.709) that is lost: whole numbers of CLAMP_UNITS a limit, whose sum has no order.
+// Scales a contribution down to the largest component that is allowed. Counts that, and the
+// luminance (BT.709) that is lost: whole numbers of CLAMP_UNITS a limit, whose sum has no order.
 vec3 clamp_contribution(vec3 contribution)
 {
     float largest = max(contribution.r, max(contribution.g, contribution.b));

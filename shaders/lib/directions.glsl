@@ -1,11 +1,12 @@
 // Ways to choose the direction in which a path goes on that ask little or nothing of the surface,
-// to compare with the BSDF's own. What is drawn is weighted by BSDF * |cos| / density, and the density
-// stands in the weights of multiple importance sampling: every way converges to the same picture.
+// to compare with the BSDF's own. What is drawn is weighted by BSDF * |cos| / density, and the
+// density stands in the weights of multiple importance sampling: every way converges to the same
+// picture.
 //
 // - What the surface sends through itself is looked for as well: where its material transmits
 //   other than perfectly, hemispheres are mirrored to the other side half of the time.
-// - Perfectly specular directions are found by the BSDF's sampling alone. A material of nothing else
-//   is sampled so; one that has other parts besides goes on in either way, half of the time each,
+// - Perfectly specular directions are found by the BSDF's sampling alone. A material of nothing
+//   else is sampled so; one that has other parts besides goes on in either way, half of the time each,
 //   and the density is that of the mixture (Veach and Guibas 1995, the one-sample model).
 #ifndef DIRECTIONS_GLSL
 #define DIRECTIONS_GLSL

@@ -11,9 +11,9 @@ float part_faded(float x)
     return x < 1e-2 ? x * (1.0 - x * (0.5 - x * (1.0 / 6.0))) : 1.0 - exp(-x);
 }
 
-// The surface that a camera ray meets at distance t counts exp(-k t^3), the rest is background: adds
-// that and returns what is left of the surface. frame.falloff is the cube root of k, so that t^3
-// cannot overflow where k t^3 does not.
+// The surface that a camera ray meets at distance t counts exp(-k t^3), the rest is background:
+// adds that and returns what is left of the surface. frame.falloff is the cube root of k, so that
+// t^3 cannot overflow where k t^3 does not.
 float fade(uint slot, vec3 direction, float t)
 {
     float part = frame.falloff * t;

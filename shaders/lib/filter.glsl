@@ -1,5 +1,5 @@
-// Where in or around its pixel a sample lies, drawn from the pixel filter: all samples then have the
-// same weight.
+// Where in or around its pixel a sample lies, drawn from the pixel filter: all samples then have
+// the same weight.
 #ifndef FILTER_GLSL
 #define FILTER_GLSL
 
@@ -22,8 +22,8 @@ vec2 sample_gaussian(vec2 u)
     return r * vec2(cos(angle), sin(angle));
 }
 
-// Density w(x) = 1 + sum a_k cos(k pi x), k = 1 .. 3, in [-1, 1]: the four-term window with side lobes
-// of -92 dB (Harris 1978, "On the use of windows for harmonic analysis", table 1).
+// Density w(x) = 1 + sum a_k cos(k pi x), k = 1 .. 3, in [-1, 1]: the four-term window with side
+// lobes of -92 dB (Harris 1978, "On the use of windows for harmonic analysis", table 1).
 float sample_blackman_harris(float u)
 {
     const vec4 a = vec4(0.35875, 0.48829, 0.14128, 0.01168) / 0.35875;

@@ -1,10 +1,11 @@
-// Which medium a path is in, where closed surfaces nest and overlap. Reads the media's section of the
-// materials' buffer.
+// Which medium a path is in, where closed surfaces nest and overlap. Reads the media's section of
+// the materials' buffer.
 //
-// A path carries a stack of the media whose surfaces it has entered and not left: up to four numbers
-// of 8 bits in a word, the latest lowest, 0 for none. Numbers are given in ascending order of
-// priority (render/shading_tables.c), so that the medium that is there is the highest number (after
-// Schmidt and Budge 2002, "Simple Nested Dielectrics in Ray Traced Images"); with none it is air.
+// A path carries a stack of the media whose surfaces it has entered and not left: up to four
+// numbers of 8 bits in a word, the latest lowest, 0 for none. Numbers are given in ascending order
+// of priority (render/shading_tables.c), so that the medium that is there is the highest number
+// (after Schmidt and Budge 2002, "Simple Nested Dielectrics in Ray Traced Images"); with none it is
+// air.
 #ifndef MEDIA_GLSL
 #define MEDIA_GLSL
 

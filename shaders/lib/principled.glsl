@@ -133,8 +133,8 @@ void principled_interface(principled p, float cos_o, float cos_t, float exact,
     }
 }
 
-// The probabilities with which a microfacet reflects and lets through. Neither is one minus the other,
-// which would cancel where it is small.
+// The probabilities with which a microfacet reflects and lets through. Neither is one minus the
+// other, which would cancel where it is small.
 vec2 principled_probabilities(vec3 reflected, vec3 through)
 {
     if (!HAS_LOBE(LOBE_TRANSMISSION))

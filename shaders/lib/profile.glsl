@@ -11,8 +11,8 @@ float load_profile_value(uint at, uint index)
     return load_materials_float(at + 1u + (index >> 2u))[index & 3u];
 }
 
-// The last of count - 1 ascending values, from `first` on, that is not above x; and where x lies up to
-// the next one.
+// The last of count - 1 ascending values, from `first` on, that is not above x; and where x lies up
+// to the next one.
 uint find_interval(uint at, uint first, uint count, float x, out float part)
 {
     uint low = 0u;
@@ -36,9 +36,9 @@ float profile_row(uint at, uint first, uint v, uint next, float part)
     return low + part * (load_profile_value(at, first + next) - low);
 }
 
-// Relative intensity into the unit direction `from_light`. `axis` is where the vertical angle is 0, and
-// the plane at 0 degrees contains x; horizontal angles grow counter-clockwise as seen against the axis.
-// The angles are as good as the device's atan (on lavapipe 1e-6 of a turn).
+// Relative intensity into the unit direction `from_light`. `axis` is where the vertical angle is 0,
+// and the plane at 0 degrees contains x; horizontal angles grow counter-clockwise as seen against
+// the axis. The angles are as good as the device's atan (on lavapipe 1e-6 of a turn).
 float profile_intensity(uint at, vec3 axis, vec3 x, vec3 from_light)
 {
     const float degrees = 180.0 * INV_PI;

@@ -8,10 +8,10 @@
 // --- permutations that are drawn at random -------------------------------------------------------
 
 // Owen's scrambling (1995) of fractions whose digits stand in reverse, the first one in bit 0: each
-// bit is flipped or not by what is below it alone. Of the kind of Laine and Karras 2011, "Stratified
-// sampling for stochastic transparency", but with as many random words as make all flips of the
-// first three digits independent; theirs, with one, leaves eight of the 128 combinations twice as
-// likely or worse.
+// bit is flipped or not by what is below it alone. Of the kind of Laine and Karras 2011,
+// "Stratified sampling for stochastic transparency", but with as many random words as make all
+// flips of the first three digits independent; theirs, with one, leaves eight of the 128
+// combinations twice as likely or worse.
 uvec4 scramble(uvec4 x, uvec4 key)
 {
     uvec4 other = key >> 16u | key << 16u;
@@ -24,9 +24,10 @@ uvec4 scramble(uvec4 x, uvec4 key)
     return x ^ x * 0x53a22864u;
 }
 
-// The place of `i` in a permutation of 0 .. count - 1: multiplications and shifts that can be undone
-// in as many bits as `count` needs, again until the result is one of them (Kensler 2013, "Correlated
-// multi-jittered sampling"). Eight rounds leave chi-square tests of pairs nothing to find.
+// The place of `i` in a permutation of 0 .. count - 1: multiplications and shifts that can be
+// undone in as many bits as `count` needs, again until the result is one of them (Kensler 2013,
+// "Correlated multi-jittered sampling"). Eight rounds leave chi-square tests of pairs nothing to
+// find.
 uint permute(uint i, uint count, uint key)
 {
     if (count < 2u)
@@ -54,8 +55,8 @@ uint permute(uint i, uint count, uint key)
 // point n of Niederreiter's sequence (1988, "Low-discrepancy and low-dispersion sequences") for p,
 // in reverse as scramble() wants it. Sobol's (1967) differs from it by a fixed permutation of each
 // digit by those before, which Owen's scrambling swallows, so no direction numbers are needed.
-// Since p(x)^2 = p(x^2), dividing by the powers of p that halve the number of digits is a handful of
-// shifts for all parts of the word at once: n = q p + r becomes q x^e + r.
+// Since p(x)^2 = p(x^2), dividing by the powers of p that halve the number of digits is a handful
+// of shifts for all parts of the word at once: n = q p + r becomes q x^e + r.
 
 // p = x + 1
 uint digits_1(uint n)
@@ -130,11 +131,11 @@ uint spread_bits(uint x)
 }
 
 // One sequence for a tile of pixels, dealt out along a Z curve: pixels that are close have points
-// that complete each other, so that errors of neighbours differ and the eye averages them (Ahmed and
-// Wonka 2020, "Screen-space blue-noise diffusion of Monte Carlo sampling error via hierarchical
-// ordering of pixels"). The shuffling of sobol_4d() is theirs, in base 2. A pixel has a block of the
-// sequence that holds the samples planned; where their number is not known, or when there are more,
-// further ones, each of another sequence: of 1, 1, 2, 4, ... points where it is not known.
+// that complete each other, so that errors of neighbours differ and the eye averages them (Ahmed
+// and Wonka 2020, "Screen-space blue-noise diffusion of Monte Carlo sampling error via hierarchical
+// ordering of pixels"). The shuffling of sobol_4d() is theirs, in base 2. A pixel has a block of
+// the sequence that holds the samples planned; where their number is not known, or when there are
+// more, further ones, each of another sequence: of 1, 1, 2, 4, ... points where it is not known.
 vec4 blue_noise(uint pixel, sequence_place place, uint dimension)
 {
     uint bits, block, index;
@@ -174,8 +175,8 @@ vec2 stratum_point(uint cell, uint columns, uint rows, uvec2 keys, vec2 jitter)
 }
 
 // Components x and y are a point of one set of strata, z and w of another. Where the samples do not
-// fill the cells, cells at random stay empty. Samples beyond those planned have strata of their own;
-// where their number is not known, all are independent.
+// fill the cells, cells at random stay empty. Samples beyond those planned have strata of their
+// own; where their number is not known, all are independent.
 vec4 stratified(uint pixel, uint sample_index, sequence_place place, uint dimension)
 {
     vec4 independent = random_4d(frame.seed, pixel, sample_index, dimension);
@@ -196,8 +197,8 @@ vec4 stratified(uint pixel, uint sample_index, sequence_place place, uint dimens
 
 // --- a linear congruential generator -------------------------------------------------------------
 
-// For comparison. The Tiny Encryption Algorithm (Wheeler and Needham 1994) in eight rounds makes the
-// seed, as Zafar, Olano and Curtis 2010 propose; then four steps of the generator of Numerical
+// For comparison. The Tiny Encryption Algorithm (Wheeler and Needham 1994) in eight rounds makes
+// the seed, as Zafar, Olano and Curtis 2010 propose; then four steps of the generator of Numerical
 // Recipes (1992, section 7.1), anew for each dimension number.
 vec4 random_lcg(uint pixel, uint sample_index, uint dimension)
 {

@@ -58,9 +58,9 @@ vec2 sample_triangle(vec2 u)
     return vec2(root * (1.0 - u.y), root * u.y);
 }
 
-// Weight of the first of two techniques by the heuristic that was chosen (Veach 1997, section 9.2.2):
-// the power heuristic with exponent 2 (eq. 9.13), written so that squares cannot overflow, or the
-// balance heuristic (eq. 9.8).
+// Weight of the first of two techniques by the heuristic that was chosen (Veach 1997, section
+// 9.2.2): the power heuristic with exponent 2 (eq. 9.13), written so that squares cannot overflow,
+// or the balance heuristic (eq. 9.8).
 float mis_weight(float pdf, float other_pdf)
 {
     float ratio = other_pdf / pdf;

@@ -15,8 +15,9 @@ struct trace_ray {
     uvec4 alpha; // what decides whether it meets surfaces that are not everywhere there
 };
 
-// The plane of the triangle that a ray starts on. Its coplanar neighbours cannot be hit either: their
-// distance is 0 and must not become more by rounding, which is some epsilon times the triangle's size.
+// The plane of the triangle that a ray starts on. Its coplanar neighbours cannot be hit either:
+// their distance is 0 and must not become more by rounding, which is some epsilon times the
+// triangle's size.
 struct left_plane {
     vec3 normal; // not normalised
     bool exists;
@@ -129,8 +130,8 @@ void intersect_shape_leaf(trace_ray ray, uint index, inout trace_hit best)
     accept_hit(best, true, t, vec2(0.0), primitive, primitive);
 }
 
-// Chooses the next node among the children that the ray enters and pushes the others. `keys` are the
-// entry distances' bits, or BVH_MISS; `top` is the stack's top, popped when there is no child.
+// Chooses the next node among the children that the ray enters and pushes the others. `keys` are
+// the entry distances' bits, or BVH_MISS; `top` is the stack's top, popped when there is no child.
 // Branch-free: every push is written, and the depth says which ones count.
 #ifdef ANY_HIT
 // The first hit will do: in the children's own order, which saves the sorting.

@@ -1,6 +1,6 @@
-// Whitted 1980, "An Improved Illumination Model for Shaded Display" (shown in 1979): what a surface is
-// made of in his terms, and the stack of rays that a path has still to follow. Owns that stack, which
-// lies behind the shadow rays in their buffer.
+// Whitted 1980, "An Improved Illumination Model for Shaded Display" (shown in 1979): what a surface
+// is made of in his terms, and the stack of rays that a path has still to follow. Owns that stack,
+// which lies behind the shadow rays in their buffer.
 #ifndef WHITTED_GLSL
 #define WHITTED_GLSL
 
@@ -21,15 +21,16 @@ struct whitted_surface {
 
 // --- what our models are in these terms ---------------------------------------------------------
 
-// Phong's exponent for GGX or Beckmann of this alpha: 2 / alpha^2 - 2 for their normals (Walter et al.
-// 2007, section 5.2), of which a lobe about the mirrored direction has a quarter (Fisher and Woo 1994,
-// "R.E versus N.H Specular Highlights").
+// Phong's exponent for GGX or Beckmann of this alpha: 2 / alpha^2 - 2 for their normals (Walter et
+// al. 2007, section 5.2), of which a lobe about the mirrored direction has a quarter (Fisher and
+// Woo 1994, "R.E versus N.H Specular Highlights").
 float exponent_of_alpha(float alpha)
 {
     return clamp(0.5 / (alpha * alpha) - 0.5, 0.0, 1e6);
 }
 
-// What an interface reflects goes where roughness says: smooth ones mirror, rough ones have a highlight.
+// What an interface reflects goes where roughness says: smooth ones mirror, rough ones have a
+// highlight.
 void whitted_gloss(inout whitted_surface w, vec3 reflectance, float alpha)
 {
     if (is_delta(alpha)) {
@@ -40,7 +41,8 @@ void whitted_gloss(inout whitted_surface w, vec3 reflectance, float alpha)
     }
 }
 
-// Smooth or not, what is refracted stays sharp. `through` is what passes where nothing is reflected.
+// Smooth or not, what is refracted stays sharp. `through` is what passes where nothing is
+// reflected.
 void whitted_interface(inout whitted_surface w, vec3 wo, vec3 reflectance, vec3 through, float eta,
                        bool thin)
 {
@@ -140,8 +142,8 @@ whitted_surface whitted_surface_of(material m, vec3 wo, float eta)
 
 // --- lights -------------------------------------------------------------------------------------
 
-// The far field of an emissive primitive, as if all of it were at its centre: radiance times what of
-// its area faces here, over the square of the distance.
+// The far field of an emissive primitive, as if all of it were at its centre: radiance times what
+// of its area faces here, over the square of the distance.
 light_sample center_of_triangle(vec3 origin, uint index)
 {
     vec3 v0 = load_triangles_float(index * 3u).xyz;
@@ -214,8 +216,8 @@ light_sample whitted_light(vec3 origin, uint number)
     return l;
 }
 
-// Writes a shadow ray to each light; false when none is needed. With one alone, none is written that
-// carries nothing.
+// Writes a shadow ray to each light; false when none is needed. With one alone, none is written
+// that carries nothing.
 bool whitted_lights(vertex v, whitted_surface w)
 {
     surface s = v.s;
@@ -248,9 +250,9 @@ bool whitted_lights(vertex v, whitted_surface w)
 
 // --- rays to follow -----------------------------------------------------------------------------
 
-// Of two rays that go on, one that carries less than this is not followed (Hall and Greenberg 1983, "A
-// Testbed for Realistic Image Synthesis"): trees would double with every depth. Where a ray goes on
-// alone, it does whatever it carries.
+// Of two rays that go on, one that carries less than this is not followed (Hall and Greenberg 1983,
+// "A Testbed for Realistic Image Synthesis"): trees would double with every depth. Where a ray goes
+// on alone, it does whatever it carries.
 const float LEAST_PART = 0.0009765625; // 2^-10: an eighth of what 8 bits tell apart
 
 // A ray of the tree: it is `depth` scattering events from the camera, and below it `pending` others

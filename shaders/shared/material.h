@@ -42,8 +42,8 @@
 #define MASKING_COUNT 4u
 #define MATERIAL_EXACT_FRESNEL (1u << 21) // of ior, instead of Schlick's
 
-// Parameters in groups of four, so that one texture's RGBA scales one group. A parameter's number is
-// 4 * group + component; scene/material.h documents ranges, units and defaults.
+// Parameters in groups of four, so that one texture's RGBA scales one group. A parameter's number
+// is 4 * group + component; scene/material.h documents ranges, units and defaults.
 #define GROUP_BASE 0      // base colour; opacity
 #define GROUP_EMISSION 1  // radiance, W/(sr m^2); pick density (see PARAMETER_PICK_DENSITY)
 #define GROUP_METAL 2     // anisotropic, roughness, metallic, anisotropic rotation (turns)
@@ -52,7 +52,7 @@
 #define GROUP_CLEARCOAT 5 // clearcoat, clearcoat roughness, clearcoat gloss, normal scale
 #define GROUP_SHEEN 6     // sheen colour; sheen roughness (glTF, Charlie)
 #define GROUP_DIFFUSE 7   // subsurface, sheen, sheen tint (Burley), diffuse transmission
-#define GROUP_FILM 8      // iridescence, film thickness (nm), film ior, dispersion (20 / Abbe number)
+#define GROUP_FILM 8      // iridescence, film thickness (nm), film ior, dispersion (20 / Abbe)
 #define GROUP_CONDUCTOR 9 // eta; exponent of Phong and Blinn-Phong
 #define GROUP_CONDUCTOR_K 10 // k; alpha cutoff
 #define GROUP_COUNT 11

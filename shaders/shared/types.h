@@ -171,7 +171,7 @@ struct gpu_light_bounds {
     float center[3];
     float radius;
     uint axis;    // octahedral
-    uint cosines; // of theta_o in bits 0-15, of theta_e in 16-30, each from -1 to 1; LIGHT_TWO_SIDED
+    uint cosines; // of theta_o in bits 0-15, theta_e in 16-30, each from -1 to 1; LIGHT_TWO_SIDED
     float power;  // as a part of all
     uint child;   // a pair's number, or LIGHT_LEAF and the word of a primitive
 };

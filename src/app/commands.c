@@ -41,8 +41,9 @@ const struct command commands[COMMAND_TOTAL] = {
                 "remains. --vary makes a curve for each value of a setting and says which is "
                 "better. Replicates of all curves take turns, so that a busy machine is busy for "
                 "all.",
-            .examples = "lampyris converge scene.json --vary sampler=sobol,pcg --report report\n"
-                        "lampyris converge scene.json --size 128x128 --vary mis=power,none --spp 1k",
+            .examples =
+                "lampyris converge scene.json --vary sampler=sobol,pcg --report report\n"
+                "lampyris converge scene.json --size 128x128 --vary mis=power,none --spp 1k",
             .min_arguments = 1,
             .max_arguments = OPTIONS_ARGUMENTS_MAX,
             .run = cmd_converge,
@@ -56,10 +57,12 @@ const struct command commands[COMMAND_TOTAL] = {
                 "Compares two pictures (.exr, .hdr, .png or .jpg; the latter two decoded to linear "
                 "light) of the same size x and r and prints, over all pixels and channels: mse, "
                 "the mean of (x - r)^2; rmse, its root; relmse, the mean of (x - r)^2 / (r^2 + "
-                "0.01); smape, the mean of 2 |x - r| / (|x| + |r| + 1e-6); psnr in dB for a peak of "
+                "0.01); smape, the mean of 2 |x - r| / (|x| + |r| + 1e-6); psnr in dB for a peak "
+                "of "
                 "1; ssim; flip of what is shown without exposure or tone curve, and hdr-flip over "
                 "the reference's range of exposures, both for 67 pixels a degree; and max, the "
-                "greatest difference. Pixels with a non-finite value in either picture are counted and left out.",
+                "greatest difference. Pixels with a non-finite value in either picture are counted "
+                "and left out.",
             .examples = "lampyris compare out.exr reference.exr --max relmse=1e-3\n"
                         "lampyris compare a.exr b.exr --max differing=0 --difference d.png",
             .min_arguments = 2,

@@ -174,7 +174,7 @@ struct compare_limit {
 struct options {
     int argc; // as main was given them, for commands that reproduce a run
     char **argv;
-    const struct command *command; // NULL only with --help or --version
+    const struct command *command;                // NULL only with --help or --version
     const char *arguments[OPTIONS_ARGUMENTS_MAX]; // SCENE …; IMAGE and REFERENCE; COMMAND of help
     uint32_t argument_count;
     bool given[OPTION_TOTAL];

@@ -2,6 +2,7 @@
 
 #include "environment.h"
 #include "ies.h"
+#include "light.h"
 #include <math.h>
 #include <string.h>
 
@@ -58,32 +59,6 @@ double bounding_radius(const struct flat_scene *flat)
         square += extent > 0.0 ? extent * extent : 0.0;
     }
     return 0.5 * sqrt(square);
-}
-
-// KHR_lights_punctual, "Inner and Outer Cone Angles": the falloff's cosines are this far apart at
-// least.
-#define SPOT_WIDTH_MIN 1e-3
-
-double versine(double angle)
-{
-    double sine = sin(0.5 * angle);
-    return 2.0 * sine * sine;
-}
-
-double spot_width(const struct light *light)
-{
-    double width = versine((double)light->outer_angle) - versine((double)light->inner_angle);
-    return width > SPOT_WIDTH_MIN ? width : SPOT_WIDTH_MIN;
-}
-
-// The solid angle that a spot fills, weighted by its falloff ((cos - cos_outer) / width)^2: over
-// the cosines from the outer one to `width` above it a third of the width, and all of what is
-// beyond.
-static double spot_solid_angle(const struct light *light)
-{
-    double width = spot_width(light), cone = versine((double)light->outer_angle);
-    double sloped = cone < width ? cone : width;
-    return 2.0 * M_PI * (sloped * sloped * sloped / (3.0 * width * width) + cone - sloped);
 }
 
 static double profile_solid_angle(const struct light *light)

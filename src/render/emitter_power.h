@@ -14,9 +14,6 @@ double shape_area(const struct flat_shape *shape);
 // Half the diagonal of the scene's bounds; 0 when empty.
 double bounding_radius(const struct flat_scene *flat);
 
-double versine(double angle); // 1 - cos, without cancellation
-// The cosines between which a spot's light falls off are so far apart.
-double spot_width(const struct light *light);
 // What comes from infinitely far is counted through the disc that the scene's bounding sphere, of
 // radius R, is to it: directional lights send E pi R^2.
 double light_power(const struct light *light, const struct flat_scene *flat);

@@ -4,6 +4,7 @@
 #include "clock.h"
 #include "emitter_power.h"
 #include "environment.h"
+#include "light.h"
 #include "light_tree.h"
 #include "log.h"
 #include <math.h>

@@ -27,7 +27,7 @@ struct replay_vertex {
     float light_pdf;
     bool light_is_shape;
     bool light_is_environment; // then light_primitive is 0
-    bool light_is_point; // without extent: light_primitive is its index in the scene
+    bool light_is_point;       // without extent: light_primitive is its index in the scene
     uint32_t light_primitive;
     float light_radiance[3]; // what arrives if nothing is in between
     bool occluded;

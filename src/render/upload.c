@@ -73,8 +73,7 @@ static uint32_t material_word(const struct upload_params *p, uint32_t index)
 static uint32_t next_emitter(const struct upload_params *p, uint32_t primitive, uint32_t *number)
 {
     const struct emitters *emitters = &p->tables->emitters;
-    bool emits =
-        *number < emitters->surface_count && emitters->primitives[*number] == primitive;
+    bool emits = *number < emitters->surface_count && emitters->primitives[*number] == primitive;
     return emits ? (*number)++ : NO_EMITTER;
 }
 

@@ -4,6 +4,7 @@
 #include "affine.h"
 #include "environment.h"
 #include "ies.h"
+#include "light.h"
 #include "shared/types.h"
 #include <math.h>
 
@@ -23,21 +24,8 @@ static const struct {
                            {"name", "angular_diameter_degrees"}},
 };
 
-// The least width of a spot's edge in cosines, and its angles where nothing is said: of glTF's
-// KHR_lights_punctual, as is the falloff.
-#define SPOT_WIDTH_MIN 0.001
+// Where nothing is said: as in glTF.
 #define SPOT_OUTER_DEGREES 45
-
-// The integral over directions of the spot's falloff, clamp((cos - cos o) / d, 0, 1)^2 with
-// d = max(0.001, cos i - cos o): the power of a spot of intensity 1. In x = cos - cos o, from 0 to
-// 1 - cos o, it is 2 pi times the integral of (x / d)^2 up to d and of 1 beyond.
-static double spot_solid_angle(double inner, double outer)
-{
-    double extent = 2 * sin(outer / 2) * sin(outer / 2); // 1 - cos o
-    double width = fmax(SPOT_WIDTH_MIN, extent - 2 * sin(inner / 2) * sin(inner / 2));
-    double ramp = fmin(extent, width);
-    return 2 * M_PI * (ramp * ramp * ramp / (3 * width * width) + (extent - ramp));
-}
 
 static bool read_cone(const struct json_node *node, struct light *light, struct err *err)
 {
@@ -118,7 +106,7 @@ static bool read_intensity(const struct json_node *node, struct light *light, st
     if (light->profile)
         solid_angle = light->profile->solid_angle;
     else if (light->kind == LIGHT_SPOT)
-        solid_angle = spot_solid_angle((double)light->inner_angle, (double)light->outer_angle);
+        solid_angle = spot_solid_angle(light);
     bool is_told = light->profile && !node_member(node, "power").value;
     if ((!is_told && !node_check_either(node, "intensity", "power", err)) ||
         !read_peak(node, light, err))

@@ -326,8 +326,9 @@ TEST(the_table_is_complete)
         const struct option_def *def = &option_table[i];
         REQUIRE(def->name && def->help && def->group && def->commands, "row %d", i);
         CHECK((def->type == VALUE_FLAG) == !def->argument, "--%s", def->name);
-        bool has_list = def->type == VALUE_OUTPUT || def->type == VALUE_VARY || def->type == VALUE_DEFINE ||
-                        def->type == VALUE_LIMIT || def->type == VALUE_ENVIRONMENT;
+        bool has_list = def->type == VALUE_OUTPUT || def->type == VALUE_VARY ||
+                        def->type == VALUE_DEFINE || def->type == VALUE_LIMIT ||
+                        def->type == VALUE_ENVIRONMENT;
         CHECK(has_list == (def->size == 0), "--%s", def->name);
         for (int j = 0; j < i; j++)
             CHECK(strcmp(option_table[j].name, def->name) != 0 &&

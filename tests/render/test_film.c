@@ -16,7 +16,7 @@ static void render_one_pixel(const char *path, const struct scene_override *over
     REQUIRE_OK(load_scene(path, overrides, &scene, &err));
     scene.settings.width = scene.settings.height = 1;
     scene.settings.sampler = SAMPLER_PCG; // count_below_edge() knows it
-    scene.settings.max_bounces = 0; // fewer dispatches a wave: nothing here reflects
+    scene.settings.max_bounces = 0;       // fewer dispatches a wave: nothing here reflects
     const struct renderer_params params = {.gpu = &gpu, .scene = &scene};
     REQUIRE_OK(render_film(&params, samples, &arena, &film, NULL, &err));
     memcpy(mean, film.mean[0], sizeof film.mean[0]);

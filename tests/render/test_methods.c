@@ -92,8 +92,8 @@ static double compare_methods(const struct replicates *a, const struct replicate
         double error = hypot(of_a.standard_error, of_b.standard_error);
         double t = fabs(of_a.mean - of_b.mean) / error;
         if (t > 3.0)
-            printf("value %u: %.6g +-%.2g and %.6g +-%.2g, t %.2f\n", v, of_a.mean,
-                   of_a.half_width, of_b.mean, of_b.half_width, t);
+            printf("value %u: %.6g +-%.2g and %.6g +-%.2g, t %.2f\n", v, of_a.mean, of_a.half_width,
+                   of_b.mean, of_b.half_width, t);
         worst = fmax(worst, t);
     }
     return worst;

@@ -134,8 +134,10 @@ TEST(floor)
     OPEN_GPU(&gpu, .validation = false);
     for (size_t i = 0; i < sizeof trials / sizeof trials[0]; i++) {
         const struct trial *t = &trials[i];
-        char path[64], light[512];
-        snprintf(path, sizeof path, "/tmp/lampyris-profile-%d.ies", (int)getpid());
+        char path[256], light[768];
+        const char *parent = getenv("TMPDIR");
+        snprintf(path, sizeof path, "%.200s/lampyris-profile-%d.ies", parent ? parent : "/tmp",
+                 (int)getpid());
         REQUIRE(write_profile(path, t->profile), "cannot write %s", path);
         snprintf(light, sizeof light,
                  "{\"type\":\"point\",\"position\":[%g,%g,%g],\"profile\":\"%s\"%s}",

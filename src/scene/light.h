@@ -1,0 +1,14 @@
+// Cones of lights: what their angles come to.
+#ifndef LAMPYRIS_SCENE_LIGHT_H
+#define LAMPYRIS_SCENE_LIGHT_H
+
+#include "scene_material.h"
+
+double versine(double angle); // 1 - cos, without cancellation
+// The cosines between which a spot's light falls off, ((cos - cos_outer) / width)^2 from the outer
+// one on; at least 0.001 (KHR_lights_punctual, "Inner and Outer Cone Angles").
+double spot_width(const struct light *light);
+// The solid angle that a spot fills, weighted by its falloff: the power of an intensity of 1.
+double spot_solid_angle(const struct light *light);
+
+#endif
