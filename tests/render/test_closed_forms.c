@@ -93,6 +93,14 @@ static double sphere_above(double rho, double le, double d)
     return rho * le / (2.0 * d * d) * sqrt(0.5);
 }
 
+// Stiff case C15: a sphere of radius 1 that touches the floor 5 cm away. It fills half of the sky
+// but for a rim, and is above the horizon as a whole: (r / d)^2 cos with cos = 1 / d.
+static double touching_sphere(double rho, double le, double unused)
+{
+    (void)unused;
+    return rho * le * pow(1.0 + 0.05 * 0.05, -1.5);
+}
+
 // Stiff case C14: 1e8 W from a sphere of radius 1e-4 (Le = power / (4 pi^2 r^2)) at 1e4.
 static double pinpoint(double rho, double le, double unused)
 {
@@ -300,6 +308,10 @@ static const struct closed_form forms[] = {
      {{"light", JSON({"type": "sphere", "material": "light", "center": [2, 2, 0], "radius": 1})}}},
     {"11 sphere at 10000", OURS "floor_light.json", sphere_above, 1e4, BY_STATISTICS, NEE_ALONE,
      {{"light", JSON({"type": "sphere", "material": "light", "center": [1e4, 1e4, 0],
+                      "radius": 1})}}},
+    {"C15 sphere that touches", OURS "floor_light.json", touching_sphere, 0, BY_STATISTICS,
+     EACH_ALONE,
+     {{"light", JSON({"type": "sphere", "material": "light", "center": [0.05, 1, 0],
                       "radius": 1})}}},
 
     {"12 triangle", OURS "floor_light.json", triangle_above, 0, BY_STATISTICS, EACH_ALONE,
