@@ -176,7 +176,8 @@ static bool advance(struct converge *c, struct renderer *renderer, uint64_t samp
     return renderer_render(renderer, &call, err);
 }
 
-// The noise of a picture, from its half-buffers: mean (A - B)^2 / 4, and that over r^2 + epsilon.
+// The noise of a reference, from its half-buffers: mean (A - B)^2 / 4, and that over r^2 + epsilon,
+// with as little noise in r as a reference has.
 static void noise_of(const struct film_image *film, double *mse, double *relmse)
 {
     uint64_t pixels = (uint64_t)film->width * film->height;
@@ -308,6 +309,28 @@ static void compare(const struct converge_reference *reference, const struct fil
         metric[CONVERGE_FLIP] = NAN;
 }
 
+// Without a reference: what the half-buffers say, over a smoothed denominator, since a pixel's own
+// noise would make the estimate too small; not known where that has too little to go by.
+static bool estimate(const struct film_image *film, uint64_t samples,
+                     double metric[CONVERGE_METRICS], struct err *err)
+{
+    struct half_error error;
+    const struct half_error_params params = {
+        .half_a = (const float(*)[3])film->half_a,
+        .half_b = (const float(*)[3])film->half_b,
+        .width = film->width,
+        .height = film->height,
+        .samples = samples,
+    };
+    if (!metrics_half_error(&params, &error))
+        return err_memory(err, "error estimate", (uint64_t)film->width * film->height * 12);
+    if (error.known) {
+        metric[CONVERGE_MSE] = error.mse;
+        metric[CONVERGE_RELMSE] = error.relmse;
+    }
+    return true;
+}
+
 static bool keep_picture(struct converge *c, struct converge_curve *curve, uint32_t replicate,
                          const struct film_image *film, struct err *err)
 {
@@ -333,7 +356,7 @@ static bool measure_point(struct converge *c, struct converge_curve *curve, uint
     if (ok && reference->name)
         compare(reference, &film, replicate == 0, sample->metric);
     else if (ok)
-        noise_of(&film, &sample->metric[CONVERGE_MSE], &sample->metric[CONVERGE_RELMSE]);
+        ok = estimate(&film, c->spp[point], sample->metric, err);
     if (ok && point + 1 == c->point_count)
         ok = keep_picture(c, curve, replicate, &film, err);
     arena_finish(&scratch);

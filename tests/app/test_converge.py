@@ -57,12 +57,13 @@ class Converge(unittest.TestCase):
         self.assertLess(second['efficiency_ratio']['ci_high'], 1)
 
     def test_without_a_reference(self):
-        result = converge('--reference', 'none', '--replicates', '3')
+        result = converge('--reference', 'none', '--replicates', '3', '--size', '32x32')
         curve = result['curves'][0]
         self.assertEqual(result['references'], [None])
         self.assertIsNone(curve['bias']['value'])
         self.assertIsNone(curve['points'][0]['replicate_metrics']['ssim'][0])
         self.assertTrue(curve['points'][-1]['relmse']['value'] > 0)
+        self.assertIsNone(curve['points'][0]['relmse']['value'])  # not known below 16 samples
 
     def test_a_reference_from_a_file(self):
         with tempfile.TemporaryDirectory() as folder:
