@@ -93,6 +93,7 @@ bool converge_conclude(struct converge *c, struct err *err);
 
 // "as given" where nothing is varied.
 const char *converge_label(const struct converge_curve *curve);
+const char *converge_verdict(const struct converge_curve *curve); // of its ratio
 
 // --- converge_report.c ---
 void converge_print(const struct converge *c);

@@ -227,11 +227,6 @@ static void put_row(struct page *page, uint32_t index)
 {
     const struct converge *c = page->c;
     const struct converge_curve *curve = &c->curves[index];
-    static const char *const verdicts[] = {
-        [CURVE_NOT_TOLD_APART] = "not told apart",
-        [CURVE_BETTER] = "better",
-        [CURVE_WORSE] = "worse",
-    };
     FILE *out = page->out;
     uint32_t last = c->point_count - 1;
     fputs("<tr><th>", out);
@@ -242,7 +237,7 @@ static void put_row(struct page *page, uint32_t index)
     put_interval(out, curve->seconds[last], "%.3g");
     put_interval(out, curve->efficiency, "%.3g");
     put_interval(out, curve->ratio, "%.3g");
-    fprintf(out, "<td>%s</td>", verdicts[curve_judge(curve->ratio)]);
+    fprintf(out, "<td>%s</td>", converge_verdict(curve));
     for (int i = 0; i < CONVERGE_TARGETS; i++) {
         if (isnan(curve->time_to[i]))
             fputs("<td>not known</td>", out);

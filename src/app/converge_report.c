@@ -9,11 +9,6 @@
 #include <stdio.h>
 #include <string.h>
 
-static const char *verdict_word(enum curve_verdict verdict)
-{
-    return verdict == CURVE_BETTER ? "better" : verdict == CURVE_WORSE ? "worse" : "not told apart";
-}
-
 static bool is_first(const struct converge *c, const struct converge_curve *curve)
 {
     return curve == c->curves || curve[-1].scene != curve->scene;
@@ -22,6 +17,16 @@ static bool is_first(const struct converge *c, const struct converge_curve *curv
 const char *converge_label(const struct converge_curve *curve)
 {
     return *curve->label ? curve->label : "as given";
+}
+
+const char *converge_verdict(const struct converge_curve *curve)
+{
+    static const char *const words[] = {
+        [CURVE_NOT_TOLD_APART] = "not told apart",
+        [CURVE_BETTER] = "better",
+        [CURVE_WORSE] = "worse",
+    };
+    return words[curve_judge(curve->ratio)];
 }
 
 // --- for people ----------------------------------------------------------------------------------
@@ -84,7 +89,7 @@ void converge_print(const struct converge *c)
         print_interval(curve->slope, "%.3f", 24);
         printf(" %9.3g", curve->seconds[last].value);
         print_interval(curve->ratio, "%.3g", 22);
-        printf("  %s\n", is_first(c, curve) ? "" : verdict_word(curve_judge(curve->ratio)));
+        printf("  %s\n", is_first(c, curve) ? "" : converge_verdict(curve));
         print_times(curve);
     }
     printf("device  %s, %s\n", c->gpu.info.name, c->gpu.info.driver);
@@ -130,8 +135,7 @@ static json_t *curve_json(const struct converge *c, const struct converge_curve 
                      "start_seconds", curve->start_seconds, "slope", interval_json(curve->slope),
                      "efficiency", interval_json(curve->efficiency), "bias",
                      interval_json(curve->bias), "efficiency_ratio", interval_json(curve->ratio),
-                     "time_to", times, "verdict", verdict_word(curve_judge(curve->ratio)), "points",
-                     points);
+                     "time_to", times, "verdict", converge_verdict(curve), "points", points);
 }
 
 static json_t *references_json(const struct converge *c)

@@ -6,16 +6,6 @@
 
 static const struct interval unknown = {NAN, NAN, NAN};
 
-static struct interval t_interval(const double *values, size_t count)
-{
-    double mean, variance;
-    stats_mean_variance(values, count, &mean, &variance);
-    if (count < 2)
-        return unknown;
-    double half = stats_t_quantile(0.975, (double)count - 1) * sqrt(variance / (double)count);
-    return (struct interval){mean, mean - half, mean + half};
-}
-
 static struct interval exponential(struct interval i)
 {
     return (struct interval){exp(i.value), exp(i.low), exp(i.high)};
@@ -118,9 +108,10 @@ bool curve_bias(const struct curve_bias_params *p, struct interval *out)
     }
     double length = (double)p->length;
     // Pseudo-values (Tukey 1958): their mean and its t interval.
+    struct running values = {0};
     for (size_t k = 0; k < count; k++)
-        without[k] = (n * all - (n - 1) * without[k]) / length - p->reference_relmse;
-    *out = t_interval(without, count);
+        run_add(&values, (n * all - (n - 1) * without[k]) / length - p->reference_relmse);
+    *out = run_interval(&values);
     free(without);
     return true;
 }
