@@ -1,5 +1,6 @@
 #include "frame.h"
 
+#include "emitter_power.h"
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -61,12 +62,7 @@ static void set_environment(struct gpu_frame *frame, const struct environment *e
 // much again for what rounding adds.
 static float ao_distance(const struct flat_scene *flat, float asked)
 {
-    double square = 0.0;
-    for (int c = 0; c < 3; c++) {
-        double extent = (double)flat->bounds_max[c] - (double)flat->bounds_min[c];
-        square += extent > 0.0 ? extent * extent : 0.0;
-    }
-    return fminf(asked, (float)(2.0 * sqrt(square)));
+    return fminf(asked, (float)(4.0 * bounding_radius(flat)));
 }
 
 // Ambient occlusion is what surfaces see of a white surrounding.

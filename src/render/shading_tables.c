@@ -4,6 +4,7 @@
 #include "camera_media.h"
 #include "environment.h"
 #include "ies.h"
+#include "light.h"
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -103,8 +104,7 @@ static uint32_t count_suns(const struct scene *scene)
 
 static struct gpu_sun sun_record(const struct light *light, float pick_probability)
 {
-    double half = sin(0.5 * light->angular_radius);
-    struct gpu_sun sun = {.versine = (float)(2.0 * half * half),
+    struct gpu_sun sun = {.versine = (float)versine(light->angular_radius),
                           .pick_probability = pick_probability};
     for (int c = 0; c < 3; c++) {
         sun.direction[c] = (float)-light->direction[c];
