@@ -23,7 +23,8 @@ uint environment_texel(vec3 direction, uvec2 size)
 }
 
 // Radiance that arrives from a unit direction, without the factor on all, and the density per solid
-// angle with which it is sampled.
+// angle with which sample_environment() chooses it: that of the texel's own probability, as it is
+// after rounding.
 vec4 load_environment_texel(vec3 direction)
 {
     float c = frame.environment_cos, s = frame.environment_sin;
@@ -38,13 +39,6 @@ vec3 environment_radiance(vec3 direction)
     if (!HAS(FEATURE_ENVIRONMENT_IMAGE))
         return frame.environment;
     return frame.environment * load_environment_texel(direction).rgb;
-}
-
-// Density per solid angle with which sample_environment() chooses a unit direction: that of the
-// texel's own probability, as it is after rounding.
-float pdf_environment(vec3 direction)
-{
-    return load_environment_texel(direction).a;
 }
 
 // Words of one level of a table of `count` thresholds: a word of the level below for each of four
