@@ -2,6 +2,7 @@
 
 #include "metrics.h"
 #include <math.h>
+#include <string.h>
 
 static void measure_mean(const struct film_image *film, double *values)
 {
@@ -15,6 +16,32 @@ static void measure_mean(const struct film_image *film, double *values)
 }
 
 const struct measurement MEASURE_MEAN = {3, measure_mean};
+
+static void measure_tiles(const struct film_image *film, uint32_t tiles, double *values)
+{
+    uint32_t whole = tiles * tiles;
+    memset(values, 0, (whole + 1) * sizeof *values);
+    for (uint32_t y = 0; y < film->height; y++)
+        for (uint32_t x = 0; x < film->width; x++) {
+            const float *pixel = film->mean[y * film->width + x];
+            double sum = (double)pixel[0] + (double)pixel[1] + (double)pixel[2];
+            values[y * tiles / film->height * tiles + x * tiles / film->width] += sum;
+            values[whole] += sum;
+        }
+}
+
+static void measure_2x2_tiles(const struct film_image *film, double *values)
+{
+    measure_tiles(film, 2, values);
+}
+
+static void measure_4x4_tiles(const struct film_image *film, double *values)
+{
+    measure_tiles(film, 4, values);
+}
+
+const struct measurement MEASURE_2X2_TILES = {5, measure_2x2_tiles};
+const struct measurement MEASURE_4X4_TILES = {17, measure_4x4_tiles};
 
 bool replicates_render(struct renderer *r, const struct measurement *measurement,
                        uint32_t first_seed, uint64_t samples, struct replicates *out,

@@ -19,6 +19,9 @@ struct measurement {
     void (*measure)(const struct film_image *film, double *values);
 };
 extern const struct measurement MEASURE_MEAN; // of the whole picture: 3 channels
+// Sums over channels and pixels of 2 x 2 and of 4 x 4 tiles in rows from the top, then of the
+// whole: errors of one channel are those of the others.
+extern const struct measurement MEASURE_2X2_TILES, MEASURE_4X4_TILES;
 
 struct replicates {
     uint32_t count; // of numbers measured

@@ -8,24 +8,8 @@
 #include "replicates.h"
 
 #define SIDE 32u
-#define TILES 4u
-#define WHOLE (TILES * TILES) // the value after those of the tiles
 
-// Sums over channels: the estimators' errors of one channel are those of the others.
-static void measure_tiles(const struct film_image *film, double *values)
-{
-    memset(values, 0, (WHOLE + 1) * sizeof *values);
-    for (uint32_t y = 0; y < film->height; y++) {
-        for (uint32_t x = 0; x < film->width; x++) {
-            const float *pixel = film->mean[y * film->width + x];
-            double sum = (double)pixel[0] + pixel[1] + pixel[2];
-            values[y * TILES / film->height * TILES + x * TILES / film->width] += sum;
-            values[WHOLE] += sum;
-        }
-    }
-}
-
-static const struct measurement tiles = {WHOLE + 1, measure_tiles};
+#define WHOLE 16 // the value after those of the tiles
 
 struct plan {
     const char *scene;
@@ -46,8 +30,8 @@ static void render_estimator(struct gpu *gpu, const struct plan *plan,
     set_estimator(&scene.settings, estimator);
     const struct renderer_params params = {.gpu = gpu, .scene = &scene};
     REQUIRE_OK(renderer_create(&params, &r, &err));
-    REQUIRE_OK(
-        replicates_render(&r, &tiles, REPLICATES * estimator, plan->samples[estimator], out, &err));
+    REQUIRE_OK(replicates_render(&r, &MEASURE_4X4_TILES, REPLICATES * estimator,
+                                 plan->samples[estimator], out, &err));
     struct estimate whole = replicates_estimate(out, WHOLE);
     printf("estimator %d: mean %.6g +-%.2g %%, %.1f s\n", estimator, whole.mean / (3 * SIDE * SIDE),
            100 * whole.half_width / whole.mean, clock_seconds_since(start));
@@ -58,7 +42,7 @@ static void render_estimator(struct gpu *gpu, const struct plan *plan,
 static void check_pair(const struct replicates *a, const struct replicates *b,
                        const struct plan *plan)
 {
-    for (uint32_t v = 0; v < tiles.count; v++) {
+    for (uint32_t v = 0; v < MEASURE_4X4_TILES.count; v++) {
         struct estimate of_a = replicates_estimate(a, v), of_b = replicates_estimate(b, v);
         double error = hypot(of_a.standard_error, of_b.standard_error);
         double t = (of_a.mean - of_b.mean) / error, mean = 0.5 * (of_a.mean + of_b.mean);

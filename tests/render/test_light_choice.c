@@ -6,22 +6,8 @@
 #include "replicates.h"
 
 #define SCENE "tests/render/scenes/lights.json"
-#define TILES 2u
-#define WHOLE (TILES * TILES)
 
-static void measure_tiles(const struct film_image *film, double *values)
-{
-    memset(values, 0, (WHOLE + 1) * sizeof *values);
-    for (uint32_t y = 0; y < film->height; y++)
-        for (uint32_t x = 0; x < film->width; x++) {
-            const float *pixel = film->mean[y * film->width + x];
-            double sum = (double)pixel[0] + (double)pixel[1] + (double)pixel[2];
-            values[y * TILES / film->height * TILES + x * TILES / film->width] += sum;
-            values[WHOLE] += sum;
-        }
-}
-
-static const struct measurement tiles = {WHOLE + 1, measure_tiles};
+#define WHOLE 4 // the value after those of the tiles
 
 struct plan {
     uint32_t choice;
@@ -40,7 +26,7 @@ static void render_choice(struct gpu *gpu, const struct plan *plan, uint32_t fir
     scene.settings.light_choice = plan->choice;
     set_estimator(&scene.settings, plan->estimator);
     REQUIRE_OK(renderer_create(&(struct renderer_params){.gpu = gpu, .scene = &scene}, &r, &err));
-    REQUIRE_OK(replicates_render(&r, &tiles, first_seed, plan->samples, out, &err));
+    REQUIRE_OK(replicates_render(&r, &MEASURE_2X2_TILES, first_seed, plan->samples, out, &err));
     struct estimate whole = replicates_estimate(out, WHOLE);
     printf("  %-8s estimator %d: %.6g +-%.2g %%, %.1f s\n", light_choice_names[plan->choice],
            (int)plan->estimator, whole.mean, 100 * whole.half_width / whole.mean,

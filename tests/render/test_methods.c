@@ -8,24 +8,8 @@
 
 // --- comparing methods ---------------------------------------------------------------------------
 
-#define TILES 2u
-#define WHOLE (TILES * TILES) // the value after those of the tiles
+#define WHOLE 4 // the value after those of the tiles
 #define MOST_METHODS 140
-
-static void measure_tiles(const struct film_image *film, double *values)
-{
-    memset(values, 0, (WHOLE + 1) * sizeof *values);
-    for (uint32_t y = 0; y < film->height; y++) {
-        for (uint32_t x = 0; x < film->width; x++) {
-            const float *pixel = film->mean[y * film->width + x];
-            double sum = (double)pixel[0] + (double)pixel[1] + (double)pixel[2];
-            values[y * TILES / film->height * TILES + x * TILES / film->width] += sum;
-            values[WHOLE] += sum;
-        }
-    }
-}
-
-static const struct measurement tiles = {WHOLE + 1, measure_tiles};
 
 struct method {
     bool nee;
@@ -66,7 +50,7 @@ static void render_method(struct gpu *gpu, const struct method *m, uint32_t inde
     scene.settings.roulette = m->roulette;
     const struct renderer_params params = {.gpu = gpu, .scene = &scene, .merge_classes = true};
     REQUIRE_OK(renderer_create(&params, &r, &err));
-    REQUIRE_OK(replicates_render(&r, &tiles, REPLICATES * index, samples, out, &err));
+    REQUIRE_OK(replicates_render(&r, &MEASURE_2X2_TILES, REPLICATES * index, samples, out, &err));
     struct estimate whole = replicates_estimate(out, WHOLE);
     print_method(m);
     printf(": mean %.6g +-%.2g %%, %.1f s\n", whole.mean, 100 * whole.half_width / whole.mean,
@@ -87,7 +71,7 @@ static double t_limit(uint32_t methods)
 static double compare_methods(const struct replicates *a, const struct replicates *b)
 {
     double worst = 0.0;
-    for (uint32_t v = 0; v < tiles.count; v++) {
+    for (uint32_t v = 0; v < MEASURE_2X2_TILES.count; v++) {
         struct estimate of_a = replicates_estimate(a, v), of_b = replicates_estimate(b, v);
         double error = hypot(of_a.standard_error, of_b.standard_error);
         double t = fabs(of_a.mean - of_b.mean) / error;
