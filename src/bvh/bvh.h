@@ -1,6 +1,7 @@
 // Bounding volume hierarchy: binned SAH on all CPU threads, collapsed to a wide, quantised node of
-// 64 bytes; and a CPU reference traversal. No Vulkan, no scene: boxes and plain arrays in. Any
-// thread may call; a finished BVH is only read and may be shared.
+// 64 bytes; simpler builders and a wider node to compare with; and a CPU reference traversal. No
+// Vulkan, no scene: boxes and plain arrays in. Any thread may call; a finished BVH is only read and
+// may be shared.
 #ifndef LAMPYRIS_BVH_BVH_H
 #define LAMPYRIS_BVH_BVH_H
 
@@ -9,6 +10,17 @@
 #include "progress.h"
 #include <stdbool.h>
 #include <stdint.h>
+
+// How primitives are split: by the binned surface area heuristic, at the median of their centres,
+// or at the mean; see bvh_build().
+enum bvh_split { BVH_SPLIT_SAH, BVH_SPLIT_MEDIAN, BVH_SPLIT_MEAN };
+// What a node is: struct bvh_node or struct bvh_node_float.
+enum bvh_format { BVH_QUANTISED, BVH_FLOAT };
+
+struct bvh_method {
+    enum bvh_split split;
+    enum bvh_format format;
+};
 
 // A BVH4 node, one cache line. Child i's box is, in exact arithmetic,
 //   [origin + lo * scale, origin + hi * scale] per axis,  scale = 2^(exponent - 127),
@@ -23,6 +35,14 @@ struct bvh_node {
     uint32_t spare[2]; // 0
 };
 _Static_assert(sizeof(struct bvh_node) == 64, "one cache line");
+
+// The same with the children's boxes as they are. [axis][child]; those of empty children are 0.
+struct bvh_node_float {
+    uint32_t child[4];
+    float min[3][4], max[3][4];
+    uint32_t spare[4]; // 0: fills the second cache line
+};
+_Static_assert(sizeof(struct bvh_node_float) == 128, "two cache lines");
 
 // Child words. Inner: the node's index (below 2^31). Leaf: BVH_LEAF | flags | first index.
 // Triangle leaves hold one or two consecutive entries of triangle_order; shape leaves one shape, by
@@ -42,7 +62,7 @@ struct bvh_box {
 
 struct bvh_stats {
     // Expected cost of a random ray that hits the root's box and then nothing: 1 a wide node
-    // visited (the root included), 1 a primitive tested. Of the boxes as quantised.
+    // visited (the root included), 1 a primitive tested. Of the boxes as they are in the nodes.
     double sah_cost;
     uint32_t depth; // of the wide tree; a root alone has 1
     // The most children (inner ones and leaves) that can be pending besides the one in hand, when
@@ -58,7 +78,9 @@ struct bvh {
     // nodes[0] is the root; it exists even for an empty scene (all children empty). Every node
     // stands after its parent, inner children of one node stand together, and so do the triangles
     // of its leaves.
-    struct bvh_node *nodes;
+    struct bvh_node *nodes;             // BVH_QUANTISED, else NULL
+    struct bvh_node_float *nodes_float; // BVH_FLOAT, else NULL
+    enum bvh_format format;
     uint32_t node_count;
     uint32_t *triangle_order; // leaf order -> triangle as given
     uint32_t triangle_count;
@@ -71,11 +93,21 @@ struct bvh_params {
     uint32_t triangle_count;
     const struct bvh_box *shape_boxes; // boxes of analytic shapes (conservative)
     uint32_t shape_count;
+    struct bvh_method method;
     unsigned threads;                // 0: all
     uint32_t max_leaf;               // triangles a leaf, 1 or 2; 0: 2
     const struct progress *progress; // phase "Building BVH"
 };
 
+// Always from the top, until every leaf has one primitive:
+// - SAH: by the surface area heuristic, then moved to better places and collapsed into wide nodes
+//   at the least expected cost;
+// - median: into halves by the centroids along the widest axis of their bounds;
+// - mean: at the mean of the centroids on that axis, or the median where rounding leaves one side
+//   empty.
+// The latter two are to compare with: each two levels of their binary trees make a wide node, and
+// nothing is moved. Splits near the root take one thread.
+//
 // The same input gives the same bits whatever the number of threads. Bounded depth also for a
 // million identical triangles (median split where SAH cannot separate): stack_entries <= 96.
 // Vertices must be finite (ERR_BUG otherwise). Counts up to BVH_LEAF_INDEX.
@@ -83,6 +115,22 @@ struct bvh_params {
 // the calling thread; being asked to stop is an error (ERR_STOPPED).
 bool bvh_build(const struct bvh_params *params, struct arena *arena, struct bvh *out,
                struct err *err);
+
+static inline uint64_t bvh_node_bytes(enum bvh_format format)
+{
+    return format == BVH_FLOAT ? sizeof(struct bvh_node_float) : sizeof(struct bvh_node);
+}
+
+// All nodes of a BVH, one after the other.
+static inline const void *bvh_nodes_data(const struct bvh *bvh)
+{
+    return bvh->format == BVH_FLOAT ? (const void *)bvh->nodes_float : bvh->nodes;
+}
+
+static inline uint64_t bvh_nodes_bytes(const struct bvh *bvh)
+{
+    return bvh->node_count * bvh_node_bytes(bvh->format);
+}
 
 // Checks every invariant above against the primitives: boxes contain what is below them, every
 // primitive appears once, no cycle, statistics right (but the time). For tests and loaded caches;

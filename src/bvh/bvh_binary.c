@@ -149,6 +149,7 @@ struct bvh_binary_node *bvh_binary_build(const struct bvh_binary_params *params,
     uint32_t capacity = count / TASK_WORTH + params->depth_limit + 1;
     builder.tasks = ARENA_NEW(&scratch, struct bvh_range, capacity);
     builder.splitter.depth_limit = params->depth_limit;
+    builder.splitter.split = params->split;
     builder.splitter.primitives[0] = params->primitives;
     builder.splitter.primitives[1] = ARENA_NEW(&scratch, struct bvh_primitive, count);
     builder.splitter.chunks = arena_alloc(&scratch, BVH_CHUNKS_MAX, bvh_chunk_bytes());

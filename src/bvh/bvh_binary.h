@@ -40,6 +40,7 @@ struct bvh_splitter {
     struct bvh_primitive *primitives[2];
     struct bvh_chunk *chunks; // BVH_CHUNKS_MAX, for the one range that is split in parallel
     uint32_t depth_limit;     // no leaf is deeper
+    enum bvh_split split;
 };
 
 // Ranges are binned and partitioned in chunks of at least BVH_CHUNK_MIN primitives.
@@ -64,6 +65,7 @@ struct bvh_binary_params {
     uint32_t count;                   // at least 1
     uint32_t depth_limit;             // at least the binary logarithm of count, rounded up
     unsigned threads;                 // at least 1
+    enum bvh_split split;
     const struct progress *progress;
 };
 
@@ -87,11 +89,12 @@ struct bvh_wide_params {
     const struct bvh_binary_node *nodes;
     uint32_t primitive_count; // at least 1
     uint32_t max_leaf;        // 1, or 2 (or 0)
+    bool plain;               // two levels a wide node, instead of what costs least
     unsigned threads;         // at least 1
 };
 
-// Collapses the binary tree into out->nodes, node_count and triangle_order (which the caller has
-// allocated) and fills in the statistics but build_seconds.
+// Collapses the binary tree into nodes of out->format, node_count and triangle_order (which the
+// caller has allocated) and fills in the statistics but build_seconds.
 bool bvh_wide_build(const struct bvh_wide_params *params, struct arena *arena, struct bvh *out,
                     struct err *err);
 

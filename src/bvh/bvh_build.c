@@ -115,13 +115,12 @@ static bool make_primitives(const struct bvh_params *params, unsigned threads,
 
 static bool build_empty(struct arena *arena, struct bvh *out, struct err *err)
 {
-    out->nodes = ARENA_NEW(arena, struct bvh_node, 1);
-    if (!out->nodes)
-        return err_memory(err, "the BVH's nodes", sizeof *out->nodes);
     out->node_count = 1;
+    if (!bvh_nodes_allocate(arena, out, err))
+        return false;
     for (int i = 0; i < 4; i++)
-        out->nodes[0].child[i] = BVH_EMPTY;
-    bvh_node_set_boxes(&out->nodes[0], NULL, 0);
+        bvh_children(out, 0)[i] = BVH_EMPTY;
+    bvh_set_boxes(out, 0, NULL, 0);
     return bvh_compute_stats(out, &out->stats, err);
 }
 
@@ -146,17 +145,20 @@ static bool build_once(const struct bvh_params *params, const struct attempt *at
                                                      .count = count,
                                                      .depth_limit = attempt->depth_limit,
                                                      .threads = threads,
+                                                     .split = params->method.split,
                                                      .progress = params->progress},
                          &scratch, err);
     if (!nodes)
         goto done;
     *fits = true;
-    if (attempt->optimize && !bvh_optimize(nodes, count, params->progress, fits, err))
+    bool plain = params->method.split != BVH_SPLIT_SAH;
+    if (attempt->optimize && !plain && !bvh_optimize(nodes, count, params->progress, fits, err))
         goto done;
     ok = !*fits || bvh_wide_build(&(struct bvh_wide_params){.nodes = nodes,
                                                             .primitive_count = count,
                                                             .max_leaf = params->max_leaf,
-                                                            .threads = threads},
+                                                            .threads = threads,
+                                                            .plain = plain},
                                   arena, out, err);
     *fits = *fits && out->stats.stack_entries <= BVH_STACK_ENTRIES_MAX;
 done:
@@ -179,7 +181,7 @@ bool bvh_build(const struct bvh_params *params, struct arena *arena, struct bvh 
                struct err *err)
 {
     uint64_t start = clock_ns();
-    *out = (struct bvh){.triangle_count = params->triangle_count};
+    *out = (struct bvh){.format = params->method.format, .triangle_count = params->triangle_count};
     if (!check_params(params, err) || !bvh_checkpoint(params->progress, 0, err))
         return false;
     out->triangle_order = ARENA_NEW(arena, uint32_t, params->triangle_count);

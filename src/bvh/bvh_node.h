@@ -1,4 +1,4 @@
-// Reading and writing the quantised node. Private to this folder.
+// Reading and writing nodes of both formats. Private to this folder.
 #ifndef LAMPYRIS_BVH_BVH_NODE_H
 #define LAMPYRIS_BVH_BVH_NODE_H
 
@@ -19,46 +19,92 @@ static inline uint32_t bvh_leaf_count(uint32_t child)
     return child & BVH_LEAF_SHAPE ? 1 : child & BVH_LEAF_TWO ? 2 : 1;
 }
 
-static inline uint32_t bvh_child_count(const struct bvh_node *node)
+static inline uint32_t bvh_child_count(const uint32_t child[4])
 {
     uint32_t count = 0;
-    while (count < 4 && node->child[count] != BVH_EMPTY)
+    while (count < 4 && child[count] != BVH_EMPTY)
         count++;
     return count;
 }
 
-// 2^(exponent - 127) of an axis; exact, for the biased exponent is in [1, 254].
-static inline double bvh_node_scale(const struct bvh_node *node, int axis)
-{
-    uint32_t bits = (node->exponents >> (8 * axis) & 255u) << 23;
-    float scale;
-    memcpy(&scale, &bits, sizeof scale);
-    return scale;
-}
+// --- One format
+// -----------------------------------------------------------------------------------
 
-// A plane is a + b with b = byte * scale, which a double holds. This is the sign of (a + b) - c in
-// exact arithmetic: the rounded sum decides unless it equals c, and then its rounding error does
-// (TwoSum, Knuth 1969, The Art of Computer Programming 2, section 4.2.2, theorem B).
-static inline int bvh_compare_sum(double a, double b, double c)
-{
-    double sum = a + b;
-    if (sum != c)
-        return sum > c ? 1 : -1;
-    double b_part = sum - a;
-    double error = (a - (sum - b_part)) + (b - b_part);
-    return (error > 0) - (error < 0);
-}
-
-// Writes the boxes of the first `count` children, rounded outwards, and empties the others.
-void bvh_node_set_boxes(struct bvh_node *node, const struct bvh_box *boxes, uint32_t count);
+// Write the boxes of the first `count` children and empty the others. Quantised boxes are rounded
+// outwards.
+void bvh_quantised_set_boxes(struct bvh_node *node, const struct bvh_box *boxes, uint32_t count);
+void bvh_float_set_boxes(struct bvh_node_float *node, const struct bvh_box *boxes, uint32_t count);
 
 // The box of a child as the node describes it, in double precision; rounded outwards where even
 // that is not exact.
-void bvh_node_child_box(const struct bvh_node *node, uint32_t child, double min[3], double max[3]);
+void bvh_quantised_child_box(const struct bvh_node *node, uint32_t child, double min[3],
+                             double max[3]);
+void bvh_float_child_box(const struct bvh_node_float *node, uint32_t child, double min[3],
+                         double max[3]);
 
-// Whether a child's box, in exact arithmetic, contains another.
-bool bvh_node_child_contains(const struct bvh_node *node, uint32_t child,
-                             const struct bvh_box *box);
+// Whether a child's box is one that may stand for the box of what is below: quantised, contains it,
+// in exact arithmetic; else the very same.
+bool bvh_quantised_child_fits(const struct bvh_node *node, uint32_t child,
+                              const struct bvh_box *box);
+bool bvh_float_child_fits(const struct bvh_node_float *node, uint32_t child,
+                          const struct bvh_box *box);
+
+// Half the area of the union of children [first, end), as they are in the node. 0 of none.
+double bvh_quantised_half_area(const struct bvh_node *node, uint32_t first, uint32_t end);
+double bvh_float_half_area(const struct bvh_node_float *node, uint32_t first, uint32_t end);
+
+// What must hold for a node by itself. `index` is for the message.
+bool bvh_quantised_check(const struct bvh_node *node, uint32_t index, struct err *err);
+bool bvh_float_check(const struct bvh_node_float *node, uint32_t index, struct err *err);
+
+// --- Whichever
+// ------------------------------------------------------------------------------------
+
+// Memory for out->node_count nodes of out->format.
+bool bvh_nodes_allocate(struct arena *arena, struct bvh *out, struct err *err);
+
+static inline uint32_t *bvh_children(const struct bvh *bvh, uint32_t node)
+{
+    return bvh->format == BVH_FLOAT ? bvh->nodes_float[node].child : bvh->nodes[node].child;
+}
+
+static inline void bvh_set_boxes(const struct bvh *bvh, uint32_t node, const struct bvh_box *boxes,
+                                 uint32_t count)
+{
+    if (bvh->format == BVH_FLOAT)
+        bvh_float_set_boxes(&bvh->nodes_float[node], boxes, count);
+    else
+        bvh_quantised_set_boxes(&bvh->nodes[node], boxes, count);
+}
+
+static inline void bvh_child_box(const struct bvh *bvh, uint32_t node, uint32_t child,
+                                 double min[3], double max[3])
+{
+    if (bvh->format == BVH_FLOAT)
+        bvh_float_child_box(&bvh->nodes_float[node], child, min, max);
+    else
+        bvh_quantised_child_box(&bvh->nodes[node], child, min, max);
+}
+
+static inline bool bvh_child_fits(const struct bvh *bvh, uint32_t node, uint32_t child,
+                                  const struct bvh_box *box)
+{
+    return bvh->format == BVH_FLOAT ? bvh_float_child_fits(&bvh->nodes_float[node], child, box)
+                                    : bvh_quantised_child_fits(&bvh->nodes[node], child, box);
+}
+
+static inline double bvh_half_area(const struct bvh *bvh, uint32_t node, uint32_t first,
+                                   uint32_t end)
+{
+    return bvh->format == BVH_FLOAT ? bvh_float_half_area(&bvh->nodes_float[node], first, end)
+                                    : bvh_quantised_half_area(&bvh->nodes[node], first, end);
+}
+
+static inline bool bvh_node_check(const struct bvh *bvh, uint32_t node, struct err *err)
+{
+    return bvh->format == BVH_FLOAT ? bvh_float_check(&bvh->nodes_float[node], node, err)
+                                    : bvh_quantised_check(&bvh->nodes[node], node, err);
+}
 
 // All statistics but build_seconds. Nodes must stand after their parents.
 bool bvh_compute_stats(const struct bvh *bvh, struct bvh_stats *stats, struct err *err);

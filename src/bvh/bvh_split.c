@@ -1,8 +1,10 @@
-// Where to split a range of primitives, and splitting it. Three ways:
+// Where to split a range of primitives, and splitting it. Four ways:
 //   binned   the surface area heuristic over bins of the centroids (Wald 2007, "On fast
 //            construction of SAH-based bounding volume hierarchies");
 //   sweep    the same over all positions, for short ranges;
-//   median   halves, where the centroids coincide or the depth runs out.
+//   median   halves, also where the centroids coincide or the depth runs out;
+//   mean     at the mean of the centroids.
+// The first two are for BVH_SPLIT_SAH.
 // Everything that chunks contribute (minima, maxima, counts) is independent of their order and
 // number, and partitioning is stable: so the result depends on the input alone.
 #include "bvh_binary.h"
@@ -255,7 +257,7 @@ static bool split_binned(const struct bvh_splitter *splitter, const struct bvh_r
     return true;
 }
 
-// --- In place: sweep and median -----------------------------------------------------------------
+// --- In place: sweep, median and mean -----------------------------------------------------------
 
 static void sort_by_centroid(const struct bvh_primitive *primitives, uint32_t count, int axis,
                              uint8_t order[SWEEP_MAX])
@@ -346,18 +348,42 @@ static void select_smallest(struct bvh_primitive *primitives, uint32_t count, ui
     }
 }
 
+static float centroid_extent(const struct bvh_range *range, int axis)
+{
+    return range->centroids.max[axis] - range->centroids.min[axis];
+}
+
+static int widest_axis(const struct bvh_range *range)
+{
+    int widest = 0;
+    for (int axis = 1; axis < 3; axis++)
+        widest = centroid_extent(range, axis) > centroid_extent(range, widest) ? axis : widest;
+    return widest;
+}
+
 // Halves by the centroid on the widest axis; by the present order where all centroids coincide.
 static uint32_t split_median(struct bvh_primitive *primitives, const struct bvh_range *range)
 {
-    int axis = 0;
-    float extent[3];
-    for (int i = 0; i < 3; i++) {
-        extent[i] = range->centroids.max[i] - range->centroids.min[i];
-        axis = extent[i] > extent[axis] ? i : axis;
-    }
-    if (extent[axis] > 0)
+    int axis = widest_axis(range);
+    if (centroid_extent(range, axis) > 0)
         select_smallest(primitives, range->count, range->count / 2, axis);
     return range->count / 2;
+}
+
+// Puts the centroids below their mean on the widest axis first; the median where that are none or
+// all. The order of summation is that of the range, which does not depend on threads.
+static uint32_t split_mean(struct bvh_primitive *primitives, const struct bvh_range *range)
+{
+    int axis = widest_axis(range);
+    double sum = 0;
+    for (uint32_t i = 0; i < range->count; i++)
+        sum += (double)bvh_centroid(&primitives[i].box, axis);
+    double mean = sum / range->count;
+    uint32_t left = 0;
+    for (uint32_t i = 0; i < range->count; i++)
+        if ((double)bvh_centroid(&primitives[i].box, axis) < mean)
+            swap(&primitives[left++], &primitives[i]);
+    return left > 0 && left < range->count ? left : split_median(primitives, range);
 }
 
 // True when a range can stay within the limit only if it is halved from here on.
@@ -382,15 +408,19 @@ void bvh_split(const struct bvh_splitter *splitter, const struct bvh_range *rang
                struct bvh_range children[2])
 {
     assert(range->count >= 2);
-    bool halve = depth_runs_out(splitter, range);
-    if (!halve && range->count > SWEEP_MAX && split_binned(splitter, range, threads, children)) {
+    enum bvh_split split = depth_runs_out(splitter, range) ? BVH_SPLIT_MEDIAN : splitter->split;
+    if (split == BVH_SPLIT_SAH && range->count > SWEEP_MAX &&
+        split_binned(splitter, range, threads, children)) {
         place_children(range, children);
         return;
     }
     struct bvh_primitive *primitives = splitter->primitives[range->side] + range->first;
-    bool short_range = range->count <= SWEEP_MAX && !halve;
-    children[0].count =
-        short_range ? sweep(primitives, range->count) : split_median(primitives, range);
+    if (split == BVH_SPLIT_SAH && range->count <= SWEEP_MAX)
+        children[0].count = sweep(primitives, range->count);
+    else if (split == BVH_SPLIT_MEAN)
+        children[0].count = split_mean(primitives, range);
+    else
+        children[0].count = split_median(primitives, range);
     children[1].count = range->count - children[0].count;
     children[0].side = children[1].side = range->side;
     place_children(range, children);

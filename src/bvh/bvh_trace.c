@@ -189,19 +189,21 @@ struct stack_entry {
 };
 
 // Pushes the children that the ray hits, the nearest on top.
-static uint32_t push_children(const struct tracer *tracer, const struct bvh_node *node,
-                              double t_max, struct stack_entry *stack, uint32_t size)
+static uint32_t push_children(const struct tracer *tracer, uint32_t node, double t_max,
+                              struct stack_entry *stack, uint32_t size)
 {
+    const struct bvh *bvh = tracer->scene->bvh;
+    const uint32_t *child = bvh_children(bvh, node);
     uint32_t base = size;
-    for (uint32_t i = 0; i < bvh_child_count(node); i++) {
+    for (uint32_t i = 0; i < bvh_child_count(child); i++) {
         double min[3], max[3], interval[2];
-        bvh_node_child_box(node, i, min, max);
+        bvh_child_box(bvh, node, i, min, max);
         if (!slab_test(&tracer->slab, min, max, interval) || interval[0] > t_max)
             continue;
         uint32_t at = size++;
         for (; at > base && stack[at - 1].near < interval[0]; at--)
             stack[at] = stack[at - 1];
-        stack[at] = (struct stack_entry){interval[0], node->child[i]};
+        stack[at] = (struct stack_entry){interval[0], child[i]};
     }
     return size;
 }
@@ -237,7 +239,7 @@ static void traverse(const struct bvh_trace_scene *scene, const struct bvh_ray *
             continue;
         }
         best->nodes_visited++;
-        size = push_children(&tracer, &scene->bvh->nodes[entry.child], best->t, stack, size);
+        size = push_children(&tracer, entry.child, best->t, stack, size);
     }
 }
 

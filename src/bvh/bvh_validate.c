@@ -28,37 +28,12 @@ static bool allocate(struct validator *validator, struct arena *scratch)
 static bool check_counts(const struct validator *validator)
 {
     const struct bvh *bvh = validator->bvh;
-    if (bvh->node_count == 0 || bvh->node_count >= BVH_LEAF || !bvh->nodes)
+    if (bvh->node_count == 0 || bvh->node_count >= BVH_LEAF || !bvh_nodes_data(bvh))
         return err_set(validator->err, ERR_INPUT, "BVH: node_count: %u is not in [1, 2^31)",
                        bvh->node_count);
     if (bvh->triangle_count != validator->params->triangle_count)
         return err_set(validator->err, ERR_INPUT, "BVH: %u triangles, expected %u",
                        bvh->triangle_count, validator->params->triangle_count);
-    return true;
-}
-
-// What holds for a node by itself.
-static bool check_node(const struct validator *validator, uint32_t index)
-{
-    const struct bvh_node *node = &validator->bvh->nodes[index];
-    for (int axis = 0; axis < 3; axis++) {
-        if (!isfinite(node->origin[axis]))
-            return err_set(validator->err, ERR_INPUT, "BVH: nodes[%u].origin is not finite", index);
-        uint32_t exponent = node->exponents >> (8 * axis) & 255u;
-        if (exponent < 1 || exponent > 254)
-            return err_set(validator->err, ERR_INPUT,
-                           "BVH: nodes[%u].exponents: %u is outside [1, 254]", index, exponent);
-    }
-    if (node->exponents >> 24 != 0 || node->spare[0] != 0 || node->spare[1] != 0)
-        return err_set(validator->err, ERR_INPUT, "BVH: nodes[%u]: spare bits are not 0", index);
-    for (uint32_t i = bvh_child_count(node); i < 4; i++)
-        for (int axis = 0; axis < 3; axis++)
-            if (node->child[i] != BVH_EMPTY || (node->lo[axis] >> (8 * i) & 255u) != 255 ||
-                (node->hi[axis] >> (8 * i) & 255u) != 0)
-                return err_set(validator->err, ERR_INPUT,
-                               "BVH: nodes[%u].child[%u] comes after an empty one or is empty with "
-                               "a box",
-                               index, i);
     return true;
 }
 
@@ -116,8 +91,7 @@ static bool visit_leaf(struct validator *validator, uint32_t leaf, struct bvh_bo
 // Nodes are visited backwards, children before parents.
 static bool visit_child(struct validator *validator, uint32_t index, uint32_t i)
 {
-    const struct bvh_node *node = &validator->bvh->nodes[index];
-    uint32_t child = node->child[i];
+    uint32_t child = bvh_children(validator->bvh, index)[i];
     struct bvh_box bounds = box_empty();
     if (bvh_child_is_leaf(child)) {
         if (!visit_leaf(validator, child, &bounds))
@@ -131,10 +105,9 @@ static bool visit_child(struct validator *validator, uint32_t index, uint32_t i)
         validator->node_seen[child] = 1;
         bounds = validator->bounds[child];
     }
-    if (!bvh_node_child_contains(node, i, &bounds))
+    if (!bvh_child_fits(validator->bvh, index, i, &bounds))
         return err_set(validator->err, ERR_INPUT,
-                       "BVH: nodes[%u].child[%u]: the box does not contain what is below", index,
-                       i);
+                       "BVH: nodes[%u].child[%u]: the box is not one of what is below", index, i);
     box_add_box(&validator->bounds[index], &bounds);
     return true;
 }
@@ -143,9 +116,9 @@ static bool visit_all(struct validator *validator)
 {
     for (uint32_t n = validator->bvh->node_count; n-- > 0;) {
         validator->bounds[n] = box_empty();
-        if (!check_node(validator, n))
+        if (!bvh_node_check(validator->bvh, n, validator->err))
             return false;
-        for (uint32_t i = 0; i < bvh_child_count(&validator->bvh->nodes[n]); i++)
+        for (uint32_t i = 0; i < bvh_child_count(bvh_children(validator->bvh, n)); i++)
             if (!visit_child(validator, n, i))
                 return false;
     }

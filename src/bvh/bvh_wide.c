@@ -1,6 +1,7 @@
-// Collapsing the binary tree into the wide one, optimally for the surface area heuristic by dynamic
+// Collapsing the binary tree into the wide one: optimally for the surface area heuristic by dynamic
 // programming (Ylitie, Karras, Laine 2017, "Efficient incoherent ray traversal on GPUs through
-// compressed wide BVHs", section 3.1), then laying it out and quantising it.
+// compressed wide BVHs", section 3.1), or each two levels into one; then laying it out and writing
+// the nodes.
 #include "bvh_binary.h"
 #include "bvh_node.h"
 #include "parallel.h"
@@ -92,6 +93,18 @@ static void choose(const struct collapse *collapse, uint32_t index)
     }
 }
 
+// Grandchildren become children, and two triangles a leaf, whatever that costs.
+static void choose_plainly(const struct collapse *collapse, uint32_t index)
+{
+    const struct bvh_binary_node *nodes = collapse->params->nodes, *node = &nodes[index];
+    struct choice *choice = &collapse->choices[index];
+    choice->is_leaf = is_binary_leaf(node) ||
+                      (collapse->params->max_leaf != 1 && is_triangle(&nodes[node->left]) &&
+                       is_triangle(&nodes[node->right]));
+    choice->left[2] = choice->is_leaf ? 0 : 1;
+    choice->left[WIDTH] = WIDTH / 2;
+}
+
 // Bottom-up. The recursion is as deep as the binary tree, which has a limit.
 static void choose_below(const struct collapse *collapse, uint32_t index)
 {
@@ -100,7 +113,10 @@ static void choose_below(const struct collapse *collapse, uint32_t index)
         choose_below(collapse, node->left);
         choose_below(collapse, node->right);
     }
-    choose(collapse, index);
+    if (collapse->params->plain)
+        choose_plainly(collapse, index);
+    else
+        choose(collapse, index);
 }
 
 // --- Layout -------------------------------------------------------------------------------------
@@ -174,19 +190,19 @@ static void write_nodes(void *context, size_t begin, size_t end, unsigned thread
     const struct collapse *collapse = context;
     for (size_t n = begin; n < end; n++) {
         const struct draft *draft = &collapse->drafts[n];
-        struct bvh_node *node = &collapse->out->nodes[n];
+        uint32_t *words = bvh_children(collapse->out, (uint32_t)n);
         uint32_t inner = draft->first_inner, triangle = draft->first_triangle;
         struct bvh_box boxes[WIDTH];
         for (uint32_t i = 0; i < WIDTH; i++) {
-            node->child[i] = BVH_EMPTY;
+            words[i] = BVH_EMPTY;
             if (i >= draft->child_count)
                 continue;
             const struct bvh_binary_node *child = &collapse->params->nodes[draft->binary[i]];
             boxes[i] = child->box;
-            node->child[i] =
+            words[i] =
                 collapse->choices[draft->binary[i]].is_leaf ? leaf_word(child, &triangle) : inner++;
         }
-        bvh_node_set_boxes(node, boxes, draft->child_count);
+        bvh_set_boxes(collapse->out, (uint32_t)n, boxes, draft->child_count);
     }
 }
 
@@ -208,11 +224,8 @@ bool bvh_wide_build(const struct bvh_wide_params *params, struct arena *arena, s
     choose_below(&collapse, 0);
     lay_out(&collapse, 0, 0);
     out->node_count = collapse.draft_count;
-    out->nodes = ARENA_NEW(arena, struct bvh_node, out->node_count);
-    if (!out->nodes) {
-        err_memory(err, "the BVH's nodes", out->node_count * sizeof *out->nodes);
+    if (!bvh_nodes_allocate(arena, out, err))
         goto done;
-    }
     parallel_for(out->node_count, 1 << 12, params->threads, write_nodes, &collapse);
     ok = bvh_compute_stats(out, &out->stats, err);
 done:

@@ -1,0 +1,70 @@
+// What a tree is expected to cost, and how deep it is.
+#include "bvh_node.h"
+
+// A ray that hits the root's box hits a box inside with the probability of the ratio of areas; in a
+// root without area no box counts.
+static double sah_cost(const struct bvh *bvh)
+{
+    double root_area = bvh_half_area(bvh, 0, 0, bvh_child_count(bvh_children(bvh, 0)));
+    double sum = 0;
+    for (uint32_t n = 0; n < bvh->node_count; n++) {
+        const uint32_t *child = bvh_children(bvh, n);
+        for (uint32_t i = 0; i < bvh_child_count(child); i++) {
+            uint32_t steps = bvh_child_is_leaf(child[i]) ? bvh_leaf_count(child[i]) : 1;
+            sum += bvh_half_area(bvh, n, i, i + 1) * steps;
+        }
+    }
+    return root_area > 0 ? 1 + sum / root_area : 1;
+}
+
+// Levels from the root, which has 1, downwards.
+static uint32_t tree_depth(const struct bvh *bvh, uint32_t *level)
+{
+    uint32_t depth = 1;
+    level[0] = 1;
+    for (uint32_t n = 0; n < bvh->node_count; n++) {
+        depth = level[n] > depth ? level[n] : depth;
+        const uint32_t *child = bvh_children(bvh, n);
+        for (uint32_t i = 0; i < bvh_child_count(child); i++)
+            if (!bvh_child_is_leaf(child[i]))
+                level[child[i]] = level[n] + 1;
+    }
+    return depth;
+}
+
+// A traversal goes on with one child of a node and leaves all its siblings pending; so the worst
+// order descends first, with every sibling pending, into the child that needs most itself.
+static uint32_t tree_stack_entries(const struct bvh *bvh, uint32_t *entries)
+{
+    for (uint32_t n = bvh->node_count; n-- > 0;) {
+        const uint32_t *child = bvh_children(bvh, n);
+        uint32_t count = bvh_child_count(child), most = 0;
+        for (uint32_t i = 0; i < count; i++)
+            if (!bvh_child_is_leaf(child[i]) && entries[child[i]] > most)
+                most = entries[child[i]];
+        entries[n] = most + (count > 1 ? count - 1 : 0);
+    }
+    return entries[0];
+}
+
+bool bvh_compute_stats(const struct bvh *bvh, struct bvh_stats *stats, struct err *err)
+{
+    struct arena scratch = {0};
+    uint32_t *per_node = ARENA_NEW(&scratch, uint32_t, bvh->node_count);
+    if (!per_node)
+        return err_memory(err, "the BVH's statistics", bvh->node_count * sizeof *per_node);
+    *stats = (struct bvh_stats){
+        .sah_cost = sah_cost(bvh),
+        .depth = tree_depth(bvh, per_node),
+        .stack_entries = tree_stack_entries(bvh, per_node),
+        .node_count = bvh->node_count,
+        .bytes = bvh_nodes_bytes(bvh) + (uint64_t)bvh->triangle_count * sizeof *bvh->triangle_order,
+    };
+    for (uint32_t n = 0; n < bvh->node_count; n++) {
+        const uint32_t *child = bvh_children(bvh, n);
+        for (uint32_t i = 0; i < bvh_child_count(child); i++)
+            stats->leaf_count += bvh_child_is_leaf(child[i]);
+    }
+    arena_finish(&scratch);
+    return true;
+}
