@@ -25,6 +25,7 @@ layout(constant_id = CONSTANT_LIGHT_RAYS) const uint LIGHT_RAYS = 1u;
 layout(constant_id = CONSTANT_MIS) const uint MIS = MIS_POWER;
 layout(constant_id = CONSTANT_DIRECTIONS) const uint DIRECTIONS = DIRECTIONS_BSDF;
 layout(constant_id = CONSTANT_ROULETTE) const uint ROULETTE = ROULETTE_THROUGHPUT;
+layout(constant_id = CONSTANT_NODES) const uint NODES = NODES_QUANTISED;
 
 // Constant-folded: an absent feature's code is gone.
 #define HAS(feature) ((FEATURES & (feature)) != 0u)

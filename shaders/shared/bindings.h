@@ -4,7 +4,7 @@
 
 // Storage buffers. A buffer that kernels read is also bound as a uniform texel buffer of
 // RGBA32_UINT at TEXEL_BINDING(number): on some drivers that read is several times faster.
-#define BINDING_NODES 0       // struct bvh_node
+#define BINDING_NODES 0       // struct bvh_node or bvh_node_float
 #define BINDING_TRIANGLES 1   // struct gpu_triangle, leaf order
 #define BINDING_ATTRIBUTES 2  // what triangles' corners carry, leaf order: see types.h
 #define BINDING_SHAPES 3      // struct gpu_shape
@@ -48,7 +48,8 @@
 #define CONSTANT_MIS 16
 #define CONSTANT_DIRECTIONS 17
 #define CONSTANT_ROULETTE 18
-#define CONSTANT_COUNT 19
+#define CONSTANT_NODES 19
+#define CONSTANT_COUNT 20
 
 // What a (scene, settings, device) needs. Kernels test these bits of one specialization constant,
 // so that what is not needed is not in the code.

@@ -57,4 +57,8 @@
 #define ROULETTE_FRAME 2u    // a geometric depth for each sample number, shared by all pixels
 #define ROULETTE_OFF 3u
 
+// What the BVH's nodes are; of bvh.h rather than a setting.
+#define NODES_QUANTISED 0u
+#define NODES_FLOAT 1u
+
 #endif

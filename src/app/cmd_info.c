@@ -157,8 +157,8 @@ static bool gather(const struct options *options, struct info *info, struct err 
 {
     if (!job_load_scene(options, &info->scene, &info->camera, err) ||
         !gpu_open(&options->gpu, &info->gpu, err) ||
-        !render_prepare(&info->scene, options->progress, &info->scene.arena, &info->flat,
-                        &info->bvh, err))
+        !render_prepare(&info->scene, (struct bvh_method){options->bvh, options->node},
+                        options->progress, &info->scene.arena, &info->flat, &info->bvh, err))
         return false;
     info->specialization = specialize(&(struct specialize_params){
         .scene = &info->scene,
@@ -166,6 +166,7 @@ static bool gather(const struct options *options, struct info *info, struct err 
         .bvh = &info->bvh,
         .gpu = &info->gpu,
         .camera = &info->scene.cameras[info->camera],
+        .workgroup = options->workgroup,
         .everything = options->features == FEATURES_ALL,
         .merge_classes = options->classes == CLASSES_MERGED,
     });

@@ -22,18 +22,11 @@ static bool set_up(struct render_job *job, struct err *err)
     if (!gpu_open(&options->gpu, &job->gpu, err) ||
         (!follows_path && !job_checkpoint_open(job, err)))
         return false;
-    struct renderer_params params = {
-        .gpu = &job->gpu,
-        .scene = &job->scene,
-        .wave = options->wave,
-        .camera = job->camera,
-        .aovs = options->aovs,
-        .everything = options->features == FEATURES_ALL,
-        .merge_classes = options->classes == CLASSES_MERGED,
-        .tiles = options->adaptive && !follows_path,
-        .open_ended = job_is_open_ended(options),
-        .progress = options->progress,
-    };
+    struct renderer_params params =
+        job_renderer_params(options, &job->gpu, &job->scene, job->camera);
+    params.aovs = options->aovs;
+    params.tiles = options->adaptive && !follows_path;
+    params.open_ended = job_is_open_ended(options);
     if (!renderer_create(&params, &job->renderer, err))
         return false;
     if (job->renderer.flat.triangle_count == 0 && job->renderer.flat.shape_count == 0)

@@ -48,6 +48,25 @@ const struct command commands[COMMAND_TOTAL] = {
             .max_arguments = OPTIONS_ARGUMENTS_MAX,
             .run = cmd_converge,
         },
+    [COMMAND_BENCH] =
+        {
+            .name = "bench",
+            .summary = "measure where the time goes",
+            .arguments = "SCENE...",
+            .description =
+                "Renders each scene again and again with the same samples (4 a pixel unless --spp "
+                "says otherwise) and tells the time of each kernel with its launches, items and "
+                "share, the queues' lengths by bounce, and the spread over repeats. --sweep and "
+                "--curve make variants, which take turns, and whose pictures are hashed: those "
+                "that are to be the same are shown to be. --kernel times one kernel alone.",
+            .examples = "lampyris bench scene.json --sweep wave=4k,16k,64k --report report\n"
+                        "lampyris bench scene.json --kernel intersect_closest --rays "
+                        "primary,diffuse\n"
+                        "lampyris bench scene.json --baseline before.json",
+            .min_arguments = 1,
+            .max_arguments = OPTIONS_ARGUMENTS_MAX,
+            .run = cmd_bench,
+        },
     [COMMAND_COMPARE] =
         {
             .name = "compare",

@@ -18,6 +18,7 @@ enum exit_code {
 enum command_id {
     COMMAND_RENDER,
     COMMAND_CONVERGE,
+    COMMAND_BENCH,
     COMMAND_COMPARE,
     COMMAND_INFO,
     COMMAND_DEVICES,
@@ -50,6 +51,7 @@ int command_fail(const struct err *err);
 
 int cmd_render(const struct options *options);
 int cmd_converge(const struct options *options);
+int cmd_bench(const struct options *options);
 int cmd_compare(const struct options *options);
 int cmd_info(const struct options *options);
 int cmd_devices(const struct options *options);

@@ -7,6 +7,7 @@
 #include "metrics.h"
 #include "options.h"
 #include "render.h"
+#include "variants.h"
 
 enum converge_metric {
     CONVERGE_RELMSE,
@@ -35,15 +36,11 @@ struct converge_reference {
     bool noise_known;
 };
 
-#define CONVERGE_CURVES_MAX 64 // each has a renderer of its own
-
 #define CONVERGE_TARGETS 3 // relMSE 1e-2, 1e-3, 1e-4
 extern const double converge_targets[CONVERGE_TARGETS];
 
 struct converge_curve {
-    const char *label; // "sampler=pcg mis=none"; "" where nothing is varied
-    uint32_t scene;    // index of the command line's scenes
-    struct options options;
+    struct variant variant;
     struct scene scene_data;
     struct renderer renderer;
     struct converge_sample *samples; // replicate * points + point

@@ -47,7 +47,7 @@ static void find_times(const struct converge *c, struct converge_curve *curve)
 
 static bool find_bias(struct converge *c, struct converge_curve *curve, struct err *err)
 {
-    const struct converge_reference *reference = &c->references[curve->scene];
+    const struct converge_reference *reference = &c->references[curve->variant.scene];
     curve->bias = (struct interval){NAN, NAN, NAN};
     if (!reference->name || c->replicates_done < 3)
         return true;
@@ -83,7 +83,7 @@ static bool conclude_curve(struct converge *c, struct converge_curve *curve,
     fill_efficiency(c, curve, columns->values);
     curve->efficiency = curve_geometric_mean(columns->values, replicates);
     const struct converge_curve *first = curve;
-    while (first > c->curves && first[-1].scene == curve->scene)
+    while (first > c->curves && first[-1].variant.scene == curve->variant.scene)
         first--;
     fill_efficiency(c, first, columns->efficiency);
     curve->ratio = curve_paired_ratio(columns->values, columns->efficiency, replicates);

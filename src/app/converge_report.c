@@ -11,12 +11,12 @@
 
 static bool is_first(const struct converge *c, const struct converge_curve *curve)
 {
-    return curve == c->curves || curve[-1].scene != curve->scene;
+    return curve == c->curves || curve[-1].variant.scene != curve->variant.scene;
 }
 
 const char *converge_label(const struct converge_curve *curve)
 {
-    return *curve->label ? curve->label : "as given";
+    return *curve->variant.label ? curve->variant.label : "as given";
 }
 
 const char *converge_verdict(const struct converge_curve *curve)
@@ -34,7 +34,7 @@ const char *converge_verdict(const struct converge_curve *curve)
 static void print_head(const struct converge *c, const struct converge_curve *curve)
 {
     const struct settings *settings = &curve->scene_data.settings;
-    const struct converge_reference *reference = &c->references[curve->scene];
+    const struct converge_reference *reference = &c->references[curve->variant.scene];
     printf("%s  %u x %u, %u replicates", curve->scene_data.path, settings->width, settings->height,
            c->replicates_done);
     if (!reference->name)
@@ -131,7 +131,7 @@ static json_t *curve_json(const struct converge *c, const struct converge_curve 
                                                "seconds", json_number(curve->time_to[i]),
                                                "extrapolated", curve->extrapolated[i]));
     return json_pack("{s:o, s:o, s:f, s:o, s:o, s:o, s:o, s:o, s:s, s:o}", "scene",
-                     json_words(curve->scene_data.path), "label", json_words(curve->label),
+                     json_words(curve->scene_data.path), "label", json_words(curve->variant.label),
                      "start_seconds", curve->start_seconds, "slope", interval_json(curve->slope),
                      "efficiency", interval_json(curve->efficiency), "bias",
                      interval_json(curve->bias), "efficiency_ratio", interval_json(curve->ratio),
@@ -196,7 +196,7 @@ static void print_csv(const struct converge *c, FILE *file)
                 const struct converge_curve *curve = &c->curves[i];
                 const struct converge_sample *s = converge_at(c, curve, r, p);
                 fprintf(file, "\"%s\",\"%s\",%u,%" PRIu64 ",%.9g", curve->scene_data.path,
-                        curve->label, r, c->spp[p], s->seconds);
+                        curve->variant.label, r, c->spp[p], s->seconds);
                 for (int m = 0; m < CONVERGE_METRICS; m++)
                     if (isnan(s->metric[m]))
                         fputc(',', file);

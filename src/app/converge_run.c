@@ -11,88 +11,16 @@
 
 // --- curves --------------------------------------------------------------------------------------
 
-static const struct option_def *find_setting(const char *name, size_t length)
-{
-    for (int i = 0; i < OPTION_TOTAL; i++)
-        if (strlen(option_table[i].name) == length &&
-            memcmp(option_table[i].name, name, length) == 0)
-            return &option_table[i];
-    return NULL;
-}
-
-// The n-th of the words between commas; NULL past the last.
-static const char *nth_word(const char *words, uint32_t n, size_t *length)
-{
-    for (; n > 0; n--) {
-        words = strchr(words, ',');
-        if (!words)
-            return NULL;
-        words++;
-    }
-    *length = strcspn(words, ",");
-    return words;
-}
-
-static uint32_t count_words(const char *words)
-{
-    uint32_t count = 1;
-    for (; *words; words++)
-        count += *words == ',';
-    return count;
-}
-
-// Sets what curve number `index` of a scene has of each --vary, the last one changing fastest.
-static bool vary(struct converge *c, struct converge_curve *curve, uint32_t index, struct err *err)
-{
-    const struct options *options = c->options;
-    for (uint32_t v = options->vary_count; v-- > 0;) {
-        const char *text = options->vary[v], *words = strchr(text, '=') + 1;
-        uint32_t count = count_words(words);
-        size_t key_length = (size_t)(words - 1 - text), length = 0;
-        const struct option_def *def = find_setting(text, key_length);
-        const char *word = nth_word(words, index % count, &length);
-        index /= count;
-        const char *value = arena_printf(&c->arena, "%.*s", (int)length, word);
-        const char *label =
-            arena_printf(&c->arena, "%.*s=%s%s%s", (int)key_length, text, value ? value : "",
-                         *curve->label ? " " : "", curve->label);
-        if (!value || !label)
-            return err_memory(err, "a curve", length);
-        curve->label = label;
-        if (!def || !option_belongs(def, options->command) || !option_is_setting(def))
-            return err_set(err, ERR_USAGE,
-                           "--vary %s: \"%.*s\" is no setting; expected one of the group Method, "
-                           "or max-bounces, seed, wave, features or classes",
-                           text, (int)key_length, text);
-        if (!option_store(def, value, &curve->options, err))
-            return err_prepend(err, "--vary %s", text);
-        curve->options.given[def - option_table] = true;
-    }
-    return true;
-}
-
 static bool make_curves(struct converge *c, struct err *err)
 {
-    const struct options *options = c->options;
-    uint64_t variants = 1;
-    for (uint32_t v = 0; v < options->vary_count; v++)
-        variants *= count_words(strchr(options->vary[v], '=') + 1);
-    if (variants * options->argument_count > CONVERGE_CURVES_MAX)
-        return err_set(err, ERR_USAGE, "%llu curves; expected at most %d",
-                       (unsigned long long)variants * options->argument_count, CONVERGE_CURVES_MAX);
-    c->curve_count = (uint32_t)variants * options->argument_count;
+    struct variant *variants;
+    if (!variants_make(c->options, &c->arena, &variants, &c->curve_count, err))
+        return false;
     c->curves = ARENA_NEW(&c->arena, struct converge_curve, c->curve_count);
     if (!c->curves)
         return err_memory(err, "curves", c->curve_count * sizeof *c->curves);
-    for (uint32_t i = 0; i < c->curve_count; i++) {
-        struct converge_curve *curve = &c->curves[i];
-        curve->label = "";
-        curve->options = *options;
-        curve->scene = i / (uint32_t)variants;
-        curve->options.arguments[0] = options->arguments[curve->scene];
-        if (!vary(c, curve, i % (uint32_t)variants, err))
-            return false;
-    }
+    for (uint32_t i = 0; i < c->curve_count; i++)
+        c->curves[i].variant = variants[i];
     return true;
 }
 
@@ -123,18 +51,11 @@ static bool open_curve(struct converge *c, struct converge_curve *curve, struct 
     curve->seconds = ARENA_NEW(&c->arena, struct interval, c->point_count);
     if (!curve->samples || !curve->pictures || !curve->error || !curve->seconds)
         return err_memory(err, "samples", count * sizeof *curve->samples);
-    if (!job_load_scene(&curve->options, &curve->scene_data, &camera, err))
+    if (!job_load_scene(&curve->variant.options, &curve->scene_data, &camera, err))
         return false;
     curve->scene_data.settings.spp = c->spp[c->point_count - 1];
-    struct renderer_params params = {
-        .gpu = &c->gpu,
-        .scene = &curve->scene_data,
-        .wave = curve->options.wave,
-        .camera = camera,
-        .everything = curve->options.features == FEATURES_ALL,
-        .merge_classes = curve->options.classes == CLASSES_MERGED,
-        .progress = c->options->progress,
-    };
+    struct renderer_params params =
+        job_renderer_params(&curve->variant.options, &c->gpu, &curve->scene_data, camera);
     if (!renderer_create(&params, &curve->renderer, err))
         return false;
     curve->start_seconds = clock_seconds_since(start);
@@ -200,8 +121,8 @@ static void noise_of(const struct film_image *film, double *mse, double *relmse)
 static bool render_reference(struct converge *c, uint32_t scene, struct err *err)
 {
     struct converge_reference *out = &c->references[scene];
-    struct converge_curve curve = {.options = *c->options, .scene = scene};
-    curve.options.arguments[0] = c->options->arguments[scene];
+    struct converge_curve curve = {.variant = {.options = *c->options, .scene = scene}};
+    curve.variant.options.arguments[0] = c->options->arguments[scene];
     struct film_image film;
     bool ok = open_curve(c, &curve, err);
     out->spp = REFERENCE_FACTOR * c->spp[c->point_count - 1];
@@ -254,7 +175,7 @@ static bool read_reference(struct converge *c, uint32_t scene, struct err *err)
         return false;
     for (uint32_t i = 0; i < c->curve_count; i++) {
         const struct settings *settings = &c->curves[i].scene_data.settings;
-        if (c->curves[i].scene == scene &&
+        if (c->curves[i].variant.scene == scene &&
             (settings->width != image.width || settings->height != image.height))
             return err_set(err, ERR_INPUT, "%s is %u x %u pixels, but %s is rendered with %u x %u",
                            out->name, image.width, image.height, c->options->arguments[scene],
@@ -349,7 +270,7 @@ static bool measure_point(struct converge *c, struct converge_curve *curve, uint
     struct arena scratch = {0};
     struct film_image film;
     struct converge_sample *sample = converge_at(c, curve, replicate, point);
-    const struct converge_reference *reference = &c->references[curve->scene];
+    const struct converge_reference *reference = &c->references[curve->variant.scene];
     for (int m = 0; m < CONVERGE_METRICS; m++)
         sample->metric[m] = NAN;
     bool ok = renderer_read(&curve->renderer, &scratch, &film, err);

@@ -6,7 +6,8 @@
 #define FOR_DEVICES (1u << COMMAND_DEVICES)
 #define FOR_HELP (1u << COMMAND_HELP)
 #define FOR_CONVERGE (1u << COMMAND_CONVERGE)
-#define FOR_SCENE (FOR_RENDER | FOR_CONVERGE | 1u << COMMAND_INFO)
+#define FOR_BENCH (1u << COMMAND_BENCH)
+#define FOR_SCENE (FOR_RENDER | FOR_CONVERGE | FOR_BENCH | 1u << COMMAND_INFO)
 #define FOR_ALL ((1u << COMMAND_TOTAL) - 1)
 
 #define FIELD(member)                                                                              \
@@ -363,10 +364,10 @@ const struct option_def option_table[OPTION_TOTAL] = {
     },
     [OPTION_REFERENCE] = {
         .name = "reference", .argument = "FILE|auto|none", .type = VALUE_TEXT, .group = "Curves",
-        .commands = FOR_CONVERGE, .fallback = "auto",
+        .commands = FOR_RENDER | FOR_CONVERGE, .fallback = "auto; of render, none",
         .help = "What errors are taken against: a picture (its own noise is subtracted where it "
-                "has the layers of --aov halves), one made now with a hundred times the samples, "
-                "or none: the half-buffers then tell the error, and no bias.",
+                "has the layers of --aov halves), one made now with a hundred times the samples "
+                "(not by render), or none: the half-buffers then tell the error, and no bias.",
         FIELD(reference),
     },
     [OPTION_VARY] = {
@@ -375,6 +376,12 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .help = "A curve for each value of an option that says how pictures are computed, as in "
                 "sampler=sobol,pcg. Several multiply.",
     },
+    [OPTION_CURVE] = {
+        .name = "curve", .argument = "'KEY=VALUE KEY=VALUE'", .type = VALUE_CURVE,
+        .group = "Curves", .commands = FOR_CONVERGE | FOR_BENCH, .fallback = "none",
+        .help = "A curve, or a variant of a benchmark, by several options at once, as in 'nee=on "
+                "mis=none'. May be given several times; those of --vary or --sweep come after it.",
+    },
     [OPTION_SPP_FROM] = {
         .name = "spp-from", .argument = "N", .type = VALUE_COUNT, .min = 1,
         .max = SETTINGS_SPP_MAX, .group = "Curves", .commands = FOR_CONVERGE, .fallback = "16",
@@ -382,12 +389,77 @@ const struct option_def option_table[OPTION_TOTAL] = {
                 "--spp (256 where that is not given).",
         FIELD(spp_from),
     },
+    [OPTION_TIMES] = {
+        .name = "times", .argument = "SECONDS,...", .type = VALUE_TIMES, .min = 0.001,
+        .max = OPTION_TIME_MAX, .group = "Curves", .commands = FOR_CONVERGE,
+        .fallback = "points at doubling samples",
+        .help = "Points at these times of rendering instead: every curve ends at the whole sample "
+                "that is then done.",
+    },
+
+    [OPTION_SWEEP] = {
+        .name = "sweep", .argument = "KEY=A,B,...", .type = VALUE_VARY, .group = "Benchmark",
+        .commands = FOR_BENCH, .fallback = "one variant",
+        .help = "A variant for each value of an option, as in wave=4k,16k,64k, workgroup=32,64, "
+                "node=quantised,float or spp=1,4. Several multiply.",
+    },
+    [OPTION_REPEATS] = {
+        .name = "repeats", .argument = "N", .type = VALUE_COUNT, .min = 2, .max = 10000,
+        .group = "Benchmark", .commands = FOR_BENCH, .fallback = "7",
+        .help = "Timed runs of each variant, in turns, after one that only warms up.",
+        FIELD(repeats),
+    },
+    [OPTION_KERNEL] = {
+        .name = "kernel", .argument = "NAME", .type = VALUE_TEXT, .group = "Benchmark",
+        .commands = FOR_BENCH, .fallback = "all of a render",
+        .help = "Time this kernel alone, on queues recorded from a render: intersect_closest, "
+                "intersect_shadow, generate_rays, accumulate, or one that shades.",
+        FIELD(kernel),
+    },
+    [OPTION_RAYS] = {
+        .name = "rays", .argument = "primary|diffuse|shadow,...", .type = VALUE_RAYS,
+        .group = "Benchmark", .commands = FOR_BENCH, .fallback = "all that the kernel takes",
+        .help = "Which rays --kernel traces: those from the camera, those that the first surface "
+                "sends on, or those to lights.",
+    },
+    [OPTION_DEPTH] = {
+        .name = "depth", .argument = "N,...", .type = VALUE_DEPTHS, .min = 0,
+        .max = SETTINGS_BOUNCES_MAX, .group = "Benchmark", .commands = FOR_BENCH,
+        .fallback = "0, and 1 for diffuse rays",
+        .help = "After how many bounces the queues for --kernel are recorded.",
+    },
+    [OPTION_TUNE] = {
+        .name = "tune", .type = VALUE_FLAG, .group = "Benchmark", .commands = FOR_BENCH,
+        .help = "Find the wave and workgroup sizes that render the scenes fastest on this device, "
+                "and keep them for later renders in the user's cache folder.",
+        FIELD(tune),
+    },
+    [OPTION_BASELINE] = {
+        .name = "baseline", .argument = "FILE", .type = VALUE_TEXT, .group = "Benchmark",
+        .commands = FOR_BENCH, .fallback = "none",
+        .help = "Compare with the JSON of an earlier run, and say what is slower or faster beyond "
+                "noise. Exit with 1 where something is slower.",
+        FIELD(baseline),
+    },
+    [OPTION_TRACE] = {
+        .name = "trace", .argument = "FILE", .type = VALUE_TEXT, .group = "Report",
+        .commands = FOR_RENDER, .fallback = "none",
+        .help = "Write the error at doubling samples with the clock to FILE, .csv or .json; also "
+                "the true one where there is a --reference. The picture keeps its bits.",
+        FIELD(trace),
+    },
     [OPTION_REPORT] = {
-        .name = "report", .argument = "FOLDER", .type = VALUE_TEXT, .group = "Curves",
-        .commands = FOR_CONVERGE, .fallback = "none",
+        .name = "report", .argument = "FOLDER", .type = VALUE_TEXT, .group = "Report",
+        .commands = FOR_CONVERGE | FOR_BENCH, .fallback = "none",
         .help = "Write report.html with plots (by gnuplot), tables and pictures, results.csv and "
                 "results.json.",
         FIELD(report),
+    },
+    [OPTION_IMAGES] = {
+        .name = "images", .type = VALUE_FLAG, .group = "Report", .commands = FOR_CONVERGE,
+        .help = "Write every replicate's picture and the references into the report's folder, as "
+                "EXR.",
+        FIELD(images),
     },
 
     [OPTION_DEVICE] = {
@@ -401,6 +473,19 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .group = "Device", .commands = FOR_SCENE, .fallback = "chosen by device",
         .help = "Paths in flight. Changes memory and speed, and no bit of the picture.",
         FIELD(wave),
+    },
+    [OPTION_WORKGROUP] = {
+        .name = "workgroup", .argument = "N", .type = VALUE_COUNT, .min = 8, .max = 1024,
+        .group = "Device", .commands = FOR_SCENE, .fallback = "chosen by device",
+        .help = "Threads of a workgroup, a power of two. Changes speed, and no bit of the picture.",
+        FIELD(workgroup),
+    },
+    [OPTION_TUNING] = {
+        .name = "tuning", .argument = "on|off", .type = VALUE_SWITCH, .group = "Device",
+        .commands = FOR_SCENE, .fallback = "on",
+        .help = "Use the wave and workgroup sizes that \"lampyris bench --tune\" has found for "
+                "this device, where none are given.",
+        FIELD(tuning),
     },
     [OPTION_VALIDATION] = {
         .name = "validation", .type = VALUE_FLAG, .group = "Device", .commands = FOR_SCENE,
@@ -431,6 +516,18 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .group = "Kernels", .commands = FOR_SCENE, .fallback = "sorted",
         .help = "Shade each class of surfaces (diffuse, principled, transmissive, classical) by a "
                 "kernel of its own, or all by one. The picture is the same.", FIELD(classes),
+    },
+    [OPTION_BVH] = {
+        .name = "bvh", .argument = "sah|median|mean", .type = VALUE_CHOICE, .group = "Kernels",
+        .commands = FOR_SCENE, .fallback = "sah",
+        .help = "How triangles are split into a hierarchy: by the surface area heuristic, at the "
+                "median, or at the mean of their centres. The picture is the same.", FIELD(bvh),
+    },
+    [OPTION_NODE] = {
+        .name = "node", .argument = "quantised|float", .type = VALUE_CHOICE, .group = "Kernels",
+        .commands = FOR_SCENE, .fallback = "quantised",
+        .help = "Boxes of the hierarchy in bytes (64 a node) or in floats (128). The picture is "
+                "the same.", FIELD(node),
     },
     [OPTION_NO_TEXEL] = {
         .name = "no-texel", .type = VALUE_FLAG, .group = "Fallbacks, for tests",
@@ -492,6 +589,22 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .help = "Write a false-colour picture, .png or .exr, of the relative difference: black for "
                 "none, then blue, green, yellow and red on a logarithmic scale from 1e-4 to 1.",
         FIELD(difference),
+    },
+
+    [OPTION_MAP] = {
+        .name = "map", .argument = "relative|squared|smape|flip|hdr-flip", .type = VALUE_CHOICE,
+        .group = "Picture", .commands = FOR_COMPARE, .fallback = "relative",
+        .help = "What --difference shows: the relative difference, a pixel's part of relmse or "
+                "smape, or FLIP. EXR files hold the numbers themselves, PNG false colours.",
+        FIELD(map),
+    },
+    [OPTION_REFERENCE_VARIANCE] = {
+        .name = "reference-variance", .argument = "FILE|auto|VALUE", .type = VALUE_TEXT,
+        .group = "Metrics", .commands = FOR_COMPARE, .fallback = "none is subtracted",
+        .help = "The reference's own noise, which is subtracted from mse, rmse and relmse: a "
+                "picture of each value's variance, the layers of --aov halves in the reference "
+                "itself (auto), or one number for all.",
+        FIELD(reference_variance),
     },
 
     [OPTION_MAN] = {

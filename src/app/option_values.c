@@ -10,7 +10,8 @@
 #include <string.h>
 
 _Static_assert(sizeof(enum tone_curve) == sizeof(unsigned) &&
-                   sizeof(enum log_level) == sizeof(unsigned),
+                   sizeof(enum log_level) == sizeof(unsigned) &&
+                   sizeof(enum bvh_split) == sizeof(unsigned),
                "choices are stored as unsigned");
 
 static bool in_range(const struct option_def *def, double value, const char *text, struct err *err)
@@ -213,6 +214,76 @@ static bool store_vary(const char *text, struct options *options, struct err *er
     return true;
 }
 
+static bool store_times(const struct option_def *def, const char *text, struct options *options,
+                        struct err *err)
+{
+    double *list = ARENA_NEW(&options->arena, double, strlen(text));
+    uint32_t count = 0;
+    if (!list)
+        return err_memory(err, "times", strlen(text) * sizeof *list);
+    for (const char *rest = text;; rest++) {
+        double value;
+        if (!parse_real(rest, &value, &rest) || (*rest && *rest != ','))
+            return err_set(err, ERR_USAGE, "\"%s\" is not of the form %s", text, def->argument);
+        if (!in_range(def, value, text, err))
+            return false;
+        if (count > 0 && value <= list[count - 1])
+            return err_set(err, ERR_USAGE, "\"%s\" does not rise", text);
+        list[count++] = value;
+        if (!*rest)
+            break;
+    }
+    options->times = list;
+    options->time_count = count;
+    return true;
+}
+
+static bool store_depths(const struct option_def *def, const char *text, struct options *options,
+                         struct err *err)
+{
+    uint32_t *list = ARENA_NEW(&options->arena, uint32_t, strlen(text));
+    uint32_t count = 0;
+    if (!list)
+        return err_memory(err, "depths", strlen(text) * sizeof *list);
+    for (const char *rest = text;; rest++) {
+        uint64_t value;
+        if (!parse_count(rest, &value, &rest) || (*rest && *rest != ','))
+            return err_set(err, ERR_USAGE, "\"%s\" is not of the form %s", text, def->argument);
+        if (!in_range(def, (double)value, text, err))
+            return false;
+        list[count++] = (uint32_t)value;
+        if (!*rest)
+            break;
+    }
+    options->depths = list;
+    options->depth_count = count;
+    return true;
+}
+
+static bool store_rays(const char *text, struct options *options, struct err *err)
+{
+    static const char *const words[] = {
+        [RAYS_PRIMARY] = "primary",
+        [RAYS_DIFFUSE] = "diffuse",
+        [RAYS_SHADOW] = "shadow",
+    };
+    const uint32_t count = sizeof words / sizeof words[0];
+    options->rays = 0;
+    for (const char *word = text; word;) {
+        size_t length = strcspn(word, ",");
+        uint32_t i = 0;
+        while (i < count && (strlen(words[i]) != length || memcmp(words[i], word, length) != 0))
+            i++;
+        if (i == count)
+            return err_set(err, ERR_USAGE,
+                           "\"%.*s\" is unknown; expected some of primary, diffuse, shadow",
+                           (int)length, word);
+        options->rays |= 1u << i;
+        word = word[length] ? word + length + 1 : NULL;
+    }
+    return true;
+}
+
 static int metric_find(const char *name, size_t length)
 {
     for (int i = 0; i < METRIC_TOTAL; i++)
@@ -329,6 +400,17 @@ bool option_store(const struct option_def *def, const char *text, struct options
         return store_limit(def, text, options, err);
     case VALUE_VARY:
         return store_vary(text, options, err);
+    case VALUE_CURVE:
+        if (!strchr(text, '='))
+            return err_set(err, ERR_USAGE, "\"%s\" is not of the form %s", text, def->argument);
+        options->curves[options->curve_count++] = text;
+        return true;
+    case VALUE_TIMES:
+        return store_times(def, text, options, err);
+    case VALUE_DEPTHS:
+        return store_depths(def, text, options, err);
+    case VALUE_RAYS:
+        return store_rays(text, options, err);
     case VALUE_AOVS:
         return store_aovs(def, text, options, err);
     }

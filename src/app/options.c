@@ -165,6 +165,15 @@ static bool check_combinations(const struct options *options, struct err *err)
         {OPTION_ADAPTIVE, OPTION_FRAMES, false},
         {OPTION_CHECKPOINT_EVERY, OPTION_CHECKPOINT, true},
         {OPTION_RESUME, OPTION_CHECKPOINT, true},
+        {OPTION_RAYS, OPTION_KERNEL, true},
+        {OPTION_DEPTH, OPTION_KERNEL, true},
+        {OPTION_TUNE, OPTION_KERNEL, false},
+        {OPTION_TUNE, OPTION_SWEEP, false},
+        {OPTION_TUNE, OPTION_BASELINE, false},
+        {OPTION_TIMES, OPTION_SPP_FROM, false},
+        {OPTION_IMAGES, OPTION_REPORT, true},
+        {OPTION_MAP, OPTION_DIFFERENCE, true},
+        {OPTION_TRACE, OPTION_PIXEL, false},
     };
     for (size_t i = 0; i < sizeof rules / sizeof rules[0]; i++) {
         const char *name = option_table[rules[i].id].name;
@@ -205,8 +214,10 @@ static bool allocate_lists(struct options *options, int argc, struct err *err)
     options->outputs = ARENA_NEW(&options->arena, const char *, most);
     options->overrides = ARENA_NEW(&options->arena, struct scene_override, most);
     options->vary = ARENA_NEW(&options->arena, const char *, most);
+    options->curves = ARENA_NEW(&options->arena, const char *, most);
     options->limits = ARENA_NEW(&options->arena, struct compare_limit, most);
-    if (options->outputs && options->overrides && options->vary && options->limits)
+    if (options->outputs && options->overrides && options->vary && options->curves &&
+        options->limits)
         return true;
     return err_memory(err, "the command line", most * sizeof(struct scene_override));
 }
@@ -232,8 +243,9 @@ static char *quote(const char *word, char *out)
 // How many arguments from this one on belong to an option of one run only.
 static int passing_arguments(const char *argument)
 {
-    static const enum option_id passing[] = {OPTION_ERROR, OPTION_CHECKPOINT,
-                                             OPTION_CHECKPOINT_EVERY, OPTION_RESUME};
+    static const enum option_id passing[] = {
+        OPTION_ERROR,  OPTION_CHECKPOINT, OPTION_CHECKPOINT_EVERY,
+        OPTION_RESUME, OPTION_TRACE,      OPTION_REFERENCE};
     if (strncmp(argument, "--", 2) != 0)
         return 0;
     const char *name = argument + 2;
@@ -287,7 +299,9 @@ bool options_parse(int argc, char **argv, struct options *out, struct err *err)
                             .spp_per_frame = 1,
                             .checkpoint_seconds = 60.0,
                             .replicates = 16,
-                            .spp_from = 16};
+                            .spp_from = 16,
+                            .repeats = 7,
+                            .tuning = true};
     if (!keep_command_line(out, argc, argv, err) || !allocate_lists(out, argc, err))
         return false;
     struct parser parser = {.arguments = argv, .count = argc, .next = 1, .options = out};
@@ -306,13 +320,25 @@ static bool in_settings(const struct option_def *def)
     return def->offset >= begin && def->offset - begin < sizeof(struct settings);
 }
 
-bool option_is_setting(const struct option_def *def)
+bool option_is_setting(const struct option_def *def, const struct command *command)
 {
-    enum option_id id = (enum option_id)(def - option_table);
-    bool shown =
-        id == OPTION_SIZE || id == OPTION_SPP || id == OPTION_EXPOSURE || id == OPTION_TONE;
-    bool kernels = id == OPTION_WAVE || id == OPTION_FEATURES || id == OPTION_CLASSES;
-    return kernels || (in_settings(def) && !shown);
+    switch ((enum option_id)(def - option_table)) {
+    case OPTION_SIZE:
+    case OPTION_SPP:
+        return command == &commands[COMMAND_BENCH];
+    case OPTION_EXPOSURE:
+    case OPTION_TONE:
+        return false;
+    case OPTION_WAVE:
+    case OPTION_WORKGROUP:
+    case OPTION_FEATURES:
+    case OPTION_CLASSES:
+    case OPTION_BVH:
+    case OPTION_NODE:
+        return true;
+    default:
+        return in_settings(def);
+    }
 }
 
 void options_apply_settings(const struct options *options, struct settings *settings)

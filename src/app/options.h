@@ -4,6 +4,7 @@
 #define LAMPYRIS_APP_OPTIONS_H
 
 #include "arena.h"
+#include "bvh.h"
 #include "err.h"
 #include "gpu.h"
 #include "log.h"
@@ -74,15 +75,30 @@ enum option_id {
     OPTION_REPLICATES,
     OPTION_REFERENCE,
     OPTION_VARY,
+    OPTION_CURVE,
     OPTION_SPP_FROM,
+    OPTION_TIMES,
+    OPTION_SWEEP,
+    OPTION_REPEATS,
+    OPTION_KERNEL,
+    OPTION_RAYS,
+    OPTION_DEPTH,
+    OPTION_TUNE,
+    OPTION_BASELINE,
+    OPTION_TRACE,
     OPTION_REPORT,
+    OPTION_IMAGES,
     OPTION_DEVICE,
     OPTION_WAVE,
+    OPTION_WORKGROUP,
+    OPTION_TUNING,
     OPTION_VALIDATION,
     OPTION_PIXEL,
     OPTION_SAMPLE,
     OPTION_FEATURES,
     OPTION_CLASSES,
+    OPTION_BVH,
+    OPTION_NODE,
     OPTION_NO_TEXEL,
     OPTION_NO_BALLOT,
     OPTION_LIMIT_STORAGE_RANGE,
@@ -93,6 +109,8 @@ enum option_id {
     OPTION_MAX,
     OPTION_MIN,
     OPTION_DIFFERENCE,
+    OPTION_MAP,
+    OPTION_REFERENCE_VARIANCE,
     OPTION_MAN,
     OPTION_JSON,
     OPTION_QUIET,
@@ -119,7 +137,12 @@ enum option_type {
     VALUE_DEFINE, // KEY=VALUE
     VALUE_LIMIT,  // METRIC=VALUE
     VALUE_VARY,   // KEY=A,B,...
+    VALUE_CURVE,  // "KEY=VALUE KEY=VALUE"
     VALUE_AOVS,   // names separated by commas; bits of AOV_*
+    // Lists of their own, not repeatable:
+    VALUE_TIMES,  // S,T,...
+    VALUE_DEPTHS, // N,M,...
+    VALUE_RAYS,   // words separated by commas
 };
 
 struct option_def {
@@ -147,6 +170,13 @@ struct environment_option {
 
 enum features_option { FEATURES_NEEDED, FEATURES_ALL };
 enum classes_option { CLASSES_SORTED, CLASSES_MERGED };
+
+// What --rays of bench records: those that the camera sends, those that surfaces send on, and those
+// to lights.
+enum rays_option { RAYS_PRIMARY, RAYS_DIFFUSE, RAYS_SHADOW };
+
+// What a difference picture shows.
+enum map_option { MAP_RELATIVE, MAP_SQUARED, MAP_SMAPE, MAP_FLIP, MAP_HDR_FLIP };
 
 enum compare_metric {
     METRIC_MSE,
@@ -216,22 +246,42 @@ struct options {
     bool resume;
 
     struct gpu_params gpu;
-    uint32_t wave; // paths in flight; 0: chosen by device
+    uint32_t wave;      // paths in flight; 0: chosen by device
+    uint32_t workgroup; // threads; 0: chosen by device
+    bool tuning;        // take what is not given from the file that bench --tune keeps
     enum features_option features;
     enum classes_option classes;
+    enum bvh_split bvh;
+    enum bvh_format node;
     uint32_t pixel[2]; // the path to follow, where --pixel was given
     uint64_t sample;
 
     uint32_t replicates;
-    const char *reference; // file, "auto" or "none"; NULL: auto
-    const char **vary;     // "KEY=A,B,..."
+    const char *reference; // file, "auto" or "none"; NULL: auto, of render none
+    const char **vary;     // "KEY=A,B,..."; --sweep, too
     uint32_t vary_count;
+    const char **curves; // "KEY=VALUE KEY=VALUE"
+    uint32_t curve_count;
     uint64_t spp_from;
+    const double *times; // seconds, rising; NULL: points are numbers of samples
+    uint32_t time_count;
     const char *report; // folder; NULL: none
+    bool images;        // every picture as EXR, into the report
+
+    uint32_t repeats;
+    const char *kernel;     // the one to time alone; NULL: all of a render
+    uint32_t rays;          // 1 << RAYS_*; 0: all
+    const uint32_t *depths; // bounces; NULL: those that `rays` says
+    uint32_t depth_count;
+    bool tune;
+    const char *baseline; // an earlier run's JSON; NULL: none
+    const char *trace;    // file; NULL: none
 
     struct compare_limit *limits;
     uint32_t limit_count;
     const char *difference; // NULL: no picture
+    enum map_option map;
+    const char *reference_variance; // file, "auto" or a number; NULL: none
 
     struct arena arena; // owns the lists and the command line; other strings are argv's
 };
@@ -249,9 +299,9 @@ static inline bool options_given(const struct options *options, enum option_id i
 // Replaces those settings for which an option was given.
 void options_apply_settings(const struct options *options, struct settings *settings);
 
-// Whether it changes how a picture is computed, and may so be varied: not its size, its samples or
-// how it is shown.
-bool option_is_setting(const struct option_def *def);
+// Whether it changes how a picture is computed, and may so be varied by the command: not how it is
+// shown; its size and samples by bench alone.
+bool option_is_setting(const struct option_def *def, const struct command *command);
 
 // Converts the text of one value and stores it (option_values.c). err: what is wrong and what was
 // expected, without the option's name.

@@ -61,6 +61,9 @@ struct render_job {
 // Loads the scene and applies the command line to it.
 bool job_load_scene(const struct options *options, struct scene *scene, uint32_t *camera,
                     struct err *err);
+// What of a renderer the options decide, for any command; without AOVs.
+struct renderer_params job_renderer_params(const struct options *options, struct gpu *gpu,
+                                           const struct scene *scene, uint32_t camera);
 
 // --- render_loop.c ---
 // How many samples there are to be at most; refuses what cannot be decided on. Before the renderer

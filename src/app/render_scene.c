@@ -84,3 +84,19 @@ bool job_load_scene(const struct options *options, struct scene *scene, uint32_t
     return choose_camera(options, scene, camera, err) &&
            set_lens(options, scene, &scene->cameras[*camera], err);
 }
+
+struct renderer_params job_renderer_params(const struct options *options, struct gpu *gpu,
+                                           const struct scene *scene, uint32_t camera)
+{
+    return (struct renderer_params){
+        .gpu = gpu,
+        .scene = scene,
+        .wave = options->wave,
+        .workgroup = options->workgroup,
+        .bvh = {options->bvh, options->node},
+        .camera = camera,
+        .everything = options->features == FEATURES_ALL,
+        .merge_classes = options->classes == CLASSES_MERGED,
+        .progress = options->progress,
+    };
+}

@@ -73,7 +73,7 @@ static uint64_t scene_bytes(const struct memory_plan_params *p, uint32_t binding
 {
     switch (binding) {
     case BINDING_NODES:
-        return (uint64_t)p->bvh->node_count * sizeof(struct bvh_node);
+        return bvh_nodes_bytes(p->bvh);
     case BINDING_TRIANGLES:
         return (uint64_t)p->flat->triangle_count * sizeof(struct gpu_triangle);
     case BINDING_ATTRIBUTES:

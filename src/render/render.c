@@ -30,8 +30,9 @@ static struct bvh_box shape_box(const struct flat_shape *shape)
     return box;
 }
 
-static bool build_bvh(const struct flat_scene *flat, const struct progress *progress,
-                      struct arena *arena, struct bvh *bvh, struct err *err)
+static bool build_bvh(const struct flat_scene *flat, struct bvh_method method,
+                      const struct progress *progress, struct arena *arena, struct bvh *bvh,
+                      struct err *err)
 {
     struct arena scratch = {0};
     struct bvh_box *boxes = ARENA_NEW(&scratch, struct bvh_box, flat->shape_count);
@@ -46,6 +47,7 @@ static bool build_bvh(const struct flat_scene *flat, const struct progress *prog
         .triangle_count = flat->triangle_count,
         .shape_boxes = boxes,
         .shape_count = flat->shape_count,
+        .method = method,
         .progress = progress,
     };
     bool ok = bvh_build(&params, arena, bvh, err);
@@ -69,13 +71,14 @@ static void warn_about_extent(const struct flat_scene *flat)
                  (double)extent, (double)LARGEST_EXTENT, (double)SMALLEST_EXTENT);
 }
 
-bool render_prepare(const struct scene *scene, const struct progress *progress, struct arena *arena,
-                    struct flat_scene *flat, struct bvh *bvh, struct err *err)
+bool render_prepare(const struct scene *scene, struct bvh_method method,
+                    const struct progress *progress, struct arena *arena, struct flat_scene *flat,
+                    struct bvh *bvh, struct err *err)
 {
     if (!scene_flatten(scene, arena, flat, err))
         return false;
     warn_about_extent(flat);
-    return build_bvh(flat, progress, arena, bvh, err);
+    return build_bvh(flat, method, progress, arena, bvh, err);
 }
 
 static bool plan_memory(struct renderer *r, uint32_t wave, struct err *err)
@@ -164,6 +167,16 @@ static bool upload(struct renderer *r, struct err *err)
            gpu_commands_create(r->gpu, &r->commands, err);
 }
 
+static bool check_workgroup(const struct gpu *gpu, uint32_t workgroup, struct err *err)
+{
+    if (workgroup <= gpu->max_invocations && (workgroup & (workgroup - 1)) == 0)
+        return true;
+    return err_set(err, ERR_USAGE,
+                   "a workgroup of %u threads: expected a power of two of at most %u, the device's "
+                   "limit",
+                   workgroup, gpu->max_invocations);
+}
+
 bool renderer_create(const struct renderer_params *params, struct renderer *r, struct err *err)
 {
     *r = (struct renderer){
@@ -174,7 +187,8 @@ bool renderer_create(const struct renderer_params *params, struct renderer *r, s
     };
 
     uint64_t start = clock_ns();
-    if (!render_prepare(r->scene, r->progress, &r->arena, &r->flat, &r->bvh, err))
+    if (!check_workgroup(r->gpu, params->workgroup, err) ||
+        !render_prepare(r->scene, params->bvh, r->progress, &r->arena, &r->flat, &r->bvh, err))
         goto fail;
     r->stats.bvh_seconds = r->bvh.stats.build_seconds;
     r->stats.flatten_seconds = clock_seconds_since(start) - r->stats.bvh_seconds;
@@ -187,6 +201,7 @@ bool renderer_create(const struct renderer_params *params, struct renderer *r, s
         .gpu = r->gpu,
         .camera = &r->scene->cameras[params->camera],
         .aovs = params->aovs,
+        .workgroup = params->workgroup,
         .everything = params->everything,
         .merge_classes = params->merge_classes,
         .tiles = params->tiles,

@@ -32,6 +32,8 @@ struct renderer_params {
     struct gpu *gpu;           // must outlive the renderer
     const struct scene *scene; // the same; its settings are the render's
     uint32_t wave;             // paths in flight; 0: the device's default
+    uint32_t workgroup;        // threads, a power of two; 0: the device's default
+    struct bvh_method bvh;
     uint32_t camera;           // index into the scene's
     uint32_t aovs;             // AOV_*: pictures wanted besides the radiance
     bool everything;           // compile in what the scene does not need (--features all)
@@ -116,8 +118,9 @@ struct renderer {
 
 // The host's part, for those who only want to look: flattens and builds the BVH. Results live in
 // `arena`.
-bool render_prepare(const struct scene *scene, const struct progress *progress, struct arena *arena,
-                    struct flat_scene *flat, struct bvh *bvh, struct err *err);
+bool render_prepare(const struct scene *scene, struct bvh_method method,
+                    const struct progress *progress, struct arena *arena, struct flat_scene *flat,
+                    struct bvh *bvh, struct err *err);
 
 // Flattens, builds the BVH, plans memory, uploads and compiles. *out must stay where it is. On
 // failure it is finished.

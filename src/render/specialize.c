@@ -259,7 +259,7 @@ static uint32_t device_features(const struct gpu *gpu, const struct flat_scene *
     for (uint32_t i = 0; i < scene->image_count; i++)
         texel_bytes += (uint64_t)scene->images[i].width * scene->images[i].height *
                        (scene->images[i].is_float ? 16u : 8u);
-    if (gpu_texel_fits(gpu, (uint64_t)bvh->node_count * sizeof(struct bvh_node)) &&
+    if (gpu_texel_fits(gpu, bvh_nodes_bytes(bvh)) &&
         gpu_texel_fits(gpu, (uint64_t)flat->triangle_count * sizeof(struct gpu_triangle)) &&
         gpu_texel_fits(gpu, environment_bytes) && gpu_texel_fits(gpu, texel_bytes))
         features |= FEATURE_TEXEL_SCENE;
@@ -298,7 +298,7 @@ struct specialization specialize(const struct specialize_params *p)
     const struct gpu *gpu = p->gpu;
     const struct settings *settings = &scene->settings;
     struct specialization s = {
-        .workgroup = gpu->info.is_cpu ? 128 : 64,
+        .workgroup = p->workgroup ? p->workgroup : gpu->info.is_cpu ? 128 : 64,
         .stack_entries = bvh->stats.stack_entries,
         .iteration_budget =
             gpu->info.is_cpu ? CPU_SUBGROUP_ROUNDS / gpu->subgroup_size : GPU_LANE_ROUNDS,
@@ -312,6 +312,7 @@ struct specialization specialize(const struct specialize_params *p)
         .mis = settings->mis,
         .directions = settings->directions,
         .roulette = settings->roulette,
+        .nodes = bvh->format == BVH_FLOAT ? NODES_FLOAT : NODES_QUANTISED,
     };
     uint32_t classes = 0;
     s.features = geometry_features(flat) | material_features(scene, flat, s.class_lobes);

@@ -25,6 +25,7 @@ struct specialization {
     uint32_t light_choice;                                // never LIGHT_CHOICE_AUTO
     uint32_t light_rays;                                  // shadow rays that a vertex sends at most
     uint32_t mis, directions, roulette;
+    uint32_t nodes; // NODES_*
     // Not a constant: `lobes` of the kernels that shade one class; 0 where the scene has none of
     // it.
     uint32_t class_lobes[CLASS_COUNT];
@@ -39,7 +40,8 @@ struct specialize_params {
     const struct bvh *bvh;
     const struct gpu *gpu;
     const struct camera *camera;
-    uint32_t aovs; // AOV_*
+    uint32_t aovs;      // AOV_*
+    uint32_t workgroup; // threads; 0: the device's default
     // Compiles in all that does not change what is computed: for measuring what leaving out is
     // worth, and for testing that it changes no bit.
     bool everything;

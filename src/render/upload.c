@@ -222,7 +222,7 @@ bool upload_scene(struct gpu *gpu, const struct upload_params *p, struct gpu_buf
     const struct planned_buffer *plan = p->plan->buffers;
     const struct shading_tables *tables = p->tables;
     bool ok =
-        create_filled(gpu, p, BINDING_NODES, p->bvh->nodes, buffers, err) &&
+        create_filled(gpu, p, BINDING_NODES, bvh_nodes_data(p->bvh), buffers, err) &&
         (!plan[BINDING_TRIANGLES].name || upload_triangles(gpu, p, buffers, &scratch, err)) &&
         (!plan[BINDING_ATTRIBUTES].name || upload_attributes(gpu, p, buffers, &scratch, err)) &&
         (!plan[BINDING_SHAPES].name || upload_shapes(gpu, p, buffers, &scratch, err)) &&

@@ -172,7 +172,7 @@ TEST(usage_errors_say_what_was_expected)
     check_error("--spp 3 render s", "--spp belongs after the command");
     check_error("render s --max mse=1",
                 "\"render\" has no option --max: it belongs to \"compare\"");
-    check_error("compare a b --spp 3", "it belongs to \"render\", \"converge\", \"info\"");
+    check_error("compare a b --spp 3", "it belongs to \"render\", \"converge\", \"bench\", \"info\"");
     check_error("render s --spp", "--spp needs a value: --spp N");
     check_error("render s --output --half", "--output needs a value: --output FILE");
     check_error("render s --half=yes", "--half takes no value, but got \"yes\"");
@@ -328,7 +328,9 @@ TEST(the_table_is_complete)
         CHECK((def->type == VALUE_FLAG) == !def->argument, "--%s", def->name);
         bool has_list = def->type == VALUE_OUTPUT || def->type == VALUE_VARY ||
                         def->type == VALUE_DEFINE || def->type == VALUE_LIMIT ||
-                        def->type == VALUE_ENVIRONMENT;
+                        def->type == VALUE_ENVIRONMENT || def->type == VALUE_CURVE ||
+                        def->type == VALUE_TIMES || def->type == VALUE_DEPTHS ||
+                        def->type == VALUE_RAYS;
         CHECK(has_list == (def->size == 0), "--%s", def->name);
         for (int j = 0; j < i; j++)
             CHECK(strcmp(option_table[j].name, def->name) != 0 &&

@@ -511,7 +511,7 @@ static uint32_t lobes_of(struct gpu *gpu, const struct lobe_case *c)
     scene_start(&scene, 16, 16);
     add_sphere(&scene, (double[3]){0}, 1, add_material(&scene, &material));
     uint32_t lobes = 0;
-    bool ok = render_prepare(&scene, NULL, &arena, &flat, &bvh, &err);
+    bool ok = render_prepare(&scene, (struct bvh_method){0}, NULL, &arena, &flat, &bvh, &err);
     CHECK(ok, "%s", err.msg);
     if (ok)
         lobes = specialize(&(struct specialize_params){.scene = &scene,
