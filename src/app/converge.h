@@ -6,6 +6,7 @@
 #include "curve.h"
 #include "metrics.h"
 #include "options.h"
+#include "reference.h"
 #include "render.h"
 #include "variants.h"
 
@@ -30,10 +31,7 @@ struct converge_sample {
 struct converge_reference {
     const char *name; // file, or "auto"; NULL: none
     uint64_t spp;     // of "auto"
-    uint32_t width, height;
-    float (*pixels)[3];
-    double mse, relmse; // its own noise, which is subtracted; 0 where not known
-    bool noise_known;
+    struct reference picture;
 };
 
 #define CONVERGE_TARGETS 3 // relMSE 1e-2, 1e-3, 1e-4

@@ -51,7 +51,8 @@ static bool find_bias(struct converge *c, struct converge_curve *curve, struct e
     curve->bias = (struct interval){NAN, NAN, NAN};
     if (!reference->name || c->replicates_done < 3)
         return true;
-    size_t length = 3 * (size_t)reference->width * reference->height;
+    const struct image *image = &reference->picture.image;
+    size_t length = 3 * (size_t)image->width * image->height;
     const float **pictures = ARENA_NEW(&c->arena, const float *, c->replicates_done);
     if (!pictures)
         return err_memory(err, "pictures", c->replicates_done * sizeof *pictures);
@@ -61,8 +62,8 @@ static bool find_bias(struct converge *c, struct converge_curve *curve, struct e
         .pictures = pictures,
         .count = c->replicates_done,
         .length = length,
-        .reference = reference->pixels[0],
-        .reference_relmse = reference->relmse,
+        .reference = image->pixels[0],
+        .reference_relmse = reference->picture.relmse,
     };
     return curve_bias(&params, &curve->bias) || err_memory(err, "bias", length);
 }

@@ -84,7 +84,8 @@ static bool put_error_map(struct page *page, const char *name, const struct imag
     if (!map.pixels)
         return err_memory(err, "an error map", count * sizeof *map.pixels);
     metrics_difference_picture((const float(*)[3])image->pixels,
-                               (const float(*)[3])reference->pixels, count, map.pixels);
+                               (const float(*)[3])reference->picture.image.pixels, count,
+                               map.pixels);
     html_linearize(&map);
     return html_picture(&page->html, name, &map, "", err);
 }
@@ -97,7 +98,7 @@ static bool put_slider(struct page *page, uint32_t index, struct err *err)
     const struct converge_reference *reference = &c->references[curve->variant.scene];
     const struct settings *settings = &curve->scene_data.settings;
     struct image image = {settings->width, settings->height, curve->pictures[0]};
-    struct image truth = {settings->width, settings->height, reference->pixels};
+    struct image truth = {settings->width, settings->height, reference->picture.image.pixels};
     const char *name = arena_printf(page->html.arena, "curve-%u", index);
     const char *map = arena_printf(page->html.arena, "curve-%u-error", index);
     const char *base = arena_printf(page->html.arena, "reference-%u", curve->variant.scene);

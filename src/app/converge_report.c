@@ -43,7 +43,7 @@ static void print_head(const struct converge *c, const struct converge_curve *cu
         printf(", reference of %" PRIu64 " spp\n", reference->spp);
     else
         printf(", reference %s%s\n", reference->name,
-               reference->noise_known ? "" : ", whose own noise is not known");
+               reference->picture.noise_known ? "" : ", whose own noise is not known");
     printf("  %-28s %21s %22s %9s %22s  %s\n", "curve", "relMSE at the end", "slope", "s",
            "efficiency, ratio", "");
 }
@@ -144,12 +144,13 @@ static json_t *references_json(const struct converge *c)
     for (uint32_t s = 0; s < c->options->argument_count; s++) {
         const struct converge_reference *r = &c->references[s];
         json_array_append_new(
-            references, r->name
-                            ? json_pack("{s:o, s:I, s:o, s:o}", "name", json_words(r->name), "spp",
-                                        (json_int_t)r->spp, "own_mse",
-                                        json_number(r->noise_known ? r->mse : NAN), "own_relmse",
-                                        json_number(r->noise_known ? r->relmse : NAN))
-                            : json_null());
+            references,
+            r->name ? json_pack("{s:o, s:I, s:o, s:o}", "name", json_words(r->name), "spp",
+                                (json_int_t)r->spp, "own_mse",
+                                json_number(r->picture.noise_known ? r->picture.mse : NAN),
+                                "own_relmse",
+                                json_number(r->picture.noise_known ? r->picture.relmse : NAN))
+                    : json_null());
     }
     return references;
 }

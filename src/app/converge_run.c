@@ -1,7 +1,6 @@
 #include "converge.h"
 
 #include "clock.h"
-#include "image.h"
 #include "log.h"
 #include "perceptual.h"
 #include "render_job.h"
@@ -97,23 +96,6 @@ static bool advance(struct converge *c, struct renderer *renderer, uint64_t samp
     return renderer_render(renderer, &call, err);
 }
 
-// The noise of a reference, from its half-buffers: mean (A - B)^2 / 4, and that over r^2 + epsilon,
-// with as little noise in r as a reference has.
-static void noise_of(const struct film_image *film, double *mse, double *relmse)
-{
-    uint64_t pixels = (uint64_t)film->width * film->height;
-    double squares = 0.0, relative = 0.0;
-    for (uint64_t i = 0; i < pixels; i++)
-        for (int k = 0; k < 3; k++) {
-            double d = 0.5 * ((double)film->half_a[i][k] - (double)film->half_b[i][k]);
-            double r = (double)film->mean[i][k];
-            squares += d * d;
-            relative += d * d / (r * r + METRICS_RELMSE_EPSILON);
-        }
-    *mse = squares / (3.0 * (double)pixels);
-    *relmse = relative / (3.0 * (double)pixels);
-}
-
 // A hundred times the samples of the longest curve, with a seed of its own, by the settings without
 // what is varied.
 #define REFERENCE_FACTOR 100
@@ -133,60 +115,29 @@ static bool render_reference(struct converge *c, uint32_t scene, struct err *err
     if (ok && c->stopped)
         ok = err_set(err, ERR_STOPPED, "stopped while the reference was rendered");
     if (ok) {
-        out->width = film.width;
-        out->height = film.height;
-        out->pixels = film.mean;
-        noise_of(&film, &out->mse, &out->relmse);
-        out->noise_known = true;
+        out->picture.image = (struct image){film.width, film.height, film.mean};
+        reference_set_noise(&out->picture, (const float(*)[3])film.half_a,
+                            (const float(*)[3])film.half_b);
     }
     renderer_finish(&curve.renderer);
     scene_finish(&curve.scene_data);
     return ok;
 }
 
-// The layers that --aov halves writes tell a file's own noise.
-static bool read_noise(struct converge *c, const char *path, struct converge_reference *out)
-{
-    struct image halves[2];
-    static const char *const layers[2] = {"half_a", "half_b"};
-    for (int h = 0; h < 2; h++) {
-        struct image_read_params params = {.path = path, .layer = layers[h]};
-        struct err none = {0};
-        if (!image_read(&params, &c->arena, &halves[h], &none))
-            return false;
-    }
-    const struct film_image film = {
-        .width = out->width,
-        .height = out->height,
-        .mean = out->pixels,
-        .half_a = halves[0].pixels,
-        .half_b = halves[1].pixels,
-    };
-    noise_of(&film, &out->mse, &out->relmse);
-    return true;
-}
-
 static bool read_reference(struct converge *c, uint32_t scene, struct err *err)
 {
     struct converge_reference *out = &c->references[scene];
-    struct image image;
-    struct image_read_params params = {.path = out->name};
-    if (!image_read(&params, &c->arena, &image, err))
+    if (!reference_read(out->name, &c->arena, &out->picture, err))
         return false;
     for (uint32_t i = 0; i < c->curve_count; i++) {
         const struct settings *settings = &c->curves[i].scene_data.settings;
         if (c->curves[i].variant.scene == scene &&
-            (settings->width != image.width || settings->height != image.height))
-            return err_set(err, ERR_INPUT, "%s is %u x %u pixels, but %s is rendered with %u x %u",
-                           out->name, image.width, image.height, c->options->arguments[scene],
-                           settings->width, settings->height);
+            !reference_check_size(&out->picture, out->name, c->options->arguments[scene],
+                                  settings->width, settings->height, err))
+            return false;
     }
-    out->width = image.width;
-    out->height = image.height;
-    out->pixels = image.pixels;
-    out->noise_known = read_noise(c, out->name, out);
-    if (!out->noise_known)
-        log_info("%s has no layers half_a and half_b: its own noise is not subtracted", out->name);
+    if (!out->picture.noise_known)
+        log_info("%s: its own noise is not subtracted: %s", out->name, out->picture.reason);
     return true;
 }
 
@@ -214,11 +165,11 @@ static void compare(const struct converge_reference *reference, const struct fil
                     bool with_perception, double metric[CONVERGE_METRICS])
 {
     const float(*image)[3] = (const float(*)[3])film->mean;
-    const float(*truth)[3] = (const float(*)[3])reference->pixels;
+    const float(*truth)[3] = (const float(*)[3])reference->picture.image.pixels;
     struct metrics m;
     metrics_compare(image, truth, (uint64_t)film->width * film->height, &m);
-    metric[CONVERGE_MSE] = m.mse - reference->mse;
-    metric[CONVERGE_RELMSE] = m.relmse - reference->relmse;
+    metric[CONVERGE_MSE] = m.mse - reference->picture.mse;
+    metric[CONVERGE_RELMSE] = m.relmse - reference->picture.relmse;
     metric[CONVERGE_SMAPE] = m.smape;
     metric[CONVERGE_PSNR] = m.psnr;
     const struct picture_pair pair = {image, truth, film->width, film->height};

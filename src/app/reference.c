@@ -1,0 +1,91 @@
+#include "reference.h"
+
+#include "metrics.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static bool is_finite(const float rgb[3])
+{
+    return isfinite(rgb[0]) && isfinite(rgb[1]) && isfinite(rgb[2]);
+}
+
+void reference_set_noise(struct reference *out, const float (*half_a)[3], const float (*half_b)[3])
+{
+    const float(*mean)[3] = (const float(*)[3])out->image.pixels;
+    uint64_t pixels = (uint64_t)out->image.width * out->image.height, finite = 0;
+    double squares = 0.0, relative = 0.0;
+    for (uint64_t i = 0; i < pixels; i++) {
+        if (!is_finite(mean[i]) || !is_finite(half_a[i]) || !is_finite(half_b[i]))
+            continue;
+        finite++;
+        for (int k = 0; k < 3; k++) {
+            double d = 0.5 * ((double)half_a[i][k] - (double)half_b[i][k]);
+            double r = (double)mean[i][k];
+            squares += d * d;
+            relative += d * d / (r * r + METRICS_RELMSE_EPSILON);
+        }
+    }
+    out->noise_known = finite > 0;
+    out->reason = finite > 0 ? NULL : "no pixel of it is finite";
+    out->mse = finite > 0 ? squares / (3.0 * (double)finite) : 0.0;
+    out->relmse = finite > 0 ? relative / (3.0 * (double)finite) : 0.0;
+}
+
+static const char *attribute(const char *path, struct arena *arena, const char *key)
+{
+    struct image_attribute *list;
+    uint32_t count;
+    struct err none = {0};
+    if (!image_read_attributes(path, arena, &list, &count, &none))
+        return NULL;
+    for (uint32_t i = 0; i < count; i++)
+        if (strcmp(list[i].key, key) == 0)
+            return list[i].value;
+    return NULL;
+}
+
+// Why the layers, though there, do not tell the noise; NULL where they do. Contiguous halves of one
+// sequence tell up to six times of it.
+static const char *distrust(const char *path, struct arena *arena)
+{
+    const char *spp = attribute(path, arena, "lampyris:spp");
+    if (spp && strtoull(spp, NULL, 10) < 2)
+        return "one sample has no halves";
+    const char *halves = attribute(path, arena, "lampyris:halves");
+    if (halves && strcmp(halves, "independent") != 0)
+        return "its halves are not independent";
+    return NULL;
+}
+
+bool reference_read(const char *path, struct arena *arena, struct reference *out, struct err *err)
+{
+    static const char *const layers[2] = {"half_a", "half_b"};
+    struct image halves[2];
+    *out = (struct reference){.reason = "it has no layers half_a and half_b (--aov halves)"};
+    struct image_read_params params = {.path = path};
+    if (!image_read(&params, arena, &out->image, err))
+        return false;
+    for (int h = 0; h < 2; h++) {
+        struct err none = {0};
+        params.layer = layers[h];
+        if (!image_read(&params, arena, &halves[h], &none))
+            return true;
+    }
+    const char *reason = distrust(path, arena);
+    if (reason)
+        out->reason = reason;
+    else
+        reference_set_noise(out, (const float(*)[3])halves[0].pixels,
+                            (const float(*)[3])halves[1].pixels);
+    return true;
+}
+
+bool reference_check_size(const struct reference *reference, const char *path, const char *what,
+                          uint32_t width, uint32_t height, struct err *err)
+{
+    const struct image *image = &reference->image;
+    return (image->width == width && image->height == height) ||
+           err_set(err, ERR_INPUT, "%s is %u x %u pixels, but %s is %u x %u", path, image->width,
+                   image->height, what, width, height);
+}
