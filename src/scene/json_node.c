@@ -1,5 +1,6 @@
 #include "json_node.h"
 
+#include "suggest.h"
 #include <ctype.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -110,61 +111,23 @@ bool node_unexpected(const struct json_node *node, const char *what, struct err 
 
 // --- suggestions ---------------------------------------------------------------------------------
 
-#define MAX_WORD 64
-
-static size_t min_size(size_t a, size_t b)
-{
-    return a < b ? a : b;
-}
-
-// Levenshtein's distance: insertions, deletions and substitutions that turn a into b, one row of
-// the table of prefixes at a time (Wagner, Fischer 1974). Words beyond MAX_WORD are far from all.
-static size_t edit_distance(const char *a, const char *b)
-{
-    size_t a_length = strlen(a), b_length = strlen(b);
-    if (a_length > MAX_WORD || b_length > MAX_WORD)
-        return SIZE_MAX;
-    size_t row[MAX_WORD + 1];
-    for (size_t j = 0; j <= b_length; j++)
-        row[j] = j;
-    for (size_t i = 1; i <= a_length; i++) {
-        size_t diagonal = row[0];
-        row[0] = i;
-        for (size_t j = 1; j <= b_length; j++) {
-            size_t substituted = diagonal + (a[i - 1] != b[j - 1]);
-            diagonal = row[j];
-            row[j] = min_size(substituted, min_size(row[j], row[j - 1]) + 1);
-        }
-    }
-    return row[b_length];
-}
-
 // The name at an index; NULL beyond the last.
 typedef const char *(*name_at_fn)(const void *names, size_t index);
 
+// The name that was meant, or else all that there are.
 static struct node_hint suggest(const char *word, name_at_fn name_at, const void *names)
 {
     struct node_hint hint = {""};
-    const char *nearest = NULL;
-    size_t nearest_distance = SIZE_MAX;
+    struct suggestion suggestion = {.wanted = word};
     const char *name;
-    for (size_t i = 0; (name = name_at(names, i)) != NULL; i++) {
-        size_t distance = edit_distance(word, name);
-        if (distance < nearest_distance) {
-            nearest = name;
-            nearest_distance = distance;
-        }
-    }
-    // A third of the letters wrong is a slip of the hand; more is another word.
-    if (nearest && nearest_distance <= 1 + strlen(word) / 3) {
-        snprintf(hint.text, sizeof hint.text, "; did you mean %s?", nearest);
+    for (size_t i = 0; (name = name_at(names, i)) != NULL; i++)
+        suggest_offer(&suggestion, name);
+    if (suggestion.nearest) {
+        snprintf(hint.text, sizeof hint.text, "; did you mean %s?", suggestion.nearest);
         return hint;
     }
-    if (nearest) {
-        append(hint.text, sizeof hint.text, "; known: ");
-        for (size_t i = 0; (name = name_at(names, i)) != NULL; i++)
-            append(hint.text, sizeof hint.text, i ? ", %s" : "%s", name);
-    }
+    for (size_t i = 0; (name = name_at(names, i)) != NULL; i++)
+        append(hint.text, sizeof hint.text, i ? ", %s" : "; known: %s", name);
     return hint;
 }
 

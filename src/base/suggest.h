@@ -1,6 +1,6 @@
 // "Did you mean …?": the nearest of some names.
-#ifndef LAMPYRIS_APP_SUGGEST_H
-#define LAMPYRIS_APP_SUGGEST_H
+#ifndef LAMPYRIS_BASE_SUGGEST_H
+#define LAMPYRIS_BASE_SUGGEST_H
 
 #include <stddef.h>
 
