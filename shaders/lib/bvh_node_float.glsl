@@ -1,0 +1,37 @@
+// A BVH4 node of 128 bytes with boxes of floats, written by src/bvh (struct bvh_node_float in bvh.h).
+#ifndef BVH_NODE_FLOAT_GLSL
+#define BVH_NODE_FLOAT_GLSL
+
+#include "lib/buffers.glsl"
+#include "lib/bvh_ray.glsl"
+
+// As bvh_test_children().
+//
+// Conservative: the distance t of a plane is off by 7 roundings of itself, 5 for the reciprocal (2.5
+// ulp by the Vulkan specification), 2 for the arithmetic. The triangle test's own perturbation of
+// the ray is relative to where the triangle ends, which may be far behind the origin: hence a part
+// of the larger of a slab's two distances.
+ivec4 test_float_children(bvh_ray ray, uint index, float t_max, out uvec4 children)
+{
+    uint first = index * 8u;
+    children = load_nodes(first);
+    ivec4 nearest = ivec4(0);
+    ivec4 farthest = ivec4(floatBitsToInt(t_max));
+    for (uint axis = 0u; axis < 3u; axis++) {
+        // Words 1 to 3 are the lower planes, 4 to 6 the upper ones.
+        uint low = first + 1u + axis;
+        uint near_word = low + (ray.negative[axis] ? 3u : 0u);
+        uint far_word = low + (ray.negative[axis] ? 0u : 3u);
+        vec4 enter = (load_nodes_float(near_word) - ray.origin[axis]) * ray.inverse[axis];
+        vec4 leave = (load_nodes_float(far_word) - ray.origin[axis]) * ray.inverse[axis];
+        vec4 margin = max(abs(enter), abs(leave)) * (16.0 * ROUNDING);
+        nearest = max(nearest, floatBitsToInt(enter - margin));
+        farthest = min(farthest, floatBitsToInt(leave + margin));
+    }
+    ivec4 keys;
+    for (int i = 0; i < 4; i++)
+        keys[i] = nearest[i] <= farthest[i] && children[i] != BVH_EMPTY ? nearest[i] : BVH_MISS;
+    return keys;
+}
+
+#endif
