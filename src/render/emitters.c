@@ -78,6 +78,27 @@ static void add_emitter(struct emitter_list *list, uint32_t primitive, double po
     list->total += power;
 }
 
+// In the order of the flat scene, so that no BVH decides which number an emitter has, and with that
+// which one a random number chooses.
+static bool list_triangles(const struct scene *scene, const struct flat_scene *flat,
+                           const struct bvh *bvh, struct emitter_list *list, struct err *err)
+{
+    struct arena scratch = {0};
+    uint32_t *places = ARENA_NEW(&scratch, uint32_t, flat->triangle_count); // in leaf order
+    if (!places)
+        return err_memory(err, "emitters", flat->triangle_count * sizeof *places);
+    for (uint32_t i = 0; i < flat->triangle_count; i++)
+        places[bvh->triangle_order[i]] = i;
+    for (uint32_t i = 0; i < flat->triangle_count; i++) {
+        const struct flat_triangle *triangle = &flat->triangles[i];
+        double radiance = mean_radiance(scene, &scene->materials[triangle->material]);
+        if (radiance > 0.0)
+            add_emitter(list, places[i], radiance * triangle_area(triangle));
+    }
+    arena_finish(&scratch);
+    return true;
+}
+
 // Every primitive with emission, those of zero area too: they get no weight.
 static bool list_emitters(const struct scene *scene, const struct flat_scene *flat,
                           const struct bvh *bvh, struct arena *arena, struct emitter_list *list,
@@ -89,12 +110,8 @@ static bool list_emitters(const struct scene *scene, const struct flat_scene *fl
                                   .powers = ARENA_NEW(arena, double, count)};
     if (!list->primitives || !list->powers)
         return err_memory(err, "emitters", count * 12);
-    for (uint32_t i = 0; i < flat->triangle_count && counts.triangles; i++) {
-        const struct flat_triangle *triangle = &flat->triangles[bvh->triangle_order[i]];
-        double radiance = mean_radiance(scene, &scene->materials[triangle->material]);
-        if (radiance > 0.0)
-            add_emitter(list, i, radiance * triangle_area(triangle));
-    }
+    if (counts.triangles && !list_triangles(scene, flat, bvh, list, err))
+        return false;
     for (uint32_t i = 0; i < flat->shape_count; i++) {
         const struct flat_shape *shape = &flat->shapes[i];
         double radiance = mean_radiance(scene, &scene->materials[shape->material]);

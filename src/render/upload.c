@@ -68,22 +68,19 @@ static uint32_t material_word(const struct upload_params *p, uint32_t index)
            (alpha ? MATERIAL_WORD_ALPHA : 0u);
 }
 
-// The number of a primitive among the emitters, which are in the order of their primitives: *number
-// is the next one's.
-static uint32_t next_emitter(const struct upload_params *p, uint32_t primitive, uint32_t *number)
+// For each of `count` primitives, whose words are `kind` and their index, its number among the
+// emitters, or NO_EMITTER.
+static uint32_t *emitter_numbers(const struct upload_params *p, uint32_t kind, uint32_t count,
+                                 struct arena *scratch)
 {
     const struct emitters *emitters = &p->tables->emitters;
-    bool emits = *number < emitters->surface_count && emitters->primitives[*number] == primitive;
-    return emits ? (*number)++ : NO_EMITTER;
-}
-
-static uint32_t first_shape_emitter(const struct upload_params *p)
-{
-    const struct emitters *emitters = &p->tables->emitters;
-    uint32_t number = 0;
-    while (number < emitters->surface_count && !(emitters->primitives[number] & PRIMITIVE_SHAPE))
-        number++;
-    return number;
+    uint32_t *numbers = ARENA_NEW(scratch, uint32_t, count);
+    for (uint32_t i = 0; numbers && i < count; i++)
+        numbers[i] = NO_EMITTER;
+    for (uint32_t n = 0; numbers && n < emitters->surface_count; n++)
+        if ((emitters->primitives[n] & PRIMITIVE_SHAPE) == kind)
+            numbers[emitters->primitives[n] & ~PRIMITIVE_SHAPE] = n;
+    return numbers;
 }
 
 static bool upload_triangles(struct gpu *gpu, const struct upload_params *p,
@@ -91,9 +88,9 @@ static bool upload_triangles(struct gpu *gpu, const struct upload_params *p,
 {
     uint32_t count = p->flat->triangle_count;
     struct gpu_triangle *records = ARENA_NEW(scratch, struct gpu_triangle, count);
-    if (!records)
+    uint32_t *emitters = emitter_numbers(p, 0, count, scratch);
+    if (!records || !emitters)
         return err_memory(err, "triangles", (uint64_t)count * sizeof *records);
-    uint32_t emitter = 0;
     for (uint32_t i = 0; i < count; i++) {
         uint32_t id = p->bvh->triangle_order[i];
         const struct flat_triangle *triangle = &p->flat->triangles[id];
@@ -101,7 +98,7 @@ static bool upload_triangles(struct gpu *gpu, const struct upload_params *p,
         memcpy(records[i].v1, triangle->v[1], sizeof records[i].v1);
         memcpy(records[i].v2, triangle->v[2], sizeof records[i].v2);
         records[i].id = id;
-        records[i].emitter = next_emitter(p, i, &emitter);
+        records[i].emitter = emitters[i];
         records[i].material = material_word(p, triangle->material);
     }
     return create_filled(gpu, p, BINDING_TRIANGLES, records, buffers, err);
@@ -191,16 +188,16 @@ static bool upload_shapes(struct gpu *gpu, const struct upload_params *p,
 {
     uint32_t count = p->flat->shape_count;
     struct gpu_shape *records = ARENA_NEW(scratch, struct gpu_shape, count);
-    if (!records)
+    uint32_t *emitters = emitter_numbers(p, PRIMITIVE_SHAPE, count, scratch);
+    if (!records || !emitters)
         return err_memory(err, "shapes", (uint64_t)count * sizeof *records);
-    uint32_t emitter = first_shape_emitter(p);
     for (uint32_t i = 0; i < count; i++) {
         const struct flat_shape *shape = &p->flat->shapes[i];
         uint32_t kind = shape->kind == SHAPE_SPHERE ? SHAPE_KIND_SPHERE : SHAPE_KIND_DISC;
         memcpy(records[i].center, shape->center, sizeof records[i].center);
         memcpy(records[i].normal, shape->normal, sizeof records[i].normal);
         records[i].radius = shape->radius;
-        records[i].emitter = next_emitter(p, PRIMITIVE_SHAPE | i, &emitter);
+        records[i].emitter = emitters[i];
         records[i].kind_material = kind << SHAPE_KIND_SHIFT | material_word(p, shape->material);
     }
     return create_filled(gpu, p, BINDING_SHAPES, records, buffers, err);
