@@ -98,13 +98,13 @@ bool converge_conclude(struct converge *c, struct err *err)
     struct columns columns = {
         .values = ARENA_NEW(&c->arena, double, replicates),
         .errors = ARENA_NEW(&c->arena, double, replicates *points),
-        .x = ARENA_NEW(&c->arena, double, points),
+        .x = ARENA_NEW(&c->arena, double, replicates *points),
         .efficiency = ARENA_NEW(&c->arena, double, replicates),
     };
     if (!columns.values || !columns.errors || !columns.x || !columns.efficiency)
         return err_memory(err, "curves", replicates * points * sizeof(double));
-    for (uint32_t p = 0; p < points; p++)
-        columns.x[p] = (double)c->spp[p];
+    for (size_t i = 0; i < replicates * points; i++)
+        columns.x[i] = (double)c->spp[i % points];
     for (uint32_t i = 0; i < c->curve_count; i++)
         if (!conclude_curve(c, &c->curves[i], &columns, err))
             return false;

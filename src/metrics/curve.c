@@ -27,11 +27,21 @@ static void run_add(struct running *r, double value)
 
 static struct interval run_interval(const struct running *r)
 {
-    if (r->count < 2 || !isfinite(r->mean))
+    if (r->count < 1 || !isfinite(r->mean))
         return unknown;
+    if (r->count < 2)
+        return (struct interval){r->mean, NAN, NAN};
     double n = (double)r->count, deviation = sqrt(r->squares / (n - 1) / n);
     double half = stats_t_quantile(0.975, n - 1) * deviation;
     return (struct interval){r->mean, r->mean - half, r->mean + half};
+}
+
+struct interval curve_mean(const double *values, size_t count)
+{
+    struct running running = {0};
+    for (size_t i = 0; i < count; i++)
+        run_add(&running, values[i]);
+    return run_interval(&running);
 }
 
 struct interval curve_geometric_mean(const double *values, size_t count)
@@ -61,7 +71,7 @@ struct interval curve_slope(const double *x, const double *errors, size_t points
 {
     struct running slopes = {0};
     for (size_t r = 0; r < replicates && points > 1; r++)
-        run_add(&slopes, line_slope(x, errors + r * points, points));
+        run_add(&slopes, line_slope(x + r * points, errors + r * points, points));
     return run_interval(&slopes);
 }
 
@@ -71,6 +81,20 @@ struct interval curve_paired_ratio(const double *a, const double *b, size_t coun
     for (size_t i = 0; i < count; i++)
         run_add(&logs, a[i] > 0 && b[i] > 0 ? log(a[i] / b[i]) : NAN);
     return exponential(run_interval(&logs));
+}
+
+double curve_reach(const double *x, const double *errors, size_t points, double slope,
+                   double target)
+{
+    size_t next = 0; // the first point that is low enough
+    while (next < points && !(errors[next] <= target))
+        next++;
+    bool between = next > 0 && next < points;
+    size_t from = next < points ? next : points - 1;
+    if (between)
+        slope = log(errors[next] / errors[next - 1]) / log(x[next] / x[next - 1]);
+    double reached = x[from] * pow(target / errors[from], 1 / slope);
+    return slope < 0 && isfinite(reached) ? reached : NAN;
 }
 
 enum curve_verdict curve_judge(struct interval ratio)

@@ -7,26 +7,36 @@
 #include <stddef.h>
 #include <stdint.h>
 
-// A number with its 95 % interval. NAN where not known.
+// A number with its 95 % interval. NAN where not known; of one value alone, the interval is not.
 struct interval {
     double value, low, high;
 };
 
+// The mean of values in [0, 1], or in decibels, with Student's t interval. Not known where one of
+// them is not finite.
+struct interval curve_mean(const double *values, size_t count);
+
 // The mean of what is positive and spread over factors, such as errors: the geometric mean with
-// Student's t interval of the logarithms. Not known with fewer than two values, or with one that is
-// not positive.
+// Student's t interval of the logarithms. Not known where one of them is not positive.
 struct interval curve_geometric_mean(const double *values, size_t count);
 
-// What an error falls off with: the exponent of x in errors[r][i] ~ x[i]^slope. One least-squares
-// line through the logarithms for each replicate, whose points share their samples and are no
-// independent ones; then Student's t interval over the replicates. `errors`: `replicates` rows of
-// `points`. Not known with fewer than two of either, or with an error that is not positive.
+// What an error falls off with: the exponent of x in errors[r][i] ~ x[r][i]^slope. One
+// least-squares line through the logarithms for each replicate, whose points share their samples
+// and are no independent ones; then Student's t interval over the replicates. `x`, `errors`:
+// `replicates` rows of `points`. Not known with fewer than two points, or with an error that is not
+// positive.
 struct interval curve_slope(const double *x, const double *errors, size_t points,
                             size_t replicates);
 
 // The ratio a / b of what two methods reached with the same seeds, by the mean of the logarithms of
 // the `count` ratios and its t interval.
 struct interval curve_paired_ratio(const double *a, const double *b, size_t count);
+
+// Where a curve comes down to `target`: between its points along the lines from one to the next, in
+// logarithms; before and beyond them with the given slope. `x`, `errors`: `points` of each, x
+// rising. NAN where the slope does not lead there.
+double curve_reach(const double *x, const double *errors, size_t points, double slope,
+                   double target);
 
 enum curve_verdict { CURVE_NOT_TOLD_APART, CURVE_BETTER, CURVE_WORSE };
 // Of a ratio of efficiencies: better where all of the interval is above 1.

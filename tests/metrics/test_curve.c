@@ -45,33 +45,65 @@ TEST(geometric_mean_covers)
 // Errors of one replicate go on from each other, as those of a film do: a random walk on the line.
 TEST(slope_covers)
 {
-    double x[POINTS], errors[REPLICATES][POINTS];
+    double x[REPLICATES][POINTS], errors[REPLICATES][POINTS];
     int covered = 0;
-    for (int i = 0; i < POINTS; i++)
-        x[i] = (double)(16 << i);
     for (int d = 0; d < DRAWS; d++) {
         for (int r = 0; r < REPLICATES; r++) {
             double walk = 0;
             for (int i = 0; i < POINTS; i++) {
                 walk += 0.1 * normal();
-                errors[r][i] = 5 * pow(x[i], -1.25) * exp(walk);
+                x[r][i] = (double)(16 << i) * exp(0.3 * normal());
+                errors[r][i] = 5 * pow(x[r][i], -1.25) * exp(walk);
             }
         }
-        covered += covers(curve_slope(x, errors[0], POINTS, REPLICATES), -1.25);
+        covered += covers(curve_slope(x[0], errors[0], POINTS, REPLICATES), -1.25);
     }
     check_coverage("slope", covered);
 }
 
 TEST(exact_lines)
 {
-    const double x[3] = {1, 10, 100}, errors[2][3] = {{8, 0.8, 0.08}, {5, 0.5, 0.05}};
-    struct interval slope = curve_slope(x, errors[0], 3, 2);
+    const double x[2][3] = {{1, 10, 100}, {2, 20, 200}};
+    const double errors[2][3] = {{8, 0.8, 0.08}, {5, 0.5, 0.05}};
+    struct interval slope = curve_slope(x[0], errors[0], 3, 2);
     CHECK(fabs(slope.value + 1) < 1e-12 && fabs(slope.low + 1) < 1e-9, "%.17g", slope.value);
     const double a[3] = {2, 4, 6}, b[3] = {1, 2, 3};
     struct interval ratio = curve_paired_ratio(a, b, 3);
     CHECK(fabs(ratio.value - 2) < 1e-12 && curve_judge(ratio) == CURVE_BETTER);
     ratio = curve_paired_ratio(b, a, 3);
     CHECK(fabs(ratio.value - 0.5) < 1e-12 && curve_judge(ratio) == CURVE_WORSE);
+}
+
+TEST(means_cover)
+{
+    int covered = 0;
+    for (int d = 0; d < DRAWS; d++) {
+        double values[REPLICATES];
+        for (int r = 0; r < REPLICATES; r++)
+            values[r] = 0.7 + 0.1 * normal();
+        covered += covers(curve_mean(values, REPLICATES), 0.7);
+    }
+    check_coverage("mean", covered);
+}
+
+// Two pieces of 1 / x and of 1 / x^2: on them, at a point, before and beyond.
+TEST(where_a_curve_comes_down_to)
+{
+    const double x[3] = {1, 10, 100}, errors[3] = {1, 0.1, 1e-3};
+    static const double expected[][3] = {// target, slope, x
+                                         {0.5, -1, 2},    {1e-2, -1, 31.622776601683793},
+                                         {0.1, -1, 10},   {1e-4, -2, 316.22776601683796},
+                                         {1e-4, -1, 1e3}, {4, -2, 0.5}};
+    for (size_t i = 0; i < sizeof expected / sizeof expected[0]; i++) {
+        double found = curve_reach(x, errors, 3, expected[i][1], expected[i][0]);
+        CHECK(fabs(found / expected[i][2] - 1) < 1e-12, "%zu: %.17g", i, found);
+    }
+    CHECK(isnan(curve_reach(x, errors, 3, 0, 1e-4)), "it never comes there");
+    CHECK(isnan(curve_reach(x, errors, 3, 0.1, 1e-4)));
+    CHECK(isnan(curve_reach(x, errors, 3, NAN, 1e-4)));
+    CHECK(isfinite(curve_reach(x, errors, 3, NAN, 0.5)), "no slope is needed between points");
+    const double holes[3] = {1, NAN, 1e-3};
+    CHECK(isnan(curve_reach(x, holes, 3, -1, 1e-2)));
 }
 
 TEST(paired_ratio_covers)
@@ -131,12 +163,17 @@ TEST(bias_covers)
 TEST(what_is_not_known)
 {
     const double values[3] = {1, 0, 2}, x[1] = {1};
-    CHECK(isnan(curve_geometric_mean(values, 1).value));
+    struct interval alone = curve_geometric_mean(values, 1);
+    CHECK(alone.value == 1 && isnan(alone.low) && isnan(alone.high), "%g", alone.value);
+    CHECK(isnan(curve_geometric_mean(values, 0).value));
+    const double infinite[2] = {1, INFINITY};
+    CHECK(isnan(curve_mean(infinite, 2).value));
     CHECK(isnan(curve_geometric_mean(values, 3).value), "an error of 0 has no logarithm");
     CHECK(isnan(curve_slope(x, values, 1, 3).value));
     CHECK(isnan(curve_paired_ratio(values, values, 3).value));
     CHECK(curve_judge(curve_paired_ratio(values, values, 3)) == CURVE_NOT_TOLD_APART);
 }
 
-TEST_MAIN(TEST_CASE(geometric_mean_covers), TEST_CASE(slope_covers), TEST_CASE(exact_lines),
+TEST_MAIN(TEST_CASE(geometric_mean_covers), TEST_CASE(means_cover), TEST_CASE(slope_covers),
+          TEST_CASE(exact_lines), TEST_CASE(where_a_curve_comes_down_to),
           TEST_CASE(paired_ratio_covers), TEST_CASE(bias_covers), TEST_CASE(what_is_not_known))
