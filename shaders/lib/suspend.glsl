@@ -58,7 +58,16 @@ bool trace_or_suspend(uint slot, bool valid, trace_ray ray, inout trace_hit hit)
         state.current = BVH_EMPTY;
 
     uint iterations = 0u;
+    if (HAS(FEATURE_STEPS))
+        steps = trace_steps(0u, 0u);
     trace(ray, state, hit, iterations);
+    if (HAS(FEATURE_STEPS)) {
+#ifdef ANY_HIT
+        count_steps(STEPS_SHADOW);
+#else
+        count_steps(STEPS_CLOSEST);
+#endif
+    }
     bool done = state.current == BVH_EMPTY;
 
     if (HAS(FEATURE_SUSPEND)) {

@@ -7,6 +7,7 @@
 #include "lib/bvh_node.glsl"
 #include "lib/intersect_shape.glsl"
 #include "lib/intersect_triangle.glsl"
+#include "lib/steps.glsl"
 
 struct trace_ray {
     vec3 origin;
@@ -184,6 +185,8 @@ void trace(trace_ray ray, inout trace_state state, inout trace_hit best, inout u
     while (current != BVH_EMPTY && iterations < ITERATION_BUDGET) {
         while (current < BVH_LEAF && iterations < ITERATION_BUDGET) {
             iterations++;
+            if (HAS(FEATURE_STEPS))
+                steps.nodes++;
             uint top = stack[depth - 1u];
             uvec4 children;
             ivec4 keys = bvh_test_children(box_ray, current, best.t, children);
@@ -191,6 +194,8 @@ void trace(trace_ray ray, inout trace_state state, inout trace_hit best, inout u
         }
         iterations++;
         if (current != BVH_EMPTY && current >= BVH_LEAF) {
+            if (HAS(FEATURE_STEPS))
+                steps.primitives++;
             uint top = stack[depth - 1u];
             uint index = current & BVH_LEAF_INDEX;
             bool is_shape = (HAS(FEATURE_SPHERES) || HAS(FEATURE_DISCS)) &&

@@ -83,6 +83,7 @@
 #define FEATURE_BALLOT (1u << 26)      // queue slots are reserved by subgroup ballot
 // Of one dispatch: a traversal that runs out of its budget saves its state and goes on later.
 #define FEATURE_SUSPEND (1u << 27)
+#define FEATURE_STEPS (1u << 31) // the steps of traversals are counted
 // Of the scene again.
 #define FEATURE_MEDIA (1u << 28) // some surfaces bound something: refraction, absorption
 #define FEATURE_NORMAL_MAPS (1u << 29)

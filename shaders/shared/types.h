@@ -265,6 +265,11 @@ SHARED_STATIC_ASSERT_SIZE(gpu_resolved_pixel, 32);
 
 #define DISPATCH_PARTS 64
 
+// What FEATURE_STEPS counts, of rays to the nearest hit and of shadow rays.
+#define STEPS_CLOSEST 0 // nodes visited; + 1: primitives tested
+#define STEPS_SHADOW 2  // the same
+#define STEPS_COUNT 4
+
 #define CLAMP_UNITS 1024.0f
 #define CLAMP_UNITS_MOST 2.74877907e11f // of one contribution, 2^38: a wave's sum stays below 2^64
 
@@ -282,6 +287,7 @@ struct gpu_counters {
     uint clamped_light[2]; // what they lost: 64 bits, CLAMP_UNITS a limit
     uint closest_rays[2]; // 64 bits, low word first
     uint shadow_rays[2];
+    uint steps[STEPS_COUNT][2];
     uint unfinished; // rays that ran out of budget without FEATURE_SUSPEND: results void
     uint suspended;  // continuations in all
     uint nonfinite[SITE_COUNT];

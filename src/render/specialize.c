@@ -290,6 +290,11 @@ void specialization_suspend(struct specialization *s)
     s->queues |= 3u << QUEUE_SUSPENDED;
 }
 
+void specialization_count_steps(struct specialization *s, bool on)
+{
+    s->features = on ? s->features | FEATURE_STEPS : s->features & ~FEATURE_STEPS;
+}
+
 struct specialization specialize(const struct specialize_params *p)
 {
     const struct scene *scene = p->scene;

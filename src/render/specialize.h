@@ -51,6 +51,8 @@ struct specialize_params {
 struct specialization specialize(const struct specialize_params *params);
 // From now on rays that run out of their budget are suspended.
 void specialization_suspend(struct specialization *s);
+// Whether the kernels that trace count their steps: for measuring, no scene needs it.
+void specialization_count_steps(struct specialization *s, bool on);
 
 bool specialization_needs_kernel(const struct specialization *s, enum kernel_id id);
 // By binding number; a buffer that is not needed is not created.

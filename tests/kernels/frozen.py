@@ -156,6 +156,10 @@ FEATURES = {
         "intersect_closest": ["suspend()", "resume()", "[suspended]", "queue_push() x1"],
         "intersect_shadow": ["suspend()", "resume()", "queue_push()", "[suspended]"],
     }),
+    "counted steps": (["STEPS"], {
+        "intersect_closest": ["count_steps()", "add_steps()", "OpGroupNonUniformIAdd"],
+        "intersect_shadow": ["count_steps()", "add_steps()", "OpGroupNonUniformIAdd"],
+    }),
     "texel reads of the scene": (["TEXEL_SCENE"], {
         "intersect_closest": ["nodes_texels", "triangles_texels", "shapes_texels"],
         "intersect_shadow": ["nodes_texels", "triangles_texels", "shapes_texels"],

@@ -43,6 +43,7 @@
     M(clamped_light)                                                                               \
     M(closest_rays)                                                                                \
     M(shadow_rays)                                                                                 \
+    M(steps)                                                                                       \
     M(unfinished)                                                                                  \
     M(suspended) M(nonfinite) M(nonfinite_records) M(align_records) M(dispatch) M(nonfinite_record)
 #define FRAME(M)                                                                                   \
