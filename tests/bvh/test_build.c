@@ -6,6 +6,13 @@
 
 #include <float.h>
 
+static const struct bvh_method ways[] = {
+    {BVH_SPLIT_SAH, BVH_QUANTISED},  {BVH_SPLIT_MEDIAN, BVH_QUANTISED},
+    {BVH_SPLIT_MEAN, BVH_QUANTISED}, {BVH_SPLIT_SAH, BVH_FLOAT},
+    {BVH_SPLIT_MEDIAN, BVH_FLOAT},   {BVH_SPLIT_MEAN, BVH_FLOAT},
+};
+enum { WAYS = sizeof ways / sizeof *ways };
+
 // Builds and validates; the test fails with the message of whichever goes wrong.
 static bool build(const struct bvh_params *params, struct arena *arena, struct bvh *bvh)
 {
@@ -20,29 +27,38 @@ static bool build(const struct bvh_params *params, struct arena *arena, struct b
     return valid;
 }
 
+static const uint32_t *children(const struct bvh *bvh, uint32_t node)
+{
+    return bvh->nodes_float ? bvh->nodes_float[node].child : bvh->nodes[node].child;
+}
+
+// In every way; the statistics are those of the usual one.
 static void build_mesh(const struct mesh *mesh, struct bvh_stats *stats)
 {
-    struct arena arena = {0};
-    struct bvh bvh;
-    struct bvh_params params = mesh_params(mesh);
-    if (build(&params, &arena, &bvh) && stats)
-        *stats = bvh.stats;
-    arena_finish(&arena);
+    for (uint32_t way = 0; way < WAYS; way++) {
+        struct arena arena = {0};
+        struct bvh bvh;
+        struct bvh_params params = mesh_params(mesh);
+        params.method = ways[way];
+        if (build(&params, &arena, &bvh) && stats && way == 0)
+            *stats = bvh.stats;
+        arena_finish(&arena);
+    }
 }
 
 TEST(few_triangles)
 {
-    for (uint32_t count = 0; count <= 40; count++) {
-        for (uint32_t max_leaf = 0; max_leaf <= 2; max_leaf++) {
-            struct arena arena = {0};
-            struct mesh mesh = mesh_soup(&arena, count, 0.3, count);
-            struct bvh_params params = mesh_params(&mesh);
-            params.max_leaf = max_leaf;
-            struct bvh bvh;
-            if (build(&params, &arena, &bvh) && count == 0)
-                CHECK(bvh.node_count == 1 && bvh.nodes[0].child[0] == BVH_EMPTY);
-            arena_finish(&arena);
-        }
+    for (uint32_t i = 0; i <= 40 * 3 * WAYS; i++) {
+        uint32_t count = i / (3 * WAYS);
+        struct arena arena = {0};
+        struct mesh mesh = mesh_soup(&arena, count, 0.3, count);
+        struct bvh_params params = mesh_params(&mesh);
+        params.max_leaf = i / WAYS % 3;
+        params.method = ways[i % WAYS];
+        struct bvh bvh;
+        if (build(&params, &arena, &bvh) && count == 0)
+            CHECK(bvh.node_count == 1 && children(&bvh, 0)[0] == BVH_EMPTY);
+        arena_finish(&arena);
     }
 }
 
@@ -61,36 +77,42 @@ TEST(soups)
 static void measure(const struct bvh *bvh, uint32_t index, uint32_t level, uint32_t pending,
                     uint32_t *depth, uint32_t *entries)
 {
-    const struct bvh_node *node = &bvh->nodes[index];
+    const uint32_t *child = children(bvh, index);
     uint32_t count = 0;
-    while (count < 4 && node->child[count] != BVH_EMPTY)
+    while (count < 4 && child[count] != BVH_EMPTY)
         count++;
     *depth = level > *depth ? level : *depth;
     for (uint32_t i = 0; i < count; i++) {
         for (uint32_t visited_before = 0; visited_before < count; visited_before++) {
             uint32_t left = pending + count - 1 - visited_before;
             *entries = left > *entries ? left : *entries;
-            if (visited_before == 0 && !(node->child[i] & BVH_LEAF))
-                measure(bvh, node->child[i], level + 1, left, depth, entries);
+            if (visited_before == 0 && !(child[i] & BVH_LEAF))
+                measure(bvh, child[i], level + 1, left, depth, entries);
         }
     }
 }
 
 TEST(statistics)
 {
-    struct arena arena = {0};
-    struct mesh mesh = mesh_soup(&arena, 3000, 0.05, 5);
-    struct bvh_params params = mesh_params(&mesh);
-    struct bvh bvh;
-    if (build(&params, &arena, &bvh)) {
-        uint32_t depth = 0, entries = 0;
-        measure(&bvh, 0, 1, 0, &depth, &entries);
-        CHECK(bvh.stats.depth == depth, "%u, not %u", bvh.stats.depth, depth);
-        CHECK(bvh.stats.stack_entries == entries, "%u, not %u", bvh.stats.stack_entries, entries);
-        CHECK(bvh.stats.bytes == bvh.node_count * 64ull + 3000 * 4ull);
-        CHECK(bvh.stats.build_seconds > 0);
+    for (uint32_t way = 0; way < WAYS; way++) {
+        struct arena arena = {0};
+        struct mesh mesh = mesh_soup(&arena, 3000, 0.05, 5);
+        struct bvh_params params = mesh_params(&mesh);
+        params.method = ways[way];
+        struct bvh bvh;
+        if (build(&params, &arena, &bvh)) {
+            uint32_t depth = 0, entries = 0;
+            uint64_t node_bytes = ways[way].format == BVH_FLOAT ? 128 : 64;
+            measure(&bvh, 0, 1, 0, &depth, &entries);
+            CHECK(bvh.stats.depth == depth, "%u, not %u", bvh.stats.depth, depth);
+            CHECK(bvh.stats.stack_entries == entries, "%u, not %u", bvh.stats.stack_entries,
+                  entries);
+            CHECK(bvh_nodes_bytes(&bvh) == bvh.node_count * node_bytes);
+            CHECK(bvh.stats.bytes == bvh.node_count * node_bytes + 3000 * 4ull);
+            CHECK(bvh.stats.build_seconds > 0);
+        }
+        arena_finish(&arena);
     }
-    arena_finish(&arena);
 }
 
 // One triangle: the root is visited and then its only leaf, for certain.
@@ -131,13 +153,79 @@ TEST(identical_triangles)
 {
     static const uint32_t counts[] = {17, 10000, 1000000};
     for (size_t i = 0; i < sizeof counts / sizeof counts[0]; i++) {
-        struct arena arena = {0};
-        struct mesh mesh = mesh_identical(&arena, counts[i]);
-        struct bvh_stats stats = {0};
-        build_mesh(&mesh, &stats);
-        CHECK(stats.depth <= 20, "%u triangles: depth %u", counts[i], stats.depth);
-        arena_finish(&arena);
+        for (uint32_t split = BVH_SPLIT_SAH; split <= BVH_SPLIT_MEAN; split++) {
+            struct arena arena = {0};
+            struct mesh mesh = mesh_identical(&arena, counts[i]);
+            struct bvh_params params = mesh_params(&mesh);
+            params.method.split = split;
+            struct bvh bvh;
+            if (build(&params, &arena, &bvh))
+                CHECK(bvh.stats.depth <= 20, "%u triangles: depth %u", counts[i], bvh.stats.depth);
+            arena_finish(&arena);
+        }
     }
+}
+
+// --- Ways to split ------------------------------------------------------------------------------
+
+// Eight triangles around these x, seven of them in a row and one far away.
+static const float row[8] = {0, 1, 2, 3, 4, 5, 6, 100};
+
+// The root's children of the row as a builder splits it, one triangle a leaf: where each begins.
+static void check_row(enum bvh_split split, const float (*begins)[4])
+{
+    struct arena arena = {0};
+    struct mesh mesh = mesh_new(&arena, 8);
+    for (int i = 0; i < 8; i++) // in another order than that of their places
+        for (int v = 0; v < 3; v++)
+            memcpy(mesh.vertices[3 * i % 8][v],
+                   (float[3]){row[i] + (v == 1 ? 0.25f : 0), v == 2 ? 0.25f : 0, 0},
+                   sizeof(float[3]));
+    struct bvh_params params = mesh_params(&mesh);
+    params.max_leaf = 1;
+    params.method = (struct bvh_method){split, BVH_FLOAT};
+    struct bvh bvh;
+    if (build(&params, &arena, &bvh))
+        for (int i = 0; i < 4; i++) {
+            bool empty = bvh.nodes_float[0].child[i] == BVH_EMPTY;
+            CHECK(empty == ((*begins)[i] < 0), "split %d, child %d", split, i);
+            CHECK(empty || bvh.nodes_float[0].min[0][i] == (*begins)[i], "split %d, child %d: %g",
+                  split, i, (double)bvh.nodes_float[0].min[0][i]);
+        }
+    arena_finish(&arena);
+}
+
+// Two levels of a binary tree in the root: halves of four, then of two; at the mean of 15.1, then
+// of 3, which is the fourth's place.
+TEST(median_and_mean_split_where_they_say)
+{
+    check_row(BVH_SPLIT_MEDIAN, &(const float[4]){0, 2, 4, 6});
+    check_row(BVH_SPLIT_MEAN, &(const float[4]){0, 3, 100, -1});
+}
+
+// What median and mean are bad at: much in little room, and little around it. The heuristic's tree
+// costs 0.63 of the one by median and 0.77 of the one by mean.
+TEST(small_among_large)
+{
+    struct arena arena = {0};
+    struct mesh sphere = mesh_sphere(&arena, 50, 100), far = mesh_soup(&arena, 2000, 0.1, 3);
+    struct mesh mesh = mesh_new(&arena, sphere.count + far.count);
+    memcpy(mesh.vertices, sphere.vertices, sphere.count * sizeof *sphere.vertices);
+    for (uint32_t i = 0; i < far.count; i++)
+        for (int v = 0; v < 3; v++)
+            for (int axis = 0; axis < 3; axis++)
+                mesh.vertices[sphere.count + i][v][axis] = 400 * far.vertices[i][v][axis] - 200;
+    double cost[3] = {0};
+    for (uint32_t split = BVH_SPLIT_SAH; split <= BVH_SPLIT_MEAN; split++) {
+        struct bvh_params params = mesh_params(&mesh);
+        params.method.split = split;
+        struct bvh bvh;
+        if (build(&params, &arena, &bvh))
+            cost[split] = bvh.stats.sah_cost;
+    }
+    CHECK(cost[BVH_SPLIT_SAH] < 0.7 * cost[BVH_SPLIT_MEDIAN], "%g, %g", cost[0], cost[1]);
+    CHECK(cost[BVH_SPLIT_SAH] < 0.85 * cost[BVH_SPLIT_MEAN], "%g, %g", cost[0], cost[2]);
+    arena_finish(&arena);
 }
 
 TEST(slivers)
@@ -227,7 +315,7 @@ TEST(nested_lists_stay_shallow)
     arena_finish(&arena);
 }
 
-static void check_same_bits(const struct mesh *mesh)
+static void check_same_bits(const struct mesh *mesh, struct bvh_method method)
 {
     static const unsigned threads[] = {1, 2, 5};
     struct arena arena = {0};
@@ -235,10 +323,11 @@ static void check_same_bits(const struct mesh *mesh)
     for (size_t i = 0; i < 3; i++) {
         struct bvh_params params = mesh_params(mesh);
         params.threads = threads[i];
+        params.method = method;
         struct err err;
         REQUIRE(bvh_build(&params, &arena, &bvh[i], &err), "%s", err.msg);
         REQUIRE(bvh[i].node_count == bvh[0].node_count, "%u threads", threads[i]);
-        CHECK(!memcmp(bvh[i].nodes, bvh[0].nodes, bvh[0].node_count * sizeof *bvh[0].nodes),
+        CHECK(!memcmp(bvh_nodes_data(&bvh[i]), bvh_nodes_data(&bvh[0]), bvh_nodes_bytes(&bvh[0])),
               "%u threads", threads[i]);
         CHECK(!memcmp(bvh[i].triangle_order, bvh[0].triangle_order,
                       mesh->count * sizeof *bvh[0].triangle_order),
@@ -250,14 +339,16 @@ static void check_same_bits(const struct mesh *mesh)
 TEST(same_bits_for_any_threads)
 {
     struct arena arena = {0};
-    struct mesh mesh = mesh_grid(&arena, 300);
-    check_same_bits(&mesh);
-    mesh = mesh_soup(&arena, 150000, 0.02, 4);
-    for (uint32_t i = 0; i < mesh.count; i++) // both zeros, whose order must not matter
-        mesh.vertices[i][0][0] = i % 3 == 0 ? 0.0f : i % 3 == 1 ? -0.0f : mesh.vertices[i][0][0];
-    check_same_bits(&mesh);
-    mesh = mesh_identical(&arena, 100000);
-    check_same_bits(&mesh);
+    struct mesh grid = mesh_grid(&arena, 300), soup = mesh_soup(&arena, 150000, 0.02, 4);
+    for (uint32_t i = 0; i < soup.count; i++) // both zeros, whose order must not matter
+        soup.vertices[i][0][0] = i % 3 == 0 ? 0.0f : i % 3 == 1 ? -0.0f : soup.vertices[i][0][0];
+    struct mesh same = mesh_identical(&arena, 100000);
+    check_same_bits(&grid, ways[0]);
+    check_same_bits(&soup, ways[0]);
+    check_same_bits(&same, ways[0]);
+    soup.count = grid.count = 40000;
+    for (uint32_t way = 1; way < WAYS; way++)
+        check_same_bits(ways[way].format == BVH_FLOAT ? &grid : &soup, ways[way]);
     arena_finish(&arena);
 }
 
@@ -412,36 +503,67 @@ static void check_flips(const struct bvh *bvh, const struct bvh_params *params, 
     }
 }
 
+// What the flips are tried on: a few triangles and shapes.
+static bool build_for_flips(enum bvh_format format, struct arena *arena, struct bvh_params *params,
+                            struct bvh *bvh)
+{
+    static const struct bvh_box boxes[3] = {{{0.1f, 0.1f, 0.1f}, {1, 1, 1}},
+                                            {{0.1f, 0.5f, 0.1f}, {0.2f, 1, 1}},
+                                            {{0.5f, 0.1f, 0.1f}, {1, 0.2f, 1}}};
+    static struct mesh mesh;
+    mesh = mesh_soup(arena, 60, 0.2, 2);
+    *params = mesh_params(&mesh);
+    params->shape_boxes = boxes;
+    params->shape_count = 3;
+    params->method.format = format;
+    return build(params, arena, bvh);
+}
+
 // Every bit counts but those of the origins, which may still describe a box that is large enough.
 TEST(validate_finds_every_flipped_bit)
 {
     struct arena arena = {0};
-    struct mesh mesh = mesh_soup(&arena, 60, 0.2, 2);
-    struct bvh_box boxes[3] = {
-        {{0, 0, 0}, {1, 1, 1}}, {{0, 0.5f, 0}, {0.1f, 1, 1}}, {{0.5f, 0, 0}, {1, 0.2f, 1}}};
-    struct bvh_params params = mesh_params(&mesh);
-    params.shape_boxes = boxes;
-    params.shape_count = 3;
+    struct bvh_params params;
     struct bvh bvh;
-    if (build(&params, &arena, &bvh)) {
-        for (uint32_t n = 0; n < bvh.node_count; n++) {
-            struct bvh_node *node = &bvh.nodes[n];
-            check_flips(&bvh, &params, &node->exponents, "exponents of node", n);
-            for (int i = 0; i < 4; i++)
-                check_flips(&bvh, &params, &node->child[i], "child of node", n);
-            for (int i = 0; i < 3; i++) {
-                check_flips(&bvh, &params, &node->lo[i], "lo of node", n);
-                check_flips(&bvh, &params, &node->hi[i], "hi of node", n);
-            }
-            for (int i = 0; i < 2; i++)
-                check_flips(&bvh, &params, &node->spare[i], "spare of node", n);
+    REQUIRE(build_for_flips(BVH_QUANTISED, &arena, &params, &bvh));
+    for (uint32_t n = 0; n < bvh.node_count; n++) {
+        struct bvh_node *node = &bvh.nodes[n];
+        check_flips(&bvh, &params, &node->exponents, "exponents of node", n);
+        for (int i = 0; i < 4; i++)
+            check_flips(&bvh, &params, &node->child[i], "child of node", n);
+        for (int i = 0; i < 3; i++) {
+            check_flips(&bvh, &params, &node->lo[i], "lo of node", n);
+            check_flips(&bvh, &params, &node->hi[i], "hi of node", n);
         }
-        for (uint32_t i = 0; i < mesh.count; i++)
-            check_flips(&bvh, &params, &bvh.triangle_order[i], "triangle_order", i);
-        check_flips(&bvh, &params, &bvh.stats.depth, "depth", 0);
-        check_flips(&bvh, &params, &bvh.stats.stack_entries, "stack_entries", 0);
-        check_flips(&bvh, &params, &bvh.stats.node_count, "node_count", 0);
-        check_flips(&bvh, &params, &bvh.stats.leaf_count, "leaf_count", 0);
+        for (int i = 0; i < 2; i++)
+            check_flips(&bvh, &params, &node->spare[i], "spare of node", n);
+    }
+    for (uint32_t i = 0; i < params.triangle_count; i++)
+        check_flips(&bvh, &params, &bvh.triangle_order[i], "triangle_order", i);
+    check_flips(&bvh, &params, &bvh.stats.depth, "depth", 0);
+    check_flips(&bvh, &params, &bvh.stats.stack_entries, "stack_entries", 0);
+    check_flips(&bvh, &params, &bvh.stats.node_count, "node_count", 0);
+    check_flips(&bvh, &params, &bvh.stats.leaf_count, "leaf_count", 0);
+    arena_finish(&arena);
+}
+
+TEST(validate_finds_every_flipped_bit_of_float_nodes)
+{
+    struct arena arena = {0};
+    struct bvh_params params;
+    struct bvh bvh;
+    REQUIRE(build_for_flips(BVH_FLOAT, &arena, &params, &bvh));
+    for (uint32_t n = 0; n < bvh.node_count; n++) {
+        uint32_t words[sizeof *bvh.nodes_float / 4];
+        memcpy(words, &bvh.nodes_float[n], sizeof words);
+        for (uint32_t bit = 0; bit < 32 * sizeof words / 4; bit++) {
+            struct err err = {0};
+            words[bit / 32] ^= 1u << bit % 32;
+            memcpy(&bvh.nodes_float[n], words, sizeof words);
+            CHECK(!bvh_validate(&bvh, &params, &err), "node %u, bit %u", n, bit);
+            words[bit / 32] ^= 1u << bit % 32;
+        }
+        memcpy(&bvh.nodes_float[n], words, sizeof words);
     }
     arena_finish(&arena);
 }
@@ -462,9 +584,11 @@ TEST(validate_finds_moved_triangle)
 
 TEST_MAIN(TEST_CASE(few_triangles), TEST_CASE(soups), TEST_CASE(statistics),
           TEST_CASE(sah_cost_of_one_triangle), TEST_CASE(large_triangles_among_small_ones),
-          TEST_CASE(identical_triangles), TEST_CASE(slivers), TEST_CASE(extreme_coordinates),
+          TEST_CASE(identical_triangles), TEST_CASE(median_and_mean_split_where_they_say),
+          TEST_CASE(small_among_large), TEST_CASE(slivers), TEST_CASE(extreme_coordinates),
           TEST_CASE(all_magnitudes_together), TEST_CASE(exponential_spacing_stays_shallow),
           TEST_CASE(nested_lists_stay_shallow), TEST_CASE(same_bits_for_any_threads),
           TEST_CASE(stride_and_shapes), TEST_CASE(bad_input), TEST_CASE(every_allocation_may_fail),
           TEST_CASE(progress_and_stopping), TEST_CASE(validate_finds_every_flipped_bit),
+          TEST_CASE(validate_finds_every_flipped_bit_of_float_nodes),
           TEST_CASE(validate_finds_moved_triangle))

@@ -1,12 +1,11 @@
-// The tree and the reference traversal against Embree's robust mode, on scanned meshes. Embree
-// computes in single precision, so the two may differ where a ray grazes an edge: that is counted.
+// The tree and the reference traversal against Embree's robust mode, on procedural meshes and
+// scanned ones. Embree computes in single precision, so the two may differ where a ray grazes an
+// edge: that is counted.
 #include "bvh.h"
 #include "meshes.h"
 #include "test.h"
 
 #include <embree3/rtcore.h>
-
-enum { RAYS = 500000 };
 
 struct embree {
     RTCDevice device;
@@ -96,25 +95,24 @@ static struct bvh_ray random_ray(struct random *random, const double centre[3], 
     return ray;
 }
 
-static void compare(const char *name)
+static void compare(const char *name, const struct mesh *mesh, struct bvh_method method,
+                    uint32_t rays)
 {
     struct arena arena = {0};
-    struct mesh mesh;
     struct bvh bvh;
     struct err err = {0};
-    if (!mesh_load(&arena, name, &mesh))
-        SKIP("%s is not there (LAMPYRIS_DATA)", name);
-    struct bvh_params params = mesh_params(&mesh);
+    struct bvh_params params = mesh_params(mesh);
+    params.method = method;
     REQUIRE(bvh_build(&params, &arena, &bvh, &err), "%s", err.msg);
     CHECK(bvh_validate(&bvh, &params, &err), "%s", err.msg);
     struct bvh_trace_scene scene = {.bvh = &bvh, .geometry = &params};
-    struct embree embree = embree_open(&mesh);
+    struct embree embree = embree_open(mesh);
     double centre[3], radius;
-    mesh_centre(&mesh, centre, &radius);
+    mesh_centre(mesh, centre, &radius);
     struct random random = {1};
     uint32_t hits = 0, disagreements = 0, other_ids = 0;
     uint64_t nodes = 0, tests = 0;
-    for (uint32_t i = 0; i < RAYS; i++) {
+    for (uint32_t i = 0; i < rays; i++) {
         struct bvh_ray ray = random_ray(&random, centre, radius);
         struct bvh_hit hit;
         bvh_trace_closest(&scene, &ray, &hit);
@@ -128,24 +126,48 @@ static void compare(const char *name)
         nodes += hit.nodes_visited;
         tests += hit.primitives_tested;
     }
-    printf(
-        "%s: %u rays, %u hits, %u disagreements, %u other ids; %.2f nodes and %.2f tests a ray\n",
-        name, RAYS, hits, disagreements, other_ids, (double)nodes / RAYS, (double)tests / RAYS);
-    CHECK(disagreements < 1e-5 * RAYS, "%u", disagreements);
-    CHECK(other_ids < 1e-4 * RAYS, "%u", other_ids);
-    CHECK(hits > RAYS / 4, "%u", hits);
+    printf("%s, split %d, format %d: %u rays, %u hits, %u disagreements, %u other ids; %.2f nodes "
+           "and %.2f tests a ray\n",
+           name, method.split, method.format, rays, hits, disagreements, other_ids,
+           (double)nodes / rays, (double)tests / rays);
+    CHECK(disagreements < 1e-5 * rays, "%u", disagreements);
+    CHECK(other_ids < 1e-4 * rays, "%u", other_ids);
+    CHECK(hits > rays / 4, "%u", hits);
     embree_close(&embree);
+    arena_finish(&arena);
+}
+
+TEST(every_way_to_build)
+{
+    struct arena arena = {0};
+    struct mesh sphere = mesh_sphere(&arena, 100, 200), soup = mesh_soup(&arena, 30000, 0.05, 1);
+    for (uint32_t split = BVH_SPLIT_SAH; split <= BVH_SPLIT_MEAN; split++) {
+        for (uint32_t format = BVH_QUANTISED; format <= BVH_FLOAT; format++) {
+            compare("sphere", &sphere, (struct bvh_method){split, format}, 50001);
+            compare("soup", &soup, (struct bvh_method){split, format}, 50001);
+        }
+    }
+    arena_finish(&arena);
+}
+
+static void compare_file(const char *name)
+{
+    struct arena arena = {0};
+    struct mesh mesh;
+    if (!mesh_load(&arena, name, &mesh))
+        SKIP("%s is not there (LAMPYRIS_DATA)", name);
+    compare(name, &mesh, (struct bvh_method){0}, 500000);
     arena_finish(&arena);
 }
 
 TEST(nefertiti)
 {
-    compare("nefertiti.obj");
+    compare_file("nefertiti.obj");
 }
 
 TEST(stanford_bunny)
 {
-    compare("stanford-bunny.obj");
+    compare_file("stanford-bunny.obj");
 }
 
-TEST_MAIN(TEST_CASE(nefertiti), TEST_CASE(stanford_bunny))
+TEST_MAIN(TEST_CASE(every_way_to_build), TEST_CASE(nefertiti), TEST_CASE(stanford_bunny))

@@ -5,19 +5,30 @@
 
 #define NONE UINT32_MAX
 
+static const struct bvh_method ways[] = {
+    {BVH_SPLIT_SAH, BVH_QUANTISED},
+    {BVH_SPLIT_MEDIAN, BVH_FLOAT},
+    {BVH_SPLIT_MEAN, BVH_QUANTISED},
+    {BVH_SPLIT_SAH, BVH_FLOAT},
+};
+enum { WAYS = sizeof ways / sizeof *ways };
+
 struct scene {
     struct arena arena;
     struct mesh mesh;
     struct bvh_params params;
-    struct bvh bvh;
-    struct bvh_trace_scene trace;
+    struct bvh bvh[WAYS];
+    struct bvh_trace_scene trace; // of the first one
 };
 
 static void scene_build(struct scene *scene)
 {
     struct err err = {0};
-    CHECK(bvh_build(&scene->params, &scene->arena, &scene->bvh, &err), "%s", err.msg);
-    scene->trace.bvh = &scene->bvh;
+    for (int way = 0; way < WAYS; way++) {
+        scene->params.method = ways[way];
+        CHECK(bvh_build(&scene->params, &scene->arena, &scene->bvh[way], &err), "%s", err.msg);
+    }
+    scene->trace.bvh = &scene->bvh[0];
     scene->trace.geometry = &scene->params;
 }
 
@@ -29,18 +40,22 @@ static struct bvh_ray make_ray(const double origin[3], const double direction[3]
     return ray;
 }
 
-// Compares all three functions on one ray; true when it hits something.
+// Compares all three functions on one ray, whatever the tree; true when it hits something.
 static bool check_ray(const struct scene *scene, const struct bvh_ray *ray)
 {
     struct bvh_hit want, got;
-    bvh_trace_brute_force(&scene->trace, ray, &want);
-    bvh_trace_closest(&scene->trace, ray, &got);
-    CHECK(got.primitive == want.primitive && !memcmp(&got.t, &want.t, sizeof got.t) &&
-              !memcmp(&got.u, &want.u, sizeof got.u) && !memcmp(&got.v, &want.v, sizeof got.v),
-          "%u at %.17g, not %u at %.17g; origin (%a %a %a), direction (%a %a %a)", got.primitive,
-          got.t, want.primitive, want.t, ray->origin[0], ray->origin[1], ray->origin[2],
-          ray->direction[0], ray->direction[1], ray->direction[2]);
-    CHECK(bvh_trace_any(&scene->trace, ray) == (want.primitive != NONE));
+    struct bvh_trace_scene trace = scene->trace;
+    bvh_trace_brute_force(&trace, ray, &want);
+    for (int way = 0; way < WAYS; way++) {
+        trace.bvh = &scene->bvh[way];
+        bvh_trace_closest(&trace, ray, &got);
+        CHECK(got.primitive == want.primitive && !memcmp(&got.t, &want.t, sizeof got.t) &&
+                  !memcmp(&got.u, &want.u, sizeof got.u) && !memcmp(&got.v, &want.v, sizeof got.v),
+              "way %d: %u at %.17g, not %u at %.17g; origin (%a %a %a), direction (%a %a %a)", way,
+              got.primitive, got.t, want.primitive, want.t, ray->origin[0], ray->origin[1],
+              ray->origin[2], ray->direction[0], ray->direction[1], ray->direction[2]);
+        CHECK(bvh_trace_any(&trace, ray) == (want.primitive != NONE), "way %d", way);
+    }
     return want.primitive != NONE;
 }
 
