@@ -41,4 +41,7 @@ struct kernel_code {
 // The embedded SPIR-V, with or without subgroup ballot.
 struct kernel_code kernel_code(enum kernel_id id, bool ballot);
 
+// Of all that code: another one when any kernel is another.
+uint64_t kernels_hash(bool ballot);
+
 #endif

@@ -131,7 +131,7 @@ static uint32_t fit_wave(const struct memory_plan_params *p)
     slots = slots / s->workgroup * s->workgroup;
     if (slots < s->workgroup)
         slots = s->workgroup;
-    if (p->wave && slots < wanted / s->workgroup * s->workgroup)
+    if (p->wave && !p->wave_is_wish && slots < wanted / s->workgroup * s->workgroup)
         log_warn("wave of %" PRIu64 " paths lowered to %" PRIu64
                  ": the device's buffers hold %" PRIu64 " bytes, its texel buffers %" PRIu64
                  " elements",
@@ -218,7 +218,7 @@ static bool check_total(const struct memory_plan_params *p, const struct memory_
     return true;
 }
 
-bool memory_plan_make(const struct memory_plan_params *p, struct memory_plan *out, struct err *err)
+static bool make(const struct memory_plan_params *p, struct memory_plan *out, struct err *err)
 {
     const struct settings *settings = &p->scene->settings;
     const struct gpu *gpu = p->gpu;
@@ -234,14 +234,15 @@ bool memory_plan_make(const struct memory_plan_params *p, struct memory_plan *ou
     if (out->film_chunk_pixels == 0)
         return err_set(err, ERR_GPU, "a storage range of %" PRIu64 " bytes holds no pixel", range);
     out->film_chunks = (uint32_t)((pixels + out->film_chunk_pixels - 1) / out->film_chunk_pixels);
+    // What one dispatch takes at most.
+    uint64_t threads = (uint64_t)gpu->max_groups * p->specialization->workgroup;
     out->resolve_pixels = least(least(out->film_chunk_pixels, RESOLVE_PIXELS),
-                                range / (16 * AOV_RESOLVED_WORDS(aovs)));
+                                least(threads, range / (16 * AOV_RESOLVED_WORDS(aovs))));
 
-    uint64_t part = gpu->info.is_cpu ? CPU_PART : GPU_PART;
-    part = least(part, (uint64_t)gpu->max_groups * p->specialization->workgroup);
+    uint64_t part = least(gpu->info.is_cpu ? CPU_PART : GPU_PART, threads);
     uint64_t smallest_part = (out->wave_slots + DISPATCH_PARTS - 1) / DISPATCH_PARTS;
     out->part_items = (uint32_t)(part > smallest_part ? part : smallest_part);
-    if (out->part_items > (uint64_t)gpu->max_groups * p->specialization->workgroup)
+    if (out->part_items > threads)
         return err_set(err, ERR_GPU, "a wave of %u paths needs more than %d dispatches a kernel",
                        out->wave_slots, DISPATCH_PARTS);
 
@@ -266,4 +267,16 @@ bool memory_plan_make(const struct memory_plan_params *p, struct memory_plan *ou
         out->total_bytes += out->buffers[b].bytes * copies;
     }
     return check_total(p, out, pixels, err);
+}
+
+bool memory_plan_make(const struct memory_plan_params *p, struct memory_plan *out, struct err *err)
+{
+    struct err none = {0};
+    struct memory_plan_params usual = *p;
+    if (!p->wave_is_wish || p->wave == 0)
+        return make(p, out, err);
+    if (make(p, out, &none))
+        return true;
+    usual.wave = 0;
+    return make(&usual, out, err);
 }

@@ -31,6 +31,8 @@ struct memory_plan_params {
     const struct shading_tables *tables;
     const struct gpu *gpu;
     uint32_t wave; // wanted; 0: the device's default. Lowered where a limit asks for it.
+    // Lowered without a warning, to the default where memory is too small for what is wanted.
+    bool wave_is_wish;
 };
 
 // Fails with ERR_GPU, naming buffer, bytes, limit and what would help, when the scene cannot fit.
