@@ -448,6 +448,18 @@ def check_light_choices(bits, lobes, kernels, folder):
         print("%-26s %-18s %5d instructions" % (name, "shade_surface", module.instructions))
 
 
+def check_nodes(bits, kernels, folder):
+    """Of both kinds of nodes, only the test of the chosen one's boxes is there."""
+    owned = ["test_quantised_children", "test_float_children"]
+    for kernel in ("intersect_closest", "intersect_shadow"):
+        for number, name in enumerate(owned):
+            module = freeze(kernels[kernel], bits["TRIANGLES"], 0, folder, 0, "19:%d" % number)
+            there = [function for function in owned if module.count(function + "()")]
+            if there != [name]:
+                fail("nodes, %s: has %s, expected %s" % (kernel, there, name))
+            print("%-26s %-18s %5d instructions" % (name, kernel, module.instructions))
+
+
 def check_all_are_tested(bits, lobes):
     tested = set()
     for removed, _ in FEATURES.values():
@@ -479,6 +491,7 @@ def main():
         check_aovs(read_bits(sys.argv[1], "AOV"), bits, few, kernels, folder)
         check_samplers(bits, kernels, folder)
         check_light_choices(bits, few, kernels, folder)
+        check_nodes(bits, kernels, folder)
     check_all_are_tested(bits, lobes)
     return 1 if failures else 0
 

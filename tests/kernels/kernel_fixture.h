@@ -68,13 +68,14 @@ struct setup {
 };
 
 // Makes a renderer on setup->scene, which the test filled before; leaves the test as skipped or
-// failed when that cannot be. `slots`: paths in flight wanted.
-#define OPEN_SETUP(setup, slots)                                                                   \
+// failed when that cannot be. `slots`: paths in flight wanted; or any members of renderer_params.
+#define OPEN_SETUP(setup, slots) OPEN_SETUP_WITH(setup, .wave = (slots))
+#define OPEN_SETUP_WITH(setup, ...)                                                                \
     do {                                                                                           \
         struct err setup_err = {0};                                                                \
         OPEN_GPU(&(setup)->gpu, .validation = false);                                              \
         const struct renderer_params setup_params = {                                              \
-            .gpu = &(setup)->gpu, .scene = &(setup)->scene, .wave = (slots)};                      \
+            .gpu = &(setup)->gpu, .scene = &(setup)->scene, __VA_ARGS__};                          \
         bool created = renderer_create(&setup_params, &(setup)->r, &setup_err);                    \
         REQUIRE(created, "%s", setup_err.msg);                                                     \
     } while (0)

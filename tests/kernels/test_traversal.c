@@ -1,6 +1,6 @@
 // intersect_closest and intersect_shadow on the device against the CPU reference in double
 // precision: on scenes and rays of every kind, read as storage or texel buffers, with ballot and
-// without.
+// without, whatever the BVH.
 //
 // Two results agree when both are misses, or both hit the same primitive at distances within 1e-5
 // of each other plus 1e-6 of the scene's extent: some 16 roundings of the largest coordinate
@@ -13,18 +13,21 @@
 enum { RAYS = 12288 }; // a scene and kernel
 enum { MOST_EXPLAINED = RAYS / 1024 };
 
-// Reading as texels or not, and ballot or not, must not change a bit.
+// Reading as texels or not, ballot or not, and what the BVH is like must not change a bit.
 struct variant {
     const char *name;
     bool no_texel, no_ballot;
+    struct bvh_method bvh;
 };
 static const struct variant variants[] = {
-    {"texel reads, ballot", false, false},
-    {"texel reads, no ballot", false, true},
-    {"storage reads, ballot", true, false},
-    {"storage reads, no ballot", true, true},
+    {"texel reads, ballot", false, false, {0}},
+    {"texel reads, no ballot", false, true, {0}},
+    {"storage reads, ballot", true, false, {0}},
+    {"storage reads, no ballot", true, true, {0}},
+    {"float nodes by texel reads", false, false, {BVH_SPLIT_MEDIAN, BVH_FLOAT}},
+    {"float nodes by storage reads", true, false, {BVH_SPLIT_MEAN, BVH_FLOAT}},
 };
-enum { VARIANTS = sizeof variants / sizeof variants[0] };
+enum { READS = 4, VARIANTS = sizeof variants / sizeof variants[0] };
 
 static struct single_ray rays[RAYS];
 static struct single_hit hits[VARIANTS][RAYS];
@@ -135,17 +138,18 @@ static void report(const char *name, const char *kernel, const struct comparison
           c->hits);
 }
 
-// Traces the scene with every variant; the first is compared with the reference.
-static void check_variants(const char *name, struct scene *scene, enum kernel_id kernel)
+// Traces the scene with the first `count` variants; the first one is compared with the reference.
+static void check_variants(const char *name, struct scene *scene, enum kernel_id kernel, int count)
 {
     bool shadow = kernel == KERNEL_intersect_shadow;
-    for (int v = 0; v < VARIANTS; v++) {
+    for (int v = 0; v < count; v++) {
         struct gpu gpu;
         struct renderer r;
         struct err err = {0};
         OPEN_GPU(&gpu,
                  .limits = {.no_texel = variants[v].no_texel, .no_ballot = variants[v].no_ballot});
-        const struct renderer_params params = {.gpu = &gpu, .scene = scene, .wave = RAYS};
+        const struct renderer_params params = {
+            .gpu = &gpu, .scene = scene, .wave = RAYS, .bvh = variants[v].bvh};
         bool ok = renderer_create(&params, &r, &err);
         CHECK(ok, "%s", err.msg);
         if (ok && v == 0) {
@@ -172,13 +176,13 @@ static void check_variants(const char *name, struct scene *scene, enum kernel_id
     }
 }
 
-static void check_scene(const char *name, struct scene *scene)
+static void check_scene(const char *name, struct scene *scene, int count)
 {
-    check_variants(name, scene, KERNEL_intersect_closest);
+    check_variants(name, scene, KERNEL_intersect_closest, count);
     // Without emitters there would be no shadow rays.
     for (uint32_t i = 0; i < scene->material_count; i++)
         scene->materials[i].emission[0] = 1;
-    check_variants(name, scene, KERNEL_intersect_shadow);
+    check_variants(name, scene, KERNEL_intersect_shadow, count);
 }
 
 static const double zero[3] = {0, 0, 0};
@@ -188,7 +192,7 @@ TEST(soup)
     struct scene scene;
     scene_start(&scene, 8, 8);
     add_soup(&scene, 2000, 1, 0.2, zero, 1);
-    check_scene("soup", &scene);
+    check_scene("soup", &scene, READS);
     scene_finish(&scene);
 }
 
@@ -197,7 +201,7 @@ TEST(one_triangle)
     struct scene scene;
     scene_start(&scene, 8, 8);
     add_soup(&scene, 1, 1, 1, zero, 2);
-    check_scene("one triangle", &scene);
+    check_scene("one triangle", &scene, READS);
     scene_finish(&scene);
 }
 
@@ -206,7 +210,7 @@ TEST(blob)
     struct scene scene;
     scene_start(&scene, 8, 8);
     REQUIRE(add_blob(&scene, 20000, 1, zero), "out of memory");
-    check_scene("blob", &scene);
+    check_scene("blob", &scene, READS);
     scene_finish(&scene);
 }
 
@@ -215,7 +219,7 @@ TEST(shapes)
     struct scene scene;
     scene_start(&scene, 8, 8);
     add_spheres_and_discs(&scene, 300, 3);
-    check_scene("shapes", &scene);
+    check_scene("shapes", &scene, READS);
     scene_finish(&scene);
 }
 
@@ -225,7 +229,7 @@ TEST(mixed)
     scene_start(&scene, 8, 8);
     add_soup(&scene, 500, 1, 0.2, zero, 4);
     add_spheres_and_discs(&scene, 200, 5);
-    check_scene("mixed", &scene);
+    check_scene("mixed", &scene, VARIANTS);
     scene_finish(&scene);
 }
 
@@ -234,7 +238,7 @@ TEST(slivers)
     struct scene scene;
     scene_start(&scene, 8, 8);
     add_slivers(&scene, 2000, 1e4, 6);
-    check_scene("slivers", &scene);
+    check_scene("slivers", &scene, VARIANTS);
     scene_finish(&scene);
 }
 
@@ -249,7 +253,7 @@ TEST(scales)
         double c = scales[i].center, e = scales[i].extent;
         scene_start(&scene, 8, 8);
         add_soup(&scene, 1000, e, 0.2 * e, (double[3]){c, -c, c / 2}, 7);
-        check_scene(scales[i].name, &scene);
+        check_scene(scales[i].name, &scene, READS);
         scene_finish(&scene);
     }
 }
@@ -260,7 +264,7 @@ static void check_file(const char *name)
     struct err err = {0};
     if (!load_mesh_file(name, &scene, &err))
         SKIP("%s (LAMPYRIS_DATA says where data is)", err.msg);
-    check_scene(name, &scene);
+    check_scene(name, &scene, READS);
     scene_finish(&scene);
 }
 

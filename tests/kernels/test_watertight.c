@@ -34,11 +34,11 @@ static uint32_t count_misses(uint32_t count)
 
 // Rays from about `center` at vertices and edges of setup->scene: none may get out. Shadow rays
 // reach twice as far.
-static void check_closed(const char *name, struct setup *setup, const double center[3],
-                         double inner_radius)
+static void check_closed(const char *name, struct setup *setup, struct bvh_method bvh,
+                         const double center[3], double inner_radius)
 {
     setup->scene.materials[0].emission[0] = 1; // so that there are shadow rays
-    OPEN_SETUP(setup, RAYS);
+    OPEN_SETUP_WITH(setup, .wave = RAYS, .bvh = bvh);
     const struct flat_scene *flat = &setup->r.flat;
     struct random random = {11};
     for (uint32_t i = 0; i < RAYS; i++) {
@@ -76,15 +76,18 @@ TEST(nothing_leaves_a_blob)
     static const struct {
         const char *name;
         double scale, center[3];
-    } blobs[] = {{"blob", 1, {0, 0, 0}},
-                 {"blob of 1e-4", 1e-4, {0, 0, 0}},
-                 {"blob of 1e5", 1e5, {0, 0, 0}},
-                 {"blob off centre", 1, {20, -13, 7}}};
-    for (int i = 0; i < 4; i++) {
+        struct bvh_method bvh;
+    } blobs[] = {{"blob", 1, {0, 0, 0}, {0}},
+                 {"blob of 1e-4", 1e-4, {0, 0, 0}, {0}},
+                 {"blob of 1e5", 1e5, {0, 0, 0}, {0}},
+                 {"blob off centre", 1, {20, -13, 7}, {0}},
+                 {"blob, float nodes", 1, {0, 0, 0}, {BVH_SPLIT_SAH, BVH_FLOAT}},
+                 {"blob off centre, by mean", 1, {20, -13, 7}, {BVH_SPLIT_MEAN, BVH_FLOAT}}};
+    for (size_t i = 0; i < sizeof blobs / sizeof *blobs; i++) {
         struct setup setup;
         scene_start(&setup.scene, 8, 8);
         REQUIRE(add_blob(&setup.scene, 20000, blobs[i].scale, blobs[i].center), "out of memory");
-        check_closed(blobs[i].name, &setup, blobs[i].center, 0.3 * blobs[i].scale);
+        check_closed(blobs[i].name, &setup, blobs[i].bvh, blobs[i].center, 0.3 * blobs[i].scale);
     }
 }
 
@@ -111,11 +114,13 @@ TEST(nothing_leaves_a_cube)
     static const double center[3] = {0, 0, 0};
     // From the very centre the diagonals and the edges' middles are exact.
     static const double radii[] = {0.5, 0};
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 4; i++) {
+        enum bvh_format format = i < 2 ? BVH_QUANTISED : BVH_FLOAT;
         struct setup setup;
         scene_start(&setup.scene, 8, 8);
         add_cube(&setup.scene);
-        check_closed("cube", &setup, center, radii[i]);
+        check_closed("cube", &setup, (struct bvh_method){BVH_SPLIT_SAH, format}, center,
+                     radii[i % 2]);
     }
 }
 
