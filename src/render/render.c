@@ -81,7 +81,7 @@ bool render_prepare(const struct scene *scene, struct bvh_method method,
     return build_bvh(flat, method, progress, arena, bvh, err);
 }
 
-static bool plan_memory(struct renderer *r, uint32_t wave, struct err *err)
+static bool plan_memory(struct renderer *r, uint32_t wave, bool wave_is_wish, struct err *err)
 {
     struct memory_plan_params params = {
         .scene = r->scene,
@@ -91,6 +91,7 @@ static bool plan_memory(struct renderer *r, uint32_t wave, struct err *err)
         .tables = &r->tables,
         .gpu = r->gpu,
         .wave = wave,
+        .wave_is_wish = wave_is_wish,
     };
     // How large materials, emitters and what corners carry are is known only now.
     if (!memory_plan_fits_texels(&params))
@@ -156,7 +157,7 @@ static bool upload(struct renderer *r, struct err *err)
         .tables = &r->tables,
     };
     r->counters = ARENA_NEW(&r->arena, struct gpu_counters, 1);
-    r->marks = ARENA_NEW(&r->arena, uint8_t, GPU_MAX_TIMESTAMPS);
+    r->marks = ARENA_NEW(&r->arena, struct mark, GPU_MAX_TIMESTAMPS);
     r->bindings = ARENA_NEW(&r->arena, struct gpu_bindings, r->plan.film_chunks);
     if (!r->counters || !r->marks || !r->bindings)
         return err_memory(err, "renderer", sizeof *r->counters);
@@ -215,7 +216,7 @@ bool renderer_create(const struct renderer_params *params, struct renderer *r, s
     };
     if (!shading_tables_build(&tables, &r->arena, &r->tables, err))
         goto fail;
-    if (!plan_memory(r, params->wave, err))
+    if (!plan_memory(r, params->wave, params->wave_is_wish, err))
         goto fail;
     frame_fill(r, &r->scene->cameras[params->camera]);
     sampling_plan(r, params->open_ended || params->tiles);
@@ -261,8 +262,22 @@ static bool become_careful(struct renderer *r, struct err *err)
              "traversals (slower, the same picture)",
              r->specialization.iteration_budget);
     specialization_suspend(&r->specialization);
-    return plan_memory(r, r->plan.wave_slots, err) && create_wave_state(r, err) &&
+    return plan_memory(r, r->plan.wave_slots, false, err) && create_wave_state(r, err) &&
            wave_compile(r, err);
+}
+
+bool renderer_resize(struct renderer *r, uint32_t wave, uint32_t workgroup, struct err *err)
+{
+    if (!check_workgroup(r->gpu, workgroup, err))
+        return false;
+    uint64_t resolved = r->buffers[BINDING_RESOLVED].bytes;
+    r->specialization.workgroup = workgroup;
+    if (!plan_memory(r, wave, true, err))
+        return false;
+    if (r->plan.buffers[BINDING_RESOLVED].bytes != resolved &&
+        !create_buffer(r, BINDING_RESOLVED, GPU_READBACK, false, err))
+        return false;
+    return create_wave_state(r, err) && wave_compile(r, err);
 }
 
 static bool has_tiles(const struct renderer *r)
@@ -308,7 +323,7 @@ static bool run_pass(struct renderer *r, struct work *work, struct err *err)
     while (r->pass.position < r->pass.length && !*call->stopped) {
         struct wave wave;
         bool voided = false;
-        if (!fill_wave(r, &wave, err) || !wave_render(r, &wave, &voided, err))
+        if (!fill_wave(r, &wave, err) || !wave_render(r, &wave, call->watch, &voided, err))
             return false;
         if (voided) {
             if (!become_careful(r, err))

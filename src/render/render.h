@@ -32,14 +32,15 @@ struct renderer_params {
     struct gpu *gpu;           // must outlive the renderer
     const struct scene *scene; // the same; its settings are the render's
     uint32_t wave;             // paths in flight; 0: the device's default
+    bool wave_is_wish;         // lower it without a warning where it does not fit
     uint32_t workgroup;        // threads, a power of two; 0: the device's default
     struct bvh_method bvh;
-    uint32_t camera;           // index into the scene's
-    uint32_t aovs;             // AOV_*: pictures wanted besides the radiance
-    bool everything;           // compile in what the scene does not need (--features all)
-    bool merge_classes;        // one kernel for all surfaces (--classes merged)
-    bool tiles;                // sample counts by tile: see adaptive.h
-    bool open_ended;           // how many samples there will be is not known
+    uint32_t camera;    // index into the scene's
+    uint32_t aovs;      // AOV_*: pictures wanted besides the radiance
+    bool everything;    // compile in what the scene does not need (--features all)
+    bool merge_classes; // one kernel for all surfaces (--classes merged)
+    bool tiles;         // sample counts by tile: see adaptive.h
+    bool open_ended;    // how many samples there will be is not known
     const struct progress *progress;
 };
 
@@ -47,6 +48,16 @@ struct kernel_stats {
     double ms;         // on the device, by timestamps; 0 without them
     double longest_ms; // of one dispatch
     uint64_t launches;
+};
+
+// Bounces whose times are kept apart; the last one stands for all later ones, too.
+#define STATS_BOUNCES 16u
+
+// What the host does besides waiting for kernels. Milliseconds.
+struct host_stats {
+    double recording;    // commands
+    double submitting;   // them, until the host knows that they are done, less the kernels' times
+    double reading_back; // times and counters
 };
 
 struct nonfinite_stats {
@@ -59,7 +70,11 @@ struct nonfinite_stats {
 struct render_stats {
     double flatten_seconds, bvh_seconds, upload_seconds, compile_seconds, render_seconds;
     struct kernel_stats kernels[KERNEL_COUNT];
+    // Of their ms. Shadow rays count to the bounce that sent them; what is of none to the first.
+    double bounce_ms[STATS_BOUNCES][KERNEL_COUNT];
+    struct host_stats host;
     uint64_t closest_rays, shadow_rays;
+    uint64_t steps[STEPS_COUNT];        // of them through the BVH; see wave_count_steps
     uint64_t surface_hits[CLASS_COUNT]; // by class; all in the first without FEATURE_CLASSES
     uint64_t paths;                     // that reached the film
     uint64_t clamped;                   // contributions, and the luminance that all of them lost
@@ -85,6 +100,11 @@ struct tiles {
     uint32_t *pixels, *first_samples, list_length; // of the wave in flight
 };
 
+// What a timestamp ends.
+struct mark {
+    uint8_t kernel, bounce;
+};
+
 struct renderer {
     struct gpu *gpu;
     const struct scene *scene;
@@ -104,8 +124,9 @@ struct renderer {
     struct gpu_frame frame; // as last uploaded: see frame.h
     struct gpu_buffer frame_buffer;
     struct gpu_counters *counters; // as last read back
-    uint8_t *marks;                // kernel of each timestamp of the commands being recorded
+    struct mark *marks;            // one a timestamp of the commands being recorded
     uint32_t mark_count;
+    uint64_t recording_ns;   // when recording them began
     bool dispatch_too_long;  // some dispatch since the last wave began: split further
     bool warned_beyond_plan; // see sampling_plan.h
     uint64_t next_sample;    // of every pixel; with tiles: rounds that are over
@@ -138,9 +159,17 @@ struct render_call {
     // Called after every wave, when the film and the renderer's state agree; may be NULL. False
     // ends the call as failed.
     bool (*after_wave)(void *context, struct err *err);
-    void *context;
+    // To look at what happens, kernel by kernel: see wave.h. Each is then submitted alone, which is
+    // slow; the film stays the same. May be NULL.
+    const struct wave_watch *watch;
+    void *context; // of after_wave
 };
 bool renderer_render(struct renderer *renderer, const struct render_call *call, struct err *err);
+
+// Goes on with waves and workgroups of other sizes, and recompiles where need be: the film keeps
+// what it has. plan.wave_slots tells whether the wave was lowered to what fits. A failure may leave
+// the renderer without buffers, until another call succeeds.
+bool renderer_resize(struct renderer *renderer, uint32_t wave, uint32_t workgroup, struct err *err);
 
 // Empties the film; the sample numbers go on, so that what follows is independent of what was.
 bool renderer_clear(struct renderer *renderer, struct err *err);

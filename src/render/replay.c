@@ -129,9 +129,11 @@ static bool read_shading(struct follower *f, enum kernel_id kernel, struct err *
     return !f->shadow_pending || read_connection(f, v, err);
 }
 
-static bool step(void *context, enum kernel_id kernel, uint32_t bounce, struct err *err)
+static bool after(void *context, const struct wave_step *step, struct err *err)
 {
     struct follower *f = context;
+    enum kernel_id kernel = step->kernel;
+    uint32_t bounce = step->bounce;
     uint32_t rays = QUEUE_RAYS + (bounce & 1u);
     if (kernel == KERNEL_generate_rays)
         return true;
@@ -153,7 +155,8 @@ bool renderer_replay(struct renderer *r, uint32_t x, uint32_t y, uint64_t sample
         .pixel_count = 1,
         .first_sample = sample,
     };
-    if (!wave_trace_steps(r, &wave, step, &f, err))
+    const struct wave_watch watch = {.after = after, .context = &f};
+    if (!wave_trace_steps(r, &wave, &watch, err))
         return false;
     memcpy(out->radiance, f.radiance, sizeof out->radiance);
     out->dropped = f.radiance[3] != 0.0f;

@@ -1,5 +1,6 @@
 #include "wave.h"
 
+#include "clock.h"
 #include <string.h>
 
 // Bounces recorded before the host looks whether any path is left: few enough to end soon, enough
@@ -15,13 +16,21 @@
 static void mark(struct renderer *r, enum kernel_id kernel)
 {
     uint32_t index = gpu_timestamp(r->gpu, &r->commands);
+    uint32_t bounce = r->push.bounce;
+    if (kernel == KERNEL_accumulate)
+        bounce = 0;
+    else if (kernel == KERNEL_intersect_shadow && bounce > 0)
+        bounce--;
+    if (bounce >= STATS_BOUNCES)
+        bounce = STATS_BOUNCES - 1;
     if (index != UINT32_MAX)
-        r->marks[index] = (uint8_t)kernel;
+        r->marks[index] = (struct mark){(uint8_t)kernel, (uint8_t)bounce};
     r->mark_count = r->commands.timestamp_count;
 }
 
-static bool begin(struct renderer *r, const struct wave *wave, struct err *err)
+bool wave_begin(struct renderer *r, const struct wave *wave, struct err *err)
 {
+    r->recording_ns = clock_ns();
     if (!gpu_begin(r->gpu, &r->commands, err))
         return false;
     gpu_bind(r->gpu, &r->commands, &r->bindings[wave->film_chunk]);
@@ -73,7 +82,9 @@ static void record_prepare(struct renderer *r, uint32_t queue_mask)
 {
     r->push.queue = queue_mask;
     r->push.part_items = r->plan.part_items;
-    dispatch(r, KERNEL_prepare_dispatch, 1);
+    // The smallest workgroups have fewer threads than there are queues.
+    uint32_t workgroup = r->specialization.workgroup;
+    dispatch(r, KERNEL_prepare_dispatch, (QUEUE_COUNT + workgroup - 1) / workgroup);
 }
 
 // --- running
@@ -82,9 +93,10 @@ static void record_prepare(struct renderer *r, uint32_t queue_mask)
 static void add_times(struct renderer *r, const double *ns)
 {
     for (uint32_t i = 1; i < r->mark_count; i++) {
-        struct kernel_stats *kernel = &r->stats.kernels[r->marks[i]];
+        struct kernel_stats *kernel = &r->stats.kernels[r->marks[i].kernel];
         double ms = (ns[i] - ns[i - 1]) * 1e-6;
         kernel->ms += ms;
+        r->stats.bounce_ms[r->marks[i].bounce][r->marks[i].kernel] += ms;
         if (ms > kernel->longest_ms)
             kernel->longest_ms = ms;
         r->dispatch_too_long |= ms > LONGEST_DISPATCH_MS && !r->gpu->info.is_cpu;
@@ -94,16 +106,24 @@ static void add_times(struct renderer *r, const double *ns)
 // Submits what was recorded, waits, and reads times and counters back.
 static bool run(struct renderer *r, struct err *err)
 {
+    struct host_stats *host = &r->stats.host;
+    uint64_t recorded = clock_ns();
+    host->recording += (double)(recorded - r->recording_ns) * 1e-6;
     if (!gpu_submit(r->gpu, &r->commands, err) || !gpu_wait(r->gpu, &r->commands, err))
         return false;
+    uint64_t waited = clock_ns();
+    host->submitting += (double)(waited - recorded) * 1e-6;
     double ns[GPU_MAX_TIMESTAMPS];
     if (r->gpu->has_timestamps) {
         if (!gpu_timestamps_ns(r->gpu, &r->commands, ns, err))
             return false;
         add_times(r, ns);
+        host->submitting -= ns[r->mark_count - 1] * 1e-6;
     }
-    return gpu_download(r->gpu, &r->buffers[BINDING_COUNTERS], 0, r->counters, sizeof *r->counters,
-                        err);
+    bool ok = gpu_download(r->gpu, &r->buffers[BINDING_COUNTERS], 0, r->counters,
+                           sizeof *r->counters, err);
+    host->reading_back += (double)(clock_ns() - waited) * 1e-6;
+    return ok;
 }
 
 // --- the loop
@@ -112,14 +132,25 @@ static bool run(struct renderer *r, struct err *err)
 struct loop {
     struct renderer *r;
     const struct wave *wave;
-    wave_step_fn step; // NULL: record as much as possible before running it
-    void *context;
+    const struct wave_watch *watch; // NULL: record as much as possible before running it
 };
 
-static bool step_done(struct loop *l, enum kernel_id kernel, struct err *err)
+static bool watched(struct loop *l, wave_step_fn fn, enum kernel_id kernel, uint32_t queue,
+                    struct err *err)
 {
-    return !l->step || (run(l->r, err) && l->step(l->context, kernel, l->r->push.bounce, err) &&
-                        begin(l->r, l->wave, err));
+    const struct gpu_push *push = &l->r->push;
+    const struct wave_step step = {kernel, push->bounce, queue, push->light_ray};
+    return run(l->r, err) && fn(l->watch->context, &step, err) && wave_begin(l->r, l->wave, err);
+}
+
+static bool before(struct loop *l, enum kernel_id kernel, uint32_t queue, struct err *err)
+{
+    return !l->watch || !l->watch->before || watched(l, l->watch->before, kernel, queue, err);
+}
+
+static bool after(struct loop *l, enum kernel_id kernel, uint32_t queue, struct err *err)
+{
+    return !l->watch || !l->watch->after || watched(l, l->watch->after, kernel, queue, err);
 }
 
 // Traces a queue. When rays may run out of their budget, the host looks after each dispatch and has
@@ -127,19 +158,21 @@ static bool step_done(struct loop *l, enum kernel_id kernel, struct err *err)
 static bool trace_queue(struct loop *l, enum kernel_id kernel, uint32_t queue, struct err *err)
 {
     struct renderer *r = l->r;
+    if (!before(l, kernel, queue, err))
+        return false;
     record_queue(r, kernel, queue);
     if (r->specialization.features & FEATURE_SUSPEND) {
         for (uint32_t suspended = QUEUE_SUSPENDED;;
              suspended = 2 * QUEUE_SUSPENDED + 1 - suspended) {
             record_prepare(r, 1u << suspended);
-            if (!run(r, err) || !begin(r, l->wave, err))
+            if (!run(r, err) || !wave_begin(r, l->wave, err))
                 return false;
             if (r->counters->dispatch[suspended * DISPATCH_PARTS].items == 0)
                 break;
             record_queue(r, kernel, suspended);
         }
     }
-    return step_done(l, kernel, err);
+    return after(l, kernel, queue, err);
 }
 
 // One after the other, so that contributions are added in the order of lights.
@@ -160,8 +193,10 @@ static bool shade(struct loop *l, enum kernel_id kernel, uint32_t queue, struct 
 {
     if (!specialization_needs_kernel(&l->r->specialization, kernel))
         return true;
+    if (!before(l, kernel, queue, err))
+        return false;
     record_queue(l->r, kernel, queue);
-    return step_done(l, kernel, err);
+    return after(l, kernel, queue, err);
 }
 
 static bool shade_misses(struct loop *l, struct err *err)
@@ -188,8 +223,11 @@ static bool trace_bounce(struct loop *l, uint32_t bounce, struct err *err)
 {
     struct renderer *r = l->r;
     uint32_t rays = QUEUE_RAYS + (bounce & 1u);
+    uint32_t mask = 1u << rays | 1u << QUEUE_SHADOW;
     r->push.bounce = bounce;
-    record_prepare(r, 1u << rays | 1u << QUEUE_SHADOW);
+    if (!before(l, KERNEL_prepare_dispatch, mask, err))
+        return false;
+    record_prepare(r, mask);
     if (bounce > 0 && !trace_shadow_rays(l, err))
         return false;
     if (!trace_queue(l, KERNEL_intersect_closest, rays, err))
@@ -203,11 +241,13 @@ static bool trace_bounce(struct loop *l, uint32_t bounce, struct err *err)
 static bool trace_paths(struct loop *l, struct err *err)
 {
     struct renderer *r = l->r;
-    if (!begin(r, l->wave, err))
+    if (!wave_begin(r, l->wave, err))
         return false;
     r->push.bounce = 0;
+    if (!before(l, KERNEL_generate_rays, 0, err))
+        return false;
     record_items(r, KERNEL_generate_rays, l->wave->pixel_count << l->wave->sample_shift);
-    if (!step_done(l, KERNEL_generate_rays, err))
+    if (!after(l, KERNEL_generate_rays, 0, err))
         return false;
     if (!specialization_needs_kernel(&r->specialization, KERNEL_intersect_closest))
         return true;
@@ -218,7 +258,7 @@ static bool trace_paths(struct loop *l, struct err *err)
             return false;
         if ((bounce + 1) % BOUNCES_A_SUBMIT != 0)
             continue;
-        if (!run(r, err) || !begin(r, l->wave, err))
+        if (!run(r, err) || !wave_begin(r, l->wave, err))
             return false;
         uint32_t next_rays = QUEUE_RAYS + (~bounce & 1u);
         if (r->counters->queue[next_rays] == 0 && r->counters->queue[QUEUE_SHADOW] == 0)
@@ -237,14 +277,19 @@ static void adapt_parts(struct renderer *r)
     r->dispatch_too_long = false;
 }
 
-static void set_wave(struct renderer *r, const struct wave *wave)
+static void push_wave(struct renderer *r, const struct wave *wave)
 {
-    adapt_parts(r);
     r->push.first_pixel = (uint32_t)wave->first_pixel;
     r->push.pixel_count = wave->pixel_count;
     r->push.sample_shift = wave->sample_shift;
     r->push.first_sample = (uint32_t)wave->first_sample;
     r->push.film_first_pixel = (uint32_t)(wave->film_chunk * r->plan.film_chunk_pixels);
+}
+
+static void set_wave(struct renderer *r, const struct wave *wave)
+{
+    adapt_parts(r);
+    push_wave(r, wave);
 }
 
 static uint64_t count_since(const uint32_t now[2], const uint32_t before[2])
@@ -254,6 +299,8 @@ static uint64_t count_since(const uint32_t now[2], const uint32_t before[2])
 
 static void add_counts(struct renderer *r, const struct gpu_counters *before)
 {
+    for (int i = 0; i < STEPS_COUNT; i++)
+        r->stats.steps[i] += count_since(r->counters->steps[i], before->steps[i]);
     r->stats.closest_rays += count_since(r->counters->closest_rays, before->closest_rays);
     r->stats.shadow_rays += count_since(r->counters->shadow_rays, before->shadow_rays);
     r->stats.suspended += r->counters->suspended - before->suspended;
@@ -289,10 +336,11 @@ static void add_nonfinite(struct renderer *r, const struct gpu_counters *before)
     }
 }
 
-bool wave_render(struct renderer *r, const struct wave *wave, bool *voided, struct err *err)
+bool wave_render(struct renderer *r, const struct wave *wave, const struct wave_watch *watch,
+                 bool *voided, struct err *err)
 {
     set_wave(r, wave);
-    struct loop loop = {.r = r, .wave = wave};
+    struct loop loop = {.r = r, .wave = wave, .watch = watch};
     struct gpu_counters before = *r->counters;
     if (!trace_paths(&loop, err))
         return false;
@@ -311,12 +359,27 @@ bool wave_render(struct renderer *r, const struct wave *wave, bool *voided, stru
     return true;
 }
 
-bool wave_trace_steps(struct renderer *r, const struct wave *wave, wave_step_fn step, void *context,
+bool wave_trace_steps(struct renderer *r, const struct wave *wave, const struct wave_watch *watch,
                       struct err *err)
 {
     set_wave(r, wave);
-    struct loop loop = {.r = r, .wave = wave, .step = step, .context = context};
+    struct loop loop = {.r = r, .wave = wave, .watch = watch};
     return trace_paths(&loop, err) && run(r, err);
+}
+
+void wave_record_step(struct renderer *r, const struct wave *wave, const struct wave_step *step)
+{
+    push_wave(r, wave);
+    r->push.bounce = step->bounce;
+    r->push.light_ray = step->light_ray;
+    if (step->kernel == KERNEL_generate_rays)
+        record_items(r, step->kernel, wave->pixel_count << wave->sample_shift);
+    else if (step->kernel == KERNEL_accumulate || step->kernel == KERNEL_resolve)
+        record_items(r, step->kernel, wave->pixel_count);
+    else if (step->kernel == KERNEL_prepare_dispatch)
+        record_prepare(r, step->queue);
+    else
+        record_queue(r, step->kernel, step->queue);
 }
 
 // --- kernels
@@ -354,25 +417,35 @@ static bool clear_counters(struct renderer *r, struct err *err)
                       err);
 }
 
+bool wave_abandon(struct renderer *r, struct err *err)
+{
+    return clear_counters(r, err);
+}
+
 static bool run_on_nothing(struct renderer *r, struct err *err)
 {
     struct wave none = {0};
     set_wave(r, &none);
     r->push.queue = 0;
     r->push.part_items = 0;
-    struct kernel_stats kept[KERNEL_COUNT]; // compilation is no run time
-    memcpy(kept, r->stats.kernels, sizeof kept);
-    if (!clear_counters(r, err) || !begin(r, &none, err))
+    struct render_stats kept = r->stats; // compilation is no run time
+    if (!clear_counters(r, err) || !wave_begin(r, &none, err))
         return false;
     for (int id = 0; id < KERNEL_COUNT; id++)
         if (r->kernels[id].pipeline)
             dispatch(r, (enum kernel_id)id, 1);
     bool ok = run(r, err);
-    memcpy(r->stats.kernels, kept, sizeof kept);
+    r->stats = kept;
     return ok;
 }
 
 bool wave_compile(struct renderer *r, struct err *err)
 {
     return create_kernels(r, err) && run_on_nothing(r, err);
+}
+
+bool wave_count_steps(struct renderer *r, bool on, struct err *err)
+{
+    specialization_count_steps(&r->specialization, on);
+    return wave_compile(r, err);
 }

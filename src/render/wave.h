@@ -4,6 +4,8 @@
 
 #include "render.h"
 
+struct wave_watch;
+
 // pixel_count << sample_shift paths: at most plan.wave_slots.
 struct wave {
     uint32_t film_chunk;
@@ -14,18 +16,43 @@ struct wave {
 };
 
 // *voided: some ray ran out of its budget without FEATURE_SUSPEND, and nothing reached the film.
-bool wave_render(struct renderer *renderer, const struct wave *wave, bool *voided, struct err *err);
+// watch: see below; NULL: nobody looks.
+bool wave_render(struct renderer *renderer, const struct wave *wave, const struct wave_watch *watch,
+                 bool *voided, struct err *err);
 
 // Creates the kernels that the renderer needs at present; compiles them by running each once on
 // nothing, since drivers put that off until then.
 bool wave_compile(struct renderer *renderer, struct err *err);
+// Whether the kernels that trace count their steps from now on (render_stats.steps): for measuring,
+// since it takes time. Compiles.
+bool wave_count_steps(struct renderer *renderer, bool on, struct err *err);
 
-// --- for replay.c, which follows one path step by step
-// --------------------------------------------
-typedef bool (*wave_step_fn)(void *context, enum kernel_id kernel, uint32_t bounce,
-                             struct err *err);
-// wave_render without accumulation, calling `step` after each kernel with its results in memory.
-bool wave_trace_steps(struct renderer *renderer, const struct wave *wave, wave_step_fn step,
-                      void *context, struct err *err);
+// --- step by step: for replay.c, which follows one path, and recorded.c, which repeats a kernel ---
+
+// A kernel at its place in the loop.
+struct wave_step {
+    enum kernel_id kernel;
+    uint32_t bounce;
+    uint32_t queue;     // that it consumes; of prepare_dispatch a mask; else 0
+    uint32_t light_ray; // of intersect_shadow: which of a slot's
+};
+typedef bool (*wave_step_fn)(void *context, const struct wave_step *step, struct err *err);
+struct wave_watch {
+    // Called around each kernel with all that was before in memory, and the counters read back; may
+    // be NULL. prepare_dispatch is watched where a bounce begins, and only before it. False ends
+    // the wave.
+    wave_step_fn before, after;
+    void *context;
+};
+// wave_render without accumulation.
+bool wave_trace_steps(struct renderer *renderer, const struct wave *wave,
+                      const struct wave_watch *watch, struct err *err);
+// Begins commands of their own, for wave_record_step.
+bool wave_begin(struct renderer *renderer, const struct wave *wave, struct err *err);
+// Records the kernel of a step, as the wave's loop does.
+void wave_record_step(struct renderer *renderer, const struct wave *wave,
+                      const struct wave_step *step);
+// Leaves what a wave was in the middle of: empties all queues, counts from 0.
+bool wave_abandon(struct renderer *renderer, struct err *err);
 
 #endif
