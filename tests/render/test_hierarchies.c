@@ -1,0 +1,112 @@
+// Whatever splits the primitives into a BVH, and whatever its nodes are: the picture has the same
+// bits.
+#include "render_fixture.h"
+
+#define SAMPLES 4u
+
+struct way {
+    const char *name;
+    struct bvh_method bvh;
+    bool no_texel;
+};
+
+static const struct way ways[] = {
+    {"SAH", {BVH_SPLIT_SAH, BVH_QUANTISED}, false},
+    {"median", {BVH_SPLIT_MEDIAN, BVH_QUANTISED}, false},
+    {"mean", {BVH_SPLIT_MEAN, BVH_QUANTISED}, false},
+    {"SAH, float nodes", {BVH_SPLIT_SAH, BVH_FLOAT}, false},
+    {"median, float nodes", {BVH_SPLIT_MEDIAN, BVH_FLOAT}, false},
+    {"mean, float nodes", {BVH_SPLIT_MEAN, BVH_FLOAT}, false},
+    {"SAH, float nodes from storage buffers", {BVH_SPLIT_SAH, BVH_FLOAT}, true},
+};
+enum { WAYS = sizeof ways / sizeof *ways };
+
+struct picture {
+    struct film_image film;
+    struct bvh_stats stats;
+    uint64_t order_hash; // of the triangles in the tree
+};
+
+static bool render(struct scene *scene, const struct way *way, struct arena *arena,
+                   struct picture *out, struct err *err)
+{
+    struct gpu gpu;
+    struct renderer r;
+    const struct gpu_params device = {.limits = {.no_texel = way->no_texel}};
+    const struct renderer_params params = {.gpu = &gpu, .scene = scene, .bvh = way->bvh};
+    const struct render_call call = {.samples = SAMPLES};
+    if (!gpu_open(&device, &gpu, err))
+        return false;
+    bool ok = renderer_create(&params, &r, err);
+    if (ok) {
+        uint64_t node_bytes = way->bvh.format == BVH_FLOAT ? 128 : 64;
+        CHECK(r.plan.buffers[BINDING_NODES].bytes == r.bvh.node_count * node_bytes, "%s",
+              way->name);
+        out->stats = r.bvh.stats;
+        out->order_hash = 0;
+        for (uint32_t i = 0; i < r.bvh.triangle_count; i++)
+            out->order_hash = out->order_hash * 31 + r.bvh.triangle_order[i];
+        ok = renderer_render(&r, &call, err) && renderer_read(&r, arena, &out->film, err);
+        renderer_finish(&r);
+    }
+    gpu_close(&gpu);
+    return ok;
+}
+
+static uint32_t different_pixels(const struct film_image *a, const struct film_image *b)
+{
+    uint32_t different = 0;
+    for (uint32_t i = 0; i < a->width * a->height; i++)
+        different += memcmp(a->mean[i], b->mean[i], sizeof a->mean[i]) ||
+                     memcmp(a->half_a[i], b->half_a[i], sizeof a->half_a[i]);
+    return different;
+}
+
+// A device, or none to test with.
+static void check_device(void)
+{
+    struct gpu gpu;
+    OPEN_GPU(&gpu, .validation = false);
+    gpu_close(&gpu);
+}
+
+static void check(uint32_t light_choice)
+{
+    struct scene scene;
+    struct arena arena = {0};
+    struct picture pictures[WAYS];
+    struct err err = {0};
+    check_device();
+    REQUIRE_OK(load_scene("tests/render/scenes/hierarchies.json", NULL, &scene, &err));
+    scene.settings.light_choice = light_choice;
+    for (int i = 0; i < WAYS; i++) {
+        REQUIRE_OK(render(&scene, &ways[i], &arena, &pictures[i], &err));
+        CHECK(different_pixels(&pictures[i].film, &pictures[0].film) == 0,
+              "%s: %u of %u pixels differ", ways[i].name,
+              different_pixels(&pictures[i].film, &pictures[0].film),
+              scene.settings.width * scene.settings.height);
+        // Trees that are the same would prove nothing.
+        bool same_tree = pictures[i].order_hash == pictures[0].order_hash;
+        CHECK(same_tree == (ways[i].bvh.split == BVH_SPLIT_SAH), "%s", ways[i].name);
+        CHECK(pictures[i].stats.sah_cost >= 0.999 * pictures[3].stats.sah_cost, "%s: SAH cost %g",
+              ways[i].name, pictures[i].stats.sah_cost);
+    }
+    uint32_t lit = 0;
+    for (uint32_t i = 0; i < scene.settings.width * scene.settings.height; i++)
+        lit += pictures[0].film.mean[i][0] > 0.0f;
+    CHECK(lit > 288, "%u pixels are lit", lit);
+    arena_finish(&arena);
+    scene_finish(&scene);
+}
+
+TEST(same_bits)
+{
+    check(LIGHT_CHOICE_POWER);
+}
+
+TEST(same_bits_with_a_tree_of_lights)
+{
+    check(LIGHT_CHOICE_TREE);
+}
+
+TEST_MAIN(TEST_CASE(same_bits), TEST_CASE(same_bits_with_a_tree_of_lights))
