@@ -210,6 +210,104 @@ TEST(normals_and_environment_image)
     gpu_close(&gpu);
 }
 
+// A device may take this many threads, or not; and may be one that dispatches few workgroups at a
+// time, so that work has to be split.
+static void check_workgroup(struct gpu *gpu, const struct scene *scene, uint32_t workgroup,
+                            struct arena *arena, const struct film_image *expected)
+{
+    const struct renderer_params params = {
+        .gpu = gpu, .scene = scene, .wave = 4096, .workgroup = workgroup};
+    struct film_image film;
+    struct err err = {0};
+    if (workgroup > gpu->max_invocations)
+        return;
+    bool ok = render_film(&params, ALL_SAMPLES, arena, &film, NULL, &err);
+    CHECK(ok, "workgroups of %u: %s", workgroup, err.msg);
+    CHECK(!ok || same_bits(&film, expected), "workgroups of %u, ballot %d, %u groups: different",
+          workgroup, gpu->has_ballot, gpu->max_groups);
+}
+
+static void check_workgroups(const char *path, const uint32_t *sizes, size_t count)
+{
+    const struct scene_override small[] = {
+        {"film.width", "32"}, {"film.height", "24"}, {"settings.max_bounces", "6"}, {0}};
+    const struct gpu_params without_ballot = {.limits = {.no_ballot = true, .no_texel = true}};
+    struct arena arena = {0};
+    struct scene scene;
+    struct gpu gpu, plain;
+    struct film_image expected;
+    struct err err = {0};
+    OPEN_GPU(&gpu, 0);
+    REQUIRE_OK(gpu_open(&without_ballot, &plain, &err));
+    REQUIRE_OK(load_scene(path, small, &scene, &err));
+    const struct renderer_params params = {.gpu = &gpu, .scene = &scene};
+    REQUIRE_OK(render_film(&params, ALL_SAMPLES, &arena, &expected, NULL, &err));
+    CHECK(lit_pixels(&expected) > 32 * 24 / 2, "%s is dark", path);
+    for (size_t i = 0; i < count; i++) {
+        check_workgroup(&gpu, &scene, sizes[i], &arena, &expected);
+        check_workgroup(&plain, &scene, sizes[i], &arena, &expected);
+    }
+    gpu.max_groups = 32;
+    check_workgroup(&gpu, &scene, 8, &arena, &expected);
+    scene_finish(&scene);
+    gpu_close(&plain);
+    gpu_close(&gpu);
+    arena_finish(&arena);
+}
+
+TEST(workgroups)
+{
+    check_workgroups("scenes/glow_worms.json", (const uint32_t[]){8, 16, 32, 64, 256, 1024}, 6);
+}
+
+TEST(workgroups_of_all_classes)
+{
+    check_workgroups("scenes/all_classes.json", (const uint32_t[]){8}, 1);
+}
+
+// Other sizes in the middle of a picture, the last with traversals that have to be suspended; a
+// wave that cannot be is lowered without an error.
+TEST(resized)
+{
+    static const struct {
+        uint32_t wave, workgroup;
+    } sizes[] = {{1u << 13, 32}, {352, 8}, {1u << 24, 256}, {1u << 10, 8}};
+    const uint32_t rounds = sizeof sizes / sizeof sizes[0];
+    const struct gpu_params low = {.limits = {.storage_range = 1u << 20}};
+    const struct scene_override small[] = {{"film.width", "48"}, {"film.height", "32"}, {0}};
+    struct arena arena = {0};
+    struct scene scene;
+    struct gpu gpu;
+    struct renderer renderer;
+    struct film_image expected, film;
+    struct err err = {0};
+    OPEN_GPU(&gpu, .limits = low.limits);
+    REQUIRE_OK(load_scene("scenes/cornell.json", small, &scene, &err));
+    const struct renderer_params params = {.gpu = &gpu, .scene = &scene};
+    REQUIRE_OK(render_film(&params, 5 * rounds, &arena, &expected, NULL, &err));
+    REQUIRE_OK(renderer_create(&params, &renderer, &err));
+    for (uint32_t i = 0; i < rounds; i++) {
+        if (i == rounds - 1)
+            renderer.specialization.iteration_budget = 8;
+        REQUIRE_OK(renderer_resize(&renderer, sizes[i].wave, sizes[i].workgroup, &err));
+        uint32_t slots = renderer.plan.wave_slots;
+        CHECK(sizes[i].wave <= 1u << 13
+                  ? slots == sizes[i].wave / sizes[i].workgroup * sizes[i].workgroup
+                  : slots < sizes[i].wave,
+              "a wave of %u paths is one of %u", sizes[i].wave, slots);
+        REQUIRE_OK(render_samples(&renderer, 5, &err));
+    }
+    CHECK(renderer.stats.suspended > 0, "no traversal was suspended");
+    CHECK(!renderer_resize(&renderer, 1024, 48, &err) && err.code == ERR_USAGE, "48 threads");
+    err = (struct err){0};
+    REQUIRE_OK(renderer_read(&renderer, &arena, &film, &err));
+    CHECK(same_bits(&film, &expected), "different");
+    renderer_finish(&renderer);
+    scene_finish(&scene);
+    gpu_close(&gpu);
+    arena_finish(&arena);
+}
+
 // Large enough for a wave of 2^20 paths to be filled.
 TEST(waves_of_a_large_picture)
 {
@@ -360,4 +458,5 @@ TEST(validation_is_silent)
 TEST_MAIN(TEST_CASE(cornell), TEST_CASE(glow_worms), TEST_CASE(furnace), TEST_CASE(even_sky),
           TEST_CASE(all_classes), TEST_CASE(normals_and_environment_image),
           TEST_CASE(waves_of_a_large_picture), TEST_CASE(scales), TEST_CASE(classes),
+          TEST_CASE(workgroups), TEST_CASE(workgroups_of_all_classes), TEST_CASE(resized),
           TEST_CASE(validation_is_silent))
