@@ -175,7 +175,8 @@ static bool look(struct comparison *c, struct err *err)
     };
     return (metrics_ssim(&pair, &c->ssim) && metrics_flip_exposures(&pair, &c->exposures) &&
             metrics_flip(&pair, FLIP_PIXELS_PER_DEGREE, NULL, &c->flip) &&
-            metrics_flip_hdr(&pair, FLIP_PIXELS_PER_DEGREE, &c->exposures, NULL, &c->hdr_flip)) ||
+            metrics_flip_hdr(&pair, FLIP_PIXELS_PER_DEGREE, &c->exposures, NULL, NULL,
+                             &c->hdr_flip)) ||
            err_memory(err, "SSIM and FLIP", pixel_count(&c->image) * sizeof(float));
 }
 

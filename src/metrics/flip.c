@@ -3,93 +3,12 @@
 #include "perceptual.h"
 
 #include "convolve.h"
+#include "flip_color.h"
+#include "parallel.h"
+#include "pixel.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-// --- colours -------------------------------------------------------------------------------------
-
-// Linear Rec. 709 to CIE XYZ for D65, in which (1, 1, 1) is the white point.
-static const double to_xyz[3][3] = {
-    {10135552.0 / 24577794.0, 8788810.0 / 24577794.0, 4435075.0 / 24577794.0},
-    {2613072.0 / 12288897.0, 8788810.0 / 12288897.0, 887015.0 / 12288897.0},
-    {1425312.0 / 73733382.0, 8788810.0 / 73733382.0, 70074185.0 / 73733382.0},
-};
-
-// X, Y, Z divided by those of white.
-static void relative_xyz(const double rgb[3], double out[3])
-{
-    for (int i = 0; i < 3; i++) {
-        double sum = 0, white = 0;
-        for (int c = 0; c < 3; c++) {
-            sum += to_xyz[i][c] * rgb[c];
-            white += to_xyz[i][c];
-        }
-        out[i] = sum / white;
-    }
-}
-
-// The inverse, by Cramer's rule.
-static void rgb_of_relative_xyz(const double relative[3], double out[3])
-{
-    double m[3][3], v[3];
-    for (int i = 0; i < 3; i++) {
-        double white = to_xyz[i][0] + to_xyz[i][1] + to_xyz[i][2];
-        v[i] = relative[i] * white;
-        memcpy(m[i], to_xyz[i], sizeof m[i]);
-    }
-    double determinant = 0;
-    for (int c = 0; c < 3; c++)
-        determinant += m[0][c] * (m[1][(c + 1) % 3] * m[2][(c + 2) % 3] -
-                                  m[1][(c + 2) % 3] * m[2][(c + 1) % 3]);
-    for (int c = 0; c < 3; c++) {
-        int d = (c + 1) % 3, e = (c + 2) % 3;
-        double minor = v[0] * (m[1][d] * m[2][e] - m[1][e] * m[2][d]) +
-                       v[1] * (m[2][d] * m[0][e] - m[2][e] * m[0][d]) +
-                       v[2] * (m[0][d] * m[1][e] - m[0][e] * m[1][d]);
-        out[c] = minor / determinant;
-    }
-}
-
-// The opponent colours that contrast sensitivity is known for: linear in X, Y, Z.
-static void ycxcz_of_rgb(const double rgb[3], double out[3])
-{
-    double xyz[3];
-    relative_xyz(rgb, xyz);
-    out[0] = 116 * xyz[1] - 16;
-    out[1] = 500 * (xyz[0] - xyz[1]);
-    out[2] = 200 * (xyz[1] - xyz[2]);
-}
-
-static void rgb_of_ycxcz(const double ycxcz[3], double out[3])
-{
-    double y = (ycxcz[0] + 16) / 116;
-    const double xyz[3] = {y + ycxcz[1] / 500, y, y - ycxcz[2] / 200};
-    rgb_of_relative_xyz(xyz, out);
-}
-
-static double lab_curve(double t)
-{
-    const double delta = 6.0 / 29.0;
-    return t > delta * delta * delta ? cbrt(t) : t / (3 * delta * delta) + 4.0 / 29.0;
-}
-
-// CIE L*a*b*, chroma scaled by lightness after Hunt (1952).
-static void hunt_lab(const double rgb[3], double out[3])
-{
-    double xyz[3];
-    relative_xyz(rgb, xyz);
-    double fx = lab_curve(xyz[0]), fy = lab_curve(xyz[1]), fz = lab_curve(xyz[2]);
-    out[0] = 116 * fy - 16;
-    out[1] = 0.01 * out[0] * 500 * (fx - fy);
-    out[2] = 0.01 * out[0] * 200 * (fy - fz);
-}
-
-// The distance of large colour differences (Abasi, Tehran, Fairchild 2020).
-static double hyab(const double a[3], const double b[3])
-{
-    return fabs(a[0] - b[0]) + hypot(a[1] - b[1], a[2] - b[2]);
-}
 
 // --- filters -------------------------------------------------------------------------------------
 
@@ -164,7 +83,7 @@ struct planes {
     float *scratch[2];
 };
 
-enum { PLANES_A_PICTURE = 7 };
+enum { PLANES_A_PICTURE = 7, PIXELS_A_CHUNK = 8192 };
 
 static uint64_t pixels_of(const struct planes *p)
 {
@@ -202,7 +121,7 @@ static void detect(struct planes *p, const float *lightness, const struct kernel
     convolve(lightness, p->width, p->height, detector, smooth, p->scratch[0], out);
     convolve(lightness, p->width, p->height, smooth, detector, p->scratch[0], p->scratch[1]);
     for (uint64_t i = 0; i < pixels_of(p); i++)
-        out[i] = hypotf(out[i], p->scratch[1][i]);
+        out[i] = sqrtf(out[i] * out[i] + p->scratch[1][i] * p->scratch[1][i]);
 }
 
 // An opponent channel as it is seen from a distance, in place.
@@ -231,16 +150,18 @@ static bool see(struct planes *p, int channel, double pixels_per_degree)
     return true;
 }
 
-static void perceive(struct planes *p)
+static void perceive(void *context, size_t begin, size_t end, unsigned thread)
 {
-    for (uint64_t i = 0; i < pixels_of(p); i++) {
+    (void)thread;
+    const struct planes *p = context;
+    for (size_t i = begin; i < end; i++) {
         double color[3], rgb[3];
         for (int c = 0; c < 3; c++)
             color[c] = (double)p->opponent[c][i];
-        rgb_of_ycxcz(color, rgb);
+        flip_rgb_of_ycxcz(color, rgb);
         for (int c = 0; c < 3; c++)
             rgb[c] = fmin(fmax(rgb[c], 0), 1);
-        hunt_lab(rgb, color);
+        flip_hunt_lab(rgb, color);
         for (int c = 0; c < 3; c++)
             p->opponent[c][i] = (float)color[c];
     }
@@ -257,7 +178,7 @@ static bool analyse(struct planes *p, const float (*pixels)[3], double pixels_pe
         double rgb[3], color[3];
         for (int c = 0; c < 3; c++)
             rgb[c] = fmin(fmax((double)pixels[i][c], 0), 1);
-        ycxcz_of_rgb(rgb, color);
+        flip_ycxcz_of_rgb(rgb, color);
         for (int c = 0; c < 3; c++)
             p->opponent[c][i] = (float)color[c];
         lightness[i] = (float)((color[0] + 16) / 116);
@@ -269,7 +190,7 @@ static bool analyse(struct planes *p, const float (*pixels)[3], double pixels_pe
     for (int c = 0; c < 3; c++)
         if (!see(p, c, pixels_per_degree))
             return false;
-    perceive(p);
+    parallel_for(pixels_of(p), PIXELS_A_CHUNK, 0, perceive, p);
     return true;
 }
 
@@ -279,9 +200,9 @@ static bool analyse(struct planes *p, const float (*pixels)[3], double pixels_pe
 static double greatest_difference(void)
 {
     double green[3], blue[3];
-    hunt_lab((const double[3]){0, 1, 0}, green);
-    hunt_lab((const double[3]){0, 0, 1}, blue);
-    return pow(hyab(green, blue), 0.7);
+    flip_hunt_lab((const double[3]){0, 1, 0}, green);
+    flip_hunt_lab((const double[3]){0, 0, 1}, blue);
+    return pow(flip_hyab(green, blue), 0.7);
 }
 
 // Differences of colours to [0, 1]: those up to .4 of the greatest fill .95 of it (eq. 8).
@@ -294,34 +215,42 @@ static double redistribute(double difference, double greatest)
     return at_knee + (d - knee) / (greatest - knee) * (1 - at_knee);
 }
 
-static void combine(const struct planes *image, const struct planes *reference, float *map)
+struct combination {
+    struct planes image, reference;
+    double greatest;
+    float *map;
+};
+
+static void combine(void *context, size_t begin, size_t end, unsigned thread)
 {
-    double greatest = greatest_difference();
-    for (uint64_t i = 0; i < pixels_of(image); i++) {
+    (void)thread;
+    const struct combination *both = context;
+    const struct planes *image = &both->image, *reference = &both->reference;
+    for (size_t i = begin; i < end; i++) {
         double a[3], b[3];
         for (int c = 0; c < 3; c++) {
             a[c] = (double)image->opponent[c][i];
             b[c] = (double)reference->opponent[c][i];
         }
-        double color = redistribute(hyab(a, b), greatest);
+        double color = redistribute(flip_hyab(a, b), both->greatest);
         double edges = fabs((double)image->edges[i] - (double)reference->edges[i]);
         double points = fabs((double)image->points[i] - (double)reference->points[i]);
         double feature = sqrt(fmax(edges, points) / M_SQRT2);
-        map[i] = (float)pow(color, 1 - feature);
+        both->map[i] = (float)pow(color, 1 - feature);
     }
 }
 
 static bool flip_map(const struct picture_pair *pair, double pixels_per_degree, float *map)
 {
-    struct planes image, reference;
-    bool ok = planes_create(pair->width, pair->height, &image);
-    ok = planes_create(pair->width, pair->height, &reference) && ok;
-    ok = ok && analyse(&image, pair->image, pixels_per_degree) &&
-         analyse(&reference, pair->reference, pixels_per_degree);
+    struct combination both = {.greatest = greatest_difference(), .map = map};
+    bool ok = planes_create(pair->width, pair->height, &both.image);
+    ok = planes_create(pair->width, pair->height, &both.reference) && ok;
+    ok = ok && analyse(&both.image, pair->image, pixels_per_degree) &&
+         analyse(&both.reference, pair->reference, pixels_per_degree);
     if (ok)
-        combine(&image, &reference, map);
-    planes_finish(&image);
-    planes_finish(&reference);
+        parallel_for(pixels_of(&both.image), PIXELS_A_CHUNK, 0, combine, &both);
+    planes_finish(&both.image);
+    planes_finish(&both.reference);
     return ok;
 }
 
@@ -356,10 +285,7 @@ static double knee_of_curve(void)
 
 static bool is_finite_pair(const struct picture_pair *pair, uint64_t i)
 {
-    bool ok = true;
-    for (int c = 0; c < 3; c++)
-        ok = ok && isfinite(pair->image[i][c]) && isfinite(pair->reference[i][c]);
-    return ok;
+    return pixel_is_finite(pair->image[i]) && pixel_is_finite(pair->reference[i]);
 }
 
 static int compare_floats(const void *a, const void *b)
@@ -374,9 +300,12 @@ bool metrics_flip_exposures(const struct picture_pair *pair, struct flip_exposur
     float *luminance = calloc(count, sizeof *luminance);
     if (!luminance)
         return false;
-    for (uint64_t i = 0; i < count; i++)
-        for (int c = 0; c < 3 && is_finite_pair(pair, i); c++)
-            luminance[i] += (float)(to_xyz[1][c] * fmax((double)pair->reference[i][c], 0));
+    for (uint64_t i = 0; i < count; i++) {
+        double light[3];
+        for (int c = 0; c < 3; c++)
+            light[c] = fmax((double)pair->reference[i][c], 0);
+        luminance[i] = pixel_is_finite(pair->reference[i]) ? (float)flip_luminance(light) : 0.0f;
+    }
     qsort(luminance, count, sizeof *luminance, compare_floats);
     double brightest = (double)luminance[count - 1], median = (double)luminance[(count - 1) / 2];
     free(luminance);
@@ -416,7 +345,8 @@ static bool raise_map(const struct picture_pair *pair, double pixels_per_degree,
 }
 
 bool metrics_flip_hdr(const struct picture_pair *pair, double pixels_per_degree,
-                      const struct flip_exposures *exposures, float *map, double *out)
+                      const struct flip_exposures *exposures, const struct progress *progress,
+                      float *map, double *out)
 {
     uint64_t count = (uint64_t)pair->width * pair->height;
     float(*exposed[2])[3] = {malloc(count * sizeof **exposed), malloc(count * sizeof **exposed)};
@@ -425,7 +355,9 @@ bool metrics_flip_hdr(const struct picture_pair *pair, double pixels_per_degree,
     for (uint32_t i = 0; i < exposures->count && ok; i++) {
         double stops =
             exposures->start + (exposures->stop - exposures->start) * i / (exposures->count - 1);
-        ok = raise_map(pair, pixels_per_degree, stops, exposed, one, greatest);
+        progress_report(progress, "Comparing", (double)i / exposures->count);
+        ok = !progress_should_stop(progress) &&
+             raise_map(pair, pixels_per_degree, stops, exposed, one, greatest);
     }
     if (ok) {
         *out = mean_of(greatest, count);

@@ -1,12 +1,8 @@
 #include "metrics.h"
 
+#include "pixel.h"
 #include <math.h>
 #include <string.h>
-
-static bool is_finite(const float pixel[3])
-{
-    return isfinite(pixel[0]) && isfinite(pixel[1]) && isfinite(pixel[2]);
-}
 
 // Of the bits: 0 and -0 differ, and a NaN is like itself.
 static bool is_same(const float a[3], const float b[3])
@@ -17,6 +13,24 @@ static bool is_same(const float a[3], const float b[3])
     return a_bits[0] == b_bits[0] && a_bits[1] == b_bits[1] && a_bits[2] == b_bits[2];
 }
 
+double metrics_psnr(const float (*image)[3], const float (*reference)[3], uint64_t pixel_count,
+                    double exposure_stops)
+{
+    double squares = 0, factor = exp2(exposure_stops);
+    uint64_t finite = 0;
+    for (uint64_t i = 0; i < pixel_count; i++) {
+        if (!pixel_is_finite(image[i]) || !pixel_is_finite(reference[i]))
+            continue;
+        finite++;
+        for (int c = 0; c < 3; c++) {
+            double x = image[i][c], r = reference[i][c];
+            double difference = x == r ? 0 : display_value(factor * x) - display_value(factor * r);
+            squares += difference * difference;
+        }
+    }
+    return finite > 0 ? -10 * log10(squares / (3 * (double)finite)) : NAN;
+}
+
 void metrics_compare(const float (*image)[3], const float (*reference)[3], uint64_t pixel_count,
                      struct metrics *out)
 {
@@ -24,14 +38,15 @@ void metrics_compare(const float (*image)[3], const float (*reference)[3], uint6
     double squares = 0, relative_squares = 0, symmetric = 0;
     for (uint64_t i = 0; i < pixel_count; i++) {
         out->differing += !is_same(image[i], reference[i]);
-        if (!is_finite(image[i]) || !is_finite(reference[i])) {
+        if (!pixel_is_finite(image[i]) || !pixel_is_finite(reference[i])) {
             out->nonfinite++;
             continue;
         }
         for (int c = 0; c < 3; c++) {
             double r = reference[i][c], difference = image[i][c] - r;
             squares += difference * difference;
-            symmetric += 2 * fabs(difference) / (fabs((double)image[i][c]) + fabs(r) + 1e-6);
+            symmetric += 2 * fabs(difference) /
+                         (fabs((double)image[i][c]) + fabs(r) + METRICS_SMAPE_EPSILON);
             relative_squares += difference * difference / (r * r + METRICS_RELMSE_EPSILON);
             if (fabs(difference) > out->max) {
                 out->max = fabs(difference);
@@ -45,34 +60,5 @@ void metrics_compare(const float (*image)[3], const float (*reference)[3], uint6
     out->relmse = values > 0 ? relative_squares / values : NAN;
     out->smape = values > 0 ? symmetric / values : NAN;
     out->rmse = sqrt(out->mse);
-    out->psnr = -10 * log10(out->mse);
-}
-
-// Position in [0, 1] on the scale of metrics_difference_picture.
-static double difference_level(const float x[3], const float r[3])
-{
-    const double decades = 4; // from 1e-4 to 1
-    double sum = 0;
-    for (int c = 0; c < 3; c++)
-        sum += fabs((double)x[c] - r[c]) / (fabs((double)r[c]) + METRICS_RELMSE_EPSILON);
-    return fmin(fmax(1 + log10(sum / 3) / decades, 0), 1); // log10(0) is -inf
-}
-
-void metrics_difference_picture(const float (*image)[3], const float (*reference)[3],
-                                uint64_t pixel_count, float (*out)[3])
-{
-    static const float colours[][3] = {{0, 0, 0}, {0, 0, 1}, {0, 1, 0}, {1, 1, 0}, {1, 0, 0}};
-    static const float nonfinite_colour[3] = {1, 0, 1};
-    enum { SEGMENTS = sizeof colours / sizeof colours[0] - 1 };
-    for (uint64_t i = 0; i < pixel_count; i++) {
-        if (!is_finite(image[i]) || !is_finite(reference[i])) {
-            memcpy(out[i], nonfinite_colour, sizeof out[i]);
-            continue;
-        }
-        double position = SEGMENTS * difference_level(image[i], reference[i]);
-        int segment = position < SEGMENTS ? (int)position : SEGMENTS - 1;
-        float t = (float)(position - segment);
-        for (int c = 0; c < 3; c++)
-            out[i][c] = (1 - t) * colours[segment][c] + t * colours[segment + 1][c];
-    }
+    out->psnr = metrics_psnr(image, reference, pixel_count, 0);
 }

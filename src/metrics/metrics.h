@@ -4,11 +4,13 @@
 #ifndef LAMPYRIS_METRICS_METRICS_H
 #define LAMPYRIS_METRICS_METRICS_H
 
+#include "curve.h"
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
 #define METRICS_RELMSE_EPSILON 1e-2
+#define METRICS_SMAPE_EPSILON 1e-6
 
 struct metrics {
     // The first five are NaN when no pixel is finite.
@@ -16,7 +18,7 @@ struct metrics {
     double rmse;   // its square root
     double relmse; // mean (x - r)^2 / (r^2 + 1e-2), per channel
     double smape;  // mean 2 |x - r| / (|x| + |r| + 1e-6), per channel; rewards what is too dark
-    double psnr;   // dB, peak 1, on values as given (linear), +inf when equal
+    double psnr;   // of display values: metrics_psnr without exposure
     double max;    // greatest |x - r|
     uint64_t max_pixel; // its pixel index
     uint64_t nonfinite; // pixels with a non-finite value in either image, left out of the above
@@ -26,11 +28,21 @@ struct metrics {
 void metrics_compare(const float (*image)[3], const float (*reference)[3], uint64_t pixel_count,
                      struct metrics *out);
 
-// False-colour picture of |x - r| / (|r| + 1e-2) per pixel (mean over channels): black 0, then
-// blue, green, yellow, red on a logarithmic scale from 1e-4 to 1; magenta where either is not
-// finite. Values in [0, 1], display-encoded.
+// Peak signal-to-noise ratio, dB, of what a display shows: values times 2^stops, clamped to [0, 1]
+// and sRGB-encoded, so that the peak is 1. +inf where that is equal, NaN without finite pixels.
+double metrics_psnr(const float (*image)[3], const float (*reference)[3], uint64_t pixel_count,
+                    double exposure_stops);
+
+// The map ERROR_MAP_RELATIVE (error_map.h) in false colours, display-encoded.
 void metrics_difference_picture(const float (*image)[3], const float (*reference)[3],
                                 uint64_t pixel_count, float (*out)[3]);
+
+// 95 % intervals of mse and relmse by Student's t over tiles of 16 x 16 pixels (smaller ones where
+// there would be fewer than 16), whose errors are taken for independent: they say how far the noise
+// of other seeds would move the error. Differences between parts of the picture widen them. NaN
+// where fewer than two tiles have finite pixels.
+void metrics_intervals(const float (*image)[3], const float (*reference)[3], uint32_t width,
+                       uint32_t height, struct interval *mse, struct interval *relmse);
 
 // Error of (A + B) / 2 from two independent half-buffers' means.
 struct half_error {

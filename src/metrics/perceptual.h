@@ -2,6 +2,7 @@
 #ifndef LAMPYRIS_METRICS_PERCEPTUAL_H
 #define LAMPYRIS_METRICS_PERCEPTUAL_H
 
+#include "progress.h"
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -30,7 +31,8 @@ bool metrics_flip(const struct picture_pair *pair, double pixels_per_degree, flo
 
 // The exposures that HDR-FLIP looks at (Andersson et al. 2021, "Visualizing Errors in Rendered High
 // Dynamic Range Images"): from where the tone curve brings the reference's brightest pixel to .85
-// to where it brings the median there, `count` of them, about one a stop.
+// to where it brings the median there, `count` of them, about one a stop. The reference alone
+// decides: pictures that are compared with the same one are looked at alike.
 struct flip_exposures {
     double start, stop; // stops
     uint32_t count;     // at least 2
@@ -41,8 +43,10 @@ struct flip_exposures {
 bool metrics_flip_exposures(const struct picture_pair *pair, struct flip_exposures *out);
 
 // HDR-FLIP: the greatest FLIP of each pixel over the exposures, tone-mapped by the curve of ACES
-// that the paper uses; *out is its mean. False only when out of memory.
+// that the paper uses; *out is its mean. progress: NULL, or who is told as "Comparing". False when
+// out of memory, or asked to stop.
 bool metrics_flip_hdr(const struct picture_pair *pair, double pixels_per_degree,
-                      const struct flip_exposures *exposures, float *map, double *out);
+                      const struct flip_exposures *exposures, const struct progress *progress,
+                      float *map, double *out);
 
 #endif

@@ -1,27 +1,16 @@
 #include "perceptual.h"
 
+#include "pixel.h"
 #include <math.h>
 #include <stdlib.h>
 
 enum { RADIUS = 5, SIDE = 2 * RADIUS + 1 };
 
-// The transfer function of sRGB (IEC 61966-2-1) of a value clamped to [0, 1].
-static double encode(double linear)
-{
-    double x = fmin(fmax(linear, 0), 1);
-    return x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1 / 2.4) - 0.055;
-}
-
-static bool is_finite(const float pixel[3])
-{
-    return isfinite(pixel[0]) && isfinite(pixel[1]) && isfinite(pixel[2]);
-}
-
 // Luma of BT.709, of what is shown.
 static double luma(const float pixel[3])
 {
-    return 0.2126 * encode((double)pixel[0]) + 0.7152 * encode((double)pixel[1]) +
-           0.0722 * encode((double)pixel[2]);
+    return 0.2126 * display_value((double)pixel[0]) + 0.7152 * display_value((double)pixel[1]) +
+           0.0722 * display_value((double)pixel[2]);
 }
 
 struct moments {
@@ -109,7 +98,7 @@ bool metrics_ssim(const struct picture_pair *p, double *out)
     struct moments *rows = calloc((uint64_t)SIDE * p->width, sizeof *rows);
     bool ok = values && rows;
     for (uint64_t i = 0; i < count && ok; i++) {
-        if (!is_finite(p->image[i]) || !is_finite(p->reference[i]))
+        if (!pixel_is_finite(p->image[i]) || !pixel_is_finite(p->reference[i]))
             continue;
         values[i][0] = luma(p->image[i]);
         values[i][1] = luma(p->reference[i]);

@@ -6,6 +6,20 @@ static bool near(double a, double b)
     return fabs(a - b) <= 1e-12 * fabs(b);
 }
 
+static uint64_t state = 1;
+
+static double uniform(void)
+{
+    state = state * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
+    return ((double)(state >> 11) + 0.5) * 0x1p-53;
+}
+
+// Box and Muller 1958.
+static double normal(void)
+{
+    return sqrt(-2 * log(uniform())) * cos(2 * acos(-1.0) * uniform());
+}
+
 TEST(compare_matches_hand_values)
 {
     // Differences .5, 0, -1 in one pixel and 0, 0, 2 in the next: the squares sum to 5.25.
@@ -16,7 +30,8 @@ TEST(compare_matches_hand_values)
     CHECK(near(m.mse, 5.25 / 6), "%.17g", m.mse);
     CHECK(near(m.rmse, sqrt(5.25 / 6)), "%.17g", m.rmse);
     CHECK(near(m.relmse, (0.25 / 1.01 + 1 / 1.01 + 4 / 9.01) / 6), "%.17g", m.relmse);
-    CHECK(near(m.psnr, 10 * log10(6 / 5.25)), "%.17g", m.psnr);
+    // Of what is shown, only the blue of the first pixel differs: 0 from 1.
+    CHECK(near(m.psnr, 10 * log10(6)), "%.17g", m.psnr);
     CHECK(m.max == 2 && m.max_pixel == 1);
     CHECK(m.nonfinite == 0 && m.differing == 2);
 }
@@ -44,6 +59,24 @@ TEST(compare_leaves_out_what_is_not_finite)
     CHECK(m.nonfinite == 2 && isnan(m.mse) && isnan(m.relmse) && isnan(m.psnr));
 }
 
+TEST(psnr_is_of_what_is_shown)
+{
+    // In the straight part of the curve, of slope 12.92, an error of .001 is 12.92 times as much.
+    const float image[2][3] = {{0.002f, 0, 0}, {7, 0, 0}},
+                reference[2][3] = {{0.001f, 0, 0}, {9, 0, 0}};
+    double shown = 12.92 * ((double)0.002f - (double)0.001f);
+    double value = metrics_psnr(image, reference, 2, 0);
+    CHECK(near(value, -10 * log10(shown * shown / 6)), "%.17g", value);
+    value = metrics_psnr(image, reference, 2, -1);
+    CHECK(near(value, -10 * log10(shown * shown / 24)), "%.17g", value);
+    value = metrics_psnr(image, reference, 2, -5); // 7/32 and 9/32 are in the curved part
+    double a = 1.055 * pow(7 / 32.0, 1 / 2.4) - 0.055, b = 1.055 * pow(9 / 32.0, 1 / 2.4) - 0.055;
+    double both = (shown * shown / 1024 + (a - b) * (a - b)) / 6;
+    CHECK(fabs(value + 10 * log10(both)) < 1e-9, "%.17g", value);
+    CHECK(isinf(metrics_psnr(image + 1, reference + 1, 1, 0)), "both are shown as white");
+    CHECK(isinf(metrics_psnr(image, image, 2, 1000)), "0 times infinity");
+}
+
 TEST(compare_keeps_its_precision)
 {
     // A single-precision sum would stop growing after 2^24 such terms.
@@ -60,38 +93,74 @@ TEST(compare_keeps_its_precision)
     free(reference);
 }
 
-// The picture's colours at relative differences whose place on the scale is known.
-TEST(difference_picture_colours)
+// Pictures of 32 x 24 pixels whose left half errs by ten times the right half's variance; seeds are
+// draws of the generator.
+TEST(intervals_cover_the_error)
 {
-    // The reference .99 makes the denominator 1; each value is the difference.
-    static const struct {
-        float difference;
-        float colour[3];
-    } cases[] = {
-        {0, {0, 0, 0}},
-        {1e-5f, {0, 0, 0}},
-        {1e-4f, {0, 0, 0}},
-        {1e-3f, {0, 0, 1}},
-        {1e-2f, {0, 1, 0}},
-        {1e-1f, {1, 1, 0}},
-        {1, {1, 0, 0}},
-        {1000, {1, 0, 0}},
-        {NAN, {1, 0, 1}},
-        {INFINITY, {1, 0, 1}},
-        {3.1622777e-4f, {0, 0, 0.5f}},
-    };
-    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        const float reference[1][3] = {{0.99f, 0.99f, 0.99f}};
-        float value = 0.99f + cases[i].difference, out[1][3];
-        const float image[1][3] = {{value, value, value}};
-        metrics_difference_picture(image, reference, 1, out);
-        for (int c = 0; c < 3; c++)
-            CHECK(fabsf(out[0][c] - cases[i].colour[c]) < 2e-3f, "difference %g: %g %g %g",
-                  (double)cases[i].difference, (double)out[0][0], (double)out[0][1],
-                  (double)out[0][2]);
+    enum { WIDTH = 32, HEIGHT = 24, COUNT = WIDTH * HEIGHT, DRAWS = 1000 };
+    static float image[COUNT][3], reference[COUNT][3];
+    // E (x - r)^2 = sigma^2; r is .5.
+    double truth[2] = {0.0011 / 2, 0.0011 / 2 / 0.26};
+    int covered[2] = {0};
+    for (int d = 0; d < DRAWS; d++) {
+        for (int i = 0; i < COUNT; i++)
+            for (int c = 0; c < 3; c++) {
+                reference[i][c] = 0.5f;
+                image[i][c] = (float)(0.5 + sqrt(i % WIDTH < 16 ? 1e-3 : 1e-4) * normal());
+            }
+        struct interval found[2];
+        metrics_intervals((const float(*)[3])image, (const float(*)[3])reference, WIDTH, HEIGHT,
+                          &found[0], &found[1]);
+        for (int k = 0; k < 2; k++)
+            covered[k] += found[k].low <= truth[k] && truth[k] <= found[k].high;
     }
+    printf("  covered: %d and %d of %d\n", covered[0], covered[1], DRAWS);
+    // Parts that differ widen them: at least 95 %, whose 99.9 % range is +-23 of 1,000.
+    for (int k = 0; k < 2; k++)
+        CHECK(covered[k] >= 927, "%d", covered[k]);
+}
+
+// The same variance everywhere, tiles that are cut by the border: neither more nor less than 95 %.
+TEST(intervals_of_even_noise_are_no_wider_than_need_be)
+{
+    enum { WIDTH = 41, HEIGHT = 27, COUNT = WIDTH * HEIGHT, DRAWS = 1000 };
+    static float image[COUNT][3], reference[COUNT][3];
+    int covered[2] = {0};
+    for (int d = 0; d < DRAWS; d++) {
+        for (int i = 0; i < COUNT; i++)
+            for (int c = 0; c < 3; c++)
+                image[i][c] = (float)(0.1 * normal());
+        struct interval found[2];
+        metrics_intervals((const float(*)[3])image, (const float(*)[3])reference, WIDTH, HEIGHT,
+                          &found[0], &found[1]);
+        covered[0] += found[0].low <= 0.01 && 0.01 <= found[0].high;
+        covered[1] += found[1].low <= 1 && 1 <= found[1].high;
+    }
+    printf("  covered: %d and %d of %d\n", covered[0], covered[1], DRAWS);
+    for (int k = 0; k < 2; k++)
+        CHECK(covered[k] >= 927 && covered[k] <= 973, "%d", covered[k]);
+}
+
+TEST(intervals_of_what_is_hardly_there)
+{
+    const float image[4][3] = {{1, NAN, 1}, {1, 1, 1}, {2, 2, 2}, {1, 1, 1}};
+    const float reference[4][3] = {{9, 9, 9}, {1, INFINITY, 1}, {1, 1, 1}, {1, 1, 1}};
+    struct interval mse, relmse;
+    metrics_intervals(image, reference, 2, 2, &mse,
+                      &relmse); // tiles of one pixel, two of them left
+    CHECK(mse.value == 0.5 && isfinite(mse.low) && mse.high > 0.5, "%g %g %g", mse.low, mse.value,
+          mse.high);
+    metrics_intervals(image + 2, reference + 2, 1, 1, &mse, &relmse);
+    CHECK(mse.value == 1 && isnan(mse.low) && isnan(mse.high));
+    metrics_intervals(image, reference, 2, 1, &mse, &relmse);
+    CHECK(isnan(mse.value) && isnan(relmse.value) && isnan(mse.low));
+    metrics_intervals(image, image + 1, 1, 1, &mse, &relmse);
+    metrics_intervals(reference + 2, reference + 2, 2, 1, &mse, &relmse);
+    CHECK(mse.value == 0 && mse.low == 0 && mse.high == 0);
 }
 
 TEST_MAIN(TEST_CASE(compare_matches_hand_values), TEST_CASE(compare_of_equal_pictures),
           TEST_CASE(compare_leaves_out_what_is_not_finite), TEST_CASE(compare_keeps_its_precision),
-          TEST_CASE(difference_picture_colours))
+          TEST_CASE(psnr_is_of_what_is_shown), TEST_CASE(intervals_cover_the_error),
+          TEST_CASE(intervals_of_even_noise_are_no_wider_than_need_be),
+          TEST_CASE(intervals_of_what_is_hardly_there))

@@ -60,7 +60,7 @@ static double flip_hdr(void)
     struct flip_exposures exposures;
     double value = NAN;
     bool ok = metrics_flip_exposures(&p, &exposures) &&
-              metrics_flip_hdr(&p, FLIP_PIXELS_PER_DEGREE, &exposures, NULL, &value);
+              metrics_flip_hdr(&p, FLIP_PIXELS_PER_DEGREE, &exposures, NULL, NULL, &value);
     CHECK(ok);
     return value;
 }

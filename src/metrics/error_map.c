@@ -1,0 +1,125 @@
+#include "error_map.h"
+
+#include "metrics.h"
+#include "pixel.h"
+#include <string.h>
+
+const char *const error_map_names[ERROR_MAP_TOTAL] = {"relative", "squared", "smape", "flip",
+                                                      "hdr-flip"};
+
+static double value_of(enum error_map map, double x, double r)
+{
+    double d = fabs(x - r);
+    if (map == ERROR_MAP_SQUARED)
+        return d * d / (r * r + METRICS_RELMSE_EPSILON);
+    if (map == ERROR_MAP_SMAPE)
+        return 2 * d / (fabs(x) + fabs(r) + METRICS_SMAPE_EPSILON);
+    return d / (fabs(r) + METRICS_RELMSE_EPSILON);
+}
+
+void error_map_values(enum error_map map, const float (*image)[3], const float (*reference)[3],
+                      uint64_t count, float (*out)[3])
+{
+    for (uint64_t i = 0; i < count; i++) {
+        bool finite = pixel_is_finite(image[i]) && pixel_is_finite(reference[i]);
+        for (int c = 0; c < 3; c++)
+            out[i][c] = finite ? (float)value_of(map, image[i][c], reference[i][c]) : NAN;
+    }
+}
+
+struct error_scale error_map_scale(enum error_map map)
+{
+    static const struct error_scale scales[ERROR_MAP_TOTAL] = {
+        [ERROR_MAP_RELATIVE] = {1e-4, 1, true}, [ERROR_MAP_SQUARED] = {1e-6, 1, true},
+        [ERROR_MAP_SMAPE] = {1e-4, 1, true},    [ERROR_MAP_FLIP] = {0, 1, false},
+        [ERROR_MAP_HDR_FLIP] = {0, 1, false},
+    };
+    return scales[map];
+}
+
+double error_map_level(enum error_map map, double value)
+{
+    struct error_scale scale = error_map_scale(map);
+    if (isnan(value))
+        return NAN;
+    double level = scale.is_logarithmic
+                       ? log10(value / scale.low) / log10(scale.high / scale.low) // log10(0): -inf
+                       : (value - scale.low) / (scale.high - scale.low);
+    return fmin(fmax(level, 0), 1);
+}
+
+// --- colours -------------------------------------------------------------------------------------
+
+// Linear Rec. 709 of a colour of Oklab (Ottosson 2020, "A perceptual color space for image
+// processing").
+static void rgb_of_oklab(double lightness, double a, double b, double out[3])
+{
+    double l = lightness + 0.3963377774 * a + 0.2158037573 * b;
+    double m = lightness - 0.1055613458 * a - 0.0638541728 * b;
+    double s = lightness - 0.0894841775 * a - 1.2914855480 * b;
+    l = l * l * l;
+    m = m * m * m;
+    s = s * s * s;
+    out[0] = 4.0767416621 * l - 3.3077115913 * m + 0.2309699292 * s;
+    out[1] = -1.2684380046 * l + 2.6097574011 * m - 0.3413193965 * s;
+    out[2] = -0.0041960863 * l - 0.7034186147 * m + 1.7076147010 * s;
+}
+
+static bool is_shown(const double rgb[3])
+{
+    bool ok = true;
+    for (int c = 0; c < 3; c++)
+        ok = ok && rgb[c] >= 0 && rgb[c] <= 1;
+    return ok;
+}
+
+// Lightness rises evenly while the hue goes from violet by red to yellow, half of the circle; the
+// chroma, greatest in the middle, is lowered to what displays can show.
+static void color_of_level(double level, double out[3])
+{
+    double lightness = 0.97 * level, hue = (285 + 180 * level) * M_PI / 180;
+    double chroma = 0.165 * pow(sin(M_PI * pow(level, 0.85)), 0.8) + 0.05 * level;
+    double low = 0, high = 2; // 1 is tried first
+    for (int i = 0; i < 40 && low < 1; i++) {
+        double share = 0.5 * (low + high);
+        rgb_of_oklab(lightness, share * chroma * cos(hue), share * chroma * sin(hue), out);
+        *(is_shown(out) ? &low : &high) = share;
+    }
+    low = fmin(low, 1);
+    rgb_of_oklab(lightness, low * chroma * cos(hue), low * chroma * sin(hue), out);
+}
+
+void error_map_palette(float out[ERROR_MAP_COLORS][3])
+{
+    for (int i = 0; i < ERROR_MAP_COLORS; i++) {
+        double rgb[3];
+        color_of_level(i / (double)(ERROR_MAP_COLORS - 1), rgb);
+        for (int c = 0; c < 3; c++)
+            out[i][c] = (float)display_value(rgb[c]);
+    }
+}
+
+static void pick(const float (*palette)[3], double level, float out[3])
+{
+    static const float none[3] = {0, 1, 0};
+    int i = isnan(level) ? -1 : (int)(level * (ERROR_MAP_COLORS - 1) + 0.5);
+    memcpy(out, i < 0 ? none : palette[i], 3 * sizeof *out);
+}
+
+void error_map_picture(enum error_map map, const float (*values)[3], uint64_t count,
+                       float (*out)[3])
+{
+    float palette[ERROR_MAP_COLORS][3];
+    error_map_palette(palette);
+    for (uint64_t i = 0; i < count; i++) {
+        double mean = ((double)values[i][0] + (double)values[i][1] + (double)values[i][2]) / 3;
+        pick((const float(*)[3])palette, error_map_level(map, mean), out[i]);
+    }
+}
+
+void metrics_difference_picture(const float (*image)[3], const float (*reference)[3],
+                                uint64_t pixel_count, float (*out)[3])
+{
+    error_map_values(ERROR_MAP_RELATIVE, image, reference, pixel_count, out);
+    error_map_picture(ERROR_MAP_RELATIVE, (const float(*)[3])out, pixel_count, out);
+}
