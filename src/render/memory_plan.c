@@ -195,12 +195,23 @@ static bool check(const struct memory_plan_params *p, const struct memory_plan *
 // What the host keeps of a picture to read it back, estimate its error and write it.
 #define HOST_BYTES_A_PIXEL 64
 
+static uint64_t host_free(void)
+{
+    long pages = sysconf(_SC_AVPHYS_PAGES), page = sysconf(_SC_PAGESIZE);
+    return pages > 0 && page > 0 ? (uint64_t)pages * (uint64_t)page : UINT64_MAX;
+}
+
 // On a CPU driver device memory is the host's, whatever size the driver gives its heap.
+uint64_t memory_plan_free(const struct gpu *gpu)
+{
+    uint64_t bytes = gpu->info.memory_bytes, used = gpu->allocated_bytes;
+    return gpu->info.is_cpu ? host_free() : bytes - least(bytes, used);
+}
+
 static bool check_total(const struct memory_plan_params *p, const struct memory_plan *plan,
                         uint64_t pixels, struct err *err)
 {
-    long pages = sysconf(_SC_AVPHYS_PAGES), page = sysconf(_SC_PAGESIZE);
-    uint64_t host = pages > 0 && page > 0 ? (uint64_t)pages * (uint64_t)page : UINT64_MAX;
+    uint64_t host = host_free();
     bool is_cpu = p->gpu->info.is_cpu;
     uint64_t device = is_cpu ? host : p->gpu->info.memory_bytes;
     uint64_t host_bytes = HOST_BYTES_A_PIXEL + film_aovs_bytes(p->specialization->aovs);

@@ -42,6 +42,9 @@ bool memory_plan_make(const struct memory_plan_params *params, struct memory_pla
 // Whether each of the scene's buffers can be read as texels.
 bool memory_plan_fits_texels(const struct memory_plan_params *params);
 
+// Bytes of device memory that can still be had.
+uint64_t memory_plan_free(const struct gpu *gpu);
+
 const char *binding_name(uint32_t binding);
 
 #endif

@@ -139,7 +139,8 @@ static bool watched(struct loop *l, wave_step_fn fn, enum kernel_id kernel, uint
                     struct err *err)
 {
     const struct gpu_push *push = &l->r->push;
-    const struct wave_step step = {kernel, push->bounce, queue, push->light_ray};
+    uint32_t light_ray = kernel == KERNEL_intersect_shadow ? push->light_ray : 0;
+    const struct wave_step step = {kernel, push->bounce, queue, light_ray};
     return run(l->r, err) && fn(l->watch->context, &step, err) && wave_begin(l->r, l->wave, err);
 }
 
@@ -410,16 +411,11 @@ static bool create_kernels(struct renderer *r, struct err *err)
 }
 
 // All counters zeroed: the kernels below find nothing to do.
-static bool clear_counters(struct renderer *r, struct err *err)
+bool wave_clear_counters(struct renderer *r, struct err *err)
 {
     memset(r->counters, 0, sizeof *r->counters);
     return gpu_upload(r->gpu, &r->buffers[BINDING_COUNTERS], 0, r->counters, sizeof *r->counters,
                       err);
-}
-
-bool wave_abandon(struct renderer *r, struct err *err)
-{
-    return clear_counters(r, err);
 }
 
 static bool run_on_nothing(struct renderer *r, struct err *err)
@@ -429,7 +425,7 @@ static bool run_on_nothing(struct renderer *r, struct err *err)
     r->push.queue = 0;
     r->push.part_items = 0;
     struct render_stats kept = r->stats; // compilation is no run time
-    if (!clear_counters(r, err) || !wave_begin(r, &none, err))
+    if (!wave_clear_counters(r, err) || !wave_begin(r, &none, err))
         return false;
     for (int id = 0; id < KERNEL_COUNT; id++)
         if (r->kernels[id].pipeline)

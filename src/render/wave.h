@@ -53,6 +53,6 @@ bool wave_begin(struct renderer *renderer, const struct wave *wave, struct err *
 void wave_record_step(struct renderer *renderer, const struct wave *wave,
                       const struct wave_step *step);
 // Leaves what a wave was in the middle of: empties all queues, counts from 0.
-bool wave_abandon(struct renderer *renderer, struct err *err);
+bool wave_clear_counters(struct renderer *renderer, struct err *err);
 
 #endif
