@@ -32,4 +32,18 @@ struct torus {
 bool generate_torus(struct scene *scene, const struct torus *torus, uint32_t material,
                     uint32_t *index, struct err *err);
 
+#define STADIUM_STEPS_MAX 1024
+#define STADIUM_SEGMENTS_MAX 4096
+
+struct stadium {
+    uint32_t steps;    // of the stands, 1 to STADIUM_STEPS_MAX
+    uint32_t segments; // around, 3 to STADIUM_SEGMENTS_MAX
+};
+
+// Appends an elliptic stadium about the y axis, without normals: a field on y = 0 with semi-axes
+// 0.6 along x and 0.4 along z, and around it stands of 0.4 in width that rise in equal steps to
+// y = 0.25, with a wall outside. segments * (4 steps + 3) triangles. Open beneath.
+bool generate_stadium(struct scene *scene, const struct stadium *stadium, uint32_t material,
+                      uint32_t *index, struct err *err);
+
 #endif

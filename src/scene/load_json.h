@@ -57,6 +57,8 @@ bool load_json_teapot(struct scene *scene, const struct json_node *teapot, uint3
 
 bool load_json_torus(struct scene *scene, const struct json_node *torus, uint32_t material,
                      struct err *err);
+bool load_json_stadium(struct scene *scene, const struct json_node *stadium, uint32_t material,
+                       struct err *err);
 
 // Spheres without number, with materials of their own.
 bool load_json_scatter(struct json_loader *loader, const struct json_node *scatter,

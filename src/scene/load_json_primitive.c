@@ -207,3 +207,17 @@ bool load_json_torus(struct scene *scene, const struct json_node *node, uint32_t
         return node_prepend(node, err);
     return scene_place_meshes(scene, mesh, 1, err);
 }
+
+bool load_json_stadium(struct scene *scene, const struct json_node *node, uint32_t material,
+                       struct err *err)
+{
+    uint64_t steps = 16, segments = 96;
+    uint32_t mesh;
+    if (!node_read_integer(node, "steps", 1, STADIUM_STEPS_MAX, &steps, err) ||
+        !node_read_integer(node, "segments", 3, STADIUM_SEGMENTS_MAX, &segments, err))
+        return false;
+    const struct stadium stadium = {(uint32_t)steps, (uint32_t)segments};
+    if (!generate_stadium(scene, &stadium, material, &mesh, err))
+        return node_prepend(node, err);
+    return scene_place_meshes(scene, mesh, 1, err);
+}

@@ -266,14 +266,15 @@ enum shape_type {
     TYPE_GENERATED,
     TYPE_TEAPOT,
     TYPE_TORUS,
+    TYPE_STADIUM,
     TYPE_SCATTER,
     TYPE_INSTANCE,
     TYPE_COUNT,
 };
 
-static const char *const type_names[TYPE_COUNT + 1] = {"mesh",    "quad",      "box",    "sphere",
-                                                       "disc",    "generated", "teapot", "torus",
-                                                       "scatter", "instance",  NULL};
+static const char *const type_names[TYPE_COUNT + 1] = {"mesh",    "quad",      "box",      "sphere",
+                                                       "disc",    "generated", "teapot",   "torus",
+                                                       "stadium", "scatter",   "instance", NULL};
 
 // Keys beside "type", and beside "name" and "transform", which all shapes may have.
 static const struct {
@@ -288,6 +289,7 @@ static const struct {
     [TYPE_TEAPOT] = {{"type", "material"}, {"name", "transform", "resolution"}},
     [TYPE_TORUS] = {{"type", "material"},
                     {"name", "transform", "tube", "segments", "tube_segments"}},
+    [TYPE_STADIUM] = {{"type", "material"}, {"name", "transform", "steps", "segments"}},
     [TYPE_SCATTER] = {{"type", "count", "disc_radius", "radius", "materials"},
                       {"name", "transform", "seed", "as", "subdivision"}},
     [TYPE_INSTANCE] = {{"type", "of"}, {"name", "transform", "material"}},
@@ -360,6 +362,8 @@ static bool add_in_own_space(struct shape_list *list, const struct json_node *no
         return load_json_generated(scene, node, material, err);
     case TYPE_TORUS:
         return load_json_torus(scene, node, material, err);
+    case TYPE_STADIUM:
+        return load_json_stadium(scene, node, material, err);
     case TYPE_TEAPOT:
         return load_json_teapot(scene, node, material, err);
     case TYPE_SCATTER:

@@ -277,7 +277,51 @@ TEST(torus_is_closed)
     scene_finish(&scene);
 }
 
-TEST_MAIN(TEST_CASE(torus_is_closed), TEST_CASE(sizes), TEST_CASE(the_surface_is_closed),
-          TEST_CASE(radius_and_normals), TEST_CASE(the_same_every_time),
-          TEST_CASE(too_large_is_an_error), TEST_CASE(teapot_sizes), TEST_CASE(teapot_extents),
-          TEST_CASE(teapot_normals), TEST_CASE(teapot_coordinates))
+// --- stadium -------------------------------------------------------------------------------------
+
+// The area vectors of a surface that is open in one plane sum up to that of the opening; and what
+// it encloses with that plane is the ground below each step times its height.
+static void check_stadium(const struct stadium *stadium)
+{
+    struct scene scene = {0};
+    struct err err = {0};
+    uint32_t index;
+    bool is_made =
+        scene_add_material(&scene, NULL) && generate_stadium(&scene, stadium, 0, &index, &err);
+    REQUIRE(is_made, "%s", err.msg);
+    const struct mesh *mesh = &scene.meshes[index];
+    uint32_t n = stadium->steps, segments = stadium->segments;
+    CHECK(mesh->triangle_count == segments * (4 * n + 3), "%u triangles", mesh->triangle_count);
+    double volume = 0, sum[3] = {0, 0, 0};
+    for (uint32_t t = 0; t < mesh->triangle_count; t++) {
+        double area[3], corner[3];
+        area_vector(mesh, t, area);
+        CHECK(dot(area, area) > 0, "triangle %u has no area", t);
+        for (int c = 0; c < 3; c++) {
+            corner[c] = (double)mesh->positions[mesh->indices[t][0]][c];
+            sum[c] += area[c] / 2;
+        }
+        volume += dot(corner, area) / 6;
+    }
+    double of_circle = segments * sin(2 * M_PI / segments) / 2, expected = 0;
+    for (uint32_t i = 0; i < n; i++) {
+        double in = 0.4 * i / n, out = 0.4 * (i + 1) / n, rise = 0.25 * (i + 1) / n;
+        expected += of_circle * ((0.6 + out) * (0.4 + out) - (0.6 + in) * (0.4 + in)) * rise;
+    }
+    CHECK(fabs(volume / expected - 1) < 1e-5, "volume %g, expected %g", volume, expected);
+    CHECK(fabs(sum[0]) < 1e-5 && fabs(sum[2]) < 1e-5 && fabs(sum[1] / (0.8 * of_circle) - 1) < 1e-5,
+          "%g %g %g", sum[0], sum[1], sum[2]);
+    scene_finish(&scene);
+}
+
+TEST(stadium_is_open_beneath)
+{
+    check_stadium(&(struct stadium){.steps = 1, .segments = 3});
+    check_stadium(&(struct stadium){.steps = 16, .segments = 96});
+    check_stadium(&(struct stadium){.steps = 200, .segments = 31});
+}
+
+TEST_MAIN(TEST_CASE(torus_is_closed), TEST_CASE(stadium_is_open_beneath), TEST_CASE(sizes),
+          TEST_CASE(the_surface_is_closed), TEST_CASE(radius_and_normals),
+          TEST_CASE(the_same_every_time), TEST_CASE(too_large_is_an_error), TEST_CASE(teapot_sizes),
+          TEST_CASE(teapot_extents), TEST_CASE(teapot_normals), TEST_CASE(teapot_coordinates))
