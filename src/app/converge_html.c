@@ -12,183 +12,306 @@ struct page {
     struct html_page html;
 };
 
-// --- plots ---------------------------------------------------------------------------------------
-
-static bool is_known(struct interval i)
-{
-    return isfinite(i.value) && i.value > 0;
-}
-
-static void put_data(FILE *out, const struct converge *c, const struct converge_curve *curve,
-                     uint32_t number, bool over_time)
-{
-    fprintf(out, "$curve%u << EOD\n", number);
-    for (uint32_t p = 0; p < c->point_count; p++) {
-        struct interval e = curve->error[p];
-        double x = over_time ? curve->seconds[p].value : (double)c->spp[p];
-        if (is_known(e))
-            fprintf(out, "%.9g %.9g %.9g %.9g\n", x, e.value, e.low, e.high);
-    }
-    fputs("EOD\n", out);
-}
-
-static void put_script(FILE *out, const struct converge *c, uint32_t scene, bool over_time)
-{
-    fprintf(out,
-            "set terminal svg size 620,440 dynamic font 'sans-serif,12' noenhanced\n"
-            "set logscale xy\nset grid\nset key bottom left\n"
-            "set format xy '%%g'\nset ylabel 'relMSE'\nset xlabel '%s'\n",
-            over_time ? "seconds of rendering" : "samples a pixel");
-    const char *separator = "plot ";
-    for (uint32_t i = 0; i < c->curve_count; i++)
-        if (c->curves[i].variant.scene == scene)
-            put_data(out, c, &c->curves[i], i, over_time);
-    for (uint32_t i = 0; i < c->curve_count; i++) {
-        if (c->curves[i].variant.scene != scene)
-            continue;
-        fprintf(out,
-                "%s$curve%u using 1:2:3:4 with yerrorlines linewidth 2 pointtype 7 "
-                "pointsize .4 title ",
-                separator, i);
-        html_plot_words(out, converge_label(&c->curves[i]));
-        separator = ", \\\n     ";
-    }
-    fputc('\n', out);
-}
+// Of larger numbers of curves a matrix of all pairs cannot be read.
+#define MATRIX_CURVES 8
 
 static bool put_plot(struct page *page, uint32_t scene, bool over_time, struct err *err)
 {
-    char *script = NULL;
-    size_t size = 0;
-    FILE *file = open_memstream(&script, &size);
+    char *script;
     const char *name =
         arena_printf(page->html.arena, "%s-%u", over_time ? "error-time" : "error-samples", scene);
-    if (!file || !name)
-        return err_memory(err, "a plot", 0);
-    put_script(file, page->c, scene, over_time);
-    bool ok = fclose(file) == 0 ? html_plot(&page->html, name, script, err)
-                                : err_memory(err, "a plot", size);
+    if (!name)
+        return err_memory(err, "file names", 0);
+    if (!converge_plot(page->c, scene, over_time, &script, err))
+        return false;
+    bool ok = !script || html_plot(&page->html, name, script, err);
     free(script);
     return ok;
 }
 
 // --- pictures ------------------------------------------------------------------------------------
 
-// Relative differences in false colours, which are display values.
-static bool put_error_map(struct page *page, const char *name, const struct image *image,
-                          const struct converge_reference *reference, struct err *err)
+static bool put_reference(struct page *page, uint32_t scene, struct err *err)
 {
-    uint64_t count = (uint64_t)image->width * image->height;
-    struct image map = {image->width, image->height,
-                        arena_alloc(page->html.arena, count, sizeof *map.pixels)};
-    if (!map.pixels)
-        return err_memory(err, "an error map", count * sizeof *map.pixels);
-    metrics_difference_picture((const float(*)[3])image->pixels,
-                               (const float(*)[3])reference->picture.image.pixels, count,
-                               map.pixels);
-    html_linearize(&map);
-    return html_picture(&page->html, name, &map, "", err);
-}
-
-// Picture and reference one above the other: the slider cuts the upper one off.
-static bool put_slider(struct page *page, uint32_t index, struct err *err)
-{
-    const struct converge *c = page->c;
-    const struct converge_curve *curve = &c->curves[index];
-    const struct converge_reference *reference = &c->references[curve->variant.scene];
-    const struct settings *settings = &curve->scene_data.settings;
-    struct image image = {settings->width, settings->height, curve->pictures[0]};
-    struct image truth = {settings->width, settings->height, reference->picture.image.pixels};
-    const char *name = arena_printf(page->html.arena, "curve-%u", index);
-    const char *map = arena_printf(page->html.arena, "curve-%u-error", index);
-    const char *base = arena_printf(page->html.arena, "reference-%u", curve->variant.scene);
-    if (!name || !map || !base)
+    const struct converge_reference *reference = &page->c->references[scene];
+    if (!reference->name)
+        return true;
+    const char *name = arena_printf(page->html.arena, "reference-%u", scene);
+    const char *attributes = arena_printf(page->html.arena, "id=\"reference-%u\" alt=\"\"", scene);
+    if (!name || !attributes)
         return err_memory(err, "file names", 0);
-    fputs("<figure><figcaption>", page->html.out);
-    html_text(&page->html, converge_label(curve));
-    fputs("</figcaption><div class=\"slider\">", page->html.out);
-    if (reference->name && !html_picture(&page->html, base, &truth, "", err))
-        return false;
-    if (!html_picture(&page->html, name, &image, "class=\"over\"", err))
-        return false;
-    if (reference->name)
-        fputs(
-            "<input type=\"range\" min=\"0\" max=\"100\" value=\"100\" title=\"left: the curve's "
-            "picture, right: the reference\" oninput=\"this.previousElementSibling.style.clipPath="
-            "'inset(0 '+(100-this.value)+'% 0 0)'\">",
-            page->html.out);
-    fputs("</div>", page->html.out);
-    if (reference->name && !put_error_map(page, map, &image, reference, err))
+    fputs("<figure><figcaption>reference</figcaption>", page->html.out);
+    if (!html_picture(&page->html, name, &reference->picture.image, attributes, err))
         return false;
     fputs("</figure>\n", page->html.out);
     return true;
 }
 
-// --- tables --------------------------------------------------------------------------------------
+static bool put_picture(struct page *page, uint32_t index, struct err *err)
+{
+    const struct converge_curve *curve = &page->c->curves[index];
+    const struct converge_reference *reference = &page->c->references[curve->variant.scene];
+    const struct settings *settings = &curve->scene_data.settings;
+    const struct image image = {settings->width, settings->height, curve->pictures[0]};
+    struct arena *arena = page->html.arena;
+    const char *name = arena_printf(arena, "curve-%u", index);
+    const char *map = arena_printf(arena, "curve-%u-error", index);
+    const char *attributes = arena_printf(arena, "id=\"curve-%u\" alt=\"\"", index);
+    const char *map_attributes = arena_printf(arena, "id=\"curve-%u-error\" alt=\"\"", index);
+    if (!name || !map || !attributes || !map_attributes)
+        return err_memory(err, "file names", 0);
+    fputs("<figure><figcaption>", page->html.out);
+    html_text(&page->html, converge_label(curve));
+    fputs("</figcaption>", page->html.out);
+    if (!html_picture(&page->html, name, &image, attributes, err) ||
+        (reference->name && !html_difference(&page->html, map, &image, &reference->picture.image,
+                                             map_attributes, err)))
+        return false;
+    fputs("</figure>\n", page->html.out);
+    return true;
+}
 
-static void put_row(struct page *page, uint32_t index)
+// The slider's choice: the reference and the curves, then the maps.
+static bool put_slider(struct page *page, uint32_t first, uint32_t count, struct err *err)
 {
     const struct converge *c = page->c;
-    const struct converge_curve *curve = &c->curves[index];
-    FILE *out = page->html.out;
-    uint32_t last = c->point_count - 1;
-    fputs("<tr><th>", out);
+    const struct settings *settings = &c->curves[first].scene_data.settings;
+    struct arena *arena = page->html.arena;
+    uint32_t scene = c->curves[first].variant.scene, used = 0;
+    bool has_reference = c->references[scene].name != NULL;
+    struct html_choice *choices = ARENA_NEW(arena, struct html_choice, 2 * (size_t)count + 1);
+    if (!choices)
+        return err_memory(err, "pictures", count);
+    for (uint32_t i = 0; i < count; i++)
+        choices[used++] = (struct html_choice){arena_printf(arena, "curve-%u", first + i),
+                                               converge_label(&c->curves[first + i])};
+    if (has_reference)
+        choices[used++] =
+            (struct html_choice){arena_printf(arena, "reference-%u", scene), "reference"};
+    for (uint32_t i = 0; i < count && has_reference; i++)
+        choices[used++] = (struct html_choice){
+            arena_printf(arena, "curve-%u-error", first + i),
+            arena_printf(arena, "error of %s", converge_label(&c->curves[first + i]))};
+    for (uint32_t i = 0; i < used; i++)
+        if (!choices[i].id || !choices[i].label)
+            return err_memory(err, "pictures", used);
+    uint32_t times = settings->width < 512 ? 512 / settings->width : 1;
+    html_slider(&page->html, choices, used, has_reference ? count : used - 1,
+                times * settings->width);
+    return true;
+}
+
+static bool put_pictures(struct page *page, uint32_t scene, uint32_t first, uint32_t count,
+                         struct err *err)
+{
+    fputs("<h3>Pictures of the first replicate, and their errors</h3>\n", page->html.out);
+    if (page->c->references[scene].name && !html_difference_scale(&page->html, err))
+        return false;
+    fputs("<div class=\"pictures\">", page->html.out);
+    if (!put_reference(page, scene, err))
+        return false;
+    for (uint32_t i = 0; i < count; i++)
+        if (!put_picture(page, first + i, err))
+            return false;
+    fputs("</div>\n", page->html.out);
+    return put_slider(page, first, count, err);
+}
+
+// --- tables --------------------------------------------------------------------------------------
+
+static void put_label(struct page *page, const struct converge_curve *curve)
+{
+    fputs("<tr><th>", page->html.out);
     html_text(&page->html, converge_label(curve));
-    fputs("</th>", out);
-    html_interval(&page->html, curve->error[last], "%.3g");
-    html_interval(&page->html, curve->slope, "%.3f");
-    html_interval(&page->html, curve->seconds[last], "%.3g");
-    html_interval(&page->html, curve->efficiency, "%.3g");
-    html_interval(&page->html, curve->ratio, "%.3g");
-    fprintf(out, "<td>%s</td>", converge_verdict(curve));
-    for (int i = 0; i < CONVERGE_TARGETS; i++) {
-        if (isnan(curve->time_to[i]))
-            fputs("<td>not known</td>", out);
-        else
-            fprintf(out, "<td>%.3g%s</td>", curve->time_to[i], curve->extrapolated[i] ? "*" : "");
+    fputs("</th>", page->html.out);
+}
+
+static void put_ratio(struct page *page, struct interval ratio)
+{
+    static const char *const classes[] = {
+        [CURVE_NOT_TOLD_APART] = "", [CURVE_BETTER] = "better", [CURVE_WORSE] = "worse"};
+    FILE *out = page->html.out;
+    if (isnan(ratio.value)) {
+        fputs("<td>not known</td>", out);
+        return;
     }
-    html_interval(&page->html, curve->bias, "%.2g");
-    const struct converge_sample *first = converge_at(c, curve, 0, last);
-    for (int m = CONVERGE_SMAPE; m < CONVERGE_METRICS; m++)
-        fprintf(out, "<td>%.4g</td>", first->metric[m]);
+    fprintf(out, "<td class=\"%s\">%.3g &times; <small>", classes[curve_judge(ratio)], ratio.value);
+    if (!isnan(ratio.low))
+        fprintf(out, "[%.3g, %.3g]", ratio.low, ratio.high);
+    fprintf(out, "</small>%s</td>", converge_verdict(ratio));
+}
+
+static void put_row(struct page *page, const struct converge_curve *curve, bool is_first)
+{
+    const struct converge *c = page->c;
+    FILE *out = page->html.out;
+    const struct converge_point *last = &curve->points[c->point_count - 1];
+    put_label(page, curve);
+    html_interval(&page->html, last->metric[CONVERGE_RELMSE], "%.3g");
+    html_interval(&page->html, curve->slope, "%.3f");
+    html_interval(&page->html, last->spp, "%.4g");
+    html_interval(&page->html, last->seconds, "%.3g");
+    html_number(&page->html, curve->start_seconds, "%.2g");
+    html_interval(&page->html, curve->efficiency, "%.3g");
+    html_interval(&page->html, curve->efficiency_mse, "%.3g");
+    if (is_first)
+        fputs("<td>1</td>", out);
+    else
+        put_ratio(page, curve->ratios[0]);
+    if (isnan(curve->bias.value))
+        fputs("<td>not known</td>", out);
+    else
+        fprintf(out, "<td%s>%.2g <small>[%.2g, %.2g]</small>%s</td>",
+                converge_is_biased(curve) ? " class=\"alarm\"" : "", curve->bias.value,
+                curve->bias.low, curve->bias.high, converge_is_biased(curve) ? "biased" : "");
     fputs("</tr>\n", out);
+}
+
+static void put_curves(struct page *page, uint32_t first, uint32_t count)
+{
+    FILE *out = page->html.out;
+    fprintf(out,
+            "<div class=\"wide\"><table><tr><th>curve</th><th>relMSE at the end</th><th>slope on "
+            "%s</th><th>samples a pixel</th><th>seconds</th><th>start, s</th><th>efficiency</th>"
+            "<th>efficiency, MSE</th><th>against the first</th><th>bias</th></tr>\n",
+            page->c->spp ? "samples" : "time");
+    for (uint32_t i = 0; i < count; i++)
+        put_row(page, &page->c->curves[first + i], i == 0);
+    fputs("</table></div>\n", out);
+}
+
+static void put_metrics(struct page *page, uint32_t first, uint32_t count)
+{
+    static const char *const formats[CONVERGE_METRICS] = {
+        [CONVERGE_MSE] = "%.3g",  [CONVERGE_SMAPE] = "%.4f", [CONVERGE_PSNR] = "%.2f",
+        [CONVERGE_SSIM] = "%.4f", [CONVERGE_FLIP] = "%.4f",
+    };
+    fputs("<h3>Other metrics at the end, and seconds (samples a pixel) to a relMSE</h3>\n"
+          "<div class=\"wide\"><table><tr><th>curve</th><th>MSE</th><th>SMAPE</th><th>PSNR</th>"
+          "<th>SSIM</th><th>FLIP</th><th>to 1e-2</th><th>to 1e-3</th><th>to 1e-4</th></tr>\n",
+          page->html.out);
+    for (uint32_t i = 0; i < count; i++) {
+        const struct converge_curve *curve = &page->c->curves[first + i];
+        put_label(page, curve);
+        for (int m = CONVERGE_MSE; m < CONVERGE_METRICS; m++)
+            html_interval(&page->html, curve->points[page->c->point_count - 1].metric[m],
+                          formats[m]);
+        for (int t = 0; t < CONVERGE_TARGETS; t++) {
+            const struct converge_target *target = &curve->targets[t];
+            if (isnan(target->seconds.value))
+                fputs("<td>not known</td>", page->html.out);
+            else
+                fprintf(page->html.out, "<td>%s%.3g s <small>[%.3g, %.3g] (%.3g)</small></td>",
+                        target->extrapolated ? "&#8776; " : "", target->seconds.value,
+                        target->seconds.low, target->seconds.high, target->spp.value);
+        }
+        fputs("</tr>\n", page->html.out);
+    }
+    fputs("</table></div>\n", page->html.out);
+}
+
+static void put_matrix(struct page *page, uint32_t first, uint32_t count)
+{
+    FILE *out = page->html.out;
+    if (count < 3 || count > MATRIX_CURVES)
+        return;
+    fputs("<h3>Efficiency of a row's curve as a multiple of a column's</h3>\n"
+          "<div class=\"wide\"><table><tr><th></th>",
+          out);
+    for (uint32_t i = 0; i < count; i++) {
+        fputs("<th>", out);
+        html_text(&page->html, converge_label(&page->c->curves[first + i]));
+        fputs("</th>", out);
+    }
+    fputs("</tr>\n", out);
+    for (uint32_t i = 0; i < count; i++) {
+        put_label(page, &page->c->curves[first + i]);
+        for (uint32_t k = 0; k < count; k++)
+            if (k == i)
+                fputs("<td></td>", out);
+            else
+                put_ratio(page, page->c->curves[first + i].ratios[k]);
+        fputs("</tr>\n", out);
+    }
+    fputs("</table></div>\n", out);
+}
+
+// --- words ---------------------------------------------------------------------------------------
+
+static void put_reference_words(struct page *page, const struct converge_reference *reference)
+{
+    FILE *out = page->html.out;
+    if (!reference->name)
+        fputs("No reference: errors are those that the half-buffers tell, blind to bias.", out);
+    else if (reference->spp)
+        fprintf(out,
+                "The reference has %" PRIu64 " samples a pixel, and a relMSE of its own of "
+                "%.2g, which is subtracted.",
+                reference->spp, reference->picture.relmse);
+    else {
+        fputs("The reference is ", out);
+        html_text(&page->html, reference->name);
+        if (reference->picture.noise_known)
+            fprintf(out, ", with a relMSE of its own of %.2g, which is subtracted.",
+                    reference->picture.relmse);
+        else
+            fputs(", whose own noise is not known.", out);
+    }
 }
 
 static bool put_scene(struct page *page, uint32_t scene, struct err *err)
 {
     const struct converge *c = page->c;
     FILE *out = page->html.out;
+    uint32_t first = 0;
+    while (c->curves[first].variant.scene != scene)
+        first++;
+    uint32_t count = converge_siblings(c, &c->curves[first], &first);
+    const struct settings *settings = &c->curves[first].scene_data.settings;
     fputs("<h2>", out);
     html_text(&page->html, c->options->arguments[scene]);
-    fputs("</h2>\n<div class=\"plots\">", out);
+    fprintf(out, "</h2>\n<p>%u &times; %u pixels, %u replicates. ", settings->width,
+            settings->height, c->replicates_done);
+    put_reference_words(page, &c->references[scene]);
+    fputs("</p>\n<div class=\"plots\">", out);
     if (!put_plot(page, scene, false, err) || !put_plot(page, scene, true, err))
         return false;
-    fputs("</div>\n<table><tr><th>curve</th><th>relMSE at the end</th><th>slope</th><th>seconds"
-          "</th><th>efficiency</th><th>ratio to the first</th><th></th><th>s to 1e-2</th><th>to "
-          "1e-3</th><th>to 1e-4</th><th>bias</th><th>SMAPE</th><th>PSNR</th><th>SSIM"
-          "</th><th>FLIP</th></tr>\n",
-          out);
-    for (uint32_t i = 0; i < c->curve_count; i++)
-        if (c->curves[i].variant.scene == scene)
-            put_row(page, i);
-    fputs("</table>\n<div class=\"pictures\">", out);
-    for (uint32_t i = 0; i < c->curve_count; i++)
-        if (c->curves[i].variant.scene == scene && !put_slider(page, i, err))
-            return false;
     fputs("</div>\n", out);
-    return true;
+    put_curves(page, first, count);
+    put_metrics(page, first, count);
+    put_matrix(page, first, count);
+    return put_pictures(page, scene, first, count, err);
+}
+
+static void put_notes(struct page *page)
+{
+    char notes[CONVERGE_NOTES][CONVERGE_NOTE_SIZE];
+    uint32_t count = converge_notes(page->c, notes);
+    for (uint32_t i = 0; i < count; i++)
+        fprintf(page->html.out, "<p class=\"note\">Note: %s.</p>\n", notes[i]);
 }
 
 static void put_explanation(struct page *page)
 {
-    fprintf(page->html.out,
-            "<p>%u replicates. Errors are geometric means over replicates with 95 %% intervals of "
-            "Student's t. Times are of rendering alone; those to an error add loading, building "
-            "and compiling, and follow 1/t from the last point; * marks those beyond it. "
-            "Efficiency is 1 / (relMSE &times; seconds). Bias is what of relMSE more samples would "
-            "not remove: there is some where the interval is above 0. SMAPE, PSNR, SSIM and FLIP "
-            "are of the first replicate.</p>\n",
-            page->c->replicates_done);
+    fputs(
+        "<h2>How to read this</h2>\n<p>Errors are geometric means over replicates, other metrics "
+        "means, with 95 % intervals of Student's t. Seconds are of rendering alone; start is "
+        "loading, building and compiling, and counts in the times to an error. &#8776; marks those "
+        "that are extrapolated: by the slope that was found where its interval leaves &minus;1 "
+        "out, else as if the error fell with 1/t. Efficiency is 1 / (relMSE &times; seconds), and "
+        "1 / (MSE &times; seconds). Pairs are compared seed by seed. Bias is what of relMSE more "
+        "samples would not remove: there is some where the interval is above 0.</p>\n",
+        page->html.out);
+}
+
+static void put_commands(struct page *page)
+{
+    fputs("<h3>The first replicate's pictures again</h3>\n<pre>", page->html.out);
+    for (uint32_t i = 0; i < page->c->curve_count; i++) {
+        html_text(&page->html, page->c->curves[i].command);
+        fprintf(page->html.out, "  # %016" PRIx64 "\n", page->c->curves[i].image_hash);
+    }
+    fputs("</pre>\n", page->html.out);
 }
 
 bool converge_write_html(struct converge *c, const char *folder, struct err *err)
@@ -196,10 +319,13 @@ bool converge_write_html(struct converge *c, const char *folder, struct err *err
     struct page page = {.c = c};
     if (!html_begin(&page.html, &c->arena, folder, "Error against run time", err))
         return false;
+    page.html.keeps_parts = c->options->images;
+    put_notes(&page);
     bool ok = true;
     for (uint32_t scene = 0; scene < c->options->argument_count && ok; scene++)
         ok = put_scene(&page, scene, err);
     put_explanation(&page);
     html_machine(&page.html, &c->gpu, c->options->command_line);
+    put_commands(&page);
     return html_end(&page.html, ok, err);
 }

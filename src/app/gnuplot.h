@@ -2,10 +2,11 @@
 #ifndef LAMPYRIS_APP_GNUPLOT_H
 #define LAMPYRIS_APP_GNUPLOT_H
 
+#include "arena.h"
 #include "err.h"
 
-// Writes `script` to PATH.gp and what gnuplot prints of it to PATH.svg, so that the plot can be
-// made again. ERR_SYSTEM where gnuplot is not there or fails.
-bool gnuplot_run(const char *script, const char *path, struct err *err);
+// What gnuplot prints for `script`, which is to set a terminal without a file name: zero-terminated
+// text in `arena`. ERR_SYSTEM where gnuplot is not there or fails.
+bool gnuplot_run(const char *script, struct arena *arena, char **out, struct err *err);
 
 #endif

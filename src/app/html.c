@@ -1,4 +1,3 @@
-#define _GNU_SOURCE // memmem
 #include "html.h"
 
 #include "file.h"
@@ -9,15 +8,37 @@
 #include <stdlib.h>
 #include <string.h>
 
+// Two pictures one above the other: a range input cuts the upper one off.
 static const char head[] =
     "<!DOCTYPE html>\n<html lang=\"en\"><meta charset=\"utf-8\"><title>%s</title>\n"
-    "<style>body{font:15px sans-serif;margin:2em;max-width:1280px}table{border-collapse:collapse;"
-    "font-size:13px}td,th{border:1px solid #bbb;padding:3px "
-    "6px;text-align:right}th{text-align:left}"
-    "small{color:#666}figure{display:inline-block;margin:8px}.slider{position:relative;display:"
-    "inline-block}.slider img{display:block}.slider .over{position:absolute;left:0;top:0}.slider "
-    ".over:first-child{position:static}.slider input{position:absolute;left:0;bottom:0;width:100%%;"
-    "margin:0}.plots svg{width:49%%;height:auto}pre{white-space:pre-wrap}</style>\n"
+    "<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n<style>\n"
+    "body{font:15px/1.5 system-ui,sans-serif;color:#1d2733;background:#fff;margin:2em auto;"
+    "padding:0 1.5em;max-width:1280px}\n"
+    "h1{font-size:1.6em;font-weight:600;margin:0 0 .3em}"
+    "h2{font-size:1.2em;font-weight:600;margin:2em 0 .5em;border-bottom:2px solid #dfe4ea}"
+    "h3{font-size:1em;font-weight:600;margin:1.5em 0 .4em}\n"
+    ".wide{overflow-x:auto}"
+    "table{border-collapse:collapse;font-size:13px;font-variant-numeric:tabular-nums}"
+    "td,th{border-bottom:1px solid #dfe4ea;padding:4px 9px;text-align:right;vertical-align:top}"
+    "th{text-align:left;font-weight:600;white-space:nowrap}tr:first-child th{background:#f3f5f8;"
+    "vertical-align:bottom}\n"
+    "td small{display:block;color:#66727f;white-space:nowrap}"
+    ".better{background:#e3f4e6}.worse{background:#fbe7e4}.alarm{background:#fbe7e4;"
+    "font-weight:600}\n"
+    ".note{background:#fff6dd;border-left:4px solid #e0a800;padding:.4em .8em}\n"
+    ".plots{display:flex;flex-wrap:wrap;gap:8px}.plots svg{flex:1 1 460px;max-width:620px;"
+    "height:auto}\n"
+    ".pictures{display:flex;flex-wrap:wrap;gap:14px}figure{margin:0}"
+    "figcaption{font-size:13px;max-width:270px;overflow-wrap:anywhere}"
+    "figure img{width:128px;margin-right:3px;image-rendering:pixelated}\n"
+    ".scale{font-size:12px;display:inline-block;margin:.5em 0}.scale img{display:block;width:320px;"
+    "height:12px}.scale span{display:flex;justify-content:space-between}\n"
+    ".slider{position:relative;display:inline-block;line-height:0}"
+    ".slider img{width:100%%;image-rendering:pixelated}"
+    ".slider .over{position:absolute;left:0;top:0;clip-path:inset(0 50%% 0 0)}"
+    ".slider input{position:absolute;left:0;bottom:0;width:100%%;margin:0;opacity:.85}\n"
+    "pre{white-space:pre-wrap;overflow-wrap:anywhere;background:#f3f5f8;padding:.6em .8em;"
+    "font-size:12px}</style>\n"
     "<h1>%s</h1>\n";
 
 bool html_begin(struct html_page *page, struct arena *arena, const char *folder, const char *title,
@@ -90,11 +111,14 @@ void html_interval(struct html_page *page, struct interval i, const char *format
     }
     fputs("<td>", page->out);
     fprintf(page->out, format, i.value);
-    fputs(" <small>[", page->out);
-    fprintf(page->out, format, i.low);
-    fputs(", ", page->out);
-    fprintf(page->out, format, i.high);
-    fputs("]</small></td>", page->out);
+    if (!isnan(i.low) && !isnan(i.high)) {
+        fputs(" <small>[", page->out);
+        fprintf(page->out, format, i.low);
+        fputs(", ", page->out);
+        fprintf(page->out, format, i.high);
+        fputs("]</small>", page->out);
+    }
+    fputs("</td>", page->out);
 }
 
 void html_number(struct html_page *page, double value, const char *format)
@@ -122,26 +146,34 @@ void html_plot_words(FILE *script, const char *text)
     fputc('\'', script);
 }
 
-// A plot's SVG without its XML declaration, inline.
+static bool keep_part(struct html_page *page, const char *name, const char *extension,
+                      const void *data, size_t size, struct err *err)
+{
+    if (!page->keeps_parts)
+        return true;
+    const char *path = arena_printf(page->arena, "%s/%s.%s", page->folder, name, extension);
+    return path ? file_write_atomic(path, data, size, err)
+                : err_memory(err, "file names", strlen(name));
+}
+
+// The SVG goes in without its XML declaration.
 bool html_plot(struct html_page *page, const char *name, const char *script, struct err *err)
 {
-    const char *path = arena_printf(page->arena, "%s/%s", page->folder, name);
-    const char *svg_path = arena_printf(page->arena, "%s/%s.svg", page->folder, name);
     struct err failure = {0};
-    struct file_bytes svg;
-    if (!path || !svg_path)
-        return err_memory(err, "file names", strlen(name));
-    if (!gnuplot_run(script, path, &failure)) {
-        log_warn("no plots: %s", failure.msg);
-        fputs("<p>No plot: gnuplot is not there, or failed.</p>\n", page->out);
+    char *svg;
+    if (!keep_part(page, name, "gp", script, strlen(script), err))
+        return false;
+    if (page->has_no_plots || !gnuplot_run(script, page->arena, &svg, &failure)) {
+        if (!page->has_no_plots) {
+            log_warn("no plots: %s", failure.msg);
+            fputs("<p class=\"note\">No plots: gnuplot is not there, or failed.</p>\n", page->out);
+        }
+        page->has_no_plots = true;
         return true;
     }
-    if (!file_read(page->arena, svg_path, SIZE_MAX, &svg, err))
-        return false;
-    const char *begin = memmem(svg.data, svg.size, "<svg", 4);
-    if (begin)
-        fwrite(begin, 1, svg.size - (size_t)(begin - (const char *)svg.data), page->out);
-    return true;
+    const char *begin = strstr(svg, "<svg");
+    fputs(begin ? begin : svg, page->out);
+    return keep_part(page, name, "svg", svg, strlen(svg), err);
 }
 
 // --- pictures ------------------------------------------------------------------------------------
@@ -149,25 +181,16 @@ bool html_plot(struct html_page *page, const char *name, const char *script, str
 bool html_picture(struct html_page *page, const char *name, const struct image *image,
                   const char *attributes, struct err *err)
 {
-    const char *path = arena_printf(page->arena, "%s/%s.png", page->folder, name);
-    struct image_write_params params = {.path = path, .image = image};
-    struct file_bytes png = {0};
-    if (!path)
-        return err_memory(err, "file names", 0);
-    if (!image_write(&params, err) || !file_read(page->arena, path, SIZE_MAX, &png, err))
+    const struct image_write_params params = {.path = "a picture.png", .image = image};
+    uint8_t *png;
+    size_t size;
+    if (!image_encode(&params, page->arena, &png, &size, err) ||
+        !keep_part(page, name, "png", png, size, err))
         return false;
     fprintf(page->out, "<img %s src=\"data:image/png;base64,", attributes);
-    put_base64(page->out, png.data, png.size);
+    put_base64(page->out, png, size);
     fputs("\">", page->out);
     return true;
-}
-
-void html_linearize(struct image *image)
-{
-    uint64_t count = (uint64_t)image->width * image->height;
-    for (uint64_t i = 0; i < count; i++)
-        for (int k = 0; k < 3; k++)
-            image->pixels[i][k] = image_srgb_to_linear(image->pixels[i][k]);
 }
 
 // --- the machine ---------------------------------------------------------------------------------

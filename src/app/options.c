@@ -171,6 +171,7 @@ static bool check_combinations(const struct options *options, struct err *err)
         {OPTION_TUNE, OPTION_SWEEP, false},
         {OPTION_TUNE, OPTION_BASELINE, false},
         {OPTION_TIMES, OPTION_SPP_FROM, false},
+        {OPTION_TIMES, OPTION_SPP, false},
         {OPTION_IMAGES, OPTION_REPORT, true},
         {OPTION_MAP, OPTION_DIFFERENCE, true},
         {OPTION_TRACE, OPTION_PIXEL, false},
@@ -222,9 +223,7 @@ static bool allocate_lists(struct options *options, int argc, struct err *err)
     return err_memory(err, "the command line", most * sizeof(struct scene_override));
 }
 
-// Text that a shell reads as this one word; returns the end. `out` has room for 4 bytes a byte,
-// and 3.
-static char *quote(const char *word, char *out)
+char *options_quote(const char *word, char *out)
 {
     static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
                                 "_@%+=:,./-";
@@ -274,7 +273,7 @@ static const char *make_line(struct arena *arena, size_t size, int argc, char **
             continue;
         }
         *end++ = ' ';
-        end = quote(argv[i], end);
+        end = options_quote(argv[i], end);
     }
     return line;
 }

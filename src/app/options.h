@@ -308,6 +308,10 @@ bool option_is_setting(const struct option_def *def, const struct command *comma
 bool option_store(const struct option_def *def, const char *text, struct options *options,
                   struct err *err);
 
+// Writes text that a shell reads as this one word; returns its end. `out` has room for 4 bytes a
+// byte, and 3.
+char *options_quote(const char *word, char *out);
+
 // Whether the command takes the option.
 bool option_belongs(const struct option_def *def, const struct command *command);
 

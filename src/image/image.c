@@ -42,20 +42,40 @@ bool image_check_format(const char *path, struct err *err)
                    path_extension(path));
 }
 
-bool image_write(const struct image_write_params *params, struct err *err)
+static bool encode(const struct image_write_params *params, struct byte_buffer *out,
+                   struct err *err)
 {
     if (!image_check_format(params->path, err))
         return false;
     if (params->image->width == 0 || params->image->height == 0)
         return err_set(err, ERR_BUG, "%s: the picture is %u x %u pixels; expected at least 1 x 1",
                        params->path, params->image->width, params->image->height);
+    bool ok = format_of_output(params->path) == FORMAT_EXR ? image_exr_write(params, out, err)
+                                                           : image_png_write(params, out, err);
+    return ok || err_prepend(err, "%s", params->path);
+}
+
+bool image_write(const struct image_write_params *params, struct err *err)
+{
     struct byte_buffer buffer = {0};
-    bool ok = format_of_output(params->path) == FORMAT_EXR ? image_exr_write(params, &buffer, err)
-                                                           : image_png_write(params, &buffer, err);
+    bool ok = encode(params, &buffer, err) &&
+              file_write_atomic(params->path, buffer.data, buffer.size, err);
+    byte_buffer_finish(&buffer);
+    return ok;
+}
+
+bool image_encode(const struct image_write_params *params, struct arena *arena, uint8_t **data,
+                  size_t *size, struct err *err)
+{
+    struct byte_buffer buffer = {0};
+    bool ok = encode(params, &buffer, err);
+    if (ok) {
+        *size = buffer.size;
+        *data = arena_alloc(arena, buffer.size, 1);
+        ok = *data || err_memory(err, "a picture's file", buffer.size);
+    }
     if (ok)
-        ok = file_write_atomic(params->path, buffer.data, buffer.size, err);
-    else
-        err_prepend(err, "%s", params->path);
+        memcpy(*data, buffer.data, buffer.size);
     byte_buffer_finish(&buffer);
     return ok;
 }

@@ -52,6 +52,9 @@ bool image_check_format(const char *path, struct err *err);
 // Writes atomically (base/file.h). ERR_OUTPUT on failure; an older file stays intact then. The file
 // is put together in memory first.
 bool image_write(const struct image_write_params *params, struct err *err);
+// The bytes of that file, in `arena`; the path only names its format.
+bool image_encode(const struct image_write_params *params, struct arena *arena, uint8_t **data,
+                  size_t *size, struct err *err);
 
 struct image_read_params {
     const char *path; // .exr, .hdr, .png (sRGB decoded to linear), .jpg (the same)

@@ -1,0 +1,92 @@
+// What `lampyris converge` measures of a picture.
+#include "converge.h"
+
+#include "perceptual.h"
+#include <math.h>
+#include <string.h>
+
+// SSIM and FLIP take about as long as 100 samples of a pixel: up to this size of every replicate.
+#define PERCEPTION_PIXELS (256u * 256u)
+
+static void compare(const struct reference *reference, const struct film_image *film,
+                    bool with_perception, double metric[CONVERGE_METRICS])
+{
+    const float(*image)[3] = (const float(*)[3])film->mean;
+    const float(*truth)[3] = (const float(*)[3])reference->image.pixels;
+    struct metrics m;
+    metrics_compare(image, truth, (uint64_t)film->width * film->height, &m);
+    metric[CONVERGE_MSE] = m.mse - reference->mse;
+    metric[CONVERGE_RELMSE] = m.relmse - reference->relmse;
+    metric[CONVERGE_SMAPE] = m.smape;
+    metric[CONVERGE_PSNR] = m.psnr;
+    const struct picture_pair pair = {image, truth, film->width, film->height};
+    if (!with_perception)
+        return;
+    if (!metrics_ssim(&pair, &metric[CONVERGE_SSIM]))
+        metric[CONVERGE_SSIM] = NAN;
+    if (!metrics_flip(&pair, FLIP_PIXELS_PER_DEGREE, NULL, &metric[CONVERGE_FLIP]))
+        metric[CONVERGE_FLIP] = NAN;
+}
+
+// Without a reference: what the half-buffers say, over a smoothed denominator, since a pixel's own
+// noise would make the estimate too small; not known where that has too little to go by.
+static bool estimate(const struct film_image *film, uint64_t samples,
+                     double metric[CONVERGE_METRICS], struct err *err)
+{
+    struct half_error error;
+    const struct half_error_params params = {
+        .half_a = (const float(*)[3])film->half_a,
+        .half_b = (const float(*)[3])film->half_b,
+        .width = film->width,
+        .height = film->height,
+        .samples = samples,
+    };
+    if (!metrics_half_error(&params, &error))
+        return err_memory(err, "error estimate", (uint64_t)film->width * film->height * 12);
+    if (error.known) {
+        metric[CONVERGE_MSE] = error.mse;
+        metric[CONVERGE_RELMSE] = error.relmse;
+    }
+    return true;
+}
+
+static bool keep_picture(struct converge *c, struct converge_curve *curve, uint32_t replicate,
+                         const struct film_image *film, struct err *err)
+{
+    uint64_t pixels = (uint64_t)film->width * film->height;
+    float(*kept)[3] = arena_alloc(&c->arena, pixels, sizeof *kept);
+    if (!kept)
+        return err_memory(err, "a picture", pixels * sizeof *kept);
+    memcpy(kept, film->mean, pixels * sizeof *kept);
+    curve->pictures[replicate] = kept;
+    return true;
+}
+
+bool converge_measure_point(struct converge *c, struct converge_curve *curve, uint32_t replicate,
+                            uint32_t point, struct err *err)
+{
+    struct arena scratch = {0};
+    struct film_image film;
+    struct converge_sample *sample = converge_at(c, curve, replicate, point);
+    const struct converge_reference *reference = &c->references[curve->variant.scene];
+    for (int m = 0; m < CONVERGE_METRICS; m++)
+        sample->metric[m] = NAN;
+    bool ok = renderer_read(&curve->renderer, &scratch, &film, err);
+    if (ok && reference->name)
+        compare(&reference->picture, &film, replicate == 0 || converge_is_small(curve),
+                sample->metric);
+    else if (ok)
+        ok = estimate(&film, sample->spp, sample->metric, err);
+    // The mean of all tells the bias.
+    bool is_needed = reference->name || replicate == 0 || c->options->images;
+    if (ok && point + 1 == c->point_count && is_needed)
+        ok = keep_picture(c, curve, replicate, &film, err);
+    arena_finish(&scratch);
+    return ok;
+}
+
+bool converge_is_small(const struct converge_curve *curve)
+{
+    const struct settings *settings = &curve->scene_data.settings;
+    return (uint64_t)settings->width * settings->height <= PERCEPTION_PIXELS;
+}
