@@ -168,7 +168,11 @@ static bool check_combinations(const struct options *options, struct err *err)
         {OPTION_RAYS, OPTION_KERNEL, true},
         {OPTION_DEPTH, OPTION_KERNEL, true},
         {OPTION_TUNE, OPTION_KERNEL, false},
-        {OPTION_TUNE, OPTION_SWEEP, false},
+        {OPTION_TUNE, OPTION_CURVE, false},
+        {OPTION_TUNE, OPTION_REPEATS, false},
+        {OPTION_TUNE, OPTION_REPORT, false},
+        {OPTION_TUNE, OPTION_WAVE, false},
+        {OPTION_TUNE, OPTION_WORKGROUP, false},
         {OPTION_TUNE, OPTION_BASELINE, false},
         {OPTION_TIMES, OPTION_SPP_FROM, false},
         {OPTION_TIMES, OPTION_SPP, false},
@@ -201,6 +205,9 @@ static bool check(const struct options *options, struct err *err)
                        command->arguments);
     if (!check_combinations(options, err))
         return false;
+    if (command == &commands[COMMAND_BENCH] && options_given(options, OPTION_TIME) &&
+        !options->tune)
+        return err_set(err, ERR_USAGE, "--time: only with --tune, for bench");
     uint64_t samples = (uint64_t)options->frames * options->spp_per_frame;
     if (samples > SETTINGS_SPP_MAX)
         return err_set(err, ERR_USAGE, "--frames x --spp-per-frame is %llu samples; at most %llu",

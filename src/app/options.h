@@ -17,6 +17,7 @@
 #include <stdint.h>
 
 struct command;
+struct tune_cache;
 
 #define OPTIONS_ARGUMENTS_MAX 16
 #define OPTION_TIME_MAX 1e9 // of --time, seconds: more than anyone waits
@@ -249,6 +250,7 @@ struct options {
     uint32_t wave;      // paths in flight; 0: chosen by device
     uint32_t workgroup; // threads; 0: chosen by device
     bool tuning;        // take what is not given from the file that bench --tune keeps
+    const struct tune_cache *tune_cache; // that file; set by main. NULL: it is not used
     enum features_option features;
     enum classes_option classes;
     enum bvh_split bvh;
