@@ -2,7 +2,7 @@
 
 #include "clock.h"
 #include "log.h"
-#include "render_job.h"
+#include "render_trace.h"
 
 static bool set_up(struct render_job *job, struct err *err)
 {
@@ -13,14 +13,15 @@ static bool set_up(struct render_job *job, struct err *err)
     if (!job_load_scene(options, &job->scene, &job->camera, err))
         return false;
     job->seconds.load = clock_seconds_since(start);
-    if (!job_check_space(job, err) || !job_settle_samples(job, err))
+    bool follows_path = options_given(options, OPTION_PIXEL);
+    if (!job_check_space(job, err) || !job_settle_samples(job, err) ||
+        !job_open_reference(job, err))
         return false;
     for (uint32_t i = 0; i < job->scene.note_count; i++)
         log_info("%s", job->scene.notes[i]);
 
-    bool follows_path = options_given(options, OPTION_PIXEL);
     if (!gpu_open(&options->gpu, &job->gpu, err) ||
-        (!follows_path && !job_checkpoint_open(job, err)))
+        (!follows_path && !(job_checkpoint_open(job, err) && job_trace_open(job, err))))
         return false;
     struct renderer_params params =
         job_renderer_params(options, &job->gpu, &job->scene, job->camera);
@@ -39,19 +40,26 @@ static bool set_up(struct render_job *job, struct err *err)
     return true;
 }
 
-// What is there is kept, in both ways, whatever becomes of the other.
+// What is there is kept, in all ways, whatever becomes of the others. The caller reports the last
+// failure.
 static bool finish_outputs(struct render_job *job, struct err *err)
 {
-    struct err failure = {0};
-    bool saved = job_checkpoint_save(job, &failure);
-    if (!job_read_film(job, err) || !job_write_outputs(job, 0, err)) {
-        if (!saved)
-            log_message(LOG_ERROR, "%s", failure.msg);
-        return false;
+    struct err failures[3] = {0};
+    job_checkpoint_save(job, &failures[0]);
+    if (job_read_film(job, &failures[1])) {
+        job_write_outputs(job, 0, &failures[1]);
+        job_trace_end(job, &failures[2]);
     }
-    if (!saved && err)
-        *err = failure;
-    return saved;
+    bool ok = true;
+    for (int i = 0; i < 3; i++) {
+        if (failures[i].code == ERR_NONE)
+            continue;
+        if (!ok)
+            log_message(LOG_ERROR, "%s", err->msg);
+        *err = failures[i];
+        ok = false;
+    }
+    return ok;
 }
 
 static bool run(struct render_job *job, struct err *err)

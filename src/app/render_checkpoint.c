@@ -144,6 +144,13 @@ static const char *make_identity(struct render_job *job)
     return text.so_far;
 }
 
+const char *job_identity(struct render_job *job)
+{
+    if (!job->identity)
+        job->identity = make_identity(job);
+    return job->identity;
+}
+
 // --- going on
 // -------------------------------------------------------------------------------------
 
@@ -158,8 +165,7 @@ bool job_checkpoint_open(struct render_job *job, struct err *err)
     const char *path = options->checkpoint;
     if (!path)
         return true;
-    job->identity = make_identity(job);
-    if (!job->identity)
+    if (!job_identity(job))
         return err_memory(err, "a checkpoint", CHECKPOINT_IDENTITY_MAX);
     if (!options->resume)
         return !is_there(path) ||

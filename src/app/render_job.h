@@ -5,13 +5,18 @@
 #include "adaptive.h"
 #include "checkpoint.h"
 #include "file_lock.h"
+#include "forecast.h"
 #include "image.h"
 #include "metrics.h"
 #include "options.h"
+#include "reference.h"
 #include "render.h"
+#include "trace_file.h"
 
 struct job_seconds {
-    double load, bvh, upload, compile, render, write, total;
+    double load, bvh, upload, compile, render;
+    double judge; // reading the film and finding its error, with what --trace and --reference add
+    double write, total;
 };
 
 enum render_end { ENDED_BY_SAMPLES, ENDED_BY_TIME, ENDED_BY_ERROR, ENDED_BY_SIGNAL };
@@ -23,6 +28,12 @@ struct error_look {
     struct half_error error;
 };
 
+// What a reference tells of the picture; its own noise is subtracted from the first two.
+struct job_against {
+    double mse, relmse, smape, psnr;
+    struct forecast_bias bias;
+};
+
 struct render_job {
     const struct options *options;
     struct arena arena; // names, the list of frames
@@ -31,7 +42,7 @@ struct render_job {
     struct renderer renderer;
     uint32_t camera;
     const char **outputs;
-    struct file_lock *locks; // one an output, then the checkpoint's
+    struct file_lock *locks; // one an output, then the checkpoint's and the trace's
     uint32_t output_count, lock_count;
 
     uint64_t start_ns;
@@ -45,6 +56,8 @@ struct render_job {
     struct tile_plan plan;  // of the tiles; no counts before the pilot has ended
     struct error_look *looks;
     uint32_t look_count, look_capacity;
+    struct reference reference; // no pixels without one
+    struct trace trace;
 
     const char *identity;      // of what a checkpoint is of
     struct checkpoint resumed; // closed once it is restored
@@ -54,7 +67,8 @@ struct render_job {
     struct arena film_arena; // of the film as last read, and what is said about it
     struct film_image film;
     struct half_error error;
-    uint64_t image_hash; // of the mean's bits
+    struct job_against against; // with a reference
+    uint64_t image_hash;        // of the mean's bits
 };
 
 // --- render_scene.c: shared with `lampyris info` ---
@@ -76,13 +90,27 @@ bool job_render(struct render_job *job, struct err *err);
 // Samples of a pixel that are rendered; by tile, on average.
 uint64_t job_samples(const struct render_job *job);
 const char *job_ended_by(const struct render_job *job); // "spp", "time", "error" or "signal"
-// Reads the film, and says how good it is.
-bool job_read_film(struct render_job *job, struct err *err);
 // Has the renderer take 16 samples a pixel that are not part of the picture, and makes the plan of
 // the tiles from them. Leaves the film empty, unless the job was stopped.
 bool job_run_pilot(struct render_job *job, struct err *err);
 
+// --- render_judge.c ---
+// Reads the film; and says how good it is, too.
+bool job_fetch_film(struct render_job *job, struct err *err);
+bool job_read_film(struct render_job *job, struct err *err);
+// Of the film as it was read last. confidence: 0 for the usual.
+bool job_estimate_error(struct render_job *job, double confidence, struct half_error *out,
+                        struct err *err);
+// The film's samples of a pixel: where tiles have their own, the mean.
+uint64_t job_film_samples(const struct render_job *job);
+// Of all pixels, and all frames.
+double job_total_samples(const struct render_job *job);
+// What twice the time of rendering would bring. Returns why it is not known, or NULL.
+const char *job_forecast(const struct render_job *job, struct forecast *out);
+
 // --- render_checkpoint.c ---
+// All that decides what the samples are, as text; NULL when out of memory. Needs the device.
+const char *job_identity(struct render_job *job);
 // With --resume, reads the checkpoint and compares what it is of with this run. Needs the device.
 bool job_checkpoint_open(struct render_job *job, struct err *err);
 // Puts the new renderer into the state that was read, if any.

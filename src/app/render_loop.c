@@ -1,9 +1,8 @@
 // How many samples a render takes, in which steps, and what ends it.
 #include "render_job.h"
 
-#include "clock.h"
-#include "hash.h"
-#include "render_bias.h"
+#include "render_trace.h"
+#include "timed_step.h"
 #include <math.h>
 #include <string.h>
 
@@ -65,63 +64,6 @@ static bool add_frame_time(struct render_job *job, double ms, struct err *err)
     return true;
 }
 
-// --- the film
-// -------------------------------------------------------------------------------------
-
-// The samples of a pixel: where tiles have their own, the mean.
-static uint64_t samples_of(const struct render_job *job)
-{
-    const struct film_image *film = &job->film;
-    if (!job->options->adaptive || film->least_samples < 2)
-        return film->least_samples;
-    uint64_t sum = 0, pixels = (uint64_t)film->width * film->height;
-    for (uint64_t i = 0; i < pixels; i++)
-        sum += film->samples[i];
-    return sum / pixels;
-}
-
-static bool estimate_error(const struct render_job *job, double confidence, struct half_error *out,
-                           struct err *err)
-{
-    const struct film_image *film = &job->film;
-    struct half_error_params params = {
-        .half_a = (const float(*)[3])film->half_a,
-        .half_b = (const float(*)[3])film->half_b,
-        .width = film->width,
-        .height = film->height,
-        .samples = samples_of(job),
-        .seed = job->scene.settings.seed,
-        .confidence = confidence,
-    };
-    if (!metrics_half_error(&params, out))
-        return err_memory(err, "error estimate", (uint64_t)film->width * film->height * 12);
-    bool contiguous = job->renderer.specialization.halves == HALVES_CONTIGUOUS;
-    if (contiguous && film->least_samples != job->scene.settings.spp)
-        *out = (struct half_error){
-            .reason = "contiguous halves tell it after as many samples as were planned"};
-    if (job_shares_depths(job) && out->known) {
-        out->ci_low = 0.0; // the bootstrap takes tiles to be independent
-        out->ci_high = INFINITY;
-    }
-    return true;
-}
-
-static bool read_film(struct render_job *job, struct err *err)
-{
-    arena_finish(&job->film_arena);
-    return renderer_read(&job->renderer, &job->film_arena, &job->film, err);
-}
-
-bool job_read_film(struct render_job *job, struct err *err)
-{
-    if (!read_film(job, err))
-        return false;
-    const struct film_image *film = &job->film;
-    uint64_t pixels = (uint64_t)film->width * film->height;
-    job->image_hash = hash_bytes(HASH_INIT, film->mean, pixels * sizeof *film->mean);
-    return estimate_error(job, 0.0, &job->error, err);
-}
-
 // --- one picture
 // ----------------------------------------------------------------------------------
 
@@ -136,22 +78,16 @@ static uint64_t steps_done(const struct render_job *job)
     return job->renderer.next_sample;
 }
 
-// Steps grow while they are short against the time left, so that a run ends within one of its
-// limit, at whole samples. The time of the runs before, of which a checkpoint tells, counts.
+// The time of the runs before, of which a checkpoint tells, counts.
 static bool render_until(struct render_job *job, uint64_t steps, struct err *err)
 {
     double limit = job->options->time_seconds;
     while (steps_done(job) < steps && !job->stopped) {
         double elapsed = job->renderer.stats.render_seconds;
-        uint64_t done = steps_done(job), step = 1;
-        if (done > 0) {
-            double fits = (limit - elapsed) * (double)done / elapsed;
-            if (fits < 1.0) {
-                job->ended_by = ENDED_BY_TIME;
-                break;
-            }
-            // Half of what is left: the estimate is a noisy one.
-            step = fits < 32.0 ? (uint64_t)(0.5 * fits) + 1 : 16;
+        uint64_t done = steps_done(job), step = timed_step(limit, elapsed, done);
+        if (step == 0) {
+            job->ended_by = ENDED_BY_TIME;
+            break;
         }
         if (step > steps - done)
             step = steps - done;
@@ -163,7 +99,7 @@ static bool render_until(struct render_job *job, uint64_t steps, struct err *err
 }
 
 // From what is done to `steps`; the progress shows the part of `expected` ones.
-static bool render_to(struct render_job *job, uint64_t steps, double expected, struct err *err)
+static bool advance(struct render_job *job, uint64_t steps, double expected, struct err *err)
 {
     if (job->options->time_seconds > 0.0)
         return render_until(job, steps, err);
@@ -172,11 +108,26 @@ static bool render_to(struct render_job *job, uint64_t steps, double expected, s
                                          fmin((double)steps / expected, 1.0), err);
 }
 
+// The same with the rows of the trace that lie between, but not the one of the end.
+static bool render_to(struct render_job *job, uint64_t steps, double expected, struct err *err)
+{
+    uint64_t next;
+    while ((next = job_trace_next(job, steps_done(job))) < steps) {
+        if (!advance(job, next, expected, err))
+            return false;
+        if (job->stopped || job->ended_by == ENDED_BY_TIME)
+            return true;
+        if (!job_trace_look(job, err))
+            return false;
+    }
+    return advance(job, steps, expected, err);
+}
+
 static bool add_look(struct render_job *job, uint64_t samples, double confidence, struct err *err)
 {
     void *list = job->looks;
     struct half_error error;
-    if (!estimate_error(job, confidence, &error, err) ||
+    if (!job_estimate_error(job, confidence, &error, err) ||
         !grow(&job->arena, &list, job->look_count, &job->look_capacity, sizeof *job->looks, err))
         return false;
     job->looks = list;
@@ -206,7 +157,9 @@ static bool render_to_error(struct render_job *job, struct err *err)
             return false;
         if (job->stopped || job->ended_by == ENDED_BY_TIME)
             return true;
-        if (!read_film(job, err) || !add_look(job, next, confidence, err))
+        // With a trace the look is a row of it, too.
+        bool ok = job->options->trace ? job_trace_look(job, err) : job_fetch_film(job, err);
+        if (!ok || !add_look(job, next, confidence, err))
             return false;
         const struct half_error *error = &job->looks[job->look_count - 1].error;
         if (error->known && error->ci_high < job->options->error) {
@@ -258,6 +211,9 @@ static bool render_frames(struct render_job *job, struct err *err)
             if (!job_read_film(job, err) || !job_write_outputs(job, frame + 1, err))
                 return false;
         }
+        bool is_due = job_trace_next(job, frame) == frame + UINT64_C(1);
+        if (is_due && frame + 1 < frames && !job->stopped && !job_trace_look(job, err))
+            return false;
         if (options->time_seconds > 0.0 && job->seconds.render >= options->time_seconds &&
             frame + 1 < frames) {
             job->ended_by = ENDED_BY_TIME;
@@ -316,7 +272,7 @@ bool job_run_pilot(struct render_job *job, struct err *err)
               renderer_render(r, &call, err);
     // Without a plan the pilot is all there is.
     if (ok && !job->stopped)
-        ok = read_film(job, err) && make_plan(job, &job->arena, err) &&
+        ok = job_fetch_film(job, err) && make_plan(job, &job->arena, err) &&
              renderer_restart(r, seed, err) && renderer_set_plan(r, &job->plan, err);
     r->stats.nonfinite = before;
     arena_finish(&scratch);

@@ -64,8 +64,10 @@ bool job_check_outputs(struct render_job *job, struct err *err)
         return false;
     if (!check_layers(job, err))
         return false;
-    const char *checkpoint = job->options->checkpoint;
-    job->lock_count = job->output_count + (checkpoint != NULL);
+    const char *others[] = {job->options->checkpoint, job->options->trace};
+    if (others[1] && !trace_check_format(others[1], err))
+        return false;
+    job->lock_count = job->output_count + 2;
     job->locks = ARENA_NEW(&job->arena, struct file_lock, job->lock_count);
     if (!job->locks)
         return err_memory(err, "locks", job->lock_count * sizeof *job->locks);
@@ -75,9 +77,10 @@ bool job_check_outputs(struct render_job *job, struct err *err)
             !file_lock_take(&job->locks[i], output, err))
             return false;
     }
-    if (checkpoint && (!file_check_writable(checkpoint, err) ||
-                       !file_lock_take(&job->locks[job->output_count], checkpoint, err)))
-        return false;
+    for (uint32_t i = 0; i < 2; i++)
+        if (others[i] && (!file_check_writable(others[i], err) ||
+                          !file_lock_take(&job->locks[job->output_count + i], others[i], err)))
+            return false;
     return list_locks(job, err);
 }
 

@@ -1,0 +1,220 @@
+// What a render reports to machines: one JSON object, described by docs/render.schema.json.
+#include "json_out.h"
+#include "render_bias.h"
+#include "render_report.h"
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+
+static uint64_t nonfinite(const struct render_stats *stats)
+{
+    uint64_t sum = 0;
+    for (int site = 0; site < SITE_COUNT; site++)
+        sum += stats->nonfinite.count[site];
+    return sum;
+}
+
+struct feature_lists {
+    json_t *kept, *left_out;
+};
+
+static void list_feature(void *context, bool kept, const char *kind, const char *name,
+                         uint64_t bytes)
+{
+    struct feature_lists *lists = context;
+    json_array_append_new(
+        kept ? lists->kept : lists->left_out,
+        json_pack("{s:s, s:s, s:I}", "kind", kind, "name", name, "bytes", (json_int_t)bytes));
+}
+
+static json_t *biases_json(const struct render_job *job)
+{
+    struct job_bias list[JOB_MAX_BIASES];
+    uint32_t count = job_list_biases(job, list);
+    json_t *array = json_array();
+    for (uint32_t i = 0; i < count; i++)
+        json_array_append_new(array,
+                              json_pack("{s:s, s:s}", "kind", list[i].kind, "text", list[i].text));
+    return array;
+}
+
+static json_t *classes_json(const struct renderer *r)
+{
+    bool sorted = r->specialization.features & FEATURE_CLASSES;
+    json_t *classes = json_object();
+    for (int c = 0; c < (int)CLASS_COUNT && sorted; c++)
+        if (r->specialization.class_lobes[c])
+            json_object_set_new(classes, report_class_names[c],
+                                json_integer((json_int_t)r->stats.surface_hits[c]));
+    return classes;
+}
+
+static uint64_t surface_hits(const struct render_stats *stats)
+{
+    uint64_t sum = 0;
+    for (int c = 0; c < (int)CLASS_COUNT; c++)
+        sum += stats->surface_hits[c];
+    return sum;
+}
+
+static json_t *kernels_json(const struct renderer *r)
+{
+    json_t *kernels = json_object();
+    for (int id = 0; id < KERNEL_COUNT; id++) {
+        const struct kernel_stats *stats = &r->stats.kernels[id];
+        if (r->kernels[id].pipeline)
+            json_object_set_new(kernels, r->kernels[id].name,
+                                json_pack("{s:f, s:I, s:f}", "ms", stats->ms, "launches",
+                                          (json_int_t)stats->launches, "longest_ms",
+                                          stats->longest_ms));
+    }
+    return kernels;
+}
+
+static json_t *error_json(const struct half_error *error, bool is_bound)
+{
+    if (!error->known)
+        return json_pack("{s:n, s:n, s:n, s:s}", "relmse", "ci_low", "ci_high", "reason",
+                         error->reason);
+    // Without an interval null stands for its ends.
+    return json_pack("{s:o, s:o, s:o, s:b}", "relmse", json_number(error->relmse), "ci_low",
+                     json_number(error->ci_low), "ci_high", json_number(error->ci_high),
+                     "upper_bound", is_bound);
+}
+
+static json_t *seconds_json(const struct job_seconds *s)
+{
+    return json_pack("{s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "load", s->load, "bvh", s->bvh,
+                     "upload", s->upload, "compile", s->compile, "render", s->render, "judge",
+                     s->judge, "write", s->write, "total", s->total);
+}
+
+static json_t *interval_json(struct interval i)
+{
+    return json_pack("{s:o, s:o, s:o}", "value", json_number(i.value), "ci_low", json_number(i.low),
+                     "ci_high", json_number(i.high));
+}
+
+static json_t *reference_json(const struct render_job *job)
+{
+    const struct job_against *against = &job->against;
+    const struct reference *reference = &job->reference;
+    if (!job->options->reference)
+        return json_null();
+    return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:b}", "name",
+                     json_words(job->options->reference), "own_relmse",
+                     json_number(reference->noise_known ? reference->relmse : NAN), "mse",
+                     json_number(against->mse), "relmse", json_number(against->relmse), "smape",
+                     json_number(against->smape), "psnr", json_number(against->psnr), "stays",
+                     interval_json(against->bias.stays), "biased", against->bias.is_certain);
+}
+
+static json_t *forecast_json(const struct render_job *job)
+{
+    static const char *const bases[] = {
+        [FORECAST_INVERSE] = "1/samples",
+        [FORECAST_AT_LEAST] = "1/samples or faster",
+        [FORECAST_SLOPE] = "slope",
+    };
+    struct forecast f;
+    const char *reason = job_forecast(job, &f);
+    if (reason)
+        return json_pack("{s:n, s:n, s:n, s:n, s:n, s:s}", "relmse", "ci_low", "ci_high", "seconds",
+                         "basis", "reason", reason);
+    bool is_bound =
+        f.basis == FORECAST_AT_LEAST || job->renderer.specialization.halves == HALVES_CONTIGUOUS;
+    return json_pack("{s:o, s:o, s:o, s:f, s:s, s:b, s:o, s:i}", "relmse",
+                     json_number(f.error.value), "ci_low", json_number(f.error.low), "ci_high",
+                     json_number(f.error.high), "seconds", 2.0 * job->seconds.render, "basis",
+                     bases[f.basis], "upper_bound", is_bound, "slope", interval_json(f.slope),
+                     "looks", (int)f.looks);
+}
+
+static json_t *strings_json(const char *const *strings, uint32_t count)
+{
+    json_t *array = json_array();
+    for (uint32_t i = 0; i < count; i++)
+        json_array_append_new(array, json_words(strings[i]));
+    return array;
+}
+
+static json_t *frames_json(const struct render_job *job)
+{
+    json_t *array = json_array();
+    for (uint32_t i = 0; i < job->frame_count; i++)
+        json_array_append_new(array, json_number(job->frames_ms[i]));
+    return array;
+}
+
+static json_t *looks_json(const struct render_job *job)
+{
+    json_t *looks = json_array();
+    for (uint32_t i = 0; i < job->look_count; i++) {
+        const struct error_look *look = &job->looks[i];
+        json_t *object = error_json(&look->error, false);
+        json_object_set_new(object, "spp", json_integer((json_int_t)look->samples));
+        json_object_set_new(object, "confidence", json_number(look->confidence));
+        json_array_append_new(looks, object);
+    }
+    return looks;
+}
+
+static json_t *adaptive_json(const struct render_job *job)
+{
+    if (!job->plan.counts)
+        return json_null();
+    return json_pack("{s:i, s:i, s:i, s:i}", "pilot_spp", 16, "round_spp", job->round_samples,
+                     "least", job->plan.least, "most", job->plan.most);
+}
+
+// How it ended, and what it takes to go on.
+static void add_ending(json_t *object, const struct render_job *job)
+{
+    json_object_set_new(object, "ended_by", json_string(job_ended_by(job)));
+    json_object_set_new(object, "looks", looks_json(job));
+    json_object_set_new(object, "adaptive", adaptive_json(job));
+    json_object_set_new(object, "checkpoint",
+                        job->has_checkpoint ? json_words(job->options->checkpoint) : json_null());
+}
+
+void job_print_json(const struct render_job *job)
+{
+    const struct render_stats *stats = &job->renderer.stats;
+    const struct film_image *film = &job->film;
+    double render = job->seconds.render;
+    char hash[20];
+    snprintf(hash, sizeof hash, "%016" PRIx64, job->image_hash);
+    struct feature_lists lists = {json_array(), json_array()};
+    report_each_feature(&job->renderer, list_feature, &lists);
+    json_t *object = json_pack(
+        "{s:o, s:s, s:s, s:i, s:i, s:I, s:I, s:I, s:o, s:{s:I, s:I}, s:I, s:o, s:I, s:o, s:o, s:o, "
+        "s:o, s:I, "
+        "s:o, s:{s:o, s:o}, s:{s:I, s:I}, s:I, s:I, s:I, s:I, s:s, s:o, s:o, s:b, s:s}",
+        "scene", json_words(job->scene.path), "device", job->gpu.info.name, "driver",
+        job->gpu.info.driver, "width", film->width, "height", film->height, "spp",
+        (json_int_t)film->least_samples, "spp_most", (json_int_t)film->most_samples, "seed",
+        (json_int_t)job->scene.settings.seed, "seconds", seconds_json(&job->seconds), "rays",
+        "closest", (json_int_t)stats->closest_rays, "shadow", (json_int_t)stats->shadow_rays,
+        "surface_hits", (json_int_t)surface_hits(stats), "hits_by_class",
+        classes_json(&job->renderer), "media_lost", (json_int_t)stats->media_lost, "mrays_per_s",
+        json_number(report_total_rays(stats) * 1e-6 / render), "samples_per_s",
+        json_number(job_total_samples(job) / render), "kernels", kernels_json(&job->renderer),
+        "error", error_json(&job->error, job->renderer.specialization.halves == HALVES_CONTIGUOUS),
+        "nonfinite", (json_int_t)nonfinite(stats), "frames_ms", frames_json(job), "features",
+        "kept", lists.kept, "left_out", lists.left_out, "memory", "device_bytes",
+        (json_int_t)job->gpu.peak_bytes, "host_peak_bytes", (json_int_t)report_host_peak_bytes(),
+        "wave", (json_int_t)job->renderer.plan.wave_slots, "continued_traversals",
+        (json_int_t)stats->suspended, "dropped_degenerate",
+        (json_int_t)job->renderer.flat.dropped_degenerate, "skipped_instances",
+        (json_int_t)job->renderer.flat.skipped_instances, "image_hash", hash, "outputs",
+        strings_json(job->outputs, job->output_count), "notes",
+        strings_json(job->scene.notes, job->scene.note_count), "stopped_early", job->stopped,
+        "version", LAMPYRIS_VERSION);
+    add_ending(object, job);
+    json_object_set_new(object, "bias", biases_json(job));
+    json_object_set_new(object, "reference", reference_json(job));
+    json_object_set_new(object, "forecast", forecast_json(job));
+    json_object_set_new(object, "trace",
+                        job->options->trace ? json_words(job->options->trace) : json_null());
+    json_print(object);
+}

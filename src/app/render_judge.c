@@ -1,0 +1,192 @@
+// Reads the film, and says how good it is and what twice the time would bring.
+#include "clock.h"
+#include "hash.h"
+#include "render_bias.h"
+#include "render_job.h"
+#include <math.h>
+
+uint64_t job_film_samples(const struct render_job *job)
+{
+    const struct film_image *film = &job->film;
+    if (!job->options->adaptive || film->least_samples < 2)
+        return film->least_samples;
+    uint64_t sum = 0, pixels = (uint64_t)film->width * film->height;
+    for (uint64_t i = 0; i < pixels; i++)
+        sum += film->samples[i];
+    return sum / pixels;
+}
+
+double job_total_samples(const struct render_job *job)
+{
+    const struct renderer *r = &job->renderer;
+    uint64_t pixels = (uint64_t)job->film.width * job->film.height;
+    double sum = 0.0;
+    if (job->options->frames && !job->options->accumulate) // the film has the last frame alone
+        return (double)r->next_sample * (double)pixels +
+               (double)(r->pass.position << r->pass.shift);
+    for (uint64_t i = 0; i < pixels; i++)
+        sum += job->film.samples[i];
+    return sum;
+}
+
+// --- error ---------------------------------------------------------------------------------------
+
+bool job_estimate_error(struct render_job *job, double confidence, struct half_error *out,
+                        struct err *err)
+{
+    uint64_t start = clock_ns();
+    const struct film_image *film = &job->film;
+    struct half_error_params params = {
+        .half_a = (const float(*)[3])film->half_a,
+        .half_b = (const float(*)[3])film->half_b,
+        .width = film->width,
+        .height = film->height,
+        .samples = job_film_samples(job),
+        .seed = job->scene.settings.seed,
+        .confidence = confidence,
+    };
+    if (!metrics_half_error(&params, out))
+        return err_memory(err, "error estimate", (uint64_t)film->width * film->height * 12);
+    bool contiguous = job->renderer.specialization.halves == HALVES_CONTIGUOUS;
+    if (contiguous && film->least_samples != job->scene.settings.spp)
+        *out = (struct half_error){
+            .reason = "contiguous halves tell it after as many samples as were planned"};
+    if (job_shares_depths(job) && out->known) {
+        out->ci_low = 0.0; // the bootstrap takes tiles to be independent
+        out->ci_high = INFINITY;
+    }
+    job->seconds.judge += clock_seconds_since(start);
+    return true;
+}
+
+// The true error, and what of it is bias: told by the halves, where they are independent.
+static void compare(struct render_job *job)
+{
+    const struct film_image *film = &job->film;
+    const struct reference *reference = &job->reference;
+    const float(*truth)[3] = (const float(*)[3])reference->image.pixels;
+    struct metrics m;
+    metrics_compare((const float(*)[3])film->mean, truth, (uint64_t)film->width * film->height, &m);
+    job->against = (struct job_against){
+        .mse = m.mse - reference->mse,
+        .relmse = m.relmse - reference->relmse,
+        .smape = m.smape,
+        .psnr = m.psnr,
+        .bias = job->against.bias,
+    };
+    bool has_halves = film->least_samples >= 2 && !job_shares_depths(job) &&
+                      job->renderer.specialization.halves != HALVES_CONTIGUOUS;
+    const struct forecast_bias_params params = {
+        .half_a = (const float(*)[3])film->half_a,
+        .half_b = (const float(*)[3])film->half_b,
+        .reference = truth,
+        .width = film->width,
+        .height = film->height,
+        .reference_relmse = reference->relmse,
+    };
+    if (has_halves)
+        forecast_find_bias(&params, &job->against.bias);
+}
+
+bool job_fetch_film(struct render_job *job, struct err *err)
+{
+    uint64_t start = clock_ns();
+    arena_finish(&job->film_arena);
+    bool ok = renderer_read(&job->renderer, &job->film_arena, &job->film, err);
+    job->seconds.judge += clock_seconds_since(start);
+    return ok;
+}
+
+bool job_read_film(struct render_job *job, struct err *err)
+{
+    if (!job_fetch_film(job, err) || !job_estimate_error(job, 0.0, &job->error, err))
+        return false;
+    uint64_t start = clock_ns();
+    const struct film_image *film = &job->film;
+    uint64_t pixels = (uint64_t)film->width * film->height;
+    job->image_hash = hash_bytes(HASH_INIT, film->mean, pixels * sizeof *film->mean);
+    job->against = (struct job_against){NAN, NAN, NAN, NAN, {.stays = {NAN, NAN, NAN}}};
+    if (job->options->reference)
+        compare(job);
+    job->seconds.judge += clock_seconds_since(start);
+    return true;
+}
+
+// --- forecast ------------------------------------------------------------------------------------
+
+// Those that went with a doubling of the samples (or rounds, or frames).
+static size_t list_looks(const struct render_job *job, struct forecast_look *out, size_t most)
+{
+    size_t count = 0;
+    uint64_t step = job->options->adaptive ? job->round_samples : 1;
+    for (uint32_t i = 0; i < job->trace.count && count < most; i++) {
+        const struct trace_row *row = &job->trace.rows[i];
+        uint64_t steps = (uint64_t)row->spp / step;
+        if ((steps & (steps - 1)) == 0)
+            out[count++] =
+                (struct forecast_look){row->spp, row->relmse, row->ci_low, row->ci_high, 0.95};
+    }
+    for (uint32_t i = 0; i < job->look_count && job->trace.count == 0 && count < most; i++) {
+        const struct error_look *look = &job->looks[i];
+        const struct half_error *e = &look->error;
+        uint64_t steps = look->samples / step;
+        if ((steps & (steps - 1)) == 0)
+            out[count++] = (struct forecast_look){(double)look->samples, e->relmse, e->ci_low,
+                                                  e->ci_high, look->confidence};
+    }
+    return count;
+}
+
+// Of samplers that plan on the number of samples, a picture with fewer is no smaller one.
+static bool grows_evenly(const struct render_job *job)
+{
+    const struct settings *settings = &job->scene.settings;
+    return settings->halves == HALVES_INDEPENDENT && settings->sampler != SAMPLER_STRATIFIED &&
+           settings->sampler != SAMPLER_GRID && settings->sampler != SAMPLER_BLUE_NOISE;
+}
+
+// Noise as the reference tells it, with an interval as wide as that of the half-buffers.
+static struct interval noise(const struct render_job *job)
+{
+    const struct half_error *e = &job->error;
+    const struct job_against *against = &job->against;
+    struct interval error = {e->relmse, e->ci_low, e->ci_high};
+    double stays = against->bias.stays.value;
+    if (!job->options->reference || !isfinite(stays))
+        return error;
+    // What was reached, and what the halves say would be on average, by the reference's values.
+    double expected = against->relmse - stays;
+    double reached = against->bias.is_certain ? expected : against->relmse;
+    double factor = 0.5 * (expected + reached) / e->relmse;
+    return (struct interval){error.value * factor, error.low * factor, error.high * factor};
+}
+
+static const char *why_no_forecast(const struct render_job *job)
+{
+    if (job->options->frames && !job->options->accumulate)
+        return "frames that do not accumulate become no better with time";
+    if (!job->error.known)
+        return job->error.reason;
+    if (!isfinite(job->error.ci_high))
+        return "the error has no interval";
+    return NULL;
+}
+
+const char *job_forecast(const struct render_job *job, struct forecast *out)
+{
+    struct forecast_look looks[128];
+    const struct settings *settings = &job->scene.settings;
+    const char *reason = why_no_forecast(job);
+    struct forecast_params params = {
+        .looks = looks,
+        .count = grows_evenly(job) ? list_looks(job, looks, 128) : 0,
+        .error = {NAN, NAN, NAN},
+        .independent = settings->sampler == SAMPLER_PCG || settings->sampler == SAMPLER_LCG,
+    };
+    if (!reason)
+        params.error = noise(job);
+    if (job->options->reference && job->against.bias.is_certain)
+        params.stays = job->against.bias.stays;
+    forecast_double(&params, out);
+    return reason || isfinite(out->error.value) ? reason : "the error is not told from none";
+}

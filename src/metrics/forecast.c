@@ -1,0 +1,198 @@
+#include "forecast.h"
+
+#include "metrics.h"
+#include <math.h>
+
+enum {
+    // As in half_error.c, tiles stand for independent draws of the picture. Pixels' noise is
+    // independent, so that smaller ones than there do.
+    TILE_SIDE = 8,
+    TILES_MIN = 4,
+};
+
+static const struct interval unknown = {NAN, NAN, NAN};
+
+// Half the width of a 95 % normal interval, in standard deviations.
+static const double usual_deviations = 1.959963984540054;
+
+// --- slope ---------------------------------------------------------------------------------------
+
+// Two-sided quantile of the normal distribution.
+static double deviations_of(double confidence)
+{
+    return stats_t_quantile(0.5 + 0.5 * confidence, 1e9);
+}
+
+static double log_deviation(const struct forecast_look *look)
+{
+    return log(look->high / look->low) / (2 * deviations_of(look->confidence));
+}
+
+static bool is_usable(const struct forecast_look *look)
+{
+    return look->samples > 0 && look->error > 0 && look->low > 0 && look->high > look->low &&
+           isfinite(look->high);
+}
+
+// A line a + b x, x in doublings, with the covariance of a and b.
+struct line {
+    double a, b, aa, ab, bb;
+};
+
+// Looks share samples: with halves of Gaussian noise the squared difference after 2^k times the
+// samples has the correlation 2^-k with the one before, which is that of a first-order
+// autoregression. Looks are freed from it one after the other, and a line is put through what is
+// left by least squares (Aitken 1935). Where the looks leave the line by more than their intervals
+// say, the line is taken to be as uncertain as they show.
+static struct line fit(const struct forecast_look *looks, size_t count)
+{
+    double s00 = 0, s01 = 0, s11 = 0, t0 = 0, t1 = 0, tt = 0, before[3] = {0}, x_before = 0;
+    for (size_t i = 0; i < count; i++) {
+        double x = log2(looks[i].samples), deviation = log_deviation(&looks[i]);
+        double row[3] = {1 / deviation, x / deviation, log(looks[i].error) / deviation};
+        double correlation = i > 0 ? exp2(x_before - x) : 0, free[3];
+        double scale = 1 / sqrt(1 - correlation * correlation);
+        for (int k = 0; k < 3; k++) {
+            free[k] = (row[k] - correlation * before[k]) * scale;
+            before[k] = row[k];
+        }
+        x_before = x;
+        s00 += free[0] * free[0];
+        s01 += free[0] * free[1];
+        s11 += free[1] * free[1];
+        t0 += free[0] * free[2];
+        t1 += free[1] * free[2];
+        tt += free[2] * free[2];
+    }
+    double determinant = s00 * s11 - s01 * s01;
+    struct line line = {
+        .a = (s11 * t0 - s01 * t1) / determinant,
+        .b = (s00 * t1 - s01 * t0) / determinant,
+    };
+    double excess = (tt - line.a * t0 - line.b * t1) / ((double)count - 2);
+    double variance = fmax(excess, 1) / determinant;
+    line.aa = s11 * variance;
+    line.ab = -s01 * variance;
+    line.bb = s00 * variance;
+    return line;
+}
+
+// The last ones of which one follows the other without a gap.
+static size_t usable_looks(const struct forecast_params *params)
+{
+    size_t usable = 0;
+    while (usable < params->count && usable < FORECAST_LOOKS_MAX &&
+           is_usable(&params->looks[params->count - 1 - usable]))
+        usable++;
+    return usable;
+}
+
+// --- forecast ------------------------------------------------------------------------------------
+
+static struct interval scaled(struct interval i, double factor)
+{
+    return (struct interval){i.value * factor, i.low * factor, i.high * factor};
+}
+
+// The picture's own error is where to go on from. How sure its fall is widens the interval, the
+// more as the last look and the slope err together: with the covariance matrix C of a line the
+// values at x and the slope have the covariance C_ab + x C_bb.
+static struct interval go_on(struct interval error, const struct line *line, double x)
+{
+    double together = fmax(line->ab + x * line->bb, 0);
+    double fall = usual_deviations * sqrt(line->bb + 2 * together);
+    double value = error.value * exp(line->b);
+    return (struct interval){value, value * exp(-hypot(log(error.value / error.low), fall)),
+                             value * exp(hypot(log(error.high / error.value), fall))};
+}
+
+// The sum of two numbers whose errors are independent.
+static struct interval sum(struct interval a, struct interval b)
+{
+    double value = a.value + b.value;
+    double low = value - hypot(a.value - a.low, b.value - b.low);
+    return (struct interval){value, fmax(low, 0),
+                             value + hypot(a.high - a.value, b.high - b.value)};
+}
+
+void forecast_double(const struct forecast_params *params, struct forecast *out)
+{
+    *out = (struct forecast){.error = unknown, .slope = {-1, -1, -1}};
+    const struct interval *error = &params->error;
+    bool is_known = error->value > 0 && error->low >= 0 && isfinite(error->high);
+    size_t looks = usable_looks(params);
+    if (is_known)
+        out->error = scaled(*error, 0.5);
+    if (params->independent) {
+        out->basis = FORECAST_INVERSE;
+    } else if (looks < FORECAST_LOOKS_MIN) {
+        out->basis = FORECAST_AT_LEAST;
+    } else {
+        const struct forecast_look *last = &params->looks[params->count - 1];
+        const struct line line = fit(last + 1 - looks, looks);
+        double half = usual_deviations * sqrt(line.bb);
+        out->basis = FORECAST_SLOPE;
+        out->slope = scaled((struct interval){line.b, line.b - half, line.b + half}, 1 / log(2));
+        out->looks = looks;
+        if (is_known)
+            out->error = go_on(*error, &line, log2(last->samples));
+    }
+    if (is_known && params->stays.value > 0)
+        out->error = sum(out->error, params->stays);
+}
+
+// --- bias ----------------------------------------------------------------------------------------
+
+struct tile_sum {
+    double value, pixels;
+};
+
+static bool is_finite(const float rgb[3])
+{
+    return isfinite(rgb[0]) && isfinite(rgb[1]) && isfinite(rgb[2]);
+}
+
+static struct tile_sum sum_tile(const struct forecast_bias_params *p, uint32_t x0, uint32_t y0)
+{
+    struct tile_sum tile = {0};
+    for (uint32_t y = y0; y < p->height && y < y0 + TILE_SIDE; y++)
+        for (uint32_t x = x0; x < p->width && x < x0 + TILE_SIDE; x++) {
+            uint64_t i = (uint64_t)y * p->width + x;
+            const float *a = p->half_a[i], *b = p->half_b[i], *r = p->reference[i];
+            if (!is_finite(a) || !is_finite(b) || !is_finite(r))
+                continue;
+            tile.pixels++;
+            for (int c = 0; c < 3; c++) {
+                double product = ((double)a[c] - r[c]) * ((double)b[c] - r[c]);
+                tile.value += product / (3 * ((double)r[c] * r[c] + METRICS_RELMSE_EPSILON));
+            }
+        }
+    return tile;
+}
+
+// The mean over pixels is a ratio of sums over tiles, whose variance is that of the tiles'
+// differences from it (Cochran 1977, "Sampling Techniques", equation 6.11).
+void forecast_find_bias(const struct forecast_bias_params *p, struct forecast_bias *out)
+{
+    double value = 0, pixels = 0, values = 0, products = 0, squares = 0, count = 0;
+    *out = (struct forecast_bias){.stays = unknown};
+    for (uint64_t y = 0; y < p->height; y += TILE_SIDE)
+        for (uint64_t x = 0; x < p->width; x += TILE_SIDE) {
+            struct tile_sum tile = sum_tile(p, (uint32_t)x, (uint32_t)y);
+            count += tile.pixels > 0;
+            value += tile.value;
+            pixels += tile.pixels;
+            values += tile.value * tile.value;
+            products += tile.value * tile.pixels;
+            squares += tile.pixels * tile.pixels;
+        }
+    if (count < TILES_MIN)
+        return;
+    double mean = value / pixels;
+    double spread = fmax(values - 2 * mean * products + mean * mean * squares, 0);
+    double deviation = sqrt(spread * count / (count - 1)) / pixels;
+    double stays = mean - p->reference_relmse;
+    double half = stats_t_quantile(0.975, count - 1) * deviation;
+    out->stays = (struct interval){stays, stays - half, stays + half};
+    out->is_certain = stays > stats_t_quantile(0.9995, count - 1) * deviation;
+}

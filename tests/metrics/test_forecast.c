@@ -1,0 +1,261 @@
+// What is said of twice the samples, on noise whose truth is known: intervals must cover it in 95 %
+// of 1,000 draws. The counts' own 99.9 % range about 950 is +-23.
+#include "forecast.h"
+#include "metrics.h"
+#include "test.h"
+
+enum { DRAWS = 1000, LEAST = 927, MOST = 973 };
+
+static uint64_t state = 1;
+
+static double uniform(void)
+{
+    state = state * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
+    return ((double)(state >> 11) + 0.5) * 0x1p-53;
+}
+
+// Box and Muller 1958.
+static double normal(void)
+{
+    return sqrt(-2 * log(uniform())) * cos(2 * acos(-1.0) * uniform());
+}
+
+static void check_coverage(const char *what, int covered)
+{
+    printf("  %s: %d of %d\n", what, covered, DRAWS);
+    CHECK(covered >= LEAST && covered <= MOST, "%s: %d of %d", what, covered, DRAWS);
+}
+
+static bool covers(struct interval i, double truth)
+{
+    return i.low <= truth && truth <= i.high && i.low <= i.value && i.value <= i.high;
+}
+
+// --- error ---------------------------------------------------------------------------------------
+
+enum { VALUES = 600, LOOKS = 5 };
+
+// A picture of independent pixels, whose sums of samples go on as a film's do: half the difference
+// of the halves tells the error, their sum has it.
+struct film {
+    double difference[VALUES], sum[VALUES], samples;
+};
+
+static void film_add(struct film *film, double samples)
+{
+    for (int i = 0; i < VALUES; i++) {
+        film->difference[i] += sqrt(samples) * normal();
+        film->sum[i] += sqrt(samples) * normal();
+    }
+    film->samples += samples;
+}
+
+static double mean_square(const double *sums, double samples)
+{
+    double sum = 0;
+    for (int i = 0; i < VALUES; i++)
+        sum += sums[i] * sums[i] / (samples * samples);
+    return sum / VALUES;
+}
+
+// `variances`: 1 for the interval of the estimate, 2 for that of what the picture has.
+static struct forecast_look look_at(const struct film *film, double variances)
+{
+    double error = mean_square(film->difference, film->samples);
+    double half = 1.959964 * sqrt(variances * 2 / VALUES);
+    return (struct forecast_look){film->samples, error, error * exp(-half), error * exp(half),
+                                  0.95};
+}
+
+TEST(forecasts_cover)
+{
+    int by_law = 0, slope = 0, by_slope = 0;
+    for (int d = 0; d < DRAWS; d++) {
+        struct film film = {0};
+        struct forecast_look looks[LOOKS];
+        for (int i = 0; i < LOOKS; i++) {
+            film_add(&film, i == 0 ? 16 : film.samples);
+            looks[i] = look_at(&film, 1);
+        }
+        struct forecast_look last = look_at(&film, 2);
+        struct forecast_params params = {
+            .looks = looks,
+            .count = LOOKS,
+            .error = {last.error, last.low, last.high},
+        };
+        struct forecast forecast;
+        film_add(&film, film.samples);
+        double truth = mean_square(film.sum, film.samples);
+        forecast_double(&params, &forecast);
+        CHECK(forecast.basis == FORECAST_SLOPE && forecast.looks == LOOKS, "%d %zu", forecast.basis,
+              forecast.looks);
+        slope += covers(forecast.slope, -1);
+        by_slope += covers(forecast.error, truth);
+        params.independent = true;
+        forecast_double(&params, &forecast);
+        CHECK(forecast.basis == FORECAST_INVERSE, "%d", forecast.basis);
+        by_law += covers(forecast.error, truth);
+    }
+    check_coverage("1 / samples", by_law);
+    check_coverage("slope", slope);
+    check_coverage("by slope", by_slope);
+}
+
+TEST(few_looks_are_no_slope)
+{
+    struct forecast_look looks[] = {
+        {16, 4e-3, 3e-3, 5e-3, 0.95},
+        {32, 2e-3, 1e-3, 3e-3, 0.95},
+        {64, 1e-3, 8e-4, 2e-3, 0.95},
+    };
+    struct forecast_params params = {.looks = looks, .count = 3, .error = {1e-3, 8e-4, 2e-3}};
+    struct forecast f;
+    forecast_double(&params, &f);
+    CHECK(f.basis == FORECAST_AT_LEAST && f.looks == 0, "%d", f.basis);
+    CHECK(f.error.value == 5e-4 && f.error.low == 4e-4 && f.error.high == 1e-3, "%g",
+          f.error.value);
+    params.stays = (struct interval){3e-3, 2e-3, 4e-3};
+    forecast_double(&params, &f);
+    CHECK(fabs(f.error.value - 3.5e-3) < 1e-15 && f.error.low < 2.5e-3 && f.error.low > 2.4e-3,
+          "%g %g", f.error.value, f.error.low);
+}
+
+// Looks whose error is not known, from where on a slope may be told.
+TEST(unknown_looks_are_left_out)
+{
+    struct forecast_look looks[6];
+    for (int i = 0; i < 6; i++) {
+        double error = 1e-2 * exp2(-1.5 * i);
+        looks[i] = (struct forecast_look){16 << i, error, 0.9 * error, 1.1 * error, 0.95};
+    }
+    looks[1].error = NAN;
+    struct forecast_params params = {.looks = looks, .count = 6, .error = {1e-4, 9e-5, 1.1e-4}};
+    struct forecast f;
+    forecast_double(&params, &f);
+    CHECK(f.basis == FORECAST_SLOPE && f.looks == 4, "%d %zu", f.basis, f.looks);
+    CHECK(fabs(f.slope.value + 1.5) < 1e-9, "%g", f.slope.value);
+    CHECK(fabs(f.error.value - 1e-4 * exp2(-1.5)) < 1e-12, "%g", f.error.value);
+    looks[3].high = looks[3].low; // without a width it has no weight
+    forecast_double(&params, &f);
+    CHECK(f.basis == FORECAST_AT_LEAST, "%d", f.basis);
+}
+
+TEST(an_unknown_error_has_no_forecast)
+{
+    const double values[][3] = {{NAN, NAN, NAN},
+                                {0, 0, 0},
+                                {1e-3, 9e-4, INFINITY},
+                                {-1e-3, -2e-3, -1e-4},
+                                {1e-3, NAN, NAN}};
+    for (size_t i = 0; i < sizeof values / sizeof values[0]; i++) {
+        struct forecast_params params = {.error = {values[i][0], values[i][1], values[i][2]}};
+        struct forecast f;
+        forecast_double(&params, &f);
+        CHECK(isnan(f.error.value), "case %zu: %g", i, f.error.value);
+    }
+}
+
+// --- bias ----------------------------------------------------------------------------------------
+
+enum { SIDE = 48, PIXELS = SIDE * SIDE };
+
+struct picture {
+    float a[PIXELS][3], b[PIXELS][3], r[PIXELS][3];
+};
+
+// A dark and a bright half, whose noise goes with their values; `factor` too bright.
+static void draw(struct picture *p, double factor)
+{
+    for (int i = 0; i < PIXELS; i++)
+        for (int c = 0; c < 3; c++) {
+            double truth = i % SIDE < SIDE / 2 ? 0.05 : 2.0;
+            p->r[i][c] = (float)truth;
+            p->a[i][c] = (float)(truth * (factor + 0.1 * normal()));
+            p->b[i][c] = (float)(truth * (factor + 0.1 * normal()));
+        }
+}
+
+static double expected_bias(double factor)
+{
+    double dark = 0.05 * 0.05, bright = 4.0, square = (factor - 1) * (factor - 1);
+    return 0.5 * square * (dark / (dark + 1e-2) + bright / (bright + 1e-2));
+}
+
+static struct forecast_bias find(const struct picture *p, double own)
+{
+    const struct forecast_bias_params params = {
+        .half_a = (const float(*)[3])p->a,
+        .half_b = (const float(*)[3])p->b,
+        .reference = (const float(*)[3])p->r,
+        .width = SIDE,
+        .height = SIDE,
+        .reference_relmse = own,
+    };
+    struct forecast_bias out;
+    forecast_find_bias(&params, &out);
+    return out;
+}
+
+TEST(bias_is_told_from_noise)
+{
+    static struct picture p;
+    int covered = 0, covered_biased = 0, certain = 0, found = 0;
+    double mean = 0;
+    for (int d = 0; d < DRAWS; d++) {
+        draw(&p, 1);
+        struct forecast_bias none = find(&p, 0);
+        covered += covers(none.stays, 0);
+        certain += none.is_certain;
+        mean += none.stays.value / DRAWS;
+        draw(&p, 1.05);
+        struct forecast_bias some = find(&p, 0);
+        covered_biased += covers(some.stays, expected_bias(1.05));
+        found += some.is_certain;
+    }
+    // In 0.05 % of draws; more than 6 of 1000 have a chance of 1e-6.
+    printf("  without bias: mean %.3g, certain in %d; with 5 %%: found in %d\n", mean, certain,
+           found);
+    check_coverage("no bias", covered);
+    CHECK(certain <= 6, "%d", certain);
+    CHECK(fabs(mean) < 1e-5, "%g", mean);
+    // The two halves of the picture differ in what they add: the interval is rather too wide.
+    CHECK(covered_biased >= LEAST && found == DRAWS, "%d %d", covered_biased, found);
+}
+
+TEST(noise_of_the_reference_is_no_bias)
+{
+    static struct picture p;
+    double mean = 0, own = 0;
+    for (int d = 0; d < 200; d++) {
+        draw(&p, 1);
+        for (int i = 0; i < PIXELS; i++)
+            for (int c = 0; c < 3; c++)
+                p.r[i][c] += (float)(0.02 * normal());
+        // 4e-4 over the values of the two halves, as far as the noise is small against them
+        own = 0.5 * 4e-4 * (1 / (0.0025 + 0.01) + 1 / (4.0 + 0.01));
+        mean += find(&p, own).stays.value / 200;
+    }
+    CHECK(fabs(mean) < 0.05 * own, "%g of %g", mean, own);
+}
+
+TEST(what_is_not_finite_is_left_out)
+{
+    static struct picture p;
+    draw(&p, 1.05);
+    p.a[5][1] = NAN;
+    p.b[100][2] = INFINITY;
+    p.r[200][0] = NAN;
+    CHECK(find(&p, 0).is_certain, "with three pixels fewer");
+    for (int i = 0; i < PIXELS; i++)
+        p.r[i][0] = NAN;
+    CHECK(isnan(find(&p, 0).stays.value) && !find(&p, 0).is_certain, "without any");
+    struct forecast_bias_params params = {.width = 0, .height = 0};
+    struct forecast_bias out;
+    forecast_find_bias(&params, &out);
+    CHECK(isnan(out.stays.value), "no pixels");
+}
+
+TEST_MAIN(TEST_CASE(forecasts_cover), TEST_CASE(few_looks_are_no_slope),
+          TEST_CASE(unknown_looks_are_left_out), TEST_CASE(an_unknown_error_has_no_forecast),
+          TEST_CASE(bias_is_told_from_noise), TEST_CASE(noise_of_the_reference_is_no_bias),
+          TEST_CASE(what_is_not_finite_is_left_out))
