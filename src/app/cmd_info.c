@@ -5,10 +5,12 @@
 #include "render_job.h"
 #include "shared/types.h"
 #include "text_out.h"
+#include "tuned.h"
 #include <inttypes.h>
 #include <stdio.h>
 
 struct info {
+    const struct options *options;
     struct scene scene;
     struct flat_scene flat;
     struct bvh bvh;
@@ -92,6 +94,7 @@ static void print_text(const struct info *info)
     printf("BVH       %u nodes, depth %u, SAH cost %.2f, %.1f KiB, built in %.3f s\n",
            b->node_count, b->depth, b->sah_cost, (double)b->bytes / 1024.0, b->build_seconds);
     printf("device    %s (%s)\n", info->gpu.info.name, info->gpu.info.kind);
+    tuned_print(info->options, &info->gpu);
     printf("memory    %.1f MiB planned, wave of %u paths; at most %.1f MiB a buffer\n",
            (double)info->plan.total_bytes / 1048576.0, info->plan.wave_slots,
            (double)info->gpu.max_storage_range / 1048576.0);
@@ -137,7 +140,7 @@ static int print_json(const struct info *info)
     return json_print(json_pack(
         "{s:o, s:i, s:i, s:i, s:i, s:i, s:o, s:i, s:i, s:i, s:i, s:{s:i, s:i, s:i}, s:{s:i, s:i, "
         "s:i}, s:i, s:o, s:{s:i, s:i, s:f, "
-        "s:I, s:f}, s:{s:o, s:o}, s:{s:I, s:o}, s:i}",
+        "s:I, s:f}, s:{s:o, s:o}, s:{s:I, s:o}, s:i, s:i, s:o}",
         "scene", json_words(scene->path), "triangles", flat->triangle_count, "shapes",
         flat->shape_count, "meshes", scene->mesh_count, "instances", scene->instance_count,
         "materials", scene->material_count, "models", models, "textures", scene->texture_count,
@@ -150,7 +153,8 @@ static int print_json(const struct info *info)
         b->depth, "sah_cost", b->sah_cost, "bytes", (json_int_t)b->bytes, "build_seconds",
         b->build_seconds, "features", "kept", features, "left_out", left_out, "memory",
         "device_bytes", (json_int_t)info->plan.total_bytes, "buffers", buffers, "wave",
-        info->plan.wave_slots));
+        info->plan.wave_slots, "workgroup", info->specialization.workgroup, "tuned",
+        tuned_json(info->options, &info->gpu)));
 }
 
 static bool gather(const struct options *options, struct info *info, struct err *err)
@@ -160,13 +164,15 @@ static bool gather(const struct options *options, struct info *info, struct err 
         !render_prepare(&info->scene, (struct bvh_method){options->bvh, options->node},
                         options->progress, &info->scene.arena, &info->flat, &info->bvh, err))
         return false;
+    const struct renderer_params sizes =
+        job_renderer_params(options, &info->gpu, &info->scene, info->camera);
     info->specialization = specialize(&(struct specialize_params){
         .scene = &info->scene,
         .flat = &info->flat,
         .bvh = &info->bvh,
         .gpu = &info->gpu,
         .camera = &info->scene.cameras[info->camera],
-        .workgroup = options->workgroup,
+        .workgroup = sizes.workgroup,
         .everything = options->features == FEATURES_ALL,
         .merge_classes = options->classes == CLASSES_MERGED,
     });
@@ -186,14 +192,15 @@ static bool gather(const struct options *options, struct info *info, struct err 
         .specialization = &info->specialization,
         .tables = &info->tables,
         .gpu = &info->gpu,
-        .wave = options->wave,
+        .wave = sizes.wave,
+        .wave_is_wish = sizes.wave_is_wish,
     };
     return memory_plan_make(&params, &info->plan, err);
 }
 
 int cmd_info(const struct options *options)
 {
-    struct info info = {0};
+    struct info info = {.options = options};
     struct err err = {0};
     int code = EXIT_CODE_OK;
     if (!gather(options, &info, &err))

@@ -5,6 +5,7 @@
 #include "options.h"
 #include "progress_bar.h"
 #include "signals.h"
+#include "tuned.h"
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
@@ -50,18 +51,21 @@ int main(int argc, char **argv)
     struct progress progress = progress_bar_listener(&bar);
 
     struct options options;
+    struct tune_cache cache = {0};
     struct err err = {0};
     int code;
     if (options_parse(argc, argv, &options, &err)) {
         log_configure(options.log_level, progress_bar_log, &bar);
         bar.is_quiet = options.quiet;
         options.progress = &progress;
+        tuned_load(&options, &cache);
         code = run(&options);
     } else {
         code = fail_parsing(&options, &err);
     }
     progress_bar_finish(&bar);
     code = finish_stdout(code);
+    tune_cache_finish(&cache);
     options_finish(&options);
     return code == EXIT_CODE_OK ? signal_exit_code() : code;
 }

@@ -2,6 +2,7 @@
 #include "render_report.h"
 #include "render_bias.h"
 #include "text_out.h"
+#include "tuned.h"
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
@@ -267,6 +268,7 @@ void job_print_summary(const struct render_job *job)
                " crossings of surfaces that are open, or nest deeper than four: "
                "what is inside is not certain there\n",
                job->renderer.stats.media_lost);
+    tuned_print(job->options, &job->gpu);
     printf("memory    %.1f MiB on the device, %.1f MiB on the host at its peak; wave of %u paths\n",
            (double)job->gpu.peak_bytes / 1048576.0, report_host_peak_bytes() / 1048576.0,
            job->renderer.plan.wave_slots);

@@ -1,6 +1,7 @@
 #include "render_job.h"
 
 #include "hash.h"
+#include "tuned.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -88,11 +89,13 @@ bool job_load_scene(const struct options *options, struct scene *scene, uint32_t
 struct renderer_params job_renderer_params(const struct options *options, struct gpu *gpu,
                                            const struct scene *scene, uint32_t camera)
 {
+    struct tuned tuned = tuned_sizes(options, gpu);
     return (struct renderer_params){
         .gpu = gpu,
         .scene = scene,
-        .wave = options->wave,
-        .workgroup = options->workgroup,
+        .wave = tuned.wave ? tuned.wave : options->wave,
+        .wave_is_wish = tuned.wave,
+        .workgroup = tuned.workgroup ? tuned.workgroup : options->workgroup,
         .bvh = {options->bvh, options->node},
         .camera = camera,
         .everything = options->features == FEATURES_ALL,

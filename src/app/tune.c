@@ -164,6 +164,12 @@ static bool list_workgroups(struct tune *t, uint32_t wave, struct err *err)
             values[count++] = size;
     c->count = 0;
     for (uint32_t i = 0; i < count; i++)
+        if ((values[i] & (values[i] - 1)) != 0 || values[i] > t->gpu.max_invocations)
+            return err_set(err, ERR_USAGE,
+                           "--sweep workgroup=%u: expected powers of two of at most %u, the "
+                           "device's limit",
+                           values[i], t->gpu.max_invocations);
+    for (uint32_t i = 0; i < count; i++)
         if (values[i] != t->usual.workgroup &&
             !add(c, "workgroup", (struct tuned){wave, values[i]}, err))
             return false;
