@@ -153,14 +153,18 @@ static void find_efficiency(const struct converge *c, struct converge_curve *cur
 
 // --- time to an error ----------------------------------------------------------------------------
 
-// Outside of its points a curve goes on with the slope of independent samples, -1, unless the one
-// that was found is another: its interval leaves -1 out.
+// Outside of its points a curve goes on as independent samples do, with -1. Where it fell faster
+// it will not do so for ever, and -1 tells the time that it takes at most; where it fell less,
+// something holds it up, and it is taken to go on like that.
 static struct interval slope_outside(const struct converge_curve *curve)
 {
-    struct interval slope = curve->slope;
-    if (slope.high < -1 || slope.low > -1)
-        return slope;
-    return (struct interval){-1, -1, -1};
+    struct interval found = curve->slope;
+    bool is_slow = found.low > -1;
+    return (struct interval){
+        .value = is_slow ? found.value : -1,
+        .low = fmin(found.low, -1),
+        .high = is_slow ? found.high : -1,
+    };
 }
 
 // The curve itself, and those along the ends of its intervals.
@@ -180,6 +184,8 @@ static struct interval reach(const struct converge *c, const struct converge_cur
         double found = curve_reach(x, errors, points, with, target);
         *(side == 0 ? &out.value : side == 1 ? &out.low : &out.high) = found;
     }
+    if (out.low > out.high) // before the first point
+        out = (struct interval){out.value, out.high, out.low};
     return out;
 }
 

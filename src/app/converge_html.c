@@ -297,8 +297,9 @@ static void put_explanation(struct page *page)
         "<h2>How to read this</h2>\n<p>Errors are geometric means over replicates, other metrics "
         "means, with 95 % intervals of Student's t. Seconds are of rendering alone; start is "
         "loading, building and compiling, and counts in the times to an error. &#8776; marks those "
-        "that are extrapolated: by the slope that was found where its interval leaves &minus;1 "
-        "out, else as if the error fell with 1/t. Efficiency is 1 / (relMSE &times; seconds), and "
+        "that are extrapolated as if the error fell with 1/t, or, where it fell less, as it was "
+        "found "
+        "to. Efficiency is 1 / (relMSE &times; seconds), and "
         "1 / (MSE &times; seconds). Pairs are compared seed by seed. Bias is what of relMSE more "
         "samples would not remove: there is some where the interval is above 0.</p>\n",
         page->html.out);

@@ -12,6 +12,11 @@ static bool is_drawn(struct interval i)
     return isfinite(i.value) && i.value > 0;
 }
 
+static double place_of(const struct converge_point *point, bool over_time)
+{
+    return over_time ? point->seconds.value : point->spp.value;
+}
+
 static void put_data(FILE *out, const struct converge *c, const struct converge_curve *curve,
                      uint32_t number, bool over_time)
 {
@@ -19,13 +24,18 @@ static void put_data(FILE *out, const struct converge *c, const struct converge_
     for (uint32_t p = 0; p < c->point_count; p++) {
         const struct converge_point *point = &curve->points[p];
         struct interval e = point->metric[CONVERGE_RELMSE];
-        double x = over_time ? point->seconds.value : point->spp.value;
         if (is_drawn(e))
-            fprintf(out, "%.9g %.9g %.9g %.9g\n", x, e.value, isfinite(e.low) ? e.low : e.value,
-                    isfinite(e.high) ? e.high : e.value);
+            fprintf(out, "%.9g %.9g %.9g %.9g\n", place_of(point, over_time), e.value,
+                    isfinite(e.low) ? e.low : e.value, isfinite(e.high) ? e.high : e.value);
     }
     fputs("EOD\n", out);
 }
+
+// What is drawn of a scene.
+struct extent {
+    uint32_t curves;
+    double x_min, x_max, y_min, y_max;
+};
 
 static bool is_in(const struct converge *c, uint32_t i, uint32_t scene)
 {
@@ -38,47 +48,100 @@ static bool is_in(const struct converge *c, uint32_t i, uint32_t scene)
     return false;
 }
 
-static bool put_script(FILE *out, const struct converge *c, uint32_t scene, bool over_time)
+static struct extent find_extent(const struct converge *c, uint32_t scene, bool over_time)
 {
-    bool is_empty = true;
+    struct extent out = {0, INFINITY, 0, INFINITY, 0};
+    for (uint32_t i = 0; i < c->curve_count; i++) {
+        if (!is_in(c, i, scene))
+            continue;
+        out.curves++;
+        for (uint32_t p = 0; p < c->point_count; p++) {
+            const struct converge_point *point = &c->curves[i].points[p];
+            struct interval e = point->metric[CONVERGE_RELMSE];
+            if (!is_drawn(e))
+                continue;
+            out.x_min = fmin(out.x_min, place_of(point, over_time));
+            out.x_max = fmax(out.x_max, place_of(point, over_time));
+            out.y_min = fmin(out.y_min, fmin(e.value, e.low)); // fmin and fmax pass over NAN
+            out.y_max = fmax(out.y_max, fmax(e.value, e.high));
+        }
+    }
+    return out;
+}
+
+// Colours that the colour-blind tell apart: Okabe and Ito (2008), without yellow.
+static const char style[] = "set logscale xy\nset grid xtics ytics mytics linecolor '#dfe4ea'\n"
+                            "set border 3 linecolor '#66727f'\nset tics nomirror\nset bars 0.6\n"
+                            "set linetype 1 linecolor '#0072b2' pointtype 7\n"
+                            "set linetype 2 linecolor '#d55e00' pointtype 5\n"
+                            "set linetype 3 linecolor '#009e73' pointtype 9\n"
+                            "set linetype 4 linecolor '#cc79a7' pointtype 11\n"
+                            "set linetype 5 linecolor '#56b4e9' pointtype 13\n"
+                            "set linetype 6 linecolor '#e69f00' pointtype 6\n"
+                            "set linetype 7 linecolor '#000000' pointtype 4\n"
+                            "set linetype cycle 7\nset ylabel 'relMSE'\nset format y '1e%T'\n";
+
+#define KEY_INSIDE 6 // curves whose names fit into a corner
+
+static void put_frame(FILE *out, const struct converge *c, const struct extent *extent,
+                      uint32_t scene, bool over_time)
+{
+    bool is_inside = extent->curves <= KEY_INSIDE;
     fprintf(out,
-            "set terminal svg size 620,440 dynamic font 'sans-serif,12' noenhanced name '%s%u'\n"
-            "set logscale xy\nset grid xtics ytics mytics linecolor '#dfe4ea'\n"
-            "set border 3 linecolor '#66727f'\nset tics nomirror\nset bars 0.6\n"
-            "set key below left maxrows 6 samplen 2\nset offsets 0, 0, 0, 0\n"
-            "set format y '10^{%%T}'\nset format x '%%g'\nset ylabel 'relMSE'\nset xlabel '%s'\n",
-            over_time ? "time" : "samples", scene,
-            over_time ? "seconds of rendering" : "samples a pixel");
+            "set terminal svg size %d,420 dynamic font 'sans-serif,12' noenhanced name '%s%u'\n%s",
+            is_inside ? 600 : 760, over_time ? "time" : "samples", scene, style);
+    fputs(is_inside ? "set key inside bottom left samplen 2 opaque\n"
+                    : "set key outside right top samplen 2\n",
+          out);
+    fprintf(out, "set xlabel '%s'\nset xrange [%.9g:%.9g]\nset yrange [%.9g:%.9g]\n",
+            over_time ? "seconds of rendering" : "samples a pixel", extent->x_min / 1.25,
+            extent->x_max * 1.25, extent->y_min / 1.5, extent->y_max * 1.5);
+    if (c->spp && !over_time) {
+        fputs("set xtics (", out);
+        for (uint32_t p = 0; p < c->point_count; p++)
+            fprintf(out, "%s%llu", p ? ", " : "", (unsigned long long)c->spp[p]);
+        fputs(")\n", out);
+    }
+}
+
+static void put_script(FILE *out, const struct converge *c, const struct extent *extent,
+                       uint32_t scene, bool over_time)
+{
+    put_frame(out, c, extent, scene, over_time);
     for (uint32_t i = 0; i < c->curve_count; i++)
         if (is_in(c, i, scene))
             put_data(out, c, &c->curves[i], i, over_time);
+    // What independent samples do, from the upper left.
+    fprintf(out, "plot %.9g / x with lines dashtype 3 linecolor '#8a949e' title '1 / %s'",
+            extent->x_min * extent->y_max, over_time ? "time" : "samples");
+    uint32_t number = 0;
     for (uint32_t i = 0; i < c->curve_count; i++) {
         if (!is_in(c, i, scene))
             continue;
         fprintf(out,
-                "%s$curve%u using 1:2:3:4 with yerrorlines linewidth 1.6 pointtype 7 "
-                "pointsize .35 title ",
-                is_empty ? "plot " : ", \\\n     ", i);
+                ", \\\n     $curve%u using 1:2:3:4 with yerrorlines linetype %u linewidth 1.6 "
+                "pointsize .5 title ",
+                i, ++number);
         html_plot_words(out, converge_label(&c->curves[i]));
-        is_empty = false;
     }
     fputc('\n', out);
-    return !is_empty;
 }
 
 bool converge_plot(const struct converge *c, uint32_t scene, bool over_time, char **script,
                    struct err *err)
 {
+    struct extent extent = find_extent(c, scene, over_time);
     size_t size = 0;
     *script = NULL;
+    if (extent.curves == 0)
+        return true;
     FILE *file = open_memstream(script, &size);
     if (!file)
         return err_memory(err, "a plot", 0);
-    bool is_drawing = put_script(file, c, scene, over_time);
-    bool ok = fclose(file) == 0 || err_memory(err, "a plot", size);
-    if (!ok || !is_drawing) {
-        free(*script);
-        *script = NULL;
-    }
-    return ok;
+    put_script(file, c, &extent, scene, over_time);
+    if (fclose(file) == 0)
+        return true;
+    free(*script);
+    *script = NULL;
+    return err_memory(err, "a plot", size);
 }
