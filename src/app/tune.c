@@ -204,7 +204,7 @@ static bool calibrate(struct tune *t, struct err *err)
         run /= 2;
     }
     if (run * runs > 1.5 * left_seconds(t) && !t->stopped)
-        log_warn("tuning will take about %.0f s: the scenes are slow to render", run * runs);
+        log_info("tuning will take about %.0f s: the scenes are slow to render", run * runs);
     double rounds = CONTESTS_SHARE * left_seconds(t) / (run * fmax(contests, 1.0));
     t->rounds_at_once = (uint32_t)fmin(fmax(rounds, LEAST_ROUNDS), MOST_ROUNDS);
     runs += (t->rounds_at_once - LEAST_ROUNDS) * contests;
