@@ -92,7 +92,8 @@ const struct option_def option_table[OPTION_TOTAL] = {
     },
     [OPTION_SEED] = {
         .name = "seed", .argument = "N", .type = VALUE_COUNT, .min = 0, .max = UINT32_MAX,
-        .group = "Sampling", .commands = FOR_RENDER, .fallback = IN_SCENE_FILE "0",
+        .group = "Sampling", .commands = FOR_RENDER | FOR_CONVERGE | FOR_BENCH,
+        .fallback = IN_SCENE_FILE "0",
         .help = "Seed of the random numbers. The same seed gives the same picture, bit for bit.",
         FIELD(settings.seed),
     },
@@ -393,8 +394,10 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .name = "times", .argument = "SECONDS,...", .type = VALUE_TIMES, .min = 0.001,
         .max = OPTION_TIME_MAX, .group = "Curves", .commands = FOR_CONVERGE,
         .fallback = "points at doubling samples",
-        .help = "Points at these times of rendering instead: every curve ends at the whole sample "
-                "that is then done.",
+        .help = "Points at these times of rendering instead, rising: every curve ends at the whole "
+                "sample that is then done. What needs to know the number of samples beforehand "
+                "(samplers stratified, grid and blue-noise, contiguous halves) renders as many as "
+                "are expected to fit, by the time that earlier ones took.",
     },
 
     [OPTION_SWEEP] = {
@@ -458,7 +461,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_IMAGES] = {
         .name = "images", .type = VALUE_FLAG, .group = "Report", .commands = FOR_CONVERGE,
         .help = "Write every replicate's picture and the references into the report's folder, as "
-                "EXR.",
+                "EXR, and what report.html is made of, as PNG, SVG and scripts for gnuplot.",
         FIELD(images),
     },
 
