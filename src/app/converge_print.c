@@ -2,6 +2,7 @@
 #include "converge.h"
 
 #include "text_out.h"
+#include "tuned.h"
 #include <inttypes.h>
 #include <math.h>
 #include <string.h>
@@ -117,4 +118,5 @@ void converge_print(const struct converge *c)
     for (uint32_t i = 0; i < count; i++)
         printf("note    %s\n", notes[i]);
     printf("device  %s, %s\n", c->gpu.info.name, c->gpu.info.driver);
+    tuned_print(c->options, &c->gpu);
 }
