@@ -1,34 +1,84 @@
-// How long building takes and how good the tree is, on a procedural mesh of a million triangles and
-// on scanned ones where they are at hand.
+// How long building takes, how good the tree is, and how many steps a ray takes through it, by each
+// builder and with each kind of nodes: on a procedural mesh of a million triangles and on scanned
+// ones where they are at hand.
 #include "bvh.h"
 #include "meshes.h"
 
+#include <math.h>
 #include <stdio.h>
 
-enum { REPEATS = 3 };
+enum { REPEATS = 3, RAYS = 20000 };
 
-static int measure(const char *name, const struct mesh *mesh)
+// From vertex to vertex, beyond both.
+static struct bvh_ray some_ray(const struct mesh *mesh, struct random *random)
 {
-    double best = 0;
+    struct bvh_ray ray = {.t_max = INFINITY, .ignore = {UINT32_MAX, UINT32_MAX}};
+    const float *from = mesh->vertices[random_u32(random) % mesh->count][0];
+    const float *to = mesh->vertices[random_u32(random) % mesh->count][1];
+    for (int axis = 0; axis < 3; axis++) {
+        double direction = (double)to[axis] - (double)from[axis];
+        ray.origin[axis] = (double)from[axis] - 2 * direction;
+        ray.direction[axis] = direction;
+    }
+    ray.direction[0] += 1e-30; // from a vertex to itself
+    return ray;
+}
+
+static void count_steps(const struct bvh_trace_scene *scene, const struct mesh *mesh, double *nodes,
+                        double *tests)
+{
+    struct random random = {1};
+    uint64_t sums[2] = {0, 0};
+    for (int i = 0; i < RAYS; i++) {
+        struct bvh_ray ray = some_ray(mesh, &random);
+        struct bvh_hit hit;
+        bvh_trace_closest(scene, &ray, &hit);
+        sums[0] += hit.nodes_visited;
+        sums[1] += hit.primitives_tested;
+    }
+    *nodes = (double)sums[0] / RAYS;
+    *tests = (double)sums[1] / RAYS;
+}
+
+static int measure(const char *name, const struct mesh *mesh, struct bvh_method method)
+{
+    static const char *const splits[] = {"SAH", "median", "mean"};
+    static const char *const formats[] = {"quantised", "float"};
+    double best = INFINITY, nodes = 0, tests = 0;
     struct bvh_stats stats = {0};
     for (int i = 0; i < REPEATS; i++) {
         struct arena arena = {0};
         struct bvh bvh;
         struct err err;
         struct bvh_params params = mesh_params(mesh);
+        params.method = method;
         if (!bvh_build(&params, &arena, &bvh, &err)) {
             fprintf(stderr, "%s: %s\n", name, err.msg);
             return 1;
         }
         stats = bvh.stats;
-        best = i == 0 || stats.build_seconds < best ? stats.build_seconds : best;
+        best = fmin(best, stats.build_seconds);
+        if (i == 0)
+            count_steps(&(struct bvh_trace_scene){.bvh = &bvh, .geometry = &params}, mesh, &nodes,
+                        &tests);
         arena_finish(&arena);
     }
-    printf("%-20s %8u triangles  %6.3f s  %5.2f Mtris/s  SAH cost %7.3f  depth %2u  stack %2u  "
-           "%7u nodes  %7u leaves  %6.1f MB\n",
-           name, mesh->count, best, mesh->count / best * 1e-6, stats.sah_cost, stats.depth,
-           stats.stack_entries, stats.node_count, stats.leaf_count, (double)stats.bytes * 1e-6);
+    printf("%-18s %7u triangles  %-6s %-9s  %6.3f s  %5.2f Mtris/s  SAH cost %7.3f  depth %2u  "
+           "stack %2u  %7u nodes  %7u leaves  %6.1f MB  %6.2f nodes and %6.2f tests a ray\n",
+           name, mesh->count, splits[method.split], formats[method.format], best,
+           mesh->count / best * 1e-6, stats.sah_cost, stats.depth, stats.stack_entries,
+           stats.node_count, stats.leaf_count, (double)stats.bytes * 1e-6, nodes, tests);
+    fflush(stdout);
     return 0;
+}
+
+static int measure_all(const char *name, const struct mesh *mesh)
+{
+    int status = 0;
+    for (uint32_t split = BVH_SPLIT_SAH; split <= BVH_SPLIT_MEAN; split++)
+        for (uint32_t format = BVH_QUANTISED; format <= BVH_FLOAT; format++)
+            status |= measure(name, mesh, (struct bvh_method){split, format});
+    return status;
 }
 
 int main(void)
@@ -36,12 +86,12 @@ int main(void)
     static const char *const files[] = {"nefertiti.obj", "stanford-bunny.obj"};
     struct arena arena = {0};
     struct mesh mesh = mesh_grid(&arena, 707);
-    int status = measure("grid", &mesh);
+    int status = measure_all("grid", &mesh);
     mesh = mesh_soup(&arena, 100000, 0.05, 1);
-    status |= measure("soup", &mesh);
+    status |= measure_all("soup", &mesh);
     for (size_t i = 0; i < sizeof files / sizeof files[0]; i++)
         if (mesh_load(&arena, files[i], &mesh))
-            status |= measure(files[i], &mesh);
+            status |= measure_all(files[i], &mesh);
     arena_finish(&arena);
     return status;
 }
