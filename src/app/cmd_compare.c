@@ -1,213 +1,312 @@
-// lampyris compare: error metrics between a picture and a reference.
+// lampyris compare: error metrics between pictures and a reference.
 #include "commands.h"
 
+#include "compare.h"
 #include "file.h"
-#include "image.h"
-#include "json_out.h"
 #include "log.h"
 #include "metrics.h"
-#include "perceptual.h"
-#include <stdio.h>
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
 
-struct comparison {
-    const struct options *options;
-    struct arena arena;
-    struct image image, reference;
-    struct metrics metrics;
-    double ssim, flip, hdr_flip;
-    struct flip_exposures exposures;
-    bool passed;
-};
-
-static double metric_value(const struct comparison *c, enum compare_metric metric)
+bool compare_greater_is_better(enum compare_metric metric)
 {
-    const struct metrics *metrics = &c->metrics;
-    switch (metric) {
-    case METRIC_MSE:
-        return metrics->mse;
-    case METRIC_RMSE:
-        return metrics->rmse;
-    case METRIC_RELMSE:
-        return metrics->relmse;
-    case METRIC_SMAPE:
-        return metrics->smape;
-    case METRIC_PSNR:
-        return metrics->psnr;
-    case METRIC_SSIM:
-        return c->ssim;
-    case METRIC_FLIP:
-        return c->flip;
-    case METRIC_HDR_FLIP:
-        return c->hdr_flip;
-    case METRIC_MAX:
-        return metrics->max;
-    case METRIC_NONFINITE:
-        return (double)metrics->nonfinite;
-    case METRIC_DIFFERING:
-    case METRIC_TOTAL:
-        break;
-    }
-    return (double)metrics->differing;
+    return metric == METRIC_PSNR || metric == METRIC_SSIM;
 }
 
-// Written so that a metric that is no number fails.
-static bool limit_holds(const struct comparison *c, const struct compare_limit *limit)
+bool compare_limit_holds(const struct compared *picture, const struct compare_limit *limit)
 {
-    double value = metric_value(c, limit->metric);
+    double value = picture->value[limit->metric];
     return limit->is_minimum ? value >= limit->value : value <= limit->value;
 }
 
-static bool read_pictures(struct comparison *c, struct err *err)
+// --- reading -------------------------------------------------------------------------------------
+
+// "FILE:LAYER", unless there is a file of that whole name.
+static bool split_layer(const char *name, struct arena *arena, struct image_read_params *out,
+                        struct err *err)
 {
-    const char *const *paths = c->options->arguments;
-    struct image_read_params first = {.path = paths[0]}, second = {.path = paths[1]};
-    if (!image_read(&first, &c->arena, &c->image, err) ||
-        !image_read(&second, &c->arena, &c->reference, err))
-        return false;
-    if (c->image.width == c->reference.width && c->image.height == c->reference.height)
+    const char *colon = strrchr(name, ':');
+    *out = (struct image_read_params){.path = name};
+    if (!colon || colon == name || !colon[1] || access(name, F_OK) == 0)
         return true;
-    return err_set(err, ERR_INPUT, "%s is %u x %u pixels, but %s is %u x %u", paths[0],
-                   c->image.width, c->image.height, paths[1], c->reference.width,
-                   c->reference.height);
+    char *path = arena_strdup(arena, name);
+    if (!path)
+        return err_memory(err, "a file name", strlen(name) + 1);
+    path[colon - name] = '\0';
+    if (access(path, F_OK) == 0)
+        *out = (struct image_read_params){.path = path, .layer = colon + 1};
+    return true;
 }
 
-static uint64_t pixel_count(const struct image *image)
+static bool read_picture(const struct comparison *c, const char *name, struct arena *arena,
+                         struct image *out, struct err *err)
 {
-    return (uint64_t)image->width * image->height;
+    struct image_read_params params;
+    return split_layer(name, arena, &params, err) && image_read(&params, arena, out, err) &&
+           (!c->reference.image.pixels || reference_check_size(&c->reference, c->reference_path,
+                                                               name, out->width, out->height, err));
 }
 
-// The false colours are meant for the display, pictures hold linear light.
-static bool write_difference(struct comparison *c, struct err *err)
+static bool is_number(const char *text, double *value)
 {
-    struct image picture = {.width = c->image.width, .height = c->image.height};
-    uint64_t count = pixel_count(&picture);
-    picture.pixels = arena_alloc(&c->arena, count, sizeof *picture.pixels);
-    if (!picture.pixels)
-        return err_memory(err, "the difference picture", count * sizeof *picture.pixels);
-    metrics_difference_picture((const float(*)[3])c->image.pixels,
-                               (const float(*)[3])c->reference.pixels, count, picture.pixels);
+    char *end;
+    *value = strtod(text, &end);
+    return end != text && !*end;
+}
+
+static bool read_variance(struct comparison *c, const char *name, struct err *err)
+{
+    struct arena arena = {0};
+    struct image variance;
+    bool ok = read_picture(c, name, &arena, &variance, err) &&
+              reference_set_variance(&c->reference, name, (const float(*)[3])variance.pixels, err);
+    arena_finish(&arena);
+    return ok;
+}
+
+// The reference, and its own noise as --reference-variance tells it.
+static bool read_reference(struct comparison *c, struct err *err)
+{
+    const char *variance = c->options->reference_variance, *name = c->reference_path;
+    double value;
+    if (variance && strcmp(variance, "auto") == 0) {
+        if (!reference_read(name, &c->arena, &c->reference, err))
+            return false;
+        if (!c->reference.noise_known)
+            return err_set(err, ERR_INPUT, "%s: --reference-variance auto: %s", name,
+                           c->reference.reason);
+    } else if (!read_picture(c, name, &c->arena, &c->reference.image, err)) {
+        return false;
+    } else if (variance && is_number(variance, &value)) {
+        if (!(value >= 0 && isfinite(value)))
+            return err_set(err, ERR_USAGE,
+                           "--reference-variance: %s is no variance; expected a number >= 0",
+                           variance);
+        reference_set_even_variance(&c->reference, value);
+    } else if (variance && !read_variance(c, variance, err)) {
+        return err_prepend(err, "--reference-variance");
+    }
+    c->is_corrected = variance != NULL;
+    return true;
+}
+
+// --- measuring -----------------------------------------------------------------------------------
+
+static void correct(const struct comparison *c, struct compared *picture)
+{
+    const double noise[2] = {c->reference.mse, c->reference.relmse};
+    struct interval *intervals[2] = {&picture->mse, &picture->relmse};
+    memcpy(picture->measured, picture->value, sizeof picture->measured);
+    for (int k = 0; k < 2; k++) {
+        intervals[k]->value -= noise[k];
+        intervals[k]->low -= noise[k];
+        intervals[k]->high -= noise[k];
+        // An error is not below 0; what is left of it without the reference's noise may be.
+        if (!c->is_corrected && intervals[k]->low < 0)
+            intervals[k]->low = 0;
+    }
+    if (!c->is_corrected)
+        return;
+    picture->value[METRIC_MSE] = picture->mse.value;
+    picture->value[METRIC_RELMSE] = picture->relmse.value;
+    picture->value[METRIC_RMSE] = copysign(sqrt(fabs(picture->mse.value)), picture->mse.value);
+}
+
+static void measure(const struct comparison *c, const struct picture_pair *pair,
+                    struct compared *picture)
+{
+    struct metrics m;
+    uint64_t count = (uint64_t)pair->width * pair->height;
+    metrics_compare(pair->image, pair->reference, count, &m);
+    metrics_intervals(pair->image, pair->reference, pair->width, pair->height, &picture->mse,
+                      &picture->relmse);
+    picture->value[METRIC_MSE] = m.mse;
+    picture->value[METRIC_RMSE] = m.rmse;
+    picture->value[METRIC_RELMSE] = m.relmse;
+    picture->value[METRIC_SMAPE] = m.smape;
+    picture->value[METRIC_PSNR] =
+        metrics_psnr(pair->image, pair->reference, count, (double)c->options->settings.exposure);
+    picture->value[METRIC_MAX] = m.max;
+    picture->value[METRIC_NONFINITE] = (double)m.nonfinite;
+    picture->value[METRIC_DIFFERING] = (double)m.differing;
+    picture->max_pixel[0] = (uint32_t)(m.max_pixel % pair->width);
+    picture->max_pixel[1] = (uint32_t)(m.max_pixel / pair->width);
+    picture->is_equal = m.differing == 0;
+    correct(c, picture);
+}
+
+// The picture as it is exposed, in memory from `arena` where that is not as it is.
+static bool expose(const struct comparison *c, const float (*pixels)[3], uint64_t count,
+                   struct arena *arena, const float (**out)[3], struct err *err)
+{
+    double factor = exp2((double)c->options->settings.exposure);
+    *out = pixels;
+    if (factor == 1)
+        return true;
+    float(*exposed)[3] = arena_alloc(arena, count, sizeof *exposed);
+    if (!exposed)
+        return err_memory(err, "an exposed picture", count * sizeof *exposed);
+    // What is finite stays so: pixels that are not are left out.
     for (uint64_t i = 0; i < count; i++)
         for (int k = 0; k < 3; k++)
-            picture.pixels[i][k] = image_srgb_to_linear(picture.pixels[i][k]);
-    struct image_write_params params = {.path = c->options->difference, .image = &picture};
-    return image_write(&params, err);
+            exposed[i][k] = isfinite(pixels[i][k])
+                                ? (float)fmin(factor * (double)pixels[i][k], (double)FLT_MAX)
+                                : pixels[i][k];
+    *out = (const float(*)[3])exposed;
+    return true;
 }
 
-static void check_limits(struct comparison *c)
+// One picture's share of the whole progress.
+struct share {
+    const struct progress *whole;
+    uint32_t index, count;
+};
+
+static void report_share(void *context, const char *phase, double fraction)
+{
+    const struct share *share = context;
+    progress_report(share->whole, phase, (share->index + fraction) / share->count);
+}
+
+static bool should_stop(void *context)
+{
+    const struct share *share = context;
+    return progress_should_stop(share->whole);
+}
+
+// `map`: NULL, or room for the numbers of --map flip or hdr-flip.
+static bool look(const struct comparison *c, uint32_t index, const struct picture_pair *pair,
+                 struct arena *arena, float *map, struct compared *picture, struct err *err)
+{
+    struct share share = {c->options->progress, index, c->count};
+    const struct progress progress = {report_share, should_stop, &share};
+    uint64_t count = (uint64_t)pair->width * pair->height;
+    struct picture_pair shown = *pair;
+    if (!expose(c, pair->image, count, arena, &shown.image, err) ||
+        !expose(c, pair->reference, count, arena, &shown.reference, err))
+        return false;
+    report_share(&share, "Comparing", 0);
+    bool is_hdr = c->options->map == ERROR_MAP_HDR_FLIP;
+    bool ok = metrics_ssim(&shown, &picture->value[METRIC_SSIM]) &&
+              metrics_flip(&shown, FLIP_PIXELS_PER_DEGREE, is_hdr ? NULL : map,
+                           &picture->value[METRIC_FLIP]) &&
+              metrics_flip_hdr(pair, FLIP_PIXELS_PER_DEGREE, &c->exposures, &progress,
+                               is_hdr ? map : NULL, &picture->value[METRIC_HDR_FLIP]);
+    if (ok)
+        return true;
+    return should_stop(&share) ? err_set(err, ERR_STOPPED, "stopped: not all is compared")
+                               : err_memory(err, "SSIM and FLIP", count * sizeof(float));
+}
+
+static bool compare_picture(struct comparison *c, uint32_t index, struct arena *arena,
+                            struct err *err)
+{
+    struct compared *picture = &c->pictures[index];
+    struct image image;
+    if (!read_picture(c, picture->path, arena, &image, err))
+        return false;
+    const struct picture_pair pair = {
+        .image = (const float(*)[3])image.pixels,
+        .reference = (const float(*)[3])c->reference.image.pixels,
+        .width = image.width,
+        .height = image.height,
+    };
+    uint64_t count = (uint64_t)pair.width * pair.height;
+    float *map = picture->map ? arena_alloc(arena, count, sizeof *map) : NULL;
+    if (picture->map && !map)
+        return err_memory(err, "a map of errors", count * sizeof *map);
+    if (!look(c, index, &pair, arena, map, picture, err))
+        return false;
+    measure(c, &pair, picture);
+    return !picture->map || compare_write_map(c, picture, &pair, map, arena, err);
+}
+
+// --- judging -------------------------------------------------------------------------------------
+
+static bool check_limits(const struct comparison *c, const struct compared *picture)
 {
     const struct options *options = c->options;
-    bool nonfinite_limited = false;
-    c->passed = true;
+    bool nonfinite_limited = false, passed = true;
     for (uint32_t i = 0; i < options->limit_count; i++) {
         const struct compare_limit *limit = &options->limits[i];
         nonfinite_limited = nonfinite_limited || limit->metric == METRIC_NONFINITE;
-        if (limit_holds(c, limit))
+        if (compare_limit_holds(picture, limit))
             continue;
-        c->passed = false;
-        log_message(LOG_ERROR, "%s is %.6g; expected at %s %.6g",
-                    compare_metric_names[limit->metric], metric_value(c, limit->metric),
+        passed = false;
+        log_message(LOG_ERROR, "%s: %s is %.6g; expected at %s %.6g", picture->path,
+                    compare_metric_names[limit->metric], picture->value[limit->metric],
                     limit->is_minimum ? "least" : "most", limit->value);
     }
-    if (c->metrics.nonfinite == 0 || nonfinite_limited)
-        return;
+    double nonfinite = picture->value[METRIC_NONFINITE];
+    if (nonfinite == 0 || nonfinite_limited)
+        return passed;
     // They are left out of the metrics: a picture full of NaN must not pass for that.
     bool fails = options->limit_count > 0;
-    c->passed = c->passed && !fails;
-    log_message(fails ? LOG_ERROR : LOG_WARN, "%llu pixels are not finite and were left out",
-                (unsigned long long)c->metrics.nonfinite);
+    log_message(fails ? LOG_ERROR : LOG_WARN, "%s: %.0f pixels are not finite and were left out",
+                picture->path, nonfinite);
+    return passed && !fails;
 }
 
-static void print_text(const struct comparison *c)
+// Names the difference pictures, and finds out before the work whether they can be written.
+static bool prepare_maps(struct comparison *c, struct err *err)
 {
-    const struct metrics *m = &c->metrics;
-    uint32_t width = c->image.width;
-    printf("%s against %s, %u x %u pixels\n", c->options->arguments[0], c->options->arguments[1],
-           width, c->image.height);
-    printf("  mse     %.6g\n  rmse    %.6g\n  relmse  %.6g\n  smape   %.6g\n  psnr    %.6g dB\n",
-           m->mse, m->rmse, m->relmse, m->smape, m->psnr);
-    printf("  ssim    %.6g\n  flip    %.6g\n  hdr-flip %.6g, %u exposures of %.2f to %.2f stops\n",
-           c->ssim, c->flip, c->hdr_flip, c->exposures.count, c->exposures.start,
-           c->exposures.stop);
-    printf("  max     %.6g at pixel %llu,%llu\n", m->max,
-           (unsigned long long)(m->max_pixel % width), (unsigned long long)(m->max_pixel / width));
-    printf("  differing pixels   %llu\n  non-finite pixels  %llu\n",
-           (unsigned long long)m->differing, (unsigned long long)m->nonfinite);
-}
-
-static json_t *checks_json(const struct comparison *c)
-{
-    json_t *checks = json_array();
-    for (uint32_t i = 0; i < c->options->limit_count; i++) {
-        const struct compare_limit *limit = &c->options->limits[i];
-        json_array_append_new(
-            checks, json_pack("{s:s, s:o, s:b}", "metric", compare_metric_names[limit->metric],
-                              limit->is_minimum ? "min" : "max", json_number(limit->value),
-                              "passed", limit_holds(c, limit)));
+    const char *path = c->options->difference;
+    if (!path)
+        return true;
+    if (!image_check_format(path, err))
+        return false;
+    for (uint32_t i = 0; i < c->count; i++) {
+        c->pictures[i].map = c->count > 1 ? path_numbered(&c->arena, path, i + 1) : path;
+        if (!c->pictures[i].map)
+            return err_memory(err, "file names", strlen(path));
+        if (!file_check_writable(c->pictures[i].map, err))
+            return false;
     }
-    return checks;
+    return true;
 }
 
-static int print_json(const struct comparison *c)
+static bool compare_all(struct comparison *c, struct err *err)
 {
-    const struct metrics *m = &c->metrics;
-    uint32_t width = c->image.width;
-    return json_print(json_pack(
-        "{s:o, s:o, s:i, s:i, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:[f, f, i], s:o, s:[I, I], "
-        "s:I, s:I, s:o, s:b}",
-        "image", json_words(c->options->arguments[0]), "reference",
-        json_words(c->options->arguments[1]), "width", (int)width, "height", (int)c->image.height,
-        "mse", json_number(m->mse), "rmse", json_number(m->rmse), "relmse", json_number(m->relmse),
-        "smape", json_number(m->smape), "psnr", json_number(m->psnr), "ssim", json_number(c->ssim),
-        "flip", json_number(c->flip), "hdr_flip", json_number(c->hdr_flip), "hdr_flip_exposures",
-        c->exposures.start, c->exposures.stop, (int)c->exposures.count, "max", json_number(m->max),
-        "max_pixel", (json_int_t)(m->max_pixel % width), (json_int_t)(m->max_pixel / width),
-        "nonfinite", (json_int_t)m->nonfinite, "differing", (json_int_t)m->differing, "checks",
-        checks_json(c), "passed", c->passed));
-}
-
-static bool look(struct comparison *c, struct err *err)
-{
-    const struct picture_pair pair = {
-        .image = (const float(*)[3])c->image.pixels,
-        .reference = (const float(*)[3])c->reference.pixels,
-        .width = c->image.width,
-        .height = c->image.height,
-    };
-    return (metrics_ssim(&pair, &c->ssim) && metrics_flip_exposures(&pair, &c->exposures) &&
-            metrics_flip(&pair, FLIP_PIXELS_PER_DEGREE, NULL, &c->flip) &&
-            metrics_flip_hdr(&pair, FLIP_PIXELS_PER_DEGREE, &c->exposures, NULL, NULL,
-                             &c->hdr_flip)) ||
-           err_memory(err, "SSIM and FLIP", pixel_count(&c->image) * sizeof(float));
-}
-
-static int compare(struct comparison *c)
-{
-    struct err err = {0};
-    const char *difference = c->options->difference;
-    if (difference &&
-        !(image_check_format(difference, &err) && file_check_writable(difference, &err)))
-        return command_fail(&err);
-    if (!read_pictures(c, &err))
-        return command_fail(&err);
-    metrics_compare((const float(*)[3])c->image.pixels, (const float(*)[3])c->reference.pixels,
-                    pixel_count(&c->image), &c->metrics);
-    if (!look(c, &err))
-        return command_fail(&err);
-    if (difference && !write_difference(c, &err))
-        return command_fail(&err);
-    check_limits(c);
-    int code = EXIT_CODE_OK;
-    if (c->options->json)
-        code = print_json(c);
-    else if (!c->options->quiet)
-        print_text(c);
-    return code == EXIT_CODE_OK && !c->passed ? EXIT_CODE_CHECK_FAILED : code;
+    if (!prepare_maps(c, err) || !read_reference(c, err))
+        return false;
+    const struct image *reference = &c->reference.image;
+    const float(*pixels)[3] = (const float(*)[3])reference->pixels;
+    const struct picture_pair alone = {pixels, pixels, reference->width, reference->height};
+    if (!metrics_flip_exposures(&alone, &c->exposures))
+        return err_memory(err, "luminances", (uint64_t)alone.width * alone.height * sizeof(float));
+    for (uint32_t i = 0; i < c->count; i++) {
+        struct arena arena = {0};
+        bool ok = compare_picture(c, i, &arena, err);
+        arena_finish(&arena);
+        if (!ok)
+            return false;
+    }
+    c->passed = true;
+    for (uint32_t i = 0; i < c->count; i++) {
+        c->pictures[i].passed = check_limits(c, &c->pictures[i]);
+        c->passed = c->passed && c->pictures[i].passed;
+    }
+    return true;
 }
 
 int cmd_compare(const struct options *options)
 {
-    struct comparison c = {.options = options};
-    int code = compare(&c);
+    struct err err = {0};
+    struct comparison c = {.options = options, .count = options->argument_count - 1};
+    c.reference_path = options->arguments[c.count];
+    for (uint32_t i = 0; i < c.count; i++)
+        c.pictures[i].path = options->arguments[i];
+    int code = EXIT_CODE_OK;
+    if (!compare_all(&c, &err))
+        code = command_fail(&err);
+    else if (options->json)
+        code = compare_print_json(&c);
+    else if (!options->quiet)
+        compare_print_text(&c);
+    bool failed = code == EXIT_CODE_OK && !c.passed;
     arena_finish(&c.arena);
-    return code;
+    return failed ? EXIT_CODE_CHECK_FAILED : code;
 }

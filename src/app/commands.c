@@ -70,22 +70,23 @@ const struct command commands[COMMAND_TOTAL] = {
     [COMMAND_COMPARE] =
         {
             .name = "compare",
-            .summary = "measure how far a picture is from a reference",
-            .arguments = "IMAGE REFERENCE",
+            .summary = "measure how far pictures are from a reference",
+            .arguments = "IMAGE... REFERENCE",
             .description =
-                "Compares two pictures (.exr, .hdr, .png or .jpg; the latter two decoded to linear "
-                "light) of the same size x and r and prints, over all pixels and channels: mse, "
-                "the mean of (x - r)^2; rmse, its root; relmse, the mean of (x - r)^2 / (r^2 + "
-                "0.01); smape, the mean of 2 |x - r| / (|x| + |r| + 1e-6); psnr in dB for a peak "
-                "of "
-                "1; ssim; flip of what is shown without exposure or tone curve, and hdr-flip over "
-                "the reference's range of exposures, both for 67 pixels a degree; and max, the "
-                "greatest difference. Pixels with a non-finite value in either picture are counted "
-                "and left out.",
+                "Compares pictures x (.exr, .hdr, .png or .jpg; the latter two decoded to linear "
+                "light; FILE:LAYER is a layer of an EXR file) with a reference r of the same size. "
+                "Over all pixels and channels: mse, the mean of (x - r)^2; rmse, its root; relmse, "
+                "the mean of (x - r)^2 / (r^2 + 0.01); smape, the mean of 2 |x - r| / (|x| + |r| + "
+                "1e-6); of what a display shows, clamped and sRGB-encoded, psnr in dB, ssim and "
+                "flip; hdr-flip over the reference's range of exposures (both for 67 pixels a "
+                "degree); and max, the greatest difference. Pixels with a non-finite value in "
+                "either picture are counted and left out. mse and relmse have a 95 % interval. "
+                "Several pictures make a table, in which the best of each column has a star.",
             .examples = "lampyris compare out.exr reference.exr --max relmse=1e-3\n"
+                        "lampyris compare a.exr b.exr reference.exr --reference-variance auto\n"
                         "lampyris compare a.exr b.exr --max differing=0 --difference d.png",
             .min_arguments = 2,
-            .max_arguments = 2,
+            .max_arguments = OPTIONS_ARGUMENTS_MAX,
             .run = cmd_compare,
         },
     [COMMAND_INFO] =

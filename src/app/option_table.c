@@ -50,8 +50,9 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_EXPOSURE] = {
         .name = "exposure", .argument = "STOPS", .type = VALUE_REAL, .min = -SETTINGS_EXPOSURE_MAX,
         .max = SETTINGS_EXPOSURE_MAX,
-        .group = "Picture", .commands = FOR_RENDER, .fallback = IN_SCENE_FILE "0",
-        .help = "Multiply PNG pictures by 2^STOPS before the tone curve. EXR stays as it is.",
+        .group = "Picture", .commands = FOR_RENDER | FOR_COMPARE, .fallback = IN_SCENE_FILE "0",
+        .help = "Multiply PNG pictures, or what psnr, ssim and flip see, by 2^STOPS before the tone "
+                "curve. EXR stays as it is.",
         FIELD(settings.exposure),
     },
     [OPTION_TONE] = {
@@ -68,9 +69,10 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_TIME] = {
         .name = "time", .argument = "SECONDS", .type = VALUE_REAL, .min = 0.001,
         .max = OPTION_TIME_MAX,
-        .group = "Sampling", .commands = FOR_RENDER, .fallback = "no limit",
+        .group = "Sampling", .commands = FOR_RENDER | FOR_BENCH, .fallback = "no limit",
         .help = "Stop at whole samples per pixel after about this many seconds of rendering, or "
-                "at --spp or --frames where given. At least one sample per pixel is taken.",
+                "at --spp or --frames where given. At least one sample per pixel is taken. With "
+                "bench --tune: about how long it may take (60).",
         FIELD(time_seconds),
     },
     [OPTION_ERROR] = {
@@ -434,7 +436,9 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_TUNE] = {
         .name = "tune", .type = VALUE_FLAG, .group = "Benchmark", .commands = FOR_BENCH,
         .help = "Find the wave and workgroup sizes that render the scenes fastest on this device, "
-                "and keep them for later renders in the user's cache folder.",
+                "and keep them for later runs in $XDG_CACHE_HOME/lampyris/tuning.json (~/.cache). "
+                "What is not faster beyond noise than the device's default is not taken. "
+                "--sweep wave=A,B,... and workgroup=A,B,... say which to try.",
         FIELD(tune),
     },
     [OPTION_BASELINE] = {
@@ -473,13 +477,13 @@ const struct option_def option_table[OPTION_TOTAL] = {
     },
     [OPTION_WAVE] = {
         .name = "wave", .argument = "N", .type = VALUE_COUNT, .min = 64, .max = 16777216,
-        .group = "Device", .commands = FOR_SCENE, .fallback = "chosen by device",
+        .group = "Device", .commands = FOR_SCENE, .fallback = "tuned, or chosen by device",
         .help = "Paths in flight. Changes memory and speed, and no bit of the picture.",
         FIELD(wave),
     },
     [OPTION_WORKGROUP] = {
         .name = "workgroup", .argument = "N", .type = VALUE_COUNT, .min = 8, .max = 1024,
-        .group = "Device", .commands = FOR_SCENE, .fallback = "chosen by device",
+        .group = "Device", .commands = FOR_SCENE, .fallback = "tuned, or chosen by device",
         .help = "Threads of a workgroup, a power of two. Changes speed, and no bit of the picture.",
         FIELD(workgroup),
     },
@@ -579,8 +583,9 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .name = "max", .argument = "METRIC=VALUE", .type = VALUE_LIMIT, .group = "Checks",
         .commands = FOR_COMPARE,
         .help = "Exit with 1 if the metric is greater: mse, rmse, relmse, smape, flip, hdr-flip, "
-                "max, or the number of nonfinite or differing pixels. May be given several times. Any check also fails "
-                "on non-finite pixels unless --max nonfinite=N allows them.",
+                "max, or the number of nonfinite or differing pixels. Holds for each picture. May be "
+                "given several times. Any check also fails on non-finite pixels unless --max "
+                "nonfinite=N allows them.",
     },
     [OPTION_MIN] = {
         .name = "min", .argument = "METRIC=VALUE", .type = VALUE_LIMIT, .group = "Checks",
@@ -589,16 +594,16 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_DIFFERENCE] = {
         .name = "difference", .argument = "FILE", .type = VALUE_TEXT, .group = "Picture",
         .commands = FOR_COMPARE,
-        .help = "Write a false-colour picture, .png or .exr, of the relative difference: black for "
-                "none, then blue, green, yellow and red on a logarithmic scale from 1e-4 to 1.",
+        .help = "Write a map of the differences: .png in false colours, from black to pale yellow, "
+                "with their scale below, green where a pixel is not finite; .exr with the numbers "
+                "themselves, in a layer named as --map. Of several pictures: FILE.0001.png and so on.",
         FIELD(difference),
     },
-
     [OPTION_MAP] = {
         .name = "map", .argument = "relative|squared|smape|flip|hdr-flip", .type = VALUE_CHOICE,
         .group = "Picture", .commands = FOR_COMPARE, .fallback = "relative",
-        .help = "What --difference shows: the relative difference, a pixel's part of relmse or "
-                "smape, or FLIP. EXR files hold the numbers themselves, PNG false colours.",
+        .help = "What --difference shows: |x - r| / (|r| + 0.01), a pixel's part of relmse or "
+                "smape, or FLIP. The first three have a logarithmic scale of colours.",
         FIELD(map),
     },
     [OPTION_REFERENCE_VARIANCE] = {
@@ -606,7 +611,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .group = "Metrics", .commands = FOR_COMPARE, .fallback = "none is subtracted",
         .help = "The reference's own noise, which is subtracted from mse, rmse and relmse: a "
                 "picture of each value's variance, the layers of --aov halves in the reference "
-                "itself (auto), or one number for all.",
+                "itself (auto), or one variance for all values.",
         FIELD(reference_variance),
     },
 

@@ -6,6 +6,7 @@
 #include "arena.h"
 #include "bvh.h"
 #include "err.h"
+#include "error_map.h"
 #include "gpu.h"
 #include "log.h"
 #include "progress.h"
@@ -176,9 +177,6 @@ enum classes_option { CLASSES_SORTED, CLASSES_MERGED };
 // to lights.
 enum rays_option { RAYS_PRIMARY, RAYS_DIFFUSE, RAYS_SHADOW };
 
-// What a difference picture shows.
-enum map_option { MAP_RELATIVE, MAP_SQUARED, MAP_SMAPE, MAP_FLIP, MAP_HDR_FLIP };
-
 enum compare_metric {
     METRIC_MSE,
     METRIC_RMSE,
@@ -282,7 +280,7 @@ struct options {
     struct compare_limit *limits;
     uint32_t limit_count;
     const char *difference; // NULL: no picture
-    enum map_option map;
+    enum error_map map;
     const char *reference_variance; // file, "auto" or a number; NULL: none
 
     struct arena arena; // owns the lists and the command line; other strings are argv's

@@ -1,35 +1,85 @@
 #include "reference.h"
 
 #include "metrics.h"
-#include <math.h>
+#include "pixel.h"
 #include <stdlib.h>
 #include <string.h>
 
-static bool is_finite(const float rgb[3])
+// What a sum over finite pixels makes of the noise.
+struct noise_sum {
+    uint64_t finite;
+    double squares, relative;
+};
+
+static void add_variance(struct noise_sum *sum, double variance, float value)
 {
-    return isfinite(rgb[0]) && isfinite(rgb[1]) && isfinite(rgb[2]);
+    double r = (double)value;
+    sum->squares += variance;
+    sum->relative += variance / (r * r + METRICS_RELMSE_EPSILON);
+}
+
+static void set_noise(struct reference *out, const struct noise_sum *sum)
+{
+    double values = 3.0 * (double)sum->finite;
+    out->noise_known = sum->finite > 0;
+    out->reason = sum->finite > 0 ? NULL : "no pixel of it is finite";
+    out->mse = sum->finite > 0 ? sum->squares / values : 0.0;
+    out->relmse = sum->finite > 0 ? sum->relative / values : 0.0;
+}
+
+static uint64_t pixel_count(const struct reference *reference)
+{
+    return (uint64_t)reference->image.width * reference->image.height;
 }
 
 void reference_set_noise(struct reference *out, const float (*half_a)[3], const float (*half_b)[3])
 {
     const float(*mean)[3] = (const float(*)[3])out->image.pixels;
-    uint64_t pixels = (uint64_t)out->image.width * out->image.height, finite = 0;
-    double squares = 0.0, relative = 0.0;
-    for (uint64_t i = 0; i < pixels; i++) {
-        if (!is_finite(mean[i]) || !is_finite(half_a[i]) || !is_finite(half_b[i]))
+    struct noise_sum sum = {0};
+    for (uint64_t i = 0; i < pixel_count(out); i++) {
+        if (!pixel_is_finite(mean[i]) || !pixel_is_finite(half_a[i]) || !pixel_is_finite(half_b[i]))
             continue;
-        finite++;
+        sum.finite++;
         for (int k = 0; k < 3; k++) {
             double d = 0.5 * ((double)half_a[i][k] - (double)half_b[i][k]);
-            double r = (double)mean[i][k];
-            squares += d * d;
-            relative += d * d / (r * r + METRICS_RELMSE_EPSILON);
+            add_variance(&sum, d * d, mean[i][k]);
         }
     }
-    out->noise_known = finite > 0;
-    out->reason = finite > 0 ? NULL : "no pixel of it is finite";
-    out->mse = finite > 0 ? squares / (3.0 * (double)finite) : 0.0;
-    out->relmse = finite > 0 ? relative / (3.0 * (double)finite) : 0.0;
+    set_noise(out, &sum);
+}
+
+bool reference_set_variance(struct reference *out, const char *path, const float (*variance)[3],
+                            struct err *err)
+{
+    const float(*mean)[3] = (const float(*)[3])out->image.pixels;
+    struct noise_sum sum = {0};
+    for (uint64_t i = 0; i < pixel_count(out); i++) {
+        if (!pixel_is_finite(mean[i]))
+            continue;
+        sum.finite++;
+        for (int k = 0; k < 3; k++) {
+            if (!(variance[i][k] >= 0 && isfinite(variance[i][k])))
+                return err_set(err, ERR_INPUT,
+                               "%s: pixel %u,%u: %g is no variance; expected a number >= 0", path,
+                               (unsigned)(i % out->image.width), (unsigned)(i / out->image.width),
+                               (double)variance[i][k]);
+            add_variance(&sum, (double)variance[i][k], mean[i][k]);
+        }
+    }
+    set_noise(out, &sum);
+    return true;
+}
+
+void reference_set_even_variance(struct reference *out, double variance)
+{
+    const float(*mean)[3] = (const float(*)[3])out->image.pixels;
+    struct noise_sum sum = {0};
+    for (uint64_t i = 0; i < pixel_count(out); i++) {
+        sum.finite += pixel_is_finite(mean[i]);
+        for (int k = 0; k < 3 && pixel_is_finite(mean[i]); k++)
+            add_variance(&sum, variance, mean[i][k]);
+    }
+    set_noise(out, &sum);
 }
 
 static const char *attribute(const char *path, struct arena *arena, const char *key)

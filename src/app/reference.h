@@ -22,6 +22,14 @@ bool reference_read(const char *path, struct arena *arena, struct reference *out
 // Pixels that are not finite are left out, as metrics_compare does.
 void reference_set_noise(struct reference *out, const float (*half_a)[3], const float (*half_b)[3]);
 
+// Sets it from the variances of out->image's values, in a picture of as many pixels. ERR_INPUT,
+// naming the pixel, where one is negative or not finite though the reference is. `path` is that of
+// the variances.
+bool reference_set_variance(struct reference *out, const char *path, const float (*variance)[3],
+                            struct err *err);
+// The same with one variance for all.
+void reference_set_even_variance(struct reference *out, double variance);
+
 // ERR_INPUT, unless it has as many pixels as `what` has.
 bool reference_check_size(const struct reference *reference, const char *path, const char *what,
                           uint32_t width, uint32_t height, struct err *err);

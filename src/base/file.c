@@ -230,6 +230,15 @@ const char *path_extension(const char *path)
     return dot && dot != name ? dot + 1 : "";
 }
 
+char *path_numbered(struct arena *arena, const char *path, uint32_t number)
+{
+    const char *extension = path_extension(path);
+    if (!*extension)
+        return arena_printf(arena, "%s.%04u", path, number);
+    int stem = (int)(extension - path);
+    return arena_printf(arena, "%.*s%04u.%s", stem, path, number, extension);
+}
+
 bool file_make_folder(const char *path, struct err *err)
 {
     struct stat status;

@@ -39,6 +39,8 @@ bool file_make_folder(const char *path, struct err *err);
 char *path_folder(struct arena *arena, const char *path); // "a/b.c" -> "a", "b.c" -> "."
 const char *path_extension(const char *path);             // "a.PNG" -> "PNG", else ""
 const char *path_name(const char *path);                  // "a/b.c" -> "b.c"
+// "a/b.c", 12 -> "a/b.0012.c". NULL when out of memory.
+char *path_numbered(struct arena *arena, const char *path, uint32_t number);
 
 // Atomic writing: a temporary file in the same folder, fsync, rename, fsync of the folder. Until
 // commit succeeds, an older file of that name stays intact; its permissions pass to the new one. A

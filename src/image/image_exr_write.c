@@ -44,6 +44,12 @@ static const struct image_layer *layer_at(const struct image_write_params *param
     return index < 0 ? plain : &params->layers[index];
 }
 
+// -1, the plain picture, unless there is none.
+static int first_layer(const struct image_write_params *params)
+{
+    return params->image->pixels ? -1 : 0;
+}
+
 static int component_count(const struct image_layer *layer)
 {
     int count = 0;
@@ -73,7 +79,7 @@ static bool find_channel(const struct image_write_params *params, const char *wa
                          struct channel *out)
 {
     struct image_layer plain;
-    for (int i = -1; i < (int)params->layer_count; i++) {
+    for (int i = first_layer(params); i < (int)params->layer_count; i++) {
         const struct image_layer *layer = layer_at(params, i, &plain);
         for (int component = 0; component < component_count(layer); component++)
             if (describe_channel(params, layer, component, out) && strcmp(out->name, wanted) == 0)
@@ -100,7 +106,7 @@ static bool add_channel(struct exr_writer *writer, const struct image_layer *lay
 static bool add_channels(struct exr_writer *writer, struct err *err)
 {
     struct image_layer plain;
-    for (int i = -1; i < (int)writer->params->layer_count; i++) {
+    for (int i = first_layer(writer->params); i < (int)writer->params->layer_count; i++) {
         const struct image_layer *layer = layer_at(writer->params, i, &plain);
         for (int component = 0; component < component_count(layer); component++)
             if (!add_channel(writer, layer, component, err))

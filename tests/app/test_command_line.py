@@ -14,6 +14,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import zlib
 
 LAMPYRIS = sys.argv.pop(1)
 
@@ -49,6 +50,30 @@ def exr(path, width, height, rgb):
             for channel in (2, 1, 0):
                 for x in range(width):
                     file.write(struct.pack('<f', rgb(x, y)[channel]))
+
+
+def png(path):
+    """Size and pixel(x, y) of an 8-bit RGB picture (PNG specification, 9.2)."""
+    with open(path, 'rb') as file:
+        data = file.read()
+    width, height, depth, kind = struct.unpack('>IIBB', data[16:26])
+    assert (depth, kind) == (8, 2)
+    packed, at = b'', 8
+    while at < len(data):
+        length, name = struct.unpack('>I4s', data[at:at + 8])
+        packed += data[at + 8:at + 8 + length] if name == b'IDAT' else b''
+        at += 12 + length
+    raw, rows = zlib.decompress(packed), [bytes(3 * width + 3)]
+    for y in range(height):
+        line = raw[y * (3 * width + 1):(y + 1) * (3 * width + 1)]
+        row = bytearray(3)
+        for i in range(3 * width):
+            a, b, c = row[i], rows[-1][i + 3], rows[-1][i]
+            p = a + b - c
+            paeth = min((abs(p - a), 0, a), (abs(p - b), 1, b), (abs(p - c), 2, c))[2]
+            row.append((line[i + 1] + (0, a, b, (a + b) // 2, paeth)[line[0]]) & 255)
+        rows.append(bytes(row))
+    return width, height, lambda x, y: tuple(rows[y + 1][3 * x + 3:3 * x + 6])
 
 
 class Help(unittest.TestCase):
@@ -95,7 +120,7 @@ class Help(unittest.TestCase):
 
 class Failures(unittest.TestCase):
     def test_usage_errors(self):
-        for arguments in ([], ['rendr'], ['compare'], ['compare', 'a'], ['compare', 'a', 'b', 'c'],
+        for arguments in ([], ['rendr'], ['compare'], ['compare', 'a'], ['compare', *'abcdefghijklmnopq'],
                           ['devices', 'x'], ['devices', '--spp', '1'], ['--bogus'], ['-x'],
                           ['compare', 'a', 'b', '--max'], ['compare', 'a', 'b', '--max', 'mse'],
                           ['render'], ['render', 's.json', '--spp', '0'],
@@ -113,7 +138,7 @@ class Failures(unittest.TestCase):
     def test_missing_files(self):
         result = run('compare', 'nowhere-1.exr', 'nowhere-2.exr')
         self.assertEqual((result.returncode, result.stdout), (2, ''))
-        self.assertIn('nowhere-1.exr', result.stderr)
+        self.assertRegex(result.stderr, r'nowhere-[12]\.exr: No such file')
 
     @unittest.skipUnless(os.path.exists('/dev/full'), 'there is no /dev/full')
     def test_a_full_standard_output(self):
@@ -202,7 +227,15 @@ class Compare(unittest.TestCase):
         self.assertAlmostEqual(values['mse'], mse, places=7)
         self.assertAlmostEqual(values['rmse'], math.sqrt(mse), places=7)
         self.assertAlmostEqual(values['relmse'], mse / 1.01, places=7)
-        self.assertAlmostEqual(values['psnr'], -10 * math.log10(mse), places=6)
+        self.assertIsNone(values['psnr'])  # infinite: what is shown is equal
+        self.assertFalse(values['equal'])
+        low, high = values['mse_interval']
+        self.assertTrue(0 <= low < mse < high)
+        self.assertEqual((values['exposure'], values['relmse_epsilon']), (0, 0.01))
+        self.assertIsNone(values['reference_noise'])
+        self.assertEqual(len(values['images']), 1)
+        for key, value in values['images'][0].items():
+            self.assertEqual(values[key], value, key)
         self.assertEqual(values['max'], 0.5)
         self.assertAlmostEqual(values['smape'], 2 * 0.5 / 2.5 / 2 / 3, places=6)
         # What is shown ends at 1: only exposures below tell them apart.
@@ -215,7 +248,8 @@ class Compare(unittest.TestCase):
 
     def test_text(self):
         result = self.compare('a.exr', 'b.exr')
-        self.assertIn('mse     0.0416667', result.stdout)
+        self.assertRegex(result.stdout, r'\n  mse        0\.0416667  \[.*\]\n')
+        self.assertRegex(result.stdout, r'\n  hdr-flip   0\.\d+  2 exposures of ')
         self.assertIn('8 x 4 pixels', result.stdout)
         self.assertEqual(self.compare('a.exr', 'b.exr', '--quiet').stdout, '')
 
@@ -226,8 +260,15 @@ class Compare(unittest.TestCase):
             result = self.compare('a.exr', 'b.exr', '--max', limit)
             self.assertEqual(result.returncode, code, limit)
             self.assertEqual('expected at most' in result.stderr, code == 1, limit)
-        self.assertEqual(self.compare('a.exr', 'b.exr', '--min', 'psnr=13.8').returncode, 0)
-        self.assertEqual(self.compare('a.exr', 'b.exr', '--min', 'psnr=13.9').returncode, 1)
+        # Of what is shown, 5/32 in red, where a and b are exposed by -4 stops.
+        dark = ('--exposure', '-4')
+        self.assertEqual(self.compare('a.exr', 'b.exr', '--min', 'psnr=1000').returncode, 0)
+        a, b = (1.055 * (v / 16) ** (1 / 2.4) - 0.055 for v in (1.5, 1))
+        psnr = -10 * math.log10((a - b) ** 2 / 6)
+        for limit, code in ((psnr - 1e-4, 0), (psnr + 1e-4, 1)):
+            result = self.compare('a.exr', 'b.exr', '--min', f'psnr={limit}', *dark)
+            self.assertEqual(result.returncode, code, result.stderr)
+        self.assertEqual(self.compare('a.exr', 'b.exr', '--max', 'flip=0', *dark).returncode, 1)
         self.assertEqual(self.compare('a.exr', 'b.exr', '--min', 'ssim=0.999').returncode, 0)
         self.assertEqual(self.compare('a.exr', 'b.exr', '--max', 'hdr-flip=0').returncode, 1)
 
@@ -242,7 +283,11 @@ class Compare(unittest.TestCase):
     def test_equal_pictures(self):
         result = self.compare('b.exr', 'b.exr', '--json', '--max', 'mse=0', '--min', 'psnr=1000')
         self.assertEqual(result.returncode, 0, result.stderr)
-        self.assertIsNone(json.loads(result.stdout)['psnr'])  # infinite
+        values = json.loads(result.stdout)
+        self.assertIsNone(values['psnr'])  # infinite
+        self.assertTrue(values['equal'])
+        self.assertIn('b.exr is equal to the reference, bit for bit',
+                      self.compare('b.exr', 'b.exr').stdout)
 
     def test_pixels_that_are_not_finite_fail_checks(self):
         self.assertEqual(self.compare('nan.exr', 'b.exr').returncode, 0)
@@ -259,15 +304,105 @@ class Compare(unittest.TestCase):
         self.assertIn('4 x 4', result.stderr)
 
     def test_difference_pictures(self):
-        for name in ('d.png', 'd.exr'):
-            result = self.compare('a.exr', 'b.exr', '--difference', self.path(name))
+        numbers = {'relative': 0.5 / 1.01, 'squared': 0.25 / 1.01, 'smape': 1 / 2.500001}
+        for name, value in numbers.items():
+            exr(self.path('expected.exr'), 8, 4, lambda x, y: (value if x < 4 else 0.0, 0.0, 0.0))
+            path = self.path(name + '.exr')
+            result = self.compare('a.exr', 'b.exr', '--difference', path, '--map', name)
             self.assertEqual(result.returncode, 0, result.stderr)
-        # The two formats hold the same colours, but for 8 bits; equal pixels are black.
-        result = self.compare('d.png', 'd.exr', '--max', 'max=0.005')
-        self.assertEqual(result.returncode, 0, result.stdout)
-        exr(self.path('black.exr'), 8, 4, lambda x, y: (0.0, 0.0, 0.0))
-        result = self.compare('d.exr', 'black.exr', '--json')
-        self.assertEqual(json.loads(result.stdout)['differing'], 16)
+            result = self.compare(f'{name}.exr:{name}', 'expected.exr', '--max', 'max=1e-7')
+            self.assertEqual(result.returncode, 0, result.stdout)
+        # FLIP has one number a pixel, whose mean is the metric; of what is shown all is equal.
+        for name, mean in (('flip', 0), ('hdr-flip', None)):
+            path = self.path(name + '.exr')
+            result = self.compare('a.exr', 'b.exr', '--difference', path, '--map', name, '--json')
+            self.assertEqual(result.returncode, 0, result.stderr)
+            told = json.loads(result.stdout)
+            self.assertEqual(told['difference'], path)
+            exr(self.path('black.exr'), 8, 4, lambda x, y: (0.0, 0.0, 0.0))
+            result = self.compare(f'{name}.exr:{name}', 'black.exr', '--json')
+            found = json.loads(result.stdout)
+            mean = told[name.replace('-', '_')] if mean is None else mean
+            # A map of one value has a root mean square not below its mean.
+            self.assertGreaterEqual(found['rmse'], mean)
+            self.assertLessEqual(found['max'], 1)
+            self.assertEqual(found['max'] > 0, mean > 0)
+
+    def test_difference_pictures_in_false_colours(self):
+        # Pixels that are not finite are green, equal ones black; the scale stands below.
+        exr(self.path('mixed.exr'), 8, 4, lambda x, y: (math.nan if x == 2 else 1.5, 1.0, 1.0))
+        result = self.compare('mixed.exr', 'b.exr', '--difference', self.path('d.png'))
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn('d.png: |x - r| / (|r| + 0.01)', result.stdout)
+        width, height, pixel = png(self.path('d.png'))
+        self.assertEqual((width, height > 4), (160, True))
+        self.assertEqual(pixel(2, 1), (0, 255, 0))
+        self.assertEqual(pixel(1, 1), pixel(7, 3))
+        self.assertGreater(pixel(1, 1)[0], pixel(1, 1)[2])
+        self.assertEqual(pixel(8, 0), (51, 51, 51))
+        self.assertEqual([pixel(x, 4 + 6) for x in (10, 149)], [(0, 0, 0), (250, 248, 209)])
+        result = self.compare('b.exr', 'b.exr', '--difference', self.path('e.png'))
+        self.assertEqual(png(self.path('e.png'))[2](3, 3), (0, 0, 0))
+
+    def test_several_pictures(self):
+        result = run('compare', *map(self.path, ('a.exr', 'b.exr', 'nan.exr', 'b.exr')),
+                     '--difference', self.path('m.exr'))
+        self.assertEqual(result.returncode, 0, result.stderr)
+        lines = result.stdout.split('\n')
+        self.assertIn('mse', lines[1])
+        rows = {line.split()[0]: line.split()[1:] for line in lines[2:5]}
+        a, b = rows[self.path('a.exr')], rows[self.path('b.exr')]
+        self.assertEqual((a[0], b[0]), ('0.04167', '0*'))
+        self.assertEqual((a[4], b[4]), ('inf*', 'inf*'))  # psnr: the greatest is the best
+        self.assertEqual(a[-1], '16')
+        self.assertEqual(len(set(map(len, lines[1:5]))), 1, 'columns stand below each other')
+        self.assertIn('b.exr is equal to the reference', result.stdout)
+        self.assertEqual(sorted(f for f in os.listdir(self.folder.name) if f.startswith('m')),
+                         ['m.0001.exr', 'm.0002.exr', 'm.0003.exr'])
+
+    def test_limits_hold_for_each_picture(self):
+        result = run('compare', *map(self.path, ('b.exr', 'a.exr', 'b.exr')), '--max', 'mse=0.01',
+                     '--json')
+        self.assertEqual(result.returncode, 1)
+        self.assertIn('a.exr: mse is 0.0416667; expected at most 0.01', result.stderr)
+        values = json.loads(result.stdout)
+        self.assertEqual([i['passed'] for i in values['images']], [True, False])
+        self.assertEqual([i['image'] for i in values['images']],
+                         [self.path('b.exr'), self.path('a.exr')])
+        self.assertFalse(values['passed'])
+        self.assertNotIn('mse', values)
+
+    def test_the_noise_of_the_reference(self):
+        mse = 0.25 / 6
+        values = json.loads(self.compare('a.exr', 'b.exr', '--reference-variance', '0.01',
+                                         '--json').stdout)
+        self.assertAlmostEqual(values['mse'], mse - 0.01, places=7)
+        self.assertAlmostEqual(values['rmse'], math.sqrt(mse - 0.01), places=7)
+        self.assertAlmostEqual(values['relmse'], (mse - 0.01) / 1.01, places=7)
+        self.assertAlmostEqual(values['measured']['mse'], mse, places=7)
+        self.assertAlmostEqual(values['reference_noise']['mse'], 0.01, places=7)
+        # More than there is: it stays negative, and is said to be.
+        exr(self.path('v.exr'), 8, 4, lambda x, y: (0.3 if y < 2 else 0.0, 0.0, 0.0))
+        result = self.compare('a.exr', 'b.exr', '--reference-variance', self.path('v.exr'),
+                              '--max', 'rmse=0')
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertRegex(result.stdout, r"mse +-0\.00833.* of 0\.0416667 measured: below the "
+                                        r"reference's noise")
+        for value, message in (('-1', 'expected a number >= 0'), ('nan', 'expected a number >= 0'),
+                               (self.path('nan.exr'), 'pixel 2,3: nan is no variance'),
+                               (self.path('small.exr'), '4 x 4'),
+                               ('auto', 'no layers half_a and half_b')):
+            result = self.compare('a.exr', 'b.exr', '--reference-variance', value)
+            self.assertEqual((result.returncode, result.stdout), (2, ''), value)
+            self.assertIn(message, result.stderr)
+
+    def test_layers_that_are_not_there(self):
+        result = self.compare('a.exr:depth', 'b.exr')
+        self.assertEqual((result.returncode, result.stdout), (2, ''))
+        self.assertIn('a.exr', result.stderr)
+        self.assertIn('depth', result.stderr)
+        os.link(self.path('a.exr'), self.path('c:d.exr'))
+        self.assertEqual(self.compare('c:d.exr', 'a.exr', '--max', 'differing=0').returncode, 0)
 
     def test_difference_pictures_that_cannot_be_written(self):
         result = self.compare('a.exr', 'b.exr', '--difference', self.path('nowhere/d.png'))

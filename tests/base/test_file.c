@@ -208,6 +208,8 @@ TEST(paths_are_taken_apart)
     CHECK(strcmp(path_extension("a.tar.gz"), "gz") == 0);
     CHECK(strcmp(path_extension("a.b/c"), "") == 0);
     CHECK(strcmp(path_extension("a/.hidden"), "") == 0);
+    CHECK(strcmp(path_numbered(&arena, "a.b/c.d.png", 12), "a.b/c.d.0012.png") == 0);
+    CHECK(strcmp(path_numbered(&arena, "a.b/c", 12345), "a.b/c.12345") == 0);
     arena_finish(&arena);
 }
 
