@@ -107,11 +107,15 @@ bool converge_command(struct converge *c, const struct converge_curve *curve, co
     FILE *file = open_memstream(&text, &size);
     if (!file)
         return err_memory(err, "a command", 0);
+    const char *scene = c->options->arguments[curve->variant.scene];
+    bool is_last = scene[0] == '-'; // which "--" tells from an option
     fputs("lampyris render", file);
-    bool ok = put_given(file, c->options, curve) && put_varied(file, curve);
-    fprintf(file, " --seed %u --spp %llu --", curve->scene_data.settings.seed,
-            (unsigned long long)converge_at(c, curve, 0, c->point_count - 1)->spp);
-    ok = ok && put_word(file, c->options->arguments[curve->variant.scene]);
+    bool ok = (is_last || put_word(file, scene)) && put_given(file, c->options, curve) &&
+              put_varied(file, curve);
+    fprintf(file, " --seed %u --spp %llu%s", curve->scene_data.settings.seed,
+            (unsigned long long)converge_at(c, curve, 0, c->point_count - 1)->spp,
+            is_last ? " --" : "");
+    ok = ok && (!is_last || put_word(file, scene));
     ok = fclose(file) == 0 && ok;
     *out = ok ? arena_strdup(&c->arena, text) : NULL;
     free(text);

@@ -2,6 +2,7 @@
 #include "converge.h"
 
 #include "html.h"
+#include "render_job.h"
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -149,7 +150,10 @@ static void put_row(struct page *page, const struct converge_curve *curve, bool 
     put_label(page, curve);
     html_interval(&page->html, last->metric[CONVERGE_RELMSE], "%.3g");
     html_interval(&page->html, curve->slope, "%.3f");
-    html_interval(&page->html, last->spp, "%.4g");
+    if (c->spp)
+        html_number(&page->html, last->spp.value, "%.0f");
+    else
+        html_interval(&page->html, last->spp, "%.4g");
     html_interval(&page->html, last->seconds, "%.3g");
     html_number(&page->html, curve->start_seconds, "%.2g");
     html_interval(&page->html, curve->efficiency, "%.3g");
@@ -273,6 +277,8 @@ static bool put_scene(struct page *page, uint32_t scene, struct err *err)
     fprintf(out, "</h2>\n<p>%u &times; %u pixels, %u replicates. ", settings->width,
             settings->height, c->replicates_done);
     put_reference_words(page, &c->references[scene]);
+    page->html.exposure_stops = settings->exposure;
+    page->html.tone = job_image_tone(settings->tone_curve);
     fputs("</p>\n<div class=\"plots\">", out);
     if (!put_plot(page, scene, false, err) || !put_plot(page, scene, true, err))
         return false;

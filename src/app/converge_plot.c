@@ -81,6 +81,24 @@ static const char style[] = "set logscale xy\nset grid xtics ytics mytics lineco
                             "set linetype 7 linecolor '#000000' pointtype 4\n"
                             "set linetype cycle 7\nset ylabel 'relMSE'\nset format y '1e%T'\n";
 
+// gnuplot labels powers of ten alone: in a short range 1, 2 and 5 of each decade.
+static void put_tics(FILE *out, char axis, double min, double max)
+{
+    if (max / min > 100)
+        return;
+    const char *separator = "";
+    fprintf(out, "set %ctics (", axis);
+    for (double decade = pow(10, floor(log10(min))); decade <= max; decade *= 10)
+        for (int i = 0; i < 3; i++) {
+            double value = decade * (double[]){1, 2, 5}[i];
+            if (value < min || value > max)
+                continue;
+            fprintf(out, axis == 'y' ? "%s'%.0e' %.9g" : "%s'%g' %.9g", separator, value, value);
+            separator = ", ";
+        }
+    fputs(")\n", out);
+}
+
 #define KEY_INSIDE 6 // curves whose names fit into a corner
 
 static void put_frame(FILE *out, const struct converge *c, const struct extent *extent,
@@ -93,9 +111,12 @@ static void put_frame(FILE *out, const struct converge *c, const struct extent *
     fputs(is_inside ? "set key inside bottom left samplen 2 opaque\n"
                     : "set key outside right top samplen 2\n",
           out);
+    double left = extent->x_min / 1.25, right = extent->x_max * 1.25;
+    double bottom = extent->y_min / 1.5, top = extent->y_max * 1.5;
     fprintf(out, "set xlabel '%s'\nset xrange [%.9g:%.9g]\nset yrange [%.9g:%.9g]\n",
-            over_time ? "seconds of rendering" : "samples a pixel", extent->x_min / 1.25,
-            extent->x_max * 1.25, extent->y_min / 1.5, extent->y_max * 1.5);
+            over_time ? "seconds of rendering" : "samples a pixel", left, right, bottom, top);
+    put_tics(out, 'x', left, right);
+    put_tics(out, 'y', bottom, top);
     if (c->spp && !over_time) {
         fputs("set xtics (", out);
         for (uint32_t p = 0; p < c->point_count; p++)

@@ -21,7 +21,7 @@ static const char head[] =
     "table{border-collapse:collapse;font-size:13px;font-variant-numeric:tabular-nums}"
     "td,th{border-bottom:1px solid #dfe4ea;padding:4px 9px;text-align:right;vertical-align:top}"
     "th{text-align:left;font-weight:600;white-space:nowrap}tr:first-child th{background:#f3f5f8;"
-    "vertical-align:bottom}\n"
+    "vertical-align:bottom}tr:first-child th+th{text-align:right}\n"
     "td small{display:block;color:#66727f;white-space:nowrap}"
     ".better{background:#e3f4e6}.worse{background:#fbe7e4}.alarm{background:#fbe7e4;"
     "font-weight:600}\n"
@@ -181,7 +181,12 @@ bool html_plot(struct html_page *page, const char *name, const char *script, str
 bool html_picture(struct html_page *page, const char *name, const struct image *image,
                   const char *attributes, struct err *err)
 {
-    const struct image_write_params params = {.path = "a picture.png", .image = image};
+    const struct image_write_params params = {
+        .path = "a picture.png",
+        .image = image,
+        .exposure_stops = page->exposure_stops,
+        .tone = page->tone,
+    };
     uint8_t *png;
     size_t size;
     if (!image_encode(&params, page->arena, &png, &size, err) ||

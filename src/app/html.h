@@ -10,9 +10,11 @@
 
 struct html_page {
     struct arena *arena;
-    const char *folder; // of the page
-    bool keeps_parts;   // plots, their scripts and pictures also stand beside the page, as files
-    bool has_no_plots;  // gnuplot is not there, which the page says
+    const char *folder;   // of the page
+    bool keeps_parts;     // plots, their scripts and pictures also stand beside the page, as files
+    float exposure_stops; // of the pictures that follow, but not of false colours
+    enum image_tone tone;
+    bool has_no_plots; // gnuplot is not there, which the page says
     FILE *out;
     char *text; // of `out`
     size_t size;

@@ -7,7 +7,7 @@
 // False colours are display values; pictures hold linear ones.
 static void linearize(struct image *image)
 {
-    const float steps = 8; // between one colour of the scale and the next
+    const float steps = 16; // between one colour of the scale and the next
     uint64_t count = (uint64_t)image->width * image->height;
     for (uint64_t i = 0; i < count; i++)
         for (int k = 0; k < 3; k++)
@@ -25,7 +25,13 @@ bool html_difference(struct html_page *page, const char *name, const struct imag
     metrics_difference_picture((const float(*)[3])image->pixels,
                                (const float(*)[3])reference->pixels, count, map.pixels);
     linearize(&map);
-    return html_picture(page, name, &map, attributes, err);
+    struct html_page plain = *page;
+    page->exposure_stops = 0;
+    page->tone = IMAGE_TONE_NONE;
+    bool ok = html_picture(page, name, &map, attributes, err);
+    page->exposure_stops = plain.exposure_stops;
+    page->tone = plain.tone;
+    return ok;
 }
 
 // By the same function from differences that rise evenly over the scale's four decades, from black.

@@ -134,6 +134,7 @@ bool job_check_space(const struct render_job *job, struct err *err);
 // for temporary files.
 bool job_write_outputs(struct render_job *job, uint32_t frame, struct err *err);
 void job_release_outputs(struct render_job *job);
+enum image_tone job_image_tone(enum tone_curve curve);
 
 // --- render_layers.c ---
 #define JOB_MAX_LAYERS 14

@@ -113,7 +113,7 @@ bool job_check_space(const struct render_job *job, struct err *err)
 // --- writing
 // --------------------------------------------------------------------------------------
 
-static enum image_tone image_tone(enum tone_curve curve)
+enum image_tone job_image_tone(enum tone_curve curve)
 {
     static const enum image_tone tones[] = {
         [TONE_NONE] = IMAGE_TONE_NONE,
@@ -122,14 +122,6 @@ static enum image_tone image_tone(enum tone_curve curve)
         [TONE_AGX] = IMAGE_TONE_AGX,
     };
     return tones[curve];
-}
-
-static const char *numbered(struct arena *arena, const char *path, uint32_t frame)
-{
-    if (frame == 0)
-        return path;
-    char *stem = without_extension(arena, path);
-    return stem ? arena_printf(arena, "%s.%04u.%s", stem, frame, path_extension(path)) : NULL;
 }
 
 static bool write_picture(const struct render_job *job, const char *path,
@@ -147,7 +139,7 @@ static bool write_picture(const struct render_job *job, const char *path,
         .attribute_count = attributes->count,
         .half_float = job->options->half_float,
         .exposure_stops = job->scene.settings.exposure,
-        .tone = image_tone(job->scene.settings.tone_curve),
+        .tone = job_image_tone(job->scene.settings.tone_curve),
     };
     return image_write(&params, err);
 }
@@ -178,7 +170,8 @@ bool job_write_outputs(struct render_job *job, uint32_t frame, struct err *err)
     bool ok = true, has_exr = false;
     for (uint32_t i = 0; i < job->output_count; i++) {
         struct err failure = {0};
-        const char *path = numbered(&job->film_arena, job->outputs[i], frame);
+        const char *output = job->outputs[i];
+        const char *path = frame > 0 ? path_numbered(&job->film_arena, output, frame) : output;
         if (!path)
             return err_memory(err, "output names", job->output_count * sizeof path);
         if (write_picture(job, path, &attributes, &failure)) {
