@@ -19,7 +19,7 @@
 #define LEAST_ROUNDS 3u
 #define MOST_ROUNDS 8u
 #define LEAST_DUEL_ROUNDS 8u
-#define CONTESTS_SHARE 0.7
+#define CONTESTS_SHARE 0.5
 
 // --- what is to be rendered ----------------------------------------------------------------------
 

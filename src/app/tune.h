@@ -3,10 +3,10 @@
 //
 // A stage searches for the wave, the next one for the workgroup at that wave. Candidates are
 // rendered in turns with what is the best so far, in rounds, so that a machine that slows down does
-// so for all of them; after every few rounds the slower half is left out (successive halving). The
-// winner of a stage is taken only when the interval of its speed leaves 1 out. Since a winner of
-// several is flattered by its own noise, what came of both stages is measured once more against the
-// device's default: that alone decides what is kept.
+// so for all of them; after every few rounds the slower half is left out (successive halving). Both
+// only propose: a winner of several is flattered by its own noise. What came of them is measured
+// anew against the device's default, for all the time that is left, and is kept only when the
+// interval of that ratio leaves 1 out.
 #ifndef LAMPYRIS_APP_TUNE_H
 #define LAMPYRIS_APP_TUNE_H
 
@@ -66,8 +66,8 @@ struct tune {
 int tune_run(const struct options *options);
 
 // --- tune_contest.c ---
-// The candidates of a stage against `base`, until one is left. *best: the winner where it is faster
-// beyond noise, else base.
+// The candidates of a stage against `base`, until one is left. *best: the winner where it seems to
+// be faster, else base.
 bool tune_contest(struct tune *t, enum tune_stage stage, struct tuned base, struct tuned *best,
                   struct err *err);
 // `rounds` of one candidate against `base`.

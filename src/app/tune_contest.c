@@ -166,7 +166,7 @@ bool tune_contest(struct tune *t, enum tune_stage stage, struct tuned base, stru
             slowest_left(c)->left = false;
     }
     const struct tune_candidate *winner = slowest_left(c); // and the fastest: the only one
-    if (winner && curve_judge(winner->speed) == CURVE_BETTER)
+    if (winner && winner->speed.value > 1.0)
         *best = winner->sizes;
     return true;
 }
