@@ -1,5 +1,6 @@
 // SSIM and FLIP: what is known of them. `test_metrics_perceptual --values` prints those of two
 // pictures made here, which perceptual.py computes in another way.
+#include "metrics.h"
 #include "perceptual.h"
 #include "test.h"
 
@@ -113,6 +114,209 @@ TEST(flip_is_symmetric_and_fades_with_the_distance)
     CHECK(far < there, "%g of %g", far, there);
 }
 
+// --- pieces in closed form -----------------------------------------------------------------------
+
+// The greatest distance, between green and blue, from their CIE L*a*b* for D65 as tables have them;
+// a* and b* are scaled by L* / 100, the distance is HyAB to the .7. The
+// tables' white is another in the fifth digit, which moves results by 2e-5 of theirs.
+static double greatest(void)
+{
+    const double green[3] = {87.7347, -86.1827, 83.1793}, blue[3] = {32.2970, 79.1875, -107.8602};
+    double a = 0.01 * (green[0] * green[1] - blue[0] * blue[1]);
+    double b = 0.01 * (green[0] * green[2] - blue[0] * blue[2]);
+    return pow(fabs(green[0] - blue[0]) + hypot(a, b), 0.7);
+}
+
+// Between two greys above .0089, which have no chroma, without features.
+static double between_greys(double x, double y)
+{
+    double d = pow(fabs(116 * (cbrt(x) - cbrt(y))), 0.7), knee = 0.4 * greatest();
+    return d < knee ? 0.95 * d / knee : 0.95 + 0.05 * (d - knee) / (greatest() - knee);
+}
+
+TEST(greys)
+{
+    static const float greys[][2] = {{0.5f, 0.51f}, {0.1f, 0.2f}, {0.02f, 0.9f}, {1, 0.3f}};
+    for (size_t i = 0; i < sizeof greys / sizeof greys[0]; i++) {
+        float a = greys[i][0], b = greys[i][1];
+        fill(image, a, a, a);
+        fill(reference, b, b, b);
+        double expected = between_greys((double)a, (double)b), value = flip(FLIP_PIXELS_PER_DEGREE);
+        CHECK(fabs(value - expected) < 2e-5, "%g and %g: %.9g, not %.9g", (double)a, (double)b,
+              value, expected);
+    }
+}
+
+// Beside a step of height h, the detector of edges answers with h, since its weights on either side
+// sum to 1; that of points with less. Contrast sensitivity blurs the step by the Gaussian
+// of b = .0047, of which the pixels beyond the edge have a part.
+TEST(a_step_in_an_even_picture)
+{
+    enum { EDGE = 12, RADIUS = 10 };
+    const double step = 0.2, base = 0.4;
+    fill(reference, (float)base, (float)base, (float)base);
+    memcpy(image, reference, sizeof image);
+    for (int i = 0; i < COUNT; i++)
+        for (int c = 0; c < 3; c++)
+            image[i][c] += i % WIDTH >= EDGE ? (float)step : 0;
+    double part = 0, sum = 0;
+    for (int i = -RADIUS; i <= RADIUS; i++) {
+        double d = i / FLIP_PIXELS_PER_DEGREE;
+        double weight = exp(-acos(-1.0) * acos(-1.0) * d * d / 0.0047);
+        sum += weight;
+        part += i >= 1 ? weight : 0;
+    }
+    double color = between_greys(base + step * part / sum, base);
+    double expected = pow(color, 1 - sqrt(step / sqrt(2.0)));
+    static float map[COUNT];
+    struct picture_pair p = pair();
+    double mean;
+    CHECK(metrics_flip(&p, FLIP_PIXELS_PER_DEGREE, map, &mean));
+    for (int y = 0; y < HEIGHT; y++) {
+        double value = (double)map[y * WIDTH + EDGE - 1];
+        CHECK(fabs(value - expected) < 1e-5, "row %d: %.9g, not %.9g", y, value, expected);
+    }
+}
+
+static double aces(double x) // Narkowicz 2015, exposed by .6
+{
+    x *= 0.6;
+    return x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14);
+}
+
+// Each of the reference's ends is brought to .85 on the curve; a range of s stops takes ceil(s)
+// exposures: 14 of the 13.485 that NVIDIA's own test pictures have.
+TEST(exposures)
+{
+    fill(reference, 0.03125f, 0.03125f, 0.03125f);
+    float bright = (float)(0.03125 * exp2(13.485));
+    for (int c = 0; c < 3; c++)
+        reference[3][c] = bright;
+    memcpy(image, reference, sizeof image);
+    image[5][0] = NAN; // of no account
+    struct picture_pair p = pair();
+    struct flip_exposures found;
+    CHECK(metrics_flip_exposures(&p, &found));
+    CHECK(fabs(aces(exp2(found.start) * (double)bright) - 0.85) < 1e-6, "start %g", found.start);
+    CHECK(fabs(aces(exp2(found.stop) * 0.03125) - 0.85) < 1e-6, "stop %g", found.stop);
+    CHECK(found.count == 14, "%u", found.count);
+}
+
+// The reference is shown as .85, whatever it is; the picture as the curve has it.
+TEST(hdr_flip_of_even_pictures)
+{
+    fill(reference, 40, 40, 40);
+    fill(image, 30, 30, 30);
+    double x = 1; // where the curve is .85
+    for (int i = 0; i < 100; i++)
+        x -= (aces(x) - 0.85) / ((aces(x + 1e-6) - aces(x - 1e-6)) / 2e-6);
+    double expected = between_greys(aces(0.75 * x), 0.85), value = flip_hdr();
+    CHECK(fabs(value - expected) < 1e-5, "%.9g, not %.9g", value, expected);
+}
+
+// --- what must rise, and what must stay ----------------------------------------------------------
+
+// A bright bar, `shift` pixels to the right.
+static void draw_bar(float (*out)[3], int shift, float brightness)
+{
+    fill(out, 0.2f, 0.25f, 0.3f);
+    for (int i = 0; i < COUNT; i++)
+        for (int c = 0; c < 3; c++)
+            if (i % WIDTH >= 4 + shift && i % WIDTH < 7 + shift)
+                out[i][c] = brightness;
+}
+
+TEST(rises_with_contrast)
+{
+    double before = 0;
+    draw_bar(reference, 0, 0.3f);
+    for (int i = 1; i <= 7; i++) {
+        draw_bar(image, 0, 0.3f + 0.1f * (float)i);
+        double value = flip(FLIP_PIXELS_PER_DEGREE);
+        CHECK(value > before && value < 1, "step %d: %g after %g", i, value, before);
+        before = value;
+    }
+}
+
+TEST(rises_with_displacement)
+{
+    double before = 0;
+    draw_bar(reference, 0, 0.9f);
+    for (int shift = 1; shift <= 8; shift++) {
+        draw_bar(image, shift, 0.9f);
+        double value = flip(FLIP_PIXELS_PER_DEGREE);
+        CHECK(value > before && value < 1, "shift %d: %g after %g", shift, value, before);
+        before = value;
+    }
+}
+
+// Pixel i goes to where() says. The mean does not depend on the order of pixels, nor detectors on
+// the direction.
+static int mirrored(int i)
+{
+    return i / WIDTH * WIDTH + WIDTH - 1 - i % WIDTH;
+}
+
+static int upside_down(int i)
+{
+    return (HEIGHT - 1 - i / WIDTH) * WIDTH + i % WIDTH;
+}
+
+static void move_pixels(float (*pixels)[3], int (*where)(int))
+{
+    static float moved[COUNT][3];
+    for (int i = 0; i < COUNT; i++)
+        memcpy(moved[where(i)], pixels[i], sizeof moved[0]);
+    memcpy(pixels, moved, sizeof moved);
+}
+
+static void transpose(const float (*pixels)[3], float (*out)[3])
+{
+    for (int i = 0; i < COUNT; i++)
+        memcpy(out[i % WIDTH * HEIGHT + i / WIDTH], pixels[i], sizeof out[0]);
+}
+
+TEST(does_not_depend_on_the_direction)
+{
+    make_pictures();
+    double before = flip(FLIP_PIXELS_PER_DEGREE);
+    int (*const where[])(int) = {mirrored, upside_down};
+    for (int i = 0; i < 2; i++) {
+        move_pixels(image, where[i]);
+        move_pixels(reference, where[i]);
+        double value = flip(FLIP_PIXELS_PER_DEGREE);
+        CHECK(fabs(value - before) < 1e-6, "%.9g, not %.9g", value, before);
+    }
+    static float turned[2][COUNT][3];
+    transpose((const float(*)[3])image, turned[0]);
+    transpose((const float(*)[3])reference, turned[1]);
+    struct picture_pair p = {(const float(*)[3])turned[0], (const float(*)[3])turned[1], HEIGHT,
+                             WIDTH};
+    double value;
+    CHECK(metrics_flip(&p, FLIP_PIXELS_PER_DEGREE, NULL, &value));
+    CHECK(fabs(value - before) < 1e-6, "%.9g, not %.9g", value, before);
+}
+
+// What a display cannot show is no difference; a map's values are in [0, 1].
+TEST(what_is_not_shown_is_no_difference)
+{
+    make_pictures();
+    double before = flip(FLIP_PIXELS_PER_DEGREE);
+    for (int i = 0; i < COUNT; i++)
+        for (int c = 0; c < 3; c++)
+            reference[i][c] = fmaxf(fminf(reference[i][c], 1), 0);
+    CHECK(flip(FLIP_PIXELS_PER_DEGREE) == before);
+    static float map[COUNT];
+    struct picture_pair p = pair();
+    double mean, sum = 0;
+    CHECK(metrics_flip(&p, FLIP_PIXELS_PER_DEGREE, map, &mean));
+    for (int i = 0; i < COUNT; i++) {
+        CHECK(map[i] >= 0 && map[i] <= 1, "%g", (double)map[i]);
+        sum += (double)map[i] / COUNT;
+    }
+    CHECK(fabs(sum - mean) < 1e-12);
+}
+
 // Scaling both pictures moves the exposures with them.
 TEST(hdr_flip_does_not_depend_on_the_exposure)
 {
@@ -148,6 +352,25 @@ static int print_values(void)
 {
     make_pictures();
     printf("%.9g %.9g %.9g\n", ssim(), flip(FLIP_PIXELS_PER_DEGREE), flip_hdr());
+    struct picture_pair p = pair();
+    struct metrics m;
+    struct interval mse, relmse;
+    metrics_compare(p.image, p.reference, COUNT, &m);
+    metrics_intervals(p.image, p.reference, WIDTH, HEIGHT, &mse, &relmse);
+    printf("%.9g %.9g %.9g %.9g %.9g\n", m.mse, m.relmse, m.smape, m.psnr,
+           metrics_psnr(p.image, p.reference, COUNT, -2.5));
+    printf("%.9g %.9g %.9g %.9g\n", mse.low, mse.high, relmse.low, relmse.high);
+    static float map[COUNT];
+    struct flip_exposures exposures;
+    double mean;
+    bool ok = metrics_flip(&p, FLIP_PIXELS_PER_DEGREE, map, &mean);
+    for (int i = 0; i < COUNT && ok; i++)
+        printf("%.9g ", (double)map[i]);
+    ok = ok && metrics_flip_exposures(&p, &exposures) &&
+         metrics_flip_hdr(&p, FLIP_PIXELS_PER_DEGREE, &exposures, NULL, map, &mean);
+    for (int i = 0; i < COUNT && ok; i++)
+        printf("%.9g ", (double)map[i]);
+    CHECK(ok);
     return test_failures > 0;
 }
 
@@ -156,6 +379,14 @@ static const struct test_case cases[] = {
     TEST_CASE(black_and_white),
     TEST_CASE(green_and_blue_are_the_farthest),
     TEST_CASE(flip_is_symmetric_and_fades_with_the_distance),
+    TEST_CASE(greys),
+    TEST_CASE(a_step_in_an_even_picture),
+    TEST_CASE(exposures),
+    TEST_CASE(hdr_flip_of_even_pictures),
+    TEST_CASE(rises_with_contrast),
+    TEST_CASE(rises_with_displacement),
+    TEST_CASE(does_not_depend_on_the_direction),
+    TEST_CASE(what_is_not_shown_is_no_difference),
     TEST_CASE(hdr_flip_does_not_depend_on_the_exposure),
     TEST_CASE(extreme_pictures),
 };
