@@ -51,10 +51,20 @@ struct bench_variant {
     struct bench_bounce *bounces;              // STATS_BOUNCES of them, or NULL
     uint32_t bounce_count;                     // the last one that did something, and one
     double load_seconds;                       // the renderer's stats have the rest of the start
-    double warm_up_ms;                         // of the repetition that does not count
+    double warm_up_ms, counting_ms;            // of the two repetitions that do not count
     uint64_t closest_rays, shadow_rays, paths; // a repetition
     uint64_t image_hash;                       // as of render; 0: there is no picture
     bool differs;                              // some repetition made another picture
+};
+
+// Where the time of all this went.
+struct bench_seconds {
+    double device;   // to open it
+    double start;    // load, build, upload, compile
+    double warm_up;  // the first repetition of each variant
+    double counting; // the second, with the kernels that count
+    double timed;    // what the results are of
+    double pictures; // read back and hashed
 };
 
 struct bench {
@@ -65,6 +75,7 @@ struct bench {
     uint32_t variant_count;
     uint32_t repeats, repeats_done; // fewer when a signal stopped it
     bool stopped;
+    struct bench_seconds seconds;
     bool differs;                 // some pictures do that are to be the same:
     struct err difference;        // which
     json_t *baseline;             // NULL: none was given

@@ -43,6 +43,15 @@ static double stacked_ms(const struct bench_variant *v, int kernel)
     return fmax(sum, 0.0);
 }
 
+// gnuplot's data take words in double quotes only.
+static void put_tick(FILE *out, const char *label)
+{
+    fputc('"', out);
+    for (; *label; label++)
+        fputc(*label == '"' || *label == '\\' ? '\'' : *label, out);
+    fputc('"', out);
+}
+
 static bool write_bars(const struct chart *c, FILE *out)
 {
     if (!bench_wall(c->first))
@@ -56,7 +65,7 @@ static bool write_bars(const struct chart *c, FILE *out)
         fputs("set xtics rotate by -35\n", out);
     fputs("$data << EOD\n", out);
     for (uint32_t i = 0; i < c->count; i++) {
-        html_plot_words(out, bench_label(&c->first[i]));
+        put_tick(out, bench_label(&c->first[i]));
         for (int k = 0; k <= KERNEL_COUNT; k++)
             if (k == KERNEL_COUNT || is_stacked(c, k))
                 fprintf(out, " %.6g", stacked_ms(&c->first[i], k));
@@ -153,7 +162,13 @@ static bool write_sweep(const struct chart *c, FILE *out)
         if (isnan(swept_number(&c->first[i])) ||
             strncmp(c->first[i].variant.label, c->first->variant.label, key + 1) != 0)
             return false;
+    double least = INFINITY, most = 0.0;
+    for (uint32_t i = 0; i < c->count; i++) {
+        least = fmin(least, swept_number(&c->first[i]));
+        most = fmax(most, swept_number(&c->first[i]));
+    }
     fputs(head, out);
+    fprintf(out, "set xrange [%.9g:%.9g]\n", least / 1.2, most * 1.2);
     fprintf(out,
             "set logscale x 2\nset ylabel 'ms a frame'\nset yrange [0:*]\nset key off\nset "
             "xlabel '%.*s'\nset xtics (",
@@ -170,6 +185,74 @@ static bool write_sweep(const struct chart *c, FILE *out)
                 isnan(ms.low) ? ms.value : ms.low, isnan(ms.high) ? ms.value : ms.high);
     }
     fputs("EOD\nplot $data using 1:2:3:4 with yerrorlines lw 2 pt 7 ps .6\n", out);
+    return true;
+}
+
+// --- kernels alone, against the depth
+// -------------------------------------------------------------
+
+// The row's points; returns how many. Rows of one kernel make a line: the camera's rays lead to
+// those that surfaces send on. Nothing is written to NULL.
+static uint32_t write_line(const struct bench_variant *v, enum kernel_id kernel, FILE *out)
+{
+    uint32_t points = 0;
+    for (uint32_t r = 0; r < v->row_count; r++) {
+        const struct bench_row *row = &v->rows[r];
+        struct interval ms = row->median;
+        double items = (double)row->items * 1e-3;
+        if (row->kind != BENCH_ALONE || row->kernel != kernel || !(ms.value > 0))
+            continue;
+        points++;
+        if (out)
+            fprintf(out, "%u %.6g %.6g %.6g\n", row->depth, items / ms.value,
+                    items / (isnan(ms.high) ? ms.value : ms.high),
+                    items / (isnan(ms.low) ? ms.value : ms.low));
+    }
+    return points;
+}
+
+// The data of all variants and kernels, or else how they are drawn.
+static uint32_t write_lines(const struct chart *c, bool data, FILE *out)
+{
+    uint32_t lines = 0;
+    for (uint32_t i = 0; i < c->count; i++) {
+        const struct bench_variant *v = &c->first[i];
+        for (int k = 0; k < KERNEL_COUNT; k++) {
+            if (write_line(v, (enum kernel_id)k, NULL) == 0)
+                continue;
+            lines++;
+            if (data) {
+                fprintf(out, "$l%u << EOD\n", lines);
+                write_line(v, (enum kernel_id)k, out);
+                fputs("EOD\n", out);
+                continue;
+            }
+            char title[256];
+            snprintf(title, sizeof title, "%s%s%s", kernel_code((enum kernel_id)k, true).name,
+                     c->count > 1 ? ", " : "", c->count > 1 ? bench_label(v) : "");
+            fprintf(out, "%s$l%u using 1:2:3:4 with yerrorlines lw 2 pt 7 ps .6 title ",
+                    lines > 1 ? ", " : "plot ", lines);
+            html_plot_words(out, title);
+        }
+    }
+    return lines;
+}
+
+static bool write_depths(const struct chart *c, FILE *out)
+{
+    uint32_t deepest = 0;
+    for (uint32_t r = 0; r < c->first->row_count; r++)
+        if (c->first->rows[r].kind == BENCH_ALONE && c->first->rows[r].depth > deepest)
+            deepest = c->first->rows[r].depth;
+    fputs(head, out);
+    fprintf(out,
+            "set ylabel 'million items a second'\nset xlabel 'depth'\nset yrange [0:*]\nset "
+            "xtics 1\nset xrange [-.2:%u.2]\nset key outside bottom center horizontal\n",
+            deepest);
+    if (deepest == 0 || write_lines(c, true, out) == 0)
+        return false;
+    write_lines(c, false, out);
+    fputc('\n', out);
     return true;
 }
 
@@ -196,5 +279,5 @@ bool bench_put_charts(struct html_page *page, const struct bench *b,
 {
     const struct chart chart = {page, b, first, count};
     return put(&chart, "kernels", write_bars, err) && put(&chart, "bounces", write_bounces, err) &&
-           put(&chart, "sweep", write_sweep, err);
+           put(&chart, "sweep", write_sweep, err) && put(&chart, "depths", write_depths, err);
 }

@@ -13,6 +13,15 @@ struct page {
     struct html_page html;
 };
 
+// The first variant is what the others are compared with.
+static void put_speed(struct page *page, const struct bench_variant *v, const struct bench_row *row)
+{
+    if (v != bench_first(page->b, v))
+        html_interval(&page->html, row->ratio, "%.3f");
+    else
+        fputs("<td></td>", page->html.out);
+}
+
 static void put_frame(struct page *page, const struct bench_variant *v)
 {
     const struct bench_row *wall = bench_wall(v);
@@ -27,7 +36,7 @@ static void put_frame(struct page *page, const struct bench_variant *v)
     html_number(&page->html, (double)v->paths * 1e-6 / seconds, "%.3f");
     html_number(&page->html, ((double)v->closest_rays + (double)v->shadow_rays) * 1e-6 / seconds,
                 "%.2f");
-    html_interval(&page->html, wall->ratio, "%.3f");
+    put_speed(page, v, wall);
     fprintf(out, "<td>%s</td>", v == bench_first(page->b, v) ? "" : bench_verdict(wall->ratio));
 }
 
@@ -75,7 +84,7 @@ static void put_row(struct page *page, const struct bench_variant *v, const stru
     put_count(page, (double)row->nodes / items, traced, "%.1f");
     put_count(page, (double)row->primitives / items, traced, "%.1f");
     put_count(page, bytes * 1e-9 / seconds, counted && !isnan(bytes), "%.2f");
-    html_interval(&page->html, row->ratio, "%.3f");
+    put_speed(page, v, row);
     fputs("</tr>\n", page->html.out);
 }
 

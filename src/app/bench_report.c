@@ -59,7 +59,7 @@ static void print_number(const char *format, int width, double value)
     printf(format, width, value);
 }
 
-static void print_row(const struct bench_variant *v, const struct bench_row *row)
+static void print_row(const struct bench_variant *v, const struct bench_row *row, bool is_first)
 {
     double seconds = row->median.value * 1e-3;
     double items = row->items ? (double)row->items : NAN;
@@ -78,7 +78,7 @@ static void print_row(const struct bench_variant *v, const struct bench_row *row
     print_number("%*.1f", 6, row->nodes ? (double)row->nodes / items : NAN);
     print_number("%*.1f", 6, row->nodes ? (double)row->primitives / items : NAN);
     print_number("%*.2f", 6, bytes * 1e-9 / seconds);
-    print_number("%*.3f", 6, row->ratio.value);
+    print_number("%*.3f", 6, is_first ? NAN : row->ratio.value);
     putchar('\n');
 }
 
@@ -144,7 +144,7 @@ void bench_print(const struct bench *b)
         printf("  %-28s %9s %20s %6s %8s %11s %8s %6s %6s %6s %6s %6s\n", "", "ms", "95 %", "%",
                "launches", "items", "M/s", "B/item", "nodes", "prims", "GB/s", "speed");
         for (uint32_t r = 0; r < v->row_count; r++)
-            print_row(v, &v->rows[r]);
+            print_row(v, &v->rows[r], v == bench_first(b, v));
         print_bounces(b, v);
         putchar('\n');
     }

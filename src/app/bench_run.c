@@ -40,11 +40,15 @@ bool bench_prepare(struct bench *b, struct err *err)
         return err_memory(err, "variants", b->variant_count * sizeof *b->variants);
     for (uint32_t i = 0; i < b->variant_count; i++)
         b->variants[i].variant = variants[i];
+    uint64_t start = clock_ns();
     if (!gpu_open(&b->options->gpu, &b->gpu, err))
         return false;
+    b->seconds.device = clock_seconds_since(start);
+    start = clock_ns();
     for (uint32_t i = 0; i < b->variant_count; i++)
         if (!open_variant(b, &b->variants[i], err))
             return false;
+    b->seconds.start = clock_seconds_since(start);
     return true;
 }
 
@@ -251,8 +255,9 @@ static bool make_bounces(struct bench *b, struct bench_variant *v, struct err *e
 
 // --- repetitions ---------------------------------------------------------------------------------
 
-static bool hash_picture(struct bench_variant *v, uint64_t *hash, struct err *err)
+static bool hash_picture(struct bench *b, struct bench_variant *v, uint64_t *hash, struct err *err)
 {
+    uint64_t start = clock_ns();
     struct arena scratch = {0};
     struct film_image film;
     bool ok = renderer_read(&v->renderer, &scratch, &film, err);
@@ -260,6 +265,7 @@ static bool hash_picture(struct bench_variant *v, uint64_t *hash, struct err *er
         *hash =
             hash_bytes(HASH_INIT, film.mean, (size_t)film.width * film.height * sizeof *film.mean);
     arena_finish(&scratch);
+    b->seconds.pictures += clock_seconds_since(start);
     return ok;
 }
 
@@ -325,6 +331,8 @@ static bool warm_up(struct bench *b, struct bench_variant *v, struct render_call
     call.progress_to = 0.5 * (call.progress_from + to);
     if (!make_bounces(b, v, err) || !repeat(b, v, call, &v->warm_up_ms, err))
         return false;
+    b->seconds.warm_up += v->warm_up_ms * 1e-3;
+    uint64_t start = clock_ns();
     const struct render_stats before = v->renderer.stats;
     call.progress_from = call.progress_to;
     call.progress_to = to;
@@ -336,12 +344,13 @@ static bool warm_up(struct bench *b, struct bench_variant *v, struct render_call
     if (!wave_count_steps(&v->renderer, true, err) || !repeat(b, v, call, &ms, err) ||
         !wave_count_steps(&v->renderer, false, err))
         return false;
+    b->seconds.counting += clock_seconds_since(start);
     v->closest_rays = v->renderer.stats.closest_rays - before.closest_rays;
     v->shadow_rays = v->renderer.stats.shadow_rays - before.shadow_rays;
     v->paths = v->renderer.stats.paths - before.paths;
     for (int i = 0; i < STEPS_COUNT; i++)
         census.steps[i] = v->renderer.stats.steps[i] - before.steps[i];
-    return b->stopped || (make_rows(b, v, &census, err) && hash_picture(v, &v->image_hash, err));
+    return b->stopped || (make_rows(b, v, &census, err) && hash_picture(b, v, &v->image_hash, err));
 }
 
 static bool measure_once(struct bench *b, struct bench_variant *v, uint32_t round,
@@ -355,7 +364,8 @@ static bool measure_once(struct bench *b, struct bench_variant *v, uint32_t roun
     if (b->stopped)
         return true;
     keep_times(b, v, round, &before, wall_ms);
-    if (!hash_picture(v, &hash, err))
+    b->seconds.timed += wall_ms * 1e-3;
+    if (!hash_picture(b, v, &hash, err))
         return false;
     v->differs |= hash != v->image_hash;
     return true;
