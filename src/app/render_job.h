@@ -17,6 +17,7 @@ struct job_seconds {
     double load, bvh, upload, compile, render;
     double judge; // reading the film and finding its error, with what --trace and --reference add
     double write, total;
+    double render_before; // the part of `render` that runs before this one took
 };
 
 enum render_end { ENDED_BY_SAMPLES, ENDED_BY_TIME, ENDED_BY_ERROR, ENDED_BY_SIGNAL };

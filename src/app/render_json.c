@@ -85,9 +85,10 @@ static json_t *error_json(const struct half_error *error, bool is_bound)
 
 static json_t *seconds_json(const struct job_seconds *s)
 {
-    return json_pack("{s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "load", s->load, "bvh", s->bvh,
-                     "upload", s->upload, "compile", s->compile, "render", s->render, "judge",
-                     s->judge, "write", s->write, "total", s->total);
+    return json_pack("{s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "load", s->load, "bvh",
+                     s->bvh, "upload", s->upload, "compile", s->compile, "render", s->render,
+                     "judge", s->judge, "write", s->write, "total", s->total, "render_before",
+                     s->render_before);
 }
 
 static json_t *interval_json(struct interval i)
@@ -119,16 +120,17 @@ static json_t *forecast_json(const struct render_job *job)
     };
     struct forecast f;
     const char *reason = job_forecast(job, &f);
-    if (reason)
-        return json_pack("{s:n, s:n, s:n, s:n, s:n, s:s}", "relmse", "ci_low", "ci_high", "seconds",
-                         "basis", "reason", reason);
     bool is_bound =
         f.basis == FORECAST_AT_LEAST || job->renderer.specialization.halves == HALVES_CONTIGUOUS;
-    return json_pack("{s:o, s:o, s:o, s:f, s:s, s:b, s:o, s:i}", "relmse",
+    bool is_biased = job->options->reference && job->against.bias.is_certain;
+    bool has_slope = f.basis == FORECAST_SLOPE;
+    return json_pack("{s:o, s:o, s:o, s:o, s:f, s:s, s:b, s:o, s:i, s:o}", "relmse",
                      json_number(f.error.value), "ci_low", json_number(f.error.low), "ci_high",
-                     json_number(f.error.high), "seconds", 2.0 * job->seconds.render, "basis",
-                     bases[f.basis], "upper_bound", is_bound, "slope", interval_json(f.slope),
-                     "looks", (int)f.looks);
+                     json_number(f.error.high), "stays",
+                     is_biased ? json_number(job->against.bias.stays.value) : json_null(),
+                     "seconds", 2.0 * job->seconds.render, "basis", bases[f.basis], "upper_bound",
+                     is_bound, "slope", has_slope ? interval_json(f.slope) : json_null(), "looks",
+                     (int)f.looks, "reason", reason ? json_string(reason) : json_null());
 }
 
 static json_t *strings_json(const char *const *strings, uint32_t count)

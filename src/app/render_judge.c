@@ -158,6 +158,8 @@ static struct interval noise(const struct render_job *job)
     double expected = against->relmse - stays;
     double reached = against->bias.is_certain ? expected : against->relmse;
     double factor = 0.5 * (expected + reached) / e->relmse;
+    if (!(factor > 0.0))
+        return error;
     return (struct interval){error.value * factor, error.low * factor, error.high * factor};
 }
 
@@ -179,7 +181,7 @@ const char *job_forecast(const struct render_job *job, struct forecast *out)
     const char *reason = why_no_forecast(job);
     struct forecast_params params = {
         .looks = looks,
-        .count = grows_evenly(job) ? list_looks(job, looks, 128) : 0,
+        .count = !reason && grows_evenly(job) ? list_looks(job, looks, 128) : 0,
         .error = {NAN, NAN, NAN},
         .independent = settings->sampler == SAMPLER_PCG || settings->sampler == SAMPLER_LCG,
     };
@@ -188,5 +190,5 @@ const char *job_forecast(const struct render_job *job, struct forecast *out)
     if (job->options->reference && job->against.bias.is_certain)
         params.stays = job->against.bias.stays;
     forecast_double(&params, out);
-    return reason || isfinite(out->error.value) ? reason : "the error is not told from none";
+    return reason || isfinite(out->error.value) ? reason : "the halves do not differ";
 }

@@ -380,6 +380,7 @@ bool job_render(struct render_job *job, struct err *err)
 {
     const struct options *options = job->options;
     bool has_plan = job->renderer.tiles.count > 0;
+    job->seconds.render_before = job->renderer.stats.render_seconds;
     if (options->adaptive && !has_plan && !job_run_pilot(job, err))
         return false;
     bool ok =

@@ -187,11 +187,14 @@ static void print_times(const struct render_job *job)
 {
     const struct job_seconds *s = &job->seconds;
     const struct render_stats *stats = &job->renderer.stats;
-    double named = s->load + s->bvh + s->upload + s->compile + s->render + s->judge + s->write;
+    double render = s->render - s->render_before;
+    double named = s->load + s->bvh + s->upload + s->compile + render + s->judge + s->write;
     printf("time      %.3f s = load %.3f + BVH %.3f + upload %.3f + compile %.3f + render %.3f + "
            "judge %.3f + write %.3f + other %.3f\n",
-           s->total, s->load, s->bvh, s->upload, s->compile, s->render, s->judge, s->write,
+           s->total, s->load, s->bvh, s->upload, s->compile, render, s->judge, s->write,
            s->total - named);
+    if (s->render_before > 0.0)
+        printf("before    %.3f s of rendering by runs before this one\n", s->render_before);
     printf("speed     %.3f Msamples/s, %.2f Mrays/s (%.1f M closest, %.1f M shadow)\n",
            job_total_samples(job) * 1e-6 / s->render, report_total_rays(stats) * 1e-6 / s->render,
            (double)stats->closest_rays * 1e-6, (double)stats->shadow_rays * 1e-6);

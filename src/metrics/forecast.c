@@ -7,6 +7,7 @@ enum {
     // As in half_error.c, tiles stand for independent draws of the picture. Pixels' noise is
     // independent, so that smaller ones than there do.
     TILE_SIDE = 8,
+    TILES_WANTED = 16, // smaller ones where there are fewer
     TILES_MIN = 4,
 };
 
@@ -152,12 +153,21 @@ static bool is_finite(const float rgb[3])
     return isfinite(rgb[0]) && isfinite(rgb[1]) && isfinite(rgb[2]);
 }
 
-static struct tile_sum sum_tile(const struct forecast_bias_params *p, uint32_t x0, uint32_t y0)
+static uint32_t choose_side(const struct forecast_bias_params *p)
+{
+    uint32_t side = TILE_SIDE;
+    while (side > 1 && (uint64_t)p->width * p->height < (uint64_t)TILES_WANTED * side * side)
+        side /= 2;
+    return side;
+}
+
+static struct tile_sum sum_tile(const struct forecast_bias_params *p, uint64_t x0, uint64_t y0,
+                                uint32_t side)
 {
     struct tile_sum tile = {0};
-    for (uint32_t y = y0; y < p->height && y < y0 + TILE_SIDE; y++)
-        for (uint32_t x = x0; x < p->width && x < x0 + TILE_SIDE; x++) {
-            uint64_t i = (uint64_t)y * p->width + x;
+    for (uint64_t y = y0; y < p->height && y < y0 + side; y++)
+        for (uint64_t x = x0; x < p->width && x < x0 + side; x++) {
+            uint64_t i = y * p->width + x;
             const float *a = p->half_a[i], *b = p->half_b[i], *r = p->reference[i];
             if (!is_finite(a) || !is_finite(b) || !is_finite(r))
                 continue;
@@ -176,9 +186,10 @@ void forecast_find_bias(const struct forecast_bias_params *p, struct forecast_bi
 {
     double value = 0, pixels = 0, values = 0, products = 0, squares = 0, count = 0;
     *out = (struct forecast_bias){.stays = unknown};
-    for (uint64_t y = 0; y < p->height; y += TILE_SIDE)
-        for (uint64_t x = 0; x < p->width; x += TILE_SIDE) {
-            struct tile_sum tile = sum_tile(p, (uint32_t)x, (uint32_t)y);
+    uint32_t side = choose_side(p);
+    for (uint64_t y = 0; y < p->height; y += side)
+        for (uint64_t x = 0; x < p->width; x += side) {
+            struct tile_sum tile = sum_tile(p, x, y, side);
             count += tile.pixels > 0;
             value += tile.value;
             pixels += tile.pixels;
