@@ -182,9 +182,11 @@ static bool record(struct contest *c, uint32_t variant, struct err *err)
         .depth = c->target->depth,
         .samples = v->scene_data.settings.spp,
     };
+    bool is_first = v == bench_first(c->b, v); // it speaks for the others
     double ms;
     if (!v->renderer.kernels[params.kernel].pipeline) {
-        log_warn("%s: %s leaves it out", kernel_names[params.kernel], v->scene_data.path);
+        if (is_first)
+            log_warn("%s: %s leaves it out", kernel_names[params.kernel], v->scene_data.path);
         return true;
     }
     if (!recorded_create(&v->renderer, &params, recorded, err))
@@ -192,8 +194,9 @@ static bool record(struct contest *c, uint32_t variant, struct err *err)
     row->items = recorded->items;
     row->launches = recorded->launches;
     if (recorded->items == 0) {
-        log_warn("%s: nothing comes to %s at depth %u", v->scene_data.path,
-                 kernel_names[params.kernel], params.depth);
+        if (is_first)
+            log_warn("%s: nothing comes to %s at depth %u", v->scene_data.path,
+                     kernel_names[params.kernel], params.depth);
         return true;
     }
     if (is_traced(params.kernel) &&
