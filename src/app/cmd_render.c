@@ -46,7 +46,7 @@ static bool finish_outputs(struct render_job *job, struct err *err)
 {
     struct err failures[3] = {0};
     job_checkpoint_save(job, &failures[0]);
-    if (job_read_film(job, &failures[1])) {
+    if (job_judge_end(job, &failures[1])) {
         job_write_outputs(job, 0, &failures[1]);
         job_trace_end(job, &failures[2]);
     }

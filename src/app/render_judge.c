@@ -97,6 +97,18 @@ bool job_fetch_film(struct render_job *job, struct err *err)
     return ok;
 }
 
+bool job_judge_end(struct render_job *job, struct err *err)
+{
+    const struct film_image *film = &job->film;
+    if (!job_read_film(job, err))
+        return false;
+    uint64_t start = clock_ns();
+    job->spread = forecast_spread((const float(*)[3])film->half_a, (const float(*)[3])film->half_b,
+                                  film->width, film->height);
+    job->seconds.judge += clock_seconds_since(start);
+    return true;
+}
+
 bool job_read_film(struct render_job *job, struct err *err)
 {
     if (!job_fetch_film(job, err) || !job_estimate_error(job, 0.0, &job->error, err))
@@ -183,6 +195,7 @@ const char *job_forecast(const struct render_job *job, struct forecast *out)
         .looks = looks,
         .count = !reason && grows_evenly(job) ? list_looks(job, looks, 128) : 0,
         .error = {NAN, NAN, NAN},
+        .spread = job->spread,
         .independent = settings->sampler == SAMPLER_PCG || settings->sampler == SAMPLER_LCG,
     };
     if (!reason)

@@ -9,6 +9,7 @@ enum {
     TILE_SIDE = 8,
     TILES_WANTED = 16, // smaller ones where there are fewer
     TILES_MIN = 4,
+    SPREAD_SIDE = 4, // of tiles whose mean stands for the true value
 };
 
 static const struct interval unknown = {NAN, NAN, NAN};
@@ -24,9 +25,9 @@ static double deviations_of(double confidence)
     return stats_t_quantile(0.5 + 0.5 * confidence, 1e9);
 }
 
-static double log_deviation(const struct forecast_look *look)
+static double log_deviation(const struct forecast_look *look, double spread)
 {
-    return log(look->high / look->low) / (2 * deviations_of(look->confidence));
+    return fmax(log(look->high / look->low) / (2 * deviations_of(look->confidence)), spread);
 }
 
 static bool is_usable(const struct forecast_look *look)
@@ -45,11 +46,11 @@ struct line {
 // autoregression. Looks are freed from it one after the other, and a line is put through what is
 // left by least squares (Aitken 1935). Where the looks leave the line by more than their intervals
 // say, the line is taken to be as uncertain as they show.
-static struct line fit(const struct forecast_look *looks, size_t count)
+static struct line fit(const struct forecast_look *looks, size_t count, double spread)
 {
     double s00 = 0, s01 = 0, s11 = 0, t0 = 0, t1 = 0, tt = 0, before[3] = {0}, x_before = 0;
     for (size_t i = 0; i < count; i++) {
-        double x = log2(looks[i].samples), deviation = log_deviation(&looks[i]);
+        double x = log2(looks[i].samples), deviation = log_deviation(&looks[i], spread);
         double row[3] = {1 / deviation, x / deviation, log(looks[i].error) / deviation};
         double correlation = i > 0 ? exp2(x_before - x) : 0, free[3];
         double scale = 1 / sqrt(1 - correlation * correlation);
@@ -116,30 +117,104 @@ static struct interval sum(struct interval a, struct interval b)
                              value + hypot(a.high - a.value, b.high - b.value)};
 }
 
+// Between the error that the half-buffers tell after N samples and the one that the picture has
+// after 2 N lie the deviations of both. With s of forecast_spread their variances are 2/3 s^2 each
+// where noise is Gaussian; at most s^2 and s^2 / 2 where few samples are bright, of which the
+// picture then has twice as many. That is no more than 3/2 s^2 together.
+static struct interval widened(struct interval error, double spread)
+{
+    double factor = exp(usual_deviations * sqrt(1.5) * spread);
+    return (struct interval){error.value, fmin(error.low, error.value / factor),
+                             fmax(error.high, error.value * factor)};
+}
+
 void forecast_double(const struct forecast_params *params, struct forecast *out)
 {
     *out = (struct forecast){.error = unknown, .slope = {-1, -1, -1}};
-    const struct interval *error = &params->error;
-    bool is_known = error->value > 0 && error->low >= 0 && isfinite(error->high);
+    const struct interval error = widened(params->error, params->spread);
+    bool is_known = error.value > 0 && params->error.low >= 0 && isfinite(params->error.high);
     size_t looks = usable_looks(params);
     if (is_known)
-        out->error = scaled(*error, 0.5);
+        out->error = scaled(error, 0.5);
     if (params->independent) {
         out->basis = FORECAST_INVERSE;
     } else if (looks < FORECAST_LOOKS_MIN) {
         out->basis = FORECAST_AT_LEAST;
     } else {
         const struct forecast_look *last = &params->looks[params->count - 1];
-        const struct line line = fit(last + 1 - looks, looks);
+        const struct line line = fit(last + 1 - looks, looks, params->spread);
         double half = usual_deviations * sqrt(line.bb);
         out->basis = FORECAST_SLOPE;
         out->slope = scaled((struct interval){line.b, line.b - half, line.b + half}, 1 / log(2));
         out->looks = looks;
         if (is_known)
-            out->error = go_on(*error, &line, log2(last->samples));
+            out->error = go_on(error, &line, log2(last->samples));
     }
     if (is_known && params->stays.value > 0)
         out->error = sum(out->error, params->stays);
+}
+
+// --- spread --------------------------------------------------------------------------------------
+
+struct half_picture {
+    const float (*a)[3], (*b)[3];
+    uint32_t width, height;
+};
+
+struct errors {
+    double sum, squares;
+};
+
+static bool is_finite(const float rgb[3])
+{
+    return isfinite(rgb[0]) && isfinite(rgb[1]) && isfinite(rgb[2]);
+}
+
+// What the pixels add to the error, over the mean of their tile.
+static struct errors tile_errors(const struct half_picture *p, uint64_t x0, uint64_t y0)
+{
+    double mean[3] = {0}, pixels = 0;
+    struct errors errors = {0};
+    for (uint64_t y = y0; y < p->height && y < y0 + SPREAD_SIDE; y++)
+        for (uint64_t x = x0; x < p->width && x < x0 + SPREAD_SIDE; x++) {
+            uint64_t i = y * p->width + x;
+            if (!is_finite(p->a[i]) || !is_finite(p->b[i]))
+                continue;
+            pixels++;
+            for (int c = 0; c < 3; c++)
+                mean[c] += 0.5 * ((double)p->a[i][c] + p->b[i][c]);
+        }
+    for (uint64_t y = y0; y < p->height && y < y0 + SPREAD_SIDE; y++)
+        for (uint64_t x = x0; x < p->width && x < x0 + SPREAD_SIDE; x++) {
+            uint64_t i = y * p->width + x;
+            double error = 0;
+            if (!is_finite(p->a[i]) || !is_finite(p->b[i]))
+                continue;
+            for (int c = 0; c < 3; c++) {
+                double difference = 0.5 * ((double)p->a[i][c] - p->b[i][c]), m = mean[c] / pixels;
+                error += difference * difference / (m * m + METRICS_RELMSE_EPSILON);
+            }
+            errors.sum += error;
+            errors.squares += error * error;
+        }
+    return errors;
+}
+
+// Pixels are independent, so that the variance of the sum of their errors e is the sum of E e^2 -
+// (E e)^2, of which E e^2 is at least two thirds: they are where the noise is Gaussian, and more
+// where few samples are bright. What pixels differ by for good does not enter.
+double forecast_spread(const float (*half_a)[3], const float (*half_b)[3], uint32_t width,
+                       uint32_t height)
+{
+    const struct half_picture picture = {half_a, half_b, width, height};
+    double sum = 0, squares = 0;
+    for (uint64_t y = 0; y < height; y += SPREAD_SIDE)
+        for (uint64_t x = 0; x < width; x += SPREAD_SIDE) {
+            struct errors errors = tile_errors(&picture, x, y);
+            sum += errors.sum;
+            squares += errors.squares;
+        }
+    return sum > 0 ? sqrt(squares) / sum : 0;
 }
 
 // --- bias ----------------------------------------------------------------------------------------
@@ -147,11 +222,6 @@ void forecast_double(const struct forecast_params *params, struct forecast *out)
 struct tile_sum {
     double value, pixels;
 };
-
-static bool is_finite(const float rgb[3])
-{
-    return isfinite(rgb[0]) && isfinite(rgb[1]) && isfinite(rgb[2]);
-}
 
 static uint32_t choose_side(const struct forecast_bias_params *p)
 {

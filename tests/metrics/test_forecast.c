@@ -101,6 +101,45 @@ TEST(forecasts_cover)
     check_coverage("by slope", by_slope);
 }
 
+// A picture of rare bright samples: what it will come to is less certain than what it has.
+TEST(spread_of_spiky_noise)
+{
+    enum { WIDE = 40, SPIKY = WIDE * WIDE };
+    static float a[SPIKY][3], b[SPIKY][3];
+    double mean = 0, square = 0, told = 0;
+    int covered = 0;
+    for (int d = 0; d < DRAWS; d++) {
+        double before = 0, after = 0;
+        for (int i = 0; i < SPIKY; i++) {
+            double sums[4] = {0}; // two halves of 32 samples, then two of 32 more
+            for (int h = 0; h < 4; h++)
+                for (int s = 0; s < 32; s++)
+                    sums[h] += uniform() < 0.01 ? 100.0 : 0.0;
+            double now = (sums[0] - sums[1]) / 64;
+            double then = (sums[0] + sums[1] + sums[2] + sums[3]) / 128 - 1;
+            before += now * now / SPIKY;
+            after += then * then / SPIKY;
+            for (int c = 0; c < 3; c++) {
+                a[i][c] = (float)(sums[0] / 32);
+                b[i][c] = (float)(sums[1] / 32);
+            }
+        }
+        double spread = forecast_spread((const float(*)[3])a, (const float(*)[3])b, WIDE, WIDE);
+        const struct forecast_params params = {
+            .error = {before, before, before}, .spread = spread, .independent = true};
+        struct forecast forecast;
+        forecast_double(&params, &forecast);
+        covered += covers(forecast.error, after);
+        mean += before / DRAWS;
+        square += before * before / DRAWS;
+        told += spread / DRAWS;
+    }
+    double spread = sqrt(square - mean * mean) / mean;
+    printf("  spread %.3f, told %.3f; covered in %d\n", spread, told, covered);
+    CHECK(told > 0.95 * spread && told < 1.3 * spread, "%g, not %g", told, spread);
+    CHECK(covered >= LEAST, "%d", covered);
+}
+
 TEST(few_looks_are_no_slope)
 {
     struct forecast_look looks[] = {
@@ -256,6 +295,6 @@ TEST(what_is_not_finite_is_left_out)
 }
 
 TEST_MAIN(TEST_CASE(forecasts_cover), TEST_CASE(few_looks_are_no_slope),
-          TEST_CASE(unknown_looks_are_left_out), TEST_CASE(an_unknown_error_has_no_forecast),
-          TEST_CASE(bias_is_told_from_noise), TEST_CASE(noise_of_the_reference_is_no_bias),
-          TEST_CASE(what_is_not_finite_is_left_out))
+          TEST_CASE(spread_of_spiky_noise), TEST_CASE(unknown_looks_are_left_out),
+          TEST_CASE(an_unknown_error_has_no_forecast), TEST_CASE(bias_is_told_from_noise),
+          TEST_CASE(noise_of_the_reference_is_no_bias), TEST_CASE(what_is_not_finite_is_left_out))
