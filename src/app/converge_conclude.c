@@ -153,18 +153,13 @@ static void find_efficiency(const struct converge *c, struct converge_curve *cur
 
 // --- time to an error ----------------------------------------------------------------------------
 
-// Outside of its points a curve goes on as independent samples do, with -1. Where it fell faster
-// it will not do so for ever, and -1 tells the time that it takes at most; where it fell less,
-// something holds it up, and it is taken to go on like that.
+// Outside of its points a curve goes on as independent samples do, with -1: slopes of few points
+// are steeper or flatter than what they lead to. The interval allows for the one that was found.
 static struct interval slope_outside(const struct converge_curve *curve)
 {
     struct interval found = curve->slope;
     bool is_slow = found.low > -1;
-    return (struct interval){
-        .value = is_slow ? found.value : -1,
-        .low = fmin(found.low, -1),
-        .high = is_slow ? found.high : -1,
-    };
+    return (struct interval){-1, fmin(found.low, -1), is_slow ? found.high : -1};
 }
 
 // The curve itself, and those along the ends of its intervals.

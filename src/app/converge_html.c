@@ -263,6 +263,15 @@ static void put_reference_words(struct page *page, const struct converge_referen
     }
 }
 
+static bool is_any_error_known(const struct converge *c, uint32_t first, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++)
+        for (uint32_t p = 0; p < c->point_count; p++)
+            if (!isnan(c->curves[first + i].points[p].metric[CONVERGE_RELMSE].value))
+                return true;
+    return false;
+}
+
 static bool put_scene(struct page *page, uint32_t scene, struct err *err)
 {
     const struct converge *c = page->c;
@@ -280,6 +289,8 @@ static bool put_scene(struct page *page, uint32_t scene, struct err *err)
     page->html.exposure_stops = settings->exposure;
     page->html.tone = job_image_tone(settings->tone_curve);
     fputs("</p>\n<div class=\"plots\">", out);
+    if (!is_any_error_known(c, first, count))
+        fputs("<p class=\"note\">No error is known: there is nothing to plot.</p>", out);
     if (!put_plot(page, scene, false, err) || !put_plot(page, scene, true, err))
         return false;
     fputs("</div>\n", out);
@@ -303,9 +314,9 @@ static void put_explanation(struct page *page)
         "<h2>How to read this</h2>\n<p>Errors are geometric means over replicates, other metrics "
         "means, with 95 % intervals of Student's t. Seconds are of rendering alone; start is "
         "loading, building and compiling, and counts in the times to an error. &#8776; marks those "
-        "that are extrapolated as if the error fell with 1/t, or, where it fell less, as it was "
-        "found "
-        "to. Efficiency is 1 / (relMSE &times; seconds), and "
+        "that are extrapolated as if the error fell with 1/t; their intervals allow for the slope "
+        "that "
+        "was found. Efficiency is 1 / (relMSE &times; seconds), and "
         "1 / (MSE &times; seconds). Pairs are compared seed by seed. Bias is what of relMSE more "
         "samples would not remove: there is some where the interval is above 0.</p>\n",
         page->html.out);

@@ -253,11 +253,13 @@ bool converge_measure(struct converge *c, struct err *err)
                 .from = done / all,
                 .to = (done + 1) / all,
             };
-            if (!measure_replicate(&run, err))
+            // Renders of one pass end before they would ask.
+            c->stopped = progress_should_stop(&c->progress);
+            if (!c->stopped && !measure_replicate(&run, err))
                 return false;
+            if (c->stopped)
+                return true;
         }
-        if (c->stopped)
-            break;
         c->replicates_done = replicate + 1;
     }
     return true;

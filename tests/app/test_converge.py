@@ -7,18 +7,29 @@ import csv
 import json
 import math
 import os
+import shlex
+import signal
 import subprocess
 import sys
 import tempfile
 import unittest
 
+try:
+    import jsonschema
+except ImportError:
+    print('skipped: no module jsonschema')
+    sys.exit(1 if os.environ.get('LAMPYRIS_NO_SKIP') else 77)
+
 LAMPYRIS = sys.argv.pop(1)
-SCENE = os.path.join(os.environ['LAMPYRIS_SOURCE_ROOT'], 'scenes', 'cornell.json')
+ROOT = os.environ['LAMPYRIS_SOURCE_ROOT']
+SCENE = os.path.join(ROOT, 'scenes', 'cornell.json')
+with open(os.path.join(ROOT, 'docs', 'converge.schema.json'), encoding='utf-8') as schema_file:
+    SCHEMA = jsonschema.Draft202012Validator(json.load(schema_file))
 
 
-def run(*arguments):
+def run(*arguments, **more):
     return subprocess.run([LAMPYRIS, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                          universal_newlines=True, check=False)
+                          universal_newlines=True, check=False, **more)
 
 
 def converge(*arguments):
@@ -26,7 +37,21 @@ def converge(*arguments):
                  '--sampler', 'pcg', *arguments)
     if result.returncode != 0:
         raise AssertionError(result.stderr)
-    return json.loads(result.stdout)
+    return checked(result.stdout)
+
+
+def converge_at_times(times, *arguments):
+    result = run('converge', SCENE, '--size', '12x12', '--times', times, '--replicates', '3',
+                 '--json', *arguments)
+    if result.returncode != 0:
+        raise AssertionError(result.stderr)
+    return checked(result.stdout)
+
+
+def checked(text):
+    result = json.loads(text)
+    SCHEMA.validate(result)
+    return result
 
 
 class Converge(unittest.TestCase):
@@ -79,6 +104,50 @@ class Converge(unittest.TestCase):
             self.assertEqual(wrong.returncode, 2)
             self.assertIn('is 12 x 12 pixels, but', wrong.stderr)
 
+    def test_points_at_times(self):
+        result = converge_at_times('0.02,0.04,0.08', '--vary', 'sampler=pcg,stratified')
+        self.assertEqual(result['slope_on'], 'seconds')
+        going_on, planned = result['curves']
+        for curve in (going_on, planned):
+            self.assertEqual([p['time_limit'] for p in curve['points']], [0.02, 0.04, 0.08])
+        for r in range(3):
+            spp = [p['replicates']['spp'][r] for p in going_on['points']]
+            self.assertEqual(spp, sorted(spp))
+            seconds = [p['replicates']['seconds'][r] for p in going_on['points']]
+            self.assertEqual(seconds, sorted(seconds))
+        # The samples of the longest time, as often as a reference has them.
+        self.assertGreater(result['references'][0]['spp'], 100)
+        command = shlex.split(planned['command'])
+        with tempfile.TemporaryDirectory() as folder:
+            again = run(*command[1:], '--json', '-o', os.path.join(folder, 'again.exr'))
+            self.assertEqual(json.loads(again.stdout)['image_hash'], planned['image_hash'])
+
+    def test_all_pairs_and_all_metrics(self):
+        result = converge('--vary', 'max-bounces=9,8,1', '--replicates', '4')
+        pairs = {(p['curve'], p['than']): p for p in result['pairs']}
+        self.assertEqual(sorted(pairs), [(1, 0), (2, 0), (2, 1)])
+        for i in (1, 2):
+            self.assertEqual(pairs[i, 0]['efficiency_ratio'],
+                             result['curves'][i]['efficiency_ratio'])
+        for curve in result['curves']:
+            last = curve['points'][-1]
+            for name, interval in last['metrics'].items():
+                values = last['replicates']['metrics'][name]
+                self.assertNotIn(None, values, name)
+                self.assertLess(interval['ci_low'], interval['value'], name)
+                mean = sum(values) / len(values)
+                if name in ('relmse', 'mse'):
+                    mean = math.exp(sum(math.log(v) for v in values) / len(values))
+                self.assertTrue(math.isclose(interval['value'], mean, rel_tol=1e-6), name)
+            mean = [math.log(1 / (e * t)) for e, t in zip(last['replicates']['metrics']['mse'],
+                                                          last['replicates']['seconds'])]
+            self.assertTrue(math.isclose(math.log(curve['efficiency_mse']['value']),
+                                         sum(mean) / len(mean), rel_tol=1e-6))
+        self.assertTrue(any('fewer than 16' in note for note in result['notes']))
+        self.assertTrue(any('of the 3 pairs' in note for note in result['notes']))
+
+
+class Report(unittest.TestCase):
     def test_the_report(self):
         with tempfile.TemporaryDirectory() as folder:
             report = os.path.join(folder, 'report')
@@ -100,6 +169,59 @@ class Converge(unittest.TestCase):
             for value, row in zip(values, mine):
                 self.assertTrue(math.isclose(value, row, rel_tol=1e-6))
 
+    # Without gnuplot, and without --images nothing beside it.
+    def test_the_report_alone(self):
+        with tempfile.TemporaryDirectory() as folder:
+            report = os.path.join(folder, 'report')
+            result = run('converge', SCENE, '--size', '8x8', '--spp-from', '4', '--spp', '8',
+                         '--replicates', '2', '--report', report, env={**os.environ, 'PATH': folder})
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertIn('gnuplot', result.stderr)
+            self.assertEqual(sorted(os.listdir(report)), ['report.html', 'results.csv', 'results.json'])
+            with open(os.path.join(report, 'report.html'), encoding='utf-8') as file:
+                page = file.read()
+            self.assertNotIn('<svg', page)
+
+    # What the report says repeats a picture does so, bit for bit.
+    def test_pictures_again(self):
+        with tempfile.TemporaryDirectory() as folder:
+            result = converge('--reference', 'none', '--replicates', '2', '--seed', '7',
+                              '--curve', 'halves=contiguous mis=none',
+                              '--vary', 'sampler=sobol,pcg,stratified', '--report', folder, '--images')
+            files = os.listdir(folder)
+            for i, curve in enumerate(result['curves']):
+                command = shlex.split(curve['command'])
+                self.assertEqual(command[:3], ['lampyris', 'render', SCENE])
+                path = os.path.join(folder, 'again.exr')
+                again = run(*command[1:], '--json', '-o', path)
+                self.assertEqual(again.returncode, 0, again.stderr)
+                self.assertEqual(json.loads(again.stdout)['image_hash'], curve['image_hash'])
+                name = f'curve-{i}-seed-7.exr'
+                self.assertIn(name, files)
+                same = run('compare', path, os.path.join(folder, name), '--max', 'differing=0')
+                self.assertEqual(same.returncode, 0, same.stdout + same.stderr)
+            for name in ('curve-0.png', 'curve-3-seed-8.exr'):
+                self.assertIn(name, files)
+
+    def test_an_interrupted_run_tells_what_it_has(self):
+        with tempfile.TemporaryDirectory() as folder:
+            process = subprocess.Popen(
+                [LAMPYRIS, 'converge', SCENE, '--size', '8x8', '--spp', '16', '--reference', 'none',
+                 '--replicates', '4096', '--json', '--report', folder],
+                stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True)
+            for line in process.stderr:  # after a second of replicates, of which many are done
+                if line.startswith('Replicates'):
+                    break
+            process.send_signal(signal.SIGINT)
+            out, _ = process.communicate()
+            self.assertEqual(process.returncode, 130)
+            result = checked(out)
+            self.assertTrue(result['stopped_early'])
+            self.assertTrue(0 < result['replicates'] < 4096)
+            self.assertIn(f"{result['replicates']} of 4096 replicates", result['notes'][0])
+            with open(os.path.join(folder, 'report.html'), encoding='utf-8') as file:
+                self.assertIn('of 4096 replicates', file.read())
+
     def test_what_cannot_be_varied(self):
         for vary, message in (('size=1x1,2x2', 'is no setting'), ('nonsense=1', 'is no setting'),
                               ('mis=power,worst', '"worst" is unknown'), ('mis', 'KEY=A,B')):
@@ -108,6 +230,37 @@ class Converge(unittest.TestCase):
             self.assertIn(message, result.stderr)
         result = run('converge', SCENE, '--spp', '8')
         self.assertIn('--spp-from 16 is above --spp 8', result.stderr)
+        for arguments, message in (
+                (('--times', '1,0.5'), '--times'), (('--times', '1', '--spp', '8'), 'exclude'),
+                (('--times', '0'), '0.001'), (('--images',), '--images needs --report'),
+                (('--replicates', '1'), 'outside [2, 4096]'), (('--curve', 'mis'), 'KEY=VALUE'),
+                (('--reference', '/nonexistent.exr'), '/nonexistent.exr'),
+                (('--reference', SCENE), 'no picture that can be read'),
+                (('--vary', 'max-bounces=1,x'), '"x"'),
+                (('--spp', '1G', '--spp-from', '1G'), '100 times the samples')):
+            result = run('converge', SCENE, '--size', '4x4', *arguments)
+            self.assertEqual(result.returncode, 2, (arguments, result.stderr))
+            self.assertIn(message, result.stderr)
+
+
+class Long(unittest.TestCase):
+    # An error that is said to be reached beyond the last point is reached there.
+    def test_running_to_what_was_extrapolated(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, 'reference.exr')
+            made = run('render', SCENE, '--size', '12x12', '--spp', '20000', '--seed', '9', '-q',
+                       '--max-bounces', '2', '--aov', 'halves', '-o', path)
+            self.assertEqual(made.returncode, 0, made.stderr)
+            for sampler in ('pcg', 'sobol'):
+                arguments = ('--reference', path, '--max-bounces', '2', '--sampler', sampler)
+                short = converge(*arguments)['curves'][0]['time_to'][1]
+                long = converge(*arguments, '--spp', '1k')['curves'][0]['time_to'][1]
+                self.assertTrue(short['extrapolated'] and not long['extrapolated'])
+                reached = long['spp']
+                self.assertLess(short['spp']['ci_low'], reached['ci_high'], sampler)
+                self.assertGreater(short['spp']['ci_high'], reached['ci_low'], sampler)
+                self.assertLess(0.5, short['spp']['value'] / reached['value'])
+                self.assertLess(short['spp']['value'] / reached['value'], 2)
 
 
 if __name__ == '__main__':
