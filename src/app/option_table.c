@@ -369,8 +369,9 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .name = "reference", .argument = "FILE|auto|none", .type = VALUE_TEXT, .group = "Curves",
         .commands = FOR_RENDER | FOR_CONVERGE, .fallback = "auto; of render, none",
         .help = "What errors are taken against: a picture (its own noise is subtracted where it "
-                "has the layers of --aov halves), one made now with a hundred times the samples "
-                "(not by render), or none: the half-buffers then tell the error, and no bias.",
+                "has the layers of --aov halves), one made now with a hundred times the samples, "
+                "or none: the half-buffers then tell the error, and no bias. render takes a "
+                "picture only.",
         FIELD(reference),
     },
     [OPTION_VARY] = {
@@ -451,8 +452,9 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_TRACE] = {
         .name = "trace", .argument = "FILE", .type = VALUE_TEXT, .group = "Report",
         .commands = FOR_RENDER, .fallback = "none",
-        .help = "Write the error at doubling samples with the clock to FILE, .csv or .json; also "
-                "the true one where there is a --reference. The picture keeps its bits.",
+        .help = "Write the error after 1, 2, 4, ... samples a pixel and at the end, with the time "
+                "it took, to FILE, .csv or .json; also the true one where there is a --reference. "
+                "The picture keeps its bits.",
         FIELD(trace),
     },
     [OPTION_REPORT] = {

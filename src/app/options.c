@@ -179,6 +179,7 @@ static bool check_combinations(const struct options *options, struct err *err)
         {OPTION_IMAGES, OPTION_REPORT, true},
         {OPTION_MAP, OPTION_DIFFERENCE, true},
         {OPTION_TRACE, OPTION_PIXEL, false},
+        {OPTION_REFERENCE, OPTION_PIXEL, false},
     };
     for (size_t i = 0; i < sizeof rules / sizeof rules[0]; i++) {
         const char *name = option_table[rules[i].id].name;
