@@ -167,6 +167,27 @@ static void perceive(void *context, size_t begin, size_t end, unsigned thread)
     }
 }
 
+struct separation {
+    const struct planes *planes;
+    const float (*pixels)[3];
+    float *lightness;
+};
+
+static void separate(void *context, size_t begin, size_t end, unsigned thread)
+{
+    (void)thread;
+    const struct separation *s = context;
+    for (size_t i = begin; i < end; i++) {
+        double rgb[3], color[3];
+        for (int c = 0; c < 3; c++)
+            rgb[c] = fmin(fmax((double)s->pixels[i][c], 0), 1);
+        flip_ycxcz_of_rgb(rgb, color);
+        for (int c = 0; c < 3; c++)
+            s->planes->opponent[c][i] = (float)color[c];
+        s->lightness[i] = (float)((color[0] + 16) / 116);
+    }
+}
+
 // Fills the planes from display-referred linear values, clamped to [0, 1].
 static bool analyse(struct planes *p, const float (*pixels)[3], double pixels_per_degree)
 {
@@ -174,15 +195,8 @@ static bool analyse(struct planes *p, const float (*pixels)[3], double pixels_pe
     float *lightness = malloc(pixels_of(p) * sizeof *lightness);
     if (!lightness)
         return false;
-    for (uint64_t i = 0; i < pixels_of(p); i++) {
-        double rgb[3], color[3];
-        for (int c = 0; c < 3; c++)
-            rgb[c] = fmin(fmax((double)pixels[i][c], 0), 1);
-        flip_ycxcz_of_rgb(rgb, color);
-        for (int c = 0; c < 3; c++)
-            p->opponent[c][i] = (float)color[c];
-        lightness[i] = (float)((color[0] + 16) / 116);
-    }
+    struct separation separation = {p, pixels, lightness};
+    parallel_for(pixels_of(p), PIXELS_A_CHUNK, 0, separate, &separation);
     feature_kernels(pixels_per_degree, &smooth, &edge, &point);
     detect(p, lightness, &smooth, &edge, p->edges);
     detect(p, lightness, &smooth, &point, p->points);
@@ -317,14 +331,24 @@ bool metrics_flip_exposures(const struct picture_pair *pair, struct flip_exposur
     return true;
 }
 
-static void expose(const struct picture_pair *pair, const float (*pixels)[3], double stops,
-                   float (*out)[3])
+struct exposition {
+    const struct picture_pair *pair;
+    double factor;
+    float (*exposed[2])[3]; // image and reference
+};
+
+static void expose(void *context, size_t begin, size_t end, unsigned thread)
 {
-    double factor = exp2(stops);
-    for (uint64_t i = 0; i < (uint64_t)pair->width * pair->height; i++) {
-        bool finite = is_finite_pair(pair, i);
-        for (int c = 0; c < 3; c++)
-            out[i][c] = finite ? (float)tone(factor * fmax((double)pixels[i][c], 0)) : 0.0f;
+    (void)thread;
+    const struct exposition *e = context;
+    const float(*pixels[2])[3] = {e->pair->image, e->pair->reference};
+    for (size_t i = begin; i < end; i++) {
+        bool finite = is_finite_pair(e->pair, i);
+        for (int k = 0; k < 2; k++)
+            for (int c = 0; c < 3; c++) {
+                double light = e->factor * fmax((double)pixels[k][i][c], 0);
+                e->exposed[k][i][c] = finite ? (float)tone(light) : 0.0f;
+            }
     }
 }
 
@@ -333,8 +357,8 @@ static bool raise_map(const struct picture_pair *pair, double pixels_per_degree,
                       float (*exposed[2])[3], float *map, float *greatest)
 {
     uint64_t count = (uint64_t)pair->width * pair->height;
-    expose(pair, pair->image, stops, exposed[0]);
-    expose(pair, pair->reference, stops, exposed[1]);
+    struct exposition exposition = {pair, exp2(stops), {exposed[0], exposed[1]}};
+    parallel_for(count, PIXELS_A_CHUNK, 0, expose, &exposition);
     struct picture_pair shown = {(const float(*)[3])exposed[0], (const float(*)[3])exposed[1],
                                  pair->width, pair->height};
     if (!flip_map(&shown, pixels_per_degree, map))

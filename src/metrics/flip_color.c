@@ -2,37 +2,25 @@
 #include "flip_color.h"
 
 #include <math.h>
-#include <string.h>
 
-// Linear Rec. 709 to CIE XYZ for D65, in which (1, 1, 1) is the white point.
+// Linear Rec. 709 to CIE XYZ divided by that of D65, which is (1, 1, 1): the rows are those of the
+// usual matrix in fractions, over their sums.
 static const double to_xyz[3][3] = {
-    {10135552.0 / 24577794.0, 8788810.0 / 24577794.0, 4435075.0 / 24577794.0},
+    {10135552.0 / 23359437.0, 8788810.0 / 23359437.0, 4435075.0 / 23359437.0},
     {2613072.0 / 12288897.0, 8788810.0 / 12288897.0, 887015.0 / 12288897.0},
-    {1425312.0 / 73733382.0, 8788810.0 / 73733382.0, 70074185.0 / 73733382.0},
+    {1425312.0 / 80288307.0, 8788810.0 / 80288307.0, 70074185.0 / 80288307.0},
 };
 
-// X, Y, Z divided by those of white.
 static void relative_xyz(const double rgb[3], double out[3])
 {
-    for (int i = 0; i < 3; i++) {
-        double sum = 0, white = 0;
-        for (int c = 0; c < 3; c++) {
-            sum += to_xyz[i][c] * rgb[c];
-            white += to_xyz[i][c];
-        }
-        out[i] = sum / white;
-    }
+    for (int i = 0; i < 3; i++)
+        out[i] = to_xyz[i][0] * rgb[0] + to_xyz[i][1] * rgb[1] + to_xyz[i][2] * rgb[2];
 }
 
 // The inverse, by Cramer's rule.
-static void rgb_of_relative_xyz(const double relative[3], double out[3])
+static void rgb_of_relative_xyz(const double v[3], double out[3])
 {
-    double m[3][3], v[3];
-    for (int i = 0; i < 3; i++) {
-        double white = to_xyz[i][0] + to_xyz[i][1] + to_xyz[i][2];
-        v[i] = relative[i] * white;
-        memcpy(m[i], to_xyz[i], sizeof m[i]);
-    }
+    const double(*m)[3] = to_xyz;
     double determinant = 0;
     for (int c = 0; c < 3; c++)
         determinant += m[0][c] * (m[1][(c + 1) % 3] * m[2][(c + 2) % 3] -
