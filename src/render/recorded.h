@@ -35,7 +35,8 @@ struct recorded {
 // finished in any case.
 bool recorded_create(struct renderer *renderer, const struct recorded_params *params,
                      struct recorded *out, struct err *err);
-// Runs the kernel once. *ms: on the device, or by the host's clock where that has no timestamps.
+// Runs the kernel once; nothing else may have run on the renderer since, for what the kernel only
+// reads is not kept. *ms: on the device, or by the host's clock where that has no timestamps.
 // ERR_BUG when it leaves behind anything else than the render did.
 bool recorded_run(struct renderer *renderer, const struct recorded *recorded, double *ms,
                   struct err *err);
