@@ -140,16 +140,14 @@ static bool list_waves(struct tune *t, struct err *err)
     uint64_t paths = most_paths(t);
     if (!take_sweep(t, OPTION_WAVE, values, &count, err))
         return false;
-    if (count == 0)
-        for (uint32_t i = 0; i < 7; i++)
-            values[count++] = (t->gpu.info.is_cpu ? 1u << 12 : 1u << 16) << i;
-    for (uint32_t i = 0; i < count; i++) {
-        // The first that holds all paths stands for those above it.
-        bool is_whole = values[i] / 2 >= paths;
-        if (values[i] != t->usual.wave && !is_whole &&
+    // The first that holds all paths stands for those above it.
+    uint32_t least = t->gpu.info.is_cpu ? 1u << 12 : 1u << 16;
+    for (uint32_t i = 0; i < 7 && t->options->vary_count == 0 && (least << i) / 2 < paths; i++)
+        values[count++] = least << i;
+    for (uint32_t i = 0; i < count; i++)
+        if (values[i] != t->usual.wave &&
             !add(c, "wave", (struct tuned){values[i], t->usual.workgroup}, err))
             return false;
-    }
     return true;
 }
 
@@ -159,7 +157,7 @@ static bool list_workgroups(struct tune *t, uint32_t wave, struct err *err)
     uint32_t values[TUNE_CANDIDATES], count = 0;
     if (!take_sweep(t, OPTION_WORKGROUP, values, &count, err))
         return false;
-    if (count == 0)
+    if (t->options->vary_count == 0)
         for (uint32_t size = 32; size <= 256 && size <= t->gpu.max_invocations; size *= 2)
             values[count++] = size;
     c->count = 0;
@@ -252,10 +250,22 @@ static bool keep(struct tune *t, struct err *err)
         json_array_append_new(scenes, json_words(path_name(t->scenes[i].scene.path)));
     const struct tune_candidate *winner = &t->contests[TUNE_CONFIRM].candidates[0];
     json_t *speed = t->confirmed ? tune_interval_json(winner->speed) : json_null();
+    // The default is not kept as a number: these scenes may have left less room than others do.
+    const struct tuned found = {
+        .wave = t->best.wave == t->usual.wave ? 0 : t->best.wave,
+        .workgroup = t->best.workgroup == t->usual.workgroup ? 0 : t->best.workgroup,
+    };
     return tune_cache_keep(
-        &t->cache, &t->gpu, t->best,
+        &t->cache, &t->gpu, found,
         json_pack("{s:s, s:o, s:o}", "version", LAMPYRIS_VERSION, "scenes", scenes, "speed", speed),
         err);
+}
+
+static bool check_validation(const struct tune *t, struct err *err)
+{
+    return t->gpu.validation_messages == 0 ||
+           err_set(err, ERR_BUG, "the validation layers reported %u messages",
+                   t->gpu.validation_messages);
 }
 
 static bool run(struct tune *t, struct err *err)
@@ -268,7 +278,7 @@ static bool run(struct tune *t, struct err *err)
                                      .context = options->progress->context};
     return check_sweeps(options, err) && tune_cache_open(&t->cache, err) &&
            gpu_open(&options->gpu, &t->gpu, err) && open_all(t, err) && search(t, err) &&
-           keep(t, err);
+           check_validation(t, err) && keep(t, err);
 }
 
 int tune_run(const struct options *options)

@@ -54,22 +54,26 @@ static bool make_folders(const char *path, struct err *err)
 
 // --- reading -------------------------------------------------------------------------------------
 
-static uint32_t read_size(const json_t *entry, const char *key, enum option_id option)
+// A number in the range of the option, or null.
+static bool read_size(const json_t *entry, enum option_id option, uint32_t *out)
 {
     const struct option_def *def = &option_table[option];
-    const json_t *value = json_object_get(entry, key);
-    double number = json_is_integer(value) ? (double)json_integer_value(value) : 0.0;
-    return number >= def->min && number <= def->max ? (uint32_t)number : 0;
+    const json_t *value = json_object_get(entry, def->name);
+    double number = (double)json_integer_value(value);
+    *out = 0;
+    if (json_is_null(value))
+        return true;
+    if (!json_is_integer(value) || number < def->min || number > def->max)
+        return false;
+    *out = (uint32_t)number;
+    return true;
 }
 
-static struct tuned read_tuned(const json_t *entry)
+static bool read_tuned(const json_t *entry, struct tuned *out)
 {
-    struct tuned tuned = {
-        .wave = read_size(entry, "wave", OPTION_WAVE),
-        .workgroup = read_size(entry, "workgroup", OPTION_WORKGROUP),
-    };
-    bool valid = tuned.wave && tuned.workgroup && (tuned.workgroup & (tuned.workgroup - 1)) == 0;
-    return valid ? tuned : (struct tuned){0};
+    return read_size(entry, OPTION_WAVE, &out->wave) &&
+           read_size(entry, OPTION_WORKGROUP, &out->workgroup) &&
+           (out->workgroup & (out->workgroup - 1)) == 0;
 }
 
 static const char *text_of(const json_t *entry, const char *key)
@@ -79,8 +83,9 @@ static const char *text_of(const json_t *entry, const char *key)
 
 static bool is_valid(const json_t *entry)
 {
+    struct tuned tuned;
     return text_of(entry, "device") && text_of(entry, "driver") && text_of(entry, "kernels") &&
-           read_tuned(entry).wave;
+           read_tuned(entry, &tuned);
 }
 
 // The list in the file, new; NULL with what is wrong in *err.
@@ -102,7 +107,7 @@ static json_t *parse(const struct file_bytes *bytes, const char *path, struct er
         if (err->code == ERR_NONE && !is_valid(entry))
             err_set(err, ERR_INPUT,
                     "%s: devices[%zu]: expected device, driver and kernels as text, wave in [64, "
-                    "2^24] and workgroup a power of two in [8, 1024]",
+                    "2^24] and workgroup a power of two in [8, 1024], or null",
                     path, i);
     }
     devices = err->code == ERR_NONE ? json_incref(devices) : NULL;
@@ -141,6 +146,11 @@ void tune_cache_finish(struct tune_cache *cache)
     *cache = (struct tune_cache){0};
 }
 
+json_t *tuned_size_json(uint32_t size)
+{
+    return size ? json_integer(size) : json_null();
+}
+
 // --- looking up and keeping ----------------------------------------------------------------------
 
 static void print_hash(const struct gpu *gpu, char out[20])
@@ -171,9 +181,9 @@ struct tuned tune_cache_find(const struct tune_cache *cache, const struct gpu *g
     char hash[20];
     json_array_foreach(cache->devices, i, entry)
     {
-        if (!is_of_device(entry, gpu))
+        struct tuned tuned;
+        if (!is_of_device(entry, gpu) || !read_tuned(entry, &tuned))
             continue;
-        struct tuned tuned = read_tuned(entry);
         print_hash(gpu, hash);
         if (strcmp(text_of(entry, "kernels"), hash) == 0 && tuned.workgroup <= gpu->max_invocations)
             return tuned;
@@ -214,9 +224,10 @@ bool tune_cache_keep(struct tune_cache *cache, const struct gpu *gpu, struct tun
             json_array_remove(cache->devices, i);
     while (json_array_size(cache->devices) >= MOST_DEVICES)
         json_array_remove(cache->devices, 0);
-    json_t *entry = json_pack("{s:o, s:o, s:s, s:I, s:I}", "device", json_words(gpu->info.name),
-                              "driver", json_words(gpu->info.driver), "kernels", hash, "wave",
-                              (json_int_t)tuned.wave, "workgroup", (json_int_t)tuned.workgroup);
+    json_t *entry =
+        json_pack("{s:o, s:o, s:s, s:o, s:o}", "device", json_words(gpu->info.name), "driver",
+                  json_words(gpu->info.driver), "kernels", hash, "wave",
+                  tuned_size_json(tuned.wave), "workgroup", tuned_size_json(tuned.workgroup));
     bool ok = entry && about && json_object_update_missing(entry, about) == 0 &&
               json_array_append(cache->devices, entry) == 0;
     json_decref(entry);

@@ -10,10 +10,11 @@
 #include "gpu.h"
 #include <jansson.h>
 
-// 0 in both where nothing is known.
+// 0: the device's default, which nothing was found to be faster than, or nothing is known.
 struct tuned {
     uint32_t wave, workgroup;
 };
+json_t *tuned_size_json(uint32_t size); // null for 0
 
 struct tune_cache {
     struct arena arena;

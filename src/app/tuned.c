@@ -27,18 +27,14 @@ struct tuned tuned_sizes(const struct options *options, const struct gpu *gpu)
     return tuned;
 }
 
-static json_t *size_json(uint32_t size)
-{
-    return size ? json_integer(size) : json_null();
-}
-
 json_t *tuned_json(const struct options *options, const struct gpu *gpu)
 {
     struct tuned tuned = tuned_sizes(options, gpu);
     if (!tuned.wave && !tuned.workgroup)
         return json_null();
-    return json_pack("{s:o, s:o, s:o}", "wave", size_json(tuned.wave), "workgroup",
-                     size_json(tuned.workgroup), "file", json_words(options->tune_cache->path));
+    return json_pack("{s:o, s:o, s:o}", "wave", tuned_size_json(tuned.wave), "workgroup",
+                     tuned_size_json(tuned.workgroup), "file",
+                     json_words(options->tune_cache->path));
 }
 
 void tuned_print(const struct options *options, const struct gpu *gpu)

@@ -88,12 +88,15 @@ class Tune(unittest.TestCase):
         proven = last['stage'] == 'confirm' and last['speed']['ci_low'] > 1
         self.assertEqual(result['found'] != result['usual'], proven)
         entry = self.kept()['devices'][0]
-        self.assertEqual({k: entry[k] for k in ('wave', 'workgroup')}, result['found'])
+        # What is the default is kept as such.
+        kept = {k: None if v == result['usual'][k] else v for k, v in result['found'].items()}
+        self.assertEqual({k: entry[k] for k in kept}, kept)
         self.assertEqual((entry['device'], entry['driver']), (result['device'], result['driver']))
         # The sizes that were tried give the picture of any other render of as many samples.
         render, _ = self.render('--spp', str(result['spp']))
         self.assertEqual(render['image_hash'], result['scenes'][0]['image_hash'])
-        self.assertEqual(render['tuned'], {**result['found'], 'file': self.file})
+        self.assertEqual(render['tuned'],
+                         {**kept, 'file': self.file} if any(kept.values()) else None)
 
     def test_renders_use_it_and_keep_their_bits(self):
         entry = self.entry()
@@ -161,12 +164,16 @@ class Tune(unittest.TestCase):
             self.assertEqual((result['tuned'], errors), (None, ''))
         self.keep({'version': 1, 'devices': [others[0], own, others[1]]})
         self.assertEqual(self.render()[0]['tuned']['wave'], 2048)
-        found = self.tune()[0]['found']
+        self.tune()
         devices = self.kept()['devices']
         self.assertEqual(devices[:2], others)
         self.assertEqual(len(devices), 3)
-        self.assertEqual((devices[2]['wave'], devices[2]['kernels']),
-                         (found['wave'], own['kernels']))
+        self.assertNotEqual(devices[2]['wave'], 2048)
+        self.assertEqual(devices[2]['kernels'], own['kernels'])
+        # Only one of the sizes.
+        self.keep({'version': 1, 'devices': [{**own, 'wave': None}]})
+        self.assertEqual(self.render()[0]['tuned'],
+                         {'wave': None, 'workgroup': 32, 'file': self.file})
 
     def test_no_place_for_it(self):
         for changes in ({'XDG_CACHE_HOME': 'relative', 'HOME': None},
