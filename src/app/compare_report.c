@@ -58,12 +58,18 @@ static void print_one(const struct comparison *c)
     }
 }
 
+// Pixels that are not finite are left out, or black in both: they must not make a picture the best.
+static bool may_be_best(const struct compared *p)
+{
+    return p->value[METRIC_NONFINITE] == 0;
+}
+
 // NAN where no picture has the metric.
 static double best_value(const struct comparison *c, enum compare_metric metric)
 {
     double best = NAN;
     for (uint32_t i = 0; i < c->count; i++) {
-        double value = c->pictures[i].value[metric];
+        double value = may_be_best(&c->pictures[i]) ? c->pictures[i].value[metric] : NAN;
         best = compare_greater_is_better(metric) ? fmax(best, value) : fmin(best, value);
     }
     return best;
@@ -77,9 +83,10 @@ static struct cell cell_of(const struct comparison *c, uint32_t picture, enum co
 {
     struct cell cell;
     double value = c->pictures[picture].value[metric];
+    bool is_best = may_be_best(&c->pictures[picture]) && value == best_value(c, metric);
     bool is_count = metric == METRIC_NONFINITE || metric == METRIC_DIFFERING;
     snprintf(cell.text, sizeof cell.text, is_count ? "%.0f%s" : "%.4g%s", value,
-             value == best_value(c, metric) ? "*" : " ");
+             is_best ? "*" : " ");
     return cell;
 }
 

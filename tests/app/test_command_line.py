@@ -355,10 +355,29 @@ class Compare(unittest.TestCase):
         self.assertEqual((a[0], b[0]), ('0.04167', '0*'))
         self.assertEqual((a[4], b[4]), ('inf*', 'inf*'))  # psnr: the greatest is the best
         self.assertEqual(a[-1], '16')
+        # Without the pixel that is not finite it would be as good as b.
+        self.assertEqual(rows[self.path('nan.exr')], ['0', '0', '0', '0', 'inf', '1', '0', '0',
+                                                      '0', '1', '1'])
         self.assertEqual(len(set(map(len, lines[1:5]))), 1, 'columns stand below each other')
         self.assertIn('b.exr is equal to the reference', result.stdout)
         self.assertEqual(sorted(f for f in os.listdir(self.folder.name) if f.startswith('m')),
                          ['m.0001.exr', 'm.0002.exr', 'm.0003.exr'])
+
+    def test_stopped(self):
+        # A bright pixel makes for twenty exposures: seconds on any machine.
+        exr(self.path('large.exr'), 512, 512, lambda x, y: (1.0, 1.0, 1e7 if x == y == 9 else 1.0))
+        arguments = [self.path('large.exr')] * 16 + ['--difference', self.path('m.png')]
+        process = subprocess.Popen([LAMPYRIS, 'compare', *arguments], stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE, text=True)
+        self.assertIn('Comparing', process.stderr.readline())
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=60)
+        self.assertEqual((process.returncode, out), (130, ''), err)
+        self.assertIn('stopped', err)
+        # Pictures that were done are whole.
+        for name in os.listdir(self.folder.name):
+            if name.startswith('m.'):
+                self.assertEqual(png(self.path(name))[0], 512)
 
     def test_limits_hold_for_each_picture(self):
         result = run('compare', *map(self.path, ('b.exr', 'a.exr', 'b.exr')), '--max', 'mse=0.01',
