@@ -218,9 +218,10 @@ TEST(all_lights)
     struct err err = {0};
     struct setup s = {0};
     OPEN_GPU(&s.gpu, .validation = false);
-    REQUIRE_OK(create(&s, "scenes/spheres.json", &err));
+    REQUIRE_OK(create(&s, "scenes/whitted.json", &err));
     renderer_finish(&s.r);
     s.scene.settings.light_choice = LIGHT_CHOICE_ALL;
+    s.scene.settings.integrator = INTEGRATOR_PATH;
     const struct renderer_params params = {.gpu = &s.gpu, .scene = &s.scene, .wave = 512};
     REQUIRE_OK(renderer_create(&params, &s.r, &err));
     uint32_t rays = s.r.specialization.light_rays;
