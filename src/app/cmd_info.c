@@ -91,8 +91,9 @@ static void print_text(const struct info *info)
     for (uint32_t i = 0; i < scene->note_count; i++)
         print_line("note      ", scene->notes[i]);
     const struct bvh_stats *b = &info->bvh.stats;
-    printf("BVH       %u nodes, depth %u, SAH cost %.2f, %.1f KiB, built in %.3f s\n",
-           b->node_count, b->depth, b->sah_cost, (double)b->bytes / 1024.0, b->build_seconds);
+    printf("BVH       %u nodes of %u bytes, depth %u, SAH cost %.2f, %.1f KiB, built in %.3f s\n",
+           b->node_count, (unsigned)bvh_node_bytes(info->bvh.format), b->depth, b->sah_cost,
+           (double)b->bytes / 1024.0, b->build_seconds);
     printf("device    %s (%s)\n", info->gpu.info.name, info->gpu.info.kind);
     tuned_print(info->options, &info->gpu);
     printf("memory    %.1f MiB planned, wave of %u paths; at most %.1f MiB a buffer\n",

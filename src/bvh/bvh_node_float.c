@@ -1,15 +1,6 @@
 // The node of 128 bytes: child boxes as they are.
 #include "bvh_node.h"
 
-bool bvh_nodes_allocate(struct arena *arena, struct bvh *out, struct err *err)
-{
-    if (out->format == BVH_FLOAT)
-        out->nodes_float = ARENA_NEW(arena, struct bvh_node_float, out->node_count);
-    else
-        out->nodes = ARENA_NEW(arena, struct bvh_node, out->node_count);
-    return bvh_nodes_data(out) || err_memory(err, "the BVH's nodes", bvh_nodes_bytes(out));
-}
-
 void bvh_float_set_boxes(struct bvh_node_float *node, const struct bvh_box *boxes, uint32_t count)
 {
     for (int axis = 0; axis < 3; axis++) {
@@ -50,16 +41,20 @@ double bvh_float_half_area(const struct bvh_node_float *node, uint32_t first, ui
     return end > first ? box_half_area(&all) : 0;
 }
 
+static bool is_plain_zero(float value)
+{
+    return value == 0 && !signbit(value);
+}
+
 bool bvh_float_check(const struct bvh_node_float *node, uint32_t index, struct err *err)
 {
     for (int i = 0; i < 4; i++)
         if (node->spare[i] != 0)
             return err_set(err, ERR_INPUT, "BVH: nodes[%u]: spare words are not 0", index);
-    static const float zero = 0;
     for (uint32_t i = bvh_child_count(node->child); i < 4; i++)
         for (int axis = 0; axis < 3; axis++)
-            if (node->child[i] != BVH_EMPTY || memcmp(&node->min[axis][i], &zero, sizeof zero) ||
-                memcmp(&node->max[axis][i], &zero, sizeof zero))
+            if (node->child[i] != BVH_EMPTY || !is_plain_zero(node->min[axis][i]) ||
+                !is_plain_zero(node->max[axis][i]))
                 return err_set(err, ERR_INPUT,
                                "BVH: nodes[%u].child[%u] comes after an empty one or is empty with "
                                "a box",

@@ -10,8 +10,8 @@ static const double field[2] = {0.6, 0.4}, outside[2] = {1.0, 0.8}, height = 0.2
 // 0 at the field to 1 outside, and how high.
 static void section(uint32_t steps, uint32_t at, double *out, double *y)
 {
-    uint32_t risen = (at + 1) / 2; // riser and tread in turn
-    *out = (double)(at / 2) / steps;
+    uint32_t trodden = at / 2, risen = (at + 1) / 2; // riser and tread in turn
+    *out = (double)trodden / steps;
     *y = risen <= steps ? height * risen / steps : 0.0;
 }
 
