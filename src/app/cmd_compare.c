@@ -268,15 +268,34 @@ static bool prepare_maps(struct comparison *c, struct err *err)
     return true;
 }
 
-static bool compare_all(struct comparison *c, struct err *err)
+// "START,STOP", or what the reference makes of it.
+static bool choose_exposures(struct comparison *c, struct err *err)
 {
-    if (!prepare_maps(c, err) || !read_reference(c, err))
-        return false;
+    const double most = 128; // stops, either way: the range of floats
+    const char *text = c->options->exposures;
     const struct image *reference = &c->reference.image;
     const float(*pixels)[3] = (const float(*)[3])reference->pixels;
     const struct picture_pair alone = {pixels, pixels, reference->width, reference->height};
-    if (!metrics_flip_exposures(&alone, &c->exposures))
-        return err_memory(err, "luminances", (uint64_t)alone.width * alone.height * sizeof(float));
+    if (!text)
+        return metrics_flip_exposures(&alone, &c->exposures) ||
+               err_memory(err, "luminances", (uint64_t)alone.width * alone.height * sizeof(float));
+    char *rest;
+    double start = strtod(text, &rest), stop = NAN;
+    if (rest != text && *rest == ',' && rest[1])
+        stop = strtod(rest + 1, &rest);
+    if (!(start >= -most && start <= stop && stop <= most) || *rest)
+        return err_set(err, ERR_USAGE,
+                       "--exposures: \"%s\" is not of the form START,STOP with %g <= START <= STOP "
+                       "<= %g stops",
+                       text, -most, most);
+    c->exposures = metrics_flip_exposures_between(start, stop);
+    return true;
+}
+
+static bool compare_all(struct comparison *c, struct err *err)
+{
+    if (!prepare_maps(c, err) || !read_reference(c, err) || !choose_exposures(c, err))
+        return false;
     for (uint32_t i = 0; i < c->count; i++) {
         struct arena arena = {0};
         bool ok = compare_picture(c, i, &arena, err);

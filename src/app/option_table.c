@@ -418,21 +418,23 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_KERNEL] = {
         .name = "kernel", .argument = "NAME", .type = VALUE_TEXT, .group = "Benchmark",
         .commands = FOR_BENCH, .fallback = "all of a render",
-        .help = "Time this kernel alone, on queues recorded from a render: intersect_closest, "
-                "intersect_shadow, generate_rays, accumulate, or one that shades.",
+        .help = "Time this kernel alone, on what it gets in a render: on queues recorded from a wave "
+                "in the middle of the picture. Any kernel that \"lampyris bench\" lists, or resolve.",
         FIELD(kernel),
     },
     [OPTION_RAYS] = {
         .name = "rays", .argument = "primary|diffuse|shadow,...", .type = VALUE_RAYS,
-        .group = "Benchmark", .commands = FOR_BENCH, .fallback = "all that the kernel takes",
-        .help = "Which rays --kernel traces: those from the camera, those that the first surface "
-                "sends on, or those to lights.",
+        .group = "Benchmark", .commands = FOR_BENCH, .fallback = "those of the kernel",
+        .help = "Which rays --kernel traces: those from the camera or those that surfaces send on, "
+                "by intersect_closest, and those to lights, by intersect_shadow. Either kernel may "
+                "be named.",
     },
     [OPTION_DEPTH] = {
         .name = "depth", .argument = "N,...", .type = VALUE_DEPTHS, .min = 0,
         .max = SETTINGS_BOUNCES_MAX, .group = "Benchmark", .commands = FOR_BENCH,
         .fallback = "0, and 1 for diffuse rays",
-        .help = "After how many bounces the queues for --kernel are recorded.",
+        .help = "After how many bounces the queues for --kernel are recorded; rays to lights: at "
+                "which surface of the path they were sent, from 0.",
     },
     [OPTION_TUNE] = {
         .name = "tune", .type = VALUE_FLAG, .group = "Benchmark", .commands = FOR_BENCH,
@@ -615,6 +617,13 @@ const struct option_def option_table[OPTION_TOTAL] = {
                 "picture of each value's variance, the layers of --aov halves in the reference "
                 "itself (auto), or one variance for all values.",
         FIELD(reference_variance),
+    },
+    [OPTION_EXPOSURES] = {
+        .name = "exposures", .argument = "START,STOP", .type = VALUE_TEXT, .group = "Metrics",
+        .commands = FOR_COMPARE, .fallback = "the reference decides",
+        .help = "The range of exposures that hdr-flip looks at, in stops, so that comparisons with "
+                "different references see alike.",
+        FIELD(exposures),
     },
 
     [OPTION_MAN] = {

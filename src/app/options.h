@@ -113,6 +113,7 @@ enum option_id {
     OPTION_DIFFERENCE,
     OPTION_MAP,
     OPTION_REFERENCE_VARIANCE,
+    OPTION_EXPOSURES,
     OPTION_MAN,
     OPTION_JSON,
     OPTION_QUIET,
@@ -282,6 +283,7 @@ struct options {
     const char *difference; // NULL: no picture
     enum error_map map;
     const char *reference_variance; // file, "auto" or a number; NULL: none
+    const char *exposures;          // "START,STOP"; NULL: the reference decides
 
     struct arena arena; // owns the lists and the command line; other strings are argv's
 };

@@ -308,6 +308,11 @@ static int compare_floats(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
+struct flip_exposures metrics_flip_exposures_between(double start, double stop)
+{
+    return (struct flip_exposures){start, stop, (uint32_t)fmax(2, ceil(stop - start))};
+}
+
 bool metrics_flip_exposures(const struct picture_pair *pair, struct flip_exposures *out)
 {
     uint64_t count = (uint64_t)pair->width * pair->height;
@@ -324,10 +329,9 @@ bool metrics_flip_exposures(const struct picture_pair *pair, struct flip_exposur
     double brightest = (double)luminance[count - 1], median = (double)luminance[(count - 1) / 2];
     free(luminance);
     double knee = knee_of_curve();
-    out->start = brightest > 0 ? log2(knee / brightest) : 0;
-    out->stop = median > 0 ? log2(knee / median) : out->start + FLIP_STOPS_MAX;
-    out->stop = fmin(out->stop, out->start + FLIP_STOPS_MAX);
-    out->count = (uint32_t)fmax(2, ceil(out->stop - out->start));
+    double start = brightest > 0 ? log2(knee / brightest) : 0;
+    double stop = median > 0 ? log2(knee / median) : start + FLIP_STOPS_MAX;
+    *out = metrics_flip_exposures_between(start, fmin(stop, start + FLIP_STOPS_MAX));
     return true;
 }
 

@@ -41,6 +41,8 @@ struct flip_exposures {
 // Pictures whose median is dark are cut off at FLIP_STOPS_MAX stops: the range would have no end.
 #define FLIP_STOPS_MAX 20
 bool metrics_flip_exposures(const struct picture_pair *pair, struct flip_exposures *out);
+// As many as these ends take; stop >= start.
+struct flip_exposures metrics_flip_exposures_between(double start, double stop);
 
 // HDR-FLIP: the greatest FLIP of each pixel over the exposures, tone-mapped by the curve of ACES
 // that the paper uses; *out is its mean. progress: NULL, or who is told as "Comparing". False when

@@ -363,6 +363,18 @@ class Compare(unittest.TestCase):
         self.assertEqual(sorted(f for f in os.listdir(self.folder.name) if f.startswith('m')),
                          ['m.0001.exr', 'm.0002.exr', 'm.0003.exr'])
 
+    def test_exposures(self):
+        a = json.loads(self.compare('a.exr', 'b.exr', '--exposures', '-3,1.5', '--json').stdout)
+        self.assertEqual(a['hdr_flip_exposures'], [-3, 1.5, 5])
+        # Where all is white at any of them, there is no difference.
+        b = json.loads(self.compare('a.exr', 'b.exr', '--exposures', '9,9', '--json').stdout)
+        self.assertEqual((b['hdr_flip_exposures'], b['hdr_flip']), ([9, 9, 2], 0))
+        self.assertGreater(a['hdr_flip'], 0)
+        for text in ('', '1', '1,', ',1', '2,1', '1,2,3', 'a,b', 'nan,1', '0,inf', '-1000,0'):
+            result = self.compare('a.exr', 'b.exr', '--exposures=' + text)
+            self.assertEqual((result.returncode, result.stdout), (2, ''), text)
+            self.assertIn('--exposures', result.stderr)
+
     def test_stopped(self):
         # A bright pixel makes for twenty exposures: seconds on any machine.
         exr(self.path('large.exr'), 512, 512, lambda x, y: (1.0, 1.0, 1e7 if x == y == 9 else 1.0))
