@@ -25,9 +25,13 @@ static double deviations_of(double confidence)
     return stats_t_quantile(0.5 + 0.5 * confidence, 1e9);
 }
 
+// Of the error as it is told, over seeds. The looks' intervals, for want of that, also say how sure
+// the values are that errors are divided by; but those are the same in all looks.
 static double log_deviation(const struct forecast_look *look, double spread)
 {
-    return fmax(log(look->high / look->low) / (2 * deviations_of(look->confidence)), spread);
+    if (spread > 0)
+        return spread;
+    return log(look->high / look->low) / (2 * deviations_of(look->confidence));
 }
 
 static bool is_usable(const struct forecast_look *look)

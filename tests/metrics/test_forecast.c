@@ -87,11 +87,18 @@ TEST(forecasts_cover)
         film_add(&film, film.samples);
         double truth = mean_square(film.sum, film.samples);
         forecast_double(&params, &forecast);
+        struct forecast again;
+        params.spread = sqrt(2.0 / VALUES); // of the looks: their intervals then tell nothing new
+        params.error = (struct interval){last.error, last.error, last.error};
+        forecast_double(&params, &again);
+        CHECK(fabs(again.slope.low - forecast.slope.low) < 1e-6, "%g", again.slope.low);
+        params.spread = 0;
         CHECK(forecast.basis == FORECAST_SLOPE && forecast.looks == LOOKS, "%d %zu", forecast.basis,
               forecast.looks);
         slope += covers(forecast.slope, -1);
         by_slope += covers(forecast.error, truth);
         params.independent = true;
+        params.error = (struct interval){last.error, last.low, last.high};
         forecast_double(&params, &forecast);
         CHECK(forecast.basis == FORECAST_INVERSE, "%d", forecast.basis);
         by_law += covers(forecast.error, truth);
