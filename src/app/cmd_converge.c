@@ -1,13 +1,10 @@
 #include "commands.h"
 
 #include "converge.h"
-#include "file.h"
 
 static bool run(struct converge *c, struct err *err)
 {
     const struct options *options = c->options;
-    if (options->report && !file_make_folder(options->report, err))
-        return false;
     if (!converge_prepare(c, err) || !converge_reference(c, err) || !converge_measure(c, err))
         return false;
     if (c->replicates_done == 0)

@@ -157,7 +157,6 @@ static void put_row(struct page *page, const struct converge_curve *curve, bool 
     html_interval(&page->html, last->seconds, "%.3g");
     html_number(&page->html, curve->start_seconds, "%.2g");
     html_interval(&page->html, curve->efficiency, "%.3g");
-    html_interval(&page->html, curve->efficiency_mse, "%.3g");
     if (is_first)
         fputs("<td>1</td>", out);
     else
@@ -177,7 +176,7 @@ static void put_curves(struct page *page, uint32_t first, uint32_t count)
     fprintf(out,
             "<div class=\"wide\"><table><tr><th>curve</th><th>relMSE at the end</th><th>slope on "
             "%s</th><th>samples a pixel</th><th>seconds</th><th>start, s</th><th>efficiency</th>"
-            "<th>efficiency, MSE</th><th>against the first</th><th>bias</th></tr>\n",
+            "<th>against the first</th><th>bias</th></tr>\n",
             page->c->spp ? "samples" : "time");
     for (uint32_t i = 0; i < count; i++)
         put_row(page, &page->c->curves[first + i], i == 0);
@@ -190,28 +189,54 @@ static void put_metrics(struct page *page, uint32_t first, uint32_t count)
         [CONVERGE_MSE] = "%.3g",  [CONVERGE_SMAPE] = "%.4f", [CONVERGE_PSNR] = "%.2f",
         [CONVERGE_SSIM] = "%.4f", [CONVERGE_FLIP] = "%.4f",
     };
-    fputs("<h3>Other metrics at the end, and seconds (samples a pixel) to a relMSE</h3>\n"
-          "<div class=\"wide\"><table><tr><th>curve</th><th>MSE</th><th>SMAPE</th><th>PSNR</th>"
-          "<th>SSIM</th><th>FLIP</th><th>to 1e-2</th><th>to 1e-3</th><th>to 1e-4</th></tr>\n",
+    fputs("<h3>Other metrics at the end</h3>\n<div class=\"wide\"><table><tr><th>curve</th>"
+          "<th>MSE</th><th>efficiency, MSE</th><th>SMAPE</th><th>PSNR, dB</th><th>SSIM</th>"
+          "<th>FLIP</th></tr>\n",
           page->html.out);
     for (uint32_t i = 0; i < count; i++) {
         const struct converge_curve *curve = &page->c->curves[first + i];
         put_label(page, curve);
-        for (int m = CONVERGE_MSE; m < CONVERGE_METRICS; m++)
+        for (int m = CONVERGE_MSE; m < CONVERGE_METRICS; m++) {
             html_interval(&page->html, curve->points[page->c->point_count - 1].metric[m],
                           formats[m]);
-        for (int t = 0; t < CONVERGE_TARGETS; t++) {
-            const struct converge_target *target = &curve->targets[t];
-            if (isnan(target->seconds.value))
-                fputs("<td>not known</td>", page->html.out);
-            else
-                fprintf(page->html.out, "<td>%s%.3g s <small>[%.3g, %.3g] (%.3g)</small></td>",
-                        target->extrapolated ? "&#8776; " : "", target->seconds.value,
-                        target->seconds.low, target->seconds.high, target->spp.value);
+            if (m == CONVERGE_MSE)
+                html_interval(&page->html, curve->efficiency_mse, "%.3g");
         }
         fputs("</tr>\n", page->html.out);
     }
     fputs("</table></div>\n", page->html.out);
+}
+
+static void put_target(struct page *page, const struct converge_target *target)
+{
+    FILE *out = page->html.out;
+    const char *mark = target->extrapolated ? "&#8776; " : "";
+    if (isnan(target->seconds.value)) {
+        fputs("<td>not known</td><td>not known</td>", out);
+        return;
+    }
+    fprintf(out, "<td>%s", mark);
+    html_value(&page->html, target->seconds, "%.3g");
+    fprintf(out, "</td><td>%s", mark);
+    html_value(&page->html, target->spp, "%.3g");
+    fputs("</td>", out);
+}
+
+static void put_targets(struct page *page, uint32_t first, uint32_t count)
+{
+    FILE *out = page->html.out;
+    fputs("<h3>What it takes to reach an error</h3>\n<div class=\"wide\"><table><tr><th>curve</th>",
+          out);
+    for (int t = 0; t < CONVERGE_TARGETS; t++)
+        fprintf(out, "<th>seconds to relMSE %g</th><th>samples a pixel</th>", converge_targets[t]);
+    fputs("</tr>\n", out);
+    for (uint32_t i = 0; i < count; i++) {
+        put_label(page, &page->c->curves[first + i]);
+        for (int t = 0; t < CONVERGE_TARGETS; t++)
+            put_target(page, &page->c->curves[first + i].targets[t]);
+        fputs("</tr>\n", out);
+    }
+    fputs("</table></div>\n", out);
 }
 
 static void put_matrix(struct page *page, uint32_t first, uint32_t count)
@@ -295,6 +320,7 @@ static bool put_scene(struct page *page, uint32_t scene, struct err *err)
         return false;
     fputs("</div>\n", out);
     put_curves(page, first, count);
+    put_targets(page, first, count);
     put_metrics(page, first, count);
     put_matrix(page, first, count);
     return put_pictures(page, scene, first, count, err);

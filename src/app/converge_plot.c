@@ -70,6 +70,7 @@ static struct extent find_extent(const struct converge *c, uint32_t scene, bool 
 }
 
 // Colours that the colour-blind tell apart: Okabe and Ito (2008), without yellow.
+#define COLORS 7
 static const char style[] = "set logscale xy\nset grid xtics ytics mytics linecolor '#dfe4ea'\n"
                             "set border 3 linecolor '#66727f'\nset tics nomirror\nset bars 0.6\n"
                             "set linetype 1 linecolor '#0072b2' pointtype 7\n"
@@ -79,7 +80,7 @@ static const char style[] = "set logscale xy\nset grid xtics ytics mytics lineco
                             "set linetype 5 linecolor '#56b4e9' pointtype 13\n"
                             "set linetype 6 linecolor '#e69f00' pointtype 6\n"
                             "set linetype 7 linecolor '#000000' pointtype 4\n"
-                            "set linetype cycle 7\nset ylabel 'relMSE'\nset format y '1e%T'\n";
+                            "set ylabel 'relMSE'\nset format y '1e%T'\n";
 
 // gnuplot labels powers of ten alone: in a short range 1, 2 and 5 of each decade.
 static void put_tics(FILE *out, char axis, double min, double max)
@@ -140,9 +141,10 @@ static void put_script(FILE *out, const struct converge *c, const struct extent 
         if (!is_in(c, i, scene))
             continue;
         fprintf(out,
-                ", \\\n     $curve%u using 1:2:3:4 with yerrorlines linetype %u linewidth 1.6 "
-                "pointsize .5 title ",
-                i, ++number);
+                ", \\\n     $curve%u using 1:2:3:4 with yerrorlines linetype %u dashtype %u "
+                "linewidth 1.6 pointsize .5 title ",
+                i, number % COLORS + 1, number / COLORS % 4 + 1);
+        number++;
         html_plot_words(out, converge_label(&c->curves[i]));
     }
     fputc('\n', out);

@@ -54,8 +54,10 @@ static void print_metrics(const struct converge *c, const struct converge_curve 
     for (int m = CONVERGE_MSE; m < CONVERGE_METRICS; m++)
         if (!isnan(last->metric[m].value))
             printf("  %s %.4g", converge_metric_names[m], last->metric[m].value);
-    printf("  efficiency %.3g, of MSE %.3g\n", curve->efficiency.value,
-           curve->efficiency_mse.value);
+    if (!isnan(curve->efficiency.value))
+        printf("  efficiency %.3g, of MSE %.3g", curve->efficiency.value,
+               curve->efficiency_mse.value);
+    putchar('\n');
 }
 
 static void print_targets(const struct converge_curve *curve)

@@ -1,6 +1,7 @@
 #include "converge.h"
 
 #include "clock.h"
+#include "file.h"
 #include "render_job.h"
 #include "timed_step.h"
 #include <math.h>
@@ -109,7 +110,11 @@ bool converge_prepare(struct converge *c, struct err *err)
     c->replicate_count = c->options->replicates;
     c->progress = (struct progress){report, should_stop, c};
     c->phase = "Warming up";
-    if (!make_points(c, err) || !make_curves(c, err) || !gpu_open(&c->options->gpu, &c->gpu, err))
+    if (!make_points(c, err) || !make_curves(c, err))
+        return false;
+    if (c->options->report && !file_make_folder(c->options->report, err))
+        return false;
+    if (!gpu_open(&c->options->gpu, &c->gpu, err))
         return false;
     for (uint32_t i = 0; i < c->curve_count; i++)
         if (!converge_open(c, &c->curves[i], err) || !run_pilot(c, &c->curves[i], err))

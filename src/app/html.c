@@ -103,21 +103,25 @@ static void put_base64(FILE *out, const unsigned char *bytes, size_t count)
 // Formats are the callers' literals, of one double.
 #pragma GCC diagnostic ignored "-Wformat-nonliteral"
 
+void html_value(struct html_page *page, struct interval i, const char *format)
+{
+    fprintf(page->out, format, i.value);
+    if (isnan(i.low) || isnan(i.high))
+        return;
+    fputs(" <small>[", page->out);
+    fprintf(page->out, format, i.low);
+    fputs(", ", page->out);
+    fprintf(page->out, format, i.high);
+    fputs("]</small>", page->out);
+}
+
 void html_interval(struct html_page *page, struct interval i, const char *format)
 {
-    if (isnan(i.value)) {
-        fputs("<td>not known</td>", page->out);
-        return;
-    }
     fputs("<td>", page->out);
-    fprintf(page->out, format, i.value);
-    if (!isnan(i.low) && !isnan(i.high)) {
-        fputs(" <small>[", page->out);
-        fprintf(page->out, format, i.low);
-        fputs(", ", page->out);
-        fprintf(page->out, format, i.high);
-        fputs("]</small>", page->out);
-    }
+    if (isnan(i.value))
+        fputs("not known", page->out);
+    else
+        html_value(page, i, format);
     fputs("</td>", page->out);
 }
 

@@ -30,6 +30,8 @@ void html_text(struct html_page *page, const char *text); // escaped
 // A table's cell, by a format of one double. Of an interval that is not known, its value alone.
 void html_interval(struct html_page *page, struct interval interval, const char *format);
 void html_number(struct html_page *page, double value, const char *format);
+// A value that is known with its interval, without a cell.
+void html_value(struct html_page *page, struct interval interval, const char *format);
 
 // Runs a gnuplot script, and takes the plot into the page. Without gnuplot a note stands there
 // instead, once a page. `name`: of the files where parts are kept, NAME.gp and NAME.svg.

@@ -29,6 +29,29 @@ TEST(formats_are_told_by_extension)
     CHECK(!write_picture("a.tiff", &err) && err.code == ERR_USAGE);
 }
 
+TEST(encoded_is_what_is_written)
+{
+    REQUIRE(temporary_enter(folder, sizeof folder));
+    for (int i = 0; i < 2; i++) {
+        struct arena arena = {0};
+        struct image image = picture_create(&arena, 60, 40);
+        const struct image_write_params params = {.path = names[i], .image = &image};
+        struct err err = {0};
+        struct file_bytes file;
+        uint8_t *data = NULL;
+        size_t size = 0;
+        REQUIRE(image_encode(&params, &arena, &data, &size, &err), "%s", err.msg);
+        REQUIRE(access(names[i], F_OK) != 0, "nothing is written");
+        REQUIRE(image_write(&params, &err) && file_read(&arena, names[i], 0, &file, &err), "%s",
+                err.msg);
+        CHECK(size == file.size && memcmp(data, file.data, size) == 0, "%s", names[i]);
+        CHECK(!image_encode(&(struct image_write_params){.path = "a.jpg", .image = &image}, &arena,
+                            &data, &size, &err));
+        arena_finish(&arena);
+    }
+    temporary_leave(folder);
+}
+
 TEST(full_disk_is_an_error)
 {
     REQUIRE(temporary_enter(folder, sizeof folder));
@@ -167,8 +190,8 @@ TEST(reading_survives_exhausted_memory)
     temporary_leave(folder);
 }
 
-TEST_MAIN(TEST_CASE(formats_are_told_by_extension), TEST_CASE(full_disk_is_an_error),
-          TEST_CASE(missing_folder_is_an_error), TEST_CASE(unwritable_folder_is_an_error),
-          TEST_CASE(failed_write_keeps_the_old_file), TEST_CASE(empty_pictures_are_refused),
-          TEST_CASE(reading_what_is_no_picture), TEST_CASE(reading_keeps_to_its_budget),
-          TEST_CASE(reading_survives_exhausted_memory))
+TEST_MAIN(TEST_CASE(formats_are_told_by_extension), TEST_CASE(encoded_is_what_is_written),
+          TEST_CASE(full_disk_is_an_error), TEST_CASE(missing_folder_is_an_error),
+          TEST_CASE(unwritable_folder_is_an_error), TEST_CASE(failed_write_keeps_the_old_file),
+          TEST_CASE(empty_pictures_are_refused), TEST_CASE(reading_what_is_no_picture),
+          TEST_CASE(reading_keeps_to_its_budget), TEST_CASE(reading_survives_exhausted_memory))
