@@ -596,16 +596,16 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .commands = FOR_COMPARE, .help = "Exit with 1 if the metric is smaller: psnr, in dB, or ssim.",
     },
     [OPTION_DIFFERENCE] = {
-        .name = "difference", .argument = "FILE", .type = VALUE_TEXT, .group = "Picture",
+        .name = "difference", .argument = "FILE", .type = VALUE_TEXT, .group = "Map",
         .commands = FOR_COMPARE,
         .help = "Write a map of the differences: .png in false colours, from black to pale yellow, "
                 "with their scale below, green where a pixel is not finite; .exr with the numbers "
-                "themselves, in a layer named as --map. Of several pictures: FILE.0001.png and so on.",
+                "themselves, in a layer named as --map. Of several pictures: map.0001.png and so on.",
         FIELD(difference),
     },
     [OPTION_MAP] = {
         .name = "map", .argument = "relative|squared|smape|flip|hdr-flip", .type = VALUE_CHOICE,
-        .group = "Picture", .commands = FOR_COMPARE, .fallback = "relative",
+        .group = "Map", .commands = FOR_COMPARE, .fallback = "relative",
         .help = "What --difference shows: |x - r| / (|r| + 0.01), a pixel's part of relmse or "
                 "smape, or FLIP. The first three have a logarithmic scale of colours.",
         FIELD(map),
