@@ -35,15 +35,17 @@ const struct command commands[COMMAND_TOTAL] = {
             .summary = "measure error against samples and run time",
             .arguments = "SCENE...",
             .description =
-                "Renders each scene with doubling samples, several times with other seeds, and "
-                "tells the error against samples and against run time: relMSE with its interval, "
-                "the slope it falls off with, efficiency, time to a given error, and what bias "
-                "remains. --vary makes a curve for each value of a setting and says which is "
-                "better. Replicates of all curves take turns, so that a busy machine is busy for "
-                "all.",
+                "Renders each scene with doubling samples or to fixed times, several times with "
+                "other seeds, and tells the error against samples and against run time: relMSE "
+                "with its interval and other metrics, the slope it falls off with, efficiency, "
+                "what it takes to reach a given error, and what bias remains. --vary and --curve "
+                "make curves of other settings, and say which of any two is faster. Replicates of "
+                "all curves take turns, so that a busy machine is busy for all. When interrupted "
+                "(SIGINT, SIGTERM), it reports the replicates that are complete.",
             .examples =
                 "lampyris converge scene.json --vary sampler=sobol,pcg --report report\n"
-                "lampyris converge scene.json --size 128x128 --vary mis=power,none --spp 1k",
+                "lampyris converge scene.json --size 128x128 --vary mis=power,none --spp 1k\n"
+                "lampyris converge scene.json --times 1,2,4,8 --curve 'nee=on mis=none'",
             .min_arguments = 1,
             .max_arguments = OPTIONS_ARGUMENTS_MAX,
             .run = cmd_converge,
