@@ -7,6 +7,7 @@
 #include "log.h"
 #include "render_job.h"
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define DEFAULT_SECONDS 60.0
@@ -234,6 +235,8 @@ static bool confirm(struct tune *t, struct err *err)
 static bool search(struct tune *t, struct err *err)
 {
     t->start_ns = clock_ns();
+    if (getloadavg(&t->load, 1) != 1)
+        t->load = NAN;
     if (!list_waves(t, err) || !list_workgroups(t, t->usual.wave, err) || !calibrate(t, err) ||
         !tune_contest(t, TUNE_WAVE, t->usual, &t->best, err) ||
         !list_workgroups(t, t->best.wave, err) ||

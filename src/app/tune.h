@@ -57,6 +57,7 @@ struct tune {
     struct tune_contest contests[TUNE_STAGES];
     bool confirmed;
     double budget_seconds, seconds;
+    double load; // of the machine before the search: runnable threads; NAN: not known
     uint64_t start_ns;
     uint32_t runs_done, runs_planned;
     bool stopped;

@@ -3,6 +3,7 @@
 
 #include "commands.h"
 #include "json_out.h"
+#include "parallel.h"
 #include "text_out.h"
 #include <inttypes.h>
 #include <math.h>
@@ -65,6 +66,10 @@ void tune_print(const struct tune *t)
         printf("found     nothing that is faster beyond noise than the default: waves of %u paths, "
                "workgroups of %u threads\n",
                t->usual.wave, t->usual.workgroup);
+    // On a CPU the others' threads compete with those of the driver, and small waves win by it.
+    if (t->gpu.info.is_cpu && t->load > 0.5 * cpu_count())
+        printf("note      the machine was busy (load %.1f): what is found holds for such times\n",
+               t->load);
     printf("time      %.1f s\n", t->seconds);
     print_line("kept in   ", t->cache.path);
 }
@@ -120,11 +125,12 @@ int tune_print_json(const struct tune *t)
 {
     const struct interval none = {NAN, NAN, NAN};
     struct interval speed = t->confirmed ? t->contests[TUNE_CONFIRM].candidates[0].speed : none;
-    return json_print(json_pack(
-        "{s:s, s:o, s:o, s:o, s:o, s:I, s:f, s:o, s:o, s:o, s:o, s:o}", "version", LAMPYRIS_VERSION,
-        "command", json_words(t->options->command_line), "device", json_words(t->gpu.info.name),
-        "driver", json_words(t->gpu.info.driver), "scenes", scenes_json(t), "spp",
-        (json_int_t)t->samples, "seconds", t->seconds, "candidates", candidates_json(t), "usual",
-        sizes_json(t->usual), "found", sizes_json(t->best), "speed", tune_interval_json(speed),
-        "file", json_words(t->cache.path)));
+    return json_print(
+        json_pack("{s:s, s:o, s:o, s:o, s:o, s:I, s:f, s:o, s:o, s:o, s:o, s:o, s:o}", "version",
+                  LAMPYRIS_VERSION, "command", json_words(t->options->command_line), "device",
+                  json_words(t->gpu.info.name), "driver", json_words(t->gpu.info.driver), "scenes",
+                  scenes_json(t), "spp", (json_int_t)t->samples, "seconds", t->seconds, "load",
+                  json_number(t->load), "candidates", candidates_json(t), "usual",
+                  sizes_json(t->usual), "found", sizes_json(t->best), "speed",
+                  tune_interval_json(speed), "file", json_words(t->cache.path)));
 }
