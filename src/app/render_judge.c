@@ -13,7 +13,7 @@ uint64_t job_film_samples(const struct render_job *job)
     uint64_t sum = 0, pixels = (uint64_t)film->width * film->height;
     for (uint64_t i = 0; i < pixels; i++)
         sum += film->samples[i];
-    return sum / pixels;
+    return pixels ? sum / pixels : 0;
 }
 
 double job_total_samples(const struct render_job *job)
@@ -42,7 +42,6 @@ bool job_estimate_error(struct render_job *job, double confidence, struct half_e
         .width = film->width,
         .height = film->height,
         .samples = job_film_samples(job),
-        .seed = job->scene.settings.seed,
         .confidence = confidence,
     };
     if (!metrics_half_error(&params, out))
@@ -52,7 +51,7 @@ bool job_estimate_error(struct render_job *job, double confidence, struct half_e
         *out = (struct half_error){
             .reason = "contiguous halves tell it after as many samples as were planned"};
     if (job_shares_depths(job) && out->known) {
-        out->ci_low = 0.0; // the bootstrap takes tiles to be independent
+        out->ci_low = 0.0; // it takes pixels to be independent
         out->ci_high = INFINITY;
     }
     job->seconds.judge += clock_seconds_since(start);

@@ -158,12 +158,12 @@ static void fill_row(struct render_job *job)
     const struct options *options = job->options;
     const struct renderer *r = &job->renderer;
     const struct half_error *e = &job->error;
-    double frames = options->frames ? (double)(r->next_sample / options->spp_per_frame) : 0.0;
+    uint64_t frames = options->frames ? r->next_sample / options->spp_per_frame : 0;
     double seconds = r->stats.render_seconds;
-    struct trace_row *row = new_row(&job->trace, frames, (double)job_film_samples(job));
+    struct trace_row *row = new_row(&job->trace, (double)frames, (double)job_film_samples(job));
     *row = (struct trace_row){
         .spp = (double)job_film_samples(job),
-        .frames = frames,
+        .frames = (double)frames,
         .seconds = seconds,
         .judging_seconds = job->seconds.judge,
         .msamples_per_s = job_total_samples(job) * 1e-6 / seconds,
