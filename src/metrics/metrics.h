@@ -44,16 +44,15 @@ void metrics_difference_picture(const float (*image)[3], const float (*reference
 void metrics_intervals(const float (*image)[3], const float (*reference)[3], uint32_t width,
                        uint32_t height, struct interval *mse, struct interval *relmse);
 
-// Error of (A + B) / 2 from two independent half-buffers' means.
+// relMSE of (A + B) / 2, of this very picture and not of others that other seeds would give, told by
+// the means of two independent half-buffers. It is blind to bias.
 struct half_error {
     // False below 16 spp, while fewer than 30 pixels carry half of the variance (they stand for
     // 30 samples, which a film does not keep apart), and while all is black. The rest is 0 then.
     bool known;
     const char *reason; // why not known; NULL when known
     double relmse;
-    // By bootstrap of tiles of 16 x 16 pixels; low is >= 0. Pictures of fewer than 16 such tiles
-    // take smaller ones, of more than 65536 larger ones.
-    double ci_low, ci_high;
+    double ci_low, ci_high; // with the confidence asked for; half_error.c derives it
     double mse;
 };
 
@@ -64,12 +63,12 @@ struct half_error_params {
     // Per pixel, both halves together; the mean where pixels have different counts. Each pixel's
     // halves are to have as many samples as each other (or one more, where there are many).
     uint64_t samples;
-    uint32_t seed;     // of the bootstrap: the result is deterministic
     double confidence; // of the interval, in [0.5, 1); 0: 0.95
 };
 
-// mean (A-B)^2 / 4 over a denominator that is a smoothed image: half_error.c states the filter and
-// why. Non-finite pixels are left out. False only when out of memory.
+// mean (A-B)^2 / 4 over r^2 + 1e-2, where r is told by the pixels around: half_weights.c states how
+// and why. Non-finite pixels are left out. Uses several threads; the result does not depend on how
+// many. False only when out of memory.
 bool metrics_half_error(const struct half_error_params *params, struct half_error *out);
 
 // Mean over each tile's pixels of the variance of the picture's mean, over the square of the value,

@@ -1,4 +1,5 @@
-// The half-buffer estimate against synthetic noise whose true error is known.
+// The half-buffer estimate against synthetic noise: the mean over pictures against the expectation
+// of relMSE, the intervals against each picture's own relMSE.
 #include "metrics.h"
 #include "test.h"
 
@@ -40,6 +41,7 @@ static double spike_noise(uint64_t *random, int samples)
 struct picture {
     uint32_t width, height;
     float (*half_a)[3], (*half_b)[3];
+    bool gray; // one noise for all channels, as light's mostly is, and not one for each
 };
 
 static void picture_finish(struct picture *picture)
@@ -51,9 +53,10 @@ static void picture_finish(struct picture *picture)
 static struct picture picture_create(uint32_t width, uint32_t height)
 {
     size_t count = (size_t)width * height;
-    struct picture picture = {width, height, calloc(count, sizeof(float[3])),
-                              calloc(count, sizeof(float[3]))};
-    return picture;
+    return (struct picture){.width = width,
+                            .height = height,
+                            .half_a = calloc(count, sizeof(float[3])),
+                            .half_b = calloc(count, sizeof(float[3]))};
 }
 
 // The true value of a pixel.
@@ -78,14 +81,18 @@ static double checked_content(uint32_t x, uint32_t y, int channel)
 static void fill(struct picture *picture, content_fn content, noise_fn noise, int samples,
                  uint64_t *random)
 {
-    for (uint32_t y = 0; y < picture->height; y++)
-        for (uint32_t x = 0; x < picture->width; x++)
-            for (int c = 0; c < 3; c++) {
-                size_t i = (size_t)y * picture->width + x;
-                double value = content(x, y, c);
-                picture->half_a[i][c] = (float)(value * noise(random, samples / 2));
-                picture->half_b[i][c] = (float)(value * noise(random, samples / 2));
+    for (uint32_t i = 0; i < picture->width * picture->height; i++) {
+        double a = 0, b = 0;
+        for (int c = 0; c < 3; c++) {
+            double value = content(i % picture->width, i / picture->width, c);
+            if (c == 0 || !picture->gray) {
+                a = noise(random, samples / 2);
+                b = noise(random, samples / 2);
             }
+            picture->half_a[i][c] = (float)(value * a);
+            picture->half_b[i][c] = (float)(value * b);
+        }
+    }
 }
 
 // The expectation of relMSE for noise of this variance a sample.
@@ -102,24 +109,38 @@ static double true_relmse(const struct picture *picture, content_fn content, dou
     return sum / (3.0 * picture->width * picture->height);
 }
 
+// relMSE of this picture.
+static double own_relmse(const struct picture *picture, content_fn content)
+{
+    double sum = 0;
+    for (uint32_t y = 0; y < picture->height; y++)
+        for (uint32_t x = 0; x < picture->width; x++)
+            for (int c = 0; c < 3; c++) {
+                size_t i = (size_t)y * picture->width + x;
+                double value = content(x, y, c);
+                double off = ((double)picture->half_a[i][c] + picture->half_b[i][c]) / 2 - value;
+                sum += off * off / (value * value + METRICS_RELMSE_EPSILON);
+            }
+    return sum / (3.0 * picture->width * picture->height);
+}
+
 static struct half_error estimate_with(const struct picture *picture, uint64_t samples,
-                                       uint32_t seed, double confidence)
+                                       double confidence)
 {
     struct half_error_params params = {.half_a = (const float(*)[3])picture->half_a,
                                        .half_b = (const float(*)[3])picture->half_b,
                                        .width = picture->width,
                                        .height = picture->height,
                                        .samples = samples,
-                                       .seed = seed,
                                        .confidence = confidence};
     struct half_error error;
     CHECK(metrics_half_error(&params, &error));
     return error;
 }
 
-static struct half_error estimate(const struct picture *picture, uint64_t samples, uint32_t seed)
+static struct half_error estimate(const struct picture *picture, uint64_t samples)
 {
-    return estimate_with(picture, samples, seed, 0);
+    return estimate_with(picture, samples, 0);
 }
 
 // The mean over so many pictures that the test's own noise is well below the tolerance.
@@ -131,7 +152,7 @@ static double mean_ratio(content_fn content, noise_fn noise, double variance, in
     double sum = 0;
     for (int i = 0; i < PICTURES; i++) {
         fill(&picture, content, noise, samples, &random);
-        struct half_error error = estimate(&picture, (uint64_t)samples, 1);
+        struct half_error error = estimate(&picture, (uint64_t)samples);
         CHECK(error.known, "%s", error.reason ? error.reason : "");
         sum += error.relmse;
     }
@@ -158,10 +179,22 @@ TEST(relmse_is_unbiased)
     check_unbiased("smooth, spikes", smooth_content, spike_noise, 19, 16, 0.05);
 }
 
-// Edges are where the filter is wrong: stated here so that a change of it shows.
+// Lamps on a dim wall, each with a row of pixels that it half covers.
+static double lamp_content(uint32_t x, uint32_t y, int channel)
+{
+    if (x % 64 < 20 || x % 64 > 40 || y % 32 < 10 || y % 32 > 16)
+        return 0.2;
+    return y % 32 == 10 ? 0.8 : 17 + channel;
+}
+
+// At edges it is not known what a pixel is like: stated here so that a change of it shows. A
+// denominator that is a mean over the neighbours gives .5 to 2 for these.
 TEST(relmse_at_edges_is_within_its_known_bias)
 {
-    check_unbiased("checks, exponential", checked_content, exponential_noise, 1, 64, 0.15);
+    check_unbiased("checks, exponential", checked_content, exponential_noise, 1, 16, 0.2);
+    check_unbiased("checks, exponential", checked_content, exponential_noise, 1, 64, 0.05);
+    check_unbiased("lamp, exponential", lamp_content, exponential_noise, 1, 16, 0.1);
+    check_unbiased("lamp, exponential", lamp_content, exponential_noise, 1, 64, 0.05);
 }
 
 TEST(mse_matches_hand_value)
@@ -173,7 +206,7 @@ TEST(mse_matches_hand_value)
             picture.half_a[i][c] = i % 2 ? 3.5f : 4.5f; // mean 4, A - B = -1 or 1
             picture.half_b[i][c] = i % 2 ? 4.5f : 3.5f;
         }
-    struct half_error error = estimate(&picture, 16, 3);
+    struct half_error error = estimate(&picture, 16);
     CHECK(error.known && fabs(error.mse - 0.25) < 1e-12, "%.17g", error.mse);
     // All neighbours are 4; their mean's variance at the centre is .25 / 8, at a corner .25 / 3.
     CHECK(fabs(error.relmse / (0.25 / 16.01) - 1) < 0.01, "%g", error.relmse);
@@ -181,32 +214,38 @@ TEST(mse_matches_hand_value)
     picture_finish(&picture);
 }
 
-// The interval must cover the truth in 95 % of pictures; 3 % are 4.4 deviations of 1,000 draws.
-static void check_coverage(const char *name, noise_fn noise, double variance, uint32_t width,
-                           uint32_t height, double slack)
+// The interval must cover the picture's error in 95 % of pictures; 3 % are 4.4 deviations of 1,000
+// draws.
+static void check_coverage(const char *name, content_fn content, noise_fn noise, uint32_t width,
+                           uint32_t height, int samples)
 {
-    enum { DRAWS = 1000, SAMPLES = 16 };
+    enum { DRAWS = 1000 };
     struct picture picture = picture_create(width, height);
-    double truth = true_relmse(&picture, flat_content, variance, SAMPLES);
+    picture.gray = true;
     uint64_t random = 7;
-    int covered = 0;
+    int covered = 0, below = 0;
     for (int i = 0; i < DRAWS; i++) {
-        fill(&picture, flat_content, noise, SAMPLES, &random);
-        struct half_error error = estimate(&picture, SAMPLES, (uint32_t)i);
-        CHECK(error.known);
+        fill(&picture, content, noise, samples, &random);
+        struct half_error error = estimate(&picture, (uint64_t)samples);
+        double truth = own_relmse(&picture, content);
+        CHECK(error.known, "%s", error.reason);
         covered += error.ci_low <= truth && truth <= error.ci_high;
+        below += truth < error.ci_low;
     }
     double coverage = (double)covered / DRAWS;
-    printf("     %s, %u x %u: coverage %.3f\n", name, width, height, coverage);
-    CHECK(fabs(coverage - 0.95) <= slack, "%s: %g", name, coverage);
+    printf("     %s, %u x %u, %d spp: coverage %.3f, error below %.3f, above %.3f\n", name, width,
+           height, samples, coverage, (double)below / DRAWS,
+           (double)(DRAWS - covered - below) / DRAWS);
+    CHECK(fabs(coverage - 0.95) <= 0.03, "%s: %g", name, coverage);
     picture_finish(&picture);
 }
 
 TEST(interval_covers_the_truth)
 {
-    check_coverage("exponential", exponential_noise, 1, 64, 64, 0.03);
-    check_coverage("exponential", exponential_noise, 1, 50, 20, 0.03);
-    check_coverage("spikes", spike_noise, 19, 64, 64, 0.03);
+    check_coverage("exponential", flat_content, exponential_noise, 64, 64, 16);
+    check_coverage("exponential", flat_content, exponential_noise, 50, 20, 16);
+    check_coverage("spikes", flat_content, spike_noise, 64, 64, 16);
+    check_coverage("smooth, spikes", smooth_content, spike_noise, 48, 48, 64);
 }
 
 // The share of wider intervals that miss the truth, within four deviations of what it should be.
@@ -215,22 +254,22 @@ TEST(confidence_is_what_is_asked_for)
     enum { DRAWS = 2000, SAMPLES = 16, SIDE = 40 };
     const double confidence = 0.99;
     struct picture picture = picture_create(SIDE, SIDE);
-    double truth = true_relmse(&picture, flat_content, 1, SAMPLES);
     uint64_t random = 11;
     int missed = 0;
     for (int i = 0; i < DRAWS; i++) {
         fill(&picture, flat_content, exponential_noise, SAMPLES, &random);
-        struct half_error error = estimate_with(&picture, SAMPLES, (uint32_t)i, confidence);
+        struct half_error error = estimate_with(&picture, SAMPLES, confidence);
+        double truth = own_relmse(&picture, flat_content);
         CHECK(error.known);
         missed += truth < error.ci_low || error.ci_high < truth;
     }
     printf("     99 %%: missed %.4f\n", (double)missed / DRAWS);
     double expected = (1 - confidence) * DRAWS;
     CHECK(fabs(missed - expected) <= 4 * sqrt(expected), "%d of %d", missed, DRAWS);
-    struct half_error narrow = estimate_with(&picture, SAMPLES, 1, 0.95);
-    struct half_error usual = estimate(&picture, SAMPLES, 1);
-    struct half_error wide = estimate_with(&picture, SAMPLES, 1, 0.998);
-    CHECK(narrow.relmse == wide.relmse && fabs(narrow.ci_high / usual.ci_high - 1) < 0.02);
+    struct half_error narrow = estimate_with(&picture, SAMPLES, 0.95);
+    struct half_error usual = estimate(&picture, SAMPLES);
+    struct half_error wide = estimate_with(&picture, SAMPLES, 0.998);
+    CHECK(memcmp(&narrow, &usual, sizeof usual) == 0 && narrow.relmse == wide.relmse);
     CHECK(wide.ci_low < narrow.ci_low && narrow.ci_high < wide.ci_high);
     picture_finish(&picture);
 }
@@ -257,7 +296,7 @@ TEST(unequal_counts_change_no_expectation)
                 picture.half_a[p][c] = (float)exponential_noise(&random, half);
                 picture.half_b[p][c] = (float)exponential_noise(&random, half);
             }
-        struct half_error error = estimate(&picture, 34, 1);
+        struct half_error error = estimate(&picture, 34);
         CHECK(error.known, "%s", error.reason);
         sum += error.relmse / PICTURES;
         const struct half_error_params params = {.half_a = (const float(*)[3])picture.half_a,
@@ -285,42 +324,42 @@ TEST(looks_double_up_to_the_bound)
     CHECK(fabs(looks_confidence(5) - 0.99) < 1e-12);
 }
 
-// Runs that look at doubling counts and stop at an upper end below the limit, which is set just
-// under the truth at 64 samples: stopping there, or before, is an error, and may happen in 5 %.
+static void add_samples(struct picture *sum, struct picture *part, int done, int more,
+                        uint64_t *random)
+{
+    float weight = (float)more / (float)(done + more);
+    fill(part, flat_content, exponential_noise, more, random);
+    for (size_t i = 0; i < (size_t)sum->width * sum->height; i++)
+        for (int c = 0; c < 3; c++) {
+            sum->half_a[i][c] += weight * (part->half_a[i][c] - sum->half_a[i][c]);
+            sum->half_b[i][c] += weight * (part->half_b[i][c] - sum->half_b[i][c]);
+        }
+}
+
+// Runs that look at doubling counts and stop at an upper end below the limit. The limit is set just
+// under the error that each run has at 64 samples: stopping there, or before, is an error.
 TEST(stopped_runs_keep_their_promise)
 {
-    enum { RUNS = 300, SIDE = 32, BOUND = 1024 };
+    enum { RUNS = 1000, SIDE = 32, BOUND = 1024, JUDGED = 64 };
     struct picture sum = picture_create(SIDE, SIDE), part = picture_create(SIDE, SIDE);
-    double limit = 0.999 * true_relmse(&sum, flat_content, 1, 64);
     double confidence = looks_confidence(looks_within(BOUND));
-    uint64_t random = 21, stopped_at[12] = {0};
+    uint64_t random = 21;
     int wrong = 0;
     for (int run = 0; run < RUNS; run++) {
-        int done = 0;
-        for (int look = 0; done < BOUND; look++) {
-            int next = (int)looks_next((uint64_t)done, BOUND), more = next - done;
-            fill(&part, flat_content, exponential_noise, more, &random);
-            for (int i = 0; i < SIDE * SIDE; i++)
-                for (int c = 0; c < 3; c++) {
-                    float weight = (float)more / (float)next;
-                    sum.half_a[i][c] += weight * (part.half_a[i][c] - sum.half_a[i][c]);
-                    sum.half_b[i][c] += weight * (part.half_b[i][c] - sum.half_b[i][c]);
-                }
+        double least = INFINITY;
+        for (int done = 0; done < JUDGED;) {
+            int next = (int)looks_next((uint64_t)done, BOUND);
+            add_samples(&sum, &part, done, next - done, &random);
             done = next;
-            struct half_error error =
-                estimate_with(&sum, (uint64_t)done, (uint32_t)run, confidence);
-            if (error.known && error.ci_high < limit) {
-                stopped_at[look]++;
-                break;
-            }
+            struct half_error error = estimate_with(&sum, (uint64_t)done, confidence);
+            least = error.known ? fmin(least, error.ci_high) : least;
         }
-        wrong += done <= 64;
-        CHECK(done <= 256, "the run went on to %d", done);
+        wrong += least < 0.999 * own_relmse(&sum, flat_content);
     }
-    printf("     %d of %d runs stopped too early; at 32, 64, 128, 256: %d, %d, %d, %d\n", wrong,
-           RUNS, (int)stopped_at[1], (int)stopped_at[2], (int)stopped_at[3], (int)stopped_at[4]);
-    // 5 % of 300 are 15; 28 are exceeded with a probability of 1e-3 where it is 5 %.
-    CHECK(wrong <= 28, "%d of %d", wrong, RUNS);
+    printf("     %d of %d runs would have stopped too early\n", wrong, RUNS);
+    // In fact one look of seven can err, to one side: 0.36 %; 12 are exceeded with a probability of
+    // 1e-4.
+    CHECK(wrong <= 12, "%d of %d", wrong, RUNS);
     picture_finish(&sum);
     picture_finish(&part);
 }
@@ -329,18 +368,18 @@ TEST(unknown_where_it_cannot_be_known)
 {
     struct picture picture = picture_create(64, 64);
     uint64_t random = 1;
-    CHECK(!estimate(&picture, 64, 1).known, "all black");
+    CHECK(!estimate(&picture, 64).known, "all black");
     fill(&picture, flat_content, exponential_noise, 16, &random);
-    CHECK(!estimate(&picture, 15, 1).known && estimate(&picture, 16, 1).known);
-    CHECK(strstr(estimate(&picture, 15, 1).reason, "16 samples"));
-    CHECK(estimate(&picture, 16, 1).reason == NULL);
+    CHECK(!estimate(&picture, 15).known && estimate(&picture, 16).known);
+    CHECK(strstr(estimate(&picture, 15).reason, "16 samples"));
+    CHECK(estimate(&picture, 16).reason == NULL);
     for (int i = 0; i < 29; i++) // as many bright samples as are too few
         picture.half_a[i * 130][0] = 1e3f;
-    struct half_error error = estimate(&picture, 16, 1);
+    struct half_error error = estimate(&picture, 16);
     CHECK(!error.known && strstr(error.reason, "30 pixels carry"), "%s", error.reason);
     for (int i = 0; i < 64 * 64; i++)
         picture.half_b[i][1] = NAN;
-    error = estimate(&picture, 16, 1);
+    error = estimate(&picture, 16);
     CHECK(!error.known && strstr(error.reason, "finite"), "%s", error.reason);
     picture_finish(&picture);
 }
@@ -352,7 +391,7 @@ TEST(small_and_odd_pictures)
         struct picture picture = picture_create(sizes[i][0], sizes[i][1]);
         uint64_t random = i;
         fill(&picture, flat_content, exponential_noise, 64, &random);
-        struct half_error error = estimate(&picture, 64, 1);
+        struct half_error error = estimate(&picture, 64);
         uint32_t pixels = sizes[i][0] * sizes[i][1];
         CHECK(pixels >= 30 || !error.known, "%u pixels", pixels);
         CHECK(pixels < 1000 || (error.known && error.ci_low < error.ci_high), "%u pixels", pixels);
@@ -365,7 +404,7 @@ TEST(no_variance_is_no_error)
     struct picture picture = picture_create(40, 40);
     for (int i = 0; i < 1600; i++)
         picture.half_a[i][0] = picture.half_b[i][0] = 0.7f;
-    struct half_error error = estimate(&picture, 16, 1);
+    struct half_error error = estimate(&picture, 16);
     CHECK(error.known && error.relmse == 0 && error.ci_low == 0 && error.ci_high == 0);
     picture_finish(&picture);
 }
@@ -375,10 +414,10 @@ TEST(nonfinite_pixels_are_left_out)
     struct picture picture = picture_create(64, 64);
     uint64_t random = 5;
     fill(&picture, flat_content, exponential_noise, 64, &random);
-    double before = estimate(&picture, 64, 1).relmse;
+    double before = estimate(&picture, 64).relmse;
     picture.half_a[2000][1] = INFINITY;
     picture.half_b[77][2] = NAN;
-    struct half_error error = estimate(&picture, 64, 1);
+    struct half_error error = estimate(&picture, 64);
     CHECK(error.known && fabs(error.relmse / before - 1) < 0.01, "%g", error.relmse / before);
     picture_finish(&picture);
 }
@@ -394,20 +433,18 @@ TEST(extreme_values_stay_finite)
             picture.half_a[i][c] *= scale;
             picture.half_b[i][c] *= scale;
         }
-    struct half_error error = estimate(&picture, 16, 1);
+    struct half_error error = estimate(&picture, 16);
     CHECK(error.known && isfinite(error.relmse) && isfinite(error.mse) && isfinite(error.ci_high));
     picture_finish(&picture);
 }
 
-TEST(bootstrap_is_deterministic)
+TEST(estimate_is_deterministic)
 {
     struct picture picture = picture_create(96, 64);
     uint64_t random = 9;
     fill(&picture, smooth_content, exponential_noise, 16, &random);
-    struct half_error first = estimate(&picture, 16, 42), again = estimate(&picture, 16, 42);
-    struct half_error other = estimate(&picture, 16, 43);
+    struct half_error first = estimate(&picture, 16), again = estimate(&picture, 16);
     CHECK(memcmp(&first, &again, sizeof first) == 0);
-    CHECK(first.relmse == other.relmse && first.ci_low != other.ci_low);
     picture_finish(&picture);
 }
 
@@ -418,4 +455,4 @@ TEST_MAIN(TEST_CASE(relmse_is_unbiased), TEST_CASE(relmse_at_edges_is_within_its
           TEST_CASE(stopped_runs_keep_their_promise), TEST_CASE(unknown_where_it_cannot_be_known),
           TEST_CASE(small_and_odd_pictures), TEST_CASE(no_variance_is_no_error),
           TEST_CASE(nonfinite_pixels_are_left_out), TEST_CASE(extreme_values_stay_finite),
-          TEST_CASE(bootstrap_is_deterministic))
+          TEST_CASE(estimate_is_deterministic))
