@@ -42,6 +42,8 @@ static bool render(struct scene *scene, const struct way *way, struct arena *are
         uint64_t node_bytes = way->bvh.format == BVH_FLOAT ? 128 : 64;
         CHECK(r.plan.buffers[BINDING_NODES].bytes == r.bvh.node_count * node_bytes, "%s",
               way->name);
+        CHECK((r.specialization.nodes == NODES_FLOAT) == (way->bvh.format == BVH_FLOAT), "%s",
+              way->name);
         out->stats = r.bvh.stats;
         out->order_hash = 0;
         for (uint32_t i = 0; i < r.bvh.triangle_count; i++)
