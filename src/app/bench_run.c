@@ -371,10 +371,17 @@ static bool measure_once(struct bench *b, struct bench_variant *v, uint32_t roun
     return true;
 }
 
+// Renders of one wave are over before they look.
+static bool should_stop(struct bench *b)
+{
+    b->stopped |= progress_should_stop(b->options->progress);
+    return b->stopped;
+}
+
 bool bench_measure(struct bench *b, struct err *err)
 {
     double all = (double)(b->repeats + 1) * b->variant_count, done = 0;
-    for (uint32_t i = 0; i < b->variant_count && !b->stopped; i++, done++) {
+    for (uint32_t i = 0; i < b->variant_count && !should_stop(b); i++, done++) {
         const struct render_call call = {
             .progress_from = done / all,
             .progress_to = (done + 1) / all,
@@ -383,7 +390,7 @@ bool bench_measure(struct bench *b, struct err *err)
             return false;
     }
     for (uint32_t round = 0; round < b->repeats && !b->stopped; round++) {
-        for (uint32_t n = 0; n < b->variant_count && !b->stopped; n++, done++) {
+        for (uint32_t n = 0; n < b->variant_count && !should_stop(b); n++, done++) {
             struct bench_variant *v = &b->variants[bench_turn(round, n, b->variant_count)];
             const struct render_call call = {
                 .progress_from = done / all,

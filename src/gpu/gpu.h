@@ -41,7 +41,8 @@ bool gpu_list_devices(struct gpu_device_info out[GPU_MAX_DEVICES], uint32_t *cou
 // Lower limits than the device's, to test fallbacks; 0 means the device's own. What is 0 or false
 // here is taken from the environment variable LAMPYRIS_LIMITS, so that any program and any test can
 // be run on the fallbacks: words separated by commas out of no-texel, no-ballot, no-mapped-device,
-// storage-range=BYTES, texel-elements=N, allocation=BYTES. Other words are ERR_USAGE.
+// no-timestamps, storage-range=BYTES, texel-elements=N, allocation=BYTES. Other words are
+// ERR_USAGE.
 struct gpu_limit_overrides {
     uint64_t storage_range;  // maxStorageBufferRange, bytes
     uint64_t texel_elements; // maxTexelBufferElements
@@ -49,6 +50,7 @@ struct gpu_limit_overrides {
     bool no_texel;           // SSBO reads only
     bool no_ballot;          // without subgroup ballot
     bool no_mapped_device;   // device memory is never mapped: uploads and downloads are staged
+    bool no_timestamps;      // what kernels take is not known
 };
 
 struct gpu_params {

@@ -17,6 +17,7 @@ static bool take_flag(struct gpu_limit_overrides *limits, const char *word, size
         {"no-texel", &limits->no_texel},
         {"no-ballot", &limits->no_ballot},
         {"no-mapped-device", &limits->no_mapped_device},
+        {"no-timestamps", &limits->no_timestamps},
     };
     for (size_t i = 0; i < sizeof flags / sizeof flags[0]; i++) {
         if (length == strlen(flags[i].name) && memcmp(word, flags[i].name, length) == 0) {
@@ -65,8 +66,8 @@ bool limits_from_environment(struct gpu_limit_overrides *limits, struct err *err
         if (!take_flag(limits, word, length) && !take_number(limits, word, length))
             return err_set(err, ERR_USAGE,
                            VARIABLE ": \"%.*s\" is unknown; expected no-texel, no-ballot, "
-                                    "no-mapped-device, storage-range=BYTES, texel-elements=N or "
-                                    "allocation=BYTES",
+                                    "no-mapped-device, no-timestamps, storage-range=BYTES, "
+                                    "texel-elements=N or allocation=BYTES",
                            (int)length, word);
         word += length + (word[length] == ',');
     }

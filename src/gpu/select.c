@@ -274,7 +274,7 @@ void device_read_limits(struct gpu *gpu)
 
     uint32_t timestamp_bits;
     gpu->queue_family = queue_family_find(gpu->physical, &timestamp_bits);
-    gpu->has_timestamps = timestamp_bits > 0;
+    gpu->has_timestamps = timestamp_bits > 0 && !lower->no_timestamps;
     gpu->timestamp_ns = (double)limits->timestampPeriod;
     gpu->timestamp_mask = timestamp_bits >= 64 ? UINT64_MAX : (UINT64_C(1) << timestamp_bits) - 1;
 }

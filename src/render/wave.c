@@ -397,6 +397,8 @@ static bool create_kernels(struct renderer *r, struct err *err)
         struct specialization constants = r->specialization;
         if (id >= KERNEL_shade_diffuse && id <= KERNEL_shade_classical)
             constants.lobes = constants.class_lobes[id - KERNEL_shade_diffuse];
+        if (id != KERNEL_intersect_closest && id != KERNEL_intersect_shadow)
+            constants.features &= ~FEATURE_STEPS; // so that they need not be compiled again
         struct gpu_kernel_params params = {
             .name = code.name,
             .spirv = code.spirv,
