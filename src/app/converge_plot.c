@@ -89,9 +89,9 @@ static void put_tics(FILE *out, char axis, double min, double max)
         return;
     const char *separator = "";
     fprintf(out, "set %ctics (", axis);
-    for (double decade = pow(10, floor(log10(min))); decade <= max; decade *= 10)
+    for (int decade = (int)floor(log10(min)); decade <= (int)floor(log10(max)); decade++)
         for (int i = 0; i < 3; i++) {
-            double value = decade * (double[]){1, 2, 5}[i];
+            double value = pow(10, decade) * (double[]){1, 2, 5}[i];
             if (value < min || value > max)
                 continue;
             fprintf(out, axis == 'y' ? "%s'%.0e' %.9g" : "%s'%g' %.9g", separator, value, value);

@@ -49,7 +49,7 @@ bool converge_open(struct converge *c, struct converge_curve *curve, struct err 
     uint32_t camera;
     size_t count = (size_t)c->replicate_count * c->point_count;
     curve->samples = ARENA_NEW(&c->arena, struct converge_sample, count);
-    curve->pictures = arena_alloc(&c->arena, c->replicate_count, sizeof *curve->pictures);
+    curve->pictures = arena_alloc(&c->arena, c->replicate_count, sizeof(void *));
     curve->points = ARENA_NEW(&c->arena, struct converge_point, c->point_count);
     curve->ratios = ARENA_NEW(&c->arena, struct interval, c->curve_count);
     if (!curve->samples || !curve->pictures || !curve->points || !curve->ratios)
@@ -158,7 +158,7 @@ static bool plans_samples(const struct settings *settings)
 static uint64_t plan_samples(const struct converge *c, const struct converge_curve *curve,
                              uint32_t point)
 {
-    if (c->spp)
+    if (!c->seconds)
         return c->spp[point];
     double fit = c->seconds[point] * (double)curve->speed_samples / curve->speed_seconds;
     return fit < 1 ? 1 : fit < SETTINGS_SPP_MAX ? (uint64_t)fit : SETTINGS_SPP_MAX;
