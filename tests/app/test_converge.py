@@ -117,10 +117,11 @@ class Converge(unittest.TestCase):
             self.assertEqual(seconds, sorted(seconds))
         # The samples of the longest time, as often as a reference has them.
         self.assertGreater(result['references'][0]['spp'], 100)
-        command = shlex.split(planned['command'])
         with tempfile.TemporaryDirectory() as folder:
-            again = run(*command[1:], '--json', '-o', os.path.join(folder, 'again.exr'))
-            self.assertEqual(json.loads(again.stdout)['image_hash'], planned['image_hash'])
+            for curve in (going_on, planned):
+                command = shlex.split(curve['command'])
+                again = run(*command[1:], '--json', '-o', os.path.join(folder, 'again.exr'))
+                self.assertEqual(json.loads(again.stdout)['image_hash'], curve['image_hash'])
 
     def test_all_pairs_and_all_metrics(self):
         result = converge('--vary', 'max-bounces=9,8,1', '--replicates', '4')
