@@ -37,7 +37,6 @@ static bool render(struct converge *c, uint32_t scene, struct err *err)
                        "expected at most %u, or --reference FILE",
                        REFERENCE_FACTOR, samples, (unsigned)SETTINGS_SPP_MAX);
     out->spp = (uint64_t)samples;
-    c->phase = "Loading reference";
     bool ok = converge_open(c, &curve, err);
     c->phase = "Reference";
     curve.renderer.frame.samples = (uint32_t)out->spp;
