@@ -331,12 +331,14 @@ static void conclude(const struct estimator *estimator, struct half_error *out)
 {
     struct tile total = sum_tiles(estimator);
     double factor = uncertainty(&total, estimator->params->confidence);
-    if (total.pixels == 0)
+    if ((uint64_t)estimator->params->width * estimator->params->height < CARRIERS_MIN)
+        out->reason = "the picture has fewer than 30 pixels";
+    else if (total.pixels == 0)
         out->reason = "no pixel is finite in both halves";
     else if (!estimator->any_light)
         out->reason = "every sample so far is black";
     else if (total.pixels < CARRIERS_MIN)
-        out->reason = "the picture has fewer than 30 pixels";
+        out->reason = "fewer than 30 pixels are finite in both halves";
     else if (total.relative > 0 && carried(estimator) >= total.relative / 2)
         out->reason = "fewer than 30 pixels carry half of the variance";
     else if (!(factor <= factor_max))
