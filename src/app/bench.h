@@ -76,6 +76,7 @@ struct bench {
     uint32_t repeats, repeats_done; // fewer when a signal stopped it
     bool stopped;
     struct bench_seconds seconds;
+    double load;                  // of the machine before: runnable threads; NAN: not known
     bool differs;                 // some pictures do that are to be the same:
     struct err difference;        // which
     json_t *baseline;             // NULL: none was given

@@ -4,6 +4,7 @@
 #include "file.h"
 #include "log.h"
 #include "machine.h"
+#include "parallel.h"
 #include "spread.h"
 #include <inttypes.h>
 #include <math.h>
@@ -128,6 +129,11 @@ static bool check_machine(const struct bench *b, struct err *err)
                  info->driver);
     if (strcmp(text_of(machine, "processor"), machine_describe().processor) != 0)
         log_warn("%s: the processor was \"%s\"", path, text_of(machine, "processor"));
+    const json_t *load = json_object_get(b->baseline, "load");
+    if (info->is_cpu && json_is_number(load) &&
+        fabs(json_number_value(load) - b->load) > 0.5 * cpu_count())
+        log_warn("%s: the machine's load was %.1f, and is %.1f: that alone changes times", path,
+                 json_number_value(load), b->load);
     return true;
 }
 

@@ -164,9 +164,9 @@ json_t *bench_json(const struct bench *b)
     json_t *variants = json_array();
     for (uint32_t i = 0; i < b->variant_count; i++)
         json_array_append_new(variants, variant_json(b, &b->variants[i]));
-    return json_pack("{s:o, s:o, s:o, s:o, s:i, s:b, s:b, s:o, s:o, s:o}", "seconds",
-                     seconds_json(&b->seconds), "machine", machine_json(&b->gpu), "tuned",
-                     tuned_json(b->options, &b->gpu), "command",
+    return json_pack("{s:o, s:o, s:o, s:o, s:o, s:i, s:b, s:b, s:o, s:o, s:o}", "load",
+                     json_number(b->load), "seconds", seconds_json(&b->seconds), "machine",
+                     machine_json(&b->gpu), "tuned", tuned_json(b->options, &b->gpu), "command",
                      json_words(b->options->command_line), "repeats", (int)b->repeats_done,
                      "stopped_early", b->stopped, "timestamps", b->gpu.has_timestamps, "difference",
                      b->differs ? json_words(b->difference.msg) : json_null(), "variants", variants,

@@ -2,6 +2,7 @@
 #include "bench.h"
 
 #include "file.h"
+#include "parallel.h"
 #include "text_out.h"
 #include "tuned.h"
 #include <inttypes.h>
@@ -152,6 +153,8 @@ void bench_print(const struct bench *b)
     printf("device  %s, %s%s\n", b->gpu.info.name, b->gpu.info.driver,
            b->gpu.has_timestamps ? "" : ", without timestamps: its kernels' times are not known");
     tuned_print(b->options, &b->gpu);
+    if (b->gpu.info.is_cpu && b->load > 0.5 * cpu_count())
+        printf("note    the machine was busy (load %.1f)\n", b->load);
     print_changes(b);
 }
 

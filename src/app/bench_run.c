@@ -7,6 +7,7 @@
 #include "shared/aov.h"
 #include "wave.h"
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 // Samples a pixel of a repetition, unless the command line says how many.
@@ -33,6 +34,8 @@ bool bench_prepare(struct bench *b, struct err *err)
 {
     struct variant *variants;
     b->repeats = b->options->repeats;
+    if (getloadavg(&b->load, 1) != 1)
+        b->load = NAN;
     if (!variants_make(b->options, &b->arena, &variants, &b->variant_count, err))
         return false;
     b->variants = ARENA_NEW(&b->arena, struct bench_variant, b->variant_count);
