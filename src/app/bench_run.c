@@ -116,9 +116,10 @@ static bool is_shading(enum kernel_id kernel)
 double bench_bytes_read(const struct renderer *r, enum kernel_id kernel)
 {
     const double queue = 4.0, word = 16.0;
+    const uint32_t slot_words = AOV_SLOT_WORDS(r->specialization.aovs);
     switch (kernel) {
     case KERNEL_generate_rays: // writes but the hit
-        return 3.0 * word + word * AOV_SLOT_WORDS(r->specialization.aovs) + queue;
+        return 3.0 * word + word * slot_words + queue;
     case KERNEL_intersect_closest: // origin, direction
         return queue + 2.0 * word;
     case KERNEL_intersect_shadow:
