@@ -68,7 +68,7 @@ struct render_job {
     struct arena film_arena; // of the film as last read, and what is said about it
     struct film_image film;
     struct half_error error;
-    double spread; // as of forecast_spread; of the finished picture
+    double spread;              // as of forecast_spread; of the finished picture
     struct job_against against; // with a reference
     uint64_t image_hash;        // of the mean's bits
 };

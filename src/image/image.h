@@ -36,7 +36,7 @@ struct image_layer {
 };
 
 struct image_write_params {
-    const char *path; // .exr or .png, by extension, case-insensitive
+    const char *path;                 // .exr or .png, by extension, case-insensitive
     const struct image *image;        // EXR: pixels may be NULL, and there are only layers then
     const struct image_layer *layers; // EXR only
     uint32_t layer_count;

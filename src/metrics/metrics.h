@@ -44,8 +44,8 @@ void metrics_difference_picture(const float (*image)[3], const float (*reference
 void metrics_intervals(const float (*image)[3], const float (*reference)[3], uint32_t width,
                        uint32_t height, struct interval *mse, struct interval *relmse);
 
-// relMSE of (A + B) / 2, of this very picture and not of others that other seeds would give, told by
-// the means of two independent half-buffers. It is blind to bias.
+// relMSE of (A + B) / 2, of this very picture and not of others that other seeds would give, told
+// by the means of two independent half-buffers. It is blind to bias.
 struct half_error {
     // False below 16 spp, while fewer than 30 pixels carry half of the variance (they stand for
     // 30 samples, which a film does not keep apart), and while all is black. The rest is 0 then.

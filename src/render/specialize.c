@@ -303,7 +303,9 @@ struct specialization specialize(const struct specialize_params *p)
     const struct gpu *gpu = p->gpu;
     const struct settings *settings = &scene->settings;
     struct specialization s = {
-        .workgroup = p->workgroup ? p->workgroup : gpu->info.is_cpu ? 128 : 64,
+        .workgroup = p->workgroup       ? p->workgroup
+                     : gpu->info.is_cpu ? 128
+                                        : 64,
         .stack_entries = bvh->stats.stack_entries,
         .iteration_budget =
             gpu->info.is_cpu ? CPU_SUBGROUP_ROUNDS / gpu->subgroup_size : GPU_LANE_ROUNDS,

@@ -27,7 +27,8 @@ bool wave_compile(struct renderer *renderer, struct err *err);
 // since it takes time. Compiles.
 bool wave_count_steps(struct renderer *renderer, bool on, struct err *err);
 
-// --- step by step: for replay.c, which follows one path, and recorded.c, which repeats a kernel ---
+// --- step by step --------------------------------------------------------------------------------
+// For replay.c, which follows one path, and recorded.c, which repeats a kernel.
 
 // A kernel at its place in the loop.
 struct wave_step {
