@@ -8,12 +8,6 @@
 #include <math.h>
 #include <string.h>
 
-static json_t *interval_json(struct interval i)
-{
-    return json_pack("{s:o, s:o, s:o}", "value", json_number(i.value), "ci_low", json_number(i.low),
-                     "ci_high", json_number(i.high));
-}
-
 static json_t *count_json(uint64_t count)
 {
     return count ? json_integer((json_int_t)count) : json_null();
@@ -39,8 +33,8 @@ static json_t *row_json(const struct bench *b, const struct bench_variant *v,
     double seconds = row->median.value * 1e-3, items = row->items ? (double)row->items : NAN;
     json_t *object = json_pack(
         "{s:s, s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "name", row->name, "kind",
-        kinds[row->kind], "ms", interval_json(row->median), "repeat_ms", times_json(b, row->ms),
-        "share", json_number(row->share), "speed_ratio", interval_json(row->ratio), "launches",
+        kinds[row->kind], "ms", json_interval(row->median), "repeat_ms", times_json(b, row->ms),
+        "share", json_number(row->share), "speed_ratio", json_interval(row->ratio), "launches",
         count_json(row->launches), "items", count_json(row->items), "items_per_s",
         json_number(items / seconds), "record_bytes", json_number(row->bytes));
     double bvh_bytes = bench_bvh_bytes(v, row);
@@ -103,12 +97,12 @@ static json_t *frame_json(const struct bench_variant *v)
     double seconds = wall->median.value * 1e-3;
     double rays = (double)v->closest_rays + (double)v->shadow_rays;
     return json_pack("{s:o, s:o, s:o, s:o, s:o, s:I, s:I, s:I, s:o, s:s}", "ms",
-                     interval_json(wall->median), "fps", json_number(1 / seconds), "samples_per_s",
+                     json_interval(wall->median), "fps", json_number(1 / seconds), "samples_per_s",
                      json_number((double)v->paths / seconds), "mrays_per_s",
                      json_number(rays / seconds * 1e-6), "warm_up_ms", json_number(v->warm_up_ms),
                      "closest_rays", (json_int_t)v->closest_rays, "shadow_rays",
                      (json_int_t)v->shadow_rays, "paths", (json_int_t)v->paths, "speed_ratio",
-                     interval_json(wall->ratio), "verdict", bench_verdict(wall->ratio));
+                     json_interval(wall->ratio), "verdict", bench_verdict(wall->ratio));
 }
 
 static json_t *variant_json(const struct bench *b, const struct bench_variant *v)
@@ -145,7 +139,7 @@ static json_t *baseline_json(const struct bench *b)
                                         json_words(c->variant->variant.label), "row", c->row->name,
                                         "before_ms", json_number(c->before_ms), "now_ms",
                                         json_number(c->row->median.value), "time_ratio",
-                                        interval_json(c->ratio), "verdict", bench_change_word(c)));
+                                        json_interval(c->ratio), "verdict", bench_change_word(c)));
     }
     return json_pack("{s:o, s:f, s:f, s:b, s:o}", "file", json_words(b->options->baseline), "floor",
                      BENCH_FLOOR, "false_alarms", BENCH_FALSE_ALARMS, "slower", bench_is_slower(b),

@@ -2,6 +2,7 @@
 #include "bench.h"
 
 #include "file.h"
+#include "json_out.h"
 #include "parallel.h"
 #include "text_out.h"
 #include "tuned.h"
@@ -160,17 +161,6 @@ void bench_print(const struct bench *b)
 
 // --- files ---------------------------------------------------------------------------------------
 
-static bool write_json(const struct bench *b, const char *path, struct err *err)
-{
-    json_t *object = bench_json(b);
-    char *text = object ? json_dumps(object, JSON_INDENT(1) | JSON_REAL_PRECISION(9)) : NULL;
-    json_decref(object);
-    bool ok = text ? file_write_atomic(path, text, strlen(text), err)
-                   : err_memory(err, "results", b->variant_count);
-    free(text);
-    return ok;
-}
-
 static void put_csv_number(FILE *file, double value)
 {
     if (isfinite(value))
@@ -219,6 +209,6 @@ bool bench_write(struct bench *b, const char *folder, struct err *err)
     const char *csv = arena_printf(&b->arena, "%s/results.csv", folder);
     if (!json || !csv)
         return err_memory(err, "file names", 0);
-    return file_make_folder(folder, err) && write_json(b, json, err) && write_csv(b, csv, err) &&
-           bench_write_html(b, folder, err);
+    return file_make_folder(folder, err) && json_write(bench_json(b), json, err) &&
+           write_csv(b, csv, err) && bench_write_html(b, folder, err);
 }

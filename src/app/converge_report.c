@@ -14,12 +14,6 @@
 
 // --- JSON: docs/converge.schema.json -------------------------------------------------------------
 
-static json_t *interval_json(struct interval i)
-{
-    return json_pack("{s:o, s:o, s:o}", "value", json_number(i.value), "ci_low", json_number(i.low),
-                     "ci_high", json_number(i.high));
-}
-
 static json_t *replicates_json(const struct converge *c, const struct converge_curve *curve,
                                uint32_t point)
 {
@@ -44,11 +38,11 @@ static json_t *point_json(const struct converge *c, const struct converge_curve 
     const struct converge_point *p = &curve->points[point];
     json_t *metrics = json_object();
     for (int m = 0; m < CONVERGE_METRICS; m++)
-        json_object_set_new(metrics, converge_metric_names[m], interval_json(p->metric[m]));
+        json_object_set_new(metrics, converge_metric_names[m], json_interval(p->metric[m]));
     json_t *spp = c->spp ? json_integer((json_int_t)c->spp[point]) : json_number(p->spp.value);
     return json_pack("{s:o, s:o, s:o, s:o, s:o}", "spp", spp, "time_limit",
                      json_number(c->seconds ? c->seconds[point] : NAN), "seconds",
-                     interval_json(p->seconds), "metrics", metrics, "replicates",
+                     json_interval(p->seconds), "metrics", metrics, "replicates",
                      replicates_json(c, curve, point));
 }
 
@@ -61,18 +55,18 @@ static json_t *curve_json(const struct converge *c, const struct converge_curve 
         const struct converge_target *t = &curve->targets[i];
         json_array_append_new(targets,
                               json_pack("{s:f, s:o, s:o, s:b}", "relmse", converge_targets[i],
-                                        "seconds", interval_json(t->seconds), "spp",
-                                        interval_json(t->spp), "extrapolated", t->extrapolated));
+                                        "seconds", json_interval(t->seconds), "spp",
+                                        json_interval(t->spp), "extrapolated", t->extrapolated));
     }
     char hash[24];
     snprintf(hash, sizeof hash, "%016" PRIx64, curve->image_hash);
     bool is_known = !isnan(curve->bias.value);
     return json_pack("{s:o, s:o, s:f, s:o, s:o, s:o, s:o, s:o, s:o, s:s, s:o, s:s, s:o}", "scene",
                      json_words(curve->scene_data.path), "label", json_words(curve->variant.label),
-                     "start_seconds", curve->start_seconds, "slope", interval_json(curve->slope),
-                     "efficiency", interval_json(curve->efficiency), "efficiency_mse",
-                     interval_json(curve->efficiency_mse), "efficiency_ratio",
-                     interval_json(curve->ratios[0]), "bias", interval_json(curve->bias), "biased",
+                     "start_seconds", curve->start_seconds, "slope", json_interval(curve->slope),
+                     "efficiency", json_interval(curve->efficiency), "efficiency_mse",
+                     json_interval(curve->efficiency_mse), "efficiency_ratio",
+                     json_interval(curve->ratios[0]), "bias", json_interval(curve->bias), "biased",
                      is_known ? json_boolean(converge_is_biased(curve)) : json_null(), "verdict",
                      converge_verdict(curve->ratios[0]), "time_to", targets, "image_hash", hash,
                      "points", points);
@@ -106,7 +100,7 @@ static json_t *pairs_json(const struct converge *c)
             struct interval ratio = c->curves[first + k].ratios[i - first];
             json_array_append_new(pairs, json_pack("{s:i, s:i, s:o, s:s}", "curve",
                                                    (int)(first + k), "than", (int)i,
-                                                   "efficiency_ratio", interval_json(ratio),
+                                                   "efficiency_ratio", json_interval(ratio),
                                                    "verdict", converge_verdict(ratio)));
         }
     }
@@ -139,17 +133,6 @@ int converge_print_json(const struct converge *c)
 }
 
 // --- files ---------------------------------------------------------------------------------------
-
-static bool write_json(const struct converge *c, const char *path, struct err *err)
-{
-    json_t *object = result_json(c);
-    char *text = object ? json_dumps(object, JSON_INDENT(1) | JSON_REAL_PRECISION(9)) : NULL;
-    json_decref(object);
-    bool ok = text ? file_write_atomic(path, text, strlen(text), err)
-                   : err_memory(err, "results", c->curve_count);
-    free(text);
-    return ok;
-}
 
 // In quotes, which are doubled within.
 static void put_csv_words(FILE *file, const char *text)
@@ -250,7 +233,7 @@ bool converge_write(struct converge *c, const char *folder, struct err *err)
     const char *csv = arena_printf(&c->arena, "%s/results.csv", folder);
     if (!json || !csv)
         return err_memory(err, "file names", 0);
-    return file_make_folder(folder, err) && write_json(c, json, err) && write_csv(c, csv, err) &&
-           converge_write_html(c, folder, err) &&
+    return file_make_folder(folder, err) && json_write(result_json(c), json, err) &&
+           write_csv(c, csv, err) && converge_write_html(c, folder, err) &&
            (!c->options->images || write_images(c, folder, err));
 }

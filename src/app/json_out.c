@@ -1,6 +1,7 @@
 #include "json_out.h"
 
 #include "commands.h"
+#include "file.h"
 #include "log.h"
 #include <math.h>
 #include <stdio.h>
@@ -10,6 +11,12 @@
 json_t *json_number(double value)
 {
     return isfinite(value) ? json_real(value) : json_null();
+}
+
+json_t *json_interval(struct interval interval)
+{
+    return json_pack("{s:o, s:o, s:o}", "value", json_number(interval.value), "ci_low",
+                     json_number(interval.low), "ci_high", json_number(interval.high));
 }
 
 json_t *json_words(const char *text)
@@ -38,4 +45,13 @@ int json_print(json_t *object)
     putchar('\n'); // main notices when stdout cannot be written
     json_decref(object);
     return EXIT_CODE_OK;
+}
+
+bool json_write(json_t *object, const char *path, struct err *err)
+{
+    char *text = object ? json_dumps(object, JSON_INDENT(1) | JSON_REAL_PRECISION(9)) : NULL;
+    json_decref(object);
+    bool ok = text ? file_write_atomic(path, text, strlen(text), err) : err_memory(err, path, 0);
+    free(text);
+    return ok;
 }

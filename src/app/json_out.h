@@ -2,15 +2,20 @@
 #ifndef LAMPYRIS_APP_JSON_OUT_H
 #define LAMPYRIS_APP_JSON_OUT_H
 
+#include "curve.h"
+#include "err.h"
 #include <jansson.h>
 
 // A number; null where it is not finite, for which JSON has no word.
 json_t *json_number(double value);
+json_t *json_interval(struct interval interval); // {value, ci_low, ci_high}
 // A string; bytes that are no valid UTF-8 (file names may have them) become '?'.
 json_t *json_words(const char *text);
 
 // Prints one object and a newline to stdout and drops the reference. NULL, which is what jansson's
 // constructors return, means that memory ran out. Returns an exit code.
 int json_print(json_t *object);
+// The same into a file, at one stroke.
+bool json_write(json_t *object, const char *path, struct err *err);
 
 #endif

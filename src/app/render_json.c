@@ -91,12 +91,6 @@ static json_t *seconds_json(const struct job_seconds *s)
                      s->render_before);
 }
 
-static json_t *interval_json(struct interval i)
-{
-    return json_pack("{s:o, s:o, s:o}", "value", json_number(i.value), "ci_low", json_number(i.low),
-                     "ci_high", json_number(i.high));
-}
-
 static json_t *reference_json(const struct render_job *job)
 {
     const struct job_against *against = &job->against;
@@ -108,7 +102,7 @@ static json_t *reference_json(const struct render_job *job)
                      json_number(reference->noise_known ? reference->relmse : NAN), "mse",
                      json_number(against->mse), "relmse", json_number(against->relmse), "smape",
                      json_number(against->smape), "psnr", json_number(against->psnr), "stays",
-                     interval_json(against->bias.stays), "biased", against->bias.is_certain);
+                     json_interval(against->bias.stays), "biased", against->bias.is_certain);
 }
 
 static json_t *forecast_json(const struct render_job *job)
@@ -129,7 +123,7 @@ static json_t *forecast_json(const struct render_job *job)
                      json_number(f.error.high), "stays",
                      is_biased ? json_number(job->against.bias.stays.value) : json_null(),
                      "seconds", 2.0 * job->seconds.render, "basis", bases[f.basis], "upper_bound",
-                     is_bound, "slope", has_slope ? interval_json(f.slope) : json_null(), "looks",
+                     is_bound, "slope", has_slope ? json_interval(f.slope) : json_null(), "looks",
                      (int)f.looks, "reason", reason ? json_string(reason) : json_null());
 }
 

@@ -252,7 +252,7 @@ static bool keep(struct tune *t, struct err *err)
     for (uint32_t i = 0; i < t->scene_count; i++)
         json_array_append_new(scenes, json_words(path_name(t->scenes[i].scene.path)));
     const struct tune_candidate *winner = &t->contests[TUNE_CONFIRM].candidates[0];
-    json_t *speed = t->confirmed ? tune_interval_json(winner->speed) : json_null();
+    json_t *speed = t->confirmed ? json_interval(winner->speed) : json_null();
     // The default is not kept as a number: these scenes may have left less room than others do.
     const struct tuned found = {
         .wave = t->best.wave == t->usual.wave ? 0 : t->best.wave,

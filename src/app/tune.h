@@ -84,6 +84,5 @@ bool tune_check_pictures(struct tune *t, struct tuned sizes, struct err *err);
 // --- tune_report.c ---
 void tune_print(const struct tune *t);
 int tune_print_json(const struct tune *t);
-json_t *tune_interval_json(struct interval interval);
 
 #endif

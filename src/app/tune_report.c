@@ -74,12 +74,6 @@ void tune_print(const struct tune *t)
     print_line("kept in   ", t->cache.path);
 }
 
-json_t *tune_interval_json(struct interval interval)
-{
-    return json_pack("{s:o, s:o, s:o}", "value", json_number(interval.value), "ci_low",
-                     json_number(interval.low), "ci_high", json_number(interval.high));
-}
-
 static json_t *sizes_json(struct tuned sizes)
 {
     return json_pack("{s:I, s:I}", "wave", (json_int_t)sizes.wave, "workgroup",
@@ -93,14 +87,13 @@ static json_t *candidates_json(const struct tune *t)
         const struct tune_contest *c = &t->contests[stage];
         for (uint32_t i = 0; i < c->count; i++) {
             const struct tune_candidate *candidate = &c->candidates[i];
-            json_array_append_new(array, json_pack("{s:s, s:I, s:I, s:o, s:b, s:i, s:o, s:s}",
-                                                   "stage", tune_stage_names[stage], "wave",
-                                                   (json_int_t)candidate->sizes.wave, "workgroup",
-                                                   (json_int_t)candidate->sizes.workgroup, "beside",
-                                                   sizes_json(c->base), "fits", candidate->fits,
-                                                   "rounds", (int)candidate->rounds, "speed",
-                                                   tune_interval_json(candidate->speed), "verdict",
-                                                   verdict(candidate)));
+            json_array_append_new(
+                array, json_pack("{s:s, s:I, s:I, s:o, s:b, s:i, s:o, s:s}", "stage",
+                                 tune_stage_names[stage], "wave", (json_int_t)candidate->sizes.wave,
+                                 "workgroup", (json_int_t)candidate->sizes.workgroup, "beside",
+                                 sizes_json(c->base), "fits", candidate->fits, "rounds",
+                                 (int)candidate->rounds, "speed", json_interval(candidate->speed),
+                                 "verdict", verdict(candidate)));
         }
     }
     return array;
@@ -131,6 +124,6 @@ int tune_print_json(const struct tune *t)
                   json_words(t->gpu.info.name), "driver", json_words(t->gpu.info.driver), "scenes",
                   scenes_json(t), "spp", (json_int_t)t->samples, "seconds", t->seconds, "load",
                   json_number(t->load), "candidates", candidates_json(t), "usual",
-                  sizes_json(t->usual), "found", sizes_json(t->best), "speed",
-                  tune_interval_json(speed), "file", json_words(t->cache.path)));
+                  sizes_json(t->usual), "found", sizes_json(t->best), "speed", json_interval(speed),
+                  "file", json_words(t->cache.path)));
 }
