@@ -1,6 +1,7 @@
 // What `lampyris bench` says to people, and its files.
 #include "bench.h"
 
+#include "csv_out.h"
 #include "file.h"
 #include "json_out.h"
 #include "parallel.h"
@@ -161,46 +162,28 @@ void bench_print(const struct bench *b)
 
 // --- files ---------------------------------------------------------------------------------------
 
-static void put_csv_number(FILE *file, double value)
+static void print_csv(const void *context, FILE *file)
 {
-    if (isfinite(value))
-        fprintf(file, ",%.9g", value);
-    else
-        fputc(',', file);
-}
-
-static void put_csv(const struct bench *b, FILE *file)
-{
+    const struct bench *b = context;
     fprintf(file, "scene,variant,row,repetition,ms,launches,items,record_bytes,bvh_bytes\n");
     for (uint32_t i = 0; i < b->variant_count; i++) {
         const struct bench_variant *v = &b->variants[i];
         for (uint32_t r = 0; r < v->row_count; r++)
             for (uint32_t n = 0; n < b->repeats_done; n++) {
                 const struct bench_row *row = &v->rows[r];
-                fprintf(file, "\"%s\",\"%s\",%s,%u", v->scene_data.path, v->variant.label,
-                        row->name, n);
-                put_csv_number(file, row->ms[n]);
-                put_csv_number(file, (double)row->launches);
-                put_csv_number(file, (double)row->items);
-                put_csv_number(file, row->bytes);
-                put_csv_number(file, bench_bvh_bytes(v, row));
+                const double numbers[] = {row->ms[n], (double)row->launches, (double)row->items,
+                                          row->bytes, bench_bvh_bytes(v, row)};
+                csv_words(file, v->scene_data.path);
+                fputc(',', file);
+                csv_words(file, v->variant.label);
+                fprintf(file, ",%s,%u", row->name, n);
+                for (size_t k = 0; k < sizeof numbers / sizeof numbers[0]; k++) {
+                    fputc(',', file);
+                    csv_number(file, numbers[k]);
+                }
                 fputc('\n', file);
             }
     }
-}
-
-static bool write_csv(const struct bench *b, const char *path, struct err *err)
-{
-    char *text = NULL;
-    size_t size = 0;
-    FILE *file = open_memstream(&text, &size);
-    if (!file)
-        return err_memory(err, "results.csv", 0);
-    put_csv(b, file);
-    bool ok = fclose(file) == 0 ? file_write_atomic(path, text, size, err)
-                                : err_memory(err, "results.csv", size);
-    free(text);
-    return ok;
 }
 
 bool bench_write(struct bench *b, const char *folder, struct err *err)
@@ -210,5 +193,5 @@ bool bench_write(struct bench *b, const char *folder, struct err *err)
     if (!json || !csv)
         return err_memory(err, "file names", 0);
     return file_make_folder(folder, err) && json_write(bench_json(b), json, err) &&
-           write_csv(b, csv, err) && bench_write_html(b, folder, err);
+           csv_write(csv, print_csv, b, err) && bench_write_html(b, folder, err);
 }

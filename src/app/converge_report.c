@@ -1,6 +1,7 @@
 // What `lampyris converge` says to machines, and its files.
 #include "converge.h"
 
+#include "csv_out.h"
 #include "file.h"
 #include "image.h"
 #include "json_out.h"
@@ -134,20 +135,9 @@ int converge_print_json(const struct converge *c)
 
 // --- files ---------------------------------------------------------------------------------------
 
-// In quotes, which are doubled within.
-static void put_csv_words(FILE *file, const char *text)
+static void print_csv(const void *context, FILE *file)
 {
-    fputc('"', file);
-    for (; *text; text++) {
-        if (*text == '"')
-            fputc('"', file);
-        fputc(*text, file);
-    }
-    fputs("\",", file);
-}
-
-static void print_csv(const struct converge *c, FILE *file)
-{
+    const struct converge *c = context;
     fprintf(file, "scene,curve,replicate,spp,seconds");
     for (int m = 0; m < CONVERGE_METRICS; m++)
         fprintf(file, ",%s", converge_metric_names[m]);
@@ -157,30 +147,16 @@ static void print_csv(const struct converge *c, FILE *file)
             for (uint32_t p = 0; p < c->point_count; p++) {
                 const struct converge_curve *curve = &c->curves[i];
                 const struct converge_sample *s = converge_at(c, curve, r, p);
-                put_csv_words(file, curve->scene_data.path);
-                put_csv_words(file, curve->variant.label);
-                fprintf(file, "%u,%" PRIu64 ",%.9g", r, s->spp, s->seconds);
-                for (int m = 0; m < CONVERGE_METRICS; m++)
-                    if (isnan(s->metric[m]))
-                        fputc(',', file);
-                    else
-                        fprintf(file, ",%.9g", s->metric[m]);
+                csv_words(file, curve->scene_data.path);
+                fputc(',', file);
+                csv_words(file, curve->variant.label);
+                fprintf(file, ",%u,%" PRIu64 ",%.9g", r, s->spp, s->seconds);
+                for (int m = 0; m < CONVERGE_METRICS; m++) {
+                    fputc(',', file);
+                    csv_number(file, s->metric[m]);
+                }
                 fputc('\n', file);
             }
-}
-
-static bool write_csv(const struct converge *c, const char *path, struct err *err)
-{
-    char *text = NULL;
-    size_t size = 0;
-    FILE *file = open_memstream(&text, &size);
-    if (!file)
-        return err_memory(err, "results.csv", 0);
-    print_csv(c, file);
-    bool ok = fclose(file) == 0 ? file_write_atomic(path, text, size, err)
-                                : err_memory(err, "results.csv", size);
-    free(text);
-    return ok;
 }
 
 static bool write_reference(struct converge *c, uint32_t scene, const char *folder, struct err *err)
@@ -234,6 +210,6 @@ bool converge_write(struct converge *c, const char *folder, struct err *err)
     if (!json || !csv)
         return err_memory(err, "file names", 0);
     return file_make_folder(folder, err) && json_write(result_json(c), json, err) &&
-           write_csv(c, csv, err) && converge_write_html(c, folder, err) &&
+           csv_write(csv, print_csv, c, err) && converge_write_html(c, folder, err) &&
            (!c->options->images || write_images(c, folder, err));
 }
