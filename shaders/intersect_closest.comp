@@ -9,8 +9,7 @@
 // The class that shades a primitive: beside its geometry stands its material word.
 uint hit_class(uint primitive)
 {
-    bool is_shape = (HAS(FEATURE_SPHERES) || HAS(FEATURE_DISCS)) &&
-                    (HAS(FEATURE_TRIANGLES) ? (primitive & PRIMITIVE_SHAPE) != 0u : true);
+    bool is_shape = IS_SHAPE(primitive);
     uint word = 0u;
     if (HAS(FEATURE_TRIANGLES) && !is_shape)
         word = load_triangles(primitive * 3u + 1u).w;

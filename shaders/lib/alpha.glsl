@@ -12,8 +12,7 @@ float alpha_at(uint primitive, vec2 barycentrics, vec3 point, uint material_word
     surface s;
     s.uv0 = s.uv1 = vec2(0.0);
     s.color = vec4(1.0);
-    bool is_shape = (HAS(FEATURE_SPHERES) || HAS(FEATURE_DISCS)) &&
-                    (HAS(FEATURE_TRIANGLES) ? (primitive & PRIMITIVE_SHAPE) != 0u : true);
+    bool is_shape = IS_SHAPE(primitive);
     if (HAS(FEATURE_TRIANGLES) && !is_shape)
         load_corner_attributes(primitive, barycentrics, s);
     if (HAS(FEATURE_TEXTURES) && is_shape)

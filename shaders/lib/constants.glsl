@@ -26,9 +26,13 @@ layout(constant_id = CONSTANT_MIS) const uint MIS = MIS_POWER;
 layout(constant_id = CONSTANT_DIRECTIONS) const uint DIRECTIONS = DIRECTIONS_BSDF;
 layout(constant_id = CONSTANT_ROULETTE) const uint ROULETTE = ROULETTE_THROUGHPUT;
 layout(constant_id = CONSTANT_NODES) const uint NODES = NODES_QUANTISED;
+layout(constant_id = CONSTANT_GEOMETRY) const uint GEOMETRY = 0u;
+layout(constant_id = CONSTANT_SDF) const uint SDF = 0u;
 
 // Constant-folded: an absent feature's code is gone.
 #define HAS(feature) ((FEATURES & (feature)) != 0u)
+#define HAS_GEOMETRY(geometry) ((GEOMETRY & (geometry)) != 0u)
+#define HAS_SDF(operation) ((SDF & (operation)) != 0u)
 #define HAS_LOBE(lobe) ((LOBES & (lobe)) != 0u)
 #define HAS_EMITTER(emitters) ((EMITTERS & (emitters)) != 0u)
 #define HAS_AOV(aovs) ((AOVS & (aovs)) != 0u)

@@ -11,20 +11,9 @@
 #include "lib/profile.glsl"
 #include "lib/random.glsl"
 #include "lib/sampling.glsl"
+#include "lib/shape_light.glsl"
 #include "lib/sun.glsl"
 #include "lib/surface.glsl"
-
-struct light_sample {
-    vec3 to_light;  // from the reference point to the sampled one
-    float pdf;      // per solid angle at the reference point, the choice of the emitter included
-    vec3 radiance;
-    uint primitive;
-    bool delta; // without extent: nothing else finds it, so that its weight is 1; `radiance` is the
-                // irradiance of a surface that faces it, and `pdf` that of the choice alone
-    bool infinite;     // infinitely far, whatever the length of to_light
-    uint material;     // word of a primitive's
-    vec2 barycentrics; // of the point on a triangle
-};
 
 // How far the sampled point is, for what is lost on the way.
 float light_distance(light_sample l)
@@ -39,25 +28,6 @@ struct light_choice {
     uint primitive;
     float pick;
 };
-
-// 1 - cos of the half-angle under which a sphere is seen, from sin^2 of it; does not cancel.
-float sphere_cone(float sin2_max)
-{
-    return sin2_max / (1.0 + sqrt(max(0.0, 1.0 - sin2_max)));
-}
-
-// Density per solid angle of a direction that reaches a sphere from outside it: uniform in the
-// cone.
-float pdf_sphere_cone(float radius, float sin2_max, float pick_density)
-{
-    float pick = pick_density * 4.0 * PI * radius * radius;
-    return pick / (2.0 * PI * sphere_cone(sin2_max));
-}
-
-float pdf_area_to_solid_angle(float density, float distance, float cos_light)
-{
-    return cos_light > 0.0 ? density * distance * distance / cos_light : 0.0;
-}
 
 // Density per solid angle with which sample_light() would have chosen the unit `direction` from
 // `origin`, given the surface that it hits at `distance`.
@@ -78,23 +48,6 @@ float triangle_area(vec3 v0, vec3 v1, vec3 v2)
     return 0.5 * length(cross(v1 - v0, v2 - v0));
 }
 
-float shape_area(uint kind, float radius)
-{
-    return (kind == SHAPE_KIND_SPHERE ? 4.0 : 1.0) * PI * radius * radius;
-}
-
-// A point chosen uniformly by area: the vector to it and its surface normal give the density.
-// `density`: of choosing the emitter and a point on it, a unit area. By power it is the same for
-// all of one material, so that no lookup is needed to weight a hit.
-void finish_area_sample(inout light_sample l, vec3 to_light, vec3 normal, material m, float density)
-{
-    float distance = length(to_light);
-    float cos_light = abs(dot(to_light, normal)) / distance;
-    l.to_light = to_light;
-    l.pdf = pdf_area_to_solid_angle(density, distance, cos_light);
-    l.radiance = m.group[GROUP_EMISSION].rgb;
-}
-
 void sample_triangle_light(vec3 origin, uint index, float pick, vec2 u, inout light_sample l)
 {
     vec3 v0 = load_triangles_float(index * 3u).xyz;
@@ -110,52 +63,6 @@ void sample_triangle_light(vec3 origin, uint index, float pick, vec2 u, inout li
     if (LIGHT_CHOICE != LIGHT_CHOICE_POWER)
         density = pick / triangle_area(v0, v1, v2);
     finish_area_sample(l, point - origin, normalize(cross(v1 - v0, v2 - v0)), m, density);
-}
-
-// From outside uniformly in the cone that the sphere fills, to its near side; from inside by area.
-void sample_sphere_light(vec3 origin, vec3 center, float radius, material m, float density, vec2 u,
-                         inout light_sample l)
-{
-    vec3 to_center = center - origin;
-    float distance2 = dot(to_center, to_center);
-    float sin2_max = radius * radius / distance2;
-    if (sin2_max < 1.0) {
-        float distance = sqrt(distance2);
-        float one_minus_cos = u.x * sphere_cone(sin2_max);
-        float cos_theta = 1.0 - one_minus_cos;
-        float sin2_theta = one_minus_cos * (2.0 - one_minus_cos);
-        float angle = 2.0 * PI * u.y;
-        vec3 local = vec3(sqrt(sin2_theta) * vec2(cos(angle), sin(angle)), cos_theta);
-        float half_chord = sqrt(max(0.0, radius * radius - distance2 * sin2_theta));
-        l.to_light = basis_around(to_center / distance) * local *
-                     (distance * cos_theta - half_chord);
-        l.pdf = pdf_sphere_cone(radius, sin2_max, density);
-        l.radiance = m.group[GROUP_EMISSION].rgb;
-    } else {
-        vec3 normal = sample_sphere(u);
-        finish_area_sample(l, to_center + radius * normal, normal, m, density);
-    }
-}
-
-void sample_shape_light(vec3 origin, uint index, float pick, vec2 u, inout light_sample l)
-{
-    vec4 w0 = load_shapes_float(index * SHAPE_WORDS);
-    uvec4 w1 = load_shapes(index * SHAPE_WORDS + 1u);
-    uint kind = w1.w >> SHAPE_KIND_SHIFT;
-    material m = load_material(w1.w);
-    float density = m.group[GROUP_EMISSION].a;
-    if (LIGHT_CHOICE != LIGHT_CHOICE_POWER)
-        density = pick / shape_area(kind, w0.w);
-    l.material = w1.w;
-    if (HAS_EMITTER(EMITTER_SPHERES) && kind == SHAPE_KIND_SPHERE)
-        sample_sphere_light(origin, w0.xyz, w0.w, m, density, u, l);
-    if (HAS_EMITTER(EMITTER_DISCS) && kind == SHAPE_KIND_DISC) {
-        vec3 normal = uintBitsToFloat(w1.xyz);
-        vec2 d = w0.w * sample_disc(u);
-        mat3 basis = basis_around(normal);
-        finish_area_sample(l, w0.xyz + basis[0] * d.x + basis[1] * d.y - origin, normal, m,
-                           density);
-    }
 }
 
 // What textures leave of a sampled primitive's emission, and whether it is there at all: on
@@ -338,8 +245,7 @@ bool is_lit_from_both_sides(uint material)
 // Where a ray comes from, as a receiver: by the primitive that it starts on.
 receiver receiver_of(vec3 origin, vec3 direction, uint primitive)
 {
-    bool is_shape = (HAS(FEATURE_SPHERES) || HAS(FEATURE_DISCS)) &&
-                    (HAS(FEATURE_TRIANGLES) ? (primitive & PRIMITIVE_SHAPE) != 0u : true);
+    bool is_shape = IS_SHAPE(primitive);
     vec3 normal = vec3(0.0);
     uint material = 0u;
     if (HAS(FEATURE_TRIANGLES) && !is_shape) {
@@ -353,7 +259,7 @@ receiver receiver_of(vec3 origin, vec3 direction, uint primitive)
     if (is_shape) {
         uint at = (primitive & ~PRIMITIVE_SHAPE) * SHAPE_WORDS;
         uvec4 w1 = load_shapes(at + 1u);
-        bool is_sphere = HAS(FEATURE_SPHERES) && w1.w >> SHAPE_KIND_SHIFT == SHAPE_KIND_SPHERE;
+        bool is_sphere = IS_KIND(w1.w >> SHAPE_KIND_SHIFT, SHAPE_KIND_SPHERE);
         normal = uintBitsToFloat(w1.xyz);
         if (is_sphere)
             normal = normalize(origin - load_shapes_float(at).xyz);

@@ -5,26 +5,8 @@
 #include "lib/attributes.glsl"
 #include "lib/constants.glsl"
 #include "lib/sampling.glsl"
-
-// Whether shading asks for tangents.
-#define HAS_TANGENT (HAS(FEATURE_NORMAL_MAPS) || HAS_LOBE(LOBE_ANISOTROPIC))
-
-struct surface {
-    vec3 position;
-    vec3 error;            // bound of the position's rounding, per component
-    vec3 normal_geometric; // unit, towards the ray's origin
-    vec3 normal_shading;   // unit, on the same side
-    uint material;         // word
-    float radius; // of a sphere; 0 otherwise
-    vec3 center;  // of a sphere
-    bool front;   // seen from where corners run counter-clockwise, or from outside
-    // With HAS_TANGENT: unit, not always orthogonal to the shading normal, and the sign of the
-    // bitangent sign * cross(normal_shading, tangent). Turned round together with that normal, so
-    // that what a normal map says of the one side holds for the other.
-    vec4 tangent;
-    vec2 uv0, uv1; // with FEATURE_TEXTURES
-    vec4 color;    // with FEATURE_COLORS
-};
+#include "lib/shape_surface.glsl"
+#include "lib/surface_types.glsl"
 
 // Octahedral decoding (Cigolle et al. 2014, "A Survey of Efficient Representations for Independent
 // Unit Vectors", listing 2).
@@ -116,85 +98,10 @@ surface load_triangle_surface(uint index, vec2 uv)
     return s;
 }
 
-// Texture coordinates of a sphere, of the direction from its centre: the picture goes round it once
-// and reads from outside; its middle faces +z of the world, its top +y.
-vec2 sphere_uv(vec3 n)
-{
-    float u = 0.5 + atan(n.x, n.z) * (0.5 * INV_PI);
-    return vec2(n.x == 0.0 && n.z == 0.0 ? 0.5 : u, atan(length(n.xz), n.y) * INV_PI);
-}
-
-// Towards growing u; any direction at the poles, where that is none.
-vec3 sphere_tangent(vec3 n)
-{
-    float across = length(n.xz);
-    return across > 0.0 ? vec3(n.z, 0.0, -n.x) / across : vec3(1.0, 0.0, 0.0);
-}
-
-// Texture coordinates of a disc: the picture's largest circle, its axes those of basis_around().
-vec2 disc_uv(mat3 basis, vec3 from_center, float radius)
-{
-    return 0.5 + 0.5 / radius * vec2(dot(from_center, basis[0]), -dot(from_center, basis[1]));
-}
-
-// Shapes have one set of texture coordinates, and no colours.
-void load_shape_attributes(inout surface s, uint kind, float radius)
-{
-    s.uv0 = vec2(0.0);
-    s.color = vec4(1.0);
-    s.tangent = vec4(0.0);
-    if (HAS(FEATURE_SPHERES) && kind == SHAPE_KIND_SPHERE) {
-        if (HAS(FEATURE_TEXTURES))
-            s.uv0 = sphere_uv(s.normal_geometric);
-        if (HAS_TANGENT)
-            s.tangent = vec4(sphere_tangent(s.normal_geometric), 1.0);
-    }
-    if (HAS(FEATURE_DISCS) && kind == SHAPE_KIND_DISC) {
-        mat3 basis = basis_around(s.normal_geometric);
-        if (HAS(FEATURE_TEXTURES))
-            s.uv0 = disc_uv(basis, s.position - s.center, radius);
-        if (HAS_TANGENT)
-            s.tangent = vec4(basis[0], 1.0);
-    }
-    s.uv1 = s.uv0;
-}
-
-surface load_shape_surface(uint index, vec3 point)
-{
-    vec4 w0 = load_shapes_float(index * SHAPE_WORDS);
-    uvec4 w1 = load_shapes(index * SHAPE_WORDS + 1u);
-    uint kind = w1.w >> SHAPE_KIND_SHIFT;
-    vec3 center = w0.xyz;
-    float radius = w0.w;
-
-    surface s;
-    s.material = w1.w;
-    s.center = center;
-    if (HAS(FEATURE_SPHERES) && kind == SHAPE_KIND_SPHERE) {
-        // Projected back onto the sphere: what is left is the rounding of normalize (4), scaling
-        // and addition.
-        s.normal_geometric = normalize(point - center);
-        s.position = center + radius * s.normal_geometric;
-        s.error = GAMMA(7) * (abs(center) + radius * abs(s.normal_geometric));
-        s.radius = radius;
-    }
-    if (HAS(FEATURE_DISCS) && kind == SHAPE_KIND_DISC) {
-        s.normal_geometric = uintBitsToFloat(w1.xyz);
-        vec3 height = dot(point - center, s.normal_geometric) * s.normal_geometric;
-        s.position = point - height;
-        s.error = GAMMA(7) * (abs(point) + abs(center) + abs(height));
-        s.radius = 0.0;
-    }
-    s.normal_shading = s.normal_geometric;
-    load_shape_attributes(s, kind, radius);
-    return s;
-}
-
 surface load_surface(vec3 origin, vec3 direction, vec4 hit)
 {
     uint primitive = floatBitsToUint(hit.w);
-    bool is_shape = (HAS(FEATURE_SPHERES) || HAS(FEATURE_DISCS)) &&
-                    (HAS(FEATURE_TRIANGLES) ? (primitive & PRIMITIVE_SHAPE) != 0u : true);
+    bool is_shape = IS_SHAPE(primitive);
     surface s;
     if (HAS(FEATURE_TRIANGLES) && !is_shape)
         s = load_triangle_surface(primitive, hit.yz);

@@ -21,6 +21,7 @@ void suspend(uint slot, trace_state state, trace_hit hit)
     suspended_words[base + 4u] = floatBitsToUint(hit.uv.y);
     suspended_words[base + 5u] = hit.primitive;
     suspended_words[base + 6u] = hit.id;
+    suspended_words[base + 7u] = floatBitsToUint(state.march);
     for (uint i = 0u; i < state.depth; i++)
         suspended_words[base + SUSPENDED_HEADER + i] = stack[i];
 }
@@ -28,7 +29,8 @@ void suspend(uint slot, trace_state state, trace_hit hit)
 void resume(uint slot, out trace_state state, out trace_hit hit)
 {
     uint base = slot * SUSPENDED_STRIDE;
-    state = trace_state(suspended_words[base + 0u], suspended_words[base + 1u]);
+    state = trace_state(suspended_words[base + 0u], suspended_words[base + 1u],
+                        uintBitsToFloat(suspended_words[base + 7u]));
     hit = trace_hit(uintBitsToFloat(suspended_words[base + 2u]),
                     vec2(uintBitsToFloat(suspended_words[base + 3u]),
                          uintBitsToFloat(suspended_words[base + 4u])),

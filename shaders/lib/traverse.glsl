@@ -5,16 +5,10 @@
 
 #include "lib/alpha.glsl"
 #include "lib/bvh_node.glsl"
-#include "lib/intersect_shape.glsl"
 #include "lib/intersect_triangle.glsl"
+#include "lib/shape_leaf.glsl"
 #include "lib/steps.glsl"
-
-struct trace_ray {
-    vec3 origin;
-    vec3 direction;
-    uint ignore_a, ignore_b; // primitive words: where it starts, and what it is sent to
-    uvec4 alpha; // what decides whether it meets surfaces that are not everywhere there
-};
+#include "lib/trace_types.glsl"
 
 // The plane of the triangle that a ray starts on. Its coplanar neighbours cannot be hit either:
 // their distance is 0 and must not become more by rounding, which is some epsilon times the
@@ -45,17 +39,12 @@ bool in_plane(left_plane plane, vec3 origin, vec3 corner)
     return abs(height) <= GAMMA(16) * dot(abs(plane.normal), abs(corner) + abs(origin));
 }
 
-struct trace_hit {
-    float t;        // distance so far, in units of the direction's length
-    vec2 uv;
-    uint primitive; // NO_PRIMITIVE: none
-    uint id;        // decides between equal distances, so that the BVH's shape does not
-};
-
 // What a traversal is in the middle of.
 struct trace_state {
     uint current; // node, or leaf word, or BVH_EMPTY: done
     uint depth;   // entries on the stack, the sentinel included
+    float march;  // how far the ray has got through the distance field of the leaf in hand; 0: not
+                  // begun
 };
 
 uint stack[STACK_ENTRIES + 2u]; // the sentinel, and one that a branch-free push may overwrite
@@ -63,16 +52,7 @@ uint stack[STACK_ENTRIES + 2u]; // the sentinel, and one that a branch-free push
 void trace_begin(out trace_state state)
 {
     stack[0] = BVH_EMPTY;
-    state = trace_state(0u, 1u);
-}
-
-void accept_hit(inout trace_hit best, bool hit, float t, vec2 uv, uint primitive, uint id)
-{
-    bool nearer = hit && t > 0.0 && (t < best.t || (t == best.t && id < best.id));
-    best.t = nearer ? t : best.t;
-    best.uv = nearer ? uv : best.uv;
-    best.primitive = nearer ? primitive : best.primitive;
-    best.id = nearer ? id : best.id;
+    state = trace_state(0u, 1u, 0.0);
 }
 
 void intersect_triangle_leaf(trace_ray ray, triangle_frame frame, left_plane plane, uint index,
@@ -93,42 +73,6 @@ void intersect_triangle_leaf(trace_ray ray, triangle_frame frame, left_plane pla
     if (HAS(FEATURE_ALPHA) && hit && t > 0.0 && t <= best.t && (w1.w & MATERIAL_WORD_ALPHA) != 0u)
         hit = alpha_passes(index, uv, vec3(0.0), w1.w, w0.w, ray.alpha);
     accept_hit(best, hit, t, uv, index, w0.w);
-}
-
-// The distance at which a shape that is not everywhere there is met: where a ray passes a sphere's
-// near side it may meet the far one, another place of decision. Negative: nowhere.
-float shape_hit_there(trace_ray ray, vec3 center, uint kind, uint primitive, uint word, float t)
-{
-    const uint far_side = 0x80000000u;
-    vec3 point = ray.origin + t * ray.direction;
-    if (!(t > 0.0) || alpha_passes(primitive, vec2(0.0), point, word, primitive, ray.alpha))
-        return t;
-    if (!HAS(FEATURE_SPHERES) || kind != SHAPE_KIND_SPHERE || primitive == ray.ignore_a)
-        return -1.0;
-    // The roots' sum is twice the distance of the point nearest to the centre.
-    float length2 = dot(ray.direction, ray.direction);
-    float far = 2.0 * dot(center - ray.origin, ray.direction) / length2 - t;
-    point = ray.origin + far * ray.direction;
-    bool there = far > t && alpha_passes(primitive, vec2(0.0), point, word, primitive | far_side,
-                                         ray.alpha);
-    return there ? far : -1.0;
-}
-
-void intersect_shape_leaf(trace_ray ray, uint index, inout trace_hit best)
-{
-    vec4 w0 = load_shapes_float(index * SHAPE_WORDS);
-    uvec4 w1 = load_shapes(index * SHAPE_WORDS + 1u);
-    uint kind = w1.w >> SHAPE_KIND_SHIFT;
-    uint primitive = PRIMITIVE_SHAPE | index;
-    float t = -1.0;
-    if (HAS(FEATURE_SPHERES) && kind == SHAPE_KIND_SPHERE && primitive != ray.ignore_b)
-        t = intersect_sphere(ray.origin, ray.direction, w0.xyz, w0.w, primitive == ray.ignore_a);
-    if (HAS(FEATURE_DISCS) && kind == SHAPE_KIND_DISC && primitive != ray.ignore_a &&
-        primitive != ray.ignore_b)
-        t = intersect_disc(ray.origin, ray.direction, w0.xyz, uintBitsToFloat(w1.xyz), w0.w);
-    if (HAS(FEATURE_ALPHA) && (w1.w & MATERIAL_WORD_ALPHA) != 0u)
-        t = shape_hit_there(ray, w0.xyz, kind, primitive, w1.w, t);
-    accept_hit(best, true, t, vec2(0.0), primitive, primitive);
 }
 
 // Chooses the next node among the children that the ray enters and pushes the others. `keys` are
@@ -182,6 +126,7 @@ void trace(trace_ray ray, inout trace_state state, inout trace_hit best, inout u
     left_plane plane = load_left_plane(ray.ignore_a);
     uint current = state.current;
     uint depth = state.depth;
+    float march = state.march;
     while (current != BVH_EMPTY && iterations < ITERATION_BUDGET) {
         while (current < BVH_LEAF && iterations < ITERATION_BUDGET) {
             iterations++;
@@ -198,22 +143,23 @@ void trace(trace_ray ray, inout trace_state state, inout trace_hit best, inout u
                 steps.primitives++;
             uint top = stack[depth - 1u];
             uint index = current & BVH_LEAF_INDEX;
-            bool is_shape = (HAS(FEATURE_SPHERES) || HAS(FEATURE_DISCS)) &&
-                            (HAS(FEATURE_TRIANGLES) ? (current & BVH_LEAF_SHAPE) != 0u : true);
+            bool is_shape = IS_SHAPE(current);
             if (HAS(FEATURE_TRIANGLES) && !is_shape)
                 intersect_triangle_leaf(ray, frame, plane, index, best);
+            bool leaf_done = true;
             if (is_shape)
-                intersect_shape_leaf(ray, index, best);
+                leaf_done = intersect_shape_leaf(ray, index, march, iterations, best);
             // One triangle a round: lanes with one-triangle leaves do not wait for the others.
             bool more = (current & BVH_LEAF_TWO) != 0u;
-            current = more ? (current & ~BVH_LEAF_TWO) + 1u : top;
-            depth -= more ? 0u : 1u;
+            uint next = more ? (current & ~BVH_LEAF_TWO) + 1u : top;
+            current = leaf_done ? next : current;
+            depth -= more || !leaf_done ? 0u : 1u;
 #ifdef ANY_HIT
             current = best.primitive != NO_PRIMITIVE ? BVH_EMPTY : current;
 #endif
         }
     }
-    state = trace_state(current, depth);
+    state = trace_state(current, depth, march);
 }
 
 #endif

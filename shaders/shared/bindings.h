@@ -49,13 +49,13 @@
 #define CONSTANT_DIRECTIONS 17
 #define CONSTANT_ROULETTE 18
 #define CONSTANT_NODES 19
-#define CONSTANT_COUNT 20
+#define CONSTANT_GEOMETRY 20 // GEOMETRY_*
+#define CONSTANT_SDF 21      // SDF_*: operations that the scene's distance fields are made of
+#define CONSTANT_COUNT 22
 
 // What a (scene, settings, device) needs. Kernels test these bits of one specialization constant,
 // so that what is not needed is not in the code.
 #define FEATURE_TRIANGLES (1u << 0)
-#define FEATURE_SPHERES (1u << 1)
-#define FEATURE_DISCS (1u << 2)
 #define FEATURE_NORMALS (1u << 3)             // interpolated shading normals
 #define FEATURE_LENS (1u << 4)                // camera rays begin all over an aperture
 #define FEATURE_CLASSES (1u << 5)             // surface hits are sorted by class
@@ -89,6 +89,21 @@
 #define FEATURE_NORMAL_MAPS (1u << 29)
 #define FEATURE_TILES (1u << 30) // tiles of the picture have sample counts of their own
 
+// What else than triangles rays may meet.
+#define GEOMETRY_SPHERES (1u << 0)
+#define GEOMETRY_DISCS (1u << 1)
+#define GEOMETRY_PLANES (1u << 2)
+#define GEOMETRY_QUADS (1u << 3)
+#define GEOMETRY_BOXES (1u << 4)
+#define GEOMETRY_CYLINDERS (1u << 5) // closed
+#define GEOMETRY_TUBES (1u << 6)     // cylinders without caps
+#define GEOMETRY_SDFS (1u << 7)      // signed distance fields
+#define GEOMETRY_SHAPES ((1u << 8) - 1u)
+#define GEOMETRY_LARGE_SPHERES (1u << 8) // whose equation needs more digits than a float has
+#define GEOMETRY_INSTANCES (1u << 9)     // of meshes with a BVH of their own
+#define GEOMETRY_DUPLICATES (1u << 10)   // some triangle stands in more than one leaf
+#define GEOMETRY_END (1u << 11)
+
 // What emits and is connected to.
 #define EMITTER_TRIANGLES (1u << 0)
 #define EMITTER_SPHERES (1u << 1)
@@ -97,7 +112,13 @@
 #define EMITTER_SUNS (1u << 4)        // directional lights with an angular diameter
 #define EMITTER_PROFILES (1u << 5)    // lights without extent have profiles
 #define EMITTER_ENVIRONMENT (1u << 6) // its image
-#define EMITTERS_SHAPES (EMITTER_SPHERES | EMITTER_DISCS)
+#define EMITTER_QUADS (1u << 7)
+#define EMITTER_BOXES (1u << 8)
+#define EMITTER_CYLINDERS (1u << 9)
+#define EMITTER_TUBES (1u << 10)
+#define EMITTERS_SHAPES                                                                            \
+    (EMITTER_SPHERES | EMITTER_DISCS | EMITTER_QUADS | EMITTER_BOXES | EMITTER_CYLINDERS |         \
+     EMITTER_TUBES)
 #define EMITTERS_LIGHTS (EMITTER_LIGHTS | EMITTER_SUNS)
 #define EMITTERS_ALL                                                                               \
     (EMITTER_TRIANGLES | EMITTERS_SHAPES | EMITTERS_LIGHTS | EMITTER_PROFILES |                    \

@@ -50,19 +50,48 @@ SHARED_STATIC_ASSERT_SIZE(gpu_triangle, 48);
 //   FEATURE_UV1       2: the same
 //   FEATURE_COLORS    2: RGBA of three corners as halves (2 uints each); 0, 0
 
+// Bit n of GEOMETRY_* stands for kind n.
 #define SHAPE_KIND_SPHERE 0u
 #define SHAPE_KIND_DISC 1u
+#define SHAPE_KIND_PLANE 2u // without end
+#define SHAPE_KIND_QUAD 3u  // a parallelogram
+#define SHAPE_KIND_BOX 4u   // with right angles, turned any way
+#define SHAPE_KIND_CYLINDER 5u
+#define SHAPE_KIND_TUBE 6u
+#define SHAPE_KIND_SDF 7u
+#define SHAPE_KIND_BIT(kind) (1u << (kind))
 struct gpu_shape {
-    float center[3];
-    float radius;
-    float normal[3];
+    float center[3]; // plane: a point of it; distance field: of its box
+    float radius;    // box: half of its edge along cross(axis, other)
+    float axis[3];   // disc, plane: unit normal; quad, box: half an edge; cylinder, tube: from the
+                     // centre to an end
     uint kind_material; // kind in bits 28-31, a material word below
     uint emitter;       // as of triangles
-    uint align_shape[3];
+    float other[3];     // quad, box: half of another edge; plane, cylinder, tube: a unit vector at
+                        // right angles to the axis, where u is 0; distance field: as bits of the
+                        // first, its number
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_shape, 48);
 #define SHAPE_WORDS 3
 #define SHAPE_KIND_SHIFT 28
+
+// The shapes' buffer: struct gpu_shape, then at frame.instances struct gpu_instance, then at
+// frame.sdfs struct gpu_sdf, then at frame.sdf_code the words of their programs (shared/sdf.h).
+
+// A placed mesh that has a BVH of its own, among the BVH's nodes.
+struct gpu_instance {
+    float to_object[3][4];
+    float to_world[3][4];
+    uint root;     // node
+    uint material; // word, in place of the triangles' own; or NO_MATERIAL
+    uint id;       // of the flat scene: decides between hits at equal distance, before triangles' ids
+    uint flags;    // INSTANCE_*
+};
+SHARED_STATIC_ASSERT_SIZE(gpu_instance, 112);
+#define INSTANCE_WORDS 7
+#define INSTANCE_MIRRORED 1u // the transform turns the winding round
+#define NO_MATERIAL 0xffffffffu
+#define NO_INSTANCE 0xffffffffu
 
 // A material word: index, class, and whether the surface may be not there.
 #define MATERIAL_INDEX_MASK 0x00ffffffu
@@ -347,7 +376,11 @@ struct gpu_frame {
     float environment_reach; // the length of shadow rays to it
     VEC3(ambient);            // INTEGRATOR_WHITTED: what is around the scene, on average
     uint pending_rays;        // of INTEGRATOR_WHITTED: entries of a slot's stack
+    uint instances;           // words of four at which sections of the shapes' buffer begin
+    uint sdfs;
+    uint sdf_code;
+    uint align_frame;
 };
-SHARED_STATIC_ASSERT_SIZE(gpu_frame, 176);
+SHARED_STATIC_ASSERT_SIZE(gpu_frame, 192);
 
 #endif

@@ -1,6 +1,7 @@
 // `lampyris info`: what is in a scene, what rendering it will need, and what it will take.
 #include "commands.h"
 
+#include "geometry.h"
 #include "json_out.h"
 #include "render_job.h"
 #include "shared/types.h"
@@ -75,8 +76,11 @@ static void print_text(const struct info *info)
            flat->bounds_min[1], flat->bounds_min[2], flat->bounds_max[0], flat->bounds_max[1],
            flat->bounds_max[2], flat->origin[0], flat->origin[1], flat->origin[2]);
     print_materials(scene);
-    printf("emitters  %u triangles, %u spheres, %u discs\n", info->emitters.triangles,
-           info->emitters.spheres, info->emitters.discs);
+    printf("emitters  %u triangles", info->emitters.triangles);
+    for (uint32_t kind = 0; kind < SHAPE_KIND_COUNT; kind++)
+        if (info->emitters.shapes[kind])
+            printf(", %u %s", info->emitters.shapes[kind], geometry_name(1u << kind));
+    putchar('\n');
     if (scene->light_count > 0)
         printf("lights    %u point, %u spot, %u directional\n", count_lights(scene, LIGHT_POINT),
                count_lights(scene, LIGHT_SPOT), count_lights(scene, LIGHT_DIRECTIONAL));
@@ -111,6 +115,9 @@ static void print_text(const struct info *info)
         if (name && (info->specialization.features >> bit & 1u))
             printf(" [%s]", name);
     }
+    for (uint32_t bit = 1; bit < GEOMETRY_END; bit <<= 1)
+        if (info->specialization.geometry & bit)
+            printf(" [%s]", geometry_name(bit));
     putchar('\n');
 }
 
@@ -132,6 +139,14 @@ static int print_json(const struct info *info)
         if (name)
             json_array_append_new(kept ? features : left_out, json_string(name));
     }
+    for (uint32_t bit = 1; bit < GEOMETRY_END; bit <<= 1)
+        json_array_append_new(info->specialization.geometry & bit ? features : left_out,
+                              json_string(geometry_name(bit)));
+    json_t *emitters = json_pack("{s:i}", "triangles", info->emitters.triangles);
+    for (uint32_t kind = 0; kind < SHAPE_KIND_COUNT; kind++)
+        if (shape_is_emitter(kind))
+            json_object_set_new(emitters, geometry_name(1u << kind),
+                                json_integer(info->emitters.shapes[kind]));
     json_t *models = json_object(), *notes = json_array();
     for (uint32_t model = 0; model < MATERIAL_MODEL_COUNT; model++)
         json_object_set_new(models, material_model_names[model],
@@ -139,34 +154,39 @@ static int print_json(const struct info *info)
     for (uint32_t i = 0; i < scene->note_count; i++)
         json_array_append_new(notes, json_words(scene->notes[i]));
     return json_print(json_pack(
-        "{s:o, s:i, s:i, s:i, s:i, s:i, s:o, s:i, s:i, s:i, s:i, s:{s:i, s:i, s:i}, s:{s:i, s:i, "
+        "{s:o, s:i, s:i, s:i, s:i, s:i, s:o, s:i, s:i, s:i, s:i, s:o, s:{s:i, s:i, "
         "s:i}, s:i, s:o, s:{s:i, s:i, s:f, "
         "s:I, s:f}, s:{s:o, s:o}, s:{s:I, s:o}, s:i, s:i, s:o}",
         "scene", json_words(scene->path), "triangles", flat->triangle_count, "shapes",
         flat->shape_count, "meshes", scene->mesh_count, "instances", scene->instance_count,
         "materials", scene->material_count, "models", models, "textures", scene->texture_count,
         "images", scene->image_count, "dropped_degenerate", flat->dropped_degenerate,
-        "skipped_instances", flat->skipped_instances, "emitters", "triangles",
-        info->emitters.triangles, "spheres", info->emitters.spheres, "discs", info->emitters.discs,
-        "lights", "point", count_lights(scene, LIGHT_POINT), "spot",
-        count_lights(scene, LIGHT_SPOT), "directional", count_lights(scene, LIGHT_DIRECTIONAL),
-        "cameras", scene->camera_count, "notes", notes, "bvh", "nodes", b->node_count, "depth",
-        b->depth, "sah_cost", b->sah_cost, "bytes", (json_int_t)b->bytes, "build_seconds",
-        b->build_seconds, "features", "kept", features, "left_out", left_out, "memory",
-        "device_bytes", (json_int_t)info->plan.total_bytes, "buffers", buffers, "wave",
-        info->plan.wave_slots, "workgroup", info->specialization.workgroup, "tuned",
-        tuned_json(info->options, &info->gpu)));
+        "skipped_instances", flat->skipped_instances, "emitters", emitters, "lights", "point",
+        count_lights(scene, LIGHT_POINT), "spot", count_lights(scene, LIGHT_SPOT), "directional",
+        count_lights(scene, LIGHT_DIRECTIONAL), "cameras", scene->camera_count, "notes", notes,
+        "bvh", "nodes", b->node_count, "depth", b->depth, "sah_cost", b->sah_cost, "bytes",
+        (json_int_t)b->bytes, "build_seconds", b->build_seconds, "features", "kept", features,
+        "left_out", left_out, "memory", "device_bytes", (json_int_t)info->plan.total_bytes,
+        "buffers", buffers, "wave", info->plan.wave_slots, "workgroup",
+        info->specialization.workgroup, "tuned", tuned_json(info->options, &info->gpu)));
 }
 
 static bool gather(const struct options *options, struct info *info, struct err *err)
 {
     if (!job_load_scene(options, &info->scene, &info->camera, err) ||
-        !gpu_open(&options->gpu, &info->gpu, err) ||
-        !render_prepare(&info->scene, (struct bvh_method){options->bvh, options->node},
-                        options->progress, &info->scene.arena, &info->flat, &info->bvh, err))
+        !gpu_open(&options->gpu, &info->gpu, err))
         return false;
     const struct renderer_params sizes =
         job_renderer_params(options, &info->gpu, &info->scene, info->camera);
+    const struct geometry_params geometry = {
+        .scene = &info->scene,
+        .bvh = sizes.bvh,
+        .instancing = sizes.instancing,
+        .bvh_cache = sizes.bvh_cache,
+        .progress = options->progress,
+    };
+    if (!geometry_prepare(&geometry, &info->scene.arena, &info->flat, &info->bvh, err))
+        return false;
     info->specialization = specialize(&(struct specialize_params){
         .scene = &info->scene,
         .flat = &info->flat,

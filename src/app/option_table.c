@@ -529,16 +529,36 @@ const struct option_def option_table[OPTION_TOTAL] = {
                 "kernel of its own, or all by one. The picture is the same.", FIELD(classes),
     },
     [OPTION_BVH] = {
-        .name = "bvh", .argument = "sah|median|mean", .type = VALUE_CHOICE, .group = "Kernels",
+        .name = "bvh", .argument = "sah|median|mean|spatial", .type = VALUE_CHOICE, .group = "Kernels",
         .commands = FOR_SCENE, .fallback = "sah",
         .help = "How triangles are split into a hierarchy: by the surface area heuristic, at the "
-                "median, or at the mean of their centres. The picture is the same.", FIELD(bvh),
+                "median, or at the mean of their centres, or by the heuristic with triangles in "
+                "several boxes where that pays. The picture is the same.", FIELD(bvh),
     },
     [OPTION_NODE] = {
         .name = "node", .argument = "quantised|float", .type = VALUE_CHOICE, .group = "Kernels",
         .commands = FOR_SCENE, .fallback = "quantised",
         .help = "Boxes of the hierarchy in bytes (64 a node) or in floats (128). The picture is "
                 "the same.", FIELD(node),
+    },
+    [OPTION_BVH_OPTIMIZE] = {
+        .name = "bvh-optimize", .argument = "normal|off|long", .type = VALUE_CHOICE,
+        .group = "Kernels", .commands = FOR_SCENE, .fallback = "normal",
+        .help = "Move subtrees to better places once the hierarchy is built: for a bounded time, "
+                "not at all, or until nothing is gained. The picture is the same.",
+        FIELD(bvh_optimize),
+    },
+    [OPTION_BVH_CACHE] = {
+        .name = "bvh-cache", .argument = "DIR", .type = VALUE_TEXT, .group = "Kernels",
+        .commands = FOR_SCENE,
+        .help = "Keep hierarchies in this folder, by what they are built of, and take them from "
+                "there the next time.", FIELD(bvh_cache),
+    },
+    [OPTION_INSTANCES] = {
+        .name = "instances", .argument = "auto|on|off", .type = VALUE_CHOICE, .group = "Kernels",
+        .commands = FOR_SCENE, .fallback = "auto",
+        .help = "Keep a mesh once, with a hierarchy of its own, for all its instances: where that "
+                "pays, always, or never. Pictures differ by rounding only.", FIELD(instances),
     },
     [OPTION_NO_TEXEL] = {
         .name = "no-texel", .type = VALUE_FLAG, .group = "Fallbacks, for tests",

@@ -11,7 +11,8 @@
 
 _Static_assert(sizeof(enum tone_curve) == sizeof(unsigned) &&
                    sizeof(enum log_level) == sizeof(unsigned) &&
-                   sizeof(enum bvh_split) == sizeof(unsigned),
+                   sizeof(enum bvh_split) == sizeof(unsigned) &&
+                   sizeof(enum instancing) == sizeof(unsigned),
                "choices are stored as unsigned");
 
 static bool in_range(const struct option_def *def, double value, const char *text, struct err *err)

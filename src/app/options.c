@@ -342,6 +342,9 @@ bool option_is_setting(const struct option_def *def, const struct command *comma
     case OPTION_CLASSES:
     case OPTION_BVH:
     case OPTION_NODE:
+    case OPTION_BVH_OPTIMIZE:
+    case OPTION_BVH_CACHE:
+    case OPTION_INSTANCES:
         return true;
     default:
         return in_settings(def);

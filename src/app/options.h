@@ -7,6 +7,7 @@
 #include "bvh.h"
 #include "err.h"
 #include "error_map.h"
+#include "flatten.h"
 #include "gpu.h"
 #include "log.h"
 #include "progress.h"
@@ -101,6 +102,9 @@ enum option_id {
     OPTION_CLASSES,
     OPTION_BVH,
     OPTION_NODE,
+    OPTION_BVH_OPTIMIZE,
+    OPTION_BVH_CACHE,
+    OPTION_INSTANCES,
     OPTION_NO_TEXEL,
     OPTION_NO_BALLOT,
     OPTION_LIMIT_STORAGE_RANGE,
@@ -254,6 +258,9 @@ struct options {
     enum classes_option classes;
     enum bvh_split bvh;
     enum bvh_format node;
+    enum bvh_optimize bvh_optimize;
+    const char *bvh_cache; // folder; NULL: none
+    enum instancing instances;
     uint32_t pixel[2]; // the path to follow, where --pixel was given
     uint64_t sample;
 

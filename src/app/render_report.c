@@ -50,6 +50,8 @@ void report_each_feature(const struct renderer *r, report_feature_fn fn, void *c
         if (name)
             fn(context, r->specialization.features >> bit & 1u, "feature", name, 0);
     }
+    for (uint32_t bit = 1; bit < GEOMETRY_END; bit <<= 1)
+        fn(context, r->specialization.geometry & bit, "feature", geometry_name(bit), 0);
     for (int bit = 0; bit < 32; bit++) {
         const char *name = lobe_name(1u << bit);
         if (name)

@@ -12,14 +12,18 @@
 #include <stdint.h>
 
 // How primitives are split: by the binned surface area heuristic, at the median of their centres,
-// or at the mean; see bvh_build().
-enum bvh_split { BVH_SPLIT_SAH, BVH_SPLIT_MEDIAN, BVH_SPLIT_MEAN };
+// at the mean, or by the heuristic with triangles cut in two where that pays; see bvh_build().
+enum bvh_split { BVH_SPLIT_SAH, BVH_SPLIT_MEDIAN, BVH_SPLIT_MEAN, BVH_SPLIT_SPATIAL };
+// Whether subtrees are moved to better places afterwards: with a bound on the time, not at all, or
+// until nothing is gained any more. SAH and spatial only.
+enum bvh_optimize { BVH_OPTIMIZE_NORMAL, BVH_OPTIMIZE_OFF, BVH_OPTIMIZE_LONG };
 // What a node is: struct bvh_node or struct bvh_node_float.
 enum bvh_format { BVH_QUANTISED, BVH_FLOAT };
 
 struct bvh_method {
     enum bvh_split split;
     enum bvh_format format;
+    enum bvh_optimize optimize;
 };
 
 // A BVH4 node, one cache line. Child i's box is, in exact arithmetic,
@@ -48,8 +52,9 @@ _Static_assert(sizeof(struct bvh_node_float) == 128, "two cache lines");
 // Triangle leaves hold one or two consecutive entries of triangle_order; shape leaves one shape, by
 // its own index.
 #define BVH_LEAF 0x80000000u
-#define BVH_LEAF_SHAPE 0x40000000u // an analytic shape instead of triangles
-#define BVH_LEAF_TWO 0x20000000u   // two triangles, not one
+#define BVH_LEAF_SHAPE 0x40000000u                        // an analytic shape instead of triangles
+#define BVH_LEAF_TWO 0x20000000u                          // two triangles, not one
+#define BVH_LEAF_INSTANCE (BVH_LEAF_SHAPE | BVH_LEAF_TWO) // one instance, by its own index
 #define BVH_LEAF_INDEX 0x1fffffffu
 #define BVH_EMPTY 0xffffffffu
 
@@ -93,6 +98,8 @@ struct bvh_params {
     uint32_t triangle_count;
     const struct bvh_box *shape_boxes; // boxes of analytic shapes (conservative)
     uint32_t shape_count;
+    const struct bvh_box *instance_boxes; // of instances: leaves that lead to another tree
+    uint32_t instance_count;
     struct bvh_method method;
     unsigned threads;                // 0: all
     uint32_t max_leaf;               // triangles a leaf, 1 or 2; 0: 2

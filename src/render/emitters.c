@@ -10,6 +10,11 @@
 #include <math.h>
 #include <string.h>
 
+bool shape_is_emitter(uint32_t kind)
+{
+    return kind != SHAPE_PLANE && kind != SHAPE_SDF;
+}
+
 struct emitter_counts emitters_count(const struct scene *scene, const struct flat_scene *flat)
 {
     const struct environment *environment = &scene->environment;
@@ -25,20 +30,20 @@ struct emitter_counts emitters_count(const struct scene *scene, const struct fla
         counts.triangles +=
             mean_radiance(scene, &scene->materials[flat->triangles[i].material]) > 0.0;
     for (uint32_t i = 0; i < flat->shape_count; i++) {
-        if (!(mean_radiance(scene, &scene->materials[flat->shapes[i].material]) > 0.0))
-            continue;
-        if (flat->shapes[i].kind == SHAPE_SPHERE)
-            counts.spheres++;
-        else
-            counts.discs++;
+        uint32_t kind = flat->shapes[i].kind;
+        if (shape_is_emitter(kind) &&
+            mean_radiance(scene, &scene->materials[flat->shapes[i].material]) > 0.0)
+            counts.shapes[kind]++;
     }
     return counts;
 }
 
 uint64_t emitters_total(const struct emitter_counts *counts)
 {
-    return (uint64_t)counts->triangles + counts->spheres + counts->discs + counts->lights +
-           counts->suns + counts->environment;
+    uint64_t total = (uint64_t)counts->triangles + counts->lights + counts->suns;
+    for (uint32_t kind = 0; kind < SHAPE_KIND_COUNT; kind++)
+        total += counts->shapes[kind];
+    return total + counts->environment;
 }
 
 // Measured (docs/lighting.md): from about here on the tree is worth what it costs wherever emitters
@@ -115,7 +120,7 @@ static bool list_emitters(const struct scene *scene, const struct flat_scene *fl
     for (uint32_t i = 0; i < flat->shape_count; i++) {
         const struct flat_shape *shape = &flat->shapes[i];
         double radiance = mean_radiance(scene, &scene->materials[shape->material]);
-        if (radiance > 0.0)
+        if (shape_is_emitter(shape->kind) && radiance > 0.0)
             add_emitter(list, PRIMITIVE_SHAPE | i, radiance * shape_area(shape));
     }
     list->surface_count = list->count;

@@ -10,11 +10,16 @@
 
 // Counts of what a scene emits with.
 struct emitter_counts {
-    uint32_t triangles, spheres, discs;
-    uint32_t lights;      // without extent
-    uint32_t suns;        // directional lights with one
+    uint32_t triangles;
+    uint32_t shapes[SHAPE_KIND_COUNT]; // by enum shape_kind; see shape_is_emitter()
+    uint32_t lights;                   // without extent
+    uint32_t suns;                     // directional lights with one
     uint32_t environment; // 1: its image is an emitter. Even surroundings are left to chance hits
 };
+
+// Whether points of shapes of that kind can be chosen to connect to. Planes without end and
+// distance fields emit, too, but are found by chance only.
+bool shape_is_emitter(uint32_t kind);
 
 struct emitter_counts emitters_count(const struct scene *scene, const struct flat_scene *flat);
 uint64_t emitters_total(const struct emitter_counts *counts);

@@ -1,6 +1,7 @@
 #include "frame.h"
 
 #include "emitter_power.h"
+#include "upload_parts.h"
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -102,6 +103,7 @@ static void set_ambient(struct gpu_frame *frame, const struct environment *envir
 void frame_fill(struct renderer *r, const struct camera *camera)
 {
     const struct settings *settings = &r->scene->settings;
+    const struct shape_sections sections = shape_sections(r->scene, &r->flat);
     r->frame = (struct gpu_frame){
         .width = settings->width,
         .height = settings->height,
@@ -120,6 +122,9 @@ void frame_fill(struct renderer *r, const struct camera *camera)
         .direction_exponent = settings->direction_exponent,
         .filter_radius = settings_filter_radius(settings),
         .pending_rays = r->specialization.pending_rays,
+        .instances = sections.instances,
+        .sdfs = sections.sdfs,
+        .sdf_code = sections.sdf_code,
         .falloff = (float)cbrt((double)settings->falloff),
     };
     set_environment(&r->frame, &r->scene->environment);

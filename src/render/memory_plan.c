@@ -6,6 +6,7 @@
 #include "log.h"
 #include "shared/aov.h"
 #include "shared/types.h"
+#include "upload_parts.h"
 #include <inttypes.h>
 #include <unistd.h>
 
@@ -80,7 +81,7 @@ static uint64_t scene_bytes(const struct memory_plan_params *p, uint32_t binding
         return (uint64_t)p->flat->triangle_count * attribute_words(p->specialization->features) *
                16;
     case BINDING_SHAPES:
-        return (uint64_t)p->flat->shape_count * sizeof(struct gpu_shape);
+        return shape_sections(p->scene, p->flat).words * 16;
     case BINDING_MATERIALS:
         return p->tables->material_bytes;
     case BINDING_EMITTERS:

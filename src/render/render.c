@@ -4,6 +4,7 @@
 #include "clock.h"
 #include "film.h"
 #include "frame.h"
+#include "geometry.h"
 #include "log.h"
 #include "sampling_plan.h"
 #include "upload.h"
@@ -13,73 +14,6 @@
 
 // --- creation
 // -------------------------------------------------------------------------------------
-
-static struct bvh_box shape_box(const struct flat_shape *shape)
-{
-    struct bvh_box box;
-    for (int c = 0; c < 3; c++) {
-        float n = shape->normal[c];
-        float extent = shape->kind == SHAPE_SPHERE
-                           ? shape->radius
-                           : shape->radius * sqrtf(fmaxf(0.0f, 1.0f - n * n));
-        // The extent has a handful of roundings, and a sum one: four ulps of the largest term.
-        float margin = 4.0f * 1.1920929e-7f * (fabsf(shape->center[c]) + shape->radius);
-        box.min[c] = shape->center[c] - extent - margin;
-        box.max[c] = shape->center[c] + extent + margin;
-    }
-    return box;
-}
-
-static bool build_bvh(const struct flat_scene *flat, struct bvh_method method,
-                      const struct progress *progress, struct arena *arena, struct bvh *bvh,
-                      struct err *err)
-{
-    struct arena scratch = {0};
-    struct bvh_box *boxes = ARENA_NEW(&scratch, struct bvh_box, flat->shape_count);
-    if (!boxes)
-        return err_memory(err, "shapes", flat->shape_count * sizeof *boxes);
-    for (uint32_t i = 0; i < flat->shape_count; i++)
-        boxes[i] = shape_box(&flat->shapes[i]);
-    const void *vertices = flat->triangles;
-    struct bvh_params params = {
-        .triangle_vertices = vertices,
-        .triangle_stride = sizeof *flat->triangles,
-        .triangle_count = flat->triangle_count,
-        .shape_boxes = boxes,
-        .shape_count = flat->shape_count,
-        .method = method,
-        .progress = progress,
-    };
-    bool ok = bvh_build(&params, arena, bvh, err);
-    arena_finish(&scratch);
-    return ok;
-}
-
-// Cross products of edges overflow or underflow single precision beyond these, with room for edges
-// that are smaller than the scene.
-#define LARGEST_EXTENT 1e9f
-#define SMALLEST_EXTENT 1e-9f
-
-static void warn_about_extent(const struct flat_scene *flat)
-{
-    float extent = 0.0f;
-    for (int c = 0; c < 3; c++)
-        extent = fmaxf(extent, flat->bounds_max[c] - flat->bounds_min[c]);
-    if (extent > LARGEST_EXTENT || (extent > 0.0f && extent < SMALLEST_EXTENT))
-        log_warn("the scene is %g m across; surfaces are lost to single precision beyond %g m and "
-                 "below %g m: expected a scene scaled into that range",
-                 (double)extent, (double)LARGEST_EXTENT, (double)SMALLEST_EXTENT);
-}
-
-bool render_prepare(const struct scene *scene, struct bvh_method method,
-                    const struct progress *progress, struct arena *arena, struct flat_scene *flat,
-                    struct bvh *bvh, struct err *err)
-{
-    if (!scene_flatten(scene, arena, flat, err))
-        return false;
-    warn_about_extent(flat);
-    return build_bvh(flat, method, progress, arena, bvh, err);
-}
 
 static bool plan_memory(struct renderer *r, uint32_t wave, bool wave_is_wish, struct err *err)
 {
@@ -187,9 +121,16 @@ bool renderer_create(const struct renderer_params *params, struct renderer *r, s
         .progress = params->progress,
     };
 
+    const struct geometry_params geometry = {
+        .scene = r->scene,
+        .bvh = params->bvh,
+        .instancing = params->instancing,
+        .bvh_cache = params->bvh_cache,
+        .progress = r->progress,
+    };
     uint64_t start = clock_ns();
     if (!check_workgroup(r->gpu, params->workgroup, err) ||
-        !render_prepare(r->scene, params->bvh, r->progress, &r->arena, &r->flat, &r->bvh, err))
+        !geometry_prepare(&geometry, &r->arena, &r->flat, &r->bvh, err))
         goto fail;
     r->stats.bvh_seconds = r->bvh.stats.build_seconds;
     r->stats.flatten_seconds = clock_seconds_since(start) - r->stats.bvh_seconds;

@@ -35,12 +35,14 @@ struct renderer_params {
     bool wave_is_wish;         // lower it without a warning where it does not fit
     uint32_t workgroup;        // threads, a power of two; 0: the device's default
     struct bvh_method bvh;
-    uint32_t camera;    // index into the scene's
-    uint32_t aovs;      // AOV_*: pictures wanted besides the radiance
-    bool everything;    // compile in what the scene does not need (--features all)
-    bool merge_classes; // one kernel for all surfaces (--classes merged)
-    bool tiles;         // sample counts by tile: see adaptive.h
-    bool open_ended;    // how many samples there will be is not known
+    enum instancing instancing;
+    const char *bvh_cache; // folder in which hierarchies are kept; NULL: none
+    uint32_t camera;       // index into the scene's
+    uint32_t aovs;         // AOV_*: pictures wanted besides the radiance
+    bool everything;       // compile in what the scene does not need (--features all)
+    bool merge_classes;    // one kernel for all surfaces (--classes merged)
+    bool tiles;            // sample counts by tile: see adaptive.h
+    bool open_ended;       // how many samples there will be is not known
     const struct progress *progress;
 };
 
@@ -136,12 +138,6 @@ struct renderer {
     struct render_stats stats;
     const struct progress *progress;
 };
-
-// The host's part, for those who only want to look: flattens and builds the BVH. Results live in
-// `arena`.
-bool render_prepare(const struct scene *scene, struct bvh_method method,
-                    const struct progress *progress, struct arena *arena, struct flat_scene *flat,
-                    struct bvh *bvh, struct err *err);
 
 // Flattens, builds the BVH, plans memory, uploads and compiles. *out must stay where it is. On
 // failure it is finished.

@@ -4,6 +4,7 @@
 #include "emitters.h"
 #include "environment_table.h"
 #include "film_aovs.h"
+#include "shared/sdf.h"
 #include "shared/types.h"
 #include <string.h>
 
@@ -109,9 +110,31 @@ static uint32_t geometry_features(const struct flat_scene *flat)
     features |= flat->uvs[0] ? FEATURE_UV0 : 0u;
     features |= flat->uvs[1] ? FEATURE_UV1 : 0u;
     features |= flat->colors ? FEATURE_COLORS : 0u;
-    for (uint32_t i = 0; i < flat->shape_count; i++)
-        features |= flat->shapes[i].kind == SHAPE_SPHERE ? FEATURE_SPHERES : FEATURE_DISCS;
     return features;
+}
+
+_Static_assert(SHAPE_KIND_COUNT == 8 && 1u << SHAPE_SDF == GEOMETRY_SDFS, "bit n is kind n");
+
+// GEOMETRY_*: what else than triangles there is.
+static uint32_t geometry_of(const struct flat_scene *flat)
+{
+    uint32_t geometry = flat->placed_count ? GEOMETRY_INSTANCES : 0u;
+    for (uint32_t i = 0; i < flat->shape_count; i++)
+        geometry |= 1u << flat->shapes[i].kind;
+    return geometry;
+}
+
+// SDF_*: operations of the distance fields' programs.
+static uint32_t sdf_operations(const struct scene *scene)
+{
+    uint32_t operations = 0;
+    for (uint32_t i = 0; i < scene->sdf_count; i++)
+        for (uint32_t k = 0; k < scene->sdfs[i].count; k++) {
+            uint32_t op = scene->sdfs[i].code[k].op;
+            operations |= SDF_BIT(op & 0xffu);
+            k += (op & 0xffu) == SDF_METABALLS ? ((op >> 8) + 3) / 4 : 0;
+        }
+    return operations;
 }
 
 static uint32_t texture_features(const struct scene *scene, const struct material *material)
@@ -154,8 +177,13 @@ static uint32_t emitters_of(const struct emitter_counts *counts)
 {
     uint32_t emitters = 0;
     emitters |= counts->triangles ? EMITTER_TRIANGLES : 0u;
-    emitters |= counts->spheres ? EMITTER_SPHERES : 0u;
-    emitters |= counts->discs ? EMITTER_DISCS : 0u;
+    static const uint32_t shapes[SHAPE_KIND_COUNT] = {
+        [SHAPE_SPHERE] = EMITTER_SPHERES,     [SHAPE_DISC] = EMITTER_DISCS,
+        [SHAPE_QUAD] = EMITTER_QUADS,         [SHAPE_BOX] = EMITTER_BOXES,
+        [SHAPE_CYLINDER] = EMITTER_CYLINDERS, [SHAPE_TUBE] = EMITTER_TUBES,
+    };
+    for (uint32_t kind = 0; kind < SHAPE_KIND_COUNT; kind++)
+        emitters |= counts->shapes[kind] ? shapes[kind] : 0u;
     emitters |= counts->lights ? EMITTER_LIGHTS : 0u;
     emitters |= counts->suns ? EMITTER_SUNS : 0u;
     emitters |= counts->environment ? EMITTER_ENVIRONMENT : 0u;
@@ -196,26 +224,29 @@ static uint32_t light_features(const struct scene *scene, uint32_t emitters, uin
 // What compiling in changes nothing but the time: what it would add is zero, or never met.
 static uint32_t harmless_features(const struct settings *settings)
 {
-    uint32_t features = FEATURE_TRIANGLES | FEATURE_SPHERES | FEATURE_DISCS | FEATURE_NORMALS |
-                        FEATURE_EMISSION | FEATURE_ENVIRONMENT | FEATURE_ENVIRONMENT_IMAGE |
-                        FEATURE_ROULETTE | FEATURE_LENS | FEATURE_MEDIA | FEATURE_FALLOFF |
-                        FEATURE_CLAMP;
+    uint32_t features = FEATURE_TRIANGLES | FEATURE_NORMALS | FEATURE_EMISSION |
+                        FEATURE_ENVIRONMENT | FEATURE_ENVIRONMENT_IMAGE | FEATURE_ROULETTE |
+                        FEATURE_LENS | FEATURE_MEDIA | FEATURE_FALLOFF | FEATURE_CLAMP;
     if (wants_nee(settings))
         features |= FEATURE_NEE | FEATURE_NEE_DEPTH;
     return features;
+}
+
+static bool has_surfaces(const struct specialization *s)
+{
+    return (s->features & FEATURE_TRIANGLES) || s->geometry;
 }
 
 // Ambient occlusion asks of a surface where it is, and whether: no material, no emitter. White is
 // around it.
 static void specialize_ao(struct specialization *s)
 {
-    uint32_t surfaces = FEATURE_TRIANGLES | FEATURE_SPHERES | FEATURE_DISCS;
-    uint32_t kept = surfaces | FEATURE_NORMALS | FEATURE_FALLOFF | FEATURE_CLAMP;
+    uint32_t kept = FEATURE_TRIANGLES | FEATURE_NORMALS | FEATURE_FALLOFF | FEATURE_CLAMP;
     if ((s->features & FEATURE_ALPHA) || (s->aovs & AOV_ALBEDO))
         kept |= FEATURE_ALPHA | FEATURE_TEXTURES | FEATURE_TEXELS_FLOAT | FEATURE_TEXELS_HALF |
                 FEATURE_UV0 | FEATURE_UV1 | FEATURE_COLORS;
     s->features = (s->features & kept) | FEATURE_ENVIRONMENT;
-    s->features |= s->features & surfaces ? FEATURE_NEE : 0u;
+    s->features |= has_surfaces(s) ? FEATURE_NEE : 0u;
     s->emitters = s->lobes = 0;
     memset(s->class_lobes, 0, sizeof s->class_lobes);
 }
@@ -320,6 +351,8 @@ struct specialization specialize(const struct specialize_params *p)
         .directions = settings->directions,
         .roulette = settings->roulette,
         .nodes = bvh->format == BVH_FLOAT ? NODES_FLOAT : NODES_QUANTISED,
+        .geometry = geometry_of(flat),
+        .sdf = sdf_operations(scene),
     };
     uint32_t classes = 0;
     s.features = geometry_features(flat) | material_features(scene, flat, s.class_lobes);
@@ -348,7 +381,8 @@ struct specialization specialize(const struct specialize_params *p)
         s.features |= FEATURE_FALLOFF;
     if (p->everything) {
         s.features |= harmless_features(settings);
-        s.emitters |= EMITTERS_ALL;
+        s.geometry |= GEOMETRY_SPHERES | GEOMETRY_DISCS;
+        s.emitters |= EMITTERS_ALL & ~(EMITTERS_SHAPES & ~(EMITTER_SPHERES | EMITTER_DISCS));
         s.lobes = LOBES_ALL;
         for (uint32_t c = 0; c < CLASS_COUNT; c++)
             s.class_lobes[c] = s.class_lobes[c] ? LOBES_ALL : 0u;
@@ -375,17 +409,16 @@ static bool uses_bsdfs(const struct specialization *s)
 
 bool specialization_needs_kernel(const struct specialization *s, enum kernel_id id)
 {
-    uint32_t surfaces = FEATURE_TRIANGLES | FEATURE_SPHERES | FEATURE_DISCS;
     switch (id) {
     case KERNEL_shade_miss:
         return s->integrator != INTEGRATOR_WHITTED && (s->features & FEATURE_ENVIRONMENT);
     case KERNEL_shade_whitted:
         return s->integrator == INTEGRATOR_WHITTED &&
-               (s->features & (surfaces | FEATURE_ENVIRONMENT));
+               (has_surfaces(s) || (s->features & FEATURE_ENVIRONMENT));
     case KERNEL_shade_surface:
-        return uses_bsdfs(s) && !(s->features & FEATURE_CLASSES) && (s->features & surfaces);
+        return uses_bsdfs(s) && !(s->features & FEATURE_CLASSES) && has_surfaces(s);
     case KERNEL_shade_ao:
-        return s->integrator == INTEGRATOR_AO && (s->features & surfaces);
+        return s->integrator == INTEGRATOR_AO && has_surfaces(s);
     case KERNEL_shade_diffuse:
     case KERNEL_shade_principled:
     case KERNEL_shade_transmissive:
@@ -394,7 +427,7 @@ bool specialization_needs_kernel(const struct specialization *s, enum kernel_id 
     case KERNEL_intersect_closest:
         // Without surfaces every ray is a miss, found by the same kernel in an empty tree; without
         // an environment either, nothing can be seen.
-        return s->features & (surfaces | FEATURE_ENVIRONMENT);
+        return has_surfaces(s) || (s->features & FEATURE_ENVIRONMENT);
     case KERNEL_intersect_shadow:
         return s->features & FEATURE_NEE;
     default:
@@ -404,7 +437,6 @@ bool specialization_needs_kernel(const struct specialization *s, enum kernel_id 
 
 bool specialization_needs_binding(const struct specialization *s, uint32_t binding)
 {
-    uint32_t shapes = FEATURE_SPHERES | FEATURE_DISCS;
     switch (binding) {
     case BINDING_TRIANGLES:
         return s->features & FEATURE_TRIANGLES;
@@ -413,11 +445,10 @@ bool specialization_needs_binding(const struct specialization *s, uint32_t bindi
     case BINDING_TEXELS:
         return s->features & FEATURE_TEXTURES;
     case BINDING_SHAPES:
-        return s->features & shapes;
+        return s->geometry & (GEOMETRY_SHAPES | GEOMETRY_INSTANCES);
     case BINDING_MATERIALS:
-        return ((s->features & (FEATURE_TRIANGLES | shapes)) &&
-                (s->integrator != INTEGRATOR_AO || (s->features & FEATURE_ALPHA) ||
-                 (s->aovs & AOV_ALBEDO))) ||
+        return (has_surfaces(s) && (s->integrator != INTEGRATOR_AO ||
+                                    (s->features & FEATURE_ALPHA) || (s->aovs & AOV_ALBEDO))) ||
                (s->emitters & EMITTER_SUNS);
     case BINDING_EMITTERS:
         return (s->features & FEATURE_NEE) && s->emitters;
@@ -454,6 +485,27 @@ const char *lobe_name(uint32_t bit)
     return NULL;
 }
 
+const char *geometry_name(uint32_t bit)
+{
+    static const char *const names[] = {
+        "spheres",
+        "discs",
+        "planes",
+        "quads",
+        "boxes",
+        "cylinders",
+        "open cylinders",
+        "distance fields",
+        "large spheres",
+        "instances",
+        "triangles in several leaves",
+    };
+    for (uint32_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (bit == 1u << i)
+            return names[i];
+    return NULL;
+}
+
 const char *emitter_name(uint32_t bit)
 {
     static const char *const names[] = {
@@ -464,6 +516,10 @@ const char *emitter_name(uint32_t bit)
         "suns",
         "photometric profiles",
         "environment to connect to",
+        "emissive quads",
+        "emissive boxes",
+        "emissive cylinders",
+        "emissive open cylinders",
     };
     for (uint32_t i = 0; i < sizeof names / sizeof *names; i++)
         if (bit == 1u << i)
@@ -476,10 +532,6 @@ const char *feature_name(uint32_t bit)
     switch (bit) {
     case FEATURE_TRIANGLES:
         return "triangles";
-    case FEATURE_SPHERES:
-        return "spheres";
-    case FEATURE_DISCS:
-        return "discs";
     case FEATURE_NORMALS:
         return "shading normals";
     case FEATURE_CLASSES:

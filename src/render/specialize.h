@@ -25,7 +25,9 @@ struct specialization {
     uint32_t light_choice;                                // never LIGHT_CHOICE_AUTO
     uint32_t light_rays;                                  // shadow rays that a vertex sends at most
     uint32_t mis, directions, roulette;
-    uint32_t nodes; // NODES_*
+    uint32_t nodes;    // NODES_*
+    uint32_t geometry; // GEOMETRY_*
+    uint32_t sdf;      // SDF_*, as bits
     // Not a constant: `lobes` of the kernels that shade one class; 0 where the scene has none of
     // it.
     uint32_t class_lobes[CLASS_COUNT];
@@ -59,6 +61,7 @@ bool specialization_needs_kernel(const struct specialization *s, enum kernel_id 
 bool specialization_needs_binding(const struct specialization *s, uint32_t binding);
 // "spheres", …; NULL for bits that are none.
 const char *feature_name(uint32_t bit);
+const char *geometry_name(uint32_t bit);
 const char *lobe_name(uint32_t bit);
 const char *emitter_name(uint32_t bit);
 

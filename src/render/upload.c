@@ -4,6 +4,7 @@
 #include "environment_table.h"
 #include "image.h"
 #include "shared/types.h"
+#include "upload_parts.h"
 #include <math.h>
 #include <string.h>
 
@@ -51,8 +52,8 @@ static bool create(struct gpu *gpu, const struct upload_params *p, uint32_t bind
 }
 
 // Creates a buffer and uploads as many bytes as are planned for it.
-static bool create_filled(struct gpu *gpu, const struct upload_params *p, uint32_t binding,
-                          const void *data, struct gpu_buffer *buffers, struct err *err)
+bool upload_filled(struct gpu *gpu, const struct upload_params *p, uint32_t binding,
+                   const void *data, struct gpu_buffer *buffers, struct err *err)
 {
     uint64_t bytes = p->plan->buffers[binding].bytes;
     return create(gpu, p, binding, buffers, err) &&
@@ -60,7 +61,7 @@ static bool create_filled(struct gpu *gpu, const struct upload_params *p, uint32
 }
 
 // Index, class and alpha of a material, as primitives carry it.
-static uint32_t material_word(const struct upload_params *p, uint32_t index)
+uint32_t upload_material_word(const struct upload_params *p, uint32_t index)
 {
     const struct material *material = &p->scene->materials[index];
     bool alpha = material->flags & (MATERIAL_ALPHA_MASK | MATERIAL_ALPHA_BLEND);
@@ -70,7 +71,7 @@ static uint32_t material_word(const struct upload_params *p, uint32_t index)
 
 // For each of `count` primitives, whose words are `kind` and their index, its number among the
 // emitters, or NO_EMITTER.
-static uint32_t *emitter_numbers(const struct upload_params *p, uint32_t kind, uint32_t count,
+uint32_t *upload_emitter_numbers(const struct upload_params *p, uint32_t kind, uint32_t count,
                                  struct arena *scratch)
 {
     const struct emitters *emitters = &p->tables->emitters;
@@ -88,7 +89,7 @@ static bool upload_triangles(struct gpu *gpu, const struct upload_params *p,
 {
     uint32_t count = p->flat->triangle_count;
     struct gpu_triangle *records = ARENA_NEW(scratch, struct gpu_triangle, count);
-    uint32_t *emitters = emitter_numbers(p, 0, count, scratch);
+    uint32_t *emitters = upload_emitter_numbers(p, 0, count, scratch);
     if (!records || !emitters)
         return err_memory(err, "triangles", (uint64_t)count * sizeof *records);
     for (uint32_t i = 0; i < count; i++) {
@@ -99,9 +100,9 @@ static bool upload_triangles(struct gpu *gpu, const struct upload_params *p,
         memcpy(records[i].v2, triangle->v[2], sizeof records[i].v2);
         records[i].id = id;
         records[i].emitter = emitters[i];
-        records[i].material = material_word(p, triangle->material);
+        records[i].material = upload_material_word(p, triangle->material);
     }
-    return create_filled(gpu, p, BINDING_TRIANGLES, records, buffers, err);
+    return upload_filled(gpu, p, BINDING_TRIANGLES, records, buffers, err);
 }
 
 // The largest error of a decoded normal's component: 16 bits octahedrally.
@@ -180,27 +181,7 @@ static bool upload_attributes(struct gpu *gpu, const struct upload_params *p,
         return err_memory(err, "attributes", (uint64_t)count * words * sizeof *records);
     for (uint32_t i = 0; i < count; i++)
         fill_attributes(p, p->bvh->triangle_order[i], &records[(uint64_t)i * words]);
-    return create_filled(gpu, p, BINDING_ATTRIBUTES, records, buffers, err);
-}
-
-static bool upload_shapes(struct gpu *gpu, const struct upload_params *p,
-                          struct gpu_buffer *buffers, struct arena *scratch, struct err *err)
-{
-    uint32_t count = p->flat->shape_count;
-    struct gpu_shape *records = ARENA_NEW(scratch, struct gpu_shape, count);
-    uint32_t *emitters = emitter_numbers(p, PRIMITIVE_SHAPE, count, scratch);
-    if (!records || !emitters)
-        return err_memory(err, "shapes", (uint64_t)count * sizeof *records);
-    for (uint32_t i = 0; i < count; i++) {
-        const struct flat_shape *shape = &p->flat->shapes[i];
-        uint32_t kind = shape->kind == SHAPE_SPHERE ? SHAPE_KIND_SPHERE : SHAPE_KIND_DISC;
-        memcpy(records[i].center, shape->center, sizeof records[i].center);
-        memcpy(records[i].normal, shape->normal, sizeof records[i].normal);
-        records[i].radius = shape->radius;
-        records[i].emitter = emitters[i];
-        records[i].kind_material = kind << SHAPE_KIND_SHIFT | material_word(p, shape->material);
-    }
-    return create_filled(gpu, p, BINDING_SHAPES, records, buffers, err);
+    return upload_filled(gpu, p, BINDING_ATTRIBUTES, records, buffers, err);
 }
 
 static bool upload_environment(struct gpu *gpu, const struct upload_params *p,
@@ -219,14 +200,14 @@ bool upload_scene(struct gpu *gpu, const struct upload_params *p, struct gpu_buf
     const struct planned_buffer *plan = p->plan->buffers;
     const struct shading_tables *tables = p->tables;
     bool ok =
-        create_filled(gpu, p, BINDING_NODES, bvh_nodes_data(p->bvh), buffers, err) &&
+        upload_filled(gpu, p, BINDING_NODES, bvh_nodes_data(p->bvh), buffers, err) &&
         (!plan[BINDING_TRIANGLES].name || upload_triangles(gpu, p, buffers, &scratch, err)) &&
         (!plan[BINDING_ATTRIBUTES].name || upload_attributes(gpu, p, buffers, &scratch, err)) &&
         (!plan[BINDING_SHAPES].name || upload_shapes(gpu, p, buffers, &scratch, err)) &&
         (!plan[BINDING_EMITTERS].name ||
-         create_filled(gpu, p, BINDING_EMITTERS, tables->emitters.data, buffers, err)) &&
+         upload_filled(gpu, p, BINDING_EMITTERS, tables->emitters.data, buffers, err)) &&
         (!plan[BINDING_MATERIALS].name ||
-         create_filled(gpu, p, BINDING_MATERIALS, tables->materials, buffers, err)) &&
+         upload_filled(gpu, p, BINDING_MATERIALS, tables->materials, buffers, err)) &&
         (!plan[BINDING_TEXELS].name ||
          (create(gpu, p, BINDING_TEXELS, buffers, err) &&
           texture_set_upload(gpu, p->scene, &tables->textures, &buffers[BINDING_TEXELS], err))) &&

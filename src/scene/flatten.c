@@ -4,20 +4,13 @@
 #include "affine.h"
 #include "bounds.h"
 #include "flatten_attributes.h"
+#include "flatten_shapes.h"
 #include "log.h"
 #include <float.h>
 #include <math.h>
 #include <string.h>
 
 // --- bounds and origin ---------------------------------------------------------------------------
-
-static bool is_in_range(const double point[3])
-{
-    for (int i = 0; i < 3; i++)
-        if (!(fabs(point[i]) <= SCENE_COORDINATE_MAX))
-            return false;
-    return true;
-}
 
 static bool fail_vertex(const struct scene *scene, const struct instance *instance, uint32_t vertex,
                         const double point[3], struct err *err)
@@ -70,7 +63,7 @@ static bool measure_instance(const struct scene *scene, const struct instance *i
             double point[3];
             mesh_vertex(mesh, vertex, point);
             affine_point(instance->transform, point, point);
-            if (!is_in_range(point))
+            if (!flatten_in_range(point))
                 return fail_vertex(scene, instance, vertex, point, err);
             bounds_add_point(bounds, point);
         }
@@ -137,16 +130,6 @@ static void choose_origin(const struct bounds *bounds, double origin[3])
 
 // --- triangles -----------------------------------------------------------------------------------
 
-static void add_to_bounds(struct flat_scene *flat, const float low[3], const float high[3])
-{
-    for (int i = 0; i < 3; i++) {
-        if (low[i] < flat->bounds_min[i])
-            flat->bounds_min[i] = low[i];
-        if (high[i] > flat->bounds_max[i])
-            flat->bounds_max[i] = high[i];
-    }
-}
-
 static struct placement place(const struct scene *scene, uint32_t index, const double origin[3])
 {
     const struct instance *instance = &scene->instances[index];
@@ -205,7 +188,7 @@ static bool add_triangle(struct flat_scene *flat, const struct scene *scene,
         return false;
     triangle->material = instance_material(mesh, placement->instance, index);
     for (int corner = 0; corner < 3; corner++)
-        add_to_bounds(flat, triangle->v[corner], triangle->v[corner]);
+        flatten_bound(flat, triangle->v[corner], triangle->v[corner]);
     attributes_place(flat, scene, placement, vertices, geometric);
     flat->triangle_count++;
     return true;
@@ -264,43 +247,6 @@ void flat_triangle_source(const struct flat_scene *flat, uint32_t id, uint32_t *
     *triangle = source - flat->instance_first[*instance];
 }
 
-// --- shapes --------------------------------------------------------------------------------------
-
-static bool add_shape(struct flat_scene *flat, const struct scene *scene, uint32_t index,
-                      struct err *err)
-{
-    const struct shape *shape = &scene->shapes[index];
-    if (!is_in_range(shape->center) || !(shape->radius <= SCENE_COORDINATE_MAX))
-        return err_set(err, ERR_INPUT,
-                       "%s: shape %u at (%g, %g, %g) with radius %g; expected numbers within +-%g",
-                       scene->path ? scene->path : "scene", index, shape->center[0],
-                       shape->center[1], shape->center[2], shape->radius, SCENE_COORDINATE_MAX);
-    struct flat_shape *added = &flat->shapes[flat->shape_count++];
-    added->kind = shape->kind;
-    added->material = shape->material;
-    added->radius = (float)shape->radius;
-    for (int i = 0; i < 3; i++) {
-        added->center[i] = (float)(shape->center[i] - flat->origin[i]);
-        added->normal[i] = (float)shape->normal[i];
-    }
-    // The bounds of the shape as it was rounded, rounded outwards.
-    struct shape rounded = *shape;
-    struct bounds bounds = BOUNDS_EMPTY;
-    float low[3], high[3];
-    rounded.radius = (double)added->radius;
-    for (int i = 0; i < 3; i++) {
-        rounded.center[i] = (double)added->center[i];
-        rounded.normal[i] = (double)added->normal[i];
-    }
-    bounds_add_shape(&bounds, &rounded);
-    for (int i = 0; i < 3; i++) {
-        low[i] = nextafterf((float)bounds.min[i], -INFINITY);
-        high[i] = nextafterf((float)bounds.max[i], INFINITY);
-    }
-    add_to_bounds(flat, low, high);
-    return true;
-}
-
 // --- the whole -----------------------------------------------------------------------------------
 
 static bool reserve(const struct scene *scene, const struct census *census, struct arena *arena,
@@ -321,9 +267,11 @@ static bool reserve(const struct scene *scene, const struct census *census, stru
     return attributes_reserve(&census->needs, count, arena, flat, err);
 }
 
-bool scene_flatten(const struct scene *scene, struct arena *arena, struct flat_scene *out,
-                   struct err *err)
+bool scene_flatten(const struct scene *scene, enum instancing instancing, struct arena *arena,
+                   struct flat_scene *out, struct err *err)
+
 {
+    (void)instancing;
     struct census census;
     *out = (struct flat_scene){
         .bounds_min = {INFINITY, INFINITY, INFINITY},
@@ -336,9 +284,9 @@ bool scene_flatten(const struct scene *scene, struct arena *arena, struct flat_s
     for (uint32_t i = 0; i < scene->instance_count; i++)
         if (!add_instance(out, scene, i, arena, err))
             return false;
-    for (uint32_t i = 0; i < scene->shape_count; i++)
-        if (!add_shape(out, scene, i, err))
-            return false;
+    out->world_triangle_count = out->triangle_count;
+    if (!flatten_shapes(scene, out, err))
+        return false;
     for (uint32_t i = 0; i < out->triangle_count; i++)
         out->material_used[out->triangles[i].material] = true;
     for (uint32_t i = 0; i < out->shape_count; i++)

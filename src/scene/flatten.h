@@ -1,5 +1,5 @@
-// From meshes, instances and shapes to the arrays that the BVH and the kernels take: world space,
-// single precision, one level.
+// From meshes, instances and shapes to the arrays that the BVH and the kernels take: single
+// precision, in world space but for meshes that instances share.
 #ifndef LAMPYRIS_SCENE_FLATTEN_H
 #define LAMPYRIS_SCENE_FLATTEN_H
 
@@ -10,13 +10,37 @@ struct flat_triangle {
     uint32_t material;
 };
 
+// As struct shape.
 struct flat_shape {
     uint32_t kind; // enum shape_kind
     uint32_t material;
     float center[3]; // relative to flat_scene.origin
     float normal[3];
     float radius;
+    float axes[3][3];
+    uint32_t sdf;
 };
+
+// A mesh that its instances share: triangles in its own space.
+struct flat_mesh {
+    uint32_t first_triangle, triangle_count;
+    float bounds_min[3], bounds_max[3];
+};
+
+// One of them, placed.
+struct flat_instance {
+    uint32_t mesh;     // of flat_scene.meshes
+    uint32_t material; // in place of the triangles' own; SCENE_NONE: these
+    uint32_t source;   // of scene.instances
+    bool is_mirrored;
+    float to_world[3][4]; // to positions relative to flat_scene.origin
+    float to_object[3][4];
+};
+
+// Which meshes are kept in their own space, once for all their instances: those used more than once
+// where that pays, all, or none. Meshes that emit never are: each triangle is an emitter of its
+// own.
+enum instancing { INSTANCING_AUTO, INSTANCING_ON, INSTANCING_OFF };
 
 struct flat_scene {
     // World position of the arrays' origin: geometry far from the world's origin is moved in double
@@ -35,9 +59,16 @@ struct flat_scene {
     float (*uvs[2])[3][2];   // finite, 0 where missing; t downwards
     float (*colors)[3][4];   // linear RGBA, 1 where missing
     uint32_t triangle_count;
+    // The first ones are in the world; then come the shared meshes' own, which do not stand
+    // in instance_first.
+    uint32_t world_triangle_count;
+    struct flat_mesh *meshes;
+    uint32_t mesh_count;
+    struct flat_instance *instances;
+    uint32_t placed_count; // of `instances`
     struct flat_shape *shapes;
     uint32_t shape_count;
-    // Where triangles come from: see flat_triangle_source.
+    // Where triangles in the world come from: see flat_triangle_source.
     uint32_t instance_count;
     uint32_t *instance_first;           // of all triangles, dropped ones included
     uint32_t *dropped_before;           // dropped_degenerate of them: the triangle that came next
@@ -53,7 +84,7 @@ void flat_triangle_source(const struct flat_scene *flat, uint32_t id, uint32_t *
 
 // Memory comes from `arena`. A vertex that is not finite after transformation is ERR_INPUT naming
 // instance, mesh and vertex.
-bool scene_flatten(const struct scene *scene, struct arena *arena, struct flat_scene *out,
-                   struct err *err);
+bool scene_flatten(const struct scene *scene, enum instancing instancing, struct arena *arena,
+                   struct flat_scene *out, struct err *err);
 
 #endif

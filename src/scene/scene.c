@@ -90,6 +90,18 @@ struct shape *scene_add_shape(struct scene *scene, uint32_t *index)
     return &items[scene->shape_count++];
 }
 
+struct sdf *scene_add_sdf(struct scene *scene, uint32_t *index)
+{
+    struct sdf *items = reserve_one(&scene->arena, scene->sdfs, scene->sdf_count,
+                                    &scene->sdf_capacity, sizeof *items);
+    if (!items)
+        return NULL;
+    scene->sdfs = items;
+    if (index)
+        *index = scene->sdf_count;
+    return &items[scene->sdf_count++];
+}
+
 struct camera *scene_add_camera(struct scene *scene, uint32_t *index)
 {
     struct camera *items = reserve_one(&scene->arena, scene->cameras, scene->camera_count,

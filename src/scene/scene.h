@@ -46,16 +46,42 @@ struct instance {
     double transform[3][4]; // mesh space to world
 };
 
-enum shape_kind { SHAPE_SPHERE, SHAPE_DISC };
+// In the order of SHAPE_KIND_* in shaders/shared/types.h.
+enum shape_kind {
+    SHAPE_SPHERE,
+    SHAPE_DISC,
+    SHAPE_PLANE,    // without end
+    SHAPE_QUAD,     // a parallelogram
+    SHAPE_BOX,      // with right angles, turned any way
+    SHAPE_CYLINDER, // closed
+    SHAPE_TUBE,     // a cylinder without caps
+    SHAPE_SDF,      // a signed distance field
+    SHAPE_KIND_COUNT
+};
 
-// Analytic shapes, in world space (transforms are applied at load: rotation, translation and
-// uniform scale only; others are an input error that says so).
+// Analytic shapes, in world space (transforms are applied at load: those that keep a shape one of
+// its kind; others are an input error that says so).
 struct shape {
     enum shape_kind kind;
     uint32_t material;
-    double center[3];
-    double normal[3]; // disc: unit normal
-    double radius;    // > 0
+    double center[3]; // plane: any point of it; distance field: of its box
+    double normal[3]; // disc, plane: unit normal
+    double radius;    // sphere, disc, cylinder, tube: > 0
+    // Quad: half edges, two; box: three, at right angles, right-handed. Cylinder, tube: from the
+    // centre to an end, and a unit vector across, where u is 0. Plane: [1] likewise.
+    double axes[3][3];
+    uint32_t sdf; // index of scene.sdfs
+};
+
+// A signed distance field: see shared/sdf.h. Its own space is that of its description.
+struct gpu_sdf_instruction;
+struct sdf {
+    double to_world[3][4]; // rotation, translation and uniform scale
+    double min[3], max[3]; // its box, in its own space
+    struct gpu_sdf_instruction *code;
+    uint32_t count;   // of instructions
+    double lipschitz; // most that the described field falls in a metre; the program's: at most 1
+    double magnitude; // largest |coordinate| that the program's arithmetic meets within the box
 };
 
 struct camera {
@@ -100,6 +126,8 @@ struct scene {
     uint32_t instance_count;
     struct shape *shapes;
     uint32_t shape_count;
+    struct sdf *sdfs;
+    uint32_t sdf_count;
     struct camera *cameras; // as in the file; the first is used unless chosen otherwise
     uint32_t camera_count;  // after scene_load at least 1: a model without one is framed
     bool camera_is_framed;  // cameras[0] was made up: scene_frame_camera fits it to another picture
@@ -119,7 +147,7 @@ struct scene {
     uint32_t note_count;
     // Room in the arrays above; only the scene_add_ functions and scene_note touch these.
     uint32_t material_capacity, mesh_capacity, instance_capacity, shape_capacity, camera_capacity;
-    uint32_t note_capacity, image_capacity, texture_capacity, light_capacity;
+    uint32_t note_capacity, image_capacity, texture_capacity, light_capacity, sdf_capacity;
 };
 
 struct scene_override {
@@ -187,6 +215,7 @@ struct material *scene_add_material(struct scene *scene, uint32_t *index);
 struct mesh *scene_add_mesh(struct scene *scene, uint32_t *index);
 struct instance *scene_add_instance(struct scene *scene, uint32_t *index);
 struct shape *scene_add_shape(struct scene *scene, uint32_t *index);
+struct sdf *scene_add_sdf(struct scene *scene, uint32_t *index);
 struct camera *scene_add_camera(struct scene *scene, uint32_t *index);
 struct texture_image *scene_add_image(struct scene *scene, uint32_t *index);
 struct texture *scene_add_texture(struct scene *scene, uint32_t *index);

@@ -31,6 +31,8 @@ PASSES = """--freeze-spec-const --fold-spec-const-op-composite
 INLINE = """--merge-return --inline-entry-points-exhaustive --eliminate-dead-functions --ssa-rewrite --ccp
     --eliminate-dead-branches --merge-blocks --eliminate-dead-code-aggressive""".split()
 
+SDF_ALL = (1 << 26) - 1  # every operation of distance fields
+
 # name: (features without which the rest is looked at, {kernel: what must go}). What must go is
 #   name()       a function
 #   [name]       a storage buffer, or name_texels a texel buffer
@@ -38,24 +40,28 @@ INLINE = """--merge-return --inline-entry-points-exhaustive --eliminate-dead-fun
 #   Name         an instruction, extended ones included
 #   name() xN    N calls of a function fewer, the function may stay
 #   -            nothing by name, but the kernel must become smaller
-EMISSIVE = ["EMITTER_TRIANGLES", "EMITTER_SPHERES", "EMITTER_DISCS"]
+EMISSIVE = ["EMITTER_TRIANGLES", "EMITTER_SPHERES", "EMITTER_DISCS", "EMITTER_QUADS",
+            "EMITTER_BOXES", "EMITTER_CYLINDERS", "EMITTER_TUBES"]
+SHAPES = ["GEOMETRY_" + kind for kind in (
+    "SPHERES", "LARGE_SPHERES", "DISCS", "PLANES", "QUADS", "BOXES", "CYLINDERS", "TUBES", "SDFS",
+    "INSTANCES")] + EMISSIVE[1:]
 FEATURES = {
     "triangles": (["TRIANGLES", "NORMALS", "EMITTER_TRIANGLES"], {
         "intersect_closest": ["intersect_triangle()", "intersect_triangle_leaf()", "[triangles]"],
         "intersect_shadow": ["intersect_triangle()", "intersect_triangle_leaf()", "[triangles]"],
         "shade_surface": ["load_triangle_surface()", "sample_triangle_light()", "[triangles]"],
     }),
-    "spheres": (["SPHERES", "EMITTER_SPHERES"], {
+    "spheres": (["GEOMETRY_SPHERES", "GEOMETRY_LARGE_SPHERES", "EMITTER_SPHERES"], {
         "intersect_closest": ["intersect_sphere()"],
         "intersect_shadow": ["intersect_sphere()"],
         "shade_surface": ["sample_sphere_light()", "pdf_sphere_cone()"],
     }),
-    "discs": (["DISCS", "EMITTER_DISCS"], {
+    "discs": (["GEOMETRY_DISCS", "EMITTER_DISCS"], {
         "intersect_closest": ["intersect_disc()"],
         "intersect_shadow": ["intersect_disc()"],
         "shade_surface": ["-"],
     }),
-    "spheres and discs": (["SPHERES", "DISCS", "EMITTER_SPHERES", "EMITTER_DISCS"], {
+    "shapes": (SHAPES, {
         "intersect_closest": ["intersect_shape_leaf()", "[shapes]"],
         "intersect_shadow": ["intersect_shape_leaf()", "[shapes]"],
         "shade_surface": ["load_shape_surface()", "sample_shape_light()", "[shapes]"],
@@ -115,7 +121,7 @@ FEATURES = {
         "shade_surface": ["sample_sphere_light()", "pdf_sphere_cone()", "sample_sphere()"],
     }),
     "emissive discs": (["EMITTER_DISCS"], {"shade_surface": ["basis_around() x1"]}),
-    "emissive shapes": (["EMITTER_SPHERES", "EMITTER_DISCS"], {
+    "emissive shapes": (EMISSIVE[1:], {
         "shade_surface": ["sample_shape_light()"],
     }),
     "next-event estimation": (["NEE"], {
@@ -279,8 +285,9 @@ class Module:
         frozen = os.path.join(folder, "frozen.spv")
         inlined = os.path.join(folder, "inlined.spv")
         # Ids as in shared/bindings.h; all queues exist.
-        constant = "--set-spec-const-default-value=0:%d 5:%d 6:1023 7:%d 8:%d %s" % (
-            features & 0xffffffff, lobes, features >> 32, aovs, choices)
+        constant = "--set-spec-const-default-value=0:%d 5:%d 6:1023 7:%d 8:%d 20:%d 21:%d %s" % (
+            features & 0xffffffff, lobes, features >> 32 & 0xffffffff, aovs, features >> 64,
+            SDF_ALL, choices)
         subprocess.run(["spirv-opt", constant] + PASSES + [path, "-o", frozen], check=True)
         subprocess.run(["spirv-val", "--target-env", "vulkan1.2", frozen], check=True)
         subprocess.run(["spirv-opt"] + INLINE + [frozen, "-o", inlined], check=True)
@@ -437,7 +444,7 @@ def check_samplers(bits, kernels, folder):
 def check_light_choices(bits, lobes, kernels, folder):
     """Of all ways to choose an emitter, only the chosen one is there."""
     owned = set().union(*LIGHT_CHOICES.values())
-    names = ["TRIANGLES", "SPHERES", "EMISSION", "NEE", "BSDF_HITS_EMITTERS", "EMITTER_TRIANGLES",
+    names = ["TRIANGLES", "GEOMETRY_SPHERES", "EMISSION", "NEE", "BSDF_HITS_EMITTERS", "EMITTER_TRIANGLES",
              "EMITTER_SPHERES"]
     features = sum(bits[name] for name in names)
     for number, (name, wanted) in enumerate(LIGHT_CHOICES.items(), 1):
@@ -464,7 +471,7 @@ def check_all_are_tested(bits, lobes):
     tested = set()
     for removed, _ in FEATURES.values():
         tested.update(removed)
-    for name in sorted(set(bits) - tested - {"BALLOT"}):
+    for name in sorted(set(bits) - tested - {"BALLOT", "GEOMETRY_DUPLICATES"}):
         fail("no test removes " + name)
     for name in sorted(set(lobes) - set(LOBES)):
         fail("no test removes LOBE_" + name)
@@ -475,10 +482,12 @@ def main():
         if not shutil.which(tool):
             print("skipped: there is no %s" % tool)
             return 1 if os.environ.get("LAMPYRIS_NO_SKIP") else 77
-    # Emitters are bits of a third constant: above the features here.
+    # Emitters and geometry are bits of further constants: above the features here.
     bits = read_bits(sys.argv[1], "FEATURE")
-    for name, bit in read_bits(sys.argv[1], "EMITTER").items():
-        bits["EMITTER_" + name] = bit << 32
+    for prefix, shift in (("EMITTER", 32), ("GEOMETRY", 64)):
+        for name, bit in read_bits(sys.argv[1], prefix).items():
+            if name != "END":
+                bits["%s_%s" % (prefix, name)] = bit << shift
     lobes = read_bits(os.path.join(os.path.dirname(sys.argv[1]), "material.h"), "LOBE")
     few = sum(lobes[name] for name in FEW_LOBES)
     kernels = {os.path.basename(path)[:-len(".spv")]: path for path in sys.argv[2:]}

@@ -4,6 +4,7 @@
 #extension GL_GOOGLE_include_directive : require
 
 #include "shared/bindings.h"
+#include "shared/sdf.h"
 #include "shared/types.h"
 
 layout(local_size_x = 1) in;
@@ -39,6 +40,9 @@ BLOCK(gpu_sun, 14)
 BLOCK(gpu_light_tree, 15)
 BLOCK(gpu_light_bounds, 16)
 BLOCK(gpu_light_trail, 17)
+BLOCK(gpu_instance, 18)
+BLOCK(gpu_sdf, 19)
+BLOCK(gpu_sdf_instruction, 20)
 
 void main()
 {

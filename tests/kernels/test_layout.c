@@ -1,6 +1,7 @@
 // C and GLSL agree on every record of shared/types.h: members by name, offset, size and type, and
 // the strides of arrays, as the GLSL compiler laid them out in SPIR-V.
 #include "kernels.h"
+#include "shared/sdf.h"
 #include "shared/types.h"
 #include "spirv_layout.h"
 #include "test.h"
@@ -20,7 +21,11 @@
     M(radiant)                                                                                     \
     M(inverse_range) M(spot_scale) M(spot_offset) M(reach) M(versine) M(profile_x) M(profile)
 #define SUN(M) M(direction) M(versine) M(radiance) M(pick_probability)
-#define SHAPE(M) M(center) M(radius) M(normal) M(kind_material) M(emitter) M(align_shape)
+#define SHAPE(M) M(center) M(radius) M(axis) M(kind_material) M(emitter) M(other)
+#define INSTANCE(M) M(to_object) M(to_world) M(root) M(material) M(id) M(flags)
+#define SDF_RECORD(M)                                                                              \
+    M(to_object) M(min) M(first) M(max) M(count) M(scale) M(lipschitz) M(magnitude) M(align_sdf)
+#define SDF_INSTRUCTION(M) M(op) M(a) M(b) M(c) M(d)
 #define MATERIAL(M) M(model_flags) M(first_texture) M(texture_count) M(medium) M(parameter)
 #define EMITTER(M) M(threshold) M(primitive) M(alias_primitive) M(align_emitter)
 #define LIGHT_TREE(M)                                                                              \
@@ -73,7 +78,8 @@
     M(focus_distance)                                                                              \
     M(lens_rotation)                                                                               \
     M(lens_blades)                                                                                 \
-    M(filter_radius) M(ao_distance) M(falloff) M(environment_reach) M(ambient) M(pending_rays)
+    M(filter_radius) M(ao_distance) M(falloff) M(environment_reach) M(ambient) M(pending_rays)                   \
+    M(instances) M(sdfs) M(sdf_code) M(align_frame)
 #define PUSH(M)                                                                                    \
     M(bounce)                                                                                      \
     M(first_pixel)                                                                                 \
@@ -90,6 +96,9 @@
     R(gpu_light, LIGHT)                                                                            \
     R(gpu_sun, SUN)                                                                                \
     R(gpu_shape, SHAPE)                                                                            \
+    R(gpu_instance, INSTANCE)                                                                      \
+    R(gpu_sdf, SDF_RECORD)                                                                         \
+    R(gpu_sdf_instruction, SDF_INSTRUCTION)                                                        \
     R(gpu_material, MATERIAL)                                                                      \
     R(gpu_emitter, EMITTER)                                                                        \
     R(gpu_light_tree, LIGHT_TREE)                                                                  \
@@ -130,6 +139,9 @@ struct record {
 #define M_gpu_light(m) MEMBER_OF(struct gpu_light, m)
 #define M_gpu_sun(m) MEMBER_OF(struct gpu_sun, m)
 #define M_gpu_shape(m) MEMBER_OF(struct gpu_shape, m)
+#define M_gpu_instance(m) MEMBER_OF(struct gpu_instance, m)
+#define M_gpu_sdf(m) MEMBER_OF(struct gpu_sdf, m)
+#define M_gpu_sdf_instruction(m) MEMBER_OF(struct gpu_sdf_instruction, m)
 #define M_gpu_material(m) MEMBER_OF(struct gpu_material, m)
 #define M_gpu_emitter(m) MEMBER_OF(struct gpu_emitter, m)
 #define M_gpu_light_tree(m) MEMBER_OF(struct gpu_light_tree, m)

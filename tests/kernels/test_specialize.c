@@ -1,5 +1,6 @@
 // What a scene does not need is left out: pairs of tiny scenes, with and without one need. Of the
 // first, the Vulkan objects must be there; of the second they must be gone, and nothing else.
+#include "geometry.h"
 #include "ies.h"
 #include "kernel_fixture.h"
 #include "replay.h"
@@ -211,13 +212,16 @@ struct inventory {
     uint64_t queue_rows, plan_bytes;
 };
 
+#define EMITS(emitter) ((uint64_t)(emitter) << 32)
+#define MEETS(geometry) ((uint64_t)(geometry) << 48)
+
 static struct inventory take_inventory(const struct renderer *r)
 {
     struct inventory out = {.plan_bytes = r->plan.total_bytes};
     for (uint32_t bit = 0; bit < 32; bit++)
         if (feature_name(BIT(bit)))
             out.features |= r->specialization.features & BIT(bit);
-    out.features |= (uint64_t)r->specialization.emitters << 32;
+    out.features |= EMITS(r->specialization.emitters) | MEETS(r->specialization.geometry);
     for (int id = 0; id < KERNEL_COUNT; id++)
         out.kernels |= r->kernels[id].pipeline ? BIT(id) : 0;
     for (uint32_t b = 0; b < BINDING_COUNT; b++) {
@@ -261,15 +265,14 @@ struct pair {
     uint32_t kernels_instead; // that only the one without it has
 };
 
-#define EMITS(emitter) ((uint64_t)(emitter) << 32)
 #define SHADOW_KERNELS BIT(KERNEL_intersect_shadow)
 #define SHADOW_BUFFERS (BIT(BINDING_EMITTERS) | BIT(BINDING_SHADOW_RAYS))
 
 static const struct pair pairs[] = {
     {"triangles", QUAD | SPHERE, SPHERE, FEATURE_TRIANGLES, 0, BIT(BINDING_TRIANGLES), 0},
-    {"spheres", QUAD | SPHERE, QUAD, FEATURE_SPHERES, 0, BIT(BINDING_SHAPES), 0},
-    {"discs", QUAD | DISC, QUAD, FEATURE_DISCS, 0, BIT(BINDING_SHAPES), 0},
-    {"spheres beside discs", DISC | SPHERE, DISC, FEATURE_SPHERES, 0, 0, 0},
+    {"spheres", QUAD | SPHERE, QUAD, MEETS(GEOMETRY_SPHERES), 0, BIT(BINDING_SHAPES), 0},
+    {"discs", QUAD | DISC, QUAD, MEETS(GEOMETRY_DISCS), 0, BIT(BINDING_SHAPES), 0},
+    {"spheres beside discs", DISC | SPHERE, DISC, MEETS(GEOMETRY_SPHERES), 0, 0, 0},
     {"normals", QUAD | SMOOTH, QUAD, FEATURE_NORMALS, 0, BIT(BINDING_ATTRIBUTES), 0},
     {"diffuse", QUAD | SPHERE | MIRROR_SPHERE, QUAD | MIRROR_QUAD | SPHERE | MIRROR_SPHERE, 0, 0, 0,
      0},
@@ -390,12 +393,16 @@ TEST(each_need)
     gpu_close(&gpu);
 }
 
+// Of geometry, what pairs are there for.
+#define GEOMETRY_PAIRED (GEOMETRY_SPHERES | GEOMETRY_DISCS)
+#define EMITTERS_PAIRED (EMITTERS_ALL & ~(EMITTERS_SHAPES & ~(EMITTER_SPHERES | EMITTER_DISCS)))
+
 static uint64_t named_bits(void)
 {
-    uint64_t named = 0;
+    uint64_t named = MEETS(GEOMETRY_PAIRED);
     for (uint32_t bit = 0; bit < 32; bit++) {
         named |= feature_name(BIT(bit)) ? BIT(bit) : 0;
-        named |= emitter_name(BIT(bit)) ? EMITS(BIT(bit)) : 0;
+        named |= emitter_name(BIT(bit)) ? EMITS(BIT(bit) & EMITTERS_PAIRED) : 0;
     }
     return named;
 }
@@ -511,7 +518,8 @@ static uint32_t lobes_of(struct gpu *gpu, const struct lobe_case *c)
     scene_start(&scene, 16, 16);
     add_sphere(&scene, (double[3]){0}, 1, add_material(&scene, &material));
     uint32_t lobes = 0;
-    bool ok = render_prepare(&scene, (struct bvh_method){0}, NULL, &arena, &flat, &bvh, &err);
+    bool ok =
+        geometry_prepare(&(struct geometry_params){.scene = &scene}, &arena, &flat, &bvh, &err);
     CHECK(ok, "%s", err.msg);
     if (ok)
         lobes = specialize(&(struct specialize_params){.scene = &scene,

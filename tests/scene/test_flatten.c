@@ -53,7 +53,7 @@ static void begin(struct fixture *f)
 static bool flatten(struct fixture *f)
 {
     warnings = 0;
-    return scene_flatten(&f->scene, &f->arena, &f->flat, &f->err);
+    return scene_flatten(&f->scene, INSTANCING_OFF, &f->arena, &f->flat, &f->err);
 }
 
 static void end(struct fixture *f)

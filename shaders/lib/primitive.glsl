@@ -1,0 +1,24 @@
+// What words of primitives and of leaves stand for.
+#ifndef PRIMITIVE_GLSL
+#define PRIMITIVE_GLSL
+
+#include "lib/constants.glsl"
+#include "shared/types.h"
+
+// Whether a primitive's word, or a leaf's that is no instance, is of a shape and not of triangles.
+// A macro, so that what is constant remains one where it is asked.
+#define IS_SHAPE(word)                                                                             \
+    (HAS_GEOMETRY(GEOMETRY_SHAPES) &&                                                              \
+     (HAS(FEATURE_TRIANGLES) ? ((word)&PRIMITIVE_SHAPE) != 0u : true))
+
+// Whether a shape's kind, of those that the scene has, is this one.
+#define IS_KIND(kind, which)                                                                       \
+    (HAS_GEOMETRY(SHAPE_KIND_BIT(which)) && (kind) == (which))
+
+// What a ray starts on, or is sent to: a primitive's word and the instance that it is of.
+struct primitive_ref {
+    uint primitive; // NO_PRIMITIVE: nothing
+    uint instance;  // NO_INSTANCE: in the world itself
+};
+
+#endif

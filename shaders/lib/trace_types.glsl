@@ -1,0 +1,30 @@
+// A ray to trace, and what it has met so far.
+#ifndef TRACE_TYPES_GLSL
+#define TRACE_TYPES_GLSL
+
+#include "lib/primitive.glsl"
+
+struct trace_ray {
+    vec3 origin;
+    vec3 direction;
+    uint ignore_a, ignore_b; // primitive words: where it starts, and what it is sent to
+    uvec4 alpha; // what decides whether it meets surfaces that are not everywhere there
+};
+
+struct trace_hit {
+    float t;        // distance so far, in units of the direction's length
+    vec2 uv;
+    uint primitive; // NO_PRIMITIVE: none
+    uint id;        // decides between equal distances, so that the BVH's shape does not
+};
+
+void accept_hit(inout trace_hit best, bool hit, float t, vec2 uv, uint primitive, uint id)
+{
+    bool nearer = hit && t > 0.0 && (t < best.t || (t == best.t && id < best.id));
+    best.t = nearer ? t : best.t;
+    best.uv = nearer ? uv : best.uv;
+    best.primitive = nearer ? primitive : best.primitive;
+    best.id = nearer ? id : best.id;
+}
+
+#endif

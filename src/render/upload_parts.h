@@ -1,0 +1,30 @@
+// What the parts of upload_scene() share.
+#ifndef LAMPYRIS_RENDER_UPLOAD_PARTS_H
+#define LAMPYRIS_RENDER_UPLOAD_PARTS_H
+
+#include "upload.h"
+
+// Creates a buffer and uploads as many bytes as are planned for it.
+bool upload_filled(struct gpu *gpu, const struct upload_params *p, uint32_t binding,
+                   const void *data, struct gpu_buffer *buffers, struct err *err);
+
+// Index, class and alpha of a material, as primitives carry it.
+uint32_t upload_material_word(const struct upload_params *p, uint32_t index);
+
+// For each of `count` primitives, whose words are `kind` and their index, its number among the
+// emitters, or NO_EMITTER. NULL when out of memory.
+uint32_t *upload_emitter_numbers(const struct upload_params *p, uint32_t kind, uint32_t count,
+                                 struct arena *scratch);
+
+// The shapes' buffer: shapes, instances, distance fields; see shared/types.h.
+bool upload_shapes(struct gpu *gpu, const struct upload_params *p, struct gpu_buffer *buffers,
+                   struct arena *scratch, struct err *err);
+
+// In words of four: where the sections begin, and how long the buffer is.
+struct shape_sections {
+    uint32_t instances, sdfs, sdf_code;
+    uint64_t words;
+};
+struct shape_sections shape_sections(const struct scene *scene, const struct flat_scene *flat);
+
+#endif

@@ -1,0 +1,44 @@
+// Shapes, instances and distance fields in the form that kernels read.
+#include "shared/sdf.h"
+#include "upload_parts.h"
+
+#include <string.h>
+
+struct shape_sections shape_sections(const struct scene *scene, const struct flat_scene *flat)
+{
+    uint64_t instructions = 0;
+    for (uint32_t i = 0; i < scene->sdf_count; i++)
+        instructions += scene->sdfs[i].count;
+    struct shape_sections s = {.instances = flat->shape_count * SHAPE_WORDS};
+    s.sdfs = s.instances + flat->placed_count * INSTANCE_WORDS;
+    s.sdf_code = s.sdfs + scene->sdf_count * SDF_WORDS;
+    s.words = s.sdf_code + instructions * SDF_INSTRUCTION_WORDS;
+    return s;
+}
+
+static void fill_shape(const struct flat_shape *shape, struct gpu_shape *out)
+{
+    memcpy(out->center, shape->center, sizeof out->center);
+    memcpy(out->axis, shape->normal, sizeof out->axis);
+    out->radius = shape->radius;
+}
+
+bool upload_shapes(struct gpu *gpu, const struct upload_params *p, struct gpu_buffer *buffers,
+                   struct arena *scratch, struct err *err)
+{
+    const struct shape_sections sections = shape_sections(p->scene, p->flat);
+    const struct flat_scene *flat = p->flat;
+    uint32_t(*words)[4] = arena_alloc(scratch, sections.words, sizeof *words);
+    uint32_t *emitters = upload_emitter_numbers(p, PRIMITIVE_SHAPE, flat->shape_count, scratch);
+    if (!words || !emitters)
+        return err_memory(err, "shapes", sections.words * sizeof *words);
+    for (uint32_t i = 0; i < flat->shape_count; i++) {
+        struct gpu_shape record = {.emitter = emitters[i]};
+        const struct flat_shape *shape = &flat->shapes[i];
+        fill_shape(shape, &record);
+        record.kind_material =
+            shape->kind << SHAPE_KIND_SHIFT | upload_material_word(p, shape->material);
+        memcpy(words[(uint64_t)i * SHAPE_WORDS], &record, sizeof record);
+    }
+    return upload_filled(gpu, p, BINDING_SHAPES, words, buffers, err);
+}

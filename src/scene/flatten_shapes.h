@@ -1,0 +1,18 @@
+// Analytic shapes: scene_flatten()'s part of them. Private to this folder, but for the boxes.
+#ifndef LAMPYRIS_SCENE_FLATTEN_SHAPES_H
+#define LAMPYRIS_SCENE_FLATTEN_SHAPES_H
+
+#include "flatten.h"
+
+// Appends all shapes to out->shapes, which has room, and adds those with ends to the bounds.
+bool flatten_shapes(const struct scene *scene, struct flat_scene *out, struct err *err);
+
+// A box that contains all that the kernels may hit of the shape.
+void flat_shape_box(const struct flat_shape *shape, float min[3], float max[3]);
+
+// Whether all coordinates are within SCENE_COORDINATE_MAX.
+bool flatten_in_range(const double point[3]);
+// Adds the box to the scene's bounds.
+void flatten_bound(struct flat_scene *flat, const float low[3], const float high[3]);
+
+#endif
