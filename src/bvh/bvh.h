@@ -57,6 +57,7 @@ _Static_assert(sizeof(struct bvh_node_float) == 128, "two cache lines");
 #define BVH_LEAF_INSTANCE (BVH_LEAF_SHAPE | BVH_LEAF_TWO) // one instance, by its own index
 #define BVH_LEAF_INDEX 0x1fffffffu
 #define BVH_EMPTY 0xffffffffu
+#define BVH_INSTANCES_MAX 0x1ffffff0u // so that none is BVH_EMPTY, nor a mark on a stack
 
 // No tree of bvh_build has more pending entries; see bvh_stats.stack_entries.
 #define BVH_STACK_ENTRIES_MAX 96u

@@ -5,9 +5,9 @@
 #include "bvh.h"
 #include "bvh_box.h"
 
-// What is sorted into the tree: a triangle (its index as given) or a shape (BVH_LEAF_SHAPE |
-// index), by its box alone. The box has no negative zero, so that minima do not depend on the
-// order.
+// What is sorted into the tree: a triangle (its index as given), a shape (BVH_LEAF_SHAPE | index)
+// or an instance (BVH_LEAF_INSTANCE | index), by its box alone. The box has no negative zero, so
+// that minima do not depend on the order.
 struct bvh_primitive {
     struct bvh_box box;
     uint32_t id;

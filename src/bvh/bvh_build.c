@@ -21,7 +21,8 @@ static const struct attempt {
 struct gather_job {
     const struct bvh_params *params;
     struct bvh_primitive *primitives;
-    _Atomic uint32_t first_bad; // the least primitive (triangles first) whose box is not usable
+    _Atomic uint32_t first_bad; // the least primitive (triangles, shapes, instances) whose box is
+                                // not usable
 };
 
 static bool box_is_valid(const struct bvh_box *box)
@@ -66,9 +67,12 @@ static void gather_primitives(void *context, size_t begin, size_t end, unsigned 
             primitive->id = (uint32_t)i;
             valid = triangle_bounds(job->params, primitive->id, &primitive->box);
         } else {
-            uint32_t shape = (uint32_t)i - triangles;
-            primitive->id = BVH_LEAF_SHAPE | shape;
-            primitive->box = job->params->shape_boxes[shape];
+            uint32_t index = (uint32_t)i - triangles, shapes = job->params->shape_count;
+            bool is_shape = index < shapes;
+            primitive->id =
+                is_shape ? BVH_LEAF_SHAPE | index : BVH_LEAF_INSTANCE | (index - shapes);
+            primitive->box = is_shape ? job->params->shape_boxes[index]
+                                      : job->params->instance_boxes[index - shapes];
             valid = box_is_valid(&primitive->box);
         }
         if (!valid)
@@ -82,11 +86,15 @@ static void gather_primitives(void *context, size_t begin, size_t end, unsigned 
 
 static bool check_params(const struct bvh_params *params, struct err *err)
 {
-    if (params->triangle_count > BVH_LEAF_INDEX || params->shape_count > BVH_LEAF_INDEX)
-        return err_set(err, ERR_BUG, "BVH: %u triangles and %u shapes, at most %u of each",
-                       params->triangle_count, params->shape_count, BVH_LEAF_INDEX);
+    if (params->triangle_count > BVH_LEAF_INDEX || params->shape_count > BVH_LEAF_INDEX ||
+        params->instance_count > BVH_INSTANCES_MAX)
+        return err_set(err, ERR_BUG,
+                       "BVH: %u triangles, %u shapes, %u instances; at most %u, %u and %u",
+                       params->triangle_count, params->shape_count, params->instance_count,
+                       BVH_LEAF_INDEX, BVH_LEAF_INDEX, BVH_INSTANCES_MAX);
     if ((params->triangle_count > 0 && !params->triangle_vertices) ||
-        (params->shape_count > 0 && !params->shape_boxes))
+        (params->shape_count > 0 && !params->shape_boxes) ||
+        (params->instance_count > 0 && !params->instance_boxes))
         return err_set(err, ERR_BUG, "BVH: primitives without vertices or boxes");
     if (params->triangle_stride != 0 && params->triangle_stride < sizeof(float[3][3]))
         return err_set(err, ERR_BUG, "BVH: triangle_stride: %zu is less than 36",
@@ -100,15 +108,16 @@ static bool make_primitives(const struct bvh_params *params, unsigned threads,
                             struct bvh_primitive *primitives, struct err *err)
 {
     struct gather_job job = {params, primitives, UINT32_MAX};
-    parallel_for((size_t)params->triangle_count + params->shape_count, 1 << 14, threads,
-                 gather_primitives, &job);
+    parallel_for(bvh_primitive_count(params), 1 << 14, threads, gather_primitives, &job);
     uint32_t bad = atomic_load(&job.first_bad);
     if (bad == UINT32_MAX)
         return true;
     if (bad < params->triangle_count)
         return err_set(err, ERR_BUG, "BVH: triangle %u has a vertex that is not finite", bad);
-    return err_set(err, ERR_BUG, "BVH: the box of shape %u is not finite or has min > max",
-                   bad - params->triangle_count);
+    bad -= params->triangle_count;
+    bool is_shape = bad < params->shape_count;
+    return err_set(err, ERR_BUG, "BVH: the box of %s %u is not finite or has min > max",
+                   is_shape ? "shape" : "instance", is_shape ? bad : bad - params->shape_count);
 }
 
 // --- Trees --------------------------------------------------------------------------------------
@@ -141,7 +150,7 @@ static bool build_once(const struct bvh_params *params, const struct attempt *at
     bool ok = false;
     struct arena scratch = {0};
     unsigned threads = params->threads > 0 ? params->threads : cpu_count();
-    uint32_t count = params->triangle_count + params->shape_count;
+    uint32_t count = bvh_primitive_count(params);
     struct bvh_primitive *primitives = ARENA_NEW(&scratch, struct bvh_primitive, count);
     if (!primitives) {
         err_memory(err, "the BVH's primitives", (uint64_t)count * sizeof *primitives);
@@ -178,7 +187,7 @@ done:
 static bool build_tree(const struct bvh_params *params, struct arena *arena, struct bvh *out,
                        struct err *err)
 {
-    if (params->triangle_count + params->shape_count == 0)
+    if (bvh_primitive_count(params) == 0)
         return build_empty(arena, out, err);
     bool ok = true, fits = false;
     for (size_t i = 0; ok && !fits; i++) // the second one always fits

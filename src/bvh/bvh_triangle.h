@@ -1,4 +1,4 @@
-// Access to the caller's triangles. Private to this folder.
+// Access to the caller's primitives. Private to this folder.
 #ifndef LAMPYRIS_BVH_BVH_TRIANGLE_H
 #define LAMPYRIS_BVH_BVH_TRIANGLE_H
 
@@ -12,6 +12,12 @@ static inline void bvh_triangle_load(const struct bvh_params *params, uint32_t t
     size_t stride = params->triangle_stride > 0 ? params->triangle_stride : sizeof(float[3][3]);
     const char *bytes = (const char *)params->triangle_vertices + triangle * stride;
     memcpy(vertices, bytes, sizeof(float[3][3]));
+}
+
+// Fits: each of the three is below 2^29.
+static inline uint32_t bvh_primitive_count(const struct bvh_params *params)
+{
+    return params->triangle_count + params->shape_count + params->instance_count;
 }
 
 #endif

@@ -5,7 +5,7 @@
 struct validator {
     const struct bvh *bvh;
     const struct bvh_params *params;
-    uint8_t *node_seen, *triangle_seen, *shape_seen;
+    uint8_t *node_seen, *triangle_seen, *shape_seen, *instance_seen;
     struct bvh_box *bounds; // of the primitives below each node
     uint32_t order_used;    // entries of triangle_order in leaves
     struct err *err;
@@ -17,9 +17,10 @@ static bool allocate(struct validator *validator, struct arena *scratch)
     validator->node_seen = ARENA_NEW(scratch, uint8_t, bvh->node_count);
     validator->triangle_seen = ARENA_NEW(scratch, uint8_t, bvh->triangle_count);
     validator->shape_seen = ARENA_NEW(scratch, uint8_t, validator->params->shape_count);
+    validator->instance_seen = ARENA_NEW(scratch, uint8_t, validator->params->instance_count);
     validator->bounds = ARENA_NEW(scratch, struct bvh_box, bvh->node_count);
     if (!validator->node_seen || !validator->triangle_seen || !validator->shape_seen ||
-        !validator->bounds)
+        !validator->instance_seen || !validator->bounds)
         return err_memory(validator->err, "validating the BVH",
                           bvh->node_count * sizeof *validator->bounds);
     return true;
@@ -37,23 +38,28 @@ static bool check_counts(const struct validator *validator)
     return true;
 }
 
-// Marks a triangle or shape and adds its box; each may be seen once.
-static bool visit_primitive(struct validator *validator, uint32_t primitive, struct bvh_box *bounds)
+// Of an array of boxes: each may be seen once.
+static bool visit_box(struct validator *validator, const char *kind, const struct bvh_box *boxes,
+                      uint32_t count, uint32_t index, uint8_t *seen, struct bvh_box *bounds)
 {
-    const struct bvh_params *params = validator->params;
-    uint32_t index = primitive & BVH_LEAF_INDEX;
-    bool is_shape = (primitive & BVH_LEAF_SHAPE) != 0;
-    const char *kind = is_shape ? "shape" : "triangle";
-    if (index >= (is_shape ? params->shape_count : params->triangle_count))
+    if (index >= count)
         return err_set(validator->err, ERR_INPUT, "BVH: there is no %s %u", kind, index);
-    uint8_t *seen = is_shape ? validator->shape_seen : validator->triangle_seen;
     if (seen[index])
         return err_set(validator->err, ERR_INPUT, "BVH: %s %u is in two leaves", kind, index);
     seen[index] = 1;
-    if (is_shape) {
-        box_add_box(bounds, &params->shape_boxes[index]);
-        return true;
-    }
+    box_add_box(bounds, &boxes[index]);
+    return true;
+}
+
+// Marks a triangle and adds its box; each may be seen once.
+static bool visit_triangle(struct validator *validator, uint32_t index, struct bvh_box *bounds)
+{
+    const struct bvh_params *params = validator->params;
+    if (index >= params->triangle_count)
+        return err_set(validator->err, ERR_INPUT, "BVH: there is no triangle %u", index);
+    if (validator->triangle_seen[index])
+        return err_set(validator->err, ERR_INPUT, "BVH: triangle %u is in two leaves", index);
+    validator->triangle_seen[index] = 1;
     float vertices[3][3];
     bvh_triangle_load(params, index, vertices);
     for (int i = 0; i < 3; i++)
@@ -65,13 +71,15 @@ static bool visit_leaf(struct validator *validator, uint32_t leaf, struct bvh_bo
 {
     const struct bvh *bvh = validator->bvh;
     uint32_t first = leaf & BVH_LEAF_INDEX;
-    if (leaf & BVH_LEAF_SHAPE) {
-        if (leaf & BVH_LEAF_TWO)
-            return err_set(validator->err, ERR_INPUT, "BVH: a leaf has two shapes, from %u", first);
-        return visit_primitive(validator, BVH_LEAF_SHAPE | first, bounds);
-    }
+    const struct bvh_params *params = validator->params;
+    if ((leaf & BVH_LEAF_INSTANCE) == BVH_LEAF_INSTANCE)
+        return visit_box(validator, "instance", params->instance_boxes, params->instance_count,
+                         first, validator->instance_seen, bounds);
+    if (leaf & BVH_LEAF_SHAPE)
+        return visit_box(validator, "shape", params->shape_boxes, params->shape_count, first,
+                         validator->shape_seen, bounds);
     uint32_t count = bvh_leaf_count(leaf);
-    if (count == 2 && validator->params->max_leaf == 1)
+    if (count == 2 && params->max_leaf == 1)
         return err_set(validator->err, ERR_INPUT,
                        "BVH: a leaf has two triangles, at most 1 allowed");
     if (first >= bvh->triangle_count || count > bvh->triangle_count - first)
@@ -79,10 +87,7 @@ static bool visit_leaf(struct validator *validator, uint32_t leaf, struct bvh_bo
                        "BVH: a leaf has triangles %u to %u of %u in leaf order", first,
                        first + count - 1, bvh->triangle_count);
     for (uint32_t i = first; i < first + count; i++) {
-        if (bvh->triangle_order[i] > BVH_LEAF_INDEX)
-            return err_set(validator->err, ERR_INPUT, "BVH: triangle_order[%u]: %u is too large", i,
-                           bvh->triangle_order[i]);
-        if (!visit_primitive(validator, bvh->triangle_order[i], bounds))
+        if (!visit_triangle(validator, bvh->triangle_order[i], bounds))
             return false;
     }
     return true;
@@ -136,6 +141,9 @@ static bool check_all_seen(const struct validator *validator)
     for (uint32_t i = 0; i < validator->params->shape_count; i++)
         if (!validator->shape_seen[i])
             return err_set(validator->err, ERR_INPUT, "BVH: shape %u is in no leaf", i);
+    for (uint32_t i = 0; i < validator->params->instance_count; i++)
+        if (!validator->instance_seen[i])
+            return err_set(validator->err, ERR_INPUT, "BVH: instance %u is in no leaf", i);
     return true;
 }
 

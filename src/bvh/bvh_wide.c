@@ -178,7 +178,7 @@ static void lay_out(struct collapse *collapse, uint32_t wide, uint32_t binary)
 static uint32_t leaf_word(const struct bvh_binary_node *node, uint32_t *triangle)
 {
     if (is_binary_leaf(node) && !is_triangle(node))
-        return BVH_LEAF | node->left; // the id has BVH_LEAF_SHAPE
+        return BVH_LEAF | node->left; // the id says shape or instance
     uint32_t first = *triangle;
     *triangle += is_binary_leaf(node) ? 1 : 2;
     return BVH_LEAF | (is_binary_leaf(node) ? 0 : BVH_LEAF_TWO) | first;
