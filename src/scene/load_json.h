@@ -50,6 +50,10 @@ bool load_json_sphere(struct scene *scene, const struct json_node *sphere, uint3
                       struct err *err);
 bool load_json_disc(struct scene *scene, const struct json_node *disc, uint32_t material,
                     struct err *err);
+bool load_json_plane(struct scene *scene, const struct json_node *plane, uint32_t material,
+                     struct err *err);
+bool load_json_cylinder(struct scene *scene, const struct json_node *cylinder, uint32_t material,
+                        struct err *err);
 bool load_json_generated(struct scene *scene, const struct json_node *generated, uint32_t material,
                          struct err *err);
 bool load_json_teapot(struct scene *scene, const struct json_node *teapot, uint32_t material,
@@ -59,6 +63,17 @@ bool load_json_torus(struct scene *scene, const struct json_node *torus, uint32_
                      struct err *err);
 bool load_json_stadium(struct scene *scene, const struct json_node *stadium, uint32_t material,
                        struct err *err);
+
+// Whether the object's "as" is "analytic" rather than "triangles"; as it was without.
+bool load_json_is_analytic(const struct json_node *object, bool *analytic, struct err *err);
+bool load_json_analytic_quad(struct scene *scene, const struct json_node *quad,
+                             const double vertices[4][3], uint32_t material, struct err *err);
+bool load_json_analytic_box(struct scene *scene, const struct json_node *box,
+                            const double bounds[2][3], uint32_t material, struct err *err);
+
+// Moves an analytic shape by a transform that keeps its kind; others are an error at `node`.
+bool load_json_move_shape(const struct json_node *node, const double m[3][4], struct shape *shape,
+                          struct err *err);
 
 // Spheres without number, with materials of their own.
 bool load_json_scatter(struct json_loader *loader, const struct json_node *scatter,

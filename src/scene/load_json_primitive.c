@@ -1,4 +1,4 @@
-// Shapes of a scene file that need no other file: quad, box, sphere, disc, generated meshes.
+// Meshes of a scene file that need no other file: quad, box, generated ones.
 #include "load_json.h"
 
 #include "affine.h"
@@ -93,8 +93,12 @@ bool load_json_quad(struct scene *scene, const struct json_node *quad, uint32_t 
     bool has_vertices = node_member(quad, "vertices").value != NULL;
     if (has_vertices && (node_member(quad, "u").value || node_member(quad, "v").value))
         return node_fail(quad, err, "\"u\" and \"v\" go with \"corner\", not with \"vertices\"");
-    if (!(has_vertices ? read_four_vertices : read_parallelogram)(quad, vertices, err))
+    bool analytic = false;
+    if (!(has_vertices ? read_four_vertices : read_parallelogram)(quad, vertices, err) ||
+        !load_json_is_analytic(quad, &analytic, err))
         return false;
+    if (analytic)
+        return load_json_analytic_quad(scene, quad, vertices, material, err);
     return add_quadrilaterals(scene, "quad", material, vertices, picture_corners, 1, err);
 }
 
@@ -114,13 +118,17 @@ bool load_json_box(struct scene *scene, const struct json_node *box, uint32_t ma
     };
     double bounds[2][3], vertices[24][3];
     float uvs[24][2];
+    bool analytic = false;
     if (!node_read_vector(box, "min", RANGE_COORDINATE, bounds[0], err) ||
-        !node_read_vector(box, "max", RANGE_COORDINATE, bounds[1], err))
+        !node_read_vector(box, "max", RANGE_COORDINATE, bounds[1], err) ||
+        !load_json_is_analytic(box, &analytic, err))
         return false;
     for (int i = 0; i < 3; i++)
         if (!(bounds[0][i] < bounds[1][i]))
             return node_fail(box, err, "max[%d] %.9g is not above min[%d] %.9g", i, bounds[1][i], i,
                              bounds[0][i]);
+    if (analytic)
+        return load_json_analytic_box(scene, box, bounds, material, err);
     for (unsigned v = 0; v < 24; v++) {
         unsigned corner = faces[v / 4].corners[v % 4];
         for (unsigned i = 0; i < 3; i++)
@@ -128,40 +136,6 @@ bool load_json_box(struct scene *scene, const struct json_node *box, uint32_t ma
         memcpy(uvs[v], picture_corners[(faces[v / 4].first + v) % 4], sizeof uvs[v]);
     }
     return add_quadrilaterals(scene, "box", material, vertices, uvs, 6, err);
-}
-
-// --- analytic shapes -----------------------------------------------------------------------------
-
-static bool add_shape(struct scene *scene, const struct shape *shape, struct err *err)
-{
-    struct shape *added = scene_add_shape(scene, NULL);
-    if (!added)
-        return err_memory(err, "a shape", sizeof *added);
-    *added = *shape;
-    return true;
-}
-
-bool load_json_sphere(struct scene *scene, const struct json_node *sphere, uint32_t material,
-                      struct err *err)
-{
-    struct shape shape = {.kind = SHAPE_SPHERE, .material = material};
-    return node_read_vector(sphere, "center", RANGE_COORDINATE, shape.center, err) &&
-           node_read_number(sphere, "radius", RANGE_RADIUS, &shape.radius, err) &&
-           add_shape(scene, &shape, err);
-}
-
-bool load_json_disc(struct scene *scene, const struct json_node *disc, uint32_t material,
-                    struct err *err)
-{
-    struct shape shape = {.kind = SHAPE_DISC, .material = material};
-    if (!node_read_vector(disc, "center", RANGE_COORDINATE, shape.center, err) ||
-        !node_read_number(disc, "radius", RANGE_RADIUS, &shape.radius, err) ||
-        !node_read_vector(disc, "normal", RANGE_COORDINATE, shape.normal, err))
-        return false;
-    const struct json_node normal = node_member(disc, "normal");
-    if (!vec3_normalize(shape.normal))
-        return node_fail(&normal, err, "is zero; expected a direction");
-    return add_shape(scene, &shape, err);
 }
 
 // --- generated meshes ----------------------------------------------------------------------------

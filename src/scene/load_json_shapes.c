@@ -112,25 +112,6 @@ static bool read_transform(const struct json_node *transform, double out[3][4], 
     return true;
 }
 
-static bool transform_shape(const struct json_node *node, const double m[3][4], struct shape *shape,
-                            struct err *err)
-{
-    double scale;
-    if (!affine_uniform_scale(m, &scale))
-        return node_fail(node, err,
-                         "scales a sphere or disc differently along its axes; expected rotation, "
-                         "translation and uniform scale");
-    double radius = shape->radius * scale;
-    if (!(radius >= RANGE_RADIUS.min && radius <= RANGE_RADIUS.max))
-        return node_fail(node, err, "makes the radius %.9g; expected [%g, %g]", radius,
-                         RANGE_RADIUS.min, RANGE_RADIUS.max);
-    shape->radius = radius;
-    affine_point(m, shape->center, shape->center);
-    affine_vector(m, shape->normal, shape->normal);
-    vec3_normalize(shape->normal); // stays zero for spheres
-    return true;
-}
-
 static bool transform_part(struct scene *scene, const struct scene_part *part,
                            const struct json_node *node, const double m[3][4], struct err *err)
 {
@@ -139,7 +120,7 @@ static bool transform_part(struct scene *scene, const struct scene_part *part,
         affine_multiply(m, instance->transform, instance->transform);
     }
     for (uint32_t i = 0; i < part->shape_count; i++)
-        if (!transform_shape(node, m, &scene->shapes[part->first_shape + i], err))
+        if (!load_json_move_shape(node, m, &scene->shapes[part->first_shape + i], err))
             return false;
     return true;
 }
@@ -263,6 +244,8 @@ enum shape_type {
     TYPE_BOX,
     TYPE_SPHERE,
     TYPE_DISC,
+    TYPE_PLANE,
+    TYPE_CYLINDER,
     TYPE_GENERATED,
     TYPE_TEAPOT,
     TYPE_TORUS,
@@ -272,19 +255,24 @@ enum shape_type {
     TYPE_COUNT,
 };
 
-static const char *const type_names[TYPE_COUNT + 1] = {"mesh",    "quad",      "box",      "sphere",
-                                                       "disc",    "generated", "teapot",   "torus",
-                                                       "stadium", "scatter",   "instance", NULL};
+static const char *const type_names[TYPE_COUNT + 1] = {
+    "mesh",      "quad",   "box",   "sphere",  "disc",    "plane",    "cylinder",
+    "generated", "teapot", "torus", "stadium", "scatter", "instance", NULL};
 
 // Keys beside "type", and beside "name" and "transform", which all shapes may have.
 static const struct {
-    const char *required[6], *optional[7];
+    const char *required[6], *optional[9];
 } type_keys[TYPE_COUNT] = {
     [TYPE_MESH] = {{"type", "file"}, {"name", "transform", "material", "fit"}},
-    [TYPE_QUAD] = {{"type", "material"}, {"name", "transform", "vertices", "corner", "u", "v"}},
-    [TYPE_BOX] = {{"type", "material", "min", "max"}, {"name", "transform"}},
-    [TYPE_SPHERE] = {{"type", "material", "radius"}, {"name", "transform", "center"}},
+    [TYPE_QUAD] = {{"type", "material"},
+                   {"name", "transform", "vertices", "corner", "u", "v", "as"}},
+    [TYPE_BOX] = {{"type", "material", "min", "max"}, {"name", "transform", "as"}},
+    [TYPE_SPHERE] = {{"type", "material", "radius"},
+                     {"name", "transform", "center", "as", "subdivision"}},
     [TYPE_DISC] = {{"type", "material", "radius", "normal"}, {"name", "transform", "center"}},
+    [TYPE_PLANE] = {{"type", "material", "normal"}, {"name", "transform", "point"}},
+    [TYPE_CYLINDER] = {{"type", "material", "radius"},
+                       {"name", "transform", "from", "to", "center", "axis", "height", "caps"}},
     [TYPE_GENERATED] = {{"type", "material", "triangles"}, {"name", "transform"}},
     [TYPE_TEAPOT] = {{"type", "material"}, {"name", "transform", "resolution"}},
     [TYPE_TORUS] = {{"type", "material"},
@@ -358,6 +346,10 @@ static bool add_in_own_space(struct shape_list *list, const struct json_node *no
         return load_json_sphere(scene, node, material, err);
     case TYPE_DISC:
         return load_json_disc(scene, node, material, err);
+    case TYPE_PLANE:
+        return load_json_plane(scene, node, material, err);
+    case TYPE_CYLINDER:
+        return load_json_cylinder(scene, node, material, err);
     case TYPE_GENERATED:
         return load_json_generated(scene, node, material, err);
     case TYPE_TORUS:
