@@ -101,6 +101,39 @@ double affine_determinant(const double m[3][4])
     return fabs(determinant) > 16 * DBL_EPSILON * bound ? determinant : 0.0;
 }
 
+bool affine_inverse(const double m[3][4], double out[3][4])
+{
+    double cofactors[3][3], inverse[3][4], determinant = affine_determinant(m);
+    if (determinant == 0 || !isfinite(determinant))
+        return false;
+    affine_cofactors(m, cofactors);
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < 3; j++)
+            inverse[i][j] = cofactors[j][i] / determinant;
+        inverse[i][3] = 0;
+        for (int j = 0; j < 3; j++)
+            inverse[i][3] -= inverse[i][j] * m[j][3];
+    }
+    memcpy(out, inverse, sizeof inverse);
+    return true;
+}
+
+void affine_box(const double m[3][4], const double min[3], const double max[3], double out_min[3],
+                double out_max[3])
+{
+    double low[3], high[3];
+    for (int i = 0; i < 3; i++) {
+        low[i] = high[i] = m[i][3];
+        for (int j = 0; j < 3; j++) {
+            double a = m[i][j] * min[j], b = m[i][j] * max[j];
+            low[i] += a < b ? a : b;
+            high[i] += a < b ? b : a;
+        }
+    }
+    memcpy(out_min, low, sizeof low);
+    memcpy(out_max, high, sizeof high);
+}
+
 bool affine_uniform_scale(const double m[3][4], double *scale)
 {
     // Matrices are often written to six or seven digits; their columns then disagree that much.

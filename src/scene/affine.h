@@ -30,6 +30,11 @@ double affine_determinant(const double m[3][4]);
 // The matrix of cofactors, determinant times inverse transpose: it takes normals along without a
 // division, for singular maps too. A negative determinant turns its normals round.
 void affine_cofactors(const double m[3][4], double out[3][3]);
+// False, and out unset, when it is singular.
+bool affine_inverse(const double m[3][4], double out[3][4]);
+// The box around the image of a box.
+void affine_box(const double m[3][4], const double min[3], const double max[3], double out_min[3],
+                double out_max[3]);
 // Whether the linear part is a rotation or reflection times one scale; that scale.
 bool affine_uniform_scale(const double m[3][4], double *scale);
 

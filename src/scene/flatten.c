@@ -1,138 +1,17 @@
-// World space, single precision, one level: what the BVH and the kernels take.
-#include "flatten.h"
-
+// Single precision, in the world or in the space of a shared mesh: what the BVH and the kernels
+// take.
 #include "affine.h"
-#include "bounds.h"
-#include "flatten_attributes.h"
+#include "flatten_census.h"
+#include "flatten_instances.h"
 #include "flatten_shapes.h"
-#include "log.h"
-#include <float.h>
 #include <math.h>
 #include <string.h>
 
-// --- bounds and origin ---------------------------------------------------------------------------
-
-static bool fail_vertex(const struct scene *scene, const struct instance *instance, uint32_t vertex,
-                        const double point[3], struct err *err)
-{
-    const char *name = scene->meshes[instance->mesh].name;
-    return err_set(err, ERR_INPUT,
-                   "%s: instance %td: mesh %u%s%s%s: vertex %u lies at (%g, %g, %g) in the world; "
-                   "expected coordinates within +-%g",
-                   scene->path ? scene->path : "scene", instance - scene->instances, instance->mesh,
-                   *name ? " \"" : "", name, *name ? "\"" : "", vertex, point[0], point[1],
-                   point[2], SCENE_COORDINATE_MAX);
-}
-
-// Coordinates of a file in single precision that are far from its own origin have lost their digits
-// before anything here can save them: beyond this ratio of position to size a mesh is resolved in
-// fewer than 2^24 / 2^18 = 64 steps (stiff case C2).
-#define COARSE_RATIO 262144
-
-static void warn_if_coarse(const struct mesh *mesh)
-{
-    struct bounds bounds = BOUNDS_EMPTY;
-    double extent = 0, farthest = 0;
-    if (mesh->exact_positions || mesh->triangle_count == 0)
-        return;
-    for (uint32_t t = 0; t < mesh->triangle_count; t++) {
-        for (int corner = 0; corner < 3; corner++) {
-            double point[3];
-            mesh_vertex(mesh, mesh->indices[t][corner], point);
-            bounds_add_point(&bounds, point);
-        }
-    }
-    for (int i = 0; i < 3; i++) {
-        extent = fmax(extent, bounds.max[i] - bounds.min[i]);
-        farthest = fmax(farthest, fmax(-bounds.min[i], bounds.max[i]));
-    }
-    if (farthest > COARSE_RATIO * extent)
-        log_warn("mesh \"%s\" is %g in size and %g from its origin: single precision resolves it "
-                 "in steps of %.2g",
-                 mesh->name, extent, farthest, farthest * (double)FLT_EPSILON);
-}
-
-// Adds an instance to the bounds; false with *err set when a vertex is out of range.
-static bool measure_instance(const struct scene *scene, const struct instance *instance,
-                             struct bounds *bounds, struct err *err)
-{
-    const struct mesh *mesh = &scene->meshes[instance->mesh];
-    for (uint32_t t = 0; t < mesh->triangle_count; t++) {
-        for (int corner = 0; corner < 3; corner++) {
-            uint32_t vertex = mesh->indices[t][corner];
-            double point[3];
-            mesh_vertex(mesh, vertex, point);
-            affine_point(instance->transform, point, point);
-            if (!flatten_in_range(point))
-                return fail_vertex(scene, instance, vertex, point, err);
-            bounds_add_point(bounds, point);
-        }
-    }
-    return true;
-}
-
-static bool is_singular(const struct instance *instance)
-{
-    double determinant = affine_determinant(instance->transform);
-    return determinant == 0 || isnan(determinant);
-}
-
-struct census {
-    struct bounds bounds;
-    uint64_t triangle_count;
-    struct attribute_needs needs;
-    uint32_t skipped_instances;
-};
-
-static bool take_census(const struct scene *scene, struct census *census, struct err *err)
-{
-    *census = (struct census){.bounds = BOUNDS_EMPTY};
-    for (uint32_t i = 0; i < scene->mesh_count; i++)
-        warn_if_coarse(&scene->meshes[i]);
-    for (uint32_t i = 0; i < scene->instance_count; i++) {
-        const struct instance *instance = &scene->instances[i];
-        const struct mesh *mesh = &scene->meshes[instance->mesh];
-        if (is_singular(instance)) {
-            log_warn("instance %u of mesh \"%s\" is skipped: its transform is singular", i,
-                     mesh->name);
-            census->skipped_instances++;
-            continue;
-        }
-        census->triangle_count += mesh->triangle_count;
-        attributes_census(scene, instance, &census->needs);
-        if (!measure_instance(scene, instance, &census->bounds, err))
-            return false;
-    }
-    for (uint32_t i = 0; i < scene->shape_count; i++)
-        bounds_add_shape(&census->bounds, &scene->shapes[i]);
-    return true;
-}
-
-// Coordinates up to 16 times the size cost four of the 24 bits; beyond that the arrays get an
-// origin of their own, the middle of the scene.
-#define REBASE_RATIO 16
-
-static void choose_origin(const struct bounds *bounds, double origin[3])
-{
-    double extent = 0, farthest = 0;
-    for (int i = 0; i < 3; i++)
-        origin[i] = 0;
-    if (bounds_is_empty(bounds))
-        return;
-    for (int i = 0; i < 3; i++) {
-        extent = fmax(extent, bounds->max[i] - bounds->min[i]);
-        farthest = fmax(farthest, fmax(-bounds->min[i], bounds->max[i]));
-    }
-    if (farthest > REBASE_RATIO * extent)
-        for (int i = 0; i < 3; i++)
-            origin[i] = bounds->min[i] + (bounds->max[i] - bounds->min[i]) / 2;
-}
-
 // --- triangles -----------------------------------------------------------------------------------
 
-static struct placement place(const struct scene *scene, uint32_t index, const double origin[3])
+static struct placement place(const struct scene *scene, const struct instance *instance,
+                              const double origin[3])
 {
-    const struct instance *instance = &scene->instances[index];
     struct placement placement = {
         .mesh = &scene->meshes[instance->mesh],
         .instance = instance,
@@ -187,8 +66,6 @@ static bool add_triangle(struct flat_scene *flat, const struct scene *scene,
     if (!vec3_normalize(geometric))
         return false;
     triangle->material = instance_material(mesh, placement->instance, index);
-    for (int corner = 0; corner < 3; corner++)
-        flatten_bound(flat, triangle->v[corner], triangle->v[corner]);
     attributes_place(flat, scene, placement, vertices, geometric);
     flat->triangle_count++;
     return true;
@@ -211,16 +88,71 @@ static bool drop_triangle(struct flat_scene *flat, struct arena *arena)
     return true;
 }
 
-static bool add_instance(struct flat_scene *flat, const struct scene *scene, uint32_t index,
-                         struct arena *arena, struct err *err)
+// All triangles of an instance, or of a shared mesh as an instance of itself. `run`: where its
+// first triangle is noted.
+static bool add_triangles(struct flat_scene *flat, const struct scene *scene,
+                          const struct placement *placement, uint32_t run, struct arena *arena,
+                          struct err *err)
 {
-    flat->instance_first[index] = flat->triangle_count + flat->dropped_degenerate;
-    if (is_singular(&scene->instances[index]))
-        return true;
-    const struct placement placement = place(scene, index, flat->origin);
-    for (uint32_t t = 0; t < placement.mesh->triangle_count; t++)
-        if (!add_triangle(flat, scene, &placement, t) && !drop_triangle(flat, arena))
+    flat->instance_first[run] = flat->triangle_count + flat->dropped_degenerate;
+    for (uint32_t t = 0; t < placement->mesh->triangle_count; t++)
+        if (!add_triangle(flat, scene, placement, t) && !drop_triangle(flat, arena))
             return err_memory(err, "dropped triangles", flat->dropped_degenerate * 4u);
+    return true;
+}
+
+static bool add_world(struct flat_scene *flat, const struct scene *scene,
+                      const struct census *census, struct arena *arena, struct err *err)
+{
+    for (uint32_t i = 0; i < scene->instance_count; i++) {
+        flat->instance_first[i] = flat->triangle_count + flat->dropped_degenerate;
+        if (census->instances[i] != INSTANCE_FLATTENED)
+            continue;
+        const struct placement placement = place(scene, &scene->instances[i], flat->origin);
+        if (!add_triangles(flat, scene, &placement, i, arena, err))
+            return false;
+    }
+    flat->world_triangle_count = flat->triangle_count;
+    for (uint32_t i = 0; i < flat->triangle_count; i++)
+        for (int corner = 0; corner < 3; corner++)
+            flatten_bound(flat, flat->triangles[i].v[corner], flat->triangles[i].v[corner]);
+    return true;
+}
+
+static void bound_mesh(const struct flat_scene *flat, struct flat_mesh *mesh)
+{
+    for (int c = 0; c < 3; c++) {
+        mesh->bounds_min[c] = INFINITY;
+        mesh->bounds_max[c] = -INFINITY;
+    }
+    for (uint32_t i = 0; i < 3 * mesh->triangle_count; i++) {
+        const float *v = flat->triangles[mesh->first_triangle + i / 3].v[i % 3];
+        for (int c = 0; c < 3; c++) {
+            mesh->bounds_min[c] = fminf(mesh->bounds_min[c], v[c]);
+            mesh->bounds_max[c] = fmaxf(mesh->bounds_max[c], v[c]);
+        }
+    }
+}
+
+static bool add_meshes(struct flat_scene *flat, const struct scene *scene,
+                       const struct census *census, struct arena *arena, struct err *err)
+{
+    for (uint32_t i = 0; i < scene->mesh_count; i++) {
+        const struct mesh_use *use = &census->meshes[i];
+        struct instance own = {.mesh = i, .material = SCENE_NONE};
+        double origin[3];
+        if (!use->is_shared)
+            continue;
+        struct flat_mesh *mesh = &flat->meshes[use->flat];
+        memcpy(own.transform, AFFINE_IDENTITY, sizeof own.transform);
+        flatten_choose_origin(&use->bounds, origin);
+        mesh->first_triangle = flat->triangle_count;
+        const struct placement placement = place(scene, &own, origin);
+        if (!add_triangles(flat, scene, &placement, flat->instance_count + use->flat, arena, err))
+            return false;
+        mesh->triangle_count = flat->triangle_count - mesh->first_triangle;
+        bound_mesh(flat, mesh);
+    }
     return true;
 }
 
@@ -242,9 +174,10 @@ void flat_triangle_source(const struct flat_scene *flat, uint32_t id, uint32_t *
                           uint32_t *triangle)
 {
     uint32_t dropped = first_above(flat->dropped_before, flat->dropped_degenerate, id);
-    uint32_t source = id + dropped;
-    *instance = first_above(flat->instance_first, flat->instance_count, source) - 1;
-    *triangle = source - flat->instance_first[*instance];
+    uint32_t source = id + dropped, runs = flat->instance_count + flat->mesh_count;
+    uint32_t run = first_above(flat->instance_first, runs, source) - 1;
+    *triangle = source - flat->instance_first[run];
+    *instance = run < flat->instance_count ? run : SCENE_NONE;
 }
 
 // --- the whole -----------------------------------------------------------------------------------
@@ -252,44 +185,74 @@ void flat_triangle_source(const struct flat_scene *flat, uint32_t id, uint32_t *
 static bool reserve(const struct scene *scene, const struct census *census, struct arena *arena,
                     struct flat_scene *flat, struct err *err)
 {
-    if (census->triangle_count >= UINT32_MAX)
+    uint64_t triangles = census->world_triangle_count + census->shared_triangle_count;
+    if (triangles >= UINT32_MAX)
         return err_set(err, ERR_INPUT, "%s: %llu triangles in all; expected fewer than 4294967295",
-                       scene->path ? scene->path : "scene",
-                       (unsigned long long)census->triangle_count);
-    size_t count = (size_t)census->triangle_count;
+                       scene->path ? scene->path : "scene", (unsigned long long)triangles);
+    size_t count = (size_t)triangles;
     flat->triangles = ARENA_NEW(arena, struct flat_triangle, count);
     flat->shapes = ARENA_NEW(arena, struct flat_shape, scene->shape_count);
     flat->material_used = ARENA_NEW(arena, bool, scene->material_count);
-    flat->instance_first = ARENA_NEW(arena, uint32_t, scene->instance_count);
+    flat->instance_first =
+        ARENA_NEW(arena, uint32_t, (size_t)scene->instance_count + census->shared_count);
     flat->instance_count = scene->instance_count;
-    if (!flat->instance_first || !flat->triangles || !flat->shapes || !flat->material_used)
-        return err_memory(err, "the flattened scene", count * sizeof *flat->triangles);
+    flat->meshes = ARENA_NEW(arena, struct flat_mesh, census->shared_count);
+    flat->mesh_count = census->shared_count;
+    flat->instances = ARENA_NEW(arena, struct flat_instance, census->placed_count);
+    if (!flat->instance_first || !flat->triangles || !flat->shapes || !flat->material_used ||
+        !flat->meshes || !flat->instances)
+        return err_memory(err, "the flattened scene",
+                          count * sizeof *flat->triangles +
+                              census->placed_count * sizeof *flat->instances);
     return attributes_reserve(&census->needs, count, arena, flat, err);
+}
+
+static void mark_materials(struct flat_scene *flat)
+{
+    for (uint32_t i = 0; i < flat->world_triangle_count; i++)
+        flat->material_used[flat->triangles[i].material] = true;
+    for (uint32_t i = 0; i < flat->shape_count; i++)
+        flat->material_used[flat->shapes[i].material] = true;
+    for (uint32_t i = 0; i < flat->placed_count; i++) {
+        const struct flat_instance *instance = &flat->instances[i];
+        struct flat_mesh *mesh = &flat->meshes[instance->mesh];
+        if (instance->material != SCENE_NONE)
+            flat->material_used[instance->material] = true;
+        mesh->is_own_material_used |= instance->material == SCENE_NONE;
+    }
+    for (uint32_t m = 0; m < flat->mesh_count; m++) {
+        const struct flat_mesh *mesh = &flat->meshes[m];
+        for (uint32_t i = 0; i < mesh->triangle_count && mesh->is_own_material_used; i++)
+            flat->material_used[flat->triangles[mesh->first_triangle + i].material] = true;
+    }
+}
+
+static bool flatten(const struct scene *scene, enum instancing instancing, struct arena *scratch,
+                    struct arena *arena, struct flat_scene *out, struct err *err)
+{
+    struct census census;
+    if (!flatten_take_census(scene, instancing, scratch, &census, err) ||
+        !reserve(scene, &census, arena, out, err))
+        return false;
+    out->skipped_instances = census.skipped_instances;
+    flatten_choose_origin(&census.bounds, out->origin);
+    if (!add_world(out, scene, &census, arena, err) ||
+        !add_meshes(out, scene, &census, arena, err) ||
+        !flatten_instances(scene, &census, out, err) || !flatten_shapes(scene, out, err))
+        return false;
+    mark_materials(out);
+    return true;
 }
 
 bool scene_flatten(const struct scene *scene, enum instancing instancing, struct arena *arena,
                    struct flat_scene *out, struct err *err)
-
 {
-    (void)instancing;
-    struct census census;
+    struct arena scratch = {0};
     *out = (struct flat_scene){
         .bounds_min = {INFINITY, INFINITY, INFINITY},
         .bounds_max = {-INFINITY, -INFINITY, -INFINITY},
     };
-    if (!take_census(scene, &census, err) || !reserve(scene, &census, arena, out, err))
-        return false;
-    out->skipped_instances = census.skipped_instances;
-    choose_origin(&census.bounds, out->origin);
-    for (uint32_t i = 0; i < scene->instance_count; i++)
-        if (!add_instance(out, scene, i, arena, err))
-            return false;
-    out->world_triangle_count = out->triangle_count;
-    if (!flatten_shapes(scene, out, err))
-        return false;
-    for (uint32_t i = 0; i < out->triangle_count; i++)
-        out->material_used[out->triangles[i].material] = true;
-    for (uint32_t i = 0; i < out->shape_count; i++)
-        out->material_used[out->shapes[i].material] = true;
-    return true;
+    bool ok = flatten(scene, instancing, &scratch, arena, out, err);
+    arena_finish(&scratch);
+    return ok;
 }

@@ -21,10 +21,12 @@ struct flat_shape {
     uint32_t sdf;
 };
 
-// A mesh that its instances share: triangles in its own space.
+// A mesh that its instances share: triangles in its own space, or relative to its middle when it is
+// far from its own origin (in double precision, as flat_scene.origin).
 struct flat_mesh {
     uint32_t first_triangle, triangle_count;
     float bounds_min[3], bounds_max[3];
+    bool is_own_material_used; // some instance has none in place of it
 };
 
 // One of them, placed.
@@ -33,13 +35,19 @@ struct flat_instance {
     uint32_t material; // in place of the triangles' own; SCENE_NONE: these
     uint32_t source;   // of scene.instances
     bool is_mirrored;
-    float to_world[3][4]; // to positions relative to flat_scene.origin
-    float to_object[3][4];
+    float to_world[3][4];  // from flat_scene.triangles to positions relative to flat_scene.origin
+    float to_object[3][4]; // the inverse of the rounded to_world, rounded
 };
 
-// Which meshes are kept in their own space, once for all their instances: those used more than once
-// where that pays, all, or none. Meshes that emit never are: each triangle is an emitter of its
-// own.
+// Which meshes are kept in their own space, once for all their instances:
+// - auto: those with at least 12 triangles of which copies would take 65536 triangles or more
+//   (some 10 MiB on the device); a second level costs time, and smaller scenes fit into caches;
+// - on: all, those with one instance too;
+// - off: none.
+// Never shared are meshes that emit, since each of their triangles is an emitter of its own; meshes
+// that are smaller than 1e-9 m or larger than 1e9 m in their own space; and never by instances that
+// make them emit, that squash or shear by more than about 1 : 4096, or that give a mesh without
+// tangents a material with other texture coordinates for them. These are put into the world.
 enum instancing { INSTANCING_AUTO, INSTANCING_ON, INSTANCING_OFF };
 
 struct flat_scene {
@@ -59,8 +67,7 @@ struct flat_scene {
     float (*uvs[2])[3][2];   // finite, 0 where missing; t downwards
     float (*colors)[3][4];   // linear RGBA, 1 where missing
     uint32_t triangle_count;
-    // The first ones are in the world; then come the shared meshes' own, which do not stand
-    // in instance_first.
+    // The first ones are in the world; then come the shared meshes' own.
     uint32_t world_triangle_count;
     struct flat_mesh *meshes;
     uint32_t mesh_count;
@@ -68,9 +75,9 @@ struct flat_scene {
     uint32_t placed_count; // of `instances`
     struct flat_shape *shapes;
     uint32_t shape_count;
-    // Where triangles in the world come from: see flat_triangle_source.
-    uint32_t instance_count;
-    uint32_t *instance_first;           // of all triangles, dropped ones included
+    // Where triangles come from: see flat_triangle_source.
+    uint32_t instance_count;            // the scene's
+    uint32_t *instance_first;           // of all triangles, dropped ones included; then of `meshes`
     uint32_t *dropped_before;           // dropped_degenerate of them: the triangle that came next
     bool *material_used;                // scene->material_count: some primitive has it
     float bounds_min[3], bounds_max[3]; // relative to origin; min > max when empty
@@ -78,12 +85,14 @@ struct flat_scene {
     uint32_t skipped_instances;         // singular transforms (C30)
 };
 
-// The instance that a flat triangle is of, and which of its mesh's triangles it is.
+// The instance that a flat triangle is of (SCENE_NONE: a shared mesh's), and which of its mesh's
+// triangles it is.
 void flat_triangle_source(const struct flat_scene *flat, uint32_t id, uint32_t *instance,
                           uint32_t *triangle);
 
 // Memory comes from `arena`. A vertex that is not finite after transformation is ERR_INPUT naming
-// instance, mesh and vertex.
+// instance, mesh and vertex; so is a transform that is not. Instances with singular transforms are
+// left out, with one warning a mesh.
 bool scene_flatten(const struct scene *scene, enum instancing instancing, struct arena *arena,
                    struct flat_scene *out, struct err *err);
 

@@ -37,6 +37,11 @@ static struct material_needs material_needs(const struct scene *scene, uint32_t 
     return needs;
 }
 
+uint32_t attributes_tangent_set(const struct scene *scene, uint32_t material)
+{
+    return material_needs(scene, material).tangent_set;
+}
+
 uint32_t instance_material(const struct mesh *mesh, const struct instance *instance,
                            uint32_t triangle)
 {
@@ -54,7 +59,8 @@ void attributes_census(const struct scene *scene, const struct instance *instanc
         return;
     needs->normals |= mesh->normals != NULL;
     needs->colors |= mesh->colors != NULL;
-    for (uint32_t t = 0; t < mesh->triangle_count; t++) {
+    uint32_t count = instance->material == SCENE_NONE ? mesh->triangle_count : 1;
+    for (uint32_t t = 0; t < count; t++) {
         uint32_t index = instance_material(mesh, instance, t);
         if (index == known)
             continue;

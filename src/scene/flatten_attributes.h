@@ -29,6 +29,9 @@ void attributes_place(struct flat_scene *flat, const struct scene *scene,
                       const struct placement *placement, const uint32_t vertices[3],
                       const double geometric[3]);
 
+// The set of texture coordinates that a material's tangents follow where a mesh has none.
+uint32_t attributes_tangent_set(const struct scene *scene, uint32_t material);
+
 // The material of a triangle of the instance's mesh.
 uint32_t instance_material(const struct mesh *mesh, const struct instance *instance,
                            uint32_t triangle);

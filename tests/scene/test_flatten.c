@@ -241,10 +241,31 @@ TEST(singular_instances_are_skipped_with_a_warning)
     set_matrix(&f.instances[1], (const double[]){1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0});
     // Two equal columns, turned: the determinant is 0 up to rounding.
     set_matrix(&f.instances[2], (const double[]){.1, .1, .7, 0, .3, .3, .2, 0, .9, .9, .6, 0});
-    set_matrix(&f.instances[3], (const double[]){NAN, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0});
     REQUIRE(flatten(&f), "%s", f.err.msg);
-    CHECK(f.flat.triangle_count == 1 && f.flat.skipped_instances == 3 && warnings == 3);
-    CHECK(strstr(warning, "instance 3 of mesh \"triangle\" is skipped"), "%s", warning);
+    CHECK(f.flat.triangle_count == 2 && f.flat.skipped_instances == 2);
+    CHECK(warnings == 1 &&
+              strstr(warning, "2 instances of mesh \"triangle\" are skipped, instance 1"),
+          "%s", warning);
+    f.scene.instance_count = 2;
+    REQUIRE(flatten(&f), "%s", f.err.msg);
+    CHECK(warnings == 1 && strstr(warning, "instance 1 of mesh \"triangle\" is skipped"), "%s",
+          warning);
+    end(&f);
+}
+
+TEST(transforms_that_are_not_finite_are_errors)
+{
+    static const double bad[] = {NAN, INFINITY, -INFINITY};
+    struct fixture f;
+    begin(&f);
+    f.scene.instance_count = 2;
+    for (int i = 0; i < 12; i++) {
+        memcpy(f.instances[1].transform, AFFINE_IDENTITY, sizeof AFFINE_IDENTITY);
+        f.instances[1].transform[i / 4][i % 4] = bad[i % 3];
+        f.err = (struct err){0};
+        CHECK(!flatten(&f) && f.err.code == ERR_INPUT && strstr(f.err.msg, "test: instance 1 of"),
+              "%d: %s", i, f.err.msg);
+    }
     end(&f);
 }
 
@@ -361,6 +382,146 @@ TEST(shapes)
     end(&f);
 }
 
+// --- sharing -------------------------------------------------------------------------------------
+
+static bool share(struct fixture *f, enum instancing instancing)
+{
+    warnings = 0;
+    return scene_flatten(&f->scene, instancing, &f->arena, &f->flat, &f->err);
+}
+
+// Where flat triangle `id` of instance `i` lies in the world, less where it should.
+static double placing_error(const struct fixture *f, uint32_t i, uint32_t id, int corner)
+{
+    const struct flat_instance *placed = &f->flat.instances[i];
+    const struct instance *source = &f->scene.instances[placed->source];
+    uint32_t instance, triangle;
+    flat_triangle_source(&f->flat, id, &instance, &triangle);
+    uint32_t vertex = f->indices[triangle][corner];
+    double given[3], want[3], worst = instance == SCENE_NONE ? 0 : INFINITY;
+    for (int c = 0; c < 3; c++)
+        given[c] = f->mesh.exact_positions ? f->exact[vertex][c] : (double)f->positions[vertex][c];
+    affine_point(source->transform, given, want);
+    for (int c = 0; c < 3; c++) {
+        const float *m = placed->to_world[c], *v = f->flat.triangles[id].v[corner];
+        double got = (double)m[0] * (double)v[0] + (double)m[1] * (double)v[1] +
+                     (double)m[2] * (double)v[2] + (double)m[3] + f->flat.origin[c];
+        worst = fmax(worst, fabs(got - want[c]));
+        CHECK(got - f->flat.origin[c] >= (double)f->flat.bounds_min[c] &&
+              got - f->flat.origin[c] <= (double)f->flat.bounds_max[c]);
+    }
+    return worst;
+}
+
+TEST(shared_meshes_stay_in_their_own_space)
+{
+    struct fixture f;
+    begin(&f);
+    // A line, which is dropped, and two triangles.
+    const uint32_t indices[3][3] = {{0, 1, 1}, {0, 1, 2}, {2, 1, 3}};
+    memcpy(f.indices, indices, sizeof indices);
+    f.positions[3][2] = 1;
+    f.mesh.vertex_count = 4;
+    f.mesh.triangle_count = 3;
+    f.scene.instance_count = 4;
+    set_matrix(&f.instances[0], (const double[]){0, -2, 0, 5, 3, 0, 0, 6, 0, 0, 1, 7});
+    set_matrix(&f.instances[1], (const double[]){0, 0, 0, 5, 3, 0, 0, 6, 0, 0, 1, 7});
+    set_matrix(&f.instances[2], (const double[]){-1, .5, 0, 1, 0, 1, .25, 2, 0, 0, 1, 3});
+    f.instances[2].material = 2;
+    REQUIRE(share(&f, INSTANCING_ON), "%s", f.err.msg);
+    REQUIRE(f.flat.mesh_count == 1 && f.flat.placed_count == 3 && f.flat.triangle_count == 2 &&
+            f.flat.world_triangle_count == 0 && f.flat.skipped_instances == 1);
+    for (uint32_t i = 0; i < 3; i++)
+        for (uint32_t id = 0; id < 2; id++)
+            for (int corner = 0; corner < 3; corner++)
+                CHECK(placing_error(&f, i, id, corner) < 1e-6);
+    const struct flat_instance *placed = f.flat.instances;
+    CHECK(placed[0].source == 0 && placed[1].source == 2 && placed[2].source == 3);
+    CHECK(!placed[0].is_mirrored && placed[1].is_mirrored && !placed[2].is_mirrored);
+    CHECK(placed[0].material == SCENE_NONE && placed[1].material == 2);
+    CHECK(!f.flat.material_used[0] && f.flat.material_used[1] && f.flat.material_used[2]);
+    for (uint32_t i = 0; i < 4; i++)
+        f.instances[i].material = 2;
+    REQUIRE(share(&f, INSTANCING_ON), "%s", f.err.msg);
+    CHECK(!f.flat.material_used[1] && f.flat.material_used[2], "nobody shows the mesh's own");
+    end(&f);
+}
+
+TEST(far_instances_and_far_meshes_are_rebased)
+{
+    struct fixture f;
+    begin(&f);
+    f.scene.instance_count = 2;
+    for (int v = 0; v < 3; v++)
+        for (int i = 0; i < 3; i++) {
+            f.exact[v][i] = 4e6 + 0.1 * (double)f.positions[v][i];
+            f.positions[v][i] = (float)f.exact[v][i];
+        }
+    f.mesh.exact_positions = f.exact;
+    set_matrix(&f.instances[1], (const double[]){2, 0, 0, -4e6, 0, 0, -1, 8e6, 0, 1, 0, 0.25});
+    REQUIRE(share(&f, INSTANCING_ON) && f.flat.placed_count == 2, "%s", f.err.msg);
+    for (uint32_t i = 0; i < 2; i++)
+        for (int corner = 0; corner < 3; corner++) {
+            double error = placing_error(&f, i, 0, corner);
+            CHECK(error < 1e-7, "instance %u corner %d: %g", i, corner, error);
+        }
+    end(&f);
+}
+
+TEST(what_cannot_be_shared_is_in_the_world)
+{
+    struct fixture f;
+    begin(&f);
+    f.scene.instance_count = 4;
+    f.instances[1].material = 2; // emits
+    f.materials[2].emission[1] = 1;
+    set_matrix(&f.instances[2], (const double[]){1, 0, 0, 0, 0, 1e-5, 0, 0, 0, 0, 1, 0});
+    REQUIRE(share(&f, INSTANCING_ON), "%s", f.err.msg);
+    CHECK(f.flat.placed_count == 2 && f.flat.world_triangle_count == 2 &&
+          f.flat.triangle_count == 3);
+    CHECK(f.flat.triangles[0].material == 2 && f.flat.triangles[1].material == 1);
+    uint32_t instance, triangle;
+    flat_triangle_source(&f.flat, 1, &instance, &triangle);
+    CHECK(instance == 2 && triangle == 0);
+    f.materials[1].emission[1] = 1; // the mesh itself
+    REQUIRE(share(&f, INSTANCING_ON), "%s", f.err.msg);
+    CHECK(f.flat.placed_count == 0 && f.flat.mesh_count == 0 && f.flat.triangle_count == 4);
+    f.materials[1].emission[1] = 0;
+    for (int v = 0; v < 3; v++)
+        f.positions[v][0] *= 1e-10f, f.positions[v][1] *= 1e-10f;
+    REQUIRE(share(&f, INSTANCING_ON), "%s", f.err.msg);
+    CHECK(f.flat.placed_count == 0, "too small for single precision");
+    end(&f);
+}
+
+// Sharing by itself: where it saves something, and never a mesh that is used once.
+TEST(sharing_has_to_pay)
+{
+    enum { TRIANGLES = 4096 };
+    static uint32_t indices[TRIANGLES][3];
+    struct fixture f;
+    begin(&f);
+    for (uint32_t t = 0; t < TRIANGLES; t++)
+        for (uint32_t corner = 0; corner < 3; corner++)
+            indices[t][corner] = corner;
+    struct instance *many = calloc(20, sizeof *many);
+    REQUIRE(many);
+    for (int i = 0; i < 20; i++)
+        many[i] = f.instances[0];
+    f.mesh.indices = indices;
+    f.mesh.triangle_count = TRIANGLES;
+    f.scene.instances = many;
+    for (uint32_t count = 1; count <= 20; count++) {
+        f.scene.instance_count = count;
+        REQUIRE(share(&f, INSTANCING_AUTO), "%s", f.err.msg);
+        bool want = (count - 1) * TRIANGLES >= 65536;
+        CHECK(f.flat.placed_count == (want ? count : 0), "%u instances", count);
+        CHECK(f.flat.triangle_count == (want ? 1 : count) * TRIANGLES);
+        end(&f);
+    }
+    free(many);
+}
+
 TEST(memory_limits_are_errors)
 {
     struct fixture f;
@@ -410,6 +571,11 @@ int main(int argc, char **argv)
         TEST_CASE(meshes_beyond_their_precision_are_warned_of),
         TEST_CASE(vertices_out_of_range_are_errors),
         TEST_CASE(shapes),
+        TEST_CASE(transforms_that_are_not_finite_are_errors),
+        TEST_CASE(shared_meshes_stay_in_their_own_space),
+        TEST_CASE(far_instances_and_far_meshes_are_rebased),
+        TEST_CASE(what_cannot_be_shared_is_in_the_world),
+        TEST_CASE(sharing_has_to_pay),
         TEST_CASE(memory_limits_are_errors),
         TEST_CASE(uniform_scales_are_recognised),
     };

@@ -1,0 +1,43 @@
+// What there is to flatten, and which meshes are shared. Part of flatten.c.
+#ifndef LAMPYRIS_SCENE_FLATTEN_CENSUS_H
+#define LAMPYRIS_SCENE_FLATTEN_CENSUS_H
+
+#include "bounds.h"
+#include "flatten.h"
+#include "flatten_attributes.h"
+
+struct mesh_use {
+    struct bounds bounds;   // in its own space, of the vertices that triangles use
+    bool is_in_range;       // each of these
+    bool may_be_shared;     // whatever its instances are like
+    bool is_shared;         // by those that can
+    uint32_t flat;          // shared: its index of flat_scene.meshes
+    uint32_t sharing;       // instances that can share it
+    uint32_t tangent_set;   // that all its triangles' tangents follow; SCENE_NONE: they differ
+    uint32_t own_material;  // instances of it without a material of theirs
+    uint32_t skipped;       // instances with singular transforms
+    uint32_t first_skipped; // the first one of them
+};
+
+enum instance_use { INSTANCE_SKIPPED, INSTANCE_FLATTENED, INSTANCE_SHARES };
+
+struct census {
+    struct mesh_use *meshes;
+    uint8_t *instances;   // enum instance_use
+    struct bounds bounds; // of everything in the world; with shared meshes not the tightest
+    uint64_t world_triangle_count, shared_triangle_count;
+    uint32_t shared_count; // meshes
+    uint32_t placed_count; // instances of them
+    struct attribute_needs needs;
+    uint32_t skipped_instances;
+};
+
+// Arrays come from `scratch`. Warns of singular transforms and of meshes beyond their precision.
+bool flatten_take_census(const struct scene *scene, enum instancing instancing,
+                         struct arena *scratch, struct census *out, struct err *err);
+
+// Where the arrays of something with these bounds begin: (0,0,0), or its middle when it is small
+// for where it is.
+void flatten_choose_origin(const struct bounds *bounds, double origin[3]);
+
+#endif

@@ -1,0 +1,11 @@
+// Instances of shared meshes: scene_flatten()'s part of them. Private to this folder.
+#ifndef LAMPYRIS_SCENE_FLATTEN_INSTANCES_H
+#define LAMPYRIS_SCENE_FLATTEN_INSTANCES_H
+
+#include "flatten_census.h"
+
+// Fills out->instances, which has room, and adds them to the bounds; out->meshes is complete.
+bool flatten_instances(const struct scene *scene, const struct census *census,
+                       struct flat_scene *out, struct err *err);
+
+#endif
