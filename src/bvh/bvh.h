@@ -88,8 +88,11 @@ struct bvh {
     struct bvh_node_float *nodes_float; // BVH_FLOAT, else NULL
     enum bvh_format format;
     uint32_t node_count;
-    uint32_t *triangle_order; // leaf order -> triangle as given
-    uint32_t triangle_count;
+    // Leaf order -> triangle as given: reference_count places for triangle_count triangles, which
+    // differ after spatial splits alone. Such a triangle has a place in each leaf that has a part
+    // of it, of which that leaf's box is the box.
+    uint32_t *triangle_order;
+    uint32_t triangle_count, reference_count;
     struct bvh_stats stats;
 };
 

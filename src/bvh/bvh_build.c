@@ -199,7 +199,9 @@ bool bvh_build(const struct bvh_params *params, struct arena *arena, struct bvh 
                struct err *err)
 {
     uint64_t start = clock_ns();
-    *out = (struct bvh){.format = params->method.format, .triangle_count = params->triangle_count};
+    *out = (struct bvh){.format = params->method.format,
+                        .triangle_count = params->triangle_count,
+                        .reference_count = params->triangle_count};
     if (!check_params(params, err) || !bvh_checkpoint(params->progress, 0, err))
         return false;
     out->triangle_order = ARENA_NEW(arena, uint32_t, params->triangle_count);

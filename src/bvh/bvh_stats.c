@@ -58,7 +58,8 @@ bool bvh_compute_stats(const struct bvh *bvh, struct bvh_stats *stats, struct er
         .depth = tree_depth(bvh, per_node),
         .stack_entries = tree_stack_entries(bvh, per_node),
         .node_count = bvh->node_count,
-        .bytes = bvh_nodes_bytes(bvh) + (uint64_t)bvh->triangle_count * sizeof *bvh->triangle_order,
+        .bytes =
+            bvh_nodes_bytes(bvh) + (uint64_t)bvh->reference_count * sizeof *bvh->triangle_order,
     };
     for (uint32_t n = 0; n < bvh->node_count; n++) {
         const uint32_t *child = bvh_children(bvh, n);

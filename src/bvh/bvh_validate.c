@@ -82,10 +82,10 @@ static bool visit_leaf(struct validator *validator, uint32_t leaf, struct bvh_bo
     if (count == 2 && params->max_leaf == 1)
         return err_set(validator->err, ERR_INPUT,
                        "BVH: a leaf has two triangles, at most 1 allowed");
-    if (first >= bvh->triangle_count || count > bvh->triangle_count - first)
+    if (first >= bvh->reference_count || count > bvh->reference_count - first)
         return err_set(validator->err, ERR_INPUT,
                        "BVH: a leaf has triangles %u to %u of %u in leaf order", first,
-                       first + count - 1, bvh->triangle_count);
+                       first + count - 1, bvh->reference_count);
     for (uint32_t i = first; i < first + count; i++) {
         if (!visit_triangle(validator, bvh->triangle_order[i], bounds))
             return false;

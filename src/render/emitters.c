@@ -92,7 +92,7 @@ static bool list_triangles(const struct scene *scene, const struct flat_scene *f
     uint32_t *places = ARENA_NEW(&scratch, uint32_t, flat->triangle_count); // in leaf order
     if (!places)
         return err_memory(err, "emitters", flat->triangle_count * sizeof *places);
-    for (uint32_t i = 0; i < flat->triangle_count; i++)
+    for (uint32_t i = 0; i < bvh->reference_count; i++)
         places[bvh->triangle_order[i]] = i;
     for (uint32_t i = 0; i < flat->triangle_count; i++) {
         const struct flat_triangle *triangle = &flat->triangles[i];

@@ -116,9 +116,10 @@ static uint32_t geometry_features(const struct flat_scene *flat)
 _Static_assert(SHAPE_KIND_COUNT == 8 && 1u << SHAPE_SDF == GEOMETRY_SDFS, "bit n is kind n");
 
 // GEOMETRY_*: what else than triangles there is.
-static uint32_t geometry_of(const struct flat_scene *flat)
+static uint32_t geometry_of(const struct flat_scene *flat, const struct bvh *bvh)
 {
     uint32_t geometry = flat->placed_count ? GEOMETRY_INSTANCES : 0u;
+    geometry |= bvh->reference_count > bvh->triangle_count ? GEOMETRY_DUPLICATES : 0u;
     for (uint32_t i = 0; i < flat->shape_count; i++)
         geometry |= 1u << flat->shapes[i].kind;
     return geometry;
@@ -276,8 +277,8 @@ static void specialize_whitted(struct specialization *s, const struct settings *
     }
 }
 
-static uint32_t device_features(const struct gpu *gpu, const struct flat_scene *flat,
-                                const struct bvh *bvh, const struct scene *scene, uint32_t emitters)
+static uint32_t device_features(const struct gpu *gpu, const struct bvh *bvh,
+                                const struct scene *scene, uint32_t emitters)
 {
     uint32_t features = gpu->has_ballot ? FEATURE_BALLOT : 0u;
     // Measured on lavapipe: texel fetches are three times as fast as storage-buffer reads.
@@ -291,7 +292,7 @@ static uint32_t device_features(const struct gpu *gpu, const struct flat_scene *
         texel_bytes += (uint64_t)scene->images[i].width * scene->images[i].height *
                        (scene->images[i].is_float ? 16u : 8u);
     if (gpu_texel_fits(gpu, bvh_nodes_bytes(bvh)) &&
-        gpu_texel_fits(gpu, (uint64_t)flat->triangle_count * sizeof(struct gpu_triangle)) &&
+        gpu_texel_fits(gpu, (uint64_t)bvh->reference_count * sizeof(struct gpu_triangle)) &&
         gpu_texel_fits(gpu, environment_bytes) && gpu_texel_fits(gpu, texel_bytes))
         features |= FEATURE_TEXEL_SCENE;
     // The least that Vulkan guarantees still gives a wave of 16,384 paths; below, the wave matters
@@ -351,7 +352,7 @@ struct specialization specialize(const struct specialize_params *p)
         .directions = settings->directions,
         .roulette = settings->roulette,
         .nodes = bvh->format == BVH_FLOAT ? NODES_FLOAT : NODES_QUANTISED,
-        .geometry = geometry_of(flat),
+        .geometry = geometry_of(flat, bvh),
         .sdf = sdf_operations(scene),
     };
     uint32_t classes = 0;
@@ -397,7 +398,7 @@ struct specialization specialize(const struct specialize_params *p)
         s.features |= FEATURE_LENS;
     if (p->tiles)
         s.features |= FEATURE_TILES;
-    s.features |= device_features(gpu, flat, bvh, scene, s.emitters);
+    s.features |= device_features(gpu, bvh, scene, s.emitters);
     s.queues = queues_needed(s.features, s.class_lobes);
     return s;
 }

@@ -84,13 +84,32 @@ uint32_t *upload_emitter_numbers(const struct upload_params *p, uint32_t kind, u
     return numbers;
 }
 
+// A triangle that has several places is listed as an emitter with one of them: gives them all its
+// number.
+static bool number_all_places(const struct upload_params *p, uint32_t *numbers,
+                              struct arena *scratch)
+{
+    const struct bvh *bvh = p->bvh;
+    if (bvh->reference_count == bvh->triangle_count)
+        return true;
+    uint32_t *of_triangle = ARENA_NEW(scratch, uint32_t, p->flat->triangle_count);
+    for (uint32_t i = 0; of_triangle && i < p->flat->triangle_count; i++)
+        of_triangle[i] = NO_EMITTER;
+    for (uint32_t i = 0; of_triangle && i < bvh->reference_count; i++)
+        if (numbers[i] != NO_EMITTER)
+            of_triangle[bvh->triangle_order[i]] = numbers[i];
+    for (uint32_t i = 0; of_triangle && i < bvh->reference_count; i++)
+        numbers[i] = of_triangle[bvh->triangle_order[i]];
+    return of_triangle != NULL;
+}
+
 static bool upload_triangles(struct gpu *gpu, const struct upload_params *p,
                              struct gpu_buffer *buffers, struct arena *scratch, struct err *err)
 {
-    uint32_t count = p->flat->triangle_count;
+    uint32_t count = p->bvh->reference_count;
     struct gpu_triangle *records = ARENA_NEW(scratch, struct gpu_triangle, count);
     uint32_t *emitters = upload_emitter_numbers(p, 0, count, scratch);
-    if (!records || !emitters)
+    if (!records || !emitters || !number_all_places(p, emitters, scratch))
         return err_memory(err, "triangles", (uint64_t)count * sizeof *records);
     for (uint32_t i = 0; i < count; i++) {
         uint32_t id = p->bvh->triangle_order[i];
@@ -174,7 +193,7 @@ static void fill_attributes(const struct upload_params *p, uint32_t id, uint32_t
 static bool upload_attributes(struct gpu *gpu, const struct upload_params *p,
                               struct gpu_buffer *buffers, struct arena *scratch, struct err *err)
 {
-    uint32_t count = p->flat->triangle_count;
+    uint32_t count = p->bvh->reference_count;
     uint32_t words = attribute_words(p->specialization->features);
     uint32_t(*records)[4] = arena_alloc(scratch, (uint64_t)count * words, sizeof *records);
     if (!records)

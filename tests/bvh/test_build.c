@@ -332,7 +332,7 @@ static void check_same_bits(const struct mesh *mesh, struct bvh_method method)
         CHECK(!memcmp(bvh_nodes_data(&bvh[i]), bvh_nodes_data(&bvh[0]), bvh_nodes_bytes(&bvh[0])),
               "%u threads", threads[i]);
         CHECK(!memcmp(bvh[i].triangle_order, bvh[0].triangle_order,
-                      mesh->count * sizeof *bvh[0].triangle_order),
+                      bvh[0].reference_count * sizeof *bvh[0].triangle_order),
               "%u threads", threads[i]);
     }
     arena_finish(&arena);
