@@ -33,15 +33,53 @@ void bounds_add_point(struct bounds *bounds, const double point[3])
     }
 }
 
+// How far a disc reaches along an axis: by the sine of the angle between axis and normal.
+static double disc_reach(const double normal[3], double radius, int axis)
+{
+    return radius * sqrt(fmax(1 - normal[axis] * normal[axis], 0));
+}
+
+bool shape_reach(const struct shape *shape, double reach[3])
+{
+    double unit[3];
+    for (int i = 0; i < 3; i++)
+        unit[i] = shape->axes[0][i];
+    vec3_normalize(unit);
+    for (int i = 0; i < 3; i++) {
+        double edges = fabs(shape->axes[0][i]) + fabs(shape->axes[1][i]);
+        switch (shape->kind) {
+        case SHAPE_SPHERE:
+            reach[i] = shape->radius;
+            break;
+        case SHAPE_DISC:
+            reach[i] = disc_reach(shape->normal, shape->radius, i);
+            break;
+        case SHAPE_QUAD:
+            reach[i] = edges;
+            break;
+        case SHAPE_BOX:
+        case SHAPE_SDF:
+            reach[i] = edges + fabs(shape->axes[2][i]);
+            break;
+        case SHAPE_CYLINDER:
+        case SHAPE_TUBE:
+            reach[i] = fabs(shape->axes[0][i]) + disc_reach(unit, shape->radius, i);
+            break;
+        default:
+            return false;
+        }
+    }
+    return true;
+}
+
 void bounds_add_shape(struct bounds *bounds, const struct shape *shape)
 {
-    double low[3], high[3];
+    double reach[3], low[3], high[3];
+    if (!shape_reach(shape, reach))
+        return;
     for (int i = 0; i < 3; i++) {
-        // A disc reaches along an axis as far as the sine of the angle between axis and normal.
-        double n = shape->normal[i];
-        double reach = shape->kind == SHAPE_DISC ? sqrt(fmax(1 - n * n, 0)) : 1.0;
-        low[i] = shape->center[i] - reach * shape->radius;
-        high[i] = shape->center[i] + reach * shape->radius;
+        low[i] = shape->center[i] - reach[i];
+        high[i] = shape->center[i] + reach[i];
     }
     bounds_add_point(bounds, low);
     bounds_add_point(bounds, high);
@@ -99,6 +137,39 @@ static double instance_radius(const struct scene *scene, const struct instance *
     return radius;
 }
 
+// The largest distance from `center` to a shape, or a little more; 0 for a plane.
+static double shape_radius(const struct shape *shape, const double center[3])
+{
+    double radius = 0;
+    switch (shape->kind) {
+    case SHAPE_SPHERE:
+    case SHAPE_DISC:
+        return distance(shape->center, center) + shape->radius;
+    case SHAPE_QUAD:
+    case SHAPE_BOX:
+    case SHAPE_SDF:
+    case SHAPE_CYLINDER:
+    case SHAPE_TUBE:
+        break;
+    default:
+        return 0;
+    }
+    // Corners, or the ends of an axis and what is around them.
+    bool is_round = shape->kind == SHAPE_CYLINDER || shape->kind == SHAPE_TUBE;
+    double across = is_round ? 0 : 1;
+    double depth = shape->kind == SHAPE_BOX || shape->kind == SHAPE_SDF ? 1 : 0;
+    for (int corner = 0; corner < 8; corner++) {
+        const double signs[3] = {corner & 1 ? 1 : -1, corner & 2 ? across : -across,
+                                 corner & 4 ? depth : -depth};
+        double point[3];
+        for (int i = 0; i < 3; i++)
+            point[i] = shape->center[i] + signs[0] * shape->axes[0][i] +
+                       signs[1] * shape->axes[1][i] + signs[2] * shape->axes[2][i];
+        radius = fmax(radius, distance(point, center) + (is_round ? shape->radius : 0));
+    }
+    return radius;
+}
+
 double bounds_radius(const struct scene *scene, const struct scene_part *part,
                      const double center[3])
 {
@@ -108,8 +179,7 @@ double bounds_radius(const struct scene *scene, const struct scene_part *part,
         radius = fmax(radius, instance_radius(scene, instance, center));
     }
     for (uint32_t i = 0; i < part->shape_count; i++) {
-        const struct shape *shape = &scene->shapes[part->first_shape + i];
-        radius = fmax(radius, distance(shape->center, center) + shape->radius);
+        radius = fmax(radius, shape_radius(&scene->shapes[part->first_shape + i], center));
     }
     return radius;
 }

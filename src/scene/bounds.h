@@ -22,7 +22,10 @@ struct scene_part scene_whole(const struct scene *scene);
 void mesh_vertex(const struct mesh *mesh, uint32_t vertex, double out[3]);
 
 void bounds_add_point(struct bounds *bounds, const double point[3]);
+// Planes, which have no end, have no bounds.
 void bounds_add_shape(struct bounds *bounds, const struct shape *shape);
+// How far a shape reaches from its centre along each axis; false where that is without end.
+bool shape_reach(const struct shape *shape, double reach[3]);
 bool bounds_is_empty(const struct bounds *bounds);
 
 // Vertices that no triangle uses do not count.

@@ -1,7 +1,9 @@
 // Analytic shapes in single precision, and their boxes.
 #include "flatten_shapes.h"
 
+#include "affine.h"
 #include "bounds.h"
+#include <float.h>
 #include <math.h>
 
 bool flatten_in_range(const double point[3])
@@ -22,36 +24,70 @@ void flatten_bound(struct flat_scene *flat, const float low[3], const float high
     }
 }
 
+// The shape that the rounded numbers describe; without its material.
+static struct shape exact_shape(const struct flat_shape *flat)
+{
+    struct shape shape = {.kind = flat->kind, .radius = (double)flat->radius, .sdf = flat->sdf};
+    for (int i = 0; i < 3; i++) {
+        shape.center[i] = (double)flat->center[i];
+        shape.normal[i] = (double)flat->normal[i];
+        for (int axis = 0; axis < 3; axis++)
+            shape.axes[axis][i] = (double)flat->axes[axis][i];
+    }
+    return shape;
+}
+
+// A plane's point may be far away, which costs its place digits; but where a picture depends on it.
+static void move_near(const struct scene *scene, const double origin[3], struct shape *plane)
+{
+    if (plane->kind != SHAPE_PLANE || scene->materials[plane->material].texture_count > 0)
+        return;
+    double from[3];
+    vec3_subtract(plane->center, origin, from);
+    double height = vec3_dot(from, plane->normal);
+    for (int i = 0; i < 3; i++)
+        plane->center[i] = origin[i] + height * plane->normal[i];
+}
+
+static bool is_in_range(const struct shape *shape)
+{
+    return flatten_in_range(shape->center) && shape->radius <= SCENE_COORDINATE_MAX &&
+           flatten_in_range(shape->axes[0]) && flatten_in_range(shape->axes[1]) &&
+           flatten_in_range(shape->axes[2]);
+}
+
 static bool add_shape(struct flat_scene *flat, const struct scene *scene, uint32_t index,
                       struct err *err)
 {
-    const struct shape *shape = &scene->shapes[index];
-    if (!flatten_in_range(shape->center) || !(shape->radius <= SCENE_COORDINATE_MAX))
+    struct shape shape = scene->shapes[index];
+    if (!is_in_range(&shape))
         return err_set(err, ERR_INPUT,
                        "%s: shape %u at (%g, %g, %g) with radius %g; expected numbers within +-%g",
-                       scene->path ? scene->path : "scene", index, shape->center[0],
-                       shape->center[1], shape->center[2], shape->radius, SCENE_COORDINATE_MAX);
+                       scene->path ? scene->path : "scene", index, shape.center[0], shape.center[1],
+                       shape.center[2], shape.radius, SCENE_COORDINATE_MAX);
+    move_near(scene, flat->origin, &shape);
     struct flat_shape *added = &flat->shapes[flat->shape_count++];
-    added->kind = shape->kind;
-    added->material = shape->material;
-    added->radius = (float)shape->radius;
+    *added = (struct flat_shape){
+        .kind = shape.kind,
+        .material = shape.material,
+        .radius = (float)shape.radius,
+        .sdf = shape.sdf,
+    };
     for (int i = 0; i < 3; i++) {
-        added->center[i] = (float)(shape->center[i] - flat->origin[i]);
-        added->normal[i] = (float)shape->normal[i];
+        added->center[i] = (float)(shape.center[i] - flat->origin[i]);
+        added->normal[i] = (float)shape.normal[i];
+        for (int axis = 0; axis < 3; axis++)
+            added->axes[axis][i] = (float)shape.axes[axis][i];
     }
     // The bounds of the shape as it was rounded, rounded outwards.
-    struct shape rounded = *shape;
-    struct bounds bounds = BOUNDS_EMPTY;
+    const struct shape rounded = exact_shape(added);
+    double reach[3];
     float low[3], high[3];
-    rounded.radius = (double)added->radius;
+    if (!shape_reach(&rounded, reach))
+        return true;
     for (int i = 0; i < 3; i++) {
-        rounded.center[i] = (double)added->center[i];
-        rounded.normal[i] = (double)added->normal[i];
-    }
-    bounds_add_shape(&bounds, &rounded);
-    for (int i = 0; i < 3; i++) {
-        low[i] = nextafterf((float)bounds.min[i], -INFINITY);
-        high[i] = nextafterf((float)bounds.max[i], INFINITY);
+        low[i] = nextafterf((float)(rounded.center[i] - reach[i]), -INFINITY);
+        high[i] = nextafterf((float)(rounded.center[i] + reach[i]), INFINITY);
     }
     flatten_bound(flat, low, high);
     return true;
@@ -65,16 +101,35 @@ bool flatten_shapes(const struct scene *scene, struct flat_scene *out, struct er
     return true;
 }
 
+// Planes reach as far as coordinates may. Not as far to all sides: so their middle is far from that
+// of everything else, and the first split of a BVH is between the two.
+static void plane_box(const struct flat_shape *shape, float min[3], float max[3])
+{
+    const float *n = shape->normal;
+    for (int c = 0; c < 3; c++) {
+        bool is_across = n[(c + 1) % 3] == 0.0f && n[(c + 2) % 3] == 0.0f;
+        float margin = 4.0f * FLT_EPSILON * fabsf(shape->center[c]);
+        min[c] = is_across ? shape->center[c] - margin : -(float)SCENE_COORDINATE_MAX;
+        max[c] = is_across ? shape->center[c] + margin : 0.75f * (float)SCENE_COORDINATE_MAX;
+    }
+}
+
 void flat_shape_box(const struct flat_shape *shape, float min[3], float max[3])
 {
+    const struct shape exact = exact_shape(shape);
+    double reach[3];
+    if (!shape_reach(&exact, reach)) {
+        plane_box(shape, min, max);
+        return;
+    }
+    float size = shape->radius;
+    for (int c = 0; c < 3; c++)
+        size = fmaxf(size, (float)reach[c]);
     for (int c = 0; c < 3; c++) {
-        float n = shape->normal[c];
-        float extent = shape->kind == SHAPE_SPHERE
-                           ? shape->radius
-                           : shape->radius * sqrtf(fmaxf(0.0f, 1.0f - n * n));
-        // The extent has a handful of roundings, and a sum one: four ulps of the largest term.
-        float margin = 4.0f * 1.1920929e-7f * (fabsf(shape->center[c]) + shape->radius);
-        min[c] = shape->center[c] - extent - margin;
-        max[c] = shape->center[c] + extent + margin;
+        // The reach has one rounding here and a handful where a kernel finds it, and a sum one: of
+        // the largest term.
+        float margin = 4.0f * FLT_EPSILON * (fabsf(shape->center[c]) + size);
+        min[c] = shape->center[c] - (float)reach[c] - margin;
+        max[c] = shape->center[c] + (float)reach[c] + margin;
     }
 }

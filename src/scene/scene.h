@@ -68,7 +68,8 @@ struct shape {
     double normal[3]; // disc, plane: unit normal
     double radius;    // sphere, disc, cylinder, tube: > 0
     // Quad: half edges, two; box: three, at right angles, right-handed. Cylinder, tube: from the
-    // centre to an end, and a unit vector across, where u is 0. Plane: [1] likewise.
+    // centre to an end, and a unit vector across, where u is 0. Plane: [1] likewise. Distance
+    // field: half edges of its box.
     double axes[3][3];
     uint32_t sdf; // index of scene.sdfs
 };
