@@ -6,6 +6,7 @@
 #include "shared/aov.h"
 #include "shared/types.h"
 #include "lib/constants.glsl"
+#include "lib/parts.glsl"
 
 layout(push_constant) uniform push_block {
     gpu_push push;
@@ -15,9 +16,9 @@ layout(std140, set = 0, binding = UNIFORM_BINDING_FRAME) uniform frame_block {
     gpu_frame frame;
 };
 
-// READABLE(name, binding, texel feature): uvec4 load_name(uint index), index in units of four
-// words.
-#define READABLE(name, number, feature)                                                            \
+// READABLE(name, binding, texel feature, further parts, the first of them): uvec4 load_name(uint
+// index), index in units of four words.
+#define READABLE(name, number, feature, parts, first)                                              \
     layout(std430, set = 0, binding = number) buffer name##_block {                                \
         uvec4 name##_words[];                                                                      \
     };                                                                                             \
@@ -26,6 +27,11 @@ layout(std140, set = 0, binding = UNIFORM_BINDING_FRAME) uniform frame_block {
     {                                                                                              \
         if (HAS(feature))                                                                          \
             return texelFetch(name##_texels, int(index));                                          \
+        if ((parts) > 0u) {                                                                        \
+            if (index >> PART_SHIFT > 0u)                                                          \
+                return load_part((first) + (index >> PART_SHIFT) - 1u,                             \
+                                 index & ((1u << PART_SHIFT) - 1u));                               \
+        }                                                                                          \
         return name##_words[index];                                                                \
     }                                                                                              \
     vec4 load_##name##_float(uint index)                                                           \
@@ -33,17 +39,21 @@ layout(std140, set = 0, binding = UNIFORM_BINDING_FRAME) uniform frame_block {
         return uintBitsToFloat(load_##name(index));                                                \
     }
 
-READABLE(nodes, BINDING_NODES, FEATURE_TEXEL_SCENE)
-READABLE(triangles, BINDING_TRIANGLES, FEATURE_TEXEL_SCENE)
-READABLE(attributes, BINDING_ATTRIBUTES, FEATURE_TEXEL_SCENE)
-READABLE(shapes, BINDING_SHAPES, FEATURE_TEXEL_SCENE)
-READABLE(materials, BINDING_MATERIALS, FEATURE_TEXEL_SCENE)
-READABLE(emitters, BINDING_EMITTERS, FEATURE_TEXEL_SCENE)
-READABLE(environment, BINDING_ENVIRONMENT, FEATURE_TEXEL_SCENE)
-READABLE(texels, BINDING_TEXELS, FEATURE_TEXEL_SCENE)
-READABLE(paths, BINDING_PATHS, FEATURE_TEXEL_STATE)
-READABLE(shadow_rays, BINDING_SHADOW_RAYS, FEATURE_TEXEL_STATE)
-READABLE(radiance, BINDING_RADIANCE, FEATURE_TEXEL_STATE)
+#define SCENE(name, number)                                                                        \
+    READABLE(name, number, FEATURE_TEXEL_SCENE, PARTS_OF(PARTS, number), PARTS_BEFORE(number))
+#define STATE(name, number) READABLE(name, number, FEATURE_TEXEL_STATE, 0u, 0u)
+
+SCENE(nodes, BINDING_NODES)
+SCENE(triangles, BINDING_TRIANGLES)
+SCENE(attributes, BINDING_ATTRIBUTES)
+SCENE(shapes, BINDING_SHAPES)
+SCENE(materials, BINDING_MATERIALS)
+SCENE(emitters, BINDING_EMITTERS)
+SCENE(environment, BINDING_ENVIRONMENT)
+SCENE(texels, BINDING_TEXELS)
+STATE(paths, BINDING_PATHS)
+STATE(shadow_rays, BINDING_SHADOW_RAYS)
+STATE(radiance, BINDING_RADIANCE)
 
 layout(std430, set = 0, binding = BINDING_QUEUES) buffer queues_block {
     uint queue_slots[];

@@ -28,6 +28,8 @@ layout(constant_id = CONSTANT_ROULETTE) const uint ROULETTE = ROULETTE_THROUGHPU
 layout(constant_id = CONSTANT_NODES) const uint NODES = NODES_QUANTISED;
 layout(constant_id = CONSTANT_GEOMETRY) const uint GEOMETRY = 0u;
 layout(constant_id = CONSTANT_SDF) const uint SDF = 0u;
+layout(constant_id = CONSTANT_PARTS) const uint PARTS = 0u;
+layout(constant_id = CONSTANT_PART_SHIFT) const uint PART_SHIFT = 31u;
 
 // Constant-folded: an absent feature's code is gone.
 #define HAS(feature) ((FEATURES & (feature)) != 0u)

@@ -27,6 +27,14 @@
 #define TEXEL_BINDING(binding) (TEXEL_BINDING_FIRST + (binding))
 #define UNIFORM_BINDING_FRAME 28 // struct gpu_frame
 
+// Storage buffers again: what of a scene's buffers is beyond a storage buffer's range. The buffers'
+// parts but their first follow each other, as many as the constant PARTS says.
+#define BINDING_PARTS 29
+#define PARTS_MAX 16
+// Of PARTS: a buffer's parts but the first, for the bindings up to BINDING_TEXELS.
+#define PARTS_BITS 4
+#define PARTS_OF(parts, binding) (((parts) >> (PARTS_BITS * (binding))) & 15u)
+
 // Specialization constants, in the order of struct specialization (render/specialize.h).
 #define CONSTANT_FEATURES 0
 #define CONSTANT_WORKGROUP 1
@@ -51,7 +59,9 @@
 #define CONSTANT_NODES 19
 #define CONSTANT_GEOMETRY 20 // GEOMETRY_*
 #define CONSTANT_SDF 21      // SDF_*: operations that the scene's distance fields are made of
-#define CONSTANT_COUNT 22
+#define CONSTANT_PARTS 22
+#define CONSTANT_PART_SHIFT 23 // a part has 2^this words of four
+#define CONSTANT_COUNT 24
 
 // What a (scene, settings, device) needs. Kernels test these bits of one specialization constant,
 // so that what is not needed is not in the code.

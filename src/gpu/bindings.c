@@ -4,7 +4,7 @@
 static bool set_create(struct gpu *gpu, struct gpu_bindings *out, struct err *err)
 {
     const VkDescriptorPoolSize sizes[] = {
-        {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, GPU_MAX_STORAGE},
+        {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, gpu->storage_count},
         {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, GPU_MAX_TEXEL},
         {VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1},
     };
@@ -77,7 +77,7 @@ bool gpu_bindings_create(struct gpu *gpu, const struct gpu_binding storage[GPU_M
     VkBufferView views[GPU_MAX_TEXEL];
     const struct gpu_buffer *constants = uniform ? uniform : &out->dummy;
     const VkDescriptorBufferInfo uniform_range = {constants->handle, 0, constants->bytes};
-    for (uint32_t i = 0; i < GPU_MAX_STORAGE; i++)
+    for (uint32_t i = 0; i < gpu->storage_count; i++)
         if (!storage_range(gpu, storage ? &storage[i] : &(struct gpu_binding){0}, &out->dummy,
                            &ranges[i], err))
             goto fail;
@@ -91,14 +91,14 @@ bool gpu_bindings_create(struct gpu *gpu, const struct gpu_binding storage[GPU_M
             .sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
             .dstSet = out->set,
             .dstBinding = 0,
-            .descriptorCount = GPU_MAX_STORAGE,
+            .descriptorCount = GPU_MIN_STORAGE,
             .descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
             .pBufferInfo = ranges,
         },
         {
             .sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
             .dstSet = out->set,
-            .dstBinding = GPU_MAX_STORAGE,
+            .dstBinding = GPU_MIN_STORAGE,
             .descriptorCount = GPU_MAX_TEXEL,
             .descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER,
             .pTexelBufferView = views,
@@ -111,8 +111,17 @@ bool gpu_bindings_create(struct gpu *gpu, const struct gpu_binding storage[GPU_M
             .descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER,
             .pBufferInfo = &uniform_range,
         },
+        {
+            .sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+            .dstSet = out->set,
+            .dstBinding = GPU_UNIFORM_BINDING + 1,
+            .descriptorCount = gpu->storage_count - GPU_MIN_STORAGE,
+            .descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+            .pBufferInfo = &ranges[GPU_MIN_STORAGE],
+        },
     };
-    vkUpdateDescriptorSets(gpu->device, 3, writes, 0, NULL);
+    bool has_more = gpu->storage_count > GPU_MIN_STORAGE;
+    vkUpdateDescriptorSets(gpu->device, has_more ? 4 : 3, writes, 0, NULL);
     return true;
 fail:
     gpu_bindings_finish(gpu, out);

@@ -12,9 +12,10 @@
 #include <stdint.h>
 #include <volk.h>
 
-#define GPU_MAX_STORAGE 16 // storage-buffer bindings, 0 .. 15
-#define GPU_MAX_TEXEL 12   // uniform-texel-buffer bindings, GPU_MAX_STORAGE + 0 .. 11
-#define GPU_UNIFORM_BINDING (GPU_MAX_STORAGE + GPU_MAX_TEXEL) // the one uniform buffer
+#define GPU_MIN_STORAGE 16 // storage-buffer bindings that every device has: 0 .. 15
+#define GPU_MAX_STORAGE 32 // with those after GPU_UNIFORM_BINDING, as many as the device takes
+#define GPU_MAX_TEXEL 12   // uniform-texel-buffer bindings, GPU_MIN_STORAGE + 0 .. 11
+#define GPU_UNIFORM_BINDING (GPU_MIN_STORAGE + GPU_MAX_TEXEL) // the one uniform buffer
 #define GPU_MAX_UNIFORM_BYTES 16384                           // of it: what every device takes
 #define GPU_PUSH_BYTES 128
 #define GPU_MAX_CONSTANTS 64 // specialization constants of a kernel
@@ -41,10 +42,11 @@ bool gpu_list_devices(struct gpu_device_info out[GPU_MAX_DEVICES], uint32_t *cou
 // Lower limits than the device's, to test fallbacks; 0 means the device's own. What is 0 or false
 // here is taken from the environment variable LAMPYRIS_LIMITS, so that any program and any test can
 // be run on the fallbacks: words separated by commas out of no-texel, no-ballot, no-mapped-device,
-// no-timestamps, storage-range=BYTES, texel-elements=N, allocation=BYTES. Other words are
-// ERR_USAGE.
+// no-timestamps, storage-range=BYTES, storage-count=N, texel-elements=N, allocation=BYTES. Other
+// words are ERR_USAGE.
 struct gpu_limit_overrides {
     uint64_t storage_range;  // maxStorageBufferRange, bytes
+    uint64_t storage_count;  // storage-buffer bindings, never fewer than GPU_MIN_STORAGE
     uint64_t texel_elements; // maxTexelBufferElements
     uint64_t allocation;     // largest VkDeviceMemory, bytes
     bool no_texel;           // SSBO reads only
@@ -79,6 +81,7 @@ struct gpu {
     // What is used, after overrides.
     uint64_t max_storage_range;
     uint64_t max_texel_elements; // 0 without texel buffers
+    uint32_t storage_count;      // of GPU_MAX_STORAGE
     uint64_t max_allocation;
     uint64_t storage_alignment; // offsets of storage ranges are multiples of this, bytes
     uint32_t max_groups;        // workgroups in x a dispatch
@@ -155,7 +158,7 @@ void gpu_kernel_finish(struct gpu *gpu, struct gpu_kernel *kernel);
 
 // --- bindings -----------------------------------------------------------------------------------
 // A descriptor set. Every binding is always valid: those left {0} are bound to a small dummy buffer
-// that the set owns.
+// that the set owns. Storage buffers from gpu->storage_count on must be left.
 struct gpu_binding {
     const struct gpu_buffer *buffer; // NULL: the dummy
     uint64_t offset, bytes; // the range, from a multiple of storage_alignment; bytes 0: to the end

@@ -37,6 +37,11 @@ bool buffer_allocate(struct gpu *gpu, const char *name, uint64_t bytes, enum gpu
 bool buffer_zero(struct gpu *gpu, struct gpu_buffer *buffer, struct err *err);
 
 // --- kernel.c -----------------------------------------------------------------------------------
+// The bindings of a set: the last GPU_MAX_STORAGE - GPU_MIN_STORAGE ones as far as they are there.
+static inline uint32_t binding_count(const struct gpu *gpu)
+{
+    return GPU_UNIFORM_BINDING + 1 + gpu->storage_count - GPU_MIN_STORAGE;
+}
 bool layouts_create(struct gpu *gpu, struct err *err);
 void layouts_destroy(struct gpu *gpu);
 void kernels_destroy(struct gpu *gpu); // those that are kept

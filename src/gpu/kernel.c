@@ -4,19 +4,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Bindings 0 .. GPU_MAX_STORAGE-1 are storage buffers, then come GPU_MAX_TEXEL uniform texel
-// buffers and one uniform buffer.
+// Bindings 0 .. GPU_MIN_STORAGE-1 are storage buffers, then come GPU_MAX_TEXEL uniform texel
+// buffers, one uniform buffer and further storage buffers.
 static VkDescriptorType binding_type(uint32_t binding)
 {
-    return binding < GPU_MAX_STORAGE       ? VK_DESCRIPTOR_TYPE_STORAGE_BUFFER
-           : binding < GPU_UNIFORM_BINDING ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER
-                                           : VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
+    if (binding < GPU_MIN_STORAGE || binding > GPU_UNIFORM_BINDING)
+        return VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+    return binding < GPU_UNIFORM_BINDING ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER
+                                         : VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
 }
 
 static bool set_layout_create(struct gpu *gpu, struct err *err)
 {
-    VkDescriptorSetLayoutBinding bindings[GPU_UNIFORM_BINDING + 1];
-    for (uint32_t i = 0; i <= GPU_UNIFORM_BINDING; i++)
+    VkDescriptorSetLayoutBinding bindings[GPU_MAX_STORAGE + GPU_MAX_TEXEL + 1];
+    for (uint32_t i = 0; i < binding_count(gpu); i++)
         bindings[i] = (VkDescriptorSetLayoutBinding){
             .binding = i,
             .descriptorType = binding_type(i),
@@ -25,7 +26,7 @@ static bool set_layout_create(struct gpu *gpu, struct err *err)
         };
     const VkDescriptorSetLayoutCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
-        .bindingCount = GPU_UNIFORM_BINDING + 1,
+        .bindingCount = binding_count(gpu),
         .pBindings = bindings,
     };
     return VK(gpu, err, vkCreateDescriptorSetLayout(gpu->device, &info, NULL, &gpu->set_layout));

@@ -37,6 +37,7 @@ static bool take_number(struct gpu_limit_overrides *limits, const char *word, si
         uint64_t *number;
     } numbers[] = {
         {"storage-range=", &limits->storage_range},
+        {"storage-count=", &limits->storage_count},
         {"texel-elements=", &limits->texel_elements},
         {"allocation=", &limits->allocation},
     };
@@ -67,7 +68,7 @@ bool limits_from_environment(struct gpu_limit_overrides *limits, struct err *err
             return err_set(err, ERR_USAGE,
                            VARIABLE ": \"%.*s\" is unknown; expected no-texel, no-ballot, "
                                     "no-mapped-device, no-timestamps, storage-range=BYTES, "
-                                    "texel-elements=N or allocation=BYTES",
+                                    "storage-count=N, texel-elements=N or allocation=BYTES",
                            (int)length, word);
         word += length + (word[length] == ',');
     }

@@ -68,8 +68,8 @@ void device_find_lacks(const VkPhysicalDeviceProperties *device, uint32_t queue_
         uint32_t value, need;
     } limits[] = {
         {"maxPerStageDescriptorStorageBuffers", l->maxPerStageDescriptorStorageBuffers,
-         GPU_MAX_STORAGE},
-        {"maxDescriptorSetStorageBuffers", l->maxDescriptorSetStorageBuffers, GPU_MAX_STORAGE},
+         GPU_MIN_STORAGE},
+        {"maxDescriptorSetStorageBuffers", l->maxDescriptorSetStorageBuffers, GPU_MIN_STORAGE},
         {"maxPerStageDescriptorSampledImages", l->maxPerStageDescriptorSampledImages,
          GPU_MAX_TEXEL},
         {"maxDescriptorSetSampledImages", l->maxDescriptorSetSampledImages, GPU_MAX_TEXEL},
@@ -248,6 +248,16 @@ static uint64_t lowered(uint64_t limit, uint64_t override)
     return override && override < limit ? override : limit;
 }
 
+// Vulkan lets a device count all kinds of a stage's bindings together.
+static uint32_t storage_count(const VkPhysicalDeviceLimits *limits, uint64_t override)
+{
+    uint64_t count = lowered(GPU_MAX_STORAGE, override);
+    count = lowered(count, limits->maxPerStageDescriptorStorageBuffers);
+    count = lowered(count, limits->maxDescriptorSetStorageBuffers);
+    count = lowered(count, limits->maxPerStageResources - (GPU_MAX_TEXEL + 1));
+    return count > GPU_MIN_STORAGE ? (uint32_t)count : GPU_MIN_STORAGE;
+}
+
 void device_read_limits(struct gpu *gpu)
 {
     struct device_properties p;
@@ -261,6 +271,7 @@ void device_read_limits(struct gpu *gpu)
     gpu->max_storage_range = lowered(limits->maxStorageBufferRange, lower->storage_range);
     gpu->max_texel_elements =
         lower->no_texel ? 0 : lowered(limits->maxTexelBufferElements, lower->texel_elements);
+    gpu->storage_count = storage_count(limits, lower->storage_count);
     gpu->max_allocation = lowered(p.v11.maxMemoryAllocationSize, lower->allocation);
     gpu->storage_alignment = limits->minStorageBufferOffsetAlignment;
     gpu->max_groups = limits->maxComputeWorkGroupCount[0];

@@ -8,6 +8,7 @@
 #include "shared/types.h"
 #include "upload_parts.h"
 #include <inttypes.h>
+#include <stdio.h>
 #include <unistd.h>
 
 // Measured (docs/performance.md): a dispatch on lavapipe costs some 65 us to wake its threads, so
@@ -140,13 +141,54 @@ static uint32_t fit_wave(const struct memory_plan_params *p)
     return (uint32_t)slots;
 }
 
-// Scene buffers that are read as texels may be longer than a storage buffer's range.
-static uint64_t limit_of(const struct memory_plan_params *p, uint32_t b)
+// The longest power of two that a storage buffer's range holds; 0 where ranges cannot begin at its
+// multiples.
+static uint64_t part_bytes(const struct gpu *gpu)
+{
+    uint64_t range = gpu->max_storage_range;
+    uint64_t bytes = range ? UINT64_C(1) << (63 - __builtin_clzll(range)) : 0;
+    return bytes >= 16 && bytes % gpu->storage_alignment == 0 ? bytes : 0;
+}
+
+// What is left of the bindings for parts when `parts` are taken, for one buffer.
+static uint32_t parts_left(const struct gpu *gpu, uint32_t parts)
+{
+    uint32_t left = gpu->storage_count - GPU_MIN_STORAGE;
+    for (uint32_t b = 0; b <= BINDING_TEXELS; b++)
+        left -= PARTS_OF(parts, b);
+    return left < (1u << PARTS_BITS) - 1u ? left : (1u << PARTS_BITS) - 1u;
+}
+
+static bool is_texels(const struct memory_plan_params *p, uint32_t b)
+{
+    return b <= BINDING_TEXELS && (p->specialization->features & FEATURE_TEXEL_SCENE);
+}
+
+// Scene buffers that are read as texels may be longer than a storage buffer's range; others of the
+// scene are put together from parts.
+static uint64_t limit_of(const struct memory_plan_params *p, const struct memory_plan *plan,
+                         uint32_t b)
 {
     const struct gpu *gpu = p->gpu;
-    bool texels = b <= BINDING_TEXELS && (p->specialization->features & FEATURE_TEXEL_SCENE);
-    uint64_t limit = texels ? gpu->max_texel_elements * 16 : gpu->max_storage_range;
+    uint64_t limit = gpu->max_storage_range;
+    if (is_texels(p, b)) {
+        limit = gpu->max_texel_elements * 16;
+    } else if (b <= BINDING_TEXELS) {
+        uint64_t split = part_bytes(gpu) * (1 + parts_left(gpu, plan->parts));
+        limit = split > limit ? split : limit;
+    }
     return least(limit, gpu->max_allocation);
+}
+
+// Takes bindings for what of a scene's buffer is beyond the first one's range.
+static void take_parts(const struct memory_plan_params *p, struct memory_plan *plan, uint32_t b)
+{
+    uint64_t bytes = plan->buffers[b].bytes;
+    if (b > BINDING_TEXELS || is_texels(p, b) || bytes <= p->gpu->max_storage_range)
+        return;
+    uint32_t further = (uint32_t)((bytes - 1) / plan->part_bytes);
+    plan->parts |= further << (PARTS_BITS * b);
+    plan->buffers[b].parts += further;
 }
 
 // Shadow rays of a vertex: one thread loops over their emitters. Some drivers silently end loops of
@@ -157,7 +199,8 @@ static bool check_light_rays(const struct memory_plan_params *p, struct err *err
 {
     const struct specialization *s = p->specialization;
     uint64_t smallest = (uint64_t)s->workgroup * sizeof(struct gpu_shadow_ray);
-    uint64_t fits = least(LIGHT_RAYS_MAX, limit_of(p, BINDING_SHADOW_RAYS) / smallest);
+    uint64_t range = least(p->gpu->max_storage_range, p->gpu->max_allocation);
+    uint64_t fits = least(LIGHT_RAYS_MAX, range / smallest);
     if (!(s->features & FEATURE_NEE) || s->light_rays == 1 || s->light_rays <= fits)
         return true;
     return err_set(err, ERR_INPUT,
@@ -178,19 +221,45 @@ static bool check_pending_rays(const struct specialization *s, struct err *err)
                    s->pending_rays, PENDING_RAYS_MAX);
 }
 
+// Whether meshes that are used more than once stand in the world once for each use.
+static bool could_share(const struct memory_plan_params *p)
+{
+    return p->scene->instance_count > p->scene->mesh_count && p->flat->placed_count == 0;
+}
+
+// What makes a buffer smaller.
+static const char *advice(const struct memory_plan_params *p, uint32_t b)
+{
+    bool is_mesh = b == BINDING_NODES || b == BINDING_TRIANGLES || b == BINDING_ATTRIBUTES;
+    if (bytes_a_slot(p->specialization, b) > 0)
+        return "a smaller --wave";
+    if (is_mesh && could_share(p))
+        return "--instances on, a smaller scene, or a device with a higher limit";
+    if (b == BINDING_NODES && p->bvh->format == BVH_FLOAT)
+        return "--node quantised, a smaller scene, or a device with a higher limit";
+    if (b == BINDING_ATTRIBUTES)
+        return "meshes with fewer triangles, or without normals, texture coordinates or colours "
+               "that the picture can do without, or a device with a higher limit";
+    if (b == BINDING_TEXELS)
+        return "smaller textures, or a device with a higher limit";
+    return "a smaller scene, or a device with a higher limit";
+}
+
 static bool check(const struct memory_plan_params *p, const struct memory_plan *plan, uint32_t b,
                   struct err *err)
 {
-    uint64_t limit = limit_of(p, b);
+    uint64_t limit = limit_of(p, plan, b);
     uint64_t bytes = plan->buffers[b].bytes;
     if (bytes <= limit)
         return true;
-    bool grows = bytes_a_slot(p->specialization, b) > 0;
+    char parts[80] = "";
+    if (b <= BINDING_TEXELS && limit > p->gpu->max_storage_range && !is_texels(p, b))
+        snprintf(parts, sizeof parts, " (%" PRIu64 " bytes in each of %u bindings that are left)",
+                 part_bytes(p->gpu), 1 + parts_left(p->gpu, plan->parts));
     return err_set(err, ERR_GPU,
                    "buffer %s needs %" PRIu64 " bytes, but %s takes at most %" PRIu64
-                   " a buffer: expected %s",
-                   binding_name(b), bytes, p->gpu->info.name, limit,
-                   grows ? "a smaller --wave" : "a smaller scene, or a device with a higher limit");
+                   " a buffer%s: expected %s",
+                   binding_name(b), bytes, p->gpu->info.name, limit, parts, advice(p, b));
 }
 
 // What the host keeps of a picture to read it back, estimate its error and write it.
@@ -239,6 +308,8 @@ static bool make(const struct memory_plan_params *p, struct memory_plan *out, st
     if (!check_light_rays(p, err) || !check_pending_rays(p->specialization, err))
         return false;
     out->wave_slots = fit_wave(p);
+    out->part_bytes = part_bytes(gpu);
+    out->part_shift = out->part_bytes ? 59u - (uint32_t)__builtin_clzll(out->part_bytes) : 31u;
 
     uint64_t pixels = (uint64_t)settings->width * settings->height;
     uint64_t range = least(gpu->max_storage_range, gpu->max_allocation);
@@ -273,9 +344,11 @@ static bool make(const struct memory_plan_params *p, struct memory_plan *out, st
             .bytes = needed ? bytes : 0,
             .unneeded_bytes = needed ? 0 : bytes,
             .copies = needed ? copies : 0,
+            .parts = needed,
         };
         if (!check(p, out, b, err))
             return false;
+        take_parts(p, out, b);
         out->total_bytes += out->buffers[b].bytes * copies;
     }
     return check_total(p, out, pixels, err);

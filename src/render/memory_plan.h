@@ -11,6 +11,7 @@ struct planned_buffer {
     uint64_t bytes;          // 0 where not needed
     uint64_t unneeded_bytes; // what leaving it out saves
     uint32_t copies;         // film: buffers of `bytes` each, the last one may be smaller
+    uint32_t parts;          // storage bindings; more than one where a range is too short for all
 };
 
 struct memory_plan {
@@ -21,6 +22,10 @@ struct memory_plan {
     uint32_t film_chunks;
     uint64_t resolve_pixels; // pixels that are read back at a time
     uint64_t total_bytes;
+    // Of scene buffers in parts: all are as long but the last. The constant PARTS, and the logarithm
+    // of their length in words of four.
+    uint32_t parts, part_shift;
+    uint64_t part_bytes;
 };
 
 struct memory_plan_params {

@@ -30,7 +30,11 @@ static bool plan_memory(struct renderer *r, uint32_t wave, bool wave_is_wish, st
     // How large materials, emitters and what corners carry are is known only now.
     if (!memory_plan_fits_texels(&params))
         r->specialization.features &= ~FEATURE_TEXEL_SCENE;
-    return memory_plan_make(&params, &r->plan, err);
+    if (!memory_plan_make(&params, &r->plan, err))
+        return false;
+    r->specialization.parts = r->plan.parts;
+    r->specialization.part_shift = r->plan.part_shift;
+    return true;
 }
 
 static bool create_buffer(struct renderer *r, uint32_t binding, enum gpu_memory memory, bool texel,
@@ -42,9 +46,25 @@ static bool create_buffer(struct renderer *r, uint32_t binding, enum gpu_memory 
                                             &r->buffers[binding], err);
 }
 
+// The ranges of a scene buffer that is longer than one: the first in its own binding, the others in
+// the next ones of those for parts.
+static void bind_parts(const struct renderer *r, uint32_t binding, struct gpu_binding *storage,
+                       uint32_t *next)
+{
+    const struct gpu_buffer *buffer = &r->buffers[binding];
+    const uint64_t bytes = r->plan.part_bytes;
+    storage[binding].bytes = bytes;
+    for (uint32_t part = 1; part < r->plan.buffers[binding].parts; part++) {
+        uint64_t left = buffer->bytes - part * bytes;
+        storage[(*next)++] =
+            (struct gpu_binding){buffer, part * bytes, left < bytes ? left : bytes};
+    }
+}
+
 static bool create_bindings(struct renderer *r, struct err *err)
 {
     struct gpu_binding storage[GPU_MAX_STORAGE] = {0};
+    uint32_t next_part = GPU_MIN_STORAGE;
     const struct gpu_buffer *texels[GPU_MAX_TEXEL] = {0};
     for (uint32_t b = 0; b < BINDING_COUNT; b++) {
         if (!r->buffers[b].handle)
@@ -55,6 +75,8 @@ static bool create_bindings(struct renderer *r, struct err *err)
             .buffer = &r->buffers[b],
             .bytes = is_long ? r->gpu->max_storage_range : 0,
         };
+        if (r->plan.buffers[b].parts > 1)
+            bind_parts(r, b, storage, &next_part);
     }
     for (uint32_t b = 0; b < TEXEL_BINDING_COUNT; b++)
         if (r->buffers[b].texel_view)

@@ -28,6 +28,8 @@ struct specialization {
     uint32_t nodes;    // NODES_*
     uint32_t geometry; // GEOMETRY_*
     uint32_t sdf;      // SDF_*, as bits
+    uint32_t parts;    // of long buffers, and their length: see memory_plan.h
+    uint32_t part_shift;
     // Not a constant: `lobes` of the kernels that shade one class; 0 where the scene has none of
     // it.
     uint32_t class_lobes[CLASS_COUNT];

@@ -117,8 +117,8 @@ static VkPhysicalDeviceProperties sufficient_device(void)
         .apiVersion = VK_API_VERSION_1_2,
         .limits =
             {
-                .maxPerStageDescriptorStorageBuffers = GPU_MAX_STORAGE,
-                .maxDescriptorSetStorageBuffers = GPU_MAX_STORAGE,
+                .maxPerStageDescriptorStorageBuffers = GPU_MIN_STORAGE,
+                .maxDescriptorSetStorageBuffers = GPU_MIN_STORAGE,
                 .maxPerStageDescriptorSampledImages = GPU_MAX_TEXEL,
                 .maxDescriptorSetSampledImages = GPU_MAX_TEXEL,
                 .maxPerStageResources = GPU_UNIFORM_BINDING + 1,
