@@ -74,10 +74,10 @@ struct shape {
     uint32_t sdf; // index of scene.sdfs
 };
 
-// A signed distance field: see shared/sdf.h. Its own space is that of its description.
+// A signed distance field: see shared/sdf.h. Its own space is that of its description; where it is
+// in the world its shapes say (sdf_to_world() in sdf.h).
 struct gpu_sdf_instruction;
 struct sdf {
-    double to_world[3][4]; // rotation, translation and uniform scale
     double min[3], max[3]; // its box, in its own space
     struct gpu_sdf_instruction *code;
     uint32_t count;   // of instructions
