@@ -23,7 +23,8 @@ struct gpu_sdf {
     uint count; // instructions
     float scale;     // metres in the world to a metre in the field's space
     float lipschitz; // most that the program's distance falls in a metre, before `step`; for reports
-    float magnitude; // largest |coordinate| that the program's arithmetic meets within the box
+    float magnitude; // largest |coordinate| that the program's arithmetic meets within the box, in
+                     // metres of the field: of each space times its s. What rounding is bounded by
     uint align_sdf;
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_sdf, 96);
@@ -52,15 +53,22 @@ SHARED_STATIC_ASSERT_SIZE(gpu_sdf_instruction, 64);
 #define SDF_GYROID 9u   // sheet: a.x: k, radians a metre, a.y: half its thickness, metres.
                         // (|sin kx cos ky + sin ky cos kz + sin kz cos kx|) / (k b.x) - a.y, with
                         // b.x a bound of the gradient in units of k
-#define SDF_METABALLS 10u // count balls in the instructions that follow, four in each (op, a; b; c;
-                          // d: centre, radius): see below; a.x: threshold; a.y: 1 / gradient's bound
+// Metaballs (Wyvill, McPheeters and Wyvill 1986): count balls in the instructions that follow, four
+// in each (op, a; b; c; d: centre, radius of reach R). (a.x - sum of (1 - d^2 / R^2)^3 within R) a.y,
+// with a.y = 1 / a bound of the sum's gradient; beyond all reaches and the distance to the nearest.
+#define SDF_METABALLS 10u
+#define SDF_BALL_INSTRUCTIONS(balls) (((balls) + 3u) / 4u)
+// z -> z^power + p (White and Nylander 2009) with the pole along y: log|z| |z| / (2 |dz|) times
+// b.x, so that the surface is where |z| is 1 in the end (Hart, Sandin and Kauffman 1989).
 #define SDF_MANDELBULB 11u  // a.x: power, a.y: iterations, a.z: bailout radius; b.x: factor
 #define SDF_MENGER 12u      // a.x: half its edge, a.y: iterations
 #define SDF_APOLLONIAN 13u  // packing in a cell of edge 2 repeated: a.x: inversion's scale, a.y:
-                            // iterations; b.x: factor
-#define SDF_PYRAMID 14u     // Sierpinski's tetrahedra: a.x: half its size, a.y: iterations
-// These take two distances, first x then y, and push one; a.x: width of a smooth joint, metres
-// (quadratic; Quilez), 0: none.
+                            // iterations; b.x: factor. Never negative: a sheet without
+                            // thickness, to be rounded
+#define SDF_PYRAMID 14u     // Sierpinski's tetrahedra: a.x: half its size, a.y: iterations. Corners
+                            // at (1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1) times a.x
+// These take two distances, first x then y, and push one; s times a.x: width w of a smooth joint,
+// min(x, y) - h^2 w / 4 with h = max(w - |x - y|, 0) / w (Quilez 2013); 0: none.
 #define SDF_UNION 15u
 #define SDF_INTERSECTION 16u
 #define SDF_DIFFERENCE 17u // x without y
@@ -71,7 +79,7 @@ SHARED_STATIC_ASSERT_SIZE(gpu_sdf_instruction, 64);
 // These save (p, s) and go on with other ones:
 #define SDF_TRANSFORM 21u // p' = rows b, c, d of (p, 1); s' = a.x s
 #define SDF_REPEAT 22u // along axes whose a is not 0: p' = p - a clamp(round(p / a), -b, b)
-#define SDF_TWIST 23u  // about y by a.x radians a metre of it; s' = a.y s
+#define SDF_TWIST 23u // about y by a.x radians a metre of it, x towards z; s' = a.y s
 #define SDF_MIRROR 24u // p' = |p| along axes whose a is not 0
 #define SDF_RESTORE 25u // takes back the last saved (p, s)
 #define SDF_OPERATIONS 26u
