@@ -93,6 +93,8 @@ struct bvh {
     // of it, of which that leaf's box is the box.
     uint32_t *triangle_order;
     uint32_t triangle_count, reference_count;
+    // Of bvh_join(): where the world's tree begins, at 0, and each of the others; else NULL.
+    uint32_t *roots;
     struct bvh_stats stats;
 };
 
@@ -127,6 +129,21 @@ struct bvh_params {
 bool bvh_build(const struct bvh_params *params, struct arena *arena, struct bvh *out,
                struct err *err);
 
+struct bvh_join_params {
+    const struct bvh *world; // built with instance_boxes
+    const struct bvh *trees; // of the same format
+    uint32_t tree_count;
+    const uint32_t *instance_tree; // of each instance: the tree that its leaf leads to
+};
+
+// One array of nodes: the world's, then the trees', with children and places counted through. Its
+// triangles are the world's, then the trees' ones. Copies; the result lives in `arena`. Statistics
+// are those of a ray in the world: instances' leaves cost 1 and then what their trees do,
+// stack_entries has room for both levels and a mark between them (so it may exceed
+// BVH_STACK_ENTRIES_MAX), depth is the sum of the world's and the deepest tree's.
+bool bvh_join(const struct bvh_join_params *params, struct arena *arena, struct bvh *out,
+              struct err *err);
+
 static inline uint64_t bvh_node_bytes(enum bvh_format format)
 {
     return format == BVH_FLOAT ? sizeof(struct bvh_node_float) : sizeof(struct bvh_node);
@@ -154,6 +171,7 @@ struct bvh_ray {
     double direction[3]; // any length > 0
     double t_max;        // hits have 0 < t < t_max, in units of direction's length
     uint32_t ignore[2];  // primitives not to hit; see bvh_hit.primitive. UINT32_MAX: none
+    uint32_t ignore_instance[2]; // that they are of, plus 1; 0: of the world
 };
 
 struct bvh_hit {
@@ -161,22 +179,35 @@ struct bvh_hit {
     double u, v; // barycentrics of corners 1 and 2 (triangles); 0 for shapes
     // Triangle: its index as given (not leaf order). Shape: BVH_LEAF_SHAPE | index.
     uint32_t primitive; // UINT32_MAX: no hit
+    uint32_t instance;  // that it is of; UINT32_MAX: of the world
     uint32_t nodes_visited, primitives_tested;
 };
 
 // A shape test supplied by the caller: the nearest t in (0, t_max) or a negative number.
 typedef double (*bvh_shape_fn)(const void *context, uint32_t shape, const struct bvh_ray *ray);
 
+// What an instance's leaf leads to.
+struct bvh_trace_instance {
+    double to_object[3][4]; // from the world to the tree's space, as exact as is known
+    uint32_t root;
+    uint32_t first_triangle, triangle_count; // of the tree: for bvh_trace_brute_force() alone
+};
+
 struct bvh_trace_scene {
     const struct bvh *bvh;
+    // What is in the world; with all triangles, the shared trees' ones too. triangle_count is that
+    // of the world.
     const struct bvh_params *geometry;
+    const struct bvh_trace_instance *instances; // NULL when there are none
     bvh_shape_fn intersect_shape; // NULL when there are none
     const void *shape_context;
 };
 
 // In double precision on the single-precision vertices (watertight test of Woop, Benthin, Wald
-// 2013, two-sided). Of hits with equal t the lowest primitive wins, triangles before shapes. All
-// three agree on every ray, bit for bit, also where rounding decides. Without a hit t is t_max.
+// 2013, two-sided), to whose spaces rays are transformed without normalising: t is the same in all.
+// Of hits with equal t the lowest primitive wins, triangles before shapes; the world's before those
+// of instances, and these in their order. All three agree on every ray, bit for bit, also where
+// rounding decides. Without a hit t is t_max.
 void bvh_trace_closest(const struct bvh_trace_scene *scene, const struct bvh_ray *ray,
                        struct bvh_hit *hit);
 bool bvh_trace_any(const struct bvh_trace_scene *scene, const struct bvh_ray *ray);

@@ -13,6 +13,12 @@ static inline bool bvh_child_is_leaf(uint32_t child)
     return (child & BVH_LEAF) != 0; // true for BVH_EMPTY, too
 }
 
+static inline bool bvh_child_is_instance(uint32_t child)
+{
+    const uint32_t bits = BVH_LEAF | BVH_LEAF_INSTANCE;
+    return child != BVH_EMPTY && (child & bits) == bits;
+}
+
 // The primitives of a leaf child.
 static inline uint32_t bvh_leaf_count(uint32_t child)
 {

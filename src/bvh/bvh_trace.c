@@ -109,16 +109,60 @@ static bool triangle_test(const struct shear_ray *shear, const double origin[3],
 
 // --- Primitives ---------------------------------------------------------------------------------
 
+// A ray in the world, or in the space of an instance's tree.
 struct tracer {
     const struct bvh_trace_scene *scene;
     const struct bvh_ray *ray;
     struct slab_ray slab;
     struct shear_ray shear;
+    uint32_t instance;  // UINT32_MAX: in the world
+    double interval[2]; // of t within the instance's box
 };
 
 static struct tracer tracer_for(const struct bvh_trace_scene *scene, const struct bvh_ray *ray)
 {
-    return (struct tracer){scene, ray, slab_ray_for(ray), shear_ray_for(ray)};
+    return (struct tracer){
+        scene, ray, slab_ray_for(ray), shear_ray_for(ray), UINT32_MAX, {-INFINITY, INFINITY}};
+}
+
+// The interval of t that a ray spends in a box of single precision; false when there is none.
+static bool box_test(const struct slab_ray *ray, const struct bvh_box *box, double interval[2])
+{
+    double min[3], max[3];
+    for (int axis = 0; axis < 3; axis++) {
+        min[axis] = box->min[axis];
+        max[axis] = box->max[axis];
+    }
+    return slab_test(ray, min, max, interval);
+}
+
+// Enters an instance; false when the ray misses its box. `ray` is where the transformed one is put.
+static bool enter_instance(const struct tracer *world, uint32_t instance, struct bvh_ray *ray,
+                           struct tracer *out)
+{
+    double interval[2];
+    const double(*m)[4] = world->scene->instances[instance].to_object;
+    if (!box_test(&world->slab, &world->scene->geometry->instance_boxes[instance], interval))
+        return false;
+    *ray = *world->ray;
+    for (int i = 0; i < 3; i++) {
+        const double *o = world->ray->origin, *d = world->ray->direction;
+        ray->origin[i] = m[i][0] * o[0] + m[i][1] * o[1] + m[i][2] * o[2] + m[i][3];
+        ray->direction[i] = m[i][0] * d[0] + m[i][1] * d[1] + m[i][2] * d[2];
+    }
+    *out = tracer_for(world->scene, ray);
+    out->instance = instance;
+    memcpy(out->interval, interval, sizeof interval);
+    return true;
+}
+
+static bool is_ignored(const struct tracer *tracer, uint32_t primitive)
+{
+    const struct bvh_ray *ray = tracer->ray;
+    for (int i = 0; i < 2; i++)
+        if (primitive == ray->ignore[i] && tracer->instance + 1 == ray->ignore_instance[i])
+            return true;
+    return false;
 }
 
 static struct bvh_box triangle_box(const float vertices[3][3])
@@ -134,10 +178,10 @@ static bool primitive_test(const struct tracer *tracer, uint32_t primitive, stru
 {
     const struct bvh_ray *ray = tracer->ray;
     const struct bvh_trace_scene *scene = tracer->scene;
-    if (primitive == ray->ignore[0] || primitive == ray->ignore[1])
+    if (is_ignored(tracer, primitive))
         return false;
     struct bvh_box box;
-    *hit = (struct bvh_hit){.primitive = primitive};
+    *hit = (struct bvh_hit){.primitive = primitive, .instance = tracer->instance};
     if (primitive & BVH_LEAF_SHAPE) {
         uint32_t shape = primitive & BVH_LEAF_INDEX;
         hit->t = scene->intersect_shape(scene->shape_context, shape, ray);
@@ -151,25 +195,31 @@ static bool primitive_test(const struct tracer *tracer, uint32_t primitive, stru
             return false;
         box = triangle_box((const float(*)[3])vertices);
     }
-    double min[3], max[3], interval[2];
-    for (int axis = 0; axis < 3; axis++) {
-        min[axis] = box.min[axis];
-        max[axis] = box.max[axis];
-    }
-    if (!slab_test(&tracer->slab, min, max, interval))
+    double interval[2];
+    if (!box_test(&tracer->slab, &box, interval))
         return false;
     hit->t = hit->t < interval[0] ? interval[0] : hit->t > interval[1] ? interval[1] : hit->t;
-    return hit->t > 0 && hit->t < ray->t_max;
+    return hit->t > 0 && hit->t < ray->t_max && hit->t >= tracer->interval[0] &&
+           hit->t <= tracer->interval[1];
 }
 
-// Keeps the nearer hit, of equal ones the lower primitive. The counts in *best go on.
+// Whether a hit wins over one at the same distance.
+static bool comes_first(const struct bvh_hit *hit, const struct bvh_hit *other)
+{
+    if (hit->instance != other->instance)
+        return hit->instance + 1 < other->instance + 1; // none, UINT32_MAX, is first
+    return hit->primitive < other->primitive;
+}
+
+// Keeps the nearer hit, of equal ones the first. The counts in *best go on.
 static void consider(const struct tracer *tracer, uint32_t primitive, struct bvh_hit *best)
 {
     struct bvh_hit hit;
     best->primitives_tested++;
     if (!primitive_test(tracer, primitive, &hit))
         return;
-    if (hit.t > best->t || (hit.t == best->t && hit.primitive > best->primitive))
+    if (hit.t > best->t ||
+        (hit.t == best->t && best->primitive != UINT32_MAX && !comes_first(&hit, best)))
         return;
     hit.nodes_visited = best->nodes_visited;
     hit.primitives_tested = best->primitives_tested;
@@ -178,7 +228,7 @@ static void consider(const struct tracer *tracer, uint32_t primitive, struct bvh
 
 static struct bvh_hit no_hit(const struct bvh_ray *ray)
 {
-    return (struct bvh_hit){.t = ray->t_max, .primitive = UINT32_MAX};
+    return (struct bvh_hit){.t = ray->t_max, .primitive = UINT32_MAX, .instance = UINT32_MAX};
 }
 
 // --- Traversal ----------------------------------------------------------------------------------
@@ -208,9 +258,19 @@ static uint32_t push_children(const struct tracer *tracer, uint32_t node, double
     return size;
 }
 
-static void test_leaf(const struct tracer *tracer, uint32_t leaf, struct bvh_hit *best)
+static void traverse(const struct tracer *tracer, uint32_t root, bool any, struct bvh_hit *best);
+
+static void test_leaf(const struct tracer *tracer, uint32_t leaf, bool any, struct bvh_hit *best)
 {
     uint32_t first = leaf & BVH_LEAF_INDEX;
+    struct tracer inside;
+    struct bvh_ray ray;
+    if (bvh_child_is_instance(leaf)) {
+        best->primitives_tested++;
+        if (enter_instance(tracer, first, &ray, &inside))
+            traverse(&inside, tracer->scene->instances[first].root, any, best);
+        return;
+    }
     if (leaf & BVH_LEAF_SHAPE) {
         consider(tracer, BVH_LEAF_SHAPE | first, best);
         return;
@@ -219,40 +279,45 @@ static void test_leaf(const struct tracer *tracer, uint32_t leaf, struct bvh_hit
         consider(tracer, tracer->scene->bvh->triangle_order[first + i], best);
 }
 
-// Boxes at the distance of the best hit are not culled: there may be an equal hit of a lower
-// primitive.
-static void traverse(const struct bvh_trace_scene *scene, const struct bvh_ray *ray, bool any,
-                     struct bvh_hit *best)
+// Boxes at the distance of the best hit are not culled: there may be an equal hit that comes first.
+// Recurs once, into instances.
+static void traverse(const struct tracer *tracer, uint32_t root, bool any, struct bvh_hit *best)
 {
-    struct tracer tracer = tracer_for(scene, ray);
     // The child in hand is on this stack, too, hence one more than are pending besides it.
     struct stack_entry stack[BVH_STACK_ENTRIES_MAX + 1];
     uint32_t size = 1;
-    stack[0] = (struct stack_entry){-INFINITY, 0};
-    *best = no_hit(ray);
+    stack[0] = (struct stack_entry){-INFINITY, root};
     while (size > 0 && !(any && best->primitive != UINT32_MAX)) {
         struct stack_entry entry = stack[--size];
         if (entry.near > best->t)
             continue;
         if (bvh_child_is_leaf(entry.child)) {
-            test_leaf(&tracer, entry.child, best);
+            test_leaf(tracer, entry.child, any, best);
             continue;
         }
         best->nodes_visited++;
-        size = push_children(&tracer, entry.child, best->t, stack, size);
+        size = push_children(tracer, entry.child, best->t, stack, size);
     }
+}
+
+static void trace(const struct bvh_trace_scene *scene, const struct bvh_ray *ray, bool any,
+                  struct bvh_hit *hit)
+{
+    struct tracer tracer = tracer_for(scene, ray);
+    *hit = no_hit(ray);
+    traverse(&tracer, 0, any, hit);
 }
 
 void bvh_trace_closest(const struct bvh_trace_scene *scene, const struct bvh_ray *ray,
                        struct bvh_hit *hit)
 {
-    traverse(scene, ray, false, hit);
+    trace(scene, ray, false, hit);
 }
 
 bool bvh_trace_any(const struct bvh_trace_scene *scene, const struct bvh_ray *ray)
 {
     struct bvh_hit hit;
-    traverse(scene, ray, true, &hit);
+    trace(scene, ray, true, &hit);
     return hit.primitive != UINT32_MAX;
 }
 
@@ -265,4 +330,13 @@ void bvh_trace_brute_force(const struct bvh_trace_scene *scene, const struct bvh
         consider(&tracer, i, hit);
     for (uint32_t i = 0; i < scene->geometry->shape_count; i++)
         consider(&tracer, BVH_LEAF_SHAPE | i, hit);
+    for (uint32_t i = 0; i < scene->geometry->instance_count; i++) {
+        const struct bvh_trace_instance *instance = &scene->instances[i];
+        struct tracer inside;
+        struct bvh_ray transformed;
+        if (!enter_instance(&tracer, i, &transformed, &inside))
+            continue;
+        for (uint32_t t = 0; t < instance->triangle_count; t++)
+            consider(&inside, instance->first_triangle + t, hit);
+    }
 }
