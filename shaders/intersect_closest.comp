@@ -7,7 +7,7 @@
 #include "lib/suspend.glsl"
 
 // The class that shades a primitive: beside its geometry stands its material word.
-uint hit_class(uint primitive)
+uint hit_class(uint primitive, uint instance)
 {
     bool is_shape = IS_SHAPE(primitive);
     uint word = 0u;
@@ -15,6 +15,8 @@ uint hit_class(uint primitive)
         word = load_triangles(primitive * 3u + 1u).w;
     if (is_shape)
         word = load_shapes((primitive & ~PRIMITIVE_SHAPE) * SHAPE_WORDS + 1u).w;
+    if (HAS_GEOMETRY(GEOMETRY_INSTANCES) && instance != NO_INSTANCE)
+        word = instance_material(instance, word);
     return word >> MATERIAL_CLASS_SHIFT & MATERIAL_CLASS_MASK;
 }
 
@@ -28,15 +30,17 @@ void main()
     vec3 direction = uintBitsToFloat(load_path(slot, PATH_DIRECTION).xyz);
     const float infinity = uintBitsToFloat(0x7f800000u);
     trace_ray ray = trace_ray(uintBitsToFloat(origin.xyz), direction, origin.w, NO_PRIMITIVE,
-                              ray_alpha(slot, false));
-    trace_hit hit = trace_hit(infinity, vec2(0.0), NO_PRIMITIVE, NO_PRIMITIVE);
+                              path_start_instance(slot), ray_alpha(slot, false));
+    trace_hit hit = trace_hit(infinity, vec2(0.0), NO_PRIMITIVE, NO_PRIMITIVE, NO_INSTANCE);
     bool done = trace_or_suspend(slot, valid, ray, hit);
 
     bool found = done && hit.primitive != NO_PRIMITIVE;
     if (found)
         store_path(slot, PATH_HIT, uvec4(floatBitsToUint(vec3(hit.t, hit.uv)), hit.primitive));
+    if (HAS_GEOMETRY(GEOMETRY_INSTANCES) && found)
+        store_path(slot, PATH_INSTANCE, uvec4(hit.instance, ray.start_instance, 0u, 0u));
     if (HAS(FEATURE_CLASSES)) {
-        uint surface_class = found ? hit_class(hit.primitive) : 0u;
+        uint surface_class = found ? hit_class(hit.primitive, hit.instance) : 0u;
         for (uint c = 0u; c < CLASS_COUNT; c++)
             if ((QUEUES >> (QUEUE_SURFACE + c) & 1u) != 0u)
                 queue_push(QUEUE_SURFACE + c, slot, found && surface_class == c);

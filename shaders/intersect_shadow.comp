@@ -19,8 +19,9 @@ void main()
     if (LIGHT_RAYS > 1u && all(equal(radiance, vec3(0.0))))
         valid = false;
     trace_ray ray = trace_ray(uintBitsToFloat(origin.xyz), uintBitsToFloat(direction.xyz),
-                              origin.w, direction.w, ray_alpha(slot, true));
-    trace_hit hit = trace_hit(1.0, vec2(0.0), NO_PRIMITIVE, 0u);
+                              origin.w, direction.w,
+                              shadow_start_instance(slot, push.light_ray), ray_alpha(slot, true));
+    trace_hit hit = trace_hit(1.0, vec2(0.0), NO_PRIMITIVE, 0u, NO_INSTANCE);
     bool done = trace_or_suspend(slot, valid, ray, hit);
 
     if (done && hit.primitive == NO_PRIMITIVE)

@@ -16,7 +16,7 @@
 #include "lib/texture.glsl"
 
 // For those who asked for it: the only ones to look at materials.
-void store_surface(uint slot, surface s, vec4 hit)
+void store_surface(uint slot, surface s, vec4 hit, uint instance)
 {
     material m;
     if (HAS_AOV(AOV_ALBEDO)) {
@@ -24,7 +24,7 @@ void store_surface(uint slot, surface s, vec4 hit)
         if (HAS(FEATURE_TEXTURES) || HAS(FEATURE_COLORS))
             apply_textures(m, s);
     }
-    store_first_hit(slot, s, m, floatBitsToUint(hit.w), hit.x);
+    store_first_hit(slot, s, m, floatBitsToUint(hit.w), instance, hit.x);
 }
 
 void main()
@@ -38,9 +38,10 @@ void main()
         uvec4 words = load_path(slot, PATH_ORIGIN);
         vec3 direction = uintBitsToFloat(load_path(slot, PATH_DIRECTION).xyz);
         vec4 hit = uintBitsToFloat(load_path(slot, PATH_HIT));
-        surface s = load_surface(uintBitsToFloat(words.xyz), direction, hit);
+        uint instance = path_hit_instance(slot);
+        surface s = load_surface(uintBitsToFloat(words.xyz), direction, hit, instance);
         if (HAS_AOV(AOVS_OF_SURFACES))
-            store_surface(slot, s, hit);
+            store_surface(slot, s, hit, instance);
         float worth = 1.0;
         if (HAS(FEATURE_FALLOFF))
             worth = fade(slot, direction, hit.x);
@@ -58,6 +59,7 @@ void main()
                              uvec4(floatBitsToUint(frame.ao_distance * wi), NO_PRIMITIVE));
             store_shadow_ray(slot, 0u, 2u,
                              floatBitsToUint(vec4(vec3(worth), pdf_cosine_hemisphere(local.z))));
+            store_shadow_instance(slot, 0u, instance);
         }
     }
     queue_push(QUEUE_SHADOW, slot, shadow);

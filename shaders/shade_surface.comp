@@ -34,12 +34,13 @@ void main()
         uint stack = words.w;
         vec4 hit = uintBitsToFloat(load_path(slot, PATH_HIT));
         v.primitive = floatBitsToUint(hit.w);
-        v.s = load_surface(origin, ray.xyz, hit);
+        v.instance = path_hit_instance(slot);
+        v.s = load_surface(origin, ray.xyz, hit, v.instance);
         v.m = load_material(v.s.material);
         if (HAS(FEATURE_TEXTURES) || HAS(FEATURE_COLORS))
             apply_textures(v.m, v.s);
         if (HAS_AOV(AOVS_OF_SURFACES) && push.bounce == 0u)
-            store_first_hit(slot, v.s, v.m, v.primitive, hit.x);
+            store_first_hit(slot, v.s, v.m, v.primitive, v.instance, hit.x);
         v.frame = shading_frame(v.s, v.m, -ray.xyz);
         v.wo = -ray.xyz * v.frame;
         v.eta = v.m.group[GROUP_INTERFACE].g;
@@ -85,6 +86,7 @@ void main()
                 store_path(slot, PATH_ORIGIN, uvec4(floatBitsToUint(from), v.primitive));
                 store_path(slot, PATH_DIRECTION, floatBitsToUint(vec4(next.direction, next.pdf)));
                 store_path(slot, PATH_THROUGHPUT, uvec4(floatBitsToUint(v.throughput), next.media));
+                store_path_start_instance(slot, v.instance);
             }
         }
     }

@@ -29,7 +29,8 @@ void add_surroundings(vertex v, vec3 direction, uint stack)
 void load_vertex(inout vertex v, vec3 origin, vec3 direction, vec4 hit)
 {
     v.primitive = floatBitsToUint(hit.w);
-    v.s = load_surface(origin, direction, hit);
+    v.instance = path_hit_instance(v.slot);
+    v.s = load_surface(origin, direction, hit, v.instance);
     v.m = load_material(v.s.material);
     if (HAS(FEATURE_TEXTURES) || HAS(FEATURE_COLORS))
         apply_textures(v.m, v.s);
@@ -43,6 +44,7 @@ whitted_ray child(vertex v, vec3 direction, vec3 throughput, uint stack, uint de
     whitted_ray r;
     r.origin = offset_origin(v.s.position, v.s.error, v.s.normal_geometric, direction);
     r.ignore = v.primitive;
+    r.instance = v.instance;
     r.direction = direction;
     r.depth = depth;
     r.pending = pending;
@@ -107,7 +109,7 @@ bool shade(inout vertex v, vec3 origin, vec3 direction, uint stack, uint state, 
     vec4 hit = uintBitsToFloat(load_path(v.slot, PATH_HIT));
     load_vertex(v, origin, direction, hit);
     if (HAS_AOV(AOVS_OF_SURFACES) && push.bounce == 0u)
-        store_first_hit(v.slot, v.s, v.m, v.primitive, hit.x);
+        store_first_hit(v.slot, v.s, v.m, v.primitive, v.instance, hit.x);
     shadow = false;
     if (HAS(FEATURE_FALLOFF) && push.bounce == 0u)
         v.throughput *= fade(v.slot, direction, hit.x);

@@ -22,7 +22,7 @@ vec3 albedo_color(material m)
 }
 
 // `m` and `s` as textures left them; t: distance of the hit. Both normals face the camera.
-void store_first_hit(uint slot, surface s, material m, uint primitive, float t)
+void store_first_hit(uint slot, surface s, material m, uint primitive, uint instance, float t)
 {
     if (HAS_AOV(AOV_ALBEDO))
         store_aov_vector(slot, AOV_ALBEDO, albedo_color(m));
@@ -39,7 +39,7 @@ void store_first_hit(uint slot, surface s, material m, uint primitive, float t)
     if (HAS_AOV(AOV_IDS)) {
         bool is_shape = (primitive & PRIMITIVE_SHAPE) != 0u;
         uint number = is_shape ? primitive : load_triangles(primitive * 3u).w;
-        radiance_words[slot * SLOT_WORDS + SLOT_WORDS - 1u] = uvec4(number + 1u, 0u, 0u, 0u);
+        radiance_words[slot * SLOT_WORDS + SLOT_WORDS - 1u] = uvec4(number + 1u, instance + 1u, 0u, 0u);
     }
 }
 

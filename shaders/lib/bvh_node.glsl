@@ -5,6 +5,7 @@
 #define BVH_LEAF 0x80000000u
 #define BVH_LEAF_SHAPE 0x40000000u
 #define BVH_LEAF_TWO 0x20000000u
+#define BVH_LEAF_INSTANCE (BVH_LEAF_SHAPE | BVH_LEAF_TWO)
 #define BVH_LEAF_INDEX 0x1fffffffu
 #define BVH_EMPTY 0xffffffffu
 #define BVH_MISS 0x7fffffff

@@ -37,6 +37,7 @@ bool connect_sample(vertex v, vec3 origin, uint ray, light_sample l)
     store_shadow_ray(v.slot, ray, 0u, uvec4(floatBitsToUint(origin), v.primitive));
     store_shadow_ray(v.slot, ray, 1u, uvec4(floatBitsToUint(l.to_light), l.primitive));
     store_shadow_ray(v.slot, ray, 2u, floatBitsToUint(vec4(radiance, l.pdf)));
+    store_shadow_instance(v.slot, ray, v.instance);
     return true;
 }
 

@@ -242,8 +242,8 @@ bool is_lit_from_both_sides(uint material)
     return (material >> MATERIAL_CLASS_SHIFT & MATERIAL_CLASS_MASK) == CLASS_TRANSMISSIVE;
 }
 
-// Where a ray comes from, as a receiver: by the primitive that it starts on.
-receiver receiver_of(vec3 origin, vec3 direction, uint primitive)
+// Where a ray comes from, as a receiver: by the primitive that it starts on, and its instance.
+receiver receiver_of(vec3 origin, vec3 direction, uint primitive, uint instance)
 {
     bool is_shape = IS_SHAPE(primitive);
     vec3 normal = vec3(0.0);
@@ -255,6 +255,10 @@ receiver receiver_of(vec3 origin, vec3 direction, uint primitive)
         vec3 v2 = load_triangles_float(primitive * 3u + 2u).xyz;
         normal = normalize(cross(v1 - v0, v2 - v0));
         material = w1.w;
+        if (HAS_GEOMETRY(GEOMETRY_INSTANCES) && instance != NO_INSTANCE) {
+            normal = normalize_any(load_instance_inverse(instance).rows * normal);
+            material = instance_material(instance, material);
+        }
     }
     if (is_shape) {
         uint at = (primitive & ~PRIMITIVE_SHAPE) * SHAPE_WORDS;
@@ -270,8 +274,9 @@ receiver receiver_of(vec3 origin, vec3 direction, uint primitive)
 }
 
 // The density of choosing the point of an emitter that a ray met, a unit area. `m` is its material,
-// whose pick density is not 0; the ray starts on primitive `from`.
-float pick_density_at(material m, uint primitive, vec3 origin, vec3 direction, uint from)
+// whose pick density is not 0; the ray starts on primitive `from` of an instance, or of none.
+float pick_density_at(material m, uint primitive, vec3 origin, vec3 direction, uint from,
+                      uint from_instance)
 {
     if (LIGHT_CHOICE == LIGHT_CHOICE_POWER)
         return m.group[GROUP_EMISSION].a;
@@ -292,7 +297,7 @@ float pick_density_at(material m, uint primitive, vec3 origin, vec3 direction, u
     }
     float pick = LIGHT_CHOICE == LIGHT_CHOICE_ALL ? 1.0 : 1.0 / float(frame.emitter_count);
     if (LIGHT_CHOICE == LIGHT_CHOICE_TREE)
-        pick = probability_in_tree(receiver_of(origin, direction, from), emitter);
+        pick = probability_in_tree(receiver_of(origin, direction, from, from_instance), emitter);
     return pick / area;
 }
 

@@ -15,10 +15,8 @@
 #define IS_KIND(kind, which)                                                                       \
     (HAS_GEOMETRY(SHAPE_KIND_BIT(which)) && (kind) == (which))
 
-// What a ray starts on, or is sent to: a primitive's word and the instance that it is of.
-struct primitive_ref {
-    uint primitive; // NO_PRIMITIVE: nothing
-    uint instance;  // NO_INSTANCE: in the world itself
-};
+// Whether a leaf's word, or what ends an instance on the stack, leads to another space.
+#define IS_INSTANCE_LEAF(word)                                                                     \
+    (HAS_GEOMETRY(GEOMETRY_INSTANCES) && ((word)&BVH_LEAF_INSTANCE) == BVH_LEAF_INSTANCE)
 
 #endif

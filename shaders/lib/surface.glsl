@@ -4,6 +4,7 @@
 
 #include "lib/attributes.glsl"
 #include "lib/constants.glsl"
+#include "lib/instance.glsl"
 #include "lib/sampling.glsl"
 #include "lib/shape_surface.glsl"
 #include "lib/surface_types.glsl"
@@ -98,7 +99,55 @@ surface load_triangle_surface(uint index, vec2 uv)
     return s;
 }
 
-surface load_surface(vec3 origin, vec3 direction, vec4 hit)
+// Unit, whatever the scale.
+vec3 normalize_any(vec3 v)
+{
+    vec3 a = abs(v);
+    return normalize(v / max(max(a.x, a.y), max(a.z, 1e-30)));
+}
+
+// From the mesh's space to the world's. What is exact is the way to the mesh's space, on which rays
+// are tested; so the position's error is that of a ray that starts there and is taken back: both
+// transforms' rounding counts, as far as it moves the point off the surface (after Pharr, Jakob,
+// Humphreys 2023, section 6.8.4).
+void place_surface(uint instance, inout surface s)
+{
+    uint at = instance_at(instance);
+    instance_inverse inverse = load_instance_inverse(instance);
+    mat3 rows; // as columns
+    for (int i = 0; i < 3; i++)
+        rows[i] = load_shapes_float(at + 3u + uint(i)).xyz;
+    uvec4 words = load_instance_words(instance);
+
+    vec3 normal = s.normal_geometric;
+    bool is_flat = all(equal(s.normal_shading, normal));
+    vec3 along = s.position * rows;
+    vec3 position = along + inverse.place;
+    mat3 absolute = mat3(abs(rows[0]), abs(rows[1]), abs(rows[2]));
+    vec3 error = GAMMA(4) * (abs(s.position) * absolute) + GAMMA(2) * abs(position);
+    mat3 back = mat3(abs(inverse.rows[0]), abs(inverse.rows[1]), abs(inverse.rows[2]));
+    vec3 error_back = s.error + GAMMA(6) * ((abs(along) + error) * back);
+
+    vec3 turned = inverse.rows * normal;
+    float height = dot(abs(normal), error_back) / length(turned);
+    s.position = position;
+    s.normal_geometric = normalize_any(turned);
+    if ((words.w & INSTANCE_MIRRORED) != 0u)
+        s.normal_geometric = -s.normal_geometric;
+    s.error = error + height * abs(s.normal_geometric);
+    s.normal_shading =
+        is_flat ? s.normal_geometric : normalize_any(inverse.rows * s.normal_shading);
+    if (HAS_TANGENT) {
+        float sign = (words.w & INSTANCE_MIRRORED) != 0u ? -s.tangent.w : s.tangent.w;
+        s.tangent = HAS(FEATURE_TANGENTS) ? vec4(normalize_any(s.tangent.xyz * rows), sign)
+                                          : vec4(basis_around(s.normal_shading)[0], 1.0);
+    }
+    if (words.y != NO_MATERIAL)
+        s.material = words.y;
+}
+
+// `instance` is that of the primitive, or NO_INSTANCE.
+surface load_surface(vec3 origin, vec3 direction, vec4 hit, uint instance)
 {
     uint primitive = floatBitsToUint(hit.w);
     bool is_shape = IS_SHAPE(primitive);
@@ -107,6 +156,8 @@ surface load_surface(vec3 origin, vec3 direction, vec4 hit)
         s = load_triangle_surface(primitive, hit.yz);
     if (is_shape)
         s = load_shape_surface(primitive & ~PRIMITIVE_SHAPE, origin + hit.x * direction);
+    if (HAS_GEOMETRY(GEOMETRY_INSTANCES) && instance != NO_INSTANCE)
+        place_surface(instance, s);
     // Both sides of a surface reflect and emit: face the viewer.
     s.front = dot(s.normal_geometric, direction) <= 0.0;
     if (!s.front)

@@ -8,7 +8,7 @@ layout(std430, set = 0, binding = BINDING_SUSPENDED) buffer suspended_block {
     uint suspended_words[];
 };
 
-const uint SUSPENDED_HEADER = 8u;
+const uint SUSPENDED_HEADER = SUSPENDED_WORDS_OF(GEOMETRY);
 const uint SUSPENDED_STRIDE = SUSPENDED_HEADER + STACK_ENTRIES + 2u;
 
 void suspend(uint slot, trace_state state, trace_hit hit)
@@ -22,6 +22,10 @@ void suspend(uint slot, trace_state state, trace_hit hit)
     suspended_words[base + 5u] = hit.primitive;
     suspended_words[base + 6u] = hit.id;
     suspended_words[base + 7u] = floatBitsToUint(state.march);
+    if (HAS_GEOMETRY(GEOMETRY_INSTANCES)) {
+        suspended_words[base + 8u] = state.instance;
+        suspended_words[base + 9u] = hit.instance;
+    }
     for (uint i = 0u; i < state.depth; i++)
         suspended_words[base + SUSPENDED_HEADER + i] = stack[i];
 }
@@ -29,12 +33,18 @@ void suspend(uint slot, trace_state state, trace_hit hit)
 void resume(uint slot, out trace_state state, out trace_hit hit)
 {
     uint base = slot * SUSPENDED_STRIDE;
+    uint instance = NO_INSTANCE;
+    uint hit_instance = NO_INSTANCE;
+    if (HAS_GEOMETRY(GEOMETRY_INSTANCES)) {
+        instance = suspended_words[base + 8u];
+        hit_instance = suspended_words[base + 9u];
+    }
     state = trace_state(suspended_words[base + 0u], suspended_words[base + 1u],
-                        uintBitsToFloat(suspended_words[base + 7u]));
+                        uintBitsToFloat(suspended_words[base + 7u]), instance);
     hit = trace_hit(uintBitsToFloat(suspended_words[base + 2u]),
                     vec2(uintBitsToFloat(suspended_words[base + 3u]),
                          uintBitsToFloat(suspended_words[base + 4u])),
-                    suspended_words[base + 5u], suspended_words[base + 6u]);
+                    suspended_words[base + 5u], suspended_words[base + 6u], hit_instance);
     for (uint i = 0u; i < state.depth; i++)
         stack[i] = suspended_words[base + SUSPENDED_HEADER + i];
 }

@@ -8,6 +8,7 @@ struct trace_ray {
     vec3 origin;
     vec3 direction;
     uint ignore_a, ignore_b; // primitive words: where it starts, and what it is sent to
+    uint start_instance;     // of which the first one is; the second one is in the world
     uvec4 alpha; // what decides whether it meets surfaces that are not everywhere there
 };
 
@@ -16,15 +17,28 @@ struct trace_hit {
     vec2 uv;
     uint primitive; // NO_PRIMITIVE: none
     uint id;        // decides between equal distances, so that the BVH's shape does not
+    uint instance;  // decides before it: the world itself comes first
 };
 
-void accept_hit(inout trace_hit best, bool hit, float t, vec2 uv, uint primitive, uint id)
+void accept_hit(inout trace_hit best, bool hit, float t, vec2 uv, uint primitive, uint id,
+                uint instance)
 {
-    bool nearer = hit && t > 0.0 && (t < best.t || (t == best.t && id < best.id));
+    bool lower = id < best.id;
+    if (HAS_GEOMETRY(GEOMETRY_INSTANCES) && instance != best.instance)
+        lower = instance + 1u < best.instance + 1u;
+    bool nearer = hit && t > 0.0 && (t < best.t || (t == best.t && lower));
     best.t = nearer ? t : best.t;
     best.uv = nearer ? uv : best.uv;
     best.primitive = nearer ? primitive : best.primitive;
     best.id = nearer ? id : best.id;
+    if (HAS_GEOMETRY(GEOMETRY_INSTANCES))
+        best.instance = nearer ? instance : best.instance;
+}
+
+// Of what is in the world itself.
+void accept_hit(inout trace_hit best, bool hit, float t, vec2 uv, uint primitive, uint id)
+{
+    accept_hit(best, hit, t, uv, primitive, id, NO_INSTANCE);
 }
 
 #endif

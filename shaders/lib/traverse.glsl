@@ -5,6 +5,7 @@
 
 #include "lib/alpha.glsl"
 #include "lib/bvh_node.glsl"
+#include "lib/instance.glsl"
 #include "lib/intersect_triangle.glsl"
 #include "lib/shape_leaf.glsl"
 #include "lib/steps.glsl"
@@ -12,21 +13,30 @@
 
 // The plane of the triangle that a ray starts on. Its coplanar neighbours cannot be hit either:
 // their distance is 0 and must not become more by rounding, which is some epsilon times the
-// triangle's size.
+// triangle's size. In the space of the triangle: an instance's own, where it is of one.
 struct left_plane {
     vec3 normal; // not normalised
     bool exists;
+    vec3 point; // with instances
+    uint id;    // of the triangle, where one may be in several places
+    uint target_id; // of the one that the ray is sent to
 };
 
-left_plane load_left_plane(uint primitive)
+left_plane load_left_plane(uint primitive, uint target)
 {
-    left_plane plane = left_plane(vec3(0.0), false);
+    left_plane plane = left_plane(vec3(0.0), false, vec3(0.0), NO_PRIMITIVE, NO_PRIMITIVE);
     if (HAS(FEATURE_TRIANGLES) && primitive < PRIMITIVE_SHAPE) {
-        vec3 v0 = load_triangles_float(primitive * 3u).xyz;
+        uvec4 w0 = load_triangles(primitive * 3u);
+        vec3 v0 = uintBitsToFloat(w0.xyz);
         vec3 v1 = load_triangles_float(primitive * 3u + 1u).xyz;
         vec3 v2 = load_triangles_float(primitive * 3u + 2u).xyz;
-        plane = left_plane(cross(v1 - v0, v2 - v0), true);
+        plane.normal = cross(v1 - v0, v2 - v0);
+        plane.exists = true;
+        plane.point = v0;
+        plane.id = w0.w;
     }
+    if (HAS_GEOMETRY(GEOMETRY_DUPLICATES) && target < PRIMITIVE_ENVIRONMENT)
+        plane.target_id = load_triangles(target * 3u).w;
     return plane;
 }
 
@@ -39,12 +49,22 @@ bool in_plane(left_plane plane, vec3 origin, vec3 corner)
     return abs(height) <= GAMMA(16) * dot(abs(plane.normal), abs(corner) + abs(origin));
 }
 
+bool leaves_triangle(left_plane plane, vec3 origin, vec3 v0, vec3 v1, vec3 v2)
+{
+    // On its way to an instance's space an origin loses more: there the triangle's own corner is
+    // asked.
+    vec3 from = HAS_GEOMETRY(GEOMETRY_INSTANCES) ? plane.point : origin;
+    return plane.exists && in_plane(plane, from, v0) && in_plane(plane, from, v1) &&
+           in_plane(plane, from, v2);
+}
+
 // What a traversal is in the middle of.
 struct trace_state {
     uint current; // node, or leaf word, or BVH_EMPTY: done
     uint depth;   // entries on the stack, the sentinel included
     float march;  // how far the ray has got through the distance field of the leaf in hand; 0: not
                   // begun
+    uint instance; // in whose tree it is, or NO_INSTANCE
 };
 
 uint stack[STACK_ENTRIES + 2u]; // the sentinel, and one that a branch-free push may overwrite
@@ -52,10 +72,61 @@ uint stack[STACK_ENTRIES + 2u]; // the sentinel, and one that a branch-free push
 void trace_begin(out trace_state state)
 {
     stack[0] = BVH_EMPTY;
-    state = trace_state(0u, 1u, 0.0);
+    state = trace_state(0u, 1u, 0.0, NO_INSTANCE);
 }
 
-void intersect_triangle_leaf(trace_ray ray, triangle_frame frame, left_plane plane, uint index,
+// What ends an instance's part of the stack: then the traversal is in the world again.
+#define BVH_LEAVE 0xfffffffeu
+
+// The ray as the tree in hand sees it. Directions keep their length in the world, so that distances
+// are the same in all spaces.
+struct trace_space {
+    vec3 origin;
+    bvh_ray box_ray;
+    triangle_frame frame;
+    uint instance;
+    uint material; // word in place of the triangles' own, or NO_MATERIAL
+};
+
+trace_space world_space(trace_ray ray)
+{
+    return trace_space(ray.origin, bvh_ray_create(ray.origin, ray.direction),
+                       triangle_frame_create(ray.direction), NO_INSTANCE, NO_MATERIAL);
+}
+
+// An instance's space, with the root of its tree; or with NO_INSTANCE the world.
+trace_space enter_space(trace_ray ray, uint instance, out uint root)
+{
+    bool is_world = instance == NO_INSTANCE;
+    instance_inverse inverse = load_instance_inverse(is_world ? 0u : instance);
+    uvec4 words = load_instance_words(is_world ? 0u : instance);
+    vec3 origin = is_world ? ray.origin : (ray.origin - inverse.place) * inverse.rows;
+    vec3 direction = is_world ? ray.direction : ray.direction * inverse.rows;
+    root = words.x;
+    return trace_space(origin, bvh_ray_create(origin, direction), triangle_frame_create(direction),
+                       instance, is_world ? NO_MATERIAL : words.y);
+}
+
+// Whether a hit is no hit: of what the ray starts on, or what it is sent to.
+bool is_ignored(trace_ray ray, left_plane plane, uint instance, uint index, uint id)
+{
+    bool duplicates = HAS_GEOMETRY(GEOMETRY_DUPLICATES);
+    bool starts_here = duplicates ? id == plane.id : index == ray.ignore_a;
+    bool ends_here = duplicates ? id == plane.target_id : index == ray.ignore_b;
+    if (HAS_GEOMETRY(GEOMETRY_INSTANCES))
+        starts_here = starts_here && instance == ray.start_instance;
+    return starts_here || ends_here;
+}
+
+// What decides whether a triangle that is not everywhere there is met: differs between instances.
+uint crossing_of(uint id, uint instance)
+{
+    if (HAS_GEOMETRY(GEOMETRY_INSTANCES))
+        return id ^ (instance + 1u) * 0x9e3779b9u;
+    return id;
+}
+
+void intersect_triangle_leaf(trace_ray ray, trace_space space, left_plane plane, uint index,
                              inout trace_hit best)
 {
     uvec4 w0 = load_triangles(index * 3u);
@@ -66,13 +137,20 @@ void intersect_triangle_leaf(trace_ray ray, triangle_frame frame, left_plane pla
     vec3 v2 = uintBitsToFloat(w2.xyz);
     float t;
     vec2 uv;
-    bool leaves = plane.exists && in_plane(plane, ray.origin, v0) &&
-                  in_plane(plane, ray.origin, v1) && in_plane(plane, ray.origin, v2);
-    bool hit = intersect_triangle(frame, ray.origin, v0, v1, v2, t, uv) && !leaves &&
-               index != ray.ignore_a && index != ray.ignore_b;
-    if (HAS(FEATURE_ALPHA) && hit && t > 0.0 && t <= best.t && (w1.w & MATERIAL_WORD_ALPHA) != 0u)
-        hit = alpha_passes(index, uv, vec3(0.0), w1.w, w0.w, ray.alpha);
-    accept_hit(best, hit, t, uv, index, w0.w);
+    bool leaves = leaves_triangle(plane, space.origin, v0, v1, v2);
+    if (HAS_GEOMETRY(GEOMETRY_INSTANCES))
+        leaves = leaves && space.instance == ray.start_instance;
+    bool hit = intersect_triangle(space.frame, space.origin, v0, v1, v2, t, uv) && !leaves &&
+               !is_ignored(ray, plane, space.instance, index, w0.w);
+    if (HAS(FEATURE_ALPHA)) {
+        uint word = w1.w;
+        if (HAS_GEOMETRY(GEOMETRY_INSTANCES) && space.material != NO_MATERIAL)
+            word = space.material;
+        if (hit && t > 0.0 && t <= best.t && (word & MATERIAL_WORD_ALPHA) != 0u)
+            hit = alpha_passes(index, uv, vec3(0.0), word, crossing_of(w0.w, space.instance),
+                               ray.alpha);
+    }
+    accept_hit(best, hit, t, uv, index, w0.w, space.instance);
 }
 
 // Chooses the next node among the children that the ray enters and pushes the others. `keys` are
@@ -121,9 +199,11 @@ uint visit_children(ivec4 keys, uvec4 children, uint top, inout uint depth)
 // together, since a driver may limit the iterations of all loops of an invocation.
 void trace(trace_ray ray, inout trace_state state, inout trace_hit best, inout uint iterations)
 {
-    bvh_ray box_ray = bvh_ray_create(ray.origin, ray.direction);
-    triangle_frame frame = triangle_frame_create(ray.direction);
-    left_plane plane = load_left_plane(ray.ignore_a);
+    uint root = 0u;
+    trace_space space = world_space(ray);
+    if (HAS_GEOMETRY(GEOMETRY_INSTANCES) && HAS(FEATURE_SUSPEND))
+        space = enter_space(ray, state.instance, root);
+    left_plane plane = load_left_plane(ray.ignore_a, ray.ignore_b);
     uint current = state.current;
     uint depth = state.depth;
     float march = state.march;
@@ -134,24 +214,32 @@ void trace(trace_ray ray, inout trace_state state, inout trace_hit best, inout u
                 steps.nodes++;
             uint top = stack[depth - 1u];
             uvec4 children;
-            ivec4 keys = bvh_test_children(box_ray, current, best.t, children);
+            ivec4 keys = bvh_test_children(space.box_ray, current, best.t, children);
             current = visit_children(keys, children, top, depth);
         }
         iterations++;
         if (current != BVH_EMPTY && current >= BVH_LEAF) {
             if (HAS(FEATURE_STEPS))
-                steps.primitives++;
+                steps.primitives += current != BVH_LEAVE ? 1u : 0u;
             uint top = stack[depth - 1u];
             uint index = current & BVH_LEAF_INDEX;
-            bool is_shape = IS_SHAPE(current);
-            if (HAS(FEATURE_TRIANGLES) && !is_shape)
-                intersect_triangle_leaf(ray, frame, plane, index, best);
+            bool is_space = IS_INSTANCE_LEAF(current);
+            bool is_shape = IS_SHAPE(current) && !is_space;
+            if (HAS(FEATURE_TRIANGLES) && !is_shape && !is_space)
+                intersect_triangle_leaf(ray, space, plane, index, best);
             bool leaf_done = true;
             if (is_shape)
                 leaf_done = intersect_shape_leaf(ray, index, march, iterations, best);
             // One triangle a round: lanes with one-triangle leaves do not wait for the others.
-            bool more = (current & BVH_LEAF_TWO) != 0u;
+            bool more = (current & BVH_LEAF_TWO) != 0u && !is_space;
             uint next = more ? (current & ~BVH_LEAF_TWO) + 1u : top;
+            if (is_space) {
+                bool enters = current != BVH_LEAVE;
+                space = enter_space(ray, enters ? index : NO_INSTANCE, root);
+                stack[depth] = BVH_LEAVE;
+                depth += enters ? 2u : 0u; // one of them is taken back below
+                next = enters ? root : top;
+            }
             current = leaf_done ? next : current;
             depth -= more || !leaf_done ? 0u : 1u;
 #ifdef ANY_HIT
@@ -159,7 +247,7 @@ void trace(trace_ray ray, inout trace_state state, inout trace_hit best, inout u
 #endif
         }
     }
-    state = trace_state(current, depth, march);
+    state = trace_state(current, depth, march, space.instance);
 }
 
 #endif

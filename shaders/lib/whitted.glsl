@@ -244,6 +244,7 @@ bool whitted_lights(vertex v, whitted_surface w)
         store_shadow_ray(v.slot, i, 0u, uvec4(floatBitsToUint(origin), v.primitive));
         store_shadow_ray(v.slot, i, 1u, uvec4(floatBitsToUint(l.to_light), l.primitive));
         store_shadow_ray(v.slot, i, 2u, floatBitsToUint(vec4(radiance, 1.0)));
+        store_shadow_instance(v.slot, i, v.instance);
     }
     return any_light;
 }
@@ -260,6 +261,7 @@ const float LEAST_PART = 0.0009765625; // 2^-10: an eighth of what 8 bits tell a
 struct whitted_ray {
     vec3 origin;
     uint ignore;
+    uint instance; // of which that is
     vec3 direction;
     uint depth;
     uint pending;
@@ -277,6 +279,7 @@ void follow(uint slot, whitted_ray r)
     store_path(slot, PATH_ORIGIN, uvec4(floatBitsToUint(r.origin), r.ignore));
     store_path(slot, PATH_DIRECTION, uvec4(floatBitsToUint(r.direction), whitted_state(r)));
     store_path(slot, PATH_THROUGHPUT, uvec4(floatBitsToUint(r.throughput), r.media));
+    store_path_start_instance(slot, r.instance);
 }
 
 // The stack of a slot has an entry for each depth: a ray waits for its sibling's whole tree, and at
@@ -293,6 +296,8 @@ void put_off(uint slot, whitted_ray r)
     shadow_rays_words[at] = uvec4(floatBitsToUint(r.origin), r.ignore);
     shadow_rays_words[at + 1u] = uvec4(floatBitsToUint(r.direction), whitted_state(r));
     shadow_rays_words[at + 2u] = uvec4(floatBitsToUint(r.throughput), r.media);
+    if (HAS_GEOMETRY(GEOMETRY_INSTANCES))
+        shadow_rays_words[at + SHADOW_INSTANCE] = uvec4(r.instance, 0u, 0u, 0u);
 }
 
 // The latest ray that was put off becomes the slot's.
@@ -302,6 +307,8 @@ void take_up(uint slot, uint pending)
     store_path(slot, PATH_ORIGIN, load_shadow_rays(at));
     store_path(slot, PATH_DIRECTION, load_shadow_rays(at + 1u));
     store_path(slot, PATH_THROUGHPUT, load_shadow_rays(at + 2u));
+    if (HAS_GEOMETRY(GEOMETRY_INSTANCES))
+        store_path_start_instance(slot, load_shadow_rays(at + SHADOW_INSTANCE).x);
 }
 
 #endif

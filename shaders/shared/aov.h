@@ -34,7 +34,8 @@
 #define AOV_SUM_WORDS(aovs)                                                                        \
     ((3u * AOV_VECTORS_BEFORE(aovs, AOV_END) + AOV_SCALARS_BEFORE(aovs, AOV_END) + 3u) / 4u)
 // The last word: x is the primitive of the pixel's first sample by its number in the flat scene,
-// shapes with PRIMITIVE_SHAPE, plus 1; 0: it met nothing.
+// shapes with PRIMITIVE_SHAPE, plus 1; 0: it met nothing. y is its instance, plus 1; 0: it is in the
+// world itself.
 #define AOV_ID_WORDS(aovs) AOV_BEFORE(aovs, AOV_END, AOV_IDS)
 
 // Records in words of four: of a slot, the radiance first, of the film behind gpu_film_pixel (sums,

@@ -4,6 +4,7 @@
 #ifndef LAMPYRIS_SHARED_TYPES_H
 #define LAMPYRIS_SHARED_TYPES_H
 
+#include "bindings.h"
 #include "material.h"
 #include "methods.h"
 
@@ -80,7 +81,7 @@ SHARED_STATIC_ASSERT_SIZE(gpu_shape, 48);
 
 // A placed mesh that has a BVH of its own, among the BVH's nodes.
 struct gpu_instance {
-    float to_object[3][4];
+    float to_object[3][4]; // rows of its matrix; their fourths: what is subtracted before
     float to_world[3][4];
     uint root;     // node
     uint material; // word, in place of the triangles' own; or NO_MATERIAL
@@ -233,11 +234,14 @@ struct gpu_path {
     uint primitive;
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_path, 64);
-#define PATH_WORDS 4 // of four
+// Words of four from one path's record to the next. With instances it has one more: the instance
+// that was hit and that on which the ray starts, or NO_INSTANCE; 0, 0.
+#define PATH_WORDS_OF(geometry) (((geometry)&GEOMETRY_INSTANCES) != 0u ? 5u : 4u)
 #define PATH_ORIGIN 0
 #define PATH_DIRECTION 1
 #define PATH_THROUGHPUT 2
 #define PATH_HIT 3
+#define PATH_INSTANCE 4
 
 // The segment origin + s * direction, s in (0, 1), and what arrives when nothing is in between.
 struct gpu_shadow_ray {
@@ -250,7 +254,17 @@ struct gpu_shadow_ray {
                      // without extent: for replay
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_shadow_ray, 48);
-#define SHADOW_WORDS 3
+// The same. With instances one more: that on which the ray starts; 0, 0, 0.
+#define SHADOW_WORDS_OF(geometry) (((geometry)&GEOMETRY_INSTANCES) != 0u ? 4u : 3u)
+#define SHADOW_INSTANCE 3
+#ifdef GL_core_profile
+#define PATH_WORDS PATH_WORDS_OF(GEOMETRY)
+#define SHADOW_WORDS SHADOW_WORDS_OF(GEOMETRY)
+#endif
+
+// A suspended traversal, in words: these, then its stack (lib/suspend.glsl). With instances the one
+// that it is in, and that of the hit.
+#define SUSPENDED_WORDS_OF(geometry) (((geometry)&GEOMETRY_INSTANCES) != 0u ? 10u : 8u)
 
 // Compensated sums (Kahan 1965) of the two half-buffers: sample s belongs to half s & 1. The value
 // of a sum is sum - lost.

@@ -251,12 +251,12 @@ TEST(embedded_kernels)
 // Kernels address these by words of 16 bytes.
 TEST(words_a_record)
 {
-    CHECK(sizeof(struct gpu_path) == 16 * PATH_WORDS, "%zu", sizeof(struct gpu_path));
+    CHECK(sizeof(struct gpu_path) == 16 * PATH_WORDS_OF(0u), "%zu", sizeof(struct gpu_path));
     CHECK(offsetof(struct gpu_path, origin) == 16 * PATH_ORIGIN, "origin");
     CHECK(offsetof(struct gpu_path, direction) == 16 * PATH_DIRECTION, "direction");
     CHECK(offsetof(struct gpu_path, throughput) == 16 * PATH_THROUGHPUT, "throughput");
     CHECK(offsetof(struct gpu_path, t) == 16 * PATH_HIT, "hit");
-    CHECK(sizeof(struct gpu_shadow_ray) == 16 * SHADOW_WORDS, "%zu", sizeof(struct gpu_shadow_ray));
+    CHECK(sizeof(struct gpu_shadow_ray) == 16 * SHADOW_WORDS_OF(0u), "%zu", sizeof(struct gpu_shadow_ray));
     CHECK(sizeof(struct gpu_film_pixel) == 16 * FILM_WORDS, "%zu", sizeof(struct gpu_film_pixel));
 }
 
