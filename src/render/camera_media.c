@@ -1,6 +1,7 @@
 #include "camera_media.h"
 
 #include <math.h>
+#include <string.h>
 
 #define RAYS 3
 
@@ -45,31 +46,165 @@ static int crossing(const double origin[3], const double direction[3],
     return determinant < 0.0 ? 1 : -1;
 }
 
-static bool is_inside_sphere(const double origin[3], const struct flat_shape *shape)
+// --- shapes --------------------------------------------------------------------------------------
+
+static void to_double(const float from[3], double out[3])
 {
-    double square = 0.0;
-    for (int c = 0; c < 3; c++) {
-        double from = origin[c] - (double)shape->center[c];
-        square += from * from;
+    for (int c = 0; c < 3; c++)
+        out[c] = (double)from[c];
+}
+
+// Of the body that a shape encloses; a plane has everything behind it.
+static bool is_inside(const double origin[3], const struct flat_shape *shape)
+{
+    double from[3], axes[3][3], along[3], square[3], radius = (double)shape->radius;
+    for (int i = 0; i < 3; i++) {
+        from[i] = origin[i] - (double)shape->center[i];
+        to_double(shape->axes[i], axes[i]);
     }
-    return square < (double)shape->radius * (double)shape->radius;
+    for (int i = 0; i < 3; i++) {
+        along[i] = dot(from, axes[i]);
+        square[i] = dot(axes[i], axes[i]);
+    }
+    double normal[3];
+    to_double(shape->normal, normal);
+    switch (shape->kind) {
+    case SHAPE_SPHERE:
+        return dot(from, from) < radius * radius;
+    case SHAPE_PLANE:
+        return dot(from, normal) < 0.0;
+    case SHAPE_BOX:
+        return fabs(along[0]) < square[0] && fabs(along[1]) < square[1] &&
+               fabs(along[2]) < square[2];
+    case SHAPE_CYLINDER:
+        return fabs(along[0]) < square[0] &&
+               dot(from, from) - along[0] * along[0] / square[0] < radius * radius;
+    default:
+        return false;
+    }
+}
+
+// As crossing(): at the distance t to the shape's plane, whose front is along the normal.
+static int crossing_plane(const double direction[3], const double normal[3], double t, bool hit)
+{
+    return !hit || !(t > 0.0) ? 0 : dot(direction, normal) > 0.0 ? 1 : -1;
+}
+
+static int crossing_flat_shape(const double origin[3], const double direction[3],
+                               const struct flat_shape *shape)
+{
+    double from[3], normal[3], u[3], v[3], point[3], radius = (double)shape->radius;
+    to_double(shape->normal, normal);
+    to_double(shape->axes[0], u);
+    to_double(shape->axes[1], v);
+    if (shape->kind == SHAPE_QUAD)
+        cross(u, v, normal);
+    for (int c = 0; c < 3; c++)
+        from[c] = origin[c] - (double)shape->center[c];
+    double t = -dot(from, normal) / dot(direction, normal);
+    for (int c = 0; c < 3; c++)
+        point[c] = from[c] + t * direction[c];
+    if (shape->kind == SHAPE_DISC)
+        return crossing_plane(direction, normal, t, dot(point, point) <= radius * radius);
+    // In units of the half edges.
+    double across[3], square = dot(normal, normal);
+    cross(point, v, across);
+    double a = dot(across, normal) / square;
+    cross(u, point, across);
+    double b = dot(across, normal) / square;
+    return crossing_plane(direction, normal, t, fabs(a) <= 1.0 && fabs(b) <= 1.0);
+}
+
+// Both sides of a tube's wall at once: the ray leaves at the far crossing and enters at the near
+// one, where these are between the ends.
+static int crossing_tube(const double origin[3], const double direction[3],
+                         const struct flat_shape *shape)
+{
+    double from[3], axis[3], f[3], d[3], radius = (double)shape->radius;
+    int crossings = 0;
+    to_double(shape->axes[0], axis);
+    for (int c = 0; c < 3; c++)
+        from[c] = origin[c] - (double)shape->center[c];
+    double square = dot(axis, axis), from_along = dot(from, axis) / square;
+    double along = dot(direction, axis) / square;
+    for (int c = 0; c < 3; c++) {
+        f[c] = from[c] - from_along * axis[c];
+        d[c] = direction[c] - along * axis[c];
+    }
+    double a = dot(d, d), b = dot(f, d), discriminant = b * b - a * (dot(f, f) - radius * radius);
+    for (int side = -1; side <= 1 && discriminant > 0.0; side += 2) {
+        double t = (-b + side * sqrt(discriminant)) / a;
+        if (t > 0.0 && fabs(from_along + t * along) <= 1.0)
+            crossings += side;
+    }
+    return crossings;
+}
+
+static void probe_shape(struct probe *probe, const struct flat_shape *shape, uint32_t number)
+{
+    bool inside = is_inside(probe->origin, shape);
+    for (int ray = 0; ray < RAYS; ray++) {
+        const double *direction = probe->directions[ray];
+        int32_t *left = &probe->left[ray][number];
+        if (shape->kind == SHAPE_DISC || shape->kind == SHAPE_QUAD)
+            *left += crossing_flat_shape(probe->origin, direction, shape);
+        else if (shape->kind == SHAPE_TUBE)
+            *left += crossing_tube(probe->origin, direction, shape);
+        else
+            *left += inside;
+    }
+}
+
+// --- the whole -----------------------------------------------------------------------------------
+
+// Triangles from `first` to `end`, of which a ray is in the same space.
+static void probe_triangles(struct probe *probe, const struct flat_scene *flat, uint32_t first,
+                            uint32_t end, uint32_t override, const struct gpu_material *materials)
+{
+    for (uint32_t i = first; i < end; i++) {
+        uint32_t material = override == SCENE_NONE ? flat->triangles[i].material : override;
+        uint32_t number = materials[material].medium;
+        for (int ray = 0; ray < RAYS && number > 0; ray++)
+            probe->left[ray][number] +=
+                crossing(probe->origin, probe->directions[ray], &flat->triangles[i]);
+    }
+}
+
+static void probe_instance(struct probe *probe, const struct flat_scene *flat,
+                           const struct flat_instance *instance,
+                           const struct gpu_material *materials)
+{
+    const struct flat_mesh *mesh = &flat->meshes[instance->mesh];
+    struct probe world = *probe;
+    for (int row = 0; row < 3; row++) {
+        double linear[3];
+        to_double(instance->to_object[row], linear);
+        probe->origin[row] = dot(linear, world.origin) + (double)instance->to_object[row][3];
+        for (int ray = 0; ray < RAYS; ray++)
+            probe->directions[ray][row] = dot(linear, world.directions[ray]);
+    }
+    // No closed surface holds what is outside of its box.
+    bool near = true;
+    for (int c = 0; c < 3; c++)
+        near = near && probe->origin[c] >= (double)mesh->bounds_min[c] &&
+               probe->origin[c] <= (double)mesh->bounds_max[c];
+    if (near)
+        probe_triangles(probe, flat, mesh->first_triangle,
+                        mesh->first_triangle + mesh->triangle_count, instance->material, materials);
+    memcpy(probe->origin, world.origin, sizeof world.origin);
+    memcpy(probe->directions, world.directions, sizeof world.directions);
 }
 
 static void probe_scene(struct probe *probe, const struct flat_scene *flat,
                         const struct gpu_material *materials)
 {
-    for (uint32_t i = 0; i < flat->triangle_count; i++) {
-        uint32_t number = materials[flat->triangles[i].material].medium;
-        for (int ray = 0; ray < RAYS && number > 0; ray++)
-            probe->left[ray][number] +=
-                crossing(probe->origin, probe->directions[ray], &flat->triangles[i]);
-    }
+    probe_triangles(probe, flat, 0, flat->world_triangle_count, SCENE_NONE, materials);
+    for (uint32_t i = 0; i < flat->placed_count; i++)
+        probe_instance(probe, flat, &flat->instances[i], materials);
     for (uint32_t i = 0; i < flat->shape_count; i++) {
-        const struct flat_shape *shape = &flat->shapes[i];
-        uint32_t number = materials[shape->material].medium;
-        if (number > 0 && shape->kind == SHAPE_SPHERE && is_inside_sphere(probe->origin, shape))
-            for (int ray = 0; ray < RAYS; ray++)
-                probe->left[ray][number]++;
+        uint32_t number = materials[flat->shapes[i].material].medium;
+        if (number > 0)
+            probe_shape(probe, &flat->shapes[i], number);
     }
 }
 

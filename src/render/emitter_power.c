@@ -45,15 +45,55 @@ double triangle_area(const struct flat_triangle *triangle)
     return 0.5 * sqrt(square);
 }
 
+// Of the parallelogram of two vectors.
+static double span(const float a[3], const float b[3])
+{
+    double square = 0.0;
+    for (int c = 0; c < 3; c++) {
+        double n = (double)a[(c + 1) % 3] * (double)b[(c + 2) % 3] -
+                   (double)a[(c + 2) % 3] * (double)b[(c + 1) % 3];
+        square += n * n;
+    }
+    return sqrt(square);
+}
+
 double shape_area(const struct flat_shape *shape)
 {
-    double disc = M_PI * (double)shape->radius * (double)shape->radius;
-    return shape->kind == SHAPE_SPHERE ? 4.0 * disc : disc;
+    const float(*axes)[3] = shape->axes;
+    double radius = (double)shape->radius, disc = M_PI * radius * radius;
+    double half = hypot(hypot((double)axes[0][0], (double)axes[0][1]), (double)axes[0][2]);
+    switch (shape->kind) {
+    case SHAPE_SPHERE:
+        return 4.0 * disc;
+    case SHAPE_DISC:
+        return disc;
+    case SHAPE_QUAD:
+        return 4.0 * span(axes[0], axes[1]);
+    case SHAPE_BOX:
+        return 8.0 * (span(axes[0], axes[1]) + span(axes[1], axes[2]) + span(axes[2], axes[0]));
+    case SHAPE_CYLINDER:
+        return 4.0 * M_PI * radius * half + 2.0 * disc;
+    case SHAPE_TUBE:
+        return 4.0 * M_PI * radius * half;
+    default:
+        return 0.0;
+    }
+}
+
+bool has_planes(const struct flat_scene *flat)
+{
+    for (uint32_t i = 0; i < flat->shape_count; i++)
+        if (flat->shapes[i].kind == SHAPE_PLANE)
+            return true;
+    return false;
 }
 
 double bounding_radius(const struct flat_scene *flat)
 {
     double square = 0.0;
+    // Planes alone: as much as a metre around is worth looking at.
+    if (!(flat->bounds_min[0] <= flat->bounds_max[0]) && has_planes(flat))
+        return 1.0;
     for (int c = 0; c < 3; c++) {
         double extent = (double)flat->bounds_max[c] - (double)flat->bounds_min[c];
         square += extent > 0.0 ? extent * extent : 0.0;

@@ -10,8 +10,10 @@ double luminance(const float rgb[3]); // ITU-R BT.709
 // Of a material's surfaces: textures scale what the parameters say.
 double mean_radiance(const struct scene *scene, const struct material *material);
 double triangle_area(const struct flat_triangle *triangle);
-double shape_area(const struct flat_shape *shape);
-// Half the diagonal of the scene's bounds; 0 when empty.
+double shape_area(const struct flat_shape *shape); // 0 where shape_is_emitter() says no
+// Whether something in the scene has no end.
+bool has_planes(const struct flat_scene *flat);
+// Half the diagonal of the scene's bounds; 0 when empty, 1 with nothing but planes.
 double bounding_radius(const struct flat_scene *flat);
 
 // What comes from infinitely far is counted through the disc that the scene's bounding sphere, of

@@ -4,6 +4,7 @@
 #include "clock.h"
 #include "emitter_power.h"
 #include "environment.h"
+#include "flatten_shapes.h"
 #include "light.h"
 #include "light_tree.h"
 #include "log.h"
@@ -276,8 +277,12 @@ static void bound_triangle(const struct flat_triangle *triangle, struct light_bo
     out->two_sided = true;
 }
 
-// Spheres send light to everywhere outside, discs to both sides.
-static void bound_shape(const struct flat_shape *shape, struct light_bounds *out)
+static bool is_flat_shape(const struct flat_shape *shape)
+{
+    return shape->kind == SHAPE_DISC || shape->kind == SHAPE_QUAD;
+}
+
+static void bound_sphere_or_disc(const struct flat_shape *shape, struct light_bounds *out)
 {
     bool is_sphere = shape->kind == SHAPE_SPHERE;
     for (int c = 0; c < 3; c++) {
@@ -285,13 +290,52 @@ static void bound_shape(const struct flat_shape *shape, struct light_bounds *out
         float extent = is_sphere ? shape->radius : shape->radius * sqrtf(fmaxf(0.0f, 1.0f - n * n));
         out->min[c] = shape->center[c] - extent;
         out->max[c] = shape->center[c] + extent;
-        out->center[c] = shape->center[c];
         out->axis[c] = is_sphere ? c == 2 : (double)n;
     }
     out->radius = shape->radius * 1.000001f;
-    out->theta_o = is_sphere ? M_PI : 0.0;
+}
+
+static void bound_quad(const struct flat_shape *shape, struct light_bounds *out)
+{
+    const float(*axes)[3] = shape->axes;
+    double n[3], square = 0.0, diagonals[2] = {0.0, 0.0};
+    for (int c = 0; c < 3; c++) {
+        double u = (double)axes[0][c], v = (double)axes[1][c];
+        diagonals[0] += (u + v) * (u + v);
+        diagonals[1] += (u - v) * (u - v);
+        n[c] = (double)axes[0][(c + 1) % 3] * (double)axes[1][(c + 2) % 3] -
+               (double)axes[0][(c + 2) % 3] * (double)axes[1][(c + 1) % 3];
+        square += n[c] * n[c];
+    }
+    for (int c = 0; c < 3; c++)
+        out->axis[c] = n[c] / sqrt(square);
+    flat_shape_box(shape, out->min, out->max);
+    out->radius = (float)(sqrt(fmax(diagonals[0], diagonals[1])) * 1.000001);
+}
+
+static void bound_solid(const struct flat_shape *shape, struct light_bounds *out)
+{
+    double square = (double)shape->radius * (double)shape->radius;
+    for (int axis = 0; axis < (shape->kind == SHAPE_BOX ? 3 : 1); axis++)
+        for (int c = 0; c < 3; c++)
+            square += (double)shape->axes[axis][c] * (double)shape->axes[axis][c];
+    out->axis[2] = 1.0;
+    flat_shape_box(shape, out->min, out->max);
+    out->radius = (float)(sqrt(square) * 1.000001);
+}
+
+// What is flat sends light to both sides, what is not to everywhere.
+static void bound_shape(const struct flat_shape *shape, struct light_bounds *out)
+{
+    bool is_flat = is_flat_shape(shape);
+    if (shape->kind == SHAPE_SPHERE || shape->kind == SHAPE_DISC)
+        bound_sphere_or_disc(shape, out);
+    else
+        (is_flat ? bound_quad : bound_solid)(shape, out);
+    memcpy(out->center, shape->center, sizeof out->center);
+    out->theta_o = is_flat ? 0.0 : M_PI;
     out->theta_e = 0.5 * M_PI;
-    out->two_sided = !is_sphere;
+    out->two_sided = is_flat;
 }
 
 // The angle over which a spot's light falls off, and a little for rounding.
@@ -324,8 +368,8 @@ static struct light_bounds bound_emitter(const struct scene *scene, const struct
     } else if (primitive & PRIMITIVE_SHAPE) {
         const struct flat_shape *shape = &flat->shapes[primitive & ~PRIMITIVE_SHAPE];
         bound_shape(shape, &bounds);
-        // Of a sphere's surface a quarter is seen face on.
-        bounds.power *= shape->kind == SHAPE_SPHERE ? 0.25 : 1.0;
+        // Of a convex body's surface a quarter is seen face on, on average (Cauchy 1841).
+        bounds.power *= is_flat_shape(shape) ? 1.0 : 0.25;
     } else {
         bound_triangle(&flat->triangles[bvh->triangle_order[primitive]], &bounds);
     }
@@ -449,6 +493,28 @@ static bool build_tree(const struct scene *scene, const struct flat_scene *flat,
     return ok;
 }
 
+// Shadow rays to what is infinitely far go so far where planes do: what stands on one throws a
+// shadow at low suns beyond all bounds. As large as the extent of a scene may be, see
+// geometry_prepare(), so that kernels' products stay finite.
+#define PLANES_REACH 4e9
+
+static void note_unconnected(const struct scene *scene, const struct flat_scene *flat)
+{
+    uint32_t planes = 0, fields = 0;
+    for (uint32_t i = 0; i < flat->shape_count; i++) {
+        const struct flat_shape *shape = &flat->shapes[i];
+        if (shape_is_emitter(shape->kind) ||
+            !(mean_radiance(scene, &scene->materials[shape->material]) > 0.0))
+            continue;
+        planes += shape->kind == SHAPE_PLANE;
+        fields += shape->kind == SHAPE_SDF;
+    }
+    if (planes + fields > 0)
+        log_info("%u planes and %u distance fields emit; their light is found by chance only, no "
+                 "ray is aimed at them",
+                 planes, fields);
+}
+
 bool emitters_build(const struct scene *scene, const struct flat_scene *flat, const struct bvh *bvh,
                     uint32_t choice, struct arena *arena, struct emitters *out, struct err *err)
 {
@@ -456,6 +522,9 @@ bool emitters_build(const struct scene *scene, const struct flat_scene *flat, co
     // Twice the longest way that there is inside of the bounds: beyond all surfaces from whichever
     // of them.
     *out = (struct emitters){.reach = (float)(4.0 * bounding_radius(flat))};
+    if (has_planes(flat))
+        out->reach = fmaxf(out->reach, (float)PLANES_REACH);
+    note_unconnected(scene, flat);
     if (!fill_lights(scene, flat, arena, out, err) ||
         !list_emitters(scene, flat, bvh, arena, &list, err))
         return false;

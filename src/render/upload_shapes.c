@@ -2,6 +2,7 @@
 #include "shared/sdf.h"
 #include "upload_parts.h"
 
+#include <math.h>
 #include <string.h>
 
 struct shape_sections shape_sections(const struct scene *scene, const struct flat_scene *flat)
@@ -21,6 +22,24 @@ static void fill_shape(const struct flat_shape *shape, struct gpu_shape *out)
     memcpy(out->center, shape->center, sizeof out->center);
     memcpy(out->axis, shape->normal, sizeof out->axis);
     out->radius = shape->radius;
+    switch (shape->kind) {
+    case SHAPE_PLANE:
+        memcpy(out->other, shape->axes[1], sizeof out->other);
+        break;
+    case SHAPE_BOX:
+        out->radius = hypotf(hypotf(shape->axes[2][0], shape->axes[2][1]), shape->axes[2][2]);
+        memcpy(out->axis, shape->axes[0], sizeof out->axis);
+        memcpy(out->other, shape->axes[1], sizeof out->other);
+        break;
+    case SHAPE_QUAD:
+    case SHAPE_CYLINDER:
+    case SHAPE_TUBE:
+        memcpy(out->axis, shape->axes[0], sizeof out->axis);
+        memcpy(out->other, shape->axes[1], sizeof out->other);
+        break;
+    default:
+        break;
+    }
 }
 
 bool upload_shapes(struct gpu *gpu, const struct upload_params *p, struct gpu_buffer *buffers,
