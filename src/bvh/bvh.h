@@ -77,7 +77,8 @@ struct bvh_stats {
     uint32_t stack_entries;
     uint32_t node_count, leaf_count; // leaves: child words, of one or two primitives
     uint64_t bytes;                  // of nodes and triangle_order
-    double build_seconds;
+    double build_seconds;            // of building, or of loading from a cache:
+    double cached_seconds;           // what building took then; 0: not from a cache
 };
 
 struct bvh {
@@ -143,6 +144,11 @@ struct bvh_join_params {
 // BVH_STACK_ENTRIES_MAX), depth is the sum of the world's and the deepest tree's.
 bool bvh_join(const struct bvh_join_params *params, struct arena *arena, struct bvh *out,
               struct err *err);
+
+// Boxes, at most BVH_CUT_MAX, that together contain all primitives of a tree: what is below its top.
+// Transformed one by one they give a closer box of the whole than the root's box does.
+enum { BVH_CUT_MAX = 16 };
+uint32_t bvh_cut(const struct bvh *tree, struct bvh_box out[BVH_CUT_MAX]);
 
 static inline uint64_t bvh_node_bytes(enum bvh_format format)
 {

@@ -20,6 +20,9 @@ uint32_t *upload_emitter_numbers(const struct upload_params *p, uint32_t kind, u
 bool upload_shapes(struct gpu *gpu, const struct upload_params *p, struct gpu_buffer *buffers,
                    struct arena *scratch, struct err *err);
 
+// The section of instances, from its first word of four on.
+void upload_fill_instances(const struct upload_params *p, uint32_t (*words)[4]);
+
 // In words of four: where the sections begin, and how long the buffer is.
 struct shape_sections {
     uint32_t instances, sdfs, sdf_code;

@@ -59,5 +59,6 @@ bool upload_shapes(struct gpu *gpu, const struct upload_params *p, struct gpu_bu
             shape->kind << SHAPE_KIND_SHIFT | upload_material_word(p, shape->material);
         memcpy(words[(uint64_t)i * SHAPE_WORDS], &record, sizeof record);
     }
+    upload_fill_instances(p, &words[sections.instances]);
     return upload_filled(gpu, p, BINDING_SHAPES, words, buffers, err);
 }
