@@ -55,17 +55,18 @@ static uint64_t bytes_a_slot(const struct specialization *s, uint32_t binding)
 {
     switch (binding) {
     case BINDING_PATHS:
-        return sizeof(struct gpu_path);
+        return 16u * PATH_WORDS_OF(s->geometry);
     case BINDING_SHADOW_RAYS:
-        return ((s->features & FEATURE_NEE ? (uint64_t)s->light_rays : 0) + s->pending_rays) *
-               sizeof(struct gpu_shadow_ray);
+        return ((s->features & FEATURE_NEE ? (uint64_t)s->light_rays : 0) + s->pending_rays) * 16 *
+               SHADOW_WORDS_OF(s->geometry);
     case BINDING_RADIANCE:
         return 16 * AOV_SLOT_WORDS(s->aovs);
     case BINDING_QUEUES:
         // With tiles, two lists besides: of pixels and of the samples that they begin with.
         return (uint64_t)(queue_rows(s) + (s->features & FEATURE_TILES ? 2u : 0u)) * 4;
     case BINDING_SUSPENDED:
-        return ((uint64_t)s->stack_entries + 10) * 4;
+        // Beside the stack its sentinel, and a place that a branch-free push may overwrite.
+        return ((uint64_t)s->stack_entries + 2 + SUSPENDED_WORDS_OF(s->geometry)) * 4;
     default:
         return 0;
     }
@@ -198,7 +199,7 @@ static void take_parts(const struct memory_plan_params *p, struct memory_plan *p
 static bool check_light_rays(const struct memory_plan_params *p, struct err *err)
 {
     const struct specialization *s = p->specialization;
-    uint64_t smallest = (uint64_t)s->workgroup * sizeof(struct gpu_shadow_ray);
+    uint64_t smallest = (uint64_t)s->workgroup * 16 * SHADOW_WORDS_OF(s->geometry);
     uint64_t range = least(p->gpu->max_storage_range, p->gpu->max_allocation);
     uint64_t fits = least(LIGHT_RAYS_MAX, range / smallest);
     if (!(s->features & FEATURE_NEE) || s->light_rays == 1 || s->light_rays <= fits)
