@@ -140,9 +140,10 @@ static bool box_test(const struct slab_ray *ray, const struct bvh_box *box, doub
 static bool enter_instance(const struct tracer *world, uint32_t instance, struct bvh_ray *ray,
                            struct tracer *out)
 {
-    double interval[2];
+    double interval[2] = {-INFINITY, INFINITY};
     const double(*m)[4] = world->scene->instances[instance].to_object;
-    if (!box_test(&world->slab, &world->scene->geometry->instance_boxes[instance], interval))
+    const struct bvh_box *boxes = world->scene->geometry->instance_boxes;
+    if (boxes && !box_test(&world->slab, &boxes[instance], interval))
         return false;
     *ray = *world->ray;
     for (int i = 0; i < 3; i++) {
