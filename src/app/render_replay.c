@@ -37,9 +37,11 @@ static void print_vertex(const struct replay_vertex *v)
         printf("    %-12s %s\n", "pdf", v->bounce == 0 ? "camera" : "perfectly specular");
     print_vector("throughput", v->throughput);
     if (v->material) {
-        printf("    %-12s %s %u at t %.9g, position %.9g %.9g %.9g\n", "hit",
-               v->is_shape ? "shape" : "triangle", v->primitive, v->t, v->position[0],
-               v->position[1], v->position[2]);
+        printf("    %-12s %s %u", "hit", v->is_shape ? "shape" : "triangle", v->primitive);
+        if (v->instance != NO_INSTANCE)
+            printf(" of instance %u", v->instance);
+        printf(" at t %.9g, position %.9g %.9g %.9g\n", v->t, v->position[0], v->position[1],
+               v->position[2]);
         printf("    %-12s \"", "material");
         print_words(v->material->name);
         printf("\" (%s)\n", v->material->model == MATERIAL_MIRROR ? "mirror" : "diffuse");
@@ -68,6 +70,8 @@ static json_t *vertex_json(const struct replay_vertex *v)
                               json_number(v->t), "material", json_words(v->material->name),
                               "position", json_number(v->position[0]), json_number(v->position[1]),
                               json_number(v->position[2])));
+    if (object && v->material && v->instance != NO_INSTANCE)
+        json_object_set_new(json_object_get(object, "hit"), "instance", json_integer(v->instance));
     if (object && v->connected)
         json_object_update_new(
             object, json_pack("{s:{s:s, s:i, s:o, s:o, s:o, s:b}}", "light", "kind", light_kind(v),

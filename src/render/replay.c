@@ -40,12 +40,27 @@ static uint32_t flat_primitive(const struct renderer *r, uint32_t word, bool *is
     return *is_shape ? word & ~PRIMITIVE_SHAPE : r->bvh.triangle_order[word];
 }
 
+// What a path's vertex is made of; where a mesh is shared the instance may say.
+static const struct material *material_of(const struct renderer *r, const struct replay_vertex *v)
+{
+    uint32_t material = v->is_shape ? r->flat.shapes[v->primitive].material
+                                    : r->flat.triangles[v->primitive].material;
+    if (v->instance != NO_INSTANCE && r->flat.instances[v->instance].material != SCENE_NONE)
+        material = r->flat.instances[v->instance].material;
+    return &r->scene->materials[material];
+}
+
 static bool read_hit(struct follower *f, uint32_t bounce, struct err *err)
 {
     struct renderer *r = f->r;
-    struct gpu_path path;
-    if (!gpu_download(r->gpu, &r->buffers[BINDING_PATHS], 0, &path, sizeof path, err))
+    struct {
+        struct gpu_path path;
+        uint32_t instances[4];
+    } record;
+    uint64_t bytes = 16 * PATH_WORDS_OF(r->specialization.geometry);
+    if (!gpu_download(r->gpu, &r->buffers[BINDING_PATHS], 0, &record, bytes, err))
         return false;
+    const struct gpu_path path = record.path;
     struct replay_vertex *v = add_vertex(f);
     if (!v)
         return err_memory(err, "replay", f->capacity * sizeof *v);
@@ -66,9 +81,8 @@ static bool read_hit(struct follower *f, uint32_t bounce, struct err *err)
     v->queue = is_hit ? "surface" : in_queue(f, QUEUE_MISS) ? "miss" : "none";
     if (is_hit) {
         v->primitive = flat_primitive(r, path.primitive, &v->is_shape);
-        uint32_t material = v->is_shape ? r->flat.shapes[v->primitive].material
-                                        : r->flat.triangles[v->primitive].material;
-        v->material = &r->scene->materials[material];
+        v->instance = bytes > sizeof path ? record.instances[0] : NO_INSTANCE;
+        v->material = material_of(r, v);
     }
     return true;
 }

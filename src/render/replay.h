@@ -18,6 +18,7 @@ struct replay_vertex {
     double position[3];
     bool is_shape;
     uint32_t primitive; // index into the flat scene's triangles or shapes
+    uint32_t instance;  // into its instances, of a mesh that they share; else NO_INSTANCE
     const struct material *material;
 
     float gained[3]; // emission of the surface or radiance of the environment, weighted

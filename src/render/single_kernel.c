@@ -5,39 +5,76 @@
 // What marks a slot whose ray hit nothing: the kernels write hits only.
 #define UNTOUCHED NO_PRIMITIVE
 
+// Records of so many words of four: with instances there is one more behind the structure.
+struct records {
+    uint32_t (*words)[4];
+    uint32_t stride;
+};
+
+static bool reserve(struct records *records, uint32_t stride, uint32_t count, struct arena *scratch,
+                    struct err *err)
+{
+    *records = (struct records){arena_alloc(scratch, (size_t)count * stride, 16), stride};
+    return records->words || err_memory(err, "rays", (size_t)count * stride * 16);
+}
+
+static uint64_t bytes_of(const struct records *records, uint32_t count)
+{
+    return (uint64_t)count * records->stride * sizeof *records->words;
+}
+
+static uint32_t (*record_of(const struct records *records, uint32_t i))[4]
+{
+    return records->words + (size_t)i * records->stride;
+}
+
 static bool upload_closest(struct renderer *r, const struct single_ray *rays, uint32_t count,
                            struct arena *scratch, struct err *err)
 {
-    struct gpu_path *paths = ARENA_NEW(scratch, struct gpu_path, count);
-    if (!paths)
-        return err_memory(err, "rays", count * sizeof *paths);
+    struct records records;
+    if (!reserve(&records, PATH_WORDS_OF(r->specialization.geometry), count, scratch, err))
+        return false;
     for (uint32_t i = 0; i < count; i++) {
-        memcpy(paths[i].origin, rays[i].origin, sizeof rays[i].origin);
-        memcpy(paths[i].direction, rays[i].direction, sizeof rays[i].direction);
-        paths[i].ignore = NO_PRIMITIVE;
-        paths[i].primitive = UNTOUCHED;
+        uint32_t(*words)[4] = record_of(&records, i);
+        struct gpu_path path = {.ignore = rays[i].leaves ? rays[i].from : NO_PRIMITIVE,
+                                .primitive = UNTOUCHED};
+        memcpy(path.origin, rays[i].origin, sizeof rays[i].origin);
+        memcpy(path.direction, rays[i].direction, sizeof rays[i].direction);
+        memcpy(words, &path, sizeof path);
+        if (records.stride > PATH_INSTANCE) {
+            words[PATH_INSTANCE][0] = NO_INSTANCE;
+            words[PATH_INSTANCE][1] = rays[i].leaves ? rays[i].from_instance : NO_INSTANCE;
+        }
     }
-    return gpu_upload(r->gpu, &r->buffers[BINDING_PATHS], 0, paths, count * sizeof *paths, err);
+    return gpu_upload(r->gpu, &r->buffers[BINDING_PATHS], 0, records.words,
+                      bytes_of(&records, count), err);
 }
 
 // Shadow rays carry a contribution of 1: what arrives in the slot's radiance was not occluded.
 static bool upload_shadow(struct renderer *r, const struct single_ray *rays, uint32_t count,
                           struct arena *scratch, struct err *err)
 {
-    struct gpu_shadow_ray *records = ARENA_NEW(scratch, struct gpu_shadow_ray, count);
+    struct records records;
     float(*radiance)[4] = arena_alloc(scratch, count, sizeof *radiance);
-    if (!records || !radiance)
-        return err_memory(err, "rays", count * sizeof *records);
+    if (!radiance)
+        return err_memory(err, "rays", count * sizeof *radiance);
+    if (!reserve(&records, SHADOW_WORDS_OF(r->specialization.geometry), count, scratch, err))
+        return false;
     for (uint32_t i = 0; i < count; i++) {
-        memcpy(records[i].origin, rays[i].origin, sizeof rays[i].origin);
-        memcpy(records[i].direction, rays[i].direction, sizeof rays[i].direction);
-        records[i].ignore_from = records[i].ignore_to = NO_PRIMITIVE;
-        records[i].radiance[0] = 1.0f;
+        uint32_t(*words)[4] = record_of(&records, i);
+        struct gpu_shadow_ray ray = {.ignore_from = rays[i].leaves ? rays[i].from : NO_PRIMITIVE,
+                                     .ignore_to = NO_PRIMITIVE,
+                                     .radiance = {1.0f}};
+        memcpy(ray.origin, rays[i].origin, sizeof rays[i].origin);
+        memcpy(ray.direction, rays[i].direction, sizeof rays[i].direction);
+        memcpy(words, &ray, sizeof ray);
+        if (records.stride > SHADOW_INSTANCE)
+            words[SHADOW_INSTANCE][0] = rays[i].leaves ? rays[i].from_instance : NO_INSTANCE;
     }
     return gpu_upload(r->gpu, &r->buffers[BINDING_RADIANCE], 0, radiance, count * sizeof *radiance,
                       err) &&
-           gpu_upload(r->gpu, &r->buffers[BINDING_SHADOW_RAYS], 0, records, count * sizeof *records,
-                      err);
+           gpu_upload(r->gpu, &r->buffers[BINDING_SHADOW_RAYS], 0, records.words,
+                      bytes_of(&records, count), err);
 }
 
 // The queue holds slots 0 … count - 1, as prepare_dispatch would have left it.
@@ -87,15 +124,19 @@ static bool dispatch(struct renderer *r, enum kernel_id kernel, uint32_t queue, 
 static bool download_closest(struct renderer *r, struct single_hit *hits, uint32_t count,
                              struct arena *scratch, struct err *err)
 {
-    struct gpu_path *paths = ARENA_NEW(scratch, struct gpu_path, count);
-    if (!paths)
-        return err_memory(err, "hits", count * sizeof *paths);
-    if (!gpu_download(r->gpu, &r->buffers[BINDING_PATHS], 0, paths, count * sizeof *paths, err))
+    struct records records;
+    if (!reserve(&records, PATH_WORDS_OF(r->specialization.geometry), count, scratch, err) ||
+        !gpu_download(r->gpu, &r->buffers[BINDING_PATHS], 0, records.words,
+                      bytes_of(&records, count), err))
         return false;
     for (uint32_t i = 0; i < count; i++) {
-        uint32_t word = paths[i].primitive;
+        uint32_t(*words)[4] = record_of(&records, i);
+        struct gpu_path path;
+        memcpy(&path, words, sizeof path);
+        uint32_t word = path.primitive;
+        uint32_t instance = records.stride > PATH_INSTANCE ? words[PATH_INSTANCE][0] : NO_INSTANCE;
         bool is_shape = word != NO_PRIMITIVE && (word & PRIMITIVE_SHAPE);
-        hits[i] = (struct single_hit){paths[i].t, paths[i].u, paths[i].v, word};
+        hits[i] = (struct single_hit){path.t, path.u, path.v, word, word, instance};
         if (word != NO_PRIMITIVE && !is_shape)
             hits[i].primitive = r->bvh.triangle_order[word];
     }
