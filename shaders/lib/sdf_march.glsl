@@ -5,15 +5,76 @@
 #include "lib/sdf.glsl"
 #include "lib/trace_types.glsl"
 
-// Goes on from `march` (0: begins) to the nearest crossing of the surface of shape `index` before
-// t_max: its distance in t, or a negative number. False when the budget of iterations ended first;
-// `march` says where. When done, march is 0 again.
+// A ray in a field's own space. Distances along it are metres of the field from where it enters the
+// box, so that their rounding, and that of points, is the box's and not that of the way to it.
+struct sdf_ray {
+    vec3 entry, direction; // unit
+    float begin, end;      // where it enters and leaves the box, metres from its origin
+    float per_metre;       // t a metre
+};
+
+// The box is widened by the rounding of the origin and of the distances.
+sdf_ray sdf_ray_create(trace_ray ray, sdf_field f, float t_max)
+{
+    sdf_ray r;
+    vec3 from = ray.origin - sdf_origin(f);
+    vec3 origin = sdf_to_object(f, from);
+    vec3 along = sdf_to_object(f, ray.direction);
+    float metres = length(along);
+    r.direction = along / metres;
+    r.per_metre = 1.0 / metres;
+    // A direction of 0 becomes one that takes 1e30 metres a metre.
+    vec3 steep = mix(r.direction, vec3(1e-30), lessThan(abs(r.direction), vec3(1e-30)));
+    float margin = GAMMA(16) * (max3(abs(origin)) + f.magnitude);
+    vec3 low = (f.low - origin - margin) / steep;
+    vec3 high = (f.high - origin + margin) / steep;
+    vec3 near = min(low, high), far = max(low, high);
+    r.begin = max(max3(near), 0.0);
+    r.end = min(min(far.x, min(far.y, far.z)), t_max * metres);
+    r.entry = origin + r.begin * r.direction;
+    return r;
+}
+
+// Where a ray that has just left a surface still is within its own rounding: in errors of the field.
+const float SDF_NEAR = 64.0;
+
+// Goes on from `march` to the nearest crossing of the surface of shape `index` before t_max: its
+// distance in t, or a negative number. False when the budget of iterations ended first; `march`
+// says where: metres since the ray entered the box, with the sign of the side that it is on; 0:
+// begins. When done, march is 0 again.
+//
+// The surface is met where the distance on that side is below what rounding may have made of it, so
+// every step is longer than that and all marches end. Rays that start on this very shape do so from
+// beyond that (load_sdf_surface). At creases and on fractals they may not: while they are near, the
+// surface is met only where the distance is of the other sign for certain.
 bool march_sdf(trace_ray ray, uint index, float t_max, inout float march, inout uint iterations,
                out float t)
 {
-    t = -1.0;
-    march = 0.0;
-    return true;
+    sdf_field f = load_sdf(sdf_number(index));
+    sdf_ray r = sdf_ray_create(ray, f, t_max);
+    float error = sdf_error(f);
+    bool begins_here = (PRIMITIVE_SHAPE | index) == ray.ignore_a;
+    float x = abs(march);
+    float side = march < 0.0 ? -1.0 : 1.0;
+    bool begun = march != 0.0;
+    bool hit = false, more = x <= r.end - r.begin;
+    sdf_rounds = 0u;
+    uint budget = ITERATION_BUDGET - min(iterations, ITERATION_BUDGET - 1u);
+    while (more && sdf_rounds < budget) {
+        sdf_rounds++;
+        float d = sdf_value(f.first, f.count, r.entry + x * r.direction);
+        if (!begun)
+            side = d < 0.0 ? -1.0 : 1.0;
+        begun = true;
+        bool near = begins_here && r.begin + x <= SDF_NEAR * error;
+        hit = side * d <= (near ? -error : error);
+        x += hit ? 0.0 : max(abs(d), error);
+        more = !hit && x <= r.end - r.begin && abs(d) < 3e38;
+    }
+    iterations += sdf_rounds;
+    t = hit ? (r.begin + x) * r.per_metre : -1.0;
+    march = more ? side * x : 0.0;
+    return !more;
 }
 
 #endif

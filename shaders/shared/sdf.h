@@ -14,9 +14,12 @@
 #define SDF_DISTANCES_MAX 8 // pending at once
 #define SDF_CODE_MAX 1024   // instructions of one program
 
-// One field. Beside its shape's record (gpu_shape: other[0] holds the number of this one).
+// A shape that is a field: other[0] of its gpu_shape holds the number of this record. Shapes may
+// share their program.
 struct gpu_sdf {
-    float to_object[3][4]; // world to the field's space: rotation, translation and uniform scale
+    float to_object[3][4]; // world to the field's space: a rotation or reflection with a uniform
+                           // scale; the last column is where the field's origin lies in the world,
+                           // and is subtracted before
     float min[3];          // its box, in its own space: nothing is outside
     uint first;            // instruction
     float max[3];

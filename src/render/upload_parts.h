@@ -23,6 +23,9 @@ bool upload_shapes(struct gpu *gpu, const struct upload_params *p, struct gpu_bu
 // The section of instances, from its first word of four on.
 void upload_fill_instances(const struct upload_params *p, uint32_t (*words)[4]);
 
+// The sections of distance fields: a record for each shape that is one, the programs of all.
+void upload_fill_sdfs(const struct upload_params *p, uint32_t (*records)[4], uint32_t (*code)[4]);
+
 // In words of four: where the sections begin, and how long the buffer is.
 struct shape_sections {
     uint32_t instances, sdfs, sdf_code;

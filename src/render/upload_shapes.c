@@ -8,11 +8,14 @@
 struct shape_sections shape_sections(const struct scene *scene, const struct flat_scene *flat)
 {
     uint64_t instructions = 0;
+    uint32_t fields = 0;
     for (uint32_t i = 0; i < scene->sdf_count; i++)
         instructions += scene->sdfs[i].count;
+    for (uint32_t i = 0; i < flat->shape_count; i++)
+        fields += flat->shapes[i].kind == SHAPE_SDF;
     struct shape_sections s = {.instances = flat->shape_count * SHAPE_WORDS};
     s.sdfs = s.instances + flat->placed_count * INSTANCE_WORDS;
-    s.sdf_code = s.sdfs + scene->sdf_count * SDF_WORDS;
+    s.sdf_code = s.sdfs + fields * SDF_WORDS;
     s.words = s.sdf_code + instructions * SDF_INSTRUCTION_WORDS;
     return s;
 }
@@ -51,14 +54,20 @@ bool upload_shapes(struct gpu *gpu, const struct upload_params *p, struct gpu_bu
     uint32_t *emitters = upload_emitter_numbers(p, PRIMITIVE_SHAPE, flat->shape_count, scratch);
     if (!words || !emitters)
         return err_memory(err, "shapes", sections.words * sizeof *words);
+    uint32_t fields = 0;
     for (uint32_t i = 0; i < flat->shape_count; i++) {
         struct gpu_shape record = {.emitter = emitters[i]};
         const struct flat_shape *shape = &flat->shapes[i];
         fill_shape(shape, &record);
+        if (shape->kind == SHAPE_SDF) {
+            memcpy(record.other, &fields, sizeof fields);
+            fields++;
+        }
         record.kind_material =
             shape->kind << SHAPE_KIND_SHIFT | upload_material_word(p, shape->material);
         memcpy(words[(uint64_t)i * SHAPE_WORDS], &record, sizeof record);
     }
     upload_fill_instances(p, &words[sections.instances]);
+    upload_fill_sdfs(p, &words[sections.sdfs], &words[sections.sdf_code]);
     return upload_filled(gpu, p, BINDING_SHAPES, words, buffers, err);
 }
