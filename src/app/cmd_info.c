@@ -61,6 +61,14 @@ static void print_materials(const struct scene *scene)
     }
 }
 
+static void print_buffer(const struct planned_buffer *buffer)
+{
+    printf("  %-12s %12" PRIu64 " bytes", buffer->name, buffer->bytes * buffer->copies);
+    if (buffer->parts > 1)
+        printf(" (in %u bindings)", buffer->parts);
+    puts(buffer->copies > 1 ? " (in several buffers)" : "");
+}
+
 static void print_text(const struct info *info)
 {
     const struct scene *scene = &info->scene;
@@ -95,9 +103,13 @@ static void print_text(const struct info *info)
     for (uint32_t i = 0; i < scene->note_count; i++)
         print_line("note      ", scene->notes[i]);
     const struct bvh_stats *b = &info->bvh.stats;
-    printf("BVH       %u nodes of %u bytes, depth %u, SAH cost %.2f, %.1f KiB, built in %.3f s\n",
-           b->node_count, (unsigned)bvh_node_bytes(info->bvh.format), b->depth, b->sah_cost,
-           (double)b->bytes / 1024.0, b->build_seconds);
+    printf("BVH       %u nodes of %u bytes, depth %u, SAH cost %.2f, %.1f KiB, ", b->node_count,
+           (unsigned)bvh_node_bytes(info->bvh.format), b->depth, b->sah_cost,
+           (double)b->bytes / 1024.0);
+    if (b->cached_seconds > 0.0)
+        printf("from the cache, %.3f s instead of %.3f s\n", b->build_seconds, b->cached_seconds);
+    else
+        printf("built in %.3f s\n", b->build_seconds);
     printf("device    %s (%s)\n", info->gpu.info.name, info->gpu.info.kind);
     tuned_print(info->options, &info->gpu);
     printf("memory    %.1f MiB planned, wave of %u paths; at most %.1f MiB a buffer\n",
@@ -106,8 +118,7 @@ static void print_text(const struct info *info)
     for (uint32_t i = 0; i < BINDING_COUNT; i++) {
         const struct planned_buffer *buffer = &info->plan.buffers[i];
         if (buffer->name)
-            printf("  %-12s %12" PRIu64 " bytes%s\n", buffer->name, buffer->bytes * buffer->copies,
-                   buffer->copies > 1 ? " (in several buffers)" : "");
+            print_buffer(buffer);
     }
     printf("features ");
     for (int bit = 0; bit < 32; bit++) {
@@ -118,6 +129,8 @@ static void print_text(const struct info *info)
     for (uint32_t bit = 1; bit < GEOMETRY_END; bit <<= 1)
         if (info->specialization.geometry & bit)
             printf(" [%s]", geometry_name(bit));
+    if (info->specialization.parts)
+        fputs(" [split buffers]", stdout);
     putchar('\n');
 }
 
@@ -139,6 +152,8 @@ static int print_json(const struct info *info)
         if (name)
             json_array_append_new(kept ? features : left_out, json_string(name));
     }
+    json_array_append_new(info->specialization.parts ? features : left_out,
+                          json_string("split buffers"));
     for (uint32_t bit = 1; bit < GEOMETRY_END; bit <<= 1)
         json_array_append_new(info->specialization.geometry & bit ? features : left_out,
                               json_string(geometry_name(bit)));
@@ -156,7 +171,7 @@ static int print_json(const struct info *info)
     return json_print(json_pack(
         "{s:o, s:i, s:i, s:i, s:i, s:i, s:o, s:i, s:i, s:i, s:i, s:o, s:{s:i, s:i, "
         "s:i}, s:i, s:o, s:{s:i, s:i, s:f, "
-        "s:I, s:f}, s:{s:o, s:o}, s:{s:I, s:o}, s:i, s:i, s:o}",
+        "s:I, s:f, s:f}, s:{s:o, s:o}, s:{s:I, s:o}, s:i, s:i, s:o}",
         "scene", json_words(scene->path), "triangles", flat->triangle_count, "shapes",
         flat->shape_count, "meshes", scene->mesh_count, "instances", scene->instance_count,
         "materials", scene->material_count, "models", models, "textures", scene->texture_count,
@@ -165,10 +180,11 @@ static int print_json(const struct info *info)
         count_lights(scene, LIGHT_POINT), "spot", count_lights(scene, LIGHT_SPOT), "directional",
         count_lights(scene, LIGHT_DIRECTIONAL), "cameras", scene->camera_count, "notes", notes,
         "bvh", "nodes", b->node_count, "depth", b->depth, "sah_cost", b->sah_cost, "bytes",
-        (json_int_t)b->bytes, "build_seconds", b->build_seconds, "features", "kept", features,
-        "left_out", left_out, "memory", "device_bytes", (json_int_t)info->plan.total_bytes,
-        "buffers", buffers, "wave", info->plan.wave_slots, "workgroup",
-        info->specialization.workgroup, "tuned", tuned_json(info->options, &info->gpu)));
+        (json_int_t)b->bytes, "build_seconds", b->build_seconds, "cached_seconds",
+        b->cached_seconds, "features", "kept", features, "left_out", left_out, "memory",
+        "device_bytes", (json_int_t)info->plan.total_bytes, "buffers", buffers, "wave",
+        info->plan.wave_slots, "workgroup", info->specialization.workgroup, "tuned",
+        tuned_json(info->options, &info->gpu)));
 }
 
 static bool gather(const struct options *options, struct info *info, struct err *err)
@@ -216,7 +232,7 @@ static bool gather(const struct options *options, struct info *info, struct err 
         .wave = sizes.wave,
         .wave_is_wish = sizes.wave_is_wish,
     };
-    return memory_plan_make(&params, &info->plan, err);
+    return memory_plan_make(&params, &info->specialization, &info->plan, err);
 }
 
 int cmd_info(const struct options *options)

@@ -35,6 +35,7 @@ static bool set_up(struct render_job *job, struct err *err)
     const struct render_stats *stats = &job->renderer.stats;
     job->seconds.load += stats->flatten_seconds;
     job->seconds.bvh = stats->bvh_seconds;
+    job->seconds.bvh_uncached = job->renderer.bvh.stats.cached_seconds;
     job->seconds.upload = stats->upload_seconds;
     job->seconds.compile = stats->compile_seconds;
     return true;

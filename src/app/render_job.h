@@ -15,6 +15,7 @@
 
 struct job_seconds {
     double load, bvh, upload, compile, render;
+    double bvh_uncached; // what building took, where some of it came from --bvh-cache; else 0
     double judge; // reading the film and finding its error, with what --trace and --reference add
     double write, total;
     double render_before; // the part of `render` that runs before this one took

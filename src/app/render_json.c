@@ -85,10 +85,11 @@ static json_t *error_json(const struct half_error *error, bool is_bound)
 
 static json_t *seconds_json(const struct job_seconds *s)
 {
-    return json_pack("{s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "load", s->load, "bvh",
-                     s->bvh, "upload", s->upload, "compile", s->compile, "render", s->render,
-                     "judge", s->judge, "write", s->write, "total", s->total, "render_before",
-                     s->render_before);
+    json_t *uncached = s->bvh_uncached > 0.0 ? json_real(s->bvh_uncached) : json_null();
+    return json_pack("{s:f, s:f, s:o, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "load", s->load, "bvh",
+                     s->bvh, "bvh_uncached", uncached, "upload", s->upload, "compile", s->compile,
+                     "render", s->render, "judge", s->judge, "write", s->write, "total", s->total,
+                     "render_before", s->render_before);
 }
 
 static json_t *reference_json(const struct render_job *job)

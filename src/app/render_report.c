@@ -52,6 +52,7 @@ void report_each_feature(const struct renderer *r, report_feature_fn fn, void *c
     }
     for (uint32_t bit = 1; bit < GEOMETRY_END; bit <<= 1)
         fn(context, r->specialization.geometry & bit, "feature", geometry_name(bit), 0);
+    fn(context, r->specialization.parts, "feature", "split buffers", 0);
     for (int bit = 0; bit < 32; bit++) {
         const char *name = lobe_name(1u << bit);
         if (name)
@@ -195,6 +196,8 @@ static void print_times(const struct render_job *job)
            "judge %.3f + write %.3f + other %.3f\n",
            s->total, s->load, s->bvh, s->upload, s->compile, render, s->judge, s->write,
            s->total - named);
+    if (s->bvh_uncached > 0.0)
+        printf("BVH       from the cache, %.3f s instead of %.3f s\n", s->bvh, s->bvh_uncached);
     if (s->render_before > 0.0)
         printf("before    %.3f s of rendering by runs before this one\n", s->render_before);
     printf("speed     %.3f Msamples/s, %.2f Mrays/s (%.1f M closest, %.1f M shadow)\n",

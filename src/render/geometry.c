@@ -1,6 +1,7 @@
 #include "geometry.h"
 
 #include "affine.h"
+#include "bvh_cache.h"
 #include "clock.h"
 #include "flatten_shapes.h"
 #include "log.h"
@@ -17,6 +18,8 @@ struct build {
     struct bvh_cut *cuts; // of each
     struct arena *arenas; // of each thread
     double done, part;    // of all triangles: finished, and in the tree at hand
+    struct bvh_cache cache;
+    double spared_seconds; // by trees that came from it
 };
 
 struct bvh_cut {
@@ -58,7 +61,9 @@ static bool build_tree(struct build *build, struct bvh_params *params, struct ar
     double mine = (double)params->triangle_count + params->shape_count + params->instance_count;
     build->part = all > 0 ? mine / all : 1.0;
     params->progress = &progress;
-    bool ok = bvh_build(params, arena, out, err);
+    bool ok = bvh_build_cached(&build->cache, params, arena, out, err);
+    if (ok && out->stats.cached_seconds > 0)
+        build->spared_seconds += out->stats.cached_seconds - out->stats.build_seconds;
     build->done += build->part;
     return ok;
 }
@@ -220,11 +225,15 @@ static bool build_bvh(const struct geometry_params *p, const struct flat_scene *
 {
     uint64_t start = clock_ns();
     struct arena scratch = {0}, arenas[PARALLEL_MAX_THREADS] = {{0}};
-    struct build build = {.p = p, .flat = flat, .arenas = arenas};
+    struct build build = {
+        .p = p, .flat = flat, .arenas = arenas, .cache = {.folder = p->bvh_cache}};
     bool ok = flat->mesh_count > 0 ? build_two_levels(&build, &scratch, arena, bvh, err)
                                    : build_world(&build, NULL, &scratch, arena, bvh, err);
-    if (ok)
-        bvh->stats.build_seconds = clock_seconds_since(start);
+    if (ok) {
+        double seconds = clock_seconds_since(start), spared = build.spared_seconds;
+        bvh->stats.build_seconds = seconds;
+        bvh->stats.cached_seconds = build.cache.loaded ? fmax(seconds + spared, 0.0) : 0.0;
+    }
     arena_finish(&scratch);
     for (unsigned i = 0; i < PARALLEL_MAX_THREADS; i++)
         arena_finish(&arenas[i]);

@@ -101,7 +101,7 @@ static uint64_t scene_bytes(const struct memory_plan_params *p, uint32_t binding
     }
 }
 
-bool memory_plan_fits_texels(const struct memory_plan_params *p)
+static bool fits_texels(const struct memory_plan_params *p)
 {
     for (uint32_t b = 0; b <= BINDING_TEXELS; b++)
         if (specialization_needs_binding(p->specialization, b) &&
@@ -355,7 +355,8 @@ static bool make(const struct memory_plan_params *p, struct memory_plan *out, st
     return check_total(p, out, pixels, err);
 }
 
-bool memory_plan_make(const struct memory_plan_params *p, struct memory_plan *out, struct err *err)
+static bool make_wanted(const struct memory_plan_params *p, struct memory_plan *out,
+                        struct err *err)
 {
     struct err none = {0};
     struct memory_plan_params usual = *p;
@@ -365,4 +366,17 @@ bool memory_plan_make(const struct memory_plan_params *p, struct memory_plan *ou
         return true;
     usual.wave = 0;
     return make(&usual, out, err);
+}
+
+bool memory_plan_make(const struct memory_plan_params *p, struct specialization *s,
+                      struct memory_plan *out, struct err *err)
+{
+    // How large materials, emitters and what corners carry are is known only now.
+    if (!fits_texels(p))
+        s->features &= ~FEATURE_TEXEL_SCENE;
+    if (!make_wanted(p, out, err))
+        return false;
+    s->parts = out->parts;
+    s->part_shift = out->parts ? out->part_shift : 0;
+    return true;
 }

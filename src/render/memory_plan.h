@@ -41,11 +41,10 @@ struct memory_plan_params {
 };
 
 // Fails with ERR_GPU, naming buffer, bytes, limit and what would help, when the scene cannot fit.
-bool memory_plan_make(const struct memory_plan_params *params, struct memory_plan *out,
-                      struct err *err);
-
-// Whether each of the scene's buffers can be read as texels.
-bool memory_plan_fits_texels(const struct memory_plan_params *params);
+// *s, which is params->specialization, gets what depends on the plan: storage buffers where one of
+// the scene's cannot be read as texels, and how long ones are split.
+bool memory_plan_make(const struct memory_plan_params *params, struct specialization *s,
+                      struct memory_plan *out, struct err *err);
 
 // Bytes of device memory that can still be had.
 uint64_t memory_plan_free(const struct gpu *gpu);

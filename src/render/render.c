@@ -27,14 +27,7 @@ static bool plan_memory(struct renderer *r, uint32_t wave, bool wave_is_wish, st
         .wave = wave,
         .wave_is_wish = wave_is_wish,
     };
-    // How large materials, emitters and what corners carry are is known only now.
-    if (!memory_plan_fits_texels(&params))
-        r->specialization.features &= ~FEATURE_TEXEL_SCENE;
-    if (!memory_plan_make(&params, &r->plan, err))
-        return false;
-    r->specialization.parts = r->plan.parts;
-    r->specialization.part_shift = r->plan.part_shift;
-    return true;
+    return memory_plan_make(&params, &r->specialization, &r->plan, err);
 }
 
 static bool create_buffer(struct renderer *r, uint32_t binding, enum gpu_memory memory, bool texel,
