@@ -28,16 +28,36 @@ static uint32_t (*record_of(const struct records *records, uint32_t i))[4]
     return records->words + (size_t)i * records->stride;
 }
 
+// Words of what rays start on: places of triangles, by their numbers in the flat scene.
+static bool find_starts(const struct renderer *r, const struct single_ray *rays, uint32_t count,
+                        struct arena *scratch, uint32_t **starts, struct err *err)
+{
+    uint32_t *places = ARENA_NEW(scratch, uint32_t, r->flat.triangle_count);
+    *starts = ARENA_NEW(scratch, uint32_t, count);
+    if (!places || !*starts)
+        return err_memory(err, "rays", ((uint64_t)r->flat.triangle_count + count) * sizeof *places);
+    for (uint32_t place = 0; place < r->bvh.reference_count; place++)
+        places[r->bvh.triangle_order[place]] = place;
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t from = rays[i].from;
+        (*starts)[i] = !rays[i].leaves          ? NO_PRIMITIVE
+                       : from & PRIMITIVE_SHAPE ? from
+                                                : places[from];
+    }
+    return true;
+}
+
 static bool upload_closest(struct renderer *r, const struct single_ray *rays, uint32_t count,
                            struct arena *scratch, struct err *err)
 {
     struct records records;
-    if (!reserve(&records, PATH_WORDS_OF(r->specialization.geometry), count, scratch, err))
+    uint32_t *starts;
+    if (!find_starts(r, rays, count, scratch, &starts, err) ||
+        !reserve(&records, PATH_WORDS_OF(r->specialization.geometry), count, scratch, err))
         return false;
     for (uint32_t i = 0; i < count; i++) {
         uint32_t(*words)[4] = record_of(&records, i);
-        struct gpu_path path = {.ignore = rays[i].leaves ? rays[i].from : NO_PRIMITIVE,
-                                .primitive = UNTOUCHED};
+        struct gpu_path path = {.ignore = starts[i], .primitive = UNTOUCHED};
         memcpy(path.origin, rays[i].origin, sizeof rays[i].origin);
         memcpy(path.direction, rays[i].direction, sizeof rays[i].direction);
         memcpy(words, &path, sizeof path);
@@ -55,16 +75,17 @@ static bool upload_shadow(struct renderer *r, const struct single_ray *rays, uin
                           struct arena *scratch, struct err *err)
 {
     struct records records;
+    uint32_t *starts;
     float(*radiance)[4] = arena_alloc(scratch, count, sizeof *radiance);
     if (!radiance)
         return err_memory(err, "rays", count * sizeof *radiance);
-    if (!reserve(&records, SHADOW_WORDS_OF(r->specialization.geometry), count, scratch, err))
+    if (!find_starts(r, rays, count, scratch, &starts, err) ||
+        !reserve(&records, SHADOW_WORDS_OF(r->specialization.geometry), count, scratch, err))
         return false;
     for (uint32_t i = 0; i < count; i++) {
         uint32_t(*words)[4] = record_of(&records, i);
-        struct gpu_shadow_ray ray = {.ignore_from = rays[i].leaves ? rays[i].from : NO_PRIMITIVE,
-                                     .ignore_to = NO_PRIMITIVE,
-                                     .radiance = {1.0f}};
+        struct gpu_shadow_ray ray = {
+            .ignore_from = starts[i], .ignore_to = NO_PRIMITIVE, .radiance = {1.0f}};
         memcpy(ray.origin, rays[i].origin, sizeof rays[i].origin);
         memcpy(ray.direction, rays[i].direction, sizeof rays[i].direction);
         memcpy(words, &ray, sizeof ray);
@@ -136,7 +157,7 @@ static bool download_closest(struct renderer *r, struct single_hit *hits, uint32
         uint32_t word = path.primitive;
         uint32_t instance = records.stride > PATH_INSTANCE ? words[PATH_INSTANCE][0] : NO_INSTANCE;
         bool is_shape = word != NO_PRIMITIVE && (word & PRIMITIVE_SHAPE);
-        hits[i] = (struct single_hit){path.t, path.u, path.v, word, word, instance};
+        hits[i] = (struct single_hit){path.t, path.u, path.v, word, instance};
         if (word != NO_PRIMITIVE && !is_shape)
             hits[i].primitive = r->bvh.triangle_order[word];
     }

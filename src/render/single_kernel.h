@@ -8,7 +8,7 @@
 struct single_ray {
     float origin[3];
     float direction[3]; // intersect_closest: unit; intersect_shadow: up to the end of the segment
-    bool leaves;        // it starts on a triangle or shape, of which these are words
+    bool leaves;        // it starts on a triangle or shape, said as in struct single_hit
     uint32_t from, from_instance;
 };
 
@@ -16,7 +16,6 @@ struct single_hit {
     float t, u, v;
     uint32_t primitive; // index into the flat scene's triangles, or PRIMITIVE_SHAPE | shape;
                         // NO_PRIMITIVE: none. intersect_shadow: 0 for any hit
-    uint32_t word;      // the same as kernels have it
     uint32_t instance;  // of the flat scene's, or NO_INSTANCE
 };
 
