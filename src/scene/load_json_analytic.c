@@ -346,6 +346,23 @@ static bool move_cylinder(const struct json_node *node, const double m[3][4], st
             node_fail(node, err, "is singular; a cylinder would have no volume"));
 }
 
+// A reflection keeps its handedness: a field may be of either.
+static bool move_field(const struct json_node *node, const double m[3][4], struct shape *shape,
+                       struct err *err)
+{
+    double scale;
+    if (!affine_uniform_scale(m, &scale) || !(scale >= RANGE_RADIUS.min))
+        return node_fail(node, err,
+                         "scales a distance field differently along its axes, or to nothing; "
+                         "expected rotation, translation and uniform scale");
+    for (int i = 0; i < 3; i++) {
+        affine_vector(m, shape->axes[i], shape->axes[i]);
+        if (!check_edge(node, shape->axes[i], err))
+            return false;
+    }
+    return true;
+}
+
 bool load_json_move_shape(const struct json_node *node, const double m[3][4], struct shape *shape,
                           struct err *err)
 {
@@ -364,6 +381,7 @@ bool load_json_move_shape(const struct json_node *node, const double m[3][4], st
     case SHAPE_TUBE:
         return move_cylinder(node, m, shape, err);
     case SHAPE_SDF:
+        return move_field(node, m, shape, err);
     case SHAPE_KIND_COUNT:
         break;
     }
