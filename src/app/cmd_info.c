@@ -5,6 +5,7 @@
 #include "json_out.h"
 #include "render_job.h"
 #include "shared/types.h"
+#include "sharing.h"
 #include "text_out.h"
 #include "tuned.h"
 #include <inttypes.h>
@@ -80,6 +81,7 @@ static void print_text(const struct info *info)
     if (flat->dropped_degenerate || flat->skipped_instances)
         printf("dropped   %u triangles without area, %u instances with a singular transform\n",
                flat->dropped_degenerate, flat->skipped_instances);
+    sharing_print(flat, info->specialization.features);
     printf("bounds    (%g %g %g) to (%g %g %g), about (%g %g %g)\n", flat->bounds_min[0],
            flat->bounds_min[1], flat->bounds_min[2], flat->bounds_max[0], flat->bounds_max[1],
            flat->bounds_max[2], flat->origin[0], flat->origin[1], flat->origin[2]);
@@ -169,14 +171,15 @@ static int print_json(const struct info *info)
     for (uint32_t i = 0; i < scene->note_count; i++)
         json_array_append_new(notes, json_words(scene->notes[i]));
     return json_print(json_pack(
-        "{s:o, s:i, s:i, s:i, s:i, s:i, s:o, s:i, s:i, s:i, s:i, s:o, s:{s:i, s:i, "
+        "{s:o, s:i, s:o, s:i, s:i, s:i, s:i, s:o, s:i, s:i, s:i, s:i, s:o, s:{s:i, s:i, "
         "s:i}, s:i, s:o, s:{s:i, s:i, s:f, "
         "s:I, s:f, s:f}, s:{s:o, s:o}, s:{s:I, s:o}, s:i, s:i, s:o}",
-        "scene", json_words(scene->path), "triangles", flat->triangle_count, "shapes",
-        flat->shape_count, "meshes", scene->mesh_count, "instances", scene->instance_count,
-        "materials", scene->material_count, "models", models, "textures", scene->texture_count,
-        "images", scene->image_count, "dropped_degenerate", flat->dropped_degenerate,
-        "skipped_instances", flat->skipped_instances, "emitters", emitters, "lights", "point",
+        "scene", json_words(scene->path), "triangles", flat->triangle_count, "shared",
+        sharing_json(flat, info->specialization.features), "shapes", flat->shape_count, "meshes",
+        scene->mesh_count, "instances", scene->instance_count, "materials", scene->material_count,
+        "models", models, "textures", scene->texture_count, "images", scene->image_count,
+        "dropped_degenerate", flat->dropped_degenerate, "skipped_instances",
+        flat->skipped_instances, "emitters", emitters, "lights", "point",
         count_lights(scene, LIGHT_POINT), "spot", count_lights(scene, LIGHT_SPOT), "directional",
         count_lights(scene, LIGHT_DIRECTIONAL), "cameras", scene->camera_count, "notes", notes,
         "bvh", "nodes", b->node_count, "depth", b->depth, "sah_cost", b->sah_cost, "bytes",

@@ -2,6 +2,7 @@
 #include "json_out.h"
 #include "render_bias.h"
 #include "render_report.h"
+#include "sharing.h"
 #include "tuned.h"
 #include <inttypes.h>
 #include <math.h>
@@ -211,6 +212,8 @@ void job_print_json(const struct render_job *job)
     add_ending(object, job);
     json_object_set_new(object, "workgroup", json_integer(job->renderer.specialization.workgroup));
     json_object_set_new(object, "tuned", tuned_json(job->options, &job->gpu));
+    json_object_set_new(object, "shared",
+                        sharing_json(&job->renderer.flat, job->renderer.specialization.features));
     json_object_set_new(object, "bias", biases_json(job));
     json_object_set_new(object, "reference", reference_json(job));
     json_object_set_new(object, "forecast", forecast_json(job));

@@ -1,6 +1,7 @@
 // What a render reports to people.
 #include "render_report.h"
 #include "render_bias.h"
+#include "sharing.h"
 #include "text_out.h"
 #include "tuned.h"
 #include <inttypes.h>
@@ -263,6 +264,7 @@ void job_print_summary(const struct render_job *job)
     if (flat->dropped_degenerate || flat->skipped_instances)
         printf("dropped   %u triangles without area, %u instances with a singular transform\n",
                flat->dropped_degenerate, flat->skipped_instances);
+    sharing_print(flat, job->renderer.specialization.features);
     print_error(job);
     print_against(job);
     print_forecast(job);

@@ -72,11 +72,11 @@ static uint32_t float_at(uint32_t device, const struct plane *plane)
                                   : AOV_SCALAR_AT(device, plane->aov);
 }
 
-static void read_ids(uint32_t word, const struct flat_scene *flat, uint32_t ids[3])
+static void read_ids(const uint32_t words[2], const struct flat_scene *flat, uint32_t ids[3])
 {
-    if (word == 0)
+    if (words[0] == 0)
         return;
-    uint32_t number = word - 1;
+    uint32_t number = words[0] - 1;
     if (number & PRIMITIVE_SHAPE) {
         number &= ~PRIMITIVE_SHAPE;
         ids[0] = flat->instance_count + number + 1;
@@ -86,8 +86,14 @@ static void read_ids(uint32_t word, const struct flat_scene *flat, uint32_t ids[
     }
     uint32_t instance, triangle;
     flat_triangle_source(flat, number, &instance, &triangle);
+    uint32_t material = flat->triangles[number].material;
+    if (words[1] > 0) {
+        const struct flat_instance *placed = &flat->instances[words[1] - 1];
+        instance = placed->source;
+        material = placed->material == SCENE_NONE ? material : placed->material;
+    }
     ids[0] = instance + 1;
-    ids[1] = flat->triangles[number].material + 1;
+    ids[1] = material + 1;
     ids[2] = triangle + 1;
 }
 
@@ -111,5 +117,5 @@ void film_aovs_read(const struct film_aovs *aovs, uint64_t at, const uint32_t *w
             to[c] = (float)((double)to[c] + flat->origin[c]);
     }
     if (aovs->ids)
-        read_ids(words[4 * AOV_SUM_WORDS(device)], flat, aovs->ids[at]);
+        read_ids(&words[4 * AOV_SUM_WORDS(device)], flat, aovs->ids[at]);
 }
