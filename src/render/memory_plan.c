@@ -78,9 +78,9 @@ static uint64_t scene_bytes(const struct memory_plan_params *p, uint32_t binding
     case BINDING_NODES:
         return bvh_nodes_bytes(p->bvh);
     case BINDING_TRIANGLES:
-        return (uint64_t)p->flat->triangle_count * sizeof(struct gpu_triangle);
+        return (uint64_t)p->bvh->reference_count * sizeof(struct gpu_triangle);
     case BINDING_ATTRIBUTES:
-        return (uint64_t)p->flat->triangle_count * attribute_words(p->specialization->features) *
+        return (uint64_t)p->bvh->reference_count * attribute_words(p->specialization->features) *
                16;
     case BINDING_SHAPES:
         return shape_sections(p->scene, p->flat).words * 16;

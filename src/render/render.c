@@ -104,6 +104,7 @@ static bool upload(struct renderer *r, struct err *err)
         .specialization = &r->specialization,
         .plan = &r->plan,
         .tables = &r->tables,
+        .progress = r->progress,
     };
     r->counters = ARENA_NEW(&r->arena, struct gpu_counters, 1);
     r->marks = ARENA_NEW(&r->arena, struct mark, GPU_MAX_TIMESTAMPS);

@@ -3,6 +3,7 @@
 #include "attributes.h"
 #include "environment_table.h"
 #include "image.h"
+#include "parallel.h"
 #include "shared/types.h"
 #include "upload_parts.h"
 #include <math.h>
@@ -103,25 +104,85 @@ static bool number_all_places(const struct upload_params *p, uint32_t *numbers,
     return of_triangle != NULL;
 }
 
+// --- records of triangles ------------------------------------------------------------------------
+
+// Records are made by all threads, in pieces of so many bytes: what is large is not in memory
+// twice.
+#define PIECE_BYTES (16u << 20)
+
+struct records {
+    const struct upload_params *p;
+    // Writes the record of the triangle at a place of the leaf order, which is zero so far.
+    void (*fill)(const struct records *records, uint32_t place, void *out);
+    uint32_t bytes;           // of a record
+    const uint32_t *emitters; // of each place
+    char *piece;
+    uint32_t first; // place of the piece
+};
+
+static void fill_piece(void *context, size_t begin, size_t end, unsigned thread)
+{
+    (void)thread;
+    const struct records *records = context;
+    memset(records->piece + begin * records->bytes, 0, (end - begin) * records->bytes);
+    for (size_t i = begin; i < end; i++)
+        records->fill(records, records->first + (uint32_t)i, records->piece + i * records->bytes);
+}
+
+static bool upload_records(struct gpu *gpu, struct records *records, uint32_t binding,
+                           struct gpu_buffer *buffers, struct arena *scratch, struct err *err)
+{
+    const struct upload_params *p = records->p;
+    uint32_t count = p->bvh->reference_count, most = PIECE_BYTES / records->bytes;
+    most = count < most ? count : most;
+    records->piece = arena_alloc(scratch, most, records->bytes);
+    if (!records->piece)
+        return err_memory(err, binding_name(binding), (uint64_t)most * records->bytes);
+    if (!create(gpu, p, binding, buffers, err))
+        return false;
+    for (uint32_t left; records->first < count; records->first += left) {
+        left = count - records->first < most ? count - records->first : most;
+        parallel_for(left, 1024, 0, fill_piece, records);
+        if (!gpu_upload(gpu, &buffers[binding], (uint64_t)records->first * records->bytes,
+                        records->piece, (uint64_t)left * records->bytes, err))
+            return false;
+        if (left == count)
+            break;
+        progress_report(p->progress, "Uploading", (double)records->first / count);
+        if (progress_should_stop(p->progress))
+            return err_set(err, ERR_STOPPED, "stopped while uploading the scene");
+    }
+    return true;
+}
+
+static void fill_triangle(const struct records *records, uint32_t place, void *out)
+{
+    const struct upload_params *p = records->p;
+    uint32_t id = p->bvh->triangle_order[place];
+    const struct flat_triangle *triangle = &p->flat->triangles[id];
+    struct gpu_triangle *record = out;
+    memcpy(record->v0, triangle->v[0], sizeof record->v0);
+    memcpy(record->v1, triangle->v[1], sizeof record->v1);
+    memcpy(record->v2, triangle->v[2], sizeof record->v2);
+    record->id = id;
+    record->emitter = records->emitters[place];
+    record->material = upload_material_word(p, triangle->material);
+}
+
 static bool upload_triangles(struct gpu *gpu, const struct upload_params *p,
                              struct gpu_buffer *buffers, struct arena *scratch, struct err *err)
 {
     uint32_t count = p->bvh->reference_count;
-    struct gpu_triangle *records = ARENA_NEW(scratch, struct gpu_triangle, count);
     uint32_t *emitters = upload_emitter_numbers(p, 0, count, scratch);
-    if (!records || !emitters || !number_all_places(p, emitters, scratch))
-        return err_memory(err, "triangles", (uint64_t)count * sizeof *records);
-    for (uint32_t i = 0; i < count; i++) {
-        uint32_t id = p->bvh->triangle_order[i];
-        const struct flat_triangle *triangle = &p->flat->triangles[id];
-        memcpy(records[i].v0, triangle->v[0], sizeof records[i].v0);
-        memcpy(records[i].v1, triangle->v[1], sizeof records[i].v1);
-        memcpy(records[i].v2, triangle->v[2], sizeof records[i].v2);
-        records[i].id = id;
-        records[i].emitter = emitters[i];
-        records[i].material = upload_material_word(p, triangle->material);
-    }
-    return upload_filled(gpu, p, BINDING_TRIANGLES, records, buffers, err);
+    if (!emitters || !number_all_places(p, emitters, scratch))
+        return err_memory(err, "triangles' emitters", (uint64_t)count * sizeof *emitters);
+    struct records records = {
+        .p = p,
+        .fill = fill_triangle,
+        .bytes = sizeof(struct gpu_triangle),
+        .emitters = emitters,
+    };
+    return upload_records(gpu, &records, BINDING_TRIANGLES, buffers, scratch, err);
 }
 
 // The largest error of a decoded normal's component: 16 bits octahedrally.
@@ -190,17 +251,20 @@ static void fill_attributes(const struct upload_params *p, uint32_t id, uint32_t
         fill_colors(p->flat, id, word);
 }
 
+static void fill_attributes_of(const struct records *records, uint32_t place, void *out)
+{
+    fill_attributes(records->p, records->p->bvh->triangle_order[place], out);
+}
+
 static bool upload_attributes(struct gpu *gpu, const struct upload_params *p,
                               struct gpu_buffer *buffers, struct arena *scratch, struct err *err)
 {
-    uint32_t count = p->bvh->reference_count;
-    uint32_t words = attribute_words(p->specialization->features);
-    uint32_t(*records)[4] = arena_alloc(scratch, (uint64_t)count * words, sizeof *records);
-    if (!records)
-        return err_memory(err, "attributes", (uint64_t)count * words * sizeof *records);
-    for (uint32_t i = 0; i < count; i++)
-        fill_attributes(p, p->bvh->triangle_order[i], &records[(uint64_t)i * words]);
-    return upload_filled(gpu, p, BINDING_ATTRIBUTES, records, buffers, err);
+    struct records records = {
+        .p = p,
+        .fill = fill_attributes_of,
+        .bytes = attribute_words(p->specialization->features) * 16,
+    };
+    return upload_records(gpu, &records, BINDING_ATTRIBUTES, buffers, scratch, err);
 }
 
 static bool upload_environment(struct gpu *gpu, const struct upload_params *p,

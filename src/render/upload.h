@@ -12,6 +12,7 @@ struct upload_params {
     const struct specialization *specialization;
     const struct memory_plan *plan;
     const struct shading_tables *tables;
+    const struct progress *progress; // phase "Uploading", of large scenes; NULL: nobody listens
 };
 
 // Creates and fills buffers[BINDING_NODES … BINDING_TEXELS] as far as they are planned. The
