@@ -16,16 +16,15 @@ static uint32_t mix(uint32_t x)
     return x ^ x >> 16;
 }
 
-// The n-th number of a sphere.
-static uint32_t random_bits(const struct scatter *scatter, uint32_t sphere, uint32_t n)
+uint32_t scatter_bits(uint32_t seed, uint32_t item, uint32_t n)
 {
-    return mix(mix(mix(scatter->seed + 0x9e3779b9u) ^ sphere) + n * 0x9e3779b9u);
+    return mix(mix(mix(seed + 0x9e3779b9u) ^ item) + n * 0x9e3779b9u);
 }
 
 // In [0, 1).
 static double random_number(const struct scatter *scatter, uint32_t sphere, uint32_t n)
 {
-    return random_bits(scatter, sphere, n) * 0x1p-32;
+    return scatter_bits(scatter->seed, sphere, n) * 0x1p-32;
 }
 
 // --- placing -------------------------------------------------------------------------------------
@@ -103,7 +102,7 @@ bool scatter_spheres(const struct scatter *scatter, struct arena *scratch,
         return err_memory(err, "the grid of scattered spheres", 4ull * scatter->count);
     *placed = 0;
     for (uint32_t number = 0; number < scatter->count; number++) {
-        struct scattered_sphere sphere = {.choice = random_bits(scatter, number, 0)};
+        struct scattered_sphere sphere = {.choice = scatter_bits(scatter->seed, number, 0)};
         double u = random_number(scatter, number, 1);
         sphere.radius =
             scatter->min_radius + (scatter->max_radius - scatter->min_radius) * u * u * u;

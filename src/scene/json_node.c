@@ -312,6 +312,19 @@ bool node_numbers(const struct json_node *array, size_t count, struct range rang
     return true;
 }
 
+bool node_read_pair(const struct json_node *object, const char *key, struct range range,
+                    double out[2], struct err *err)
+{
+    const struct json_node node = node_member(object, key);
+    if (!node.value)
+        return true;
+    if (!node_numbers(&node, 2, range, out, err))
+        return false;
+    return out[0] <= out[1] ||
+           node_fail(&node, err, "%.9g is above %.9g; expected the least and the most", out[0],
+                     out[1]);
+}
+
 bool node_read_vector(const struct json_node *object, const char *key, struct range range,
                       double out[3], struct err *err)
 {

@@ -80,6 +80,10 @@ bool node_read_choice(const struct json_node *object, const char *key, const cha
 bool node_numbers(const struct json_node *array, size_t count, struct range range, double *out,
                   struct err *err);
 
+// Two numbers, the first not above the second.
+bool node_read_pair(const struct json_node *object, const char *key, struct range range,
+                    double out[2], struct err *err);
+
 // A name that error messages and overrides can address: letters, digits, "_" and "-".
 bool node_check_name(const struct json_node *node, const char *name, struct err *err);
 

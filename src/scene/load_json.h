@@ -3,6 +3,7 @@
 #ifndef LAMPYRIS_SCENE_LOAD_JSON_H
 #define LAMPYRIS_SCENE_LOAD_JSON_H
 
+#include "bounds.h"
 #include "json_node.h"
 #include "scene.h"
 
@@ -71,6 +72,12 @@ bool load_json_analytic_quad(struct scene *scene, const struct json_node *quad,
 bool load_json_analytic_box(struct scene *scene, const struct json_node *box,
                             const double bounds[2][3], uint32_t material, struct err *err);
 
+// A signed distance field, placed by its own transforms.
+bool load_json_sdf(struct scene *scene, const struct json_node *sdf, uint32_t material,
+                   struct err *err);
+
+// A "transform": a step or a list of steps, composed.
+bool load_json_transform(const struct json_node *transform, double out[3][4], struct err *err);
 // Moves an analytic shape by a transform that keeps its kind; others are an error at `node`.
 bool load_json_move_shape(const struct json_node *node, const double m[3][4], struct shape *shape,
                           struct err *err);
@@ -78,6 +85,13 @@ bool load_json_move_shape(const struct json_node *node, const double m[3][4], st
 // Spheres without number, with materials of their own.
 bool load_json_scatter(struct json_loader *loader, const struct json_node *scatter,
                        struct err *err);
+
+// What the shape became that `name` is the name of; `parts` of all in the list so far.
+bool load_json_find_part(const struct json_loader *loader, const struct json_node *name,
+                         const struct scene_part *parts, struct scene_part *out, struct err *err);
+// Copies of named shapes, scattered.
+bool load_json_strew(struct json_loader *loader, const struct json_node *scatter,
+                     const struct scene_part *parts, struct err *err);
 
 // The index of the material that the object's "material" names; SCENE_NONE without it.
 bool load_json_material_name(const struct json_loader *loader, const struct json_node *object,

@@ -22,20 +22,6 @@ struct strewn {
     uint64_t subdivision;
 };
 
-// Two numbers, the first not above the second.
-static bool read_pair(const struct json_node *object, const char *key, struct range range,
-                      double out[2], struct err *err)
-{
-    const struct json_node node = node_member(object, key);
-    if (!node.value)
-        return true;
-    if (!node_numbers(&node, 2, range, out, err))
-        return false;
-    return out[0] <= out[1] ||
-           node_fail(&node, err, "%.9g is above %.9g; expected the least and the most", out[0],
-                     out[1]);
-}
-
 static bool has_roughness(uint32_t model)
 {
     return model == MATERIAL_PRINCIPLED || model == MATERIAL_DIELECTRIC ||
@@ -77,8 +63,8 @@ static bool read_kind(struct json_loader *loader, const struct json_node *node, 
     if (!node_check_object(node, required, optional, err) ||
         !load_json_material_name(loader, node, &material, err) ||
         !node_read_number(node, "weight", weights, &kind->weight, err) ||
-        !read_pair(node, "roughness", RANGE_UNIT, roughness, err) ||
-        !read_pair(node, "emission", factors, emission, err) ||
+        !node_read_pair(node, "roughness", RANGE_UNIT, roughness, err) ||
+        !node_read_pair(node, "emission", factors, emission, err) ||
         !node_read_integer(node, "shades", 1, SHADES_MAX, &shades, err))
         return false;
     if (rough.value && !has_roughness(loader->scene->materials[material].model))
@@ -124,7 +110,7 @@ static bool read_scatter(struct json_loader *loader, const struct json_node *nod
     if (!node_read_integer(node, "count", 1, SCATTER_COUNT_MAX, &count, err) ||
         !node_read_integer(node, "seed", 0, UINT32_MAX, &seed, err) ||
         !node_read_number(node, "disc_radius", RANGE_RADIUS, &scatter->disc_radius, err) ||
-        !read_pair(node, "radius", RANGE_RADIUS, radii, err) ||
+        !node_read_pair(node, "radius", RANGE_RADIUS, radii, err) ||
         !node_read_choice(node, "as", forms, &form, err) ||
         !node_read_integer(node, "subdivision", 0, SCATTER_SUBDIVISION_MAX, &strewn->subdivision,
                            err))

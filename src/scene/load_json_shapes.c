@@ -12,6 +12,7 @@
 struct shape_list {
     struct json_loader *loader;
     struct scene_part *parts;
+    bool *hidden; // of each: only what it is copied to is shown
 };
 
 // --- transforms ----------------------------------------------------------------------------------
@@ -96,8 +97,7 @@ static bool read_transform_step(const struct json_node *node, double out[3][4], 
     return true;
 }
 
-// A step or a list of steps, composed.
-static bool read_transform(const struct json_node *transform, double out[3][4], struct err *err)
+bool load_json_transform(const struct json_node *transform, double out[3][4], struct err *err)
 {
     if (!json_is_array(transform->value))
         return read_transform_step(transform, out, err);
@@ -203,20 +203,28 @@ static bool fit_part(struct scene *scene, const struct scene_part *part,
 
 // --- instances -----------------------------------------------------------------------------------
 
+bool load_json_find_part(const struct json_loader *loader, const struct json_node *name,
+                         const struct scene_part *parts, struct scene_part *out, struct err *err)
+{
+    if (!json_is_string(name->value))
+        return node_unexpected(name, "the name of a shape", err);
+    const char *text = json_string_value(name->value);
+    const json_t *index = json_object_get(loader->shape_names, text);
+    if (!index)
+        return node_fail(name, err, "no shape named \"%s\" stands before this one%s", text,
+                         node_suggest_key(text, loader->shape_names).text);
+    *out = parts[json_integer_value(index)];
+    return true;
+}
+
 static bool load_instance(struct shape_list *list, const struct json_node *node, uint32_t material,
                           struct err *err)
 {
     struct scene *scene = list->loader->scene;
-    const json_t *names = list->loader->shape_names;
-    const char *name = NULL;
-    if (!node_read_string(node, "of", &name, err))
-        return false;
-    const json_t *index = json_object_get(names, name);
     const struct json_node of = node_member(node, "of");
-    if (!index)
-        return node_fail(&of, err, "no shape named \"%s\" stands before this one%s", name,
-                         node_suggest_key(name, names).text);
-    const struct scene_part original = list->parts[json_integer_value(index)];
+    struct scene_part original;
+    if (!load_json_find_part(list->loader, &of, list->parts, &original, err))
+        return false;
     for (uint32_t i = 0; i < original.instance_count; i++) {
         struct instance *copy = scene_add_instance(scene, NULL);
         if (!copy)
@@ -250,37 +258,41 @@ enum shape_type {
     TYPE_TEAPOT,
     TYPE_TORUS,
     TYPE_STADIUM,
+    TYPE_SDF,
     TYPE_SCATTER,
     TYPE_INSTANCE,
+    TYPE_STREW, // a scatter with "of", after those that have a name
     TYPE_COUNT,
 };
 
-static const char *const type_names[TYPE_COUNT + 1] = {
-    "mesh",      "quad",   "box",   "sphere",  "disc",    "plane",    "cylinder",
-    "generated", "teapot", "torus", "stadium", "scatter", "instance", NULL};
+static const char *const type_names[TYPE_COUNT] = {
+    "mesh",   "quad",  "box",     "sphere", "disc",    "plane",    "cylinder", "generated",
+    "teapot", "torus", "stadium", "sdf",    "scatter", "instance", NULL};
 
-// Keys beside "type", and beside "name" and "transform", which all shapes may have.
+#define EVERY_SHAPE "name", "transform", "hidden"
+
+// Keys of each type, "type" included.
 static const struct {
-    const char *required[6], *optional[9];
+    const char *required[6], *optional[10];
 } type_keys[TYPE_COUNT] = {
-    [TYPE_MESH] = {{"type", "file"}, {"name", "transform", "material", "fit"}},
-    [TYPE_QUAD] = {{"type", "material"},
-                   {"name", "transform", "vertices", "corner", "u", "v", "as"}},
-    [TYPE_BOX] = {{"type", "material", "min", "max"}, {"name", "transform", "as"}},
-    [TYPE_SPHERE] = {{"type", "material", "radius"},
-                     {"name", "transform", "center", "as", "subdivision"}},
-    [TYPE_DISC] = {{"type", "material", "radius", "normal"}, {"name", "transform", "center"}},
-    [TYPE_PLANE] = {{"type", "material", "normal"}, {"name", "transform", "point"}},
+    [TYPE_MESH] = {{"type", "file"}, {EVERY_SHAPE, "material", "fit"}},
+    [TYPE_QUAD] = {{"type", "material"}, {EVERY_SHAPE, "vertices", "corner", "u", "v", "as"}},
+    [TYPE_BOX] = {{"type", "material", "min", "max"}, {EVERY_SHAPE, "as"}},
+    [TYPE_SPHERE] = {{"type", "material", "radius"}, {EVERY_SHAPE, "center", "as", "subdivision"}},
+    [TYPE_DISC] = {{"type", "material", "radius", "normal"}, {EVERY_SHAPE, "center"}},
+    [TYPE_PLANE] = {{"type", "material", "normal"}, {EVERY_SHAPE, "point"}},
     [TYPE_CYLINDER] = {{"type", "material", "radius"},
-                       {"name", "transform", "from", "to", "center", "axis", "height", "caps"}},
-    [TYPE_GENERATED] = {{"type", "material", "triangles"}, {"name", "transform"}},
-    [TYPE_TEAPOT] = {{"type", "material"}, {"name", "transform", "resolution"}},
-    [TYPE_TORUS] = {{"type", "material"},
-                    {"name", "transform", "tube", "segments", "tube_segments"}},
-    [TYPE_STADIUM] = {{"type", "material"}, {"name", "transform", "steps", "segments"}},
+                       {EVERY_SHAPE, "from", "to", "center", "axis", "height", "caps"}},
+    [TYPE_GENERATED] = {{"type", "material", "triangles"}, {EVERY_SHAPE}},
+    [TYPE_TEAPOT] = {{"type", "material"}, {EVERY_SHAPE, "resolution"}},
+    [TYPE_TORUS] = {{"type", "material"}, {EVERY_SHAPE, "tube", "segments", "tube_segments"}},
+    [TYPE_STADIUM] = {{"type", "material"}, {EVERY_SHAPE, "steps", "segments"}},
+    [TYPE_SDF] = {{"type", "material", "field"}, {EVERY_SHAPE, "bounds"}},
     [TYPE_SCATTER] = {{"type", "count", "disc_radius", "radius", "materials"},
-                      {"name", "transform", "seed", "as", "subdivision"}},
-    [TYPE_INSTANCE] = {{"type", "of"}, {"name", "transform", "material"}},
+                      {EVERY_SHAPE, "seed", "as", "subdivision"}},
+    [TYPE_INSTANCE] = {{"type", "of"}, {EVERY_SHAPE, "material"}},
+    [TYPE_STREW] = {{"type", "of", "count"},
+                    {EVERY_SHAPE, "disc_radius", "size", "seed", "scale", "tilt_degrees"}},
 };
 
 static bool read_type(const struct json_node *node, uint32_t *type, struct err *err)
@@ -289,8 +301,11 @@ static bool read_type(const struct json_node *node, uint32_t *type, struct err *
         return node_unexpected(node, "an object", err);
     if (!node_member(node, "type").value)
         return node_fail(node, err, "\"type\" is missing");
-    return node_read_choice(node, "type", type_names, type, err) &&
-           node_check_object(node, type_keys[*type].required, type_keys[*type].optional, err);
+    if (!node_read_choice(node, "type", type_names, type, err))
+        return false;
+    if (*type == TYPE_SCATTER && node_member(node, "of").value)
+        *type = TYPE_STREW;
+    return node_check_object(node, type_keys[*type].required, type_keys[*type].optional, err);
 }
 
 bool load_json_material_name(const struct json_loader *loader, const struct json_node *shape,
@@ -358,10 +373,14 @@ static bool add_in_own_space(struct shape_list *list, const struct json_node *no
         return load_json_stadium(scene, node, material, err);
     case TYPE_TEAPOT:
         return load_json_teapot(scene, node, material, err);
+    case TYPE_SDF:
+        return load_json_sdf(scene, node, material, err);
     case TYPE_SCATTER:
         return load_json_scatter(list->loader, node, err);
     case TYPE_INSTANCE:
         return load_instance(list, node, material, err);
+    case TYPE_STREW:
+        return load_json_strew(list->loader, node, list->parts, err);
     case TYPE_COUNT:
         break;
     }
@@ -382,12 +401,37 @@ static bool load_shape(struct shape_list *list, const struct json_node *node, st
     const struct json_node transform = node_member(node, "transform");
     const struct json_node fit = node_member(node, "fit");
     double m[3][4];
-    if (transform.value &&
-        (!read_transform(&transform, m, err) || !transform_part(scene, part, &transform, m, err)))
+    if (transform.value && (!load_json_transform(&transform, m, err) ||
+                            !transform_part(scene, part, &transform, m, err)))
         return false;
     if (fit.value && !fit_part(scene, part, &fit, err))
         return false;
+    if (!node_read_boolean(node, "hidden", &list->hidden[node->index], err))
+        return false;
     return register_name(list->loader, node, node->index, err);
+}
+
+// Takes what hidden shapes became out of the scene's lists.
+static void remove_hidden(struct shape_list *list, size_t count)
+{
+    struct scene *scene = list->loader->scene;
+    uint32_t instances = count ? list->parts[0].first_instance : scene->instance_count;
+    uint32_t shapes = count ? list->parts[0].first_shape : scene->shape_count;
+    for (size_t i = 0; i < count; i++) {
+        const struct scene_part *part = &list->parts[i];
+        if (list->hidden[i])
+            continue;
+        if (part->instance_count > 0)
+            memmove(&scene->instances[instances], &scene->instances[part->first_instance],
+                    part->instance_count * sizeof *scene->instances);
+        if (part->shape_count > 0)
+            memmove(&scene->shapes[shapes], &scene->shapes[part->first_shape],
+                    part->shape_count * sizeof *scene->shapes);
+        instances += part->instance_count;
+        shapes += part->shape_count;
+    }
+    scene->instance_count = instances;
+    scene->shape_count = shapes;
 }
 
 bool load_json_shapes(struct json_loader *loader, const struct json_node *shapes, struct err *err)
@@ -395,13 +439,16 @@ bool load_json_shapes(struct json_loader *loader, const struct json_node *shapes
     if (!node_check_array(shapes, 0, UINT32_MAX, err))
         return false;
     size_t count = json_array_size(shapes->value);
-    struct shape_list list = {loader, ARENA_NEW(&loader->scene->arena, struct scene_part, count)};
-    if (!list.parts)
+    struct arena *arena = &loader->scene->arena;
+    struct shape_list list = {loader, ARENA_NEW(arena, struct scene_part, count),
+                              ARENA_NEW(arena, bool, count)};
+    if (!list.parts || !list.hidden)
         return err_memory(err, "the list of shapes", count * sizeof *list.parts);
     for (size_t i = 0; i < count; i++) {
         const struct json_node shape = node_element(shapes, i);
         if (!load_shape(&list, &shape, err))
             return false;
     }
+    remove_hidden(&list, count);
     return true;
 }

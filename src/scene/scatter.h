@@ -5,6 +5,7 @@
 #include "scene.h"
 
 #define SCATTER_COUNT_MAX 1000000
+#define STREW_COUNT_MAX (1u << 24) // of instances and shapes
 #define SCATTER_SUBDIVISION_MAX 6
 
 struct scatter {
@@ -23,6 +24,9 @@ struct scattered_sphere {
 // hashed, and only exactly rounded operations follow. scratch: for the time of the call.
 bool scatter_spheres(const struct scatter *scatter, struct arena *scratch,
                      struct scattered_sphere *out, uint32_t *placed, struct err *err);
+
+// Random: number `n` of item `item`.
+uint32_t scatter_bits(uint32_t seed, uint32_t item, uint32_t n);
 
 // Appends a sphere of radius 1 about the origin: the icosahedron's 20 triangles, each split into
 // four `subdivision` times (at most SCATTER_SUBDIVISION_MAX), with the sphere's normals.

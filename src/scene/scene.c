@@ -78,6 +78,23 @@ struct instance *scene_add_instance(struct scene *scene, uint32_t *index)
     return &items[scene->instance_count++];
 }
 
+bool scene_reserve_instances(struct scene *scene, uint64_t more)
+{
+    uint64_t capacity = scene->instance_count + more;
+    if (capacity <= scene->instance_capacity)
+        return true;
+    if (capacity > UINT32_MAX / 2)
+        return false;
+    struct instance *items = ARENA_NEW(&scene->arena, struct instance, capacity);
+    if (!items)
+        return false;
+    if (scene->instance_count > 0)
+        memcpy(items, scene->instances, scene->instance_count * sizeof *items);
+    scene->instances = items;
+    scene->instance_capacity = (uint32_t)capacity;
+    return true;
+}
+
 struct shape *scene_add_shape(struct scene *scene, uint32_t *index)
 {
     struct shape *items = reserve_one(&scene->arena, scene->shapes, scene->shape_count,

@@ -215,6 +215,8 @@ bool load_gltf_into(struct scene *scene, const char *path, const double place[3]
 struct material *scene_add_material(struct scene *scene, uint32_t *index);
 struct mesh *scene_add_mesh(struct scene *scene, uint32_t *index);
 struct instance *scene_add_instance(struct scene *scene, uint32_t *index);
+// Room for so many more at once, where doubling would copy much.
+bool scene_reserve_instances(struct scene *scene, uint64_t more);
 struct shape *scene_add_shape(struct scene *scene, uint32_t *index);
 struct sdf *scene_add_sdf(struct scene *scene, uint32_t *index);
 struct camera *scene_add_camera(struct scene *scene, uint32_t *index);
