@@ -6,7 +6,8 @@
 #include "lib/texture.glsl"
 
 // The opacity where a ray meets a primitive: of its material, textures and vertex colours. A
-// triangle is met at the barycentric coordinates of its corners 1 and 2, a shape at a point.
+// triangle is met at the barycentric coordinates of its corners 1 and 2, a shape at a point, of
+// which they say what struct crossings says.
 float alpha_at(uint primitive, vec2 barycentrics, vec3 point, uint material_word)
 {
     surface s;
@@ -16,7 +17,7 @@ float alpha_at(uint primitive, vec2 barycentrics, vec3 point, uint material_word
     if (HAS(FEATURE_TRIANGLES) && !is_shape)
         load_corner_attributes(primitive, barycentrics, s);
     if (HAS(FEATURE_TEXTURES) && is_shape)
-        s = load_shape_surface(primitive & ~PRIMITIVE_SHAPE, point);
+        s = load_shape_surface(primitive & ~PRIMITIVE_SHAPE, point, barycentrics);
 
     uint at = MATERIAL_HEADER_WORDS + (material_word & MATERIAL_INDEX_MASK) * MATERIAL_WORDS;
     uvec4 head = load_materials(at);

@@ -10,7 +10,8 @@
 void add_emission(vertex v, vec3 origin, vec3 direction, float distance, float bsdf_pdf)
 {
     float weight = 1.0;
-    if (sent_shadow_rays(bsdf_pdf) && v.m.group[GROUP_EMISSION].a > 0.0) {
+    if (sent_shadow_rays(bsdf_pdf) && v.m.group[GROUP_EMISSION].a > 0.0 &&
+        !is_found_by_chance(origin, v.primitive, v.s)) {
         uint from = load_path(v.slot, PATH_ORIGIN).w;
         float pick_density = pick_density_at(v.m, v.primitive, origin, direction, from,
                                              path_start_instance(v.slot));

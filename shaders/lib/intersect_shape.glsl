@@ -3,19 +3,21 @@
 #ifndef INTERSECT_SHAPE_GLSL
 #define INTERSECT_SHAPE_GLSL
 
+#include "lib/intersect_solid.glsl"
+
 // Both roots of the quadratic in the form that does not cancel: the discriminant from the closest
 // point to the centre, the second root from the product of the roots (Haines, Günther and
 // Akenine-Möller 2019, Ray Tracing Gems, chapter 7).
 //
-// A ray that starts on this very sphere has one root at 0 exactly; only the other one counts, so
-// that no rounding decides whether it leaves the surface.
+// A ray that starts on this very sphere has one root at 0 exactly; only the other one counts, and
+// only where it is more than rounding, so that no rounding decides whether the ray leaves.
 float intersect_sphere(vec3 origin, vec3 direction, vec3 center, float radius, bool starts_here)
 {
     vec3 f = origin - center;
     float a = dot(direction, direction);
     float b = -dot(f, direction);
     if (starts_here)
-        return 2.0 * b / a;
+        return b > GAMMA(4) * dot(abs(f), abs(direction)) ? 2.0 * b / a : -1.0;
     vec3 closest = f + (b / a) * direction;
     float discriminant = radius * radius - dot(closest, closest);
     float q = b + (b < 0.0 ? -1.0 : 1.0) * sqrt(a * max(discriminant, 0.0));
@@ -33,6 +35,32 @@ float intersect_disc(vec3 origin, vec3 direction, vec3 center, vec3 normal, floa
     float t = dot(center - origin, normal) / dot(direction, normal);
     vec3 from_center = origin + t * direction - center;
     return dot(from_center, from_center) <= radius * radius ? t : -1.0;
+}
+
+// Coordinates of positions go so far.
+const float PLANE_REACH = 1e18;
+
+float intersect_plane(vec3 origin, vec3 direction, vec3 point, vec3 normal)
+{
+    float t = dot(point - origin, normal) / dot(direction, normal);
+    vec3 speed = abs(direction);
+    return t * max(speed.x, max(speed.y, speed.z)) <= PLANE_REACH ? t : -1.0;
+}
+
+// The parallelogram center + a u + b v, a and b from -1 to 1, which are returned in `at`. By
+// Cramer's rule from f + t d = a u + b v (as Möller and Trumbore 1997), so that edges are decided
+// without division.
+float intersect_quad(vec3 origin, vec3 direction, vec3 center, vec3 u, vec3 v, out vec2 at)
+{
+    vec3 f = origin - center;
+    vec3 normal = cross(u, v);
+    vec3 moment = cross(f, direction);
+    float slope = dot(direction, normal);
+    vec2 scaled = vec2(-dot(v, moment), dot(u, moment));
+    at = clamp(scaled / slope, -1.0, 1.0);
+    float t = -dot(f, normal) / slope;
+    bool inside = abs(scaled.x) <= abs(slope) && abs(scaled.y) <= abs(slope);
+    return inside && slope != 0.0 && t < FARTHEST ? t : -1.0;
 }
 
 #endif

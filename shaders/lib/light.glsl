@@ -34,8 +34,7 @@ struct light_choice {
 float pdf_light(vec3 origin, vec3 direction, float distance, surface s, float pick_density)
 {
     if (HAS_EMITTER(EMITTER_SPHERES) && s.radius > 0.0) {
-        vec3 to_center = s.center - origin;
-        float sin2_max = s.radius * s.radius / dot(to_center, to_center);
+        float sin2_max = sphere_sin2(origin, s.center, s.radius);
         if (sin2_max < 1.0)
             return pdf_sphere_cone(s.radius, sin2_max, pick_density);
     }
@@ -76,7 +75,7 @@ void texture_light(vec3 origin, inout light_sample l)
         if (HAS_EMITTER(EMITTER_TRIANGLES) && !is_shape)
             load_corner_attributes(l.primitive, l.barycentrics, s);
         if (HAS_EMITTER(EMITTERS_SHAPES) && is_shape)
-            s = load_shape_surface(l.primitive & ~PRIMITIVE_SHAPE, point);
+            s = load_shape_surface(l.primitive & ~PRIMITIVE_SHAPE, point, l.barycentrics);
         l.radiance = textured_emission(load_material(l.material), s);
     }
     if (HAS(FEATURE_ALPHA) && (l.material & MATERIAL_WORD_ALPHA) != 0u)
@@ -261,13 +260,9 @@ receiver receiver_of(vec3 origin, vec3 direction, uint primitive, uint instance)
         }
     }
     if (is_shape) {
-        uint at = (primitive & ~PRIMITIVE_SHAPE) * SHAPE_WORDS;
-        uvec4 w1 = load_shapes(at + 1u);
-        bool is_sphere = IS_KIND(w1.w >> SHAPE_KIND_SHIFT, SHAPE_KIND_SPHERE);
-        normal = uintBitsToFloat(w1.xyz);
-        if (is_sphere)
-            normal = normalize(origin - load_shapes_float(at).xyz);
-        material = w1.w;
+        shape_record shape = load_shape(primitive & ~PRIMITIVE_SHAPE);
+        normal = shape_normal_at(shape, origin);
+        material = shape.word;
     }
     return receiver(origin, dot(normal, direction) < 0.0 ? -normal : normal,
                     is_lit_from_both_sides(material));
@@ -286,7 +281,7 @@ float pick_density_at(material m, uint primitive, vec3 origin, vec3 direction, u
                     (HAS_EMITTER(EMITTER_TRIANGLES) ? (primitive & PRIMITIVE_SHAPE) != 0u : true);
     if (is_shape) {
         uint at = (primitive & ~PRIMITIVE_SHAPE) * SHAPE_WORDS;
-        area = shape_area(load_shapes(at + 1u).w >> SHAPE_KIND_SHIFT, load_shapes_float(at).w);
+        area = shape_area(load_shape(primitive & ~PRIMITIVE_SHAPE));
         emitter = load_shapes(at + 2u).x;
     } else {
         uint at = primitive * 3u;

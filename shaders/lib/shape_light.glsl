@@ -6,6 +6,7 @@
 #include "lib/material.glsl"
 #include "lib/primitive.glsl"
 #include "lib/sampling.glsl"
+#include "lib/shape_record.glsl"
 #include "lib/surface.glsl"
 
 // 1 - cos of the half-angle under which a sphere is seen, from sin^2 of it; does not cancel.
@@ -22,9 +23,133 @@ float pdf_sphere_cone(float radius, float sin2_max, float pick_density)
     return pick / (2.0 * PI * sphere_cone(sin2_max));
 }
 
-float shape_area(uint kind, float radius)
+// sin^2 of the half-angle under which a sphere is seen: below 1 from outside. Where that is closer to
+// 1 than a float tells, its equation does.
+float sphere_sin2(vec3 point, vec3 center, float radius)
 {
-    return (kind == SHAPE_KIND_SPHERE ? 4.0 : 1.0) * PI * radius * radius;
+    vec3 to_center = center - point;
+    float sin2_max = radius * radius / dot(to_center, to_center);
+    if (HAS_GEOMETRY(GEOMETRY_LARGE_SPHERES))
+        sin2_max = sphere_height(point, center, radius) > 0.0 ? min(sin2_max, 1.0 - ROUNDING)
+                                                               : max(sin2_max, 1.0);
+    return sin2_max;
+}
+
+float shape_area(shape_record shape)
+{
+    float area = PI * shape.radius * shape.radius;
+    if (HAS_EMITTER(EMITTER_SPHERES) && shape.kind == SHAPE_KIND_SPHERE)
+        area *= 4.0;
+    if (HAS_EMITTER(EMITTER_QUADS) && shape.kind == SHAPE_KIND_QUAD)
+        area = 4.0 * length(cross(shape.axis, shape.other));
+    if (HAS_EMITTER(EMITTER_BOXES) && shape.kind == SHAPE_KIND_BOX) {
+        vec3 h = vec3(length(shape.axis), length(shape.other), shape.radius);
+        area = 8.0 * dot(h, h.yzx);
+    }
+    float side = 4.0 * PI * shape.radius * length(shape.axis);
+    if (HAS_EMITTER(EMITTER_CYLINDERS) && shape.kind == SHAPE_KIND_CYLINDER)
+        area = side + 2.0 * area;
+    if (HAS_EMITTER(EMITTER_TUBES) && shape.kind == SHAPE_KIND_TUBE)
+        area = side;
+    return area;
+}
+
+// How large a shape's outline is, seen along a unit direction from far away.
+float shape_area_seen(shape_record shape, vec3 direction)
+{
+    float area = PI * shape.radius * shape.radius;
+    if (HAS_EMITTER(EMITTER_DISCS) && shape.kind == SHAPE_KIND_DISC)
+        area *= abs(dot(direction, shape.axis));
+    if (HAS_EMITTER(EMITTER_QUADS) && shape.kind == SHAPE_KIND_QUAD)
+        area = 4.0 * abs(dot(direction, cross(shape.axis, shape.other)));
+    if (HAS_EMITTER(EMITTER_BOXES) && shape.kind == SHAPE_KIND_BOX) {
+        box_frame b = box_frame_of(shape.axis, shape.other, shape.radius);
+        area = 4.0 * dot(abs(along_box(b, direction)), b.half_edges.yzx * b.half_edges.zxy);
+    }
+    if (HAS_EMITTER(EMITTER_CYLINDERS | EMITTER_TUBES) &&
+        (shape.kind == SHAPE_KIND_CYLINDER || shape.kind == SHAPE_KIND_TUBE)) {
+        float rise = abs(dot(direction, normalize(shape.axis)));
+        float side = 4.0 * shape.radius * length(shape.axis) * sqrt(max(0.0, 1.0 - rise * rise));
+        area = side + (shape.kind == SHAPE_KIND_CYLINDER ? area * rise : 0.0);
+    }
+    return area;
+}
+
+// A point chosen uniformly on a shape: relative to its centre, with the outwards normal there, and
+// what a hit record would keep of it (struct crossings).
+struct shape_point {
+    vec3 from_center;
+    vec3 normal;
+    vec2 at;
+};
+
+shape_point sample_quad(shape_record shape, vec2 u)
+{
+    vec2 at = 2.0 * u - 1.0;
+    return shape_point(at.x * shape.axis + at.y * shape.other, quad_normal(shape), at);
+}
+
+// The face by the first uniform, what is left of which serves again.
+shape_point sample_box(shape_record shape, vec2 u)
+{
+    box_frame b = box_frame_of(shape.axis, shape.other, shape.radius);
+    vec3 areas = b.half_edges.yzx * b.half_edges.zxy;
+    float pick = u.x * (areas.x + areas.y + areas.z);
+    int k = pick < areas.x ? 0 : pick < areas.x + areas.y ? 1 : 2;
+    pick -= k == 0 ? 0.0 : k == 1 ? areas.x : areas.x + areas.y;
+    float within = clamp(2.0 * pick / areas[k] - 1.0, -1.0, 1.0); // the sign is the face's
+    float side = within < 0.0 ? -1.0 : 1.0;
+    int first = k == 2 ? 0 : k + 1;
+    int second = 3 - k - first;
+    vec3 along;
+    along[k] = side * b.half_edges[k];
+    along[first] = (2.0 * abs(within) - 1.0) * b.half_edges[first];
+    along[second] = (2.0 * u.y - 1.0) * b.half_edges[second];
+    vec3 point = along.x * b.axis[0] + along.y * b.axis[1] + along.z * b.axis[2];
+    return shape_point(point, side * b.axis[k], vec2(side * float(k + 1), 0.0));
+}
+
+// A cylinder or a tube: the side, then its caps, by the first uniform.
+shape_point sample_cylinder(shape_record shape, bool has_caps, vec2 u)
+{
+    float half_height = length(shape.axis);
+    vec3 n = shape.axis / half_height;
+    mat3 basis = basis_around(n);
+    float side = 2.0 * half_height; // both in units of 2 pi r
+    float pick = u.x * (side + (has_caps ? shape.radius : 0.0));
+    float angle = 2.0 * PI * u.y;
+    vec3 outwards = cos(angle) * basis[0] + sin(angle) * basis[1];
+    if (!has_caps || pick < side) {
+        float along = min(2.0 * pick / side - 1.0, 1.0);
+        return shape_point(shape.radius * outwards + along * shape.axis, outwards, vec2(0.0));
+    }
+    float within = clamp(2.0 * (pick - side) / shape.radius - 1.0, -1.0, 1.0);
+    float end = within < 0.0 ? -1.0 : 1.0;
+    vec3 point = shape.radius * sqrt(abs(within)) * outwards + end * shape.axis;
+    return shape_point(point, end * n, vec2(end, 0.0));
+}
+
+shape_point sample_shape(shape_record shape, vec2 u)
+{
+    shape_point p = shape_point(vec3(0.0), vec3(0.0, 0.0, 1.0), vec2(0.0));
+    if (HAS_EMITTER(EMITTER_QUADS) && shape.kind == SHAPE_KIND_QUAD)
+        p = sample_quad(shape, u);
+    if (HAS_EMITTER(EMITTER_BOXES) && shape.kind == SHAPE_KIND_BOX)
+        p = sample_box(shape, u);
+    bool is_closed = HAS_EMITTER(EMITTER_CYLINDERS) && shape.kind == SHAPE_KIND_CYLINDER;
+    if (is_closed || (HAS_EMITTER(EMITTER_TUBES) && shape.kind == SHAPE_KIND_TUBE))
+        p = sample_cylinder(shape, is_closed, u);
+    return p;
+}
+
+#define EMITTERS_SOLID (EMITTER_BOXES | EMITTER_CYLINDERS | EMITTER_TUBES)
+
+// Whether a box, cylinder or tube itself is between a point on it and another one. Shadow rays do not
+// ask: what they are sent to is not in their way.
+bool hides_itself(shape_record shape, vec3 point, vec3 towards)
+{
+    float t = cross_shape(point, towards, shape, true).first;
+    return t > 0.0 && t < 1.0;
 }
 
 // From outside uniformly in the cone that the sphere fills, to its near side; from inside by area.
@@ -33,7 +158,7 @@ void sample_sphere_light(vec3 origin, vec3 center, float radius, material m, flo
 {
     vec3 to_center = center - origin;
     float distance2 = dot(to_center, to_center);
-    float sin2_max = radius * radius / distance2;
+    float sin2_max = sphere_sin2(origin, center, radius);
     if (sin2_max < 1.0) {
         float distance = sqrt(distance2);
         float one_minus_cos = u.x * sphere_cone(sin2_max);
@@ -42,8 +167,14 @@ void sample_sphere_light(vec3 origin, vec3 center, float radius, material m, flo
         float angle = 2.0 * PI * u.y;
         vec3 local = vec3(sqrt(sin2_theta) * vec2(cos(angle), sin(angle)), cos_theta);
         float half_chord = sqrt(max(0.0, radius * radius - distance2 * sin2_theta));
-        l.to_light = basis_around(to_center / distance) * local *
-                     (distance * cos_theta - half_chord);
+        float reach = distance * cos_theta - half_chord;
+        vec3 direction = basis_around(to_center / distance) * local;
+        if (HAS_GEOMETRY(GEOMETRY_LARGE_SPHERES)) {
+            vec2 t;
+            bool met = intersect_large_sphere(origin, direction, center, radius, false, t);
+            reach = met ? t.x : distance * cos_theta;
+        }
+        l.to_light = direction * reach;
         l.pdf = pdf_sphere_cone(radius, sin2_max, density);
         l.radiance = m.group[GROUP_EMISSION].rgb;
     } else {
@@ -54,23 +185,49 @@ void sample_sphere_light(vec3 origin, vec3 center, float radius, material m, flo
 
 void sample_shape_light(vec3 origin, uint index, float pick, vec2 u, inout light_sample l)
 {
-    vec4 w0 = load_shapes_float(index * SHAPE_WORDS);
-    uvec4 w1 = load_shapes(index * SHAPE_WORDS + 1u);
-    uint kind = w1.w >> SHAPE_KIND_SHIFT;
-    material m = load_material(w1.w);
+    shape_record shape = load_shape(index);
+    material m = load_material(shape.word);
     float density = m.group[GROUP_EMISSION].a;
     if (LIGHT_CHOICE != LIGHT_CHOICE_POWER)
-        density = pick / shape_area(kind, w0.w);
-    l.material = w1.w;
-    if (HAS_EMITTER(EMITTER_SPHERES) && kind == SHAPE_KIND_SPHERE)
-        sample_sphere_light(origin, w0.xyz, w0.w, m, density, u, l);
-    if (HAS_EMITTER(EMITTER_DISCS) && kind == SHAPE_KIND_DISC) {
-        vec3 normal = uintBitsToFloat(w1.xyz);
-        vec2 d = w0.w * sample_disc(u);
-        mat3 basis = basis_around(normal);
-        finish_area_sample(l, w0.xyz + basis[0] * d.x + basis[1] * d.y - origin, normal, m,
-                           density);
+        density = pick / shape_area(shape);
+    l.material = shape.word;
+    if (HAS_EMITTER(EMITTER_SPHERES) && shape.kind == SHAPE_KIND_SPHERE)
+        sample_sphere_light(origin, shape.center, shape.radius, m, density, u, l);
+    if (HAS_EMITTER(EMITTER_DISCS) && shape.kind == SHAPE_KIND_DISC) {
+        vec2 d = shape.radius * sample_disc(u);
+        mat3 basis = basis_around(shape.axis);
+        finish_area_sample(l, shape.center + basis[0] * d.x + basis[1] * d.y - origin, shape.axis,
+                           m, density);
     }
+    bool is_solid = HAS_EMITTER(EMITTERS_SOLID) && shape.kind >= SHAPE_KIND_BOX;
+    if (is_solid || (HAS_EMITTER(EMITTER_QUADS) && shape.kind == SHAPE_KIND_QUAD)) {
+        shape_point p = sample_shape(shape, u);
+        l.barycentrics = p.at;
+        finish_area_sample(l, shape.center - origin + p.from_center, p.normal, m, density);
+        if (is_solid && hides_itself(shape, shape.center + p.from_center, -l.to_light))
+            l.pdf = 0.0;
+    }
+}
+
+// Whether a point of a shape that emits is one that no shadow ray from `origin` is sent to, so that
+// what finds it by chance counts in full: on shapes that nothing is aimed at, and behind the near
+// side of those that are not everywhere there.
+bool is_found_by_chance(vec3 origin, uint primitive, surface s)
+{
+    bool by_chance = false;
+    bool asks = HAS(FEATURE_ALPHA) || HAS_GEOMETRY(GEOMETRY_PLANES | GEOMETRY_SDFS);
+    if (asks && IS_SHAPE(primitive)) {
+        uint index = primitive & ~PRIMITIVE_SHAPE;
+        uint kind = load_shapes(index * SHAPE_WORDS + 1u).w >> SHAPE_KIND_SHIFT;
+        by_chance = IS_KIND(kind, SHAPE_KIND_PLANE) || IS_KIND(kind, SHAPE_KIND_SDF);
+        if (HAS(FEATURE_ALPHA) && (s.material & MATERIAL_WORD_ALPHA) != 0u) {
+            if (HAS_EMITTER(EMITTER_SPHERES) && kind == SHAPE_KIND_SPHERE)
+                by_chance = !s.front && sphere_sin2(origin, s.center, s.radius) < 1.0;
+            if (HAS_EMITTER(EMITTERS_SOLID) && kind >= SHAPE_KIND_BOX && kind != SHAPE_KIND_SDF)
+                by_chance = hides_itself(load_shape(index), s.position, origin - s.position);
+        }
+    }
+    return by_chance;
 }
 
 #endif

@@ -155,7 +155,7 @@ surface load_surface(vec3 origin, vec3 direction, vec4 hit, uint instance)
     if (HAS(FEATURE_TRIANGLES) && !is_shape)
         s = load_triangle_surface(primitive, hit.yz);
     if (is_shape)
-        s = load_shape_surface(primitive & ~PRIMITIVE_SHAPE, origin + hit.x * direction);
+        s = load_shape_surface(primitive & ~PRIMITIVE_SHAPE, origin + hit.x * direction, hit.yz);
     if (HAS_GEOMETRY(GEOMETRY_INSTANCES) && instance != NO_INSTANCE)
         place_surface(instance, s);
     // Both sides of a surface reflect and emit: face the viewer.

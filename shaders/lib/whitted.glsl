@@ -161,21 +161,25 @@ light_sample center_of_triangle(vec3 origin, uint index)
     return l;
 }
 
-// Of a sphere, the point that is nearest stands for the centre behind it: nothing is there between.
+// The point where the way to the centre of a solid meets it stands for the centre behind it: nothing
+// is there between.
 light_sample center_of_shape(vec3 origin, uint index)
 {
-    vec4 w0 = load_shapes_float(index * SHAPE_WORDS);
-    uvec4 w1 = load_shapes(index * SHAPE_WORDS + 1u);
+    shape_record shape = load_shape(index);
     light_sample l;
     l.primitive = PRIMITIVE_SHAPE | index;
-    l.material = w1.w;
+    l.material = shape.word;
     l.barycentrics = vec2(0.0);
-    l.to_light = w0.xyz - origin;
-    l.radiance = load_material(w1.w).group[GROUP_EMISSION].rgb;
-    vec3 direction = normalize(l.to_light);
-    l.pdf = PI * w0.w * w0.w;
-    if (HAS_EMITTER(EMITTER_DISCS) && w1.w >> SHAPE_KIND_SHIFT == SHAPE_KIND_DISC)
-        l.pdf *= abs(dot(direction, uintBitsToFloat(w1.xyz)));
+    l.to_light = shape.center - origin;
+    l.radiance = load_material(shape.word).group[GROUP_EMISSION].rgb;
+    l.pdf = shape_area_seen(shape, normalize(l.to_light));
+    bool is_solid = HAS_EMITTER(EMITTERS_SOLID) && shape.kind >= SHAPE_KIND_BOX;
+    if (is_solid) {
+        crossings c = cross_shape(origin, l.to_light, shape, false);
+        bool is_near = c.first > 0.0 && c.first < 1.0;
+        l.to_light *= is_near ? c.first : 1.0;
+        l.barycentrics = is_near ? c.first_at : vec2(1.0, 0.0);
+    }
     return l;
 }
 

@@ -4,6 +4,7 @@
 #include "emitters.h"
 #include "environment_table.h"
 #include "film_aovs.h"
+#include "large_spheres.h"
 #include "shared/sdf.h"
 #include "shared/types.h"
 #include <string.h>
@@ -355,6 +356,7 @@ struct specialization specialize(const struct specialize_params *p)
         .geometry = geometry_of(flat, bvh),
         .sdf = sdf_operations(scene),
     };
+    s.geometry |= has_large_spheres(flat, p->camera) ? GEOMETRY_LARGE_SPHERES : 0u;
     uint32_t classes = 0;
     s.features = geometry_features(flat) | material_features(scene, flat, s.class_lobes);
     for (uint32_t c = 0; c < CLASS_COUNT; c++) {
@@ -382,8 +384,9 @@ struct specialization specialize(const struct specialize_params *p)
         s.features |= FEATURE_FALLOFF;
     if (p->everything) {
         s.features |= harmless_features(settings);
-        s.geometry |= GEOMETRY_SPHERES | GEOMETRY_DISCS;
-        s.emitters |= EMITTERS_ALL & ~(EMITTERS_SHAPES & ~(EMITTER_SPHERES | EMITTER_DISCS));
+        // Distance fields have operations, and other spheres other digits.
+        s.geometry |= GEOMETRY_SHAPES & ~GEOMETRY_SDFS;
+        s.emitters |= EMITTERS_ALL;
         s.lobes = LOBES_ALL;
         for (uint32_t c = 0; c < CLASS_COUNT; c++)
             s.class_lobes[c] = s.class_lobes[c] ? LOBES_ALL : 0u;

@@ -52,9 +52,45 @@ FEATURES = {
         "shade_surface": ["load_triangle_surface()", "sample_triangle_light()", "[triangles]"],
     }),
     "spheres": (["GEOMETRY_SPHERES", "GEOMETRY_LARGE_SPHERES", "EMITTER_SPHERES"], {
-        "intersect_closest": ["intersect_sphere()"],
-        "intersect_shadow": ["intersect_sphere()"],
-        "shade_surface": ["sample_sphere_light()", "pdf_sphere_cone()"],
+        "intersect_closest": ["intersect_large_sphere()"],
+        "intersect_shadow": ["intersect_large_sphere()"],
+        "shade_surface": ["sample_sphere_light()", "pdf_sphere_cone()", "sphere_height()"],
+    }),
+    "large spheres": (["GEOMETRY_LARGE_SPHERES"], {
+        "intersect_closest": ["intersect_large_sphere()", "exact_product()"],
+        "intersect_shadow": ["intersect_large_sphere()", "exact_product()"],
+        "shade_surface": ["sphere_height()", "exact_product()"],
+    }),
+    "planes": (["GEOMETRY_PLANES"], {
+        "intersect_closest": ["intersect_plane()"],
+        "intersect_shadow": ["intersect_plane()"],
+        "shade_surface": ["place_on_plane()"],
+    }),
+    "quads": (["GEOMETRY_QUADS", "EMITTER_QUADS"], {
+        "intersect_closest": ["intersect_quad()"],
+        "intersect_shadow": ["intersect_quad()"],
+        "shade_surface": ["surface_of_quad()", "place_on_quad()"],
+    }),
+    "boxes": (["GEOMETRY_BOXES", "EMITTER_BOXES"], {
+        "intersect_closest": ["intersect_box()"],
+        "intersect_shadow": ["intersect_box()"],
+        "shade_surface": ["surface_of_box()", "intersect_box()", "place_on_box()"],
+    }),
+    "cylinders": (["GEOMETRY_CYLINDERS", "EMITTER_CYLINDERS"], {
+        "intersect_closest": ["intersect_cylinder()"],
+        "intersect_shadow": ["intersect_cylinder()"],
+        "shade_surface": ["intersect_cylinder()"],
+    }),
+    "tubes": (["GEOMETRY_TUBES", "EMITTER_TUBES"], {
+        "intersect_closest": ["intersect_tube()"],
+        "intersect_shadow": ["intersect_tube()"],
+        "shade_surface": ["intersect_tube()"],
+    }),
+    "all cylinders": (["GEOMETRY_CYLINDERS", "EMITTER_CYLINDERS", "GEOMETRY_TUBES",
+                       "EMITTER_TUBES"], {
+        "intersect_closest": ["intersect_round()", "side_bound()"],
+        "intersect_shadow": ["intersect_round()", "side_bound()"],
+        "shade_surface": ["surface_of_cylinder()", "place_on_cylinder()", "sample_cylinder()"],
     }),
     "discs": (["GEOMETRY_DISCS", "EMITTER_DISCS"], {
         "intersect_closest": ["intersect_disc()"],
@@ -121,6 +157,10 @@ FEATURES = {
         "shade_surface": ["sample_sphere_light()", "pdf_sphere_cone()", "sample_sphere()"],
     }),
     "emissive discs": (["EMITTER_DISCS"], {"shade_surface": ["basis_around() x1"]}),
+    "emissive quads": (["EMITTER_QUADS"], {"shade_surface": ["sample_quad()"]}),
+    "emissive boxes": (["EMITTER_BOXES"], {"shade_surface": ["sample_box()"]}),
+    "emissive cylinders": (["EMITTER_CYLINDERS"], {"shade_surface": ["-"]}),
+    "emissive tubes": (["EMITTER_TUBES"], {"shade_surface": ["-"]}),
     "emissive shapes": (EMISSIVE[1:], {
         "shade_surface": ["sample_shape_light()"],
     }),

@@ -1,0 +1,61 @@
+// Spheres whose equation needs more digits than a float has: a ground of 1e6 m, seen from a man's
+// height, is 1e12 m^2 less 1e12 m^2. Pure functions.
+#ifndef LARGE_SPHERE_GLSL
+#define LARGE_SPHERE_GLSL
+
+#include "lib/double_float.glsl"
+
+// A sphere seen from a point, without rounding: from its centre to the point high + low; all
+// lengths in a unit, a power of two, in which their squares neither overflow nor underflow.
+struct exact_sphere {
+    vec3 high, low;
+    float radius;
+    float unit;
+};
+
+exact_sphere exact_sphere_from(vec3 point, vec3 center, float radius)
+{
+    vec2 x = exact_sum(point.x, -center.x);
+    vec2 y = exact_sum(point.y, -center.y);
+    vec2 z = exact_sum(point.z, -center.z);
+    float size = max(max(abs(x.x), abs(y.x)), max(abs(z.x), radius));
+    float unit = size > 1e9 ? 1099511627776.0 : size < 1e-9 ? 9.094947017729282e-13 : 1.0;
+    return exact_sphere(vec3(x.x, y.x, z.x) / unit, vec3(x.y, y.y, z.y) / unit, radius / unit,
+                        unit);
+}
+
+// f.f - r^2: negative inside.
+vec2 sphere_power(exact_sphere s)
+{
+    vec2 square = dot_exactly(s.high, s.high);
+    square = add_exactly(square, vec2(2.0 * dot(s.high, s.low), 0.0));
+    return renormalise(add_exactly(square, -exact_product(s.radius, s.radius)));
+}
+
+// How far a point is from the surface, outside positive: |f| - r = (f.f - r^2) / (|f| + r).
+float sphere_height(vec3 point, vec3 center, float radius)
+{
+    exact_sphere s = exact_sphere_from(point, center, radius);
+    return s.unit * (sphere_power(s).x / (length(s.high) + s.radius));
+}
+
+// Both crossings in ascending order; false where there are none. A ray that starts on this very
+// sphere starts on the side that it goes to, by more than the rounding of where it starts: from
+// outside it goes away, and from inside there is one crossing ahead.
+bool intersect_large_sphere(vec3 origin, vec3 direction, vec3 center, float radius,
+                            bool starts_here, out vec2 t)
+{
+    exact_sphere s = exact_sphere_from(origin, center, radius);
+    vec2 a = dot_exactly(direction, direction);
+    vec2 b = -add_exactly(dot_exactly(s.high, direction), vec2(dot(s.low, direction), 0.0));
+    vec2 c = sphere_power(s);
+    vec2 discriminant = renormalise(add_exactly(multiply(b, b), -multiply(a, c)));
+    float root = sqrt(max(discriminant.x, 0.0));
+    float q = b.x + (b.x < 0.0 ? -root : root);
+    float t0 = c.x / q;
+    float t1 = q / a.x;
+    t = s.unit * vec2(min(t0, t1), max(t0, t1));
+    return discriminant.x >= 0.0 && !(starts_here && c.x >= 0.0);
+}
+
+#endif
