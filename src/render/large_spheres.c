@@ -67,6 +67,6 @@ bool has_large_spheres(const struct flat_scene *flat, const struct camera *camer
             return true;
     }
     // Triangles may be many.
-    return largest > 0 && (largest > LARGE_RATIO * detail ||
-                           largest > LARGE_RATIO * triangles_size(flat));
+    return largest > 0 &&
+           (largest > LARGE_RATIO * detail || largest > LARGE_RATIO * triangles_size(flat));
 }
