@@ -1,0 +1,330 @@
+// Analytic shapes in scenes whose radiance is known: closed furnaces of every shape and scale,
+// what shapes that glow send to a floor, ground without end and ground that is a huge sphere.
+#include "closed_form.h"
+
+// --- the forms ----------------------------------------------------------------------------------
+
+// A convex body sees nothing but the environment.
+static double convex(double rho, double le, double unused)
+{
+    (void)unused;
+    return rho * le;
+}
+
+// Every ray meets a wall: the first `bounces` + 1 terms of a geometric series.
+static double closed(double rho, double le, double bounces)
+{
+    return le * (1.0 - pow(rho, bounces + 1.0)) / (1.0 - rho);
+}
+
+// Two planes without end face each other, the lower one glows.
+static double plates(double rho, double le, double unused)
+{
+    (void)unused;
+    return le / (1.0 - rho * rho);
+}
+
+static double sun_above(double rho, double le, double degrees)
+{
+    return rho / M_PI * le * cos(degrees * M_PI / 180.0);
+}
+
+// A square of side 2 above its middle: four times factor B-3 of Howell's catalog.
+static double square_above(double rho, double le, double height)
+{
+    double a = 1.0 / height, root = sqrt(1.0 + a * a);
+    return rho * le * 4.0 * a / root * atan(a / root) / M_PI;
+}
+
+static void cross(const double a[3], const double b[3], double out[3])
+{
+    for (int i = 0; i < 3; i++)
+        out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
+}
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+// Lambert's sum over the edges of a parallelogram above the horizon of a floor in y = 0, as a part
+// of pi Le: the sign says which side the origin sees.
+static double parallelogram(const double center[3], const double u[3], const double v[3])
+{
+    double corners[4][3], sum = 0.0;
+    for (int i = 0; i < 3; i++) {
+        corners[0][i] = center[i] - u[i] - v[i];
+        corners[1][i] = center[i] + u[i] - v[i];
+        corners[2][i] = center[i] + u[i] + v[i];
+        corners[3][i] = center[i] - u[i] + v[i];
+    }
+    for (int i = 0; i < 4; i++) {
+        double normal[3];
+        cross(corners[i], corners[(i + 1) % 4], normal);
+        double sine = sqrt(dot(normal, normal));
+        sum += atan2(sine, dot(corners[i], corners[(i + 1) % 4])) * normal[1] / sine;
+    }
+    return 0.5 * sum / M_PI;
+}
+
+// The box of half edges (0.9, 0.5, 1.4), turned by 30 degrees about z, at (1, 1.5, 0.5): the sum
+// over the faces that the origin sees.
+static double box_above(double rho, double le, double unused)
+{
+    (void)unused;
+    double c = cos(M_PI / 6), s = sin(M_PI / 6), factor = 0.0;
+    const double center[3] = {1, 1.5, 0.5};
+    const double axes[3][3] = {{0.9 * c, 0.9 * s, 0}, {-0.5 * s, 0.5 * c, 0}, {0, 0, 1.4}};
+    for (int face = 0; face < 6; face++) {
+        double at[3], sign = face < 3 ? 1 : -1;
+        for (int i = 0; i < 3; i++)
+            at[i] = center[i] + sign * axes[face % 3][i];
+        if (sign * dot(at, axes[face % 3]) < 0)
+            factor += fabs(parallelogram(at, axes[(face + 1) % 3], axes[(face + 2) % 3]));
+    }
+    return rho * le * factor;
+}
+
+// What a small piece of surface at p, of the given outward normal times its area, adds to the
+// configuration factor of the floor at the origin.
+static double piece(const double p[3], const double normal[3])
+{
+    double square = dot(p, p), away = -dot(p, normal);
+    return away > 0 && p[1] > 0 ? away * p[1] / (M_PI * square * square) : 0.0;
+}
+
+#define STEPS 600
+
+// A closed cylinder of radius 0.8 about the axis from (1, 1, -1) to (1.5, 2, 1), by the midpoint
+// rule over its wall and its caps.
+static double cylinder_above(double rho, double le, double unused)
+{
+    (void)unused;
+    const double center[3] = {1.25, 1.5, 0}, half[3] = {0.25, 0.5, 1}, radius = 0.8;
+    double length = sqrt(dot(half, half)), axis[3], x[3], y[3], factor = 0.0;
+    for (int i = 0; i < 3; i++)
+        axis[i] = half[i] / length;
+    cross(axis, (double[3]){1, 0, 0}, x);
+    double norm = sqrt(dot(x, x));
+    for (int i = 0; i < 3; i++)
+        x[i] /= norm;
+    cross(axis, x, y);
+    for (int a = 0; a < STEPS; a++) {
+        double angle = 2 * M_PI * (a + 0.5) / STEPS;
+        for (int b = 0; b < STEPS; b++) {
+            double along = 2 * (b + 0.5) / STEPS - 1, ring = radius * (b + 0.5) / STEPS;
+            double wall = 2 * length / STEPS * 2 * M_PI * radius / STEPS;
+            double cap = radius / STEPS * ring * 2 * M_PI / STEPS;
+            double p[3], caps[2][3], outward[3], up[3], down[3];
+            for (int i = 0; i < 3; i++) {
+                double across = cos(angle) * x[i] + sin(angle) * y[i];
+                p[i] = center[i] + along * half[i] + radius * across;
+                caps[0][i] = center[i] + half[i] + ring * across;
+                caps[1][i] = center[i] - half[i] + ring * across;
+                outward[i] = wall * across;
+                up[i] = cap * axis[i];
+                down[i] = -cap * axis[i];
+            }
+            factor += piece(p, outward) + piece(caps[0], up) + piece(caps[1], down);
+        }
+    }
+    return rho * le * factor;
+}
+
+// An upright tube of radius 1 from 1 to 3 above: its wall is seen from inside, between the disc at
+// its lower end and the one at its upper end.
+static double tube_above(double rho, double le, double unused)
+{
+    (void)unused;
+    return rho * le * (0.5 - 0.1);
+}
+
+// A disc of radius 0.5 so near that it is all there is to see.
+static double touching(double rho, double le, double gap)
+{
+    return rho * le * 0.25 / (0.25 + gap * gap);
+}
+
+// --- the scenes ---------------------------------------------------------------------------------
+
+// A camera inside of a room as large as `scale`, and the room's shapes.
+// clang-format off
+#define EYE(x, y, z)                                                                               \
+    {"camera", JSON({"position": [x, y, z], "direction": [0.3, -0.2, -1], "fov_degrees": 90})}
+#define ROOM(...) {"shapes", "[" JSON(__VA_ARGS__) "]"}
+#define NEAR(x, y, z, ...) EYE(x, y, z), ROOM(__VA_ARGS__)
+#define BOX(a) {"type": "box", "material": "glowing", "as": "analytic", "min": [-a, -a, -a],       \
+    "max": [a, a, a]}
+#define SPHERE(a) {"type": "sphere", "material": "glowing", "radius": a}
+#define CYLINDER(a) {"type": "cylinder", "material": "glowing", "radius": a, "from": [0, -a, 0],   \
+    "to": [0, a, 0]}
+// A tube that discs close.
+#define PIPE(a) {"type": "cylinder", "material": "glowing", "radius": a, "from": [-a, 0, 0],       \
+    "to": [a, 0, 0], "caps": "${open}"},                                                               \
+    {"type": "disc", "material": "glowing", "radius": a, "center": [a, 0, 0], "normal": [1, 0, 0]},\
+    {"type": "disc", "material": "glowing", "radius": a, "center": [-a, 0, 0], "normal": [1, 0, 0]}
+#define SIDE(x, y, z, a, b, c, d, e, f) {"type": "quad", "material": "glowing", "as": "analytic",  \
+    "corner": [x, y, z], "u": [a, b, c], "v": [d, e, f]}
+// Some of them are wound the other way round.
+#define SIDES                                                                                      \
+    SIDE(-1, -1, -1, 2, 0, 0, 0, 2, 0), SIDE(-1, -1, 1, 2, 0, 0, 0, 2, 0),                         \
+    SIDE(-1, -1, -1, 0, 0, 2, 2, 0, 0), SIDE(-1, 1, -1, 2, 0, 0, 0, 0, 2),                         \
+    SIDE(-1, -1, -1, 0, 2, 0, 0, 0, 2), SIDE(1, -1, -1, 0, 0, 2, 0, 2, 0)
+#define PLANE(x, y, z) {"type": "plane", "material": "glowing", "point": [x, y, z],                \
+    "normal": [x, y, z]}
+#define PLANES PLANE(1, 0, 0), PLANE(-1, 0, 0), PLANE(0, 1, 0), PLANE(0, -1, 0), PLANE(0, 0, 1),   \
+    PLANE(0, 0, -1)
+#define TWO_BOUNCES {"settings", JSON({"max_bounces": 2})}
+#define OPEN {"define.open", "false"}
+#define NO_LIGHT {"light", "0"}
+#define ROOM_FILE OURS "sphere_furnace.json"
+#define FLOOR_FILE OURS "floor_light.json"
+#define LIGHT(...) {"light", JSON(__VA_ARGS__)}
+// Between a floor and a light that are closer than the file's camera is to the floor.
+#define SQUEEZED {"camera", JSON({"position": [0, 2e-5, 0], "direction": [0, -1, 0],               \
+    "up": [0, 0, 1], "fov_degrees": 5e-5})}
+#define GROUND(...) {"shapes", "[" JSON(__VA_ARGS__) "]"}
+#define SKY {"environment", JSON({"radiance": [1, 2, 4]})}
+#define STANDING(height, fov) {"camera", JSON({"position": [0, height, 0],                         \
+    "target": [0, 0, -10], "fov_degrees": fov})}
+#define HUGE_BALL(r) {"type": "sphere", "material": "plane", "radius": r, "center": [0, -r, 0]}
+#define LOWER {"type": "plane", "material": "lower", "normal": [0, 1, 0]}
+#define UPPER {"type": "plane", "material": "upper", "normal": [0, 1, 0], "point": [0, 1, 0]}
+
+static const struct closed_form rooms[] = {
+    {"3 box", ROOM_FILE, closed, 2, BY_STATISTICS, EACH_ALONE,
+     {NEAR(0.3, -0.2, 0.4, BOX(1)), TWO_BOUNCES}},
+    {"C1 box of 1e-6", ROOM_FILE, closed, 2, BY_STATISTICS, EACH_ALONE,
+     {NEAR(3e-7, -2e-7, 4e-7, BOX(1e-6)), TWO_BOUNCES}},
+    {"C1 box of 1e6", ROOM_FILE, closed, 2, BY_STATISTICS, EACH_ALONE,
+     {NEAR(3e5, -2e5, 4e5, BOX(1e6)), TWO_BOUNCES}},
+    {"3 cylinder", ROOM_FILE, closed, 2, BY_STATISTICS, EACH_ALONE,
+     {NEAR(0.3, -0.2, 0.4, CYLINDER(1)), TWO_BOUNCES}},
+    {"C1 cylinder of 1e-6", ROOM_FILE, closed, 2, BY_STATISTICS, EACH_ALONE,
+     {NEAR(3e-7, -2e-7, 4e-7, CYLINDER(1e-6)), TWO_BOUNCES}},
+    {"C1 cylinder of 1e6", ROOM_FILE, closed, 2, BY_STATISTICS, EACH_ALONE,
+     {NEAR(3e5, -2e5, 4e5, CYLINDER(1e6)), TWO_BOUNCES}},
+    {"3 tube and discs", ROOM_FILE, closed, 2, BY_STATISTICS, EACH_ALONE,
+     {NEAR(0.3, -0.2, 0.4, PIPE(1)), TWO_BOUNCES, OPEN}},
+    {"C1 tube and discs of 1e-6", ROOM_FILE, closed, 2, BY_STATISTICS, EACH_ALONE,
+     {NEAR(3e-7, -2e-7, 4e-7, PIPE(1e-6)), TWO_BOUNCES, OPEN}},
+    {"C1 tube and discs of 1e6", ROOM_FILE, closed, 2, BY_STATISTICS, EACH_ALONE,
+     {NEAR(3e5, -2e5, 4e5, PIPE(1e6)), TWO_BOUNCES, OPEN}},
+    {"C1 sphere of 1e-6", ROOM_FILE, closed, 2, BY_STATISTICS, EACH_ALONE,
+     {NEAR(3e-7, -2e-7, 4e-7, SPHERE(1e-6)), TWO_BOUNCES}},
+    {"C1 sphere of 1e6", ROOM_FILE, closed, 2, BY_STATISTICS, EACH_ALONE,
+     {NEAR(3e5, -2e5, 4e5, SPHERE(1e6)), TWO_BOUNCES}},
+    {"C27 quads", ROOM_FILE, closed, 2, BY_STATISTICS, EACH_ALONE,
+     {NEAR(0.3, -0.2, 0.4, SIDES), TWO_BOUNCES}},
+    {"C2 box at 1e5", ROOM_FILE, closed, 2, BY_STATISTICS, EACH_ALONE,
+     {NEAR(100000.3, 99999.8, -99999.6, {"type": "box", "material": "glowing", "as": "analytic",
+      "min": [99999, 99999, -100001], "max": [100001, 100001, -99999]}), TWO_BOUNCES}},
+    {"C2 cylinder at 1e5", ROOM_FILE, closed, 2, BY_STATISTICS, EACH_ALONE,
+     {NEAR(100000.3, 99999.8, -99999.6, {"type": "cylinder", "material": "glowing", "radius": 1,
+      "from": [100000, 99999, -100000], "to": [100000, 100001, -100000]}), TWO_BOUNCES}},
+    {"3 planes", ROOM_FILE, closed, 2, BY_STATISTICS, BSDF_ALONE,
+     {NEAR(0.3, -0.2, 0.4, PLANES), TWO_BOUNCES}},
+};
+
+static const struct closed_form lights[] = {
+    {"8 analytic square at 1", FLOOR_FILE, square_above, 1, BY_STATISTICS, EACH_ALONE,
+     {LIGHT({"type": "quad", "as": "analytic", "material": "light", "corner": [-1, 1, 1],
+             "u": [2, 0, 0], "v": [0, 0, -2]})}},
+    {"9 analytic square at 0.001", FLOOR_FILE, square_above, 1e-3, BY_STATISTICS, BSDF_ALONE,
+     {LIGHT({"type": "quad", "as": "analytic", "material": "light", "corner": [-1, 1e-3, 1],
+             "u": [2, 0, 0], "v": [0, 0, -2]})}},
+    {"9 analytic square at 1000", FLOOR_FILE, square_above, 1e3, BY_STATISTICS, NEE_ALONE,
+     {LIGHT({"type": "quad", "as": "analytic", "material": "light", "corner": [-1, 1e3, 1],
+             "u": [2, 0, 0], "v": [0, 0, -2]})}},
+    {"12 box", FLOOR_FILE, box_above, 0, BY_STATISTICS, EACH_ALONE,
+     {LIGHT({"type": "box", "as": "analytic", "material": "light", "min": [-0.9, -0.5, -1.4],
+             "max": [0.9, 0.5, 1.4], "transform": [{"rotate": {"axis": [0, 0, 1], "degrees": 30}},
+             {"translate": [1, 1.5, 0.5]}]})}},
+    {"12 tube", FLOOR_FILE, tube_above, 0, BY_STATISTICS, EACH_ALONE,
+     {OPEN, NO_LIGHT, GROUND({"type": "disc", "material": "floor", "radius": 2, "normal": [0, 1, 0]},
+      {"type": "cylinder", "caps": "${open}", "material": "light", "radius": 1, "from": [0, 1, 0],
+       "to": [0, 3, 0]})}},
+
+    {"C3 cylinder over a box", FLOOR_FILE, touching, 4e-5, BY_STATISTICS, BSDF_ALONE,
+     {SQUEEZED, NO_LIGHT, GROUND({"type": "box", "as": "analytic", "material": "floor", "min": [-1, -1, -1],
+      "max": [1, 0, 1]}, {"type": "cylinder", "material": "light", "radius": 0.5,
+      "from": [0, 4e-5, 0], "to": [0, 1, 0]})}},
+    {"C3 disc over a cylinder", FLOOR_FILE, touching, 4e-5, BY_STATISTICS, BSDF_ALONE,
+     {SQUEEZED, NO_LIGHT, GROUND({"type": "cylinder", "material": "floor", "radius": 1, "from": [0, -1, 0],
+      "to": [0, 0, 0]}, {"type": "disc", "material": "light", "radius": 0.5,
+      "center": [0, 4e-5, 0], "normal": [0, 1, 0]})}},
+    {"C3 plane over a quad", FLOOR_FILE, convex, 0, BY_STATISTICS, BSDF_ALONE,
+     {SQUEEZED, NO_LIGHT, GROUND({"type": "quad", "as": "analytic", "material": "floor", "corner": [-1, 0, -1],
+      "u": [2, 0, 0], "v": [0, 0, 2]}, {"type": "plane", "material": "light", "normal": [0, 1, 0],
+      "point": [0, 4e-5, 0]})}},
+};
+
+static const struct closed_form grounds[] = {
+    {"14 planes", OURS "plates.json", plates, 0, BY_STATISTICS, BSDF_ALONE, {GROUND(LOWER, UPPER)}},
+    {"2 plane under a sky", OURS "plane.json", convex, 0, BY_STATISTICS, EACH_ALONE,
+     {SKY, STANDING(2, 5), GROUND({"type": "plane", "material": "plane", "normal": [0, 1, 0]})}},
+    {"2 plane on edge at 1e5", OURS "plane.json", convex, 0, BY_STATISTICS, EACH_ALONE,
+     {SKY, {"camera", JSON({"position": [100001, 5e4, 7], "target": [1e5, 50001, 8],
+      "fov_degrees": 5})}, GROUND({"type": "plane", "material": "plane", "normal": [1, 0, 0],
+      "point": [1e5, 0, 0]})}},
+    {"6 sun on a plane", FLOOR_FILE, sun_above, 60, WITHOUT_VARIANCE, NEE_ALONE,
+     {STANDING(2, 5), NO_LIGHT, GROUND({"type": "plane", "material": "floor", "normal": [0, 1, 0]}),
+      {"lights", JSON([{"type": "directional", "irradiance": [1, 2, 4],
+      "direction": [-0.8660254037844386, -0.5, 0]}])}}},
+    {"C13 ground sphere of 1e6", OURS "plane.json", convex, 0, BY_STATISTICS, EACH_ALONE,
+     {SKY, STANDING(2, 5), GROUND(HUGE_BALL(1e6))}},
+    {"C13 ground sphere of 1e4", OURS "plane.json", convex, 0, BY_STATISTICS, EACH_ALONE,
+     {SKY, STANDING(2, 5), GROUND(HUGE_BALL(1e4))}},
+};
+
+static const struct closed_form more[] = {
+    {"12 cylinder", FLOOR_FILE, cylinder_above, 0, BY_STATISTICS, EACH_ALONE,
+     {LIGHT({"type": "cylinder", "material": "light", "radius": 0.8, "from": [1, 1, -1],
+             "to": [1.5, 2, 1]})}},
+    {"3 box, all bounces", ROOM_FILE, closed, INFINITY, BY_STATISTICS, EACH_ALONE,
+     {NEAR(0.3, -0.2, 0.4, BOX(1)), {"settings", JSON({"max_bounces": 1000})}}},
+};
+// clang-format on
+
+#define COUNT(forms) (sizeof(forms) / sizeof(forms)[0])
+
+TEST(closed_rooms)
+{
+    closed_forms_by_default(rooms, COUNT(rooms), 70000);
+}
+
+TEST(lights_over_a_floor)
+{
+    closed_forms_by_default(lights, COUNT(lights), 72000);
+}
+
+TEST(grounds_without_end)
+{
+    closed_forms_by_default(grounds, COUNT(grounds), 74000);
+}
+
+TEST(by_every_estimator)
+{
+    closed_forms_by_every_estimator(rooms, COUNT(rooms), 80000);
+    closed_forms_by_every_estimator(lights, COUNT(lights), 82000);
+    closed_forms_by_every_estimator(grounds, COUNT(grounds), 84000);
+    closed_forms_by_every_estimator(more, COUNT(more), 86000);
+}
+
+TEST(by_every_light_choice)
+{
+    closed_forms_by_every_light_choice(rooms, COUNT(rooms), 90000);
+    closed_forms_by_every_light_choice(lights, COUNT(lights), 92000);
+    closed_forms_by_every_light_choice(grounds, COUNT(grounds), 94000);
+}
+
+TEST(validation_is_silent)
+{
+    closed_forms_validated(rooms, COUNT(rooms));
+    closed_forms_validated(lights, COUNT(lights));
+    closed_forms_validated(grounds, COUNT(grounds));
+}
+
+TEST_MAIN(TEST_CASE(closed_rooms), TEST_CASE(lights_over_a_floor), TEST_CASE(grounds_without_end),
+          TEST_CASE(validation_is_silent), TEST_CASE(by_every_estimator),
+          TEST_CASE(by_every_light_choice))
