@@ -259,7 +259,8 @@ static void warn_about_extent(const struct flat_scene *flat)
 bool geometry_prepare(const struct geometry_params *p, struct arena *arena, struct flat_scene *flat,
                       struct bvh *bvh, struct err *err)
 {
-    if (!scene_flatten(p->scene, p->instancing, arena, flat, err))
+    const struct flatten_params params = {p->scene, p->instancing, p->progress};
+    if (!scene_flatten(&params, arena, flat, err))
         return false;
     warn_about_extent(flat);
     return build_bvh(p, flat, arena, bvh, err);

@@ -88,28 +88,43 @@ static bool drop_triangle(struct flat_scene *flat, struct arena *arena)
     return true;
 }
 
+struct flattening {
+    const struct flatten_params *params;
+    struct flat_scene *flat;
+    struct arena *arena;
+    uint64_t triangle_count; // that there will be, dropped ones included
+};
+
 // All triangles of an instance, or of a shared mesh as an instance of itself. `run`: where its
 // first triangle is noted.
-static bool add_triangles(struct flat_scene *flat, const struct scene *scene,
-                          const struct placement *placement, uint32_t run, struct arena *arena,
+static bool add_triangles(struct flattening *f, const struct placement *placement, uint32_t run,
                           struct err *err)
 {
-    flat->instance_first[run] = flat->triangle_count + flat->dropped_degenerate;
-    for (uint32_t t = 0; t < placement->mesh->triangle_count; t++)
-        if (!add_triangle(flat, scene, placement, t) && !drop_triangle(flat, arena))
+    struct flat_scene *flat = f->flat;
+    uint32_t first = flat->triangle_count + flat->dropped_degenerate;
+    flat->instance_first[run] = first;
+    for (uint32_t t = 0; t < placement->mesh->triangle_count; t++) {
+        double done = (double)(first + t) / (double)f->triangle_count;
+        if ((first + t) % FLATTEN_POLL == 0 &&
+            !flatten_goes_on(f->params, FLATTEN_CENSUS_PART + done * (1 - FLATTEN_CENSUS_PART),
+                             err))
+            return false;
+        if (!add_triangle(flat, f->params->scene, placement, t) && !drop_triangle(flat, f->arena))
             return err_memory(err, "dropped triangles", flat->dropped_degenerate * 4u);
+    }
     return true;
 }
 
-static bool add_world(struct flat_scene *flat, const struct scene *scene,
-                      const struct census *census, struct arena *arena, struct err *err)
+static bool add_world(struct flattening *f, const struct census *census, struct err *err)
 {
+    const struct scene *scene = f->params->scene;
+    struct flat_scene *flat = f->flat;
     for (uint32_t i = 0; i < scene->instance_count; i++) {
         flat->instance_first[i] = flat->triangle_count + flat->dropped_degenerate;
         if (census->instances[i] != INSTANCE_FLATTENED)
             continue;
         const struct placement placement = place(scene, &scene->instances[i], flat->origin);
-        if (!add_triangles(flat, scene, &placement, i, arena, err))
+        if (!add_triangles(f, &placement, i, err))
             return false;
     }
     flat->world_triangle_count = flat->triangle_count;
@@ -134,9 +149,10 @@ static void bound_mesh(const struct flat_scene *flat, struct flat_mesh *mesh)
     }
 }
 
-static bool add_meshes(struct flat_scene *flat, const struct scene *scene,
-                       const struct census *census, struct arena *arena, struct err *err)
+static bool add_meshes(struct flattening *f, const struct census *census, struct err *err)
 {
+    const struct scene *scene = f->params->scene;
+    struct flat_scene *flat = f->flat;
     for (uint32_t i = 0; i < scene->mesh_count; i++) {
         const struct mesh_use *use = &census->meshes[i];
         struct instance own = {.mesh = i, .material = SCENE_NONE};
@@ -148,7 +164,7 @@ static bool add_meshes(struct flat_scene *flat, const struct scene *scene,
         flatten_choose_origin(&use->bounds, origin);
         mesh->first_triangle = flat->triangle_count;
         const struct placement placement = place(scene, &own, origin);
-        if (!add_triangles(flat, scene, &placement, flat->instance_count + use->flat, arena, err))
+        if (!add_triangles(f, &placement, flat->instance_count + use->flat, err))
             return false;
         mesh->triangle_count = flat->triangle_count - mesh->first_triangle;
         bound_mesh(flat, mesh);
@@ -227,32 +243,34 @@ static void mark_materials(struct flat_scene *flat)
     }
 }
 
-static bool flatten(const struct scene *scene, enum instancing instancing, struct arena *scratch,
-                    struct arena *arena, struct flat_scene *out, struct err *err)
+static bool flatten(const struct flatten_params *params, struct arena *scratch, struct arena *arena,
+                    struct flat_scene *out, struct err *err)
 {
+    const struct scene *scene = params->scene;
+    struct flattening f = {params, out, arena, 0};
     struct census census;
-    if (!flatten_take_census(scene, instancing, scratch, &census, err) ||
+    if (!flatten_take_census(params, scratch, &census, err) ||
         !reserve(scene, &census, arena, out, err))
         return false;
+    f.triangle_count = census.world_triangle_count + census.shared_triangle_count;
     out->skipped_instances = census.skipped_instances;
     flatten_choose_origin(&census.bounds, out->origin);
-    if (!add_world(out, scene, &census, arena, err) ||
-        !add_meshes(out, scene, &census, arena, err) ||
+    if (!add_world(&f, &census, err) || !add_meshes(&f, &census, err) ||
         !flatten_instances(scene, &census, out, err) || !flatten_shapes(scene, out, err))
         return false;
     mark_materials(out);
     return true;
 }
 
-bool scene_flatten(const struct scene *scene, enum instancing instancing, struct arena *arena,
-                   struct flat_scene *out, struct err *err)
+bool scene_flatten(const struct flatten_params *params, struct arena *arena, struct flat_scene *out,
+                   struct err *err)
 {
     struct arena scratch = {0};
     *out = (struct flat_scene){
         .bounds_min = {INFINITY, INFINITY, INFINITY},
         .bounds_max = {-INFINITY, -INFINITY, -INFINITY},
     };
-    bool ok = flatten(scene, instancing, &scratch, arena, out, err);
+    bool ok = flatten(params, &scratch, arena, out, err);
     arena_finish(&scratch);
     return ok;
 }

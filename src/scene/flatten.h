@@ -85,6 +85,12 @@ struct flat_scene {
     uint32_t skipped_instances;         // singular transforms (C30)
 };
 
+struct flatten_params {
+    const struct scene *scene;
+    enum instancing instancing;
+    const struct progress *progress; // phase "Flattening", of the calling thread
+};
+
 // The instance that a flat triangle is of (SCENE_NONE: a shared mesh's), and which of its mesh's
 // triangles it is.
 void flat_triangle_source(const struct flat_scene *flat, uint32_t id, uint32_t *instance,
@@ -92,8 +98,8 @@ void flat_triangle_source(const struct flat_scene *flat, uint32_t id, uint32_t *
 
 // Memory comes from `arena`. A vertex that is not finite after transformation is ERR_INPUT naming
 // instance, mesh and vertex; so is a transform that is not. Instances with singular transforms are
-// left out, with one warning a mesh.
-bool scene_flatten(const struct scene *scene, enum instancing instancing, struct arena *arena,
-                   struct flat_scene *out, struct err *err);
+// left out, with one warning a mesh. Being asked to stop is ERR_STOPPED.
+bool scene_flatten(const struct flatten_params *params, struct arena *arena, struct flat_scene *out,
+                   struct err *err);
 
 #endif

@@ -83,11 +83,21 @@ static void survey_materials(const struct scene *scene, const struct mesh *mesh,
     }
 }
 
-static void survey_mesh(const struct scene *scene, const struct mesh *mesh, struct mesh_use *use)
+bool flatten_goes_on(const struct flatten_params *params, double fraction, struct err *err)
+{
+    progress_report(params->progress, "Flattening", fraction);
+    return !progress_should_stop(params->progress) ||
+           err_set(err, ERR_STOPPED, "stopped while flattening the scene");
+}
+
+static bool survey_mesh(const struct flatten_params *params, const struct mesh *mesh,
+                        struct mesh_use *use, struct err *err)
 {
     double extent, farthest;
     *use = (struct mesh_use){.bounds = BOUNDS_EMPTY, .is_in_range = true};
     for (uint32_t t = 0; t < mesh->triangle_count; t++) {
+        if (t % FLATTEN_POLL == 0 && !flatten_goes_on(params, 0, err))
+            return false;
         for (int corner = 0; corner < 3; corner++) {
             double point[3];
             mesh_vertex(mesh, mesh->indices[t][corner], point);
@@ -98,8 +108,9 @@ static void survey_mesh(const struct scene *scene, const struct mesh *mesh, stru
     bounds_size(&use->bounds, &extent, &farthest);
     use->may_be_shared = mesh->triangle_count > 0 && use->is_in_range &&
                          extent >= SHARED_EXTENT_MIN && extent <= SHARED_EXTENT_MAX;
-    survey_materials(scene, mesh, use);
+    survey_materials(params->scene, mesh, use);
     warn_if_coarse(mesh, &use->bounds);
+    return true;
 }
 
 // --- instances -----------------------------------------------------------------------------------
@@ -236,11 +247,15 @@ static bool fail_vertex(const struct scene *scene, const struct instance *instan
 }
 
 // Adds an instance to the bounds; false with *err set when a vertex is out of range.
-static bool measure_vertices(const struct scene *scene, const struct instance *instance,
+static bool measure_vertices(const struct flatten_params *params, const struct instance *instance,
                              struct bounds *bounds, struct err *err)
 {
+    const struct scene *scene = params->scene;
     const struct mesh *mesh = &scene->meshes[instance->mesh];
     for (uint32_t t = 0; t < mesh->triangle_count; t++) {
+        if (t % FLATTEN_POLL == FLATTEN_POLL - 1 &&
+            !flatten_goes_on(params, FLATTEN_CENSUS_PART / 2, err))
+            return false;
         for (int corner = 0; corner < 3; corner++) {
             uint32_t vertex = mesh->indices[t][corner];
             double point[3];
@@ -255,35 +270,39 @@ static bool measure_vertices(const struct scene *scene, const struct instance *i
 }
 
 // The same for one of very many: by its mesh's box, unless that leaves the range.
-static bool measure_box(const struct scene *scene, const struct instance *instance,
+static bool measure_box(const struct flatten_params *params, const struct instance *instance,
                         const struct bounds *box, struct bounds *bounds, struct err *err)
 {
     double low[3], high[3];
     affine_box(instance->transform, box->min, box->max, low, high);
     if (!flatten_in_range(low) || !flatten_in_range(high))
-        return measure_vertices(scene, instance, bounds, err);
+        return measure_vertices(params, instance, bounds, err);
     bounds_add_point(bounds, low);
     bounds_add_point(bounds, high);
     return true;
 }
 
-static bool measure_world(const struct scene *scene, struct census *census, struct err *err)
+static bool measure_world(const struct flatten_params *params, struct census *census,
+                          struct err *err)
 {
+    const struct scene *scene = params->scene;
     for (uint32_t i = 0; i < scene->instance_count; i++) {
         const struct instance *instance = &scene->instances[i];
         struct mesh_use *use = &census->meshes[instance->mesh];
         if (census->instances[i] == INSTANCE_SKIPPED)
             continue;
+        if (i % FLATTEN_POLL == 0 && !flatten_goes_on(params, FLATTEN_CENSUS_PART / 2, err))
+            return false;
         // Its own materials' needs are the same for every instance.
         if (instance->material != SCENE_NONE || use->own_material++ == 0)
             attributes_census(scene, instance, &census->needs);
         if (census->instances[i] == INSTANCE_SHARES) {
-            if (!measure_box(scene, instance, &use->bounds, &census->bounds, err))
+            if (!measure_box(params, instance, &use->bounds, &census->bounds, err))
                 return false;
             continue;
         }
         census->world_triangle_count += scene->meshes[instance->mesh].triangle_count;
-        if (!measure_vertices(scene, instance, &census->bounds, err))
+        if (!measure_vertices(params, instance, &census->bounds, err))
             return false;
     }
     for (uint32_t i = 0; i < scene->shape_count; i++)
@@ -291,9 +310,10 @@ static bool measure_world(const struct scene *scene, struct census *census, stru
     return true;
 }
 
-bool flatten_take_census(const struct scene *scene, enum instancing instancing,
-                         struct arena *scratch, struct census *out, struct err *err)
+bool flatten_take_census(const struct flatten_params *params, struct arena *scratch,
+                         struct census *out, struct err *err)
 {
+    const struct scene *scene = params->scene;
     *out = (struct census){.bounds = BOUNDS_EMPTY};
     out->meshes = ARENA_NEW(scratch, struct mesh_use, scene->mesh_count);
     out->instances = ARENA_NEW(scratch, uint8_t, scene->instance_count);
@@ -301,10 +321,11 @@ bool flatten_take_census(const struct scene *scene, enum instancing instancing,
         return err_memory(err, "the census of meshes",
                           scene->mesh_count * sizeof *out->meshes + scene->instance_count);
     for (uint32_t i = 0; i < scene->mesh_count; i++)
-        survey_mesh(scene, &scene->meshes[i], &out->meshes[i]);
+        if (!survey_mesh(params, &scene->meshes[i], &out->meshes[i], err))
+            return false;
     if (!classify_instances(scene, out, err))
         return false;
     warn_of_skipped(scene, out);
-    choose_shared(scene, instancing, out);
-    return measure_world(scene, out, err);
+    choose_shared(scene, params->instancing, out);
+    return measure_world(params, out, err);
 }

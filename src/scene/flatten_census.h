@@ -32,9 +32,16 @@ struct census {
     uint32_t skipped_instances;
 };
 
+// Reports a fraction and asks whether to go on; false with an error when not.
+bool flatten_goes_on(const struct flatten_params *params, double fraction, struct err *err);
+// Triangles between two looks.
+#define FLATTEN_POLL 65536
+// What is reported when the census is taken.
+#define FLATTEN_CENSUS_PART 0.4
+
 // Arrays come from `scratch`. Warns of singular transforms and of meshes beyond their precision.
-bool flatten_take_census(const struct scene *scene, enum instancing instancing,
-                         struct arena *scratch, struct census *out, struct err *err);
+bool flatten_take_census(const struct flatten_params *params, struct arena *scratch,
+                         struct census *out, struct err *err);
 
 // Where the arrays of something with these bounds begin: (0,0,0), or its middle when it is small
 // for where it is.

@@ -102,7 +102,10 @@ static void trace_emission(const struct scene *scene, const struct flat_scene *f
     const struct bvh_params geometry = {.triangle_vertices = vertices,
                                         .triangle_stride = sizeof *flat->triangles,
                                         .triangle_count = flat->triangle_count};
-    const struct bvh_trace_scene trace = {bvh, &geometry, intersect_disc, flat};
+    const struct bvh_trace_scene trace = {.bvh = bvh,
+                                          .geometry = &geometry,
+                                          .intersect_shape = intersect_disc,
+                                          .shape_context = flat};
     const struct bvh_ray ray = camera_ray(scene, x, y);
     struct bvh_hit hit;
     bvh_trace_closest(&trace, &ray, &hit);

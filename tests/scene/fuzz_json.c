@@ -10,8 +10,8 @@ static bool load(struct scene *scene, const char *path, struct err *err)
     struct arena arena = {.limit_bytes = 256 << 20};
     struct flat_scene flat;
     scene->settings = settings_default();
-    bool ok =
-        load_json(scene, &params, err) && scene_flatten(scene, INSTANCING_AUTO, &arena, &flat, err);
+    bool ok = load_json(scene, &params, err) &&
+              scene_flatten(&(struct flatten_params){scene, INSTANCING_AUTO}, &arena, &flat, err);
     arena_finish(&arena);
     return ok;
 }

@@ -53,7 +53,8 @@ static void begin(struct fixture *f)
 static bool flatten(struct fixture *f)
 {
     warnings = 0;
-    return scene_flatten(&f->scene, INSTANCING_OFF, &f->arena, &f->flat, &f->err);
+    return scene_flatten(&(struct flatten_params){&f->scene, INSTANCING_OFF}, &f->arena, &f->flat,
+                         &f->err);
 }
 
 static void end(struct fixture *f)
@@ -387,7 +388,8 @@ TEST(shapes)
 static bool share(struct fixture *f, enum instancing instancing)
 {
     warnings = 0;
-    return scene_flatten(&f->scene, instancing, &f->arena, &f->flat, &f->err);
+    return scene_flatten(&(struct flatten_params){&f->scene, instancing}, &f->arena, &f->flat,
+                         &f->err);
 }
 
 // Where flat triangle `id` of instance `i` lies in the world, less where it should.
@@ -522,6 +524,30 @@ TEST(sharing_has_to_pay)
     free(many);
 }
 
+static bool stop(void *context)
+{
+    return --*(int *)context < 0;
+}
+
+TEST(flattening_stops_when_asked)
+{
+    struct fixture f;
+    begin(&f);
+    f.scene.instance_count = 4;
+    bool ok = false;
+    int most = 0;
+    for (; !ok && most < 100; most++) {
+        int left = most;
+        const struct progress progress = {.should_stop = stop, .context = &left};
+        const struct flatten_params params = {&f.scene, INSTANCING_OFF, &progress};
+        f.err = (struct err){0};
+        ok = scene_flatten(&params, &f.arena, &f.flat, &f.err);
+        CHECK(ok || f.err.code == ERR_STOPPED, "%s", f.err.msg);
+        end(&f);
+    }
+    CHECK(ok && most > 2, "%d looks", most);
+}
+
 TEST(memory_limits_are_errors)
 {
     struct fixture f;
@@ -576,6 +602,7 @@ int main(int argc, char **argv)
         TEST_CASE(far_instances_and_far_meshes_are_rebased),
         TEST_CASE(what_cannot_be_shared_is_in_the_world),
         TEST_CASE(sharing_has_to_pay),
+        TEST_CASE(flattening_stops_when_asked),
         TEST_CASE(memory_limits_are_errors),
         TEST_CASE(uniform_scales_are_recognised),
     };

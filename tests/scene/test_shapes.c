@@ -179,7 +179,9 @@ static void check_boxes(enum shape_kind kind)
         struct flat_scene flat;
         struct err err = {0};
         float min[3], max[3];
-        REQUIRE(scene_flatten(&scene, INSTANCING_AUTO, &arena, &flat, &err), "%s", err.msg);
+        REQUIRE(
+            scene_flatten(&(struct flatten_params){&scene, INSTANCING_AUTO}, &arena, &flat, &err),
+            "%s", err.msg);
         REQUIRE(flat.origin[0] == 0 && flat.origin[1] == 0 && flat.origin[2] == 0);
         flat_shape_box(&flat.shapes[0], min, max);
         const struct scene_part whole = scene_whole(&scene);
@@ -224,14 +226,17 @@ TEST(planes_have_no_bounds)
     struct err err = {0};
     struct scene alone = load_body("{\"type\": \"plane\", " MATERIAL ", \"normal\": [0, 1, 0]}");
     CHECK(alone.camera_is_framed && isfinite(alone.cameras[0].position[2]));
-    REQUIRE(scene_flatten(&alone, INSTANCING_AUTO, &arena, &flat, &err), "%s", err.msg);
+    REQUIRE(scene_flatten(&(struct flatten_params){&alone, INSTANCING_AUTO}, &arena, &flat, &err),
+            "%s", err.msg);
     CHECK(flat.bounds_min[0] > flat.bounds_max[0] && flat.shape_count == 1);
     scene_finish(&alone);
 
     struct scene with_ball = load_body(
         "{\"type\": \"sphere\", " MATERIAL ", \"radius\": 1, \"center\": [1e5, 0, 0]},"
         "{\"type\": \"plane\", " MATERIAL ", \"point\": [0, -1, 0], \"normal\": [0, 3, 4]}");
-    REQUIRE(scene_flatten(&with_ball, INSTANCING_AUTO, &arena, &flat, &err), "%s", err.msg);
+    REQUIRE(
+        scene_flatten(&(struct flatten_params){&with_ball, INSTANCING_AUTO}, &arena, &flat, &err),
+        "%s", err.msg);
     CHECK(flat.origin[0] == 1e5 && flat.bounds_max[1] < 1.001f);
     // Its point is near the origin now, and still one of the plane: 3 y + 4 z = -3.
     const float *point = flat.shapes[1].center;

@@ -55,7 +55,8 @@ static void begin(struct fixture *f)
 
 static bool flatten(struct fixture *f)
 {
-    return scene_flatten(&f->scene, INSTANCING_OFF, &f->arena, &f->flat, &f->err) &&
+    return scene_flatten(&(struct flatten_params){&f->scene, INSTANCING_OFF}, &f->arena, &f->flat,
+                         &f->err) &&
            f->flat.triangle_count == 1;
 }
 
@@ -139,7 +140,9 @@ TEST(missing_attributes)
     f.scene.meshes = meshes;
     f.scene.instances = instances;
     f.scene.mesh_count = f.scene.instance_count = 2;
-    REQUIRE(scene_flatten(&f.scene, INSTANCING_OFF, &f.arena, &f.flat, &f.err), "%s", f.err.msg);
+    REQUIRE(scene_flatten(&(struct flatten_params){&f.scene, INSTANCING_OFF}, &f.arena, &f.flat,
+                          &f.err),
+            "%s", f.err.msg);
     REQUIRE(f.flat.triangle_count == 2 && f.flat.uvs[0] && f.flat.colors && f.flat.tangents);
     for (int corner = 0; corner < 3; corner++) {
         const float *t = f.flat.tangents[1][corner];
