@@ -59,6 +59,9 @@ _Static_assert(sizeof(struct bvh_node_float) == 128, "two cache lines");
 #define BVH_EMPTY 0xffffffffu
 #define BVH_INSTANCES_MAX 0x1ffffff0u // so that none is BVH_EMPTY, nor a mark on a stack
 
+// Spatial splits add at most so many places, as a part of the triangles.
+#define BVH_DUPLICATES_MAX 0.3
+
 // No tree of bvh_build has more pending entries; see bvh_stats.stack_entries.
 #define BVH_STACK_ENTRIES_MAX 96u
 
@@ -202,7 +205,7 @@ struct bvh_trace_instance {
 struct bvh_trace_scene {
     const struct bvh *bvh;
     // What is in the world; with all triangles, the shared trees' ones too. triangle_count is that
-    // of the world.
+    // of the world. Without instance_boxes hits are not held against these.
     const struct bvh_params *geometry;
     const struct bvh_trace_instance *instances; // NULL when there are none
     bvh_shape_fn intersect_shape; // NULL when there are none

@@ -1,6 +1,7 @@
 // Building the binary tree: ranges near the root one after the other, each on all threads; then
 // the subtrees below side by side.
 #include "bvh_binary.h"
+#include "bvh_spatial.h"
 #include "parallel.h"
 
 #include <stdatomic.h>
@@ -80,9 +81,10 @@ static void run_task(void *context, size_t begin, size_t end, unsigned thread)
         uint32_t count = builder->tasks[i].count;
         build_subtree(builder, &builder->tasks[i]);
         uint32_t done = atomic_fetch_add(&builder->tasks_done, count) + count;
+        double part = (double)done / builder->params->count; // more than 1 where triangles are cut
         if (thread == 0)
-            checkpoint(builder, builder->task_start +
-                                    (1 - builder->task_start) * done / builder->params->count);
+            checkpoint(builder,
+                       builder->task_start + (1 - builder->task_start) * (part < 1 ? part : 1));
     }
 }
 
@@ -125,11 +127,28 @@ static void split_top(struct binary_builder *builder, const struct bvh_range *ro
     }
 }
 
-static struct bvh_range root_range(const struct bvh_primitive *primitives, uint32_t count)
+static struct bvh_range root_range(const struct bvh_binary_params *params)
 {
-    struct bvh_range root = {.count = count};
-    bvh_range_bound(&root, primitives);
+    struct bvh_range root = {.count = params->count, .capacity = params->capacity};
+    bvh_range_bound(&root, params->primitives);
     return root;
+}
+
+// Moves the nodes of a subtree together that has room between them, keeping their order; returns
+// the place behind the last one. No deeper than the tree.
+static uint32_t compact(struct bvh_binary_node *nodes, uint32_t from, uint32_t to)
+{
+    struct bvh_binary_node node = nodes[from];
+    uint32_t end = to + 1;
+    if (node.right != 0) {
+        uint32_t left = node.left, right = node.right;
+        node.left = end;
+        end = compact(nodes, left, end);
+        node.right = end;
+        end = compact(nodes, right, end);
+    }
+    nodes[to] = node;
+    return end;
 }
 
 static uint32_t task_size_for(uint32_t count, unsigned threads)
@@ -138,36 +157,52 @@ static uint32_t task_size_for(uint32_t count, unsigned threads)
     return size < TASK_MIN ? TASK_MIN : size > TASK_MAX ? TASK_MAX : size;
 }
 
-struct bvh_binary_node *bvh_binary_build(const struct bvh_binary_params *params,
-                                         struct arena *arena, struct err *err)
+static bool allocate(struct binary_builder *builder, struct arena *arena, struct arena *scratch,
+                     uint32_t task_capacity, struct err *err)
 {
-    uint32_t count = params->count;
+    const struct bvh_binary_params *params = builder->params;
+    struct bvh_splitter *splitter = &builder->splitter;
+    size_t capacity = params->capacity;
+    builder->tasks = ARENA_NEW(scratch, struct bvh_range, task_capacity);
+    splitter->primitives[0] = params->primitives;
+    splitter->primitives[1] = ARENA_NEW(scratch, struct bvh_primitive, capacity);
+    splitter->chunks = arena_alloc(scratch, BVH_CHUNKS_MAX, bvh_chunk_bytes());
+    splitter->spatial_chunks =
+        arena_alloc(scratch, params->split == BVH_SPLIT_SPATIAL ? BVH_CHUNKS_MAX : 0,
+                    bvh_spatial_chunk_bytes());
+    builder->nodes = ARENA_NEW(arena, struct bvh_binary_node, 2 * capacity - 1);
+    if (builder->tasks && splitter->primitives[1] && splitter->chunks && splitter->spatial_chunks &&
+        builder->nodes)
+        return true;
+    return err_memory(err, "the BVH's binary tree",
+                      capacity * (2 * sizeof *builder->nodes + sizeof *params->primitives));
+}
+
+struct bvh_binary_node *bvh_binary_build(const struct bvh_binary_params *params,
+                                         struct arena *arena, uint32_t *leaf_count, struct err *err)
+{
+    struct bvh_binary_node *nodes = NULL;
     struct arena scratch = {0};
     struct binary_builder builder = {.params = params, .err = err};
-    builder.task_size = task_size_for(count, params->threads);
+    builder.task_size = task_size_for(params->count, params->threads);
     // Tasks are disjoint and not tiny; the stack has at most one entry a level, and one more.
-    uint32_t capacity = count / TASK_WORTH + params->depth_limit + 1;
-    builder.tasks = ARENA_NEW(&scratch, struct bvh_range, capacity);
+    uint32_t task_capacity = params->capacity / TASK_WORTH + params->depth_limit + 1;
+    if (!allocate(&builder, arena, &scratch, task_capacity, err))
+        goto done;
+    struct bvh_range root = root_range(params);
     builder.splitter.depth_limit = params->depth_limit;
     builder.splitter.split = params->split;
-    builder.splitter.primitives[0] = params->primitives;
-    builder.splitter.primitives[1] = ARENA_NEW(&scratch, struct bvh_primitive, count);
-    builder.splitter.chunks = arena_alloc(&scratch, BVH_CHUNKS_MAX, bvh_chunk_bytes());
-    builder.nodes = ARENA_NEW(arena, struct bvh_binary_node, 2 * (size_t)count - 1);
-    if (!builder.tasks || !builder.splitter.primitives[1] || !builder.splitter.chunks ||
-        !builder.nodes) {
-        err_memory(err, "the BVH's binary tree",
-                   count * (2 * sizeof(struct bvh_binary_node) + sizeof(struct bvh_primitive)));
-        builder.nodes = NULL;
-        goto done;
-    }
-    struct bvh_range root = root_range(params->primitives, count);
-    split_top(&builder, &root, capacity);
+    builder.splitter.geometry = params->geometry;
+    builder.splitter.root_area = box_half_area(&root.box);
+    split_top(&builder, &root, task_capacity);
     qsort(builder.tasks, builder.task_count, sizeof *builder.tasks, compare_tasks);
     parallel_for(builder.task_count, 1, params->threads, run_task, &builder);
     if (atomic_load(&builder.stopped))
-        builder.nodes = NULL;
+        goto done;
+    nodes = builder.nodes;
+    *leaf_count =
+        params->capacity == params->count ? params->count : (compact(nodes, 0, 0) + 1) / 2;
 done:
     arena_finish(&scratch);
-    return builder.nodes;
+    return nodes;
 }

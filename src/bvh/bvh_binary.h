@@ -13,9 +13,9 @@ struct bvh_primitive {
     uint32_t id;
 };
 
-// As built, nodes stand in depth-first order: the left child follows its parent, and a subtree of n
-// leaves takes 2n - 1 nodes. So every subtree knows its place beforehand, whichever thread builds
-// it. Optimizing moves subtrees without keeping that order; the root stays first.
+// As built, nodes stand in depth-first order: the left child follows its parent, and a subtree with
+// room for n leaves takes 2n - 1 nodes. So every subtree knows its place beforehand, whichever
+// thread builds it. Optimizing moves subtrees without keeping that order; the root stays first.
 struct bvh_binary_node {
     struct bvh_box box;
     uint32_t left;  // leaf: the id of its one primitive
@@ -27,20 +27,27 @@ struct bvh_range {
     struct bvh_box box;
     struct bvh_box centroids; // bounds of bvh_centroid()
     uint32_t first, count;
-    uint32_t node;  // where its root stands
-    uint32_t depth; // of that root; the tree's root has 0
-    uint32_t side;  // which of the two buffers holds the primitives
+    uint32_t capacity; // places from `first`: count, and more where triangles may be cut in two
+    uint32_t node;     // where its root stands
+    uint32_t depth;    // of that root; the tree's root has 0
+    uint32_t side;     // which of the two buffers holds the primitives
 };
 
 // Sets the two boxes from range->count primitives, of which `primitives` is the first.
 void bvh_range_bound(struct bvh_range *range, const struct bvh_primitive *primitives);
 
 // Two buffers, because partitioning is stable: it copies from one to the other.
+struct bvh_spatial_chunk;
+
 struct bvh_splitter {
     struct bvh_primitive *primitives[2];
     struct bvh_chunk *chunks; // BVH_CHUNKS_MAX, for the one range that is split in parallel
     uint32_t depth_limit;     // no leaf is deeper
     enum bvh_split split;
+    // For spatial splits:
+    const struct bvh_params *geometry;
+    struct bvh_spatial_chunk *spatial_chunks;
+    double root_area; // half
 };
 
 // Ranges are binned and partitioned in chunks of at least BVH_CHUNK_MIN primitives.
@@ -48,8 +55,12 @@ enum { BVH_CHUNKS_MAX = 256, BVH_CHUNK_MIN = 1 << 14 };
 
 size_t bvh_chunk_bytes(void);
 
+// Gives the children of a range, whose boxes and counts are known, their places: each as many as it
+// has primitives, and its share of those that are left.
+void bvh_place_children(const struct bvh_range *range, struct bvh_range children[2]);
+
 // Splits a range of at least two primitives; the children are in depth-first order and not empty.
-// With threads > 1 only one call at a time, for it uses splitter->chunks.
+// With threads > 1 only one call at a time, for it uses splitter->chunks and spatial_chunks.
 void bvh_split(const struct bvh_splitter *splitter, const struct bvh_range *range, unsigned threads,
                struct bvh_range children[2]);
 
@@ -61,10 +72,12 @@ static inline float bvh_centroid(const struct bvh_box *box, int axis)
 }
 
 struct bvh_binary_params {
-    struct bvh_primitive *primitives; // count of them; reordered
+    struct bvh_primitive *primitives; // count of them, and room for capacity; reordered
     uint32_t count;                   // at least 1
-    uint32_t depth_limit;             // at least the binary logarithm of count, rounded up
-    unsigned threads;                 // at least 1
+    uint32_t capacity;                // of leaves; more than count with BVH_SPLIT_SPATIAL alone
+    const struct bvh_params *geometry;
+    uint32_t depth_limit; // at least the binary logarithm of count, rounded up
+    unsigned threads;     // at least 1
     enum bvh_split split;
     const struct progress *progress;
 };
@@ -76,25 +89,26 @@ struct bvh_binary_params {
 // Reports a fraction and asks whether to go on; false with an error when not.
 bool bvh_checkpoint(const struct progress *progress, double fraction, struct err *err);
 
-// NULL on failure; 2 * count - 1 nodes in the arena otherwise.
+// NULL on failure; 2 * *leaf_count - 1 nodes in the arena otherwise.
 struct bvh_binary_node *bvh_binary_build(const struct bvh_binary_params *params,
-                                         struct arena *arena, struct err *err);
+                                         struct arena *arena, uint32_t *leaf_count,
+                                         struct err *err);
 
 // Lowers the tree's cost, in place. *usable is false when that made it deeper than the later stages
 // allow, which takes an odd input: then the tree has to be built anew and left as it is.
-bool bvh_optimize(struct bvh_binary_node *nodes, uint32_t primitive_count,
+bool bvh_optimize(struct bvh_binary_node *nodes, uint32_t leaf_count,
                   const struct progress *progress, bool *usable, struct err *err);
 
 struct bvh_wide_params {
     const struct bvh_binary_node *nodes;
-    uint32_t primitive_count; // at least 1
-    uint32_t max_leaf;        // 1, or 2 (or 0)
-    bool plain;               // two levels a wide node, instead of what costs least
-    unsigned threads;         // at least 1
+    uint32_t leaf_count; // at least 1
+    uint32_t max_leaf;   // 1, or 2 (or 0)
+    bool plain;          // two levels a wide node, instead of what costs least
+    unsigned threads;    // at least 1
 };
 
-// Collapses the binary tree into nodes of out->format, node_count and triangle_order (which the
-// caller has allocated) and fills in the statistics but build_seconds.
+// Collapses the binary tree into nodes of out->format, node_count and triangle_order, of
+// which the caller has set reference_count, and fills in the statistics but build_seconds.
 bool bvh_wide_build(const struct bvh_wide_params *params, struct arena *arena, struct bvh *out,
                     struct err *err);
 

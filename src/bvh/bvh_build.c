@@ -134,12 +134,25 @@ bool bvh_nodes_allocate(struct arena *arena, struct bvh *out, struct err *err)
 static bool build_empty(struct arena *arena, struct bvh *out, struct err *err)
 {
     out->node_count = 1;
+    out->triangle_order = ARENA_NEW(arena, uint32_t, 0);
+    if (!out->triangle_order)
+        return err_memory(err, "the BVH's order of triangles", 0);
     if (!bvh_nodes_allocate(arena, out, err))
         return false;
     for (int i = 0; i < 4; i++)
         bvh_children(out, 0)[i] = BVH_EMPTY;
     bvh_set_boxes(out, 0, NULL, 0);
     return bvh_compute_stats(out, &out->stats, err);
+}
+
+// Room for leaves: with spatial splits, triangles may be in several.
+static uint32_t capacity_for(const struct bvh_params *params, uint32_t count)
+{
+    if (params->method.split != BVH_SPLIT_SPATIAL)
+        return count;
+    uint64_t more = (uint64_t)((double)params->triangle_count * BVH_DUPLICATES_MAX);
+    uint64_t most = BVH_LEAF_INDEX - params->triangle_count;
+    return count + (uint32_t)(more < most ? more : most);
 }
 
 // *fits tells whether the tree keeps within the limits; one that does not stays in the arena
@@ -151,9 +164,10 @@ static bool build_once(const struct bvh_params *params, const struct attempt *at
     struct arena scratch = {0};
     unsigned threads = params->threads > 0 ? params->threads : cpu_count();
     uint32_t count = bvh_primitive_count(params);
-    struct bvh_primitive *primitives = ARENA_NEW(&scratch, struct bvh_primitive, count);
+    uint32_t capacity = capacity_for(params, count), leaf_count = 0;
+    struct bvh_primitive *primitives = ARENA_NEW(&scratch, struct bvh_primitive, capacity);
     if (!primitives) {
-        err_memory(err, "the BVH's primitives", (uint64_t)count * sizeof *primitives);
+        err_memory(err, "the BVH's primitives", (uint64_t)capacity * sizeof *primitives);
         goto done;
     }
     if (!make_primitives(params, threads, primitives, err))
@@ -161,19 +175,23 @@ static bool build_once(const struct bvh_params *params, const struct attempt *at
     struct bvh_binary_node *nodes =
         bvh_binary_build(&(struct bvh_binary_params){.primitives = primitives,
                                                      .count = count,
+                                                     .capacity = capacity,
+                                                     .geometry = params,
                                                      .depth_limit = attempt->depth_limit,
                                                      .threads = threads,
                                                      .split = params->method.split,
                                                      .progress = params->progress},
-                         &scratch, err);
+                         &scratch, &leaf_count, err);
     if (!nodes)
         goto done;
+    out->reference_count = leaf_count - params->shape_count - params->instance_count;
     *fits = true;
-    bool plain = params->method.split != BVH_SPLIT_SAH;
-    if (attempt->optimize && !plain && !bvh_optimize(nodes, count, params->progress, fits, err))
+    bool plain = params->method.split != BVH_SPLIT_SAH && params->method.split != BVH_SPLIT_SPATIAL;
+    bool optimize = attempt->optimize && params->method.optimize != BVH_OPTIMIZE_OFF && !plain;
+    if (optimize && !bvh_optimize(nodes, leaf_count, params->progress, fits, err))
         goto done;
     ok = !*fits || bvh_wide_build(&(struct bvh_wide_params){.nodes = nodes,
-                                                            .primitive_count = count,
+                                                            .leaf_count = leaf_count,
                                                             .max_leaf = params->max_leaf,
                                                             .threads = threads,
                                                             .plain = plain},
@@ -204,10 +222,6 @@ bool bvh_build(const struct bvh_params *params, struct arena *arena, struct bvh 
                         .reference_count = params->triangle_count};
     if (!check_params(params, err) || !bvh_checkpoint(params->progress, 0, err))
         return false;
-    out->triangle_order = ARENA_NEW(arena, uint32_t, params->triangle_count);
-    if (!out->triangle_order)
-        return err_memory(err, "the BVH's triangle order",
-                          (uint64_t)params->triangle_count * sizeof *out->triangle_order);
     if (!build_tree(params, arena, out, err))
         return false;
     out->stats.build_seconds = clock_seconds_since(start);

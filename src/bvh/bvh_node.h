@@ -112,6 +112,9 @@ static inline bool bvh_node_check(const struct bvh *bvh, uint32_t node, struct e
                                     : bvh_quantised_check(&bvh->nodes[node], node, err);
 }
 
+// The part of bvh_validate() for triangles with several places, after all else has been checked.
+bool bvh_validate_parts(const struct bvh *bvh, const struct bvh_params *params, struct err *err);
+
 // All statistics but build_seconds. Nodes must stand after their parents.
 bool bvh_compute_stats(const struct bvh *bvh, struct bvh_stats *stats, struct err *err);
 

@@ -269,14 +269,14 @@ static void link_parents(struct optimizer *optimizer)
     }
 }
 
-bool bvh_optimize(struct bvh_binary_node *nodes, uint32_t primitive_count,
+bool bvh_optimize(struct bvh_binary_node *nodes, uint32_t leaf_count,
                   const struct progress *progress, bool *usable, struct err *err)
 {
     *usable = true;
     bool ok = false;
     struct arena scratch = {0};
     struct optimizer *optimizer = ARENA_NEW(&scratch, struct optimizer, 1);
-    uint32_t node_count = 2 * primitive_count - 1;
+    uint32_t node_count = 2 * leaf_count - 1;
     uint32_t *parents = ARENA_NEW(&scratch, uint32_t, node_count);
     struct candidate *candidates = ARENA_NEW(&scratch, struct candidate, node_count);
     if (!optimizer || !parents || !candidates) {
@@ -287,7 +287,7 @@ bool bvh_optimize(struct bvh_binary_node *nodes, uint32_t primitive_count,
     optimizer->parents = parents;
     optimizer->candidates = candidates;
     optimizer->node_count = node_count;
-    optimizer->work = (int64_t)WORK_OF_PRIMITIVES * primitive_count;
+    optimizer->work = (int64_t)WORK_OF_PRIMITIVES * leaf_count;
     link_parents(optimizer);
     double cost = sum_of_areas(optimizer), gain = cost;
     for (int round = 0; round < ROUNDS_MAX && gain > ROUND_GAIN_MIN * cost; round++) {

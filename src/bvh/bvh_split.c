@@ -1,13 +1,15 @@
-// Where to split a range of primitives, and splitting it. Four ways:
+// Where to split a range of primitives, and splitting it. Five ways:
 //   binned   the surface area heuristic over bins of the centroids (Wald 2007, "On fast
 //            construction of SAH-based bounding volume hierarchies");
 //   sweep    the same over all positions, for short ranges;
 //   median   halves, also where the centroids coincide or the depth runs out;
-//   mean     at the mean of the centroids.
-// The first two are for BVH_SPLIT_SAH.
+//   mean     at the mean of the centroids;
+//   spatial  by a plane that cuts triangles in two: bvh_spatial.c.
+// The first two are for BVH_SPLIT_SAH and, with the last one, for BVH_SPLIT_SPATIAL.
 // Everything that chunks contribute (minima, maxima, counts) is independent of their order and
 // number, and partitioning is stable: so the result depends on the input alone.
 #include "bvh_binary.h"
+#include "bvh_spatial.h"
 #include "parallel.h"
 
 #include <assert.h>
@@ -47,7 +49,7 @@ struct bin_split {
 // All that the chunk functions share.
 struct split_job {
     const struct bvh_primitive *source; // the range's primitives
-    struct bvh_primitive *target;
+    struct bvh_primitive *targets[2];
     struct bvh_chunk *chunks;
     struct bin_map map;
     struct bin_split split;
@@ -176,7 +178,7 @@ static void chunk_partition(void *context, size_t begin, size_t end, unsigned th
             const struct bvh_primitive *primitive = &job->source[p];
             int side = bin_index(&job->map, axis, &primitive->box) >= first_right;
             add_centroid(&centroids[side], &primitive->box);
-            job->target[next[side]++] = *primitive;
+            job->targets[side][next[side]++] = *primitive;
         }
         chunk->centroids[0] = centroids[0];
         chunk->centroids[1] = centroids[1];
@@ -195,7 +197,7 @@ static void run_chunks(struct split_job *job, uint32_t chunk_count, unsigned thr
 // Gives each chunk its places in the partitioned range: chunks in order, left before right.
 static void chunks_place(struct split_job *job, uint32_t chunk_count)
 {
-    uint32_t left = 0, right = job->split.left_count;
+    uint32_t left = 0, right = 0;
     for (uint32_t i = 0; i < chunk_count; i++) {
         struct bvh_chunk *chunk = &job->chunks[i];
         uint32_t left_count = 0;
@@ -223,7 +225,36 @@ static bool find_binned_split(struct split_job *job, uint32_t count, uint32_t ch
     return job->split.axis < 3;
 }
 
-// Fills in the children's boxes, centroids, counts and side.
+// A plane is tried where the children's boxes overlap by more than this part of the root's area
+// (Stich, Friedrich, Dietrich 2009, section 4.2).
+#define OVERLAP_MIN 1e-5
+// And of the range's own: a plane gains no more than the overlap, and trying takes long.
+#define OVERLAP_OF_RANGE_MIN 0.05
+
+// The rest of a split by primitives whose children are known but for their places: by a plane
+// instead, where that costs less. False where it does not.
+static bool split_spatially(const struct bvh_splitter *splitter, const struct bvh_range *range,
+                            unsigned threads, const struct bin_split *object,
+                            struct bvh_range children[2])
+{
+    if (splitter->split != BVH_SPLIT_SPATIAL || range->capacity == range->count)
+        return false;
+    struct bvh_box overlap;
+    for (int axis = 0; axis < 3; axis++) {
+        const struct bvh_box *a = &object->left, *b = &object->right;
+        overlap.min[axis] = a->min[axis] > b->min[axis] ? a->min[axis] : b->min[axis];
+        overlap.max[axis] = a->max[axis] < b->max[axis] ? a->max[axis] : b->max[axis];
+        if (overlap.min[axis] > overlap.max[axis])
+            return false;
+    }
+    struct bvh_spatial_split split;
+    return box_half_area(&overlap) > OVERLAP_MIN * splitter->root_area &&
+           box_half_area(&overlap) > OVERLAP_OF_RANGE_MIN * box_half_area(&range->box) &&
+           bvh_spatial_find(splitter, range, threads, object->cost, &split) &&
+           bvh_spatial_apply(splitter, range, threads, &split, children);
+}
+
+// Fills in the children.
 static bool split_binned(const struct bvh_splitter *splitter, const struct bvh_range *range,
                          unsigned threads, struct bvh_range children[2])
 {
@@ -232,7 +263,6 @@ static bool split_binned(const struct bvh_splitter *splitter, const struct bvh_r
     chunk_count = chunk_count > BVH_CHUNKS_MAX ? BVH_CHUNKS_MAX : chunk_count > 1 ? chunk_count : 1;
     struct split_job job = {
         .source = splitter->primitives[range->side] + range->first,
-        .target = splitter->primitives[!range->side] + range->first,
         .chunks = chunk_count > 1 ? splitter->chunks : &only,
         .map = bin_map_for(&range->centroids),
     };
@@ -242,18 +272,23 @@ static bool split_binned(const struct bvh_splitter *splitter, const struct bvh_r
     }
     if (!find_binned_split(&job, range->count, chunk_count, threads))
         return false;
+    if (split_spatially(splitter, range, threads, &job.split, children))
+        return true;
+    children[0].box = job.split.left;
+    children[1].box = job.split.right;
+    children[0].count = job.split.left_count;
+    children[1].count = range->count - job.split.left_count;
+    bvh_place_children(range, children);
+    for (int side = 0; side < 2; side++)
+        job.targets[side] = splitter->primitives[!range->side] + children[side].first;
     chunks_place(&job, chunk_count);
     run_chunks(&job, chunk_count, threads, chunk_partition);
-    const struct bvh_box *boxes[2] = {&job.split.left, &job.split.right};
     for (int side = 0; side < 2; side++) {
-        children[side].box = *boxes[side];
         children[side].centroids = job.chunks[0].centroids[side];
         for (uint32_t i = 1; i < chunk_count; i++)
             box_add_box(&children[side].centroids, &job.chunks[i].centroids[side]);
         children[side].side = !range->side;
     }
-    children[0].count = job.split.left_count;
-    children[1].count = range->count - job.split.left_count;
     return true;
 }
 
@@ -294,23 +329,46 @@ static void sweep_axis(const struct bvh_primitive *primitives, uint32_t count, u
     }
 }
 
-// Sorts a short range by its best axis and returns the length of the left side.
-static uint32_t sweep(struct bvh_primitive *primitives, uint32_t count)
+// Puts a short range, whose first `left` primitives are the left child's, in its children's places.
+static void split_in_place(const struct bvh_splitter *splitter, const struct bvh_range *range,
+                           uint32_t left, struct bvh_range children[2])
 {
-    if (count == 2)
-        return 1;
+    struct bvh_primitive *primitives = splitter->primitives[range->side];
+    children[0].side = children[1].side = range->side;
+    children[0].count = left;
+    children[1].count = range->count - left;
+    bvh_range_bound(&children[0], primitives + range->first);
+    bvh_range_bound(&children[1], primitives + range->first + left);
+    bvh_place_children(range, children);
+    memmove(primitives + children[1].first, primitives + range->first + left,
+            children[1].count * sizeof *primitives);
+}
+
+// Sorts a short range by its best axis.
+static void split_swept(const struct bvh_splitter *splitter, const struct bvh_range *range,
+                        struct bvh_range children[2])
+{
+    uint32_t count = range->count;
+    struct bvh_primitive *primitives = splitter->primitives[range->side] + range->first;
     uint8_t orders[3][SWEEP_MAX];
     struct bin_split best = {.axis = 3};
-    for (uint32_t axis = 0; axis < 3; axis++) {
+    for (uint32_t axis = 0; axis < 3 && count > 2; axis++) {
         sort_by_centroid(primitives, count, (int)axis, orders[axis]);
         sweep_axis(primitives, count, axis, orders[axis], &best);
     }
-    assert(best.axis < 3); // the first split is taken whatever it costs
-    struct bvh_primitive copy[SWEEP_MAX];
-    memcpy(copy, primitives, count * sizeof *copy);
-    for (uint32_t i = 0; i < count; i++)
-        primitives[i] = copy[orders[best.axis][i]];
-    return best.left_count;
+    if (count > 2) {
+        assert(best.axis < 3); // the first split is taken whatever it costs
+        struct bvh_primitive copy[SWEEP_MAX];
+        memcpy(copy, primitives, count * sizeof *copy);
+        best.left = best.right = box_empty();
+        for (uint32_t i = 0; i < count; i++) {
+            primitives[i] = copy[orders[best.axis][i]];
+            box_add_box(i < best.left_count ? &best.left : &best.right, &primitives[i].box);
+        }
+        if (split_spatially(splitter, range, 1, &best, children))
+            return;
+    }
+    split_in_place(splitter, range, count > 2 ? best.left_count : 1, children);
 }
 
 static bool centroid_less(const struct bvh_primitive *a, const struct bvh_primitive *b, int axis)
@@ -393,14 +451,26 @@ static bool depth_runs_out(const struct bvh_splitter *splitter, const struct bvh
     return range->depth + halvings >= splitter->depth_limit;
 }
 
-// --- Both ---------------------------------------------------------------------------------------
+// --- All ----------------------------------------------------------------------------------------
 
-static void place_children(const struct bvh_range *range, struct bvh_range children[2])
+// Room that is left goes to the children in the ratio of what they cost.
+void bvh_place_children(const struct bvh_range *range, struct bvh_range children[2])
 {
+    uint32_t rest = range->capacity - children[0].count - children[1].count, left = 0;
+    if (rest > 0) {
+        double costs[2];
+        for (int side = 0; side < 2; side++)
+            costs[side] = box_half_area(&children[side].box) * (children[side].count - 1);
+        left = costs[0] + costs[1] > 0 ? (uint32_t)(rest * (costs[0] / (costs[0] + costs[1])))
+                                       : rest / 2;
+        left = left < rest ? left : rest;
+    }
+    children[0].capacity = children[0].count + left;
+    children[1].capacity = children[1].count + rest - left;
     children[0].first = range->first;
     children[0].node = range->node + 1;
-    children[1].first = range->first + children[0].count;
-    children[1].node = range->node + 2 * children[0].count;
+    children[1].first = range->first + children[0].capacity;
+    children[1].node = range->node + 2 * children[0].capacity;
     children[0].depth = children[1].depth = range->depth + 1;
 }
 
@@ -409,21 +479,15 @@ void bvh_split(const struct bvh_splitter *splitter, const struct bvh_range *rang
 {
     assert(range->count >= 2);
     enum bvh_split split = depth_runs_out(splitter, range) ? BVH_SPLIT_MEDIAN : splitter->split;
-    if (split == BVH_SPLIT_SAH && range->count > SWEEP_MAX &&
-        split_binned(splitter, range, threads, children)) {
-        place_children(range, children);
+    bool by_cost = split == BVH_SPLIT_SAH || split == BVH_SPLIT_SPATIAL;
+    if (by_cost && range->count <= SWEEP_MAX) {
+        split_swept(splitter, range, children);
         return;
     }
+    if (by_cost && split_binned(splitter, range, threads, children))
+        return;
     struct bvh_primitive *primitives = splitter->primitives[range->side] + range->first;
-    if (split == BVH_SPLIT_SAH && range->count <= SWEEP_MAX)
-        children[0].count = sweep(primitives, range->count);
-    else if (split == BVH_SPLIT_MEAN)
-        children[0].count = split_mean(primitives, range);
-    else
-        children[0].count = split_median(primitives, range);
-    children[1].count = range->count - children[0].count;
-    children[0].side = children[1].side = range->side;
-    place_children(range, children);
-    bvh_range_bound(&children[0], primitives);
-    bvh_range_bound(&children[1], primitives + children[0].count);
+    uint32_t left =
+        split == BVH_SPLIT_MEAN ? split_mean(primitives, range) : split_median(primitives, range);
+    split_in_place(splitter, range, left, children);
 }

@@ -5,9 +5,10 @@
 struct validator {
     const struct bvh *bvh;
     const struct bvh_params *params;
-    uint8_t *node_seen, *triangle_seen, *shape_seen, *instance_seen;
-    struct bvh_box *bounds; // of the primitives below each node
-    uint32_t order_used;    // entries of triangle_order in leaves
+    uint8_t *node_seen, *place_seen, *shape_seen, *instance_seen;
+    uint8_t *triangle_places; // 0, 1, or 2 for more
+    struct bvh_box *bounds;   // of the primitives below each node
+    bool has_parts;           // some triangle has several places
     struct err *err;
 };
 
@@ -15,12 +16,13 @@ static bool allocate(struct validator *validator, struct arena *scratch)
 {
     const struct bvh *bvh = validator->bvh;
     validator->node_seen = ARENA_NEW(scratch, uint8_t, bvh->node_count);
-    validator->triangle_seen = ARENA_NEW(scratch, uint8_t, bvh->triangle_count);
+    validator->triangle_places = ARENA_NEW(scratch, uint8_t, bvh->triangle_count);
+    validator->place_seen = ARENA_NEW(scratch, uint8_t, bvh->reference_count);
     validator->shape_seen = ARENA_NEW(scratch, uint8_t, validator->params->shape_count);
     validator->instance_seen = ARENA_NEW(scratch, uint8_t, validator->params->instance_count);
     validator->bounds = ARENA_NEW(scratch, struct bvh_box, bvh->node_count);
-    if (!validator->node_seen || !validator->triangle_seen || !validator->shape_seen ||
-        !validator->instance_seen || !validator->bounds)
+    if (!validator->node_seen || !validator->triangle_places || !validator->place_seen ||
+        !validator->shape_seen || !validator->instance_seen || !validator->bounds)
         return err_memory(validator->err, "validating the BVH",
                           bvh->node_count * sizeof *validator->bounds);
     return true;
@@ -35,6 +37,27 @@ static bool check_counts(const struct validator *validator)
     if (bvh->triangle_count != validator->params->triangle_count)
         return err_set(validator->err, ERR_INPUT, "BVH: %u triangles, expected %u",
                        bvh->triangle_count, validator->params->triangle_count);
+    if (bvh->reference_count < bvh->triangle_count || bvh->reference_count > BVH_LEAF_INDEX)
+        return err_set(validator->err, ERR_INPUT, "BVH: %u places for %u triangles",
+                       bvh->reference_count, bvh->triangle_count);
+    return true;
+}
+
+static bool count_places(struct validator *validator)
+{
+    const struct bvh *bvh = validator->bvh;
+    validator->has_parts = bvh->reference_count > bvh->triangle_count;
+    for (uint32_t i = 0; i < bvh->reference_count; i++) {
+        uint32_t triangle = bvh->triangle_order[i];
+        if (triangle >= bvh->triangle_count)
+            return err_set(validator->err, ERR_INPUT, "BVH: triangle_order[%u]: no triangle %u", i,
+                           triangle);
+        uint8_t *places = &validator->triangle_places[triangle];
+        *places = (uint8_t)(*places + (*places < 2));
+        if (*places > 1 && !validator->has_parts)
+            return err_set(validator->err, ERR_INPUT, "BVH: triangle %u is in two leaves",
+                           triangle);
+    }
     return true;
 }
 
@@ -51,17 +74,19 @@ static bool visit_box(struct validator *validator, const char *kind, const struc
     return true;
 }
 
-// Marks a triangle and adds its box; each may be seen once.
-static bool visit_triangle(struct validator *validator, uint32_t index, struct bvh_box *bounds)
+// Marks a place and adds the box of its triangle, unless that has several: what of it belongs here
+// is not known, and is looked at together with the other places.
+static bool visit_place(struct validator *validator, uint32_t place, struct bvh_box *bounds)
 {
-    const struct bvh_params *params = validator->params;
-    if (index >= params->triangle_count)
-        return err_set(validator->err, ERR_INPUT, "BVH: there is no triangle %u", index);
-    if (validator->triangle_seen[index])
-        return err_set(validator->err, ERR_INPUT, "BVH: triangle %u is in two leaves", index);
-    validator->triangle_seen[index] = 1;
+    uint32_t index = validator->bvh->triangle_order[place];
+    if (validator->place_seen[place])
+        return err_set(validator->err, ERR_INPUT, "BVH: triangle_order[%u] is in two leaves",
+                       place);
+    validator->place_seen[place] = 1;
+    if (validator->triangle_places[index] > 1)
+        return true;
     float vertices[3][3];
-    bvh_triangle_load(params, index, vertices);
+    bvh_triangle_load(validator->params, index, vertices);
     for (int i = 0; i < 3; i++)
         box_add_point(bounds, vertices[i]);
     return true;
@@ -87,10 +112,25 @@ static bool visit_leaf(struct validator *validator, uint32_t leaf, struct bvh_bo
                        "BVH: a leaf has triangles %u to %u of %u in leaf order", first,
                        first + count - 1, bvh->reference_count);
     for (uint32_t i = first; i < first + count; i++) {
-        if (!visit_triangle(validator, bvh->triangle_order[i], bounds))
+        if (!visit_place(validator, i, bounds))
             return false;
     }
     return true;
+}
+
+// Whether a child's box may be that of what is below, or of more where parts are below.
+static bool fits(const struct validator *validator, uint32_t node, uint32_t child,
+                 const struct bvh_box *bounds)
+{
+    if (!validator->has_parts)
+        return bvh_child_fits(validator->bvh, node, child, bounds);
+    double min[3], max[3];
+    bvh_child_box(validator->bvh, node, child, min, max);
+    bool contains = true;
+    for (int axis = 0; axis < 3; axis++)
+        contains = contains && min[axis] <= (double)bounds->min[axis] &&
+                   max[axis] >= (double)bounds->max[axis];
+    return contains;
 }
 
 // Nodes are visited backwards, children before parents.
@@ -110,7 +150,7 @@ static bool visit_child(struct validator *validator, uint32_t index, uint32_t i)
         validator->node_seen[child] = 1;
         bounds = validator->bounds[child];
     }
-    if (!bvh_child_fits(validator->bvh, index, i, &bounds))
+    if (!fits(validator, index, i, &bounds))
         return err_set(validator->err, ERR_INPUT,
                        "BVH: nodes[%u].child[%u]: the box is not one of what is below", index, i);
     box_add_box(&validator->bounds[index], &bounds);
@@ -135,8 +175,11 @@ static bool check_all_seen(const struct validator *validator)
     for (uint32_t i = 1; i < validator->bvh->node_count; i++)
         if (!validator->node_seen[i])
             return err_set(validator->err, ERR_INPUT, "BVH: nodes[%u] has no parent", i);
+    for (uint32_t i = 0; i < validator->bvh->reference_count; i++)
+        if (!validator->place_seen[i])
+            return err_set(validator->err, ERR_INPUT, "BVH: triangle_order[%u] is in no leaf", i);
     for (uint32_t i = 0; i < validator->params->triangle_count; i++)
-        if (!validator->triangle_seen[i])
+        if (validator->triangle_places[i] == 0)
             return err_set(validator->err, ERR_INPUT, "BVH: triangle %u is in no leaf", i);
     for (uint32_t i = 0; i < validator->params->shape_count; i++)
         if (!validator->shape_seen[i])
@@ -175,8 +218,10 @@ bool bvh_validate(const struct bvh *bvh, const struct bvh_params *params, struct
 {
     struct arena scratch = {0};
     struct validator validator = {.bvh = bvh, .params = params, .err = err};
-    bool ok = check_counts(&validator) && allocate(&validator, &scratch) && visit_all(&validator) &&
-              check_all_seen(&validator) && check_stats(&validator);
+    bool ok = check_counts(&validator) && allocate(&validator, &scratch) &&
+              count_places(&validator) && visit_all(&validator) && check_all_seen(&validator) &&
+              check_stats(&validator) &&
+              (!validator.has_parts || bvh_validate_parts(bvh, params, err));
     arena_finish(&scratch);
     return ok;
 }

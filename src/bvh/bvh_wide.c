@@ -211,10 +211,16 @@ bool bvh_wide_build(const struct bvh_wide_params *params, struct arena *arena, s
 {
     bool ok = false;
     struct arena scratch = {0};
-    size_t binary_count = 2 * (size_t)params->primitive_count - 1;
+    size_t binary_count = 2 * (size_t)params->leaf_count - 1;
     struct collapse collapse = {.params = params, .out = out, .draft_count = 1};
     collapse.choices = ARENA_NEW(&scratch, struct choice, binary_count);
-    collapse.drafts = ARENA_NEW(&scratch, struct draft, params->primitive_count);
+    collapse.drafts = ARENA_NEW(&scratch, struct draft, params->leaf_count);
+    out->triangle_order = ARENA_NEW(arena, uint32_t, out->reference_count);
+    if (!out->triangle_order) {
+        err_memory(err, "the BVH's order of triangles",
+                   out->reference_count * sizeof *out->triangle_order);
+        goto done;
+    }
     if (!collapse.choices || !collapse.drafts) {
         err_memory(err, "collapsing the BVH", binary_count * sizeof(struct choice));
         goto done;
