@@ -316,7 +316,9 @@ static bool make(const struct memory_plan_params *p, struct memory_plan *out, st
     uint64_t range = least(gpu->max_storage_range, gpu->max_allocation);
     out->film_chunk_pixels = least(pixels, range / (16 * AOV_FILM_WORDS(aovs)));
     if (out->film_chunk_pixels == 0)
-        return err_set(err, ERR_GPU, "a storage range of %" PRIu64 " bytes holds no pixel", range);
+        return err_set(err, ERR_GPU,
+                       "a storage range of %" PRIu64 " bytes holds no pixel: expected at least %d",
+                       range, 16 * AOV_FILM_WORDS(aovs));
     out->film_chunks = (uint32_t)((pixels + out->film_chunk_pixels - 1) / out->film_chunk_pixels);
     // What one dispatch takes at most.
     uint64_t threads = (uint64_t)gpu->max_groups * p->specialization->workgroup;
