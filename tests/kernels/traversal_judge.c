@@ -43,6 +43,18 @@ static double intersect_shape(const void *context, uint32_t index, const struct 
     return t > 0 && t < ray->t_max ? t : -1;
 }
 
+// What kernels do to a ray's origin, L (o - t), without rounding.
+static void to_object(const struct flat_instance *instance, double out[3][4])
+{
+    for (int row = 0; row < 3; row++) {
+        out[row][3] = 0;
+        for (int c = 0; c < 3; c++) {
+            out[row][c] = (double)instance->to_object[row][c];
+            out[row][3] -= out[row][c] * (double)instance->to_world[c][3];
+        }
+    }
+}
+
 bool reference_create(const struct renderer *r, struct arena *arena, struct reference *out)
 {
     const struct flat_scene *flat = &r->flat;
@@ -56,19 +68,34 @@ bool reference_create(const struct renderer *r, struct arena *arena, struct refe
             boxes[i].max[c] = nextafterf(flat->shapes[i].center[c] + flat->shapes[i].radius, 1e30f);
         }
     }
+    struct bvh_trace_instance *instances =
+        ARENA_NEW(arena, struct bvh_trace_instance, flat->placed_count);
+    if (!instances)
+        return false;
+    for (uint32_t i = 0; i < flat->placed_count; i++) {
+        const struct flat_mesh *mesh = &flat->meshes[flat->instances[i].mesh];
+        instances[i] = (struct bvh_trace_instance){
+            .root = r->bvh.roots[flat->instances[i].mesh + 1],
+            .first_triangle = mesh->first_triangle,
+            .triangle_count = mesh->triangle_count,
+        };
+        to_object(&flat->instances[i], instances[i].to_object);
+    }
     const void *vertices = flat->triangles;
     *out = (struct reference){
         .flat = flat,
         .boxes = boxes,
+        .instances = instances,
         .geometry = {.triangle_vertices = vertices,
                      .triangle_stride = sizeof *flat->triangles,
-                     .triangle_count = flat->triangle_count,
+                     .triangle_count = flat->world_triangle_count,
                      .shape_boxes = boxes,
                      .shape_count = flat->shape_count},
     };
     out->scene = (struct bvh_trace_scene){
         .bvh = &r->bvh,
         .geometry = &out->geometry,
+        .instances = instances,
         .intersect_shape = intersect_shape,
         .shape_context = flat,
     };
@@ -83,6 +110,17 @@ struct bvh_ray reference_ray(const struct single_ray *ray, double t_max)
         out.direction[c] = (double)ray->direction[c];
     }
     return out;
+}
+
+bool reference_agrees(const struct reference *reference, const struct bvh_ray *ray,
+                      const struct single_hit *result, double extent)
+{
+    struct bvh_hit hit;
+    bvh_trace_closest(&reference->scene, ray, &hit);
+    bool missed = hit.primitive == UINT32_MAX;
+    return result->primitive == hit.primitive &&
+           (missed || (result->instance == hit.instance &&
+                       fabs((double)result->t - hit.t) <= 1e-5 * hit.t + 1e-6 * extent));
 }
 
 // --- one primitive -------------------------------------------------------------------------------
@@ -125,9 +163,13 @@ static double refused_distance(double p[3][3], const double weight[3], double sp
 // The test of Woop, Benthin, Wald 2013 as lib/intersect_triangle.glsl does it. Rounding: a
 // difference of coordinates has one, the shear 5 (a division is good to 2.5 ulp by the Vulkan
 // specification), product and difference one each: at most 10 of the largest coordinate relative to
-// the origin, in each sheared coordinate.
+// the origin, in each sheared coordinate. `slack`: what the ray itself is off by.
+struct slack {
+    double origin, direction; // each component
+};
+
 static struct judgement judge_triangle(const struct flat_triangle *triangle,
-                                       const struct bvh_ray *ray)
+                                       const struct bvh_ray *ray, struct slack slack)
 {
     const double *d = ray->direction;
     int z = 0;
@@ -146,7 +188,8 @@ static struct judgement judge_triangle(const struct flat_triangle *triangle,
         p[i][2] = s[z] / d[z];
         distance = fmax(distance, fabs(p[i][2]));
     }
-    double offset = 10 * ROUNDING * reach;
+    double speed = fabs(d[z]);
+    double offset = 10 * ROUNDING * reach + 2 * slack.origin + 2 * reach * slack.direction / speed;
 
     double weight[3], error[3], sum = 0, sum_error = 0, t = 0, t_error = 0;
     bool sure_inside = true, positive = false, negative = false;
@@ -171,7 +214,8 @@ static struct judgement judge_triangle(const struct flat_triangle *triangle,
         t_error += error[i] * fabs(p[i][2] - t) / (fabs(sum) - sum_error);
     // Three products and sums, a reciprocal, and the 7 of the sheared z.
     return (struct judgement){sure_inside ? SURE_HIT : DOUBTFUL, t,
-                              t_error + 20 * ROUNDING * distance,
+                              t_error + 20 * ROUNDING * distance +
+                                  (slack.origin + distance * slack.direction) / speed,
                               refused_distance(p, weight, fabs(d[z]))};
 }
 
@@ -240,33 +284,82 @@ static struct judgement judge_disc(const struct flat_shape *shape, const struct 
     return (struct judgement){certainty, t, error};
 }
 
-static struct judgement judge(const struct flat_scene *flat, uint32_t primitive,
+static double sum_of_products(const double m[4], const double v[3])
+{
+    return fabs(m[0] * v[0]) + fabs(m[1] * v[1]) + fabs(m[2] * v[2]);
+}
+
+// The ray in an instance's space. Rounding: a difference, then sums of three products.
+static struct bvh_ray ray_of_instance(const struct flat_instance *instance,
+                                      const struct bvh_ray *ray, struct slack *slack)
+{
+    struct bvh_ray out = *ray;
+    double m[3][4], from[3];
+    to_object(instance, m);
+    *slack = (struct slack){0};
+    for (int c = 0; c < 3; c++)
+        from[c] = ray->origin[c] - (double)instance->to_world[c][3];
+    for (int row = 0; row < 3; row++) {
+        out.origin[row] = dot(m[row], from);
+        out.direction[row] = dot(m[row], ray->direction);
+        slack->origin = fmax(slack->origin, gamma_n(4) * sum_of_products(m[row], from));
+        slack->direction =
+            fmax(slack->direction, gamma_n(3) * sum_of_products(m[row], ray->direction));
+    }
+    return out;
+}
+
+static struct judgement judge(const struct flat_scene *flat, uint32_t primitive, uint32_t instance,
                               const struct bvh_ray *ray)
 {
+    struct slack slack = {0};
+    if (instance != NO_INSTANCE) {
+        const struct bvh_ray own = ray_of_instance(&flat->instances[instance], ray, &slack);
+        return judge_triangle(&flat->triangles[primitive], &own, slack);
+    }
     if (!(primitive & PRIMITIVE_SHAPE))
-        return judge_triangle(&flat->triangles[primitive], ray);
+        return judge_triangle(&flat->triangles[primitive], ray, slack);
     const struct flat_shape *shape = &flat->shapes[primitive & ~PRIMITIVE_SHAPE];
     return shape->kind == SHAPE_SPHERE ? judge_sphere(shape, ray) : judge_disc(shape, ray);
 }
 
 // --- a result ------------------------------------------------------------------------------------
 
-static uint32_t primitive_count(const struct flat_scene *flat)
-{
-    return flat->triangle_count + flat->shape_count;
-}
+// Every primitive one after the other: of the world, then of each instance.
+struct visit {
+    uint32_t next, instance, primitive;
+};
+#define VISIT_START ((struct visit){0, NO_INSTANCE, 0})
 
-static uint32_t nth_primitive(const struct flat_scene *flat, uint32_t i)
+static bool visit_next(const struct flat_scene *flat, struct visit *v)
 {
-    return i < flat->triangle_count ? i : PRIMITIVE_SHAPE | (i - flat->triangle_count);
+    uint32_t i = v->next++, triangles = flat->world_triangle_count;
+    if (v->instance == NO_INSTANCE) {
+        v->primitive = i < triangles ? i : PRIMITIVE_SHAPE | (i - triangles);
+        if (i < triangles + flat->shape_count)
+            return true;
+        i = 0;
+        v->next = 1;
+    }
+    // Instances of empty meshes there are none.
+    if (v->instance == NO_INSTANCE ||
+        i >= flat->meshes[flat->instances[v->instance].mesh].triangle_count) {
+        v->instance++; // to 0 from NO_INSTANCE
+        v->next = 1;
+        i = 0;
+        if (v->instance == flat->placed_count)
+            return false;
+    }
+    v->primitive = flat->meshes[flat->instances[v->instance].mesh].first_triangle + i;
+    return true;
 }
 
 // A primitive that is certainly hit in (0, t_max).
 static bool certain_hit_before(const struct flat_scene *flat, const struct bvh_ray *ray,
                                double t_max)
 {
-    for (uint32_t i = 0; i < primitive_count(flat); i++) {
-        struct judgement j = judge(flat, nth_primitive(flat, i), ray);
+    for (struct visit v = VISIT_START; visit_next(flat, &v);) {
+        struct judgement j = judge(flat, v.primitive, v.instance, ray);
         if (j.certainty == SURE_HIT && j.t - j.tolerance > j.refused && j.t + j.tolerance < t_max)
             return true;
     }
@@ -279,7 +372,7 @@ bool judge_closest(const struct flat_scene *flat, const struct single_ray *ray,
     const struct bvh_ray exact = reference_ray(ray, INFINITY);
     if (hit->primitive == NO_PRIMITIVE)
         return !certain_hit_before(flat, &exact, INFINITY);
-    struct judgement j = judge(flat, hit->primitive, &exact);
+    struct judgement j = judge(flat, hit->primitive, hit->instance, &exact);
     return j.certainty != SURE_MISS && fabs((double)hit->t - j.t) <= j.tolerance &&
            !certain_hit_before(flat, &exact, (double)hit->t);
 }
@@ -289,8 +382,8 @@ bool judge_occluded(const struct flat_scene *flat, const struct single_ray *ray,
     const struct bvh_ray exact = reference_ray(ray, 1);
     if (!occluded)
         return !certain_hit_before(flat, &exact, 1);
-    for (uint32_t i = 0; i < primitive_count(flat); i++) {
-        struct judgement j = judge(flat, nth_primitive(flat, i), &exact);
+    for (struct visit v = VISIT_START; visit_next(flat, &v);) {
+        struct judgement j = judge(flat, v.primitive, v.instance, &exact);
         if (j.certainty != SURE_MISS && j.t + j.tolerance > 0 && j.t - j.tolerance < 1)
             return true;
     }

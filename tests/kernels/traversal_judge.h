@@ -11,12 +11,17 @@
 struct reference {
     const struct flat_scene *flat;
     struct bvh_box *boxes; // of the shapes
+    struct bvh_trace_instance *instances;
     struct bvh_params geometry;
     struct bvh_trace_scene scene;
 };
 
 // Memory comes from `arena`; *out must stay where it is. False when out of memory.
 bool reference_create(const struct renderer *r, struct arena *arena, struct reference *out);
+// The hit that the kernels should find, within the error of a triangle that is neither a sliver nor
+// seen edge-on: some 16 roundings of the largest coordinate relative to the ray's origin.
+bool reference_agrees(const struct reference *reference, const struct bvh_ray *ray,
+                      const struct single_hit *result, double extent);
 struct bvh_ray reference_ray(const struct single_ray *ray, double t_max);
 
 // True when no exact arithmetic within the kernel's error bounds contradicts the result: the
