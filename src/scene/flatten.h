@@ -40,8 +40,9 @@ struct flat_instance {
 };
 
 // Which meshes are kept in their own space, once for all their instances:
-// - auto: those with at least 12 triangles of which copies would take 65536 triangles or more
-//   (some 10 MiB on the device); a second level costs time, and smaller scenes fit into caches;
+// - auto: where copies would take 2^20 triangles or more in all, those of at least 12 triangles
+// that
+//   are used more than once; below that one level is built in seconds and is faster to trace;
 // - on: all, those with one instance too;
 // - off: none.
 // Never shared are meshes that emit, since each of their triangles is an emitter of its own; meshes

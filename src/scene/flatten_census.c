@@ -202,23 +202,28 @@ static void warn_of_skipped(const struct scene *scene, const struct census *cens
 
 // A mesh of fewer triangles is smaller than the records that lead to it.
 #define SHARED_TRIANGLES_MIN 12
-// Triangles that have to be saved: some 10 MiB on the device.
-#define SAVED_TRIANGLES_MIN 65536
+// Triangles that have to be saved. Two levels take 1.3 times as long to trace as one
+// (docs/performance.md); so many more triangles in one take some 80 MiB on the device, and seconds
+// to put there.
+#define SAVED_TRIANGLES_MIN (1u << 20)
 
-static bool sharing_pays(const struct mesh *mesh, const struct mesh_use *use)
+static bool would_save(const struct mesh *mesh, const struct mesh_use *use)
 {
-    return use->sharing > 1 && mesh->triangle_count >= SHARED_TRIANGLES_MIN &&
-           (use->sharing - 1) * (uint64_t)mesh->triangle_count >= SAVED_TRIANGLES_MIN;
+    return use->sharing > 1 && mesh->triangle_count >= SHARED_TRIANGLES_MIN;
 }
 
 static void choose_shared(const struct scene *scene, enum instancing instancing,
                           struct census *census)
 {
+    uint64_t saved = 0;
+    for (uint32_t i = 0; i < scene->mesh_count; i++)
+        if (would_save(&scene->meshes[i], &census->meshes[i]))
+            saved += (census->meshes[i].sharing - 1) * (uint64_t)scene->meshes[i].triangle_count;
+    bool pays = instancing == INSTANCING_AUTO && saved >= SAVED_TRIANGLES_MIN;
     for (uint32_t i = 0; i < scene->mesh_count; i++) {
         struct mesh_use *use = &census->meshes[i];
         use->is_shared = instancing == INSTANCING_ON ? use->sharing > 0
-                                                     : instancing == INSTANCING_AUTO &&
-                                                           sharing_pays(&scene->meshes[i], use);
+                                                     : pays && would_save(&scene->meshes[i], use);
         use->flat = use->is_shared ? census->shared_count++ : SCENE_NONE;
         if (use->is_shared)
             census->shared_triangle_count += scene->meshes[i].triangle_count;
