@@ -94,10 +94,17 @@ struct bvh_binary_node *bvh_binary_build(const struct bvh_binary_params *params,
                                          struct arena *arena, uint32_t *leaf_count,
                                          struct err *err);
 
+struct bvh_optimize_params {
+    struct bvh_binary_node *nodes;
+    uint32_t leaf_count;      // at least 1
+    enum bvh_optimize effort; // normal or long
+    unsigned threads;         // at least 1
+    const struct progress *progress;
+};
+
 // Lowers the tree's cost, in place. *usable is false when that made it deeper than the later stages
 // allow, which takes an odd input: then the tree has to be built anew and left as it is.
-bool bvh_optimize(struct bvh_binary_node *nodes, uint32_t leaf_count,
-                  const struct progress *progress, bool *usable, struct err *err);
+bool bvh_optimize(const struct bvh_optimize_params *params, bool *usable, struct err *err);
 
 struct bvh_wide_params {
     const struct bvh_binary_node *nodes;

@@ -188,7 +188,12 @@ static bool build_once(const struct bvh_params *params, const struct attempt *at
     *fits = true;
     bool plain = params->method.split != BVH_SPLIT_SAH && params->method.split != BVH_SPLIT_SPATIAL;
     bool optimize = attempt->optimize && params->method.optimize != BVH_OPTIMIZE_OFF && !plain;
-    if (optimize && !bvh_optimize(nodes, leaf_count, params->progress, fits, err))
+    if (optimize && !bvh_optimize(&(struct bvh_optimize_params){.nodes = nodes,
+                                                                .leaf_count = leaf_count,
+                                                                .effort = params->method.optimize,
+                                                                .threads = threads,
+                                                                .progress = params->progress},
+                                  fits, err))
         goto done;
     ok = !*fits || bvh_wide_build(&(struct bvh_wide_params){.nodes = nodes,
                                                             .leaf_count = leaf_count,

@@ -3,22 +3,33 @@
 // volume hierarchies"), with the search of Meister and Bittner 2018, "Parallel reinsertion for
 // bounding volume hierarchy optimization", which starts at the old place. Top-down building cannot
 // do that: a large triangle among small ones goes down with them and makes all their boxes large.
+//
+// Places are searched for a batch of subtrees at once, on all threads; then they move one after the
+// other, those for which the moves before have left something to gain. So threads do not matter.
 #include "bvh_binary.h"
+#include "parallel.h"
 
 #include <stdlib.h>
 
 enum {
-    CANDIDATES_OF_NODES = 10, // one in so many nodes is a candidate, each round
-    ROUNDS_MAX = 6,
-    // Bounds on the time that the worst input takes: nodes that one search may look at, and those
-    // that all may look at or refit, as a multiple of the primitives.
-    SEARCH_MAX = 100,
-    WORK_OF_PRIMITIVES = 32,
-    DEPTH_MAX = 128, // of the improved tree: a deeper one is not used
+    SEARCH_MAX = 1000, // nodes that any search may look at
+    BATCH = 4096,      // searches that see the same tree
+    SEARCH_GRAIN = 64, // of them a thread takes at once
+    DEPTH_MAX = 128,   // of the improved tree: a deeper one is not used
 };
 
-// A round that does not lower the cost by this part of it is the last one.
-#define ROUND_GAIN_MIN 0.002
+// How long to go on.
+struct effort {
+    uint32_t candidates_of; // one in so many nodes is a candidate, each round
+    uint32_t rounds_max;
+    // Bounds on the time that the worst input takes: nodes that one search may look at, and those
+    // that all may look at or refit, as a multiple of the leaves.
+    uint32_t search_max, work_of_leaves;
+    double gain_min; // a round that does not lower the cost by this part of it is the last one
+};
+
+static const struct effort normal_effort = {10, 6, 100, 32, 0.002};
+static const struct effort long_effort = {2, 100, SEARCH_MAX, 1u << 15, 1e-5};
 
 struct candidate {
     double waste;
@@ -30,6 +41,12 @@ struct place {
     double gain;   // by how much the sum of areas becomes less
 };
 
+// What a search has found, and how many nodes it has looked at.
+struct search {
+    struct place place;
+    uint32_t looked_at;
+};
+
 // A subtree to be searched, and the gain of inserting in it so far: what taking the moving subtree
 // out saves, less what the nodes above grow.
 struct search_entry {
@@ -38,10 +55,13 @@ struct search_entry {
 };
 
 struct optimizer {
+    const struct bvh_optimize_params *params;
+    struct effort effort;
     struct bvh_binary_node *nodes; // in any order; the root stays first
     uint32_t *parents;
     struct candidate *candidates;
-    struct search_entry stack[SEARCH_MAX + 2];
+    struct search *searches;          // BATCH of them
+    const struct candidate *searched; // the first candidate of the batch
     uint32_t node_count;
     int64_t work; // that may still be done
 };
@@ -66,50 +86,109 @@ static uint32_t sibling_of(const struct optimizer *optimizer, uint32_t node)
 
 // --- Searching ----------------------------------------------------------------------------------
 
-// Searches the subtree of the entry; `left` is the number of nodes that may still be looked at.
-static void search_subtree(struct optimizer *optimizer, const struct bvh_box *moving,
-                           struct search_entry entry, uint32_t *left, struct place *best)
+static void search_subtree(const struct optimizer *optimizer, const struct bvh_box *moving,
+                           struct search_entry entry, struct search *search)
 {
+    struct search_entry stack[SEARCH_MAX + 2];
+    struct place *best = &search->place;
     double area = box_half_area(moving);
     uint32_t size = 0;
-    optimizer->stack[size++] = entry;
-    while (size > 0 && *left > 0) {
-        entry = optimizer->stack[--size];
+    stack[size++] = entry;
+    while (size > 0 && search->looked_at < optimizer->effort.search_max) {
+        entry = stack[--size];
         if (entry.gain - area <= best->gain) // the new parent is no smaller than what moves
             continue;
-        --*left;
-        optimizer->work--;
+        search->looked_at++;
         const struct bvh_binary_node *node = &optimizer->nodes[entry.node];
         double gain = entry.gain - merged_half_area(&node->box, moving);
         if (gain > best->gain)
             *best = (struct place){entry.node, gain};
         double below = gain + box_half_area(&node->box);
         if (is_inner(node) && below - area > best->gain) {
-            optimizer->stack[size++] = (struct search_entry){below, node->right};
-            optimizer->stack[size++] = (struct search_entry){below, node->left};
+            stack[size++] = (struct search_entry){below, node->right};
+            stack[size++] = (struct search_entry){below, node->left};
         }
     }
 }
 
 // The best place for a subtree whose parent is not the root; gain 0 when none is better.
-static struct place find_place(struct optimizer *optimizer, uint32_t index)
+static struct search find_place(const struct optimizer *optimizer, uint32_t index)
 {
     const struct bvh_binary_node *nodes = optimizer->nodes;
     const struct bvh_box *moving = &nodes[index].box;
-    struct place best = {0, 0};
-    uint32_t left = SEARCH_MAX, pivot = optimizer->parents[index];
+    struct search search = {{0, 0}, 0};
+    uint32_t pivot = optimizer->parents[index];
     double gain = box_half_area(&nodes[pivot].box); // the parent goes
     struct bvh_box rest = nodes[sibling_of(optimizer, index)].box;
     search_subtree(optimizer, moving, (struct search_entry){gain, sibling_of(optimizer, index)},
-                   &left, &best);
+                   &search);
     while (pivot != 0) {
         uint32_t sibling = sibling_of(optimizer, pivot);
-        search_subtree(optimizer, moving, (struct search_entry){gain, sibling}, &left, &best);
+        search_subtree(optimizer, moving, (struct search_entry){gain, sibling}, &search);
         pivot = optimizer->parents[pivot];
         box_add_box(&rest, &nodes[sibling].box); // all that is below the pivot but what moves
         gain += box_half_area(&nodes[pivot].box) - box_half_area(&rest);
     }
-    return best;
+    return search;
+}
+
+static void run_searches(void *context, size_t begin, size_t end, unsigned thread)
+{
+    (void)thread;
+    const struct optimizer *optimizer = context;
+    for (size_t i = begin; i < end; i++) {
+        uint32_t node = optimizer->searched[i].node;
+        optimizer->searches[i] = (struct search){{0, 0}, 0};
+        if (optimizer->parents[node] != 0) // else earlier moves have lifted it
+            optimizer->searches[i] = find_place(optimizer, node);
+    }
+}
+
+static uint32_t depth_of(const struct optimizer *optimizer, uint32_t node)
+{
+    uint32_t depth = 0;
+    for (; node != 0; node = optimizer->parents[node])
+        depth++;
+    return depth;
+}
+
+// The deepest node that is above both, or one of them that is above the other.
+static uint32_t common_ancestor(const struct optimizer *optimizer, uint32_t a, uint32_t b)
+{
+    uint32_t depth_a = depth_of(optimizer, a), depth_b = depth_of(optimizer, b);
+    for (; depth_a > depth_b; depth_a--)
+        a = optimizer->parents[a];
+    for (; depth_b > depth_a; depth_b--)
+        b = optimizer->parents[b];
+    while (a != b) {
+        a = optimizer->parents[a];
+        b = optimizer->parents[b];
+    }
+    return a;
+}
+
+// The gain of a move in the tree as it is now; none where the move no longer makes sense. What is
+// above both places keeps its box.
+static double gain_of_move(const struct optimizer *optimizer, uint32_t index, uint32_t target)
+{
+    const struct bvh_binary_node *nodes = optimizer->nodes;
+    const struct bvh_box *moving = &nodes[index].box;
+    const uint32_t *parents = optimizer->parents;
+    uint32_t from = parents[index], above = common_ancestor(optimizer, from, target);
+    if (from == 0 || above == target || target == index)
+        return 0;
+    double gain = box_half_area(&nodes[from].box) - merged_half_area(&nodes[target].box, moving);
+    for (uint32_t n = parents[target]; n != above; n = parents[n]) {
+        if (n == index)
+            return 0;
+        gain -= merged_half_area(&nodes[n].box, moving) - box_half_area(&nodes[n].box);
+    }
+    struct bvh_box rest = nodes[sibling_of(optimizer, index)].box;
+    for (uint32_t n = from; n != above && parents[n] != above; n = parents[n]) {
+        box_add_box(&rest, &nodes[sibling_of(optimizer, n)].box);
+        gain += box_half_area(&nodes[parents[n]].box) - box_half_area(&rest);
+    }
+    return gain;
 }
 
 // --- Moving -------------------------------------------------------------------------------------
@@ -194,7 +273,7 @@ static void sort_first(struct candidate *candidates, uint32_t count, uint32_t wa
 // own, which is what taking them out and putting them in elsewhere gains at most, ancestors aside.
 static uint32_t choose_candidates(struct optimizer *optimizer)
 {
-    uint32_t count = 0, wanted = optimizer->node_count / CANDIDATES_OF_NODES + 1;
+    uint32_t count = 0, wanted = optimizer->node_count / optimizer->effort.candidates_of + 1;
     for (uint32_t i = 1; i < optimizer->node_count; i++) {
         uint32_t parent = optimizer->parents[i];
         double waste =
@@ -207,22 +286,49 @@ static uint32_t choose_candidates(struct optimizer *optimizer)
     return wanted;
 }
 
-// Returns what all moves together took from the sum of areas.
-static double run_round(struct optimizer *optimizer)
+// Moves what gains in the batch; returns what that took from the sum of areas.
+static double run_batch(struct optimizer *optimizer, const struct candidate *batch, uint32_t count)
 {
-    double gain = 0;
-    uint32_t count = choose_candidates(optimizer);
-    for (uint32_t i = 0; i < count && optimizer->work > 0; i++) {
-        uint32_t node = optimizer->candidates[i].node;
-        if (optimizer->parents[node] == 0) // earlier moves have lifted it
+    double sum = 0;
+    optimizer->searched = batch;
+    parallel_for(count, SEARCH_GRAIN, optimizer->params->threads, run_searches, optimizer);
+    for (uint32_t i = 0; i < count; i++) {
+        const struct search *search = &optimizer->searches[i];
+        optimizer->work -= search->looked_at;
+        if (!(search->place.gain > 0))
             continue;
-        struct place place = find_place(optimizer, node);
-        if (place.gain > 0) {
-            move(optimizer, node, place.node);
-            gain += place.gain;
+        double gain = gain_of_move(optimizer, batch[i].node, search->place.node);
+        if (gain > 0) {
+            move(optimizer, batch[i].node, search->place.node);
+            sum += gain;
         }
     }
-    return gain;
+    return sum;
+}
+
+// The number of rounds is not known before: each takes a part of what is left.
+static bool report(const struct optimizer *optimizer, double rounds, struct err *err)
+{
+    double part = optimizer->params->effort == BVH_OPTIMIZE_LONG
+                      ? 1 - pow(0.9, rounds)
+                      : rounds / optimizer->effort.rounds_max;
+    return bvh_checkpoint(
+        optimizer->params->progress,
+        BVH_PROGRESS_BINARY + (BVH_PROGRESS_OPTIMIZED - BVH_PROGRESS_BINARY) * part, err);
+}
+
+// *gain is what all moves together took from the sum of areas.
+static bool run_round(struct optimizer *optimizer, uint32_t round, double *gain, struct err *err)
+{
+    *gain = 0;
+    uint32_t count = choose_candidates(optimizer);
+    for (uint32_t i = 0; i < count && optimizer->work > 0; i += BATCH) {
+        if (!report(optimizer, round + (double)i / count, err))
+            return false;
+        *gain +=
+            run_batch(optimizer, &optimizer->candidates[i], count - i < BATCH ? count - i : BATCH);
+    }
+    return true;
 }
 
 static double sum_of_areas(const struct optimizer *optimizer)
@@ -269,37 +375,35 @@ static void link_parents(struct optimizer *optimizer)
     }
 }
 
-bool bvh_optimize(struct bvh_binary_node *nodes, uint32_t leaf_count,
-                  const struct progress *progress, bool *usable, struct err *err)
+bool bvh_optimize(const struct bvh_optimize_params *params, bool *usable, struct err *err)
 {
     *usable = true;
     bool ok = false;
     struct arena scratch = {0};
-    struct optimizer *optimizer = ARENA_NEW(&scratch, struct optimizer, 1);
-    uint32_t node_count = 2 * leaf_count - 1;
-    uint32_t *parents = ARENA_NEW(&scratch, uint32_t, node_count);
-    struct candidate *candidates = ARENA_NEW(&scratch, struct candidate, node_count);
-    if (!optimizer || !parents || !candidates) {
-        err_memory(err, "optimizing the BVH", node_count * sizeof *candidates);
+    uint32_t node_count = 2 * params->leaf_count - 1;
+    struct optimizer optimizer = {
+        .params = params,
+        .effort = params->effort == BVH_OPTIMIZE_LONG ? long_effort : normal_effort,
+        .nodes = params->nodes,
+        .node_count = node_count,
+        .parents = ARENA_NEW(&scratch, uint32_t, node_count),
+        .candidates = ARENA_NEW(&scratch, struct candidate, node_count),
+        .searches = ARENA_NEW(&scratch, struct search, BATCH),
+    };
+    if (!optimizer.parents || !optimizer.candidates || !optimizer.searches) {
+        err_memory(err, "optimizing the BVH", node_count * sizeof *optimizer.candidates);
         goto done;
     }
-    optimizer->nodes = nodes;
-    optimizer->parents = parents;
-    optimizer->candidates = candidates;
-    optimizer->node_count = node_count;
-    optimizer->work = (int64_t)WORK_OF_PRIMITIVES * leaf_count;
-    link_parents(optimizer);
-    double cost = sum_of_areas(optimizer), gain = cost;
-    for (int round = 0; round < ROUNDS_MAX && gain > ROUND_GAIN_MIN * cost; round++) {
-        double part = (double)round / ROUNDS_MAX;
-        if (!bvh_checkpoint(
-                progress,
-                BVH_PROGRESS_BINARY + (BVH_PROGRESS_OPTIMIZED - BVH_PROGRESS_BINARY) * part, err))
+    optimizer.work = (int64_t)optimizer.effort.work_of_leaves * params->leaf_count;
+    link_parents(&optimizer);
+    double cost = sum_of_areas(&optimizer), gain = cost;
+    for (uint32_t round = 0;
+         round < optimizer.effort.rounds_max && gain > optimizer.effort.gain_min * cost; round++) {
+        if (!run_round(&optimizer, round, &gain, err))
             goto done;
-        gain = run_round(optimizer);
         cost -= gain;
     }
-    *usable = is_shallow(nodes);
+    *usable = is_shallow(params->nodes);
     ok = true;
 done:
     arena_finish(&scratch);

@@ -50,13 +50,38 @@ static bool is_triangle(const struct bvh_binary_node *node)
 
 // --- Choosing -----------------------------------------------------------------------------------
 
+static double extent(const struct bvh_box *box, int axis)
+{
+    return (double)box->max[axis] - (double)box->min[axis];
+}
+
+// On a node's grid a box grows by about a step, 1/128 of the node, along each axis. Whether that is
+// all that is left of it: as beside a plane without end, where the children of such a box, taken
+// into the node, could not be told from each other.
+#define GRID_STEP (1.0 / 128)
+#define LOST_RATIO 256
+
+static bool is_lost(const struct bvh_box *node, const struct bvh_box *box)
+{
+    struct bvh_box grown = *box;
+    for (int axis = 0; axis < 3; axis++)
+        grown.max[axis] += (float)(GRID_STEP * extent(node, axis));
+    return box_half_area(&grown) > LOST_RATIO * box_half_area(box);
+}
+
 // The least cost of `children` children shared by both subtrees, and the left one's number.
 static double distribute(const struct collapse *collapse, const struct bvh_binary_node *node,
                          uint32_t children, uint8_t *left)
 {
+    const struct bvh_binary_node *nodes = collapse->params->nodes;
     const struct choice *l = &collapse->choices[node->left], *r = &collapse->choices[node->right];
+    bool left_is_lost = is_lost(&node->box, &nodes[node->left].box);
+    bool right_is_lost = is_lost(&node->box, &nodes[node->right].box);
+    bool is_one_lost = left_is_lost != right_is_lost;
+    uint32_t first = is_one_lost && right_is_lost ? children - 1 : 1;
+    uint32_t end = is_one_lost && left_is_lost ? 2 : children;
     double best = INFINITY;
-    for (uint32_t i = 1; i < children; i++) {
+    for (uint32_t i = first; i < end; i++) {
         double cost = l->cost[i] + r->cost[children - i];
         if (cost < best) {
             best = cost;
