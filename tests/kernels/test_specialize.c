@@ -47,6 +47,7 @@ enum {
     CLAMP = TRAIT(41),
     PROFILE = TRAIT(42), // the lamp has one
     SUN = TRAIT(43),     // a directional light with an extent
+    PLACED = TRAIT(44),  // the quad is an instance in its own space
 };
 
 static void *present(void *memory)
@@ -245,6 +246,7 @@ static bool make(struct gpu *gpu, uint64_t has, bool everything, struct inventor
         .wave = 1024,
         .everything = everything,
         .tiles = has & TILES,
+        .instancing = has & PLACED ? INSTANCING_ON : INSTANCING_AUTO,
     };
     bool ok = renderer_create(&params, &r, &err);
     CHECK(ok, "%s", err.msg);
@@ -273,6 +275,7 @@ static const struct pair pairs[] = {
     {"spheres", QUAD | SPHERE, QUAD, MEETS(GEOMETRY_SPHERES), 0, BIT(BINDING_SHAPES), 0},
     {"discs", QUAD | DISC, QUAD, MEETS(GEOMETRY_DISCS), 0, BIT(BINDING_SHAPES), 0},
     {"spheres beside discs", DISC | SPHERE, DISC, MEETS(GEOMETRY_SPHERES), 0, 0, 0},
+    {"instances", QUAD | PLACED, QUAD, MEETS(GEOMETRY_INSTANCES), 0, BIT(BINDING_SHAPES), 0},
     {"normals", QUAD | SMOOTH, QUAD, FEATURE_NORMALS, 0, BIT(BINDING_ATTRIBUTES), 0},
     {"diffuse", QUAD | SPHERE | MIRROR_SPHERE, QUAD | MIRROR_QUAD | SPHERE | MIRROR_SPHERE, 0, 0, 0,
      0},
@@ -394,7 +397,7 @@ TEST(each_need)
 }
 
 // Of geometry, what pairs are there for.
-#define GEOMETRY_PAIRED (GEOMETRY_SPHERES | GEOMETRY_DISCS)
+#define GEOMETRY_PAIRED (GEOMETRY_SPHERES | GEOMETRY_DISCS | GEOMETRY_INSTANCES)
 #define EMITTERS_PAIRED (EMITTERS_ALL & ~(EMITTERS_SHAPES & ~(EMITTER_SPHERES | EMITTER_DISCS)))
 
 static uint64_t named_bits(void)
