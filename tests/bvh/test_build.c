@@ -459,6 +459,31 @@ TEST(stride_and_shapes)
     arena_finish(&arena);
 }
 
+// Beside a plane's box the rest of the scene is one child: the grid of a node could not tell its
+// parts from each other.
+TEST(small_beside_the_boundless)
+{
+    struct arena arena = {0};
+    struct mesh soup = mesh_soup(&arena, 5000, 0.1, 7);
+    struct bvh_params params = mesh_params(&soup);
+    const struct bvh_box planes[2] = {{{-1e18f, -2, -1e18f}, {0.75e18f, -2, 0.75e18f}},
+                                      {{-1e18f, -1e18f, -1e18f}, {0.75e18f, 0.75e18f, 0.75e18f}}};
+    for (uint32_t i = 0; i < 2; i++) {
+        struct bvh bvh;
+        params.shape_boxes = &planes[i];
+        params.shape_count = 1;
+        if (!build(&params, &arena, &bvh))
+            continue;
+        uint32_t inner = 0, leaves = 0;
+        for (uint32_t c = 0; c < 4; c++) {
+            inner += children(&bvh, 0)[c] < BVH_LEAF;
+            leaves += children(&bvh, 0)[c] == (BVH_LEAF | BVH_LEAF_SHAPE);
+        }
+        CHECK(inner == 1 && leaves == 1, "%u inner children, %u planes", inner, leaves);
+    }
+    arena_finish(&arena);
+}
+
 // --- Errors -------------------------------------------------------------------------------------
 
 static void check_refused(const struct bvh_params *params, const char *expected)
@@ -661,7 +686,8 @@ TEST_MAIN(TEST_CASE(few_triangles), TEST_CASE(soups), TEST_CASE(statistics),
           TEST_CASE(median_and_mean_split_where_they_say), TEST_CASE(small_among_large),
           TEST_CASE(slivers), TEST_CASE(extreme_coordinates), TEST_CASE(all_magnitudes_together),
           TEST_CASE(exponential_spacing_stays_shallow), TEST_CASE(nested_lists_stay_shallow),
-          TEST_CASE(same_bits_for_any_threads), TEST_CASE(stride_and_shapes), TEST_CASE(bad_input),
+          TEST_CASE(same_bits_for_any_threads), TEST_CASE(stride_and_shapes),
+          TEST_CASE(small_beside_the_boundless), TEST_CASE(bad_input),
           TEST_CASE(every_allocation_may_fail), TEST_CASE(progress_and_stopping),
           TEST_CASE(validate_finds_every_flipped_bit),
           TEST_CASE(validate_finds_every_flipped_bit_of_float_nodes),
