@@ -10,14 +10,18 @@
 // Akenine-Möller 2019, Ray Tracing Gems, chapter 7).
 //
 // A ray that starts on this very sphere has one root at 0 exactly; only the other one counts, and
-// only where it is more than rounding, so that no rounding decides whether the ray leaves.
+// only where it is more than rounding, so that no rounding decides whether the ray leaves. Of spheres
+// smaller than their place's rounding, where it starts tells more than where it goes.
 float intersect_sphere(vec3 origin, vec3 direction, vec3 center, float radius, bool starts_here)
 {
     vec3 f = origin - center;
     float a = dot(direction, direction);
     float b = -dot(f, direction);
-    if (starts_here)
-        return b > GAMMA(4) * dot(abs(f), abs(direction)) ? 2.0 * b / a : -1.0;
+    if (starts_here) {
+        bool leaves = dot(f, f) > radius * radius * (1.0 + GAMMA(16));
+        bool enters = b > GAMMA(4) * dot(abs(f), abs(direction));
+        return enters && !leaves ? 2.0 * b / a : -1.0;
+    }
     vec3 closest = f + (b / a) * direction;
     float discriminant = radius * radius - dot(closest, closest);
     float q = b + (b < 0.0 ? -1.0 : 1.0) * sqrt(a * max(discriminant, 0.0));

@@ -154,7 +154,8 @@ round_ray intersect_round(vec3 f, vec3 d, float radius, float bound, vec3 speeds
         // The normal is as uncertain as the distance is, of the radius.
         float slope_error = SLOPE_ROUNDINGS * dot(abs(f), speeds) +
                             min(bound / max(away, radius), 1.0) * away * sqrt(r.a);
-        r.misses = leaves_face(away - radius, -r.b, slope_error);
+        // Of what is hardly thicker than that, rays leave unless they are certain not to.
+        r.misses = leaves_face(8.0 * bound > radius ? bound : away - radius, -r.b, slope_error);
         c = min(c, 0.0);
     }
     float root = sqrt(r.a * max(discriminant, 0.0));

@@ -115,7 +115,9 @@ void surface_of_plane(vec3 point, vec3 normal, inout surface s)
 
 void surface_of_sphere(vec3 point, float radius, inout surface s)
 {
-    s.normal_geometric = normalize(point - s.center);
+    // Of the smallest ones, far from the origin, rounding leaves nothing but the centre.
+    vec3 f = point - s.center;
+    s.normal_geometric = dot(f, f) > 0.0 ? normalize(f) : vec3(0.0, 1.0, 0.0);
     s.radius = radius;
     if (HAS_GEOMETRY(GEOMETRY_LARGE_SPHERES)) {
         // Moved onto the sphere: what is left is the rounding of the sum, of the height, and what
@@ -179,6 +181,7 @@ void surface_of_cylinder(vec3 point, shape_record shape, float face, out float a
     vec3 f = point - s.center;
     float height = dot(f, n);
     vec3 across = f - height * n;
+    across -= dot(across, n) * n; // of needles the first one's rounding is not little
     float away = length(across);
     vec3 outwards = away > 0.0 ? across / away : basis_around(n)[0];
     along = clamp(height, -half_height, half_height);

@@ -4,17 +4,17 @@
 
 _Static_assert(sizeof(union words) == sizeof(struct gpu_path), "they share a buffer");
 
-static bool create_kernel(struct renderer *r, uint32_t routine, struct gpu_kernel *kernel,
-                          struct err *err)
+static bool create_kernel(struct renderer *r, const struct routine *routine,
+                          struct gpu_kernel *kernel, struct err *err)
 {
     uint32_t constants[CONSTANT_ROUTINE + 1];
     memcpy(constants, &r->specialization, 4 * CONSTANT_COUNT);
     constants[CONSTANT_FEATURES] &= ~FEATURE_TEXEL_STATE; // the test writes what it reads
-    constants[CONSTANT_ROUTINE] = routine;
+    constants[CONSTANT_ROUTINE] = routine->number;
     const struct gpu_kernel_params params = {
         .name = "library",
-        .spirv = library_spirv,
-        .spirv_bytes = sizeof library_spirv,
+        .spirv = routine->spirv,
+        .spirv_bytes = routine->spirv_bytes,
         .constants = constants,
         .constant_count = CONSTANT_ROUTINE + 1,
     };
@@ -32,7 +32,8 @@ static bool run_part(struct renderer *r, const struct gpu_kernel *kernel, union 
            gpu_download(r->gpu, buffer, 0, items, count * sizeof *items, err);
 }
 
-bool library_run(struct setup *setup, uint32_t routine, union words *items, uint32_t count)
+bool routine_run(struct setup *setup, const struct routine *routine, union words *items,
+                 uint32_t count)
 {
     struct renderer *r = &setup->r;
     struct gpu_kernel kernel = {0};
@@ -46,4 +47,10 @@ bool library_run(struct setup *setup, uint32_t routine, union words *items, uint
     CHECK(ok, "%s", err.msg);
     gpu_kernel_finish(r->gpu, &kernel);
     return ok;
+}
+
+bool library_run(struct setup *setup, uint32_t routine, union words *items, uint32_t count)
+{
+    const struct routine of_library = {library_spirv, sizeof library_spirv, routine};
+    return routine_run(setup, &of_library, items, count);
 }

@@ -1,0 +1,10 @@
+// What shapes.comp can run: read by C and by GLSL.
+#ifndef LAMPYRIS_TESTS_SHAPE_ROUTINES_H
+#define LAMPYRIS_TESTS_SHAPE_ROUTINES_H
+
+#define CONSTANT_ROUTINE CONSTANT_COUNT
+
+#define ROUTINE_LEAVE_SHAPE 0u
+#define ROUTINE_AIM_AT_SHAPE 1u
+
+#endif
