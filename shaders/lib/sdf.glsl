@@ -8,8 +8,14 @@
 #include "lib/primitive.glsl"
 #include "shared/sdf.h"
 
-// Rounds of loops so far: drivers may limit those of an invocation.
+// Rounds of loops so far: drivers may limit those of an invocation. Where lanes are masked (lavapipe)
+// the loops within operations go round once for each instruction, whatever it is.
 uint sdf_rounds = 0u;
+const uint SDF_INNER_LOOPS = (HAS_SDF(SDF_BIT(SDF_METABALLS)) ? 1u : 0u) +
+                             (HAS_SDF(SDF_BIT(SDF_MANDELBULB)) ? 1u : 0u) +
+                             (HAS_SDF(SDF_BIT(SDF_MENGER)) ? 1u : 0u) +
+                             (HAS_SDF(SDF_BIT(SDF_APOLLONIAN)) ? 1u : 0u) +
+                             (HAS_SDF(SDF_BIT(SDF_PYRAMID)) ? 1u : 0u);
 
 struct sdf_field {
     vec4 to_object[3]; // linear part; what is subtracted before
@@ -53,11 +59,11 @@ vec3 sdf_origin(sdf_field f)
     return vec3(f.to_object[0].w, f.to_object[1].w, f.to_object[2].w);
 }
 
-// What rounding may have put into the value of a program: 32 roundings of the largest coordinate,
+// What rounding may have put into the value of a program: 16 roundings of the largest coordinate,
 // found by comparison with double precision (tests/kernels/test_sdf.c).
 float sdf_error(sdf_field f)
 {
-    return GAMMA(32) * max(f.magnitude, 1e-30);
+    return GAMMA(16) * max(f.magnitude, 1e-30);
 }
 
 // --- shapes --------------------------------------------------------------------------------------
@@ -170,8 +176,13 @@ float sdf_mandelbulb(const vec3 p, const vec3 a, const vec4 b)
         float polar = a.x * atan_turns(length(z.xz), z.y);
         float around = a.x * atan_turns(z.x, z.z);
         float scale = pow(max(r, 1e-37), a.x - 1.0);
-        slope = a.x * scale * slope + 1.0;
         vec2 up = cos_sin_turns(polar - floor(polar + 0.5));
+        // Around the pole the map stretches by sin(n theta) / sin(theta) what the radius's part
+        // stretches by 1, at most by n; so next to it, where rounding would say.
+        float across = length(z.xz);
+        float turning = r * abs(up.y) / max(across, 1e-37);
+        float stretch = 64.0 * across > r ? clamp(turning, 1.0, a.x) : a.x;
+        slope = a.x * scale * stretch * slope + 1.0;
         vec2 side = cos_sin_turns(around - floor(around + 0.5));
         z = p + scale * r * vec3(up.y * side.y, up.x, up.y * side.x);
         r = length(z);
@@ -238,6 +249,26 @@ float sdf_intersection(const float x, const float y, const float width)
 {
     float h = max(width - abs(x - y), 0.0);
     return max(x, y) + 0.25 * h * h / max(width, 1e-37);
+}
+
+float sdf_difference(const float x, const float y, const float width)
+{
+    return sdf_intersection(x, -y, width);
+}
+
+float sdf_round(const float x, const float width)
+{
+    return x - width;
+}
+
+float sdf_shell(const float x, const float width)
+{
+    return abs(x) - width;
+}
+
+float sdf_factor(const float x, const float factor)
+{
+    return x * factor;
 }
 
 vec3 sdf_transform(const vec3 p, const vec4 b, const vec4 c, const vec4 d)
@@ -322,13 +353,13 @@ float sdf_change(uint op, float below, float last, float k, float width)
     if (HAS_SDF(SDF_BIT(SDF_INTERSECTION)) && op == SDF_INTERSECTION)
         d = sdf_intersection(below, last, width);
     if (HAS_SDF(SDF_BIT(SDF_DIFFERENCE)) && op == SDF_DIFFERENCE)
-        d = sdf_intersection(below, -last, width);
+        d = sdf_difference(below, last, width);
     if (HAS_SDF(SDF_BIT(SDF_ROUND)) && op == SDF_ROUND)
-        d = last - width;
+        d = sdf_round(last, width);
     if (HAS_SDF(SDF_BIT(SDF_SHELL)) && op == SDF_SHELL)
-        d = abs(last) - width;
+        d = sdf_shell(last, width);
     if (HAS_SDF(SDF_BIT(SDF_FACTOR)) && op == SDF_FACTOR)
-        d = last * k;
+        d = sdf_factor(last, k);
     return d;
 }
 
@@ -350,8 +381,10 @@ vec4 sdf_move(uint op, vec4 place, vec3 a, vec4 b, vec4 c, vec4 d)
 #define SDF_MOVING                                                                                 \
     (SDF_BIT(SDF_TRANSFORM) | SDF_BIT(SDF_REPEAT) | SDF_BIT(SDF_TWIST) | SDF_BIT(SDF_MIRROR))
 
-// The value of the program at a point of the field's own space.
-float sdf_value(uint first, uint count, vec3 point)
+// The value of the program at a point of the field's own space. The body is replaced by the scene's
+// programs themselves where they are short enough, calls of the functions above with constants
+// (render/sdf_inline.c): this one reads them.
+float sdf_value(const uint first, const uint count, const vec3 point)
 {
     vec4 place = vec4(point, 1.0);
     float last = 0.0;
@@ -386,7 +419,7 @@ float sdf_value(uint first, uint count, vec3 point)
         if (HAS_SDF(SDF_BIT(SDF_RESTORE)) && op == SDF_RESTORE)
             place = sdf_places[--depth];
     }
-    sdf_rounds += count;
+    sdf_rounds += count * (1u + SDF_INNER_LOOPS);
     return last;
 }
 

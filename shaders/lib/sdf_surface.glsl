@@ -50,7 +50,7 @@ void load_sdf_surface(uint index, vec3 point, inout surface s)
                                    f.to_object[2].xyz * n.z);
     // The field's rounding: once here, once where the next ray begins, once for the threshold there,
     // and again for what creases take. And the rounding of the way from the world and back.
-    float off = f.scale * (abs(last) / slope + 4.0 * sdf_error(f));
+    float off = f.scale * (abs(last) + 4.0 * sdf_error(f)) / slope;
     s.error = off * abs(s.normal_geometric) + GAMMA(16) * (abs(point) + abs(from));
     s.radius = 0.0;
 }

@@ -62,7 +62,8 @@ SHARED_STATIC_ASSERT_SIZE(gpu_sdf_instruction, 64);
 #define SDF_METABALLS 10u
 #define SDF_BALL_INSTRUCTIONS(balls) (((balls) + 3u) / 4u)
 // z -> z^power + p (White and Nylander 2009) with the pole along y: log|z| |z| / (2 |dz|) times
-// b.x, so that the surface is where |z| is 1 in the end (Hart, Sandin and Kauffman 1989).
+// b.x, where |dz| is the largest stretch of the map, so that the surface is where |z| is 1 in the
+// end (Hart, Sandin and Kauffman 1989).
 #define SDF_MANDELBULB 11u  // a.x: power, a.y: iterations, a.z: bailout radius; b.x: factor
 #define SDF_MENGER 12u      // a.x: half its edge, a.y: iterations
 #define SDF_APOLLONIAN 13u  // packing in a cell of edge 2 repeated: a.x: inversion's scale, a.y:

@@ -68,6 +68,7 @@ struct gpu_kernel {
     const char *name;
     // What it was made from.
     const uint32_t *spirv;
+    uint64_t variant;
     uint32_t constants[GPU_MAX_CONSTANTS], constant_count;
 };
 
@@ -147,9 +148,13 @@ struct gpu_kernel_params {
     size_t spirv_bytes;
     const uint32_t *constants; // specialization constants with ids 0 .. count-1, 32 bits each
     uint32_t constant_count;
+    // Of code that was made from other code: that one, and a number that tells what was made of it
+    // from all else. NULL: none such.
+    const uint32_t *made_from;
+    uint64_t variant;
 };
 
-// The code must outlive the device.
+// The code, or what it was made from, must outlive the device.
 bool gpu_kernel_create(struct gpu *gpu, const struct gpu_kernel_params *params,
                        struct gpu_kernel *out, struct err *err);
 // The device keeps the pipeline for a kernel of the same code and constants to come. Accepts NULL

@@ -119,7 +119,9 @@ static bool pipeline_make(struct gpu *gpu, const struct gpu_kernel_params *param
 
 static bool same_code(const struct gpu_kernel *kernel, const struct gpu_kernel_params *params)
 {
-    return kernel->spirv == params->spirv && kernel->constant_count == params->constant_count &&
+    const uint32_t *from = params->made_from ? params->made_from : params->spirv;
+    return kernel->spirv == from && kernel->variant == params->variant &&
+           kernel->constant_count == params->constant_count &&
            memcmp(kernel->constants, params->constants,
                   params->constant_count * sizeof *params->constants) == 0;
 }
@@ -140,7 +142,11 @@ static VkPipeline take_kept(struct gpu *gpu, const struct gpu_kernel_params *par
 bool gpu_kernel_create(struct gpu *gpu, const struct gpu_kernel_params *params,
                        struct gpu_kernel *out, struct err *err)
 {
-    *out = (struct gpu_kernel){.name = params->name, .spirv = params->spirv};
+    *out = (struct gpu_kernel){
+        .name = params->name,
+        .spirv = params->made_from ? params->made_from : params->spirv,
+        .variant = params->variant,
+    };
     if (params->constant_count > GPU_MAX_CONSTANTS)
         return err_set(err, ERR_BUG, "kernel %s: %u specialization constants, expected at most %d",
                        params->name, params->constant_count, GPU_MAX_CONSTANTS);

@@ -1,6 +1,8 @@
 #include "wave.h"
 
 #include "clock.h"
+#include "sdf_inline.h"
+#include <stdlib.h>
 #include <string.h>
 
 // Bounces recorded before the host looks whether any path is left: few enough to end soon, enough
@@ -386,6 +388,23 @@ void wave_record_step(struct renderer *r, const struct wave *wave, const struct 
 // --- kernels
 // --------------------------------------------------------------------------------------
 
+// With the programs of the scene's distance fields, where the kernel evaluates them.
+static bool create_kernel(struct renderer *r, struct gpu_kernel_params *params,
+                          struct gpu_kernel *out, struct err *err)
+{
+    uint32_t *made = NULL;
+    if (r->specialization.geometry & GEOMETRY_SDFS)
+        made = sdf_inline(params->spirv, params->spirv_bytes, r->scene, &params->spirv_bytes);
+    if (made) {
+        params->made_from = params->spirv;
+        params->spirv = made;
+        params->variant = sdf_inline_key(r->scene);
+    }
+    bool ok = gpu_kernel_create(r->gpu, params, out, err);
+    free(made);
+    return ok;
+}
+
 static bool create_kernels(struct renderer *r, struct err *err)
 {
     bool ballot = r->specialization.features & FEATURE_BALLOT;
@@ -406,7 +425,7 @@ static bool create_kernels(struct renderer *r, struct err *err)
             .constants = (const uint32_t *)&constants,
             .constant_count = CONSTANT_COUNT,
         };
-        if (!gpu_kernel_create(r->gpu, &params, &r->kernels[id], err))
+        if (!create_kernel(r, &params, &r->kernels[id], err))
             return false;
     }
     return true;

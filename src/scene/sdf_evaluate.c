@@ -141,7 +141,12 @@ static double mandelbulb(const double p[3], const struct operands *o)
     for (int i = 0; i < (int)o->a[1] && r <= o->a[2]; i++) {
         double polar = power * atan2(length2(z[0], z[2]), z[1]);
         double around = power * atan2(z[0], z[2]);
-        slope = power * pow(r, power - 1) * slope + 1;
+        // Around the pole the map stretches by sin(n theta) / sin(theta) what the radius's part
+        // stretches by 1, at most by n; so next to it, where rounding would say.
+        double across = length2(z[0], z[2]), stretch = power;
+        if (64 * across > r)
+            stretch = fmin(fmax(r * fabs(sin(polar)) / across, 1), power);
+        slope = power * pow(r, power - 1) * stretch * slope + 1;
         double scale = pow(r, power);
         z[0] = p[0] + scale * sin(polar) * sin(around);
         z[1] = p[1] + scale * cos(polar);

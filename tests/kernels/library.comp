@@ -105,6 +105,27 @@ void surroundings(uint item)
     }
 }
 
+// Word 0: a point of the field's own space and the field's number; or of the world, and the shape's.
+void distance_field(uint item)
+{
+    vec3 point = load_input_float(item, 0u).xyz;
+    uint number = load_input(item, 0u).w;
+    if (ROUTINE == ROUTINE_SDF_VALUE) {
+        sdf_field f = load_sdf(number);
+        store_output(item, 0u, vec4(sdf_value(f.first, f.count, point), sdf_error(f), 0.0, 0.0));
+    }
+    if (ROUTINE == ROUTINE_SDF_SURFACE) {
+        vec3 side = load_input_float(item, 1u).xyz;
+        surface s;
+        load_sdf_surface(number, point, s);
+        store_output(item, 0u, vec4(s.position, 0.0));
+        store_output(item, 1u, vec4(s.error, 0.0));
+        store_output(item, 2u, vec4(s.normal_geometric, 0.0));
+        store_output(item, 3u,
+                     vec4(offset_origin(s.position, s.error, s.normal_geometric, side), 0.0));
+    }
+}
+
 void main()
 {
     uint item = push.first_item + gl_GlobalInvocationID.x;
@@ -123,6 +144,7 @@ void main()
     if (ROUTINE == ROUTINE_IS_FINITE)
         store_output(item, 0u, vec4(is_finite(load_input_float(item, 0u).xyz) ? 1.0 : 0.0));
     tree(item);
+    distance_field(item);
     if (ROUTINE == ROUTINE_PICK_LIGHT) {
         light_sample l = sample_light(receiver(vec3(0.0), vec3(0.0), true), load_input_float(item, 0u));
         paths_words[item * PATH_WORDS] = uvec4(l.primitive);

@@ -1,0 +1,207 @@
+// Distance fields' programs: the kernels' values and surfaces against double precision.
+#include "library_fixture.h"
+#include "sdf_programs.h"
+
+enum { POINTS = 10000 };
+
+static union words items[POINTS], inputs[POINTS];
+
+// All programs in one scene, far enough apart for rays to be aimed at one.
+static void add_all(struct scene *scene)
+{
+    scene_start(scene, 8, 8);
+    for (uint32_t i = 0; i < sdf_program_count; i++)
+        add_sdf(scene, &sdf_programs[i],
+                &(struct sdf_place){.center = {16.0 * (i % 6), 16.0 * (i / 6), 0}, .scale = 1});
+}
+
+// Every value is within the bound that marches take for its rounding; most are far within.
+TEST(values)
+{
+    struct setup setup;
+    struct random random = {71};
+    add_all(&setup.scene);
+    OPEN_SETUP(&setup, POINTS);
+    for (uint32_t i = 0; i < sdf_program_count; i++) {
+        const struct sdf *sdf = &setup.scene.sdfs[i];
+        double reach = 1.1 * sdf_programs[i].half, worst = 0, sum = 0;
+        for (uint32_t k = 0; k < POINTS; k++) {
+            for (int c = 0; c < 3; c++)
+                items[k].f[0][c] = (float)random_between(&random, -reach, reach);
+            // On planes and axes of symmetry, too.
+            items[k].f[0][k % 3] *= k % 16 == 0 ? 0.0f : 1.0f;
+            items[k].f[0][(k + 1) % 3] *= k % 64 == 0 ? 0.0f : 1.0f;
+            items[k].u[0][3] = i;
+        }
+        memcpy(inputs, items, sizeof inputs);
+        REQUIRE(library_run(&setup, ROUTINE_SDF_VALUE, items, POINTS), "not run");
+        for (uint32_t k = 0; k < POINTS; k++) {
+            const float *in = inputs[k].f[0];
+            const double p[3] = {(double)in[0], (double)in[1], (double)in[2]};
+            double exact = sdf_evaluate(sdf, p);
+            double error = fabs((double)items[k].f[0][0] - exact);
+            // Fractals' distances have a slope for their divisor, which is rounded, too: nothing
+            // that the surface moves by.
+            error -= sdf_programs[i].is_fractal ? 1e-4 * fabs(exact) : 0;
+            worst = fmax(worst, error);
+            sum += error;
+            CHECK(isfinite(items[k].f[0][0]), "%s: not finite", sdf_programs[i].name);
+        }
+        double unit = 0x1p-24 * sdf->magnitude;
+        printf("  %-20s roundings: mean %5.2f, worst %5.2f\n", sdf_programs[i].name,
+               sum / POINTS / unit, worst / unit);
+        CHECK(worst <= 16 * unit, "%s: %g roundings", sdf_programs[i].name, worst / unit);
+    }
+    setup_close(&setup);
+}
+
+// No value falls or rises faster than the points are apart, or steps would not be safe.
+TEST(values_are_distances)
+{
+    struct scene scene;
+    struct random random = {72};
+    add_all(&scene);
+    for (uint32_t i = 0; i < sdf_program_count; i++) {
+        double worst = 0, reach = sdf_programs[i].half;
+        for (uint32_t k = 0; k < 2 * POINTS; k++) {
+            double a[3], b[3], apart[3], size = reach * pow(10, random_between(&random, -5, 0));
+            float direction[3];
+            random_direction(&random, direction);
+            for (int c = 0; c < 3; c++) {
+                a[c] = random_between(&random, -reach, reach);
+                b[c] = a[c] + size * (double)direction[c];
+                apart[c] = b[c] - a[c];
+            }
+            double x = sdf_evaluate(&scene.sdfs[i], a), y = sdf_evaluate(&scene.sdfs[i], b);
+            // Of Mandelbulbs only the outside is a distance.
+            bool counts = x > 0 || (sdf_programs[i].code[0].op & 0xffu) != SDF_MANDELBULB;
+            // A surface between them is no farther than b from a; the field may bend at folds.
+            if (counts && (!sdf_programs[i].is_fractal || (x > 0) != (y > 0)))
+                worst = fmax(worst,
+                             (sdf_programs[i].is_fractal ? fabs(x) : fabs(x - y)) / length(apart));
+        }
+        CHECK(worst <= 1 + 1e-6, "%s: %g", sdf_programs[i].name, worst);
+        CHECK(worst > 0.05, "%s: %g tests little", sdf_programs[i].name, worst);
+    }
+    scene_finish(&scene);
+}
+
+// --- surfaces ------------------------------------------------------------------------------------
+
+// A point within `off` of the surface, by bisection between points of different signs.
+static bool random_surface_point(struct random *random, const struct sdf *sdf, double reach,
+                                 double out[3])
+{
+    double inside[3], outside[3];
+    for (int tries = 0; tries < 1000; tries++) {
+        for (int c = 0; c < 3; c++) {
+            inside[c] = random_between(random, -reach, reach);
+            outside[c] = random_between(random, -reach, reach);
+        }
+        if (sdf_evaluate(sdf, inside) < 0 && sdf_evaluate(sdf, outside) > 0)
+            break;
+        if (tries == 999)
+            return false;
+    }
+    for (int k = 0; k < 40; k++) {
+        for (int c = 0; c < 3; c++)
+            out[c] = (inside[c] + outside[c]) / 2;
+        memcpy(sdf_evaluate(sdf, out) < 0 ? inside : outside, out, sizeof inside);
+    }
+    return true;
+}
+
+struct surface_counts {
+    uint32_t smooth; // where the gradient does not turn within reach of the kernel's differences
+    uint32_t beyond, wrong_side, turned; // off by more than is reported; of the ray; of the normal
+    double worst;                        // angle of a normal
+};
+
+// What the kernel made of a point of the world near the surface.
+static void judge_surface(const struct scene *scene, uint32_t number, const union words *in,
+                          const union words *out, struct surface_counts *counts)
+{
+    const struct shape *shape = &scene->shapes[number];
+    const struct sdf *sdf = &scene->sdfs[shape->sdf];
+    const double h = sdf->magnitude / 2048, scale = sdf_scale(scene, shape);
+    double world[4][3], p[3], q[3], fine[3], coarse[3], turned[3], normal[3] = {0}, off = 0;
+    for (int c = 0; c < 3; c++) {
+        world[0][c] = (double)out->f[0][c];
+        world[1][c] = (double)out->f[3][c];
+        off += (double)out->f[1][c] * fabs((double)out->f[2][c]);
+        for (int j = 0; j < 3; j++)
+            normal[j] += shape->axes[j][c] / length(shape->axes[j]) * (double)out->f[2][c];
+    }
+    sdf_into(scene, shape, world[0], p);
+    sdf_into(scene, shape, world[1], q);
+    counts->beyond += !(fabs(sdf_evaluate(sdf, p)) * scale <= off);
+    // Smooth is where four of the kernel's widths show what a hundredth of one does.
+    sdf_normal(sdf, p, h / 100, fine);
+    sdf_normal(sdf, p, 4 * h, coarse);
+    cross(fine, coarse, turned);
+    if (length(turned) > 0.02 || dot(fine, coarse) < 0)
+        return;
+    counts->smooth++;
+    cross(fine, normal, turned);
+    double angle = atan2(length(turned), dot(fine, normal));
+    counts->worst = fmax(counts->worst, angle);
+    counts->turned += angle > 2e-3;
+    double side[3] = {0};
+    for (int j = 0; j < 3; j++)
+        for (int c = 0; c < 3; c++)
+            side[j] += shape->axes[j][c] * (double)in->f[1][c];
+    double outwards = dot(side, fine) < 0 ? -1 : 1;
+    if (fabs(dot(side, fine)) > 0.01 * length(side))
+        counts->wrong_side += !(outwards * sdf_evaluate(sdf, q) > 0x1p-20 * sdf->magnitude);
+}
+
+// Positions are as near to the surface as they say, normals are those of double precision, and rays
+// begin where a march cannot take the surface for met.
+TEST(surfaces)
+{
+    struct setup setup;
+    struct random random = {73};
+    static const double scales[] = {1, 1e-4, 1e4};
+    scene_start(&setup.scene, 8, 8);
+    for (uint32_t i = 0; i < sdf_program_count; i++) {
+        double scale = scales[i % 3], at = 100 * (i % 6) * scale;
+        add_sdf(&setup.scene, &sdf_programs[i],
+                &(struct sdf_place){.center = {at, -at, 3 * scale}, .scale = scale, .turn = i});
+    }
+    OPEN_SETUP(&setup, POINTS);
+    for (uint32_t i = 0; i < sdf_program_count; i++) {
+        const struct shape *shape = &setup.scene.shapes[i];
+        const struct sdf *sdf = &setup.scene.sdfs[i];
+        struct surface_counts counts = {0};
+        for (uint32_t k = 0; k < POINTS / 4; k++) {
+            double p[3];
+            REQUIRE(random_surface_point(&random, sdf, sdf_programs[i].half, p), "no surface");
+            memset(&items[k], 0, sizeof items[k]);
+            random_direction(&random, items[k].f[1]);
+            items[k].u[0][3] = i;
+            // Off by what the rounding of t may do to a ray from ten sizes away.
+            for (int c = 0; c < 3; c++) {
+                double x = shape->center[c];
+                for (int j = 0; j < 3; j++)
+                    x += shape->axes[j][c] * p[j] / sdf->max[j];
+                x += sdf_scale(&setup.scene, shape) * random_between(&random, -1, 1) * 1e-6;
+                items[k].f[0][c] = (float)x;
+            }
+        }
+        memcpy(inputs, items, sizeof inputs);
+        REQUIRE(library_run(&setup, ROUTINE_SDF_SURFACE, items, POINTS / 4), "not run");
+        for (uint32_t k = 0; k < POINTS / 4; k++)
+            judge_surface(&setup.scene, i, &inputs[k], &items[k], &counts);
+        printf("  %-20s %4u of %u smooth; normals off by %.1e\n", sdf_programs[i].name,
+               counts.smooth, POINTS / 4, counts.worst);
+        // The places that look smooth and are not: where folds lie between the two widths.
+        uint32_t folds = sdf_programs[i].is_fractal ? counts.smooth / 100 : counts.smooth / 1000;
+        CHECK(counts.turned <= folds, "%s: %u normals", sdf_programs[i].name, counts.turned);
+        CHECK(counts.beyond + counts.wrong_side == 0,
+              "%s: %u beyond their error, %u rays on the wrong side", sdf_programs[i].name,
+              counts.beyond, counts.wrong_side);
+    }
+    setup_close(&setup);
+}
+
+TEST_MAIN(TEST_CASE(values), TEST_CASE(values_are_distances), TEST_CASE(surfaces))
