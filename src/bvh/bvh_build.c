@@ -161,11 +161,11 @@ static bool build_once(const struct bvh_params *params, const struct attempt *at
                        struct arena *arena, struct bvh *out, bool *fits, struct err *err)
 {
     bool ok = false;
-    struct arena scratch = {0};
+    struct arena scratch = {0}, input = {0};
     unsigned threads = params->threads > 0 ? params->threads : cpu_count();
     uint32_t count = bvh_primitive_count(params);
     uint32_t capacity = capacity_for(params, count), leaf_count = 0;
-    struct bvh_primitive *primitives = ARENA_NEW(&scratch, struct bvh_primitive, capacity);
+    struct bvh_primitive *primitives = ARENA_NEW(&input, struct bvh_primitive, capacity);
     if (!primitives) {
         err_memory(err, "the BVH's primitives", (uint64_t)capacity * sizeof *primitives);
         goto done;
@@ -182,6 +182,7 @@ static bool build_once(const struct bvh_params *params, const struct attempt *at
                                                      .split = params->method.split,
                                                      .progress = params->progress},
                          &scratch, &leaf_count, err);
+    arena_finish(&input);
     if (!nodes)
         goto done;
     out->reference_count = leaf_count - params->shape_count - params->instance_count;
@@ -203,6 +204,7 @@ static bool build_once(const struct bvh_params *params, const struct attempt *at
                                   arena, out, err);
     *fits = *fits && out->stats.stack_entries <= BVH_STACK_ENTRIES_MAX;
 done:
+    arena_finish(&input);
     arena_finish(&scratch);
     return ok;
 }

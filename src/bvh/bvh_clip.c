@@ -1,14 +1,15 @@
 // Cutting triangles at planes. All is computed in double precision from single-precision corners,
-// so that its rounding errors vanish beside the padding; boxes are rounded outwards.
+// so that its rounding errors vanish beside the padding.
 #include "bvh_clip.h"
 
 #include "bvh_box.h"
 #include <string.h>
 
 // The padding as a part of the triangle's size and of its coordinates: four units in the last place
-// of these, at least.
+// of these, at least, also of the smallest.
 #define PAD_OF_SIZE 0x1p-16
 #define PAD_OF_COORDINATE 0x1p-21
+#define PAD_MIN 0x1p-147
 
 enum { CORNERS_MAX = 9 }; // a triangle cut by the six planes of a box
 
@@ -27,7 +28,7 @@ struct bvh_clip bvh_clip_for(const float vertices[3][3])
         size = max - min > size ? max - min : size;
         reach = fmax(reach, fmax(fabs(min), fabs(max)));
     }
-    clip.pad = fmax(PAD_OF_SIZE * size, PAD_OF_COORDINATE * reach);
+    clip.pad = fmax(fmax(PAD_OF_SIZE * size, PAD_OF_COORDINATE * reach), PAD_MIN);
     return clip;
 }
 
@@ -48,27 +49,18 @@ static void extent_add(struct extent *extent, const double point[3])
     }
 }
 
-static float round_down(double x)
-{
-    float rounded = (float)x;
-    return (double)rounded > x ? nextafterf(rounded, -INFINITY) : rounded;
-}
-
-static float round_up(double x)
-{
-    float rounded = (float)x;
-    return (double)rounded < x ? nextafterf(rounded, INFINITY) : rounded;
-}
-
-// The padded extent within `box`. Where that is nothing, for rounding, the nearest plane of it.
+// The padded extent within `box`. Rounding to the nearest float takes at most an eighth of the
+// padding, and nothing at the box's own planes. Adding 0 turns -0 into +0.
 static struct bvh_box padded(const struct extent *extent, double pad, const struct bvh_box *box)
 {
     struct bvh_box part;
     for (int axis = 0; axis < 3; axis++) {
         double lowest = box->min[axis], highest = box->max[axis];
         double min = extent->min[axis] - pad, max = extent->max[axis] + pad;
-        part.min[axis] = round_down(min < lowest ? lowest : min > highest ? highest : min) + 0.0f;
-        part.max[axis] = round_up(max > highest ? highest : max < lowest ? lowest : max) + 0.0f;
+        min = min > lowest ? min : lowest;
+        max = max < highest ? max : highest;
+        part.min[axis] = (float)(min < highest ? min : highest) + 0.0f;
+        part.max[axis] = (float)(max > lowest ? max : lowest) + 0.0f;
     }
     return part;
 }

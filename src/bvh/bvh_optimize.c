@@ -10,12 +10,15 @@
 #include "parallel.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 enum {
     SEARCH_MAX = 1000, // nodes that any search may look at
     BATCH = 4096,      // searches that see the same tree
     SEARCH_GRAIN = 64, // of them a thread takes at once
     DEPTH_MAX = 128,   // of the improved tree: a deeper one is not used
+    WASTE_SHIFT = 47,  // leaves five bits of the mantissa
+    WASTE_BINS = 1 << (63 - WASTE_SHIFT),
 };
 
 // How long to go on.
@@ -60,6 +63,7 @@ struct optimizer {
     struct bvh_binary_node *nodes; // in any order; the root stays first
     uint32_t *parents;
     struct candidate *candidates;
+    uint32_t *histogram;              // of waste
     struct search *searches;          // BATCH of them
     const struct candidate *searched; // the first candidate of the batch
     uint32_t node_count;
@@ -241,49 +245,57 @@ static int compare_candidates(const void *a, const void *b)
     return comes_first(a, b) ? -1 : 1;
 }
 
-static void swap(struct candidate *a, struct candidate *b)
+// Waste in steps of a thirty-second: doubles that are not negative sort like their bits.
+static uint32_t waste_bin(double waste)
 {
-    struct candidate copy = *a;
-    *a = *b;
-    *b = copy;
+    uint64_t bits;
+    memcpy(&bits, &waste, sizeof bits);
+    return (uint32_t)(bits >> WASTE_SHIFT);
 }
 
-// Puts the `wanted` first candidates in front (quickselect, Hoare 1961) and sorts them.
-static void sort_first(struct candidate *candidates, uint32_t count, uint32_t wanted)
+// By how much a subtree's parent is larger than itself, or 0 where it cannot move.
+static double waste_of(const struct optimizer *optimizer, uint32_t node)
 {
-    uint32_t begin = 0, end = count;
-    while (end - begin > 1) {
-        swap(&candidates[begin], &candidates[begin + (end - begin) / 2]); // the pivot
-        uint32_t place = begin;
-        for (uint32_t i = begin + 1; i < end; i++)
-            if (comes_first(&candidates[i], &candidates[begin]))
-                swap(&candidates[++place], &candidates[i]);
-        swap(&candidates[begin], &candidates[place]);
-        if (place == wanted)
-            break;
-        if (place < wanted)
-            begin = place + 1;
-        else
-            end = place;
-    }
-    qsort(candidates, wanted, sizeof *candidates, compare_candidates);
+    uint32_t parent = optimizer->parents[node];
+    return parent == 0 ? 0
+                       : box_half_area(&optimizer->nodes[parent].box) -
+                             box_half_area(&optimizer->nodes[node].box);
+}
+
+static uint32_t candidates_max(const struct effort *effort, uint32_t node_count)
+{
+    return node_count / effort->candidates_of + 1;
 }
 
 // Candidates are the subtrees with the largest difference between their parent's area and their
 // own, which is what taking them out and putting them in elsewhere gains at most, ancestors aside.
+// Of those that waste as much as the last one within a step, the first in the tree.
 static uint32_t choose_candidates(struct optimizer *optimizer)
 {
-    uint32_t count = 0, wanted = optimizer->node_count / optimizer->effort.candidates_of + 1;
+    uint32_t wanted = candidates_max(&optimizer->effort, optimizer->node_count), count = 0;
+    memset(optimizer->histogram, 0, WASTE_BINS * sizeof *optimizer->histogram);
     for (uint32_t i = 1; i < optimizer->node_count; i++) {
-        uint32_t parent = optimizer->parents[i];
-        double waste =
-            box_half_area(&optimizer->nodes[parent].box) - box_half_area(&optimizer->nodes[i].box);
-        if (parent != 0 && waste > 0)
-            optimizer->candidates[count++] = (struct candidate){waste, i};
+        double waste = waste_of(optimizer, i);
+        if (waste > 0)
+            optimizer->histogram[waste_bin(waste)]++;
     }
-    wanted = wanted < count ? wanted : count;
-    sort_first(optimizer->candidates, count, wanted);
-    return wanted;
+    uint32_t last = WASTE_BINS, above = 0; // the bin that is taken in part, and what is above it
+    while (last > 0 && above + optimizer->histogram[last - 1] <= wanted)
+        above += optimizer->histogram[--last];
+    uint32_t in_part = wanted - above;
+    for (uint32_t i = 1; i < optimizer->node_count; i++) {
+        double waste = waste_of(optimizer, i);
+        if (!(waste > 0) || waste_bin(waste) + 1 < last)
+            continue;
+        if (waste_bin(waste) + 1 == last) {
+            if (in_part == 0)
+                continue;
+            in_part--;
+        }
+        optimizer->candidates[count++] = (struct candidate){waste, i};
+    }
+    qsort(optimizer->candidates, count, sizeof *optimizer->candidates, compare_candidates);
+    return count;
 }
 
 // Moves what gains in the batch; returns what that took from the sum of areas.
@@ -387,11 +399,14 @@ bool bvh_optimize(const struct bvh_optimize_params *params, bool *usable, struct
         .nodes = params->nodes,
         .node_count = node_count,
         .parents = ARENA_NEW(&scratch, uint32_t, node_count),
-        .candidates = ARENA_NEW(&scratch, struct candidate, node_count),
+        .histogram = ARENA_NEW(&scratch, uint32_t, WASTE_BINS),
         .searches = ARENA_NEW(&scratch, struct search, BATCH),
     };
-    if (!optimizer.parents || !optimizer.candidates || !optimizer.searches) {
-        err_memory(err, "optimizing the BVH", node_count * sizeof *optimizer.candidates);
+    optimizer.candidates =
+        ARENA_NEW(&scratch, struct candidate, candidates_max(&optimizer.effort, node_count));
+    if (!optimizer.parents || !optimizer.histogram || !optimizer.candidates ||
+        !optimizer.searches) {
+        err_memory(err, "optimizing the BVH", node_count * sizeof *optimizer.parents);
         goto done;
     }
     optimizer.work = (int64_t)optimizer.effort.work_of_leaves * params->leaf_count;

@@ -229,7 +229,7 @@ static bool find_binned_split(struct split_job *job, uint32_t count, uint32_t ch
 // (Stich, Friedrich, Dietrich 2009, section 4.2).
 #define OVERLAP_MIN 1e-5
 // And of the range's own: a plane gains no more than the overlap, and trying takes long.
-#define OVERLAP_OF_RANGE_MIN 0.05
+#define OVERLAP_OF_RANGE_MIN 0.2
 
 // The rest of a split by primitives whose children are known but for their places: by a plane
 // instead, where that costs less. False where it does not.

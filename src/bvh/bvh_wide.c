@@ -10,14 +10,17 @@
 #define NODE_COST 1.0
 #define PRIMITIVE_COST 1.0
 
-enum { WIDTH = 4 };
+enum {
+    WIDTH = 4,
+    TOP_MAX = 1024, // binary nodes whose subtrees are shared among threads
+};
 
 // The best ways to represent a binary subtree by at most 1, 2, 3 children of one wide node.
 struct choice {
-    double cost[WIDTH];      // [i]: by at most i children; [0] unused
-    uint8_t left[WIDTH + 1]; // [i]: of i children, so many go to the left subtree; 0: use fewer.
-                             // [WIDTH] is for a wide node at this subtree's root
-    bool is_leaf;            // as one child, it is a leaf and not a wide node
+    float cost[WIDTH - 1];   // [i - 1]: by at most i children
+    uint8_t left[WIDTH - 1]; // [i - 2]: of i children, so many go to the left subtree; 0: use
+                             // fewer. i = WIDTH is for a wide node at this subtree's root
+    bool is_leaf; // as one child, it is a leaf and not a wide node
 };
 
 // A wide node before quantisation.
@@ -82,7 +85,7 @@ static double distribute(const struct collapse *collapse, const struct bvh_binar
     uint32_t end = is_one_lost && left_is_lost ? 2 : children;
     double best = INFINITY;
     for (uint32_t i = first; i < end; i++) {
-        double cost = l->cost[i] + r->cost[children - i];
+        double cost = (double)l->cost[i - 1] + (double)r->cost[children - i - 1];
         if (cost < best) {
             best = cost;
             *left = (uint8_t)i;
@@ -99,21 +102,22 @@ static void choose(const struct collapse *collapse, uint32_t index)
     if (is_binary_leaf(node)) {
         choice->is_leaf = true;
         for (uint32_t i = 1; i < WIDTH; i++)
-            choice->cost[i] = area * PRIMITIVE_COST;
+            choice->cost[i - 1] = (float)(area * PRIMITIVE_COST);
         return;
     }
-    choice->cost[1] = distribute(collapse, node, WIDTH, &choice->left[WIDTH]) + area * NODE_COST;
+    choice->cost[0] =
+        (float)(distribute(collapse, node, WIDTH, &choice->left[WIDTH - 2]) + area * NODE_COST);
     const struct bvh_binary_node *nodes = collapse->params->nodes;
     if (collapse->params->max_leaf != 1 && is_triangle(&nodes[node->left]) &&
-        is_triangle(&nodes[node->right]) && 2 * area * PRIMITIVE_COST <= choice->cost[1]) {
-        choice->cost[1] = 2 * area * PRIMITIVE_COST;
+        is_triangle(&nodes[node->right]) && 2 * area * PRIMITIVE_COST <= (double)choice->cost[0]) {
+        choice->cost[0] = (float)(2 * area * PRIMITIVE_COST);
         choice->is_leaf = true;
     }
     for (uint32_t i = 2; i < WIDTH; i++) {
-        choice->cost[i] = distribute(collapse, node, i, &choice->left[i]);
-        if (choice->cost[i] > choice->cost[i - 1]) {
-            choice->cost[i] = choice->cost[i - 1];
-            choice->left[i] = 0;
+        choice->cost[i - 1] = (float)distribute(collapse, node, i, &choice->left[i - 2]);
+        if (choice->cost[i - 1] > choice->cost[i - 2]) {
+            choice->cost[i - 1] = choice->cost[i - 2];
+            choice->left[i - 2] = 0;
         }
     }
 }
@@ -126,8 +130,16 @@ static void choose_plainly(const struct collapse *collapse, uint32_t index)
     choice->is_leaf = is_binary_leaf(node) ||
                       (collapse->params->max_leaf != 1 && is_triangle(&nodes[node->left]) &&
                        is_triangle(&nodes[node->right]));
-    choice->left[2] = choice->is_leaf ? 0 : 1;
-    choice->left[WIDTH] = WIDTH / 2;
+    choice->left[0] = choice->is_leaf ? 0 : 1;
+    choice->left[WIDTH - 2] = WIDTH / 2;
+}
+
+static void choose_node(const struct collapse *collapse, uint32_t index)
+{
+    if (collapse->params->plain)
+        choose_plainly(collapse, index);
+    else
+        choose(collapse, index);
 }
 
 // Bottom-up. The recursion is as deep as the binary tree, which has a limit.
@@ -138,10 +150,39 @@ static void choose_below(const struct collapse *collapse, uint32_t index)
         choose_below(collapse, node->left);
         choose_below(collapse, node->right);
     }
-    if (collapse->params->plain)
-        choose_plainly(collapse, index);
-    else
-        choose(collapse, index);
+    choose_node(collapse, index);
+}
+
+// The nodes near the root, level by level.
+struct top {
+    const struct collapse *collapse;
+    uint32_t nodes[TOP_MAX];
+    uint32_t opened, count; // [opened, count): those whose children are not among them
+};
+
+static void choose_subtrees(void *context, size_t begin, size_t end, unsigned thread)
+{
+    (void)thread;
+    const struct top *top = context;
+    for (size_t i = begin; i < end; i++)
+        choose_below(top->collapse, top->nodes[top->opened + i]);
+}
+
+// Subtrees below the top side by side, then the top.
+static void choose_all(const struct collapse *collapse)
+{
+    const struct bvh_binary_node *nodes = collapse->params->nodes;
+    struct top top = {.collapse = collapse, .nodes = {0}, .count = 1};
+    for (; top.opened < top.count && top.count + 2 <= TOP_MAX; top.opened++) {
+        const struct bvh_binary_node *node = &nodes[top.nodes[top.opened]];
+        if (is_binary_leaf(node))
+            continue;
+        top.nodes[top.count++] = node->left;
+        top.nodes[top.count++] = node->right;
+    }
+    parallel_for(top.count - top.opened, 1, collapse->params->threads, choose_subtrees, &top);
+    for (uint32_t i = top.opened; i-- > 0;)
+        choose_node(collapse, top.nodes[i]);
 }
 
 // --- Layout -------------------------------------------------------------------------------------
@@ -151,14 +192,14 @@ static void gather(const struct collapse *collapse, struct draft *draft, uint32_
 {
     const struct bvh_binary_node *node = &collapse->params->nodes[index];
     const struct choice *choice = &collapse->choices[index];
-    while (children > 1 && children < WIDTH && choice->left[children] == 0)
+    while (children > 1 && children < WIDTH && choice->left[children - 2] == 0)
         children--;
     if (children == 1 || is_binary_leaf(node)) {
         draft->binary[draft->child_count++] = index;
         return;
     }
-    gather(collapse, draft, node->left, choice->left[children]);
-    gather(collapse, draft, node->right, children - choice->left[children]);
+    gather(collapse, draft, node->left, choice->left[children - 2]);
+    gather(collapse, draft, node->right, children - choice->left[children - 2]);
 }
 
 static void append_triangles(struct collapse *collapse, const struct bvh_binary_node *node)
@@ -231,6 +272,18 @@ static void write_nodes(void *context, size_t begin, size_t end, unsigned thread
     }
 }
 
+// The wide nodes of a binary subtree that is one.
+static uint32_t count_nodes(const struct collapse *collapse, uint32_t binary)
+{
+    struct draft draft = {0};
+    uint32_t count = 1;
+    gather(collapse, &draft, binary, WIDTH);
+    for (uint32_t i = 0; i < draft.child_count; i++)
+        if (!collapse->choices[draft.binary[i]].is_leaf)
+            count += count_nodes(collapse, draft.binary[i]);
+    return count;
+}
+
 bool bvh_wide_build(const struct bvh_wide_params *params, struct arena *arena, struct bvh *out,
                     struct err *err)
 {
@@ -238,23 +291,22 @@ bool bvh_wide_build(const struct bvh_wide_params *params, struct arena *arena, s
     struct arena scratch = {0};
     size_t binary_count = 2 * (size_t)params->leaf_count - 1;
     struct collapse collapse = {.params = params, .out = out, .draft_count = 1};
+    double root_area = box_half_area(&params->nodes[0].box);
+    collapse.root_area = root_area > 0 ? root_area : 1;
     collapse.choices = ARENA_NEW(&scratch, struct choice, binary_count);
-    collapse.drafts = ARENA_NEW(&scratch, struct draft, params->leaf_count);
     out->triangle_order = ARENA_NEW(arena, uint32_t, out->reference_count);
-    if (!out->triangle_order) {
-        err_memory(err, "the BVH's order of triangles",
-                   out->reference_count * sizeof *out->triangle_order);
-        goto done;
-    }
-    if (!collapse.choices || !collapse.drafts) {
+    if (!collapse.choices || !out->triangle_order) {
         err_memory(err, "collapsing the BVH", binary_count * sizeof(struct choice));
         goto done;
     }
-    double root_area = box_half_area(&params->nodes[0].box);
-    collapse.root_area = root_area > 0 ? root_area : 1;
-    choose_below(&collapse, 0);
+    choose_all(&collapse);
+    out->node_count = collapse.choices[0].is_leaf ? 1 : count_nodes(&collapse, 0);
+    collapse.drafts = ARENA_NEW(&scratch, struct draft, out->node_count);
+    if (!collapse.drafts) {
+        err_memory(err, "collapsing the BVH", out->node_count * sizeof(struct draft));
+        goto done;
+    }
     lay_out(&collapse, 0, 0);
-    out->node_count = collapse.draft_count;
     if (!bvh_nodes_allocate(arena, out, err))
         goto done;
     parallel_for(out->node_count, 1 << 12, params->threads, write_nodes, &collapse);
