@@ -1,5 +1,6 @@
 // Analytic shapes in scenes whose radiance is known: closed furnaces of every shape and scale,
-// what shapes that glow send to a floor, ground without end and ground that is a huge sphere.
+// what shapes that glow send to a floor, ground without end and ground that is a huge sphere, and
+// from within glass and fog.
 #include "closed_form.h"
 
 // --- the forms ----------------------------------------------------------------------------------
@@ -145,6 +146,19 @@ static double touching(double rho, double le, double gap)
     return rho * le * 0.25 / (0.25 + gap * gap);
 }
 
+// From within glass of an index whose square is `part`.
+static double all(double rho, double le, double part)
+{
+    (void)rho;
+    return part * le;
+}
+
+// Through as much fog of an index of 1 as lets rho pass in a metre.
+static double fog(double rho, double le, double metres)
+{
+    return le * pow(rho, metres);
+}
+
 // --- the scenes ---------------------------------------------------------------------------------
 
 // A camera inside of a room as large as `scale`, and the room's shapes.
@@ -277,6 +291,42 @@ static const struct closed_form grounds[] = {
      {SKY, STANDING(2, 5), GROUND(HUGE_BALL(1e4))}},
 };
 
+#define MEDIA_FILE OURS "media.json"
+#define GLASS {"body", JSON({"type": "dielectric", "ior": 1.5})}
+#define FOG {"body", JSON({"type": "dielectric", "ior": 1,                                         \
+    "absorption": {"color": [0.8, 0.5, 0.2], "distance": 1}})}
+#define BODIES(...) {"bodies", "[" JSON(__VA_ARGS__) "]"}
+#define LOOKING(x, y, z) {"from", "[0.2, 0.1, 0.1]"}, {"towards", JSON([x, y, z])}, {"fov", "20"}
+#define THIN {"fov", "1e-5"}
+#define WALL(x, y, z, a, b, c, d, e, f) {"type": "quad", "material": "body", "as": "analytic",     \
+    "corner": [x, y, z], "u": [a, b, c], "v": [d, e, f]}
+
+static const struct closed_form bodies[] = {
+    {"21 camera in a box of glass", MEDIA_FILE, all, 2.25, WITHOUT_VARIANCE, 0,
+     {GLASS, LOOKING(1, 0, 0), BODIES({"type": "box", "as": "analytic", "material": "body",
+      "min": [-1, -1, -1], "max": [1, 1, 1]})}},
+    {"21 camera in a cylinder of glass", MEDIA_FILE, all, 2.25, WITHOUT_VARIANCE, 0,
+     {GLASS, LOOKING(0, 0, 1), BODIES({"type": "cylinder", "material": "body", "radius": 1,
+      "from": [0, 0, -1], "to": [0, 0, 1]})}},
+    {"21 camera in walls of glass", MEDIA_FILE, all, 2.25, WITHOUT_VARIANCE, 0,
+     {GLASS, LOOKING(0, 0, 1), BODIES(
+      WALL(-1, -1, 1, 2, 0, 0, 0, 2, 0), WALL(-1, -1, -1, 0, 2, 0, 2, 0, 0),
+      WALL(1, -1, -1, 0, 2, 0, 0, 0, 2), WALL(-1, -1, -1, 0, 0, 2, 0, 2, 0),
+      WALL(-1, 1, -1, 0, 0, 2, 2, 0, 0), WALL(-1, -1, -1, 2, 0, 0, 0, 0, 2))}},
+    {"19 camera in fog behind a plane", MEDIA_FILE, fog, 1.5, WITHOUT_VARIANCE, 0,
+     {FOG, THIN, {"from", "[-1.5, 1, 2]"}, {"towards", "[1, 0, 0]"},
+      BODIES({"type": "plane", "material": "body", "normal": [1, 0, 0]})}},
+    {"19 camera before fog", MEDIA_FILE, fog, 0, WITHOUT_VARIANCE, 0,
+     {FOG, THIN, {"from", "[1.5, 1, 2]"}, {"towards", "[1, 0, 0]"},
+      BODIES({"type": "plane", "material": "body", "normal": [1, 0, 0]})}},
+    {"19 box of fog", MEDIA_FILE, fog, 2, WITHOUT_VARIANCE, 0,
+     {FOG, THIN, BODIES({"type": "box", "as": "analytic", "material": "body", "min": [-1, -1, -1],
+      "max": [1, 1, 1]})}},
+    {"19 cylinder of fog at 0.6", MEDIA_FILE, fog, 1.6, WITHOUT_VARIANCE, 0,
+     {FOG, THIN, {"from", "[0.6, 0, 4]"}, BODIES({"type": "cylinder", "material": "body",
+      "radius": 1, "from": [0, -1, 0], "to": [0, 1, 0]})}},
+};
+
 static const struct closed_form more[] = {
     {"12 cylinder", FLOOR_FILE, cylinder_above, 0, BY_STATISTICS, EACH_ALONE,
      {LIGHT({"type": "cylinder", "material": "light", "radius": 0.8, "from": [1, 1, -1],
@@ -303,6 +353,11 @@ TEST(grounds_without_end)
     closed_forms_by_default(grounds, COUNT(grounds), 74000);
 }
 
+TEST(bodies_of_glass_and_fog)
+{
+    closed_forms_by_default(bodies, COUNT(bodies), 76000);
+}
+
 TEST(by_every_estimator)
 {
     closed_forms_by_every_estimator(rooms, COUNT(rooms), 80000);
@@ -326,5 +381,5 @@ TEST(validation_is_silent)
 }
 
 TEST_MAIN(TEST_CASE(closed_rooms), TEST_CASE(lights_over_a_floor), TEST_CASE(grounds_without_end),
-          TEST_CASE(validation_is_silent), TEST_CASE(by_every_estimator),
-          TEST_CASE(by_every_light_choice))
+          TEST_CASE(bodies_of_glass_and_fog), TEST_CASE(validation_is_silent),
+          TEST_CASE(by_every_estimator), TEST_CASE(by_every_light_choice))
