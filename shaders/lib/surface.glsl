@@ -20,14 +20,86 @@ vec3 decode_normal(uint encoded)
     return normalize(v);
 }
 
-// The tangents' word of a triangle at barycentric coordinates b.
-vec4 decode_tangent(uvec4 word, vec3 b)
+// Unit, whatever the scale.
+vec3 normalize_any(vec3 v)
 {
-    vec3 t = b.x * decode_normal(word.x) + b.y * decode_normal(word.y) +
-             b.z * decode_normal(word.z);
+    vec3 a = abs(v);
+    return normalize(v / max(max(a.x, a.y), max(a.z, 1e-30)));
+}
+
+// How a triangle is placed. Directions are turned before they are interpolated, as those of
+// triangles in the world were.
+struct placement {
+    bool exists;            // else it is in the world itself
+    instance_inverse inverse;
+    mat3 rows;              // of the way to the world, as columns
+    uvec4 words;
+};
+
+placement load_placement(uint instance)
+{
+    placement p;
+    p.exists = HAS_GEOMETRY(GEOMETRY_INSTANCES) && instance != NO_INSTANCE;
+    if (HAS_GEOMETRY(GEOMETRY_INSTANCES) && p.exists) {
+        p.inverse = load_instance_inverse(instance);
+        for (int i = 0; i < 3; i++)
+            p.rows[i] = load_shapes_float(instance_at(instance) + 3u + uint(i)).xyz;
+        p.words = load_instance_words(instance);
+    }
+    return p;
+}
+
+vec3 place_normal(placement p, vec3 normal)
+{
+    if (HAS_GEOMETRY(GEOMETRY_INSTANCES) && p.exists)
+        return normalize_any(p.inverse.rows * normal);
+    return normal;
+}
+
+vec3 place_tangent(placement p, vec3 tangent)
+{
+    if (HAS_GEOMETRY(GEOMETRY_INSTANCES) && p.exists)
+        return normalize_any(tangent * p.rows);
+    return tangent;
+}
+
+// From the mesh's space to the world's, with the geometric normal, which faces the same side; a
+// reflection keeps the outside outside. What is exact is the way to the mesh's space, on which rays
+// are tested; so the position's error is that of a ray that starts there and is taken back: both
+// transforms' rounding counts, as far as it moves the point off the surface (after Pharr, Jakob,
+// Humphreys 2023, section 6.8.4).
+void place_point(placement p, inout surface s)
+{
+    vec3 along = s.position * p.rows;
+    vec3 position = along + p.inverse.place;
+    mat3 absolute = mat3(abs(p.rows[0]), abs(p.rows[1]), abs(p.rows[2]));
+    vec3 error = GAMMA(4) * (abs(s.position) * absolute) + GAMMA(2) * abs(position);
+    mat3 rows = p.inverse.rows;
+    mat3 back = mat3(abs(rows[0]), abs(rows[1]), abs(rows[2]));
+    vec3 error_back = s.error + GAMMA(6) * ((abs(along) + error) * back);
+
+    vec3 normal = s.normal_geometric;
+    float height = dot(abs(normal), error_back) / length(rows * normal);
+    s.position = position;
+    s.normal_geometric = place_normal(p, normal);
+    s.error = error + height * abs(s.normal_geometric);
+    if (p.words.y != NO_MATERIAL)
+        s.material = p.words.y;
+}
+
+// The tangents' word of a triangle at barycentric coordinates b.
+vec4 decode_tangent(uvec4 word, vec3 b, placement p)
+{
+    vec3 corners[3];
+    for (int i = 0; i < 3; i++)
+        corners[i] = place_tangent(p, decode_normal(word[i]));
+    vec3 t = b.x * corners[0] + b.y * corners[1] + b.z * corners[2];
     vec3 signs = 1.0 - 2.0 * vec3(uvec3(word.w) >> uvec3(0u, 1u, 2u) & 1u);
-    vec3 unit = dot(t, t) > 0.0 ? normalize(t) : decode_normal(word.x);
-    return vec4(unit, dot(b, signs) < 0.0 ? -1.0 : 1.0);
+    vec3 unit = dot(t, t) > 0.0 ? normalize(t) : corners[0];
+    bool is_negative = dot(b, signs) < 0.0;
+    if (HAS_GEOMETRY(GEOMETRY_INSTANCES) && p.exists)
+        is_negative = is_negative != ((p.words.w & INSTANCE_MIRRORED) != 0u);
+    return vec4(unit, is_negative ? -1.0 : 1.0);
 }
 
 // From differences, so that large coordinates that differ little keep their digits.
@@ -52,7 +124,7 @@ vec4 load_color(uint at, vec2 b)
 }
 
 // What the corners carry but normals, at barycentric coordinates b of corners 1 and 2.
-void load_corner_attributes(uint index, vec2 b, inout surface s)
+void load_corner_attributes(uint index, vec2 b, placement p, inout surface s)
 {
     uint at = index * ATTRIBUTE_WORDS;
     s.uv0 = s.uv1 = vec2(0.0);
@@ -66,12 +138,19 @@ void load_corner_attributes(uint index, vec2 b, inout surface s)
         s.color = load_color(at + ATTRIBUTE_COLORS, b);
     if (HAS_TANGENT)
         s.tangent = HAS(FEATURE_TANGENTS) ? decode_tangent(load_attributes(at + ATTRIBUTE_TANGENTS),
-                                                           vec3(1.0 - b.x - b.y, b))
+                                                           vec3(1.0 - b.x - b.y, b), p)
                                           : vec4(basis_around(s.normal_shading)[0], 1.0);
 }
 
-surface load_triangle_surface(uint index, vec2 uv)
+// For those who ask for no tangents.
+void load_corner_attributes(uint index, vec2 b, inout surface s)
 {
+    load_corner_attributes(index, b, load_placement(NO_INSTANCE), s);
+}
+
+surface load_triangle_surface(uint index, vec2 uv, uint instance)
+{
+    placement p = load_placement(instance);
     vec3 v0 = load_triangles_float(index * 3u).xyz;
     uvec4 w1 = load_triangles(index * 3u + 1u);
     vec3 v1 = uintBitsToFloat(w1.xyz);
@@ -83,67 +162,23 @@ surface load_triangle_surface(uint index, vec2 uv)
     // Pharr, Jakob, Humphreys 2023, section 6.8.5.
     s.error = GAMMA(7) * (abs(b.x * v0) + abs(b.y * v1) + abs(b.z * v2));
     s.normal_geometric = normalize(cross(v1 - v0, v2 - v0));
+    s.material = w1.w;
+    if (HAS_GEOMETRY(GEOMETRY_INSTANCES) && p.exists)
+        place_point(p, s);
     s.normal_shading = s.normal_geometric;
     if (HAS(FEATURE_NORMALS)) {
         uvec4 encoded = load_attributes(index * ATTRIBUTE_WORDS);
-        vec3 n = b.x * decode_normal(encoded.x) + b.y * decode_normal(encoded.y) +
-                 b.z * decode_normal(encoded.z);
+        vec3 n = b.x * place_normal(p, decode_normal(encoded.x)) +
+                 b.y * place_normal(p, decode_normal(encoded.y)) +
+                 b.z * place_normal(p, decode_normal(encoded.z));
         // Opposite normals may cancel (stiff case C26).
         if (encoded.x != NORMAL_FLAT && dot(n, n) > 0.0)
             s.normal_shading = normalize(n);
     }
-    s.material = w1.w;
     s.radius = 0.0;
     s.center = vec3(0.0);
-    load_corner_attributes(index, uv, s);
+    load_corner_attributes(index, uv, p, s);
     return s;
-}
-
-// Unit, whatever the scale.
-vec3 normalize_any(vec3 v)
-{
-    vec3 a = abs(v);
-    return normalize(v / max(max(a.x, a.y), max(a.z, 1e-30)));
-}
-
-// From the mesh's space to the world's. What is exact is the way to the mesh's space, on which rays
-// are tested; so the position's error is that of a ray that starts there and is taken back: both
-// transforms' rounding counts, as far as it moves the point off the surface (after Pharr, Jakob,
-// Humphreys 2023, section 6.8.4).
-void place_surface(uint instance, inout surface s)
-{
-    uint at = instance_at(instance);
-    instance_inverse inverse = load_instance_inverse(instance);
-    mat3 rows; // as columns
-    for (int i = 0; i < 3; i++)
-        rows[i] = load_shapes_float(at + 3u + uint(i)).xyz;
-    uvec4 words = load_instance_words(instance);
-
-    vec3 normal = s.normal_geometric;
-    bool is_flat = all(equal(s.normal_shading, normal));
-    vec3 along = s.position * rows;
-    vec3 position = along + inverse.place;
-    mat3 absolute = mat3(abs(rows[0]), abs(rows[1]), abs(rows[2]));
-    vec3 error = GAMMA(4) * (abs(s.position) * absolute) + GAMMA(2) * abs(position);
-    mat3 back = mat3(abs(inverse.rows[0]), abs(inverse.rows[1]), abs(inverse.rows[2]));
-    vec3 error_back = s.error + GAMMA(6) * ((abs(along) + error) * back);
-
-    vec3 turned = inverse.rows * normal;
-    float height = dot(abs(normal), error_back) / length(turned);
-    s.position = position;
-    s.normal_geometric = normalize_any(turned);
-    if ((words.w & INSTANCE_MIRRORED) != 0u)
-        s.normal_geometric = -s.normal_geometric;
-    s.error = error + height * abs(s.normal_geometric);
-    s.normal_shading =
-        is_flat ? s.normal_geometric : normalize_any(inverse.rows * s.normal_shading);
-    if (HAS_TANGENT) {
-        float sign = (words.w & INSTANCE_MIRRORED) != 0u ? -s.tangent.w : s.tangent.w;
-        s.tangent = HAS(FEATURE_TANGENTS) ? vec4(normalize_any(s.tangent.xyz * rows), sign)
-                                          : vec4(basis_around(s.normal_shading)[0], 1.0);
-    }
-    if (words.y != NO_MATERIAL)
-        s.material = words.y;
 }
 
 // `instance` is that of the primitive, or NO_INSTANCE.
@@ -153,11 +188,9 @@ surface load_surface(vec3 origin, vec3 direction, vec4 hit, uint instance)
     bool is_shape = IS_SHAPE(primitive);
     surface s;
     if (HAS(FEATURE_TRIANGLES) && !is_shape)
-        s = load_triangle_surface(primitive, hit.yz);
+        s = load_triangle_surface(primitive, hit.yz, instance);
     if (is_shape)
         s = load_shape_surface(primitive & ~PRIMITIVE_SHAPE, origin + hit.x * direction, hit.yz);
-    if (HAS_GEOMETRY(GEOMETRY_INSTANCES) && instance != NO_INSTANCE)
-        place_surface(instance, s);
     // Both sides of a surface reflect and emit: face the viewer.
     s.front = dot(s.normal_geometric, direction) <= 0.0;
     if (!s.front)

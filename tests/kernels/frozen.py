@@ -97,6 +97,11 @@ FEATURES = {
         "intersect_shadow": ["intersect_disc()"],
         "shade_surface": ["-"],
     }),
+    "distance fields": (["GEOMETRY_SDFS"], {
+        "intersect_closest": ["march_sdf()", "sdf_value()", "frame.sdf_code"],
+        "intersect_shadow": ["march_sdf()", "sdf_value()", "frame.sdf_code"],
+        "shade_surface": ["load_sdf_surface()", "sdf_value()", "frame.sdf_code"],
+    }),
     "shapes": (SHAPES, {
         "intersect_closest": ["intersect_shape_leaf()", "[shapes]"],
         "intersect_shadow": ["intersect_shape_leaf()", "[shapes]"],
@@ -106,9 +111,9 @@ FEATURES = {
         "generate_rays": ["-"],
         "intersect_closest": ["enter_space()", "load_instance_inverse()"],
         "intersect_shadow": ["enter_space()", "load_instance_inverse()"],
-        "shade_surface": ["place_surface()", "load_instance_inverse()"],
-        "shade_ao": ["place_surface()", "load_instance_inverse()"],
-        "shade_whitted": ["place_surface()", "load_instance_inverse()"],
+        "shade_surface": ["place_point()", "load_instance_inverse()"],
+        "shade_ao": ["place_point()", "load_instance_inverse()"],
+        "shade_whitted": ["place_point()", "load_instance_inverse()"],
     }),
     "triangles in several leaves": (["GEOMETRY_DUPLICATES"], {
         "intersect_closest": ["-"],
@@ -337,9 +342,9 @@ class Module:
         frozen = os.path.join(folder, "frozen.spv")
         inlined = os.path.join(folder, "inlined.spv")
         # Ids as in shared/bindings.h; all queues exist.
-        constant = "--set-spec-const-default-value=0:%d 5:%d 6:1023 7:%d 8:%d 20:%d 21:%d %s" % (
+        constant = "--set-spec-const-default-value=0:%d 5:%d 6:1023 7:%d 8:%d 20:%d %s" % (
             features & 0xffffffff, lobes, features >> 32 & 0xffffffff, aovs, features >> 64,
-            SDF_ALL, choices)
+            choices if "21:" in choices else "21:%d %s" % (SDF_ALL, choices))
         subprocess.run(["spirv-opt", constant] + PASSES + [path, "-o", frozen], check=True)
         subprocess.run(["spirv-val", "--target-env", "vulkan1.2", frozen], check=True)
         subprocess.run(["spirv-opt"] + INLINE + [frozen, "-o", inlined], check=True)
@@ -519,6 +524,31 @@ def check_nodes(bits, kernels, folder):
             print("%-26s %-18s %5d instructions" % (name, kernel, module.instructions))
 
 
+# Operations of distance fields whose function has another name, or none.
+SDF_FUNCTIONS = {"METABALLS": "sdf_ball", "RESTORE": None}
+
+
+def check_sdf_operations(sdfs, bits, kernels, folder):
+    """Of all operations of distance fields, only the scene's are there."""
+    kernel = kernels["intersect_closest"]
+    features = bits["GEOMETRY_SDFS"]
+    functions = {name: SDF_FUNCTIONS.get(name, "sdf_" + name.lower()) for name in sdfs}
+    owned = {function for function in functions.values() if function}
+    # Each with half of the others, by its number's bits: any two are told apart by some of these.
+    for turn in range(10):
+        wanted = {name for name, number in sdfs.items() if (number >> turn // 2 & 1) == turn % 2}
+        chosen = sum(1 << sdfs[name] for name in wanted)
+        module = freeze(kernel, features, 0, folder, 0, "21:%d" % chosen)
+        there = {function for function in owned if module.count(function + "()")}
+        expected = {functions[name] for name in wanted if functions[name]}
+        # A difference is an intersection with the other side.
+        expected |= {"sdf_intersection"} if "DIFFERENCE" in wanted else set()
+        if there != expected:
+            fail("distance fields: has %s, expected %s" % (sorted(there), sorted(expected)))
+        print("%-26s %-18s %5d instructions" % ("%d operations" % len(wanted), "intersect_closest",
+                                                module.instructions))
+
+
 def check_all_are_tested(bits, lobes):
     tested = set()
     for removed, _ in FEATURES.values():
@@ -542,6 +572,10 @@ def main():
                 bits["%s_%s" % (prefix, name)] = bit << shift
     lobes = read_bits(os.path.join(os.path.dirname(sys.argv[1]), "material.h"), "LOBE")
     few = sum(lobes[name] for name in FEW_LOBES)
+    with open(os.path.join(os.path.dirname(sys.argv[1]), "sdf.h"), encoding="utf-8") as file:
+        sdfs = {name: int(number)
+                for name, number in re.findall(r"#define SDF_(\w+) (\d+)u", file.read())
+                if name != "OPERATIONS"}
     kernels = {os.path.basename(path)[:-len(".spv")]: path for path in sys.argv[2:]}
     with tempfile.TemporaryDirectory() as folder:
         for name in FEATURES:
@@ -553,6 +587,7 @@ def main():
         check_samplers(bits, kernels, folder)
         check_light_choices(bits, few, kernels, folder)
         check_nodes(bits, kernels, folder)
+        check_sdf_operations(sdfs, bits, kernels, folder)
     check_all_are_tested(bits, lobes)
     return 1 if failures else 0
 

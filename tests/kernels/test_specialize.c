@@ -4,6 +4,7 @@
 #include "ies.h"
 #include "kernel_fixture.h"
 #include "replay.h"
+#include "shared/sdf.h"
 
 #define BIT(n) (1u << (n))
 
@@ -48,6 +49,14 @@ enum {
     PROFILE = TRAIT(42), // the lamp has one
     SUN = TRAIT(43),     // a directional light with an extent
     PLACED = TRAIT(44),  // the quad is an instance in its own space
+    PLANE = TRAIT(45),
+    SHEET = TRAIT(46), // an analytic quad
+    BOX = TRAIT(47),
+    CYLINDER = TRAIT(48),
+    TUBE = TRAIT(49),
+    GLOBE = TRAIT(50),         // a sphere of 1e6 m
+    BRIGHT_SHAPES = TRAIT(51), // sheet, box, cylinder and tube emit
+    FIELD = TRAIT(52),         // a distance field
 };
 
 static void *present(void *memory)
@@ -152,6 +161,53 @@ static const struct light_profile profile = {
     .solid_angle = 4 * M_PI,
 };
 
+static void add_shape(struct scene *scene, uint64_t has, uint64_t trait, enum shape_kind kind,
+                      double x)
+{
+    if (!(has & trait))
+        return;
+    uint32_t material = make_material(scene, has, MATERIAL_LAMBERT, BRIGHT_SHAPES);
+    *(struct shape *)present(scene_add_shape(scene, NULL)) = (struct shape){
+        .kind = kind,
+        .material = material,
+        .center = {x, -0.6, 0.5},
+        .normal = {0, 1, 0},
+        .radius = 0.2,
+        .axes = {{0, 0.2, 0}, {kind < SHAPE_CYLINDER ? 0.2 : 1, 0, 0}, {0, 0, -0.2}}};
+}
+
+// A ball of 0.2 m.
+static void add_field(struct scene *scene, uint64_t has)
+{
+    static struct gpu_sdf_instruction code = {.op = SDF_SPHERE, .a = {0.2f}};
+    uint32_t index;
+    struct sdf *sdf = present(scene_add_sdf(scene, &index));
+    *sdf = (struct sdf){.min = {-0.2, -0.2, -0.2},
+                        .max = {0.2, 0.2, 0.2},
+                        .code = &code,
+                        .count = 1,
+                        .lipschitz = 1,
+                        .magnitude = 0.2};
+    add_shape(scene, has, FIELD, SHAPE_SDF, 0);
+    struct shape *shape = &scene->shapes[scene->shape_count - 1];
+    shape->axes[1][0] = 0.2;
+    shape->sdf = index;
+}
+
+static void add_shapes(struct scene *scene, uint64_t has)
+{
+    if (has & FIELD)
+        add_field(scene, has);
+    add_shape(scene, has & ~(uint64_t)BRIGHT_SHAPES, PLANE, SHAPE_PLANE, 0);
+    add_shape(scene, has, SHEET, SHAPE_QUAD, -0.6);
+    add_shape(scene, has, BOX, SHAPE_BOX, -0.2);
+    add_shape(scene, has, CYLINDER, SHAPE_CYLINDER, 0.2);
+    add_shape(scene, has, TUBE, SHAPE_TUBE, 0.6);
+    if (has & GLOBE)
+        add_sphere(scene, (double[3]){0, -1e6 - 1, 0}, 1e6,
+                   make_material(scene, has, MATERIAL_LAMBERT, 0));
+}
+
 static void make_scene(uint64_t has, struct scene *scene)
 {
     scene_start(scene, 16, 16);
@@ -167,6 +223,7 @@ static void make_scene(uint64_t has, struct scene *scene)
     if (has & DISC)
         add_disc(scene, (double[3]){-0.5, 0.8, 1}, (double[3]){1, -1, 1}, 0.3,
                  make_material(scene, has, MATERIAL_LAMBERT, BRIGHT_DISC));
+    add_shapes(scene, has);
     if (has & SPARE_MIRROR)
         add_material(scene, &(struct material){.name = "spare", .model = MATERIAL_MIRROR});
     if (has & PROFILE)
@@ -276,6 +333,21 @@ static const struct pair pairs[] = {
     {"discs", QUAD | DISC, QUAD, MEETS(GEOMETRY_DISCS), 0, BIT(BINDING_SHAPES), 0},
     {"spheres beside discs", DISC | SPHERE, DISC, MEETS(GEOMETRY_SPHERES), 0, 0, 0},
     {"instances", QUAD | PLACED, QUAD, MEETS(GEOMETRY_INSTANCES), 0, BIT(BINDING_SHAPES), 0},
+    {"planes", QUAD | PLANE, QUAD, MEETS(GEOMETRY_PLANES), 0, BIT(BINDING_SHAPES), 0},
+    {"quads", DISC | SHEET, DISC, MEETS(GEOMETRY_QUADS), 0, 0, 0},
+    {"boxes", DISC | BOX, DISC, MEETS(GEOMETRY_BOXES), 0, 0, 0},
+    {"cylinders", DISC | CYLINDER, DISC, MEETS(GEOMETRY_CYLINDERS), 0, 0, 0},
+    {"tubes", DISC | TUBE, DISC, MEETS(GEOMETRY_TUBES), 0, 0, 0},
+    {"distance fields", DISC | FIELD, DISC, MEETS(GEOMETRY_SDFS), 0, 0, 0},
+    {"large spheres", SPHERE | GLOBE, SPHERE, MEETS(GEOMETRY_LARGE_SPHERES), 0, 0, 0},
+    {"emissive quads", BRIGHT_SHAPES | BOX | SHEET, BRIGHT_SHAPES | BOX,
+     MEETS(GEOMETRY_QUADS) | EMITS(EMITTER_QUADS), 0, 0, 0},
+    {"emissive boxes", BRIGHT_SHAPES | SHEET | BOX, BRIGHT_SHAPES | SHEET,
+     MEETS(GEOMETRY_BOXES) | EMITS(EMITTER_BOXES), 0, 0, 0},
+    {"emissive cylinders", BRIGHT_SHAPES | BOX | CYLINDER, BRIGHT_SHAPES | BOX,
+     MEETS(GEOMETRY_CYLINDERS) | EMITS(EMITTER_CYLINDERS), 0, 0, 0},
+    {"emissive tubes", BRIGHT_SHAPES | BOX | TUBE, BRIGHT_SHAPES | BOX,
+     MEETS(GEOMETRY_TUBES) | EMITS(EMITTER_TUBES), 0, 0, 0},
     {"normals", QUAD | SMOOTH, QUAD, FEATURE_NORMALS, 0, BIT(BINDING_ATTRIBUTES), 0},
     {"diffuse", QUAD | SPHERE | MIRROR_SPHERE, QUAD | MIRROR_QUAD | SPHERE | MIRROR_SPHERE, 0, 0, 0,
      0},
@@ -381,9 +453,12 @@ static void check_pair(struct gpu *gpu, const struct pair *pair)
     for (uint32_t bit = 0; bit < 32; bit++)
         if (pair->features >> bit & 1u)
             printf(", %s", feature_name(BIT(bit)));
-    for (uint32_t bit = 0; bit < 32; bit++)
-        if (pair->features >> 32 >> bit & 1u)
+    for (uint32_t bit = 0; bit < 16; bit++) {
+        if (pair->features & EMITS(BIT(bit)))
             printf(", %s", emitter_name(BIT(bit)));
+        if (pair->features & MEETS(BIT(bit)))
+            printf(", %s", geometry_name(BIT(bit)));
+    }
     putchar('\n');
 }
 
@@ -397,15 +472,14 @@ TEST(each_need)
 }
 
 // Of geometry, what pairs are there for.
-#define GEOMETRY_PAIRED (GEOMETRY_SPHERES | GEOMETRY_DISCS | GEOMETRY_INSTANCES)
-#define EMITTERS_PAIRED (EMITTERS_ALL & ~(EMITTERS_SHAPES & ~(EMITTER_SPHERES | EMITTER_DISCS)))
+#define GEOMETRY_PAIRED (GEOMETRY_SHAPES | GEOMETRY_LARGE_SPHERES | GEOMETRY_INSTANCES)
 
 static uint64_t named_bits(void)
 {
     uint64_t named = MEETS(GEOMETRY_PAIRED);
     for (uint32_t bit = 0; bit < 32; bit++) {
         named |= feature_name(BIT(bit)) ? BIT(bit) : 0;
-        named |= emitter_name(BIT(bit)) ? EMITS(BIT(bit) & EMITTERS_PAIRED) : 0;
+        named |= emitter_name(BIT(bit)) ? EMITS(BIT(bit)) : 0;
     }
     return named;
 }
@@ -437,7 +511,9 @@ TEST(everything_is_created_on_demand)
     struct inventory empty, all, full;
     if (make(&gpu, 0, false, &empty) && make(&gpu, JITTER, true, &all) &&
         make(&gpu, JITTER | data, true, &full)) {
-        uint64_t named = named_bits();
+        const uint64_t by_shape =
+            MEETS(GEOMETRY_SDFS | GEOMETRY_LARGE_SPHERES | GEOMETRY_INSTANCES);
+        uint64_t named = named_bits() & ~by_shape;
         uint32_t buffers = (BIT(BINDING_COUNT) - 1) & ~BIT(BINDING_SUSPENDED);
         CHECK(all.kernels == (BIT(KERNEL_COUNT) - 1) - CLASS_KERNELS - OTHER_KERNELS,
               "kernels 0x%x", all.kernels);

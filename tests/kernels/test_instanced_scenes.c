@@ -1,0 +1,209 @@
+// Instances beside what they are flattened: closed surfaces let no ray out, pictures agree.
+#include "instanced.h"
+
+// --- closed surfaces -----------------------------------------------------------------------------
+
+enum { RAYS = 1 << 17, TRIANGLES = 100000 };
+
+static struct single_ray rays[RAYS];
+static struct single_hit hits[RAYS];
+
+static void count_misses(struct renderer *r, uint32_t *misses)
+{
+    struct err err = {0};
+    uint32_t part = r->plan.wave_slots;
+    bool complete = true;
+    double ms;
+    for (uint32_t first = 0; first < RAYS; first += part) {
+        uint32_t count = RAYS - first < part ? RAYS - first : part;
+        bool ok = single_kernel_trace(r, KERNEL_intersect_closest, rays + first, count,
+                                      hits + first, &ms, &complete, &err);
+        REQUIRE(ok && complete, "%s", ok ? "a ray ran out of its budget" : err.msg);
+    }
+    for (uint32_t i = 0; i < RAYS; i++)
+        *misses += hits[i].primitive == NO_PRIMITIVE;
+}
+
+// From about the middle: every other ray at a corner, the others at points of edges.
+static void aim_at_edges(const struct flat_scene *flat, const double m[3][4], double inner)
+{
+    struct random random = {91};
+    for (uint32_t i = 0; i < RAYS; i++) {
+        uint32_t index = (uint32_t)((uint64_t)i * flat->triangle_count / RAYS),
+                 edge = random_u32(&random) % 3;
+        const struct flat_triangle *triangle = &flat->triangles[index];
+        double along = i % 2 == 0 ? 0 : random_unit(&random), point[3];
+        float target[3], offset[3];
+        random_direction(&random, offset);
+        for (int c = 0; c < 3; c++)
+            point[c] = (1 - along) * (double)triangle->v[edge][c] +
+                       along * (double)triangle->v[(edge + 1) % 3][c];
+        if (flat->placed_count > 0)
+            to_world(&flat->instances[0], point, target);
+        for (int c = 0; c < 3; c++) {
+            target[c] = flat->placed_count > 0 ? target[c] : (float)point[c];
+            rays[i].origin[c] = (float)(m[c][3] - flat->origin[c] + inner * (double)offset[c]);
+        }
+        aim(rays[i].origin, target, rays[i].direction);
+    }
+}
+
+// A bumpy ball of some radius that is moved; where `anchored` the scene is so wide that it is not
+// taken to the origin.
+static void check_closed(const char *name, uint32_t allowed, const double center[3], double radius,
+                         bool anchored, enum instancing instancing)
+{
+    struct setup setup;
+    double m[3][4] = {
+        {radius, 0, 0, center[0]}, {0, radius, 0, center[1]}, {0, 0, radius, center[2]}};
+    scene_start(&setup.scene, 8, 8);
+    place_mesh(&setup.scene, blob_mesh(&setup.scene, TRIANGLES, 0), m, SCENE_NONE);
+    if (anchored)
+        add_anchor(&setup.scene, (const double[3]){-center[0], -center[1], -center[2]});
+    OPEN_SETUP_WITH(&setup, .wave = 65536, .instancing = instancing);
+    const struct flat_scene *flat = &setup.r.flat;
+    CHECK((flat->placed_count > 0) == (instancing == INSTANCING_ON), "%u instances",
+          flat->placed_count);
+    CHECK(flat->triangle_count > 0.99 * TRIANGLES, "%u triangles", flat->triangle_count);
+    aim_at_edges(flat, m, 0.3 * radius);
+    uint32_t misses = 0;
+    count_misses(&setup.r, &misses);
+    printf("  %s, %s: %u of %u rays got out\n", name,
+           instancing == INSTANCING_ON ? "an instance" : "flattened", misses, (uint32_t)RAYS);
+    CHECK(misses <= allowed, "%s: %u", name, misses);
+    setup_close(&setup);
+}
+
+TEST(nothing_leaves_100000_triangles)
+{
+    static const double origin[3] = {0, 0, 0}, far_away[3] = {148376, 1234, -223423};
+    static const struct {
+        const char *name;
+        double radius;
+        bool anchored;
+        uint32_t allowed; // 2e-5 of the rays
+    } places[] = {{"at the origin", 1, false, 0},
+                  {"far away", 1, false, 2},
+                  {"far away in a wide scene", 1000, true, 2}};
+    for (size_t i = 0; i < 3; i++) {
+        const double *center = i == 0 ? origin : far_away;
+        for (int on = 0; on < 2; on++)
+            check_closed(places[i].name, places[i].allowed, center, places[i].radius,
+                         places[i].anchored, on ? INSTANCING_ON : INSTANCING_OFF);
+    }
+}
+
+// --- pictures ------------------------------------------------------------------------------------
+
+enum { SIZE = 40 };
+
+// Balls with normals, smooth or brushed, in all placings, one in glass, on a floor.
+static void fill_scene(struct scene *scene, uint32_t integrator)
+{
+    static const float floor[1][3][3] = {{{-40, -1.5f, -20}, {0, -1.5f, 60}, {40, -1.5f, -20}}};
+    struct random random = {95};
+    double m[3][4];
+    scene_start(scene, SIZE, SIZE);
+    scene->settings.max_bounces = 4;
+    scene->settings.integrator = integrator;
+    scene->environment = (struct environment){.present = true, .radiance = {0.5f, 0.6f, 0.8f}};
+    scene->cameras[0].position[2] = 9;
+    add_triangles(scene, floor, 1, 0);
+    struct material brushed = scene->materials[0];
+    brushed.model = MATERIAL_PRINCIPLED;
+    brushed.metallic = 1;
+    brushed.roughness = 0.4f;
+    brushed.anisotropic = 0.8f;
+    struct material glass = scene->materials[0];
+    glass.model = MATERIAL_DIELECTRIC;
+    glass.ior = 1.5f;
+    const uint32_t materials[3] = {SCENE_NONE, add_material(scene, &brushed),
+                                   add_material(scene, &glass)};
+    uint32_t mesh = blob_mesh(scene, 3000, 0);
+    for (int i = 0; i < 9; i++) {
+        make_placing((enum placing)(i % TINY), &random, m);
+        for (int row = 0; row < 3; row++)
+            for (int c = 0; c < 3; c++)
+                m[row][c] *= 0.6;
+        m[0][3] = 2 * (i % 3) - 2;
+        m[1][3] = 2 * (i / 3) - 1.5;
+        place_mesh(scene, mesh, m, materials[i % 3]);
+    }
+    add_sphere(scene, (const double[3]){3, 6, 4}, 0.5,
+               add_material(scene, &(struct material){.emission = {60, 60, 60}}));
+}
+
+static void render(uint32_t integrator, enum instancing instancing, struct arena *arena,
+                   struct film_image *film)
+{
+    struct setup setup;
+    struct err err = {0};
+    fill_scene(&setup.scene, integrator);
+    OPEN_SETUP_WITH(&setup, .wave = 16384, .instancing = instancing,
+                    .aovs = AOV_NORMAL | AOV_NORMAL_GEOMETRIC | AOV_DEPTH | AOV_POSITION | AOV_IDS);
+    bool ok = renderer_render(&setup.r, &(struct render_call){.samples = 16}, &err) &&
+              renderer_read(&setup.r, arena, film, &err);
+    REQUIRE(ok, "%s", err.msg);
+    setup_close(&setup);
+}
+
+static uint32_t pixels_apart(const float *a, const float *b, uint32_t components, float most)
+{
+    uint32_t apart = 0;
+    for (uint32_t pixel = 0; pixel < SIZE * SIZE; pixel++) {
+        bool far = false;
+        for (uint32_t c = 0; c < components; c++) {
+            float x = a[pixel * components + c], y = b[pixel * components + c];
+            far |= x != y && !(fabsf(x - y) <= most * fmaxf(1, fabsf(x)));
+        }
+        apart += far;
+    }
+    return apart;
+}
+
+// The same paths but for rounding: few pixels have a path that ends otherwise.
+static void check_pictures(uint32_t integrator)
+{
+    struct arena arena = {0};
+    struct film_image films[2];
+    render(integrator, INSTANCING_OFF, &arena, &films[0]);
+    render(integrator, INSTANCING_ON, &arena, &films[1]);
+    const struct film_aovs *a = &films[0].aovs, *b = &films[1].aovs;
+    const uint32_t pixels = SIZE * SIZE;
+    uint32_t color = pixels_apart(films[0].mean[0], films[1].mean[0], 3, 1e-2f);
+    // Corners' normals have 16 bits in the space of their mesh: where that is squashed to a
+    // hundredth, less is left of them.
+    uint32_t normals = pixels_apart(a->normal[0], b->normal[0], 3, 1e-2f) +
+                       pixels_apart(a->normal_geometric[0], b->normal_geometric[0], 3, 1e-3f);
+    uint32_t places = pixels_apart(a->position[0], b->position[0], 3, 1e-3f) +
+                      pixels_apart(a->depth, b->depth, 1, 1e-3f);
+    uint32_t ids = 0;
+    double sums[2] = {0, 0};
+    for (uint32_t pixel = 0; pixel < pixels; pixel++) {
+        ids += memcmp(a->ids[pixel], b->ids[pixel], sizeof a->ids[pixel]) != 0;
+        for (int i = 0; i < 2; i++)
+            sums[i] += (double)films[i].mean[pixel][1];
+    }
+    printf("  of %u pixels %u differ, %u in normals, %u in places, %u in ids; means %.6g, %.6g\n",
+           pixels, color, normals, places, ids, sums[0] / pixels, sums[1] / pixels);
+    CHECK(color <= pixels / 100, "%u", color);
+    CHECK(normals <= pixels / 200 && places <= pixels / 200 && ids <= pixels / 200, "%u, %u, %u",
+          normals, places, ids);
+    CHECK(fabs(sums[0] / sums[1] - 1) < 0.003, "means %g and %g", sums[0], sums[1]);
+    arena_finish(&arena);
+}
+
+TEST(paths_see_what_flattened_instances_show)
+{
+    check_pictures(INTEGRATOR_PATH);
+}
+
+TEST(whitted_and_ao_see_the_same)
+{
+    check_pictures(INTEGRATOR_WHITTED);
+    check_pictures(INTEGRATOR_AO);
+}
+
+TEST_MAIN(TEST_CASE(nothing_leaves_100000_triangles),
+          TEST_CASE(paths_see_what_flattened_instances_show),
+          TEST_CASE(whitted_and_ao_see_the_same))
