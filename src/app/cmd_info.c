@@ -82,9 +82,12 @@ static void print_text(const struct info *info)
         printf("dropped   %u triangles without area, %u instances with a singular transform\n",
                flat->dropped_degenerate, flat->skipped_instances);
     sharing_print(flat, info->specialization.features);
-    printf("bounds    (%g %g %g) to (%g %g %g), about (%g %g %g)\n", flat->bounds_min[0],
-           flat->bounds_min[1], flat->bounds_min[2], flat->bounds_max[0], flat->bounds_max[1],
-           flat->bounds_max[2], flat->origin[0], flat->origin[1], flat->origin[2]);
+    if (flat->bounds_min[0] <= flat->bounds_max[0])
+        printf("bounds    (%g %g %g) to (%g %g %g), about (%g %g %g)\n", flat->bounds_min[0],
+               flat->bounds_min[1], flat->bounds_min[2], flat->bounds_max[0], flat->bounds_max[1],
+               flat->bounds_max[2], flat->origin[0], flat->origin[1], flat->origin[2]);
+    else
+        puts("bounds    none");
     print_materials(scene);
     printf("emitters  %u triangles", info->emitters.triangles);
     for (uint32_t kind = 0; kind < SHAPE_KIND_COUNT; kind++)

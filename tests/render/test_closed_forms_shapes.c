@@ -233,9 +233,9 @@ static const struct closed_form rooms[] = {
     {"C2 box at 1e5", ROOM_FILE, closed, 2, BY_STATISTICS, EACH_ALONE,
      {NEAR(100000.3, 99999.8, -99999.6, {"type": "box", "material": "glowing", "as": "analytic",
       "min": [99999, 99999, -100001], "max": [100001, 100001, -99999]}), TWO_BOUNCES}},
-    {"C2 cylinder at 1e5", ROOM_FILE, closed, 2, BY_STATISTICS, EACH_ALONE,
-     {NEAR(100000.3, 99999.8, -99999.6, {"type": "cylinder", "material": "glowing", "radius": 1,
-      "from": [100000, 99999, -100000], "to": [100000, 100001, -100000]}), TWO_BOUNCES}},
+    {"C2 cylinder at 4e6", ROOM_FILE, closed, 2, BY_STATISTICS, EACH_ALONE,
+     {NEAR(4000000.3, 3999999.8, -3999999.6, {"type": "cylinder", "material": "glowing", "radius": 1,
+      "from": [4e6, 3999999, -4e6], "to": [4e6, 4000001, -4e6]}), TWO_BOUNCES}},
     {"3 planes", ROOM_FILE, closed, 2, BY_STATISTICS, BSDF_ALONE,
      {NEAR(0.3, -0.2, 0.4, PLANES), TWO_BOUNCES}},
 };
@@ -378,6 +378,7 @@ TEST(validation_is_silent)
     closed_forms_validated(rooms, COUNT(rooms));
     closed_forms_validated(lights, COUNT(lights));
     closed_forms_validated(grounds, COUNT(grounds));
+    closed_forms_validated(bodies, COUNT(bodies));
 }
 
 TEST_MAIN(TEST_CASE(closed_rooms), TEST_CASE(lights_over_a_floor), TEST_CASE(grounds_without_end),
