@@ -169,12 +169,21 @@ static bool count_statement(struct obj_parser *parser, struct err *err)
     return true;
 }
 
-// Calls `read` at the first word of every line that has one.
+#define LINES_BETWEEN_LOOKS 262144 // at whether to stop
+
+// Calls `read` at the first word of every line that has one. `from`, `to`: the part of loading that
+// this is.
 static bool for_each_statement(struct obj_parser *parser, const struct text_reader *start,
+                               double from, double to,
                                bool (*read)(struct obj_parser *, struct err *), struct err *err)
 {
+    double size = (double)text_remaining(start);
     parser->text = *start;
-    for (; text_remaining(&parser->text) > 0; text_next_line(&parser->text)) {
+    for (uint64_t lines = 1; text_remaining(&parser->text) > 0; text_next_line(&parser->text)) {
+        double left = (double)text_remaining(&parser->text);
+        if (lines++ % LINES_BETWEEN_LOOKS == 0 &&
+            !scene_loading(parser->scene, from + (to - from) * (1 - left / size), err))
+            return false;
         if (!text_line_ended(&parser->text) && !read(parser, err))
             return false;
     }
@@ -522,10 +531,11 @@ static bool parse(struct obj_parser *parser, struct mesh *mesh, struct err *err)
     parser->scene->hash = hash_bytes(parser->scene->hash, bytes.data, bytes.size);
     struct text_reader start = text_open(path, &bytes);
     start.joins_lines = true;
-    if (!for_each_statement(parser, &start, count_statement, err) || !allocate(parser, err))
+    if (!for_each_statement(parser, &start, 0, 0.3, count_statement, err) || !allocate(parser, err))
         return false;
     mtl_sort(&parser->library);
-    if (!for_each_statement(parser, &start, read_statement, err) || !build_mesh(parser, mesh, err))
+    if (!for_each_statement(parser, &start, 0.3, 1, read_statement, err) ||
+        !build_mesh(parser, mesh, err))
         return false;
     warn_about(parser);
     return true;

@@ -19,6 +19,7 @@ struct ply_parser {
     struct scene *scene;
     struct arena scratch;
     struct text_reader text; // a byte position in binary files
+    const char *start;       // of the file
     struct ply_header header;
     // Where the data is being read, for messages.
     const struct ply_element *element;
@@ -298,6 +299,8 @@ static bool allocate_vertices(struct ply_parser *parser, struct err *err)
 }
 
 // Reads all rows of parser->element. Memory is only taken for rows that the file can hold.
+#define ROWS_BETWEEN_LOOKS 262144 // at whether to stop
+
 static bool read_rows(struct ply_parser *parser, struct err *err)
 {
     const struct ply_element *element = parser->element;
@@ -313,8 +316,12 @@ static bool read_rows(struct ply_parser *parser, struct err *err)
     if (element->uses & 1u << USE_POLYGON &&
         !triangle_list_reserve(&parser->triangles, element->count, err))
         return false;
+    double size = (double)(parser->text.end - parser->start);
     for (; parser->row < element->count; parser->row++) {
         if (!read_row(parser, err))
+            return false;
+        if ((parser->row + 1) % ROWS_BETWEEN_LOOKS == 0 &&
+            !scene_loading(parser->scene, (double)(parser->text.at - parser->start) / size, err))
             return false;
     }
     return true;
@@ -361,6 +368,7 @@ static bool parse(struct ply_parser *parser, uint32_t default_material, struct m
         return false;
     parser->scene->hash = hash_bytes(parser->scene->hash, bytes.data, bytes.size);
     parser->text = text_open(parser->text.path, &bytes);
+    parser->start = parser->text.at;
     if (!ply_read_header(&parser->scratch, &parser->text, &parser->header, err))
         return false;
     for (parser->element = parser->header.elements; parser->element;

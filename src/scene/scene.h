@@ -117,8 +117,9 @@ struct environment {
 };
 
 struct scene {
-    struct arena arena; // owns everything below
-    const char *path;   // as given on the command line
+    struct arena arena;              // owns everything below
+    const struct progress *progress; // while it is loaded; NULL: nobody listens
+    const char *path;                // as given on the command line
     struct material *materials;
     uint32_t material_count; // at least 1: loaders add a grey default where a file has none
     struct mesh *meshes;
@@ -191,6 +192,10 @@ void scene_frame_camera(struct scene *scene);
 
 // Adds "TEXT" to scene->notes; false when out of memory.
 bool scene_note(struct scene *scene, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+// Of a part of the file that takes long: reports how much of it is done, and fails with ERR_STOPPED
+// when asked to stop.
+bool scene_loading(const struct scene *scene, double fraction, struct err *err);
 
 // --- what the loaders share (scene_load.c calls exactly one of these by extension) ---------------
 // Each appends to *scene (already initialised with defaults, arena and path set) and continues

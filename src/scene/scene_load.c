@@ -183,12 +183,20 @@ static bool finish_environment(struct scene *scene, const struct scene_load_para
            scene_add_sky_sun(scene, err);
 }
 
+bool scene_loading(const struct scene *scene, double fraction, struct err *err)
+{
+    progress_report(scene->progress, "Loading", fraction);
+    return !progress_should_stop(scene->progress) ||
+           err_set(err, ERR_STOPPED, "stopped while loading the scene");
+}
+
 bool scene_load(const struct scene_load_params *params, struct scene *out, struct err *err)
 {
     *out = (struct scene){
         .arena.limit_bytes = params->max_bytes > 0 ? params->max_bytes : DEFAULT_MAX_BYTES,
         .settings = settings_default(),
         .hash = HASH_INIT,
+        .progress = params->progress,
     };
     progress_report(params->progress, "Loading", 0);
     out->path = arena_strdup(&out->arena, params->path);
@@ -198,6 +206,7 @@ bool scene_load(const struct scene_load_params *params, struct scene *out, struc
          provide_light(out, err) && finish_environment(out, params, err) &&
          provide_camera(out, err) && scene_generate_tangents(out, err);
     progress_report(params->progress, "Loading", 1);
+    out->progress = NULL;
     if (!ok)
         scene_finish(out);
     return ok;
