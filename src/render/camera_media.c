@@ -1,5 +1,8 @@
 #include "camera_media.h"
 
+#include "affine.h"
+#include "sdf.h"
+#include "sdf_evaluate.h"
 #include <math.h>
 #include <string.h>
 
@@ -84,6 +87,25 @@ static bool is_inside(const double origin[3], const struct flat_shape *shape)
     }
 }
 
+// Of a distance field: nothing is outside of its box.
+static bool is_inside_field(const double origin[3], const struct flat_shape *shape,
+                            const struct sdf *sdf)
+{
+    struct shape placed = {.kind = SHAPE_SDF};
+    double to_world[3][4], to_field[3][4], p[3];
+    to_double(shape->center, placed.center);
+    for (int i = 0; i < 3; i++)
+        to_double(shape->axes[i], placed.axes[i]);
+    sdf_to_world(sdf, &placed, to_world);
+    if (!affine_inverse(to_world, to_field))
+        return false;
+    affine_point(to_field, origin, p);
+    for (int i = 0; i < 3; i++)
+        if (!(p[i] >= sdf->min[i] && p[i] <= sdf->max[i]))
+            return false;
+    return sdf_evaluate(sdf, p) < 0.0;
+}
+
 // As crossing(): at the distance t to the shape's plane, whose front is along the normal.
 static int crossing_plane(const double direction[3], const double normal[3], double t, bool hit)
 {
@@ -140,9 +162,12 @@ static int crossing_tube(const double origin[3], const double direction[3],
     return crossings;
 }
 
-static void probe_shape(struct probe *probe, const struct flat_shape *shape, uint32_t number)
+static void probe_shape(struct probe *probe, const struct flat_shape *shape, const struct sdf *sdfs,
+                        uint32_t number)
 {
-    bool inside = is_inside(probe->origin, shape);
+    bool inside = shape->kind == SHAPE_SDF
+                      ? is_inside_field(probe->origin, shape, &sdfs[shape->sdf])
+                      : is_inside(probe->origin, shape);
     for (int ray = 0; ray < RAYS; ray++) {
         const double *direction = probe->directions[ray];
         int32_t *left = &probe->left[ray][number];
@@ -195,7 +220,7 @@ static void probe_instance(struct probe *probe, const struct flat_scene *flat,
     memcpy(probe->directions, world.directions, sizeof world.directions);
 }
 
-static void probe_scene(struct probe *probe, const struct flat_scene *flat,
+static void probe_scene(struct probe *probe, const struct flat_scene *flat, const struct sdf *sdfs,
                         const struct gpu_material *materials)
 {
     probe_triangles(probe, flat, 0, flat->world_triangle_count, SCENE_NONE, materials);
@@ -204,7 +229,7 @@ static void probe_scene(struct probe *probe, const struct flat_scene *flat,
     for (uint32_t i = 0; i < flat->shape_count; i++) {
         uint32_t number = materials[flat->shapes[i].material].medium;
         if (number > 0)
-            probe_shape(probe, &flat->shapes[i], number);
+            probe_shape(probe, &flat->shapes[i], sdfs, number);
     }
 }
 
@@ -227,7 +252,7 @@ uint32_t camera_media_find(const struct shading_tables_params *p,
         probe.directions[1][c] = d[(c + 1) % 3] + 0.345 * (c - 0.7);
         probe.directions[2][c] = d[(c + 2) % 3] - 0.234 * (c - 1.3);
     }
-    probe_scene(&probe, p->flat, materials);
+    probe_scene(&probe, p->flat, p->scene->sdfs, materials);
     uint32_t stack = 0;
     for (uint32_t number = 1; number <= MEDIA_MAX; number++)
         for (int32_t n = majority(&probe, number); n > 0; n--)

@@ -1,5 +1,5 @@
 // Distance fields in scenes whose radiance is known, and beside analytic shapes of the same form:
-// closed rooms of fields, convex bodies under an even sky, a still life of both.
+// closed rooms of fields, convex bodies under an even sky, glass and fog, a still life of both.
 #include "closed_form.h"
 #include "metrics.h"
 #include "replicates.h"
@@ -17,6 +17,19 @@ static double closed(double rho, double le, double bounces)
     return le * (1.0 - pow(rho, bounces + 1.0)) / (1.0 - rho);
 }
 
+// From within glass of an index whose square is `part`.
+static double all(double rho, double le, double part)
+{
+    (void)rho;
+    return part * le;
+}
+
+// Through as much fog of an index of 1 as lets rho pass in a metre.
+static double fog(double rho, double le, double metres)
+{
+    return le * pow(rho, metres);
+}
+
 // A camera inside of a field that glows.
 // clang-format off
 #define ROOM(x, y, z, ...)                                                                         \
@@ -29,6 +42,8 @@ static double closed(double rho, double le, double bounces)
     {"environment", JSON({"radiance": [1, 2, 4]})},                                                \
     {"shapes", "[{\"type\": \"sdf\", \"material\": \"plane\", " JSON(__VA_ARGS__) "}]"}
 #define BODY_FILE OURS "plane.json"
+#define MEDIUM(...) {"bodies", "[{\"type\": \"sdf\", \"material\": \"body\", " JSON(__VA_ARGS__) "}]"}
+#define MEDIUM_FILE OURS "media.json"
 
 static const struct closed_form forms[] = {
     {"3 field sphere", ROOM_FILE, closed, 2, BY_STATISTICS, BSDF_ALONE,
@@ -58,6 +73,13 @@ static const struct closed_form forms[] = {
     {"2 field plane under a sky", BODY_FILE, convex, 0, BY_STATISTICS, EACH_ALONE,
      {BODY("field": {"type": "plane", "normal": [0, 1, 0]},
            "bounds": {"min": [-9, -1, -9], "max": [9, 1, 9]})}},
+    {"21 camera in a field of glass", MEDIUM_FILE, all, 2.25, WITHOUT_VARIANCE, 0,
+     {{"body", JSON({"type": "dielectric", "ior": 1.5})}, {"from", "[0.2, 0.1, 0.1]"},
+      {"towards", "[1, 0, 0]"}, {"fov", "20"},
+      MEDIUM("field": {"type": "box", "size": [1, 1, 1]}, "transform": {"scale": 2})}},
+    {"19 ball of fog", MEDIUM_FILE, fog, 2, WITHOUT_VARIANCE, 0,
+     {{"body", JSON({"type": "dielectric", "ior": 1, "absorption": {"color": [0.8, 0.5, 0.2],
+      "distance": 1}})}, {"fov", "1e-5"}, MEDIUM("field": {"type": "sphere", "radius": 1})}},
 };
 // clang-format on
 
