@@ -121,9 +121,11 @@ struct bvh_params {
 //   at the least expected cost;
 // - median: into halves by the centroids along the widest axis of their bounds;
 // - mean: at the mean of the centroids on that axis, or the median where rounding leaves one side
-//   empty.
-// The latter two are to compare with: each two levels of their binary trees make a wide node, and
-// nothing is moved. Splits near the root take one thread.
+//   empty;
+// - spatial: as SAH, but where the children's boxes overlap much a range may be cut by a plane
+//   instead, and the triangles there go to both sides.
+// Median and mean are to compare with: each two levels of their binary trees make a wide node, and
+// nothing is moved.
 //
 // The same input gives the same bits whatever the number of threads. Bounded depth also for a
 // million identical triangles (median split where SAH cannot separate): stack_entries <= 96.

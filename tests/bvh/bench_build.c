@@ -43,9 +43,11 @@ static void count_steps(const struct bvh_trace_scene *scene, const struct mesh *
 
 static int measure(const char *name, const struct mesh *mesh, struct bvh_method method)
 {
-    static const char *const splits[] = {"SAH", "median", "mean"};
+    static const char *const splits[] = {"SAH", "median", "mean", "spatial"};
+    static const char *const efforts[] = {"", "off", "long"};
     static const char *const formats[] = {"quantised", "float"};
     double best = INFINITY, best_cpu = INFINITY, nodes = 0, tests = 0;
+    double duplicates = 0;
     struct bvh_stats stats = {0};
     for (int i = 0; i < REPEATS; i++) {
         struct arena arena = {0};
@@ -59,6 +61,7 @@ static int measure(const char *name, const struct mesh *mesh, struct bvh_method 
             return 1;
         }
         stats = bvh.stats;
+        duplicates = 100.0 * (bvh.reference_count - bvh.triangle_count) / bvh.triangle_count;
         best = fmin(best, stats.build_seconds);
         best_cpu = fmin(best_cpu, (double)(clock() - start) / CLOCKS_PER_SEC);
         if (i == 0)
@@ -66,11 +69,14 @@ static int measure(const char *name, const struct mesh *mesh, struct bvh_method 
                         &tests);
         arena_finish(&arena);
     }
-    printf("%-18s %7u triangles  %-6s %-9s  %6.3f s, %6.3f of CPU time  SAH cost %7.3f  depth %2u  "
-           "stack %2u  %7u nodes  %7u leaves  %6.1f MB  %6.2f nodes and %6.2f tests a ray\n",
-           name, mesh->count, splits[method.split], formats[method.format], best, best_cpu,
-           stats.sah_cost, stats.depth, stats.stack_entries, stats.node_count, stats.leaf_count,
-           (double)stats.bytes * 1e-6, nodes, tests);
+    printf("%-18s %7u triangles  %-7s %-4s %-9s  %6.3f s, %6.3f of CPU time  SAH cost %7.3f  depth "
+           "%2u  "
+           "stack %2u  %7u nodes  %7u leaves  %6.1f MB  %6.2f nodes and %6.2f tests a ray  %5.1f "
+           "%% duplicates\n",
+           name, mesh->count, splits[method.split], efforts[method.optimize],
+           formats[method.format], best, best_cpu, stats.sah_cost, stats.depth, stats.stack_entries,
+           stats.node_count, stats.leaf_count, (double)stats.bytes * 1e-6, nodes, tests,
+           duplicates);
     fflush(stdout);
     return 0;
 }
@@ -81,6 +87,10 @@ static int measure_all(const char *name, const struct mesh *mesh)
     for (uint32_t split = BVH_SPLIT_SAH; split <= BVH_SPLIT_MEAN; split++)
         for (uint32_t format = BVH_QUANTISED; format <= BVH_FLOAT; format++)
             status |= measure(name, mesh, (struct bvh_method){split, format});
+    for (uint32_t split = BVH_SPLIT_SAH; split <= BVH_SPLIT_SPATIAL; split += BVH_SPLIT_SPATIAL)
+        for (uint32_t optimize = split == BVH_SPLIT_SAH ? BVH_OPTIMIZE_OFF : BVH_OPTIMIZE_NORMAL;
+             optimize <= BVH_OPTIMIZE_LONG; optimize++)
+            status |= measure(name, mesh, (struct bvh_method){split, BVH_QUANTISED, optimize});
     return status;
 }
 
@@ -95,6 +105,10 @@ int main(void)
     for (size_t i = 0; i < sizeof files / sizeof files[0]; i++)
         if (mesh_load(&arena, files[i], &mesh))
             status |= measure_all(files[i], &mesh);
+    mesh = mesh_among_beams(&arena, 200, 300);
+    status |= measure_all("sphere, beams", &mesh);
+    mesh = mesh_strands(&arena, 3000, 20);
+    status |= measure_all("strands", &mesh);
     arena_finish(&arena);
     return status;
 }

@@ -132,6 +132,68 @@ struct mesh mesh_identical(struct arena *arena, uint32_t count)
     return mesh;
 }
 
+static void add_quad(struct mesh *mesh, const double middle[3], const double a[3],
+                     const double b[3])
+{
+    float corner[4][3];
+    for (int i = 0; i < 4; i++)
+        for (int c = 0; c < 3; c++)
+            corner[i][c] = (float)(middle[c] + (i & 1 ? a[c] : -a[c]) + (i & 2 ? b[c] : -b[c]));
+    add_triangle(mesh, corner[0], corner[1], corner[2]);
+    add_triangle(mesh, corner[1], corner[3], corner[2]);
+}
+
+struct mesh mesh_among_beams(struct arena *arena, uint32_t rings, uint32_t beams)
+{
+    struct mesh sphere = mesh_sphere(arena, rings, 2 * rings);
+    struct mesh mesh = mesh_new(arena, sphere.count + 2 * beams);
+    struct random random = {5};
+    memcpy(mesh.vertices, sphere.vertices, sphere.count * sizeof *sphere.vertices);
+    mesh.count = sphere.count;
+    for (uint32_t i = 0; i < beams; i++) {
+        double middle[3], along[3], across[3];
+        random_direction(&random, along);
+        random_direction(&random, across);
+        for (int c = 0; c < 3; c++) {
+            middle[c] = random_between(&random, -3, 3);
+            along[c] *= 3;
+            across[c] *= 0.03;
+        }
+        add_quad(&mesh, middle, along, across);
+    }
+    return mesh;
+}
+
+struct mesh mesh_strands(struct arena *arena, uint32_t strands, uint32_t pieces)
+{
+    struct mesh mesh = mesh_new(arena, 2 * strands * pieces);
+    struct random random = {7};
+    mesh.count = 0;
+    for (uint32_t i = 0; i < strands; i++) {
+        double at[3], along[3], across[3], turn[3];
+        random_direction(&random, at);
+        random_direction(&random, along);
+        random_direction(&random, across);
+        for (uint32_t k = 0; k < pieces; k++) {
+            double middle[3], half[3], side[3], length = 0;
+            random_direction(&random, turn);
+            for (int c = 0; c < 3; c++) {
+                along[c] += 0.5 * turn[c];
+                length += along[c] * along[c];
+            }
+            for (int c = 0; c < 3; c++) {
+                along[c] /= sqrt(length);
+                half[c] = 0.075 * along[c];
+                side[c] = 0.0005 * across[c];
+                middle[c] = at[c] + half[c];
+                at[c] += 2 * half[c];
+            }
+            add_quad(&mesh, middle, half, side);
+        }
+    }
+    return mesh;
+}
+
 // --- Files --------------------------------------------------------------------------------------
 
 static FILE *open_data(const char *name)

@@ -33,6 +33,11 @@ struct mesh mesh_sphere(struct arena *arena, uint32_t rings, uint32_t segments);
 struct mesh mesh_grid(struct arena *arena, uint32_t n);
 // All the same triangle.
 struct mesh mesh_identical(struct arena *arena, uint32_t count);
+// A sphere (rings of twice as many segments) among thin beams turned any way, of two triangles
+// each, whose boxes are many times larger than they are.
+struct mesh mesh_among_beams(struct arena *arena, uint32_t rings, uint32_t beams);
+// Strands of so many flat pieces of 0.15 x 0.001 that wander away from a sphere of radius 1.
+struct mesh mesh_strands(struct arena *arena, uint32_t strands, uint32_t pieces);
 // Vertices and faces of $LAMPYRIS_DATA/mesh/NAME (OBJ); false where there is no such file.
 bool mesh_load(struct arena *arena, const char *name, struct mesh *mesh);
 

@@ -150,31 +150,6 @@ TEST(large_triangles_among_small_ones)
     arena_finish(&arena);
 }
 
-// A mesh among turned beams, of which each has a box that is many times larger than itself.
-static struct mesh mesh_among_beams(struct arena *arena)
-{
-    enum { BEAMS = 40 };
-    struct mesh sphere = mesh_sphere(arena, 40, 80);
-    struct mesh mesh = mesh_new(arena, sphere.count + 2 * BEAMS);
-    struct random random = {5};
-    memcpy(mesh.vertices, sphere.vertices, sphere.count * sizeof *sphere.vertices);
-    for (uint32_t i = 0; i < BEAMS; i++) {
-        double middle[3], along[3], across[3];
-        random_direction(&random, along);
-        random_direction(&random, across);
-        for (int c = 0; c < 3; c++)
-            middle[c] = random_between(&random, -3, 3);
-        for (uint32_t half = 0; half < 2; half++)
-            for (int v = 0; v < 3; v++) {
-                double a = (v == 0) == (half == 0) ? -3 : 3, b = v == 1 ? 0.03 : -0.03;
-                for (int c = 0; c < 3; c++)
-                    mesh.vertices[sphere.count + 2 * i + half][v][c] =
-                        (float)(middle[c] + a * along[c] + (half ? -b : b) * across[c]);
-            }
-    }
-    return mesh;
-}
-
 static double cost_of(const struct mesh *mesh, enum bvh_split split, enum bvh_optimize optimize,
                       uint32_t *places)
 {
@@ -194,7 +169,7 @@ static double cost_of(const struct mesh *mesh, enum bvh_split split, enum bvh_op
 TEST(spatial_splits_pay_where_boxes_are_empty)
 {
     struct arena arena = {0};
-    struct mesh mesh = mesh_among_beams(&arena);
+    struct mesh mesh = mesh_among_beams(&arena, 40, 40);
     uint32_t places;
     double sah = cost_of(&mesh, BVH_SPLIT_SAH, BVH_OPTIMIZE_NORMAL, NULL);
     double spatial = cost_of(&mesh, BVH_SPLIT_SPATIAL, BVH_OPTIMIZE_NORMAL, &places);
