@@ -61,7 +61,7 @@ void leave_triangle(uint item)
 {
     vec2 uv = load_input_float(item, 0u).xy;
     vec3 side = load_input_float(item, 1u).xyz;
-    surface s = load_triangle_surface(item, uv);
+    surface s = load_triangle_surface(item, uv, NO_INSTANCE);
     store_output(item, 0u, vec4(s.position, 0.0));
     store_output(item, 1u, vec4(s.error, 0.0));
     store_output(item, 2u, vec4(offset_origin(s.position, s.error, s.normal_geometric, side), 0.0));
