@@ -328,6 +328,11 @@ void specialization_count_steps(struct specialization *s, bool on)
     s->features = on ? s->features | FEATURE_STEPS : s->features & ~FEATURE_STEPS;
 }
 
+// Where rays graze these they take thousands of steps: one in a thousand runs out of its budget on
+// lavapipe, and every wave would be traced twice.
+#define SDF_FRACTALS                                                                               \
+    (SDF_BIT(SDF_MANDELBULB) | SDF_BIT(SDF_MENGER) | SDF_BIT(SDF_APOLLONIAN) | SDF_BIT(SDF_PYRAMID))
+
 struct specialization specialize(const struct specialize_params *p)
 {
     const struct scene *scene = p->scene;
@@ -403,6 +408,8 @@ struct specialization specialize(const struct specialize_params *p)
         s.features |= FEATURE_TILES;
     s.features |= device_features(gpu, bvh, scene, s.emitters);
     s.queues = queues_needed(s.features, s.class_lobes);
+    if (s.sdf & SDF_FRACTALS)
+        specialization_suspend(&s);
     return s;
 }
 
