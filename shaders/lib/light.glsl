@@ -273,16 +273,20 @@ receiver receiver_of(vec3 origin, vec3 direction, uint primitive, uint instance)
 float pick_density_at(material m, uint primitive, vec3 origin, vec3 direction, uint from,
                       uint from_instance)
 {
-    if (LIGHT_CHOICE == LIGHT_CHOICE_POWER)
-        return m.group[GROUP_EMISSION].a;
-    float area;
-    uint emitter;
     bool is_shape = HAS_EMITTER(EMITTERS_SHAPES) &&
                     (HAS_EMITTER(EMITTER_TRIANGLES) ? (primitive & PRIMITIVE_SHAPE) != 0u : true);
+    uint index = primitive & ~PRIMITIVE_SHAPE;
+    if (LIGHT_CHOICE == LIGHT_CHOICE_POWER) {
+        // All of one material alike, but for shapes of which it counts what is seen.
+        if (HAS_EMITTER(EMITTERS_CONVEX) && is_shape)
+            return shape_density(load_shape(index), m, 1.0, origin);
+        return m.group[GROUP_EMISSION].a;
+    }
+    float area;
+    uint emitter;
     if (is_shape) {
-        uint at = (primitive & ~PRIMITIVE_SHAPE) * SHAPE_WORDS;
-        area = shape_area(load_shape(primitive & ~PRIMITIVE_SHAPE));
-        emitter = load_shapes(at + 2u).x;
+        area = shape_area_visible(load_shape(index), origin);
+        emitter = load_shapes(index * SHAPE_WORDS + 2u).x;
     } else {
         uint at = primitive * 3u;
         uvec4 w2 = load_triangles(at + 2u);

@@ -24,7 +24,7 @@ float pdf_area_to_solid_angle(float density, float distance, float cos_light)
 
 // A point chosen uniformly by area: the vector to it and its surface normal give the density.
 // `density`: of choosing the emitter and a point on it, a unit area. By power it is the same for
-// all of one material, so that no lookup is needed to weight a hit.
+// all of one material, boxes and cylinders aside, so that no lookup is needed to weight a hit.
 void finish_area_sample(inout light_sample l, vec3 to_light, vec3 normal, material m, float density)
 {
     float distance = length(to_light);

@@ -75,8 +75,95 @@ float shape_area_seen(shape_record shape, vec3 direction)
     return area;
 }
 
-// A point chosen uniformly on a shape: relative to its centre, with the outwards normal there, and
-// what a hit record would keep of it (struct crossings).
+#define EMITTERS_CONVEX (EMITTER_BOXES | EMITTER_CYLINDERS)
+
+// Boxes and closed cylinders that emit.
+bool is_convex_light(uint kind)
+{
+    return (HAS_EMITTER(EMITTER_BOXES) && kind == SHAPE_KIND_BOX) ||
+           (HAS_EMITTER(EMITTER_CYLINDERS) && kind == SHAPE_KIND_CYLINDER);
+}
+
+// What a place sees of one of these. From outside they hide what faces away, from inside nothing.
+struct shape_sight {
+    bool is_outside;
+    vec3 areas;  // of a box's faces across each axis; of a cylinder's side and caps
+    vec3 place;  // of the place, from the centre: along a box's axes; from a cylinder's axis, unit
+    float along; // a cylinder's axis
+    float arc;   // half of the angle round the axis that is seen of a cylinder's side from outside
+};
+
+shape_sight box_sight(shape_record shape, vec3 origin)
+{
+    box_frame b = box_frame_of(shape.axis, shape.other, shape.radius);
+    shape_sight sight;
+    sight.areas = 4.0 * b.half_edges.yzx * b.half_edges.zxy;
+    sight.place = along_box(b, origin - shape.center);
+    bvec3 sees = greaterThan(abs(sight.place), b.half_edges);
+    sight.is_outside = any(sees);
+    sight.areas *= sight.is_outside ? vec3(sees) : vec3(2.0);
+    return sight;
+}
+
+shape_sight cylinder_sight(shape_record shape, vec3 origin)
+{
+    float half_height = length(shape.axis);
+    float radius = shape.radius;
+    vec3 n = shape.axis / half_height;
+    vec3 f = origin - shape.center;
+    shape_sight sight;
+    sight.along = dot(f, n);
+    vec3 across = f - sight.along * n;
+    across -= dot(across, n) * n;
+    float away = length(across);
+    bool sees_side = away > radius;
+    bool sees_cap = abs(sight.along) > half_height;
+    sight.is_outside = sees_side || sees_cap;
+    sight.place = sees_side ? across / away : vec3(0.0);
+    // acos(radius / away), which does not cancel near the side.
+    sight.arc = sees_side ? atan(sqrt((away - radius) * (away + radius)), radius) : 0.0;
+    float cap = PI * radius * radius;
+    sight.areas = vec3(4.0 * half_height * radius * sight.arc, sees_cap ? cap : 0.0, 0.0);
+    if (!sight.is_outside)
+        sight.areas = vec3(4.0 * half_height * radius * PI, 2.0 * cap, 0.0);
+    return sight;
+}
+
+// Of what is neither, no more than the kind counts.
+shape_sight sight_of_shape(shape_record shape, vec3 origin)
+{
+    shape_sight sight;
+    sight.is_outside = false;
+    sight.areas = vec3(0.0);
+    if (HAS_EMITTER(EMITTER_BOXES) && shape.kind == SHAPE_KIND_BOX)
+        sight = box_sight(shape, origin);
+    if (HAS_EMITTER(EMITTER_CYLINDERS) && shape.kind == SHAPE_KIND_CYLINDER)
+        sight = cylinder_sight(shape, origin);
+    return sight;
+}
+
+// The area of a shape that shadow rays from `origin` are sent to.
+float shape_area_visible(shape_record shape, vec3 origin)
+{
+    if (HAS_EMITTER(EMITTERS_CONVEX) && is_convex_light(shape.kind))
+        return dot(sight_of_shape(shape, origin).areas, vec3(1.0));
+    return shape_area(shape);
+}
+
+// The density of choosing a point of a shape, a unit area of what is seen of it: of one that is
+// chosen with the probability `pick`, or by power, of which its material knows.
+float shape_density(shape_record shape, material m, float pick, vec3 origin)
+{
+    if (LIGHT_CHOICE != LIGHT_CHOICE_POWER)
+        return pick / shape_area_visible(shape, origin);
+    float density = m.group[GROUP_EMISSION].a;
+    if (HAS_EMITTER(EMITTERS_CONVEX) && is_convex_light(shape.kind))
+        density *= shape_area(shape) / shape_area_visible(shape, origin);
+    return density;
+}
+
+// A point chosen uniformly on what is seen of a shape: relative to its centre, with the outwards
+// normal there, and what a hit record would keep of it (struct crossings).
 struct shape_point {
     vec3 from_center;
     vec3 normal;
@@ -89,66 +176,95 @@ shape_point sample_quad(shape_record shape, vec2 u)
     return shape_point(at.x * shape.axis + at.y * shape.other, quad_normal(shape), at);
 }
 
-// The face by the first uniform, what is left of which serves again.
-shape_point sample_box(shape_record shape, vec2 u)
+// The axis by the first uniform, what is left of which serves again: from inside, for the face's
+// sign as well.
+shape_point sample_box(shape_record shape, vec3 origin, vec2 u)
 {
     box_frame b = box_frame_of(shape.axis, shape.other, shape.radius);
-    vec3 areas = b.half_edges.yzx * b.half_edges.zxy;
+    shape_sight sight = box_sight(shape, origin);
+    vec3 areas = sight.areas;
     float pick = u.x * (areas.x + areas.y + areas.z);
     int k = pick < areas.x ? 0 : pick < areas.x + areas.y ? 1 : 2;
     pick -= k == 0 ? 0.0 : k == 1 ? areas.x : areas.x + areas.y;
-    float within = clamp(2.0 * pick / areas[k] - 1.0, -1.0, 1.0); // the sign is the face's
-    float side = within < 0.0 ? -1.0 : 1.0;
+    float within = clamp(2.0 * pick / areas[k] - 1.0, -1.0, 1.0);
+    bool is_negative = (sight.is_outside ? sight.place[k] : within) < 0.0;
+    float side = is_negative ? -1.0 : 1.0;
+    within = sight.is_outside ? within : 2.0 * abs(within) - 1.0;
     int first = k == 2 ? 0 : k + 1;
     int second = 3 - k - first;
     vec3 along;
     along[k] = side * b.half_edges[k];
-    along[first] = (2.0 * abs(within) - 1.0) * b.half_edges[first];
+    along[first] = within * b.half_edges[first];
     along[second] = (2.0 * u.y - 1.0) * b.half_edges[second];
     vec3 point = along.x * b.axis[0] + along.y * b.axis[1] + along.z * b.axis[2];
     return shape_point(point, side * b.axis[k], vec2(side * float(k + 1), 0.0));
 }
 
-// A cylinder or a tube: the side, then its caps, by the first uniform.
-shape_point sample_cylinder(shape_record shape, bool has_caps, vec2 u)
+vec3 around(vec3 x, vec3 y, float angle)
 {
-    float half_height = length(shape.axis);
-    vec3 n = shape.axis / half_height;
-    mat3 basis = basis_around(n);
-    float side = 2.0 * half_height; // both in units of 2 pi r
-    float pick = u.x * (side + (has_caps ? shape.radius : 0.0));
-    float angle = 2.0 * PI * u.y;
-    vec3 outwards = cos(angle) * basis[0] + sin(angle) * basis[1];
-    if (!has_caps || pick < side) {
-        float along = min(2.0 * pick / side - 1.0, 1.0);
-        return shape_point(shape.radius * outwards + along * shape.axis, outwards, vec2(0.0));
-    }
-    float within = clamp(2.0 * (pick - side) / shape.radius - 1.0, -1.0, 1.0);
-    float end = within < 0.0 ? -1.0 : 1.0;
-    vec3 point = shape.radius * sqrt(abs(within)) * outwards + end * shape.axis;
-    return shape_point(point, end * n, vec2(end, 0.0));
+    return cos(angle) * x + sin(angle) * y;
 }
 
-shape_point sample_shape(shape_record shape, vec2 u)
+// The point of a side where `pick` of all of it are below.
+shape_point side_point(shape_record shape, vec3 outwards, float pick, float side)
+{
+    float along = min(2.0 * pick / side - 1.0, 1.0);
+    return shape_point(shape.radius * outwards + along * shape.axis, outwards, vec2(0.0));
+}
+
+shape_point sample_tube(shape_record shape, vec2 u)
+{
+    float side = 2.0 * length(shape.axis); // in units of 2 pi r
+    mat3 basis = basis_around(2.0 * shape.axis / side);
+    return side_point(shape, around(basis[0], basis[1], 2.0 * PI * u.y), u.x * side, side);
+}
+
+// The side, then its caps, by the first uniform.
+shape_point sample_cylinder(shape_record shape, vec3 origin, vec2 u)
+{
+    shape_sight sight = cylinder_sight(shape, origin);
+    vec3 n = normalize(shape.axis);
+    mat3 basis = basis_around(n);
+    float side = sight.areas.x;
+    float pick = u.x * (side + sight.areas.y);
+    if (pick < side) {
+        vec3 outwards =
+            sight.is_outside
+                ? around(sight.place, cross(n, sight.place), (2.0 * u.y - 1.0) * sight.arc)
+                : around(basis[0], basis[1], 2.0 * PI * u.y);
+        return side_point(shape, outwards, pick, side);
+    }
+    float within = clamp((pick - side) / sight.areas.y, 0.0, 1.0);
+    float end = sight.along < 0.0 ? -1.0 : 1.0;
+    if (!sight.is_outside) {
+        within = 2.0 * within - 1.0;
+        end = within < 0.0 ? -1.0 : 1.0;
+    }
+    vec3 outwards = sqrt(abs(within)) * around(basis[0], basis[1], 2.0 * PI * u.y);
+    return shape_point(shape.radius * outwards + end * shape.axis, end * n, vec2(end, 0.0));
+}
+
+shape_point sample_shape(shape_record shape, vec3 origin, vec2 u)
 {
     shape_point p = shape_point(vec3(0.0), vec3(0.0, 0.0, 1.0), vec2(0.0));
     if (HAS_EMITTER(EMITTER_QUADS) && shape.kind == SHAPE_KIND_QUAD)
         p = sample_quad(shape, u);
     if (HAS_EMITTER(EMITTER_BOXES) && shape.kind == SHAPE_KIND_BOX)
-        p = sample_box(shape, u);
-    bool is_closed = HAS_EMITTER(EMITTER_CYLINDERS) && shape.kind == SHAPE_KIND_CYLINDER;
-    if (is_closed || (HAS_EMITTER(EMITTER_TUBES) && shape.kind == SHAPE_KIND_TUBE))
-        p = sample_cylinder(shape, is_closed, u);
+        p = sample_box(shape, origin, u);
+    if (HAS_EMITTER(EMITTER_CYLINDERS) && shape.kind == SHAPE_KIND_CYLINDER)
+        p = sample_cylinder(shape, origin, u);
+    if (HAS_EMITTER(EMITTER_TUBES) && shape.kind == SHAPE_KIND_TUBE)
+        p = sample_tube(shape, u);
     return p;
 }
 
-#define EMITTERS_SOLID (EMITTER_BOXES | EMITTER_CYLINDERS | EMITTER_TUBES)
+#define EMITTERS_SOLID (EMITTERS_CONVEX | EMITTER_TUBES)
 
-// Whether a box, cylinder or tube itself is between a point on it and another one. Shadow rays do not
-// ask: what they are sent to is not in their way.
-bool hides_itself(shape_record shape, vec3 point, vec3 towards)
+// Whether a tube itself is between a point on it and another one. Shadow rays do not ask: what they
+// are sent to is not in their way.
+bool hides_itself(shape_record tube, vec3 point, vec3 towards)
 {
-    float t = cross_shape(point, towards, shape, true).first;
+    float t = intersect_tube(point, towards, tube.center, tube.axis, tube.radius, true).first;
     return t > 0.0 && t < 1.0;
 }
 
@@ -187,9 +303,7 @@ void sample_shape_light(vec3 origin, uint index, float pick, vec2 u, inout light
 {
     shape_record shape = load_shape(index);
     material m = load_material(shape.word);
-    float density = m.group[GROUP_EMISSION].a;
-    if (LIGHT_CHOICE != LIGHT_CHOICE_POWER)
-        density = pick / shape_area(shape);
+    float density = shape_density(shape, m, pick, origin);
     l.material = shape.word;
     if (HAS_EMITTER(EMITTER_SPHERES) && shape.kind == SHAPE_KIND_SPHERE)
         sample_sphere_light(origin, shape.center, shape.radius, m, density, u, l);
@@ -201,10 +315,11 @@ void sample_shape_light(vec3 origin, uint index, float pick, vec2 u, inout light
     }
     bool is_solid = HAS_EMITTER(EMITTERS_SOLID) && shape.kind >= SHAPE_KIND_BOX;
     if (is_solid || (HAS_EMITTER(EMITTER_QUADS) && shape.kind == SHAPE_KIND_QUAD)) {
-        shape_point p = sample_shape(shape, u);
+        shape_point p = sample_shape(shape, origin, u);
         l.barycentrics = p.at;
         finish_area_sample(l, shape.center - origin + p.from_center, p.normal, m, density);
-        if (is_solid && hides_itself(shape, shape.center + p.from_center, -l.to_light))
+        bool is_tube = HAS_EMITTER(EMITTER_TUBES) && shape.kind == SHAPE_KIND_TUBE;
+        if (is_tube && hides_itself(shape, shape.center + p.from_center, -l.to_light))
             l.pdf = 0.0;
     }
 }
@@ -223,7 +338,9 @@ bool is_found_by_chance(vec3 origin, uint primitive, surface s)
         if (HAS(FEATURE_ALPHA) && (s.material & MATERIAL_WORD_ALPHA) != 0u) {
             if (HAS_EMITTER(EMITTER_SPHERES) && kind == SHAPE_KIND_SPHERE)
                 by_chance = !s.front && sphere_sin2(origin, s.center, s.radius) < 1.0;
-            if (HAS_EMITTER(EMITTERS_SOLID) && kind >= SHAPE_KIND_BOX && kind != SHAPE_KIND_SDF)
+            if (HAS_EMITTER(EMITTERS_CONVEX) && is_convex_light(kind))
+                by_chance = !s.front && sight_of_shape(load_shape(index), origin).is_outside;
+            if (HAS_EMITTER(EMITTER_TUBES) && kind == SHAPE_KIND_TUBE)
                 by_chance = hides_itself(load_shape(index), s.position, origin - s.position);
         }
     }

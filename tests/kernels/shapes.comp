@@ -51,10 +51,12 @@ void aim(uint item)
     l.to_light = vec3(0.0);
     l.pdf = 0.0;
     l.barycentrics = vec2(0.0);
-    sample_shape_light(origin.xyz, index, 1.0, u.xy, l);
+    float pick = LIGHT_CHOICE == LIGHT_CHOICE_ALL ? 1.0 : 1.0 / float(frame.emitter_count);
+    sample_shape_light(origin.xyz, index, pick, u.xy, l);
     vec3 wi = normalize(l.to_light);
     surface s = load_shape_surface(index, origin.xyz + l.to_light, l.barycentrics);
-    float density = 1.0 / shape_area(load_shape(index));
+    float density =
+        pick_density_at(load_material(s.material), l.primitive, origin.xyz, wi, 0u, NO_INSTANCE);
     store_output(item, 0u, vec4(l.to_light, l.pdf));
     store_output(item, 1u, vec4(s.normal_geometric, l.barycentrics.x));
     store_output(item, 2u, vec4(pdf_light(origin.xyz, wi, length(l.to_light), s, density),

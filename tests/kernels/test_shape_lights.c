@@ -1,5 +1,6 @@
-// Points that next-event estimation chooses on quads, boxes, cylinders and tubes: uniform by area,
-// with the density that is said, and only where the shape does not hide them itself.
+// Points that next-event estimation chooses on quads, boxes, cylinders and tubes: uniform by area
+// on what is seen of boxes and cylinders, and on all of the others; with the density that is said,
+// which hits know as well, and only where the shape does not hide them itself.
 #include "library_fixture.h"
 #include "shape_reference.h"
 #include "shape_routines.h"
@@ -8,7 +9,6 @@
 
 enum {
     SAMPLES = 1 << 16, // a place
-    PLACES = 4,        // that they are chosen from
     GRID = 12,         // cells of a face, each way
     FACES = 6,
 };
@@ -41,15 +41,57 @@ static double whole_area(const struct exact_shape *s)
     return area;
 }
 
-static double turn_of(double x, double y)
+// What points are chosen on from one place.
+struct aim {
+    double area[FACES]; // of what is aimed at
+    double whole;       // of these
+    double axis[3];     // a cylinder's: two directions across it, the first one from which its side
+    double across[2][3]; // is seen
+    double arc;          // half of the angle round the axis
+};
+
+// Directions across a cylinder's axis, the first one to the place `f` from its centre.
+static double directions_across(const struct exact_shape *s, const double f[3], double across[2][3])
 {
-    return atan2(y, x) / (2 * M_PI) + 0.5;
+    double along = dot(f, s->axis[0]), away;
+    for (int c = 0; c < 3; c++)
+        across[0][c] = f[c] - along * s->axis[0][c];
+    away = length(across[0]);
+    for (int c = 0; c < 3; c++)
+        across[0][c] /= away;
+    cross(s->axis[0], across[0], across[1]);
+    return away;
+}
+
+static struct aim aim_from(const struct exact_shape *s, const double f[3])
+{
+    struct aim aim = {.arc = M_PI};
+    bool sees[FACES] = {false}, sees_any = false;
+    if (s->kind == SHAPE_BOX)
+        for (int face = 0; face < FACES; face++)
+            sees[face] = (face % 2 ? -1 : 1) * dot(f, s->axis[face / 2]) > s->half[face / 2];
+    if (s->kind == SHAPE_CYLINDER || s->kind == SHAPE_TUBE) {
+        double away = directions_across(s, f, aim.across), along = dot(f, s->axis[0]);
+        sees[0] = s->kind == SHAPE_CYLINDER && away > s->radius;
+        sees[1] = s->kind == SHAPE_CYLINDER && along > s->half[0];
+        sees[2] = s->kind == SHAPE_CYLINDER && along < -s->half[0];
+        aim.arc = sees[0] ? acos(s->radius / away) : M_PI;
+    }
+    for (int face = 0; face < FACES; face++)
+        sees_any = sees_any || sees[face];
+    for (int face = 0; face < FACES; face++) {
+        aim.area[face] = sees_any && !sees[face] ? 0 : face_area(s, face);
+        aim.area[face] *= face == 0 ? aim.arc / M_PI : 1;
+        aim.whole += aim.area[face];
+    }
+    return aim;
 }
 
 // Where on its face a point is, both from 0 to 1 and uniform by area. `at`: as hit records say.
-static int place_on_face(const struct exact_shape *s, const double f[3], int at, double place[2])
+static int place_on_face(const struct exact_shape *s, const struct aim *aim, const double f[3],
+                         int at, double place[2])
 {
-    double other[3], across[3], u[3], v[3];
+    double u[3], v[3];
     switch (s->kind) {
     case SHAPE_QUAD:
         // The coordinates along edges that are at any angle.
@@ -67,16 +109,11 @@ static int place_on_face(const struct exact_shape *s, const double f[3], int at,
         return 2 * k + (at < 0);
     }
     default:
-        memset(other, 0, sizeof other);
-        other[fabs(s->axis[0][0]) < 0.5 ? 0 : 1] = 1;
-        cross(s->axis[0], other, u);
-        cross(s->axis[0], u, v);
-        double along = dot(f, s->axis[0]);
-        for (int c = 0; c < 3; c++)
-            across[c] = f[c] - along * s->axis[0][c];
-        place[0] = turn_of(dot(across, u), dot(across, v));
-        place[1] =
-            at ? dot(across, across) / (s->radius * s->radius) : 0.5 + along / s->half[0] / 2;
+        u[0] = dot(f, aim->across[0]);
+        u[1] = dot(f, aim->across[1]);
+        place[0] = 0.5 + 0.5 * atan2(u[1], u[0]) / (at ? M_PI : aim->arc);
+        place[1] = at ? (u[0] * u[0] + u[1] * u[1]) / (s->radius * s->radius)
+                      : 0.5 + dot(f, s->axis[0]) / s->half[0] / 2;
         return at == 0 ? 0 : at > 0 ? 1 : 2;
     }
 }
@@ -91,11 +128,12 @@ static int cell_of(double place)
 
 struct tally {
     uint32_t count[FACES][GRID][GRID];
-    uint32_t off, wrong_density, disagree, wrongly_hidden, wrongly_seen, hidden;
+    uint32_t off, beyond, wrong_density, disagree, wrongly_hidden, wrongly_seen, hidden;
 };
 
-static void check_sample(const struct exact_shape *s, const union words *out,
-                         const double origin[3], struct tally *tally)
+// `pick`: the probability of choosing the shape.
+static void check_sample(const struct exact_shape *s, const struct aim *aim, double pick,
+                         const union words *out, const double origin[3], struct tally *tally)
 {
     double f[3], to_light[3], point[3], normal[3], t[2], place[2];
     for (int c = 0; c < 3; c++) {
@@ -104,13 +142,16 @@ static void check_sample(const struct exact_shape *s, const union words *out,
         f[c] = point[c] - s->center[c];
         normal[c] = (double)out->f[1][c];
     }
-    int at = (int)out->f[1][3], face = place_on_face(s, f, at, place);
+    int at = (int)out->f[1][3], face = place_on_face(s, aim, f, at, place);
     tally->count[face][cell_of(place[0])][cell_of(place[1])]++;
+    double beyond = fmax(fabs(place[0] - 0.5), fabs(place[1] - 0.5)) - 0.5;
+    tally->beyond += !(beyond < 1e-5 + 1e-6 * length(origin));
     tally->off += !(fabs(exact_height(s, point, at)) < 1e-6 * (length(origin) + exact_size(s)));
 
     double distance = length(to_light), slope = fabs(dot(to_light, normal)) / distance;
     double pdf = (double)out->f[0][3], pdf_of_hit = (double)out->f[2][0];
-    double expected = distance * distance / (slope * whole_area(s));
+    double expected = pick * distance * distance / (slope * aim->whole);
+    bool may_hide = s->kind == SHAPE_TUBE;
     int crossings = exact_crossings(s, origin, to_light, t);
     bool in_between = false;
     for (int i = 0; i < crossings; i++)
@@ -120,24 +161,27 @@ static void check_sample(const struct exact_shape *s, const union words *out,
     if (slope < 1e-2)
         return;
     tally->wrongly_seen += s->kind != SHAPE_QUAD && in_between && pdf > 0;
-    tally->wrongly_hidden += (!in_between || s->kind == SHAPE_QUAD) && pdf == 0 &&
-                             !(crossings == 2 && fabs(t[1] - t[0]) < 1e-2);
-    tally->wrong_density += pdf > 0 && fabs(pdf / expected - 1) > 1e-4;
-    tally->disagree += pdf > 0 && fabs(pdf_of_hit / pdf - 1) > 1e-4;
+    tally->wrongly_hidden += !(may_hide && in_between) && pdf == 0 &&
+                             !(may_hide && crossings == 2 && fabs(t[1] - t[0]) < 1e-2);
+    // Close by the roundings of both places are not little, far away those of the normal on a side.
+    double rounding = 1e-6 * (length(origin) + exact_size(s));
+    double tolerance = 1e-4 + rounding / (slope * fmin(distance, s->radius > 0 ? s->radius : 1));
+    tally->wrong_density += pdf > 0 && fabs(pdf / expected - 1) > tolerance;
+    tally->disagree += pdf > 0 && fabs(pdf_of_hit / pdf - 1) > tolerance;
 }
 
 // Pearson's statistic as a standard normal deviate (Wilson and Hilferty 1931).
-static double deviate(const struct exact_shape *s, const struct tally *tally)
+static double deviate(const struct aim *aim, const struct tally *tally)
 {
-    double statistic = 0, cells = 0, whole = whole_area(s);
+    double statistic = 0, cells = 0;
     for (int face = 0; face < FACES; face++) {
-        double expected = SAMPLES * face_area(s, face) / whole / (GRID * GRID);
+        double expected = SAMPLES * aim->area[face] / aim->whole / (GRID * GRID);
         for (int i = 0; i < GRID * GRID; i++) {
             double difference = tally->count[face][i / GRID][i % GRID] - expected;
             if (expected > 0)
                 statistic += difference * difference / expected;
             else
-                CHECK(tally->count[face][i / GRID][i % GRID] == 0, "points on no face");
+                CHECK(tally->count[face][i / GRID][i % GRID] == 0, "points on face %d", face);
             cells += expected > 0;
         }
     }
@@ -146,11 +190,11 @@ static double deviate(const struct exact_shape *s, const struct tally *tally)
 }
 
 static void check_place(struct setup *setup, const char *name, const double from_center[3],
-                        struct random *random)
+                        double pick, struct random *random)
 {
     struct exact_shape shape = exact_shape(&setup->r.flat.shapes[0], 0, 0);
     static struct tally tally;
-    double origin[3];
+    double origin[3], f[3];
     memset(&tally, 0, sizeof tally);
     for (uint32_t i = 0; i < SAMPLES; i++) {
         memset(&items[i], 0, sizeof items[i]);
@@ -159,17 +203,22 @@ static void check_place(struct setup *setup, const char *name, const double from
         for (int c = 0; c < 2; c++)
             items[i].f[1][c] = (float)(random_u32(random) >> 8) * 0x1p-24f;
     }
-    for (int c = 0; c < 3; c++)
+    for (int c = 0; c < 3; c++) {
         origin[c] = (double)items[0].f[0][c];
+        f[c] = origin[c] - shape.center[c];
+    }
+    struct aim aim = aim_from(&shape, f);
     memcpy(results, items, sizeof items);
     REQUIRE(routine_run(setup, &aim_at_shape, results, SAMPLES), "not run");
     for (uint32_t i = 0; i < SAMPLES; i++)
-        check_sample(&shape, &results[i], origin, &tally);
-    double d = deviate(&shape, &tally);
-    printf("  %-10s %4.1f %% hidden, %.2f deviations\n", name, 100.0 * tally.hidden / SAMPLES, d);
+        check_sample(&shape, &aim, pick, &results[i], origin, &tally);
+    double d = deviate(&aim, &tally);
+    printf("  %-10s %3.0f %% aimed at, %4.1f %% hidden, %.2f deviations\n", name,
+           100 * aim.whole / whole_area(&shape), 100.0 * tally.hidden / SAMPLES, d);
     // A level of 1e-5 for all places of all kinds together.
-    CHECK(fabs(d) <= 5, "%s: %g deviations from uniform", name, d);
+    CHECK(fabs(d) <= 5.2, "%s: %g deviations from uniform", name, d);
     CHECK(tally.off == 0, "%s: %u points off the surface", name, tally.off);
+    CHECK(tally.beyond == 0, "%s: %u points beyond what is seen", name, tally.beyond);
     CHECK(tally.wrong_density == 0, "%s: %u densities", name, tally.wrong_density);
     CHECK(tally.disagree == 0, "%s: %u densities differ from those of hits", name, tally.disagree);
     CHECK(tally.wrongly_seen == 0, "%s: %u hidden points chosen", name, tally.wrongly_seen);
@@ -177,43 +226,78 @@ static void check_place(struct setup *setup, const char *name, const double from
           tally.wrongly_hidden);
 }
 
-static void check_kind(const char *name, uint32_t kind)
+// A place by the shape's own directions, in units of its half edges, half height and radius.
+static void place_by_shape(const struct exact_shape *s, const double by[3], double place[3])
+{
+    double across[2][3];
+    const double *axes[3] = {s->axis[0], s->axis[1], s->axis[2]};
+    double size[3] = {s->half[0], s->half[1], s->half[2]};
+    if (s->kind != SHAPE_BOX) {
+        directions_across(s, (double[3]){0.3, 0.5, 0.7}, across);
+        axes[1] = across[0];
+        axes[2] = across[1];
+        size[1] = size[2] = s->radius;
+    }
+    for (int c = 0; c < 3; c++)
+        place[c] = by[0] * size[0] * axes[0][c] + by[1] * size[1] * axes[1][c] +
+                   by[2] * size[2] * axes[2][c];
+}
+
+static void check_kind(const char *name, uint32_t kind, uint32_t choice)
 {
     // From outside, at an edge's side, along the axis, and from inside.
-    static const double places[PLACES][3] = {
+    static const double places[][3] = {
         {2, 1.5, -1}, {0.1, -3, 0.2}, {0.4, 0.3, 9}, {0.02, 0.01, -0.015}};
+    // Over faces, near and far, edges, and corners; close to a face, and to where two meet; and in
+    // the corners inside.
+    static const double own[][3] = {{0.3, -0.2, 1.5},  {-1.01, 0.4, 0.3},  {40, 0.1, 0.2},
+                                    {-0.5, 1.8, -2.5}, {2, -0.3, -1.7},    {-1.2, 1.3, 1.4},
+                                    {30, -50, 40},     {0.6, 1.001, 0.01}, {1.01, 1.02, -0.1},
+                                    {0, 1e3, 0.5},     {0.9, -0.65, 0.7},  {-0.99, 0.69, -0.7}};
     struct setup setup;
-    struct random random = {51 + kind};
+    struct random random = {51 + kind + 16 * choice};
     scene_start(&setup.scene, 8, 8);
-    setup.scene.settings.light_choice = LIGHT_CHOICE_UNIFORM;
+    setup.scene.settings.light_choice = choice;
     setup.scene.materials[0].emission[0] = 1;
     add_random_shape(&setup.scene, kind, (double[3]){0.5, -0.25, 0.75}, 1, 3, false, &random);
     // A second emitter, so that there is a choice; and a place to choose from.
     add_sphere(&setup.scene, (double[3]){0, 0, 5}, 0.1, 0);
     OPEN_SETUP(&setup, LIBRARY_SLOTS);
-    for (int i = 0; i < PLACES; i++)
-        check_place(&setup, name, places[i], &random);
+    struct exact_shape shape = exact_shape(&setup.r.flat.shapes[0], 0, 0);
+    double area = whole_area(&shape), pick = 0.5;
+    bool is_convex = kind == SHAPE_BOX || kind == SHAPE_CYLINDER;
+    if (choice == LIGHT_CHOICE_POWER)
+        pick = area / (area + 4 * M_PI * 0.1 * 0.1);
+    for (size_t i = 0; i < sizeof places / sizeof places[0]; i++)
+        check_place(&setup, name, places[i], pick, &random);
+    for (size_t i = 0; i < sizeof own / sizeof own[0] && is_convex; i++) {
+        double place[3];
+        place_by_shape(&shape, own[i], place);
+        check_place(&setup, name, place, pick, &random);
+    }
     setup_close(&setup);
 }
 
 TEST(quads)
 {
-    check_kind("quad", SHAPE_QUAD);
+    check_kind("quad", SHAPE_QUAD, LIGHT_CHOICE_UNIFORM);
 }
 
 TEST(boxes)
 {
-    check_kind("box", SHAPE_BOX);
+    check_kind("box", SHAPE_BOX, LIGHT_CHOICE_UNIFORM);
+    check_kind("box", SHAPE_BOX, LIGHT_CHOICE_POWER);
 }
 
 TEST(cylinders)
 {
-    check_kind("cylinder", SHAPE_CYLINDER);
+    check_kind("cylinder", SHAPE_CYLINDER, LIGHT_CHOICE_UNIFORM);
+    check_kind("cylinder", SHAPE_CYLINDER, LIGHT_CHOICE_POWER);
 }
 
 TEST(tubes)
 {
-    check_kind("tube", SHAPE_TUBE);
+    check_kind("tube", SHAPE_TUBE, LIGHT_CHOICE_UNIFORM);
 }
 
 TEST_MAIN(TEST_CASE(quads), TEST_CASE(boxes), TEST_CASE(cylinders), TEST_CASE(tubes))
