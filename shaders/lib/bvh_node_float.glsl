@@ -1,4 +1,5 @@
-// A BVH4 node of 128 bytes with boxes of floats, written by src/bvh (struct bvh_node_float in bvh.h).
+// A BVH4 node of 128 bytes with boxes of floats, written by src/bvh (struct bvh_node_float in
+// bvh.h).
 #ifndef BVH_NODE_FLOAT_GLSL
 #define BVH_NODE_FLOAT_GLSL
 
@@ -7,10 +8,10 @@
 
 // As bvh_test_children().
 //
-// Conservative: the distance t of a plane is off by 7 roundings of itself, 5 for the reciprocal (2.5
-// ulp by the Vulkan specification), 2 for the arithmetic. The triangle test's own perturbation of
-// the ray is relative to where the triangle ends, which may be far behind the origin: hence a part
-// of the larger of a slab's two distances.
+// Conservative: the distance t of a plane is off by 7 roundings of itself, 5 for the reciprocal
+// (2.5 ulp by the Vulkan specification), 2 for the arithmetic. The triangle test's own perturbation
+// of the ray is relative to where the triangle ends, which may be far behind the origin: hence a
+// part of the larger of a slab's two distances.
 ivec4 test_float_children(bvh_ray ray, uint index, float t_max, out uvec4 children)
 {
     uint first = index * 8u;

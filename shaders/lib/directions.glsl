@@ -6,8 +6,8 @@
 // - What the surface sends through itself is looked for as well: where its material transmits
 //   other than perfectly, hemispheres are mirrored to the other side half of the time.
 // - Perfectly specular directions are found by the BSDF's sampling alone. A material of nothing
-//   else is sampled so; one that has other parts besides goes on in either way, half of the time each,
-//   and the density is that of the mixture (Veach and Guibas 1995, the one-sample model).
+//   else is sampled so; one that has other parts besides goes on in either way, half of the time
+//   each, and the density is that of the mixture (Veach and Guibas 1995, the one-sample model).
 #ifndef DIRECTIONS_GLSL
 #define DIRECTIONS_GLSL
 

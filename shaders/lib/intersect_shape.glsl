@@ -10,8 +10,8 @@
 // Akenine-Möller 2019, Ray Tracing Gems, chapter 7).
 //
 // A ray that starts on this very sphere has one root at 0 exactly; only the other one counts, and
-// only where it is more than rounding, so that no rounding decides whether the ray leaves. Of spheres
-// smaller than their place's rounding, where it starts tells more than where it goes.
+// only where it is more than rounding, so that no rounding decides whether the ray leaves. Of
+// spheres smaller than their place's rounding, where it starts tells more than where it goes.
 float intersect_sphere(vec3 origin, vec3 direction, vec3 center, float radius, bool starts_here)
 {
     vec3 f = origin - center;

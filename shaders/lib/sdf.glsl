@@ -8,8 +8,8 @@
 #include "lib/primitive.glsl"
 #include "shared/sdf.h"
 
-// Rounds of loops so far: drivers may limit those of an invocation. Where lanes are masked (lavapipe)
-// the loops within operations go round once for each instruction, whatever it is.
+// Rounds of loops so far: drivers may limit those of an invocation. Where lanes are masked
+// (lavapipe) the loops within operations go round once for each instruction, whatever it is.
 uint sdf_rounds = 0u;
 const uint SDF_INNER_LOOPS = (HAS_SDF(SDF_BIT(SDF_METABALLS)) ? 1u : 0u) +
                              (HAS_SDF(SDF_BIT(SDF_MANDELBULB)) ? 1u : 0u) +

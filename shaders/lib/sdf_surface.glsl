@@ -48,8 +48,8 @@ void load_sdf_surface(uint index, vec3 point, inout surface s)
                                    f.to_object[2].xyz * step.z);
     s.normal_geometric = normalize(f.to_object[0].xyz * n.x + f.to_object[1].xyz * n.y +
                                    f.to_object[2].xyz * n.z);
-    // The field's rounding: once here, once where the next ray begins, once for the threshold there,
-    // and again for what creases take. And the rounding of the way from the world and back.
+    // The field's rounding: once here, once where the next ray begins, once for the threshold
+    // there, and again for what creases take. And the rounding of the way from the world and back.
     float off = f.scale * (abs(last) + 4.0 * sdf_error(f)) / slope;
     s.error = off * abs(s.normal_geometric) + GAMMA(16) * (abs(point) + abs(from));
     s.radius = 0.0;

@@ -23,7 +23,8 @@ void cross_where_there(trace_ray ray, shape_record shape, uint primitive, inout 
     c.first_at = c.second_at;
 }
 
-// False when the budget of iterations ended on the way through a distance field: `march` says where.
+// False when the budget of iterations ended on the way through a distance field: `march` says
+// where.
 bool intersect_shape_leaf(trace_ray ray, uint index, inout float march, inout uint iterations,
                           inout trace_hit best)
 {

@@ -23,8 +23,8 @@ float pdf_sphere_cone(float radius, float sin2_max, float pick_density)
     return pick / (2.0 * PI * sphere_cone(sin2_max));
 }
 
-// sin^2 of the half-angle under which a sphere is seen: below 1 from outside. Where that is closer to
-// 1 than a float tells, its equation does.
+// sin^2 of the half-angle under which a sphere is seen: below 1 from outside. Where that is closer
+// to 1 than a float tells, its equation does.
 float sphere_sin2(vec3 point, vec3 center, float radius)
 {
     vec3 to_center = center - point;

@@ -44,8 +44,8 @@ crossings crossing_at(float t)
     return crossings(t, -1.0, vec2(0.0), vec2(0.0));
 }
 
-// Distance fields are met elsewhere (lib/sdf_march.glsl). `starts_here`: the ray starts on this very
-// shape.
+// Distance fields are met elsewhere (lib/sdf_march.glsl). `starts_here`: the ray starts on this
+// very shape.
 crossings cross_shape(vec3 origin, vec3 direction, shape_record shape, bool starts_here)
 {
     crossings c = crossing_at(-1.0);

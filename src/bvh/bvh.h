@@ -150,8 +150,8 @@ struct bvh_join_params {
 bool bvh_join(const struct bvh_join_params *params, struct arena *arena, struct bvh *out,
               struct err *err);
 
-// Boxes, at most BVH_CUT_MAX, that together contain all primitives of a tree: what is below its top.
-// Transformed one by one they give a closer box of the whole than the root's box does.
+// Boxes, at most BVH_CUT_MAX, that together contain all primitives of a tree: what is below its
+// top. Transformed one by one they give a closer box of the whole than the root's box does.
 enum { BVH_CUT_MAX = 16 };
 uint32_t bvh_cut(const struct bvh *tree, struct bvh_box out[BVH_CUT_MAX]);
 
@@ -179,9 +179,9 @@ bool bvh_validate(const struct bvh *bvh, const struct bvh_params *params, struct
 // --- CPU reference ------------------------------------------------------------------------------
 struct bvh_ray {
     double origin[3];
-    double direction[3]; // any length > 0
-    double t_max;        // hits have 0 < t < t_max, in units of direction's length
-    uint32_t ignore[2];  // primitives not to hit; see bvh_hit.primitive. UINT32_MAX: none
+    double direction[3];         // any length > 0
+    double t_max;                // hits have 0 < t < t_max, in units of direction's length
+    uint32_t ignore[2];          // primitives not to hit; see bvh_hit.primitive. UINT32_MAX: none
     uint32_t ignore_instance[2]; // that they are of, plus 1; 0: of the world
 };
 
@@ -210,7 +210,7 @@ struct bvh_trace_scene {
     // of the world. Without instance_boxes hits are not held against these.
     const struct bvh_params *geometry;
     const struct bvh_trace_instance *instances; // NULL when there are none
-    bvh_shape_fn intersect_shape; // NULL when there are none
+    bvh_shape_fn intersect_shape;               // NULL when there are none
     const void *shape_context;
 };
 

@@ -20,7 +20,7 @@ struct choice {
     float cost[WIDTH - 1];   // [i - 1]: by at most i children
     uint8_t left[WIDTH - 1]; // [i - 2]: of i children, so many go to the left subtree; 0: use
                              // fewer. i = WIDTH is for a wide node at this subtree's root
-    bool is_leaf; // as one child, it is a leaf and not a wide node
+    bool is_leaf;            // as one child, it is a leaf and not a wide node
 };
 
 // A wide node before quantisation.

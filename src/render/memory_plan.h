@@ -22,8 +22,8 @@ struct memory_plan {
     uint32_t film_chunks;
     uint64_t resolve_pixels; // pixels that are read back at a time
     uint64_t total_bytes;
-    // Of scene buffers in parts: all are as long but the last. The constant PARTS, and the logarithm
-    // of their length in words of four.
+    // Of scene buffers in parts: all are as long but the last. The constant PARTS, and the
+    // logarithm of their length in words of four.
     uint32_t parts, part_shift;
     uint64_t part_bytes;
 };

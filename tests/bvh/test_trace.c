@@ -6,10 +6,8 @@
 #define NONE UINT32_MAX
 
 static const struct bvh_method ways[] = {
-    {BVH_SPLIT_SAH, BVH_QUANTISED},
-    {BVH_SPLIT_MEDIAN, BVH_FLOAT},
-    {BVH_SPLIT_MEAN, BVH_QUANTISED},
-    {BVH_SPLIT_SAH, BVH_FLOAT},
+    {BVH_SPLIT_SAH, BVH_QUANTISED},     {BVH_SPLIT_MEDIAN, BVH_FLOAT},
+    {BVH_SPLIT_MEAN, BVH_QUANTISED},    {BVH_SPLIT_SAH, BVH_FLOAT},
     {BVH_SPLIT_SPATIAL, BVH_QUANTISED},
 };
 enum { WAYS = sizeof ways / sizeof *ways };

@@ -60,11 +60,13 @@ static bool save_tree(const char *path, const struct bvh_params *params, const u
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     float vertices[TRIANGLES][3][3];
-    char path[64];
+    char path[4096];
+    const char *folder = getenv("TMPDIR");
     make_triangles(vertices);
     const struct bvh_params params = {.triangle_vertices = (const float(*)[3][3])vertices,
                                       .triangle_count = TRIANGLES};
-    snprintf(path, sizeof path, "/tmp/lampyris-fuzz-%ld.bvh", (long)getpid());
+    snprintf(path, sizeof path, "%s/lampyris-fuzz-%ld.bvh", folder ? folder : "/tmp",
+             (long)getpid());
     FILE *file = fopen(path, "wb");
     if (!file || fwrite(data, 1, size, file) != size || fclose(file) != 0)
         abort();

@@ -6,8 +6,8 @@
 #include "traversal_scenes.h"
 
 // Meshes without a place: a bumpy closed ball, one of 20 * 4^subdivision triangles with its corners
-// on the unit sphere, a cube of corners at -1 and 1 with `cells` squared cells on each face, `count`
-// times the same triangle.
+// on the unit sphere, a cube of corners at -1 and 1 with `cells` squared cells on each face,
+// `count` times the same triangle.
 uint32_t blob_mesh(struct scene *scene, uint32_t triangles, uint32_t material);
 uint32_t ball_mesh(struct scene *scene, uint32_t subdivision, uint32_t material);
 uint32_t cube_mesh(struct scene *scene, uint32_t cells, uint32_t material);
