@@ -384,10 +384,10 @@ static void check_same_bits(const struct mesh *mesh, struct bvh_method method)
 TEST(same_bits_for_any_threads)
 {
     struct arena arena = {0};
-    struct mesh grid = mesh_grid(&arena, 300), soup = mesh_soup(&arena, 150000, 0.02, 4);
+    struct mesh grid = mesh_grid(&arena, 200), soup = mesh_soup(&arena, 80000, 0.02, 4);
     for (uint32_t i = 0; i < soup.count; i++) // both zeros, whose order must not matter
         soup.vertices[i][0][0] = i % 3 == 0 ? 0.0f : i % 3 == 1 ? -0.0f : soup.vertices[i][0][0];
-    struct mesh same = mesh_identical(&arena, 100000);
+    struct mesh same = mesh_identical(&arena, 50000);
     check_same_bits(&grid, ways[0]);
     check_same_bits(&soup, ways[0]);
     check_same_bits(&same, ways[0]);
