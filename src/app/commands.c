@@ -105,6 +105,23 @@ const struct command commands[COMMAND_TOTAL] = {
             .max_arguments = 1,
             .run = cmd_info,
         },
+    [COMMAND_VIEW] =
+        {
+            .name = "view",
+            .summary = "explore a scene in a window while it converges",
+            .arguments = "[SCENE]",
+            .description =
+                "Opens a window (the program lampyris-view) in which a scene is seen while it "
+                "converges, with its error and what it costs; the camera moves, and every "
+                "setting, material and light can be changed. F1 shows the panel, whose entries "
+                "explain themselves; docs/viewer.md lists all keys. With --headless the same "
+                "runs without a window, for scripts.",
+            .examples = "lampyris view scenes/cornell.json\n"
+                        "lampyris view model.glb --env sky.hdr --watch\n"
+                        "lampyris-view scenes/cornell.json --script tour.txt --headless",
+            .max_arguments = 1,
+            .run = cmd_view,
+        },
     [COMMAND_DEVICES] =
         {
             .name = "devices",

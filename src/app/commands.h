@@ -21,6 +21,7 @@ enum command_id {
     COMMAND_BENCH,
     COMMAND_COMPARE,
     COMMAND_INFO,
+    COMMAND_VIEW,
     COMMAND_DEVICES,
     COMMAND_HELP,
     COMMAND_TOTAL
@@ -54,6 +55,7 @@ int cmd_converge(const struct options *options);
 int cmd_bench(const struct options *options);
 int cmd_compare(const struct options *options);
 int cmd_info(const struct options *options);
+int cmd_view(const struct options *options); // becomes lampyris-view
 int cmd_devices(const struct options *options);
 int cmd_help(const struct options *options);
 

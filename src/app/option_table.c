@@ -7,7 +7,8 @@
 #define FOR_HELP (1u << COMMAND_HELP)
 #define FOR_CONVERGE (1u << COMMAND_CONVERGE)
 #define FOR_BENCH (1u << COMMAND_BENCH)
-#define FOR_SCENE (FOR_RENDER | FOR_CONVERGE | FOR_BENCH | 1u << COMMAND_INFO)
+#define FOR_VIEW (1u << COMMAND_VIEW)
+#define FOR_SCENE (FOR_RENDER | FOR_CONVERGE | FOR_BENCH | FOR_VIEW | 1u << COMMAND_INFO)
 #define FOR_ALL ((1u << COMMAND_TOTAL) - 1)
 
 #define FIELD(member)                                                                              \
@@ -50,14 +51,14 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_EXPOSURE] = {
         .name = "exposure", .argument = "STOPS", .type = VALUE_REAL, .min = -SETTINGS_EXPOSURE_MAX,
         .max = SETTINGS_EXPOSURE_MAX,
-        .group = "Picture", .commands = FOR_RENDER | FOR_COMPARE, .fallback = IN_SCENE_FILE "0",
+        .group = "Picture", .commands = FOR_RENDER | FOR_COMPARE | FOR_VIEW, .fallback = IN_SCENE_FILE "0",
         .help = "Multiply PNG pictures, or what psnr, ssim and flip see, by 2^STOPS before the tone "
                 "curve. EXR stays as it is.",
         FIELD(settings.exposure),
     },
     [OPTION_TONE] = {
         .name = "tone", .argument = "none|reinhard|aces|agx", .type = VALUE_CHOICE,
-        .group = "Picture", .commands = FOR_RENDER, .fallback = IN_SCENE_FILE "none",
+        .group = "Picture", .commands = FOR_RENDER | FOR_VIEW, .fallback = IN_SCENE_FILE "none",
         .help = "Tone curve of PNG pictures.", FIELD(settings.tone_curve),
     },
 
@@ -94,7 +95,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
     },
     [OPTION_SEED] = {
         .name = "seed", .argument = "N", .type = VALUE_COUNT, .min = 0, .max = UINT32_MAX,
-        .group = "Sampling", .commands = FOR_RENDER | FOR_CONVERGE | FOR_BENCH,
+        .group = "Sampling", .commands = FOR_RENDER | FOR_CONVERGE | FOR_BENCH | FOR_VIEW,
         .fallback = IN_SCENE_FILE "0",
         .help = "Seed of the random numbers. The same seed gives the same picture, bit for bit.",
         FIELD(settings.seed),
@@ -459,6 +460,14 @@ const struct option_def option_table[OPTION_TOTAL] = {
                 "The picture keeps its bits.",
         FIELD(trace),
     },
+    [OPTION_TEV] = {
+        .name = "tev", .argument = "HOST:PORT", .type = VALUE_TEXT, .group = "Report",
+        .commands = FOR_RENDER, .fallback = "none",
+        .help = "Send the picture as it grows to the viewer tev, which listens on port 14158; "
+                "HOST is 127.0.0.1 where only \":PORT\" or \"PORT\" is given. The render goes on "
+                "without where nobody listens. The picture keeps its bits.",
+        FIELD(tev),
+    },
     [OPTION_REPORT] = {
         .name = "report", .argument = "FOLDER", .type = VALUE_TEXT, .group = "Report",
         .commands = FOR_CONVERGE | FOR_BENCH, .fallback = "none",
@@ -592,17 +601,55 @@ const struct option_def option_table[OPTION_TOTAL] = {
 
     [OPTION_FAIL_ALLOCATION] = {
         .name = "fail-allocation", .argument = "N", .type = VALUE_COUNT, .min = 1,
-        .max = UINT32_MAX, .group = "Faults, for tests", .commands = FOR_RENDER,
+        .max = UINT32_MAX, .group = "Faults, for tests", .commands = FOR_RENDER | FOR_VIEW,
         .help = "Have the N-th allocation of device memory fail.",
         FIELD(gpu.fail_allocation),
     },
     [OPTION_LOSE_DEVICE] = {
         .name = "lose-device", .argument = "N", .type = VALUE_COUNT, .min = 1,
-        .max = UINT32_MAX, .group = "Faults, for tests", .commands = FOR_RENDER,
+        .max = UINT32_MAX, .group = "Faults, for tests", .commands = FOR_RENDER | FOR_VIEW,
         .help = "Lose the device at the N-th submission of commands.",
         FIELD(gpu.lose_device_at_submit),
     },
 
+    [OPTION_SCRIPT] = {
+        .name = "script", .argument = "FILE", .type = VALUE_TEXT, .group = "Viewer",
+        .commands = FOR_VIEW, .fallback = "none",
+        .help = "Run keys, mouse, changes and pictures from FILE, a command a line, and end "
+                "with it: see docs/viewer.md. A command that fails ends the viewer with 1.",
+        FIELD(script),
+    },
+    [OPTION_HEADLESS] = {
+        .name = "headless", .type = VALUE_FLAG, .group = "Viewer", .commands = FOR_VIEW,
+        .help = "Open no window: the same loop in memory, for scripts. Needs --script.",
+        FIELD(headless),
+    },
+    [OPTION_WATCH] = {
+        .name = "watch", .type = VALUE_FLAG, .group = "Viewer", .commands = FOR_VIEW,
+        .help = "Reload the scene and the shaders when their files change.", FIELD(watch),
+    },
+    [OPTION_VSYNC] = {
+        .name = "vsync", .argument = "on|off", .type = VALUE_SWITCH, .group = "Viewer",
+        .commands = FOR_VIEW, .fallback = "on",
+        .help = "Wait for the display, so that pictures do not tear.", FIELD(vsync),
+    },
+    [OPTION_FRAME_MS] = {
+        .name = "frame-ms", .argument = "MS", .type = VALUE_REAL, .min = 1, .max = 1000,
+        .group = "Viewer", .commands = FOR_VIEW, .fallback = "33",
+        .help = "Time of a frame to aim at. While the camera moves, the picture is made of fewer "
+                "pixels for it.",
+        FIELD(frame_ms),
+    },
+    [OPTION_DENOISE] = {
+        .name = "denoise", .argument = "on|off", .type = VALUE_SWITCH, .group = "Viewer",
+        .commands = FOR_VIEW, .fallback = "off",
+        .help = "Show the picture denoised. What is saved as EXR is not.", FIELD(denoise),
+    },
+    [OPTION_SHADERS] = {
+        .name = "shaders", .argument = "DIR", .type = VALUE_TEXT, .group = "Viewer",
+        .commands = FOR_VIEW, .fallback = "the source tree that the program was built from",
+        .help = "Folder of the kernels' source, which F5 compiles again.", FIELD(shaders),
+    },
     [OPTION_MAX] = {
         .name = "max", .argument = "METRIC=VALUE", .type = VALUE_LIMIT, .group = "Checks",
         .commands = FOR_COMPARE,

@@ -308,6 +308,8 @@ bool options_parse(int argc, char **argv, struct options *out, struct err *err)
                             .replicates = 16,
                             .spp_from = 16,
                             .repeats = 7,
+                            .vsync = true,
+                            .frame_ms = 33.0,
                             .tuning = true};
     if (!keep_command_line(out, argc, argv, err) || !allocate_lists(out, argc, err))
         return false;

@@ -89,6 +89,7 @@ enum option_id {
     OPTION_TUNE,
     OPTION_BASELINE,
     OPTION_TRACE,
+    OPTION_TEV,
     OPTION_REPORT,
     OPTION_IMAGES,
     OPTION_DEVICE,
@@ -112,6 +113,13 @@ enum option_id {
     OPTION_LIMIT_ALLOCATION,
     OPTION_FAIL_ALLOCATION,
     OPTION_LOSE_DEVICE,
+    OPTION_SCRIPT,
+    OPTION_HEADLESS,
+    OPTION_WATCH,
+    OPTION_VSYNC,
+    OPTION_FRAME_MS,
+    OPTION_DENOISE,
+    OPTION_SHADERS,
     OPTION_MAX,
     OPTION_MIN,
     OPTION_DIFFERENCE,
@@ -284,6 +292,15 @@ struct options {
     bool tune;
     const char *baseline; // an earlier run's JSON; NULL: none
     const char *trace;    // file; NULL: none
+    const char *tev;      // HOST:PORT; NULL: none
+
+    const char *script; // of the viewer: file; NULL: none
+    bool headless;      // without a window
+    bool watch;         // reload what changes
+    bool vsync;
+    double frame_ms;     // aim of a frame's time
+    bool denoise;        // what is shown
+    const char *shaders; // folder of their source; NULL: the one of the build
 
     struct compare_limit *limits;
     uint32_t limit_count;

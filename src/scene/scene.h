@@ -44,6 +44,7 @@ struct instance {
     uint32_t mesh;
     uint32_t material;      // replaces the mesh's materials; SCENE_NONE keeps them
     double transform[3][4]; // mesh space to world
+    bool hidden;            // left out of the render
 };
 
 // In the order of SHAPE_KIND_* in shaders/shared/types.h.
@@ -72,6 +73,7 @@ struct shape {
     // field: half edges of its box.
     double axes[3][3];
     uint32_t sdf; // index of scene.sdfs
+    bool hidden;  // left out of the render
 };
 
 // A signed distance field: see shared/sdf.h. Its own space is that of its description; where it is

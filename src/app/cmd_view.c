@@ -1,0 +1,42 @@
+// `lampyris view`: the window is a program of its own, so that this one needs no window library.
+#include "commands.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#define PROGRAM "lampyris-view"
+
+// Beside this program where it is there, else wherever the system finds it.
+static void find_program(char *out, size_t size)
+{
+    ssize_t length = readlink("/proc/self/exe", out, size - sizeof PROGRAM);
+    out[length > 0 ? length : 0] = '\0';
+    char *slash = strrchr(out, '/');
+    if (slash)
+        strcpy(slash + 1, PROGRAM);
+    if (!slash || access(out, X_OK) != 0)
+        strcpy(out, PROGRAM);
+}
+
+// Its own command line leaves out the word "view".
+int cmd_view(const struct options *options)
+{
+    char program[PATH_MAX];
+    find_program(program, sizeof program);
+    char **argv = options->argv;
+    for (int i = 1; i < options->argc; i++)
+        if (strcmp(argv[i], "view") == 0) {
+            memmove(&argv[i], &argv[i + 1], (size_t)(options->argc - i) * sizeof *argv);
+            break;
+        }
+    execvp(program, argv);
+    struct err err;
+    err_set(&err, ERR_SYSTEM,
+            "%s: cannot be run: %s; it is built where GLFW and Dear ImGui are "
+            "installed (Debian: libglfw3-dev, libimgui-dev)",
+            program, strerror(errno));
+    return command_fail(&err);
+}
