@@ -59,6 +59,15 @@ struct gpu_params {
     const char *device; // index or part of a name, case-insensitive; NULL: the fastest kind
     bool validation;    // VK_LAYER_KHRONOS_validation with synchronization validation
     struct gpu_limit_overrides limits;
+    // Of a program with a window; all zero: computing alone.
+    bool graphics;                          // the queue draws, too: see screen.h
+    const char *const *instance_extensions; // of surfaces
+    uint32_t instance_extension_count;
+    // Whether a queue family can show pictures; NULL: none are shown. With it the device has
+    // VK_KHR_swapchain. Devices that cannot are unusable, and say why.
+    bool (*can_present)(void *context, VkInstance instance, VkPhysicalDevice device,
+                        uint32_t queue_family);
+    void *present_context;
     // Faults for tests: fail the n-th (from 1) allocation / submission, staging included; 0: never.
     uint32_t fail_allocation, lose_device_at_submit;
 };
@@ -157,6 +166,8 @@ struct gpu_kernel_params {
 // The code, or what it was made from, must outlive the device.
 bool gpu_kernel_create(struct gpu *gpu, const struct gpu_kernel_params *params,
                        struct gpu_kernel *out, struct err *err);
+// Destroys the kept pipelines that were made from this code: it may be freed then.
+void gpu_kernels_forget(struct gpu *gpu, const uint32_t *spirv);
 // The device keeps the pipeline for a kernel of the same code and constants to come. Accepts NULL
 // and {0}.
 void gpu_kernel_finish(struct gpu *gpu, struct gpu_kernel *kernel);

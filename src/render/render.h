@@ -31,9 +31,14 @@
 struct renderer_params {
     struct gpu *gpu;           // must outlive the renderer
     const struct scene *scene; // the same; its settings are the render's
-    uint32_t wave;             // paths in flight; 0: the device's default
-    bool wave_is_wish;         // lower it without a warning where it does not fit
-    uint32_t workgroup;        // threads, a power of two; 0: the device's default
+    // Prepared before, and shared by several renderers: must outlive them, and be of this scene.
+    // `bvh`, `instancing` and `bvh_cache` are of no account then. NULL: the renderer's own.
+    const struct geometry *geometry;
+    const struct kernel_set *kernels; // NULL: the embedded ones. Must outlive the device, or be
+                                      // forgotten by it (gpu_kernels_forget)
+    uint32_t wave;                    // paths in flight; 0: the device's default
+    bool wave_is_wish;                // lower it without a warning where it does not fit
+    uint32_t workgroup;               // threads, a power of two; 0: the device's default
     struct bvh_method bvh;
     enum instancing instancing;
     const char *bvh_cache; // folder in which hierarchies are kept; NULL: none
@@ -172,6 +177,14 @@ bool renderer_clear(struct renderer *renderer, struct err *err);
 // Empties the film and begins anew with sample 0 of another seed: what a new renderer would do, but
 // without building and compiling anything.
 bool renderer_restart(struct renderer *renderer, uint32_t seed, struct err *err);
+
+// Empties the film and begins anew with sample 0, another camera (copied) and another size of the
+// picture, without building and compiling anything: the picture is the one that a new renderer
+// would make. Sets *fits to false and does nothing where only a new renderer can: for more pixels
+// than it was created for, another kind of camera, a lens that was not there, other media around
+// the camera that no table says.
+bool renderer_look(struct renderer *renderer, const struct camera *camera, uint32_t width,
+                   uint32_t height, bool *fits, struct err *err);
 
 // Means of the half-buffers and counts, pixels in rows from the top.
 struct film_image {

@@ -1,0 +1,70 @@
+// What a viewer shows: a picture, and triangles drawn over it (a panel). Made in an image of our
+// own, so that it is the same with a window and without one. Needs gpu_params.graphics.
+#ifndef LAMPYRIS_GPU_SCREEN_H
+#define LAMPYRIS_GPU_SCREEN_H
+
+#include "gpu.h"
+
+// Dear ImGui's layout. Positions in pixels from the upper left; colours with red in the lowest
+// byte, alpha not premultiplied; both colours and pixels are display values (sRGB-encoded).
+struct gpu_vertex {
+    float position[2];
+    float uv[2]; // in the atlas
+    uint32_t color;
+};
+
+struct gpu_draw {
+    uint32_t index_count, first_index, first_vertex;
+    float clip[4]; // left, top, right, bottom, pixels
+};
+
+struct gpu_drawing {
+    const struct gpu_vertex *vertices;
+    const uint16_t *indices; // of triangles, relative to each draw's first_vertex
+    const struct gpu_draw *draws;
+    uint32_t vertex_count, index_count, draw_count;
+};
+
+// One picture that all draws take their texels from: coverage, white times it.
+struct gpu_atlas {
+    const uint8_t *coverage; // width * height, rows from the top
+    uint32_t width, height;
+};
+
+struct gpu_screen {
+    uint32_t width, height;
+    VkImage image; // VK_FORMAT_R8G8B8A8_UNORM; after gpu_screen_draw in TRANSFER_SRC_OPTIMAL
+    VkDeviceMemory memory;
+    VkImageView view;
+    VkFramebuffer framebuffer;
+    VkRenderPass render_pass;
+    VkDescriptorSetLayout set_layout;
+    VkPipelineLayout pipeline_layout;
+    VkPipeline pipeline;
+    VkImage atlas;
+    VkDeviceMemory atlas_memory;
+    VkImageView atlas_view;
+    VkSampler sampler;
+    VkDescriptorPool pool;
+    VkDescriptorSet set;
+    struct gpu_buffer vertices, indices; // mapped, grown as need be
+    struct gpu_commands commands;
+    double draw_ms; // of the last gpu_screen_draw on the device; 0 without timestamps
+};
+
+// Without an image until gpu_screen_resize.
+bool gpu_screen_create(struct gpu *gpu, const struct gpu_atlas *atlas, struct gpu_screen *out,
+                       struct err *err);
+void gpu_screen_finish(struct gpu *gpu, struct gpu_screen *screen); // accepts NULL and {0}
+// Nothing where the size is the same. Sides in [1, the device's maxImageDimension2D].
+bool gpu_screen_resize(struct gpu *gpu, struct gpu_screen *screen, uint32_t width, uint32_t height,
+                       struct err *err);
+// Copies `pixels`, RGBA8 in rows from the top, width * height words at least, draws over it, and
+// waits until it is done. drawing: NULL for none.
+bool gpu_screen_draw(struct gpu *gpu, struct gpu_screen *screen, const struct gpu_buffer *pixels,
+                     const struct gpu_drawing *drawing, struct err *err);
+// What was drawn last: RGBA8, rows from the top, in `arena`.
+bool gpu_screen_read(struct gpu *gpu, struct gpu_screen *screen, struct arena *arena,
+                     uint8_t (**out)[4], struct err *err);
+
+#endif
