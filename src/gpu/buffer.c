@@ -68,9 +68,30 @@ static VkResult memory_call(struct gpu *gpu, uint64_t bytes, uint32_t type, VkDe
     return vkAllocateMemory(gpu->device, &info, NULL, out);
 }
 
+void memory_count(struct gpu *gpu, uint64_t bytes)
+{
+    gpu->allocated_bytes += bytes;
+    if (gpu->allocated_bytes > gpu->peak_bytes)
+        gpu->peak_bytes = gpu->allocated_bytes;
+}
+
 static bool too_large(struct err *err)
 {
     return err_set(err, ERR_GPU, "above the limit of one allocation");
+}
+
+bool memory_allocate(struct gpu *gpu, const VkMemoryRequirements *needs, enum gpu_memory memory,
+                     VkMemoryPropertyFlags *flags, VkDeviceMemory *out, struct err *err)
+{
+    if (needs->size > gpu->max_allocation)
+        return too_large(err);
+    uint32_t type =
+        memory_type_find(gpu, needs->memoryTypeBits, memory == GPU_READBACK ? HOST_FLAGS : 0,
+                         preferred_flags(gpu, memory), flags);
+    if (type == UINT32_MAX)
+        return err_set(err, ERR_GPU, "the device has no type of memory for it");
+    VkResult result = memory_call(gpu, needs->size, type, out);
+    return result == VK_SUCCESS || gpu_fail(gpu, "vkAllocateMemory", result, err);
 }
 
 static bool memory_create(struct gpu *gpu, struct gpu_buffer *buffer, enum gpu_memory memory,
@@ -78,18 +99,9 @@ static bool memory_create(struct gpu *gpu, struct gpu_buffer *buffer, enum gpu_m
 {
     VkMemoryRequirements needs;
     vkGetBufferMemoryRequirements(gpu->device, buffer->handle, &needs);
-    if (needs.size > gpu->max_allocation)
-        return too_large(err);
     VkMemoryPropertyFlags flags = 0;
-    uint32_t type =
-        memory_type_find(gpu, needs.memoryTypeBits, memory == GPU_READBACK ? HOST_FLAGS : 0,
-                         preferred_flags(gpu, memory), &flags);
-    if (type == UINT32_MAX)
-        return err_set(err, ERR_GPU, "the device has no type of memory for it");
-    VkResult result = memory_call(gpu, needs.size, type, &buffer->memory);
-    if (result != VK_SUCCESS)
-        return gpu_fail(gpu, "vkAllocateMemory", result, err);
-    if (!VK(gpu, err, vkBindBufferMemory(gpu->device, buffer->handle, buffer->memory, 0)))
+    if (!memory_allocate(gpu, &needs, memory, &flags, &buffer->memory, err) ||
+        !VK(gpu, err, vkBindBufferMemory(gpu->device, buffer->handle, buffer->memory, 0)))
         return false;
     bool map = memory == GPU_READBACK ||
                ((flags & MAPPED_FLAGS) == MAPPED_FLAGS && !gpu->params.limits.no_mapped_device);
@@ -111,10 +123,12 @@ static bool texel_view_create(struct gpu *gpu, struct gpu_buffer *buffer, struct
 
 static bool handle_create(struct gpu *gpu, struct gpu_buffer *buffer, struct err *err)
 {
+    const VkBufferUsageFlags drawn =
+        VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_INDEX_BUFFER_BIT;
     const VkBufferCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
         .size = padded_bytes(buffer->bytes),
-        .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT |
+        .usage = (gpu->params.graphics ? drawn : 0) | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT |
                  VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT |
                  VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
         .sharingMode = VK_SHARING_MODE_EXCLUSIVE,
@@ -148,9 +162,7 @@ bool buffer_allocate(struct gpu *gpu, const char *name, uint64_t bytes, enum gpu
         return false;
     }
     DEBUG_NAME(gpu, BUFFER, out->handle, name);
-    gpu->allocated_bytes += padded_bytes(out->bytes);
-    if (gpu->allocated_bytes > gpu->peak_bytes)
-        gpu->peak_bytes = gpu->allocated_bytes;
+    memory_count(gpu, padded_bytes(out->bytes));
     return true;
 }
 

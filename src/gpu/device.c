@@ -3,29 +3,30 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Sets *found; a device that offers this extension obliges us to enable it.
-static bool portability_subset_find(struct gpu *gpu, bool *found, struct err *err)
+bool device_has_extension(VkPhysicalDevice device, const char *name)
 {
-    *found = false;
     uint32_t count = 0;
-    if (!VK(gpu, err, vkEnumerateDeviceExtensionProperties(gpu->physical, NULL, &count, NULL)))
+    if (vkEnumerateDeviceExtensionProperties(device, NULL, &count, NULL) != VK_SUCCESS)
         return false;
     VkExtensionProperties *list = calloc(count + 1, sizeof *list);
-    if (!list)
-        return err_memory(err, "the list of device extensions", count * sizeof *list);
-    bool ok = VK(gpu, err, vkEnumerateDeviceExtensionProperties(gpu->physical, NULL, &count, list));
-    for (uint32_t i = 0; ok && i < count; i++)
-        *found |= strcmp(list[i].extensionName, "VK_KHR_portability_subset") == 0;
+    bool found = false;
+    if (list && vkEnumerateDeviceExtensionProperties(device, NULL, &count, list) >= VK_SUCCESS)
+        for (uint32_t i = 0; i < count; i++)
+            found |= strcmp(list[i].extensionName, name) == 0;
     free(list);
-    return ok;
+    return found;
 }
 
 static bool device_create(struct gpu *gpu, struct err *err)
 {
-    bool portability;
-    if (!portability_subset_find(gpu, &portability, err))
-        return false;
-    const char *extensions[] = {"VK_KHR_portability_subset"};
+    // A device that offers the portability subset obliges us to enable it.
+    const char *const portability = "VK_KHR_portability_subset";
+    const char *extensions[2];
+    uint32_t extension_count = 0;
+    if (device_has_extension(gpu->physical, portability))
+        extensions[extension_count++] = portability;
+    if (gpu->params.can_present)
+        extensions[extension_count++] = VK_KHR_SWAPCHAIN_EXTENSION_NAME;
     const float priority = 1.0f;
     const VkDeviceQueueCreateInfo queue = {
         .sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
@@ -37,7 +38,7 @@ static bool device_create(struct gpu *gpu, struct err *err)
         .sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
         .queueCreateInfoCount = 1,
         .pQueueCreateInfos = &queue,
-        .enabledExtensionCount = portability ? 1 : 0,
+        .enabledExtensionCount = extension_count,
         .ppEnabledExtensionNames = extensions,
     };
     if (!VK(gpu, err, vkCreateDevice(gpu->physical, &info, NULL, &gpu->device)))
@@ -54,12 +55,15 @@ bool gpu_open(const struct gpu_params *params, struct gpu *out, struct err *err)
     if (!limits_from_environment(&out->params.limits, err) || !instance_create(out, err) ||
         !device_select(out, err))
         goto fail;
-    out->params.device = NULL; // the caller's string, not needed any more
     device_read_limits(out);
     if (!device_create(out, err) || !layouts_create(out, err)) {
         err_prepend(err, "%s", out->info.name);
         goto fail;
     }
+    // The caller's, and not needed any more.
+    out->params.device = NULL;
+    out->params.instance_extensions = NULL;
+    out->params.present_context = NULL;
     return true;
 fail:
     gpu_close(out);

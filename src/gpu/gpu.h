@@ -104,7 +104,7 @@ struct gpu {
     uint32_t validation_messages; // warnings and errors of the validation layers so far; gpu_close
                                   // keeps it, so that objects left over can be counted
     bool lost;                    // VK_ERROR_DEVICE_LOST was seen
-    uint64_t allocated_bytes, peak_bytes; // of all buffers, staging included
+    uint64_t allocated_bytes, peak_bytes; // of buffers, staging included, and images
 
     VkDescriptorSetLayout set_layout;
     VkPipelineLayout pipeline_layout;

@@ -2,7 +2,7 @@
 #ifndef LAMPYRIS_GPU_INTERNAL_H
 #define LAMPYRIS_GPU_INTERNAL_H
 
-#include "gpu.h"
+#include "screen.h"
 
 // Runs a Vulkan call; true on success, else the call's name and its result are recorded in err.
 #define VK(gpu, err, call) vk_check((gpu), #call, (call), (err))
@@ -20,6 +20,9 @@ PFN_vkVoidFunction instance_function(const struct gpu *gpu, const char *name);
 // Adds what the environment variable LAMPYRIS_LIMITS says to what is not set yet.
 bool limits_from_environment(struct gpu_limit_overrides *limits, struct err *err);
 
+// --- device.c -----------------------------------------------------------------------------------
+bool device_has_extension(VkPhysicalDevice device, const char *name);
+
 // --- select.c -----------------------------------------------------------------------------------
 // Chooses by gpu->params.device; fills in physical, queue_family and info.
 bool device_select(struct gpu *gpu, struct err *err);
@@ -35,6 +38,16 @@ void device_read_limits(struct gpu *gpu);
 bool buffer_allocate(struct gpu *gpu, const char *name, uint64_t bytes, enum gpu_memory memory,
                      bool texel, struct gpu_buffer *out, struct err *err);
 bool buffer_zero(struct gpu *gpu, struct gpu_buffer *buffer, struct err *err);
+// Memory for a buffer or an image, not bound yet. *flags: what this memory is.
+bool memory_allocate(struct gpu *gpu, const VkMemoryRequirements *needs, enum gpu_memory memory,
+                     VkMemoryPropertyFlags *flags, VkDeviceMemory *out, struct err *err);
+void memory_count(struct gpu *gpu, uint64_t bytes); // more bytes are in use
+
+// --- image.c ------------------------------------------------------------------------------------
+// Of one layer and level, optimally tiled, not filled.
+bool image_create(struct gpu *gpu, const char *name, VkFormat format, uint32_t width,
+                  uint32_t height, VkImageUsageFlags usage, struct gpu_image *out, struct err *err);
+void image_finish(struct gpu *gpu, struct gpu_image *image); // accepts {0}
 
 // --- kernel.c -----------------------------------------------------------------------------------
 // The bindings of a set: the last GPU_MAX_STORAGE - GPU_MIN_STORAGE ones as far as they are there.

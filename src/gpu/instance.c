@@ -5,6 +5,7 @@
 #include <string.h>
 
 #define VALIDATION_LAYER "VK_LAYER_KHRONOS_validation"
+#define MAX_CALLER_EXTENSIONS 16
 
 static bool loader_open(struct err *err)
 {
@@ -87,11 +88,25 @@ static bool validation_check(struct err *err)
     return true;
 }
 
+// Checked one by one, since vkCreateInstance does not say which one is missing.
+static bool extensions_check(const struct gpu_params *params, struct err *err)
+{
+    if (params->instance_extension_count > MAX_CALLER_EXTENSIONS)
+        return err_set(err, ERR_BUG, "%u instance extensions, expected at most %d",
+                       params->instance_extension_count, MAX_CALLER_EXTENSIONS);
+    for (uint32_t i = 0; i < params->instance_extension_count; i++)
+        if (!has_extension(NULL, params->instance_extensions[i]))
+            return err_set(err, ERR_GPU,
+                           "the Vulkan loader and its drivers lack %s, which a window needs",
+                           params->instance_extensions[i]);
+    return true;
+}
+
 static VkResult instance_call(struct gpu *gpu, const void *next, bool portability)
 {
     bool validation = gpu->params.validation;
     const char *layers[] = {VALIDATION_LAYER};
-    const char *extensions[3];
+    const char *extensions[3 + MAX_CALLER_EXTENSIONS];
     uint32_t extension_count = 0;
     if (validation) {
         extensions[extension_count++] = VK_EXT_DEBUG_UTILS_EXTENSION_NAME;
@@ -99,6 +114,8 @@ static VkResult instance_call(struct gpu *gpu, const void *next, bool portabilit
     }
     if (portability)
         extensions[extension_count++] = VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME;
+    for (uint32_t i = 0; i < gpu->params.instance_extension_count; i++)
+        extensions[extension_count++] = gpu->params.instance_extensions[i];
 
     const VkApplicationInfo application = {
         .sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
@@ -126,7 +143,8 @@ PFN_vkVoidFunction instance_function(const struct gpu *gpu, const char *name)
 bool instance_create(struct gpu *gpu, struct err *err)
 {
     bool validation = gpu->params.validation;
-    if (!loader_open(err) || (validation && !validation_check(err)))
+    if (!loader_open(err) || (validation && !validation_check(err)) ||
+        !extensions_check(&gpu->params, err))
         return false;
 
     // Both stand in the chain, so that messages about the instance itself are heard, too.

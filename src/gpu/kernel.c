@@ -172,6 +172,15 @@ void gpu_kernel_finish(struct gpu *gpu, struct gpu_kernel *kernel)
     *kernel = (struct gpu_kernel){0};
 }
 
+void gpu_kernels_forget(struct gpu *gpu, const uint32_t *spirv)
+{
+    for (uint32_t i = 0; i < GPU_KEPT_KERNELS; i++)
+        if (gpu->kept[i].spirv == spirv) {
+            vkDestroyPipeline(gpu->device, gpu->kept[i].pipeline, NULL);
+            gpu->kept[i] = (struct gpu_kernel){0};
+        }
+}
+
 void kernels_destroy(struct gpu *gpu)
 {
     for (uint32_t i = 0; i < GPU_KEPT_KERNELS; i++)

@@ -31,19 +31,25 @@ struct gpu_atlas {
     uint32_t width, height;
 };
 
-struct gpu_screen {
-    uint32_t width, height;
-    VkImage image; // VK_FORMAT_R8G8B8A8_UNORM; after gpu_screen_draw in TRANSFER_SRC_OPTIMAL
+struct gpu_image {
+    VkImage handle;
     VkDeviceMemory memory;
     VkImageView view;
+    uint64_t bytes;
+};
+
+struct gpu_screen {
+    uint32_t width, height; // 0 before the first gpu_screen_resize
+    // VK_FORMAT_R8G8B8A8_UNORM; after gpu_screen_draw in TRANSFER_SRC_OPTIMAL, and what commands of
+    // the same queue read of it as a transfer is read before the next drawing.
+    struct gpu_image image;
+    bool is_drawn; // since the last change of size
     VkFramebuffer framebuffer;
     VkRenderPass render_pass;
     VkDescriptorSetLayout set_layout;
     VkPipelineLayout pipeline_layout;
     VkPipeline pipeline;
-    VkImage atlas;
-    VkDeviceMemory atlas_memory;
-    VkImageView atlas_view;
+    struct gpu_image atlas;
     VkSampler sampler;
     VkDescriptorPool pool;
     VkDescriptorSet set;

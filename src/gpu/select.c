@@ -28,18 +28,31 @@ static void properties_read(VkPhysicalDevice device, struct device_properties *o
     vkGetPhysicalDeviceProperties2(device, &all);
 }
 
-// The first family that computes and draws (on GPUs the widest one), else the first that computes.
-static uint32_t queue_family_find(VkPhysicalDevice device, uint32_t *timestamp_bits)
+static bool family_suffices(const struct gpu *gpu, VkPhysicalDevice device, uint32_t family,
+                            VkQueueFlags flags)
+{
+    const struct gpu_params *params = &gpu->params;
+    const VkQueueFlags needs =
+        VK_QUEUE_COMPUTE_BIT | (params->graphics ? (VkQueueFlags)VK_QUEUE_GRAPHICS_BIT : 0);
+    return (flags & needs) == needs &&
+           (!params->can_present ||
+            params->can_present(params->present_context, gpu->instance, device, family));
+}
+
+// Of the families that do all that gpu->params ask for: the first that draws, too (on GPUs the
+// widest one), else the first.
+static uint32_t queue_family_find(const struct gpu *gpu, VkPhysicalDevice device,
+                                  uint32_t *timestamp_bits)
 {
     VkQueueFamilyProperties families[32];
     uint32_t count = 32, found = UINT32_MAX;
     vkGetPhysicalDeviceQueueFamilyProperties(device, &count, families);
     for (uint32_t i = count; i-- > 0;) {
         VkQueueFlags flags = families[i].queueFlags;
-        bool computes = flags & VK_QUEUE_COMPUTE_BIT;
         bool found_draws =
             found != UINT32_MAX && (families[found].queueFlags & VK_QUEUE_GRAPHICS_BIT);
-        if (computes && ((flags & VK_QUEUE_GRAPHICS_BIT) || !found_draws))
+        if (((flags & VK_QUEUE_GRAPHICS_BIT) || !found_draws) &&
+            family_suffices(gpu, device, i, flags))
             found = i;
     }
     *timestamp_bits = found == UINT32_MAX ? 0 : families[found].timestampValidBits;
@@ -95,6 +108,19 @@ void device_find_lacks(const VkPhysicalDeviceProperties *device, uint32_t queue_
                                  used ? "; " : "", limits[i].name, limits[i].value, limits[i].need);
 }
 
+// What a program with a window needs beyond device_find_lacks.
+static void find_window_lacks(const struct gpu *gpu, VkPhysicalDevice device, uint32_t queue_family,
+                              char *out, size_t size)
+{
+    const struct gpu_params *params = &gpu->params;
+    if (params->can_present && !device_has_extension(device, VK_KHR_SWAPCHAIN_EXTENSION_NAME)) {
+        snprintf(out, size, "no " VK_KHR_SWAPCHAIN_EXTENSION_NAME ", which windows need");
+    } else if (queue_family == UINT32_MAX && (params->graphics || params->can_present)) {
+        snprintf(out, size, "no queue that computes%s%s", params->graphics ? " and draws" : "",
+                 params->can_present ? " and shows its pictures in a window" : "");
+    }
+}
+
 static const char *kind_name(VkPhysicalDeviceType type)
 {
     switch (type) {
@@ -111,12 +137,13 @@ static const char *kind_name(VkPhysicalDeviceType type)
     }
 }
 
-static void info_read(VkPhysicalDevice device, uint32_t index, struct gpu_device_info *out)
+static void info_read(const struct gpu *gpu, VkPhysicalDevice device, uint32_t index,
+                      struct gpu_device_info *out)
 {
     struct device_properties p;
     properties_read(device, &p);
     uint32_t timestamp_bits;
-    uint32_t family = queue_family_find(device, &timestamp_bits);
+    uint32_t family = queue_family_find(gpu, device, &timestamp_bits);
     *out = (struct gpu_device_info){
         .index = index,
         .kind = kind_name(p.core.deviceType),
@@ -131,7 +158,9 @@ static void info_read(VkPhysicalDevice device, uint32_t index, struct gpu_device
     else
         snprintf(out->driver, sizeof out->driver, "%s version 0x%x", p.v12.driverName,
                  p.core.driverVersion);
-    device_find_lacks(&p.core, family, out->unusable, sizeof out->unusable);
+    find_window_lacks(gpu, device, family, out->unusable, sizeof out->unusable);
+    if (!out->unusable[0])
+        device_find_lacks(&p.core, family, out->unusable, sizeof out->unusable);
 }
 
 struct device_list {
@@ -150,7 +179,7 @@ static bool list_read(struct gpu *gpu, struct device_list *out, struct err *err)
     if (result != VK_SUCCESS && result != VK_INCOMPLETE)
         return gpu_fail(gpu, "vkEnumeratePhysicalDevices", result, err);
     for (uint32_t i = 0; i < out->count; i++)
-        info_read(out->handles[i], i, &out->infos[i]);
+        info_read(gpu, out->handles[i], i, &out->infos[i]);
     return true;
 }
 
@@ -284,7 +313,7 @@ void device_read_limits(struct gpu *gpu)
                       (p.v11.subgroupSupportedOperations & ballot) == ballot;
 
     uint32_t timestamp_bits;
-    gpu->queue_family = queue_family_find(gpu->physical, &timestamp_bits);
+    gpu->queue_family = queue_family_find(gpu, gpu->physical, &timestamp_bits);
     gpu->has_timestamps = timestamp_bits > 0 && !lower->no_timestamps;
     gpu->timestamp_ns = (double)limits->timestampPeriod;
     gpu->timestamp_mask = timestamp_bits >= 64 ? UINT64_MAX : (UINT64_C(1) << timestamp_bits) - 1;

@@ -11,11 +11,23 @@ static uint64_t pixel_count(const struct renderer *r)
     return (uint64_t)r->frame.width * r->frame.height;
 }
 
+// Buffers that the picture reaches into: all, unless it is smaller than there is room for.
+static uint32_t chunks_in_use(const struct renderer *r)
+{
+    return (uint32_t)((pixel_count(r) + r->plan.film_chunk_pixels - 1) / r->plan.film_chunk_pixels);
+}
+
+// Of one of those.
 static uint64_t chunk_pixels(const struct renderer *r, uint32_t chunk)
 {
     uint64_t first = chunk * r->plan.film_chunk_pixels;
     uint64_t left = pixel_count(r) - first;
     return left < r->plan.film_chunk_pixels ? left : r->plan.film_chunk_pixels;
+}
+
+static uint64_t pixel_bytes(const struct renderer *r)
+{
+    return 16 * AOV_FILM_WORDS(r->specialization.aovs);
 }
 
 bool film_create(struct renderer *r, struct err *err)
@@ -25,8 +37,8 @@ bool film_create(struct renderer *r, struct err *err)
         return err_memory(err, "film", r->plan.film_chunks * sizeof *r->film);
     for (uint32_t i = 0; i < r->plan.film_chunks; i++)
         if (!gpu_buffer_create(r->gpu, binding_name(BINDING_FILM),
-                               chunk_pixels(r, i) * 16 * AOV_FILM_WORDS(r->specialization.aovs),
-                               GPU_DEVICE, false, &r->film[i], err))
+                               chunk_pixels(r, i) * pixel_bytes(r), GPU_DEVICE, false, &r->film[i],
+                               err))
             return false;
     return true;
 }
@@ -42,8 +54,8 @@ bool renderer_clear(struct renderer *r, struct err *err)
     r->pass = (struct pass){0};
     if (!gpu_begin(r->gpu, &r->commands, err))
         return false;
-    for (uint32_t i = 0; i < r->plan.film_chunks; i++)
-        gpu_fill(r->gpu, &r->commands, &r->film[i], 0, r->film[i].bytes, 0);
+    for (uint32_t i = 0; i < chunks_in_use(r); i++)
+        gpu_fill(r->gpu, &r->commands, &r->film[i], 0, chunk_pixels(r, i) * pixel_bytes(r), 0);
     gpu_barrier(r->gpu, &r->commands);
     return gpu_submit(r->gpu, &r->commands, err) && gpu_wait(r->gpu, &r->commands, err);
 }
@@ -156,7 +168,7 @@ bool renderer_read(struct renderer *r, struct arena *arena, struct film_image *o
         return false;
 
     const struct gpu_buffer *resolved = &r->buffers[BINDING_RESOLVED];
-    for (uint32_t chunk = 0; chunk < r->plan.film_chunks; chunk++) {
+    for (uint32_t chunk = 0; chunk < chunks_in_use(r); chunk++) {
         for (uint64_t first = 0; first < chunk_pixels(r, chunk); first += r->plan.resolve_pixels) {
             uint64_t left = chunk_pixels(r, chunk) - first;
             uint64_t count = left < r->plan.resolve_pixels ? left : r->plan.resolve_pixels;

@@ -100,13 +100,18 @@ static void set_ambient(struct gpu_frame *frame, const struct environment *envir
             (float)((environment->width ? sum[c] : 1.0) * (double)frame->environment[c]);
 }
 
-void frame_fill(struct renderer *r, const struct camera *camera)
+void frame_look(struct renderer *r, uint32_t width, uint32_t height)
+{
+    r->frame.width = width;
+    r->frame.height = height;
+    set_camera(&r->frame, &r->camera, r->flat.origin);
+}
+
+void frame_fill(struct renderer *r)
 {
     const struct settings *settings = &r->scene->settings;
     const struct shape_sections sections = shape_sections(r->scene, &r->flat);
     r->frame = (struct gpu_frame){
-        .width = settings->width,
-        .height = settings->height,
         .seed = settings->seed,
         .max_bounces = max_bounces(settings),
         .emitter_count = r->tables.emitters.count,
@@ -132,7 +137,7 @@ void frame_fill(struct renderer *r, const struct camera *camera)
         set_ambient_occlusion(r);
     if (settings->integrator == INTEGRATOR_WHITTED)
         set_ambient(&r->frame, &r->scene->environment);
-    set_camera(&r->frame, camera, r->flat.origin);
+    frame_look(r, settings->width, settings->height);
 }
 
 bool frame_create(struct renderer *r, struct err *err)

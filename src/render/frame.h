@@ -4,8 +4,10 @@
 
 #include "render.h"
 
-// Fills renderer->frame from the scene, its settings and the camera; the plan must be made.
-void frame_fill(struct renderer *renderer, const struct camera *camera);
+// Fills renderer->frame from the scene, its settings and renderer->camera; the plan must be made.
+void frame_fill(struct renderer *renderer);
+// The part of it that the camera and the size of the picture decide.
+void frame_look(struct renderer *renderer, uint32_t width, uint32_t height);
 bool frame_create(struct renderer *renderer, struct err *err); // the buffer
 // To be called after renderer->frame was changed, while nothing runs.
 bool frame_upload(struct renderer *renderer, struct err *err);

@@ -54,19 +54,32 @@ static double triangles_size(const struct flat_scene *flat)
     return size;
 }
 
-bool has_large_spheres(const struct flat_scene *flat, const struct camera *camera)
+bool is_close_to_large_sphere(const struct flat_scene *flat, const struct camera *camera)
+{
+    for (uint32_t i = 0; i < flat->shape_count; i++) {
+        const struct flat_shape *shape = &flat->shapes[i];
+        if (shape->kind == SHAPE_SPHERE &&
+            (double)shape->radius > LARGE_RATIO * camera_height(flat, camera, shape))
+            return true;
+    }
+    return false;
+}
+
+bool has_large_spheres_anyway(const struct flat_scene *flat)
 {
     double largest = 0, detail = INFINITY;
     for (uint32_t i = 0; i < flat->shape_count; i++) {
         const struct flat_shape *shape = &flat->shapes[i];
         detail = fmin(detail, shape_size(shape));
-        if (shape->kind != SHAPE_SPHERE)
-            continue;
-        largest = fmax(largest, (double)shape->radius);
-        if ((double)shape->radius > LARGE_RATIO * camera_height(flat, camera, shape))
-            return true;
+        if (shape->kind == SHAPE_SPHERE)
+            largest = fmax(largest, (double)shape->radius);
     }
     // Triangles may be many.
     return largest > 0 &&
            (largest > LARGE_RATIO * detail || largest > LARGE_RATIO * triangles_size(flat));
+}
+
+bool has_large_spheres(const struct flat_scene *flat, const struct camera *camera)
+{
+    return is_close_to_large_sphere(flat, camera) || has_large_spheres_anyway(flat);
 }

@@ -11,4 +11,9 @@
 // found with twice the digits (lib/large_sphere.glsl).
 bool has_large_spheres(const struct flat_scene *flat, const struct camera *camera);
 
+// The two parts of the answer: wherever the camera is, which takes as long as there are triangles,
+// and because of where it is.
+bool has_large_spheres_anyway(const struct flat_scene *flat);
+bool is_close_to_large_sphere(const struct flat_scene *flat, const struct camera *camera);
+
 #endif

@@ -312,7 +312,7 @@ static bool make(const struct memory_plan_params *p, struct memory_plan *out, st
     out->part_bytes = part_bytes(gpu);
     out->part_shift = out->part_bytes ? 59u - (uint32_t)__builtin_clzll(out->part_bytes) : 31u;
 
-    uint64_t pixels = (uint64_t)settings->width * settings->height;
+    uint64_t pixels = p->pixels ? p->pixels : (uint64_t)settings->width * settings->height;
     uint64_t range = least(gpu->max_storage_range, gpu->max_allocation);
     out->film_chunk_pixels = least(pixels, range / (16 * AOV_FILM_WORDS(aovs)));
     if (out->film_chunk_pixels == 0)

@@ -115,10 +115,14 @@ struct mark {
 struct renderer {
     struct gpu *gpu;
     const struct scene *scene;
-    uint32_t aovs; // AOV_*, as asked for
+    struct camera camera; // looked through; its name is the scene's
+    uint64_t pixels;      // that there is room for: frame.width * frame.height is at most this
+    uint32_t aovs;        // AOV_*, as asked for
     struct arena arena;
-    struct flat_scene flat;
+    struct flat_scene flat; // their arrays are the arena's, or those of the geometry that is shared
     struct bvh bvh;
+    bool is_camera_of_no_account;        // to whether spheres are large: see large_spheres.h
+    const struct kernel_set *kernel_set; // NULL: the embedded ones
     struct shading_tables tables;
     struct specialization specialization;
     struct memory_plan plan;
@@ -181,8 +185,8 @@ bool renderer_restart(struct renderer *renderer, uint32_t seed, struct err *err)
 // Empties the film and begins anew with sample 0, another camera (copied) and another size of the
 // picture, without building and compiling anything: the picture is the one that a new renderer
 // would make. Sets *fits to false and does nothing where only a new renderer can: for more pixels
-// than it was created for, another kind of camera, a lens that was not there, other media around
-// the camera that no table says.
+// than it was created for, another kind of camera, a lens that was not there, spheres that become
+// large where the camera is, or cease to be, and with tiles.
 bool renderer_look(struct renderer *renderer, const struct camera *camera, uint32_t width,
                    uint32_t height, bool *fits, struct err *err);
 

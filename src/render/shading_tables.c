@@ -181,21 +181,6 @@ static struct sections lay_out(const struct scene *scene, uint32_t medium_count,
     return s;
 }
 
-// The media that the camera is in, and the index of refraction there.
-static void place_camera(const struct shading_tables_params *p,
-                         const struct gpu_material *materials, const struct media *media,
-                         struct gpu_material_header *header)
-{
-    header->camera_media = camera_media_find(p, materials);
-    uint32_t current = 0;
-    for (uint32_t shift = 0; shift < 32; shift += 8) {
-        uint32_t number = header->camera_media >> shift & 255u;
-        current = number > current ? number : current;
-    }
-    if (current > 0)
-        header->camera_ior = media->records[current - 1].ior;
-}
-
 // How many words of the tables of directional albedos shading reads.
 static uint32_t count_albedo_words(const struct shading_tables_params *p)
 {
@@ -246,8 +231,6 @@ bool shading_tables_build(const struct shading_tables_params *p, struct arena *a
         .suns = (uint32_t)s.suns,
         .sun_count = count_suns(p->scene),
     };
-    if (media.count > 0)
-        place_camera(p, materials, &media, &header);
     memcpy(bytes, &header, sizeof header);
     memcpy(bytes + s.materials * 16u, materials, p->scene->material_count * sizeof *materials);
     if (p->scene->texture_count > 0)
@@ -264,5 +247,27 @@ bool shading_tables_build(const struct shading_tables_params *p, struct arena *a
         memcpy(bytes + s.media * 16u, media.records, media.count * sizeof *media.records);
     if (albedo_words > 0)
         memcpy(bytes + s.albedos * 16u, albedo_tables, albedo_words * sizeof *albedo_tables);
+    out->medium_count = media.count;
+    shading_tables_place_camera(p, out);
     return true;
+}
+
+bool shading_tables_place_camera(const struct shading_tables_params *p,
+                                 struct shading_tables *tables)
+{
+    if (tables->medium_count == 0)
+        return false;
+    struct gpu_material_header *header = tables->materials;
+    char *bytes = tables->materials;
+    const void *materials = bytes + MATERIAL_HEADER_WORDS * 16u;
+    const void *media = bytes + header->media * 16u;
+    uint32_t stack = camera_media_find(p, materials), highest = 0;
+    bool is_other = stack != header->camera_media;
+    for (uint32_t shift = 0; shift < 32; shift += 8) {
+        uint32_t number = stack >> shift & 255u;
+        highest = number > highest ? number : highest;
+    }
+    header->camera_media = stack;
+    header->camera_ior = highest > 0 ? ((const struct gpu_medium *)media)[highest - 1].ior : 1.0f;
+    return is_other;
 }

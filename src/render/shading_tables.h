@@ -11,6 +11,7 @@ struct shading_tables {
     struct texture_set textures;
     void *materials; // gpu_material_header and the sections it names
     uint64_t material_bytes;
+    uint32_t medium_count; // different insides of materials
 };
 
 struct shading_tables_params {
@@ -24,5 +25,9 @@ struct shading_tables_params {
 // Everything in `arena`. ERR_INPUT for more than MEDIA_MAX different media.
 bool shading_tables_build(const struct shading_tables_params *params, struct arena *arena,
                           struct shading_tables *out, struct err *err);
+
+// Writes into the header which media params->camera is in; whether that changed anything.
+bool shading_tables_place_camera(const struct shading_tables_params *params,
+                                 struct shading_tables *tables);
 
 #endif

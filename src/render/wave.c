@@ -405,14 +405,21 @@ static bool create_kernel(struct renderer *r, struct gpu_kernel_params *params,
     return ok;
 }
 
+// What the kernel is made from: of the set that the renderer was given, or embedded.
+static struct kernel_code code_of(const struct renderer *r, enum kernel_id id)
+{
+    if (r->kernel_set && r->kernel_set->codes[id].spirv)
+        return r->kernel_set->codes[id];
+    return kernel_code(id, r->specialization.features & FEATURE_BALLOT);
+}
+
 static bool create_kernels(struct renderer *r, struct err *err)
 {
-    bool ballot = r->specialization.features & FEATURE_BALLOT;
     for (int id = 0; id < KERNEL_COUNT; id++) {
         gpu_kernel_finish(r->gpu, &r->kernels[id]);
         if (!specialization_needs_kernel(&r->specialization, (enum kernel_id)id))
             continue;
-        struct kernel_code code = kernel_code((enum kernel_id)id, ballot);
+        struct kernel_code code = code_of(r, (enum kernel_id)id);
         struct specialization constants = r->specialization;
         if (id >= KERNEL_shade_diffuse && id <= KERNEL_shade_classical)
             constants.lobes = constants.class_lobes[id - KERNEL_shade_diffuse];

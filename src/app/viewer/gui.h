@@ -1,0 +1,135 @@
+// The panel's widgets: a thin layer over Dear ImGui, in C. Each has an id ("camera.fov"), by which
+// scripts and tests find it, and a line of help.
+//
+// Immediate: a widget is drawn by calling its function in every frame between gui_begin and
+// gui_end; it returns true in the frame in which the user, or a script, changed its value.
+//
+// One thread.
+#ifndef LAMPYRIS_APP_VIEWER_GUI_H
+#define LAMPYRIS_APP_VIEWER_GUI_H
+
+#include "err.h"
+#include "screen.h"
+#include "window.h"
+#include <stdbool.h>
+#include <stdint.h>
+
+#define GUI_ID_MAX 96
+#define GUI_VALUE_MAX 256
+#define GUI_ITEMS_MAX 2048
+
+enum gui_kind {
+    GUI_GROUP,  // opens and closes; value "open" or "closed"
+    GUI_BUTTON, // value ""
+    GUI_SWITCH, // "on" or "off"
+    GUI_NUMBER, // decimal
+    GUI_CHOICE, // one of the words
+    GUI_COLOR,  // "R,G,B"
+    GUI_TEXT,
+    GUI_ROW, // of a list: "on" where it is the chosen one
+};
+
+// A control of the frame, as it was drawn.
+struct gui_item {
+    char id[GUI_ID_MAX];
+    char value[GUI_VALUE_MAX]; // after the frame
+    enum gui_kind kind;
+    float rect[4]; // left, top, right, bottom, pixels; where it can be clicked
+    bool is_shown; // within what can be seen, not scrolled away or in a closed group
+    bool is_enabled;
+    const char *help, *label; // the caller's
+};
+
+struct gui {
+    struct gui_item items[GUI_ITEMS_MAX]; // of the last frame that ended
+    uint32_t item_count;
+    bool wants_mouse, wants_keys; // the panel takes these events; the camera must not
+    bool is_busy;                 // a widget is being dragged or typed into
+    const char *hovered_help;     // of the control under the mouse, or NULL
+    float width;                  // of the panel, pixels; 0 while it is hidden
+    struct gui_state *own;        // see gui.cpp and gui_items.c
+};
+
+bool gui_create(float scale, struct gui *out, struct err *err); // scale: pixels a point
+void gui_finish(struct gui *gui);                               // accepts NULL and {0}
+void gui_atlas(struct gui *gui, struct gpu_atlas *out);         // of the letters; lives as long
+void gui_event(struct gui *gui, const struct event *event);
+void gui_begin(struct gui *gui, uint32_t width, uint32_t height, double seconds);
+// What is to be drawn, valid until the next gui_begin. Afterwards `items` are those of this frame.
+void gui_end(struct gui *gui, struct gpu_drawing *out);
+
+// --- for scripts ---------------------------------------------------------------------------------
+// In the next frame the control takes this value, as if the user had given it (buttons: are
+// pressed), also in closed groups. gui_set_result tells afterwards: NULL where it was done, else
+// why not ("no control camera.fow; did you mean camera.fov?", "1.7 is outside [0, 1]").
+void gui_set(struct gui *gui, const char *id, const char *value);
+const char *gui_set_result(const struct gui *gui);
+// Opens its groups and scrolls to it, so that its rect can be clicked two frames later.
+void gui_reveal(struct gui *gui, const char *id);
+const struct gui_item *gui_find(const struct gui *gui, const char *id);
+
+// --- layout --------------------------------------------------------------------------------------
+// Of the window at the left: what is between is in it. False: it is hidden, and nothing is to be
+// drawn, but controls may be all the same, for scripts.
+bool gui_panel_begin(struct gui *gui, const char *title);
+void gui_panel_end(struct gui *gui);
+// True: it is open. Controls are called for all the same: what is in a closed group is not drawn,
+// but has an item (is_shown false) and can be set by scripts.
+bool gui_group_begin(struct gui *gui, const char *id, const char *label, const char *help,
+                     bool open_at_first);
+void gui_group_end(struct gui *gui);
+void gui_enabled(struct gui *gui, bool enabled); // of those that follow
+void gui_same_line(struct gui *gui);
+void gui_space(struct gui *gui);
+void gui_line(struct gui *gui, const char *format, ...) __attribute__((format(printf, 2, 3)));
+void gui_warning(struct gui *gui, const char *format, ...) __attribute__((format(printf, 2, 3)));
+// Text over the picture, its upper left corner there; with a dark ground.
+void gui_note(struct gui *gui, float x, float y, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));
+// A bar over the middle of the picture: what is being done.
+void gui_progress(struct gui *gui, const char *what, double fraction);
+
+// --- controls ------------------------------------------------------------------------------------
+bool gui_button(struct gui *gui, const char *id, const char *label, const char *help);
+bool gui_switch(struct gui *gui, const char *id, const char *label, const char *help, bool *value);
+struct gui_range {
+    double min, max;
+    bool logarithmic; // 0 is allowed as min
+    bool integer;
+    const char *unit;     // shown behind the number; NULL: none
+    const char *infinite; // the word for values of at least max ("off", "unlimited"); NULL: none
+};
+bool gui_number(struct gui *gui, const char *id, const char *label, const char *help,
+                const struct gui_range *range, double *value);
+bool gui_float(struct gui *gui, const char *id, const char *label, const char *help,
+               const struct gui_range *range, float *value);
+bool gui_count(struct gui *gui, const char *id, const char *label, const char *help,
+               const struct gui_range *range, uint32_t *value);
+// names: ended by NULL.
+bool gui_choice(struct gui *gui, const char *id, const char *label, const char *help,
+                const char *const *names, uint32_t *value);
+// Linear Rec. 709, components in [0, max], which may be above 1.
+bool gui_color(struct gui *gui, const char *id, const char *label, const char *help, double max,
+               float value[3]);
+bool gui_vector(struct gui *gui, const char *id, const char *label, const char *help,
+                const struct gui_range *range, double value[3]);
+bool gui_text(struct gui *gui, const char *id, const char *label, const char *help, char *value,
+              uint32_t size); // changed when the user ends it with Enter or leaves it
+// True when it is chosen.
+bool gui_row(struct gui *gui, const char *id, const char *label, const char *help, bool is_chosen);
+
+// --- charts --------------------------------------------------------------------------------------
+struct gui_bar {
+    const char *label;
+    double value;
+};
+void gui_bars(struct gui *gui, const struct gui_bar *bars, uint32_t count, const char *unit);
+struct gui_curve {
+    const char *label;
+    const double *x, *y; // both logarithmic axes; what is not positive and finite is left out
+    uint32_t count;
+};
+void gui_curves(struct gui *gui, const struct gui_curve *curves, uint32_t count,
+                const char *x_label, const char *y_label);
+
+#endif

@@ -1,0 +1,27 @@
+// How much work a frame gets, from what work took: plain numbers, no clock of its own.
+#ifndef LAMPYRIS_APP_VIEWER_PACE_H
+#define LAMPYRIS_APP_VIEWER_PACE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+struct pace {
+    double target_ms;     // of a whole frame
+    double ms_per_sample; // of one sample of one pixel, a running mean; 0: not known yet
+    double overhead_ms;   // of a frame besides rendering: display, panel, presenting
+    uint32_t shrink;      // the picture's sides are divided by this while the camera moves; >= 1
+};
+
+#define PACE_SHRINK_MAX 16u
+
+void pace_init(struct pace *pace, double target_ms);
+// Of a frame that took so many samples (of single pixels) in so long, and so long besides.
+void pace_measure(struct pace *pace, double samples, double render_ms, double overhead_ms);
+// What a frame may take for rendering; never below a quarter of the target, so that the picture
+// goes on where all else takes long.
+double pace_render_ms(const struct pace *pace);
+// Chooses `shrink` so that a sample of every pixel of the smaller picture fits; with hysteresis, so
+// that it does not flicker.
+void pace_choose(struct pace *pace, uint32_t width, uint32_t height);
+
+#endif

@@ -1,0 +1,52 @@
+// One picture that accumulates: a renderer with settings of its own, and how good it is so far. The
+// split view has two.
+#ifndef LAMPYRIS_APP_VIEWER_VIEW_H
+#define LAMPYRIS_APP_VIEWER_VIEW_H
+
+#include "bvh.h"
+#include "denoise.h"
+#include "metrics.h"
+#include "render.h"
+#include "worker.h"
+
+// What a side renders with besides the scene: what undo knows as TARGET_METHOD.
+struct method {
+    struct settings settings; // width and height are the picture's, see viewer.c
+    uint32_t wave, workgroup; // 0: the device's
+    bool everything;          // --features all
+    bool merge_classes;
+    bool fresh_frames;        // each frame is a picture of its own: nothing accumulates
+    uint32_t samples_a_frame; // of every pixel; 0: as many as the frame's time allows
+};
+
+#define VIEW_LOOKS_MAX 64
+
+// The error at doubling numbers of samples, and in between now and then.
+struct view_look {
+    double seconds, samples;  // of rendering; of a pixel
+    double relmse, low, high; // NAN where not known
+};
+
+struct view {
+    struct method method;
+    struct scene scene; // the viewer's, but with the method's settings: arrays are shared
+    struct renderer renderer;
+    struct denoiser denoiser;
+    bool is_ready;   // renderer holds a picture's state
+    bool is_preview; // its film has fewer pixels, because the camera moves
+    uint64_t epoch;  // counts pictures begun: what a job says of an older one is void
+    double seconds;  // of rendering this picture
+    struct view_look looks[VIEW_LOOKS_MAX];
+    uint32_t look_count;
+    double next_look;    // samples at which the error is to be found again
+    const char *unknown; // why the error is not known yet, or NULL
+};
+
+struct viewer;
+
+// Of the film as it is: on the worker's thread, into `looks`.
+bool view_look_at_error(struct viewer *viewer, uint32_t side, struct err *err);
+// The lowest number of samples that a pixel has.
+uint64_t view_samples(const struct view *view);
+
+#endif

@@ -1,0 +1,70 @@
+// Images: what is drawn on, and what is drawn with.
+#include "gpu_internal.h"
+
+static bool handle_create(struct gpu *gpu, VkFormat format, uint32_t width, uint32_t height,
+                          VkImageUsageFlags usage, VkImage *out, struct err *err)
+{
+    const VkImageCreateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
+        .imageType = VK_IMAGE_TYPE_2D,
+        .format = format,
+        .extent = {width, height, 1},
+        .mipLevels = 1,
+        .arrayLayers = 1,
+        .samples = VK_SAMPLE_COUNT_1_BIT,
+        .tiling = VK_IMAGE_TILING_OPTIMAL,
+        .usage = usage,
+        .sharingMode = VK_SHARING_MODE_EXCLUSIVE,
+        .initialLayout = VK_IMAGE_LAYOUT_UNDEFINED,
+    };
+    return VK(gpu, err, vkCreateImage(gpu->device, &info, NULL, out));
+}
+
+static bool memory_create(struct gpu *gpu, struct gpu_image *image, struct err *err)
+{
+    VkMemoryRequirements needs;
+    VkMemoryPropertyFlags flags;
+    vkGetImageMemoryRequirements(gpu->device, image->handle, &needs);
+    if (!memory_allocate(gpu, &needs, GPU_DEVICE, &flags, &image->memory, err))
+        return false;
+    image->bytes = needs.size;
+    memory_count(gpu, needs.size);
+    return VK(gpu, err, vkBindImageMemory(gpu->device, image->handle, image->memory, 0));
+}
+
+static bool view_create(struct gpu *gpu, VkFormat format, struct gpu_image *image, struct err *err)
+{
+    const VkImageViewCreateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
+        .image = image->handle,
+        .viewType = VK_IMAGE_VIEW_TYPE_2D,
+        .format = format,
+        .subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1},
+    };
+    return VK(gpu, err, vkCreateImageView(gpu->device, &info, NULL, &image->view));
+}
+
+bool image_create(struct gpu *gpu, const char *name, VkFormat format, uint32_t width,
+                  uint32_t height, VkImageUsageFlags usage, struct gpu_image *out, struct err *err)
+{
+    *out = (struct gpu_image){0};
+    if (!handle_create(gpu, format, width, height, usage, &out->handle, err) ||
+        !memory_create(gpu, out, err) || !view_create(gpu, format, out, err)) {
+        image_finish(gpu, out);
+        return err_prepend(err, "image %s, %u x %u pixels", name, width, height);
+    }
+    DEBUG_NAME(gpu, IMAGE, out->handle, name);
+    return true;
+}
+
+void image_finish(struct gpu *gpu, struct gpu_image *image)
+{
+    if (image->view)
+        vkDestroyImageView(gpu->device, image->view, NULL);
+    if (image->handle)
+        vkDestroyImage(gpu->device, image->handle, NULL);
+    if (image->memory)
+        vkFreeMemory(gpu->device, image->memory, NULL);
+    gpu->allocated_bytes -= image->bytes;
+    *image = (struct gpu_image){0};
+}
