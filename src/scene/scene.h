@@ -106,7 +106,11 @@ struct environment_sun {
     double direction[3];   // unit, in which its light travels
     float irradiance[3];   // on a surface that faces it, W/m^2
     double angular_radius; // 0: none
+    uint32_t light;        // of scene.lights, what it became, plus 1; 0: nothing so far
 };
+
+struct sky;
+struct environment_gradient;
 
 // What arrives where a ray leaves the scene. With an image, radiance multiplies it.
 struct environment {
@@ -116,6 +120,17 @@ struct environment {
     uint32_t width, height; // 0 x 0: constant
     float (*texels)[3];     // latitude-longitude, row 0 at the top (+Y), see environment.h
     struct environment_sun sun;
+    // Where the texels came from, for those who write it down: at most one of them. None: constant.
+    const char *file; // as seen from the working directory
+    const struct sky *sky;
+    const struct environment_gradient *gradient;
+};
+
+struct scene_base;
+
+// A path as it stands in an override, and as seen from the working directory.
+struct scene_path {
+    const char *text, *path;
 };
 
 struct scene {
@@ -149,6 +164,11 @@ struct scene {
     // front"
     const char **notes;
     uint32_t note_count;
+    // For those who write the scene down again: which strings in the overrides were read as paths,
+    // and what a file with a "base" says of it (scene_edits.h); NULL: it stands for itself.
+    struct scene_path *override_paths;
+    uint32_t override_path_count, override_path_capacity;
+    const struct scene_base *base;
     // Room in the arrays above; only the scene_add_ functions and scene_note touch these.
     uint32_t material_capacity, mesh_capacity, instance_capacity, shape_capacity, camera_capacity;
     uint32_t note_capacity, image_capacity, texture_capacity, light_capacity, sdf_capacity;
@@ -164,6 +184,9 @@ struct scene_load_params {
     const struct scene_override *overrides; // -D key=value; our JSON format only
     uint32_t override_count;
     bool allow_outside_paths; // let files name files outside their own folder
+    // The overrides come from a file in this folder: paths in them are relative to it, and confined
+    // to it. NULL: they are the user's own.
+    const char *override_folder;
     // What replaces the file's environment, see environment.h and sky.h; all NULL: nothing does.
     const char *environment_file;
     const float *environment_radiance; // 3
