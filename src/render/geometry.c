@@ -7,6 +7,7 @@
 #include "log.h"
 #include "parallel.h"
 #include <math.h>
+#include <string.h>
 
 // --- trees ---------------------------------------------------------------------------------------
 
@@ -256,12 +257,103 @@ static void warn_about_extent(const struct flat_scene *flat)
                  (double)extent, (double)LARGEST_EXTENT, (double)SMALLEST_EXTENT);
 }
 
+static bool flatten(const struct geometry_params *p, struct arena *arena, struct flat_scene *flat,
+                    struct err *err)
+{
+    const struct flatten_params params = {p->scene, p->instancing, p->progress};
+    return scene_flatten(&params, arena, flat, err);
+}
+
 bool geometry_prepare(const struct geometry_params *p, struct arena *arena, struct flat_scene *flat,
                       struct bvh *bvh, struct err *err)
 {
-    const struct flatten_params params = {p->scene, p->instancing, p->progress};
-    if (!scene_flatten(&params, arena, flat, err))
+    if (!flatten(p, arena, flat, err))
         return false;
     warn_about_extent(flat);
     return build_bvh(p, flat, arena, bvh, err);
+}
+
+// --- shared --------------------------------------------------------------------------------------
+
+static bool same_counts(const struct flat_scene *a, const struct flat_scene *b)
+{
+    return a->triangle_count == b->triangle_count &&
+           a->world_triangle_count == b->world_triangle_count && a->mesh_count == b->mesh_count &&
+           a->placed_count == b->placed_count && a->shape_count == b->shape_count;
+}
+
+static bool same_instances(const struct flat_scene *a, const struct flat_scene *b)
+{
+    for (uint32_t i = 0; i < a->mesh_count; i++)
+        if (a->meshes[i].first_triangle != b->meshes[i].first_triangle ||
+            a->meshes[i].triangle_count != b->meshes[i].triangle_count)
+            return false;
+    for (uint32_t i = 0; i < a->placed_count; i++)
+        if (a->instances[i].mesh != b->instances[i].mesh ||
+            memcmp(a->instances[i].to_world, b->instances[i].to_world,
+                   sizeof a->instances[i].to_world) != 0)
+            return false;
+    return true;
+}
+
+// Whether build_bvh() would be given the same bits: all that it reads of a flat scene, and by that
+// the same hierarchy would come of it.
+static bool same_places(const struct flat_scene *a, const struct flat_scene *b)
+{
+    if (!same_counts(a, b) || !same_instances(a, b))
+        return false;
+    for (uint32_t i = 0; i < a->shape_count; i++) {
+        struct bvh_box boxes[2];
+        flat_shape_box(&a->shapes[i], boxes[0].min, boxes[0].max);
+        flat_shape_box(&b->shapes[i], boxes[1].min, boxes[1].max);
+        if (memcmp(&boxes[0], &boxes[1], sizeof boxes[0]) != 0)
+            return false;
+    }
+    for (uint32_t i = 0; i < a->triangle_count; i++)
+        if (memcmp(a->triangles[i].v, b->triangles[i].v, sizeof a->triangles[i].v) != 0)
+            return false;
+    return true;
+}
+
+static bool same_method(struct bvh_method a, struct bvh_method b)
+{
+    return a.split == b.split && a.format == b.format && a.optimize == b.optimize;
+}
+
+bool geometry_create(const struct geometry_params *p, struct geometry *out, struct err *err)
+{
+    *out = (struct geometry){0};
+    return geometry_refresh(p, out, err);
+}
+
+void geometry_finish(struct geometry *geometry)
+{
+    if (!geometry)
+        return;
+    arena_finish(&geometry->flat_arena);
+    arena_finish(&geometry->bvh_arena);
+    *geometry = (struct geometry){0};
+}
+
+bool geometry_refresh(const struct geometry_params *p, struct geometry *geometry, struct err *err)
+{
+    struct geometry next = {.method = p->bvh};
+    uint64_t start = clock_ns();
+    bool ok = flatten(p, &next.flat_arena, &next.flat, err);
+    next.flatten_seconds = clock_seconds_since(start);
+    bool is_built = geometry->bvh.node_count > 0; // an empty scene's hierarchy has a root, too
+    if (ok && is_built && same_method(next.method, geometry->method) &&
+        same_places(&next.flat, &geometry->flat)) {
+        next.bvh = geometry->bvh;
+        next.bvh_arena = geometry->bvh_arena;
+        geometry->bvh_arena = (struct arena){0};
+    } else if (ok) {
+        warn_about_extent(&next.flat);
+        ok = build_bvh(p, &next.flat, &next.bvh_arena, &next.bvh, err);
+    }
+    geometry_finish(geometry);
+    *geometry = next;
+    if (!ok)
+        geometry_finish(geometry);
+    return ok;
 }

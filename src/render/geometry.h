@@ -15,16 +15,19 @@ struct geometry_params {
 
 // As several renderers share it.
 struct geometry {
-    struct arena arena;
+    struct arena flat_arena, bvh_arena;
     struct flat_scene flat;
     struct bvh bvh;
-    double flatten_seconds;
+    struct bvh_method method; // by which it was built
+    double flatten_seconds;   // the last time; the hierarchy's are in its statistics
 };
 bool geometry_create(const struct geometry_params *params, struct geometry *out, struct err *err);
 void geometry_finish(struct geometry *geometry); // accepts NULL and {0}
-// After materials or lights changed, but no place and no visibility of anything: flattens anew and
-// keeps the hierarchy. No renderer may use it meanwhile, and those that did are to be created anew.
-// A failure leaves the geometry finished.
+// After anything in the scene changed: flattens anew, and keeps the hierarchy where all that it is
+// made of has the same bits as before. So it is when materials or lights changed, but for one that
+// makes a shared mesh emit; not when something was moved or hidden. No renderer may use the
+// geometry meanwhile, and those that did are to be created anew. A failure leaves the geometry
+// finished.
 bool geometry_refresh(const struct geometry_params *params, struct geometry *geometry,
                       struct err *err);
 

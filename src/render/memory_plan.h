@@ -36,7 +36,7 @@ struct memory_plan_params {
     const struct shading_tables *tables;
     const struct gpu *gpu;
     uint64_t pixels; // of the largest picture; 0: of what the settings say
-    uint32_t wave; // wanted; 0: the device's default. Lowered where a limit asks for it.
+    uint32_t wave;   // wanted; 0: the device's default. Lowered where a limit asks for it.
     // Lowered without a warning, to the default where memory is too small for what is wanted.
     bool wave_is_wish;
 };

@@ -5,6 +5,7 @@
 #include "film.h"
 #include "frame.h"
 #include "geometry.h"
+#include "large_spheres.h"
 #include "log.h"
 #include "sampling_plan.h"
 #include "upload.h"
@@ -24,6 +25,7 @@ static bool plan_memory(struct renderer *r, uint32_t wave, bool wave_is_wish, st
         .specialization = &r->specialization,
         .tables = &r->tables,
         .gpu = r->gpu,
+        .pixels = r->pixels,
         .wave = wave,
         .wave_is_wish = wave_is_wish,
     };
@@ -128,36 +130,53 @@ static bool check_workgroup(const struct gpu *gpu, uint32_t workgroup, struct er
                    workgroup, gpu->max_invocations);
 }
 
-bool renderer_create(const struct renderer_params *params, struct renderer *r, struct err *err)
+// What there is to trace rays through, from whoever shares it or made here. That it is shared takes
+// no time of this renderer's.
+static bool get_geometry(const struct renderer_params *params, struct renderer *r, struct err *err)
 {
-    *r = (struct renderer){
-        .gpu = params->gpu,
-        .scene = params->scene,
-        .aovs = params->aovs,
-        .progress = params->progress,
-    };
-
-    const struct geometry_params geometry = {
+    const struct geometry_params own = {
         .scene = r->scene,
         .bvh = params->bvh,
         .instancing = params->instancing,
         .bvh_cache = params->bvh_cache,
         .progress = r->progress,
     };
+    if (params->geometry) {
+        r->flat = params->geometry->flat;
+        r->bvh = params->geometry->bvh;
+        return true;
+    }
     uint64_t start = clock_ns();
-    if (!check_workgroup(r->gpu, params->workgroup, err) ||
-        !geometry_prepare(&geometry, &r->arena, &r->flat, &r->bvh, err))
-        goto fail;
+    if (!geometry_prepare(&own, &r->arena, &r->flat, &r->bvh, err))
+        return false;
     r->stats.bvh_seconds = r->bvh.stats.build_seconds;
     r->stats.flatten_seconds = clock_seconds_since(start) - r->stats.bvh_seconds;
+    return true;
+}
 
-    start = clock_ns();
+bool renderer_create(const struct renderer_params *params, struct renderer *r, struct err *err)
+{
+    const struct settings *settings = &params->scene->settings;
+    *r = (struct renderer){
+        .gpu = params->gpu,
+        .scene = params->scene,
+        .camera = params->scene->cameras[params->camera],
+        .pixels = (uint64_t)settings->width * settings->height,
+        .aovs = params->aovs,
+        .kernel_set = params->kernels,
+        .progress = params->progress,
+    };
+    if (!check_workgroup(r->gpu, params->workgroup, err) || !get_geometry(params, r, err))
+        goto fail;
+
+    uint64_t start = clock_ns();
+    r->large_spheres_anyway = has_large_spheres_anyway(&r->flat);
     r->specialization = specialize(&(struct specialize_params){
         .scene = r->scene,
         .flat = &r->flat,
         .bvh = &r->bvh,
         .gpu = r->gpu,
-        .camera = &r->scene->cameras[params->camera],
+        .camera = &r->camera,
         .aovs = params->aovs,
         .workgroup = params->workgroup,
         .everything = params->everything,
@@ -168,14 +187,14 @@ bool renderer_create(const struct renderer_params *params, struct renderer *r, s
         .scene = r->scene,
         .flat = &r->flat,
         .bvh = &r->bvh,
-        .camera = &r->scene->cameras[params->camera],
+        .camera = &r->camera,
         .light_choice = r->specialization.light_choice,
     };
     if (!shading_tables_build(&tables, &r->arena, &r->tables, err))
         goto fail;
     if (!plan_memory(r, params->wave, params->wave_is_wish, err))
         goto fail;
-    frame_fill(r, &r->scene->cameras[params->camera]);
+    frame_fill(r);
     sampling_plan(r, params->open_ended || params->tiles);
     if (!upload(r, err))
         goto fail;

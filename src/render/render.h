@@ -121,7 +121,7 @@ struct renderer {
     struct arena arena;
     struct flat_scene flat; // their arrays are the arena's, or those of the geometry that is shared
     struct bvh bvh;
-    bool is_camera_of_no_account;        // to whether spheres are large: see large_spheres.h
+    bool large_spheres_anyway;           // wherever the camera is: see large_spheres.h
     const struct kernel_set *kernel_set; // NULL: the embedded ones
     struct shading_tables tables;
     struct specialization specialization;

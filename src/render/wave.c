@@ -408,9 +408,12 @@ static bool create_kernel(struct renderer *r, struct gpu_kernel_params *params,
 // What the kernel is made from: of the set that the renderer was given, or embedded.
 static struct kernel_code code_of(const struct renderer *r, enum kernel_id id)
 {
-    if (r->kernel_set && r->kernel_set->codes[id].spirv)
-        return r->kernel_set->codes[id];
-    return kernel_code(id, r->specialization.features & FEATURE_BALLOT);
+    struct kernel_code code = kernel_code(id, r->specialization.features & FEATURE_BALLOT);
+    if (r->kernel_set && r->kernel_set->codes[id].spirv) {
+        code.spirv = r->kernel_set->codes[id].spirv;
+        code.bytes = r->kernel_set->codes[id].bytes;
+    }
+    return code;
 }
 
 static bool create_kernels(struct renderer *r, struct err *err)

@@ -1,0 +1,42 @@
+// Another camera and another size of the picture, while all else of a renderer stays.
+#include "film.h"
+#include "frame.h"
+#include "large_spheres.h"
+
+// Whether the kernels as they are compiled, and the film as large as it is, do for the picture. A
+// lens that is compiled in and not there changes nothing.
+static bool does_fit(const struct renderer *r, const struct camera *camera, uint32_t width,
+                     uint32_t height)
+{
+    const struct specialization *s = &r->specialization;
+    bool has_lens = s->features & FEATURE_LENS, has_tiles = s->features & FEATURE_TILES;
+    bool large_spheres = r->large_spheres_anyway || is_close_to_large_sphere(&r->flat, camera);
+    return !has_tiles && (uint64_t)width * height <= r->pixels && camera->kind == s->camera &&
+           (has_lens || !(camera->lens_radius > 0.0)) &&
+           large_spheres == ((s->geometry & GEOMETRY_LARGE_SPHERES) != 0);
+}
+
+// Which media the camera's rays begin in stands in the header of the materials.
+static bool place_camera(struct renderer *r, struct err *err)
+{
+    struct gpu_buffer *materials = &r->buffers[BINDING_MATERIALS];
+    const struct shading_tables_params params = {
+        .scene = r->scene,
+        .flat = &r->flat,
+        .camera = &r->camera,
+    };
+    return !materials->handle || !shading_tables_place_camera(&params, &r->tables) ||
+           gpu_upload(r->gpu, materials, 0, r->tables.materials, sizeof(struct gpu_material_header),
+                      err);
+}
+
+bool renderer_look(struct renderer *r, const struct camera *camera, uint32_t width, uint32_t height,
+                   bool *fits, struct err *err)
+{
+    *fits = does_fit(r, camera, width, height);
+    if (!*fits)
+        return true;
+    r->camera = *camera;
+    frame_look(r, width, height);
+    return place_camera(r, err) && renderer_restart(r, r->frame.seed, err);
+}
