@@ -48,6 +48,18 @@ void memory_count(struct gpu *gpu, uint64_t bytes); // more bytes are in use
 bool image_create(struct gpu *gpu, const char *name, VkFormat format, uint32_t width,
                   uint32_t height, VkImageUsageFlags usage, struct gpu_image *out, struct err *err);
 void image_finish(struct gpu *gpu, struct gpu_image *image); // accepts {0}
+// Before a transfer writes all of an image: what it held is gone. Waits for transfers from it and
+// for fragments that sample it.
+void image_discard(struct gpu_commands *commands, const struct gpu_image *image);
+// From tightly packed rows into an image that image_discard has prepared.
+void image_fill(struct gpu_commands *commands, const struct gpu_image *image, uint32_t width,
+                uint32_t height, const struct gpu_buffer *pixels);
+
+// --- screen_pipeline.c --------------------------------------------------------------------------
+// All of *screen that does not depend on its size or on the atlas' pixels, which the image
+// screen->atlas need not have yet. What is there by a failure goes with the other function.
+bool screen_pipeline_create(struct gpu *gpu, struct gpu_screen *screen, struct err *err);
+void screen_pipeline_destroy(struct gpu *gpu, struct gpu_screen *screen);
 
 // --- kernel.c -----------------------------------------------------------------------------------
 // The bindings of a set: the last GPU_MAX_STORAGE - GPU_MIN_STORAGE ones as far as they are there.
