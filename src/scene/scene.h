@@ -187,6 +187,7 @@ struct scene_load_params {
     // The overrides come from a file in this folder: paths in them are relative to it, and confined
     // to it. NULL: they are the user's own.
     const char *override_folder;
+    uint32_t base_depth; // of files whose "base" this one is
     // What replaces the file's environment, see environment.h and sky.h; all NULL: nothing does.
     const char *environment_file;
     const float *environment_radiance; // 3
