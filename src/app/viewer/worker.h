@@ -1,5 +1,5 @@
 // One thread for what must not hold up the picture: errors, files, compiling. Jobs run in the order
-// they came; finished ones are taken by the viewer's thread.
+// they came; finished ones are taken by the viewer's thread, which alone calls these functions.
 #ifndef LAMPYRIS_APP_VIEWER_WORKER_H
 #define LAMPYRIS_APP_VIEWER_WORKER_H
 
