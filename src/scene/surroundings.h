@@ -36,12 +36,13 @@ struct surroundings_original {
     struct environment environment;
     uint32_t light_count; // without the sky's sun
     uint32_t sky_sun;     // the light that is it, or SCENE_NONE
+    uint64_t hash;        // the scene's
 };
 struct surroundings_original surroundings_keep(const struct scene *scene);
 
 // Replaces the environment and the sky's sun among the lights (other lights keep their places). New
-// texels live in `arena`, which the caller may empty before each call. ERR_INPUT, and the scene is
-// as before.
+// texels live in `arena`, which the scene needs until the next call that succeeds. ERR_INPUT, and
+// the scene is as before.
 bool scene_set_surroundings(struct scene *scene, const struct surroundings_original *original,
                             const struct surroundings *to, struct arena *arena, struct err *err);
 

@@ -23,5 +23,7 @@ double pace_render_ms(const struct pace *pace);
 // Chooses `shrink` so that a sample of every pixel of the smaller picture fits; with hysteresis, so
 // that it does not flicker.
 void pace_choose(struct pace *pace, uint32_t width, uint32_t height);
+// A side of the picture, divided and rounded up.
+uint32_t pace_shrunk(uint32_t side, uint32_t shrink);
 
 #endif

@@ -35,7 +35,7 @@ void rig_init(struct rig *rig, const struct camera *camera, const double min[3],
 bool rig_step(struct rig *rig, const struct rig_input *input, struct camera *camera);
 // Makes a point the centre of orbits, and what the lens is focussed at where there is one.
 void rig_focus(struct rig *rig, const double point[3], struct camera *camera);
-// The whole box in the picture, seen from where the camera looks now; or along an axis.
+// The whole box in the picture, seen in the direction in which the camera looks now.
 void rig_frame(struct rig *rig, const double min[3], const double max[3], double aspect,
                struct camera *camera);
 

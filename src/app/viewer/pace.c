@@ -1,0 +1,54 @@
+#include "pace.h"
+
+// Of the newest measurement in the running means: a change of what is seen shows within some
+// frames, and one slow frame among quick ones makes no other picture.
+#define NEWEST 0.25
+// A finer picture has to fit into this part of the time before it is chosen: what it takes differs
+// from frame to frame by less.
+#define MARGIN 0.8
+// Before anything was measured, so that the first picture is there at once on any device.
+#define FIRST_SHRINK 8u
+
+void pace_init(struct pace *pace, double target_ms)
+{
+    *pace = (struct pace){.target_ms = target_ms, .shrink = FIRST_SHRINK};
+}
+
+static double mean(double old, double value)
+{
+    return old > 0.0 ? old + NEWEST * (value - old) : value;
+}
+
+void pace_measure(struct pace *pace, double samples, double render_ms, double overhead_ms)
+{
+    if (samples > 0.0 && render_ms > 0.0)
+        pace->ms_per_sample = mean(pace->ms_per_sample, render_ms / samples);
+    pace->overhead_ms = mean(pace->overhead_ms, overhead_ms);
+}
+
+double pace_render_ms(const struct pace *pace)
+{
+    double left = pace->target_ms - pace->overhead_ms, least = 0.25 * pace->target_ms;
+    return left > least ? left : least;
+}
+
+uint32_t pace_shrunk(uint32_t side, uint32_t shrink)
+{
+    return (side + shrink - 1) / shrink;
+}
+
+static double cost_ms(const struct pace *pace, uint32_t width, uint32_t height, uint32_t shrink)
+{
+    return (double)pace_shrunk(width, shrink) * pace_shrunk(height, shrink) * pace->ms_per_sample;
+}
+
+void pace_choose(struct pace *pace, uint32_t width, uint32_t height)
+{
+    double budget = pace_render_ms(pace);
+    if (!(pace->ms_per_sample > 0.0))
+        return;
+    while (pace->shrink < PACE_SHRINK_MAX && cost_ms(pace, width, height, pace->shrink) > budget)
+        pace->shrink++;
+    while (pace->shrink > 1 && cost_ms(pace, width, height, pace->shrink - 1) <= MARGIN * budget)
+        pace->shrink--;
+}
