@@ -149,10 +149,16 @@ static VkResult submit_call(struct gpu *gpu, const struct gpu_commands *commands
 {
     if (++gpu->submit_count == gpu->params.lose_device_at_submit || gpu->lost)
         return VK_ERROR_DEVICE_LOST;
+    const VkPipelineStageFlags transfers = VK_PIPELINE_STAGE_TRANSFER_BIT;
     const VkSubmitInfo info = {
         .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO,
+        .waitSemaphoreCount = commands->awaited ? 1 : 0,
+        .pWaitSemaphores = &commands->awaited,
+        .pWaitDstStageMask = &transfers,
         .commandBufferCount = 1,
         .pCommandBuffers = &commands->handle,
+        .signalSemaphoreCount = commands->signalled ? 1 : 0,
+        .pSignalSemaphores = &commands->signalled,
     };
     return vkQueueSubmit(gpu->queue, 1, &info, commands->fence);
 }
@@ -164,6 +170,7 @@ bool gpu_submit(struct gpu *gpu, struct gpu_commands *commands, struct err *err)
         !VK(gpu, err, vkResetFences(gpu->device, 1, &commands->fence)))
         return false;
     VkResult result = submit_call(gpu, commands);
+    commands->awaited = commands->signalled = VK_NULL_HANDLE;
     if (result != VK_SUCCESS)
         return gpu_fail(gpu, "vkQueueSubmit", result, err);
     commands->pending = true;

@@ -35,6 +35,10 @@ static const char *result_text(VkResult result)
         return "too many objects";
     case VK_ERROR_FORMAT_NOT_SUPPORTED:
         return "format not supported";
+    case VK_ERROR_SURFACE_LOST_KHR:
+        return "the window's surface is lost";
+    case VK_ERROR_NATIVE_WINDOW_IN_USE_KHR:
+        return "the window is in use elsewhere";
     case VK_ERROR_INVALID_SHADER_NV:
         return "the driver rejects the shader";
     default:
@@ -70,6 +74,6 @@ void debug_name(const struct gpu *gpu, VkObjectType type, uint64_t handle, const
         .pObjectName = name,
     };
     PFN_vkSetDebugUtilsObjectNameEXT set_name =
-        (PFN_vkSetDebugUtilsObjectNameEXT)instance_function(gpu, "vkSetDebugUtilsObjectNameEXT");
+        (PFN_vkSetDebugUtilsObjectNameEXT)gpu_function(gpu, "vkSetDebugUtilsObjectNameEXT");
     set_name(gpu->device, &info);
 }

@@ -204,6 +204,9 @@ struct gpu_commands {
     VkQueryPool queries; // VK_NULL_HANDLE without timestamps
     uint32_t timestamp_count;
     bool pending;
+    // Of the next submission alone, or VK_NULL_HANDLE: its transfers wait for one, and it signals
+    // the other.
+    VkSemaphore awaited, signalled;
 };
 
 bool gpu_commands_create(struct gpu *gpu, struct gpu_commands *out, struct err *err);
@@ -233,6 +236,10 @@ bool gpu_wait(struct gpu *gpu, struct gpu_commands *commands, struct err *err);
 // Waits as gpu_wait does; then: nanoseconds from timestamp 0, for all timestamp_count of them.
 bool gpu_timestamps_ns(struct gpu *gpu, struct gpu_commands *commands, double *out,
                        struct err *err);
+
+// A function of an extension that was asked for when the device was opened. volk's pointers to such
+// functions are no use: they are NULL again once another device is opened without the extension.
+PFN_vkVoidFunction gpu_function(const struct gpu *gpu, const char *name);
 
 // Records the failing call and VkResult in words; ERR_GPU. Returns false.
 bool gpu_fail(struct gpu *gpu, const char *call, VkResult result, struct err *err);

@@ -12,9 +12,6 @@ bool vk_check(struct gpu *gpu, const char *call, VkResult result, struct err *er
 // Needs gpu->params; with validation on, messages carry the pointer gpu from now on.
 bool instance_create(struct gpu *gpu, struct err *err);
 void instance_destroy(struct gpu *gpu);
-// A function of an extension that this instance has enabled. volk's pointers to such functions are
-// no use: they are NULL again once an instance without the extension is opened.
-PFN_vkVoidFunction instance_function(const struct gpu *gpu, const char *name);
 
 // --- limits.c -----------------------------------------------------------------------------------
 // Adds what the environment variable LAMPYRIS_LIMITS says to what is not set yet.
@@ -44,10 +41,6 @@ bool memory_allocate(struct gpu *gpu, const VkMemoryRequirements *needs, enum gp
 void memory_count(struct gpu *gpu, uint64_t bytes); // more bytes are in use
 
 // --- image.c ------------------------------------------------------------------------------------
-// Of one layer and level, optimally tiled, not filled.
-bool image_create(struct gpu *gpu, const char *name, VkFormat format, uint32_t width,
-                  uint32_t height, VkImageUsageFlags usage, struct gpu_image *out, struct err *err);
-void image_finish(struct gpu *gpu, struct gpu_image *image); // accepts {0}
 // Before a transfer writes all of an image: what it held is gone. Waits for transfers from it and
 // for fragments that sample it.
 void image_discard(struct gpu_commands *commands, const struct gpu_image *image);

@@ -44,20 +44,21 @@ static bool view_create(struct gpu *gpu, VkFormat format, struct gpu_image *imag
     return VK(gpu, err, vkCreateImageView(gpu->device, &info, NULL, &image->view));
 }
 
-bool image_create(struct gpu *gpu, const char *name, VkFormat format, uint32_t width,
-                  uint32_t height, VkImageUsageFlags usage, struct gpu_image *out, struct err *err)
+bool gpu_image_create(struct gpu *gpu, const char *name, VkFormat format, uint32_t width,
+                      uint32_t height, VkImageUsageFlags usage, struct gpu_image *out,
+                      struct err *err)
 {
     *out = (struct gpu_image){0};
     if (!handle_create(gpu, format, width, height, usage, &out->handle, err) ||
         !memory_create(gpu, out, err) || !view_create(gpu, format, out, err)) {
-        image_finish(gpu, out);
+        gpu_image_finish(gpu, out);
         return err_prepend(err, "image %s, %u x %u pixels", name, width, height);
     }
     DEBUG_NAME(gpu, IMAGE, out->handle, name);
     return true;
 }
 
-void image_finish(struct gpu *gpu, struct gpu_image *image)
+void gpu_image_finish(struct gpu *gpu, struct gpu_image *image)
 {
     if (image->view)
         vkDestroyImageView(gpu->device, image->view, NULL);

@@ -135,7 +135,7 @@ static VkResult instance_call(struct gpu *gpu, const void *next, bool portabilit
     return vkCreateInstance(&info, NULL, &gpu->instance);
 }
 
-PFN_vkVoidFunction instance_function(const struct gpu *gpu, const char *name)
+PFN_vkVoidFunction gpu_function(const struct gpu *gpu, const char *name)
 {
     return vkGetInstanceProcAddr(gpu->instance, name);
 }
@@ -180,8 +180,8 @@ void instance_destroy(struct gpu *gpu)
         return;
     if (gpu->messenger) {
         PFN_vkDestroyDebugUtilsMessengerEXT destroy =
-            (PFN_vkDestroyDebugUtilsMessengerEXT)instance_function(
-                gpu, "vkDestroyDebugUtilsMessengerEXT");
+            (PFN_vkDestroyDebugUtilsMessengerEXT)gpu_function(gpu,
+                                                              "vkDestroyDebugUtilsMessengerEXT");
         destroy(gpu->instance, gpu->messenger, NULL);
     }
     vkDestroyInstance(gpu->instance, NULL);

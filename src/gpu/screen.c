@@ -60,9 +60,9 @@ static bool atlas_create(struct gpu *gpu, struct gpu_screen *screen, const struc
                          struct err *err)
 {
     if (!sides_check(gpu, "an atlas", atlas->width, atlas->height, err) ||
-        !image_create(gpu, "atlas", VK_FORMAT_R8_UNORM, atlas->width, atlas->height,
-                      VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT, &screen->atlas,
-                      err) ||
+        !gpu_image_create(gpu, "atlas", VK_FORMAT_R8_UNORM, atlas->width, atlas->height,
+                          VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
+                          &screen->atlas, err) ||
         !atlas_upload(gpu, screen, atlas, err))
         return false;
     const VkDescriptorImageInfo image = {screen->sampler, screen->atlas.view,
@@ -100,7 +100,7 @@ static void picture_finish(struct gpu *gpu, struct gpu_screen *screen)
         vkQueueWaitIdle(gpu->queue); // fails on a lost device, which is as idle as can be
     if (screen->framebuffer)
         vkDestroyFramebuffer(gpu->device, screen->framebuffer, NULL);
-    image_finish(gpu, &screen->image);
+    gpu_image_finish(gpu, &screen->image);
     screen->framebuffer = VK_NULL_HANDLE;
     screen->width = screen->height = 0;
     screen->is_drawn = false;
@@ -112,7 +112,7 @@ void gpu_screen_finish(struct gpu *gpu, struct gpu_screen *screen)
         return;
     gpu_commands_finish(gpu, &screen->commands);
     picture_finish(gpu, screen);
-    image_finish(gpu, &screen->atlas);
+    gpu_image_finish(gpu, &screen->atlas);
     gpu_buffer_finish(gpu, &screen->vertices);
     gpu_buffer_finish(gpu, &screen->indices);
     screen_pipeline_destroy(gpu, screen);
@@ -145,8 +145,8 @@ bool gpu_screen_resize(struct gpu *gpu, struct gpu_screen *screen, uint32_t widt
     const VkImageUsageFlags usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT |
                                     VK_IMAGE_USAGE_TRANSFER_SRC_BIT |
                                     VK_IMAGE_USAGE_TRANSFER_DST_BIT;
-    if (!image_create(gpu, "screen", VK_FORMAT_R8G8B8A8_UNORM, width, height, usage, &screen->image,
-                      err) ||
+    if (!gpu_image_create(gpu, "screen", VK_FORMAT_R8G8B8A8_UNORM, width, height, usage,
+                          &screen->image, err) ||
         !framebuffer_create(gpu, screen, width, height, err)) {
         picture_finish(gpu, screen);
         return false;

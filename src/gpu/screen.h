@@ -38,6 +38,12 @@ struct gpu_image {
     uint64_t bytes;
 };
 
+// Of one layer and level, optimally tiled, its content and layout undefined.
+bool gpu_image_create(struct gpu *gpu, const char *name, VkFormat format, uint32_t width,
+                      uint32_t height, VkImageUsageFlags usage, struct gpu_image *out,
+                      struct err *err);
+void gpu_image_finish(struct gpu *gpu, struct gpu_image *image); // accepts {0}
+
 struct gpu_screen {
     uint32_t width, height; // 0 before the first gpu_screen_resize
     // VK_FORMAT_R8G8B8A8_UNORM; after gpu_screen_draw in TRANSFER_SRC_OPTIMAL, and what commands of
