@@ -44,6 +44,13 @@ bool vec3_normalize(double v[3])
     return true;
 }
 
+// A division by a computed length leaves the squared length within some 4 DBL_EPSILON of 1, a
+// column of a product of rotations within twice that.
+bool vec3_make_unit(double v[3])
+{
+    return fabs(vec3_dot(v, v) - 1) <= 16 * DBL_EPSILON || vec3_normalize(v);
+}
+
 void affine_multiply(const double a[3][4], const double b[3][4], double out[3][4])
 {
     double product[3][4];

@@ -12,6 +12,9 @@ double vec3_length(const double v[3]);
 // Scales v to unit length without overflow or underflow on the way; false, and v unchanged, when it
 // is zero or not finite.
 bool vec3_normalize(double v[3]);
+// The same, but what is of unit length but for some roundings stays as it is: what was normalised
+// once and written down reads back the same.
+bool vec3_make_unit(double v[3]);
 
 extern const double AFFINE_IDENTITY[3][4];
 

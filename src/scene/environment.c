@@ -4,7 +4,9 @@
 #include "hash.h"
 #include "image.h"
 #include "shared/types.h"
+#include "sky.h"
 #include <math.h>
+#include <string.h>
 
 static bool check_radiance(const float radiance[3], struct err *err)
 {
@@ -79,6 +81,8 @@ bool scene_set_environment(struct scene *scene, const char *file, const float ra
     scene->hash = hash_bytes(scene->hash, environment.radiance, sizeof environment.radiance);
     if (file && !load_image(scene, file, environment.radiance, &environment, err))
         return false;
+    if (file && !(environment.file = arena_strdup(&scene->arena, file)))
+        return err_memory(err, "a path", strlen(file) + 1);
     scene->environment = environment;
     return true;
 }
@@ -91,9 +95,12 @@ bool scene_set_gradient(struct scene *scene, const struct environment_gradient *
     if (!check_radiance(gradient->zenith, err) || !check_radiance(gradient->horizon, err) ||
         !check_radiance(gradient->nadir, err))
         return false;
+    struct environment_gradient *source = ARENA_NEW(&scene->arena, struct environment_gradient, 1);
     environment.texels = arena_alloc(&scene->arena, environment.height, sizeof *environment.texels);
-    if (!environment.texels)
+    if (!environment.texels || !source)
         return err_memory(err, "a gradient", environment.height * sizeof *environment.texels);
+    *source = *gradient;
+    environment.gradient = source;
     for (uint32_t row = 0; row < environment.height; row++) {
         // The mean of what is linear in the height.
         double height = 0.5 * (cos(M_PI * row / environment.height) +
@@ -115,7 +122,7 @@ double environment_sun_radiance(double irradiance, double angular_radius)
     return irradiance / (M_PI * sine * sine);
 }
 
-static float largest_texel(const struct environment *environment)
+float environment_greatest(const struct environment *environment)
 {
     float largest = 0;
     size_t count = (size_t)environment->width * environment->height;
@@ -127,13 +134,20 @@ static float largest_texel(const struct environment *environment)
     return largest;
 }
 
+static void turn(double direction[3], double radians)
+{
+    double x = direction[0], z = direction[2];
+    direction[0] = x * cos(radians) + z * sin(radians);
+    direction[2] = z * cos(radians) - x * sin(radians);
+}
+
 bool scene_adjust_environment(struct scene *scene, double radians, double strength, struct err *err)
 {
     struct environment *environment = &scene->environment;
     struct environment_sun *sun = &environment->sun;
     if (!environment->present || (radians == 0 && strength == 1))
         return true;
-    double largest = (double)largest_texel(environment);
+    double largest = (double)environment_greatest(environment);
     for (int c = 0; c < 3 && sun->angular_radius > 0; c++)
         largest = fmax(largest,
                        environment_sun_radiance((double)sun->irradiance[c], sun->angular_radius));
@@ -146,9 +160,13 @@ bool scene_adjust_environment(struct scene *scene, double radians, double streng
         sun->irradiance[c] = (float)((double)sun->irradiance[c] * strength);
     }
     environment->rotation += radians;
-    double x = sun->direction[0], z = sun->direction[2];
-    sun->direction[0] = x * cos(radians) + z * sin(radians);
-    sun->direction[2] = z * cos(radians) - x * sin(radians);
+    turn(sun->direction, radians);
+    if (sun->light > 0) {
+        struct light *light = &scene->lights[sun->light - 1];
+        turn(light->direction, radians);
+        for (int c = 0; c < 3; c++)
+            light->radiant[c] = (float)((double)light->radiant[c] * strength);
+    }
     const double hashed[] = {radians, strength};
     scene->hash = hash_bytes(scene->hash, hashed, sizeof hashed);
     return true;
@@ -156,8 +174,8 @@ bool scene_adjust_environment(struct scene *scene, double radians, double streng
 
 bool scene_add_sky_sun(struct scene *scene, struct err *err)
 {
-    const struct environment_sun *sun = &scene->environment.sun;
-    if (!(sun->angular_radius > 0))
+    struct environment_sun *sun = &scene->environment.sun;
+    if (!(sun->angular_radius > 0) || sun->light > 0)
         return true;
     struct light *light = scene_add_light(scene, NULL);
     if (!light)
@@ -170,7 +188,33 @@ bool scene_add_sky_sun(struct scene *scene, struct err *err)
         light->direction[c] = sun->direction[c];
         light->radiant[c] = sun->irradiance[c];
     }
+    sun->light = scene->light_count;
     return true;
+}
+
+void scene_remove_sun(struct scene *scene, const struct environment *former)
+{
+    if (former->sun.light > 0)
+        scene->light_count = former->sun.light - 1;
+}
+
+bool scene_replace_environment(struct scene *scene, const struct environment_source *source,
+                               struct err *err)
+{
+    const struct environment former = scene->environment;
+    uint32_t light_count = scene->light_count;
+    bool ok = source->sky ? scene_set_sky(scene, source->sky, err)
+              : source->gradient
+                  ? scene_set_gradient(scene, source->gradient, err)
+                  : scene_set_environment(scene, source->file, source->radiance, err);
+    if (!ok)
+        return false;
+    scene_remove_sun(scene, &former);
+    if (scene_add_sky_sun(scene, err))
+        return true;
+    scene->environment = former;
+    scene->light_count = light_count;
+    return false;
 }
 
 uint32_t environment_texel(const struct environment *environment, const double direction[3])

@@ -48,12 +48,16 @@ bool scene_set_gradient(struct scene *scene, const struct environment_gradient *
                         struct err *err);
 
 // Turns the scene's environment by a further angle, and multiplies its radiance, that of a sky's
-// sun, too. Does nothing to a scene without one. ERR_INPUT where that exceeds SCENE_RADIANCE_MAX.
+// sun and of the light that it may have become, too. Does nothing to a scene without one. ERR_INPUT
+// where that exceeds SCENE_RADIANCE_MAX.
 bool scene_adjust_environment(struct scene *scene, double radians, double strength,
                               struct err *err);
 // Appends the sky's sun to the lights. To be called once, when nothing replaces the environment any
 // more.
 bool scene_add_sky_sun(struct scene *scene, struct err *err);
+
+// Takes the sun of an environment that was replaced, the last of the lights, from them.
+void scene_remove_sun(struct scene *scene, const struct environment *former);
 
 // For editors, after scene_load: replaces the environment by one of these and the sun among the
 // lights, which is the last of them, by the new sky's, if any. Neither turned nor scaled. What the
@@ -76,6 +80,8 @@ double environment_sun_radiance(double irradiance, double angular_radius);
 uint32_t environment_texel(const struct environment *environment, const double direction[3]);
 // Of each texel of a row, steradians.
 double environment_texel_solid_angle(const struct environment *environment, uint32_t row);
+// The greatest component of all its radiance, its factor included.
+float environment_greatest(const struct environment *environment);
 // The mean luminance (BT.709) over all directions, its factor included.
 double environment_luminance(const struct environment *environment);
 

@@ -12,9 +12,9 @@
 #define FORMAT_VERSION 1
 
 // "$schema" tells editors where the schema is.
-const char *const load_json_document_keys[] = {"lampyris", "define",    "camera",      "film",
-                                               "settings", "materials", "environment", "lights",
-                                               "shapes",   "$schema",   NULL};
+const char *const load_json_document_keys[] = {
+    "lampyris", "define", "camera", "film",  "settings", "materials", "environment",
+    "lights",   "shapes", "base",   "edits", "$schema",  NULL};
 
 const struct range RANGE_UNIT = {0, 1, false};
 const struct range RANGE_RADIANCE = {0, SCENE_RADIANCE_MAX, false};
@@ -66,6 +66,11 @@ static bool load_sections(struct json_loader *loader, const struct json_node *do
     const struct json_node environment = node_member(document, "environment");
     const struct json_node lights = node_member(document, "lights");
     const struct json_node shapes = node_member(document, "shapes");
+    const struct json_node edits = node_member(document, "edits");
+    if (node_member(document, "base").value)
+        return load_json_base(loader, document, err);
+    if (edits.value)
+        return node_fail(&edits, err, "goes with a \"base\" only, the file that it edits");
     return (!camera.value || load_json_camera(scene, &camera, err)) &&
            (!film.value || load_json_film(scene, &film, err)) &&
            (!settings.value || load_json_settings(scene, &settings, err)) &&
@@ -138,26 +143,49 @@ static bool contains_value(const json_t *value, const json_t *wanted)
     return false;
 }
 
+static bool note_override_path(struct scene *scene, const char *text, const char *path,
+                               struct err *err)
+{
+    uint32_t count = scene->override_path_count, capacity = 2 * count + 1;
+    if (count == scene->override_path_capacity) {
+        struct scene_path *paths = ARENA_NEW(&scene->arena, struct scene_path, capacity);
+        if (!paths)
+            return err_memory(err, "paths", capacity * sizeof *paths);
+        if (count > 0)
+            memcpy(paths, scene->override_paths, count * sizeof *paths);
+        scene->override_paths = paths;
+        scene->override_path_capacity = capacity;
+    }
+    text = arena_strdup(&scene->arena, text);
+    if (!text)
+        return err_memory(err, "a path", 1);
+    scene->override_paths[scene->override_path_count++] = (struct scene_path){text, path};
+    return true;
+}
+
 const char *load_json_path(struct json_loader *loader, const struct json_node *object,
                            const char *key, struct err *err)
 {
     struct arena *arena = &loader->scene->arena;
     const struct json_node node = node_member(object, key);
-    const char *text = "", *path;
+    const char *text = "", *path, *override_folder = loader->params->override_folder;
     if (!node_read_string(object, key, &text, err))
         return NULL;
-    if (contains_value(loader->trusted, node.value)) {
+    bool is_override = contains_value(loader->trusted, node.value);
+    if (is_override && !override_folder) {
         path = arena_strdup(arena, text);
         if (!path)
             err_memory(err, "a path", strlen(text) + 1);
     } else {
         const struct file_reference reference = {
-            .folder = loader->folder,
+            .folder = is_override ? override_folder : loader->folder,
             .allow_outside = loader->params->allow_outside_paths,
         };
         path = file_resolve(arena, &reference, text, err);
     }
-    if (!path)
+    if (!path || (is_override && !note_override_path(loader->scene, text, path, err))) {
         node_prepend(&node, err);
+        return NULL;
+    }
     return path;
 }

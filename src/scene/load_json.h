@@ -10,11 +10,16 @@
 struct json_loader {
     struct scene *scene;
     const struct scene_load_params *params;
-    const char *folder;     // of the scene file
-    const json_t *trusted;  // array of the values given with -D: paths in them are the user's own
-    json_t *material_names; // object: the index of each named material
-    json_t *shape_names;    // object: the index of each named shape in the list of shapes
+    const char *folder;      // of the scene file
+    const json_t *trusted;   // array of the values given with -D: paths in them are the user's own
+    json_t *material_names;  // object: the index of each named material
+    json_t *shape_names;     // object: the index of each named shape in the list of shapes
+    struct scene_base *base; // of a document with a "base"; else NULL
 };
+
+// A scene, whole but for what scene_load sets beforehand, on top of whatever is in *scene. Of a
+// file with a "base" this is called again for that.
+bool scene_load_into(struct scene *scene, const struct scene_load_params *params, struct err *err);
 
 // Puts the overrides into the document and replaces its references "${NAME}". The values given are
 // appended to the array `trusted`, which shares them with the document.
@@ -40,6 +45,16 @@ bool load_json_lights(struct json_loader *loader, const struct json_node *lights
 bool load_json_environment(struct json_loader *loader, const struct json_node *environment,
                            struct err *err);
 bool load_json_shapes(struct json_loader *loader, const struct json_node *shapes, struct err *err);
+// All of a document with a "base" but its version.
+bool load_json_base(struct json_loader *loader, const struct json_node *document, struct err *err);
+bool load_json_edits(struct json_loader *loader, const struct json_node *edits, struct err *err);
+
+// Reads those of material_parameters[] that the object has.
+bool load_json_parameters(const struct json_node *node, struct material *material, struct err *err);
+// One of an angle's or a length's two keys, if any: "NAME_degrees" …, to be multiplied by `unit`,
+// or the one that is exact.
+bool load_json_exactly(const struct json_node *node, const char *key, struct range range,
+                       double unit, const char *exact_key, double *out, struct err *err);
 
 // Shapes that need no other file. Each appends itself in its own space: an instance of a mesh with
 // the identity as its transform, or an analytic shape.

@@ -6,11 +6,6 @@
 #include <math.h>
 #include <string.h>
 
-static double radians(double degrees)
-{
-    return degrees * (M_PI / 180);
-}
-
 // The millimetres' range leaves fields of view that are neither 0 nor 180 degrees in double.
 static const struct range RANGE_MILLIMETRES = {1e-6, 1e6, false};
 static const struct range RANGE_APERTURE = {0, 1e6, false}; // millimetres
@@ -18,6 +13,7 @@ static const struct range RANGE_F_NUMBER = {1e-3, 1e6, false};
 // What kernels divide by stays normal, and so do its quotients.
 static const struct range RANGE_FOCUS = {1e-9, 1e9, false};
 static const struct range RANGE_TURN = {-360, 360, false};
+#define DEGREE (M_PI / 180)
 #define BLADES_MAX 64
 
 bool load_json_direction(const struct json_node *node, const double position[3],
@@ -35,8 +31,25 @@ bool load_json_direction(const struct json_node *node, const double position[3],
         return vec3_normalize(direction) || node_fail(&target_node, err, "is its own position");
     }
     const struct json_node direction_node = node_member(node, "direction");
-    return vec3_normalize(direction) ||
+    return vec3_make_unit(direction) ||
            node_fail(&direction_node, err, "is zero; expected a direction");
+}
+
+bool load_json_exactly(const struct json_node *node, const char *key, struct range range,
+                       double unit, const char *exact_key, double *out, struct err *err)
+{
+    const struct json_node rounded = node_member(node, key), exact = node_member(node, exact_key);
+    const struct range exact_range = {range.min * unit, range.max * unit, range.open};
+    double value = 0;
+    if (rounded.value && exact.value)
+        return node_fail(node, err, "both \"%s\" and \"%s\" are given; expected one", key,
+                         exact_key);
+    if (!node_read_number(node, key, range, &value, err) ||
+        !node_read_number(node, exact_key, exact_range, out, err))
+        return false;
+    if (rounded.value)
+        *out = value * unit;
+    return true;
 }
 
 // The basis that the kernels take in single precision keeps its digits as long as up deviates from
@@ -60,17 +73,20 @@ static bool read_up(const struct json_node *node, struct camera *camera, struct 
 static bool read_field_of_view(const struct json_node *node, struct camera *camera, struct err *err)
 {
     const struct range degrees = {0, 180, true};
-    double fov_degrees = 0, focal_length = 0, sensor_height = 24;
-    if (!node_check_either(node, "fov_degrees", "focal_length_mm", err) ||
-        !node_read_number(node, "fov_degrees", degrees, &fov_degrees, err) ||
+    double focal_length = 0, sensor_height = 24;
+    bool is_exact = node_member(node, "fov_radians").value != NULL;
+    if (!node_check_either(node, is_exact ? "fov_radians" : "fov_degrees", "focal_length_mm",
+                           err) ||
+        !load_json_exactly(node, "fov_degrees", degrees, DEGREE, "fov_radians", &camera->fov_y,
+                           err) ||
         !node_read_number(node, "focal_length_mm", RANGE_MILLIMETRES, &focal_length, err) ||
         !node_read_number(node, "sensor_height_mm", RANGE_MILLIMETRES, &sensor_height, err))
         return false;
     const struct json_node sensor = node_member(node, "sensor_height_mm");
-    if (sensor.value && fov_degrees > 0)
+    if (sensor.value && camera->fov_y > 0)
         return node_fail(&sensor, err, "goes with \"focal_length_mm\", not with \"fov_degrees\"");
-    camera->fov_y =
-        fov_degrees > 0 ? radians(fov_degrees) : 2 * atan(sensor_height / (2 * focal_length));
+    if (focal_length > 0)
+        camera->fov_y = 2 * atan(sensor_height / (2 * focal_length));
     return true;
 }
 
@@ -98,9 +114,12 @@ static bool read_focus(const struct json_node *node, struct camera *camera, stru
 // diameters.
 static bool read_aperture(const struct json_node *node, struct camera *camera, struct err *err)
 {
-    double radius = 0, f_number = 0, focal_length = 0;
-    if (!node_check_either(node, "aperture_radius_mm", "f_number", err) ||
-        !node_read_number(node, "aperture_radius_mm", RANGE_APERTURE, &radius, err) ||
+    double f_number = 0, focal_length = 0;
+    bool is_exact = node_member(node, "aperture_radius").value != NULL;
+    if (!node_check_either(node, is_exact ? "aperture_radius" : "aperture_radius_mm", "f_number",
+                           err) ||
+        !load_json_exactly(node, "aperture_radius_mm", RANGE_APERTURE, 1e-3, "aperture_radius",
+                           &camera->lens_radius, err) ||
         !node_read_number(node, "f_number", RANGE_F_NUMBER, &f_number, err))
         return false;
     const struct json_node f_node = node_member(node, "f_number");
@@ -109,25 +128,23 @@ static bool read_aperture(const struct json_node *node, struct camera *camera, s
             return node_fail(&f_node, err, "goes with \"focal_length_mm\"");
         if (!node_read_number(node, "focal_length_mm", RANGE_MILLIMETRES, &focal_length, err))
             return false;
-        radius = focal_length / (2 * f_number);
+        camera->lens_radius = focal_length / (2 * f_number) * 1e-3;
     }
-    camera->lens_radius = radius * 1e-3;
     return true;
 }
 
 static bool read_blades(const struct json_node *node, struct camera *camera, struct err *err)
 {
     uint64_t blades = 0;
-    double rotation = 0;
     if (!node_read_integer(node, "blades", 0, BLADES_MAX, &blades, err) ||
-        !node_read_number(node, "blade_rotation_degrees", RANGE_TURN, &rotation, err))
+        !load_json_exactly(node, "blade_rotation_degrees", RANGE_TURN, DEGREE,
+                           "blade_rotation_radians", &camera->lens_rotation, err))
         return false;
     const struct json_node blades_node = node_member(node, "blades");
     if (blades == 1 || blades == 2)
         return node_fail(&blades_node, err, "%u; expected at least 3, or 0 for a round aperture",
                          (unsigned)blades);
     camera->lens_blades = (uint32_t)blades;
-    camera->lens_rotation = radians(rotation);
     return true;
 }
 
@@ -145,9 +162,11 @@ static bool check_absent(const struct json_node *node, const char *const *keys, 
 
 static bool read_lens(const struct json_node *node, struct camera *camera, struct err *err)
 {
-    static const char *const of_lenses[] = {"focus", "focus_distance", "blades",
-                                            "blade_rotation_degrees", NULL};
-    if (!node_member(node, "aperture_radius_mm").value && !node_member(node, "f_number").value)
+    static const char *const of_lenses[] = {
+        "focus", "focus_distance", "blades", "blade_rotation_degrees", "blade_rotation_radians",
+        NULL};
+    if (!node_member(node, "aperture_radius_mm").value &&
+        !node_member(node, "aperture_radius").value && !node_member(node, "f_number").value)
         return check_absent(node, of_lenses,
                             "goes with \"aperture_radius_mm\" or \"f_number\": a pinhole has no "
                             "focus",
@@ -159,9 +178,19 @@ static bool read_lens(const struct json_node *node, struct camera *camera, struc
 // What belongs to one kind of camera is refused with the others.
 static bool read_kind(const struct json_node *node, struct camera *camera, struct err *err)
 {
-    static const char *const of_perspective[] = {
-        "fov_degrees", "focal_length_mm", "sensor_height_mm", "aperture_radius_mm",     "f_number",
-        "focus",       "focus_distance",  "blades",           "blade_rotation_degrees", NULL};
+    static const char *const of_perspective[] = {"fov_degrees",
+                                                 "fov_radians",
+                                                 "focal_length_mm",
+                                                 "sensor_height_mm",
+                                                 "aperture_radius_mm",
+                                                 "aperture_radius",
+                                                 "f_number",
+                                                 "focus",
+                                                 "focus_distance",
+                                                 "blades",
+                                                 "blade_rotation_degrees",
+                                                 "blade_rotation_radians",
+                                                 NULL};
     static const char *const of_orthographic[] = {"height", NULL};
     if (!node_read_choice(node, "type", camera_names, &camera->kind, err))
         return false;
@@ -183,11 +212,25 @@ static bool read_kind(const struct json_node *node, struct camera *camera, struc
 bool load_json_camera(struct scene *scene, const struct json_node *node, struct err *err)
 {
     static const char *const required[] = {"position", NULL};
-    static const char *const optional[] = {
-        "name",     "type",        "target",          "direction",        "up",
-        "height",   "fov_degrees", "focal_length_mm", "sensor_height_mm", "aperture_radius_mm",
-        "f_number", "focus",       "focus_distance",  "blades",           "blade_rotation_degrees",
-        NULL};
+    static const char *const optional[] = {"name",
+                                           "type",
+                                           "target",
+                                           "direction",
+                                           "up",
+                                           "height",
+                                           "fov_degrees",
+                                           "fov_radians",
+                                           "focal_length_mm",
+                                           "sensor_height_mm",
+                                           "aperture_radius_mm",
+                                           "aperture_radius",
+                                           "f_number",
+                                           "focus",
+                                           "focus_distance",
+                                           "blades",
+                                           "blade_rotation_degrees",
+                                           "blade_rotation_radians",
+                                           NULL};
     const char *name = "";
     struct camera camera = {.up = {0, 1, 0}};
     if (!node_check_object(node, required, optional, err) ||

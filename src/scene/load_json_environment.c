@@ -6,18 +6,20 @@
 #include "sky.h"
 #include <math.h>
 
-enum { TYPE_CONSTANT, TYPE_IMAGE, TYPE_GRADIENT, TYPE_SKY };
-static const char *const type_names[] = {"constant", "image", "gradient", "sky", NULL};
+enum { TYPE_CONSTANT, TYPE_IMAGE, TYPE_GRADIENT, TYPE_SKY, TYPE_NONE };
+static const char *const type_names[] = {"constant", "image", "gradient", "sky", "none", NULL};
 
 static const struct {
     const char *required[5], *optional[12];
 } type_keys[] = {
     [TYPE_CONSTANT] = {{"radiance"}, {"type", "strength", "rotation_degrees"}},
     [TYPE_IMAGE] = {{"file"}, {"type", "radiance", "strength", "rotation_degrees"}},
+    [TYPE_NONE] = {{"type"}, {NULL}},
     [TYPE_GRADIENT] = {{"type", "zenith", "horizon", "nadir"}, {"strength", "rotation_degrees"}},
     [TYPE_SKY] = {{"type"},
                   {"turbidity", "elevation_degrees", "azimuth_degrees", "sun_direction",
-                   "ground_albedo", "sun", "sun_diameter_degrees", "strength", "rotation_degrees"}},
+                   "ground_albedo", "sun", "sun_diameter_degrees", "sun_diameter_radians",
+                   "strength", "rotation_degrees"}},
 };
 
 static const struct range RANGE_STRENGTH = {0, SCENE_RADIANCE_MAX, false};
@@ -63,7 +65,7 @@ static bool read_sun(const struct json_node *node, struct sky *sky, struct err *
                          "goes without \"elevation_degrees\" and \"azimuth_degrees\"");
     if (!node_read_vector(node, "sun_direction", RANGE_COORDINATE, sky->sun_direction, err))
         return false;
-    return vec3_normalize(sky->sun_direction) ||
+    return vec3_make_unit(sky->sun_direction) ||
            node_fail(&direction, err, "is zero; expected a direction");
 }
 
@@ -73,14 +75,13 @@ static bool read_sky(struct json_loader *loader, const struct json_node *node, s
     const struct range diameters = {ENVIRONMENT_SUN_DIAMETER_MIN, ENVIRONMENT_SUN_DIAMETER_MAX,
                                     false};
     struct sky sky = sky_default();
-    double degrees = sky.sun_diameter * (180 / M_PI);
     if (!node_read_number(node, "turbidity", turbidities, &sky.turbidity, err) ||
         !read_sun(node, &sky, err) ||
         !node_read_vector(node, "ground_albedo", RANGE_UNIT, sky.ground_albedo, err) ||
         !node_read_boolean(node, "sun", &sky.has_sun, err) ||
-        !node_read_number(node, "sun_diameter_degrees", diameters, &degrees, err))
+        !load_json_exactly(node, "sun_diameter_degrees", diameters, M_PI / 180,
+                           "sun_diameter_radians", &sky.sun_diameter, err))
         return false;
-    sky.sun_diameter = degrees * (M_PI / 180);
     return scene_set_sky(loader->scene, &sky, err) || node_prepend(node, err);
 }
 
@@ -106,6 +107,12 @@ bool load_json_environment(struct json_loader *loader, const struct json_node *n
         !node_read_number(node, "strength", RANGE_STRENGTH, &strength, err) ||
         !node_read_number(node, "rotation_degrees", RANGE_ROTATION, &rotation_degrees, err))
         return false;
+    if (type == TYPE_NONE) {
+        loader->scene->environment = (struct environment){0};
+        return loader->base || node_fail(node, err,
+                                         "\"none\" goes with a \"base\" only; a scene "
+                                         "has no environment unless it says so");
+    }
     bool ok = type == TYPE_SKY        ? read_sky(loader, node, err)
               : type == TYPE_GRADIENT ? read_gradient(loader, node, err)
                                       : read_image(loader, node, err);

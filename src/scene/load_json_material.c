@@ -103,8 +103,7 @@ static double as_written(float bound)
     return strtod(text, NULL);
 }
 
-static bool read_parameters(const struct json_node *node, struct material *material,
-                            struct err *err)
+bool load_json_parameters(const struct json_node *node, struct material *material, struct err *err)
 {
     for (uint32_t i = 0; i < material_parameter_count; i++) {
         const struct material_parameter *p = &material_parameters[i];
@@ -314,7 +313,7 @@ static bool read_material(struct json_loader *loader, const struct json_node *no
     if (!check_keys(node, &material->model, err))
         return false;
     set_fallbacks(material);
-    return read_parameters(node, material, err) && read_smoothness(node, material, err) &&
+    return load_json_parameters(node, material, err) && read_smoothness(node, material, err) &&
            read_metal(node, material, err) && load_json_textures(loader, node, material, err) &&
            read_alpha(loader->scene, node, material, err) && read_coat(node, material, err) &&
            read_flag(node, "thin", MATERIAL_THIN, material, err) &&

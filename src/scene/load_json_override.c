@@ -173,9 +173,12 @@ static bool resolve_object(const struct json_node *object, json_t *definitions, 
     const char *key;
     json_t *value;
     // Replacing the value of a key that is there leaves the iteration intact.
+    // What overrides the base refers to the base's definitions.
+    bool is_base = object->parent && !object->parent->parent && object->key &&
+                   strcmp(object->key, "base") == 0;
     json_object_foreach(object->value, key, value)
     {
-        if (strcmp(key, "comment") == 0)
+        if (strcmp(key, "comment") == 0 || (is_base && strcmp(key, "overrides") == 0))
             continue;
         const struct json_node member = node_member(object, key);
         if (!resolve(&member, definitions, err))

@@ -40,15 +40,25 @@ bool load_json_film(struct scene *scene, const struct json_node *node, struct er
     return true;
 }
 
-static bool read_roulette(const struct json_node *settings, uint32_t *out, struct err *err)
+// Whether the value at `key` is the word "off"; false with *err set for any other word.
+static bool read_off(const struct json_node *settings, const char *key, bool *is_off,
+                     struct err *err)
 {
-    const struct json_node node = node_member(settings, "roulette_min_bounces");
-    if (!json_is_string(node.value))
-        return read_uint32(settings, node.key, 0, SETTINGS_BOUNCES_MAX, out, err);
     static const char *const words[] = {"off", NULL};
-    uint32_t off;
-    if (!node_read_choice(settings, node.key, words, &off, err))
+    uint32_t choice;
+    *is_off = json_is_string(node_member(settings, key).value);
+    return !*is_off || node_read_choice(settings, key, words, &choice, err);
+}
+
+// A depth, or "off": UINT32_MAX.
+static bool read_depth(const struct json_node *settings, const char *key, uint32_t *out,
+                       struct err *err)
+{
+    bool is_off;
+    if (!read_off(settings, key, &is_off, err))
         return false;
+    if (!is_off)
+        return read_uint32(settings, key, 0, SETTINGS_BOUNCES_MAX, out, err);
     *out = UINT32_MAX;
     return true;
 }
@@ -70,6 +80,19 @@ static bool read_float(const struct json_node *object, const char *key, struct r
     return true;
 }
 
+// A number, or "off": a value outside the range.
+static bool read_limit(const struct json_node *object, const char *key, struct range range,
+                       float off, float *out, struct err *err)
+{
+    bool is_off;
+    if (!read_off(object, key, &is_off, err))
+        return false;
+    if (!is_off)
+        return read_float(object, key, range, out, err);
+    *out = off;
+    return true;
+}
+
 static bool read_choices(const struct json_node *node, struct settings *settings, struct err *err)
 {
     return node_read_choice(node, "integrator", integrator_names, &settings->integrator, err) &&
@@ -86,15 +109,14 @@ static bool read_choices(const struct json_node *node, struct settings *settings
 static bool read_parameters(const struct json_node *node, struct settings *settings,
                             struct err *err)
 {
-    return read_float(node, "ao_distance", RANGE_AO, &settings->ao_distance, err) &&
+    return read_limit(node, "ao_distance", RANGE_AO, INFINITY, &settings->ao_distance, err) &&
            read_float(node, "falloff", RANGE_FALLOFF, &settings->falloff, err) &&
            read_float(node, "filter_radius", RANGE_FILTER_RADIUS, &settings->filter_radius, err) &&
-           read_uint32(node, "nee_depth", 0, SETTINGS_BOUNCES_MAX, &settings->nee_depth, err) &&
+           read_depth(node, "nee_depth", &settings->nee_depth, err) &&
            read_float(node, "direction_exponent", RANGE_EXPONENT, &settings->direction_exponent,
                       err) &&
-           read_float(node, "clamp", RANGE_CLAMP, &settings->clamp_limit, err) &&
-           read_uint32(node, "roulette_max_bounces", 0, SETTINGS_BOUNCES_MAX,
-                       &settings->roulette_max_bounces, err) &&
+           read_limit(node, "clamp", RANGE_CLAMP, 0, &settings->clamp_limit, err) &&
+           read_depth(node, "roulette_max_bounces", &settings->roulette_max_bounces, err) &&
            read_float(node, "roulette_survival", RANGE_SURVIVAL, &settings->roulette_survival, err);
 }
 
@@ -128,7 +150,7 @@ bool load_json_settings(struct scene *scene, const struct json_node *node, struc
            node_read_integer(node, "spp", 1, SETTINGS_SPP_MAX, &settings->spp, err) &&
            read_uint32(node, "seed", 0, UINT32_MAX, &settings->seed, err) &&
            read_uint32(node, "max_bounces", 0, SETTINGS_BOUNCES_MAX, &settings->max_bounces, err) &&
-           read_roulette(node, &settings->roulette_min_bounces, err) &&
+           read_depth(node, "roulette_min_bounces", &settings->roulette_min_bounces, err) &&
            node_read_boolean(node, "pixel_jitter", &settings->pixel_jitter, err) &&
            node_read_boolean(node, "nee", &settings->nee, err) &&
            read_choices(node, settings, err) && read_parameters(node, settings, err);

@@ -269,11 +269,11 @@ static const char *const type_names[TYPE_COUNT] = {
     "mesh",   "quad",  "box",     "sphere", "disc",    "plane",    "cylinder", "generated",
     "teapot", "torus", "stadium", "sdf",    "scatter", "instance", NULL};
 
-#define EVERY_SHAPE "name", "transform", "hidden"
+#define EVERY_SHAPE "name", "transform", "hidden", "visible"
 
 // Keys of each type, "type" included.
 static const struct {
-    const char *required[6], *optional[10];
+    const char *required[6], *optional[11];
 } type_keys[TYPE_COUNT] = {
     [TYPE_MESH] = {{"type", "file"}, {EVERY_SHAPE, "material", "fit"}},
     [TYPE_QUAD] = {{"type", "material"}, {EVERY_SHAPE, "vertices", "corner", "u", "v", "as"}},
@@ -387,6 +387,15 @@ static bool add_in_own_space(struct shape_list *list, const struct json_node *no
     return err_set(err, ERR_BUG, "shape type %d has no loader", (int)type);
 }
 
+// Copies of what is not visible are, unless they say so, too.
+static void set_visible(struct scene *scene, const struct scene_part *part, bool visible)
+{
+    for (uint32_t i = 0; i < part->instance_count; i++)
+        scene->instances[part->first_instance + i].hidden = !visible;
+    for (uint32_t i = 0; i < part->shape_count; i++)
+        scene->shapes[part->first_shape + i].hidden = !visible;
+}
+
 static bool load_shape(struct shape_list *list, const struct json_node *node, struct err *err)
 {
     struct scene *scene = list->loader->scene;
@@ -406,8 +415,11 @@ static bool load_shape(struct shape_list *list, const struct json_node *node, st
         return false;
     if (fit.value && !fit_part(scene, part, &fit, err))
         return false;
-    if (!node_read_boolean(node, "hidden", &list->hidden[node->index], err))
+    bool visible = true;
+    if (!node_read_boolean(node, "hidden", &list->hidden[node->index], err) ||
+        !node_read_boolean(node, "visible", &visible, err))
         return false;
+    set_visible(scene, part, visible);
     return register_name(list->loader, node, node->index, err);
 }
 

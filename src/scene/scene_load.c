@@ -6,10 +6,12 @@
 #include "environment.h"
 #include "file.h"
 #include "hash.h"
+#include "load_json.h"
 #include "mesh_loader.h"
 #include "sky.h"
 #include "tangents.h"
 #include <math.h>
+#include <string.h>
 #include <strings.h>
 
 #define DEFAULT_MAX_BYTES ((size_t)16 << 30)
@@ -168,11 +170,16 @@ static bool load_by_extension(struct scene *scene, const struct scene_load_param
 static bool override_environment(struct scene *scene, const struct scene_load_params *params,
                                  struct err *err)
 {
+    const struct environment former = scene->environment;
+    bool is_constant = params->environment_file || params->environment_radiance;
     if (params->environment_sky && !scene_set_sky(scene, params->environment_sky, err))
         return false;
-    return (!params->environment_file && !params->environment_radiance) ||
-           scene_set_environment(scene, params->environment_file, params->environment_radiance,
-                                 err);
+    if (is_constant &&
+        !scene_set_environment(scene, params->environment_file, params->environment_radiance, err))
+        return false;
+    if (params->environment_sky || is_constant)
+        scene_remove_sun(scene, &former);
+    return true;
 }
 
 static bool finish_environment(struct scene *scene, const struct scene_load_params *params,
@@ -190,6 +197,26 @@ bool scene_loading(const struct scene *scene, double fraction, struct err *err)
            err_set(err, ERR_STOPPED, "stopped while loading the scene");
 }
 
+// A file with a "base" changes what is complete already.
+static bool provide_missing(struct scene *scene, const struct scene_load_params *params,
+                            struct err *err)
+{
+    if (scene->base)
+        return finish_environment(scene, params, err);
+    return provide_material(scene, err) && provide_light(scene, err) &&
+           finish_environment(scene, params, err) && provide_camera(scene, err) &&
+           scene_generate_tangents(scene, err);
+}
+
+bool scene_load_into(struct scene *scene, const struct scene_load_params *params, struct err *err)
+{
+    scene->path = arena_strdup(&scene->arena, params->path);
+    if (!scene->path)
+        return err_memory(err, "a path", strlen(params->path) + 1);
+    return load_by_extension(scene, params, err) && override_environment(scene, params, err) &&
+           provide_missing(scene, params, err);
+}
+
 bool scene_load(const struct scene_load_params *params, struct scene *out, struct err *err)
 {
     *out = (struct scene){
@@ -199,12 +226,7 @@ bool scene_load(const struct scene_load_params *params, struct scene *out, struc
         .progress = params->progress,
     };
     progress_report(params->progress, "Loading", 0);
-    out->path = arena_strdup(&out->arena, params->path);
-    bool ok =
-        out->path ? load_by_extension(out, params, err) : err_memory(err, "a path", sizeof *params);
-    ok = ok && override_environment(out, params, err) && provide_material(out, err) &&
-         provide_light(out, err) && finish_environment(out, params, err) &&
-         provide_camera(out, err) && scene_generate_tangents(out, err);
+    bool ok = scene_load_into(out, params, err);
     progress_report(params->progress, "Loading", 1);
     out->progress = NULL;
     if (!ok)

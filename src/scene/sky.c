@@ -348,12 +348,15 @@ bool scene_set_sky(struct scene *scene, const struct sky *sky, struct err *err)
         return false;
     struct environment environment = {
         .present = true, .radiance = {1, 1, 1}, .width = SKY_WIDTH, .height = SKY_HEIGHT};
+    struct sky *source = ARENA_NEW(&scene->arena, struct sky, 1);
     environment.texels =
         arena_alloc(&scene->arena, SKY_WIDTH * SKY_HEIGHT, sizeof *environment.texels);
     unsigned clipped;
-    if (!environment.texels || !bake_sky(sky, &environment, &clipped))
+    if (!environment.texels || !source || !bake_sky(sky, &environment, &clipped))
         return err_memory(err, "a sky", SKY_WIDTH * SKY_HEIGHT * sizeof *environment.texels);
     bake_ground(sky, &environment);
+    *source = *sky;
+    environment.sky = source;
     if (clipped > 0 &&
         !scene_note(scene, "sky: %u of %u texels have colours beyond Rec. 709 and were clipped",
                     clipped, SKY_WIDTH * SKY_HEIGHT / 2))

@@ -1,0 +1,24 @@
+// What a scene file with a "base" was made from. For scene_write, which writes such a scene down
+// as another file with the same base: so files do not pile up on one another.
+#ifndef LAMPYRIS_SCENE_SCENE_EDITS_H
+#define LAMPYRIS_SCENE_SCENE_EDITS_H
+
+#include "scene.h"
+
+// All in the scene's arena.
+struct scene_base {
+    const char *path; // as seen from the working directory
+    const struct scene_override *overrides;
+    uint32_t override_count;
+    const struct scene_path *override_paths;
+    uint32_t override_path_count;
+    const char *scene_name, *animation, *variant; // of glTF: see scene_load_params
+    const double *at_seconds;
+    // What the file speaks of: by index; NULL: of none.
+    bool *materials, *lights;
+    bool *objects;    // instances, then shapes
+    bool environment; // its radiance or rotation
+    bool environment_source;
+};
+
+#endif
