@@ -208,52 +208,53 @@ static struct shader_code *read_code(const char *path, struct arena *arena)
 
 // Adds a line unless it is there: what is wrong in a file that several kernels include is said
 // once.
-static void add_error(char *errors, size_t size, const char *line, size_t length)
+static void add_error(char *errors, size_t size, const char *line)
 {
-    size_t used = strlen(errors);
+    size_t used = strlen(errors), length = strlen(line);
     for (const char *at = errors; *at; at += strcspn(at, "\n") + 1)
         if (strncmp(at, line, length) == 0 && at[length] == '\n')
             return;
     if (used + length + 2 <= size)
-        snprintf(errors + used, size - used, "%.*s\n", (int)length, line);
+        snprintf(errors + used, size - used, "%s\n", line);
 }
 
-// "ERROR: FOLDER/lib/x.glsl:12: text" becomes "lib/x.glsl:12: text"; the compiler's summaries,
-// which name no line, are left out.
-static bool is_placed(const char *line, size_t length)
+// Of the compiler's other lines, summaries name no place, and that it gave up follows other faults.
+static bool is_fault(const char *line)
 {
-    const char *colon = memchr(line, ':', length);
+    const char *colon = strchr(line, ':');
     size_t digits = colon ? strspn(colon + 1, "0123456789") : 0;
-    return digits > 0 && colon[1 + digits] == ':';
+    return digits > 0 && colon[1 + digits] == ':' && !strstr(line, ": compilation terminated");
 }
 
+// "ERROR: FOLDER/lib/x.glsl:12: text" becomes "lib/x.glsl:12: text".
 static void add_messages(const struct shader_job *job, const char *name, const char *text,
                          char *errors, size_t size)
 {
     static const char prefix[] = "ERROR: ";
     size_t folder = strlen(job->folder);
     bool is_some = false;
-    for (const char *line = text; *line; line += strcspn(line, "\n"), line += *line == '\n') {
-        if (strncmp(line, prefix, sizeof prefix - 1) != 0)
+    char line[1024];
+    for (const char *at = text, *end; *at; at = *end ? end + 1 : end) {
+        end = at + strcspn(at, "\n");
+        if (strncmp(at, prefix, sizeof prefix - 1) != 0)
             continue;
-        line += sizeof prefix - 1;
-        if (strncmp(line, job->folder, folder) == 0 && line[folder] == '/')
-            line += folder + 1;
-        size_t length = strcspn(line, "\n");
-        while (length > 0 && line[length - 1] == ' ')
+        at += sizeof prefix - 1;
+        if (strncmp(at, job->folder, folder) == 0 && at[folder] == '/')
+            at += folder + 1;
+        int length = (int)(end - at);
+        while (length > 0 && at[length - 1] == ' ')
             length--;
-        if (is_placed(line, length)) {
-            add_error(errors, size, line, length);
+        snprintf(line, sizeof line, "%.*s", length, at);
+        if (is_fault(line)) {
+            add_error(errors, size, line);
             is_some = true;
         }
     }
     if (is_some)
         return;
-    char whole[1024];
-    int length = snprintf(whole, sizeof whole, "%s.comp: %.900s", name,
-                          *text ? text : COMPILER " made no SPIR-V of it");
-    add_error(errors, size, whole,
-              strcspn(whole, "\n") < (size_t)length ? strcspn(whole, "\n") : (size_t)length);
+    snprintf(line, sizeof line, "%s.comp: %.*s", name, *text ? (int)strcspn(text, "\n") : 80,
+             *text ? text : COMPILER " made no SPIR-V of it");
+    add_error(errors, size, line);
 }
 
 // started: the clock's time; files that changed since then may have been read before or after.
