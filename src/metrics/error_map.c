@@ -1,5 +1,6 @@
 #include "error_map.h"
 
+#include "false_color.h"
 #include "metrics.h"
 #include "pixel.h"
 #include <string.h>
@@ -50,50 +51,11 @@ double error_map_level(enum error_map map, double value)
 
 // --- colours -------------------------------------------------------------------------------------
 
-// Linear Rec. 709 of a colour of Oklab (Ottosson 2020, "A perceptual color space for image
-// processing").
-static void rgb_of_oklab(double lightness, double a, double b, double out[3])
-{
-    double l = lightness + 0.3963377774 * a + 0.2158037573 * b;
-    double m = lightness - 0.1055613458 * a - 0.0638541728 * b;
-    double s = lightness - 0.0894841775 * a - 1.2914855480 * b;
-    l = l * l * l;
-    m = m * m * m;
-    s = s * s * s;
-    out[0] = 4.0767416621 * l - 3.3077115913 * m + 0.2309699292 * s;
-    out[1] = -1.2684380046 * l + 2.6097574011 * m - 0.3413193965 * s;
-    out[2] = -0.0041960863 * l - 0.7034186147 * m + 1.7076147010 * s;
-}
-
-static bool is_shown(const double rgb[3])
-{
-    bool ok = true;
-    for (int c = 0; c < 3; c++)
-        ok = ok && rgb[c] >= 0 && rgb[c] <= 1;
-    return ok;
-}
-
-// Lightness rises evenly while the hue goes from violet by red to yellow, half of the circle; the
-// chroma, greatest in the middle, is lowered to what displays can show.
-static void color_of_level(double level, double out[3])
-{
-    double lightness = 0.97 * level, hue = (285 + 180 * level) * M_PI / 180;
-    double chroma = 0.165 * pow(sin(M_PI * pow(level, 0.85)), 0.8) + 0.05 * level;
-    double low = 0, high = 2; // 1 is tried first
-    for (int i = 0; i < 40 && low < 1; i++) {
-        double share = 0.5 * (low + high);
-        rgb_of_oklab(lightness, share * chroma * cos(hue), share * chroma * sin(hue), out);
-        *(is_shown(out) ? &low : &high) = share;
-    }
-    low = fmin(low, 1);
-    rgb_of_oklab(lightness, low * chroma * cos(hue), low * chroma * sin(hue), out);
-}
-
 void error_map_palette(float out[ERROR_MAP_COLORS][3])
 {
     for (int i = 0; i < ERROR_MAP_COLORS; i++) {
         double rgb[3];
-        color_of_level(i / (double)(ERROR_MAP_COLORS - 1), rgb);
+        false_color(i / (double)(ERROR_MAP_COLORS - 1), rgb);
         for (int c = 0; c < 3; c++)
             out[i][c] = (float)display_value(rgb[c]);
     }
