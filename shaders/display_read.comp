@@ -1,0 +1,153 @@
+// One thread turns one pixel of a film's chunk into a pixel of a linear picture: of what is shown.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+
+#include "lib/display.glsl"
+
+layout(std430, set = 0, binding = DISPLAY_BINDING_FILM) readonly buffer film_block {
+    uvec4 film_words[]; // gpu_film_pixel, and see shared/aov.h
+};
+layout(std430, set = 0, binding = DISPLAY_BINDING_DENOISED) readonly buffer denoised_block {
+    vec4 denoised[];
+};
+layout(std430, set = 0, binding = DISPLAY_BINDING_SOURCES) readonly buffer sources_block {
+    uint sources[]; // triangles that precede dropped ones, first triangles of instances and meshes,
+                    // instances of placed meshes
+};
+layout(std430, set = 0, binding = DISPLAY_BINDING_TO) writeonly buffer to_block {
+    vec4 to_pixels[];
+};
+
+// Of a compensated sum: words `sum` and `lost`.
+vec4 sum_at(uint sum, uint lost)
+{
+    return uintBitsToFloat(film_words[sum]) - uintBitsToFloat(film_words[lost]);
+}
+
+// The `place`-th float of those that pictures besides the radiance are summed in.
+float aov_float(uint at, uint place)
+{
+    uint sum = at + FILM_WORDS + (place >> 2u);
+    return sum_at(sum, sum + AOV_SUM_WORDS(AOVS))[place & 3u];
+}
+
+vec3 aov_vector(uint at, const uint aov)
+{
+    uint place = AOV_VECTOR_AT(AOVS, aov);
+    return vec3(aov_float(at, place), aov_float(at, place + 1u), aov_float(at, place + 2u));
+}
+
+float aov_scalar(uint at, const uint aov)
+{
+    return aov_float(at, AOV_SCALAR_AT(AOVS, aov));
+}
+
+// As in lib/halves.glsl.
+uint samples_of_first_half(uint samples)
+{
+    if (HALVES == HALVES_CONTIGUOUS)
+        return min(samples, push.planned_samples - push.planned_samples / 2u);
+    return samples - samples / 2u;
+}
+
+// Of the radiance's mean, over the three channels: as struct film_aovs has it. y: 0 where unknown.
+vec2 variance_of(uint at, float samples)
+{
+    float samples_a = float(samples_of_first_half(uint(samples)));
+    float samples_b = samples - samples_a;
+    if (samples_a == 0.0 || samples_b == 0.0)
+        return vec2(0.0);
+    vec3 difference =
+        sum_at(at, at + 1u).rgb / samples_a - sum_at(at + 2u, at + 3u).rgb / samples_b;
+    vec3 variance = difference * difference * (samples_a / samples) * (samples_b / samples);
+    return vec2((variance.r + variance.g + variance.b) / 3.0, 1.0);
+}
+
+// How many of the `count` ascending numbers from `first` are at most `value`.
+uint count_up_to(uint first, uint count, uint value)
+{
+    uint low = 0u;
+    while (low < count) {
+        uint middle = low + (count - low) / 2u;
+        if (sources[first + middle] <= value)
+            low = middle + 1u;
+        else
+            count = middle;
+    }
+    return low;
+}
+
+// The object's number plus 1 as in struct film_aovs.ids; 0: nothing.
+uint object_of(uvec4 ids)
+{
+    if (ids.x == 0u)
+        return 0u;
+    if ((ids.x - 1u & PRIMITIVE_SHAPE) != 0u)
+        return push.instances + (ids.x - 1u & ~PRIMITIVE_SHAPE) + 1u;
+    uint runs = push.dropped;
+    uint placed = runs + push.instances + push.meshes;
+    if (ids.y != 0u)
+        return sources[placed + ids.y - 1u] + 1u;
+    uint source = ids.x - 1u;
+    source += count_up_to(0u, push.dropped, source);
+    return count_up_to(runs, push.instances + push.meshes, source);
+}
+
+// Colours for numbers from 1: the golden ratio's multiples are far apart from each other on the
+// circle of hues (Knuth 1973, section 6.4), and a hash varies the rest.
+vec3 color_of_number(uint number)
+{
+    uint hash = number * 2654435769u; // 2^32 / golden ratio
+    uint mixed = (hash ^ hash >> 15u) * 2246822519u; // Collet's xxHash, its second prime
+    float hue = float(hash >> 8u) * 5.9604644775390625e-8 * 6.0; // of [0, 6)
+    float value = 0.6 + 0.4 * float(mixed >> 24u) / 255.0;
+    float saturation = 0.45 + 0.4 * float(mixed >> 16u & 255u) / 255.0;
+    vec3 pure = clamp(abs(mod(hue + vec3(0.0, 4.0, 2.0), 6.0) - 3.0) - 1.0, 0.0, 1.0);
+    return value * mix(vec3(1.0), pure, saturation);
+}
+
+vec3 color_of_id(uint number)
+{
+    return number == 0u ? vec3(0.0) : color_of_number(number);
+}
+
+vec4 shown_value(uint at, float samples)
+{
+    if (SHOWN == SHOWN_ALBEDO)
+        return vec4(aov_vector(at, AOV_ALBEDO) / samples, 1.0);
+    if (SHOWN == SHOWN_NORMAL) // black where nothing is
+        return vec4(0.5 * (aov_vector(at, AOV_NORMAL) + aov_scalar(at, AOV_ALPHA)) / samples, 1.0);
+    if (SHOWN == SHOWN_DEPTH)
+        return vec4(aov_scalar(at, AOV_DEPTH) / samples, aov_scalar(at, AOV_ALPHA) / samples, 0.0, 1.0);
+    if (SHOWN == SHOWN_OBJECTS || SHOWN == SHOWN_MATERIALS) {
+        uvec4 ids = film_words[at + AOV_FILM_WORDS(AOVS) - 1u];
+        return vec4(color_of_id(SHOWN == SHOWN_OBJECTS ? object_of(ids) : ids.z), 1.0);
+    }
+    if (SHOWN == SHOWN_SAMPLES)
+        return vec4(samples, 1.0, 0.0, 1.0);
+    if (SHOWN == SHOWN_VARIANCE)
+        return vec4(variance_of(at, samples), 0.0, 1.0);
+    if (SHOWN == SHOWN_EMISSION)
+        return vec4(aov_vector(at, AOV_EMISSION) / samples, 1.0);
+    if (SHOWN == SHOWN_DIRECT)
+        return vec4(aov_vector(at, AOV_DIRECT) / samples, 1.0);
+    if (SHOWN == SHOWN_INDIRECT)
+        return vec4(aov_vector(at, AOV_INDIRECT) / samples, 1.0);
+    vec3 sum = sum_at(at, at + 1u).rgb + sum_at(at + 2u, at + 3u).rgb;
+    return vec4(sum / samples, 1.0);
+}
+
+void main()
+{
+    uint item = item_index();
+    if (item >= push.items)
+        return;
+    if (HAS_FLAG(DISPLAY_DENOISED)) {
+        vec4 value = denoised[push.first_pixel + item];
+        to_pixels[item] = value.w > 0.0 ? vec4(value.rgb, 1.0) : vec4(0.0);
+        return;
+    }
+    uint at = item * AOV_FILM_WORDS(AOVS);
+    uint samples = film_words[at].w;
+    to_pixels[item] = samples > 0u ? shown_value(at, float(samples)) : vec4(0.0);
+}
