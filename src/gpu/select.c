@@ -116,8 +116,9 @@ static void find_window_lacks(const struct gpu *gpu, VkPhysicalDevice device, ui
     if (params->can_present && !device_has_extension(device, VK_KHR_SWAPCHAIN_EXTENSION_NAME)) {
         snprintf(out, size, "no " VK_KHR_SWAPCHAIN_EXTENSION_NAME ", which windows need");
     } else if (queue_family == UINT32_MAX && (params->graphics || params->can_present)) {
-        snprintf(out, size, "no queue that computes%s%s", params->graphics ? " and draws" : "",
-                 params->can_present ? " and shows its pictures in a window" : "");
+        const char *draws = !params->graphics ? "" : params->can_present ? ", draws" : " and draws";
+        snprintf(out, size, "no queue that computes%s%s", draws,
+                 params->can_present ? " and shows pictures in a window" : "");
     }
 }
 

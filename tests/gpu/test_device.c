@@ -237,9 +237,84 @@ TEST(finish_and_close_accept_nothing)
     gpu_commands_finish(&gpu, &(struct gpu_commands){0});
 }
 
+static bool presents(void *context, VkInstance instance, VkPhysicalDevice device,
+                     uint32_t queue_family)
+{
+    uint32_t *asked = context;
+    (*asked)++;
+    return instance && device && queue_family < 32;
+}
+
+static bool never_presents(void *context, VkInstance instance, VkPhysicalDevice device,
+                           uint32_t queue_family)
+{
+    (void)context, (void)instance, (void)device, (void)queue_family;
+    return false;
+}
+
+// What no device and no loader has keeps it from being opened, in words.
+TEST(windows_need_more)
+{
+    static const char *const nonsense[] = {"VK_KHR_nonsense"};
+    static const struct {
+        struct gpu_params params;
+        const char *words;
+    } cases[] = {
+        {{.can_present = never_presents}, "no queue that computes and shows pictures in a window"},
+        {{.can_present = never_presents, .graphics = true},
+         "no queue that computes, draws and shows pictures in a window"},
+        {{.instance_extensions = nonsense, .instance_extension_count = 1}, "VK_KHR_nonsense"},
+        {{.instance_extensions = nonsense, .instance_extension_count = 1000}, "1000 instance"},
+    };
+    struct gpu gpu;
+    OPEN(&gpu, .device = NULL);
+    gpu_close(&gpu);
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct err err = {0};
+        CHECK(!gpu_open(&cases[i].params, &gpu, &err) && strstr(err.msg, cases[i].words), "%s",
+              err.msg);
+    }
+}
+
+// Only devices that were opened for a window have what it needs, and keep it while others are
+// opened.
+TEST(windows_get_what_they_need)
+{
+    static const char *const surface[] = {VK_KHR_SURFACE_EXTENSION_NAME};
+    uint32_t asked = 0;
+    const struct gpu_params params = {
+        .graphics = true,
+        .validation = true,
+        .instance_extensions = surface,
+        .instance_extension_count = 1,
+        .can_present = presents,
+        .present_context = &asked,
+    };
+    struct gpu with, without;
+    struct err err = {0};
+    OPEN(&without, .validation = true);
+    CHECK(!gpu_function(&without, "vkDestroySurfaceKHR"));
+    CHECK(!vkGetDeviceProcAddr(without.device, "vkCreateSwapchainKHR"));
+    if (!gpu_open(&params, &with, &err)) {
+        gpu_close(&without);
+        SKIP("%s", err.msg);
+    }
+    CHECK(asked > 0);
+    struct gpu third;
+    CHECK(gpu_open(NULL, &third, &err), "%s", err.msg);
+    CHECK(gpu_function(&with, "vkDestroySurfaceKHR") != NULL);
+    CHECK(vkGetDeviceProcAddr(with.device, "vkCreateSwapchainKHR") != NULL);
+    gpu_close(&third);
+    gpu_close(&with);
+    gpu_close(&without);
+    CHECK(with.validation_messages == 0, "%u", with.validation_messages);
+    CHECK(without.validation_messages == 0, "%u", without.validation_messages);
+}
+
 TEST_MAIN(TEST_CASE(list_names_every_device), TEST_CASE(device_is_chosen_by_index_and_by_name),
           TEST_CASE(unknown_device_is_refused_with_a_list), TEST_CASE(default_is_the_fastest_kind),
           TEST_CASE(limits_are_read), TEST_CASE(lacking_devices_say_what_they_lack),
           TEST_CASE(overrides_lower_limits_and_never_raise_them),
           TEST_CASE(environment_lowers_limits), TEST_CASE(two_devices_are_open_at_once),
-          TEST_CASE(finish_and_close_accept_nothing))
+          TEST_CASE(finish_and_close_accept_nothing), TEST_CASE(windows_need_more),
+          TEST_CASE(windows_get_what_they_need))

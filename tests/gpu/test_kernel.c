@@ -348,7 +348,51 @@ TEST(pipelines_are_kept)
     CHECK(gpu.validation_messages == 0, "%u", gpu.validation_messages);
 }
 
+// Code that is about to be freed: none of its pipelines may be found again by its address.
+TEST(forgotten_pipelines_are_gone)
+{
+    struct gpu gpu;
+    OPEN(&gpu, .validation = true);
+    struct gpu_kernel first = {0}, second = {0}, other = {0}, made = {0};
+    struct err err = {0};
+    uint32_t *code = malloc(sizeof copy_spirv);
+    REQUIRE(code);
+    memcpy(code, copy_spirv, sizeof copy_spirv);
+    const uint32_t constants[] = {GROUP, 1, 0};
+    struct gpu_kernel_params params = {
+        .name = "copy",
+        .spirv = code,
+        .spirv_bytes = sizeof copy_spirv,
+        .constants = constants,
+        .constant_count = 3,
+    };
+    CHECK(gpu_kernel_create(&gpu, &params, &first, &err), "%s", err.msg);
+    CHECK(gpu_kernel_create(&gpu, &params, &second, &err), "%s", err.msg);
+    params.spirv = copy_spirv;
+    params.made_from = code;
+    params.variant = 1;
+    CHECK(gpu_kernel_create(&gpu, &params, &made, &err), "%s", err.msg);
+    CHECK(copy_kernel_create(&gpu, 1, false, &other, &err), "%s", err.msg);
+    VkPipeline kept = other.pipeline;
+    gpu_kernel_finish(&gpu, &first);
+    gpu_kernel_finish(&gpu, &second);
+    gpu_kernel_finish(&gpu, &made);
+    gpu_kernel_finish(&gpu, &other);
+    gpu_kernels_forget(&gpu, code);
+    for (uint32_t i = 0; i < GPU_KEPT_KERNELS; i++)
+        CHECK(gpu.kept[i].pipeline == (gpu.kept[i].spirv == copy_spirv ? kept : VK_NULL_HANDLE) &&
+                  gpu.kept[i].spirv != code,
+              "%u", i);
+    CHECK(copy_kernel_create(&gpu, 1, false, &other, &err) && other.pipeline == kept, "%s",
+          err.msg);
+    gpu_kernel_finish(&gpu, &other);
+    free(code);
+    gpu_close(&gpu);
+    CHECK(gpu.validation_messages == 0, "%u", gpu.validation_messages);
+}
+
 TEST_MAIN(TEST_CASE(copy_through_storage_buffers), TEST_CASE(copy_through_a_texel_buffer),
           TEST_CASE(bindings_respect_offset_and_range), TEST_CASE(indirect_dispatch_after_a_kernel),
           TEST_CASE(ballot_compacts), TEST_CASE(timestamps_rise_and_stop_when_full),
-          TEST_CASE(too_many_constants_are_refused), TEST_CASE(pipelines_are_kept))
+          TEST_CASE(too_many_constants_are_refused), TEST_CASE(pipelines_are_kept),
+          TEST_CASE(forgotten_pipelines_are_gone))
