@@ -25,6 +25,7 @@ enum gui_kind {
     GUI_NUMBER, // decimal
     GUI_CHOICE, // one of the words
     GUI_COLOR,  // "R,G,B"
+    GUI_VECTOR, // "X,Y,Z"
     GUI_TEXT,
     GUI_ROW, // of a list: "on" where it is the chosen one
 };
@@ -38,6 +39,7 @@ struct gui_item {
     bool is_shown; // within what can be seen, not scrolled away or in a closed group
     bool is_enabled;
     const char *help, *label; // the caller's
+    uint32_t group;           // see gui_state.h
 };
 
 struct gui {
@@ -45,23 +47,28 @@ struct gui {
     uint32_t item_count;
     bool wants_mouse, wants_keys; // the panel takes these events; the camera must not
     bool is_busy;                 // a widget is being dragged or typed into
+    bool is_hidden;               // the caller's wish: no panel, but its controls for scripts
     const char *hovered_help;     // of the control under the mouse, or NULL
     float width;                  // of the panel, pixels; 0 while it is hidden
-    struct gui_state *own;        // see gui.cpp and gui_items.c
+    struct gui_state *own;        // see gui_state.h
 };
 
 bool gui_create(float scale, struct gui *out, struct err *err); // scale: pixels a point
 void gui_finish(struct gui *gui);                               // accepts NULL and {0}
 void gui_atlas(struct gui *gui, struct gpu_atlas *out);         // of the letters; lives as long
 void gui_event(struct gui *gui, const struct event *event);
+// seconds: since the last frame.
 void gui_begin(struct gui *gui, uint32_t width, uint32_t height, double seconds);
 // What is to be drawn, valid until the next gui_begin. Afterwards `items` are those of this frame.
 void gui_end(struct gui *gui, struct gpu_drawing *out);
+// An id that two controls of the last frame had, which is a bug of the panel; or NULL.
+const char *gui_duplicate(const struct gui *gui);
 
 // --- for scripts ---------------------------------------------------------------------------------
 // In the next frame the control takes this value, as if the user had given it (buttons: are
 // pressed), also in closed groups. gui_set_result tells afterwards: NULL where it was done, else
 // why not ("no control camera.fow; did you mean camera.fov?", "1.7 is outside [0, 1]").
+// Several before one frame are all done; then the result is that of the first that was not.
 void gui_set(struct gui *gui, const char *id, const char *value);
 const char *gui_set_result(const struct gui *gui);
 // Opens its groups and scrolls to it, so that its rect can be clicked two frames later.
@@ -78,7 +85,10 @@ void gui_panel_end(struct gui *gui);
 bool gui_group_begin(struct gui *gui, const char *id, const char *label, const char *help,
                      bool open_at_first);
 void gui_group_end(struct gui *gui);
-void gui_enabled(struct gui *gui, bool enabled); // of those that follow
+void gui_enabled(struct gui *gui,
+                 bool enabled); // of those that follow, until a group begins or ends
+// Whether what is called for now is drawn: else texts need not be put together.
+bool gui_is_drawn(const struct gui *gui);
 void gui_same_line(struct gui *gui);
 void gui_space(struct gui *gui);
 void gui_line(struct gui *gui, const char *format, ...) __attribute__((format(printf, 2, 3)));
@@ -118,6 +128,27 @@ bool gui_text(struct gui *gui, const char *id, const char *label, const char *he
 // True when it is chosen.
 bool gui_row(struct gui *gui, const char *id, const char *label, const char *help, bool is_chosen);
 
+// A list of any length in a frame of its own, which scrolls: of 10^6 rows only those are called for
+// that are seen, and those that scripts are to find: the first GUI_LIST_IDS and the chosen one.
+//   struct gui_list list = {.count = n, .chosen = i, .height = 8};
+//   gui_list_begin(gui, "materials", &list);
+//   for (uint32_t row; gui_list_next(gui, &list, &row);)
+//       gui_row(gui, …);
+//   gui_list_end(gui, &list);
+#define GUI_LIST_IDS 64u
+struct gui_list {
+    uint32_t count;  // of rows
+    uint32_t chosen; // or UINT32_MAX
+    uint32_t height; // rows that are seen at once; fewer where there are fewer
+    // Of gui_list_next:
+    uint32_t first, last; // seen
+    uint32_t next;
+    bool was_drawn;
+};
+void gui_list_begin(struct gui *gui, const char *id, struct gui_list *list);
+bool gui_list_next(struct gui *gui, struct gui_list *list, uint32_t *row);
+void gui_list_end(struct gui *gui, struct gui_list *list);
+
 // --- charts --------------------------------------------------------------------------------------
 struct gui_bar {
     const char *label;
@@ -126,7 +157,8 @@ struct gui_bar {
 void gui_bars(struct gui *gui, const struct gui_bar *bars, uint32_t count, const char *unit);
 struct gui_curve {
     const char *label;
-    const double *x, *y; // both logarithmic axes; what is not positive and finite is left out
+    const double *x, *y;      // both logarithmic axes; what is not positive and finite is left out
+    const double *low, *high; // the interval of each y, shown as a band; NULL: none
     uint32_t count;
 };
 void gui_curves(struct gui *gui, const struct gui_curve *curves, uint32_t count,
