@@ -1,0 +1,85 @@
+// One thread finds the variance of one pixel's luminance: from the half-buffers and the history of
+// the pixels around that are like it, or, as long as they say little, from these pixels' differences
+// (Schied et al. 2017, section 4.2).
+#version 460
+#extension GL_GOOGLE_include_directive : require
+
+#include "lib/denoise.glsl"
+#include "lib/denoise_view.glsl"
+#include "lib/denoise_weights.glsl"
+
+DENOISE_READ(guides, DENOISE_GUIDES)
+DENOISE_READ(blended, DENOISE_BLENDED)
+DENOISE_READ(records, DENOISE_RECORDS)
+DENOISE_WRITE(to, DENOISE_TO)
+
+const int POOL_RADIUS = 2;
+const int SPATIAL_RADIUS = 3;
+// Schied et al. trust moments from so many frames on.
+const float FREEDOM_ENOUGH = 4.0;
+
+// Of the pixel beside, by geometry alone; 0 for the place's own pixel beyond the picture.
+float likeness(depth_plane plane, ivec2 pixel, ivec2 offset, out uint index)
+{
+    ivec2 at = pixel + offset;
+    bool inside = is_inside(at);
+    index = pixel_index(uvec2(inside ? at : pixel));
+    vec4 other = load_guides(index);
+    float weight = normal_weight(plane.guide, other) *
+                   exp(-depth_exponent(plane, other, vec2(offset)));
+    weight = offset == ivec2(0) ? 1.0 : weight;
+    return inside && !is_empty(other) ? weight : 0.0;
+}
+
+// Sums of squared deviations and their degrees of freedom: of one sample.
+vec2 pool_deviations(depth_plane plane, ivec2 pixel)
+{
+    vec2 sum = vec2(0.0);
+    for (int y = -POOL_RADIUS; y <= POOL_RADIUS; y++)
+        for (int x = -POOL_RADIUS; x <= POOL_RADIUS; x++) {
+            uint index;
+            float weight = likeness(plane, pixel, ivec2(x, y), index);
+            sum += weight * load_records(index).zw;
+        }
+    return sum;
+}
+
+// Of the means of the pixels around, about this one's so that nothing cancels. `radius`: -1 where it
+// is not needed, so that the loop ends at once.
+float spatial_variance(depth_plane plane, ivec2 pixel, float luminance_here, int radius)
+{
+    vec3 sum = vec3(0.0);
+    for (int y = -radius; y <= radius; y++)
+        for (int x = -radius; x <= radius; x++) {
+            uint index;
+            float weight = likeness(plane, pixel, ivec2(x, y), index);
+            float away = luminance(load_blended(index).rgb) - luminance_here;
+            sum += weight * vec3(1.0, away, away * away);
+        }
+    if (!(sum.x > 1.0))
+        return 0.0; // nothing is like this pixel, so nothing will be mixed with it
+    float mean = sum.y / sum.x;
+    return max(sum.z / sum.x - mean * mean, 0.0) * (sum.x / (sum.x - 1.0));
+}
+
+void main()
+{
+    uvec2 pixel;
+    if (!find_pixel(pixel))
+        return;
+    uint index = pixel_index(pixel);
+    vec4 light = load_blended(index);
+    vec4 record = load_records(index);
+    vec4 guide = load_guides(index);
+    float jitter = abs(record.x) + abs(record.y) +
+                   ray_length_change(denoise.now, vec2(pixel) + 0.5) * guide.w;
+    depth_plane plane = depth_plane(guide, record.xy, jitter);
+    bool empty = is_empty(guide);
+
+    vec2 pooled = pool_deviations(plane, ivec2(pixel));
+    bool enough = pooled.y >= FREEDOM_ENOUGH;
+    float spatial = spatial_variance(plane, ivec2(pixel), luminance(light.rgb),
+                                     enough || empty ? -1 : SPATIAL_RADIUS);
+    float variance = enough ? pooled.x / (pooled.y * light.w) : spatial;
+    to_words[index] = vec4(light.rgb, empty ? 0.0 : variance);
+}

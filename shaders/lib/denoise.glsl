@@ -1,0 +1,58 @@
+// Owns the bindings of the denoiser's kernels, and says which pixel a thread works on.
+#ifndef DENOISE_GLSL
+#define DENOISE_GLSL
+
+#include "shared/denoise.h"
+
+layout(local_size_x = DENOISE_WORKGROUP) in;
+layout(constant_id = DENOISE_CONSTANT_TEXEL) const uint TEXEL = 0u;
+
+layout(push_constant) uniform push_block {
+    gpu_denoise_push push;
+};
+
+layout(std140, set = 0, binding = UNIFORM_BINDING_FRAME) uniform denoise_block {
+    gpu_denoise denoise;
+};
+
+// vec4 load_NAME(uint pixel)
+#define DENOISE_READ(name, number)                                                                 \
+    layout(std430, set = 0, binding = number) buffer name##_block {                                \
+        vec4 name##_words[];                                                                       \
+    };                                                                                             \
+    layout(set = 0, binding = TEXEL_BINDING(number)) uniform usamplerBuffer name##_texels;         \
+    vec4 load_##name(uint pixel)                                                                   \
+    {                                                                                              \
+        if (TEXEL != 0u)                                                                           \
+            return uintBitsToFloat(texelFetch(name##_texels, int(pixel)));                         \
+        return name##_words[pixel];                                                                \
+    }
+
+#define DENOISE_WRITE(name, number)                                                                \
+    layout(std430, set = 0, binding = number) buffer name##_block {                                \
+        vec4 name##_words[];                                                                       \
+    };
+
+// Squares of pixels, in each row by row: neighbours in x are neighbours in a subgroup, neighbours in
+// y are in the cache. False for threads beyond the picture.
+bool find_pixel(out uvec2 pixel)
+{
+    uint across = (denoise.now.width + DENOISE_TILE - 1u) / DENOISE_TILE;
+    uint tile = push.first_group + gl_WorkGroupID.x;
+    uvec2 within = uvec2(gl_LocalInvocationIndex % DENOISE_TILE,
+                         gl_LocalInvocationIndex / DENOISE_TILE);
+    pixel = uvec2(tile % across, tile / across) * DENOISE_TILE + within;
+    return pixel.x < denoise.now.width && pixel.y < denoise.now.height;
+}
+
+uint pixel_index(uvec2 pixel)
+{
+    return pixel.y * denoise.now.width + pixel.x;
+}
+
+bool is_inside(ivec2 pixel)
+{
+    return all(lessThan(uvec2(pixel), uvec2(denoise.now.width, denoise.now.height)));
+}
+
+#endif

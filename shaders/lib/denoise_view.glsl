@@ -1,0 +1,92 @@
+// Rays of the film's camera through pixels, and where points were in the history's picture. As
+// lib/camera.glsl, for a pinhole. Pure functions.
+#ifndef DENOISE_VIEW_GLSL
+#define DENOISE_VIEW_GLSL
+
+const float PI = 3.14159265358979323846;
+
+// From (-1, -1), the picture's upper left corner, to (1, 1). `at`: in pixels.
+vec2 picture_place(gpu_denoise_view view, vec2 at)
+{
+    return 2.0 * at / vec2(view.width, view.height) - 1.0;
+}
+
+vec3 panorama_ray(gpu_denoise_view view, vec2 place)
+{
+    float longitude = place.x * PI;
+    float latitude = -place.y * (0.5 * PI);
+    vec3 level = cos(longitude) * view.forward + sin(longitude) * view.right;
+    return cos(latitude) * level + sin(latitude) * view.up;
+}
+
+struct view_ray {
+    vec3 origin;
+    vec3 direction; // unit
+    float cosine;   // to the line of sight
+};
+
+view_ray ray_through(gpu_denoise_view view, vec2 at)
+{
+    vec2 place = picture_place(view, at);
+    vec3 across = place.x * view.right - place.y * view.up;
+    if (view.kind == CAMERA_PANORAMIC)
+        return view_ray(view.position, normalize(panorama_ray(view, place)), 1.0);
+    if (view.kind == CAMERA_ORTHOGRAPHIC)
+        return view_ray(view.position + across, view.forward, 1.0);
+    float length_squared = 1.0 + dot(across, across);
+    return view_ray(view.position, (view.forward + across) * inversesqrt(length_squared),
+                    inversesqrt(length_squared));
+}
+
+// What of a depth along such a ray is linear over the picture of a plane: its inverse measured along
+// the line of sight; without perspective the depth itself.
+float guide_depth(gpu_denoise_view view, float t, float cosine)
+{
+    return view.kind == CAMERA_ORTHOGRAPHIC ? t : 1.0 / (t * cosine);
+}
+
+float ray_depth(gpu_denoise_view view, float guide, float cosine)
+{
+    return view.kind == CAMERA_ORTHOGRAPHIC ? guide : 1.0 / (guide * cosine);
+}
+
+// Relative: how much the length of rays to a plane that faces the camera changes within a pixel.
+// With x and y at distance 1 it is (1 + x^2 + y^2)^(1/2), whose relative derivative is
+// (x dx + y dy) / (1 + x^2 + y^2).
+float ray_length_change(gpu_denoise_view view, vec2 at)
+{
+    if (view.kind != CAMERA_PERSPECTIVE)
+        return 0.0;
+    vec2 half_size = vec2(length(view.right), length(view.up));
+    vec2 here = abs(picture_place(view, at)) * half_size;
+    return dot(here, 2.0 * half_size / vec2(view.width, view.height)) / (1.0 + dot(here, here));
+}
+
+// Where a point (or, far away, a direction from the camera) is in the picture, in pixels, and its
+// depth as guides have it. False where it is behind the camera or nowhere.
+bool project(gpu_denoise_view view, vec3 point, bool is_direction, out vec2 at, out float guide)
+{
+    vec3 to = is_direction ? point : point - view.position;
+    vec2 across = vec2(dot(to, view.to_right), -dot(to, view.to_up));
+    float ahead = dot(to, view.forward);
+    vec2 place;
+    if (view.kind == CAMERA_PANORAMIC) {
+        float far = length(to);
+        place = vec2(atan(across.x, ahead) / PI,
+                     -asin(clamp(-across.y / far, -1.0, 1.0)) / (0.5 * PI));
+        guide = 1.0 / far;
+    } else if (view.kind == CAMERA_ORTHOGRAPHIC) {
+        place = across;
+        guide = ahead;
+    } else {
+        place = across / ahead;
+        guide = 1.0 / ahead;
+    }
+    at = (place + 1.0) * 0.5 * vec2(view.width, view.height);
+    if (is_direction)
+        guide = 0.0;
+    bool parallel = view.kind == CAMERA_ORTHOGRAPHIC;
+    return view.kind == CAMERA_PANORAMIC || (parallel ? !is_direction : ahead > 0.0);
+}
+
+#endif

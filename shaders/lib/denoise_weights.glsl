@@ -1,0 +1,66 @@
+// How alike two pixels are: what stops the filter at edges. Pure functions.
+#ifndef DENOISE_WEIGHTS_GLSL
+#define DENOISE_WEIGHTS_GLSL
+
+// sigma_l and sigma_n of Schied et al. 2017, section 4.4.
+const float SIGMA_LUMINANCE = 4.0;
+const uint NORMAL_SQUARINGS = 7u; // a power of 2^7 = 128
+
+// Relative error of a depth: a few roundings each of the ray, its hit and the sum over samples,
+// 16 * 2^-24 together.
+const float DEPTH_ROUNDING = 9.5367431640625e-7;
+
+// BT.709, of what the filter weighs by. Its square times any number of samples stays finite: what is
+// brighter counts as that bright.
+const float LUMINANCE_MOST = 1e14;
+float luminance(vec3 light)
+{
+    return min(dot(light, vec3(0.2126, 0.7152, 0.0722)), LUMINANCE_MOST);
+}
+
+bool is_empty(vec4 guide)
+{
+    return guide.w < 0.0;
+}
+
+bool is_sky(vec4 guide)
+{
+    return dot(guide.xyz, guide.xyz) == 0.0;
+}
+
+// Equation (4); what is around the scene has no normal and is like itself alone.
+float normal_weight(vec4 a, vec4 b)
+{
+    float weight = max(dot(a.xyz, b.xyz), 0.0);
+    for (uint i = 0u; i < NORMAL_SQUARINGS; i++)
+        weight *= weight;
+    return is_sky(a) ? (is_sky(b) ? 1.0 : 0.0) : weight;
+}
+
+// The place of a surface's depth: its change to the next pixel in x and y, and how far the mean of
+// jittered samples may be from the depth in the pixel's middle.
+struct depth_plane {
+    vec4 guide;
+    vec2 slope;
+    float jitter;
+};
+
+// The exponent of equation (3), but for a deviation from the plane rather than from the depth: on a
+// slope that is seen at a flat angle the filter reaches as far as on one that faces the camera.
+float depth_exponent(depth_plane plane, vec4 other, vec2 offset)
+{
+    float expected = dot(plane.slope, offset);
+    float reach = abs(offset.x) + abs(offset.y);
+    float tolerance =
+        abs(expected) + plane.jitter + (1.0 + reach) * DEPTH_ROUNDING * plane.guide.w;
+    return is_sky(plane.guide) ? 0.0 : abs(other.w - plane.guide.w - expected) / tolerance;
+}
+
+// By which a difference of luminances is multiplied in the exponent of equation (5). Without variance
+// no difference is small.
+float luminance_scale(float variance)
+{
+    return variance > 0.0 ? 1.0 / (SIGMA_LUMINANCE * sqrt(variance)) : 3.0e38;
+}
+
+#endif

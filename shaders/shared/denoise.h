@@ -1,0 +1,86 @@
+// What the kernels of the denoised preview share with C: their own bindings in the common layout,
+// constants, and records. Per pixel each buffer but the film has one word of four; of two of a kind
+// the second is what the last view left, the history.
+#ifndef LAMPYRIS_SHARED_DENOISE_H
+#define LAMPYRIS_SHARED_DENOISE_H
+
+#include "types.h"
+
+#define DENOISE_FILM 0 // a chunk of the renderer's
+// Unit normal, or 0 where nothing is; then what of the depth is linear over a plane's picture
+// (lib/denoise_view.glsl), or DENOISE_EMPTY of a pixel without samples.
+#define DENOISE_GUIDES 1
+#define DENOISE_GUIDES_HISTORY 2
+// Light over what it was reflected by, from the film and the history; then of how many samples it is
+// worth: the variance of one over that number is the variance of the mean.
+#define DENOISE_BLENDED 3
+#define DENOISE_BLENDED_HISTORY 4
+// The guide's change to the next pixel in x and y; then what tells the variance of a sample's
+// luminance: a sum of squared deviations, and its degrees of freedom.
+#define DENOISE_RECORDS 5
+#define DENOISE_RECORDS_HISTORY 6
+// What the wavelet reads and writes: light, and the variance of its luminance.
+#define DENOISE_FROM 7
+#define DENOISE_TO 8
+// What the light is divided by and multiplied with again; then 1 where the film's halves tell a
+// variance, else 0.
+#define DENOISE_MODULATION 9
+#define DENOISE_PICTURE 10   // radiance, samples of the film
+#define DENOISE_BINDINGS 11
+
+#define DENOISE_WORKGROUP 64u // threads, for a square of pixels
+#define DENOISE_TILE 8u       // its side
+#define DENOISE_LEVELS 5u     // of the wavelet, at most
+
+// Specialization constants.
+#define DENOISE_CONSTANT_TEXEL 0 // 1: buffers are read as texel buffers
+#define DENOISE_CONSTANT_AOVS 1  // AOV_* that the film has
+#define DENOISE_CONSTANT_LAST 2  // 1: of the wavelet's level, the last one
+#define DENOISE_CONSTANT_COUNT 3
+
+#define DENOISE_EMPTY (-1.0f)
+
+// A history is never worth more samples than this when it is mixed with the film's: what moved on
+// since, reflections and what is half hidden, is then gone after so many new ones.
+#define DENOISE_HISTORY_SAMPLES 32.0f
+// With so many samples of its own the film needs no history.
+#define DENOISE_FADE_SAMPLES 64.0f
+
+// A camera as both ways of projecting need it; rays are relative to the film's camera, so that far
+// from the origin nothing is lost.
+struct gpu_denoise_view {
+    VEC3(position); // of the film's camera: 0
+    uint kind;      // CAMERA_*
+    VEC3(forward);  // unit
+    uint width;
+    VEC3(right); // as of gpu_frame
+    uint height;
+    VEC3(up);
+    uint align_view;
+    VEC3(to_right); // right over its squared length
+    uint align_to_right;
+    VEC3(to_up);
+    uint align_to_up;
+};
+
+// The uniform block.
+struct gpu_denoise {
+    RECORD(gpu_denoise_view) now;
+    RECORD(gpu_denoise_view) history;
+    uint has_history;
+    uint halves;     // HALVES_*
+    uint first_half; // with HALVES_CONTIGUOUS: samples of the first one
+};
+
+struct gpu_denoise_push {
+    uint first_group; // of this part of a split dispatch
+    uint first_pixel; // of the film's chunk that is bound
+    uint pixel_count; // in it
+    uint step;        // of the wavelet's level, pixels
+};
+
+SHARED_STATIC_ASSERT_SIZE(gpu_denoise_view, 96);
+SHARED_STATIC_ASSERT_SIZE(gpu_denoise, 204);
+SHARED_STATIC_ASSERT_SIZE(gpu_denoise_push, 16);
+
+#endif
