@@ -26,6 +26,7 @@ bool scene_load_into(struct scene *scene, const struct scene_load_params *params
 bool load_json_apply_overrides(const struct json_node *document,
                                const struct scene_load_params *params, json_t *trusted,
                                struct err *err);
+json_t *load_json_override_value(const char *text); // NULL: no UTF-8
 bool load_json_resolve_references(const struct json_node *document, struct err *err);
 
 // The keys of the document, ended by NULL.
@@ -48,6 +49,18 @@ bool load_json_shapes(struct json_loader *loader, const struct json_node *shapes
 // All of a document with a "base" but its version.
 bool load_json_base(struct json_loader *loader, const struct json_node *document, struct err *err);
 bool load_json_edits(struct json_loader *loader, const struct json_node *edits, struct err *err);
+
+// Of edits, in the order of the values in a material's flags and a light's kind; ended by NULL.
+extern const char *const edit_alpha_names[],
+    *const edit_coat_names[], *const edit_distribution_names[], *const edit_masking_names[],
+                                                                    *const edit_fresnel_names[],
+                                                                        *const edit_light_names[];
+struct edit_switch {
+    const char *key;
+    uint32_t flag; // MATERIAL_*
+};
+extern const struct edit_switch edit_switches[];
+extern const size_t edit_switch_count;
 
 // Reads those of material_parameters[] that the object has.
 bool load_json_parameters(const struct json_node *node, struct material *material, struct err *err);

@@ -152,6 +152,7 @@ static bool load_file(struct json_loader *loader, const struct json_node *node,
         return false;
     }
     scene->path = path;
+    base->base = scene->base;
     base->override_paths = scene->override_paths;
     base->override_path_count = scene->override_path_count;
     return true;

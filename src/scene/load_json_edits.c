@@ -129,26 +129,25 @@ static bool check_material_keys(const struct json_node *node, struct err *err)
     return node_check_object(node, none, known, err);
 }
 
+const struct edit_switch edit_switches[] = {{"thin", MATERIAL_THIN},
+                                            {"unlit", MATERIAL_UNLIT},
+                                            {"compensate", MATERIAL_COMPENSATE},
+                                            {"tint_each", MATERIAL_TINT_EACH},
+                                            {"separable", MATERIAL_SEPARABLE}};
+const size_t edit_switch_count = sizeof edit_switches / sizeof *edit_switches;
+
 static bool read_switches(const struct json_node *node, uint32_t *flags, struct err *err)
 {
-    static const struct {
-        const char *key;
-        uint32_t flag;
-    } switches[] = {{"thin", MATERIAL_THIN},
-                    {"unlit", MATERIAL_UNLIT},
-                    {"compensate", MATERIAL_COMPENSATE},
-                    {"tint_each", MATERIAL_TINT_EACH},
-                    {"separable", MATERIAL_SEPARABLE}};
-    for (size_t i = 0; i < sizeof switches / sizeof *switches; i++) {
-        bool on = *flags & switches[i].flag;
-        if (!node_read_boolean(node, switches[i].key, &on, err))
+    for (size_t i = 0; i < edit_switch_count; i++) {
+        const struct edit_switch *s = &edit_switches[i];
+        bool on = *flags & s->flag;
+        if (!node_read_boolean(node, s->key, &on, err))
             return false;
-        *flags = on ? *flags | switches[i].flag : *flags & ~switches[i].flag;
+        *flags = on ? *flags | s->flag : *flags & ~s->flag;
     }
     return true;
 }
 
-// In the order of the values of each.
 const char *const edit_alpha_names[] = {"opaque", "mask", "blend", NULL};
 const char *const edit_coat_names[] = {"burley", "ggx", NULL};
 const char *const edit_distribution_names[] = {[DISTRIBUTION_GGX] = "ggx",
@@ -375,6 +374,8 @@ static bool edit_light(struct json_loader *loader, const struct json_node *node,
     bool needs_direction = light->kind != LIGHT_POINT;
     if (needs_direction && vec3_dot(light->direction, light->direction) == 0)
         return node_fail(node, err, "has no direction so far; expected \"direction\"");
+    if (loader->base)
+        loader->base->light_count = scene->light_count;
     return !loader->base || mark(loader, &loader->base->lights, scene->light_count, index, 1, err);
 }
 

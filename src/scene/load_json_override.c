@@ -106,7 +106,7 @@ static bool apply_override(json_t *root, const char *key, json_t *value, struct 
 }
 
 // The value of an override: JSON, or else the text itself.
-static json_t *parse_value(const char *text)
+json_t *load_json_override_value(const char *text)
 {
     json_t *value = json_loads(text, JSON_DECODE_ANY | JSON_REJECT_DUPLICATES, NULL);
     return value ? value : json_string(text);
@@ -118,7 +118,7 @@ bool load_json_apply_overrides(const struct json_node *document,
 {
     for (uint32_t i = 0; i < params->override_count; i++) {
         const struct scene_override *override = &params->overrides[i];
-        json_t *value = parse_value(override->value);
+        json_t *value = load_json_override_value(override->value);
         if (!value)
             return err_set(err, ERR_USAGE, "-D %s: the value is not UTF-8 text", override->key);
         if (json_array_append_new(trusted, value) != 0)

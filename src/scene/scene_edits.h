@@ -7,7 +7,8 @@
 
 // All in the scene's arena.
 struct scene_base {
-    const char *path; // as seen from the working directory
+    const struct scene_base *base; // of that file itself; NULL: it has none
+    const char *path;              // as seen from the working directory
     const struct scene_override *overrides;
     uint32_t override_count;
     const struct scene_path *override_paths;
@@ -16,8 +17,9 @@ struct scene_base {
     const double *at_seconds;
     // What the file speaks of: by index; NULL: of none.
     bool *materials, *lights;
-    bool *objects;    // instances, then shapes
-    bool environment; // its radiance or rotation
+    uint32_t light_count; // as many of the latter
+    bool *objects;        // instances, then shapes
+    bool environment;     // its radiance or rotation
     bool environment_source;
 };
 

@@ -37,7 +37,7 @@ bool scene_snapshot(struct arena *arena, const struct scene *scene, struct scene
 
 // What "camera": is to be followed by in a scene file. Of a valid camera: one line for each key, a
 // line's indentation before each but the first. Reads back to the same bits. NULL when out of
-// memory.
+// memory, and where a number is not finite.
 char *camera_to_json(struct arena *arena, const struct camera *camera);
 
 #endif
