@@ -35,11 +35,13 @@ bool film_create(struct renderer *r, struct err *err)
     r->film = ARENA_NEW(&r->arena, struct gpu_buffer, r->plan.film_chunks);
     if (!r->film)
         return err_memory(err, "film", r->plan.film_chunks * sizeof *r->film);
-    for (uint32_t i = 0; i < r->plan.film_chunks; i++)
-        if (!gpu_buffer_create(r->gpu, binding_name(BINDING_FILM),
-                               chunk_pixels(r, i) * pixel_bytes(r), GPU_DEVICE, false, &r->film[i],
-                               err))
+    for (uint32_t i = 0; i < r->plan.film_chunks; i++) {
+        uint64_t bytes = chunk_pixels(r, i) * pixel_bytes(r);
+        // The kernels of a viewer read it as texels where they can.
+        if (!gpu_buffer_create(r->gpu, binding_name(BINDING_FILM), bytes, GPU_DEVICE,
+                               gpu_texel_fits(r->gpu, bytes), &r->film[i], err))
             return false;
+    }
     return true;
 }
 
