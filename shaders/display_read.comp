@@ -4,9 +4,7 @@
 
 #include "lib/display.glsl"
 
-layout(std430, set = 0, binding = DISPLAY_BINDING_FILM) readonly buffer film_block {
-    uvec4 film_words[]; // gpu_film_pixel, and see shared/aov.h
-};
+WORDS(film, DISPLAY_BINDING_FILM) // gpu_film_pixel, and see shared/aov.h
 layout(std430, set = 0, binding = DISPLAY_BINDING_DENOISED) readonly buffer denoised_block {
     vec4 denoised[];
 };
@@ -18,17 +16,17 @@ layout(std430, set = 0, binding = DISPLAY_BINDING_TO) writeonly buffer to_block 
     vec4 to_pixels[];
 };
 
-// Of a compensated sum: words `sum` and `lost`.
-vec4 sum_at(uint sum, uint lost)
+// A sum of the film. What rounding took from it is below half a unit in its last place: it matters
+// to further sums, not to eyes.
+vec4 sum_at(uint word)
 {
-    return uintBitsToFloat(film_words[sum]) - uintBitsToFloat(film_words[lost]);
+    return uintBitsToFloat(film_word(word));
 }
 
 // The `place`-th float of those that pictures besides the radiance are summed in.
 float aov_float(uint at, uint place)
 {
-    uint sum = at + FILM_WORDS + (place >> 2u);
-    return sum_at(sum, sum + AOV_SUM_WORDS(AOVS))[place & 3u];
+    return sum_at(at + FILM_WORDS + (place >> 2u))[place & 3u];
 }
 
 vec3 aov_vector(uint at, const uint aov)
@@ -58,7 +56,7 @@ vec2 variance_of(uint at, float samples)
     if (samples_a == 0.0 || samples_b == 0.0)
         return vec2(0.0);
     vec3 difference =
-        sum_at(at, at + 1u).rgb / samples_a - sum_at(at + 2u, at + 3u).rgb / samples_b;
+        sum_at(at).rgb / samples_a - sum_at(at + 2u).rgb / samples_b;
     vec3 variance = difference * difference * (samples_a / samples) * (samples_b / samples);
     return vec2((variance.r + variance.g + variance.b) / 3.0, 1.0);
 }
@@ -120,7 +118,7 @@ vec4 shown_value(uint at, float samples)
     if (SHOWN == SHOWN_DEPTH)
         return vec4(aov_scalar(at, AOV_DEPTH) / samples, aov_scalar(at, AOV_ALPHA) / samples, 0.0, 1.0);
     if (SHOWN == SHOWN_OBJECTS || SHOWN == SHOWN_MATERIALS) {
-        uvec4 ids = film_words[at + AOV_FILM_WORDS(AOVS) - 1u];
+        uvec4 ids = film_word(at + AOV_FILM_WORDS(AOVS) - 1u);
         return vec4(color_of_id(SHOWN == SHOWN_OBJECTS ? object_of(ids) : ids.z), 1.0);
     }
     if (SHOWN == SHOWN_SAMPLES)
@@ -133,8 +131,7 @@ vec4 shown_value(uint at, float samples)
         return vec4(aov_vector(at, AOV_DIRECT) / samples, 1.0);
     if (SHOWN == SHOWN_INDIRECT)
         return vec4(aov_vector(at, AOV_INDIRECT) / samples, 1.0);
-    vec3 sum = sum_at(at, at + 1u).rgb + sum_at(at + 2u, at + 3u).rgb;
-    return vec4(sum / samples, 1.0);
+    return vec4((sum_at(at).rgb + sum_at(at + 2u).rgb) / samples, 1.0);
 }
 
 void main()
@@ -148,6 +145,6 @@ void main()
         return;
     }
     uint at = item * AOV_FILM_WORDS(AOVS);
-    uint samples = film_words[at].w;
+    uint samples = film_word(at).w;
     to_pixels[item] = samples > 0u ? shown_value(at, float(samples)) : vec4(0.0);
 }

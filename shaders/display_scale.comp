@@ -1,66 +1,65 @@
 // One thread makes one pixel of a linear picture of another size: a mean over the area where that
-// is smaller, interpolated between pixels where it is larger.
+// is smaller, interpolated between pixels where it is larger. A table says what along each side.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
 #include "lib/display.glsl"
 
 PICTURE(from, DISPLAY_BINDING_FROM)
+WORDS(taps, DISPLAY_BINDING_TAPS)
 layout(std430, set = 0, binding = DISPLAY_BINDING_TO) buffer to_block {
     vec4 to_pixels[];
 };
 
-// Along one side: the pixels that one is made of, and how much of each.
+// struct gpu_display_taps
 struct taps {
     uint first;
     uint count;
-    uint step;  // from one to the next
-    float head; // weights of the first one, of those in between, and of the last one
-    float body;
+    uint step;
+    float head;
+    float body; // of each between head and tail
     float tail;
 };
 
-// Pixel `at` of `to` covers [at, at + 1] * from / to: in whole numbers, which are exact.
-taps taps_of_area(uint at, uint from, uint to)
+taps taps_at(uint index)
 {
-    uint quotient = from / to;
-    uint remainder = from % to;
-    uint first = at * quotient + at * remainder / to;
-    float skipped = float(at * remainder % to) / float(to);
-    uint end = at + 1u;
-    uint last = end * quotient + end * remainder / to;
-    float taken = float(end * remainder % to) / float(to);
-    if (taken == 0.0) {
-        last -= 1u;
-        taken = 1.0;
-    }
-    uint step = (last - first) / DISPLAY_TAPS_MAX + 1u;
-    return taps(first, (last - first) / step + 1u, step, 1.0 - skipped, 1.0, taken);
-}
-
-taps taps_between(uint at, uint from, uint to)
-{
-    // Its centre, in pixels of `from` from the centre of the first one, times 2 to.
-    int twice = int((2u * at + 1u) * from) - int(to);
-    if (HAS_FLAG(DISPLAY_NEAREST))
-        return taps(uint(twice + int(to)) / (2u * to), 1u, 1u, 1.0, 1.0, 1.0);
-    if (twice <= 0)
-        return taps(0u, 1u, 1u, 1.0, 1.0, 1.0);
-    uint first = uint(twice) / (2u * to);
-    if (first + 1u >= from)
-        return taps(from - 1u, 1u, 1u, 1.0, 1.0, 1.0);
-    float share = float(uint(twice) % (2u * to)) / float(2u * to);
-    return taps(first, 2u, 1u, 1.0 - share, 1.0, share);
-}
-
-taps taps_along(uint at, uint from, uint to)
-{
-    return from > to ? taps_of_area(at, from, to) : taps_between(at, from, to);
+    uvec4 words = taps_word(index);
+    vec2 ends = uintBitsToFloat(words.zw);
+    uint count = words.y & 255u;
+    float body = (1.0 - ends.x - ends.y) / float(max(count, 3u) - 2u);
+    return taps(words.x, count, words.y >> 8u, ends.x, body, ends.y);
 }
 
 float weight(taps t, uint i)
 {
     return i == 0u ? t.head : i + 1u == t.count ? t.tail : t.body;
+}
+
+vec4 load_if_there(uint row, uint column)
+{
+    uint there = row * push.from_width + column - push.from_first;
+    bool is_there = there < push.from_count;
+    return is_there ? load_from(there) : vec4(0.0);
+}
+
+vec4 mean_of_area(taps x, taps y)
+{
+    vec4 sum = vec4(0.0);
+    for (uint j = 0u; j < y.count; j++)
+        for (uint i = 0u; i < x.count; i++)
+            sum += weight(x, i) * weight(y, j) *
+                   load_if_there(y.first + j * y.step, x.first + i * x.step);
+    return sum;
+}
+
+// Of two taps along each side; where there is one, the other has no weight.
+vec4 interpolate(taps x, taps y)
+{
+    uint right = x.first + x.count - 1u;
+    uint below = y.first + y.count - 1u;
+    vec4 upper = x.head * load_if_there(y.first, x.first) + x.tail * load_if_there(y.first, right);
+    vec4 lower = x.head * load_if_there(below, x.first) + x.tail * load_if_there(below, right);
+    return y.head * upper + y.tail * lower;
 }
 
 void main()
@@ -69,19 +68,15 @@ void main()
     if (item >= push.items)
         return;
     item += push.first_row * push.to_width;
-    taps x = taps_along(item % push.to_width, push.from_width, push.to_width);
-    taps y = taps_along(item / push.to_width, push.from_height, push.to_height);
-    vec4 sum = vec4(0.0);
-    float weights = 0.0;
-    for (uint j = 0u; j < y.count; j++)
-        for (uint i = 0u; i < x.count; i++) {
-            uint pixel = (y.first + j * y.step) * push.from_width + x.first + i * x.step;
-            uint there = pixel - push.from_first;
-            float w = weight(x, i) * weight(y, j);
-            weights += w;
-            if (there < push.from_count)
-                sum += w * load_from(there);
-        }
-    sum /= weights;
-    to_pixels[item] = push.is_added != 0u ? to_pixels[item] + sum : sum;
+    uvec2 place = place_of(item, push.to_width);
+    taps x = taps_at(place.x);
+    taps y = taps_at(push.to_width + place.y);
+    vec4 value;
+    if (HAS_FLAG(DISPLAY_NEAREST))
+        value = load_if_there(y.first, x.first);
+    else if (HAS_FLAG(DISPLAY_LARGER))
+        value = interpolate(x, y);
+    else
+        value = mean_of_area(x, y);
+    to_pixels[item] = push.is_added != 0u ? to_pixels[item] + value : value;
 }

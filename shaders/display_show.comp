@@ -77,8 +77,9 @@ void main()
         to_pixels[item] = picture_value(item, false);
         return;
     }
-    uint x = item % push.width - push.left;
-    uint y = item / push.width - push.top;
+    uvec2 place = place_of(item, push.width);
+    uint x = place.x - push.left;
+    uint y = place.y - push.top;
     vec3 color = vec3(0.0);
     if (x < push.picture_width && y < push.picture_height) {
         color = color_of(picture_value(y * push.picture_width + x, x >= push.split));

@@ -19,18 +19,37 @@ layout(push_constant) uniform push_block {
     gpu_display_push push;
 };
 
-// PICTURE(name, binding): vec4 load_name(uint pixel).
-#define PICTURE(name, number)                                                                      \
+// WORDS(name, binding): uvec4 name_word(uint index).
+#define WORDS(name, number)                                                                        \
     layout(std430, set = 0, binding = number) buffer name##_block {                                \
         uvec4 name##_words[];                                                                      \
     };                                                                                             \
     layout(set = 0, binding = TEXEL_BINDING(number)) uniform usamplerBuffer name##_texels;         \
-    vec4 load_##name(uint pixel)                                                                   \
+    uvec4 name##_word(uint index)                                                                  \
     {                                                                                              \
         if (HAS_FLAG(DISPLAY_TEXELS))                                                              \
-            return uintBitsToFloat(texelFetch(name##_texels, int(pixel)));                         \
-        return uintBitsToFloat(name##_words[pixel]);                                               \
+            return texelFetch(name##_texels, int(index));                                          \
+        return name##_words[index];                                                                \
     }
+
+// PICTURE(name, binding): vec4 load_name(uint pixel).
+#define PICTURE(name, number)                                                                      \
+    WORDS(name, number)                                                                            \
+    vec4 load_##name(uint pixel)                                                                   \
+    {                                                                                              \
+        return uintBitsToFloat(name##_word(pixel));                                                \
+    }
+
+// Column and row of an item of a picture. Whole numbers are divided slowly where vectors of them
+// cannot be: the quotient by floats is wrong by 1 at most, as rows are fewer than 2^22.
+uvec2 place_of(uint item, uint width)
+{
+    uint row = uint(float(item) / float(width));
+    int column = int(item - row * width);
+    if (column < 0)
+        return uvec2(uint(column + int(width)), row - 1u);
+    return uint(column) < width ? uvec2(column, row) : uvec2(uint(column) - width, row + 1u);
+}
 
 uint item_index()
 {

@@ -42,8 +42,10 @@
 #define DISPLAY_BINDING_KEPT_LEFT 7
 #define DISPLAY_BINDING_KEPT_RIGHT 8
 #define DISPLAY_BINDING_PALETTE 9 // vec4 a colour, linear
-#define DISPLAY_BINDING_PIXELS 10 // RGBA8
-#define DISPLAY_BINDING_RANGE 11  // struct gpu_display_range
+#define DISPLAY_BINDING_TAPS 10   // struct gpu_display_taps, of columns, then of rows
+#define DISPLAY_BINDING_PIXELS 11 // RGBA8
+#define DISPLAY_BINDING_RANGE 12  // struct gpu_display_range
+#define DISPLAY_BINDING_COUNT 13
 
 // Specialization constants.
 #define DISPLAY_CONSTANT_WORKGROUP 0
@@ -56,13 +58,14 @@
 
 #define DISPLAY_TEXELS (1u << 0)   // linear pictures are read as texels
 #define DISPLAY_DENOISED (1u << 1) // the value is the denoiser's
-#define DISPLAY_NEAREST (1u << 2)  // pixels of a smaller picture as squares
-#define DISPLAY_TWO (1u << 3)      // two sides
-#define DISPLAY_KEPT (1u << 4)     // what was kept, where the film has nothing
-#define DISPLAY_KEEP (1u << 5)     // makes a linear picture to be kept
+#define DISPLAY_LARGER (1u << 2)   // along no side smaller: between two pixels
+#define DISPLAY_NEAREST (1u << 3)  // the same, pixels as squares
+#define DISPLAY_TWO (1u << 4)      // two sides
+#define DISPLAY_KEPT (1u << 5)     // what was kept, where the film has nothing
+#define DISPLAY_KEEP (1u << 6)     // makes a linear picture to be kept
 
 #define DISPLAY_WORKGROUP 64u
-#define DISPLAY_SIDE_MAX 32768u // pixels of a shown picture: its square fits into 32 bits
+#define DISPLAY_SIDE_MAX 32768u // pixels of a shown picture: far fewer than place_of() can
 #define DISPLAY_TAPS_MAX 128u   // pixels of a larger film that one is made of, along a side
 #define DISPLAY_RANGE_ITEMS 16u // pixels that one thread looks at
 
@@ -78,10 +81,10 @@ struct gpu_display_push {
     uint first_pixel;
     uint planned_samples;
     uint dropped, instances, meshes;
-    // display_scale: pixels of FROM that are there, of its from_width * from_height
+    // display_scale: pixels of FROM that are there
     uint from_first, from_count;
-    uint from_width, from_height;
-    uint to_width, to_height;
+    uint from_width;
+    uint to_width;
     uint first_row; // of TO
     uint is_added;  // to what is there
     // display_show
@@ -93,7 +96,16 @@ struct gpu_display_push {
     float range_low;
     float range_scale; // 1 / (high - low), of logarithms where false colours go by them
 };
-SHARED_STATIC_ASSERT_SIZE(gpu_display_push, 100);
+SHARED_STATIC_ASSERT_SIZE(gpu_display_push, 92);
+
+// Of a pixel along one side of a picture: the pixels of another that it is made of, and how much of
+// each. What head and tail leave of 1 is shared evenly by those between them.
+struct gpu_display_taps {
+    uint first;
+    uint count_step; // how many, in bits 0-7; from one to the next
+    float head, tail;
+};
+SHARED_STATIC_ASSERT_SIZE(gpu_display_taps, 16);
 
 // How often values of false colours occur, by the first bits of floats: an octave has 2^4 bins.
 #define DISPLAY_BIN_SHIFT 19

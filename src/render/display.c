@@ -87,10 +87,13 @@ void display_finish(struct display *d)
     display_work_finish(d);
     for (int i = 0; i < 2; i++) {
         struct display_pictures *side = &d->own->sides[i];
-        struct linear *const pictures[] = {&side->film, &side->sized, &side->kept,
-                                           &side->kept_sized, &side->kept_next};
-        for (size_t p = 0; p < sizeof pictures / sizeof pictures[0]; p++)
-            gpu_buffer_finish(d->gpu, &pictures[p]->buffer);
+        struct gpu_buffer *const buffers[] = {
+            &side->film.buffer,          &side->kept.buffer, &side->kept_next.buffer,
+            &side->sized.picture.buffer, &side->sized.taps,  &side->kept_sized.picture.buffer,
+            &side->kept_sized.taps,
+        };
+        for (size_t b = 0; b < sizeof buffers / sizeof buffers[0]; b++)
+            gpu_buffer_finish(d->gpu, buffers[b]);
     }
     gpu_buffer_finish(d->gpu, &d->own->palette);
     gpu_buffer_finish(d->gpu, &d->own->sources);
@@ -147,12 +150,7 @@ static bool is_wanted(const struct side *side, const struct linear *picture)
     return picture->width == wanted_width(side) && picture->height == wanted_height(side);
 }
 
-// Pixels [first, first + count) of the film, in one of its buffers.
-struct part {
-    uint32_t chunk, first, count;
-};
-
-static bool read_part(struct display *d, const struct side *side, const struct part *part,
+static bool read_part(struct display *d, const struct side *side, const struct display_part *part,
                       struct err *err)
 {
     const struct renderer *r = side->call->renderer;
@@ -186,47 +184,6 @@ static bool read_part(struct display *d, const struct side *side, const struct p
     return display_dispatch(d, &work, err);
 }
 
-// The rows of `to` that some of the pixels matter to: one more at each end, for interpolation.
-static void rows_of_part(const struct linear *from, const struct linear *to,
-                         const struct part *part, uint32_t *first, uint32_t *count)
-{
-    double scale = to->height / (double)from->height;
-    double low = floor((part->first / from->width - 1.0) * scale) - 1;
-    uint32_t last = (part->first + part->count - 1) / from->width;
-    double high = ceil((last + 2.0) * scale) + 1;
-    *first = low > 0 ? (uint32_t)low : 0;
-    *count = (high < to->height ? (uint32_t)high : to->height) - *first;
-}
-
-// What `from` has of them; part NULL: all.
-static bool scale_part(struct display *d, const struct linear *from, const struct part *part,
-                       bool nearest, const struct linear *to, struct err *err)
-{
-    struct display_work work = {
-        .code = DISPLAY_SCALE,
-        .constants = {[DISPLAY_CONSTANT_FLAGS] = nearest ? DISPLAY_NEAREST : 0},
-        .push =
-            {
-                .from_count = from->width * from->height,
-                .from_width = from->width,
-                .from_height = from->height,
-                .to_width = to->width,
-                .to_height = to->height,
-            },
-        .buffers = {[DISPLAY_BINDING_FROM] = &from->buffer, [DISPLAY_BINDING_TO] = &to->buffer},
-    };
-    uint32_t rows = to->height;
-    if (part) {
-        rows_of_part(from, to, part, &work.push.first_row, &rows);
-        work.push.from_first = part->first;
-        work.push.from_count = part->count;
-        work.push.is_added = 1;
-    }
-    work.push.items = rows * to->width;
-    work.threads = work.push.items;
-    return display_dispatch(d, &work, err);
-}
-
 // Film and denoiser agree, and the renderer knows what is asked for.
 static bool check_side(const struct side *side, struct err *err)
 {
@@ -253,17 +210,17 @@ static bool read_whole(struct display *d, struct side *side, struct err *err)
 {
     const struct renderer *r = side->call->renderer;
     struct display_pictures *own = side->pictures;
-    const struct part all = {.count = r->frame.width * r->frame.height};
+    const struct display_part all = {.count = r->frame.width * r->frame.height};
     if (!display_reserve(d, "display film", r->frame.width, r->frame.height, &own->film, err) ||
         !read_part(d, side, &all, err))
         return false;
     side->picture = &own->film;
     if (is_wanted(side, &own->film))
         return true;
-    side->picture = &own->sized;
-    return display_reserve(d, "display sized", wanted_width(side), wanted_height(side), &own->sized,
-                           err) &&
-           scale_part(d, &own->film, NULL, side->draw->nearest, &own->sized, err);
+    side->picture = &own->sized.picture;
+    return display_reserve(d, "display sized", wanted_width(side), wanted_height(side),
+                           &own->sized.picture, err) &&
+           display_scale(d, &own->film, NULL, side->draw->nearest, &own->sized, err);
 }
 
 static bool read_in_parts(struct display *d, struct side *side, struct err *err)
@@ -272,22 +229,22 @@ static bool read_in_parts(struct display *d, struct side *side, struct err *err)
     struct display_pictures *own = side->pictures;
     uint64_t pixels = (uint64_t)r->frame.width * r->frame.height;
     uint64_t chunk_pixels = r->plan.film_chunk_pixels;
-    side->picture = &own->sized;
+    struct linear *sized = &own->sized.picture;
+    side->picture = sized;
     // Of one chunk, as rows of a picture that is 1 pixel wide.
     if (!display_reserve(d, "display film", 1, (uint32_t)chunk_pixels, &own->film, err) ||
-        !display_reserve(d, "display sized", wanted_width(side), wanted_height(side), &own->sized,
-                         err))
+        !display_reserve(d, "display sized", wanted_width(side), wanted_height(side), sized, err))
         return false;
     const struct linear film = {own->film.buffer, r->frame.width, r->frame.height};
-    gpu_fill(d->gpu, &d->own->commands, &own->sized.buffer, 0, own->sized.buffer.bytes, 0);
+    gpu_fill(d->gpu, &d->own->commands, &sized->buffer, 0, sized->buffer.bytes, 0);
     gpu_barrier(d->gpu, &d->own->commands);
-    struct part part = {0};
+    struct display_part part = {0};
     for (uint64_t first = 0; first < pixels; first += chunk_pixels, part.chunk++) {
         uint64_t left = pixels - first;
         part.first = (uint32_t)first;
         part.count = (uint32_t)(left < chunk_pixels ? left : chunk_pixels);
         if (!read_part(d, side, &part, err) ||
-            !scale_part(d, &film, &part, side->draw->nearest, &own->sized, err))
+            !display_scale(d, &film, &part, side->draw->nearest, &own->sized, err))
             return false;
     }
     return true;
@@ -302,10 +259,10 @@ static bool find_kept(struct display *d, struct side *side, struct err *err)
     side->kept = &own->kept;
     if (is_wanted(side, &own->kept))
         return true;
-    side->kept = &own->kept_sized;
+    side->kept = &own->kept_sized.picture;
     return display_reserve(d, "display kept, sized", wanted_width(side), wanted_height(side),
-                           &own->kept_sized, err) &&
-           scale_part(d, &own->kept, NULL, side->draw->nearest, &own->kept_sized, err);
+                           &own->kept_sized.picture, err) &&
+           display_scale(d, &own->kept, NULL, side->draw->nearest, &own->kept_sized, err);
 }
 
 static bool read_side(struct display *d, const struct display_call *call, uint32_t index,

@@ -15,11 +15,19 @@ struct linear {
     uint32_t width, height;
 };
 
+// One made of another, and how: see display_scale.
+struct sized {
+    struct linear picture;
+    struct gpu_buffer taps; // struct gpu_display_taps
+    uint32_t key[5];        // what they were made for
+};
+
 // Of one side.
 struct display_pictures {
-    struct linear film;  // as it is; of a film in chunks one after the other
-    struct linear sized; // the size that is shown, where that is another
-    struct linear kept, kept_sized, kept_next;
+    struct linear film; // as it is; of a film in chunks one after the other
+    struct sized sized; // the size that is shown, where that is another
+    struct linear kept, kept_next;
+    struct sized kept_sized;
     bool is_kept;
     uint32_t kept_shown; // SHOWN_*
 };
@@ -41,7 +49,7 @@ struct display_work {
     enum display_code code;
     uint32_t constants[DISPLAY_CONSTANT_COUNT]; // texels and workgroup are added
     struct gpu_display_push push;
-    const struct gpu_buffer *buffers[DISPLAY_BINDING_RANGE + 1]; // by binding
+    const struct gpu_buffer *buffers[DISPLAY_BINDING_COUNT]; // by binding
     uint64_t threads;
 };
 
@@ -58,6 +66,17 @@ bool display_reserve(struct display *display, const char *name, uint32_t width, 
 bool display_reserve_bytes(struct display *display, const char *name, uint64_t bytes, bool texel,
                            struct gpu_buffer *out, struct err *err);
 void display_work_finish(struct display *display);
+
+// --- display_scale.c -----------------------------------------------------------------------------
+// Pixels [first, first + count) of a film, in one of its buffers.
+struct display_part {
+    uint32_t chunk, first, count;
+};
+// Makes to->picture, which has its size, of `from`; or adds what `from` has of this part, as its
+// first pixels. part NULL: it has all.
+bool display_scale(struct display *display, const struct linear *from,
+                   const struct display_part *part, bool nearest, struct sized *to,
+                   struct err *err);
 
 // --- display_range.c -----------------------------------------------------------------------------
 // Finds the range of what the pictures have that are to be shown. *low < *high.

@@ -68,7 +68,8 @@ static bool find_kernel(struct display *d, enum display_code code,
     return gpu_kernel_create(d->gpu, &params, *out, err);
 }
 
-// The buffers, as texels too where all linear pictures that are read can be: *texels then.
+// The buffers, as texels too where all films and linear pictures that are read can be: *texels
+// then.
 static bool bind(struct display *d, const struct display_work *work, bool *texels, struct err *err)
 {
     struct display_state *own = d->own;
@@ -77,10 +78,10 @@ static bool bind(struct display *d, const struct display_work *work, bool *texel
     if (own->set_count == DISPLAY_SETS && (!display_end(d, err) || !display_begin(d, err)))
         return false;
     *texels = true;
-    for (uint32_t b = 0; b <= DISPLAY_BINDING_RANGE; b++) {
+    for (uint32_t b = 0; b < DISPLAY_BINDING_COUNT; b++) {
         const struct gpu_buffer *buffer = work->buffers[b];
-        bool is_read = b == DISPLAY_BINDING_FROM ||
-                       (b >= DISPLAY_BINDING_LEFT && b <= DISPLAY_BINDING_PALETTE);
+        bool is_read = b == DISPLAY_BINDING_FILM || b == DISPLAY_BINDING_FROM ||
+                       (b >= DISPLAY_BINDING_LEFT && b <= DISPLAY_BINDING_TAPS);
         storage[b].buffer = buffer;
         if (!is_read || !buffer)
             continue;

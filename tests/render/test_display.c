@@ -1,4 +1,5 @@
 // What a viewer shows, pixel by pixel against a computation on the host.
+#include "clock.h"
 #include "denoise.h"
 #include "display.h"
 #include "error_map.h"
@@ -283,6 +284,12 @@ static void check_picture(const char *name, struct display *display,
     CHECK(wrong == 0, "%s: %u pixels differ", name, wrong);
 }
 
+static int by_size(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
 // --- pictures ------------------------------------------------------------------------------------
 
 struct stage {
@@ -391,4 +398,58 @@ TEST(every_size)
     stage_close(&s);
 }
 
-TEST_MAIN(TEST_CASE(every_curve), TEST_CASE(every_size))
+// Prints what calls take on the device and in all; limits are for quiet machines.
+static void print_cost(struct stage *s, const char *name, const struct display_call *call)
+{
+    struct err err = {0};
+    double device[9], all[9];
+    for (int i = -1; i < 9; i++) {
+        uint64_t start = clock_ns();
+        REQUIRE_OK(display_draw(&s->display, call, &err));
+        if (i >= 0) {
+            all[i] = 1e3 * clock_seconds_since(start);
+            device[i] = s->display.ms;
+        }
+    }
+    qsort(device, 9, sizeof *device, by_size);
+    qsort(all, 9, sizeof *all, by_size);
+    printf("  %-22s %5u x %4u: %6.2f ms on the device, %6.2f ms in all\n", name, call->width,
+           call->height, device[4], all[4]);
+}
+
+TEST(cost)
+{
+    static const char *const films[] = {"{\"width\": 640, \"height\": 360}",
+                                        "{\"width\": 1280, \"height\": 720}"};
+    for (int f = 0; f < 2; f++) {
+        struct stage s = {0};
+        struct err err = {0};
+        OPEN_GPU(&s.gpu, .validation = false);
+        REQUIRE_OK(stage_open(&s, "scenes/cornell.json", films[f], AOV_DEPTH, &err));
+        REQUIRE_OK(stage_render(&s, 1, &err));
+        struct display_call call = whole(&s, SHOWN_RADIANCE);
+        for (int tone = TONE_NONE; tone <= TONE_AGX; tone++) {
+            call.tone = (enum tone_curve)tone;
+            print_cost(&s, tone_names[tone], &call);
+        }
+        call.tone = TONE_NONE;
+        call.split = 0.5;
+        call.side_count = 2;
+        print_cost(&s, "two sides", &call);
+        call.side_count = 1;
+        call.shown = SHOWN_DEPTH;
+        print_cost(&s, "depth", &call);
+        call.shown = SHOWN_RADIANCE;
+        call.width = call.picture[2] = 1280;
+        call.height = call.picture[3] = 720;
+        call.nearest = true;
+        print_cost(&s, "nearest", &call);
+        call.nearest = false;
+        call.width = call.picture[2] = 960;
+        call.height = call.picture[3] = 540;
+        print_cost(&s, "another size", &call);
+        stage_close(&s);
+    }
+}
+
+TEST_MAIN(TEST_CASE(every_curve), TEST_CASE(every_size), TEST_CASE(cost))
