@@ -79,7 +79,7 @@ static void read_ids(const uint32_t words[2], const struct flat_scene *flat, uin
     uint32_t number = words[0] - 1;
     if (number & PRIMITIVE_SHAPE) {
         number &= ~PRIMITIVE_SHAPE;
-        ids[0] = flat->instance_count + number + 1;
+        ids[0] = flat->instance_count + flat->shapes[number].source + 1;
         ids[1] = flat->shapes[number].material + 1;
         ids[2] = 1;
         return;

@@ -126,16 +126,24 @@ static uint32_t geometry_of(const struct flat_scene *flat, const struct bvh *bvh
     return geometry;
 }
 
-// SDF_*: operations of the distance fields' programs.
-static uint32_t sdf_operations(const struct scene *scene)
+static uint32_t field_operations(const struct sdf *sdf)
 {
     uint32_t operations = 0;
-    for (uint32_t i = 0; i < scene->sdf_count; i++)
-        for (uint32_t k = 0; k < scene->sdfs[i].count; k++) {
-            uint32_t op = scene->sdfs[i].code[k].op;
-            operations |= SDF_BIT(op & 0xffu);
-            k += (op & 0xffu) == SDF_METABALLS ? ((op >> 8) + 3) / 4 : 0;
-        }
+    for (uint32_t k = 0; k < sdf->count; k++) {
+        uint32_t op = sdf->code[k].op;
+        operations |= SDF_BIT(op & 0xffu);
+        k += (op & 0xffu) == SDF_METABALLS ? ((op >> 8) + 3) / 4 : 0;
+    }
+    return operations;
+}
+
+// SDF_*: operations of the programs of the distance fields that some shape is.
+static uint32_t sdf_operations(const struct scene *scene, const struct flat_scene *flat)
+{
+    uint32_t operations = 0;
+    for (uint32_t i = 0; i < flat->shape_count; i++)
+        if (flat->shapes[i].kind == SHAPE_SDF)
+            operations |= field_operations(&scene->sdfs[flat->shapes[i].sdf]);
     return operations;
 }
 
@@ -359,7 +367,7 @@ struct specialization specialize(const struct specialize_params *p)
         .roulette = settings->roulette,
         .nodes = bvh->format == BVH_FLOAT ? NODES_FLOAT : NODES_QUANTISED,
         .geometry = geometry_of(flat, bvh),
-        .sdf = sdf_operations(scene),
+        .sdf = sdf_operations(scene, flat),
     };
     s.geometry |= has_large_spheres(flat, p->camera) ? GEOMETRY_LARGE_SPHERES : 0u;
     uint32_t classes = 0;

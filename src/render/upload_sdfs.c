@@ -41,7 +41,7 @@ void upload_fill_sdfs(const struct upload_params *p, uint32_t (*records)[4], uin
     const struct scene *scene = p->scene;
     uint32_t number = 0;
     for (uint32_t i = 0; i < p->flat->shape_count; i++) {
-        const struct shape *shape = &scene->shapes[i];
+        const struct shape *shape = &scene->shapes[p->flat->shapes[i].source];
         if (shape->kind != SHAPE_SDF)
             continue;
         uint32_t first = 0;

@@ -19,6 +19,7 @@ struct flat_shape {
     float radius;
     float axes[3][3];
     uint32_t sdf;
+    uint32_t source; // of scene.shapes
 };
 
 // A mesh that its instances share: triangles in its own space, or relative to its middle when it is
@@ -51,6 +52,8 @@ struct flat_instance {
 // tangents a material with other texture coordinates for them. These are put into the world.
 enum instancing { INSTANCING_AUTO, INSTANCING_ON, INSTANCING_OFF };
 
+// Of what is not hidden. What is, is not in any of the arrays, nor counted, but has its number in
+// the scene all the same.
 struct flat_scene {
     // World position of the arrays' origin: geometry far from the world's origin is moved in double
     // precision before it is rounded (stiff case C2). (0,0,0) unless the scene needs it: when

@@ -168,6 +168,10 @@ static bool classify_instances(const struct scene *scene, struct census *census,
     for (uint32_t i = 0; i < scene->instance_count; i++) {
         const struct instance *instance = &scene->instances[i];
         struct mesh_use *use = &census->meshes[instance->mesh];
+        if (instance->hidden) {
+            census->instances[i] = INSTANCE_HIDDEN;
+            continue;
+        }
         if (!check_transform(scene, i, err))
             return false;
         double determinant = affine_determinant(instance->transform);
@@ -294,7 +298,7 @@ static bool measure_world(const struct flatten_params *params, struct census *ce
     for (uint32_t i = 0; i < scene->instance_count; i++) {
         const struct instance *instance = &scene->instances[i];
         struct mesh_use *use = &census->meshes[instance->mesh];
-        if (census->instances[i] == INSTANCE_SKIPPED)
+        if (census->instances[i] == INSTANCE_SKIPPED || census->instances[i] == INSTANCE_HIDDEN)
             continue;
         if (i % FLATTEN_POLL == 0 && !flatten_goes_on(params, FLATTEN_CENSUS_PART / 2, err))
             return false;
@@ -311,7 +315,8 @@ static bool measure_world(const struct flatten_params *params, struct census *ce
             return false;
     }
     for (uint32_t i = 0; i < scene->shape_count; i++)
-        bounds_add_shape(&census->bounds, &scene->shapes[i]);
+        if (!scene->shapes[i].hidden)
+            bounds_add_shape(&census->bounds, &scene->shapes[i]);
     return true;
 }
 

@@ -19,7 +19,7 @@ struct mesh_use {
     uint32_t first_skipped; // the first one of them
 };
 
-enum instance_use { INSTANCE_SKIPPED, INSTANCE_FLATTENED, INSTANCE_SHARES };
+enum instance_use { INSTANCE_SKIPPED, INSTANCE_HIDDEN, INSTANCE_FLATTENED, INSTANCE_SHARES };
 
 struct census {
     struct mesh_use *meshes;

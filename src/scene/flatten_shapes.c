@@ -72,6 +72,7 @@ static bool add_shape(struct flat_scene *flat, const struct scene *scene, uint32
         .material = shape.material,
         .radius = (float)shape.radius,
         .sdf = shape.sdf,
+        .source = index,
     };
     for (int i = 0; i < 3; i++) {
         added->center[i] = (float)(shape.center[i] - flat->origin[i]);
@@ -96,7 +97,7 @@ static bool add_shape(struct flat_scene *flat, const struct scene *scene, uint32
 bool flatten_shapes(const struct scene *scene, struct flat_scene *out, struct err *err)
 {
     for (uint32_t i = 0; i < scene->shape_count; i++)
-        if (!add_shape(out, scene, i, err))
+        if (!scene->shapes[i].hidden && !add_shape(out, scene, i, err))
             return false;
     return true;
 }

@@ -4,7 +4,8 @@
 
 #include "flatten.h"
 
-// Appends all shapes to out->shapes, which has room, and adds those with ends to the bounds.
+// Appends all shapes in sight to out->shapes, which has room, and adds those with ends to the
+// bounds.
 bool flatten_shapes(const struct scene *scene, struct flat_scene *out, struct err *err);
 
 // A box that contains all that the kernels may hit of the shape.
