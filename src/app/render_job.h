@@ -74,7 +74,12 @@ struct render_job {
     uint64_t image_hash;        // of the mean's bits
 };
 
-// --- render_scene.c: shared with `lampyris info` ---
+// --- render_scene.c: shared with `lampyris info` and the viewer ---
+// What the options say of loading; as long as they live.
+struct scene_load_params job_scene_params(const struct options *options);
+// Applies the rest of the command line to a scene as it was loaded: settings, camera, lens.
+bool job_adapt_scene(const struct options *options, struct scene *scene, uint32_t *camera,
+                     struct err *err);
 // Loads the scene and applies the command line to it.
 bool job_load_scene(const struct options *options, struct scene *scene, uint32_t *camera,
                     struct err *err);

@@ -53,14 +53,13 @@ static bool set_lens(const struct options *options, struct scene *scene, struct 
     return true;
 }
 
-bool job_load_scene(const struct options *options, struct scene *scene, uint32_t *camera,
-                    struct err *err)
+struct scene_load_params job_scene_params(const struct options *options)
 {
     const struct environment_option *environment = &options->environment;
     bool has_radiance =
         options_given(options, OPTION_ENV) && !environment->file && !environment->is_sky;
     bool has_strength = options_given(options, OPTION_ENV_STRENGTH);
-    struct scene_load_params params = {
+    return (struct scene_load_params){
         .path = options->arguments[0],
         .overrides = options->overrides,
         .override_count = options->override_count,
@@ -76,14 +75,26 @@ bool job_load_scene(const struct options *options, struct scene *scene, uint32_t
         .variant = options->variant,
         .progress = options->progress,
     };
-    if (!scene_load(&params, scene, err))
-        return false;
-    if (progress_should_stop(options->progress))
-        return err_set(err, ERR_STOPPED, "%s: loading was stopped", scene->path);
+}
+
+bool job_adapt_scene(const struct options *options, struct scene *scene, uint32_t *camera,
+                     struct err *err)
+{
     options_apply_settings(options, &scene->settings);
     scene_frame_camera(scene);
     return choose_camera(options, scene, camera, err) &&
            set_lens(options, scene, &scene->cameras[*camera], err);
+}
+
+bool job_load_scene(const struct options *options, struct scene *scene, uint32_t *camera,
+                    struct err *err)
+{
+    struct scene_load_params params = job_scene_params(options);
+    if (!scene_load(&params, scene, err))
+        return false;
+    if (progress_should_stop(options->progress))
+        return err_set(err, ERR_STOPPED, "%s: loading was stopped", scene->path);
+    return job_adapt_scene(options, scene, camera, err);
 }
 
 struct renderer_params job_renderer_params(const struct options *options, struct gpu *gpu,
