@@ -93,37 +93,45 @@ static bool is_finite(struct json_text *t, double value)
     return false;
 }
 
-// With a point where it would read as a whole number that has no sign.
-static void put_number(struct json_text *t, const char *digits)
+// So many significant digits, without an exponent where it would only save zeros; with a point
+// where it would read as a whole number, which has no sign.
+static void put_digits(struct json_text *t, double value, int count)
 {
+    char digits[40];
+    double magnitude = fabs(value);
+    if (magnitude >= 1 && magnitude < 1e15)
+        count = (int)fmax(count, floor(log10(magnitude)) + 1);
+    snprintf(digits, sizeof digits, "%.*g", count, value);
     put(t, strcmp(digits, "-0") == 0 ? "-0.0" : digits);
+}
+
+// The number that is written with so many digits.
+static double with_digits(double value, int count)
+{
+    char digits[40];
+    snprintf(digits, sizeof digits, "%.*g", count, value);
+    return strtod(digits, NULL);
 }
 
 void json_text_double(struct json_text *t, double value)
 {
-    char digits[32];
+    int count = 1;
     if (!is_finite(t, value))
         return;
-    for (int count = 1; count <= 17; count++) {
-        snprintf(digits, sizeof digits, "%.*g", count, value);
-        if (strtod(digits, NULL) == value)
-            break;
-    }
-    put_number(t, digits);
+    while (count < 17 && with_digits(value, count) != value)
+        count++;
+    put_digits(t, value, count);
 }
 
 // Read as a double, and rounded then.
 void json_text_float(struct json_text *t, float value)
 {
-    char digits[32];
+    int count = 1;
     if (!is_finite(t, (double)value))
         return;
-    for (int count = 1; count <= 17; count++) {
-        snprintf(digits, sizeof digits, "%.*g", count, (double)value);
-        if ((float)strtod(digits, NULL) == value)
-            break;
-    }
-    put_number(t, digits);
+    while (count < 17 && (float)with_digits((double)value, count) != value)
+        count++;
+    put_digits(t, (double)value, count);
 }
 
 void json_text_uint(struct json_text *t, uint64_t value)
@@ -191,10 +199,8 @@ void json_text_floats(struct json_text *t, const char *key, const float *values,
 static bool find_factor(double value, double unit, double *out)
 {
     double quotient = value / unit, near[5] = {quotient, quotient, quotient};
-    char digits[32];
     for (int count = 1; count <= 17; count++) {
-        snprintf(digits, sizeof digits, "%.*g", count, quotient);
-        *out = strtod(digits, NULL);
+        *out = with_digits(quotient, count);
         if (*out * unit == value)
             return true;
     }

@@ -1,0 +1,228 @@
+#include "scene_edit_fixture.h"
+
+#include "affine.h"
+#include "scene_write_edits.h"
+#include "test.h"
+
+double random_unit(struct random *random)
+{
+    // Knuth's linear congruential generator (MMIX); its upper bits.
+    random->state = random->state * 6364136223846793005u + 1442695040888963407u;
+    return (double)(random->state >> 11) * 0x1p-53;
+}
+
+uint32_t random_below(struct random *random, uint32_t count)
+{
+    return (uint32_t)(random_unit(random) * count);
+}
+
+static bool often(struct random *random)
+{
+    return random_below(random, 4) > 0;
+}
+
+static void random_direction(struct random *random, double out[3])
+{
+    do {
+        for (int c = 0; c < 3; c++)
+            out[c] = 2 * random_unit(random) - 1;
+    } while (!vec3_normalize(out));
+}
+
+// Also the ends of the range, and a value of seven digits and one of nine.
+static float random_float(struct random *random, float min, float max)
+{
+    switch (random_below(random, 6)) {
+    case 0:
+        return min;
+    case 1:
+        return max;
+    case 2:
+        return min + (float)random_unit(random) * 1e-6f * (max - min);
+    default:
+        return fminf(fmaxf(min + (float)random_unit(random) * (max - min), min), max);
+    }
+}
+
+static void edit_material(struct material *material, struct random *random)
+{
+    static const uint32_t switches[] = {
+        MATERIAL_THIN,      MATERIAL_UNLIT,    MATERIAL_COMPENSATE,   MATERIAL_TINT_EACH,
+        MATERIAL_SEPARABLE, MATERIAL_COAT_GGX, MATERIAL_EXACT_FRESNEL};
+    if (often(random))
+        material->model = random_below(random, MATERIAL_MODEL_COUNT);
+    for (uint32_t i = 0; i < material_parameter_count; i++) {
+        const struct material_parameter *p = &material_parameters[i];
+        if (!often(random))
+            continue;
+        for (uint32_t c = 0; c < p->count; c++)
+            material->parameters[p->first + c] = random_float(random, p->min, p->max);
+    }
+    for (size_t i = 0; i < sizeof switches / sizeof *switches; i++)
+        if (often(random))
+            material->flags ^= switches[i];
+    if (often(random)) {
+        const uint32_t chosen = MATERIAL_ALPHA_MASK | MATERIAL_ALPHA_BLEND |
+                                3u << MATERIAL_DISTRIBUTION_SHIFT | 7u << MATERIAL_MASKING_SHIFT;
+        material->flags = (material->flags & ~chosen) | random_below(random, 3) << 4 |
+                          random_below(random, DISTRIBUTION_COUNT) << MATERIAL_DISTRIBUTION_SHIFT |
+                          random_below(random, MASKING_COUNT) << MATERIAL_MASKING_SHIFT;
+    }
+    for (int c = 0; c < 3 && often(random); c++)
+        material->extinction[c] =
+            random_below(random, 3) == 0 ? INFINITY : (float)(random_unit(random) * 1e4);
+    material->medium_priority = 1 + random_below(random, 255);
+}
+
+static void edit_light(struct light *light, struct random *random)
+{
+    if (often(random))
+        light->kind = random_below(random, 3);
+    if (light->kind == LIGHT_DIRECTIONAL || !often(random))
+        light->profile = NULL;
+    for (int c = 0; c < 3; c++) {
+        light->position[c] = 100 * random_unit(random) - 50;
+        light->radiant[c] = (float)(random_unit(random) * 1e3);
+    }
+    random_direction(random, light->direction);
+    if (light->profile) {
+        double other[3];
+        do
+            random_direction(random, other);
+        while (fabs(vec3_dot(other, light->direction)) > 0.9);
+        vec3_cross(light->direction, other, light->profile_x);
+        vec3_normalize(light->profile_x);
+    }
+    light->range = often(random) ? (float)(1e-3 + random_unit(random)) : INFINITY;
+    light->inner_angle = (float)(random_unit(random) * 0.7);
+    light->outer_angle = light->inner_angle + (float)(1e-3 + random_unit(random) * 0.7);
+    light->angular_radius = often(random) ? 1e-3 + random_unit(random) : 0;
+}
+
+static void edit_camera(struct camera *camera, struct random *random)
+{
+    *camera = (struct camera){.name = random_below(random, 2) ? "chosen" : "",
+                              .kind = random_below(random, 3)};
+    random_direction(random, camera->direction);
+    do
+        random_direction(random, camera->up);
+    while (fabs(vec3_dot(camera->up, camera->direction)) > 0.99);
+    for (int c = 0; c < 3; c++)
+        camera->position[c] = 20 * random_unit(random) - 10;
+    camera->fov_y = 0.01 + 3 * random_unit(random);
+    camera->height = 1e-3 + random_unit(random);
+    camera->lens_radius = often(random) ? random_unit(random) * 0.1 : 0;
+    camera->focus_distance = 1e-3 + random_unit(random) * 10;
+    camera->lens_blades = often(random) ? 3 + random_below(random, 60) : 0;
+    camera->lens_rotation = random_unit(random) * 6;
+}
+
+static void edit_settings(struct settings *s, struct random *random)
+{
+    *s = (struct settings){
+        .width = 1 + random_below(random, 2000),
+        .height = 1 + random_below(random, 2000),
+        .spp = 1 + random_below(random, UINT32_MAX - 1),
+        .seed = random_below(random, UINT32_MAX),
+        .max_bounces = random_below(random, SETTINGS_BOUNCES_MAX),
+        .integrator = random_below(random, 4),
+        .ao_distance = often(random) ? (float)(1e-3 + random_unit(random)) : INFINITY,
+        .falloff = (float)random_unit(random),
+        .sampler = random_below(random, 6),
+        .halves = random_below(random, 2),
+        .filter = random_below(random, 4),
+        .filter_radius = (float)(random_unit(random) * SETTINGS_FILTER_RADIUS_MAX),
+        .pixel_jitter = often(random),
+        .light_choice = random_below(random, 5),
+        .nee = often(random),
+        .nee_depth = often(random) ? random_below(random, 100) : UINT32_MAX,
+        .mis = random_below(random, 3),
+        .directions = random_below(random, 5),
+        .direction_exponent = (float)(random_unit(random) * SETTINGS_EXPONENT_MAX),
+        .clamp_limit = often(random) ? (float)(1e-3 + random_unit(random)) : 0,
+        .roulette = random_below(random, 4),
+        .roulette_min_bounces = often(random) ? random_below(random, 100) : UINT32_MAX,
+        .roulette_max_bounces = often(random) ? random_below(random, 100) : UINT32_MAX,
+        .roulette_survival = random_float(random, 0.01f, 1),
+        .exposure = (float)(200 * random_unit(random) - 100),
+        .tone_curve = (enum tone_curve)random_below(random, 4),
+    };
+}
+
+void edit_at_random(struct scene *scene, struct random *random)
+{
+    for (uint32_t i = 0; i < scene->material_count; i++)
+        if (often(random))
+            edit_material(&scene->materials[i], random);
+    for (uint32_t i = 0; i < scene->light_count; i++)
+        if (often(random))
+            edit_light(&scene->lights[i], random);
+    for (uint32_t i = 0; i < scene->instance_count; i++) {
+        struct instance *instance = &scene->instances[i];
+        if (random_below(random, 2))
+            instance->hidden = !instance->hidden;
+        if (random_below(random, 4) == 0)
+            instance->material =
+                random_below(random, 2) ? random_below(random, scene->material_count) : SCENE_NONE;
+    }
+    for (uint32_t i = 0; i < scene->shape_count; i++) {
+        scene->shapes[i].hidden ^= random_below(random, 2) > 0;
+        if (random_below(random, 4) == 0)
+            scene->shapes[i].material = random_below(random, scene->material_count);
+    }
+    if (scene->environment.present && often(random)) {
+        for (int c = 0; c < 3; c++)
+            scene->environment.radiance[c] = (float)random_unit(random);
+        scene->environment.rotation = 10 * random_unit(random) - 5;
+    }
+    edit_camera(&scene->cameras[0], random);
+    edit_settings(&scene->settings, random);
+}
+
+// --- comparison ----------------------------------------------------------------------------------
+
+static bool same_bytes(const void *a, const void *b, size_t size)
+{
+    return (!a && !b) || (a && b && (size == 0 || memcmp(a, b, size) == 0));
+}
+
+static void check_same_meshes(const struct scene *a, const struct scene *b, const char *what)
+{
+    REQUIRE(a->mesh_count == b->mesh_count, "%s", what);
+    for (uint32_t i = 0; i < a->mesh_count; i++) {
+        const struct mesh *m = &a->meshes[i], *n = &b->meshes[i];
+        REQUIRE(m->vertex_count == n->vertex_count && m->triangle_count == n->triangle_count,
+                "%s: mesh %u", what, i);
+        CHECK(same_bytes(m->positions, n->positions, m->vertex_count * sizeof *m->positions) &&
+                  same_bytes(m->normals, n->normals, m->vertex_count * sizeof *m->normals) &&
+                  same_bytes(m->tangents, n->tangents, m->vertex_count * sizeof *m->tangents) &&
+                  same_bytes(m->indices, n->indices, m->triangle_count * sizeof *m->indices) &&
+                  same_bytes(m->triangle_material, n->triangle_material,
+                             m->triangle_count * sizeof *m->triangle_material) &&
+                  m->material == n->material,
+              "%s: mesh %u", what, i);
+    }
+}
+
+void check_same_scene(struct scene *a, struct scene *b, const char *what)
+{
+    struct err err = {0};
+    // Profiles are other copies of the same.
+    for (uint32_t i = 0; i < a->light_count && i < b->light_count; i++)
+        if (a->lights[i].profile && b->lights[i].profile)
+            b->lights[i].profile = a->lights[i].profile;
+    CHECK(scene_compare_edits(a, b, &err), "%s: %s", what, err.msg);
+    CHECK(scene_same_settings(&a->settings, &b->settings), "%s: settings", what);
+    CHECK(scene_same_camera(&a->cameras[0], &b->cameras[0]), "%s: camera", what);
+    check_same_meshes(a, b, what);
+    for (uint32_t i = 0; i < a->instance_count && i < b->instance_count; i++)
+        CHECK(same_bytes(a->instances[i].transform, b->instances[i].transform,
+                         sizeof a->instances[i].transform),
+              "%s: instance %u", what, i);
+    const struct environment *e = &a->environment, *f = &b->environment;
+    CHECK(same_bytes(e->texels, f->texels, (size_t)e->width * e->height * sizeof *e->texels),
+          "%s: texels", what);
+    REQUIRE(a->image_count == b->image_count && a->texture_count == b->texture_count, "%s", what);
+    for (uint32_t i = 0; i < a->image_count; i++)
+        CHECK(a->images[i].hash == b->images[i].hash, "%s: image %u", what, i);
+}
