@@ -48,9 +48,10 @@ bool gpu_image_create(struct gpu *gpu, const char *name, VkFormat format, uint32
                       uint32_t height, VkImageUsageFlags usage, struct gpu_image *out,
                       struct err *err)
 {
+    const VkImageUsageFlags seen = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
     *out = (struct gpu_image){0};
     if (!handle_create(gpu, format, width, height, usage, &out->handle, err) ||
-        !memory_create(gpu, out, err) || !view_create(gpu, format, out, err)) {
+        !memory_create(gpu, out, err) || ((usage & seen) && !view_create(gpu, format, out, err))) {
         gpu_image_finish(gpu, out);
         return err_prepend(err, "image %s, %u x %u pixels", name, width, height);
     }

@@ -34,7 +34,7 @@ struct gpu_atlas {
 struct gpu_image {
     VkImage handle;
     VkDeviceMemory memory;
-    VkImageView view;
+    VkImageView view; // VK_NULL_HANDLE of images that are only copied
     uint64_t bytes;
 };
 

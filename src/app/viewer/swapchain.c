@@ -220,40 +220,50 @@ static VkResult handle_create(struct gpu *gpu, struct swapchain *swapchain,
     return result;
 }
 
-// For the window as it is now. Without a swapchain afterwards, and no failure, where the window has
-// no area or the surface was lost.
-static bool swapchain_make(struct gpu *gpu, struct swapchain *swapchain,
-                           const struct window *window, struct err *err)
+// False where it did not come about: *failed tells whether that is an error.
+static bool remake(struct gpu *gpu, struct swapchain *swapchain, const struct window *window,
+                   bool *failed, struct err *err)
 {
-    bool failed = false;
     struct offer offer;
-    images_finish(gpu, swapchain);
-    swapchain->is_stale = false;
-    swapchain->has_vsync = swapchain->vsync;
-    swapchain->window_width = window->width;
-    swapchain->window_height = window->height;
-    swapchain->shown_before_made = swapchain->shown;
     if (!goes_on(gpu, swapchain, "vkGetPhysicalDeviceSurfaceCapabilitiesKHR",
-                 offer_read(gpu, swapchain, &offer), &failed, err))
-        return !failed;
+                 offer_read(gpu, swapchain, &offer), failed, err))
+        return false;
     VkExtent2D extent = swapchain_choose_extent(&offer.capabilities, window->width, window->height);
-    if (extent.width == 0 || extent.height == 0) {
-        handle_finish(gpu, swapchain);
-        return true;
-    }
+    if (extent.width == 0 || extent.height == 0)
+        return false;
     VkSurfaceFormatKHR format = swapchain_choose_format(offer.formats, offer.format_count);
-    if (!offer_check(gpu, &offer, format.format, err))
+    *failed = !offer_check(gpu, &offer, format.format, err);
+    if (*failed)
         return false;
     swapchain->width = extent.width;
     swapchain->height = extent.height;
     swapchain->format = format.format;
     swapchain->present_mode =
         swapchain_choose_mode(offer.modes, offer.mode_count, swapchain->vsync);
-    swapchain->recreated++;
     if (!goes_on(gpu, swapchain, "vkCreateSwapchainKHR",
-                 handle_create(gpu, swapchain, &offer, format), &failed, err))
-        return !failed;
-    return images_create(gpu, swapchain, err);
+                 handle_create(gpu, swapchain, &offer, format), failed, err))
+        return false;
+    *failed = !images_create(gpu, swapchain, err);
+    return !*failed;
+}
+
+// For the window as it is now. Without a swapchain afterwards, and no failure, where the window has
+// no area or the surface was lost.
+static bool swapchain_make(struct gpu *gpu, struct swapchain *swapchain,
+                           const struct window *window, struct err *err)
+{
+    bool failed = false;
+    images_finish(gpu, swapchain);
+    swapchain->is_stale = false;
+    swapchain->has_vsync = swapchain->vsync;
+    swapchain->window_width = window->width;
+    swapchain->window_height = window->height;
+    swapchain->shown_before_made = swapchain->shown;
+    if (remake(gpu, swapchain, window, &failed, err))
+        swapchain->recreated++;
+    else
+        handle_finish(gpu, swapchain);
+    return !failed;
 }
 
 bool swapchain_create(struct gpu *gpu, struct window *window, bool vsync, struct swapchain *out,
@@ -421,11 +431,8 @@ bool swapchain_show(struct gpu *gpu, struct swapchain *swapchain, struct window 
     // frame.
     bool shown = false;
     for (int attempt = 0; attempt < 2 && !shown; attempt++) {
-        if (!bring_up_to_date(gpu, swapchain, window, err))
-            return false;
-        if (!swapchain->handle)
-            return true;
-        if (!picture_show(gpu, swapchain, screen, &shown, err))
+        if (!bring_up_to_date(gpu, swapchain, window, err) ||
+            (swapchain->handle && !picture_show(gpu, swapchain, screen, &shown, err)))
             return false;
         if (!swapchain->is_stale && !swapchain->is_surface_lost)
             break;
