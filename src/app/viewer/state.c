@@ -37,9 +37,8 @@ static json_t *item_json(const struct gui_item *item)
     };
     return json_pack("{s:o, s:s, s:o, s:o, s:o, s:b, s:b}", "id", json_words(item->id), "kind",
                      kinds[item->kind], "value", json_words(item->value), "label",
-                     json_words(item->label ? item->label : ""), "help",
-                     json_words(item->help ? item->help : ""), "enabled", item->is_enabled, "shown",
-                     item->is_shown);
+                     json_words(item->label), "help", json_words(item->help ? item->help : ""),
+                     "enabled", item->is_enabled, "shown", item->is_shown);
 }
 
 static json_t *items_json(const struct gui *gui)
