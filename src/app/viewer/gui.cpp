@@ -553,6 +553,23 @@ void gui_warning(struct gui *gui, const char *format, ...)
     va_end(arguments);
 }
 
+void gui_pair(struct gui *gui, const char *label, const char *format, ...)
+{
+    const struct gui_state *own = gui->own;
+    if (!own->is_drawn)
+        return;
+    va_list arguments;
+    va_start(arguments, format);
+    ImGui::PushTextWrapPos(own->label_width - ImGui::GetStyle().ItemInnerSpacing.x);
+    ImGui::TextDisabled("%s", label);
+    ImGui::PopTextWrapPos();
+    ImGui::SameLine(own->label_width);
+    ImGui::PushTextWrapPos(0.0f);
+    ImGui::TextV(format, arguments);
+    ImGui::PopTextWrapPos();
+    va_end(arguments);
+}
+
 // --- over the picture ----------------------------------------------------------------------------
 
 static void draw_note(ImDrawList *list, ImVec2 at, const char *text)

@@ -16,6 +16,7 @@
 
 #define GUI_ID_MAX 96
 #define GUI_VALUE_MAX 256
+#define GUI_LABEL_MAX 64
 #define GUI_ITEMS_MAX 2048
 
 enum gui_kind {
@@ -38,8 +39,9 @@ struct gui_item {
     float rect[4]; // left, top, right, bottom, pixels; where it can be clicked
     bool is_shown; // within what can be seen, not scrolled away or in a closed group
     bool is_enabled;
-    const char *help, *label; // the caller's
-    uint32_t group;           // see gui_state.h
+    char label[GUI_LABEL_MAX];
+    const char *help; // the caller's
+    uint32_t group;   // see gui_state.h
 };
 
 struct gui {
@@ -93,6 +95,9 @@ void gui_same_line(struct gui *gui);
 void gui_space(struct gui *gui);
 void gui_line(struct gui *gui, const char *format, ...) __attribute__((format(printf, 2, 3)));
 void gui_warning(struct gui *gui, const char *format, ...) __attribute__((format(printf, 2, 3)));
+// A label at the left, as controls have it, and a text where their values are.
+void gui_pair(struct gui *gui, const char *label, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
 // Text over the picture, its upper left corner there; with a dark ground.
 void gui_note(struct gui *gui, float x, float y, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
@@ -108,6 +113,7 @@ struct gui_range {
     bool integer;
     const char *unit;     // shown behind the number; NULL: none
     const char *infinite; // the word for values of at least max ("off", "unlimited"); NULL: none
+    double drag; // what dragging over all of the control's width adds; 0: follows from the range
 };
 bool gui_number(struct gui *gui, const char *id, const char *label, const char *help,
                 const struct gui_range *range, double *value);
@@ -118,9 +124,9 @@ bool gui_count(struct gui *gui, const char *id, const char *label, const char *h
 // names: ended by NULL.
 bool gui_choice(struct gui *gui, const char *id, const char *label, const char *help,
                 const char *const *names, uint32_t *value);
-// Linear Rec. 709, components in [0, max], which may be above 1.
-bool gui_color(struct gui *gui, const char *id, const char *label, const char *help, double max,
-               float value[3]);
+// Linear Rec. 709; components may be above 1.
+bool gui_color(struct gui *gui, const char *id, const char *label, const char *help,
+               const struct gui_range *range, float value[3]);
 bool gui_vector(struct gui *gui, const char *id, const char *label, const char *help,
                 const struct gui_range *range, double value[3]);
 bool gui_text(struct gui *gui, const char *id, const char *label, const char *help, char *value,

@@ -150,12 +150,13 @@ bool gui_choice(struct gui *gui, const char *id, const char *label, const char *
     return changed;
 }
 
-static void write_three(const double value[3], bool is_float, char *out)
+static void write_three(const double value[3], bool is_float, const struct gui_range *range,
+                        char *out)
 {
     size_t used = 0;
     for (int c = 0; c < 3; c++) {
         char one[GUI_VALUE_MAX];
-        value_write(value[c], is_float, NULL, one);
+        value_write(value[c], is_float, range, one);
         used += (size_t)snprintf(out + used, GUI_VALUE_MAX - used, "%s%.60s", c ? "," : "", one);
     }
 }
@@ -175,21 +176,20 @@ static bool three_wish(struct gui_state *own, const struct gui_item *item, bool 
     return changed;
 }
 
-bool gui_color(struct gui *gui, const char *id, const char *label, const char *help, double max,
-               float value[3])
+bool gui_color(struct gui *gui, const char *id, const char *label, const char *help,
+               const struct gui_range *range, float value[3])
 {
     struct gui_state *own = gui->own;
     struct gui_item *item = items_add(own, id, GUI_COLOR, label, help);
-    struct gui_range range = {0.0, max, .logarithmic = max > 1e3};
     double wide[3] = {(double)value[0], (double)value[1], (double)value[2]};
-    bool changed = three_wish(own, item, true, &range, wide);
+    bool changed = three_wish(own, item, true, range, wide);
     for (int c = 0; changed && c < 3; c++)
         value[c] = (float)wide[c];
-    if (own->is_drawn && widget_color(gui, item, &range, value))
+    if (own->is_drawn && widget_color(gui, item, range, value))
         changed = true;
     for (int c = 0; c < 3; c++)
         wide[c] = (double)value[c];
-    write_three(wide, true, item->value);
+    write_three(wide, true, range, item->value);
     return changed;
 }
 
@@ -201,7 +201,7 @@ bool gui_vector(struct gui *gui, const char *id, const char *label, const char *
     bool changed = three_wish(own, item, false, range, value);
     if (own->is_drawn && widget_vector(gui, item, range, false, value))
         changed = true;
-    write_three(value, false, item->value);
+    write_three(value, false, range, item->value);
     return changed;
 }
 

@@ -66,7 +66,7 @@ struct gui_item *items_add(struct gui_state *own, const char *id, enum gui_kind 
     memset(item->rect, 0, sizeof item->rect);
     item->is_shown = false;
     item->is_enabled = own->is_enabled;
-    item->label = label;
+    snprintf(item->label, sizeof item->label, "%s", label);
     item->help = help;
     item->group = own->depth ? own->stack[own->depth - 1] : 0;
     own->reveal_hit = own->reveal_hit || (own->reveal_frames && strcmp(own->reveal, id) == 0);

@@ -192,7 +192,7 @@ static double dragged_logarithmic(double start, double widths, const struct gui_
 
 static double dragged_linear(double start, double widths, const struct gui_range *range)
 {
-    double span = range->max - range->min;
+    double span = range->drag > 0.0 ? range->drag : range->max - range->min;
     if (!(span <= WIDE))
         span = fmax(fabs(start), 1.0);
     return rounded(start + widths * span, span / 500.0);
@@ -202,7 +202,7 @@ double value_dragged(double start, double widths, const struct gui_range *range,
 {
     if (widths == 0.0)
         return start;
-    if (isinf(start)) { // is left downwards, beginning at a number of some size
+    if (is_word(start, range) && start > 1e3) { // is left downwards, from a number of some size
         if (widths > 0.0)
             return start;
         start = 1e3;

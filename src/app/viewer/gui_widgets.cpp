@@ -157,8 +157,9 @@ bool widget_choice(struct gui *gui, struct gui_item *item, const char *const *na
     if (!is_open)
         widget_note(gui, item);
     for (uint32_t i = 0; is_open && names[i]; i++) {
-        char id[2 * GUI_ID_MAX];
-        snprintf(id, sizeof id, "%s=%s", item->id, names[i]);
+        char id[GUI_ID_MAX];
+        if (snprintf(id, sizeof id, "%s=%s", item->id, names[i]) >= GUI_ID_MAX)
+            id[GUI_ID_MAX - 1] = '\0'; // names of a scene may be of any length
         struct gui_item *entry = items_add(own, id, GUI_ROW, names[i], item->help);
         bool wished = items_wish(own, entry) != NULL;
         if (ImGui::Selectable(names[i], i == *value) || wished) {
@@ -252,7 +253,7 @@ bool widget_text(struct gui *gui, struct gui_item *item, char *value, uint32_t s
 static float filled(const struct gui_range *range, double value)
 {
     double span = range->max - range->min;
-    if (range->logarithmic || !(span <= 1e4))
+    if (range->logarithmic || range->drag > 0.0 || !(span <= 1e4))
         return 0.0f;
     return (float)((value - range->min) / span);
 }
@@ -396,14 +397,15 @@ static float decode(float encoded)
 
 static float strength_of(const float value[3])
 {
-    return fmaxf(fmaxf(fmaxf(value[0], value[1]), value[2]), 1.0f);
+    float most = fmaxf(fmaxf(value[0], value[1]), value[2]);
+    return most > 1.0f && most <= FLT_MAX ? most : 1.0f;
 }
 
 static void encode_three(const float value[3], float out[3])
 {
     float strength = strength_of(value);
     for (int c = 0; c < 3; c++)
-        out[c] = encode(value[c] / strength);
+        out[c] = encode(fminf(value[c] / strength, 1.0f));
 }
 
 static bool color_popup(struct gui_state *own, const struct gui_range *range, float value[3])
@@ -420,7 +422,7 @@ static bool color_popup(struct gui_state *own, const struct gui_range *range, fl
                                 ImGuiColorEditFlags_NoInputs | ImGuiColorEditFlags_NoLabel |
                                 ImGuiColorEditFlags_NoOptions);
     for (int c = 0; changed && c < 3; c++)
-        value[c] = fminf(decode(shown[c]) * strength, (float)range->max);
+        value[c] = fminf(fmaxf(decode(shown[c]) * strength, (float)range->min), (float)range->max);
     ImGui::EndPopup();
     return changed;
 }
@@ -468,10 +470,14 @@ void widget_list_begin(struct gui *gui, const char *id, struct gui_list *list)
     uint32_t rows = list->count < list->height ? list->count : list->height;
     const ImGuiStyle &style = ImGui::GetStyle();
     ImGui::PushStyleColor(ImGuiCol_ChildBg, ImGui::GetStyleColorVec4(ImGuiCol_PopupBg));
-    float height = (float)(rows ? rows : 1) * row_height() + 2.0f * style.FramePadding.y;
+    float pad = style.FramePadding.y;
+    float height = (float)(rows ? rows : 1) * row_height() + 2.0f * pad;
     ImGui::BeginChild(id, ImVec2(0.0f, height), false,
                       ImGuiWindowFlags_AlwaysUseWindowPadding | ImGuiWindowFlags_NoNav);
     ImGui::PopStyleColor();
+    // Switches in rows are as high as letters.
+    ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(style.FramePadding.x, 0.0f));
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(style.WindowPadding.x, pad));
     // In doubles: 10^6 rows are more pixels than single precision tells apart, and rows would
     // tremble; where ImGui itself rounds, all rows are moved together.
     double scroll = (double)ImGui::GetScrollY(), each = (double)row_height();
@@ -486,7 +492,7 @@ void widget_list_begin(struct gui *gui, const char *id, struct gui_list *list)
 
 static float list_top(void)
 {
-    return ImGui::GetStyle().FramePadding.y;
+    return ImGui::GetStyle().WindowPadding.y;
 }
 
 void widget_list_row(struct gui *gui, const struct gui_list *list, uint32_t row)
@@ -505,6 +511,7 @@ void widget_list_end(struct gui *gui, struct gui_list *list)
         float center = (float)((own->list_reveal + 0.5) * (double)row_height());
         ImGui::SetScrollY(fmaxf(center - 0.5f * ImGui::GetWindowHeight(), 0.0f));
     }
+    ImGui::PopStyleVar(2);
     ImGui::EndChild();
     if (own->list_reveal >= 0.0)
         ImGui::SetScrollHereY(0.5f);
