@@ -15,7 +15,10 @@ const struct gui_range panel_turn = {-360, 360, .unit = "°"};
 bool panel_create(struct panel **out, struct err *err)
 {
     *out = calloc(1, sizeof **out);
-    return *out || err_memory(err, "a panel", sizeof **out);
+    if (!*out)
+        return err_memory(err, "a panel", sizeof **out);
+    (*out)->slot = 1;
+    return true;
 }
 
 void panel_destroy(struct panel *panel)
