@@ -123,6 +123,8 @@ vec4 shown_value(uint at, float samples)
     }
     if (SHOWN == SHOWN_SAMPLES)
         return vec4(samples, 1.0, 0.0, 1.0);
+    if (SHOWN == SHOWN_STEPS)
+        return vec4(aov_scalar(at, AOV_STEPS) / samples, 1.0, 0.0, 1.0);
     if (SHOWN == SHOWN_VARIANCE)
         return vec4(variance_of(at, samples), 0.0, 1.0);
     if (SHOWN == SHOWN_EMISSION)

@@ -39,7 +39,8 @@ void store_first_hit(uint slot, surface s, material m, uint primitive, uint inst
     if (HAS_AOV(AOV_IDS)) {
         bool is_shape = (primitive & PRIMITIVE_SHAPE) != 0u;
         uint number = is_shape ? primitive : load_triangles(primitive * 3u).w;
-        radiance_words[slot * SLOT_WORDS + SLOT_WORDS - 1u] = uvec4(number + 1u, instance + 1u, 0u, 0u);
+        radiance_words[slot * SLOT_WORDS + SLOT_WORDS - 1u] =
+            uvec4(number + 1u, instance + 1u, (s.material & MATERIAL_INDEX_MASK) + 1u, 0u);
     }
 }
 

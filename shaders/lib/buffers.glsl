@@ -133,6 +133,13 @@ void store_aov_scalar(uint slot, const uint aov, float value)
     store_aov_float(slot, AOV_SCALAR_AT(AOVS, aov), value);
 }
 
+void add_aov_scalar(uint slot, const uint aov, float value)
+{
+    uint place = AOV_SCALAR_AT(AOVS, aov);
+    float sum = load_radiance_float(slot * SLOT_WORDS + 1u + (place >> 2u))[place & 3u];
+    store_aov_float(slot, place, sum + value);
+}
+
 void add_aov_vector(uint slot, const uint aov, vec3 value)
 {
     for (uint c = 0u; c < 3u; c++) {

@@ -1,4 +1,5 @@
-// Counts what traversals do, where FEATURE_STEPS asks for it.
+// Counts what traversals do: of all rays where FEATURE_STEPS asks for it, of camera rays where
+// AOV_STEPS does.
 #ifndef STEPS_GLSL
 #define STEPS_GLSL
 
@@ -6,6 +7,12 @@
 
 #ifdef BALLOT
 #extension GL_KHR_shader_subgroup_arithmetic : require
+#endif
+
+#ifdef ANY_HIT
+#define COUNTS_STEPS HAS(FEATURE_STEPS)
+#else
+#define COUNTS_STEPS (HAS(FEATURE_STEPS) || HAS_AOV(AOV_STEPS))
 #endif
 
 // Of this thread's ray.
@@ -38,6 +45,14 @@ void count_steps(const uint which)
 #endif
     add_steps(which, nodes);
     add_steps(which + 1u, primitives);
+}
+
+// Adds this thread's steps to the picture of them, if it traced a camera ray. What a traversal that
+// was suspended did before is there already.
+void store_steps(uint slot, bool valid)
+{
+    if (valid && push.bounce == 0u)
+        add_aov_scalar(slot, AOV_STEPS, float(steps.nodes + steps.primitives));
 }
 
 #endif

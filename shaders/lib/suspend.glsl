@@ -70,7 +70,7 @@ bool trace_or_suspend(uint slot, bool valid, trace_ray ray, inout trace_hit hit)
         state.current = BVH_EMPTY;
 
     uint iterations = 0u;
-    if (HAS(FEATURE_STEPS))
+    if (COUNTS_STEPS)
         steps = trace_steps(0u, 0u);
     trace(ray, state, hit, iterations);
     if (HAS(FEATURE_STEPS)) {
@@ -80,6 +80,10 @@ bool trace_or_suspend(uint slot, bool valid, trace_ray ray, inout trace_hit hit)
         count_steps(STEPS_CLOSEST);
 #endif
     }
+#ifndef ANY_HIT
+    if (HAS_AOV(AOV_STEPS))
+        store_steps(slot, valid);
+#endif
     bool done = state.current == BVH_EMPTY;
 
     if (HAS(FEATURE_SUSPEND)) {

@@ -210,7 +210,7 @@ void trace(trace_ray ray, inout trace_state state, inout trace_hit best, inout u
     while (current != BVH_EMPTY && iterations < ITERATION_BUDGET) {
         while (current < BVH_LEAF && iterations < ITERATION_BUDGET) {
             iterations++;
-            if (HAS(FEATURE_STEPS))
+            if (COUNTS_STEPS)
                 steps.nodes++;
             uint top = stack[depth - 1u];
             uvec4 children;
@@ -219,8 +219,6 @@ void trace(trace_ray ray, inout trace_state state, inout trace_hit best, inout u
         }
         iterations++;
         if (current != BVH_EMPTY && current >= BVH_LEAF) {
-            if (HAS(FEATURE_STEPS))
-                steps.primitives += current != BVH_LEAVE ? 1u : 0u;
             uint top = stack[depth - 1u];
             uint index = current & BVH_LEAF_INDEX;
             bool is_space = IS_INSTANCE_LEAF(current);
@@ -240,6 +238,8 @@ void trace(trace_ray ray, inout trace_state state, inout trace_hit best, inout u
                 depth += enters ? 2u : 0u; // one of them is taken back below
                 next = enters ? root : top;
             }
+            if (COUNTS_STEPS)
+                steps.primitives += current != BVH_LEAVE && leaf_done ? 1u : 0u;
             current = leaf_done ? next : current;
             depth -= more || !leaf_done ? 0u : 1u;
 #ifdef ANY_HIT

@@ -12,7 +12,7 @@
      AOV_ALPHA)
 #define AOVS_OF_PLACES (AOV_DEPTH | AOV_POSITION)
 #define AOVS_OF_PARTS (AOV_EMISSION | AOV_DIRECT | AOV_INDIRECT)
-#define AOVS_OF_SLOTS (AOVS_OF_SURFACES | AOVS_OF_PARTS)
+#define AOVS_OF_SLOTS (AOVS_OF_SURFACES | AOVS_OF_PARTS | AOV_STEPS)
 // Those that are summed over samples: all but the ids.
 #define AOVS_SUMMED (AOVS_OF_SLOTS & ~AOV_IDS)
 
@@ -24,7 +24,8 @@
      AOV_BEFORE(aovs, end, AOV_EMISSION) + AOV_BEFORE(aovs, end, AOV_DIRECT) +                     \
      AOV_BEFORE(aovs, end, AOV_INDIRECT))
 #define AOV_SCALARS_BEFORE(aovs, end)                                                              \
-    (AOV_BEFORE(aovs, end, AOV_DEPTH) + AOV_BEFORE(aovs, end, AOV_ALPHA))
+    (AOV_BEFORE(aovs, end, AOV_DEPTH) + AOV_BEFORE(aovs, end, AOV_ALPHA) +                         \
+     AOV_BEFORE(aovs, end, AOV_STEPS))
 
 // The first of a picture's floats in a record: vectors of three first, then scalars.
 #define AOV_VECTOR_AT(aovs, bit) (3u * AOV_VECTORS_BEFORE(aovs, bit))
@@ -35,7 +36,7 @@
     ((3u * AOV_VECTORS_BEFORE(aovs, AOV_END) + AOV_SCALARS_BEFORE(aovs, AOV_END) + 3u) / 4u)
 // The last word: x is the primitive of the pixel's first sample by its number in the flat scene,
 // shapes with PRIMITIVE_SHAPE, plus 1; 0: it met nothing. y is its instance, plus 1; 0: it is in the
-// world itself.
+// world itself. z is its material, plus 1.
 #define AOV_ID_WORDS(aovs) AOV_BEFORE(aovs, AOV_END, AOV_IDS)
 
 // Records in words of four: of a slot, the radiance first, of the film behind gpu_film_pixel (sums,

@@ -150,6 +150,8 @@
 #define AOV_VARIANCE (1u << 10)
 #define AOV_HALVES (1u << 11)
 #define AOV_ALPHA (1u << 12) // the share of samples that met a surface
-#define AOV_END (1u << 13)
+// Of camera rays themselves.
+#define AOV_STEPS (1u << 13) // nodes visited and primitives tested until the first hit
+#define AOV_END (1u << 14)
 
 #endif

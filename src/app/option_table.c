@@ -45,7 +45,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .commands = FOR_RENDER, .fallback = "none",
         .help = "Pictures besides the radiance, as layers of the EXR files: albedo, normal, "
                 "normal_geometric, depth, position, ids, alpha of the first surface; emission, "
-                "direct, indirect; samples, variance, halves; or all. See docs/output.md.",
+                "direct, indirect; steps of camera rays; samples, variance, halves; or all. See docs/output.md.",
         FIELD(aovs),
     },
     [OPTION_EXPOSURE] = {

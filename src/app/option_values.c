@@ -336,6 +336,7 @@ static const struct {
     {"variance", AOV_VARIANCE},
     {"halves", AOV_HALVES},
     {"alpha", AOV_ALPHA},
+    {"steps", AOV_STEPS},
     {"all", AOV_END - 1u},
 };
 

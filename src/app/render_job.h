@@ -147,7 +147,7 @@ void job_release_outputs(struct render_job *job);
 enum image_tone job_image_tone(enum tone_curve curve);
 
 // --- render_layers.c ---
-#define JOB_MAX_LAYERS 14
+#define JOB_MAX_LAYERS 15
 
 struct job_layers {
     struct image_layer list[JOB_MAX_LAYERS];

@@ -21,6 +21,7 @@ void job_list_layers(const struct render_job *job, struct job_layers *out)
         {"depth", aovs->depth, depth, IMAGE_LAYER_FULL},
         {"position", aovs->position, axes, IMAGE_LAYER_FULL},
         {"alpha", aovs->alpha, alpha, IMAGE_LAYER_FLOAT},
+        {"steps", aovs->steps, count, IMAGE_LAYER_FULL},
         {"id", aovs->ids, ids, IMAGE_LAYER_UINT},
         {"emission", aovs->emission, NULL, IMAGE_LAYER_FLOAT},
         {"direct", aovs->direct, NULL, IMAGE_LAYER_FLOAT},

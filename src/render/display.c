@@ -21,6 +21,7 @@ static const struct {
     [SHOWN_MATERIALS] = {AOV_IDS, NULL},
     [SHOWN_SAMPLES] = {AOV_SAMPLES, "samples"},
     [SHOWN_VARIANCE] = {AOV_VARIANCE, "(W/(sr m^2))^2"},
+    [SHOWN_STEPS] = {AOV_STEPS, "steps"},
     [SHOWN_EMISSION] = {AOV_EMISSION, NULL},
     [SHOWN_DIRECT] = {AOV_DIRECT, NULL},
     [SHOWN_INDIRECT] = {AOV_INDIRECT, NULL},
@@ -90,13 +91,12 @@ void display_finish(struct display *d)
         struct gpu_buffer *const buffers[] = {
             &side->film.buffer,          &side->kept.buffer, &side->kept_next.buffer,
             &side->sized.picture.buffer, &side->sized.taps,  &side->kept_sized.picture.buffer,
-            &side->kept_sized.taps,
+            &side->kept_sized.taps,      &side->sources,
         };
         for (size_t b = 0; b < sizeof buffers / sizeof buffers[0]; b++)
             gpu_buffer_finish(d->gpu, buffers[b]);
     }
     gpu_buffer_finish(d->gpu, &d->own->palette);
-    gpu_buffer_finish(d->gpu, &d->own->sources);
     gpu_buffer_finish(d->gpu, &d->own->range);
     gpu_buffer_finish(d->gpu, &d->pixels);
     free(d->own);
@@ -106,7 +106,8 @@ void display_finish(struct display *d)
 // --- from a film to a linear picture -------------------------------------------------------------
 
 // What the scene's objects are, for kernels: see flat_triangle_source.
-static bool upload_sources(struct display *d, const struct flat_scene *flat, struct err *err)
+static bool upload_sources(struct display *d, const struct flat_scene *flat, struct gpu_buffer *out,
+                           struct err *err)
 {
     uint64_t runs = (uint64_t)flat->instance_count + flat->mesh_count;
     uint64_t words = flat->dropped_degenerate + runs + flat->placed_count;
@@ -120,9 +121,9 @@ static bool upload_sources(struct display *d, const struct flat_scene *flat, str
         *to++ = flat->instance_first[i];
     for (uint32_t i = 0; i < flat->placed_count; i++)
         *to++ = flat->instances[i].source;
-    bool ok = display_reserve_bytes(d, "display sources", words * sizeof *sources, false,
-                                    &d->own->sources, err) &&
-              gpu_upload(d->gpu, &d->own->sources, 0, sources, words * sizeof *sources, err);
+    bool ok =
+        display_reserve_bytes(d, "display sources", words * sizeof *sources, false, out, err) &&
+        gpu_upload(d->gpu, out, 0, sources, words * sizeof *sources, err);
     free(sources);
     return ok;
 }
@@ -177,7 +178,8 @@ static bool read_part(struct display *d, const struct side *side, const struct d
             },
         .buffers = {[DISPLAY_BINDING_FILM] = is_denoised ? NULL : &r->film[part->chunk],
                     [DISPLAY_BINDING_DENOISED] = is_denoised ? &denoiser->picture : NULL,
-                    [DISPLAY_BINDING_SOURCES] = shown == SHOWN_OBJECTS ? &d->own->sources : NULL,
+                    [DISPLAY_BINDING_SOURCES] =
+                        shown == SHOWN_OBJECTS ? &side->pictures->sources : NULL,
                     [DISPLAY_BINDING_TO] = &side->pictures->film.buffer},
         .threads = part->count,
     };
@@ -274,8 +276,8 @@ static bool read_side(struct display *d, const struct display_call *call, uint32
         .draw = call,
     };
     const struct renderer *r = side->call->renderer;
-    if (!check_side(side, err) ||
-        (call->shown == SHOWN_OBJECTS && !upload_sources(d, &r->flat, err)))
+    if (!check_side(side, err) || (call->shown == SHOWN_OBJECTS &&
+                                   !upload_sources(d, &r->flat, &side->pictures->sources, err)))
         return false;
     bool is_whole = (uint64_t)r->frame.width * r->frame.height <= r->plan.film_chunk_pixels;
     return (is_whole ? read_whole : read_in_parts)(d, side, err) && find_kept(d, side, err);

@@ -28,6 +28,7 @@ struct display_pictures {
     struct sized sized; // the size that is shown, where that is another
     struct linear kept, kept_next;
     struct sized kept_sized;
+    struct gpu_buffer sources; // see DISPLAY_BINDING_SOURCES
     bool is_kept;
     uint32_t kept_shown; // SHOWN_*
 };
@@ -40,7 +41,6 @@ struct display_state {
     uint32_t set_count; // of the commands that are recorded
     struct display_pictures sides[2];
     struct gpu_buffer palette; // linear colours
-    struct gpu_buffer sources; // see DISPLAY_BINDING_SOURCES
     struct gpu_buffer range;   // struct gpu_display_range
 };
 

@@ -29,6 +29,7 @@ bool display_begin(struct display *d, struct err *err)
 {
     if (!gpu_begin(d->gpu, &d->own->commands, err))
         return false;
+    release_sets(d); // of what failed before it was submitted
     gpu_timestamp(d->gpu, &d->own->commands);
     return true;
 }

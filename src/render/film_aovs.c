@@ -17,6 +17,7 @@ static const struct plane {
     {AOV_DEPTH, 1, offsetof(struct film_aovs, depth)},
     {AOV_POSITION, 3, offsetof(struct film_aovs, position)},
     {AOV_ALPHA, 1, offsetof(struct film_aovs, alpha)},
+    {AOV_STEPS, 1, offsetof(struct film_aovs, steps)},
     {AOV_EMISSION, 3, offsetof(struct film_aovs, emission)},
     {AOV_DIRECT, 3, offsetof(struct film_aovs, direct)},
     {AOV_INDIRECT, 3, offsetof(struct film_aovs, indirect)},

@@ -17,6 +17,7 @@ struct film_aovs {
     float *depth;                 // along the ray, metres; infinite where no sample meets anything
     float (*position)[3];         // in the world, metres; 0 where no sample meets anything
     float *alpha;                 // the share of samples that meet something
+    float *steps; // of camera rays on their way to it: nodes visited and primitives tested
     // Object, material and primitive that the pixel's first sample meets, each by its number in the
     // scene plus 1, 0 for nothing. Objects are instances, then shapes; a mesh's triangles are
     // primitives, a shape has one.

@@ -473,13 +473,14 @@ def check_ballot(bits, lobes, kernels, folder):
 # What pictures besides the radiance bring into kernels, in FEATURES' terms: what all of them do, and
 # what must not be there with all but one kind.
 AOVS = {
+    "intersect_closest": {"STEPS": ["store_steps()", "[radiance]"]},
     "shade_surface": {"ALBEDO NORMAL NORMAL_GEOMETRIC DEPTH POSITION IDS ALPHA": [
         "store_first_hit()", "albedo_color()", "store_aov_scalar()"],
         "EMISSION DIRECT INDIRECT": ["add_part()", "add_aov_vector()"]},
     "shade_miss": {"EMISSION DIRECT INDIRECT": ["add_part()"]},
     "intersect_shadow": {"EMISSION DIRECT INDIRECT": ["add_part()"]},
-    "accumulate": {"ALBEDO NORMAL NORMAL_GEOMETRIC DEPTH POSITION ALPHA EMISSION DIRECT INDIRECT": [
-        "add_aovs()"]},
+    "accumulate": {"ALBEDO NORMAL NORMAL_GEOMETRIC DEPTH POSITION ALPHA EMISSION DIRECT INDIRECT "
+                   "STEPS": ["add_aovs()"]},
     "resolve": {},
 }
 

@@ -2,6 +2,7 @@
 // and that they change nothing and depend on nothing that the radiance does not.
 #include "render_fixture.h"
 #include "shared/aov.h"
+#include "wave.h"
 #include <math.h>
 
 enum { SIZE = 32, PIXELS = SIZE * SIZE };
@@ -256,7 +257,8 @@ static bool same_aovs(const struct film_image *f, const struct film_image *g)
            same(a->position, b->position, 12) && same(a->alpha, b->alpha, 4) &&
            same(a->ids, b->ids, 12) && same(a->emission, b->emission, 12) &&
            same(a->direct, b->direct, 12) && same(a->indirect, b->indirect, 12) &&
-           same(a->variance, b->variance, 12) && same(f->samples, g->samples, 4);
+           same(a->variance, b->variance, 12) && same(a->steps, b->steps, 4) &&
+           same(f->samples, g->samples, 4);
 }
 
 static void check_parts(const struct film_image *film)
@@ -309,6 +311,59 @@ TEST(parts_and_same_bits)
     arena_finish(&arena);
 }
 
+// --- steps ---------------------------------------------------------------------------------------
+
+static bool render_steps(struct renderer *r, const struct renderer_params *params, bool counts,
+                         uint32_t budget, struct arena *arena, struct film_image *film,
+                         struct err *err)
+{
+    const struct render_call call = {.samples = 5};
+    if (!renderer_create(params, r, err))
+        return false;
+    if (budget)
+        r->specialization.iteration_budget = budget;
+    return (!counts || wave_count_steps(r, true, err)) &&
+           (!budget || renderer_resize(r, 1024, 64, err)) && renderer_render(r, &call, err) &&
+           renderer_read(r, arena, film, err);
+}
+
+// Where nothing is scattered, all rays that are counted are camera rays. Traversals in pieces come
+// to the same number, distance fields and instances too.
+TEST(steps)
+{
+    static const char *const paths[] = {"scenes/cornell.json", "scenes/sdf_csg.json",
+                                        "scenes/teapots.json"};
+    static const struct scene_override overrides[] = {
+        {"film", "{\"width\": 32, \"height\": 32}"}, {"settings.max_bounces", "0"}, {0}};
+    for (size_t i = 0; i < sizeof paths / sizeof paths[0]; i++) {
+        struct gpu gpu;
+        struct scene scene;
+        struct renderer r;
+        struct arena arena = {0};
+        struct film_image film, pieces;
+        struct err err = {0};
+        OPEN_GPU(&gpu, .validation = true);
+        REQUIRE_OK(load_scene(paths[i], overrides, &scene, &err));
+        const struct renderer_params params = {
+            .gpu = &gpu, .scene = &scene, .aovs = AOV_STEPS, .instancing = INSTANCING_ON};
+        REQUIRE_OK(render_steps(&r, &params, true, 0, &arena, &film, &err));
+        double sum = 0,
+               counted = (double)(r.stats.steps[STEPS_CLOSEST] + r.stats.steps[STEPS_CLOSEST + 1]);
+        for (uint32_t p = 0; p < PIXELS; p++)
+            sum += 5 * (double)film.aovs.steps[p];
+        CHECK(fabs(sum - counted) < 1e-6 * counted && counted > PIXELS * 5,
+              "%s: %.9g steps in the picture, %.9g in all", paths[i], sum, counted);
+        renderer_finish(&r);
+        REQUIRE_OK(render_steps(&r, &params, false, 3, &arena, &pieces, &err));
+        CHECK(r.stats.suspended > 0, "%s: no traversal was suspended", paths[i]);
+        CHECK(same(film.aovs.steps, pieces.aovs.steps, 4), "%s: others in pieces", paths[i]);
+        renderer_finish(&r);
+        scene_finish(&scene);
+        arena_finish(&arena);
+        gpu_close(&gpu);
+    }
+}
+
 // --- memory --------------------------------------------------------------------------------------
 
 // Only what is asked for takes memory: words of 16 bytes a slot and, twice but for ids, a pixel.
@@ -320,6 +375,7 @@ TEST(memory)
                  {AOV_SAMPLES | AOV_VARIANCE | AOV_HALVES, 0, 0},
                  {AOV_ALBEDO, 1, 0},
                  {AOV_ALPHA, 1, 0},
+                 {AOV_STEPS, 1, 0},
                  {AOV_DEPTH, 1, 0},
                  {AOV_POSITION, 1, 0}, // with the share of samples that it is a mean of
                  {AOV_POSITION | AOV_ALPHA, 1, 0},
@@ -352,4 +408,4 @@ TEST(memory)
 }
 
 TEST_MAIN(TEST_CASE(first_surfaces), TEST_CASE(partly_covered_pixels),
-          TEST_CASE(parts_and_same_bits), TEST_CASE(memory))
+          TEST_CASE(parts_and_same_bits), TEST_CASE(steps), TEST_CASE(memory))

@@ -116,6 +116,10 @@ static struct value value_of(const struct film_image *film, uint32_t shown, uint
         v.rgb[0] = film->samples[i];
         v.rgb[1] = 1;
         break;
+    case SHOWN_STEPS:
+        v.rgb[0] = (double)aovs->steps[i];
+        v.rgb[1] = 1;
+        break;
     case SHOWN_VARIANCE:
         for (int c = 0; c < 3 && isfinite(aovs->variance[i][c]); c++) {
             v.rgb[0] += (double)aovs->variance[i][c] / 3;
@@ -398,6 +402,71 @@ TEST(every_size)
     stage_close(&s);
 }
 
+// --- what is shown -------------------------------------------------------------------------------
+
+// Where a range is found from the picture, it is that of the values' quantiles, but for what bins
+// of a sixteenth of an octave leave open.
+static void check_range(const struct display *display, uint32_t shown, const struct values *values)
+{
+    uint32_t count = values->width * values->height, known = 0;
+    double *sorted = malloc(count * sizeof *sorted);
+    for (uint32_t i = 0; i < count; i++) {
+        const double *v = values->pixels[i].rgb;
+        if (v[1] > 0 && (v[0] > 0 || !shown_is_logarithmic(shown)))
+            sorted[known++] = v[0] / v[1];
+    }
+    qsort(sorted, known, sizeof *sorted, by_size);
+    bool from_zero = shown == SHOWN_SAMPLES || shown == SHOWN_STEPS;
+    double low = from_zero ? 0 : sorted[(uint32_t)(0.01 * (known - 1))];
+    double high =
+        sorted[(uint32_t)((from_zero ? shown == SHOWN_SAMPLES ? 1 : 0.995 : 0.99) * (known - 1))];
+    CHECK(fabs(display->range[0] - low) <= 0.07 * low &&
+              fabs(display->range[1] - high) <= 0.07 * high,
+          "%s: range %g to %g, expected %g to %g", shown_names[shown], display->range[0],
+          display->range[1], low, high);
+    free(sorted);
+}
+
+static void check_shown(struct stage *s, uint32_t shown)
+{
+    struct display_call call = whole(s, shown);
+    const struct values film = values_of(&s->film, shown, &s->arena);
+    struct expected expected = {.sides = {film}};
+    char name[64];
+    call.tone = TONE_ACES;
+    call.exposure_stops = 1;
+    check_picture(shown_names[shown], &s->display, &call, &expected, &s->arena);
+    if (shown_has_range(shown)) {
+        check_range(&s->display, shown, &film);
+        call.range[0] = 1e-4;
+        call.range[1] = 5;
+        snprintf(name, sizeof name, "%s, range given", shown_names[shown]);
+        check_picture(name, &s->display, &call, &expected, &s->arena);
+        CHECK(s->display.range[0] == 1e-4 && s->display.range[1] == 5, "the range is kept");
+    }
+    call.picture[2] -= 20;
+    call.picture[3] -= 13;
+    expected.sides[0] = scale(&film, call.picture[2], call.picture[3], false, &s->arena);
+    snprintf(name, sizeof name, "%s, smaller", shown_names[shown]);
+    check_picture(name, &s->display, &call, &expected, &s->arena);
+}
+
+TEST(everything_shown)
+{
+    static const char *const scenes[] = {"tests/render/scenes/aovs.json", "scenes/cornell.json"};
+    for (int i = 0; i < 2; i++) {
+        struct stage s = {0};
+        struct err err = {0};
+        OPEN_GPU(&s.gpu, .validation = true);
+        REQUIRE_OK(stage_open(&s, scenes[i], "{\"width\": 80, \"height\": 60}", ALL_AOVS, &err));
+        REQUIRE_OK(stage_render(&s, 4, &err));
+        for (uint32_t shown = 0; shown < SHOWN_COUNT; shown++)
+            check_shown(&s, shown);
+        CHECK(!shown_names[SHOWN_COUNT], "as many names as pictures");
+        stage_close(&s);
+    }
+}
+
 // Prints what calls take on the device and in all; limits are for quiet machines.
 static void print_cost(struct stage *s, const char *name, const struct display_call *call)
 {
@@ -452,4 +521,5 @@ TEST(cost)
     }
 }
 
-TEST_MAIN(TEST_CASE(every_curve), TEST_CASE(every_size), TEST_CASE(cost))
+TEST_MAIN(TEST_CASE(every_curve), TEST_CASE(every_size), TEST_CASE(everything_shown),
+          TEST_CASE(cost))
