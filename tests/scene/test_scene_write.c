@@ -372,6 +372,15 @@ TEST(paths_in_overrides)
     finish_edited(&e);
     REQUIRE(load_edited(&e, (struct scene_load_params){.path = saved}));
     check_round_trip(&e, saved, "overrides again");
+    // From another folder, and back.
+    snprintf(path, sizeof path, "%s", in_folder("elsewhere"));
+    CHECK(mkdir(path, 0700) == 0);
+    snprintf(path, sizeof path, "%s", in_folder("elsewhere/saved.json"));
+    check_round_trip(&e, path, "elsewhere");
+    finish_edited(&e);
+    REQUIRE(load_edited(&e, (struct scene_load_params){.path = path, .allow_outside_paths = true}));
+    check_round_trip(&e, saved, "back");
+    CHECK(strstr(read_text(saved), "\"./a:b.obj\""), "%s", read_text(saved));
     finish_edited(&e);
 }
 
