@@ -351,9 +351,17 @@ static bool check_call(const struct display *d, const struct display_call *call,
 {
     const uint32_t *p = call->picture;
     uint64_t pixels = (uint64_t)call->width * call->height;
-    if (call->shown >= SHOWN_COUNT || call->side_count < 1 || call->side_count > 2)
-        return err_set(err, ERR_BUG, "picture %u with %u sides, expected one below %u with 1 or 2",
-                       call->shown, call->side_count, SHOWN_COUNT);
+    if (call->shown >= SHOWN_COUNT || call->side_count > 2 || pixels == 0)
+        return err_set(err, ERR_BUG,
+                       "picture %u of %u sides, %u x %u pixels: expected one below %u, of at most "
+                       "2, with pixels",
+                       call->shown, call->side_count, call->width, call->height, SHOWN_COUNT);
+    if (pixels > d->gpu->max_storage_range / sizeof(uint32_t))
+        return err_set(err, ERR_GPU, "%u x %u pixels to be shown; the device's limit is %llu",
+                       call->width, call->height,
+                       (unsigned long long)(d->gpu->max_storage_range / sizeof(uint32_t)));
+    if (call->side_count == 0)
+        return true;
     if (p[2] == 0 || p[3] == 0 || p[2] > DISPLAY_SIDE_MAX || p[3] > DISPLAY_SIDE_MAX)
         return err_set(err, ERR_BUG, "a picture of %u x %u pixels, expected 1 to %u each", p[2],
                        p[3], DISPLAY_SIDE_MAX);
@@ -361,11 +369,14 @@ static bool check_call(const struct display *d, const struct display_call *call,
         return err_set(err, ERR_BUG,
                        "a picture of %u x %u pixels at (%u, %u), expected one inside of %u x %u",
                        p[2], p[3], p[0], p[1], call->width, call->height);
-    if (pixels > d->gpu->max_storage_range / sizeof(uint32_t))
-        return err_set(err, ERR_GPU, "%u x %u pixels to be shown; the device's limit is %llu",
-                       call->width, call->height,
-                       (unsigned long long)(d->gpu->max_storage_range / sizeof(uint32_t)));
     return true;
+}
+
+static bool show_nothing(struct display *d, struct err *err)
+{
+    const uint32_t black = 0xff000000;
+    gpu_fill(d->gpu, &d->own->commands, &d->pixels, 0, d->pixels.bytes, black);
+    return display_end(d, err);
 }
 
 bool display_draw(struct display *d, const struct display_call *call, struct err *err)
@@ -379,6 +390,8 @@ bool display_draw(struct display *d, const struct display_call *call, struct err
                                &d->pixels, err) ||
         !display_begin(d, err))
         return false;
+    if (call->side_count == 0)
+        return show_nothing(d, err);
     for (uint32_t i = 0; i < call->side_count; i++)
         if (!read_side(d, call, i, &sides[i], err))
             return false;
@@ -413,6 +426,8 @@ static bool keep_side(struct display *d, const struct display_call *call, uint32
 
 bool display_keep(struct display *d, const struct display_call *call, struct err *err)
 {
+    if (call->side_count == 0)
+        return true;
     if (!check_call(d, call, err) || !display_begin(d, err))
         return false;
     for (uint32_t i = 0; i < call->side_count; i++)

@@ -18,7 +18,7 @@ struct display_side {
 
 struct display_call {
     struct display_side sides[2];
-    uint32_t side_count; // 1, or 2: the second is right of the line
+    uint32_t side_count; // 0: all is black; 1, or 2: the second is right of the line
     double split;        // where the line is, as a part of the picture's width
     uint32_t shown;      // SHOWN_*; needs the AOVs of display_aovs
     float exposure_stops;
