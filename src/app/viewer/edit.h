@@ -56,6 +56,10 @@ void edit_close(struct viewer *viewer);
 
 bool edit_undo(struct viewer *viewer); // false: there is nothing
 bool edit_redo(struct viewer *viewer);
+// Takes the last step back, for good, where what it asked for could not be had (memory). False:
+// nothing was changed since edit_settle, so that this was not the reason.
+bool edit_revert(struct viewer *viewer);
+void edit_settle(struct viewer *viewer); // all that was asked for is done
 uint32_t edit_undo_count(const struct viewer *viewer);
 uint32_t edit_redo_count(const struct viewer *viewer);
 const char *edit_undo_name(const struct viewer *viewer); // the control, or NULL

@@ -32,10 +32,16 @@ struct view {
     struct scene scene; // the viewer's, but with the method's settings: arrays are shared
     struct renderer renderer;
     struct denoiser denoiser;
-    bool is_ready;   // renderer holds a picture's state
-    bool is_preview; // its film has fewer pixels, because the camera moves
-    uint64_t epoch;  // counts pictures begun: what a job says of an older one is void
-    double seconds;  // of rendering this picture
+    bool is_ready;            // renderer holds a picture's state
+    bool is_preview;          // its film has fewer pixels, because the camera moves
+    uint64_t epoch;           // counts pictures begun: what a job says of an older one is void
+    double seconds;           // of rendering this picture
+    struct render_stats seen; // the renderer's, as of the last frame
+    bool is_looking;          // a job finds out the error
+    double changed_seconds;   // clock of the last change that emptied the film
+    double turn_seconds;      // of rendering, since the sides began to take turns
+    uint64_t first_sample;    // of the film: not 0 with fresh frames
+    double looked_seconds;    // clock of the last look
     struct view_look looks[VIEW_LOOKS_MAX];
     uint32_t look_count;
     double next_look;    // samples at which the error is to be found again
@@ -44,9 +50,14 @@ struct view {
 
 struct viewer;
 
-// Of the film as it is: on the worker's thread, into `looks`.
+// Of the film as it is, where the time for it has come: on the worker's thread, into `looks`.
 bool view_look_at_error(struct viewer *viewer, uint32_t side, struct err *err);
-// The lowest number of samples that a pixel has.
+// A picture begins: what is known of the last one is void.
+void view_begin(struct view *view);
+// What a renderer of this method needs to know before it starts: its samples in all. So the number
+// of samples at which the picture is to rest decides how they are chosen.
+bool method_plans(const struct method *method);
+// The lowest number of samples that a pixel of the film has.
 uint64_t view_samples(const struct view *view);
 
 #endif

@@ -10,14 +10,17 @@
 #include "edit.h"
 #include "geometry.h"
 #include "gui.h"
+#include "keys.h"
 #include "options.h"
 #include "pace.h"
+#include "panel.h"
 #include "rig.h"
 #include "screen.h"
 #include "swapchain.h"
 #include "view.h"
 #include "window.h"
 #include "worker.h"
+#include <pthread.h>
 
 #define VIEWER_SIDES 2u
 #define VIEWER_SAVED_VIEWS 16u
@@ -56,11 +59,32 @@ struct frame_stats {
     double frame_ms; // the last frame, all of it
     double render_ms, denoise_ms, display_ms, panel_ms, present_ms;
     uint64_t frames;
-    double kernel_ms[KERNEL_COUNT]; // a frame, a running mean
-    double rays_per_second, samples_per_second;
+    double kernel_ms[KERNEL_COUNT];             // a frame, a running mean
+    double rays_per_second, samples_per_second; // of one pixel each; over the last half second
+};
+
+// Of all frames of a kind, for the report at the end.
+struct frame_times {
+    float *ms;
+    uint32_t count, capacity; // the first ones
+};
+
+// Since the rates were told last.
+struct frame_rate {
+    double since, rays, samples;
+    uint32_t frames;
 };
 
 enum message_kind { MESSAGE_NOTE, MESSAGE_WARNING, MESSAGE_ERROR };
+
+// What the log says, which comes from any thread, becomes messages of the next frame.
+struct viewer_log {
+    pthread_mutex_t mutex;
+    enum log_level level; // up to which stderr has it, too
+    char last[1024];
+    bool is_new;
+    enum log_level last_level;
+};
 
 struct history;
 struct script;
@@ -78,12 +102,17 @@ struct viewer {
     struct display display;
     struct worker *worker;
     struct history *history;
+    struct panel *panel;
     struct script *script; // NULL without --script
     struct reload *reload;
     struct watch *watch; // NULL without --watch
 
     // The scene, as edited.
     char scene_path[SURROUNDINGS_PATH_MAX];
+    struct options scene_options;            // those of the command line that concern this scene
+    struct scene_load_params load_params;    // by which it was loaded: for scene_write
+    char wanted_path[SURROUNDINGS_PATH_MAX]; // to be opened when no frame is being drawn; or ""
+    bool wanted_keeps_view;
     bool has_scene;
     struct scene scene;
     struct scene pristine; // as loaded: copies of the arrays that are edited, for scene_write
@@ -91,15 +120,16 @@ struct viewer {
     struct surroundings_original original;
     struct surroundings surroundings;
     struct arena surroundings_arena;
+    double bounds_min[3], bounds_max[3]; // of the scene; min > max: it is empty
     struct geometry geometry;
     double load_seconds;
 
     struct camera camera;  // of all sides
     uint32_t camera_index; // of the scene's, that it began with
     struct rig rig;
+    struct keys keys;
     struct saved_view saved[VIEWER_SAVED_VIEWS];
-    bool is_moving;       // the camera moved in the last frames
-    double moved_seconds; // clock of the last movement
+    bool is_moving; // the camera moved, or the scene changed, a moment ago: what is seen is small
     struct view sides[VIEWER_SIDES];
     uint32_t side_count;
     uint32_t edited_side; // whose method the panel shows
@@ -108,15 +138,29 @@ struct viewer {
     uint32_t chosen_material, chosen_light, chosen_object; // in the panel's lists
     struct pace pace;
     struct frame_stats stats;
+    struct frame_rate rate;
+    struct frame_times moving_times, resting_times;
+    bool is_drawing;     // a frame's panel: what cannot be done meanwhile is put off
+    bool is_resting;     // nothing is left to do but to wait for events
+    uint32_t recoveries; // of lost devices
     bool is_panel_shown;
     bool is_paused;
     bool wants_quit;
     int exit_code; // of what ended it, EXIT_CODE_*
 
-    enum change changes[VIEWER_SIDES]; // asked for in this frame, by side
-    bool shaders_changed;              // reload.c made new kernels
-    const struct kernel_set *kernels;  // of reload.c; NULL: the embedded ones
-    uint64_t start_ns, frame_ns;       // clock; of the frame that runs
+    enum change changes[VIEWER_SIDES];     // asked for in this frame, by side
+    bool shaders_changed;                  // reload.c made new kernels
+    bool has_kept;                         // display_keep: shown where there are no samples yet
+    const struct kernel_set *kernels;      // of reload.c; NULL: the embedded ones
+    const struct kernel_set *good_kernels; // with which all sides were built
+    struct progress frame_progress;        // of renderers: stops them when the frame's time is over
+    uint64_t render_until_ns;              // the clock's time then
+    struct gpu_drawing drawing;            // of the panel, for the frame that runs
+    double frame_seconds;                  // that the last frame took, waiting included
+    double frame_samples;                  // of single pixels, in the frame that runs
+    double progress_seconds;               // clock: when progress was shown last
+    uint64_t start_ns, frame_ns;           // clock; of the frame that runs
+    struct viewer_log log;
     enum message_kind message_kind;
     char message[1024];
     double message_seconds;   // clock: when it came
@@ -126,7 +170,9 @@ struct viewer {
 // --- viewer.c ------------------------------------------------------------------------------------
 // Runs until it is closed, the script ends or a signal comes; returns the exit code.
 int viewer_run(const struct options *options);
-// One turn of the loop. False: it cannot go on.
+// One turn of the loop. False: it cannot go on. A turn:
+// window -> script -> events -> files, jobs -> camera -> panel -> changes -> rendering -> what is
+// shown -> statistics.
 bool viewer_frame(struct viewer *viewer, struct err *err);
 // What has to be done anew before the next samples; both sides, or one.
 void viewer_changed(struct viewer *viewer, enum change change);
@@ -139,31 +185,51 @@ void viewer_picture_size(const struct viewer *viewer, uint32_t *width, uint32_t 
 // Draws a frame with a progress bar, from inside of long work; at most ten a second.
 void viewer_show_progress(struct viewer *viewer, const char *phase, double fraction);
 
+// --- frame.c -------------------------------------------------------------------------------------
+bool viewer_frame_is_over(void *viewer); // as a progress asks: whether to stop rendering
+// Samples for as long as the frame may take.
+bool viewer_render(struct viewer *viewer, struct err *err);
+// What there is, denoised where asked for, with the panel over it, on the screen and in the window.
+bool viewer_show(struct viewer *viewer, struct err *err);
+// What display_draw shows now, for those who want the same in another way.
+void viewer_display_call(const struct viewer *viewer, struct display_call *out);
+
+// --- report.c ------------------------------------------------------------------------------------
+// When it ends: how fast, and how good. To stdout, as --json or --quiet say.
+void viewer_report(struct viewer *viewer);
+void frame_times_add(struct frame_times *times, double ms);
+// The value below which that part of them is, in [0, 1]; NAN without any. Puts them in order.
+double frame_times_quantile(struct frame_times *times, double part);
+void frame_times_finish(struct frame_times *times);
+void viewer_count_frame(struct viewer *viewer); // statistics of the frame that ends
+
 // --- load.c --------------------------------------------------------------------------------------
 // Replaces the scene; on failure the old one stays, with a message. keep_view: camera, methods and
-// what is shown stay as they are (reloading).
+// what is shown stay as they are (reloading). While a panel is being drawn the scene is opened in
+// the next frame, and the answer is true.
 bool viewer_open_scene(struct viewer *viewer, const char *path, bool keep_view);
 void viewer_close_scene(struct viewer *viewer);
+// AOV_* that renderers have to have for it, and no others.
+uint32_t viewer_aovs(const struct shown *shown);
 // Does what `changes` asks for. False: the device failed.
 bool viewer_apply_changes(struct viewer *viewer, struct err *err);
-// After a lost device: opens it again and creates everything anew. False: it could not be had.
-bool viewer_recover(struct viewer *viewer, struct err *err);
+// The same without a message. ERR_STOPPED where the window was closed meanwhile.
+bool viewer_load_scene(struct viewer *viewer, const char *path, bool keep_view, struct err *err);
+// Gives back what a side has on the device.
+void viewer_close_side(struct viewer *viewer, uint32_t side);
 
-// --- keys.c --------------------------------------------------------------------------------------
-// Keys and mouse of the picture, not of the panel. `held` state inside; also gamepad-like repeat.
-void viewer_event(struct viewer *viewer, const struct event *event);
-void viewer_move_camera(struct viewer *viewer, double seconds); // by what is held
-struct key_help {
-    const char *keys, *help;
-};
-extern const struct key_help viewer_keys[]; // ended by {NULL}: for the panel and the manual
+// --- device.c ------------------------------------------------------------------------------------
+bool viewer_open_device(struct viewer *viewer, struct err *err);
+void viewer_close_device(struct viewer *viewer);
+// After a lost device: opens it again; all pictures begin anew. False: it could not be had.
+bool viewer_recover(struct viewer *viewer, struct err *err);
 
 // --- pick.c --------------------------------------------------------------------------------------
 // What is seen at a pixel of the window. False: the device failed.
 bool viewer_pick(struct viewer *viewer, double x, double y, struct picked *out, struct err *err);
-
-// --- panel.c -------------------------------------------------------------------------------------
-void panel_draw(struct viewer *viewer);
+// The scene's number of a surface in a renderer's flat scene, as AOV ids have it less 1.
+uint32_t viewer_object(const struct renderer *renderer, bool is_shape, uint32_t primitive,
+                       uint32_t flat_instance);
 
 // --- save.c --------------------------------------------------------------------------------------
 // Both take the picture as it is now and write it on the worker's thread; a message tells when it
@@ -182,8 +248,13 @@ bool script_step(struct script *script, struct viewer *viewer, struct err *err);
 
 // --- reload.c ------------------------------------------------------------------------------------
 bool reload_create(const struct options *options, struct reload **out, struct err *err);
-void reload_destroy(struct reload *reload, struct viewer *viewer); // accepts NULL
-void reload_shaders(struct viewer *viewer); // on the worker's thread; sets viewer->kernels
+// Before worker_destroy: what is being compiled ends at once. Accepts NULL.
+void reload_stop(struct reload *reload);
+// When no renderer is left, but before gpu_close. Accepts NULL.
+void reload_destroy(struct reload *reload, struct viewer *viewer);
+// Compiles on the worker's thread; then sets viewer->kernels and shaders_changed. Whoever finds
+// that the device refuses the new ones sets viewer->kernels back to what it was.
+void reload_shaders(struct viewer *viewer);
 bool reload_can_compile(const struct reload *reload, const char **why_not);
 const char *reload_errors(const struct reload *reload); // "file:line: …" a line; "" without any
 const char *reload_folder(const struct reload *reload);

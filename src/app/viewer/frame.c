@@ -1,0 +1,222 @@
+// What a frame does with the device: samples, and what is seen of them.
+#include "viewer.h"
+
+#include "clock.h"
+#include "signals.h"
+#include <math.h>
+
+// A picture that is to be seen whole at once may take so many times what a frame may: rather a slow
+// frame than one that shows two cameras.
+#define PATIENCE 8.0
+
+// --- rendering -----------------------------------------------------------------------------------
+
+bool viewer_frame_is_over(void *context)
+{
+    const struct viewer *viewer = context;
+    return clock_ns() >= viewer->render_until_ns || signals_received() != 0;
+}
+
+// Samples of single pixels that the film has.
+static double work_done(const struct view *view)
+{
+    const struct renderer *r = &view->renderer;
+    return (double)view_samples(view) * r->frame.width * r->frame.height +
+           (double)(r->pass.position << r->pass.shift);
+}
+
+static uint64_t samples_left(const struct viewer *viewer, const struct view *view)
+{
+    uint64_t limit = viewer->shown.spp_limit, done = view_samples(view);
+    if (view->method.fresh_frames) // a picture each, of as many as are wanted
+        limit = view->method.samples_a_frame ? view->method.samples_a_frame : 1;
+    if (limit == 0)
+        limit = SETTINGS_SPP_MAX;
+    return limit > done ? limit - done : 0;
+}
+
+// Samples of a pixel taken at once: on quick devices as many as fit, since each pass costs some
+// time of its own. What is seen meanwhile is a pass old: an eighth of the picture's samples at
+// most.
+static uint64_t samples_at_once(const struct viewer *viewer, const struct view *view)
+{
+    const struct renderer *r = &view->renderer;
+    uint64_t left = samples_left(viewer, view), most = 1 + view_samples(view) / 8;
+    double pass_ms = viewer->pace.ms_per_sample * r->frame.width * r->frame.height;
+    double fit = pass_ms > 0.0 ? floor(pace_render_ms(&viewer->pace) / pass_ms) : 1.0;
+    uint64_t samples = fit > 1.0 ? (uint64_t)fmin(fit, 1u << MAX_SAMPLE_SHIFT) : 1;
+    samples = samples < most ? samples : most;
+    return samples < left ? samples : left;
+}
+
+// Until the frame is over, or there is nothing left to do.
+static bool render_side(struct viewer *viewer, struct view *view, uint64_t samples, struct err *err)
+{
+    double before = work_done(view);
+    uint64_t start = clock_ns();
+    bool stopped = false;
+    while (!stopped && samples_left(viewer, view) > 0 && samples > 0) {
+        const struct render_call call = {.samples = samples_at_once(viewer, view),
+                                         .stopped = &stopped};
+        uint64_t done = view_samples(view);
+        if (!renderer_render(&view->renderer, &call, err))
+            return false;
+        done = view_samples(view) - done;
+        samples = samples > done ? samples - done : 0;
+        if (viewer_frame_is_over(viewer))
+            break;
+    }
+    double seconds = clock_seconds_since(start), work = work_done(view) - before;
+    view->seconds += seconds;
+    view->turn_seconds += seconds;
+    viewer->stats.render_ms += seconds * 1e3;
+    viewer->frame_samples += work;
+    if (work > 0.0)
+        pace_measure(&viewer->pace, work, seconds * 1e3, viewer->pace.overhead_ms);
+    return true;
+}
+
+static void set_time(struct viewer *viewer, double factor)
+{
+    double ms = factor * pace_render_ms(&viewer->pace);
+    viewer->render_until_ns = isfinite(ms) ? clock_ns() + (uint64_t)(ms * 1e6) : UINT64_MAX;
+}
+
+static bool clear_fresh(struct viewer *viewer, struct view *view, struct err *err)
+{
+    struct display_call call;
+    if (!view->method.fresh_frames || view_samples(view) == 0 || samples_left(viewer, view) > 0)
+        return true;
+    viewer_display_call(viewer, &call);
+    viewer->has_kept = true;
+    if (!display_keep(&viewer->display, &call, err) || !renderer_clear(&view->renderer, err))
+        return false;
+    view->first_sample = view->renderer.next_sample;
+    return true;
+}
+
+// Those that are to be seen whole: without a sample and with nothing else to show, or with a fixed
+// number of samples a frame.
+static bool render_whole(struct viewer *viewer, struct view *view, bool *done, struct err *err)
+{
+    uint32_t wanted = view->method.samples_a_frame;
+    bool is_empty = view_samples(view) == 0 && !viewer->has_kept;
+    *done = is_empty || wanted > 0;
+    if (!*done)
+        return true;
+    set_time(viewer, wanted > 0 ? INFINITY : PATIENCE);
+    return render_side(viewer, view, wanted > 0 ? wanted : 1, err);
+}
+
+// The side that has had less of the device.
+static struct view *next_side(struct viewer *viewer, const bool *done)
+{
+    struct view *next = NULL;
+    for (uint32_t side = 0; side < viewer->side_count; side++) {
+        struct view *view = &viewer->sides[side];
+        if (!done[side] && samples_left(viewer, view) > 0 &&
+            (!next || view->turn_seconds < next->turn_seconds))
+            next = view;
+    }
+    return next;
+}
+
+bool viewer_render(struct viewer *viewer, struct err *err)
+{
+    bool done[VIEWER_SIDES] = {false};
+    viewer->stats.render_ms = viewer->frame_samples = 0.0;
+    if (!viewer->has_scene || viewer->is_paused)
+        return true;
+    for (uint32_t side = 0; side < viewer->side_count; side++) {
+        struct view *view = &viewer->sides[side];
+        if (!clear_fresh(viewer, view, err) || !render_whole(viewer, view, &done[side], err))
+            return false;
+    }
+    double left_ms = pace_render_ms(&viewer->pace) - viewer->stats.render_ms;
+    if (left_ms <= 0.0)
+        return true;
+    struct view *view = next_side(viewer, done);
+    set_time(viewer, left_ms / pace_render_ms(&viewer->pace));
+    return !view || render_side(viewer, view, UINT64_MAX, err);
+}
+
+// --- showing -------------------------------------------------------------------------------------
+
+static bool denoises(const struct viewer *viewer, const struct view *view)
+{
+    return viewer->shown.denoise && viewer->shown.what == SHOWN_RADIANCE && view->denoiser.gpu &&
+           view_samples(view) > 0;
+}
+
+void viewer_display_call(const struct viewer *viewer, struct display_call *out)
+{
+    const struct shown *shown = &viewer->shown;
+    uint32_t width = viewer->window.width, height = viewer->window.height;
+    *out = (struct display_call){
+        .split = shown->split_at,
+        .shown = shown->what,
+        .exposure_stops = shown->exposure,
+        .tone = (enum tone_curve)shown->tone,
+        .range = {shown->automatic ? 0.0 : shown->range[0],
+                  shown->automatic ? 0.0 : shown->range[1]},
+        .width = width,
+        .height = height,
+        .picture = {0, 0, width, height},
+        .nearest = shown->nearest,
+        .use_kept = viewer->has_kept,
+    };
+    if (!viewer->has_scene)
+        return;
+    for (uint32_t side = 0; side < viewer->side_count; side++) {
+        const struct view *view = &viewer->sides[side];
+        if (!view->is_ready)
+            return;
+        out->sides[side] = (struct display_side){
+            .renderer = &view->renderer,
+            .denoiser = denoises(viewer, view) ? &view->denoiser : NULL,
+        };
+        out->side_count = side + 1;
+    }
+}
+
+static bool denoise(struct viewer *viewer, struct err *err)
+{
+    viewer->stats.denoise_ms = 0.0;
+    for (uint32_t side = 0; side < viewer->side_count; side++) {
+        struct view *view = &viewer->sides[side];
+        if (!denoises(viewer, view))
+            continue;
+        const struct denoise_call call = {
+            .renderer = &view->renderer,
+            .camera = &view->renderer.camera,
+            .iterations = viewer->shown.denoise_iterations,
+            .temporal = viewer->shown.denoise_temporal,
+        };
+        if (!denoiser_run(&view->denoiser, &call, err))
+            return false;
+        viewer->stats.denoise_ms += view->denoiser.ms;
+    }
+    return true;
+}
+
+bool viewer_show(struct viewer *viewer, struct err *err)
+{
+    struct gpu *gpu = &viewer->gpu;
+    struct display_call call;
+    if (viewer->window.is_minimised)
+        return true;
+    if (!denoise(viewer, err))
+        return false;
+    viewer_display_call(viewer, &call);
+    if (call.side_count == 0 && !viewer->display.pixels.handle && !gpu_buffer_create(gpu, "x", 16u << 20, GPU_DEVICE, false, &viewer->display.pixels, err)) return false; //TEMP
+    if ((call.side_count > 0 && !display_draw(&viewer->display, &call, err)) ||
+        !gpu_screen_resize(gpu, &viewer->screen, call.width, call.height, err) ||
+        !gpu_screen_draw(gpu, &viewer->screen, &viewer->display.pixels, &viewer->drawing, err))
+        return false;
+    viewer->stats.display_ms = viewer->display.ms;
+    viewer->stats.panel_ms = viewer->screen.draw_ms;
+    uint64_t start = clock_ns();
+    bool ok = swapchain_show(gpu, &viewer->swapchain, &viewer->window, &viewer->screen, err);
+    viewer->stats.present_ms = clock_seconds_since(start) * 1e3;
+    return ok;
+}

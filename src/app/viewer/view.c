@@ -1,0 +1,171 @@
+#include "viewer.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+// Seconds between two looks, once there were some at doubling numbers of samples: a look reads the
+// film back, which holds up the picture a little.
+#define LOOK_SECONDS 3.0
+
+uint64_t view_samples(const struct view *view)
+{
+    return view->is_ready ? view->renderer.next_sample - view->first_sample : 0;
+}
+
+bool method_plans(const struct method *method)
+{
+    const struct settings *settings = &method->settings;
+    return settings->halves == HALVES_CONTIGUOUS || settings->sampler == SAMPLER_STRATIFIED ||
+           settings->sampler == SAMPLER_GRID;
+}
+
+void view_begin(struct view *view)
+{
+    view->epoch++;
+    view->seconds = 0.0;
+    view->first_sample = 0;
+    view->look_count = 0;
+    view->next_look = LOOKS_FIRST;
+    view->unknown = "fewer than 16 samples";
+}
+
+// --- the error -----------------------------------------------------------------------------------
+
+// What a job works on: a film of its own.
+struct look_job {
+    uint32_t side;
+    uint64_t epoch;
+    double seconds, samples;
+    bool too_early;     // of contiguous halves, which tell it at the end alone
+    bool shares_depths; // so that there is no interval
+    struct arena arena;
+    struct film_image film;
+    struct half_error error;
+};
+
+static bool run_look(void *context, struct err *err)
+{
+    struct look_job *job = context;
+    const struct half_error_params params = {
+        .half_a = (const float(*)[3])job->film.half_a,
+        .half_b = (const float(*)[3])job->film.half_b,
+        .width = job->film.width,
+        .height = job->film.height,
+        .samples = job->film.least_samples,
+    };
+    if (job->too_early) {
+        job->error.reason = "contiguous halves tell it after as many samples as were planned";
+        return true;
+    }
+    return metrics_half_error(&params, &job->error) ||
+           err_memory(err, "error estimate", (uint64_t)job->film.width * job->film.height * 12);
+}
+
+// When the list is full, every other one of the older half makes room, so that the curve still
+// begins where it did.
+static void thin(struct view *view)
+{
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < view->look_count; i++)
+        if (i >= VIEW_LOOKS_MAX / 2 || i % 2 == 0)
+            view->looks[kept++] = view->looks[i];
+    view->look_count = kept;
+}
+
+static void add_look(struct view *view, const struct look_job *job)
+{
+    const struct half_error *error = &job->error;
+    view->unknown = error->known ? NULL : error->reason;
+    if (view->look_count == VIEW_LOOKS_MAX)
+        thin(view);
+    view->looks[view->look_count++] = (struct view_look){
+        .seconds = job->seconds,
+        .samples = job->samples,
+        .relmse = error->known ? error->relmse : NAN,
+        .low = !error->known        ? NAN
+               : job->shares_depths ? 0.0
+                                    : error->ci_low,
+        .high = !error->known        ? NAN
+                : job->shares_depths ? INFINITY
+                                     : error->ci_high,
+    };
+}
+
+static void free_job(struct look_job *job)
+{
+    if (job)
+        arena_finish(&job->arena);
+    free(job);
+}
+
+static void look_done(void *context, void *viewer, bool ok, const struct err *err)
+{
+    struct look_job *job = context;
+    struct view *view = &((struct viewer *)viewer)->sides[job->side];
+    view->is_looking = false;
+    if (!ok)
+        viewer_message(viewer, MESSAGE_WARNING, "%s", err->msg);
+    else if (job->epoch == view->epoch && view->is_ready)
+        add_look(view, job);
+    free_job(job);
+}
+
+// Both halves have as many samples as each other at even numbers, and all pixels have the same at
+// the end of a pass.
+static bool is_due(const struct viewer *viewer, const struct view *view)
+{
+    uint64_t samples = view_samples(view);
+    if (!view->is_ready || view->is_preview || view->is_looking || view->method.fresh_frames ||
+        view->renderer.pass.length > 0 || samples % 2 != 0)
+        return false;
+    bool is_last = samples > 0 && samples == viewer->shown.spp_limit;
+    if (is_last &&
+        (view->look_count == 0 || view->looks[view->look_count - 1].samples != (double)samples))
+        return samples >= LOOKS_FIRST;
+    return (double)samples >= view->next_look &&
+           viewer_seconds(viewer) - view->looked_seconds >= (samples > 256 ? LOOK_SECONDS : 0.0);
+}
+
+static bool start_look(struct viewer *viewer, uint32_t side, struct look_job *job, struct err *err)
+{
+    struct view *view = &viewer->sides[side];
+    const struct renderer *renderer = &view->renderer;
+    uint64_t planned = renderer->frame.samples;
+    *job = (struct look_job){
+        .side = side,
+        .epoch = view->epoch,
+        .seconds = view->seconds,
+        .samples = (double)view_samples(view),
+        .too_early =
+            renderer->specialization.halves == HALVES_CONTIGUOUS && view_samples(view) != planned,
+        .shares_depths = renderer->specialization.roulette == ROULETTE_FRAME &&
+                         (renderer->specialization.features & FEATURE_ROULETTE),
+    };
+    return renderer_read(&view->renderer, &job->arena, &job->film, err);
+}
+
+bool view_look_at_error(struct viewer *viewer, uint32_t side, struct err *err)
+{
+    struct view *view = &viewer->sides[side];
+    if (!is_due(viewer, view))
+        return true;
+    struct look_job *job = malloc(sizeof *job);
+    if (!job)
+        return err_memory(err, "error estimate", sizeof *job);
+    if (!start_look(viewer, side, job, err)) {
+        free_job(job);
+        return false;
+    }
+    view->looked_seconds = viewer_seconds(viewer);
+    // At doubling numbers; beyond, the time decides.
+    view->next_look = job->samples >= 256 ? job->samples + 2 : 2 * job->samples;
+    view->is_looking = worker_add(viewer->worker, &(struct job){
+                                                      .name = "error",
+                                                      .run = run_look,
+                                                      .done = look_done,
+                                                      .context = job,
+                                                  });
+    if (!view->is_looking)
+        free_job(job); // the list is full: the next time
+    return true;
+}
