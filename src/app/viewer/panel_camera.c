@@ -9,8 +9,8 @@
 #include <string.h>
 
 static const struct gui_range angle = {1e-3, 179.999, .unit = "°", .drag = 90};
-static const struct gui_range height = {1 / SCENE_COORDINATE_MAX, SCENE_COORDINATE_MAX,
-                                        .logarithmic = true, .unit = "m"};
+static const struct gui_range seen_height = {1 / SCENE_COORDINATE_MAX, SCENE_COORDINATE_MAX,
+                                             .logarithmic = true, .unit = "m"};
 static const struct gui_range focus = {1e-9, 1e9, .logarithmic = true, .unit = "m"};
 static const struct gui_range millimetres = {0, 1e6, .logarithmic = true, .unit = "mm"};
 static const struct gui_range blades = {0, 64, .integer = true};
@@ -77,7 +77,7 @@ static void lens(struct form *form, struct camera *to)
                "From the lower to the upper edge, degrees, 0.001 to 179.999.", &angle, &to->fov_y);
     gui_enabled(gui, to->kind == CAMERA_ORTHOGRAPHIC);
     form_number(form, "camera.height", "Height",
-                "Of what an orthographic camera sees, metres, 1e-18 to 1e18.", &height,
+                "Of what an orthographic camera sees, metres, 1e-18 to 1e18.", &seen_height,
                 &to->height);
     gui_enabled(gui, is_perspective);
     if (form_number(form, "camera.lens_radius", "Lens radius",
