@@ -11,4 +11,8 @@ double spot_width(const struct light *light);
 // The solid angle that a spot fills, weighted by its falloff: the power of an intensity of 1.
 double spot_solid_angle(const struct light *light);
 
+// Points a light into another direction (of any length but zero; else nothing happens). A profile
+// goes along: its plane at 0 degrees stays as near to where it was as a right angle allows.
+void light_aim(struct light *light, const double direction[3]);
+
 #endif

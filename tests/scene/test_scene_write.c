@@ -3,6 +3,7 @@
 
 #include "environment.h"
 #include "json_node.h"
+#include "light.h"
 #include "load_json.h"
 #include "scene_edit_fixture.h"
 #include "scene_write.h"
@@ -384,6 +385,32 @@ TEST(paths_in_overrides)
     finish_edited(&e);
 }
 
+// --- lights with profiles ------------------------------------------------------------------------
+
+TEST(profiles_go_along_with_their_lights)
+{
+    char path[512];
+    const char *root = getenv("LAMPYRIS_SOURCE_ROOT");
+    struct random random = {5};
+    struct edited e;
+    snprintf(path, sizeof path, "%s/scenes/profiles.json", root ? root : ".");
+    REQUIRE(load_edited(&e, (struct scene_load_params){.path = path}));
+    unsigned profiles = 0;
+    for (int turn = 0; turn < 50; turn++) {
+        for (uint32_t i = 0; i < e.scene.light_count; i++) {
+            double to[3];
+            for (int c = 0; c < 3; c++)
+                to[c] = turn == 7 ? e.scene.lights[i].profile_x[c] : random_unit(&random) - 0.5;
+            light_aim(&e.scene.lights[i], to);
+            profiles += e.scene.lights[i].profile != NULL;
+        }
+        if (turn % 7 == 0)
+            check_round_trip(&e, in_folder("aimed.json"), "aimed");
+    }
+    CHECK(profiles > 0);
+    finish_edited(&e);
+}
+
 // --- what cannot be said -------------------------------------------------------------------------
 
 TEST(values_that_are_refused)
@@ -500,6 +527,7 @@ int main(int argc, char **argv)
         TEST_CASE(environments_of_the_command_line),
         TEST_CASE(names_of_files),
         TEST_CASE(paths_in_overrides),
+        TEST_CASE(profiles_go_along_with_their_lights),
         TEST_CASE(values_that_are_refused),
         TEST_CASE(damaged_files),
         TEST_CASE(cameras_as_text),
