@@ -55,9 +55,10 @@ float past_weight(ivec2 tap, vec2 at, vec4 guide, float expected_depth, float to
     float deviation = abs(then.w + dot(record.xy, away) - expected_depth);
     // Each is the mean of samples somewhere in their pixel.
     float allowed = abs(record.x) + abs(record.y) + tolerance;
+    float alike = is_sky(guide) == is_sky(then) ? normal_weight(guide.xyz, then.xyz, is_sky(guide) ? 1.0 : 0.0) : 0.0;
     bool same_place = is_sky(guide) || deviation <= allowed;
     float bilinear = (1.0 - abs(away.x)) * (1.0 - abs(away.y));
-    return !is_empty(then) && same_place ? bilinear * normal_weight(guide, then) : 0.0;
+    return !is_empty(then) && same_place ? bilinear * alike : 0.0;
 }
 
 // Bilinear, of those taps that fit; what is missing of them takes its share of the samples along.

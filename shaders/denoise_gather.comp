@@ -1,5 +1,5 @@
-// One thread turns one pixel of the film into what the filter works on: light without the colours of
-// surfaces, what its half-buffers say of the variance, and the first surface as guide.
+// One thread turns one pixel of the film into what the filter works on: reflected light without the
+// colours of surfaces, what its half-buffers say of the variance, and the first surface as guide.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -17,6 +17,7 @@ DENOISE_WRITE(guides, DENOISE_GUIDES)
 DENOISE_WRITE(to, DENOISE_TO)
 DENOISE_WRITE(modulation, DENOISE_MODULATION)
 DENOISE_WRITE(picture, DENOISE_PICTURE)
+DENOISE_WRITE(emission, DENOISE_EMISSION)
 
 const uint SUM_WORDS = AOV_SUM_WORDS(AOVS);
 
@@ -25,18 +26,23 @@ const uint SUM_WORDS = AOV_SUM_WORDS(AOVS);
 // reflected above dark paint, and smear it over brighter paint beside it.
 const float LEAST_ALBEDO = 0.04;
 
-float aov_mean(uint at, uint place, float samples)
+// Of all AOVs, read once.
+float aov_means[4u * SUM_WORDS];
+
+void read_aovs(uint at, float samples)
 {
-    uint sum = at + FILM_WORDS + (place >> 2u);
-    uint lost = sum + SUM_WORDS;
-    return (uintBitsToFloat(film_words[sum][place & 3u]) -
-            uintBitsToFloat(film_words[lost][place & 3u])) / samples;
+    for (uint word = 0u; word < SUM_WORDS; word++) {
+        uint sum = at + FILM_WORDS + word;
+        vec4 mean = (uintBitsToFloat(film_words[sum]) -
+                     uintBitsToFloat(film_words[sum + SUM_WORDS])) / samples;
+        for (uint c = 0u; c < 4u; c++)
+            aov_means[4u * word + c] = mean[c];
+    }
 }
 
-vec3 aov_vector(uint at, uint place, float samples)
+vec3 aov_vector(uint place)
 {
-    return vec3(aov_mean(at, place, samples), aov_mean(at, place + 1u, samples),
-                aov_mean(at, place + 2u, samples));
+    return vec3(aov_means[place], aov_means[place + 1u], aov_means[place + 2u]);
 }
 
 vec3 half_sum(uint at, uint words)
@@ -52,13 +58,13 @@ uint samples_of_first_half(uint samples)
                                                : samples - samples / 2u;
 }
 
-vec4 make_guide(uint at, float samples, float alpha, uint pixel)
+vec4 make_guide(float alpha, uint pixel)
 {
     if (alpha == 0.0)
         return vec4(0.0);
     vec2 middle = vec2(pixel % denoise.now.width, pixel / denoise.now.width) + 0.5;
-    float t = aov_mean(at, AOV_SCALAR_AT(AOVS, AOV_DEPTH), samples) / alpha;
-    vec3 normal = aov_vector(at, AOV_VECTOR_AT(AOVS, AOV_NORMAL), samples);
+    float t = aov_means[AOV_SCALAR_AT(AOVS, AOV_DEPTH)] / alpha;
+    vec3 normal = aov_vector(AOV_VECTOR_AT(AOVS, AOV_NORMAL));
     float squared = dot(normal, normal);
     // Normals of several samples may cancel: such a pixel faces the camera.
     view_ray ray = ray_through(denoise.now, middle);
@@ -67,7 +73,8 @@ vec4 make_guide(uint at, float samples, float alpha, uint pixel)
 }
 
 // Luminances' sum of squared deviations between the halves, whose expectation is the variance of one
-// sample (Chan, Golub and LeVeque 1983, equation 2.1b).
+// sample (Chan, Golub and LeVeque 1983, equation 2.1b). Emission is in it: at edges of emitters it is
+// too large.
 float halves_deviation(uint at, float a, float b, vec3 divisor)
 {
     float difference = luminance(half_sum(at, 0u) / (a * divisor)) -
@@ -88,19 +95,23 @@ void main()
         to_words[pixel] = vec4(0.0);
         modulation_words[pixel] = vec4(1.0);
         picture_words[pixel] = vec4(0.0);
+        emission_words[pixel] = vec4(0.0);
         return;
     }
     float n = float(samples);
+    read_aovs(at, n);
     vec3 mean = (half_sum(at, 0u) + half_sum(at, 2u)) / n;
-    float alpha = aov_mean(at, AOV_SCALAR_AT(AOVS, AOV_ALPHA), n);
-    vec3 albedo = aov_vector(at, AOV_VECTOR_AT(AOVS, AOV_ALBEDO), n);
-    // Samples that meet nothing have an albedo of 0, but their light was reflected by nothing.
-    vec3 divisor = max(albedo + (1.0 - alpha), vec3(LEAST_ALBEDO));
+    float alpha = aov_means[AOV_SCALAR_AT(AOVS, AOV_ALPHA)];
+    vec3 emission = aov_vector(AOV_VECTOR_AT(AOVS, AOV_EMISSION));
+    // Samples that meet nothing reflect nothing: at a silhouette the share of those that do cancels.
+    vec3 albedo = aov_vector(AOV_VECTOR_AT(AOVS, AOV_ALBEDO));
+    vec3 divisor = alpha > 0.0 ? max(albedo, vec3(LEAST_ALBEDO * alpha)) : vec3(1.0);
     float first = float(samples_of_first_half(samples));
     bool both = first > 0.0 && first < n;
-    guides_words[pixel] = make_guide(at, n, alpha, pixel);
+    guides_words[pixel] = make_guide(alpha, pixel);
     to_words[pixel] =
-        vec4(mean / divisor, both ? halves_deviation(at, first, n - first, divisor) : 0.0);
+        vec4((mean - emission) / divisor, both ? halves_deviation(at, first, n - first, divisor) : 0.0);
     modulation_words[pixel] = vec4(divisor, both ? 1.0 : 0.0);
     picture_words[pixel] = vec4(mean, n);
+    emission_words[pixel] = vec4(emission, 0.0);
 }

@@ -13,34 +13,32 @@ DENOISE_READ(blended, DENOISE_BLENDED)
 DENOISE_READ(records, DENOISE_RECORDS)
 DENOISE_WRITE(to, DENOISE_TO)
 
-const int POOL_RADIUS = 2;
 const int SPATIAL_RADIUS = 3;
 // Schied et al. trust moments from so many frames on.
 const float FREEDOM_ENOUGH = 4.0;
 
-// Of the pixel beside, by geometry alone; 0 for the place's own pixel beyond the picture.
+// Of a neighbour, by geometry alone; 0 beyond the picture.
 float likeness(depth_plane plane, ivec2 pixel, ivec2 offset, out uint index)
 {
-    ivec2 at = pixel + offset;
-    bool inside = is_inside(at);
-    index = pixel_index(uvec2(inside ? at : pixel));
-    vec4 other = load_guides(index);
-    float weight = normal_weight(plane.guide, other) *
-                   exp(-depth_exponent(plane, other, vec2(offset)));
-    weight = offset == ivec2(0) ? 1.0 : weight;
-    return inside && !is_empty(other) ? weight : 0.0;
+    bool inside;
+    index = neighbour_index(pixel, offset, inside);
+    float weight = surface_weight(plane, load_guides(index), vec2(offset), 0.0);
+    return inside ? weight : 0.0;
 }
 
-// Sums of squared deviations and their degrees of freedom: of one sample.
+// Adds a neighbour's squared deviations and degrees of freedom: of one sample.
+void pool(inout vec2 sum, depth_plane plane, ivec2 pixel, ivec2 offset)
+{
+    uint index;
+    float weight = likeness(plane, pixel, offset, index);
+    sum += weight * load_records(index).zw;
+}
+
 vec2 pool_deviations(depth_plane plane, ivec2 pixel)
 {
     vec2 sum = vec2(0.0);
-    for (int y = -POOL_RADIUS; y <= POOL_RADIUS; y++)
-        for (int x = -POOL_RADIUS; x <= POOL_RADIUS; x++) {
-            uint index;
-            float weight = likeness(plane, pixel, ivec2(x, y), index);
-            sum += weight * load_records(index).zw;
-        }
+#define POOL(x, y) pool(sum, plane, pixel, ivec2(x, y));
+    DENOISE_SQUARE_5(POOL)
     return sum;
 }
 
@@ -71,9 +69,8 @@ void main()
     vec4 light = load_blended(index);
     vec4 record = load_records(index);
     vec4 guide = load_guides(index);
-    float jitter = abs(record.x) + abs(record.y) +
-                   ray_length_change(denoise.now, vec2(pixel) + 0.5) * guide.w;
-    depth_plane plane = depth_plane(guide, record.xy, jitter);
+    depth_plane plane =
+        make_plane(guide, record.xy, ray_length_change(denoise.now, vec2(pixel) + 0.5));
     bool empty = is_empty(guide);
 
     vec2 pooled = pool_deviations(plane, ivec2(pixel));

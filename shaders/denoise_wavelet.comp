@@ -21,55 +21,50 @@ float spline(int distance)
     return distance == 0 ? 0.375 : distance == 1 ? 0.25 : 0.0625;
 }
 
+void add_variance(inout vec2 sum, ivec2 pixel, ivec2 offset)
+{
+    bool inside;
+    float variance = load_from(neighbour_index(pixel, offset, inside)).w;
+    float weight = (offset.x == 0 ? 0.5 : 0.25) * (offset.y == 0 ? 0.5 : 0.25);
+    sum += inside ? weight * vec2(variance, 1.0) : vec2(0.0);
+}
+
 // Variances are noisy themselves: a Gaussian of 3 x 3 pixels makes the weights steady.
 float smooth_variance(ivec2 pixel)
 {
     vec2 sum = vec2(0.0);
-    for (int y = -1; y <= 1; y++)
-        for (int x = -1; x <= 1; x++) {
-            ivec2 at = pixel + ivec2(x, y);
-            bool inside = is_inside(at);
-            float weight = inside ? (x == 0 ? 0.5 : 0.25) * (y == 0 ? 0.5 : 0.25) : 0.0;
-            sum += weight * vec2(load_from(pixel_index(uvec2(inside ? at : pixel))).w, 1.0);
-        }
+#define ADD_VARIANCE(x, y) add_variance(sum, pixel, ivec2(x, y));
+    DENOISE_SQUARE_3(ADD_VARIANCE)
     return sum.x / sum.y;
 }
 
-// Of a filter that reads light and variance: equation (1), and the variance of a weighted mean.
+// The pixel that is filtered.
+struct middle_pixel {
+    ivec2 at;
+    vec3 light;
+    float luminance, luminance_scale;
+    depth_plane plane;
+};
+
+// Equation (1), and the variance of a weighted mean.
 struct filtered {
     vec3 change; // from the middle's light, so that what is even stays as it is to the last bit
     float variance, weights;
 };
 
-void add_tap(inout filtered sum, vec4 middle, vec4 light, float weight)
+void add_tap(inout filtered sum, middle_pixel middle, ivec2 tap)
 {
-    sum.change += weight * (light.rgb - middle.rgb);
+    bool inside;
+    ivec2 offset = int(push.step) * tap;
+    uint index = neighbour_index(middle.at, offset, inside);
+    vec4 light = load_from(index);
+    float unlike = abs(luminance(light.rgb) - middle.luminance) * middle.luminance_scale;
+    float weight = surface_weight(middle.plane, load_guides(index), vec2(offset), unlike);
+    weight = tap == ivec2(0) ? 1.0 : inside ? weight : 0.0;
+    weight *= spline(abs(tap.x)) * spline(abs(tap.y));
+    sum.change += weight * (light.rgb - middle.light);
     sum.variance += weight * weight * light.w;
     sum.weights += weight;
-}
-
-filtered filter_level(ivec2 pixel, vec4 middle, depth_plane plane)
-{
-    filtered sum = filtered(vec3(0.0), 0.0, 0.0);
-    float here = luminance(middle.rgb);
-    float scale = luminance_scale(smooth_variance(pixel));
-    int stride = int(push.step);
-    for (int y = -2; y <= 2; y++)
-        for (int x = -2; x <= 2; x++) {
-            ivec2 offset = stride * ivec2(x, y);
-            ivec2 at = pixel + offset;
-            bool inside = is_inside(at);
-            uint index = pixel_index(uvec2(inside ? at : pixel));
-            vec4 guide = load_guides(index);
-            vec4 light = load_from(index);
-            float exponent = depth_exponent(plane, guide, vec2(offset)) +
-                             abs(luminance(light.rgb) - here) * scale;
-            float weight = normal_weight(plane.guide, guide) * exp(-exponent);
-            bool own = x == 0 && y == 0;
-            weight = own ? 1.0 : inside && !is_empty(guide) ? weight : 0.0;
-            add_tap(sum, middle, light, spline(abs(x)) * spline(abs(y)) * weight);
-        }
-    return sum;
 }
 
 // What the last pass judges by, as two numbers of 16 bits: how far the filter moved the pixel, and
@@ -90,16 +85,18 @@ void main()
     if (!find_pixel(pixel))
         return;
     uint index = pixel_index(pixel);
-    vec4 middle = load_from(index);
+    vec3 before = load_from(index).rgb;
     vec4 guide = load_guides(index);
     vec4 record = load_records(index);
-    float jitter = abs(record.x) + abs(record.y) +
-                   ray_length_change(denoise.now, vec2(pixel) + 0.5) * guide.w;
-    filtered sum = filter_level(ivec2(pixel), middle, depth_plane(guide, record.xy, jitter));
-    vec3 light = middle.rgb + sum.change / sum.weights;
+    depth_plane plane =
+        make_plane(guide, record.xy, ray_length_change(denoise.now, vec2(pixel) + 0.5));
+    middle_pixel middle = middle_pixel(ivec2(pixel), before, luminance(before),
+                                       luminance_scale(smooth_variance(ivec2(pixel))), plane);
+    filtered sum = filtered(vec3(0.0), 0.0, 0.0);
+#define ADD_TAP(x, y) add_tap(sum, middle, ivec2(x, y));
+    DENOISE_SQUARE_5(ADD_TAP)
+    vec3 light = is_empty(guide) ? before : before + sum.change / sum.weights;
     float variance = sum.variance / (sum.weights * sum.weights);
-    if (is_empty(guide))
-        light = middle.rgb;
     to_words[index] =
         vec4(light, LAST != 0u ? pack_judgement(index, record, luminance(light)) : variance);
 }

@@ -55,4 +55,20 @@ bool is_inside(ivec2 pixel)
     return all(lessThan(uvec2(pixel), uvec2(denoise.now.width, denoise.now.height)));
 }
 
+// The index of a neighbour, or of the pixel itself where that would be beyond the picture.
+uint neighbour_index(ivec2 pixel, ivec2 offset, out bool inside)
+{
+    ivec2 at = pixel + offset;
+    inside = is_inside(at);
+    return pixel_index(uvec2(inside ? at : pixel));
+}
+
+// Written out: some drivers do not unroll loops, which cost more than what is in them.
+#define DENOISE_ROW_3(tap, y) tap(-1, y) tap(0, y) tap(1, y)
+#define DENOISE_SQUARE_3(tap) DENOISE_ROW_3(tap, -1) DENOISE_ROW_3(tap, 0) DENOISE_ROW_3(tap, 1)
+#define DENOISE_ROW_5(tap, y) tap(-2, y) tap(-1, y) tap(0, y) tap(1, y) tap(2, y)
+#define DENOISE_SQUARE_5(tap)                                                                      \
+    DENOISE_ROW_5(tap, -2)                                                                         \
+    DENOISE_ROW_5(tap, -1) DENOISE_ROW_5(tap, 0) DENOISE_ROW_5(tap, 1) DENOISE_ROW_5(tap, 2)
+
 #endif

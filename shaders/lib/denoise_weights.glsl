@@ -28,13 +28,14 @@ bool is_sky(vec4 guide)
     return dot(guide.xyz, guide.xyz) == 0.0;
 }
 
-// Equation (4); what is around the scene has no normal and is like itself alone.
-float normal_weight(vec4 a, vec4 b)
+// Equation (4). What is around the scene has no normal: by `least`, 1, it is like all there is, and
+// its depth tells it from surfaces.
+float normal_weight(vec3 a, vec3 b, float least)
 {
-    float weight = max(dot(a.xyz, b.xyz), 0.0);
+    float weight = max(dot(a, b), least);
     for (uint i = 0u; i < NORMAL_SQUARINGS; i++)
         weight *= weight;
-    return is_sky(a) ? (is_sky(b) ? 1.0 : 0.0) : weight;
+    return weight;
 }
 
 // The place of a surface's depth: its change to the next pixel in x and y, and how far the mean of
@@ -43,17 +44,31 @@ struct depth_plane {
     vec4 guide;
     vec2 slope;
     float jitter;
+    float rounding;
+    float least_normal;
 };
 
-// The exponent of equation (3), but for a deviation from the plane rather than from the depth: on a
-// slope that is seen at a flat angle the filter reaches as far as on one that faces the camera.
-float depth_exponent(depth_plane plane, vec4 other, vec2 offset)
+// `length_change`: ray_length_change().
+depth_plane make_plane(vec4 guide, vec2 slope, float length_change)
+{
+    bool sky = is_sky(guide);
+    float jitter = abs(slope.x) + abs(slope.y) + length_change * guide.w;
+    // Depths of surfaces are normal numbers, those of the sky are 0: any tolerance tells them apart.
+    return depth_plane(guide, slope, sky ? 1e-37 : jitter, DEPTH_ROUNDING * guide.w, sky ? 1.0 : 0.0);
+}
+
+// How alike the surfaces of two pixels are. The exponent is that of equation (3), but for a deviation
+// from the plane rather than from the depth: on a slope that is seen at a flat angle the filter
+// reaches as far as on one that faces the camera. `further`: what else is in the exponent. 0 of
+// pixels without samples, as of all that is unlike.
+float surface_weight(depth_plane plane, vec4 other, vec2 offset, float further)
 {
     float expected = dot(plane.slope, offset);
-    float reach = abs(offset.x) + abs(offset.y);
-    float tolerance =
-        abs(expected) + plane.jitter + (1.0 + reach) * DEPTH_ROUNDING * plane.guide.w;
-    return is_sky(plane.guide) ? 0.0 : abs(other.w - plane.guide.w - expected) / tolerance;
+    float reach = 1.0 + abs(offset.x) + abs(offset.y);
+    float tolerance = abs(expected) + plane.jitter + reach * plane.rounding;
+    float deviation = abs(other.w - plane.guide.w - expected);
+    return normal_weight(plane.guide.xyz, other.xyz, plane.least_normal) *
+           exp(-(deviation / tolerance + further));
 }
 
 // By which a difference of luminances is multiplied in the exponent of equation (5). Without variance

@@ -11,7 +11,7 @@
 // (lib/denoise_view.glsl), or DENOISE_EMPTY of a pixel without samples.
 #define DENOISE_GUIDES 1
 #define DENOISE_GUIDES_HISTORY 2
-// Light over what it was reflected by, from the film and the history; then of how many samples it is
+// Reflected light over what it was reflected by, from the film and the history; then of how many samples it is
 // worth: the variance of one over that number is the variance of the mean.
 #define DENOISE_BLENDED 3
 #define DENOISE_BLENDED_HISTORY 4
@@ -25,8 +25,9 @@
 // What the light is divided by and multiplied with again; then 1 where the film's halves tell a
 // variance, else 0.
 #define DENOISE_MODULATION 9
-#define DENOISE_PICTURE 10   // radiance, samples of the film
-#define DENOISE_BINDINGS 11
+#define DENOISE_PICTURE 10  // radiance, samples of the film
+#define DENOISE_EMISSION 11 // what reaches the camera from emitters, without reflection
+#define DENOISE_BINDINGS 12
 
 #define DENOISE_WORKGROUP 64u // threads, for a square of pixels
 #define DENOISE_TILE 8u       // its side

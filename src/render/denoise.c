@@ -33,7 +33,7 @@ struct denoiser_state {
     struct layers layers[2];
     uint32_t now;               // which of them the film's view uses
     struct gpu_buffer light[2]; // what the passes read and write by turns
-    struct gpu_buffer modulation;
+    struct gpu_buffer modulation, emission;
     struct gpu_bindings bindings[2][2]; // by `now`, and by which light is read
     // Of the history.
     struct camera camera;
@@ -124,6 +124,7 @@ static void finish_buffers(struct denoiser *d)
         gpu_buffer_finish(d->gpu, &own->light[i]);
     }
     gpu_buffer_finish(d->gpu, &own->modulation);
+    gpu_buffer_finish(d->gpu, &own->emission);
     gpu_buffer_finish(d->gpu, &d->picture);
     own->capacity = 0;
 }
@@ -169,6 +170,7 @@ static bool bind(const struct denoiser *d, uint32_t now, uint32_t from,
         [DENOISE_TO] = &own->light[1 - from],
         [DENOISE_MODULATION] = &own->modulation,
         [DENOISE_PICTURE] = &d->picture,
+        [DENOISE_EMISSION] = &own->emission,
     };
     struct gpu_binding storage[GPU_MAX_STORAGE] = {0};
     const struct gpu_buffer *texels[GPU_MAX_TEXEL] = {0};
@@ -191,6 +193,8 @@ static bool create_buffers(struct denoiser *d, uint64_t pixels, struct err *err)
                                err))
             return false;
     if (!gpu_buffer_create(d->gpu, "denoiser's albedo", bytes, GPU_DEVICE, texel, &own->modulation,
+                           err) ||
+        !gpu_buffer_create(d->gpu, "denoiser's emission", bytes, GPU_DEVICE, texel, &own->emission,
                            err) ||
         !gpu_buffer_create(d->gpu, "denoised picture", bytes, GPU_DEVICE, texel, &d->picture, err))
         return false;

@@ -7,7 +7,7 @@
 #include "render.h"
 
 // What a renderer has to have been created with.
-#define DENOISE_AOVS (AOV_ALBEDO | AOV_NORMAL | AOV_DEPTH | AOV_ALPHA)
+#define DENOISE_AOVS (AOV_ALBEDO | AOV_NORMAL | AOV_DEPTH | AOV_ALPHA | AOV_EMISSION)
 
 enum denoise_pass {
     DENOISE_PASS_gather,
