@@ -208,8 +208,7 @@ bool viewer_show(struct viewer *viewer, struct err *err)
     if (!denoise(viewer, err))
         return false;
     viewer_display_call(viewer, &call);
-    if (call.side_count == 0 && !viewer->display.pixels.handle && !gpu_buffer_create(gpu, "x", 16u << 20, GPU_DEVICE, false, &viewer->display.pixels, err)) return false; //TEMP
-    if ((call.side_count > 0 && !display_draw(&viewer->display, &call, err)) ||
+    if (!display_draw(&viewer->display, &call, err) ||
         !gpu_screen_resize(gpu, &viewer->screen, call.width, call.height, err) ||
         !gpu_screen_draw(gpu, &viewer->screen, &viewer->display.pixels, &viewer->drawing, err))
         return false;
