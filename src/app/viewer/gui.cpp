@@ -572,26 +572,52 @@ void gui_pair(struct gui *gui, const char *label, const char *format, ...)
 
 // --- over the picture ----------------------------------------------------------------------------
 
-static void draw_note(ImDrawList *list, ImVec2 at, const char *text)
-{
-    const ImGuiStyle &style = ImGui::GetStyle();
-    ImVec2 size = ImGui::CalcTextSize(text);
-    ImVec2 end(at.x + size.x + 2.0f * style.FramePadding.x,
-               at.y + size.y + 2.0f * style.FramePadding.y);
-    list->AddRectFilled(at, end, IM_COL32(15, 16, 18, 190), style.FrameRounding);
-    list->AddText(ImVec2(at.x + style.FramePadding.x, at.y + style.FramePadding.y),
-                  IM_COL32(225, 228, 232, 255), text);
-}
+#define PICTURE_TEXT IM_COL32(225, 228, 232, 255)
+#define PICTURE_DIM IM_COL32(150, 154, 160, 255)
+#define PICTURE_WARNING IM_COL32(242, 158, 98, 255)
+#define PICTURE_GROUND IM_COL32(15, 16, 18, 205)
 
-void gui_note(struct gui *gui, float x, float y, const char *format, ...)
+float gui_note(struct gui *gui, float x, float y, bool is_warning, const char *format, ...)
 {
     (void)gui;
-    char text[1024];
+    char text[1280];
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    draw_note(ImGui::GetBackgroundDrawList(), ImVec2(floorf(x), floorf(y)), text);
+    const ImGuiStyle &style = ImGui::GetStyle();
+    ImVec2 at(floorf(x), floorf(y)), pad(style.FramePadding.x, style.FramePadding.y);
+    float wrap = fmaxf(ImGui::GetIO().DisplaySize.x - at.x - 4.0f * pad.x, 1.0f);
+    ImVec2 size = ImGui::CalcTextSize(text, NULL, false, wrap);
+    ImVec2 end(at.x + size.x + 2.0f * pad.x, at.y + size.y + 2.0f * pad.y);
+    ImDrawList *list = ImGui::GetBackgroundDrawList();
+    list->AddRectFilled(at, end, PICTURE_GROUND, style.FrameRounding);
+    list->AddText(NULL, 0.0f, ImVec2(at.x + pad.x, at.y + pad.y),
+                  is_warning ? PICTURE_WARNING : PICTURE_TEXT, text, NULL, wrap);
+    return end.y - at.y;
+}
+
+void gui_table(struct gui *gui, const struct gui_pair *rows, uint32_t count)
+{
+    const ImGuiStyle &style = ImGui::GetStyle();
+    const ImVec2 screen = ImGui::GetIO().DisplaySize;
+    float left = 0.0f, right = 0.0f, line = ImGui::GetTextLineHeight() * 1.2f;
+    for (uint32_t i = 0; i < count; i++) {
+        left = fmaxf(left, ImGui::CalcTextSize(rows[i].left).x);
+        right = fmaxf(right, ImGui::CalcTextSize(rows[i].right).x);
+    }
+    float gap = 2.0f * style.WindowPadding.x, pad = 2.0f * style.WindowPadding.x;
+    ImVec2 size(left + gap + right + 2.0f * pad, (float)count * line + 2.0f * pad);
+    ImVec2 at(floorf(gui->width + fmaxf(0.5f * (screen.x - gui->width - size.x), 0.0f)),
+              floorf(fmaxf(0.5f * (screen.y - size.y), 0.0f)));
+    ImDrawList *list = ImGui::GetBackgroundDrawList();
+    list->AddRectFilled(at, ImVec2(at.x + size.x, at.y + size.y), IM_COL32(15, 16, 18, 235),
+                        style.FrameRounding);
+    for (uint32_t i = 0; i < count; i++) {
+        float y = floorf(at.y + pad + (float)i * line);
+        list->AddText(ImVec2(at.x + pad, y), ImGui::GetColorU32(ImGuiCol_CheckMark), rows[i].left);
+        list->AddText(ImVec2(at.x + pad + left + gap, y), PICTURE_TEXT, rows[i].right);
+    }
 }
 
 void gui_progress(struct gui *gui, const char *what, double fraction)
@@ -610,10 +636,10 @@ void gui_progress(struct gui *gui, const char *what, double fraction)
                         IM_COL32(20, 21, 24, 235), style.FrameRounding);
     float inner = width - 2.0f * pad;
     list->PushClipRect(ImVec2(x + pad, y), ImVec2(x + pad + 0.8f * inner, y + line + 2.0f * pad));
-    list->AddText(ImVec2(x + pad, y + pad), IM_COL32(225, 228, 232, 255), what);
+    list->AddText(ImVec2(x + pad, y + pad), PICTURE_TEXT, what);
     list->PopClipRect();
-    list->AddText(ImVec2(x + pad + inner - ImGui::CalcTextSize(percent).x, y + pad),
-                  IM_COL32(150, 154, 160, 255), percent);
+    list->AddText(ImVec2(x + pad + inner - ImGui::CalcTextSize(percent).x, y + pad), PICTURE_DIM,
+                  percent);
     float top = y + line + 2.0f * pad;
     float part = inner * (float)fmin(fmax(fraction, 0.0), 1.0);
     list->AddRectFilled(ImVec2(x + pad, top), ImVec2(x + pad + inner, top + bar),

@@ -98,9 +98,14 @@ void gui_warning(struct gui *gui, const char *format, ...) __attribute__((format
 // A label at the left, as controls have it, and a text where their values are.
 void gui_pair(struct gui *gui, const char *label, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
-// Text over the picture, its upper left corner there; with a dark ground.
-void gui_note(struct gui *gui, float x, float y, const char *format, ...)
-    __attribute__((format(printf, 4, 5)));
+// Text over the picture, its upper left corner there; with a dark ground. Returns its height.
+float gui_note(struct gui *gui, float x, float y, bool is_warning, const char *format, ...)
+    __attribute__((format(printf, 5, 6)));
+// Two columns over the middle of the picture: keys and what they do. Ended by {NULL}.
+struct gui_pair {
+    const char *left, *right;
+};
+void gui_table(struct gui *gui, const struct gui_pair *rows, uint32_t count);
 // A bar over the middle of the picture: what is being done.
 void gui_progress(struct gui *gui, const char *what, double fraction);
 
@@ -113,6 +118,7 @@ struct gui_range {
     bool integer;
     const char *unit;     // shown behind the number; NULL: none
     const char *infinite; // the word for values of at least max ("off", "unlimited"); NULL: none
+    const char *least;    // the word for min itself ("off", "pinhole"); NULL: none
     double drag; // what dragging over all of the control's width adds; 0: follows from the range
 };
 bool gui_number(struct gui *gui, const char *id, const char *label, const char *help,

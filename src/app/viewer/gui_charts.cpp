@@ -46,7 +46,7 @@ void gui_bars(struct gui *gui, const struct gui_bar *bars, uint32_t count, const
         list->AddRectFilled(ImVec2(left, top), ImVec2(left + room, bottom),
                             ImGui::GetColorU32(ImGuiCol_FrameBg), 2.0f);
         list->AddRectFilled(ImVec2(left, top), ImVec2(left + fmaxf(part, 1.0f), bottom),
-                            ImGui::GetColorU32(ImGuiCol_SliderGrabActive), 2.0f);
+                            IM_COL32(128, 152, 66, 255), 2.0f);
         list->AddText(ImVec2(at.x + width - ImGui::CalcTextSize(text).x, at.y),
                       ImGui::GetColorU32(ImGuiCol_Text), text);
         ImGui::Dummy(ImVec2(1.0f, height - style.ItemSpacing.y * 0.5f));

@@ -97,8 +97,8 @@ uint32_t items_group(struct gui_state *own, const char *id, bool open_at_first);
 // --- gui_values.c --------------------------------------------------------------------------------
 // As text that reads back to the same bits, of a double or of a float. out: GUI_VALUE_MAX.
 void value_write(double value, bool is_float, const struct gui_range *range, char *out);
-// As it is shown: six digits at most, with the unit.
-void value_show(double value, const struct gui_range *range, char *out);
+// As it is shown: so many digits at most, with the unit.
+void value_show(double value, const struct gui_range *range, int digits, char *out);
 // False: why says what was expected (512 bytes).
 bool value_read(const char *text, bool is_float, const struct gui_range *range, double *out,
                 char *why);

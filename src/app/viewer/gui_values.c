@@ -14,15 +14,19 @@ static bool same(double a, double b, bool is_float)
     return is_float ? (float)a == (float)b : a == b;
 }
 
-static bool is_word(double value, const struct gui_range *range)
+// The word that stands for a value, or NULL.
+static const char *word_of(double value, const struct gui_range *range)
 {
-    return range && range->infinite && value >= range->max;
+    if (range && range->infinite && value >= range->max)
+        return range->infinite;
+    return range && range->least && value <= range->min ? range->least : NULL;
 }
 
 void value_write(double value, bool is_float, const struct gui_range *range, char *out)
 {
-    if (is_word(value, range)) {
-        snprintf(out, GUI_VALUE_MAX, "%s", range->infinite);
+    const char *word = word_of(value, range);
+    if (word) {
+        snprintf(out, GUI_VALUE_MAX, "%s", word);
         return;
     }
     // 17 significant digits tell every double from its neighbours (IEEE 754-2019, 5.12.2).
@@ -33,15 +37,16 @@ void value_write(double value, bool is_float, const struct gui_range *range, cha
     }
 }
 
-void value_show(double value, const struct gui_range *range, char *out)
+void value_show(double value, const struct gui_range *range, int digits, char *out)
 {
-    if (is_word(value, range)) {
-        snprintf(out, GUI_VALUE_MAX, "%s", range->infinite);
+    const char *word = word_of(value, range);
+    if (word) {
+        snprintf(out, GUI_VALUE_MAX, "%s", word);
         return;
     }
     bool whole = range->integer && fabs(value) < 1e15;
     int length = whole ? snprintf(out, GUI_VALUE_MAX, "%.0f", value)
-                       : snprintf(out, GUI_VALUE_MAX, "%.6g", value);
+                       : snprintf(out, GUI_VALUE_MAX, "%.*g", digits, value);
     if (range->unit)
         snprintf(out + length, GUI_VALUE_MAX - (size_t)length, " %s", range->unit);
 }
@@ -68,10 +73,13 @@ static bool read_one(const char *text, const char **end, bool is_float,
                      const struct gui_range *range, double *out, char *why)
 {
     text = skip_spaces(text);
-    size_t length = range->infinite ? strlen(range->infinite) : 0;
-    if (length && strncmp(text, range->infinite, length) == 0) {
+    const char *const words[] = {range->infinite, range->least};
+    for (int i = 0; i < 2; i++) {
+        size_t length = words[i] ? strlen(words[i]) : 0;
+        if (!length || strncmp(text, words[i], length) != 0)
+            continue;
         *end = text + length;
-        *out = range->max;
+        *out = i ? range->min : range->max;
         return true;
     }
     char *behind;
@@ -202,7 +210,8 @@ double value_dragged(double start, double widths, const struct gui_range *range,
 {
     if (widths == 0.0)
         return start;
-    if (is_word(start, range) && start > 1e3) { // is left downwards, from a number of some size
+    if (range->infinite && start >= range->max &&
+        start > 1e3) { // is left downwards, from a number of some size
         if (widths > 0.0)
             return start;
         start = 1e3;

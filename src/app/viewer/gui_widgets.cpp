@@ -91,9 +91,9 @@ bool widget_group(struct gui *gui, struct gui_item *item, bool is_open)
     if (!is_inner)
         flags |= ImGuiTreeNodeFlags_Framed;
     ImGui::PushID(item->id);
-    ImGui::SetNextItemOpen(is_open);
     if (!is_inner)
         ImGui::Dummy(ImVec2(0.0f, 0.0f));
+    ImGui::SetNextItemOpen(is_open);
     bool now = ImGui::TreeNodeEx("group", flags, "%s", item->label);
     widget_note(gui, item);
     ImGui::PopID();
@@ -274,9 +274,13 @@ static void draw_number(ImVec2 at, ImVec2 size, const struct gui_range *range, d
                             style.FrameRounding);
         list->PopClipRect();
     }
+    // As many digits as there is room for.
     char text[GUI_VALUE_MAX];
-    value_show(value, range, text);
-    float width = ImGui::CalcTextSize(text).x;
+    float width = FLT_MAX;
+    for (int digits = 6; digits >= 3 && width > size.x; digits--) {
+        value_show(value, range, digits, text);
+        width = ImGui::CalcTextSize(text).x;
+    }
     float x = at.x + fmaxf(0.5f * (size.x - width), style.FramePadding.x * 0.5f);
     list->PushClipRect(at, corner, true);
     list->AddText(ImVec2(floorf(x), at.y + style.FramePadding.y), ImGui::GetColorU32(ImGuiCol_Text),
@@ -472,12 +476,12 @@ void widget_list_begin(struct gui *gui, const char *id, struct gui_list *list)
     ImGui::PushStyleColor(ImGuiCol_ChildBg, ImGui::GetStyleColorVec4(ImGuiCol_PopupBg));
     float pad = style.FramePadding.y;
     float height = (float)(rows ? rows : 1) * row_height() + 2.0f * pad;
+    // Switches in rows are as high as letters.
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(style.WindowPadding.x, pad));
+    ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(style.FramePadding.x, 0.0f));
     ImGui::BeginChild(id, ImVec2(0.0f, height), false,
                       ImGuiWindowFlags_AlwaysUseWindowPadding | ImGuiWindowFlags_NoNav);
     ImGui::PopStyleColor();
-    // Switches in rows are as high as letters.
-    ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(style.FramePadding.x, 0.0f));
-    ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(style.WindowPadding.x, pad));
     // In doubles: 10^6 rows are more pixels than single precision tells apart, and rows would
     // tremble; where ImGui itself rounds, all rows are moved together.
     double scroll = (double)ImGui::GetScrollY(), each = (double)row_height();

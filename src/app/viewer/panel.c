@@ -198,5 +198,6 @@ void panel_draw(struct viewer *viewer)
     history(viewer);
     keys(viewer);
     gui_panel_end(gui);
+    panel_overlay(viewer);
     assert(!gui_duplicate(gui)); // of the last frame
 }

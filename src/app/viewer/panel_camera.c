@@ -12,8 +12,9 @@ static const struct gui_range angle = {1e-3, 179.999, .unit = "°", .drag = 90};
 static const struct gui_range seen_height = {1 / SCENE_COORDINATE_MAX, SCENE_COORDINATE_MAX,
                                              .logarithmic = true, .unit = "m"};
 static const struct gui_range focus = {1e-9, 1e9, .logarithmic = true, .unit = "m"};
-static const struct gui_range millimetres = {0, 1e6, .logarithmic = true, .unit = "mm"};
-static const struct gui_range blades = {0, 64, .integer = true};
+static const struct gui_range millimetres = {0, 1e6, .logarithmic = true, .unit = "mm",
+                                             .least = "pinhole"};
+static const struct gui_range blades = {0, 64, .integer = true, .least = "round"};
 static const struct gui_range speed = {1e-9, 1e9, .logarithmic = true, .unit = "m/s"};
 static const struct gui_range turning = {-360, 360, .unit = "°/s", .drag = 90};
 static const struct gui_range unit_vector = {-1, 1};
@@ -30,8 +31,10 @@ static void moving(struct viewer *viewer)
                &rig->mode);
     gui_number(gui, "camera.speed", "Speed", "Of flying, metres a second, 1e-9 to 1e9.", &speed,
                &rig->speed);
-    gui_switch(gui, "camera.revolves", "Revolve", "Turns about the target by itself.",
-               &rig->revolves);
+    if (gui_switch(gui, "camera.revolves", "Revolve", "Turns about the target by itself.",
+                   &rig->revolves) &&
+        rig->revolves)
+        rig->mode = RIG_ORBIT;
     gui_number(gui, "camera.revolve_speed", "  speed",
                "Of that, degrees a second, -360 to 360; below 0: the other way round.", &turning,
                &rig->revolve_speed);
@@ -148,7 +151,7 @@ static void frame_all(struct viewer *viewer)
     viewer_picture_size(viewer, &width, &height);
     rig_frame(&viewer->rig, viewer->bounds_min, viewer->bounds_max, (double)width / (double)height,
               &to);
-    edit_camera(viewer, &to, "camera.frame_all");
+    edit_camera(viewer, &to, "camera.frame");
 }
 
 static void buttons(struct viewer *viewer)
@@ -158,7 +161,7 @@ static void buttons(struct viewer *viewer)
     if (gui_button(gui, "camera.reset", "Reset", "The camera as the scene file has it."))
         edit_camera(viewer, &scene->cameras[viewer->camera_index], "camera.reset");
     gui_same_line(gui);
-    if (gui_button(gui, "camera.frame_all", "Frame all", "The whole scene in the picture."))
+    if (gui_button(gui, "camera.frame", "Frame all", "The whole scene in the picture."))
         frame_all(viewer);
     gui_same_line(gui);
     if (gui_button(gui, "camera.copy", "Copy as JSON",
@@ -174,14 +177,14 @@ static void saved_views(struct viewer *viewer)
               "The one that the buttons mean, 1 to 16; keys 1 to 9 restore, with Ctrl save.", &slot,
               &panel->slot);
     struct saved_view *view = &viewer->saved[panel->slot - 1];
-    if (gui_button(gui, "camera.save_view", "Save", "Keeps the camera as it is."))
+    if (gui_button(gui, "camera.save", "Save", "Keeps the camera as it is."))
         *view = (struct saved_view){.is_used = true, .camera = viewer->camera};
     gui_enabled(gui, view->is_used);
     gui_same_line(gui);
-    if (gui_button(gui, "camera.restore_view", "Restore", "The camera as it was saved."))
-        edit_camera(viewer, &view->camera, "camera.restore_view");
+    if (gui_button(gui, "camera.restore", "Restore", "The camera as it was saved."))
+        edit_camera(viewer, &view->camera, "camera.restore");
     gui_same_line(gui);
-    if (gui_button(gui, "camera.clear_view", "Clear", "Forgets the saved view."))
+    if (gui_button(gui, "camera.clear", "Clear", "Forgets the saved view."))
         view->is_used = false;
     gui_enabled(gui, true);
     if (!gui_is_drawn(gui))

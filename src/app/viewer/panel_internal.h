@@ -75,6 +75,7 @@ struct panel_list {
 bool panel_list(struct viewer *viewer, struct panel_filter *filter, const struct panel_list *list,
                 uint32_t *chosen);
 
+void panel_overlay(struct viewer *viewer); // over the picture
 void panel_statistics(struct viewer *viewer);
 void panel_renderer(struct viewer *viewer);
 void panel_view(struct viewer *viewer);

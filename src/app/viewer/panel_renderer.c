@@ -7,8 +7,8 @@
 
 static const char *const side_names[] = {"A", "B", NULL};
 
-// The most that fits a float; above it a setting means that it is off.
-static const struct gui_range samples_a_frame = {0, 4096, .logarithmic = true, .integer = true};
+static const struct gui_range samples_a_frame = {0, 4096, .logarithmic = true, .integer = true,
+                                                 .least = "as time allows"};
 static const struct gui_range spp = {1, (double)UINT32_MAX, .logarithmic = true, .integer = true,
                                      .infinite = "unlimited"};
 static const struct gui_range seed = {0, (double)UINT32_MAX, .logarithmic = true, .integer = true};
@@ -21,10 +21,11 @@ static const struct gui_range never = {0, (double)UINT32_MAX, .logarithmic = tru
 static const struct gui_range any = {0, (double)UINT32_MAX, .logarithmic = true, .integer = true,
                                      .infinite = "any"};
 static const struct gui_range survival = {0.01, 1};
-static const struct gui_range radius = {0, SETTINGS_FILTER_RADIUS_MAX, .unit = "px", .drag = 4};
+static const struct gui_range radius = {0, SETTINGS_FILTER_RADIUS_MAX, .unit = "px",
+                                        .least = "its own", .drag = 4};
 static const struct gui_range exponent = {0, SETTINGS_EXPONENT_MAX, .logarithmic = true};
-static const struct gui_range limit = {0, 1e30, .logarithmic = true};
-static const struct gui_range falloff = {0, 1e30, .logarithmic = true};
+static const struct gui_range limit = {0, 1e30, .logarithmic = true, .least = "off"};
+static const struct gui_range falloff = {0, 1e30, .logarithmic = true, .least = "off"};
 static const struct gui_range distance = {1e-30, INFINITY, .logarithmic = true, .unit = "m",
                                           .infinite = "any"};
 
@@ -251,7 +252,7 @@ static void picture(struct form *form, struct shown *to)
     bool is_light = to->what == SHOWN_RADIANCE || to->what == SHOWN_EMISSION ||
                     to->what == SHOWN_DIRECT || to->what == SHOWN_INDIRECT;
     bool has_range = shown_has_range(to->what);
-    form_choice(form, "view.shown", "Shown",
+    form_choice(form, "view.aov", "Shown",
                 "The picture, or what surfaces are, or how hard each pixel was.", shown_names,
                 &to->what);
     gui_enabled(gui, is_light);

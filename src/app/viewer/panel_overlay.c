@@ -1,0 +1,85 @@
+// What stands over the picture: messages, the sides of the split view, keys.
+#include "panel_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+#define MARGIN 8.0f
+#define ROWS_MAX 64
+
+static double message_lasts(enum message_kind kind)
+{
+    static const double seconds[] = {
+        [MESSAGE_NOTE] = 4.0, [MESSAGE_WARNING] = 8.0, [MESSAGE_ERROR] = 15.0};
+    return seconds[kind];
+}
+
+// Where the picture begins that the panel leaves free.
+static float free_x(const struct viewer *viewer)
+{
+    return viewer->gui.width + MARGIN * viewer->window.scale;
+}
+
+static void side_note(struct viewer *viewer, uint32_t side, float x, float y)
+{
+    const struct view *view = &viewer->sides[side];
+    unsigned long long samples = (unsigned long long)view_samples(view);
+    const struct view_look *look = NULL;
+    for (uint32_t i = 0; i < view->look_count; i++)
+        if (isfinite(view->looks[i].relmse))
+            look = &view->looks[i];
+    if (look && isfinite(look->low))
+        gui_note(&viewer->gui, x, y, false, "%c  relMSE %.2g (%.2g to %.2g), %llu samples",
+                 'A' + (int)side, look->relmse, look->low, look->high, samples);
+    else if (look)
+        gui_note(&viewer->gui, x, y, false, "%c  relMSE %.2g, %llu samples", 'A' + (int)side,
+                 look->relmse, samples);
+    else
+        gui_note(&viewer->gui, x, y, false, "%c  %llu samples", 'A' + (int)side, samples);
+}
+
+// Under each other where the line is too far at the left for both.
+static float sides(struct viewer *viewer, float y)
+{
+    float line = 22.0f * viewer->window.scale;
+    float left = free_x(viewer);
+    float right = (float)(viewer->shown.split_at * (double)viewer->window.width) +
+                  MARGIN * viewer->window.scale;
+    side_note(viewer, 0, left, y);
+    // Room for a sentence of some forty letters.
+    if (right < left + 330.0f * viewer->window.scale) {
+        side_note(viewer, 1, fmaxf(right, left), y + line);
+        return y + 2.0f * line;
+    }
+    side_note(viewer, 1, fminf(right, (float)viewer->window.width - 100.0f), y);
+    return y + line;
+}
+
+static void keys(struct viewer *viewer)
+{
+    struct gui_pair rows[ROWS_MAX];
+    uint32_t count = 0;
+    while (count < ROWS_MAX && viewer_keys[count].keys) {
+        rows[count] = (struct gui_pair){viewer_keys[count].keys, viewer_keys[count].help};
+        count++;
+    }
+    gui_table(&viewer->gui, rows, count);
+}
+
+void panel_overlay(struct viewer *viewer)
+{
+    struct gui *gui = &viewer->gui;
+    float x = free_x(viewer), y = MARGIN * viewer->window.scale;
+    double age = viewer_seconds(viewer) - viewer->message_seconds;
+    if (viewer->has_scene && viewer->side_count > 1)
+        y = sides(viewer, y);
+    if (!viewer->has_scene)
+        y += gui_note(gui, x, y, false,
+                      "No scene is open: drop a file here, or enter its path in the panel (F1).");
+    if (viewer->is_paused)
+        y += gui_note(gui, x, y, false, "paused");
+    if (viewer->message[0] && age < message_lasts(viewer->message_kind))
+        gui_note(gui, x, y, viewer->message_kind != MESSAGE_NOTE, "%s", viewer->message);
+    if (viewer->keys.shows_help)
+        keys(viewer);
+}
