@@ -257,17 +257,16 @@ static void warn_about_extent(const struct flat_scene *flat)
                  (double)extent, (double)LARGEST_EXTENT, (double)SMALLEST_EXTENT);
 }
 
-static bool flatten(const struct geometry_params *p, struct arena *arena, struct flat_scene *flat,
-                    struct err *err)
+static struct flatten_params flatten_params(const struct geometry_params *p)
 {
-    const struct flatten_params params = {p->scene, p->instancing, p->progress};
-    return scene_flatten(&params, arena, flat, err);
+    return (struct flatten_params){p->scene, p->instancing, p->progress};
 }
 
 bool geometry_prepare(const struct geometry_params *p, struct arena *arena, struct flat_scene *flat,
                       struct bvh *bvh, struct err *err)
 {
-    if (!flatten(p, arena, flat, err))
+    const struct flatten_params params = flatten_params(p);
+    if (!scene_flatten(&params, arena, flat, err))
         return false;
     warn_about_extent(flat);
     return build_bvh(p, flat, arena, bvh, err);
@@ -337,13 +336,16 @@ void geometry_finish(struct geometry *geometry)
 
 bool geometry_refresh(const struct geometry_params *p, struct geometry *geometry, struct err *err)
 {
-    struct geometry next = {.method = p->bvh};
+    const struct flatten_params params = flatten_params(p);
+    struct geometry next = {.method = p->bvh, .key = flatten_key(&params)};
+    // An empty scene's hierarchy has a root, too.
+    bool is_built = geometry->bvh.node_count > 0 && same_method(next.method, geometry->method);
+    if (is_built && next.key == geometry->key)
+        return true;
     uint64_t start = clock_ns();
-    bool ok = flatten(p, &next.flat_arena, &next.flat, err);
+    bool ok = scene_flatten(&params, &next.flat_arena, &next.flat, err);
     next.flatten_seconds = clock_seconds_since(start);
-    bool is_built = geometry->bvh.node_count > 0; // an empty scene's hierarchy has a root, too
-    if (ok && is_built && same_method(next.method, geometry->method) &&
-        same_places(&next.flat, &geometry->flat)) {
+    if (ok && is_built && same_places(&next.flat, &geometry->flat)) {
         next.bvh = geometry->bvh;
         next.bvh_arena = geometry->bvh_arena;
         geometry->bvh_arena = (struct arena){0};

@@ -100,6 +100,12 @@ struct flatten_params {
 void flat_triangle_source(const struct flat_scene *flat, uint32_t id, uint32_t *instance,
                           uint32_t *triangle);
 
+// Equal where scene_flatten() would make the same of the scene as before, or fail again: a hash of
+// all that it reads, of meshes' vertices and indices where they are instead of what they say. So
+// for one scene, whose meshes stay as they were loaded; some GB/s of instances, shapes and
+// triangles' materials.
+uint64_t flatten_key(const struct flatten_params *params);
+
 // Memory comes from `arena`. A vertex that is not finite after transformation is ERR_INPUT naming
 // instance, mesh and vertex; so is a transform that is not. Instances with singular transforms are
 // left out, with one warning a mesh. Being asked to stop is ERR_STOPPED.

@@ -42,6 +42,12 @@ uint32_t attributes_tangent_set(const struct scene *scene, uint32_t material)
     return material_needs(scene, material).tangent_set;
 }
 
+uint32_t attributes_of_material(const struct scene *scene, uint32_t material)
+{
+    struct material_needs needs = material_needs(scene, material);
+    return needs.uvs[0] | needs.uvs[1] << 1 | needs.tangents << 2 | needs.tangent_set << 3;
+}
+
 uint32_t instance_material(const struct mesh *mesh, const struct instance *instance,
                            uint32_t triangle)
 {

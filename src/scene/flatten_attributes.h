@@ -32,6 +32,9 @@ void attributes_place(struct flat_scene *flat, const struct scene *scene,
 // The set of texture coordinates that a material's tangents follow where a mesh has none.
 uint32_t attributes_tangent_set(const struct scene *scene, uint32_t material);
 
+// All that a material says about what corners carry, in one number.
+uint32_t attributes_of_material(const struct scene *scene, uint32_t material);
+
 // The material of a triangle of the instance's mesh.
 uint32_t instance_material(const struct mesh *mesh, const struct instance *instance,
                            uint32_t triangle);

@@ -60,7 +60,7 @@ void flatten_choose_origin(const struct bounds *bounds, double origin[3])
 #define SHARED_EXTENT_MAX 1e9
 
 // Each triangle of an emitter is one of its own, in the world.
-static bool emits(const struct scene *scene, uint32_t material)
+bool flatten_emits(const struct scene *scene, uint32_t material)
 {
     const struct material *m = &scene->materials[material];
     return material_emits(m) && !(m->flags & MATERIAL_UNLIT);
@@ -79,7 +79,7 @@ static void survey_materials(const struct scene *scene, const struct mesh *mesh,
         uint32_t set = attributes_tangent_set(scene, index);
         use->tangent_set = known == SCENE_NONE || use->tangent_set == set ? set : SCENE_NONE;
         known = index;
-        use->may_be_shared = !emits(scene, index);
+        use->may_be_shared = !flatten_emits(scene, index);
     }
 }
 
@@ -146,7 +146,7 @@ static bool can_share(const struct scene *scene, const struct instance *instance
     // Tangents that are made from texture coordinates are made once for all instances.
     bool tangents_agree = scene->meshes[instance->mesh].tangents ||
                           attributes_tangent_set(scene, instance->material) == use->tangent_set;
-    return tangents_agree && !emits(scene, instance->material);
+    return tangents_agree && !flatten_emits(scene, instance->material);
 }
 
 static bool check_transform(const struct scene *scene, uint32_t index, struct err *err)

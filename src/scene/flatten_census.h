@@ -32,6 +32,8 @@ struct census {
     uint32_t skipped_instances;
 };
 
+// Whether each triangle of the material has to be an emitter of its own.
+bool flatten_emits(const struct scene *scene, uint32_t material);
 // Reports a fraction and asks whether to go on; false with an error when not.
 bool flatten_goes_on(const struct flatten_params *params, double fraction, struct err *err);
 // Triangles between two looks.

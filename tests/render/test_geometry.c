@@ -195,11 +195,13 @@ TEST(sharing_changes_no_bit)
 
 // --- what changes --------------------------------------------------------------------------------
 
-// A change of the scene, and whether the hierarchy may stay what it is.
+// What of the geometry a change makes anew.
+enum renewed { NOTHING, ARRAYS, HIERARCHY };
 struct change {
     const char *name;
     void (*make)(struct scene *scene);
-    bool keeps, is_rendered;
+    enum renewed renewed;
+    bool is_rendered;
 };
 
 static struct material *material_of(struct scene *scene, const char *name)
@@ -281,20 +283,20 @@ static void change_to_emitter(struct scene *scene)
 }
 
 static const struct change changes[] = {
-    {"nothing", change_nothing, true},
-    {"a colour", change_color, true},
-    {"a model", change_class, true, true},
-    {"a lamp", change_light, true, true},
-    {"materials", change_assignment, true},
-    {"tangents", change_tangents, true, true},
-    {"hidden", change_visibility, false},
-    {"shown", change_visibility, false},
-    {"a hidden mesh", change_mesh_visibility, false, true},
-    {"a shown mesh", change_mesh_visibility, false},
-    {"a transform", change_place, false},
-    {"a shape", change_shape, false},
-    {"a mesh that emits", change_to_emitter, false, true},
-    {"a mesh that has emitted", change_color, true},
+    {"nothing", change_nothing, NOTHING},
+    {"a colour", change_color, NOTHING},
+    {"a model", change_class, NOTHING, true},
+    {"a lamp", change_light, NOTHING, true},
+    {"materials", change_assignment, ARRAYS},
+    {"tangents", change_tangents, ARRAYS, true},
+    {"hidden", change_visibility, HIERARCHY},
+    {"shown", change_visibility, HIERARCHY},
+    {"a hidden mesh", change_mesh_visibility, HIERARCHY, true},
+    {"a shown mesh", change_mesh_visibility, HIERARCHY},
+    {"a transform", change_place, HIERARCHY},
+    {"a shape", change_shape, HIERARCHY},
+    {"a mesh that emits", change_to_emitter, HIERARCHY, true},
+    {"a mesh that has emitted", change_color, NOTHING},
 };
 
 // As before the change, then with what the geometry became, and with geometry of its own.
@@ -308,10 +310,13 @@ static void check_change(struct gpu *gpu, struct scene *scene, const struct chan
         .gpu = gpu, .scene = scene, .geometry = geometry, .instancing = shape->instancing};
     // The very nodes: what is built anew may have the same content.
     const struct bvh_node *nodes = geometry->bvh.nodes;
+    const struct flat_triangle *triangles = geometry->flat.triangles;
     change->make(scene);
     REQUIRE_OK(geometry_refresh(shape, geometry, &err));
-    CHECK((geometry->bvh.nodes == nodes) == change->keeps, "%s: the hierarchy was %s", change->name,
-          change->keeps ? "built" : "kept");
+    enum renewed renewed = geometry->bvh.nodes != nodes            ? HIERARCHY
+                           : geometry->flat.triangles != triangles ? ARRAYS
+                                                                   : NOTHING;
+    CHECK(renewed == change->renewed, "%s: %d was made anew", change->name, renewed);
     if (!change->is_rendered)
         return;
     REQUIRE_OK(render_film(&params, SAMPLES, &arena, &followed, NULL, &err));
@@ -348,7 +353,8 @@ static void check_changes(enum instancing instancing)
     for (size_t i = 0; i < sizeof changes / sizeof *changes; i++) {
         struct change change = changes[i];
         // What is not shared stays where it is when it begins to emit.
-        change.keeps |= change.make == change_to_emitter && instancing == INSTANCING_OFF;
+        if (change.make == change_to_emitter && instancing == INSTANCING_OFF)
+            change.renewed = ARRAYS;
         change.is_rendered &= instancing == INSTANCING_ON;
         check_change(&gpu, &scene, &change, &params, &geometry);
     }
