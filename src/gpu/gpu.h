@@ -1,5 +1,6 @@
 // A thin layer over Vulkan: every vk* call of the renderer is in this folder. Raw handles stay
-// visible. One queue, one descriptor-set layout, one pipeline layout, one push-constant block.
+// visible. One queue; for all kernels one descriptor-set layout, one pipeline layout, one
+// push-constant block.
 //
 // Threads: one thread at a time uses a struct gpu and what belongs to it. Opening, closing and
 // listing set the process-wide function pointers of volk: not on two threads at once.

@@ -46,8 +46,8 @@ void gpu_image_finish(struct gpu *gpu, struct gpu_image *image); // accepts {0}
 
 struct gpu_screen {
     uint32_t width, height; // 0 before the first gpu_screen_resize
-    // VK_FORMAT_R8G8B8A8_UNORM; after gpu_screen_draw in TRANSFER_SRC_OPTIMAL, and what commands of
-    // the same queue read of it as a transfer is read before the next drawing.
+    // VK_FORMAT_R8G8B8A8_UNORM; after gpu_screen_draw in TRANSFER_SRC_OPTIMAL. Transfers of the same
+    // queue may read it: the next drawing waits for them.
     struct gpu_image image;
     bool is_drawn; // since the last change of size
     VkFramebuffer framebuffer;

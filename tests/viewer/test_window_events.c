@@ -15,8 +15,11 @@ static bool window_with_focus(struct stage *stage, struct err *err)
     XMoveWindow(stage->display, stage_x11_window(stage), 0, 0);
     XSetInputFocus(stage->display, stage_x11_window(stage), RevertToParent, CurrentTime);
     XSync(stage->display, False);
-    const struct event *focus = stage_wait(stage, EVENT_FOCUS);
-    return focus && focus->down;
+    for (int wait = 0; wait < 200 && !glfwGetWindowAttrib(stage->window.handle, GLFW_FOCUSED);
+         wait++)
+        window_poll(&stage->window, 0.01);
+    window_poll(&stage->window, 0);
+    return glfwGetWindowAttrib(stage->window.handle, GLFW_FOCUSED);
 }
 
 #define WINDOW(stage)                                                                              \

@@ -10,9 +10,7 @@
 // Without a picture in between; a window system that is gone for good would have no end of them.
 #define MAX_LOST_SURFACES 4
 
-#define VK(gpu, err, name, call) vk_check((gpu), name, (call), (err))
-
-static bool vk_check(struct gpu *gpu, const char *call, VkResult result, struct err *err)
+static bool succeeds(struct gpu *gpu, const char *call, VkResult result, struct err *err)
 {
     return result == VK_SUCCESS || gpu_fail(gpu, call, result, err);
 }
@@ -27,7 +25,8 @@ static bool goes_on(struct gpu *gpu, struct swapchain *swapchain, const char *ca
         return true;
     case VK_SUBOPTIMAL_KHR:
         // One that is so from its first picture on would be so again.
-        swapchain->is_stale |= swapchain->shown > swapchain->shown_before_made;
+        swapchain->is_suboptimal |= swapchain->shown == swapchain->shown_before_made;
+        swapchain->is_stale |= !swapchain->is_suboptimal;
         return true;
     case VK_NOT_READY:
     case VK_TIMEOUT:
@@ -105,8 +104,10 @@ static bool surface_create(struct gpu *gpu, struct swapchain *swapchain, struct 
     swapchain->is_surface_lost = false;
     VkBool32 shows = VK_FALSE;
     if (!window_create_surface(window, gpu->instance, &swapchain->surface, err) ||
-        !VK(gpu, err, "vkGetPhysicalDeviceSurfaceSupportKHR",
-            swapchain->calls.support(gpu->physical, gpu->queue_family, swapchain->surface, &shows)))
+        !succeeds(
+            gpu, "vkGetPhysicalDeviceSurfaceSupportKHR",
+            swapchain->calls.support(gpu->physical, gpu->queue_family, swapchain->surface, &shows),
+            err))
         return false;
     return shows || err_set(err, ERR_GPU, "%s cannot show pictures in this window", gpu->info.name);
 }
@@ -114,27 +115,29 @@ static bool surface_create(struct gpu *gpu, struct swapchain *swapchain, struct 
 static bool semaphores_create(struct gpu *gpu, struct swapchain *swapchain, struct err *err)
 {
     const VkSemaphoreCreateInfo info = {.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO};
-    bool ok = VK(gpu, err, "vkCreateSemaphore",
-                 vkCreateSemaphore(gpu->device, &info, NULL, &swapchain->acquired));
+    bool ok = succeeds(gpu, "vkCreateSemaphore",
+                       vkCreateSemaphore(gpu->device, &info, NULL, &swapchain->acquired), err);
     for (uint32_t i = 0; ok && i < swapchain->image_count; i++)
-        ok = VK(gpu, err, "vkCreateSemaphore",
-                vkCreateSemaphore(gpu->device, &info, NULL, &swapchain->copied[i]));
+        ok = succeeds(gpu, "vkCreateSemaphore",
+                      vkCreateSemaphore(gpu->device, &info, NULL, &swapchain->copied[i]), err);
     return ok;
 }
 
 static bool images_create(struct gpu *gpu, struct swapchain *swapchain, struct err *err)
 {
     uint32_t count = 0;
-    if (!VK(gpu, err, "vkGetSwapchainImagesKHR",
-            swapchain->calls.images(gpu->device, swapchain->handle, &count, NULL)))
+    if (!succeeds(gpu, "vkGetSwapchainImagesKHR",
+                  swapchain->calls.images(gpu->device, swapchain->handle, &count, NULL), err))
         return false;
     if (count > SWAPCHAIN_IMAGES_MAX)
         return err_set(err, ERR_GPU, "%s shows %u images in turn, expected at most %d",
                        gpu->info.name, count, SWAPCHAIN_IMAGES_MAX);
     swapchain->image_count = count;
     VkFormat twin = swapchain_twin(swapchain->format);
-    return VK(gpu, err, "vkGetSwapchainImagesKHR",
-              swapchain->calls.images(gpu->device, swapchain->handle, &count, swapchain->images)) &&
+    return succeeds(
+               gpu, "vkGetSwapchainImagesKHR",
+               swapchain->calls.images(gpu->device, swapchain->handle, &count, swapchain->images),
+               err) &&
            semaphores_create(gpu, swapchain, err) &&
            (!twin ||
             gpu_image_create(gpu, "converted", twin, swapchain->width, swapchain->height,
@@ -254,7 +257,7 @@ static bool swapchain_make(struct gpu *gpu, struct swapchain *swapchain,
 {
     bool failed = false;
     images_finish(gpu, swapchain);
-    swapchain->is_stale = false;
+    swapchain->is_stale = swapchain->is_suboptimal = false;
     swapchain->has_vsync = swapchain->vsync;
     swapchain->window_width = window->width;
     swapchain->window_height = window->height;

@@ -39,6 +39,7 @@ struct swapchain {
     bool has_vsync;
     uint32_t window_width, window_height; // the window's when the swapchain was made
     bool is_stale, is_surface_lost;       // to be made anew
+    bool is_suboptimal;                   // and making it anew does not help
     uint32_t lost_in_a_row;               // surfaces, since the last picture
     struct gpu_commands commands;
     uint64_t shown, recreated;  // pictures; times that it was made anew

@@ -96,22 +96,14 @@ static void on_button(GLFWwindow *handle, int button, int action, int mods)
              (struct event){.kind = EVENT_BUTTON, .code = button, .down = action == GLFW_PRESS});
 }
 
-// Pixels of the framebuffer for a unit of GLFW's screen coordinates; 1 where they are the same.
-static void pixels_per_unit(GLFWwindow *handle, double *x, double *y)
-{
-    int width, height, pixels_wide, pixels_high;
-    glfwGetWindowSize(handle, &width, &height);
-    glfwGetFramebufferSize(handle, &pixels_wide, &pixels_high);
-    bool has_area = width > 0 && height > 0 && pixels_wide > 0 && pixels_high > 0;
-    *x = has_area ? (double)pixels_wide / width : 1;
-    *y = has_area ? (double)pixels_high / height : 1;
-}
-
 static void on_move(GLFWwindow *handle, double x, double y)
 {
-    double scale_x, scale_y;
-    pixels_per_unit(handle, &scale_x, &scale_y);
-    tell(handle, (struct event){.kind = EVENT_MOVE, .x = x * scale_x, .y = y * scale_y});
+    const struct window *window = glfwGetWindowUserPointer(handle);
+    tell(handle, (struct event){
+                     .kind = EVENT_MOVE,
+                     .x = x * window->pixels_per_unit[0],
+                     .y = y * window->pixels_per_unit[1],
+                 });
 }
 
 static void on_scroll(GLFWwindow *handle, double x, double y)
@@ -126,14 +118,23 @@ static void on_drop(GLFWwindow *handle, int count, const char **paths)
 }
 
 // A window without area, which some systems have while it is minimised, keeps its size here.
-static void on_resize(GLFWwindow *handle, int width, int height)
+static bool size_set(struct window *window, int width, int height)
 {
-    struct window *window = glfwGetWindowUserPointer(handle);
     if (width <= 0 || height <= 0)
-        return;
+        return false;
+    int units_wide, units_high;
+    glfwGetWindowSize(window->handle, &units_wide, &units_high);
     window->width = (uint32_t)width;
     window->height = (uint32_t)height;
-    tell(handle, (struct event){.kind = EVENT_RESIZE});
+    window->pixels_per_unit[0] = units_wide > 0 ? (double)width / units_wide : 1;
+    window->pixels_per_unit[1] = units_high > 0 ? (double)height / units_high : 1;
+    return true;
+}
+
+static void on_resize(GLFWwindow *handle, int width, int height)
+{
+    if (size_set(glfwGetWindowUserPointer(handle), width, height))
+        tell(handle, (struct event){.kind = EVENT_RESIZE});
 }
 
 static void on_damage(GLFWwindow *handle)
@@ -220,18 +221,16 @@ static bool handle_open(const struct window_params *params, struct window *windo
     on_scale(window->handle, x, y);
     int width = 0, height = 0;
     glfwGetFramebufferSize(window->handle, &width, &height);
-    if (width > 0 && height > 0 &&
-        ((uint32_t)width != params->width || (uint32_t)height != params->height)) {
-        window->width = (uint32_t)width;
-        window->height = (uint32_t)height;
+    if (size_set(window, width, height) &&
+        (window->width != params->width || window->height != params->height))
         window_resize(window, params->width, params->height);
-    }
     return true;
 }
 
 bool window_open(const struct window_params *params, struct window *out, struct err *err)
 {
-    *out = (struct window){.width = params->width, .height = params->height, .scale = 1};
+    *out = (struct window){
+        .width = params->width, .height = params->height, .scale = 1, .pixels_per_unit = {1, 1}};
     out->events = out->queues[1].list;
     if (params->width == 0 || params->height == 0 || params->width > INT16_MAX ||
         params->height > INT16_MAX) // X11's limit
@@ -307,10 +306,8 @@ void window_poll(struct window *window, double wait_seconds)
 void window_resize(struct window *window, uint32_t width, uint32_t height)
 {
     if (window->handle) {
-        double scale_x, scale_y;
-        pixels_per_unit(window->handle, &scale_x, &scale_y);
-        glfwSetWindowSize(window->handle, (int)(width / scale_x + 0.5),
-                          (int)(height / scale_y + 0.5));
+        glfwSetWindowSize(window->handle, (int)(width / window->pixels_per_unit[0] + 0.5),
+                          (int)(height / window->pixels_per_unit[1] + 0.5));
         return;
     }
     window->width = width ? width : 1;

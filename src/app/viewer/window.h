@@ -52,6 +52,7 @@ struct window {
     struct GLFWwindow *handle; // NULL: headless
     uint32_t width, height;    // of the framebuffer, pixels; never 0
     float scale;               // pixels for a point of text: 2 on many displays with small pixels
+    double pixels_per_unit[2]; // of the framebuffer, for a unit of GLFW's screen coordinates
     bool is_minimised;         // nothing is to be drawn
     bool should_close;
     bool is_captured;     // the mouse looks around: hidden, its positions without bounds
