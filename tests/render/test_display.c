@@ -1,291 +1,20 @@
 // What a viewer shows, pixel by pixel against a computation on the host.
 #include "clock.h"
 #include "denoise.h"
-#include "display.h"
-#include "error_map.h"
-#include "image.h"
-#include "render_fixture.h"
+#include "display_reference.h"
 #include <float.h>
 
 #define ALL_AOVS (AOV_END - 1u)
 
-// --- the same on the host ------------------------------------------------------------------------
-
-// Of a pixel, as in shared/display.h: a value times its weight, and the weight.
-struct value {
-    double rgb[3], weight;
+struct test_random {
+    uint64_t state;
 };
 
-struct values {
-    uint32_t width, height;
-    struct value *pixels;
-};
-
-static struct values values_new(uint32_t width, uint32_t height, struct arena *arena)
+// Knuth's generator (The Art of Computer Programming, volume 2, table 3.3.4-1, line 26).
+static uint32_t random_below(struct test_random *random, uint32_t end)
 {
-    return (struct values){width, height, ARENA_NEW(arena, struct value, (size_t)width * height)};
-}
-
-// A share of [at, at + 1] in units of `to` pixels that pixel `from` of `size` covers; or how much
-// interpolation takes of it.
-static double share_of(uint32_t at, uint32_t to, uint32_t from, uint32_t size, bool nearest)
-{
-    double scale = (double)size / to;
-    if (size > to) {
-        double low = fmax(at * scale, from), high = fmin((at + 1) * scale, from + 1.0);
-        return fmax(high - low, 0) / scale;
-    }
-    if (nearest)
-        return (2 * at + 1) * size / (2 * to) == from ? 1 : 0;
-    double centre = fmin(fmax((at + 0.5) * scale - 0.5, 0), size - 1.0);
-    return fmax(1 - fabs(centre - from), 0);
-}
-
-static struct value scaled_pixel(const struct values *from, uint32_t x, uint32_t y, uint32_t width,
-                                 uint32_t height, bool nearest)
-{
-    struct value sum = {0};
-    for (uint32_t j = 0; j < from->height; j++) {
-        double share_y = share_of(y, height, j, from->height, nearest);
-        for (uint32_t i = 0; share_y > 0 && i < from->width; i++) {
-            double share = share_y * share_of(x, width, i, from->width, nearest);
-            const struct value *v = &from->pixels[(size_t)j * from->width + i];
-            if (!(share > 0))
-                continue;
-            for (int c = 0; c < 3; c++)
-                sum.rgb[c] += share * v->rgb[c];
-            sum.weight += share * v->weight;
-        }
-    }
-    return sum;
-}
-
-static struct values scale(const struct values *from, uint32_t width, uint32_t height, bool nearest,
-                           struct arena *arena)
-{
-    struct values out = values_new(width, height, arena);
-    for (uint32_t i = 0; i < width * height; i++)
-        out.pixels[i] = scaled_pixel(from, i % width, i / width, width, height, nearest);
-    return out;
-}
-
-static void color_of_number(uint32_t number, double out[3])
-{
-    uint32_t hash = number * 2654435769u, mixed = (hash ^ hash >> 15) * 2246822519u;
-    double hue = (hash >> 8) * 0x1p-24 * 6, value = 0.6 + 0.4 * (mixed >> 24) / 255;
-    double saturation = 0.45 + 0.4 * (mixed >> 16 & 255) / 255;
-    static const double shifts[3] = {0, 4, 2};
-    for (int c = 0; c < 3; c++) {
-        double pure = fmin(fmax(fabs(fmod(hue + shifts[c], 6) - 3) - 1, 0), 1);
-        out[c] = number ? value * (1 + saturation * (pure - 1)) : 0;
-    }
-}
-
-static void set_value(struct value *v, const float rgb[3])
-{
-    for (int c = 0; c < 3; c++)
-        v->rgb[c] = (double)rgb[c];
-}
-
-static struct value value_of(const struct film_image *film, uint32_t shown, uint32_t i)
-{
-    const struct film_aovs *aovs = &film->aovs;
-    struct value v = {.weight = film->samples[i] > 0};
-    if (film->samples[i] == 0)
-        return v;
-    switch (shown) {
-    case SHOWN_RADIANCE:
-        set_value(&v, film->mean[i]);
-        break;
-    case SHOWN_ALBEDO:
-        set_value(&v, aovs->albedo[i]);
-        break;
-    case SHOWN_NORMAL:
-        for (int c = 0; c < 3; c++)
-            v.rgb[c] = 0.5 * ((double)aovs->normal[i][c] + (double)aovs->alpha[i]);
-        break;
-    case SHOWN_DEPTH:
-        v.rgb[1] = (double)aovs->alpha[i];
-        v.rgb[0] = v.rgb[1] > 0 ? (double)aovs->depth[i] * v.rgb[1] : 0;
-        break;
-    case SHOWN_OBJECTS:
-    case SHOWN_MATERIALS:
-        color_of_number(aovs->ids[i][shown == SHOWN_OBJECTS ? 0 : 1], v.rgb);
-        break;
-    case SHOWN_SAMPLES:
-        v.rgb[0] = film->samples[i];
-        v.rgb[1] = 1;
-        break;
-    case SHOWN_STEPS:
-        v.rgb[0] = (double)aovs->steps[i];
-        v.rgb[1] = 1;
-        break;
-    case SHOWN_VARIANCE:
-        for (int c = 0; c < 3 && isfinite(aovs->variance[i][c]); c++) {
-            v.rgb[0] += (double)aovs->variance[i][c] / 3;
-            v.rgb[1] = 1;
-        }
-        break;
-    case SHOWN_EMISSION:
-        set_value(&v, aovs->emission[i]);
-        break;
-    case SHOWN_DIRECT:
-        set_value(&v, aovs->direct[i]);
-        break;
-    case SHOWN_INDIRECT:
-        set_value(&v, aovs->indirect[i]);
-        break;
-    }
-    return v;
-}
-
-static struct values values_of(const struct film_image *film, uint32_t shown, struct arena *arena)
-{
-    struct values out = values_new(film->width, film->height, arena);
-    for (uint32_t i = 0; i < film->width * film->height; i++)
-        out.pixels[i] = value_of(film, shown, i);
-    return out;
-}
-
-static void encode(const double rgb[3], double out[3])
-{
-    for (int c = 0; c < 3; c++)
-        out[c] = (double)image_srgb_from_linear((float)fmin(fmax(rgb[c], 0), 1));
-}
-
-// `nudge`: of the level, where a colour begins.
-static void false_color_of(const struct value *v, uint32_t shown, const double range[2],
-                           double nudge, double out[3])
-{
-    float palette[ERROR_MAP_COLORS][3];
-    memset(out, 0, 3 * sizeof *out);
-    if (!(v->rgb[1] > 0))
-        return;
-    error_map_palette(palette);
-    double mean = v->rgb[0] / v->rgb[1], low = range[0], high = range[1];
-    if (shown_is_logarithmic(shown)) {
-        mean = log2(fmax(mean, (double)FLT_MIN));
-        low = log2(low);
-        high = log2(high);
-    }
-    double level = fmin(fmax((mean - low) / (high - low) + nudge, 0), 1);
-    for (int c = 0; c < 3; c++)
-        out[c] = fmin(v->rgb[1] / v->weight, 1) *
-                 (double)palette[(int)(level * (ERROR_MAP_COLORS - 1) + 0.5)][c];
-}
-
-// Display values.
-static void color_of(const struct value *v, const struct display_call *call, const double range[2],
-                     double nudge, double out[3])
-{
-    float mean[3], mapped[3];
-    memset(out, 0, 3 * sizeof *out);
-    if (!(v->weight > 0))
-        return;
-    if (shown_has_range(call->shown)) {
-        false_color_of(v, call->shown, range, nudge, out);
-        return;
-    }
-    for (int c = 0; c < 3; c++) {
-        out[c] = v->rgb[c] / v->weight;
-        mean[c] = (float)out[c];
-    }
-    if (SHOWN_TONED & SHOWN_BIT(call->shown)) {
-        image_tone_map((enum image_tone)call->tone, call->exposure_stops, mean, mapped);
-        for (int c = 0; c < 3; c++)
-            out[c] = (double)mapped[c];
-    } else if (call->shown == SHOWN_ALBEDO) {
-        encode(out, out);
-    }
-}
-
-// --- comparing -----------------------------------------------------------------------------------
-
-// What is to be seen of each side: values of the size that is shown.
-struct expected {
-    struct values sides[2];
-};
-
-static bool is_close(const uint8_t pixel[4], const double wanted[3])
-{
-    bool ok = pixel[3] == 255;
-    for (int c = 0; c < 3; c++)
-        ok = ok && fabs(pixel[c] - floor(wanted[c] * 255 + 0.5)) <= 1;
-    return ok;
-}
-
-// Both columns of the line are seen, in whatever order.
-static bool is_line(const struct display_call *call, uint32_t x, double wanted[3])
-{
-    uint32_t split = (uint32_t)floor(call->split * call->picture[2] + 0.5);
-    bool is_first = x + 1 == split;
-    if (call->side_count < 2 || (!is_first && x != split))
-        return false;
-    for (int c = 0; c < 3; c++)
-        wanted[c] = is_first ? 0 : 1;
-    return true;
-}
-
-static bool pixel_agrees(const struct display_call *call, const struct expected *expected,
-                         const double range[2], uint32_t x, uint32_t y, const uint8_t pixel[4])
-{
-    double wanted[3] = {0};
-    uint32_t left = x - call->picture[0], top = y - call->picture[1];
-    if (left >= call->picture[2] || top >= call->picture[3] || is_line(call, left, wanted))
-        return is_close(pixel, wanted);
-    bool second = call->side_count > 1 && left >= floor(call->split * call->picture[2] + 0.5);
-    const struct values *values = &expected->sides[second];
-    for (int n = -1; n <= 1; n++) {
-        color_of(&values->pixels[top * values->width + left], call, range, n * 2e-4, wanted);
-        if (is_close(pixel, wanted))
-            return true;
-    }
-    fprintf(stderr, "  %u, %u: %u %u %u, expected %g %g %g\n", x, y, pixel[0], pixel[1], pixel[2],
-            wanted[0] * 255, wanted[1] * 255, wanted[2] * 255);
-    return false;
-}
-
-static uint8_t (*pixels_of(struct display *display, const struct display_call *call,
-                           struct arena *arena))[4]
-{
-    struct err err = {0};
-    uint64_t bytes = (uint64_t)call->width * call->height * 4;
-    uint8_t(*pixels)[4] = arena_alloc(arena, call->width * call->height, 4);
-    CHECK(gpu_download(display->gpu, &display->pixels, 0, pixels, bytes, &err), "%s", err.msg);
-    return pixels;
-}
-
-// With LAMPYRIS_PICTURES in the environment: pictures in that folder, to look at.
-static void save(const char *name, const struct display_call *call, uint8_t (*pixels)[4],
-                 struct arena *arena)
-{
-    const char *folder = getenv("LAMPYRIS_PICTURES");
-    if (!folder)
-        return;
-    uint32_t count = call->width * call->height;
-    struct err err = {0};
-    struct image image = {call->width, call->height, arena_alloc(arena, count, 12)};
-    for (uint32_t i = 0; i < count; i++)
-        for (int c = 0; c < 3; c++)
-            image.pixels[i][c] = image_srgb_to_linear((float)pixels[i][c] / 255.0f);
-    const struct image_write_params params = {
-        .path = arena_printf(arena, "%s/%s.png", folder, name), .image = &image};
-    CHECK(image_write(&params, &err), "%s", err.msg);
-}
-
-static void check_picture(const char *name, struct display *display,
-                          const struct display_call *call, const struct expected *expected,
-                          struct arena *arena)
-{
-    struct err err = {0};
-    REQUIRE_OK(display_draw(display, call, &err));
-    uint8_t(*pixels)[4] = pixels_of(display, call, arena);
-    uint32_t wrong = 0;
-    save(name, call, pixels, arena);
-    for (uint32_t i = 0; i < call->width * call->height && wrong < 4; i++)
-        wrong += !pixel_agrees(call, expected, display->range, i % call->width, i / call->width,
-                               pixels[i]);
-    CHECK(wrong == 0, "%s: %u pixels differ", name, wrong);
+    random->state = random->state * 6364136223846793005u + 1442695040888963407u;
+    return (uint32_t)((random->state >> 33) % end);
 }
 
 static int by_size(const void *a, const void *b)
@@ -294,61 +23,7 @@ static int by_size(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-// --- pictures ------------------------------------------------------------------------------------
-
-struct stage {
-    struct gpu gpu;
-    struct scene scene;
-    struct renderer renderer;
-    struct display display;
-    struct arena arena;
-    struct film_image film;
-};
-
-static bool stage_open(struct stage *s, const char *path, const char *film, uint32_t aovs,
-                       struct err *err)
-{
-    const struct scene_override overrides[] = {{"film", film}, {0}};
-    return load_scene(path, overrides, &s->scene, err) &&
-           renderer_create(
-               &(struct renderer_params){
-                   .gpu = &s->gpu, .scene = &s->scene, .aovs = aovs, .open_ended = true},
-               &s->renderer, err) &&
-           display_create(&s->gpu, &s->display, err);
-}
-
-static bool stage_render(struct stage *s, uint64_t samples, struct err *err)
-{
-    const struct render_call call = {.samples = samples};
-    return renderer_render(&s->renderer, &call, err) &&
-           renderer_read(&s->renderer, &s->arena, &s->film, err);
-}
-
-static void stage_close(struct stage *s)
-{
-    display_finish(&s->display);
-    renderer_finish(&s->renderer);
-    CHECK(s->gpu.allocated_bytes == 0, "%llu bytes are left",
-          (unsigned long long)s->gpu.allocated_bytes);
-    scene_finish(&s->scene);
-    arena_finish(&s->arena);
-    gpu_close(&s->gpu);
-    CHECK(s->gpu.validation_messages == 0, "%u validation messages", s->gpu.validation_messages);
-}
-
-// Of the whole film, one pixel for one.
-static struct display_call whole(const struct stage *s, uint32_t shown)
-{
-    uint32_t width = s->renderer.frame.width, height = s->renderer.frame.height;
-    return (struct display_call){
-        .sides = {{.renderer = &s->renderer}, {.renderer = &s->renderer}},
-        .side_count = 1,
-        .shown = shown,
-        .width = width,
-        .height = height,
-        .picture = {0, 0, width, height},
-    };
-}
+// --- sizes and curves ----------------------------------------------------------------------------
 
 TEST(every_curve)
 {
@@ -360,7 +35,7 @@ TEST(every_curve)
     const struct expected expected = {.sides = {values_of(&s.film, SHOWN_RADIANCE, &s.arena)}};
     for (int tone = TONE_NONE; tone <= TONE_AGX; tone++)
         for (float stops = -3; stops <= 6; stops += 3) {
-            struct display_call call = whole(&s, SHOWN_RADIANCE);
+            struct display_call call = call_of_film(&s, SHOWN_RADIANCE);
             call.tone = (enum tone_curve)tone;
             call.exposure_stops = stops;
             check_picture(tone_names[tone], &s.display, &call, &expected, &s.arena);
@@ -389,13 +64,14 @@ TEST(every_size)
     const struct values film = values_of(&s.film, SHOWN_RADIANCE, &s.arena);
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
         char name[32];
-        struct display_call call = whole(&s, SHOWN_RADIANCE);
+        struct display_call call = call_of_film(&s, SHOWN_RADIANCE);
         call.width = sizes[i].width;
         call.height = sizes[i].height;
         call.nearest = sizes[i].nearest;
         memcpy(call.picture, sizes[i].picture, sizeof call.picture);
         const struct expected expected = {
-            .sides = {scale(&film, call.picture[2], call.picture[3], call.nearest, &s.arena)}};
+            .sides = {
+                values_scaled(&film, call.picture[2], call.picture[3], call.nearest, &s.arena)}};
         snprintf(name, sizeof name, "size %zu", i);
         check_picture(name, &s.display, &call, &expected, &s.arena);
     }
@@ -429,7 +105,7 @@ static void check_range(const struct display *display, uint32_t shown, const str
 
 static void check_shown(struct stage *s, uint32_t shown)
 {
-    struct display_call call = whole(s, shown);
+    struct display_call call = call_of_film(s, shown);
     const struct values film = values_of(&s->film, shown, &s->arena);
     struct expected expected = {.sides = {film}};
     char name[64];
@@ -446,7 +122,7 @@ static void check_shown(struct stage *s, uint32_t shown)
     }
     call.picture[2] -= 20;
     call.picture[3] -= 13;
-    expected.sides[0] = scale(&film, call.picture[2], call.picture[3], false, &s->arena);
+    expected.sides[0] = values_scaled(&film, call.picture[2], call.picture[3], false, &s->arena);
     snprintf(name, sizeof name, "%s, smaller", shown_names[shown]);
     check_picture(name, &s->display, &call, &expected, &s->arena);
 }
@@ -465,6 +141,349 @@ TEST(everything_shown)
         CHECK(!shown_names[SHOWN_COUNT], "as many names as pictures");
         stage_close(&s);
     }
+}
+
+// --- sides, what was kept, parts -----------------------------------------------------------------
+
+// Two films of other sizes side by side, the line at several places, its ends among them.
+TEST(split)
+{
+    static const double splits[] = {0.5, 0, 1, 0.313, 1.0 / 61};
+    static const struct scene_override small[] = {
+        {"film", "{\"width\": 30, \"height\": 20}"}, {"settings.max_bounces", "1"}, {0}};
+    struct stage s = {0};
+    struct scene other;
+    struct renderer right;
+    struct film_image film;
+    struct err err = {0};
+    const struct render_call once = {.samples = 1};
+    OPEN_GPU(&s.gpu, .validation = true);
+    REQUIRE_OK(stage_open(&s, "scenes/cornell.json", "{\"width\": 61, \"height\": 47}",
+                          AOV_IDS | AOV_DEPTH | AOV_ALPHA, &err));
+    REQUIRE_OK(stage_render(&s, 3, &err));
+    REQUIRE_OK(load_scene("scenes/shapes.json", small, &other, &err));
+    const struct renderer_params params = {
+        .gpu = &s.gpu, .scene = &other, .aovs = AOV_IDS | AOV_DEPTH | AOV_ALPHA};
+    REQUIRE_OK(renderer_create(&params, &right, &err));
+    REQUIRE_OK(renderer_render(&right, &once, &err));
+    REQUIRE_OK(renderer_read(&right, &s.arena, &film, &err));
+    static const uint32_t shown[] = {SHOWN_RADIANCE, SHOWN_OBJECTS, SHOWN_DEPTH};
+    for (int i = 0; i < 3; i++) {
+        const struct values left_values = values_of(&s.film, shown[i], &s.arena);
+        const struct values right_values = values_of(&film, shown[i], &s.arena);
+        const struct expected expected = {
+            .sides = {left_values, values_scaled(&right_values, 61, 47, false, &s.arena)}};
+        for (size_t k = 0; k < sizeof splits / sizeof splits[0]; k++) {
+            char name[64];
+            struct display_call call = call_of_film(&s, shown[i]);
+            call.sides[1].renderer = &right;
+            call.side_count = 2;
+            call.split = splits[k];
+            call.width += 9;
+            call.picture[0] = 4;
+            snprintf(name, sizeof name, "split %s %g", shown_names[shown[i]], splits[k]);
+            check_picture(name, &s.display, &call, &expected, &s.arena);
+        }
+    }
+    renderer_finish(&right);
+    scene_finish(&other);
+    stage_close(&s);
+}
+
+// As the kernels have it: what is kept is there as far as the film has nothing.
+static struct values over(const struct values *film, const struct values *kept, struct arena *arena)
+{
+    struct values out = values_new(film->width, film->height, arena);
+    for (uint32_t i = 0; i < film->width * film->height; i++) {
+        const struct value *v = &film->pixels[i], *k = &kept->pixels[i];
+        for (int c = 0; c < 3; c++)
+            out.pixels[i].rgb[c] = v->rgb[c] + (1 - v->weight) * k->rgb[c];
+        out.pixels[i].weight = v->weight + (1 - v->weight) * k->weight;
+    }
+    return out;
+}
+
+static bool stop_at_once(void *context)
+{
+    (void)context;
+    return true;
+}
+
+// Samples of some pixels only.
+static bool render_some(struct stage *s, struct err *err)
+{
+    static const struct progress stops = {.should_stop = stop_at_once};
+    bool stopped = false;
+    const struct render_call call = {.samples = 1, .stopped = &stopped};
+    s->renderer.progress = &stops;
+    bool ok = renderer_render(&s->renderer, &call, err) &&
+              renderer_read(&s->renderer, &s->arena, &s->film, err);
+    s->renderer.progress = NULL;
+    CHECK(stopped && s->film.least_samples == 0 && s->film.most_samples == 1, "half of the film");
+    return ok;
+}
+
+TEST(kept)
+{
+    struct stage s = {0};
+    struct err err = {0};
+    OPEN_GPU(&s.gpu, .validation = true);
+    REQUIRE_OK(stage_open(&s, "scenes/cornell.json", "{\"width\": 64, \"height\": 48}", 0, &err));
+    REQUIRE_OK(renderer_resize(&s.renderer, 1024, 64, &err));
+    struct display_call call = call_of_film(&s, SHOWN_RADIANCE);
+    call.use_kept = true;
+
+    // Nothing at all, then a film.
+    REQUIRE_OK(stage_render(&s, 2, &err));
+    const struct values first = values_of(&s.film, SHOWN_RADIANCE, &s.arena);
+    struct expected expected = {.sides = {first}};
+    check_picture("nothing kept", &s.display, &call, &expected, &s.arena);
+    REQUIRE_OK(display_keep(&s.display, &call, &err));
+
+    // An empty film, with and without what was kept.
+    REQUIRE_OK(renderer_restart(&s.renderer, 1, &err));
+    check_picture("kept", &s.display, &call, &expected, &s.arena);
+    call.use_kept = false;
+    const struct values nothing = values_new(64, 48, &s.arena);
+    expected.sides[0] = nothing;
+    check_picture("not used", &s.display, &call, &expected, &s.arena);
+    call.use_kept = true;
+
+    // Half of one.
+    REQUIRE_OK(render_some(&s, &err));
+    const struct values half = values_of(&s.film, SHOWN_RADIANCE, &s.arena);
+    expected.sides[0] = over(&half, &first, &s.arena);
+    check_picture("half kept", &s.display, &call, &expected, &s.arena);
+
+    // Of another size, then kept at that and shown at the first.
+    call.width = call.picture[2] = 100;
+    call.height = call.picture[3] = 30;
+    const struct values half_sized = values_scaled(&half, 100, 30, false, &s.arena);
+    const struct values first_sized = values_scaled(&first, 100, 30, false, &s.arena);
+    const struct values both = over(&half_sized, &first_sized, &s.arena);
+    expected.sides[0] = both;
+    check_picture("half kept, another size", &s.display, &call, &expected, &s.arena);
+    REQUIRE_OK(display_keep(&s.display, &call, &err));
+    REQUIRE_OK(renderer_restart(&s.renderer, 2, &err));
+    check_picture("kept twice", &s.display, &call, &expected, &s.arena);
+    call = call_of_film(&s, SHOWN_RADIANCE);
+    call.use_kept = true;
+    expected.sides[0] = values_scaled(&both, 64, 48, false, &s.arena);
+    check_picture("kept twice, the first size", &s.display, &call, &expected, &s.arena);
+
+    // Of something else, and forgotten.
+    expected.sides[0] = nothing;
+    call.shown = SHOWN_SAMPLES;
+    check_picture("of something else", &s.display, &call, &expected, &s.arena);
+    call.shown = SHOWN_RADIANCE;
+    display_forget(&s.display);
+    check_picture("forgotten", &s.display, &call, &expected, &s.arena);
+    stage_close(&s);
+}
+
+// A film in several buffers, and linear pictures that are no texels: the same pixels.
+TEST(parts)
+{
+    static const struct gpu_limit_overrides limits[] = {
+        {.storage_range = 1u << 16},
+        {.storage_range = 100000, .no_texel = true},
+        {.texel_elements = 4096},
+    };
+    static const uint32_t sizes[][2] = {{64, 50}, {61, 47}, {20, 30}, {30, 90}, {63, 64}};
+    for (size_t l = 0; l < sizeof limits / sizeof limits[0]; l++) {
+        struct stage s = {0};
+        struct err err = {0};
+        OPEN_GPU(&s.gpu, .validation = true, .limits = limits[l]);
+        REQUIRE_OK(stage_open(&s, "scenes/cornell.json", "{\"width\": 61, \"height\": 47}",
+                              AOV_DEPTH | AOV_ALPHA, &err));
+        REQUIRE_OK(stage_render(&s, 2, &err));
+        CHECK((s.renderer.plan.film_chunks > 1) == (limits[l].storage_range > 0), "%u buffers",
+              s.renderer.plan.film_chunks);
+        for (uint32_t shown = SHOWN_RADIANCE; shown <= SHOWN_DEPTH; shown += SHOWN_DEPTH) {
+            const struct values film = values_of(&s.film, shown, &s.arena);
+            for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
+                struct display_call call = call_of_film(&s, shown);
+                call.width = call.picture[2] = sizes[i][0];
+                call.height = call.picture[3] = sizes[i][1];
+                const struct expected expected = {
+                    .sides = {values_scaled(&film, sizes[i][0], sizes[i][1], false, &s.arena)}};
+                check_picture("parts", &s.display, &call, &expected, &s.arena);
+            }
+        }
+        stage_close(&s);
+    }
+}
+
+// A denoiser's picture in place of the film's; where it knows nothing, what was kept.
+TEST(denoised)
+{
+    struct stage s = {0};
+    struct denoiser denoiser = {.width = 61, .height = 47};
+    struct err err = {0};
+    OPEN_GPU(&s.gpu, .validation = true);
+    REQUIRE_OK(stage_open(&s, "scenes/cornell.json", "{\"width\": 61, \"height\": 47}", 0, &err));
+    REQUIRE_OK(stage_render(&s, 1, &err));
+    struct values picture = values_new(61, 47, &s.arena);
+    float(*pixels)[4] = arena_alloc(&s.arena, 61 * 47, sizeof *pixels);
+    for (uint32_t i = 0; i < 61 * 47; i++) {
+        bool known = i % 61 > 20;
+        pixels[i][0] = pixels[i][1] = pixels[i][2] = (float)(i % 97) / 97.0f;
+        pixels[i][3] = known ? 1.0f : 0.0f;
+        set_value(&picture.pixels[i], known ? pixels[i] : (const float[3]){0});
+        picture.pixels[i].weight = known;
+    }
+    REQUIRE_OK(gpu_buffer_create(&s.gpu, "denoised", 61 * 47 * 16, GPU_DEVICE, false,
+                                 &denoiser.picture, &err));
+    REQUIRE_OK(gpu_upload(&s.gpu, &denoiser.picture, 0, pixels, 61 * 47 * 16, &err));
+    struct display_call call = call_of_film(&s, SHOWN_RADIANCE);
+    const struct values film = values_of(&s.film, SHOWN_RADIANCE, &s.arena);
+    REQUIRE_OK(display_keep(&s.display, &call, &err));
+    call.sides[0].denoiser = &denoiser;
+    struct expected expected = {.sides = {picture}};
+    check_picture("denoised", &s.display, &call, &expected, &s.arena);
+    call.use_kept = true;
+    expected.sides[0] = over(&picture, &film, &s.arena);
+    check_picture("denoised and kept", &s.display, &call, &expected, &s.arena);
+    call.side_count = 2;
+    call.split = 0.7;
+    expected.sides[1] = film;
+    check_picture("denoised beside the film", &s.display, &call, &expected, &s.arena);
+    denoiser.width--;
+    CHECK(!display_draw(&s.display, &call, &err) && strstr(err.msg, "60 x 47"), "%s", err.msg);
+    gpu_buffer_finish(&s.gpu, &denoiser.picture);
+    stage_close(&s);
+}
+
+// What a window and a PNG file show is the same: up to one code of 255, where values lie between
+// two.
+TEST(png)
+{
+    struct stage s = {0};
+    struct err err = {0};
+    OPEN_GPU(&s.gpu, .validation = false);
+    REQUIRE_OK(stage_open(&s, "scenes/spheres.json", "{\"width\": 96, \"height\": 54}", 0, &err));
+    REQUIRE_OK(stage_render(&s, 4, &err));
+    for (int tone = TONE_NONE; tone <= TONE_AGX; tone++) {
+        struct display_call call = call_of_film(&s, SHOWN_RADIANCE);
+        const struct image picture = {96, 54, s.film.mean};
+        struct image read;
+        uint8_t *data;
+        size_t size;
+        const struct image_write_params write = {
+            .path = "a.png",
+            .image = &picture,
+            .exposure_stops = call.exposure_stops = 0.7f,
+            .tone = (enum image_tone)(call.tone = (enum tone_curve)tone),
+        };
+        REQUIRE_OK(image_encode(&write, &s.arena, &data, &size, &err));
+        const struct image_read_params as_it_is = {.path = "a.png", .is_linear = true};
+        REQUIRE_OK(image_decode(data, size, &as_it_is, &s.arena, &read, &err));
+        REQUIRE_OK(display_draw(&s.display, &call, &err));
+        uint8_t(*pixels)[4] = display_pixels(&s.display, &call, &s.arena);
+        uint32_t differing = 0, worst = 0;
+        for (uint32_t i = 0; i < 96 * 54 * 3; i++) {
+            int code = (int)lrintf(read.pixels[i / 3][i % 3] * 255);
+            uint32_t apart = (uint32_t)abs(code - pixels[i / 3][i % 3]);
+            differing += apart > 0;
+            worst = apart > worst ? apart : worst;
+        }
+        printf("  %s: %u of %u codes differ\n", tone_names[tone], differing, 96 * 54 * 3);
+        CHECK(worst <= 1 && differing < 96 * 54 * 3 / 100, "%s: %u differ, by up to %u",
+              tone_names[tone], differing, worst);
+    }
+    stage_close(&s);
+}
+
+// Values that films have seldom: written into one.
+TEST(extreme_values)
+{
+    static const float values[] = {0,       -1,    1e-45f,  1e-38f,   1e-7f, 3e-4f,    0.0031308f,
+                                   0.0032f, 0.18f, 1,       7.2f,     7.3f,  65536.0f, 1e19f,
+                                   1e30f,   3e38f, FLT_MAX, INFINITY, NAN,   -INFINITY};
+    enum { VALUES = sizeof values / sizeof values[0] };
+    static const float stops[] = {0, 5, -20, 100, -100};
+    struct stage s = {0};
+    struct err err = {0};
+    struct gpu_film_pixel pixels[VALUES * VALUES] = {0};
+    OPEN_GPU(&s.gpu, .validation = false);
+    REQUIRE_OK(stage_open(&s, "scenes/cornell.json", "{\"width\": 20, \"height\": 20}", 0, &err));
+    const struct values expected = values_new(VALUES, VALUES, &s.arena);
+    for (uint32_t i = 0; i < VALUES * VALUES; i++) {
+        const float rgb[3] = {values[i % VALUES], values[i / VALUES], values[(i + 3) % VALUES]};
+        pixels[i].samples = 1;
+        memcpy(pixels[i].sum_a, rgb, sizeof rgb);
+        set_value(&expected.pixels[i], rgb);
+        expected.pixels[i].weight = 1;
+    }
+    REQUIRE_OK(gpu_upload(&s.gpu, &s.renderer.film[0], 0, pixels, sizeof pixels, &err));
+    const struct expected picture = {.sides = {expected}};
+    for (int tone = TONE_NONE; tone <= TONE_AGX; tone++)
+        for (size_t k = 0; k < sizeof stops / sizeof stops[0]; k++) {
+            struct display_call call = call_of_film(&s, SHOWN_RADIANCE);
+            call.tone = (enum tone_curve)tone;
+            call.exposure_stops = stops[k];
+            check_picture(tone_names[tone], &s.display, &call, &picture, &s.arena);
+        }
+    stage_close(&s);
+}
+
+// A window that is pulled about: memory stays within what the largest picture takes, and goes back.
+TEST(changing_sizes)
+{
+    struct stage s = {0};
+    struct err err = {0};
+    struct test_random random = {5};
+    OPEN_GPU(&s.gpu, .validation = true);
+    REQUIRE_OK(
+        stage_open(&s, "scenes/cornell.json", "{\"width\": 64, \"height\": 48}", ALL_AOVS, &err));
+    REQUIRE_OK(stage_render(&s, 1, &err));
+    uint64_t before = s.gpu.allocated_bytes;
+    for (uint32_t i = 0; i < 100; i++) {
+        struct display_call call = call_of_film(&s, i % SHOWN_COUNT);
+        call.picture[2] = 1 + random_below(&random, 200);
+        call.picture[3] = 1 + random_below(&random, 150);
+        call.picture[0] = random_below(&random, 9);
+        call.width = call.picture[0] + call.picture[2] + random_below(&random, 9);
+        call.height = call.picture[3];
+        call.side_count = random_below(&random, 3);
+        call.split = random_below(&random, 101) / 100.0;
+        call.nearest = i & 1;
+        call.use_kept = i & 2;
+        REQUIRE_OK(display_draw(&s.display, &call, &err));
+        if (i % 3 == 0)
+            REQUIRE_OK(display_keep(&s.display, &call, &err));
+    }
+    // Of each side five linear pictures of 200 x 150, taps, and the pixels.
+    uint64_t most = 2 * (5 * 200 * 150 * 16 + 4 * 350 * 16) + 4 * 218 * 150 + (1u << 16);
+    CHECK(s.gpu.allocated_bytes - before < most, "%llu bytes",
+          (unsigned long long)(s.gpu.allocated_bytes - before));
+    stage_close(&s);
+}
+
+TEST(what_cannot_be_shown)
+{
+    struct stage s = {0};
+    struct err err = {0};
+    OPEN_GPU(&s.gpu, .validation = true);
+    REQUIRE_OK(stage_open(&s, "scenes/cornell.json", "{\"width\": 16, \"height\": 16}", 0, &err));
+    struct display_call call = call_of_film(&s, SHOWN_STEPS);
+    CHECK(!display_draw(&s.display, &call, &err) && strstr(err.msg, "steps"), "%s", err.msg);
+    call = call_of_film(&s, SHOWN_RADIANCE);
+    call.picture[0] = 1;
+    CHECK(!display_draw(&s.display, &call, &err) && strstr(err.msg, "inside"), "%s", err.msg);
+    call = call_of_film(&s, SHOWN_COUNT);
+    CHECK(!display_draw(&s.display, &call, &err) && strstr(err.msg, "12"), "%s", err.msg);
+    call = call_of_film(&s, SHOWN_RADIANCE);
+    call.width = 0;
+    CHECK(!display_draw(&s.display, &call, &err) && strstr(err.msg, "0 x 16"), "%s", err.msg);
+    // It goes on after that, and shows nothing where there is no side.
+    call = call_of_film(&s, SHOWN_RADIANCE);
+    call.side_count = 0;
+    REQUIRE_OK(display_draw(&s.display, &call, &err));
+    const uint8_t *pixels = (const uint8_t *)display_pixels(&s.display, &call, &s.arena);
+    for (int i = 0; i < 16 * 16 * 4; i++)
+        CHECK(pixels[i] == (i % 4 == 3 ? 255 : 0), "byte %d: %u", i, pixels[i]);
+    stage_close(&s);
 }
 
 // Prints what calls take on the device and in all; limits are for quiet machines.
@@ -496,7 +515,7 @@ TEST(cost)
         OPEN_GPU(&s.gpu, .validation = false);
         REQUIRE_OK(stage_open(&s, "scenes/cornell.json", films[f], AOV_DEPTH, &err));
         REQUIRE_OK(stage_render(&s, 1, &err));
-        struct display_call call = whole(&s, SHOWN_RADIANCE);
+        struct display_call call = call_of_film(&s, SHOWN_RADIANCE);
         for (int tone = TONE_NONE; tone <= TONE_AGX; tone++) {
             call.tone = (enum tone_curve)tone;
             print_cost(&s, tone_names[tone], &call);
@@ -522,4 +541,6 @@ TEST(cost)
 }
 
 TEST_MAIN(TEST_CASE(every_curve), TEST_CASE(every_size), TEST_CASE(everything_shown),
+          TEST_CASE(split), TEST_CASE(kept), TEST_CASE(parts), TEST_CASE(denoised), TEST_CASE(png),
+          TEST_CASE(extreme_values), TEST_CASE(changing_sizes), TEST_CASE(what_cannot_be_shown),
           TEST_CASE(cost))
