@@ -76,10 +76,25 @@ static bool render_side(struct viewer *viewer, struct view *view, uint64_t sampl
     return true;
 }
 
-static void set_time(struct viewer *viewer, double factor)
+// Half a wave before the time is over: the one that begins then ends half a wave behind it.
+static void set_time(struct viewer *viewer, const struct view *view, double factor)
 {
-    double ms = factor * pace_render_ms(&viewer->pace);
+    double wave_ms = viewer->pace.ms_per_sample * view->renderer.plan.wave_slots;
+    double ms = fmax(factor * pace_render_ms(&viewer->pace) - 0.5 * wave_ms, 0.0);
     viewer->render_until_ns = isfinite(ms) ? clock_ns() + (uint64_t)(ms * 1e6) : UINT64_MAX;
+}
+
+// Waves that take longer than a frame may are made smaller; the picture stays the same. A factor of
+// two is for what a measurement is worth.
+static bool fit_wave(struct viewer *viewer, struct view *view, struct err *err)
+{
+    uint32_t now = view->renderer.plan.wave_slots, fit = pace_wave(&viewer->pace);
+    if (fit > view->usual_wave)
+        fit = view->usual_wave;
+    bool is_close = fit <= 2 * now && now <= 2 * fit;
+    if (view->method.wave || is_close)
+        return true;
+    return renderer_resize(&view->renderer, fit, view->renderer.specialization.workgroup, err);
 }
 
 static bool clear_fresh(struct viewer *viewer, struct view *view, struct err *err)
@@ -104,7 +119,7 @@ static bool render_whole(struct viewer *viewer, struct view *view, bool *done, s
     *done = is_empty || wanted > 0;
     if (!*done)
         return true;
-    set_time(viewer, wanted > 0 ? INFINITY : PATIENCE);
+    set_time(viewer, view, wanted > 0 ? INFINITY : PATIENCE);
     return render_side(viewer, view, wanted > 0 ? wanted : 1, err);
 }
 
@@ -136,8 +151,10 @@ bool viewer_render(struct viewer *viewer, struct err *err)
     if (left_ms <= 0.0)
         return true;
     struct view *view = next_side(viewer, done);
-    set_time(viewer, left_ms / pace_render_ms(&viewer->pace));
-    return !view || render_side(viewer, view, UINT64_MAX, err);
+    if (!view)
+        return true;
+    set_time(viewer, view, left_ms / pace_render_ms(&viewer->pace));
+    return fit_wave(viewer, view, err) && render_side(viewer, view, UINT64_MAX, err);
 }
 
 // --- showing -------------------------------------------------------------------------------------

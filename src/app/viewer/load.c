@@ -12,6 +12,7 @@
 // How long after the last change the picture is taken for resting, seconds: between two steps of a
 // hand on the mouse there is less.
 #define REST_SECONDS 0.15
+#define SPEED_PART 0.5 // of the distance to what is seen, a second
 
 uint32_t viewer_aovs(const struct shown *shown)
 {
@@ -138,6 +139,7 @@ static void set_view(struct viewer *viewer)
 {
     const struct settings *settings = &viewer->scene.settings;
     viewer->camera = viewer->scene.cameras[viewer->camera_index];
+    viewer->wants_target = true;
     rig_init(&viewer->rig, &viewer->camera, viewer->bounds_min, viewer->bounds_max);
     memset(viewer->saved, 0, sizeof viewer->saved);
     set_methods(viewer);
@@ -284,6 +286,7 @@ static bool build_side(struct viewer *viewer, struct view *view, struct err *err
         return false;
     view->renderer.progress = &viewer->frame_progress;
     view->seen = view->renderer.stats;
+    view->usual_wave = view->renderer.plan.wave_slots;
     view->is_ready = true;
     view->is_preview = false;
     return true;
@@ -432,10 +435,10 @@ static bool apply(struct viewer *viewer, struct err *err)
     for (uint32_t side = viewer->side_count; side < VIEWER_SIDES; side++)
         viewer_close_side(viewer, side);
     viewer->is_moving = false;
-    for (uint32_t side = 0; side < viewer->side_count; side++) {
+    for (uint32_t side = 0; side < viewer->side_count; side++)
         viewer->is_moving |= wants_preview(viewer, &viewer->sides[side]);
+    for (uint32_t side = 0; side < VIEWER_SIDES; side++)
         viewer->changes[side] = CHANGE_NONE;
-    }
     return true;
 }
 
@@ -454,6 +457,21 @@ static bool apply_reverted(struct viewer *viewer, struct err *err)
     return apply(viewer, err);
 }
 
+// What the middle of the picture shows is what the camera turns about, and tells how fast to fly.
+static bool aim_rig(struct viewer *viewer, struct err *err)
+{
+    struct rig *rig = &viewer->rig;
+    struct picked picked;
+    viewer->wants_target = false;
+    if (!viewer_pick(viewer, 0.5 * viewer->window.width, 0.5 * viewer->window.height, &picked, err))
+        return false;
+    if (picked.object == VIEWER_NO_OBJECT || !(picked.distance > 0.0))
+        return true;
+    memcpy(rig->target, picked.position, sizeof rig->target);
+    rig->speed = SPEED_PART * picked.distance;
+    return true;
+}
+
 bool viewer_apply_changes(struct viewer *viewer, struct err *err)
 {
     if (viewer->wanted_path[0]) {
@@ -468,6 +486,8 @@ bool viewer_apply_changes(struct viewer *viewer, struct err *err)
     if (!viewer->has_scene)
         return true;
     if (!apply(viewer, err) && !apply_reverted(viewer, err))
+        return false;
+    if (viewer->wants_target && !aim_rig(viewer, err))
         return false;
     edit_settle(viewer);
     viewer->good_kernels = viewer->kernels;

@@ -13,6 +13,8 @@ struct pace {
 };
 
 #define PACE_SHRINK_MAX 16u
+#define PACE_WAVE_MIN 4096u // below, the work a dispatch costs besides its paths shows
+#define PACE_WAVE_MAX (1u << 20)
 
 void pace_init(struct pace *pace, double target_ms);
 // Of a frame that took so many samples (of single pixels) in so long, and so long besides.
@@ -20,6 +22,9 @@ void pace_measure(struct pace *pace, double samples, double render_ms, double ov
 // What a frame may take for rendering; never below a quarter of the target, so that the picture
 // goes on where all else takes long.
 double pace_render_ms(const struct pace *pace);
+// Paths in flight, a power of two, that take no longer than a frame may: a frame ends between two
+// waves.
+uint32_t pace_wave(const struct pace *pace);
 // Chooses `shrink` so that a sample of every pixel of the smaller picture fits; with hysteresis, so
 // that it does not flicker.
 void pace_choose(struct pace *pace, uint32_t width, uint32_t height);

@@ -37,6 +37,7 @@ struct view {
     uint64_t epoch;           // counts pictures begun: what a job says of an older one is void
     double seconds;           // of rendering this picture
     struct render_stats seen; // the renderer's, as of the last frame
+    uint32_t usual_wave;      // paths in flight, as the renderer was created
     bool is_looking;          // a job finds out the error
     double changed_seconds;   // clock of the last change that emptied the film
     double turn_seconds;      // of rendering, since the sides began to take turns

@@ -127,6 +127,7 @@ struct viewer {
     struct camera camera;  // of all sides
     uint32_t camera_index; // of the scene's, that it began with
     struct rig rig;
+    bool wants_target; // the rig's is to be found in the first picture
     struct keys keys;
     struct saved_view saved[VIEWER_SAVED_VIEWS];
     bool is_moving; // the camera moved, or the scene changed, a moment ago: what is seen is small

@@ -1,0 +1,106 @@
+#include "pace.h"
+#include "test.h"
+
+// Frames of a device that takes so long for a sample, until the choice rests.
+static struct pace settled(double ms_per_sample, double overhead_ms)
+{
+    struct pace pace;
+    pace_init(&pace, 33.0);
+    for (int i = 0; i < 100; i++) {
+        pace_measure(&pace, 1000.0, 1000.0 * ms_per_sample, overhead_ms);
+        pace_choose(&pace, 640, 360);
+    }
+    return pace;
+}
+
+static double preview_ms(const struct pace *pace, double ms_per_sample)
+{
+    return (double)pace_shrunk(640, pace->shrink) * pace_shrunk(360, pace->shrink) * ms_per_sample;
+}
+
+TEST(means_follow_what_is_measured)
+{
+    struct pace pace;
+    pace_init(&pace, 33.0);
+    pace_measure(&pace, 100.0, 5.0, 3.0);
+    CHECK(pace.ms_per_sample == 0.05, "%g", pace.ms_per_sample);
+    CHECK(pace.overhead_ms == 3.0, "%g", pace.overhead_ms);
+    for (int i = 0; i < 50; i++)
+        pace_measure(&pace, 100.0, 10.0, 6.0);
+    CHECK(fabs(pace.ms_per_sample - 0.1) < 1e-4, "%g", pace.ms_per_sample);
+    CHECK(fabs(pace.overhead_ms - 6.0) < 1e-2, "%g", pace.overhead_ms);
+    pace_measure(&pace, 0.0, 0.0, 6.0); // a frame that rendered nothing says nothing of rendering
+    CHECK(fabs(pace.ms_per_sample - 0.1) < 1e-4, "%g", pace.ms_per_sample);
+}
+
+TEST(rendering_keeps_a_quarter_of_the_frame)
+{
+    struct pace pace = settled(1e-3, 10.0);
+    CHECK(fabs(pace_render_ms(&pace) - 23.0) < 1e-6, "%g", pace_render_ms(&pace));
+    pace = settled(1e-3, 100.0);
+    CHECK(pace_render_ms(&pace) == 33.0 / 4, "%g", pace_render_ms(&pace));
+}
+
+TEST(previews_fit_the_frame)
+{
+    for (double ms = 1e-7; ms < 1e-2; ms *= 1.7) {
+        struct pace pace = settled(ms, 5.0);
+        bool is_smallest = pace.shrink == PACE_SHRINK_MAX;
+        CHECK(pace.shrink >= 1 && pace.shrink <= PACE_SHRINK_MAX, "%u", pace.shrink);
+        CHECK(is_smallest || preview_ms(&pace, ms) <= pace_render_ms(&pace), "%g: %u", ms,
+              pace.shrink);
+        struct pace finer = pace;
+        finer.shrink--;
+        CHECK(pace.shrink == 1 || preview_ms(&finer, ms) > 0.8 * pace_render_ms(&pace), "%g: %u",
+              ms, pace.shrink);
+    }
+}
+
+TEST(quick_devices_need_no_preview)
+{
+    CHECK(settled(1e-5, 5.0).shrink == 1);
+    CHECK(settled(1.0, 5.0).shrink == PACE_SHRINK_MAX);
+}
+
+TEST(nothing_is_chosen_before_something_is_known)
+{
+    struct pace pace;
+    pace_init(&pace, 33.0);
+    uint32_t first = pace.shrink;
+    pace_choose(&pace, 640, 360);
+    CHECK(pace.shrink == first && first > 1, "%u", pace.shrink);
+}
+
+// What a sample takes changes by a tenth from frame to frame.
+TEST(the_choice_does_not_flicker)
+{
+    for (double ms = 2e-4; ms < 2e-3; ms *= 1.1) {
+        struct pace pace = settled(ms, 5.0);
+        uint32_t shrink = pace.shrink, changes = 0;
+        for (int i = 0; i < 200; i++) {
+            pace_measure(&pace, 1000.0, 1000.0 * ms * (i % 2 ? 1.05 : 0.95), 5.0);
+            pace_choose(&pace, 640, 360);
+            changes += pace.shrink != shrink;
+            shrink = pace.shrink;
+        }
+        CHECK(changes <= 1, "%g: %u changes", ms, changes);
+    }
+}
+
+TEST(waves_fit_the_frame)
+{
+    for (double ms = 1e-7; ms < 1e-2; ms *= 1.7) {
+        struct pace pace = settled(ms, 5.0);
+        uint32_t wave = pace_wave(&pace);
+        CHECK((wave & (wave - 1)) == 0 && wave >= PACE_WAVE_MIN && wave <= PACE_WAVE_MAX, "%u",
+              wave);
+        CHECK(wave == PACE_WAVE_MIN || wave * ms <= pace_render_ms(&pace), "%g: %u", ms, wave);
+        CHECK(wave == PACE_WAVE_MAX || 2 * wave * ms > pace_render_ms(&pace), "%g: %u", ms, wave);
+    }
+}
+
+TEST_MAIN(TEST_CASE(means_follow_what_is_measured),
+          TEST_CASE(rendering_keeps_a_quarter_of_the_frame), TEST_CASE(previews_fit_the_frame),
+          TEST_CASE(quick_devices_need_no_preview),
+          TEST_CASE(nothing_is_chosen_before_something_is_known),
+          TEST_CASE(the_choice_does_not_flicker), TEST_CASE(waves_fit_the_frame))
