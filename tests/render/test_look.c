@@ -1,5 +1,5 @@
-// renderer_look: what a renderer makes with another camera, at another size, has the same bits as
-// what one makes that is new.
+// What a viewer asks of a renderer: another camera and another size, without building (the picture
+// has the same bits as a new renderer's), kernels that were compiled meanwhile, and small steps.
 #include "render_fixture.h"
 #include "shared/methods.h"
 #include <math.h>
@@ -318,4 +318,159 @@ TEST(what_does_not_fit_changes_nothing)
     gpu_close(&gpu);
 }
 
-TEST_MAIN(TEST_CASE(same_bits_as_a_new_renderer), TEST_CASE(what_does_not_fit_changes_nothing))
+// --- kernels from elsewhere ----------------------------------------------------------------------
+
+// Copies of the embedded code, as of a compiler that has just written them.
+static bool copy_kernels(const struct gpu *gpu, struct arena *arena, struct kernel_set *out)
+{
+    *out = (struct kernel_set){0};
+    for (int id = 0; id < KERNEL_COUNT; id++) {
+        struct kernel_code code = kernel_code((enum kernel_id)id, gpu->has_ballot);
+        uint32_t *copy = ARENA_NEW(arena, uint32_t, code.bytes / sizeof(uint32_t));
+        if (!copy)
+            return false;
+        memcpy(copy, code.spirv, code.bytes);
+        out->codes[id] = (struct kernel_code){.spirv = copy, .bytes = code.bytes};
+    }
+    return true;
+}
+
+#define SPIRV_HEADER 5u
+#define OP_CONSTANT 43u
+#define ONE 0x3f800000u
+#define HALF 0x3f000000u
+
+// Camera rays of half the weight.
+static bool halve_a_constant(struct kernel_code *code, struct arena *arena)
+{
+    size_t words = code->bytes / sizeof(uint32_t);
+    uint32_t *copy = ARENA_NEW(arena, uint32_t, words);
+    if (!copy)
+        return false;
+    memcpy(copy, code->spirv, code->bytes);
+    code->spirv = copy;
+    for (size_t i = SPIRV_HEADER; i < words && copy[i] >> 16; i += copy[i] >> 16)
+        if ((copy[i] & 0xffffu) == OP_CONSTANT && copy[i + 3] == ONE) {
+            copy[i + 3] = HALF;
+            return true;
+        }
+    return false;
+}
+
+static void check_kernels(const struct renderer *r, const struct kernel_set *set, const char *path)
+{
+    for (int id = 0; id < KERNEL_COUNT; id++)
+        CHECK(!r->kernels[id].pipeline || r->kernels[id].spirv == set->codes[id].spirv,
+              "%s: kernel %s is another", path, r->kernels[id].name);
+    bool has_fields = r->specialization.geometry & GEOMETRY_SDFS;
+    CHECK((r->kernels[KERNEL_intersect_closest].variant != 0) == has_fields,
+          "%s: the programs of distance fields are not in", path);
+}
+
+static void compare_kernels(struct gpu *gpu, const char *path)
+{
+    const struct look_case c = {.path = path};
+    struct arena arena = {0};
+    struct scene scene;
+    struct kernel_set set, other;
+    struct renderer r;
+    struct film_image embedded, copied, changed;
+    struct err err = {0};
+    REQUIRE_OK(load_case(&c, &scene, &err));
+    REQUIRE(copy_kernels(gpu, &arena, &set), "no memory");
+    struct renderer_params params = {.gpu = gpu, .scene = &scene};
+    REQUIRE_OK(render_film(&params, SAMPLES, &arena, &embedded, NULL, &err));
+    params.kernels = &set;
+    REQUIRE_OK(renderer_create(&params, &r, &err));
+    check_kernels(&r, &set, path);
+    REQUIRE_OK(render_and_read(&r, &arena, &copied, &err));
+    renderer_finish(&r);
+    CHECK(same_bits(&embedded, &copied), "%s: copied kernels differ", path);
+    other = set;
+    for (int id = 0; id < KERNEL_COUNT; id++)
+        if (id != KERNEL_generate_rays)
+            other.codes[id].spirv = NULL; // the embedded one
+    REQUIRE(halve_a_constant(&other.codes[KERNEL_generate_rays], &arena), "no constant to change");
+    params.kernels = &other;
+    REQUIRE_OK(render_film(&params, SAMPLES, &arena, &changed, NULL, &err));
+    CHECK(!same_bits(&embedded, &changed), "%s: another kernel makes no difference", path);
+    for (int id = 0; id < KERNEL_COUNT; id++) {
+        gpu_kernels_forget(gpu, set.codes[id].spirv);
+        gpu_kernels_forget(gpu, other.codes[id].spirv);
+    }
+    arena_finish(&arena); // and with it the code
+    scene_finish(&scene);
+}
+
+TEST(kernels_from_elsewhere)
+{
+    struct gpu gpu;
+    OPEN_GPU(&gpu, .validation = true);
+    compare_kernels(&gpu, "scenes/cornell.json");
+    compare_kernels(&gpu, "scenes/sdf_csg.json");
+    CHECK(gpu.validation_messages == 0, "%u messages", gpu.validation_messages);
+    gpu_close(&gpu);
+}
+
+// --- in small steps ------------------------------------------------------------------------------
+
+// Pixels from the top have one sample, the same as in the end, and the others none.
+static void check_unfinished(const struct film_image *film, const struct film_image *whole,
+                             uint64_t done)
+{
+    size_t wrong = 0;
+    for (size_t i = 0; i < (size_t)film->width * film->height; i++) {
+        static const float black[3] = {0.0f, 0.0f, 0.0f};
+        const float *want = i < done ? whole->mean[i] : black;
+        wrong += film->samples[i] != (i < done) ||
+                 memcmp(film->mean[i], want, sizeof film->mean[i]) != 0;
+    }
+    CHECK(wrong == 0, "%zu pixels are wrong after %llu", wrong, (unsigned long long)done);
+}
+
+// As a viewer goes on: a sample a call, stopped after each wave and read in between.
+TEST(stops_after_every_wave)
+{
+    const struct look_case c = {.path = "scenes/cornell.json"};
+    bool stops = false;
+    const struct progress progress = {.should_stop = stop_at_once, .context = &stops};
+    struct arena arena = {0};
+    struct scene scene;
+    struct gpu gpu;
+    struct renderer r;
+    struct film_image whole, film;
+    struct render_stats stats;
+    struct err err = {0};
+    OPEN_GPU(&gpu, .validation = true);
+    REQUIRE_OK(load_case(&c, &scene, &err));
+    struct renderer_params params = {.gpu = &gpu, .scene = &scene, .wave = 512};
+    REQUIRE_OK(render_film(&params, 1, &arena, &whole, &stats, &err));
+    CHECK(stats.waves == 3, "%llu waves, expected 3", (unsigned long long)stats.waves);
+    params.progress = &progress;
+    REQUIRE_OK(renderer_create(&params, &r, &err));
+    stops = true;
+    for (uint64_t wave = 1; wave <= stats.waves; wave++) {
+        bool stopped = false;
+        const struct render_call call = {.samples = 1, .stopped = &stopped};
+        REQUIRE_OK(renderer_render(&r, &call, &err));
+        CHECK(r.stats.waves == wave && stopped == (wave < stats.waves),
+              "call %llu: %llu waves, stopped %d", (unsigned long long)wave,
+              (unsigned long long)r.stats.waves, stopped);
+        REQUIRE_OK(renderer_read(&r, &arena, &film, &err));
+        check_unfinished(&film, &whole, wave * 512);
+    }
+    CHECK(same_bits(&film, &whole) && r.next_sample == 1, "the picture in steps is another");
+    CHECK(r.stats.paths == stats.paths && r.stats.closest_rays == stats.closest_rays,
+          "stopping costs %llu rays", (unsigned long long)(r.stats.closest_rays));
+    for (int k = 0; k < KERNEL_COUNT; k++)
+        CHECK(k == KERNEL_resolve || r.stats.kernels[k].launches == stats.kernels[k].launches,
+              "stopping costs launches of kernel %d", k);
+    renderer_finish(&r);
+    CHECK(gpu.validation_messages == 0, "%u messages", gpu.validation_messages);
+    arena_finish(&arena);
+    scene_finish(&scene);
+    gpu_close(&gpu);
+}
+
+TEST_MAIN(TEST_CASE(same_bits_as_a_new_renderer), TEST_CASE(what_does_not_fit_changes_nothing),
+          TEST_CASE(kernels_from_elsewhere), TEST_CASE(stops_after_every_wave))
