@@ -1,0 +1,103 @@
+#!/usr/bin/env python3
+"""What the viewer accumulates is what `lampyris render` makes, bit for bit.
+
+    test_bits.py LAMPYRIS VIEWER SOURCE_ROOT
+"""
+import os
+import random
+import unittest
+
+import viewer_run
+from viewer_run import CORNELL, DATA, SCENES, SPHERES, Case
+
+DUCK = os.path.join(DATA, 'gltf', 'Duck', 'Duck.glb')
+
+
+class Bits(Case):
+    def expect_same(self, hashed, rendered):
+        self.assertEqual(hashed['image_hash'], rendered['image_hash'])
+        self.assertEqual(hashed['spp'], rendered['spp'])
+
+    def check(self, scene, *arguments):
+        result = self.view('wait 5 samples\nhash hash.jsonl\n', '--spp', '5', *arguments,
+                           scene=scene)
+        self.expect_same(result.hashes()[-1], self.render(scene, '--spp', '5', *arguments))
+
+    def test_cornell(self):
+        self.check(CORNELL)
+
+    def test_spheres(self):
+        self.check(SPHERES)
+
+    def test_methods(self):
+        for arguments in (['--sampler', 'stratified', '--halves', 'contiguous'],
+                          ['--sampler', 'blue-noise', '--filter', 'gaussian'],
+                          ['--integrator', 'whitted'], ['--seed', '9', '--features', 'all']):
+            with self.subTest(arguments):
+                self.check(CORNELL, *arguments)
+
+    def test_glass_and_fog(self):
+        self.check(os.path.join(SCENES, 'glass.json'))
+
+    def test_gltf(self):
+        models = [os.path.join(folder, name)
+                  for folder, _, names in os.walk(os.path.join(DATA, 'gltf'))
+                  for name in names if name.endswith(('.glb', '.gltf'))]
+        if not models:
+            if os.environ.get('LAMPYRIS_NO_SKIP'):
+                self.fail(f'no models in {DATA}')
+            self.skipTest('no models')
+        self.check(DUCK if DUCK in models else min(models, key=os.path.getsize))
+
+    def test_moved_camera(self):
+        """Round trip: what is seen after moving, saved as a scene, rendered."""
+        for scene, keys in ((CORNELL, 'wd'), (SPHERES, 'sqa')):
+            with self.subTest(scene):
+                moves = ''.join(f'key {key} down\nwait 4 frames\nkey {key} up\n' for key in keys)
+                look = ('mouse 60 40\nbutton right down\nmouse 90 52\nbutton right up\n'
+                        'scroll 0 -1\n')
+                result = self.view(f'wait 1 samples\n{moves}{look}wait 3 samples\n'
+                                   'hash hash.jsonl\nscene saved.json\nstate state.json\n',
+                                   '--spp', '3', scene=scene)
+                os.rename(self.path('hash.jsonl'), self.path('moved.jsonl'))
+                moved = result.hashes('moved.jsonl')[0]
+                saved = self.render(self.path('saved.json'),
+                                    '--allow-outside-paths')
+                self.expect_same(moved, saved)
+                self.assertNotEqual(moved['image_hash'],
+                                    self.render(scene, '--spp', '3')['image_hash'])
+
+    def test_twenty_edits_undone_and_redone(self):
+        """Back to the bits of the beginning, and forth again to those of the end."""
+        choice = random.Random(7)
+        edits = []
+        for _ in range(20):
+            edits.append(choice.choice([
+                f'set camera.fov {choice.uniform(20, 70):.3f}',
+                f'set material.base_color {choice.random():.3f},{choice.random():.3f},0.5',
+                f'set material.roughness {choice.random():.3f}',
+                f'set renderer.max_bounces {choice.randrange(1, 9)}',
+                f'set renderer.seed {choice.randrange(100)}',
+                f'set material.metallic {choice.random():.3f}',
+                f'set surroundings.strength {choice.uniform(0.5, 2):.3f}',
+            ]))
+        undo = 'key Ctrl+z\n' * 20
+        redo = 'key Ctrl+y\n' * 20
+        result = self.view('wait 2 samples\nhash hash.jsonl\nset material.model principled\n'
+                           + '\n'.join(edits) + '\nwait 2 samples\nhash hash.jsonl\n'
+                           'scene saved.json\nstate edited.json\n' + undo + 'key Ctrl+z\n'
+                           'wait 2 samples\nhash hash.jsonl\nstate undone.json\n'
+                           + redo + 'key Ctrl+y\nwait 2 samples\nhash hash.jsonl\n',
+                           '--spp', '2')
+        first, edited, undone, redone = [h['image_hash'] for h in result.hashes()]
+        self.assertNotEqual(first, edited)
+        self.assertEqual(first, undone)
+        self.assertEqual(edited, redone)
+        self.assertGreater(result.state('edited.json')['counts']['undo'], 10)
+        self.assertEqual(result.state('undone.json')['counts']['undo'], 0)
+        self.assertEqual(self.render(self.path('saved.json'), '--allow-outside-paths')
+                         ['image_hash'], edited)
+
+
+if __name__ == '__main__':
+    viewer_run.main()
