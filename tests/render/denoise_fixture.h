@@ -1,0 +1,34 @@
+// What the denoiser's tests share: films made up pixel by pixel, and what becomes of them.
+#ifndef LAMPYRIS_TESTS_DENOISE_FIXTURE_H
+#define LAMPYRIS_TESTS_DENOISE_FIXTURE_H
+
+#include "denoise.h"
+#include "render_fixture.h"
+
+// A film's pixel as its means over samples say it.
+struct made_pixel {
+    uint32_t samples; // 0: all else is of no account
+    float light[3];   // that is reflected, without the albedo
+    float apart[3];   // half of what lies between the two halves' light
+    float albedo[3], emission[3], normal[3];
+    float depth, alpha; // alpha 0: nothing is there
+};
+
+typedef struct made_pixel make_pixel(const void *context, uint32_t x, uint32_t y);
+
+struct made_film {
+    struct gpu *gpu;
+    struct scene scene;
+    struct renderer renderer; // whose film is overwritten
+    uint32_t width, height;
+    float (*picture)[4]; // of the last film_denoise
+};
+
+bool film_open(struct gpu *gpu, uint32_t width, uint32_t height, struct made_film *out,
+               struct err *err);
+void film_close(struct made_film *film);
+bool film_make(struct made_film *film, make_pixel *make, const void *context, struct err *err);
+bool film_denoise(struct made_film *film, struct denoiser *denoiser,
+                  const struct denoise_call *call, struct err *err);
+
+#endif

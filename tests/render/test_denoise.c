@@ -1,0 +1,424 @@
+// The denoiser's spatial filter on films made up for it.
+#include "denoise_fixture.h"
+#include "shared/aov.h"
+#include <float.h>
+
+static const struct camera across = {
+    .direction = {0, 0, -1}, .up = {0, 1, 0}, .kind = CAMERA_ORTHOGRAPHIC, .height = 2};
+
+// A sample's light as other halves would have it, from -1 to 1; the same for the same arguments.
+static float random_at(uint32_t x, uint32_t y, uint32_t which)
+{
+    uint32_t h = x * 0x9e3779b1u ^ y * 0x85ebca6bu ^ which * 0xc2b2ae35u;
+    h = (h ^ h >> 15) * 0x2c1b3c6du;
+    h = (h ^ h >> 12) * 0x297a2d39u;
+    return (float)((h ^ h >> 15) >> 8) * 0x1p-23f - 1.0f;
+}
+
+static struct made_pixel plain(float light)
+{
+    return (struct made_pixel){
+        .samples = 4,
+        .light = {light, light, light},
+        .albedo = {0.5f, 0.5f, 0.5f},
+        .normal = {0, 0, 1},
+        .depth = 4,
+        .alpha = 1,
+    };
+}
+
+struct bench {
+    struct gpu gpu;
+    struct made_film film;
+    struct denoiser denoiser;
+    struct denoise_call call;
+    struct err err;
+};
+
+static bool bench_open(struct bench *b, uint32_t width, uint32_t height)
+{
+    if (!film_open(&b->gpu, width, height, &b->film, &b->err))
+        return false;
+    b->call = (struct denoise_call){.renderer = &b->film.renderer, .camera = &across};
+    return denoiser_create(&b->gpu, &b->denoiser, &b->err);
+}
+
+static bool bench_run(struct bench *b, make_pixel *make, const void *context)
+{
+    return film_make(&b->film, make, context, &b->err) &&
+           film_denoise(&b->film, &b->denoiser, &b->call, &b->err);
+}
+
+static void bench_close(struct bench *b)
+{
+    denoiser_finish(&b->denoiser);
+    film_close(&b->film);
+    gpu_close(&b->gpu);
+    CHECK(b->gpu.validation_messages == 0, "%u validation messages", b->gpu.validation_messages);
+}
+
+#define OPEN_BENCH(b, width, height)                                                               \
+    struct bench b = {0};                                                                          \
+    OPEN_GPU(&b.gpu, .validation = true);                                                          \
+    REQUIRE(bench_open(&b, width, height), "%s", b.err.msg)
+#define RUN_BENCH(b, make, context) REQUIRE(bench_run(&b, make, context), "%s", b.err.msg)
+
+// --- what must not change ------------------------------------------------------------------------
+
+static struct made_pixel constant_pixel(const void *context, uint32_t x, uint32_t y)
+{
+    (void)context;
+    struct made_pixel p = plain(0.37f);
+    p.apart[1] = 0.2f; // a variance, so that neighbours are mixed
+    p.normal[0] = x < 20 ? 0.0f : 0.6f;
+    p.normal[2] = x < 20 ? 1.0f : 0.8f;
+    p.depth = y < 20 ? 4.0f : 7.0f;
+    return p;
+}
+
+TEST(constant_stays)
+{
+    OPEN_BENCH(b, 41, 37);
+    RUN_BENCH(b, constant_pixel, NULL);
+    // The sums of four samples, and a quarter of both: exact but for the products.
+    struct made_pixel p = constant_pixel(NULL, 0, 0);
+    for (uint32_t i = 0; i < 41 * 37; i++)
+        for (int c = 0; c < 3; c++) {
+            float a = 2 * (p.albedo[c] * (p.light[c] + p.apart[c]));
+            float mean = (a + 2 * (p.albedo[c] * (p.light[c] - p.apart[c]))) / 4;
+            CHECK(b.film.picture[i][c] == mean, "pixel %u: %.9g, expected %.9g", i,
+                  (double)b.film.picture[i][c], (double)mean);
+        }
+    bench_close(&b);
+}
+
+// Light that does not vary between the halves but by rounding, whatever it is: nothing is noise.
+static struct made_pixel certain_pixel(const void *context, uint32_t x, uint32_t y)
+{
+    (void)context;
+    struct made_pixel p = plain(1.0f + random_at(x, y, 0));
+    for (int c = 0; c < 3; c++) {
+        p.albedo[c] = 0.5f + 0.5f * random_at(x, y, 1);
+        p.emission[c] = x % 5 == 0 ? 3.0f : 0.0f;
+    }
+    return p;
+}
+
+static uint64_t hash_film(const struct bench *b)
+{
+    const struct gpu_buffer *film = &b->film.renderer.film[0];
+    unsigned char *bytes = malloc(film->bytes);
+    uint64_t hash = 1469598103934665603u;
+    struct err err = {0};
+    if (bytes && gpu_download(b->film.gpu, film, 0, bytes, film->bytes, &err))
+        for (uint64_t i = 0; i < film->bytes; i++)
+            hash = (hash ^ bytes[i]) * 1099511628211u;
+    free(bytes);
+    return hash;
+}
+
+TEST(what_is_certain_stays_and_the_film_too)
+{
+    OPEN_BENCH(b, 70, 50);
+    REQUIRE(film_make(&b.film, certain_pixel, NULL, &b.err), "%s", b.err.msg);
+    uint64_t before = hash_film(&b);
+    b.call.temporal = true;
+    for (int i = 0; i < 2; i++) {
+        REQUIRE(film_denoise(&b.film, &b.denoiser, &b.call, &b.err), "%s", b.err.msg);
+        for (uint32_t p = 0; p < 70 * 50; p++) {
+            struct made_pixel m = certain_pixel(NULL, p % 70, p / 70);
+            for (int c = 0; c < 3; c++) {
+                float mean = m.albedo[c] * m.light[c] + m.emission[c];
+                // Of an emission of 3 the sums keep an error of 2^-22, which counts as noise over
+                // divisors down to 0.04.
+                CHECK(fabsf(b.film.picture[p][c] - mean) <= 64 * FLT_EPSILON * (1 + mean),
+                      "pixel %u: %.9g, expected %.9g", p, (double)b.film.picture[p][c],
+                      (double)mean);
+            }
+        }
+        REQUIRE(denoiser_keep(&b.denoiser, &b.call, &b.err), "%s", b.err.msg);
+    }
+    CHECK(hash_film(&b) == before, "the film has other bits");
+    bench_close(&b);
+}
+
+// --- noise ---------------------------------------------------------------------------------------
+
+// An impulse of colour that leaves the luminance as it is: no weight is below that of the kernel.
+static struct made_pixel impulse_pixel(const void *context, uint32_t x, uint32_t y)
+{
+    const uint32_t *size = context;
+    struct made_pixel p = plain(1.0f);
+    bool here = x == size[0] / 2 && y == size[1] / 2;
+    p.light[0] += here ? 0.7152f : 0.0f;
+    p.light[1] -= here ? 0.2126f : 0.0f;
+    p.apart[0] = p.apart[1] = p.apart[2] = 0.5f;
+    return p;
+}
+
+// Of 1, 1/2 … levels of the B3 spline one after the other, at distances from -62 to 62.
+static void cascade(uint32_t levels, double kernel[125])
+{
+    static const double spline[] = {0.0625, 0.25, 0.375, 0.25, 0.0625};
+    memset(kernel, 0, 125 * sizeof *kernel);
+    kernel[62] = 1;
+    for (uint32_t level = 0; level < levels; level++) {
+        double next[125] = {0};
+        for (int i = 0; i < 125; i++)
+            for (int k = 0; k < 5 && kernel[i] > 0; k++)
+                next[i + (k - 2) * (1 << level)] += kernel[i] * spline[k];
+        memcpy(kernel, next, sizeof next);
+    }
+}
+
+TEST(the_wavelet_is_the_cascade_of_splines)
+{
+    static const uint32_t size[] = {133, 131};
+    OPEN_BENCH(b, 133, 131);
+    for (uint32_t levels = 1; levels <= 5; levels++) {
+        double kernel[125], squares = 0, expected = 0, worst = 0;
+        cascade(levels, kernel);
+        b.call.iterations = levels;
+        RUN_BENCH(b, impulse_pixel, size);
+        for (int y = -62; y <= 62; y++)
+            for (int x = -62; x <= 62; x++) {
+                uint32_t i = (uint32_t)(131 / 2 + y) * 133 + (uint32_t)(133 / 2 + x);
+                double got = ((double)b.film.picture[i][0] / 0.5 - 1.0) / 0.7152;
+                double want = kernel[62 + x] * kernel[62 + y];
+                worst = fmax(worst, fabs(got - want));
+                squares += got * got;
+                expected += want * want;
+            }
+        printf("  %u levels: noise falls to %.5f of its variance, the kernel says %.5f\n", levels,
+               squares, expected);
+        CHECK(worst < 1e-5, "%u levels: %g beside the kernel", levels, worst);
+        CHECK(fabs(squares / expected - 1) < 0.01, "%u levels: %g of the variance, expected %g",
+              levels, squares, expected);
+    }
+    bench_close(&b);
+}
+
+// White noise, known to be so by its halves: each half has a mean of two samples.
+static struct made_pixel noisy_pixel(const void *context, uint32_t x, uint32_t y)
+{
+    const float *sigma = context;
+    struct made_pixel p = plain(1.0f);
+    float a = *sigma * random_at(x, y, 2), b = *sigma * random_at(x, y, 3);
+    for (int c = 0; c < 3; c++) {
+        p.light[c] += 0.5f * (a + b);
+        p.apart[c] = 0.5f * (a - b);
+    }
+    return p;
+}
+
+// Luminances that differ have less weight, and 25 degrees of freedom leave a doubt: not all that
+// the kernel could take away goes.
+TEST(white_noise_goes)
+{
+    static const float sigma = 0.3f;
+    OPEN_BENCH(b, 200, 160);
+    RUN_BENCH(b, noisy_pixel, &sigma);
+    double before = 0, after = 0, mean = 0;
+    uint32_t count = 0;
+    for (uint32_t y = 20; y < 140; y++)
+        for (uint32_t x = 20; x < 180; x++, count++) {
+            struct made_pixel p = noisy_pixel(&sigma, x, y);
+            double now = (double)b.film.picture[y * 200 + x][1] / 0.5 - 1;
+            before += ((double)p.light[1] - 1) * ((double)p.light[1] - 1);
+            after += now * now;
+            mean += now;
+        }
+    printf("  white noise: 1/%.0f of its variance is left\n", before / after);
+    CHECK(after * 60 < before, "1/%.1f of the variance is left", before / after);
+    // 0.3 / sqrt(6) a pixel over 19200 of them: 0.0009.
+    CHECK(fabs(mean / count) < 4 * 0.0009, "the mean moved by %g", mean / count);
+    bench_close(&b);
+}
+
+// --- edges ---------------------------------------------------------------------------------------
+
+enum edge { EDGE_NORMAL, EDGE_DEPTH, EDGE_ALBEDO, EDGE_LUMINANCE, EDGES };
+static const char *const edge_names[] = {"normal", "depth", "albedo", "luminance"};
+
+struct edge_film {
+    enum edge edge;
+    float sigma;
+};
+
+static struct made_pixel edge_pixel(const void *context, uint32_t x, uint32_t y)
+{
+    const struct edge_film *film = context;
+    struct made_pixel p = noisy_pixel(&film->sigma, x, y);
+    bool right = x >= 60;
+    // A texture's step leaves the light as it is; others are steps of the light.
+    for (int c = 0; c < 3; c++) {
+        p.albedo[c] = film->edge == EDGE_ALBEDO && right ? 0.1f : 0.5f;
+        p.light[c] += film->edge != EDGE_ALBEDO && right ? -0.8f : 0.0f;
+    }
+    p.normal[0] = film->edge == EDGE_NORMAL && right ? 1.0f : 0.0f;
+    p.normal[2] = film->edge == EDGE_NORMAL && right ? 0.0f : 1.0f;
+    p.depth = film->edge == EDGE_DEPTH && right ? 4.2f : 4.0f;
+    return p;
+}
+
+TEST(edges_stay_sharp)
+{
+    OPEN_BENCH(b, 120, 200);
+    for (int e = 0; e < EDGES; e++) {
+        // Where the light alone tells an edge, it must stand out of the noise.
+        const struct edge_film film = {(enum edge)e, e == EDGE_LUMINANCE ? 0.03f : 0.3f};
+        RUN_BENCH(b, edge_pixel, &film);
+        double worst = 0;
+        for (uint32_t x = 56; x < 64; x++) {
+            double sum = 0;
+            for (uint32_t y = 0; y < 200; y++)
+                sum += (double)b.film.picture[y * 120 + x][0];
+            double bright = 0.5, dark = 0.1;
+            worst = fmax(worst, fabs(sum / 200 - (x < 60 ? bright : dark)) / (bright - dark));
+        }
+        printf("  %s: columns beside the edge are off by %.2f %% of its height at most\n",
+               edge_names[e], 100 * worst);
+        CHECK(worst < 0.03, "%s: off by %g of the edge", edge_names[e], worst);
+    }
+    bench_close(&b);
+}
+
+// --- what is not there, or extreme ---------------------------------------------------------------
+
+static struct made_pixel wild_pixel(const void *context, uint32_t x, uint32_t y)
+{
+    (void)context;
+    struct made_pixel p = noisy_pixel(&(float){0.3f}, x, y);
+    uint32_t kind = (uint32_t)((1.0f + random_at(x, y, 4)) * 8.0f);
+    for (int c = 0; c < 3; c++) {
+        if (kind == 0)
+            p.samples = 0;
+        if (kind == 1)
+            p.normal[c] = p.alpha = 0; // nothing is there
+        if (kind == 2)
+            p.albedo[c] = p.light[c] = p.apart[c] = 0;
+        if (kind == 3)
+            p.light[c] = p.apart[c] = 1e30f;
+        if (kind == 4)
+            p.emission[c] = 1e30f;
+        if (kind == 5)
+            p.light[c] = p.apart[c] = 1e-38f;
+        if (kind == 6)
+            p.normal[c] = 0; // those of several samples cancel
+    }
+    p.depth = kind == 7 ? 1e-18f : kind == 8 ? 1e18f : p.depth;
+    p.samples = kind == 9 ? 1 : kind == 10 ? 1u << 24 : p.samples;
+    return p;
+}
+
+static void check_wild(const struct bench *b)
+{
+    for (uint32_t i = 0; i < b->film.width * b->film.height; i++) {
+        const float *pixel = b->film.picture[i];
+        uint32_t samples = wild_pixel(NULL, i % b->film.width, i / b->film.width).samples;
+        bool finite = isfinite(pixel[0]) && isfinite(pixel[1]) && isfinite(pixel[2]);
+        bool black = pixel[0] == 0 && pixel[1] == 0 && pixel[2] == 0;
+        CHECK(finite && (samples > 0 || black), "pixel %u of %u samples: %g %g %g", i, samples,
+              (double)pixel[0], (double)pixel[1], (double)pixel[2]);
+        CHECK(pixel[3] == (float)samples, "pixel %u: %g samples, expected %u", i, (double)pixel[3],
+              samples);
+    }
+}
+
+TEST(nothing_becomes_infinite)
+{
+    OPEN_BENCH(b, 90, 80);
+    struct camera camera = across;
+    camera.fov_y = 0.8;
+    b.call.camera = &camera;
+    b.call.temporal = true;
+    for (uint32_t kind = 0; kind < 3; kind++) {
+        camera.kind = kind;
+        for (int i = 0; i < 2; i++) {
+            RUN_BENCH(b, wild_pixel, NULL);
+            check_wild(&b);
+            REQUIRE(denoiser_keep(&b.denoiser, &b.call, &b.err), "%s", b.err.msg);
+        }
+    }
+    bench_close(&b);
+}
+
+static struct made_pixel empty_beside(const void *context, uint32_t x, uint32_t y)
+{
+    const bool *holes = context;
+    struct made_pixel p = noisy_pixel(&(float){0.3f}, x, y);
+    if (x >= 32)
+        p = *holes ? (struct made_pixel){0} : p;
+    p.normal[2] = x >= 32 ? -1.0f : 1.0f;
+    return p;
+}
+
+// Pixels without samples speak for nothing: those beside are as if they were another surface's.
+TEST(empty_pixels_give_nothing)
+{
+    OPEN_BENCH(b, 64, 32);
+    float kept[64 * 32][4];
+    RUN_BENCH(b, empty_beside, &(bool){false});
+    memcpy(kept, b.film.picture, sizeof kept);
+    RUN_BENCH(b, empty_beside, &(bool){true});
+    uint32_t differing = 0;
+    // The judgement of the last pass looks 2 pixels far, the variance's Gaussian 1 for each level.
+    for (uint32_t i = 0; i < 64 * 32; i++)
+        for (int c = 0; c < 3 && i % 64 < 22; c++)
+            differing += fabsf(kept[i][c] - b.film.picture[i][c]) > 0.02f;
+    CHECK(differing == 0, "%u values differ", differing);
+    bench_close(&b);
+}
+
+// --- sizes, and what is refused ------------------------------------------------------------------
+
+TEST(pictures_of_any_size)
+{
+    static const uint32_t sizes[][2] = {{33, 9}, {1, 1}, {3, 200}, {65, 64}, {64, 65}, {7, 5}};
+    struct gpu gpu;
+    struct denoiser denoiser = {0};
+    struct err err = {0};
+    static const float sigma = 0.3f;
+    OPEN_GPU(&gpu, .validation = true);
+    REQUIRE_OK(denoiser_create(&gpu, &denoiser, &err));
+    for (int i = 0; i < 6; i++) {
+        struct made_film film;
+        REQUIRE_OK(film_open(&gpu, sizes[i][0], sizes[i][1], &film, &err));
+        const struct denoise_call call = {
+            .renderer = &film.renderer, .camera = &across, .temporal = true};
+        REQUIRE_OK(film_make(&film, noisy_pixel, &sigma, &err));
+        REQUIRE_OK(film_denoise(&film, &denoiser, &call, &err));
+        CHECK(denoiser.width == sizes[i][0] && denoiser.height == sizes[i][1], "%u x %u",
+              denoiser.width, denoiser.height);
+        for (uint32_t p = 0; p < film.width * film.height; p++)
+            CHECK(fabsf(film.picture[p][0] - 0.5f) <= 0.15f, "%u x %u: pixel %u: %g", film.width,
+                  film.height, p, (double)film.picture[p][0]);
+        REQUIRE_OK(denoiser_keep(&denoiser, &call, &err));
+        film_close(&film);
+    }
+    denoiser_finish(&denoiser);
+    gpu_close(&gpu);
+    CHECK(gpu.validation_messages == 0, "%u validation messages", gpu.validation_messages);
+    CHECK(gpu.allocated_bytes == 0, "%llu bytes are left", (unsigned long long)gpu.allocated_bytes);
+}
+
+TEST(bad_calls_are_refused)
+{
+    OPEN_BENCH(b, 8, 8);
+    b.call.iterations = 6;
+    CHECK(!denoiser_run(&b.denoiser, &b.call, &b.err) && b.err.code == ERR_USAGE, "%s", b.err.msg);
+    b.call.iterations = 0;
+    struct renderer bare;
+    struct renderer_params params = {.gpu = &b.gpu, .scene = &b.film.scene, .wave = 1024};
+    REQUIRE(renderer_create(&params, &bare, &b.err), "%s", b.err.msg);
+    b.call.renderer = &bare;
+    CHECK(!denoiser_run(&b.denoiser, &b.call, &b.err) && b.err.code == ERR_BUG, "%s", b.err.msg);
+    renderer_finish(&bare);
+    bench_close(&b);
+}
+
+TEST_MAIN(TEST_CASE(constant_stays), TEST_CASE(what_is_certain_stays_and_the_film_too),
+          TEST_CASE(the_wavelet_is_the_cascade_of_splines), TEST_CASE(white_noise_goes),
+          TEST_CASE(edges_stay_sharp), TEST_CASE(nothing_becomes_infinite),
+          TEST_CASE(empty_pixels_give_nothing), TEST_CASE(pictures_of_any_size),
+          TEST_CASE(bad_calls_are_refused))
