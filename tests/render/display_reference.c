@@ -276,10 +276,12 @@ bool stage_open(struct stage *s, const char *path, const char *film, uint32_t ao
 {
     const struct scene_override overrides[] = {{"film", film}, {0}};
     return load_scene(path, overrides, &s->scene, err) &&
-           renderer_create(
-               &(struct renderer_params){
-                   .gpu = &s->gpu, .scene = &s->scene, .aovs = aovs, .open_ended = true},
-               &s->renderer, err) &&
+           renderer_create(&(struct renderer_params){.gpu = &s->gpu,
+                                                     .scene = &s->scene,
+                                                     .aovs = aovs,
+                                                     .open_ended = true,
+                                                     .instancing = INSTANCING_ON},
+                           &s->renderer, err) &&
            display_create(&s->gpu, &s->display, err);
 }
 

@@ -129,8 +129,9 @@ static void check_shown(struct stage *s, uint32_t shown)
 
 TEST(everything_shown)
 {
-    static const char *const scenes[] = {"tests/render/scenes/aovs.json", "scenes/cornell.json"};
-    for (int i = 0; i < 2; i++) {
+    static const char *const scenes[] = {"tests/render/scenes/aovs.json", "scenes/cornell.json",
+                                         "scenes/teapots.json"};
+    for (int i = 0; i < 3; i++) {
         struct stage s = {0};
         struct err err = {0};
         OPEN_GPU(&s.gpu, .validation = true);
@@ -141,6 +142,33 @@ TEST(everything_shown)
         CHECK(!shown_names[SHOWN_COUNT], "as many names as pictures");
         stage_close(&s);
     }
+}
+
+// Where the first samples are one half and the last the other: how many there are of each depends
+// on how many were planned.
+TEST(variance_of_contiguous_halves)
+{
+    static const struct scene_override overrides[] = {{"film", "{\"width\": 40, \"height\": 30}"},
+                                                      {"settings.halves", "\"contiguous\""},
+                                                      {"settings.spp", "8"},
+                                                      {0}};
+    struct stage s = {0};
+    struct err err = {0};
+    OPEN_GPU(&s.gpu, .validation = true);
+    REQUIRE_OK(load_scene("scenes/cornell.json", overrides, &s.scene, &err));
+    const struct renderer_params params = {.gpu = &s.gpu, .scene = &s.scene, .aovs = AOV_VARIANCE};
+    REQUIRE_OK(renderer_create(&params, &s.renderer, &err));
+    REQUIRE_OK(display_create(&s.gpu, &s.display, &err));
+    for (int i = 0; i < 2; i++) {
+        REQUIRE_OK(stage_render(&s, 3, &err));
+        struct display_call call = call_of_film(&s, SHOWN_VARIANCE);
+        call.range[0] = 1e-6;
+        call.range[1] = 1;
+        const struct expected expected = {.sides = {values_of(&s.film, call.shown, &s.arena)}};
+        check_picture(i ? "six of eight" : "three of eight", &s.display, &call, &expected,
+                      &s.arena);
+    }
+    stage_close(&s);
 }
 
 // --- sides, what was kept, parts -----------------------------------------------------------------
@@ -541,6 +569,6 @@ TEST(cost)
 }
 
 TEST_MAIN(TEST_CASE(every_curve), TEST_CASE(every_size), TEST_CASE(everything_shown),
-          TEST_CASE(split), TEST_CASE(kept), TEST_CASE(parts), TEST_CASE(denoised), TEST_CASE(png),
-          TEST_CASE(extreme_values), TEST_CASE(changing_sizes), TEST_CASE(what_cannot_be_shown),
-          TEST_CASE(cost))
+          TEST_CASE(variance_of_contiguous_halves), TEST_CASE(split), TEST_CASE(kept),
+          TEST_CASE(parts), TEST_CASE(denoised), TEST_CASE(png), TEST_CASE(extreme_values),
+          TEST_CASE(changing_sizes), TEST_CASE(what_cannot_be_shown), TEST_CASE(cost))
