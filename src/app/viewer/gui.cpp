@@ -455,7 +455,7 @@ void gui_end(struct gui *gui, struct gpu_drawing *out)
         own->edit_id[0] = '\0';
     copy_drawing(own, ImGui::GetDrawData(), out);
     gui->is_busy = ImGui::IsAnyItemActive();
-    gui->wants_keys = ImGui::GetIO().WantTextInput;
+    gui->wants_keys = ImGui::GetIO().WantTextInput || own->edit_id[0];
     update_wants(gui);
 }
 

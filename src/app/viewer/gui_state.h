@@ -58,6 +58,7 @@ struct gui_state {
     bool edit_begins;
     uint32_t edit_idle; // frames without its control
     double drag_start, drag_pixels;
+    bool drag_types;   // it becomes typing where it does not move
     char refusal[512]; // why what was typed last was not taken
     double refusal_until, clock;
     char hovered_id[GUI_ID_MAX];

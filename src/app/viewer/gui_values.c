@@ -29,6 +29,10 @@ void value_write(double value, bool is_float, const struct gui_range *range, cha
         snprintf(out, GUI_VALUE_MAX, "%s", word);
         return;
     }
+    if (fabs(value) < 1e15 && value == rint(value)) {
+        snprintf(out, GUI_VALUE_MAX, "%.0f", value == 0.0 ? 0.0 : value);
+        return;
+    }
     // 17 significant digits tell every double from its neighbours (IEEE 754-2019, 5.12.2).
     for (int digits = 1; digits <= 17; digits++) {
         snprintf(out, GUI_VALUE_MAX, "%.*g", digits, value);
@@ -56,11 +60,11 @@ static const char *skip_spaces(const char *text)
     return text + strspn(text, " \t");
 }
 
-static void say_range(const struct gui_range *range, const char *value, char *why)
+static void say_range(const struct gui_range *range, bool is_float, const char *value, char *why)
 {
     char min[GUI_VALUE_MAX], max[GUI_VALUE_MAX];
-    value_write(range->min, true, NULL, min);
-    value_write(range->max, true, NULL, max);
+    value_write(range->min, is_float, NULL, min);
+    value_write(range->max, is_float, NULL, max);
     if (range->infinite)
         snprintf(why, WHY_BYTES, "%.60s is outside [%.40s, %.40s], and not \"%s\"", value, min, max,
                  range->infinite);
@@ -98,7 +102,7 @@ static bool read_one(const char *text, const char **end, bool is_float,
     if (is_float)
         value = (double)(float)value;
     if (!(value >= range->min && value <= range->max)) {
-        say_range(range, written, why);
+        say_range(range, is_float, written, why);
         return false;
     }
     if (range->integer && value != rint(value)) {

@@ -320,19 +320,21 @@ static bool number_box(struct gui *gui, const char *id, float width, const struc
     if (ImGui::IsItemActivated()) {
         own->drag_start = *value;
         own->drag_pixels = 0.0;
+        own->drag_types = io.KeyCtrl || ImGui::IsMouseDoubleClicked(0);
     }
-    bool wants_typing = ImGui::IsItemActivated() && (io.KeyCtrl || ImGui::IsMouseDoubleClicked(0));
-    if (wants_typing) {
-        char text[GUI_VALUE_MAX];
-        value_write(*value, is_float, range, text);
-        edit_start(own, id, text);
-    } else if (ImGui::IsItemActive() && ImGui::IsMouseDragging(0, DRAG_POINTS * own->scale)) {
+    if (ImGui::IsItemActive() && ImGui::IsMouseDragging(0, DRAG_POINTS * own->scale)) {
+        own->drag_types = false;
         own->drag_pixels += (double)io.MouseDelta.x * (io.KeyShift ? 0.1 : 1.0);
         double to =
             value_dragged(own->drag_start, own->drag_pixels / (double)width, range, is_float);
         changed = to != *value;
         if (changed)
             *value = to;
+    }
+    if (ImGui::IsItemDeactivated() && own->drag_types) {
+        char text[GUI_VALUE_MAX];
+        value_write(*value, is_float, range, text);
+        edit_start(own, id, text);
     }
     draw_number(at, size, range, *value);
     return changed;
