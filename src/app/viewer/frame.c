@@ -8,6 +8,8 @@
 // A picture that is to be seen whole at once may take so many times what a frame may: rather a slow
 // frame than one that shows two cameras.
 #define PATIENCE 8.0
+// So long after the last event nobody is doing anything.
+#define CALM_SECONDS 0.3
 
 // --- rendering -----------------------------------------------------------------------------------
 
@@ -15,6 +17,14 @@ bool viewer_frame_is_over(void *context)
 {
     const struct viewer *viewer = context;
     return clock_ns() >= viewer->render_until_ns || signals_received() != 0;
+}
+
+// What a frame renders for.
+static double frame_render_ms(const struct viewer *viewer)
+{
+    bool is_calm = !viewer->is_moving && !viewer->gui.is_busy && viewer_holds_nothing(viewer) &&
+                   viewer_seconds(viewer) - viewer->input_seconds > CALM_SECONDS;
+    return is_calm ? pace_calm_render_ms(&viewer->pace) : pace_render_ms(&viewer->pace);
 }
 
 // Samples of single pixels that the film has.
@@ -43,7 +53,7 @@ static uint64_t samples_at_once(const struct viewer *viewer, const struct view *
     const struct renderer *r = &view->renderer;
     uint64_t left = samples_left(viewer, view), most = 1 + view_samples(view) / 8;
     double pass_ms = viewer->pace.ms_per_sample * r->frame.width * r->frame.height;
-    double fit = pass_ms > 0.0 ? floor(pace_render_ms(&viewer->pace) / pass_ms) : 1.0;
+    double fit = pass_ms > 0.0 ? floor(frame_render_ms(viewer) / pass_ms) : 1.0;
     uint64_t samples = fit > 1.0 ? (uint64_t)fmin(fit, 1u << MAX_SAMPLE_SHIFT) : 1;
     samples = samples < most ? samples : most;
     return samples < left ? samples : left;
@@ -63,13 +73,13 @@ static bool render_side(struct viewer *viewer, struct view *view, uint64_t sampl
             return false;
         done = view_samples(view) - done;
         samples = samples > done ? samples - done : 0;
-        if (viewer_frame_is_over(viewer))
-            break;
+        stopped |= viewer_frame_is_over(viewer) || view_wants_look(viewer, view);
     }
     double seconds = clock_seconds_since(start), work = work_done(view) - before;
     view->seconds += seconds;
     view->turn_seconds += seconds;
     viewer->stats.render_ms += seconds * 1e3;
+    viewer->render_seconds += seconds;
     viewer->frame_samples += work;
     if (work > 0.0)
         pace_measure(&viewer->pace, work, seconds * 1e3, viewer->pace.overhead_ms);
@@ -80,7 +90,7 @@ static bool render_side(struct viewer *viewer, struct view *view, uint64_t sampl
 static void set_time(struct viewer *viewer, const struct view *view, double factor)
 {
     double wave_ms = viewer->pace.ms_per_sample * view->renderer.plan.wave_slots;
-    double ms = fmax(factor * pace_render_ms(&viewer->pace) - 0.5 * wave_ms, 0.0);
+    double ms = fmax(factor * frame_render_ms(viewer) - 0.5 * wave_ms, 0.0);
     viewer->render_until_ns = isfinite(ms) ? clock_ns() + (uint64_t)(ms * 1e6) : UINT64_MAX;
 }
 
@@ -147,13 +157,13 @@ bool viewer_render(struct viewer *viewer, struct err *err)
         if (!clear_fresh(viewer, view, err) || !render_whole(viewer, view, &done[side], err))
             return false;
     }
-    double left_ms = pace_render_ms(&viewer->pace) - viewer->stats.render_ms;
+    double whole_ms = frame_render_ms(viewer), left_ms = whole_ms - viewer->stats.render_ms;
     if (left_ms <= 0.0)
         return true;
     struct view *view = next_side(viewer, done);
     if (!view)
         return true;
-    set_time(viewer, view, left_ms / pace_render_ms(&viewer->pace));
+    set_time(viewer, view, left_ms / whole_ms);
     return fit_wave(viewer, view, err) && render_side(viewer, view, UINT64_MAX, err);
 }
 

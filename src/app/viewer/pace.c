@@ -6,6 +6,10 @@
 // A finer picture has to fit into this part of the time before it is chosen: what it takes differs
 // from frame to frame by less.
 #define MARGIN 0.8
+// Of a frame while nobody does anything: rendering takes so many times what all else does, within a
+// time after which what somebody begins to do is answered.
+#define CALM_SHARE 4.0
+#define CALM_FRAME_MS 200.0
 // Before anything was measured, so that the first picture is there at once on any device.
 #define FIRST_SHRINK 8u
 
@@ -30,6 +34,16 @@ double pace_render_ms(const struct pace *pace)
 {
     double left = pace->target_ms - pace->overhead_ms, least = 0.25 * pace->target_ms;
     return left > least ? left : least;
+}
+
+// The display and the panel of a slow device would else take more of its time than the picture.
+double pace_calm_render_ms(const struct pace *pace)
+{
+    double ms = CALM_SHARE * pace->overhead_ms, most = CALM_FRAME_MS - pace->overhead_ms;
+    if (ms > most)
+        ms = most;
+    double usual = pace_render_ms(pace);
+    return ms > usual ? ms : usual;
 }
 
 uint32_t pace_shrunk(uint32_t side, uint32_t shrink)

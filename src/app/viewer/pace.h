@@ -22,6 +22,9 @@ void pace_measure(struct pace *pace, double samples, double render_ms, double ov
 // What a frame may take for rendering; never below a quarter of the target, so that the picture
 // goes on where all else takes long.
 double pace_render_ms(const struct pace *pace);
+// The same while nothing is done but looking: longer, so that most of the time goes into the
+// picture.
+double pace_calm_render_ms(const struct pace *pace);
 // Paths in flight, a power of two, that take no longer than a frame may: a frame ends between two
 // waves.
 uint32_t pace_wave(const struct pace *pace);

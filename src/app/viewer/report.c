@@ -149,10 +149,11 @@ static void print_json(struct viewer *viewer)
     const struct frame_stats *stats = &viewer->stats;
     double seconds = viewer_seconds(viewer);
     json_print(json_pack(
-        "{s:o, s:o, s:{s:i, s:i}, s:I, s:f, s:o, s:{s:o, s:o}, s:i, s:o, s:i}", "scene",
+        "{s:o, s:o, s:{s:i, s:i}, s:I, s:f, s:f, s:o, s:{s:o, s:o}, s:i, s:o, s:i}", "scene",
         viewer->has_scene ? json_words(viewer->scene_path) : json_null(), "device",
         json_words(viewer->gpu.info.name), "size", "width", (int)viewer->window.width, "height",
-        (int)viewer->window.height, "frames", (json_int_t)stats->frames, "seconds", seconds, "fps",
+        (int)viewer->window.height, "frames", (json_int_t)stats->frames, "seconds", seconds,
+        "render_seconds", viewer->render_seconds, "fps",
         json_number((double)stats->frames / seconds), "frame_ms", "moving",
         times_json(&viewer->moving_times), "resting", times_json(&viewer->resting_times), "shrink",
         (int)viewer->pace.shrink, "sides", sides, "recoveries", (int)viewer->recoveries));
@@ -186,8 +187,9 @@ static void print_text(struct viewer *viewer)
     print_line("device    ", viewer->gpu.info.name);
     if (viewer->has_scene)
         print_line("scene     ", viewer->scene_path);
-    printf("frames    %llu of %u x %u in %.1f s\n", (unsigned long long)viewer->stats.frames,
-           viewer->window.width, viewer->window.height, viewer_seconds(viewer));
+    printf("frames    %llu of %u x %u in %.1f s, of which %.1f s were rendering\n",
+           (unsigned long long)viewer->stats.frames, viewer->window.width, viewer->window.height,
+           viewer_seconds(viewer), viewer->render_seconds);
     print_times("moving  ", &viewer->moving_times);
     print_times("resting ", &viewer->resting_times);
     for (uint32_t side = 0; side < viewer->side_count && viewer->has_scene; side++)

@@ -112,7 +112,7 @@ static void look_done(void *context, void *viewer, bool ok, const struct err *er
 
 // Both halves have as many samples as each other at even numbers, and all pixels have the same at
 // the end of a pass.
-static bool is_due(const struct viewer *viewer, const struct view *view)
+bool view_wants_look(const struct viewer *viewer, const struct view *view)
 {
     uint64_t samples = view_samples(view);
     if (!view->is_ready || view->is_preview || view->is_looking || view->method.fresh_frames ||
@@ -147,7 +147,7 @@ static bool start_look(struct viewer *viewer, uint32_t side, struct look_job *jo
 bool view_look_at_error(struct viewer *viewer, uint32_t side, struct err *err)
 {
     struct view *view = &viewer->sides[side];
-    if (!is_due(viewer, view))
+    if (!view_wants_look(viewer, view))
         return true;
     struct look_job *job = malloc(sizeof *job);
     if (!job)

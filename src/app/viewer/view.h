@@ -51,6 +51,8 @@ struct view {
 
 struct viewer;
 
+// Whether the error is to be found now, of the film as it is.
+bool view_wants_look(const struct viewer *viewer, const struct view *view);
 // Of the film as it is, where the time for it has come: on the worker's thread, into `looks`.
 bool view_look_at_error(struct viewer *viewer, uint32_t side, struct err *err);
 // A picture begins: what is known of the last one is void.

@@ -180,6 +180,8 @@ static void take_event(struct viewer *viewer, const struct event *event)
 
 static void take_events(struct viewer *viewer)
 {
+    if (viewer->window.event_count > 0)
+        viewer->input_seconds = viewer_seconds(viewer);
     for (uint32_t i = 0; i < viewer->window.event_count; i++)
         take_event(viewer, &viewer->window.events[i]);
 }

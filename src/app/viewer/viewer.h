@@ -159,6 +159,8 @@ struct viewer {
     struct gpu_drawing drawing;            // of the panel, for the frame that runs
     double frame_seconds;                  // that the last frame took, waiting included
     double frame_samples;                  // of single pixels, in the frame that runs
+    double render_seconds;                 // of all frames
+    double input_seconds;                  // clock of the last event
     double progress_seconds;               // clock: when progress was shown last
     uint64_t start_ns, frame_ns;           // clock; of the frame that runs
     struct viewer_log log;
