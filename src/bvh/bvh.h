@@ -226,4 +226,11 @@ bool bvh_trace_any(const struct bvh_trace_scene *scene, const struct bvh_ray *ra
 void bvh_trace_brute_force(const struct bvh_trace_scene *scene, const struct bvh_ray *ray,
                            struct bvh_hit *hit);
 
+// All that a ray may hit from its origin on, in no order: triangles, by their index as given, and
+// instances, BVH_LEAF_INSTANCE | index, as far as the ray goes through the boxes that lead to them.
+// A triangle with several places may come several times. Shapes are left out.
+typedef void (*bvh_visit_fn)(void *context, uint32_t primitive);
+void bvh_visit_ray(const struct bvh *bvh, uint32_t root, const double origin[3],
+                   const double direction[3], bvh_visit_fn visit, void *context);
+
 #endif

@@ -182,54 +182,94 @@ static void probe_shape(struct probe *probe, const struct flat_shape *shape, con
 
 // --- the whole -----------------------------------------------------------------------------------
 
-// Triangles from `first` to `end`, of which a ray is in the same space.
-static void probe_triangles(struct probe *probe, const struct flat_scene *flat, uint32_t first,
-                            uint32_t end, uint32_t override, const struct gpu_material *materials)
+// What the boxes of the hierarchy leave of a tree's triangles, for one of the rays.
+struct visit {
+    struct probe *probe;
+    const struct shading_tables_params *p;
+    const struct gpu_material *materials;
+    uint32_t override; // material of all; SCENE_NONE: their own
+    int ray;
+};
+
+static void probe_triangle(const struct visit *v, uint32_t index)
 {
-    for (uint32_t i = first; i < end; i++) {
-        uint32_t material = override == SCENE_NONE ? flat->triangles[i].material : override;
-        uint32_t number = materials[material].medium;
-        for (int ray = 0; ray < RAYS && number > 0; ray++)
-            probe->left[ray][number] +=
-                crossing(probe->origin, probe->directions[ray], &flat->triangles[i]);
+    const struct flat_triangle *triangle = &v->p->flat->triangles[index];
+    uint32_t material = v->override == SCENE_NONE ? triangle->material : v->override;
+    uint32_t number = v->materials[material].medium;
+    if (number > 0)
+        v->probe->left[v->ray][number] +=
+            crossing(v->probe->origin, v->probe->directions[v->ray], triangle);
+}
+
+static void probe_instance(struct visit *v, const struct flat_instance *instance);
+
+// Instances are looked into with all rays at once, when the first one comes to them: one whose box
+// no ray begins in is of no interest.
+static void visit_primitive(void *context, uint32_t primitive)
+{
+    struct visit *v = context;
+    if (!(primitive & BVH_LEAF_SHAPE))
+        probe_triangle(v, primitive);
+    else if (v->ray == 0)
+        probe_instance(v, &v->p->flat->instances[primitive & BVH_LEAF_INDEX]);
+}
+
+// A triangle that has several places would be visited several times: the boxes are left alone then.
+static bool is_split(const struct bvh *bvh)
+{
+    return bvh->reference_count > bvh->triangle_count;
+}
+
+// The triangles from `first` to `end`, which are those of the tree at `root`, and its instances.
+static void probe_tree(struct visit *v, uint32_t root, uint32_t first, uint32_t end)
+{
+    const struct bvh *bvh = v->p->bvh;
+    for (v->ray = 0; v->ray < RAYS; v->ray++) {
+        for (uint32_t i = first; i < end && is_split(bvh); i++)
+            probe_triangle(v, i);
+        if (!is_split(bvh))
+            bvh_visit_ray(bvh, root, v->probe->origin, v->probe->directions[v->ray],
+                          visit_primitive, v);
     }
 }
 
-static void probe_instance(struct probe *probe, const struct flat_scene *flat,
-                           const struct flat_instance *instance,
-                           const struct gpu_material *materials)
+static void probe_instance(struct visit *v, const struct flat_instance *instance)
 {
-    const struct flat_mesh *mesh = &flat->meshes[instance->mesh];
-    struct probe world = *probe;
+    const struct flat_mesh *mesh = &v->p->flat->meshes[instance->mesh];
+    const struct probe *world = v->probe;
+    struct probe probe = *world;
     for (int row = 0; row < 3; row++) {
         double linear[3];
         to_double(instance->to_object[row], linear);
-        probe->origin[row] = dot(linear, world.origin) + (double)instance->to_object[row][3];
+        probe.origin[row] = dot(linear, world->origin) + (double)instance->to_object[row][3];
         for (int ray = 0; ray < RAYS; ray++)
-            probe->directions[ray][row] = dot(linear, world.directions[ray]);
+            probe.directions[ray][row] = dot(linear, world->directions[ray]);
     }
     // No closed surface holds what is outside of its box.
-    bool near = true;
     for (int c = 0; c < 3; c++)
-        near = near && probe->origin[c] >= (double)mesh->bounds_min[c] &&
-               probe->origin[c] <= (double)mesh->bounds_max[c];
-    if (near)
-        probe_triangles(probe, flat, mesh->first_triangle,
-                        mesh->first_triangle + mesh->triangle_count, instance->material, materials);
-    memcpy(probe->origin, world.origin, sizeof world.origin);
-    memcpy(probe->directions, world.directions, sizeof world.directions);
+        if (!(probe.origin[c] >= (double)mesh->bounds_min[c] &&
+              probe.origin[c] <= (double)mesh->bounds_max[c]))
+            return;
+    struct visit inside = *v;
+    inside.probe = &probe;
+    inside.override = instance->material;
+    probe_tree(&inside, v->p->bvh->roots[instance->mesh + 1], mesh->first_triangle,
+               mesh->first_triangle + mesh->triangle_count);
+    memcpy(v->probe->left, probe.left, sizeof probe.left);
 }
 
-static void probe_scene(struct probe *probe, const struct flat_scene *flat, const struct sdf *sdfs,
+static void probe_scene(struct probe *probe, const struct shading_tables_params *p,
                         const struct gpu_material *materials)
 {
-    probe_triangles(probe, flat, 0, flat->world_triangle_count, SCENE_NONE, materials);
-    for (uint32_t i = 0; i < flat->placed_count; i++)
-        probe_instance(probe, flat, &flat->instances[i], materials);
+    const struct flat_scene *flat = p->flat;
+    struct visit visit = {probe, p, materials, SCENE_NONE, 0};
+    probe_tree(&visit, 0, 0, flat->world_triangle_count);
+    for (uint32_t i = 0; i < flat->placed_count && is_split(p->bvh); i++)
+        probe_instance(&visit, &flat->instances[i]);
     for (uint32_t i = 0; i < flat->shape_count; i++) {
         uint32_t number = materials[flat->shapes[i].material].medium;
         if (number > 0)
-            probe_shape(probe, &flat->shapes[i], sdfs, number);
+            probe_shape(probe, &flat->shapes[i], p->scene->sdfs, number);
     }
 }
 
@@ -252,7 +292,7 @@ uint32_t camera_media_find(const struct shading_tables_params *p,
         probe.directions[1][c] = d[(c + 1) % 3] + 0.345 * (c - 0.7);
         probe.directions[2][c] = d[(c + 2) % 3] - 0.234 * (c - 1.3);
     }
-    probe_scene(&probe, p->flat, p->scene->sdfs, materials);
+    probe_scene(&probe, p, materials);
     uint32_t stack = 0;
     for (uint32_t number = 1; number <= MEDIA_MAX; number++)
         for (int32_t n = majority(&probe, number); n > 0; n--)

@@ -23,6 +23,7 @@ static bool place_camera(struct renderer *r, struct err *err)
     const struct shading_tables_params params = {
         .scene = r->scene,
         .flat = &r->flat,
+        .bvh = &r->bvh,
         .camera = &r->camera,
     };
     return !materials->handle || !shading_tables_place_camera(&params, &r->tables) ||

@@ -1,5 +1,6 @@
 // Geometry that several renderers share, that follows the scene's changes, and that leaves out what
 // is hidden.
+#include "camera_media.h"
 #include "geometry.h"
 #include "render_fixture.h"
 
@@ -405,7 +406,57 @@ TEST(a_failure_leaves_nothing)
     scene_finish(&scene);
 }
 
+// --- what the camera is in -----------------------------------------------------------------------
+
+#define MEDIA 2u // glass of the pots, and of everything else
+#define POINTS 160
+
+// By way of the hierarchy, and with every triangle, as where one has several places.
+static void compare_media(const struct scene *scene, enum instancing instancing, bool *found)
+{
+    struct geometry geometry;
+    struct err err = {0};
+    struct gpu_material materials[16] = {{0}};
+    REQUIRE(scene->material_count <= 16, "%u materials", scene->material_count);
+    for (uint32_t i = 0; i < scene->material_count; i++)
+        materials[i].medium = strncmp(scene->materials[i].name, "pot", 3) == 0 ? 1 : MEDIA;
+    const struct geometry_params params = {.scene = scene, .instancing = instancing};
+    REQUIRE_OK(geometry_create(&params, &geometry, &err));
+    struct bvh split = geometry.bvh;
+    split.reference_count++;
+    struct camera camera = scene->cameras[0];
+    struct shading_tables_params tables = {
+        .scene = scene, .flat = &geometry.flat, .camera = &camera};
+    uint32_t wrong = 0;
+    for (int i = 0; i < POINTS; i++) {
+        // About the first and the second pot.
+        camera.position[0] = -2.8 + 1.6 * (i % 20) / 20.0;
+        camera.position[1] = 0.02 + 0.5 * (i / 20 % 4) / 4.0;
+        camera.position[2] = -0.3 + 0.6 * (i / 80) / 2.0;
+        camera.direction[0] = 0.1 * (i % 7 - 3);
+        tables.bvh = &geometry.bvh;
+        uint32_t quick = camera_media_find(&tables, materials);
+        tables.bvh = &split;
+        wrong += quick != camera_media_find(&tables, materials);
+        found[quick != 0] = true;
+    }
+    CHECK(wrong == 0, "%u of %d points differ", wrong, POINTS);
+    geometry_finish(&geometry);
+}
+
+TEST(media_around_the_camera)
+{
+    struct scene scene;
+    struct err err = {0};
+    bool found[2] = {false, false};
+    REQUIRE_OK(load_scene("scenes/teapots.json", small, &scene, &err));
+    compare_media(&scene, INSTANCING_OFF, found);
+    compare_media(&scene, INSTANCING_ON, found);
+    CHECK(found[0] && found[1], "all points are in the same");
+    scene_finish(&scene);
+}
+
 TEST_MAIN(TEST_CASE(hiding_is_removing), TEST_CASE(all_can_be_hidden),
           TEST_CASE(sharing_changes_no_bit), TEST_CASE(follows_changes),
           TEST_CASE(follows_changes_of_one_level), TEST_CASE(another_method_builds_anew),
-          TEST_CASE(a_failure_leaves_nothing))
+          TEST_CASE(a_failure_leaves_nothing), TEST_CASE(media_around_the_camera))
