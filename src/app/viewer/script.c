@@ -109,9 +109,11 @@ static enum step step_copy(struct script *script, struct viewer *viewer,
 static enum step step_lose_device(struct script *script, struct viewer *viewer,
                                   const struct command_line *command, struct err *err)
 {
-    (void)script, (void)command, (void)err;
+    (void)command, (void)err;
+    if (script->now.phase > 0)
+        return STEP_DONE;
     viewer->gpu.params.lose_device_at_submit = viewer->gpu.submit_count + 1;
-    return script->now.phase == 0 ? next_phase(script) : STEP_DONE;
+    return next_phase(script);
 }
 
 static enum step step_timeout(struct script *script, struct viewer *viewer,

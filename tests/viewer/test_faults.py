@@ -1,0 +1,178 @@
+#!/usr/bin/env python3
+"""What goes wrong around the viewer: displays, scenes, shaders, devices, folders, scripts, signals.
+
+    test_faults.py LAMPYRIS VIEWER SOURCE_ROOT
+"""
+import os
+import shutil
+import signal
+import stat
+import subprocess
+import time
+import unittest
+
+import viewer_run
+from viewer_run import CORNELL, ROOT, Case
+
+
+class Faults(Case):
+    def test_no_display(self):
+        env = {key: value for key, value in os.environ.items()
+               if key not in ('DISPLAY', 'WAYLAND_DISPLAY')}
+        result = self.view('quit\n', window=True, code=2, env=env)
+        self.assertIn('lampyris render', result.err)
+        self.assertIn('--headless', result.err)
+
+    def test_headless_needs_a_script(self):
+        process = subprocess.run([viewer_run.VIEWER, CORNELL, '--headless'], stderr=subprocess.PIPE,
+                                 text=True)
+        self.assertEqual(process.returncode, 2)
+        self.assertIn('--script', process.stderr)
+
+    def test_scripts_are_checked_before_they_run(self):
+        result = self.view('screenshot a.png\nwait 3 samples\nkye F1\n', code=2)
+        self.assertIn('script.txt:3: there is no command kye; did you mean key?', result.err)
+        self.assertFalse(os.path.exists(self.path('a.png')))
+
+    def test_commands_that_fail(self):
+        for script, words in (
+                ('set view.exposur 1\n', 'view.exposure'),
+                ('set view.exposure 1e9\n', 'view.exposure'),
+                ('click no.such.control\n', 'no.such.control'),
+                ('expect samples.x == 1\n', 'the state has no samples.x'),
+                ('wait 1 frames\nexpect camera.kind == fish\n',
+                 'camera.kind is "perspective"; expected == "fish"'),
+                ('wait 9 samples\n', 'rests at its limit of 4'),
+                ('hash h.jsonl b\n', 'no picture on side b'),
+                ('timeout 0.2\nwait 3000 ms\n', 'not done after 0.2 s'),
+                ('check view.pause on picture\n', 'nothing but its own value has changed'),
+        ):
+            with self.subTest(script):
+                result = self.view(script, '--spp', '4', code=1)
+                self.assertIn(words, result.err)
+                self.assertIn('script.txt:', result.err)
+
+    def test_scene_that_is_not_there(self):
+        result = self.view('quit\n', scene=self.path('none.json'), code=2)
+        self.assertIn('none.json', result.err)
+
+    def test_broken_scene_keeps_the_old_picture(self):
+        scene = self.scene()
+        self.write('broken.json', '{"film": {"width": -3}}')
+        result = self.view(
+            'wait 2 samples\nhash hash.jsonl\ncopy cornell.json whole.json\n'
+            'copy broken.json cornell.json\nkey F5\nwait 10 frames\n'
+            'expect message.kind == error\nexpect message.text ~ cornell.json\n'
+            'wait 2 samples\nhash hash.jsonl\n'
+            'copy whole.json cornell.json\nkey F5\nwait 10 frames\nwait idle\n'
+            'expect message.kind != error\nhash hash.jsonl\n', '--spp', '2', scene=scene)
+        self.assertEqual(len({h['image_hash'] for h in result.hashes()}), 1)
+
+    def shaders(self):
+        """A copy of the source that may be changed."""
+        return shutil.copytree(os.path.join(ROOT, 'shaders'), self.path('shaders'))
+
+    def test_broken_shader_keeps_the_old_kernels(self):
+        folder = self.shaders()
+        name = os.path.join(folder, 'shade_miss.comp')
+        with open(name, encoding='utf-8') as file:
+            whole = file.read()
+        self.write('broken.comp', whole + '\nint x = missing;\n')
+        lines = whole.count('\n') + 2
+        result = self.view(
+            'wait 2 samples\nhash hash.jsonl\ncopy broken.comp shaders/shade_miss.comp\n'
+            'key F5\nwait 5 frames\nwait idle\nexpect message.kind == error\n'
+            f"expect shader_errors ~ \"shade_miss.comp:{lines}: 'missing' : undeclared\"\n"
+            'hash hash.jsonl\n', '--spp', '2', '--shaders', 'shaders')
+        self.assertEqual(len({h['image_hash'] for h in result.hashes()}), 1)
+
+    def test_changed_shader_is_used(self):
+        """Half of the samples count twice: another picture; and back again."""
+        name = os.path.join(self.shaders(), 'accumulate.comp')
+        shutil.copy(name, self.path('whole.comp'))
+        with open(name, encoding='utf-8') as file:
+            whole = file.read()
+        self.assertIn('add(halves[0], radiance.rgb)', whole)
+        self.write('other.comp', whole.replace('add(halves[0], radiance.rgb)',
+                                               'add(halves[0], 2.0 * radiance.rgb)'))
+        reload = 'key F5\nwait 5 frames\nwait idle\nexpect message.kind == note\n'
+        result = self.view(
+            'wait 2 samples\nhash hash.jsonl\n'
+            f'copy other.comp shaders/accumulate.comp\n{reload}hash hash.jsonl\n'
+            f'copy whole.comp shaders/accumulate.comp\n{reload}hash hash.jsonl\n'
+            f'{reload}hash hash.jsonl\n',
+            '--spp', '2', '--shaders', 'shaders')
+        first, other, back, again = [h['image_hash'] for h in result.hashes()]
+        self.assertNotEqual(first, other)
+        self.assertEqual([first, first], [back, again])
+
+    def test_no_compiler(self):
+        env = {**os.environ, 'PATH': self.folder}
+        result = self.view('wait 1 frames\nexpect enabled.shaders.reload == false\nkey F5\n'
+                           'wait 1 samples\n', env=env)
+        self.assertIn('glslangValidator', result.err)
+
+    def test_no_source(self):
+        result = self.view('wait 1 frames\nexpect enabled.shaders.reload == false\nkey F5\n'
+                           'wait 1 samples\n', '--shaders', 'nowhere')
+        self.assertIn('nowhere: the folder', result.err)
+        self.assertIn('--shaders', result.err)
+
+    def test_lost_device(self):
+        result = self.view('wait 3 samples\nhash hash.jsonl\nlose-device\nwait 3 samples\n'
+                           'expect counts.recoveries == 1\nhash hash.jsonl\n', '--spp', '3')
+        self.assertEqual(len({h['image_hash'] for h in result.hashes()}), 1)
+
+    def test_device_lost_at_the_beginning(self):
+        self.view('wait 3 samples\nhash hash.jsonl\n', '--spp', '3', '--lose-device', '20')
+
+    @unittest.skipIf(os.geteuid() == 0, 'root may write anywhere')
+    def test_folder_that_cannot_be_written(self):
+        os.mkdir(self.path('closed'), 0o500)
+        self.view('wait 1 samples\nscreenshot closed/a.png\n', code=1)
+
+    def test_picture_that_cannot_be_written(self):
+        self.view('wait 1 samples\nscreenshot nowhere/a.png\n', code=1)
+        self.view('wait 1 samples\nexr nowhere/a.exr\n', code=1)
+        self.view('wait 1 samples\nscene nowhere/a.json\n', code=1)
+        self.view('wait 1 samples\nscreenshot a.exr\n', code=1)
+
+    def test_dropped_file_that_is_no_scene(self):
+        self.write('note.txt', 'no scene')
+        self.view('wait 1 samples\nhash hash.jsonl\ndrop note.txt\nwait 3 frames\n'
+                  'expect message.kind == error\nexpect message.text ~ note.txt\n'
+                  'expect scene ~ cornell.json\nwait 1 samples\n', '--spp', '1')
+
+    def test_without_a_scene(self):
+        self.view('wait 3 frames\nexpect has_scene == false\nscreenshot a.png panel\n'
+                  f'drop {CORNELL}\nwait 5 frames\nwait 2 samples\n'
+                  'expect has_scene == true\nhash hash.jsonl\n', '--spp', '2', scene=None)
+
+    def end(self, number):
+        process = subprocess.Popen(self.command('wait 1 samples\nstate state.json\n'
+                                                'wait 1000000 frames\n'),
+                                   cwd=self.folder, stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE, text=True)
+        for _ in range(600):
+            if os.path.exists(self.path('state.json')) or process.poll() is not None:
+                break
+            time.sleep(0.1)
+        process.send_signal(number)
+        out, err = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 128 + number, err)
+        self.assertIn('spp', out)
+
+    def test_signals(self):
+        self.end(signal.SIGTERM)
+        os.remove(self.path('state.json'))
+        self.end(signal.SIGINT)
+
+    def test_two_pictures_at_once(self):
+        self.view('wait 1 samples\nkey F12\nkey F12\nkey F11\nkey F11\nwait idle\n', '--spp', '1')
+        for name in ('0001.png', '0002.png', '0001.exr', '0002.exr'):
+            path = self.path('cornell-' + name)
+            self.assertTrue(stat.S_ISREG(os.stat(path).st_mode), name)
+
+
+if __name__ == '__main__':
+    viewer_run.main()

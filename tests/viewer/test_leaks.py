@@ -1,0 +1,72 @@
+#!/usr/bin/env python3
+"""Resizing, reloading and saving over and over takes no more memory in the end.
+
+    test_leaks.py LAMPYRIS VIEWER SOURCE_ROOT
+"""
+import os
+import random
+import shutil
+
+import viewer_run
+from viewer_run import ROOT, Case
+
+# What the process may grow by once it has been through everything: the driver keeps some code of
+# each pipeline that it ever made, and malloc some of its pages.
+SLACK = 8 << 20
+
+
+class Leaks(Case):
+    def expect_flat(self, script, states, *arguments, **options):
+        """How much the device holds depends on the clock, too, by the sizes of previews: what leaks
+        makes the least of the later rounds more than the most of the earlier ones."""
+        result = self.view(script, *arguments, validation=False, timeout=300, **options)
+        times = [result.state(name)['times'] for name in states]
+        half = len(states) // 2
+        device = [t['device_bytes'] for t in times]
+        resident = [t['resident_bytes'] for t in times]
+        self.assertLessEqual(min(device[half:]), max(device[:half]), device)
+        self.assertLess(resident[-1] - resident[half], SLACK, resident)
+
+    def test_500_resizes(self):
+        """The same sizes over and over."""
+        choice = random.Random(3)
+        sizes = [(choice.randrange(32, 300), choice.randrange(32, 200)) for _ in range(50)]
+        script, states = [], []
+        for turn in range(10):
+            script += [f'resize {w} {h}\n' for w, h in sizes]
+            script += [f'resize 200 100\nwait 1 samples\nstate {turn}.json\n']
+            states.append(f'{turn}.json')
+        self.expect_flat(''.join(script), states, '--spp', '1', size='200x100')
+
+    def test_100_reloads(self):
+        """Kernels that differ each time, and the scene with them."""
+        folder = shutil.copytree(os.path.join(ROOT, 'shaders'), self.path('shaders'))
+        with open(os.path.join(folder, 'resolve.comp'), encoding='utf-8') as file:
+            source = file.read()
+        at = source.index('void main()')
+        scene = self.scene()
+        script, states = [], []
+        for turn in range(100):
+            self.write(f'{turn}.comp', f'{source[:at]}\nconst float unused_{turn} = {turn}.0;\n'
+                       f'shared float kept_{turn};\n{source[at:]}')
+            script.append(f'copy {turn}.comp shaders/resolve.comp\nkey F5\nwait 2 frames\n'
+                          'wait idle\n')
+            if turn % 10 == 9:
+                script.append(f'expect message.kind == note\nstate {turn}.json\n')
+                states.append(f'{turn}.json')
+        self.expect_flat(''.join(script), states, '--spp', '1', '--shaders', 'shaders',
+                         scene=scene)
+
+    def test_nothing_is_left_behind(self):
+        """Not of compiling, and not of pictures."""
+        env = {**os.environ, 'TMPDIR': self.path('tmp')}
+        os.mkdir(self.path('tmp'))
+        self.view('wait 1 samples\nkey F5\nwait 2 frames\nwait idle\nkey F12\nkey F5\nquit\n',
+                  '--spp', '1', env=env)
+        self.assertEqual(os.listdir(self.path('tmp')), [])
+        self.assertEqual(sorted(os.listdir(self.folder)),
+                         ['cornell-0001.png', 'script.txt', 'tmp'])
+
+
+if __name__ == '__main__':
+    viewer_run.main()
