@@ -62,17 +62,10 @@ static bool texel_view(const struct gpu_buffer *buffer, const struct gpu_buffer 
     return true;
 }
 
-bool gpu_bindings_create(struct gpu *gpu, const struct gpu_binding storage[GPU_MAX_STORAGE],
-                         const struct gpu_buffer *const texel[GPU_MAX_TEXEL],
-                         const struct gpu_buffer *uniform, struct gpu_bindings *out,
-                         struct err *err)
+bool gpu_bindings_write(struct gpu *gpu, const struct gpu_binding storage[GPU_MAX_STORAGE],
+                        const struct gpu_buffer *const texel[GPU_MAX_TEXEL],
+                        const struct gpu_buffer *uniform, struct gpu_bindings *out, struct err *err)
 {
-    *out = (struct gpu_bindings){0};
-    // One texel: within every device's limits, and a view is needed even where none is used.
-    if (!buffer_allocate(gpu, "dummy", 16, GPU_DEVICE, true, &out->dummy, err) ||
-        !buffer_zero(gpu, &out->dummy, err) || !set_create(gpu, out, err))
-        goto fail;
-
     VkDescriptorBufferInfo ranges[GPU_MAX_STORAGE];
     VkBufferView views[GPU_MAX_TEXEL];
     const struct gpu_buffer *constants = uniform ? uniform : &out->dummy;
@@ -80,10 +73,10 @@ bool gpu_bindings_create(struct gpu *gpu, const struct gpu_binding storage[GPU_M
     for (uint32_t i = 0; i < gpu->storage_count; i++)
         if (!storage_range(gpu, storage ? &storage[i] : &(struct gpu_binding){0}, &out->dummy,
                            &ranges[i], err))
-            goto fail;
+            return false;
     for (uint32_t i = 0; i < GPU_MAX_TEXEL; i++)
         if (!texel_view(texel ? texel[i] : NULL, &out->dummy, &views[i], err))
-            goto fail;
+            return false;
 
     // A write runs on over the following bindings of the same type and stages.
     const VkWriteDescriptorSet writes[] = {
@@ -123,7 +116,19 @@ bool gpu_bindings_create(struct gpu *gpu, const struct gpu_binding storage[GPU_M
     bool has_more = gpu->storage_count > GPU_MIN_STORAGE;
     vkUpdateDescriptorSets(gpu->device, has_more ? 4 : 3, writes, 0, NULL);
     return true;
-fail:
+}
+
+bool gpu_bindings_create(struct gpu *gpu, const struct gpu_binding storage[GPU_MAX_STORAGE],
+                         const struct gpu_buffer *const texel[GPU_MAX_TEXEL],
+                         const struct gpu_buffer *uniform, struct gpu_bindings *out,
+                         struct err *err)
+{
+    *out = (struct gpu_bindings){0};
+    // One texel: within every device's limits, and a view is needed even where none is used.
+    if (buffer_allocate(gpu, "dummy", 16, GPU_DEVICE, true, &out->dummy, err) &&
+        buffer_zero(gpu, &out->dummy, err) && set_create(gpu, out, err) &&
+        gpu_bindings_write(gpu, storage, texel, uniform, out, err))
+        return true;
     gpu_bindings_finish(gpu, out);
     return false;
 }

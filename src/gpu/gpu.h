@@ -193,6 +193,12 @@ bool gpu_bindings_create(struct gpu *gpu, const struct gpu_binding storage[GPU_M
                          const struct gpu_buffer *const texel[GPU_MAX_TEXEL],
                          const struct gpu_buffer *uniform, struct gpu_bindings *out,
                          struct err *err);
+// Binds other buffers in place of those. No commands that use the bindings may be pending, and what
+// was recorded with them before is void.
+bool gpu_bindings_write(struct gpu *gpu, const struct gpu_binding storage[GPU_MAX_STORAGE],
+                        const struct gpu_buffer *const texel[GPU_MAX_TEXEL],
+                        const struct gpu_buffer *uniform, struct gpu_bindings *bindings,
+                        struct err *err);
 void gpu_bindings_finish(struct gpu *gpu, struct gpu_bindings *bindings);
 
 // --- commands -----------------------------------------------------------------------------------
