@@ -36,9 +36,9 @@ struct display_pictures {
 struct display_state {
     struct gpu_commands commands;
     struct gpu_kernel kernels[DISPLAY_KERNELS];
-    uint32_t kernel_count; // made so far; beyond DISPLAY_KERNELS the oldest goes
-    struct gpu_bindings sets[DISPLAY_SETS];
-    uint32_t set_count; // of the commands that are recorded
+    uint32_t kernel_count;                  // made so far; beyond DISPLAY_KERNELS the oldest goes
+    struct gpu_bindings sets[DISPLAY_SETS]; // made when needed, then used again and again
+    uint32_t set_count;                     // of the commands that are recorded
     struct display_pictures sides[2];
     struct gpu_buffer palette; // linear colours
     struct gpu_buffer range;   // struct gpu_display_range

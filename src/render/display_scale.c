@@ -1,6 +1,7 @@
 // Linear pictures of another size.
 #include "display_internal.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -69,10 +70,12 @@ static bool make_table(struct display *d, const struct linear *from, bool neares
 static void rows_of_part(const struct linear *from, const struct linear *to,
                          const struct display_part *part, uint32_t *first, uint32_t *count)
 {
+    assert(from->width > 0 && from->height > 0);
     double scale = to->height / (double)from->height;
-    double low = floor((part->first / from->width - 1.0) * scale) - 1;
-    uint32_t last = (part->first + part->count - 1) / from->width;
-    double high = ceil((last + 2.0) * scale) + 1;
+    uint32_t first_row = part->first / from->width;
+    uint32_t last_row = (part->first + part->count - 1) / from->width;
+    double low = floor((first_row - 1.0) * scale) - 1;
+    double high = ceil((last_row + 2.0) * scale) + 1;
     *first = low > 0 ? (uint32_t)low : 0;
     *count = (high < to->height ? (uint32_t)high : to->height) - *first;
 }

@@ -18,18 +18,11 @@ static const struct {
     [DISPLAY_RANGE] = {"display_range", display_range_spirv, sizeof display_range_spirv},
 };
 
-static void release_sets(struct display *d)
-{
-    for (uint32_t i = 0; i < d->own->set_count; i++)
-        gpu_bindings_finish(d->gpu, &d->own->sets[i]);
-    d->own->set_count = 0;
-}
-
 bool display_begin(struct display *d, struct err *err)
 {
     if (!gpu_begin(d->gpu, &d->own->commands, err))
         return false;
-    release_sets(d); // of what failed before it was submitted
+    d->own->set_count = 0;
     gpu_timestamp(d->gpu, &d->own->commands);
     return true;
 }
@@ -42,7 +35,6 @@ bool display_end(struct display *d, struct err *err)
     bool ok = gpu_submit(d->gpu, commands, err) && gpu_wait(d->gpu, commands, err) &&
               (!d->gpu->has_timestamps || gpu_timestamps_ns(d->gpu, commands, ns, err));
     d->ms += 1e-6 * (ns[1] - ns[0]);
-    release_sets(d);
     return ok;
 }
 
@@ -90,7 +82,8 @@ static bool bind(struct display *d, const struct display_work *work, bool *texel
         *texels = *texels && texel[b];
     }
     struct gpu_bindings *set = &own->sets[own->set_count];
-    if (!gpu_bindings_create(d->gpu, storage, texel, NULL, set, err))
+    if (!(set->set ? gpu_bindings_write : gpu_bindings_create)(d->gpu, storage, texel, NULL, set,
+                                                               err))
         return false;
     own->set_count++;
     gpu_bind(d->gpu, &own->commands, set);
@@ -153,7 +146,8 @@ void display_work_finish(struct display *d)
 {
     struct display_state *own = d->own;
     gpu_commands_finish(d->gpu, &own->commands);
-    release_sets(d);
+    for (uint32_t i = 0; i < DISPLAY_SETS; i++)
+        gpu_bindings_finish(d->gpu, &own->sets[i]);
     for (uint32_t i = 0; i < DISPLAY_KERNELS; i++)
         gpu_kernel_finish(d->gpu, &own->kernels[i]);
 }

@@ -34,10 +34,10 @@ TEST(every_curve)
     REQUIRE_OK(stage_render(&s, 5, &err));
     const struct expected expected = {.sides = {values_of(&s.film, SHOWN_RADIANCE, &s.arena)}};
     for (int tone = TONE_NONE; tone <= TONE_AGX; tone++)
-        for (float stops = -3; stops <= 6; stops += 3) {
+        for (int stops = -3; stops <= 6; stops += 3) {
             struct display_call call = call_of_film(&s, SHOWN_RADIANCE);
             call.tone = (enum tone_curve)tone;
-            call.exposure_stops = stops;
+            call.exposure_stops = (float)stops;
             check_picture(tone_names[tone], &s.display, &call, &expected, &s.arena);
         }
     stage_close(&s);
@@ -309,37 +309,46 @@ TEST(kept)
     stage_close(&s);
 }
 
-// A film in several buffers, and linear pictures that are no texels: the same pixels.
+struct parts {
+    struct gpu_limit_overrides limits;
+    const char *film;
+};
+
+static void show_parts(const struct parts *parts)
+{
+    static const uint32_t sizes[][2] = {{64, 50}, {61, 47}, {20, 30}, {30, 90}, {63, 64}};
+    struct stage s = {0};
+    struct err err = {0};
+    OPEN_GPU(&s.gpu, .validation = true, .limits = parts->limits);
+    REQUIRE_OK(stage_open(&s, "scenes/cornell.json", parts->film, AOV_DEPTH | AOV_ALPHA, &err));
+    REQUIRE_OK(stage_render(&s, 2, &err));
+    CHECK((s.renderer.plan.film_chunks > 1) == (parts->limits.storage_range > 0), "%u buffers",
+          s.renderer.plan.film_chunks);
+    for (uint32_t shown = SHOWN_RADIANCE; shown <= SHOWN_DEPTH; shown += SHOWN_DEPTH) {
+        const struct values film = values_of(&s.film, shown, &s.arena);
+        for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
+            struct display_call call = call_of_film(&s, shown);
+            call.width = call.picture[2] = sizes[i][0];
+            call.height = call.picture[3] = sizes[i][1];
+            const struct expected expected = {
+                .sides = {values_scaled(&film, sizes[i][0], sizes[i][1], false, &s.arena)}};
+            check_picture("parts", &s.display, &call, &expected, &s.arena);
+        }
+    }
+    stage_close(&s);
+}
+
+// A film in several buffers, in more than one submission takes, and linear pictures that are no
+// texels: the same pixels.
 TEST(parts)
 {
-    static const struct gpu_limit_overrides limits[] = {
-        {.storage_range = 1u << 16},
-        {.storage_range = 100000, .no_texel = true},
-        {.texel_elements = 4096},
+    static const struct parts parts[] = {
+        {{.storage_range = 1u << 16}, "{\"width\": 61, \"height\": 47}"},
+        {{.storage_range = 100000, .no_texel = true}, "{\"width\": 160, \"height\": 120}"},
+        {{.texel_elements = 4096}, "{\"width\": 61, \"height\": 47}"},
     };
-    static const uint32_t sizes[][2] = {{64, 50}, {61, 47}, {20, 30}, {30, 90}, {63, 64}};
-    for (size_t l = 0; l < sizeof limits / sizeof limits[0]; l++) {
-        struct stage s = {0};
-        struct err err = {0};
-        OPEN_GPU(&s.gpu, .validation = true, .limits = limits[l]);
-        REQUIRE_OK(stage_open(&s, "scenes/cornell.json", "{\"width\": 61, \"height\": 47}",
-                              AOV_DEPTH | AOV_ALPHA, &err));
-        REQUIRE_OK(stage_render(&s, 2, &err));
-        CHECK((s.renderer.plan.film_chunks > 1) == (limits[l].storage_range > 0), "%u buffers",
-              s.renderer.plan.film_chunks);
-        for (uint32_t shown = SHOWN_RADIANCE; shown <= SHOWN_DEPTH; shown += SHOWN_DEPTH) {
-            const struct values film = values_of(&s.film, shown, &s.arena);
-            for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
-                struct display_call call = call_of_film(&s, shown);
-                call.width = call.picture[2] = sizes[i][0];
-                call.height = call.picture[3] = sizes[i][1];
-                const struct expected expected = {
-                    .sides = {values_scaled(&film, sizes[i][0], sizes[i][1], false, &s.arena)}};
-                check_picture("parts", &s.display, &call, &expected, &s.arena);
-            }
-        }
-        stage_close(&s);
-    }
+    for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++)
+        show_parts(&parts[i]);
 }
 
 // A denoiser's picture in place of the film's; where it knows nothing, what was kept.
