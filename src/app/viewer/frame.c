@@ -8,6 +8,8 @@
 // A picture that is to be seen whole at once may take so many times what a frame may: rather a slow
 // frame than one that shows two cameras.
 #define PATIENCE 8.0
+// So many times what it took is denoising not done again at rest: a quarter of the time is its.
+#define DENOISING_PAUSE 3.0
 // So long after the last event nobody is doing anything.
 #define CALM_SECONDS 0.3
 
@@ -171,8 +173,7 @@ bool viewer_render(struct viewer *viewer, struct err *err)
 
 static bool denoises(const struct viewer *viewer, const struct view *view)
 {
-    return viewer->shown.denoise && viewer->shown.what == SHOWN_RADIANCE && view->denoiser.gpu &&
-           view_samples(view) > 0;
+    return viewer->shown.denoise && viewer->shown.what == SHOWN_RADIANCE && view->denoiser.gpu;
 }
 
 void viewer_display_call(const struct viewer *viewer, struct display_call *out)
@@ -200,30 +201,71 @@ void viewer_display_call(const struct viewer *viewer, struct display_call *out)
             return;
         out->sides[side] = (struct display_side){
             .renderer = &view->renderer,
-            .denoiser = denoises(viewer, view) ? &view->denoiser : NULL,
+            .denoiser =
+                denoises(viewer, view) && view->denoised_samples > 0 ? &view->denoiser : NULL,
         };
         out->side_count = side + 1;
     }
 }
 
+// A picture that is new, or has more samples than the one that is shown, where the last time was
+// long enough ago that denoising does not take more than its share.
+static bool is_denoising_due(const struct viewer *viewer, const struct view *view)
+{
+    double since = viewer_seconds(viewer) - view->denoised_seconds;
+    uint64_t samples = view_samples(view);
+    if (!denoises(viewer, view) || samples == 0 || samples == view->denoised_samples)
+        return false;
+    return view->denoised_samples == 0 || since >= DENOISING_PAUSE * view->denoising_seconds;
+}
+
+static bool denoise_side(struct viewer *viewer, struct view *view, struct err *err)
+{
+    const struct denoise_call call = {
+        .renderer = &view->renderer,
+        .camera = &view->renderer.camera,
+        .iterations = viewer->shown.denoise_iterations,
+        .temporal = viewer->shown.denoise_temporal,
+    };
+    const struct gpu_frame *frame = &view->renderer.frame;
+    uint64_t start = clock_ns();
+    if (!denoiser_run(&view->denoiser, &call, err))
+        return false;
+    view->denoising_seconds = clock_seconds_since(start);
+    view->denoised_seconds = viewer_seconds(viewer);
+    view->denoised_samples = view_samples(view);
+    viewer->stats.denoise_ms += view->denoising_seconds * 1e3;
+    pace_measure_pixels(&viewer->pace, (double)frame->width * frame->height,
+                        view->denoising_seconds * 1e3);
+    return true;
+}
+
 static bool denoise(struct viewer *viewer, struct err *err)
 {
     viewer->stats.denoise_ms = 0.0;
-    for (uint32_t side = 0; side < viewer->side_count; side++) {
+    for (uint32_t side = 0; side < viewer->side_count && viewer->has_scene; side++) {
         struct view *view = &viewer->sides[side];
-        if (!denoises(viewer, view))
-            continue;
-        const struct denoise_call call = {
-            .renderer = &view->renderer,
-            .camera = &view->renderer.camera,
-            .iterations = viewer->shown.denoise_iterations,
-            .temporal = viewer->shown.denoise_temporal,
-        };
-        if (!denoiser_run(&view->denoiser, &call, err))
+        if (is_denoising_due(viewer, view) && !denoise_side(viewer, view, err))
             return false;
-        viewer->stats.denoise_ms += view->denoiser.ms;
     }
+    if (!viewer->shown.denoise)
+        pace_measure_pixels(&viewer->pace, 0.0, 0.0);
     return true;
+}
+
+// Until the sharp picture is denoised for the first time the small one is seen, which is: not its
+// first samples, full of noise.
+static bool shows_last(const struct viewer *viewer)
+{
+    const struct gpu_screen *screen = &viewer->screen;
+    bool is_same_size =
+        screen->width == viewer->window.width && screen->height == viewer->window.height;
+    bool waits = false;
+    for (uint32_t side = 0; side < viewer->side_count && viewer->has_scene; side++) {
+        const struct view *view = &viewer->sides[side];
+        waits |= denoises(viewer, view) && view->denoised_samples == 0 && viewer->has_kept;
+    }
+    return waits && is_same_size;
 }
 
 bool viewer_show(struct viewer *viewer, struct err *err)
@@ -235,7 +277,7 @@ bool viewer_show(struct viewer *viewer, struct err *err)
     if (!denoise(viewer, err))
         return false;
     viewer_display_call(viewer, &call);
-    if (!display_draw(&viewer->display, &call, err) ||
+    if ((!shows_last(viewer) && !display_draw(&viewer->display, &call, err)) ||
         !gpu_screen_resize(gpu, &viewer->screen, call.width, call.height, err) ||
         !gpu_screen_draw(gpu, &viewer->screen, &viewer->display.pixels, &viewer->drawing, err))
         return false;

@@ -30,6 +30,11 @@ void pace_measure(struct pace *pace, double samples, double render_ms, double ov
     pace->overhead_ms = mean(pace->overhead_ms, overhead_ms);
 }
 
+void pace_measure_pixels(struct pace *pace, double pixels, double ms)
+{
+    pace->ms_per_pixel = pixels > 0.0 ? mean(pace->ms_per_pixel, ms / pixels) : 0.0;
+}
+
 double pace_render_ms(const struct pace *pace)
 {
     double left = pace->target_ms - pace->overhead_ms, least = 0.25 * pace->target_ms;
@@ -64,7 +69,8 @@ uint32_t pace_wave(const struct pace *pace)
 
 static double cost_ms(const struct pace *pace, uint32_t width, uint32_t height, uint32_t shrink)
 {
-    return (double)pace_shrunk(width, shrink) * pace_shrunk(height, shrink) * pace->ms_per_sample;
+    return (double)pace_shrunk(width, shrink) * pace_shrunk(height, shrink) *
+           (pace->ms_per_sample + pace->ms_per_pixel);
 }
 
 void pace_choose(struct pace *pace, uint32_t width, uint32_t height)

@@ -8,6 +8,7 @@
 struct pace {
     double target_ms;     // of a whole frame
     double ms_per_sample; // of one sample of one pixel, a running mean; 0: not known yet
+    double ms_per_pixel;  // of what is done once for every pixel of a picture, denoising; 0: none
     double overhead_ms;   // of a frame besides rendering: display, panel, presenting
     uint32_t shrink;      // the picture's sides are divided by this while the camera moves; >= 1
 };
@@ -19,6 +20,7 @@ struct pace {
 void pace_init(struct pace *pace, double target_ms);
 // Of a frame that took so many samples (of single pixels) in so long, and so long besides.
 void pace_measure(struct pace *pace, double samples, double render_ms, double overhead_ms);
+void pace_measure_pixels(struct pace *pace, double pixels, double ms);
 // What a frame may take for rendering; never below a quarter of the target, so that the picture
 // goes on where all else takes long.
 double pace_render_ms(const struct pace *pace);
@@ -28,8 +30,8 @@ double pace_calm_render_ms(const struct pace *pace);
 // Paths in flight, a power of two, that take no longer than a frame may: a frame ends between two
 // waves.
 uint32_t pace_wave(const struct pace *pace);
-// Chooses `shrink` so that a sample of every pixel of the smaller picture fits; with hysteresis, so
-// that it does not flicker.
+// Chooses `shrink` so that a sample of every pixel of the smaller picture, and what is done once
+// for each, fits; with hysteresis, so that it does not flicker.
 void pace_choose(struct pace *pace, uint32_t width, uint32_t height);
 // A side of the picture, divided and rounded up.
 uint32_t pace_shrunk(uint32_t side, uint32_t shrink);

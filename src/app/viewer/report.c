@@ -94,6 +94,7 @@ static bool is_resting(const struct viewer *viewer)
         uint32_t limit = viewer->shown.spp_limit;
         is_done &= viewer->is_paused ||
                    (limit > 0 && view_samples(view) >= limit && !view->method.fresh_frames);
+        is_done &= !view->denoiser.gpu || view->denoised_samples == view_samples(view);
     }
     return is_done && worker_is_idle(viewer->worker) && viewer_holds_nothing(viewer) &&
            !(viewer->rig.revolves && viewer->rig.mode == RIG_ORBIT);
@@ -107,7 +108,8 @@ void viewer_count_frame(struct viewer *viewer)
     double waiting = viewer->swapchain.vsync ? stats->present_ms : 0.0;
     stats->frame_ms = ms;
     stats->frames++;
-    pace_measure(&viewer->pace, 0.0, 0.0, fmax(ms - stats->render_ms - waiting, 0.0));
+    pace_measure(&viewer->pace, 0.0, 0.0,
+                 fmax(ms - stats->render_ms - stats->denoise_ms - waiting, 0.0));
     if (viewer->has_scene)
         count_kernels(viewer, &rays);
     count_rates(viewer, rays);

@@ -23,7 +23,7 @@ void view_begin(struct view *view)
 {
     view->epoch++;
     view->seconds = 0.0;
-    view->first_sample = 0;
+    view->first_sample = view->denoised_samples = 0;
     view->look_count = 0;
     view->next_look = LOOKS_FIRST;
     view->unknown = "fewer than 16 samples";

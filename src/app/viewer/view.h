@@ -32,17 +32,20 @@ struct view {
     struct scene scene; // the viewer's, but with the method's settings: arrays are shared
     struct renderer renderer;
     struct denoiser denoiser;
-    bool is_ready;            // renderer holds a picture's state
-    bool is_preview;          // its film has fewer pixels, because the camera moves
-    uint64_t epoch;           // counts pictures begun: what a job says of an older one is void
-    double seconds;           // of rendering this picture
-    struct render_stats seen; // the renderer's, as of the last frame
-    uint32_t usual_wave;      // paths in flight, as the renderer was created
-    bool is_looking;          // a job finds out the error
-    double changed_seconds;   // clock of the last change that emptied the film
-    double turn_seconds;      // of rendering, since the sides began to take turns
-    uint64_t first_sample;    // of the film: not 0 with fresh frames
-    double looked_seconds;    // clock of the last look
+    bool is_ready;             // renderer holds a picture's state
+    bool is_preview;           // its film has fewer pixels, because the camera moves
+    uint64_t epoch;            // counts pictures begun: what a job says of an older one is void
+    double seconds;            // of rendering this picture
+    struct render_stats seen;  // the renderer's, as of the last frame
+    uint64_t denoised_samples; // that the denoiser's picture is of; 0: it is of another film
+    double denoised_seconds;   // clock of when it was made, and what it took
+    double denoising_seconds;
+    uint32_t usual_wave;    // paths in flight, as the renderer was created
+    bool is_looking;        // a job finds out the error
+    double changed_seconds; // clock of the last change that emptied the film
+    double turn_seconds;    // of rendering, since the sides began to take turns
+    uint64_t first_sample;  // of the film: not 0 with fresh frames
+    double looked_seconds;  // clock of the last look
     struct view_look looks[VIEW_LOOKS_MAX];
     uint32_t look_count;
     double next_look;    // samples at which the error is to be found again
