@@ -198,8 +198,18 @@ static void print_text(struct viewer *viewer)
         print_side(viewer, side);
 }
 
+// A device that is lost says nothing any more: what was known is told then.
+static void judge(struct viewer *viewer)
+{
+    struct err err = {0};
+    for (uint32_t side = 0; side < viewer->side_count && viewer->has_scene; side++)
+        if (viewer->gpu.lost || !view_look_now(viewer, side, &err))
+            return;
+}
+
 void viewer_report(struct viewer *viewer)
 {
+    judge(viewer);
     if (viewer->options->json)
         print_json(viewer);
     else if (!viewer->options->quiet)

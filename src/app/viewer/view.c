@@ -144,6 +144,22 @@ static bool start_look(struct viewer *viewer, uint32_t side, struct look_job *jo
     return renderer_read(&view->renderer, &job->arena, &job->film, err);
 }
 
+bool view_look_now(struct viewer *viewer, uint32_t side, struct err *err)
+{
+    struct view *view = &viewer->sides[side];
+    uint64_t samples = view_samples(view);
+    bool is_known =
+        view->look_count > 0 && view->looks[view->look_count - 1].samples == (double)samples;
+    if (!view->is_ready || view->is_preview || samples < LOOKS_FIRST || is_known)
+        return true;
+    struct look_job job;
+    bool ok = start_look(viewer, side, &job, err) && run_look(&job, err);
+    if (ok)
+        add_look(view, &job);
+    arena_finish(&job.arena);
+    return ok;
+}
+
 bool view_look_at_error(struct viewer *viewer, uint32_t side, struct err *err)
 {
     struct view *view = &viewer->sides[side];

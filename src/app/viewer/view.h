@@ -58,6 +58,8 @@ struct viewer;
 bool view_wants_look(const struct viewer *viewer, const struct view *view);
 // Of the film as it is, where the time for it has come: on the worker's thread, into `looks`.
 bool view_look_at_error(struct viewer *viewer, uint32_t side, struct err *err);
+// The same at once, whatever the time, of 16 samples and more.
+bool view_look_now(struct viewer *viewer, uint32_t side, struct err *err);
 // A picture begins: what is known of the last one is void.
 void view_begin(struct view *view);
 // What a renderer of this method needs to know before it starts: its samples in all. So the number
