@@ -608,9 +608,11 @@ void gui_table(struct gui *gui, const struct gui_pair *rows, uint32_t count)
     }
     float gap = 2.0f * style.WindowPadding.x, pad = 2.0f * style.WindowPadding.x;
     ImVec2 size(left + gap + right + 2.0f * pad, (float)count * line + 2.0f * pad);
-    ImVec2 at(floorf(gui->width + fmaxf(0.5f * (screen.x - gui->width - size.x), 0.0f)),
+    // Over the panel, too, where there is no room beside it.
+    float from = size.x <= screen.x - gui->width ? gui->width : 0.0f;
+    ImVec2 at(floorf(from + fmaxf(0.5f * (screen.x - from - size.x), 0.0f)),
               floorf(fmaxf(0.5f * (screen.y - size.y), 0.0f)));
-    ImDrawList *list = ImGui::GetBackgroundDrawList();
+    ImDrawList *list = ImGui::GetForegroundDrawList();
     list->AddRectFilled(at, ImVec2(at.x + size.x, at.y + size.y), IM_COL32(15, 16, 18, 235),
                         style.FrameRounding);
     for (uint32_t i = 0; i < count; i++) {

@@ -108,39 +108,60 @@ static bool find_axes(const struct gui_curve *curves, uint32_t count, struct axe
     return true;
 }
 
-static void write_decade(int decade, char *out, size_t size)
+// Values with lines of their own, ascending: 10^n, and where these are few 2 and 5 times them.
+struct ticks {
+    double values[64];
+    uint32_t count;
+};
+
+static void find_ticks(const double range[2], struct ticks *out)
 {
-    if (decade >= -2 && decade <= 4)
-        snprintf(out, size, "%g", pow(10.0, decade));
-    else
-        snprintf(out, size, "1e%d", decade);
+    static const double factors[] = {1.0, 2.0, 5.0};
+    int each = range[1] - range[0] < 1.7 ? 3 : 1;
+    out->count = 0;
+    for (int d = (int)floor(range[0]); d <= (int)ceil(range[1]); d++)
+        for (int f = 0; f < each && out->count < 64; f++) {
+            double value = pow(10.0, d) * factors[f];
+            if (log10(value) >= range[0] && log10(value) <= range[1])
+                out->values[out->count++] = value;
+        }
 }
 
+static void write_tick(double value, char *out, size_t size)
+{
+    if (value >= 0.00999 && value < 99999.0)
+        snprintf(out, size, "%g", value);
+    else
+        snprintf(out, size, "%.0e", value);
+}
+
+// Labels that would touch the one before are left out.
 static void draw_grid(ImDrawList *list, const struct axes *axes)
 {
     ImU32 line = ImGui::GetColorU32(ImGuiCol_Separator);
     ImU32 letters = ImGui::GetColorU32(ImGuiCol_TextDisabled);
-    float height = ImGui::GetTextLineHeight();
+    float height = ImGui::GetTextLineHeight(), free_from = -FLT_MAX, free_below = FLT_MAX;
+    struct ticks ticks;
     char text[32];
-    float free_from = -FLT_MAX;
-    for (int d = (int)ceil(axes->x[0]); d <= (int)floor(axes->x[1]); d++) {
-        float x = floorf(place(axes, pow(10.0, d), pow(10.0, axes->y[0])).x);
+    find_ticks(axes->x, &ticks);
+    for (uint32_t i = 0; i < ticks.count; i++) {
+        float x = floorf(place(axes, ticks.values[i], pow(10.0, axes->y[0])).x);
         list->AddLine(ImVec2(x, axes->min.y), ImVec2(x, axes->max.y), line);
-        write_decade(d, text, sizeof text);
-        float width = ImGui::CalcTextSize(text).x, left = floorf(x - 0.5f * width);
-        left = fminf(left, axes->max.x - width);
+        write_tick(ticks.values[i], text, sizeof text);
+        float width = ImGui::CalcTextSize(text).x;
+        float left = fminf(floorf(x - 0.5f * width), axes->max.x - width);
         if (left < free_from)
             continue;
         list->AddText(ImVec2(left, axes->max.y + 1.0f), letters, text);
         free_from = left + width * 1.5f;
     }
-    float free_below = FLT_MAX;
-    for (int d = (int)ceil(axes->y[0]); d <= (int)floor(axes->y[1]); d++) {
-        float y = floorf(place(axes, pow(10.0, axes->x[0]), pow(10.0, d)).y);
+    find_ticks(axes->y, &ticks);
+    for (uint32_t i = 0; i < ticks.count; i++) {
+        float y = floorf(place(axes, pow(10.0, axes->x[0]), ticks.values[i]).y);
         list->AddLine(ImVec2(axes->min.x, y), ImVec2(axes->max.x, y), line);
         if (y + 0.5f * height > free_below)
             continue;
-        write_decade(d, text, sizeof text);
+        write_tick(ticks.values[i], text, sizeof text);
         list->AddText(ImVec2(axes->min.x - ImGui::CalcTextSize(text).x - 4.0f, y - 0.5f * height),
                       letters, text);
         free_below = y - 0.6f * height;

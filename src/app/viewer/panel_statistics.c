@@ -27,8 +27,7 @@ static const char *time_text(struct viewer *viewer, double seconds)
     if (seconds < 100.0)
         text = arena_printf(&viewer->frame_arena, "%.1f s", seconds);
     else if (seconds < 6000.0)
-        text = arena_printf(&viewer->frame_arena, "%.0f min %02.0f s", floor(seconds / 60.0),
-                            fmod(seconds, 60.0));
+        text = arena_printf(&viewer->frame_arena, "%.1f min", seconds / 60.0);
     else
         text = arena_printf(&viewer->frame_arena, "%.1f h", seconds / 3600.0);
     return text ? text : "";
