@@ -64,6 +64,7 @@ bool gpu_begin(struct gpu *gpu, struct gpu_commands *commands, struct err *err)
         !VK(gpu, err, vkBeginCommandBuffer(commands->handle, &info)))
         return false;
     commands->timestamp_count = 0;
+    commands->awaited = commands->signalled = VK_NULL_HANDLE;
     if (commands->queries)
         vkCmdResetQueryPool(commands->handle, commands->queries, 0, GPU_MAX_TIMESTAMPS);
     return true;
@@ -170,7 +171,6 @@ bool gpu_submit(struct gpu *gpu, struct gpu_commands *commands, struct err *err)
         !VK(gpu, err, vkResetFences(gpu->device, 1, &commands->fence)))
         return false;
     VkResult result = submit_call(gpu, commands);
-    commands->awaited = commands->signalled = VK_NULL_HANDLE;
     if (result != VK_SUCCESS)
         return gpu_fail(gpu, "vkQueueSubmit", result, err);
     commands->pending = true;

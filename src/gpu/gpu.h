@@ -211,8 +211,8 @@ struct gpu_commands {
     VkQueryPool queries; // VK_NULL_HANDLE without timestamps
     uint32_t timestamp_count;
     bool pending;
-    // Of the next submission alone, or VK_NULL_HANDLE: its transfers wait for one, and it signals
-    // the other.
+    // Set after gpu_begin, of one submission, or VK_NULL_HANDLE: its transfers wait for one, and it
+    // signals the other.
     VkSemaphore awaited, signalled;
 };
 

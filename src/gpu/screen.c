@@ -49,11 +49,14 @@ static bool sides_check(const struct gpu *gpu, const char *what, uint32_t width,
     VkPhysicalDeviceProperties device;
     vkGetPhysicalDeviceProperties(gpu->physical, &device);
     uint32_t limit = device.limits.maxImageDimension2D;
+    if (device.limits.maxFramebufferWidth < limit)
+        limit = device.limits.maxFramebufferWidth;
+    if (device.limits.maxFramebufferHeight < limit)
+        limit = device.limits.maxFramebufferHeight;
     if (width > 0 && height > 0 && width <= limit && height <= limit)
         return true;
-    return err_set(err, ERR_GPU,
-                   "%s of %u x %u pixels: expected sides of 1 to %u (maxImageDimension2D)", what,
-                   width, height, limit);
+    return err_set(err, ERR_GPU, "%s of %u x %u pixels: expected sides of 1 to the device's %u",
+                   what, width, height, limit);
 }
 
 static bool atlas_create(struct gpu *gpu, struct gpu_screen *screen, const struct gpu_atlas *atlas,

@@ -46,8 +46,8 @@ void gpu_image_finish(struct gpu *gpu, struct gpu_image *image); // accepts {0}
 
 struct gpu_screen {
     uint32_t width, height; // 0 before the first gpu_screen_resize
-    // VK_FORMAT_R8G8B8A8_UNORM; after gpu_screen_draw in TRANSFER_SRC_OPTIMAL. Transfers of the same
-    // queue may read it: the next drawing waits for them.
+    // VK_FORMAT_R8G8B8A8_UNORM; after gpu_screen_draw in TRANSFER_SRC_OPTIMAL. Transfers of the
+    // same queue may read it: the next drawing waits for them.
     struct gpu_image image;
     bool is_drawn; // since the last change of size
     VkFramebuffer framebuffer;
@@ -68,7 +68,8 @@ struct gpu_screen {
 bool gpu_screen_create(struct gpu *gpu, const struct gpu_atlas *atlas, struct gpu_screen *out,
                        struct err *err);
 void gpu_screen_finish(struct gpu *gpu, struct gpu_screen *screen); // accepts NULL and {0}
-// Nothing where the size is the same. Sides in [1, the device's maxImageDimension2D].
+// Nothing where the size is the same. Sides of 1 to what images and framebuffers of the
+// device may have.
 bool gpu_screen_resize(struct gpu *gpu, struct gpu_screen *screen, uint32_t width, uint32_t height,
                        struct err *err);
 // Copies `pixels`, RGBA8 in rows from the top, width * height words at least, draws over it, and

@@ -2,7 +2,6 @@
 #include "swapchain.h"
 
 #include "swapchain_choose.h"
-#include <stdlib.h>
 
 // Longer than a frame of any display. A window that nobody sees may never get an image: then the
 // picture is left out, and the program goes on.
@@ -305,7 +304,8 @@ static bool is_out_of_date(const struct swapchain *swapchain, const struct windo
 static bool bring_up_to_date(struct gpu *gpu, struct swapchain *swapchain, struct window *window,
                              struct err *err)
 {
-    if (swapchain->is_surface_lost || swapchain->surface_of != window->handle) {
+    if (!swapchain->surface || swapchain->is_surface_lost ||
+        swapchain->surface_of != window->handle) {
         surface_finish(gpu, swapchain);
         if (!surface_create(gpu, swapchain, window, err))
             return false;
@@ -416,8 +416,10 @@ static bool picture_show(struct gpu *gpu, struct swapchain *swapchain,
     picture_record(swapchain, screen, swapchain->images[index]);
     swapchain->commands.awaited = swapchain->acquired;
     swapchain->commands.signalled = swapchain->copied[index];
-    if (!gpu_submit(gpu, &swapchain->commands, err))
+    if (!gpu_submit(gpu, &swapchain->commands, err)) {
+        swapchain->is_stale = true; // its image and its semaphore wait for ever
         return false;
+    }
     result = present_call(gpu, swapchain, index);
     *shown = goes_on(gpu, swapchain, "vkQueuePresentKHR", result, &failed, err);
     return !failed;
