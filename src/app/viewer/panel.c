@@ -8,9 +8,19 @@
 
 const struct gui_range panel_unit = {0, 1};
 const struct gui_range panel_radiance = {0, SCENE_RADIANCE_MAX, .logarithmic = true};
-const struct gui_range panel_coordinate = {-SCENE_COORDINATE_MAX, SCENE_COORDINATE_MAX,
-                                           .unit = NULL};
 const struct gui_range panel_turn = {-360, 360, .unit = "°"};
+
+struct gui_range panel_coordinate(const struct viewer *viewer)
+{
+    double diagonal = 0;
+    for (int c = 0; c < 3; c++) {
+        double side = viewer->bounds_max[c] - viewer->bounds_min[c];
+        diagonal += side * side;
+    }
+    bool is_some = viewer->bounds_min[0] <= viewer->bounds_max[0] && isfinite(diagonal);
+    return (struct gui_range){-SCENE_COORDINATE_MAX, SCENE_COORDINATE_MAX,
+                              .drag = is_some ? sqrt(diagonal) : 0};
+}
 
 bool panel_create(struct panel **out, struct err *err)
 {

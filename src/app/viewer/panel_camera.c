@@ -50,7 +50,8 @@ static void moving(struct viewer *viewer)
 static void place(struct viewer *viewer, struct form *form, struct camera *to)
 {
     double direction[3] = {to->direction[0], to->direction[1], to->direction[2]};
-    form_vector(form, "camera.position", "Position", "Metres, in the world.", &panel_coordinate,
+    const struct gui_range coordinate = panel_coordinate(viewer);
+    form_vector(form, "camera.position", "Position", "Metres, in the world.", &coordinate,
                 to->position);
     if (!gui_vector(form->gui, "camera.direction", "Direction",
                     "Where it looks; becomes a unit vector.", &unit_vector, direction))
@@ -70,7 +71,27 @@ static void place(struct viewer *viewer, struct form *form, struct camera *to)
     form->used = "camera.direction";
 }
 
-static void lens(struct form *form, struct camera *to)
+static double target_distance(const struct viewer *viewer)
+{
+    double away[3];
+    for (int c = 0; c < 3; c++)
+        away[c] = viewer->rig.target[c] - viewer->camera.position[c];
+    double distance = vec3_length(away);
+    return distance > 0 && isfinite(distance) ? distance : 1;
+}
+
+// Another kind shows about as much of the target, and has no lens: only perspective ones do.
+static void change_kind(const struct viewer *viewer, struct camera *to)
+{
+    if (!(to->fov_y > 0 && to->fov_y < M_PI))
+        to->fov_y = M_PI / 4;
+    if (!(to->height > 0))
+        to->height = 2 * target_distance(viewer) * tan(to->fov_y / 2);
+    if (to->kind != CAMERA_PERSPECTIVE)
+        to->lens_radius = 0;
+}
+
+static void lens(const struct viewer *viewer, struct form *form, struct camera *to)
 {
     struct gui *gui = form->gui;
     bool is_perspective = to->kind == CAMERA_PERSPECTIVE;
@@ -86,6 +107,8 @@ static void lens(struct form *form, struct camera *to)
     if (form_number(form, "camera.lens_radius", "Lens radius",
                     "Millimetres, 0 to 1e6; 0: a pinhole, all is in focus.", &millimetres, &radius))
         to->lens_radius = radius * 1e-3;
+    if (to->lens_radius > 0 && !(to->focus_distance > 0))
+        to->focus_distance = target_distance(viewer);
     gui_enabled(gui, is_perspective && to->lens_radius > 0);
     form_number(form, "camera.focus", "Focus", "How far away what is in focus lies, metres.",
                 &focus, &to->focus_distance);
@@ -207,10 +230,11 @@ void panel_camera(struct viewer *viewer)
         camera_of_scene(viewer);
         struct camera to = viewer->camera;
         struct form form = {.gui = gui};
-        form_choice(&form, "camera.kind", "Kind", "How directions become a picture.", camera_names,
-                    &to.kind);
+        if (form_choice(&form, "camera.kind", "Kind", "How directions become a picture.",
+                        camera_names, &to.kind))
+            change_kind(viewer, &to);
         place(viewer, &form, &to);
-        lens(&form, &to);
+        lens(viewer, &form, &to);
         if (form.used)
             edit_camera(viewer, &to, form.used);
         gui_space(gui);

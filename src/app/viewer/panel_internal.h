@@ -56,7 +56,9 @@ bool form_color(struct form *form, const char *id, const char *label, const char
 bool form_vector(struct form *form, const char *id, const char *label, const char *help,
                  const struct gui_range *range, double value[3]);
 
-extern const struct gui_range panel_unit, panel_radiance, panel_coordinate, panel_turn;
+extern const struct gui_range panel_unit, panel_radiance, panel_turn;
+// Metres; dragging goes by the size of the scene.
+struct gui_range panel_coordinate(const struct viewer *viewer);
 
 #define PANEL_NAME_MAX 160
 

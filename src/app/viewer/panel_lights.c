@@ -59,8 +59,9 @@ static void place(struct viewer *viewer, struct form *form, struct light *to)
 {
     bool is_placed = to->kind != LIGHT_DIRECTIONAL;
     double direction[3] = {to->direction[0], to->direction[1], to->direction[2]};
+    const struct gui_range coordinate = panel_coordinate(viewer);
     gui_enabled(form->gui, is_placed);
-    form_vector(form, "light.position", "Position", "Metres, in the world.", &panel_coordinate,
+    form_vector(form, "light.position", "Position", "Metres, in the world.", &coordinate,
                 to->position);
     gui_enabled(form->gui, to->kind != LIGHT_POINT || to->profile);
     if (gui_vector(form->gui, "light.direction", "Direction",

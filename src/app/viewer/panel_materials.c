@@ -36,6 +36,54 @@ static struct gui_range range_of(const struct material_parameter *p)
                               .logarithmic = p->min >= 0 && p->max > 10};
 }
 
+static bool has_normal_map(const struct viewer *viewer, const struct material *m)
+{
+    for (uint32_t i = 0; i < m->texture_count; i++) {
+        uint32_t flags = viewer->scene.textures[m->first_texture + i].flags;
+        if ((flags >> TEXTURE_USE_SHIFT & 3u) == TEXTURE_USE_NORMAL)
+            return true;
+    }
+    return false;
+}
+
+static bool is_black(const float color[3])
+{
+    return color[0] == 0 && color[1] == 0 && color[2] == 0;
+}
+
+// Whether a parameter makes a difference, given the others.
+static bool matters(const struct viewer *viewer, const struct material *m, uint32_t parameter)
+{
+    bool is_principled = m->model == MATERIAL_PRINCIPLED;
+    switch (parameter) {
+    case PARAMETER_OPACITY:
+        return m->flags & (MATERIAL_ALPHA_MASK | MATERIAL_ALPHA_BLEND);
+    case PARAMETER_ALPHA_CUTOFF:
+        return m->flags & MATERIAL_ALPHA_MASK;
+    case PARAMETER_NORMAL_SCALE:
+        return has_normal_map(viewer, m);
+    case PARAMETER_ANISOTROPIC_ROTATION:
+        return m->anisotropic > 0;
+    case PARAMETER_CLEARCOAT_ROUGHNESS:
+        return m->clearcoat > 0 && (m->flags & MATERIAL_COAT_GGX);
+    case PARAMETER_CLEARCOAT_GLOSS:
+        return m->clearcoat > 0 && !(m->flags & MATERIAL_COAT_GGX);
+    case PARAMETER_SHEEN_ROUGHNESS:
+        return !is_black(m->sheen_color);
+    case PARAMETER_SHEEN_TINT:
+        return m->sheen > 0;
+    case PARAMETER_DIFFUSE_TRANSMISSION:
+        return m->flags & MATERIAL_THIN;
+    case PARAMETER_FILM_THICKNESS:
+    case PARAMETER_FILM_IOR:
+        return m->iridescence > 0;
+    case PARAMETER_DISPERSION:
+        return !(m->flags & MATERIAL_THIN) && (!is_principled || m->transmission > 0);
+    default:
+        return true;
+    }
+}
+
 // Ids live as long as the frame; those of form.used until the edit.
 static void parameter(struct viewer *viewer, struct form *form, const struct material_parameter *p,
                       struct material *to)
@@ -46,6 +94,7 @@ static void parameter(struct viewer *viewer, struct form *form, const struct mat
         return;
     const char *label = label_of(viewer, p->name);
     float *value = &to->parameters[p->first];
+    gui_enabled(form->gui, matters(viewer, to, p->first));
     if (p->count == 3)
         form_color(form, id, label, p->help, &range, value);
     else
@@ -78,14 +127,16 @@ static void flags(struct form *form, struct material *to)
     bool is_microfacet = to->model == MATERIAL_MICROFACET;
     bits(form, "material.alpha", "Alpha", "What opacity means: nothing, a mask, or a probability.",
          edit_alpha_names, 4, 3, &to->flags);
+    gui_enabled(gui, !is_black(to->emission));
     flag(form, "material.unlit", "Unlit", "Its emission is a colour to show, not light.",
          MATERIAL_UNLIT, &to->flags);
     gui_enabled(gui, is_through);
     flag(form, "material.thin", "Thin", "A sheet without an inside.", MATERIAL_THIN, &to->flags);
-    gui_enabled(gui, is_principled);
+    gui_enabled(gui, is_principled && to->transmission > 0);
     flag(form, "material.tint_each", "Tint each",
          "Every crossing tints by the base colour (glTF), not by its root.", MATERIAL_TINT_EACH,
          &to->flags);
+    gui_enabled(gui, is_principled && to->clearcoat > 0);
     bits(form, "material.coat", "Coat", "Burley's clearcoat, or glTF's of GGX.", edit_coat_names, 7,
          1, &to->flags);
     gui_enabled(gui, to->model != MATERIAL_LAMBERT && to->model != MATERIAL_MIRROR);
@@ -133,6 +184,7 @@ static void parameters(struct viewer *viewer, uint32_t index)
     for (uint32_t i = 0; i < material_parameter_count; i++)
         if (material_parameters[i].models >> to.model & 1u)
             parameter(viewer, &form, &material_parameters[i], &to);
+    gui_enabled(gui, true);
     flags(&form, &to);
     inside(&form, &to);
     if (form.used)

@@ -166,18 +166,17 @@ static void workgroup(struct viewer *viewer, struct form *form, struct method *t
 
 static void device(struct viewer *viewer, struct form *form, struct method *to)
 {
-    static const char *const waves[] = {"device's", "1024",    "4096",    "16384",    "65536",
-                                        "262144",   "1048576", "4194304", "16777216", NULL};
+    static const struct gui_range wave = {0, 16777216, .logarithmic = true, .integer = true,
+                                          .least = "device's"};
     static const char *const features[] = {"needed", "all", NULL};
     static const char *const classes[] = {"separate", "merged", NULL};
-    uint32_t wave = 0, everything = to->everything, merged = to->merge_classes;
-    for (uint32_t i = 1; waves[i]; i++)
-        if (to->wave == 256u << 2 * i)
-            wave = i;
-    if (form_choice(form, "renderer.wave", "Wave",
-                    "Paths in flight: changes memory and speed, and no bit of the picture.", waves,
-                    &wave))
-        to->wave = wave ? 256u << 2 * wave : 0;
+    uint32_t everything = to->everything, merged = to->merge_classes;
+    if (form_count(form, "renderer.wave", "Wave",
+                   "Paths in flight, 64 to 16777216: changes memory and speed, and no bit of the "
+                   "picture.",
+                   &wave, &to->wave) &&
+        to->wave > 0 && to->wave < 64)
+        to->wave = 64;
     workgroup(viewer, form, to);
     if (form_choice(form, "renderer.features", "Features",
                     "What kernels can do: what the scene needs, or everything, to compare speeds.",

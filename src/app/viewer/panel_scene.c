@@ -176,9 +176,12 @@ void panel_surroundings(struct viewer *viewer)
             form.used = "surroundings.kind";
         to.kind = form.used ? kind : to.kind;
     }
-    gui_enabled(gui, to.kind != SURROUNDINGS_NONE);
+    const struct environment *around = &viewer->scene.environment;
+    bool is_lit = to.kind != SURROUNDINGS_NONE && around->present;
+    gui_enabled(gui, is_lit);
     form_number(&form, "surroundings.strength", "Strength", "Factor on all of it, 0 to 1e30.",
                 &strength, &to.strength);
+    gui_enabled(gui, is_lit && around->width > 0); // one colour looks the same from all sides
     form_number(&form, "surroundings.rotation", "Rotation",
                 "About +Y, degrees, -1e6 to 1e6, in addition to the file's.", &turn,
                 &to.rotation_degrees);
