@@ -116,7 +116,7 @@ vec4 shown_value(uint at, float samples)
     if (SHOWN == SHOWN_NORMAL) // black where nothing is
         return vec4(0.5 * (aov_vector(at, AOV_NORMAL) + aov_scalar(at, AOV_ALPHA)) / samples, 1.0);
     if (SHOWN == SHOWN_DEPTH)
-        return vec4(aov_scalar(at, AOV_DEPTH) / samples, aov_scalar(at, AOV_ALPHA) / samples, 0.0, 1.0);
+        return vec4(vec3(aov_scalar(at, AOV_DEPTH), aov_scalar(at, AOV_ALPHA), 0.0) / samples, 1.0);
     if (SHOWN == SHOWN_OBJECTS || SHOWN == SHOWN_MATERIALS) {
         uvec4 ids = film_word(at + AOV_FILM_WORDS(AOVS) - 1u);
         return vec4(color_of_id(SHOWN == SHOWN_OBJECTS ? object_of(ids) : ids.z), 1.0);

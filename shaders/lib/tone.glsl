@@ -55,7 +55,7 @@ float agx_half_sigmoid(float x, float scale)
     return scale * u / pow(1.0 + u * sqrt(u), 1.0 / AGX_BEND);
 }
 
-// The ends of the logarithm's span are the ends of the curve, and everything beyond looks like them.
+// The ends of the logarithm's span are the ends of the curve: everything beyond looks like them.
 float agx_curve(float value)
 {
     float lowest = AGX_MIDDLE_GREY * exp2(-AGX_STOPS_BELOW);
