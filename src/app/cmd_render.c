@@ -7,13 +7,13 @@
 static bool set_up(struct render_job *job, struct err *err)
 {
     const struct options *options = job->options;
-    if (!options_given(options, OPTION_PIXEL) && !job_check_outputs(job, err))
+    bool follows_path = options_given(options, OPTION_PIXEL);
+    if (!follows_path && !(job_check_outputs(job, err) && job_tev_open(job, err)))
         return false;
     uint64_t start = clock_ns();
     if (!job_load_scene(options, &job->scene, &job->camera, err))
         return false;
     job->seconds.load = clock_seconds_since(start);
-    bool follows_path = options_given(options, OPTION_PIXEL);
     if (!job_check_space(job, err) || !job_settle_samples(job, err) ||
         !job_open_reference(job, err))
         return false;
@@ -70,10 +70,12 @@ static bool run(struct render_job *job, struct err *err)
     if (options_given(job->options, OPTION_PIXEL))
         return job_replay(job, err);
 
-    if (!job_checkpoint_restore(job, err) || !job_render(job, err) || !finish_outputs(job, err)) {
+    if (!job_checkpoint_restore(job, err) || !job_tev_begin(job, err) || !job_render(job, err) ||
+        !finish_outputs(job, err)) {
         job_checkpoint_mention(job, err);
         return false;
     }
+    job_tev_end(job);
     job->seconds.total = clock_seconds_since(job->start_ns);
     if (job->options->json)
         job_print_json(job);
@@ -94,6 +96,7 @@ int cmd_render(const struct options *options)
     if (ok && job.gpu.validation_messages > 0)
         ok = err_set(&err, ERR_BUG, "the validation layers reported %u messages",
                      job.gpu.validation_messages);
+    job_tev_end(&job);
     checkpoint_close(&job.resumed);
     renderer_finish(&job.renderer);
     gpu_close(&job.gpu);

@@ -36,6 +36,15 @@ struct job_against {
     struct forecast_bias bias;
 };
 
+// A viewer that is sent the picture.
+struct tev;
+struct job_tev {
+    struct tev *viewer;         // NULL: none
+    uint64_t begin_ns, sent_ns; // when rendering began; when the last picture was read
+    double seconds;             // that reading and packing took
+    uint64_t next_sample;       // after which the next picture goes
+};
+
 struct render_job {
     const struct options *options;
     struct arena arena; // names, the list of frames
@@ -60,6 +69,7 @@ struct render_job {
     uint32_t look_count, look_capacity;
     struct reference reference; // no pixels without one
     struct trace trace;
+    struct job_tev tev;
 
     const char *identity;      // of what a checkpoint is of
     struct checkpoint resumed; // closed once it is restored
@@ -177,6 +187,17 @@ void job_print_summary(const struct render_job *job);
 void job_print_json(const struct render_job *job);
 // The command that follows the path of a dropped contribution, or NULL; lives in the job's arena.
 const char *job_reproducing_command(struct render_job *job);
+
+// --- render_tev.c ---
+// With --tev, begins to connect; only a malformed address is an error.
+bool job_tev_open(struct render_job *job, struct err *err);
+// Sends what there is before the first sample.
+bool job_tev_begin(struct render_job *job, struct err *err);
+// Sends the picture when the samples have doubled or some time went by, unless the last is under
+// way still or it would cost too much. False: the film could not be read.
+bool job_tev_when_due(struct render_job *job, struct err *err);
+// Sends the picture as it was read last, and says goodbye.
+void job_tev_end(struct render_job *job);
 
 // --- render_replay.c ---
 // --pixel X,Y --sample S: renders nothing, prints one path.

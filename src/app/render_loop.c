@@ -22,6 +22,11 @@ static uint32_t pilot_seed(uint32_t seed)
     return (seed ^ 0x85ebca6bu) * 2654435769u + 0x7f4a7c15u;
 }
 
+static bool after_wave(void *context, struct err *err)
+{
+    return job_checkpoint_when_due(context, err) && job_tev_when_due(context, err);
+}
+
 static bool render_steps(struct render_job *job, uint64_t steps, double from, double to,
                          struct err *err)
 {
@@ -30,7 +35,7 @@ static bool render_steps(struct render_job *job, uint64_t steps, double from, do
         .progress_from = from,
         .progress_to = to,
         .stopped = &job->stopped,
-        .after_wave = job_checkpoint_when_due,
+        .after_wave = after_wave,
         .context = job,
     };
     return renderer_render(&job->renderer, &call, err);
