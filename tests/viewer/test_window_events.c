@@ -3,6 +3,7 @@
 #include "window_fixture.h"
 
 #include <GLFW/glfw3.h>
+#include <X11/Xatom.h>
 
 // A window with the keyboard's focus, for which no window manager cares here.
 static bool window_with_focus(struct stage *stage, struct err *err)
@@ -216,7 +217,35 @@ TEST(titles_and_clipboards_are_set)
     finish(&stage);
 }
 
+// Displays with small pixels say so by this resource (X11): text has twice the size on them.
+TEST(scale_is_the_displays)
+{
+    static const struct {
+        const char *resources;
+        float scale;
+    } cases[] = {{"Xft.dpi:\t192\n", 2}, {"Xft.dpi:\t144\n", 1.5f}, {"", 1}};
+    Display *display = XOpenDisplay(NULL);
+    if (!display)
+        SKIP("no display");
+    for (int i = 0; i < 3; i++) {
+        struct window window;
+        struct err err = {0};
+        const struct window_params params = {"lampyris test", START_WIDTH, START_HEIGHT, false};
+        const char *text = cases[i].resources;
+        XChangeProperty(display, DefaultRootWindow(display), XA_RESOURCE_MANAGER, XA_STRING, 8,
+                        PropModeReplace, (const unsigned char *)text, (int)strlen(text));
+        XSync(display, False);
+        CHECK(window_open(&params, &window, &err), "%s", err.msg);
+        CHECK(window.scale == cases[i].scale, "%g, expected %g", (double)window.scale,
+              (double)cases[i].scale);
+        CHECK(window.width == START_WIDTH && window.height == START_HEIGHT, "%u x %u", window.width,
+              window.height);
+        window_close(&window);
+    }
+    XCloseDisplay(display);
+}
+
 TEST_MAIN(TEST_CASE(keys_and_text_come_in_order), TEST_CASE(held_keys_repeat_and_go_with_the_focus),
           TEST_CASE(the_mouse_moves_presses_and_scrolls), TEST_CASE(a_captured_mouse_has_no_bounds),
           TEST_CASE(closing_is_asked_for), TEST_CASE(dropped_files_are_events),
-          TEST_CASE(titles_and_clipboards_are_set))
+          TEST_CASE(titles_and_clipboards_are_set), TEST_CASE(scale_is_the_displays))
