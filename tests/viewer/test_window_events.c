@@ -16,7 +16,7 @@ static bool window_with_focus(struct stage *stage, struct err *err)
     XMoveWindow(stage->display, stage_x11_window(stage), 0, 0);
     XSetInputFocus(stage->display, stage_x11_window(stage), RevertToParent, CurrentTime);
     XSync(stage->display, False);
-    for (int wait = 0; wait < 200 && !glfwGetWindowAttrib(stage->window.handle, GLFW_FOCUSED);
+    for (int wait = 0; wait < 1000 && !glfwGetWindowAttrib(stage->window.handle, GLFW_FOCUSED);
          wait++)
         window_poll(&stage->window, 0.01);
     window_poll(&stage->window, 0);
@@ -41,11 +41,12 @@ static void finish(struct stage *stage)
     XCloseDisplay(stage->display);
 }
 
-// Polls until `count` events other than movements have come (a second at most), and hands them out.
+// Polls until `count` events other than movements have come (ten seconds at most), and hands them
+// out.
 static uint32_t gather(struct stage *stage, struct event *out, uint32_t count)
 {
     uint32_t found = 0;
-    for (int wait = 0; wait < 100 && found < count; wait++) {
+    for (int wait = 0; wait < 1000 && found < count; wait++) {
         window_poll(&stage->window, 0.01);
         for (uint32_t i = 0; i < stage->window.event_count && found < count; i++)
             if (stage->window.events[i].kind != EVENT_MOVE &&
@@ -103,7 +104,7 @@ TEST(held_keys_repeat_and_go_with_the_focus)
     WINDOW(&stage);
     EXPECT(&stage, "xdotool keydown d", {EVENT_KEY, .code = GLFW_KEY_D, .down = true});
     bool repeats = false;
-    for (int wait = 0; wait < 200 && !repeats; wait++) {
+    for (int wait = 0; wait < 1000 && !repeats; wait++) {
         window_poll(&stage.window, 0.01);
         for (uint32_t i = 0; i < stage.window.event_count; i++)
             repeats |= stage.window.events[i].kind == EVENT_KEY && stage.window.events[i].repeated;

@@ -106,7 +106,7 @@ static bool shows_now(struct stage *stage, uint32_t seed)
 
 bool stage_shows(struct stage *stage, uint32_t seed)
 {
-    for (int wait = 0; wait < 200; wait++) {
+    for (int wait = 0; wait < 1000; wait++) {
         if (shows_now(stage, seed))
             return true;
         sleep_ms(10);
@@ -116,7 +116,7 @@ bool stage_shows(struct stage *stage, uint32_t seed)
 
 const struct event *stage_wait(struct stage *stage, enum event_kind kind)
 {
-    for (int wait = 0; wait < 200; wait++) {
+    for (int wait = 0; wait < 1000; wait++) {
         window_poll(&stage->window, 0.01);
         for (uint32_t i = 0; i < stage->window.event_count; i++)
             if (stage->window.events[i].kind == kind)

@@ -49,10 +49,9 @@ static inline bool stage_show(struct stage *stage, struct err *err)
 {
     return swapchain_show(&stage->gpu, &stage->swapchain, &stage->window, &stage->screen, err);
 }
-// The window as it is seen: waits until it has its size and, for up to two seconds, until it shows
-// `seed`'s picture; false: it does not. Of an sRGB-encoded picture, bit for bit.
+// Whether the window, as it is seen, comes to show `seed`'s picture bit for bit within ten seconds.
 bool stage_shows(struct stage *stage, uint32_t seed);
-// Polls until an event of this kind comes, for up to two seconds; NULL: none came.
+// Polls until an event of this kind comes, for up to ten seconds; NULL: none came.
 const struct event *stage_wait(struct stage *stage, enum event_kind kind);
 
 Window stage_x11_window(const struct stage *stage);
