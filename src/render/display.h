@@ -33,7 +33,8 @@ struct display_call {
 
 struct display {
     struct gpu *gpu;
-    struct gpu_buffer pixels;  // RGBA8, rows from the top, call.width * call.height
+    struct gpu_buffer pixels;  // RGBA8, rows from the top, call.width * call.height; there is room
+                               // for more
     double range[2];           // that was used
     double ms;                 // of the last call on the device
     struct display_state *own; // see display.c

@@ -122,6 +122,11 @@ bool display_reserve_bytes(struct display *d, const char *name, uint64_t bytes, 
     // What is far too large is given back.
     if (out->handle && out->bytes >= bytes && out->bytes / 4 <= bytes)
         return true;
+    // A window that is pulled larger needs a little more with every frame.
+    bool grows = out->handle && out->bytes < bytes;
+    uint64_t roomy = bytes + bytes / 64 * 16;
+    if (grows && roomy <= d->gpu->max_storage_range && (!texel || gpu_texel_fits(d->gpu, roomy)))
+        bytes = roomy;
     gpu_buffer_finish(d->gpu, out);
     return gpu_buffer_create(d->gpu, name, bytes, GPU_DEVICE,
                              texel && gpu_texel_fits(d->gpu, bytes), out, err);
