@@ -106,7 +106,15 @@ static bool fit_wave(struct viewer *viewer, struct view *view, struct err *err)
     bool is_close = fit <= 2 * now && now <= 2 * fit;
     if (view->method.wave || is_close)
         return true;
-    return renderer_resize(&view->renderer, fit, view->renderer.specialization.workgroup, err);
+    if (renderer_resize(&view->renderer, fit, view->renderer.specialization.workgroup, err))
+        return true;
+    if (viewer->gpu.lost)
+        return false;
+    // It has no buffers now: the side is to be built again.
+    viewer_message(viewer, MESSAGE_WARNING, "%s", err->msg);
+    *err = (struct err){0};
+    view->is_ready = false;
+    return true;
 }
 
 static bool clear_fresh(struct viewer *viewer, struct view *view, struct err *err)
@@ -166,7 +174,9 @@ bool viewer_render(struct viewer *viewer, struct err *err)
     if (!view)
         return true;
     set_time(viewer, view, left_ms / whole_ms);
-    return fit_wave(viewer, view, err) && render_side(viewer, view, UINT64_MAX, err);
+    if (!fit_wave(viewer, view, err))
+        return false;
+    return !view->is_ready || render_side(viewer, view, UINT64_MAX, err);
 }
 
 // --- showing -------------------------------------------------------------------------------------
@@ -191,7 +201,6 @@ void viewer_display_call(const struct viewer *viewer, struct display_call *out)
         .height = height,
         .picture = {0, 0, width, height},
         .nearest = shown->nearest,
-        .use_kept = viewer->has_kept,
     };
     if (!viewer->has_scene)
         return;
@@ -205,6 +214,7 @@ void viewer_display_call(const struct viewer *viewer, struct display_call *out)
                 denoises(viewer, view) && view->denoised_samples > 0 ? &view->denoiser : NULL,
         };
         out->side_count = side + 1;
+        out->use_kept |= viewer->has_kept && view_samples(view) == 0;
     }
 }
 
