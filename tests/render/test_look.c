@@ -1,6 +1,7 @@
 // What a viewer asks of a renderer: another camera and another size, without building (the picture
 // has the same bits as a new renderer's), kernels that were compiled meanwhile, and small steps.
 #include "render_fixture.h"
+#include "replay.h"
 #include "shared/methods.h"
 #include <math.h>
 
@@ -472,5 +473,46 @@ TEST(stops_after_every_wave)
     gpu_close(&gpu);
 }
 
+// As when somebody clicks into a picture that is under way: in the middle of a pass, and between
+// two, at another size than the renderer's first one.
+TEST(following_a_path_changes_nothing)
+{
+    const struct look_case c = {.path = "scenes/all_classes.json"};
+    bool stops = false;
+    const struct progress progress = {.should_stop = stop_at_once, .context = &stops};
+    struct arena arena = {0};
+    struct scene scene;
+    struct gpu gpu;
+    struct renderer r;
+    struct film_image whole, film;
+    struct replay replay;
+    struct err err = {0};
+    OPEN_GPU(&gpu, .validation = true);
+    REQUIRE_OK(load_case(&c, &scene, &err));
+    const struct renderer_params params = {
+        .gpu = &gpu, .scene = &scene, .wave = 512, .progress = &progress};
+    const struct look look = {.camera = scene.cameras[0], .width = 30, .height = 20};
+    const struct render_call first = {.samples = 1}, rest = {.samples = SAMPLES - 1};
+    REQUIRE_OK(render_anew(&params, &look, &arena, &whole, &err));
+    REQUIRE_OK(renderer_create(&params, &r, &err));
+    bool fits;
+    REQUIRE_OK(renderer_look(&r, &look.camera, look.width, look.height, &fits, &err));
+    stops = true;
+    for (int i = 0; r.next_sample == 0 && i < 10; i++) {
+        REQUIRE_OK(renderer_render(&r, &first, &err));
+        REQUIRE_OK(renderer_replay(&r, 15, 12, 0, &arena, &replay, &err));
+        CHECK(replay.vertex_count > 0 && replay.vertices[0].t > 0.0f, "nothing was met");
+    }
+    stops = false;
+    REQUIRE_OK(renderer_render(&r, &rest, &err) && renderer_read(&r, &arena, &film, &err));
+    CHECK(same_bits(&film, &whole), "the picture is another");
+    renderer_finish(&r);
+    CHECK(gpu.validation_messages == 0, "%u messages", gpu.validation_messages);
+    arena_finish(&arena);
+    scene_finish(&scene);
+    gpu_close(&gpu);
+}
+
 TEST_MAIN(TEST_CASE(same_bits_as_a_new_renderer), TEST_CASE(what_does_not_fit_changes_nothing),
-          TEST_CASE(kernels_from_elsewhere), TEST_CASE(stops_after_every_wave))
+          TEST_CASE(kernels_from_elsewhere), TEST_CASE(stops_after_every_wave),
+          TEST_CASE(following_a_path_changes_nothing))
