@@ -464,8 +464,9 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .name = "tev", .argument = "HOST:PORT", .type = VALUE_TEXT, .group = "Report",
         .commands = FOR_RENDER, .fallback = "none",
         .help = "Send the picture as it grows to the viewer tev, which listens on port 14158; "
-                "HOST is 127.0.0.1 where only \":PORT\" or \"PORT\" is given. The render goes on "
-                "without where nobody listens. The picture keeps its bits.",
+                "HOST is 127.0.0.1 where only \":PORT\" or \"PORT\" is given, [::1]:14158 an "
+                "address of IPv6. The render goes on without where nobody listens. The picture "
+                "keeps its bits.",
         FIELD(tev),
     },
     [OPTION_REPORT] = {
