@@ -27,7 +27,8 @@
 #define SHOWN_FALSE                                                                                \
     (SHOWN_BIT(SHOWN_DEPTH) | SHOWN_BIT(SHOWN_SAMPLES) | SHOWN_BIT(SHOWN_VARIANCE) |               \
      SHOWN_BIT(SHOWN_STEPS))
-#define SHOWN_LOGARITHMIC SHOWN_BIT(SHOWN_VARIANCE)
+// False colours by the logarithm: what reaches to the horizon, or over many powers of ten.
+#define SHOWN_LOGARITHMIC (SHOWN_BIT(SHOWN_DEPTH) | SHOWN_BIT(SHOWN_VARIANCE))
 
 // Storage buffers of the kernels that make a picture to look at. Linear pictures are vec4 a pixel:
 // a value times its weight, and the weight, 0 where nothing is known. False colours: the value
