@@ -108,7 +108,7 @@ TEST(waves_fit_the_frame)
 {
     for (double ms = 1e-7; ms < 1e-2; ms *= 1.7) {
         struct pace pace = settled(ms, 5.0);
-        uint32_t wave = pace_wave(&pace);
+        uint32_t wave = pace_wave(&pace, pace_render_ms(&pace));
         CHECK((wave & (wave - 1)) == 0 && wave >= PACE_WAVE_MIN && wave <= PACE_WAVE_MAX, "%u",
               wave);
         CHECK(wave == PACE_WAVE_MIN || wave * ms <= pace_render_ms(&pace), "%g: %u", ms, wave);
@@ -116,8 +116,34 @@ TEST(waves_fit_the_frame)
     }
 }
 
+TEST(calm_frames_are_longer_but_answer)
+{
+    struct pace pace = settled(1e-3, 20.0);
+    CHECK(fabs(pace_calm_render_ms(&pace) - 80.0) < 1e-6, "%g", pace_calm_render_ms(&pace));
+    pace = settled(1e-3, 60.0);
+    CHECK(fabs(pace_calm_render_ms(&pace) - 140.0) < 1e-6, "%g", pace_calm_render_ms(&pace));
+    for (double overhead = 0.0; overhead < 400.0; overhead += 7.0) {
+        pace = settled(1e-3, overhead);
+        CHECK(pace_calm_render_ms(&pace) >= pace_render_ms(&pace), "%g", overhead);
+    }
+}
+
+// What is done once for every pixel makes previews smaller.
+TEST(denoising_is_paced)
+{
+    struct pace pace = settled(1e-4, 5.0);
+    uint32_t without = pace.shrink;
+    pace_measure_pixels(&pace, 1000.0, 1.0);
+    pace_choose(&pace, 640, 360);
+    CHECK(pace.shrink > without, "%u", pace.shrink);
+    pace_measure_pixels(&pace, 0.0, 0.0);
+    pace_choose(&pace, 640, 360);
+    CHECK(pace.shrink == without, "%u", pace.shrink);
+}
+
 TEST_MAIN(TEST_CASE(means_follow_what_is_measured),
           TEST_CASE(rendering_keeps_a_quarter_of_the_frame), TEST_CASE(previews_fit_the_frame),
           TEST_CASE(quick_devices_need_no_preview),
           TEST_CASE(nothing_is_chosen_before_something_is_known),
-          TEST_CASE(the_choice_does_not_flicker), TEST_CASE(waves_fit_the_frame))
+          TEST_CASE(the_choice_does_not_flicker), TEST_CASE(waves_fit_the_frame),
+          TEST_CASE(calm_frames_are_longer_but_answer), TEST_CASE(denoising_is_paced))

@@ -100,7 +100,8 @@ static void set_time(struct viewer *viewer, const struct view *view, double fact
 // two is for what a measurement is worth.
 static bool fit_wave(struct viewer *viewer, struct view *view, struct err *err)
 {
-    uint32_t now = view->renderer.plan.wave_slots, fit = pace_wave(&viewer->pace);
+    uint32_t now = view->renderer.plan.wave_slots;
+    uint32_t fit = pace_wave(&viewer->pace, frame_render_ms(viewer));
     if (fit > view->usual_wave)
         fit = view->usual_wave;
     bool is_close = fit <= 2 * now && now <= 2 * fit;

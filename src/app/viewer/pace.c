@@ -56,12 +56,12 @@ uint32_t pace_shrunk(uint32_t side, uint32_t shrink)
     return (side + shrink - 1) / shrink;
 }
 
-uint32_t pace_wave(const struct pace *pace)
+uint32_t pace_wave(const struct pace *pace, double render_ms)
 {
     uint32_t wave = PACE_WAVE_MAX;
     if (!(pace->ms_per_sample > 0.0))
         return wave;
-    double fit = pace_render_ms(pace) / pace->ms_per_sample;
+    double fit = render_ms / pace->ms_per_sample;
     while (wave > PACE_WAVE_MIN && (double)wave > fit)
         wave /= 2;
     return wave;

@@ -27,9 +27,8 @@ double pace_render_ms(const struct pace *pace);
 // The same while nothing is done but looking: longer, so that most of the time goes into the
 // picture.
 double pace_calm_render_ms(const struct pace *pace);
-// Paths in flight, a power of two, that take no longer than a frame may: a frame ends between two
-// waves.
-uint32_t pace_wave(const struct pace *pace);
+// Paths in flight, a power of two, that take no longer than that: a frame ends between two waves.
+uint32_t pace_wave(const struct pace *pace, double render_ms);
 // Chooses `shrink` so that a sample of every pixel of the smaller picture, and what is done once
 // for each, fits; with hysteresis, so that it does not flicker.
 void pace_choose(struct pace *pace, uint32_t width, uint32_t height);
