@@ -14,6 +14,7 @@ DENOISE_READ(records_history, DENOISE_RECORDS_HISTORY)
 DENOISE_READ(from, DENOISE_FROM)
 DENOISE_READ(modulation, DENOISE_MODULATION)
 DENOISE_READ(picture, DENOISE_PICTURE)
+DENOISE_READ(emission, DENOISE_EMISSION)
 DENOISE_WRITE(blended, DENOISE_BLENDED)
 DENOISE_WRITE(records, DENOISE_RECORDS)
 
@@ -28,9 +29,9 @@ float slope_along(ivec2 pixel, vec4 guide, ivec2 axis)
     float slope = 0.0;
     bool known = false;
     for (int side = -1; side <= 1; side += 2) {
-        ivec2 at = pixel + 2 * side * axis;
-        vec4 other = load_guides(is_inside(at) ? pixel_index(uvec2(at)) : pixel_index(uvec2(pixel)));
-        bool usable = is_inside(at) && !is_empty(other) && !is_sky(other);
+        bool inside;
+        vec4 other = load_guides(neighbour_index(pixel, 2 * side * axis, inside));
+        bool usable = inside && !is_empty(other) && !is_sky(other);
         float change = 0.5 * float(side) * (other.w - guide.w);
         bool better = usable && (!known || abs(change) < abs(slope));
         slope = better ? change : slope;
@@ -39,13 +40,32 @@ float slope_along(ivec2 pixel, vec4 guide, ivec2 axis)
     return slope;
 }
 
+// Emission is in the halves too, but not in the light that is filtered: where it differs from the
+// next pixels' it may differ between the halves, by a variance of up to a quarter of the
+// difference's square. Where that could be a part of the variance, they tell none.
+const float EMISSION_PART = 0.1;
+
+bool is_told_by_halves(ivec2 pixel, float variance)
+{
+    vec3 here = load_emission(pixel_index(uvec2(pixel))).rgb;
+    vec3 divisor = load_modulation(pixel_index(uvec2(pixel))).rgb;
+    float most = 0.0;
+    for (int i = 0; i < 4; i++) {
+        ivec2 offset = (i & 1) == 0 ? ivec2(i - 1, 0) : ivec2(0, i - 2);
+        bool inside;
+        vec3 beside = load_emission(neighbour_index(pixel, offset, inside)).rgb;
+        most = max(most, luminance(abs(beside - here) / divisor));
+    }
+    return 0.25 * most * most <= EMISSION_PART * variance;
+}
+
 struct past {
     vec3 light;
     float samples, deviation, freedom;
 };
 
-// A pixel of the history, where it may speak for the place `at` of its picture: the surface there has
-// the same normal, and the depth that its own slope leads to. Returns its weight.
+// A pixel of the history, where it may speak for the place `at` of its picture: the surface there
+// has the same normal, and the depth that its own slope leads to. Returns its weight.
 float past_weight(ivec2 tap, vec2 at, vec4 guide, float expected_depth, float tolerance)
 {
     uint index = tap.y * denoise.history.width + tap.x;
@@ -55,8 +75,9 @@ float past_weight(ivec2 tap, vec2 at, vec4 guide, float expected_depth, float to
     float deviation = abs(then.w + dot(record.xy, away) - expected_depth);
     // Each is the mean of samples somewhere in their pixel.
     float allowed = abs(record.x) + abs(record.y) + tolerance;
-    float alike = is_sky(guide) == is_sky(then) ? normal_weight(guide.xyz, then.xyz, is_sky(guide) ? 1.0 : 0.0) : 0.0;
-    bool same_place = is_sky(guide) || deviation <= allowed;
+    bool far = is_sky(guide);
+    float alike = normal_weight(guide.xyz, then.xyz, far && is_sky(then) ? 1.0 : 0.0);
+    bool same_place = far || deviation <= allowed;
     float bilinear = (1.0 - abs(away.x)) * (1.0 - abs(away.y));
     return !is_empty(then) && same_place ? bilinear * alike : 0.0;
 }
@@ -132,6 +153,8 @@ void main()
                      slope_along(ivec2(pixel), guide, ivec2(0, 1)));
     float deviation = light.w;
     float freedom = load_modulation(index).w;
+    if (!is_told_by_halves(ivec2(pixel), deviation))
+        deviation = freedom = 0.0;
 
     past before = find_past(vec2(pixel) + 0.5, guide, slope);
     float fading = max(0.0, 1.0 - samples / DENOISE_FADE_SAMPLES);

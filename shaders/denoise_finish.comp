@@ -1,9 +1,10 @@
-// One thread makes one pixel of the picture: as much of the filtered light as the variance bears out,
-// in the colours of its surface.
+// One thread makes one pixel of the picture: as much of the filtered light as the variance bears
+// out, in the colours of its surface.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
 #include "lib/denoise.glsl"
+#include "lib/denoise_view.glsl"
 #include "lib/denoise_weights.glsl"
 
 DENOISE_READ(blended, DENOISE_BLENDED)
@@ -12,30 +13,50 @@ DENOISE_READ(modulation, DENOISE_MODULATION)
 DENOISE_READ(emission, DENOISE_EMISSION)
 DENOISE_WRITE(picture, DENOISE_PICTURE)
 
-// What two independent variances of 25 degrees of freedom each, the pixels of the window, differ by
-// in one of 20 cases (Fisher's F distribution).
-const float FISHER_25_25 = 1.955;
+// What two independent variances of so many degrees of freedom as the window's weights leave,
+// 1 / (sum of their squares) = 13, differ by in one of 20 cases (Fisher's F distribution).
+const float FISHER_13_13 = 2.58;
+// Up to so many samples that much is put down to chance: noise is what disturbs then. With more of
+// them there is less of it to lose, and less is put down to chance.
+const float SAMPLES_FEW = 16.0;
+// A single pixel has one degree of freedom, and F(1, 1) is above x in 2 / (pi sqrt(x)) of all
+// cases. That share may be a 500th with few samples and grows with them, so that in the end each
+// pixel is what its own samples say.
+const float RARE_SHARE = 1.0 / 500.0;
+
+// The mix lambda f + (1 - lambda) p of the filtered light f and the pixel p has the error
+// lambda^2 b^2 + (1 - lambda)^2 V, by the bias b of f and the variance V of p: least with lambda =
+// V / (V + b^2), and there below both. The mean of (f - p)^2, `moved`, is V + b^2; what chance
+// explains is no bias.
+float best_part(float moved, float variance, float chance)
+{
+    float bias = moved - chance * variance;
+    return bias > 0.0 ? variance / (variance + bias) : 1.0;
+}
+
+vec2 unpack_judgement(uint packed)
+{
+    return vec2(uintBitsToFloat(packed & 0xffff0000u), uintBitsToFloat(packed << 16u));
+}
 
 void add_judgement(inout vec2 sum, ivec2 pixel, ivec2 offset)
 {
     bool inside;
-    uint packed = floatBitsToUint(load_from(neighbour_index(pixel, offset, inside)).w);
-    vec2 moved_variance =
-        vec2(uintBitsToFloat(packed & 0xffff0000u), uintBitsToFloat(packed << 16u));
-    sum += inside ? moved_variance : vec2(0.0);
+    uint index = neighbour_index(pixel, offset, inside);
+    float weight = inside ? spline(abs(offset.x)) * spline(abs(offset.y)) : 0.0;
+    sum += weight * unpack_judgement(floatBitsToUint(load_from(index).w));
 }
 
-// Filtering moves a pixel by its noise and by its own bias: over the window the squares have the
-// mean V + b^2. The mix lambda f + (1 - lambda) p of the filtered light f and the pixel p has the
-// error lambda^2 b^2 + (1 - lambda)^2 V, least with lambda = V / (V + b^2) and there below both. What
-// chance explains is no bias.
-float trust(ivec2 pixel)
+// By the pixels around together, and by the pixel alone.
+float trust(ivec2 pixel, vec2 own, float samples)
 {
-    vec2 sum = vec2(0.0); // squares of movements; variances
+    vec2 sum = vec2(0.0);
 #define ADD_JUDGEMENT(x, y) add_judgement(sum, pixel, ivec2(x, y));
     DENOISE_SQUARE_5(ADD_JUDGEMENT)
-    float bias = max(0.0, sum.x - FISHER_25_25 * sum.y);
-    return bias > 0.0 ? sum.y / (sum.y + bias) : 1.0;
+    float many = max(samples / SAMPLES_FEW, 1.0);
+    float rare = 2.0 / (PI * RARE_SHARE * many);
+    return min(best_part(sum.x, sum.y, 1.0 + (FISHER_13_13 - 1.0) / many),
+               best_part(own.x, own.y, rare * rare));
 }
 
 void main()
@@ -44,12 +65,14 @@ void main()
     if (!find_pixel(pixel))
         return;
     uint index = pixel_index(pixel);
+    vec4 filtered = load_from(index);
     vec3 before = load_blended(index).rgb;
     vec3 divisor = load_modulation(index).rgb;
     vec3 emission = load_emission(index).rgb;
-    vec3 film = picture_words[index].rgb;
-    vec3 light = before + trust(ivec2(pixel)) * (load_from(index).rgb - before);
+    vec4 film = picture_words[index];
+    vec2 own = unpack_judgement(floatBitsToUint(filtered.w));
+    vec3 light = before + trust(ivec2(pixel), own, film.w) * (filtered.rgb - before);
     // Where nothing was moved these are the film's own bits, without the rounding of two divisions.
-    bvec3 same = equal(light, (film - emission) / divisor);
-    picture_words[index].rgb = mix(light * divisor + emission, film, same);
+    bvec3 same = equal(light, (film.rgb - emission) / divisor);
+    picture_words[index].rgb = mix(light * divisor + emission, film.rgb, same);
 }

@@ -72,9 +72,9 @@ vec4 make_guide(float alpha, uint pixel)
     return vec4(normal, guide_depth(denoise.now, t, ray.cosine));
 }
 
-// Luminances' sum of squared deviations between the halves, whose expectation is the variance of one
-// sample (Chan, Golub and LeVeque 1983, equation 2.1b). Emission is in it: at edges of emitters it is
-// too large.
+// Luminances' sum of squared deviations between the halves, whose expectation is the variance of
+// one sample (Chan, Golub and LeVeque 1983, equation 2.1b). Emission is in it: at edges of emitters
+// it is too large.
 float halves_deviation(uint at, float a, float b, vec3 divisor)
 {
     float difference = luminance(half_sum(at, 0u) / (a * divisor)) -
@@ -103,14 +103,15 @@ void main()
     vec3 mean = (half_sum(at, 0u) + half_sum(at, 2u)) / n;
     float alpha = aov_means[AOV_SCALAR_AT(AOVS, AOV_ALPHA)];
     vec3 emission = aov_vector(AOV_VECTOR_AT(AOVS, AOV_EMISSION));
-    // Samples that meet nothing reflect nothing: at a silhouette the share of those that do cancels.
+    // Samples that meet nothing reflect nothing: at a silhouette the share of those that do
+    // cancels.
     vec3 albedo = aov_vector(AOV_VECTOR_AT(AOVS, AOV_ALBEDO));
     vec3 divisor = alpha > 0.0 ? max(albedo, vec3(LEAST_ALBEDO * alpha)) : vec3(1.0);
     float first = float(samples_of_first_half(samples));
     bool both = first > 0.0 && first < n;
     guides_words[pixel] = make_guide(alpha, pixel);
-    to_words[pixel] =
-        vec4((mean - emission) / divisor, both ? halves_deviation(at, first, n - first, divisor) : 0.0);
+    float deviation = both ? halves_deviation(at, first, n - first, divisor) : 0.0;
+    to_words[pixel] = vec4((mean - emission) / divisor, deviation);
     modulation_words[pixel] = vec4(divisor, both ? 1.0 : 0.0);
     picture_words[pixel] = vec4(mean, n);
     emission_words[pixel] = vec4(emission, 0.0);

@@ -1,6 +1,6 @@
 // One thread finds the variance of one pixel's luminance: from the half-buffers and the history of
-// the pixels around that are like it, or, as long as they say little, from these pixels' differences
-// (Schied et al. 2017, section 4.2).
+// the pixels around that are like it, or, as long as they say little, from these pixels'
+// differences (Schied et al. 2017, section 4.2).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -42,8 +42,8 @@ vec2 pool_deviations(depth_plane plane, ivec2 pixel)
     return sum;
 }
 
-// Of the means of the pixels around, about this one's so that nothing cancels. `radius`: -1 where it
-// is not needed, so that the loop ends at once.
+// Of the means of the pixels around, about this one's so that nothing cancels. `radius`: -1 where
+// it is not needed, so that the loop ends at once.
 float spatial_variance(depth_plane plane, ivec2 pixel, float luminance_here, int radius)
 {
     vec3 sum = vec3(0.0);

@@ -15,12 +15,6 @@ DENOISE_READ(records, DENOISE_RECORDS)
 DENOISE_READ(from, DENOISE_FROM)
 DENOISE_WRITE(to, DENOISE_TO)
 
-// The B3 spline of a distance of 0, 1 or 2 steps.
-float spline(int distance)
-{
-    return distance == 0 ? 0.375 : distance == 1 ? 0.25 : 0.0625;
-}
-
 void add_variance(inout vec2 sum, ivec2 pixel, ivec2 offset)
 {
     bool inside;
@@ -67,16 +61,17 @@ void add_tap(inout filtered sum, middle_pixel middle, ivec2 tap)
     sum.weights += weight;
 }
 
-// What the last pass judges by, as two numbers of 16 bits: how far the filter moved the pixel, and
-// what its own variance says, if it says anything.
+// What the last pass judges by, as two numbers of 16 bits: the square of how far the filter moved
+// the pixel, and its own variance, if that is known. Relative to the light, so that a bright pixel
+// does not speak for the dark ones around.
 float pack_judgement(uint index, vec4 record, float light)
 {
     vec4 before = load_blended(index);
-    float moved = light - luminance(before.rgb);
-    bool known = record.w > 0.0 && before.w > 0.0;
-    float variance = known ? record.z / (record.w * before.w) : 0.0;
-    uint high = known ? floatBitsToUint(moved * moved) >> 16u : 0u;
-    return uintBitsToFloat(high << 16u | floatBitsToUint(variance) >> 16u);
+    bool known = record.w > 0.0 && before.w > 0.0 && light > 0.0;
+    float moved = known ? (light - luminance(before.rgb)) / light : 0.0;
+    float variance = known ? record.z / (record.w * before.w) / (light * light) : 0.0;
+    return uintBitsToFloat((floatBitsToUint(moved * moved) & 0xffff0000u) |
+                           floatBitsToUint(variance) >> 16u);
 }
 
 void main()

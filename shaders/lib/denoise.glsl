@@ -33,8 +33,8 @@ layout(std140, set = 0, binding = UNIFORM_BINDING_FRAME) uniform denoise_block {
         vec4 name##_words[];                                                                       \
     };
 
-// Squares of pixels, in each row by row: neighbours in x are neighbours in a subgroup, neighbours in
-// y are in the cache. False for threads beyond the picture.
+// Squares of pixels, in each row by row: neighbours in x are neighbours in a subgroup, neighbours
+// in y are in the cache. False for threads beyond the picture.
 bool find_pixel(out uvec2 pixel)
 {
     uint across = (denoise.now.width + DENOISE_TILE - 1u) / DENOISE_TILE;

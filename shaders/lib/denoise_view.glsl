@@ -38,8 +38,8 @@ view_ray ray_through(gpu_denoise_view view, vec2 at)
                     inversesqrt(length_squared));
 }
 
-// What of a depth along such a ray is linear over the picture of a plane: its inverse measured along
-// the line of sight; without perspective the depth itself.
+// What of a depth along such a ray is linear over the picture of a plane: its inverse measured
+// along the line of sight; without perspective the depth itself.
 float guide_depth(gpu_denoise_view view, float t, float cosine)
 {
     return view.kind == CAMERA_ORTHOGRAPHIC ? t : 1.0 / (t * cosine);

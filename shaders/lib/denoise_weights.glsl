@@ -6,12 +6,18 @@
 const float SIGMA_LUMINANCE = 4.0;
 const uint NORMAL_SQUARINGS = 7u; // a power of 2^7 = 128
 
+// The B3 spline at a distance of 0, 1 or 2 steps.
+float spline(int distance)
+{
+    return distance == 0 ? 0.375 : distance == 1 ? 0.25 : 0.0625;
+}
+
 // Relative error of a depth: a few roundings each of the ray, its hit and the sum over samples,
 // 16 * 2^-24 together.
 const float DEPTH_ROUNDING = 9.5367431640625e-7;
 
-// BT.709, of what the filter weighs by. Its square times any number of samples stays finite: what is
-// brighter counts as that bright.
+// BT.709, of what the filter weighs by. Its square times any number of samples stays finite: what
+// is brighter counts as that bright.
 const float LUMINANCE_MOST = 1e14;
 float luminance(vec3 light)
 {
@@ -53,14 +59,16 @@ depth_plane make_plane(vec4 guide, vec2 slope, float length_change)
 {
     bool sky = is_sky(guide);
     float jitter = abs(slope.x) + abs(slope.y) + length_change * guide.w;
-    // Depths of surfaces are normal numbers, those of the sky are 0: any tolerance tells them apart.
-    return depth_plane(guide, slope, sky ? 1e-37 : jitter, DEPTH_ROUNDING * guide.w, sky ? 1.0 : 0.0);
+    // Depths of surfaces are normal numbers, those of the sky are 0: any tolerance tells them
+    // apart.
+    return depth_plane(guide, slope, sky ? 1e-37 : jitter, DEPTH_ROUNDING * guide.w,
+                       sky ? 1.0 : 0.0);
 }
 
-// How alike the surfaces of two pixels are. The exponent is that of equation (3), but for a deviation
-// from the plane rather than from the depth: on a slope that is seen at a flat angle the filter
-// reaches as far as on one that faces the camera. `further`: what else is in the exponent. 0 of
-// pixels without samples, as of all that is unlike.
+// How alike the surfaces of two pixels are. The exponent is that of equation (3), but for a
+// deviation from the plane rather than from the depth: on a slope that is seen at a flat angle the
+// filter reaches as far as on one that faces the camera. `further`: what else is in the exponent. 0
+// of pixels without samples, as of all that is unlike.
 float surface_weight(depth_plane plane, vec4 other, vec2 offset, float further)
 {
     float expected = dot(plane.slope, offset);
@@ -71,8 +79,8 @@ float surface_weight(depth_plane plane, vec4 other, vec2 offset, float further)
            exp(-(deviation / tolerance + further));
 }
 
-// By which a difference of luminances is multiplied in the exponent of equation (5). Without variance
-// no difference is small.
+// By which a difference of luminances is multiplied in the exponent of equation (5). Without
+// variance no difference is small.
 float luminance_scale(float variance)
 {
     return variance > 0.0 ? 1.0 / (SIGMA_LUMINANCE * sqrt(variance)) : 3.0e38;

@@ -11,8 +11,8 @@
 // (lib/denoise_view.glsl), or DENOISE_EMPTY of a pixel without samples.
 #define DENOISE_GUIDES 1
 #define DENOISE_GUIDES_HISTORY 2
-// Reflected light over what it was reflected by, from the film and the history; then of how many samples it is
-// worth: the variance of one over that number is the variance of the mean.
+// Reflected light over what it was reflected by, from the film and the history; then of how many
+// samples it is worth: the variance of one over that number is the variance of the mean.
 #define DENOISE_BLENDED 3
 #define DENOISE_BLENDED_HISTORY 4
 // The guide's change to the next pixel in x and y; then what tells the variance of a sample's

@@ -229,7 +229,7 @@ TEST(white_noise_goes)
             mean += now;
         }
     printf("  white noise: 1/%.0f of its variance is left\n", before / after);
-    CHECK(after * 60 < before, "1/%.1f of the variance is left", before / after);
+    CHECK(after * 25 < before, "1/%.1f of the variance is left", before / after);
     // 0.3 / sqrt(6) a pixel over 19200 of them: 0.0009.
     CHECK(fabs(mean / count) < 4 * 0.0009, "the mean moved by %g", mean / count);
     bench_close(&b);
