@@ -141,9 +141,22 @@ TEST(denoising_is_paced)
     CHECK(pace.shrink == without, "%u", pace.shrink);
 }
 
+// Dispatches of small pictures cost more a sample: what these took decides on their size, and not
+// on the waves of large ones.
+TEST(small_pictures_are_measured_apart)
+{
+    struct pace pace = settled(1e-4, 5.0);
+    uint32_t without = pace.shrink, wave = pace_wave(&pace, 20.0);
+    pace_measure_small(&pace, 1000.0, 0.5);
+    pace_choose(&pace, 640, 360);
+    CHECK(pace.shrink > without, "%u", pace.shrink);
+    CHECK(pace_wave(&pace, 20.0) == wave, "%u", pace_wave(&pace, 20.0));
+}
+
 TEST_MAIN(TEST_CASE(means_follow_what_is_measured),
           TEST_CASE(rendering_keeps_a_quarter_of_the_frame), TEST_CASE(previews_fit_the_frame),
           TEST_CASE(quick_devices_need_no_preview),
           TEST_CASE(nothing_is_chosen_before_something_is_known),
           TEST_CASE(the_choice_does_not_flicker), TEST_CASE(waves_fit_the_frame),
-          TEST_CASE(calm_frames_are_longer_but_answer), TEST_CASE(denoising_is_paced))
+          TEST_CASE(calm_frames_are_longer_but_answer), TEST_CASE(denoising_is_paced),
+          TEST_CASE(small_pictures_are_measured_apart))

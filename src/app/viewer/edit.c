@@ -158,6 +158,20 @@ static void shown_changed(struct viewer *viewer, const struct shown *from)
     }
 }
 
+// Methods that deal out samples by how many there will be.
+static void tell_plan(struct viewer *viewer, const struct method *from, const struct method *to)
+{
+    uint32_t limit = viewer->shown.spp_limit;
+    if (!method_plans(to) || method_plans(from))
+        return;
+    if (limit > 0)
+        viewer_message(viewer, MESSAGE_NOTE, "planned for %u samples a pixel, where it rests",
+                       limit);
+    else
+        viewer_message(viewer, MESSAGE_NOTE,
+                       "this plans for a number of samples: set one, or it makes no difference");
+}
+
 // New texels live in a new arena, so that a failure leaves the old ones.
 static bool put_around(struct viewer *viewer, const struct around *to, struct err *err)
 {
@@ -188,6 +202,7 @@ static bool put(struct viewer *viewer, enum target target, uint32_t index, const
     case TARGET_METHOD:
         viewer->sides[index].method = to->method;
         viewer_side_changed(viewer, index, method_change(&from->method, &to->method));
+        tell_plan(viewer, &from->method, &to->method);
         break;
     case TARGET_SURROUNDINGS:
         return put_around(viewer, &to->around, err);

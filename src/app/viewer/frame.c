@@ -83,7 +83,9 @@ static bool render_side(struct viewer *viewer, struct view *view, uint64_t sampl
     viewer->stats.render_ms += seconds * 1e3;
     viewer->render_seconds += seconds;
     viewer->frame_samples += work;
-    if (work > 0.0)
+    if (view->is_preview || viewer->is_moving)
+        pace_measure_small(&viewer->pace, work, seconds * 1e3);
+    else
         pace_measure(&viewer->pace, work, seconds * 1e3, viewer->pace.overhead_ms);
     return true;
 }

@@ -140,6 +140,7 @@ static void set_view(struct viewer *viewer)
     const struct settings *settings = &viewer->scene.settings;
     viewer->camera = viewer->scene.cameras[viewer->camera_index];
     viewer->wants_target = true;
+    pace_init(&viewer->pace, viewer->pace.target_ms);
     rig_init(&viewer->rig, &viewer->camera, viewer->bounds_min, viewer->bounds_max);
     memset(viewer->saved, 0, sizeof viewer->saved);
     set_methods(viewer);
@@ -436,7 +437,7 @@ static bool apply(struct viewer *viewer, struct err *err)
         viewer_close_side(viewer, side);
     viewer->is_moving = false;
     for (uint32_t side = 0; side < viewer->side_count; side++)
-        viewer->is_moving |= wants_preview(viewer, &viewer->sides[side]);
+        viewer->is_moving |= is_changing(viewer, &viewer->sides[side]);
     for (uint32_t side = 0; side < VIEWER_SIDES; side++)
         viewer->changes[side] = CHANGE_NONE;
     return true;

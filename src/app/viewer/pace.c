@@ -30,6 +30,12 @@ void pace_measure(struct pace *pace, double samples, double render_ms, double ov
     pace->overhead_ms = mean(pace->overhead_ms, overhead_ms);
 }
 
+void pace_measure_small(struct pace *pace, double samples, double render_ms)
+{
+    if (samples > 0.0 && render_ms > 0.0)
+        pace->ms_per_small = mean(pace->ms_per_small, render_ms / samples);
+}
+
 void pace_measure_pixels(struct pace *pace, double pixels, double ms)
 {
     pace->ms_per_pixel = pixels > 0.0 ? mean(pace->ms_per_pixel, ms / pixels) : 0.0;
@@ -69,14 +75,15 @@ uint32_t pace_wave(const struct pace *pace, double render_ms)
 
 static double cost_ms(const struct pace *pace, uint32_t width, uint32_t height, uint32_t shrink)
 {
+    double sample = pace->ms_per_small > 0.0 ? pace->ms_per_small : pace->ms_per_sample;
     return (double)pace_shrunk(width, shrink) * pace_shrunk(height, shrink) *
-           (pace->ms_per_sample + pace->ms_per_pixel);
+           (sample + pace->ms_per_pixel);
 }
 
 void pace_choose(struct pace *pace, uint32_t width, uint32_t height)
 {
     double budget = pace_render_ms(pace);
-    if (!(pace->ms_per_sample > 0.0))
+    if (!(pace->ms_per_sample > 0.0) && !(pace->ms_per_small > 0.0))
         return;
     while (pace->shrink < PACE_SHRINK_MAX && cost_ms(pace, width, height, pace->shrink) > budget)
         pace->shrink++;

@@ -8,6 +8,7 @@
 struct pace {
     double target_ms;     // of a whole frame
     double ms_per_sample; // of one sample of one pixel, a running mean; 0: not known yet
+    double ms_per_small;  // the same of small pictures, of which dispatches cost more; 0: not known
     double ms_per_pixel;  // of what is done once for every pixel of a picture, denoising; 0: none
     double overhead_ms;   // of a frame besides rendering: display, panel, presenting
     uint32_t shrink;      // the picture's sides are divided by this while the camera moves; >= 1
@@ -20,6 +21,8 @@ struct pace {
 void pace_init(struct pace *pace, double target_ms);
 // Of a frame that took so many samples (of single pixels) in so long, and so long besides.
 void pace_measure(struct pace *pace, double samples, double render_ms, double overhead_ms);
+// Of small pictures: what `shrink` is chosen by, once it is known.
+void pace_measure_small(struct pace *pace, double samples, double render_ms);
 void pace_measure_pixels(struct pace *pace, double pixels, double ms);
 // What a frame may take for rendering; never below a quarter of the target, so that the picture
 // goes on where all else takes long.

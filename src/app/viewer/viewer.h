@@ -130,7 +130,7 @@ struct viewer {
     bool wants_target; // the rig's is to be found in the first picture
     struct keys keys;
     struct saved_view saved[VIEWER_SAVED_VIEWS];
-    bool is_moving; // the camera moved, or the scene changed, a moment ago: what is seen is small
+    bool is_moving; // the camera moved, or the scene changed, a moment ago
     struct view sides[VIEWER_SIDES];
     uint32_t side_count;
     uint32_t edited_side; // whose method the panel shows
