@@ -10,7 +10,7 @@ static const struct {
     double low, high;
     bool from_zero;
 } shares[SHOWN_COUNT] = {
-    [SHOWN_DEPTH] = {0.01, 0.99, false},
+    [SHOWN_DEPTH] = {0.01, 0.95, false}, // the horizon is in few pixels
     [SHOWN_SAMPLES] = {0, 1, true},
     [SHOWN_VARIANCE] = {0.01, 0.99, false},
     [SHOWN_STEPS] = {0, 0.995, true},

@@ -84,6 +84,13 @@ TEST(every_size)
 // of a sixteenth of an octave leave open.
 static void check_range(const struct display *display, uint32_t shown, const struct values *values)
 {
+    // What share of all values is below the range, and below its end.
+    static const double shares[SHOWN_COUNT][2] = {
+        [SHOWN_DEPTH] = {0.01, 0.95},
+        [SHOWN_SAMPLES] = {0, 1},
+        [SHOWN_VARIANCE] = {0.01, 0.99},
+        [SHOWN_STEPS] = {0, 0.995},
+    };
     uint32_t count = values->width * values->height, known = 0;
     double *sorted = malloc(count * sizeof *sorted);
     for (uint32_t i = 0; i < count; i++) {
@@ -93,9 +100,8 @@ static void check_range(const struct display *display, uint32_t shown, const str
     }
     qsort(sorted, known, sizeof *sorted, by_size);
     bool from_zero = shown == SHOWN_SAMPLES || shown == SHOWN_STEPS;
-    double low = from_zero ? 0 : sorted[(uint32_t)(0.01 * (known - 1))];
-    double high =
-        sorted[(uint32_t)((from_zero ? shown == SHOWN_SAMPLES ? 1 : 0.995 : 0.99) * (known - 1))];
+    double low = from_zero ? 0 : sorted[(uint32_t)(shares[shown][0] * (known - 1))];
+    double high = sorted[(uint32_t)(shares[shown][1] * (known - 1))];
     CHECK(fabs(display->range[0] - low) <= 0.07 * low &&
               fabs(display->range[1] - high) <= 0.07 * high,
           "%s: range %g to %g, expected %g to %g", shown_names[shown], display->range[0],
