@@ -320,9 +320,14 @@ static bool look_anew(struct viewer *viewer, struct view *view, const uint32_t s
            (fits || err_set(err, ERR_BUG, "a new renderer does not take its own camera"));
 }
 
+static bool is_changing(const struct viewer *viewer, const struct view *view)
+{
+    return viewer_seconds(viewer) - view->changed_seconds < REST_SECONDS;
+}
+
 static bool wants_preview(const struct viewer *viewer, const struct view *view)
 {
-    return viewer->pace.shrink > 1 && viewer_seconds(viewer) - view->changed_seconds < REST_SECONDS;
+    return viewer->pace.shrink > 1 && is_changing(viewer, view);
 }
 
 static bool keep_picture(struct viewer *viewer, struct err *err)
