@@ -14,7 +14,7 @@ static void material_name(void *context, uint32_t row, char out[PANEL_NAME_MAX])
              material->name[0] ? ", " : "", material_model_names[material->model]);
 }
 
-// "base_color" -> "Base color"
+// "base_color" -> "Base colour"
 static const char *label_of(struct viewer *viewer, const char *name)
 {
     char *label = arena_strdup(&viewer->frame_arena, name);
@@ -25,7 +25,11 @@ static const char *label_of(struct viewer *viewer, const char *name)
             *c = ' ';
     if (label[0] >= 'a' && label[0] <= 'z')
         label[0] = (char)(label[0] - 'a' + 'A');
-    return label;
+    const char *color = strstr(label, "color"); // files have it so; people here write it otherwise
+    if (color)
+        color = arena_printf(&viewer->frame_arena, "%.*scolour%s", (int)(color - label), label,
+                             color + strlen("color"));
+    return color ? color : label;
 }
 
 static struct gui_range range_of(const struct material_parameter *p)
