@@ -65,6 +65,7 @@ static bool build_tree(struct build *build, struct bvh_params *params, struct ar
     bool ok = bvh_build_cached(&build->cache, params, arena, out, err);
     if (ok && out->stats.cached_seconds > 0)
         build->spared_seconds += out->stats.cached_seconds - out->stats.build_seconds;
+    params->progress = NULL;
     build->done += build->part;
     return ok;
 }
@@ -274,6 +275,11 @@ bool geometry_prepare(const struct geometry_params *p, struct arena *arena, stru
 
 // --- shared --------------------------------------------------------------------------------------
 
+static bool same_bits(const void *a, const void *b, size_t bytes)
+{
+    return memcmp(a, b, bytes) == 0;
+}
+
 static bool same_counts(const struct flat_scene *a, const struct flat_scene *b)
 {
     return a->triangle_count == b->triangle_count &&
@@ -289,8 +295,8 @@ static bool same_instances(const struct flat_scene *a, const struct flat_scene *
             return false;
     for (uint32_t i = 0; i < a->placed_count; i++)
         if (a->instances[i].mesh != b->instances[i].mesh ||
-            memcmp(a->instances[i].to_world, b->instances[i].to_world,
-                   sizeof a->instances[i].to_world) != 0)
+            !same_bits(a->instances[i].to_world, b->instances[i].to_world,
+                       sizeof a->instances[i].to_world))
             return false;
     return true;
 }
@@ -305,11 +311,11 @@ static bool same_places(const struct flat_scene *a, const struct flat_scene *b)
         struct bvh_box boxes[2];
         flat_shape_box(&a->shapes[i], boxes[0].min, boxes[0].max);
         flat_shape_box(&b->shapes[i], boxes[1].min, boxes[1].max);
-        if (memcmp(&boxes[0], &boxes[1], sizeof boxes[0]) != 0)
+        if (!same_bits(&boxes[0], &boxes[1], sizeof boxes[0]))
             return false;
     }
     for (uint32_t i = 0; i < a->triangle_count; i++)
-        if (memcmp(a->triangles[i].v, b->triangles[i].v, sizeof a->triangles[i].v) != 0)
+        if (!same_bits(a->triangles[i].v, b->triangles[i].v, sizeof a->triangles[i].v))
             return false;
     return true;
 }

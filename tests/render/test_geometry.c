@@ -432,7 +432,7 @@ static void compare_media(const struct scene *scene, enum instancing instancing,
         // About the first and the second pot.
         camera.position[0] = -2.8 + 1.6 * (i % 20) / 20.0;
         camera.position[1] = 0.02 + 0.5 * (i / 20 % 4) / 4.0;
-        camera.position[2] = -0.3 + 0.6 * (i / 80) / 2.0;
+        camera.position[2] = i < POINTS / 2 ? -0.3 : 0.0;
         camera.direction[0] = 0.1 * (i % 7 - 3);
         tables.bvh = &geometry.bvh;
         uint32_t quick = camera_media_find(&tables, materials);
