@@ -338,7 +338,7 @@ TEST(texts_read_back_to_the_same_bits)
 {
     const struct gui_range all = {-DBL_MAX, DBL_MAX};
     uint64_t state = 1;
-    char text[GUI_VALUE_MAX], why[512];
+    char text[GUI_VALUE_MAX], why[512] = "";
     for (int i = 0; i < 20000; i++) {
         state = state * 6364136223846793005u + 1442695040888963407u; // Knuth's MMIX generator
         union {
@@ -374,6 +374,7 @@ TEST(words_stand_for_ends_of_ranges)
     CHECK_SET(bench, "kinds.count", "all");
     CHECK(bench->values.count == UINT32_MAX, "%u", bench->values.count);
     CHECK_VALUE(bench, "kinds.count", "all");
+    CHECK_VALUE(bench, "kinds.float", "0.1"); // a float's shortest text, not a double's
     CHECK_SET(bench, "kinds.float", "none");
     CHECK(bench->values.real == 0, "%g", (double)bench->values.real);
     CHECK_VALUE(bench, "kinds.float", "none");
