@@ -26,11 +26,16 @@ static struct gpu_medium inside_of(const struct material *material)
     return medium;
 }
 
+static bool same_medium(const void *a, const void *b)
+{
+    return memcmp(a, b, sizeof(struct gpu_medium)) == 0;
+}
+
 // The number of a material's inside, 1 and up; 0 where it is not listed.
 static uint32_t medium_number(const struct media *media, const struct gpu_medium *medium)
 {
     for (uint32_t i = 0; i < media->count; i++)
-        if (memcmp(&media->records[i], medium, sizeof *medium) == 0)
+        if (same_medium(&media->records[i], medium))
             return i + 1;
     return 0;
 }
