@@ -671,6 +671,10 @@ static void draw_charts(struct bench *bench, uint32_t count, const struct gui_cu
     gui_curves(&bench->gui, curves, count, "seconds", "relMSE");
     gui_panel_end(&bench->gui);
     gui_progress(&bench->gui, "Building", 0.5);
+    const uint32_t colors[] = {0xff000000u, 0xffffffffu};
+    gui_legend(&bench->gui, colors, 2, (const char *const[3]){"0", "1", "2 m"});
+    const struct gui_pair rows[] = {{"F1", "the panel"}, {"A long key", "and what it does"}};
+    gui_table(&bench->gui, rows, 2);
     gui_note(&bench->gui, 700, 580, true, "A text that is longer than there is room for %d", 1);
     gui_end(&bench->gui, &bench->drawing);
     check_drawing(&bench->drawing);

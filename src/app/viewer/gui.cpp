@@ -622,6 +622,34 @@ void gui_table(struct gui *gui, const struct gui_pair *rows, uint32_t count)
     }
 }
 
+void gui_legend(struct gui *gui, const uint32_t *colors, uint32_t count, const char *const texts[3])
+{
+    const struct gui_state *own = gui->own;
+    const ImVec2 screen = ImGui::GetIO().DisplaySize;
+    const ImGuiStyle &style = ImGui::GetStyle();
+    float pad = style.WindowPadding.x, line = ImGui::GetTextLineHeight();
+    float bar = floorf(9.0f * own->scale);
+    float width = floorf(fminf(280.0f * own->scale, 0.9f * (screen.x - gui->width)) - 2.0f * pad);
+    if (width < 1.0f)
+        return;
+    ImVec2 at(floorf(screen.x - width - 3.0f * pad), floorf(screen.y - line - bar - 4.0f * pad));
+    ImDrawList *list = ImGui::GetBackgroundDrawList();
+    list->AddRectFilled(at, ImVec2(at.x + width + 2.0f * pad, at.y + line + bar + 3.0f * pad),
+                        PICTURE_GROUND, style.FrameRounding);
+    float left = at.x + pad, top = at.y + pad;
+    for (uint32_t i = 0; i + 1 < count; i++) {
+        float from = left + width * (float)i / (float)(count - 1);
+        float to = left + width * (float)(i + 1) / (float)(count - 1);
+        list->AddRectFilledMultiColor(ImVec2(from, top), ImVec2(to, top + bar), colors[i],
+                                      colors[i + 1], colors[i + 1], colors[i]);
+    }
+    for (int i = 0; i < 3; i++) {
+        float part = 0.5f * (float)i;
+        float x = left + part * (width - ImGui::CalcTextSize(texts[i]).x);
+        list->AddText(ImVec2(floorf(x), top + bar + pad), PICTURE_TEXT, texts[i]);
+    }
+}
+
 void gui_progress(struct gui *gui, const char *what, double fraction)
 {
     const struct gui_state *own = gui->own;

@@ -106,6 +106,10 @@ struct gui_pair {
     const char *left, *right;
 };
 void gui_table(struct gui *gui, const struct gui_pair *rows, uint32_t count);
+// A scale of colours in the picture's lower right corner, from the left to the right: display
+// values, red in the lowest byte. texts: of its left end, its middle and its right end.
+void gui_legend(struct gui *gui, const uint32_t *colors, uint32_t count,
+                const char *const texts[3]);
 // A bar over the middle of the picture: what is being done.
 void gui_progress(struct gui *gui, const char *what, double fraction);
 

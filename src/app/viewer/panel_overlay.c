@@ -1,8 +1,10 @@
 // What stands over the picture: messages, the sides of the split view, keys.
 #include "panel_internal.h"
 
+#include "false_color.h"
+#include <float.h>
 #include <math.h>
-#include <string.h>
+#include <stdio.h>
 
 #define MARGIN 8.0f
 #define ROWS_MAX 64
@@ -66,6 +68,37 @@ static void keys(struct viewer *viewer)
     gui_table(&viewer->gui, rows, count);
 }
 
+// As IEC 61966-2-1 has it.
+static uint32_t encoded(double linear)
+{
+    double value = linear <= 0.0031308 ? 12.92 * linear : 1.055 * pow(linear, 1 / 2.4) - 0.055;
+    return (uint32_t)lrint(255 * fmin(fmax(value, 0), 1));
+}
+
+// Of false colours: from where to where they reach, and where the middle is.
+static void legend(struct viewer *viewer)
+{
+    enum { COLORS = 33 };
+    uint32_t colors[COLORS];
+    const double *range = viewer->display.range;
+    const uint32_t what = viewer->shown.what;
+    if (!viewer->has_scene || !shown_has_range(what) || !(range[1] > range[0]))
+        return;
+    for (uint32_t i = 0; i < COLORS; i++) {
+        double rgb[3];
+        false_color((double)i / (COLORS - 1), rgb);
+        colors[i] = encoded(rgb[0]) | encoded(rgb[1]) << 8 | encoded(rgb[2]) << 16 | 0xff000000u;
+    }
+    double middle = 0.5 * (range[0] + range[1]);
+    if (shown_is_logarithmic(what)) // 0 stands for what is next to it
+        middle = sqrt(fmax(range[0], (double)FLT_MIN) * range[1]);
+    char texts[3][64];
+    snprintf(texts[0], sizeof texts[0], "%.3g", range[0]);
+    snprintf(texts[1], sizeof texts[1], "%.3g", middle);
+    snprintf(texts[2], sizeof texts[2], "%.3g %s", range[1], shown_unit(what));
+    gui_legend(&viewer->gui, colors, COLORS, (const char *const[3]){texts[0], texts[1], texts[2]});
+}
+
 void panel_overlay(struct viewer *viewer)
 {
     struct gui *gui = &viewer->gui;
@@ -80,6 +113,7 @@ void panel_overlay(struct viewer *viewer)
         y += gui_note(gui, x, y, false, "paused");
     if (viewer->message[0] && age < message_lasts(viewer->message_kind))
         gui_note(gui, x, y, viewer->message_kind != MESSAGE_NOTE, "%s", viewer->message);
+    legend(viewer);
     if (viewer->keys.shows_help)
         keys(viewer);
 }

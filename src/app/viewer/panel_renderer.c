@@ -3,7 +3,7 @@
 
 #include <float.h>
 #include <math.h>
-#include <stdio.h>
+#include <string.h>
 
 static const char *const side_names[] = {"A", "B", NULL};
 
@@ -243,7 +243,7 @@ void panel_renderer(struct viewer *viewer)
 
 // --- what is shown -------------------------------------------------------------------------------
 
-static void picture(struct form *form, struct shown *to)
+static void picture(struct viewer *viewer, struct form *form, struct shown *to)
 {
     static const struct gui_range exposure = {-SETTINGS_EXPOSURE_MAX, SETTINGS_EXPOSURE_MAX,
                                               .unit = "stops", .drag = 10};
@@ -263,9 +263,12 @@ static void picture(struct form *form, struct shown *to)
                 tone_names, &to->tone);
     const struct gui_range values = {-1e30, 1e30, .unit = shown_unit(to->what)};
     gui_enabled(gui, has_range);
-    form_flag(form, "view.automatic", "Range found",
-              "False colours reach from the lowest to the highest of the picture's values.",
-              &to->automatic);
+    bool is_switched =
+        form_flag(form, "view.automatic", "Find range",
+                  "False colours reach from the lowest to the highest of the picture's values.",
+                  &to->automatic);
+    if (is_switched && !to->automatic && !(to->range[1] > to->range[0]))
+        memcpy(to->range, viewer->display.range, sizeof to->range);
     gui_enabled(gui, has_range && !to->automatic);
     form_number(form, "view.range_low", "  from",
                 "What the first false colour stands for, in the unit that is shown.", &values,
@@ -274,6 +277,9 @@ static void picture(struct form *form, struct shown *to)
                 "What the last one stands for; not above the first: found from the picture.",
                 &values, &to->range[1]);
     gui_enabled(gui, true);
+    if (gui_is_drawn(gui) && has_range)
+        gui_pair(gui, "  in use", "%.4g to %.4g %s", viewer->display.range[0],
+                 viewer->display.range[1], shown_unit(to->what));
     form_flag(form, "view.nearest", "Show pixels",
               "Pixels of a smaller picture as squares, not interpolated.", &to->nearest);
 }
@@ -333,7 +339,7 @@ void panel_view(struct viewer *viewer)
     gui_group_begin(gui, "view", "View", "What is seen of the picture.", true);
     struct shown to = viewer->shown;
     struct form form = {.gui = gui};
-    picture(&form, &to);
+    picture(viewer, &form, &to);
     gui_space(gui);
     split(viewer, &form, &to);
     gui_space(gui);
