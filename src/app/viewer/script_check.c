@@ -34,7 +34,7 @@ static bool is_error_known(const struct viewer *viewer)
 // Every pixel has as many samples as it is to get, and nothing else is under way.
 static bool is_complete(const struct viewer *viewer)
 {
-    return !viewer->is_moving && viewer->shown.spp_limit > 0 &&
+    return viewer->is_resting && viewer->shown.spp_limit > 0 &&
            least_samples(viewer) >= viewer->shown.spp_limit && worker_is_idle(viewer->worker);
 }
 
