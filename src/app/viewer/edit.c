@@ -135,12 +135,14 @@ static void get(struct viewer *viewer, enum target target, uint32_t index, union
 static enum change method_change(const struct method *from, const struct method *to)
 {
     struct method same = *from;
+    // What accumulates begins with the first sample, as any picture does.
+    enum change least = from->fresh_frames && !to->fresh_frames ? CHANGE_CAMERA : CHANGE_SHOWN;
     same.fresh_frames = to->fresh_frames;
     same.samples_a_frame = to->samples_a_frame;
     same.settings.exposure = to->settings.exposure;
     same.settings.tone_curve = to->settings.tone_curve;
     same.settings.spp = to->settings.spp; // what decides is shown.spp_limit
-    return memcmp(&same, to, sizeof same) == 0 ? CHANGE_SHOWN : CHANGE_METHOD;
+    return memcmp(&same, to, sizeof same) == 0 ? least : CHANGE_METHOD;
 }
 
 static void shown_changed(struct viewer *viewer, const struct shown *from)

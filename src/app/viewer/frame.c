@@ -41,7 +41,7 @@ static uint64_t samples_left(const struct viewer *viewer, const struct view *vie
 {
     uint64_t limit = viewer->shown.spp_limit, done = view_samples(view);
     if (view->method.fresh_frames) // a picture each, of as many as are wanted
-        limit = view->method.samples_a_frame ? view->method.samples_a_frame : 1;
+        limit = view->method.samples_a_frame;
     if (limit == 0)
         limit = SETTINGS_SPP_MAX;
     return limit > done ? limit - done : 0;
@@ -123,7 +123,8 @@ static bool fit_wave(struct viewer *viewer, struct view *view, struct err *err)
 static bool clear_fresh(struct viewer *viewer, struct view *view, struct err *err)
 {
     struct display_call call;
-    if (!view->method.fresh_frames || view_samples(view) == 0 || samples_left(viewer, view) > 0)
+    uint32_t wanted = view->method.samples_a_frame;
+    if (!view->method.fresh_frames || view_samples(view) < (wanted ? wanted : 1))
         return true;
     viewer_display_call(viewer, &call);
     viewer->has_kept = true;
@@ -226,8 +227,7 @@ void viewer_display_call(const struct viewer *viewer, struct display_call *out)
 static bool is_denoising_due(const struct viewer *viewer, const struct view *view)
 {
     double since = viewer_seconds(viewer) - view->denoised_seconds;
-    uint64_t samples = view_samples(view);
-    if (!denoises(viewer, view) || samples == 0 || samples == view->denoised_samples)
+    if (!denoises(viewer, view) || view_samples(view) == 0 || view_is_denoised(viewer, view))
         return false;
     return view->denoised_samples == 0 || since >= DENOISING_PAUSE * view->denoising_seconds;
 }
@@ -247,6 +247,8 @@ static bool denoise_side(struct viewer *viewer, struct view *view, struct err *e
     view->denoising_seconds = clock_seconds_since(start);
     view->denoised_seconds = viewer_seconds(viewer);
     view->denoised_samples = view_samples(view);
+    view->denoised_by[0] = viewer->shown.denoise_iterations;
+    view->denoised_by[1] = viewer->shown.denoise_temporal;
     viewer->stats.denoise_ms += view->denoising_seconds * 1e3;
     pace_measure_pixels(&viewer->pace, (double)frame->width * frame->height,
                         view->denoising_seconds * 1e3);

@@ -29,6 +29,13 @@ void view_begin(struct view *view)
     view->unknown = "fewer than 16 samples";
 }
 
+bool view_is_denoised(const struct viewer *viewer, const struct view *view)
+{
+    return view->denoised_samples == view_samples(view) &&
+           view->denoised_by[0] == viewer->shown.denoise_iterations &&
+           view->denoised_by[1] == viewer->shown.denoise_temporal;
+}
+
 // --- the error -----------------------------------------------------------------------------------
 
 // What a job works on: a film of its own.

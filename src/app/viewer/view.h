@@ -38,6 +38,7 @@ struct view {
     double seconds;            // of rendering this picture
     struct render_stats seen;  // the renderer's, as of the last frame
     uint64_t denoised_samples; // that the denoiser's picture is of; 0: it is of another film
+    uint32_t denoised_by[2];   // iterations, temporal
     double denoised_seconds;   // clock of when it was made, and what it took
     double denoising_seconds;
     uint32_t usual_wave;    // paths in flight, as the renderer was created
@@ -62,6 +63,8 @@ bool view_look_at_error(struct viewer *viewer, uint32_t side, struct err *err);
 bool view_look_now(struct viewer *viewer, uint32_t side, struct err *err);
 // A picture begins: what is known of the last one is void.
 void view_begin(struct view *view);
+// Whether the denoiser's picture is what it is to be: of all samples, by the settings of now.
+bool view_is_denoised(const struct viewer *viewer, const struct view *view);
 // What a renderer of this method needs to know before it starts: its samples in all. So the number
 // of samples at which the picture is to rest decides how they are chosen.
 bool method_plans(const struct method *method);
