@@ -85,5 +85,7 @@ bool panel_list(struct viewer *viewer, struct panel_filter *filter, const struct
             *chosen = row;
     }
     gui_list_end(gui, &rows);
+    if (filter->count == 0 && list->count > 0)
+        gui_line(gui, "None has \"%s\" in its name.", filter->text);
     return *chosen != before;
 }
