@@ -227,7 +227,7 @@ void viewer_display_call(const struct viewer *viewer, struct display_call *out)
 static bool is_denoising_due(const struct viewer *viewer, const struct view *view)
 {
     double since = viewer_seconds(viewer) - view->denoised_seconds;
-    if (!denoises(viewer, view) || view_samples(view) == 0 || view_is_denoised(viewer, view))
+    if (view_is_denoised(viewer, view))
         return false;
     return view->denoised_samples == 0 || since >= DENOISING_PAUSE * view->denoising_seconds;
 }

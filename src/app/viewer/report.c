@@ -94,7 +94,7 @@ static bool is_resting(const struct viewer *viewer)
         uint32_t limit = viewer->shown.spp_limit;
         is_done &= viewer->is_paused ||
                    (limit > 0 && view_samples(view) >= limit && !view->method.fresh_frames);
-        is_done &= !view->denoiser.gpu || view_is_denoised(viewer, view);
+        is_done &= view_is_denoised(viewer, view);
     }
     return is_done && worker_is_idle(viewer->worker) && viewer_holds_nothing(viewer) &&
            !(viewer->rig.revolves && viewer->rig.mode == RIG_ORBIT);

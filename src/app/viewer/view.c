@@ -31,6 +31,10 @@ void view_begin(struct view *view)
 
 bool view_is_denoised(const struct viewer *viewer, const struct view *view)
 {
+    bool is_to_be = viewer->shown.denoise && viewer->shown.what == SHOWN_RADIANCE &&
+                    view->denoiser.gpu && view_samples(view) > 0;
+    if (!is_to_be)
+        return true;
     return view->denoised_samples == view_samples(view) &&
            view->denoised_by[0] == viewer->shown.denoise_iterations &&
            view->denoised_by[1] == viewer->shown.denoise_temporal;

@@ -63,7 +63,8 @@ bool view_look_at_error(struct viewer *viewer, uint32_t side, struct err *err);
 bool view_look_now(struct viewer *viewer, uint32_t side, struct err *err);
 // A picture begins: what is known of the last one is void.
 void view_begin(struct view *view);
-// Whether the denoiser's picture is what it is to be: of all samples, by the settings of now.
+// Whether the denoiser's picture, if one is to be seen, is of all samples and by the settings of
+// now.
 bool view_is_denoised(const struct viewer *viewer, const struct view *view);
 // What a renderer of this method needs to know before it starts: its samples in all. So the number
 // of samples at which the picture is to rest decides how they are chosen.
