@@ -29,6 +29,7 @@ struct bench {
     bool has_twice;   // an id twice
     uint32_t fillers; // lines above the last group
     uint32_t rows, row_calls;
+    uint32_t width, height; // of the window; 0: WIDTH and HEIGHT
 };
 
 static const char *const words[] = {"alpha", "beta", "gamma", NULL};
@@ -108,7 +109,8 @@ static void draw_list(struct bench *bench)
 static void frame(struct bench *bench)
 {
     struct gui *gui = &bench->gui;
-    gui_begin(gui, WIDTH, HEIGHT, 1.0 / 60.0);
+    gui_begin(gui, bench->width ? bench->width : WIDTH, bench->height ? bench->height : HEIGHT,
+              1.0 / 60.0);
     gui_panel_begin(gui, "Test");
     draw_kinds(bench);
     for (uint32_t i = 0; i < bench->fillers; i++)
@@ -661,6 +663,28 @@ TEST(triangles_are_in_range_and_in_the_window)
     }
 }
 
+TEST(windows_may_be_of_any_size)
+{
+    const uint32_t sizes[] = {1, 2, 7, 20, 50, 16384};
+    struct bench *bench = bench_new(2);
+    bench->rows = 100;
+    frame(bench);
+    CHECK_SET(bench, "list", "open");
+    for (size_t x = 0; x < sizeof sizes / sizeof *sizes; x++)
+        for (size_t y = 0; y < sizeof sizes / sizeof *sizes; y++) {
+            bench->width = sizes[x];
+            bench->height = sizes[y];
+            frames(bench, 2);
+            CHECK(bench->gui.width <= 0.4f * (float)sizes[x], "%g of %u pixels",
+                  (double)bench->gui.width, sizes[x]);
+            CHECK_SET(bench, "kinds.number", x % 2 ? "0.5" : "0.25");
+        }
+    bench->width = bench->height = 0;
+    frames(bench, 2);
+    check_drawing(&bench->drawing);
+    bench_free(bench);
+}
+
 static void draw_charts(struct bench *bench, uint32_t count, const struct gui_curve *curves)
 {
     const struct gui_bar bars[] = {{"one", 0}, {"two", 1e-9}, {"three", 1e9}};
@@ -704,4 +728,5 @@ TEST_MAIN(TEST_CASE(scripts_set_every_kind), TEST_CASE(scripts_reach_closed_grou
           TEST_CASE(events_go_where_they_belong), TEST_CASE(help_of_what_the_mouse_is_over),
           TEST_CASE(reveal_opens_and_scrolls), TEST_CASE(reveal_scrolls_lists),
           TEST_CASE(long_lists_cost_what_is_seen_of_them), TEST_CASE(an_id_twice_is_told),
-          TEST_CASE(triangles_are_in_range_and_in_the_window), TEST_CASE(charts_take_any_numbers))
+          TEST_CASE(triangles_are_in_range_and_in_the_window),
+          TEST_CASE(windows_may_be_of_any_size), TEST_CASE(charts_take_any_numbers))
