@@ -55,8 +55,11 @@ float trust(ivec2 pixel, vec2 own, float samples)
     DENOISE_SQUARE_5(ADD_JUDGEMENT)
     float many = max(samples / SAMPLES_FEW, 1.0);
     float rare = 2.0 / (PI * RARE_SHARE * many);
+    // Both halves of a dark pixel may have found nothing yet: what the pixels around say counts to
+    // its variance, and with more samples less.
+    float variance = own.y + sum.y / (many * many);
     return min(best_part(sum.x, sum.y, 1.0 + (FISHER_13_13 - 1.0) / many),
-               best_part(own.x, own.y, rare * rare));
+               best_part(own.x, variance, rare * rare));
 }
 
 void main()
