@@ -5,10 +5,6 @@
 #include "hash.h"
 #include <string.h>
 
-// A scene file describes; meshes and images lie in files of their own. jansson needs up to some
-// thirty times the text's size for its tree, outside the scene's byte budget.
-#define MAX_DOCUMENT_BYTES ((size_t)64 << 20)
-
 #define FORMAT_VERSION 1
 
 // "$schema" tells editors where the schema is.
@@ -121,7 +117,7 @@ static void hash_inputs(struct scene *scene, const struct file_bytes *bytes,
 bool load_json(struct scene *scene, const struct scene_load_params *params, struct err *err)
 {
     struct file_bytes bytes;
-    if (!file_read(&scene->arena, params->path, MAX_DOCUMENT_BYTES, &bytes, err))
+    if (!file_read(&scene->arena, params->path, LOAD_JSON_BYTES_MAX, &bytes, err))
         return false;
     hash_inputs(scene, &bytes, params);
     json_t *root = parse(params->path, &bytes, err);

@@ -7,6 +7,10 @@
 #include "json_node.h"
 #include "scene.h"
 
+// A scene file describes; meshes and images lie in files of their own. jansson needs up to some
+// thirty times the text's size for its tree, outside the scene's byte budget.
+#define LOAD_JSON_BYTES_MAX ((size_t)64 << 20)
+
 struct json_loader {
     struct scene *scene;
     const struct scene_load_params *params;

@@ -501,8 +501,8 @@ static bool find_folder(struct writer *w, struct err *err)
     if (!folder)
         return err_memory(err, "a path", strlen(w->params->path));
     w->folder = real_path(w, folder, err);
-    if (!w->folder && err)
-        err->code = ERR_OUTPUT;
+    if (!w->folder && err && err->code == ERR_INPUT)
+        err->code = ERR_OUTPUT; // it is no file that was given, but where one is to go
     return w->folder != NULL;
 }
 
@@ -521,6 +521,12 @@ static bool write_scene(struct writer *w, struct err *err)
     if (w->is_outside) {
         free(text);
         text = make_text(w, comment, err);
+    }
+    if (text && strlen(text) > LOAD_JSON_BYTES_MAX) {
+        err_set(err, ERR_INPUT, "%s: would have %zu bytes; expected at most %zu", params->path,
+                strlen(text), LOAD_JSON_BYTES_MAX);
+        free(text);
+        return false;
     }
     bool ok = text && check_text(w, text, err) &&
               file_write_atomic(params->path, text, strlen(text), err);

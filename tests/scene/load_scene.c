@@ -1,7 +1,9 @@
 // load_scene FILE [KEY=VALUE …]: loads a scene with overrides. Exit status 0, or 1 with the error's
 // code and message on stdout: what check_format.py drives. load_scene --parameters: prints the
 // table of the materials' parameters, a line each: name, components, least, greatest, models, help.
-#include "scene.h"
+// load_scene --edit OUT FILE [KEY=VALUE …]: edits everything at random and writes it to OUT.
+#include "scene_edit_fixture.h"
+#include "scene_write.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -20,8 +22,25 @@ static void print_parameters(void)
     }
 }
 
+static bool write_edited(const struct scene_load_params *load, struct scene *scene,
+                         const char *path, struct err *err)
+{
+    struct random random = {1};
+    struct arena arena = {0};
+    struct scene before;
+    bool ok = scene_snapshot(&arena, scene, &before, err);
+    if (ok)
+        edit_at_random(scene, &random);
+    const struct scene_write_params params = {
+        .path = path, .load = load, .before = &before, .scene = scene};
+    ok = ok && scene_write(&params, err);
+    arena_finish(&arena);
+    return ok;
+}
+
 int main(int argc, char **argv)
 {
+    const char *out = NULL;
     struct scene_override overrides[MAX_OVERRIDES];
     struct scene_load_params params = {.overrides = overrides};
     if (argc < 2 || argc - 2 > MAX_OVERRIDES)
@@ -29,6 +48,11 @@ int main(int argc, char **argv)
     if (strcmp(argv[1], "--parameters") == 0) {
         print_parameters();
         return 0;
+    }
+    if (argc > 3 && strcmp(argv[1], "--edit") == 0) {
+        out = argv[2];
+        argv += 2;
+        argc -= 2;
     }
     params.path = argv[1];
     for (int i = 2; i < argc; i++) {
@@ -40,7 +64,8 @@ int main(int argc, char **argv)
     }
     struct scene scene;
     struct err err = {0};
-    bool ok = scene_load(&params, &scene, &err);
+    bool ok =
+        scene_load(&params, &scene, &err) && (!out || write_edited(&params, &scene, out, &err));
     if (!ok)
         printf("%d %s\n", err.code, err.msg);
     scene_finish(&scene);

@@ -449,6 +449,35 @@ TEST(values_that_are_refused)
     finish_edited(&e);
 }
 
+// Whichever allocation fails, there is a message and no file.
+TEST(memory_that_runs_out)
+{
+    char path[sizeof path_buffer], saved[sizeof path_buffer];
+    struct random random = {9};
+    struct edited e;
+    write_text("one.obj", ONE_TRIANGLE);
+    snprintf(path, sizeof path, "%s", write_text("original.json", documents[2]));
+    snprintf(saved, sizeof saved, "%s", in_folder("short.json"));
+    const struct scene_override override = {"lights.0.intensity", "[3, 2, 1]"};
+    REQUIRE(load_edited(&e, (struct scene_load_params){path, &override, 1}));
+    if (!replace(&e.scene, 1))
+        return;
+    edit_at_random(&e.scene, &random);
+    bool ok = false;
+    unsigned failures = 0;
+    for (uint64_t n = 1; !ok && n < 100; n++) {
+        struct err err = {0};
+        arena_fail_at(n);
+        ok = write_edited(&e, saved, NULL, &err);
+        arena_fail_at(0);
+        CHECK(ok || err.code == ERR_SYSTEM, "allocation %u: %s", (unsigned)n, err.msg);
+        CHECK(ok == (access(saved, F_OK) == 0), "allocation %u", (unsigned)n);
+        failures += !ok;
+    }
+    CHECK(ok && failures > 5, "%u failures", failures);
+    finish_edited(&e);
+}
+
 // Of a few characters anywhere in a written file another one: an error that names the file, or a
 // scene.
 TEST(damaged_files)
@@ -529,6 +558,7 @@ int main(int argc, char **argv)
         TEST_CASE(paths_in_overrides),
         TEST_CASE(profiles_go_along_with_their_lights),
         TEST_CASE(values_that_are_refused),
+        TEST_CASE(memory_that_runs_out),
         TEST_CASE(damaged_files),
         TEST_CASE(cameras_as_text),
     };
