@@ -2,6 +2,7 @@
 // nothing is left over.
 #include "gpu_fixture.h"
 #include "screen.h"
+#include <math.h>
 #include <unistd.h>
 
 #define WIDTH 61u // odd, so that rows of the image are not those of the buffer by luck
@@ -386,6 +387,41 @@ TEST(resizing_is_silent)
     stage_finish(&stage);
 }
 
+// Some drivers put timestamps off once something was drawn.
+TEST(timestamps_after_drawing_are_those_of_what_is_before_them)
+{
+    struct stage stage = {0};
+    struct gpu *gpu = &stage.gpu;
+    struct gpu_commands commands = {0};
+    struct gpu_buffer buffer = {0};
+    struct err err = {0};
+    OPEN_GRAPHICS(gpu);
+    bool ok = stage_create(&stage, &err) &&
+              gpu_screen_draw(gpu, &stage.screen, &stage.pixels, NULL, &err) &&
+              gpu_commands_create(gpu, &commands, &err) &&
+              gpu_buffer_create(gpu, "filled", 64u << 20, GPU_DEVICE, false, &buffer, &err) &&
+              gpu_begin(gpu, &commands, &err);
+    REQUIRE(ok, "%s", err.msg);
+    const uint64_t bytes[] = {16, buffer.bytes, 16};
+    gpu_timestamp(gpu, &commands);
+    for (uint32_t i = 0; i < 3; i++) {
+        gpu_fill(gpu, &commands, &buffer, 0, bytes[i], i);
+        gpu_barrier(gpu, &commands);
+        gpu_timestamp(gpu, &commands);
+    }
+    double ns[GPU_MAX_TIMESTAMPS];
+    ok = gpu_submit(gpu, &commands, &err);
+    if (ok && gpu->has_timestamps) {
+        ok = gpu_timestamps_ns(gpu, &commands, ns, &err);
+        double most = fmax(ns[1], ns[3] - ns[2]);
+        CHECK(ns[2] - ns[1] > most, "64 MiB took %g ns, 16 bytes %g", ns[2] - ns[1], most);
+    }
+    CHECK(ok, "%s", err.msg);
+    gpu_commands_finish(gpu, &commands);
+    gpu_buffer_finish(gpu, &buffer);
+    stage_finish(&stage);
+}
+
 static void check_refused(bool ok, struct err *err, enum err_code code, const char *word)
 {
     CHECK(!ok, "not refused: expected \"%s\"", word);
@@ -454,4 +490,5 @@ TEST(failures_leave_nothing)
 TEST_MAIN(TEST_CASE(pictures_are_copied), TEST_CASE(triangles_are_drawn_as_on_the_cpu),
           TEST_CASE(texels_of_the_atlas_are_exact), TEST_CASE(panels_grow),
           TEST_CASE(resizing_leaks_nothing), TEST_CASE(resizing_is_silent),
+          TEST_CASE(timestamps_after_drawing_are_those_of_what_is_before_them),
           TEST_CASE(bad_calls_are_refused), TEST_CASE(failures_leave_nothing))
