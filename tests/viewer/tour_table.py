@@ -1,0 +1,252 @@
+"""What the tour does to every control of the panel.
+
+An entry is (id, value[, effect[, back]]): the value that is set, what has to change because of it
+(result: the picture or what is known of it; picture; state: what the viewer says it is doing), and
+how it is taken back: by undoing, where nothing is said; None: it stays; else another value.
+A string is a command of its own (docs/viewer.md), which counts for the ids that it names.
+
+The ids of rows have their number as '#' where the table is compared with the panel.
+"""
+UNDO = 'undo'
+
+
+def each(name, words, effect='result', back=UNDO):
+    return [(name, word, effect, back) for word in words]
+
+
+VIEW = [
+    ('view.exposure', '1.5', 'picture'),
+    *each('view.tone', ['reinhard', 'aces', 'agx'], 'picture'),
+    *each('view.aov', ['albedo', 'normal', 'objects', 'materials', 'samples', 'variance', 'steps',
+                       'emission', 'direct', 'indirect'], 'picture'),
+    ('view.aov', 'depth', 'picture', None),
+    ('view.automatic', 'off', 'none', None),  # the range stays what it was until it is changed
+    ('view.range_low', '1', 'picture', None),
+    ('view.range_high', '7', 'picture', None),
+    ('view.automatic', 'on', 'picture', None),
+    ('view.aov', 'radiance', 'picture', None),
+    # Pixels are squares where the picture has fewer than the window: while the camera moves.
+    ('view.nearest', 'on', 'none'),
+    ('view.denoise', 'on', 'picture', None),
+    ('view.denoise_iterations', '1', 'picture'),
+    # Says what is taken along when the camera moves.
+    ('view.denoise_temporal', 'off', 'none'),
+    ('view.denoise', 'off', 'picture', None),
+    ('view.split', 'on', 'result', None),
+    ('view.split_at', '0.25', 'picture'),
+    ('renderer.side', 'B', 'none', None),  # both have the same settings so far
+    ('renderer.max_bounces', '0', 'picture', None),
+    ('renderer.side', 'A', 'state', None),
+    ('view.swap', '', 'picture'),
+    ('view.split', 'off', 'result', None),
+    ('view.frame_ms', '50', 'state', '33'),
+    ('view.pause', 'on', 'state', 'off'),
+]
+
+RENDERER = [
+    ('renderer.spp', '3'),
+    ('renderer.seed', '5'),
+    *each('renderer.integrator', ['direct', 'whitted']),
+    ('renderer.integrator', 'ao', 'result', None),
+    ('renderer.ao_distance', '0.4'),
+    ('renderer.integrator', 'path', 'result', None),
+    ('renderer.max_bounces', '2'),
+    ('renderer.falloff', '0.01'),
+    *each('renderer.directions', ['sphere', 'hemisphere', 'cosine']),
+    ('renderer.directions', 'power-cosine', 'result', None),
+    ('renderer.direction_exponent', '4'),
+    ('renderer.directions', 'bsdf', 'result', None),
+    ('renderer.clamp', '0.3'),
+    ('renderer.roulette', 'off'),
+    ('renderer.roulette', 'constant', 'result', None),
+    ('renderer.roulette_survival', '0.4'),
+    ('renderer.roulette', 'frame', 'result', None),
+    ('renderer.roulette_max', '2'),
+    ('renderer.roulette', 'throughput', 'result', None),
+    ('renderer.roulette_min', '0'),
+    ('renderer.nee', 'off'),
+    ('renderer.nee_depth', '1'),
+    *each('renderer.light_choice', ['uniform', 'power', 'all', 'tree']),
+    *each('renderer.mis', ['balance', 'none']),
+    ('renderer.anisotropy', 'off'),
+    *each('renderer.sampler', ['pcg', 'lcg', 'stratified', 'grid', 'blue-noise']),
+    ('renderer.halves', 'contiguous'),
+    ('renderer.pixel_jitter', 'off'),
+    *each('renderer.filter', ['tent', 'gaussian', 'blackman-harris']),
+    ('renderer.filter_radius', '2'),
+    ('renderer.wave', '4096'),
+    ('renderer.workgroup', '32'),
+    ('renderer.features', 'all'),
+    ('renderer.classes', 'merged'),
+    # Each frame begins anew, and so none has two samples.
+    'set renderer.samples_a_frame 1', 'set renderer.accumulation "fresh frames"', 'wait 10 frames',
+    'expect sides.0.samples <= 1', 'set renderer.accumulation accumulate', 'wait 2 samples',
+    'set renderer.samples_a_frame 0',
+]
+
+CAMERA = [
+    ('camera.fov', '30', 'picture'),
+    ('camera.position', '0.5,1,3', 'picture'),
+    ('camera.direction', '0.1,-0.2,-1', 'picture'),
+    ('camera.lens_radius', '60', 'picture', None),
+    ('camera.focus', '2', 'picture'),
+    ('camera.blades', '5', 'picture', None),
+    ('camera.blade_rotation', '30', 'picture'),
+    ('camera.reset', '', 'picture'),
+    ('camera.frame', '', 'picture'),
+    ('camera.kind', 'panoramic', 'picture'),
+    ('camera.kind', 'orthographic', 'picture', None),
+    ('camera.height', '5', 'picture'),
+    ('camera.kind', 'perspective', 'picture', None),
+    'press camera.reset',
+    ('camera.save', '', 'state', None),
+    ('camera.slot', '3', 'state', None),
+    ('camera.slot', '1', 'state', None),
+    'set camera.fov 55',
+    ('camera.restore', '', 'picture'),
+    ('camera.clear', '', 'state', None),
+    'press camera.reset',
+    ('camera.mode', 'orbit', 'state', None),
+    ('camera.speed', '2', 'state', None),
+    ('camera.revolve_speed', '90', 'state', None),
+    'set camera.revolves on', 'wait 5 frames', 'expect rig.revolves == true',
+    'press camera.stop', 'wait 2 frames', 'expect rig.revolves == false',
+    'set camera.revolves on', 'set camera.revolves off', 'expect rig.revolves == false',
+    ('camera.mode', 'fly', 'state', None),
+    'press camera.reset',
+    'press camera.copy', 'expect message.text ~ JSON',
+]
+
+SCENE = [
+    'set scene.path other.json', 'wait 3 frames', 'wait 1 samples', 'expect scene ~ other.json',
+    'set scene.recent.1 on', 'wait 3 frames', 'wait 1 samples', 'expect scene ~ tour.json',
+    'set scene.file.1 on', 'wait 3 frames', 'wait 1 samples', 'expect scene ~ other.json',
+    'set scene.path tour.json', 'wait 3 frames', 'wait 1 samples', 'expect scene ~ tour.json',
+    'copy other.json tour.json', 'press scene.reload', 'wait 3 frames', 'wait 1 samples',
+    'expect counts.lights == 0', 'copy tour-whole.json tour.json', 'press scene.reload',
+    'wait 3 frames', 'wait 1 samples', 'expect counts.lights == 2',
+    ('scene.watch', 'on', 'state', 'off'),
+    ('surroundings.strength', '3'),
+    ('surroundings.kind', 'none'),
+    ('surroundings.kind', 'constant', 'result', None),
+    ('surroundings.color', '1,0.2,0.1'),
+    ('surroundings.kind', 'sky', 'result', None),
+    ('surroundings.rotation', '90'),
+    ('surroundings.turbidity', '8'),
+    ('surroundings.elevation', '10'),
+    ('surroundings.azimuth', '120'),
+    ('surroundings.sun', 'off'),
+    ('surroundings.image', 'bumps.png'),
+    ('surroundings.kind', 'original', 'result', None),
+]
+
+LIGHTS = [
+    ('lights.1', 'on', 'state', None),
+    ('light.diameter', '20'),
+    ('light.direction', '0.5,-1,0'),
+    ('light.intensity', '5'),
+    ('light.color', '1,0.1,0.1'),
+    ('light.kind', 'point'),
+    ('lights.0', 'on', 'state', None),
+    ('light.profile_off', ''),
+    ('light.position', '-0.5,2,1'),
+    ('light.inner_angle', '35'),
+    ('light.outer_angle', '20'),
+    ('light.range', '1.5'),
+    ('light.intensity', '40'),
+    ('light.kind', 'directional'),
+]
+
+# The number of each material of the scene, and what of it is changed.
+MATERIALS = [
+    ('materials.filter', 'gro', 'state', ''),
+    ('materials.1', 'on', 'state', None),
+    *each('material.model', ['mirror', 'principled', 'dielectric', 'conductor', 'phong',
+                             'blinn_phong', 'microfacet']),
+    ('materials.0', 'on', 'state', None),
+    ('material.base_color', '0.1,0.6,0.2'),
+    ('material.emission', '1,2,3', 'result', None),
+    ('material.unlit', 'on'),
+    ('material.emission', '0,0,0', 'result', None),
+    ('material.anisotropic', '0.1'),
+    ('material.roughness', '0.8'),
+    ('material.metallic', '0.9'),
+    ('material.anisotropic_rotation', '0.6'),
+    ('material.specular_color', '0.4,0.2,0.9'),
+    ('material.specular_weight', '0.2'),
+    ('material.transmission', '0.9'),
+    ('material.ior', '1.9'),
+    ('material.specular', '0.1'),
+    ('material.specular_tint', '1'),
+    ('material.clearcoat', '0.1'),
+    ('material.clearcoat_roughness', '0.7'),
+    ('material.clearcoat_gloss', '0.3'),
+    ('material.coat', 'gltf'),
+    ('material.normal_scale', '0.2'),
+    ('material.sheen_color', '0.9,0.1,0.1'),
+    ('material.sheen_roughness', '0.9'),
+    ('material.subsurface', '0.9'),
+    ('material.sheen', '1'),
+    ('material.sheen_tint', '0'),
+    ('material.diffuse_transmission', '0.8'),
+    ('material.iridescence', '1'),
+    ('material.film_thickness', '300'),
+    ('material.film_ior', '2'),
+    ('material.dispersion', '4'),
+    ('material.thin', 'on'),
+    ('material.tint_each', 'on'),
+    ('material.compensate', 'off'),
+    ('material.separable', 'on'),
+    ('material.extinction', '3,1,9'),
+    ('material.alpha', 'blend', 'none', None),  # opaque so far
+    ('material.opacity', '0.5', 'result', None),
+    ('material.alpha', 'mask', 'result', None),
+    ('material.alpha_cutoff', '0.2'),
+    ('material.alpha', 'opaque', 'result', None),
+    ('materials.2', 'on', 'state', None),
+    ('material.medium_priority', '3', 'none'),  # nothing else overlaps it
+    ('material.extinction', '9,9,9'),
+    ('materials.3', 'on', 'state', None),
+    *each('material.distribution', ['beckmann', 'blinn_phong']),
+    *each('material.masking', ['uncorrelated', 'none']),
+    ('material.fresnel', 'exact'),
+    ('material.model', 'conductor', 'result', None),
+    ('material.conductor_eta', '1,1,1'),
+    ('material.conductor_k', '2,3,1'),
+    ('material.model', 'phong', 'result', None),
+    ('material.exponent', '200'),
+]
+
+OBJECTS = [
+    ('object.filter', 'pot', 'state', ''),
+    ('object.0.visible', 'off'),
+    ('object.2.visible', 'off'),
+    ('object.1', 'on', 'state', None),
+    'mouse 200 120', 'button left', 'wait 3 frames', 'expect picked.distance > 0',
+    ('picked.edit_material', '', 'state', None),
+    ('picked.hide', ''),
+]
+
+FILES = [
+    'press files.screenshot', 'wait idle', 'expect message.text ~ tour-0001.png',
+    'set files.with_panel on', 'press files.screenshot', 'wait idle',
+    'expect message.text ~ tour-0002.png', 'set files.with_panel off',
+    'press files.exr', 'wait idle', 'expect message.text ~ tour-0001.exr',
+    'set view.denoise on', 'wait 2 samples', 'set files.denoised on', 'press files.exr',
+    'wait idle', 'expect message.text ~ tour-0002.exr', 'set files.denoised off',
+    'set view.denoise off',
+    'set files.scene_path written.json', 'press files.save_scene', 'wait idle',
+    'expect message.text ~ written.json',
+    'press shaders.reload', 'wait 2 frames', 'wait idle', 'expect message.text ~ shaders',
+    'set renderer.seed 77', 'expect counts.undo > 0', 'press history.undo',
+    'expect item.renderer.seed == 0', 'press history.redo', 'expect item.renderer.seed == 77',
+    'press history.undo',
+]
+
+# A camera of the scene's own is there to be chosen in a file with several.
+CAMERAS = [
+    ('camera.of_scene', '1', 'picture'),
+]
+
+STEPS = {'view': VIEW, 'renderer': RENDERER, 'camera': CAMERA, 'scene': SCENE, 'lights': LIGHTS,
+         'materials': MATERIALS, 'objects': OBJECTS, 'files': FILES, 'cameras': CAMERAS}
