@@ -37,13 +37,15 @@ static double work_done(const struct view *view)
            (double)(r->pass.position << r->pass.shift);
 }
 
-static uint64_t samples_left(const struct viewer *viewer, const struct view *view)
+uint64_t viewer_samples_left(const struct viewer *viewer, const struct view *view)
 {
     uint64_t limit = viewer->shown.spp_limit, done = view_samples(view);
     if (view->method.fresh_frames) // a picture each, of as many as are wanted
         limit = view->method.samples_a_frame;
     if (limit == 0)
         limit = SETTINGS_SPP_MAX;
+    if (viewer->is_paused) // but what was changed is to be seen
+        limit = 1;
     return limit > done ? limit - done : 0;
 }
 
@@ -53,7 +55,7 @@ static uint64_t samples_left(const struct viewer *viewer, const struct view *vie
 static uint64_t samples_at_once(const struct viewer *viewer, const struct view *view)
 {
     const struct renderer *r = &view->renderer;
-    uint64_t left = samples_left(viewer, view), most = 1 + view_samples(view) / 8;
+    uint64_t left = viewer_samples_left(viewer, view), most = 1 + view_samples(view) / 8;
     double pass_ms = viewer->pace.ms_per_sample * r->frame.width * r->frame.height;
     double fit = pass_ms > 0.0 ? floor(frame_render_ms(viewer) / pass_ms) : 1.0;
     uint64_t samples = fit > 1.0 ? (uint64_t)fmin(fit, 1u << MAX_SAMPLE_SHIFT) : 1;
@@ -67,7 +69,7 @@ static bool render_side(struct viewer *viewer, struct view *view, uint64_t sampl
     double before = work_done(view);
     uint64_t start = clock_ns();
     bool stopped = false;
-    while (!stopped && samples_left(viewer, view) > 0 && samples > 0) {
+    while (!stopped && viewer_samples_left(viewer, view) > 0 && samples > 0) {
         const struct render_call call = {.samples = samples_at_once(viewer, view),
                                          .stopped = &stopped};
         uint64_t done = view_samples(view);
@@ -124,7 +126,8 @@ static bool clear_fresh(struct viewer *viewer, struct view *view, struct err *er
 {
     struct display_call call;
     uint32_t wanted = view->method.samples_a_frame;
-    if (!view->method.fresh_frames || view_samples(view) < (wanted ? wanted : 1))
+    if (!view->method.fresh_frames || viewer->is_paused ||
+        view_samples(view) < (wanted ? wanted : 1))
         return true;
     viewer_display_call(viewer, &call);
     viewer->has_kept = true;
@@ -153,7 +156,7 @@ static struct view *next_side(struct viewer *viewer, const bool *done)
     struct view *next = NULL;
     for (uint32_t side = 0; side < viewer->side_count; side++) {
         struct view *view = &viewer->sides[side];
-        if (!done[side] && samples_left(viewer, view) > 0 &&
+        if (!done[side] && viewer_samples_left(viewer, view) > 0 &&
             (!next || view->turn_seconds < next->turn_seconds))
             next = view;
     }
@@ -164,7 +167,7 @@ bool viewer_render(struct viewer *viewer, struct err *err)
 {
     bool done[VIEWER_SIDES] = {false};
     viewer->stats.render_ms = viewer->frame_samples = 0.0;
-    if (!viewer->has_scene || viewer->is_paused)
+    if (!viewer->has_scene)
         return true;
     for (uint32_t side = 0; side < viewer->side_count; side++) {
         struct view *view = &viewer->sides[side];

@@ -206,7 +206,7 @@ bool viewer_load_scene(struct viewer *viewer, const char *path, bool keep_view, 
 bool viewer_open_scene(struct viewer *viewer, const char *path, bool keep_view)
 {
     struct err err = {0};
-    if (viewer->is_drawing) {
+    if (viewer->puts_off) {
         snprintf(viewer->wanted_path, sizeof viewer->wanted_path, "%s", path);
         viewer->wanted_keeps_view = keep_view;
         return true;

@@ -91,9 +91,8 @@ static bool is_resting(const struct viewer *viewer)
     bool is_done = !viewer->is_moving;
     for (uint32_t side = 0; side < viewer->side_count && viewer->has_scene; side++) {
         const struct view *view = &viewer->sides[side];
-        uint32_t limit = viewer->shown.spp_limit;
-        is_done &= viewer->is_paused ||
-                   (limit > 0 && view_samples(view) >= limit && !view->method.fresh_frames);
+        bool goes_on = view->method.fresh_frames && !viewer->is_paused;
+        is_done &= view->is_ready && !goes_on && viewer_samples_left(viewer, view) == 0;
         is_done &= view_is_denoised(viewer, view);
     }
     return is_done && worker_is_idle(viewer->worker) && viewer_holds_nothing(viewer) &&

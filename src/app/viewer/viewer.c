@@ -20,6 +20,8 @@
 #define LONGEST_FRAME_SECONDS 0.25
 // How long to wait for events where nothing else happens.
 #define REST_WAIT_SECONDS 0.1
+// What takes longer shows how far it is, so often.
+#define LONG_WORK_SECONDS 0.3
 #define PROGRESS_SECONDS 0.1
 
 double viewer_seconds(const struct viewer *viewer)
@@ -116,17 +118,32 @@ static bool has_picture(const struct viewer *viewer)
                (uint64_t)viewer->screen.width * viewer->screen.height * 4;
 }
 
+// What is let go of meanwhile is held no more; all else that happens meanwhile is not for the scene
+// that is to come.
+static void poll_meanwhile(struct viewer *viewer)
+{
+    window_poll(&viewer->window, 0.0);
+    for (uint32_t i = 0; i < viewer->window.event_count; i++) {
+        const struct event *event = &viewer->window.events[i];
+        bool lets_go = (event->kind == EVENT_KEY || event->kind == EVENT_BUTTON) && !event->down;
+        if (!lets_go && event->kind != EVENT_FOCUS)
+            continue;
+        gui_event(&viewer->gui, event);
+        viewer_event(viewer, event);
+    }
+}
+
 // A failure shows in the next frame.
 void viewer_show_progress(struct viewer *viewer, const char *phase, double fraction)
 {
     struct err err = {0};
     double now = viewer_seconds(viewer);
-    if (viewer->is_drawing || now - viewer->progress_seconds < PROGRESS_SECONDS)
+    bool is_long = clock_seconds_since(viewer->frame_ns) > LONG_WORK_SECONDS;
+    if (viewer->puts_off || !is_long || now - viewer->progress_seconds < PROGRESS_SECONDS ||
+        !viewer->window.handle)
         return;
     viewer->progress_seconds = now;
-    if (!viewer->window.handle)
-        return;
-    window_poll(&viewer->window, 0.0);
+    poll_meanwhile(viewer);
     if (!has_picture(viewer) || viewer->window.is_minimised)
         return;
     gui_begin(&viewer->gui, viewer->window.width, viewer->window.height, PROGRESS_SECONDS);
@@ -203,9 +220,7 @@ static double motion_seconds(const struct viewer *viewer)
 static void draw_panel(struct viewer *viewer)
 {
     gui_begin(&viewer->gui, viewer->window.width, viewer->window.height, viewer->frame_seconds);
-    viewer->is_drawing = true;
     panel_draw(viewer);
-    viewer->is_drawing = false;
     gui_end(&viewer->gui, &viewer->drawing);
     if (!viewer->gui.is_busy && viewer_holds_nothing(viewer))
         edit_close(viewer);
@@ -237,10 +252,12 @@ bool viewer_frame(struct viewer *viewer, struct err *err)
         return false;
     if (viewer->wants_quit)
         return true;
+    viewer->puts_off = true;
     take_events(viewer);
     take_work(viewer);
     viewer_move_camera(viewer, motion_seconds(viewer));
     draw_panel(viewer);
+    viewer->puts_off = false;
     bool ok = viewer_apply_changes(viewer, err) && viewer_answer_click(viewer, err) &&
               viewer_render(viewer, err) && look_at_errors(viewer, err) && viewer_show(viewer, err);
     if (ok)

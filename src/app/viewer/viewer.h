@@ -141,7 +141,7 @@ struct viewer {
     struct frame_stats stats;
     struct frame_rate rate;
     struct frame_times moving_times, resting_times;
-    bool is_drawing;     // a frame's panel: what cannot be done meanwhile is put off
+    bool puts_off;       // events, jobs or the panel are in hand: scenes are opened afterwards
     bool is_resting;     // nothing is left to do but to wait for events
     uint32_t recoveries; // of lost devices
     bool is_panel_shown;
@@ -190,6 +190,8 @@ void viewer_show_progress(struct viewer *viewer, const char *phase, double fract
 
 // --- frame.c -------------------------------------------------------------------------------------
 bool viewer_frame_is_over(void *viewer); // as a progress asks: whether to stop rendering
+// How many samples of a pixel a side still wants, now.
+uint64_t viewer_samples_left(const struct viewer *viewer, const struct view *view);
 // Samples for as long as the frame may take.
 bool viewer_render(struct viewer *viewer, struct err *err);
 // What there is, denoised where asked for, with the panel over it, on the screen and in the window.
@@ -208,8 +210,8 @@ void viewer_count_frame(struct viewer *viewer); // statistics of the frame that 
 
 // --- load.c --------------------------------------------------------------------------------------
 // Replaces the scene; on failure the old one stays, with a message. keep_view: camera, methods and
-// what is shown stay as they are (reloading). While a panel is being drawn the scene is opened in
-// the next frame, and the answer is true.
+// what is shown stay as they are (reloading). While events, jobs or the panel are in hand, the
+// scene is opened afterwards, in the same frame, and the answer is true.
 bool viewer_open_scene(struct viewer *viewer, const char *path, bool keep_view);
 void viewer_close_scene(struct viewer *viewer);
 // AOV_* that renderers have to have for it, and no others.
