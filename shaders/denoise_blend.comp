@@ -163,7 +163,7 @@ void main()
         float share = worth / (worth + samples);
         float difference = luminance(before.light) - luminance(light.rgb);
         light.rgb += share * (before.light - light.rgb);
-        // Two means and what lies between them (Chan, Golub and LeVeque 1983, equation 2.1b).
+        // Two means and what lies between them (Chan, Golub and LeVeque 1979).
         deviation += before.deviation + difference * difference *
                                             (before.samples * samples / (before.samples + samples));
         freedom += before.freedom + 1.0;

@@ -73,7 +73,7 @@ vec4 make_guide(float alpha, uint pixel)
 }
 
 // Luminances' sum of squared deviations between the halves, whose expectation is the variance of
-// one sample (Chan, Golub and LeVeque 1983, equation 2.1b). Emission is in it: at edges of emitters
+// one sample (Chan, Golub and LeVeque 1979). Emission is in it: at edges of emitters
 // it is too large.
 float halves_deviation(uint at, float a, float b, vec3 divisor)
 {
