@@ -570,6 +570,18 @@ void gui_pair(struct gui *gui, const char *label, const char *format, ...)
     va_end(arguments);
 }
 
+void gui_fact(struct gui *gui, const char *label, const char *format, ...)
+{
+    if (!gui->own->is_drawn)
+        return;
+    va_list arguments;
+    va_start(arguments, format);
+    ImGui::TextDisabled("%s", label);
+    ImGui::SameLine(gui->own->label_width);
+    ImGui::TextV(format, arguments);
+    va_end(arguments);
+}
+
 // --- over the picture ----------------------------------------------------------------------------
 
 #define PICTURE_TEXT IM_COL32(225, 228, 232, 255)

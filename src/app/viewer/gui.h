@@ -98,6 +98,9 @@ void gui_warning(struct gui *gui, const char *format, ...) __attribute__((format
 // A label at the left, as controls have it, and a text where their values are.
 void gui_pair(struct gui *gui, const char *label, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
+// The same in one line however long the text is, so that what follows stays where it is.
+void gui_fact(struct gui *gui, const char *label, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
 // Text over the picture, its upper left corner there; with a dark ground. Returns its height.
 float gui_note(struct gui *gui, float x, float y, bool is_warning, const char *format, ...)
     __attribute__((format(printf, 5, 6)));
@@ -170,6 +173,7 @@ struct gui_bar {
     const char *label;
     double value;
 };
+// label NULL: an empty line.
 void gui_bars(struct gui *gui, const struct gui_bar *bars, uint32_t count, const char *unit);
 struct gui_curve {
     const char *label;

@@ -36,6 +36,10 @@ void gui_bars(struct gui *gui, const struct gui_bar *bars, uint32_t count, const
         float left = at.x + own->label_width - style.WindowPadding.x;
         float number = ImGui::CalcTextSize("0000.00 ms").x;
         float room = fmaxf(at.x + width - number - left, 1.0f);
+        if (!bars[i].label) {
+            ImGui::Dummy(ImVec2(1.0f, height - style.ItemSpacing.y * 0.5f));
+            continue;
+        }
         char text[64];
         snprintf(text, sizeof text, "%.2f %s", bars[i].value, unit);
         list->PushClipRect(at, ImVec2(left - style.ItemInnerSpacing.x, at.y + height), true);

@@ -178,7 +178,7 @@ static void history(struct viewer *viewer)
         edit_redo(viewer);
     if (gui_is_drawn(gui)) {
         const char *name = edit_undo_name(viewer);
-        gui_line(gui, "%u changes%s%s", edit_undo_count(viewer), name ? "; the last: " : "",
+        gui_fact(gui, "Changes", "%u%s%s", edit_undo_count(viewer), name ? ", the last: " : "",
                  name ? name : "");
     }
     gui_group_end(gui);

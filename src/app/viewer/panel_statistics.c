@@ -46,24 +46,22 @@ static void frame_bars(struct viewer *viewer)
     gui_bars(&viewer->gui, bars, sizeof bars / sizeof *bars, "ms");
 }
 
-// Those that took any time, the slowest first.
+#define KERNEL_ROWS 8u // at least: what is below stays where it is while kernels come and go
+
+// Those that there are, in the order in which they run.
 static void kernel_bars(struct viewer *viewer)
 {
-    struct gui_bar bars[KERNEL_COUNT];
+    struct gui_bar bars[KERNEL_COUNT + KERNEL_ROWS] = {0};
     uint32_t count = 0;
     for (int id = 0; id < KERNEL_COUNT; id++) {
-        double ms = viewer->stats.kernel_ms[id];
-        if (!(ms > 0.0))
-            continue;
-        uint32_t place = count++;
-        for (; place > 0 && bars[place - 1].value < ms; place--)
-            bars[place] = bars[place - 1];
-        bars[place] = (struct gui_bar){kernel_code((enum kernel_id)id, true).name, ms};
+        bool is_there = false;
+        for (uint32_t side = 0; side < viewer->side_count; side++)
+            is_there = is_there || viewer->sides[side].renderer.kernels[id].pipeline;
+        if (is_there)
+            bars[count++] = (struct gui_bar){kernel_code((enum kernel_id)id, true).name,
+                                             viewer->stats.kernel_ms[id]};
     }
-    if (count)
-        gui_bars(&viewer->gui, bars, count, "ms");
-    else
-        gui_line(&viewer->gui, "no times from this device yet");
+    gui_bars(&viewer->gui, bars, count < KERNEL_ROWS ? KERNEL_ROWS : count, "ms");
 }
 
 // --- error ---------------------------------------------------------------------------------------
@@ -76,24 +74,31 @@ static const struct view_look *last_look(const struct view *view)
     return NULL;
 }
 
-static void error_line(struct viewer *viewer, uint32_t side)
+// Three lines, whatever is known.
+static void error_lines(struct viewer *viewer, uint32_t side)
 {
     struct gui *gui = &viewer->gui;
     const struct view *view = &viewer->sides[side];
     const char *label = viewer->side_count > 1 ? side ? "Error B" : "Error A" : "Error";
     const struct view_look *look = last_look(view);
     if (!look) {
-        gui_pair(gui, label, "%s", view->unknown ? view->unknown : "not known yet");
+        gui_fact(gui, label, "not known yet");
+        gui_fact(gui, "  since", "%s", view->unknown ? view->unknown : "it was not looked at");
+        gui_fact(gui, "  forecast", "-");
         return;
     }
-    gui_pair(gui, label, "relMSE %.3g", look->relmse);
+    gui_fact(gui, label, "relMSE %.3g", look->relmse);
     if (isfinite(look->low) && isfinite(look->high))
-        gui_pair(gui, "  95 %", "%.3g to %.3g", look->low, look->high);
+        gui_fact(gui, "  95 %", "%.3g to %.3g", look->low, look->high);
+    else
+        gui_fact(gui, "  95 %", "not known");
     // Of independent samples the error falls with their number, and so with time.
     double target = pow(10.0, ceil(log10(look->relmse)) - 1.0);
     if (look->seconds > 0.0 && look->relmse > 0.0)
-        gui_pair(gui, "  forecast", "%.0e at about %s", target,
+        gui_fact(gui, "  forecast", "%.0e at about %s", target,
                  time_text(viewer, look->seconds * look->relmse / target));
+    else
+        gui_fact(gui, "  forecast", "-");
 }
 
 struct points {
@@ -180,11 +185,11 @@ static void memory(struct viewer *viewer)
     gui_group_begin(gui, "statistics.memory", "Memory", "What the device and the program hold.",
                     false);
     if (gui_is_drawn(gui)) {
-        gui_pair(gui, "Device", "%sB (most: %sB)",
+        gui_fact(gui, "Device", "%sB (most: %sB)",
                  short_number(viewer, (double)viewer->gpu.allocated_bytes),
                  short_number(viewer, (double)viewer->gpu.peak_bytes));
-        gui_pair(gui, "Program", "%sB at most", short_number(viewer, report_host_peak_bytes()));
-        gui_pair(gui, "Triangles", "%s",
+        gui_fact(gui, "Program", "%sB at most", short_number(viewer, report_host_peak_bytes()));
+        gui_fact(gui, "Triangles", "%s",
                  short_number(viewer, (double)viewer->geometry.flat.triangle_count));
     }
     gui_group_end(gui);
@@ -194,7 +199,7 @@ static void side_lines(struct viewer *viewer, uint32_t side)
 {
     const struct view *view = &viewer->sides[side];
     const char *label = viewer->side_count > 1 ? side ? "Samples B" : "Samples A" : "Samples";
-    gui_pair(&viewer->gui, label, "%llu in %s%s", (unsigned long long)view_samples(view),
+    gui_fact(&viewer->gui, label, "%llu in %s%s", (unsigned long long)view_samples(view),
              time_text(viewer, view->seconds), view->is_preview ? ", preview" : "");
 }
 
@@ -204,13 +209,13 @@ void panel_statistics(struct viewer *viewer)
     const struct frame_stats *stats = &viewer->stats;
     gui_group_begin(gui, "statistics", "Statistics", "Speed and error of the picture.", true);
     if (gui_is_drawn(gui) && viewer->has_scene) {
-        gui_pair(gui, "Frames", "%.1f /s, %.1f ms", stats->fps, stats->frame_ms);
+        gui_fact(gui, "Frames", "%.1f /s, %.1f ms", stats->fps, stats->frame_ms);
         for (uint32_t side = 0; side < viewer->side_count; side++)
             side_lines(viewer, side);
-        gui_pair(gui, "Rays", "%s/s", short_number(viewer, stats->rays_per_second));
-        gui_pair(gui, "Msamples", "%.3g /s", stats->samples_per_second * 1e-6);
+        gui_fact(gui, "Rays", "%s/s", short_number(viewer, stats->rays_per_second));
+        gui_fact(gui, "Msamples", "%.3g /s", stats->samples_per_second * 1e-6);
         for (uint32_t side = 0; side < viewer->side_count; side++)
-            error_line(viewer, side);
+            error_lines(viewer, side);
         error_curves(viewer);
     }
     gui_group_begin(gui, "statistics.frame", "Frame", "Where the time of the last frame went.",
