@@ -130,6 +130,12 @@ static void get(struct viewer *viewer, enum target target, uint32_t index, union
     }
 }
 
+// Bytes, those between members included: what is copied as a whole is the same as a whole.
+static bool same_bytes(const void *a, const void *b, size_t size)
+{
+    return memcmp(a, b, size) == 0;
+}
+
 // --- what a change asks for ----------------------------------------------------------------------
 
 static enum change method_change(const struct method *from, const struct method *to)
@@ -142,7 +148,7 @@ static enum change method_change(const struct method *from, const struct method 
     same.settings.exposure = to->settings.exposure;
     same.settings.tone_curve = to->settings.tone_curve;
     same.settings.spp = to->settings.spp; // what decides is shown.spp_limit
-    return memcmp(&same, to, sizeof same) == 0 ? least : CHANGE_METHOD;
+    return same_bytes(&same, to, sizeof same) ? least : CHANGE_METHOD;
 }
 
 static void shown_changed(struct viewer *viewer, const struct shown *from)
@@ -303,7 +309,7 @@ static bool edit(struct viewer *viewer, enum target target, uint32_t index, cons
     struct err err = {0};
     assert(is_there(viewer, target, index));
     get(viewer, target, index, &before);
-    if (memcmp(&before, to, state_bytes[target]) == 0)
+    if (same_bytes(&before, to, state_bytes[target]))
         return true;
     if (!put(viewer, target, index, &before, to, &err)) {
         viewer_message(viewer, MESSAGE_ERROR, "%s", err.msg);
@@ -339,7 +345,7 @@ bool edit_method(struct viewer *viewer, uint32_t side, const struct method *to, 
 bool edit_surroundings(struct viewer *viewer, const struct surroundings *to, const char *control)
 {
     union state state = zeroed();
-    if (memcmp(to, &viewer->surroundings, sizeof *to) == 0)
+    if (same_bytes(to, &viewer->surroundings, sizeof *to))
         return true;
     state.around.surroundings = *to;
     return edit(viewer, TARGET_SURROUNDINGS, 0, &state, control);
@@ -381,7 +387,7 @@ void edit_close(struct viewer *viewer)
     if (!history->is_open)
         return;
     const struct step *last = &history->steps[history->done - 1];
-    if (memcmp(before_of(last), after_of(last), state_bytes[last->target]) == 0)
+    if (same_bytes(before_of(last), after_of(last), state_bytes[last->target]))
         forget(history, history->done - 1, history->done);
     history->is_open = false;
 }

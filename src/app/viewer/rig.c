@@ -192,6 +192,12 @@ static void dolly(const struct rig *rig, double notches, struct camera *camera)
     add_scaled(camera->position, way, 1.0 - factor);
 }
 
+// Bytes, not values: a zero of another sign is another camera.
+static bool same_bytes(const void *a, const void *b, size_t size)
+{
+    return memcmp(a, b, size) == 0;
+}
+
 bool rig_step(struct rig *rig, const struct rig_input *input, struct camera *camera)
 {
     struct camera before = *camera;
@@ -213,7 +219,7 @@ bool rig_step(struct rig *rig, const struct rig_input *input, struct camera *cam
         vec3_subtract(camera->position, from, way);
         add_scaled(rig->target, way, 1.0);
     }
-    return memcmp(&before, camera, sizeof before) != 0;
+    return !same_bytes(&before, camera, sizeof before);
 }
 
 void rig_focus(struct rig *rig, const double point[3], struct camera *camera)
