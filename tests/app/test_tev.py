@@ -260,6 +260,10 @@ class Pictures(Base):
         self.assertGreaterEqual(viewer.updates, 2)
         self.check_picture(viewer)
         self.assertEqual(read_exr(self.path('out.exr')), read_exr(self.path('plain.exr')))
+        with open(self.path('out.exr'), 'rb') as file:
+            repeat = file.read().split(b'lampyris:repeat', 1)[1][:200]
+        self.assertIn(b'--spp 16', repeat)
+        self.assertFalse(b'--tev' in repeat)  # who repeats it needs no viewer
 
     def test_layers(self):
         server = Server(read_all)
@@ -359,6 +363,12 @@ class Peers(Base):
         server.close()
         self.check_warned(said, 'took nothing for 3 s')
         self.assertLess(took, 30)
+
+    def test_paths_are_no_pictures(self):
+        result = subprocess.run(self.command('--pixel', '1,1', '--tev', '1'), timeout=60,
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.assertEqual(result.returncode, 2)
+        self.assertIn('--tev and --pixel exclude each other', result.stderr)
 
     def test_bad_addresses(self):
         for text in ('', ':', ':0', '127.0.0.1:', 'host:65536', 'host:port', 'http://host:1',

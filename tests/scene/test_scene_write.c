@@ -546,6 +546,62 @@ TEST(cameras_as_text)
     arena_finish(&arena);
 }
 
+// A value of a written file, chosen at random, and where it ends.
+static char *find_value(char *text, struct random *random, char **end)
+{
+    char *edits = strstr(text, "\"edits\"");
+    char *at = edits + random_below(random, (uint32_t)strlen(edits));
+    while (*at && *at != ':' && *at != ',' && *at != '[')
+        at++;
+    at += strspn(at, ":,[ \n");
+    *end = at + strcspn(at, ",]}");
+    return at;
+}
+
+// Values of other kinds and sizes in place of those of the edits.
+TEST(odd_values)
+{
+    static const char *const odd[] = {
+        "1e308",    "-1e308",
+        "1e-320",   "1e999",
+        "-1",       "0",
+        "256",      "4294967296",
+        "null",     "true",
+        "\"x\"",    "\"\"",
+        "[]",       "[1, 2, 3]",
+        "{}",       "9223372036854775807",
+        "-0.0",     "0.5",
+        "\"${x}\"", "\"off\"",
+        "\"spot\"", "\"directional\"",
+    };
+    static char damaged[1 << 16];
+    char path[sizeof path_buffer];
+    struct random random = {11};
+    struct edited e;
+    write_text("one.obj", ONE_TRIANGLE);
+    snprintf(path, sizeof path, "%s", write_text("original.json", documents[1]));
+    REQUIRE(load_edited(&e, (struct scene_load_params){.path = path}));
+    edit_at_random(&e.scene, &random);
+    check_round_trip(&e, in_folder("whole.json"), "whole");
+    finish_edited(&e);
+    char *text = read_text(in_folder("whole.json"));
+    unsigned loaded = 0;
+    for (int i = 0; i < 3000; i++) {
+        struct scene scene;
+        struct err err = {0};
+        char *end, *at = find_value(text, &random, &end);
+        const char *value = odd[random_below(&random, sizeof odd / sizeof *odd)];
+        snprintf(damaged, sizeof damaged, "%.*s%s%s", (int)(at - text), text, value, end);
+        snprintf(path, sizeof path, "%s", write_text("damaged.json", damaged));
+        bool ok = scene_load(&(struct scene_load_params){.path = path}, &scene, &err);
+        CHECK(ok || (err.code == ERR_INPUT && strncmp(err.msg, path, strlen(path)) == 0), "%s: %s",
+              value, err.msg);
+        loaded += ok;
+        scene_finish(&scene);
+    }
+    CHECK(loaded > 100 && loaded < 2900, "%u loaded", loaded);
+}
+
 int main(int argc, char **argv)
 {
     static const struct test_case cases[] = {
@@ -560,6 +616,7 @@ int main(int argc, char **argv)
         TEST_CASE(values_that_are_refused),
         TEST_CASE(memory_that_runs_out),
         TEST_CASE(damaged_files),
+        TEST_CASE(odd_values),
         TEST_CASE(cameras_as_text),
     };
     if (!begin_mesh_tests())
