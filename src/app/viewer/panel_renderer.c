@@ -325,7 +325,7 @@ static void pace(struct viewer *viewer)
     struct gui *gui = &viewer->gui;
     gui_number(gui, "view.frame_ms", "Frame time",
                "Aim of a frame's time, milliseconds, 1 to 1000.", &target, &viewer->pace.target_ms);
-    gui_enabled(gui, viewer->swapchain.has_vsync);
+    gui_enabled(gui, viewer->swapchain.handle != VK_NULL_HANDLE);
     gui_switch(gui, "view.vsync", "Vsync", "Frames wait for the display.",
                &viewer->swapchain.vsync);
     gui_enabled(gui, true);
