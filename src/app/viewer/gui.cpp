@@ -504,8 +504,8 @@ static void draw_help(struct gui *gui)
         ImGui::TextDisabled("%s", own->hovered_id);
         ImGui::TextUnformatted(gui->hovered_help);
     } else {
-        ImGui::TextDisabled("Help on what is under the mouse. Numbers: drag; Ctrl and click, or a "
-                            "double click, to type.");
+        ImGui::TextDisabled("Help on what the mouse is over. Numbers: drag, or Ctrl+click to "
+                            "type.");
     }
     ImGui::PopTextWrapPos();
 }

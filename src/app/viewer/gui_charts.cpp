@@ -25,16 +25,21 @@ void gui_bars(struct gui *gui, const struct gui_bar *bars, uint32_t count, const
     if (!own->is_drawn)
         return;
     double most = 0.0;
-    for (uint32_t i = 0; i < count; i++)
+    float labels = own->label_width - ImGui::GetStyle().WindowPadding.x;
+    for (uint32_t i = 0; i < count; i++) {
         most = fmax(most, bars[i].value);
+        if (bars[i].label)
+            labels = fmaxf(labels, ImGui::CalcTextSize(bars[i].label).x + 6.0f * own->scale);
+    }
     ImDrawList *list = ImGui::GetWindowDrawList();
     const ImGuiStyle &style = ImGui::GetStyle();
     float line = ImGui::GetTextLineHeight(), height = floorf(line * 1.15f);
     for (uint32_t i = 0; i < count; i++) {
         ImVec2 at = ImGui::GetCursorScreenPos();
         float width = ImGui::GetContentRegionAvail().x;
-        float left = at.x + own->label_width - style.WindowPadding.x;
-        float number = ImGui::CalcTextSize("0000.00 ms").x;
+        float number = ImGui::CalcTextSize("000.00 ms").x;
+        float least = 16.0f * own->scale; // of the bar
+        float left = at.x + fmaxf(fminf(labels, width - number - least), 0.0f);
         float room = fmaxf(at.x + width - number - left, 1.0f);
         if (!bars[i].label) {
             ImGui::Dummy(ImVec2(1.0f, height - style.ItemSpacing.y * 0.5f));

@@ -95,7 +95,7 @@ static void error_lines(struct viewer *viewer, uint32_t side)
     // Of independent samples the error falls with their number, and so with time.
     double target = pow(10.0, ceil(log10(look->relmse)) - 1.0);
     if (look->seconds > 0.0 && look->relmse > 0.0)
-        gui_fact(gui, "  forecast", "%.0e at about %s", target,
+        gui_fact(gui, "  forecast", "%.0e at ~%s", target,
                  time_text(viewer, look->seconds * look->relmse / target));
     else
         gui_fact(gui, "  forecast", "-");
