@@ -7,6 +7,8 @@
 #include "lib/denoise_view.glsl"
 #include "lib/denoise_weights.glsl"
 
+layout(constant_id = DENOISE_CONSTANT_HISTORY) const uint HISTORY = 0u;
+
 DENOISE_READ(guides, DENOISE_GUIDES)
 DENOISE_READ(guides_history, DENOISE_GUIDES_HISTORY)
 DENOISE_READ(blended_history, DENOISE_BLENDED_HISTORY)
@@ -119,7 +121,7 @@ past read_past(vec2 at, vec4 guide, float expected_depth, float tolerance)
 past find_past(vec2 middle, vec4 guide, vec2 slope)
 {
     past none = past(vec3(0.0), 0.0, 0.0, 0.0);
-    if (denoise.has_history == 0u)
+    if (HISTORY == 0u)
         return none;
     view_ray ray = ray_through(denoise.now, middle);
     bool far = is_sky(guide);

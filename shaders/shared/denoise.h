@@ -37,7 +37,8 @@
 #define DENOISE_CONSTANT_TEXEL 0 // 1: buffers are read as texel buffers
 #define DENOISE_CONSTANT_AOVS 1  // AOV_* that the film has
 #define DENOISE_CONSTANT_LAST 2  // 1: of the wavelet's level, the last one
-#define DENOISE_CONSTANT_COUNT 3
+#define DENOISE_CONSTANT_HISTORY 3 // 1: of the blend, there is a history
+#define DENOISE_CONSTANT_COUNT 4
 
 #define DENOISE_EMPTY (-1.0f)
 
@@ -68,7 +69,6 @@ struct gpu_denoise_view {
 struct gpu_denoise {
     RECORD(gpu_denoise_view) now;
     RECORD(gpu_denoise_view) history;
-    uint has_history;
     uint halves;     // HALVES_*
     uint first_half; // with HALVES_CONTIGUOUS: samples of the first one
 };
@@ -81,7 +81,7 @@ struct gpu_denoise_push {
 };
 
 SHARED_STATIC_ASSERT_SIZE(gpu_denoise_view, 96);
-SHARED_STATIC_ASSERT_SIZE(gpu_denoise, 204);
+SHARED_STATIC_ASSERT_SIZE(gpu_denoise, 200);
 SHARED_STATIC_ASSERT_SIZE(gpu_denoise_push, 16);
 
 #endif

@@ -19,7 +19,7 @@ struct layers {
     struct gpu_buffer guides, blended, records;
 };
 
-enum kernel { GATHER, BLEND, VARIANCE, WAVELET, WAVELET_LAST, FINISH, KERNELS };
+enum kernel { GATHER, BLEND, BLEND_HISTORY, VARIANCE, WAVELET, WAVELET_LAST, FINISH, KERNELS };
 
 struct denoiser_state {
     struct gpu_commands commands;
@@ -47,6 +47,7 @@ static const struct code {
 } codes[KERNELS] = {
     [GATHER] = {"denoise_gather", denoise_gather_spirv, sizeof denoise_gather_spirv},
     [BLEND] = {"denoise_blend", denoise_blend_spirv, sizeof denoise_blend_spirv},
+    [BLEND_HISTORY] = {"denoise_blend", denoise_blend_spirv, sizeof denoise_blend_spirv},
     [VARIANCE] = {"denoise_variance", denoise_variance_spirv, sizeof denoise_variance_spirv},
     [WAVELET] = {"denoise_wavelet", denoise_wavelet_spirv, sizeof denoise_wavelet_spirv},
     [WAVELET_LAST] = {"denoise_wavelet", denoise_wavelet_spirv, sizeof denoise_wavelet_spirv},
@@ -88,6 +89,7 @@ static bool prepare_kernels(struct denoiser *d, const struct renderer *r, struct
             [DENOISE_CONSTANT_TEXEL] = texel,
             [DENOISE_CONSTANT_AOVS] = r->specialization.aovs,
             [DENOISE_CONSTANT_LAST] = i == WAVELET_LAST,
+            [DENOISE_CONSTANT_HISTORY] = i == BLEND_HISTORY,
         };
         const struct gpu_kernel_params params = {
             .name = codes[i].name,
@@ -263,17 +265,21 @@ static bool check(const struct denoise_call *call, struct err *err)
     return true;
 }
 
+static bool uses_history(const struct denoiser *d, const struct denoise_call *call)
+{
+    return d->has_history && call->temporal;
+}
+
 static bool upload_frame(struct denoiser *d, const struct denoise_call *call, struct err *err)
 {
     const struct gpu_frame *film = &call->renderer->frame;
     struct gpu_denoise frame = {
-        .has_history = d->has_history && call->temporal,
         .halves = call->renderer->specialization.halves,
         .first_half = film->samples - film->samples / 2,
     };
     const double *origin = call->camera->position;
     denoise_view_fill(call->camera, film->width, film->height, origin, &frame.now);
-    if (frame.has_history)
+    if (uses_history(d, call))
         denoise_view_fill(&d->own->camera, d->own->width, d->own->height, origin, &frame.history);
     return gpu_upload(d->gpu, &d->own->frame, 0, &frame, sizeof frame, err);
 }
@@ -368,7 +374,7 @@ static bool record(struct denoiser *d, const struct denoise_call *call, bool fil
     for (uint32_t chunk = 0; chunk < call->renderer->plan.film_chunks; chunk++)
         gathers += chunk_pixels(call->renderer, chunk) > 0;
     gather(d, call->renderer, films);
-    dispatch_picture(d, BLEND, 0, 0);
+    dispatch_picture(d, uses_history(d, call) ? BLEND_HISTORY : BLEND, 0, 0);
     if (filtered)
         filter(d, levels);
     return submit(d, gathers, levels, err);
