@@ -218,6 +218,10 @@ static enum step aim(struct script *script, struct viewer *viewer, const char *i
         err_set(err, ERR_INPUT, item ? "%s cannot be seen" : "there is no control %s", id);
         return STEP_FAILED;
     }
+    if (!item->is_enabled) {
+        err_set(err, ERR_INPUT, "%s is disabled at present", id);
+        return STEP_FAILED;
+    }
     push_mouse(script, viewer, 0.5 * (item->rect[0] + item->rect[2]),
                0.5 * (item->rect[1] + item->rect[3]));
     return next_phase(script);
