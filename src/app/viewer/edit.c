@@ -155,6 +155,8 @@ static void shown_changed(struct viewer *viewer, const struct shown *from)
 {
     const struct shown *to = &viewer->shown;
     uint32_t aovs = viewer_aovs(to);
+    if (from->what != to->what)
+        viewer->has_kept = false; // it was of what was shown before
     for (uint32_t side = 0; side < VIEWER_SIDES; side++) {
         const struct view *view = &viewer->sides[side];
         enum change change = CHANGE_SHOWN;

@@ -2,6 +2,7 @@
 #include "viewer.h"
 
 #include "clock.h"
+#include "file.h"
 #include "log.h"
 #include "render_job.h"
 #include "scene_write.h"
@@ -159,6 +160,13 @@ static void rename_cameras(struct viewer *viewer)
         viewer->saved[i].camera.name = name;
 }
 
+static void set_title(struct viewer *viewer)
+{
+    char title[256];
+    snprintf(title, sizeof title, "%s - Lampyris", path_name(viewer->scene_path));
+    window_set_title(&viewer->window, title);
+}
+
 static void adopt(struct viewer *viewer, const struct opened *opened, bool keep_view)
 {
     viewer_close_scene(viewer);
@@ -171,6 +179,7 @@ static void adopt(struct viewer *viewer, const struct opened *opened, bool keep_
     viewer->original = surroundings_keep(&viewer->scene);
     viewer->surroundings = surroundings_default();
     viewer->has_scene = true;
+    set_title(viewer);
     find_bounds(viewer);
     if (keep_view)
         rename_cameras(viewer);
