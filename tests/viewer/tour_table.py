@@ -10,14 +10,15 @@ The ids of rows have their number as '#' where the table is compared with the pa
 UNDO = 'undo'
 
 
-def each(name, words, effect='result', back=UNDO):
-    return [(name, word, effect, back) for word in words]
+def each(name, first, words, effect='result'):
+    """One word after the other, and the first again."""
+    return [(name, word, effect, None) for word in words[:-1]] + [(name, words[-1], effect, first)]
 
 
 VIEW = [
     ('view.exposure', '1.5', 'picture'),
-    *each('view.tone', ['reinhard', 'aces', 'agx'], 'picture'),
-    *each('view.aov', ['albedo', 'normal', 'objects', 'materials', 'samples', 'variance', 'steps',
+    *each('view.tone', 'none', ['reinhard', 'aces', 'agx'], 'picture'),
+    *each('view.aov', 'radiance', ['albedo', 'normal', 'objects', 'materials', 'samples', 'variance', 'steps',
                        'emission', 'direct', 'indirect'], 'picture'),
     ('view.aov', 'depth', 'picture', None),
     ('view.automatic', 'off', 'none', None),  # the range stays what it was until it is changed
@@ -46,13 +47,13 @@ VIEW = [
 RENDERER = [
     ('renderer.spp', '3'),
     ('renderer.seed', '5'),
-    *each('renderer.integrator', ['direct', 'whitted']),
+    *each('renderer.integrator', 'path', ['direct', 'whitted']),
     ('renderer.integrator', 'ao', 'result', None),
     ('renderer.ao_distance', '0.4'),
     ('renderer.integrator', 'path', 'result', None),
     ('renderer.max_bounces', '2'),
     ('renderer.falloff', '0.01'),
-    *each('renderer.directions', ['sphere', 'hemisphere', 'cosine']),
+    *each('renderer.directions', 'bsdf', ['sphere', 'hemisphere', 'cosine']),
     ('renderer.directions', 'power-cosine', 'result', None),
     ('renderer.direction_exponent', '4'),
     ('renderer.directions', 'bsdf', 'result', None),
@@ -66,18 +67,15 @@ RENDERER = [
     ('renderer.roulette_min', '0'),
     ('renderer.nee', 'off'),
     ('renderer.nee_depth', '1'),
-    *each('renderer.light_choice', ['uniform', 'power', 'all', 'tree']),
-    *each('renderer.mis', ['balance', 'none']),
-    ('renderer.anisotropy', 'off'),
-    *each('renderer.sampler', ['pcg', 'lcg', 'stratified', 'grid', 'blue-noise']),
+    *each('renderer.mis', 'power', ['balance', 'none']),
+    *each('renderer.sampler', 'sobol', ['pcg', 'lcg', 'stratified', 'grid', 'blue-noise']),
     ('renderer.halves', 'contiguous'),
     ('renderer.pixel_jitter', 'off'),
-    *each('renderer.filter', ['tent', 'gaussian', 'blackman-harris']),
+    *each('renderer.filter', 'box', ['tent', 'gaussian', 'blackman-harris']),
     ('renderer.filter_radius', '2'),
-    ('renderer.wave', '4096'),
+    ('renderer.wave', '1024'),
     ('renderer.workgroup', '32'),
     ('renderer.features', 'all'),
-    ('renderer.classes', 'merged'),
     # Each frame begins anew, and so none has two samples.
     'set renderer.samples_a_frame 1', 'set renderer.accumulation "fresh frames"', 'wait 10 frames',
     'expect sides.0.samples <= 1', 'set renderer.accumulation accumulate', 'wait 2 samples',
@@ -141,6 +139,9 @@ SCENE = [
 ]
 
 LIGHTS = [
+    *each('renderer.light_choice', 'auto', ['uniform', 'all', 'tree']),
+    ('renderer.anisotropy', 'off'),
+    ('renderer.classes', 'merged'),
     ('lights.1', 'on', 'state', None),
     ('light.diameter', '20'),
     ('light.direction', '0.5,-1,0'),
@@ -161,7 +162,7 @@ LIGHTS = [
 MATERIALS = [
     ('materials.filter', 'gro', 'state', ''),
     ('materials.1', 'on', 'state', None),
-    *each('material.model', ['mirror', 'principled', 'dielectric', 'conductor', 'phong',
+    *each('material.model', 'diffuse', ['mirror', 'principled', 'dielectric', 'conductor', 'phong',
                              'blinn_phong', 'microfacet']),
     ('materials.0', 'on', 'state', None),
     ('material.base_color', '0.1,0.6,0.2'),
@@ -179,21 +180,23 @@ MATERIALS = [
     ('material.specular', '0.1'),
     ('material.specular_tint', '1'),
     ('material.clearcoat', '0.1'),
-    ('material.clearcoat_roughness', '0.7'),
+    ('material.coat', 'burley', 'result', None),
     ('material.clearcoat_gloss', '0.3'),
-    ('material.coat', 'gltf'),
+    ('material.coat', 'ggx', 'result', None),
+    ('material.clearcoat_roughness', '0.7'),
     ('material.normal_scale', '0.2'),
     ('material.sheen_color', '0.9,0.1,0.1'),
     ('material.sheen_roughness', '0.9'),
     ('material.subsurface', '0.9'),
     ('material.sheen', '1'),
     ('material.sheen_tint', '0'),
-    ('material.diffuse_transmission', '0.8'),
     ('material.iridescence', '1'),
     ('material.film_thickness', '300'),
     ('material.film_ior', '2'),
     ('material.dispersion', '4'),
-    ('material.thin', 'on'),
+    ('material.thin', 'on', 'result', None),
+    ('material.diffuse_transmission', '0.8'),
+    ('material.thin', 'off', 'result', None),
     ('material.tint_each', 'on'),
     ('material.compensate', 'off'),
     ('material.separable', 'on'),
@@ -201,14 +204,14 @@ MATERIALS = [
     ('material.alpha', 'blend', 'none', None),  # opaque so far
     ('material.opacity', '0.5', 'result', None),
     ('material.alpha', 'mask', 'result', None),
-    ('material.alpha_cutoff', '0.2'),
+    ('material.alpha_cutoff', '0.8'),
     ('material.alpha', 'opaque', 'result', None),
     ('materials.2', 'on', 'state', None),
     ('material.medium_priority', '3', 'none'),  # nothing else overlaps it
     ('material.extinction', '9,9,9'),
     ('materials.3', 'on', 'state', None),
-    *each('material.distribution', ['beckmann', 'blinn_phong']),
-    *each('material.masking', ['uncorrelated', 'none']),
+    *each('material.distribution', 'ggx', ['beckmann', 'phong']),
+    *each('material.masking', 'smith', ['schlick_ggx', 'lh', 'rational']),
     ('material.fresnel', 'exact'),
     ('material.model', 'conductor', 'result', None),
     ('material.conductor_eta', '1,1,1'),
@@ -243,7 +246,7 @@ FILES = [
     'press history.undo',
 ]
 
-# A camera of the scene's own is there to be chosen in a file with several.
+# A scene's own camera is there to be chosen in a file with several.
 CAMERAS = [
     ('camera.of_scene', '1', 'picture'),
 ]

@@ -1,0 +1,90 @@
+#!/usr/bin/env python3
+"""What is seen, pixel by pixel: against the files of `lampyris render`.
+
+    test_pictures.py LAMPYRIS VIEWER SOURCE_ROOT
+"""
+import os
+import subprocess
+
+import png_pixels
+import viewer_run
+from viewer_run import CORNELL, LAMPYRIS, SCENES, SIZE, Case
+
+WIDTH = int(SIZE.split('x')[0])
+
+
+class Pictures(Case):
+    def render_png(self, name, *arguments):
+        path = self.path(name)
+        subprocess.run([LAMPYRIS, 'render', CORNELL, '--size', SIZE, '-q', '-o', path, *arguments],
+                       check=True)
+        return png_pixels.read(path)
+
+    def pixels(self, name):
+        return png_pixels.read(self.path(name))
+
+    def test_tone_and_exposure(self):
+        """At most one code of 255 beside that of `render`: the logarithms are another device's."""
+        for tone, stops in (('none', '0'), ('reinhard', '1'), ('aces', '-1.5'), ('agx', '0.5')):
+            with self.subTest(tone):
+                arguments = ['--spp', '4', '--tone', tone, '--exposure', stops]
+                self.view('wait 4 samples\nwait 2 frames\nscreenshot seen.png\n', *arguments)
+                difference = png_pixels.most_different(
+                    self.pixels('seen.png'), self.render_png('render.png', *arguments), (0, WIDTH))
+                self.assertLessEqual(difference, 1)
+
+    def test_split_halves(self):
+        """Left of the line one setting's picture, right of it the other's."""
+        self.view('set view.split on\nset renderer.side B\nset renderer.max_bounces 1\n'
+                  'wait 4 samples\nwait idle\nscreenshot seen.png\nhash a.jsonl a\nhash b.jsonl b\n'
+                  'exr b.exr b\n', '--spp', '4', '--tone', 'none', '--exposure', '0')
+        seen = self.pixels('seen.png')
+        common = ['--spp', '4', '--tone', 'none', '--exposure', '0']
+        left = self.render_png('a.png', *common)
+        right = self.render_png('b.png', *common, '--max-bounces', '1')
+        line = WIDTH // 2
+        self.assertLessEqual(png_pixels.most_different(seen, left, (0, line - 2)), 1)
+        self.assertLessEqual(png_pixels.most_different(seen, right, (line + 2, WIDTH)), 1)
+        self.assertGreater(png_pixels.most_different(left, right, (line + 2, WIDTH)), 30)
+
+    def test_exr_is_renders(self):
+        """All pixels alike, and metadata that says how they came about."""
+        self.view('wait 3 samples\nexr seen.exr\n', '--spp', '3')
+        self.render(CORNELL, '--spp', '3')
+        against = self.compare(self.path('seen.exr'), self.path('render.exr'))
+        self.assertEqual(against.get('differing', against.get('images', [{}])[0].get('differing')),
+                         0)
+        with open(self.path('seen.exr'), 'rb') as file:
+            head = file.read(8192)
+        for key in (b'lampyris:image_hash', b'lampyris:view', b'lampyris:device', b'lampyris:spp'):
+            self.assertIn(key, head)
+
+    def test_aovs_show_surfaces(self):
+        """The white and the red wall, without noise; and false colours, which are many."""
+        for what in ('albedo', 'normal', 'objects', 'materials', 'depth', 'steps', 'variance'):
+            with self.subTest(what):
+                self.view(f'set view.aov {what}\nwait 4 samples\nwait idle\n'
+                          'screenshot seen.png\n', '--spp', '4')
+                colours = {bytes(row[i:i + 3]) for row in self.pixels('seen.png')[2]
+                           for i in range(0, 3 * WIDTH, 3)}
+                self.assertGreater(len(colours), 4)
+
+    def test_denoised_is_smoother(self):
+        """Next to the converged picture; and the film stays what it is."""
+        scene = os.path.join(SCENES, 'cornell.json')
+        self.view('wait 4 samples\nwait idle\nhash h.jsonl\nscreenshot noisy.png\n'
+                  'set view.denoise on\nwait 4 samples\nwait idle\nwait 3 frames\nhash h.jsonl\n'
+                  'screenshot smooth.png\nexr film.exr\nexr smooth.exr a denoised\n', '--spp', '4',
+                  scene=scene)
+        truth = self.render_png('truth.png', '--spp', '256')
+
+        def error(name):
+            return sum((x - y) ** 2 for row, other in zip(self.pixels(name)[2], truth[2])
+                       for x, y in zip(row, other))
+        self.assertLess(error('smooth.png'), 0.5 * error('noisy.png'))
+        with open(self.path('h.jsonl'), encoding='utf-8') as file:
+            self.assertEqual(len(set(file)), 1)
+
+
+if __name__ == '__main__':
+    viewer_run.main()
