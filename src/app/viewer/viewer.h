@@ -177,9 +177,6 @@ int viewer_run(const struct options *options);
 // window -> script -> events -> files, jobs -> camera -> panel -> changes -> rendering -> what is
 // shown -> statistics.
 bool viewer_frame(struct viewer *viewer, struct err *err);
-// What has to be done anew before the next samples; both sides, or one.
-void viewer_changed(struct viewer *viewer, enum change change);
-void viewer_side_changed(struct viewer *viewer, uint32_t side, enum change change);
 void viewer_message(struct viewer *viewer, enum message_kind kind, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 double viewer_seconds(const struct viewer *viewer); // since it began
@@ -214,12 +211,20 @@ void viewer_count_frame(struct viewer *viewer); // statistics of the frame that 
 // scene is opened afterwards, in the same frame, and the answer is true.
 bool viewer_open_scene(struct viewer *viewer, const char *path, bool keep_view);
 void viewer_close_scene(struct viewer *viewer);
-// AOV_* that renderers have to have for it, and no others.
-uint32_t viewer_aovs(const struct shown *shown);
-// Does what `changes` asks for. False: the device failed.
-bool viewer_apply_changes(struct viewer *viewer, struct err *err);
 // The same without a message. ERR_STOPPED where the window was closed meanwhile.
 bool viewer_load_scene(struct viewer *viewer, const char *path, bool keep_view, struct err *err);
+struct geometry_params viewer_geometry_params(const struct viewer *viewer,
+                                              const struct scene *scene);
+void viewer_find_bounds(struct viewer *viewer); // of the geometry as it is
+
+// --- changes.c -----------------------------------------------------------------------------------
+// What has to be done anew before the next samples; both sides, or one.
+void viewer_changed(struct viewer *viewer, enum change change);
+void viewer_side_changed(struct viewer *viewer, uint32_t side, enum change change);
+// Does what `changes` asks for. False: the device failed.
+bool viewer_apply_changes(struct viewer *viewer, struct err *err);
+// AOV_* that renderers have to have for it, and no others.
+uint32_t viewer_aovs(const struct shown *shown);
 // Gives back what a side has on the device.
 void viewer_close_side(struct viewer *viewer, uint32_t side);
 
