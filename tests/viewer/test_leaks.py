@@ -57,6 +57,28 @@ class Leaks(Case):
         self.expect_flat(''.join(script), states, '--spp', '1', '--shaders', 'shaders',
                          scene=scene)
 
+    def test_a_bit_of_everything(self):
+        """Also for a build with sanitizers, which say at the end what was lost."""
+        folder = shutil.copytree(os.path.join(ROOT, 'shaders'), self.path('shaders'))
+        with open(os.path.join(folder, 'resolve.comp'), encoding='utf-8') as file:
+            source = file.read()
+        at = source.index('void main()')
+        scene = self.scene()
+        shutil.copy(scene, self.path('other.json'))
+        script = 'wait 1 samples\n'
+        for turn in range(3):
+            self.write(f'{turn}.comp', f'{source[:at]}\nshared float kept_{turn};\n{source[at:]}')
+            script += ''.join(f'resize {60 + 20 * i} {90 - 10 * i}\n' for i in range(5))
+            script += (f'copy {turn}.comp shaders/resolve.comp\nkey F5\nwait 2 frames\nwait idle\n'
+                       'set view.split on\nset view.denoise on\nwait 1 samples\nkey w down\n'
+                       'wait 3 frames\nkey w up\nset view.aov steps\nwait 1 samples\n'
+                       'set view.aov radiance\nset view.split off\nset view.denoise off\n'
+                       'set material.base_color 0.1,0.2,0.9\nset object.2.visible off\n'
+                       'wait 1 samples\nkey Ctrl+z\nkey Ctrl+z\nkey F12\nkey F11\nkey Ctrl+s\n'
+                       'drop other.json\nwait 5 frames\nwait 1 samples\n')
+        self.view(script + 'lose-device\nwait 1 samples\nkey F12\nquit\n', '--spp', '1',
+                  '--shaders', 'shaders', scene=scene, validation=False)
+
     def test_nothing_is_left_behind(self):
         """Not of compiling, and not of pictures."""
         env = {**os.environ, 'TMPDIR': self.path('tmp')}

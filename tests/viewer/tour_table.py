@@ -118,7 +118,7 @@ CAMERA = [
 SCENE = [
     'set scene.path other.json', 'wait 3 frames', 'wait 1 samples', 'expect scene ~ other.json',
     'set scene.recent.1 on', 'wait 3 frames', 'wait 1 samples', 'expect scene ~ tour.json',
-    'set scene.file.1 on', 'wait 3 frames', 'wait 1 samples', 'expect scene ~ other.json',
+    'set scene.file.0 on', 'wait 3 frames', 'wait 1 samples', 'expect scene ~ cameras.gltf',
     'set scene.path tour.json', 'wait 3 frames', 'wait 1 samples', 'expect scene ~ tour.json',
     'copy other.json tour.json', 'press scene.reload', 'wait 3 frames', 'wait 1 samples',
     'expect counts.lights == 0', 'copy tour-whole.json tour.json', 'press scene.reload',
