@@ -119,20 +119,30 @@ static double resident_bytes(void)
     return ok ? (double)pages * (double)sysconf(_SC_PAGESIZE) : 0.0;
 }
 
+static json_t *kernels_json(const struct viewer *viewer)
+{
+    json_t *object = json_object();
+    for (int id = 0; id < KERNEL_COUNT; id++)
+        json_object_set_new(object, kernel_code((enum kernel_id)id, true).name,
+                            json_number(viewer->stats.kernel_ms[id]));
+    return object;
+}
+
 static json_t *times_json(const struct viewer *viewer)
 {
     const struct frame_stats *s = &viewer->stats;
     const struct view *view = &viewer->sides[viewer->edited_side];
     return json_pack(
-        "{s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:I, s:I, s:o, s:I, s:b}", "frames",
-        (json_int_t)s->frames, "seconds", json_number(viewer_seconds(viewer)), "fps",
+        "{s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:I, s:I, s:o, s:I, s:b, s:o}",
+        "frames", (json_int_t)s->frames, "seconds", json_number(viewer_seconds(viewer)), "fps",
         json_number(s->fps), "frame_ms", json_number(s->frame_ms), "render_ms",
         json_number(s->render_ms), "denoise_ms", json_number(s->denoise_ms), "display_ms",
         json_number(s->display_ms), "panel_ms", json_number(s->panel_ms), "present_ms",
         json_number(s->present_ms), "render_seconds", json_number(view->seconds), "swapchains",
         (json_int_t)viewer->swapchain.recreated, "shrink", (json_int_t)viewer->pace.shrink,
         "resident_bytes", json_number(resident_bytes()), "device_bytes",
-        (json_int_t)viewer->gpu.allocated_bytes, "working", !worker_is_idle(viewer->worker));
+        (json_int_t)viewer->gpu.allocated_bytes, "working", !worker_is_idle(viewer->worker),
+        "kernel_ms", kernels_json(viewer));
 }
 
 static json_t *window_json(const struct viewer *viewer)
