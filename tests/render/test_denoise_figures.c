@@ -169,7 +169,7 @@ static void compare(struct bench *b, const struct case_of_scene *c)
 static void run_case(const struct case_of_scene *c)
 {
     struct bench b = {0};
-    OPEN_GPU(&b.gpu, .validation = false);
+    OPEN_GPU(&b.gpu, .validation = true);
     REQUIRE(bench_open(&b, c) && bench_render(&b, c->reference) &&
                 renderer_read(&b.renderer, &b.arena, &b.reference, &b.err) &&
                 renderer_restart(&b.renderer, 17, &b.err),
@@ -262,7 +262,7 @@ static void move(struct bench *b)
 TEST(moving)
 {
     struct bench b = {0};
-    OPEN_GPU(&b.gpu, .validation = false);
+    OPEN_GPU(&b.gpu, .validation = true);
     REQUIRE(bench_open(&b, &(struct case_of_scene){"moving", CORNELL, "96", "96"}), "%s",
             b.err.msg);
     move(&b);
