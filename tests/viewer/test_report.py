@@ -1,0 +1,70 @@
+#!/usr/bin/env python3
+"""The viewer does not end without saying how fast it was and how good the picture is.
+
+    test_report.py LAMPYRIS VIEWER SOURCE_ROOT
+"""
+import unittest
+
+import viewer_run
+from viewer_run import CORNELL, SPHERES, Case
+
+MOVES = 'wait 17 samples\nkey d down\nwait 10 frames\nkey d up\nwait 18 samples\n'
+
+
+class Reports(Case):
+    def test_json(self):
+        report = self.view(MOVES, '--spp', '18', '--json').report()
+        self.assertEqual(report['size'], {'width': 160, 'height': 90})
+        self.assertEqual(report['scene'], CORNELL)
+        self.assertEqual(report['recoveries'], 0)
+        times = report['frame_ms']
+        self.assertGreaterEqual(times['moving']['frames'], 10)
+        self.assertGreater(times['resting']['frames'], 0)
+        for kind in times.values():
+            self.assertGreater(kind['median'], 0)
+            self.assertGreaterEqual(kind['p95'], kind['median'])
+        self.assertLess(times['moving']['frames'] + times['resting']['frames'],
+                        report['frames'] + 1)
+        self.assertLess(report['render_seconds'], report['seconds'])
+        side, = report['sides']
+        self.assertEqual(side['samples'], 18)
+        self.assertEqual(side['error_samples'], 18, 'of the picture as it is at the end')
+        self.assertLess(side['ci_low'], side['relmse'])
+        self.assertLess(side['relmse'], side['ci_high'])
+
+    def test_the_error_is_what_render_says(self):
+        report = self.view('wait 20 samples\n', '--spp', '20', '--json', scene=SPHERES).report()
+        rendered = self.render(SPHERES, '--spp', '20')
+        self.assertAlmostEqual(report['sides'][0]['relmse'], rendered['error']['relmse'], 12)
+
+    def test_two_sides(self):
+        report = self.view('set view.split on\nwait 16 samples\n', '--json', '--spp',
+                           '16').report()
+        left, right = report['sides']
+        self.assertEqual(left['relmse'], right['relmse'], 'the same settings')
+
+    def test_why_it_is_not_known(self):
+        report = self.view('wait 2 samples\n', '--json', '--spp', '2').report()
+        side, = report['sides']
+        self.assertIsNone(side['relmse'])
+        self.assertEqual(side['reason'], 'fewer than 16 samples')
+
+    def test_text(self):
+        text = self.view(MOVES, '--spp', '18').out
+        for line in ('device ', 'scene ', 'frames ', 'moving ', 'resting ', 'picture '):
+            self.assertIn('\n' + line, '\n' + text)
+        self.assertIn('18 spp', text)
+        self.assertIn('relMSE', text)
+
+    def test_quiet(self):
+        self.assertEqual(self.view('wait 2 samples\n', '-q', '--spp', '2').out, '')
+
+    def test_without_a_scene(self):
+        report = self.view('wait 5 frames\n', '--json', scene=None).report()
+        self.assertIsNone(report['scene'])
+        self.assertEqual(report['sides'], [])
+        self.assertIsNone(report['frame_ms']['moving']['median'])
+
+
+if __name__ == '__main__':
+    viewer_run.main()
