@@ -5,6 +5,7 @@
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 #define MARGIN 8.0f
 #define ROWS_MAX 64
@@ -22,22 +23,68 @@ static float free_x(const struct viewer *viewer)
     return viewer->gui.width + MARGIN * viewer->window.scale;
 }
 
+// The value of an option that is a setting, as the command line has it.
+static void write_value(const struct option_def *def, const void *at, char *out, size_t size)
+{
+    uint64_t number = 0;
+    memcpy(&number, at, def->size < sizeof number ? def->size : sizeof number);
+    if (def->type == VALUE_CHOICE) {
+        const char *word = def->argument;
+        for (; number > 0 && strchr(word, '|'); number--)
+            word = strchr(word, '|') + 1;
+        snprintf(out, size, "%.*s", (int)strcspn(word, "|"), word);
+    } else if (def->type == VALUE_SWITCH) {
+        snprintf(out, size, "%s", number ? "on" : "off");
+    } else if (def->type == VALUE_COUNT_OR_OFF && number == UINT32_MAX) {
+        snprintf(out, size, "off");
+    } else if (def->type == VALUE_REAL) {
+        double value =
+            def->size == sizeof(float) ? (double)*(const float *)at : *(const double *)at;
+        snprintf(out, size, "%.3g", value);
+    } else {
+        snprintf(out, size, "%llu", (unsigned long long)number);
+    }
+}
+
+// What the second side's settings have different from the first's: ", sampler pcg, mis none". As
+// much of it as there is room for.
+static void write_difference(const struct viewer *viewer, char *out, size_t size)
+{
+    const char *a = (const char *)&viewer->sides[0].method.settings;
+    const char *b = (const char *)&viewer->sides[1].method.settings;
+    const size_t begin = offsetof(struct options, settings);
+    size_t used = 0;
+    *out = '\0';
+    for (int i = 0; i < OPTION_TOTAL && used < size; i++) {
+        const struct option_def *def = &option_table[i];
+        char value[32];
+        if (def->offset < begin || def->offset - begin >= sizeof(struct settings) ||
+            memcmp(a + (def->offset - begin), b + (def->offset - begin), def->size) == 0)
+            continue;
+        write_value(def, b + (def->offset - begin), value, sizeof value);
+        used += (size_t)snprintf(out + used, size - used, ", %s %s", def->name, value);
+    }
+}
+
 static void side_note(struct viewer *viewer, uint32_t side, float x, float y)
 {
     const struct view *view = &viewer->sides[side];
     unsigned long long samples = (unsigned long long)view_samples(view);
     const struct view_look *look = NULL;
+    char other[64] = "";
+    if (side > 0)
+        write_difference(viewer, other, sizeof other);
     for (uint32_t i = 0; i < view->look_count; i++)
         if (isfinite(view->looks[i].relmse))
             look = &view->looks[i];
     if (look && isfinite(look->low))
-        gui_note(&viewer->gui, x, y, false, "%c  relMSE %.2g (%.2g to %.2g), %llu samples",
-                 'A' + (int)side, look->relmse, look->low, look->high, samples);
+        gui_note(&viewer->gui, x, y, false, "%c  relMSE %.2g (%.2g to %.2g), %llu samples%s",
+                 'A' + (int)side, look->relmse, look->low, look->high, samples, other);
     else if (look)
-        gui_note(&viewer->gui, x, y, false, "%c  relMSE %.2g, %llu samples", 'A' + (int)side,
-                 look->relmse, samples);
+        gui_note(&viewer->gui, x, y, false, "%c  relMSE %.2g, %llu samples%s", 'A' + (int)side,
+                 look->relmse, samples, other);
     else
-        gui_note(&viewer->gui, x, y, false, "%c  %llu samples", 'A' + (int)side, samples);
+        gui_note(&viewer->gui, x, y, false, "%c  %llu samples%s", 'A' + (int)side, samples, other);
 }
 
 // Under each other where the line is too far at the left for both.
