@@ -79,7 +79,7 @@ class Bits(Case):
                 f'set renderer.max_bounces {choice.randrange(1, 9)}',
                 f'set renderer.seed {choice.randrange(100)}',
                 f'set material.metallic {choice.random():.3f}',
-                f'set surroundings.strength {choice.uniform(0.5, 2):.3f}',
+                f'set renderer.clamp {choice.uniform(0.5, 2):.3f}',
             ]))
         undo = 'key Ctrl+z\n' * 20
         redo = 'key Ctrl+y\n' * 20
