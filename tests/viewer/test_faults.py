@@ -143,6 +143,13 @@ class Faults(Case):
                   'expect message.kind == error\nexpect message.text ~ note.txt\n'
                   'expect scene ~ cornell.json\nwait 1 samples\n', '--spp', '1')
 
+    def test_moving_while_denoising_rests(self):
+        """An AOV is shown, of small pictures: the denoiser is there, and its layers are not."""
+        self.view('wait 1 samples\nset view.denoise on\nwait 1 samples\nset view.aov steps\n'
+                  'wait 1 samples\nkey w down\nwait 6 frames\nkey w up\nwait 1 samples\n'
+                  'set view.aov radiance\nwait 1 samples\n', '--spp', '1', '--frame-ms', '4',
+                  size='320x180')
+
     def test_without_a_scene(self):
         self.view('wait 3 frames\nexpect has_scene == false\nscreenshot a.png panel\n'
                   f'drop {CORNELL}\nwait 5 frames\nwait 2 samples\n'

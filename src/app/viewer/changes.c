@@ -94,7 +94,9 @@ static bool keep_history(struct viewer *viewer, struct view *view, struct err *e
         .iterations = viewer->shown.denoise_iterations,
         .temporal = viewer->shown.denoise_temporal,
     };
-    bool has_something = view->denoiser.gpu && view_samples(view) > 0;
+    // While another picture is shown the renderer has not what denoising needs.
+    bool has_layers = (DENOISE_AOVS & ~view->renderer.specialization.aovs) == 0;
+    bool has_something = view->denoiser.gpu && has_layers && view_samples(view) > 0;
     return !has_something || denoiser_keep(&view->denoiser, &call, err);
 }
 
