@@ -139,6 +139,7 @@ SCENE = [
 ]
 
 LIGHTS = [
+    ('lights.filter', 'sun', 'state', ''),
     *each('renderer.light_choice', 'auto', ['uniform', 'all', 'tree']),
     ('renderer.anisotropy', 'off'),
     ('renderer.classes', 'merged'),
