@@ -1,52 +1,53 @@
-// Single controls, drawn by Dear ImGui: a label at the left, the value at the right.
-extern "C" {
+// Single controls: a label at the left, the value at the right.
 #include "gui_state.h"
-}
+#include "imgui_bridge.h"
 
-#include <cfloat>
-#include <cmath>
-#include <cstdio>
-#include <cstring>
-#include <imgui.h>
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
 
 #define REFUSAL_SECONDS 4.0
 #define DRAG_POINTS 3.0f // less is a click
 
 // --- what all share ------------------------------------------------------------------------------
 
+static void note_hover(struct gui *gui, const struct gui_item *item)
+{
+    gui->hovered_help = item->help;
+    snprintf(gui->own->hovered_id, sizeof gui->own->hovered_id, "%s", item->id);
+}
+
 void widget_note(struct gui *gui, struct gui_item *item)
 {
-    struct gui_state *own = gui->own;
-    ImVec2 min = ImGui::GetItemRectMin(), max = ImGui::GetItemRectMax();
-    const ImDrawList *list = ImGui::GetWindowDrawList();
-    ImVec2 clip_min = list->GetClipRectMin(), clip_max = list->GetClipRectMax();
-    float y = 0.5f * (min.y + max.y);
-    item->is_shown = y > clip_min.y && y < clip_max.y && min.x < clip_max.x && max.x > clip_min.x;
-    item->rect[0] = fmaxf(min.x, clip_min.x);
-    item->rect[1] = fmaxf(min.y, clip_min.y);
-    item->rect[2] = fmaxf(fminf(max.x, clip_max.x), item->rect[0]);
-    item->rect[3] = fmaxf(fminf(max.y, clip_max.y), item->rect[1]);
-    if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) {
-        gui->hovered_help = item->help;
-        snprintf(own->hovered_id, sizeof own->hovered_id, "%s", item->id);
-    }
+    const struct gui_state *own = gui->own;
+    const struct im_rect box = im_item_rect(), clip = im_clip(im_draw_window());
+    float y = 0.5f * (box.min.y + box.max.y);
+    item->is_shown =
+        y > clip.min.y && y < clip.max.y && box.min.x < clip.max.x && box.max.x > clip.min.x;
+    item->rect[0] = fmaxf(box.min.x, clip.min.x);
+    item->rect[1] = fmaxf(box.min.y, clip.min.y);
+    item->rect[2] = fmaxf(fminf(box.max.x, clip.max.x), item->rect[0]);
+    item->rect[3] = fmaxf(fminf(box.max.y, clip.max.y), item->rect[1]);
+    if (im_is_hovered_even_disabled())
+        note_hover(gui, item);
     if (own->reveal_frames && strcmp(own->reveal, item->id) == 0)
-        ImGui::SetScrollHereY(0.5f);
+        im_scroll_here();
 }
 
 static void begin(struct gui *gui, const struct gui_item *item)
 {
-    ImGui::PushID(item->id);
-    ImGui::BeginDisabled(!item->is_enabled);
+    im_push_id(item->id);
+    im_push_disabled(!item->is_enabled);
     if (gui->own->same_line)
-        ImGui::SameLine();
+        im_same_line();
 }
 
 static void end(struct gui *gui)
 {
     gui->own->same_line = false;
-    ImGui::EndDisabled();
-    ImGui::PopID();
+    im_pop_disabled();
+    im_pop_id();
 }
 
 // The label in its column; what follows fills the rest of the line.
@@ -54,24 +55,24 @@ static void put_label(struct gui *gui, const struct gui_item *item)
 {
     if (gui->own->same_line || !item->label[0])
         return;
-    ImVec2 at = ImGui::GetCursorScreenPos();
-    float width = gui->own->label_width - (at.x - ImGui::GetWindowPos().x);
-    ImVec2 size(fmaxf(width - ImGui::GetStyle().ItemInnerSpacing.x, 1.0f), ImGui::GetFrameHeight());
-    ImGui::PushClipRect(at, ImVec2(at.x + size.x, at.y + size.y), true);
-    ImGui::GetWindowDrawList()->AddText(ImVec2(at.x, at.y + ImGui::GetStyle().FramePadding.y),
-                                        ImGui::GetColorU32(ImGuiCol_Text), item->label);
-    ImGui::PopClipRect();
-    ImGui::Dummy(size);
-    if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) {
-        gui->hovered_help = item->help;
-        snprintf(gui->own->hovered_id, GUI_ID_MAX, "%s", item->id);
-    }
-    ImGui::SameLine(gui->own->label_width);
+    const struct im_style style = im_style_now();
+    const struct im_vec at = im_cursor();
+    float room = gui->own->label_width - (at.x - im_window_pos().x);
+    float width = fmaxf(room - style.item_inner_spacing.x, 1.0f), height = im_frame_height();
+    struct ImDrawList *list = im_draw_window();
+    im_push_clip(list, at, (struct im_vec){at.x + width, at.y + height}, true);
+    im_draw_text(list, (struct im_vec){at.x, at.y + style.frame_padding.y}, im_rgba(IM_COLOR_TEXT),
+                 item->label);
+    im_pop_clip(list);
+    im_dummy(width, height);
+    if (im_is_hovered_even_disabled())
+        note_hover(gui, item);
+    im_same_line_at(gui->own->label_width);
 }
 
 static float rest_of_line(void)
 {
-    return fmaxf(ImGui::GetContentRegionAvail().x, 1.0f);
+    return fmaxf(im_room(), 1.0f);
 }
 
 static void refuse(struct gui_state *own, const char *id, const char *why)
@@ -84,34 +85,28 @@ static void refuse(struct gui_state *own, const char *id, const char *why)
 
 bool widget_group(struct gui *gui, struct gui_item *item, bool is_open)
 {
-    struct gui_state *own = gui->own;
-    bool is_inner = own->depth > 0;
-    ImGuiTreeNodeFlags flags = ImGuiTreeNodeFlags_NoTreePushOnOpen |
-                               ImGuiTreeNodeFlags_SpanAvailWidth | ImGuiTreeNodeFlags_FramePadding;
+    bool is_inner = gui->own->depth > 0;
+    im_push_id(item->id);
     if (!is_inner)
-        flags |= ImGuiTreeNodeFlags_Framed;
-    ImGui::PushID(item->id);
-    if (!is_inner)
-        ImGui::Dummy(ImVec2(0.0f, 0.0f));
-    ImGui::SetNextItemOpen(is_open);
-    bool now = ImGui::TreeNodeEx("group", flags, "%s", item->label);
+        im_dummy(0.0f, 0.0f);
+    bool now = im_tree(item->label, is_open, !is_inner);
     widget_note(gui, item);
-    ImGui::PopID();
+    im_pop_id();
     if (is_inner && now)
-        ImGui::Indent();
+        im_indent();
     return now;
 }
 
 void widget_group_end(struct gui *gui)
 {
     if (gui->own->depth > 1)
-        ImGui::Unindent();
+        im_unindent();
 }
 
 bool widget_button(struct gui *gui, struct gui_item *item)
 {
     begin(gui, item);
-    bool pressed = ImGui::Button(item->label);
+    bool pressed = im_button(item->label);
     widget_note(gui, item);
     end(gui);
     return pressed;
@@ -124,7 +119,7 @@ bool widget_switch(struct gui *gui, struct gui_item *item, bool *value)
     put_label(gui, item);
     char label[160];
     snprintf(label, sizeof label, "%s##switch", same_line ? item->label : "");
-    bool changed = ImGui::Checkbox(label, value);
+    bool changed = im_checkbox(label, value);
     widget_note(gui, item);
     end(gui);
     return changed;
@@ -136,10 +131,10 @@ bool widget_row(struct gui *gui, struct gui_item *item, bool is_chosen)
     char label[320];
     snprintf(label, sizeof label, "%s##row", item->label);
     if (is_chosen)
-        ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_CheckMark));
-    bool pressed = ImGui::Selectable(label, is_chosen);
+        im_push_color_of(IM_COLOR_TEXT, IM_COLOR_CHECK_MARK);
+    bool pressed = im_selectable(label, is_chosen);
     if (is_chosen)
-        ImGui::PopStyleColor();
+        im_pop_color();
     widget_note(gui, item);
     end(gui);
     return pressed;
@@ -152,8 +147,8 @@ bool widget_choice(struct gui *gui, struct gui_item *item, const char *const *na
     bool changed = false;
     begin(gui, item);
     put_label(gui, item);
-    ImGui::SetNextItemWidth(rest_of_line());
-    bool is_open = ImGui::BeginCombo("##choice", names[*value], ImGuiComboFlags_HeightLarge);
+    im_next_width(rest_of_line());
+    bool is_open = im_combo_begin("##choice", names[*value]);
     if (!is_open)
         widget_note(gui, item);
     for (uint32_t i = 0; is_open && names[i]; i++) {
@@ -162,7 +157,7 @@ bool widget_choice(struct gui *gui, struct gui_item *item, const char *const *na
             id[GUI_ID_MAX - 1] = '\0'; // names of a scene may be of any length
         struct gui_item *entry = items_add(own, id, GUI_ROW, names[i], item->help);
         bool wished = items_wish(own, entry) != NULL;
-        if (ImGui::Selectable(names[i], i == *value) || wished) {
+        if (im_selectable(names[i], i == *value) || wished) {
             changed = changed || i != *value;
             *value = i;
         }
@@ -171,7 +166,7 @@ bool widget_choice(struct gui *gui, struct gui_item *item, const char *const *na
     }
     if (is_open) {
         own->has_popup = true;
-        ImGui::EndCombo();
+        im_combo_end();
         widget_note(gui, item);
     }
     end(gui);
@@ -200,16 +195,32 @@ static bool edit_draw(struct gui_state *own, float width, uint32_t size, bool *i
     own->edit_idle = 0;
     bool begins = own->edit_begins;
     if (begins)
-        ImGui::SetKeyboardFocusHere();
+        im_focus_next();
     own->edit_begins = false;
-    ImGui::SetNextItemWidth(width);
-    ImGui::InputText("##edit", own->edit_text, size < GUI_TEXT_MAX ? size : GUI_TEXT_MAX,
-                     ImGuiInputTextFlags_AutoSelectAll);
-    if (!ImGui::IsItemDeactivated())
+    im_next_width(width);
+    im_input("##edit", own->edit_text, size < GUI_TEXT_MAX ? size : GUI_TEXT_MAX);
+    if (!im_is_deactivated())
         return false;
-    *is_given_up = !ImGui::IsItemDeactivatedAfterEdit();
+    *is_given_up = !im_is_deactivated_after_edit();
     own->edit_id[0] = '\0';
     return true;
+}
+
+// What is typed into, while it is not: looks like what it becomes when it is clicked.
+static bool text_box(const char *text)
+{
+    const struct im_style style = im_style_now();
+    const struct im_vec at = im_cursor(), size = {rest_of_line(), im_frame_height()};
+    const struct im_vec corner = {at.x + size.x, at.y + size.y};
+    bool pressed = im_hit("##text", size);
+    enum im_color ground = im_is_hovered() ? IM_COLOR_FRAME_HOVERED : IM_COLOR_FRAME;
+    struct ImDrawList *list = im_draw_window();
+    im_draw_rect(list, at, corner, im_rgba(ground), style.frame_rounding);
+    im_push_clip(list, at, (struct im_vec){corner.x - style.frame_padding.x, corner.y}, true);
+    im_draw_text(list, (struct im_vec){at.x + style.frame_padding.x, at.y + style.frame_padding.y},
+                 im_rgba(IM_COLOR_TEXT), text);
+    im_pop_clip(list);
+    return pressed;
 }
 
 bool widget_text(struct gui *gui, struct gui_item *item, char *value, uint32_t size)
@@ -225,22 +236,8 @@ bool widget_text(struct gui *gui, struct gui_item *item, char *value, uint32_t s
             snprintf(value, size, "%s", own->edit_text);
             changed = true;
         }
-    } else {
-        // Looks like what it becomes when it is clicked.
-        ImVec2 at = ImGui::GetCursorScreenPos();
-        ImVec2 extent(rest_of_line(), ImGui::GetFrameHeight());
-        bool pressed = ImGui::InvisibleButton("##text", extent);
-        ImGuiCol color = ImGui::IsItemHovered() ? ImGuiCol_FrameBgHovered : ImGuiCol_FrameBg;
-        const ImGuiStyle &style = ImGui::GetStyle();
-        ImDrawList *list = ImGui::GetWindowDrawList();
-        ImVec2 corner(at.x + extent.x, at.y + extent.y);
-        list->AddRectFilled(at, corner, ImGui::GetColorU32(color), style.FrameRounding);
-        list->PushClipRect(at, ImVec2(corner.x - style.FramePadding.x, corner.y), true);
-        list->AddText(ImVec2(at.x + style.FramePadding.x, at.y + style.FramePadding.y),
-                      ImGui::GetColorU32(ImGuiCol_Text), value);
-        list->PopClipRect();
-        if (pressed)
-            edit_start(own, item->id, value);
+    } else if (text_box(value)) {
+        edit_start(own, item->id, value);
     }
     widget_note(gui, item);
     end(gui);
@@ -258,34 +255,40 @@ static float filled(const struct gui_range *range, double value)
     return (float)((value - range->min) / span);
 }
 
-static void draw_number(ImVec2 at, ImVec2 size, const struct gui_range *range, double value)
+// In the middle of the box, with as many digits as there is room for.
+static void draw_digits(struct ImDrawList *list, struct im_vec at, struct im_vec size,
+                        const struct gui_range *range, double value)
 {
-    const ImGuiStyle &style = ImGui::GetStyle();
-    ImDrawList *list = ImGui::GetWindowDrawList();
-    ImVec2 corner(at.x + size.x, at.y + size.y);
-    ImGuiCol ground = ImGui::IsItemActive()    ? ImGuiCol_FrameBgActive
-                      : ImGui::IsItemHovered() ? ImGuiCol_FrameBgHovered
-                                               : ImGuiCol_FrameBg;
-    list->AddRectFilled(at, corner, ImGui::GetColorU32(ground), style.FrameRounding);
-    float part = fminf(fmaxf(filled(range, value), 0.0f), 1.0f);
-    if (part * size.x >= 1.0f) {
-        list->PushClipRect(at, ImVec2(at.x + part * size.x, corner.y), true);
-        list->AddRectFilled(at, corner, ImGui::GetColorU32(ImGuiCol_SliderGrab),
-                            style.FrameRounding);
-        list->PopClipRect();
-    }
-    // As many digits as there is room for.
+    const struct im_vec pad = im_style_now().frame_padding;
     char text[GUI_VALUE_MAX];
     float width = FLT_MAX;
     for (int digits = 6; digits >= 3 && width > size.x; digits--) {
         value_show(value, range, digits, text);
-        width = ImGui::CalcTextSize(text).x;
+        width = im_text_size(text, -1.0f).x;
     }
-    float x = at.x + fmaxf(0.5f * (size.x - width), style.FramePadding.x * 0.5f);
-    list->PushClipRect(at, corner, true);
-    list->AddText(ImVec2(floorf(x), at.y + style.FramePadding.y), ImGui::GetColorU32(ImGuiCol_Text),
-                  text);
-    list->PopClipRect();
+    float x = at.x + fmaxf(0.5f * (size.x - width), pad.x * 0.5f);
+    im_push_clip(list, at, (struct im_vec){at.x + size.x, at.y + size.y}, true);
+    im_draw_text(list, (struct im_vec){floorf(x), at.y + pad.y}, im_rgba(IM_COLOR_TEXT), text);
+    im_pop_clip(list);
+}
+
+static void draw_number(struct im_vec at, struct im_vec size, const struct gui_range *range,
+                        double value)
+{
+    struct ImDrawList *list = im_draw_window();
+    const struct im_vec corner = {at.x + size.x, at.y + size.y};
+    float rounding = im_style_now().frame_rounding;
+    enum im_color ground = im_is_active()    ? IM_COLOR_FRAME_ACTIVE
+                           : im_is_hovered() ? IM_COLOR_FRAME_HOVERED
+                                             : IM_COLOR_FRAME;
+    im_draw_rect(list, at, corner, im_rgba(ground), rounding);
+    float part = fminf(fmaxf(filled(range, value), 0.0f), 1.0f);
+    if (part * size.x >= 1.0f) {
+        im_push_clip(list, at, (struct im_vec){at.x + part * size.x, corner.y}, true);
+        im_draw_rect(list, at, corner, im_rgba(IM_COLOR_GRAB), rounding);
+        im_pop_clip(list);
+    }
+    draw_digits(list, at, size, range, value);
 }
 
 static bool type_number(struct gui_state *own, const char *id, float width,
@@ -304,6 +307,33 @@ static bool type_number(struct gui_state *own, const char *id, float width,
     return changed;
 }
 
+// The mouse drags the last item, whose width is given. A click with Ctrl, or two, begin to type.
+static bool drag_number(struct gui_state *own, const char *id, float width,
+                        const struct gui_range *range, bool is_float, double *value)
+{
+    bool changed = false;
+    if (im_is_activated()) {
+        own->drag_start = *value;
+        own->drag_pixels = 0.0;
+        own->drag_types = im_is_control_held() || im_is_double_clicked();
+    }
+    if (im_is_active() && im_is_dragged(DRAG_POINTS * own->scale)) {
+        own->drag_types = false;
+        own->drag_pixels += (double)im_mouse_delta().x * (im_is_shift_held() ? 0.1 : 1.0);
+        double to =
+            value_dragged(own->drag_start, own->drag_pixels / (double)width, range, is_float);
+        changed = to != *value;
+        if (changed)
+            *value = to;
+    }
+    if (im_is_deactivated() && own->drag_types) {
+        char text[GUI_VALUE_MAX];
+        value_write(*value, is_float, range, text);
+        edit_start(own, id, text);
+    }
+    return changed;
+}
+
 // One box; its rect is the last item's. id: of what is typed into.
 static bool number_box(struct gui *gui, const char *id, float width, const struct gui_range *range,
                        bool is_float, double *value)
@@ -311,31 +341,11 @@ static bool number_box(struct gui *gui, const char *id, float width, const struc
     struct gui_state *own = gui->own;
     if (is_editing(own, id))
         return type_number(own, id, width, range, is_float, value);
-    ImVec2 at = ImGui::GetCursorScreenPos(), size(width, ImGui::GetFrameHeight());
-    ImGui::InvisibleButton("##number", size);
-    const ImGuiIO &io = ImGui::GetIO();
-    bool changed = false;
-    if (ImGui::IsItemHovered() || ImGui::IsItemActive())
-        ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeEW);
-    if (ImGui::IsItemActivated()) {
-        own->drag_start = *value;
-        own->drag_pixels = 0.0;
-        own->drag_types = io.KeyCtrl || ImGui::IsMouseDoubleClicked(0);
-    }
-    if (ImGui::IsItemActive() && ImGui::IsMouseDragging(0, DRAG_POINTS * own->scale)) {
-        own->drag_types = false;
-        own->drag_pixels += (double)io.MouseDelta.x * (io.KeyShift ? 0.1 : 1.0);
-        double to =
-            value_dragged(own->drag_start, own->drag_pixels / (double)width, range, is_float);
-        changed = to != *value;
-        if (changed)
-            *value = to;
-    }
-    if (ImGui::IsItemDeactivated() && own->drag_types) {
-        char text[GUI_VALUE_MAX];
-        value_write(*value, is_float, range, text);
-        edit_start(own, id, text);
-    }
+    const struct im_vec at = im_cursor(), size = {width, im_frame_height()};
+    im_hit("##number", size);
+    if (im_is_hovered() || im_is_active())
+        im_show_resize_cursor();
+    bool changed = drag_number(own, id, width, range, is_float, value);
     draw_number(at, size, range, *value);
     return changed;
 }
@@ -357,21 +367,21 @@ static bool three_boxes(struct gui *gui, const char *id, float width, const stru
 {
     static const char *const axes[3] = {"x", "y", "z"};
     bool changed = false;
-    float space = ImGui::GetStyle().ItemInnerSpacing.x * 0.5f;
+    float space = im_style_now().item_inner_spacing.x * 0.5f;
     float each = floorf((width - 2.0f * space) / 3.0f);
-    ImGui::BeginGroup();
+    im_group_begin();
     for (int c = 0; c < 3; c++) {
         char part[GUI_ID_MAX + 2];
         snprintf(part, sizeof part, "%s.%s", id, axes[c]);
         part[GUI_ID_MAX - 1] = '\0';
-        ImGui::PushID(c);
+        im_push_id_number(c);
         if (c)
-            ImGui::SameLine(0.0f, space);
+            im_same_line_after(space);
         if (number_box(gui, part, fmaxf(each, 1.0f), range, is_float, &value[c]))
             changed = true;
-        ImGui::PopID();
+        im_pop_id();
     }
-    ImGui::EndGroup();
+    im_group_end();
     return changed;
 }
 
@@ -416,43 +426,35 @@ static void encode_three(const float value[3], float out[3])
 
 static bool color_popup(struct gui_state *own, const struct gui_range *range, float value[3])
 {
-    if (!ImGui::BeginPopup("color"))
+    if (!im_popup_begin("color"))
         return false;
     own->has_popup = true;
     float shown[3], strength = strength_of(value);
     encode_three(value, shown);
-    ImGui::SetNextItemWidth(180.0f * own->scale);
-    bool changed =
-        ImGui::ColorPicker3("##picker", shown,
-                            ImGuiColorEditFlags_PickerHueWheel | ImGuiColorEditFlags_NoSidePreview |
-                                ImGuiColorEditFlags_NoInputs | ImGuiColorEditFlags_NoLabel |
-                                ImGuiColorEditFlags_NoOptions);
+    im_next_width(180.0f * own->scale);
+    bool changed = im_color_wheel("##picker", shown);
     for (int c = 0; changed && c < 3; c++)
         value[c] = fminf(fmaxf(decode(shown[c]) * strength, (float)range->min), (float)range->max);
-    ImGui::EndPopup();
+    im_popup_end();
     return changed;
 }
 
 bool widget_color(struct gui *gui, struct gui_item *item, const struct gui_range *range,
                   float value[3])
 {
-    struct gui_state *own = gui->own;
     begin(gui, item);
     put_label(gui, item);
-    float shown[3], height = ImGui::GetFrameHeight();
+    float space = im_style_now().item_inner_spacing.x;
+    float shown[3], height = im_frame_height();
     encode_three(value, shown);
-    float width = rest_of_line() - height - ImGui::GetStyle().ItemInnerSpacing.x;
+    float width = rest_of_line() - height - space;
     double wide[3] = {(double)value[0], (double)value[1], (double)value[2]};
-    if (ImGui::ColorButton("##swatch", ImVec4(shown[0], shown[1], shown[2], 1.0f),
-                           ImGuiColorEditFlags_NoTooltip | ImGuiColorEditFlags_NoDragDrop,
-                           ImVec2(height, height)))
-        ImGui::OpenPopup("color");
-    if (ImGui::IsItemHovered()) {
-        gui->hovered_help = item->help;
-        snprintf(own->hovered_id, sizeof own->hovered_id, "%s", item->id);
-    }
-    bool changed = color_popup(own, range, value);
-    ImGui::SameLine(0.0f, ImGui::GetStyle().ItemInnerSpacing.x);
+    if (im_color_button("##swatch", shown, height))
+        im_popup_open("color");
+    if (im_is_hovered())
+        note_hover(gui, item);
+    bool changed = color_popup(gui->own, range, value);
+    im_same_line_after(space);
     if (three_boxes(gui, item->id, width, range, true, wide)) {
         for (int c = 0; c < 3; c++)
             value[c] = (float)wide[c];
@@ -465,60 +467,61 @@ bool widget_color(struct gui *gui, struct gui_item *item, const struct gui_range
 
 // --- lists ---------------------------------------------------------------------------------------
 
-static float row_height(void)
+// In doubles: 10^6 rows are more pixels than single precision tells apart, and rows would tremble;
+// where ImGui itself rounds, all rows are moved together.
+static void find_rows(struct gui_list *list, float height)
 {
-    return ImGui::GetTextLineHeightWithSpacing();
-}
-
-void widget_list_begin(struct gui *gui, const char *id, struct gui_list *list)
-{
-    (void)gui;
-    uint32_t rows = list->count < list->height ? list->count : list->height;
-    const ImGuiStyle &style = ImGui::GetStyle();
-    ImGui::PushStyleColor(ImGuiCol_ChildBg, ImGui::GetStyleColorVec4(ImGuiCol_PopupBg));
-    float pad = style.FramePadding.y;
-    float height = (float)(rows ? rows : 1) * row_height() + 2.0f * pad;
-    // Switches in rows are as high as letters.
-    ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(style.WindowPadding.x, pad));
-    ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(style.FramePadding.x, 0.0f));
-    ImGui::BeginChild(id, ImVec2(0.0f, height), false,
-                      ImGuiWindowFlags_AlwaysUseWindowPadding | ImGuiWindowFlags_NoNav);
-    ImGui::PopStyleColor();
-    // In doubles: 10^6 rows are more pixels than single precision tells apart, and rows would
-    // tremble; where ImGui itself rounds, all rows are moved together.
-    double scroll = (double)ImGui::GetScrollY(), each = (double)row_height();
+    double scroll = (double)im_scroll(), each = (double)im_line_height_spaced();
     list->first = (uint32_t)fmax(floor(scroll / each), 0.0);
     list->last = (uint32_t)ceil((scroll + (double)height) / each) + 1u;
     if (list->last > list->count)
         list->last = list->count;
     if (list->first > list->last)
         list->first = list->last;
-    ImGui::Dummy(ImVec2(0.0f, 0.0f));
 }
 
-static float list_top(void)
+void widget_list_begin(struct gui *gui, const char *id, struct gui_list *list)
 {
-    return ImGui::GetStyle().WindowPadding.y;
+    (void)gui;
+    uint32_t rows = list->count < list->height ? list->count : list->height;
+    const struct im_style style = im_style_now();
+    im_push_color_of(IM_COLOR_CHILD, IM_COLOR_POPUP);
+    float pad = style.frame_padding.y;
+    float height = (float)(rows ? rows : 1) * im_line_height_spaced() + 2.0f * pad;
+    // Switches in rows are as high as letters.
+    im_push_padding((struct im_vec){style.window_padding.x, pad},
+                    (struct im_vec){style.frame_padding.x, 0.0f});
+    im_child_begin(id, height, true);
+    im_pop_color();
+    find_rows(list, height);
+    im_dummy(0.0f, 0.0f);
+}
+
+// Goes to where the row begins.
+static void go_to_row(uint32_t row)
+{
+    float top = im_style_now().window_padding.y;
+    im_cursor_set_y(top + (float)((double)row * (double)im_line_height_spaced()));
 }
 
 void widget_list_row(struct gui *gui, const struct gui_list *list, uint32_t row)
 {
     (void)gui;
     (void)list;
-    ImGui::SetCursorPosY(list_top() + (float)((double)row * (double)row_height()));
+    go_to_row(row);
 }
 
 void widget_list_end(struct gui *gui, struct gui_list *list)
 {
-    struct gui_state *own = gui->own;
-    ImGui::SetCursorPosY(list_top() + (float)((double)list->count * (double)row_height()));
-    ImGui::Dummy(ImVec2(1.0f, 0.0f));
+    const struct gui_state *own = gui->own;
+    go_to_row(list->count);
+    im_dummy(1.0f, 0.0f);
     if (own->list_reveal >= 0.0) {
-        float center = (float)((own->list_reveal + 0.5) * (double)row_height());
-        ImGui::SetScrollY(fmaxf(center - 0.5f * ImGui::GetWindowHeight(), 0.0f));
+        float center = (float)((own->list_reveal + 0.5) * (double)im_line_height_spaced());
+        im_scroll_set(fmaxf(center - 0.5f * im_window_height(), 0.0f));
     }
-    ImGui::PopStyleVar(2);
-    ImGui::EndChild();
+    im_pop_padding();
+    im_child_end();
     if (own->list_reveal >= 0.0)
-        ImGui::SetScrollHereY(0.5f);
+        im_scroll_here();
 }
