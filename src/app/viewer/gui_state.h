@@ -1,6 +1,6 @@
-// What the files of the panel's widgets share: the registry of controls, which is plain C
-// (gui_items.c, gui_values.c, gui_controls.c), and Dear ImGui behind it (gui.cpp, gui_widgets.cpp,
-// gui_charts.cpp).
+// What the files of the panel's widgets share: the registry of controls (gui_items.c, gui_values.c,
+// gui_controls.c), and what draws them with Dear ImGui, through imgui_bridge.h (gui.c,
+// gui_events.c, gui_widgets.c, gui_charts.c, gui_overlay.c).
 #ifndef LAMPYRIS_APP_VIEWER_GUI_STATE_H
 #define LAMPYRIS_APP_VIEWER_GUI_STATE_H
 
@@ -73,8 +73,8 @@ struct gui_state {
     float scale;
     bool same_line; // the next control goes on in the line
     float label_width;
-    void *context; // struct ImGuiContext
-    uint8_t *coverage;
+    struct ImGuiContext *context;
+    const uint8_t *coverage; // the context's
     uint32_t atlas_width, atlas_height;
     char *clipboard;
     struct gpu_vertex *vertices;
@@ -111,7 +111,11 @@ bool value_read_choice(const char *text, const char *const *names, uint32_t *out
 // Where a drag of so many widths of the control leads from `start`, in the range.
 double value_dragged(double start, double widths, const struct gui_range *range, bool is_float);
 
-// --- gui_widgets.cpp, gui.cpp --------------------------------------------------------------------
+// --- gui_events.c --------------------------------------------------------------------------------
+void events_feed(struct gui *gui); // to the frame that begins
+void events_want(struct gui *gui); // says who gets the next event of the mouse
+
+// --- gui_widgets.c -------------------------------------------------------------------------------
 // Draw one control and have its rect noted; called where own->is_drawn alone. True: the user
 // changed the value.
 bool widget_group(struct gui *gui, struct gui_item *item, bool is_open); // true: is open now
