@@ -8,6 +8,8 @@
 #include <cstring>
 #include <imgui.h>
 
+using namespace ImGui;
+
 static_assert(sizeof(gpu_vertex) == sizeof(ImDrawVert) &&
                   offsetof(gpu_vertex, uv) == offsetof(ImDrawVert, uv) &&
                   offsetof(gpu_vertex, color) == offsetof(ImDrawVert, col),
@@ -19,16 +21,9 @@ static_assert(sizeof(ImGuiIO::KeysDown) / sizeof(bool) == IM_KEYS &&
                   sizeof(ImGuiIO::MouseDown) / sizeof(bool) == IM_MOUSE_BUTTONS,
               "what the header says of keys and buttons");
 
-static const ImGuiCol colors[] = {
-    ImGuiCol_Text, ImGuiCol_TextDisabled, ImGuiCol_WindowBg, ImGuiCol_ChildBg, ImGuiCol_PopupBg,
-    ImGuiCol_Border, ImGuiCol_FrameBg, ImGuiCol_FrameBgHovered, ImGuiCol_FrameBgActive,
-    ImGuiCol_Header, ImGuiCol_HeaderHovered, ImGuiCol_HeaderActive, ImGuiCol_Button,
-    ImGuiCol_ButtonHovered, ImGuiCol_ButtonActive, ImGuiCol_CheckMark, ImGuiCol_SliderGrab,
-    ImGuiCol_SliderGrabActive, ImGuiCol_Separator, ImGuiCol_ScrollbarBg, ImGuiCol_ScrollbarGrab,
-    ImGuiCol_ScrollbarGrabHovered, ImGuiCol_ScrollbarGrabActive, ImGuiCol_TextSelectedBg,
-    ImGuiCol_PlotLines, ImGuiCol_PlotHistogram,
-};
-static_assert(IM_ARRAYSIZE(colors) == IM_COLOR_COUNT, "enum im_color");
+#define COLOR(name, theirs) ImGuiCol_##theirs,
+static const ImGuiCol colors[] = {IM_COLORS(COLOR)};
+#undef COLOR
 
 static const struct {
     ImGuiKey key;
@@ -48,16 +43,16 @@ static const struct {
 
 static ImVec2 in(im_vec v) { return ImVec2(v.x, v.y); }
 static im_vec out(ImVec2 v) { return {v.x, v.y}; }
-static ImGuiIO &io() { return ImGui::GetIO(); }
-static ImDrawList *drawn(uint32_t list) { return ImGui::GetDrawData()->CmdLists[list]; }
+static ImGuiIO &io() { return GetIO(); }
+static ImDrawList *drawn(uint32_t list) { return GetDrawData()->CmdLists[list]; }
 
 // --- life ----------------------------------------------------------------------------------------
 
 ImGuiContext *im_create(const char *(*get_clipboard)(void *),
                         void (*set_clipboard)(void *, const char *), void *user)
 {
-    ImGuiContext *context = ImGui::CreateContext();
-    ImGui::SetCurrentContext(context);
+    ImGuiContext *context = CreateContext();
+    SetCurrentContext(context);
     io().IniFilename = NULL;
     io().LogFilename = NULL;
     io().BackendFlags |= ImGuiBackendFlags_RendererHasVtxOffset;
@@ -70,13 +65,13 @@ ImGuiContext *im_create(const char *(*get_clipboard)(void *),
     return context;
 }
 
-void im_use(ImGuiContext *context) { ImGui::SetCurrentContext(context); }
-void im_destroy(ImGuiContext *context) { ImGui::DestroyContext(context); }
+void im_use(ImGuiContext *context) { SetCurrentContext(context); }
+void im_destroy(ImGuiContext *context) { DestroyContext(context); }
 
 void im_style_set(const im_style *from, float scale)
 {
-    ImGuiStyle &to = ImGui::GetStyle();
-    ImGui::StyleColorsDark(&to);
+    ImGuiStyle &to = GetStyle();
+    StyleColorsDark(&to);
     to.WindowPadding = in(from->window_padding);
     to.FramePadding = in(from->frame_padding);
     to.ItemSpacing = in(from->item_spacing);
@@ -94,12 +89,12 @@ void im_style_set(const im_style *from, float scale)
 
 void im_style_color(im_color color, float r, float g, float b, float a)
 {
-    ImGui::GetStyle().Colors[colors[color]] = ImVec4(r, g, b, a);
+    GetStyle().Colors[colors[color]] = ImVec4(r, g, b, a);
 }
 
 im_style im_style_now(void)
 {
-    const ImGuiStyle &s = ImGui::GetStyle();
+    const ImGuiStyle &s = GetStyle();
     return {out(s.WindowPadding), out(s.FramePadding), out(s.ItemSpacing), out(s.ItemInnerSpacing),
             s.IndentSpacing, s.ScrollbarSize, s.WindowBorderSize, s.FrameRounding, s.GrabRounding,
             s.PopupRounding, s.ScrollbarRounding, s.DisabledAlpha};
@@ -152,12 +147,12 @@ void im_frame_setup(float width, float height, float seconds)
     io().DeltaTime = seconds;
 }
 
-void im_frame_begin(void) { ImGui::NewFrame(); }
-void im_frame_end(void) { ImGui::Render(); }
+void im_frame_begin(void) { NewFrame(); }
+void im_frame_end(void) { Render(); }
 im_vec im_display(void) { return out(io().DisplaySize); }
-bool im_is_any_active(void) { return ImGui::IsAnyItemActive(); }
+bool im_is_any_active(void) { return IsAnyItemActive(); }
 bool im_wants_text(void) { return io().WantTextInput; }
-uint32_t im_list_count(void) { return (uint32_t)ImGui::GetDrawData()->CmdListsCount; }
+uint32_t im_list_count(void) { return (uint32_t)GetDrawData()->CmdListsCount; }
 
 im_list im_list_at(uint32_t list)
 {
@@ -178,159 +173,157 @@ gpu_draw im_list_command(uint32_t list, uint32_t command)
 
 void im_panel_begin(float width, float height)
 {
-    ImGui::SetNextWindowPos(ImVec2(0.0f, 0.0f));
-    ImGui::SetNextWindowSize(ImVec2(width, height));
-    ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 0.0f);
-    ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, ImVec2(1.0f, 1.0f));
-    ImGui::Begin("panel", NULL,
-                 ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
-                     ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNav |
-                     ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoScrollWithMouse);
-    ImGui::PopStyleVar(2);
+    SetNextWindowPos(ImVec2(0.0f, 0.0f));
+    SetNextWindowSize(ImVec2(width, height));
+    PushStyleVar(ImGuiStyleVar_WindowRounding, 0.0f);
+    PushStyleVar(ImGuiStyleVar_WindowMinSize, ImVec2(1.0f, 1.0f));
+    Begin("panel", NULL,
+          ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
+              ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNav |
+              ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoScrollWithMouse);
+    PopStyleVar(2);
 }
 
-void im_panel_end(void) { ImGui::End(); }
+void im_panel_end(void) { End(); }
 
 void im_child_begin(const char *id, float height, bool is_padded)
 {
-    ImGui::BeginChild(id, ImVec2(0.0f, height), false, ImGuiWindowFlags_NoNav |
-                      (is_padded ? ImGuiWindowFlags_AlwaysUseWindowPadding : 0));
+    BeginChild(id, ImVec2(0.0f, height), false,
+               ImGuiWindowFlags_NoNav |
+                   (is_padded ? ImGuiWindowFlags_AlwaysUseWindowPadding : 0));
 }
 
-void im_child_end(void) { ImGui::EndChild(); }
-void im_group_begin(void) { ImGui::BeginGroup(); }
-void im_group_end(void) { ImGui::EndGroup(); }
-void im_push_id(const char *id) { ImGui::PushID(id); }
-void im_push_id_number(int id) { ImGui::PushID(id); }
-void im_pop_id(void) { ImGui::PopID(); }
-void im_push_disabled(bool is_disabled) { ImGui::BeginDisabled(is_disabled); }
-void im_pop_disabled(void) { ImGui::EndDisabled(); }
-
-void im_push_color(im_color color, uint32_t rgba)
-{
-    ImGui::PushStyleColor(colors[color], rgba);
-}
+void im_child_end(void) { EndChild(); }
+void im_group_begin(void) { BeginGroup(); }
+void im_group_end(void) { EndGroup(); }
+void im_push_id(const char *id) { PushID(id); }
+void im_push_id_number(int id) { PushID(id); }
+void im_pop_id(void) { PopID(); }
+void im_push_disabled(bool is_disabled) { BeginDisabled(is_disabled); }
+void im_pop_disabled(void) { EndDisabled(); }
+void im_push_color(im_color color, uint32_t rgba) { PushStyleColor(colors[color], rgba); }
 
 void im_push_color_of(im_color color, im_color as)
 {
-    ImGui::PushStyleColor(colors[color], ImGui::GetStyleColorVec4(colors[as]));
+    PushStyleColor(colors[color], GetStyleColorVec4(colors[as]));
 }
 
-void im_pop_color(void) { ImGui::PopStyleColor(); }
+void im_pop_color(void) { PopStyleColor(); }
 
 void im_push_padding(im_vec window, im_vec frame)
 {
-    ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, in(window));
-    ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, in(frame));
+    PushStyleVar(ImGuiStyleVar_WindowPadding, in(window));
+    PushStyleVar(ImGuiStyleVar_FramePadding, in(frame));
 }
 
-void im_pop_padding(void) { ImGui::PopStyleVar(2); }
-void im_push_wrap(float x) { ImGui::PushTextWrapPos(x); }
-void im_pop_wrap(void) { ImGui::PopTextWrapPos(); }
-void im_same_line(void) { ImGui::SameLine(); }
-void im_same_line_at(float x) { ImGui::SameLine(x); }
-void im_same_line_after(float space) { ImGui::SameLine(0.0f, space); }
-void im_separator(void) { ImGui::Separator(); }
-void im_indent(void) { ImGui::Indent(); }
-void im_unindent(void) { ImGui::Unindent(); }
-void im_dummy(float width, float height) { ImGui::Dummy(ImVec2(width, height)); }
-void im_next_width(float width) { ImGui::SetNextItemWidth(width); }
-im_vec im_cursor(void) { return out(ImGui::GetCursorScreenPos()); }
-void im_cursor_set_y(float y) { ImGui::SetCursorPosY(y); }
-im_vec im_window_pos(void) { return out(ImGui::GetWindowPos()); }
-float im_window_height(void) { return ImGui::GetWindowHeight(); }
-float im_room(void) { return ImGui::GetContentRegionAvail().x; }
-float im_line_height(void) { return ImGui::GetTextLineHeight(); }
-float im_line_height_spaced(void) { return ImGui::GetTextLineHeightWithSpacing(); }
-float im_frame_height(void) { return ImGui::GetFrameHeight(); }
-float im_scroll(void) { return ImGui::GetScrollY(); }
-void im_scroll_set(float y) { ImGui::SetScrollY(y); }
-void im_scroll_here(void) { ImGui::SetScrollHereY(0.5f); }
-uint32_t im_rgba(im_color color) { return ImGui::GetColorU32(colors[color]); }
+void im_pop_padding(void) { PopStyleVar(2); }
+void im_push_wrap(float x) { PushTextWrapPos(x); }
+void im_pop_wrap(void) { PopTextWrapPos(); }
+void im_same_line(void) { SameLine(); }
+void im_same_line_at(float x) { SameLine(x); }
+void im_same_line_after(float space) { SameLine(0.0f, space); }
+void im_separator(void) { Separator(); }
+void im_indent(void) { Indent(); }
+void im_unindent(void) { Unindent(); }
+void im_dummy(float width, float height) { Dummy(ImVec2(width, height)); }
+void im_next_width(float width) { SetNextItemWidth(width); }
+im_vec im_cursor(void) { return out(GetCursorScreenPos()); }
+void im_cursor_set_y(float y) { SetCursorPosY(y); }
+im_vec im_window_pos(void) { return out(GetWindowPos()); }
+float im_window_height(void) { return GetWindowHeight(); }
+float im_room(void) { return GetContentRegionAvail().x; }
+float im_line_height(void) { return GetTextLineHeight(); }
+float im_line_height_spaced(void) { return GetTextLineHeightWithSpacing(); }
+float im_frame_height(void) { return GetFrameHeight(); }
+float im_scroll(void) { return GetScrollY(); }
+void im_scroll_set(float y) { SetScrollY(y); }
+void im_scroll_here(void) { SetScrollHereY(0.5f); }
+uint32_t im_rgba(im_color color) { return GetColorU32(colors[color]); }
 
 im_vec im_text_size(const char *text, float wrap)
 {
-    return out(ImGui::CalcTextSize(text, NULL, false, wrap));
+    return out(CalcTextSize(text, NULL, false, wrap));
 }
 
 // --- the last item -------------------------------------------------------------------------------
 
-im_rect im_item_rect(void) { return {out(ImGui::GetItemRectMin()), out(ImGui::GetItemRectMax())}; }
-bool im_is_hovered(void) { return ImGui::IsItemHovered(); }
+im_rect im_item_rect(void) { return {out(GetItemRectMin()), out(GetItemRectMax())}; }
+bool im_is_hovered(void) { return IsItemHovered(); }
 
 bool im_is_hovered_even_disabled(void)
 {
-    return ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled);
+    return IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled);
 }
 
-bool im_is_active(void) { return ImGui::IsItemActive(); }
-bool im_is_activated(void) { return ImGui::IsItemActivated(); }
-bool im_is_deactivated(void) { return ImGui::IsItemDeactivated(); }
-bool im_is_deactivated_after_edit(void) { return ImGui::IsItemDeactivatedAfterEdit(); }
-bool im_is_double_clicked(void) { return ImGui::IsMouseDoubleClicked(0); }
-bool im_is_dragged(float threshold) { return ImGui::IsMouseDragging(0, threshold); }
+bool im_is_active(void) { return IsItemActive(); }
+bool im_is_activated(void) { return IsItemActivated(); }
+bool im_is_deactivated(void) { return IsItemDeactivated(); }
+bool im_is_deactivated_after_edit(void) { return IsItemDeactivatedAfterEdit(); }
+bool im_is_double_clicked(void) { return IsMouseDoubleClicked(0); }
+bool im_is_dragged(float threshold) { return IsMouseDragging(0, threshold); }
 im_vec im_mouse_delta(void) { return out(io().MouseDelta); }
 bool im_is_control_held(void) { return io().KeyCtrl; }
 bool im_is_shift_held(void) { return io().KeyShift; }
-void im_show_resize_cursor(void) { ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeEW); }
+void im_show_resize_cursor(void) { SetMouseCursor(ImGuiMouseCursor_ResizeEW); }
 
 // --- widgets -------------------------------------------------------------------------------------
 
-void im_text(const char *text) { ImGui::TextUnformatted(text); }
-void im_text_dim(const char *text) { ImGui::TextDisabled("%s", text); }
-void im_text_v(const char *format, va_list arguments) { ImGui::TextV(format, arguments); }
+void im_text(const char *text) { TextUnformatted(text); }
+void im_text_dim(const char *text) { TextDisabled("%s", text); }
+void im_text_v(const char *format, va_list arguments) { TextV(format, arguments); }
 
 bool im_tree(const char *label, bool is_open, bool is_framed)
 {
-    ImGui::SetNextItemOpen(is_open);
-    return ImGui::TreeNodeEx("group", ImGuiTreeNodeFlags_NoTreePushOnOpen |
-                             ImGuiTreeNodeFlags_SpanAvailWidth | ImGuiTreeNodeFlags_FramePadding |
-                             (is_framed ? ImGuiTreeNodeFlags_Framed : 0), "%s", label);
+    SetNextItemOpen(is_open);
+    return TreeNodeEx("group",
+                      ImGuiTreeNodeFlags_NoTreePushOnOpen | ImGuiTreeNodeFlags_SpanAvailWidth |
+                          ImGuiTreeNodeFlags_FramePadding |
+                          (is_framed ? ImGuiTreeNodeFlags_Framed : 0),
+                      "%s", label);
 }
 
-bool im_button(const char *label) { return ImGui::Button(label); }
-bool im_hit(const char *id, im_vec size) { return ImGui::InvisibleButton(id, in(size)); }
-bool im_checkbox(const char *label, bool *value) { return ImGui::Checkbox(label, value); }
-bool im_selectable(const char *label, bool is_on) { return ImGui::Selectable(label, is_on); }
+bool im_button(const char *label) { return Button(label); }
+bool im_hit(const char *id, im_vec size) { return InvisibleButton(id, in(size)); }
+bool im_checkbox(const char *label, bool *value) { return Checkbox(label, value); }
+bool im_selectable(const char *label, bool is_on) { return Selectable(label, is_on); }
 
 bool im_combo_begin(const char *id, const char *shown)
 {
-    return ImGui::BeginCombo(id, shown, ImGuiComboFlags_HeightLarge);
+    return BeginCombo(id, shown, ImGuiComboFlags_HeightLarge);
 }
 
-void im_combo_end(void) { ImGui::EndCombo(); }
-void im_focus_next(void) { ImGui::SetKeyboardFocusHere(); }
+void im_combo_end(void) { EndCombo(); }
+void im_focus_next(void) { SetKeyboardFocusHere(); }
 
 void im_input(const char *id, char *text, uint32_t size)
 {
-    ImGui::InputText(id, text, size, ImGuiInputTextFlags_AutoSelectAll);
+    InputText(id, text, size, ImGuiInputTextFlags_AutoSelectAll);
 }
 
 bool im_color_button(const char *id, const float rgb[3], float size)
 {
-    return ImGui::ColorButton(id, ImVec4(rgb[0], rgb[1], rgb[2], 1.0f),
-                              ImGuiColorEditFlags_NoTooltip | ImGuiColorEditFlags_NoDragDrop,
-                              ImVec2(size, size));
+    return ColorButton(id, ImVec4(rgb[0], rgb[1], rgb[2], 1.0f),
+                       ImGuiColorEditFlags_NoTooltip | ImGuiColorEditFlags_NoDragDrop,
+                       ImVec2(size, size));
 }
 
-void im_popup_open(const char *id) { ImGui::OpenPopup(id); }
-bool im_popup_begin(const char *id) { return ImGui::BeginPopup(id); }
-void im_popup_end(void) { ImGui::EndPopup(); }
+void im_popup_open(const char *id) { OpenPopup(id); }
+bool im_popup_begin(const char *id) { return BeginPopup(id); }
+void im_popup_end(void) { EndPopup(); }
 
 bool im_color_wheel(const char *id, float rgb[3])
 {
-    return ImGui::ColorPicker3(id, rgb,
-                               ImGuiColorEditFlags_PickerHueWheel |
-                                   ImGuiColorEditFlags_NoSidePreview |
-                                   ImGuiColorEditFlags_NoInputs | ImGuiColorEditFlags_NoLabel |
-                                   ImGuiColorEditFlags_NoOptions);
+    return ColorPicker3(id, rgb,
+                        ImGuiColorEditFlags_PickerHueWheel | ImGuiColorEditFlags_NoSidePreview |
+                            ImGuiColorEditFlags_NoInputs | ImGuiColorEditFlags_NoLabel |
+                            ImGuiColorEditFlags_NoOptions);
 }
 
 // --- drawing -------------------------------------------------------------------------------------
 
-ImDrawList *im_draw_window(void) { return ImGui::GetWindowDrawList(); }
-ImDrawList *im_draw_background(void) { return ImGui::GetBackgroundDrawList(); }
-ImDrawList *im_draw_foreground(void) { return ImGui::GetForegroundDrawList(); }
+ImDrawList *im_draw_window(void) { return GetWindowDrawList(); }
+ImDrawList *im_draw_background(void) { return GetBackgroundDrawList(); }
+ImDrawList *im_draw_foreground(void) { return GetForegroundDrawList(); }
 void im_pop_clip(ImDrawList *list) { list->PopClipRect(); }
 
 im_rect im_clip(ImDrawList *list)

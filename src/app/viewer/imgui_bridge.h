@@ -28,35 +28,23 @@ struct im_rect {
 #define IM_RGBA(r, g, b, a)                                                                        \
     ((uint32_t)(r) | (uint32_t)(g) << 8 | (uint32_t)(b) << 16 | (uint32_t)(a) << 24)
 
-// Those of the style that the panel sets or reads.
+// Those of the style that the panel sets or reads: our name, and ImGui's.
+// clang-format off
+#define IM_COLORS(X)                                                                               \
+    X(TEXT, Text) X(TEXT_DISABLED, TextDisabled) X(WINDOW, WindowBg) X(CHILD, ChildBg)             \
+    X(POPUP, PopupBg) X(BORDER, Border) X(FRAME, FrameBg) X(FRAME_HOVERED, FrameBgHovered)         \
+    X(FRAME_ACTIVE, FrameBgActive) X(HEADER, Header) X(HEADER_HOVERED, HeaderHovered)              \
+    X(HEADER_ACTIVE, HeaderActive) X(BUTTON, Button) X(BUTTON_HOVERED, ButtonHovered)              \
+    X(BUTTON_ACTIVE, ButtonActive) X(CHECK_MARK, CheckMark) X(GRAB, SliderGrab)                    \
+    X(GRAB_ACTIVE, SliderGrabActive) X(SEPARATOR, Separator) X(SCROLLBAR, ScrollbarBg)             \
+    X(SCROLLBAR_GRAB, ScrollbarGrab) X(SCROLLBAR_GRAB_HOVERED, ScrollbarGrabHovered)               \
+    X(SCROLLBAR_GRAB_ACTIVE, ScrollbarGrabActive) X(SELECTED_TEXT, TextSelectedBg)                 \
+    X(PLOT_LINES, PlotLines) X(PLOT_BARS, PlotHistogram)
+// clang-format on
 enum im_color {
-    IM_COLOR_TEXT,
-    IM_COLOR_TEXT_DISABLED,
-    IM_COLOR_WINDOW,
-    IM_COLOR_CHILD,
-    IM_COLOR_POPUP,
-    IM_COLOR_BORDER,
-    IM_COLOR_FRAME,
-    IM_COLOR_FRAME_HOVERED,
-    IM_COLOR_FRAME_ACTIVE,
-    IM_COLOR_HEADER,
-    IM_COLOR_HEADER_HOVERED,
-    IM_COLOR_HEADER_ACTIVE,
-    IM_COLOR_BUTTON,
-    IM_COLOR_BUTTON_HOVERED,
-    IM_COLOR_BUTTON_ACTIVE,
-    IM_COLOR_CHECK_MARK,
-    IM_COLOR_GRAB,
-    IM_COLOR_GRAB_ACTIVE,
-    IM_COLOR_SEPARATOR,
-    IM_COLOR_SCROLLBAR,
-    IM_COLOR_SCROLLBAR_GRAB,
-    IM_COLOR_SCROLLBAR_GRAB_HOVERED,
-    IM_COLOR_SCROLLBAR_GRAB_ACTIVE,
-    IM_COLOR_SELECTED_TEXT,
-    IM_COLOR_PLOT_LINES,
-    IM_COLOR_PLOT_BARS,
-    IM_COLOR_COUNT
+#define IM_COLOR(name, theirs) IM_COLOR_##name,
+    IM_COLORS(IM_COLOR)
+#undef IM_COLOR
 };
 
 struct im_style {
