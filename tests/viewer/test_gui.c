@@ -628,6 +628,11 @@ TEST(an_id_twice_is_told)
 static void check_drawing(const struct gpu_drawing *drawing)
 {
     CHECK(drawing->draw_count > 0, "nothing is drawn");
+    for (uint32_t i = 0; i < drawing->vertex_count; i++) {
+        const float *at = drawing->vertices[i].position;
+        CHECK(isfinite(at[0]) && isfinite(at[1]), "vertex %u: %g, %g", i, (double)at[0],
+              (double)at[1]);
+    }
     for (uint32_t i = 0; i < drawing->draw_count; i++) {
         const struct gpu_draw *draw = &drawing->draws[i];
         CHECK(draw->first_index + draw->index_count <= drawing->index_count, "draw %u", i);
@@ -719,6 +724,23 @@ TEST(charts_take_any_numbers)
     bench_free(bench);
 }
 
+// So that the next one goes below: the height is that of what is drawn.
+TEST(notes_are_as_high_as_their_lines)
+{
+    struct bench *bench = bench_new(1);
+    gui_begin(&bench->gui, WIDTH, HEIGHT, 1.0 / 60.0);
+    float one = gui_note(&bench->gui, 10, 20, false, "one line");
+    float four = gui_note(&bench->gui, 10, 20 + one, true, "%s", "one\ntwo\nthree\nfour");
+    gui_end(&bench->gui, &bench->drawing);
+    float lowest = 0;
+    for (uint32_t i = 0; i < bench->drawing.vertex_count; i++)
+        lowest = fmaxf(lowest, bench->drawing.vertices[i].position[1]);
+    CHECK(one >= 13 && four >= 4 * 13, "%g and %g pixels", (double)one, (double)four);
+    CHECK(fabsf(lowest - (20 + one + four)) < 1, "%g, not %g", (double)lowest,
+          (double)(20 + one + four));
+    bench_free(bench);
+}
+
 TEST_MAIN(TEST_CASE(scripts_set_every_kind), TEST_CASE(scripts_reach_closed_groups),
           TEST_CASE(scripts_reach_a_hidden_panel), TEST_CASE(what_cannot_be_is_refused),
           TEST_CASE(several_wishes_in_one_frame), TEST_CASE(texts_read_back_to_the_same_bits),
@@ -729,4 +751,5 @@ TEST_MAIN(TEST_CASE(scripts_set_every_kind), TEST_CASE(scripts_reach_closed_grou
           TEST_CASE(reveal_opens_and_scrolls), TEST_CASE(reveal_scrolls_lists),
           TEST_CASE(long_lists_cost_what_is_seen_of_them), TEST_CASE(an_id_twice_is_told),
           TEST_CASE(triangles_are_in_range_and_in_the_window),
-          TEST_CASE(windows_may_be_of_any_size), TEST_CASE(charts_take_any_numbers))
+          TEST_CASE(windows_may_be_of_any_size), TEST_CASE(charts_take_any_numbers),
+          TEST_CASE(notes_are_as_high_as_their_lines))
