@@ -32,8 +32,9 @@ const struct option_def option_table[OPTION_TOTAL] = {
     },
     [OPTION_SIZE] = {
         .name = "size", .argument = "WxH", .type = VALUE_SIZE, .min = 1, .max = SETTINGS_SIZE_MAX,
-        .group = "Picture", .commands = FOR_SCENE, .fallback = IN_SCENE_FILE "512x512; of view 1280x720",
-        .help = "Width and height in pixels, at most 2^31 pixels in all.",
+        .group = "Picture", .commands = FOR_SCENE, .fallback = IN_SCENE_FILE "512x512",
+        .help = "Width and height in pixels, at most 2^31 pixels in all. The viewer has a window "
+                "of 1280x720 unless told.",
         .offset = offsetof(struct options, settings.width), .size = 2 * sizeof(uint32_t),
     },
     [OPTION_HALF] = {
