@@ -325,7 +325,9 @@ static void *run(void *context)
 {
     struct tev *tev = context;
     struct head *head = malloc(sizeof *head);
-    bool ok = head ? connect_any(tev) : fail(tev, "out of memory");
+    bool ok = head && connect_any(tev);
+    if (!head)
+        fail(tev, "out of memory");
     if (!ok)
         picture_is_gone(tev, false);
     while (ok && await_picture(tev)) {

@@ -37,7 +37,7 @@ static bool same_light(const struct light *a, const struct light *b)
 {
     return a->kind == b->kind && SAME(a, b, position) && SAME(a, b, direction) &&
            SAME(a, b, radiant) && SAME(a, b, range) && SAME(a, b, inner_angle) &&
-           SAME(a, b, outer_angle) && SAME(a, b, angular_radius) && SAME(a, b, profile) &&
+           SAME(a, b, outer_angle) && SAME(a, b, angular_radius) && a->profile == b->profile &&
            SAME(a, b, profile_x);
 }
 
