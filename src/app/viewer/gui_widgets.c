@@ -1,5 +1,6 @@
 // Single controls: a label at the left, the value at the right.
 #include "gui_state.h"
+#include "image.h"
 #include "imgui_bridge.h"
 
 #include <float.h>
@@ -401,16 +402,6 @@ bool widget_vector(struct gui *gui, struct gui_item *item, const struct gui_rang
 // 61966-2-1). Above 1 a colour is shown, and chosen, as what it is with its greatest component
 // at 1.
 
-static float encode(float linear)
-{
-    return linear <= 0.0031308f ? 12.92f * linear : 1.055f * powf(linear, 1.0f / 2.4f) - 0.055f;
-}
-
-static float decode(float encoded)
-{
-    return encoded <= 0.04045f ? encoded / 12.92f : powf((encoded + 0.055f) / 1.055f, 2.4f);
-}
-
 static float strength_of(const float value[3])
 {
     float most = fmaxf(fmaxf(value[0], value[1]), value[2]);
@@ -421,7 +412,7 @@ static void encode_three(const float value[3], float out[3])
 {
     float strength = strength_of(value);
     for (int c = 0; c < 3; c++)
-        out[c] = encode(fminf(value[c] / strength, 1.0f));
+        out[c] = image_srgb_from_linear(fminf(value[c] / strength, 1.0f));
 }
 
 static bool color_popup(struct gui_state *own, const struct gui_range *range, float value[3])
@@ -434,7 +425,8 @@ static bool color_popup(struct gui_state *own, const struct gui_range *range, fl
     im_next_width(180.0f * own->scale);
     bool changed = im_color_wheel("##picker", shown);
     for (int c = 0; changed && c < 3; c++)
-        value[c] = fminf(fmaxf(decode(shown[c]) * strength, (float)range->min), (float)range->max);
+        value[c] = fminf(fmaxf(image_srgb_to_linear(shown[c]) * strength, (float)range->min),
+                         (float)range->max);
     im_popup_end();
     return changed;
 }

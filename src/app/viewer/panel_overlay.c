@@ -2,6 +2,7 @@
 #include "panel_internal.h"
 
 #include "false_color.h"
+#include "image.h"
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
@@ -115,11 +116,9 @@ static void keys(struct viewer *viewer)
     gui_table(&viewer->gui, rows, count);
 }
 
-// As IEC 61966-2-1 has it.
 static uint32_t encoded(double linear)
 {
-    double value = linear <= 0.0031308 ? 12.92 * linear : 1.055 * pow(linear, 1 / 2.4) - 0.055;
-    return (uint32_t)lrint(255 * fmin(fmax(value, 0), 1));
+    return image_quantize(image_srgb_from_linear(fminf(fmaxf((float)linear, 0.0f), 1.0f)));
 }
 
 // Of false colours: from where to where they reach, and where the middle is.
