@@ -453,6 +453,13 @@ const struct option_def option_table[OPTION_TOTAL] = {
                 "noise. Exit with 1 where something is slower.",
         FIELD(baseline),
     },
+    [OPTION_EXPLAIN] = {
+        .name = "explain", .type = VALUE_FLAG, .group = "Report", .commands = FOR_RENDER,
+        .help = "List what this render leaves out: each feature, lobe, kind of light, kernel and "
+                "buffer, why, and the bytes and SPIR-V instructions that this saves; and what the "
+                "summary has no room for.",
+        FIELD(explain),
+    },
     [OPTION_TRACE] = {
         .name = "trace", .argument = "FILE", .type = VALUE_TEXT, .group = "Report",
         .commands = FOR_RENDER, .fallback = "none",

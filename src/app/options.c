@@ -179,6 +179,7 @@ static bool check_combinations(const struct options *options, struct err *err)
         {OPTION_IMAGES, OPTION_REPORT, true},
         {OPTION_MAP, OPTION_DIFFERENCE, true},
         {OPTION_TRACE, OPTION_PIXEL, false},
+        {OPTION_EXPLAIN, OPTION_PIXEL, false},
         {OPTION_TEV, OPTION_PIXEL, false},
         {OPTION_REFERENCE, OPTION_PIXEL, false},
     };
@@ -253,7 +254,7 @@ static int passing_arguments(const char *argument)
 {
     static const enum option_id passing[] = {
         OPTION_ERROR,     OPTION_CHECKPOINT, OPTION_CHECKPOINT_EVERY, OPTION_RESUME, OPTION_TRACE,
-        OPTION_REFERENCE, OPTION_TEV};
+        OPTION_REFERENCE, OPTION_TEV,        OPTION_EXPLAIN};
     if (strncmp(argument, "--", 2) != 0)
         return 0;
     const char *name = argument + 2;

@@ -88,6 +88,7 @@ enum option_id {
     OPTION_DEPTH,
     OPTION_TUNE,
     OPTION_BASELINE,
+    OPTION_EXPLAIN,
     OPTION_TRACE,
     OPTION_TEV,
     OPTION_REPORT,
@@ -291,6 +292,7 @@ struct options {
     uint32_t depth_count;
     bool tune;
     const char *baseline; // an earlier run's JSON; NULL: none
+    bool explain;         // list what is left out, and why
     const char *trace;    // file; NULL: none
     const char *tev;      // HOST:PORT; NULL: none
 

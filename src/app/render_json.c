@@ -16,17 +16,19 @@ static uint64_t nonfinite(const struct render_stats *stats)
     return sum;
 }
 
-struct feature_lists {
+struct part_lists {
     json_t *kept, *left_out;
+    const struct renderer *explained; // NULL: without reasons
 };
 
-static void list_feature(void *context, bool kept, const char *kind, const char *name,
-                         uint64_t bytes)
+static void list_part(void *context, const struct part *part)
 {
-    struct feature_lists *lists = context;
-    json_array_append_new(
-        kept ? lists->kept : lists->left_out,
-        json_pack("{s:s, s:s, s:I}", "kind", kind, "name", name, "bytes", (json_int_t)bytes));
+    struct part_lists *lists = context;
+    json_t *object = json_pack("{s:s, s:s, s:I}", "kind", part_kind_name(part->kind), "name",
+                               part->name, "bytes", (json_int_t)part->bytes);
+    if (!part->is_kept && lists->explained)
+        json_object_set_new(object, "saved", explain_json(lists->explained, part));
+    json_array_append_new(part->is_kept ? lists->kept : lists->left_out, object);
 }
 
 static json_t *biases_json(const struct render_job *job)
@@ -183,8 +185,9 @@ void job_print_json(const struct render_job *job)
     double render = job->seconds.render;
     char hash[20];
     snprintf(hash, sizeof hash, "%016" PRIx64, job->image_hash);
-    struct feature_lists lists = {json_array(), json_array()};
-    report_each_feature(&job->renderer, list_feature, &lists);
+    struct part_lists lists = {json_array(), json_array(),
+                               job->options->explain ? &job->renderer : NULL};
+    parts_visit(&job->renderer, list_part, &lists);
     json_t *object = json_pack(
         "{s:o, s:s, s:s, s:i, s:i, s:I, s:I, s:I, s:o, s:{s:I, s:I}, s:I, s:o, s:I, s:o, s:o, s:o, "
         "s:o, s:I, "

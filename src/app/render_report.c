@@ -41,61 +41,6 @@ const char *job_reproducing_command(struct render_job *job)
                         stats->sample);
 }
 
-// --- what was kept and left out
-// -------------------------------------------------------------------
-
-void report_each_feature(const struct renderer *r, report_feature_fn fn, void *context)
-{
-    for (int bit = 0; bit < 32; bit++) {
-        const char *name = feature_name(1u << bit);
-        if (name)
-            fn(context, r->specialization.features >> bit & 1u, "feature", name, 0);
-    }
-    for (uint32_t bit = 1; bit < GEOMETRY_END; bit <<= 1)
-        fn(context, r->specialization.geometry & bit, "feature", geometry_name(bit), 0);
-    fn(context, r->specialization.parts, "feature", "split buffers", 0);
-    for (int bit = 0; bit < 32; bit++) {
-        const char *name = lobe_name(1u << bit);
-        if (name)
-            fn(context, r->specialization.lobes >> bit & 1u, "lobe", name, 0);
-    }
-    for (int bit = 0; bit < 32; bit++) {
-        const char *name = emitter_name(1u << bit);
-        if (name)
-            fn(context, r->specialization.emitters >> bit & 1u, "emitter", name, 0);
-    }
-    for (int id = 0; id < KERNEL_COUNT; id++) {
-        struct kernel_code code = kernel_code((enum kernel_id)id, r->gpu->has_ballot);
-        fn(context, r->kernels[id].pipeline != VK_NULL_HANDLE, "kernel", code.name, 0);
-    }
-    for (uint32_t b = 0; b < BINDING_COUNT; b++) {
-        const struct planned_buffer *plan = &r->plan.buffers[b];
-        fn(context, plan->name, "buffer", binding_name(b),
-           plan->name ? plan->bytes * plan->copies : plan->unneeded_bytes);
-    }
-}
-
-struct left_out {
-    const char *kind; // of the line that is being printed
-    bool any;
-};
-
-static void print_left_out(void *context, bool kept, const char *kind, const char *name,
-                           uint64_t bytes)
-{
-    struct left_out *line = context;
-    if (kept)
-        return;
-    if (!line->kind || strcmp(kind, line->kind) != 0)
-        printf("%s%-8s  %ss: %s", line->any ? "\n" : "", line->any ? "" : "left out", kind, name);
-    else
-        printf(", %s", name);
-    if (bytes)
-        printf(" (%.1f KiB)", (double)bytes / 1024.0);
-    line->kind = kind;
-    line->any = true;
-}
-
 // --- for people
 // -----------------------------------------------------------------------------------
 
@@ -224,18 +169,6 @@ const char *const report_class_names[CLASS_COUNT] = {
     [CLASS_CLASSICAL] = "classical",
 };
 
-static void print_classes(const struct renderer *r)
-{
-    if (!(r->specialization.features & FEATURE_CLASSES))
-        return;
-    printf("classes  ");
-    for (int c = 0; c < (int)CLASS_COUNT; c++)
-        if (r->specialization.class_lobes[c])
-            printf(" %s %.1f M hits", report_class_names[c],
-                   (double)r->stats.surface_hits[c] * 1e-6);
-    putchar('\n');
-}
-
 static void print_nonfinite(const struct render_job *job)
 {
     const struct nonfinite_stats *stats = &job->renderer.stats.nonfinite;
@@ -243,6 +176,18 @@ static void print_nonfinite(const struct render_job *job)
         if (stats->count[site])
             printf("dropped   %" PRIu64 " contributions that were not finite (%s)\n",
                    stats->count[site], site_name(site));
+}
+
+// The first of them; all are in --explain.
+static void print_notes(const struct scene *scene)
+{
+    if (scene->note_count == 0)
+        return;
+    fputs("note      ", stdout);
+    print_words(scene->notes[0]);
+    if (scene->note_count > 1)
+        printf(" (and %u more: --explain)", scene->note_count - 1);
+    putchar('\n');
 }
 
 void job_print_summary(const struct render_job *job)
@@ -258,8 +203,7 @@ void job_print_summary(const struct render_job *job)
            : job->ended_by == ENDED_BY_ERROR ? ", ended by --error"
                                              : "");
     printf("device    %s (%s)\n", job->gpu.info.name, job->gpu.info.kind);
-    for (uint32_t i = 0; i < job->scene.note_count; i++)
-        print_line("note      ", job->scene.notes[i]);
+    print_notes(&job->scene);
     const struct flat_scene *flat = &job->renderer.flat;
     if (flat->dropped_degenerate || flat->skipped_instances)
         printf("dropped   %u triangles without area, %u instances with a singular transform\n",
@@ -271,7 +215,6 @@ void job_print_summary(const struct render_job *job)
     print_biases(job);
     print_ending(job);
     print_times(job);
-    print_classes(&job->renderer);
     print_nonfinite(job);
     if (job->renderer.stats.media_lost)
         printf("media     %" PRIu64
@@ -282,14 +225,11 @@ void job_print_summary(const struct render_job *job)
     printf("memory    %.1f MiB on the device, %.1f MiB on the host at its peak; wave of %u paths\n",
            (double)job->gpu.peak_bytes / 1048576.0, report_host_peak_bytes() / 1048576.0,
            job->renderer.plan.wave_slots);
-    if (job->renderer.stats.suspended)
-        printf("continued %" PRIu64 " traversals of more than %u steps\n",
-               job->renderer.stats.suspended, job->renderer.specialization.iteration_budget);
-    struct left_out left_out = {0};
-    report_each_feature(&job->renderer, print_left_out, &left_out);
-    puts(left_out.any ? "" : "left out  nothing");
+    explain_print_line(&job->renderer);
     for (uint32_t i = 0; i < job->output_count; i++)
         printf("wrote     %s\n", job->outputs[i]);
     if (job->options->trace)
         printf("wrote     %s, %u rows\n", job->options->trace, job->trace.count);
+    if (job->options->explain)
+        explain_print(job);
 }

@@ -2,17 +2,22 @@
 #ifndef LAMPYRIS_APP_RENDER_REPORT_H
 #define LAMPYRIS_APP_RENDER_REPORT_H
 
+#include "parts.h"
 #include "render_job.h"
+#include <jansson.h>
 
 double report_host_peak_bytes(void); // 0 where it is not known
 double report_total_rays(const struct render_stats *stats);
 
 extern const char *const report_class_names[CLASS_COUNT];
 
-// Whether each feature, lobe, emitter, kernel and buffer (with its bytes, or what it would take)
-// was kept.
-typedef void (*report_feature_fn)(void *context, bool kept, const char *kind, const char *name,
-                                  uint64_t bytes);
-void report_each_feature(const struct renderer *r, report_feature_fn fn, void *context);
+// --- render_explain.c ---
+// "left out  41 of 63 features, 7 of 14 kernels, 5.5 MiB; --explain lists them".
+void explain_print_line(const struct renderer *r);
+// --explain: which parts are left out, why, and what that saves; and what the summary has no room
+// for.
+void explain_print(const struct render_job *job);
+// Of one part that is left out: why, and what that saves.
+json_t *explain_json(const struct renderer *r, const struct part *part);
 
 #endif

@@ -433,3 +433,18 @@ size_t spirv_trim(const uint32_t *code, size_t bytes, const uint32_t *constants,
     free(m.pending);
     return written * sizeof *out;
 }
+
+uint32_t spirv_instructions(const uint32_t *code, size_t bytes)
+{
+    uint32_t words = (uint32_t)(bytes / sizeof *code), count = 0;
+    bool in_function = false;
+    if (words < HEADER_WORDS || code[0] != MAGIC)
+        return 0;
+    for (uint32_t i = HEADER_WORDS; i < words && length(code + i) > 0; i += length(code + i)) {
+        uint32_t op = opcode(code + i);
+        in_function |= op == OP_FUNCTION;
+        count += in_function && op != OP_LABEL && op != OP_LINE && op != OP_NO_LINE;
+        in_function &= op != OP_FUNCTION_END;
+    }
+    return count;
+}

@@ -16,4 +16,8 @@
 size_t spirv_trim(const uint32_t *code, size_t bytes, const uint32_t *constants, uint32_t count,
                   uint32_t *out);
 
+// The instructions in a module's functions, without labels and lines of source; 0 for what is no
+// module.
+uint32_t spirv_instructions(const uint32_t *code, size_t bytes);
+
 #endif

@@ -101,6 +101,20 @@ static uint64_t scene_bytes(const struct memory_plan_params *p, uint32_t binding
     }
 }
 
+static uint64_t bytes_of(const struct memory_plan_params *p, uint32_t binding, uint32_t slots)
+{
+    return scene_bytes(p, binding) + bytes_a_slot(p->specialization, binding) * slots;
+}
+
+uint64_t memory_plan_bytes(const struct memory_plan_params *p, uint32_t slots)
+{
+    uint64_t bytes = 0;
+    for (uint32_t b = 0; b < BINDING_COUNT; b++)
+        if (specialization_needs_binding(p->specialization, b))
+            bytes += bytes_of(p, b, slots);
+    return bytes;
+}
+
 static bool fits_texels(const struct memory_plan_params *p)
 {
     for (uint32_t b = 0; b <= BINDING_TEXELS; b++)
@@ -333,7 +347,7 @@ static bool make(const struct memory_plan_params *p, struct memory_plan *out, st
                        out->wave_slots, DISPATCH_PARTS);
 
     for (uint32_t b = 0; b < BINDING_COUNT; b++) {
-        uint64_t bytes = scene_bytes(p, b) + bytes_a_slot(p->specialization, b) * out->wave_slots;
+        uint64_t bytes = bytes_of(p, b, out->wave_slots);
         uint32_t copies = 1;
         if (b == BINDING_FILM) {
             bytes = out->film_chunk_pixels * 16 * AOV_FILM_WORDS(aovs);

@@ -47,6 +47,10 @@ struct memory_plan_params {
 bool memory_plan_make(const struct memory_plan_params *params, struct specialization *s,
                       struct memory_plan *out, struct err *err);
 
+// Bytes of all buffers that `params->specialization` needs in a wave of `slots` paths, but for the
+// film and what is read back of it. Allocates nothing and refuses nothing.
+uint64_t memory_plan_bytes(const struct memory_plan_params *params, uint32_t slots);
+
 // Bytes of device memory that can still be had.
 uint64_t memory_plan_free(const struct gpu *gpu);
 

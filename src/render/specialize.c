@@ -421,6 +421,19 @@ struct specialization specialize(const struct specialize_params *p)
     return s;
 }
 
+struct specialization specialization_with(const struct specialization *s, uint32_t constant,
+                                          uint32_t bit)
+{
+    struct specialization with = *s;
+    ((uint32_t *)&with)[constant] |= bit;
+    if (constant == CONSTANT_LOBES)
+        for (uint32_t c = 0; c < CLASS_COUNT; c++)
+            with.class_lobes[c] |= with.class_lobes[c] ? bit : 0u;
+    if (constant == CONSTANT_FEATURES)
+        with.queues |= queues_needed(with.features, with.class_lobes);
+    return with;
+}
+
 static bool uses_bsdfs(const struct specialization *s)
 {
     return s->integrator == INTEGRATOR_PATH || s->integrator == INTEGRATOR_DIRECT;

@@ -58,6 +58,11 @@ void specialization_suspend(struct specialization *s);
 // Whether the kernels that trace count their steps: for measuring, no scene needs it.
 void specialization_count_steps(struct specialization *s, bool on);
 
+// The same with one bit more of a constant, and what follows from it: as if the scene needed it.
+// constant: CONSTANT_FEATURES, _GEOMETRY, _PARTS, _LOBES or _EMITTERS.
+struct specialization specialization_with(const struct specialization *s, uint32_t constant,
+                                          uint32_t bit);
+
 bool specialization_needs_kernel(const struct specialization *s, enum kernel_id id);
 // By binding number; a buffer that is not needed is not created.
 bool specialization_needs_binding(const struct specialization *s, uint32_t binding);

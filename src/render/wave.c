@@ -2,6 +2,7 @@
 
 #include "clock.h"
 #include "sdf_inline.h"
+#include "spirv_trim.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -388,24 +389,7 @@ void wave_record_step(struct renderer *r, const struct wave *wave, const struct 
 // --- kernels
 // --------------------------------------------------------------------------------------
 
-// With the programs of the scene's distance fields, where the kernel evaluates them.
-static bool create_kernel(struct renderer *r, struct gpu_kernel_params *params,
-                          struct gpu_kernel *out, struct err *err)
-{
-    uint32_t *made = NULL;
-    if (r->specialization.geometry & GEOMETRY_SDFS)
-        made = sdf_inline(params->spirv, params->spirv_bytes, r->scene, &params->spirv_bytes);
-    if (made) {
-        params->made_from = params->spirv;
-        params->spirv = made;
-        params->variant = sdf_inline_key(r->scene);
-    }
-    bool ok = gpu_kernel_create(r->gpu, params, out, err);
-    free(made);
-    return ok;
-}
-
-// What the kernel is made from: of the set that the renderer was given, or embedded.
+// What a kernel is made from: of the set that the renderer was given, or embedded.
 static struct kernel_code code_of(const struct renderer *r, enum kernel_id id)
 {
     struct kernel_code code = kernel_code(id, r->specialization.features & FEATURE_BALLOT);
@@ -416,29 +400,70 @@ static struct kernel_code code_of(const struct renderer *r, enum kernel_id id)
     return code;
 }
 
+struct kernel_source {
+    struct specialization constants;
+    struct gpu_kernel_params params;
+    uint32_t *made; // with the programs of distance fields, or NULL; the caller frees it
+};
+
+// Code and constants of a kernel. *out must stay where it is.
+static void find_source(const struct renderer *r, const struct specialization *s, enum kernel_id id,
+                        struct kernel_source *out)
+{
+    struct kernel_code code = code_of(r, id);
+    *out = (struct kernel_source){.constants = *s};
+    if (id >= KERNEL_shade_diffuse && id <= KERNEL_shade_classical)
+        out->constants.lobes = s->class_lobes[id - KERNEL_shade_diffuse];
+    if (id != KERNEL_intersect_closest && id != KERNEL_intersect_shadow)
+        out->constants.features &= ~FEATURE_STEPS; // so that they need not be compiled again
+    out->params = (struct gpu_kernel_params){
+        .name = code.name,
+        .spirv = code.spirv,
+        .spirv_bytes = code.bytes,
+        .constants = (const uint32_t *)&out->constants,
+        .constant_count = CONSTANT_COUNT,
+    };
+    if (r->specialization.geometry & GEOMETRY_SDFS)
+        out->made = sdf_inline(code.spirv, code.bytes, r->scene, &out->params.spirv_bytes);
+    if (!out->made)
+        return;
+    out->params.made_from = code.spirv;
+    out->params.spirv = out->made;
+    out->params.variant = sdf_inline_key(r->scene);
+}
+
 static bool create_kernels(struct renderer *r, struct err *err)
 {
     for (int id = 0; id < KERNEL_COUNT; id++) {
         gpu_kernel_finish(r->gpu, &r->kernels[id]);
         if (!specialization_needs_kernel(&r->specialization, (enum kernel_id)id))
             continue;
-        struct kernel_code code = code_of(r, (enum kernel_id)id);
-        struct specialization constants = r->specialization;
-        if (id >= KERNEL_shade_diffuse && id <= KERNEL_shade_classical)
-            constants.lobes = constants.class_lobes[id - KERNEL_shade_diffuse];
-        if (id != KERNEL_intersect_closest && id != KERNEL_intersect_shadow)
-            constants.features &= ~FEATURE_STEPS; // so that they need not be compiled again
-        struct gpu_kernel_params params = {
-            .name = code.name,
-            .spirv = code.spirv,
-            .spirv_bytes = code.bytes,
-            .constants = (const uint32_t *)&constants,
-            .constant_count = CONSTANT_COUNT,
-        };
-        if (!create_kernel(r, &params, &r->kernels[id], err))
+        struct kernel_source source;
+        find_source(r, &r->specialization, (enum kernel_id)id, &source);
+        bool ok = gpu_kernel_create(r->gpu, &source.params, &r->kernels[id], err);
+        free(source.made);
+        if (!ok)
             return false;
     }
     return true;
+}
+
+uint32_t wave_kernel_instructions(const struct renderer *r, const struct specialization *s,
+                                  enum kernel_id id)
+{
+    struct kernel_source source;
+    find_source(r, s, id, &source);
+    const struct gpu_kernel_params *p = &source.params;
+    uint32_t *trimmed = malloc(p->spirv_bytes), count = 0;
+    if (trimmed) {
+        size_t bytes =
+            spirv_trim(p->spirv, p->spirv_bytes, p->constants, p->constant_count, trimmed);
+        count = bytes ? spirv_instructions(trimmed, bytes)
+                      : spirv_instructions(p->spirv, p->spirv_bytes);
+    }
+    free(trimmed);
+    free(source.made);
+    return count;
 }
 
 // All counters zeroed: the kernels below find nothing to do.

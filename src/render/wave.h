@@ -23,6 +23,9 @@ bool wave_render(struct renderer *renderer, const struct wave *wave, const struc
 // Creates the kernels that the renderer needs at present; compiles them by running each once on
 // nothing, since drivers put that off until then.
 bool wave_compile(struct renderer *renderer, struct err *err);
+// SPIR-V instructions of a kernel as this specialization leaves them; 0 without memory to find out.
+uint32_t wave_kernel_instructions(const struct renderer *renderer,
+                                  const struct specialization *specialization, enum kernel_id id);
 // Whether the kernels that trace count their steps from now on (render_stats.steps): for measuring,
 // since it takes time. Compiles.
 bool wave_count_steps(struct renderer *renderer, bool on, struct err *err);

@@ -135,5 +135,39 @@ TEST(what_is_no_module_is_left_alone)
     CHECK(spirv_trim(broken, sizeof broken, NULL, 0, out) == 0);
 }
 
+TEST(instructions_of_functions_are_counted)
+{
+    // A header, a type (OpTypeVoid), and a function of a label, a no-op and a return.
+    static const uint32_t module[] = {
+        0x07230203,
+        0x10500,
+        0,
+        5,
+        0,
+        2u << 16 | 19,
+        1,
+        5u << 16 | 54,
+        1,
+        2,
+        0,
+        3,
+        2u << 16 | 248,
+        4,
+        1u << 16 | 0,
+        1u << 16 | 253,
+        1u << 16 | 56,
+    };
+    CHECK(spirv_instructions(module, sizeof module) == 4, "%u",
+          spirv_instructions(module, sizeof module));
+    CHECK(spirv_instructions(module, 16) == 0 && spirv_instructions(module + 1, 60) == 0);
+    uint32_t whole = spirv_instructions(choices_spirv, sizeof choices_spirv);
+    static uint32_t out[sizeof choices_spirv / sizeof *choices_spirv];
+    const uint32_t constants[] = {GROUP, 16};
+    size_t bytes = spirv_trim(choices_spirv, sizeof choices_spirv, constants, 2, out);
+    uint32_t left = spirv_instructions(out, bytes);
+    CHECK(left > 0 && left < whole, "%u of %u", left, whole);
+}
+
 TEST_MAIN(TEST_CASE(the_rest_does_the_same), TEST_CASE(less_is_left_of_fewer_choices),
-          TEST_CASE(what_is_no_module_is_left_alone))
+          TEST_CASE(what_is_no_module_is_left_alone),
+          TEST_CASE(instructions_of_functions_are_counted))

@@ -148,17 +148,18 @@ static void flush(struct left_out *list)
     list->text = NULL;
 }
 
-static void add_left_out(void *context, bool kept, const char *kind, const char *name,
-                         uint64_t bytes)
+static void add_left_out(void *context, const struct part *part)
 {
     struct left_out *list = context;
-    if (kept)
+    const char *kind = part_kind_name(part->kind);
+    if (part->is_kept)
         return;
     if (!list->kind || strcmp(list->kind, kind) != 0)
         flush(list);
     list->kind = kind;
-    list->bytes += bytes;
-    list->text = list->text ? arena_printf(list->arena, "%s, %s", list->text, name) : name;
+    list->bytes += part->bytes;
+    list->text =
+        list->text ? arena_printf(list->arena, "%s, %s", list->text, part->name) : part->name;
 }
 
 static void left_out(struct viewer *viewer)
@@ -170,7 +171,7 @@ static void left_out(struct viewer *viewer)
     const struct view *view = &viewer->sides[viewer->edited_side];
     if (gui_is_drawn(gui) && view->is_ready) {
         struct left_out list = {.arena = &viewer->frame_arena, .gui = gui};
-        report_each_feature(&view->renderer, add_left_out, &list);
+        parts_visit(&view->renderer, add_left_out, &list);
         flush(&list);
         gui_pair(gui, "saved", "%sB", short_number(viewer, (double)list.bytes));
     }

@@ -51,12 +51,11 @@ static json_t *items_json(const struct gui *gui)
 
 // --- pictures ------------------------------------------------------------------------------------
 
-static void list_kept(void *context, bool kept, const char *kind, const char *name, uint64_t bytes)
+static void list_kept(void *context, const struct part *part)
 {
-    (void)bytes;
     char text[128];
-    snprintf(text, sizeof text, "%s:%s", kind, name);
-    if (kept)
+    snprintf(text, sizeof text, "%s:%s", part_kind_name(part->kind), part->name);
+    if (part->is_kept)
         json_array_append_new(context, json_string(text));
 }
 
@@ -67,7 +66,7 @@ static json_t *side_json(const struct view *view)
     bool is_known = view->look_count > 0;
     json_t *kept = json_array();
     if (view->is_ready)
-        report_each_feature(&view->renderer, list_kept, kept);
+        parts_visit(&view->renderer, list_kept, kept);
     const struct renderer *r = &view->renderer;
     json_t *relmse = is_known ? json_number(look->relmse) : json_null();
     return json_pack("{s:b, s:i, s:i, s:I, s:o, s:o, s:i, s:i, s:b, s:o}", "ready", view->is_ready,

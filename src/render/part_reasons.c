@@ -1,0 +1,202 @@
+// Why parts of a renderer are left out. The decisions are specialize()'s; here are the words.
+#include "parts.h"
+
+struct reason {
+    uint32_t bit;
+    const char *words;
+};
+
+static const char *find(const struct reason *reasons, uint32_t count, uint32_t bit)
+{
+    for (uint32_t i = 0; i < count; i++)
+        if (reasons[i].bit == bit)
+            return reasons[i].words;
+    return "the scene has none";
+}
+
+#define FIND(reasons, bit) find(reasons, sizeof(reasons) / sizeof *(reasons), bit)
+
+// What the integrators other than path and direct make no use of, or NULL.
+static const char *integrator_reason(const struct renderer *r)
+{
+    switch (r->specialization.integrator) {
+    case INTEGRATOR_AO:
+        return "--integrator ao looks at no material and no light";
+    case INTEGRATOR_WHITTED:
+        return "the scene has none, or --integrator whitted makes no use of it";
+    default:
+        return NULL;
+    }
+}
+
+// --- features ------------------------------------------------------------------------------------
+
+static const char *nee_reason(const struct renderer *r)
+{
+    const struct settings *settings = &r->scene->settings;
+    if (!settings->nee || settings->nee_depth == 0)
+        return settings->nee ? "--nee-depth 0" : "--nee off";
+    if (settings->max_bounces == 0)
+        return "--max-bounces 0";
+    return r->specialization.emitters ? "all surfaces scatter in single directions"
+                                      : "no light that a shadow ray can find";
+}
+
+static const char *nee_depth_reason(const struct renderer *r)
+{
+    return r->specialization.features & FEATURE_NEE ? "shadow rays are sent at every depth"
+                                                    : "no shadow rays are sent";
+}
+
+static const char *class_reason(const struct renderer *r)
+{
+    uint32_t classes = 0;
+    for (uint32_t c = 0; c < CLASS_COUNT; c++)
+        classes += r->specialization.class_lobes[c] != 0;
+    return classes > 1 ? "--classes merged" : "all surfaces are of one class";
+}
+
+static const char *roulette_reason(const struct renderer *r)
+{
+    return r->scene->settings.roulette == ROULETTE_OFF
+               ? "--roulette off"
+               : "it would begin beyond --max-bounces (--roulette-min-bounces)";
+}
+
+static const char *feature_reason(const struct renderer *r, uint32_t bit)
+{
+    static const struct reason reasons[] = {
+        {FEATURE_TRIANGLES, "the scene has no mesh"},
+        {FEATURE_NORMALS, "no mesh has normals at its vertices"},
+        {FEATURE_LENS, "the camera is a pinhole (--aperture)"},
+        {FEATURE_EMISSION, "no surface emits"},
+        {FEATURE_CLAMP, "nothing is clamped (--clamp)"},
+        {FEATURE_FALLOFF, "nothing fades with distance (--falloff)"},
+        {FEATURE_BSDF_HITS_EMITTERS, "--mis none"},
+        {FEATURE_ENVIRONMENT, "nothing surrounds the scene"},
+        {FEATURE_ENVIRONMENT_IMAGE, "no image surrounds the scene"},
+        {FEATURE_JITTER, "all samples are at the pixels' centres"},
+        {FEATURE_TEXTURES, "no material has a texture"},
+        {FEATURE_TEXELS_FLOAT, "no texture of floats"},
+        {FEATURE_TEXELS_HALF, "no texture of 8-bit values"},
+        {FEATURE_UV0, "nothing reads texture coordinates"},
+        {FEATURE_UV1, "nothing reads a second set of them"},
+        {FEATURE_TANGENTS, "nothing reads tangents"},
+        {FEATURE_COLORS, "no mesh has colors at its vertices"},
+        {FEATURE_ALPHA, "no material is cut out or see-through"},
+        {FEATURE_MEDIA, "no surface bounds a medium"},
+        {FEATURE_NORMAL_MAPS, "no material has a normal map"},
+        {FEATURE_TILES, "--adaptive off"},
+    };
+    const char *integrator = integrator_reason(r);
+    const uint32_t of_materials =
+        FEATURE_TEXTURES | FEATURE_TEXELS_FLOAT | FEATURE_TEXELS_HALF | FEATURE_UV0 | FEATURE_UV1 |
+        FEATURE_TANGENTS | FEATURE_COLORS | FEATURE_ALPHA | FEATURE_MEDIA | FEATURE_NORMAL_MAPS |
+        FEATURE_EMISSION | FEATURE_CLASSES | FEATURE_ROULETTE | FEATURE_NEE_DEPTH |
+        FEATURE_BSDF_HITS_EMITTERS | FEATURE_ENVIRONMENT_IMAGE;
+    if (integrator && (bit & of_materials))
+        return integrator;
+    switch (bit) {
+    case FEATURE_NEE:
+        return nee_reason(r);
+    case FEATURE_NEE_DEPTH:
+        return nee_depth_reason(r);
+    case FEATURE_CLASSES:
+        return class_reason(r);
+    case FEATURE_ROULETTE:
+        return roulette_reason(r);
+    default:
+        return FIND(reasons, bit);
+    }
+}
+
+static const char *geometry_reason(uint32_t bit)
+{
+    static const struct reason reasons[] = {
+        {GEOMETRY_LARGE_SPHERES, "no sphere is large against what is seen of it"},
+        {GEOMETRY_INSTANCES, "all meshes stand in the world itself (--instances)"},
+        {GEOMETRY_DUPLICATES, "no triangle was split (--bvh spatial)"},
+    };
+    return FIND(reasons, bit);
+}
+
+static const char *emitter_reason(const struct renderer *r, uint32_t bit)
+{
+    static const struct reason reasons[] = {
+        {EMITTER_PROFILES, "no light has a profile"},
+        {EMITTER_ENVIRONMENT, "no bright image surrounds the scene, or no shadow rays are sent"},
+    };
+    const char *integrator = integrator_reason(r);
+    return integrator ? integrator : FIND(reasons, bit);
+}
+
+// --- kernels and buffers -------------------------------------------------------------------------
+
+static const char *surface_kernel_reason(const struct renderer *r, uint32_t kernel)
+{
+    const struct specialization *s = &r->specialization;
+    if (s->integrator == INTEGRATOR_AO || s->integrator == INTEGRATOR_WHITTED)
+        return "--integrator shades with a kernel of its own";
+    if (!(s->features & FEATURE_TRIANGLES) && !s->geometry)
+        return "the scene has no surface";
+    if (kernel == KERNEL_shade_surface)
+        return "each class of surfaces has a kernel of its own";
+    return s->features & FEATURE_CLASSES ? "no surface is of this class"
+                                         : "shade_surface shades all surfaces";
+}
+
+static const char *kernel_reason(const struct renderer *r, uint32_t kernel)
+{
+    bool is_whitted = r->specialization.integrator == INTEGRATOR_WHITTED;
+    switch (kernel) {
+    case KERNEL_shade_miss:
+        return is_whitted ? "shade_whitted does this, too" : "nothing surrounds the scene";
+    case KERNEL_intersect_closest:
+        return "the scene has no surface, and nothing surrounds it";
+    case KERNEL_intersect_shadow:
+        return "no shadow rays are sent";
+    case KERNEL_shade_ao:
+        return "--integrator is not ao, or nothing is there";
+    case KERNEL_shade_whitted:
+        return "--integrator is not whitted, or nothing is there";
+    default:
+        return surface_kernel_reason(r, kernel);
+    }
+}
+
+static const char *buffer_reason(uint32_t binding)
+{
+    static const struct reason reasons[] = {
+        {BINDING_TRIANGLES, "the scene has no mesh"},
+        {BINDING_ATTRIBUTES, "corners of triangles carry nothing"},
+        {BINDING_SHAPES, "the scene has no shapes and no instances"},
+        {BINDING_MATERIALS, "no material is looked at"},
+        {BINDING_EMITTERS, "no light is chosen"},
+        {BINDING_TEXELS, "no material has a texture"},
+        {BINDING_SHADOW_RAYS, "no shadow rays are sent"},
+        {BINDING_ENVIRONMENT, "no image surrounds the scene"},
+        {BINDING_SUSPENDED, "no ray has run out of its budget of steps"},
+    };
+    return FIND(reasons, binding);
+}
+
+const char *part_reason(const struct renderer *r, const struct part *part)
+{
+    const char *integrator = integrator_reason(r);
+    switch (part->kind) {
+    case PART_FEATURE:
+        return feature_reason(r, part->id);
+    case PART_GEOMETRY:
+        return geometry_reason(part->id);
+    case PART_SPLIT_BUFFERS:
+        return "no buffer is longer than the device takes";
+    case PART_LOBE:
+        return integrator ? integrator : "no material that is used has it";
+    case PART_EMITTER:
+        return emitter_reason(r, part->id);
+    case PART_KERNEL:
+        return kernel_reason(r, part->id);
+    default:
+        return buffer_reason(part->id);
+    }
+}

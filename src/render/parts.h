@@ -1,0 +1,49 @@
+// The parts that a renderer may be made of (features of its kernels, kernels, buffers): which are
+// there, why the others are left out, and what that saves.
+#ifndef LAMPYRIS_RENDER_PARTS_H
+#define LAMPYRIS_RENDER_PARTS_H
+
+#include "render.h"
+
+enum part_kind {
+    PART_FEATURE,
+    PART_GEOMETRY,
+    PART_SPLIT_BUFFERS,
+    PART_LOBE,
+    PART_EMITTER,
+    PART_KERNEL,
+    PART_BUFFER
+};
+
+struct part {
+    enum part_kind kind;
+    uint32_t id; // a bit of its specialization constant; of a kernel or buffer: its number
+    const char *name;
+    bool is_kept;
+    uint64_t bytes; // of a buffer: what it takes, or would take
+};
+
+typedef void (*part_fn)(void *context, const struct part *part);
+// Calls fn for every part, kinds one after the other.
+void parts_visit(const struct renderer *r, part_fn fn, void *context);
+
+// "feature", "lobe", "emitter", "kernel" or "buffer".
+const char *part_kind_name(enum part_kind kind);
+
+// Why a part is left out, in a few words.
+const char *part_reason(const struct renderer *r, const struct part *part);
+
+// What a part that is left out would add if it alone were there besides: bytes of buffers, and
+// SPIR-V instructions of all kernels. Parts that need each other add more together.
+struct part_cost {
+    int64_t bytes, instructions;
+};
+struct part_cost part_find_cost(const struct renderer *r, const struct part *part);
+
+// SPIR-V instructions of the renderer's kernels, and of all kernels before anything is left out.
+struct part_totals {
+    uint64_t instructions, all_instructions;
+};
+struct part_totals parts_count_instructions(const struct renderer *r);
+
+#endif

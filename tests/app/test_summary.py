@@ -1,0 +1,134 @@
+#!/usr/bin/env python3
+"""What lampyris render says when it is done, and what --explain adds.
+
+    test_summary.py LAMPYRIS SOURCE_ROOT
+"""
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+
+LAMPYRIS = os.path.abspath(sys.argv.pop(1))
+ROOT = os.path.abspath(sys.argv.pop(1))
+
+
+def scene(name):
+    return os.path.join(ROOT, 'scenes', name + '.json')
+
+
+def need_device():
+    result = subprocess.run([LAMPYRIS, 'devices'], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    if result.returncode == 69:
+        sys.exit(77)
+
+
+class Base(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+
+    def render(self, *arguments, spp=16):
+        result = subprocess.run(
+            [LAMPYRIS, 'render', '--size', '16x16', '--spp', str(spp), *arguments,
+             '-o', os.path.join(self.folder.name, 'out.exr')],
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, timeout=120)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return result.stdout
+
+    def json(self, *arguments):
+        return json.loads(self.render(*arguments, '--json'))
+
+
+class Summary(Base):
+    def test_ten_lines(self):
+        # One with a class of surfaces, one with all of them, one with lights without extent.
+        for name in ('cornell', 'all_classes', 'profiles'):
+            lines = self.render(scene(name)).splitlines()
+            self.assertLessEqual(len(lines), 10, '\n'.join(lines))
+            self.assertRegex(lines[2], r'^error     ')
+            self.assertRegex(lines[-1], r'^wrote     .*out\.exr$')
+
+    def test_one_line_says_what_was_left_out(self):
+        text = self.render(scene('cornell'))
+        found = re.findall(r'^left out  (\d+) of (\d+) features, (\d+) of (\d+) kernels, '
+                           r'(\d+\.\d) MiB; --explain lists them$', text, re.MULTILINE)
+        self.assertEqual(len(found), 1, text)
+        lists = self.json(scene('cornell'))['features']
+        kernels = [[part for part in parts if part['kind'] == 'kernel']
+                   for parts in (lists['left_out'], lists['kept'])]
+        features = [[part for part in parts if part['kind'] in ('feature', 'lobe', 'emitter')]
+                    for parts in (lists['left_out'], lists['kept'])]
+        saved = sum(part['bytes'] for part in lists['left_out'] if part['kind'] == 'buffer')
+        self.assertEqual(found[0], (
+            str(len(features[0])), str(len(features[0]) + len(features[1])),
+            str(len(kernels[0])), str(len(kernels[0]) + len(kernels[1])), '%.1f' % (saved / 2**20)))
+
+
+class Explain(Base):
+    def explained(self, *arguments):
+        """SPIR-V instructions that are left, and rows of the table by kind and name."""
+        text = self.render(scene('cornell'), '--explain', *arguments, spp=1)
+        left, of_all = re.search(r'^kernels   (\d+) SPIR-V instructions are left of (\d+)$', text,
+                                 re.MULTILINE).groups()
+        self.assertLess(int(left), int(of_all) / 4)
+        header, rows = text.partition('left out  ' + ' ' * 20)[2].split('\n', 1)
+        self.assertEqual(header.split(), ['bytes', 'instructions', 'why'])
+        table = {}
+        for row in rows.splitlines():
+            kind, name, size, count, why = re.fullmatch(
+                r'(\w+): (.+?) +(-?\d+) +(-?\d+)  (\S.*)', row).groups()
+            table[kind, name] = int(size), int(count), why
+        return int(left), table
+
+    def test_the_table_is_that_of_the_json(self):
+        import jsonschema
+        _, table = self.explained()
+        values = self.json(scene('cornell'), '--explain')
+        with open(os.path.join(ROOT, 'docs', 'render.schema.json'), encoding='utf-8') as file:
+            jsonschema.Draft202012Validator(json.load(file)).validate(values)
+        rows = {(part['kind'], part['name']): (part['saved']['bytes'],
+                                               part['saved']['instructions'], part['saved']['why'])
+                for part in values['features']['left_out']}
+        self.assertEqual(table, rows)
+        self.assertFalse(any('saved' in part for part in values['features']['kept']))
+        self.assertFalse(any('saved' in part
+                             for part in self.json(scene('cornell'))['features']['left_out']))
+
+    def test_a_feature_costs_what_the_table_says(self):
+        # Put in by the option that its reason names, it adds those instructions to the kernels.
+        left, table = self.explained()
+        for name, option, arguments in (
+                ('lens', '--aperture', ['--aperture', '20', '--focus-distance', '1']),
+                ('clamped contributions', '--clamp', ['--clamp', '5']),
+                ('falloff', '--falloff', ['--falloff', '1']),
+                ('environment', '', ['--env', '1,1,1'])):
+            _, instructions, why = table['feature', name]
+            self.assertIn(option, why)
+            self.assertGreater(instructions, 0, name)
+            more, kept = self.explained(*arguments)
+            self.assertNotIn(('feature', name), kept)
+            self.assertEqual(more - left, instructions, name)
+
+    def test_the_bytes_are_those_of_the_buffers(self):
+        def taken(*arguments):
+            values = self.json(scene('cornell'), *arguments)
+            self.assertEqual(values['wave'], 65536)
+            return sum(part['bytes'] for part in values['features']['kept']
+                       if part['kind'] == 'buffer')
+        size, _, _ = self.explained('--wave', '65536')[1]['feature', 'environment']
+        self.assertEqual(taken('--wave', '65536', '--env', '1,1,1') - taken('--wave', '65536'), size)
+
+    def test_reasons_follow_the_settings(self):
+        self.assertEqual(self.explained('--nee', 'off')[1]['feature', 'next-event estimation'][2],
+                         '--nee off')
+        self.assertIn('--integrator ao', self.explained('--integrator', 'ao')[1]['lobe', 'Lambert'][2])
+        self.assertIn('--roulette off', self.explained('--roulette', 'off')
+                      [1]['feature', 'Russian roulette'][2])
+
+
+if __name__ == '__main__':
+    need_device()
+    unittest.main()
