@@ -20,6 +20,7 @@ struct exr_writer {
     exr_context_t context;
     exr_encode_pipeline_t encoder;
     bool encoder_ready;
+    exr_result_t (*compress)(exr_encode_pipeline_t *); // the library's own
     uint16_t *halves; // one block, channel after channel; NULL when writing floats
     uint64_t saturated;
 };
@@ -200,6 +201,30 @@ static bool feed_encoder(struct exr_writer *writer, uint32_t y, uint32_t lines, 
     return true;
 }
 
+// A block whose stored size is that of its pixels is taken as uncompressed by every reader.
+// OpenEXRCore 3.1.5 stores its pixels only where compressing made them longer, and not where the
+// lengths are equal (OpenEXR issue 2306).
+static exr_result_t compress_or_copy(exr_encode_pipeline_t *encoder)
+{
+    const struct exr_writer *writer = encoder->encoding_user_data;
+    exr_result_t result = writer->compress(encoder);
+    if (result == EXR_ERR_SUCCESS && encoder->compressed_bytes >= encoder->packed_bytes) {
+        memcpy(encoder->compressed_buffer, encoder->packed_buffer, encoder->packed_bytes);
+        encoder->compressed_bytes = encoder->packed_bytes;
+    }
+    return result;
+}
+
+static exr_result_t choose_routines(struct exr_writer *writer)
+{
+    exr_encode_pipeline_t *encoder = &writer->encoder;
+    exr_result_t result = exr_encoding_choose_default_routines(writer->context, 0, encoder);
+    writer->compress = encoder->compress_fn;
+    encoder->compress_fn = compress_or_copy;
+    encoder->encoding_user_data = writer;
+    return result;
+}
+
 static bool write_block(struct exr_writer *writer, uint32_t y, struct err *err)
 {
     exr_chunk_info_t chunk;
@@ -213,7 +238,7 @@ static bool write_block(struct exr_writer *writer, uint32_t y, struct err *err)
     if (!check(writer, result, err) || !feed_encoder(writer, y, (uint32_t)chunk.height, err))
         return false;
     if (first)
-        result = exr_encoding_choose_default_routines(writer->context, 0, encoder);
+        result = choose_routines(writer);
     return check(writer, result, err) &&
            check(writer, exr_encoding_run(writer->context, 0, encoder), err);
 }
