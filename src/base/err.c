@@ -1,5 +1,6 @@
 #include "err.h"
 
+#include "printable.h"
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -8,13 +9,6 @@
 #undef err_set
 #undef err_prepend
 #undef err_memory
-
-static void replace_control_characters(char *text)
-{
-    for (; *text; text++)
-        if ((unsigned char)*text < 0x20 || *text == 0x7f)
-            *text = '?';
-}
 
 // What does not fit is cut off; a format that fails leaves "".
 static void print(char *text, size_t size, const char *format, va_list arguments)
@@ -35,7 +29,7 @@ bool err_set(struct err *err, enum err_code code, const char *format, ...)
     va_start(arguments, format);
     print(msg, sizeof msg, format, arguments);
     va_end(arguments);
-    replace_control_characters(msg);
+    printable_mask(msg);
     err->code = code;
     memcpy(err->msg, msg, sizeof msg);
     return false;

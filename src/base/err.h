@@ -26,8 +26,8 @@ struct err {
 // Fills in *err (if not NULL) and returns false, so that `return err_set(err, …);` reads well.
 // A message names the thing, the value and what was expected:
 // "cornell.json: materials[3].roughness: 1.7 is outside [0, 1]". The arguments may include
-// err->msg. Control characters, which may come from a file's content, become '?', so that a message
-// is one line and cannot steer a terminal.
+// err->msg. Whatever in it is not plainly seen (base/printable.h), and may come from a file's name
+// or content, becomes '?', so that a message is one line and cannot steer a terminal or its reader.
 bool err_set(struct err *err, enum err_code code, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 

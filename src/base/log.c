@@ -1,5 +1,6 @@
 #include "log.h"
 
+#include "printable.h"
 #include <pthread.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -37,9 +38,7 @@ void log_message(enum log_level level, const char *format, ...)
     if (length < 0)
         return;
     // Names and values from files must not steer a terminal.
-    for (char *c = message; *c; c++)
-        if ((unsigned char)*c < 0x20 || *c == 0x7f)
-            *c = '?';
+    printable_mask(message);
     pthread_mutex_lock(&log_state.mutex);
     log_state.sink(log_state.context, level, message);
     pthread_mutex_unlock(&log_state.mutex);

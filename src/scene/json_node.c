@@ -1,7 +1,6 @@
 #include "json_node.h"
 
 #include "suggest.h"
-#include <ctype.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -68,9 +67,6 @@ bool node_prepend(const struct json_node *node, struct err *err)
 {
     char path[256] = "";
     write_path(node, path, sizeof path);
-    for (char *at = path; *at; at++) // keys are the file's: no control codes to the terminal
-        if (iscntrl((unsigned char)*at))
-            *at = '?';
     return path[0] ? err_prepend(err, "%s: %s", node->file, path)
                    : err_prepend(err, "%s", node->file);
 }

@@ -3,6 +3,7 @@
 #include "clock.h"
 #include "commands.h"
 #include "log.h"
+#include "printable.h"
 #include "signals.h"
 #include <math.h>
 #include <stdarg.h>
@@ -59,9 +60,7 @@ void viewer_message(struct viewer *viewer, enum message_kind kind, const char *f
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    for (char *c = text; *c; c++) // names from files must not steer a terminal
-        if ((unsigned char)*c < 0x20 || *c == 0x7f)
-            *c = '?';
+    printable_mask(text); // names from files must not steer a terminal
     set_message(viewer, kind, text);
     print_message(viewer, levels[kind], text);
 }

@@ -1,0 +1,68 @@
+#include "printable.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+// Default_Ignorable_Code_Point of the Unicode Character Database (DerivedCoreProperties.txt,
+// version 15.0), which includes Bidi_Control (PropList.txt); and of general category: Cc (C0, DEL
+// and C1), Zl and Zp (U+2028, U+2029), and the annotation marks of Cf (U+FFF9 to U+FFFB).
+static const struct {
+    uint32_t first, last;
+} masked[] = {
+    {0x0000, 0x001f}, {0x007f, 0x009f},   {0x00ad, 0x00ad},   {0x034f, 0x034f},   {0x061c, 0x061c},
+    {0x115f, 0x1160}, {0x17b4, 0x17b5},   {0x180b, 0x180f},   {0x200b, 0x200f},   {0x2028, 0x202e},
+    {0x2060, 0x206f}, {0x3164, 0x3164},   {0xfe00, 0xfe0f},   {0xfeff, 0xfeff},   {0xffa0, 0xffa0},
+    {0xfff0, 0xfffb}, {0x1bca0, 0x1bca3}, {0x1d173, 0x1d17a}, {0xe0000, 0xe0fff},
+};
+
+static bool is_masked(uint32_t code)
+{
+    for (size_t i = 0; i < sizeof masked / sizeof masked[0] && code >= masked[i].first; i++)
+        if (code <= masked[i].last)
+            return true;
+    return false;
+}
+
+// The length of the character that begins here; 0 for what is not UTF-8 (RFC 3629, section 4):
+// continuation bytes without a beginning, too few of them, longer forms than needed, surrogates and
+// numbers above U+10FFFF.
+static size_t decode(const unsigned char *text, uint32_t *code)
+{
+    static const uint32_t least[] = {0, 0, 0x80, 0x800, 0x10000};
+    unsigned char lead = text[0];
+    size_t length = lead < 0x80             ? 1
+                    : (lead & 0xe0) == 0xc0 ? 2
+                    : (lead & 0xf0) == 0xe0 ? 3
+                    : (lead & 0xf8) == 0xf0 ? 4
+                                            : 0;
+    if (length <= 1) {
+        *code = lead;
+        return length;
+    }
+    *code = lead & (0x7fu >> length);
+    for (size_t i = 1; i < length; i++) {
+        if ((text[i] & 0xc0) != 0x80) // the NUL byte at the end is none either
+            return 0;
+        *code = *code << 6 | (text[i] & 0x3fu);
+    }
+    bool is_surrogate = *code >= 0xd800 && *code <= 0xdfff;
+    return *code < least[length] || is_surrogate || *code > 0x10ffff ? 0 : length;
+}
+
+void printable_mask(char *text)
+{
+    unsigned char *to = (unsigned char *)text;
+    for (const unsigned char *from = to; *from;) {
+        uint32_t code;
+        size_t length = decode(from, &code);
+        if (length == 0 || is_masked(code)) {
+            *to++ = '?';
+            from += length > 0 ? length : 1;
+            continue;
+        }
+        while (length-- > 0)
+            *to++ = *from++;
+    }
+    *to = '\0';
+}
