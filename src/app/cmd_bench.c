@@ -40,6 +40,7 @@ int cmd_bench(const struct options *options)
     if (ok && b.gpu.validation_messages > 0)
         ok = err_set(&err, ERR_BUG, "the validation layers reported %u messages",
                      b.gpu.validation_messages);
+    progress_end(options->progress);
     if (ok && options->json)
         code = json_print(bench_json(&b));
     else if (ok && !options->quiet)

@@ -319,7 +319,9 @@ int cmd_compare(const struct options *options)
     for (uint32_t i = 0; i < c.count; i++)
         c.pictures[i].path = options->arguments[i];
     int code = EXIT_CODE_OK;
-    if (!compare_all(&c, &err))
+    bool ok = compare_all(&c, &err);
+    progress_end(options->progress);
+    if (!ok)
         code = command_fail(&err);
     else if (options->json)
         code = compare_print_json(&c);

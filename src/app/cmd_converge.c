@@ -22,6 +22,7 @@ int cmd_converge(const struct options *options)
     if (ok && c.gpu.validation_messages > 0)
         ok = err_set(&err, ERR_BUG, "the validation layers reported %u messages",
                      c.gpu.validation_messages);
+    progress_end(options->progress);
     if (ok && options->json)
         code = converge_print_json(&c);
     else if (ok && !options->quiet)

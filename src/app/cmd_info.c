@@ -246,7 +246,9 @@ int cmd_info(const struct options *options)
     struct info info = {.options = options};
     struct err err = {0};
     int code = EXIT_CODE_OK;
-    if (!gather(options, &info, &err))
+    bool ok = gather(options, &info, &err);
+    progress_end(options->progress);
+    if (!ok)
         code = command_fail(&err);
     else if (options->json)
         code = print_json(&info);

@@ -25,6 +25,7 @@ static bool set_up(struct render_job *job, struct err *err)
         return false;
     struct renderer_params params =
         job_renderer_params(options, &job->gpu, &job->scene, job->camera);
+    params.progress = job_progress(job);
     params.aovs = options->aovs;
     params.tiles = options->adaptive && !follows_path;
     params.open_ended = job_is_open_ended(options);
@@ -47,7 +48,9 @@ static bool finish_outputs(struct render_job *job, struct err *err)
 {
     struct err failures[3] = {0};
     job_checkpoint_save(job, &failures[0]);
+    progress_report(job->options->progress, "Estimating the error", 0);
     if (job_judge_end(job, &failures[1])) {
+        progress_report(job->options->progress, "Writing", 0);
         job_write_outputs(job, 0, &failures[1]);
         job_trace_end(job, &failures[2]);
     }
@@ -77,6 +80,7 @@ static bool run(struct render_job *job, struct err *err)
     }
     job_tev_end(job);
     job->seconds.total = clock_seconds_since(job->start_ns);
+    progress_end(job->options->progress);
     if (job->options->json)
         job_print_json(job);
     else if (!job->options->quiet)

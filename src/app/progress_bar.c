@@ -76,10 +76,11 @@ static void draw_bar(struct progress_bar *bar, double fraction, const char *time
 static void show(struct progress_bar *bar, double fraction, uint64_t now_ns)
 {
     double elapsed = (double)(now_ns - bar->phase_start_ns) * 1e-9;
+    double since = (double)(now_ns - bar->from_ns) * 1e-9, way = fraction - bar->from_fraction;
     char passed[32], left[32] = "?";
     format_seconds(elapsed, passed, sizeof passed);
-    if (fraction > 0)
-        format_seconds(elapsed / fraction - elapsed, left, sizeof left);
+    if (way > 0)
+        format_seconds(since * (1 - fraction) / way, left, sizeof left);
     if (bar->is_terminal) {
         char times[80];
         snprintf(times, sizeof times, "%s | %s", passed, left);
@@ -95,14 +96,27 @@ static void show(struct progress_bar *bar, double fraction, uint64_t now_ns)
 // A phase that was shown ends with the time it took.
 static void end_phase(struct progress_bar *bar, uint64_t now_ns)
 {
+    uint64_t taken_ns = now_ns - bar->phase_start_ns;
     clear_line(bar);
-    if (bar->shown) {
+    if (bar->shown && taken_ns >= SECOND_NS) {
         char passed[32];
-        format_seconds((double)(now_ns - bar->phase_start_ns) * 1e-9, passed, sizeof passed);
+        format_seconds((double)taken_ns * 1e-9, passed, sizeof passed);
         fprintf(bar->stream, "%s: %s\n", bar->phase, passed);
     }
     bar->shown = false;
     bar->phase[0] = '\0';
+}
+
+static void start_phase(struct progress_bar *bar, const char *phase, double fraction,
+                        uint64_t now_ns)
+{
+    bool names_at_once = bar->is_terminal && bar->shown;
+    end_phase(bar, now_ns);
+    snprintf(bar->phase, sizeof bar->phase, "%s", phase);
+    bar->phase_start_ns = bar->from_ns = now_ns;
+    bar->from_fraction = fraction;
+    if (names_at_once)
+        show(bar, fraction, now_ns);
 }
 
 void progress_bar_update(struct progress_bar *bar, const char *phase, double fraction,
@@ -110,16 +124,18 @@ void progress_bar_update(struct progress_bar *bar, const char *phase, double fra
 {
     if (bar->is_quiet)
         return;
+    fraction = fraction > 0 ? fraction < 1 ? fraction : 1 : 0; // NaN counts as 0
     pthread_mutex_lock(&bar->mutex);
-    if (strncmp(bar->phase, phase, sizeof bar->phase - 1) != 0) {
-        end_phase(bar, now_ns);
-        snprintf(bar->phase, sizeof bar->phase, "%s", phase);
-        bar->phase_start_ns = now_ns;
+    if (strncmp(bar->phase, phase, sizeof bar->phase - 1) != 0)
+        start_phase(bar, phase, fraction, now_ns);
+    if (fraction < bar->from_fraction) {
+        bar->from_fraction = fraction;
+        bar->from_ns = now_ns;
     }
     uint64_t since_ns = now_ns - (bar->shown ? bar->shown_ns : bar->phase_start_ns);
     uint64_t pause_ns = !bar->shown ? SECOND_NS : bar->is_terminal ? REDRAW_NS : LINE_NS;
     if (since_ns >= pause_ns)
-        show(bar, fraction > 0 ? fraction < 1 ? fraction : 1 : 0, now_ns); // NaN counts as 0
+        show(bar, fraction, now_ns);
     pthread_mutex_unlock(&bar->mutex);
 }
 
@@ -142,9 +158,15 @@ static bool should_stop(void *context)
     return signals_received() != 0;
 }
 
+static void end(void *context)
+{
+    progress_bar_finish(context);
+}
+
 struct progress progress_bar_listener(struct progress_bar *bar)
 {
-    return (struct progress){.report = report, .should_stop = should_stop, .context = bar};
+    return (struct progress){
+        .report = report, .should_stop = should_stop, .context = bar, .end = end};
 }
 
 void progress_bar_log(void *context, enum log_level level, const char *message)
@@ -152,6 +174,8 @@ void progress_bar_log(void *context, enum log_level level, const char *message)
     static const char *const names[] = {"error", "warning", "note", "debug"};
     struct progress_bar *bar = context;
     pthread_mutex_lock(&bar->mutex);
+    if (level == LOG_ERROR)
+        end_phase(bar, clock_ns());
     clear_line(bar);
     fprintf(bar->stream, "lampyris: %s: %s\n", names[level], message);
     pthread_mutex_unlock(&bar->mutex);

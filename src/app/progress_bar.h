@@ -3,7 +3,8 @@
 //   Rendering: [++++++++++++                  ]  41% (12.3 s | 17.7 s)
 //
 // with the elapsed and the remaining time, on one line; elsewhere plain lines every few seconds.
-// Phases that take less than a second are not shown.
+// Nothing is shown before a phase has taken a second; from then on a terminal names each phase as
+// it begins. A phase that took a second or more leaves a line with its time.
 #ifndef LAMPYRIS_APP_PROGRESS_BAR_H
 #define LAMPYRIS_APP_PROGRESS_BAR_H
 
@@ -22,16 +23,20 @@ struct progress_bar {
     bool shown;            // this phase has been shown
     char phase[32];
     uint64_t phase_start_ns, shown_ns;
+    // Where the phase began, or where it was when it last went back: what is left is found from
+    // the way since then.
+    double from_fraction;
+    uint64_t from_ns;
 };
 
 void progress_bar_init(struct progress_bar *bar, FILE *stream);
-// Ends the bar's line. Accepts repeated calls.
+// Ends the phase, and the bar's line, before something else is printed. Accepts repeated calls.
 void progress_bar_finish(struct progress_bar *bar);
 
 // What long-running work reports to. It is asked to stop when a signal has asked us to.
 struct progress progress_bar_listener(struct progress_bar *bar);
 
-// A sink for log_configure, whose context is the bar.
+// A sink for log_configure, whose context is the bar. An error ends the phase.
 void progress_bar_log(void *context, enum log_level level, const char *message);
 
 // What the listener calls, with the time as an argument (clock_ns) for tests.

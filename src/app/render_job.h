@@ -62,9 +62,10 @@ struct render_job {
     uint32_t frame_count, frame_capacity;
     bool stopped; // by a signal; some pixels may have fewer samples
     enum render_end ended_by;
-    uint64_t samples_most;  // of a pixel, on average: as many as there may be
-    uint32_t round_samples; // with --adaptive: on average, of a round of the plan
-    struct tile_plan plan;  // of the tiles; no counts before the pilot has ended
+    struct progress progress; // the options', told of --time
+    uint64_t samples_most;    // of a pixel, on average: as many as there may be
+    uint32_t round_samples;   // with --adaptive: on average, of a round of the plan
+    struct tile_plan plan;    // of the tiles; no counts before the pilot has ended
     struct error_look *looks;
     uint32_t look_count, look_capacity;
     struct reference reference; // no pixels without one
@@ -103,6 +104,9 @@ struct renderer_params job_renderer_params(const struct options *options, struct
 bool job_settle_samples(struct render_job *job, struct err *err);
 // Whether a clock, or each tile for itself, decides how many samples there are.
 bool job_is_open_ended(const struct options *options);
+// Of a renderer: the listener of the options hears what part is done of whatever ends the render
+// first, its samples or its time.
+const struct progress *job_progress(struct render_job *job);
 // Renders until something ends it, writing numbered frames.
 bool job_render(struct render_job *job, struct err *err);
 // Samples of a pixel that are rendered; by tile, on average.

@@ -22,6 +22,31 @@ static uint32_t pilot_seed(uint32_t seed)
     return (seed ^ 0x85ebca6bu) * 2654435769u + 0x7f4a7c15u;
 }
 
+// --- progress ------------------------------------------------------------------------------------
+
+static void report(void *context, const char *phase, double fraction)
+{
+    const struct render_job *job = context;
+    double limit = job->options->time_seconds;
+    if (limit > 0.0 && strcmp(phase, "Rendering") == 0)
+        fraction = fmax(fraction, job->renderer.stats.render_seconds / limit);
+    progress_report(job->options->progress, phase, fraction);
+}
+
+static bool should_stop(void *context)
+{
+    const struct render_job *job = context;
+    return progress_should_stop(job->options->progress);
+}
+
+const struct progress *job_progress(struct render_job *job)
+{
+    job->progress = (struct progress){.report = report, .should_stop = should_stop, .context = job};
+    return &job->progress;
+}
+
+// --- steps ---------------------------------------------------------------------------------------
+
 static bool after_wave(void *context, struct err *err)
 {
     return job_checkpoint_when_due(context, err) && job_tev_when_due(context, err);
@@ -84,7 +109,7 @@ static uint64_t steps_done(const struct render_job *job)
 }
 
 // The time of the runs before, of which a checkpoint tells, counts.
-static bool render_until(struct render_job *job, uint64_t steps, struct err *err)
+static bool render_until(struct render_job *job, uint64_t steps, double expected, struct err *err)
 {
     double limit = job->options->time_seconds;
     while (steps_done(job) < steps && !job->stopped) {
@@ -96,18 +121,19 @@ static bool render_until(struct render_job *job, uint64_t steps, struct err *err
         }
         if (step > steps - done)
             step = steps - done;
-        double part = fmin(elapsed / limit, 1.0);
-        if (!render_steps(job, step, part, part + 1e-9, err))
+        if (!render_steps(job, step, (double)done / expected, (double)(done + step) / expected,
+                          err))
             return false;
     }
     return true;
 }
 
-// From what is done to `steps`; the progress shows the part of `expected` ones.
+// From what is done to `steps`; the progress shows the part of `expected` ones, INFINITY where
+// that is not known.
 static bool advance(struct render_job *job, uint64_t steps, double expected, struct err *err)
 {
     if (job->options->time_seconds > 0.0)
-        return render_until(job, steps, err);
+        return render_until(job, steps, expected, err);
     uint64_t done = steps_done(job);
     return steps <= done || render_steps(job, steps - done, fmin((double)done / expected, 1.0),
                                          fmin((double)steps / expected, 1.0), err);
@@ -144,19 +170,26 @@ static bool add_look(struct render_job *job, uint64_t samples, double confidence
     return true;
 }
 
-// The error falls with the number of samples: how many it will take, as far as is known.
+// The error falls with the number of samples, so it is known at which look it will be low enough
+// as soon as it is known at all. A bound that nobody asked for says nothing about it.
 static double expected_samples(const struct render_job *job, uint64_t most)
 {
-    const struct error_look *look = &job->looks[job->look_count - 1];
+    const struct error_look *look = job->looks + job->look_count - 1;
+    if (job->look_count == 0 || !look->error.known)
+        return options_given(job->options, OPTION_SPP) ? (double)most : INFINITY;
     double wanted = (double)look->samples * look->error.ci_high / job->options->error;
-    return look->error.known ? fmin(wanted, (double)most) : (double)most;
+    uint64_t end = look->samples;
+    while ((double)end < wanted && end < most)
+        end = looks_next(end, most);
+    return (double)end;
 }
 
 static bool render_to_error(struct render_job *job, struct err *err)
 {
     uint64_t most = job->samples_most, each = step_samples(job);
-    double confidence = looks_confidence(looks_within(most)), expected = (double)most;
+    double confidence = looks_confidence(looks_within(most));
     while (true) {
+        double expected = expected_samples(job, most);
         uint64_t next = looks_next(steps_done(job) * each, most);
         if (!render_to(job, next / each, fmax(expected, (double)next) / (double)each, err))
             return false;
@@ -173,7 +206,6 @@ static bool render_to_error(struct render_job *job, struct err *err)
         }
         if (next == most)
             return true;
-        expected = expected_samples(job, most);
     }
 }
 

@@ -102,6 +102,7 @@ bool job_replay(struct render_job *job, struct err *err)
     struct replay replay;
     if (!renderer_replay(&job->renderer, x, y, options->sample, &job->arena, &replay, err))
         return false;
+    progress_end(options->progress);
     if (options->json) {
         print_json(&replay, options->pixel, options->sample);
         return true;

@@ -289,7 +289,9 @@ int tune_run(const struct options *options)
     struct tune t = {.options = options};
     struct err err = {0};
     int code = EXIT_CODE_OK;
-    if (!run(&t, &err))
+    bool ok = run(&t, &err);
+    progress_end(options->progress);
+    if (!ok)
         code = command_fail(&err);
     else if (options->json)
         code = tune_print_json(&t);

@@ -6,12 +6,17 @@
 #include <stddef.h>
 
 struct progress {
-    // phase: "Loading", "Building BVH", "Rendering"; fraction in [0, 1]. May be called from the
-    // thread that called the long-running function only. NULL: nobody listens.
+    // phase: "Loading", "Building BVH", "Compiling", "Rendering"; fraction of it that is done, in
+    // [0, 1], and as even in time as can be: what time is left is found from it. 0 as long as it is
+    // not known. May be called from the thread that called the long-running function only. NULL:
+    // nobody listens.
     void (*report)(void *context, const char *phase, double fraction);
     // Polled now and then; true asks the work to stop early. NULL: never.
     bool (*should_stop)(void *context);
     void *context;
+    // Called before results are printed: what was shown of the progress is not to stand between
+    // them. NULL: nothing is shown.
+    void (*end)(void *context);
 };
 
 static inline void progress_report(const struct progress *progress, const char *phase,
@@ -24,6 +29,12 @@ static inline void progress_report(const struct progress *progress, const char *
 static inline bool progress_should_stop(const struct progress *progress)
 {
     return progress && progress->should_stop && progress->should_stop(progress->context);
+}
+
+static inline void progress_end(const struct progress *progress)
+{
+    if (progress && progress->end)
+        progress->end(progress->context);
 }
 
 #endif

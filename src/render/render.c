@@ -170,6 +170,7 @@ bool renderer_create(const struct renderer_params *params, struct renderer *r, s
         goto fail;
 
     uint64_t start = clock_ns();
+    progress_report(r->progress, "Uploading", 0);
     r->large_spheres_anyway = has_large_spheres_anyway(&r->flat);
     r->specialization = specialize(&(struct specialize_params){
         .scene = r->scene,
@@ -307,8 +308,8 @@ static bool run_pass(struct renderer *r, struct work *work, struct err *err)
             continue;
         }
         r->pass.position += wave.pixel_count;
-        report(r, work, &wave);
         r->stats.render_seconds += clock_seconds_since(start);
+        report(r, work, &wave);
         if (call->after_wave && !call->after_wave(call->context, err))
             return false;
         start = clock_ns();

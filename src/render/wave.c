@@ -435,6 +435,7 @@ static void find_source(const struct renderer *r, const struct specialization *s
 static bool create_kernels(struct renderer *r, struct err *err)
 {
     for (int id = 0; id < KERNEL_COUNT; id++) {
+        progress_report(r->progress, "Compiling", (double)id / KERNEL_COUNT);
         gpu_kernel_finish(r->gpu, &r->kernels[id]);
         if (!specialization_needs_kernel(&r->specialization, (enum kernel_id)id))
             continue;

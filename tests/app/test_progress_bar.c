@@ -88,8 +88,82 @@ TEST(messages_do_not_run_into_the_bar)
     REQUIRE(open_bar(&bar, true));
     progress_bar_update(&bar, "Rendering", 0, 0);
     progress_bar_update(&bar, "Rendering", 0.5, 5000 * MS);
+    progress_bar_log(&bar, LOG_WARN, "dark");
+    CHECK(strstr(drawn(&bar), "(5.0 s | 5.0 s)\r\x1b[Klampyris: warning: dark\n"), "%s",
+          drawn(&bar));
+    fclose(bar.stream);
+}
+
+// An error is what the program ends with: nothing of the progress follows it.
+TEST(an_error_ends_the_phase)
+{
+    struct progress_bar bar;
+    REQUIRE(open_bar(&bar, false));
+    progress_bar_update(&bar, "Rendering", 0, 0);
+    progress_bar_update(&bar, "Rendering", 0.5, 5000 * MS);
     progress_bar_log(&bar, LOG_ERROR, "lost");
-    CHECK(strstr(drawn(&bar), "(5.0 s | 5.0 s)\r\x1b[Klampyris: error: lost\n"), "%s", drawn(&bar));
+    const char *error = strstr(drawn(&bar), "\nlampyris: error: lost\n");
+    REQUIRE(error, "%s", drawn(&bar));
+    CHECK(strstr(strchr(drawn(&bar), '\n') + 1, "Rendering: ") < error, "%s", drawn(&bar));
+    progress_bar_finish(&bar);
+    CHECK(strcmp(strstr(drawn(&bar), "lampyris"), "lampyris: error: lost\n") == 0, "%s",
+          drawn(&bar));
+    fclose(bar.stream);
+}
+
+// Results follow on another stream, so that the listener has to be told.
+TEST(progress_ends_before_results)
+{
+    struct progress_bar bar;
+    REQUIRE(open_bar(&bar, true));
+    struct progress progress = progress_bar_listener(&bar);
+    progress_bar_update(&bar, "Rendering", 0, 0);
+    progress_bar_update(&bar, "Rendering", 0.5, 5000 * MS);
+    progress_end(&progress);
+    const char *ended = strstr(drawn(&bar), "(5.0 s | 5.0 s)\r\x1b[KRendering: ");
+    CHECK(ended && ended[strlen(ended) - 1] == '\n', "%s", drawn(&bar));
+    size_t length = strlen(drawn(&bar));
+    progress_bar_finish(&bar);
+    CHECK(strlen(drawn(&bar)) == length, "%s", drawn(&bar));
+    fclose(bar.stream);
+}
+
+// What was done before does not count to the speed.
+TEST(a_resumed_render_knows_what_is_left)
+{
+    struct progress_bar bar;
+    REQUIRE(open_bar(&bar, false));
+    progress_bar_update(&bar, "Rendering", 0.8, 0);
+    progress_bar_update(&bar, "Rendering", 0.9, 10000 * MS);
+    CHECK(strcmp(drawn(&bar), "Rendering: 90% (10.0 s elapsed, 10.0 s remaining)\n") == 0, "%s",
+          drawn(&bar));
+    fclose(bar.stream);
+}
+
+// As when an error turns out to fall more slowly than was expected.
+TEST(a_goal_that_moved_away)
+{
+    struct progress_bar bar;
+    REQUIRE(open_bar(&bar, false));
+    progress_bar_update(&bar, "Rendering", 0.9, 0);
+    progress_bar_update(&bar, "Rendering", 0.3, 500 * MS);
+    progress_bar_update(&bar, "Rendering", 0.4, 5500 * MS);
+    CHECK(strcmp(drawn(&bar), "Rendering: 40% (5.5 s elapsed, 30.0 s remaining)\n") == 0, "%s",
+          drawn(&bar));
+    fclose(bar.stream);
+}
+
+// The bar of the phase before would be wrong; and a line each would be too much.
+TEST(a_terminal_names_phases_as_they_begin)
+{
+    struct progress_bar bar;
+    REQUIRE(open_bar(&bar, true));
+    progress_bar_update(&bar, "Building BVH", 0, 0);
+    progress_bar_update(&bar, "Building BVH", 1, 2000 * MS);
+    progress_bar_update(&bar, "Compiling", 0, 2000 * MS);
+    CHECK(strstr(drawn(&bar), "\r\x1b[KBuilding BVH: 2.0 s\nCompiling: ["), "%s", drawn(&bar));
+    progress_bar_update(&bar, "Rendering", 0, 2500 * MS);
+    CHECK(strstr(drawn(&bar), "(0.0 s | ?)\r\x1b[KRendering: ["), "%s", drawn(&bar));
     fclose(bar.stream);
 }
 
@@ -114,4 +188,7 @@ TEST(odd_fractions_do_no_harm)
 
 TEST_MAIN(TEST_CASE(short_phases_are_not_shown), TEST_CASE(a_terminal_gets_a_bar),
           TEST_CASE(a_file_gets_a_line_now_and_then), TEST_CASE(quiet_is_quiet_but_for_messages),
-          TEST_CASE(messages_do_not_run_into_the_bar), TEST_CASE(odd_fractions_do_no_harm))
+          TEST_CASE(messages_do_not_run_into_the_bar), TEST_CASE(an_error_ends_the_phase),
+          TEST_CASE(progress_ends_before_results), TEST_CASE(a_resumed_render_knows_what_is_left),
+          TEST_CASE(a_goal_that_moved_away), TEST_CASE(a_terminal_names_phases_as_they_begin),
+          TEST_CASE(odd_fractions_do_no_harm))

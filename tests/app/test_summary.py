@@ -4,7 +4,9 @@
     test_summary.py LAMPYRIS SOURCE_ROOT
 """
 import json
+import math
 import os
+import pty
 import re
 import subprocess
 import sys
@@ -127,6 +129,70 @@ class Explain(Base):
         self.assertIn('--integrator ao', self.explained('--integrator', 'ao')[1]['lobe', 'Lambert'][2])
         self.assertIn('--roulette off', self.explained('--roulette', 'off')
                       [1]['feature', 'Russian roulette'][2])
+
+
+class Progress(Base):
+    def on_terminal(self, *arguments):
+        """All that a terminal gets of a command, results and progress alike."""
+        child, terminal = pty.fork()
+        if child == 0:
+            os.environ['TERM'] = 'xterm'
+            os.execv(LAMPYRIS, [LAMPYRIS, *arguments])
+        text = b''
+        while True:
+            try:
+                part = os.read(terminal, 65536)
+            except OSError:  # the other end is closed
+                part = b''
+            if not part:
+                break
+            text += part
+        self.assertEqual(os.waitpid(child, 0)[1], 0, text)
+        os.close(terminal)
+        return text.decode().replace('\r\n', '\n')
+
+    def test_it_ends_before_results(self):
+        out = os.path.join(self.folder.name, 'out.exr')
+        for arguments, first in (
+                (['render', scene('cornell'), '--size', '64x64', '--time', '1.3', '-o', out],
+                 scene('cornell')),
+                (['render', scene('cornell'), '--size', '64x64', '--time', '1.3', '--json', '-o',
+                  out], '{'),
+                (['converge', scene('cornell'), '--size', '32x32', '--times', '0.7',
+                  '--replicates', '3', '--reference', 'none'], scene('cornell'))):
+            text = self.on_terminal(*arguments)
+            progress, bar, results = text.rpartition('\x1b[K')
+            self.assertIn('%', progress, 'the bar was shown')
+            # The last line of the progress may say what time a phase took.
+            results = re.sub(r'\A[A-Z][a-z ]+: [0-9.]+ s\n', '', results)
+            self.assertTrue(results.startswith(first), results)
+            self.assertNotRegex(results, r'(?m)^(Rendering|Warming up|Writing)')
+
+    def remaining(self, *arguments):
+        """Seconds elapsed and seconds left, as the first line of the progress says that knows."""
+        result = subprocess.run(
+            [LAMPYRIS, 'render', scene('cornell'), *arguments, '--json', '-o',
+             os.path.join(self.folder.name, 'out.exr')],
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, timeout=120)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        found = re.search(r'Rendering: \d+% \(([0-9.]+) s elapsed, ([0-9.]+) s remaining\)',
+                          result.stderr)
+        self.assertTrue(found, result.stderr)
+        return float(found[1]), float(found[2]), json.loads(result.stdout)
+
+    def test_what_is_left_of_a_time(self):
+        # By the samples alone, a million of a pixel, hours would be left.
+        for more in (['--spp', '1M'], ['--error', '1e-9']):
+            elapsed, left, _ = self.remaining('--size', '48x48', '--time', '2', *more)
+            self.assertLess(abs(math.log2((elapsed + left) / 2)), 2, more)
+
+    def test_what_is_left_until_an_error(self):
+        # The error is first known after 16 samples, which is soon. How many it takes follows from
+        # it, long before the time is over.
+        elapsed, left, values = self.remaining('--size', '96x96', '--error', '4e-4', '--time',
+                                               '600')
+        self.assertEqual(values['ended_by'], 'error')
+        self.assertLess(abs(math.log2((elapsed + left) / values['seconds']['render'])), 2.5)
 
 
 if __name__ == '__main__':
