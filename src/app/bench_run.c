@@ -273,6 +273,13 @@ static bool hash_picture(struct bench *b, struct bench_variant *v, uint64_t *has
     return ok;
 }
 
+// Renders of one wave are over before they look.
+static bool should_stop(struct bench *b)
+{
+    b->stopped |= progress_should_stop(b->options->progress);
+    return b->stopped;
+}
+
 // One repetition: the samples of the variant, from the first.
 static bool repeat(struct bench *b, struct bench_variant *v, struct render_call call, double *ms,
                    struct err *err)
@@ -280,6 +287,9 @@ static bool repeat(struct bench *b, struct bench_variant *v, struct render_call 
     const struct settings *settings = &v->scene_data.settings;
     call.samples = settings->spp;
     call.stopped = &b->stopped;
+    *ms = 0.0;
+    if (should_stop(b))
+        return true;
     if (!renderer_restart(&v->renderer, settings->seed, err))
         return false;
     uint64_t start = clock_ns();
@@ -373,13 +383,6 @@ static bool measure_once(struct bench *b, struct bench_variant *v, uint32_t roun
         return false;
     v->differs |= hash != v->image_hash;
     return true;
-}
-
-// Renders of one wave are over before they look.
-static bool should_stop(struct bench *b)
-{
-    b->stopped |= progress_should_stop(b->options->progress);
-    return b->stopped;
 }
 
 bool bench_measure(struct bench *b, struct err *err)

@@ -85,6 +85,7 @@ static bool run(struct render_job *job, struct err *err)
         job_print_json(job);
     else if (!job->options->quiet)
         job_print_summary(job);
+    job_warn_of_unsampled(job);
     const char *reproduce = job_reproducing_command(job);
     if (reproduce)
         log_warn("some contributions were not finite and were left out; this follows one: %s",

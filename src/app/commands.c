@@ -17,8 +17,10 @@ const struct command commands[COMMAND_TOTAL] = {
                 "the scene file, else they are the defaults given below. A model without a camera "
                 "is framed; one without a light gets an even environment. The summary says how "
                 "good the picture is, what it cost, and what was left out. An interrupted render "
-                "(SIGINT, SIGTERM) writes the samples that it has, and its --checkpoint; a second "
-                "signal ends it at once. "
+                "(SIGINT, SIGTERM, SIGHUP, SIGXCPU, SIGUSR1) takes the first sample of every "
+                "pixel, "
+                "writes the samples that it has, and its --checkpoint; a second SIGINT or SIGTERM "
+                "ends it at once. "
                 "Outputs are replaced only by whole files, and locked against other runs. A "
                 "picture that cannot be written as EXR where it should be is saved in $TMPDIR.",
             .examples = "lampyris render scenes/cornell.json -o cornell.exr -o cornell.png\n"
@@ -40,8 +42,8 @@ const struct command commands[COMMAND_TOTAL] = {
                 "with its interval and other metrics, the slope it falls off with, efficiency, "
                 "what it takes to reach a given error, and what bias remains. --vary and --curve "
                 "make curves of other settings, and say which of any two is faster. Replicates of "
-                "all curves take turns, so that a busy machine is busy for all. When interrupted "
-                "(SIGINT, SIGTERM), it reports the replicates that are complete.",
+                "all curves take turns, so that a busy machine is busy for all. When a signal "
+                "interrupts it, it reports the replicates that are complete.",
             .examples =
                 "lampyris converge scene.json --vary sampler=sobol,pcg --report report\n"
                 "lampyris converge scene.json --size 128x128 --vary mis=power,none --spp 1k\n"

@@ -5,7 +5,7 @@
 #include "err.h"
 #include "options.h"
 
-// How the program ends. 128 + N for signal N, as shells do (130 for SIGINT, 143 for SIGTERM).
+// How the program ends. 128 + N for signal N, as shells do (130 for SIGINT, 143 for SIGTERM ...).
 enum exit_code {
     EXIT_CODE_OK = 0,
     EXIT_CODE_CHECK_FAILED = 1, // compare: a limit was exceeded

@@ -143,7 +143,9 @@ bool converge_advance(struct converge *c, struct renderer *renderer, uint64_t sa
         .progress_to = to,
         .stopped = &c->stopped,
     };
-    return renderer_render(renderer, &call, err);
+    // The renderer asks between the waves of a call, and a call may be one wave.
+    c->stopped |= progress_should_stop(&c->progress);
+    return c->stopped || renderer_render(renderer, &call, err);
 }
 
 // Samplers that spread their points over all samples planned begin anew for each point; the others
@@ -200,8 +202,8 @@ static bool advance_to_time(struct run *run, uint32_t point, struct err *err)
 {
     struct converge *c = run->c;
     double limit = c->seconds[point], all = c->seconds[c->point_count - 1];
-    uint64_t step;
-    while (!c->stopped && (step = timed_step(limit, run_elapsed(run), run->done)) > 0) {
+    uint64_t step, most = renderer_samples_at_once(&run->curve->renderer);
+    while (!c->stopped && (step = timed_step(limit, run_elapsed(run), run->done, most)) > 0) {
         double part = run_part(run, run_elapsed(run), all);
         if (!converge_advance(c, &run->curve->renderer, step, part, part + 1e-9, err))
             return false;
@@ -258,9 +260,7 @@ bool converge_measure(struct converge *c, struct err *err)
                 .from = done / all,
                 .to = (done + 1) / all,
             };
-            // Renders of one pass end before they would ask.
-            c->stopped = progress_should_stop(&c->progress);
-            if (!c->stopped && !measure_replicate(&run, err))
+            if (!measure_replicate(&run, err))
                 return false;
             if (c->stopped)
                 return true;

@@ -18,7 +18,9 @@ static void exit_status(const struct help_writer *writer)
         {"3", "The device, its driver or the system's memory failed."},
         {"4", "A result could not be written."},
         {"69", "There is no Vulkan loader or no driver."},
-        {"130, 143", "Stopped by SIGINT or SIGTERM."},
+        {"128+N",
+         "Stopped by signal N: 130 by SIGINT, 143 by SIGTERM, 129 by SIGHUP, 138 by SIGUSR1, "
+         "152 by SIGXCPU."},
     };
     help_section(writer, "EXIT STATUS");
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++)

@@ -60,9 +60,11 @@ struct render_job {
     struct job_seconds seconds;
     double *frames_ms; // of each frame rendered
     uint32_t frame_count, frame_capacity;
-    bool stopped; // by a signal; some pixels may have fewer samples
+    bool stopped;      // by a signal; some pixels may have fewer samples
+    bool is_rendering; // from the first sample on: see render_stop.c
+    uint64_t stop_ns;  // when a signal was first seen that every pixel's sample puts off
     enum render_end ended_by;
-    struct progress progress; // the options', told of --time
+    struct progress progress; // the options', told of --time, and patient: see render_stop.c
     uint64_t samples_most;    // of a pixel, on average: as many as there may be
     uint32_t round_samples;   // with --adaptive: on average, of a round of the plan
     struct tile_plan plan;    // of the tiles; no counts before the pilot has ended
@@ -115,6 +117,15 @@ const char *job_ended_by(const struct render_job *job); // "spp", "time", "error
 // Has the renderer take 16 samples a pixel that are not part of the picture, and makes the plan of
 // the tiles from them. Leaves the film empty, unless the job was stopped.
 bool job_run_pilot(struct render_job *job, struct err *err);
+
+// --- render_stop.c ---
+// Whether the options' progress asks to stop; from the first sample on, only when every pixel has
+// one or that takes too long. As struct progress' should_stop.
+bool job_should_stop(void *job);
+// Asks it. The renderer asks between the waves of a call only, and a call may be one wave.
+bool job_is_stopped(struct render_job *job);
+// Says how many pixels of the film as it was read last have no sample, if any.
+void job_warn_of_unsampled(const struct render_job *job);
 
 // --- render_judge.c ---
 // Reads the film; and says how good it is, too.

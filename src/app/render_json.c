@@ -172,6 +172,8 @@ static json_t *adaptive_json(const struct render_job *job)
 static void add_ending(json_t *object, const struct render_job *job)
 {
     json_object_set_new(object, "ended_by", json_string(job_ended_by(job)));
+    json_object_set_new(object, "pixels_without_samples",
+                        json_integer((json_int_t)job->film.unsampled));
     json_object_set_new(object, "looks", looks_json(job));
     json_object_set_new(object, "adaptive", adaptive_json(job));
     json_object_set_new(object, "checkpoint",

@@ -33,15 +33,10 @@ static void report(void *context, const char *phase, double fraction)
     progress_report(job->options->progress, phase, fraction);
 }
 
-static bool should_stop(void *context)
-{
-    const struct render_job *job = context;
-    return progress_should_stop(job->options->progress);
-}
-
 const struct progress *job_progress(struct render_job *job)
 {
-    job->progress = (struct progress){.report = report, .should_stop = should_stop, .context = job};
+    job->progress =
+        (struct progress){.report = report, .should_stop = job_should_stop, .context = job};
     return &job->progress;
 }
 
@@ -63,7 +58,7 @@ static bool render_steps(struct render_job *job, uint64_t steps, double from, do
         .after_wave = after_wave,
         .context = job,
     };
-    return renderer_render(&job->renderer, &call, err);
+    return job_is_stopped(job) || renderer_render(&job->renderer, &call, err);
 }
 
 // A list that grows by doubling: how many entries there will be may be for a clock or a signal to
@@ -112,9 +107,10 @@ static uint64_t steps_done(const struct render_job *job)
 static bool render_until(struct render_job *job, uint64_t steps, double expected, struct err *err)
 {
     double limit = job->options->time_seconds;
+    uint64_t most = renderer_samples_at_once(&job->renderer);
     while (steps_done(job) < steps && !job->stopped) {
         double elapsed = job->renderer.stats.render_seconds;
-        uint64_t done = steps_done(job), step = timed_step(limit, elapsed, done);
+        uint64_t done = steps_done(job), step = timed_step(limit, elapsed, done, most);
         if (step == 0) {
             job->ended_by = ENDED_BY_TIME;
             break;
@@ -233,7 +229,7 @@ static bool render_frames(struct render_job *job, struct err *err)
     struct renderer *r = &job->renderer;
     uint64_t each = options->spp_per_frame;
     uint32_t frames = options->frames;
-    for (uint32_t frame = (uint32_t)(r->next_sample / each); frame < frames && !job->stopped;
+    for (uint32_t frame = (uint32_t)(r->next_sample / each); frame < frames && !job_is_stopped(job);
          frame++) {
         bool is_begun = r->next_sample % each != 0 || r->pass.length > 0;
         if (frame > 0 && !options->accumulate && !is_begun && !renderer_clear(r, err))
@@ -418,6 +414,7 @@ bool job_render(struct render_job *job, struct err *err)
     const struct options *options = job->options;
     bool has_plan = job->renderer.tiles.count > 0;
     job->seconds.render_before = job->renderer.stats.render_seconds;
+    job->is_rendering = true;
     if (options->adaptive && !has_plan && !job_run_pilot(job, err))
         return false;
     bool ok =

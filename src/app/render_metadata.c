@@ -105,6 +105,7 @@ static void add_result(struct attributes *a, const struct render_job *job)
         add(a, "lampyris:spp_least", "%" PRIu64, job->film.least_samples);
         add(a, "lampyris:spp_most", "%" PRIu64, job->film.most_samples);
     }
+    add(a, "lampyris:pixels_without_samples", "%" PRIu64, job->film.unsampled);
     add(a, "lampyris:ended_by", "%s", job_ended_by(job));
     if (job->error.known) {
         add(a, "lampyris:relmse", "%.9g", job->error.relmse);

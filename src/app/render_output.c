@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 static char *without_extension(struct arena *arena, const char *path)
@@ -144,6 +145,16 @@ static bool write_picture(const struct render_job *job, const char *path,
     return image_write(&params, err);
 }
 
+// To what the system allows: the limit may be what kept the picture from its place.
+static void raise_file_size_limit(void)
+{
+    struct rlimit size;
+    if (getrlimit(RLIMIT_FSIZE, &size) == 0) {
+        size.rlim_cur = size.rlim_max;
+        setrlimit(RLIMIT_FSIZE, &size);
+    }
+}
+
 // Hours of rendering shall not be lost because a disk is full or gone.
 static void save_elsewhere(struct render_job *job, const struct job_attributes *attributes)
 {
@@ -153,6 +164,7 @@ static void save_elsewhere(struct render_job *job, const struct job_attributes *
         return;
     const char *path = arena_printf(&job->film_arena, "%s/picture.exr", folder);
     struct err err = {0};
+    raise_file_size_limit();
     if (path && write_picture(job, path, attributes, &err)) {
         log_warn("the picture was saved as %s", path);
         return;

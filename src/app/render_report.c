@@ -202,6 +202,9 @@ void job_print_summary(const struct render_job *job)
            : job->ended_by == ENDED_BY_TIME  ? ", ended by --time"
            : job->ended_by == ENDED_BY_ERROR ? ", ended by --error"
                                              : "");
+    if (film->unsampled)
+        printf("unsampled %" PRIu64 " of %" PRIu64 " pixels have no sample and are black\n",
+               film->unsampled, (uint64_t)film->width * film->height);
     printf("device    %s (%s)\n", job->gpu.info.name, job->gpu.info.kind);
     print_notes(&job->scene);
     const struct flat_scene *flat = &job->renderer.flat;

@@ -2,6 +2,7 @@
 
 #include <signal.h>
 #include <stddef.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 // A handler is given no context, so these must be globals.
@@ -9,8 +10,17 @@ static volatile sig_atomic_t received;
 static const char *const *volatile leftovers;
 static volatile sig_atomic_t leftover_count;
 
+// A terminal that closes sends SIGHUP more than once, the kernel SIGXCPU every second, and a batch
+// system its notice to whom it likes: these ask once, and do not insist.
+static bool insists(int signal)
+{
+    return signal == SIGINT || signal == SIGTERM;
+}
+
 static void handle(int signal)
 {
+    if (received && !insists(signal))
+        return;
     if (received) {
         for (int i = 0; i < leftover_count; i++)
             unlink(leftovers[i]); // async-signal-safe, as _exit is (POSIX)
@@ -39,14 +49,22 @@ static void install(int signal)
 
 void signals_install(void)
 {
-    install(SIGINT);
-    install(SIGTERM);
+    static const int signals[] = {SIGINT, SIGTERM, SIGHUP, SIGXCPU, SIGUSR1};
+    for (size_t i = 0; i < sizeof signals / sizeof *signals; i++)
+        install(signals[i]);
     signal(SIGPIPE, SIG_IGN);
+    signal(SIGXFSZ, SIG_IGN); // write() then fails with EFBIG
 }
 
 int signals_received(void)
 {
     return received;
+}
+
+bool signals_leave_time(void)
+{
+    struct rlimit cpu;
+    return received != SIGXCPU || getrlimit(RLIMIT_CPU, &cpu) != 0 || cpu.rlim_max == RLIM_INFINITY;
 }
 
 int signal_exit_code(void)

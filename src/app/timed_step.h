@@ -5,9 +5,9 @@
 #include <stdint.h>
 
 // How many samples, or rounds, to take next when `done` of them took `elapsed` seconds; 0 when
-// `limit` seconds are over. Steps grow while they are short against the time left, so that the end
-// is within one of the limit.
-static inline uint64_t timed_step(double limit, double elapsed, uint64_t done)
+// `limit` seconds are over. Steps grow to `most` while they are short against the time left, so
+// that the end is within one of the limit.
+static inline uint64_t timed_step(double limit, double elapsed, uint64_t done, uint64_t most)
 {
     if (done == 0)
         return 1;
@@ -15,7 +15,7 @@ static inline uint64_t timed_step(double limit, double elapsed, uint64_t done)
     if (fits < 1.0)
         return 0;
     // Half of what is left: the estimate is a noisy one.
-    return fits < 32.0 ? (uint64_t)(0.5 * fits) + 1 : 16;
+    return fits < 2.0 * (double)most ? (uint64_t)(0.5 * fits) + 1 : most;
 }
 
 #endif

@@ -65,8 +65,10 @@ bool tune_measure(struct tune *t, struct tuned sizes, double *seconds, bool *fit
             return true;
         if (!renderer_restart(r, scene->scene.settings.seed, err))
             return false;
+        // The renderer asks between the waves of a call, and a call may be one wave.
+        t->stopped |= progress_should_stop(t->options->progress);
         uint64_t start = clock_ns();
-        if (!renderer_render(r, &call, err))
+        if (!t->stopped && !renderer_render(r, &call, err))
             return false;
         // Clocks may be coarse, and pictures small.
         logs += log(fmax(clock_seconds_since(start), 1e-9));

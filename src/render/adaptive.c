@@ -199,24 +199,37 @@ static uint64_t samples_left(const struct renderer *r, uint32_t tile)
     return r->tiles.counts[tile] * r->round_target - r->tiles.done[tile];
 }
 
+// Every tile's count is at least TILE_SAMPLES_MIN, so all have a sample once the first pass is
+// over.
+bool tiles_all_begun(const struct renderer *r)
+{
+    return r->tiles.count > 0 && r->tiles.done[0] > 0;
+}
+
 static bool takes_part(const struct renderer *r, uint32_t tile, uint32_t shift)
 {
     uint64_t left = samples_left(r, tile);
-    return shift < MAX_SAMPLE_SHIFT ? left >> shift & 1u : left >> shift;
+    if (shift == 0 && !tiles_all_begun(r))
+        return true;
+    return shift < USUAL_SAMPLE_SHIFT ? left >> shift & 1u : left >> shift;
 }
 
-// Small steps first, those of all tiles together; then the large ones, in which the tiles drop out
-// as they are done.
+// One sample of every pixel; then small steps, those of all tiles together; then the large ones, in
+// which the tiles drop out as they are done.
 static bool choose_shift(const struct renderer *r, uint32_t *shift)
 {
+    if (!tiles_all_begun(r)) {
+        *shift = 0;
+        return true;
+    }
     uint64_t all = 0;
     for (uint32_t tile = 0; tile < r->tiles.count; tile++)
         all |= samples_left(r, tile);
     if (all == 0)
         return false;
     *shift = (uint32_t)__builtin_ctzll(all);
-    if (*shift > MAX_SAMPLE_SHIFT)
-        *shift = MAX_SAMPLE_SHIFT;
+    if (*shift > USUAL_SAMPLE_SHIFT)
+        *shift = USUAL_SAMPLE_SHIFT;
     return true;
 }
 
@@ -236,7 +249,8 @@ bool tile_pass_begin(struct renderer *r)
 
 void tile_pass_end(struct renderer *r)
 {
-    for (uint32_t tile = 0; tile < r->tiles.count; tile++)
+    // The first tile last: it says whether this was the first pass.
+    for (uint32_t tile = r->tiles.count; tile-- > 0;)
         if (takes_part(r, tile, r->pass.shift))
             r->tiles.done[tile] += 1u << r->pass.shift;
 }

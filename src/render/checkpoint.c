@@ -79,9 +79,10 @@ static void visit_renderer(struct cursor *c, struct renderer *r)
     visit(c, &r->pass.position);
     visit(c, &r->pass.length);
     visit_stats(c, &r->stats);
+    visit(c, &r->emptied_at);
 }
 
-_Static_assert(5 + 1 + 2 + CLASS_COUNT + 4 + SITE_COUNT + 5 <= CHECKPOINT_STATE_WORDS,
+_Static_assert(6 + 1 + 2 + CLASS_COUNT + 4 + SITE_COUNT + 5 <= CHECKPOINT_STATE_WORDS,
                "room for all of the renderer's state");
 
 // --- writing
@@ -365,7 +366,13 @@ static bool check_state(const struct checkpoint *c, const struct renderer *r, st
               r->pass.length <= pixels && r->next_sample <= UINT32_MAX;
     for (uint32_t i = 0; ok && i < c->tile_count; i++)
         ok = c->counts[i] > 0 && c->done[i] <= c->counts[i] * r->round_target;
-    return ok || err_set(err, ERR_INPUT, "%s: holds a state that no render can be in", c->path);
+    if (!ok)
+        return err_set(err, ERR_INPUT, "%s: holds a state that no render can be in", c->path);
+    return r->pass.position == 0 || 1u << r->pass.shift <= r->plan.wave_slots ||
+           err_set(err, ERR_INPUT,
+                   "%s: ended amid waves of %u samples a pixel, which waves of %u paths do not "
+                   "hold; expected a larger --wave",
+                   c->path, 1u << r->pass.shift, r->plan.wave_slots);
 }
 
 bool checkpoint_restore(struct checkpoint *c, struct renderer *r, struct err *err)
@@ -384,6 +391,8 @@ bool checkpoint_restore(struct checkpoint *c, struct renderer *r, struct err *er
     visit_renderer(&(struct cursor){.words = c->state, .reads = true}, r);
     if (!check_state(c, r, err))
         return false;
+    if (r->pass.position == 0)
+        r->pass = (struct pass){0}; // not begun: waves of this run may hold other numbers
     if (has_tiles) {
         struct tile_plan plan = tile_plan_of(r->frame.width, r->frame.height, c->counts);
         if (!renderer_set_plan(r, &plan, err))

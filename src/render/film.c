@@ -54,6 +54,7 @@ void film_finish(struct renderer *r)
 bool renderer_clear(struct renderer *r, struct err *err)
 {
     r->pass = (struct pass){0};
+    r->emptied_at = r->next_sample;
     if (!gpu_begin(r->gpu, &r->commands, err))
         return false;
     for (uint32_t i = 0; i < chunks_in_use(r); i++)
@@ -131,6 +132,7 @@ static void add_pixel(const struct renderer *r, struct film_image *image, uint64
     memcpy(image->half_a[at], p->mean_a, sizeof p->mean_a);
     memcpy(image->half_b[at], p->mean_b, sizeof p->mean_b);
     image->samples[at] = p->samples;
+    image->unsampled += p->samples == 0;
     image->dropped += p->dropped;
     if (p->samples < image->least_samples)
         image->least_samples = p->samples;

@@ -283,7 +283,7 @@ static bool after(void *context, const struct wave_step *step, struct err *err)
 // As in renderer_render, but in the middle of the picture rather than from its top.
 static struct wave middle_wave(const struct renderer *r, uint64_t samples)
 {
-    uint32_t shift = MAX_SAMPLE_SHIFT;
+    uint32_t shift = USUAL_SAMPLE_SHIFT;
     while (shift > 0 && (UINT64_C(1) << shift > samples || 1u << shift > r->plan.wave_slots))
         shift--;
     uint64_t pixels = (uint64_t)r->frame.width * r->frame.height;

@@ -305,7 +305,10 @@ static bool run_pass(struct renderer *r, struct work *work, struct err *err)
         if (voided) {
             if (!become_careful(r, err))
                 return false;
-            continue;
+            if (r->pass.position > 0)
+                continue;
+            r->pass = (struct pass){0}; // waves may have become smaller
+            return true;
         }
         r->pass.position += wave.pixel_count;
         r->stats.render_seconds += clock_seconds_since(start);
@@ -326,6 +329,47 @@ static bool run_pass(struct renderer *r, struct work *work, struct err *err)
     return true;
 }
 
+static uint64_t picture_pixels(const struct renderer *r)
+{
+    return (uint64_t)r->frame.width * r->frame.height;
+}
+
+// The greatest power of two of samples with which all pixels fit into one wave; 0 for one, and
+// where not even that fits.
+static uint32_t fitting_shift(const struct renderer *r)
+{
+    uint64_t samples = r->plan.wave_slots / picture_pixels(r);
+    uint32_t shift = samples ? 63u - (uint32_t)__builtin_clzll(samples) : 0;
+    return shift < MAX_SAMPLE_SHIFT ? shift : MAX_SAMPLE_SHIFT;
+}
+
+// A pass of more than the usual samples is one wave: it is never left half done, so that whoever
+// goes on from a checkpoint may have waves of any size.
+static uint32_t largest_shift(const struct renderer *r)
+{
+    uint32_t fitting = fitting_shift(r);
+    return fitting > USUAL_SAMPLE_SHIFT && r->plan.film_chunks == 1 ? fitting : USUAL_SAMPLE_SHIFT;
+}
+
+// The first pass is the shortest that fills its waves, so that every pixel has a sample soon.
+static uint32_t choose_shift(const struct renderer *r, uint64_t samples_left)
+{
+    uint32_t shift = renderer_has_all_pixels(r) ? largest_shift(r) : fitting_shift(r);
+    while (UINT64_C(1) << shift > samples_left || 1u << shift > r->plan.wave_slots)
+        shift--;
+    return shift;
+}
+
+uint64_t renderer_samples_at_once(const struct renderer *r)
+{
+    return UINT64_C(1) << (has_tiles(r) ? USUAL_SAMPLE_SHIFT : largest_shift(r));
+}
+
+bool renderer_has_all_pixels(const struct renderer *r)
+{
+    return has_tiles(r) ? tiles_all_begun(r) : r->next_sample > r->emptied_at;
+}
+
 // Begins a pass towards sample or round `end`, unless one is under way; false when there is nothing
 // left to do.
 static bool begin_pass(struct renderer *r, uint64_t end)
@@ -342,12 +386,9 @@ static bool begin_pass(struct renderer *r, uint64_t end)
     }
     if (r->next_sample >= end)
         return false;
-    uint32_t shift = MAX_SAMPLE_SHIFT;
-    while (UINT64_C(1) << shift > end - r->next_sample || 1u << shift > r->plan.wave_slots)
-        shift--;
     r->pass = (struct pass){
-        .shift = shift,
-        .length = (uint64_t)r->frame.width * r->frame.height,
+        .shift = choose_shift(r, end - r->next_sample),
+        .length = picture_pixels(r),
     };
     return true;
 }

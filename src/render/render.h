@@ -24,9 +24,13 @@
 #include "shared/types.h"
 #include "specialize.h"
 
-// At most 2^this samples of a pixel in one wave: its paths stay coherent, and the loop that
-// accumulates them stays far below what drivers allow.
-#define MAX_SAMPLE_SHIFT 4u
+// A wave takes 2^this samples of each of its pixels, where the picture has pixels enough to fill
+// it: its paths stay coherent, and the samples of all pixels grow together.
+#define USUAL_SAMPLE_SHIFT 4u
+// A picture of few pixels fills its waves with more samples of each, at most 2^this. One thread
+// accumulates all of a pixel's: with every AOV these are 8 * 2^this iterations, half of the 65,535
+// after which lavapipe ends loops silently.
+#define MAX_SAMPLE_SHIFT 12u
 
 struct renderer_params {
     struct gpu *gpu;           // must outlive the renderer
@@ -142,6 +146,7 @@ struct renderer {
     bool warned_beyond_plan; // see sampling_plan.h
     uint64_t next_sample;    // of every pixel; with tiles: rounds that are over
     uint64_t round_target;   // with tiles: rounds that the passes lead up to
+    uint64_t emptied_at;     // next_sample when the film was last emptied
     struct pass pass;
     struct tiles tiles;
     struct render_stats stats;
@@ -170,6 +175,11 @@ struct render_call {
     void *context; // of after_wave
 };
 bool renderer_render(struct renderer *renderer, const struct render_call *call, struct err *err);
+// Samples of every pixel that one wave holds where the picture is small, else the usual number of a
+// pass: fewer at a time leave lanes idle.
+uint64_t renderer_samples_at_once(const struct renderer *renderer);
+// Whether every pixel of the film has a sample.
+bool renderer_has_all_pixels(const struct renderer *renderer);
 
 // Goes on with waves and workgroups of other sizes, and recompiles where need be: the film keeps
 // what it has. plan.wave_slots tells whether the wave was lowered to what fits. A failure may leave
@@ -198,6 +208,7 @@ struct film_image {
     float (*half_b)[3]; // of the odd ones; (0,0,0) with one sample
     uint32_t *samples;
     uint64_t least_samples, most_samples; // a pixel
+    uint64_t unsampled;                   // pixels without a sample
     uint64_t dropped;                     // samples with a non-finite contribution left out
     struct film_aovs aovs;
 };

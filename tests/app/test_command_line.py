@@ -595,7 +595,8 @@ class Render(unittest.TestCase):
     def test_faults_of_the_device(self):
         for fault in ('--fail-allocation', '--lose-device'):
             for nth in ('1', '3', '5'):
-                result = self.render('--spp', '64', '-o', self.path('a.exr'), fault, nth)
+                result = self.render('--spp', '64', '--wave', '1024', '-o', self.path('a.exr'),
+                                     fault, nth)
                 self.assertEqual((result.returncode, result.stdout), (3, ''), (fault, nth))
                 self.assertRegex(result.stderr, r'^lampyris: error: .+\n$')
         self.assertEqual(os.listdir(self.folder.name), [])

@@ -3,6 +3,8 @@
 
 #include <errno.h>
 #include <signal.h>
+#include <stdlib.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -35,12 +37,44 @@ static int second_signal(void)
     return 3; // not reached
 }
 
+static int batch_signals(void)
+{
+    static const int numbers[] = {SIGUSR1, SIGHUP, SIGXCPU, SIGXCPU, SIGHUP, SIGUSR1};
+    signals_install();
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
+        raise(numbers[i]);
+    return signals_received() == SIGUSR1 && signals_leave_time() ? signal_exit_code() : 2;
+}
+
+static int hard_limit(void)
+{
+    const struct rlimit limit = {.rlim_cur = 5000, .rlim_max = 6000};
+    signals_install();
+    if (setrlimit(RLIMIT_CPU, &limit) != 0 || !signals_leave_time())
+        return 1;
+    raise(SIGXCPU);
+    return signals_leave_time() ? 2 : 0;
+}
+
 static int ignored_by_parent(void)
 {
     signal(SIGINT, SIG_IGN);
+    signal(SIGHUP, SIG_IGN);
     signals_install();
     raise(SIGINT);
+    raise(SIGHUP);
     return signals_received() ? 1 : 0;
+}
+
+static int file_too_large(void)
+{
+    const struct rlimit limit = {.rlim_cur = 1, .rlim_max = 1};
+    char path[] = "/tmp/lampyris-test-XXXXXX";
+    signals_install();
+    int fd = mkstemp(path);
+    if (fd < 0 || unlink(path) != 0 || setrlimit(RLIMIT_FSIZE, &limit) != 0)
+        return 1;
+    return write(fd, "x", 1) == 1 && write(fd, "y", 1) < 0 && errno == EFBIG ? 0 : 2;
 }
 
 static int reader_gone(void)
@@ -63,6 +97,21 @@ TEST(the_second_signal_ends_at_once)
     CHECK(run_child(second_signal) == 143, "%d", run_child(second_signal));
 }
 
+TEST(batch_systems_ask_and_do_not_insist)
+{
+    CHECK(run_child(batch_signals) == 128 + SIGUSR1, "%d", run_child(batch_signals));
+}
+
+TEST(a_hard_limit_leaves_no_time)
+{
+    CHECK(run_child(hard_limit) == 0, "%d", run_child(hard_limit));
+}
+
+TEST(a_file_that_is_too_large_is_an_error_of_writing)
+{
+    CHECK(run_child(file_too_large) == 0, "%d", run_child(file_too_large));
+}
+
 TEST(what_the_parent_ignores_stays_ignored)
 {
     CHECK(run_child(ignored_by_parent) == 0, "%d", run_child(ignored_by_parent));
@@ -74,5 +123,7 @@ TEST(a_reader_that_goes_away_is_an_error_of_writing)
 }
 
 TEST_MAIN(TEST_CASE(the_first_signal_sets_a_flag), TEST_CASE(the_second_signal_ends_at_once),
+          TEST_CASE(batch_systems_ask_and_do_not_insist), TEST_CASE(a_hard_limit_leaves_no_time),
+          TEST_CASE(a_file_that_is_too_large_is_an_error_of_writing),
           TEST_CASE(what_the_parent_ignores_stays_ignored),
           TEST_CASE(a_reader_that_goes_away_is_an_error_of_writing))

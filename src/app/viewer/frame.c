@@ -58,7 +58,7 @@ static uint64_t samples_at_once(const struct viewer *viewer, const struct view *
     uint64_t left = viewer_samples_left(viewer, view), most = 1 + view_samples(view) / 8;
     double pass_ms = viewer->pace.ms_per_sample * r->frame.width * r->frame.height;
     double fit = pass_ms > 0.0 ? floor(frame_render_ms(viewer) / pass_ms) : 1.0;
-    uint64_t samples = fit > 1.0 ? (uint64_t)fmin(fit, 1u << MAX_SAMPLE_SHIFT) : 1;
+    uint64_t samples = fit > 1.0 ? (uint64_t)fmin(fit, 1u << USUAL_SAMPLE_SHIFT) : 1;
     samples = samples < most ? samples : most;
     return samples < left ? samples : left;
 }

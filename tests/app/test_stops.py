@@ -1,0 +1,169 @@
+#!/usr/bin/env python3
+"""What signals do to renders: they end soon, with pictures in which every pixel has a sample, and say
+so where some have none.
+
+Usage: test_stops.py LAMPYRIS SCENE_FOLDER [unittest arguments]
+"""
+import json
+import os
+import resource
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+LAMPYRIS = os.path.abspath(sys.argv.pop(1))
+CORNELL = os.path.join(os.path.abspath(sys.argv.pop(1)), 'cornell.json')
+# From the signal to the end: a second at most on a quiet machine.
+SOON_SECONDS = 8.0
+# A picture whose first pass takes many waves.
+SLOW = ['--size', '1000x600', '--wave', '512', '--spp', '64']
+
+
+def need_device():
+    result = subprocess.run([LAMPYRIS, 'devices'], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    if result.returncode == 69:
+        sys.exit(77)
+
+
+class Stops(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+
+    def path(self, name):
+        return os.path.join(self.folder.name, name)
+
+    def start(self, *arguments, prepare=None):
+        return subprocess.Popen([LAMPYRIS, *arguments], stdout=subprocess.PIPE,
+                                stderr=subprocess.PIPE, text=True, preexec_fn=prepare)
+
+    def render(self, *arguments, prepare=None):
+        return self.start('render', CORNELL, '--json', '-o', self.path('out.exr'), *arguments,
+                          prepare=prepare)
+
+    def stop(self, process, *numbers, phase='Rendering'):
+        """Sends signals once a phase is seen; returns the exit code, the report and the messages."""
+        before = ''
+        while phase not in (line := process.stderr.readline()):
+            self.assertTrue(line, 'it ended before: ' + before)
+            before += line
+        start = time.monotonic()
+        for number in numbers:
+            process.send_signal(number)
+            time.sleep(0.05)
+        out, messages = process.communicate(timeout=100)
+        self.seconds = time.monotonic() - start
+        return process.returncode, json.loads(out) if out.startswith('{') else None, messages
+
+    def attribute(self, name):
+        with open(self.path('out.exr'), 'rb') as file:
+            header = file.read(20000)
+        start = b'lampyris:%s\0string\0' % name.encode()
+        at = header.index(start) + len(start)
+        size = int.from_bytes(header[at:at + 4], 'little')
+        return header[at + 4:at + 4 + size].decode()
+
+    def check_stopped(self, arguments, number, **options):
+        code, report, messages = self.stop(self.render(*arguments, **options), number)
+        self.assertEqual(code, 128 + number, messages)
+        self.assertLess(self.seconds, SOON_SECONDS, arguments)
+        self.assertEqual(report['ended_by'], 'signal')
+        self.assertGreater(report['spp'], 0)
+        self.assertEqual(report['pixels_without_samples'], 0)
+        self.assertEqual(self.attribute('pixels_without_samples'), '0')
+
+    # --- soon ---
+
+    def test_a_clock_does_not_put_signals_off(self):
+        small = ['--size', '32x32', '--time', '60']  # a step is one wave
+        self.check_stopped(small, signal.SIGTERM)
+        self.check_stopped([*small, '--error', '1e-9'], signal.SIGINT)
+        self.check_stopped([*small, '--trace', self.path('trace.csv')], signal.SIGUSR1)
+
+    def test_measuring_ends_soon(self):
+        for arguments in (['converge', CORNELL, '--times', '60', '--reference', 'none'],
+                          ['bench', CORNELL, '--spp', '64', '--repeats', '1000']):
+            process = self.start(*arguments, '--size', '32x32')
+            phase = 'Replicates' if arguments[0] == 'converge' else 'Rendering'
+            code, _, messages = self.stop(process, signal.SIGTERM, phase=phase)
+            self.assertEqual(code, 143, messages)
+            self.assertLess(self.seconds, SOON_SECONDS, arguments)
+
+    # --- who asks ---
+
+    def test_batch_systems_and_terminals(self):
+        endless = ['--size', '16x16', '--spp', '1G']
+        for number in (signal.SIGHUP, signal.SIGXCPU):
+            self.check_stopped(endless, number)
+        # Neither insists.
+        code, report, messages = self.stop(self.render(*endless), signal.SIGHUP, signal.SIGHUP,
+                                           signal.SIGXCPU, signal.SIGUSR1)
+        self.assertEqual((code, report['ended_by']), (129, 'signal'), messages)
+
+    def test_nohup(self):
+        def ignore():
+            signal.signal(signal.SIGHUP, signal.SIG_IGN)
+        process = self.render('--size', '32x32', '--time', '2', prepare=ignore)
+        code, report, messages = self.stop(process, signal.SIGHUP)
+        self.assertEqual((code, report['ended_by']), (0, 'time'), messages)
+
+    def test_the_limit_of_processor_time(self):
+        def limit():
+            resource.setrlimit(resource.RLIMIT_CPU, (2, 600))
+        process = self.render('--size', '32x32', '--time', '60', prepare=limit)
+        out, messages = process.communicate(timeout=100)
+        self.assertEqual(process.returncode, 128 + signal.SIGXCPU, messages)
+        self.assertEqual(json.loads(out)['ended_by'], 'signal')
+
+    def test_the_limit_of_a_files_size(self):
+        def limit():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (20000, resource.RLIM_INFINITY))
+            os.environ['TMPDIR'] = self.folder.name
+        process = self.render('--size', '64x64', '--spp', '2', prepare=limit)
+        _, messages = process.communicate(timeout=100)
+        self.assertEqual(process.returncode, 4, messages)
+        self.assertIn('File too large', messages)
+        saved = messages.split('the picture was saved as ')[1].split('\n')[0]
+        self.assertEqual(os.path.dirname(os.path.dirname(saved)), self.folder.name)
+        whole = self.render('--size', '64x64', '--spp', '2')
+        whole.communicate(timeout=100)
+        self.assertEqual(whole.returncode, 0)
+        result = subprocess.run([LAMPYRIS, 'compare', saved, self.path('out.exr'), '--max',
+                                 'differing=0'], stdout=subprocess.PIPE)
+        self.assertEqual(result.returncode, 0)
+
+    # --- a sample of every pixel ---
+
+    def test_every_pixel_gets_a_sample_first(self):
+        for more in ([], ['--adaptive', 'on']):
+            code, report, messages = self.stop(self.render(*SLOW, *more), signal.SIGTERM)
+            self.assertEqual(code, 143, messages)
+            self.assertEqual((report['spp'], report['pixels_without_samples']), (1, 0), messages)
+            self.assertIn('the others get one first', messages)
+
+    def test_the_second_signal_does_not_wait(self):
+        process = self.render(*SLOW)
+        self.assertEqual(self.stop(process, signal.SIGHUP, signal.SIGTERM)[0], 143)
+        self.assertLess(self.seconds, 2.0)
+        self.assertEqual(os.listdir(self.folder.name), [])
+
+    def test_black_pixels_are_counted(self):
+        def limit():  # of which the first is far, and the other would kill
+            resource.setrlimit(resource.RLIMIT_CPU, (6000, 6001))
+        for more in ([], ['--adaptive', 'on']):
+            process = self.render(*SLOW, *more, prepare=limit)
+            code, report, messages = self.stop(process, signal.SIGXCPU)
+            self.assertEqual(code, 152, messages)
+            black = report['pixels_without_samples']
+            self.assertEqual((report['spp'], report['spp_most']), (0, 1))
+            self.assertTrue(0 < black < 1000 * 600, black)
+            self.assertIn('%d of 600000 pixels have no sample' % black, messages)
+            self.assertEqual(self.attribute('pixels_without_samples'), str(black))
+
+
+if __name__ == '__main__':
+    need_device()
+    unittest.main()
