@@ -8,17 +8,22 @@
 #include <unistd.h>
 
 #define PROGRAM "lampyris-view"
+#define IN_BUILD_FOLDER "viewer/" PROGRAM
 
-// Beside this program where it is there, else wherever the system finds it.
+// Beside this program, as installed; else where the build folder has it; else wherever the system
+// finds it.
 static void find_program(char *out, size_t size)
 {
-    ssize_t length = readlink("/proc/self/exe", out, size - sizeof PROGRAM);
+    static const char *const places[] = {PROGRAM, IN_BUILD_FOLDER};
+    ssize_t length = readlink("/proc/self/exe", out, size - sizeof IN_BUILD_FOLDER);
     out[length > 0 ? length : 0] = '\0';
     char *slash = strrchr(out, '/');
-    if (slash)
-        strcpy(slash + 1, PROGRAM);
-    if (!slash || access(out, X_OK) != 0)
-        strcpy(out, PROGRAM);
+    for (size_t i = 0; slash && i < sizeof places / sizeof *places; i++) {
+        strcpy(slash + 1, places[i]);
+        if (access(out, X_OK) == 0)
+            return;
+    }
+    strcpy(out, PROGRAM);
 }
 
 // Its own command line leaves out the word "view".

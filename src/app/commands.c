@@ -24,8 +24,8 @@ const struct command commands[COMMAND_TOTAL] = {
                 "Outputs are replaced only by whole files, and locked against other runs. A "
                 "picture that cannot be written as EXR where it should be is saved in $TMPDIR.",
             .examples = "lampyris render scenes/cornell.json -o cornell.exr -o cornell.png\n"
-                        "lampyris render model.glb --spp 256 --size 1920x1080 --env 1,1,1\n"
-                        "lampyris render scenes/mesh_room.json -D mesh=bunny.ply --time 30 --json\n"
+                        "lampyris render scenes/models/vase.glb --spp 256 --size 1280x720\n"
+                        "lampyris render scenes/models/vase.glb --env scenes/models/gallery.hdr\n"
                         "lampyris render scenes/cornell.json --error 1e-3 --checkpoint c.ck",
             .min_arguments = 1,
             .max_arguments = 1,
@@ -45,9 +45,9 @@ const struct command commands[COMMAND_TOTAL] = {
                 "all curves take turns, so that a busy machine is busy for all. When a signal "
                 "interrupts it, it reports the replicates that are complete.",
             .examples =
-                "lampyris converge scene.json --vary sampler=sobol,pcg --report report\n"
-                "lampyris converge scene.json --size 128x128 --vary mis=power,none --spp 1k\n"
-                "lampyris converge scene.json --times 1,2,4,8 --curve 'nee=on mis=none'",
+                "lampyris converge scenes/cornell.json --vary sampler=sobol,pcg --report report\n"
+                "lampyris converge scenes/veach_mis.json --size 64x48 --vary mis=power,none\n"
+                "lampyris converge scenes/veach_mis.json --times 1,2,4 --curve 'nee=on mis=none'",
             .min_arguments = 1,
             .max_arguments = OPTIONS_ARGUMENTS_MAX,
             .run = cmd_converge,
@@ -63,10 +63,11 @@ const struct command commands[COMMAND_TOTAL] = {
                 "share, the queues' lengths by bounce, and the spread over repeats. --sweep and "
                 "--curve make variants, which take turns, and whose pictures are hashed: those "
                 "that are to be the same are shown to be. --kernel times one kernel alone.",
-            .examples = "lampyris bench scene.json --sweep wave=4k,16k,64k --report report\n"
-                        "lampyris bench scene.json --kernel intersect_closest --rays "
+            .examples = "lampyris bench scenes/cornell.json --sweep wave=4k,16k,64k --report report\n"
+                        "lampyris bench scenes/glass.json --kernel intersect_closest --rays "
                         "primary,diffuse\n"
-                        "lampyris bench scene.json --baseline before.json",
+                        "lampyris bench scenes/cornell.json --json > before.json\n"
+                        "lampyris bench scenes/cornell.json --baseline before.json",
             .min_arguments = 1,
             .max_arguments = OPTIONS_ARGUMENTS_MAX,
             .run = cmd_bench,
@@ -102,7 +103,7 @@ const struct command commands[COMMAND_TOTAL] = {
                 "Loads a scene and prints what is in it, which features a render of it would use, "
                 "and how much device memory each buffer would take, without rendering.",
             .examples = "lampyris info scenes/cornell.json\n"
-                        "lampyris info model.glb --size 3840x2160 --json",
+                        "lampyris info scenes/models/vase.glb --size 3840x2160 --json",
             .min_arguments = 1,
             .max_arguments = 1,
             .run = cmd_info,
@@ -119,7 +120,7 @@ const struct command commands[COMMAND_TOTAL] = {
                 "explain themselves; docs/viewer.md lists all keys. With --headless the same "
                 "runs without a window, for scripts.",
             .examples = "lampyris view scenes/cornell.json\n"
-                        "lampyris view model.glb --env sky.hdr --watch\n"
+                        "lampyris view scenes/models/vase.glb --env scenes/models/gallery.hdr\n"
                         "lampyris-view scenes/cornell.json --script tour.txt --headless",
             .max_arguments = 1,
             .run = cmd_view,

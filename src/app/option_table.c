@@ -26,7 +26,8 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_OUTPUT] = {
         .name = "output", .short_name = 'o', .argument = "FILE", .type = VALUE_OUTPUT,
         .group = "Picture", .commands = FOR_RENDER,
-        .fallback = "the scene's name with .exr, in the working directory",
+        .fallback = "the scene's name with .exr, in the working directory, and with .png where "
+                    "standard output is a terminal",
         .help = "Write the picture to FILE, .exr (linear) or .png (tone-mapped). May be given "
                 "several times.",
     },

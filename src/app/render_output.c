@@ -20,16 +20,26 @@ static char *without_extension(struct arena *arena, const char *path)
     return stem;
 }
 
-// The scene's name with .exr, in the working directory.
-static bool default_output(struct render_job *job, struct err *err)
+// Whether somebody reads the summary, and may want to look at the picture.
+static bool is_watched(const struct options *options)
 {
+    return isatty(STDOUT_FILENO) && !options->quiet && !options->json;
+}
+
+// The scene's name with .exr, in the working directory; for people a picture to look at besides.
+static bool default_outputs(struct render_job *job, struct err *err)
+{
+    static const char *const formats[] = {"%s.exr", "%s.png"};
+    uint32_t count = is_watched(job->options) ? 2 : 1;
     char *stem = without_extension(&job->arena, path_name(job->options->arguments[0]));
-    const char *output = stem ? arena_printf(&job->arena, "%s.exr", stem) : NULL;
-    job->outputs = ARENA_NEW(&job->arena, const char *, 1);
-    if (!output || !job->outputs)
-        return err_memory(err, "output names", 64);
-    job->outputs[0] = output;
-    job->output_count = 1;
+    job->outputs = ARENA_NEW(&job->arena, const char *, count);
+    for (uint32_t i = 0; i < count; i++) {
+        const char *output = stem ? arena_printf(&job->arena, formats[i], stem) : NULL;
+        if (!output || !job->outputs)
+            return err_memory(err, "output names", 64);
+        job->outputs[i] = output;
+    }
+    job->output_count = count;
     return true;
 }
 
@@ -61,7 +71,7 @@ bool job_check_outputs(struct render_job *job, struct err *err)
 {
     job->outputs = job->options->outputs;
     job->output_count = job->options->output_count;
-    if (job->output_count == 0 && !default_output(job, err))
+    if (job->output_count == 0 && !default_outputs(job, err))
         return false;
     if (!check_layers(job, err))
         return false;
