@@ -2,6 +2,7 @@
 #include "bench.h"
 
 #include "file.h"
+#include "json_parse.h"
 #include "log.h"
 #include "machine.h"
 #include "parallel.h"
@@ -158,12 +159,11 @@ bool bench_load_baseline(struct bench *b, struct err *err)
 {
     const char *path = b->options->baseline;
     struct file_bytes bytes;
-    json_error_t error;
     if (!file_read(&b->arena, path, 0, &bytes, err))
         return false;
-    b->baseline = json_loadb((const char *)bytes.data, bytes.size, JSON_REJECT_DUPLICATES, &error);
+    b->baseline = json_parse(path, &bytes, JSON_REJECT_DUPLICATES, err);
     if (!b->baseline)
-        return err_set(err, ERR_INPUT, "%s:%d: %s", path, error.line, error.text);
+        return false;
     if (!json_is_array(json_object_get(b->baseline, "variants")) ||
         !json_is_object(json_object_get(b->baseline, "machine")))
         return err_set(err, ERR_INPUT,

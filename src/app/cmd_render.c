@@ -81,9 +81,9 @@ static bool run(struct render_job *job, struct err *err)
     job_tev_end(job);
     job->seconds.total = clock_seconds_since(job->start_ns);
     progress_end(job->options->progress);
-    if (job->options->json)
-        job_print_json(job);
-    else if (!job->options->quiet)
+    if (job->options->json && !job_print_json(job, err))
+        return false;
+    if (!job->options->json && !job->options->quiet)
         job_print_summary(job);
     job_warn_of_unsampled(job);
     const char *reproduce = job_reproducing_command(job);

@@ -173,6 +173,7 @@ int exit_code(enum err_code code)
         return EXIT_CODE_OK;
     case ERR_USAGE:
     case ERR_INPUT:
+    case ERR_BUDGET:
         return EXIT_CODE_INPUT;
     case ERR_SYSTEM:
     case ERR_GPU:

@@ -2,7 +2,7 @@
 
 #include "commands.h"
 #include "file.h"
-#include "log.h"
+#include "json_parse.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -33,25 +33,39 @@ json_t *json_words(const char *text)
     return string;
 }
 
+// The text, or NULL where memory ran out: now, or while the object was put together, from which
+// something may be missing then. Drops the reference.
+static char *dump(json_t *object, size_t flags, struct err *err)
+{
+    char *text = object && !json_lost_memory() ? json_dumps(object, flags) : NULL;
+    json_decref(object);
+    if (!text)
+        err_memory(err, "the JSON result", 0);
+    return text;
+}
+
+bool json_put(json_t *object, struct err *err)
+{
+    // Nine digits are enough for floats, and times are not known better.
+    char *text = dump(object, JSON_INDENT(2) | JSON_REAL_PRECISION(9), err);
+    if (text)
+        puts(text); // main notices when stdout cannot be written
+    json_release(text);
+    return text != NULL;
+}
+
 int json_print(json_t *object)
 {
-    if (!object) {
-        struct err err = {0};
-        err_set(&err, ERR_SYSTEM, "out of memory for the JSON result");
-        return command_fail(&err);
-    }
-    // Nine digits are enough for floats, and times are not known better.
-    json_dumpf(object, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
-    putchar('\n'); // main notices when stdout cannot be written
-    json_decref(object);
-    return EXIT_CODE_OK;
+    struct err err = {0};
+    return json_put(object, &err) ? EXIT_CODE_OK : command_fail(&err);
 }
 
 bool json_write(json_t *object, const char *path, struct err *err)
 {
-    char *text = object ? json_dumps(object, JSON_INDENT(1) | JSON_REAL_PRECISION(9)) : NULL;
-    json_decref(object);
-    bool ok = text ? file_write_atomic(path, text, strlen(text), err) : err_memory(err, path, 0);
-    free(text);
+    char *text = dump(object, JSON_INDENT(1) | JSON_REAL_PRECISION(9), err);
+    if (!text)
+        return err_prepend(err, "%s", path);
+    bool ok = file_write_atomic(path, text, strlen(text), err);
+    json_release(text);
     return ok;
 }

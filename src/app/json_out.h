@@ -13,8 +13,10 @@ json_t *json_interval(struct interval interval); // {value, ci_low, ci_high}
 json_t *json_words(const char *text);
 
 // Prints one object and a newline to stdout and drops the reference. NULL, which is what jansson's
-// constructors return, means that memory ran out. Returns an exit code.
-int json_print(json_t *object);
+// constructors return, means that memory ran out; nothing is printed either where it ran out for a
+// part of the object.
+bool json_put(json_t *object, struct err *err);
+int json_print(json_t *object); // the same; returns an exit code, and reports the error
 // The same into a file, at one stroke.
 bool json_write(json_t *object, const char *path, struct err *err);
 

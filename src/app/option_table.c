@@ -510,6 +510,15 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .help = "Threads of a workgroup, a power of two. Changes speed, and no bit of the picture.",
         FIELD(workgroup),
     },
+    [OPTION_MEMORY] = {
+        .name = "memory", .argument = "BYTES", .type = VALUE_COUNT, .min = 1 << 20, .max = MOST_BYTES,
+        .group = "Device", .commands = FOR_SCENE | FOR_COMPARE,
+        .fallback = "three quarters of what is available",
+        .help = "Host memory that scenes, pictures and hierarchies may take; a scene that needs more is "
+                "refused before it is allocated. Available is what the machine, its control groups "
+                "and ulimit leave.",
+        FIELD(memory),
+    },
     [OPTION_TUNING] = {
         .name = "tuning", .argument = "on|off", .type = VALUE_SWITCH, .group = "Device",
         .commands = FOR_SCENE, .fallback = "on",

@@ -96,6 +96,7 @@ enum option_id {
     OPTION_DEVICE,
     OPTION_WAVE,
     OPTION_WORKGROUP,
+    OPTION_MEMORY,
     OPTION_TUNING,
     OPTION_VALIDATION,
     OPTION_PIXEL,
@@ -261,6 +262,7 @@ struct options {
     struct gpu_params gpu;
     uint32_t wave;      // paths in flight; 0: chosen by device
     uint32_t workgroup; // threads; 0: chosen by device
+    uint64_t memory;    // budget of the host's memory, bytes; 0: what the machine leaves
     bool tuning;        // take what is not given from the file that bench --tune keeps
     const struct tune_cache *tune_cache; // that file; set by main. NULL: it is not used
     enum features_option features;

@@ -2,7 +2,9 @@
 
 #include "commands.h"
 #include "help.h"
+#include "json_parse.h"
 #include "log.h"
+#include "memory.h"
 #include "options.h"
 #include "progress_bar.h"
 #include "signals.h"
@@ -46,6 +48,7 @@ static int finish_stdout(int code)
 int program_run(int argc, char **argv, program_command_fn command)
 {
     signals_install();
+    json_use_budget();
     struct progress_bar bar;
     progress_bar_init(&bar, stderr);
     log_configure(LOG_WARN, progress_bar_log, &bar);
@@ -59,6 +62,7 @@ int program_run(int argc, char **argv, program_command_fn command)
         log_configure(options.log_level, progress_bar_log, &bar);
         bar.is_quiet = options.quiet;
         options.progress = &progress;
+        memory_set_budget(options.memory ? options.memory : memory_default_budget());
         tuned_load(&options, &cache);
         code = run(&options, command);
     } else {

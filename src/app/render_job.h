@@ -199,7 +199,7 @@ bool job_describe(const struct render_job *job, uint32_t frame, struct arena *ar
 
 // --- render_report.c ---
 void job_print_summary(const struct render_job *job);
-void job_print_json(const struct render_job *job);
+bool job_print_json(const struct render_job *job, struct err *err);
 // The command that follows the path of a dropped contribution, or NULL; lives in the job's arena.
 const char *job_reproducing_command(struct render_job *job);
 

@@ -180,7 +180,7 @@ static void add_ending(json_t *object, const struct render_job *job)
                         job->has_checkpoint ? json_words(job->options->checkpoint) : json_null());
 }
 
-void job_print_json(const struct render_job *job)
+bool job_print_json(const struct render_job *job, struct err *err)
 {
     const struct render_stats *stats = &job->renderer.stats;
     const struct film_image *film = &job->film;
@@ -224,5 +224,5 @@ void job_print_json(const struct render_job *job)
     json_object_set_new(object, "forecast", forecast_json(job));
     json_object_set_new(object, "trace",
                         job->options->trace ? json_words(job->options->trace) : json_null());
-    json_print(object);
+    return json_put(object, err);
 }

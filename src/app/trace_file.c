@@ -3,6 +3,7 @@
 
 #include "file.h"
 #include "json_out.h"
+#include "json_parse.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -100,7 +101,7 @@ static bool put_json(FILE *out, const struct trace *trace, json_t *head)
         json_object_set_new(head, "render", json_string(trace->render)) == 0 &&
         json_object_set_new(head, "reference_hash",
                             *trace->reference ? json_string(trace->reference) : json_null()) == 0 &&
-        json_object_set_new(head, "rows", rows) == 0 &&
+        json_object_set_new(head, "rows", rows) == 0 && !json_lost_memory() &&
         json_dumpf(head, out, JSON_INDENT(2) | JSON_REAL_PRECISION(12)) == 0;
     fputc('\n', out);
     return ok;
@@ -226,7 +227,10 @@ static bool read_json_row(const json_t *object, uint32_t number, struct trace_ro
 static bool read_json(const struct file_bytes *bytes, struct trace *trace, struct arena *arena,
                       struct err *err)
 {
-    json_t *head = json_loadb((const char *)bytes->data, bytes->size, JSON_REJECT_DUPLICATES, NULL);
+    struct err problem = {0};
+    json_t *head = json_parse("the trace", bytes, JSON_REJECT_DUPLICATES, &problem);
+    if (!head && problem.code != ERR_INPUT)
+        return err_set(err, problem.code, "%s", problem.msg);
     const json_t *rows = json_object_get(head, "rows");
     const char *render = json_string_value(json_object_get(head, "render"));
     const char *reference = json_string_value(json_object_get(head, "reference_hash"));

@@ -2,6 +2,7 @@
 
 #include "file.h"
 #include "json_out.h"
+#include "json_parse.h"
 #include "kernels.h"
 #include "log.h"
 #include "options.h"
@@ -91,15 +92,11 @@ static bool is_valid(const json_t *entry)
 // The list in the file, new; NULL with what is wrong in *err.
 static json_t *parse(const struct file_bytes *bytes, const char *path, struct err *err)
 {
-    json_error_t error;
-    json_t *root =
-        json_loadb((const char *)bytes->data, bytes->size, JSON_REJECT_DUPLICATES, &error);
+    json_t *root = json_parse(path, bytes, JSON_REJECT_DUPLICATES, err);
     json_t *devices = json_object_get(root, "devices"), *entry;
     size_t i;
-    if (!root)
-        err_set(err, ERR_INPUT, "%s:%d: %s", path, error.line, error.text);
-    else if (json_integer_value(json_object_get(root, "version")) != FORMAT_VERSION ||
-             !json_is_array(devices))
+    if (root && (json_integer_value(json_object_get(root, "version")) != FORMAT_VERSION ||
+                 !json_is_array(devices)))
         err_set(err, ERR_INPUT, "%s: expected {\"version\": %d, \"devices\": [...]}", path,
                 FORMAT_VERSION);
     json_array_foreach(devices, i, entry)
@@ -204,11 +201,13 @@ bool tune_cache_open(struct tune_cache *out, struct err *err)
 static bool write_file(const struct tune_cache *cache, struct err *err)
 {
     json_t *root = json_pack("{s:i, s:O}", "version", FORMAT_VERSION, "devices", cache->devices);
-    char *text = root ? json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(6)) : NULL;
+    char *text = root && !json_lost_memory()
+                     ? json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(6))
+                     : NULL;
     json_decref(root);
     bool ok = text ? file_write_atomic(cache->path, text, strlen(text), err)
                    : err_memory(err, "what was found", 0);
-    free(text);
+    json_release(text);
     return ok;
 }
 

@@ -1,5 +1,6 @@
 #include "arena.h"
 
+#include "memory.h"
 #include <stdatomic.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -116,14 +117,13 @@ void *arena_alloc(struct arena *arena, size_t count, size_t size)
     size_t alignment = bytes >= ALIGN_LARGE ? ALIGN_LARGE : ALIGN_SMALL;
     // At least one byte, so that pointers differ and a count of 0 gives a valid one.
     size_t padded = ((bytes > 0 ? bytes : 1) + GAP_BYTES + alignment - 1) & ~(alignment - 1);
-    if (arena->limit_bytes > 0 &&
-        (arena->used_bytes > arena->limit_bytes || padded > arena->limit_bytes - arena->used_bytes))
+    if (!memory_take(padded))
         return NULL;
-    if (fault_is_due())
+    struct arena_block *block = fault_is_due() ? NULL : block_for(arena, padded, alignment);
+    if (!block) {
+        memory_fail(padded);
         return NULL;
-    struct arena_block *block = block_for(arena, padded, alignment);
-    if (!block)
-        return NULL;
+    }
     size_t at = block_fit(block, padded, alignment);
     block->used = at + padded;
     arena->used_bytes += padded;
@@ -169,6 +169,6 @@ void arena_finish(struct arena *arena)
         free(block);
         block = next;
     }
-    arena->blocks = NULL;
-    arena->used_bytes = 0;
+    memory_give(arena->used_bytes);
+    *arena = (struct arena){0};
 }

@@ -9,15 +9,14 @@
 
 struct arena_block;
 
-// {0} is a valid, empty arena without a limit.
+// {0} is a valid, empty arena. Its memory counts against the budget of the process (memory.h).
 struct arena {
     struct arena_block *blocks;
-    size_t used_bytes;  // handed out so far, padding included
-    size_t limit_bytes; // 0: no limit. Allocations past it fail: the global byte budget of a load.
+    size_t used_bytes; // handed out so far, padding included
 };
 
 // Zeroed memory for `count` elements of `size` bytes, aligned to 64 bytes (to 16 when small).
-// NULL when count * size overflows, memory or the limit is exhausted. A count of 0 gives a valid
+// NULL when count * size overflows, memory or its budget is exhausted. A count of 0 gives a valid
 // pointer.
 void *arena_alloc(struct arena *arena, size_t count, size_t size);
 char *arena_strdup(struct arena *arena, const char *text); // NULL like arena_alloc
@@ -26,7 +25,7 @@ char *arena_printf(struct arena *arena, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 char *arena_vprintf(struct arena *arena, const char *format, va_list arguments)
     __attribute__((format(printf, 2, 0)));
-// Releases everything; the arena is {0} with its limit kept. Accepts NULL and {0}.
+// Releases everything; the arena is {0}. Accepts NULL and {0}.
 void arena_finish(struct arena *arena);
 
 // For fault tests: the n-th allocation from now (1: the next), in whichever arena and thread, fails

@@ -1,5 +1,6 @@
 #include "err.h"
 
+#include "memory.h"
 #include "printable.h"
 #include <stdarg.h>
 #include <stdio.h>
@@ -49,5 +50,12 @@ bool err_prepend(struct err *err, const char *format, ...)
 
 bool err_memory(struct err *err, const char *what, unsigned long long bytes)
 {
-    return err_set(err, ERR_SYSTEM, "out of memory (%llu bytes for %s)", bytes, what);
+    uint64_t left, refused = memory_refused(&left);
+    if (refused == 0)
+        return err_set(err, ERR_SYSTEM, "out of memory (%llu bytes for %s)", bytes, what);
+    return err_set(err, ERR_BUDGET,
+                   "out of memory for %s: %s are needed, but %s are left of the budget of %s; "
+                   "expected a smaller scene or picture, or a larger --memory",
+                   what, memory_print(bytes > refused ? bytes : refused).text,
+                   memory_print(left).text, memory_print(memory_budget()).text);
 }

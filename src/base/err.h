@@ -10,6 +10,7 @@ enum err_code {
     ERR_NONE = 0,
     ERR_USAGE,     // the command line [2]
     ERR_INPUT,     // a file that the user gave [2]
+    ERR_BUDGET,    // more memory than the budget has, see memory.h [2]
     ERR_SYSTEM,    // memory, threads, the operating system [3]
     ERR_GPU,       // the device or its driver [3]
     ERR_NO_VULKAN, // no loader or no driver at all [69]
@@ -34,7 +35,9 @@ bool err_set(struct err *err, enum err_code code, const char *format, ...)
 // Puts context in front of the message, "CONTEXT: MESSAGE", keeping the code; returns false.
 bool err_prepend(struct err *err, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-// ERR_SYSTEM, "out of memory (N bytes for WHAT)"; returns false.
+// To be called where memory was not to be had: ERR_BUDGET where the budget refused it, saying how
+// much WHAT needs and what is left; else ERR_SYSTEM, "out of memory (N bytes for WHAT)". Returns
+// false.
 bool err_memory(struct err *err, const char *what, unsigned long long bytes);
 
 // Lets compilers and analysers see, in every file, that the value is always false: else they warn

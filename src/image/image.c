@@ -2,8 +2,11 @@
 
 #include "file.h"
 #include "image_internal.h"
+#include "memory.h"
 #include <string.h>
 #include <strings.h>
+
+#define FILE_BYTES_MAX ((size_t)8 << 30)
 
 enum format { FORMAT_UNKNOWN, FORMAT_EXR, FORMAT_HDR, FORMAT_PNG, FORMAT_JPEG };
 
@@ -80,14 +83,6 @@ bool image_encode(const struct image_write_params *params, struct arena *arena, 
     return ok;
 }
 
-static size_t memory_budget(size_t max_bytes)
-{
-    const uint64_t default_bytes = UINT64_C(8) << 30;
-    if (max_bytes > 0)
-        return max_bytes;
-    return default_bytes < SIZE_MAX ? (size_t)default_bytes : SIZE_MAX;
-}
-
 static bool decode(const struct image_source *source, struct arena *arena, struct pixels *out,
                    struct err *err)
 {
@@ -116,10 +111,17 @@ static bool decode_params(const struct image_read_params *params, struct image_s
 {
     source->path = params->path;
     source->layer = params->layer;
-    source->max_bytes = memory_budget(params->max_bytes);
+    source->progress = params->progress;
     source->side_max = params->side_max;
     source->is_linear = params->is_linear;
-    return decode(source, arena, out, err) || err_prepend(err, "%s", params->path);
+    uint64_t failures = memory_failures();
+    struct err problem = {0};
+    if (decode(source, arena, out, &problem))
+        return true;
+    // The libraries do not always say why they gave up.
+    if (problem.code == ERR_INPUT && memory_failures() != failures)
+        err_memory(&problem, "the decoder", 0);
+    return err_set(err, problem.code, "%s: %s", params->path, problem.msg);
 }
 
 bool image_decode(const void *data, size_t size, const struct image_read_params *params,
@@ -158,14 +160,8 @@ bool image_read(const struct image_read_params *params, struct arena *arena, str
     struct arena scratch = {0};
     struct file_bytes file;
     *out = (struct image){0};
-    size_t budget = memory_budget(params->max_bytes);
-    bool ok = file_read(&scratch, params->path, budget, &file, err);
-    if (ok) {
-        struct image_read_params remaining = *params;
-        // Of a budget that the file uses up to the last byte nothing is left; 0 would mean 8 GiB.
-        remaining.max_bytes = budget > file.size ? budget - file.size : 1;
-        ok = image_decode(file.data, file.size, &remaining, arena, out, err);
-    }
+    bool ok = file_read(&scratch, params->path, FILE_BYTES_MAX, &file, err) &&
+              image_decode(file.data, file.size, params, arena, out, err);
     arena_finish(&scratch);
     return ok;
 }
@@ -190,11 +186,9 @@ bool image_read_attributes(const char *path, struct arena *arena, struct image_a
     struct file_bytes file;
     *out = NULL;
     *count = 0;
-    size_t budget = memory_budget(0);
-    bool ok = file_read(&scratch, path, budget, &file, err);
+    bool ok = file_read(&scratch, path, FILE_BYTES_MAX, &file, err);
     if (ok) {
-        struct image_source source = {
-            .path = path, .data = file.data, .size = file.size, .max_bytes = budget};
+        struct image_source source = {.path = path, .data = file.data, .size = file.size};
         ok = decode_attributes(&source, arena, out, count, err) || err_prepend(err, "%s", path);
     }
     arena_finish(&scratch);

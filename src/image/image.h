@@ -5,6 +5,7 @@
 
 #include "arena.h"
 #include "err.h"
+#include "progress.h"
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -61,15 +62,17 @@ struct image_read_params {
     // EXR: the layer to read, of channels R, G, B, or X, Y, Z, or Y, or one channel by its whole
     // name ("depth.Z"); NULL: the plain ones.
     const char *layer;
-    size_t max_bytes;  // memory for the file, the pixels and the decoder; 0: 8 GiB
     uint32_t side_max; // longest side that is accepted; 0: any
     bool is_linear;    // colours of PNG and JPEG are taken as they are, not as sRGB-encoded
+    const struct progress *progress; // asked now and then whether to stop; any thread may do so
 };
 
-// Pixels live in `arena`. The format is told by the file's first bytes, not by its name. EXR:
-// single-part, scanline or tiled (the finest level); deep and multi-part files are ERR_INPUT. The
-// picture is the data window, wherever the display window lies. Non-finite and negative values are
-// kept as they are: the caller judges. Alpha is dropped, PNG colour profiles other than sRGB too.
+// Pixels live in `arena`; the budget of memory is asked for them, and for what the decoder needs,
+// as soon as the header is read. The format is told by the file's first bytes, not by its name.
+// EXR: single-part, scanline or tiled (the finest level); deep and multi-part files are ERR_INPUT.
+// The picture is the data window, wherever the display window lies. Non-finite and negative values
+// are kept as they are: the caller judges. Alpha is dropped, PNG colour profiles other than sRGB
+// too.
 bool image_read(const struct image_read_params *params, struct arena *arena, struct image *out,
                 struct err *err);
 // The same from memory, for pictures inside other files; params->path names the place in messages.

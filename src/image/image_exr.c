@@ -1,5 +1,6 @@
 #include "image_exr.h"
 
+#include "memory.h"
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -59,7 +60,7 @@ static int64_t write_bytes(exr_const_context_t context, void *user_data, const v
 // black, not whatever the memory held.
 static void *allocate_zeroed(size_t size)
 {
-    return calloc(1, size);
+    return memory_alloc(size);
 }
 
 exr_context_initializer_t exr_stream_initializer(struct exr_stream *stream)
@@ -68,7 +69,7 @@ exr_context_initializer_t exr_stream_initializer(struct exr_stream *stream)
     errno = 0; // for exr_fail
     initializer.error_handler_fn = stream->out ? drop_message : keep_message;
     initializer.alloc_fn = allocate_zeroed;
-    initializer.free_fn = free;
+    initializer.free_fn = memory_free;
     initializer.user_data = stream;
     initializer.read_fn = read_bytes;
     initializer.size_fn = query_size;

@@ -243,6 +243,8 @@ static bool read_scanlines(struct exr_reader *reader, struct err *err)
     exr_chunk_info_t chunk;
     for (uint64_t y = 0; y < reader->height; y += (uint64_t)chunk.height) {
         int64_t row = reader->window.min.y + (int64_t)y;
+        if (!pixels_go_on(reader->source, 0, reader->width, err))
+            return false;
         if (!check(reader, exr_read_scanline_chunk_info(reader->context, 0, (int)row, &chunk),
                    err) ||
             !decode_chunk(reader, &chunk, 0, y, err))
@@ -262,6 +264,8 @@ static bool read_tiles(struct exr_reader *reader, struct err *err)
     for (uint64_t y = 0; y < reader->height; y += (uint64_t)tile_height)
         for (uint64_t x = 0; x < reader->width; x += (uint64_t)tile_width) {
             exr_chunk_info_t chunk;
+            if (!pixels_go_on(reader->source, 0, reader->width, err))
+                return false;
             int column = (int)(x / (uint64_t)tile_width), row = (int)(y / (uint64_t)tile_height);
             if (!check(reader,
                        exr_read_tile_chunk_info(reader->context, 0, column, row, 0, 0, &chunk),

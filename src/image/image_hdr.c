@@ -176,7 +176,8 @@ bool image_hdr_read(const struct image_source *source, struct arena *arena, stru
         return err_memory(err, "a line", row_bytes);
     bool ok = true;
     for (uint64_t y = 0; ok && y < reader.height; y++) {
-        ok = read_row(&reader, row, err) || err_prepend(err, "line %llu", (unsigned long long)y);
+        ok = pixels_go_on(source, y, reader.width, err) &&
+             (read_row(&reader, row, err) || err_prepend(err, "line %llu", (unsigned long long)y));
         uint64_t to = reader.flip_y ? reader.height - 1 - y : y;
         if (ok)
             decode_row(&reader, row, to, out);

@@ -26,10 +26,10 @@ struct image_source {
     const uint8_t *data;
     size_t size;
     const char *layer; // EXR; NULL: the plain channels
-    size_t max_bytes;  // for pixels and whatever the decoder holds beside them
     uint32_t side_max; // 0: any
     bool is_linear;    // codes of PNG and JPEG are not sRGB
     bool with_alpha;   // RGBA, in halves where they will do; else RGB in floats
+    const struct progress *progress;
 };
 
 // Pixels as a decoder leaves them: RGB or RGBA.
@@ -43,12 +43,15 @@ struct pixels {
 struct pixels_size {
     uint64_t width, height;
     unsigned bits;        // a component in the file: up to 8 fit into halves
-    uint64_t extra_bytes; // of the decoder's own
+    uint64_t extra_bytes; // that the decoder is going to take beside the pixels
 };
 
 // Checks the sides and, with the decoder's own bytes, the budget, then allocates in the arena.
 bool pixels_allocate(const struct image_source *source, const struct pixels_size *size,
                      struct arena *arena, struct pixels *out, struct err *err);
+
+// To be asked once a row: ERR_STOPPED where the work is to end. Looks only now and then.
+bool pixels_go_on(const struct image_source *source, uint64_t row, uint64_t width, struct err *err);
 
 // What codes of 8 bits stand for: [0] in colours, [1] in alpha.
 struct code_table {

@@ -1,6 +1,7 @@
 // JPEG by libjpeg-turbo: grey or colour, 8 bits, baseline or progressive.
 #include "image_internal.h"
 
+#include "memory.h"
 #include <setjmp.h>
 #include <stdio.h> // jpeglib.h wants FILE and size_t
 #include <stdlib.h>
@@ -25,7 +26,8 @@ struct jpeg_reader {
     struct arena *arena;
     struct pixels *out;
     struct err *err;
-    bool reported; // err is filled in already
+    bool reported;          // err is filled in already
+    uint64_t library_bytes; // taken from the budget on the library's behalf
     JSAMPROW row;
 };
 
@@ -53,9 +55,15 @@ static void print_nothing(j_common_ptr common)
     (void)common;
 }
 
-static void limit_scans(j_common_ptr common)
+// Called by the library for each row of blocks.
+static void limit_work(j_common_ptr common)
 {
     struct jpeg_reader *reader = (struct jpeg_reader *)common->err;
+    if (progress_should_stop(reader->source->progress)) {
+        snprintf(reader->message, sizeof reader->message, "stopped while decoding");
+        reader->code = ERR_STOPPED;
+        longjmp(reader->on_error, 1);
+    }
     if (reader->decompress.input_scan_number <= SCANS_MAX)
         return;
     snprintf(reader->message, sizeof reader->message, "more than %d scans", SCANS_MAX);
@@ -74,6 +82,9 @@ static bool allocate(struct jpeg_reader *reader)
     const struct pixels_size size = {width, height, BITS_IN_JSAMPLE, extra};
     if (!pixels_allocate(reader->source, &size, reader->arena, reader->out, reader->err))
         return false;
+    if (!memory_take(extra))
+        return err_memory(reader->err, "a JPEG file's coefficients", extra);
+    reader->library_bytes = extra;
     reader->row = malloc((size_t)width * 3);
     return reader->row ? true : err_memory(reader->err, "a line", width * 3);
 }
@@ -116,11 +127,12 @@ bool image_jpeg_read(const struct image_source *source, struct arena *arena, str
     reader.error.error_exit = leave;
     reader.error.emit_message = judge_message;
     reader.error.output_message = print_nothing;
-    reader.progress.progress_monitor = limit_scans;
+    reader.progress.progress_monitor = limit_work;
     struct code_table table;
     code_table_fill(source, &table);
     bool ok = run(&reader, &table);
     jpeg_destroy_decompress(&reader.decompress);
+    memory_give(reader.library_bytes);
     free(reader.row);
     if (!ok && !reader.reported)
         err_set(err, reader.code, "JPEG: %s", reader.message);

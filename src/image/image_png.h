@@ -15,5 +15,8 @@ struct png_failure {
 // would print both).
 void png_keep_error(png_structp png, png_const_charp message) __attribute__((noreturn));
 void png_drop_warning(png_structp png, png_const_charp message);
+// Memory from the budget of the process.
+void *png_take_memory(png_structp png, png_alloc_size_t bytes);
+void png_give_memory(png_structp png, void *data);
 
 #endif

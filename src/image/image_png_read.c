@@ -1,6 +1,7 @@
 // PNG of any colour type and depth.
 #include "image_png.h"
 
+#include "memory.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -74,8 +75,8 @@ static bool allocate(struct png_reader *reader)
     const struct pixels_size size = {width, height, reader->bits, extra};
     if (!pixels_allocate(reader->source, &size, reader->arena, reader->out, reader->err))
         return false;
-    reader->bytes = malloc((size_t)(row_bytes * height));
-    reader->rows = malloc((size_t)height * sizeof *reader->rows);
+    reader->bytes = memory_alloc((size_t)(row_bytes * height));
+    reader->rows = memory_alloc((size_t)height * sizeof *reader->rows);
     if (!reader->bytes || !reader->rows)
         return err_memory(reader->err, "lines", extra);
     reader->row_bytes = (size_t)row_bytes;
@@ -110,6 +111,15 @@ static bool open_source(struct png_reader *reader)
     return true;
 }
 
+static void row_is_read(png_structp png, png_uint_32 row, int pass)
+{
+    struct png_reader *reader = png_get_io_ptr(png);
+    (void)pass;
+    reader->reported = !pixels_go_on(reader->source, row, reader->out->width, reader->err);
+    if (reader->reported)
+        png_error(png, "stopped");
+}
+
 static bool read_image(struct png_reader *reader)
 {
     if (setjmp(png_jmpbuf(reader->png)))
@@ -118,6 +128,7 @@ static bool read_image(struct png_reader *reader)
         reader->reported = true;
         return false;
     }
+    png_set_read_status_fn(reader->png, row_is_read);
     set_transformations(reader);
     if (png_get_rowbytes(reader->png, reader->info) != reader->row_bytes)
         png_error(reader->png, "lines of unexpected length");
@@ -138,22 +149,28 @@ static void convert_wide_row(const struct png_reader *reader, uint32_t y)
     }
 }
 
-static void convert(const struct png_reader *reader)
+static bool convert(struct png_reader *reader)
 {
     struct code_table table;
     code_table_fill(reader->source, &table);
     for (uint32_t y = 0; y < reader->out->height; y++) {
+        if (!pixels_go_on(reader->source, y, reader->out->width, reader->err)) {
+            reader->reported = true;
+            return false;
+        }
         if (reader->bits == 16)
             convert_wide_row(reader, y);
         else
             pixels_put_codes(reader->out, y, reader->rows[y], reader->components, &table);
     }
+    return true;
 }
 
 static bool reader_open(struct png_reader *reader, struct err *err)
 {
-    reader->png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &reader->failure, png_keep_error,
-                                         png_drop_warning);
+    reader->png =
+        png_create_read_struct_2(PNG_LIBPNG_VER_STRING, &reader->failure, png_keep_error,
+                                 png_drop_warning, NULL, png_take_memory, png_give_memory);
     reader->info = reader->png ? png_create_info_struct(reader->png) : NULL;
     return reader->info ? true : err_memory(err, "the PNG reader", 0);
 }
@@ -163,8 +180,8 @@ static bool reader_close(struct png_reader *reader, bool ok, bool ran, struct er
     if (!ok && ran && !reader->reported)
         err_set(err, ERR_INPUT, "PNG: %s", reader->failure.message);
     png_destroy_read_struct(&reader->png, &reader->info, NULL);
-    free(reader->bytes);
-    free(reader->rows);
+    memory_free(reader->bytes);
+    memory_free(reader->rows);
     return ok;
 }
 
@@ -173,9 +190,7 @@ bool image_png_read(const struct image_source *source, struct arena *arena, stru
 {
     struct png_reader reader = {.source = source, .arena = arena, .out = out, .err = err};
     bool ran = reader_open(&reader, err);
-    bool ok = ran && open_source(&reader) && read_image(&reader);
-    if (ok)
-        convert(&reader);
+    bool ok = ran && open_source(&reader) && read_image(&reader) && convert(&reader);
     return reader_close(&reader, ok, ran, err);
 }
 

@@ -1,6 +1,9 @@
 // Where decoders put pixels.
 #include "image_internal.h"
 
+#include "memory.h"
+#include <stdio.h>
+
 bool pixels_allocate(const struct image_source *source, const struct pixels_size *size,
                      struct arena *arena, struct pixels *out, struct err *err)
 {
@@ -17,11 +20,15 @@ bool pixels_allocate(const struct image_source *source, const struct pixels_size
                        (unsigned long long)width, (unsigned long long)height, source->side_max);
     if (width > UINT32_MAX || height > UINT32_MAX ||
         __builtin_mul_overflow(width * height, pixel_bytes, &bytes) ||
-        __builtin_add_overflow(bytes, size->extra_bytes, &bytes) || bytes > source->max_bytes)
+        __builtin_add_overflow(bytes, size->extra_bytes, &bytes) || bytes > SIZE_MAX / 2)
         return err_set(err, ERR_INPUT,
-                       "the picture is %llu x %llu pixels, which needs more than the limit of %zu "
-                       "bytes of memory",
-                       (unsigned long long)width, (unsigned long long)height, source->max_bytes);
+                       "the picture is %llu x %llu pixels, which is more than any memory holds",
+                       (unsigned long long)width, (unsigned long long)height);
+    char what[64];
+    snprintf(what, sizeof what, "a picture of %llu x %llu pixels", (unsigned long long)width,
+             (unsigned long long)height);
+    if (!memory_check(bytes, what, err))
+        return false;
     *out = (struct pixels){
         .width = (uint32_t)width,
         .height = (uint32_t)height,
@@ -29,7 +36,15 @@ bool pixels_allocate(const struct image_source *source, const struct pixels_size
         .is_half = is_half,
         .values = arena_alloc(arena, (size_t)(width * height), pixel_bytes),
     };
-    return out->values ? true : err_memory(err, "pixels", bytes);
+    return out->values ? true : err_memory(err, what, bytes);
+}
+
+bool pixels_go_on(const struct image_source *source, uint64_t row, uint64_t width, struct err *err)
+{
+    const uint64_t pixels = 1u << 20; // at least, between two looks: some 10 ms
+    uint64_t rows = width > 0 && width < pixels ? pixels / width : 1;
+    return row % rows != 0 || !progress_should_stop(source->progress) ||
+           err_set(err, ERR_STOPPED, "stopped while decoding");
 }
 
 void code_table_fill(const struct image_source *source, struct code_table *table)

@@ -4,6 +4,7 @@
 #include "environment_table.h"
 #include "film_aovs.h"
 #include "log.h"
+#include "memory.h"
 #include "shared/aov.h"
 #include "shared/types.h"
 #include "upload_parts.h"
@@ -306,6 +307,8 @@ static bool check_total(const struct memory_plan_params *p, const struct memory_
                        "the plan needs %" PRIu64 " bytes of device memory, but %s has %" PRIu64
                        ": expected a smaller scene, picture (--size) or --wave",
                        plan->total_bytes, p->gpu->info.name, device);
+    if (!memory_check(pixels * host_bytes, "the picture on the host", err))
+        return false;
     if (host_needed > host)
         return err_set(err, ERR_SYSTEM,
                        "the plan needs %" PRIu64 " bytes of memory, but %" PRIu64

@@ -19,7 +19,7 @@ static bool check_radiance(const float radiance[3], struct err *err)
 
 static bool hash_file(struct scene *scene, const char *path, struct err *err)
 {
-    struct arena scratch = {.limit_bytes = scene->arena.limit_bytes};
+    struct arena scratch = {0};
     struct file_bytes bytes;
     bool ok = file_read(&scratch, path, 0, &bytes, err);
     if (ok)
@@ -55,7 +55,7 @@ static bool clean_texels(struct scene *scene, const char *path, struct image *im
 static bool load_image(struct scene *scene, const char *path, const float factor[3],
                        struct environment *out, struct err *err)
 {
-    const struct image_read_params params = {.path = path, .max_bytes = scene->arena.limit_bytes};
+    const struct image_read_params params = {.path = path, .progress = scene->progress};
     struct image image = {0};
     if (!hash_file(scene, path, err) || !image_read(&params, &scene->arena, &image, err))
         return false;

@@ -51,32 +51,47 @@ static bool overlap(const struct scattered_sphere *a, const struct scattered_sph
 }
 
 static bool is_free(const struct grid *grid, const struct scattered_sphere *spheres,
-                    const struct scattered_sphere *sphere)
+                    const struct scattered_sphere *sphere, uint64_t *compared)
 {
     uint32_t x = cell_of(grid, sphere->center[0]), z = cell_of(grid, sphere->center[2]);
     for (uint32_t j = z > 0 ? z - 1 : 0; j <= z + 1 && j < grid->side; j++)
         for (uint32_t i = x > 0 ? x - 1 : 0; i <= x + 1 && i < grid->side; i++)
             for (uint32_t s = grid->first[j * grid->side + i]; s != NOTHING; s = grid->next[s])
-                if (overlap(sphere, &spheres[s]))
+                if (++*compared, overlap(sphere, &spheres[s]))
                     return false;
     return true;
+}
+
+// A place may take a thousand tries, and a try as many comparisons as there are spheres.
+struct polling {
+    uint64_t work, polled; // comparisons and tries: so far, when the listener was last asked
+    bool is_stopped;
+};
+
+static void poll(struct polling *polling, const struct progress *progress)
+{
+    if (polling->work - polling->polled < 65536)
+        return;
+    polling->polled = polling->work;
+    polling->is_stopped = progress_should_stop(progress);
 }
 
 // Uniformly over the part of the disc in which the whole sphere lies above it.
 static bool find_place(const struct scatter *scatter, const struct grid *grid,
                        const struct scattered_sphere *spheres, uint32_t number,
-                       struct scattered_sphere *sphere)
+                       struct scattered_sphere *sphere, struct polling *polling)
 {
     double reach = scatter->disc_radius - sphere->radius;
-    for (uint32_t try = 0; try < TRIES; try++) {
+    for (uint32_t try = 0; try < TRIES && !polling->is_stopped; try++, polling->work++) {
         double x = 2 * random_number(scatter, number, 2 + 2 * try) - 1;
         double z = 2 * random_number(scatter, number, 3 + 2 * try) - 1;
         if (x * x + z * z > 1)
             continue;
         sphere->center[0] = reach * x;
         sphere->center[2] = reach * z;
-        if (is_free(grid, spheres, sphere))
+        if (is_free(grid, spheres, sphere, &polling->work))
             return true;
+        poll(polling, scatter->progress);
     }
     return false;
 }
@@ -100,6 +115,7 @@ bool scatter_spheres(const struct scatter *scatter, struct arena *scratch,
     struct grid grid;
     if (!grid_init(scatter, scratch, &grid))
         return err_memory(err, "the grid of scattered spheres", 4ull * scatter->count);
+    struct polling polling = {0};
     *placed = 0;
     for (uint32_t number = 0; number < scatter->count; number++) {
         struct scattered_sphere sphere = {.choice = scatter_bits(scatter->seed, number, 0)};
@@ -107,7 +123,11 @@ bool scatter_spheres(const struct scatter *scatter, struct arena *scratch,
         sphere.radius =
             scatter->min_radius + (scatter->max_radius - scatter->min_radius) * u * u * u;
         sphere.center[1] = sphere.radius;
-        if (!find_place(scatter, &grid, out, number, &sphere))
+        bool is_placed = find_place(scatter, &grid, out, number, &sphere, &polling);
+        poll(&polling, scatter->progress);
+        if (polling.is_stopped)
+            return err_set(err, ERR_STOPPED, "stopped while scattering spheres");
+        if (!is_placed)
             continue;
         uint32_t cell =
             cell_of(&grid, sphere.center[2]) * grid.side + cell_of(&grid, sphere.center[0]);

@@ -332,7 +332,7 @@ static bool play(struct player *player, const struct json_node *channels, struct
         return gltf_no_memory(document, "an animation", count * sizeof *player->times, err);
     for (size_t i = 0; i < json_array_size(channels->value); i++) {
         const struct json_node node = node_element(channels, i);
-        struct channel channel = {.arena = mesh_scratch(player->load->scene)};
+        struct channel channel = {0};
         bool ok = apply_channel(player, &node, &channel, err);
         arena_finish(&channel.arena);
         if (!ok)
@@ -362,7 +362,6 @@ bool gltf_animation_pose(struct gltf_load *load, const char *name, double second
     if (!*poses)
         return gltf_no_memory(document, "poses", node_count * sizeof **poses, err);
     player.poses = *poses;
-    player.arena = mesh_scratch(load->scene);
     bool ok = play(&player, &channels, err);
     arena_finish(&player.arena);
     return ok;

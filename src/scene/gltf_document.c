@@ -2,6 +2,7 @@
 #include "gltf_document.h"
 
 #include "gltf_buffer.h"
+#include "json_parse.h"
 #include <float.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -143,43 +144,15 @@ struct json_node gltf_item(const struct gltf_document *document, enum gltf_list 
 
 // --- JSON ----------------------------------------------------------------------------------------
 
-// An upper bound of the memory that jansson's tree of this text takes, so that a file of brackets
-// cannot get around the budget. Measured with jansson 2.14 on 64-bit: an object with its first
-// table and member takes up to 400 bytes, a further member up to 180 while its table is doubled, an
-// element less, and a long string three times its length while it is read.
-static uint64_t json_memory_bound(const struct file_bytes *text)
-{
-    uint64_t bound = 4 * (uint64_t)text->size + 512;
-    for (size_t i = 0; i < text->size; i++) {
-        uint8_t c = text->data[i];
-        bound += c == '{' || c == '[' ? 512 : c == ',' ? 192 : 0;
-    }
-    return bound;
-}
-
 static bool parse_json(struct gltf_document *document, const struct file_bytes *text,
                        struct err *err)
 {
     const char *path = document->source->path;
-    uint64_t bound = json_memory_bound(text);
-    size_t *limit = &document->arena.limit_bytes;
-    document->json_bytes = bound;
-    if (*limit > 0) {
-        if (bound >= *limit)
-            return gltf_no_memory(document, "the JSON document", bound, err);
-        *limit -= (size_t)bound;
-    }
-    json_error_t problem;
-    document->json =
-        json_loadb((const char *)text->data, text->size, JSON_REJECT_DUPLICATES, &problem);
-    if (document->json) {
-        document->root = node_root(path, document->json);
-        return json_is_object(document->json) || node_unexpected(&document->root, "an object", err);
-    }
-    if (json_error_code(&problem) == json_error_out_of_memory)
-        return gltf_no_memory(document, "the JSON document", bound, err);
-    return err_set(err, ERR_INPUT, "%s: line %d, column %d: %s", path, problem.line, problem.column,
-                   problem.text);
+    document->json = json_parse(path, text, JSON_REJECT_DUPLICATES, err);
+    if (!document->json)
+        return false;
+    document->root = node_root(path, document->json);
+    return json_is_object(document->json) || node_unexpected(&document->root, "an object", err);
 }
 
 // --- asset and extensions ------------------------------------------------------------------------
@@ -331,9 +304,9 @@ static bool open_container(const struct gltf_source *source, struct glb_chunks *
 }
 
 bool gltf_document_open(struct gltf_document *document, const struct gltf_source *source,
-                        size_t limit_bytes, struct err *err)
+                        struct err *err)
 {
-    *document = (struct gltf_document){.source = source, .arena.limit_bytes = limit_bytes};
+    *document = (struct gltf_document){.source = source};
     struct glb_chunks chunks;
     return open_container(source, &chunks, err) && parse_json(document, &chunks.json, err) &&
            check_frame(document, err) && gltf_buffers_load(document, &chunks.binary, err) &&

@@ -48,7 +48,6 @@ struct gltf_document {
     const struct gltf_source *source;
     struct arena arena; // owns the buffers; for whatever else lives as long as the document
     json_t *json;
-    uint64_t json_bytes;   // of memory that the tree takes at most
     struct json_node root; // the nodes point into this struct: do not copy it
     struct json_node lists[GLTF_LIST_COUNT];
     uint32_t counts[GLTF_LIST_COUNT];
@@ -60,9 +59,8 @@ struct gltf_document {
 };
 
 // Parses and checks *source, which must outlive *document, and loads all buffers.
-// limit_bytes: the memory that buffers and JSON may take, 0: no limit.
 bool gltf_document_open(struct gltf_document *document, const struct gltf_source *source,
-                        size_t limit_bytes, struct err *err);
+                        struct err *err);
 void gltf_document_close(struct gltf_document *document); // accepts {0} and half-opened ones
 
 // ERR_SYSTEM with the file's name in front; returns false.

@@ -71,6 +71,7 @@ static bool check_content(struct image_source *source, struct err *err)
 struct image_job {
     struct gltf_image *image;
     const struct gltf_document *document;
+    const struct progress *progress;
     struct scene scene;
     struct err err;
     bool ok, is_mislabelled;
@@ -116,10 +117,10 @@ static bool decode(struct image_job *job, struct arena *scratch, struct err *err
     return true;
 }
 
-static void run_job(struct image_job *job, size_t limit_bytes)
+static void run_job(struct image_job *job)
 {
-    struct arena scratch = {.limit_bytes = limit_bytes};
-    job->scene = (struct scene){.arena.limit_bytes = limit_bytes, .hash = HASH_INIT};
+    struct arena scratch = {0};
+    job->scene = (struct scene){.hash = HASH_INIT, .progress = job->progress};
     job->err = (struct err){0};
     job->ok = decode(job, &scratch, &job->err);
     arena_finish(&scratch);
@@ -127,17 +128,12 @@ static void run_job(struct image_job *job, size_t limit_bytes)
 
 // --- several at a time ---------------------------------------------------------------------------
 
-struct image_round {
-    struct image_job *jobs;
-    size_t limit_bytes; // of each
-};
-
 static void run_jobs(void *context, size_t begin, size_t end, unsigned thread)
 {
-    struct image_round *round = context;
+    struct image_job *jobs = context;
     (void)thread;
     for (size_t i = begin; i < end; i++)
-        run_job(&round->jobs[i], round->limit_bytes);
+        run_job(&jobs[i]);
 }
 
 static bool find_image(const struct scene *scene, uint64_t hash, uint32_t *index)
@@ -170,28 +166,27 @@ static bool adopt_image(struct gltf_load *load, struct image_job *job, struct er
     return true;
 }
 
-static size_t memory_left(const struct arena *arena)
+// They are to be decoded again, each when it has all the memory for itself.
+static void release(struct image_job *jobs, size_t count)
 {
-    if (arena->limit_bytes == 0)
-        return 0;
-    return arena->limit_bytes > arena->used_bytes ? arena->limit_bytes - arena->used_bytes : 1;
+    for (size_t i = 0; i < count; i++) {
+        scene_finish(&jobs[i].scene);
+        jobs[i].ok = false;
+    }
 }
 
-// A share of the memory that is left for each of the round; whoever fails has all of it alone.
 static bool run_round(struct gltf_load *load, struct image_job *jobs, size_t count, struct err *err)
 {
     assert(count > 0);
-    size_t left = memory_left(&load->scene->arena);
-    struct image_round round = {jobs, left > count ? left / count : left};
-    parallel_for(count, 1, 0, run_jobs, &round);
+    parallel_for(count, 1, 0, run_jobs, jobs);
     bool ok = true;
     for (size_t i = 0; i < count; i++) {
-        if (ok && !jobs[i].ok) {
-            scene_finish(&jobs[i].scene);
-            run_job(&jobs[i], memory_left(&load->scene->arena));
-            if (!jobs[i].ok)
-                *err = jobs[i].err;
+        if (ok && !jobs[i].ok && jobs[i].err.code != ERR_STOPPED) {
+            release(&jobs[i], count - i);
+            run_job(&jobs[i]);
         }
+        if (ok && !jobs[i].ok)
+            *err = jobs[i].err;
         ok = ok && jobs[i].ok && adopt_image(load, &jobs[i], err);
         scene_finish(&jobs[i].scene);
     }
@@ -208,7 +203,9 @@ bool gltf_images_load(struct gltf_load *load, struct gltf_image *images, size_t 
     for (size_t done = 0; done < count;) {
         size_t round = count - done < room ? count - done : room;
         for (size_t i = 0; i < round; i++)
-            jobs[i] = (struct image_job){.image = &images[done + i], .document = &load->document};
+            jobs[i] = (struct image_job){.image = &images[done + i],
+                                         .document = &load->document,
+                                         .progress = load->scene->progress};
         if (!run_round(load, jobs, round, err))
             return false;
         done += round;

@@ -35,10 +35,11 @@ struct parts {
 bool gltf_instance_add(struct gltf_load *load, const double transform[3][4],
                        struct gltf_mesh_range meshes, struct err *err)
 {
+    if (!scene_reserve_instances(load->scene, meshes.count))
+        return gltf_no_memory(&load->document, "instances",
+                              (uint64_t)meshes.count * sizeof(struct instance), err);
     for (uint32_t i = 0; i < meshes.count; i++) {
         struct instance *instance = scene_add_instance(load->scene, NULL);
-        if (!instance)
-            return gltf_no_memory(&load->document, "instances", sizeof *instance, err);
         instance->mesh = meshes.first + i;
         instance->material = SCENE_NONE;
         memcpy(instance->transform, transform, sizeof instance->transform);
@@ -119,10 +120,15 @@ bool gltf_instancing_load(struct gltf_load *load, const struct json_node *node,
     if (!gltf_require(&instancing, "attributes", err) ||
         !gltf_read_object(&instancing, "attributes", &attributes, err))
         return false;
-    struct parts parts = {.arena = mesh_scratch(load->scene)};
+    struct parts parts = {0};
     bool ok = read_parts(load, &attributes, &parts, err);
+    uint64_t total = (uint64_t)parts.count * meshes.count;
+    if (ok && !scene_reserve_instances(load->scene, total)) {
+        err_memory(err, "instances", total * sizeof(struct instance));
+        ok = node_prepend(node, err);
+    }
     for (uint32_t i = 0; ok && i < parts.count; i++)
-        ok = add_one(load, &parts, i, world, meshes, err);
+        ok = scene_goes_on(load->scene, i, err) && add_one(load, &parts, i, world, meshes, err);
     arena_finish(&parts.arena);
     return ok;
 }

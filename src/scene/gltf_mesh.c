@@ -125,7 +125,7 @@ static bool read_indexed_triangles(struct gltf_load *load, uint32_t accessor,
     if (!accessor_view(&load->document, accessor, &index_rule, &view, err) ||
         !allocate_triangles(load, &view.node, mode, view.count, mesh, err))
         return false;
-    struct arena scratch = mesh_scratch(load->scene);
+    struct arena scratch = {0};
     uint32_t *sequence = ARENA_NEW(&scratch, uint32_t, view.count);
     bool ok = sequence ? accessor_read_indices(&view, mesh->vertex_count, "the number of vertices",
                                                sequence, err)

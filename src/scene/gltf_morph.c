@@ -192,7 +192,6 @@ static bool morph(struct gltf_load *load, const struct json_node *primitive, str
     const float *base = *values;
     if (!base)
         return true;
-    sum->arena = mesh_scratch(load->scene);
     sum->width = gltf_attribute_width(sum->attribute);
     bool ok = true;
     for (uint32_t i = 0; ok && i < sum->weights->count; i++)

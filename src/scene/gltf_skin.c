@@ -54,7 +54,7 @@ static bool apply_bind_matrices(struct gltf_load *load, uint32_t accessor, struc
     if (view.count < skin->joint_count)
         return node_fail(&view.node, err, "%u inverse bind matrices for %u joints", view.count,
                          skin->joint_count);
-    struct arena scratch = mesh_scratch(load->scene);
+    struct arena scratch = {0};
     float(*matrices)[16] = arena_alloc(&scratch, view.count, sizeof *matrices);
     if (!matrices)
         return gltf_no_memory(&load->document, "matrices", view.count * sizeof *matrices, err);
@@ -127,7 +127,6 @@ static bool no_blend_memory(struct gltf_load *load, const struct blend *blend, s
 
 static bool open_blend(struct gltf_load *load, struct blend *blend, struct err *err)
 {
-    blend->arena = mesh_scratch(load->scene);
     blend->transforms = arena_alloc(&blend->arena, blend->vertex_count, sizeof *blend->transforms);
     blend->totals = ARENA_NEW(&blend->arena, double, blend->vertex_count);
     blend->joints = arena_alloc(&blend->arena, blend->vertex_count, 4 * sizeof(uint32_t));

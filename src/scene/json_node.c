@@ -1,5 +1,6 @@
 #include "json_node.h"
 
+#include "json_parse.h"
 #include "suggest.h"
 #include <stdarg.h>
 #include <stdio.h>
@@ -96,7 +97,7 @@ struct node_text node_describe(const json_t *value)
         return (struct node_text){"this value"};
     bool fits = strlen(dumped) < sizeof described.text;
     snprintf(described.text, sizeof described.text, fits ? "%s" : "%.56s …", dumped);
-    free(dumped);
+    json_release(dumped);
     return described;
 }
 

@@ -1,5 +1,6 @@
 #include "json_text.h"
 
+#include "json_parse.h"
 #include <jansson.h>
 #include <math.h>
 #include <stdlib.h>
@@ -163,7 +164,7 @@ void json_text_string(struct json_text *t, const char *text)
         t->failed = !err_set(t->err, ERR_INPUT,
                              "%s: \"%s\" cannot be written down; expected UTF-8 without \"${\"",
                              t->key, text);
-    free(dumped);
+    json_release(dumped);
     json_decref(string);
 }
 

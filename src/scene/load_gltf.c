@@ -242,17 +242,6 @@ static bool allocate_tables(struct gltf_load *load, struct err *err)
                           err);
 }
 
-// What the document holds until the end counts against what the scene may still take.
-static void charge_scene(struct gltf_load *load)
-{
-    const struct gltf_document *document = &load->document;
-    size_t held =
-        document->source->bytes.size + (size_t)document->json_bytes + document->arena.used_bytes;
-    size_t *limit = &load->scene->arena.limit_bytes;
-    if (*limit > 0)
-        *limit = *limit > held ? *limit - held : 1;
-}
-
 // Without a wish for an animation or a time, the nodes stand as they are: viewers that do not play
 // show the same.
 static bool pose_nodes(struct gltf_load *load, const struct gltf_load_params *params,
@@ -282,7 +271,6 @@ static bool convert(struct gltf_load *load, const struct gltf_load_params *param
     };
     if (!gltf_nodes_open(&nodes, &load->document, &nodes_params, &load->document.arena, err))
         return false;
-    charge_scene(load);
     if (!gltf_variant_find(load, params->variant, err) || !gltf_materials_load(load, err))
         return false;
     for (uint32_t i = 0; i < nodes.count; i++)
@@ -302,13 +290,8 @@ bool gltf_load_bytes(struct scene *scene, const struct gltf_load_params *params,
         .progress = params->progress,
         .default_material = SCENE_NONE,
     };
-    size_t scene_limit = scene->arena.limit_bytes;
-    size_t limit = mesh_scratch(scene).limit_bytes, file_size = params->source.bytes.size;
-    if (limit > 0)
-        limit = limit > file_size ? limit - file_size : 1;
-    bool ok = gltf_document_open(&load.document, &params->source, limit, err) &&
-              convert(&load, params, err);
-    scene->arena.limit_bytes = scene_limit;
+    bool ok =
+        gltf_document_open(&load.document, &params->source, err) && convert(&load, params, err);
     gltf_document_close(&load.document);
     return ok;
 }
@@ -316,7 +299,7 @@ bool gltf_load_bytes(struct scene *scene, const struct gltf_load_params *params,
 // Reads a file and loads it; params->source.bytes are filled in here.
 static bool load_file(struct scene *scene, struct gltf_load_params *params, struct err *err)
 {
-    struct arena arena = mesh_scratch(scene);
+    struct arena arena = {0};
     bool ok = file_read(&arena, params->source.path, 0, &params->source.bytes, err) &&
               gltf_load_bytes(scene, params, err);
     arena_finish(&arena);

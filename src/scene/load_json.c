@@ -3,6 +3,7 @@
 
 #include "file.h"
 #include "hash.h"
+#include "json_parse.h"
 #include <string.h>
 
 #define FORMAT_VERSION 1
@@ -16,21 +17,6 @@ const struct range RANGE_UNIT = {0, 1, false};
 const struct range RANGE_RADIANCE = {0, SCENE_RADIANCE_MAX, false};
 const struct range RANGE_COORDINATE = {-SCENE_COORDINATE_MAX, SCENE_COORDINATE_MAX, false};
 const struct range RANGE_RADIUS = {1 / SCENE_COORDINATE_MAX, SCENE_COORDINATE_MAX, false};
-
-static json_t *parse(const char *path, const struct file_bytes *bytes, struct err *err)
-{
-    json_error_t problem;
-    json_t *root =
-        json_loadb((const char *)bytes->data, bytes->size, JSON_REJECT_DUPLICATES, &problem);
-    if (root)
-        return root;
-    if (json_error_code(&problem) == json_error_out_of_memory)
-        err_memory(err, "the JSON document", bytes->size);
-    else
-        err_set(err, ERR_INPUT, "%s: line %d, column %d: %s", path, problem.line, problem.column,
-                problem.text);
-    return NULL;
-}
 
 // Before anything else: a file of a later version may differ in every way.
 static bool check_version(const struct json_node *document, struct err *err)
@@ -120,8 +106,10 @@ bool load_json(struct scene *scene, const struct scene_load_params *params, stru
     if (!file_read(&scene->arena, params->path, LOAD_JSON_BYTES_MAX, &bytes, err))
         return false;
     hash_inputs(scene, &bytes, params);
-    json_t *root = parse(params->path, &bytes, err);
+    json_t *root = json_parse(params->path, &bytes, JSON_REJECT_DUPLICATES, err);
     bool ok = root && load_document(params, scene, root, err);
+    if (ok && json_lost_memory())
+        ok = err_memory(err, "the JSON document", bytes.size);
     json_decref(root);
     return ok;
 }

@@ -30,7 +30,8 @@ bool scene_load_into(struct scene *scene, const struct scene_load_params *params
 bool load_json_apply_overrides(const struct json_node *document,
                                const struct scene_load_params *params, json_t *trusted,
                                struct err *err);
-json_t *load_json_override_value(const char *text); // NULL: no UTF-8
+// The value of an override: JSON, or else the text itself. NULL with *err set where it is no UTF-8.
+json_t *load_json_override_value(const char *text, struct err *err);
 bool load_json_resolve_references(const struct json_node *document, struct err *err);
 
 // The keys of the document, ended by NULL.

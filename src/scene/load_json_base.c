@@ -3,6 +3,7 @@
 
 #include "environment.h"
 #include "file.h"
+#include "json_parse.h"
 #include "scene_edits.h"
 #include <math.h>
 #include <stdlib.h>
@@ -21,7 +22,7 @@ static const char *dump_value(struct arena *arena, const json_t *value)
 {
     char *dumped = json_dumps(value, JSON_ENCODE_ANY | JSON_REAL_PRECISION(17));
     const char *kept = dumped ? arena_strdup(arena, dumped) : NULL;
-    free(dumped);
+    json_release(dumped);
     return kept;
 }
 

@@ -1,6 +1,7 @@
 // What changes the document before it is read: overrides (-D KEY=VALUE) and references ("${NAME}").
 #include "load_json.h"
 
+#include "json_parse.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -105,11 +106,23 @@ static bool apply_override(json_t *root, const char *key, json_t *value, struct 
     return put_at_path(root, key, value, err);
 }
 
-// The value of an override: JSON, or else the text itself.
-json_t *load_json_override_value(const char *text)
+json_t *load_json_override_value(const char *text, struct err *err)
 {
-    json_t *value = json_loads(text, JSON_DECODE_ANY | JSON_REJECT_DUPLICATES, NULL);
-    return value ? value : json_string(text);
+    const struct file_bytes bytes = {(const uint8_t *)text, strlen(text)};
+    struct err problem = {0};
+    json_t *value =
+        json_parse("the value", &bytes, JSON_DECODE_ANY | JSON_REJECT_DUPLICATES, &problem);
+    if (value || problem.code != ERR_INPUT) {
+        if (!value && err)
+            *err = problem;
+        return value;
+    }
+    value = json_string(text);
+    if (!value && json_lost_memory())
+        err_memory(err, "the value", bytes.size);
+    else if (!value)
+        err_set(err, ERR_USAGE, "the value is not UTF-8 text");
+    return value;
 }
 
 bool load_json_apply_overrides(const struct json_node *document,
@@ -118,9 +131,9 @@ bool load_json_apply_overrides(const struct json_node *document,
 {
     for (uint32_t i = 0; i < params->override_count; i++) {
         const struct scene_override *override = &params->overrides[i];
-        json_t *value = load_json_override_value(override->value);
+        json_t *value = load_json_override_value(override->value, err);
         if (!value)
-            return err_set(err, ERR_USAGE, "-D %s: the value is not UTF-8 text", override->key);
+            return err_prepend(err, "-D %s", override->key);
         if (json_array_append_new(trusted, value) != 0)
             return err_memory(err, "an override", strlen(override->value));
         if (!apply_override(document->value, override->key, value, err))

@@ -115,6 +115,7 @@ static bool read_scatter(struct json_loader *loader, const struct json_node *nod
         !node_read_integer(node, "subdivision", 0, SCATTER_SUBDIVISION_MAX, &strewn->subdivision,
                            err))
         return false;
+    scatter->progress = loader->scene->progress;
     scatter->count = (uint32_t)count;
     scatter->seed = (uint32_t)seed;
     scatter->min_radius = radii[0];
@@ -190,7 +191,7 @@ bool load_json_scatter(struct json_loader *loader, const struct json_node *node,
     struct strewn strewn = {0};
     struct arena scratch = {0};
     bool ok = read_scatter(loader, node, &strewn, err) &&
-              add_spheres(loader->scene, &strewn, &scratch, err);
+              (add_spheres(loader->scene, &strewn, &scratch, err) || node_prepend(node, err));
     arena_finish(&scratch);
     return ok;
 }

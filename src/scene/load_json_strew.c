@@ -101,20 +101,17 @@ static void make_transform(struct strew *strew, uint32_t copy, const double plac
 
 // --- copies --------------------------------------------------------------------------------------
 
+// There is room for it.
 static bool add_copy(struct scene *scene, const struct scene_part *part, const double m[3][4],
                      const struct json_node *node, struct err *err)
 {
     for (uint32_t i = 0; i < part->instance_count; i++) {
         struct instance *copy = scene_add_instance(scene, NULL);
-        if (!copy)
-            return err_memory(err, "an instance", sizeof *copy);
         *copy = scene->instances[part->first_instance + i];
         affine_multiply(m, copy->transform, copy->transform);
     }
     for (uint32_t i = 0; i < part->shape_count; i++) {
         struct shape *copy = scene_add_shape(scene, NULL);
-        if (!copy)
-            return err_memory(err, "a shape", sizeof *copy);
         *copy = scene->shapes[part->first_shape + i];
         if (!load_json_move_shape(node, m, copy, err))
             return false;
@@ -125,7 +122,7 @@ static bool add_copy(struct scene *scene, const struct scene_part *part, const d
 static bool add_copies(const struct json_loader *loader, struct strew *strew,
                        const struct json_node *node, struct err *err)
 {
-    uint64_t n = 0;
+    uint64_t n = 0, added = 0;
     for (uint32_t copy = 0; copy < strew->count; copy++) {
         double place[2], m[3][4];
         strew->drawn = 0;
@@ -134,8 +131,12 @@ static bool add_copies(const struct json_loader *loader, struct strew *strew,
         make_transform(strew, copy, place, m);
         if (!add_copy(loader->scene, &strew->kinds[kind], m, node, err))
             return false;
-        if (copy % 65536 == 0 && progress_should_stop(loader->params->progress))
-            return err_set(err, ERR_STOPPED, "stopped while strewing shapes");
+        added += strew->kinds[kind].instance_count + strew->kinds[kind].shape_count;
+        if (added >= 65536 || copy % 65536 == 0) {
+            added = 0;
+            if (!scene_goes_on(loader->scene, 0, err))
+                return false;
+        }
     }
     return true;
 }
@@ -175,8 +176,13 @@ static bool reserve(struct scene *scene, const struct strew *strew, const struct
                          "in all",
                          strew->count, (unsigned long long)instances, (unsigned long long)shapes,
                          STREW_COUNT_MAX);
-    return scene_reserve_instances(scene, strew->count * instances) ||
-           err_memory(err, "instances", strew->count * instances * sizeof(struct instance));
+    if (scene_reserve_instances(scene, strew->count * instances) &&
+        scene_reserve_shapes(scene, strew->count * shapes))
+        return true;
+    err_memory(err, "the copies",
+               strew->count *
+                   (instances * sizeof(struct instance) + shapes * sizeof(struct shape)));
+    return node_prepend(node, err);
 }
 
 static bool read_area(const struct json_node *node, struct strew *strew, struct err *err)

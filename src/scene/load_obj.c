@@ -546,7 +546,6 @@ bool load_obj(struct scene *scene, const char *path, uint32_t default_material,
 {
     struct obj_parser parser = {
         .scene = scene,
-        .scratch = mesh_scratch(scene),
         .text = {.path = path},
         .default_material = default_material,
         .material = SCENE_NONE,

@@ -385,8 +385,7 @@ static bool parse(struct ply_parser *parser, uint32_t default_material, struct m
 bool load_ply(struct scene *scene, const char *path, uint32_t default_material, uint32_t *index,
               struct err *err)
 {
-    struct ply_parser parser = {
-        .scene = scene, .scratch = mesh_scratch(scene), .text = {.path = path}};
+    struct ply_parser parser = {.scene = scene, .text = {.path = path}};
     parser.triangles.arena = &parser.scratch;
     struct mesh mesh = {.name = ""};
     bool is_loaded = parse(&parser, default_material, &mesh, err);

@@ -4,14 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-struct arena mesh_scratch(const struct scene *scene)
-{
-    size_t limit = scene->arena.limit_bytes, used = scene->arena.used_bytes;
-    if (limit == 0)
-        return (struct arena){0};
-    return (struct arena){.limit_bytes = used < limit ? limit - used : 1};
-}
-
 bool mesh_unit_normal(const float direction[3], float out[3])
 {
     // In double precision no square of a float overflows, and none but zero's is zero.

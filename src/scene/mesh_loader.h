@@ -4,9 +4,6 @@
 
 #include "scene.h"
 
-// An arena for data that only the load needs, within what the scene's byte budget leaves.
-struct arena mesh_scratch(const struct scene *scene);
-
 // Writes the unit vector along `direction`, or (0,0,0), a missing normal, and false where that has
 // no direction: zero or not finite.
 bool mesh_unit_normal(const float direction[3], float out[3]);

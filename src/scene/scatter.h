@@ -12,6 +12,7 @@ struct scatter {
     uint32_t count, seed;
     double disc_radius;            // about the origin, in the plane y = 0, on which the spheres lie
     double min_radius, max_radius; // 0 < min <= max <= disc_radius; small ones are more frequent
+    const struct progress *progress; // NULL: nobody listens
 };
 
 struct scattered_sphere {
@@ -20,8 +21,9 @@ struct scattered_sphere {
 };
 
 // Places spheres that do not overlap, each where the first of 1024 random places is free, or not at
-// all. `out` has room for `count`; *placed are there. The same on every machine: integers are
-// hashed, and only exactly rounded operations follow. scratch: for the time of the call.
+// all. `out` has room for `count`; *placed are there. ERR_STOPPED when `progress` asks to stop. The
+// same on every machine: integers are hashed, and only exactly rounded operations follow. scratch:
+// for the time of the call.
 bool scatter_spheres(const struct scatter *scatter, struct arena *scratch,
                      struct scattered_sphere *out, uint32_t *placed, struct err *err);
 

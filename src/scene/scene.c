@@ -8,24 +8,30 @@
 // The first capacity of a growing array; most scenes have a handful of each thing.
 #define FIRST_CAPACITY 8
 
-// Returns an array that begins with the `count` elements of `items` and has room for one more:
-// `items` itself while the capacity lasts, else a copy of twice the capacity. The old one stays in
-// the arena; doubling keeps the sum of all outgrown arrays below the size of the live one.
-static void *reserve_one(struct arena *arena, void *items, uint32_t count, uint32_t *capacity,
-                         size_t size)
+// Returns an array that begins with the `count` elements of `items` and has room for `more`:
+// `items` itself while the capacity lasts, else a copy of twice the capacity or of what is asked
+// for. The old one stays in the arena; doubling keeps the sum of all outgrown arrays below the size
+// of the live one.
+static void *reserve(struct arena *arena, void *items, uint32_t count, uint64_t more,
+                     uint32_t *capacity, size_t size)
 {
-    if (count < *capacity)
+    if (more <= *capacity - count)
         return items;
-    if (count > UINT32_MAX / 2)
-        return NULL;
-    uint32_t grown_capacity = count < FIRST_CAPACITY ? FIRST_CAPACITY : 2 * count;
-    void *grown = arena_alloc(arena, grown_capacity, size);
-    if (!grown)
+    uint64_t needed = count + more, doubled = 2 * (uint64_t)*capacity;
+    uint64_t grown_capacity = needed > doubled ? needed : doubled;
+    void *grown = arena_alloc(arena, grown_capacity, size); // the budget is asked in any case
+    if (!grown || grown_capacity > UINT32_MAX)
         return NULL;
     if (count > 0)
         memcpy(grown, items, count * size);
-    *capacity = grown_capacity;
+    *capacity = (uint32_t)grown_capacity;
     return grown;
+}
+
+static void *reserve_one(struct arena *arena, void *items, uint32_t count, uint32_t *capacity,
+                         size_t size)
+{
+    return reserve(arena, items, count, *capacity == 0 ? FIRST_CAPACITY : 1, capacity, size);
 }
 
 struct material *scene_add_material(struct scene *scene, uint32_t *index)
@@ -80,19 +86,20 @@ struct instance *scene_add_instance(struct scene *scene, uint32_t *index)
 
 bool scene_reserve_instances(struct scene *scene, uint64_t more)
 {
-    uint64_t capacity = scene->instance_count + more;
-    if (capacity <= scene->instance_capacity)
-        return true;
-    if (capacity > UINT32_MAX / 2)
-        return false;
-    struct instance *items = ARENA_NEW(&scene->arena, struct instance, capacity);
-    if (!items)
-        return false;
-    if (scene->instance_count > 0)
-        memcpy(items, scene->instances, scene->instance_count * sizeof *items);
-    scene->instances = items;
-    scene->instance_capacity = (uint32_t)capacity;
-    return true;
+    struct instance *items = reserve(&scene->arena, scene->instances, scene->instance_count, more,
+                                     &scene->instance_capacity, sizeof *items);
+    if (items)
+        scene->instances = items;
+    return items || more == 0;
+}
+
+bool scene_reserve_shapes(struct scene *scene, uint64_t more)
+{
+    struct shape *items = reserve(&scene->arena, scene->shapes, scene->shape_count, more,
+                                  &scene->shape_capacity, sizeof *items);
+    if (items)
+        scene->shapes = items;
+    return items || more == 0;
 }
 
 struct shape *scene_add_shape(struct scene *scene, uint32_t *index)

@@ -201,7 +201,6 @@ struct scene_load_params {
     const char *animation;  // by name or index; NULL: the first
     const char *scene_name; // by name or index; NULL: the file's default
     const char *variant;    // of KHR_materials_variants, by name; NULL: none
-    size_t max_bytes;       // memory budget of the load, 0: 16 GiB
     const struct progress *progress;
 };
 
@@ -222,6 +221,8 @@ bool scene_note(struct scene *scene, const char *format, ...) __attribute__((for
 // Of a part of the file that takes long: reports how much of it is done, and fails with ERR_STOPPED
 // when asked to stop.
 bool scene_loading(const struct scene *scene, double fraction, struct err *err);
+// The same without a report, for turn `i` of a loop: see progress_stops_at().
+bool scene_goes_on(const struct scene *scene, uint64_t i, struct err *err);
 
 // --- what the loaders share (scene_load.c calls exactly one of these by extension) ---------------
 // Each appends to *scene (already initialised with defaults, arena and path set) and continues
@@ -248,6 +249,7 @@ struct mesh *scene_add_mesh(struct scene *scene, uint32_t *index);
 struct instance *scene_add_instance(struct scene *scene, uint32_t *index);
 // Room for so many more at once, where doubling would copy much.
 bool scene_reserve_instances(struct scene *scene, uint64_t more);
+bool scene_reserve_shapes(struct scene *scene, uint64_t more);
 struct shape *scene_add_shape(struct scene *scene, uint32_t *index);
 struct sdf *scene_add_sdf(struct scene *scene, uint32_t *index);
 struct camera *scene_add_camera(struct scene *scene, uint32_t *index);

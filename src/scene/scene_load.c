@@ -14,8 +14,6 @@
 #include <string.h>
 #include <strings.h>
 
-#define DEFAULT_MAX_BYTES ((size_t)16 << 30)
-
 // --- camera --------------------------------------------------------------------------------------
 
 // A little from above, so that what lies flat is seen as well; a normal lens.
@@ -193,7 +191,12 @@ static bool finish_environment(struct scene *scene, const struct scene_load_para
 bool scene_loading(const struct scene *scene, double fraction, struct err *err)
 {
     progress_report(scene->progress, "Loading", fraction);
-    return !progress_should_stop(scene->progress) ||
+    return scene_goes_on(scene, 0, err);
+}
+
+bool scene_goes_on(const struct scene *scene, uint64_t i, struct err *err)
+{
+    return !progress_stops_at(scene->progress, i) ||
            err_set(err, ERR_STOPPED, "stopped while loading the scene");
 }
 
@@ -220,7 +223,6 @@ bool scene_load_into(struct scene *scene, const struct scene_load_params *params
 bool scene_load(const struct scene_load_params *params, struct scene *out, struct err *err)
 {
     *out = (struct scene){
-        .arena.limit_bytes = params->max_bytes > 0 ? params->max_bytes : DEFAULT_MAX_BYTES,
         .settings = settings_default(),
         .hash = HASH_INIT,
         .progress = params->progress,

@@ -2,6 +2,7 @@
 
 #include "environment.h"
 #include "file.h"
+#include "json_parse.h"
 #include "load_json.h"
 #include "scene_write_edits.h"
 #include "sky.h"
@@ -243,7 +244,10 @@ static json_t *rename_paths(struct writer *w, json_t *value, struct err *err)
 static bool put_override(struct writer *w, struct json_text *t,
                          const struct scene_override *override, struct err *err)
 {
-    json_t *value = rename_paths(w, load_json_override_value(override->value), err);
+    json_t *value = load_json_override_value(override->value, err);
+    if (!value)
+        return err_prepend(err, "-D %s", override->key);
+    value = rename_paths(w, value, err);
     char *dumped = value ? json_dumps(value, JSON_REALS) : NULL;
     json_decref(value);
     json_text_next(t);
@@ -252,7 +256,7 @@ static bool put_override(struct writer *w, struct json_text *t,
     json_text_key(t, "value");
     json_text_raw(t, dumped ? dumped : "null");
     json_text_close(t);
-    free(dumped);
+    json_release(dumped);
     return dumped || (err && err->code != ERR_NONE) ||
            err_set(err, ERR_INPUT,
                    "-D %s: \"%s\" cannot be written down; expected a file name in "
@@ -421,13 +425,15 @@ static bool check_parts(const struct writer *w, struct scene *scene,
 // refuses or cannot say is found before there is a file.
 static bool check_text(const struct writer *w, const char *text, struct err *err)
 {
-    json_error_t problem;
-    json_t *root = json_loads(text, JSON_REJECT_DUPLICATES, &problem);
+    const struct file_bytes bytes = {(const uint8_t *)text, strlen(text)};
+    json_t *root = json_parse(w->params->path, &bytes, JSON_REJECT_DUPLICATES, err);
     struct arena arena = {0};
     struct scene scene = {0};
     bool ok;
     if (!root) {
-        ok = err_set(err, ERR_BUG, "%s: line %d: %s", w->params->path, problem.line, problem.text);
+        if (err && err->code == ERR_INPUT)
+            err->code = ERR_BUG; // we have written it
+        ok = false;
     } else {
         const struct json_node document = node_root(w->params->path, root);
         ok = prepare_check(w, &arena, &scene, err) && check_parts(w, &scene, &document, err);

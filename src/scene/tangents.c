@@ -345,9 +345,6 @@ bool mesh_generate_tangents(struct mesh *mesh, uint32_t uv_set, struct arena *ar
         .uvs = (const float(*)[2])mesh->uvs[uv_set],
         .corner_count = 3 * mesh->triangle_count,
     };
-    if (arena->limit_bytes > 0)
-        work.arena.limit_bytes =
-            arena->used_bytes < arena->limit_bytes ? arena->limit_bytes - arena->used_bytes : 1;
     bool ok = generate(&work, arena, mesh) ||
               err_memory(err, "tangents", mesh->triangle_count * UINT64_C(200));
     arena_finish(&work.arena);

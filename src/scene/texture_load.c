@@ -69,15 +69,6 @@ struct texture_file {
     uint64_t hash; // of the bytes and of how they are decoded
 };
 
-static size_t memory_left(const struct scene *scene)
-{
-    const struct arena *arena = &scene->arena;
-    if (arena->limit_bytes == 0)
-        return 0;
-    // 0 would mean no limit.
-    return arena->limit_bytes > arena->used_bytes ? arena->limit_bytes - arena->used_bytes : 1;
-}
-
 static bool find_image(const struct scene *scene, uint64_t hash, uint32_t *index)
 {
     for (uint32_t i = 0; i < scene->image_count; i++) {
@@ -121,7 +112,7 @@ static bool load_file(struct scene *scene, struct texture_file *file, bool is_sr
 {
     const struct image_read_params params = {
         .path = file->name,
-        .max_bytes = memory_left(scene),
+        .progress = scene->progress,
         .side_max = SIDE_MAX,
         .is_linear = !is_srgb,
     };
@@ -145,7 +136,7 @@ bool texture_image_load(struct scene *scene, const struct texture_source *source
         .data = source->data,
         .size = source->size,
     };
-    struct arena scratch = {.limit_bytes = memory_left(scene)};
+    struct arena scratch = {0};
     bool ok = true;
     if (source->path) {
         struct file_bytes bytes;

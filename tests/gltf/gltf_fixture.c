@@ -2,6 +2,8 @@
 
 #include "gltf_load.h"
 #include "hash.h"
+#include "json_parse.h"
+#include "memory.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -111,8 +113,9 @@ char *data_uri(const void *data, size_t size)
 
 struct scene empty_scene(const char *path)
 {
+    json_use_budget();
+    memory_set_budget(memory_used() + FIXTURE_MAX_BYTES);
     return (struct scene){
-        .arena.limit_bytes = FIXTURE_MAX_BYTES,
         .path = path,
         .settings = settings_default(),
         .hash = HASH_INIT,
@@ -129,7 +132,10 @@ bool load_bytes(struct scene *scene, const char *path, struct bytes bytes, struc
     };
     *scene = empty_scene(path);
     *err = (struct err){0};
-    return gltf_load_bytes(scene, &params, err);
+    memory_take(bytes.size); // as where the file is read
+    bool ok = gltf_load_bytes(scene, &params, err);
+    memory_give(bytes.size);
+    return ok;
 }
 
 bool load_glb(struct scene *scene, const char *json, const void *binary, size_t size,

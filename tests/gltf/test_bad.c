@@ -659,7 +659,7 @@ TEST(memory_of_the_tree)
     text.data[size] = '\0';
     struct scene scene;
     struct err err;
-    CHECK(!load_bytes(&scene, "test.gltf", text, &err) && err.code == ERR_SYSTEM &&
+    CHECK(!load_bytes(&scene, "test.gltf", text, &err) && err.code == ERR_BUDGET &&
               strstr(err.msg, "test.gltf: out of memory"),
           "%s", err.msg);
     scene_finish(&scene);

@@ -3,6 +3,7 @@
 #include "gltf_load.h"
 #include "gltf_picture.h"
 #include "material_file.h"
+#include "memory.h"
 #include "test.h"
 
 // --- the core ------------------------------------------------------------------------------------
@@ -382,7 +383,7 @@ TEST(memory_of_images)
         };
         struct scene scene = empty_scene("test.glb");
         struct err err = {0};
-        scene.arena.limit_bytes = limit;
+        memory_set_budget(memory_used() + limit);
         bool ok = gltf_load_bytes(&scene, &params, &err);
         CHECK(ok || (strncmp(err.msg, "test.glb: ", 10) == 0 && strstr(err.msg, " memory")),
               "%zu bytes: code %d, %s", limit, (int)err.code, err.msg);

@@ -25,7 +25,7 @@ static bool load_posed(struct scene *scene, const char *path, struct bytes bytes
 static void check_sound(bool ok, struct scene *scene, struct err *err, const char *path)
 {
     if (!ok) {
-        CHECK((err->code == ERR_INPUT || err->code == ERR_SYSTEM) &&
+        CHECK((err->code == ERR_INPUT || err->code == ERR_BUDGET) &&
                   strncmp(err->msg, path, strlen(path)) == 0,
               "code %d: %s", (int)err->code, err->msg);
         return;

@@ -26,8 +26,8 @@ static bool read_format(const struct image_source *source, struct arena *arena)
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    struct image_source source = {
-        .path = "fuzz", .data = data, .size = size, .max_bytes = 64u << 20};
+    struct image_source source = {.path = "fuzz", .data = data, .size = size};
+    memory_set_budget(64u << 20);
     struct arena arena = {0};
     read_format(&source, &arena);
     source.with_alpha = source.is_linear = true;

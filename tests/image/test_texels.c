@@ -9,8 +9,8 @@
 static bool decode(const void *data, size_t size, bool is_linear, struct arena *arena,
                    struct image_texels *out, struct err *err)
 {
-    const struct image_read_params params = {
-        .path = "memory", .max_bytes = PICTURE_BUDGET, .is_linear = is_linear};
+    const struct image_read_params params = {.path = "memory", .is_linear = is_linear};
+    memory_set_budget(PICTURE_BUDGET);
     return image_decode_texels(data, size, &params, arena, out, err);
 }
 
@@ -349,10 +349,12 @@ TEST(sides_and_memory_are_limited)
               strstr(err.msg, "6 x 6 pixels; expected at most 5 on a side"),
           "%s", err.msg);
     CHECK(!texels.texels);
-    params = (struct image_read_params){.path = "memory", .max_bytes = SIDE * SIDE * 8};
+    params = (struct image_read_params){.path = "memory"};
+    memory_set_budget(memory_used() + SIDE * SIDE * 8);
     CHECK(!image_decode_texels(file.data, file.size, &params, &arena, &texels, &err) &&
-              err.code == ERR_INPUT && strstr(err.msg, "limit of 288 bytes"),
+              err.code == ERR_BUDGET && strstr(err.msg, "--memory"),
           "%s", err.msg);
+    memory_set_budget(0);
     arena_finish(&arena);
     byte_buffer_finish(&file);
 }

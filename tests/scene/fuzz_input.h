@@ -6,6 +6,7 @@
 #define _GNU_SOURCE
 
 #include "log.h"
+#include "memory.h"
 #include "scene.h"
 
 #include <stdint.h>
@@ -33,7 +34,8 @@ static inline int fuzz_load(fuzz_load_fn load, const uint8_t *data, size_t size)
         abort();
     char path[64];
     snprintf(path, sizeof path, "/proc/self/fd/%d", fd);
-    struct scene scene = {.arena.limit_bytes = 256 << 20};
+    struct scene scene = {0};
+    memory_set_budget(256 << 20);
     struct err err = {0};
     if (load(&scene, path, &err)) {
         for (uint32_t m = 0; m < scene.mesh_count; m++) {
@@ -45,7 +47,7 @@ static inline int fuzz_load(fuzz_load_fn load, const uint8_t *data, size_t size)
                 }
             }
         }
-    } else if (err.code != ERR_INPUT && err.code != ERR_SYSTEM) {
+    } else if (err.code != ERR_INPUT && err.code != ERR_BUDGET) {
         abort();
     }
     scene_finish(&scene);

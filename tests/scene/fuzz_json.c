@@ -7,7 +7,7 @@
 static bool load(struct scene *scene, const char *path, struct err *err)
 {
     const struct scene_load_params params = {.path = path};
-    struct arena arena = {.limit_bytes = 256 << 20};
+    struct arena arena = {0};
     struct flat_scene flat;
     scene->settings = settings_default();
     bool ok = load_json(scene, &params, err) &&

@@ -8,6 +8,7 @@
 #define _DEFAULT_SOURCE
 
 #include "log.h"
+#include "memory.h"
 #include "scene.h"
 #include "test.h"
 
@@ -150,10 +151,12 @@ static inline void check_memory_limits(mesh_load_fn load, const char *path)
     unsigned failures = 0;
     bool is_loaded = false;
     for (size_t limit = 1; limit < 100000 && !is_loaded; limit += 16) {
-        struct scene scene = {.arena.limit_bytes = limit};
+        struct scene scene = {0};
         struct err err = {0};
+        memory_set_budget(memory_used() + limit);
         is_loaded = load(&scene, path, &err);
-        CHECK(is_loaded || err.code == ERR_SYSTEM, "limit %zu: %s", limit, err.msg);
+        CHECK(is_loaded || err.code == ERR_BUDGET, "limit %zu: %s", limit, err.msg);
+        memory_set_budget(0);
         failures += !is_loaded;
         scene_finish(&scene);
     }

@@ -555,10 +555,11 @@ TEST(memory_limits_are_errors)
     f.mesh.normals = f.normals;
     bool ok = false;
     for (size_t limit = 1; limit < 100000 && !ok; limit *= 2) {
-        f.arena.limit_bytes = limit;
+        memory_set_budget(memory_used() + limit);
         f.err = (struct err){0};
         ok = flatten(&f);
-        CHECK(ok || f.err.code == ERR_SYSTEM, "%zu bytes: %s", limit, f.err.msg);
+        CHECK(ok || f.err.code == ERR_BUDGET, "%zu bytes: %s", limit, f.err.msg);
+        memory_set_budget(0);
         end(&f);
     }
     CHECK(ok);

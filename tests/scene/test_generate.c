@@ -1,6 +1,7 @@
 // Generated meshes: the blob is closed, of the wanted size, with right normals; the teapot is the
 // one that is known.
 #include "generate.h"
+#include "memory.h"
 #include "test.h"
 
 static bool make_blob(struct scene *scene, uint32_t triangles, uint32_t *mesh, struct err *err)
@@ -129,11 +130,13 @@ TEST(the_same_every_time)
 
 TEST(too_large_is_an_error)
 {
-    struct scene scene = {.arena.limit_bytes = 1 << 20};
+    struct scene scene = {0};
     struct err err = {0};
     uint32_t index;
-    CHECK(!generate_blob(&scene, UINT32_MAX, 0, &index, &err) && err.code == ERR_SYSTEM, "%s",
+    memory_set_budget(1 << 20);
+    CHECK(!generate_blob(&scene, UINT32_MAX, 0, &index, &err) && err.code == ERR_BUDGET, "%s",
           err.msg);
+    memory_set_budget(0);
     scene_finish(&scene);
 }
 

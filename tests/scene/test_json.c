@@ -2,6 +2,7 @@
 // and with which words, stands in bad_scenes.json, which check_format.py runs.
 #include "mesh_files.h"
 
+#include "memory.h"
 #include "shared/types.h"
 #include <sys/stat.h>
 
@@ -547,11 +548,13 @@ TEST(memory_limits_are_errors)
                       " [{\"type\": \"generated\", \"material\": \"a\", \"triangles\": 1000}]}");
     bool loaded = false;
     for (size_t limit = 64; limit < ((size_t)1 << 24); limit += limit / 4) {
-        const struct scene_load_params params = {.path = path, .max_bytes = limit};
+        const struct scene_load_params params = {.path = path};
         struct scene scene;
         struct err err = {0};
+        memory_set_budget(memory_used() + limit);
         loaded = scene_load(&params, &scene, &err);
-        CHECK(loaded || err.code == ERR_SYSTEM, "%zu bytes: code %d: %s", limit, err.code, err.msg);
+        CHECK(loaded || err.code == ERR_BUDGET, "%zu bytes: code %d: %s", limit, err.code, err.msg);
+        memory_set_budget(0);
         CHECK(loaded || !scene.arena.blocks, "%zu bytes: not finished", limit);
         scene_finish(&scene);
     }

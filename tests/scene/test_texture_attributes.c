@@ -1,6 +1,7 @@
 // What corners carry for textures, flattened, against what can be said in closed form.
 #include "affine.h"
 #include "flatten.h"
+#include "memory.h"
 #include "test.h"
 
 #include <float.h>
@@ -312,10 +313,11 @@ TEST(memory_limits_are_errors)
     bool ok = false;
     unsigned refused = 0;
     for (size_t limit = 16; limit < 100000 && !ok; limit += 16) {
-        f.arena.limit_bytes = limit;
+        memory_set_budget(memory_used() + limit);
         f.err = (struct err){0};
         ok = flatten(&f);
-        CHECK(ok || f.err.code == ERR_SYSTEM, "%zu bytes: %s", limit, f.err.msg);
+        CHECK(ok || f.err.code == ERR_BUDGET, "%zu bytes: %s", limit, f.err.msg);
+        memory_set_budget(0);
         refused += !ok;
         end(&f);
     }

@@ -3,6 +3,7 @@
 
 #include "file.h"
 #include "image.h"
+#include "memory.h"
 #include "texture_load.h"
 
 static struct scene scene;
@@ -175,12 +176,13 @@ TEST(what_cannot_be_read)
     CHECK(scene.image_count == 0);
     // A budget that the texels do not fit into.
     write_picture("large.png", 512, 512, white);
-    scene.arena.limit_bytes = 1 << 20;
-    CHECK(!load("large.png", true, &index) && error.code == ERR_INPUT &&
-              strstr(error.msg, "more than the limit of"),
+    memory_set_budget(1 << 20);
+    CHECK(!load("large.png", true, &index) && error.code == ERR_BUDGET &&
+              strstr(error.msg, "a picture of 512 x 512 pixels: 3.0 MiB are needed"),
           "%s", error.msg);
-    scene.arena.limit_bytes = 8 << 20;
+    memory_set_budget(8 << 20);
     CHECK(load("large.png", true, &index), "%s", error.msg);
+    memory_set_budget(0);
     end();
 }
 

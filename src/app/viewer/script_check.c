@@ -3,6 +3,7 @@
 
 #include "file.h"
 #include "hash.h"
+#include "json_parse.h"
 #include "viewer.h"
 #include <errno.h>
 #include <inttypes.h>
@@ -127,7 +128,7 @@ static const char *value_text(const json_t *value, char *out, size_t size)
         return json_string_value(value);
     char *text = json_dumps(value, JSON_ENCODE_ANY | JSON_COMPACT | JSON_REAL_PRECISION(9));
     snprintf(out, size, "%s", text ? text : "");
-    free(text);
+    json_release(text);
     return out;
 }
 
