@@ -57,11 +57,22 @@ __attribute__((weak)) int test_failures, test_skips;
         return;                                                                                    \
     } while (0)
 
-// `prog NAME` runs one case, `prog` all.
+static inline bool test_is_wanted(const char *name, int argc, char **argv)
+{
+    size_t length = strlen(name);
+    if (argc <= 1)
+        return length < 5 || strcmp(name + length - 5, "_long") != 0;
+    for (int i = 1; i < argc; i++)
+        if (strcmp(argv[i], name) == 0)
+            return true;
+    return false;
+}
+
+// `prog NAME...` runs these cases, `prog` all but those whose name ends in _long.
 static inline int test_run(const struct test_case *cases, size_t count, int argc, char **argv)
 {
     for (size_t i = 0; i < count; i++) {
-        if (argc > 1 && strcmp(argv[1], cases[i].name) != 0)
+        if (!test_is_wanted(cases[i].name, argc, argv))
             continue;
         int failures = test_failures, skips = test_skips;
         cases[i].run();
