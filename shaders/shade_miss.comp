@@ -22,10 +22,10 @@ vec3 found_environment(vec3 direction, float bsdf_pdf)
 {
     if (!HAS(FEATURE_ENVIRONMENT_IMAGE))
         return frame.environment;
-    vec4 texel = load_environment_texel(direction);
-    vec3 radiance = frame.environment * texel.rgb;
+    vec4 found = load_environment_at(direction);
+    vec3 radiance = frame.environment * found.rgb;
     if (HAS_EMITTER(EMITTER_ENVIRONMENT))
-        radiance *= weight_found(bsdf_pdf, frame.environment_pick * texel.a);
+        radiance *= weight_found(bsdf_pdf, frame.environment_pick * found.a);
     return radiance;
 }
 

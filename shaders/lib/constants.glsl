@@ -30,6 +30,8 @@ layout(constant_id = CONSTANT_GEOMETRY) const uint GEOMETRY = 0u;
 layout(constant_id = CONSTANT_SDF) const uint SDF = 0u;
 layout(constant_id = CONSTANT_PARTS) const uint PARTS = 0u;
 layout(constant_id = CONSTANT_PART_SHIFT) const uint PART_SHIFT = 31u;
+layout(constant_id = CONSTANT_ENVIRONMENT_FILTER) const uint ENVIRONMENT_FILTER =
+    ENVIRONMENT_FILTER_BILINEAR;
 
 // Constant-folded: an absent feature's code is gone.
 #define HAS(feature) ((FEATURES & (feature)) != 0u)

@@ -11,9 +11,9 @@ uvec2 environment_size()
     return uvec2(frame.environment_size & 0xffffu, frame.environment_size >> 16u);
 }
 
-// Index of the texel that a unit direction of the image sees; see scene/environment.h for the
-// convention. Texels are constant patches. By the arctangent of the distance from the axis, since
-// near a pole the height says little.
+// Index of the texel in which a unit direction of the image lies; see scene/environment.h for the
+// convention. By the arctangent of the distance from the axis, since near a pole the height says
+// little.
 uint environment_texel(vec3 direction, uvec2 size)
 {
     float u = 0.5 + atan_turns(direction.z, direction.x);
@@ -22,15 +22,112 @@ uint environment_texel(vec3 direction, uvec2 size)
     return texel.y * size.x + texel.x;
 }
 
+// 1 - cos of an angle of at most half a turn; does not cancel.
+float versine_turns(float turns)
+{
+    float s = sin_small(0.5 * turns);
+    return 2.0 * s * s;
+}
+
+// --- cells between the centres of texels ---------------------------------------------------------
+
+// A place in a cell. Rows of cells are counted from the zenith, or from the nearer pole, from which
+// small angles have all their digits; then `part` is, too.
+struct environment_place {
+    uvec2 cell;
+    vec2 part;  // of the way to the right and to the next row, by angle
+    float down; // of the way to the next row, by solid angle
+};
+
+// 1 - cos of the angle between the nearer pole and nodes of a row.
+float node_versine(uint row, uint height)
+{
+    return versine_turns(0.5 * clamp((float(row) - 0.5) / float(height), 0.0, 1.0));
+}
+
+// How far down a row of cells something is, given its distance from the pole in texels.
+float cell_part(float texels, uint row)
+{
+    return clamp(row == 0u ? 2.0 * texels : texels + 0.5 - float(row), 0.0, 1.0);
+}
+
+// The place of a unit direction of the image.
+environment_place environment_place_of(vec3 direction, uvec2 size)
+{
+    environment_place p;
+    float x = (0.5 + atan_turns(direction.z, direction.x)) * float(size.x) - 0.5;
+    p.part.x = x - floor(x);
+    p.cell.x = x < 0.0 ? size.x - 1u : min(uint(x), size.x - 1u);
+    float radius = length(direction.xz);
+    float y = 2.0 * atan_turns(radius, abs(direction.y)) * float(size.y);
+    uint row = uint(y + 0.5);
+    p.part.y = cell_part(y, row);
+    float inner = node_versine(row, size.y), outer = node_versine(row + 1u, size.y);
+    float versine = radius * radius / (1.0 + abs(direction.y));
+    p.down = clamp((versine - inner) / (outer - inner), 0.0, 1.0);
+    p.cell.y = row;
+    if (direction.y < 0.0) {
+        p.cell.y = size.y - row;
+        p.part.y = 1.0 - p.part.y;
+        p.down = 1.0 - p.down;
+    }
+    return p;
+}
+
+struct environment_cell {
+    vec4 upper_left, upper_right, lower_left, lower_right; // see render/environment_table.h
+};
+
+environment_cell load_environment_cell(uvec2 cell, uvec2 size)
+{
+    uint row = cell.y * size.x, right = cell.x + 1u < size.x ? cell.x + 1u : 0u;
+    environment_cell c;
+    c.upper_left = load_environment_float(row + cell.x);
+    c.upper_right = load_environment_float(row + right);
+    c.lower_left = load_environment_float(row + size.x + cell.x);
+    c.lower_right = load_environment_float(row + size.x + right);
+    return c;
+}
+
+// Luminances at the corners, by which a cell is sampled: upper left and right, lower left and right.
+vec4 cell_luminances(environment_cell c)
+{
+    vec3 weights = vec3(0.2126, 0.7152, 0.0722) * frame.environment; // BT.709
+    return vec4(dot(c.upper_left.rgb, weights), dot(c.upper_right.rgb, weights),
+                dot(c.lower_left.rgb, weights), dot(c.lower_right.rgb, weights));
+}
+
+vec3 cell_radiance(environment_cell c, vec2 part)
+{
+    return mix(mix(c.upper_left.rgb, c.upper_right.rgb, part.x),
+               mix(c.lower_left.rgb, c.lower_right.rgb, part.x), part.y);
+}
+
+// The density per solid angle at a place of a cell.
+float cell_density(environment_cell c, vec4 luminances, float right, float down)
+{
+    vec2 across = mix(luminances.xz, luminances.yw, right);
+    float mean = 0.25 * (luminances.x + luminances.y + luminances.z + luminances.w);
+    return mean > 0.0 ? c.upper_left.a * mix(across.x, across.y, down) / mean : 0.0;
+}
+
+// -------------------------------------------------------------------------------------------------
+
 // Radiance that arrives from a unit direction, without the factor on all, and the density per solid
-// angle with which sample_environment() chooses it: that of the texel's own probability, as it is
-// after rounding.
-vec4 load_environment_texel(vec3 direction)
+// angle with which sample_environment() chooses it: that of the texel's or cell's own probability,
+// as it is after rounding.
+vec4 load_environment_at(vec3 direction)
 {
     float c = frame.environment_cos, s = frame.environment_sin;
     vec3 turned = vec3(c * direction.x - s * direction.z, direction.y,
                        s * direction.x + c * direction.z);
-    return load_environment_float(environment_texel(turned, environment_size()));
+    uvec2 size = environment_size();
+    if (ENVIRONMENT_FILTER == ENVIRONMENT_FILTER_NEAREST)
+        return load_environment_float(environment_texel(turned, size));
+    environment_place place = environment_place_of(turned, size);
+    environment_cell cell = load_environment_cell(place.cell, size);
+    return vec4(cell_radiance(cell, place.part),
+                cell_density(cell, cell_luminances(cell), place.part.x, place.down));
 }
 
 // What arrives from a unit direction.
@@ -38,8 +135,10 @@ vec3 environment_radiance(vec3 direction)
 {
     if (!HAS(FEATURE_ENVIRONMENT_IMAGE))
         return frame.environment;
-    return frame.environment * load_environment_texel(direction).rgb;
+    return frame.environment * load_environment_at(direction).rgb;
 }
+
+// --- sampling ------------------------------------------------------------------------------------
 
 // Words of one level of a table of `count` thresholds: a word of the level below for each of four
 // components.
@@ -88,15 +187,16 @@ uvec2 long_uniform(float u, float extra)
     return uvec2(min(uint(u * 16777216.0) << 8u | more >> 16u, 0xfffffffeu), more & 0xffffu);
 }
 
-// 1 - cos of an angle of at most half a turn; does not cancel.
-float versine_turns(float turns)
+// A unit direction of the image by 1 - cos of its angle from a pole, and by its longitude.
+vec3 environment_direction(bool below, float versine, float turns)
 {
-    float s = sin_small(0.5 * turns);
-    return 2.0 * s * s;
+    float radius = sqrt(versine * (2.0 - versine));
+    vec2 around = radius * cos_sin_turns(turns);
+    return vec3(around.x, below ? versine - 1.0 : 1.0 - versine, around.y);
 }
 
-// A direction of the image: `within` parts of the way through a texel, evenly by solid angle.
-vec3 environment_direction(uvec2 texel, vec2 within, uvec2 size)
+// `within` parts of the way through a texel, evenly by solid angle.
+vec3 direction_in_texel(uvec2 texel, vec2 within, uvec2 size)
 {
     // From the nearer pole, where small angles have all their digits.
     bool below = 2u * texel.y >= size.y;
@@ -104,29 +204,68 @@ vec3 environment_direction(uvec2 texel, vec2 within, uvec2 size)
     float part = below ? 1.0 - within.y : within.y;
     float inner = versine_turns(float(row) / float(2u * size.y));
     float outer = versine_turns(float(row + 1u) / float(2u * size.y));
-    float versine = mix(inner, outer, part);
-    float radius = sqrt(versine * (2.0 - versine));
-    vec2 around = radius * cos_sin_turns((float(texel.x) + within.x) / float(size.x) - 0.5);
-    return vec3(around.x, below ? versine - 1.0 : 1.0 - versine, around.y);
+    return environment_direction(below, mix(inner, outer, part),
+                                 (float(texel.x) + within.x) / float(size.x) - 0.5);
+}
+
+// Inverts the distribution on [0, 1] whose density is linear, from `first` to `last` before it is
+// normalised: the root of first x + (last - first) x^2 / 2 = u (first + last) / 2 in the form that
+// does not cancel.
+float sample_linear(float u, float first, float last)
+{
+    float total = first + last;
+    float a = total > 0.0 ? first / total : 0.5, b = 1.0 - a;
+    return min(u / (a + sqrt(mix(a * a, b * b, u))), 1.0);
+}
+
+// A direction in a cell by its density, from two uniforms: how far down it is, then across.
+float sample_environment_cell(uvec2 cell, vec2 within, uvec2 size, out vec3 direction,
+                              out vec3 radiance)
+{
+    environment_cell c = load_environment_cell(cell, size);
+    vec4 l = cell_luminances(c);
+    float down = sample_linear(within.y, l.x + l.y, l.z + l.w);
+    vec2 ends = mix(l.xy, l.zw, down);
+    float right = sample_linear(within.x, ends.x, ends.y);
+    bool below = 2u * cell.y > size.y;
+    uint row = below ? size.y - cell.y : cell.y;
+    float versine = mix(node_versine(row, size.y), node_versine(row + 1u, size.y),
+                        below ? 1.0 - down : down);
+    direction = environment_direction(below, versine,
+                                      (float(cell.x) + 0.5 + right) / float(size.x) - 0.5);
+    float y = below ? -direction.y : direction.y;
+    float part = cell_part(2.0 * atan_turns(length(direction.xz), y) * float(size.y), row);
+    radiance = cell_radiance(c, vec2(right, below ? 1.0 - part : part));
+    return cell_density(c, l, right, down);
 }
 
 // A direction by the luminance of the image, from two uniforms and two more with the bits that they
-// lack: first a row, then a texel of it, by inversion, which keeps the order of stratified numbers.
-// Returns the density per solid angle; 0 where there is nothing to connect to.
+// lack: first a row, then a texel or cell of it, by inversion, which keeps the order of stratified
+// numbers. Returns the density per solid angle; 0 where there is nothing to connect to.
 float sample_environment(vec2 u, vec2 u_extra, out vec3 direction, out vec3 radiance)
 {
-    uvec2 size = environment_size(), texel;
+    uvec2 size = environment_size(), bin;
+    bool bilinear = ENVIRONMENT_FILTER == ENVIRONMENT_FILTER_BILINEAR;
+    uint rows = bilinear ? size.y + 1u : size.y;
     vec2 within;
-    uint rows_at = size.x * size.y;
-    texel.y = search_table(rows_at, size.y, long_uniform(u.x, u_extra.x), within.y);
-    uint row_at = rows_at + table_words(size.y) + texel.y * table_words(size.x);
-    texel.x = search_table(row_at, size.x, long_uniform(u.y, u_extra.y), within.x);
-    vec3 d = environment_direction(texel, within, size);
+    uint rows_at = size.x * (bilinear ? size.y + 2u : size.y);
+    bin.y = search_table(rows_at, rows, long_uniform(u.x, u_extra.x), within.y);
+    uint row_at = rows_at + table_words(rows) + bin.y * table_words(size.x);
+    bin.x = search_table(row_at, size.x, long_uniform(u.y, u_extra.y), within.x);
+    vec3 d;
+    float pdf;
+    if (bilinear) {
+        pdf = sample_environment_cell(bin, within, size, d, radiance);
+    } else {
+        d = direction_in_texel(bin, within, size);
+        vec4 found = load_environment_float(bin.y * size.x + bin.x);
+        radiance = found.rgb;
+        pdf = found.a;
+    }
+    radiance *= frame.environment;
     float c = frame.environment_cos, s = frame.environment_sin;
     direction = vec3(c * d.x + s * d.z, d.y, c * d.z - s * d.x);
-    vec4 found = load_environment_float(texel.y * size.x + texel.x);
-    radiance = frame.environment * found.rgb;
-    return found.a;
+    return pdf;
 }
 
 #endif

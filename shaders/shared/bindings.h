@@ -10,7 +10,7 @@
 #define BINDING_SHAPES 3      // struct gpu_shape
 #define BINDING_MATERIALS 4   // struct gpu_material_header, then the sections it names
 #define BINDING_EMITTERS 5    // struct gpu_emitter
-#define BINDING_ENVIRONMENT 6 // one vec4 a texel
+#define BINDING_ENVIRONMENT 6 // see render/environment_table.h
 #define BINDING_TEXELS 7      // of all textures
 #define BINDING_PATHS 8       // struct gpu_path, one a slot of the wave
 #define BINDING_SHADOW_RAYS 9 // struct gpu_shadow_ray, one a slot
@@ -61,7 +61,8 @@
 #define CONSTANT_SDF 21      // SDF_*: operations that the scene's distance fields are made of
 #define CONSTANT_PARTS 22
 #define CONSTANT_PART_SHIFT 23 // a part has 2^this words of four
-#define CONSTANT_COUNT 24
+#define CONSTANT_ENVIRONMENT_FILTER 24
+#define CONSTANT_COUNT 25
 
 // What a (scene, settings, device) needs. Kernels test these bits of one specialization constant,
 // so that what is not needed is not in the code.

@@ -29,6 +29,10 @@
 #define FILTER_GAUSSIAN 2u
 #define FILTER_BLACKMAN_HARRIS 3u
 
+// What lies between the texels of an environment's image.
+#define ENVIRONMENT_FILTER_BILINEAR 0u
+#define ENVIRONMENT_FILTER_NEAREST 1u // each texel is a patch of constant radiance
+
 #define CAMERA_PERSPECTIVE 0u
 #define CAMERA_ORTHOGRAPHIC 1u
 #define CAMERA_PANORAMIC 2u // all directions, in latitude and longitude

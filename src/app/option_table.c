@@ -303,6 +303,13 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .group = "Scene", .commands = FOR_SCENE, .fallback = "1",
         .help = "Multiply the radiance of what surrounds the scene.", FIELD(environment_strength),
     },
+    [OPTION_ENV_FILTER] = {
+        .name = "env-filter", .argument = "bilinear|nearest", .type = VALUE_CHOICE,
+        .group = "Scene", .commands = FOR_SCENE, .fallback = IN_SCENE_FILE "bilinear",
+        .help = "What lies between the texels of an environment's image: radiance that is "
+                "interpolated bilinearly, or a patch of constant radiance around each.",
+        FIELD(settings.environment_filter),
+    },
     [OPTION_DEFINE] = {
         .name = "define", .short_name = 'D', .argument = "KEY=VALUE", .type = VALUE_DEFINE,
         .group = "Scene", .commands = FOR_SCENE,

@@ -52,6 +52,7 @@ static void add_settings(struct attributes *a, const struct render_job *job)
     add(a, "lampyris:sampler", "%s", sampler_names[s->sampler]);
     add(a, "lampyris:halves", "%s", halves_names[s->halves]);
     add(a, "lampyris:filter", "%s", filter_names[s->filter]);
+    add(a, "lampyris:environment_filter", "%s", environment_filter_names[s->environment_filter]);
     add(a, "lampyris:light_choice", "%s", light_choice_names[s->light_choice]);
     add(a, "lampyris:nee", "%s", s->nee ? "on" : "off");
     add(a, "lampyris:mis", "%s", mis_names[s->mis]);

@@ -2,6 +2,7 @@
 
 #include "environment.h"
 #include "parallel.h"
+#include "shared/methods.h"
 #include <math.h>
 #include <stdatomic.h>
 #include <stdlib.h>
@@ -94,60 +95,124 @@ static struct environment with_image(const struct environment *environment)
     return image;
 }
 
-uint64_t environment_table_words(const struct environment *environment, bool is_sampled)
+static bool is_bilinear(const struct environment_table *table)
 {
-    const struct environment image = with_image(environment);
-    uint64_t texels = (uint64_t)image.width * image.height;
-    if (!is_sampled)
-        return texels;
-    return texels + table_words(image.height) + image.height * table_words(image.width);
+    return table->filter == ENVIRONMENT_FILTER_BILINEAR;
+}
+
+// Rows of words, and of the bins that a sampler chooses from: one of each for a row of texels; or
+// the rows of nodes and of the cells between them.
+static uint64_t word_rows(const struct environment_table *table, uint32_t height)
+{
+    return (uint64_t)height + (is_bilinear(table) ? 2 : 0);
+}
+
+static uint32_t bin_rows(const struct environment_table *table, uint32_t height)
+{
+    return height + (is_bilinear(table) ? 1 : 0);
+}
+
+uint64_t environment_table_words(const struct environment_table *table)
+{
+    struct environment image = with_image(table->environment);
+    uint64_t words = image.width * word_rows(table, image.height);
+    uint32_t rows = bin_rows(table, image.height);
+    return words + (table->is_sampled ? table_words(rows) + rows * table_words(image.width) : 0);
 }
 
 struct build {
+    const struct environment_table *table;
     struct environment image;
+    uint32_t rows;    // of bins
+    float pole[2][3]; // what is seen at the zenith and at the nadir
     uint32_t (*words)[4];
     double *row_weights; // NULL: not sampled
     atomic_bool failed;
 };
 
-static void write_texel(uint32_t word[4], const float texel[3], float density)
+// A pole is one direction and has one radiance: the mean of the texels about it, which are all
+// equally far from it. So radiance is continuous across it.
+static void find_poles(struct build *b)
 {
-    memcpy(word, texel, 3 * sizeof *texel);
+    for (int i = 0; i < 2; i++) {
+        size_t first = i ? (size_t)b->image.width * (b->image.height - 1) : 0;
+        double sum[3] = {0.0, 0.0, 0.0};
+        for (size_t x = 0; x < b->image.width; x++)
+            for (int c = 0; c < 3; c++)
+                sum[c] += (double)b->image.texels[first + x][c];
+        for (int c = 0; c < 3; c++)
+            b->pole[i][c] = (float)(sum[c] / b->image.width);
+    }
+}
+
+// The radiance of a row of words.
+static const float *word_texel(const struct build *b, size_t row, uint32_t column)
+{
+    if (!is_bilinear(b->table))
+        return b->image.texels[row * b->image.width + column];
+    if (row == 0 || row > b->image.height)
+        return b->pole[row > 0];
+    return b->image.texels[(row - 1) * b->image.width + column];
+}
+
+static void write_word(const struct build *b, size_t row, uint32_t column, float density)
+{
+    uint32_t *word = b->words[row * b->image.width + column];
+    memcpy(word, word_texel(b, row, column), 3 * sizeof(float));
     memcpy(&word[3], &density, sizeof density);
 }
 
-// Texels of some rows, with their probabilities within the row, and the rows' tables.
+// The mean luminance of a row's bins; that of a cell, in which it is bilinear, is its corners'.
+static void weigh(const struct build *b, size_t row, double *weights)
+{
+    uint32_t width = b->image.width;
+    for (uint32_t i = 0; i < width; i++)
+        weights[i] = texel_luminance(&b->image, word_texel(b, row, i));
+    if (!is_bilinear(b->table))
+        return;
+    for (uint32_t i = 0; i < width; i++)
+        weights[i] += texel_luminance(&b->image, word_texel(b, row + 1, i));
+    double first = weights[0];
+    for (uint32_t i = 0; i < width; i++)
+        weights[i] = 0.25 * (weights[i] + (i + 1 < width ? weights[i + 1] : first));
+}
+
+static double bin_solid_angle(const struct build *b, size_t row)
+{
+    return is_bilinear(b->table) ? environment_cell_solid_angle(&b->image, (uint32_t)row)
+                                 : environment_texel_solid_angle(&b->image, (uint32_t)row);
+}
+
+// Words of some rows, with the probabilities of bins within the row, and the rows' tables.
 static void build_rows(void *context, size_t begin, size_t end, unsigned thread)
 {
     (void)thread;
     struct build *b = context;
-    uint32_t width = b->image.width, height = b->image.height;
+    uint32_t width = b->image.width;
     double *weights = calloc(width, sizeof *weights);
     uint32_t *thresholds = calloc(width, sizeof *thresholds);
     if (!weights || !thresholds)
         b->failed = true;
-    uint64_t tables = (uint64_t)width * height + table_words(height);
+    uint64_t tables = width * word_rows(b->table, b->image.height) + table_words(b->rows);
     for (size_t row = begin; row < end && weights && thresholds; row++) {
-        const float(*texels)[3] = (const float(*)[3])b->image.texels + row * width;
+        weigh(b, row, weights);
         double sum = 0.0;
-        for (uint32_t i = 0; i < width; i++) {
-            weights[i] = texel_luminance(&b->image, texels[i]);
+        for (uint32_t i = 0; i < width; i++)
             sum += weights[i];
-        }
         if (b->row_weights) {
-            b->row_weights[row] = sum * environment_texel_solid_angle(&b->image, (uint32_t)row);
+            b->row_weights[row] = sum * bin_solid_angle(b, row);
             if (sum > 0.0)
                 deal(weights, width, thresholds);
             write_table(thresholds, width, b->words + tables + row * table_words(width));
         }
         for (uint32_t i = 0; i < width; i++)
-            write_texel(b->words[row * width + i], texels[i], (float)weights[i]);
+            write_word(b, row, i, (float)weights[i]);
     }
     free(weights);
     free(thresholds);
 }
 
-// What rows' probabilities make of the densities of their texels.
+// What rows' probabilities make of the densities of their bins.
 static void scale_rows(void *context, size_t begin, size_t end, unsigned thread)
 {
     (void)thread;
@@ -155,7 +220,7 @@ static void scale_rows(void *context, size_t begin, size_t end, unsigned thread)
     uint32_t width = b->image.width;
     for (size_t row = begin; row < end; row++) {
         double factor = b->row_weights ? b->row_weights[row] : 0.0;
-        factor /= environment_texel_solid_angle(&b->image, (uint32_t)row);
+        factor /= bin_solid_angle(b, row);
         for (uint32_t i = 0; i < width; i++) {
             uint32_t *word = &b->words[row * width + i][3];
             float part;
@@ -166,36 +231,41 @@ static void scale_rows(void *context, size_t begin, size_t end, unsigned thread)
     }
 }
 
-bool environment_table_build(const struct environment *environment, bool is_sampled,
-                             uint32_t (*words)[4])
+bool environment_table_build(const struct environment_table *table, uint32_t (*words)[4])
 {
-    struct build build = {.image = with_image(environment), .words = words};
-    uint32_t width = build.image.width, height = build.image.height;
-    uint32_t *thresholds = calloc(height, sizeof *thresholds);
-    if (is_sampled)
-        build.row_weights = calloc(height, sizeof *build.row_weights);
-    bool ok = thresholds && (!is_sampled || build.row_weights);
-    if (ok)
-        parallel_for(height, 16, 0, build_rows, &build);
-    ok = ok && !build.failed;
-    if (ok && is_sampled) {
-        deal(build.row_weights, height, thresholds);
-        write_table(thresholds, height, words + (uint64_t)width * height);
+    struct build build = {.table = table, .image = with_image(table->environment), .words = words};
+    build.rows = bin_rows(table, build.image.height);
+    uint32_t width = build.image.width;
+    uint32_t *thresholds = calloc(build.rows, sizeof *thresholds);
+    if (table->is_sampled)
+        build.row_weights = calloc(build.rows, sizeof *build.row_weights);
+    bool ok = thresholds && (!table->is_sampled || build.row_weights);
+    if (ok && is_bilinear(table)) {
+        find_poles(&build);
+        for (uint32_t i = 0; i < width; i++) // below the last row of cells
+            write_word(&build, build.rows, i, 0.0f);
     }
     if (ok)
-        parallel_for(height, 16, 0, scale_rows, &build);
+        parallel_for(build.rows, 16, 0, build_rows, &build);
+    ok = ok && !build.failed;
+    if (ok && table->is_sampled) {
+        deal(build.row_weights, build.rows, thresholds);
+        write_table(thresholds, build.rows, words + width * word_rows(table, build.image.height));
+    }
+    if (ok)
+        parallel_for(build.rows, 16, 0, scale_rows, &build);
     free(thresholds);
     free(build.row_weights);
     return ok;
 }
 
-bool environment_table_upload(struct gpu *gpu, const struct environment *environment,
-                              bool is_sampled, struct gpu_buffer *buffer, struct err *err)
+bool environment_table_upload(struct gpu *gpu, const struct environment_table *table,
+                              struct gpu_buffer *buffer, struct err *err)
 {
-    uint64_t count = environment_table_words(environment, is_sampled);
+    uint64_t count = environment_table_words(table);
     struct arena scratch = {0};
     uint32_t(*words)[4] = arena_alloc(&scratch, count, sizeof *words);
-    bool ok = words && environment_table_build(environment, is_sampled, words);
+    bool ok = words && environment_table_build(table, words);
     if (!ok)
         err_memory(err, "environment", count * sizeof *words);
     ok = ok && gpu_upload(gpu, buffer, 0, words, count * sizeof *words, err);

@@ -92,9 +92,11 @@ static uint64_t scene_bytes(const struct memory_plan_params *p, uint32_t binding
     case BINDING_TEXELS:
         return p->tables->textures.texel_bytes;
     case BINDING_ENVIRONMENT:
-        return environment_table_words(&p->scene->environment,
-                                       p->specialization->emitters & EMITTER_ENVIRONMENT) *
-               16;
+        return 16 * environment_table_words(&(struct environment_table){
+                        .environment = &p->scene->environment,
+                        .filter = p->specialization->environment_filter,
+                        .is_sampled = p->specialization->emitters & EMITTER_ENVIRONMENT,
+                    });
     case BINDING_COUNTERS:
         return sizeof(struct gpu_counters);
     default:

@@ -287,15 +287,18 @@ static void specialize_whitted(struct specialization *s, const struct settings *
 }
 
 static uint32_t device_features(const struct gpu *gpu, const struct bvh *bvh,
-                                const struct scene *scene, uint32_t emitters)
+                                const struct scene *scene, const struct specialization *s)
 {
     uint32_t features = gpu->has_ballot ? FEATURE_BALLOT : 0u;
     // Measured on lavapipe: texel fetches are three times as fast as storage-buffer reads.
     // Elsewhere storage buffers are the reference path.
     if (!gpu->info.is_cpu)
         return features;
-    uint64_t environment_bytes =
-        environment_table_words(&scene->environment, emitters & EMITTER_ENVIRONMENT) * 16;
+    uint64_t environment_bytes = 16 * environment_table_words(&(struct environment_table){
+                                          .environment = &scene->environment,
+                                          .filter = s->environment_filter,
+                                          .is_sampled = s->emitters & EMITTER_ENVIRONMENT,
+                                      });
     uint64_t texel_bytes = 0; // at most: equal images are uploaded once
     for (uint32_t i = 0; i < scene->image_count; i++)
         texel_bytes += (uint64_t)scene->images[i].width * scene->images[i].height *
@@ -368,6 +371,8 @@ struct specialization specialize(const struct specialize_params *p)
         .nodes = bvh->format == BVH_FLOAT ? NODES_FLOAT : NODES_QUANTISED,
         .geometry = geometry_of(flat, bvh),
         .sdf = sdf_operations(scene, flat),
+        .environment_filter =
+            scene->environment.width ? settings->environment_filter : ENVIRONMENT_FILTER_NEAREST,
     };
     s.geometry |= has_large_spheres(flat, p->camera) ? GEOMETRY_LARGE_SPHERES : 0u;
     uint32_t classes = 0;
@@ -414,7 +419,7 @@ struct specialization specialize(const struct specialize_params *p)
         s.features |= FEATURE_LENS;
     if (p->tiles)
         s.features |= FEATURE_TILES;
-    s.features |= device_features(gpu, bvh, scene, s.emitters);
+    s.features |= device_features(gpu, bvh, scene, &s);
     s.queues = queues_needed(s.features, s.class_lobes);
     if (s.sdf & SDF_FRACTALS)
         specialization_suspend(&s);

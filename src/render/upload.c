@@ -270,10 +270,13 @@ static bool upload_attributes(struct gpu *gpu, const struct upload_params *p,
 static bool upload_environment(struct gpu *gpu, const struct upload_params *p,
                                struct gpu_buffer *buffers, struct err *err)
 {
-    bool is_sampled = p->specialization->emitters & EMITTER_ENVIRONMENT;
+    const struct environment_table table = {
+        .environment = &p->scene->environment,
+        .filter = p->specialization->environment_filter,
+        .is_sampled = p->specialization->emitters & EMITTER_ENVIRONMENT,
+    };
     return create(gpu, p, BINDING_ENVIRONMENT, buffers, err) &&
-           environment_table_upload(gpu, &p->scene->environment, is_sampled,
-                                    &buffers[BINDING_ENVIRONMENT], err);
+           environment_table_upload(gpu, &table, &buffers[BINDING_ENVIRONMENT], err);
 }
 
 bool upload_scene(struct gpu *gpu, const struct upload_params *p, struct gpu_buffer *buffers,

@@ -236,6 +236,15 @@ double environment_texel_solid_angle(const struct environment *environment, uint
     return 2 * M_PI / environment->width * 2 * sin((2.0 * row + 1) * half) * sin(half);
 }
 
+double environment_cell_solid_angle(const struct environment *environment, uint32_t row)
+{
+    double half = 0.5 * M_PI / environment->height;
+    double top = row > 0 ? row - 0.5 : 0;
+    double bottom = row < environment->height ? row + 0.5 : environment->height;
+    return 2 * M_PI / environment->width * 2 * sin((top + bottom) * half) *
+           sin((bottom - top) * half);
+}
+
 static double luminance(const double rgb[3])
 {
     return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];

@@ -11,8 +11,15 @@
 // right follow +Z (u = 3/4), -X (the right edge and the left), and -Z (u = 1/4). Inside the sphere
 // with +Y upwards this is not mirrored: +Z is to the right of one who looks along +X.
 //
-// A texel is a patch of constant radiance: column floor(u width), row floor(v height), and the last
-// one where that reaches the end.
+// The radiance of column i, row j of an image is that of the centre of its texel, where u width is
+// i + 1/2 and v height is j + 1/2. Between centres it is bilinear in u and v. To the right of the
+// last column is the first one. What is seen at a pole is the mean of the texels about it, that is
+// of the first or the last row, and from there to their centres radiance is bilinear, too: so it is
+// a continuous function of the direction. (All texels of the row are equally far from the pole;
+// where radiance has a gradient there, each cancels the one half a turn away.)
+//
+// With ENVIRONMENT_FILTER_NEAREST a texel is a patch of constant radiance instead: column
+// floor(u width), row floor(v height), and the last one where that reaches the end.
 //
 // Its rotation turns the environment about +Y, counter-clockwise seen from above: by 90 degrees,
 // what was seen towards +Z is seen towards +X.
@@ -75,11 +82,13 @@ bool scene_replace_environment(struct scene *scene, const struct environment_sou
 // surface that faces it.
 double environment_sun_radiance(double irradiance, double angular_radius);
 
-// The texel that a unit direction sees, row * width + column. `environment`'s rotation is not of
-// account.
+// The texel in which a unit direction of the image lies, row * width + column.
 uint32_t environment_texel(const struct environment *environment, const double direction[3]);
-// Of each texel of a row, steradians.
+// The solid angle of each texel of a row, steradians.
 double environment_texel_solid_angle(const struct environment *environment, uint32_t row);
+// The same for the cells between centres of texels. Row 0 of cells is between the zenith and the
+// first row of texels, row `height` between the last one and the nadir.
+double environment_cell_solid_angle(const struct environment *environment, uint32_t row);
 // The greatest component of all its radiance, its factor included.
 float environment_greatest(const struct environment *environment);
 // The mean luminance (BT.709) over all directions, its factor included.

@@ -99,6 +99,8 @@ static bool read_choices(const struct json_node *node, struct settings *settings
            node_read_choice(node, "sampler", sampler_names, &settings->sampler, err) &&
            node_read_choice(node, "halves", halves_names, &settings->halves, err) &&
            node_read_choice(node, "filter", filter_names, &settings->filter, err) &&
+           node_read_choice(node, "environment_filter", environment_filter_names,
+                            &settings->environment_filter, err) &&
            node_read_choice(node, "light_choice", light_choice_names, &settings->light_choice,
                             err) &&
            node_read_choice(node, "mis", mis_names, &settings->mis, err) &&
@@ -133,6 +135,7 @@ bool load_json_settings(struct scene *scene, const struct json_node *node, struc
                                            "filter",
                                            "filter_radius",
                                            "pixel_jitter",
+                                           "environment_filter",
                                            "light_choice",
                                            "nee",
                                            "nee_depth",

@@ -143,6 +143,7 @@ static void put_settings(struct json_text *t, const struct settings *s)
     put_name(t, "filter", filter_names[s->filter]);
     put_float(t, "filter_radius", s->filter_radius);
     put_bool(t, "pixel_jitter", s->pixel_jitter);
+    put_name(t, "environment_filter", environment_filter_names[s->environment_filter]);
     put_name(t, "light_choice", light_choice_names[s->light_choice]);
     put_bool(t, "nee", s->nee);
     put_depth(t, "nee_depth", s->nee_depth);

@@ -35,6 +35,12 @@ const char *const filter_names[] = {
     NULL,
 };
 
+const char *const environment_filter_names[] = {
+    [ENVIRONMENT_FILTER_BILINEAR] = "bilinear",
+    [ENVIRONMENT_FILTER_NEAREST] = "nearest",
+    NULL,
+};
+
 const char *const light_choice_names[] = {
     [LIGHT_CHOICE_AUTO] = "auto",   [LIGHT_CHOICE_UNIFORM] = "uniform",
     [LIGHT_CHOICE_POWER] = "power", [LIGHT_CHOICE_ALL] = "all",
@@ -94,6 +100,7 @@ struct settings settings_default(void)
         .halves = HALVES_INDEPENDENT,
         .filter = FILTER_BOX,
         .pixel_jitter = true,
+        .environment_filter = ENVIRONMENT_FILTER_BILINEAR,
         .light_choice = LIGHT_CHOICE_AUTO,
         .nee = true,
         .nee_depth = UINT32_MAX,

@@ -32,6 +32,8 @@ struct settings {
     float filter_radius; // pixels, in (0, 16]; 0: the filter's own
     bool pixel_jitter;   // false: every sample through the pixel's centre
 
+    uint32_t environment_filter; // ENVIRONMENT_FILTER_*
+
     uint32_t light_choice;    // LIGHT_CHOICE_*
     bool nee;                 // next-event estimation: shadow rays to emitters
     uint32_t nee_depth;       // so many vertices of a path send some; UINT32_MAX: all
@@ -58,6 +60,7 @@ float settings_filter_radius(const struct settings *settings);
 
 // The words for the choices, in the order of their values; each list ends with NULL. Scene files,
 // options and reports say the same.
+extern const char *const environment_filter_names[];
 extern const char *const integrator_names[],
     *const sampler_names[], *const halves_names[], *const filter_names[],
                                                        *const light_choice_names[],

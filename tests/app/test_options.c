@@ -307,7 +307,7 @@ TEST(choices_have_the_words_of_scene_files)
         {OPTION_SAMPLER, sampler_names},   {OPTION_HALVES, halves_names},
         {OPTION_FILTER, filter_names},     {OPTION_LIGHT_CHOICE, light_choice_names},
         {OPTION_MIS, mis_names},           {OPTION_DIRECTIONS, directions_names},
-        {OPTION_ROULETTE, roulette_names},
+        {OPTION_ROULETTE, roulette_names}, {OPTION_ENV_FILTER, environment_filter_names},
     };
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         char words[200] = "";

@@ -201,7 +201,7 @@ FEATURES = {
         "shade_whitted": ["add_surroundings()", "environment_radiance()", "frame.ambient"],
     }),
     "environment image": (["ENVIRONMENT_IMAGE"], {
-        "shade_miss": ["environment_texel()", "[environment]", "frame.environment_size"],
+        "shade_miss": ["load_environment_at()", "[environment]", "frame.environment_size"],
     }),
     "Russian roulette": (["ROULETTE"], {"shade_surface": ["frame.roulette_min_bounces"]}),
     "clamp": (["CLAMP"], {

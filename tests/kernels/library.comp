@@ -91,10 +91,10 @@ void surroundings(uint item)
         vec3 direction, radiance;
         float pdf = sample_environment(u.xy, u.zw, direction, radiance);
         store_output(item, 0u, vec4(direction, pdf));
-        store_output(item, 1u, vec4(radiance, load_environment_texel(direction).a));
+        store_output(item, 1u, vec4(radiance, load_environment_at(direction).a));
     }
     if (ROUTINE == ROUTINE_SEE_ENVIRONMENT)
-        store_output(item, 0u, vec4(environment_radiance(u.xyz), load_environment_texel(u.xyz).a));
+        store_output(item, 0u, vec4(environment_radiance(u.xyz), load_environment_at(u.xyz).a));
     if (ROUTINE == ROUTINE_ANGLES)
         store_output(item, 0u, vec4(atan_turns(u.y, u.x), cos_sin_turns(u.z), 0.0));
     if (ROUTINE == ROUTINE_SUN) {

@@ -1,5 +1,5 @@
-// Environment images: the tables of what is sampled against the image, samples against the tables,
-// what directions see, and the angles that both are made of. And suns.
+// Environment images whose texels are patches: the tables of what is sampled against the image,
+// samples against the tables, what directions see, and the angles that both are made of. And suns.
 #include "bsdf_statistics.h"
 #include "environment.h"
 #include "environment_table.h"
@@ -13,6 +13,7 @@ static double luminance(const float rgb[3])
 static void make_image(struct scene *scene, uint32_t width, uint32_t height)
 {
     add_environment_image(scene, width, height);
+    scene->settings.environment_filter = ENVIRONMENT_FILTER_NEAREST;
     memset(scene->environment.texels, 0,
            (size_t)width * height * sizeof *scene->environment.texels);
 }
@@ -32,8 +33,10 @@ static void check_table(const char *name, const struct scene *scene, double tole
     const struct environment *e = &scene->environment;
     uint32_t count = e->width * e->height, wrong = 0;
     struct arena arena = {0};
-    uint32_t(*words)[4] = arena_alloc(&arena, environment_table_words(e, true), sizeof *words);
-    REQUIRE(words && environment_table_build(e, true, words), "out of memory");
+    const struct environment_table table = {
+        .environment = e, .filter = ENVIRONMENT_FILTER_NEAREST, .is_sampled = true};
+    uint32_t(*words)[4] = arena_alloc(&arena, environment_table_words(&table), sizeof *words);
+    REQUIRE(words && environment_table_build(&table, words), "out of memory");
     double total = 0, integral = 0, worst = 0;
     for (uint32_t i = 0; i < count; i++)
         total += luminance(e->texels[i]) * environment_texel_solid_angle(e, i / e->width);

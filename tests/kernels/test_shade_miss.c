@@ -109,6 +109,7 @@ TEST(axes_see_their_texels)
     struct err err = {0};
     scene_start(&setup.scene, 16, 16);
     add_environment_image(&setup.scene, 8, 4);
+    setup.scene.settings.environment_filter = ENVIRONMENT_FILTER_NEAREST;
     OPEN_SETUP(&setup, SLOTS);
     clear();
     for (uint32_t i = 0; i < AXES; i++) {
@@ -136,6 +137,7 @@ TEST(directions_see_the_reference_texels)
     struct random random = {72};
     scene_start(&setup.scene, 16, 16);
     add_environment_image(&setup.scene, IMAGE_WIDTH, IMAGE_HEIGHT);
+    setup.scene.settings.environment_filter = ENVIRONMENT_FILTER_NEAREST;
     OPEN_SETUP(&setup, SLOTS);
     clear();
     for (uint32_t i = 0; i < SLOTS; i++) {

@@ -1,8 +1,9 @@
 // A plane under environments and suns, whose irradiance is known: in closed form (verification.md,
-// B24, B25) or by direct quadrature of the texels in double precision. By multiple importance
+// B24, B25) or by direct quadrature of the image in double precision. By multiple importance
 // sampling, and by each estimator that finds the light.
 #include "clock.h"
 #include "environment.h"
+#include "environment_reference.h"
 #include "estimators.h"
 #include "render_fixture.h"
 #include "replicates.h"
@@ -26,6 +27,7 @@ struct form {
     double normal[3];
     double rotation; // of the environment, radians
     unsigned alone;  // which estimators besides MIS find the light in reasonable time
+    uint32_t filter; // ENVIRONMENT_FILTER_*
 };
 enum { NEE_ALONE = 1, BSDF_ALONE = 2, EACH_ALONE = 3 };
 
@@ -48,9 +50,8 @@ static double cosine_integral(const struct environment *e, uint32_t column, uint
     return sum / (PARTS * PARTS) * environment_texel_solid_angle(e, row);
 }
 
-static void integrate(const struct scene *scene, const double n[3], double irradiance[3])
+static void integrate_texels(const struct environment *e, const double n[3], double irradiance[3])
 {
-    const struct environment *e = &scene->environment;
     for (uint32_t row = 0; row < e->height; row++)
         for (uint32_t column = 0; column < e->width; column++) {
             const float *texel = e->texels[row * e->width + column];
@@ -60,6 +61,48 @@ static void integrate(const struct scene *scene, const double n[3], double irrad
             for (int c = 0; c < 3; c++)
                 irradiance[c] += weight * (double)texel[c] * (double)e->radiance[c];
         }
+}
+
+// Of max(0, n . d) over a cell between centres of texels, times the part of each corner, by the
+// midpoints of patches of equal angles.
+static void corner_integrals(const struct environment *e, uint32_t column, uint32_t row,
+                             const double n[3], double weights[4])
+{
+    double top = reference_node_angle(e, row), height = reference_node_angle(e, row + 1) - top;
+    for (int i = 0; i < PARTS * PARTS; i++) {
+        double down = (i / PARTS + 0.5) / PARTS, right = (i % PARTS + 0.5) / PARTS;
+        double angle = top + height * down, radius = sin(angle);
+        double around = 2 * M_PI * ((column + 0.5 + right) / e->width - 0.5) - e->rotation;
+        double cosine = radius * (n[0] * cos(around) + n[2] * sin(around)) + n[1] * cos(angle);
+        double part = fmax(cosine, 0) * radius * height * 2 * M_PI / e->width / (PARTS * PARTS);
+        for (int corner = 0; corner < 4; corner++)
+            weights[corner] +=
+                part * (corner / 2 ? down : 1 - down) * (corner % 2 ? right : 1 - right);
+    }
+}
+
+static void integrate_cells(const struct environment *e, const double n[3], double irradiance[3])
+{
+    for (uint32_t row = 0; row <= e->height; row++)
+        for (uint32_t column = 0; column < e->width; column++) {
+            double rgb[4][3], weights[4] = {0, 0, 0, 0}, most = 0;
+            reference_corners(e, row, column, rgb);
+            for (int i = 0; i < 12; i++)
+                most = fmax(most, rgb[i / 3][i % 3]);
+            if (most > 0)
+                corner_integrals(e, column, row, n, weights);
+            for (int i = 0; i < 12; i++)
+                irradiance[i % 3] +=
+                    weights[i / 3] * rgb[i / 3][i % 3] * (double)e->radiance[i % 3];
+        }
+}
+
+static void integrate(const struct scene *scene, const double n[3], double irradiance[3])
+{
+    if (scene->settings.environment_filter == ENVIRONMENT_FILTER_NEAREST)
+        integrate_texels(&scene->environment, n, irradiance);
+    else
+        integrate_cells(&scene->environment, n, irradiance);
 }
 
 // --- surroundings --------------------------------------------------------------------------------
@@ -99,6 +142,22 @@ static bool surround_with_power(struct scene *scene, const struct form *form, do
 #define SUN_ROW 140
 #define SUN_COLUMN 700
 
+// The irradiance of a patch of radiance 1.
+static double patch_of_sun(void)
+{
+    double theta[2] = {M_PI * SUN_ROW / SUN_HEIGHT, M_PI * (SUN_ROW + 1) / SUN_HEIGHT};
+    double middle = cos(0.5 * (theta[0] + theta[1])) * cos(0.5 * (theta[1] - theta[0]));
+    return middle * (2 * M_PI / SUN_WIDTH) * (cos(theta[0]) - cos(theta[1]));
+}
+
+// The same for radiance that falls to 0 at the centres of the texels around it, at h to all sides:
+// the integral of (1 - |t - a| / h) sin t cos t is sin 2a sin^2 h / (2 h).
+static double tent_of_sun(void)
+{
+    double h = M_PI / SUN_HEIGHT, a = (SUN_ROW + 0.5) * h;
+    return 2 * M_PI / SUN_WIDTH * sin(2 * a) * sin(h) * sin(h) / (2 * h);
+}
+
 static bool surround_with_sun(struct scene *scene, const struct form *form, double irradiance[3],
                               struct err *err)
 {
@@ -113,11 +172,40 @@ static bool surround_with_sun(struct scene *scene, const struct form *form, doub
     integrate(scene, form->normal, irradiance);
     if (form->parameter > 0)
         return true;
-    double theta[2] = {M_PI * SUN_ROW / SUN_HEIGHT, M_PI * (SUN_ROW + 1) / SUN_HEIGHT};
-    double middle = cos(0.5 * (theta[0] + theta[1])) * cos(0.5 * (theta[1] - theta[0]));
-    double exact = middle * (2 * M_PI / SUN_WIDTH) * (cos(theta[0]) - cos(theta[1]));
+    double exact = form->filter == ENVIRONMENT_FILTER_NEAREST ? patch_of_sun() : tent_of_sun();
     CHECK(fabs(irradiance[0] / ((double)sun * exact) - 1) <= 1e-5, "quadrature %.9g, exact %.9g",
           irradiance[0], (double)sun * exact);
+    return true;
+}
+
+// Few texels, of which every third is black, so that cells reach across poles and edges. The
+// quadrature wants more points than those of fine images: it is of each texel in 64 x 64.
+static bool surround_with_chart(struct scene *scene, const struct form *form, double irradiance[3],
+                                struct err *err)
+{
+    enum { FINE = 64 };
+    uint32_t width = (uint32_t)form->parameter, height = (width + 1) / 2;
+    if (!set_image(scene, width, height, err))
+        return false;
+    struct environment *e = &scene->environment;
+    e->rotation = form->rotation;
+    for (uint32_t i = 0; i < width * height; i++)
+        for (int c = 0; c < 3; c++)
+            e->texels[i][c] = i % 3 == 1 ? 0.0f : (float)(1 + i * (1 + (uint32_t)c) % 7);
+    for (uint32_t i = 0; i < FINE * FINE * width * height; i++) {
+        double angle = M_PI * (i / (FINE * width) + 0.5) / (FINE * height), rgb[3];
+        double around = 2 * M_PI * ((i % (FINE * width) + 0.5) / (FINE * width) - 0.5);
+        const double d[3] = {sin(angle) * cos(around), cos(angle), sin(angle) * sin(around)};
+        const struct reference_place place = reference_place_of(e, d);
+        double c = cos(e->rotation), s = sin(e->rotation);
+        double cosine = form->normal[0] * (c * d[0] + s * d[2]) + form->normal[1] * d[1] +
+                        form->normal[2] * (c * d[2] - s * d[0]);
+        double part =
+            fmax(cosine, 0) * sin(angle) * 2 * M_PI * M_PI / (FINE * FINE * width * height);
+        reference_radiance(e, &place, rgb);
+        for (int k = 0; k < 3; k++)
+            irradiance[k] += part * rgb[k] * (double)e->radiance[k];
+    }
     return true;
 }
 
@@ -229,6 +317,11 @@ static const struct form forms[] = {
     {"25 texel alone", surround_with_sun, 0, UP, 0, NEE_ALONE},
     {"C33 texel, dim sky", surround_with_sun, 0.5, UP, 0, NEE_ALONE},
     {"C33 texel, tilted", surround_with_sun, 0.5, TILTED, 0, NEE_ALONE},
+    {"25 patch alone", surround_with_sun, 0, UP, 0, NEE_ALONE, ENVIRONMENT_FILTER_NEAREST},
+    {"C33 patch, tilted", surround_with_sun, 0.5, TILTED, 0, NEE_ALONE, ENVIRONMENT_FILTER_NEAREST},
+    {"4 x 2", surround_with_chart, 4, TILTED, 1, EACH_ALONE},
+    {"5 x 3", surround_with_chart, 5, ASIDE, 0, EACH_ALONE},
+    {"museum of patches", surround_with_data, 0, ASIDE, 1, EACH_ALONE, ENVIRONMENT_FILTER_NEAREST},
     {"museum", surround_with_data, 0, UP, 0, EACH_ALONE},
     {"museum, tilted, turned", surround_with_data, 0, TILTED, 1.25, EACH_ALONE},
     {"museum, aside", surround_with_data, 0, ASIDE, -2, EACH_ALONE},
@@ -259,6 +352,7 @@ static bool load_plane(const struct form *form, struct scene *scene, double irra
     if (!load_scene("tests/render/scenes/plane.json", overrides, scene, err))
         return false;
     scene->environment = (struct environment){0};
+    scene->settings.environment_filter = form->filter;
     for (int c = 0; c < 3; c++)
         irradiance[c] = 0;
     return form->surround(scene, form, irradiance, err);

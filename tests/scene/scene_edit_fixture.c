@@ -133,6 +133,7 @@ static void edit_settings(struct settings *s, struct random *random)
         .filter = random_below(random, 4),
         .filter_radius = (float)(random_unit(random) * SETTINGS_FILTER_RADIUS_MAX),
         .pixel_jitter = often(random),
+        .environment_filter = random_below(random, 2),
         .light_choice = random_below(random, 5),
         .nee = often(random),
         .nee_depth = often(random) ? random_below(random, 100) : UINT32_MAX,

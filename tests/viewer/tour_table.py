@@ -130,6 +130,7 @@ SCENE = [
     ('surroundings.color', '1,0.2,0.1'),
     ('surroundings.kind', 'sky', 'result', None),
     ('surroundings.rotation', '90'),
+    ('renderer.environment_filter', 'nearest'),
     ('surroundings.turbidity', '8'),
     ('surroundings.elevation', '10'),
     ('surroundings.azimuth', '120'),

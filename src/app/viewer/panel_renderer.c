@@ -126,7 +126,7 @@ static void lights(struct form *form, struct settings *to)
     gui_enabled(gui, true);
 }
 
-static void samples(struct form *form, struct settings *to)
+static void samples(struct form *form, struct settings *to, bool has_image)
 {
     form_choice(form, "renderer.sampler", "Sampler", "Where random numbers come from.",
                 sampler_names, &to->sampler);
@@ -142,6 +142,10 @@ static void samples(struct form *form, struct settings *to)
     form_float(form, "renderer.filter_radius", "  radius",
                "Half the filter's width, pixels, 0 to 16; 0: the filter's own.", &radius,
                &to->filter_radius);
+    gui_enabled(form->gui, has_image);
+    form_choice(form, "renderer.environment_filter", "Surroundings",
+                "Between the texels of what is around: interpolated, or a patch around each.",
+                environment_filter_names, &to->environment_filter);
     gui_enabled(form->gui, true);
 }
 
@@ -233,7 +237,7 @@ void panel_renderer(struct viewer *viewer)
     lights(&form, &to.settings);
     anisotropy(viewer);
     gui_space(gui);
-    samples(&form, &to.settings);
+    samples(&form, &to.settings, viewer->scene.environment.width > 0);
     gui_space(gui);
     device(viewer, &form, &to);
     if (form.used)
