@@ -158,6 +158,7 @@ void bench_print(const struct bench *b)
     if (b->gpu.info.is_cpu && b->load > 0.5 * cpu_count())
         printf("note    the machine was busy (load %.1f)\n", b->load);
     print_changes(b);
+    print_report(b->options->report);
 }
 
 // --- files ---------------------------------------------------------------------------------------

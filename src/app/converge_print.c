@@ -121,4 +121,5 @@ void converge_print(const struct converge *c)
         printf("note    %s\n", notes[i]);
     printf("device  %s, %s\n", c->gpu.info.name, c->gpu.info.driver);
     tuned_print(c->options, &c->gpu);
+    print_report(c->options->report);
 }

@@ -18,4 +18,14 @@ static inline void print_line(const char *label, const char *text)
     putchar('\n');
 }
 
+// Says where --report has written; folder NULL: nowhere.
+static inline void print_report(const char *folder)
+{
+    if (!folder)
+        return;
+    fputs("wrote   ", stdout);
+    print_words(folder);
+    puts("/report.html, with results.csv and results.json");
+}
+
 #endif
