@@ -3,6 +3,8 @@
 #include "file.h"
 #include "image_internal.h"
 #include "memory.h"
+#include <stdatomic.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
@@ -45,6 +47,51 @@ bool image_check_format(const char *path, struct err *err)
                    path_extension(path));
 }
 
+static _Atomic uint64_t corrupt_place;
+
+void image_corrupt_at(uint64_t n)
+{
+    atomic_store(&corrupt_place, n);
+}
+
+static void corrupt_if_due(struct byte_buffer *file)
+{
+    uint64_t n = atomic_load(&corrupt_place);
+    if (n > 0 && n <= file->size)
+        file->data[n - 1] ^= 0x10;
+}
+
+// What does not decode to what was encoded is no picture: a library's fault, or the memory's.
+static bool fail_verification(struct err *err)
+{
+    return err->code == ERR_OUTPUT
+               ? err_prepend(err, "encoding failed: decoding does not give back "
+                                  "what was to be written")
+               : err_false();
+}
+
+static bool encode_exr(const struct image_write_params *params, struct byte_buffer *out,
+                       struct err *err)
+{
+    if (!image_exr_write(params, out, err))
+        return false;
+    corrupt_if_due(out);
+    return image_exr_verify(params, out, err) || fail_verification(err);
+}
+
+static bool encode_png(const struct image_write_params *params, struct byte_buffer *out,
+                       struct err *err)
+{
+    uint8_t *codes = NULL;
+    bool ok = image_png_codes(params, &codes, err) && image_png_write(params, codes, out, err);
+    if (ok) {
+        corrupt_if_due(out);
+        ok = image_png_verify(params, codes, out, err) || fail_verification(err);
+    }
+    free(codes);
+    return ok;
+}
+
 static bool encode(const struct image_write_params *params, struct byte_buffer *out,
                    struct err *err)
 {
@@ -53,8 +100,8 @@ static bool encode(const struct image_write_params *params, struct byte_buffer *
     if (params->image->width == 0 || params->image->height == 0)
         return err_set(err, ERR_BUG, "%s: the picture is %u x %u pixels; expected at least 1 x 1",
                        params->path, params->image->width, params->image->height);
-    bool ok = format_of_output(params->path) == FORMAT_EXR ? image_exr_write(params, out, err)
-                                                           : image_png_write(params, out, err);
+    bool ok = format_of_output(params->path) == FORMAT_EXR ? encode_exr(params, out, err)
+                                                           : encode_png(params, out, err);
     return ok || err_prepend(err, "%s", params->path);
 }
 

@@ -51,11 +51,16 @@ struct image_write_params {
 // Whether the extension is one that image_write knows; ERR_USAGE naming those it does.
 bool image_check_format(const char *path, struct err *err);
 // Writes atomically (base/file.h). ERR_OUTPUT on failure; an older file stays intact then. The file
-// is put together in memory first.
+// is put together in memory first, decoded again and compared, bit for bit, with what was to be
+// written: pixels (of a PNG, its codes), layers and metadata.
 bool image_write(const struct image_write_params *params, struct err *err);
 // The bytes of that file, in `arena`; the path only names its format.
 bool image_encode(const struct image_write_params *params, struct arena *arena, uint8_t **data,
                   size_t *size, struct err *err);
+
+// For tests: one bit of the n-th byte of each picture changes between encoding it and verifying it,
+// in all of the program. 0 turns it off.
+void image_corrupt_at(uint64_t n);
 
 struct image_read_params {
     const char *path; // .exr, .hdr, .png (sRGB decoded to linear), .jpg (the same)

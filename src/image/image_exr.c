@@ -89,3 +89,17 @@ bool exr_fail(const struct exr_stream *stream, exr_result_t result, enum err_cod
     return err_set(err, code, "EXR: %s",
                    stream->message[0] ? stream->message : exr_get_default_error_message(result));
 }
+
+exr_result_t exr_decode_bytes(exr_const_context_t context, const exr_chunk_info_t *chunk,
+                              exr_decode_pipeline_t *decoder, bool *is_ready)
+{
+    bool is_first = !*is_ready;
+    exr_result_t result = is_first ? exr_decoding_initialize(context, 0, chunk, decoder)
+                                   : exr_decoding_update(context, 0, chunk, decoder);
+    *is_ready |= result == EXR_ERR_SUCCESS;
+    if (is_first && result == EXR_ERR_SUCCESS) {
+        result = exr_decoding_choose_default_routines(context, 0, decoder);
+        decoder->unpack_and_convert_fn = NULL; // stop at the decompressed bytes
+    }
+    return result == EXR_ERR_SUCCESS ? exr_decoding_run(context, 0, decoder) : result;
+}

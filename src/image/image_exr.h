@@ -1,4 +1,4 @@
-// What reading and writing EXR by OpenEXRCore have in common: the error callback.
+// What reading, writing and verifying EXR by OpenEXRCore have in common.
 #ifndef LAMPYRIS_IMAGE_IMAGE_EXR_H
 #define LAMPYRIS_IMAGE_IMAGE_EXR_H
 
@@ -22,5 +22,11 @@ exr_context_initializer_t exr_stream_initializer(struct exr_stream *stream);
 // is ERR_SYSTEM, all else `code`.
 bool exr_fail(const struct exr_stream *stream, exr_result_t result, enum err_code code,
               struct err *err);
+
+// Decodes a chunk as far as its decompressed bytes, decoder->unpacked_buffer: the library's own
+// unpacking (3.1.5) writes through the null pointers that are meant to leave out a channel when
+// there are three. *is_ready tells whether the decoder has been initialised, by an earlier call.
+exr_result_t exr_decode_bytes(exr_const_context_t context, const exr_chunk_info_t *chunk,
+                              exr_decode_pipeline_t *decoder, bool *is_ready);
 
 #endif

@@ -190,9 +190,7 @@ static void unpack_line(const struct exr_reader *reader, int index, const uint8_
 }
 
 // Spreads a decompressed chunk, whose first pixel is (x, y) of the picture: line by line, of each
-// line channel after channel (OpenEXR file layout, "scan line blocks"). Our own, because the
-// library's (3.1.5) writes through the null pointers that are meant to leave out a channel when
-// there are three.
+// line channel after channel (OpenEXR file layout, "scan line blocks").
 static bool unpack_chunk(struct exr_reader *reader, uint64_t x, uint64_t y, struct err *err)
 {
     const exr_decode_pipeline_t *decoder = &reader->decoder;
@@ -223,18 +221,9 @@ static bool decode_chunk(struct exr_reader *reader, const exr_chunk_info_t *chun
         y + (uint64_t)chunk->height > reader->height)
         return err_set(err, ERR_INPUT, "EXR: a chunk of %d x %d pixels lies outside the picture",
                        chunk->width, chunk->height);
-    exr_const_context_t context = reader->context;
-    exr_decode_pipeline_t *decoder = &reader->decoder;
-    bool first = !reader->decoder_ready;
-    exr_result_t result = first ? exr_decoding_initialize(context, 0, chunk, decoder)
-                                : exr_decoding_update(context, 0, chunk, decoder);
-    reader->decoder_ready |= result == EXR_ERR_SUCCESS;
-    if (first && result == EXR_ERR_SUCCESS) {
-        result = exr_decoding_choose_default_routines(context, 0, decoder);
-        decoder->unpack_and_convert_fn = NULL; // stop at the decompressed bytes
-    }
-    return check(reader, result, err) &&
-           check(reader, exr_decoding_run(context, 0, decoder), err) &&
+    return check(reader,
+                 exr_decode_bytes(reader->context, chunk, &reader->decoder, &reader->decoder_ready),
+                 err) &&
            unpack_chunk(reader, x, y, err);
 }
 

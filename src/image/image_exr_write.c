@@ -1,6 +1,7 @@
 // Single-part scanline EXR, ZIP-compressed in blocks of 16 lines, 32-bit float or half.
 #include "image_exr.h"
 
+#include "image_exr_channel.h"
 #include "log.h"
 #include <math.h>
 #include <stdio.h>
@@ -8,7 +9,6 @@
 #include <string.h>
 
 enum {
-    NAME_MAX_BYTES = 255,      // of a channel or attribute (EXR file layout, long names)
     SHORT_NAME_MAX_BYTES = 31, // longer ones need a flag in the file's version field
     BLOCK_LINES = 16,          // of ZIP compression
     COMPONENTS = 3,
@@ -30,88 +30,19 @@ static bool check(const struct exr_writer *writer, exr_result_t result, struct e
     return result == EXR_ERR_SUCCESS || exr_fail(&writer->stream, result, ERR_OUTPUT, err);
 }
 
-// A channel of the plain picture (layer -1) or of a layer.
-struct channel {
-    char name[NAME_MAX_BYTES + 1];
-    exr_pixel_type_t type;
-    const char *values; // of the first pixel
-    size_t stride;      // from pixel to pixel, bytes
-};
-
-static const struct image_layer *layer_at(const struct image_write_params *params, int index,
-                                          struct image_layer *plain)
-{
-    *plain = (struct image_layer){.values = params->image->pixels};
-    return index < 0 ? plain : &params->layers[index];
-}
-
-// -1, the plain picture, unless there is none.
-static int first_layer(const struct image_write_params *params)
-{
-    return params->image->pixels ? -1 : 0;
-}
-
-static int component_count(const struct image_layer *layer)
-{
-    int count = 0;
-    while (layer->channels && layer->channels[count])
-        count++;
-    return layer->channels ? count : COMPONENTS;
-}
-
-// False when the name is too long.
-static bool describe_channel(const struct image_write_params *params,
-                             const struct image_layer *layer, int component, struct channel *out)
-{
-    static const char *const colors[] = {"R", "G", "B"};
-    const char *letter = layer->channels ? layer->channels[component] : colors[component];
-    int length = layer->name ? snprintf(out->name, sizeof out->name, "%s.%s", layer->name, letter)
-                             : snprintf(out->name, sizeof out->name, "%s", letter);
-    bool is_half = params->half_float && layer->type == IMAGE_LAYER_FLOAT;
-    out->type = layer->type == IMAGE_LAYER_UINT ? EXR_PIXEL_UINT
-                : is_half                       ? EXR_PIXEL_HALF
-                                                : EXR_PIXEL_FLOAT;
-    out->stride = (size_t)component_count(layer) * sizeof(float);
-    out->values = (const char *)layer->values + (size_t)component * sizeof(float);
-    return length > 0 && length <= NAME_MAX_BYTES;
-}
-
-static bool find_channel(const struct image_write_params *params, const char *wanted,
-                         struct channel *out)
-{
-    struct image_layer plain;
-    for (int i = first_layer(params); i < (int)params->layer_count; i++) {
-        const struct image_layer *layer = layer_at(params, i, &plain);
-        for (int component = 0; component < component_count(layer); component++)
-            if (describe_channel(params, layer, component, out) && strcmp(out->name, wanted) == 0)
-                return true;
-    }
-    return false;
-}
-
-static bool add_channel(struct exr_writer *writer, const struct image_layer *layer, int component,
-                        struct err *err)
-{
-    struct channel channel;
-    if (!describe_channel(writer->params, layer, component, &channel))
-        return err_set(err, ERR_OUTPUT, "layer name \"%.40s…\" is longer than %d bytes",
-                       layer->name, NAME_MAX_BYTES - 2);
-    // The library keeps the list sorted by name, as the format demands.
-    return check(writer,
-                 exr_add_channel(writer->context, 0, channel.name, channel.type,
-                                 EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1),
-                 err) ||
-           err_prepend(err, "channel %s", channel.name);
-}
-
 static bool add_channels(struct exr_writer *writer, struct err *err)
 {
-    struct image_layer plain;
-    for (int i = first_layer(writer->params); i < (int)writer->params->layer_count; i++) {
-        const struct image_layer *layer = layer_at(writer->params, i, &plain);
-        for (int component = 0; component < component_count(layer); component++)
-            if (!add_channel(writer, layer, component, err))
-                return false;
+    struct exr_channel channel;
+    for (uint32_t i = 0; exr_channel_at(writer->params, i, &channel); i++) {
+        if (channel.is_name_too_long)
+            return err_set(err, ERR_OUTPUT, "channel name \"%.40s…\" is longer than %d bytes",
+                           channel.name, EXR_NAME_MAX_BYTES);
+        // The library keeps the list sorted by name, as the format demands.
+        if (!check(writer,
+                   exr_add_channel(writer->context, 0, channel.name, channel.type,
+                                   EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1),
+                   err))
+            return err_prepend(err, "channel %s", channel.name);
     }
     return true;
 }
@@ -130,13 +61,10 @@ static bool add_attributes(struct exr_writer *writer, struct err *err)
 
 static bool needs_long_names(const struct image_write_params *params)
 {
-    struct channel channel;
-    for (uint32_t i = 0; i < params->layer_count; i++)
-        for (int c = 0; c < component_count(&params->layers[i]); c++) {
-            describe_channel(params, &params->layers[i], c, &channel);
-            if (strlen(channel.name) > SHORT_NAME_MAX_BYTES)
-                return true;
-        }
+    struct exr_channel channel;
+    for (uint32_t i = 0; exr_channel_at(params, i, &channel); i++)
+        if (strlen(channel.name) > SHORT_NAME_MAX_BYTES)
+            return true;
     for (uint32_t i = 0; i < params->attribute_count; i++)
         if (strlen(params->attributes[i].key) > SHORT_NAME_MAX_BYTES)
             return true;
@@ -164,14 +92,14 @@ static bool write_header(struct exr_writer *writer, struct err *err)
            check(writer, exr_write_header(writer->context), err);
 }
 
-static void convert_to_half(struct exr_writer *writer, const char *from, size_t stride,
-                            size_t count, uint16_t *to)
+static void convert_to_half(struct exr_writer *writer, const struct exr_channel *channel,
+                            size_t first, size_t count, uint16_t *to)
 {
     for (size_t i = 0; i < count; i++) {
         float value;
-        memcpy(&value, from + i * stride, sizeof value);
+        memcpy(&value, channel->values + (first + i) * channel->stride, sizeof value);
         writer->saturated += isfinite(value) && fabsf(value) > HALF_MAX;
-        to[i] = half_from_float(value);
+        to[i] = (uint16_t)exr_channel_bits(channel, first + i);
     }
 }
 
@@ -181,14 +109,14 @@ static bool feed_encoder(struct exr_writer *writer, uint32_t y, uint32_t lines, 
     const uint32_t width = writer->params->image->width;
     for (int i = 0; i < writer->encoder.channel_count; i++) {
         exr_coding_channel_info_t *coding = &writer->encoder.channels[i];
-        struct channel channel;
-        if (!find_channel(writer->params, coding->channel_name, &channel))
+        struct exr_channel channel;
+        if (!exr_channel_find(writer->params, coding->channel_name, &channel))
             return err_set(err, ERR_BUG, "EXR: channel %s has no source", coding->channel_name);
         size_t value_bytes = sizeof(float), stride = channel.stride;
         const char *data = channel.values + (size_t)y * width * stride;
         if (channel.type == EXR_PIXEL_HALF) {
             uint16_t *block = writer->halves + (size_t)i * BLOCK_LINES * width;
-            convert_to_half(writer, data, stride, (size_t)lines * width, block);
+            convert_to_half(writer, &channel, (size_t)y * width, (size_t)lines * width, block);
             value_bytes = stride = sizeof *block;
             data = (const char *)block;
         }

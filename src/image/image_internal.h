@@ -1,5 +1,6 @@
 // What the files of this module share. One reader and one writer a format, all of them from and to
-// memory: so a decoder never touches a file, and a file is only replaced by a finished picture.
+// memory: so a decoder never touches a file, and a file is only replaced by a finished picture that
+// has been decoded again and compared with what was to be written.
 #ifndef LAMPYRIS_IMAGE_IMAGE_INTERNAL_H
 #define LAMPYRIS_IMAGE_IMAGE_INTERNAL_H
 
@@ -76,6 +77,10 @@ bool image_exr_read_attributes(const struct image_source *source, struct arena *
                                struct image_attribute **out, uint32_t *count, struct err *err);
 bool image_exr_write(const struct image_write_params *params, struct byte_buffer *out,
                      struct err *err);
+// Whether decoding the file gives what was to be in it, bit for bit: pixels, layers, metadata;
+// ERR_OUTPUT naming the first difference.
+bool image_exr_verify(const struct image_write_params *params, const struct byte_buffer *file,
+                      struct err *err);
 
 bool image_hdr_read(const struct image_source *source, struct arena *arena, struct pixels *out,
                     struct err *err);
@@ -87,7 +92,12 @@ bool image_png_read(const struct image_source *source, struct arena *arena, stru
                     struct err *err);
 bool image_png_read_attributes(const struct image_source *source, struct arena *arena,
                                struct image_attribute **out, uint32_t *count, struct err *err);
-bool image_png_write(const struct image_write_params *params, struct byte_buffer *out,
-                     struct err *err);
+// The 8-bit codes of the pixels, RGB, row 0 at the top: what is written and verified. Freed by the
+// caller.
+bool image_png_codes(const struct image_write_params *params, uint8_t **codes, struct err *err);
+bool image_png_write(const struct image_write_params *params, const uint8_t *codes,
+                     struct byte_buffer *out, struct err *err);
+bool image_png_verify(const struct image_write_params *params, const uint8_t *codes,
+                      const struct byte_buffer *file, struct err *err);
 
 #endif

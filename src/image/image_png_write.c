@@ -13,7 +13,7 @@ struct png_writer {
     png_structp png;
     png_infop info;
     png_textp texts;
-    png_bytep row;
+    const uint8_t *codes;
 };
 
 static void write_bytes(png_structp png, png_bytep data, size_t size)
@@ -55,19 +55,6 @@ static void set_texts(struct png_writer *writer)
     png_set_text(writer->png, writer->info, writer->texts, (int)params->attribute_count);
 }
 
-static void fill_row(struct png_writer *writer, uint32_t y)
-{
-    const struct image_write_params *params = writer->params;
-    const float(*pixels)[3] =
-        (const float(*)[3])params->image->pixels + (size_t)y * params->image->width;
-    for (uint32_t x = 0; x < params->image->width; x++) {
-        float display[3];
-        image_tone_map(params->tone, params->exposure_stops, pixels[x], display);
-        for (int c = 0; c < 3; c++)
-            writer->row[3 * (size_t)x + (size_t)c] = image_quantize(display[c]);
-    }
-}
-
 // Runs libpng; false after an error that came by longjmp.
 static bool run(struct png_writer *writer)
 {
@@ -82,10 +69,8 @@ static bool run(struct png_writer *writer)
     png_set_sRGB(writer->png, writer->info, PNG_sRGB_INTENT_RELATIVE);
     set_texts(writer);
     png_write_info(writer->png, writer->info);
-    for (uint32_t y = 0; y < image->height; y++) {
-        fill_row(writer, y);
-        png_write_row(writer->png, writer->row);
-    }
+    for (uint32_t y = 0; y < image->height; y++)
+        png_write_row(writer->png, writer->codes + 3 * (size_t)y * image->width);
     png_write_end(writer->png, NULL);
     return true;
 }
@@ -94,11 +79,10 @@ static bool prepare(struct png_writer *writer, struct err *err)
 {
     const struct image_write_params *params = writer->params;
     writer->texts = calloc((size_t)params->attribute_count + 1, sizeof *writer->texts);
-    writer->row = calloc(params->image->width, 3);
     writer->png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &writer->failure, png_keep_error,
                                           png_drop_warning);
     writer->info = writer->png ? png_create_info_struct(writer->png) : NULL;
-    if (writer->texts && writer->row && writer->info)
+    if (writer->texts && writer->info)
         return true;
     return err_memory(err, "the PNG writer", 3ull * params->image->width);
 }
@@ -123,12 +107,28 @@ static bool check_keys(const struct image_write_params *params, struct err *err)
     return true;
 }
 
-bool image_png_write(const struct image_write_params *params, struct byte_buffer *out,
-                     struct err *err)
+bool image_png_codes(const struct image_write_params *params, uint8_t **codes, struct err *err)
+{
+    const float(*pixels)[3] = (const float(*)[3])params->image->pixels;
+    size_t count = (size_t)params->image->width * params->image->height;
+    *codes = calloc(count, 3);
+    if (!*codes)
+        return err_memory(err, "8-bit pixels", 3ull * count);
+    for (size_t i = 0; i < count; i++) {
+        float display[3];
+        image_tone_map(params->tone, params->exposure_stops, pixels[i], display);
+        for (size_t c = 0; c < 3; c++)
+            (*codes)[3 * i + c] = image_quantize(display[c]);
+    }
+    return true;
+}
+
+bool image_png_write(const struct image_write_params *params, const uint8_t *codes,
+                     struct byte_buffer *out, struct err *err)
 {
     if (!check_keys(params, err))
         return false;
-    struct png_writer writer = {.params = params, .out = out};
+    struct png_writer writer = {.params = params, .codes = codes, .out = out};
     bool ok = prepare(&writer, err);
     if (ok && !run(&writer))
         ok = writer.failure.out_of_memory
@@ -136,6 +136,5 @@ bool image_png_write(const struct image_write_params *params, struct byte_buffer
                  : err_set(err, ERR_OUTPUT, "PNG: %s", writer.failure.message);
     png_destroy_write_struct(&writer.png, &writer.info);
     free(writer.texts);
-    free(writer.row);
     return ok;
 }

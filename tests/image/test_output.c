@@ -112,6 +112,102 @@ TEST(failed_write_keeps_the_old_file)
     temporary_leave(folder);
 }
 
+static bool content_is(const char *path, const void *data, size_t size)
+{
+    struct arena arena = {0};
+    struct file_bytes file;
+    bool ok = file_read(&arena, path, 0, &file, NULL) && file.size == size &&
+              memcmp(file.data, data, size) == 0;
+    arena_finish(&arena);
+    return ok;
+}
+
+// Noise, NaN and all, so that nothing of it is lost in compression; and metadata.
+static void encode_noise(const char *path, struct arena *arena, struct image *image,
+                         struct image_write_params *params)
+{
+    static const struct image_attribute attributes[] = {{"lampyris:seed", "17"},
+                                                        {"lampyris:device", "Ger\u00e4t"}};
+    *image = picture_create(arena, 14, 20);
+    for (uint32_t i = 0; i < 14 * 20; i += 5)
+        memcpy(image->pixels[i], (const uint32_t[]){0x7fc12345 + i, 0xff812345, 0x80000001}, 12);
+    *params = (struct image_write_params){
+        .path = path, .image = image, .attributes = attributes, .attribute_count = 2};
+}
+
+// Whatever bit of an encoded picture is wrong: either nothing is written and the old file stays, or
+// the bit had no part in the picture (some of a header's, or of a compressed stream's).
+TEST(wrong_encodings_are_found_out)
+{
+    REQUIRE(temporary_enter(folder, sizeof folder));
+    for (int i = 0; i < 2; i++) {
+        struct arena arena = {0};
+        struct image image, back;
+        struct image_write_params params;
+        struct err err = {0};
+        uint8_t *good, *bad;
+        size_t size, bad_size, harmless = 0;
+        encode_noise(names[i], &arena, &image, &params);
+        REQUIRE(image_encode(&params, &arena, &good, &size, &err), "%s", err.msg);
+        REQUIRE(temporary_write(names[i], "old"));
+        for (size_t n = 1; n <= size; n++) {
+            struct arena scratch = {0};
+            image_corrupt_at(n);
+            bool ok = image_encode(&params, &scratch, &bad, &bad_size, &err);
+            CHECK(ok || (err.code == ERR_OUTPUT && strstr(err.msg, names[i]) &&
+                         strstr(err.msg, "does not give back what was to be written")),
+                  "byte %zu: %s", n, err.msg);
+            harmless += ok;
+            if (ok && i == 0)
+                CHECK(bad_size == size && picture_decode(bad, size, &scratch, &back, &err) &&
+                          picture_same_bits(&image, &back),
+                      "byte %zu", n);
+            arena_finish(&scratch);
+        }
+        image_corrupt_at(size - 20); // pixels: of the last block of an EXR, of the last line
+        CHECK(!image_write(&params, &err) && err.code == ERR_OUTPUT, "%s", names[i]);
+        image_corrupt_at(0);
+        CHECK(content_is(names[i], "old", 3) && temporary_entries(".") == i + 1);
+        CHECK(harmless <= (i == 0 ? size / 100 : 0), "%zu of %zu bytes", harmless, size);
+        CHECK(image_write(&params, &err) && content_is(names[i], good, size), "%s", err.msg);
+        arena_finish(&arena);
+    }
+    temporary_leave(folder);
+}
+
+// Kinds of channels whose bits arithmetic would not keep: signalling NaN, integers past 2^24,
+// values that halves round and bring to their limit.
+TEST(right_encodings_pass)
+{
+    static const uint32_t odd[] = {0x7f800001, 0xffc00000, 0x80000000, 1,          0x7f800000,
+                                   0x7f7fffff, 0xffffffff, 0x01000001, 0x47800000, 0x33800001};
+    struct arena arena = {0};
+    float pixels[10][3];
+    for (int i = 0; i < 10; i++)
+        for (int c = 0; c < 3; c++)
+            memcpy(&pixels[i][c], &odd[(i + c) % 10], sizeof odd[0]);
+    const struct image image = {2, 5, pixels};
+    const struct image_layer layers[] = {
+        {.name = "ids", .values = pixels, .type = IMAGE_LAYER_UINT},
+        {.name = "full", .values = pixels, .type = IMAGE_LAYER_FULL},
+        {.name = "as", .values = pixels, .type = IMAGE_LAYER_FLOAT},
+    };
+    for (int half = 0; half < 2; half++) {
+        struct image_write_params params = {.path = "a.exr",
+                                            .image = &image,
+                                            .layers = layers,
+                                            .layer_count = 3,
+                                            .half_float = half};
+        struct err err = {0};
+        uint8_t *data;
+        size_t size;
+        CHECK(image_encode(&params, &arena, &data, &size, &err), "%s", err.msg);
+        params.path = "a.png";
+        CHECK(image_encode(&params, &arena, &data, &size, &err), "%s", err.msg);
+    }
+    arena_finish(&arena);
+}
+
 TEST(empty_pictures_are_refused)
 {
     struct image image = {0};
@@ -192,5 +288,6 @@ TEST(reading_survives_exhausted_memory)
 TEST_MAIN(TEST_CASE(formats_are_told_by_extension), TEST_CASE(encoded_is_what_is_written),
           TEST_CASE(full_disk_is_an_error), TEST_CASE(missing_folder_is_an_error),
           TEST_CASE(unwritable_folder_is_an_error), TEST_CASE(failed_write_keeps_the_old_file),
+          TEST_CASE(wrong_encodings_are_found_out), TEST_CASE(right_encodings_pass),
           TEST_CASE(empty_pictures_are_refused), TEST_CASE(reading_what_is_no_picture),
           TEST_CASE(reading_keeps_to_its_budget), TEST_CASE(reading_survives_exhausted_memory))
