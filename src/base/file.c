@@ -1,7 +1,10 @@
 #include "file.h"
 
+#include "file_inputs.h"
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -62,6 +65,12 @@ static bool read_opened(struct arena *arena, int fd, const char *path, size_t ma
 
 bool file_read(struct arena *arena, const char *path, size_t max_bytes, struct file_bytes *out,
                struct err *err)
+{
+    return file_inputs_add(path, err) && file_read_own(arena, path, max_bytes, out, err);
+}
+
+bool file_read_own(struct arena *arena, const char *path, size_t max_bytes, struct file_bytes *out,
+                   struct err *err)
 {
     // O_NONBLOCK: opening a FIFO without a writer must return, to be refused. It does not matter to
     // regular files.
@@ -237,6 +246,39 @@ char *path_numbered(struct arena *arena, const char *path, uint32_t number)
         return arena_printf(arena, "%s.%04u", path, number);
     int stem = (int)(extension - path);
     return arena_printf(arena, "%.*s%04u.%s", stem, path, number, extension);
+}
+
+// What a link says, as seen from the working directory; NULL for what is no link.
+static char *follow_link(const char *path)
+{
+    char text[PATH_MAX];
+    ssize_t length = readlink(path, text, sizeof text - 1);
+    if (length <= 0)
+        return NULL;
+    text[length] = '\0';
+    int folder = *text == '/' ? 0 : (int)(path_name(path) - path);
+    size_t size = (size_t)folder + (size_t)length + 1;
+    char *out = malloc(size);
+    if (out)
+        snprintf(out, size, "%.*s%s", folder, path, text);
+    return out;
+}
+
+char *file_target(const char *path)
+{
+    const int links_max = 40; // as many as Linux follows
+    char *target = realpath(path, NULL);
+    if (target)
+        return target;
+    target = strdup(path);
+    for (int i = 0; target && i < links_max; i++) {
+        char *next = follow_link(target);
+        if (!next)
+            break;
+        free(target);
+        target = next;
+    }
+    return target;
 }
 
 bool file_make_folder(const char *path, struct err *err)

@@ -19,11 +19,14 @@ static bool fail(struct err *err, const char *output, const char *action)
 }
 
 // The output's name is hashed, because a longer name than its own may be too long. Links are
-// resolved first: those who write one file by two names are to meet.
+// followed first: those who write one file by two names are to meet.
 static char *lock_path(const char *output, struct err *err)
 {
-    char *resolved = realpath(output, NULL);
-    const char *path = resolved ? resolved : output; // it does not exist yet
+    char *path = file_target(output);
+    if (!path) {
+        err_memory(err, "a path", strlen(output));
+        return NULL;
+    }
     const char *name = path_name(path);
     uint64_t hash = hash_bytes(HASH_INIT, name, strlen(name));
     int folder = (int)(name - path);
@@ -33,7 +36,7 @@ static char *lock_path(const char *output, struct err *err)
         snprintf(out, size, "%.*s.lampyris-%016" PRIx64 ".lock", folder, path, hash);
     else
         err_memory(err, "a path", size);
-    free(resolved);
+    free(path);
     return out;
 }
 

@@ -1,10 +1,11 @@
 #define _GNU_SOURCE // O_TMPFILE
 #include "file.h"
 
+#include "file_inputs.h"
 #include "log.h"
 #include <errno.h>
 #include <fcntl.h>
-#include <limits.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -48,7 +49,7 @@ static int folder_length(const char *path)
     return slash ? (int)(slash + 1 - path) : 0;
 }
 
-enum { NAME_ATTEMPTS = 1000, NAME_BYTES = 64 };
+enum { NAME_ATTEMPTS = 1000, NAME_BYTES = 64, BLOCK_BYTES = 1 << 16 };
 
 // A short name of its own, so that a long name of the picture does not become too long, and so that
 // two processes, or two writers of one, do not meet.
@@ -86,7 +87,7 @@ static bool unnamed_create(struct file_writer *writer, mode_t mode)
     int length = folder_length(writer->path);
     char *folder = length > 0 ? strndup(writer->path, (size_t)length) : strdup(".");
     if (folder)
-        writer->fd = open(folder, O_WRONLY | O_TMPFILE | O_CLOEXEC, mode);
+        writer->fd = open(folder, O_RDWR | O_TMPFILE | O_CLOEXEC, mode);
     free(folder);
     char link[NAME_BYTES];
     descriptor_path(writer->fd, link);
@@ -107,7 +108,7 @@ static bool named_create(struct file_writer *writer, mode_t mode, struct err *er
         return false;
     for (int i = 0; i < NAME_ATTEMPTS && writer->fd < 0; i++) {
         temporary_path_print(writer, i);
-        int flags = O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC;
+        int flags = O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC;
         writer->fd = open(writer->temporary_path, flags, mode);
         if (writer->fd < 0 && errno != EEXIST)
             break;
@@ -146,30 +147,63 @@ static bool stream_open(struct file_writer *writer, struct err *err)
     return true;
 }
 
-bool file_writer_open(struct file_writer *writer, const char *path, struct err *err)
+static bool writer_open(struct file_writer *writer, const char *path, struct err *err)
 {
     *writer = (struct file_writer){.fd = -1};
     enum target target;
     mode_t mode;
     if (!target_examine(path, &target, &mode, err))
         return false;
-    // A link that leads nowhere has no real path and is replaced by the file.
-    writer->path = target == TARGET_REGULAR ? realpath(path, NULL) : strdup(path);
-    if (!writer->path)
-        return fail(err, path, "resolve");
     writer->direct = target == TARGET_STREAM;
-    if (writer->direct ? stream_open(writer, err) : temporary_create(writer, mode, err))
+    writer->path = writer->direct ? strdup(path) : file_target(path);
+    writer->block = malloc(BLOCK_BYTES);
+    bool ok = (writer->path && writer->block) || err_memory(err, "an output file", BLOCK_BYTES);
+    if (ok && (writer->direct ? stream_open(writer, err) : temporary_create(writer, mode, err)))
         return true;
     file_writer_finish(writer);
     return false;
 }
 
-bool file_writer_write(struct file_writer *writer, const void *data, size_t size, struct err *err)
+bool file_writer_open(struct file_writer *writer, const char *path, struct err *err)
 {
-    const char *bytes = data;
+    *writer = (struct file_writer){.fd = -1};
+    return file_inputs_check(path, err) && writer_open(writer, path, err);
+}
+
+// --- the content ---------------------------------------------------------------------------------
+
+static _Atomic uint64_t corrupt_countdown;
+
+void file_corrupt_at(uint64_t n)
+{
+    atomic_store(&corrupt_countdown, n);
+}
+
+static void corrupt_if_due(uint8_t *block, size_t size)
+{
+    uint64_t n = atomic_load(&corrupt_countdown);
+    if (n > 0 && n <= size)
+        block[n - 1] ^= 0x10;
+    if (n > 0)
+        atomic_store(&corrupt_countdown, n <= size ? 0 : n - size);
+}
+
+// Blocks are of the same size in writing and in reading back, but for the last.
+static struct hash128 add_block(struct hash128 sum, const uint8_t *block, size_t size)
+{
+    const struct hash128 pair[2] = {sum, hash128_bytes(block, size)};
+    return hash128_bytes(pair, sizeof pair);
+}
+
+static bool write_block(struct file_writer *writer, struct err *err)
+{
+    const uint8_t *bytes = writer->block;
+    size_t size = writer->block_bytes;
+    writer->sum = add_block(writer->sum, bytes, size);
+    corrupt_if_due(writer->block, size);
+    writer->block_bytes = 0;
     while (size > 0) {
-        // Linux writes at most 0x7ffff000 bytes at once; the loop handles that and signals alike.
-        ssize_t written = write(writer->fd, bytes, size < SSIZE_MAX ? size : SSIZE_MAX);
+        ssize_t written = write(writer->fd, bytes, size);
         if (written < 0 && errno == EINTR)
             continue;
         if (written < 0)
@@ -179,6 +213,59 @@ bool file_writer_write(struct file_writer *writer, const void *data, size_t size
     }
     return true;
 }
+
+bool file_writer_write(struct file_writer *writer, const void *data, size_t size, struct err *err)
+{
+    const uint8_t *bytes = data;
+    while (size > 0) {
+        size_t room = BLOCK_BYTES - writer->block_bytes;
+        size_t count = size < room ? size : room;
+        memcpy(writer->block + writer->block_bytes, bytes, count);
+        writer->block_bytes += count;
+        bytes += count;
+        size -= count;
+        if (writer->block_bytes == BLOCK_BYTES && !write_block(writer, err))
+            return false;
+    }
+    return true;
+}
+
+// Fills the block from the file, up to its end; false when reading fails.
+static bool read_block(struct file_writer *writer, struct err *err)
+{
+    writer->block_bytes = 0;
+    while (writer->block_bytes < BLOCK_BYTES) {
+        ssize_t got = read(writer->fd, writer->block + writer->block_bytes,
+                           BLOCK_BYTES - writer->block_bytes);
+        if (got < 0 && errno == EINTR)
+            continue;
+        if (got < 0)
+            return fail(err, writer->path, "read back");
+        if (got == 0)
+            break;
+        writer->block_bytes += (size_t)got;
+    }
+    return true;
+}
+
+static bool verify(struct file_writer *writer, struct err *err)
+{
+    if (lseek(writer->fd, 0, SEEK_SET) != 0)
+        return fail(err, writer->path, "read back");
+    struct hash128 sum = {0};
+    do {
+        if (!read_block(writer, err))
+            return false;
+        if (writer->block_bytes > 0)
+            sum = add_block(sum, writer->block, writer->block_bytes);
+    } while (writer->block_bytes == BLOCK_BYTES);
+    return memcmp(&sum, &writer->sum, sizeof sum) == 0 ||
+           err_set(err, ERR_OUTPUT,
+                   "%s: what was written does not read back as it was; an older file is kept",
+                   writer->path);
+}
+
+// --- the end -------------------------------------------------------------------------------------
 
 // Makes the rename durable. The file is in place already, so a failure is no more than a warning;
 // some file systems cannot sync a folder at all.
@@ -229,8 +316,10 @@ static bool replace_target(struct file_writer *writer, struct err *err)
 
 bool file_writer_commit(struct file_writer *writer, struct err *err)
 {
-    bool ok = writer->direct || fsync(writer->fd) == 0 || fail(err, writer->path, "sync");
-    ok = ok && (writer->direct || replace_target(writer, err));
+    bool ok = writer->block_bytes == 0 || write_block(writer, err);
+    if (ok && !writer->direct)
+        ok = (fsync(writer->fd) == 0 || fail(err, writer->path, "sync")) && verify(writer, err) &&
+             replace_target(writer, err);
     int closed = close(writer->fd);
     writer->fd = -1;
     if (ok && closed != 0)
@@ -241,7 +330,7 @@ bool file_writer_commit(struct file_writer *writer, struct err *err)
 
 void file_writer_finish(struct file_writer *writer)
 {
-    if (!writer || !writer->path)
+    if (!writer || (!writer->path && !writer->block))
         return;
     if (writer->fd >= 0)
         close(writer->fd);
@@ -249,19 +338,28 @@ void file_writer_finish(struct file_writer *writer)
         unlink(writer->temporary_path);
     free(writer->temporary_path);
     free(writer->path);
+    free(writer->block);
     *writer = (struct file_writer){.fd = -1};
+}
+
+static bool write_all(struct file_writer *writer, const void *data, size_t size, struct err *err)
+{
+    if (file_writer_write(writer, data, size, err))
+        return file_writer_commit(writer, err);
+    file_writer_finish(writer);
+    return false;
 }
 
 bool file_write_atomic(const char *path, const void *data, size_t size, struct err *err)
 {
     struct file_writer writer;
-    if (!file_writer_open(&writer, path, err))
-        return false;
-    if (!file_writer_write(&writer, data, size, err)) {
-        file_writer_finish(&writer);
-        return false;
-    }
-    return file_writer_commit(&writer, err);
+    return file_writer_open(&writer, path, err) && write_all(&writer, data, size, err);
+}
+
+bool file_replace_atomic(const char *path, const void *data, size_t size, struct err *err)
+{
+    struct file_writer writer;
+    return writer_open(&writer, path, err) && write_all(&writer, data, size, err);
 }
 
 bool file_check_writable(const char *path, struct err *err)
@@ -286,11 +384,14 @@ bool file_check_space(const char *path, uint64_t bytes, struct err *err)
     bool exists = stat(path, &status) == 0;
     if (exists && !S_ISREG(status.st_mode))
         return true;
-    int length = folder_length(path);
-    char *place = exists ? strdup(path) : length > 0 ? strndup(path, (size_t)length) : strdup(".");
+    char *target = file_target(path);
+    int length = target ? folder_length(target) : 0;
+    if (target && !exists)
+        target[length] = '\0';
     struct statvfs space;
-    bool is_known = place && statvfs(place, &space) == 0 && space.f_blocks > 0;
-    free(place);
+    bool is_known =
+        target && statvfs(exists || length > 0 ? target : ".", &space) == 0 && space.f_blocks > 0;
+    free(target);
     if (!is_known || bytes / space.f_frsize < space.f_bavail)
         return true;
     return err_set(err, ERR_OUTPUT, "%s: may take %llu bytes, but its disk has only %llu left",

@@ -44,6 +44,23 @@ TEST(links_lead_to_one_lock)
     temporary_leave(folder);
 }
 
+// The file that is to be made has one lock by whatever name.
+TEST(links_that_lead_nowhere_share_the_lock)
+{
+    char folder[200];
+    REQUIRE(temporary_enter(folder, sizeof folder));
+    REQUIRE(mkdir("there", 0700) == 0 && symlink("there/file", "link") == 0 &&
+            symlink("link", "again") == 0);
+    struct file_lock first, second;
+    struct err err = {0};
+    REQUIRE(file_lock_take(&first, "again", &err), "%s", err.msg);
+    CHECK(temporary_entries("there") == 1 && temporary_entries(".") == 3);
+    CHECK(!file_lock_take(&second, "there/file", &err) && err.code == ERR_OUTPUT);
+    CHECK(!file_lock_take(&second, "link", &err) && err.code == ERR_OUTPUT);
+    file_lock_release(&first);
+    temporary_leave(folder);
+}
+
 // As after kill -9: the hidden file stays, and locks nothing.
 TEST(a_dead_holder_holds_nothing)
 {
@@ -90,5 +107,5 @@ TEST(devices_have_none)
 }
 
 TEST_MAIN(TEST_CASE(the_second_holder_fails_at_once), TEST_CASE(links_lead_to_one_lock),
-          TEST_CASE(a_dead_holder_holds_nothing), TEST_CASE(names_of_any_length),
-          TEST_CASE(devices_have_none))
+          TEST_CASE(links_that_lead_nowhere_share_the_lock), TEST_CASE(a_dead_holder_holds_nothing),
+          TEST_CASE(names_of_any_length), TEST_CASE(devices_have_none))

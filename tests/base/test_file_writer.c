@@ -104,6 +104,56 @@ static void check_unwritable(const char *path, const char *expected)
     CHECK(err.code == ERR_OUTPUT && strstr(err.msg, expected), "%s", err.msg);
 }
 
+// What the link names is made, by way of other links; the link stays.
+TEST(links_that_lead_nowhere_are_followed)
+{
+    char folder[200];
+    REQUIRE(temporary_enter(folder, sizeof folder));
+    struct err err = {0};
+    struct stat status;
+    REQUIRE(mkdir("there", 0700) == 0 && symlink("there/second", "first") == 0 &&
+            symlink("new file", "there/second") == 0);
+    CHECK(file_check_writable("first", &err) && temporary_entries("there") == 1, "%s", err.msg);
+    CHECK(file_check_space("first", 0, &err), "%s", err.msg);
+    CHECK(file_write_atomic("first", "content", 7, &err), "%s", err.msg);
+    CHECK(lstat("first", &status) == 0 && S_ISLNK(status.st_mode));
+    CHECK(lstat("there/second", &status) == 0 && S_ISLNK(status.st_mode));
+    CHECK(content_is("there/new file", "content") && temporary_entries("there") == 2);
+    REQUIRE(symlink("nowhere/file", "broken") == 0 && symlink("round", "round") == 0);
+    check_unwritable("broken", "nowhere/file: cannot create");
+    check_unwritable("round", "Too many levels");
+    temporary_leave(folder);
+}
+
+// One bit of any byte, in a first, a middle and a last block of what is written.
+TEST(what_reads_back_otherwise_replaces_nothing)
+{
+    enum { SIZE = 200000 };
+    static const size_t places[] = {1, 2, 65536, 65537, 131072, 150000, SIZE};
+    static char data[SIZE];
+    char folder[200];
+    REQUIRE(temporary_enter(folder, sizeof folder) && temporary_write("old", "before"));
+    for (size_t i = 0; i < SIZE; i++)
+        data[i] = (char)(i * 31 >> 3);
+    for (size_t i = 0; i < sizeof places / sizeof places[0]; i++) {
+        struct err err = {0};
+        file_corrupt_at(places[i]);
+        CHECK(!file_write_atomic("old", data, SIZE, &err), "byte %zu", places[i]);
+        CHECK(err.code == ERR_OUTPUT && strstr(err.msg, "old: what was written does not read back"),
+              "%s", err.msg);
+        CHECK(content_is("old", "before") && temporary_entries(".") == 1);
+    }
+    struct err err = {0};
+    CHECK(file_write_atomic("old", data, SIZE, &err), "%s", err.msg);
+    struct arena arena = {0};
+    struct file_bytes bytes = {0};
+    CHECK(file_read(&arena, "old", 0, &bytes, &err) && bytes.size == SIZE &&
+          memcmp(bytes.data, data, SIZE) == 0);
+    arena_finish(&arena);
+    CHECK(file_write_atomic("old", "", 0, &err) && content_is("old", ""), "%s", err.msg);
+    temporary_leave(folder);
+}
+
 TEST(the_check_finds_out_and_leaves_nothing)
 {
     char folder[200];
@@ -239,6 +289,8 @@ TEST(a_killed_process_leaves_nothing)
 TEST_MAIN(TEST_CASE(a_new_file_appears_only_at_commit),
           TEST_CASE(an_old_file_stays_until_commit_and_passes_on_its_permissions),
           TEST_CASE(two_writers_do_not_meet), TEST_CASE(links_are_followed_and_kept),
+          TEST_CASE(links_that_lead_nowhere_are_followed),
+          TEST_CASE(what_reads_back_otherwise_replaces_nothing),
           TEST_CASE(the_check_finds_out_and_leaves_nothing),
           TEST_CASE(devices_are_written_to_directly),
           TEST_CASE(pipes_are_written_to_when_somebody_reads),

@@ -253,6 +253,26 @@ TEST(damaged_files_are_refused)
 }
 
 // With a right checksum: what the tree itself says has to be right, too.
+// One bit changes on its way to the disk: the older file stays.
+TEST(wrongly_stored_files_replace_nothing)
+{
+    struct fixture f;
+    REQUIRE(setup(&f, 64));
+    struct err err = {0};
+    struct bvh loaded;
+    REQUIRE(file_make_folder("cache", &err) && bvh_cache_save(f.path, &f.params, &f.built, &err),
+            "%s", err.msg);
+    for (uint64_t n = 1; n <= f.built.stats.bytes; n += f.built.stats.bytes / 7) {
+        file_corrupt_at(n);
+        CHECK(!bvh_cache_save(f.path, &f.params, &f.built, &err) && err.code == ERR_OUTPUT,
+              "byte %llu", (unsigned long long)n);
+        CHECK(bvh_cache_load(f.path, &f.params, &f.arena, &loaded, &err) &&
+                  same_tree(&f.built, &loaded) && temporary_entries("cache") == 1,
+              "%s", err.msg);
+    }
+    finish(&f);
+}
+
 TEST(wrong_trees_are_refused)
 {
     struct fixture f;
@@ -331,4 +351,4 @@ TEST(several_processes)
 TEST_MAIN(TEST_CASE(what_is_kept_is_loaded), TEST_CASE(other_input_is_another_file),
           TEST_CASE(small_ones_are_not_kept), TEST_CASE(folders_that_cannot_be),
           TEST_CASE(damaged_files_are_refused), TEST_CASE(wrong_trees_are_refused),
-          TEST_CASE(several_processes))
+          TEST_CASE(wrongly_stored_files_replace_nothing), TEST_CASE(several_processes))

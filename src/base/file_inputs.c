@@ -1,0 +1,128 @@
+#include "file_inputs.h"
+
+#include "file.h"
+#include "hash.h"
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+struct file_input {
+    char *path;
+    uint64_t hash; // of the path, to find it again quickly
+};
+
+static struct file_inputs *current; // NULL: there is no run
+
+void file_inputs_begin(struct file_inputs *inputs)
+{
+    *inputs = (struct file_inputs){.mutex = PTHREAD_MUTEX_INITIALIZER};
+    current = inputs;
+}
+
+void file_inputs_end(struct file_inputs *inputs)
+{
+    if (current == inputs)
+        current = NULL;
+    for (size_t i = 0; i < inputs->count; i++)
+        free(inputs->list[i].path);
+    free(inputs->list);
+    *inputs = (struct file_inputs){0};
+}
+
+static bool holds(const struct file_inputs *inputs, const char *path, uint64_t hash)
+{
+    for (size_t i = 0; i < inputs->count; i++)
+        if (inputs->list[i].hash == hash && strcmp(inputs->list[i].path, path) == 0)
+            return true;
+    return false;
+}
+
+static bool reserve_one(struct file_inputs *inputs, struct err *err)
+{
+    if (inputs->count < inputs->capacity)
+        return true;
+    size_t capacity = inputs->capacity ? 2 * inputs->capacity : 16;
+    struct file_input *list = realloc(inputs->list, capacity * sizeof *list);
+    if (!list)
+        return err_memory(err, "the list of inputs", capacity * sizeof *list);
+    inputs->list = list;
+    inputs->capacity = capacity;
+    return true;
+}
+
+static bool append(struct file_inputs *inputs, const char *path, uint64_t hash, struct err *err)
+{
+    if (!reserve_one(inputs, err))
+        return false;
+    char *copy = strdup(path);
+    if (!copy)
+        return err_memory(err, "the list of inputs", strlen(path) + 1);
+    inputs->list[inputs->count++] = (struct file_input){copy, hash};
+    return true;
+}
+
+bool file_inputs_add(const char *path, struct err *err)
+{
+    struct stat status;
+    if (!current || stat(path, &status) != 0 || !S_ISREG(status.st_mode))
+        return true;
+    uint64_t hash = hash_bytes(HASH_INIT, path, strlen(path));
+    pthread_mutex_lock(&current->mutex);
+    bool ok = holds(current, path, hash) || append(current, path, hash, err);
+    pthread_mutex_unlock(&current->mutex);
+    return ok;
+}
+
+static bool same_status(const struct stat *a, const struct stat *b)
+{
+    return a->st_dev == b->st_dev && a->st_ino == b->st_ino;
+}
+
+// Looks at the inputs as they are now: one that was replaced since it was read, by an editor that
+// renames a new file into its place, is an input still, and its old inode may be another file's.
+bool file_inputs_check(const char *output, struct err *err)
+{
+    struct stat status, input;
+    if (!current || stat(output, &status) != 0 || !S_ISREG(status.st_mode))
+        return true;
+    bool ok = true;
+    pthread_mutex_lock(&current->mutex);
+    for (size_t i = 0; ok && i < current->count; i++) {
+        const char *path = current->list[i].path;
+        if (stat(path, &input) != 0 || !same_status(&status, &input))
+            continue;
+        ok = strcmp(output, path) == 0
+                 ? err_set(err, ERR_USAGE, "%s: is read by this run; expected another output", path)
+                 : err_set(err, ERR_USAGE,
+                           "%s: is the file %s, which this run reads; expected another output",
+                           output, path);
+    }
+    pthread_mutex_unlock(&current->mutex);
+    return ok;
+}
+
+// Both lead to no file so far: they are the same where name and folder are.
+static bool same_place(const char *a, const char *b)
+{
+    struct arena arena = {0};
+    struct stat folder_a, folder_b;
+    const char *path_a = path_folder(&arena, a), *path_b = path_folder(&arena, b);
+    bool same = strcmp(path_name(a), path_name(b)) == 0 && path_a && path_b &&
+                stat(path_a, &folder_a) == 0 && stat(path_b, &folder_b) == 0 &&
+                same_status(&folder_a, &folder_b);
+    arena_finish(&arena);
+    return same;
+}
+
+bool file_is_same(const char *a, const char *b)
+{
+    struct stat status_a, status_b;
+    bool has_a = stat(a, &status_a) == 0, has_b = stat(b, &status_b) == 0;
+    if (has_a || has_b)
+        return has_a && has_b && S_ISREG(status_a.st_mode) && same_status(&status_a, &status_b);
+    char *target_a = file_target(a), *target_b = file_target(b);
+    bool same = target_a && target_b && same_place(target_a, target_b);
+    free(target_a);
+    free(target_b);
+    return same;
+}

@@ -1,0 +1,37 @@
+// The files that a run reads, so that it refuses to write over them.
+#ifndef LAMPYRIS_BASE_FILE_INPUTS_H
+#define LAMPYRIS_BASE_FILE_INPUTS_H
+
+#include "err.h"
+#include <pthread.h>
+#include <stddef.h>
+#include <stdint.h>
+
+// A set of paths. The caller's memory; to be zeroed, except for the mutex, which
+// file_inputs_begin() makes.
+struct file_inputs {
+    pthread_mutex_t mutex;
+    struct file_input *list;
+    size_t count, capacity;
+};
+
+// From here on every file that file_read() opens is kept in `inputs`, and file_writer_open()
+// refuses to replace one of them. One run at a time: the set is known to all of the program, as the
+// log's sink is. Not thread-safe, in contrast to the functions below, which do nothing while there
+// is no run.
+void file_inputs_begin(struct file_inputs *inputs);
+// Ends the run and frees the set. Accepts one that was never begun.
+void file_inputs_end(struct file_inputs *inputs);
+
+// Adds a file that will be read, so that the outputs can be checked before it is. Nothing happens
+// for what is no regular file, or is not there.
+bool file_inputs_add(const char *path, struct err *err);
+
+// ERR_USAGE where `output` is one of the inputs: under any name, for device and inode decide, and
+// where there is a symbolic link, what it leads to.
+bool file_inputs_check(const char *output, struct err *err);
+
+// Whether two paths lead to the same regular file, which need not be there yet.
+bool file_is_same(const char *a, const char *b);
+
+#endif
