@@ -2,6 +2,7 @@
 
 #include "bench.h"
 #include "file.h"
+#include "html.h"
 #include "json_out.h"
 #include "tune.h"
 
@@ -13,6 +14,8 @@ static bool run(struct bench *b, struct err *err)
     if (options->report && !file_make_folder(options->report, err))
         return false;
     if (!bench_prepare(b, err) || (options->baseline && !bench_load_baseline(b, err)))
+        return false;
+    if (options->report && !html_check_files(options->report, &b->arena, err))
         return false;
     if (!(options->kernel ? bench_measure_kernel(b, err) : bench_measure(b, err)))
         return false;

@@ -3,6 +3,7 @@
 
 #include "compare.h"
 #include "file.h"
+#include "file_inputs.h"
 #include "log.h"
 #include "metrics.h"
 #include <float.h>
@@ -250,6 +251,21 @@ static bool check_limits(const struct comparison *c, const struct compared *pict
     return passed && !fails;
 }
 
+// All at once: the first difference picture is written before the second picture is read.
+static bool name_inputs(const struct comparison *c, struct err *err)
+{
+    const char *variance = c->options->reference_variance;
+    struct arena arena = {0};
+    bool ok = true;
+    for (uint32_t i = 0; ok && i <= c->count + (variance != NULL); i++) {
+        struct image_read_params params;
+        const char *name = i <= c->count ? c->options->arguments[i] : variance;
+        ok = split_layer(name, &arena, &params, err) && file_inputs_add(params.path, err);
+    }
+    arena_finish(&arena);
+    return ok;
+}
+
 // Names the difference pictures, and finds out before the work whether they can be written.
 static bool prepare_maps(struct comparison *c, struct err *err)
 {
@@ -294,7 +310,8 @@ static bool choose_exposures(struct comparison *c, struct err *err)
 
 static bool compare_all(struct comparison *c, struct err *err)
 {
-    if (!prepare_maps(c, err) || !read_reference(c, err) || !choose_exposures(c, err))
+    if (!name_inputs(c, err) || !prepare_maps(c, err) || !read_reference(c, err) ||
+        !choose_exposures(c, err))
         return false;
     for (uint32_t i = 0; i < c->count; i++) {
         struct arena arena = {0};

@@ -5,7 +5,9 @@
 static bool run(struct converge *c, struct err *err)
 {
     const struct options *options = c->options;
-    if (!converge_prepare(c, err) || !converge_reference(c, err) || !converge_measure(c, err))
+    if (!converge_prepare(c, err) ||
+        (options->report && !converge_check_files(c, options->report, err)) ||
+        !converge_reference(c, err) || !converge_measure(c, err))
         return false;
     if (c->replicates_done == 0)
         return err_set(err, ERR_STOPPED, "stopped before the first replicate was done");

@@ -15,7 +15,7 @@ static bool set_up(struct render_job *job, struct err *err)
         return false;
     job->seconds.load = clock_seconds_since(start);
     if (!job_check_space(job, err) || !job_settle_samples(job, err) ||
-        !job_open_reference(job, err))
+        !job_open_reference(job, err) || (!follows_path && !job_check_inputs(job, err)))
         return false;
     for (uint32_t i = 0; i < job->scene.note_count; i++)
         log_info("%s", job->scene.notes[i]);

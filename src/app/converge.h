@@ -144,6 +144,8 @@ int converge_print_json(const struct converge *c);
 // results.csv, results.json and report.html into a folder, which is created, and, with --images,
 // what it is made of.
 bool converge_write(struct converge *c, const char *folder, struct err *err);
+// Before measuring, with the scenes loaded: that none of these files is one that is read.
+bool converge_check_files(struct converge *c, const char *folder, struct err *err);
 
 // --- converge_html.c ---
 bool converge_write_html(struct converge *c, const char *folder, struct err *err);

@@ -3,6 +3,8 @@
 
 #include "csv_out.h"
 #include "file.h"
+#include "file_inputs.h"
+#include "html.h"
 #include "image.h"
 #include "json_out.h"
 #include "machine.h"
@@ -159,13 +161,25 @@ static void print_csv(const void *context, FILE *file)
             }
 }
 
+static const char *reference_path(struct converge *c, const char *folder, uint32_t scene)
+{
+    return arena_printf(&c->arena, "%s/reference-%u.exr", folder, scene);
+}
+
+static const char *picture_path(struct converge *c, const char *folder,
+                                const struct converge_curve *curve, uint32_t replicate)
+{
+    return arena_printf(&c->arena, "%s/curve-%u-seed-%u.exr", folder, (uint32_t)(curve - c->curves),
+                        curve->scene_data.settings.seed + replicate);
+}
+
 static bool write_reference(struct converge *c, uint32_t scene, const char *folder, struct err *err)
 {
     const struct converge_reference *reference = &c->references[scene];
     const struct image_layer layers[2] = {{.name = "half_a", .values = reference->halves[0]},
                                           {.name = "half_b", .values = reference->halves[1]}};
     struct image_write_params params = {
-        .path = arena_printf(&c->arena, "%s/reference-%u.exr", folder, scene),
+        .path = reference_path(c, folder, scene),
         .image = &reference->picture.image,
         .layers = layers,
         .layer_count = reference->halves[0] ? 2 : 0,
@@ -180,8 +194,7 @@ static bool write_pictures(struct converge *c, struct converge_curve *curve, con
     for (uint32_t r = 0; r < c->replicates_done; r++) {
         struct image image = {settings->width, settings->height, curve->pictures[r]};
         struct image_write_params params = {
-            .path = arena_printf(&c->arena, "%s/curve-%u-seed-%u.exr", folder,
-                                 (uint32_t)(curve - c->curves), settings->seed + r),
+            .path = picture_path(c, folder, curve, r),
             .image = &image,
         };
         if (!params.path)
@@ -212,4 +225,25 @@ bool converge_write(struct converge *c, const char *folder, struct err *err)
     return file_make_folder(folder, err) && json_write(result_json(c), json, err) &&
            csv_write(csv, print_csv, c, err) && converge_write_html(c, folder, err) &&
            (!c->options->images || write_images(c, folder, err));
+}
+
+static bool check_path(const char *path, struct err *err)
+{
+    return path ? file_inputs_check(path, err) : err_memory(err, "file names", 0);
+}
+
+bool converge_check_files(struct converge *c, const char *folder, struct err *err)
+{
+    // The reference is read later.
+    if ((c->options->reference && !file_inputs_add(c->options->reference, err)) ||
+        !html_check_files(folder, &c->arena, err))
+        return false;
+    for (uint32_t scene = 0; c->options->images && scene < c->options->argument_count; scene++)
+        if (!check_path(reference_path(c, folder, scene), err))
+            return false;
+    for (uint32_t i = 0; c->options->images && i < c->curve_count; i++)
+        for (uint32_t r = 0; r < c->replicate_count; r++)
+            if (!check_path(picture_path(c, folder, &c->curves[i], r), err))
+                return false;
+    return true;
 }

@@ -14,7 +14,7 @@ static void exit_status(const struct help_writer *writer)
     } rows[] = {
         {"0", "Success."},
         {"1", "A comparison exceeded a limit."},
-        {"2", "The command line, or a file that was read, is at fault."},
+        {"2", "The command line, or a file that was read, is at fault; an output is an input."},
         {"3", "The device, its driver or the system's memory failed."},
         {"4", "A result could not be written."},
         {"69", "There is no Vulkan loader or no driver."},

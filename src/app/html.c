@@ -1,6 +1,7 @@
 #include "html.h"
 
 #include "file.h"
+#include "file_inputs.h"
 #include "gnuplot.h"
 #include "log.h"
 #include "machine.h"
@@ -40,6 +41,19 @@ static const char head[] =
     "pre{white-space:pre-wrap;overflow-wrap:anywhere;background:#f3f5f8;padding:.6em .8em;"
     "font-size:12px}</style>\n"
     "<h1>%s</h1>\n";
+
+bool html_check_files(const char *folder, struct arena *arena, struct err *err)
+{
+    static const char *const names[] = {"report.html", "results.json", "results.csv"};
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+        const char *path = arena_printf(arena, "%s/%s", folder, names[i]);
+        if (!path)
+            return err_memory(err, "file names", strlen(folder));
+        if (!file_inputs_check(path, err))
+            return false;
+    }
+    return true;
+}
 
 bool html_begin(struct html_page *page, struct arena *arena, const char *folder, const char *title,
                 struct err *err)

@@ -1,6 +1,7 @@
 #include "program.h"
 
 #include "commands.h"
+#include "file_inputs.h"
 #include "help.h"
 #include "json_parse.h"
 #include "log.h"
@@ -54,6 +55,8 @@ int program_run(int argc, char **argv, program_command_fn command)
     log_configure(LOG_WARN, progress_bar_log, &bar);
     struct progress progress = progress_bar_listener(&bar);
 
+    struct file_inputs inputs;
+    file_inputs_begin(&inputs);
     struct options options;
     struct tune_cache cache = {0};
     struct err err = {0};
@@ -72,5 +75,6 @@ int program_run(int argc, char **argv, program_command_fn command)
     code = finish_stdout(code);
     tune_cache_finish(&cache);
     options_finish(&options);
+    file_inputs_end(&inputs);
     return code == EXIT_CODE_OK ? signal_exit_code() : code;
 }

@@ -162,6 +162,8 @@ void job_checkpoint_mention(const struct render_job *job, struct err *err);
 // known, the folders can be written to, and no other run is writing the same files. They stay
 // locked until job_release_outputs.
 bool job_check_outputs(struct render_job *job, struct err *err);
+// When all that is read is known: that no output is one of those files, either.
+bool job_check_inputs(const struct render_job *job, struct err *err);
 // When the size of the pictures is known: whether they fit where they are to go.
 bool job_check_space(const struct render_job *job, struct err *err);
 // Writes all pictures; frame > 0: numbered, "NAME.0012.exr". One that cannot be written does not

@@ -248,7 +248,7 @@ static bool read_json(const struct file_bytes *bytes, struct trace *trace, struc
 bool trace_read(const char *path, struct trace *trace, struct arena *arena, struct err *err)
 {
     struct file_bytes bytes;
-    if (!file_read(arena, path, TRACE_BYTES_MAX, &bytes, err))
+    if (!file_read_own(arena, path, TRACE_BYTES_MAX, &bytes, err))
         return false;
     trace->count = 0;
     char *text = arena_printf(arena, "%s", (const char *)bytes.data);

@@ -119,7 +119,7 @@ static void read_file(struct tune_cache *cache)
     struct err err = {0};
     if (stat(cache->path, &status) != 0 && (errno == ENOENT || errno == ENOTDIR))
         return;
-    if (file_read(&cache->arena, cache->path, MOST_BYTES, &bytes, &err))
+    if (file_read_own(&cache->arena, cache->path, MOST_BYTES, &bytes, &err))
         cache->devices = parse(&bytes, cache->path, &err);
     if (!cache->devices)
         log_warn("%s; the file is ignored, and \"lampyris bench --tune\" will replace it", err.msg);

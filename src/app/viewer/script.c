@@ -98,8 +98,9 @@ static enum step step_copy(struct script *script, struct viewer *viewer,
     (void)script, (void)viewer;
     struct arena arena = {0};
     struct file_bytes bytes;
-    bool ok = file_read(&arena, command->texts[0], 0, &bytes, err) &&
-              file_write_atomic(command->texts[1], bytes.data, bytes.size, err);
+    // It stands for an editor, which may replace what the viewer reads.
+    bool ok = file_read_own(&arena, command->texts[0], 0, &bytes, err) &&
+              file_replace_atomic(command->texts[1], bytes.data, bytes.size, err);
     arena_finish(&arena);
     return ok ? STEP_DONE : STEP_FAILED;
 }

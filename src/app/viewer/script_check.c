@@ -2,6 +2,7 @@
 #include "script_run.h"
 
 #include "file.h"
+#include "file_inputs.h"
 #include "hash.h"
 #include "json_parse.h"
 #include "viewer.h"
@@ -76,6 +77,10 @@ enum step step_wait(struct script *script, struct viewer *viewer,
 // A line at the end of the file.
 static bool append(const char *path, json_t *object, struct err *err)
 {
+    if (!file_inputs_check(path, err)) {
+        json_decref(object);
+        return false;
+    }
     FILE *file = fopen(path, "a");
     bool ok = file && object && json_dumpf(object, file, JSON_REAL_PRECISION(9)) == 0 &&
               fputc('\n', file) != EOF;

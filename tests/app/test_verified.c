@@ -1,0 +1,143 @@
+// Whatever a command writes is verified before it replaces an older file: whole runs of the
+// program, each in a process of its own, with one bit that changes on the way.
+#define _GNU_SOURCE // nftw
+#include "base/temporary_folder.h"
+#include "file.h"
+#include "image.h"
+#include "program.h"
+#include "test.h"
+
+#include <sys/wait.h>
+
+enum { NO_DRIVER = 69, OUTPUT = 4 };
+
+static const char scene[] =
+    "{\"lampyris\": 1, \"materials\": {\"m\": {}}, \"environment\": {\"radiance\": [1, 1, 1]},"
+    " \"shapes\": [{\"type\": \"sphere\", \"radius\": 1, \"material\": \"m\"}]}";
+
+struct fault {
+    uint64_t file_byte, image_byte;
+};
+
+// Messages go to the file "messages". Returns the exit code.
+static int run(struct fault fault, const char *const *words)
+{
+    fflush(NULL);
+    pid_t child = fork();
+    if (child == 0) {
+        char *arguments[32] = {(char *)"lampyris"};
+        int count = 1;
+        for (; words[count - 1]; count++)
+            arguments[count] = (char *)(uintptr_t)words[count - 1];
+        if (!freopen("messages", "w", stderr))
+            _exit(99);
+        file_corrupt_at(fault.file_byte);
+        image_corrupt_at(fault.image_byte);
+        int code = program_run(count, arguments, NULL);
+        fflush(NULL);
+        _exit(code);
+    }
+    int status;
+    return waitpid(child, &status, 0) == child && WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+#define RUN(fault, ...) run(fault, (const char *const[]){__VA_ARGS__, "--quiet", NULL})
+#define RENDER(fault, ...)                                                                         \
+    RUN(fault, "render", "s.json", "--size", "8x8", "--spp", "1", __VA_ARGS__)
+
+static bool holds(const char *path, const char *text)
+{
+    struct arena arena = {0};
+    struct file_bytes bytes;
+    bool ok = file_read(&arena, path, 0, &bytes, NULL) &&
+              memmem(bytes.data, bytes.size, text, strlen(text));
+    arena_finish(&arena);
+    return ok;
+}
+
+static bool is_old(const char *path)
+{
+    struct stat status;
+    return stat(path, &status) == 0 && status.st_size == 3 && holds(path, "old");
+}
+
+static bool enter(char *folder, size_t size)
+{
+    return temporary_enter(folder, size) && temporary_write("s.json", scene) &&
+           mkdir("tmp", 0700) == 0 && setenv("TMPDIR", "tmp", 1) == 0;
+}
+
+static void leave(const char *folder)
+{
+    unsetenv("TMPDIR");
+    temporary_leave(folder);
+}
+
+TEST(pictures_that_are_encoded_wrongly)
+{
+    char folder[200];
+    REQUIRE(enter(folder, sizeof folder));
+    static const char *const names[] = {"a.exr", "a.png"};
+    for (int i = 0; i < 2; i++) {
+        REQUIRE(temporary_write(names[i], "old"));
+        int code = RENDER(((struct fault){.image_byte = 200}), "-o", names[i]);
+        if (code == NO_DRIVER) {
+            leave(folder);
+            SKIP("there is no Vulkan driver");
+        }
+        CHECK(code == OUTPUT && is_old(names[i]), "%s: exit code %d", names[i], code);
+        CHECK(holds("messages", names[i]) && holds("messages", "decoding does not give back"));
+    }
+    leave(folder);
+}
+
+// The first file that is written: of these outputs, the checkpoint. The others arrive.
+TEST(files_that_are_stored_wrongly)
+{
+    char folder[200];
+    REQUIRE(enter(folder, sizeof folder));
+    static const char *const outputs[][2] = {
+        {"-o", "a.exr"}, {"-o", "a.png"}, {"--checkpoint", "a.ck"}};
+    for (int i = 0; i < 3; i++) {
+        const char *path = outputs[i][1];
+        bool is_new = i == 2; // for a checkpoint that is there would have to be gone on from
+        REQUIRE(is_new || temporary_write(path, "old"));
+        int code = RENDER(((struct fault){.file_byte = 150}), outputs[i][0], path, "-o", "b.exr");
+        if (code == NO_DRIVER) {
+            leave(folder);
+            SKIP("there is no Vulkan driver");
+        }
+        CHECK(code == OUTPUT, "%s: exit code %d", path, code);
+        CHECK(is_new ? access(path, F_OK) != 0 : is_old(path), "%s", path);
+        CHECK(holds("messages", path) && holds("messages", "does not read back as it was"));
+        CHECK(access("b.exr", F_OK) == 0 && unlink("b.exr") == 0, "beside %s", path);
+    }
+    leave(folder);
+}
+
+TEST(difference_pictures)
+{
+    char folder[200];
+    REQUIRE(enter(folder, sizeof folder));
+    float pixels[4][3] = {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}, {1, 1, 1}};
+    struct image image = {2, 2, pixels};
+    REQUIRE(image_write(&(struct image_write_params){.path = "a.exr", .image = &image}, NULL));
+    pixels[2][1] = 3;
+    REQUIRE(image_write(&(struct image_write_params){.path = "r.exr", .image = &image}, NULL));
+    REQUIRE(temporary_write("d.exr", "old") && temporary_write("d.png", "old"));
+    static const char *const names[] = {"d.exr", "d.png"};
+    for (int i = 0; i < 2; i++) {
+        int code = RUN(((struct fault){.image_byte = 100}), "compare", "a.exr", "r.exr",
+                       "--difference", names[i]);
+        CHECK(code == OUTPUT && is_old(names[i]), "%s: exit code %d", names[i], code);
+        code = RUN(((struct fault){.file_byte = 100}), "compare", "a.exr", "r.exr", "--difference",
+                   names[i]);
+        CHECK(code == OUTPUT && is_old(names[i]), "%s: exit code %d", names[i], code);
+        code = RUN((struct fault){0}, "compare", "a.exr", "r.exr", "--difference", names[i]);
+        CHECK(code == 0 && !is_old(names[i]), "%s: exit code %d", names[i], code);
+    }
+    leave(folder);
+}
+
+TEST_MAIN(TEST_CASE(pictures_that_are_encoded_wrongly), TEST_CASE(files_that_are_stored_wrongly),
+          TEST_CASE(difference_pictures))
