@@ -107,6 +107,37 @@ float albedo_fresnel(uint tables, float mu, float alpha, float eta)
                             sqrt(sqrt(abs(eta - 1.0) / (eta + 1.0)))));
 }
 
+// Coordinates along the axes of tables of interfaces that also refract.
+vec3 albedo_axes_glass(float mu, float alpha, float eta)
+{
+    float root_k = sqrt(abs((eta - 1.0) * (eta + 1.0)));
+    float scale = eta < 1.0 ? alpha + 0.6 * root_k / (1.0 + root_k) : alpha;
+    return vec3(albedo_axis_mu(mu, scale), albedo_axis_alpha(alpha),
+                sqrt(sqrt(abs(eta - 1.0) / (eta + 1.0))));
+}
+
+// The energy that a rough interface between dielectrics reflects and lets through, together. The
+// table holds roots.
+float albedo_glass(uint tables, float mu, float alpha, float eta)
+{
+    vec3 axes = albedo_axes_glass(mu, alpha, eta);
+    uint first = tables + (eta < 1.0 ? ALBEDO_GLASS_INSIDE : ALBEDO_GLASS);
+    uvec3 size = eta < 1.0 ? uvec3(ALBEDO_GLASS_INSIDE_MU, ALBEDO_GLASS_INSIDE_ALPHA,
+                                   ALBEDO_GLASS_INSIDE_ETA)
+                           : uvec3(ALBEDO_GLASS_MU, ALBEDO_GLASS_ALPHA, ALBEDO_GLASS_ETA);
+    float root = albedo_cube(first, size, axes);
+    return root * root;
+}
+
+// The same of an interface that reflects nothing but what is reflected totally.
+float albedo_clear(uint tables, float mu, float alpha, float eta)
+{
+    float root = albedo_cube(tables + ALBEDO_CLEAR + (eta < 1.0 ? ALBEDO_CLEAR_SIDE : 0u),
+                             uvec3(ALBEDO_CLEAR_MU, ALBEDO_CLEAR_ALPHA, ALBEDO_CLEAR_ETA),
+                             albedo_axes_glass(mu, alpha, eta));
+    return root * root;
+}
+
 // Where wo is on the axes of anisotropic tables: roughness, anisotropy, azimuth. `alpha_o` is the
 // standard deviation of slopes along wo, and with it the scale on mu's axis. The azimuth's axis is
 // the angle half-way between that of wo and that of wo stretched to an isotropic surface.

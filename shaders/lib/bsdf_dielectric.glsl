@@ -62,6 +62,22 @@ float eval_ggx_reflection(vec3 wo, vec3 wi, vec4 h, float alpha, bool separable,
     return pdf * ggx_g2(wo, wi, alphas, separable) / ggx_g1(wo, alphas);
 }
 
+// What more bounces between microfacets would send back and through, given to the single one in
+// proportion: 1 over the albedo of a lossless interface (Turquin 2019, "Practical Multiple
+// Scattering Compensation for Microfacet Models", eq. 14 with F = 1, over both sides). As eta
+// approaches 1 that is 1 / G1(wo), and what is left is the way straight on.
+float dielectric_compensation(material m, float cos_o, float eta, float alpha)
+{
+    float albedo = 1.0;
+    if (HAS_LOBE(LOBE_COMPENSATE) && material_has(m, MATERIAL_COMPENSATE)) {
+        if (is_thin(m))
+            albedo = albedo_ggx(albedo_first(), cos_o, alpha);
+        else
+            albedo = albedo_glass(albedo_first(), cos_o, alpha, eta);
+    }
+    return 1.0 / albedo;
+}
+
 bsdf_sample dielectric_straight(vec3 wo)
 {
     return bsdf_sample(-wo, vec3(1.0), 0.0, true, true, true);
@@ -145,7 +161,8 @@ vec3 eval_dielectric(material m, vec3 wo, vec3 wi, float eta, out float pdf)
     pdf = 0.0;
     vec3 f = vec3(0.0);
     if (HAS_LOBE(LOBE_ROUGH) && !is_delta(alpha) && !is_index_matched(eta))
-        f = eval_rough_dielectric(wo, wi, eta, alpha, is_thin(m), is_separable(m), pdf);
+        f = eval_rough_dielectric(wo, wi, eta, alpha, is_thin(m), is_separable(m), pdf) *
+            dielectric_compensation(m, wo.z, eta, alpha);
     return f;
 }
 
@@ -157,8 +174,10 @@ bsdf_sample sample_dielectric(material m, vec3 wo, float eta, vec4 u)
     bsdf_sample s = bsdf_absorbed();
     if (HAS_LOBE(LOBE_DELTA) && is_delta(alpha))
         s = sample_smooth_dielectric(wo, eta, is_thin(m), u.z);
-    if (HAS_LOBE(LOBE_ROUGH) && !is_delta(alpha))
+    if (HAS_LOBE(LOBE_ROUGH) && !is_delta(alpha)) {
         s = sample_rough_dielectric(wo, eta, alpha, is_thin(m), is_separable(m), u);
+        s.weight *= dielectric_compensation(m, wo.z, eta, alpha);
+    }
     return s;
 }
 

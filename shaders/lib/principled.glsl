@@ -24,6 +24,7 @@ struct principled {
     float film_index;
     float film_thickness;
     vec3 compensation; // M
+    vec3 through_compensation; // M_t
     vec3 tint;         // of what goes through
     bool is_delta;
     bool thin;
@@ -123,8 +124,8 @@ void principled_interface(principled p, float cos_o, float cos_t, float exact,
     through = vec3(0.0);
     if (HAS_LOBE(LOBE_TRANSMISSION)) {
         vec3 f_t = p.thin ? 2.0 * f / (1.0 + f) : f;
-        reflected += p.transmission * (f_t - f);
-        through = p.transmission * p.tint * (1.0 - f_t);
+        reflected += p.transmission * (p.through_compensation * f_t - f);
+        through = p.transmission * p.tint * p.through_compensation * (1.0 - f_t);
     }
     if (HAS_LOBE(LOBE_METAL)) {
         vec3 metal = fresnel_schlick(p.base_color, cos_o);
@@ -236,6 +237,27 @@ vec4 principled_albedo_slopes(principled p, material m, vec3 wo, float alpha)
     return e;
 }
 
+// 1 over the albedo, a channel, of an interface that transmits and loses nothing. It is linear in
+// the reflectance: between that of Fresnel's and E1, which is that of F = 1, as f0 is moved, and
+// between that and one without reflection by the specular weight. e1 is E1.
+vec3 principled_through_compensation(principled p, material m, float mu, float alpha, float e1)
+{
+    if (p.thin)
+        return vec3(1.0 / e1);
+    vec3 moved = (p.f0 - p.f0_index) / (1.0 - p.f0_index);
+    float glass = albedo_glass(p.tables, mu, alpha, p.eta);
+    vec3 albedo = glass + moved * (e1 - glass);
+    if (p.specular_weight < 1.0)
+        albedo = mix(vec3(albedo_clear(p.tables, mu, alpha, p.eta)), albedo, p.specular_weight);
+    // Neither is known of films and of anisotropic surfaces: the more they are so the less they
+    // are given back.
+    if (HAS_LOBE(LOBE_IRIDESCENCE))
+        albedo = mix(albedo, vec3(1.0), p.film);
+    if (HAS_LOBE(LOBE_ANISOTROPIC))
+        albedo = mix(albedo, vec3(1.0), m.group[GROUP_METAL].r);
+    return 1.0 / albedo;
+}
+
 // E_dielectric; and in `albedo` that of all that the interface sends back or through.
 vec3 prepare_interface(inout precise principled p, material m, vec3 wo, float alpha,
                        out precise vec3 albedo)
@@ -248,8 +270,12 @@ vec3 prepare_interface(inout precise principled p, material m, vec3 wo, float al
     f *= p.eta < 1.0 ? 1.0 : p.specular_weight;
     albedo = (1.0 - p.metallic) * f;
     if (HAS_LOBE(LOBE_TRANSMISSION)) {
+        if (HAS_LOBE(LOBE_COMPENSATE) && material_has(m, MATERIAL_COMPENSATE) &&
+            p.transmission > 0.0 && !p.is_delta && p.eta != 1.0)
+            p.through_compensation = principled_through_compensation(p, m, wo.z, alpha, e.x);
         vec3 f_t = p.thin ? 2.0 * f / (1.0 + f) : f;
-        albedo += p.transmission * (f_t - f + p.tint * (1.0 - f_t));
+        albedo += p.transmission *
+                  (p.through_compensation * (f_t + p.tint * (1.0 - f_t)) - f);
     }
     if (HAS_LOBE(LOBE_METAL)) {
         if (HAS_LOBE(LOBE_COMPENSATE) && material_has(m, MATERIAL_COMPENSATE))
@@ -302,6 +328,7 @@ principled principled_prepare(material m, vec3 wo, float eta)
     p.film_index = 1.0;
     p.film_thickness = 0.0;
     p.compensation = vec3(1.0);
+    p.through_compensation = vec3(1.0);
     p.sheen = vec3(0.0);
     p.diffuse_transmission = 0.0;
     p.fibre_color = vec3(0.0);

@@ -171,6 +171,114 @@ static double albedo_fresnel(double x, double y, double z, double w)
     return weighted / sum;
 }
 
+// --- interfaces that also refract ----------------------------------------------------------------
+
+// A rough interface between dielectrics, seen from (sin_o, 0, mu).
+struct interface {
+    double mu, sin_o, alpha, eta;
+    double length_o; // |(alpha sin_o, 0, mu)|
+    bool is_clear;   // reflects nothing but what is reflected totally
+};
+
+static double stretched_length(double w_x, double w_y, double w_z, double alpha)
+{
+    return sqrt(square(alpha * w_x) + square(alpha * w_y) + w_z * w_z);
+}
+
+// G2 / G1(wo) of the reflection about h; 0 where it ends under the surface.
+static double reflection_weight(const struct interface *s, const double h[3], double cosine)
+{
+    double wi_z = 2.0 * cosine * h[2] - s->mu;
+    if (wi_z <= 0.0)
+        return 0.0;
+    double length_i =
+        stretched_length(2.0 * cosine * h[0] - s->sin_o, 2.0 * cosine * h[1], wi_z, s->alpha);
+    return wi_z * (s->mu + s->length_o) / (s->mu * length_i + wi_z * s->length_o);
+}
+
+// The same of the refraction, G1(wi), for cos_t beyond h.
+static double refraction_weight(const struct interface *s, const double h[3], double cosine,
+                                double cos_t)
+{
+    double along_h = cosine / s->eta - cos_t;
+    double wi_z = along_h * h[2] - s->mu / s->eta;
+    if (wi_z >= 0.0)
+        return 0.0;
+    double length_i =
+        stretched_length(along_h * h[0] - s->sin_o / s->eta, along_h * h[1], wi_z, s->alpha);
+    return 2.0 * -wi_z / (length_i - wi_z);
+}
+
+// What a microfacet of the normal h, which wo sees, sends to where it does not meet another one.
+static double interface_weight(const struct interface *s, const double h[3])
+{
+    double cosine = fmin(1.0, s->sin_o * h[0] + s->mu * h[2]);
+    double squared = (s->eta - 1.0) * (s->eta + 1.0) + cosine * cosine; // (eta cos_t)^2
+    if (cosine <= 0.0)
+        return 0.0;
+    if (squared <= 0.0)
+        return reflection_weight(s, h, cosine);
+    double reflectance = s->is_clear ? 0.0 : fresnel(cosine, s->eta);
+    return reflectance * reflection_weight(s, h, cosine) +
+           (1.0 - reflectance) * refraction_weight(s, h, cosine, sqrt(squared) / s->eta);
+}
+
+// The energy that leaves such an interface after one bounce: quadrature over the random numbers
+// that would sample visible normals, as above.
+static double interface_albedo(double mu, double alpha, double eta, bool is_clear)
+{
+    enum { ROWS = 64, COLUMNS = 32 };
+    struct interface s = {.mu = mu, .alpha = alpha, .eta = eta, .is_clear = is_clear};
+    s.sin_o = sqrt((1.0 - mu) * (1.0 + mu));
+    s.length_o = stretched_length(s.sin_o, 0.0, mu, alpha);
+    double tilt = alpha * s.sin_o / s.length_o, k = mu / s.length_o;
+    double below = tilt * tilt / (1.0 + k), sum = 0.0, cosines[COLUMNS], sines[COLUMNS];
+    for (int j = 0; j < COLUMNS; j++) {
+        cosines[j] = cos(PI * (j + 0.5) / COLUMNS);
+        sines[j] = sin(PI * (j + 0.5) / COLUMNS);
+    }
+    for (int i = 0; i < ROWS; i++) {
+        double t = (i + 0.5) / ROWS;
+        double height = (1.0 - t * t * (3.0 - 2.0 * t)) * (1.0 + k);
+        double sine = sqrt(t * t * (3.0 - 2.0 * t) * (1.0 + k) * (height + below));
+        double density = 6.0 * t * (1.0 - t) / (ROWS * COLUMNS);
+        for (int j = 0; j < COLUMNS; j++) {
+            double x = alpha * (sine * cosines[j] + tilt), y = alpha * sine * sines[j];
+            double norm = 1.0 / sqrt(x * x + y * y + height * height);
+            const double h[3] = {x * norm, y * norm, height * norm};
+            sum += density * interface_weight(&s, h);
+        }
+    }
+    return sum;
+}
+
+// The tables hold roots: albedos fall to nearly 0 at grazing angles as eta approaches 1, and what
+// is divided by them asks for their relative error.
+static double root_glass(double x, double y, double z, int inside, bool is_clear)
+{
+    double alpha = axis_alpha(y), eta = axis_eta(z, inside);
+    double root_k = sqrt(fabs((eta - 1.0) * (eta + 1.0)));
+    double mu = axis_mu(x, inside ? alpha + 0.6 * root_k / (1.0 + root_k) : alpha);
+    return sqrt(interface_albedo(mu, alpha, eta, is_clear));
+}
+
+static double glass_outside(double x, double y, double z, double w)
+{
+    (void)w;
+    return root_glass(x, y, z, 0, false);
+}
+
+static double glass_inside(double x, double y, double z, double w)
+{
+    (void)w;
+    return root_glass(x, y, z, 1, false);
+}
+
+static double clear_glass(double x, double y, double z, double w)
+{
+    return root_glass(x, y, z, w > 0.5, true);
+}
+
 // Anisotropic GGX: a roughness, an aspect (alpha_y / alpha_x)^(1/2) and wo's azimuth, on axes as in
 // lib/albedo.glsl.
 struct anisotropy {
@@ -360,6 +468,7 @@ struct cubes {
     uint32_t size[3];
     uint32_t slices; // nodes along the fourth axis
     bool blended;
+    bool is_steep; // along the first axis, so that the middle of a cell does not tell enough
     double (*albedo)(double x, double y, double z, double w);
 };
 
@@ -375,7 +484,7 @@ static void raise_cube(const struct cubes *c, const uint32_t cell[4], const doub
     double p[4];
     for (int a = 0; a < 3; a++)
         p[a] = (cell[a] + at[a]) / c->size[a];
-    p[3] = (cell[3] + at[3]) / (c->slices - 1);
+    p[3] = c->slices > 1 ? (cell[3] + at[3]) / (c->slices - 1) : 0.0;
     double deficit = c->albedo(p[0], p[1], p[2], p[3]);
     uint32_t corner[16];
     double weight[16];
@@ -422,9 +531,10 @@ static void fill_cubes(const struct cubes *c)
         uint32_t j = rest % (size[1] + 1), k = rest / (size[1] + 1) % (size[2] + 1);
         uint32_t l = rest / (size[1] + 1) / (size[2] + 1);
         node[n] = c->albedo((double)i / size[0], (double)j / size[1], (double)k / size[2],
-                            (double)l / (c->slices - 1));
+                            c->slices > 1 ? (double)l / (c->slices - 1) : 0.0);
     }
-    static const double middles[2][4] = {{0.5, 0.5, 0.5, 0.0}, {0.5, 0.5, 0.5, 0.5}};
+    static const double middles[4][4] = {
+        {0.5, 0.5, 0.5, 0.0}, {0.5, 0.5, 0.5, 0.5}, {0.2, 0.5, 0.5, 0.0}, {0.8, 0.5, 0.5, 0.0}};
     for (int pass = 0; pass < 2; pass++)
         for (uint32_t n = 0; n < size[0] * size[1] * size[2] * c->slices; n++) {
             const uint32_t cell[4] = {n % size[0], n / size[0] % size[1],
@@ -437,6 +547,8 @@ static void fill_cubes(const struct cubes *c)
             raise_cube(c, cell, middles[0], node, raise);
             if (c->blended && cell[3] + 1 < c->slices)
                 raise_cube(c, cell, middles[1], node, raise);
+            for (int at = 2; at < 4 && c->is_steep; at++)
+                raise_cube(c, cell, middles[at], node, raise);
         }
     free(node);
     free(raise);
@@ -454,6 +566,20 @@ int main(void)
          .size = {ALBEDO_FRESNEL_MU, ALBEDO_FRESNEL_ALPHA, ALBEDO_FRESNEL_ETA},
          .slices = 2,
          .albedo = albedo_fresnel},
+        {.first = ALBEDO_GLASS,
+         .size = {ALBEDO_GLASS_MU, ALBEDO_GLASS_ALPHA, ALBEDO_GLASS_ETA},
+         .slices = 1,
+         .is_steep = true,
+         .albedo = glass_outside},
+        {.first = ALBEDO_GLASS_INSIDE,
+         .size = {ALBEDO_GLASS_INSIDE_MU, ALBEDO_GLASS_INSIDE_ALPHA, ALBEDO_GLASS_INSIDE_ETA},
+         .slices = 1,
+         .is_steep = true,
+         .albedo = glass_inside},
+        {.first = ALBEDO_CLEAR,
+         .size = {ALBEDO_CLEAR_MU, ALBEDO_CLEAR_ALPHA, ALBEDO_CLEAR_ETA},
+         .slices = 2,
+         .albedo = clear_glass},
         {.first = ALBEDO_TURNED,
          .size = {ALBEDO_TURNED_MU, ALBEDO_TURNED_ROUGHNESS, ALBEDO_TURNED_ASPECT},
          .slices = ALBEDO_TURNED_AZIMUTH + 1u,

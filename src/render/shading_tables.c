@@ -186,21 +186,36 @@ static struct sections lay_out(const struct scene *scene, uint32_t medium_count,
     return s;
 }
 
-// How many words of the tables of directional albedos shading reads.
+// Whether what microfacets of this material let through is compensated somewhere.
+static bool is_compensated_glass(const struct material *m)
+{
+    bool through = m->model == MATERIAL_DIELECTRIC ||
+                   (m->model == MATERIAL_PRINCIPLED && m->transmission > 0.0f);
+    bool is_rough = m->roughness * m->roughness >= MATERIAL_SMALLEST_ALPHA || m->texture_count > 0;
+    return through && is_rough && (m->flags & MATERIAL_COMPENSATE) != 0u;
+}
+
+// How many words of the tables of directional albedos shading a material reads.
+static uint32_t albedo_words_of(const struct material *m)
+{
+    if (m->model == MATERIAL_PRINCIPLED && m->anisotropic > 0.0f)
+        return ALBEDO_WORDS;
+    if (is_compensated_glass(m))
+        return m->flags & MATERIAL_THIN ? ALBEDO_WORDS_ISOTROPIC : ALBEDO_WORDS_GLASS;
+    bool is_compensated_conductor =
+        m->model == MATERIAL_CONDUCTOR && (m->flags & MATERIAL_COMPENSATE) != 0u;
+    return m->model == MATERIAL_PRINCIPLED || is_compensated_conductor ? ALBEDO_WORDS_ISOTROPIC
+                                                                       : 0u;
+}
+
 static uint32_t count_albedo_words(const struct shading_tables_params *p)
 {
     uint32_t words = 0;
-    for (uint32_t i = 0; i < p->scene->material_count; i++) {
-        const struct material *material = &p->scene->materials[i];
-        bool principled = material->model == MATERIAL_PRINCIPLED;
-        bool compensated =
-            material->model == MATERIAL_CONDUCTOR && (material->flags & MATERIAL_COMPENSATE) != 0u;
-        if (!p->flat->material_used[i] || (!principled && !compensated))
-            continue;
-        if (principled && material->anisotropic > 0.0f)
-            return ALBEDO_WORDS;
-        words = ALBEDO_WORDS_ISOTROPIC;
-    }
+    for (uint32_t i = 0; i < p->scene->material_count; i++)
+        if (p->flat->material_used[i]) {
+            uint32_t of_this = albedo_words_of(&p->scene->materials[i]);
+            words = of_this > words ? of_this : words;
+        }
     return words;
 }
 

@@ -36,14 +36,11 @@ static uint32_t lobe_if(const struct material *material, uint32_t parameter, uin
     return material->parameters[parameter] > 0.0f ? lobe : 0u;
 }
 
-// Below this alpha is a delta: what single precision still resolves (verification of GGX's D).
-#define SMALLEST_ALPHA 1e-4f
-
 static uint32_t roughness_lobes(const struct scene *scene, const struct material *material,
                                 uint32_t parameter)
 {
     float roughness = material->parameters[parameter];
-    bool is_rough = roughness * roughness >= SMALLEST_ALPHA;
+    bool is_rough = roughness * roughness >= MATERIAL_SMALLEST_ALPHA;
     if (is_textured(scene, material, parameter))
         return LOBE_ROUGH | LOBE_DELTA;
     return is_rough ? LOBE_ROUGH : LOBE_DELTA;
@@ -86,7 +83,9 @@ static uint32_t material_lobes(const struct scene *scene, const struct material 
         return lobes | principled_lobes(scene, m);
     case MATERIAL_DIELECTRIC:
         lobes |= lobe_if(m, PARAMETER_DISPERSION, LOBE_DISPERSION);
-        return lobes | LOBE_DIELECTRIC | roughness_lobes(scene, m, PARAMETER_ROUGHNESS);
+        lobes |= LOBE_DIELECTRIC | roughness_lobes(scene, m, PARAMETER_ROUGHNESS);
+        return lobes |
+               (lobes & LOBE_ROUGH && m->flags & MATERIAL_COMPENSATE ? LOBE_COMPENSATE : 0u);
     case MATERIAL_CONDUCTOR:
         lobes |= m->flags & MATERIAL_COMPENSATE ? LOBE_COMPENSATE : 0u;
         return lobes | LOBE_CONDUCTOR | roughness_lobes(scene, m, PARAMETER_ROUGHNESS);

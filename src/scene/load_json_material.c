@@ -27,7 +27,7 @@ static const struct {
     {"absorption", THROUGH},
     {"extinction", THROUGH},
     {"priority", THROUGH},
-    {"compensate", ONLY(MATERIAL_PRINCIPLED) | ONLY(MATERIAL_CONDUCTOR)},
+    {"compensate", SMITH_ONLY},
     {"masking", SMITH_ONLY | ONLY(MATERIAL_MICROFACET)},
     {"metal", ONLY(MATERIAL_CONDUCTOR)},
     {"distribution", ONLY(MATERIAL_MICROFACET)},

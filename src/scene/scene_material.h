@@ -11,6 +11,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+// Microfacets whose alpha, roughness^2, is below are a perfect mirror: what single precision still
+// resolves of GGX's distribution. As SMALLEST_ALPHA of lib/microfacet.glsl.
+#define MATERIAL_SMALLEST_ALPHA 1e-4f
+
 struct material_parameter {
     const char *name;      // in scene files: "base_color"
     uint32_t first, count; // PARAMETER_*, 1 or 3 components

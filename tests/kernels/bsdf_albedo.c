@@ -115,6 +115,34 @@ double table_fresnel(double mu, double alpha, double eta)
     return cube(ALBEDO_FRESNEL + (inside ? ALBEDO_FRESNEL_SIDE : 0), size, at);
 }
 
+static double root_of_glass(double mu, double alpha, double eta, uint32_t first,
+                            const uint32_t size[3])
+{
+    double root_k = sqrt(fabs(eta * eta - 1));
+    double scale = eta < 1 ? alpha + 0.6 * root_k / (1 + root_k) : alpha;
+    const double at[3] = {axis_mu(mu, scale), axis_alpha(alpha),
+                          pow(fabs(eta - 1) / (eta + 1), 0.25)};
+    return cube(first, size, at);
+}
+
+double table_glass(double mu, double alpha, double eta)
+{
+    const uint32_t size[2][3] = {
+        {ALBEDO_GLASS_MU, ALBEDO_GLASS_ALPHA, ALBEDO_GLASS_ETA},
+        {ALBEDO_GLASS_INSIDE_MU, ALBEDO_GLASS_INSIDE_ALPHA, ALBEDO_GLASS_INSIDE_ETA}};
+    double root =
+        root_of_glass(mu, alpha, eta, eta < 1 ? ALBEDO_GLASS_INSIDE : ALBEDO_GLASS, size[eta < 1]);
+    return root * root;
+}
+
+double table_clear(double mu, double alpha, double eta)
+{
+    const uint32_t size[3] = {ALBEDO_CLEAR_MU, ALBEDO_CLEAR_ALPHA, ALBEDO_CLEAR_ETA};
+    double root =
+        root_of_glass(mu, alpha, eta, ALBEDO_CLEAR + (eta < 1 ? ALBEDO_CLEAR_SIDE : 0), size);
+    return root * root;
+}
+
 // --- anisotropic ---------------------------------------------------------------------------------
 
 static double slices(uint32_t first, const uint32_t size[4], const double at[4])

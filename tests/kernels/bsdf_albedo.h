@@ -6,6 +6,9 @@
 double table_ggx(double mu, double alpha);     // E1
 double table_schlick(double mu, double alpha); // mean of Schlick's weight over what GGX reflects
 double table_fresnel(double mu, double alpha, double eta); // the same of Fresnel's reflectance
+// Of an interface that reflects and refracts; of one that reflects nothing but totally.
+double table_glass(double mu, double alpha, double eta);
+double table_clear(double mu, double alpha, double eta);
 // Of anisotropic GGX: E1, and a cosine that stands for those of what it reflects. wo in the frame
 // of the turned tangent.
 double table_turned(const double wo[3], double roughness, double anisotropic,

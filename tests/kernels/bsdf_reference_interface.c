@@ -31,6 +31,16 @@ static void set_all(double f[3], double value)
     f[0] = f[1] = f[2] = value;
 }
 
+// What single scattering loses, given back to it: of a lossless interface all.
+static double compensation(const struct reference *r)
+{
+    double alpha = alpha_of(r->material);
+    if (!(r->material->flags & MATERIAL_COMPENSATE))
+        return 1;
+    return 1 / (is_thin(r->material) ? table_ggx(r->wo[2], alpha)
+                                     : table_glass(r->wo[2], alpha, r->eta));
+}
+
 // --- dielectric ----------------------------------------------------------------------------------
 
 static double reflected(const struct reference *r, const double wi[3], bool through, double f[3])
@@ -39,8 +49,8 @@ static double reflected(const struct reference *r, const double wi[3], bool thro
     bool separable = r->material->flags & MATERIAL_SEPARABLE;
     double cosine = optics_half_reflected(r->wo, wi, h), part = reflectance(r, cosine);
     part = through ? 1 - part : part;
-    set_all(f, part * ggx_density(h, alpha) * ggx_masking_both(r->wo, wi, alpha, separable) /
-                   (4 * r->wo[2]));
+    set_all(f, compensation(r) * part * ggx_density(h, alpha) *
+                   ggx_masking_both(r->wo, wi, alpha, separable) / (4 * r->wo[2]));
     return part * ggx_reflected_density(r->wo, h, alpha);
 }
 
@@ -61,8 +71,9 @@ double dielectric_eval(const struct reference *r, const double wi[3], double f[3
     if (!(jacobian > 0))
         return 0;
     double cosine = optics_dot(r->wo, h), part = 1 - reflectance(r, cosine);
-    set_all(f, part * ggx_density(h, alpha) * ggx_masking_both(r->wo, wi, alpha, false) * cosine /
-                   r->wo[2] * jacobian / (r->eta * r->eta));
+    set_all(f, compensation(r) * part * ggx_density(h, alpha) *
+                   ggx_masking_both(r->wo, wi, alpha, false) * cosine / r->wo[2] * jacobian /
+                   (r->eta * r->eta));
     return part * ggx_visible_density(r->wo, h, alpha) * jacobian;
 }
 

@@ -10,7 +10,7 @@ enum { DIFFUSE_NODES = 1024 };
 struct principled_state {
     double base[3], roughness, alpha[2], turn[2];
     double eta, metallic, transmission; // the latter times 1 - metallic
-    double f0[3], f0_index, specular_weight, compensation[3], tint[3];
+    double f0[3], f0_index, specular_weight, compensation[3], through_compensation[3], tint[3];
     bool is_delta, thin, separable;
     double below[3]; // (1 - metallic) (1 - transmission) K
     double sheen[3], sheen_layer, subsurface, through;
@@ -110,9 +110,10 @@ static void interface_parts(const struct principled_state *p, double cosine, dou
     for (int c = 0; c < 3; c++) {
         double f_w = total ? 1 : p->specular_weight * shifted(p, c, exact), f_t = slab(p, f_w);
         double metal = optics_schlick(p->base[c], cosine) * p->compensation[c];
-        reflected[c] =
-            p->metallic * metal + (1 - p->metallic - p->transmission) * f_w + p->transmission * f_t;
-        through[c] = p->transmission * p->tint[c] * (1 - f_t);
+        double m_t = p->through_compensation[c];
+        reflected[c] = p->metallic * metal + (1 - p->metallic - p->transmission) * f_w +
+                       p->transmission * m_t * f_t;
+        through[c] = p->transmission * m_t * p->tint[c] * (1 - f_t);
     }
 }
 
@@ -213,19 +214,40 @@ static void albedo_of_slopes(const struct principled_state *p, const struct mate
         *exact = p->f0_index + (1 - p->f0_index) * weight5(beyond);
 }
 
+// The albedo of an interface that transmits and loses nothing, of one channel.
+static double lossless_albedo(const struct principled_state *p, const struct material *m, int c,
+                              double c_o, double e1)
+{
+    double alpha = optics_alpha(m->roughness);
+    double moved = (p->f0[c] - p->f0_index) / (1 - p->f0_index);
+    double glass = table_glass(c_o, alpha, p->eta);
+    double albedo = (1 - moved) * glass + moved * e1;
+    if (p->thin)
+        return e1;
+    if (p->specular_weight < 1)
+        albedo = p->specular_weight * albedo +
+                 (1 - p->specular_weight) * table_clear(c_o, alpha, p->eta);
+    return albedo + (double)m->anisotropic * (1 - albedo);
+}
+
 static void prepare_interface(struct principled_state *p, const struct material *m,
                               const double wo[3])
 {
     double albedo[3], e1, exact, schlick;
     albedo_of_slopes(p, m, wo, &e1, &exact, &schlick);
+    bool gives_back =
+        m->flags & MATERIAL_COMPENSATE && p->transmission > 0 && !p->is_delta && p->eta != 1;
+    for (int c = 0; c < 3; c++)
+        p->through_compensation[c] = gives_back ? 1 / lossless_albedo(p, m, c, wo[2], e1) : 1;
     for (int c = 0; c < 3; c++) {
         bool compensates = m->flags & MATERIAL_COMPENSATE;
         p->compensation[c] = compensates ? 1 + p->base[c] * (1 - e1) / e1 : 1;
         double f_w = (p->eta < 1 ? 1 : p->specular_weight) * shifted(p, c, exact);
         double f_t = slab(p, f_w);
         double metal = p->compensation[c] * (p->base[c] + (1 - p->base[c]) * schlick);
-        albedo[c] = e1 * (p->metallic * metal + (1 - p->metallic - p->transmission) * f_w +
-                          p->transmission * (f_t + p->tint[c] * (1 - f_t)));
+        albedo[c] =
+            e1 * (p->metallic * metal + (1 - p->metallic - p->transmission) * f_w +
+                  p->transmission * p->through_compensation[c] * (f_t + p->tint[c] * (1 - f_t)));
         p->below[c] = (1 - p->metallic - p->transmission) * (1 - e1 * f_w);
     }
     p->p_base = p->base_layer * mean(albedo);

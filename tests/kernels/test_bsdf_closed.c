@@ -298,5 +298,64 @@ TEST(albedo_tables)
     }
 }
 
+// What an interface sends to both sides, over the normals that wo sees: those by the midpoint rule,
+// each with what Fresnel's equations and the masking of the other direction leave.
+static double integrate_glass(const struct point *p, bool is_clear)
+{
+    enum { STEPS = 160 };
+    const double alpha[2] = {p->alpha, p->alpha};
+    struct chart chart = {.kind = CHART_NORMALS,
+                          .wo = {sqrt(1 - p->mu * p->mu), 0, p->mu},
+                          .alpha = {{p->alpha, p->alpha}},
+                          .lobes = 1,
+                          .turn = {1, 0}};
+    double sum = 0;
+    for (int i = 0; i < STEPS * STEPS; i++) {
+        double h[3], phi = (i % STEPS + 0.5) / STEPS * M_PI;
+        double measure = chart_normal(&chart, (i / STEPS + 0.5) / STEPS, phi, h);
+        double cosine = optics_dot(chart.wo, h), beyond = optics_cos_refracted(cosine, p->eta);
+        double f = beyond == 0 ? 1 : is_clear ? 0 : optics_fresnel(fmin(cosine, 1), p->eta);
+        double over[3], under[3];
+        for (int c = 0; c < 3; c++) {
+            over[c] = 2 * cosine * h[c] - chart.wo[c];
+            under[c] = (cosine / p->eta - beyond) * h[c] - chart.wo[c] / p->eta;
+        }
+        double part = over[2] > 0 ? f * ggx_masking_both(chart.wo, over, alpha, false) /
+                                        ggx_masking(chart.wo, alpha)
+                                  : 0;
+        part += under[2] < 0 ? (1 - f) * ggx_masking(under, alpha) : 0;
+        if (cosine > 0)
+            sum += part * ggx_visible_density(chart.wo, h, alpha) * measure;
+    }
+    return sum * 2 * M_PI / STEPS / STEPS;
+}
+
+// Relative, since what single scattering leaves is divided by it.
+TEST(glass_tables)
+{
+    enum { POINTS = 60 };
+    struct random random = {46};
+    for (int is_clear = 0; is_clear < 2; is_clear++) {
+        double most = 0, least = 0;
+        for (int i = 0; i < POINTS; i++) {
+            double distance = pow(10, random_between(&random, -5, 0.4));
+            struct point p = {.mu = random_between(&random, 0.1, 1),
+                              .alpha = pow(random_between(&random, 0.2, 1), 2),
+                              .eta = i & 1 ? 1 / (1 + distance) : 1 + distance};
+            double truth = integrate_glass(&p, is_clear);
+            double error =
+                (is_clear ? table_clear(p.mu, p.alpha, p.eta) : table_glass(p.mu, p.alpha, p.eta)) /
+                    truth -
+                1;
+            most = fmax(most, error);
+            least = fmin(least, error);
+            CHECK(error >= (is_clear ? -0.01 : -0.004) && error <= (is_clear ? 0.05 : 0.015),
+                  "%s, mu %.4f, alpha %.5f, eta %.6f: %.5f off", is_clear ? "clear" : "glass", p.mu,
+                  p.alpha, p.eta, error);
+        }
+        printf("  table of %s: %+.1e to %+.1e\n", is_clear ? "clear" : "glass", least, most);
+    }
+}
+
 TEST_MAIN(TEST_CASE(ggx_albedo), TEST_CASE(mean_fresnel), TEST_CASE(normals),
-          TEST_CASE(albedo_tables))
+          TEST_CASE(albedo_tables), TEST_CASE(glass_tables))

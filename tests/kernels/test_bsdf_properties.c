@@ -357,6 +357,120 @@ TEST(compensated)
     bsdf_device_close(&device);
 }
 
+// White rough glass, seen from both sides, loses nothing however close the indices are, and neither
+// does glass whose reflection was scaled or tinted.
+static struct configuration *add_glass(uint32_t *count, uint32_t model, float roughness, float eta,
+                                       double degrees)
+{
+    struct configuration *c = add(count, "glass", model);
+    c->material.flags = MATERIAL_COMPENSATE;
+    c->material.transmission = 1;
+    set(c->material.base_color, 1, 1, 1);
+    c->material.roughness = roughness;
+    c->eta = eta;
+    look_from(c, degrees);
+    return c;
+}
+
+static uint32_t white_glasses(void)
+{
+    static const float roughnesses[] = {0.1f, 0.3f, 0.5f, 0.7f, 1};
+    static const float indices[] = {1.0001f, 1.01f, 1.1f, 1.33f, 1.5f, 2.42f, 4};
+    static const double angles[] = {0, 30, 60, 80};
+    uint32_t count = 0;
+    for (int i = 0; i < 5 * 7 * 2 * 4; i++) {
+        float eta = i & 1 ? 1 / indices[i / 2 % 7] : indices[i / 2 % 7];
+        uint32_t model = i % 3 == 0 ? MATERIAL_PRINCIPLED : MATERIAL_DIELECTRIC;
+        add_glass(&count, model, roughnesses[i / 14 % 5], eta, angles[i / 70]);
+    }
+    for (int i = 0; i < 5 * 4 * 4; i++) {
+        float roughness = roughnesses[i / 4 % 5];
+        double degrees = angles[i / 20];
+        struct configuration *c =
+            add_glass(&count, MATERIAL_PRINCIPLED, roughness, i & 1 ? 1 / 1.5f : 1.5f, degrees);
+        c->material.specular_weight = i & 2 ? 0 : 0.5f;
+        set(c->material.specular_color, 1, 0.5f, 8);
+    }
+    for (int i = 0; i < 5 * 2; i++) {
+        struct configuration *c =
+            add_glass(&count, i & 1 ? MATERIAL_PRINCIPLED : MATERIAL_DIELECTRIC, roughnesses[i / 2],
+                      1.5f, 60);
+        c->material.flags |= MATERIAL_THIN;
+    }
+    return count;
+}
+
+TEST(compensated_glass)
+{
+    static struct bsdf_device device;
+    uint32_t count = white_glasses();
+    double worst = 0, least = 1, most = 1;
+    if (!open_grid(&device, count))
+        return;
+    for (uint32_t i = 0; i < count; i++) {
+        struct bsdf_means means;
+        if (!bsdf_measure(&device, &grid[i], i, 4, 1 << 13, &means))
+            return;
+        // The coarser table of what reflects less than Fresnel's equations say.
+        double bound = grid[i].material.specular_weight < 1 ? 0.02 : 0.01;
+        for (int c = 0; c < 3; c++) {
+            double error = fabs(means.albedo[c] - 1) - 3 * means.albedo_error[c];
+            CHECK(error <= bound, "%s, roughness %g, eta %g, %g degrees: albedo %.5f +- %.5f",
+                  grid[i].name, (double)grid[i].material.roughness, (double)grid[i].eta,
+                  grid[i].angle, means.albedo[c], means.albedo_error[c]);
+            worst = fmax(worst, error);
+            least = fmin(least, means.albedo[c]);
+            most = fmax(most, means.albedo[c]);
+        }
+        if (getenv("LAMPYRIS_BSDF_VERBOSE"))
+            printf("  %s roughness %g eta %g at %g: %.4f\n", grid[i].name,
+                   (double)grid[i].material.roughness, (double)grid[i].eta, grid[i].angle,
+                   means.albedo[0]);
+    }
+    printf("  %u white rough glasses: albedo %.4f to %.4f, beyond 3 sigma off by %.2g\n", count,
+           least, most, worst);
+    bsdf_device_close(&device);
+}
+
+// As the index approaches 1, on both of its sides, rough glass becomes what it is at 1: nothing,
+// through which all goes straight on.
+TEST(matched_glass)
+{
+    static const float distances[] = {1e-3f, 1e-4f, 1e-5f, 0};
+    enum { SAMPLES = 1 << 14 };
+    static union bsdf_item items[SAMPLES];
+    static struct bsdf_device device;
+    struct random random = {45};
+    uint32_t count = 0;
+    for (int i = 0; i < 4 * 2 * 2 * 2; i++) {
+        float eta = i & 1 ? 1 / (1 + distances[i / 8]) : 1 + distances[i / 8];
+        add_glass(&count, i & 2 ? MATERIAL_PRINCIPLED : MATERIAL_DIELECTRIC, 0.7f, eta,
+                  i & 4 ? 60 : 30);
+    }
+    if (!open_grid(&device, count))
+        return;
+    for (uint32_t i = 0; i < count; i++) {
+        for (uint32_t k = 0; k < SAMPLES; k++) {
+            items[k] = item_of(i);
+            for (int c = 0; c < 4; c++)
+                items[k].in.u[c] = (float)(random_u32(&random) >> 8) * 0x1p-24f;
+        }
+        if (!bsdf_run(&device, BSDF_ROUTINE_SAMPLE, BSDF_LOBES_CLASS, &grid[i].material, items,
+                      SAMPLES))
+            return;
+        double moment[3] = {0}, distance = (double)distances[i / 8];
+        for (uint32_t k = 0; k < SAMPLES; k++)
+            for (int c = 0; c < 3 && items[k].sample.flags & BSDF_VALID; c++)
+                moment[c] += (double)items[k].sample.weight[0] * (double)items[k].sample.wi[c];
+        double worst = 0;
+        for (int c = 0; c < 3; c++)
+            worst = fmax(worst, fabs(moment[c] / SAMPLES + (double)grid[i].wo[c]));
+        CHECK(worst <= 0.003 + 4 * distance, "eta %g, %g degrees: light comes from %.4f beside",
+              (double)grid[i].eta, grid[i].angle, worst);
+    }
+    bsdf_device_close(&device);
+}
+
 // Smooth glass splits light without loss: whichever way a sample goes, it carries all.
 TEST(smooth_glass)
 {
@@ -408,4 +522,5 @@ TEST(smooth_glass)
 }
 
 TEST_MAIN(TEST_CASE(same_bits), TEST_CASE(extreme_uniforms), TEST_CASE(reciprocity),
-          TEST_CASE(compensated), TEST_CASE(smooth_glass))
+          TEST_CASE(compensated), TEST_CASE(compensated_glass), TEST_CASE(matched_glass),
+          TEST_CASE(smooth_glass))
