@@ -132,6 +132,27 @@ static void print_ending(const struct render_job *job)
         printf("kept      %s, from which --resume goes on\n", job->options->checkpoint);
 }
 
+void report_print_kernels(const struct render_stats *stats, double least)
+{
+    double sum = 0.0, others = 0.0;
+    for (int id = 0; id < KERNEL_COUNT; id++)
+        sum += stats->kernels[id].ms;
+    if (sum <= 0.0)
+        return;
+    printf("kernels  ");
+    for (int id = 0; id < KERNEL_COUNT; id++) {
+        double ms = stats->kernels[id].ms;
+        if (ms < least * sum)
+            others += ms;
+        else if (ms > 0.0)
+            printf(" %s %.0f ms (%.0f %%)", kernel_code((enum kernel_id)id, true).name, ms,
+                   100.0 * ms / sum);
+    }
+    if (others > 0.0)
+        printf(", others %.0f ms", others);
+    putchar('\n');
+}
+
 static void print_times(const struct render_job *job)
 {
     const struct job_seconds *s = &job->seconds;
@@ -149,17 +170,7 @@ static void print_times(const struct render_job *job)
     printf("speed     %.3f Msamples/s, %.2f Mrays/s (%.1f M closest, %.1f M shadow)\n",
            job_total_samples(job) * 1e-6 / s->render, report_total_rays(stats) * 1e-6 / s->render,
            (double)stats->closest_rays * 1e-6, (double)stats->shadow_rays * 1e-6);
-    double sum = 0.0;
-    for (int id = 0; id < KERNEL_COUNT; id++)
-        sum += stats->kernels[id].ms;
-    if (sum <= 0.0)
-        return;
-    printf("kernels  ");
-    for (int id = 0; id < KERNEL_COUNT; id++)
-        if (stats->kernels[id].ms > 0.005 * sum)
-            printf(" %s %.0f ms (%.0f %%)", kernel_code((enum kernel_id)id, true).name,
-                   stats->kernels[id].ms, 100.0 * stats->kernels[id].ms / sum);
-    putchar('\n');
+    report_print_kernels(stats, 0.05);
 }
 
 const char *const report_class_names[CLASS_COUNT] = {

@@ -27,6 +27,27 @@ def need_device():
         sys.exit(77)
 
 
+def on_terminal(*arguments):
+    """All that a terminal gets of a command, results and progress alike."""
+    child, terminal = pty.fork()
+    if child == 0:
+        os.environ['TERM'] = 'xterm'
+        os.execv(LAMPYRIS, [LAMPYRIS, *arguments])
+    text = b''
+    while True:
+        try:
+            part = os.read(terminal, 65536)
+        except OSError:  # the other end is closed
+            part = b''
+        if not part:
+            break
+        text += part
+    status = os.waitpid(child, 0)[1]
+    os.close(terminal)
+    assert status == 0, text
+    return text.decode().replace('\r\n', '\n')
+
+
 class Base(unittest.TestCase):
     def setUp(self):
         self.folder = tempfile.TemporaryDirectory()
@@ -53,6 +74,23 @@ class Summary(Base):
             self.assertRegex(lines[2], r'^error     ')
             self.assertRegex(lines[-1], r'^wrote     .*out\.exr$')
 
+    def test_pictures_where_nobody_names_them(self):
+        # A PNG besides where somebody watches.
+        arguments = ['render', scene('cornell'), '--size', '8x8', '--spp', '1']
+        for run, names in ((lambda: subprocess.run([LAMPYRIS, *arguments], stdout=subprocess.PIPE,
+                                                   stderr=subprocess.PIPE, check=True),
+                            ['cornell.exr']),
+                           (lambda: on_terminal(*arguments), ['cornell.exr', 'cornell.png']),
+                           (lambda: on_terminal(*arguments, '-o', 'box.exr'), ['box.exr'])):
+            before = os.getcwd()
+            with tempfile.TemporaryDirectory() as folder:
+                os.chdir(folder)
+                try:
+                    run()
+                    self.assertEqual(sorted(os.listdir()), names)
+                finally:
+                    os.chdir(before)
+
     def test_one_line_says_what_was_left_out(self):
         text = self.render(scene('cornell'))
         found = re.findall(r'^left out  (\d+) of (\d+) features, (\d+) of (\d+) kernels, '
@@ -73,7 +111,7 @@ class Explain(Base):
     def explained(self, *arguments):
         """SPIR-V instructions that are left, and rows of the table by kind and name."""
         text = self.render(scene('cornell'), '--explain', *arguments, spp=1)
-        left, of_all = re.search(r'^kernels   (\d+) SPIR-V instructions are left of (\d+)$', text,
+        left, of_all = re.search(r'^code      (\d+) SPIR-V instructions are left of (\d+)$', text,
                                  re.MULTILINE).groups()
         self.assertLess(int(left), int(of_all) / 4)
         header, rows = text.partition('left out  ' + ' ' * 20)[2].split('\n', 1)
@@ -132,25 +170,6 @@ class Explain(Base):
 
 
 class Progress(Base):
-    def on_terminal(self, *arguments):
-        """All that a terminal gets of a command, results and progress alike."""
-        child, terminal = pty.fork()
-        if child == 0:
-            os.environ['TERM'] = 'xterm'
-            os.execv(LAMPYRIS, [LAMPYRIS, *arguments])
-        text = b''
-        while True:
-            try:
-                part = os.read(terminal, 65536)
-            except OSError:  # the other end is closed
-                part = b''
-            if not part:
-                break
-            text += part
-        self.assertEqual(os.waitpid(child, 0)[1], 0, text)
-        os.close(terminal)
-        return text.decode().replace('\r\n', '\n')
-
     def test_it_ends_before_results(self):
         out = os.path.join(self.folder.name, 'out.exr')
         for arguments, first in (
@@ -160,7 +179,7 @@ class Progress(Base):
                   out], '{'),
                 (['converge', scene('cornell'), '--size', '32x32', '--times', '0.7',
                   '--replicates', '3', '--reference', 'none'], scene('cornell'))):
-            text = self.on_terminal(*arguments)
+            text = on_terminal(*arguments)
             progress, bar, results = text.rpartition('\x1b[K')
             self.assertIn('%', progress, 'the bar was shown')
             # The last line of the progress may say what time a phase took.
