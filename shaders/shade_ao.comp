@@ -7,6 +7,7 @@
 #extension GL_GOOGLE_include_directive : require
 
 #include "lib/aov.glsl"
+#include "lib/camera.glsl"
 #include "lib/falloff.glsl"
 #include "lib/queue.glsl"
 #include "lib/ray_offset.glsl"
@@ -16,7 +17,7 @@
 #include "lib/texture.glsl"
 
 // For those who asked for it: the only ones to look at materials.
-void store_surface(uint slot, surface s, vec4 hit, uint instance)
+void store_surface(uint slot, surface s, vec4 hit, uint instance, float t)
 {
     material m;
     if (HAS_AOV(AOV_ALBEDO)) {
@@ -24,7 +25,7 @@ void store_surface(uint slot, surface s, vec4 hit, uint instance)
         if (HAS(FEATURE_TEXTURES) || HAS(FEATURE_COLORS))
             apply_textures(m, s);
     }
-    store_first_hit(slot, s, m, floatBitsToUint(hit.w), instance, hit.x);
+    store_first_hit(slot, s, m, floatBitsToUint(hit.w), instance, t);
 }
 
 void main()
@@ -40,11 +41,14 @@ void main()
         vec4 hit = uintBitsToFloat(load_path(slot, PATH_HIT));
         uint instance = path_hit_instance(slot);
         surface s = load_surface(uintBitsToFloat(words.xyz), direction, hit, instance);
+        float t = hit.x;
+        if (HAS(FEATURE_FAR_CAMERA))
+            t = distance_from_camera(direction, t);
         if (HAS_AOV(AOVS_OF_SURFACES))
-            store_surface(slot, s, hit, instance);
+            store_surface(slot, s, hit, instance, t);
         float worth = 1.0;
         if (HAS(FEATURE_FALLOFF))
-            worth = fade(slot, direction, hit.x);
+            worth = fade(slot, direction, t);
 
         vec4 u = uniforms(slot, bounce_dimension(0u, DIMENSION_BSDF));
         vec3 local = sample_cosine_hemisphere(u.xy);

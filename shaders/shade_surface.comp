@@ -5,6 +5,7 @@
 #extension GL_GOOGLE_include_directive : require
 
 #include "lib/aov.glsl"
+#include "lib/camera.glsl"
 #include "lib/connect.glsl"
 #include "lib/emission.glsl"
 #include "lib/falloff.glsl"
@@ -39,8 +40,11 @@ void main()
         v.m = load_material(v.s.material);
         if (HAS(FEATURE_TEXTURES) || HAS(FEATURE_COLORS))
             apply_textures(v.m, v.s);
+        float t = hit.x;
+        if (HAS(FEATURE_FAR_CAMERA) && push.bounce == 0u)
+            t = distance_from_camera(ray.xyz, t);
         if (HAS_AOV(AOVS_OF_SURFACES) && push.bounce == 0u)
-            store_first_hit(slot, v.s, v.m, v.primitive, v.instance, hit.x);
+            store_first_hit(slot, v.s, v.m, v.primitive, v.instance, t);
         v.frame = shading_frame(v.s, v.m, -ray.xyz);
         v.wo = -ray.xyz * v.frame;
         v.eta = v.m.group[GROUP_INTERFACE].g;
@@ -52,9 +56,9 @@ void main()
             u_extra = uniforms(slot, bounce_dimension(push.bounce, DIMENSION_EXTRA));
         bool passes = false;
         if (HAS(FEATURE_FALLOFF) && push.bounce == 0u)
-            v.throughput *= fade(slot, ray.xyz, hit.x);
+            v.throughput *= fade(slot, ray.xyz, t);
         if (HAS(FEATURE_MEDIA))
-            passes = !find_media(v, stack, hit.x, u_extra.y);
+            passes = !find_media(v, stack, t, u_extra.y);
 
         if (HAS(FEATURE_EMISSION))
             add_emission(v, origin, ray.xyz, hit.x, ray.w);

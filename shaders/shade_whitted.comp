@@ -7,6 +7,7 @@
 #extension GL_GOOGLE_include_directive : require
 
 #include "lib/aov.glsl"
+#include "lib/camera.glsl"
 #include "lib/environment.glsl"
 #include "lib/falloff.glsl"
 #include "lib/interface.glsl"
@@ -108,14 +109,17 @@ bool shade(inout vertex v, vec3 origin, vec3 direction, uint stack, uint state, 
 {
     vec4 hit = uintBitsToFloat(load_path(v.slot, PATH_HIT));
     load_vertex(v, origin, direction, hit);
+    float t = hit.x;
+    if (HAS(FEATURE_FAR_CAMERA) && push.bounce == 0u)
+        t = distance_from_camera(direction, t);
     if (HAS_AOV(AOVS_OF_SURFACES) && push.bounce == 0u)
-        store_first_hit(v.slot, v.s, v.m, v.primitive, v.instance, hit.x);
+        store_first_hit(v.slot, v.s, v.m, v.primitive, v.instance, t);
     shadow = false;
     if (HAS(FEATURE_FALLOFF) && push.bounce == 0u)
-        v.throughput *= fade(v.slot, direction, hit.x);
+        v.throughput *= fade(v.slot, direction, t);
     bool passes = false;
     if (HAS(FEATURE_MEDIA))
-        passes = !find_media(v, stack, hit.x, 0.0);
+        passes = !find_media(v, stack, t, 0.0);
 
     vec3 emission = v.throughput * v.m.group[GROUP_EMISSION].rgb;
     if (HAS(FEATURE_EMISSION) && any(greaterThan(emission, vec3(0.0))))

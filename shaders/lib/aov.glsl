@@ -21,7 +21,8 @@ vec3 albedo_color(material m)
     return m.group[GROUP_BASE].rgb;
 }
 
-// `m` and `s` as textures left them; t: distance of the hit. Both normals face the camera.
+// `m` and `s` as textures left them; t: distance of the hit. Both normals face the camera. Places
+// are stored in metres, positions from the flat scene's origin.
 void store_first_hit(uint slot, surface s, material m, uint primitive, uint instance, float t)
 {
     if (HAS_AOV(AOV_ALBEDO))
@@ -31,9 +32,9 @@ void store_first_hit(uint slot, surface s, material m, uint primitive, uint inst
     if (HAS_AOV(AOV_NORMAL_GEOMETRIC))
         store_aov_vector(slot, AOV_NORMAL_GEOMETRIC, s.normal_geometric);
     if (HAS_AOV(AOV_POSITION))
-        store_aov_vector(slot, AOV_POSITION, s.position);
+        store_aov_vector(slot, AOV_POSITION, s.position * frame.metre);
     if (HAS_AOV(AOV_DEPTH))
-        store_aov_scalar(slot, AOV_DEPTH, t);
+        store_aov_scalar(slot, AOV_DEPTH, t * frame.metre);
     if (HAS_AOV(AOV_ALPHA))
         store_aov_scalar(slot, AOV_ALPHA, 1.0);
     if (HAS_AOV(AOV_IDS)) {

@@ -21,15 +21,31 @@ vec3 panorama_direction(vec2 at)
     return cos(latitude) * level + sin(latitude) * frame.camera_up;
 }
 
+// Where the pinhole's ray begins: at the camera, or where it is precise.
+vec3 start_of_ray(vec2 at)
+{
+    if (!HAS(FEATURE_FAR_CAMERA))
+        return frame.camera_position;
+    return frame.camera_position +
+           frame.camera_start * (at.x * frame.camera_right - at.y * frame.camera_up);
+}
+
+// With FEATURE_FAR_CAMERA: how far from the camera a point at distance t on its ray is.
+float distance_from_camera(vec3 direction, float t)
+{
+    return t + frame.camera_start / dot(direction, frame.camera_forward);
+}
+
 // From a point of the aperture to where the pinhole's ray of this point of the picture meets the
 // plane in focus (Cook, Porter, Carpenter 1984, "Distributed Ray Tracing", section 4.2).
-// `direction`: with a component of 1 along the line of sight.
-camera_ray ray_through_lens(vec3 direction, vec2 u)
+// `from`: of the pinhole's ray; `direction`: with a component of 1 along the line of sight.
+camera_ray ray_through_lens(vec3 from, vec3 direction, vec2 u)
 {
     vec2 on_lens = frame.lens_radius * sample_aperture(u, frame.lens_blades, frame.lens_rotation);
     vec3 offset =
         on_lens.x * normalize(frame.camera_right) + on_lens.y * normalize(frame.camera_up);
-    return camera_ray(frame.camera_position + offset,
+    vec3 at_start = HAS(FEATURE_FAR_CAMERA) ? frame.lens_at_start * offset : offset;
+    return camera_ray(from + at_start,
                       normalize(direction - offset / frame.focus_distance));
 }
 
@@ -44,8 +60,8 @@ camera_ray make_camera_ray(vec2 at, vec2 u_lens)
                           frame.camera_forward);
     vec3 direction = frame.camera_forward + at.x * frame.camera_right - at.y * frame.camera_up;
     if (HAS(FEATURE_LENS))
-        return ray_through_lens(direction, u_lens);
-    return camera_ray(frame.camera_position, normalize(direction));
+        return ray_through_lens(start_of_ray(at), direction, u_lens);
+    return camera_ray(start_of_ray(at), normalize(direction));
 }
 
 #endif

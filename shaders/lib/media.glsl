@@ -12,7 +12,7 @@
 #include "lib/material.glsl"
 
 struct medium {
-    vec3 extinction; // 1/m
+    vec3 extinction; // 1/length
     float ior;
     float dispersion;
 };

@@ -52,7 +52,7 @@ void place_on_disc(shape_record shape, inout surface s)
 // edge along `right`.
 void place_on_plane(vec3 right, inout surface s)
 {
-    vec3 f = s.position - s.center;
+    vec3 f = (s.position - s.center) * frame.metre;
     s.uv0 = vec2(dot(f, right), -dot(f, cross(s.normal_geometric, right)));
     s.tangent = vec4(right, 1.0);
 }

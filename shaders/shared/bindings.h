@@ -67,6 +67,7 @@
 // What a (scene, settings, device) needs. Kernels test these bits of one specialization constant,
 // so that what is not needed is not in the code.
 #define FEATURE_TRIANGLES (1u << 0)
+#define FEATURE_FAR_CAMERA (1u << 1)          // camera rays begin near the scene: frame.camera_start
 #define FEATURE_NORMALS (1u << 3)             // interpolated shading normals
 #define FEATURE_LENS (1u << 4)                // camera rays begin all over an aperture
 #define FEATURE_CLASSES (1u << 5)             // surface hits are sorted by class

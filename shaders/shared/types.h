@@ -137,7 +137,7 @@ SHARED_STATIC_ASSERT_SIZE(gpu_texture, 48);
 
 // What is inside of a closed surface.
 struct gpu_medium {
-    float extinction[3]; // 1/m, at most 3.4e38 in place of infinity
+    float extinction[3]; // 1/length, at most 3.4e38 in place of infinity
     float ior;
     uint priority;    // where media overlap, the highest one is there; 0: air
     float dispersion; // 20 / Abbe number
@@ -152,8 +152,8 @@ struct gpu_light {
     uint kind;
     float direction[3]; // unit, in which light travels: spot, directional
     float pick_probability;
-    float radiant[3];              // point, spot: intensity, W/sr; directional: irradiance, W/m^2
-    float inverse_range;           // of that beyond which there is no light, 1/m; 0: unlimited
+    float radiant[3];              // point, spot: radiance * length^2; directional: irradiance, W/m^2
+    float inverse_range;           // of that beyond which there is no light, 1/length; 0: unlimited
     float spot_scale, spot_offset; // falloff: clamp(offset - scale * (1 - cos), 0, 1)^2
     float reach;                   // directional: the length of shadow rays
     float versine; // directional: 1 - cos of the angular radius of a sun; 0: without extent
@@ -356,13 +356,14 @@ struct gpu_push {
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_push, 48);
 
-// The uniform block: what is small and the same for all dispatches of a render.
+// The uniform block: what is small and the same for all dispatches of a render. Lengths, here and
+// in all records, are in the unit of the flat scene (scene/flatten.h), as positions are.
 struct gpu_frame {
-    VEC3(camera_position);
+    VEC3(camera_position); // where the middle of the picture is at camera_start
     uint width;
     VEC3(camera_forward); // unit
     uint height;
-    VEC3(camera_right); // to the right edge: at distance 1, orthographic in metres, panoramic unit
+    VEC3(camera_right); // to the right edge: at distance 1, orthographic a length, panoramic unit
     uint seed;
     VEC3(camera_up); // to the upper edge
     uint max_bounces;
@@ -380,21 +381,26 @@ struct gpu_frame {
     uint roulette_max_bounces; // of ROULETTE_FRAME: its cap
     float roulette_survival;
     float direction_exponent; // of DIRECTIONS_POWER_COSINE
-    float lens_radius;        // metres
-    float focus_distance;     // from the camera to the plane in focus, metres
+    float lens_radius;
+    float focus_distance;     // from the camera to the plane in focus
     float lens_rotation;      // of the aperture's blades, radians
     uint lens_blades;         // 0: round
     float filter_radius;      // pixels
-    float ao_distance;        // metres
-    float falloff;            // cube root of its k, 1/m
+    float ao_distance;
+    float falloff;            // cube root of its k, 1/length
     float environment_reach; // the length of shadow rays to it
     VEC3(ambient);            // INTEGRATOR_WHITTED: what is around the scene, on average
     uint pending_rays;        // of INTEGRATOR_WHITTED: entries of a slot's stack
     uint instances;           // words of four at which sections of the shapes' buffer begin
     uint sdfs;
     uint sdf_code;
+    float metre; // metres a unit of length: a power of two
+    // FEATURE_FAR_CAMERA; else 0 and 1.
+    float camera_start;  // along the line of sight, how far from the camera its rays begin
+    float lens_at_start; // how large the lens is there: 1 - camera_start / focus_distance
     uint align_frame;
+    uint align_frame_1;
 };
-SHARED_STATIC_ASSERT_SIZE(gpu_frame, 192);
+SHARED_STATIC_ASSERT_SIZE(gpu_frame, 208);
 
 #endif

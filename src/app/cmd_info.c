@@ -70,6 +70,24 @@ static void print_buffer(const struct planned_buffer *buffer)
     puts(buffer->copies > 1 ? " (in several buffers)" : "");
 }
 
+// As they are about the flat scene's origin, in metres.
+static void print_bounds(const struct flat_scene *flat)
+{
+    double low[3], high[3];
+    if (!(flat->bounds_min[0] <= flat->bounds_max[0])) {
+        puts("bounds    none");
+        return;
+    }
+    for (int c = 0; c < 3; c++) {
+        low[c] = (double)flat->bounds_min[c] / flat->scale;
+        high[c] = (double)flat->bounds_max[c] / flat->scale;
+    }
+    printf("bounds    (%g %g %g) to (%g %g %g), about (%g %g %g)\n", low[0], low[1], low[2],
+           high[0], high[1], high[2], flat->origin[0], flat->origin[1], flat->origin[2]);
+    if (flat->scale != 1.0)
+        printf("unit      %g m: single precision holds the scene in that\n", 1.0 / flat->scale);
+}
+
 static void print_text(const struct info *info)
 {
     const struct scene *scene = &info->scene;
@@ -82,12 +100,7 @@ static void print_text(const struct info *info)
         printf("dropped   %u triangles without area, %u instances with a singular transform\n",
                flat->dropped_degenerate, flat->skipped_instances);
     sharing_print(flat, info->specialization.features);
-    if (flat->bounds_min[0] <= flat->bounds_max[0])
-        printf("bounds    (%g %g %g) to (%g %g %g), about (%g %g %g)\n", flat->bounds_min[0],
-               flat->bounds_min[1], flat->bounds_min[2], flat->bounds_max[0], flat->bounds_max[1],
-               flat->bounds_max[2], flat->origin[0], flat->origin[1], flat->origin[2]);
-    else
-        puts("bounds    none");
+    print_bounds(flat);
     print_materials(scene);
     printf("emitters  %u triangles", info->emitters.triangles);
     for (uint32_t kind = 0; kind < SHAPE_KIND_COUNT; kind++)

@@ -247,13 +247,13 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .help = "Which of the scene's cameras, by name or by number from 0.", FIELD(camera),
     },
     [OPTION_APERTURE] = {
-        .name = "aperture", .argument = "MM", .type = VALUE_REAL, .min = 0, .max = 1e6,
+        .name = "aperture", .argument = "MM", .type = VALUE_REAL, .min = 0, .max = 1e16,
         .group = "Scene", .commands = FOR_SCENE, .fallback = "the camera's",
         .help = "Radius of the camera's lens in millimetres; 0: a pinhole.", FIELD(aperture_mm),
     },
     [OPTION_FOCUS_DISTANCE] = {
-        .name = "focus-distance", .argument = "METRES", .type = VALUE_REAL, .min = 1e-9,
-        .max = 1e9, .group = "Scene", .commands = FOR_SCENE, .fallback = "the camera's",
+        .name = "focus-distance", .argument = "METRES", .type = VALUE_REAL, .min = 1e-18,
+        .max = 1e13, .group = "Scene", .commands = FOR_SCENE, .fallback = "the camera's",
         .help = "How far away what is in focus lies, along the line of sight.",
         FIELD(focus_distance),
     },

@@ -286,8 +286,9 @@ uint32_t camera_media_find(const struct shading_tables_params *p,
     // Along the line of sight and to two sides of it, none along an axis of a symmetric scene.
     struct probe probe = {0};
     const double *d = p->camera->direction;
+    flat_from_world(p->flat, p->camera->position, probe.origin);
     for (int c = 0; c < 3; c++) {
-        probe.origin[c] = (double)(float)(p->camera->position[c] - p->flat->origin[c]);
+        probe.origin[c] = (double)(float)probe.origin[c];
         probe.directions[0][c] = d[c] + 0.0123 * d[(c + 1) % 3] + 0.00456 * (c + 1);
         probe.directions[1][c] = d[(c + 1) % 3] + 0.345 * (c - 0.7);
         probe.directions[2][c] = d[(c + 2) % 3] - 0.234 * (c - 1.3);

@@ -106,6 +106,18 @@ static double profile_solid_angle(const struct light *light)
     return light->profile ? light->profile->solid_angle : 4.0 * M_PI;
 }
 
+struct light flat_light(const struct flat_scene *flat, const struct light *light)
+{
+    struct light placed = *light;
+    if (light->kind == LIGHT_DIRECTIONAL)
+        return placed;
+    flat_from_world(flat, light->position, placed.position);
+    for (int c = 0; c < 3; c++)
+        placed.radiant[c] = (float)((double)light->radiant[c] * flat->scale * flat->scale);
+    placed.range = (float)((double)light->range * flat->scale);
+    return placed;
+}
+
 double light_power(const struct light *light, const struct flat_scene *flat)
 {
     double radius = bounding_radius(flat), brightness = luminance(light->radiant) / (2.0 * M_PI);

@@ -16,8 +16,12 @@ bool has_planes(const struct flat_scene *flat);
 // Half the diagonal of the scene's bounds; 0 when empty, 1 with nothing but planes.
 double bounding_radius(const struct flat_scene *flat);
 
-// What comes from infinitely far is counted through the disc that the scene's bounding sphere, of
-// radius R, is to it: directional lights send E pi R^2.
+// A light of the scene in the flat scene's space and unit: what falls on a surface from an
+// intensity I at a distance d, I / d^2, is the same in all units.
+struct light flat_light(const struct flat_scene *flat, const struct light *light);
+
+// `light` is one of flat_light(). What comes from infinitely far is counted through the disc that
+// the scene's bounding sphere, of radius R, is to it: directional lights send E pi R^2.
 double light_power(const struct light *light, const struct flat_scene *flat);
 // Of an image: 4 pi times the mean radiance over the sphere, through pi R^2.
 double environment_power(const struct environment *environment, const struct flat_scene *flat);

@@ -125,8 +125,10 @@ static bool list_emitters(const struct scene *scene, const struct flat_scene *fl
             add_emitter(list, PRIMITIVE_SHAPE | i, radiance * shape_area(shape));
     }
     list->surface_count = list->count;
-    for (uint32_t i = 0; i < scene->light_count; i++)
-        add_emitter(list, PRIMITIVE_LIGHT | i, light_power(&scene->lights[i], flat));
+    for (uint32_t i = 0; i < scene->light_count; i++) {
+        const struct light light = flat_light(flat, &scene->lights[i]);
+        add_emitter(list, PRIMITIVE_LIGHT | i, light_power(&light, flat));
+    }
     if (counts.environment)
         add_emitter(list, PRIMITIVE_ENVIRONMENT, environment_power(&scene->environment, flat));
     return true;
@@ -134,9 +136,8 @@ static bool list_emitters(const struct scene *scene, const struct flat_scene *fl
 
 // --- lights without extent, and suns -------------------------------------------------------------
 
-// The record of a light, but for the probability to pick it.
-static struct gpu_light light_record(const struct light *light, const struct flat_scene *flat,
-                                     float reach)
+// The record of a light of flat_light(), but for the probability to pick it.
+static struct gpu_light light_record(const struct light *light, float reach)
 {
     struct gpu_light record = {
         .kind = light->kind,
@@ -144,7 +145,7 @@ static struct gpu_light light_record(const struct light *light, const struct fla
         .reach = reach,
     };
     for (int c = 0; c < 3; c++) {
-        record.position[c] = (float)(light->position[c] - flat->origin[c]);
+        record.position[c] = (float)light->position[c];
         record.direction[c] = (float)light->direction[c];
         record.radiant[c] = light->radiant[c];
     }
@@ -158,6 +159,22 @@ static struct gpu_light light_record(const struct light *light, const struct fla
     return record;
 }
 
+// What a light sends is divided by the square of its distance, which must stay finite.
+static bool check_place(const struct scene *scene, const struct flat_scene *flat,
+                        const struct light *light, const struct light *placed, struct err *err)
+{
+    for (int c = 0; c < 3; c++)
+        if (light->kind != LIGHT_DIRECTIONAL && !(fabs(placed->position[c]) <= FLAT_COORDINATE_MAX))
+            return err_set(err, ERR_INPUT,
+                           "%s: light %td at (%g, %g, %g) is too far from a scene that is %g m "
+                           "across; expected it within %g m",
+                           scene->path ? scene->path : "scene", light - scene->lights,
+                           light->position[0], light->position[1], light->position[2],
+                           2.0 * bounding_radius(flat) / flat->scale,
+                           FLAT_COORDINATE_MAX / flat->scale);
+    return true;
+}
+
 static bool fill_lights(const struct scene *scene, const struct flat_scene *flat,
                         struct arena *arena, struct emitters *out, struct err *err)
 {
@@ -169,7 +186,10 @@ static bool fill_lights(const struct scene *scene, const struct flat_scene *flat
         return err_memory(err, "lights", count * sizeof *out->lights);
     uint32_t dark = 0;
     for (uint32_t i = 0; i < count; i++) {
-        out->lights[i] = light_record(&scene->lights[i], flat, out->reach);
+        const struct light light = flat_light(flat, &scene->lights[i]);
+        if (!check_place(scene, flat, &scene->lights[i], &light, err))
+            return false;
+        out->lights[i] = light_record(&light, out->reach);
         dark += !(out->lights[i].versine > 0.0f);
     }
     if (!scene->settings.nee && dark > 0)
@@ -344,12 +364,11 @@ static double spot_fall(const struct light *light)
     return fmin((double)light->outer_angle - (double)light->inner_angle + 1e-3, 0.5 * M_PI);
 }
 
-static void bound_light(const struct light *light, const struct flat_scene *flat,
-                        struct light_bounds *out)
+static void bound_light(const struct light *light, struct light_bounds *out)
 {
     bool is_spot = light->kind == LIGHT_SPOT;
     for (int c = 0; c < 3; c++) {
-        out->center[c] = (float)(light->position[c] - flat->origin[c]);
+        out->center[c] = (float)light->position[c];
         out->min[c] = out->max[c] = out->center[c];
         out->axis[c] = is_spot ? light->direction[c] : c == 2;
     }
@@ -364,7 +383,8 @@ static struct light_bounds bound_emitter(const struct scene *scene, const struct
 {
     struct light_bounds bounds = {.power = power};
     if (primitive & PRIMITIVE_LIGHT) {
-        bound_light(&scene->lights[primitive & ~PRIMITIVE_LIGHT], flat, &bounds);
+        const struct light light = flat_light(flat, &scene->lights[primitive & ~PRIMITIVE_LIGHT]);
+        bound_light(&light, &bounds);
     } else if (primitive & PRIMITIVE_SHAPE) {
         const struct flat_shape *shape = &flat->shapes[primitive & ~PRIMITIVE_SHAPE];
         bound_shape(shape, &bounds);

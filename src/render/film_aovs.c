@@ -113,7 +113,7 @@ void film_aovs_read(const struct film_aovs *aovs, uint64_t at, const uint32_t *w
         memcpy(to, &words[float_at(device, plane)], plane->components * sizeof *to);
         for (uint32_t c = 0; c < plane->components && (plane->aov & AOVS_OF_PLACES); c++)
             to[c] = share > 0.0f ? to[c] / share : plane->aov == AOV_DEPTH ? INFINITY : 0.0f;
-        // The device's coordinates may have an origin of their own.
+        // Metres from the origin of the device's coordinates.
         for (uint32_t c = 0; c < 3 && plane->aov == AOV_POSITION && share > 0.0f; c++)
             to[c] = (float)((double)to[c] + flat->origin[c]);
     }

@@ -1,6 +1,7 @@
 #include "frame.h"
 
 #include "emitter_power.h"
+#include "far_camera.h"
 #include "upload_parts.h"
 #include <float.h>
 #include <math.h>
@@ -19,29 +20,38 @@ static void scale_to(double v[3], double length)
         v[i] *= factor;
 }
 
-static void set_lens(struct gpu_frame *frame, const struct camera *camera)
+// `start`: as of far_camera_start().
+static void set_lens(struct gpu_frame *frame, const struct camera *camera, double scale,
+                     double start)
 {
-    frame->lens_radius = (float)camera->lens_radius;
+    bool has_lens = camera->lens_radius > 0.0;
+    double focus_distance = camera->focus_distance * scale;
+    frame->lens_radius = (float)(camera->lens_radius * scale);
     // Compiled in without a lens, the kernel divides by it all the same.
-    frame->focus_distance = camera->lens_radius > 0.0 ? (float)camera->focus_distance : 1.0f;
+    frame->focus_distance = has_lens ? (float)focus_distance : 1.0f;
+    frame->lens_at_start = has_lens ? (float)(1.0 - start / focus_distance) : 1.0f;
     frame->lens_rotation = (float)camera->lens_rotation;
     frame->lens_blades = camera->lens_blades;
 }
 
 // In double precision: a narrow field of view leaves few digits to a float.
-static void set_camera(struct gpu_frame *frame, const struct camera *camera, const double origin[3])
+static void set_camera(struct gpu_frame *frame, const struct camera *camera,
+                       const struct flat_scene *flat)
 {
-    double right[3], up[3];
-    double half_height =
-        camera->kind == CAMERA_ORTHOGRAPHIC ? 0.5 * camera->height : tan(0.5 * camera->fov_y);
+    double right[3], up[3], position[3];
+    double half_height = camera->kind == CAMERA_ORTHOGRAPHIC ? 0.5 * camera->height * flat->scale
+                                                             : tan(0.5 * camera->fov_y);
     cross(camera->direction, camera->up, right);
     cross(right, camera->direction, up);
     bool is_panoramic = camera->kind == CAMERA_PANORAMIC;
     scale_to(right, is_panoramic ? 1.0 : half_height * frame->width / frame->height);
     scale_to(up, is_panoramic ? 1.0 : half_height);
-    set_lens(frame, camera);
+    flat_from_world(flat, camera->position, position);
+    double start = far_camera_start(flat, camera, right, up);
+    frame->camera_start = (float)start;
+    set_lens(frame, camera, flat->scale, start);
     for (int i = 0; i < 3; i++) {
-        frame->camera_position[i] = (float)(camera->position[i] - origin[i]);
+        frame->camera_position[i] = (float)(position[i] + start * camera->direction[i]);
         frame->camera_forward[i] = (float)camera->direction[i];
         frame->camera_right[i] = (float)right[i];
         frame->camera_up[i] = (float)up[i];
@@ -59,11 +69,11 @@ static void set_environment(struct gpu_frame *frame, const struct environment *e
     frame->environment_sin = (float)sin(environment->rotation);
 }
 
-// How far rays have to go so that nothing is beyond: from within the bounds, their diagonal and as
-// much again for what rounding adds.
+// `asked`: metres. How far rays have to go so that nothing is beyond: from within the bounds, their
+// diagonal and as much again for what rounding adds.
 static float ao_distance(const struct flat_scene *flat, float asked)
 {
-    return fminf(asked, (float)(4.0 * bounding_radius(flat)));
+    return (float)fmin((double)asked * flat->scale, 4.0 * bounding_radius(flat));
 }
 
 // Ambient occlusion is what surfaces see of a white surrounding.
@@ -104,7 +114,7 @@ void frame_look(struct renderer *r, uint32_t width, uint32_t height)
 {
     r->frame.width = width;
     r->frame.height = height;
-    set_camera(&r->frame, &r->camera, r->flat.origin);
+    set_camera(&r->frame, &r->camera, &r->flat);
 }
 
 void frame_fill(struct renderer *r)
@@ -130,7 +140,8 @@ void frame_fill(struct renderer *r)
         .instances = sections.instances,
         .sdfs = sections.sdfs,
         .sdf_code = sections.sdf_code,
-        .falloff = (float)cbrt((double)settings->falloff),
+        .falloff = (float)(cbrt((double)settings->falloff) / r->flat.scale),
+        .metre = (float)(1.0 / r->flat.scale),
     };
     set_environment(&r->frame, &r->scene->environment);
     if (settings->integrator == INTEGRATOR_AO)

@@ -4,7 +4,6 @@
 #include "bvh_cache.h"
 #include "clock.h"
 #include "flatten_shapes.h"
-#include "log.h"
 #include "parallel.h"
 #include <math.h>
 #include <string.h>
@@ -242,22 +241,6 @@ static bool build_bvh(const struct geometry_params *p, const struct flat_scene *
     return ok;
 }
 
-// Cross products of edges overflow or underflow single precision beyond these, with room for edges
-// that are smaller than the scene.
-#define LARGEST_EXTENT 1e9f
-#define SMALLEST_EXTENT 1e-9f
-
-static void warn_about_extent(const struct flat_scene *flat)
-{
-    float extent = 0.0f;
-    for (int c = 0; c < 3; c++)
-        extent = fmaxf(extent, flat->bounds_max[c] - flat->bounds_min[c]);
-    if (extent > LARGEST_EXTENT || (extent > 0.0f && extent < SMALLEST_EXTENT))
-        log_warn("the scene is %g m across; surfaces are lost to single precision beyond %g m and "
-                 "below %g m: expected a scene scaled into that range",
-                 (double)extent, (double)LARGEST_EXTENT, (double)SMALLEST_EXTENT);
-}
-
 static struct flatten_params flatten_params(const struct geometry_params *p)
 {
     return (struct flatten_params){p->scene, p->instancing, p->progress};
@@ -269,7 +252,6 @@ bool geometry_prepare(const struct geometry_params *p, struct arena *arena, stru
     const struct flatten_params params = flatten_params(p);
     if (!scene_flatten(&params, arena, flat, err))
         return false;
-    warn_about_extent(flat);
     return build_bvh(p, flat, arena, bvh, err);
 }
 
@@ -356,7 +338,6 @@ bool geometry_refresh(const struct geometry_params *p, struct geometry *geometry
         next.bvh_arena = geometry->bvh_arena;
         geometry->bvh_arena = (struct arena){0};
     } else if (ok) {
-        warn_about_extent(&next.flat);
         ok = build_bvh(p, &next.flat, &next.bvh_arena, &next.bvh, err);
     }
     geometry_finish(geometry);

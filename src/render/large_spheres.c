@@ -30,9 +30,10 @@ static double shape_size(const struct flat_shape *shape)
 static double camera_height(const struct flat_scene *flat, const struct camera *camera,
                             const struct flat_shape *sphere)
 {
-    double square = 0;
+    double square = 0, position[3];
+    flat_from_world(flat, camera->position, position);
     for (int c = 0; c < 3; c++) {
-        double from = camera->position[c] - flat->origin[c] - (double)sphere->center[c];
+        double from = position[c] - (double)sphere->center[c];
         square += from * from;
     }
     return fabs(sqrt(square) - (double)sphere->radius);

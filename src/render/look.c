@@ -1,17 +1,20 @@
 // Another camera and another size of the picture, while all else of a renderer stays.
+#include "far_camera.h"
 #include "film.h"
 #include "frame.h"
 #include "large_spheres.h"
 
 // Whether the kernels as they are compiled, and the film as large as it is, do for the picture. A
-// lens that is compiled in and not there changes nothing.
+// lens that is compiled in and not there changes nothing, nor does a camera that is not far.
 static bool does_fit(const struct renderer *r, const struct camera *camera, uint32_t width,
                      uint32_t height)
 {
     const struct specialization *s = &r->specialization;
+    bool is_far_ready = s->features & FEATURE_FAR_CAMERA;
     bool has_lens = s->features & FEATURE_LENS, has_tiles = s->features & FEATURE_TILES;
     bool large_spheres = r->large_spheres_anyway || is_close_to_large_sphere(&r->flat, camera);
     return !has_tiles && (uint64_t)width * height <= r->pixels && camera->kind == s->camera &&
+           (is_far_ready || !camera_is_far(&r->flat, camera)) &&
            (has_lens || !(camera->lens_radius > 0.0)) &&
            large_spheres == ((s->geometry & GEOMETRY_LARGE_SPHERES) != 0);
 }

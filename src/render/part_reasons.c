@@ -68,6 +68,7 @@ static const char *feature_reason(const struct renderer *r, uint32_t bit)
     static const struct reason reasons[] = {
         {FEATURE_TRIANGLES, "the scene has no mesh"},
         {FEATURE_NORMALS, "no mesh has normals at its vertices"},
+        {FEATURE_FAR_CAMERA, "the camera is near the scene"},
         {FEATURE_LENS, "the camera is a pinhole (--aperture)"},
         {FEATURE_EMISSION, "no surface emits"},
         {FEATURE_CLAMP, "nothing is clamped (--clamp)"},

@@ -2,6 +2,7 @@
 
 #include "adaptive.h"
 #include "clock.h"
+#include "far_camera.h"
 #include "film.h"
 #include "frame.h"
 #include "geometry.h"
@@ -171,6 +172,7 @@ bool renderer_create(const struct renderer_params *params, struct renderer *r, s
 
     uint64_t start = clock_ns();
     progress_report(r->progress, "Uploading", 0);
+    far_camera_warn(&r->flat, &r->camera, settings->height);
     r->large_spheres_anyway = has_large_spheres_anyway(&r->flat);
     r->specialization = specialize(&(struct specialize_params){
         .scene = r->scene,

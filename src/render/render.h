@@ -195,8 +195,8 @@ bool renderer_restart(struct renderer *renderer, uint32_t seed, struct err *err)
 // Empties the film and begins anew with sample 0, another camera (copied) and another size of the
 // picture, without building and compiling anything: the picture is the one that a new renderer
 // would make. Sets *fits to false and does nothing where only a new renderer can: for more pixels
-// than it was created for, another kind of camera, a lens that was not there, spheres that become
-// large where the camera is, or cease to be, and with tiles.
+// than it was created for, another kind of camera, a lens that was not there, a camera that is far,
+// spheres that become large where the camera is, or cease to be, and with tiles.
 bool renderer_look(struct renderer *renderer, const struct camera *camera, uint32_t width,
                    uint32_t height, bool *fits, struct err *err);
 

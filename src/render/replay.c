@@ -50,6 +50,15 @@ static const struct material *material_of(const struct renderer *r, const struct
     return &r->scene->materials[material];
 }
 
+// How far from a camera that is far the ray begins.
+static double way_from_camera(const struct renderer *r, const float direction[3])
+{
+    double forward = 0.0;
+    for (int c = 0; c < 3; c++)
+        forward += (double)direction[c] * (double)r->frame.camera_forward[c];
+    return r->frame.camera_start > 0.0f ? (double)r->frame.camera_start / forward : 0.0;
+}
+
 static bool read_hit(struct follower *f, uint32_t bounce, struct err *err)
 {
     struct renderer *r = f->r;
@@ -70,11 +79,18 @@ static bool read_hit(struct follower *f, uint32_t bounce, struct err *err)
     // Whitted's rays have their depth there, and are all perfectly specular.
     if (r->specialization.integrator != INTEGRATOR_WHITTED)
         v->bsdf_pdf = path.bsdf_pdf;
-    v->t = path.t;
+    double origin[3], before = bounce == 0 ? way_from_camera(r, path.direction) : 0.0;
     for (int c = 0; c < 3; c++) {
-        v->origin[c] = (float)(path.origin[c] + r->flat.origin[c]);
-        v->position[c] = path.origin[c] + (double)path.t * path.direction[c] + r->flat.origin[c];
+        origin[c] = (double)path.origin[c];
+        v->position[c] = origin[c] + (double)path.t * (double)path.direction[c];
     }
+    for (int c = 0; c < 3; c++)
+        origin[c] -= before * (double)path.direction[c];
+    flat_to_world(&r->flat, origin, origin);
+    flat_to_world(&r->flat, v->position, v->position);
+    for (int c = 0; c < 3; c++)
+        v->origin[c] = (float)origin[c];
+    v->t = (float)(((double)path.t + before) / r->flat.scale);
     bool is_hit = false;
     for (uint32_t c = 0; c < CLASS_COUNT; c++)
         is_hit |= in_queue(f, QUEUE_SURFACE + c);
@@ -106,7 +122,8 @@ static bool read_connection(struct follower *f, struct replay_vertex *v, struct 
         return false;
     v->connected = true;
     v->light_pdf = ray.light_pdf;
-    memcpy(v->light_point, ray.direction, sizeof v->light_point);
+    for (int c = 0; c < 3; c++)
+        v->light_point[c] = (float)((double)ray.direction[c] / f->r->flat.scale);
     memcpy(v->light_radiance, ray.radiance, sizeof v->light_radiance);
     v->light_is_point = !(ray.ignore_to & PRIMITIVE_SHAPE) && (ray.ignore_to & PRIMITIVE_LIGHT);
     v->light_is_environment =

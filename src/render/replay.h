@@ -5,7 +5,8 @@
 
 #include "render.h"
 
-// A ray of the path, what it met and what came of it. Positions are in world space.
+// A ray of the path, what it met and what came of it. Positions are in world space, lengths in
+// metres.
 struct replay_vertex {
     uint32_t bounce;
     float origin[3], direction[3];

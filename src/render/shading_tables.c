@@ -14,7 +14,8 @@ struct media {
     uint32_t count;
 };
 
-static struct gpu_medium inside_of(const struct material *material)
+// Lengths are those of the flat scene's unit.
+static struct gpu_medium inside_of(const struct material *material, const struct flat_scene *flat)
 {
     struct gpu_medium medium = {
         .ior = material->ior,
@@ -22,7 +23,8 @@ static struct gpu_medium inside_of(const struct material *material)
         .dispersion = material->dispersion,
     };
     for (int c = 0; c < 3; c++)
-        medium.extinction[c] = fminf(material->extinction[c], FLT_MAX);
+        medium.extinction[c] =
+            (float)fmin((double)material->extinction[c] / flat->scale, (double)FLT_MAX);
     return medium;
 }
 
@@ -49,7 +51,7 @@ static bool list_media(const struct scene *scene, const struct flat_scene *flat,
         const struct material *material = &scene->materials[m];
         if (!flat->material_used[m] || !material_has_inside(material))
             continue;
-        const struct gpu_medium medium = inside_of(material);
+        const struct gpu_medium medium = inside_of(material, flat);
         if (medium_number(media, &medium))
             continue;
         if (media->count == MEDIA_MAX)
@@ -88,7 +90,7 @@ static void fill_materials(const struct shading_tables_params *p, const struct e
         memcpy(record->parameter, material->parameters, sizeof record->parameter);
         record->parameter[PARAMETER_PICK_DENSITY] =
             emitters_pick_density(emitters, p->scene, material);
-        const struct gpu_medium inside = inside_of(material);
+        const struct gpu_medium inside = inside_of(material, p->flat);
         if (material_has_inside(material))
             record->medium = medium_number(media, &inside);
     }

@@ -3,6 +3,7 @@
 #include "attributes.h"
 #include "emitters.h"
 #include "environment_table.h"
+#include "far_camera.h"
 #include "film_aovs.h"
 #include "large_spheres.h"
 #include "shared/sdf.h"
@@ -235,7 +236,8 @@ static uint32_t harmless_features(const struct settings *settings)
 {
     uint32_t features = FEATURE_TRIANGLES | FEATURE_NORMALS | FEATURE_EMISSION |
                         FEATURE_ENVIRONMENT | FEATURE_ENVIRONMENT_IMAGE | FEATURE_ROULETTE |
-                        FEATURE_LENS | FEATURE_MEDIA | FEATURE_FALLOFF | FEATURE_CLAMP;
+                        FEATURE_LENS | FEATURE_FAR_CAMERA | FEATURE_MEDIA | FEATURE_FALLOFF |
+                        FEATURE_CLAMP;
     if (wants_nee(settings))
         features |= FEATURE_NEE | FEATURE_NEE_DEPTH;
     return features;
@@ -416,6 +418,8 @@ struct specialization specialize(const struct specialize_params *p)
         s.features |= FEATURE_JITTER;
     if (p->camera->lens_radius > 0.0)
         s.features |= FEATURE_LENS;
+    if (camera_is_far(flat, p->camera))
+        s.features |= FEATURE_FAR_CAMERA;
     if (p->tiles)
         s.features |= FEATURE_TILES;
     s.features |= device_features(gpu, bvh, scene, &s);
@@ -612,6 +616,8 @@ const char *feature_name(uint32_t bit)
         return "pixel jitter";
     case FEATURE_LENS:
         return "lens";
+    case FEATURE_FAR_CAMERA:
+        return "far camera";
     case FEATURE_TILES:
         return "sample counts by tile";
     case FEATURE_FALLOFF:

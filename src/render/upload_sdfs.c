@@ -1,4 +1,5 @@
 // Signed distance fields in the form that kernels read.
+#include "flatten_shapes.h"
 #include "shared/sdf.h"
 #include "upload_parts.h"
 
@@ -6,9 +7,9 @@
 #include <string.h>
 
 // Where a field's own space lies in the world: the shape's axes are half the edges of the field's
-// box. `first` is its program's first instruction.
-static void fill_sdf(const struct sdf *sdf, const struct shape *shape, const double origin[3],
-                     uint32_t first, struct gpu_sdf *out)
+// box. `shape` is placed; `first` is its program's first instruction.
+static void fill_sdf(const struct sdf *sdf, const struct shape *shape, uint32_t first,
+                     struct gpu_sdf *out)
 {
     double scale = 0;
     for (int j = 0; j < 3; j++) {
@@ -22,7 +23,7 @@ static void fill_sdf(const struct sdf *sdf, const struct shape *shape, const dou
             out->to_object[j][i] = (float)(axis[i] * half / squared);
     }
     for (int i = 0; i < 3; i++) {
-        double place = shape->center[i] - origin[i];
+        double place = shape->center[i];
         for (int j = 0; j < 3; j++)
             place -= shape->axes[j][i] * (sdf->max[j] + sdf->min[j]) / (sdf->max[j] - sdf->min[j]);
         out->to_object[i][3] = (float)place;
@@ -41,14 +42,15 @@ void upload_fill_sdfs(const struct upload_params *p, uint32_t (*records)[4], uin
     const struct scene *scene = p->scene;
     uint32_t number = 0;
     for (uint32_t i = 0; i < p->flat->shape_count; i++) {
-        const struct shape *shape = &scene->shapes[p->flat->shapes[i].source];
-        if (shape->kind != SHAPE_SDF)
+        if (p->flat->shapes[i].kind != SHAPE_SDF)
             continue;
+        const struct shape shape =
+            flatten_place_shape(p->flat, &scene->shapes[p->flat->shapes[i].source]);
         uint32_t first = 0;
-        for (uint32_t k = 0; k < shape->sdf; k++)
+        for (uint32_t k = 0; k < shape.sdf; k++)
             first += scene->sdfs[k].count;
         struct gpu_sdf record = {0};
-        fill_sdf(&scene->sdfs[shape->sdf], shape, p->flat->origin, first, &record);
+        fill_sdf(&scene->sdfs[shape.sdf], &shape, first, &record);
         memcpy(records[(uint64_t)number * SDF_WORDS], &record, sizeof record);
         number++;
     }

@@ -10,12 +10,13 @@
 // --- triangles -----------------------------------------------------------------------------------
 
 static struct placement place(const struct scene *scene, const struct instance *instance,
-                              const double origin[3])
+                              const double origin[3], double scale)
 {
     struct placement placement = {
         .mesh = &scene->meshes[instance->mesh],
         .instance = instance,
         .origin = {origin[0], origin[1], origin[2]},
+        .scale = scale,
         .is_mirrored = affine_determinant(instance->transform) < 0,
     };
     // Cofactors are the inverse transpose times the determinant, whose sign is taken back here.
@@ -31,7 +32,7 @@ static void place_vertex(const struct placement *placement, uint32_t vertex, flo
     mesh_vertex(placement->mesh, vertex, point);
     affine_point(placement->instance->transform, point, point);
     for (int i = 0; i < 3; i++)
-        out[i] = (float)(point[i] - placement->origin[i]);
+        out[i] = (float)((point[i] - placement->origin[i]) * placement->scale);
 }
 
 // The normal of a triangle from its rounded corners, not normalised. Exactly zero for a triangle
@@ -123,7 +124,8 @@ static bool add_world(struct flattening *f, const struct census *census, struct 
         flat->instance_first[i] = flat->triangle_count + flat->dropped_degenerate;
         if (census->instances[i] != INSTANCE_FLATTENED)
             continue;
-        const struct placement placement = place(scene, &scene->instances[i], flat->origin);
+        const struct placement placement =
+            place(scene, &scene->instances[i], flat->origin, flat->scale);
         if (!add_triangles(f, &placement, i, err))
             return false;
     }
@@ -163,7 +165,8 @@ static bool add_meshes(struct flattening *f, const struct census *census, struct
         memcpy(own.transform, AFFINE_IDENTITY, sizeof own.transform);
         flatten_choose_origin(&use->bounds, origin);
         mesh->first_triangle = flat->triangle_count;
-        const struct placement placement = place(scene, &own, origin);
+        const struct placement placement =
+            place(scene, &own, origin, flatten_choose_scale(&use->bounds));
         if (!add_triangles(f, &placement, flat->instance_count + use->flat, err))
             return false;
         mesh->triangle_count = flat->triangle_count - mesh->first_triangle;
@@ -194,6 +197,18 @@ void flat_triangle_source(const struct flat_scene *flat, uint32_t id, uint32_t *
     uint32_t run = first_above(flat->instance_first, runs, source) - 1;
     *triangle = source - flat->instance_first[run];
     *instance = run < flat->instance_count ? run : SCENE_NONE;
+}
+
+void flat_from_world(const struct flat_scene *flat, const double point[3], double out[3])
+{
+    for (int i = 0; i < 3; i++)
+        out[i] = (point[i] - flat->origin[i]) * flat->scale;
+}
+
+void flat_to_world(const struct flat_scene *flat, const double point[3], double out[3])
+{
+    for (int i = 0; i < 3; i++)
+        out[i] = point[i] / flat->scale + flat->origin[i];
 }
 
 // --- the whole -----------------------------------------------------------------------------------
@@ -255,8 +270,10 @@ static bool flatten(const struct flatten_params *params, struct arena *scratch, 
     f.triangle_count = census.world_triangle_count + census.shared_triangle_count;
     out->skipped_instances = census.skipped_instances;
     flatten_choose_origin(&census.bounds, out->origin);
+    out->scale = flatten_choose_scale(&census.bounds);
     if (!add_world(&f, &census, err) || !add_meshes(&f, &census, err) ||
-        !flatten_instances(scene, &census, out, err) || !flatten_shapes(scene, out, err))
+        !flatten_instances(scene, &census, out, err) || !flatten_shapes(scene, out, err) ||
+        !flatten_check_extent(scene, &census.bounds, err))
         return false;
     mark_materials(out);
     return true;

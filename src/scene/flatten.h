@@ -1,12 +1,14 @@
 // From meshes, instances and shapes to the arrays that the BVH and the kernels take: single
-// precision, in world space but for meshes that instances share.
+// precision, in the world's space but for meshes that instances share, in a unit of length and
+// about an origin that suit the scene. flat_from_world() is the one way there, flat_to_world() the
+// way back.
 #ifndef LAMPYRIS_SCENE_FLATTEN_H
 #define LAMPYRIS_SCENE_FLATTEN_H
 
 #include "scene.h"
 
 struct flat_triangle {
-    float v[3][3]; // relative to flat_scene.origin
+    float v[3][3]; // as flat_from_world() makes them
     uint32_t material;
 };
 
@@ -14,7 +16,7 @@ struct flat_triangle {
 struct flat_shape {
     uint32_t kind; // enum shape_kind
     uint32_t material;
-    float center[3]; // relative to flat_scene.origin
+    float center[3]; // as flat_from_world() makes it; lengths in flat_scene's unit
     float normal[3];
     float radius;
     float axes[3][3];
@@ -22,8 +24,8 @@ struct flat_shape {
     uint32_t source; // of scene.shapes
 };
 
-// A mesh that its instances share: triangles in its own space, or relative to its middle when it is
-// far from its own origin (in double precision, as flat_scene.origin).
+// A mesh that its instances share: triangles in its own space, with an origin and a unit of length
+// of its own, as the world has in struct flat_scene.
 struct flat_mesh {
     uint32_t first_triangle, triangle_count;
     float bounds_min[3], bounds_max[3];
@@ -36,7 +38,7 @@ struct flat_instance {
     uint32_t material; // in place of the triangles' own; SCENE_NONE: these
     uint32_t source;   // of scene.instances
     bool is_mirrored;
-    float to_world[3][4];  // from flat_scene.triangles to positions relative to flat_scene.origin
+    float to_world[3][4];  // from flat_scene.triangles to positions as of flat_from_world()
     float to_object[3][4]; // the inverse of the rounded to_world, rounded
 };
 
@@ -46,10 +48,10 @@ struct flat_instance {
 //   are used more than once; below that one level is built in seconds and is faster to trace;
 // - on: all, those with one instance too;
 // - off: none.
-// Never shared are meshes that emit, since each of their triangles is an emitter of its own; meshes
-// that are smaller than 1e-9 m or larger than 1e9 m in their own space; and never by instances that
-// make them emit, that squash or shear by more than about 1 : 4096, or that give a mesh without
-// tangents a material with other texture coordinates for them. These are put into the world.
+// Never shared are meshes that emit, since each of their triangles is an emitter of its own; and
+// never by instances that make them emit, that squash or shear by more than about 1 : 4096, or that
+// give a mesh without tangents a material with other texture coordinates for them. These are put
+// into the world.
 enum instancing { INSTANCING_AUTO, INSTANCING_ON, INSTANCING_OFF };
 
 // Of what is not hidden. What is, is not in any of the arrays, nor counted, but has its number in
@@ -59,6 +61,9 @@ struct flat_scene {
     // precision before it is rounded (stiff case C2). (0,0,0) unless the scene needs it: when
     // max |coordinate| exceeds 16 times the extent of the bounding box.
     double origin[3];
+    // Units of length of the arrays a metre: a power of two, so that it costs no bit. 1 unless the
+    // scene's size demands another: see flatten_choose_scale().
+    double scale;
     struct flat_triangle *triangles;
     float (*normals)[3][3]; // per triangle and corner; NULL when no mesh has normals. Where one is
                             // missing or not finite: the geometric normal. Transformed by the
@@ -84,7 +89,7 @@ struct flat_scene {
     uint32_t *instance_first;           // of all triangles, dropped ones included; then of `meshes`
     uint32_t *dropped_before;           // dropped_degenerate of them: the triangle that came next
     bool *material_used;                // scene->material_count: some primitive has it
-    float bounds_min[3], bounds_max[3]; // relative to origin; min > max when empty
+    float bounds_min[3], bounds_max[3]; // in the arrays' space; min > max when empty
     uint32_t dropped_degenerate;        // zero-area triangles left out (stiff case C6)
     uint32_t skipped_instances;         // singular transforms (C30)
 };
@@ -106,8 +111,14 @@ void flat_triangle_source(const struct flat_scene *flat, uint32_t id, uint32_t *
 // triangles' materials.
 uint64_t flatten_key(const struct flatten_params *params);
 
-// Memory comes from `arena`. A vertex that is not finite after transformation is ERR_INPUT naming
-// instance, mesh and vertex; so is a transform that is not. Instances with singular transforms are
+// Where a point of the world is in the arrays' space, before it is rounded, and the way back. `out`
+// may be `point`.
+void flat_from_world(const struct flat_scene *flat, const double point[3], double out[3]);
+void flat_to_world(const struct flat_scene *flat, const double point[3], double out[3]);
+
+// Memory comes from `arena`. A scene that is larger or smaller than SCENE_EXTENT_MAX and _MIN is
+// ERR_INPUT; a vertex that is out of range after transformation likewise, naming instance, mesh and
+// vertex; so is a transform that is not finite. Instances with singular transforms are
 // left out, with one warning a mesh. Being asked to stop is ERR_STOPPED.
 bool scene_flatten(const struct flatten_params *params, struct arena *arena, struct flat_scene *out,
                    struct err *err);

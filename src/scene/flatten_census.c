@@ -54,10 +54,39 @@ void flatten_choose_origin(const struct bounds *bounds, double origin[3])
             origin[i] = bounds->min[i] + (bounds->max[i] - bounds->min[i]) / 2;
 }
 
-// Extents between which the products of a shared mesh's coordinates keep their digits in single
-// precision, in its own space.
-#define SHARED_EXTENT_MIN 1e-9
-#define SHARED_EXTENT_MAX 1e9
+// Extents that are left as they are. Within single precision a scene of 2^20 may have details of
+// 2^-30, whose areas' squares are the first to underflow; one of 2^-10 likewise. Large scenes are
+// scaled to the upper end, small ones to 1, so that their details are far from that.
+#define SCALED_EXTENT_MIN_EXPONENT (-10)
+#define SCALED_EXTENT_MAX_EXPONENT 20
+
+double flatten_choose_scale(const struct bounds *bounds)
+{
+    double extent, farthest;
+    if (bounds_is_empty(bounds))
+        return 1;
+    bounds_size(bounds, &extent, &farthest);
+    if (!(extent > 0))
+        return 1;
+    int exponent = ilogb(extent);
+    if (exponent >= SCALED_EXTENT_MAX_EXPONENT)
+        return ldexp(1, SCALED_EXTENT_MAX_EXPONENT - 1 - exponent);
+    return exponent < SCALED_EXTENT_MIN_EXPONENT ? ldexp(1, -exponent) : 1;
+}
+
+bool flatten_check_extent(const struct scene *scene, const struct bounds *bounds, struct err *err)
+{
+    double extent, farthest;
+    if (bounds_is_empty(bounds))
+        return true;
+    bounds_size(bounds, &extent, &farthest);
+    if (extent == 0 || (extent >= SCENE_EXTENT_MIN && extent <= SCENE_EXTENT_MAX))
+        return true;
+    return err_set(err, ERR_INPUT,
+                   "%s: the scene is %g m across; expected %g m to %g m: its numbers may be in "
+                   "another unit of length",
+                   scene->path ? scene->path : "scene", extent, SCENE_EXTENT_MIN, SCENE_EXTENT_MAX);
+}
 
 // Each triangle of an emitter is one of its own, in the world.
 bool flatten_emits(const struct scene *scene, uint32_t material)
@@ -93,7 +122,6 @@ bool flatten_goes_on(const struct flatten_params *params, double fraction, struc
 static bool survey_mesh(const struct flatten_params *params, const struct mesh *mesh,
                         struct mesh_use *use, struct err *err)
 {
-    double extent, farthest;
     *use = (struct mesh_use){.bounds = BOUNDS_EMPTY, .is_in_range = true};
     for (uint32_t t = 0; t < mesh->triangle_count; t++) {
         if (t % FLATTEN_POLL == 0 && !flatten_goes_on(params, 0, err))
@@ -105,9 +133,7 @@ static bool survey_mesh(const struct flatten_params *params, const struct mesh *
             use->is_in_range = use->is_in_range && flatten_in_range(point);
         }
     }
-    bounds_size(&use->bounds, &extent, &farthest);
-    use->may_be_shared = mesh->triangle_count > 0 && use->is_in_range &&
-                         extent >= SHARED_EXTENT_MIN && extent <= SHARED_EXTENT_MAX;
+    use->may_be_shared = mesh->triangle_count > 0 && use->is_in_range;
     survey_materials(params->scene, mesh, use);
     warn_if_coarse(mesh, &use->bounds);
     return true;

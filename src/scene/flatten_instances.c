@@ -12,17 +12,20 @@ static void round_matrix(const double m[3][4], float out[3][4])
             out[i][j] = (float)m[i][j];
 }
 
-// From the mesh's array, which may have an origin of its own, to the scene's; added and subtracted
-// in double precision. The way back is the inverse of what was rounded, so that both agree.
-static bool set_transforms(const double transform[3][4], const double mesh_origin[3],
-                           const double world_origin[3], struct flat_instance *out)
+// From the mesh's array, which has an origin and a unit of its own, to the scene's; in double
+// precision. The way back is the inverse of what was rounded, so that both agree.
+static bool set_transforms(const double transform[3][4], const struct bounds *mesh,
+                           const struct flat_scene *flat, struct flat_instance *out)
 {
-    double to_world[3][4], to_object[3][4];
+    double to_world[3][4], to_object[3][4], origin[3], unit = 1 / flatten_choose_scale(mesh);
+    flatten_choose_origin(mesh, origin);
     affine_multiply(transform, AFFINE_IDENTITY, to_world);
     for (int i = 0; i < 3; i++) {
         for (int j = 0; j < 3; j++)
-            to_world[i][3] += transform[i][j] * mesh_origin[j];
-        to_world[i][3] -= world_origin[i];
+            to_world[i][3] += transform[i][j] * origin[j];
+        to_world[i][3] = (to_world[i][3] - flat->origin[i]) * flat->scale;
+        for (int j = 0; j < 3; j++)
+            to_world[i][j] *= unit * flat->scale;
     }
     round_matrix(to_world, out->to_world);
     for (int i = 0; i < 3; i++)
@@ -64,7 +67,6 @@ bool flatten_instances(const struct scene *scene, const struct census *census,
         if (census->instances[i] != INSTANCE_SHARES)
             continue;
         struct flat_instance *placed = &out->instances[out->placed_count];
-        double mesh_origin[3];
         // All of its triangles may be without area in its own space.
         if (out->meshes[use->flat].triangle_count == 0)
             continue;
@@ -74,8 +76,7 @@ bool flatten_instances(const struct scene *scene, const struct census *census,
             .source = i,
             .is_mirrored = affine_determinant(instance->transform) < 0,
         };
-        flatten_choose_origin(&use->bounds, mesh_origin);
-        if (!set_transforms(instance->transform, mesh_origin, out->origin, placed))
+        if (!set_transforms(instance->transform, &use->bounds, out, placed))
             return err_set(err, ERR_BUG, "instance %u: its transform has no inverse", i);
         bound_instance(out, placed);
         out->placed_count++;

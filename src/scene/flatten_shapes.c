@@ -56,6 +56,34 @@ static bool is_in_range(const struct shape *shape)
            flatten_in_range(shape->axes[2]);
 }
 
+// Axes that are lengths; those of planes, and across round shapes, are unit vectors.
+static int count_edges(enum shape_kind kind)
+{
+    switch (kind) {
+    case SHAPE_QUAD:
+        return 2;
+    case SHAPE_BOX:
+    case SHAPE_SDF:
+        return 3;
+    case SHAPE_CYLINDER:
+    case SHAPE_TUBE:
+        return 1;
+    default:
+        return 0;
+    }
+}
+
+struct shape flatten_place_shape(const struct flat_scene *flat, const struct shape *shape)
+{
+    struct shape placed = *shape;
+    flat_from_world(flat, shape->center, placed.center);
+    placed.radius *= flat->scale;
+    for (int axis = 0; axis < count_edges(shape->kind); axis++)
+        for (int i = 0; i < 3; i++)
+            placed.axes[axis][i] *= flat->scale;
+    return placed;
+}
+
 static bool add_shape(struct flat_scene *flat, const struct scene *scene, uint32_t index,
                       struct err *err)
 {
@@ -66,6 +94,7 @@ static bool add_shape(struct flat_scene *flat, const struct scene *scene, uint32
                        scene->path ? scene->path : "scene", index, shape.center[0], shape.center[1],
                        shape.center[2], shape.radius, SCENE_COORDINATE_MAX);
     move_near(scene, flat->origin, &shape);
+    shape = flatten_place_shape(flat, &shape);
     struct flat_shape *added = &flat->shapes[flat->shape_count++];
     *added = (struct flat_shape){
         .kind = shape.kind,
@@ -75,7 +104,7 @@ static bool add_shape(struct flat_scene *flat, const struct scene *scene, uint32
         .source = index,
     };
     for (int i = 0; i < 3; i++) {
-        added->center[i] = (float)(shape.center[i] - flat->origin[i]);
+        added->center[i] = (float)shape.center[i];
         added->normal[i] = (float)shape.normal[i];
         for (int axis = 0; axis < 3; axis++)
             added->axes[axis][i] = (float)shape.axes[axis][i];
@@ -102,16 +131,16 @@ bool flatten_shapes(const struct scene *scene, struct flat_scene *out, struct er
     return true;
 }
 
-// Planes reach as far as coordinates may. Not as far to all sides: so their middle is far from that
-// of everything else, and the first split of a BVH is between the two.
+// Planes reach as far as kernels' coordinates may. Not as far to all sides: so their middle is far
+// from that of everything else, and the first split of a BVH is between the two.
 static void plane_box(const struct flat_shape *shape, float min[3], float max[3])
 {
     const float *n = shape->normal;
     for (int c = 0; c < 3; c++) {
         bool is_across = n[(c + 1) % 3] == 0.0f && n[(c + 2) % 3] == 0.0f;
         float margin = 4.0f * FLT_EPSILON * fabsf(shape->center[c]);
-        min[c] = is_across ? shape->center[c] - margin : -(float)SCENE_COORDINATE_MAX;
-        max[c] = is_across ? shape->center[c] + margin : 0.75f * (float)SCENE_COORDINATE_MAX;
+        min[c] = is_across ? shape->center[c] - margin : -(float)FLAT_COORDINATE_MAX;
+        max[c] = is_across ? shape->center[c] + margin : 0.75f * (float)FLAT_COORDINATE_MAX;
     }
 }
 

@@ -11,6 +11,12 @@ bool flatten_shapes(const struct scene *scene, struct flat_scene *out, struct er
 // A box that contains all that the kernels may hit of the shape.
 void flat_shape_box(const struct flat_shape *shape, float min[3], float max[3]);
 
+// A shape of the scene in the arrays' space and unit, before it is rounded.
+struct shape flatten_place_shape(const struct flat_scene *flat, const struct shape *shape);
+
+// How far kernels' coordinates go in any unit: their squares stay finite in single precision.
+#define FLAT_COORDINATE_MAX 1e18
+
 // Whether all coordinates are within SCENE_COORDINATE_MAX.
 bool flatten_in_range(const double point[3]);
 // Adds the box to the scene's bounds.

@@ -52,7 +52,7 @@ static bool read_orthographic(const struct json_node *node, double *height, stru
         return false;
     const struct json_node ymag = node_member(&orthographic, "ymag");
     *height = 2 * fabs(half);
-    return *height >= 1 / SCENE_COORDINATE_MAX ||
+    return *height >= SCENE_LENGTH_MIN ||
            node_fail(&ymag, err, "%g; expected a height that is not 0", half);
 }
 

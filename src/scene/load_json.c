@@ -16,7 +16,7 @@ const char *const load_json_document_keys[] = {
 const struct range RANGE_UNIT = {0, 1, false};
 const struct range RANGE_RADIANCE = {0, SCENE_RADIANCE_MAX, false};
 const struct range RANGE_COORDINATE = {-SCENE_COORDINATE_MAX, SCENE_COORDINATE_MAX, false};
-const struct range RANGE_RADIUS = {1 / SCENE_COORDINATE_MAX, SCENE_COORDINATE_MAX, false};
+const struct range RANGE_RADIUS = {SCENE_LENGTH_MIN, SCENE_COORDINATE_MAX, false};
 
 // Before anything else: a file of a later version may differ in every way.
 static bool check_version(const struct json_node *document, struct err *err)

@@ -145,6 +145,6 @@ const char *load_json_path(struct json_loader *loader, const struct json_node *o
 extern const struct range RANGE_UNIT;       // [0, 1]
 extern const struct range RANGE_RADIANCE;   // [0, SCENE_RADIANCE_MAX]
 extern const struct range RANGE_COORDINATE; // +-SCENE_COORDINATE_MAX
-extern const struct range RANGE_RADIUS;     // up to SCENE_COORDINATE_MAX, squares normal in float
+extern const struct range RANGE_RADIUS;     // SCENE_LENGTH_MIN to SCENE_COORDINATE_MAX
 
 #endif

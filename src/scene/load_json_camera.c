@@ -8,10 +8,10 @@
 
 // The millimetres' range leaves fields of view that are neither 0 nor 180 degrees in double.
 static const struct range RANGE_MILLIMETRES = {1e-6, 1e6, false};
-static const struct range RANGE_APERTURE = {0, 1e6, false}; // millimetres
+static const struct range RANGE_APERTURE = {0, 1e3 * SCENE_COORDINATE_MAX, false}; // millimetres
 static const struct range RANGE_F_NUMBER = {1e-3, 1e6, false};
 // What kernels divide by stays normal, and so do its quotients.
-static const struct range RANGE_FOCUS = {1e-9, 1e9, false};
+static const struct range RANGE_FOCUS = {SCENE_LENGTH_MIN, SCENE_COORDINATE_MAX, false};
 static const struct range RANGE_TURN = {-360, 360, false};
 #define DEGREE (M_PI / 180)
 #define BLADES_MAX 64

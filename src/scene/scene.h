@@ -19,8 +19,13 @@
 
 #define SCENE_NONE UINT32_MAX // no index
 
-// What kernels square must stay finite in single precision: (1e18)^2 = 1e36 < 3.4e38.
-#define SCENE_COORDINATE_MAX 1e18 // positions and lengths, metres
+// Positions and lengths, metres: objects of 1e12 m, with room around them for what looks at them
+// and lights them.
+#define SCENE_COORDINATE_MAX 1e13
+#define SCENE_LENGTH_MIN 1e-18 // of parts of a scene that have an extent: radii, heights, ranges
+// The largest and the smallest size of all that is placed in a scene, along an axis, metres.
+#define SCENE_EXTENT_MAX (2 * SCENE_COORDINATE_MAX)
+#define SCENE_EXTENT_MIN 1e-13
 // Leaves a factor of 1e8 for sums over samples and products with throughputs.
 #define SCENE_RADIANCE_MAX 1e30 // W/(sr m^2)
 

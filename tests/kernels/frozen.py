@@ -222,6 +222,12 @@ FEATURES = {
     "lens": (["LENS"], {
         "generate_rays": ["ray_through_lens()", "sample_aperture()", "frame.lens_radius"],
     }),
+    "far camera": (["FAR_CAMERA"], {
+        "generate_rays": ["frame.camera_start"],
+        "shade_surface": ["distance_from_camera()", "frame.camera_start"],
+        "shade_whitted": ["distance_from_camera()", "frame.camera_start"],
+        "shade_ao": ["distance_from_camera()", "frame.camera_start"],
+    }),
     "suspended traversals": (["SUSPEND"], {
         "intersect_closest": ["suspend()", "resume()", "[suspended]", "queue_push() x1"],
         "intersect_shadow": ["suspend()", "resume()", "queue_push()", "[suspended]"],

@@ -57,6 +57,7 @@ enum {
     GLOBE = TRAIT(50),         // a sphere of 1e6 m
     BRIGHT_SHAPES = TRAIT(51), // sheet, box, cylinder and tube emit
     FIELD = TRAIT(52),         // a distance field
+    FAR = TRAIT(53),           // the camera is 1e6 times as far away
 };
 
 static void *present(void *memory)
@@ -252,6 +253,8 @@ static void make_scene(uint64_t has, struct scene *scene)
     settings->pixel_jitter = has & JITTER;
     scene->cameras[0].lens_radius = has & LENS ? 0.1 : 0.0;
     scene->cameras[0].focus_distance = has & LENS ? 2.0 : 0.0;
+    for (int c = 0; c < 3; c++)
+        scene->cameras[0].position[c] -= has & FAR ? 1e6 * scene->cameras[0].direction[c] : 0.0;
     settings->roulette_min_bounces = has & ROULETTE ? 1 : UINT32_MAX;
     settings->max_bounces = has & NO_BOUNCE ? 0 : 4;
     settings->falloff = has & FALLOFF ? 0.5f : 0.0f;
@@ -386,6 +389,7 @@ static const struct pair pairs[] = {
     {"clamp", QUAD | CLAMP, QUAD, FEATURE_CLAMP, 0, 0, 0},
     {"falloff", QUAD | FALLOFF, QUAD, FEATURE_FALLOFF, 0, 0, 0},
     {"lens", QUAD | LENS, QUAD, FEATURE_LENS, 0, 0, 0},
+    {"far camera", QUAD | FAR, QUAD, FEATURE_FAR_CAMERA, 0, 0, 0},
     {"jitter", QUAD | JITTER, QUAD, FEATURE_JITTER, 0, 0, 0},
     {"tiles", QUAD | TILES, QUAD, FEATURE_TILES, 0, 0, 2},
     {"point lights", QUAD | LAMP, QUAD, EMITS(EMITTER_LIGHTS) | FEATURE_NEE, SHADOW_KERNELS,

@@ -2,6 +2,7 @@
 
 #include "clock.h"
 #include "replicates.h"
+#include "scaled_scene.h"
 #include <inttypes.h>
 
 // Half-width of the 95 % confidence interval and bias, relative to the value.
@@ -89,6 +90,8 @@ static void check_form(struct gpu *gpu, struct trial trial, uint64_t samples)
     struct scene scene;
     struct err err = {0};
     REQUIRE_OK(load_scene(form->scene, form->overrides, &scene, &err));
+    if (form->scale > 0.0)
+        scale_scene(&scene, form->scale);
     set_estimator(&scene.settings, trial.estimator);
     scene.settings.light_choice = trial.light_choice;
     const struct renderer_params params = {.gpu = gpu, .scene = &scene};

@@ -26,6 +26,7 @@ struct closed_form {
     enum closed_form_kind kind;
     unsigned alone;
     struct scene_override overrides[6]; // to the first without a key
+    double scale;                       // of all lengths, see scaled_scene.h; 0: 1
 };
 
 // The text of its argument, for values of the scene file.

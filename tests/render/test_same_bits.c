@@ -2,6 +2,7 @@
 // calls, features that the scene lacks, ways to read and to reserve, and lower limits of the
 // device.
 #include "render_fixture.h"
+#include "scaled_scene.h"
 #include <math.h>
 
 #define ALL_SAMPLES 32u
@@ -398,28 +399,6 @@ TEST(classes)
     arena_finish(&arena);
     scene_finish(&scene);
     gpu_close(&gpu);
-}
-
-static void scale_scene(struct scene *scene, double factor)
-{
-    for (uint32_t m = 0; m < scene->mesh_count; m++) {
-        struct mesh *mesh = &scene->meshes[m];
-        for (uint32_t v = 0; v < mesh->vertex_count; v++)
-            for (int c = 0; c < 3; c++)
-                mesh->positions[v][c] *= (float)factor;
-        for (uint32_t v = 0; mesh->exact_positions && v < mesh->vertex_count; v++)
-            for (int c = 0; c < 3; c++)
-                mesh->exact_positions[v][c] *= factor;
-    }
-    for (uint32_t s = 0; s < scene->shape_count; s++)
-        scene->shapes[s].radius *= factor;
-    for (int c = 0; c < 3; c++) {
-        for (uint32_t i = 0; i < scene->instance_count; i++)
-            scene->instances[i].transform[c][3] *= factor;
-        for (uint32_t s = 0; s < scene->shape_count; s++)
-            scene->shapes[s].center[c] *= factor;
-        scene->cameras[0].position[c] *= factor;
-    }
 }
 
 // Radiance does not depend on the unit of length, and roundings do not either where they are

@@ -274,11 +274,50 @@ TEST(tiny_and_huge_scales_are_not_singular)
 {
     struct fixture f;
     begin(&f);
-    for (double scale = 1e-15; scale <= 1e15; scale *= 1e15) {
+    for (double scale = 1e-12; scale <= 1e12; scale *= 1e12) {
         const double m[12] = {scale, 0, 0, 0, 0, scale, 0, 0, 0, 0, scale, 0};
         set_matrix(&f.instances[0], m);
         REQUIRE(flatten(&f), "%s", f.err.msg);
         CHECK(f.flat.triangle_count == 1 && f.flat.skipped_instances == 0, "scale %g", scale);
+    }
+    end(&f);
+}
+
+// The unit of length: 1 m for all that is of a size that one may meet, a power of two for what is
+// not; and numbers beyond all sizes are an error that tells them.
+TEST(sizes_choose_the_unit)
+{
+    static const struct {
+        double size, scale;
+    } sizes[] = {
+        {0x1p-40, 0x1p40}, {0x1.8p-11, 0x1p11}, {0x1p-10, 1},        {1, 1},
+        {0x1.ffp19, 1},    {0x1p20, 0.5},       {0x1.8p40, 0x1p-21},
+    };
+    struct fixture f;
+    begin(&f);
+    for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
+        double size = sizes[i].size;
+        set_matrix(&f.instances[0], (const double[]){size, 0, 0, 0, 0, size, 0, 0, 0, 0, size, 0});
+        REQUIRE(flatten(&f), "%s", f.err.msg);
+        CHECK(f.flat.scale == sizes[i].scale, "%g m: %g", size, f.flat.scale);
+        for (int corner = 0; corner < 3; corner++) {
+            double point[3], exact[3];
+            for (int c = 0; c < 3; c++) {
+                point[c] = (double)f.flat.triangles[0].v[corner][c];
+                exact[c] = size * (double)f.positions[corner][c];
+            }
+            flat_to_world(&f.flat, point, point);
+            CHECK(memcmp(point, exact, sizeof point) == 0, "%g m, corner %d", size, corner);
+        }
+    }
+    static const double beyond[] = {1e-14, 1e14};
+    for (int i = 0; i < 2; i++) {
+        double size = beyond[i];
+        f.err = (struct err){0};
+        set_matrix(&f.instances[0], (const double[]){size, 0, 0, 0, 0, size, 0, 0, 0, 0, size, 0});
+        CHECK(!flatten(&f) && f.err.code == ERR_INPUT &&
+                  strstr(f.err.msg, i ? "1e+14" : "the scene is 1e-14 m across; expected 1e-13 m"),
+              "%s", f.err.msg);
     }
     end(&f);
 }
@@ -337,7 +376,7 @@ TEST(meshes_beyond_their_precision_are_warned_of)
 
 TEST(vertices_out_of_range_are_errors)
 {
-    static const float bad[] = {NAN, INFINITY, -INFINITY, 1e38f, 1.1e18f};
+    static const float bad[] = {NAN, INFINITY, -INFINITY, 1e38f, 1.1e13f};
     struct fixture f;
     begin(&f);
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
@@ -492,7 +531,8 @@ TEST(what_cannot_be_shared_is_in_the_world)
     for (int v = 0; v < 3; v++)
         f.positions[v][0] *= 1e-10f, f.positions[v][1] *= 1e-10f;
     REQUIRE(share(&f, INSTANCING_ON), "%s", f.err.msg);
-    CHECK(f.flat.placed_count == 0, "too small for single precision");
+    CHECK(f.flat.placed_count == 2 && f.flat.triangles[2].v[1][0] >= 0.5f,
+          "a small mesh has a unit of its own");
     end(&f);
 }
 
@@ -593,6 +633,7 @@ int main(int argc, char **argv)
         TEST_CASE(sources_of_triangles),
         TEST_CASE(singular_instances_are_skipped_with_a_warning),
         TEST_CASE(tiny_and_huge_scales_are_not_singular),
+        TEST_CASE(sizes_choose_the_unit),
         TEST_CASE(far_scenes_are_rebased_in_double_precision),
         TEST_CASE(exact_positions_come_first),
         TEST_CASE(meshes_beyond_their_precision_are_warned_of),

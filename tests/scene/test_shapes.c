@@ -193,6 +193,7 @@ static void check_boxes(enum shape_kind kind)
             point_of(&shape, point);
             vec3_subtract(point, center, from);
             CHECK(vec3_length(from) <= radius * (1 + 1e-9), "kind %d", (int)kind);
+            flat_from_world(&flat, point, point);
             for (int c = 0; c < 3; c++) {
                 CHECK(point[c] >= (double)min[c] && point[c] <= (double)max[c],
                       "kind %d, axis %d: %.9g outside of [%.9g, %.9g]", (int)kind, c, point[c],

@@ -100,10 +100,10 @@ static void set_methods(struct viewer *viewer)
 void viewer_find_bounds(struct viewer *viewer)
 {
     const struct flat_scene *flat = &viewer->geometry.flat;
-    for (int c = 0; c < 3; c++) {
-        viewer->bounds_min[c] = (double)flat->bounds_min[c] + flat->origin[c];
-        viewer->bounds_max[c] = (double)flat->bounds_max[c] + flat->origin[c];
-    }
+    const double low[3] = {flat->bounds_min[0], flat->bounds_min[1], flat->bounds_min[2]};
+    const double high[3] = {flat->bounds_max[0], flat->bounds_max[1], flat->bounds_max[2]};
+    flat_to_world(flat, low, viewer->bounds_min);
+    flat_to_world(flat, high, viewer->bounds_max);
 }
 
 // As the scene and the command line say.

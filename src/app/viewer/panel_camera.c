@@ -9,13 +9,14 @@
 #include <string.h>
 
 static const struct gui_range angle = {1e-3, 179.999, .unit = "°", .drag = 90};
-static const struct gui_range seen_height = {1 / SCENE_COORDINATE_MAX, SCENE_COORDINATE_MAX,
+static const struct gui_range seen_height = {SCENE_LENGTH_MIN, SCENE_COORDINATE_MAX,
                                              .logarithmic = true, .unit = "m"};
-static const struct gui_range focus = {1e-9, 1e9, .logarithmic = true, .unit = "m"};
-static const struct gui_range millimetres = {0, 1e6, .logarithmic = true, .unit = "mm",
+static const struct gui_range focus = {SCENE_LENGTH_MIN, SCENE_COORDINATE_MAX, .logarithmic = true,
+                                       .unit = "m"};
+static const struct gui_range millimetres = {0, 1e3 * SCENE_COORDINATE_MAX, .logarithmic = true, .unit = "mm",
                                              .least = "pinhole"};
 static const struct gui_range blades = {0, 64, .integer = true, .least = "round"};
-static const struct gui_range speed = {1e-9, 1e9, .logarithmic = true, .unit = "m/s"};
+static const struct gui_range speed = {SCENE_LENGTH_MIN, SCENE_COORDINATE_MAX, .logarithmic = true, .unit = "m/s"};
 static const struct gui_range turning = {-360, 360, .unit = "°/s", .drag = 90};
 static const struct gui_range unit_vector = {-1, 1};
 static const struct gui_range slot = {1, VIEWER_SAVED_VIEWS, .integer = true};
@@ -29,7 +30,7 @@ static void moving(struct viewer *viewer)
     gui_choice(gui, "camera.mode", "Moves",
                "Fly freely, or turn about what was double-clicked (C changes it).", rig_mode_names,
                &rig->mode);
-    gui_number(gui, "camera.speed", "Speed", "Of flying, metres a second, 1e-9 to 1e9.", &speed,
+    gui_number(gui, "camera.speed", "Speed", "Of flying, metres a second, 1e-18 to 1e13.", &speed,
                &rig->speed);
     if (gui_switch(gui, "camera.revolves", "Revolve", "Turns about the target by itself.",
                    &rig->revolves) &&
@@ -101,11 +102,11 @@ static void lens(const struct viewer *viewer, struct form *form, struct camera *
                "From the lower to the upper edge, degrees, 0.001 to 179.999.", &angle, &to->fov_y);
     gui_enabled(gui, to->kind == CAMERA_ORTHOGRAPHIC);
     form_number(form, "camera.height", "Height",
-                "Of what an orthographic camera sees, metres, 1e-18 to 1e18.", &seen_height,
+                "Of what an orthographic camera sees, metres, 1e-18 to 1e13.", &seen_height,
                 &to->height);
     gui_enabled(gui, is_perspective);
     if (form_number(form, "camera.lens_radius", "Lens radius",
-                    "Millimetres, 0 to 1e6; 0: a pinhole, all is in focus.", &millimetres, &radius))
+                    "Millimetres, 0 to 1e16; 0: a pinhole, all is in focus.", &millimetres, &radius))
         to->lens_radius = radius * 1e-3;
     if (to->lens_radius > 0 && !(to->focus_distance > 0))
         to->focus_distance = target_distance(viewer);

@@ -10,8 +10,8 @@
 
 static const struct gui_range direction_range = {-1, 1};
 static const struct gui_range right_angle = {0, 90, .unit = "°"};
-static const struct gui_range reach = {1 / SCENE_COORDINATE_MAX, INFINITY, .logarithmic = true,
-                                       .unit = "m", .infinite = "unlimited"};
+static const struct gui_range reach = {SCENE_LENGTH_MIN, INFINITY, .logarithmic = true, .unit = "m",
+                                       .infinite = "unlimited"};
 
 static void light_name(void *context, uint32_t row, char out[PANEL_NAME_MAX])
 {

@@ -1,0 +1,23 @@
+// Cameras that are far from all that they see. A direction in single precision is off by 2^-24 of
+// the distance, 6 m at 1e8 m; so the rays of such a camera begin near the scene, on a plane across
+// the line of sight, where the picture's axes lie as double precision has found them.
+#ifndef LAMPYRIS_RENDER_FAR_CAMERA_H
+#define LAMPYRIS_RENDER_FAR_CAMERA_H
+
+#include "flatten.h"
+
+// Whether it is so far that FEATURE_FAR_CAMERA is needed; false for panoramas, whose pixels are
+// larger than what directions are off by.
+bool camera_is_far(const struct flat_scene *flat, const struct camera *camera);
+
+// How far from the camera along its line of sight rays begin, in the flat scene's unit: all that
+// has bounds is beyond, and no plane without end is on the way there. 0: at the camera. `right` and
+// `up` are the picture's axes as in struct gpu_frame.
+double far_camera_start(const struct flat_scene *flat, const struct camera *camera,
+                        const double right[3], const double up[3]);
+
+// Warns where single precision cannot tell the picture's pixels apart, or the scene is too small in
+// the picture to be found.
+void far_camera_warn(const struct flat_scene *flat, const struct camera *camera, uint32_t height);
+
+#endif

@@ -1,0 +1,11 @@
+// The same scene in another unit of length.
+#ifndef LAMPYRIS_TESTS_SCALED_SCENE_H
+#define LAMPYRIS_TESTS_SCALED_SCENE_H
+
+#include "scene.h"
+
+// Multiplies every length of a scene by `factor`, and what depends on lengths so that the radiance
+// stays: intensities by its square, extinctions by its inverse. All cameras are scaled.
+void scale_scene(struct scene *scene, double factor);
+
+#endif

@@ -1,0 +1,291 @@
+// Scenes from 1e-12 m to 1e12 m, and cameras as far from what they see: closed forms that no unit
+// of length may change, and the same bits in units that differ by a power of two.
+#include "closed_form.h"
+#include "log.h"
+#include "replay.h"
+#include "scaled_scene.h"
+#include "shared/aov.h"
+#include <math.h>
+
+// --- scales
+// ----------------------------------------------------------------------------------------
+
+// all_lengths.json: factor B-3 of a square of side 2 at 1 m, a point light at 1 m and 60 degrees,
+// and a slab of fog through which 2^-k of the light goes, that is passed aslant.
+static double all_lengths(double rho, double le, double unused)
+{
+    (void)unused;
+    double corner = sqrt(0.5) * atan(sqrt(0.5)) / M_PI;
+    double floor = rho * le * 4.0 * corner + rho / M_PI * le * 0.5;
+    return floor * pow(rho, 0.2 * sqrt(4.25) / 2.0);
+}
+
+#define ALL_LENGTHS(factor)                                                                        \
+    {                                                                                              \
+        .name = "all lengths, scale " #factor, .scene = OURS "all_lengths.json",                   \
+        .radiance = all_lengths, .kind = BY_STATISTICS, .alone = NEE_ALONE, .scale = factor,       \
+    }
+
+static const struct closed_form scales[] = {
+    ALL_LENGTHS(1e-12), ALL_LENGTHS(1e12), ALL_LENGTHS(1e-9), ALL_LENGTHS(1e9), ALL_LENGTHS(1e-6),
+    ALL_LENGTHS(1e-3),  ALL_LENGTHS(1.0),  ALL_LENGTHS(1e3),  ALL_LENGTHS(1e6),
+};
+#define SHORT_SCALES 4 // the first ones
+
+TEST(closed_forms)
+{
+    closed_forms_by_default(scales, SHORT_SCALES, 0);
+}
+
+TEST(closed_forms_long)
+{
+    closed_forms_by_every_estimator(scales, sizeof scales / sizeof scales[0], 0);
+}
+
+// --- units
+// -----------------------------------------------------------------------------------------
+
+#define MOST_UNITS 5
+
+// A scene in several units of length, 2^exponent metres each, to the first 0; the film has the same
+// bits in all of them, and depths and positions come in metres.
+struct units {
+    const char *path;
+    int exponents[MOST_UNITS];
+    enum instancing instancing;
+};
+
+static bool same_bits(const struct film_image *a, const struct film_image *b)
+{
+    size_t bytes = (size_t)a->width * a->height * sizeof *a->mean;
+    return memcmp(a->mean, b->mean, bytes) == 0 && memcmp(a->half_a, b->half_a, bytes) == 0 &&
+           memcmp(a->half_b, b->half_b, bytes) == 0;
+}
+
+// Equal pictures of nothing would prove nothing.
+static bool is_lit(const struct film_image *film)
+{
+    for (size_t i = 0; i < (size_t)film->width * film->height; i++)
+        if (film->mean[i][0] > 0.0f)
+            return true;
+    return false;
+}
+
+static size_t other_places(const struct film_image *a, const struct film_image *b, int exponent)
+{
+    size_t others = 0;
+    for (size_t i = 0; i < (size_t)a->width * a->height; i++) {
+        others += ldexpf(a->aovs.depth[i], exponent) != b->aovs.depth[i];
+        for (int c = 0; c < 3; c++)
+            others += ldexpf(a->aovs.position[i][c], exponent) != b->aovs.position[i][c];
+    }
+    return others;
+}
+
+static void render_in_unit(struct gpu *gpu, const struct units *units, int exponent,
+                           struct arena *arena, struct film_image *film)
+{
+    const struct scene_override small[] = {{"film.width", "32"}, {"film.height", "24"}, {0}};
+    struct scene scene;
+    struct err err = {0};
+    REQUIRE_OK(load_scene(units->path, small, &scene, &err));
+    scale_scene(&scene, ldexp(1.0, exponent));
+    const struct renderer_params params = {
+        .gpu = gpu,
+        .scene = &scene,
+        .instancing = units->instancing,
+        .aovs = AOV_DEPTH | AOV_POSITION,
+    };
+    REQUIRE_OK(render_film(&params, 4, arena, film, NULL, &err));
+    scene_finish(&scene);
+}
+
+static void check_units(struct gpu *gpu, const struct units *units)
+{
+    struct arena arena = {0};
+    struct film_image first, film;
+    render_in_unit(gpu, units, 0, &arena, &first);
+    for (int i = 0; i < MOST_UNITS && units->exponents[i] != 0; i++) {
+        int exponent = units->exponents[i];
+        render_in_unit(gpu, units, exponent, &arena, &film);
+        size_t others = other_places(&first, &film, exponent);
+        CHECK(is_lit(&first) && same_bits(&first, &film), "%s times 2^%d: another picture",
+              units->path, exponent);
+        CHECK(others == 0, "%s times 2^%d: %zu other depths and coordinates", units->path, exponent,
+              others);
+    }
+    arena_finish(&arena);
+}
+
+static void check_all_units(const struct units *units, size_t count)
+{
+    struct gpu gpu;
+    OPEN_GPU(&gpu, 0);
+    for (size_t i = 0; i < count; i++)
+        check_units(&gpu, &units[i]);
+    gpu_close(&gpu);
+}
+
+TEST(units)
+{
+    static const struct units units[] = {
+        {OURS "all_lengths.json", {-40, 40}},
+        {"scenes/all_classes.json", {-40, 40}, INSTANCING_ON},
+    };
+    check_all_units(units, sizeof units / sizeof units[0]);
+}
+
+TEST(units_long)
+{
+    static const struct units units[] = {
+        {OURS "all_lengths.json", {-40, -20, -1, 24, 40}},
+        {OURS "fade.json", {-40, 24, 40}},
+        {OURS "alpha_shadow.json", {-40, 24, 40}},
+        {OURS "aovs.json", {-30, 24, 30}},
+        {"scenes/all_classes.json", {-40, -24, 24, 40}},
+        {"scenes/cornell.json", {-40, 24, 40}},
+        {"scenes/glow_worms.json", {-40, 24, 36}},
+        {"scenes/profiles.json", {-40, 24, 40}},
+        {"scenes/shapes.json", {-40, 24, 40}},
+        {"scenes/sdf_csg.json", {-40, 24, 40}},
+        {"scenes/glass.json", {-40, 24, 40}},
+        {"scenes/all_classes.json", {-24, 24}, INSTANCING_ON},
+    };
+    check_all_units(units, sizeof units / sizeof units[0]);
+}
+
+// --- distances
+// -------------------------------------------------------------------------------------
+
+// far.json: a sphere or a disc of radius 1 in a picture of 4 by 4.
+static double part_filled(double rho, double le, double unused)
+{
+    (void)rho, (void)unused;
+    return le * M_PI / 16.0;
+}
+
+// A convex body, which fills the picture, sees the sky alone.
+static double convex(double rho, double le, double unused)
+{
+    (void)unused;
+    return rho * le;
+}
+
+#define EYE(x, y, z, degrees)                                                                      \
+    {                                                                                              \
+        "camera",                                                                                  \
+            JSON({"position" : [ x, y, z ], "target" : [ 0, 0, 0 ], "fov_degrees" : degrees})      \
+    }
+
+// clang-format off
+static const struct closed_form distances[] = {
+    {"sphere from 1e8 m", OURS "far.json", part_filled, 0, BY_STATISTICS, BSDF_ALONE, {{0}}},
+    {"white sphere from 1e8 m", OURS "far.json", convex, 0, WITHOUT_VARIANCE, BSDF_ALONE,
+     {EYE(6e7, 0, 8e7, 5.7e-7), {"sky", "[1, 2, 4]"},
+      {"shapes", JSON([{"type": "sphere", "material": "floor", "radius": 1}])}}},
+    {"sphere from 1e12 m, aslant", OURS "far.json", part_filled, 0, BY_STATISTICS, BSDF_ALONE,
+     {EYE(3.6e11, 4.8e11, 8e11, 2.2918311805232929e-10)}},
+    {"from 1e8 m through a lens", OURS "far.json", part_filled, 0, BY_STATISTICS, BSDF_ALONE,
+     {{"camera", JSON({"position": [6e7, 0, 8e7], "target": [0, 0, 0],
+                       "fov_degrees": 2.2918311805232929e-6, "aperture_radius_mm": 1e5,
+                       "focus": [0, 0, 0]})}}},
+    {"from 1e8 m in parallel", OURS "far.json", part_filled, 0, BY_STATISTICS, BSDF_ALONE,
+     {{"camera", JSON({"type": "orthographic", "position": [6e7, 0, 8e7], "target": [0, 0, 0],
+                       "height": 4})}}},
+    {"from 1e8 m beside a plane", OURS "far.json", part_filled, 0, BY_STATISTICS, BSDF_ALONE,
+     {EYE(0, 0, 1e8, 2.2918311805232929e-6),
+      {"shapes", JSON([{"type": "sphere", "material": "light", "radius": 1},
+                       {"type": "plane", "material": "floor", "point": [0, -100, 0],
+                        "normal": [0, 1, 0]}])}}},
+    {"a plane before it", OURS "far.json", convex, 0, WITHOUT_VARIANCE, BSDF_ALONE,
+     {EYE(0, 0, 1e8, 2.2918311805232929e-6), {"sky", "[1, 2, 4]"},
+      {"shapes", JSON([{"type": "sphere", "material": "light", "radius": 1},
+                       {"type": "plane", "material": "floor", "point": [0, 0, 1e3],
+                        "normal": [0, 0, 1]}])}}},
+};
+// clang-format on
+#define SHORT_DISTANCES 3
+
+TEST(distances)
+{
+    closed_forms_by_default(distances, SHORT_DISTANCES, 1000);
+}
+
+TEST(distances_long)
+{
+    closed_forms_by_default(distances, sizeof distances / sizeof distances[0], 2000);
+}
+
+// --- what is beyond
+// --------------------------------------------------------------------------------
+
+static char warning[1024];
+
+static void keep_warning(void *context, enum log_level level, const char *message)
+{
+    (void)context;
+    if (level == LOG_WARN)
+        snprintf(warning, sizeof warning, "%s", message);
+}
+
+// What single precision cannot do is told with its numbers, by an error or else by a warning.
+struct beyond {
+    struct scene_override override;
+    const char *error, *warning;
+};
+
+#define SEEN_FROM(z, degrees)                                                                      \
+    {                                                                                              \
+        "camera",                                                                                  \
+            JSON({"position" : [ 0, 0, z ], "direction" : [ 0, 0, -1 ], "fov_degrees" : degrees})  \
+    }
+
+static const struct beyond beyonds[] = {
+    {SEEN_FROM(1e17, 1), "camera.position[2]: 1e+17 is outside [-1e+13, 1e+13]", NULL},
+    {SEEN_FROM(1e8, 40), NULL, "3.4641 m across and 1e+08 m away: 7.6e-07 of a pixel"},
+    {SEEN_FROM(100, 1e-6), NULL, "a pixel is 1.1e-09 radians wide"},
+    {{"shapes", JSON([ {"type" : "sphere", "material" : "light", "radius" : 1e-14} ])},
+     "far.json: the scene is 2e-14 m across; expected 1e-13 m to 2e+13 m",
+     NULL},
+    {{"shapes", JSON([ {"type" : "sphere", "material" : "light", "radius" : 1e14} ])},
+     "shapes[0].radius: 1e+14 is outside [1e-18, 1e+13]",
+     NULL},
+    {{"lights",
+      JSON([ {"type" : "point", "position" : [ 0, 1e14, 0 ], "intensity" : [ 1, 1, 1 ]} ])},
+     "lights[0].position[1]: 1e+14 is outside [-1e+13, 1e+13]",
+     NULL},
+};
+
+static void check_beyond(struct gpu *gpu, const struct beyond *beyond)
+{
+    const struct scene_override overrides[] = {beyond->override, {0}};
+    struct scene scene;
+    struct renderer renderer = {0};
+    struct err err = {0};
+    warning[0] = '\0';
+    bool ok = load_scene(OURS "far.json", overrides, &scene, &err);
+    const struct renderer_params params = {.gpu = gpu, .scene = &scene};
+    bool is_made = ok && renderer_create(&params, &renderer, &err);
+    if (beyond->error)
+        CHECK(!is_made && err.code == ERR_INPUT && strstr(err.msg, beyond->error), "%s", err.msg);
+    else
+        CHECK(is_made && strstr(warning, beyond->warning), "%s%s", err.msg, warning);
+    renderer_finish(&renderer);
+    if (ok)
+        scene_finish(&scene);
+}
+
+TEST(what_is_beyond_is_told)
+{
+    struct gpu gpu;
+    OPEN_GPU(&gpu, 0);
+    log_configure(LOG_WARN, keep_warning, NULL);
+    for (size_t i = 0; i < sizeof beyonds / sizeof beyonds[0]; i++)
+        check_beyond(&gpu, &beyonds[i]);
+    log_configure(LOG_WARN, NULL, NULL);
+    gpu_close(&gpu);
+}
+
+TEST_MAIN(TEST_CASE(closed_forms), TEST_CASE(units), TEST_CASE(distances),
+          TEST_CASE(what_is_beyond_is_told), TEST_CASE(closed_forms_long), TEST_CASE(units_long),
+          TEST_CASE(distances_long))
