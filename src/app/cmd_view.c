@@ -15,15 +15,17 @@
 static void find_program(char *out, size_t size)
 {
     static const char *const places[] = {PROGRAM, IN_BUILD_FOLDER};
-    ssize_t length = readlink("/proc/self/exe", out, size - sizeof IN_BUILD_FOLDER);
-    out[length > 0 ? length : 0] = '\0';
-    char *slash = strrchr(out, '/');
+    char own[PATH_MAX];
+    ssize_t length = readlink("/proc/self/exe", own, sizeof own - 1);
+    own[length > 0 ? length : 0] = '\0';
+    char *slash = strrchr(own, '/');
     for (size_t i = 0; slash && i < sizeof places / sizeof *places; i++) {
-        strcpy(slash + 1, places[i]);
-        if (access(out, X_OK) == 0)
+        int folder = (int)(slash + 1 - own);
+        if (snprintf(out, size, "%.*s%s", folder, own, places[i]) < (int)size &&
+            access(out, X_OK) == 0)
             return;
     }
-    strcpy(out, PROGRAM);
+    snprintf(out, size, "%s", PROGRAM);
 }
 
 // Its own command line leaves out the word "view".

@@ -145,7 +145,8 @@ class Commands(unittest.TestCase):
 
     @unittest.skipUnless(os.path.exists(VIEWER), 'the viewer is not built')
     def test_the_viewer_is_found(self):
-        result = self.shell('lampyris view --version')
+        result = self.shell('lampyris view scenes/cornell.json --size 16x12 --headless '
+                            '--script end.txt')
         self.assertEqual(result.returncode, 0, result.stderr)
 
     def test_readme(self):
