@@ -177,7 +177,7 @@ enum image_tone job_image_tone(enum tone_curve curve)
     return tones[curve];
 }
 
-static bool write_picture(const struct render_job *job, const char *path,
+static bool write_picture(const struct render_job *job, const char *path, bool uncompressed,
                           const struct job_attributes *attributes, struct err *err)
 {
     const struct image image = {job->film.width, job->film.height, job->film.mean};
@@ -191,6 +191,7 @@ static bool write_picture(const struct render_job *job, const char *path,
         .attributes = attributes->list,
         .attribute_count = attributes->count,
         .half_float = job->options->half_float,
+        .uncompressed = uncompressed,
         .exposure_stops = job->scene.settings.exposure,
         .tone = job_image_tone(job->scene.settings.tone_curve),
     };
@@ -207,7 +208,7 @@ static void raise_file_size_limit(void)
     }
 }
 
-// Hours of rendering shall not be lost because a disk is full or gone.
+// Hours of rendering shall not be lost because a disk is full or gone, or a compressor fails.
 static void save_elsewhere(struct render_job *job, const struct job_attributes *attributes)
 {
     const char *parent = getenv("TMPDIR");
@@ -217,7 +218,7 @@ static void save_elsewhere(struct render_job *job, const struct job_attributes *
     const char *path = arena_printf(&job->film_arena, "%s/picture.exr", folder);
     struct err err = {0};
     raise_file_size_limit();
-    if (path && write_picture(job, path, attributes, &err)) {
+    if (path && write_picture(job, path, true, attributes, &err)) {
         log_warn("the picture was saved as %s", path);
         return;
     }
@@ -238,7 +239,7 @@ bool job_write_outputs(struct render_job *job, uint32_t frame, struct err *err)
         const char *path = frame > 0 ? path_numbered(&job->film_arena, output, frame) : output;
         if (!path)
             return err_memory(err, "output names", job->output_count * sizeof path);
-        if (write_picture(job, path, &attributes, &failure)) {
+        if (write_picture(job, path, false, &attributes, &failure)) {
             has_exr |= strcasecmp(path_extension(path), "exr") == 0;
             continue;
         }

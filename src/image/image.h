@@ -44,6 +44,7 @@ struct image_write_params {
     const struct image_attribute *attributes;
     uint32_t attribute_count;
     bool half_float;      // EXR: 16-bit channels; finite values past 65504 saturate, with a warning
+    bool uncompressed;    // EXR: so that no compressor can fail
     float exposure_stops; // PNG: multiplies by 2^stops before the curve
     enum image_tone tone; // PNG
 };

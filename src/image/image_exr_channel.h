@@ -1,5 +1,4 @@
-// The channels that a picture with its layers has in an EXR file, for those who write and verify
-// it.
+// What a picture with its layers becomes in an EXR file, for those who write and verify it.
 #ifndef LAMPYRIS_IMAGE_IMAGE_EXR_CHANNEL_H
 #define LAMPYRIS_IMAGE_IMAGE_EXR_CHANNEL_H
 
@@ -22,6 +21,11 @@ bool exr_channel_at(const struct image_write_params *params, uint32_t index,
                     struct exr_channel *out);
 bool exr_channel_find(const struct image_write_params *params, const char *name,
                       struct exr_channel *out);
+
+static inline exr_compression_t exr_compression_of(const struct image_write_params *params)
+{
+    return params->uncompressed ? EXR_COMPRESSION_NONE : EXR_COMPRESSION_ZIP;
+}
 
 // A pixel's bits as the file has them: of a half, the lower 16.
 static inline uint32_t exr_channel_bits(const struct exr_channel *channel, size_t pixel)

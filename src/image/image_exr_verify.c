@@ -44,7 +44,8 @@ static bool check_header(const struct exr_verifier *verifier, struct err *err)
         !check(verifier, exr_get_screen_window_center(context, 0, &center), err) ||
         !check(verifier, exr_get_screen_window_width(context, 0, &width), err))
         return false;
-    bool ok = parts == 1 && storage == EXR_STORAGE_SCANLINE && compression == EXR_COMPRESSION_ZIP &&
+    bool ok = parts == 1 && storage == EXR_STORAGE_SCANLINE &&
+              compression == exr_compression_of(verifier->params) &&
               order == EXR_LINEORDER_INCREASING_Y && same_window(&data, verifier->params->image) &&
               same_window(&display, verifier->params->image) && aspect == 1 && center.x == 0 &&
               center.y == 0 && width == 1;

@@ -1,4 +1,5 @@
-// Single-part scanline EXR, ZIP-compressed in blocks of 16 lines, 32-bit float or half.
+// Single-part scanline EXR, ZIP-compressed in blocks of 16 lines or not at all, of halves, floats
+// and integers.
 #include "image_exr.h"
 
 #include "image_exr_channel.h"
@@ -86,7 +87,8 @@ static bool write_header(struct exr_writer *writer, struct err *err)
            check(writer, exr_add_part(writer->context, NULL, EXR_STORAGE_SCANLINE, &part), err) &&
            check(writer,
                  exr_initialize_required_attr_simple(writer->context, part, (int32_t)image->width,
-                                                     (int32_t)image->height, EXR_COMPRESSION_ZIP),
+                                                     (int32_t)image->height,
+                                                     exr_compression_of(writer->params)),
                  err) &&
            add_channels(writer, err) && add_attributes(writer, err) &&
            check(writer, exr_write_header(writer->context), err);
@@ -148,7 +150,8 @@ static exr_result_t choose_routines(struct exr_writer *writer)
     exr_encode_pipeline_t *encoder = &writer->encoder;
     exr_result_t result = exr_encoding_choose_default_routines(writer->context, 0, encoder);
     writer->compress = encoder->compress_fn;
-    encoder->compress_fn = compress_or_copy;
+    if (writer->compress) // not where nothing is compressed
+        encoder->compress_fn = compress_or_copy;
     encoder->encoding_user_data = writer;
     return result;
 }
@@ -186,10 +189,10 @@ static bool write_pixels(struct exr_writer *writer, struct err *err)
     int32_t lines_per_block;
     if (!check(writer, exr_get_scanlines_per_chunk(writer->context, 0, &lines_per_block), err))
         return false;
-    if (lines_per_block != BLOCK_LINES)
-        return err_set(err, ERR_BUG, "EXR: blocks of %d lines; expected %d", lines_per_block,
+    if (lines_per_block < 1 || lines_per_block > BLOCK_LINES)
+        return err_set(err, ERR_BUG, "EXR: blocks of %d lines; expected up to %d", lines_per_block,
                        BLOCK_LINES);
-    for (uint32_t y = 0; y < image->height; y += BLOCK_LINES)
+    for (uint32_t y = 0; y < image->height; y += (uint32_t)lines_per_block)
         if (!write_block(writer, y, err))
             return false;
     return true;

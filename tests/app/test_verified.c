@@ -7,6 +7,7 @@
 #include "program.h"
 #include "test.h"
 
+#include <glob.h>
 #include <sys/wait.h>
 
 enum { NO_DRIVER = 69, OUTPUT = 4 };
@@ -115,6 +116,33 @@ TEST(files_that_are_stored_wrongly)
     leave(folder);
 }
 
+// The encoder, or the disk, of the one picture that was asked for: it is kept in another place, in
+// the simplest way.
+TEST(pictures_are_kept_elsewhere)
+{
+    char folder[200];
+    REQUIRE(enter(folder, sizeof folder));
+    int code = RENDER(((struct fault){.file_byte = 150}), "-o", "a.exr");
+    if (code == NO_DRIVER) {
+        leave(folder);
+        SKIP("there is no Vulkan driver");
+    }
+    CHECK(code == OUTPUT && access("a.exr", F_OK) != 0, "exit code %d", code);
+    CHECK(holds("messages", "the picture was saved as tmp/lampyris-"));
+    CHECK(RENDER((struct fault){0}, "-o", "a.exr") == 0);
+    struct arena arena = {0};
+    glob_t found = {0};
+    struct image saved, again;
+    REQUIRE(glob("tmp/lampyris-*/picture.exr", 0, NULL, &found) == 0 && found.gl_pathc == 1);
+    REQUIRE(
+        image_read(&(struct image_read_params){.path = found.gl_pathv[0]}, &arena, &saved, NULL) &&
+        image_read(&(struct image_read_params){.path = "a.exr"}, &arena, &again, NULL));
+    CHECK(memcmp(saved.pixels, again.pixels, 8 * 8 * sizeof *saved.pixels) == 0);
+    globfree(&found);
+    arena_finish(&arena);
+    leave(folder);
+}
+
 TEST(difference_pictures)
 {
     char folder[200];
@@ -140,4 +168,4 @@ TEST(difference_pictures)
 }
 
 TEST_MAIN(TEST_CASE(pictures_that_are_encoded_wrongly), TEST_CASE(files_that_are_stored_wrongly),
-          TEST_CASE(difference_pictures))
+          TEST_CASE(pictures_are_kept_elsewhere), TEST_CASE(difference_pictures))

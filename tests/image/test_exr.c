@@ -43,6 +43,30 @@ TEST(floats_come_back_bit_by_bit)
     }
 }
 
+// Both as every other reader reads them: by the size of their blocks.
+TEST(uncompressed_files)
+{
+    struct arena arena = {0};
+    struct byte_buffer file = {0};
+    struct image image = picture_create(&arena, 17, 35), back;
+    struct err err = {0};
+    for (int half = 0; half < 2; half++) {
+        encode(
+            &(struct image_write_params){
+                .path = "m", .image = &image, .uncompressed = true, .half_float = half},
+            &file);
+        size_t bytes = 35 * (8 + 8 + 17 * 3 * (half ? sizeof(uint16_t) : sizeof(float)));
+        CHECK(file.size > bytes && file.size < bytes + 500, "%zu", file.size);
+        REQUIRE(decode_layer(&file, NULL, &arena, &back, &err), "%s", err.msg);
+        for (int i = 0; half && i < 17 * 35 * 3; i++)
+            image.pixels[i / 3][i % 3] =
+                float_from_half(half_from_float(image.pixels[i / 3][i % 3]));
+        CHECK(picture_same_bits(&image, &back), "%d", half);
+        byte_buffer_finish(&file);
+    }
+    arena_finish(&arena);
+}
+
 static int warnings;
 static char last_warning[256];
 
@@ -414,9 +438,10 @@ TEST(bad_names_are_refused)
     arena_finish(&arena);
 }
 
-TEST_MAIN(TEST_CASE(floats_come_back_bit_by_bit), TEST_CASE(halves_are_rounded_and_saturate),
-          TEST_CASE(layers_and_attributes_come_back), TEST_CASE(layers_of_other_types),
-          TEST_CASE(channels_are_sorted_in_the_file), TEST_CASE(channel_types_are_converted),
-          TEST_CASE(luminance_becomes_grey), TEST_CASE(data_windows_and_tiles),
-          TEST_CASE(what_is_not_read_is_refused), TEST_CASE(sizes_are_checked_before_allocation),
-          TEST_CASE(damaged_files), TEST_CASE(bad_names_are_refused))
+TEST_MAIN(TEST_CASE(floats_come_back_bit_by_bit), TEST_CASE(uncompressed_files),
+          TEST_CASE(halves_are_rounded_and_saturate), TEST_CASE(layers_and_attributes_come_back),
+          TEST_CASE(layers_of_other_types), TEST_CASE(channels_are_sorted_in_the_file),
+          TEST_CASE(channel_types_are_converted), TEST_CASE(luminance_becomes_grey),
+          TEST_CASE(data_windows_and_tiles), TEST_CASE(what_is_not_read_is_refused),
+          TEST_CASE(sizes_are_checked_before_allocation), TEST_CASE(damaged_files),
+          TEST_CASE(bad_names_are_refused))

@@ -202,6 +202,8 @@ TEST(right_encodings_pass)
         uint8_t *data;
         size_t size;
         CHECK(image_encode(&params, &arena, &data, &size, &err), "%s", err.msg);
+        params.uncompressed = true;
+        CHECK(image_encode(&params, &arena, &data, &size, &err), "%s", err.msg);
         params.path = "a.png";
         CHECK(image_encode(&params, &arena, &data, &size, &err), "%s", err.msg);
     }
