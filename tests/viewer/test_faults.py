@@ -137,6 +137,24 @@ class Faults(Case):
         self.view('wait 1 samples\nscene nowhere/a.json\n', code=1)
         self.view('wait 1 samples\nscreenshot a.exr\n', code=1)
 
+    def test_files_that_are_read_are_not_written_over(self):
+        scene = self.scene()
+        self.write('glow.json', '{"lampyris": 1, "environment": {"file": "sky.exr"},'
+                   ' "shapes": [{"type": "sphere", "radius": 1, "material": "m"}], "materials": {"m": {}}}')
+        self.view('wait 1 samples\nexr sky.exr\n', scene=scene)
+        for command, name in (('exr sky.exr', 'sky.exr'), ('state glow.json', 'glow.json'),
+                              ('hash glow.json', 'glow.json'), ('scene glow.json', 'glow.json'),
+                              ('hash script.txt', 'script.txt')):
+            with self.subTest(command):
+                script = f'wait 1 samples\n{command}\n'
+                self.write('script.txt', script)
+                with open(self.path(name), 'rb') as file:
+                    before = file.read()
+                result = self.view(script, scene=self.path('glow.json'), code=1)
+                self.assertIn(name, result.err)
+                with open(self.path(name), 'rb') as file:
+                    self.assertEqual(file.read(), before)
+
     def test_dropped_file_that_is_no_scene(self):
         self.write('note.txt', 'no scene')
         self.view('wait 1 samples\nhash hash.jsonl\ndrop note.txt\nwait 3 frames\n'
