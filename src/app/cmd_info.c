@@ -93,7 +93,7 @@ static void print_text(const struct info *info)
     const struct scene *scene = &info->scene;
     const struct flat_scene *flat = &info->flat;
     const struct settings *s = &scene->settings;
-    printf("%s\n", scene->path);
+    print_line("", scene->path);
     printf("geometry  %u triangles (%u meshes, %u instances), %u analytic shapes\n",
            flat->triangle_count, scene->mesh_count, scene->instance_count, flat->shape_count);
     if (flat->dropped_degenerate || flat->skipped_instances)

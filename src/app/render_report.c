@@ -128,8 +128,11 @@ static void print_ending(const struct render_job *job)
     if (job->plan.counts)
         printf("adaptive  %u to %u samples for every %u, by a pilot of 16 besides\n",
                job->plan.least, job->plan.most, job->round_samples);
-    if (job->options->checkpoint && job->has_checkpoint)
-        printf("kept      %s, from which --resume goes on\n", job->options->checkpoint);
+    if (job->options->checkpoint && job->has_checkpoint) {
+        fputs("kept      ", stdout);
+        print_words(job->options->checkpoint);
+        puts(", from which --resume goes on");
+    }
 }
 
 void report_print_kernels(const struct render_stats *stats, double least)
@@ -204,8 +207,8 @@ static void print_notes(const struct scene *scene)
 void job_print_summary(const struct render_job *job)
 {
     const struct film_image *film = &job->film;
-    printf("%s  %u x %u, %" PRIu64, job->scene.path, film->width, film->height,
-           film->least_samples);
+    print_words(job->scene.path);
+    printf("  %u x %u, %" PRIu64, film->width, film->height, film->least_samples);
     if (film->most_samples != film->least_samples)
         printf(" to %" PRIu64, film->most_samples);
     printf(" spp, seed %u%s\n", job->scene.settings.seed,
@@ -241,9 +244,12 @@ void job_print_summary(const struct render_job *job)
            job->renderer.plan.wave_slots);
     explain_print_line(&job->renderer);
     for (uint32_t i = 0; i < job->output_count; i++)
-        printf("wrote     %s\n", job->outputs[i]);
-    if (job->options->trace)
-        printf("wrote     %s, %u rows\n", job->options->trace, job->trace.count);
+        print_line("wrote     ", job->outputs[i]);
+    if (job->options->trace) {
+        fputs("wrote     ", stdout);
+        print_words(job->options->trace);
+        printf(", %u rows\n", job->trace.count);
+    }
     if (job->options->explain)
         explain_print(job);
 }

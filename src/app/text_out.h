@@ -2,13 +2,21 @@
 #ifndef LAMPYRIS_APP_TEXT_OUT_H
 #define LAMPYRIS_APP_TEXT_OUT_H
 
+#include "printable.h"
 #include <stdio.h>
 
-// Prints text that may come from a file: control characters, which could steer a terminal, as '?'.
+// Prints text that may come from a file: what base/printable.h masks, as '?'.
 static inline void print_words(const char *text)
 {
-    for (; *text; text++)
-        putchar((unsigned char)*text < 0x20 || *text == 0x7f ? '?' : *text);
+    while (*text) {
+        bool stays;
+        size_t length = printable_character(text, &stays);
+        if (stays)
+            fwrite(text, 1, length, stdout);
+        else
+            putchar('?');
+        text += length;
+    }
 }
 
 static inline void print_line(const char *label, const char *text)

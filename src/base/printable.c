@@ -1,8 +1,7 @@
 #include "printable.h"
 
-#include <stdbool.h>
-#include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 // Default_Ignorable_Code_Point of the Unicode Character Database (DerivedCoreProperties.txt,
 // version 15.0), which includes Bidi_Control (PropList.txt); and of general category: Cc (C0, DEL
@@ -50,19 +49,26 @@ static size_t decode(const unsigned char *text, uint32_t *code)
     return *code < least[length] || is_surrogate || *code > 0x10ffff ? 0 : length;
 }
 
+size_t printable_character(const char *text, bool *stays)
+{
+    uint32_t code = 0;
+    size_t length = decode((const unsigned char *)text, &code);
+    *stays = length > 0 && !is_masked(code);
+    return length > 0 ? length : 1;
+}
+
 void printable_mask(char *text)
 {
-    unsigned char *to = (unsigned char *)text;
-    for (const unsigned char *from = to; *from;) {
-        uint32_t code;
-        size_t length = decode(from, &code);
-        if (length == 0 || is_masked(code)) {
-            *to++ = '?';
-            from += length > 0 ? length : 1;
-            continue;
-        }
-        while (length-- > 0)
-            *to++ = *from++;
+    char *to = text;
+    while (*text) {
+        bool stays;
+        size_t length = printable_character(text, &stays);
+        if (stays)
+            memmove(to, text, length);
+        else
+            *to = '?';
+        to += stays ? length : 1;
+        text += length;
     }
     *to = '\0';
 }

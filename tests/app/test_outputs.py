@@ -210,6 +210,16 @@ class Outputs(Folder):
         result = self.run_here('render', 'plain.json', '--size', '8x8', '--spp', '4', '--resume', *files)
         self.assertEqual(result.returncode, 0, result.stderr)
 
+    def test_results_are_masked(self):
+        name = 'a\u202egpj.json'
+        shutil.copy(self.path('plain.json'), self.path(name))
+        result = self.render(name, '-o', 'b\u202egpj.exr', '--checkpoint', 'c\u2066', '--trace', 'd\u200b.csv')
+        self.assertEqual(result.returncode, 0, result.stderr)
+        for masked in ('a?gpj.json', 'b?gpj.exr', 'c?,', 'd?.csv'):
+            self.assertIn(masked, result.stdout)
+        self.assertNotRegex(result.stdout, '[\u202e\u2066\u200b]')
+        self.assertIn('a?gpj.json', self.run_here('info', name).stdout)
+
     def test_names_are_masked(self):
         """U+202E turns round what follows it: "gpj.exe" looks like "exe.jpg"."""
         for name in ('a\u202egpj.exr', 'a\u2066b.exr', 'a\u200bb.exr', 'a\u009b2Jb.exr'):
