@@ -183,6 +183,24 @@ class Inputs(Folder):
 
 
 class Outputs(Folder):
+    def test_a_texture_of_the_scenes_name(self):
+        """For people a PNG is written beside the EXR, unless the scene reads a file of that name."""
+        png(self.path('w.png'))
+        self.write('w.json', {'lampyris': 1, 'shapes': [QUAD], 'environment': {'radiance': [1, 1, 1]}, 'materials': {
+            'm': {'textures': [{'file': 'w.png', 'parameters': {'base_color': 'rgb'}}]}}})
+        before = self.contents()
+        for scene, outputs in (('w.json', ['w.exr']), ('plain.json', ['plain.exr', 'plain.png'])):
+            master, slave = os.openpty()
+            result = subprocess.run([LAMPYRIS, 'render', scene, '--size', '8x8', '--spp', '1'], stdout=slave,
+                                    cwd=self.folder.name, env=ENVIRONMENT, stderr=subprocess.PIPE, text=True)
+            os.close(slave)
+            os.close(master)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            after = self.contents()
+            self.assertEqual(sorted(os.path.basename(name) for name in set(after) - set(before)), outputs)
+            self.assertEqual({name: after[name] for name in before}, before)
+            before = after
+
     def test_one_file_twice(self):
         os.symlink('a.exr', self.path('link.exr'))
         for other in ('./a.exr', 'link.exr', self.path('a.exr')):
