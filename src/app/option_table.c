@@ -17,6 +17,9 @@
 #define MOST_BYTES (UINT64_C(1) << 40) // more than a device has
 #define IN_SCENE_FILE "the scene file's, else "
 
+_Static_assert(offsetof(struct settings, exposure_is_auto) ==
+                   offsetof(struct settings, exposure) + 4,
+               "--exposure writes both at once");
 _Static_assert(offsetof(struct settings, height) == offsetof(struct settings, width) + 4,
                "--size writes width and height at once");
 
@@ -51,17 +54,21 @@ const struct option_def option_table[OPTION_TOTAL] = {
         FIELD(aovs),
     },
     [OPTION_EXPOSURE] = {
-        .name = "exposure", .argument = "STOPS", .type = VALUE_REAL, .min = -SETTINGS_EXPOSURE_MAX,
-        .max = SETTINGS_EXPOSURE_MAX,
-        .group = "Picture", .commands = FOR_RENDER | FOR_COMPARE | FOR_VIEW, .fallback = IN_SCENE_FILE "0",
+        .name = "exposure", .argument = "STOPS|auto", .type = VALUE_REAL_OR_AUTO,
+        .min = -SETTINGS_EXPOSURE_MAX, .max = SETTINGS_EXPOSURE_MAX,
+        .group = "Picture", .commands = FOR_RENDER | FOR_COMPARE | FOR_VIEW,
+        .fallback = IN_SCENE_FILE "0",
         .help = "Multiply PNG pictures, or what psnr, ssim and flip see, by 2^STOPS before the tone "
-                "curve. EXR stays as it is.",
-        FIELD(settings.exposure),
+                "curve; auto finds the stops from the picture's luminances (docs/output.md; not for "
+                "compare), and is what holds for models without light or camera and with --env "
+                "sky:. EXR stays as it is.",
+        .offset = offsetof(struct options, settings.exposure), .size = 2 * sizeof(float),
     },
     [OPTION_TONE] = {
         .name = "tone", .argument = "none|reinhard|aces|agx", .type = VALUE_CHOICE,
-        .group = "Picture", .commands = FOR_RENDER | FOR_VIEW, .fallback = IN_SCENE_FILE "none",
-        .help = "Tone curve of PNG pictures.", FIELD(settings.tone_curve),
+        .group = "Picture", .commands = FOR_RENDER | FOR_VIEW,
+        .fallback = IN_SCENE_FILE "none",
+        .help = "Tone curve of PNG pictures. Of models without light or camera, and with --env sky:, it is aces unless given.", FIELD(settings.tone_curve),
     },
 
     [OPTION_SPP] = {
@@ -310,11 +317,36 @@ const struct option_def option_table[OPTION_TOTAL] = {
                 "interpolated bilinearly, or a patch of constant radiance around each.",
         FIELD(settings.environment_filter),
     },
+    [OPTION_STUDIO] = {
+        .name = "studio", .argument = "off|auto|on", .type = VALUE_CHOICE, .group = "Scene",
+        .commands = FOR_SCENE, .fallback = "auto",
+        .help = "Light a scene by a studio of our own, soft key, fill and rim: where a model brings "
+                "no light or too little (auto), in place of its environment (on), or never: without "
+                "light there is then an even environment of radiance 1 (off). Scene files with a "
+                "camera are lit by the studio with on only.",
+        FIELD(studio),
+    },
+    [OPTION_GROUND] = {
+        .name = "ground", .argument = "auto|on|off", .type = VALUE_CHOICE, .group = "Scene",
+        .commands = FOR_SCENE, .fallback = "auto: with the studio, unless a camera is below it",
+        .help = "A plane below the model that catches its shadow.", FIELD(ground),
+    },
+    [OPTION_UP] = {
+        .name = "up", .argument = "y|x|z", .type = VALUE_CHOICE, .group = "Scene",
+        .commands = FOR_SCENE, .fallback = "y",
+        .help = "Which axis points up: for the camera, the light and the ground of a model that "
+                "comes without them. The model stays as it is.",
+        FIELD(up),
+    },
     [OPTION_DEFINE] = {
         .name = "define", .short_name = 'D', .argument = "KEY=VALUE", .type = VALUE_DEFINE,
         .group = "Scene", .commands = FOR_SCENE,
         .help = "Replace a value of a JSON scene, by its \"define\" name or its dotted path, as in "
                 "film.exposure=1. May be given several times.",
+    },
+    [OPTION_STRICT] = {
+        .name = "strict", .type = VALUE_FLAG, .group = "Scene", .commands = FOR_SCENE,
+        .help = "A missing texture is an error, instead of pink with a warning.", FIELD(strict),
     },
     [OPTION_ALLOW_OUTSIDE_PATHS] = {
         .name = "allow-outside-paths", .type = VALUE_FLAG, .group = "Scene",

@@ -93,6 +93,20 @@ static bool store_real(const struct option_def *def, const char *text, struct op
     return true;
 }
 
+static bool store_real_or_auto(const struct option_def *def, const char *text,
+                               struct options *options, struct err *err)
+{
+    struct option_def number = *def;
+    struct {
+        float value;
+        uint32_t is_auto;
+    } both = {0, strcmp(text, "auto") == 0};
+    _Static_assert(sizeof both == 8, "the float and its word");
+    store(options, def, &both);
+    number.size = sizeof both.value;
+    return both.is_auto || store_real(&number, text, options, err);
+}
+
 static bool store_switch(const struct option_def *def, const char *text, struct options *options,
                          struct err *err)
 {
@@ -381,6 +395,8 @@ bool option_store(const struct option_def *def, const char *text, struct options
         return store_checked_count(def, text, options, err);
     case VALUE_REAL:
         return store_real(def, text, options, err);
+    case VALUE_REAL_OR_AUTO:
+        return store_real_or_auto(def, text, options, err);
     case VALUE_CHOICE:
         return store_choice(def, text, options, err);
     case VALUE_TEXT:

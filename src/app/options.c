@@ -305,6 +305,7 @@ bool options_parse(int argc, char **argv, struct options *out, struct err *err)
                             .argv = argv,
                             .log_level = LOG_WARN,
                             .accumulate = true,
+                            .studio = SCENE_STUDIO_AUTO,
                             .spp_per_frame = 1,
                             .checkpoint_seconds = 60.0,
                             .replicates = 16,

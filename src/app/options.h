@@ -67,7 +67,11 @@ enum option_id {
     OPTION_ENV_ROTATE,
     OPTION_ENV_STRENGTH,
     OPTION_ENV_FILTER,
+    OPTION_STUDIO,
+    OPTION_GROUND,
+    OPTION_UP,
     OPTION_DEFINE,
+    OPTION_STRICT,
     OPTION_ALLOW_OUTSIDE_PATHS,
     OPTION_FRAMES,
     OPTION_SPP_PER_FRAME,
@@ -145,6 +149,7 @@ enum option_type {
     VALUE_COUNT,        // digits and perhaps k, M or G (powers of 1024); uint32_t or uint64_t
     VALUE_COUNT_OR_OFF, // the same, or "off": UINT32_MAX
     VALUE_REAL,         // decimal; float or double
+    VALUE_REAL_OR_AUTO, // the same, or "auto": a float, and a uint32_t that is 1 then
     VALUE_CHOICE,       // a word of the '|'-separated `argument`; an enum in that order
     VALUE_TEXT,         // anything; const char *
     VALUE_SIZE,         // WxH; two uint32_t
@@ -249,6 +254,10 @@ struct options {
     struct environment_option environment;
     double environment_rotate_degrees; // about +Y, added to the scene's
     double environment_strength;       // factor on its radiance
+    enum scene_studio studio;
+    enum scene_ground ground;
+    enum scene_up up;
+    bool strict; // what is missing is an error
     struct scene_override *overrides;
     uint32_t override_count;
     bool allow_outside_paths;

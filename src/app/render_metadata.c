@@ -61,7 +61,7 @@ static void add_settings(struct attributes *a, const struct render_job *job)
     if (s->clamp_limit > 0.0f)
         add(a, "lampyris:clamp", "%.9g", (double)s->clamp_limit);
     add(a, "lampyris:pixel_jitter", "%s", s->pixel_jitter ? "on" : "off");
-    add(a, "lampyris:exposure", "%.9g", s->exposure);
+    add(a, "lampyris:exposure", "%.9g", (double)job->exposure);
     add(a, "lampyris:tone", "%s", tone_names[s->tone_curve]);
     add(a, "lampyris:camera", "%u", job->camera);
     if (job->options->scene)

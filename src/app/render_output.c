@@ -90,19 +90,7 @@ static bool check_distinct(const struct render_job *job, struct err *err)
     return true;
 }
 
-// The picture to look at was not asked for: where a texture has its name (spot.obj, spot.png), the
-// picture that counts is written alone.
-static void drop_default_of_inputs(struct render_job *job)
-{
-    struct err reason = {0};
-    if (job->options->output_count > 0 || job->output_count < 2 ||
-        file_inputs_check(job->outputs[1], &reason))
-        return;
-    job->output_count = 1;
-    log_info("%s: only %s is written", reason.msg, job->outputs[0]);
-}
-
-bool job_check_inputs(struct render_job *job, struct err *err)
+bool job_check_inputs(const struct render_job *job, struct err *err)
 {
     // What is written later than this is checked when it is.
     const uint32_t pictures_max = 10000;
@@ -110,7 +98,6 @@ bool job_check_inputs(struct render_job *job, struct err *err)
     uint32_t pictures = options->every ? options->frames / options->every : 0;
     struct arena arena = {0};
     bool ok = true;
-    drop_default_of_inputs(job);
     for (uint32_t i = 0; ok && i < job->output_count + 2; i++)
         ok = !output_at(job, i) || file_inputs_check(output_at(job, i), err);
     for (uint32_t i = 0; ok && i < job->output_count; i++)
@@ -205,7 +192,7 @@ static bool write_picture(const struct render_job *job, const char *path, bool u
         .attribute_count = attributes->count,
         .half_float = job->options->half_float,
         .uncompressed = uncompressed,
-        .exposure_stops = job->scene.settings.exposure,
+        .exposure_stops = job->exposure,
         .tone = job_image_tone(job->scene.settings.tone_curve),
     };
     return image_write(&params, err);
@@ -243,6 +230,10 @@ bool job_write_outputs(struct render_job *job, uint32_t frame, struct err *err)
 {
     uint64_t start = clock_ns();
     struct job_attributes attributes;
+    const struct image image = {job->film.width, job->film.height, job->film.mean};
+    const struct settings *settings = &job->scene.settings;
+    job->exposure =
+        settings->exposure_is_auto ? image_measure_exposure(&image) : settings->exposure;
     if (!job_describe(job, frame, &job->film_arena, &attributes, err))
         return false;
     bool ok = true, has_exr = false;

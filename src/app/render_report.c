@@ -1,5 +1,6 @@
 // What a render reports to people.
 #include "render_report.h"
+#include "file.h"
 #include "render_bias.h"
 #include "sharing.h"
 #include "text_out.h"
@@ -7,6 +8,7 @@
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/resource.h>
 
 double report_host_peak_bytes(void)
@@ -204,6 +206,16 @@ static void print_notes(const struct scene *scene)
     putchar('\n');
 }
 
+// Of PNG pictures, where it is not what the scene file or an option says.
+static void print_exposure(const struct render_job *job, const char *output)
+{
+    const struct settings *s = &job->scene.settings;
+    bool is_png = strcasecmp(path_extension(output), "png") == 0;
+    if (is_png && s->exposure_is_auto)
+        printf(" (exposure %+.2f stops by luminance, tone %s: --exposure, --tone)",
+               (double)job->exposure, tone_names[s->tone_curve]);
+}
+
 void job_print_summary(const struct render_job *job)
 {
     const struct film_image *film = &job->film;
@@ -243,8 +255,12 @@ void job_print_summary(const struct render_job *job)
            (double)job->gpu.peak_bytes / 1048576.0, report_host_peak_bytes() / 1048576.0,
            job->renderer.plan.wave_slots);
     explain_print_line(&job->renderer);
-    for (uint32_t i = 0; i < job->output_count; i++)
-        print_line("wrote     ", job->outputs[i]);
+    for (uint32_t i = 0; i < job->output_count; i++) {
+        fputs("wrote     ", stdout);
+        print_words(job->outputs[i]);
+        print_exposure(job, job->outputs[i]);
+        putchar('\n');
+    }
     if (job->options->trace) {
         fputs("wrote     ", stdout);
         print_words(job->options->trace);

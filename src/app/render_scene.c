@@ -73,6 +73,10 @@ struct scene_load_params job_scene_params(const struct options *options)
         .animation = options->animation,
         .scene_name = options->scene,
         .variant = options->variant,
+        .studio = options->studio,
+        .ground = options->ground,
+        .up = options->up,
+        .is_strict = options->strict,
         .progress = options->progress,
     };
 }
@@ -80,6 +84,11 @@ struct scene_load_params job_scene_params(const struct options *options)
 bool job_adapt_scene(const struct options *options, struct scene *scene, uint32_t *camera,
                      struct err *err)
 {
+    if (scene->is_empty)
+        return err_set(err, ERR_INPUT,
+                       "%s: the scene is empty: it has no triangle, no shape and no environment; "
+                       "expected something to see",
+                       scene->path);
     options_apply_settings(options, &scene->settings);
     scene_frame_camera(scene);
     return choose_camera(options, scene, camera, err) &&

@@ -32,6 +32,7 @@ bool err_set(struct err *err, enum err_code code, const char *format, ...)
     va_end(arguments);
     printable_mask(msg);
     err->code = code;
+    err->is_missing = false;
     memcpy(err->msg, msg, sizeof msg);
     return false;
 }
@@ -45,7 +46,10 @@ bool err_prepend(struct err *err, const char *format, ...)
     va_start(arguments, format);
     print(context, sizeof context, format, arguments);
     va_end(arguments);
-    return err_set(err, err->code, "%s: %s", context, err->msg);
+    const bool is_missing = err->is_missing;
+    err_set(err, err->code, "%s: %s", context, err->msg);
+    err->is_missing = is_missing;
+    return false;
 }
 
 bool err_memory(struct err *err, const char *what, unsigned long long bytes)

@@ -21,6 +21,7 @@ enum err_code {
 
 struct err {
     enum err_code code;
+    bool is_missing; // ERR_INPUT: there is no such file
     char msg[512];
 };
 

@@ -63,6 +63,14 @@ static bool read_opened(struct arena *arena, int fd, const char *path, size_t ma
     return true;
 }
 
+static bool fail_to_open(const char *path, int error, struct err *err)
+{
+    err_set(err, ERR_INPUT, "%s: %s", path, strerror(error));
+    if (err)
+        err->is_missing = error == ENOENT || error == ENOTDIR;
+    return false;
+}
+
 bool file_read(struct arena *arena, const char *path, size_t max_bytes, struct file_bytes *out,
                struct err *err)
 {
@@ -76,7 +84,7 @@ bool file_read_own(struct arena *arena, const char *path, size_t max_bytes, stru
     // regular files.
     int fd = open(path, O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
     if (fd < 0)
-        return err_set(err, ERR_INPUT, "%s: %s", path, strerror(errno));
+        return fail_to_open(path, errno, err);
     size_t limit = max_bytes > 0 ? max_bytes : (size_t)1 << 32;
     bool ok = read_opened(arena, fd, path, limit, out, err);
     close(fd);
@@ -157,7 +165,7 @@ static char *real_path(struct arena *arena, const char *path, struct err *err)
 {
     char *resolved = realpath(path, NULL);
     if (!resolved) {
-        err_set(err, ERR_INPUT, "%s: %s", path, strerror(errno));
+        fail_to_open(path, errno, err);
         return NULL;
     }
     char *copy = arena_strdup(arena, resolved);

@@ -16,7 +16,8 @@ struct file_bytes {
 
 // Reads a regular file of at most max_bytes (0: 4 GiB), as long as it was when it was opened.
 // FIFOs, devices and folders are ERR_INPUT, and are never opened in a way that blocks. The file is
-// kept as an input of this run (base/file_inputs.h).
+// kept as an input of this run (base/file_inputs.h). Of a file that does not exist err->is_missing
+// says so; file_resolve() does the same.
 bool file_read(struct arena *arena, const char *path, size_t max_bytes, struct file_bytes *out,
                struct err *err);
 // The same for a file that the program writes itself and goes on from: it is not kept as an input.

@@ -116,6 +116,15 @@ float float_from_half(uint16_t half); // exact
 // One pixel from linear radiance to display values in [0, 1] before 8-bit rounding, sRGB-encoded.
 void image_tone_map(enum image_tone tone, float exposure_stops, const float rgb[3], float out[3]);
 
+// The exposure, in stops, that suits a picture by its luminances: metering for the highlights. With
+// L the luminance (ITU-R BT.709) that all but a twentieth of the pixels with light stay below,
+//   stops = log2(0.5 / L)
+// so that the lightest large area is shown one stop below 1, which leaves that for glints; lamps
+// that are seen and fireflies do not count. (dcraw's automatic brightness does the same with one
+// hundredth and the white of the file.) A mean of any kind would make a white thing grey and a
+// black one, too. L is rounded up to 1/64 stop. 0 for a picture without light.
+float image_measure_exposure(const struct image *image);
+
 // The transfer function of sRGB and its inverse (IEC 61966-2-1), of values in [0, 1].
 float image_srgb_from_linear(float linear);
 float image_srgb_to_linear(float encoded);

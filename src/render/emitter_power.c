@@ -4,32 +4,6 @@
 #include "ies.h"
 #include "light.h"
 #include <math.h>
-#include <string.h>
-
-double luminance(const float rgb[3])
-{
-    return 0.2126 * (double)rgb[0] + 0.7152 * (double)rgb[1] + 0.0722 * (double)rgb[2]; // BT.709
-}
-
-double mean_radiance(const struct scene *scene, const struct material *material)
-{
-    if (!material_emits(material) || (material->flags & MATERIAL_UNLIT))
-        return 0.0;
-    float mean[3];
-    memcpy(mean, material->emission, sizeof mean);
-    for (uint32_t i = 0; i < material->texture_count; i++) {
-        const struct texture *texture = &scene->textures[material->first_texture + i];
-        if ((texture->flags >> TEXTURE_USE_SHIFT & 3u) != TEXTURE_USE_SCALE ||
-            (texture->flags >> TEXTURE_GROUP_SHIFT & 15u) != GROUP_EMISSION)
-            continue;
-        for (uint32_t c = 0; c < 3; c++) {
-            uint32_t channel = texture->flags >> (TEXTURE_CHANNELS_SHIFT + 2 * c) & 3u;
-            if (texture->flags >> (TEXTURE_MASK_SHIFT + c) & 1u)
-                mean[c] *= scene->images[texture->image].mean[channel];
-        }
-    }
-    return luminance(mean);
-}
 
 double triangle_area(const struct flat_triangle *triangle)
 {

@@ -3,12 +3,10 @@
 #ifndef LAMPYRIS_RENDER_EMITTER_POWER_H
 #define LAMPYRIS_RENDER_EMITTER_POWER_H
 
+#include "emission.h"
 #include "flatten.h"
 #include "scene.h"
 
-double luminance(const float rgb[3]); // ITU-R BT.709
-// Of a material's surfaces: textures scale what the parameters say.
-double mean_radiance(const struct scene *scene, const struct material *material);
 double triangle_area(const struct flat_triangle *triangle);
 double shape_area(const struct flat_shape *shape); // 0 where shape_is_emitter() says no
 // Whether something in the scene has no end.

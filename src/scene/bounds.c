@@ -2,6 +2,7 @@
 
 #include "affine.h"
 #include <math.h>
+#include <string.h>
 
 const struct bounds BOUNDS_EMPTY = {{INFINITY, INFINITY, INFINITY},
                                     {-INFINITY, -INFINITY, -INFINITY}};
@@ -33,41 +34,44 @@ void bounds_add_point(struct bounds *bounds, const double point[3])
     }
 }
 
-// How far a disc reaches along an axis: by the sine of the angle between axis and normal.
-static double disc_reach(const double normal[3], double radius, int axis)
+// How far a disc reaches along n: |n| times the sine of the angle between n and its normal.
+static double disc_extent(const double normal[3], double radius, const double n[3])
 {
-    return radius * sqrt(fmax(1 - normal[axis] * normal[axis], 0));
+    double along = vec3_dot(normal, n);
+    return radius * sqrt(fmax(vec3_dot(n, n) - along * along, 0));
+}
+
+double shape_extent(const struct shape *shape, const double n[3])
+{
+    double unit[3];
+    memcpy(unit, shape->axes[0], sizeof unit);
+    vec3_normalize(unit);
+    double edges = fabs(vec3_dot(shape->axes[0], n)) + fabs(vec3_dot(shape->axes[1], n));
+    switch (shape->kind) {
+    case SHAPE_SPHERE:
+        return shape->radius * vec3_length(n);
+    case SHAPE_DISC:
+        return disc_extent(shape->normal, shape->radius, n);
+    case SHAPE_QUAD:
+        return edges;
+    case SHAPE_BOX:
+    case SHAPE_SDF:
+        return edges + fabs(vec3_dot(shape->axes[2], n));
+    case SHAPE_CYLINDER:
+    case SHAPE_TUBE:
+        return fabs(vec3_dot(shape->axes[0], n)) + disc_extent(unit, shape->radius, n);
+    default:
+        return INFINITY;
+    }
 }
 
 bool shape_reach(const struct shape *shape, double reach[3])
 {
-    double unit[3];
-    for (int i = 0; i < 3; i++)
-        unit[i] = shape->axes[0][i];
-    vec3_normalize(unit);
+    if (shape->kind == SHAPE_PLANE)
+        return false;
     for (int i = 0; i < 3; i++) {
-        double edges = fabs(shape->axes[0][i]) + fabs(shape->axes[1][i]);
-        switch (shape->kind) {
-        case SHAPE_SPHERE:
-            reach[i] = shape->radius;
-            break;
-        case SHAPE_DISC:
-            reach[i] = disc_reach(shape->normal, shape->radius, i);
-            break;
-        case SHAPE_QUAD:
-            reach[i] = edges;
-            break;
-        case SHAPE_BOX:
-        case SHAPE_SDF:
-            reach[i] = edges + fabs(shape->axes[2][i]);
-            break;
-        case SHAPE_CYLINDER:
-        case SHAPE_TUBE:
-            reach[i] = fabs(shape->axes[0][i]) + disc_reach(unit, shape->radius, i);
-            break;
-        default:
-            return false;
-        }
+        const double axis[3] = {i == 0, i == 1, i == 2};
+        reach[i] = shape_extent(shape, axis);
     }
     return true;
 }
@@ -88,6 +92,14 @@ void bounds_add_shape(struct bounds *bounds, const struct shape *shape)
 bool bounds_is_empty(const struct bounds *bounds)
 {
     return bounds->min[0] > bounds->max[0];
+}
+
+bool bounds_are_a_point(const struct bounds *bounds)
+{
+    for (int i = 0; i < 3; i++)
+        if (bounds->min[i] < bounds->max[i])
+            return false;
+    return true;
 }
 
 static void add_instance(const struct scene *scene, const struct instance *instance,
@@ -112,6 +124,39 @@ struct bounds bounds_of_part(const struct scene *scene, const struct scene_part 
     for (uint32_t i = 0; i < part->shape_count; i++)
         bounds_add_shape(&bounds, &scene->shapes[part->first_shape + i]);
     return bounds;
+}
+
+static void support_instance(const struct scene *scene, const struct instance *instance,
+                             uint32_t count, const double (*normals)[3], double *out)
+{
+    const struct mesh *mesh = &scene->meshes[instance->mesh];
+    for (uint32_t t = 0; t < mesh->triangle_count; t++) {
+        for (int corner = 0; corner < 3; corner++) {
+            double point[3];
+            mesh_vertex(mesh, mesh->indices[t][corner], point);
+            affine_point(instance->transform, point, point);
+            for (uint32_t i = 0; i < count; i++) {
+                double along = vec3_dot(point, normals[i]);
+                if (along > out[i])
+                    out[i] = along;
+            }
+        }
+    }
+}
+
+void bounds_support(const struct scene *scene, const struct scene_part *part, uint32_t count,
+                    const double (*normals)[3], double *out)
+{
+    for (uint32_t i = 0; i < count; i++)
+        out[i] = -INFINITY;
+    for (uint32_t i = 0; i < part->instance_count; i++)
+        support_instance(scene, &scene->instances[part->first_instance + i], count, normals, out);
+    for (uint32_t s = 0; s < part->shape_count; s++) {
+        const struct shape *shape = &scene->shapes[part->first_shape + s];
+        for (uint32_t i = 0; i < count && shape->kind != SHAPE_PLANE; i++)
+            out[i] =
+                fmax(out[i], vec3_dot(shape->center, normals[i]) + shape_extent(shape, normals[i]));
+    }
 }
 
 static double distance(const double a[3], const double b[3])

@@ -26,10 +26,17 @@ void bounds_add_point(struct bounds *bounds, const double point[3]);
 void bounds_add_shape(struct bounds *bounds, const struct shape *shape);
 // How far a shape reaches from its centre along each axis; false where that is without end.
 bool shape_reach(const struct shape *shape, double reach[3]);
+// From its centre along n, which may have any length: the largest n.(v - centre) of its points v.
+double shape_extent(const struct shape *shape, const double n[3]);
 bool bounds_is_empty(const struct bounds *bounds);
+bool bounds_are_a_point(const struct bounds *bounds); // or empty
 
 // Vertices that no triangle uses do not count.
 struct bounds bounds_of_part(const struct scene *scene, const struct scene_part *part);
+// For each normal n the largest n.v of the part's points v; -INFINITY when it is empty. Planes do
+// not count.
+void bounds_support(const struct scene *scene, const struct scene_part *part, uint32_t count,
+                    const double (*normals)[3], double *out);
 // The largest distance from `center` to anything in the part; 0 when that is empty.
 double bounds_radius(const struct scene *scene, const struct scene_part *part,
                      const double center[3]);

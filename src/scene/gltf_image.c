@@ -74,7 +74,7 @@ struct image_job {
     const struct progress *progress;
     struct scene scene;
     struct err err;
-    bool ok, is_mislabelled;
+    bool ok, is_mislabelled, is_strict;
 };
 
 // Green becomes mix(ends[0], ends[1], green), so that one factor on the texel can do what a minimum
@@ -101,7 +101,14 @@ static bool decode(struct image_job *job, struct arena *scratch, struct err *err
         .node = gltf_item(job->document, GLTF_IMAGES, job->image->source),
     };
     uint32_t index;
-    if (!find_bytes(job->document, &source, scratch, err) || !check_content(&source, err))
+    struct err reason = {0};
+    if (!find_bytes(job->document, &source, scratch, &reason)) {
+        if (reason.is_missing)
+            return texture_image_missing(&job->scene, &reason, &index, err);
+        *err = reason;
+        return false;
+    }
+    if (!check_content(&source, err))
         return false;
     job->is_mislabelled = source.is_mislabelled;
     const struct texture_source texels = {
@@ -120,7 +127,11 @@ static bool decode(struct image_job *job, struct arena *scratch, struct err *err
 static void run_job(struct image_job *job)
 {
     struct arena scratch = {0};
-    job->scene = (struct scene){.hash = HASH_INIT, .progress = job->progress};
+    job->scene = (struct scene){
+        .hash = HASH_INIT,
+        .progress = job->progress,
+        .is_strict = job->is_strict,
+    };
     job->err = (struct err){0};
     job->ok = decode(job, &scratch, &job->err);
     arena_finish(&scratch);
@@ -203,9 +214,12 @@ bool gltf_images_load(struct gltf_load *load, struct gltf_image *images, size_t 
     for (size_t done = 0; done < count;) {
         size_t round = count - done < room ? count - done : room;
         for (size_t i = 0; i < round; i++)
-            jobs[i] = (struct image_job){.image = &images[done + i],
-                                         .document = &load->document,
-                                         .progress = load->scene->progress};
+            jobs[i] = (struct image_job){
+                .image = &images[done + i],
+                .document = &load->document,
+                .progress = load->scene->progress,
+                .is_strict = load->scene->is_strict,
+            };
         if (!run_round(load, jobs, round, err))
             return false;
         done += round;

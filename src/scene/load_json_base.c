@@ -99,13 +99,29 @@ static bool read_gltf_choices(struct arena *arena, const struct json_node *node,
            read_text(arena, node, "variant", &base->variant, err);
 }
 
+// What the base is given where it brings no light: as the command line says, unless this file does.
+static bool read_additions(const struct scene_load_params *params, const struct json_node *node,
+                           struct scene_base *base, struct err *err)
+{
+    uint32_t studio = params->studio, ground = params->ground, up = params->up;
+    if (!node_read_choice(node, "studio", scene_studio_names, &studio, err) ||
+        !node_read_choice(node, "ground", scene_ground_names, &ground, err) ||
+        !node_read_choice(node, "up", scene_up_names, &up, err))
+        return false;
+    base->studio = (enum scene_studio)studio;
+    base->ground = (enum scene_ground)ground;
+    base->up = (enum scene_up)up;
+    return true;
+}
+
 static bool read_base(struct json_loader *loader, const struct json_node *node,
                       struct scene_base *base, struct err *err)
 {
     static const char *const required[] = {"file", NULL};
-    static const char *const optional[] = {"overrides", "scene",      "animation",
-                                           "variant",   "at_seconds", NULL};
+    static const char *const optional[] = {
+        "overrides", "scene", "animation", "variant", "at_seconds", "studio", "ground", "up", NULL};
     if (!node_check_object(node, required, optional, err) ||
+        !read_additions(loader->params, node, base, err) ||
         !(base->path = load_json_path(loader, node, "file", err)))
         return false;
     const struct json_node overrides = node_member(node, "overrides");
@@ -127,6 +143,7 @@ static bool load_file(struct json_loader *loader, const struct json_node *node,
     struct scene *scene = loader->scene;
     const char *path = scene->path;
     const struct json_node file = node_member(node, "file");
+    scene->up = base->up;
     const struct scene_load_params params = {
         .path = base->path,
         .overrides = base->overrides,
@@ -137,6 +154,9 @@ static bool load_file(struct json_loader *loader, const struct json_node *node,
         .animation = base->animation,
         .scene_name = base->scene_name,
         .variant = base->variant,
+        .studio = base->studio,
+        .ground = base->ground,
+        .up = base->up,
         .base_depth = loader->params->base_depth + 1,
         .progress = loader->params->progress,
     };

@@ -24,15 +24,24 @@ bool load_json_film(struct scene *scene, const struct json_node *node, struct er
     static const char *const optional[] = {"width", "height", "exposure", "tone", NULL};
     const struct range stops = {-SETTINGS_EXPOSURE_MAX, SETTINGS_EXPOSURE_MAX, false};
     struct settings *settings = &scene->settings;
+    static const char *const words[] = {"auto", NULL};
+    const struct json_node exposure_node = node_member(node, "exposure");
+    const bool is_auto = json_is_string(exposure_node.value);
     double exposure = (double)settings->exposure;
+    uint32_t word;
     uint32_t tone = settings->tone_curve;
     if (!node_check_object(node, none, optional, err) ||
         !read_uint32(node, "width", 1, SETTINGS_SIZE_MAX, &settings->width, err) ||
         !read_uint32(node, "height", 1, SETTINGS_SIZE_MAX, &settings->height, err) ||
-        !node_read_number(node, "exposure", stops, &exposure, err) ||
+        !(is_auto ? node_choice(&exposure_node, words, &word, err)
+                  : node_read_number(node, "exposure", stops, &exposure, err)) ||
         !node_read_choice(node, "tone", tone_names, &tone, err))
         return false;
     settings->exposure = (float)exposure;
+    if (exposure_node.value)
+        settings->exposure_is_auto = is_auto;
+    scene->has_own_exposure |= exposure_node.value != NULL;
+    scene->has_own_tone |= node_member(node, "tone").value != NULL;
     settings->tone_curve = (enum tone_curve)tone;
     if ((uint64_t)settings->width * settings->height > SETTINGS_PIXELS_MAX)
         return node_fail(node, err, "%u x %u pixels; expected at most %llu in all", settings->width,

@@ -184,12 +184,21 @@ static bool load_image(struct json_loader *loader, const struct json_node *node,
     if (entry->has_colors && entry->has_data && !node_member(node, "encoding").value)
         return node_fail(node, err,
                          "scales colours and numbers: \"encoding\" must say which the image holds");
+    struct err reason = {0};
     const struct texture_source source = {
-        .path = load_json_path(loader, node, "file", err),
+        .path = load_json_path(loader, node, "file", &reason),
         .is_srgb = encoding == 1,
     };
-    return source.path && (texture_image_load(loader->scene, &source, &entry->texture.image, err) ||
-                           node_prepend(&file, err));
+    uint32_t *image = &entry->texture.image;
+    if (source.path && texture_image_load(loader->scene, &source, image, &reason))
+        return true;
+    if (source.path)
+        node_prepend(&file, &reason);
+    if (reason.is_missing)
+        return texture_image_missing(loader->scene, &reason, image, err);
+    if (err)
+        *err = reason;
+    return false;
 }
 
 // One texture for each group of parameters that the entry scales.

@@ -200,9 +200,10 @@ static bool add_map(struct scene *scene, const struct mtl_material *wanted, enum
     if (!load_image(scene, wanted, map, is_color, allow_outside, &image, &reason)) {
         if (reason.code != ERR_INPUT)
             return err_set(err, reason.code, "%s", reason.msg);
-        log_warn("%s:%llu: %s; going on without it", wanted->file, (unsigned long long)map->line,
-                 reason.msg);
-        return true;
+        err_prepend(&reason, "%s:%llu", wanted->file, (unsigned long long)map->line);
+        struct texture texture = {.flags = texture_scales(GROUP_BASE, (const int[4]){0, 1, 2, -1})};
+        return texture_image_missing(scene, &reason, &texture.image, err) &&
+               material_add_texture(scene, material, &texture, err);
     }
     // MTL's v points upwards: t = 1 - (scale v + offset).
     struct texture texture = {

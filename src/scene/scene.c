@@ -8,6 +8,10 @@
 // The first capacity of a growing array; most scenes have a handful of each thing.
 #define FIRST_CAPACITY 8
 
+const char *const scene_up_names[] = {"y", "x", "z", NULL};
+const char *const scene_studio_names[] = {"off", "auto", "on", NULL};
+const char *const scene_ground_names[] = {"auto", "on", "off", NULL};
+
 // Returns an array that begins with the `count` elements of `items` and has room for `more`:
 // `items` itself while the capacity lasts, else a copy of twice the capacity or of what is asked
 // for. The old one stays in the arena; doubling keeps the sum of all outgrown arrays below the size

@@ -138,6 +138,24 @@ struct scene_path {
     const char *text, *path;
 };
 
+// The axis of the world that points up, for what is added to a model.
+enum scene_up { SCENE_UP_Y, SCENE_UP_X, SCENE_UP_Z };
+extern const char *const scene_up_names[]; // "y", "x", "z", NULL
+
+// What lights a scene that brings no light, see studio.h.
+enum scene_studio {
+    SCENE_STUDIO_OFF,  // an even environment
+    SCENE_STUDIO_AUTO, // models: the studio; scene files of our own that have a camera: as above
+    SCENE_STUDIO_ON,   // the studio, in place of the environment, whatever else there is
+};
+extern const char *const scene_studio_names[]; // "off", "auto", "on", NULL
+enum scene_ground {
+    SCENE_GROUND_AUTO, // with the studio, unless a camera of the file is below
+    SCENE_GROUND_ON,
+    SCENE_GROUND_OFF,
+};
+extern const char *const scene_ground_names[]; // "auto", "on", "off", NULL
+
 struct scene {
     struct arena arena;              // owns everything below
     const struct progress *progress; // while it is loaded; NULL: nobody listens
@@ -155,6 +173,15 @@ struct scene {
     struct camera *cameras; // as in the file; the first is used unless chosen otherwise
     uint32_t camera_count;  // after scene_load at least 1: a model without one is framed
     bool camera_is_framed;  // cameras[0] was made up: scene_frame_camera fits it to another picture
+    bool is_model;          // not of our own format, or its base is not
+    bool is_empty; // neither a surface nor an environment but one that was made up
+    bool has_studio;        // its light was made up
+    double weak_emission;   // that it has nevertheless, see studio.h
+    bool has_ground;        // the last shape was made up
+    bool has_own_exposure, has_own_tone; // the file says so
+    bool is_strict;                      // a missing image is an error
+    uint32_t missing_image_count;        // pink
+    enum scene_up up;
     struct texture_image *images;
     uint32_t image_count;
     struct texture *textures; // those of one material are adjacent
@@ -199,6 +226,10 @@ struct scene_load_params {
     const struct sky *environment_sky;
     double environment_rotation;        // in addition, radians
     const double *environment_strength; // a further factor; NULL: 1
+    enum scene_studio studio;           // 0: off, for those who measure
+    enum scene_ground ground;
+    enum scene_up up;
+    bool is_strict; // an image that is not there is an error, not pink
     // glTF only.
     // Time of the pose: of animation 0, or the one named below. NULL: the nodes as they are without
     // animation, or the beginning of the animation where one is named.
@@ -209,13 +240,12 @@ struct scene_load_params {
     const struct progress *progress;
 };
 
-// Loads, checks, frames a camera where there is none and adds an even environment where there is no
-// light (each with a note). On failure *out is finished and {0}; err names file, place, value and
-// what was expected.
+// Loads, checks, frames a camera where there is none and adds light where there is none, which a
+// note says. On failure *out is finished and {0}; err names file, place, value and what was expected.
 bool scene_load(const struct scene_load_params *params, struct scene *out, struct err *err);
 void scene_finish(struct scene *scene); // accepts NULL and {0}
 
-// Moves the camera of a scene that came without one to where the whole bounding sphere fills the
+// Moves the camera of a scene that came without one to where all of it, the ground aside, fills the
 // picture of settings.width x settings.height: to be called again when these change. Does nothing
 // to cameras of the file.
 void scene_frame_camera(struct scene *scene);

@@ -15,6 +15,9 @@ struct scene_base {
     uint32_t override_path_count;
     const char *scene_name, *animation, *variant; // of glTF: see scene_load_params
     const double *at_seconds;
+    enum scene_studio studio;
+    enum scene_ground ground;
+    enum scene_up up;
     // What the file speaks of: by index; NULL: of none.
     bool *materials, *lights;
     uint32_t light_count; // as many of the latter

@@ -1,111 +1,21 @@
 // From a path to a complete scene: the loader for the extension, then what a file may leave out.
 #include "scene.h"
 
-#include "affine.h"
-#include "bounds.h"
 #include "environment.h"
 #include "file.h"
+#include "framing.h"
 #include "hash.h"
 #include "load_json.h"
+#include "log.h"
 #include "mesh_loader.h"
 #include "sky.h"
+#include "studio.h"
 #include "tangents.h"
-#include <math.h>
+#include "texture_load.h"
 #include <string.h>
 #include <strings.h>
 
-// --- camera --------------------------------------------------------------------------------------
-
-// A little from above, so that what lies flat is seen as well; a normal lens.
-#define FRAMED_ELEVATION (15 * (M_PI / 180))
-#define FRAMED_FOV_Y (40 * (M_PI / 180))
-
-void scene_frame_camera(struct scene *scene)
-{
-    if (!scene->camera_is_framed || scene->camera_count == 0)
-        return;
-    const struct scene_part whole = scene_whole(scene);
-    const struct bounds bounds = bounds_of_part(scene, &whole);
-    double center[3] = {0, 0, 0}, radius = 0;
-    if (!bounds_is_empty(&bounds)) {
-        for (int i = 0; i < 3; i++)
-            center[i] = (bounds.min[i] + bounds.max[i]) / 2;
-        radius = bounds_radius(scene, &whole, center);
-    }
-    if (!(radius > 0) || !isfinite(radius))
-        radius = 1;
-
-    // The sphere touches the narrower pair of the frustum's sides.
-    double aspect = (double)scene->settings.width / scene->settings.height;
-    double half_height = FRAMED_FOV_Y / 2;
-    double half_width = atan(aspect * tan(half_height));
-    double distance = radius / sin(fmin(half_width, half_height));
-    const double towards_camera[3] = {0, sin(FRAMED_ELEVATION), cos(FRAMED_ELEVATION)};
-    struct camera *camera = &scene->cameras[0];
-    for (int i = 0; i < 3; i++) {
-        camera->position[i] = center[i] + distance * towards_camera[i];
-        camera->direction[i] = -towards_camera[i];
-        camera->up[i] = i == 1;
-    }
-    camera->fov_y = FRAMED_FOV_Y;
-}
-
-static bool provide_camera(struct scene *scene, struct err *err)
-{
-    if (scene->camera_count > 0)
-        return true;
-    struct camera *camera = scene_add_camera(scene, NULL);
-    if (!camera || !scene_note(scene, "no camera in the file: framed from the front"))
-        return err_memory(err, "a camera", sizeof *camera);
-    camera->name = "framed";
-    scene->camera_is_framed = true;
-    scene_frame_camera(scene);
-    return true;
-}
-
-// --- light and materials -------------------------------------------------------------------------
-
-// What is unlit is to be seen, not to light a scene.
-static bool is_emissive(const struct scene *scene, uint32_t index)
-{
-    const struct material *material = &scene->materials[index];
-    return material_emits(material) && !(material->flags & MATERIAL_UNLIT);
-}
-
-static bool instance_is_emissive(const struct scene *scene, const struct instance *instance)
-{
-    const struct mesh *mesh = &scene->meshes[instance->mesh];
-    if (instance->material != SCENE_NONE)
-        return is_emissive(scene, instance->material);
-    if (!mesh->triangle_material)
-        return is_emissive(scene, mesh->material);
-    for (uint32_t t = 0; t < mesh->triangle_count; t++)
-        if (is_emissive(scene, mesh->triangle_material[t]))
-            return true;
-    return false;
-}
-
-static bool has_light(const struct scene *scene)
-{
-    if (scene->environment.present || scene->light_count > 0)
-        return true;
-    for (uint32_t i = 0; i < scene->instance_count; i++)
-        if (instance_is_emissive(scene, &scene->instances[i]))
-            return true;
-    for (uint32_t i = 0; i < scene->shape_count; i++)
-        if (is_emissive(scene, scene->shapes[i].material))
-            return true;
-    return false;
-}
-
-static bool provide_light(struct scene *scene, struct err *err)
-{
-    if (has_light(scene))
-        return true;
-    scene->environment = (struct environment){.present = true, .radiance = {1, 1, 1}};
-    return scene_note(scene, "no light in the file: even environment of radiance 1") ||
-           err_memory(err, "a note", 0);
-}
+// --- what a file may leave out -------------------------------------------------------------------
 
 static bool provide_material(struct scene *scene, struct err *err)
 {
@@ -123,6 +33,39 @@ static bool load_mesh_alone(struct scene *scene, const struct scene_load_params 
         is_obj ? load_obj(scene, params->path, SCENE_NONE, params->allow_outside_paths, &mesh, err)
                : load_ply(scene, params->path, SCENE_NONE, &mesh, err);
     return ok && scene_place_meshes(scene, mesh, 1, err);
+}
+
+static bool is_empty(const struct scene *scene)
+{
+    bool is_empty = scene->shape_count == 0 && !scene->environment.present;
+    for (uint32_t i = 0; i < scene->instance_count && is_empty; i++)
+        is_empty = scene->meshes[scene->instances[i].mesh].triangle_count == 0;
+    return is_empty;
+}
+
+// A surface that lost an image is pink all over, whatever the image was for: nobody overlooks it,
+// and no other map or lobe hides it.
+static bool mark_missing_textures(struct scene *scene, struct err *err)
+{
+    uint32_t images = 0, materials = 0;
+    for (uint32_t i = 0; i < scene->image_count; i++) {
+        if (!scene->images[i].is_missing)
+            continue;
+        log_warn("%s; what it belongs on is pink", scene->images[i].name);
+        images++;
+    }
+    for (uint32_t m = 0; m < scene->material_count && images > 0; m++)
+        materials += material_mark_missing(scene, &scene->materials[m]);
+    scene->missing_image_count = images;
+    if (images == 0)
+        return true;
+    if (!scene_note(scene,
+                    "%u images are missing: %u of %u materials are pink (--strict makes this an "
+                    "error)",
+                    images, materials, scene->material_count))
+        return err_memory(err, "a note", 0);
+    log_warn("%s", scene->notes[scene->note_count - 1]);
+    return true;
 }
 
 // Our own format has defines and one scene; models in it stand as they are without animation.
@@ -154,6 +97,7 @@ static bool load_by_extension(struct scene *scene, const struct scene_load_param
     if (params->override_count > 0)
         return err_set(err, ERR_USAGE, "%s: -D %s: only .json scenes have values to override",
                        params->path, params->overrides[0].key);
+    scene->is_model = true;
     if (is_gltf)
         return load_gltf(scene, params, err);
     if (strcasecmp(extension, "obj") == 0)
@@ -170,6 +114,10 @@ static bool override_environment(struct scene *scene, const struct scene_load_pa
 {
     const struct environment former = scene->environment;
     bool is_constant = params->environment_file || params->environment_radiance;
+    if (params->studio == SCENE_STUDIO_ON && (params->environment_sky || is_constant))
+        return err_set(err, ERR_USAGE,
+                       "--studio on: the studio replaces the environment; expected "
+                       "it without --env");
     if (params->environment_sky && !scene_set_sky(scene, params->environment_sky, err))
         return false;
     if (is_constant &&
@@ -200,14 +148,32 @@ bool scene_goes_on(const struct scene *scene, uint64_t i, struct err *err)
            err_set(err, ERR_STOPPED, "stopped while loading the scene");
 }
 
+// What was not composed as a picture is shown by what there is to see: exposed by its luminance,
+// with a curve that has a shoulder for highlights. So is what another light shines on than the one
+// that its author chose, in units of its own.
+static bool provide_exposure(struct scene *scene, const struct scene_load_params *params)
+{
+    struct settings *settings = &scene->settings;
+    bool is_ours = scene->has_studio || (scene->camera_is_framed && params->studio);
+    if (!is_ours && !params->environment_sky)
+        return true;
+    if (!scene->has_own_exposure)
+        settings->exposure_is_auto = true;
+    if (!scene->has_own_tone)
+        settings->tone_curve = TONE_ACES;
+    return true;
+}
+
 // A file with a "base" changes what is complete already.
 static bool provide_missing(struct scene *scene, const struct scene_load_params *params,
                             struct err *err)
 {
     if (scene->base)
-        return finish_environment(scene, params, err);
-    return provide_material(scene, err) && provide_light(scene, err) &&
-           finish_environment(scene, params, err) && provide_camera(scene, err) &&
+        return finish_environment(scene, params, err) && provide_exposure(scene, params);
+    scene->is_empty = is_empty(scene);
+    return provide_material(scene, err) && scene_provide_light(scene, params, err) && finish_environment(scene, params, err) &&
+           scene_provide_camera(scene, err) && provide_exposure(scene, params) &&
+           scene_note_additions(scene, err) && mark_missing_textures(scene, err) &&
            scene_generate_tangents(scene, err);
 }
 
@@ -226,6 +192,8 @@ bool scene_load(const struct scene_load_params *params, struct scene *out, struc
         .settings = settings_default(),
         .hash = HASH_INIT,
         .progress = params->progress,
+        .up = params->up,
+        .is_strict = params->is_strict,
     };
     progress_report(params->progress, "Loading", 0);
     bool ok = scene_load_into(out, params, err);

@@ -80,6 +80,7 @@ struct texture_image {
     uint32_t width, height; // at most 65535
     bool is_float;          // 16 bytes a texel, else 8
     bool has_alpha;         // some alpha is below 1
+    bool is_missing;        // there is no such file: one texel of pink in its place
     const void *texels;     // row 0 at the top
     float mean[4];          // of all texels
     float greatest;         // component of all texels

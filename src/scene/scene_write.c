@@ -119,7 +119,10 @@ static void put_film(struct json_text *t, const struct settings *s)
     json_text_open(t, '{', false);
     put_uint(t, "width", s->width);
     put_uint(t, "height", s->height);
-    put_float(t, "exposure", s->exposure);
+    if (s->exposure_is_auto)
+        put_name(t, "exposure", "auto");
+    else
+        put_float(t, "exposure", s->exposure);
     put_name(t, "tone", tone_names[s->tone_curve]);
     json_text_close(t);
 }
@@ -292,6 +295,12 @@ static bool put_base(struct writer *w, struct json_text *t, struct err *err)
         put_name(t, "variant", base->variant);
     if (base->at_seconds)
         put_number(t, "at_seconds", *base->at_seconds);
+    if (base->studio != SCENE_STUDIO_AUTO)
+        put_name(t, "studio", scene_studio_names[base->studio]);
+    if (base->ground != SCENE_GROUND_AUTO)
+        put_name(t, "ground", scene_ground_names[base->ground]);
+    if (base->up != SCENE_UP_Y)
+        put_name(t, "up", scene_up_names[base->up]);
     json_text_close(t);
     return true;
 }
@@ -457,6 +466,8 @@ static void choose_base(struct writer *w)
         w->difference.base = before->base;
         return;
     }
+    // An environment of the command line kept the ground away; the file's comes after the base.
+    bool is_lit = load->environment_file || load->environment_radiance || load->environment_sky;
     w->base = (struct scene_base){
         .path = load->path,
         .overrides = load->overrides,
@@ -467,6 +478,9 @@ static void choose_base(struct writer *w)
         .animation = load->animation,
         .variant = load->variant,
         .at_seconds = load->at_seconds,
+        .studio = load->studio,
+        .ground = is_lit && !before->has_ground ? SCENE_GROUND_OFF : load->ground,
+        .up = load->up,
     };
 }
 

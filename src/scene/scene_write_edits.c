@@ -53,7 +53,7 @@ bool scene_same_settings(const struct settings *a, const struct settings *b)
            SAME(a, b, clamp_limit) && a->roulette == b->roulette &&
            a->roulette_min_bounces == b->roulette_min_bounces &&
            a->roulette_max_bounces == b->roulette_max_bounces && SAME(a, b, roulette_survival) &&
-           SAME(a, b, exposure) && a->tone_curve == b->tone_curve;
+           SAME(a, b, exposure) && SAME(a, b, exposure_is_auto) && a->tone_curve == b->tone_curve;
 }
 
 bool scene_same_camera(const struct camera *a, const struct camera *b)

@@ -49,6 +49,7 @@ struct settings {
     float roulette_survival;  // of ROULETTE_CONSTANT and ROULETTE_FRAME, in (0, 1]
 
     float exposure;             // stops, applied to PNG only
+    uint32_t exposure_is_auto;  // 1: `exposure` is found from the picture, see image.h; else 0
     enum tone_curve tone_curve; // PNG only
 };
 

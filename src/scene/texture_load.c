@@ -5,6 +5,7 @@
 #include "hash.h"
 #include "image.h"
 #include <math.h>
+#include <string.h>
 
 #define SIDE_MAX 65535 // gpu_texture.size keeps a side in 16 bits
 
@@ -149,6 +150,57 @@ bool texture_image_load(struct scene *scene, const struct texture_source *source
     ok = ok && load_file(scene, &file, source->is_srgb, index, err);
     arena_finish(&scratch);
     return ok;
+}
+
+// --- images that are not there -------------------------------------------------------------------
+
+static const float missing_color[3] = {1.0f, 0.0f, 0.5f};
+
+bool texture_image_missing(struct scene *scene, const struct err *reason, uint32_t *index,
+                           struct err *err)
+{
+    if (scene->is_strict) {
+        if (err)
+            *err = *reason;
+        return false;
+    }
+    uint64_t hash =
+        hash_bytes(hash_bytes(HASH_INIT, "missing", 7), reason->msg, strlen(reason->msg));
+    scene->hash = hash_bytes(scene->hash, &hash, sizeof hash);
+    if (find_image(scene, hash, index))
+        return true;
+    struct texture_image *image = scene_add_image(scene, index);
+    float(*texel)[4] = arena_alloc(&scene->arena, 1, sizeof *texel);
+    const char *name = arena_strdup(&scene->arena, reason->msg);
+    if (!image || !texel || !name)
+        return err_memory(err, "a texture", sizeof *image);
+    *image = (struct texture_image){
+        .name = name,
+        .width = 1,
+        .height = 1,
+        .is_float = true,
+        .is_missing = true,
+        .texels = texel,
+        .mean = {missing_color[0], missing_color[1], missing_color[2], 1},
+        .greatest = 1,
+        .hash = hash,
+    };
+    memcpy(texel, image->mean, sizeof *texel);
+    return true;
+}
+
+bool material_mark_missing(const struct scene *scene, struct material *material)
+{
+    bool any = false;
+    for (uint32_t i = 0; i < material->texture_count; i++)
+        any |= scene->images[scene->textures[material->first_texture + i].image].is_missing;
+    if (!any)
+        return false;
+    const char *name = material->name;
+    material_init(material);
+    material->name = name;
+    memcpy(material->base_color, missing_color, sizeof missing_color);
+    return true;
 }
 
 // --- textures ------------------------------------------------------------------------------------

@@ -19,6 +19,15 @@ struct texture_source {
 bool texture_image_load(struct scene *scene, const struct texture_source *source, uint32_t *index,
                         struct err *err);
 
+// For an image that cannot be read, for this reason: unless the scene is strict, an image of pink,
+// one for each reason, that makes its materials pink when the scene is complete
+// (material_mark_missing). False, with the reason as *err, where it is.
+bool texture_image_missing(struct scene *scene, const struct err *reason, uint32_t *index,
+                           struct err *err);
+// Whether a texture of the material is of such an image; it is pink then, Lambert's, and has no
+// textures any more.
+bool material_mark_missing(const struct scene *scene, struct material *material);
+
 // Appends a texture to the material, whose textures must be the last ones of the scene's: a
 // material's are added one after the other. *texture is copied. Texels above 1 count as 1 but for
 // emission: a note says so of an image that has some.

@@ -42,7 +42,7 @@ int main(int argc, char **argv)
 {
     const char *out = NULL;
     struct scene_override overrides[MAX_OVERRIDES];
-    struct scene_load_params params = {.overrides = overrides};
+    struct scene_load_params params = {.overrides = overrides, .is_strict = true};
     if (argc < 2 || argc - 2 > MAX_OVERRIDES)
         return 2;
     if (strcmp(argv[1], "--parameters") == 0) {

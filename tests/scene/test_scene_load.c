@@ -2,6 +2,7 @@
 #include "mesh_files.h"
 
 #include "affine.h"
+#include "bounds.h"
 #include "environment.h"
 #include "image.h"
 
@@ -34,9 +35,10 @@ TEST(a_mesh_alone_is_placed_framed_and_lit)
     REQUIRE(scene.instance_count == 1 && scene.camera_count == 1 && scene.material_count == 1);
     CHECK(scene.instances[0].transform[0][0] == 1 && scene.instances[0].material == SCENE_NONE);
     CHECK(scene.environment.present && scene.environment.radiance[1] == 1);
-    CHECK(scene.camera_is_framed && scene.note_count == 2);
-    for (uint32_t i = 0; i < scene.note_count; i++)
-        CHECK(strstr(scene.notes[i], "in the file"), "%s", scene.notes[i]);
+    CHECK(scene.camera_is_framed && !scene.has_studio && !scene.has_ground && !scene.is_empty);
+    REQUIRE(scene.note_count == 2);
+    CHECK(strstr(scene.notes[0], "no light in the file"), "%s", scene.notes[0]);
+    CHECK(strstr(scene.notes[1], "view with y up (--up)"), "%s", scene.notes[1]);
     scene_finish(&scene);
 }
 
@@ -92,45 +94,87 @@ TEST(an_emitter_in_use_is_light_enough)
     scene_finish(&scene);
 }
 
-// The largest of |x / w| and |y / h| over points of the sphere, where the picture ends at 1.
-static double reach_in_picture(const struct scene *scene, const double center[3], double radius)
+// Grows the box of points in the picture, where it ends at -1 and 1.
+static void add_in_picture(const struct scene *scene, const double point[3], double low[2],
+                           double high[2])
 {
     const struct camera *camera = &scene->cameras[0];
-    double right[3], up[3], reach = 0;
+    double right[3], up[3], to_point[3];
     vec3_cross(camera->direction, camera->up, right);
     CHECK(vec3_normalize(right));
     vec3_cross(right, camera->direction, up);
+    vec3_subtract(point, camera->position, to_point);
+    double depth = vec3_dot(to_point, camera->direction);
     double tangent = tan(camera->fov_y / 2);
     double aspect = (double)scene->settings.width / scene->settings.height;
+    CHECK(depth > 0, "behind the camera");
+    const double at[2] = {vec3_dot(to_point, right) / depth / tangent / aspect,
+                          vec3_dot(to_point, up) / depth / tangent};
+    for (int i = 0; i < 2; i++) {
+        low[i] = fmin(low[i], at[i]);
+        high[i] = fmax(high[i], at[i]);
+    }
+}
+
+// One pair of sides is 0.8 from the middle, the other within.
+static void check_filled(const double low[2], const double high[2], double tolerance)
+{
+    int tight = high[0] - low[0] > high[1] - low[1] ? 0 : 1;
+    CHECK(fabs(low[tight] + 0.8) < tolerance && fabs(high[tight] - 0.8) < tolerance, "%.15g %.15g",
+          low[tight], high[tight]);
+    CHECK(low[!tight] >= -0.8 - 1e-12 && high[!tight] <= 0.8 + 1e-12, "%g %g", low[!tight],
+          high[!tight]);
+    CHECK(fabs(low[!tight] + high[!tight]) < 0.01, "not in the middle: %g %g", low[!tight],
+          high[!tight]);
+}
+
+static const uint32_t sizes[][2] = {{512, 512}, {1920, 1080}, {100, 300}, {16384, 1}};
+
+TEST(what_is_framed_fills_the_picture)
+{
+    for (int up = SCENE_UP_Y; up <= SCENE_UP_Z; up++) {
+        struct scene scene;
+        struct err err = {0};
+        const struct scene_load_params params = {.path = write_text("one.obj", ONE_TRIANGLE),
+                                                 .up = (enum scene_up)up};
+        REQUIRE(scene_load(&params, &scene, &err), "%s", err.msg);
+        const struct mesh *mesh = &scene.meshes[0];
+        for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
+            double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
+            scene.settings.width = sizes[i][0];
+            scene.settings.height = sizes[i][1];
+            scene_frame_camera(&scene);
+            for (uint32_t v = 0; v < mesh->vertex_count; v++) {
+                double point[3];
+                mesh_vertex(mesh, v, point);
+                add_in_picture(&scene, point, low, high);
+            }
+            check_filled(low, high, 1e-12);
+        }
+        // Above what it looks at, and looking down by 20 degrees.
+        const struct camera *camera = &scene.cameras[0];
+        const double ups[3][3] = {{0, 1, 0}, {1, 0, 0}, {0, 0, 1}};
+        CHECK(fabs(vec3_dot(camera->direction, ups[up]) + sin(M_PI / 9)) < 1e-12);
+        CHECK(vec3_dot(camera->up, ups[up]) == 1);
+        scene_finish(&scene);
+    }
+}
+
+TEST(framed_shapes_fill_the_picture)
+{
+    struct scene scene =
+        load(write_text("scene.json",
+                        "{\"lampyris\": 1, \"materials\": {\"m\": {\"type\": \"diffuse\"}},"
+                        " \"shapes\": [{\"type\": \"sphere\", \"center\": [5, 6, 7],"
+                        " \"radius\": 2, \"material\": \"m\"}]}"));
+    double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
     for (int i = 0; i < 100000; i++) {
         // Points along a spiral from pole to pole.
         double z = -1 + 2 * (i + 0.5) / 100000, phi = i * 2.399963, s = sqrt(1 - z * z);
-        const double offset[3] = {s * cos(phi) * radius, s * sin(phi) * radius, z * radius};
-        double to_point[3];
-        for (int c = 0; c < 3; c++)
-            to_point[c] = center[c] + offset[c] - camera->position[c];
-        double depth = vec3_dot(to_point, camera->direction);
-        CHECK(depth > 0, "behind the camera");
-        reach = fmax(reach, fabs(vec3_dot(to_point, right)) / depth / tangent / aspect);
-        reach = fmax(reach, fabs(vec3_dot(to_point, up)) / depth / tangent);
+        const double point[3] = {5 + 2 * s * cos(phi), 6 + 2 * s * sin(phi), 7 + 2 * z};
+        add_in_picture(&scene, point, low, high);
     }
-    return reach;
-}
-
-TEST(the_framed_sphere_touches_the_picture)
-{
-    static const uint32_t sizes[][2] = {{512, 512}, {1920, 1080}, {100, 300}, {16384, 1}};
-    struct scene scene = load(write_text("one.obj", ONE_TRIANGLE));
-    const double center[3] = {2, 1.5, 1}, radius = sqrt(1.25);
-    CHECK(scene.cameras[0].position[2] > 1 && scene.cameras[0].position[1] > 1.5);
-    for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
-        scene.settings.width = sizes[i][0];
-        scene.settings.height = sizes[i][1];
-        scene_frame_camera(&scene);
-        double reach = reach_in_picture(&scene, center, radius);
-        CHECK(reach <= 1 + 1e-12 && reach > 0.999, "%u x %u: %.15g", sizes[i][0], sizes[i][1],
-              reach);
-    }
+    check_filled(low, high, 1e-3);
     scene_finish(&scene);
 }
 
@@ -147,7 +191,7 @@ TEST(framing_leaves_the_files_camera_alone)
 TEST(an_empty_scene_is_framed)
 {
     struct scene scene = load(write_text("scene.json", "{\"lampyris\": 1}"));
-    REQUIRE(scene.camera_count == 1);
+    REQUIRE(scene.camera_count == 1 && scene.is_empty);
     CHECK(isfinite(scene.cameras[0].position[2]) && scene.cameras[0].position[2] > 1);
     scene_finish(&scene);
 }
@@ -256,7 +300,8 @@ int main(int argc, char **argv)
         TEST_CASE(a_mesh_alone_is_placed_framed_and_lit),
         TEST_CASE(unknown_files_are_refused),
         TEST_CASE(an_emitter_in_use_is_light_enough),
-        TEST_CASE(the_framed_sphere_touches_the_picture),
+        TEST_CASE(what_is_framed_fills_the_picture),
+        TEST_CASE(framed_shapes_fill_the_picture),
         TEST_CASE(framing_leaves_the_files_camera_alone),
         TEST_CASE(an_empty_scene_is_framed),
         TEST_CASE(environment_images),

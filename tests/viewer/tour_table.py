@@ -17,6 +17,9 @@ def each(name, first, words, effect='result'):
 
 VIEW = [
     ('view.exposure', '1.5', 'picture'),
+    ('view.exposure_auto', 'on', 'picture', None),
+    ('view.exposure_auto', 'off', 'none', None),  # it stays what was found
+    ('view.exposure', '0', 'picture', None),
     *each('view.tone', 'none', ['reinhard', 'aces', 'agx'], 'picture'),
     *each('view.aov', 'radiance', ['albedo', 'normal', 'objects', 'materials', 'samples', 'variance', 'steps',
                        'emission', 'direct', 'indirect'], 'picture'),

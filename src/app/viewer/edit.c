@@ -146,6 +146,7 @@ static enum change method_change(const struct method *from, const struct method 
     same.fresh_frames = to->fresh_frames;
     same.samples_a_frame = to->samples_a_frame;
     same.settings.exposure = to->settings.exposure;
+    same.settings.exposure_is_auto = to->settings.exposure_is_auto;
     same.settings.tone_curve = to->settings.tone_curve;
     same.settings.spp = to->settings.spp; // what decides is shown.spp_limit
     return same_bytes(&same, to, sizeof same) ? least : CHANGE_METHOD;
@@ -194,6 +195,7 @@ static bool put_around(struct viewer *viewer, const struct around *to, struct er
     arena_finish(&viewer->surroundings_arena);
     viewer->surroundings_arena = arena;
     viewer->surroundings = to->surroundings;
+    viewer_begin_exposure(viewer);
     struct light *sun = find_sun(viewer);
     if (sun && to->has_sun)
         *sun = to->sun;
@@ -379,7 +381,14 @@ bool edit_shown(struct viewer *viewer, const struct shown *to, const char *contr
 {
     union state state = zeroed();
     state.shown = *to;
-    return edit(viewer, TARGET_LOOK, 0, &state, control);
+    const bool was_auto = viewer->shown.exposure_is_auto;
+    // Whoever sets it does not want it found.
+    if (!same_bytes(&to->exposure, &viewer->shown.exposure, sizeof to->exposure))
+        state.shown.exposure_is_auto = 0;
+    bool ok = edit(viewer, TARGET_LOOK, 0, &state, control);
+    if (viewer->shown.exposure_is_auto != was_auto)
+        viewer_begin_exposure(viewer);
+    return ok;
 }
 
 // What led back to where it began is no step.

@@ -263,6 +263,10 @@ static void picture(struct viewer *viewer, struct form *form, struct shown *to)
                "Stops that the picture is brightened, -100 to "
                "100; what is accumulated stays.",
                &exposure, &to->exposure);
+    form_flag(form, "view.exposure_auto", "Find exposure",
+              "Found from the picture's luminances when a scene is opened or its surroundings "
+              "change, see docs/output.md.",
+              &to->exposure_is_auto);
     form_choice(form, "view.tone", "Tone curve", "How light becomes what a screen shows.",
                 tone_names, &to->tone);
     const struct gui_range values = {-1e30, 1e30, .unit = shown_unit(to->what)};

@@ -1,0 +1,40 @@
+// How much a picture is to be brightened, from its luminances.
+#include "image.h"
+
+#include <math.h>
+
+// A histogram of log2 of the luminance: it does not depend on the order of the pixels, and its
+// steps of 1/64 stop are nobody's to see. It spans all floats.
+#define STEPS 64
+#define STOPS_MIN (-150)
+#define STOPS_MAX 131 // the sum of three weighted floats is below 2^128
+#define BINS ((STOPS_MAX - STOPS_MIN) * STEPS)
+
+#define LEAVES_OUT 20 // one in so many pixels may be brighter
+#define WHITE 0.5     // of what is shown as 1: a stop is left for glints
+
+static uint64_t count_luminances(const struct image *image, uint64_t *bins)
+{
+    uint64_t pixels = (uint64_t)image->width * image->height, count = 0;
+    for (uint64_t i = 0; i < pixels; i++) {
+        const float *rgb = image->pixels[i];
+        double luminance =
+            0.2126 * (double)rgb[0] + 0.7152 * (double)rgb[1] + 0.0722 * (double)rgb[2]; // BT.709
+        if (!(luminance > 0) || isinf(luminance))
+            continue;
+        double bin = floor((log2(luminance) - STOPS_MIN) * STEPS);
+        bins[(size_t)fmin(fmax(bin, 0), BINS - 1)]++;
+        count++;
+    }
+    return count;
+}
+
+float image_measure_exposure(const struct image *image)
+{
+    uint64_t bins[BINS] = {0};
+    uint64_t count = count_luminances(image, bins), above = 0, most = count / LEAVES_OUT;
+    size_t bin = BINS;
+    while (bin > 0 && above + bins[bin - 1] <= most)
+        above += bins[--bin];
+    return bin > 0 ? (float)(log2(WHITE) - (STOPS_MIN + (double)bin / STEPS)) : 0.0f;
+}

@@ -1,0 +1,69 @@
+#include "emission.h"
+
+#include "affine.h"
+#include "bounds.h"
+#include <string.h>
+
+double luminance(const float rgb[3])
+{
+    return 0.2126 * (double)rgb[0] + 0.7152 * (double)rgb[1] + 0.0722 * (double)rgb[2]; // BT.709
+}
+
+double mean_radiance(const struct scene *scene, const struct material *material)
+{
+    if (!material_emits(material) || (material->flags & MATERIAL_UNLIT))
+        return 0.0;
+    float mean[3];
+    memcpy(mean, material->emission, sizeof mean);
+    for (uint32_t i = 0; i < material->texture_count; i++) {
+        const struct texture *texture = &scene->textures[material->first_texture + i];
+        if ((texture->flags >> TEXTURE_USE_SHIFT & 3u) != TEXTURE_USE_SCALE ||
+            (texture->flags >> TEXTURE_GROUP_SHIFT & 15u) != GROUP_EMISSION)
+            continue;
+        for (uint32_t c = 0; c < 3; c++) {
+            uint32_t channel = texture->flags >> (TEXTURE_CHANNELS_SHIFT + 2 * c) & 3u;
+            if (texture->flags >> (TEXTURE_MASK_SHIFT + c) & 1u)
+                mean[c] *= scene->images[texture->image].mean[channel];
+        }
+    }
+    return luminance(mean);
+}
+
+static double world_area(const struct mesh *mesh, const double transform[3][4], uint32_t triangle)
+{
+    double corner[3][3], edge[2][3], normal[3];
+    for (int i = 0; i < 3; i++) {
+        mesh_vertex(mesh, mesh->indices[triangle][i], corner[i]);
+        affine_point(transform, corner[i], corner[i]);
+    }
+    vec3_subtract(corner[1], corner[0], edge[0]);
+    vec3_subtract(corner[2], corner[0], edge[1]);
+    vec3_cross(edge[0], edge[1], normal);
+    return vec3_length(normal) / 2;
+}
+
+static double instance_flux(const struct scene *scene, const struct instance *instance)
+{
+    const struct mesh *mesh = &scene->meshes[instance->mesh];
+    double sum = 0, radiance = 0;
+    uint32_t last = SCENE_NONE;
+    for (uint32_t t = 0; t < mesh->triangle_count; t++) {
+        uint32_t material = instance->material != SCENE_NONE ? instance->material
+                            : mesh->triangle_material        ? mesh->triangle_material[t]
+                                                             : mesh->material;
+        if (material != last)
+            radiance = mean_radiance(scene, &scene->materials[material]);
+        last = material;
+        if (radiance > 0)
+            sum += radiance * world_area(mesh, instance->transform, t);
+    }
+    return sum;
+}
+
+double scene_emitted_flux(const struct scene *scene)
+{
+    double sum = 0;
+    for (uint32_t i = 0; i < scene->instance_count; i++)
+        sum += instance_flux(scene, &scene->instances[i]);
+    return sum;
+}

@@ -1,0 +1,15 @@
+// What materials emit.
+#ifndef LAMPYRIS_SCENE_EMISSION_H
+#define LAMPYRIS_SCENE_EMISSION_H
+
+#include "scene.h"
+
+double luminance(const float rgb[3]); // ITU-R BT.709
+// Of a material's surfaces, the mean over its textures, which scale what the parameters say. Of
+// unlit materials 0: they are to be seen, not to light a scene.
+double mean_radiance(const struct scene *scene, const struct material *material);
+// The flux of all emissive triangles, divided by pi: the sum of mean radiance times area, of one
+// side of each, for the other side of a closed surface sends its light inwards. W/sr.
+double scene_emitted_flux(const struct scene *scene);
+
+#endif
