@@ -164,7 +164,7 @@ void job_checkpoint_mention(const struct render_job *job, struct err *err);
 // locked until job_release_outputs.
 bool job_check_outputs(struct render_job *job, struct err *err);
 // When all that is read is known: that no output is one of those files, either.
-bool job_check_inputs(const struct render_job *job, struct err *err);
+bool job_check_inputs(struct render_job *job, struct err *err);
 // When the size of the pictures is known: whether they fit where they are to go.
 bool job_check_space(const struct render_job *job, struct err *err);
 // Writes all pictures; frame > 0: numbered, "NAME.0012.exr". One that cannot be written does not

@@ -90,7 +90,19 @@ static bool check_distinct(const struct render_job *job, struct err *err)
     return true;
 }
 
-bool job_check_inputs(const struct render_job *job, struct err *err)
+// The picture to look at was not asked for: where a texture has its name (spot.obj, spot.png), the
+// picture that counts is written alone.
+static void drop_default_of_inputs(struct render_job *job)
+{
+    struct err reason = {0};
+    if (job->options->output_count > 0 || job->output_count < 2 ||
+        file_inputs_check(job->outputs[1], &reason))
+        return;
+    job->output_count = 1;
+    log_info("%s: only %s is written", reason.msg, job->outputs[0]);
+}
+
+bool job_check_inputs(struct render_job *job, struct err *err)
 {
     // What is written later than this is checked when it is.
     const uint32_t pictures_max = 10000;
@@ -98,6 +110,7 @@ bool job_check_inputs(const struct render_job *job, struct err *err)
     uint32_t pictures = options->every ? options->frames / options->every : 0;
     struct arena arena = {0};
     bool ok = true;
+    drop_default_of_inputs(job);
     for (uint32_t i = 0; ok && i < job->output_count + 2; i++)
         ok = !output_at(job, i) || file_inputs_check(output_at(job, i), err);
     for (uint32_t i = 0; ok && i < job->output_count; i++)

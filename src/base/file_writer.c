@@ -261,7 +261,7 @@ static bool verify(struct file_writer *writer, struct err *err)
     } while (writer->block_bytes == BLOCK_BYTES);
     return memcmp(&sum, &writer->sum, sizeof sum) == 0 ||
            err_set(err, ERR_OUTPUT,
-                   "%s: what was written does not read back as it was; an older file is kept",
+                   "%s: what was written does not read back as it was; nothing is replaced",
                    writer->path);
 }
 

@@ -170,12 +170,10 @@ class Inputs(Folder):
 
     def test_reports(self):
         os.mkdir(self.path('d'))
-        self.write('d/results.json', {'variants': [], 'machine': {}})
-        before = self.contents()
-        result = self.run_here('bench', 'plain.json', '--baseline', 'd/results.json', '--report', 'd', '--size',
-                               '8x8', '--spp', '1', '--repeats', '2')
-        self.assertEqual(result.returncode, 2, result.stderr)
-        self.assertEqual(self.contents(), before)
+        bench = ('bench', 'plain.json', '--size', '8x8', '--repeats', '2', '--report', 'd')
+        result = self.run_here(*bench, '--spp', '1')
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.check('d/results.json', 'd/results.json', *bench, '--spp', '1', '--baseline', 'd/results.json')
         self.assertEqual(self.render('plain.json', '-o', 'd/reference-0.exr').returncode, 0)
         self.check('d/reference-0.exr', 'd/reference-0.exr', 'converge', 'plain.json', '--reference', 'd/reference-0.exr',
                    '--report', 'd', '--images', '--size', '8x8', '--spp', '16M')
@@ -185,6 +183,24 @@ class Inputs(Folder):
 
 
 class Outputs(Folder):
+    def test_a_texture_of_the_scenes_name(self):
+        """For people a PNG is written beside the EXR, unless the scene reads a file of that name."""
+        png(self.path('w.png'))
+        self.write('w.json', {'lampyris': 1, 'shapes': [QUAD], 'environment': {'radiance': [1, 1, 1]}, 'materials': {
+            'm': {'textures': [{'file': 'w.png', 'parameters': {'base_color': 'rgb'}}]}}})
+        before = self.contents()
+        for scene, outputs in (('w.json', ['w.exr']), ('plain.json', ['plain.exr', 'plain.png'])):
+            master, slave = os.openpty()
+            result = subprocess.run([LAMPYRIS, 'render', scene, '--size', '8x8', '--spp', '1'], stdout=slave,
+                                    cwd=self.folder.name, env=ENVIRONMENT, stderr=subprocess.PIPE, text=True)
+            os.close(slave)
+            os.close(master)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            after = self.contents()
+            self.assertEqual(sorted(os.path.basename(name) for name in set(after) - set(before)), outputs)
+            self.assertEqual({name: after[name] for name in before}, before)
+            before = after
+
     def test_one_file_twice(self):
         os.symlink('a.exr', self.path('link.exr'))
         for other in ('./a.exr', 'link.exr', self.path('a.exr')):

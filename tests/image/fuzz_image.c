@@ -2,6 +2,7 @@
 // memory, and its metadata. Bytes of another format are not wanted in the corpus.
 #include "image.h"
 #include "image_internal.h"
+#include "memory.h"
 #include <string.h>
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);

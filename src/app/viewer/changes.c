@@ -39,6 +39,7 @@ void viewer_close_side(struct viewer *viewer, uint32_t side)
     renderer_finish(&view->renderer);
     view->denoiser = (struct denoiser){0};
     view->is_ready = view->is_preview = false;
+    viewer->last_call.side_count = 0;
     view_begin(view);
 }
 
@@ -263,8 +264,10 @@ static bool aim_rig(struct viewer *viewer, struct err *err)
 {
     struct rig *rig = &viewer->rig;
     struct picked picked;
+    uint32_t place[4];
     viewer->wants_target = false;
-    if (!viewer_pick(viewer, 0.5 * viewer->window.width, 0.5 * viewer->window.height, &picked, err))
+    viewer_picture_place(viewer, place);
+    if (!viewer_pick(viewer, place[0] + 0.5 * place[2], place[1] + 0.5 * place[3], &picked, err))
         return false;
     if (picked.object == VIEWER_NO_OBJECT || !(picked.distance > 0.0))
         return true;

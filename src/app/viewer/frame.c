@@ -4,6 +4,7 @@
 #include "clock.h"
 #include "signals.h"
 #include <math.h>
+#include <string.h>
 
 // A picture that is to be seen whole at once may take so many times what a frame may: rather a slow
 // frame than one that shows two cameras.
@@ -206,9 +207,9 @@ void viewer_display_call(const struct viewer *viewer, struct display_call *out)
                   shown->automatic ? 0.0 : shown->range[1]},
         .width = width,
         .height = height,
-        .picture = {0, 0, width, height},
         .nearest = shown->nearest,
     };
+    viewer_picture_place(viewer, out->picture);
     if (!viewer->has_scene)
         return;
     for (uint32_t side = 0; side < viewer->side_count; side++) {
@@ -273,11 +274,12 @@ static bool denoise(struct viewer *viewer, struct err *err)
 
 // Until the sharp picture is denoised for the first time the small one is seen, which is: not its
 // first samples, full of noise.
-static bool shows_last(const struct viewer *viewer)
+static bool shows_last(const struct viewer *viewer, const struct display_call *call)
 {
     const struct gpu_screen *screen = &viewer->screen;
-    bool is_same_size =
-        screen->width == viewer->window.width && screen->height == viewer->window.height;
+    bool is_same_size = screen->width == viewer->window.width &&
+                        screen->height == viewer->window.height &&
+                        memcmp(call->picture, viewer->last_call.picture, sizeof call->picture) == 0;
     bool waits = false;
     for (uint32_t side = 0; side < viewer->side_count && viewer->has_scene; side++) {
         const struct view *view = &viewer->sides[side];
@@ -290,12 +292,19 @@ bool viewer_show(struct viewer *viewer, struct err *err)
 {
     struct gpu *gpu = &viewer->gpu;
     struct display_call call;
-    if (viewer->window.is_minimised)
+    if (viewer->window.is_minimised) {
+        viewer->last_call.side_count = 0;
         return true;
+    }
     if (!denoise(viewer, err))
         return false;
     viewer_display_call(viewer, &call);
-    if ((!shows_last(viewer) && !display_draw(&viewer->display, &call, err)) ||
+    bool draws = !shows_last(viewer, &call);
+    if (draws)
+        viewer->last_call = call;
+    else
+        viewer->last_call.side_count = 0;
+    if ((draws && !display_draw(&viewer->display, &call, err)) ||
         !gpu_screen_resize(gpu, &viewer->screen, call.width, call.height, err) ||
         !gpu_screen_draw(gpu, &viewer->screen, &viewer->display.pixels, &viewer->drawing, err))
         return false;

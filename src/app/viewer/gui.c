@@ -275,6 +275,11 @@ static float help_height(void)
     return HELP_LINES * im_line_height() + 2.0f * im_style_now().item_spacing.y;
 }
 
+float gui_panel_width(const struct gui *gui, uint32_t window_width)
+{
+    return floorf(fminf(PANEL_POINTS * gui->own->scale, PANEL_PART * (float)window_width));
+}
+
 bool gui_panel_begin(struct gui *gui, const char *title)
 {
     struct gui_state *own = gui->own;
@@ -282,7 +287,7 @@ bool gui_panel_begin(struct gui *gui, const char *title)
     own->is_drawn = !gui->is_hidden && size.x > 0.0f && size.y > 0.0f;
     if (!own->is_drawn)
         return false;
-    gui->width = floorf(fminf(PANEL_POINTS * own->scale, PANEL_PART * size.x));
+    gui->width = gui_panel_width(gui, (uint32_t)size.x);
     im_panel_begin(gui->width, size.y);
     im_push_color_of(IM_COLOR_TEXT, IM_COLOR_CHECK_MARK);
     im_text(title);

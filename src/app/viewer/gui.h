@@ -60,6 +60,8 @@ void gui_finish(struct gui *gui);                               // accepts NULL 
 void gui_atlas(struct gui *gui, struct gpu_atlas *out);         // of the letters; lives as long
 void gui_event(struct gui *gui, const struct event *event);
 // seconds: since the last frame.
+// Of the panel, pixels, in a window of that width where it is not hidden.
+float gui_panel_width(const struct gui *gui, uint32_t window_width);
 void gui_begin(struct gui *gui, uint32_t width, uint32_t height, double seconds);
 // What is to be drawn, valid until the next gui_begin. Afterwards `items` are those of this frame.
 void gui_end(struct gui *gui, struct gpu_drawing *out);

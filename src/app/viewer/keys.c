@@ -138,7 +138,7 @@ static void do_revolve(struct viewer *viewer)
 static void do_home(struct viewer *viewer)
 {
     if (viewer->has_scene)
-        edit_camera(viewer, &viewer->scene.cameras[viewer->camera_index], "camera.reset");
+        viewer_go_home(viewer);
 }
 
 static void do_frame(struct viewer *viewer)
@@ -206,7 +206,7 @@ const struct key_help viewer_keys[] = {
     {"C", "fly or orbit"},
     {"R", "revolve about the target, or stop"},
     {"F", "the whole scene in the picture"},
-    {"Home", "the scene's camera"},
+    {"Home", "the scene's camera; without one, all of it in the picture, as when it was opened"},
     {"1 to 9", "go to a saved view"},
     {"Ctrl+1 to Ctrl+9", "save the view"},
     {"Ctrl+Z", "undo"},
@@ -315,7 +315,7 @@ bool viewer_holds_nothing(const struct viewer *viewer)
 
 static bool is_on_split(const struct viewer *viewer, double x)
 {
-    double line = viewer->shown.split_at * viewer->window.width;
+    double line = viewer_split_x(viewer);
     return viewer->shown.split && fabs(x - line) <= SPLIT_POINTS * (double)viewer->window.scale;
 }
 
@@ -364,7 +364,9 @@ static void release(struct viewer *viewer, int button)
 static void move_split(struct viewer *viewer, double x)
 {
     struct shown shown = viewer->shown;
-    shown.split_at = fmax(0.0, fmin(x / viewer->window.width, 1.0));
+    uint32_t place[4];
+    viewer_picture_place(viewer, place);
+    shown.split_at = fmax(0.0, fmin((x - place[0]) / place[2], 1.0));
     edit_shown(viewer, &shown, "view.split_at");
 }
 
@@ -446,6 +448,8 @@ void viewer_move_camera(struct viewer *viewer, double seconds)
     struct keys *keys = &viewer->keys;
     const bool *held = keys->held;
     struct camera camera = viewer->camera;
+    uint32_t place[4];
+    viewer_picture_place(viewer, place);
     const struct rig_input input = {
         .forward = held[HELD_FORWARD] - held[HELD_BACK],
         .right = held[HELD_RIGHT] - held[HELD_LEFT],
@@ -454,7 +458,7 @@ void viewer_move_camera(struct viewer *viewer, double seconds)
         .look = {keys->look[0], keys->look[1]},
         .pan = {keys->pan[0], keys->pan[1]},
         .dolly = keys->dolly,
-        .picture_height = viewer->window.height,
+        .picture_height = place[3],
         .seconds = seconds,
     };
     if (viewer->has_scene && rig_step(&viewer->rig, &input, &camera))

@@ -106,6 +106,30 @@ void viewer_find_bounds(struct viewer *viewer)
     flat_to_world(flat, high, viewer->bounds_max);
 }
 
+// A model without a camera is to be seen from all sides: what is turned about is its middle.
+static void orbit_model(struct viewer *viewer)
+{
+    if (!viewer->scene.camera_is_framed || !(viewer->bounds_min[0] <= viewer->bounds_max[0]))
+        return;
+    viewer->rig.mode = RIG_ORBIT;
+    for (int c = 0; c < 3; c++)
+        viewer->rig.target[c] = 0.5 * viewer->bounds_min[c] + 0.5 * viewer->bounds_max[c];
+    viewer->wants_target = false;
+}
+
+void viewer_go_home(struct viewer *viewer)
+{
+    struct camera camera = viewer->scene.cameras[viewer->camera_index];
+    if (viewer->scene.camera_is_framed) {
+        struct scene fitted = viewer->scene; // only looked at, but for its camera
+        fitted.cameras = &camera;
+        viewer_picture_size(viewer, &fitted.settings.width, &fitted.settings.height);
+        scene_frame_camera(&fitted);
+        orbit_model(viewer);
+    }
+    edit_camera(viewer, &camera, "camera.reset");
+}
+
 // As the scene and the command line say.
 static void set_view(struct viewer *viewer)
 {
@@ -114,6 +138,7 @@ static void set_view(struct viewer *viewer)
     viewer->wants_target = true;
     pace_init(&viewer->pace, viewer->pace.target_ms);
     rig_init(&viewer->rig, &viewer->camera, viewer->bounds_min, viewer->bounds_max);
+    orbit_model(viewer);
     memset(viewer->saved, 0, sizeof viewer->saved);
     set_methods(viewer);
     viewer->shown.exposure = settings->exposure;

@@ -181,9 +181,9 @@ static void frame_all(struct viewer *viewer)
 static void buttons(struct viewer *viewer)
 {
     struct gui *gui = &viewer->gui;
-    const struct scene *scene = &viewer->scene;
-    if (gui_button(gui, "camera.reset", "Reset", "The camera as the scene file has it."))
-        edit_camera(viewer, &scene->cameras[viewer->camera_index], "camera.reset");
+    if (gui_button(gui, "camera.reset", "Reset",
+                   "The camera as the scene file has it; without one, all of it in the picture."))
+        viewer_go_home(viewer);
     gui_same_line(gui);
     if (gui_button(gui, "camera.frame", "Frame all", "The whole scene in the picture."))
         frame_all(viewer);

@@ -93,8 +93,7 @@ static float sides(struct viewer *viewer, float y)
 {
     float line = 22.0f * viewer->window.scale;
     float left = free_x(viewer);
-    float right = (float)(viewer->shown.split_at * (double)viewer->window.width) +
-                  MARGIN * viewer->window.scale;
+    float right = (float)viewer_split_x(viewer) + MARGIN * viewer->window.scale;
     side_note(viewer, 0, left, y);
     // Room for a sentence of some forty letters.
     if (right < left + 330.0f * viewer->window.scale) {

@@ -37,18 +37,22 @@ static uint32_t pixel_at(double position, uint32_t size, uint32_t pixels)
 
 bool viewer_pick(struct viewer *viewer, double x, double y, struct picked *out, struct err *err)
 {
-    const struct window *window = &viewer->window;
-    bool is_right = viewer->side_count > 1 && x >= viewer->shown.split_at * window->width;
+    uint32_t place[4];
+    viewer_picture_place(viewer, place);
+    bool is_right = viewer->side_count > 1 && x >= viewer_split_x(viewer);
     struct view *view = &viewer->sides[is_right];
     *out = (struct picked){.object = VIEWER_NO_OBJECT, .material = VIEWER_NO_OBJECT};
-    if (!viewer->has_scene || !view->is_ready)
+    x -= place[0];
+    y -= place[1];
+    bool is_inside = x >= 0.0 && y >= 0.0 && x < place[2] && y < place[3];
+    if (!viewer->has_scene || !view->is_ready || !is_inside)
         return true;
     const struct gpu_frame *frame = &view->renderer.frame;
     struct replay replay;
     // One of the very samples that the picture is made of.
-    if (!renderer_replay(&view->renderer, pixel_at(x, window->width, frame->width),
-                         pixel_at(y, window->height, frame->height), 0, &viewer->frame_arena,
-                         &replay, err))
+    if (!renderer_replay(&view->renderer, pixel_at(x, place[2], frame->width),
+                         pixel_at(y, place[3], frame->height), 0, &viewer->frame_arena, &replay,
+                         err))
         return false;
     out->is_some = true;
     if (replay.vertex_count > 0 && strcmp(replay.vertices[0].queue, "surface") == 0)

@@ -232,6 +232,20 @@ static bool hand_over(struct viewer *viewer, struct saving *saving, bool ok, str
     return false;
 }
 
+// What was shown last, where it would be without the panel, until the next frame is drawn. Where
+// that cannot be had, it stays as it is shown.
+static void draw_alone(struct viewer *viewer)
+{
+    struct display_call call = viewer->last_call;
+    const uint32_t whole[4] = {0, 0, call.width, call.height};
+    struct err ignored = {0};
+    if (call.side_count == 0 || memcmp(call.picture, whole, sizeof whole) == 0)
+        return;
+    memcpy(call.picture, whole, sizeof whole);
+    if (display_draw(&viewer->display, &call, &ignored))
+        viewer->last_call = call;
+}
+
 static bool copy_display(struct viewer *viewer, bool with_panel, struct saving *saving,
                          struct err *err)
 {
@@ -243,6 +257,7 @@ static bool copy_display(struct viewer *viewer, bool with_panel, struct saving *
         return err_set(err, ERR_OUTPUT, "there is no picture so far");
     if (with_panel)
         return gpu_screen_read(&viewer->gpu, screen, &saving->arena, &saving->display, err);
+    draw_alone(viewer);
     saving->display = arena_alloc(&saving->arena, pixels, sizeof *saving->display);
     return saving->display ? gpu_download(&viewer->gpu, &viewer->display.pixels, 0, saving->display,
                                           pixels * 4, err)

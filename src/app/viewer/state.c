@@ -149,10 +149,13 @@ static json_t *window_json(const struct viewer *viewer)
     static const char *const modes[] = {"immediate", "mailbox", "fifo", "fifo_relaxed"};
     uint32_t mode = (uint32_t)viewer->swapchain.present_mode;
     bool has_mode = viewer->swapchain.handle != VK_NULL_HANDLE && mode < 4;
-    return json_pack("{s:i, s:i, s:b, s:b, s:b, s:s}", "width", viewer->window.width, "height",
-                     viewer->window.height, "minimised", viewer->window.is_minimised, "headless",
-                     viewer->window.handle == NULL, "panel", viewer->is_panel_shown, "present_mode",
-                     has_mode ? modes[mode] : "none");
+    uint32_t place[4];
+    viewer_picture_place(viewer, place);
+    return json_pack(
+        "{s:i, s:i, s:b, s:b, s:b, s:s, s:[i, i, i, i]}", "width", viewer->window.width, "height",
+        viewer->window.height, "minimised", viewer->window.is_minimised, "headless",
+        viewer->window.handle == NULL, "panel", viewer->is_panel_shown, "present_mode",
+        has_mode ? modes[mode] : "none", "picture", place[0], place[1], place[2], place[3]);
 }
 
 static json_t *rig_json(const struct rig *rig)

@@ -150,10 +150,11 @@ struct viewer {
     bool wants_quit;
     int exit_code; // of what ended it, EXIT_CODE_*
 
-    enum change changes[VIEWER_SIDES];     // asked for in this frame, by side
-    bool shaders_changed;                  // reload.c made new kernels
-    bool has_kept;                         // display_keep: shown where there are no samples yet
-    const struct kernel_set *kernels;      // of reload.c; NULL: the embedded ones
+    enum change changes[VIEWER_SIDES]; // asked for in this frame, by side
+    bool shaders_changed;              // reload.c made new kernels
+    struct display_call last_call;    // what is on the screen; without sides: they may have changed
+    bool has_kept;                    // display_keep: shown where there are no samples yet
+    const struct kernel_set *kernels; // of reload.c; NULL: the embedded ones
     const struct kernel_set *good_kernels; // with which all sides were built
     struct progress frame_progress;        // of renderers: stops them when the frame's time is over
     uint64_t render_until_ns;              // the clock's time then
@@ -183,6 +184,11 @@ void viewer_message(struct viewer *viewer, enum message_kind kind, const char *f
 double viewer_seconds(const struct viewer *viewer); // since it began
 // The size of the picture at rest: the window's.
 void viewer_picture_size(const struct viewer *viewer, uint32_t *width, uint32_t *height);
+// Where in the window it is shown: x, y, width, height, pixels. In the middle of what the panel
+// leaves, and all of it: scaled down while the panel is shown. What is rendered is the same.
+void viewer_picture_place(const struct viewer *viewer, uint32_t place[4]);
+// The x in the window of the line of a split view.
+double viewer_split_x(const struct viewer *viewer);
 // Draws a frame with a progress bar, from inside of long work; at most ten a second.
 void viewer_show_progress(struct viewer *viewer, const char *phase, double fraction);
 
@@ -225,6 +231,9 @@ bool viewer_load_scene(struct viewer *viewer, const char *path, bool keep_view, 
 struct geometry_params viewer_geometry_params(const struct viewer *viewer,
                                               const struct scene *scene);
 void viewer_find_bounds(struct viewer *viewer); // of the geometry as it is
+// The scene's camera; one that was made up is fitted to the picture as it is now, and turns about
+// the middle of the scene.
+void viewer_go_home(struct viewer *viewer);
 
 // --- changes.c -----------------------------------------------------------------------------------
 // What has to be done anew before the next samples; both sides, or one.
