@@ -546,6 +546,20 @@ def check_light_choices(bits, lobes, kernels, folder):
         print("%-26s %-18s %5d instructions" % (name, "shade_surface", module.instructions))
 
 
+def check_environment_filters(bits, kernels, folder):
+    """Of both ways to look an image up, only the chosen one is there, and none without an image."""
+    owned = ["environment_place_of", "load_environment_cell", "cell_density", "environment_texel"]
+    image = bits["ENVIRONMENT"] | bits["ENVIRONMENT_IMAGE"] | bits["EMITTER_ENVIRONMENT"]
+    for name, features, number, wanted in (("bilinear", image, 0, owned[:3]),
+                                           ("nearest", image, 1, owned[3:]),
+                                           ("no image", bits["ENVIRONMENT"], 1, [])):
+        module = freeze(kernels["shade_miss"], features, 0, folder, 0, "24:%d" % number)
+        there = [function for function in owned if module.count(function + "()")]
+        if there != wanted:
+            fail("environment, %s: has %s, expected %s" % (name, there, wanted))
+        print("%-26s %-18s %5d instructions" % (name, "shade_miss", module.instructions))
+
+
 def check_nodes(bits, kernels, folder):
     """Of both kinds of nodes, only the test of the chosen one's boxes is there."""
     owned = ["test_quantised_children", "test_float_children"]
@@ -618,6 +632,7 @@ def main():
             check_feature(name, bits, few, kernels, folder)
         check_samplers(bits, kernels, folder)
         check_light_choices(bits, few, kernels, folder)
+        check_environment_filters(bits, kernels, folder)
         check_nodes(bits, kernels, folder)
         if not short:
             for name in LOBES:

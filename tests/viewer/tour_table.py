@@ -230,7 +230,7 @@ OBJECTS = [
     ('object.0.visible', 'off'),
     ('object.2.visible', 'off'),
     ('object.1', 'on', 'state', None),
-    'mouse 200 120', 'button left', 'wait 3 frames', 'expect picked.distance > 0',
+    'mouse 216 99', 'button left', 'wait 3 frames', 'expect picked.distance > 0',
     ('picked.edit_material', '', 'state', None),
     ('picked.hide', ''),
 ]
