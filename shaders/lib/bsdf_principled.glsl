@@ -129,13 +129,16 @@ vec3 eval_principled_diffuse(principled p, vec3 wo, vec3 wi, vec4 h, out precise
     float weight_i = schlick_weight(wi.z);
     float f90 = p.roughness * h.w * h.w;
     float a = 2.0 * f90 - 0.5;
-    precise float d = (1.0 + a * weight_o) * (1.0 + a * weight_i);
+    precise float d = 1.0;
+    if (HAS_LOBE(LOBE_BURLEY) && !p.is_gltf)
+        d = (1.0 + a * weight_o) * (1.0 + a * weight_i);
     if (HAS_LOBE(LOBE_SUBSURFACE)) {
         float f = (1.0 + (f90 - 1.0) * weight_o) * (1.0 + (f90 - 1.0) * weight_i);
         float below = 1.25 * (f * (1.0 / (wo.z + wi.z) - 0.5) + 0.5);
         d += p.subsurface * (below - d);
     }
-    d /= max(1.0, max(p.albedo_diffuse, principled_albedo_diffuse(p, wi.z)));
+    if (HAS_LOBE(LOBE_BURLEY) || HAS_LOBE(LOBE_SUBSURFACE))
+        d /= max(1.0, max(p.albedo_diffuse, principled_albedo_diffuse(p, wi.z)));
     precise vec3 f = p.base_color * (p.sheen_layer * (1.0 - p.diffuse_transmission) * d * pdf);
     if (HAS_LOBE(LOBE_SHEEN))
         f += p.sheen * (schlick_weight(h.w) * wi.z);
@@ -158,11 +161,11 @@ vec3 eval_principled_reflection(principled p, vec3 wo, vec3 wi, out precise floa
         pdf += p.p_base * lobe_pdf;
     }
     if (HAS_LOBE(LOBE_CLEARCOAT) && !p.coat_delta) {
-        f += p.fibre_layer * eval_coat(p, wo, wi, h, lobe_pdf);
+        f += p.coat_layer * eval_coat(p, wo, wi, h, lobe_pdf);
         pdf += p.p_coat * lobe_pdf;
     }
     if (HAS_LOBE(LOBE_CHARLIE)) {
-        f += eval_fibres(p, wo, wi, h, lobe_pdf);
+        f += p.fibre_layer * eval_fibres(p, wo, wi, h, lobe_pdf);
         pdf += p.p_fibre * lobe_pdf;
     }
     return f;
@@ -269,7 +272,7 @@ bsdf_sample sample_principled(material m, vec3 wo, float eta, vec4 u)
     } else if (HAS_LOBE(LOBE_CLEARCOAT) && u.z >= bound_fibre) {
         vec3 h = p.coat_delta ? vec3(0.0, 0.0, 1.0) : sample_coat_normal(p, wo, u.xy);
         s.wi = normalize(2.0 * dot(wo, h) * h - wo);
-        s.weight = vec3(p.fibre_layer * p.coat / p.p_coat *
+        s.weight = vec3(p.coat_layer * p.coat / p.p_coat *
                         (0.04 + 0.96 * schlick_weight(wo.z)));
         s.specular = p.coat_delta;
         s.valid = s.wi.z > 0.0;

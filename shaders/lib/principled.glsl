@@ -29,6 +29,7 @@ struct principled {
     bool is_delta;
     bool thin;
     bool separable;
+    bool is_gltf; // mixed as glTF's appendix B says, not as Burley does
     // Diffuse, and what it is weighted with.
     vec3 below; // (1 - metallic) (1 - transmission) K
     vec3 sheen;
@@ -40,11 +41,12 @@ struct principled {
     vec3 fibre_color;
     float fibre_roughness;
     float fibre_albedo; // E_charlie(wo)
-    float fibre_layer;  // S
+    float fibre_layer;  // what is over the fibres lets through: 1, or C
     float coat;
     float coat_alpha; // of D
     bool coat_ggx;
     bool coat_delta;
+    float coat_layer; // what is over the coat lets through: S, or 1
     float base_layer; // S C
     // Lobes are chosen with these probabilities.
     float p_fibre, p_coat, p_base, p_diffuse, p_through;
@@ -76,10 +78,17 @@ vec3 burley_tint(vec3 base_color)
     return luminance > 0.0 ? base_color / luminance : vec3(1.0);
 }
 
+bool principled_is_gltf(material m)
+{
+    return HAS_LOBE(LOBE_GLTF) && (!HAS_LOBE(LOBE_BURLEY) || material_has(m, MATERIAL_GLTF_LAYERS));
+}
+
 // E_d, of base colour 1.
 float principled_albedo_diffuse(principled p, float mu)
 {
-    float albedo = albedo_burley(mu, p.roughness);
+    float albedo = 1.0;
+    if (HAS_LOBE(LOBE_BURLEY) && !p.is_gltf)
+        albedo = albedo_burley(mu, p.roughness);
     if (HAS_LOBE(LOBE_SUBSURFACE)) {
         vec4 e = albedo_diffuse(p.tables, mu);
         float below = e.x + p.roughness * (e.y + p.roughness * e.z);
@@ -108,6 +117,13 @@ vec3 principled_dielectric(principled p, float cos_o, float exact, float cos_t, 
     return principled_film(p, cos_o, cos_t, p.f0, clamp(f, 0.0, 1.0), highest);
 }
 
+// Of a reflectance or an albedo, what counts for what lies beneath: in glTF the greatest channel, so
+// that coloured reflection leaves white light (KHR_materials_specular).
+vec3 principled_whitened(principled p, vec3 reflected)
+{
+    return p.is_gltf ? vec3(max_channel(reflected)) : reflected;
+}
+
 // What the interface of the base reflects and what it lets through at a microfacet, for
 // cos_o = wo.h, the refracted direction's cosine and Fresnel's reflectance: R, and
 // (1 - metallic) transmission tint (1 - F_t).
@@ -125,7 +141,8 @@ void principled_interface(principled p, float cos_o, float cos_t, float exact,
     if (HAS_LOBE(LOBE_TRANSMISSION)) {
         vec3 f_t = p.thin ? 2.0 * f / (1.0 + f) : f;
         reflected += p.transmission * (p.through_compensation * f_t - f);
-        through = p.transmission * p.tint * p.through_compensation * (1.0 - f_t);
+        through = p.transmission * p.tint * p.through_compensation *
+                  (1.0 - principled_whitened(p, f_t));
     }
     if (HAS_LOBE(LOBE_METAL)) {
         vec3 metal = fresnel_schlick(p.base_color, cos_o);
@@ -150,19 +167,20 @@ vec2 principled_probabilities(vec3 reflected, vec3 through)
 void prepare_fibres(inout precise principled p, material m, float mu)
 {
     p.fibre_layer = 1.0;
+    p.coat_layer = 1.0;
     if (!HAS_LOBE(LOBE_CHARLIE))
         return;
     p.fibre_color = m.group[GROUP_SHEEN].rgb;
     p.fibre_roughness = max(0.1, m.group[GROUP_SHEEN].a);
     p.fibre_albedo = albedo_charlie(p.tables, mu, p.fibre_roughness);
     float albedo = min(1.0, p.fibre_albedo);
-    p.fibre_layer = 1.0 - max_channel(p.fibre_color) * albedo;
+    p.coat_layer = 1.0 - max_channel(p.fibre_color) * albedo;
     p.p_fibre = mean_channel(p.fibre_color) * albedo;
 }
 
 void prepare_coat(inout precise principled p, material m, float mu)
 {
-    p.base_layer = p.fibre_layer;
+    p.base_layer = p.coat_layer;
     if (!HAS_LOBE(LOBE_CLEARCOAT))
         return;
     vec4 group = m.group[GROUP_CLEARCOAT];
@@ -176,8 +194,13 @@ void prepare_coat(inout precise principled p, material m, float mu)
     if (!p.coat_ggx)
         albedo = 4.0 * albedo_coat(p.tables, mu, group.b);
     albedo *= p.coat;
-    p.base_layer = p.fibre_layer * (1.0 - albedo);
-    p.p_coat = p.fibre_layer * albedo;
+    p.base_layer = p.coat_layer * (1.0 - albedo);
+    if (HAS_LOBE(LOBE_GLTF) && p.is_gltf) {
+        p.coat_layer = 1.0;
+        p.fibre_layer = 1.0 - albedo;
+        p.p_fibre *= p.fibre_layer;
+    }
+    p.p_coat = p.coat_layer * albedo;
 }
 
 // The dielectric's reflectance at normal incidence: that of the index, scaled and tinted.
@@ -323,6 +346,7 @@ principled principled_prepare(material m, vec3 wo, float eta)
         HAS_LOBE(LOBE_TRANSMISSION) ? (1.0 - p.metallic) * m.group[GROUP_INTERFACE].r : 0.0;
     p.thin = is_thin(m);
     p.separable = is_separable(m);
+    p.is_gltf = principled_is_gltf(m);
     p.tint = p.thin || material_has(m, MATERIAL_TINT_EACH) ? p.base_color : sqrt(p.base_color);
     p.film = 0.0;
     p.film_index = 1.0;
@@ -358,7 +382,7 @@ principled principled_prepare(material m, vec3 wo, float eta)
     vec3 albedo;
     vec3 dielectric = prepare_interface(p, m, wo, alpha, albedo);
     p.p_base = p.base_layer * mean_channel(albedo);
-    p.below = (1.0 - p.metallic - p.transmission) * (1.0 - dielectric);
+    p.below = (1.0 - p.metallic - p.transmission) * (1.0 - principled_whitened(p, dielectric));
     prepare_diffuse(p, m, wo.z);
 
     float sum = p.p_fibre + p.p_coat + p.p_base + p.p_diffuse + p.p_through;

@@ -27,6 +27,8 @@
 #define MATERIAL_MEDIUM (1u << 12)     // has an inside: closed, refracting or absorbing
 #define MATERIAL_EMITS (1u << 13)      // emission may be above zero somewhere
 #define MATERIAL_TINT_EACH (1u << 14)  // every crossing tints by base_color (glTF), not by its root
+#define MATERIAL_GLTF_LAYERS (1u << 15) // mixed as glTF's appendix B says, not as Burley does: a
+                                        // Lambert base, white under the interface, coat over fibres
 // Choices of MATERIAL_MICROFACET.
 #define MATERIAL_DISTRIBUTION_SHIFT 16 // 2 bits
 #define DISTRIBUTION_GGX 0u
@@ -130,6 +132,8 @@
 #define LOBE_DISPERSION (1u << 20)
 #define LOBE_DIFFUSE_TRANSMISSION (1u << 21)
 #define LOBE_SEPARABLE (1u << 22)
+#define LOBE_BURLEY (1u << 23)        // principled that is mixed as Burley does
+#define LOBE_GLTF (1u << 24)          // principled that is mixed as glTF says
 // What may send light through a surface.
 #define LOBES_THROUGH (LOBE_TRANSMISSION | LOBE_DIELECTRIC | LOBE_DIFFUSE_TRANSMISSION)
 

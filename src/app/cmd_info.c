@@ -32,6 +32,15 @@ static uint32_t count_materials(const struct scene *scene, uint32_t model)
     return count;
 }
 
+// Materials that are shaded as a simpler model than their own.
+static uint32_t count_reduced(const struct scene *scene)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < scene->material_count; i++)
+        count += material_shading_model(&scene->materials[i]) != scene->materials[i].model;
+    return count;
+}
+
 static uint32_t count_lights(const struct scene *scene, uint32_t kind)
 {
     uint32_t count = 0;
@@ -51,6 +60,9 @@ static void print_materials(const struct scene *scene)
             separator = ", ";
         }
     }
+    uint32_t reduced = count_reduced(scene);
+    if (reduced > 0)
+        printf("; %u of them shaded as %s", reduced, material_model_names[MATERIAL_LAMBERT]);
     putchar('\n');
     if (scene->texture_count > 0)
         printf("textures  %u, of %u images\n", scene->texture_count, scene->image_count);
@@ -189,7 +201,7 @@ static int print_json(const struct info *info)
     return json_print(json_pack(
         "{s:o, s:i, s:o, s:i, s:i, s:i, s:i, s:o, s:i, s:i, s:i, s:i, s:o, s:{s:i, s:i, "
         "s:i}, s:i, s:o, s:{s:i, s:i, s:f, "
-        "s:I, s:f, s:f}, s:{s:o, s:o}, s:{s:I, s:o}, s:i, s:i, s:o}",
+        "s:I, s:f, s:f}, s:{s:o, s:o}, s:{s:I, s:o}, s:i, s:i, s:o, s:i}",
         "scene", json_words(scene->path), "triangles", flat->triangle_count, "shared",
         sharing_json(flat, info->specialization.features), "shapes", flat->shape_count, "meshes",
         scene->mesh_count, "instances", scene->instance_count, "materials", scene->material_count,
@@ -203,7 +215,7 @@ static int print_json(const struct info *info)
         b->cached_seconds, "features", "kept", features, "left_out", left_out, "memory",
         "device_bytes", (json_int_t)info->plan.total_bytes, "buffers", buffers, "wave",
         info->plan.wave_slots, "workgroup", info->specialization.workgroup, "tuned",
-        tuned_json(info->options, &info->gpu)));
+        tuned_json(info->options, &info->gpu), "shaded_as_diffuse", count_reduced(scene)));
 }
 
 static bool gather(const struct options *options, struct info *info, struct err *err)

@@ -68,7 +68,7 @@ static bool list_media(const struct scene *scene, const struct flat_scene *flat,
 
 static uint32_t derived_flags(const struct scene *scene, const struct material *material)
 {
-    uint32_t flags = material->model | (material->flags & ~MATERIAL_MODEL_MASK);
+    uint32_t flags = material_shading_model(material) | (material->flags & ~MATERIAL_MODEL_MASK);
     flags |= material_has_inside(material) ? MATERIAL_MEDIUM : 0u;
     flags |= material_emits(material) ? MATERIAL_EMITS : 0u;
     for (uint32_t i = 0; i < material->texture_count; i++) {
@@ -200,14 +200,14 @@ static bool is_compensated_glass(const struct material *m)
 // How many words of the tables of directional albedos shading a material reads.
 static uint32_t albedo_words_of(const struct material *m)
 {
-    if (m->model == MATERIAL_PRINCIPLED && m->anisotropic > 0.0f)
+    bool is_principled = material_shading_model(m) == MATERIAL_PRINCIPLED;
+    if (is_principled && m->anisotropic > 0.0f)
         return ALBEDO_WORDS;
     if (is_compensated_glass(m))
         return m->flags & MATERIAL_THIN ? ALBEDO_WORDS_ISOTROPIC : ALBEDO_WORDS_GLASS;
     bool is_compensated_conductor =
         m->model == MATERIAL_CONDUCTOR && (m->flags & MATERIAL_COMPENSATE) != 0u;
-    return m->model == MATERIAL_PRINCIPLED || is_compensated_conductor ? ALBEDO_WORDS_ISOTROPIC
-                                                                       : 0u;
+    return is_principled || is_compensated_conductor ? ALBEDO_WORDS_ISOTROPIC : 0u;
 }
 
 static uint32_t count_albedo_words(const struct shading_tables_params *p)

@@ -50,6 +50,7 @@ static uint32_t roughness_lobes(const struct scene *scene, const struct material
 static uint32_t principled_lobes(const struct scene *scene, const struct material *m)
 {
     uint32_t lobes = LOBE_PRINCIPLED | roughness_lobes(scene, m, PARAMETER_ROUGHNESS);
+    lobes |= m->flags & MATERIAL_GLTF_LAYERS ? LOBE_GLTF : LOBE_BURLEY;
     lobes |= lobe_if(m, PARAMETER_METALLIC, LOBE_METAL);
     lobes |= lobe_if(m, PARAMETER_SUBSURFACE, LOBE_SUBSURFACE);
     lobes |= lobe_if(m, PARAMETER_SHEEN, LOBE_SHEEN);
@@ -74,7 +75,7 @@ static uint32_t material_lobes(const struct scene *scene, const struct material 
 {
     uint32_t lobes = m->flags & MATERIAL_THIN ? LOBE_THIN : 0u;
     lobes |= m->flags & MATERIAL_SEPARABLE ? LOBE_SEPARABLE : 0u;
-    switch (m->model) {
+    switch (material_shading_model(m)) {
     case MATERIAL_LAMBERT:
         return LOBE_LAMBERT;
     case MATERIAL_MIRROR:
@@ -316,7 +317,7 @@ static uint32_t device_features(const struct gpu *gpu, const struct bvh *bvh,
 }
 
 // All that shading may need, but for what changes the result of a material that lacks it.
-#define LOBES_ALL ((LOBE_SEPARABLE << 1) - 1u)
+#define LOBES_ALL ((LOBE_GLTF << 1) - 1u)
 
 static uint32_t queues_needed(uint32_t features, const uint32_t class_lobes[CLASS_COUNT])
 {
@@ -517,7 +518,8 @@ const char *lobe_name(uint32_t bit)
         "anisotropy",        "energy compensation",
         "thin walls",        "iridescence",
         "dispersion",        "diffuse transmission",
-        "separable masking",
+        "separable masking", "Burley's layers",
+        "glTF's layers",
     };
     for (uint32_t i = 0; i < sizeof names / sizeof *names; i++)
         if (bit == 1u << i)

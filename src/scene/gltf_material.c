@@ -204,6 +204,7 @@ static bool load_material(struct gltf_load *load, uint32_t index, struct err *er
     if (!material)
         return gltf_no_memory(&load->document, "materials", sizeof *material, err);
     material->model = MATERIAL_PRINCIPLED;
+    material->flags |= MATERIAL_GLTF_LAYERS;
     struct gltf_material_reader reader = {
         .load = load,
         .node = &node,

@@ -57,9 +57,10 @@ bool load_json_edits(struct json_loader *loader, const struct json_node *edits, 
 
 // Of edits, in the order of the values in a material's flags and a light's kind; ended by NULL.
 extern const char *const edit_alpha_names[],
-    *const edit_coat_names[], *const edit_distribution_names[], *const edit_masking_names[],
-                                                                    *const edit_fresnel_names[],
-                                                                        *const edit_light_names[];
+    *const edit_coat_names[], *const edit_layers_names[], *const edit_distribution_names[],
+                                                              *const edit_masking_names[],
+                                                                  *const edit_fresnel_names[],
+                                                                      *const edit_light_names[];
 struct edit_switch {
     const char *key;
     uint32_t flag; // MATERIAL_*

@@ -114,10 +114,10 @@ static bool read_float(const struct json_node *object, const char *key, struct r
 
 // --- materials -----------------------------------------------------------------------------------
 
-static const char *const material_keys[] = {"index",     "name",       "type",    "alpha",
-                                            "coat",      "thin",       "unlit",   "compensate",
-                                            "tint_each", "separable",  "masking", "distribution",
-                                            "fresnel",   "extinction", "priority"};
+static const char *const material_keys[] = {"index",        "name",      "type",       "alpha",
+                                            "coat",         "layers",    "thin",       "unlit",
+                                            "compensate",   "tint_each", "separable",  "masking",
+                                            "distribution", "fresnel",   "extinction", "priority"};
 #define MATERIAL_KEY_COUNT (sizeof material_keys / sizeof *material_keys)
 
 static bool check_material_keys(const struct json_node *node, struct err *err)
@@ -150,6 +150,7 @@ static bool read_switches(const struct json_node *node, uint32_t *flags, struct 
 
 const char *const edit_alpha_names[] = {"opaque", "mask", "blend", NULL};
 const char *const edit_coat_names[] = {"burley", "ggx", NULL};
+const char *const edit_layers_names[] = {"burley", "gltf", NULL};
 const char *const edit_distribution_names[] = {[DISTRIBUTION_GGX] = "ggx",
                                                [DISTRIBUTION_BECKMANN] = "beckmann",
                                                [DISTRIBUTION_PHONG] = "phong",
@@ -174,13 +175,15 @@ static bool read_bits(const struct json_node *node, const char *key, const char 
 }
 
 _Static_assert(MATERIAL_ALPHA_MASK == 1u << 4 && MATERIAL_ALPHA_BLEND == 2u << 4 &&
-                   MATERIAL_COAT_GGX == 1u << 7 && MATERIAL_EXACT_FRESNEL == 1u << 21,
+                   MATERIAL_COAT_GGX == 1u << 7 && MATERIAL_GLTF_LAYERS == 1u << 15 &&
+                   MATERIAL_EXACT_FRESNEL == 1u << 21,
                "the choices must be numbers in these bits");
 
 static bool read_choices(const struct json_node *node, uint32_t *flags, struct err *err)
 {
     return read_bits(node, "alpha", edit_alpha_names, 4, 2, flags, err) &&
            read_bits(node, "coat", edit_coat_names, 7, 1, flags, err) &&
+           read_bits(node, "layers", edit_layers_names, 15, 1, flags, err) &&
            read_bits(node, "distribution", edit_distribution_names, MATERIAL_DISTRIBUTION_SHIFT, 2,
                      flags, err) &&
            read_bits(node, "masking", edit_masking_names, MATERIAL_MASKING_SHIFT, 3, flags, err) &&

@@ -28,6 +28,7 @@ static const struct {
     {"extinction", THROUGH},
     {"priority", THROUGH},
     {"compensate", SMITH_ONLY},
+    {"layers", ONLY(MATERIAL_PRINCIPLED)},
     {"masking", SMITH_ONLY | ONLY(MATERIAL_MICROFACET)},
     {"metal", ONLY(MATERIAL_CONDUCTOR)},
     {"distribution", ONLY(MATERIAL_MICROFACET)},
@@ -267,6 +268,16 @@ static bool read_coat(const struct json_node *node, struct material *material, s
     return true;
 }
 
+// Whether the layers are mixed as Burley does or as glTF's specification says.
+static bool read_layers(const struct json_node *node, struct material *material, struct err *err)
+{
+    uint32_t choice = 0;
+    if (!node_read_choice(node, "layers", edit_layers_names, &choice, err))
+        return false;
+    material->flags |= choice > 0 ? MATERIAL_GLTF_LAYERS : 0;
+    return true;
+}
+
 // --- the inside ----------------------------------------------------------------------------------
 
 static bool read_absorption(const struct json_node *node, struct material *material,
@@ -316,6 +327,7 @@ static bool read_material(struct json_loader *loader, const struct json_node *no
     return load_json_parameters(node, material, err) && read_smoothness(node, material, err) &&
            read_metal(node, material, err) && load_json_textures(loader, node, material, err) &&
            read_alpha(loader->scene, node, material, err) && read_coat(node, material, err) &&
+           read_layers(node, material, err) &&
            read_flag(node, "thin", MATERIAL_THIN, material, err) &&
            read_flag(node, "compensate", MATERIAL_COMPENSATE, material, err) &&
            read_microfacets(node, material, err) && read_inside(node, material, err);

@@ -118,9 +118,25 @@ static bool transmits(const struct material *material)
              material->parameters[PARAMETER_DIFFUSE_TRANSMISSION] > 0.0f));
 }
 
+uint32_t material_shading_model(const struct material *material)
+{
+    // All that would add to glTF's diffuse base, or take from it.
+    static const uint32_t others[] = {PARAMETER_METALLIC,        PARAMETER_SPECULAR_WEIGHT,
+                                      PARAMETER_TRANSMISSION,    PARAMETER_CLEARCOAT,
+                                      PARAMETER_SHEEN_COLOR,     PARAMETER_SHEEN_COLOR + 1,
+                                      PARAMETER_SHEEN_COLOR + 2, PARAMETER_SHEEN,
+                                      PARAMETER_SUBSURFACE,      PARAMETER_DIFFUSE_TRANSMISSION};
+    if (material->model != MATERIAL_PRINCIPLED || !(material->flags & MATERIAL_GLTF_LAYERS))
+        return material->model;
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+        if (material->parameters[others[i]] > 0.0f)
+            return MATERIAL_PRINCIPLED;
+    return MATERIAL_LAMBERT;
+}
+
 uint32_t material_class(const struct material *material)
 {
-    switch (material->model) {
+    switch (material_shading_model(material)) {
     case MATERIAL_LAMBERT:
     case MATERIAL_MIRROR:
         return CLASS_DIFFUSE;

@@ -9,6 +9,7 @@
 //   illum 3: a metal of colour Kd, by as much as Ka says, of the roughness that Ns says
 //   illum 2 and a Ks: principled, specular = the mean of Ks, of the roughness that Ns says
 //   all others: Lambert of reflectance Kd
+// A principled material's diffuse part is Lambert's, as Kd is, and its layers are mixed as glTF's.
 // with roughness = 1 - sqrt(Ns / 1000), Ns at most 1000. d below 1, or map_d, makes it partly
 // absent.
 #include "mesh_loader.h"
@@ -73,6 +74,7 @@ static float ior_of(const struct mtl_statements *read)
 static void make_principled(const struct mtl_statements *read, struct material *out)
 {
     out->model = MATERIAL_PRINCIPLED;
+    out->flags |= MATERIAL_GLTF_LAYERS;
     out->roughness = roughness_of(read);
     out->ior = ior_of(read);
     out->specular = read->specular[0] >= 0.0f ? mean_of(read->specular) : 0.5f;

@@ -67,6 +67,8 @@ void material_init(struct material *material);
 // Absorption after Beer and Lambert from the colour that white light has `distance` metres (> 0)
 // inside: -log(color) / distance; infinite where a channel is 0.
 void material_set_absorption(struct material *material, const float color[3], float distance);
+// The model that shades it: its own, but MATERIAL_LAMBERT where nothing else of it is left.
+uint32_t material_shading_model(const struct material *material);
 // CLASS_* that shades it.
 uint32_t material_class(const struct material *material);
 // Whether its surfaces bound a medium: it transmits, refracting or not, and is not thin-walled.

@@ -151,6 +151,7 @@ static const struct choice {
 } choices[] = {
     {"alpha", edit_alpha_names, 4, 2},
     {"coat", edit_coat_names, 7, 1},
+    {"layers", edit_layers_names, 15, 1},
     {"distribution", edit_distribution_names, MATERIAL_DISTRIBUTION_SHIFT, 2},
     {"masking", edit_masking_names, MATERIAL_MASKING_SHIFT, 3},
     {"fresnel", edit_fresnel_names, 21, 1},

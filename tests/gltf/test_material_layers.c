@@ -157,6 +157,39 @@ TEST(anisotropy)
     scene_finish(&scene);
 }
 
+// What reflects nothing but diffusely is shaded as Lambert's, in the cheapest class; whatever adds
+// to it is not.
+static const char plain_materials[] =
+    "{'pbrMetallicRoughness':{'metallicFactor':0},"
+    "'extensions':{'KHR_materials_specular':{'specularFactor':0}}},"
+    "{'pbrMetallicRoughness':{'metallicFactor':0},"
+    "'extensions':{'KHR_materials_specular':{'specularFactor':0},"
+    "'KHR_materials_sheen':{'sheenColorFactor':[0,0,0.1]}}},"
+    "{'pbrMetallicRoughness':{'metallicFactor':0},"
+    "'extensions':{'KHR_materials_specular':{'specularFactor':0},"
+    "'KHR_materials_clearcoat':{'clearcoatFactor':0.1}}},"
+    "{'pbrMetallicRoughness':{'metallicFactor':0}},"
+    "{'pbrMetallicRoughness':{'metallicFactor':0},"
+    "'extensions':{'KHR_materials_specular':{'specularFactor':0},"
+    "'KHR_materials_transmission':{'transmissionFactor':0.5}}}";
+
+TEST(lambert)
+{
+    static const uint32_t classes[5] = {CLASS_DIFFUSE, CLASS_PRINCIPLED, CLASS_PRINCIPLED,
+                                        CLASS_PRINCIPLED, CLASS_TRANSMISSIVE};
+    const struct material_file file = {.materials = plain_materials, .count = 5};
+    struct scene scene;
+    if (!load_materials(&scene, &file))
+        return;
+    const struct material *m = scene.materials;
+    for (int i = 0; i < 5; i++) {
+        CHECK(m[i].model == MATERIAL_PRINCIPLED && m[i].flags & MATERIAL_GLTF_LAYERS);
+        CHECK(material_class(&m[i]) == classes[i], "material %d: class %u", i,
+              material_class(&m[i]));
+    }
+    scene_finish(&scene);
+}
+
 TEST(transmission_and_volume)
 {
     struct scene scene;
@@ -279,5 +312,6 @@ TEST(iridescence)
 }
 
 TEST_MAIN(TEST_CASE(clearcoat_and_sheen), TEST_CASE(ior_and_specular),
-          TEST_CASE(specular_glossiness), TEST_CASE(anisotropy), TEST_CASE(transmission_and_volume),
-          TEST_CASE(diffuse_transmission), TEST_CASE(iridescence))
+          TEST_CASE(specular_glossiness), TEST_CASE(anisotropy), TEST_CASE(lambert),
+          TEST_CASE(transmission_and_volume), TEST_CASE(diffuse_transmission),
+          TEST_CASE(iridescence))

@@ -39,6 +39,7 @@ enum axis {
     AXIS_SPECULAR,
     AXIS_TINT_EACH,
     AXIS_THROUGH, // diffuse transmission
+    AXIS_LAYERS,
     AXIS_MODEL,
     AXIS_EXPONENT,
     AXIS_DISTRIBUTION,
@@ -88,8 +89,9 @@ static const struct group groups[GROUPS] = {
                            VALUES(AXIS_TINT, switches),
                            VALUES(AXIS_SPECULAR, thirds),
                            VALUES(AXIS_TINT_EACH, switches),
-                           VALUES(AXIS_THROUGH, thirds)},
-                          20},
+                           VALUES(AXIS_THROUGH, thirds),
+                           VALUES(AXIS_LAYERS, switches)},
+                          21},
     [GROUP_DIELECTRIC] = {"dielectric",
                           {VALUES(AXIS_ANGLE, angles), VALUES(AXIS_ROUGHNESS, roughnesses),
                            VALUES(AXIS_IOR, iors), VALUES(AXIS_INSIDE, switches),
@@ -145,6 +147,7 @@ static void set_principled(struct material *m, const double *v)
     m->specular_weight = v[AXIS_SPECULAR] > 0.9 ? 0.75f : 1.0f;
     m->diffuse_transmission = m->flags & MATERIAL_THIN ? (float)v[AXIS_THROUGH] : 0.0f;
     set_flag(m, MATERIAL_TINT_EACH, v[AXIS_TINT_EACH]);
+    set_flag(m, MATERIAL_GLTF_LAYERS, v[AXIS_LAYERS]);
 }
 
 // Gold, silver-like and an absorbing insulator: an index a channel.
@@ -296,9 +299,9 @@ static double next_random(uint64_t *state)
 // Axes of kinds and switches have nothing between their values.
 static bool is_continuous(enum axis axis)
 {
-    static const enum axis kinds[] = {AXIS_INSIDE,  AXIS_COAT,      AXIS_THIN,  AXIS_COMPENSATE,
-                                      AXIS_MODEL,   AXIS_SEPARABLE, AXIS_EXACT, AXIS_DISTRIBUTION,
-                                      AXIS_MASKING, AXIS_TINT_EACH, AXIS_IOR};
+    static const enum axis kinds[] = {AXIS_INSIDE,  AXIS_COAT,      AXIS_THIN,   AXIS_COMPENSATE,
+                                      AXIS_MODEL,   AXIS_SEPARABLE, AXIS_EXACT,  AXIS_DISTRIBUTION,
+                                      AXIS_MASKING, AXIS_TINT_EACH, AXIS_LAYERS, AXIS_IOR};
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
         if (axis == kinds[i])
             return false;

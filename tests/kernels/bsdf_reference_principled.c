@@ -11,11 +11,11 @@ struct principled_state {
     double base[3], roughness, alpha[2], turn[2];
     double eta, metallic, transmission; // the latter times 1 - metallic
     double f0[3], f0_index, specular_weight, compensation[3], through_compensation[3], tint[3];
-    bool is_delta, thin, separable;
+    bool is_delta, thin, separable, is_gltf;
     double below[3]; // (1 - metallic) (1 - transmission) K
     double sheen[3], sheen_layer, subsurface, through;
     double fibre[3], fibre_roughness, fibre_albedo, fibre_layer;
-    double coat, coat_alpha[2], base_layer;
+    double coat, coat_alpha[2], coat_layer, base_layer;
     bool coat_ggx, coat_delta;
     double p_fibre, p_coat, p_base, p_diffuse, p_through;
     double albedo_burley[DIFFUSE_NODES + 1]; // of d_burley, by the cosine
@@ -83,10 +83,11 @@ static double albedo_diffuse(const struct principled_state *p, double c)
 {
     double position = fmin(c, 1) * DIFFUSE_NODES;
     int at = position >= DIFFUSE_NODES ? DIFFUSE_NODES - 1 : (int)position;
-    double burley =
-        p->albedo_burley[at] + (position - at) * (p->albedo_burley[at + 1] - p->albedo_burley[at]);
+    double over = p->is_gltf ? 1
+                             : p->albedo_burley[at] + (position - at) * (p->albedo_burley[at + 1] -
+                                                                         p->albedo_burley[at]);
     double below = p->subsurface > 0 ? table_below(c, p->roughness) : 0;
-    return burley + p->subsurface * (below - burley);
+    return over + p->subsurface * (below - over);
 }
 
 // --- the interface -------------------------------------------------------------------------------
@@ -107,14 +108,18 @@ static void interface_parts(const struct principled_state *p, double cosine, dou
 {
     double exact = p->eta == 1 ? 0 : optics_fresnel(fmin(cosine, 1), p->eta);
     bool total = p->eta < 1 && optics_cos_refracted(cosine, p->eta) == 0;
+    double back[3];
     for (int c = 0; c < 3; c++) {
         double f_w = total ? 1 : p->specular_weight * shifted(p, c, exact), f_t = slab(p, f_w);
         double metal = optics_schlick(p->base[c], cosine) * p->compensation[c];
         double m_t = p->through_compensation[c];
         reflected[c] = p->metallic * metal + (1 - p->metallic - p->transmission) * f_w +
                        p->transmission * m_t * f_t;
-        through[c] = p->transmission * m_t * p->tint[c] * (1 - f_t);
+        back[c] = f_t;
+        through[c] = p->transmission * m_t * p->tint[c];
     }
+    for (int c = 0; c < 3; c++)
+        through[c] *= 1 - (p->is_gltf ? largest(back) : back[c]);
 }
 
 static double reflect_probability(const double reflected[3], const double through[3])
@@ -144,6 +149,7 @@ static void prepare_base(struct principled_state *p, const struct material *m)
     p->transmission = (1 - p->metallic) * (double)m->transmission;
     p->thin = m->flags & MATERIAL_THIN;
     p->separable = m->flags & MATERIAL_SEPARABLE;
+    p->is_gltf = m->flags & MATERIAL_GLTF_LAYERS;
     p->f0_index = (p->eta - 1) / (p->eta + 1) * ((p->eta - 1) / (p->eta + 1));
     p->specular_weight = (double)m->specular_weight;
     bool each = p->thin || m->flags & MATERIAL_TINT_EACH;
@@ -164,8 +170,7 @@ static void prepare_layers(struct principled_state *p, const struct material *m,
         p->fibre[c] = (double)m->sheen_color[c];
     p->fibre_roughness = fmax((double)0.1f, (double)m->sheen_roughness);
     p->fibre_albedo = table_charlie(c_o, p->fibre_roughness);
-    p->fibre_layer = 1 - largest(p->fibre) * fmin(1, p->fibre_albedo);
-    p->p_fibre = mean(p->fibre) * fmin(1, p->fibre_albedo);
+    double under_fibres = 1 - largest(p->fibre) * fmin(1, p->fibre_albedo);
 
     double coat = (double)m->clearcoat, albedo;
     p->coat_ggx = m->flags & MATERIAL_COAT_GGX;
@@ -180,8 +185,12 @@ static void prepare_layers(struct principled_state *p, const struct material *m,
         albedo = coat * (0.04 + 0.96 * weight5(c_o));
     else
         albedo = coat * table_ggx(c_o, alpha) * (0.04 + 0.96 * table_schlick(c_o, alpha));
-    p->p_coat = p->fibre_layer * albedo;
-    p->base_layer = p->fibre_layer * (1 - albedo);
+    // Fibres lie over the coat, in glTF under it.
+    p->coat_layer = p->is_gltf ? 1 : under_fibres;
+    p->fibre_layer = p->is_gltf ? 1 - albedo : 1;
+    p->p_fibre = p->fibre_layer * mean(p->fibre) * fmin(1, p->fibre_albedo);
+    p->p_coat = p->coat_layer * albedo;
+    p->base_layer = under_fibres * (1 - albedo);
 }
 
 // E1, the means of Fresnel's reflectance and of Schlick's weight over what is reflected.
@@ -233,7 +242,7 @@ static double lossless_albedo(const struct principled_state *p, const struct mat
 static void prepare_interface(struct principled_state *p, const struct material *m,
                               const double wo[3])
 {
-    double albedo[3], e1, exact, schlick;
+    double albedo[3], back[3], e1, exact, schlick;
     albedo_of_slopes(p, m, wo, &e1, &exact, &schlick);
     bool gives_back =
         m->flags & MATERIAL_COMPENSATE && p->transmission > 0 && !p->is_delta && p->eta != 1;
@@ -248,8 +257,11 @@ static void prepare_interface(struct principled_state *p, const struct material 
         albedo[c] =
             e1 * (p->metallic * metal + (1 - p->metallic - p->transmission) * f_w +
                   p->transmission * p->through_compensation[c] * (f_t + p->tint[c] * (1 - f_t)));
-        p->below[c] = (1 - p->metallic - p->transmission) * (1 - e1 * f_w);
+        back[c] = e1 * f_w;
     }
+    for (int c = 0; c < 3; c++)
+        p->below[c] =
+            (1 - p->metallic - p->transmission) * (1 - (p->is_gltf ? largest(back) : back[c]));
     p->p_base = p->base_layer * mean(albedo);
 }
 
@@ -305,7 +317,7 @@ static double add_fibres(const struct principled_state *p, const double wo[3], c
     double v = 1 / (4 * (wo[2] + wi[2] - wo[2] * wi[2]));
     double scale = fmax(1, fmax(p->fibre_albedo, table_charlie(wi[2], p->fibre_roughness)));
     for (int c = 0; c < 3; c++)
-        f[c] += p->fibre[c] * d * v * wi[2] / scale;
+        f[c] += p->fibre_layer * p->fibre[c] * d * v * wi[2] / scale;
     return p->p_fibre / (2 * M_PI);
 }
 
@@ -325,7 +337,7 @@ static double add_coat(const struct principled_state *p, const double wo[3], con
         pdf = d * h[2] / (4 * cosine);
     }
     for (int c = 0; c < 3; c++)
-        f[c] += p->fibre_layer * p->coat * optics_schlick(0.04, cosine) * value;
+        f[c] += p->coat_layer * p->coat * optics_schlick(0.04, cosine) * value;
     return p->p_coat * pdf;
 }
 
@@ -372,8 +384,8 @@ static double add_diffuse(const struct principled_state *p, const double wo[3], 
                           double cosine, double f[3])
 {
     double cos2_d = cosine * cosine, c_o = wo[2], c_i = wi[2];
-    double d = (1 - p->subsurface) * d_burley(p->roughness, c_o, c_i, cos2_d) +
-               p->subsurface * d_below(p->roughness, c_o, c_i, cos2_d);
+    double over = p->is_gltf ? 1 / M_PI : d_burley(p->roughness, c_o, c_i, cos2_d);
+    double d = (1 - p->subsurface) * over + p->subsurface * d_below(p->roughness, c_o, c_i, cos2_d);
     d /= fmax(1, fmax(albedo_diffuse(p, c_o), albedo_diffuse(p, c_i)));
     for (int c = 0; c < 3; c++)
         f[c] +=
@@ -445,7 +457,7 @@ int principled_deltas(const struct reference *r, struct reference_delta *out)
     double reflected[3], through[3];
     int count = 0;
     if (p->coat_delta && p->p_coat > 0) {
-        double weight = p->fibre_layer * p->coat * optics_schlick(0.04, wo[2]) / p->p_coat;
+        double weight = p->coat_layer * p->coat * optics_schlick(0.04, wo[2]) / p->p_coat;
         out[count++] = (struct reference_delta){
             {-wo[0], -wo[1], wo[2]}, p->p_coat, {weight, weight, weight}, false};
     }

@@ -136,12 +136,16 @@ TEST(materials_of_every_model)
         "\"m\": {\"type\": \"microfacet\", \"distribution\": \"phong\", \"masking\": \"lh\","
         " \"fresnel\": \"exact\", \"roughness\": 0.75},"
         "\"t\": {\"type\": \"dielectric\", \"thin\": true, \"roughness\": 0.125},"
-        "\"g\": {\"type\": \"conductor\", \"metal\": \"gold\"}}");
-    REQUIRE(scene.material_count == 7, "%u", scene.material_count);
+        "\"g\": {\"type\": \"conductor\", \"metal\": \"gold\"},"
+        "\"l\": {\"type\": \"principled\", \"layers\": \"gltf\", \"specular_weight\": 0},"
+        "\"n\": {\"like\": \"l\", \"layers\": \"burley\"}}");
+    REQUIRE(scene.material_count == 9, "%u", scene.material_count);
     const struct material *m = scene.materials;
     CHECK(m[0].model == MATERIAL_PRINCIPLED && m[0].metallic == 0.25f && m[0].roughness == 0.5f);
     CHECK(m[0].flags == (MATERIAL_COAT_GGX | MATERIAL_SEPARABLE) && m[0].clearcoat_gloss == 1);
     CHECK(is_color(m[0].sheen_color, 0.25f, 0.5f, 1) && m[0].clearcoat_roughness == 0.5f);
+    CHECK(m[7].flags & MATERIAL_GLTF_LAYERS && material_class(&m[7]) == CLASS_DIFFUSE);
+    CHECK(!(m[8].flags & MATERIAL_GLTF_LAYERS) && material_class(&m[8]) == CLASS_PRINCIPLED);
     CHECK(m[1].model == MATERIAL_DIELECTRIC && m[1].roughness == 0 && m[1].ior == 1.25f);
     CHECK(m[1].medium_priority == 9 && m[1].extinction[0] == 0 && isinf(m[1].extinction[2]));
     CHECK(fabsf(m[1].extinction[1] - logf(2) / 2) < 1e-7f, "%g", (double)m[1].extinction[1]);

@@ -195,6 +195,7 @@ MATERIALS = [
     ('material.subsurface', '0.9'),
     ('material.sheen', '1'),
     ('material.sheen_tint', '0'),
+    ('material.layers', 'gltf'),
     ('material.iridescence', '1'),
     ('material.film_thickness', '300'),
     ('material.film_ior', '2'),

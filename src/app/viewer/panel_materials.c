@@ -143,9 +143,13 @@ static void flags(struct form *form, struct material *to)
     gui_enabled(gui, is_principled && to->clearcoat > 0);
     bits(form, "material.coat", "Coat", "Burley's clearcoat, or glTF's of GGX.", edit_coat_names, 7,
          1, &to->flags);
+    gui_enabled(gui, is_principled);
+    bits(form, "material.layers", "Layers",
+         "Mixed as Burley's model, or as glTF's specification: a Lambert base, the coat on top.",
+         edit_layers_names, 15, 1, &to->flags);
     gui_enabled(gui, to->model != MATERIAL_LAMBERT && to->model != MATERIAL_MIRROR);
     flag(form, "material.compensate", "Compensate",
-         "Energy of multiple scattering is given back to reflection.", MATERIAL_COMPENSATE,
+         "Energy of multiple scattering between microfacets is given back.", MATERIAL_COMPENSATE,
          &to->flags);
     flag(form, "material.separable", "Separable",
          "Separable instead of height-correlated Smith masking.", MATERIAL_SEPARABLE, &to->flags);
