@@ -137,7 +137,7 @@ void gpu_bindings_finish(struct gpu *gpu, struct gpu_bindings *bindings)
 {
     if (!bindings)
         return;
-    if (bindings->pool)
+    if (bindings->pool && !gpu->abandoned)
         vkDestroyDescriptorPool(gpu->device, bindings->pool, NULL); // frees the set
     gpu_buffer_finish(gpu, &bindings->dummy);
     *bindings = (struct gpu_bindings){0};

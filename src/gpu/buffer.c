@@ -139,12 +139,11 @@ static bool handle_create(struct gpu *gpu, struct gpu_buffer *buffer, struct err
 
 static void handles_destroy(struct gpu *gpu, struct gpu_buffer *buffer)
 {
-    if (buffer->texel_view)
+    if (!gpu->abandoned) {
         vkDestroyBufferView(gpu->device, buffer->texel_view, NULL);
-    if (buffer->handle)
         vkDestroyBuffer(gpu->device, buffer->handle, NULL);
-    if (buffer->memory)
         vkFreeMemory(gpu->device, buffer->memory, NULL); // also unmaps
+    }
     *buffer = (struct gpu_buffer){0};
 }
 

@@ -44,12 +44,11 @@ void gpu_commands_finish(struct gpu *gpu, struct gpu_commands *commands)
     if (!commands)
         return;
     gpu_wait(gpu, commands, NULL); // what is in use must not be destroyed
-    if (commands->queries)
+    if (commands->pool && !gpu->abandoned) {
         vkDestroyQueryPool(gpu->device, commands->queries, NULL);
-    if (commands->fence)
         vkDestroyFence(gpu->device, commands->fence, NULL);
-    if (commands->pool)
         vkDestroyCommandPool(gpu->device, commands->pool, NULL); // frees the command buffer
+    }
     *commands = (struct gpu_commands){0};
 }
 
@@ -197,7 +196,10 @@ bool gpu_wait(struct gpu *gpu, struct gpu_commands *commands, struct err *err)
         result = vkWaitForFences(gpu->device, 1, &commands->fence, VK_TRUE, slice_ns);
     while (result == VK_TIMEOUT);
     commands->pending = false;
-    return result == VK_SUCCESS || gpu_fail(gpu, "vkWaitForFences", result, err);
+    if (result == VK_SUCCESS)
+        return true;
+    gpu_settle(gpu);
+    return gpu_fail(gpu, "vkWaitForFences", result, err);
 }
 
 bool gpu_timestamps_ns(struct gpu *gpu, struct gpu_commands *commands, double *out, struct err *err)

@@ -70,12 +70,22 @@ fail:
     return false;
 }
 
+void gpu_settle(struct gpu *gpu)
+{
+    gpu->abandoned = gpu->abandoned || vkDeviceWaitIdle(gpu->device) != VK_SUCCESS;
+}
+
 void gpu_close(struct gpu *gpu)
 {
     if (!gpu)
         return;
+    if (gpu->device)
+        gpu_settle(gpu);
+    if (gpu->abandoned) {
+        *gpu = (struct gpu){.validation_messages = gpu->validation_messages};
+        return;
+    }
     if (gpu->device) {
-        vkDeviceWaitIdle(gpu->device); // fails on a lost device, which is as idle as can be
         kernels_destroy(gpu);
         layouts_destroy(gpu);
         vkDestroyDevice(gpu->device, NULL);

@@ -105,6 +105,7 @@ struct gpu {
     uint32_t validation_messages; // warnings and errors of the validation layers so far; gpu_close
                                   // keeps it, so that objects left over can be counted
     bool lost;                    // VK_ERROR_DEVICE_LOST was seen
+    bool abandoned;               // it may still be at work, so nothing is destroyed any more
     uint64_t allocated_bytes, peak_bytes; // of buffers, staging included, and images
 
     VkDescriptorSetLayout set_layout;
@@ -247,6 +248,11 @@ bool gpu_timestamps_ns(struct gpu *gpu, struct gpu_commands *commands, double *o
 // A function of an extension that was asked for when the device was opened. volk's pointers to such
 // functions are no use: they are NULL again once another device is opened without the extension.
 PFN_vkVoidFunction gpu_function(const struct gpu *gpu, const char *name);
+
+// Waits until the device does nothing, so that what it used may be destroyed. Where that cannot be
+// known, the device is abandoned: from then on all that belongs to it is left as it is, until the
+// process ends. Called wherever waiting failed.
+void gpu_settle(struct gpu *gpu);
 
 // Records the failing call and VkResult in words; ERR_GPU. Returns false.
 bool gpu_fail(struct gpu *gpu, const char *call, VkResult result, struct err *err);

@@ -61,12 +61,11 @@ bool gpu_image_create(struct gpu *gpu, const char *name, VkFormat format, uint32
 
 void gpu_image_finish(struct gpu *gpu, struct gpu_image *image)
 {
-    if (image->view)
+    if (image->handle && !gpu->abandoned) {
         vkDestroyImageView(gpu->device, image->view, NULL);
-    if (image->handle)
         vkDestroyImage(gpu->device, image->handle, NULL);
-    if (image->memory)
         vkFreeMemory(gpu->device, image->memory, NULL);
+    }
     gpu->allocated_bytes -= image->bytes;
     *image = (struct gpu_image){0};
 }

@@ -166,7 +166,8 @@ void gpu_kernel_finish(struct gpu *gpu, struct gpu_kernel *kernel)
         return;
     if (kernel->pipeline) {
         struct gpu_kernel *oldest = &gpu->kept[gpu->kept_next++ % GPU_KEPT_KERNELS];
-        vkDestroyPipeline(gpu->device, oldest->pipeline, NULL);
+        if (!gpu->abandoned)
+            vkDestroyPipeline(gpu->device, oldest->pipeline, NULL);
         *oldest = *kernel;
     }
     *kernel = (struct gpu_kernel){0};
@@ -176,7 +177,8 @@ void gpu_kernels_forget(struct gpu *gpu, const uint32_t *spirv)
 {
     for (uint32_t i = 0; i < GPU_KEPT_KERNELS; i++)
         if (gpu->kept[i].spirv == spirv) {
-            vkDestroyPipeline(gpu->device, gpu->kept[i].pipeline, NULL);
+            if (!gpu->abandoned)
+                vkDestroyPipeline(gpu->device, gpu->kept[i].pipeline, NULL);
             gpu->kept[i] = (struct gpu_kernel){0};
         }
 }

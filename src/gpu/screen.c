@@ -100,8 +100,8 @@ bool gpu_screen_create(struct gpu *gpu, const struct gpu_atlas *atlas, struct gp
 static void picture_finish(struct gpu *gpu, struct gpu_screen *screen)
 {
     if (screen->image.handle)
-        vkQueueWaitIdle(gpu->queue); // fails on a lost device, which is as idle as can be
-    if (screen->framebuffer)
+        gpu_settle(gpu);
+    if (screen->framebuffer && !gpu->abandoned)
         vkDestroyFramebuffer(gpu->device, screen->framebuffer, NULL);
     gpu_image_finish(gpu, &screen->image);
     screen->framebuffer = VK_NULL_HANDLE;
@@ -118,7 +118,8 @@ void gpu_screen_finish(struct gpu *gpu, struct gpu_screen *screen)
     gpu_image_finish(gpu, &screen->atlas);
     gpu_buffer_finish(gpu, &screen->vertices);
     gpu_buffer_finish(gpu, &screen->indices);
-    screen_pipeline_destroy(gpu, screen);
+    if (!gpu->abandoned)
+        screen_pipeline_destroy(gpu, screen);
     *screen = (struct gpu_screen){0};
 }
 

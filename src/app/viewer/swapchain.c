@@ -69,12 +69,14 @@ static void calls_load(struct gpu *gpu, struct swapchain_calls *out)
 // All but the swapchain itself, which the next one takes over from.
 static void images_finish(struct gpu *gpu, struct swapchain *swapchain)
 {
-    vkQueueWaitIdle(gpu->queue); // fails on a lost device, which is as idle as can be
+    gpu_settle(gpu);
     for (uint32_t i = 0; i < SWAPCHAIN_IMAGES_MAX; i++) {
-        vkDestroySemaphore(gpu->device, swapchain->copied[i], NULL);
+        if (!gpu->abandoned)
+            vkDestroySemaphore(gpu->device, swapchain->copied[i], NULL);
         swapchain->copied[i] = VK_NULL_HANDLE;
     }
-    vkDestroySemaphore(gpu->device, swapchain->acquired, NULL);
+    if (!gpu->abandoned)
+        vkDestroySemaphore(gpu->device, swapchain->acquired, NULL);
     swapchain->acquired = VK_NULL_HANDLE;
     gpu_image_finish(gpu, &swapchain->converted);
     swapchain->image_count = 0;
@@ -83,7 +85,7 @@ static void images_finish(struct gpu *gpu, struct swapchain *swapchain)
 static void handle_finish(struct gpu *gpu, struct swapchain *swapchain)
 {
     images_finish(gpu, swapchain);
-    if (swapchain->handle)
+    if (swapchain->handle && !gpu->abandoned)
         swapchain->calls.destroy(gpu->device, swapchain->handle, NULL);
     swapchain->handle = VK_NULL_HANDLE;
 }
@@ -91,7 +93,7 @@ static void handle_finish(struct gpu *gpu, struct swapchain *swapchain)
 static void surface_finish(struct gpu *gpu, struct swapchain *swapchain)
 {
     handle_finish(gpu, swapchain);
-    if (swapchain->surface)
+    if (swapchain->surface && !gpu->abandoned)
         swapchain->calls.destroy_surface(gpu->instance, swapchain->surface, NULL);
     swapchain->surface = VK_NULL_HANDLE;
 }
