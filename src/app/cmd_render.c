@@ -66,6 +66,19 @@ static bool finish_outputs(struct render_job *job, struct err *err)
     return ok;
 }
 
+// The failure of the device is what the caller reports.
+static void write_rescued(struct render_job *job)
+{
+    struct err failures[2] = {0};
+    if (job_judge_end(job, &failures[0])) {
+        job_write_outputs(job, 0, &failures[0]);
+        job_trace_end(job, &failures[1]);
+    }
+    for (int i = 0; i < 2; i++)
+        if (failures[i].code != ERR_NONE)
+            log_message(LOG_ERROR, "%s", failures[i].msg);
+}
+
 static bool run(struct render_job *job, struct err *err)
 {
     if (!set_up(job, err))
@@ -73,10 +86,13 @@ static bool run(struct render_job *job, struct err *err)
     if (options_given(job->options, OPTION_PIXEL))
         return job_replay(job, err);
 
-    if (!job_checkpoint_restore(job, err) || !job_tev_begin(job, err) || !job_render(job, err) ||
-        !finish_outputs(job, err)) {
+    bool ok = job_checkpoint_restore(job, err) && job_tev_begin(job, err) && job_render(job, err) &&
+              finish_outputs(job, err);
+    if (!ok) {
         job_checkpoint_mention(job, err);
-        return false;
+        if (err->code != ERR_GPU || job->is_written || !job_rescue(job))
+            return false;
+        write_rescued(job);
     }
     job_tev_end(job);
     job->seconds.total = clock_seconds_since(job->start_ns);
@@ -90,7 +106,7 @@ static bool run(struct render_job *job, struct err *err)
     if (reproduce)
         log_warn("some contributions were not finite and were left out; this follows one: %s",
                  reproduce);
-    return true;
+    return ok;
 }
 
 int cmd_render(const struct options *options)
@@ -107,6 +123,7 @@ int cmd_render(const struct options *options)
     gpu_close(&job.gpu);
     scene_finish(&job.scene);
     job_release_outputs(&job);
+    arena_finish(&job.rescue.arena);
     arena_finish(&job.film_arena);
     arena_finish(&job.arena);
     if (!ok)

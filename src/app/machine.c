@@ -25,9 +25,15 @@ static void read_processor(char *out, size_t size)
         fclose(file);
 }
 
+double machine_memory_bytes(void)
+{
+    long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
+    return pages > 0 && page > 0 ? (double)pages * (double)page : 0.0;
+}
+
 struct machine machine_describe(void)
 {
-    struct machine machine = {.threads = cpu_count()};
+    struct machine machine = {.threads = cpu_count(), .memory_bytes = machine_memory_bytes()};
     struct utsname system;
     read_processor(machine.processor, sizeof machine.processor);
     if (uname(&system) == 0)
@@ -35,9 +41,6 @@ struct machine machine_describe(void)
                  system.machine);
     else
         snprintf(machine.system, sizeof machine.system, "unknown");
-    long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
-    if (pages > 0 && page > 0)
-        machine.memory_bytes = (double)pages * (double)page;
     return machine;
 }
 

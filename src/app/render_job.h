@@ -21,7 +21,13 @@ struct job_seconds {
     double render_before; // the part of `render` that runs before this one took
 };
 
-enum render_end { ENDED_BY_SAMPLES, ENDED_BY_TIME, ENDED_BY_ERROR, ENDED_BY_SIGNAL };
+enum render_end {
+    ENDED_BY_SAMPLES,
+    ENDED_BY_TIME,
+    ENDED_BY_ERROR,
+    ENDED_BY_SIGNAL,
+    ENDED_BY_DEVICE
+};
 
 // What --error saw.
 struct error_look {
@@ -43,6 +49,19 @@ struct job_tev {
     uint64_t begin_ns, sent_ns; // when rendering began; when the last picture was read
     double seconds;             // that reading and packing took
     uint64_t next_sample;       // after which the next picture goes
+};
+
+// The film as it was copied out of the device last, and what the renderer said of it then.
+struct job_rescue {
+    struct arena arena;
+    struct film_image film; // no pixels before the first copy
+    struct render_stats stats;
+    uint64_t next_sample;
+    struct pass pass;
+    bool is_even;        // as renderer_is_even
+    double copied_at;    // seconds of rendering
+    double last_seconds; // that the last copy took
+    double seconds;      // and all of them
 };
 
 struct render_job {
@@ -78,6 +97,9 @@ struct render_job {
     struct checkpoint resumed; // closed once it is restored
     uint64_t checkpoint_ns;    // when the last one was written, or rendering began
     bool has_checkpoint;       // a file from which this render can go on
+
+    struct job_rescue rescue;
+    bool is_written; // the pictures of the whole render were, or it was tried
 
     struct arena film_arena; // of the film as last read, and what is said about it
     struct film_image film;
@@ -128,10 +150,20 @@ bool job_is_stopped(struct render_job *job);
 // Says how many pixels of the film as it was read last have no sample, if any.
 void job_warn_of_unsampled(const struct render_job *job);
 
+// --- render_rescue.c ---
+// Copies the film when that costs less than a hundredth of the time of rendering; as
+// render_call.after_wave.
+bool job_rescue_copy_when_due(struct render_job *job, struct err *err);
+// After a failure of the device: makes the last copy the job's film, and what the renderer said of
+// it then its statistics. False: there is none.
+bool job_rescue(struct render_job *job);
+
 // --- render_judge.c ---
 // Reads the film; and says how good it is, too.
 bool job_fetch_film(struct render_job *job, struct err *err);
 bool job_read_film(struct render_job *job, struct err *err);
+// The same of the film as it was read last.
+bool job_judge_film(struct render_job *job, struct err *err);
 // Of the finished picture: finds out what a forecast needs besides.
 bool job_judge_end(struct render_job *job, struct err *err);
 // Of the film as it was read last. confidence: 0 for the usual.

@@ -99,7 +99,8 @@ bool job_fetch_film(struct render_job *job, struct err *err)
 bool job_judge_end(struct render_job *job, struct err *err)
 {
     const struct film_image *film = &job->film;
-    if (!job_read_film(job, err))
+    bool is_read = job->ended_by == ENDED_BY_DEVICE; // it was copied before
+    if (!(is_read ? job_judge_film(job, err) : job_read_film(job, err)))
         return false;
     uint64_t start = clock_ns();
     job->spread = forecast_spread((const float(*)[3])film->half_a, (const float(*)[3])film->half_b,
@@ -110,7 +111,12 @@ bool job_judge_end(struct render_job *job, struct err *err)
 
 bool job_read_film(struct render_job *job, struct err *err)
 {
-    if (!job_fetch_film(job, err) || !job_estimate_error(job, 0.0, &job->error, err))
+    return job_fetch_film(job, err) && job_judge_film(job, err);
+}
+
+bool job_judge_film(struct render_job *job, struct err *err)
+{
+    if (!job_estimate_error(job, 0.0, &job->error, err))
         return false;
     uint64_t start = clock_ns();
     const struct film_image *film = &job->film;

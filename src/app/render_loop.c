@@ -44,7 +44,8 @@ const struct progress *job_progress(struct render_job *job)
 
 static bool after_wave(void *context, struct err *err)
 {
-    return job_checkpoint_when_due(context, err) && job_tev_when_due(context, err);
+    return job_checkpoint_when_due(context, err) && job_rescue_copy_when_due(context, err) &&
+           job_tev_when_due(context, err);
 }
 
 static bool render_steps(struct render_job *job, uint64_t steps, double from, double to,
@@ -314,7 +315,7 @@ bool job_run_pilot(struct render_job *job, struct err *err)
 
 uint64_t job_samples(const struct render_job *job)
 {
-    if (job->options->adaptive && !job->stopped)
+    if (job->options->adaptive && !job->stopped && job->ended_by != ENDED_BY_DEVICE)
         return steps_done(job) * step_samples(job);
     return job->film.most_samples;
 }
@@ -322,10 +323,8 @@ uint64_t job_samples(const struct render_job *job)
 const char *job_ended_by(const struct render_job *job)
 {
     static const char *const names[] = {
-        [ENDED_BY_SAMPLES] = "spp",
-        [ENDED_BY_TIME] = "time",
-        [ENDED_BY_ERROR] = "error",
-        [ENDED_BY_SIGNAL] = "signal",
+        [ENDED_BY_SAMPLES] = "spp",   [ENDED_BY_TIME] = "time",     [ENDED_BY_ERROR] = "error",
+        [ENDED_BY_SIGNAL] = "signal", [ENDED_BY_DEVICE] = "device",
     };
     return names[job->ended_by];
 }

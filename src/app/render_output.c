@@ -247,6 +247,7 @@ bool job_write_outputs(struct render_job *job, uint32_t frame, struct err *err)
     const struct settings *settings = &job->scene.settings;
     job->exposure =
         settings->exposure_is_auto ? image_measure_exposure(&image) : settings->exposure;
+    job->is_written |= frame == 0;
     if (!job_describe(job, frame, &job->film_arena, &attributes, err))
         return false;
     bool ok = true, has_exr = false;

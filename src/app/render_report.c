@@ -224,10 +224,11 @@ void job_print_summary(const struct render_job *job)
     if (film->most_samples != film->least_samples)
         printf(" to %" PRIu64, film->most_samples);
     printf(" spp, seed %u%s\n", job->scene.settings.seed,
-           job->stopped                      ? ", stopped early"
-           : job->ended_by == ENDED_BY_TIME  ? ", ended by --time"
-           : job->ended_by == ENDED_BY_ERROR ? ", ended by --error"
-                                             : "");
+           job->stopped                       ? ", stopped early"
+           : job->ended_by == ENDED_BY_TIME   ? ", ended by --time"
+           : job->ended_by == ENDED_BY_ERROR  ? ", ended by --error"
+           : job->ended_by == ENDED_BY_DEVICE ? ", ended by a failure of the device"
+                                              : "");
     if (film->unsampled)
         printf("unsampled %" PRIu64 " of %" PRIu64 " pixels have no sample and are black\n",
                film->unsampled, (uint64_t)film->width * film->height);

@@ -253,6 +253,9 @@ void tile_pass_end(struct renderer *r)
     for (uint32_t tile = r->tiles.count; tile-- > 0;)
         if (takes_part(r, tile, r->pass.shift))
             r->tiles.done[tile] += 1u << r->pass.shift;
+    uint32_t shift;
+    if (!choose_shift(r, &shift))
+        r->next_sample = r->round_target;
 }
 
 // Where in the pass its next pixel is: a tile, and a pixel of it in rows.

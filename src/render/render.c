@@ -295,6 +295,15 @@ static void report(struct renderer *r, struct work *work, const struct wave *wav
                     call->progress_from + part * (call->progress_to - call->progress_from));
 }
 
+static void end_pass(struct renderer *r)
+{
+    if (has_tiles(r))
+        tile_pass_end(r);
+    else
+        r->next_sample += UINT64_C(1) << r->pass.shift;
+    r->pass = (struct pass){0};
+}
+
 static bool run_pass(struct renderer *r, struct work *work, struct err *err)
 {
     const struct render_call *call = work->call;
@@ -315,19 +324,17 @@ static bool run_pass(struct renderer *r, struct work *work, struct err *err)
         r->pass.position += wave.pixel_count;
         r->stats.render_seconds += clock_seconds_since(start);
         report(r, work, &wave);
+        bool is_over = r->pass.position == r->pass.length;
+        if (is_over)
+            end_pass(r);
         if (call->after_wave && !call->after_wave(call->context, err))
             return false;
+        if (is_over)
+            return true;
         start = clock_ns();
-        if (r->pass.position < r->pass.length && progress_should_stop(r->progress))
+        if (progress_should_stop(r->progress))
             *call->stopped = true;
     }
-    if (r->pass.position < r->pass.length)
-        return true;
-    if (has_tiles(r))
-        tile_pass_end(r);
-    else
-        r->next_sample += UINT64_C(1) << r->pass.shift;
-    r->pass = (struct pass){0};
     return true;
 }
 
@@ -365,6 +372,11 @@ static uint32_t choose_shift(const struct renderer *r, uint64_t samples_left)
 uint64_t renderer_samples_at_once(const struct renderer *r)
 {
     return UINT64_C(1) << (has_tiles(r) ? USUAL_SAMPLE_SHIFT : largest_shift(r));
+}
+
+bool renderer_is_even(const struct renderer *r)
+{
+    return r->pass.length == 0 && (!has_tiles(r) || r->next_sample == r->round_target);
 }
 
 bool renderer_has_all_pixels(const struct renderer *r)

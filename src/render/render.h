@@ -178,6 +178,8 @@ bool renderer_render(struct renderer *renderer, const struct render_call *call, 
 // Samples of every pixel that one wave holds where the picture is small, else the usual number of a
 // pass: fewer at a time leave lanes idle.
 uint64_t renderer_samples_at_once(const struct renderer *renderer);
+// Whether every pixel has all samples up to next_sample, or of all rounds up to it, and no others.
+bool renderer_is_even(const struct renderer *renderer);
 // Whether every pixel of the film has a sample.
 bool renderer_has_all_pixels(const struct renderer *renderer);
 

@@ -1,0 +1,92 @@
+#!/usr/bin/env python3
+"""A device that is lost in the middle of a render leaves the picture that was copied out before.
+
+Usage: test_lost_device.py LAMPYRIS SCENE_FOLDER [unittest arguments]
+"""
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+
+LAMPYRIS = os.path.abspath(sys.argv.pop(1))
+CORNELL = os.path.join(os.path.abspath(sys.argv.pop(1)), 'cornell.json')
+SMALL = ['--size', '48x40', '--wave', '2k']
+
+
+def need_device():
+    result = subprocess.run([LAMPYRIS, 'devices'], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    if result.returncode == 69:
+        sys.exit(77)
+
+
+class LostDevice(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+
+    def path(self, name):
+        return os.path.join(self.folder.name, name)
+
+    def render(self, name, *arguments):
+        return subprocess.run([LAMPYRIS, 'render', CORNELL, *SMALL, '-q', '--json', '-o',
+                               self.path(name), *arguments], stdout=subprocess.PIPE,
+                              stderr=subprocess.PIPE, text=True, timeout=100, check=False)
+
+    def lose(self, *arguments):
+        """The first loss that has a copy, and what is reported then."""
+        for submission in (150, 600, 2400):
+            result = self.render('lost.exr', '--lose-device', str(submission), *arguments)
+            self.assertEqual(result.returncode, 3, result.stderr)
+            self.assertIn('device lost', result.stderr)
+            if result.stdout:
+                return json.loads(result.stdout), result.stderr
+            self.assertFalse(os.path.exists(self.path('lost.exr')))
+        self.fail('never copied')
+
+    def same_pictures(self):
+        result = subprocess.run([LAMPYRIS, 'compare', self.path('lost.exr'), self.path('whole.exr'),
+                                 '--max', 'differing=0'], stdout=subprocess.PIPE, check=False)
+        return result.returncode == 0
+
+    def check(self, *arguments):
+        """Returns the report, the messages and the picture's header."""
+        report, messages = self.lose('--spp', '1M', *arguments)
+        self.assertEqual((report['ended_by'], report['outputs']),
+                         ('device', [self.path('lost.exr')]))
+        self.assertEqual(report['pixels_without_samples'], 0)
+        with open(self.path('lost.exr'), 'rb') as file:
+            header = file.read(20000)
+        self.assertIn(b'lampyris:ended_by\0string\0\x06\0\0\0device', header)
+        return report, messages, header
+
+    def test_the_copy_is_a_shorter_render(self):
+        report, messages, header = self.check('--aov', 'albedo')
+        self.assertIn('that of %d samples a pixel' % report['spp'], messages)
+        self.assertIn(b'--spp %dlampyris:' % report['spp'], header)  # the end of lampyris:repeat
+        whole = json.loads(self.render('whole.exr', '--spp', str(report['spp']), '--aov',
+                                       'albedo').stdout)
+        self.assertEqual((report['spp'], report['spp_most'], report['image_hash'], report['rays']),
+                         (whole['spp'], whole['spp_most'], whole['image_hash'], whole['rays']))
+        self.assertTrue(self.same_pictures())
+
+    def test_tiles(self):
+        report, _, header = self.check('--adaptive', 'on')
+        self.assertTrue(0 < report['spp'] <= report['spp_most'])
+        self.assertNotIn(b'lampyris:repeat', header)
+
+    def test_what_copying_costs(self):
+        # The last reading is part of it, and the error's estimate.
+        result = json.loads(self.render('whole.exr', '--time', '2').stdout)
+        self.assertLess(result['seconds']['judge'], 0.02 * result['seconds']['render'] + 0.1)
+
+    def test_before_the_first_copy(self):
+        result = self.render('lost.exr', '--spp', '64', '--lose-device', '3')
+        self.assertEqual((result.returncode, result.stdout), (3, ''))
+        self.assertEqual(os.listdir(self.folder.name), [])
+
+
+if __name__ == '__main__':
+    need_device()
+    unittest.main()
