@@ -211,6 +211,10 @@ static bool check(const struct options *options, struct err *err)
     if (command == &commands[COMMAND_BENCH] && options_given(options, OPTION_TIME) &&
         !options->tune)
         return err_set(err, ERR_USAGE, "--time: only with --tune, for bench");
+    if (command == &commands[COMMAND_COMPARE] && options->settings.exposure_is_auto)
+        return err_set(err, ERR_USAGE,
+                       "--exposure auto: compare shows both pictures alike; "
+                       "expected a number of stops");
     uint64_t samples = (uint64_t)options->frames * options->spp_per_frame;
     if (samples > SETTINGS_SPP_MAX)
         return err_set(err, ERR_USAGE, "--frames x --spp-per-frame is %llu samples; at most %llu",

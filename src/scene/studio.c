@@ -28,7 +28,7 @@ struct soft_box {
 // lighting ratio of 4 to 1), and the rim from behind parts the model from the background.
 static const struct soft_box boxes[] = {
     {-55, 42, 0.32, 0.32, 1.0},
-    {65, 18, 0.5, 0.8, 0.12},
+    {65, 38, 0.6, 0.5, 0.12},
     {155, 62, 0.45, 0.35, 0.6},
 };
 #define BOX_COUNT (sizeof boxes / sizeof *boxes)

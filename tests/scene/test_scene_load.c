@@ -162,11 +162,10 @@ TEST(what_is_framed_fills_the_picture)
 
 TEST(framed_shapes_fill_the_picture)
 {
-    struct scene scene =
-        load(write_text("scene.json",
-                        "{\"lampyris\": 1, \"materials\": {\"m\": {\"type\": \"diffuse\"}},"
-                        " \"shapes\": [{\"type\": \"sphere\", \"center\": [5, 6, 7],"
-                        " \"radius\": 2, \"material\": \"m\"}]}"));
+    struct scene scene = load(write_text(
+        "scene.json", "{\"lampyris\": 1, \"materials\": {\"m\": {\"type\": \"diffuse\"}},"
+                      " \"shapes\": [{\"type\": \"sphere\", \"center\": [5, 6, 7],"
+                      " \"radius\": 2, \"material\": \"m\"}]}"));
     double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
     for (int i = 0; i < 100000; i++) {
         // Points along a spiral from pole to pole.

@@ -1,0 +1,133 @@
+#include "mesh_files.h"
+
+#include "affine.h"
+#include "environment.h"
+#include "framing.h"
+#include "studio.h"
+#include <math.h>
+#include <string.h>
+
+static struct scene load(const char *path, enum scene_up up)
+{
+    const struct scene_load_params params = {.path = path, .studio = SCENE_STUDIO_AUTO, .up = up};
+    struct scene scene;
+    struct err err = {0};
+    bool ok = scene_load(&params, &scene, &err);
+    CHECK(ok, "%s", err.msg);
+    return scene;
+}
+
+static const char triangle[] = "v 1 2 3\nv 2 2 3\nv 1 3 4\nf 1 2 3\n";
+
+// The middle of a texel, by the words of environment.h.
+static void texel_direction(const struct environment *e, uint32_t row, uint32_t column,
+                            double out[3])
+{
+    double v = M_PI * (row + 0.5) / e->height, u = 2 * M_PI * ((column + 0.5) / e->width - 0.5);
+    out[0] = sin(v) * cos(u);
+    out[1] = cos(v);
+    out[2] = sin(v) * sin(u);
+}
+
+// A level surface receives pi, and the ground far away reflects what the background is at the
+// horizon and below.
+TEST(the_ground_meets_the_background)
+{
+    for (int up = SCENE_UP_Y; up <= SCENE_UP_Z; up++) {
+        struct scene scene = load(write_text("a.obj", triangle), (enum scene_up)up);
+        const struct environment *e = &scene.environment;
+        const struct scene_axes axes = scene_axes((enum scene_up)up);
+        REQUIRE(scene.has_studio && scene.has_ground && e->width > 1);
+        const struct texture *texture =
+            &scene.textures[scene.materials[scene.shapes[0].material].first_texture];
+        const float(*texels)[4] = scene.images[texture->image].texels; // its corner is far away
+        double received = 0, horizon = (double)texels[0][0];           // times pi / pi
+        for (uint32_t row = 0; row < e->height; row++)
+            for (uint32_t column = 0; column < e->width; column++) {
+                double direction[3];
+                double radiance = (double)e->texels[row * e->width + column][0];
+                texel_direction(e, row, column, direction);
+                double height = vec3_dot(direction, axes.up);
+                received += environment_texel_solid_angle(e, row) * fmax(height, 0) * radiance;
+                if (fabs(height) < 0.01 || height < -0.6)
+                    CHECK(fabs(radiance - horizon) < 1e-3 * horizon, "%g %g", radiance, horizon);
+            }
+        CHECK(fabs(received / M_PI - 1) < 1e-4, "%g", received / M_PI);
+        scene_finish(&scene);
+    }
+}
+
+// Last of the shapes, with the last material, below the lowest point, and no object of the model
+// has another number than without it.
+TEST(the_ground_is_below)
+{
+    static const double lowest[] = {[SCENE_UP_Y] = 2, [SCENE_UP_X] = 1, [SCENE_UP_Z] = 3};
+    for (int up = SCENE_UP_Y; up <= SCENE_UP_Z; up++) {
+        struct scene scene = load(write_text("a.obj", triangle), (enum scene_up)up);
+        const struct scene_axes axes = scene_axes((enum scene_up)up);
+        const struct shape *ground = &scene.shapes[scene.shape_count - 1];
+        REQUIRE(scene.shape_count == 1 && scene.instance_count == 1);
+        CHECK(ground->kind == SHAPE_PLANE && ground->material == scene.material_count - 1);
+        CHECK(vec3_dot(ground->normal, axes.up) == 1);
+        double height = vec3_dot(ground->center, axes.up) - lowest[up];
+        CHECK(height < 0 && height > -1e-4, "%g", height);
+        scene_finish(&scene);
+    }
+}
+
+// F / (pi A) of a unit square that emits, in its bounding sphere of radius sqrt(1/2).
+TEST(emission_is_judged)
+{
+    static const struct {
+        const char *emission;
+        double expected;
+    } rows[] = {{"1 1 1", 1 / (2 * M_PI)},
+                {"0.4 0.4 0.4", 0.4 / (2 * M_PI)},
+                {"0.3 0.3 0.3", 0.3 / (2 * M_PI)}};
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char mtl[128];
+        snprintf(mtl, sizeof mtl, "newmtl m\nKe %s\n", rows[i].emission);
+        write_text("m.mtl", mtl);
+        struct scene scene = load(write_text("m.obj", "mtllib m.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\n"
+                                                      "v 1 1 0\nv 0 1 0\nf 1 2 3 4\n"),
+                                  SCENE_UP_Y);
+        bool is_lit = rows[i].expected >= STUDIO_EMISSION_LEAST;
+        CHECK(scene.has_studio == !is_lit, "row %zu", i);
+        CHECK(fabs(scene.weak_emission - (is_lit ? 0 : rows[i].expected)) < 1e-6, "%g",
+              scene.weak_emission);
+        scene_finish(&scene);
+    }
+}
+
+// Our own format: a camera makes a scene a composed one; emission is there on purpose.
+TEST(scene_files)
+{
+    static const struct {
+        const char *text;
+        bool has_studio, has_ground;
+    } rows[] = {
+        {"\"materials\": {\"m\": {\"type\": \"diffuse\"}}", true, true},
+        {"\"materials\": {\"m\": {\"type\": \"diffuse\"}}, \"camera\": {\"position\": [0, 0, 9],"
+         " \"direction\": [0, 0, -1], \"fov_degrees\": 30}",
+         false, false},
+        {"\"materials\": {\"m\": {\"type\": \"diffuse\", \"emission\": [1e-6, 0, 0]}}", false,
+         false},
+        {"\"materials\": {\"m\": {\"type\": \"diffuse\"}}, \"environment\": {\"radiance\":"
+         " [0, 0, 0]}",
+         false, false},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char document[512];
+        snprintf(document, sizeof document,
+                 "{\"lampyris\": 1, %s, \"shapes\": [{\"type\": \"sphere\", \"center\":"
+                 " [0, 0, 0], \"radius\": 1, \"material\": \"m\"}]}",
+                 rows[i].text);
+        struct scene scene = load(write_text("s.json", document), SCENE_UP_Y);
+        CHECK(scene.has_studio == rows[i].has_studio, "row %zu", i);
+        CHECK(scene.has_ground == rows[i].has_ground, "row %zu", i);
+        scene_finish(&scene);
+    }
+}
+
+TEST_MAIN(TEST_CASE(the_ground_meets_the_background), TEST_CASE(the_ground_is_below),
+          TEST_CASE(emission_is_judged), TEST_CASE(scene_files))
