@@ -34,14 +34,9 @@ vec3 frame_transform(triangle_frame frame, vec3 v)
     return vec3(sheared, s.z * frame.shear.z);
 }
 
-// Two-sided. On a hit `t` is in units of the direction's length and `uv` are the barycentric
-// coordinates of v1 and v2.
-bool intersect_triangle(triangle_frame frame, vec3 origin, vec3 v0, vec3 v1, vec3 v2, out float t,
-                        out vec2 uv)
+// Of corners in the ray's frame.
+bool intersect_corners(vec3 a, vec3 b, vec3 c, out float t, out vec2 uv)
 {
-    vec3 a = frame_transform(frame, v0 - origin);
-    vec3 b = frame_transform(frame, v1 - origin);
-    vec3 c = frame_transform(frame, v2 - origin);
     precise float u = c.x * b.y - c.y * b.x;
     precise float v = a.x * c.y - a.y * c.x;
     precise float w = b.x * a.y - b.y * a.x;
@@ -51,6 +46,27 @@ bool intersect_triangle(triangle_frame frame, vec3 origin, vec3 v0, vec3 v1, vec
     uv = vec2(v, w) * inverse;
     bool same_side = (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0);
     return same_side && determinant != 0.0;
+}
+
+// Two-sided. On a hit `t` is in units of the direction's length and `uv` are the barycentric
+// coordinates of v1 and v2.
+bool intersect_triangle(triangle_frame frame, vec3 origin, vec3 v0, vec3 v1, vec3 v2, out float t,
+                        out vec2 uv)
+{
+    vec3 a = frame_transform(frame, v0 - origin);
+    vec3 b = frame_transform(frame, v1 - origin);
+    vec3 c = frame_transform(frame, v2 - origin);
+    return intersect_corners(a, b, c, t, uv);
+}
+
+// The same of a triangle by a corner and its edges: what rounding moves, it moves as a whole.
+bool intersect_small_triangle(triangle_frame frame, vec3 origin, vec3 v0, vec3 edge1, vec3 edge2,
+                              out float t, out vec2 uv)
+{
+    vec3 a = frame_transform(frame, v0 - origin);
+    vec3 b = a + frame_transform(frame, edge1);
+    vec3 c = a + frame_transform(frame, edge2);
+    return intersect_corners(a, b, c, t, uv);
 }
 
 #endif

@@ -14,6 +14,7 @@
 #include "lib/shape_light.glsl"
 #include "lib/sun.glsl"
 #include "lib/surface.glsl"
+#include "lib/triangle.glsl"
 
 // How far the sampled point is, for what is lost on the way.
 float light_distance(light_sample l)
@@ -42,26 +43,18 @@ float pdf_light(vec3 origin, vec3 direction, float distance, surface s, float pi
                                    abs(dot(direction, s.normal_geometric)));
 }
 
-float triangle_area(vec3 v0, vec3 v1, vec3 v2)
-{
-    return 0.5 * length(cross(v1 - v0, v2 - v0));
-}
-
 void sample_triangle_light(vec3 origin, uint index, float pick, vec2 u, inout light_sample l)
 {
-    vec3 v0 = load_triangles_float(index * 3u).xyz;
-    uvec4 w1 = load_triangles(index * 3u + 1u);
-    vec3 v1 = uintBitsToFloat(w1.xyz);
-    vec3 v2 = load_triangles_float(index * 3u + 2u).xyz;
+    triangle_record t = load_triangle(index);
     vec2 b = sample_triangle(u);
-    vec3 point = v0 + b.x * (v1 - v0) + b.y * (v2 - v0);
-    l.material = w1.w;
+    vec3 point = t.v0 + b.x * t.edge1 + b.y * t.edge2;
+    l.material = t.word;
     l.barycentrics = b;
-    material m = load_material(w1.w);
+    material m = load_material(t.word);
     float density = m.group[GROUP_EMISSION].a;
     if (LIGHT_CHOICE != LIGHT_CHOICE_POWER)
-        density = pick / triangle_area(v0, v1, v2);
-    finish_area_sample(l, point - origin, normalize(cross(v1 - v0, v2 - v0)), m, density);
+        density = pick / triangle_area(t);
+    finish_area_sample(l, point - origin, triangle_normal(t), m, density);
 }
 
 // What textures leave of a sampled primitive's emission, and whether it is there at all: on
@@ -248,12 +241,9 @@ receiver receiver_of(vec3 origin, vec3 direction, uint primitive, uint instance)
     vec3 normal = vec3(0.0);
     uint material = 0u;
     if (HAS(FEATURE_TRIANGLES) && !is_shape) {
-        vec3 v0 = load_triangles_float(primitive * 3u).xyz;
-        uvec4 w1 = load_triangles(primitive * 3u + 1u);
-        vec3 v1 = uintBitsToFloat(w1.xyz);
-        vec3 v2 = load_triangles_float(primitive * 3u + 2u).xyz;
-        normal = normalize(cross(v1 - v0, v2 - v0));
-        material = w1.w;
+        triangle_record t = load_triangle(primitive);
+        normal = triangle_normal(t);
+        material = t.word;
         if (HAS_GEOMETRY(GEOMETRY_INSTANCES) && instance != NO_INSTANCE) {
             normal = normalize_any(load_instance_inverse(instance).rows * normal);
             material = instance_material(instance, material);
@@ -288,11 +278,9 @@ float pick_density_at(material m, uint primitive, vec3 origin, vec3 direction, u
         area = shape_area_visible(load_shape(index), origin);
         emitter = load_shapes(index * SHAPE_WORDS + 2u).x;
     } else {
-        uint at = primitive * 3u;
-        uvec4 w2 = load_triangles(at + 2u);
-        area = triangle_area(load_triangles_float(at).xyz, load_triangles_float(at + 1u).xyz,
-                             uintBitsToFloat(w2.xyz));
-        emitter = w2.w;
+        triangle_record t = load_triangle(primitive);
+        area = triangle_area(t);
+        emitter = t.emitter;
     }
     float pick = LIGHT_CHOICE == LIGHT_CHOICE_ALL ? 1.0 : 1.0 / float(frame.emitter_count);
     if (LIGHT_CHOICE == LIGHT_CHOICE_TREE)

@@ -8,6 +8,7 @@
 #include "lib/sampling.glsl"
 #include "lib/shape_surface.glsl"
 #include "lib/surface_types.glsl"
+#include "lib/triangle.glsl"
 
 // Octahedral decoding (Cigolle et al. 2014, "A Survey of Efficient Representations for Independent
 // Unit Vectors", listing 2).
@@ -151,18 +152,16 @@ void load_corner_attributes(uint index, vec2 b, inout surface s)
 surface load_triangle_surface(uint index, vec2 uv, uint instance)
 {
     placement p = load_placement(instance);
-    vec3 v0 = load_triangles_float(index * 3u).xyz;
-    uvec4 w1 = load_triangles(index * 3u + 1u);
-    vec3 v1 = uintBitsToFloat(w1.xyz);
-    vec3 v2 = load_triangles_float(index * 3u + 2u).xyz;
+    triangle_record t = load_triangle(index);
+    vec3 v0 = t.v0, v1 = t.v1, v2 = t.v2;
     vec3 b = vec3(1.0 - uv.x - uv.y, uv);
 
     surface s;
     s.position = b.x * v0 + b.y * v1 + b.z * v2;
     // Pharr, Jakob, Humphreys 2023, section 6.8.5.
     s.error = GAMMA(7) * (abs(b.x * v0) + abs(b.y * v1) + abs(b.z * v2));
-    s.normal_geometric = normalize(cross(v1 - v0, v2 - v0));
-    s.material = w1.w;
+    s.normal_geometric = triangle_normal(t);
+    s.material = t.word;
     if (HAS_GEOMETRY(GEOMETRY_INSTANCES) && p.exists)
         place_point(p, s);
     s.normal_shading = s.normal_geometric;

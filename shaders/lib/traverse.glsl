@@ -10,6 +10,7 @@
 #include "lib/shape_leaf.glsl"
 #include "lib/steps.glsl"
 #include "lib/trace_types.glsl"
+#include "lib/triangle.glsl"
 
 // The plane of the triangle that a ray starts on. Its coplanar neighbours cannot be hit either:
 // their distance is 0 and must not become more by rounding, which is some epsilon times the
@@ -20,23 +21,23 @@ struct left_plane {
     vec3 point; // with instances
     uint id;    // of the triangle, where one may be in several places
     uint target_id; // of the one that the ray is sent to
+    bool target_is_small;
 };
 
 left_plane load_left_plane(uint primitive, uint target)
 {
-    left_plane plane = left_plane(vec3(0.0), false, vec3(0.0), NO_PRIMITIVE, NO_PRIMITIVE);
+    left_plane plane = left_plane(vec3(0.0), false, vec3(0.0), NO_PRIMITIVE, NO_PRIMITIVE, false);
     if (HAS(FEATURE_TRIANGLES) && primitive < PRIMITIVE_SHAPE) {
-        uvec4 w0 = load_triangles(primitive * 3u);
-        vec3 v0 = uintBitsToFloat(w0.xyz);
-        vec3 v1 = load_triangles_float(primitive * 3u + 1u).xyz;
-        vec3 v2 = load_triangles_float(primitive * 3u + 2u).xyz;
-        plane.normal = cross(v1 - v0, v2 - v0);
+        triangle_record t = load_triangle(primitive);
+        plane.normal = cross(t.edge1, t.edge2);
         plane.exists = true;
-        plane.point = v0;
-        plane.id = w0.w;
+        plane.point = t.v0;
+        plane.id = t.id;
     }
     if (HAS_GEOMETRY(GEOMETRY_DUPLICATES) && target < PRIMITIVE_ENVIRONMENT)
         plane.target_id = load_triangles(target * 3u).w;
+    if (HAS_GEOMETRY(GEOMETRY_SMALL_TRIANGLES) && target < PRIMITIVE_ENVIRONMENT)
+        plane.target_is_small = IS_SMALL(load_triangles(target * 3u + 1u).w);
     return plane;
 }
 
@@ -118,6 +119,15 @@ bool is_ignored(trace_ray ray, left_plane plane, uint instance, uint index, uint
     return starts_here || ends_here;
 }
 
+// Whether a hit of a shadow ray, which ends at t = 1, is so near its end that rounding put it before
+// that: small triangles lie beside their neighbours, each moved as a whole. Where the ray ends and
+// what it meets have the roundings of in_plane() each.
+bool is_at_end(trace_ray ray, vec3 corner, float t)
+{
+    float rounding = GAMMA(16) * dot(abs(corner) + abs(ray.origin), vec3(1.0));
+    return (1.0 - t) * length(ray.direction) <= 2.0 * rounding;
+}
+
 // What decides whether a triangle that is not everywhere there is met: differs between instances.
 uint crossing_of(uint id, uint instance)
 {
@@ -129,28 +139,32 @@ uint crossing_of(uint id, uint instance)
 void intersect_triangle_leaf(trace_ray ray, trace_space space, left_plane plane, uint index,
                              inout trace_hit best)
 {
-    uvec4 w0 = load_triangles(index * 3u);
-    uvec4 w1 = load_triangles(index * 3u + 1u);
-    uvec4 w2 = load_triangles(index * 3u + 2u);
-    vec3 v0 = uintBitsToFloat(w0.xyz);
-    vec3 v1 = uintBitsToFloat(w1.xyz);
-    vec3 v2 = uintBitsToFloat(w2.xyz);
+    triangle_record triangle = load_triangle(index);
+    vec3 v0 = triangle.v0, v1 = triangle.v1, v2 = triangle.v2;
     float t;
     vec2 uv;
     bool leaves = leaves_triangle(plane, space.origin, v0, v1, v2);
     if (HAS_GEOMETRY(GEOMETRY_INSTANCES))
         leaves = leaves && space.instance == ray.start_instance;
-    bool hit = intersect_triangle(space.frame, space.origin, v0, v1, v2, t, uv) && !leaves &&
-               !is_ignored(ray, plane, space.instance, index, w0.w);
+    bool hit = intersect_triangle(space.frame, space.origin, v0, v1, v2, t, uv);
+    if (IS_SMALL(triangle.word))
+        hit = intersect_small_triangle(space.frame, space.origin, v0, triangle.edge1,
+                                       triangle.edge2, t, uv);
+#ifdef ANY_HIT
+    bool any_is_small = plane.target_is_small || IS_SMALL(triangle.word);
+    if (HAS_GEOMETRY(GEOMETRY_SMALL_TRIANGLES) && any_is_small)
+        hit = hit && !is_at_end(ray, v0, t);
+#endif
+    hit = hit && !leaves && !is_ignored(ray, plane, space.instance, index, triangle.id);
     if (HAS(FEATURE_ALPHA)) {
-        uint word = w1.w;
+        uint word = triangle.word;
         if (HAS_GEOMETRY(GEOMETRY_INSTANCES) && space.material != NO_MATERIAL)
             word = space.material;
         if (hit && t > 0.0 && t <= best.t && (word & MATERIAL_WORD_ALPHA) != 0u)
-            hit = alpha_passes(index, uv, vec3(0.0), word, crossing_of(w0.w, space.instance),
+            hit = alpha_passes(index, uv, vec3(0.0), word, crossing_of(triangle.id, space.instance),
                                ray.alpha);
     }
-    accept_hit(best, hit, t, uv, index, w0.w, space.instance);
+    accept_hit(best, hit, t, uv, index, triangle.id, space.instance);
 }
 
 // Chooses the next node among the children that the ray enters and pushes the others. `keys` are

@@ -146,17 +146,14 @@ whitted_surface whitted_surface_of(material m, vec3 wo, float eta)
 // of its area faces here, over the square of the distance.
 light_sample center_of_triangle(vec3 origin, uint index)
 {
-    vec3 v0 = load_triangles_float(index * 3u).xyz;
-    uvec4 w1 = load_triangles(index * 3u + 1u);
-    vec3 v1 = uintBitsToFloat(w1.xyz);
-    vec3 v2 = load_triangles_float(index * 3u + 2u).xyz;
-    vec3 area = 0.5 * cross(v1 - v0, v2 - v0);
+    triangle_record t = load_triangle(index);
+    vec3 area = 0.5 * cross(t.edge1, t.edge2);
     light_sample l;
     l.primitive = index;
-    l.material = w1.w;
+    l.material = t.word;
     l.barycentrics = vec2(1.0 / 3.0);
-    l.to_light = (v0 + v1 + v2) * (1.0 / 3.0) - origin;
-    l.radiance = load_material(w1.w).group[GROUP_EMISSION].rgb;
+    l.to_light = (t.v0 + t.v1 + t.v2) * (1.0 / 3.0) - origin;
+    l.radiance = load_material(t.word).group[GROUP_EMISSION].rgb;
     l.pdf = abs(dot(area, normalize(l.to_light)));
     return l;
 }

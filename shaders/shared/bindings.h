@@ -114,7 +114,8 @@
 #define GEOMETRY_LARGE_SPHERES (1u << 8) // whose equation needs more digits than a float has
 #define GEOMETRY_INSTANCES (1u << 9)     // of meshes with a BVH of their own
 #define GEOMETRY_DUPLICATES (1u << 10)   // some triangle stands in more than one leaf
-#define GEOMETRY_END (1u << 11)
+#define GEOMETRY_SMALL_TRIANGLES (1u << 11) // some are too small for where they are
+#define GEOMETRY_END (1u << 12)
 
 // What emits and is connected to.
 #define EMITTER_TRIANGLES (1u << 0)

@@ -99,6 +99,7 @@ SHARED_STATIC_ASSERT_SIZE(gpu_instance, 112);
 #define MATERIAL_CLASS_SHIFT 24 // 2 bits
 #define MATERIAL_CLASS_MASK 3u
 #define MATERIAL_WORD_ALPHA (1u << 27)
+#define MATERIAL_WORD_EDGES (1u << 28) // of a triangle: v1 and v2 are edges from v0
 
 // The materials' buffer: this header, then struct gpu_material for each material, and the sections
 // that begin at these words of four.

@@ -1,22 +1,17 @@
 #include "emitter_power.h"
 
+#include "affine.h"
 #include "environment.h"
 #include "ies.h"
 #include "light.h"
 #include <math.h>
 
-double triangle_area(const struct flat_triangle *triangle)
+double triangle_area(const struct flat_scene *flat, uint32_t id)
 {
-    double e[2][3], square = 0.0;
-    for (int c = 0; c < 3; c++) {
-        e[0][c] = (double)triangle->v[1][c] - (double)triangle->v[0][c];
-        e[1][c] = (double)triangle->v[2][c] - (double)triangle->v[0][c];
-    }
-    for (int c = 0; c < 3; c++) {
-        double n = e[0][(c + 1) % 3] * e[1][(c + 2) % 3] - e[0][(c + 2) % 3] * e[1][(c + 1) % 3];
-        square += n * n;
-    }
-    return 0.5 * sqrt(square);
+    double e[2][3], normal[3];
+    flat_triangle_edges(flat, id, e);
+    vec3_cross(e[0], e[1], normal);
+    return 0.5 * sqrt(vec3_dot(normal, normal));
 }
 
 // Of the parallelogram of two vectors.

@@ -7,7 +7,7 @@
 #include "flatten.h"
 #include "scene.h"
 
-double triangle_area(const struct flat_triangle *triangle);
+double triangle_area(const struct flat_scene *flat, uint32_t id);
 double shape_area(const struct flat_shape *shape); // 0 where shape_is_emitter() says no
 // Whether something in the scene has no end.
 bool has_planes(const struct flat_scene *flat);

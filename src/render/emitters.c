@@ -99,7 +99,7 @@ static bool list_triangles(const struct scene *scene, const struct flat_scene *f
         const struct flat_triangle *triangle = &flat->triangles[i];
         double radiance = mean_radiance(scene, &scene->materials[triangle->material]);
         if (radiance > 0.0)
-            add_emitter(list, places[i], radiance * triangle_area(triangle));
+            add_emitter(list, places[i], radiance * triangle_area(flat, i));
     }
     arena_finish(&scratch);
     return true;
@@ -268,16 +268,16 @@ static bool build_list(const struct emitter_list *list, double pick, struct aren
 
 // --- the tree ------------------------------------------------------------------------------------
 
-static void bound_triangle(const struct flat_triangle *triangle, struct light_bounds *out)
+static void bound_triangle(const struct flat_scene *flat, uint32_t id, struct light_bounds *out)
 {
+    const struct flat_triangle *triangle = &flat->triangles[id];
     double e[2][3], n[3], square = 0.0, radius = 0.0;
     for (int c = 0; c < 3; c++) {
         out->min[c] = fminf(fminf(triangle->v[0][c], triangle->v[1][c]), triangle->v[2][c]);
         out->max[c] = fmaxf(fmaxf(triangle->v[0][c], triangle->v[1][c]), triangle->v[2][c]);
         out->center[c] = 0.5f * out->min[c] + 0.5f * out->max[c];
-        e[0][c] = (double)triangle->v[1][c] - (double)triangle->v[0][c];
-        e[1][c] = (double)triangle->v[2][c] - (double)triangle->v[0][c];
     }
+    flat_triangle_edges(flat, id, e);
     for (int c = 0; c < 3; c++) {
         n[c] = e[0][(c + 1) % 3] * e[1][(c + 2) % 3] - e[0][(c + 2) % 3] * e[1][(c + 1) % 3];
         square += n[c] * n[c];
@@ -391,7 +391,7 @@ static struct light_bounds bound_emitter(const struct scene *scene, const struct
         // Of a convex body's surface a quarter is seen face on, on average (Cauchy 1841).
         bounds.power *= is_flat_shape(shape) ? 1.0 : 0.25;
     } else {
-        bound_triangle(&flat->triangles[bvh->triangle_order[primitive]], &bounds);
+        bound_triangle(flat, bvh->triangle_order[primitive], &bounds);
     }
     return bounds;
 }

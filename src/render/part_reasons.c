@@ -116,6 +116,7 @@ static const char *geometry_reason(uint32_t bit)
     static const struct reason reasons[] = {
         {GEOMETRY_LARGE_SPHERES, "no sphere is large against what is seen of it"},
         {GEOMETRY_INSTANCES, "all meshes stand in the world itself (--instances)"},
+        {GEOMETRY_SMALL_TRIANGLES, "no emissive triangle is too small for single precision"},
         {GEOMETRY_DUPLICATES, "no triangle was split (--bvh spatial)"},
     };
     return FIND(reasons, bit);

@@ -122,6 +122,7 @@ static uint32_t geometry_of(const struct flat_scene *flat, const struct bvh *bvh
 {
     uint32_t geometry = flat->placed_count ? GEOMETRY_INSTANCES : 0u;
     geometry |= bvh->reference_count > bvh->triangle_count ? GEOMETRY_DUPLICATES : 0u;
+    geometry |= flat->small_count ? GEOMETRY_SMALL_TRIANGLES : 0u;
     for (uint32_t i = 0; i < flat->shape_count; i++)
         geometry |= 1u << flat->shapes[i].kind;
     return geometry;
@@ -541,6 +542,7 @@ const char *geometry_name(uint32_t bit)
         "large spheres",
         "instances",
         "triangles in several leaves",
+        "small triangles",
     };
     for (uint32_t i = 0; i < sizeof names / sizeof *names; i++)
         if (bit == 1u << i)

@@ -1,5 +1,6 @@
 #include "upload.h"
 
+#include "affine.h"
 #include "attributes.h"
 #include "environment_table.h"
 #include "image.h"
@@ -22,19 +23,6 @@ uint32_t encode_normal(const float n[3])
     }
     uint32_t high = (uint16_t)(int16_t)lrintf(y * 32767.0f);
     return high << 16 | (uint16_t)(int16_t)lrintf(x * 32767.0f);
-}
-
-// The cross product of the edges; returns the area, half its length.
-static double triangle_normal(const struct flat_triangle *triangle, double n[3])
-{
-    double e[2][3];
-    for (int c = 0; c < 3; c++) {
-        e[0][c] = (double)triangle->v[1][c] - triangle->v[0][c];
-        e[1][c] = (double)triangle->v[2][c] - triangle->v[0][c];
-    }
-    for (int c = 0; c < 3; c++)
-        n[c] = e[0][(c + 1) % 3] * e[1][(c + 2) % 3] - e[0][(c + 2) % 3] * e[1][(c + 1) % 3];
-    return 0.5 * sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
 }
 
 // A buffer without records still holds one, zeroed: kernels that are compiled with a feature which
@@ -161,12 +149,14 @@ static void fill_triangle(const struct records *records, uint32_t place, void *o
     uint32_t id = p->bvh->triangle_order[place];
     const struct flat_triangle *triangle = &p->flat->triangles[id];
     struct gpu_triangle *record = out;
+    const struct flat_small_triangle *small = flat_find_small(p->flat, id);
     memcpy(record->v0, triangle->v[0], sizeof record->v0);
-    memcpy(record->v1, triangle->v[1], sizeof record->v1);
-    memcpy(record->v2, triangle->v[2], sizeof record->v2);
+    memcpy(record->v1, small ? small->edges[0] : triangle->v[1], sizeof record->v1);
+    memcpy(record->v2, small ? small->edges[1] : triangle->v[2], sizeof record->v2);
     record->id = id;
     record->emitter = records->emitters[place];
-    record->material = upload_material_word(p, triangle->material);
+    record->material =
+        upload_material_word(p, triangle->material) | (small ? MATERIAL_WORD_EDGES : 0u);
 }
 
 static bool upload_triangles(struct gpu *gpu, const struct upload_params *p,
@@ -190,13 +180,15 @@ static bool upload_triangles(struct gpu *gpu, const struct upload_params *p,
 
 // Whether the shading normals say no more than the geometric one, as far as their code can tell:
 // that one is exact then.
-static bool is_flat(const struct flat_triangle *triangle, const float normals[3][3])
+static bool is_flat(const struct flat_scene *flat, uint32_t id)
 {
-    double n[3];
-    double length = 2.0 * triangle_normal(triangle, n);
+    double e[2][3], n[3];
+    flat_triangle_edges(flat, id, e);
+    vec3_cross(e[0], e[1], n);
+    double length = sqrt(vec3_dot(n, n));
     for (int corner = 0; corner < 3; corner++)
         for (int c = 0; c < 3; c++)
-            if (!(fabs(normals[corner][c] - n[c] / length) <= NORMAL_RESOLUTION))
+            if (!(fabs((double)flat->normals[id][corner][c] - n[c] / length) <= NORMAL_RESOLUTION))
                 return false;
     return true;
 }
@@ -204,7 +196,7 @@ static bool is_flat(const struct flat_triangle *triangle, const float normals[3]
 static void fill_normals(const struct flat_scene *flat, uint32_t id, uint32_t word[4])
 {
     word[0] = NORMAL_FLAT;
-    if (!flat->normals || is_flat(&flat->triangles[id], flat->normals[id]))
+    if (!flat->normals || is_flat(flat, id))
         return;
     for (int corner = 0; corner < 3; corner++)
         word[corner] = encode_normal(flat->normals[id][corner]);

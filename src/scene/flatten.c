@@ -4,7 +4,10 @@
 #include "flatten_census.h"
 #include "flatten_instances.h"
 #include "flatten_shapes.h"
+#include "log.h"
+#include <float.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 // --- triangles -----------------------------------------------------------------------------------
@@ -26,13 +29,19 @@ static struct placement place(const struct scene *scene, const struct instance *
     return placement;
 }
 
-static void place_vertex(const struct placement *placement, uint32_t vertex, float out[3])
+struct flattening {
+    const struct flatten_params *params;
+    struct flat_scene *flat;
+    struct arena *arena;
+    uint64_t triangle_count; // that there will be, dropped ones included
+};
+
+static void place_vertex(const struct placement *placement, uint32_t vertex, double out[3])
 {
-    double point[3];
-    mesh_vertex(placement->mesh, vertex, point);
-    affine_point(placement->instance->transform, point, point);
+    mesh_vertex(placement->mesh, vertex, out);
+    affine_point(placement->instance->transform, out, out);
     for (int i = 0; i < 3; i++)
-        out[i] = (float)((point[i] - placement->origin[i]) * placement->scale);
+        out[i] = (out[i] - placement->origin[i]) * placement->scale;
 }
 
 // The normal of a triangle from its rounded corners, not normalised. Exactly zero for a triangle
@@ -47,10 +56,67 @@ static void triangle_normal(const struct flat_triangle *triangle, double out[3])
     vec3_cross(edges[0], edges[1], out);
 }
 
-// False for one without area: it is dropped.
-static bool add_triangle(struct flat_scene *flat, const struct scene *scene,
-                         const struct placement *placement, uint32_t index)
+// What rounding may change of an emitter's area and normal.
+#define SMALL_TOLERANCE 0x1p-11
+
+static bool is_lost(const double exact[3], const double rounded[3])
 {
+    double difference[3];
+    vec3_subtract(exact, rounded, difference);
+    return vec3_length(difference) > SMALL_TOLERANCE * vec3_length(exact);
+}
+
+// The end of an edge from `from`, rounded away from there.
+static float round_away(float from, float edge)
+{
+    double end = (double)from + (double)edge;
+    float rounded = (float)end;
+    if (edge > 0.0f ? (double)rounded < end : (double)rounded > end)
+        rounded = nextafterf(rounded, edge > 0.0f ? INFINITY : -INFINITY);
+    return rounded;
+}
+
+// Keeps the edges of a triangle that is to come next. `normal`: of its rounded corners; becomes
+// that of the exact ones, `corners`.
+static bool keep_edges(struct flattening *f, const double corners[3][3], double normal[3],
+                       struct err *err)
+{
+    struct flat_scene *flat = f->flat;
+    struct flat_triangle *triangle = &flat->triangles[flat->triangle_count];
+    uint32_t count = flat->small_count;
+    double edges[2][3], exact[3];
+    vec3_subtract(corners[1], corners[0], edges[0]);
+    vec3_subtract(corners[2], corners[0], edges[1]);
+    vec3_cross(edges[0], edges[1], exact);
+    if (!(vec3_length(exact) > 0) || !is_lost(exact, normal))
+        return true;
+    memcpy(normal, exact, sizeof exact);
+    // The list doubles when it is full, which is when it has a power of 2.
+    if ((count & (count - 1)) == 0) {
+        struct flat_small_triangle *list =
+            ARENA_NEW(f->arena, struct flat_small_triangle, count ? 2 * (size_t)count : 1);
+        if (!list)
+            return err_memory(err, "small triangles", count * sizeof *list);
+        if (count)
+            memcpy(list, flat->small, count * sizeof *list);
+        flat->small = list;
+    }
+    struct flat_small_triangle *small = &flat->small[flat->small_count++];
+    small->triangle = flat->triangle_count;
+    for (int e = 0; e < 2; e++)
+        for (int i = 0; i < 3; i++) {
+            small->edges[e][i] = (float)edges[e][i];
+            triangle->v[e + 1][i] = round_away(triangle->v[0][i], small->edges[e][i]);
+        }
+    return true;
+}
+
+// One without area is not added: *added says so.
+static bool add_triangle(struct flattening *f, const struct placement *placement, uint32_t index,
+                         bool *added, struct err *err)
+{
+    const struct scene *scene = f->params->scene;
+    struct flat_scene *flat = f->flat;
     const struct mesh *mesh = placement->mesh;
     const uint32_t *corners = mesh->indices[index];
     // A reflection turns the winding round; exchanging two corners keeps the outside outside.
@@ -60,15 +126,21 @@ static bool add_triangle(struct flat_scene *flat, const struct scene *scene,
         corners[placement->is_mirrored ? 1 : 2],
     };
     struct flat_triangle *triangle = &flat->triangles[flat->triangle_count];
-    for (int corner = 0; corner < 3; corner++)
-        place_vertex(placement, vertices[corner], triangle->v[corner]);
-    double geometric[3];
-    triangle_normal(triangle, geometric);
-    if (!vec3_normalize(geometric))
-        return false;
+    double points[3][3], geometric[3];
+    for (int corner = 0; corner < 3; corner++) {
+        place_vertex(placement, vertices[corner], points[corner]);
+        for (int i = 0; i < 3; i++)
+            triangle->v[corner][i] = (float)points[corner][i];
+    }
     triangle->material = instance_material(mesh, placement->instance, index);
-    attributes_place(flat, scene, placement, vertices, geometric);
-    flat->triangle_count++;
+    triangle_normal(triangle, geometric);
+    if (flatten_emits(scene, triangle->material) && !keep_edges(f, points, geometric, err))
+        return false;
+    *added = vec3_normalize(geometric);
+    if (*added) {
+        attributes_place(flat, scene, placement, vertices, geometric);
+        flat->triangle_count++;
+    }
     return true;
 }
 
@@ -89,13 +161,6 @@ static bool drop_triangle(struct flat_scene *flat, struct arena *arena)
     return true;
 }
 
-struct flattening {
-    const struct flatten_params *params;
-    struct flat_scene *flat;
-    struct arena *arena;
-    uint64_t triangle_count; // that there will be, dropped ones included
-};
-
 // All triangles of an instance, or of a shared mesh as an instance of itself. `run`: where its
 // first triangle is noted.
 static bool add_triangles(struct flattening *f, const struct placement *placement, uint32_t run,
@@ -110,25 +175,91 @@ static bool add_triangles(struct flattening *f, const struct placement *placemen
             !flatten_goes_on(f->params, FLATTEN_CENSUS_PART + done * (1 - FLATTEN_CENSUS_PART),
                              err))
             return false;
-        if (!add_triangle(flat, f->params->scene, placement, t) && !drop_triangle(flat, f->arena))
+        bool added;
+        if (!add_triangle(f, placement, t, &added, err))
+            return false;
+        if (!added && !drop_triangle(flat, f->arena))
             return err_memory(err, "dropped triangles", flat->dropped_degenerate * 4u);
     }
     return true;
+}
+
+// Whether the triangles from `first` on are all small ones of one plane, which are as they should
+// be wherever they are.
+static bool is_small_plane(const struct flat_scene *flat, uint32_t first)
+{
+    double edges[2][3], plane[3] = {0}, normal[3], across[3];
+    for (uint32_t i = first; i < flat->triangle_count; i++) {
+        if (!flat_find_small(flat, i))
+            return false;
+        flat_triangle_edges(flat, i, edges);
+        vec3_cross(edges[0], edges[1], normal);
+        vec3_normalize(normal);
+        if (i == first)
+            memcpy(plane, normal, sizeof plane);
+        vec3_cross(plane, normal, across);
+        if (vec3_length(across) > SMALL_TOLERANCE)
+            return false;
+    }
+    return true;
+}
+
+// Objects that are coarse where they are, in the scene's unit; told together.
+struct coarse {
+    uint32_t count, first;
+    double extent, farthest;
+};
+
+// Of the instance whose triangles are those from `first` on.
+static void look_at_precision(const struct flat_scene *flat, uint32_t instance, uint32_t first,
+                              struct coarse *coarse)
+{
+    struct bounds bounds = BOUNDS_EMPTY;
+    double extent, farthest;
+    for (uint32_t i = first; i < flat->triangle_count; i++)
+        for (int corner = 0; corner < 3; corner++) {
+            const float *v = flat->triangles[i].v[corner];
+            bounds_add_point(&bounds, (const double[]){v[0], v[1], v[2]});
+        }
+    if (!flatten_is_coarse(&bounds, &extent, &farthest) || is_small_plane(flat, first))
+        return;
+    if (coarse->count++ == 0) {
+        coarse->first = instance;
+        coarse->extent = extent;
+        coarse->farthest = farthest;
+    }
+}
+
+static void warn_of_coarse(const struct flat_scene *flat, const struct scene *scene,
+                           const struct coarse *coarse)
+{
+    if (coarse->count > 0)
+        log_warn(
+            "%u instances are small for where they are: instance %u, of mesh \"%s\", is %g m "
+            "across and %g m from the middle, where single precision resolves %.2g m: its form "
+            "and shadows are lost; expected larger objects, or a scene about them",
+            coarse->count, coarse->first, scene->meshes[scene->instances[coarse->first].mesh].name,
+            coarse->extent / flat->scale, coarse->farthest / flat->scale,
+            coarse->farthest / flat->scale * (double)FLT_EPSILON);
 }
 
 static bool add_world(struct flattening *f, const struct census *census, struct err *err)
 {
     const struct scene *scene = f->params->scene;
     struct flat_scene *flat = f->flat;
+    struct coarse coarse = {0};
     for (uint32_t i = 0; i < scene->instance_count; i++) {
         flat->instance_first[i] = flat->triangle_count + flat->dropped_degenerate;
         if (census->instances[i] != INSTANCE_FLATTENED)
             continue;
         const struct placement placement =
             place(scene, &scene->instances[i], flat->origin, flat->scale);
+        uint32_t first = flat->triangle_count;
         if (!add_triangles(f, &placement, i, err))
             return false;
+        look_at_precision(flat, i, first, &coarse);
     }
+    warn_of_coarse(flat, scene, &coarse);
     flat->world_triangle_count = flat->triangle_count;
     for (uint32_t i = 0; i < flat->triangle_count; i++)
         for (int corner = 0; corner < 3; corner++)
@@ -209,6 +340,30 @@ void flat_to_world(const struct flat_scene *flat, const double point[3], double 
 {
     for (int i = 0; i < 3; i++)
         out[i] = point[i] / flat->scale + flat->origin[i];
+}
+
+static int compare_small(const void *a, const void *b)
+{
+    uint32_t id = *(const uint32_t *)a,
+             triangle = ((const struct flat_small_triangle *)b)->triangle;
+    return (id > triangle) - (id < triangle);
+}
+
+const struct flat_small_triangle *flat_find_small(const struct flat_scene *flat, uint32_t id)
+{
+    if (flat->small_count == 0)
+        return NULL;
+    return bsearch(&id, flat->small, flat->small_count, sizeof *flat->small, compare_small);
+}
+
+void flat_triangle_edges(const struct flat_scene *flat, uint32_t id, double edges[2][3])
+{
+    const struct flat_small_triangle *small = flat_find_small(flat, id);
+    const struct flat_triangle *triangle = &flat->triangles[id];
+    for (int e = 0; e < 2; e++)
+        for (int i = 0; i < 3; i++)
+            edges[e][i] = small ? (double)small->edges[e][i]
+                                : (double)triangle->v[e + 1][i] - (double)triangle->v[0][i];
 }
 
 // --- the whole -----------------------------------------------------------------------------------

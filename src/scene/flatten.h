@@ -12,6 +12,14 @@ struct flat_triangle {
     uint32_t material;
 };
 
+// A triangle that is too small for where it is: its corners, in single precision, say nothing of
+// its form. Its edges do, from corner 0 to the others; and v[1] and v[2] are rounded away from
+// v[0], so that the box of all three holds it.
+struct flat_small_triangle {
+    uint32_t triangle;
+    float edges[2][3];
+};
+
 // As struct shape.
 struct flat_shape {
     uint32_t kind; // enum shape_kind
@@ -76,6 +84,10 @@ struct flat_scene {
     float (*uvs[2])[3][2];   // finite, 0 where missing; t downwards
     float (*colors)[3][4];   // linear RGBA, 1 where missing
     uint32_t triangle_count;
+    // Emissive ones, in ascending order: what they send goes by their areas and normals, which are
+    // lost where rounding changes these by more than 2^-11.
+    struct flat_small_triangle *small;
+    uint32_t small_count;
     // The first ones are in the world; then come the shared meshes' own.
     uint32_t world_triangle_count;
     struct flat_mesh *meshes;
@@ -99,6 +111,11 @@ struct flatten_params {
     enum instancing instancing;
     const struct progress *progress; // phase "Flattening", of the calling thread
 };
+
+// The edges of a triangle from its corner 0 to the others, as exact as is known.
+void flat_triangle_edges(const struct flat_scene *flat, uint32_t id, double edges[2][3]);
+// Its entry in flat->small; NULL: it has none.
+const struct flat_small_triangle *flat_find_small(const struct flat_scene *flat, uint32_t id);
 
 // The instance that a flat triangle is of (SCENE_NONE: a shared mesh's), and which of its mesh's
 // triangles it is.

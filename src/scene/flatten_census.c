@@ -25,13 +25,18 @@ static void bounds_size(const struct bounds *bounds, double *extent, double *far
     }
 }
 
+bool flatten_is_coarse(const struct bounds *bounds, double *extent, double *farthest)
+{
+    if (bounds_is_empty(bounds))
+        return false;
+    bounds_size(bounds, extent, farthest);
+    return *farthest > COARSE_RATIO * *extent;
+}
+
 static void warn_if_coarse(const struct mesh *mesh, const struct bounds *bounds)
 {
     double extent, farthest;
-    if (mesh->exact_positions || mesh->triangle_count == 0)
-        return;
-    bounds_size(bounds, &extent, &farthest);
-    if (farthest > COARSE_RATIO * extent)
+    if (!mesh->exact_positions && flatten_is_coarse(bounds, &extent, &farthest))
         log_warn("mesh \"%s\" is %g in size and %g from its origin: single precision resolves it "
                  "in steps of %.2g",
                  mesh->name, extent, farthest, farthest * (double)FLT_EPSILON);

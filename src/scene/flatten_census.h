@@ -48,6 +48,9 @@ bool flatten_take_census(const struct flatten_params *params, struct arena *scra
 // Where the arrays of something with these bounds begin: (0,0,0), or its middle when it is small
 // for where it is.
 void flatten_choose_origin(const struct bounds *bounds, double origin[3]);
+// Whether single precision resolves something with these bounds in so few steps that its form is
+// lost; with its largest extent along an axis and its largest coordinate.
+bool flatten_is_coarse(const struct bounds *bounds, double *extent, double *farthest);
 // The scale of something with these bounds: see flat_scene.scale. 1 when it is empty, or a point.
 double flatten_choose_scale(const struct bounds *bounds);
 // Fails where something with these bounds is too large or too small.

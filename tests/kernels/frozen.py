@@ -49,7 +49,8 @@ SHAPES = ["GEOMETRY_" + kind for kind in (
     "SPHERES", "LARGE_SPHERES", "DISCS", "PLANES", "QUADS", "BOXES", "CYLINDERS", "TUBES", "SDFS",
     "INSTANCES")] + EMISSIVE[1:]
 FEATURES = {
-    "triangles": (["TRIANGLES", "NORMALS", "EMITTER_TRIANGLES", "GEOMETRY_DUPLICATES"], {
+    "triangles": (["TRIANGLES", "NORMALS", "EMITTER_TRIANGLES", "GEOMETRY_DUPLICATES",
+                   "GEOMETRY_SMALL_TRIANGLES"], {
         "intersect_closest": ["intersect_triangle()", "intersect_triangle_leaf()", "[triangles]"],
         "intersect_shadow": ["intersect_triangle()", "intersect_triangle_leaf()", "[triangles]"],
         "shade_surface": ["load_triangle_surface()", "sample_triangle_light()", "[triangles]"],
@@ -117,6 +118,11 @@ FEATURES = {
         "shade_surface": ["place_point()", "load_instance_inverse()"],
         "shade_ao": ["place_point()", "load_instance_inverse()"],
         "shade_whitted": ["place_point()", "load_instance_inverse()"],
+    }),
+    "small triangles": (["GEOMETRY_SMALL_TRIANGLES"], {
+        "intersect_closest": ["intersect_small_triangle()"],
+        "intersect_shadow": ["intersect_small_triangle()", "is_at_end()"],
+        "shade_surface": ["triangle_size()"],
     }),
     "triangles in several leaves": (["GEOMETRY_DUPLICATES"], {
         "intersect_closest": ["-"],

@@ -58,6 +58,7 @@ enum {
     BRIGHT_SHAPES = TRAIT(51), // sheet, box, cylinder and tube emit
     FIELD = TRAIT(52),         // a distance field
     FAR = TRAIT(53),           // the camera is 1e6 times as far away
+    TINY = TRAIT(54),          // the quad is 2e-7 m large, and 0.3 m away
 };
 
 static void *present(void *memory)
@@ -136,6 +137,11 @@ static void add_quad(struct scene *scene, uint64_t has, uint32_t material)
             uvs[v][c] = quad[v / 3][v % 3][c];
         for (int c = 0; c < 4; c++)
             colors[v][c] = (float)(v + c + 1) / 10;
+    }
+    for (int c = 0; c < 3 && has & TINY; c++) {
+        struct instance *instance = &scene->instances[scene->instance_count - 1];
+        instance->transform[c][c] = 1e-7;
+        instance->transform[c][3] = 0.3;
     }
     if (has & UVS)
         mesh->uvs[0] = mesh->uvs[1] = uvs;
@@ -366,6 +372,8 @@ static const struct pair pairs[] = {
      FEATURE_EMISSION | EMITS(EMITTER_DISCS) | FEATURE_NEE, SHADOW_KERNELS, SHADOW_BUFFERS, 1},
     {"emissive triangles beside spheres", QUAD | BRIGHT_QUAD | SPHERE | BRIGHT_SPHERE,
      QUAD | SPHERE | BRIGHT_SPHERE, EMITS(EMITTER_TRIANGLES), 0, 0, 0},
+    {"small triangles", QUAD | BRIGHT_QUAD | DISC | TINY, QUAD | BRIGHT_QUAD | DISC,
+     MEETS(GEOMETRY_SMALL_TRIANGLES), 0, 0, 0},
     {"emissive spheres beside triangles", QUAD | BRIGHT_QUAD | SPHERE | BRIGHT_SPHERE,
      QUAD | BRIGHT_QUAD | SPHERE, EMITS(EMITTER_SPHERES), 0, 0, 0},
     {"emissive discs beside triangles", QUAD | BRIGHT_QUAD | DISC | BRIGHT_DISC,
@@ -476,7 +484,8 @@ TEST(each_need)
 }
 
 // Of geometry, what pairs are there for.
-#define GEOMETRY_PAIRED (GEOMETRY_SHAPES | GEOMETRY_LARGE_SPHERES | GEOMETRY_INSTANCES)
+#define GEOMETRY_PAIRED                                                                            \
+    (GEOMETRY_SHAPES | GEOMETRY_LARGE_SPHERES | GEOMETRY_INSTANCES | GEOMETRY_SMALL_TRIANGLES)
 
 static uint64_t named_bits(void)
 {

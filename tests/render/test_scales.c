@@ -7,8 +7,7 @@
 #include "shared/aov.h"
 #include <math.h>
 
-// --- scales
-// ----------------------------------------------------------------------------------------
+// --- scales --------------------------------------------------------------------------------------
 
 // all_lengths.json: factor B-3 of a square of side 2 at 1 m, a point light at 1 m and 60 degrees,
 // and a slab of fog through which 2^-k of the light goes, that is passed aslant.
@@ -42,8 +41,7 @@ TEST(closed_forms_long)
     closed_forms_by_every_estimator(scales, sizeof scales / sizeof scales[0], 0);
 }
 
-// --- units
-// -----------------------------------------------------------------------------------------
+// --- units ---------------------------------------------------------------------------------------
 
 #define MOST_UNITS 5
 
@@ -154,8 +152,7 @@ TEST(units_long)
     check_all_units(units, sizeof units / sizeof units[0]);
 }
 
-// --- distances
-// -------------------------------------------------------------------------------------
+// --- distances -----------------------------------------------------------------------------------
 
 // far.json: a sphere or a disc of radius 1 in a picture of 4 by 4.
 static double part_filled(double rho, double le, double unused)
@@ -216,8 +213,74 @@ TEST(distances_long)
     closed_forms_by_default(distances, sizeof distances / sizeof distances[0], 2000);
 }
 
-// --- what is beyond
-// --------------------------------------------------------------------------------
+// --- small lamps ---------------------------------------------------------------------------------
+
+// small_lamp.json: a lamp of area A at d = (2, 1, 0) whose radiance is le / A, and whose normal
+// makes an angle with the way there: rho le cos cos' / (pi d^2).
+static double level_lamp(double rho, double le, double unused)
+{
+    (void)unused;
+    return rho * le / (25.0 * M_PI);
+}
+
+// Two edges as of TILTED, and le over the square of their unit.
+static double tilted_lamp(double rho, double le, double unused)
+{
+    (void)unused;
+    const double n[2] = {0.3 * 1.0 - 0.2 * 0.4, 0.2 * 0.1 - 1.0 * 1.0};
+    return rho * le / M_PI * 0.5 * fabs(2.0 * n[0] + n[1]) / 25.0;
+}
+
+#define LEVEL(size)                                                                                \
+    {                                                                                              \
+        "lamp", JSON({                                                                             \
+            "type" : "quad",                                                                       \
+            "material" : "lamp",                                                                   \
+            "corner" : [ 2, 1, 0 ],                                                                \
+            "u" : [ size, 0, 0 ],                                                                  \
+            "v" : [ 0, 0, size ]                                                                   \
+        })                                                                                         \
+    }
+// Edges (1, 0.3, 0.2) and (0.1, 0.4, 1) in units of 1e-7 m; the quad's second triangle has no area.
+#define TILTED                                                                                     \
+    {                                                                                              \
+        "lamp", JSON({                                                                             \
+            "type" : "quad",                                                                       \
+            "material" : "lamp",                                                                   \
+            "vertices" : [                                                                         \
+                [ 2, 1, 0 ], [ 2.0000001, 1.00000003, 2e-8 ], [ 2.00000001, 1.00000004, 1e-7 ],    \
+                [ 2.00000001, 1.00000004, 1e-7 ]                                                   \
+            ]                                                                                      \
+        })                                                                                         \
+    }
+
+#define LAMP(text, form, shape, color)                                                             \
+    {                                                                                              \
+        .name = text, .scene = OURS "small_lamp.json", .radiance = form, .kind = WITHOUT_VARIANCE, \
+        .alone = NEE_ALONE, .overrides = {shape, {"emission", color}},                             \
+    }
+
+static const struct closed_form small_lamps[] = {
+    LAMP("lamp of 1e-6 m", level_lamp, LEVEL(1e-6), "[1e12, 2e12, 4e12]"),
+    LAMP("lamp of 1e-8 m", level_lamp, LEVEL(1e-8), "[1e16, 2e16, 4e16]"),
+    LAMP("tilted lamp of 1e-7 m", tilted_lamp, TILTED, "[1e14, 2e14, 4e14]"),
+    LAMP("lamp of 3e-6 m", level_lamp, LEVEL(3e-6), "[1.1111111e11, 2.2222222e11, 4.4444444e11]"),
+    LAMP("lamp of 1e-10 m", level_lamp, LEVEL(1e-10), "[1e20, 2e20, 4e20]"),
+};
+#define SHORT_LAMPS 3
+
+TEST(small_lamps)
+{
+    closed_forms_by_default(small_lamps, SHORT_LAMPS, 3000);
+}
+
+TEST(small_lamps_long)
+{
+    closed_forms_by_every_light_choice(small_lamps, sizeof small_lamps / sizeof small_lamps[0],
+                                       3000);
+}
+
+// --- what is beyond ------------------------------------------------------------------------------
 
 static char warning[1024];
 
@@ -286,6 +349,6 @@ TEST(what_is_beyond_is_told)
     gpu_close(&gpu);
 }
 
-TEST_MAIN(TEST_CASE(closed_forms), TEST_CASE(units), TEST_CASE(distances),
-          TEST_CASE(what_is_beyond_is_told), TEST_CASE(closed_forms_long), TEST_CASE(units_long),
-          TEST_CASE(distances_long))
+TEST_MAIN(TEST_CASE(closed_forms), TEST_CASE(units), TEST_CASE(distances), TEST_CASE(small_lamps),
+          TEST_CASE(small_lamps_long), TEST_CASE(what_is_beyond_is_told),
+          TEST_CASE(closed_forms_long), TEST_CASE(units_long), TEST_CASE(distances_long))

@@ -322,6 +322,44 @@ TEST(sizes_choose_the_unit)
     end(&f);
 }
 
+// What single precision leaves of a lamp of 1e-8 m at 2 m is a point; its edges are kept, in a box.
+TEST(small_emitters_keep_their_edges)
+{
+    struct fixture f;
+    double edges[2][3];
+    begin(&f);
+    f.scene.instance_count = 2;
+    set_matrix(&f.instances[0], (const double[]){1e-8, 0, 0, 2, 0, 1e-8, 0, 1, 0, 0, 1e-8, 3});
+    REQUIRE(flatten(&f), "%s", f.err.msg);
+    CHECK(f.flat.triangle_count == 1 && f.flat.dropped_degenerate == 1 && f.flat.small_count == 0,
+          "what sends no light is dropped");
+    for (int c = 0; c < 3; c++)
+        f.instances[0].transform[c][c] = 1e-6;
+    REQUIRE(flatten(&f), "%s", f.err.msg);
+    CHECK(warnings == 1 && strstr(warning, "instance 0, of mesh \"triangle\", is 9.5"), "%s",
+          warning);
+    for (int c = 0; c < 3; c++)
+        f.instances[0].transform[c][c] = 1e-8;
+    f.materials[1].emission[0] = 1;
+    REQUIRE(flatten(&f), "%s", f.err.msg);
+    REQUIRE(f.flat.triangle_count == 2 && f.flat.small_count == 1 && flat_find_small(&f.flat, 0) &&
+            !flat_find_small(&f.flat, 1));
+    CHECK(warnings == 0, "%s", warning);
+    flat_triangle_edges(&f.flat, 0, edges);
+    const struct flat_triangle *triangle = &f.flat.triangles[0];
+    for (int e = 0; e < 2; e++)
+        for (int i = 0; i < 3; i++) {
+            double exact = 1e-8 * ((double)f.positions[e + 1][i] - (double)f.positions[0][i]);
+            double end = (double)triangle->v[0][i] + edges[e][i];
+            CHECK(fabs(edges[e][i] - exact) <= 1e-6 * 1e-8, "edge %d, axis %d: %g", e, i,
+                  edges[e][i]);
+            CHECK(edges[e][i] >= 0 ? (double)triangle->v[e + 1][i] >= end
+                                   : (double)triangle->v[e + 1][i] <= end,
+                  "edge %d, axis %d leaves the box", e, i);
+        }
+    end(&f);
+}
+
 TEST(far_scenes_are_rebased_in_double_precision)
 {
     struct fixture f;
@@ -634,6 +672,7 @@ int main(int argc, char **argv)
         TEST_CASE(singular_instances_are_skipped_with_a_warning),
         TEST_CASE(tiny_and_huge_scales_are_not_singular),
         TEST_CASE(sizes_choose_the_unit),
+        TEST_CASE(small_emitters_keep_their_edges),
         TEST_CASE(far_scenes_are_rebased_in_double_precision),
         TEST_CASE(exact_positions_come_first),
         TEST_CASE(meshes_beyond_their_precision_are_warned_of),
