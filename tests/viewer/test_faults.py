@@ -188,9 +188,10 @@ class Faults(Case):
         self.assertIn('spp', out)
 
     def test_signals(self):
-        self.end(signal.SIGTERM)
-        os.remove(self.path('state.json'))
-        self.end(signal.SIGINT)
+        for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGUSR1,
+                       signal.SIGXCPU):
+            self.end(number)
+            os.remove(self.path('state.json'))
 
     def test_two_pictures_at_once(self):
         self.view('wait 1 samples\nkey F12\nkey F12\nkey F11\nkey F11\nwait idle\n', '--spp', '1')
