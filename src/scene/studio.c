@@ -396,6 +396,14 @@ bool scene_provide_light(struct scene *scene, const struct scene_load_params *pa
 // --- what is said of it
 // ----------------------------------------------------------------------------
 
+// Before what the file's own notes say: a summary may have room for one.
+static void put_last_note_first(struct scene *scene)
+{
+    const char *last = scene->notes[scene->note_count - 1];
+    memmove(scene->notes + 1, scene->notes, (scene->note_count - 1) * sizeof *scene->notes);
+    scene->notes[0] = last;
+}
+
 bool scene_note_additions(struct scene *scene, struct err *err)
 {
     const char *camera = "", *light = "", *ground = scene->has_ground ? ", ground (--ground)" : "";
@@ -410,10 +418,12 @@ bool scene_note_additions(struct scene *scene, struct err *err)
                              scene->weak_emission, STUDIO_EMISSION_LEAST);
     if (!camera || !light)
         return err_memory(err, "a note", 0);
-    bool any = *camera || *light || *ground;
-    return !any ||
-           scene_note(scene, "added:%s%s%s", *light ? light + 1 : "",
-                      *light || *ground ? ground + (*light == 0) : "",
-                      *light || *ground ? camera : camera + 1) ||
-           err_memory(err, "a note", 0);
+    if (!*camera && !*light && !*ground)
+        return true;
+    if (!scene_note(scene, "added:%s%s%s", *light ? light + 1 : "",
+                    *light || *ground ? ground + (*light == 0) : "",
+                    *light || *ground ? camera : camera + 1))
+        return err_memory(err, "a note", 0);
+    put_last_note_first(scene);
+    return true;
 }

@@ -3,11 +3,13 @@
 
     test_summary.py LAMPYRIS SOURCE_ROOT
 """
+import base64
 import json
 import math
 import os
 import pty
 import re
+import struct
 import subprocess
 import sys
 import tempfile
@@ -73,6 +75,28 @@ class Summary(Base):
             self.assertLessEqual(len(lines), 10, '\n'.join(lines))
             self.assertRegex(lines[2], r'^error     ')
             self.assertRegex(lines[-1], r'^wrote     .*out\.exr$')
+
+    def test_what_was_added_is_named_whatever_else_there_is_to_note(self):
+        # A triangle, and lines and an extension that are not shown.
+        corners = base64.b64encode(struct.pack('<9f', 0, 0, 0, 1, 0, 0, 0, 1, 0)).decode()
+        model = os.path.join(self.folder.name, 'model.gltf')
+        with open(model, 'w', encoding='utf-8') as file:
+            json.dump({
+                'asset': {'version': '2.0'}, 'extensionsUsed': ['EXT_unheard_of'],
+                'scenes': [{'nodes': [0]}], 'nodes': [{'mesh': 0}],
+                'meshes': [{'primitives': [{'attributes': {'POSITION': 0}},
+                                           {'attributes': {'POSITION': 0}, 'mode': 1}]}],
+                'buffers': [{'byteLength': 36,
+                             'uri': 'data:application/octet-stream;base64,' + corners}],
+                'bufferViews': [{'buffer': 0, 'byteLength': 36}],
+                'accessors': [{'bufferView': 0, 'componentType': 5126, 'count': 3, 'type': 'VEC3',
+                               'min': [0, 0, 0], 'max': [1, 1, 0]}]}, file)
+        notes = [line for line in self.render(model, spp=1).splitlines() if line.startswith('note')]
+        self.assertEqual(len(notes), 1, notes)
+        self.assertRegex(notes[0], r'^note      added: .*--ground.* \(and \d+ more: --explain\)$')
+        every = [line for line in self.render(model, '--explain', spp=1).splitlines()
+                 if line.startswith('note')]
+        self.assertRegex('\n'.join(every[1:]), r'lines are skipped')
 
     def test_pictures_where_nobody_names_them(self):
         # A PNG besides where somebody watches.
