@@ -78,6 +78,20 @@ static bool same_status(const struct stat *a, const struct stat *b)
     return a->st_dev == b->st_dev && a->st_ino == b->st_ino;
 }
 
+void file_inputs_forget(const char *path)
+{
+    struct stat status, input;
+    if (!current || stat(path, &status) != 0)
+        return;
+    pthread_mutex_lock(&current->mutex);
+    for (size_t i = current->count; i-- > 0;)
+        if (stat(current->list[i].path, &input) == 0 && same_status(&status, &input)) {
+            free(current->list[i].path);
+            current->list[i] = current->list[--current->count];
+        }
+    pthread_mutex_unlock(&current->mutex);
+}
+
 // Looks at the inputs as they are now: one that was replaced since it was read, by an editor that
 // renames a new file into its place, is an input still, and its old inode may be another file's.
 bool file_inputs_check(const char *output, struct err *err)

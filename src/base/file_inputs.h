@@ -27,6 +27,9 @@ void file_inputs_end(struct file_inputs *inputs);
 // for what is no regular file, or is not there.
 bool file_inputs_add(const char *path, struct err *err);
 
+// This file is no input any more: nothing that the run may do needs what it held when it was read.
+void file_inputs_forget(const char *path);
+
 // ERR_USAGE where `output` is one of the inputs: under any name, for device and inode decide, and
 // where there is a symbolic link, what it leads to.
 bool file_inputs_check(const char *output, struct err *err);

@@ -2,6 +2,7 @@
 
 #include "environment.h"
 #include "file.h"
+#include "file_inputs.h"
 #include "json_parse.h"
 #include "load_json.h"
 #include "scene_write_edits.h"
@@ -549,6 +550,10 @@ static bool write_scene(struct writer *w, struct err *err)
         free(text);
         return false;
     }
+    // A scene that has a base may be saved where it was opened: check_path() has seen that the new
+    // file does not need the old one.
+    if (is_same_file(params->path, params->load->path))
+        file_inputs_forget(params->path);
     bool ok = text && check_text(w, text, err) &&
               file_write_atomic(params->path, text, strlen(text), err);
     free(text);

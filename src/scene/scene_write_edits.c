@@ -48,8 +48,9 @@ bool scene_same_settings(const struct settings *a, const struct settings *b)
            a->integrator == b->integrator && SAME(a, b, ao_distance) && SAME(a, b, falloff) &&
            a->sampler == b->sampler && a->halves == b->halves && a->filter == b->filter &&
            SAME(a, b, filter_radius) && a->pixel_jitter == b->pixel_jitter &&
-           a->light_choice == b->light_choice && a->nee == b->nee && a->nee_depth == b->nee_depth &&
-           a->mis == b->mis && a->directions == b->directions && SAME(a, b, direction_exponent) &&
+           a->environment_filter == b->environment_filter && a->light_choice == b->light_choice &&
+           a->nee == b->nee && a->nee_depth == b->nee_depth && a->mis == b->mis &&
+           a->directions == b->directions && SAME(a, b, direction_exponent) &&
            SAME(a, b, clamp_limit) && a->roulette == b->roulette &&
            a->roulette_min_bounces == b->roulette_min_bounces &&
            a->roulette_max_bounces == b->roulette_max_bounces && SAME(a, b, roulette_survival) &&

@@ -176,6 +176,8 @@ class Checkpoints(unittest.TestCase):
         self.reject('was made with --size=20x18, but this run has 20x20', size='20x20')
         self.reject('was made with --sampler=pcg, but this run has lcg', '--sampler', 'lcg')
         self.reject('was made with --max-bounces=9, but this run has 2', '--max-bounces', '2')
+        self.reject('was made with --env-filter=bilinear, but this run has nearest',
+                    '--env-filter', 'nearest')
         self.reject('scene of hash', '-D', 'film.exposure=1')
         self.reject('--aov', '--aov', 'albedo')
         self.reject('--adaptive', '--adaptive', 'on')

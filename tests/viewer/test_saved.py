@@ -37,7 +37,8 @@ class Saved(Case):
 
     def test_materials_and_the_sun(self):
         self.check(os.path.join(SCENES, 'sky.json'),
-                   ['material.base_color 0.123,0.456,0.789', 'light.direction 0.3,-0.8,0.1'],
+                   ['material.base_color 0.123,0.456,0.789', 'light.direction 0.3,-0.8,0.1',
+                    'renderer.environment_filter nearest'],
                    ['light.color 0.3,0.9,0.5', 'surroundings.rotation 77.7'],
                    '--env-rotate', '30', '--env-strength', '0.7')
 
