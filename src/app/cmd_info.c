@@ -106,8 +106,9 @@ static void print_text(const struct info *info)
     const struct flat_scene *flat = &info->flat;
     const struct settings *s = &scene->settings;
     print_line("", scene->path);
-    printf("geometry  %u triangles (%u meshes, %u instances), %u analytic shapes\n",
-           flat->triangle_count, scene->mesh_count, scene->instance_count, flat->shape_count);
+    printf("geometry  %u triangles (%u meshes, %u instances), %u analytic shapes%s\n",
+           flat->triangle_count, scene->mesh_count, scene->instance_count, flat->shape_count,
+           scene->has_ground ? ", the last of them the ground that was added" : "");
     if (flat->dropped_degenerate || flat->skipped_instances)
         printf("dropped   %u triangles without area, %u instances with a singular transform\n",
                flat->dropped_degenerate, flat->skipped_instances);
