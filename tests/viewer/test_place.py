@@ -70,6 +70,13 @@ class Place(Case):
                   'mouse 200 90\nmouse 176 90\nbutton left up\nwait 2 frames\n'
                   'expect item.view.split_at == 0.25\n', '--spp', '2', size=SIZE)
 
+    def test_models_are_exposed(self):
+        """By their luminance, until somebody sets it."""
+        self.view('wait 16 samples\nexpect item.view.exposure_auto == on\n'
+                  'expect item.view.exposure != 0\nexpect item.view.tone == aces\n'
+                  'set view.exposure 1\nwait 3 frames\nexpect item.view.exposure_auto == off\n'
+                  'expect item.view.exposure == 1\n', scene=self.write('box.obj', BOX), size=SIZE)
+
     def test_models_open_in_orbit(self):
         """About their centre; Home shows them whole again, in a window of another size, too."""
         model = self.write('box.obj', BOX)
