@@ -250,6 +250,7 @@ static bool gather(const struct options *options, struct info *info, struct err 
         .flat = &info->flat,
         .bvh = &info->bvh,
         .camera = &info->scene.cameras[info->camera],
+        .progress = options->progress,
     };
     if (!shading_tables_build(&tables, &info->scene.arena, &info->tables, err))
         return false;

@@ -33,21 +33,21 @@ json_t *json_words(const char *text)
     return string;
 }
 
-// The text, or NULL where memory ran out: now, or while the object was put together, from which
-// something may be missing then. Drops the reference.
-static char *dump(json_t *object, size_t flags, struct err *err)
+char *json_to_text(json_t *object, size_t flags, struct err *err)
 {
-    char *text = object && !json_lost_memory() ? json_dumps(object, flags) : NULL;
+    char *text = object ? json_dumps(object, flags) : NULL;
     json_decref(object);
-    if (!text)
-        err_memory(err, "the JSON result", 0);
-    return text;
+    if (text && !json_lost_memory())
+        return text;
+    json_release(text);
+    err_memory(err, "the JSON result", 0);
+    return NULL;
 }
 
 bool json_put(json_t *object, struct err *err)
 {
     // Nine digits are enough for floats, and times are not known better.
-    char *text = dump(object, JSON_INDENT(2) | JSON_REAL_PRECISION(9), err);
+    char *text = json_to_text(object, JSON_INDENT(2) | JSON_REAL_PRECISION(9), err);
     if (text)
         puts(text); // main notices when stdout cannot be written
     json_release(text);
@@ -62,7 +62,7 @@ int json_print(json_t *object)
 
 bool json_write(json_t *object, const char *path, struct err *err)
 {
-    char *text = dump(object, JSON_INDENT(1) | JSON_REAL_PRECISION(9), err);
+    char *text = json_to_text(object, JSON_INDENT(1) | JSON_REAL_PRECISION(9), err);
     if (!text)
         return err_prepend(err, "%s", path);
     bool ok = file_write_atomic(path, text, strlen(text), err);

@@ -90,7 +90,11 @@ bool job_adapt_scene(const struct options *options, struct scene *scene, uint32_
                        "expected something to see",
                        scene->path);
     options_apply_settings(options, &scene->settings);
+    scene->progress = options->progress; // framing looks at all vertices
     scene_frame_camera(scene);
+    scene->progress = NULL;
+    if (progress_should_stop(options->progress))
+        return err_set(err, ERR_STOPPED, "%s: loading was stopped", scene->path);
     return choose_camera(options, scene, camera, err) &&
            set_lens(options, scene, &scene->cameras[*camera], err);
 }
@@ -101,8 +105,6 @@ bool job_load_scene(const struct options *options, struct scene *scene, uint32_t
     struct scene_load_params params = job_scene_params(options);
     if (!scene_load(&params, scene, err))
         return false;
-    if (progress_should_stop(options->progress))
-        return err_set(err, ERR_STOPPED, "%s: loading was stopped", scene->path);
     return job_adapt_scene(options, scene, camera, err);
 }
 

@@ -101,8 +101,8 @@ static bool put_json(FILE *out, const struct trace *trace, json_t *head)
         json_object_set_new(head, "render", json_string(trace->render)) == 0 &&
         json_object_set_new(head, "reference_hash",
                             *trace->reference ? json_string(trace->reference) : json_null()) == 0 &&
-        json_object_set_new(head, "rows", rows) == 0 && !json_lost_memory() &&
-        json_dumpf(head, out, JSON_INDENT(2) | JSON_REAL_PRECISION(12)) == 0;
+        json_object_set_new(head, "rows", rows) == 0 &&
+        json_dumpf(head, out, JSON_INDENT(2) | JSON_REAL_PRECISION(12)) == 0 && !json_lost_memory();
     fputc('\n', out);
     return ok;
 }

@@ -201,12 +201,8 @@ bool tune_cache_open(struct tune_cache *out, struct err *err)
 static bool write_file(const struct tune_cache *cache, struct err *err)
 {
     json_t *root = json_pack("{s:i, s:O}", "version", FORMAT_VERSION, "devices", cache->devices);
-    char *text = root && !json_lost_memory()
-                     ? json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(6))
-                     : NULL;
-    json_decref(root);
-    bool ok = text ? file_write_atomic(cache->path, text, strlen(text), err)
-                   : err_memory(err, "what was found", 0);
+    char *text = json_to_text(root, JSON_INDENT(2) | JSON_REAL_PRECISION(6), err);
+    bool ok = text && file_write_atomic(cache->path, text, strlen(text), err);
     json_release(text);
     return ok;
 }

@@ -164,6 +164,10 @@ static bool is_under(const char *path, const char *folder)
 static char *real_path(struct arena *arena, const char *path, struct err *err)
 {
     char *resolved = realpath(path, NULL);
+    if (!resolved && errno == ENOMEM) {
+        err_memory(err, "a path", strlen(path));
+        return NULL;
+    }
     if (!resolved) {
         fail_to_open(path, errno, err);
         return NULL;

@@ -192,6 +192,7 @@ struct bvh_binary_node *bvh_binary_build(const struct bvh_binary_params *params,
     struct bvh_range root = root_range(params);
     builder.splitter.depth_limit = params->depth_limit;
     builder.splitter.split = params->split;
+    builder.splitter.progress = params->progress;
     builder.splitter.geometry = params->geometry;
     builder.splitter.root_area = box_half_area(&root.box);
     split_top(&builder, &root, task_capacity);

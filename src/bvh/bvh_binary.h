@@ -47,7 +47,8 @@ struct bvh_splitter {
     // For spatial splits:
     const struct bvh_params *geometry;
     struct bvh_spatial_chunk *spatial_chunks;
-    double root_area; // half
+    double root_area;                // half
+    const struct progress *progress; // NULL: nobody listens
 };
 
 // Ranges are binned and partitioned in chunks of at least BVH_CHUNK_MIN primitives.
@@ -63,6 +64,14 @@ void bvh_place_children(const struct bvh_range *range, struct bvh_range children
 // With threads > 1 only one call at a time, for it uses splitter->chunks and spatial_chunks.
 void bvh_split(const struct bvh_splitter *splitter, const struct bvh_range *range, unsigned threads,
                struct bvh_range children[2]);
+
+// Whether a range that is large enough for it is split no matter how, because the work is to stop:
+// what the parts hold is void then.
+static inline bool bvh_split_stopped(const struct bvh_splitter *splitter,
+                                     const struct bvh_range *range)
+{
+    return range->count > 65536 && progress_should_stop(splitter->progress);
+}
 
 // A quarter of min + max: half the centre. The half keeps the difference of two centres finite for
 // every pair of floats.
@@ -112,6 +121,7 @@ struct bvh_wide_params {
     uint32_t max_leaf;   // 1, or 2 (or 0)
     bool plain;          // two levels a wide node, instead of what costs least
     unsigned threads;    // at least 1
+    const struct progress *progress;
 };
 
 // Collapses the binary tree into nodes of out->format, node_count and triangle_order, of

@@ -61,6 +61,8 @@ static void gather_primitives(void *context, size_t begin, size_t end, unsigned 
     (void)thread;
     struct gather_job *job = context;
     uint32_t triangles = job->params->triangle_count;
+    if (progress_should_stop(job->params->progress))
+        return; // what is made of them will be asked, too
     for (size_t i = begin; i < end; i++) {
         struct bvh_primitive *primitive = &job->primitives[i];
         bool valid;
@@ -110,6 +112,8 @@ static bool make_primitives(const struct bvh_params *params, unsigned threads,
 {
     struct gather_job job = {params, primitives, UINT32_MAX};
     parallel_for(bvh_primitive_count(params), 1 << 14, threads, gather_primitives, &job);
+    if (!bvh_checkpoint(params->progress, 0, err))
+        return false;
     uint32_t bad = atomic_load(&job.first_bad);
     if (bad == UINT32_MAX)
         return true;
@@ -207,7 +211,8 @@ static bool build_once(const struct bvh_params *params, const struct attempt *at
                                                             .leaf_count = leaf_count,
                                                             .max_leaf = params->max_leaf,
                                                             .threads = threads,
-                                                            .plain = plain},
+                                                            .plain = plain,
+                                                            .progress = params->progress},
                                   arena, out, err);
     *fits = *fits && out->stats.stack_entries <= BVH_STACK_ENTRIES_MAX;
 done:

@@ -137,8 +137,11 @@ static void chunk_bin(void *context, size_t begin, size_t end, unsigned thread)
         for (int axis = 0; axis < 3; axis++)
             for (int b = 0; b < job->grid.bin_count; b++)
                 chunk->bins[axis][b] = (struct bin){.box = box_empty()};
-        for (uint32_t p = chunk->begin; p < chunk->end; p++)
+        for (uint32_t p = chunk->begin; p < chunk->end; p++) {
+            if (progress_stops_at(job->splitter->progress, p - chunk->begin + 1))
+                return;
             bin_primitive(job, &job->source[p], chunk->bins);
+        }
     }
 }
 
@@ -214,6 +217,8 @@ bool bvh_spatial_find(const struct bvh_splitter *splitter, const struct bvh_rang
     struct spatial_job job;
     uint32_t chunk_count = make_chunks(splitter, range, threads, &only, &job);
     run_chunks(&job, chunk_count, threads, chunk_bin);
+    if (bvh_split_stopped(splitter, range))
+        return false;
     struct bin(*merged)[BINS_MAX] = job.chunks[0].bins;
     for (uint32_t i = 1; i < chunk_count; i++)
         bins_merge(merged, (const struct bin(*)[BINS_MAX])job.chunks[i].bins);
@@ -261,6 +266,8 @@ static void chunk_count_sides(void *context, size_t begin, size_t end, unsigned 
         struct bvh_spatial_chunk *chunk = &job->chunks[i];
         chunk->counts[0] = chunk->counts[1] = 0;
         for (uint32_t p = chunk->begin; p < chunk->end; p++) {
+            if (progress_stops_at(job->splitter->progress, p - chunk->begin + 1))
+                return;
             int sides = sides_of(job, &job->source[p]);
             chunk->counts[0] += (sides & LEFT) != 0;
             chunk->counts[1] += (sides & RIGHT) != 0;
@@ -288,6 +295,8 @@ static void chunk_partition(void *context, size_t begin, size_t end, unsigned th
         for (int side = 0; side < 2; side++)
             chunk->boxes[side] = chunk->centroids[side] = box_empty();
         for (uint32_t p = chunk->begin; p < chunk->end; p++) {
+            if (progress_stops_at(job->splitter->progress, p - chunk->begin + 1))
+                return;
             struct bvh_primitive primitive = job->source[p];
             int sides = sides_of(job, &primitive);
             struct bvh_box parts[2] = {primitive.box, primitive.box};
@@ -315,6 +324,8 @@ bool bvh_spatial_apply(const struct bvh_splitter *splitter, const struct bvh_ran
     job.areas[0] = box_half_area(&split->boxes[0]);
     job.areas[1] = box_half_area(&split->boxes[1]);
     run_chunks(&job, chunk_count, threads, chunk_count_sides);
+    if (bvh_split_stopped(splitter, range))
+        return false;
     uint32_t totals[2] = {0, 0};
     for (uint32_t i = 0; i < chunk_count; i++)
         for (int side = 0; side < 2; side++) {

@@ -48,6 +48,7 @@ struct bin_split {
 
 // All that the chunk functions share.
 struct split_job {
+    const struct progress *progress;
     const struct bvh_primitive *source; // the range's primitives
     struct bvh_primitive *targets[2];
     struct bvh_chunk *chunks;
@@ -110,6 +111,8 @@ static void chunk_bin(void *context, size_t begin, size_t end, unsigned thread)
         struct bvh_chunk *chunk = &job->chunks[i];
         bins_clear(chunk->bins);
         for (uint32_t p = chunk->begin; p < chunk->end; p++) {
+            if (progress_stops_at(job->progress, p - chunk->begin + 1))
+                return;
             const struct bvh_box *box = &job->source[p].box;
             for (int axis = 0; axis < 3; axis++) {
                 struct bin *bin = &chunk->bins[axis][bin_index(&job->map, axis, box)];
@@ -175,6 +178,8 @@ static void chunk_partition(void *context, size_t begin, size_t end, unsigned th
         uint32_t next[2] = {chunk->next_left, chunk->next_right};
         struct bvh_box centroids[2] = {box_empty(), box_empty()};
         for (uint32_t p = chunk->begin; p < chunk->end; p++) {
+            if (progress_stops_at(job->progress, p - chunk->begin + 1))
+                return;
             const struct bvh_primitive *primitive = &job->source[p];
             int side = bin_index(&job->map, axis, &primitive->box) >= first_right;
             add_centroid(&centroids[side], &primitive->box);
@@ -262,6 +267,7 @@ static bool split_binned(const struct bvh_splitter *splitter, const struct bvh_r
     uint32_t chunk_count = threads > 1 ? range->count / BVH_CHUNK_MIN : 1;
     chunk_count = chunk_count > BVH_CHUNKS_MAX ? BVH_CHUNKS_MAX : chunk_count > 1 ? chunk_count : 1;
     struct split_job job = {
+        .progress = splitter->progress,
         .source = splitter->primitives[range->side] + range->first,
         .chunks = chunk_count > 1 ? splitter->chunks : &only,
         .map = bin_map_for(&range->centroids),
@@ -272,6 +278,8 @@ static bool split_binned(const struct bvh_splitter *splitter, const struct bvh_r
     }
     if (!find_binned_split(&job, range->count, chunk_count, threads))
         return false;
+    if (bvh_split_stopped(splitter, range))
+        return false; // bins do not hold all: nothing may be moved by them
     if (split_spatially(splitter, range, threads, &job.split, children))
         return true;
     children[0].box = job.split.left;
@@ -487,7 +495,8 @@ void bvh_split(const struct bvh_splitter *splitter, const struct bvh_range *rang
     if (by_cost && split_binned(splitter, range, threads, children))
         return;
     struct bvh_primitive *primitives = splitter->primitives[range->side] + range->first;
-    uint32_t left =
-        split == BVH_SPLIT_MEAN ? split_mean(primitives, range) : split_median(primitives, range);
+    uint32_t left = bvh_split_stopped(splitter, range) ? range->count / 2
+                    : split == BVH_SPLIT_MEAN          ? split_mean(primitives, range)
+                                                       : split_median(primitives, range);
     split_in_place(splitter, range, left, children);
 }

@@ -39,6 +39,7 @@ struct collapse {
     double root_area;
     struct bvh *out;
     uint32_t order_count; // triangles laid out so far
+    bool is_stopped;      // the layout is not whole
 };
 
 static bool is_binary_leaf(const struct bvh_binary_node *node)
@@ -164,7 +165,7 @@ static void choose_subtrees(void *context, size_t begin, size_t end, unsigned th
 {
     (void)thread;
     const struct top *top = context;
-    for (size_t i = begin; i < end; i++)
+    for (size_t i = begin; i < end && !progress_should_stop(top->collapse->params->progress); i++)
         choose_below(top->collapse, top->nodes[top->opened + i]);
 }
 
@@ -218,6 +219,10 @@ static void append_triangles(struct collapse *collapse, const struct bvh_binary_
 // recursion is at most as deep as the binary tree.
 static void lay_out(struct collapse *collapse, uint32_t wide, uint32_t binary)
 {
+    if (progress_stops_at(collapse->params->progress, wide + 1))
+        collapse->is_stopped = true;
+    if (collapse->is_stopped)
+        return;
     struct draft *draft = &collapse->drafts[wide];
     const struct choice *choice = &collapse->choices[binary];
     if (wide == 0 && choice->is_leaf)
@@ -300,6 +305,8 @@ bool bvh_wide_build(const struct bvh_wide_params *params, struct arena *arena, s
         goto done;
     }
     choose_all(&collapse);
+    if (!bvh_checkpoint(params->progress, BVH_PROGRESS_OPTIMIZED, err))
+        goto done;
     out->node_count = collapse.choices[0].is_leaf ? 1 : count_nodes(&collapse, 0);
     collapse.drafts = ARENA_NEW(&scratch, struct draft, out->node_count);
     if (!collapse.drafts) {
@@ -307,6 +314,8 @@ bool bvh_wide_build(const struct bvh_wide_params *params, struct arena *arena, s
         goto done;
     }
     lay_out(&collapse, 0, 0);
+    if (!bvh_checkpoint(params->progress, BVH_PROGRESS_OPTIMIZED, err))
+        goto done;
     if (!bvh_nodes_allocate(arena, out, err))
         goto done;
     parallel_for(out->node_count, 1 << 12, params->threads, write_nodes, &collapse);

@@ -39,6 +39,15 @@ static enum format format_of_bytes(const uint8_t *data, size_t size)
     return FORMAT_UNKNOWN;
 }
 
+// The libraries do not always say that it is memory what they lack: libpng leaves out texts, with a
+// warning, and blames the file for others. `failures`: before the library was called; ok: what it
+// has returned.
+static bool had_memory(uint64_t failures, bool ok, const char *what, struct err *err)
+{
+    bool is_told = !ok && err && err->code != ERR_INPUT && err->code != ERR_OUTPUT;
+    return memory_failures() == failures || is_told ? ok : err_memory(err, what, 0);
+}
+
 bool image_check_format(const char *path, struct err *err)
 {
     if (format_of_output(path) != FORMAT_UNKNOWN)
@@ -100,8 +109,10 @@ static bool encode(const struct image_write_params *params, struct byte_buffer *
     if (params->image->width == 0 || params->image->height == 0)
         return err_set(err, ERR_BUG, "%s: the picture is %u x %u pixels; expected at least 1 x 1",
                        params->path, params->image->width, params->image->height);
+    uint64_t failures = memory_failures();
     bool ok = format_of_output(params->path) == FORMAT_EXR ? encode_exr(params, out, err)
                                                            : encode_png(params, out, err);
+    ok = had_memory(failures, ok, "an encoder", err);
     return ok || err_prepend(err, "%s", params->path);
 }
 
@@ -162,13 +173,9 @@ static bool decode_params(const struct image_read_params *params, struct image_s
     source->side_max = params->side_max;
     source->is_linear = params->is_linear;
     uint64_t failures = memory_failures();
-    struct err problem = {0};
-    if (decode(source, arena, out, &problem))
-        return true;
-    // The libraries do not always say why they gave up.
-    if (problem.code == ERR_INPUT && memory_failures() != failures)
-        err_memory(&problem, "the decoder", 0);
-    return err_set(err, problem.code, "%s: %s", params->path, problem.msg);
+    bool ok = decode(source, arena, out, err);
+    ok = had_memory(failures, ok, "a decoder", err);
+    return ok || err_prepend(err, "%s", params->path);
 }
 
 bool image_decode(const void *data, size_t size, const struct image_read_params *params,
@@ -236,7 +243,9 @@ bool image_read_attributes(const char *path, struct arena *arena, struct image_a
     bool ok = file_read(&scratch, path, FILE_BYTES_MAX, &file, err);
     if (ok) {
         struct image_source source = {.path = path, .data = file.data, .size = file.size};
-        ok = decode_attributes(&source, arena, out, count, err) || err_prepend(err, "%s", path);
+        uint64_t failures = memory_failures();
+        ok = decode_attributes(&source, arena, out, count, err);
+        ok = had_memory(failures, ok, "a decoder", err) || err_prepend(err, "%s", path);
     }
     arena_finish(&scratch);
     return ok;

@@ -85,7 +85,7 @@ bool exr_fail(const struct exr_stream *stream, exr_result_t result, enum err_cod
     // Some decompressors say so of damaged data as well; malloc, when it does fail, sets errno.
     bool exhausted = result == EXR_ERR_OUT_OF_MEMORY && errno == ENOMEM;
     if (stream->out_of_memory || exhausted)
-        return err_set(err, ERR_SYSTEM, "out of memory in the EXR library");
+        return err_memory(err, "the EXR library", 0);
     return err_set(err, code, "EXR: %s",
                    stream->message[0] ? stream->message : exr_get_default_error_message(result));
 }

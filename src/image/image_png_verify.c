@@ -94,8 +94,9 @@ bool image_png_verify(const struct image_write_params *params, const uint8_t *co
 {
     struct png_verifier verifier = {.params = params, .codes = codes, .file = file};
     verifier.row = malloc(3 * (size_t)params->image->width);
-    verifier.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &verifier.failure, png_keep_error,
-                                          png_drop_warning);
+    verifier.png =
+        png_create_read_struct_2(PNG_LIBPNG_VER_STRING, &verifier.failure, png_keep_error,
+                                 png_drop_warning, NULL, png_take_memory, png_give_memory);
     verifier.info = verifier.png ? png_create_info_struct(verifier.png) : NULL;
     bool ok = verifier.row && verifier.info;
     if (!ok)

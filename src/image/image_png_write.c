@@ -79,8 +79,9 @@ static bool prepare(struct png_writer *writer, struct err *err)
 {
     const struct image_write_params *params = writer->params;
     writer->texts = calloc((size_t)params->attribute_count + 1, sizeof *writer->texts);
-    writer->png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &writer->failure, png_keep_error,
-                                          png_drop_warning);
+    writer->png =
+        png_create_write_struct_2(PNG_LIBPNG_VER_STRING, &writer->failure, png_keep_error,
+                                  png_drop_warning, NULL, png_take_memory, png_give_memory);
     writer->info = writer->png ? png_create_info_struct(writer->png) : NULL;
     if (writer->texts && writer->info)
         return true;

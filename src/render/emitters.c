@@ -8,6 +8,7 @@
 #include "light.h"
 #include "light_tree.h"
 #include "log.h"
+#include "shading_tables.h"
 #include <math.h>
 #include <string.h>
 
@@ -77,6 +78,11 @@ struct emitter_list {
     double total;
 };
 
+static bool stopped(struct err *err)
+{
+    return err_set(err, ERR_STOPPED, "stopped while listing the emitters");
+}
+
 static void add_emitter(struct emitter_list *list, uint32_t primitive, double power)
 {
     list->primitives[list->count] = primitive;
@@ -86,37 +92,43 @@ static void add_emitter(struct emitter_list *list, uint32_t primitive, double po
 
 // In the order of the flat scene, so that no BVH decides which number an emitter has, and with that
 // which one a random number chooses.
-static bool list_triangles(const struct scene *scene, const struct flat_scene *flat,
-                           const struct bvh *bvh, struct emitter_list *list, struct err *err)
+static bool list_triangles(const struct shading_tables_params *p, struct emitter_list *list,
+                           struct err *err)
 {
+    const struct flat_scene *flat = p->flat;
+    const struct bvh *bvh = p->bvh;
+    bool ok = true;
     struct arena scratch = {0};
     uint32_t *places = ARENA_NEW(&scratch, uint32_t, flat->triangle_count); // in leaf order
     if (!places)
         return err_memory(err, "emitters", flat->triangle_count * sizeof *places);
     for (uint32_t i = 0; i < bvh->reference_count; i++)
         places[bvh->triangle_order[i]] = i;
-    for (uint32_t i = 0; i < flat->triangle_count; i++) {
+    for (uint32_t i = 0; ok && i < flat->triangle_count; i++) {
         const struct flat_triangle *triangle = &flat->triangles[i];
-        double radiance = mean_radiance(scene, &scene->materials[triangle->material]);
+        double radiance = mean_radiance(p->scene, &p->scene->materials[triangle->material]);
         if (radiance > 0.0)
             add_emitter(list, places[i], radiance * triangle_area(flat, i));
+        if (progress_stops_at(p->progress, i))
+            ok = stopped(err);
     }
     arena_finish(&scratch);
-    return true;
+    return ok;
 }
 
 // Every primitive with emission, those of zero area too: they get no weight.
-static bool list_emitters(const struct scene *scene, const struct flat_scene *flat,
-                          const struct bvh *bvh, struct arena *arena, struct emitter_list *list,
-                          struct err *err)
+static bool list_emitters(const struct shading_tables_params *p, struct arena *arena,
+                          struct emitter_list *list, struct err *err)
 {
+    const struct scene *scene = p->scene;
+    const struct flat_scene *flat = p->flat;
     struct emitter_counts counts = emitters_count(scene, flat);
     uint64_t count = emitters_total(&counts);
     *list = (struct emitter_list){.primitives = ARENA_NEW(arena, uint32_t, count),
                                   .powers = ARENA_NEW(arena, double, count)};
     if (!list->primitives || !list->powers)
         return err_memory(err, "emitters", count * 12);
-    if (counts.triangles && !list_triangles(scene, flat, bvh, list, err))
+    if (counts.triangles && !list_triangles(p, list, err))
         return false;
     for (uint32_t i = 0; i < flat->shape_count; i++) {
         const struct flat_shape *shape = &flat->shapes[i];
@@ -413,10 +425,10 @@ struct tree_parts {
     uint32_t infinite_count;
 };
 
-static bool part_emitters(const struct scene *scene, const struct flat_scene *flat,
-                          const struct bvh *bvh, const struct emitter_list *list,
+static bool part_emitters(const struct shading_tables_params *p, const struct emitter_list *list,
                           struct arena *scratch, struct tree_parts *out, struct err *err)
 {
+    const struct scene *scene = p->scene;
     uint32_t infinite = scene->light_count + 1;
     *out = (struct tree_parts){
         .bounds = ARENA_NEW(scratch, struct light_bounds, list->count),
@@ -430,13 +442,16 @@ static bool part_emitters(const struct scene *scene, const struct flat_scene *fl
         return err_memory(err, "light tree", (uint64_t)list->count * sizeof *out->bounds);
     for (uint32_t i = 0; i < list->count; i++) {
         uint32_t primitive = list->primitives[i];
+        if (progress_stops_at(p->progress, i))
+            return stopped(err);
         if (!(list->powers[i] > 0.0))
             continue;
         if (is_infinite(scene, primitive)) {
             out->infinite[out->infinite_count] = primitive;
             out->infinite_powers[out->infinite_count++] = list->powers[i];
         } else {
-            out->bounds[out->count] = bound_emitter(scene, flat, bvh, primitive, list->powers[i]);
+            out->bounds[out->count] =
+                bound_emitter(scene, p->flat, p->bvh, primitive, list->powers[i]);
             out->primitives[out->count] = primitive;
             out->numbers[out->count++] = i;
         }
@@ -470,8 +485,9 @@ static bool lay_out_tree(const struct tree_parts *parts, uint32_t surface_count,
     return true;
 }
 
-static bool fill_tree(const struct tree_parts *parts, uint32_t surface_count, struct arena *scratch,
-                      struct emitters *out, struct err *err)
+static bool fill_tree(const struct tree_parts *parts, uint32_t surface_count,
+                      const struct progress *progress, struct arena *scratch, struct emitters *out,
+                      struct err *err)
 {
     struct gpu_light_tree *header = out->data;
     struct gpu_light_trail *trails = (struct gpu_light_trail *)out->data + header->trails;
@@ -486,7 +502,8 @@ static bool fill_tree(const struct tree_parts *parts, uint32_t surface_count, st
     if (parts->count == 0)
         return true;
     struct light_tree tree;
-    if (!light_tree_build(parts->bounds, parts->primitives, parts->count, scratch, &tree, err))
+    if (!light_tree_build(parts->bounds, parts->primitives, parts->count, progress, scratch, &tree,
+                          err))
         return false;
     header->root = tree.root;
     memcpy((char *)out->data + sizeof *header, tree.nodes,
@@ -497,17 +514,17 @@ static bool fill_tree(const struct tree_parts *parts, uint32_t surface_count, st
     return true;
 }
 
-static bool build_tree(const struct scene *scene, const struct flat_scene *flat,
-                       const struct bvh *bvh, const struct emitter_list *list, struct arena *arena,
-                       struct emitters *out, struct err *err)
+static bool build_tree(const struct shading_tables_params *p, const struct emitter_list *list,
+                       struct arena *arena, struct emitters *out, struct err *err)
 {
     struct arena scratch = {0};
     struct tree_parts parts;
     uint64_t start = clock_ns();
-    bool ok = part_emitters(scene, flat, bvh, list, &scratch, &parts, err);
+    bool ok = part_emitters(p, list, &scratch, &parts, err);
     out->count = ok ? parts.count + parts.infinite_count : 0;
-    ok = ok && (out->count == 0 || (lay_out_tree(&parts, list->surface_count, arena, out, err) &&
-                                    fill_tree(&parts, list->surface_count, &scratch, out, err)));
+    ok = ok && (out->count == 0 ||
+                (lay_out_tree(&parts, list->surface_count, arena, out, err) &&
+                 fill_tree(&parts, list->surface_count, p->progress, &scratch, out, err)));
     arena_finish(&scratch);
     out->build_seconds = clock_seconds_since(start);
     return ok;
@@ -535,9 +552,11 @@ static void note_unconnected(const struct scene *scene, const struct flat_scene 
                  planes, fields);
 }
 
-bool emitters_build(const struct scene *scene, const struct flat_scene *flat, const struct bvh *bvh,
-                    uint32_t choice, struct arena *arena, struct emitters *out, struct err *err)
+bool emitters_build(const struct shading_tables_params *p, struct arena *arena,
+                    struct emitters *out, struct err *err)
 {
+    const struct scene *scene = p->scene;
+    const struct flat_scene *flat = p->flat;
     struct emitter_list list;
     // Twice the longest way that there is inside of the bounds: beyond all surfaces from whichever
     // of them.
@@ -545,20 +564,19 @@ bool emitters_build(const struct scene *scene, const struct flat_scene *flat, co
     if (has_planes(flat))
         out->reach = fmaxf(out->reach, (float)PLANES_REACH);
     note_unconnected(scene, flat);
-    if (!fill_lights(scene, flat, arena, out, err) ||
-        !list_emitters(scene, flat, bvh, arena, &list, err))
+    if (!fill_lights(scene, flat, arena, out, err) || !list_emitters(p, arena, &list, err))
         return false;
     out->primitives = list.primitives;
     out->surface_count = list.surface_count;
     if (list.count == 0)
         return true;
-    switch (choice) {
+    switch (p->light_choice) {
     case LIGHT_CHOICE_UNIFORM:
         return build_list(&list, 1.0 / list.count, arena, out, err);
     case LIGHT_CHOICE_ALL:
         return build_list(&list, 1.0, arena, out, err);
     case LIGHT_CHOICE_TREE:
-        return build_tree(scene, flat, bvh, &list, arena, out, err);
+        return build_tree(p, &list, arena, out, err);
     default:
         return build_power(&list, arena, out, err);
     }

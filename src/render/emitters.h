@@ -41,9 +41,11 @@ struct emitters {
     double build_seconds;     // of the tree
 };
 
-// In `arena`; choice: LIGHT_CHOICE_*, not AUTO. Warns of lights that the estimator cannot find.
-bool emitters_build(const struct scene *scene, const struct flat_scene *flat, const struct bvh *bvh,
-                    uint32_t choice, struct arena *arena, struct emitters *out, struct err *err);
+struct shading_tables_params;
+
+// In `arena`. Warns of lights that the estimator cannot find.
+bool emitters_build(const struct shading_tables_params *p, struct arena *arena,
+                    struct emitters *out, struct err *err);
 // PARAMETER_PICK_DENSITY of a material: the density of choosing by power, a unit area; by other
 // ways 1 where its surfaces are emitters.
 float emitters_pick_density(const struct emitters *emitters, const struct scene *scene,

@@ -25,6 +25,7 @@ struct builder {
     uint32_t *order; // of the emitters: subtrees are ranges of it
     double total_power;
     struct light_tree *tree;
+    const struct progress *progress; // NULL: nobody listens
 };
 
 // A subtree: its emitters, the number of its root's pair of children, and the way down to it.
@@ -361,6 +362,12 @@ static struct light_bounds set_pair(const struct builder *b, uint32_t node,
     return join(&bounds[0], &bounds[1]);
 }
 
+// Small ranges are done at once.
+static bool is_stopped(const struct builder *b, const struct range *range)
+{
+    return range->count > 1024 && progress_should_stop(b->progress);
+}
+
 static struct light_bounds build_range(const struct builder *b, const struct range *range)
 {
     if (range->count == 1) {
@@ -372,6 +379,8 @@ static struct light_bounds build_range(const struct builder *b, const struct ran
     }
     struct range children[2];
     struct light_bounds bounds[2];
+    if (is_stopped(b, range))
+        return (struct light_bounds){0};
     split_children(b, range, children);
     for (int i = 0; i < 2; i++)
         bounds[i] = build_range(b, &children[i]);
@@ -391,7 +400,7 @@ struct upper {
 
 static void list_tasks(struct upper *u, const struct range *range)
 {
-    if (range->count <= u->largest || u->pair_count == TASKS_MAX) {
+    if (range->count <= u->largest || u->pair_count == TASKS_MAX || is_stopped(u->b, range)) {
         u->tasks[u->task_count++] = *range;
         return;
     }
@@ -444,7 +453,8 @@ static bool build(const struct builder *b, uint32_t count, struct err *err)
 }
 
 bool light_tree_build(const struct light_bounds *bounds, const uint32_t *primitives, uint32_t count,
-                      struct arena *arena, struct light_tree *out, struct err *err)
+                      const struct progress *progress, struct arena *arena, struct light_tree *out,
+                      struct err *err)
 {
     struct arena scratch = {0};
     *out = (struct light_tree){
@@ -454,7 +464,8 @@ bool light_tree_build(const struct light_bounds *bounds, const uint32_t *primiti
     struct builder b = {.bounds = bounds,
                         .primitives = primitives,
                         .order = ARENA_NEW(&scratch, uint32_t, count),
-                        .tree = out};
+                        .tree = out,
+                        .progress = progress};
     bool ok = out->nodes && out->trails && b.order;
     if (!ok)
         err_memory(err, "light tree", (uint64_t)count * 84);
@@ -463,6 +474,8 @@ bool light_tree_build(const struct light_bounds *bounds, const uint32_t *primiti
         b.total_power += bounds[i].power;
     }
     ok = ok && build(&b, count, err);
+    if (ok && progress_should_stop(progress))
+        ok = err_set(err, ERR_STOPPED, "stopped while building the light tree");
     arena_finish(&scratch);
     return ok;
 }

@@ -6,6 +6,7 @@
 
 #include "arena.h"
 #include "err.h"
+#include "progress.h"
 #include "shared/types.h"
 #include <stdbool.h>
 #include <stdint.h>
@@ -30,6 +31,7 @@ struct light_tree {
 // Over count >= 1 emitters of positive power; `primitives`: their words. The result lives in
 // `arena`; on all CPU threads.
 bool light_tree_build(const struct light_bounds *bounds, const uint32_t *primitives, uint32_t count,
-                      struct arena *arena, struct light_tree *out, struct err *err);
+                      const struct progress *progress, struct arena *arena, struct light_tree *out,
+                      struct err *err);
 
 #endif

@@ -192,6 +192,7 @@ bool renderer_create(const struct renderer_params *params, struct renderer *r, s
         .bvh = &r->bvh,
         .camera = &r->camera,
         .light_choice = r->specialization.light_choice,
+        .progress = params->progress,
     };
     if (!shading_tables_build(&tables, &r->arena, &r->tables, err))
         goto fail;

@@ -225,10 +225,12 @@ bool shading_tables_build(const struct shading_tables_params *p, struct arena *a
                           struct shading_tables *out, struct err *err)
 {
     *out = (struct shading_tables){0};
-    if (!emitters_build(p->scene, p->flat, p->bvh, p->light_choice, arena, &out->emitters, err) ||
+    if (!emitters_build(p, arena, &out->emitters, err) ||
         !texture_set_build(p->scene, p->flat, arena, &out->textures, err))
         return false;
 
+    if (progress_should_stop(p->progress))
+        return err_set(err, ERR_STOPPED, "stopped while preparing the scene");
     struct media media = {0};
     struct gpu_material *materials =
         ARENA_NEW(arena, struct gpu_material, p->scene->material_count);

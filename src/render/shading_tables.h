@@ -18,8 +18,9 @@ struct shading_tables_params {
     const struct scene *scene;
     const struct flat_scene *flat;
     const struct bvh *bvh;
-    const struct camera *camera; // whose rays may start inside of something
-    uint32_t light_choice;       // LIGHT_CHOICE_*, not AUTO
+    const struct camera *camera;     // whose rays may start inside of something
+    uint32_t light_choice;           // LIGHT_CHOICE_*, not AUTO
+    const struct progress *progress; // asked whether to stop; NULL: nobody listens
 };
 
 // Everything in `arena`. ERR_INPUT for more than MEDIA_MAX different media.

@@ -106,7 +106,8 @@ static void add_instance(const struct scene *scene, const struct instance *insta
                          struct bounds *bounds)
 {
     const struct mesh *mesh = &scene->meshes[instance->mesh];
-    for (uint32_t t = 0; t < mesh->triangle_count; t++) {
+    for (uint32_t t = 0; t < mesh->triangle_count && !progress_stops_at(scene->progress, t + 1);
+         t++) {
         for (int corner = 0; corner < 3; corner++) {
             double point[3];
             mesh_vertex(mesh, mesh->indices[t][corner], point);
@@ -119,7 +120,7 @@ static void add_instance(const struct scene *scene, const struct instance *insta
 struct bounds bounds_of_part(const struct scene *scene, const struct scene_part *part)
 {
     struct bounds bounds = BOUNDS_EMPTY;
-    for (uint32_t i = 0; i < part->instance_count; i++)
+    for (uint32_t i = 0; i < part->instance_count && !progress_should_stop(scene->progress); i++)
         add_instance(scene, &scene->instances[part->first_instance + i], &bounds);
     for (uint32_t i = 0; i < part->shape_count; i++)
         bounds_add_shape(&bounds, &scene->shapes[part->first_shape + i]);
@@ -130,7 +131,8 @@ static void support_instance(const struct scene *scene, const struct instance *i
                              uint32_t count, const double (*normals)[3], double *out)
 {
     const struct mesh *mesh = &scene->meshes[instance->mesh];
-    for (uint32_t t = 0; t < mesh->triangle_count; t++) {
+    for (uint32_t t = 0; t < mesh->triangle_count && !progress_stops_at(scene->progress, t + 1);
+         t++) {
         for (int corner = 0; corner < 3; corner++) {
             double point[3];
             mesh_vertex(mesh, mesh->indices[t][corner], point);
@@ -149,7 +151,7 @@ void bounds_support(const struct scene *scene, const struct scene_part *part, ui
 {
     for (uint32_t i = 0; i < count; i++)
         out[i] = -INFINITY;
-    for (uint32_t i = 0; i < part->instance_count; i++)
+    for (uint32_t i = 0; i < part->instance_count && !progress_should_stop(scene->progress); i++)
         support_instance(scene, &scene->instances[part->first_instance + i], count, normals, out);
     for (uint32_t s = 0; s < part->shape_count; s++) {
         const struct shape *shape = &scene->shapes[part->first_shape + s];
@@ -171,7 +173,8 @@ static double instance_radius(const struct scene *scene, const struct instance *
 {
     const struct mesh *mesh = &scene->meshes[instance->mesh];
     double radius = 0;
-    for (uint32_t t = 0; t < mesh->triangle_count; t++) {
+    for (uint32_t t = 0; t < mesh->triangle_count && !progress_stops_at(scene->progress, t + 1);
+         t++) {
         for (int corner = 0; corner < 3; corner++) {
             double point[3];
             mesh_vertex(mesh, mesh->indices[t][corner], point);
@@ -219,7 +222,7 @@ double bounds_radius(const struct scene *scene, const struct scene_part *part,
                      const double center[3])
 {
     double radius = 0;
-    for (uint32_t i = 0; i < part->instance_count; i++) {
+    for (uint32_t i = 0; i < part->instance_count && !progress_should_stop(scene->progress); i++) {
         const struct instance *instance = &scene->instances[part->first_instance + i];
         radius = fmax(radius, instance_radius(scene, instance, center));
     }

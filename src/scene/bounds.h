@@ -31,7 +31,8 @@ double shape_extent(const struct shape *shape, const double n[3]);
 bool bounds_is_empty(const struct bounds *bounds);
 bool bounds_are_a_point(const struct bounds *bounds); // or empty
 
-// Vertices that no triangle uses do not count.
+// Vertices that no triangle uses do not count. When scene->progress asks to stop, these two do,
+// with part of the result: ask it again afterwards.
 struct bounds bounds_of_part(const struct scene *scene, const struct scene_part *part);
 // For each normal n the largest n.v of the part's points v; -INFINITY when it is empty. Planes do
 // not count.

@@ -47,7 +47,8 @@ static double instance_flux(const struct scene *scene, const struct instance *in
     const struct mesh *mesh = &scene->meshes[instance->mesh];
     double sum = 0, radiance = 0;
     uint32_t last = SCENE_NONE;
-    for (uint32_t t = 0; t < mesh->triangle_count; t++) {
+    for (uint32_t t = 0; t < mesh->triangle_count && !progress_stops_at(scene->progress, t + 1);
+         t++) {
         uint32_t material = instance->material != SCENE_NONE ? instance->material
                             : mesh->triangle_material        ? mesh->triangle_material[t]
                                                              : mesh->material;
@@ -63,7 +64,7 @@ static double instance_flux(const struct scene *scene, const struct instance *in
 double scene_emitted_flux(const struct scene *scene)
 {
     double sum = 0;
-    for (uint32_t i = 0; i < scene->instance_count; i++)
+    for (uint32_t i = 0; i < scene->instance_count && !progress_should_stop(scene->progress); i++)
         sum += instance_flux(scene, &scene->instances[i]);
     return sum;
 }

@@ -34,6 +34,8 @@ static bool clean_texels(struct scene *scene, const char *path, struct image *im
 {
     size_t count = (size_t)image->width * image->height, zeroed = 0;
     for (size_t i = 0; i < count; i++) {
+        if (!scene_goes_on(scene, i, err))
+            return false;
         float *texel = image->pixels[i];
         if (!isfinite(texel[0]) || !isfinite(texel[1]) || !isfinite(texel[2]) || texel[0] < 0 ||
             texel[1] < 0 || texel[2] < 0) {

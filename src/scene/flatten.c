@@ -427,7 +427,7 @@ static bool flatten(const struct flatten_params *params, struct arena *scratch, 
     flatten_choose_origin(&census.bounds, out->origin);
     out->scale = flatten_choose_scale(&census.bounds);
     if (!add_world(&f, &census, err) || !add_meshes(&f, &census, err) ||
-        !flatten_instances(scene, &census, out, err) || !flatten_shapes(scene, out, err) ||
+        !flatten_instances(params, &census, out, err) || !flatten_shapes(params, out, err) ||
         !flatten_check_extent(scene, &census.bounds, err))
         return false;
     mark_materials(out);

@@ -194,11 +194,15 @@ static bool check_transform(const struct scene *scene, uint32_t index, struct er
     return true;
 }
 
-static bool classify_instances(const struct scene *scene, struct census *census, struct err *err)
+static bool classify_instances(const struct flatten_params *params, struct census *census,
+                               struct err *err)
 {
+    const struct scene *scene = params->scene;
     for (uint32_t i = 0; i < scene->instance_count; i++) {
         const struct instance *instance = &scene->instances[i];
         struct mesh_use *use = &census->meshes[instance->mesh];
+        if (i % FLATTEN_POLL == 0 && !flatten_goes_on(params, 0, err))
+            return false;
         if (instance->hidden) {
             census->instances[i] = INSTANCE_HIDDEN;
             continue;
@@ -364,7 +368,7 @@ bool flatten_take_census(const struct flatten_params *params, struct arena *scra
     for (uint32_t i = 0; i < scene->mesh_count; i++)
         if (!survey_mesh(params, &scene->meshes[i], &out->meshes[i], err))
             return false;
-    if (!classify_instances(scene, out, err))
+    if (!classify_instances(params, out, err))
         return false;
     warn_of_skipped(scene, out);
     choose_shared(scene, params->instancing, out);

@@ -58,10 +58,13 @@ static void bound_instance(struct flat_scene *flat, const struct flat_instance *
     flatten_bound(flat, min, max);
 }
 
-bool flatten_instances(const struct scene *scene, const struct census *census,
+bool flatten_instances(const struct flatten_params *params, const struct census *census,
                        struct flat_scene *out, struct err *err)
 {
+    const struct scene *scene = params->scene;
     for (uint32_t i = 0; i < scene->instance_count; i++) {
+        if (i % FLATTEN_POLL == 0 && !flatten_goes_on(params, 1, err))
+            return false;
         const struct instance *instance = &scene->instances[i];
         const struct mesh_use *use = &census->meshes[instance->mesh];
         if (census->instances[i] != INSTANCE_SHARES)

@@ -5,7 +5,7 @@
 #include "flatten_census.h"
 
 // Fills out->instances, which has room, and adds them to the bounds; out->meshes is complete.
-bool flatten_instances(const struct scene *scene, const struct census *census,
+bool flatten_instances(const struct flatten_params *params, const struct census *census,
                        struct flat_scene *out, struct err *err);
 
 #endif

@@ -1,6 +1,8 @@
 // Analytic shapes in single precision, and their boxes.
 #include "flatten_shapes.h"
 
+#include "flatten_census.h"
+
 #include "affine.h"
 #include "bounds.h"
 #include <float.h>
@@ -123,11 +125,15 @@ static bool add_shape(struct flat_scene *flat, const struct scene *scene, uint32
     return true;
 }
 
-bool flatten_shapes(const struct scene *scene, struct flat_scene *out, struct err *err)
+bool flatten_shapes(const struct flatten_params *params, struct flat_scene *out, struct err *err)
 {
-    for (uint32_t i = 0; i < scene->shape_count; i++)
+    const struct scene *scene = params->scene;
+    for (uint32_t i = 0; i < scene->shape_count; i++) {
+        if (i % FLATTEN_POLL == 0 && !flatten_goes_on(params, 1, err))
+            return false;
         if (!scene->shapes[i].hidden && !add_shape(out, scene, i, err))
             return false;
+    }
     return true;
 }
 

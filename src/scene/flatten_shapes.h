@@ -6,7 +6,7 @@
 
 // Appends all shapes in sight to out->shapes, which has room, and adds those with ends to the
 // bounds.
-bool flatten_shapes(const struct scene *scene, struct flat_scene *out, struct err *err);
+bool flatten_shapes(const struct flatten_params *params, struct flat_scene *out, struct err *err);
 
 // A box that contains all that the kernels may hit of the shape.
 void flat_shape_box(const struct flat_shape *shape, float min[3], float max[3]);

@@ -62,7 +62,7 @@ static uint32_t vertex_at(struct grid grid, uint32_t ring, uint32_t column)
     return 1 + ring * grid.columns + column % grid.columns;
 }
 
-static void fill_vertices(struct grid grid, struct mesh *mesh)
+static void fill_vertices(struct grid grid, const struct progress *progress, struct mesh *mesh)
 {
     const double north[3] = {0.0, 1.0, 0.0}, south[3] = {0.0, -1.0, 0.0};
     evaluate(north, mesh->positions[0], mesh->normals[0]);
@@ -73,6 +73,8 @@ static void fill_vertices(struct grid grid, struct mesh *mesh)
             double d[3] = {sin(theta) * cos(phi), cos(theta), -sin(theta) * sin(phi)};
             uint32_t vertex = vertex_at(grid, ring, column);
             evaluate(d, mesh->positions[vertex], mesh->normals[vertex]);
+            if (progress_stops_at(progress, vertex))
+                return;
         }
     }
     uint32_t last = mesh->vertex_count - 1;
@@ -127,7 +129,9 @@ bool generate_blob(struct scene *scene, uint32_t triangles, uint32_t material, u
         return err_memory(err, "a blob",
                           2ull * blob.vertex_count * sizeof *blob.positions +
                               1ull * blob.triangle_count * sizeof *blob.indices);
-    fill_vertices(grid, &blob);
+    fill_vertices(grid, scene->progress, &blob);
+    if (!scene_goes_on(scene, 0, err))
+        return false;
     fill_triangles(grid, &blob);
     return scene_append_mesh(scene, &blob, mesh, err);
 }

@@ -50,8 +50,11 @@ bool generate_stadium(struct scene *scene, const struct stadium *stadium, uint32
     if (!mesh.positions || !mesh.indices)
         return err_memory(err, "a stadium", 36ull * rings * segments);
     mesh.vertex_count = 1; // the middle of the field
-    for (uint32_t at = 0; at < rings; at++)
+    for (uint32_t at = 0; at < rings; at++) {
+        if (!scene_goes_on(scene, 0, err))
+            return false;
         add_ring(&mesh, stadium, at);
+    }
     // Counter-clockwise as seen from the field and from above, and the wall's from outside.
     for (uint32_t i = 0; i < segments; i++) {
         uint32_t next = (i + 1) % segments;

@@ -250,6 +250,8 @@ bool generate_teapot(struct scene *scene, uint32_t resolution, uint32_t material
     for (size_t p = 0; p < PART_COUNT; p++) {
         for (uint32_t curve = 0; curve < parts[p].curves; curve++) {
             for (uint32_t turn = 0; turn < parts[p].turns; turn++) {
+                if (!scene_goes_on(scene, 0, err))
+                    return false;
                 struct patch patch = make_patch(&parts[p], curve, turn);
                 add_patch(&patch, resolution, &mesh);
             }

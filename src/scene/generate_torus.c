@@ -32,6 +32,8 @@ bool generate_torus(struct scene *scene, const struct torus *torus, uint32_t mat
         return err_memory(err, "a torus", 72ull * rings * columns);
     for (uint32_t ring = 0; ring < rings; ring++) {
         for (uint32_t column = 0; column < columns; column++) {
+            if (!scene_goes_on(scene, next, err))
+                return false;
             uint32_t at = ring * columns + column, above = ring * columns + (column + 1) % columns;
             uint32_t across = (ring + 1) % rings * columns;
             uint32_t beside = across + column, opposite = across + (column + 1) % columns;

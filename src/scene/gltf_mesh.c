@@ -225,7 +225,8 @@ static bool load_primitives(struct gltf_load *load, const struct json_node *node
         return false;
     for (size_t i = 0; i < json_array_size(primitives.value); i++) {
         const struct json_node primitive = node_element(&primitives, i);
-        if (!load_primitive(load, &primitive, name, deformation, err))
+        if (!scene_goes_on(load->scene, 0, err) ||
+            !load_primitive(load, &primitive, name, deformation, err))
             return false;
     }
     return true;

@@ -274,7 +274,8 @@ static bool convert(struct gltf_load *load, const struct gltf_load_params *param
     if (!gltf_variant_find(load, params->variant, err) || !gltf_materials_load(load, err))
         return false;
     for (uint32_t i = 0; i < nodes.count; i++)
-        if (nodes.is_in_scene[i] && !load_node(load, &nodes, i, params->with_cameras, err))
+        if (nodes.is_in_scene[i] && (!scene_goes_on(load->scene, 0, err) ||
+                                     !load_node(load, &nodes, i, params->with_cameras, err)))
             return false;
     if (!gltf_textures_load(load, err) || !gltf_materials_finish(load, err))
         return false;

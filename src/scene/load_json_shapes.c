@@ -458,7 +458,7 @@ bool load_json_shapes(struct json_loader *loader, const struct json_node *shapes
         return err_memory(err, "the list of shapes", count * sizeof *list.parts);
     for (size_t i = 0; i < count; i++) {
         const struct json_node shape = node_element(shapes, i);
-        if (!load_shape(&list, &shape, err))
+        if (!scene_goes_on(loader->scene, 0, err) || !load_shape(&list, &shape, err))
             return false;
     }
     remove_hidden(&list, count);

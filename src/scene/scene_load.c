@@ -171,8 +171,9 @@ static bool provide_missing(struct scene *scene, const struct scene_load_params 
     if (scene->base)
         return finish_environment(scene, params, err) && provide_exposure(scene, params);
     scene->is_empty = is_empty(scene);
-    return provide_material(scene, err) && scene_provide_light(scene, params, err) && finish_environment(scene, params, err) &&
-           scene_provide_camera(scene, err) && provide_exposure(scene, params) &&
+    return provide_material(scene, err) && scene_provide_light(scene, params, err) &&
+           finish_environment(scene, params, err) && scene_provide_camera(scene, err) &&
+           scene_goes_on(scene, 0, err) && provide_exposure(scene, params) &&
            scene_note_additions(scene, err) && mark_missing_textures(scene, err) &&
            scene_generate_tangents(scene, err);
 }

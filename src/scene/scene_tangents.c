@@ -1,7 +1,8 @@
 // Which meshes of a scene need tangents, and along which texture coordinates.
 #include "tangents.h"
 
-#define NO_SET 2u // of texture coordinates
+#define NO_SET 2u            // of texture coordinates
+#define LOOKS_PER_POLL 65536 // at materials, between looks at whether to stop
 
 // The set that tangents are to follow: the normal map's, else that of the texture that turns the
 // anisotropy; NO_SET where the material needs none.
@@ -39,13 +40,20 @@ static uint32_t instance_uv_set(const struct scene *scene, const struct instance
 
 bool scene_generate_tangents(struct scene *scene, struct err *err)
 {
+    uint64_t looked_at = 0;
     for (uint32_t i = 0; i < scene->instance_count; i++) {
         struct mesh *mesh = &scene->meshes[scene->instances[i].mesh];
         if (mesh->tangents || mesh->triangle_count == 0)
             continue;
+        looked_at += mesh->triangle_material ? mesh->triangle_count : 1;
+        if (looked_at > LOOKS_PER_POLL) {
+            looked_at = 0;
+            if (!scene_goes_on(scene, 0, err))
+                return false;
+        }
         uint32_t set = instance_uv_set(scene, &scene->instances[i]);
         if (set != NO_SET && mesh->uvs[set] &&
-            !mesh_generate_tangents(mesh, set, &scene->arena, err))
+            !mesh_generate_tangents(mesh, set, scene->progress, &scene->arena, err))
             return err_prepend(err, "%s", scene->path ? scene->path : "scene");
     }
     return true;

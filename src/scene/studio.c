@@ -368,11 +368,13 @@ static bool wants_ground(const struct scene *scene, enum scene_ground choice)
     double lowest;
     if (choice != SCENE_GROUND_AUTO)
         return choice == SCENE_GROUND_ON;
+    if (!scene->has_studio)
+        return false;
     bounds_support(scene, &whole, 1, down, &lowest);
     for (uint32_t i = 0; i < scene->camera_count; i++)
         if (!scene->is_model || vec3_dot(scene->cameras[i].position, axes.up) <= -lowest)
             return false;
-    return scene->has_studio;
+    return true;
 }
 
 bool scene_provide_light(struct scene *scene, const struct scene_load_params *params,

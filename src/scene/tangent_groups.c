@@ -66,7 +66,7 @@ static bool is_same_place(const struct tangent_work *work, uint32_t a, uint32_t 
 
 static void classify_triangles(struct tangent_work *work)
 {
-    for (uint32_t t = 0; t < work->mesh->triangle_count; t++) {
+    for (uint32_t t = 0; t < work->mesh->triangle_count && tangent_goes_on(work); t++) {
         const uint32_t *corners = work->mesh->indices[t];
         double along_u[3], along_v[3];
         bool is_mirrored;
@@ -140,11 +140,12 @@ static bool is_same_key(const struct vertex_key *a, const struct vertex_key *b)
 }
 
 // The first corner that is the same vertex; *chain: where it is put when it is that itself.
-static uint32_t find_same(const struct tangent_work *work, uint32_t corner, uint32_t **chain)
+static uint32_t find_same(struct tangent_work *work, uint32_t corner, uint32_t **chain)
 {
     const struct vertex_key key = key_of(work, corner);
     *chain = vertex_chain(work, &key);
-    for (uint32_t same = **chain; same != TANGENT_NONE; same = work->next[same]) {
+    for (uint32_t same = **chain; same != TANGENT_NONE && tangent_goes_on(work);
+         same = work->next[same]) {
         const struct vertex_key other = key_of(work, same);
         if (is_same_key(&key, &other))
             return same;
@@ -156,7 +157,7 @@ static uint32_t find_same(const struct tangent_work *work, uint32_t corner, uint
 static void weld_corners(struct tangent_work *work, uint32_t *known)
 {
     clear_table(work);
-    for (uint32_t c = 0; c < work->corner_count; c++) {
+    for (uint32_t c = 0; c < work->corner_count && tangent_goes_on(work); c++) {
         uint32_t vertex = tangent_vertex(work, c), *chain;
         work->weld[c] = known[vertex];
         if (known[vertex] != TANGENT_NONE)
@@ -182,7 +183,7 @@ static uint32_t *edge_chain(const struct tangent_work *work, uint32_t from, uint
 static void connect_triangles(struct tangent_work *work)
 {
     clear_table(work);
-    for (uint32_t c = work->corner_count; c-- > 0;) {
+    for (uint32_t c = work->corner_count; c-- > 0 && tangent_goes_on(work);) {
         work->across[c] = TANGENT_NONE;
         if (work->flags[c / 3] & TANGENT_NO_AREA)
             continue;
@@ -190,12 +191,12 @@ static void connect_triangles(struct tangent_work *work)
         work->next[c] = *head;
         *head = c;
     }
-    for (uint32_t c = 0; c < work->corner_count; c++) {
+    for (uint32_t c = 0; c < work->corner_count && tangent_goes_on(work); c++) {
         if (work->flags[c / 3] & TANGENT_NO_AREA || work->across[c] != TANGENT_NONE)
             continue;
         uint32_t from = work->weld[c], to = work->weld[tangent_next_corner(c)];
         uint32_t other = *edge_chain(work, to, from);
-        while (other != TANGENT_NONE &&
+        while (other != TANGENT_NONE && tangent_goes_on(work) &&
                (work->across[other] != TANGENT_NONE || work->weld[other] != to ||
                 work->weld[tangent_next_corner(other)] != from))
             other = work->next[other];
@@ -268,7 +269,7 @@ static void group_corners(struct tangent_work *work)
 {
     for (uint32_t c = 0; c < work->corner_count; c++)
         work->group[c] = TANGENT_NONE;
-    for (uint32_t c = 0; c < work->corner_count; c++)
+    for (uint32_t c = 0; c < work->corner_count && tangent_goes_on(work); c++)
         if (!(work->flags[c / 3] & (TANGENT_NO_AREA | TANGENT_NO_MAP)) &&
             work->group[c] == TANGENT_NONE)
             flood(work, c, work->group_count++);
@@ -304,8 +305,11 @@ bool tangent_groups_make(struct tangent_work *work)
     for (uint32_t v = 0; v < vertex_count; v++)
         known[v] = TANGENT_NONE;
     classify_triangles(work);
-    weld_corners(work, known);
-    connect_triangles(work);
-    group_corners(work);
-    return true;
+    if (!work->is_stopped)
+        weld_corners(work, known);
+    if (!work->is_stopped)
+        connect_triangles(work);
+    if (!work->is_stopped)
+        group_corners(work);
+    return !work->is_stopped;
 }

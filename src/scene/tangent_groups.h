@@ -28,11 +28,21 @@ struct tangent_work {
     // A hash table of corners: chains begin at heads[hash & mask] and go on in ascending order.
     uint32_t *heads, *next;
     uint32_t mask;
-    uint32_t *stack; // of triangles
+    uint32_t *stack;                 // of triangles
+    const struct progress *progress; // NULL: nobody listens
+    uint64_t steps;                  // of loops, so far
+    bool is_stopped;                 // what has been made is not whole
 };
 
+// For loops over corners and triangles: whether to go on.
+static inline bool tangent_goes_on(struct tangent_work *work)
+{
+    work->is_stopped = work->is_stopped || progress_stops_at(work->progress, ++work->steps);
+    return !work->is_stopped;
+}
+
 // Fills in the arrays of *work, whose mesh, uvs and corner_count are set; memory comes from its
-// arena. False when that is out.
+// arena. False when that is out, or when asked to stop.
 bool tangent_groups_make(struct tangent_work *work);
 
 static inline uint32_t tangent_next_corner(uint32_t corner)

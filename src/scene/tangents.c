@@ -134,8 +134,10 @@ static void divide_group(struct tangent_work *work, const uint32_t *corners, uin
                          struct direction *directions)
 {
     uint32_t first_new = work->group_count;
-    for (uint32_t i = 0; i < count; i++) {
+    for (uint32_t i = 0; i < count && !work->is_stopped; i++) {
         struct direction *direction = &directions[work->group_count];
+        work->steps += count;
+        work->is_stopped = progress_should_stop(work->progress);
         if (!sum_without_opposites(work, corners[i], corners, count, direction))
             continue;
         uint32_t g = first_new;
@@ -177,13 +179,13 @@ static struct direction *sum_directions(struct tangent_work *work)
     bool *is_wide = ARENA_NEW(&work->arena, bool, groups);
     if (!directions || !is_wide || !list_members(work, &members))
         return NULL;
-    for (uint32_t g = 0; g < groups; g++) {
+    for (uint32_t g = 0; g < groups && tangent_goes_on(work); g++) {
         uint32_t count = members.first[g + 1] - members.first[g];
         is_wide[g] = sum_group(work, members.corners + members.first[g], count, &directions[g]) &&
                      count <= MOST_COMPARED;
         wide_corners += is_wide[g] ? count : 0;
     }
-    if (wide_corners == 0)
+    if (wide_corners == 0 || work->is_stopped)
         return directions;
     // One place more for a sum that is compared before it is kept.
     struct direction *all =
@@ -191,7 +193,7 @@ static struct direction *sum_directions(struct tangent_work *work)
     if (!all)
         return NULL;
     memcpy(all, directions, groups * sizeof *directions);
-    for (uint32_t g = 0; g < groups; g++)
+    for (uint32_t g = 0; g < groups && tangent_goes_on(work); g++)
         if (is_wide[g])
             divide_group(work, members.corners + members.first[g],
                          members.first[g + 1] - members.first[g], all);
@@ -253,7 +255,7 @@ static bool split_vertices(struct tangent_work *work, struct split *split)
         return false;
     for (uint32_t v = 0; v < vertex_count; v++)
         split->first[v] = TANGENT_NONE;
-    for (uint32_t c = 0; c < work->corner_count; c++) {
+    for (uint32_t c = 0; c < work->corner_count && tangent_goes_on(work); c++) {
         uint32_t old = tangent_vertex(work, c), v = split->first[old];
         while (v != TANGENT_NONE && work->group[split->corner[v]] != work->group[c])
             v = split->next[v];
@@ -318,15 +320,17 @@ static bool generate(struct tangent_work *work, struct arena *arena, struct mesh
     if (!tangent_groups_make(work))
         return false;
     const struct direction *directions = sum_directions(work);
-    if (!directions || !split_vertices(work, &split))
+    if (!directions || work->is_stopped || !split_vertices(work, &split) || work->is_stopped)
         return false;
     bool is_kept = keeps_vertices(work, &split);
     float(*tangents)[4] = arena_alloc(arena, split.count, sizeof *tangents);
     if (!tangents)
         return false;
-    for (uint32_t v = 0; v < split.count; v++)
+    for (uint32_t v = 0; v < split.count && tangent_goes_on(work); v++)
         corner_tangent(work, split.corner[v], &directions[work->group[split.corner[v]]],
                        tangents[is_kept ? split.source[v] : v]);
+    if (work->is_stopped)
+        return false;
     mesh->tangents = tangents;
     return is_kept || rebuild(&split, arena, mesh);
 }
@@ -334,8 +338,8 @@ static bool generate(struct tangent_work *work, struct arena *arena, struct mesh
 // Every corner has a number below TANGENT_NONE.
 #define MOST_TRIANGLES (UINT32_MAX / 3)
 
-bool mesh_generate_tangents(struct mesh *mesh, uint32_t uv_set, struct arena *arena,
-                            struct err *err)
+bool mesh_generate_tangents(struct mesh *mesh, uint32_t uv_set, const struct progress *progress,
+                            struct arena *arena, struct err *err)
 {
     if (mesh->triangle_count > MOST_TRIANGLES)
         return err_set(err, ERR_INPUT, "mesh \"%s\": %u triangles to make tangents for; at most %u",
@@ -344,9 +348,13 @@ bool mesh_generate_tangents(struct mesh *mesh, uint32_t uv_set, struct arena *ar
         .mesh = mesh,
         .uvs = (const float(*)[2])mesh->uvs[uv_set],
         .corner_count = 3 * mesh->triangle_count,
+        .progress = progress,
     };
-    bool ok = generate(&work, arena, mesh) ||
-              err_memory(err, "tangents", mesh->triangle_count * UINT64_C(200));
+    bool ok = generate(&work, arena, mesh);
+    if (!ok && work.is_stopped)
+        err_set(err, ERR_STOPPED, "stopped while making tangents");
+    else if (!ok)
+        err_memory(err, "tangents", mesh->triangle_count * UINT64_C(200));
     arena_finish(&work.arena);
     return ok;
 }

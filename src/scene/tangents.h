@@ -10,8 +10,8 @@
 // maps whose green points up in the picture, though t points down. Vertices whose corners need
 // different tangents are split: all vertex arrays and the indices are then new, in order of first
 // use. Memory of the result comes from `arena`; the mesh's old arrays stay as they are.
-bool mesh_generate_tangents(struct mesh *mesh, uint32_t uv_set, struct arena *arena,
-                            struct err *err);
+bool mesh_generate_tangents(struct mesh *mesh, uint32_t uv_set, const struct progress *progress,
+                            struct arena *arena, struct err *err);
 
 // Does that for every mesh of the scene that is used with a material that needs tangents (a normal
 // map or anisotropy) and that has none, where it has the texture coordinates.

@@ -38,11 +38,12 @@ static void judge_texel(const float texel[4], struct judgement *judgement)
 }
 
 // Halves come from codes, so they are in [0, 1]. Floats that are no use become 0, alpha 1.
-static void judge_texels(const struct image_texels *texels, struct judgement *out)
+static void judge_texels(const struct image_texels *texels, const struct progress *progress,
+                         struct judgement *out)
 {
     size_t count = (size_t)texels->width * texels->height;
     *out = (struct judgement){0};
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count && !progress_stops_at(progress, i); i++) {
         float texel[4];
         if (texels->is_float) {
             float *given = (float *)texels->texels + 4 * i;
@@ -84,7 +85,9 @@ static bool add_image(struct scene *scene, const struct texture_file *file,
                       const struct image_texels *texels, uint32_t *index, struct err *err)
 {
     struct judgement judgement;
-    judge_texels(texels, &judgement);
+    judge_texels(texels, scene->progress, &judgement);
+    if (!scene_goes_on(scene, 0, err))
+        return false;
     size_t count = (size_t)texels->width * texels->height;
     struct texture_image *image = scene_add_image(scene, index);
     const char *name = arena_strdup(&scene->arena, file->name);

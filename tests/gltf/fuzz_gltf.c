@@ -17,7 +17,7 @@ static bool make_tangents(struct scene *scene)
     struct err err;
     for (uint32_t i = 0; i < scene->mesh_count; i++)
         if (scene->meshes[i].uvs[0] && !scene->meshes[i].tangents &&
-            !mesh_generate_tangents(&scene->meshes[i], 0, &scene->arena, &err))
+            !mesh_generate_tangents(&scene->meshes[i], 0, NULL, &scene->arena, &err))
             return err.code == ERR_BUDGET; // the budget is small
     return true;
 }

@@ -32,7 +32,8 @@ static void check_sound(bool ok, struct scene *scene, struct err *err, const cha
     }
     for (uint32_t i = 0; i < scene->mesh_count; i++)
         if (scene->meshes[i].uvs[0] && !scene->meshes[i].tangents)
-            CHECK(mesh_generate_tangents(&scene->meshes[i], 0, &scene->arena, err), "%s", err->msg);
+            CHECK(mesh_generate_tangents(&scene->meshes[i], 0, NULL, &scene->arena, err), "%s",
+                  err->msg);
     CHECK(!scene_objection(scene), "%s: %s", path, scene_objection(scene));
 }
 

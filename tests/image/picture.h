@@ -36,7 +36,9 @@ static inline bool picture_decode(const void *data, size_t size, struct arena *a
 {
     struct image_read_params params = {.path = "memory"};
     memory_set_budget(PICTURE_BUDGET);
-    return image_decode(data, size, &params, arena, out, err);
+    bool ok = image_decode(data, size, &params, arena, out, err);
+    memory_set_budget(0);
+    return ok;
 }
 
 // A copy of exactly the length, so that the address sanitizer sees a read past the end.

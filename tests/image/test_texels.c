@@ -11,7 +11,9 @@ static bool decode(const void *data, size_t size, bool is_linear, struct arena *
 {
     const struct image_read_params params = {.path = "memory", .is_linear = is_linear};
     memory_set_budget(PICTURE_BUDGET);
-    return image_decode_texels(data, size, &params, arena, out, err);
+    bool ok = image_decode_texels(data, size, &params, arena, out, err);
+    memory_set_budget(0);
+    return ok;
 }
 
 static float component(const struct image_texels *texels, uint32_t pixel, uint32_t c)

@@ -13,7 +13,7 @@ static const double pi = 3.14159265358979323846;
 static bool generate(struct mesh *mesh, struct arena *arena)
 {
     struct err err = {0};
-    bool ok = mesh_generate_tangents(mesh, 0, arena, &err);
+    bool ok = mesh_generate_tangents(mesh, 0, NULL, arena, &err);
     CHECK(ok, "%s", err.msg);
     return ok;
 }
@@ -565,7 +565,7 @@ TEST(allocation_failures)
         struct arena arena = {0};
         struct err err = {0};
         arena_fail_at(n);
-        bool ok = mesh_generate_tangents(&mesh, 0, &arena, &err);
+        bool ok = mesh_generate_tangents(&mesh, 0, NULL, &arena, &err);
         arena_fail_at(0);
         arena_finish(&arena);
         CHECK(ok || err.code == ERR_SYSTEM, "%s", err.msg);
