@@ -134,7 +134,8 @@ static bool add_triangle(struct flattening *f, const struct placement *placement
     }
     triangle->material = instance_material(mesh, placement->instance, index);
     triangle_normal(triangle, geometric);
-    if (flatten_emits(scene, triangle->material) && !keep_edges(f, points, geometric, err))
+    if (placement->is_small && flatten_emits(scene, triangle->material) &&
+        !keep_edges(f, points, geometric, err))
         return false;
     *added = vec3_normalize(geometric);
     if (*added) {
@@ -182,6 +183,26 @@ static bool add_triangles(struct flattening *f, const struct placement *placemen
             return err_memory(err, "dropped triangles", flat->dropped_degenerate * 4u);
     }
     return true;
+}
+
+// How much farther than it is large an instance is where rounding may change its emitters' areas by
+// SMALL_TOLERANCE. What is larger stays as it is: its triangles share their corners, so that
+// nothing gets through between them, and what rounding does to slivers' areas cancels.
+#define SMALL_RATIO 4096
+
+static bool is_small_instance(const struct flat_scene *flat, const struct instance *instance,
+                              const struct bounds *mesh)
+{
+    double low[3], high[3], extent = 0, farthest = 0;
+    if (bounds_is_empty(mesh))
+        return false;
+    affine_box(instance->transform, mesh->min, mesh->max, low, high);
+    for (int i = 0; i < 3; i++) {
+        extent = fmax(extent, high[i] - low[i]);
+        farthest =
+            fmax(farthest, fmax(fabs(low[i] - flat->origin[i]), fabs(high[i] - flat->origin[i])));
+    }
+    return farthest > SMALL_RATIO * extent;
 }
 
 // Whether the triangles from `first` on are all small ones of one plane, which are as they should
@@ -252,8 +273,10 @@ static bool add_world(struct flattening *f, const struct census *census, struct 
         flat->instance_first[i] = flat->triangle_count + flat->dropped_degenerate;
         if (census->instances[i] != INSTANCE_FLATTENED)
             continue;
-        const struct placement placement =
-            place(scene, &scene->instances[i], flat->origin, flat->scale);
+        const struct instance *instance = &scene->instances[i];
+        struct placement placement = place(scene, instance, flat->origin, flat->scale);
+        placement.is_small =
+            is_small_instance(flat, instance, &census->meshes[instance->mesh].bounds);
         uint32_t first = flat->triangle_count;
         if (!add_triangles(f, &placement, i, err))
             return false;

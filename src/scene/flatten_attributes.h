@@ -10,6 +10,7 @@ struct placement {
     const struct instance *instance;
     double origin[3];     // of the flat scene
     double scale;         // the same
+    bool is_small;        // emissive triangles may need their edges: see flat_scene.small
     double normals[3][3]; // inverse transpose up to a positive factor
     bool is_mirrored;
 };
