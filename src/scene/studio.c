@@ -366,7 +366,7 @@ static bool wants_ground(const struct scene *scene, enum scene_ground choice)
     const double down[1][3] = {{-axes.up[0], -axes.up[1], -axes.up[2]}};
     const struct scene_part whole = scene_whole(scene);
     double lowest;
-    if (choice != SCENE_GROUND_AUTO)
+    if (choice != SCENE_GROUND_AUTO || !scene->has_studio)
         return choice == SCENE_GROUND_ON;
     if (!scene->has_studio)
         return false;
