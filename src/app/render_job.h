@@ -58,10 +58,10 @@ struct job_rescue {
     struct render_stats stats;
     uint64_t next_sample;
     struct pass pass;
-    bool is_even;        // as renderer_is_even
-    double copied_at;    // seconds of rendering
-    double last_seconds; // that the last copy took
-    double seconds;      // and all of them
+    bool is_even;         // as renderer_is_even
+    double copied_at;     // seconds of rendering
+    double worst_seconds; // that a copy took
+    double seconds;       // and all of them
 };
 
 struct render_job {

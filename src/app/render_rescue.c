@@ -5,11 +5,14 @@
 #include "machine.h"
 #include "render_job.h"
 #include <inttypes.h>
+#include <math.h>
 
 // What copying may cost of the time of rendering. Until a first copy was measured it is taken for
 // so much a pixel: on lavapipe resolving and reading one takes .1 to .2 us.
 #define COST_MAX 0.01
 #define PIXEL_SECONDS 2e-7
+// No more often: on a busy machine any copy may take long by chance.
+#define PAUSE_SECONDS 1.0
 // After so long without a copy it is made in the middle of a pass, too, when some pixels have more
 // samples than others.
 #define PATIENCE_SECONDS 60.0
@@ -33,11 +36,12 @@ static bool is_due(const struct render_job *job)
 {
     const struct job_rescue *rescue = &job->rescue;
     double now = job->renderer.stats.render_seconds - job->seconds.render_before;
-    double last = rescue->last_seconds > 0.0 ? rescue->last_seconds
-                                             : PIXEL_SECONDS * (double)film_pixels(job);
-    if (rescue->seconds + last > COST_MAX * now || !fits_memory(job))
+    double since = now - rescue->copied_at;
+    double next = rescue->worst_seconds > 0.0 ? rescue->worst_seconds
+                                              : PIXEL_SECONDS * (double)film_pixels(job);
+    if (since < PAUSE_SECONDS || rescue->seconds + next > COST_MAX * now || !fits_memory(job))
         return false;
-    bool is_late = now - rescue->copied_at > PATIENCE_SECONDS;
+    bool is_late = since > PATIENCE_SECONDS;
     bool is_between_passes = job->renderer.pass.length == 0;
     return is_between_passes || (is_late && renderer_has_all_pixels(&job->renderer));
 }
@@ -62,9 +66,10 @@ bool job_rescue_copy_when_due(struct render_job *job, struct err *err)
     rescue->pass = job->renderer.pass;
     rescue->is_even = renderer_is_even(&job->renderer);
     rescue->copied_at = job->renderer.stats.render_seconds - job->seconds.render_before;
-    rescue->last_seconds = clock_seconds_since(start);
-    rescue->seconds += rescue->last_seconds;
-    job->seconds.judge += rescue->last_seconds;
+    double seconds = clock_seconds_since(start);
+    rescue->worst_seconds = fmax(rescue->worst_seconds, seconds);
+    rescue->seconds += seconds;
+    job->seconds.judge += seconds;
     return true;
 }
 

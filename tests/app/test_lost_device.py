@@ -36,7 +36,7 @@ class LostDevice(unittest.TestCase):
 
     def lose(self, *arguments):
         """The first loss that has a copy, and what is reported then."""
-        for submission in (150, 600, 2400):
+        for submission in (1200, 4800, 19200):
             result = self.render('lost.exr', '--lose-device', str(submission), *arguments)
             self.assertEqual(result.returncode, 3, result.stderr)
             self.assertIn('device lost', result.stderr)
