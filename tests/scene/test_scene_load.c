@@ -37,8 +37,8 @@ TEST(a_mesh_alone_is_placed_framed_and_lit)
     CHECK(scene.environment.present && scene.environment.radiance[1] == 1);
     CHECK(scene.camera_is_framed && !scene.has_studio && !scene.has_ground && !scene.is_empty);
     REQUIRE(scene.note_count == 2);
-    CHECK(strstr(scene.notes[0], "no light in the file"), "%s", scene.notes[0]);
-    CHECK(strstr(scene.notes[1], "view with y up (--up)"), "%s", scene.notes[1]);
+    CHECK(strstr(scene.notes[0], "view with y up (--up)"), "%s", scene.notes[0]);
+    CHECK(strstr(scene.notes[1], "no light in the file"), "%s", scene.notes[1]);
     scene_finish(&scene);
 }
 
@@ -221,8 +221,8 @@ TEST(environment_images)
     CHECK(environment->radiance[0] == 2 && environment->texels[0][2] == 3);
     for (int i = 1; i < 4; i++)
         CHECK(environment->texels[i][0] == 0 && environment->texels[i][1] == 0, "texel %d", i);
-    CHECK(scene.note_count == 2 && strstr(scene.notes[0], "sky.exr: 3 of 4 texels were negative"),
-          "%s", scene.notes[0]);
+    CHECK(scene.note_count == 2 && strstr(scene.notes[1], "sky.exr: 3 of 4 texels were negative"),
+          "%s", scene.notes[1]);
 
     struct err err = {0};
     uint64_t hash = scene.hash;
