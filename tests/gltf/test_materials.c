@@ -259,7 +259,7 @@ static const struct {
     {"{'normalTexture':{'index':0,'extensions':{'KHR_texture_transform':{'offset':[1]}}}}",
      TWO_TEXTURES, "KHR_texture_transform.offset: "},
     {"{'normalTexture':{'index':0,'extensions':{'KHR_texture_transform':{'scale':[1,1e30]}}}}",
-     TWO_TEXTURES, "is beyond 1e+18"},
+     TWO_TEXTURES, "is beyond 1e+13"},
     {"{'normalTexture':{'index':0}}",
      ",'textures':[{'source':0,'sampler':0}],'samplers':[{'wrapS':1}],'images':[{'uri':'%s'}]",
      "samplers[0].wrapS: 1 is no value of a sampler's \"wrapS\"; the default is 10497"},
