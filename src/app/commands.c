@@ -64,11 +64,12 @@ const struct command commands[COMMAND_TOTAL] = {
                 "share, the queues' lengths by bounce, and the spread over repeats. --sweep and "
                 "--curve make variants, which take turns, and whose pictures are hashed: those "
                 "that are to be the same are shown to be. --kernel times one kernel alone.",
-            .examples = "lampyris bench scenes/cornell.json --sweep wave=4k,16k,64k --report report\n"
-                        "lampyris bench scenes/glass.json --kernel intersect_closest --rays "
-                        "primary,diffuse\n"
-                        "lampyris bench scenes/cornell.json --json > before.json\n"
-                        "lampyris bench scenes/cornell.json --baseline before.json",
+            .examples =
+                "lampyris bench scenes/cornell.json --sweep wave=4k,16k,64k --report report\n"
+                "lampyris bench scenes/glass.json --kernel intersect_closest --rays "
+                "primary,diffuse\n"
+                "lampyris bench scenes/cornell.json --json > before.json\n"
+                "lampyris bench scenes/cornell.json --baseline before.json",
             .min_arguments = 1,
             .max_arguments = OPTIONS_ARGUMENTS_MAX,
             .run = cmd_bench,
