@@ -524,8 +524,8 @@ TEST(everything_is_created_on_demand)
     struct inventory empty, all, full;
     if (make(&gpu, 0, false, &empty) && make(&gpu, JITTER, true, &all) &&
         make(&gpu, JITTER | data, true, &full)) {
-        const uint64_t by_shape =
-            MEETS(GEOMETRY_SDFS | GEOMETRY_LARGE_SPHERES | GEOMETRY_INSTANCES);
+        const uint64_t by_shape = MEETS(GEOMETRY_SDFS | GEOMETRY_LARGE_SPHERES |
+                                        GEOMETRY_INSTANCES | GEOMETRY_SMALL_TRIANGLES);
         uint64_t named = named_bits() & ~by_shape;
         uint32_t buffers = (BIT(BINDING_COUNT) - 1) & ~BIT(BINDING_SUSPENDED);
         CHECK(all.kernels == (BIT(KERNEL_COUNT) - 1) - CLASS_KERNELS - OTHER_KERNELS,
