@@ -261,7 +261,9 @@ PRINCIPLED = ["PRINCIPLED", "ROUGH"]
 LOBES = {
     "LAMBERT": ([], ["eval_lambert()", "sample_lambert()"]),
     "MIRROR": ([], ["sample_mirror()"]),
-    "PRINCIPLED": (["ROUGH"], ["eval_principled()", "sample_principled()", "albedo_burley()"]),
+    "PRINCIPLED": (["ROUGH"], ["eval_principled()", "sample_principled()"]),
+    "BURLEY": (PRINCIPLED, ["albedo_burley()"]),
+    "GLTF": (PRINCIPLED + ["BURLEY", "CHARLIE", "CLEARCOAT"], ["-"]),
     "METAL": (PRINCIPLED, ["-"]),
     "SUBSURFACE": (PRINCIPLED, ["-"]),
     "SHEEN": (PRINCIPLED, ["-"]),

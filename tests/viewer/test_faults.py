@@ -188,6 +188,8 @@ class Faults(Case):
         self.assertIn('spp', out)
 
     def test_signals(self):
+        # Children inherit a signal that is ignored, as nohup has it with SIGHUP.
+        self.addCleanup(signal.signal, signal.SIGHUP, signal.signal(signal.SIGHUP, signal.SIG_DFL))
         for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGUSR1,
                        signal.SIGXCPU):
             self.end(number)
