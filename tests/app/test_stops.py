@@ -17,11 +17,12 @@ import unittest
 LAMPYRIS = os.path.abspath(sys.argv.pop(1))
 CORNELL = os.path.join(os.path.abspath(sys.argv.pop(1)), 'cornell.json')
 # From the signal to the end: a second at most on a quiet machine.
-# Children inherit a signal that is ignored, as nohup has it with SIGHUP.
-signal.signal(signal.SIGHUP, signal.SIG_DFL)
 SOON_SECONDS = 8.0
 # A picture whose first pass takes many waves.
 SLOW = ['--size', '1000x600', '--wave', '512', '--spp', '64']
+
+# Children inherit a signal that is ignored, as nohup has it with SIGHUP.
+signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 
 def need_device():
