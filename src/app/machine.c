@@ -25,7 +25,7 @@ static void read_processor(char *out, size_t size)
         fclose(file);
 }
 
-double machine_memory_bytes(void)
+static double machine_memory_bytes(void)
 {
     long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
     return pages > 0 && page > 0 ? (double)pages * (double)page : 0.0;

@@ -13,7 +13,6 @@ struct machine {
 
 // What cannot be found out is "unknown" or 0.
 struct machine machine_describe(void);
-double machine_memory_bytes(void); // 0 where it is not known
 // {processor, threads, memory_bytes, system, device, driver, version}
 json_t *machine_json(const struct gpu *gpu);
 

@@ -62,6 +62,7 @@ struct job_rescue {
     double copied_at;     // seconds of rendering
     double worst_seconds; // that a copy took
     double seconds;       // and all of them
+    bool is_too_large;    // for the memory budget, which was said
 };
 
 struct render_job {

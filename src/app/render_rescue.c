@@ -2,7 +2,7 @@
 // whole render with it.
 #include "clock.h"
 #include "log.h"
-#include "machine.h"
+#include "memory.h"
 #include "render_job.h"
 #include <inttypes.h>
 #include <math.h>
@@ -16,7 +16,7 @@
 // After so long without a copy it is made in the middle of a pass, too, when some pixels have more
 // samples than others.
 #define PATIENCE_SECONDS 60.0
-// Copies are two at a time while one is made.
+// The part of the memory budget that copies may have. They are two at a time while one is made.
 #define MEMORY_PART 8
 
 static uint64_t film_pixels(const struct render_job *job)
@@ -24,15 +24,24 @@ static uint64_t film_pixels(const struct render_job *job)
     return (uint64_t)job->renderer.frame.width * job->renderer.frame.height;
 }
 
-static bool fits_memory(const struct render_job *job)
+// Says once where it does not, since a lost device then loses the picture.
+static bool fits_memory(struct render_job *job)
 {
     // Mean, halves and count, and what --aov asks for besides.
-    uint64_t bytes = film_pixels(job) * (3 * 12 + 4 + job_layer_bytes(job));
-    double memory = machine_memory_bytes();
-    return !(2.0 * (double)bytes > memory / MEMORY_PART);
+    uint64_t bytes = 2 * film_pixels(job) * (3 * 12 + 4 + job_layer_bytes(job));
+    uint64_t most = memory_budget() / MEMORY_PART;
+    if (most == 0 || bytes <= most)
+        return true;
+    if (!job->rescue.is_too_large)
+        log_warn("the film is not copied for the case that the device fails: copies take %s, "
+                 "expected at most %s, an eighth of the memory budget (--memory); --checkpoint "
+                 "keeps the render instead",
+                 memory_print(bytes).text, memory_print(most).text);
+    job->rescue.is_too_large = true;
+    return false;
 }
 
-static bool is_due(const struct render_job *job)
+static bool is_due(struct render_job *job)
 {
     const struct job_rescue *rescue = &job->rescue;
     double now = job->renderer.stats.render_seconds - job->seconds.render_before;

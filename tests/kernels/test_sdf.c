@@ -117,18 +117,27 @@ struct surface_counts {
     double worst;                        // angle of a normal
 };
 
-// What the kernel made of a point of the world near the surface.
-static void judge_surface(const struct scene *scene, uint32_t number, const union words *in,
+// Points as the kernel has them: about an origin, in a unit, that suit the scene.
+static void kernel_to_world(const struct flat_scene *flat, const float point[4], double out[3])
+{
+    const double in[3] = {(double)point[0], (double)point[1], (double)point[2]};
+    flat_to_world(flat, in, out);
+}
+
+// What the kernel made of a point near the surface.
+static void judge_surface(const struct setup *setup, uint32_t number, const union words *in,
                           const union words *out, struct surface_counts *counts)
 {
+    const struct scene *scene = &setup->scene;
+    const struct flat_scene *flat = &setup->r.flat;
     const struct shape *shape = &scene->shapes[number];
     const struct sdf *sdf = &scene->sdfs[shape->sdf];
     const double h = sdf->magnitude / 2048, scale = sdf_scale(scene, shape);
     double world[4][3], p[3], q[3], fine[3], coarse[3], turned[3], normal[3] = {0}, off = 0;
+    kernel_to_world(flat, out->f[0], world[0]);
+    kernel_to_world(flat, out->f[3], world[1]);
     for (int c = 0; c < 3; c++) {
-        world[0][c] = (double)out->f[0][c];
-        world[1][c] = (double)out->f[3][c];
-        off += (double)out->f[1][c] * fabs((double)out->f[2][c]);
+        off += (double)out->f[1][c] * fabs((double)out->f[2][c]) / flat->scale;
         for (int j = 0; j < 3; j++)
             normal[j] += shape->axes[j][c] / length(shape->axes[j]) * (double)out->f[2][c];
     }
@@ -180,18 +189,21 @@ TEST(surfaces)
             random_direction(&random, items[k].f[1]);
             items[k].u[0][3] = i;
             // Off by what the rounding of t may do to a ray from ten sizes away.
+            double at[3];
             for (int c = 0; c < 3; c++) {
-                double x = shape->center[c];
+                at[c] = shape->center[c];
                 for (int j = 0; j < 3; j++)
-                    x += shape->axes[j][c] * p[j] / sdf->max[j];
-                x += sdf_scale(&setup.scene, shape) * random_between(&random, -1, 1) * 1e-6;
-                items[k].f[0][c] = (float)x;
+                    at[c] += shape->axes[j][c] * p[j] / sdf->max[j];
+                at[c] += sdf_scale(&setup.scene, shape) * random_between(&random, -1, 1) * 1e-6;
             }
+            flat_from_world(&setup.r.flat, at, at);
+            for (int c = 0; c < 3; c++)
+                items[k].f[0][c] = (float)at[c];
         }
         memcpy(inputs, items, sizeof inputs);
         REQUIRE(library_run(&setup, ROUTINE_SDF_SURFACE, items, POINTS / 4), "not run");
         for (uint32_t k = 0; k < POINTS / 4; k++)
-            judge_surface(&setup.scene, i, &inputs[k], &items[k], &counts);
+            judge_surface(&setup, i, &inputs[k], &items[k], &counts);
         printf("  %-20s %4u of %u smooth; normals off by %.1e\n", sdf_programs[i].name,
                counts.smooth, POINTS / 4, counts.worst);
         // The places that look smooth and are not: where folds lie between the two widths.

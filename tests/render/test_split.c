@@ -95,7 +95,7 @@ TEST(split_buffers_give_the_same_bits)
         {"128 KiB", {.no_texel = true, .storage_range = 1u << 17}, 1},
         {"64 KiB", {.no_texel = true, .storage_range = 1u << 16}, 4},
         {"32 KiB", {.no_texel = true, .storage_range = 1u << 15}, 4, .validation = true},
-        {"not a power of two", {.no_texel = true, .storage_range = 100000}, 1},
+        {"not a power of two", {.no_texel = true, .storage_range = 100000}, 2},
         {"texels too long", {.storage_range = 1u << 16, .texel_elements = 4096}, 4},
         {"as few bindings as suffice",
          {.no_texel = true, .storage_range = 1u << 16, .storage_count = 16 + 6},
