@@ -107,6 +107,34 @@ float albedo_fresnel(uint tables, float mu, float alpha, float eta)
                             sqrt(sqrt(abs(eta - 1.0) / (eta + 1.0)))));
 }
 
+// Between two neighbours of the eight values of 16 bits of a word of four.
+float albedo_run(uint word, uint left, float w)
+{
+    uvec4 v = load_materials(word);
+    uint right = left + 1u;
+    float low = float(v[left >> 1] >> (16u * (left & 1u)) & 0xffffu);
+    float high = float(v[right >> 1] >> (16u * (right & 1u)) & 0xffffu);
+    return mix(low, high, w);
+}
+
+// A table of such words, each a run of nodes along the first axis.
+float albedo_runs(uint first, uvec3 size, vec3 at)
+{
+    vec3 cells = vec3(size);
+    vec3 position = clamp(at, 0.0, 1.0) * cells;
+    vec3 corner = min(floor(position), cells - 1.0);
+    vec3 w = position - corner;
+    uvec3 cell = uvec3(corner);
+    uint row = size.x / ALBEDO_RUN;
+    uint slice = row * (size.y + 1u);
+    uint left = cell.x % ALBEDO_RUN;
+    uint word = first + cell.z * slice + cell.y * row + cell.x / ALBEDO_RUN;
+    float near = mix(albedo_run(word, left, w.x), albedo_run(word + row, left, w.x), w.y);
+    word += slice;
+    float far = mix(albedo_run(word, left, w.x), albedo_run(word + row, left, w.x), w.y);
+    return min(1.0, mix(near, far, w.z) * (ALBEDO_HIGHEST / 65535.0));
+}
+
 // Coordinates along the axes of tables of interfaces that also refract.
 vec3 albedo_axes_glass(float mu, float alpha, float eta)
 {
@@ -125,14 +153,14 @@ float albedo_glass(uint tables, float mu, float alpha, float eta)
     uvec3 size = eta < 1.0 ? uvec3(ALBEDO_GLASS_INSIDE_MU, ALBEDO_GLASS_INSIDE_ALPHA,
                                    ALBEDO_GLASS_INSIDE_ETA)
                            : uvec3(ALBEDO_GLASS_MU, ALBEDO_GLASS_ALPHA, ALBEDO_GLASS_ETA);
-    float root = albedo_cube(first, size, axes);
+    float root = albedo_runs(first, size, axes);
     return root * root;
 }
 
 // The same of an interface that reflects nothing but what is reflected totally.
 float albedo_clear(uint tables, float mu, float alpha, float eta)
 {
-    float root = albedo_cube(tables + ALBEDO_CLEAR + (eta < 1.0 ? ALBEDO_CLEAR_SIDE : 0u),
+    float root = albedo_runs(tables + ALBEDO_CLEAR + (eta < 1.0 ? ALBEDO_CLEAR_SIDE : 0u),
                              uvec3(ALBEDO_CLEAR_MU, ALBEDO_CLEAR_ALPHA, ALBEDO_CLEAR_ETA),
                              albedo_axes_glass(mu, alpha, eta));
     return root * root;

@@ -17,15 +17,18 @@
 #define ALBEDO_FRESNEL_ALPHA 24u
 #define ALBEDO_FRESNEL_ETA 24u
 // Interfaces that also refract, seen from the side of the lower index and from the other one.
-#define ALBEDO_GLASS_MU 20u
-#define ALBEDO_GLASS_ALPHA 20u
-#define ALBEDO_GLASS_ETA 20u
-#define ALBEDO_GLASS_INSIDE_MU 28u
-#define ALBEDO_GLASS_INSIDE_ALPHA 20u
-#define ALBEDO_GLASS_INSIDE_ETA 28u
-#define ALBEDO_CLEAR_MU 12u
-#define ALBEDO_CLEAR_ALPHA 12u
-#define ALBEDO_CLEAR_ETA 12u
+// These are finer: words of four hold the eight nodes around ALBEDO_RUN cells along mu, at one node
+// along each other axis. Counts along mu are multiples of it.
+#define ALBEDO_RUN 7u
+#define ALBEDO_GLASS_MU 28u
+#define ALBEDO_GLASS_ALPHA 40u
+#define ALBEDO_GLASS_ETA 40u
+#define ALBEDO_GLASS_INSIDE_MU 56u
+#define ALBEDO_GLASS_INSIDE_ALPHA 40u
+#define ALBEDO_GLASS_INSIDE_ETA 48u
+#define ALBEDO_CLEAR_MU 28u
+#define ALBEDO_CLEAR_ALPHA 20u
+#define ALBEDO_CLEAR_ETA 24u
 // Anisotropic ones last: they are there only where some material is.
 #define ALBEDO_TURNED_MU 24u
 #define ALBEDO_TURNED_ROUGHNESS 12u
@@ -49,11 +52,13 @@
 #define ALBEDO_FRESNEL_SIDE (ALBEDO_FRESNEL_MU * ALBEDO_FRESNEL_ALPHA * ALBEDO_FRESNEL_ETA)
 #define ALBEDO_WORDS_ISOTROPIC (ALBEDO_FRESNEL + 2u * ALBEDO_FRESNEL_SIDE) // outside, then inside
 #define ALBEDO_GLASS ALBEDO_WORDS_ISOTROPIC
-#define ALBEDO_GLASS_INSIDE (ALBEDO_GLASS + ALBEDO_GLASS_MU * ALBEDO_GLASS_ALPHA * ALBEDO_GLASS_ETA)
+#define ALBEDO_RUNS(mu, alpha, eta) ((mu) / ALBEDO_RUN * ((alpha) + 1u) * ((eta) + 1u))
+#define ALBEDO_GLASS_INSIDE                                                                        \
+    (ALBEDO_GLASS + ALBEDO_RUNS(ALBEDO_GLASS_MU, ALBEDO_GLASS_ALPHA, ALBEDO_GLASS_ETA))
 #define ALBEDO_CLEAR                                                                               \
     (ALBEDO_GLASS_INSIDE +                                                                         \
-     ALBEDO_GLASS_INSIDE_MU * ALBEDO_GLASS_INSIDE_ALPHA * ALBEDO_GLASS_INSIDE_ETA)
-#define ALBEDO_CLEAR_SIDE (ALBEDO_CLEAR_MU * ALBEDO_CLEAR_ALPHA * ALBEDO_CLEAR_ETA)
+     ALBEDO_RUNS(ALBEDO_GLASS_INSIDE_MU, ALBEDO_GLASS_INSIDE_ALPHA, ALBEDO_GLASS_INSIDE_ETA))
+#define ALBEDO_CLEAR_SIDE ALBEDO_RUNS(ALBEDO_CLEAR_MU, ALBEDO_CLEAR_ALPHA, ALBEDO_CLEAR_ETA)
 #define ALBEDO_WORDS_GLASS (ALBEDO_CLEAR + 2u * ALBEDO_CLEAR_SIDE) // outside, then inside
 #define ALBEDO_TURNED ALBEDO_WORDS_GLASS
 #define ALBEDO_TURNED_SLICE (ALBEDO_TURNED_MU * ALBEDO_TURNED_ROUGHNESS * ALBEDO_TURNED_ASPECT)

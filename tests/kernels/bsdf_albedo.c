@@ -115,6 +115,26 @@ double table_fresnel(double mu, double alpha, double eta)
     return cube(ALBEDO_FRESNEL + (inside ? ALBEDO_FRESNEL_SIDE : 0), size, at);
 }
 
+// Of a table of runs of eight nodes along the first axis.
+static double runs(uint32_t first, const uint32_t size[3], const double at[3])
+{
+    double w[3], sum = 0;
+    uint32_t cell[3], row = size[0] / ALBEDO_RUN;
+    for (int a = 0; a < 3; a++)
+        cell[a] = find_cell(at[a], size[a], &w[a]);
+    for (uint32_t b = 0; b < 8; b++) {
+        uint32_t place = cell[0] % ALBEDO_RUN + (b & 1);
+        uint32_t n = ((cell[2] + (b >> 2)) * (size[1] + 1) + cell[1] + (b >> 1 & 1)) * row +
+                     cell[0] / ALBEDO_RUN;
+        uint32_t value = albedo_tables[first + n][place / 2] >> (16 * (place & 1)) & 0xffff;
+        double weight = 1;
+        for (int a = 0; a < 3; a++)
+            weight *= b >> a & 1 ? w[a] : 1 - w[a];
+        sum += weight * value;
+    }
+    return fmin(1, sum * ALBEDO_HIGHEST / 65535);
+}
+
 static double root_of_glass(double mu, double alpha, double eta, uint32_t first,
                             const uint32_t size[3])
 {
@@ -122,7 +142,7 @@ static double root_of_glass(double mu, double alpha, double eta, uint32_t first,
     double scale = eta < 1 ? alpha + 0.6 * root_k / (1 + root_k) : alpha;
     const double at[3] = {axis_mu(mu, scale), axis_alpha(alpha),
                           pow(fabs(eta - 1) / (eta + 1), 0.25)};
-    return cube(first, size, at);
+    return runs(first, size, at);
 }
 
 double table_glass(double mu, double alpha, double eta)
