@@ -9,6 +9,8 @@
 //   illum 3: a metal of colour Kd, by as much as Ka says, of the roughness that Ns says
 //   illum 2 and a Ks: principled, specular = the mean of Ks, of the roughness that Ns says
 //   all others: Lambert of reflectance Kd
+// A principled material whose file says Ks 0 reflects nothing but as a metal: 1995's shaders have
+// no highlight then, and neither has Blender's principled one, at grazing angles included.
 // A principled material's diffuse part is Lambert's, as Kd is, and its layers are mixed as glTF's.
 // with roughness = 1 - sqrt(Ns / 1000), Ns at most 1000. d below 1, or map_d, makes it partly
 // absent.
@@ -78,6 +80,7 @@ static void make_principled(const struct mtl_statements *read, struct material *
     out->roughness = roughness_of(read);
     out->ior = ior_of(read);
     out->specular = read->specular[0] >= 0.0f ? mean_of(read->specular) : 0.5f;
+    out->specular_weight = out->specular > 0.0f ? 1.0f : 0.0f;
     out->metallic = given(read->metallic, 0.0f);
     out->sheen = given(read->sheen, 0.0f);
     out->clearcoat = given(read->coat, 0.0f);
@@ -92,6 +95,7 @@ static void make_glass(const struct mtl_statements *read, struct material *out)
     make_principled(read, out);
     out->roughness = given(read->roughness, 0.0f);
     out->specular = 0.5f;
+    out->specular_weight = 1.0f;
     out->transmission = 1.0f;
     memcpy(out->base_color, read->filter, sizeof out->base_color);
 }

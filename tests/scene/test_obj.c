@@ -216,10 +216,12 @@ TEST(materials_of_exporters)
                "anisor .125\nNi 1.45\nd .5\n"
                "newmtl shiny\nNs 250\nKa 1 1 1\nKs .5 .5 .5\nKd .8 .8 .8\nNi 1.45\nd 1\nillum 2\n"
                "newmtl glass\nKd .8 .8 .8\nTf .9 1 .8\nNi 1.33\nillum 6\nd .1\n"
-               "newmtl half\nKa .5 .5 .5\nNs 1000\nillum 3\nTr .25\n");
+               "newmtl half\nKa .5 .5 .5\nNs 1000\nillum 3\nTr .25\n"
+               "newmtl matt\nKs 0 0 0\nPr .3\nPm 0\n");
     struct scene scene;
     load_text(&scene, "mtllib pbr.mtl\n" SQUARE "usemtl pbr\nf 1 2 3\nusemtl shiny\nf 1 2 3\n"
-                      "usemtl glass\nf 1 2 3\nusemtl half\nf 1 2 3\n");
+                      "usemtl glass\nf 1 2 3\nusemtl half\nf 1 2 3\n"
+                      "usemtl matt\nf 1 2 3\n");
     CHECK(warnings == 0, "%s", warning);
     const struct material *m = find_material(&scene, "pbr");
     CHECK(m->model == MATERIAL_PRINCIPLED && is_near(m->base_color[2], 0.6) &&
@@ -239,6 +241,10 @@ TEST(materials_of_exporters)
           is_near(m->base_color[2], 0.8) && m->opacity == 1.0f);
     m = find_material(&scene, "half");
     CHECK(m->roughness == 0.0f && is_near(m->metallic, 0.5) && is_near(m->opacity, 0.75));
+    CHECK(m->specular_weight == 1.0f);
+    // Without any reflection, it is Lambert's.
+    m = find_material(&scene, "matt");
+    CHECK(m->specular_weight == 0.0f && material_shading_model(m) == MATERIAL_LAMBERT);
     scene_finish(&scene);
 }
 
