@@ -218,7 +218,7 @@ class Baseline(unittest.TestCase):
         before['machine']['device'] = 'Abacus 3000'
         refused(self.scaled(before, 1, scene=CORNELL), 'was measured on "Abacus 3000"')
         path = os.path.join(self.folder.name, 'before.json')
-        for text, message in (('{', 'before.json:1:'), ('[]', 'is no result of lampyris bench'),
+        for text, message in (('{', 'before.json: line 1, column'), ('[]', 'is no result of lampyris bench'),
                               ('{"machine": {}, "variants": 3}', 'is no result')):
             with open(path, 'w', encoding='utf-8') as file:
                 file.write(text)
