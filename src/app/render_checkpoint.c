@@ -2,6 +2,7 @@
 #include "render_job.h"
 
 #include "clock.h"
+#include "file_inputs.h"
 #include "log.h"
 #include <errno.h>
 #include <inttypes.h>
@@ -176,7 +177,8 @@ bool job_checkpoint_open(struct render_job *job, struct err *err)
         log_warn("%s: does not exist: rendering begins anew", path);
         return true;
     }
-    return checkpoint_open(path, &job->arena, &job->resumed, err) &&
+    return file_inputs_add_own(path, err) &&
+           checkpoint_open(path, &job->arena, &job->resumed, err) &&
            checkpoint_check(&job->resumed, job->identity, err);
 }
 

@@ -191,13 +191,17 @@ bool job_checkpoint_when_due(void *job, struct err *err);
 // Adds to a device's failure what is left of the work.
 void job_checkpoint_mention(const struct render_job *job, struct err *err);
 
+// --- render_names.c ---
+// That no two outputs are one file, numbered pictures among them.
+bool job_check_distinct(const struct render_job *job, struct err *err);
+// When all that is read is known: that no output is one of those files, either.
+bool job_check_inputs(struct render_job *job, struct err *err);
+
 // --- render_output.c ---
 // Settles the names and finds out what can be found out before rendering: whether the formats are
 // known, the folders can be written to, and no other run is writing the same files. They stay
 // locked until job_release_outputs.
 bool job_check_outputs(struct render_job *job, struct err *err);
-// When all that is read is known: that no output is one of those files, either.
-bool job_check_inputs(struct render_job *job, struct err *err);
 // When the size of the pictures is known: whether they fit where they are to go.
 bool job_check_space(const struct render_job *job, struct err *err);
 // Writes all pictures; frame > 0: numbered, "NAME.0012.exr". One that cannot be written does not

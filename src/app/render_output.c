@@ -2,7 +2,6 @@
 
 #include "clock.h"
 #include "file.h"
-#include "file_inputs.h"
 #include "image.h"
 #include "log.h"
 #include "signals.h"
@@ -68,67 +67,13 @@ static bool check_layers(const struct render_job *job, struct err *err)
            err_set(err, ERR_USAGE, "--aov: layers go into EXR files; expected -o NAME.exr");
 }
 
-// The n-th file that is written at the end: pictures, then checkpoint and trace; NULL for one that
-// was not asked for.
-static const char *output_at(const struct render_job *job, uint32_t n)
-{
-    return n < job->output_count    ? job->outputs[n]
-           : n == job->output_count ? job->options->checkpoint
-                                    : job->options->trace;
-}
-
-static bool check_distinct(const struct render_job *job, struct err *err)
-{
-    for (uint32_t i = 0; i < job->output_count + 2; i++)
-        for (uint32_t k = 0; k < i; k++) {
-            const char *a = output_at(job, k), *b = output_at(job, i);
-            if (a && b && file_is_same(a, b))
-                return err_set(err, ERR_USAGE,
-                               "%s and %s are the same file; expected a file for each output", a,
-                               b);
-        }
-    return true;
-}
-
-// The picture to look at was not asked for: where a texture has its name (spot.obj, spot.png), the
-// picture that counts is written alone.
-static void drop_default_of_inputs(struct render_job *job)
-{
-    struct err reason = {0};
-    if (job->options->output_count > 0 || job->output_count < 2 ||
-        file_inputs_check(job->outputs[1], &reason))
-        return;
-    job->output_count = 1;
-    log_info("%s: only %s is written", reason.msg, job->outputs[0]);
-}
-
-bool job_check_inputs(struct render_job *job, struct err *err)
-{
-    // What is written later than this is checked when it is.
-    const uint32_t pictures_max = 10000;
-    const struct options *options = job->options;
-    uint32_t pictures = options->every ? options->frames / options->every : 0;
-    struct arena arena = {0};
-    bool ok = true;
-    drop_default_of_inputs(job);
-    for (uint32_t i = 0; ok && i < job->output_count + 2; i++)
-        ok = !output_at(job, i) || file_inputs_check(output_at(job, i), err);
-    for (uint32_t i = 0; ok && i < job->output_count; i++)
-        for (uint32_t n = 1; ok && n <= pictures && n <= pictures_max; n++) {
-            const char *path = path_numbered(&arena, job->outputs[i], n * options->every);
-            ok = path ? file_inputs_check(path, err) : err_memory(err, "output names", 64);
-        }
-    arena_finish(&arena);
-    return ok;
-}
-
 bool job_check_outputs(struct render_job *job, struct err *err)
 {
     job->outputs = job->options->outputs;
     job->output_count = job->options->output_count;
     if (job->output_count == 0 && !default_outputs(job, err))
         return false;
-    if (!check_layers(job, err) || !check_distinct(job, err))
+    if (!check_layers(job, err) || !job_check_distinct(job, err))
         return false;
     const char *others[] = {job->options->checkpoint, job->options->trace};
     if (others[1] && !trace_check_format(others[1], err))

@@ -260,6 +260,23 @@ char *path_numbered(struct arena *arena, const char *path, uint32_t number)
     return arena_printf(arena, "%.*s%04u.%s", stem, path, number, extension);
 }
 
+uint32_t path_number_of(const char *name, const char *path)
+{
+    const char *extension = path_extension(path), *stem = path_name(path);
+    const size_t stem_length = *extension ? (size_t)(extension - stem) - 1 : strlen(stem);
+    name = path_name(name);
+    if (strncmp(name, stem, stem_length) != 0 || name[stem_length] != '.')
+        return 0;
+    const char *digits = name + stem_length + 1;
+    const size_t count = strspn(digits, "0123456789");
+    const char *rest = digits + count;
+    if (count < 4 || count > 10 || (count > 4 && *digits == '0') ||
+        strcmp(rest, *extension ? extension - 1 : "") != 0)
+        return 0;
+    const unsigned long long number = strtoull(digits, NULL, 10);
+    return number <= UINT32_MAX ? (uint32_t)number : 0;
+}
+
 // What a link says, as seen from the working directory; NULL for what is no link.
 static char *follow_link(const char *path)
 {

@@ -47,6 +47,9 @@ const char *path_extension(const char *path);             // "a.PNG" -> "PNG", e
 const char *path_name(const char *path);                  // "a/b.c" -> "b.c"
 // "a/b.c", 12 -> "a/b.0012.c". NULL when out of memory.
 char *path_numbered(struct arena *arena, const char *path, uint32_t number);
+// The number with which path_numbered() makes a file's name of the name of `path`; 0 where none
+// does. Their folders do not matter.
+uint32_t path_number_of(const char *name, const char *path);
 
 // The file that writing to `path` makes or replaces: symbolic links are followed, whether or not
 // there is a file at their end. From malloc; NULL when out of memory.

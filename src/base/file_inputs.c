@@ -9,6 +9,7 @@
 struct file_input {
     char *path;
     uint64_t hash; // of the path, to find it again quickly
+    bool is_own;   // which the run may replace by this path
 };
 
 static struct file_inputs *current; // NULL: there is no run
@@ -29,12 +30,12 @@ void file_inputs_end(struct file_inputs *inputs)
     *inputs = (struct file_inputs){0};
 }
 
-static bool holds(const struct file_inputs *inputs, const char *path, uint64_t hash)
+static struct file_input *find(const struct file_inputs *inputs, const char *path, uint64_t hash)
 {
     for (size_t i = 0; i < inputs->count; i++)
         if (inputs->list[i].hash == hash && strcmp(inputs->list[i].path, path) == 0)
-            return true;
-    return false;
+            return &inputs->list[i];
+    return NULL;
 }
 
 static bool reserve_one(struct file_inputs *inputs, struct err *err)
@@ -50,27 +51,42 @@ static bool reserve_one(struct file_inputs *inputs, struct err *err)
     return true;
 }
 
-static bool append(struct file_inputs *inputs, const char *path, uint64_t hash, struct err *err)
+static bool append(struct file_inputs *inputs, const char *path, uint64_t hash, bool is_own,
+                   struct err *err)
 {
     if (!reserve_one(inputs, err))
         return false;
     char *copy = strdup(path);
     if (!copy)
         return err_memory(err, "the list of inputs", strlen(path) + 1);
-    inputs->list[inputs->count++] = (struct file_input){copy, hash};
+    inputs->list[inputs->count++] = (struct file_input){copy, hash, is_own};
     return true;
 }
 
-bool file_inputs_add(const char *path, struct err *err)
+// A file that is read for another reason, too, is not the run's own.
+static bool add(const char *path, bool is_own, struct err *err)
 {
     struct stat status;
     if (!current || stat(path, &status) != 0 || !S_ISREG(status.st_mode))
         return true;
     uint64_t hash = hash_bytes(HASH_INIT, path, strlen(path));
     pthread_mutex_lock(&current->mutex);
-    bool ok = holds(current, path, hash) || append(current, path, hash, err);
+    struct file_input *known = find(current, path, hash);
+    if (known)
+        known->is_own &= is_own;
+    bool ok = known || append(current, path, hash, is_own, err);
     pthread_mutex_unlock(&current->mutex);
     return ok;
+}
+
+bool file_inputs_add(const char *path, struct err *err)
+{
+    return add(path, false, err);
+}
+
+bool file_inputs_add_own(const char *path, struct err *err)
+{
+    return add(path, true, err);
 }
 
 static bool same_status(const struct stat *a, const struct stat *b)
@@ -103,9 +119,11 @@ bool file_inputs_check(const char *output, struct err *err)
     pthread_mutex_lock(&current->mutex);
     for (size_t i = 0; ok && i < current->count; i++) {
         const char *path = current->list[i].path;
-        if (stat(path, &input) != 0 || !same_status(&status, &input))
+        const bool is_named = strcmp(output, path) == 0;
+        if (stat(path, &input) != 0 || !same_status(&status, &input) ||
+            (is_named && current->list[i].is_own))
             continue;
-        ok = strcmp(output, path) == 0
+        ok = is_named
                  ? err_set(err, ERR_USAGE, "%s: is read by this run; expected another output", path)
                  : err_set(err, ERR_USAGE,
                            "%s: is the file %s, which this run reads; expected another output",

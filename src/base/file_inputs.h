@@ -27,6 +27,9 @@ void file_inputs_end(struct file_inputs *inputs);
 // for what is no regular file, or is not there.
 bool file_inputs_add(const char *path, struct err *err);
 
+// The same for a file that the run goes on with and replaces itself, under this path alone.
+bool file_inputs_add_own(const char *path, struct err *err);
+
 // This file is no input any more: nothing that the run may do needs what it held when it was read.
 void file_inputs_forget(const char *path);
 

@@ -211,6 +211,36 @@ class Outputs(Folder):
         self.assertEqual(result.returncode, 2, result.stderr)
         self.assertEqual(sorted(os.listdir(self.folder.name)), ['link.exr', 'plain.json'])
 
+    def test_numbered_pictures_and_other_outputs(self):
+        """Compared by name, or as the files that links lead to."""
+        frames = ('render', 'plain.json', '--size', '8x8', '--frames', '1000000000', '--every', '2',
+                  '-o', 'q.exr')
+        os.symlink('elsewhere', self.path('q.0004.exr'))
+        os.symlink('q.0100.exr', self.path('q.0008.exr'))
+        before = sorted(os.listdir(self.folder.name))
+        for others in (('--checkpoint', 'q.0002.exr'), ('--checkpoint', './q.100000.exr', '--resume'),
+                       ('--checkpoint', 'elsewhere'), ('-o', self.path('q.0002.exr')), ()):
+            result = self.run_here(*frames, *others)
+            self.assertEqual((result.returncode, result.stdout), (2, ''), result.stderr)
+            self.assertIn('expected a file for each output', result.stderr)
+            self.assertEqual(sorted(os.listdir(self.folder.name)), before)
+
+    def test_names_that_no_picture_will_have(self):
+        frames = ('render', 'plain.json', '--size', '8x8', '--frames', '2', '--every', '2', '-o', 'q.exr')
+        for number, name in enumerate(('q.0001.exr', 'q.0004.exr', 'q.00002.exr', 'q.2.exr', 'r.0002.exr')):
+            result = self.run_here(*frames, '-o', name, '--checkpoint', f'{number}.ck')
+            self.assertEqual(result.returncode, 0, result.stderr)
+
+    def test_a_checkpoint_that_is_read(self):
+        """By every way on which outputs are written, it is no output but its own."""
+        frames = ('render', 'plain.json', '--size', '8x8', '--frames', '5', '-o', 'q.exr')
+        self.assertEqual(self.run_here(*frames, '--checkpoint', 'q.0005.exr').returncode, 0)
+        before = self.contents()
+        result = self.run_here(*frames, '--every', '5', '--checkpoint', 'q.0005.exr', '--resume')
+        self.assertEqual((result.returncode, result.stdout), (2, ''), result.stderr)
+        self.assertEqual(self.contents(), before)
+        self.assertEqual(self.run_here(*frames, '--checkpoint', 'q.0005.exr', '--resume').returncode, 0)
+
     def test_links_that_lead_nowhere(self):
         os.mkdir(self.path('there'))
         os.symlink('there/new.exr', self.path('link.exr'))

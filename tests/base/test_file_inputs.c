@@ -6,6 +6,8 @@
 #include "temporary_folder.h"
 #include "test.h"
 
+#include <unistd.h>
+
 static bool reads(const char *path)
 {
     struct arena arena = {0};
@@ -90,6 +92,24 @@ TEST(inputs_may_be_named_before_they_are_read)
     temporary_leave(folder);
 }
 
+TEST(what_a_run_goes_on_with_is_replaced_under_its_own_name)
+{
+    char folder[200];
+    REQUIRE(temporary_enter(folder, sizeof folder) && temporary_write("own", "1"));
+    REQUIRE(symlink("own", "link") == 0);
+    struct file_inputs inputs;
+    struct err err = {0};
+    file_inputs_begin(&inputs);
+    CHECK(file_inputs_add_own("own", &err) && inputs.count == 1);
+    check_refused("link", "is the file own, which this run reads");
+    CHECK(file_write_atomic("own", "2", 1, &err), "%s", err.msg);
+    check_refused("link", "is the file own, which this run reads");
+    CHECK(file_inputs_add("own", &err) && inputs.count == 1);
+    check_refused("own", "is read by this run");
+    file_inputs_end(&inputs);
+    temporary_leave(folder);
+}
+
 static void read_some(void *context, size_t begin, size_t end, unsigned thread)
 {
     (void)context, (void)thread;
@@ -132,5 +152,6 @@ TEST(same_files)
 }
 
 TEST_MAIN(TEST_CASE(inputs_are_not_written_over), TEST_CASE(inputs_are_looked_at_as_they_are),
-          TEST_CASE(inputs_may_be_named_before_they_are_read), TEST_CASE(threads_read),
-          TEST_CASE(same_files))
+          TEST_CASE(inputs_may_be_named_before_they_are_read),
+          TEST_CASE(what_a_run_goes_on_with_is_replaced_under_its_own_name),
+          TEST_CASE(threads_read), TEST_CASE(same_files))
