@@ -120,8 +120,8 @@ bool is_ignored(trace_ray ray, left_plane plane, uint instance, uint index, uint
 }
 
 // Whether a hit of a shadow ray, which ends at t = 1, is so near its end that rounding put it before
-// that: small triangles lie beside their neighbours, each moved as a whole. Where the ray ends and
-// what it meets have the roundings of in_plane() each.
+// that: small triangles lie beside their neighbours in a plane, each moved as a whole. Where the ray
+// ends and what it meets have the roundings of in_plane() each.
 bool is_at_end(trace_ray ray, vec3 corner, float t)
 {
     float rounding = GAMMA(16) * dot(abs(corner) + abs(ray.origin), vec3(1.0));

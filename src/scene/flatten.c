@@ -205,23 +205,65 @@ static bool is_small_instance(const struct flat_scene *flat, const struct instan
     return farthest > SMALL_RATIO * extent;
 }
 
-// Whether the triangles from `first` on are all small ones of one plane, which are as they should
-// be wherever they are.
-static bool is_small_plane(const struct flat_scene *flat, uint32_t first)
+static bool has_emitters(const struct scene *scene, const struct placement *placement)
 {
-    double edges[2][3], plane[3] = {0}, normal[3], across[3];
-    for (uint32_t i = first; i < flat->triangle_count; i++) {
+    for (uint32_t t = 0; t < placement->mesh->triangle_count; t++)
+        if (flatten_emits(scene, instance_material(placement->mesh, placement->instance, t)))
+            return true;
+    return false;
+}
+
+static void place_corners(const struct placement *placement, uint32_t triangle,
+                          double corners[3][3])
+{
+    for (int corner = 0; corner < 3; corner++)
+        place_vertex(placement, placement->mesh->indices[triangle][corner], corners[corner]);
+}
+
+// The largest triangle's normal, not normalised, and one of its corners.
+static void find_plane(const struct placement *placement, double point[3], double normal[3])
+{
+    double corners[3][3], edges[2][3], n[3];
+    memset(normal, 0, 3 * sizeof *normal);
+    for (uint32_t t = 0; t < placement->mesh->triangle_count; t++) {
+        place_corners(placement, t, corners);
+        vec3_subtract(corners[1], corners[0], edges[0]);
+        vec3_subtract(corners[2], corners[0], edges[1]);
+        vec3_cross(edges[0], edges[1], n);
+        if (t == 0 || vec3_length(n) > vec3_length(normal)) {
+            memcpy(normal, n, sizeof n);
+            memcpy(point, corners[0], sizeof corners[0]);
+        }
+    }
+}
+
+// Whether an instance lies in a plane. Its triangles then hide nothing of each other: where each of
+// them is moved by its own rounding matters for solid objects alone, whose near faces hide the far
+// ones.
+static bool is_flat(const struct placement *placement)
+{
+    double corners[3][3], point[3] = {0}, normal[3], offset[3], highest = 0, extent = 0;
+    find_plane(placement, point, normal);
+    if (!vec3_normalize(normal))
+        return false;
+    for (uint32_t t = 0; t < placement->mesh->triangle_count; t++) {
+        place_corners(placement, t, corners);
+        for (int corner = 0; corner < 3; corner++) {
+            vec3_subtract(corners[corner], point, offset);
+            highest = fmax(highest, fabs(vec3_dot(offset, normal)));
+            extent = fmax(extent, vec3_length(offset));
+        }
+    }
+    return highest <= SMALL_TOLERANCE * extent;
+}
+
+// Whether the triangles from `first` on are all small ones, which are as they should be wherever
+// they are.
+static bool are_small(const struct flat_scene *flat, uint32_t first)
+{
+    for (uint32_t i = first; i < flat->triangle_count; i++)
         if (!flat_find_small(flat, i))
             return false;
-        flat_triangle_edges(flat, i, edges);
-        vec3_cross(edges[0], edges[1], normal);
-        vec3_normalize(normal);
-        if (i == first)
-            memcpy(plane, normal, sizeof plane);
-        vec3_cross(plane, normal, across);
-        if (vec3_length(across) > SMALL_TOLERANCE)
-            return false;
-    }
     return true;
 }
 
@@ -242,7 +284,7 @@ static void look_at_precision(const struct flat_scene *flat, uint32_t instance, 
             const float *v = flat->triangles[i].v[corner];
             bounds_add_point(&bounds, (const double[]){v[0], v[1], v[2]});
         }
-    if (!flatten_is_coarse(&bounds, &extent, &farthest) || is_small_plane(flat, first))
+    if (!flatten_is_coarse(&bounds, &extent, &farthest) || are_small(flat, first))
         return;
     if (coarse->count++ == 0) {
         coarse->first = instance;
@@ -257,8 +299,9 @@ static void warn_of_coarse(const struct flat_scene *flat, const struct scene *sc
     if (coarse->count > 0)
         log_warn(
             "%u instances are small for where they are: instance %u, of mesh \"%s\", is %g m "
-            "across and %g m from the middle, where single precision resolves %.2g m: its form "
-            "and shadows are lost; expected larger objects, or a scene about them",
+            "across and %g m from the middle, where single precision resolves %.2g m: its form, "
+            "its shadows and the light that it sends are wrong; expected larger objects, or a "
+            "scene about them",
             coarse->count, coarse->first, scene->meshes[scene->instances[coarse->first].mesh].name,
             coarse->extent / flat->scale, coarse->farthest / flat->scale,
             coarse->farthest / flat->scale * (double)FLT_EPSILON);
@@ -276,7 +319,8 @@ static bool add_world(struct flattening *f, const struct census *census, struct 
         const struct instance *instance = &scene->instances[i];
         struct placement placement = place(scene, instance, flat->origin, flat->scale);
         placement.is_small =
-            is_small_instance(flat, instance, &census->meshes[instance->mesh].bounds);
+            is_small_instance(flat, instance, &census->meshes[instance->mesh].bounds) &&
+            has_emitters(scene, &placement) && is_flat(&placement);
         uint32_t first = flat->triangle_count;
         if (!add_triangles(f, &placement, i, err))
             return false;

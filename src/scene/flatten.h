@@ -84,9 +84,9 @@ struct flat_scene {
     float (*uvs[2])[3][2];   // finite, 0 where missing; t downwards
     float (*colors)[3][4];   // linear RGBA, 1 where missing
     uint32_t triangle_count;
-    // Emissive ones, in ascending order, of instances that are small for where they are: what they
-    // send goes by their areas and normals, which are lost where rounding changes these by more
-    // than 2^-11.
+    // Emissive ones, in ascending order, of flat instances that are small for where they are: what
+    // they send goes by their areas and normals, which are lost where rounding changes these by
+    // more than 2^-11.
     struct flat_small_triangle *small;
     uint32_t small_count;
     // The first ones are in the world; then come the shared meshes' own.

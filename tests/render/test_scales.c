@@ -280,6 +280,89 @@ TEST(small_lamps_long)
                                        3000);
 }
 
+// --- solid lamps ---------------------------------------------------------------------------------
+
+// A box of side a whose radiance is le / a^2, seen from the floor's middle at (2, 1, 0) or
+// (-49, 30, 49): its near faces hide the far ones. What rounding may do to it is `tolerance`, a
+// part of its light.
+struct solid_lamp {
+    const char *name;
+    struct scene_override overrides[4];
+    double place[3];
+    double tolerance;
+};
+
+#define FLOOR(half, side)                                                                          \
+    {                                                                                              \
+        "shapes[0]", JSON({                                                                        \
+            "type" : "quad",                                                                       \
+            "material" : "floor",                                                                  \
+            "corner" : [ -half, 0, half ],                                                         \
+            "u" : [ side, 0, 0 ],                                                                  \
+            "v" : [ 0, 0, -side ]                                                                  \
+        })                                                                                         \
+    }
+#define BOX(...)                                                                                   \
+    {                                                                                              \
+        "lamp", JSON({"type" : "box", "material" : "lamp", __VA_ARGS__})                           \
+    }
+
+// clang-format off
+static const struct solid_lamp solid_lamps[] = {
+    {"box of 1e-5 m",
+     {BOX("min": [2, 1, 0], "max": [2.00001, 1.00001, 1e-5]), {"emission", "[1e10, 2e10, 4e10]"}},
+     {2, 1, 0}, 0.04},
+    {"box of 1e-3 m, at 75 m",
+     {FLOOR(50, 100), BOX("min": [-49, 30, 49], "max": [-48.999, 30.001, 49.001]),
+      {"emission", "[1e6, 2e6, 4e6]"}},
+     {-49, 30, 49}, 0.04},
+};
+// clang-format on
+
+// Red, of (albedo / pi) cos (projected area / a^2) / d^2.
+static double light_of_box(const double place[3])
+{
+    double square = 0, projected = 0;
+    for (int i = 0; i < 3; i++) {
+        square += place[i] * place[i];
+        projected += fabs(place[i]);
+    }
+    return closed_form_albedo[0] / M_PI * place[1] * projected / (square * square);
+}
+
+static double mean_red(const struct film_image *film)
+{
+    size_t pixels = (size_t)film->width * film->height;
+    double sum = 0;
+    for (size_t i = 0; i < pixels; i++)
+        sum += (double)film->mean[i][0];
+    return sum / (double)pixels;
+}
+
+static void check_solid_lamp(struct gpu *gpu, const struct solid_lamp *lamp)
+{
+    struct arena arena = {0};
+    struct film_image film;
+    struct scene scene;
+    struct err err = {0};
+    REQUIRE_OK(load_scene(OURS "small_lamp.json", lamp->overrides, &scene, &err));
+    const struct renderer_params params = {.gpu = gpu, .scene = &scene};
+    REQUIRE_OK(render_film(&params, 256, &arena, &film, NULL, &err));
+    double ratio = mean_red(&film) / light_of_box(lamp->place);
+    CHECK(fabs(ratio - 1) <= lamp->tolerance, "%s: %g of its light", lamp->name, ratio);
+    scene_finish(&scene);
+    arena_finish(&arena);
+}
+
+TEST(solid_lamps)
+{
+    struct gpu gpu;
+    OPEN_GPU(&gpu, 0);
+    for (size_t i = 0; i < sizeof solid_lamps / sizeof solid_lamps[0]; i++)
+        check_solid_lamp(&gpu, &solid_lamps[i]);
+    gpu_close(&gpu);
+}
+
 // --- what is beyond ------------------------------------------------------------------------------
 
 static char warning[1024];
@@ -350,5 +433,5 @@ TEST(what_is_beyond_is_told)
 }
 
 TEST_MAIN(TEST_CASE(closed_forms), TEST_CASE(units), TEST_CASE(distances), TEST_CASE(small_lamps),
-          TEST_CASE(small_lamps_long), TEST_CASE(what_is_beyond_is_told),
+          TEST_CASE(small_lamps_long), TEST_CASE(solid_lamps), TEST_CASE(what_is_beyond_is_told),
           TEST_CASE(closed_forms_long), TEST_CASE(units_long), TEST_CASE(distances_long))
