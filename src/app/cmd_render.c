@@ -66,15 +66,15 @@ static bool finish_outputs(struct render_job *job, struct err *err)
     return ok;
 }
 
-// The failure of the device is what the caller reports.
+// The failure that ended rendering is what the caller reports. A picture whose error cannot be told
+// is one, too.
 static void write_rescued(struct render_job *job)
 {
-    struct err failures[2] = {0};
-    if (job_judge_end(job, &failures[0])) {
-        job_write_outputs(job, 0, &failures[0]);
-        job_trace_end(job, &failures[1]);
-    }
-    for (int i = 0; i < 2; i++)
+    struct err failures[3] = {0};
+    job_judge_end(job, &failures[0]);
+    job_write_outputs(job, 0, &failures[1]);
+    job_trace_end(job, &failures[2]);
+    for (int i = 0; i < 3; i++)
         if (failures[i].code != ERR_NONE)
             log_message(LOG_ERROR, "%s", failures[i].msg);
 }
@@ -90,7 +90,7 @@ static bool run(struct render_job *job, struct err *err)
               finish_outputs(job, err);
     if (!ok) {
         job_checkpoint_mention(job, err);
-        if (err->code != ERR_GPU || job->is_written || !job_rescue(job))
+        if (job->is_written || !job_rescue(job, err->code))
             return false;
         write_rescued(job);
     }

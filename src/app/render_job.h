@@ -26,7 +26,8 @@ enum render_end {
     ENDED_BY_TIME,
     ENDED_BY_ERROR,
     ENDED_BY_SIGNAL,
-    ENDED_BY_DEVICE
+    ENDED_BY_DEVICE, // this and the next: failures that the film was rescued from
+    ENDED_BY_MEMORY
 };
 
 // What --error saw.
@@ -51,18 +52,26 @@ struct job_tev {
     uint64_t next_sample;       // after which the next picture goes
 };
 
-// The film as it was copied out of the device last, and what the renderer said of it then.
-struct job_rescue {
-    struct arena arena;
-    struct film_image film; // no pixels before the first copy
+// What the renderer says of a film that is read from it.
+struct film_state {
     struct render_stats stats;
     uint64_t next_sample;
     struct pass pass;
-    bool is_even;         // as renderer_is_even
-    double copied_at;     // seconds of rendering
-    double worst_seconds; // that a copy took
-    double seconds;       // and all of them
-    bool is_too_large;    // for the memory budget, which was said
+    bool is_even; // as renderer_is_even
+};
+
+// The film as it was copied out of the device last, in case that rendering fails. The job's own film
+// serves as well where that was read since.
+struct job_rescue {
+    struct arena arena;
+    struct film_image film;   // no pixels before the first copy
+    struct film_state copied; // after the rescue, of the job's film
+    struct film_state read;   // of the job's film as it was read last
+    bool is_read;             // whether there is one
+    double copied_at;         // seconds of rendering
+    double worst_seconds;     // that a copy took
+    double seconds;           // and all of them
+    bool is_too_large;        // for the memory budget, which was said
 };
 
 struct render_job {
@@ -137,7 +146,7 @@ const struct progress *job_progress(struct render_job *job);
 bool job_render(struct render_job *job, struct err *err);
 // Samples of a pixel that are rendered; by tile, on average.
 uint64_t job_samples(const struct render_job *job);
-const char *job_ended_by(const struct render_job *job); // "spp", "time", "error" or "signal"
+const char *job_ended_by(const struct render_job *job); // "spp", "time", "error" ...
 // Has the renderer take 16 samples a pixel that are not part of the picture, and makes the plan of
 // the tiles from them. Leaves the film empty, unless the job was stopped.
 bool job_run_pilot(struct render_job *job, struct err *err);
@@ -155,9 +164,14 @@ void job_warn_of_unsampled(const struct render_job *job);
 // Copies the film when that costs less than a hundredth of the time of rendering; as
 // render_call.after_wave.
 bool job_rescue_copy_when_due(struct render_job *job, struct err *err);
-// After a failure of the device: makes the last copy the job's film, and what the renderer said of
-// it then its statistics. False: there is none.
-bool job_rescue(struct render_job *job);
+// To be called when the job's film was read.
+void job_rescue_note_film(struct render_job *job);
+// After a failure of the device, or for lack of memory: makes the newest film that there is the
+// job's, and what the renderer said of it then its statistics. False: there is none, or the failure
+// is another.
+bool job_rescue(struct render_job *job, enum err_code failure);
+// Whether that was done.
+bool job_is_rescued(const struct render_job *job);
 
 // --- render_judge.c ---
 // Reads the film; and says how good it is, too.

@@ -91,7 +91,10 @@ bool job_fetch_film(struct render_job *job, struct err *err)
 {
     uint64_t start = clock_ns();
     arena_finish(&job->film_arena);
+    job->rescue.is_read = false;
     bool ok = renderer_read(&job->renderer, &job->film_arena, &job->film, err);
+    if (ok)
+        job_rescue_note_film(job);
     job->seconds.judge += clock_seconds_since(start);
     return ok;
 }
@@ -99,8 +102,8 @@ bool job_fetch_film(struct render_job *job, struct err *err)
 bool job_judge_end(struct render_job *job, struct err *err)
 {
     const struct film_image *film = &job->film;
-    bool is_read = job->ended_by == ENDED_BY_DEVICE; // it was copied before
-    if (!(is_read ? job_judge_film(job, err) : job_read_film(job, err)))
+    job->spread = NAN;
+    if (!(job_is_rescued(job) ? job_judge_film(job, err) : job_read_film(job, err)))
         return false;
     uint64_t start = clock_ns();
     job->spread = forecast_spread((const float(*)[3])film->half_a, (const float(*)[3])film->half_b,
@@ -116,13 +119,16 @@ bool job_read_film(struct render_job *job, struct err *err)
 
 bool job_judge_film(struct render_job *job, struct err *err)
 {
-    if (!job_estimate_error(job, 0.0, &job->error, err))
-        return false;
     uint64_t start = clock_ns();
     const struct film_image *film = &job->film;
     uint64_t pixels = (uint64_t)film->width * film->height;
     job->image_hash = hash_bytes(HASH_INIT, film->mean, pixels * sizeof *film->mean);
     job->against = (struct job_against){NAN, NAN, NAN, NAN, {.stays = {NAN, NAN, NAN}}};
+    job->error = (struct half_error){.reason = "it could not be estimated"};
+    job->seconds.judge += clock_seconds_since(start);
+    if (!job_estimate_error(job, 0.0, &job->error, err))
+        return false;
+    start = clock_ns();
     if (job->options->reference)
         compare(job);
     job->seconds.judge += clock_seconds_since(start);

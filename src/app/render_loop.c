@@ -315,7 +315,7 @@ bool job_run_pilot(struct render_job *job, struct err *err)
 
 uint64_t job_samples(const struct render_job *job)
 {
-    if (job->options->adaptive && !job->stopped && job->ended_by != ENDED_BY_DEVICE)
+    if (job->options->adaptive && !job->stopped && !job_is_rescued(job))
         return steps_done(job) * step_samples(job);
     return job->film.most_samples;
 }
@@ -324,7 +324,7 @@ const char *job_ended_by(const struct render_job *job)
 {
     static const char *const names[] = {
         [ENDED_BY_SAMPLES] = "spp",   [ENDED_BY_TIME] = "time",     [ENDED_BY_ERROR] = "error",
-        [ENDED_BY_SIGNAL] = "signal", [ENDED_BY_DEVICE] = "device",
+        [ENDED_BY_SIGNAL] = "signal", [ENDED_BY_DEVICE] = "device", [ENDED_BY_MEMORY] = "memory",
     };
     return names[job->ended_by];
 }

@@ -135,8 +135,7 @@ static const char *repeating_command(const struct render_job *job, uint32_t fram
         line = arena_printf(arena, "%s --frames %u", line, frame);
     else if (job->ended_by == ENDED_BY_TIME && options->frames)
         line = arena_printf(arena, "%s --frames %u", line, job->frame_count);
-    else if (job->ended_by == ENDED_BY_TIME || job->ended_by == ENDED_BY_DEVICE ||
-             options->error > 0.0)
+    else if (job->ended_by == ENDED_BY_TIME || job_is_rescued(job) || options->error > 0.0)
         line = arena_printf(arena, "%s --spp %" PRIu64, line, job_samples(job));
     bool is_timed = options->time_seconds > 0.0;
     return line && is_timed ? arena_printf(arena, "%s --time %.9g", line, OPTION_TIME_MAX) : line;
@@ -145,8 +144,8 @@ static const char *repeating_command(const struct render_job *job, uint32_t fram
 // Without a number of samples that all pixels have, no command makes the same picture.
 static bool is_repeatable(const struct render_job *job)
 {
-    bool is_rescued = job->ended_by == ENDED_BY_DEVICE;
-    return !job->stopped && (!is_rescued || (job->rescue.is_even && !job->options->frames));
+    bool is_even = job->rescue.copied.is_even && !job->options->frames;
+    return !job->stopped && (!job_is_rescued(job) || is_even);
 }
 
 bool job_describe(const struct render_job *job, uint32_t frame, struct arena *arena,

@@ -228,6 +228,7 @@ void job_print_summary(const struct render_job *job)
            : job->ended_by == ENDED_BY_TIME   ? ", ended by --time"
            : job->ended_by == ENDED_BY_ERROR  ? ", ended by --error"
            : job->ended_by == ENDED_BY_DEVICE ? ", ended by a failure of the device"
+           : job->ended_by == ENDED_BY_MEMORY ? ", ended by lack of memory"
                                               : "");
     if (film->unsampled)
         printf("unsampled %" PRIu64 " of %" PRIu64 " pixels have no sample and are black\n",

@@ -1,5 +1,5 @@
-// The film is copied out of the device at times, so that a device that is lost does not take the
-// whole render with it.
+// The film is copied out of the device at times, so that a device that is lost, or memory that runs
+// out, does not take the whole render with it.
 #include "clock.h"
 #include "log.h"
 #include "memory.h"
@@ -11,11 +11,13 @@
 // so much a pixel: on lavapipe resolving and reading one takes .1 to .2 us.
 #define COST_MAX 0.01
 #define PIXEL_SECONDS 2e-7
+// Of a first copy that takes less nobody asks what part it is.
+#define SHORT_SECONDS 2e-3
 // No more often: on a busy machine any copy may take long by chance.
 #define PAUSE_SECONDS 1.0
-// After so long without a copy it is made in the middle of a pass, too, when some pixels have more
-// samples than others.
-#define PATIENCE_SECONDS 60.0
+// So long a copy is put off for the end of a pass, when all pixels have the same samples; the first
+// is not.
+#define PATIENCE_SECONDS 10.0
 // The part of the memory budget that copies may have. They are two at a time while one is made.
 #define MEMORY_PART 8
 
@@ -41,18 +43,27 @@ static bool fits_memory(struct render_job *job)
     return false;
 }
 
+// The first copy is made as soon as its cost allows, since all is lost before; one from the middle
+// of a pass is replaced at the next end of one.
 static bool is_due(struct render_job *job)
 {
     const struct job_rescue *rescue = &job->rescue;
+    bool is_first = !rescue->film.mean;
     double now = job->renderer.stats.render_seconds - job->seconds.render_before;
     double since = now - rescue->copied_at;
     double next = rescue->worst_seconds > 0.0 ? rescue->worst_seconds
                                               : PIXEL_SECONDS * (double)film_pixels(job);
-    if (since < PAUSE_SECONDS || rescue->seconds + next > COST_MAX * now || !fits_memory(job))
+    bool is_cheap = rescue->seconds + next <= COST_MAX * now || (is_first && next < SHORT_SECONDS);
+    if (!is_cheap || !fits_memory(job))
         return false;
-    bool is_late = since > PATIENCE_SECONDS;
-    bool is_between_passes = job->renderer.pass.length == 0;
-    return is_between_passes || (is_late && renderer_has_all_pixels(&job->renderer));
+    if (job->renderer.pass.length == 0)
+        return is_first || rescue->copied.pass.length > 0 || since >= PAUSE_SECONDS;
+    return (is_first || since > PATIENCE_SECONDS) && renderer_has_all_pixels(&job->renderer);
+}
+
+static struct film_state film_state(const struct renderer *r)
+{
+    return (struct film_state){r->stats, r->next_sample, r->pass, renderer_is_even(r)};
 }
 
 bool job_rescue_copy_when_due(struct render_job *job, struct err *err)
@@ -70,10 +81,7 @@ bool job_rescue_copy_when_due(struct render_job *job, struct err *err)
     arena_finish(&rescue->arena);
     rescue->arena = arena;
     rescue->film = film;
-    rescue->stats = job->renderer.stats;
-    rescue->next_sample = job->renderer.next_sample;
-    rescue->pass = job->renderer.pass;
-    rescue->is_even = renderer_is_even(&job->renderer);
+    rescue->copied = film_state(&job->renderer);
     rescue->copied_at = job->renderer.stats.render_seconds - job->seconds.render_before;
     double seconds = clock_seconds_since(start);
     rescue->worst_seconds = fmax(rescue->worst_seconds, seconds);
@@ -82,25 +90,81 @@ bool job_rescue_copy_when_due(struct render_job *job, struct err *err)
     return true;
 }
 
-bool job_rescue(struct render_job *job)
+// What the pilot of --adaptive renders is no picture.
+static bool is_pilot(const struct render_job *job)
+{
+    return job->options->adaptive && !job->plan.counts;
+}
+
+void job_rescue_note_film(struct render_job *job)
+{
+    job->rescue.is_read = !is_pilot(job);
+    job->rescue.read = film_state(&job->renderer);
+}
+
+// The device is well where memory ran out on the host: the film may be had as it is now.
+static void read_again(struct render_job *job)
+{
+    if (job->is_rendering && !is_pilot(job) && renderer_has_all_pixels(&job->renderer))
+        job_fetch_film(job, NULL);
+}
+
+static bool choose_newest(struct render_job *job)
 {
     struct job_rescue *rescue = &job->rescue;
-    struct renderer *r = &job->renderer;
-    if (!rescue->film.mean)
+    bool has_copy = rescue->film.mean != NULL;
+    bool is_newer = rescue->read.stats.render_seconds >= rescue->copied.stats.render_seconds;
+    if (rescue->is_read && (is_newer || !has_copy)) {
+        rescue->copied = rescue->read;
+        return true;
+    }
+    if (!has_copy)
         return false;
     arena_finish(&job->film_arena);
     job->film_arena = rescue->arena;
     rescue->arena = (struct arena){0};
     job->film = rescue->film;
     rescue->film = (struct film_image){0};
-    double lost = r->stats.render_seconds - rescue->stats.render_seconds;
-    r->stats = rescue->stats;
-    r->next_sample = rescue->next_sample;
-    r->pass = rescue->pass;
-    job->seconds.render = r->stats.render_seconds;
-    job->ended_by = ENDED_BY_DEVICE;
-    log_warn("the device failed; the picture is that of %" PRIu64
-             " samples a pixel, copied %.1f s of rendering before",
-             job->film.least_samples, lost);
     return true;
+}
+
+static void say_what_is_left(const struct render_job *job, double lost_seconds)
+{
+    const struct film_image *film = &job->film;
+    const char *what = job->ended_by == ENDED_BY_DEVICE ? "the device failed" : "memory ran out";
+    if (film->most_samples == film->least_samples)
+        log_warn("%s; the picture is that of %" PRIu64
+                 " samples a pixel, copied %.1f s of rendering before",
+                 what, film->least_samples, lost_seconds);
+    else
+        log_warn("%s; the picture is that of %" PRIu64 " samples a pixel, and of up to %" PRIu64
+                 " in some, so that no --spp makes it again; it was copied %.1f s of rendering "
+                 "before",
+                 what, film->least_samples, film->most_samples, lost_seconds);
+}
+
+bool job_rescue(struct render_job *job, enum err_code failure)
+{
+    struct renderer *r = &job->renderer;
+    bool is_of_memory = failure == ERR_SYSTEM || failure == ERR_BUDGET;
+    if (!is_of_memory && failure != ERR_GPU)
+        return false;
+    if (is_of_memory)
+        read_again(job);
+    if (!choose_newest(job))
+        return false;
+    const struct film_state *state = &job->rescue.copied;
+    double lost = r->stats.render_seconds - state->stats.render_seconds;
+    r->stats = state->stats;
+    r->next_sample = state->next_sample;
+    r->pass = state->pass;
+    job->seconds.render = r->stats.render_seconds;
+    job->ended_by = is_of_memory ? ENDED_BY_MEMORY : ENDED_BY_DEVICE;
+    say_what_is_left(job, lost);
+    return true;
+}
+
+bool job_is_rescued(const struct render_job *job)
+{
+    return job->ended_by == ENDED_BY_DEVICE || job->ended_by == ENDED_BY_MEMORY;
 }

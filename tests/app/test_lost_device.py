@@ -81,6 +81,33 @@ class LostDevice(unittest.TestCase):
         result = json.loads(self.render('whole.exr', '--time', '2').stdout)
         self.assertLess(result['seconds']['judge'], 0.02 * result['seconds']['render'] + 0.1)
 
+    def rescued(self, *arguments):
+        """Arguments after those that are the rule here win."""
+        result = self.render('lost.exr', *arguments)
+        self.assertEqual(result.returncode, 3, result.stderr)
+        self.assertTrue(os.path.exists(self.path('lost.exr')), result.stderr)
+        report = json.loads(result.stdout)
+        self.assertEqual((report['ended_by'], report['pixels_without_samples']), ('device', 0))
+        return report, result.stderr
+
+    def test_in_the_middle_of_a_pass(self):
+        # Of 16 samples of each of many waves; the first copy cannot wait for its end.
+        report, messages = self.rescued('--size', '128x128', '--wave', '512', '--spp', '17',
+                                        '--lose-device', '400')
+        self.assertEqual((report['spp'], report['spp_most']), (1, 17))
+        self.assertIn('no --spp makes it again', messages)
+        with open(self.path('lost.exr'), 'rb') as file:
+            self.assertNotIn(b'lampyris:repeat', file.read(20000))
+
+    def test_frames(self):
+        small = ['--size', '64x64', '--wave', '256k', '--lose-device', '14']
+        report, _ = self.rescued(*small, '--frames', '200', '--accumulate', 'off')
+        self.assertEqual(report['spp'], 1)
+        # What was read for a numbered picture is the newest.
+        report, _ = self.rescued(*small, '--frames', '100', '--every', '10')
+        self.assertEqual(report['spp'], 10)
+        self.assertTrue(os.path.exists(self.path('lost.0010.exr')))
+
     def test_before_the_first_copy(self):
         result = self.render('lost.exr', '--spp', '64', '--lose-device', '3')
         self.assertEqual((result.returncode, result.stdout), (3, ''))

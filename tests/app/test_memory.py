@@ -298,6 +298,33 @@ class Exhausted(Base):
     def test_render(self):
         self.sweep('render', 6)
 
+    def test_what_was_rendered_is_kept(self):
+        """Between samples memory is taken to look at the film; that of writing is above."""
+        kept = os.path.join(self.folder, 'kept.exr')
+        command = [LAMPYRIS, 'render', CORNELL, '--size', '8x8', '--spp', '256', '--trace', 't.csv',
+                   '-q', '-o', kept]
+
+        def run(**more):
+            for path in (self.path('t.csv'), kept):
+                if os.path.exists(path):
+                    os.unlink(path)
+            environment = {**os.environ, 'LD_PRELOAD': SHIM, 'TMPDIR': self.folder,
+                           **{k: str(v) for k, v in more.items()}}
+            return subprocess.run(command, env=environment, timeout=120, cwd=self.folder, text=True,
+                                  stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+
+        if run(COUNT_INTO=self.path('count')).returncode == 69:
+            self.skipTest('no device')
+        with open(self.path('count'), encoding='ascii') as file:
+            count = int(file.read())
+        messages = ''
+        for n in range(count - 340, count - 260, 8):
+            result = run(FAIL_AT=n)
+            self.assertIn(result.returncode, (0, 3), result.stderr)
+            self.assertTrue(os.path.exists(kept), result.stderr)
+            messages += result.stderr
+        self.assertIn('memory ran out; the picture is that of ', messages)
+
 
 class Long(Exhausted):
     test_info = test_compare = test_render = None
