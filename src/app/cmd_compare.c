@@ -5,9 +5,11 @@
 #include "file.h"
 #include "file_inputs.h"
 #include "log.h"
+#include "memory.h"
 #include "metrics.h"
 #include <float.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -116,20 +118,27 @@ static void correct(const struct comparison *c, struct compared *picture)
     picture->value[METRIC_RMSE] = copysign(sqrt(fabs(picture->mse.value)), picture->mse.value);
 }
 
-static void measure(const struct comparison *c, const struct picture_pair *pair,
-                    struct compared *picture)
+static bool stopped(struct err *err)
+{
+    return err_set(err, ERR_STOPPED, "stopped: not all is compared");
+}
+
+static bool measure(const struct comparison *c, const struct picture_pair *pair,
+                    struct compared *picture, struct err *err)
 {
     struct metrics m;
+    const struct progress *progress = c->options->progress;
     uint64_t count = (uint64_t)pair->width * pair->height;
-    metrics_compare(pair->image, pair->reference, count, &m);
-    metrics_intervals(pair->image, pair->reference, pair->width, pair->height, &picture->mse,
-                      &picture->relmse);
+    if (!metrics_compare(pair->image, pair->reference, count, progress, &m) ||
+        !metrics_intervals(pair->image, pair->reference, pair->width, pair->height, progress,
+                           &picture->mse, &picture->relmse))
+        return stopped(err);
     picture->value[METRIC_MSE] = m.mse;
     picture->value[METRIC_RMSE] = m.rmse;
     picture->value[METRIC_RELMSE] = m.relmse;
     picture->value[METRIC_SMAPE] = m.smape;
-    picture->value[METRIC_PSNR] =
-        metrics_psnr(pair->image, pair->reference, count, (double)c->options->settings.exposure);
+    picture->value[METRIC_PSNR] = metrics_psnr(pair->image, pair->reference, count,
+                                               (double)c->options->settings.exposure, progress);
     picture->value[METRIC_MAX] = m.max;
     picture->value[METRIC_NONFINITE] = (double)m.nonfinite;
     picture->value[METRIC_DIFFERING] = (double)m.differing;
@@ -137,6 +146,7 @@ static void measure(const struct comparison *c, const struct picture_pair *pair,
     picture->max_pixel[1] = (uint32_t)(m.max_pixel / pair->width);
     picture->is_equal = m.differing == 0;
     correct(c, picture);
+    return !progress_should_stop(progress) || stopped(err);
 }
 
 // The picture as it is exposed, in memory from `arena` where that is not as it is.
@@ -191,14 +201,14 @@ static bool look(const struct comparison *c, uint32_t index, const struct pictur
         return false;
     report_share(&share, "Comparing", 0);
     bool is_hdr = c->options->map == ERROR_MAP_HDR_FLIP;
-    bool ok = metrics_ssim(&shown, &picture->value[METRIC_SSIM]) &&
-              metrics_flip(&shown, FLIP_PIXELS_PER_DEGREE, is_hdr ? NULL : map,
+    bool ok = metrics_ssim(&shown, &progress, &picture->value[METRIC_SSIM]) &&
+              metrics_flip(&shown, FLIP_PIXELS_PER_DEGREE, &progress, is_hdr ? NULL : map,
                            &picture->value[METRIC_FLIP]) &&
               metrics_flip_hdr(pair, FLIP_PIXELS_PER_DEGREE, &c->exposures, &progress,
                                is_hdr ? map : NULL, &picture->value[METRIC_HDR_FLIP]);
     if (ok)
         return true;
-    return should_stop(&share) ? err_set(err, ERR_STOPPED, "stopped: not all is compared")
+    return should_stop(&share) ? stopped(err)
                                : err_memory(err, "SSIM and FLIP", count * sizeof(float));
 }
 
@@ -221,7 +231,8 @@ static bool compare_picture(struct comparison *c, uint32_t index, struct arena *
         return err_memory(err, "a map of errors", count * sizeof *map);
     if (!look(c, index, &pair, arena, map, picture, err))
         return false;
-    measure(c, &pair, picture);
+    if (!measure(c, &pair, picture, err))
+        return false;
     return !picture->map || compare_write_map(c, picture, &pair, map, arena, err);
 }
 
@@ -293,8 +304,7 @@ static bool choose_exposures(struct comparison *c, struct err *err)
     const float(*pixels)[3] = (const float(*)[3])reference->pixels;
     const struct picture_pair alone = {pixels, pixels, reference->width, reference->height};
     if (!text)
-        return metrics_flip_exposures(&alone, &c->exposures) ||
-               err_memory(err, "luminances", (uint64_t)alone.width * alone.height * sizeof(float));
+        return metrics_flip_exposures(&alone, c->options->progress, &c->exposures) || stopped(err);
     char *rest;
     double start = strtod(text, &rest), stop = NAN;
     if (rest != text && *rest == ',' && rest[1])
@@ -308,10 +318,30 @@ static bool choose_exposures(struct comparison *c, struct err *err)
     return true;
 }
 
+// Asks the budget for what comparing one picture takes at its most, once the reference's size is
+// known: the picture itself, the exposed copies and the map of errors, and one metric at a time.
+static bool check_memory(const struct comparison *c, struct err *err)
+{
+    uint32_t width = c->reference.image.width, height = c->reference.image.height;
+    uint64_t count = (uint64_t)width * height, most = metrics_ssim_bytes(width, height);
+    const uint64_t others[] = {metrics_flip_bytes(width, height),
+                               metrics_flip_hdr_bytes(width, height)};
+    for (int i = 0; i < 2; i++)
+        most = others[i] > most ? others[i] : most;
+    most += count * sizeof(float[3]);
+    if (c->options->settings.exposure != 0)
+        most += 2 * count * sizeof(float[3]);
+    if (c->options->difference)
+        most += count * sizeof(float);
+    char what[64];
+    snprintf(what, sizeof what, "comparing pictures of %u x %u", width, height);
+    return memory_check(most, what, err);
+}
+
 static bool compare_all(struct comparison *c, struct err *err)
 {
     if (!name_inputs(c, err) || !prepare_maps(c, err) || !read_reference(c, err) ||
-        !choose_exposures(c, err))
+        !check_memory(c, err) || !choose_exposures(c, err))
         return false;
     for (uint32_t i = 0; i < c->count; i++) {
         struct arena arena = {0};

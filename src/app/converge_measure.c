@@ -9,24 +9,27 @@
 // Up to this size they are measured of every replicate, which is then a tenth of a second each.
 #define PERCEPTION_PIXELS (256u * 256u)
 
-static void compare(const struct reference *reference, const struct film_image *film,
-                    bool with_perception, double metric[CONVERGE_METRICS])
+// False where the perceptual metrics lack memory. Where it is asked to stop, some are left NAN: the
+// replicate does not count then.
+static bool compare(const struct reference *reference, const struct film_image *film,
+                    bool with_perception, const struct progress *progress,
+                    double metric[CONVERGE_METRICS], struct err *err)
 {
     const float(*image)[3] = (const float(*)[3])film->mean;
     const float(*truth)[3] = (const float(*)[3])reference->image.pixels;
     struct metrics m;
-    metrics_compare(image, truth, (uint64_t)film->width * film->height, &m);
+    if (!metrics_compare(image, truth, (uint64_t)film->width * film->height, progress, &m))
+        return true;
     metric[CONVERGE_MSE] = m.mse - reference->mse;
     metric[CONVERGE_RELMSE] = m.relmse - reference->relmse;
     metric[CONVERGE_SMAPE] = m.smape;
     metric[CONVERGE_PSNR] = m.psnr;
     const struct picture_pair pair = {image, truth, film->width, film->height};
-    if (!with_perception)
-        return;
-    if (!metrics_ssim(&pair, &metric[CONVERGE_SSIM]))
-        metric[CONVERGE_SSIM] = NAN;
-    if (!metrics_flip(&pair, FLIP_PIXELS_PER_DEGREE, NULL, &metric[CONVERGE_FLIP]))
-        metric[CONVERGE_FLIP] = NAN;
+    return !with_perception ||
+           (metrics_ssim(&pair, progress, &metric[CONVERGE_SSIM]) &&
+            metrics_flip(&pair, FLIP_PIXELS_PER_DEGREE, progress, NULL, &metric[CONVERGE_FLIP])) ||
+           progress_should_stop(progress) ||
+           err_memory(err, "SSIM and FLIP", metrics_flip_bytes(film->width, film->height));
 }
 
 // Without a reference: what the half-buffers say, over a smoothed denominator, since a pixel's own
@@ -74,8 +77,8 @@ bool converge_measure_point(struct converge *c, struct converge_curve *curve, ui
         sample->metric[m] = NAN;
     bool ok = renderer_read(&curve->renderer, &scratch, &film, err);
     if (ok && reference->name)
-        compare(&reference->picture, &film, replicate == 0 || converge_is_small(curve),
-                sample->metric);
+        ok = compare(&reference->picture, &film, replicate == 0 || converge_is_small(curve),
+                     &c->progress, sample->metric, err);
     else if (ok)
         ok = estimate(&film, sample->spp, sample->metric, err);
     // The mean of all tells the bias.

@@ -240,6 +240,7 @@ static bool measure_replicate(struct run *run, struct err *err)
         sample->seconds = run_elapsed(run);
         if (!c->stopped && !converge_measure_point(c, curve, run->replicate, point, err))
             return false;
+        c->stopped |= progress_should_stop(&c->progress); // what is measured may be incomplete
     }
     bool is_first = run->replicate == 0; // a pilot is short, and slower
     curve->speed_samples = (is_first ? 0 : curve->speed_samples) + run->done;

@@ -65,7 +65,8 @@ static void compare(struct render_job *job)
     const struct reference *reference = &job->reference;
     const float(*truth)[3] = (const float(*)[3])reference->image.pixels;
     struct metrics m;
-    metrics_compare((const float(*)[3])film->mean, truth, (uint64_t)film->width * film->height, &m);
+    metrics_compare((const float(*)[3])film->mean, truth, (uint64_t)film->width * film->height,
+                    NULL, &m);
     job->against = (struct job_against){
         .mse = m.mse - reference->mse,
         .relmse = m.relmse - reference->relmse,

@@ -1,6 +1,6 @@
 #include "convolve.h"
 
-#include "parallel.h"
+#include "stoppable.h"
 
 // Pixels are summed in blocks of a fixed length, which compilers turn into vector code; the order
 // of a pixel's terms is that of the weights whatever the block.
@@ -74,11 +74,12 @@ static void filter_columns(void *context, size_t begin, size_t end, unsigned thr
         filter_column(context, y);
 }
 
-void convolve(const float *plane, uint32_t width, uint32_t height, const struct kernel_1d *x,
-              const struct kernel_1d *y, float *scratch, float *out)
+bool convolve(const float *plane, uint32_t width, uint32_t height, const struct kernel_1d *x,
+              const struct kernel_1d *y, const struct progress *progress, float *scratch,
+              float *out)
 {
     struct pass rows = {plane, width, height, x, scratch};
     struct pass columns = {scratch, width, height, y, out};
-    parallel_for(height, ROWS_A_CHUNK, 0, filter_rows, &rows);
-    parallel_for(height, ROWS_A_CHUNK, 0, filter_columns, &columns);
+    return stoppable_for(height, ROWS_A_CHUNK, progress, filter_rows, &rows) &&
+           stoppable_for(height, ROWS_A_CHUNK, progress, filter_columns, &columns);
 }

@@ -2,6 +2,8 @@
 #ifndef LAMPYRIS_METRICS_CONVOLVE_H
 #define LAMPYRIS_METRICS_CONVOLVE_H
 
+#include "progress.h"
+#include <stdbool.h>
 #include <stdint.h>
 
 // Weights of the offsets -radius … radius.
@@ -13,8 +15,10 @@ struct kernel_1d {
 #define KERNEL_RADIUS_MAX 128
 
 // out = the plane filtered by `x` along rows and by `y` along columns; beyond the border the
-// outermost values go on. `scratch` and `out`: width * height, neither may be `plane`.
-void convolve(const float *plane, uint32_t width, uint32_t height, const struct kernel_1d *x,
-              const struct kernel_1d *y, float *scratch, float *out);
+// outermost values go on. `scratch` and `out`: width * height, neither may be `plane`. False where
+// `progress`, which may be NULL, asked to stop; `out` is then incomplete.
+bool convolve(const float *plane, uint32_t width, uint32_t height, const struct kernel_1d *x,
+              const struct kernel_1d *y, const struct progress *progress, float *scratch,
+              float *out);
 
 #endif

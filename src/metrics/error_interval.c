@@ -2,7 +2,7 @@
 
 #include "pixel.h"
 
-enum { TILE_SIDE = 16, LEAST_TILES = 16 };
+enum { TILE_SIDE = 16, LEAST_TILES = 16, TILES_A_POLL = 256 };
 
 struct tiling {
     const float (*image)[3];
@@ -55,8 +55,9 @@ static struct interval ratio_interval(double ratio, double residuals, double val
     return (struct interval){ratio, ratio - half, ratio + half};
 }
 
-void metrics_intervals(const float (*image)[3], const float (*reference)[3], uint32_t width,
-                       uint32_t height, struct interval *mse, struct interval *relmse)
+bool metrics_intervals(const float (*image)[3], const float (*reference)[3], uint32_t width,
+                       uint32_t height, const struct progress *progress, struct interval *mse,
+                       struct interval *relmse)
 {
     struct tiling t = {image, reference, width, height, TILE_SIDE};
     while (t.side > 1 && tile_count(&t) < LEAST_TILES)
@@ -64,6 +65,8 @@ void metrics_intervals(const float (*image)[3], const float (*reference)[3], uin
     struct tile_sum all = {0};
     double residuals[2] = {0}, tiles = 0;
     for (uint64_t i = 0; i < tile_count(&t); i++) {
+        if (i % TILES_A_POLL == 0 && progress_should_stop(progress))
+            return false;
         struct tile_sum one = sum_tile(&t, i);
         tiles += one.values > 0;
         all.values += one.values;
@@ -71,6 +74,8 @@ void metrics_intervals(const float (*image)[3], const float (*reference)[3], uin
         all.error[1] += one.error[1];
     }
     for (uint64_t i = 0; i < tile_count(&t); i++) {
+        if (i % TILES_A_POLL == 0 && progress_should_stop(progress))
+            return false;
         struct tile_sum one = sum_tile(&t, i);
         for (int k = 0; k < 2; k++) {
             double residual = one.error[k] - all.error[k] / all.values * one.values;
@@ -83,4 +88,5 @@ void metrics_intervals(const float (*image)[3], const float (*reference)[3], uin
         *out[k] = tiles > 1 ? ratio_interval(ratio, residuals[k], all.values, tiles)
                             : (struct interval){ratio, NAN, NAN};
     }
+    return true;
 }

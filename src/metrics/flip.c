@@ -4,10 +4,10 @@
 
 #include "convolve.h"
 #include "flip_color.h"
-#include "parallel.h"
+#include "memory.h"
 #include "pixel.h"
+#include "stoppable.h"
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 // --- filters -------------------------------------------------------------------------------------
@@ -81,6 +81,7 @@ struct planes {
     float *opponent[3]; // YCxCz; then Lab of what is seen
     float *edges, *points;
     float *scratch[2];
+    const struct progress *progress; // NULL, or who may ask to stop
 };
 
 enum { PLANES_A_PICTURE = 7, PIXELS_A_CHUNK = 8192 };
@@ -90,15 +91,16 @@ static uint64_t pixels_of(const struct planes *p)
     return (uint64_t)p->width * p->height;
 }
 
-static bool planes_create(uint32_t width, uint32_t height, struct planes *out)
+static bool planes_create(const struct picture_pair *pair, const struct progress *progress,
+                          struct planes *out)
 {
-    *out = (struct planes){.width = width, .height = height};
+    *out = (struct planes){.width = pair->width, .height = pair->height, .progress = progress};
     float **all[PLANES_A_PICTURE] = {&out->opponent[0], &out->opponent[1], &out->opponent[2],
                                      &out->edges,       &out->points,      &out->scratch[0],
                                      &out->scratch[1]};
     bool ok = true;
     for (int i = 0; i < PLANES_A_PICTURE; i++) {
-        *all[i] = calloc(pixels_of(out), sizeof **all[i]);
+        *all[i] = memory_alloc(pixels_of(out) * sizeof **all[i]);
         ok = ok && *all[i];
     }
     return ok;
@@ -107,21 +109,25 @@ static bool planes_create(uint32_t width, uint32_t height, struct planes *out)
 static void planes_finish(struct planes *p)
 {
     for (int c = 0; c < 3; c++)
-        free(p->opponent[c]);
+        memory_free(p->opponent[c]);
     for (int i = 0; i < 2; i++)
-        free(p->scratch[i]);
-    free(p->edges);
-    free(p->points);
+        memory_free(p->scratch[i]);
+    memory_free(p->edges);
+    memory_free(p->points);
 }
 
 // How strong a detector answers in the picture, in either direction.
-static void detect(struct planes *p, const float *lightness, const struct kernel_1d *smooth,
+static bool detect(struct planes *p, const float *lightness, const struct kernel_1d *smooth,
                    const struct kernel_1d *detector, float *out)
 {
-    convolve(lightness, p->width, p->height, detector, smooth, p->scratch[0], out);
-    convolve(lightness, p->width, p->height, smooth, detector, p->scratch[0], p->scratch[1]);
+    if (!convolve(lightness, p->width, p->height, detector, smooth, p->progress, p->scratch[0],
+                  out) ||
+        !convolve(lightness, p->width, p->height, smooth, detector, p->progress, p->scratch[0],
+                  p->scratch[1]))
+        return false;
     for (uint64_t i = 0; i < pixels_of(p); i++)
         out[i] = sqrtf(out[i] * out[i] + p->scratch[1][i] * p->scratch[1][i]);
+    return true;
 }
 
 // An opponent channel as it is seen from a distance, in place.
@@ -129,25 +135,26 @@ static bool see(struct planes *p, int channel, double pixels_per_degree)
 {
     struct kernel_1d kernel;
     double share[2], total = 0;
-    float *sum = calloc(pixels_of(p), sizeof *sum);
+    bool ok = true;
+    float *sum = memory_alloc(pixels_of(p) * sizeof *sum);
     if (!sum)
         return false;
     for (int g = 0; g < 2; g++)
         total += share[g] = sensitivity_kernel(sensitivity[channel][g].a, sensitivity[channel][g].b,
                                                pixels_per_degree, &kernel);
-    for (int g = 0; g < 2; g++) {
+    for (int g = 0; g < 2 && ok; g++) {
         if (share[g] == 0)
             continue;
         sensitivity_kernel(sensitivity[channel][g].a, sensitivity[channel][g].b, pixels_per_degree,
                            &kernel);
-        convolve(p->opponent[channel], p->width, p->height, &kernel, &kernel, p->scratch[0],
-                 p->scratch[1]);
-        for (uint64_t i = 0; i < pixels_of(p); i++)
+        ok = convolve(p->opponent[channel], p->width, p->height, &kernel, &kernel, p->progress,
+                      p->scratch[0], p->scratch[1]);
+        for (uint64_t i = 0; ok && i < pixels_of(p); i++)
             sum[i] += (float)(share[g] / total) * p->scratch[1][i];
     }
-    free(p->opponent[channel]);
+    memory_free(p->opponent[channel]);
     p->opponent[channel] = sum;
-    return true;
+    return ok;
 }
 
 static void perceive(void *context, size_t begin, size_t end, unsigned thread)
@@ -192,20 +199,18 @@ static void separate(void *context, size_t begin, size_t end, unsigned thread)
 static bool analyse(struct planes *p, const float (*pixels)[3], double pixels_per_degree)
 {
     struct kernel_1d smooth, edge, point;
-    float *lightness = malloc(pixels_of(p) * sizeof *lightness);
+    float *lightness = memory_alloc(pixels_of(p) * sizeof *lightness);
     if (!lightness)
         return false;
     struct separation separation = {p, pixels, lightness};
-    parallel_for(pixels_of(p), PIXELS_A_CHUNK, 0, separate, &separation);
     feature_kernels(pixels_per_degree, &smooth, &edge, &point);
-    detect(p, lightness, &smooth, &edge, p->edges);
-    detect(p, lightness, &smooth, &point, p->points);
-    free(lightness);
+    bool ok = stoppable_for(pixels_of(p), PIXELS_A_CHUNK, p->progress, separate, &separation) &&
+              detect(p, lightness, &smooth, &edge, p->edges) &&
+              detect(p, lightness, &smooth, &point, p->points);
+    memory_free(lightness);
     for (int c = 0; c < 3; c++)
-        if (!see(p, c, pixels_per_degree))
-            return false;
-    parallel_for(pixels_of(p), PIXELS_A_CHUNK, 0, perceive, p);
-    return true;
+        ok = ok && see(p, c, pixels_per_degree);
+    return ok && stoppable_for(pixels_of(p), PIXELS_A_CHUNK, p->progress, perceive, p);
 }
 
 // --- both ----------------------------------------------------------------------------------------
@@ -254,19 +259,23 @@ static void combine(void *context, size_t begin, size_t end, unsigned thread)
     }
 }
 
-static bool flip_map(const struct picture_pair *pair, double pixels_per_degree, float *map)
+static bool flip_map(const struct picture_pair *pair, double pixels_per_degree,
+                     const struct progress *progress, float *map)
 {
     struct combination both = {.greatest = greatest_difference(), .map = map};
-    bool ok = planes_create(pair->width, pair->height, &both.image);
-    ok = planes_create(pair->width, pair->height, &both.reference) && ok;
+    bool ok = planes_create(pair, progress, &both.image);
+    ok = planes_create(pair, progress, &both.reference) && ok;
     ok = ok && analyse(&both.image, pair->image, pixels_per_degree) &&
-         analyse(&both.reference, pair->reference, pixels_per_degree);
-    if (ok)
-        parallel_for(pixels_of(&both.image), PIXELS_A_CHUNK, 0, combine, &both);
+         analyse(&both.reference, pair->reference, pixels_per_degree) &&
+         stoppable_for(pixels_of(&both.image), PIXELS_A_CHUNK, progress, combine, &both);
     planes_finish(&both.image);
     planes_finish(&both.reference);
     return ok;
 }
+
+// The planes of both pictures, and of one of them a plane more: its lightness, or a channel as it
+// is seen.
+enum { MAP_BYTES_A_PIXEL = (2 * PLANES_A_PICTURE + 1) * (int)sizeof(float) };
 
 static double mean_of(const float *map, uint64_t count)
 {
@@ -302,10 +311,49 @@ static bool is_finite_pair(const struct picture_pair *pair, uint64_t i)
     return pixel_is_finite(pair->image[i]) && pixel_is_finite(pair->reference[i]);
 }
 
-static int compare_floats(const void *a, const void *b)
+// Never negative, and 0 where a channel is not finite.
+static float luminance_of(const float pixel[3])
 {
-    const float x = *(const float *)a, y = *(const float *)b;
-    return (x > y) - (x < y);
+    double light[3];
+    for (int c = 0; c < 3; c++)
+        light[c] = fmax((double)pixel[c], 0);
+    return pixel_is_finite(pixel) ? (float)flip_luminance(light) + 0.0f : 0.0f; // -0 becomes 0
+}
+
+struct luminances {
+    float brightest, median;
+};
+
+// Floats that are not negative are in the order of their bits, so that the median is found from its
+// highest bits on: each pass counts what bits come next after those that are known. That takes
+// neither memory nor a sort, which could not be stopped.
+static bool find_luminances(const struct picture_pair *pair, const struct progress *progress,
+                            struct luminances *out)
+{
+    enum { BITS_A_PASS = 11 };
+    uint64_t count = (uint64_t)pair->width * pair->height, rank = (count - 1) / 2;
+    uint32_t known = 0;
+    *out = (struct luminances){0};
+    for (uint32_t left = 33; left > 0;) { // one bit, always 0, above the 32
+        uint64_t with[1 << BITS_A_PASS] = {0};
+        uint32_t prefix = known, digit = 0;
+        left -= BITS_A_PASS;
+        for (uint64_t i = 0; i < count; i++) {
+            if (progress_stops_at(progress, i))
+                return false;
+            float luminance = luminance_of(pair->reference[i]);
+            uint32_t bits;
+            memcpy(&bits, &luminance, sizeof bits);
+            out->brightest = fmaxf(out->brightest, luminance);
+            if ((uint64_t)bits >> (left + BITS_A_PASS) == prefix)
+                with[bits >> left & ((1 << BITS_A_PASS) - 1)]++;
+        }
+        for (; rank >= with[digit]; digit++)
+            rank -= with[digit];
+        known = prefix << BITS_A_PASS | digit;
+    }
+    memcpy(&out->median, &known, sizeof known);
+    return true;
 }
 
 struct flip_exposures metrics_flip_exposures_between(double start, double stop)
@@ -313,21 +361,13 @@ struct flip_exposures metrics_flip_exposures_between(double start, double stop)
     return (struct flip_exposures){start, stop, (uint32_t)fmax(2, ceil(stop - start))};
 }
 
-bool metrics_flip_exposures(const struct picture_pair *pair, struct flip_exposures *out)
+bool metrics_flip_exposures(const struct picture_pair *pair, const struct progress *progress,
+                            struct flip_exposures *out)
 {
-    uint64_t count = (uint64_t)pair->width * pair->height;
-    float *luminance = calloc(count, sizeof *luminance);
-    if (!luminance)
+    struct luminances of;
+    if (!find_luminances(pair, progress, &of))
         return false;
-    for (uint64_t i = 0; i < count; i++) {
-        double light[3];
-        for (int c = 0; c < 3; c++)
-            light[c] = fmax((double)pair->reference[i][c], 0);
-        luminance[i] = pixel_is_finite(pair->reference[i]) ? (float)flip_luminance(light) : 0.0f;
-    }
-    qsort(luminance, count, sizeof *luminance, compare_floats);
-    double brightest = (double)luminance[count - 1], median = (double)luminance[(count - 1) / 2];
-    free(luminance);
+    double brightest = (double)of.brightest, median = (double)of.median;
     double knee = knee_of_curve();
     double start = brightest > 0 ? log2(knee / brightest) : 0;
     double stop = median > 0 ? log2(knee / median) : start + FLIP_STOPS_MAX;
@@ -358,18 +398,27 @@ static void expose(void *context, size_t begin, size_t end, unsigned thread)
 
 // Raises `greatest` to the FLIP of the pair at an exposure.
 static bool raise_map(const struct picture_pair *pair, double pixels_per_degree, double stops,
-                      float (*exposed[2])[3], float *map, float *greatest)
+                      const struct progress *progress, float (*exposed[2])[3], float *map,
+                      float *greatest)
 {
     uint64_t count = (uint64_t)pair->width * pair->height;
     struct exposition exposition = {pair, exp2(stops), {exposed[0], exposed[1]}};
-    parallel_for(count, PIXELS_A_CHUNK, 0, expose, &exposition);
+    if (!stoppable_for(count, PIXELS_A_CHUNK, progress, expose, &exposition))
+        return false;
     struct picture_pair shown = {(const float(*)[3])exposed[0], (const float(*)[3])exposed[1],
                                  pair->width, pair->height};
-    if (!flip_map(&shown, pixels_per_degree, map))
+    if (!flip_map(&shown, pixels_per_degree, progress, map))
         return false;
     for (uint64_t i = 0; i < count; i++)
         greatest[i] = fmaxf(greatest[i], map[i]);
     return true;
+}
+
+// The exposed pictures, the map of an exposure and that of all.
+uint64_t metrics_flip_hdr_bytes(uint32_t width, uint32_t height)
+{
+    return (uint64_t)width * height *
+           (2 * sizeof(float[3]) + 2 * sizeof(float) + MAP_BYTES_A_PIXEL);
 }
 
 bool metrics_flip_hdr(const struct picture_pair *pair, double pixels_per_degree,
@@ -377,36 +426,45 @@ bool metrics_flip_hdr(const struct picture_pair *pair, double pixels_per_degree,
                       float *map, double *out)
 {
     uint64_t count = (uint64_t)pair->width * pair->height;
-    float(*exposed[2])[3] = {malloc(count * sizeof **exposed), malloc(count * sizeof **exposed)};
-    float *one = malloc(count * sizeof *one), *greatest = calloc(count, sizeof *greatest);
+    float(*exposed[2])[3] = {memory_alloc(count * sizeof **exposed),
+                             memory_alloc(count * sizeof **exposed)};
+    float *one = memory_alloc(count * sizeof *one);
+    float *greatest = memory_alloc(count * sizeof *greatest);
     bool ok = exposed[0] && exposed[1] && one && greatest;
     for (uint32_t i = 0; i < exposures->count && ok; i++) {
         double stops =
             exposures->start + (exposures->stop - exposures->start) * i / (exposures->count - 1);
         progress_report(progress, "Comparing", (double)i / exposures->count);
-        ok = !progress_should_stop(progress) &&
-             raise_map(pair, pixels_per_degree, stops, exposed, one, greatest);
+        ok = raise_map(pair, pixels_per_degree, stops, progress, exposed, one, greatest);
     }
     if (ok) {
         *out = mean_of(greatest, count);
         if (map)
             memcpy(map, greatest, count * sizeof *map);
     }
-    free(exposed[0]);
-    free(exposed[1]);
-    free(one);
-    free(greatest);
+    memory_free(exposed[0]);
+    memory_free(exposed[1]);
+    memory_free(one);
+    memory_free(greatest);
     return ok;
 }
 
-bool metrics_flip(const struct picture_pair *pair, double pixels_per_degree, float *map,
-                  double *out)
+// Copies of the pictures without what is not finite, and the map.
+uint64_t metrics_flip_bytes(uint32_t width, uint32_t height)
+{
+    return (uint64_t)width * height * (2 * sizeof(float[3]) + sizeof(float) + MAP_BYTES_A_PIXEL);
+}
+
+bool metrics_flip(const struct picture_pair *pair, double pixels_per_degree,
+                  const struct progress *progress, float *map, double *out)
 {
     uint64_t count = (uint64_t)pair->width * pair->height;
-    float(*clean[2])[3] = {calloc(count, sizeof **clean), calloc(count, sizeof **clean)};
-    float *own = map ? map : malloc(count * sizeof *own);
+    float(*clean[2])[3] = {memory_alloc(count * sizeof **clean),
+                           memory_alloc(count * sizeof **clean)};
+    float *own = map ? map : memory_alloc(count * sizeof *own);
     bool ok = clean[0] && clean[1] && own;
     for (uint64_t i = 0; i < count && ok; i++) {
+        ok = !progress_stops_at(progress, i);
         if (!is_finite_pair(pair, i))
             continue;
         memcpy(clean[0][i], pair->image[i], sizeof clean[0][i]);
@@ -414,12 +472,12 @@ bool metrics_flip(const struct picture_pair *pair, double pixels_per_degree, flo
     }
     struct picture_pair shown = {(const float(*)[3])clean[0], (const float(*)[3])clean[1],
                                  pair->width, pair->height};
-    ok = ok && flip_map(&shown, pixels_per_degree, own);
+    ok = ok && flip_map(&shown, pixels_per_degree, progress, own);
     if (ok)
         *out = mean_of(own, count);
-    free(clean[0]);
-    free(clean[1]);
+    memory_free(clean[0]);
+    memory_free(clean[1]);
     if (own != map)
-        free(own);
+        memory_free(own);
     return ok;
 }

@@ -14,11 +14,13 @@ static bool is_same(const float a[3], const float b[3])
 }
 
 double metrics_psnr(const float (*image)[3], const float (*reference)[3], uint64_t pixel_count,
-                    double exposure_stops)
+                    double exposure_stops, const struct progress *progress)
 {
     double squares = 0, factor = exp2(exposure_stops);
     uint64_t finite = 0;
     for (uint64_t i = 0; i < pixel_count; i++) {
+        if (progress_stops_at(progress, i))
+            return NAN;
         if (!pixel_is_finite(image[i]) || !pixel_is_finite(reference[i]))
             continue;
         finite++;
@@ -31,12 +33,14 @@ double metrics_psnr(const float (*image)[3], const float (*reference)[3], uint64
     return finite > 0 ? -10 * log10(squares / (3 * (double)finite)) : NAN;
 }
 
-void metrics_compare(const float (*image)[3], const float (*reference)[3], uint64_t pixel_count,
-                     struct metrics *out)
+bool metrics_compare(const float (*image)[3], const float (*reference)[3], uint64_t pixel_count,
+                     const struct progress *progress, struct metrics *out)
 {
     *out = (struct metrics){0};
     double squares = 0, relative_squares = 0, symmetric = 0;
     for (uint64_t i = 0; i < pixel_count; i++) {
+        if (progress_stops_at(progress, i))
+            return false;
         out->differing += !is_same(image[i], reference[i]);
         if (!pixel_is_finite(image[i]) || !pixel_is_finite(reference[i])) {
             out->nonfinite++;
@@ -60,5 +64,6 @@ void metrics_compare(const float (*image)[3], const float (*reference)[3], uint6
     out->relmse = values > 0 ? relative_squares / values : NAN;
     out->smape = values > 0 ? symmetric / values : NAN;
     out->rmse = sqrt(out->mse);
-    out->psnr = metrics_psnr(image, reference, pixel_count, 0);
+    out->psnr = metrics_psnr(image, reference, pixel_count, 0, progress);
+    return !progress_should_stop(progress);
 }

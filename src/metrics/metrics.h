@@ -5,6 +5,7 @@
 #define LAMPYRIS_METRICS_METRICS_H
 
 #include "curve.h"
+#include "progress.h"
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -25,13 +26,15 @@ struct metrics {
     uint64_t differing; // pixels that are not bit-equal
 };
 
-void metrics_compare(const float (*image)[3], const float (*reference)[3], uint64_t pixel_count,
-                     struct metrics *out);
+// progress: NULL, or who is asked whether to stop. False then, and *out is incomplete.
+bool metrics_compare(const float (*image)[3], const float (*reference)[3], uint64_t pixel_count,
+                     const struct progress *progress, struct metrics *out);
 
 // Peak signal-to-noise ratio, dB, of what a display shows: values times 2^stops, clamped to [0, 1]
-// and sRGB-encoded, so that the peak is 1. +inf where that is equal, NaN without finite pixels.
+// and sRGB-encoded, so that the peak is 1. +inf where that is equal, NaN without finite pixels and
+// where `progress`, which may be NULL, asked to stop.
 double metrics_psnr(const float (*image)[3], const float (*reference)[3], uint64_t pixel_count,
-                    double exposure_stops);
+                    double exposure_stops, const struct progress *progress);
 
 // The map ERROR_MAP_RELATIVE (error_map.h) in false colours, display-encoded.
 void metrics_difference_picture(const float (*image)[3], const float (*reference)[3],
@@ -40,9 +43,11 @@ void metrics_difference_picture(const float (*image)[3], const float (*reference
 // 95 % intervals of mse and relmse by Student's t over tiles of 16 x 16 pixels (smaller ones where
 // there would be fewer than 16), whose errors are taken for independent: they say how far the noise
 // of other seeds would move the error. Differences between parts of the picture widen them. NaN
-// where fewer than two tiles have finite pixels.
-void metrics_intervals(const float (*image)[3], const float (*reference)[3], uint32_t width,
-                       uint32_t height, struct interval *mse, struct interval *relmse);
+// where fewer than two tiles have finite pixels. False where `progress`, which may be NULL, asked
+// to stop; nothing is known then.
+bool metrics_intervals(const float (*image)[3], const float (*reference)[3], uint32_t width,
+                       uint32_t height, const struct progress *progress, struct interval *mse,
+                       struct interval *relmse);
 
 // relMSE of (A + B) / 2, of this very picture and not of others that other seeds would give, told
 // by the means of two independent half-buffers. It is blind to bias.

@@ -1,8 +1,8 @@
 #include "perceptual.h"
 
+#include "memory.h"
 #include "pixel.h"
 #include <math.h>
-#include <stdlib.h>
 
 enum { RADIUS = 5, SIDE = 2 * RADIUS + 1 };
 
@@ -69,13 +69,16 @@ static void sum_row(const struct picture_pair *p, const double (*values)[2], uin
     }
 }
 
-static double sum_similarities(const struct picture_pair *p, const double (*values)[2],
-                               struct moments *rows)
+// False where it was asked to stop. A row takes hundreds of operations a pixel: each one asks.
+static bool sum_similarities(const struct picture_pair *p, const double (*values)[2],
+                             const struct progress *progress, struct moments *rows, double *out)
 {
     double window[SIDE], sum = 0;
     fill_window(window);
     uint32_t summed = 0; // rows of which `rows`, a ring of SIDE, holds the last
     for (uint32_t y = 0; y < p->height; y++) {
+        if (progress_should_stop(progress))
+            return false;
         for (; summed < p->height && summed <= y + RADIUS; summed++)
             sum_row(p, values, summed, window, rows + (uint64_t)(summed % SIDE) * p->width);
         for (uint32_t x = 0; x < p->width; x++) {
@@ -88,24 +91,33 @@ static double sum_similarities(const struct picture_pair *p, const double (*valu
             sum += similarity(&m);
         }
     }
-    return sum;
+    *out = sum;
+    return true;
 }
 
-bool metrics_ssim(const struct picture_pair *p, double *out)
+uint64_t metrics_ssim_bytes(uint32_t width, uint32_t height)
+{
+    return (uint64_t)width * height * sizeof(double[2]) +
+           (uint64_t)SIDE * width * sizeof(struct moments);
+}
+
+bool metrics_ssim(const struct picture_pair *p, const struct progress *progress, double *out)
 {
     uint64_t count = (uint64_t)p->width * p->height;
-    double(*values)[2] = calloc(count, sizeof *values);
-    struct moments *rows = calloc((uint64_t)SIDE * p->width, sizeof *rows);
+    double(*values)[2] = memory_alloc(count * sizeof *values), sum;
+    struct moments *rows = memory_alloc((uint64_t)SIDE * p->width * sizeof *rows);
     bool ok = values && rows;
     for (uint64_t i = 0; i < count && ok; i++) {
+        ok = !progress_stops_at(progress, i);
         if (!pixel_is_finite(p->image[i]) || !pixel_is_finite(p->reference[i]))
             continue;
         values[i][0] = luma(p->image[i]);
         values[i][1] = luma(p->reference[i]);
     }
+    ok = ok && sum_similarities(p, (const double(*)[2])values, progress, rows, &sum);
     if (ok)
-        *out = sum_similarities(p, (const double(*)[2])values, rows) / (double)count;
-    free(values);
-    free(rows);
+        *out = sum / (double)count;
+    memory_free(values);
+    memory_free(rows);
     return ok;
 }

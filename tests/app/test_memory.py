@@ -124,6 +124,17 @@ class Budget(Base):
                         thing=name + ': out of memory for a picture of 20000 x 20000')
         self.refuse('compare', 'bomb.png', 'bomb.png', peak=30 * MIB)
 
+    def test_metrics_of_pictures(self):
+        """Two pictures of 48 MB fit; FLIP of them, which takes 368 MB more, does not."""
+        self.write('large.png', black_png(2000))
+        stderr = self.refuse('compare', 'large.png', 'large.png', memory='150M',
+                             peak=(150 + 40) * MIB, thing='comparing pictures of 2000 x 2000')
+        # The reference is read; the picture and HDR-FLIP take 12 + 92 bytes a pixel.
+        self.assertIn('for comparing pictures of 2000 x 2000: 396.7 MiB are needed', stderr)
+        small = self.write('small.png', black_png(500))
+        subprocess.run([LAMPYRIS, 'compare', small, small, '--memory', '40M'], check=True,
+                       stdout=subprocess.DEVNULL)
+
     def test_shapes(self):
         for shape in ({'type': 'generated', 'triangles': 200000000},
                       {'type': 'torus', 'segments': 4096, 'tube_segments': 4096},
@@ -236,6 +247,12 @@ class Stops(Base):
         scene = self.shapes({'type': 'quad', 'material': 't', 'corner': [-1, 0, 1], 'u': [2, 0, 0],
                              'v': [0, 0, -2]}, materials={'t': {'textures': [texture]}})
         self.stop(0.3, 'info', scene)
+
+    def test_metrics(self):
+        """One after the other, in the pictures' 6 seconds of CPU."""
+        self.write('large.png', black_png(3000))
+        for after in 0.5, 1.5, 3:
+            self.stop(after, 'compare', 'large.png', 'large.png')
 
 
 class Exhausted(Base):

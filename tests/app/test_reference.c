@@ -86,7 +86,7 @@ static void subtract(enum source source, bool is_small, struct tally out[2])
         else
             reference_set_even_variance(&reference, even);
         REQUIRE(ok && reference.noise_known, "%s", err.msg);
-        metrics_compare((const float(*)[3])image, (const float(*)[3])mean, COUNT, &m);
+        metrics_compare((const float(*)[3])image, (const float(*)[3])mean, COUNT, NULL, &m);
         out[0].values[d] = m.mse - reference.mse;
         out[1].values[d] = m.relmse - reference.relmse;
     }
@@ -121,7 +121,7 @@ TEST(without_it_there_is_a_bias)
     for (int d = 0; d < DRAWS; d++) {
         draw(true);
         struct metrics m;
-        metrics_compare((const float(*)[3])image, (const float(*)[3])mean, COUNT, &m);
+        metrics_compare((const float(*)[3])image, (const float(*)[3])mean, COUNT, NULL, &m);
         tally.values[d] = m.mse;
     }
     check_mean("mse as measured", &tally, IMAGE_ERROR * IMAGE_ERROR, false);

@@ -26,7 +26,7 @@ TEST(compare_matches_hand_values)
     const float image[2][3] = {{1.5f, 2, 0}, {4, 0, 5}};
     const float reference[2][3] = {{1, 2, 1}, {4, 0, 3}};
     struct metrics m;
-    metrics_compare(image, reference, 2, &m);
+    metrics_compare(image, reference, 2, NULL, &m);
     CHECK(near(m.mse, 5.25 / 6), "%.17g", m.mse);
     CHECK(near(m.rmse, sqrt(5.25 / 6)), "%.17g", m.rmse);
     CHECK(near(m.relmse, (0.25 / 1.01 + 1 / 1.01 + 4 / 9.01) / 6), "%.17g", m.relmse);
@@ -40,11 +40,11 @@ TEST(compare_of_equal_pictures)
 {
     const float image[2][3] = {{1, 2, 3}, {0, -0.0f, 5}};
     struct metrics m;
-    metrics_compare(image, image, 2, &m);
+    metrics_compare(image, image, 2, NULL, &m);
     CHECK(m.mse == 0 && m.rmse == 0 && m.relmse == 0 && m.max == 0 && m.differing == 0);
     CHECK(isinf(m.psnr) && m.psnr > 0);
     const float other[2][3] = {{1, 2, 3}, {-0.0f, -0.0f, 5}};
-    metrics_compare(image, other, 2, &m);
+    metrics_compare(image, other, 2, NULL, &m);
     CHECK(m.mse == 0 && m.differing == 1, "the sign of zero is a different bit");
 }
 
@@ -53,9 +53,9 @@ TEST(compare_leaves_out_what_is_not_finite)
     const float image[4][3] = {{1, NAN, 1}, {1, 1, 1}, {2, 2, 2}, {1, 1, 1}};
     const float reference[4][3] = {{9, 9, 9}, {1, INFINITY, 1}, {1, 1, 1}, {1, 1, 1}};
     struct metrics m;
-    metrics_compare(image, reference, 4, &m);
+    metrics_compare(image, reference, 4, NULL, &m);
     CHECK(m.nonfinite == 2 && m.mse == 0.5 && m.max == 1 && m.max_pixel == 2);
-    metrics_compare(image, reference, 2, &m);
+    metrics_compare(image, reference, 2, NULL, &m);
     CHECK(m.nonfinite == 2 && isnan(m.mse) && isnan(m.relmse) && isnan(m.psnr));
 }
 
@@ -65,16 +65,16 @@ TEST(psnr_is_of_what_is_shown)
     const float image[2][3] = {{0.002f, 0, 0}, {7, 0, 0}},
                 reference[2][3] = {{0.001f, 0, 0}, {9, 0, 0}};
     double shown = 12.92 * ((double)0.002f - (double)0.001f);
-    double value = metrics_psnr(image, reference, 2, 0);
+    double value = metrics_psnr(image, reference, 2, 0, NULL);
     CHECK(near(value, -10 * log10(shown * shown / 6)), "%.17g", value);
-    value = metrics_psnr(image, reference, 2, -1);
+    value = metrics_psnr(image, reference, 2, -1, NULL);
     CHECK(near(value, -10 * log10(shown * shown / 24)), "%.17g", value);
-    value = metrics_psnr(image, reference, 2, -5); // 7/32 and 9/32 are in the curved part
+    value = metrics_psnr(image, reference, 2, -5, NULL); // 7/32 and 9/32 are in the curved part
     double a = 1.055 * pow(7 / 32.0, 1 / 2.4) - 0.055, b = 1.055 * pow(9 / 32.0, 1 / 2.4) - 0.055;
     double both = (shown * shown / 1024 + (a - b) * (a - b)) / 6;
     CHECK(fabs(value + 10 * log10(both)) < 1e-9, "%.17g", value);
-    CHECK(isinf(metrics_psnr(image + 1, reference + 1, 1, 0)), "both are shown as white");
-    CHECK(isinf(metrics_psnr(image, image, 2, 1000)), "0 times infinity");
+    CHECK(isinf(metrics_psnr(image + 1, reference + 1, 1, 0, NULL)), "both are shown as white");
+    CHECK(isinf(metrics_psnr(image, image, 2, 1000, NULL)), "0 times infinity");
 }
 
 TEST(compare_keeps_its_precision)
@@ -86,7 +86,7 @@ TEST(compare_keeps_its_precision)
     for (int i = 0; i < COUNT; i++)
         image[i][0] = image[i][1] = image[i][2] = i == 0 ? 4096.0f : 0.25f;
     struct metrics m;
-    metrics_compare((const float(*)[3])image, (const float(*)[3])reference, COUNT, &m);
+    metrics_compare((const float(*)[3])image, (const float(*)[3])reference, COUNT, NULL, &m);
     double expected = (4096.0 * 4096.0 + (COUNT - 1) * 0.0625) / COUNT;
     CHECK(near(m.mse, expected), "%.17g, expected %.17g", m.mse, expected);
     free(image);
@@ -110,7 +110,7 @@ TEST(intervals_cover_the_error)
             }
         struct interval found[2];
         metrics_intervals((const float(*)[3])image, (const float(*)[3])reference, WIDTH, HEIGHT,
-                          &found[0], &found[1]);
+                          NULL, &found[0], &found[1]);
         for (int k = 0; k < 2; k++)
             covered[k] += found[k].low <= truth[k] && truth[k] <= found[k].high;
     }
@@ -132,7 +132,7 @@ TEST(intervals_of_even_noise_are_no_wider_than_need_be)
                 image[i][c] = (float)(0.1 * normal());
         struct interval found[2];
         metrics_intervals((const float(*)[3])image, (const float(*)[3])reference, WIDTH, HEIGHT,
-                          &found[0], &found[1]);
+                          NULL, &found[0], &found[1]);
         covered[0] += found[0].low <= 0.01 && 0.01 <= found[0].high;
         covered[1] += found[1].low <= 1 && 1 <= found[1].high;
     }
@@ -146,16 +146,16 @@ TEST(intervals_of_what_is_hardly_there)
     const float image[4][3] = {{1, NAN, 1}, {1, 1, 1}, {2, 2, 2}, {1, 1, 1}};
     const float reference[4][3] = {{9, 9, 9}, {1, INFINITY, 1}, {1, 1, 1}, {1, 1, 1}};
     struct interval mse, relmse;
-    metrics_intervals(image, reference, 2, 2, &mse,
+    metrics_intervals(image, reference, 2, 2, NULL, &mse,
                       &relmse); // tiles of one pixel, two of them left
     CHECK(mse.value == 0.5 && isfinite(mse.low) && mse.high > 0.5, "%g %g %g", mse.low, mse.value,
           mse.high);
-    metrics_intervals(image + 2, reference + 2, 1, 1, &mse, &relmse);
+    metrics_intervals(image + 2, reference + 2, 1, 1, NULL, &mse, &relmse);
     CHECK(mse.value == 1 && isnan(mse.low) && isnan(mse.high));
-    metrics_intervals(image, reference, 2, 1, &mse, &relmse);
+    metrics_intervals(image, reference, 2, 1, NULL, &mse, &relmse);
     CHECK(isnan(mse.value) && isnan(relmse.value) && isnan(mse.low));
-    metrics_intervals(image, image + 1, 1, 1, &mse, &relmse);
-    metrics_intervals(reference + 2, reference + 2, 2, 1, &mse, &relmse);
+    metrics_intervals(image, image + 1, 1, 1, NULL, &mse, &relmse);
+    metrics_intervals(reference + 2, reference + 2, 2, 1, NULL, &mse, &relmse);
     CHECK(mse.value == 0 && mse.low == 0 && mse.high == 0);
 }
 

@@ -11,7 +11,7 @@ static const float reference[COUNT][3] = {{1, 2, 1}, {4, 0, 3}, {1, 1, 1}, {0, 1
 TEST(means_are_the_metrics)
 {
     struct metrics m;
-    metrics_compare(image, reference, COUNT, &m);
+    metrics_compare(image, reference, COUNT, NULL, &m);
     float values[COUNT][3];
     for (int map = ERROR_MAP_RELATIVE; map <= ERROR_MAP_SMAPE; map++) {
         error_map_values((enum error_map)map, image, reference, COUNT, values);

@@ -1,5 +1,6 @@
 // SSIM and FLIP: what is known of them. `test_metrics_perceptual --values` prints those of two
 // pictures made here, which perceptual.py computes in another way.
+#include "memory.h"
 #include "metrics.h"
 #include "perceptual.h"
 #include "test.h"
@@ -50,7 +51,7 @@ static double flip(double pixels_per_degree)
 {
     struct picture_pair p = pair();
     double value = NAN;
-    bool ok = metrics_flip(&p, pixels_per_degree, NULL, &value);
+    bool ok = metrics_flip(&p, pixels_per_degree, NULL, NULL, &value);
     CHECK(ok);
     return value;
 }
@@ -60,7 +61,7 @@ static double flip_hdr(void)
     struct picture_pair p = pair();
     struct flip_exposures exposures;
     double value = NAN;
-    bool ok = metrics_flip_exposures(&p, &exposures) &&
+    bool ok = metrics_flip_exposures(&p, NULL, &exposures) &&
               metrics_flip_hdr(&p, FLIP_PIXELS_PER_DEGREE, &exposures, NULL, NULL, &value);
     CHECK(ok);
     return value;
@@ -70,9 +71,81 @@ static double ssim(void)
 {
     struct picture_pair p = pair();
     double value = NAN;
-    bool ok = metrics_ssim(&p, &value);
+    bool ok = metrics_ssim(&p, NULL, &value);
     CHECK(ok);
     return value;
+}
+
+// Whether the metric, 0 to 2, is had with so many bytes of budget for it.
+static bool fits_into(int metric, const struct picture_pair *p, uint64_t bytes)
+{
+    const struct flip_exposures exposures = {0, 1, 2};
+    double value;
+    memory_set_budget(memory_used() + bytes);
+    bool ok = metric == 0 ? metrics_ssim(p, NULL, &value)
+              : metric == 1
+                  ? metrics_flip(p, FLIP_PIXELS_PER_DEGREE, NULL, NULL, &value)
+                  : metrics_flip_hdr(p, FLIP_PIXELS_PER_DEGREE, &exposures, NULL, NULL, &value);
+    memory_set_budget(0);
+    return ok;
+}
+
+// What is said of their memory is what they take, but for pages that are not full.
+TEST(bytes_that_are_told)
+{
+    enum { SIDE = 256, PAGES = 32 * 4096 };
+    static const float zero[SIDE * SIDE][3];
+    const struct picture_pair p = {zero, zero, SIDE, SIDE};
+    const uint64_t bytes[3] = {metrics_ssim_bytes(SIDE, SIDE), metrics_flip_bytes(SIDE, SIDE),
+                               metrics_flip_hdr_bytes(SIDE, SIDE)};
+    for (int metric = 0; metric < 3; metric++) {
+        CHECK(fits_into(metric, &p, bytes[metric] + PAGES), "%d: %llu", metric,
+              (unsigned long long)bytes[metric]);
+        CHECK(!fits_into(metric, &p, bytes[metric] - 1), "%d: %llu", metric,
+              (unsigned long long)bytes[metric]);
+        CHECK(memory_used() == 0, "all is given back");
+    }
+}
+
+struct patience {
+    _Atomic int polls;
+    int most; // after so many polls it asks to stop
+};
+
+static bool is_impatient(void *context)
+{
+    struct patience *patience = context;
+    return ++patience->polls > patience->most;
+}
+
+// Wherever they are asked to stop, they end after few polls more: one a thread and loop.
+TEST(all_stop)
+{
+    enum { SIDE = 512, COUNT_OF_THESE = 7 };
+    static float noise[SIDE * SIDE][3];
+    const struct picture_pair p = {(const float(*)[3])noise, (const float(*)[3])noise, SIDE, SIDE};
+    for (int metric = 0; metric < COUNT_OF_THESE; metric++)
+        for (int most = 0; most < 3; most++) {
+            struct patience patience = {.most = most};
+            const struct progress progress = {.should_stop = is_impatient, .context = &patience};
+            struct flip_exposures exposures = {0, 1, 2};
+            struct metrics m;
+            struct interval mse, relmse;
+            double value = 0;
+            bool done[COUNT_OF_THESE] = {
+                metric == 0 && metrics_ssim(&p, &progress, &value),
+                metric == 1 && metrics_flip(&p, FLIP_PIXELS_PER_DEGREE, &progress, NULL, &value),
+                metric == 2 && metrics_flip_hdr(&p, FLIP_PIXELS_PER_DEGREE, &exposures, &progress,
+                                                NULL, &value),
+                metric == 3 && metrics_flip_exposures(&p, &progress, &exposures),
+                metric == 4 && metrics_compare(p.image, p.reference, SIDE * SIDE, &progress, &m),
+                metric == 5 &&
+                    !isnan(metrics_psnr(p.image, p.reference, SIDE * SIDE, 0, &progress)),
+                metric == 6 &&
+                    metrics_intervals(p.image, p.reference, SIDE, SIDE, &progress, &mse, &relmse),
+            };
+            CHECK(!done[metric] && patience.polls > most, "%d: %d polls", metric, patience.polls);
+        }
 }
 
 TEST(equal_pictures)
@@ -171,7 +244,7 @@ TEST(a_step_in_an_even_picture)
     static float map[COUNT];
     struct picture_pair p = pair();
     double mean;
-    CHECK(metrics_flip(&p, FLIP_PIXELS_PER_DEGREE, map, &mean));
+    CHECK(metrics_flip(&p, FLIP_PIXELS_PER_DEGREE, NULL, map, &mean));
     for (int y = 0; y < HEIGHT; y++) {
         double value = (double)map[y * WIDTH + EDGE - 1];
         CHECK(fabs(value - expected) < 1e-5, "row %d: %.9g, not %.9g", y, value, expected);
@@ -196,7 +269,7 @@ TEST(exposures)
     image[5][0] = NAN; // of no account
     struct picture_pair p = pair();
     struct flip_exposures found;
-    CHECK(metrics_flip_exposures(&p, &found));
+    CHECK(metrics_flip_exposures(&p, NULL, &found));
     CHECK(fabs(aces(exp2(found.start) * (double)bright) - 0.85) < 1e-6, "start %g", found.start);
     CHECK(fabs(aces(exp2(found.stop) * 0.03125) - 0.85) < 1e-6, "stop %g", found.stop);
     CHECK(found.count == 14, "%u", found.count);
@@ -293,7 +366,7 @@ TEST(does_not_depend_on_the_direction)
     struct picture_pair p = {(const float(*)[3])turned[0], (const float(*)[3])turned[1], HEIGHT,
                              WIDTH};
     double value;
-    CHECK(metrics_flip(&p, FLIP_PIXELS_PER_DEGREE, NULL, &value));
+    CHECK(metrics_flip(&p, FLIP_PIXELS_PER_DEGREE, NULL, NULL, &value));
     CHECK(fabs(value - before) < 1e-6, "%.9g, not %.9g", value, before);
 }
 
@@ -309,7 +382,7 @@ TEST(what_is_not_shown_is_no_difference)
     static float map[COUNT];
     struct picture_pair p = pair();
     double mean, sum = 0;
-    CHECK(metrics_flip(&p, FLIP_PIXELS_PER_DEGREE, map, &mean));
+    CHECK(metrics_flip(&p, FLIP_PIXELS_PER_DEGREE, NULL, map, &mean));
     for (int i = 0; i < COUNT; i++) {
         CHECK(map[i] >= 0 && map[i] <= 1, "%g", (double)map[i]);
         sum += (double)map[i] / COUNT;
@@ -344,8 +417,9 @@ TEST(extreme_pictures)
     CHECK(similarity > -1 && similarity < 1, "%g", similarity);
     struct picture_pair one = {(const float(*)[3])image, (const float(*)[3])reference, 1, 1};
     double value;
-    CHECK(metrics_ssim(&one, &value) && value == 1, "%g", value);
-    CHECK(metrics_flip(&one, FLIP_PIXELS_PER_DEGREE, NULL, &value) && value == 0, "%g", value);
+    CHECK(metrics_ssim(&one, NULL, &value) && value == 1, "%g", value);
+    CHECK(metrics_flip(&one, FLIP_PIXELS_PER_DEGREE, NULL, NULL, &value) && value == 0, "%g",
+          value);
 }
 
 static int print_values(void)
@@ -355,18 +429,18 @@ static int print_values(void)
     struct picture_pair p = pair();
     struct metrics m;
     struct interval mse, relmse;
-    metrics_compare(p.image, p.reference, COUNT, &m);
-    metrics_intervals(p.image, p.reference, WIDTH, HEIGHT, &mse, &relmse);
+    metrics_compare(p.image, p.reference, COUNT, NULL, &m);
+    metrics_intervals(p.image, p.reference, WIDTH, HEIGHT, NULL, &mse, &relmse);
     printf("%.9g %.9g %.9g %.9g %.9g\n", m.mse, m.relmse, m.smape, m.psnr,
-           metrics_psnr(p.image, p.reference, COUNT, -2.5));
+           metrics_psnr(p.image, p.reference, COUNT, -2.5, NULL));
     printf("%.9g %.9g %.9g %.9g\n", mse.low, mse.high, relmse.low, relmse.high);
     static float map[COUNT];
     struct flip_exposures exposures;
     double mean;
-    bool ok = metrics_flip(&p, FLIP_PIXELS_PER_DEGREE, map, &mean);
+    bool ok = metrics_flip(&p, FLIP_PIXELS_PER_DEGREE, NULL, map, &mean);
     for (int i = 0; i < COUNT && ok; i++)
         printf("%.9g ", (double)map[i]);
-    ok = ok && metrics_flip_exposures(&p, &exposures) &&
+    ok = ok && metrics_flip_exposures(&p, NULL, &exposures) &&
          metrics_flip_hdr(&p, FLIP_PIXELS_PER_DEGREE, &exposures, NULL, map, &mean);
     for (int i = 0; i < COUNT && ok; i++)
         printf("%.9g ", (double)map[i]);
@@ -375,6 +449,8 @@ static int print_values(void)
 }
 
 static const struct test_case cases[] = {
+    TEST_CASE(bytes_that_are_told),
+    TEST_CASE(all_stop),
     TEST_CASE(equal_pictures),
     TEST_CASE(black_and_white),
     TEST_CASE(green_and_blue_are_the_farthest),

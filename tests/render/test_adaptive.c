@@ -206,7 +206,7 @@ static double relmse(const struct film_image *film, const struct film_image *ref
 {
     struct metrics metrics;
     metrics_compare((const float(*)[3])film->mean, (const float(*)[3])reference->mean,
-                    (uint64_t)film->width * film->height, &metrics);
+                    (uint64_t)film->width * film->height, NULL, &metrics);
     return metrics.relmse;
 }
 

@@ -30,7 +30,7 @@ static double relmse(const struct film_image *film, const struct reference *refe
 {
     struct metrics metrics;
     metrics_compare((const float(*)[3])film->mean, (const float(*)[3])reference->mean,
-                    reference->pixels, &metrics);
+                    reference->pixels, NULL, &metrics);
     return metrics.relmse - reference->own_relmse;
 }
 

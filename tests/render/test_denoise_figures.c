@@ -124,7 +124,7 @@ static double relmse(const struct bench *b, const float (*pixels)[3])
 {
     struct metrics metrics;
     metrics_compare(pixels, (const float(*)[3])b->reference.mean,
-                    (uint64_t)b->reference.width * b->reference.height, &metrics);
+                    (uint64_t)b->reference.width * b->reference.height, NULL, &metrics);
     CHECK(metrics.nonfinite == 0, "%llu pixels are not finite",
           (unsigned long long)metrics.nonfinite);
     return metrics.relmse;

@@ -1,0 +1,23 @@
+#include "stoppable.h"
+
+struct stoppable {
+    const struct progress *progress;
+    parallel_fn fn;
+    void *context;
+};
+
+static void run_chunk(void *context, size_t begin, size_t end, unsigned thread)
+{
+    const struct stoppable *s = context;
+    if (!progress_should_stop(s->progress))
+        s->fn(s->context, begin, end, thread);
+}
+
+bool stoppable_for(size_t count, size_t grain, const struct progress *progress, parallel_fn fn,
+                   void *context)
+{
+    struct stoppable s = {progress, fn, context};
+    parallel_for(count, grain, 0, run_chunk, &s);
+    // Whoever asks to stop goes on asking, so that a chunk left out is not missed here.
+    return !progress_should_stop(progress);
+}
