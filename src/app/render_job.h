@@ -60,8 +60,8 @@ struct film_state {
     bool is_even; // as renderer_is_even
 };
 
-// The film as it was copied out of the device last, in case that rendering fails. The job's own film
-// serves as well where that was read since.
+// The film as it was copied out of the device last, in case that rendering fails. The job's own
+// film serves as well where that was read since.
 struct job_rescue {
     struct arena arena;
     struct film_image film;   // no pixels before the first copy
@@ -92,6 +92,7 @@ struct render_job {
     bool stopped;      // by a signal; some pixels may have fewer samples
     bool is_rendering; // from the first sample on: see render_stop.c
     uint64_t stop_ns;  // when a signal was first seen that every pixel's sample puts off
+    bool stop_is_told; // that it is put off
     enum render_end ended_by;
     struct progress progress; // the options', told of --time, and patient: see render_stop.c
     uint64_t samples_most;    // of a pixel, on average: as many as there may be

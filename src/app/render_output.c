@@ -102,19 +102,24 @@ void job_release_outputs(struct render_job *job)
         file_lock_release(&job->locks[i]);
 }
 
+// Uncompressed: what compression saves is not known before, and noise leaves it little.
+static uint64_t picture_bytes(const struct render_job *job, bool is_png)
+{
+    const struct settings *settings = &job->scene.settings;
+    uint64_t pixels = (uint64_t)settings->width * settings->height;
+    uint64_t values = is_png ? 1 : job->options->half_float ? 2 : 4;
+    return pixels * (3 * values + (is_png ? 0 : job_layer_bytes(job)));
+}
+
 bool job_check_space(const struct render_job *job, struct err *err)
 {
     const struct options *options = job->options;
-    const struct settings *settings = &job->scene.settings;
-    uint64_t pixels = (uint64_t)settings->width * settings->height;
     // Of a run that a clock may end, only the last picture is certain.
     bool is_certain = options->every && options->time_seconds == 0.0;
     uint64_t pictures = is_certain ? options->frames / options->every + 1u : 1u;
     for (uint32_t i = 0; i < job->output_count; i++) {
-        // What compression saves is not known yet; noise leaves it little.
         bool is_png = strcasecmp(path_extension(job->outputs[i]), "png") == 0;
-        uint64_t bytes = pixels * 3 * (is_png ? 1 : options->half_float ? 2 : 4);
-        bytes += is_png ? 0 : pixels * job_layer_bytes(job);
+        uint64_t bytes = picture_bytes(job, is_png);
         if (!file_check_space(job->outputs[i], pictures * bytes, err))
             return false;
     }
@@ -135,7 +140,12 @@ enum image_tone job_image_tone(enum tone_curve curve)
     return tones[curve];
 }
 
-static bool write_picture(const struct render_job *job, const char *path, bool uncompressed,
+// How a picture is stored.
+struct storage {
+    bool half_float, uncompressed;
+};
+
+static bool write_picture(const struct render_job *job, const char *path, struct storage storage,
                           const struct job_attributes *attributes, struct err *err)
 {
     const struct image image = {job->film.width, job->film.height, job->film.mean};
@@ -148,22 +158,47 @@ static bool write_picture(const struct render_job *job, const char *path, bool u
         .layer_count = layers.count,
         .attributes = attributes->list,
         .attribute_count = attributes->count,
-        .half_float = job->options->half_float,
-        .uncompressed = uncompressed,
+        .half_float = storage.half_float,
+        .uncompressed = storage.uncompressed,
         .exposure_stops = job->exposure,
         .tone = job_image_tone(job->scene.settings.tone_curve),
     };
     return image_write(&params, err);
 }
 
-// To what the system allows: the limit may be what kept the picture from its place.
-static void raise_file_size_limit(void)
+// To what the system allows, as the limit may be what kept the picture from its place. Returns it.
+static rlim_t raise_file_size_limit(void)
 {
     struct rlimit size;
-    if (getrlimit(RLIMIT_FSIZE, &size) == 0) {
-        size.rlim_cur = size.rlim_max;
-        setrlimit(RLIMIT_FSIZE, &size);
+    if (getrlimit(RLIMIT_FSIZE, &size) != 0)
+        return RLIM_INFINITY;
+    size.rlim_cur = size.rlim_max;
+    setrlimit(RLIMIT_FSIZE, &size);
+    return size.rlim_max;
+}
+
+// First in the simplest way, as a compressor may have failed; where the size of files is limited,
+// in smaller ones then. Says how.
+static bool save(const struct render_job *job, const char *path, rlim_t limit,
+                 const struct job_attributes *attributes, struct err *err)
+{
+    const bool half = job->options->half_float;
+    const struct storage ways[] = {{half, true}, {half, false}, {true, false}};
+    bool is_limited = limit != RLIM_INFINITY;
+    for (int i = 0; i < (is_limited ? 3 : 1); i++) {
+        if (!write_picture(job, path, ways[i], attributes, err))
+            continue;
+        log_warn("the picture was saved as %s%s", path,
+                 ways[i].half_float && !half ? ", with 16 bits a value, since a file's size is "
+                                               "limited (ulimit -f)"
+                                             : "");
+        return true;
     }
+    if (is_limited)
+        log_warn("files may have at most %llu bytes here (RLIMIT_FSIZE, ulimit -f); the picture "
+                 "has %llu before compression",
+                 (unsigned long long)limit, (unsigned long long)picture_bytes(job, false));
+    return false;
 }
 
 // Hours of rendering shall not be lost because a disk is full or gone, or a compressor fails.
@@ -175,11 +210,9 @@ static void save_elsewhere(struct render_job *job, const struct job_attributes *
         return;
     const char *path = arena_printf(&job->film_arena, "%s/picture.exr", folder);
     struct err err = {0};
-    raise_file_size_limit();
-    if (path && write_picture(job, path, true, attributes, &err)) {
-        log_warn("the picture was saved as %s", path);
+    rlim_t limit = raise_file_size_limit();
+    if (path && save(job, path, limit, attributes, &err))
         return;
-    }
     rmdir(folder);
     log_warn("the picture could not be saved in %s either: %s", folder, err.msg);
 }
@@ -202,7 +235,8 @@ bool job_write_outputs(struct render_job *job, uint32_t frame, struct err *err)
         const char *path = frame > 0 ? path_numbered(&job->film_arena, output, frame) : output;
         if (!path)
             return err_memory(err, "output names", job->output_count * sizeof path);
-        if (write_picture(job, path, false, &attributes, &failure)) {
+        if (write_picture(job, path, (struct storage){job->options->half_float, false}, &attributes,
+                          &failure)) {
             has_exr |= strcasecmp(path_extension(path), "exr") == 0;
             continue;
         }

@@ -18,17 +18,20 @@ static double patience_seconds(void)
     return signals_leave_time() ? PATIENCE_SECONDS : 0.0;
 }
 
-static void say_what_it_waits_for(const struct render_job *job)
+// False as long as it is not known whether that takes long enough to be told: before the first wave
+// has ended there is no rate, only the time that was waited.
+static bool say_what_it_waits_for(const struct render_job *job)
 {
     const struct pass *pass = &job->renderer.pass;
     double done = pass->length ? (double)pass->position / (double)pass->length : 0.0;
     double seconds = job->renderer.stats.render_seconds - job->seconds.render_before;
-    double left = done > 0.0 ? seconds / done - seconds : INFINITY;
+    double left = done > 0.0 ? seconds / done - seconds : clock_seconds_since(job->stop_ns);
     if (left < SHORT_SECONDS)
-        return;
+        return false;
     log_warn("stopping: %.0f %% of the pixels have a sample, and the others get one first, for at "
              "most %.0f s; a second SIGINT or SIGTERM ends the program at once",
              100.0 * done, PATIENCE_SECONDS);
+    return true;
 }
 
 bool job_should_stop(void *context)
@@ -38,10 +41,9 @@ bool job_should_stop(void *context)
         return false;
     if (!job->is_rendering || renderer_has_all_pixels(&job->renderer) || patience_seconds() == 0.0)
         return true;
-    if (job->stop_ns == 0) {
+    if (job->stop_ns == 0)
         job->stop_ns = clock_ns();
-        say_what_it_waits_for(job);
-    }
+    job->stop_is_told = job->stop_is_told || say_what_it_waits_for(job);
     return clock_seconds_since(job->stop_ns) >= patience_seconds();
 }
 

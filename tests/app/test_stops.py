@@ -138,6 +138,36 @@ class Stops(unittest.TestCase):
                                  'differing=0'], stdout=subprocess.PIPE)
         self.assertEqual(result.returncode, 0)
 
+    def test_the_hard_limit_of_a_files_size(self):
+        """Between the sizes of a picture with 32 and with 16 bits a value; then below both."""
+        size = ['--size', '64x64', '--spp', '2']
+        sizes = []
+        for more in ([], ['--half']):
+            self.assertEqual((process := self.render(*size, *more)).communicate(timeout=100) and
+                             process.returncode, 0)
+            sizes.append(os.path.getsize(self.path('out.exr')))
+            os.unlink(self.path('out.exr'))
+        limit = sum(sizes) // 2
+
+        def prepare():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+            os.environ['TMPDIR'] = self.folder.name
+        process = self.render(*size, prepare=prepare)
+        _, messages = process.communicate(timeout=100)
+        self.assertEqual(process.returncode, 4, messages)
+        self.assertIn('with 16 bits a value', messages)
+        saved = messages.split('the picture was saved as ')[1].split(',')[0]
+        self.assertLess(os.path.getsize(saved), limit)
+        result = subprocess.run([LAMPYRIS, 'compare', saved, saved], stdout=subprocess.PIPE)
+        self.assertEqual(result.returncode, 0)
+        limit = sizes[1] // 2
+        process = self.render(*size, prepare=prepare)
+        _, messages = process.communicate(timeout=100)
+        self.assertEqual(process.returncode, 4, messages)
+        self.assertIn('at most %d bytes' % limit, messages)
+        self.assertIn('%d before compression' % (64 * 64 * 3 * 4), messages)
+        self.assertIn('could not be saved in', messages)
+
     # --- a sample of every pixel ---
 
     def test_every_pixel_gets_a_sample_first(self):
@@ -146,6 +176,21 @@ class Stops(unittest.TestCase):
             self.assertEqual(code, 143, messages)
             self.assertEqual((report['spp'], report['pixels_without_samples']), (1, 0), messages)
             self.assertIn('the others get one first', messages)
+
+    def test_short_waits_are_not_told(self):
+        """Signals at all times of the first waves of a small picture."""
+        small = ['--size', '32x32', '--time', '60']
+        start = time.monotonic()
+        self.render('--size', '32x32', '--spp', '1').communicate(timeout=100)
+        whole = time.monotonic() - start
+        for i in range(12):
+            process = self.render(*small)
+            time.sleep(whole * (0.4 + 0.06 * i))
+            process.send_signal(signal.SIGTERM)
+            start = time.monotonic()
+            _, messages = process.communicate(timeout=100)
+            if time.monotonic() - start < 0.9:
+                self.assertNotIn('of the pixels have a sample', messages)
 
     def test_the_second_signal_does_not_wait(self):
         process = self.render(*SLOW)
