@@ -22,11 +22,13 @@ struct left_plane {
     uint id;    // of the triangle, where one may be in several places
     uint target_id; // of the one that the ray is sent to
     bool target_is_small;
+    vec3 target_normal, target_point; // with small triangles; the normal is 0 where there is none
 };
 
 left_plane load_left_plane(uint primitive, uint target)
 {
-    left_plane plane = left_plane(vec3(0.0), false, vec3(0.0), NO_PRIMITIVE, NO_PRIMITIVE, false);
+    left_plane plane = left_plane(vec3(0.0), false, vec3(0.0), NO_PRIMITIVE, NO_PRIMITIVE, false,
+                                  vec3(0.0), vec3(0.0));
     if (HAS(FEATURE_TRIANGLES) && primitive < PRIMITIVE_SHAPE) {
         triangle_record t = load_triangle(primitive);
         plane.normal = cross(t.edge1, t.edge2);
@@ -36,8 +38,12 @@ left_plane load_left_plane(uint primitive, uint target)
     }
     if (HAS_GEOMETRY(GEOMETRY_DUPLICATES) && target < PRIMITIVE_ENVIRONMENT)
         plane.target_id = load_triangles(target * 3u).w;
-    if (HAS_GEOMETRY(GEOMETRY_SMALL_TRIANGLES) && target < PRIMITIVE_ENVIRONMENT)
-        plane.target_is_small = IS_SMALL(load_triangles(target * 3u + 1u).w);
+    if (HAS_GEOMETRY(GEOMETRY_SMALL_TRIANGLES) && target < PRIMITIVE_ENVIRONMENT) {
+        triangle_record t = load_triangle(target);
+        plane.target_is_small = IS_SMALL(t.word);
+        plane.target_normal = triangle_normal(t);
+        plane.target_point = t.v0;
+    }
     return plane;
 }
 
@@ -119,13 +125,19 @@ bool is_ignored(trace_ray ray, left_plane plane, uint instance, uint index, uint
     return starts_here || ends_here;
 }
 
-// Whether a hit of a shadow ray, which ends at t = 1, is so near its end that rounding put it before
-// that: small triangles lie beside their neighbours in a plane, each moved as a whole. Where the ray
-// ends and what it meets have the roundings of in_plane() each.
-bool is_at_end(trace_ray ray, vec3 corner, float t)
+// How far rounding may turn small triangles of a plane, as the sine of an angle: see
+// SMALL_TOLERANCE in flatten.c.
+#define PARALLEL_TOLERANCE (1.0 / 1024.0)
+
+// Whether a triangle lies in the plane of the one that a shadow ray is sent to, which it cannot hide
+// from the ray: small triangles lie beside their neighbours in a plane, each moved as a whole by the
+// roundings of its first corner, half an ulp a coordinate. As much as two roundings let it be off.
+bool is_beside_target(left_plane plane, triangle_record t)
 {
-    float rounding = GAMMA(16) * dot(abs(corner) + abs(ray.origin), vec3(1.0));
-    return (1.0 - t) * length(ray.direction) <= 2.0 * rounding;
+    float height = dot(plane.target_normal, t.v0 - plane.target_point);
+    float rounding = dot(abs(plane.target_normal), abs(t.v0) + abs(plane.target_point));
+    vec3 turn = cross(plane.target_normal, triangle_normal(t));
+    return abs(height) <= GAMMA(2) * rounding && length(turn) <= PARALLEL_TOLERANCE;
 }
 
 // What decides whether a triangle that is not everywhere there is met: differs between instances.
@@ -151,9 +163,10 @@ void intersect_triangle_leaf(trace_ray ray, trace_space space, left_plane plane,
         hit = intersect_small_triangle(space.frame, space.origin, v0, triangle.edge1,
                                        triangle.edge2, t, uv);
 #ifdef ANY_HIT
+    // Small ones are in the world, not in an instance.
     bool any_is_small = plane.target_is_small || IS_SMALL(triangle.word);
-    if (HAS_GEOMETRY(GEOMETRY_SMALL_TRIANGLES) && any_is_small)
-        hit = hit && !is_at_end(ray, v0, t);
+    if (HAS_GEOMETRY(GEOMETRY_SMALL_TRIANGLES) && any_is_small && space.instance == NO_INSTANCE)
+        hit = hit && !is_beside_target(plane, triangle);
 #endif
     hit = hit && !leaves && !is_ignored(ray, plane, space.instance, index, triangle.id);
     if (HAS(FEATURE_ALPHA)) {

@@ -42,6 +42,14 @@ static double world_area(const struct mesh *mesh, const double transform[3][4], 
     return vec3_length(normal) / 2;
 }
 
+static uint32_t material_of(const struct mesh *mesh, const struct instance *instance,
+                            uint32_t triangle)
+{
+    return instance->material != SCENE_NONE ? instance->material
+           : mesh->triangle_material        ? mesh->triangle_material[triangle]
+                                            : mesh->material;
+}
+
 static double instance_flux(const struct scene *scene, const struct instance *instance)
 {
     const struct mesh *mesh = &scene->meshes[instance->mesh];
@@ -49,9 +57,7 @@ static double instance_flux(const struct scene *scene, const struct instance *in
     uint32_t last = SCENE_NONE;
     for (uint32_t t = 0; t < mesh->triangle_count && !progress_stops_at(scene->progress, t + 1);
          t++) {
-        uint32_t material = instance->material != SCENE_NONE ? instance->material
-                            : mesh->triangle_material        ? mesh->triangle_material[t]
-                                                             : mesh->material;
+        uint32_t material = material_of(mesh, instance, t);
         if (material != last)
             radiance = mean_radiance(scene, &scene->materials[material]);
         last = material;
@@ -67,4 +73,26 @@ double scene_emitted_flux(const struct scene *scene)
     for (uint32_t i = 0; i < scene->instance_count && !progress_should_stop(scene->progress); i++)
         sum += instance_flux(scene, &scene->instances[i]);
     return sum;
+}
+
+static bool instance_emits(const struct scene *scene, const struct instance *instance)
+{
+    const struct mesh *mesh = &scene->meshes[instance->mesh];
+    uint32_t last = SCENE_NONE;
+    for (uint32_t t = 0; t < mesh->triangle_count && !progress_stops_at(scene->progress, t + 1);
+         t++) {
+        uint32_t material = material_of(mesh, instance, t);
+        if (material != last && mean_radiance(scene, &scene->materials[material]) > 0)
+            return true;
+        last = material;
+    }
+    return false;
+}
+
+bool scene_has_emissive_triangles(const struct scene *scene)
+{
+    for (uint32_t i = 0; i < scene->instance_count && !progress_should_stop(scene->progress); i++)
+        if (instance_emits(scene, &scene->instances[i]))
+            return true;
+    return false;
 }

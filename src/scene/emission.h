@@ -11,5 +11,7 @@ double mean_radiance(const struct scene *scene, const struct material *material)
 // The flux of all emissive triangles, divided by pi: the sum of mean radiance times area, of one
 // side of each, for the other side of a closed surface sends its light inwards. W/sr.
 double scene_emitted_flux(const struct scene *scene);
+// Whether there is an emissive triangle, though it may have no area.
+bool scene_has_emissive_triangles(const struct scene *scene);
 
 #endif

@@ -29,11 +29,20 @@ static struct placement place(const struct scene *scene, const struct instance *
     return placement;
 }
 
+// Emissive triangles that have no area and are dropped; told together.
+struct lost_emitters {
+    uint32_t count;
+    const struct mesh *mesh; // of the first one
+    double corner[3];        // its, in metres in the world
+    double longest;          // edge of all of them, in metres
+};
+
 struct flattening {
     const struct flatten_params *params;
     struct flat_scene *flat;
     struct arena *arena;
     uint64_t triangle_count; // that there will be, dropped ones included
+    struct lost_emitters lost;
 };
 
 static void place_vertex(const struct placement *placement, uint32_t vertex, double out[3])
@@ -42,6 +51,13 @@ static void place_vertex(const struct placement *placement, uint32_t vertex, dou
     affine_point(placement->instance->transform, out, out);
     for (int i = 0; i < 3; i++)
         out[i] = (out[i] - placement->origin[i]) * placement->scale;
+}
+
+static void place_corners(const struct placement *placement, uint32_t triangle,
+                          double corners[3][3])
+{
+    for (int corner = 0; corner < 3; corner++)
+        place_vertex(placement, placement->mesh->indices[triangle][corner], corners[corner]);
 }
 
 // The normal of a triangle from its rounded corners, not normalised. Exactly zero for a triangle
@@ -162,6 +178,36 @@ static bool drop_triangle(struct flat_scene *flat, struct arena *arena)
     return true;
 }
 
+// Notes a triangle that is dropped, if it should have sent light.
+static void note_lost(struct flattening *f, const struct placement *placement, uint32_t triangle)
+{
+    struct lost_emitters *lost = &f->lost;
+    double corners[3][3], edge[3];
+    if (!flatten_emits(f->params->scene,
+                       instance_material(placement->mesh, placement->instance, triangle)))
+        return;
+    place_corners(placement, triangle, corners);
+    if (lost->count++ == 0) {
+        lost->mesh = placement->mesh;
+        for (int i = 0; i < 3; i++)
+            lost->corner[i] = corners[0][i] / placement->scale + placement->origin[i];
+    }
+    for (int corner = 0; corner < 3; corner++) {
+        vec3_subtract(corners[corner], corners[(corner + 1) % 3], edge);
+        lost->longest = fmax(lost->longest, vec3_length(edge) / placement->scale);
+    }
+}
+
+static void warn_of_lost(const struct lost_emitters *lost)
+{
+    if (lost->count > 0)
+        log_warn("%u emissive triangles are left out and send no light, as they have no area in "
+                 "single precision: their longest edge is %g m, the first one lies at (%g, %g, %g) "
+                 "in mesh \"%s\"; expected larger ones",
+                 lost->count, lost->longest, lost->corner[0], lost->corner[1], lost->corner[2],
+                 lost->mesh->name);
+}
+
 // All triangles of an instance, or of a shared mesh as an instance of itself. `run`: where its
 // first triangle is noted.
 static bool add_triangles(struct flattening *f, const struct placement *placement, uint32_t run,
@@ -179,6 +225,8 @@ static bool add_triangles(struct flattening *f, const struct placement *placemen
         bool added;
         if (!add_triangle(f, placement, t, &added, err))
             return false;
+        if (!added)
+            note_lost(f, placement, t);
         if (!added && !drop_triangle(flat, f->arena))
             return err_memory(err, "dropped triangles", flat->dropped_degenerate * 4u);
     }
@@ -211,13 +259,6 @@ static bool has_emitters(const struct scene *scene, const struct placement *plac
         if (flatten_emits(scene, instance_material(placement->mesh, placement->instance, t)))
             return true;
     return false;
-}
-
-static void place_corners(const struct placement *placement, uint32_t triangle,
-                          double corners[3][3])
-{
-    for (int corner = 0; corner < 3; corner++)
-        place_vertex(placement, placement->mesh->indices[triangle][corner], corners[corner]);
 }
 
 // The largest triangle's normal, not normalised, and one of its corners.
@@ -327,6 +368,7 @@ static bool add_world(struct flattening *f, const struct census *census, struct 
         look_at_precision(flat, i, first, &coarse);
     }
     warn_of_coarse(flat, scene, &coarse);
+    warn_of_lost(&f->lost);
     flat->world_triangle_count = flat->triangle_count;
     for (uint32_t i = 0; i < flat->triangle_count; i++)
         for (int corner = 0; corner < 3; corner++)

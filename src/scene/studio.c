@@ -307,7 +307,7 @@ static bool has_emission(const struct scene *scene)
     for (uint32_t i = 0; i < scene->shape_count; i++)
         if (mean_radiance(scene, &scene->materials[scene->shapes[i].material]) > 0)
             return true;
-    return scene_emitted_flux(scene) > 0;
+    return scene_has_emissive_triangles(scene);
 }
 
 static bool has_lights(const struct scene *scene)
@@ -333,7 +333,8 @@ bool scene_is_lit(const struct scene *scene, double *emission)
     double radius = bounds_radius(scene, &whole, center);
     if (radius > 0)
         *emission = scene_emitted_flux(scene) / (4 * M_PI * radius * radius);
-    return *emission >= STUDIO_EMISSION_LEAST;
+    return *emission >= STUDIO_EMISSION_LEAST ||
+           (*emission == 0 && scene_has_emissive_triangles(scene));
 }
 
 // --- what is added

@@ -22,7 +22,8 @@
 //
 // Four stops below is zone I of Adams's scale (The Negative, 1981), where middle grey is zone V:
 // the first tone that differs from black, without any texture. Emission that lights less than that
-// is a lamp that is seen, not one that is seen by.
+// is a lamp that is seen, not one that is seen by. Emissive triangles that are too small for their
+// own positions to have an area count, as they are meant to light: flattening warns of them.
 #define STUDIO_EMISSION_LEAST (1.0 / 16)
 bool scene_is_lit(const struct scene *scene, double *emission);
 

@@ -121,7 +121,7 @@ FEATURES = {
     }),
     "small triangles": (["GEOMETRY_SMALL_TRIANGLES"], {
         "intersect_closest": ["intersect_small_triangle()"],
-        "intersect_shadow": ["intersect_small_triangle()", "is_at_end()"],
+        "intersect_shadow": ["intersect_small_triangle()", "is_beside_target()"],
         "shade_surface": ["triangle_size()"],
     }),
     "triangles in several leaves": (["GEOMETRY_DUPLICATES"], {

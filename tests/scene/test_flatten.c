@@ -360,6 +360,23 @@ TEST(small_emitters_keep_their_edges)
     end(&f);
 }
 
+// Emitters whose own positions are one point, which no edges are left of.
+TEST(emitters_without_area_are_warned_of)
+{
+    struct fixture f;
+    begin(&f);
+    memcpy(f.positions[2], f.positions[1], sizeof f.positions[2]);
+    REQUIRE(flatten(&f), "%s", f.err.msg);
+    CHECK(f.flat.dropped_degenerate == 1 && warnings == 0, "%s", warning);
+    f.materials[1].emission[0] = 1;
+    REQUIRE(flatten(&f), "%s", f.err.msg);
+    CHECK(f.flat.dropped_degenerate == 1 && warnings == 1 &&
+              strstr(warning, "1 emissive triangles are left out") &&
+              strstr(warning, "longest edge is 1 m") && strstr(warning, "mesh \"triangle\""),
+          "%s", warning);
+    end(&f);
+}
+
 TEST(far_scenes_are_rebased_in_double_precision)
 {
     struct fixture f;
@@ -673,6 +690,7 @@ int main(int argc, char **argv)
         TEST_CASE(tiny_and_huge_scales_are_not_singular),
         TEST_CASE(sizes_choose_the_unit),
         TEST_CASE(small_emitters_keep_their_edges),
+        TEST_CASE(emitters_without_area_are_warned_of),
         TEST_CASE(far_scenes_are_rebased_in_double_precision),
         TEST_CASE(exact_positions_come_first),
         TEST_CASE(meshes_beyond_their_precision_are_warned_of),

@@ -87,6 +87,12 @@ TEST(an_emitter_in_use_is_light_enough)
         CHECK(scene.environment.present != cases[i].is_lit, "case %zu", i);
         scene_finish(&scene);
     }
+    // Emission without an area is light that was meant, in a model as well.
+    write_text("point.mtl", "newmtl lamp\nKe 1 1 1\n");
+    struct scene point = load(write_text("point.obj", "mtllib point.mtl\nusemtl lamp\nv 2 1 0\n"
+                                                      "v 2 1 0\nv 2 1 0\nf 1 2 3\n"));
+    CHECK(!point.environment.present);
+    scene_finish(&point);
     // Darkness that is asked for stays dark.
     struct scene scene = load(
         write_text("scene.json", "{\"lampyris\": 1, \"environment\": {\"radiance\": [0, 0, 0]}}"));
