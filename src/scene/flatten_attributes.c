@@ -78,34 +78,29 @@ void attributes_census(const struct scene *scene, const struct instance *instanc
     }
 }
 
+uint64_t attributes_bytes(const struct attribute_needs *needs)
+{
+    const struct flat_scene *flat = NULL;
+    return (needs->normals ? sizeof *flat->normals : 0) +
+           (needs->tangents ? sizeof *flat->tangents : 0) +
+           (needs->uvs[0] ? sizeof *flat->uvs[0] : 0) + (needs->uvs[1] ? sizeof *flat->uvs[1] : 0) +
+           (needs->colors ? sizeof *flat->colors : 0);
+}
+
 bool attributes_reserve(const struct attribute_needs *needs, size_t count, struct arena *arena,
                         struct flat_scene *flat, struct err *err)
 {
-    size_t bytes = 0;
     bool ok = true;
-    if (needs->normals) {
-        flat->normals = arena_alloc(arena, count, sizeof *flat->normals);
-        bytes += sizeof *flat->normals;
-        ok = ok && flat->normals;
-    }
-    if (needs->tangents) {
-        flat->tangents = arena_alloc(arena, count, sizeof *flat->tangents);
-        bytes += sizeof *flat->tangents;
-        ok = ok && flat->tangents;
-    }
-    for (int set = 0; set < 2; set++) {
-        if (!needs->uvs[set])
-            continue;
-        flat->uvs[set] = arena_alloc(arena, count, sizeof *flat->uvs[set]);
-        bytes += sizeof *flat->uvs[set];
-        ok = ok && flat->uvs[set];
-    }
-    if (needs->colors) {
-        flat->colors = arena_alloc(arena, count, sizeof *flat->colors);
-        bytes += sizeof *flat->colors;
-        ok = ok && flat->colors;
-    }
-    return ok ? true : err_memory(err, "what triangles' corners carry", count * bytes);
+    if (needs->normals)
+        ok = (flat->normals = arena_alloc(arena, count, sizeof *flat->normals)) && ok;
+    if (needs->tangents)
+        ok = (flat->tangents = arena_alloc(arena, count, sizeof *flat->tangents)) && ok;
+    for (int set = 0; set < 2; set++)
+        if (needs->uvs[set])
+            ok = (flat->uvs[set] = arena_alloc(arena, count, sizeof *flat->uvs[set])) && ok;
+    if (needs->colors)
+        ok = (flat->colors = arena_alloc(arena, count, sizeof *flat->colors)) && ok;
+    return ok || err_memory(err, "what triangles' corners carry", count * attributes_bytes(needs));
 }
 
 // --- one triangle --------------------------------------------------------------------------------

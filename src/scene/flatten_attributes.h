@@ -23,6 +23,8 @@ struct attribute_needs {
 // Adds what an instance needs, by the materials of its triangles.
 void attributes_census(const struct scene *scene, const struct instance *instance,
                        struct attribute_needs *needs);
+// What one triangle takes of them.
+uint64_t attributes_bytes(const struct attribute_needs *needs);
 bool attributes_reserve(const struct attribute_needs *needs, size_t triangle_count,
                         struct arena *arena, struct flat_scene *flat, struct err *err);
 // The attributes of the flat triangle that comes next, whose corners are these vertices of the

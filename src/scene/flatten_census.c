@@ -5,6 +5,7 @@
 #include "affine.h"
 #include "flatten_shapes.h"
 #include "log.h"
+#include "memory.h"
 #include <float.h>
 #include <math.h>
 
@@ -267,13 +268,28 @@ static void choose_shared(const struct scene *scene, enum instancing instancing,
         if (use->is_shared)
             census->shared_triangle_count += scene->meshes[i].triangle_count;
     }
-    for (uint32_t i = 0; i < scene->instance_count; i++)
-        if (census->instances[i] == INSTANCE_SHARES) {
-            if (census->meshes[scene->instances[i].mesh].is_shared)
-                census->placed_count++;
-            else
-                census->instances[i] = INSTANCE_FLATTENED;
-        }
+    for (uint32_t i = 0; i < scene->instance_count; i++) {
+        uint32_t mesh = scene->instances[i].mesh;
+        if (census->instances[i] == INSTANCE_SHARES && census->meshes[mesh].is_shared)
+            census->placed_count++;
+        else if (census->instances[i] == INSTANCE_SHARES)
+            census->instances[i] = INSTANCE_FLATTENED;
+        if (census->instances[i] == INSTANCE_FLATTENED)
+            census->world_triangle_count += scene->meshes[mesh].triangle_count;
+    }
+}
+
+bool flatten_check_memory(const struct scene *scene, const struct census *census, struct err *err)
+{
+    const struct flat_scene *flat = NULL;
+    uint64_t triangles = census->world_triangle_count + census->shared_triangle_count;
+    uint64_t bytes =
+        triangles * (sizeof *flat->triangles + attributes_bytes(&census->needs)) +
+        scene->shape_count * sizeof *flat->shapes +
+        (scene->instance_count + (uint64_t)census->shared_count) * sizeof *flat->instance_first +
+        census->shared_count * sizeof *flat->meshes +
+        census->placed_count * sizeof *flat->instances;
+    return memory_check(bytes, "the flattened scene, with what its triangles' corners carry", err);
 }
 
 // --- the world -----------------------------------------------------------------------------------
@@ -345,7 +361,6 @@ static bool measure_world(const struct flatten_params *params, struct census *ce
                 return false;
             continue;
         }
-        census->world_triangle_count += scene->meshes[instance->mesh].triangle_count;
         if (!measure_vertices(params, instance, &census->bounds, err))
             return false;
     }
@@ -372,5 +387,7 @@ bool flatten_take_census(const struct flatten_params *params, struct arena *scra
         return false;
     warn_of_skipped(scene, out);
     choose_shared(scene, params->instancing, out);
-    return measure_world(params, out, err);
+    // Before all vertices are looked at; once more when it is known what corners carry.
+    return flatten_check_memory(scene, out, err) && measure_world(params, out, err) &&
+           flatten_check_memory(scene, out, err);
 }

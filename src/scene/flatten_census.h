@@ -41,9 +41,13 @@ bool flatten_goes_on(const struct flatten_params *params, double fraction, struc
 // What is reported when the census is taken.
 #define FLATTEN_CENSUS_PART 0.4
 
-// Arrays come from `scratch`. Warns of singular transforms and of meshes beyond their precision.
+// Arrays come from `scratch`. ERR_BUDGET where the flat scene has no room. Warns of singular
+// transforms and of meshes beyond their precision.
 bool flatten_take_census(const struct flatten_params *params, struct arena *scratch,
                          struct census *out, struct err *err);
+
+// Asks the budget for all arrays of the flat scene, by what the census says so far.
+bool flatten_check_memory(const struct scene *scene, const struct census *census, struct err *err);
 
 // Where the arrays of something with these bounds begin: (0,0,0), or its middle when it is small
 // for where it is.

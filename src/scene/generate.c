@@ -111,6 +111,15 @@ static void fill_triangles(struct grid grid, struct mesh *mesh)
                      vertex_at(grid, last, column + 1));
 }
 
+uint64_t generate_blob_bytes(uint32_t triangles)
+{
+    const struct mesh *mesh = NULL;
+    const struct grid grid = choose_grid(triangles);
+    uint64_t cells = (uint64_t)grid.rings * grid.columns;
+    return (2 + cells) * (sizeof *mesh->positions + sizeof *mesh->normals) +
+           2 * cells * sizeof *mesh->indices;
+}
+
 bool generate_blob(struct scene *scene, uint32_t triangles, uint32_t material, uint32_t *mesh,
                    struct err *err)
 {
@@ -126,9 +135,7 @@ bool generate_blob(struct scene *scene, uint32_t triangles, uint32_t material, u
     blob.normals = arena_alloc(arena, blob.vertex_count, sizeof *blob.normals);
     blob.indices = arena_alloc(arena, blob.triangle_count, sizeof *blob.indices);
     if (!blob.positions || !blob.normals || !blob.indices)
-        return err_memory(err, "a blob",
-                          2ull * blob.vertex_count * sizeof *blob.positions +
-                              1ull * blob.triangle_count * sizeof *blob.indices);
+        return err_memory(err, "a blob", generate_blob_bytes(triangles));
     fill_vertices(grid, scene->progress, &blob);
     if (!scene_goes_on(scene, 0, err))
         return false;

@@ -10,6 +10,7 @@
 // of sines so that curvature and triangle size vary. Deterministic.
 bool generate_blob(struct scene *scene, uint32_t triangles, uint32_t material, uint32_t *mesh,
                    struct err *err);
+uint64_t generate_blob_bytes(uint32_t triangles); // that it takes, as those below
 
 #define TEAPOT_RESOLUTION_MAX 1024
 
@@ -20,6 +21,7 @@ bool generate_blob(struct scene *scene, uint32_t triangles, uint32_t material, u
 // picture: s around it, t along it.
 bool generate_teapot(struct scene *scene, uint32_t resolution, uint32_t material, uint32_t *mesh,
                      struct err *err);
+uint64_t generate_teapot_bytes(uint32_t resolution);
 
 #define TORUS_SEGMENTS_MAX 4096
 
@@ -31,6 +33,7 @@ struct torus {
 // Appends a closed ring about the y axis, of radius 1 to the middle of its tube, with normals.
 bool generate_torus(struct scene *scene, const struct torus *torus, uint32_t material,
                     uint32_t *index, struct err *err);
+uint64_t generate_torus_bytes(const struct torus *torus);
 
 #define STADIUM_STEPS_MAX 1024
 #define STADIUM_SEGMENTS_MAX 4096
@@ -45,5 +48,6 @@ struct stadium {
 // y = 0.25, with a wall outside. segments * (4 steps + 3) triangles. Open beneath.
 bool generate_stadium(struct scene *scene, const struct stadium *stadium, uint32_t material,
                       uint32_t *index, struct err *err);
+uint64_t generate_stadium_bytes(const struct stadium *stadium);
 
 #endif

@@ -109,6 +109,12 @@ static bool grid_init(const struct scatter *scatter, struct arena *scratch, stru
     return grid->first && grid->next;
 }
 
+uint64_t scatter_spheres_bytes(uint32_t count)
+{
+    const struct grid *grid = NULL;
+    return count * (uint64_t)(sizeof(struct scattered_sphere) + sizeof *grid->next);
+}
+
 bool scatter_spheres(const struct scatter *scatter, struct arena *scratch,
                      struct scattered_sphere *out, uint32_t *placed, struct err *err)
 {
@@ -180,6 +186,19 @@ static void split(struct mesh *mesh, const double a[3], const double b[3], const
     }
 }
 
+static uint32_t icosphere_triangles(uint32_t subdivision)
+{
+    return 20u << 2 * subdivision;
+}
+
+uint64_t generate_icosphere_bytes(uint32_t subdivision)
+{
+    const struct mesh *mesh = NULL;
+    return icosphere_triangles(subdivision) *
+           (uint64_t)(3 * (sizeof *mesh->positions + sizeof *mesh->normals) +
+                      sizeof *mesh->indices);
+}
+
 bool generate_icosphere(struct scene *scene, uint32_t subdivision, uint32_t *index, struct err *err)
 {
     // Corners of three golden rectangles; faces counter-clockwise as seen from outside.
@@ -191,14 +210,14 @@ bool generate_icosphere(struct scene *scene, uint32_t subdivision, uint32_t *ind
         {0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
         {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
         {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
-    uint32_t triangles = 20u << 2 * subdivision;
+    uint32_t triangles = icosphere_triangles(subdivision);
     struct mesh mesh = {.name = "icosphere"};
     struct arena *arena = &scene->arena;
     mesh.positions = arena_alloc(arena, 3ull * triangles, sizeof *mesh.positions);
     mesh.normals = arena_alloc(arena, 3ull * triangles, sizeof *mesh.normals);
     mesh.indices = arena_alloc(arena, triangles, sizeof *mesh.indices);
     if (!mesh.positions || !mesh.normals || !mesh.indices)
-        return err_memory(err, "a sphere of triangles", 84ull * triangles);
+        return err_memory(err, "a sphere of triangles", generate_icosphere_bytes(subdivision));
     for (int f = 0; f < 20; f++)
         split(&mesh, corners[faces[f][0]], corners[faces[f][1]], corners[faces[f][2]], subdivision);
     return scene_append_mesh(scene, &mesh, index, err);

@@ -38,6 +38,14 @@ static void add_triangle(struct mesh *mesh, uint32_t a, uint32_t b, uint32_t c)
     corners[2] = c;
 }
 
+uint64_t generate_stadium_bytes(const struct stadium *stadium)
+{
+    const struct mesh *mesh = NULL;
+    uint64_t segments = stadium->segments, rings = 2ull * stadium->steps + 2;
+    return (1 + rings * segments) * sizeof *mesh->positions +
+           (2 * rings - 1) * segments * sizeof *mesh->indices;
+}
+
 bool generate_stadium(struct scene *scene, const struct stadium *stadium, uint32_t material,
                       uint32_t *index, struct err *err)
 {
@@ -48,7 +56,7 @@ bool generate_stadium(struct scene *scene, const struct stadium *stadium, uint32
     mesh.positions = arena_alloc(arena, vertices, sizeof *mesh.positions);
     mesh.indices = arena_alloc(arena, triangles, sizeof *mesh.indices);
     if (!mesh.positions || !mesh.indices)
-        return err_memory(err, "a stadium", 36ull * rings * segments);
+        return err_memory(err, "a stadium", generate_stadium_bytes(stadium));
     mesh.vertex_count = 1; // the middle of the field
     for (uint32_t at = 0; at < rings; at++) {
         if (!scene_goes_on(scene, 0, err))

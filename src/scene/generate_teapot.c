@@ -232,6 +232,15 @@ static void add_patch(const struct patch *patch, uint32_t resolution, struct mes
     }
 }
 
+uint64_t generate_teapot_bytes(uint32_t resolution)
+{
+    const struct mesh *mesh = NULL;
+    uint64_t cells = (uint64_t)resolution * resolution, side = resolution + 1ull;
+    return PATCH_COUNT *
+           (side * side * (sizeof *mesh->positions + sizeof *mesh->normals + sizeof *mesh->uvs[0]) +
+            2 * cells * sizeof *mesh->indices);
+}
+
 bool generate_teapot(struct scene *scene, uint32_t resolution, uint32_t material, uint32_t *index,
                      struct err *err)
 {
@@ -244,9 +253,7 @@ bool generate_teapot(struct scene *scene, uint32_t resolution, uint32_t material
     mesh.uvs[0] = arena_alloc(arena, vertices, sizeof *mesh.uvs[0]);
     mesh.indices = arena_alloc(arena, triangles, sizeof *mesh.indices);
     if (!mesh.positions || !mesh.normals || !mesh.uvs[0] || !mesh.indices)
-        return err_memory(err, "a teapot",
-                          vertices * (2 * sizeof *mesh.positions + sizeof *mesh.uvs[0]) +
-                              triangles * sizeof *mesh.indices);
+        return err_memory(err, "a teapot", generate_teapot_bytes(resolution));
     for (size_t p = 0; p < PART_COUNT; p++) {
         for (uint32_t curve = 0; curve < parts[p].curves; curve++) {
             for (uint32_t turn = 0; turn < parts[p].turns; turn++) {

@@ -14,6 +14,13 @@ static void evaluate(double around, double about, double tube, float position[3]
     }
 }
 
+uint64_t generate_torus_bytes(const struct torus *torus)
+{
+    const struct mesh *mesh = NULL;
+    uint64_t vertices = (uint64_t)torus->segments * torus->tube_segments;
+    return vertices * (sizeof *mesh->positions + sizeof *mesh->normals + 2 * sizeof *mesh->indices);
+}
+
 bool generate_torus(struct scene *scene, const struct torus *torus, uint32_t material,
                     uint32_t *index, struct err *err)
 {
@@ -29,7 +36,7 @@ bool generate_torus(struct scene *scene, const struct torus *torus, uint32_t mat
     mesh.normals = arena_alloc(arena, mesh.vertex_count, sizeof *mesh.normals);
     mesh.indices = arena_alloc(arena, mesh.triangle_count, sizeof *mesh.indices);
     if (!mesh.positions || !mesh.normals || !mesh.indices)
-        return err_memory(err, "a torus", 72ull * rings * columns);
+        return err_memory(err, "a torus", generate_torus_bytes(torus));
     for (uint32_t ring = 0; ring < rings; ring++) {
         for (uint32_t column = 0; column < columns; column++) {
             if (!scene_goes_on(scene, next, err))

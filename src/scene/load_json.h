@@ -4,6 +4,7 @@
 #define LAMPYRIS_SCENE_LOAD_JSON_H
 
 #include "bounds.h"
+#include "generate.h"
 #include "json_node.h"
 #include "scene.h"
 
@@ -98,6 +99,38 @@ bool load_json_torus(struct scene *scene, const struct json_node *torus, uint32_
                      struct err *err);
 bool load_json_stadium(struct scene *scene, const struct json_node *stadium, uint32_t material,
                        struct err *err);
+
+// What describes the four above; those that make them call these.
+bool load_json_read_generated(const struct json_node *generated, uint32_t *triangles,
+                              struct err *err);
+bool load_json_read_teapot(const struct json_node *teapot, uint32_t *resolution, struct err *err);
+bool load_json_read_torus(const struct json_node *node, struct torus *torus, struct err *err);
+bool load_json_read_stadium(const struct json_node *node, struct stadium *stadium, struct err *err);
+
+// The kinds of a list of shapes.
+enum shape_type {
+    SHAPE_TYPE_MESH,
+    SHAPE_TYPE_QUAD,
+    SHAPE_TYPE_BOX,
+    SHAPE_TYPE_SPHERE,
+    SHAPE_TYPE_DISC,
+    SHAPE_TYPE_PLANE,
+    SHAPE_TYPE_CYLINDER,
+    SHAPE_TYPE_GENERATED,
+    SHAPE_TYPE_TEAPOT,
+    SHAPE_TYPE_TORUS,
+    SHAPE_TYPE_STADIUM,
+    SHAPE_TYPE_SDF,
+    SHAPE_TYPE_SCATTER,
+    SHAPE_TYPE_INSTANCE,
+    SHAPE_TYPE_STREW, // a scatter with "of", after those that have a name
+    SHAPE_TYPE_COUNT,
+};
+// The kind that an element's "type" names; its keys are that kind's.
+bool load_json_shape_type(const struct json_node *node, uint32_t *type, struct err *err);
+// Asks the budget for what all shapes of the list will take at least, before any is made.
+// ERR_BUDGET, with the first one that is too many, where that is more than is left.
+bool load_json_check_memory(const struct json_node *shapes, struct err *err);
 
 // Whether the object's "as" is "analytic" rather than "triangles"; as it was without.
 bool load_json_is_analytic(const struct json_node *object, bool *analytic, struct err *err);

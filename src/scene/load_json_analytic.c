@@ -49,7 +49,7 @@ bool load_json_sphere(struct scene *scene, const struct json_node *sphere, uint3
 {
     struct shape shape = {.kind = SHAPE_SPHERE, .material = material};
     const struct json_node divided = node_member(sphere, "subdivision");
-    uint64_t subdivision = 3;
+    uint64_t subdivision = SCATTER_SUBDIVISION;
     bool analytic = true;
     if (!node_read_vector(sphere, "center", RANGE_COORDINATE, shape.center, err) ||
         !node_read_number(sphere, "radius", RANGE_RADIUS, &shape.radius, err) ||

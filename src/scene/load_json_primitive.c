@@ -140,57 +140,90 @@ bool load_json_box(struct scene *scene, const struct json_node *box, uint32_t ma
 
 // --- generated meshes ----------------------------------------------------------------------------
 
+bool load_json_read_generated(const struct json_node *generated, uint32_t *triangles,
+                              struct err *err)
+{
+    uint64_t count = 0;
+    if (!node_read_integer(generated, "triangles", 8, GENERATED_TRIANGLES_MAX, &count, err))
+        return false;
+    *triangles = (uint32_t)count;
+    return true;
+}
+
 bool load_json_generated(struct scene *scene, const struct json_node *generated, uint32_t material,
                          struct err *err)
 {
-    uint64_t triangles = 0;
-    uint32_t mesh;
-    if (!node_read_integer(generated, "triangles", 8, GENERATED_TRIANGLES_MAX, &triangles, err))
+    uint32_t triangles, mesh;
+    if (!load_json_read_generated(generated, &triangles, err))
         return false;
-    if (!generate_blob(scene, (uint32_t)triangles, material, &mesh, err))
+    if (!generate_blob(scene, triangles, material, &mesh, err))
         return node_prepend(generated, err);
     return scene_place_meshes(scene, mesh, 1, err);
+}
+
+bool load_json_read_teapot(const struct json_node *teapot, uint32_t *resolution, struct err *err)
+{
+    uint64_t cells = TEAPOT_RESOLUTION;
+    if (!node_read_integer(teapot, "resolution", 1, TEAPOT_RESOLUTION_MAX, &cells, err))
+        return false;
+    *resolution = (uint32_t)cells;
+    return true;
 }
 
 bool load_json_teapot(struct scene *scene, const struct json_node *teapot, uint32_t material,
                       struct err *err)
 {
-    uint64_t resolution = TEAPOT_RESOLUTION;
-    uint32_t mesh;
-    if (!node_read_integer(teapot, "resolution", 1, TEAPOT_RESOLUTION_MAX, &resolution, err))
+    uint32_t resolution, mesh;
+    if (!load_json_read_teapot(teapot, &resolution, err))
         return false;
-    if (!generate_teapot(scene, (uint32_t)resolution, material, &mesh, err))
+    if (!generate_teapot(scene, resolution, material, &mesh, err))
         return node_prepend(teapot, err);
     return scene_place_meshes(scene, mesh, 1, err);
+}
+
+bool load_json_read_torus(const struct json_node *node, struct torus *torus, struct err *err)
+{
+    const struct range tubes = {1e-6, 0.999, false};
+    uint64_t segments = 128, tube_segments = 64;
+    torus->tube = 0.25;
+    if (!node_read_number(node, "tube", tubes, &torus->tube, err) ||
+        !node_read_integer(node, "segments", 3, TORUS_SEGMENTS_MAX, &segments, err) ||
+        !node_read_integer(node, "tube_segments", 3, TORUS_SEGMENTS_MAX, &tube_segments, err))
+        return false;
+    torus->segments = (uint32_t)segments;
+    torus->tube_segments = (uint32_t)tube_segments;
+    return true;
 }
 
 bool load_json_torus(struct scene *scene, const struct json_node *node, uint32_t material,
                      struct err *err)
 {
-    const struct range tubes = {1e-6, 0.999, false};
-    uint64_t segments = 128, tube_segments = 64;
-    struct torus torus = {.tube = 0.25};
+    struct torus torus;
     uint32_t mesh;
-    if (!node_read_number(node, "tube", tubes, &torus.tube, err) ||
-        !node_read_integer(node, "segments", 3, TORUS_SEGMENTS_MAX, &segments, err) ||
-        !node_read_integer(node, "tube_segments", 3, TORUS_SEGMENTS_MAX, &tube_segments, err))
+    if (!load_json_read_torus(node, &torus, err))
         return false;
-    torus.segments = (uint32_t)segments;
-    torus.tube_segments = (uint32_t)tube_segments;
     if (!generate_torus(scene, &torus, material, &mesh, err))
         return node_prepend(node, err);
     return scene_place_meshes(scene, mesh, 1, err);
 }
 
-bool load_json_stadium(struct scene *scene, const struct json_node *node, uint32_t material,
-                       struct err *err)
+bool load_json_read_stadium(const struct json_node *node, struct stadium *stadium, struct err *err)
 {
     uint64_t steps = 16, segments = 96;
-    uint32_t mesh;
     if (!node_read_integer(node, "steps", 1, STADIUM_STEPS_MAX, &steps, err) ||
         !node_read_integer(node, "segments", 3, STADIUM_SEGMENTS_MAX, &segments, err))
         return false;
-    const struct stadium stadium = {(uint32_t)steps, (uint32_t)segments};
+    *stadium = (struct stadium){(uint32_t)steps, (uint32_t)segments};
+    return true;
+}
+
+bool load_json_stadium(struct scene *scene, const struct json_node *node, uint32_t material,
+                       struct err *err)
+{
+    struct stadium stadium;
+    uint32_t mesh;
+    if (!load_json_read_stadium(node, &stadium, err))
+        return false;
     if (!generate_stadium(scene, &stadium, material, &mesh, err))
         return node_prepend(node, err);
     return scene_place_meshes(scene, mesh, 1, err);

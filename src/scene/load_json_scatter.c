@@ -106,7 +106,7 @@ static bool read_scatter(struct json_loader *loader, const struct json_node *nod
     uint64_t count = 0, seed = 1;
     uint32_t form = 0;
     double radii[2];
-    strewn->subdivision = 3;
+    strewn->subdivision = SCATTER_SUBDIVISION;
     if (!node_read_integer(node, "count", 1, SCATTER_COUNT_MAX, &count, err) ||
         !node_read_integer(node, "seed", 0, UINT32_MAX, &seed, err) ||
         !node_read_number(node, "disc_radius", RANGE_RADIUS, &scatter->disc_radius, err) ||

@@ -246,26 +246,7 @@ static bool load_instance(struct shape_list *list, const struct json_node *node,
 
 // --- the list ------------------------------------------------------------------------------------
 
-enum shape_type {
-    TYPE_MESH,
-    TYPE_QUAD,
-    TYPE_BOX,
-    TYPE_SPHERE,
-    TYPE_DISC,
-    TYPE_PLANE,
-    TYPE_CYLINDER,
-    TYPE_GENERATED,
-    TYPE_TEAPOT,
-    TYPE_TORUS,
-    TYPE_STADIUM,
-    TYPE_SDF,
-    TYPE_SCATTER,
-    TYPE_INSTANCE,
-    TYPE_STREW, // a scatter with "of", after those that have a name
-    TYPE_COUNT,
-};
-
-static const char *const type_names[TYPE_COUNT] = {
+static const char *const type_names[SHAPE_TYPE_COUNT] = {
     "mesh",   "quad",  "box",     "sphere", "disc",    "plane",    "cylinder", "generated",
     "teapot", "torus", "stadium", "sdf",    "scatter", "instance", NULL};
 
@@ -274,28 +255,29 @@ static const char *const type_names[TYPE_COUNT] = {
 // Keys of each type, "type" included.
 static const struct {
     const char *required[6], *optional[11];
-} type_keys[TYPE_COUNT] = {
-    [TYPE_MESH] = {{"type", "file"}, {EVERY_SHAPE, "material", "fit"}},
-    [TYPE_QUAD] = {{"type", "material"}, {EVERY_SHAPE, "vertices", "corner", "u", "v", "as"}},
-    [TYPE_BOX] = {{"type", "material", "min", "max"}, {EVERY_SHAPE, "as"}},
-    [TYPE_SPHERE] = {{"type", "material", "radius"}, {EVERY_SHAPE, "center", "as", "subdivision"}},
-    [TYPE_DISC] = {{"type", "material", "radius", "normal"}, {EVERY_SHAPE, "center"}},
-    [TYPE_PLANE] = {{"type", "material", "normal"}, {EVERY_SHAPE, "point"}},
-    [TYPE_CYLINDER] = {{"type", "material", "radius"},
-                       {EVERY_SHAPE, "from", "to", "center", "axis", "height", "caps"}},
-    [TYPE_GENERATED] = {{"type", "material", "triangles"}, {EVERY_SHAPE}},
-    [TYPE_TEAPOT] = {{"type", "material"}, {EVERY_SHAPE, "resolution"}},
-    [TYPE_TORUS] = {{"type", "material"}, {EVERY_SHAPE, "tube", "segments", "tube_segments"}},
-    [TYPE_STADIUM] = {{"type", "material"}, {EVERY_SHAPE, "steps", "segments"}},
-    [TYPE_SDF] = {{"type", "material", "field"}, {EVERY_SHAPE, "bounds"}},
-    [TYPE_SCATTER] = {{"type", "count", "disc_radius", "radius", "materials"},
-                      {EVERY_SHAPE, "seed", "as", "subdivision"}},
-    [TYPE_INSTANCE] = {{"type", "of"}, {EVERY_SHAPE, "material"}},
-    [TYPE_STREW] = {{"type", "of", "count"},
-                    {EVERY_SHAPE, "disc_radius", "size", "seed", "scale", "tilt_degrees"}},
+} type_keys[SHAPE_TYPE_COUNT] = {
+    [SHAPE_TYPE_MESH] = {{"type", "file"}, {EVERY_SHAPE, "material", "fit"}},
+    [SHAPE_TYPE_QUAD] = {{"type", "material"}, {EVERY_SHAPE, "vertices", "corner", "u", "v", "as"}},
+    [SHAPE_TYPE_BOX] = {{"type", "material", "min", "max"}, {EVERY_SHAPE, "as"}},
+    [SHAPE_TYPE_SPHERE] = {{"type", "material", "radius"},
+                           {EVERY_SHAPE, "center", "as", "subdivision"}},
+    [SHAPE_TYPE_DISC] = {{"type", "material", "radius", "normal"}, {EVERY_SHAPE, "center"}},
+    [SHAPE_TYPE_PLANE] = {{"type", "material", "normal"}, {EVERY_SHAPE, "point"}},
+    [SHAPE_TYPE_CYLINDER] = {{"type", "material", "radius"},
+                             {EVERY_SHAPE, "from", "to", "center", "axis", "height", "caps"}},
+    [SHAPE_TYPE_GENERATED] = {{"type", "material", "triangles"}, {EVERY_SHAPE}},
+    [SHAPE_TYPE_TEAPOT] = {{"type", "material"}, {EVERY_SHAPE, "resolution"}},
+    [SHAPE_TYPE_TORUS] = {{"type", "material"}, {EVERY_SHAPE, "tube", "segments", "tube_segments"}},
+    [SHAPE_TYPE_STADIUM] = {{"type", "material"}, {EVERY_SHAPE, "steps", "segments"}},
+    [SHAPE_TYPE_SDF] = {{"type", "material", "field"}, {EVERY_SHAPE, "bounds"}},
+    [SHAPE_TYPE_SCATTER] = {{"type", "count", "disc_radius", "radius", "materials"},
+                            {EVERY_SHAPE, "seed", "as", "subdivision"}},
+    [SHAPE_TYPE_INSTANCE] = {{"type", "of"}, {EVERY_SHAPE, "material"}},
+    [SHAPE_TYPE_STREW] = {{"type", "of", "count"},
+                          {EVERY_SHAPE, "disc_radius", "size", "seed", "scale", "tilt_degrees"}},
 };
 
-static bool read_type(const struct json_node *node, uint32_t *type, struct err *err)
+bool load_json_shape_type(const struct json_node *node, uint32_t *type, struct err *err)
 {
     if (!json_is_object(node->value))
         return node_unexpected(node, "an object", err);
@@ -303,8 +285,8 @@ static bool read_type(const struct json_node *node, uint32_t *type, struct err *
         return node_fail(node, err, "\"type\" is missing");
     if (!node_read_choice(node, "type", type_names, type, err))
         return false;
-    if (*type == TYPE_SCATTER && node_member(node, "of").value)
-        *type = TYPE_STREW;
+    if (*type == SHAPE_TYPE_SCATTER && node_member(node, "of").value)
+        *type = SHAPE_TYPE_STREW;
     return node_check_object(node, type_keys[*type].required, type_keys[*type].optional, err);
 }
 
@@ -351,37 +333,37 @@ static bool add_in_own_space(struct shape_list *list, const struct json_node *no
     if (!load_json_material_name(list->loader, node, &material, err))
         return false;
     switch (type) {
-    case TYPE_MESH:
+    case SHAPE_TYPE_MESH:
         return load_mesh(list->loader, node, material, err);
-    case TYPE_QUAD:
+    case SHAPE_TYPE_QUAD:
         return load_json_quad(scene, node, material, err);
-    case TYPE_BOX:
+    case SHAPE_TYPE_BOX:
         return load_json_box(scene, node, material, err);
-    case TYPE_SPHERE:
+    case SHAPE_TYPE_SPHERE:
         return load_json_sphere(scene, node, material, err);
-    case TYPE_DISC:
+    case SHAPE_TYPE_DISC:
         return load_json_disc(scene, node, material, err);
-    case TYPE_PLANE:
+    case SHAPE_TYPE_PLANE:
         return load_json_plane(scene, node, material, err);
-    case TYPE_CYLINDER:
+    case SHAPE_TYPE_CYLINDER:
         return load_json_cylinder(scene, node, material, err);
-    case TYPE_GENERATED:
+    case SHAPE_TYPE_GENERATED:
         return load_json_generated(scene, node, material, err);
-    case TYPE_TORUS:
+    case SHAPE_TYPE_TORUS:
         return load_json_torus(scene, node, material, err);
-    case TYPE_STADIUM:
+    case SHAPE_TYPE_STADIUM:
         return load_json_stadium(scene, node, material, err);
-    case TYPE_TEAPOT:
+    case SHAPE_TYPE_TEAPOT:
         return load_json_teapot(scene, node, material, err);
-    case TYPE_SDF:
+    case SHAPE_TYPE_SDF:
         return load_json_sdf(scene, node, material, err);
-    case TYPE_SCATTER:
+    case SHAPE_TYPE_SCATTER:
         return load_json_scatter(list->loader, node, err);
-    case TYPE_INSTANCE:
+    case SHAPE_TYPE_INSTANCE:
         return load_instance(list, node, material, err);
-    case TYPE_STREW:
+    case SHAPE_TYPE_STREW:
         return load_json_strew(list->loader, node, list->parts, err);
-    case TYPE_COUNT:
+    case SHAPE_TYPE_COUNT:
         break;
     }
     return err_set(err, ERR_BUG, "shape type %d has no loader", (int)type);
@@ -402,7 +384,8 @@ static bool load_shape(struct shape_list *list, const struct json_node *node, st
     struct scene_part *part = &list->parts[node->index];
     uint32_t type;
     *part = (struct scene_part){scene->instance_count, 0, scene->shape_count, 0};
-    if (!read_type(node, &type, err) || !add_in_own_space(list, node, (enum shape_type)type, err))
+    if (!load_json_shape_type(node, &type, err) ||
+        !add_in_own_space(list, node, (enum shape_type)type, err))
         return false;
     part->instance_count = scene->instance_count - part->first_instance;
     part->shape_count = scene->shape_count - part->first_shape;
@@ -448,7 +431,7 @@ static void remove_hidden(struct shape_list *list, size_t count)
 
 bool load_json_shapes(struct json_loader *loader, const struct json_node *shapes, struct err *err)
 {
-    if (!node_check_array(shapes, 0, UINT32_MAX, err))
+    if (!node_check_array(shapes, 0, UINT32_MAX, err) || !load_json_check_memory(shapes, err))
         return false;
     size_t count = json_array_size(shapes->value);
     struct arena *arena = &loader->scene->arena;

@@ -7,6 +7,7 @@
 #define SCATTER_COUNT_MAX 1000000
 #define STREW_COUNT_MAX (1u << 24) // of instances and shapes
 #define SCATTER_SUBDIVISION_MAX 6
+#define SCATTER_SUBDIVISION 3 // where nothing is said
 
 struct scatter {
     uint32_t count, seed;
@@ -27,6 +28,9 @@ struct scattered_sphere {
 bool scatter_spheres(const struct scatter *scatter, struct arena *scratch,
                      struct scattered_sphere *out, uint32_t *placed, struct err *err);
 
+// What the call and `out` take.
+uint64_t scatter_spheres_bytes(uint32_t count);
+
 // Random: number `n` of item `item`.
 uint32_t scatter_bits(uint32_t seed, uint32_t item, uint32_t n);
 
@@ -34,5 +38,6 @@ uint32_t scatter_bits(uint32_t seed, uint32_t item, uint32_t n);
 // four `subdivision` times (at most SCATTER_SUBDIVISION_MAX), with the sphere's normals.
 bool generate_icosphere(struct scene *scene, uint32_t subdivision, uint32_t *index,
                         struct err *err);
+uint64_t generate_icosphere_bytes(uint32_t subdivision); // that it takes
 
 #endif
