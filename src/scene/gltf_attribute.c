@@ -135,6 +135,14 @@ bool gltf_attribute_read(struct gltf_load *load, const struct json_node *attribu
     return true;
 }
 
+uint32_t gltf_attribute_count(const struct gltf_document *document, uint32_t accessor,
+                              enum gltf_attribute attribute)
+{
+    struct err dropped = {0};
+    struct accessor_view view;
+    return accessor_view(document, accessor, &rules[attribute], &view, &dropped) ? view.count : 0;
+}
+
 uint32_t gltf_attribute_width(enum gltf_attribute attribute)
 {
     return rules[attribute].components;

@@ -13,6 +13,9 @@ bool gltf_attribute_read(struct gltf_load *load, const struct json_node *attribu
                          const char *key, enum gltf_attribute attribute, uint32_t count,
                          float **values, struct err *err);
 
+// The elements of an accessor, as that attribute; 0 where it cannot be read so.
+uint32_t gltf_attribute_count(const struct gltf_document *document, uint32_t accessor,
+                              enum gltf_attribute attribute);
 // Numbers of an element in the arrays above.
 uint32_t gltf_attribute_width(enum gltf_attribute attribute);
 

@@ -107,6 +107,28 @@ static bool add_one(struct gltf_load *load, const struct parts *parts, uint32_t 
     return gltf_instance_add(load, transform, meshes, err);
 }
 
+uint32_t gltf_instancing_count(const struct gltf_document *document, const struct json_node *node)
+{
+    struct err dropped = {0};
+    struct json_node extensions, instancing, attributes;
+    if (!gltf_read_extension(node, "EXT_mesh_gpu_instancing", &extensions, &instancing, &dropped))
+        return 0;
+    if (!instancing.value)
+        return 1;
+    if (!gltf_read_object(&instancing, "attributes", &attributes, &dropped))
+        return 0;
+    for (int i = 0; i < ATTRIBUTE_COUNT; i++) {
+        struct accessor_view view;
+        uint32_t accessor;
+        if (!gltf_read_index(&attributes, rules[i].use, document->counts[GLTF_ACCESSORS], &accessor,
+                             &dropped))
+            return 0;
+        if (accessor != GLTF_NONE)
+            return accessor_view(document, accessor, &rules[i], &view, &dropped) ? view.count : 0;
+    }
+    return 0;
+}
+
 bool gltf_instancing_load(struct gltf_load *load, const struct json_node *node,
                           const double world[3][4], struct gltf_mesh_range meshes, bool *found,
                           struct err *err)

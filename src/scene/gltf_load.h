@@ -94,7 +94,26 @@ bool gltf_light_load(struct gltf_load *load, const struct json_node *holder,
 bool gltf_mesh_load(struct gltf_load *load, uint32_t index, const struct gltf_weights *weights,
                     const struct gltf_skin *skin, struct gltf_mesh_range *out, struct err *err);
 
-// gltf_instancing.c: adds instances of scene mesh range `meshes` at the transforms that the node's
+// What a glTF mesh will take at least.
+struct gltf_mesh_needs {
+    uint64_t vertex_bytes;    // once, whatever primitives share the accessors
+    uint64_t primitive_bytes; // whenever it is converted
+    uint32_t count;           // of the scene's meshes that it becomes
+};
+// `seen`, for each accessor, says as which attributes it is counted already: a bit for each.
+struct gltf_mesh_needs gltf_mesh_count(const struct gltf_document *document, uint32_t index,
+                                       uint8_t *seen);
+
+// gltf_memory.c: asks the budget for all that the nodes of the scene will take at least, before any
+// is loaded. ERR_BUDGET, with the first node that is too many, where that is more than is left.
+struct gltf_nodes;
+bool gltf_check_memory(const struct gltf_load *load, const struct gltf_nodes *nodes,
+                       struct err *err);
+
+// gltf_instancing.c: how many instances EXT_mesh_gpu_instancing makes of the node's mesh; 1 without
+// it, 0 where it cannot be read.
+uint32_t gltf_instancing_count(const struct gltf_document *document, const struct json_node *node);
+// Adds instances of scene mesh range `meshes` at the transforms that the node's
 // EXT_mesh_gpu_instancing gives, each after `world`. *found: the node has that extension.
 bool gltf_instancing_load(struct gltf_load *load, const struct json_node *node,
                           const double world[3][4], struct gltf_mesh_range meshes, bool *found,

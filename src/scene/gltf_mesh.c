@@ -262,3 +262,91 @@ bool gltf_mesh_load(struct gltf_load *load, uint32_t index, const struct gltf_we
                     (double)load->loaded_meshes / load->document.counts[GLTF_MESHES]);
     return true;
 }
+
+// --- what it will take ---------------------------------------------------------------------------
+
+// What is wrong in the file is for the readers above to say, and counts as nothing here.
+
+static uint64_t new_vertex_bytes(const struct gltf_document *document,
+                                 const struct json_node *attributes, uint8_t *seen)
+{
+    static const struct {
+        const char *key;
+        enum gltf_attribute attribute;
+    } keys[] = {
+        {"POSITION", GLTF_POSITION},   {"NORMAL", GLTF_NORMAL},       {"TANGENT", GLTF_TANGENT},
+        {"TEXCOORD_0", GLTF_TEXCOORD}, {"TEXCOORD_1", GLTF_TEXCOORD}, {"COLOR_0", GLTF_COLOR},
+    };
+    uint64_t bytes = 0;
+    for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++) {
+        struct err dropped = {0};
+        uint32_t accessor;
+        if (!gltf_read_index(attributes, keys[i].key, document->counts[GLTF_ACCESSORS], &accessor,
+                             &dropped) ||
+            accessor == GLTF_NONE || seen[accessor] >> keys[i].attribute & 1)
+            continue;
+        seen[accessor] |= (uint8_t)(1u << keys[i].attribute);
+        bytes += (uint64_t)gltf_attribute_count(document, accessor, keys[i].attribute) *
+                 gltf_attribute_width(keys[i].attribute) * sizeof(float);
+    }
+    return bytes;
+}
+
+static uint32_t count_corners(const struct gltf_document *document,
+                              const struct json_node *primitive, uint32_t position,
+                              bool *is_indexed)
+{
+    struct err dropped = {0};
+    struct accessor_view view;
+    uint32_t indices;
+    if (!gltf_read_index(primitive, "indices", document->counts[GLTF_ACCESSORS], &indices,
+                         &dropped))
+        return 0;
+    *is_indexed = indices != GLTF_NONE;
+    if (!*is_indexed)
+        return gltf_attribute_count(document, position, GLTF_POSITION);
+    return accessor_view(document, indices, &index_rule, &view, &dropped) ? view.count : 0;
+}
+
+static void count_primitive(const struct gltf_document *document, const struct json_node *primitive,
+                            uint8_t *seen, struct gltf_mesh_needs *needs)
+{
+    const struct mesh *mesh = NULL;
+    struct err dropped = {0};
+    struct gltf_tally tally = {0};
+    struct json_node attributes;
+    uint64_t mode = MODE_TRIANGLES;
+    uint32_t position, triangles;
+    bool is_indexed;
+    if (!json_is_object(primitive->value) ||
+        !gltf_read_object(primitive, "attributes", &attributes, &dropped) || !attributes.value ||
+        !gltf_read_index(&attributes, "POSITION", document->counts[GLTF_ACCESSORS], &position,
+                         &dropped) ||
+        !node_read_integer(primitive, "mode", MODE_POINTS, MODE_TRIANGLE_FAN, &mode, &dropped) ||
+        !is_drawable(&tally, (enum primitive_mode)mode, position))
+        return;
+    uint32_t corners = count_corners(document, primitive, position, &is_indexed);
+    if (!count_triangles(primitive, (enum primitive_mode)mode, corners, &triangles, &dropped))
+        return;
+    needs->vertex_bytes += new_vertex_bytes(document, &attributes, seen);
+    needs->primitive_bytes += triangles * (uint64_t)sizeof *mesh->indices;
+    // Of strips nothing may be left.
+    needs->count += triangles > 0 && (mode == MODE_TRIANGLES || !is_indexed);
+}
+
+struct gltf_mesh_needs gltf_mesh_count(const struct gltf_document *document, uint32_t index,
+                                       uint8_t *seen)
+{
+    const struct json_node node = gltf_item(document, GLTF_MESHES, index);
+    struct gltf_mesh_needs needs = {0};
+    struct json_node primitives;
+    struct err dropped = {0};
+    if (!gltf_read_array(&node, "primitives", &primitives, &dropped))
+        return needs;
+    for (size_t i = 0; i < json_array_size(primitives.value); i++) {
+        const struct json_node primitive = node_element(&primitives, i);
+        count_primitive(document, &primitive, seen, &needs);
+    }
+    needs.primitive_bytes += needs.count * sizeof(struct mesh);
+    return needs;
+}

@@ -271,7 +271,8 @@ static bool convert(struct gltf_load *load, const struct gltf_load_params *param
     };
     if (!gltf_nodes_open(&nodes, &load->document, &nodes_params, &load->document.arena, err))
         return false;
-    if (!gltf_variant_find(load, params->variant, err) || !gltf_materials_load(load, err))
+    if (!gltf_variant_find(load, params->variant, err) || !gltf_check_memory(load, &nodes, err) ||
+        !gltf_materials_load(load, err))
         return false;
     for (uint32_t i = 0; i < nodes.count; i++)
         if (nodes.is_in_scene[i] && (!scene_goes_on(load->scene, 0, err) ||

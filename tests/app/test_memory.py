@@ -192,13 +192,15 @@ class Budget(Base):
         model = self.write('i.gltf', triangle_gltf(
             accessors=accessors, nodes=[node] * 50, scenes=[{'nodes': list(range(50))}],
             extensionsUsed=['EXT_mesh_gpu_instancing']))
-        self.refuse('info', model, thing='i.gltf: nodes[0]: out of memory for instances')
+        self.refuse('info', model, memory='1G', peak=40 * MIB, seconds=1,
+                    thing='i.gltf: nodes[9]: out of memory for instances')
         # Two thousand primitives on a thousand nodes.
         primitive = {'attributes': {'POSITION': 0}}
         model = self.write('p.gltf', triangle_gltf(
             meshes=[{'primitives': [primitive] * 2000}], nodes=[{'mesh': 0}] * 1000,
             scenes=[{'nodes': list(range(1000))}]))
-        self.refuse('info', model, thing='p.gltf: out of memory for instances')
+        stderr = self.refuse('info', model, thing='p.gltf: nodes[', peak=40 * MIB)
+        self.assertIn('out of memory for instances', stderr)
 
     def test_documents(self):
         """The tree of a text of brackets is a hundred times as large as the text."""
