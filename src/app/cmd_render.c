@@ -14,6 +14,11 @@ static bool set_up(struct render_job *job, struct err *err)
     if (!job_load_scene(options, &job->scene, &job->camera, err))
         return false;
     job->seconds.load = clock_seconds_since(start);
+    if (job->scene.is_hidden)
+        return err_set(err, ERR_INPUT,
+                       "%s: everything in the scene is hidden, and it has no environment; expected "
+                       "something to see",
+                       job->scene.path);
     if (!job_check_space(job, err) || !job_settle_samples(job, err) ||
         !job_open_reference(job, err) || (!follows_path && !job_check_inputs(job, err)))
         return false;

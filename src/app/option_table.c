@@ -346,7 +346,8 @@ const struct option_def option_table[OPTION_TOTAL] = {
     },
     [OPTION_STRICT] = {
         .name = "strict", .type = VALUE_FLAG, .group = "Scene", .commands = FOR_SCENE,
-        .help = "A missing texture is an error, instead of pink with a warning.", FIELD(strict),
+        .help = "A missing texture or material library (MTL) is an error, instead of pink or grey "
+                "with a warning.", FIELD(strict),
     },
     [OPTION_ALLOW_OUTSIDE_PATHS] = {
         .name = "allow-outside-paths", .type = VALUE_FLAG, .group = "Scene",

@@ -73,7 +73,8 @@ void explain_print(const struct render_job *job)
     if (r->stats.suspended)
         printf("continued %" PRIu64 " traversals of more than %u steps\n", r->stats.suspended,
                r->specialization.iteration_budget);
-    report_print_kernels(&r->stats, 0.0);
+    report_print_steps(job);
+    report_print_kernels(&r->stats);
     printf("code      %" PRIu64 " SPIR-V instructions are left of %" PRIu64 "\n",
            totals.instructions, totals.all_instructions);
     puts("saved     by each part that is left out, if it alone were there besides:\n");

@@ -64,15 +64,12 @@ static void print_error(const struct render_job *job)
     const struct half_error *e = &job->error;
     bool is_bound = halves_are_bound(job);
     if (e->known && job_shares_depths(job))
-        printf(
-            "error     relMSE %.3g in %.3f s, without an interval: all pixels share their paths' "
-            "depths (variance from half-buffers, blind to bias)\n",
-            e->relmse, job->seconds.render);
+        printf("error     relMSE %.3g in %.3f s (no interval: pixels share their paths' depths; "
+               "blind to bias)\n",
+               e->relmse, job->seconds.render);
     else if (e->known)
-        printf("error     relMSE %s%.3g, 95 %% interval %.3g to %.3g, in %.3f s (variance from "
-               "%shalf-buffers, blind to bias)\n",
-               is_bound ? "at most " : "", e->relmse, e->ci_low, e->ci_high, job->seconds.render,
-               is_bound ? "contiguous " : "");
+        printf("error     relMSE %s%.3g, 95 %% interval %.3g to %.3g, in %.3f s (blind to bias)\n",
+               is_bound ? "at most " : "", e->relmse, e->ci_low, e->ci_high, job->seconds.render);
     else
         printf("error     not yet known: %s\n", e->reason);
 }
@@ -110,10 +107,9 @@ static void print_forecast(const struct render_job *job)
     printf("forecast  twice the time: relMSE %s about %.2g (%.2g to %.2g), ",
            is_bound ? "at most" : "of", f.error.value, f.error.low, f.error.high);
     if (f.basis == FORECAST_SLOPE)
-        printf("by the slope of the last %zu looks, %.2f (%.2f to %.2f)", f.looks, f.slope.value,
-               f.slope.low, f.slope.high);
+        printf("by slope %.2f (%.2f to %.2f)", f.slope.value, f.slope.low, f.slope.high);
     else
-        printf("as error falls with 1 / samples%s", is_bound ? " or faster" : "");
+        printf("as 1 / samples%s", is_bound ? " or faster" : "");
     if (job->options->reference && job->against.bias.is_certain)
         printf(", of which %.2g stays", job->against.bias.stays.value);
     putchar('\n');
@@ -137,37 +133,92 @@ static void print_ending(const struct render_job *job)
     }
 }
 
-void report_print_kernels(const struct render_stats *stats, double least)
+void report_print_kernels(const struct render_stats *stats)
 {
-    double sum = 0.0, others = 0.0;
+    bool any = false;
+    double sum = 0.0;
     for (int id = 0; id < KERNEL_COUNT; id++)
         sum += stats->kernels[id].ms;
-    if (sum <= 0.0)
-        return;
-    printf("kernels  ");
     for (int id = 0; id < KERNEL_COUNT; id++) {
         double ms = stats->kernels[id].ms;
-        if (ms < least * sum)
-            others += ms;
-        else if (ms > 0.0)
-            printf(" %s %.0f ms (%.0f %%)", kernel_code((enum kernel_id)id, true).name, ms,
-                   100.0 * ms / sum);
+        if (ms > 0.0)
+            printf("%s%s %.0f ms (%.0f %%)", any ? ", " : "kernels   ",
+                   kernel_code((enum kernel_id)id, true).name, ms, 100.0 * ms / sum);
+        any |= ms > 0.0;
     }
-    if (others > 0.0)
-        printf(", others %.0f ms", others);
-    putchar('\n');
+    if (any)
+        putchar('\n');
+}
+
+// Of `count` amounts: marks the `most` largest above 0 in `is_large`, and returns the sum of the
+// others.
+static double pick_largest(const double *amounts, int count, int most, bool *is_large)
+{
+    double others = 0.0;
+    for (int i = 0; i < count; i++) {
+        int larger = 0;
+        for (int k = 0; k < count; k++)
+            larger += amounts[k] > amounts[i] || (amounts[k] == amounts[i] && k < i);
+        is_large[i] = larger < most && amounts[i] > 0.0;
+        others += is_large[i] ? 0.0 : amounts[i];
+    }
+    return others;
+}
+
+// The three that take longest; --explain has all.
+static void print_largest_kernels(const struct render_stats *stats)
+{
+    double ms[KERNEL_COUNT], sum = 0.0;
+    bool is_large[KERNEL_COUNT];
+    for (int id = 0; id < KERNEL_COUNT; id++)
+        sum += ms[id] = stats->kernels[id].ms;
+    if (sum <= 0.0)
+        return;
+    double others = pick_largest(ms, KERNEL_COUNT, 3, is_large);
+    printf("kernels   %.0f ms:", sum);
+    for (int id = 0; id < KERNEL_COUNT; id++)
+        if (is_large[id])
+            printf(" %s %.0f %%,", kernel_code((enum kernel_id)id, true).name,
+                   100.0 * ms[id] / sum);
+    printf(" others %.0f %%\n", 100.0 * others / sum);
+}
+
+#define STEP_COUNT 7
+
+static void list_steps(const struct job_seconds *s, double seconds[STEP_COUNT])
+{
+    const double list[STEP_COUNT] = {
+        s->load, s->bvh, s->upload, s->compile, s->render - s->render_before, s->judge, s->write};
+    memcpy(seconds, list, sizeof list);
+}
+
+static void print_steps(const struct job_seconds *s, int most)
+{
+    static const char *const names[STEP_COUNT] = {"load",   "BVH",   "upload", "compile",
+                                                  "render", "judge", "write"};
+    double seconds[STEP_COUNT], named = 0.0;
+    bool is_large[STEP_COUNT];
+    list_steps(s, seconds);
+    pick_largest(seconds, STEP_COUNT, most, is_large);
+    printf("time      %.3f s =", s->total);
+    for (int i = 0; i < STEP_COUNT; i++) {
+        if (is_large[i])
+            printf(" %s %.3f +", names[i], seconds[i]);
+        named += is_large[i] ? seconds[i] : 0.0;
+    }
+    printf(" other %.3f\n", s->total - named);
+}
+
+void report_print_steps(const struct render_job *job)
+{
+    print_steps(&job->seconds, STEP_COUNT);
 }
 
 static void print_times(const struct render_job *job)
 {
     const struct job_seconds *s = &job->seconds;
     const struct render_stats *stats = &job->renderer.stats;
-    double render = s->render - s->render_before;
-    double named = s->load + s->bvh + s->upload + s->compile + render + s->judge + s->write;
-    printf("time      %.3f s = load %.3f + BVH %.3f + upload %.3f + compile %.3f + render %.3f + "
-           "judge %.3f + write %.3f + other %.3f\n",
-           s->total, s->load, s->bvh, s->upload, s->compile, render, s->judge, s->write,
-           s->total - named);
+    print_steps(s, 4);
     if (s->bvh_uncached > 0.0)
         printf("BVH       from the cache, %.3f s instead of %.3f s\n", s->bvh, s->bvh_uncached);
     if (s->render_before > 0.0)
@@ -175,7 +226,7 @@ static void print_times(const struct render_job *job)
     printf("speed     %.3f Msamples/s, %.2f Mrays/s (%.1f M closest, %.1f M shadow)\n",
            job_total_samples(job) * 1e-6 / s->render, report_total_rays(stats) * 1e-6 / s->render,
            (double)stats->closest_rays * 1e-6, (double)stats->shadow_rays * 1e-6);
-    report_print_kernels(stats, 0.05);
+    print_largest_kernels(stats);
 }
 
 const char *const report_class_names[CLASS_COUNT] = {
@@ -207,13 +258,29 @@ static void print_notes(const struct scene *scene)
 }
 
 // Of PNG pictures, where it is not what the scene file or an option says.
-static void print_exposure(const struct render_job *job, const char *output)
+static void print_exposure(const struct render_job *job)
 {
     const struct settings *s = &job->scene.settings;
-    bool is_png = strcasecmp(path_extension(output), "png") == 0;
-    if (is_png && s->exposure_is_auto)
-        printf(" (exposure %+.2f stops by luminance, tone %s: --exposure, --tone)",
-               (double)job->exposure, tone_names[s->tone_curve]);
+    if (s->exposure_is_auto)
+        printf(" (exposure %+.2f stops%s, tone %s: --exposure, --tone)", (double)job->exposure,
+               job->scene.exposure_is_replaced ? ", not the file's" : "",
+               tone_names[s->tone_curve]);
+}
+
+static void print_outputs(const struct render_job *job)
+{
+    uint32_t last_png = job->output_count;
+    for (uint32_t i = 0; i < job->output_count; i++)
+        if (strcasecmp(path_extension(job->outputs[i]), "png") == 0)
+            last_png = i;
+    for (uint32_t i = 0; i < job->output_count; i++) {
+        fputs(i == 0 ? "wrote     " : ", ", stdout);
+        print_words(job->outputs[i]);
+        if (i == last_png)
+            print_exposure(job);
+    }
+    if (job->output_count > 0)
+        putchar('\n');
 }
 
 void job_print_summary(const struct render_job *job)
@@ -257,12 +324,7 @@ void job_print_summary(const struct render_job *job)
            (double)job->gpu.peak_bytes / 1048576.0, report_host_peak_bytes() / 1048576.0,
            job->renderer.plan.wave_slots);
     explain_print_line(&job->renderer);
-    for (uint32_t i = 0; i < job->output_count; i++) {
-        fputs("wrote     ", stdout);
-        print_words(job->outputs[i]);
-        print_exposure(job, job->outputs[i]);
-        putchar('\n');
-    }
+    print_outputs(job);
     if (job->options->trace) {
         fputs("wrote     ", stdout);
         print_words(job->options->trace);

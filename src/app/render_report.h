@@ -9,8 +9,9 @@
 double report_host_peak_bytes(void); // 0 where it is not known
 double report_total_rays(const struct render_stats *stats);
 
-// A line of the kernels' times; those that take less than the part `least` of all are "others".
-void report_print_kernels(const struct render_stats *stats, double least);
+// A line of the times of all kernels, and one of those of all steps: the summary names the largest.
+void report_print_kernels(const struct render_stats *stats);
+void report_print_steps(const struct render_job *job);
 
 extern const char *const report_class_names[CLASS_COUNT];
 

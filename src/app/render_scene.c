@@ -86,8 +86,8 @@ bool job_adapt_scene(const struct options *options, struct scene *scene, uint32_
 {
     if (scene->is_empty)
         return err_set(err, ERR_INPUT,
-                       "%s: the scene is empty: it has no triangle, no shape and no environment; "
-                       "expected something to see",
+                       "%s: the scene is empty: it has no triangle with an area, no shape and no "
+                       "environment; expected something to see",
                        scene->path);
     options_apply_settings(options, &scene->settings);
     scene->progress = options->progress; // framing looks at all vertices

@@ -2,6 +2,8 @@
 
 #include "affine.h"
 #include "bounds.h"
+#include "shared/types.h"
+#include <math.h>
 #include <string.h>
 
 double luminance(const float rgb[3])
@@ -29,7 +31,7 @@ double mean_radiance(const struct scene *scene, const struct material *material)
     return luminance(mean);
 }
 
-static double world_area(const struct mesh *mesh, const double transform[3][4], uint32_t triangle)
+double triangle_world_area(const struct mesh *mesh, const double transform[3][4], uint32_t triangle)
 {
     double corner[3][3], edge[2][3], normal[3];
     for (int i = 0; i < 3; i++) {
@@ -62,7 +64,7 @@ static double instance_flux(const struct scene *scene, const struct instance *in
             radiance = mean_radiance(scene, &scene->materials[material]);
         last = material;
         if (radiance > 0)
-            sum += radiance * world_area(mesh, instance->transform, t);
+            sum += radiance * triangle_world_area(mesh, instance->transform, t);
     }
     return sum;
 }
@@ -95,4 +97,43 @@ bool scene_has_emissive_triangles(const struct scene *scene)
         if (instance_emits(scene, &scene->instances[i]))
             return true;
     return false;
+}
+
+// --- lights without extent -----------------------------------------------------------------------
+
+static double cap_solid_angle(double angle)
+{
+    double half = sin(angle / 2);
+    return 4 * M_PI * half * half;
+}
+
+// Of the directions in which a light at this place sends, those that meet the sphere.
+static double solid_angle_towards(const struct light *light, const double center[3], double radius)
+{
+    double towards[3];
+    vec3_subtract(center, light->position, towards);
+    double distance = vec3_length(towards);
+    bool is_inside = distance <= radius, is_spot = light->kind == LIGHT_SPOT;
+    double sphere = is_inside ? M_PI : asin(radius / distance);
+    if (!is_inside && distance - radius > (double)light->range)
+        return 0;
+    if (!is_spot)
+        return cap_solid_angle(sphere);
+    double cosine = is_inside ? 1 : vec3_dot(towards, light->direction) / distance;
+    if (!is_inside && acos(fmin(fmax(cosine, -1), 1)) > sphere + (double)light->outer_angle)
+        return 0;
+    return cap_solid_angle(fmin(sphere, (double)light->outer_angle));
+}
+
+double scene_light_flux(const struct scene *scene, const double center[3], double radius)
+{
+    double sum = 0;
+    for (uint32_t i = 0; i < scene->light_count; i++) {
+        const struct light *light = &scene->lights[i];
+        double radiant = luminance(light->radiant);
+        sum += light->kind == LIGHT_DIRECTIONAL
+                   ? radiant * radius * radius
+                   : radiant * solid_angle_towards(light, center, radius) / M_PI;
+    }
+    return sum;
 }

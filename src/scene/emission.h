@@ -13,5 +13,11 @@ double mean_radiance(const struct scene *scene, const struct material *material)
 double scene_emitted_flux(const struct scene *scene);
 // Whether there is an emissive triangle, though it may have no area.
 bool scene_has_emissive_triangles(const struct scene *scene);
+// The flux that lights without extent send to a sphere, divided by pi: W/sr. Of a spot's cone no
+// more than all of it arrives, none if the sphere is beside it, and none beyond a light's range.
+double scene_light_flux(const struct scene *scene, const double center[3], double radius);
+// Of a triangle of an instance; 0 for one that is left out of the render.
+double triangle_world_area(const struct mesh *mesh, const double transform[3][4],
+                           uint32_t triangle);
 
 #endif

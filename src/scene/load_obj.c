@@ -113,7 +113,8 @@ static char *library_path(struct obj_parser *parser, struct text_span name, stru
     return file_resolve(&parser->scratch, &reference, relative, err);
 }
 
-// A library that is not there, or that may not be read, costs colours but no geometry: a warning.
+// A library that is not there, or that may not be read, costs colours but no geometry: a
+// warning, and an error where the scene is strict.
 static bool read_material_library(struct obj_parser *parser, struct err *err)
 {
     struct text_span name = text_rest_of_line(&parser->text);
@@ -125,6 +126,9 @@ static bool read_material_library(struct obj_parser *parser, struct err *err)
         return true;
     if (!missing || reason.code != ERR_INPUT)
         return err_set(err, reason.code, "%s", reason.msg);
+    if (parser->scene->is_strict)
+        return err_set(err, ERR_INPUT, "%s:%llu: mtllib: %s", parser->text.path,
+                       (unsigned long long)parser->text.line, reason.msg);
     if (parser->missing_library_count++ == 0) {
         parser->missing_library = reason;
         parser->missing_library_line = parser->text.line;

@@ -174,11 +174,13 @@ struct scene {
     uint32_t camera_count;  // after scene_load at least 1: a model without one is framed
     bool camera_is_framed;  // cameras[0] was made up: scene_frame_camera fits it to another picture
     bool is_model;          // not of our own format, or its base is not
-    bool is_empty; // neither a surface nor an environment but one that was made up
-    bool has_studio;        // its light was made up
-    double weak_emission;   // that it has nevertheless, see studio.h
-    bool has_ground;        // the last shape was made up
+    bool is_empty;   // neither a triangle with an area nor a shape nor an environment of its own
+    bool is_hidden;  // all of its surfaces are, and there is no environment of its own
+    bool has_studio; // its light was made up
+    double weak_emission;                // that it has nevertheless, see studio.h
+    bool has_ground;                     // the last shape was made up
     bool has_own_exposure, has_own_tone; // the file says so
+    bool exposure_is_replaced;           // it was made for another environment than --env brings
     bool is_strict;                      // a missing image is an error
     uint32_t missing_image_count;        // pink
     enum scene_up up;
@@ -241,7 +243,8 @@ struct scene_load_params {
 };
 
 // Loads, checks, frames a camera where there is none and adds light where there is none, which a
-// note says. On failure *out is finished and {0}; err names file, place, value and what was expected.
+// note says. On failure *out is finished and {0}; err names file, place, value and what was
+// expected.
 bool scene_load(const struct scene_load_params *params, struct scene *out, struct err *err);
 void scene_finish(struct scene *scene); // accepts NULL and {0}
 

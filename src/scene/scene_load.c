@@ -1,6 +1,7 @@
 // From a path to a complete scene: the loader for the extension, then what a file may leave out.
 #include "scene.h"
 
+#include "emission.h"
 #include "environment.h"
 #include "file.h"
 #include "framing.h"
@@ -35,12 +36,30 @@ static bool load_mesh_alone(struct scene *scene, const struct scene_load_params 
     return ok && scene_place_meshes(scene, mesh, 1, err);
 }
 
-static bool is_empty(const struct scene *scene)
+static bool has_area(const struct scene *scene, const struct instance *instance)
 {
-    bool is_empty = scene->shape_count == 0 && !scene->environment.present;
-    for (uint32_t i = 0; i < scene->instance_count && is_empty; i++)
-        is_empty = scene->meshes[scene->instances[i].mesh].triangle_count == 0;
-    return is_empty;
+    const struct mesh *mesh = &scene->meshes[instance->mesh];
+    uint32_t t = 0;
+    while (t < mesh->triangle_count && !progress_stops_at(scene->progress, t + 1) &&
+           !(triangle_world_area(mesh, instance->transform, t) > 0))
+        t++;
+    return t < mesh->triangle_count;
+}
+
+static void look_for_surfaces(struct scene *scene)
+{
+    bool has_any = scene->environment.present, has_visible = has_any;
+    for (uint32_t i = 0; i < scene->shape_count && !has_visible; i++) {
+        has_any = true;
+        has_visible = !scene->shapes[i].hidden;
+    }
+    for (uint32_t i = 0; i < scene->instance_count && !has_visible; i++)
+        if (has_area(scene, &scene->instances[i])) {
+            has_any = true;
+            has_visible = !scene->instances[i].hidden;
+        }
+    scene->is_empty = !has_any;
+    scene->is_hidden = has_any && !has_visible;
 }
 
 // A surface that lost an image is pink all over, whatever the image was for: nobody overlooks it,
@@ -149,15 +168,17 @@ bool scene_goes_on(const struct scene *scene, uint64_t i, struct err *err)
 }
 
 // What was not composed as a picture is shown by what there is to see: exposed by its luminance,
-// with a curve that has a shoulder for highlights. So is what another light shines on than the one
-// that its author chose, in units of its own.
+// with a curve that has a shoulder for highlights. So is what a sky of the command line shines on:
+// it has units of its own, whatever exposure the file has for its own light.
 static bool provide_exposure(struct scene *scene, const struct scene_load_params *params)
 {
     struct settings *settings = &scene->settings;
     bool is_ours = scene->has_studio || (scene->camera_is_framed && params->studio);
     if (!is_ours && !params->environment_sky)
         return true;
-    if (!scene->has_own_exposure)
+    scene->exposure_is_replaced =
+        params->environment_sky && scene->has_own_exposure && !settings->exposure_is_auto;
+    if (!scene->has_own_exposure || scene->exposure_is_replaced)
         settings->exposure_is_auto = true;
     if (!scene->has_own_tone)
         settings->tone_curve = TONE_ACES;
@@ -170,7 +191,7 @@ static bool provide_missing(struct scene *scene, const struct scene_load_params 
 {
     if (scene->base)
         return finish_environment(scene, params, err) && provide_exposure(scene, params);
-    scene->is_empty = is_empty(scene);
+    look_for_surfaces(scene);
     return provide_material(scene, err) && scene_provide_light(scene, params, err) &&
            finish_environment(scene, params, err) && scene_provide_camera(scene, err) &&
            scene_goes_on(scene, 0, err) && provide_exposure(scene, params) &&

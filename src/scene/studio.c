@@ -310,21 +310,13 @@ static bool has_emission(const struct scene *scene)
     return scene_has_emissive_triangles(scene);
 }
 
-static bool has_lights(const struct scene *scene)
-{
-    for (uint32_t i = 0; i < scene->light_count; i++)
-        if (!scene->is_model || luminance(scene->lights[i].radiant) > 0)
-            return true;
-    return false;
-}
-
 bool scene_is_lit(const struct scene *scene, double *emission)
 {
     *emission = 0;
-    if (scene->environment.present || has_lights(scene))
+    if (scene->environment.present)
         return true;
     if (!scene->is_model)
-        return has_emission(scene);
+        return scene->light_count > 0 || has_emission(scene);
     const struct scene_part whole = scene_whole(scene);
     const struct bounds bounds = bounds_of_part(scene, &whole);
     double center[3];
@@ -332,7 +324,8 @@ bool scene_is_lit(const struct scene *scene, double *emission)
         center[i] = (bounds.min[i] + bounds.max[i]) / 2;
     double radius = bounds_radius(scene, &whole, center);
     if (radius > 0)
-        *emission = scene_emitted_flux(scene) / (4 * M_PI * radius * radius);
+        *emission = (scene_emitted_flux(scene) + scene_light_flux(scene, center, radius)) /
+                    (4 * M_PI * radius * radius);
     return *emission >= STUDIO_EMISSION_LEAST ||
            (*emission == 0 && scene_has_emissive_triangles(scene));
 }
@@ -411,15 +404,10 @@ bool scene_note_additions(struct scene *scene, struct err *err)
 {
     const char *camera = "", *light = "", *ground = scene->has_ground ? ", ground (--ground)" : "";
     if (scene->camera_is_framed)
-        camera = arena_printf(&scene->arena, ", three-quarter view with %s up (--up)",
-                              scene_up_names[scene->up]);
+        camera = arena_printf(&scene->arena, ", view with %s up (--up)", scene_up_names[scene->up]);
     if (scene->has_studio)
-        light = ", light of a studio (--studio, --env)";
-    if (scene->weak_emission > 0)
-        light = arena_printf(&scene->arena,
-                             "%s, as the file's own sends %.2g of it and counts from %g on", light,
-                             scene->weak_emission, STUDIO_EMISSION_LEAST);
-    if (!camera || !light)
+        light = ", studio light (--studio, --env)";
+    if (!camera)
         return err_memory(err, "a note", 0);
     if (!*camera && !*light && !*ground)
         return true;
@@ -428,5 +416,11 @@ bool scene_note_additions(struct scene *scene, struct err *err)
                     *light || *ground ? camera : camera + 1))
         return err_memory(err, "a note", 0);
     put_last_note_first(scene);
-    return true;
+    return !(scene->weak_emission > 0) ||
+           scene_note(
+               scene,
+               "the file's own light is %.2g of the studio's; it counts from %g on, and would "
+               "keep the studio away",
+               scene->weak_emission, STUDIO_EMISSION_LEAST) ||
+           err_memory(err, "a note", 0);
 }

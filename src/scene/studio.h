@@ -14,10 +14,11 @@
 #include "scene.h"
 
 // Whether what the file brings counts as light, which is judged by what it would send. An
-// environment and lights count unless they are black, and so does the emission of a scene file of
-// our own format, which is there on purpose. The emission of a model's materials counts from
+// environment counts, and so do lights and emission of a scene file of our own format, which are
+// there on purpose. A model's lights and the emission of its materials count from
 // STUDIO_EMISSION_LEAST on: *emission is the mean radiance that a white surface around the model
-// (its bounding sphere, of area A) would reflect if all of the flux F arrived there, F / (pi A).
+// (its bounding sphere, of area A) would reflect if all of the flux F arrived there, F / (pi A). F
+// is all that its materials emit, and what its lights send to that sphere.
 // The studio's light gives a level one 1.
 //
 // Four stops below is zone I of Adams's scale (The Negative, 1981), where middle grey is zone V:

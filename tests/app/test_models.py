@@ -111,7 +111,7 @@ class Framing(Base):
         x0, _, x1, _, _ = self.outline(far)
         self.assertLess(x1 - x0, .35 * SIZE)
         _, facts = self.picture(far)
-        self.assertIn('light of a studio', ' '.join(facts['notes']))
+        self.assertIn('studio light', ' '.join(facts['notes']))
         self.assertNotIn('view', ' '.join(facts['notes']))
 
 
@@ -124,7 +124,7 @@ class Light(Base):
         result = subprocess.run(
             [LAMPYRIS, 'render', self.white(), '--size', '8x8', '--spp', '1', '-o',
              self.path('out.png')], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        self.assertRegex(result.stdout, r'wrote .*exposure [-+][0-9.]+ stops by luminance, tone '
+        self.assertRegex(result.stdout, r'wrote .*exposure [-+][0-9.]+ stops, tone '
                                         r'aces: --exposure, --tone')
 
     def test_white_and_black_are_seen(self):
@@ -165,14 +165,33 @@ class Light(Base):
         self.assertLess(self.mean(picture), .8)
         picture, _ = self.picture(white, '--env', 'sky:', '--exposure', '0', '--tone', 'none')
         self.assertGreater(self.mean(picture), .97)
-        picture, _ = self.picture(os.path.join(ROOT, 'scenes', 'cornell.json'), '--exposure', 'auto')
+        cornell = os.path.join(ROOT, 'scenes', 'cornell.json')
+        picture, _ = self.picture(cornell, '--exposure', 'auto')
         self.assertGreater(self.mean(picture), .1)
+
+    def test_a_sky_replaces_the_exposure_of_the_file(self):
+        # What a file says was meant for its own light, or is for its own sky.
+        cornell = os.path.join(ROOT, 'scenes', 'cornell.json')
+        picture, _ = self.picture(cornell, '--env', 'sky:')
+        self.assertLess(self.mean(picture), .8)
+        told = [subprocess.run([LAMPYRIS, 'render', path, *arguments, '--size', '16x16', '--spp', '4',
+                                '-o', self.path('out.png')], stdout=subprocess.PIPE, check=True,
+                               text=True).stdout
+                for path, *arguments in (
+                    (cornell, '--env', 'sky:'), (cornell, '--env', 'sky:', '--exposure', '0.6'),
+                    (self.write('sky.json', json.dumps({
+                        'lampyris': 1, 'environment': {'type': 'sky'}, 'film': {'exposure': -9},
+                        'camera': {'position': [0, 0, 9], 'direction': [0, 0, -1],
+                                   'fov_degrees': 30}})),))]
+        self.assertRegex(told[0], r"wrote .*\(exposure -\d+\.\d+ stops, not the file's, tone ")
+        self.assertNotIn('exposure', told[1])
+        self.assertNotIn('exposure', told[2])
 
     def test_emission_is_judged_by_what_it_sends(self):
         make_models.write_own(self.folder.name)
         weak = self.path('windows.gltf')
         picture, facts = self.picture(weak)
-        self.assertIn("the file's own sends", ' '.join(facts['notes']))
+        self.assertIn("the file's own light is", ' '.join(facts['notes']))
         self.assertGreater(self.mean(picture), .3)
         picture, _ = self.picture(weak, '--studio', 'off', '--exposure', '0')
         self.assertLess(self.mean(picture), .05)
@@ -214,6 +233,13 @@ class Missing(Base):
             'shapes': [{'type': 'sphere', 'center': [0, 0, 0], 'radius': 1, 'material': 'm'}]}))
         return [self.path(name) for name in ('a.gltf', 'b.obj', 'c.json')]
 
+    def test_a_missing_material_library(self):
+        make_models.write_obj(self.path('d.obj'), make_models.stack(), .5)
+        os.remove(self.path('d.mtl'))
+        self.assertIn('d.mtl', self.run_it(self.path('d.obj')).stderr)
+        result = self.run_it(self.path('d.obj'), '--strict', code=2)
+        self.assertRegex(result.stderr, r'd\.obj:\d+: mtllib: .*d\.mtl')
+
     def test_it_is_pink_and_counted(self):
         for path in self.files():
             with self.subTest(path):
@@ -240,6 +266,15 @@ class Empty(Base):
             with self.subTest(name):
                 result = self.run_it(self.write(name, text), code=2)
                 self.assertRegex(result.stderr, 'empty|no face|no triangle')
+        result = self.run_it(self.write('e.obj', 'v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n'), code=2)
+        self.assertIn('no triangle with an area', result.stderr)
+        hidden = {'lampyris': 1, 'materials': {'m': {'type': 'diffuse'}}, 'shapes': [
+            {'type': 'sphere', 'center': [0, 0, 0], 'radius': 1, 'material': 'm',
+             'visible': False}]}
+        result = self.run_it(self.write('f.json', json.dumps(hidden)), code=2)
+        self.assertIn('everything in the scene is hidden', result.stderr)
+        hidden['shapes'].append({**hidden['shapes'][0], 'visible': True})
+        self.run_it(self.write('f.json', json.dumps(hidden)))
         # A sky may be looked at.
         self.run_it(self.write('d.json', '{"lampyris": 1, "environment": {"type": "sky"}}'))
 

@@ -76,6 +76,44 @@ class Summary(Base):
             self.assertRegex(lines[2], r'^error     ')
             self.assertRegex(lines[-1], r'^wrote     .*out\.exr$')
 
+    def at_a_glance(self, path, most):
+        """The lines that a terminal gets of a render to EXR and PNG."""
+        text = on_terminal('render', path, '--size', '64x64', '--spp', '32',
+                           *(part for name in ('out.exr', 'out.png')
+                             for part in ('-o', os.path.join(self.folder.name, name))))
+        lines = text[text.index(path + '  64 x 64'):].splitlines()
+        self.assertLessEqual(len(lines), most, text)
+        for line in lines:
+            short = line.replace(os.path.dirname(path) + '/', '').replace(self.folder.name + '/', '')
+            self.assertLessEqual(len(short), 110, line)
+        return lines
+
+    def test_at_a_glance(self):
+        pictures = r'^wrote     \S+/out\.exr, \S+/out\.png'
+        lines = self.at_a_glance(scene('cornell'), 10)
+        self.assertRegex(lines[-1], pictures + '$')
+        lines = self.at_a_glance(os.path.join(ROOT, 'scenes', 'models', 'vase.glb'), 11)
+        self.assertRegex(lines[-1], pictures + r' \(exposure [-+]\d+\.\d+ stops, tone aces: '
+                                               r'--exposure, --tone\)$')
+
+    def test_the_largest_and_the_others_are_all(self):
+        text = self.render(scene('all_classes'), '--explain', spp=64)
+        few, every = re.findall(r'^time      ([0-9.]+) s = (.*)$', text, re.MULTILINE)
+        self.assertEqual(few[0], every[0])
+        for _, parts in (few, every):
+            times = [float(value) for value in re.findall(r'[0-9.]+', parts)]
+            self.assertAlmostEqual(sum(times), float(few[0]), delta=5e-4 * (len(times) + 1))
+        kernels, each = re.findall(r'^kernels   (.*)$', text, re.MULTILINE)
+        sum_ms = float(re.match(r'(\d+) ms:', kernels)[1])
+        shares = [float(share) for share in re.findall(r'(\d+) %', kernels)]
+        self.assertEqual(len(shares), 4)
+        self.assertAlmostEqual(sum(shares), 100, delta=2)
+        times = dict((name, float(ms)) for name, ms in re.findall(r'(\w+) (\d+) ms', each))
+        self.assertAlmostEqual(sum(times.values()), sum_ms, delta=.5 * len(times) + 1)
+        named = re.findall(r'(\w+) \d+ %,', kernels)
+        self.assertGreaterEqual(min(times[name] for name in named) + 1,
+                                max(ms for name, ms in times.items() if name not in named))
+
     def test_what_was_added_is_named_whatever_else_there_is_to_note(self):
         # A triangle, and lines and an extension that are not shown.
         corners = base64.b64encode(struct.pack('<9f', 0, 0, 0, 1, 0, 0, 0, 1, 0)).decode()

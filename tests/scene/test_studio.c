@@ -99,6 +99,50 @@ TEST(emission_is_judged)
     }
 }
 
+// A model of radius sqrt(1/2) with a light that sends it flux F is lit to F / (pi A). From afar a
+// point light's intensity I gives I pi r^2 / d^2, from within 4 pi I, a directional one E pi r^2.
+TEST(lights_are_judged)
+{
+    static const struct {
+        const char *light, *place;
+        double expected;
+    } rows[] = {
+        {"\"type\": \"point\", \"intensity\": 1e-9", "0.5, 0.5, 0", 1e-9 * 2 / M_PI},
+        {"\"type\": \"point\", \"intensity\": 0.11", "0.5, 0.5, 0", 0.11 * 2 / M_PI},
+        {"\"type\": \"point\", \"intensity\": 1000", "0.5, 0.5, 1000", 1000 / (4 * M_PI) / 1e6},
+        {"\"type\": \"point\", \"intensity\": 1e6", "0.5, 0.5, 1000", 1 / (4 * M_PI)},
+        {"\"type\": \"point\", \"intensity\": 1e6, \"range\": 9", "0.5, 0.5, 1000", 0},
+        {"\"type\": \"spot\", \"spot\": {}, \"intensity\": 1e6", "0.5, 0.5, 1000", 1 / (4 * M_PI)},
+        {"\"type\": \"spot\", \"spot\": {}, \"intensity\": 1e6", "0.5, 0.5, -1000", 0},
+        {"\"type\": \"directional\", \"intensity\": 0.7", "0, 0, 0", 0.7 / (4 * M_PI)},
+        {"\"type\": \"directional\", \"intensity\": 0.8", "0, 0, 0", 0.8 / (4 * M_PI)},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char text[2048];
+        snprintf(
+            text, sizeof text,
+            "{\"asset\": {\"version\": \"2.0\"}, \"scene\": 0, \"scenes\": [{\"nodes\": [0, 1]}],"
+            "\"extensionsUsed\": [\"KHR_lights_punctual\"], \"extensions\":"
+            " {\"KHR_lights_punctual\": {\"lights\": [{%s}]}}, \"nodes\": [{\"mesh\": 0},"
+            " {\"translation\": [%s], \"extensions\": {\"KHR_lights_punctual\": {\"light\": 0}}}],"
+            "\"meshes\": [{\"primitives\": [{\"attributes\": {\"POSITION\": 0}}]}],"
+            "\"buffers\": [{\"byteLength\": 36, \"uri\": \"data:application/octet-stream;base64,"
+            "AAAAAAAAAAAAAAAAAACAPwAAgD8AAAAAAAAAAAAAgD8AAAAA\"}],"
+            "\"bufferViews\": [{\"buffer\": 0, \"byteLength\": 36}], \"accessors\": "
+            "[{\"bufferView\":"
+            " 0, \"componentType\": 5126, \"count\": 3, \"type\": \"VEC3\", \"min\": [0, 0, 0],"
+            " \"max\": [1, 1, 0]}]}",
+            rows[i].light, rows[i].place);
+        struct scene scene = load(write_text("l.gltf", text), SCENE_UP_Y);
+        bool is_lit = rows[i].expected >= STUDIO_EMISSION_LEAST;
+        CHECK(scene.has_studio == !is_lit, "row %zu", i);
+        CHECK(fabs(scene.weak_emission - (is_lit ? 0 : rows[i].expected)) <=
+                  1e-5 * rows[i].expected,
+              "row %zu: %g", i, scene.weak_emission);
+        scene_finish(&scene);
+    }
+}
+
 // Our own format: a camera makes a scene a composed one; emission is there on purpose.
 TEST(scene_files)
 {
@@ -130,4 +174,4 @@ TEST(scene_files)
 }
 
 TEST_MAIN(TEST_CASE(the_ground_meets_the_background), TEST_CASE(the_ground_is_below),
-          TEST_CASE(emission_is_judged), TEST_CASE(scene_files))
+          TEST_CASE(emission_is_judged), TEST_CASE(lights_are_judged), TEST_CASE(scene_files))
