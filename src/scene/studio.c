@@ -323,9 +323,10 @@ bool scene_is_lit(const struct scene *scene, double *emission)
     for (int i = 0; i < 3; i++)
         center[i] = (bounds.min[i] + bounds.max[i]) / 2;
     double radius = bounds_radius(scene, &whole, center);
-    if (radius > 0)
-        *emission = (scene_emitted_flux(scene) + scene_light_flux(scene, center, radius)) /
-                    (4 * M_PI * radius * radius);
+    if (!(radius > 0)) // nothing there that could be lit too weakly
+        return scene->light_count > 0 || has_emission(scene);
+    *emission = (scene_emitted_flux(scene) + scene_light_flux(scene, center, radius)) /
+                (4 * M_PI * radius * radius);
     return *emission >= STUDIO_EMISSION_LEAST ||
            (*emission == 0 && scene_has_emissive_triangles(scene));
 }
