@@ -157,7 +157,7 @@ float albedo_glass(uint tables, float mu, float alpha, float eta)
     return root * root;
 }
 
-// The same of an interface that reflects nothing but what is reflected totally.
+// As above, for an interface that reflects only where it reflects totally.
 float albedo_clear(uint tables, float mu, float alpha, float eta)
 {
     float root = albedo_runs(tables + ALBEDO_CLEAR + (eta < 1.0 ? ALBEDO_CLEAR_SIDE : 0u),

@@ -34,7 +34,7 @@ vec3 frame_transform(triangle_frame frame, vec3 v)
     return vec3(sheared, s.z * frame.shear.z);
 }
 
-// Of corners in the ray's frame.
+// The corners are given in the ray's frame.
 bool intersect_corners(vec3 a, vec3 b, vec3 c, out float t, out vec2 uv)
 {
     precise float u = c.x * b.y - c.y * b.x;
@@ -59,7 +59,7 @@ bool intersect_triangle(triangle_frame frame, vec3 origin, vec3 v0, vec3 v1, vec
     return intersect_corners(a, b, c, t, uv);
 }
 
-// The same of a triangle by a corner and its edges: what rounding moves, it moves as a whole.
+// As above, for a triangle given by a corner and its edges: rounding moves it as a whole.
 bool intersect_small_triangle(triangle_frame frame, vec3 origin, vec3 v0, vec3 edge1, vec3 edge2,
                               out float t, out vec2 uv)
 {

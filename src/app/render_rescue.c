@@ -7,7 +7,7 @@
 #include <inttypes.h>
 #include <math.h>
 
-// What copying may cost of the time of rendering. Until a first copy was measured it is taken for
+// Copying may cost this part of the time of rendering. Until a first copy was measured it is taken for
 // so much a pixel: on lavapipe resolving and reading one takes .1 to .2 us.
 #define COST_MAX 0.01
 #define PIXEL_SECONDS 2e-7
