@@ -7,8 +7,8 @@
 #include <inttypes.h>
 #include <math.h>
 
-// Copying may cost this part of the time of rendering. Until a first copy was measured it is taken for
-// so much a pixel: on lavapipe resolving and reading one takes .1 to .2 us.
+// Copying may cost this part of the time of rendering. Until a first copy was measured it is taken
+// for so much a pixel: on lavapipe resolving and reading one takes .1 to .2 us.
 #define COST_MAX 0.01
 #define PIXEL_SECONDS 2e-7
 // Of a first copy that takes less nobody asks what part it is.
