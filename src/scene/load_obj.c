@@ -26,8 +26,8 @@ struct obj_counts {
 struct obj_parser {
     struct scene *scene;
     struct arena scratch;
-    struct text_reader text;
-    uint32_t default_material; // SCENE_NONE: not made yet
+    struct text_reader text, start; // the next character, and the file's first
+    uint32_t default_material;      // SCENE_NONE: not made yet
     bool allow_outside_paths;
     struct obj_counts counts; // of the whole file
     struct obj_counts seen;   // by the second pass so far
@@ -38,6 +38,7 @@ struct obj_parser {
     uint32_t material;                    // the same in the scene; SCENE_NONE until a face needs it
 
     float (*positions)[3];
+    double (*exact)[3]; // what these round; where it is needed
     float (*normals)[3];
     float (*uvs)[2];
     float (*colors)[4];              // of positions; NULL in a file without
@@ -234,6 +235,17 @@ static bool read_position(struct obj_parser *parser, struct err *err)
                              (double)position[c]);
     }
     return !parser->colors || read_color(parser, parser->colors[index], err);
+}
+
+static bool read_exact_position(struct obj_parser *parser, struct err *err)
+{
+    if (read_keyword(&parser->text) != OBJ_POSITION)
+        return true;
+    double *position = parser->exact[parser->seen.positions++];
+    for (int c = 0; c < 3; c++)
+        if (!text_double(&parser->text, "three numbers after v", &position[c], err))
+            return false;
+    return true;
 }
 
 static bool read_normal(struct obj_parser *parser, struct err *err)
@@ -456,26 +468,26 @@ static bool set_materials(struct obj_parser *parser, struct mesh *mesh, struct e
 }
 
 // One vertex for each triple of position, normal and texture coordinates that a corner uses.
-static bool merge_vertices(struct obj_parser *parser, struct mesh *mesh, struct err *err)
+static bool merge_vertices(struct obj_parser *parser, struct mesh *mesh, struct vertex_list *list,
+                           struct err *err)
 {
-    struct vertex_list list;
     if (!mesh_merge_corners(&parser->scratch, parser->counts.triangles, parser->indices,
-                            parser->normal_indices, parser->uv_indices, &list, err))
+                            parser->normal_indices, parser->uv_indices, list, err))
         return false;
     struct arena *arena = &parser->scene->arena;
-    mesh->vertex_count = list.count;
-    mesh->positions = arena_alloc(arena, list.count, sizeof *mesh->positions);
+    mesh->vertex_count = list->count;
+    mesh->positions = arena_alloc(arena, list->count, sizeof *mesh->positions);
     if (parser->normals)
-        mesh->normals = arena_alloc(arena, list.count, sizeof *mesh->normals);
+        mesh->normals = arena_alloc(arena, list->count, sizeof *mesh->normals);
     if (parser->uvs)
-        mesh->uvs[0] = arena_alloc(arena, list.count, sizeof *mesh->uvs[0]);
+        mesh->uvs[0] = arena_alloc(arena, list->count, sizeof *mesh->uvs[0]);
     if (parser->colors)
-        mesh->colors = arena_alloc(arena, list.count, sizeof *mesh->colors);
+        mesh->colors = arena_alloc(arena, list->count, sizeof *mesh->colors);
     if (!mesh->positions || !mesh->normals != !parser->normals || !mesh->uvs[0] != !parser->uvs ||
         !mesh->colors != !parser->colors)
-        return err_memory(err, "vertices", list.count * 4 * sizeof *mesh->positions);
-    for (uint32_t v = 0; v < list.count; v++) {
-        const uint32_t *corner = list.corners[v];
+        return err_memory(err, "vertices", list->count * 4 * sizeof *mesh->positions);
+    for (uint32_t v = 0; v < list->count; v++) {
+        const uint32_t *corner = list->corners[v];
         memcpy(mesh->positions[v], parser->positions[corner[0]], sizeof mesh->positions[v]);
         if (corner[1] != MESH_NO_INDEX)
             memcpy(mesh->normals[v], parser->normals[corner[1]], sizeof mesh->normals[v]);
@@ -487,22 +499,46 @@ static bool merge_vertices(struct obj_parser *parser, struct mesh *mesh, struct 
     return true;
 }
 
+// Reads the positions again where single precision loses some of the mesh's form. `list`: the
+// file's vertices that the mesh's are made of; NULL: they are the same.
+static bool read_exact(struct obj_parser *parser, const struct vertex_list *list, struct mesh *mesh,
+                       struct err *err)
+{
+    if (!mesh_is_rounded(mesh))
+        return true;
+    struct arena *arena = &parser->scene->arena;
+    size_t count = (size_t)parser->counts.positions;
+    double(*exact)[3] = arena_alloc(arena, mesh->vertex_count, sizeof *exact);
+    parser->exact = list ? arena_alloc(&parser->scratch, count, sizeof *exact) : exact;
+    if (!exact || !parser->exact)
+        return err_memory(err, "vertices", (count + mesh->vertex_count) * sizeof *exact);
+    parser->seen.positions = 0;
+    if (!for_each_statement(parser, &parser->start, 1, 1, read_exact_position, err))
+        return false;
+    for (uint32_t v = 0; list && v < mesh->vertex_count; v++)
+        memcpy(exact[v], parser->exact[list->corners[v][0]], sizeof *exact);
+    mesh_keep_exact(mesh, exact);
+    return true;
+}
+
 static bool build_mesh(struct obj_parser *parser, struct mesh *mesh, struct err *err)
 {
+    struct vertex_list list;
+    bool merges = parser->normal_indices || parser->uv_indices;
     mesh->triangle_count = (uint32_t)parser->counts.triangles;
     mesh->indices = parser->indices;
     mesh->name = arena_strdup(&parser->scene->arena, path_name(parser->text.path));
     if (!mesh->name)
         return err_memory(err, "a mesh's name", strlen(parser->text.path) + 1);
-    if (parser->normal_indices || parser->uv_indices) {
-        if (!merge_vertices(parser, mesh, err))
+    if (merges) {
+        if (!merge_vertices(parser, mesh, &list, err))
             return false;
     } else {
         mesh->vertex_count = (uint32_t)parser->counts.positions;
         mesh->positions = parser->positions;
         mesh->colors = parser->colors;
     }
-    return set_materials(parser, mesh, err);
+    return read_exact(parser, merges ? &list : NULL, mesh, err) && set_materials(parser, mesh, err);
 }
 
 static void warn_about(const struct obj_parser *parser)
@@ -533,12 +569,13 @@ static bool parse(struct obj_parser *parser, struct mesh *mesh, struct err *err)
     if (!file_read(&parser->scratch, path, 0, &bytes, err))
         return false;
     parser->scene->hash = hash_bytes(parser->scene->hash, bytes.data, bytes.size);
-    struct text_reader start = text_open(path, &bytes);
-    start.joins_lines = true;
-    if (!for_each_statement(parser, &start, 0, 0.3, count_statement, err) || !allocate(parser, err))
+    parser->start = text_open(path, &bytes);
+    parser->start.joins_lines = true;
+    if (!for_each_statement(parser, &parser->start, 0, 0.3, count_statement, err) ||
+        !allocate(parser, err))
         return false;
     mtl_sort(&parser->library);
-    if (!for_each_statement(parser, &start, 0.3, 1, read_statement, err) ||
+    if (!for_each_statement(parser, &parser->start, 0.3, 1, read_statement, err) ||
         !build_mesh(parser, mesh, err))
         return false;
     warn_about(parser);

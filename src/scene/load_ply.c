@@ -26,9 +26,11 @@ struct ply_parser {
     uint64_t row;
 
     float (*positions)[3];
-    float (*normals)[3]; // NULL without nx, ny, nz
-    float (*uvs)[2];     // NULL without u, v
-    float (*colors)[4];  // NULL without red, green, blue
+    double (*exact)[3];          // a second pass over the vertices reads nothing else; or NULL
+    struct text_reader vertices; // where their rows begin
+    float (*normals)[3];         // NULL without nx, ny, nz
+    float (*uvs)[2];             // NULL without u, v
+    float (*colors)[4];          // NULL without red, green, blue
     struct triangle_list triangles;
     uint64_t bad_normal_count;
 };
@@ -61,6 +63,8 @@ static bool read_ascii_value(struct ply_parser *parser, enum ply_type type, doub
     float real;
     int64_t integer;
     text_skip_space(text);
+    if (ply_type_is_float(type) && parser->exact && text_take_double(text, out))
+        return true;
     if (ply_type_is_float(type) && text_take_float(text, &real)) {
         *out = (double)real;
         return true;
@@ -234,6 +238,10 @@ static float color_value(double value, enum ply_type type)
 static bool store_vertex(struct ply_parser *parser, const double values[VERTEX_VALUE_COUNT],
                          struct err *err)
 {
+    if (parser->exact) {
+        memcpy(parser->exact[parser->row], &values[USE_X], sizeof *parser->exact);
+        return true;
+    }
     float *position = parser->positions[parser->row];
     for (int c = 0; c < 3; c++) {
         position[c] = (float)values[USE_X + c];
@@ -298,9 +306,22 @@ static bool allocate_vertices(struct ply_parser *parser, struct err *err)
     return is_complete || err_memory(err, "vertices", count * 4 * sizeof *parser->positions);
 }
 
-// Reads all rows of parser->element. Memory is only taken for rows that the file can hold.
 #define ROWS_BETWEEN_LOOKS 262144 // at whether to stop
 
+static bool read_each_row(struct ply_parser *parser, struct err *err)
+{
+    double size = (double)(parser->text.end - parser->start);
+    for (parser->row = 0; parser->row < parser->element->count; parser->row++) {
+        if (!read_row(parser, err))
+            return false;
+        if ((parser->row + 1) % ROWS_BETWEEN_LOOKS == 0 &&
+            !scene_loading(parser->scene, (double)(parser->text.at - parser->start) / size, err))
+            return false;
+    }
+    return true;
+}
+
+// Reads all rows of parser->element. Memory is only taken for rows that the file can hold.
 static bool read_rows(struct ply_parser *parser, struct err *err)
 {
     const struct ply_element *element = parser->element;
@@ -316,15 +337,9 @@ static bool read_rows(struct ply_parser *parser, struct err *err)
     if (element->uses & 1u << USE_POLYGON &&
         !triangle_list_reserve(&parser->triangles, element->count, err))
         return false;
-    double size = (double)(parser->text.end - parser->start);
-    for (; parser->row < element->count; parser->row++) {
-        if (!read_row(parser, err))
-            return false;
-        if ((parser->row + 1) % ROWS_BETWEEN_LOOKS == 0 &&
-            !scene_loading(parser->scene, (double)(parser->text.at - parser->start) / size, err))
-            return false;
-    }
-    return true;
+    if (element == parser->header.vertices)
+        parser->vertices = parser->text;
+    return read_each_row(parser, err);
 }
 
 // --- the mesh ------------------------------------------------------------------------------------
@@ -349,6 +364,25 @@ static bool build_mesh(struct ply_parser *parser, uint32_t default_material, str
         memcpy(mesh->indices, triangles->indices, size);
     return mesh_default_material(parser->scene, default_material, mesh->colors, &mesh->material,
                                  err);
+}
+
+// Reads the vertices again where single precision loses some of the mesh's form. In ASCII files the
+// digits count, whatever type is declared.
+static bool read_exact(struct ply_parser *parser, struct mesh *mesh, struct err *err)
+{
+    if (!mesh_is_rounded(mesh))
+        return true;
+    const struct triangle_list triangles = parser->triangles;
+    parser->exact = arena_alloc(&parser->scene->arena, mesh->vertex_count, sizeof *parser->exact);
+    if (!parser->exact)
+        return err_memory(err, "vertices", mesh->vertex_count * sizeof *parser->exact);
+    parser->element = parser->header.vertices;
+    parser->text = parser->vertices;
+    if (!read_each_row(parser, err))
+        return false;
+    parser->triangles = triangles;
+    mesh_keep_exact(mesh, parser->exact);
+    return true;
 }
 
 static void warn_about(const struct ply_parser *parser)
@@ -376,7 +410,7 @@ static bool parse(struct ply_parser *parser, uint32_t default_material, struct m
         if (!read_rows(parser, err))
             return false;
     }
-    if (!build_mesh(parser, default_material, mesh, err))
+    if (!build_mesh(parser, default_material, mesh, err) || !read_exact(parser, mesh, err))
         return false;
     warn_about(parser);
     return true;

@@ -1,6 +1,8 @@
 // What the OBJ and PLY loaders share.
 #include "mesh_loader.h"
 
+#include "bounds.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -29,6 +31,57 @@ bool mesh_default_material(struct scene *scene, uint32_t given, bool has_colors,
     for (int c = 0; c < 3 && has_colors; c++)
         grey->base_color[c] = 1.0f;
     return true;
+}
+
+// Where flattening gives a mesh an origin of its own, and where it warns: see flatten_census.c.
+#define ROUNDED_MESH_RATIO 16
+#define ROUNDED_TRIANGLE_RATIO 262144
+
+static bool is_rounded(const struct bounds *bounds, double ratio)
+{
+    double extent = 0, farthest = 0;
+    for (int i = 0; i < 3; i++) {
+        extent = fmax(extent, bounds->max[i] - bounds->min[i]);
+        farthest = fmax(farthest, fmax(-bounds->min[i], bounds->max[i]));
+    }
+    return farthest > ratio * extent;
+}
+
+// Corners that coincide may do so by rounding alone; exact ones do so in the file.
+static bool is_point(const struct mesh *mesh, const uint32_t corners[3],
+                     const struct bounds *bounds)
+{
+    bool is_one_vertex = corners[0] == corners[1] && corners[1] == corners[2];
+    return is_one_vertex || (mesh->exact_positions && bounds_are_a_point(bounds));
+}
+
+bool mesh_is_rounded(const struct mesh *mesh)
+{
+    struct bounds whole = BOUNDS_EMPTY;
+    for (uint32_t t = 0; t < mesh->triangle_count; t++) {
+        struct bounds bounds = BOUNDS_EMPTY;
+        for (int corner = 0; corner < 3; corner++) {
+            double point[3];
+            mesh_vertex(mesh, mesh->indices[t][corner], point);
+            bounds_add_point(&bounds, point);
+            bounds_add_point(&whole, point);
+        }
+        if (is_rounded(&bounds, ROUNDED_TRIANGLE_RATIO) &&
+            !is_point(mesh, mesh->indices[t], &bounds))
+            return true;
+    }
+    return !bounds_is_empty(&whole) && is_rounded(&whole, ROUNDED_MESH_RATIO);
+}
+
+void mesh_keep_exact(struct mesh *mesh, double (*exact)[3])
+{
+    bool says_more = false;
+    for (uint32_t v = 0; v < mesh->vertex_count; v++)
+        for (int i = 0; i < 3; i++)
+            says_more |= exact[v][i] != (double)mesh->positions[v][i];
+    mesh->exact_positions = exact;
+    if (!says_more || !mesh_is_rounded(mesh))
+        mesh->exact_positions = NULL;
 }
 
 bool triangle_list_reserve(struct triangle_list *list, uint64_t capacity, struct err *err)

@@ -215,6 +215,20 @@ static const char *scan_decimal(const char *at, struct decimal *out)
     return written > 0 ? scan_exponent(at, out) : NULL;
 }
 
+// Powers of ten that are exact in double precision.
+static const double powers[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
+                                1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
+                                1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+static const int64_t max_power = sizeof powers / sizeof powers[0] - 1;
+
+// digits * 10^exponent by one operation; |exponent| is at most max_power.
+static double scale_digits(const struct decimal *decimal)
+{
+    double value = (double)decimal->digits;
+    return decimal->exponent < 0 ? value / powers[-decimal->exponent]
+                                 : value * powers[decimal->exponent];
+}
+
 // Converts by one double operation (Clinger 1990, "How to read floating point numbers accurately",
 // the fast path), then to float. The conversion of the digits and the operation each err by half
 // an ulp at most, 2^-53 of the value, together less than 2.1 of the double's ulps. So the float is
@@ -222,18 +236,13 @@ static const char *scan_decimal(const char *at, struct decimal *out)
 // which the double's last 29 bits tell. False there, and outside the floats' normal range.
 static bool convert_fast(const struct decimal *decimal, float *out)
 {
-    static const double powers[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
-                                    1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
-                                    1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22}; // exact
-    const int64_t max_power = sizeof powers / sizeof powers[0] - 1;
+    double value = 0;
     if (decimal->is_truncated)
         return false;
-    double value = (double)decimal->digits;
     if (decimal->digits > 0) {
         if (decimal->exponent > max_power || decimal->exponent < -max_power)
             return false;
-        value = decimal->exponent < 0 ? value / powers[-decimal->exponent]
-                                      : value * powers[decimal->exponent];
+        value = scale_digits(decimal);
         if (value < (double)FLT_MIN || value > (double)FLT_MAX)
             return false;
         uint64_t bits;
@@ -246,17 +255,32 @@ static bool convert_fast(const struct decimal *decimal, float *out)
     return true;
 }
 
-// strtof in the C locale, whatever the process's locale takes for a decimal point.
-static float convert_slow(const char *at)
+// The same to double precision: where digits and power are exact, the one operation rounds
+// correctly.
+static bool convert_fast_double(const struct decimal *decimal, double *out)
+{
+    if (decimal->is_truncated || decimal->digits > UINT64_C(1) << 53)
+        return false;
+    if (decimal->digits > 0 && (decimal->exponent > max_power || decimal->exponent < -max_power))
+        return false;
+    double value = decimal->digits > 0 ? scale_digits(decimal) : 0;
+    *out = decimal->is_negative ? -value : value;
+    return true;
+}
+
+// strtof and strtod in the C locale, whatever the process's locale takes for a decimal point.
+static void convert_slow(const char *at, float *single, double *exact)
 {
     locale_t c_locale = newlocale(LC_ALL_MASK, "C", (locale_t)0);
     locale_t before = c_locale ? uselocale(c_locale) : (locale_t)0;
-    float value = strtof(at, NULL);
+    if (single)
+        *single = strtof(at, NULL);
+    if (exact)
+        *exact = strtod(at, NULL);
     if (c_locale) {
         uselocale(before);
         freelocale(c_locale);
     }
-    return value;
 }
 
 static const char *parse_special(const char *at, float *out)
@@ -285,7 +309,21 @@ const char *text_parse_float(const char *at, float *out)
     if (!end)
         return parse_special(at, out);
     if (!convert_fast(&decimal, out))
-        *out = convert_slow(at);
+        convert_slow(at, out, NULL);
+    return end;
+}
+
+static const char *parse_double(const char *at, double *out)
+{
+    struct decimal decimal;
+    const char *end = scan_decimal(at, &decimal);
+    float special = 0;
+    if (!end) {
+        end = parse_special(at, &special);
+        *out = (double)special;
+    } else if (!convert_fast_double(&decimal, out)) {
+        convert_slow(at, NULL, out);
+    }
     return end;
 }
 
@@ -294,6 +332,17 @@ bool text_take_float(struct text_reader *text, float *out)
     text_skip_blanks(text);
     struct text_reader ahead = *text;
     ahead.at = text_parse_float(text->at, out);
+    if (!ahead.at || !text_word_ended(&ahead))
+        return false;
+    *text = ahead;
+    return true;
+}
+
+bool text_take_double(struct text_reader *text, double *out)
+{
+    text_skip_blanks(text);
+    struct text_reader ahead = *text;
+    ahead.at = parse_double(text->at, out);
     if (!ahead.at || !text_word_ended(&ahead))
         return false;
     *text = ahead;
@@ -323,6 +372,11 @@ bool text_take_integer(struct text_reader *text, int64_t *out)
 bool text_float(struct text_reader *text, const char *what, float *out, struct err *err)
 {
     return text_take_float(text, out) || text_unexpected(text, what, err);
+}
+
+bool text_double(struct text_reader *text, const char *what, double *out, struct err *err)
+{
+    return text_take_double(text, out) || text_unexpected(text, what, err);
 }
 
 bool text_integer(struct text_reader *text, const char *what, int64_t *out, struct err *err)

@@ -50,13 +50,16 @@ void text_printable(struct text_span span, char *out, size_t size);
 // The number after blanks, rounded correctly to single precision like strtof; "nan" and "inf" are
 // numbers, and what is too large is infinite. False, and no move, where a word is anything else.
 bool text_take_float(struct text_reader *text, float *out);
+// The same rounded to double precision.
+bool text_take_double(struct text_reader *text, double *out);
 // The same for a decimal integer; values beyond int64_t saturate. Stops behind the last digit,
 // whatever follows: see text_word_ended.
 bool text_take_integer(struct text_reader *text, int64_t *out);
 // True where a blank, the end of the line or of the text follows.
 bool text_word_ended(const struct text_reader *text);
-// The same two, with ERR_INPUT naming the place, what was found and `what` was expected.
+// The same three, with ERR_INPUT naming the place, what was found and `what` was expected.
 bool text_float(struct text_reader *text, const char *what, float *out, struct err *err);
+bool text_double(struct text_reader *text, const char *what, double *out, struct err *err);
 bool text_integer(struct text_reader *text, const char *what, int64_t *out, struct err *err);
 
 // The number at `at` in NUL-terminated text; returns its end, or NULL when there is none.

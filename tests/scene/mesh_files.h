@@ -117,6 +117,25 @@ static inline void check_triangle(const struct mesh *mesh, uint32_t triangle, ui
           corners[0], corners[1], corners[2]);
 }
 
+// UTM coordinates of something of a metre, of which single precision leaves halves: vertex v of a
+// triangle.
+static const double far_corners[3][3] = {
+    {500000.0625, 5400000.123, 100.1},
+    {500001.0625, 5400000.123, 100.1},
+    {500000.0625, 5400001, 100},
+};
+
+static inline void check_far_corners(const struct mesh *mesh)
+{
+    REQUIRE(mesh->vertex_count == 3 && mesh->exact_positions, "%u", mesh->vertex_count);
+    for (int v = 0; v < 3; v++)
+        for (int c = 0; c < 3; c++)
+            CHECK(mesh->exact_positions[v][c] == far_corners[v][c] &&
+                      mesh->positions[v][c] == (float)far_corners[v][c],
+                  "vertex %d, %c: %.17g", v, 'x' + c, mesh->exact_positions[v][c]);
+    CHECK(warnings == 0, "%s", warning);
+}
+
 typedef bool (*mesh_load_fn)(struct scene *scene, const char *path, struct err *err);
 
 // Starts counting warnings and loads a file that has to be fine; the caller finishes the scene. A

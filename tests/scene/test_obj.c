@@ -165,6 +165,35 @@ static const struct material *find_material(const struct scene *scene, const cha
     return &none;
 }
 
+#define FAR                                                                                        \
+    "v 500000.0625 5400000.123 100.1\nv 500001.0625 5400000.123 100.1\nv 500000.0625 5400001 "     \
+    "100\n"
+
+// With attributes vertices are made anew.
+TEST(far_positions_stay_exact)
+{
+    static const char *const texts[] = {
+        FAR "f 1 2 3\n",
+        "vt 0 0\nvt 1 0\n" FAR "v 0 0 0\nf 1/1 2/2 3/1\n",
+        "f 1//1 2//1 3//1\nvn 0 0 1\n" FAR,
+    };
+    struct scene scene;
+    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
+        struct mesh mesh = load_text(&scene, texts[i]);
+        check_far_corners(&mesh);
+        scene_finish(&scene);
+    }
+    // Two triangles of a metre 1e7 m apart, and a mesh that needs nothing of the kind.
+    struct mesh mesh =
+        load_text(&scene, "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 10000000.25 0 0\n"
+                          "v 10000001.25 0 0\nv 10000000.25 1 0\nf 1 2 3\nf 4 5 6\n");
+    CHECK(mesh.exact_positions && mesh.exact_positions[3][0] == 10000000.25);
+    scene_finish(&scene);
+    mesh = load_text(&scene, "v 0.1 0 0\nv 1.1 0 0\nv 0 1.3 0\nv 0 1.3 0\nf 1 2 3\nf 3 4 3\n");
+    CHECK(mesh.vertex_count == 4 && !mesh.exact_positions);
+    scene_finish(&scene);
+}
+
 TEST(materials)
 {
     write_text("a b.mtl", "# stray\nKd 1 1 1\nnewmtl red wall\nKd .8 .1 .2\nillum 2\nNs 10\n"
@@ -537,6 +566,7 @@ int main(int argc, char **argv)
         TEST_CASE(what_has_no_faces_is_empty),
         TEST_CASE(pairs_of_position_and_normal_are_merged),
         TEST_CASE(normals_without_direction_are_missing),
+        TEST_CASE(far_positions_stay_exact),
         TEST_CASE(materials),
         TEST_CASE(materials_of_exporters),
         TEST_CASE(textures_of_exporters),

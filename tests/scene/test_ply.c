@@ -244,6 +244,64 @@ TEST(binary_of_both_byte_orders)
 }
 
 // Behind "end_header" CR LF, data that begin with LF stay whole; behind a bare CR as well.
+static struct builder far_triangle(const char *format, const char *type, bool is_big_endian)
+{
+    struct builder file = {.is_big_endian = is_big_endian};
+    put_text(&file, "ply\nformat ");
+    put_text(&file, format);
+    put_text(&file, " 1.0\nelement face 1\n" FACES "element vertex 3\nproperty uchar red\n");
+    for (int c = 0; c < 3; c++) {
+        const char name[] = {' ', (char)('x' + c), '\n', '\0'};
+        put_text(&file, "property ");
+        put_text(&file, type);
+        put_text(&file, name);
+    }
+    put_text(&file, "end_header\n");
+    return file;
+}
+
+TEST(double_positions_stay_exact)
+{
+    struct scene scene;
+    for (int is_big_endian = 0; is_big_endian < 2; is_big_endian++) {
+        struct builder file = far_triangle(
+            is_big_endian ? "binary_big_endian" : "binary_little_endian", "double", is_big_endian);
+        PUT(&file, uint8_t, 3);
+        for (int i = 0; i < 3; i++)
+            PUT(&file, int32_t, i);
+        for (int v = 0; v < 3; v++) {
+            PUT(&file, uint8_t, 0);
+            for (int c = 0; c < 3; c++)
+                PUT(&file, double, far_corners[v][c]);
+        }
+        struct mesh mesh = load_bytes(&scene, file.bytes, file.size);
+        CHECK(mesh.triangle_count == 1, "%u", mesh.triangle_count);
+        check_far_corners(&mesh);
+        scene_finish(&scene);
+    }
+}
+
+// Digits count, whatever type is declared; but floats of binary files have no more.
+TEST(far_positions_of_ascii_files_stay_exact)
+{
+    static const char rows[] = "3 0 1 2\n0 500000.0625 5400000.123 100.1\n"
+                               "0 500001.0625 5400000.123 100.1\n0 500000.0625 5400001 100\n";
+    static const char *const types[] = {"double", "float"};
+    struct scene scene;
+    for (int i = 0; i < 2; i++) {
+        struct builder file = far_triangle("ascii", types[i], false);
+        put_text(&file, rows);
+        struct mesh mesh = load_bytes(&scene, file.bytes, file.size);
+        check_far_corners(&mesh);
+        scene_finish(&scene);
+    }
+    struct mesh mesh = load_text(&scene, HEADER_4 "element face 1\n" FACES
+                                                  "end_header\n0 0 0\n1.1 0 0\n1 1 0\n0 1 0\n"
+                                                  "3 0 1 2\n");
+    CHECK(mesh.vertex_count == 4 && !mesh.exact_positions);
+    scene_finish(&scene);
+}
+
 TEST(data_may_begin_with_a_line_end)
 {
     static const char *const headers[] = {
@@ -446,6 +504,8 @@ int main(int argc, char **argv)
         TEST_CASE(strips_alternate_their_winding),
         TEST_CASE(stitched_strips_keep_their_winding),
         TEST_CASE(binary_of_both_byte_orders),
+        TEST_CASE(double_positions_stay_exact),
+        TEST_CASE(far_positions_of_ascii_files_stay_exact),
         TEST_CASE(data_may_begin_with_a_line_end),
         TEST_CASE(errors_in_the_header),
         TEST_CASE(errors_in_the_data),

@@ -26,6 +26,56 @@ static void check_against_strtof(const char *text)
           (double)value, (double)expected);
 }
 
+// The same in double precision, against strtod.
+static void check_against_strtod(const char *text)
+{
+    char *expected_end;
+    double expected = strtod(text, &expected_end), value = 0.0;
+    struct text_reader reader = {.at = text, .end = text + strlen(text), .path = "text"};
+    bool is_taken = text_take_double(&reader, &value);
+    REQUIRE(is_taken == (*text != '\0' && *expected_end == '\0'), "'%s'", text);
+    CHECK(!is_taken || memcmp(&value, &expected, sizeof value) == 0, "'%s': %.17g, expected %.17g",
+          text, value, expected);
+}
+
+TEST(doubles)
+{
+    static const char *const texts[] = {
+        "0",
+        "-0",
+        "5400000.123456789",
+        "9007199254740993",
+        "9007199254740992e22",
+        "1e22",
+        "1e23",
+        "1e-22",
+        "1e-23",
+        "123456789012345678901.5",
+        "2.2250738585072011e-308",
+        "1.7976931348623157e308",
+        "-1e400",
+        "1e-400",
+        "4.9e-324",
+        "x",
+        "1x",
+        "",
+    };
+    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++)
+        check_against_strtod(texts[i]);
+    for (int i = 0; i < 100000; i++) {
+        char text[64];
+        uint64_t bits = random_bits();
+        double real;
+        memcpy(&real, &bits, sizeof real);
+        if (!isfinite(real))
+            continue;
+        snprintf(text, sizeof text, "%.*e", i % 20, real);
+        check_against_strtod(text);
+        snprintf(text, sizeof text, "%.*f", i % 12, (double)(int64_t)bits * 1e-10);
+        check_against_strtod(text);
+    }
+}
+
 TEST(numbers_of_all_shapes)
 {
     static const char *const texts[] = {
@@ -215,8 +265,8 @@ TEST(only_printable_characters_are_shown)
     CHECK(strcmp(shown, "1234567") == 0, "%s", shown);
 }
 
-TEST_MAIN(TEST_CASE(numbers_of_all_shapes), TEST_CASE(zeros_and_exponents_cancel),
-          TEST_CASE(random_numbers), TEST_CASE(numbers_between_two_floats),
-          TEST_CASE(what_is_no_number), TEST_CASE(infinite_and_nan),
-          TEST_CASE(the_locale_does_not_matter), TEST_CASE(integers), TEST_CASE(words_and_lines),
-          TEST_CASE(only_printable_characters_are_shown))
+TEST_MAIN(TEST_CASE(doubles), TEST_CASE(numbers_of_all_shapes),
+          TEST_CASE(zeros_and_exponents_cancel), TEST_CASE(random_numbers),
+          TEST_CASE(numbers_between_two_floats), TEST_CASE(what_is_no_number),
+          TEST_CASE(infinite_and_nan), TEST_CASE(the_locale_does_not_matter), TEST_CASE(integers),
+          TEST_CASE(words_and_lines), TEST_CASE(only_printable_characters_are_shown))
