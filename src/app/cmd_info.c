@@ -232,6 +232,7 @@ static bool gather(const struct options *options, struct info *info, struct err 
         .instancing = sizes.instancing,
         .bvh_cache = sizes.bvh_cache,
         .progress = options->progress,
+        .camera = &info->scene.cameras[info->camera],
     };
     if (!geometry_prepare(&geometry, &info->scene.arena, &info->flat, &info->bvh, err))
         return false;

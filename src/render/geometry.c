@@ -243,7 +243,7 @@ static bool build_bvh(const struct geometry_params *p, const struct flat_scene *
 
 static struct flatten_params flatten_params(const struct geometry_params *p)
 {
-    return (struct flatten_params){p->scene, p->instancing, p->progress};
+    return (struct flatten_params){p->scene, p->instancing, p->progress, p->camera};
 }
 
 bool geometry_prepare(const struct geometry_params *p, struct arena *arena, struct flat_scene *flat,

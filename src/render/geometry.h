@@ -11,6 +11,7 @@ struct geometry_params {
     enum instancing instancing;
     const char *bvh_cache; // folder in which hierarchies are kept; NULL: none
     const struct progress *progress;
+    const struct camera *camera; // see struct flatten_params
 };
 
 // As several renderers share it.

@@ -141,6 +141,7 @@ static bool get_geometry(const struct renderer_params *params, struct renderer *
         .instancing = params->instancing,
         .bvh_cache = params->bvh_cache,
         .progress = r->progress,
+        .camera = &r->camera,
     };
     if (params->geometry) {
         r->flat = params->geometry->flat;

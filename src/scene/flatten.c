@@ -3,9 +3,9 @@
 #include "affine.h"
 #include "flatten_census.h"
 #include "flatten_instances.h"
+#include "flatten_precision.h"
 #include "flatten_shapes.h"
 #include "log.h"
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -308,51 +308,11 @@ static bool are_small(const struct flat_scene *flat, uint32_t first)
     return true;
 }
 
-// Objects that are coarse where they are, in the scene's unit; told together.
-struct coarse {
-    uint32_t count, first;
-    double extent, farthest;
-};
-
-// Of the instance whose triangles are those from `first` on.
-static void look_at_precision(const struct flat_scene *flat, uint32_t instance, uint32_t first,
-                              struct coarse *coarse)
-{
-    struct bounds bounds = BOUNDS_EMPTY;
-    double extent, farthest;
-    for (uint32_t i = first; i < flat->triangle_count; i++)
-        for (int corner = 0; corner < 3; corner++) {
-            const float *v = flat->triangles[i].v[corner];
-            bounds_add_point(&bounds, (const double[]){v[0], v[1], v[2]});
-        }
-    if (!flatten_is_coarse(&bounds, &extent, &farthest) || are_small(flat, first))
-        return;
-    if (coarse->count++ == 0) {
-        coarse->first = instance;
-        coarse->extent = extent;
-        coarse->farthest = farthest;
-    }
-}
-
-static void warn_of_coarse(const struct flat_scene *flat, const struct scene *scene,
-                           const struct coarse *coarse)
-{
-    if (coarse->count > 0)
-        log_warn(
-            "%u instances are small for where they are: instance %u, of mesh \"%s\", is %g m "
-            "across and %g m from the middle, where single precision resolves %.2g m: its form, "
-            "its shadows and the light that it sends are wrong; expected larger objects, or a "
-            "scene about them",
-            coarse->count, coarse->first, scene->meshes[scene->instances[coarse->first].mesh].name,
-            coarse->extent / flat->scale, coarse->farthest / flat->scale,
-            coarse->farthest / flat->scale * (double)FLT_EPSILON);
-}
-
-static bool add_world(struct flattening *f, const struct census *census, struct err *err)
+static bool add_world(struct flattening *f, const struct census *census,
+                      struct coarse_objects *coarse, struct err *err)
 {
     const struct scene *scene = f->params->scene;
     struct flat_scene *flat = f->flat;
-    struct coarse coarse = {0};
     for (uint32_t i = 0; i < scene->instance_count; i++) {
         flat->instance_first[i] = flat->triangle_count + flat->dropped_degenerate;
         if (census->instances[i] != INSTANCE_FLATTENED)
@@ -365,9 +325,9 @@ static bool add_world(struct flattening *f, const struct census *census, struct 
         uint32_t first = flat->triangle_count;
         if (!add_triangles(f, &placement, i, err))
             return false;
-        look_at_precision(flat, i, first, &coarse);
+        if (first == flat->triangle_count || !are_small(flat, first))
+            coarse_add_instance(flat, scene, i, &census->meshes[instance->mesh].bounds, coarse);
     }
-    warn_of_coarse(flat, scene, &coarse);
     warn_of_lost(&f->lost);
     flat->world_triangle_count = flat->triangle_count;
     for (uint32_t i = 0; i < flat->triangle_count; i++)
@@ -527,6 +487,7 @@ static bool flatten(const struct flatten_params *params, struct arena *scratch, 
 {
     const struct scene *scene = params->scene;
     struct flattening f = {params, out, arena, 0};
+    struct coarse_objects coarse = {0};
     struct census census;
     if (!flatten_take_census(params, scratch, &census, err) ||
         !reserve(scene, &census, arena, out, err))
@@ -534,11 +495,14 @@ static bool flatten(const struct flatten_params *params, struct arena *scratch, 
     f.triangle_count = census.world_triangle_count + census.shared_triangle_count;
     out->skipped_instances = census.skipped_instances;
     flatten_choose_origin(&census.bounds, out->origin);
+    flatten_follow_camera(params, &census, out);
     out->scale = flatten_choose_scale(&census.bounds);
-    if (!add_world(&f, &census, err) || !add_meshes(&f, &census, err) ||
-        !flatten_instances(params, &census, out, err) || !flatten_shapes(params, out, err) ||
+    if (!add_world(&f, &census, &coarse, err) || !add_meshes(&f, &census, err) ||
+        !flatten_instances(params, &census, out, &coarse, err) ||
+        !flatten_shapes(params, out, &coarse, err) ||
         !flatten_check_extent(scene, &census.bounds, err))
         return false;
+    coarse_warn(&coarse);
     mark_materials(out);
     return true;
 }

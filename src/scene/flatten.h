@@ -66,8 +66,9 @@ enum instancing { INSTANCING_AUTO, INSTANCING_ON, INSTANCING_OFF };
 // the scene all the same.
 struct flat_scene {
     // World position of the arrays' origin: geometry far from the world's origin is moved in double
-    // precision before it is rounded (stiff case C2). (0,0,0) unless the scene needs it: when
-    // max |coordinate| exceeds 16 times the extent of the bounding box.
+    // precision before it is rounded (stiff case C2). (0,0,0) unless the scene needs it: the middle
+    // of the bounding box when max |coordinate| exceeds 16 times its extent; and what the camera
+    // sees best where that is more than 4096 times as far from there as it is large and away.
     double origin[3];
     // Units of length of the arrays a metre: a power of two, so that it costs no bit. 1 unless the
     // scene's size demands another: see flatten_choose_scale().
@@ -111,6 +112,8 @@ struct flatten_params {
     const struct scene *scene;
     enum instancing instancing;
     const struct progress *progress; // phase "Flattening", of the calling thread
+    // That looks at the scene, where its objects are too far apart for one origin; NULL: none.
+    const struct camera *camera;
 };
 
 // The edges of a triangle from its corner 0 to the others, as exact as is known.
@@ -126,7 +129,8 @@ void flat_triangle_source(const struct flat_scene *flat, uint32_t id, uint32_t *
 // Equal where scene_flatten() would make the same of the scene as before, or fail again: a hash of
 // all that it reads, of meshes' vertices and indices where they are instead of what they say. So
 // for one scene, whose meshes stay as they were loaded; some GB/s of instances, shapes and
-// triangles' materials.
+// triangles' materials. The camera does not count: coordinates stay about the place
+// that it had when they were made.
 uint64_t flatten_key(const struct flatten_params *params);
 
 // Where a point of the world is in the arrays' space, before it is rounded, and the way back. `out`

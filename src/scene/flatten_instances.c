@@ -59,7 +59,7 @@ static void bound_instance(struct flat_scene *flat, const struct flat_instance *
 }
 
 bool flatten_instances(const struct flatten_params *params, const struct census *census,
-                       struct flat_scene *out, struct err *err)
+                       struct flat_scene *out, struct coarse_objects *coarse, struct err *err)
 {
     const struct scene *scene = params->scene;
     for (uint32_t i = 0; i < scene->instance_count; i++) {
@@ -82,6 +82,7 @@ bool flatten_instances(const struct flatten_params *params, const struct census 
         if (!set_transforms(instance->transform, &use->bounds, out, placed))
             return err_set(err, ERR_BUG, "instance %u: its transform has no inverse", i);
         bound_instance(out, placed);
+        coarse_add_instance(out, scene, i, &use->bounds, coarse);
         out->placed_count++;
     }
     return true;

@@ -1,7 +1,7 @@
 // Analytic shapes in single precision, and their boxes.
 #include "flatten_shapes.h"
 
-#include "flatten_census.h"
+#include "flatten_precision.h"
 
 #include "affine.h"
 #include "bounds.h"
@@ -125,14 +125,18 @@ static bool add_shape(struct flat_scene *flat, const struct scene *scene, uint32
     return true;
 }
 
-bool flatten_shapes(const struct flatten_params *params, struct flat_scene *out, struct err *err)
+bool flatten_shapes(const struct flatten_params *params, struct flat_scene *out,
+                    struct coarse_objects *coarse, struct err *err)
 {
     const struct scene *scene = params->scene;
     for (uint32_t i = 0; i < scene->shape_count; i++) {
         if (i % FLATTEN_POLL == 0 && !flatten_goes_on(params, 1, err))
             return false;
-        if (!scene->shapes[i].hidden && !add_shape(out, scene, i, err))
+        if (scene->shapes[i].hidden)
+            continue;
+        if (!add_shape(out, scene, i, err))
             return false;
+        coarse_add_shape(out, scene, i, coarse);
     }
     return true;
 }

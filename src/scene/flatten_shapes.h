@@ -5,8 +5,10 @@
 #include "flatten.h"
 
 // Appends all shapes in sight to out->shapes, which has room, and adds those with ends to the
-// bounds.
-bool flatten_shapes(const struct flatten_params *params, struct flat_scene *out, struct err *err);
+// bounds; those that are too small for where they are join `coarse`.
+struct coarse_objects;
+bool flatten_shapes(const struct flatten_params *params, struct flat_scene *out,
+                    struct coarse_objects *coarse, struct err *err);
 
 // A box that contains all that the kernels may hit of the shape.
 void flat_shape_box(const struct flat_shape *shape, float min[3], float max[3]);

@@ -4,6 +4,7 @@
 #define _DEFAULT_SOURCE
 
 #include "../base/temporary_folder.h"
+#include "log.h"
 #include "render_fixture.h"
 
 // --- meshes in files -----------------------------------------------------------------------------
@@ -91,13 +92,14 @@ static bool write_mesh(const struct mesh_format *format, const double offset[3])
     return fclose(file) == 0 && temporary_write("far.json", text);
 }
 
-static void render_file(struct gpu *gpu, struct arena *arena, struct film_image *film)
+static void render_file(struct gpu *gpu, enum instancing instancing, struct arena *arena,
+                        struct film_image *film)
 {
     const struct scene_load_params load = {.path = "far.json"};
     struct scene scene;
     struct err err = {0};
     REQUIRE_OK(scene_load(&load, &scene, &err));
-    const struct renderer_params params = {.gpu = gpu, .scene = &scene};
+    const struct renderer_params params = {.gpu = gpu, .scene = &scene, .instancing = instancing};
     REQUIRE_OK(render_film(&params, 4, arena, film, NULL, &err));
     scene_finish(&scene);
 }
@@ -119,7 +121,7 @@ TEST(files)
     for (size_t i = 0; i < sizeof formats / sizeof formats[0]; i++)
         for (int place = 0; place < 3; place++) {
             REQUIRE(write_mesh(&formats[i], places[place]), "%s", formats[i].name);
-            render_file(&gpu, &arena, &films[place]);
+            render_file(&gpu, INSTANCING_AUTO, &arena, &films[place]);
             CHECK(same_means(&films[0], &films[place]), "%s at %g: another picture",
                   formats[i].name, places[place][0]);
         }
@@ -129,4 +131,168 @@ TEST(files)
     arena_finish(&arena);
 }
 
-TEST_MAIN(TEST_CASE(files))
+// --- objects far apart ---------------------------------------------------------------------------
+
+// One of each kind.
+static const char *const kinds[] = {
+    "\"type\": \"sphere\", \"radius\": 0.5, \"center\": [-1.5, 0.5, 0]",
+    "\"type\": \"disc\", \"radius\": 0.5, \"normal\": [0, 1, 0], \"center\": [0, 1.25, 0]",
+    "\"type\": \"quad\", \"as\": \"analytic\", \"corner\": [-3, 0, 2], \"u\": [6, 0, 0], \"v\": "
+    "[0, "
+    "0, -4]",
+    "\"type\": \"quad\", \"corner\": [-3, 0, -1], \"u\": [6, 0, 0], \"v\": [0, 2, 0]",
+    "\"type\": \"box\", \"as\": \"analytic\", \"min\": [-0.75, 0, 0.5], \"max\": [-0.25, 0.5, 1]",
+    "\"type\": \"box\", \"min\": [0.25, 0, 0.5], \"max\": [0.75, 0.5, 1]",
+    "\"type\": \"cylinder\", \"radius\": 0.25, \"from\": [1, 0, 0], \"to\": [1, 1, 0]",
+    "\"type\": \"cylinder\", \"caps\": false, \"radius\": 0.25, \"from\": [2, 0, 0], \"to\": [2, "
+    "1, 0]",
+    "\"type\": \"sdf\", \"field\": {\"type\": \"sphere\", \"radius\": 0.375}",
+    "\"type\": \"sphere\", \"as\": \"triangles\", \"subdivision\": 2, \"radius\": 0.375, "
+    "\"center\": [0, 1.75, -0.5]",
+};
+#define KINDS (sizeof kinds / sizeof kinds[0])
+
+// The last one is nearest to the camera, with a corner at (x, 0, 0): so that coordinates far from
+// the origin begin there, too.
+static void write_objects(FILE *file, double x, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        fprintf(file,
+                "{%s, \"material\": \"grey\", \"transform\": {\"translate\": [%.3f, -1, -4]}},\n",
+                kinds[i], x);
+    fprintf(file,
+            "{\"type\": \"box\", \"min\": [2.25, 1.5, 0], \"max\": [2.5, 1.75, 0.25], "
+            "\"material\": \"lamp\", \"transform\": {\"translate\": [%.3f, -1, -4]}},\n"
+            "{\"type\": \"box\", \"min\": [0, -0.125, -0.125], \"max\": [0.125, 0, 0], "
+            "\"material\": \"grey\", \"transform\": {\"translate\": [%.3f, 0, 0]}}\n",
+            x, x);
+}
+
+// The camera is at `near`; `count` kinds of objects are.
+static bool write_apart(double near, double far, size_t count)
+{
+    FILE *file = fopen("far.json", "wb");
+    if (!file)
+        return false;
+    fprintf(
+        file,
+        "{\"lampyris\": 1, \"film\": {\"width\": 32, \"height\": 24}, \"camera\": "
+        "{\"position\": [%.3f, 0.25, 1], \"direction\": [0, 0, -1], \"fov_degrees\": 40}, "
+        "\"environment\": {\"radiance\": [0.5, 0.5, 0.5]}, \"materials\": {\"grey\": "
+        "{\"base_color\": [0.5, 0.6, 0.7]}, \"lamp\": {\"emission\": [9, 8, 7]}}, \"shapes\": [",
+        near);
+    write_objects(file, near, count);
+    fputc(',', file);
+    write_objects(file, far, count);
+    fputs("]}", file);
+    return fclose(file) == 0;
+}
+
+TEST(apart)
+{
+    static const double distances[] = {1e7, 1e12};
+    char folder[256];
+    struct arena arena = {0};
+    struct film_image about_origin, far_from_it;
+    struct gpu gpu;
+    OPEN_GPU(&gpu, 0);
+    REQUIRE(temporary_enter(folder, sizeof folder), "no folder");
+    for (int i = 0; i < 4; i++) {
+        double distance = distances[i % 2];
+        enum instancing instancing = i < 2 ? INSTANCING_OFF : INSTANCING_ON;
+        // Corners of the mesh of a sphere are not multiples of what doubles resolve at 1e12.
+        size_t count = distance < 1e9 ? KINDS : KINDS - 1;
+        REQUIRE(write_apart(0, -distance, count), "far.json");
+        render_file(&gpu, instancing, &arena, &about_origin);
+        REQUIRE(write_apart(distance, 0, count), "far.json");
+        render_file(&gpu, instancing, &arena, &far_from_it);
+        CHECK(same_means(&about_origin, &far_from_it), "%g m apart, instancing %d: another picture",
+              distance, (int)instancing);
+    }
+    temporary_leave(folder);
+    gpu_close(&gpu);
+    arena_finish(&arena);
+}
+
+// --- what is told --------------------------------------------------------------------------------
+
+static char warning[1024];
+
+static void keep_warning(void *context, enum log_level level, const char *message)
+{
+    (void)context;
+    if (level == LOG_WARN && strstr(message, "small for where"))
+        snprintf(warning, sizeof warning, "%s", message);
+}
+
+static void flatten_file(enum instancing instancing)
+{
+    const struct scene_load_params load = {.path = "far.json"};
+    struct arena arena = {0};
+    struct flat_scene flat;
+    struct scene scene;
+    struct err err = {0};
+    warning[0] = '\0';
+    REQUIRE_OK(scene_load(&load, &scene, &err));
+    const struct flatten_params params = {
+        .scene = &scene, .instancing = instancing, .camera = &scene.cameras[0]};
+    REQUIRE_OK(scene_flatten(&params, &arena, &flat, &err));
+    arena_finish(&arena);
+    scene_finish(&scene);
+}
+
+// A thing of each kind at (x, 0, 0), beside a sphere at the origin, which the camera sees.
+static void write_kind(size_t kind, double x)
+{
+    FILE *file = fopen("far.json", "wb");
+    REQUIRE(file, "far.json");
+    fprintf(file,
+            "{\"lampyris\": 1, \"camera\": {\"position\": [0, 1, 5], \"direction\": [0, 0, -1], "
+            "\"fov_degrees\": 40}, "
+            "\"materials\": {\"grey\": {}}, \"shapes\": [{\"type\": \"sphere\", \"radius\": 1, "
+            "\"material\": \"grey\"}, {%s, \"material\": \"grey\", \"transform\": {\"translate\": "
+            "[%.3f, 0, 0]}}]}",
+            kinds[kind], x);
+    REQUIRE(fclose(file) == 0, "far.json");
+}
+
+// Name, size and distance of each kind of object, and how coarse it is there; and nothing of one
+// that is resolved.
+TEST(warnings)
+{
+    static const struct {
+        const char *name;
+        double size;
+    } expected[KINDS] = {
+        {"shape 1, a sphere, is 1 m", 1},
+        {"shape 1, a disc, is 1 m", 1},
+        {"shape 1, a quad, is 6 m", 6},
+        {"instance 0, of mesh \"quad\", is 6 m", 6},
+        {"shape 1, a box, is 0.5 m", 0.5},
+        {"instance 0, of mesh \"box\", is 0.5 m", 0.5},
+        {"shape 1, a cylinder, is 1 m", 1},
+        {"shape 1, an open cylinder, is 1 m", 1},
+        {"shape 1, a distance field, is 0.", 1},
+        {"instance 0, of mesh \"icosphere\", is 0.7", 0.75},
+    };
+    char folder[256];
+    REQUIRE(temporary_enter(folder, sizeof folder), "no folder");
+    log_configure(LOG_WARN, keep_warning, NULL);
+    for (size_t i = 0; i < KINDS; i++) {
+        write_kind(i, 1e7);
+        flatten_file(INSTANCING_OFF);
+        CHECK(strstr(warning, expected[i].name) && strstr(warning, "in steps of 1.2 m"),
+              "kind %zu: '%s'", i, warning);
+        write_kind(i, 1e7);
+        flatten_file(INSTANCING_ON);
+        CHECK(strstr(warning, expected[i].name) && strstr(warning, "1e+07 m from"),
+              "kind %zu, instanced: '%s'", i, warning);
+        write_kind(i, expected[i].size * 0x1p17);
+        flatten_file(INSTANCING_OFF);
+        CHECK(warning[0] == '\0', "kind %zu: '%s'", i, warning);
+    }
+    log_configure(LOG_WARN, NULL, NULL);
+    temporary_leave(folder);
+}
+
+TEST_MAIN(TEST_CASE(files), TEST_CASE(apart), TEST_CASE(warnings))

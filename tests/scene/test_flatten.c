@@ -336,7 +336,7 @@ TEST(small_emitters_keep_their_edges)
     for (int c = 0; c < 3; c++)
         f.instances[0].transform[c][c] = 1e-6;
     REQUIRE(flatten(&f), "%s", f.err.msg);
-    CHECK(warnings == 1 && strstr(warning, "instance 0, of mesh \"triangle\", is 9.5"), "%s",
+    CHECK(warnings == 1 && strstr(warning, "instance 0, of mesh \"triangle\", is 1e-06 m"), "%s",
           warning);
     for (int c = 0; c < 3; c++)
         f.instances[0].transform[c][c] = 1e-8;

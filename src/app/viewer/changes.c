@@ -202,7 +202,7 @@ static bool update_side(struct viewer *viewer, uint32_t side, struct err *err)
 
 static bool refresh_geometry(struct viewer *viewer, struct err *err)
 {
-    struct geometry_params params = viewer_geometry_params(viewer, &viewer->scene);
+    struct geometry_params params = viewer_geometry_params(viewer, &viewer->scene, &viewer->camera);
     for (uint32_t side = 0; side < VIEWER_SIDES; side++) { // they use what is replaced
         renderer_finish(&viewer->sides[side].renderer);
         viewer->sides[side].is_ready = false;

@@ -42,7 +42,8 @@ struct opened {
 };
 
 struct geometry_params viewer_geometry_params(const struct viewer *viewer,
-                                              const struct scene *scene)
+                                              const struct scene *scene,
+                                              const struct camera *camera)
 {
     const struct options *options = &viewer->scene_options;
     return (struct geometry_params){
@@ -51,6 +52,7 @@ struct geometry_params viewer_geometry_params(const struct viewer *viewer,
         .instancing = options->instances,
         .bvh_cache = options->bvh_cache,
         .progress = &viewer->progress,
+        .camera = camera,
     };
 }
 
@@ -73,7 +75,8 @@ static bool open_scene(struct viewer *viewer, struct opened *out, struct err *er
     if (ok) {
         viewer_picture_size(viewer, &out->scene.settings.width, &out->scene.settings.height);
         scene_frame_camera(&out->scene);
-        struct geometry_params params = viewer_geometry_params(viewer, &out->scene);
+        struct geometry_params params =
+            viewer_geometry_params(viewer, &out->scene, &out->scene.cameras[out->camera]);
         ok = geometry_create(&params, &out->geometry, err);
     }
     if (ok && progress_should_stop(&viewer->progress))

@@ -229,7 +229,8 @@ void viewer_close_scene(struct viewer *viewer);
 // The same without a message. ERR_STOPPED where the window was closed meanwhile.
 bool viewer_load_scene(struct viewer *viewer, const char *path, bool keep_view, struct err *err);
 struct geometry_params viewer_geometry_params(const struct viewer *viewer,
-                                              const struct scene *scene);
+                                              const struct scene *scene,
+                                              const struct camera *camera);
 void viewer_find_bounds(struct viewer *viewer); // of the geometry as it is
 // The scene's camera; one that was made up is fitted to the picture as it is now, and turns about
 // the middle of the scene.
