@@ -44,12 +44,13 @@ static bool estimate(const struct film_image *film, uint64_t samples,
         .width = film->width,
         .height = film->height,
         .samples = samples,
+        .brightest = film->brightest,
     };
     if (!metrics_half_error(&params, &error))
         return err_memory(err, "error estimate", (uint64_t)film->width * film->height * 12);
     if (error.known) {
         metric[CONVERGE_MSE] = error.mse;
-        metric[CONVERGE_RELMSE] = error.relmse;
+        metric[CONVERGE_RELMSE] = error.local_relmse;
     }
     return true;
 }

@@ -81,7 +81,7 @@ static json_t *error_json(const struct half_error *error, bool is_bound)
         return json_pack("{s:n, s:n, s:n, s:s}", "relmse", "ci_low", "ci_high", "reason",
                          error->reason);
     // Without an interval null stands for its ends.
-    return json_pack("{s:o, s:o, s:o, s:b}", "relmse", json_number(error->relmse), "ci_low",
+    return json_pack("{s:o, s:o, s:o, s:b}", "relmse", json_number(error->local_relmse), "ci_low",
                      json_number(error->ci_low), "ci_high", json_number(error->ci_high),
                      "upper_bound", is_bound);
 }

@@ -42,6 +42,7 @@ bool job_estimate_error(struct render_job *job, double confidence, struct half_e
         .width = film->width,
         .height = film->height,
         .samples = job_film_samples(job),
+        .brightest = film->brightest,
         .confidence = confidence,
     };
     if (!metrics_half_error(&params, out))
@@ -155,7 +156,7 @@ static size_t list_looks(const struct render_job *job, struct forecast_look *out
         const struct half_error *e = &look->error;
         uint64_t steps = look->samples / step;
         if ((steps & (steps - 1)) == 0)
-            out[count++] = (struct forecast_look){(double)look->samples, e->relmse, e->ci_low,
+            out[count++] = (struct forecast_look){(double)look->samples, e->local_relmse, e->ci_low,
                                                   e->ci_high, look->confidence};
     }
     return count;
@@ -174,14 +175,14 @@ static struct interval noise(const struct render_job *job)
 {
     const struct half_error *e = &job->error;
     const struct job_against *against = &job->against;
-    struct interval error = {e->relmse, e->ci_low, e->ci_high};
+    struct interval error = {e->local_relmse, e->ci_low, e->ci_high};
     double stays = against->bias.stays.value;
     if (!job->options->reference || !isfinite(stays))
         return error;
     // What was reached, and what the halves say would be on average, by the reference's values.
     double expected = against->relmse - stays;
     double reached = against->bias.is_certain ? expected : against->relmse;
-    double factor = 0.5 * (expected + reached) / e->relmse;
+    double factor = 0.5 * (expected + reached) / e->local_relmse;
     if (!(factor > 0.0))
         return error;
     return (struct interval){error.value * factor, error.low * factor, error.high * factor};

@@ -109,7 +109,7 @@ static void add_result(struct attributes *a, const struct render_job *job)
     add(a, "lampyris:pixels_without_samples", "%" PRIu64, job->film.unsampled);
     add(a, "lampyris:ended_by", "%s", job_ended_by(job));
     if (job->error.known) {
-        add(a, "lampyris:relmse", "%.9g", job->error.relmse);
+        add(a, "lampyris:relmse", "%.9g", job->error.local_relmse);
         add(a, "lampyris:relmse_ci_low", "%.9g", job->error.ci_low);
         add(a, "lampyris:relmse_ci_high", "%.9g", job->error.ci_high);
     }

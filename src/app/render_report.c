@@ -66,10 +66,10 @@ static void print_error(const struct render_job *job)
     if (e->known && job_shares_depths(job))
         printf("error     relMSE %.3g in %.3f s (no interval: pixels share their paths' depths; "
                "blind to bias)\n",
-               e->relmse, job->seconds.render);
+               e->local_relmse, job->seconds.render);
     else if (e->known)
         printf("error     relMSE %s%.3g, 95 %% interval %.3g to %.3g, in %.3f s (blind to bias)\n",
-               is_bound ? "at most " : "", e->relmse, e->ci_low, e->ci_high, job->seconds.render);
+               is_bound ? "at most " : "", e->local_relmse, e->ci_low, e->ci_high, job->seconds.render);
     else
         printf("error     not yet known: %s\n", e->reason);
 }

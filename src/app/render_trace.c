@@ -169,7 +169,7 @@ static void fill_row(struct render_job *job)
         .msamples_per_s = job_total_samples(job) * 1e-6 / seconds,
         .closest_rays = (double)r->stats.closest_rays,
         .shadow_rays = (double)r->stats.shadow_rays,
-        .relmse = e->known ? e->relmse : NAN,
+        .relmse = e->known ? e->local_relmse : NAN,
         .ci_low = e->known ? e->ci_low : NAN,
         .ci_high = e->known ? e->ci_high : NAN,
         .true_mse = job->against.mse,

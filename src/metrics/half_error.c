@@ -5,84 +5,85 @@
 //
 //     (M - r)^2 = ((A - B) / 2)^2 + (A - r) (B - r)
 //
-// says what the halves know: the first term is at hand, the second a product of two independent
-// errors, zero on average. So ((A - B) / 2)^2 estimates the error of this very picture, and what it
-// is off by has the variance (Var A)(Var B), whatever the noise is like: a bright sample that both
-// terms on the left and right share cancels. An interval for the error that other seeds would have
-// on average could not be had so cheaply: it depends on how rare the brightest samples are, which a
-// picture that lacks them cannot know.
+// says what the halves know: the first term, D^2, is at hand, the second a product of two
+// independent errors, zero on average. So D^2 estimates the error of this very picture, whatever
+// the noise is like: a bright sample that both sides share cancels. The error that other seeds
+// would have on average cannot be had so cheaply: it depends on how rare the brightest samples are,
+// which a picture that lacks them cannot know.
 //
-// The sum over channels c of (A - r) (B - r) with weights w has the variance
-// 4 sum_cd w_c w_d E[D_c D_d]^2, with D = (A - B) / 2. The pixel's own D gives one factor, the mean
-// over its neighbours (and itself) the other: they are independent, so that the product has no bias
-// where the noise is alike. Pixels are independent of each other; their variances add up.
+// The weight, 1 / (L^2 + epsilon). The mean L around a pixel (local_mean.h) consists of the
+// neighbours' mean S, which the halves of the pixel itself say nothing of, so that numerator and
+// denominator are independent, and of a small part of the pixel's own value r. M would not do for
+// that: a pixel that caught a bright sample has a large D^2 and a large M at once. What does is the
+// median of A, B and S: a bright sample is in one of them, a bright object in both halves. Light
+// that is mostly in one half (an object of few bright samples) leaves r open between the lesser
+// half and M: both ends are carried along, and the interval holds them both. S is noisy as well,
+// and 1 / (S^2 + epsilon) is convex: with V its variance, told by the neighbours' D^2, the
+// expectation is to second order (1 + (3 S^2 - epsilon) V / (S^2 + epsilon)^2) / (L^2 + epsilon),
+// by which it is divided where the bracket exceeds 1.
 //
-// The weights stand for 1 / (r^2 + epsilon): half_weights.c says how. Where they come from the mean
-// S over all neighbours, each pixel's noise M - r moves the weights of those around it: the sum by
-// (M - r) times the mean over them of D^2 dw/dS, for which the pixel's own surroundings stand. That
-// is uncorrelated with (A - r) (B - r), so that the variances add up again. Where
-// they come from hypotheses, these say how much they may be wrong. Of that a part is the same
-// everywhere, and does not go down with the number of pixels: see doubt_shared.
+// The interval. (A - r) (B - r) has the variance Var A Var B = 4 E[D^2]^2 where the noise is alike
+// in a neighbourhood: the pixel's own D^2 gives one factor, its neighbours' mean the other. A pixel
+// that is noisier than they are by itself has 4/3 D^4, the unbiased estimate for normal values, or,
+// where that is less, the product (A - S) (B - S): beside a bright sample in A, B is still as near
+// to r as usual. Channels share their noise: their deviations add up, pixels' variances do. The
+// noise of S moves the weights: a pixel's M - r those of all around it, and the noise of all around
+// it its own. The interval is of the logarithm, which a sum of squares is more nearly normal in: a
+// t interval with as many degrees of freedom as equal variances would make a sum as uncertain as
+// the pixels' do (Satterthwaite 1946, "An approximate distribution of estimates of variance
+// components").
 //
-// The radius of the neighbourhood is the smallest that brings the relative variance of its mean
-// down to 0.02 on the picture's average: the correction for it is then 6 % and what it leaves below
-// 1 %.
-#include "half_weights.h"
-
+// What no sample has found. Paths that meet a bright emitter by chance add up to F a sample. Where
+// no half differs from the other as if such a path were in it, three may have been expected of all
+// samples (the chance of none is then 5 %), which are light of 3 F / N in the pixels' sum that the
+// picture lacks. Spread so that it does the most, to r of a pixel each, it adds
+// r / ((p r + L)^2 + epsilon) for each unit of light, p being the pixel's part of the window, which
+// is at most 1 / (2 p (L + sqrt(L^2 + epsilon))). The bound holds that; an interval is told where
+// it is small.
+#include "local_mean.h"
+#include "metrics.h"
 #include "parallel.h"
-
+#include "pixel.h"
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 enum {
-    SAMPLES_MIN = 16,
-    // A mean of n independent terms of which k carry most is itself uncertain by about 1/sqrt(k);
-    // 30 is where the normal approximation is commonly trusted.
-    CARRIERS_MIN = 30,
-    RADIUS_MAX = 8,
+    SAMPLES_MIN = 2,
+    PIXELS_MIN = 30,
     THREADS_MAX = 8, // each has rows of its own
-    TILE_SIDE = 8,   // over which the relative variance is taken that decides on the radius
+    TILE_SIDE = 8,
 };
 
 static const double usual_confidence = 0.95;
 
-static const double relative_variance_wanted = 0.02;
+// Ratios of an interval's ends beyond which a bound is told alone: of all of it, and of what the
+// pixels' own values leave open, which is where few pixels say what it is.
+static const double factor_max = 100, open_max = 10;
 
-static const double factor_max = 10; // an interval that is wider says nothing
+static const double unseen_paths = 3;        // exp(-3) = 5 %
+static const double seen_part = 0.25;        // of F, of a sample that counts as one of these paths
+static const double unseen_negligible = 0.1; // of the error
 
-// The part of the weights' doubt, a standard deviation, that all pixels share, and what the
-// correction for the noise of the weights leaves of the error: measured, see docs/convergence.md.
-static const double doubt_shared = 0.1, correction_shared = 0.005;
-
+// Sums over pixels; a pixel's error is a mean over channels.
 struct tile {
-    double relative; // sum over the tile's pixels of the error, a mean over channels
+    double error;
+    double least, most; // by the weights that the pixels' own values leave possible
+    double relmse_most;
     double squared;
     double pixels;          // finite ones
-    double variance;        // of what the error is off by
-    double variance_square; // sum of the squares of what the pixels add to it
-    double doubt;           // sum of the standard deviations that are the weights'
-};
-
-// What a thread needs for itself.
-struct band {
-    struct half_sums *pixels;  // of each pixel by itself: the last `rows` ones, row y at y % rows
-    uint32_t loaded;           // up to this row
-    struct half_sums *columns; // of the rows around the present one
-    struct half_sums *others;  // of these without the present one
-    // The greatest CARRIERS_MIN - 1 relative errors of pixels, in ascending order.
-    double greatest[CARRIERS_MIN - 1];
+    double variance;        // of `error`
+    double variance_square; // the squares of what the pixels add to it
+    double unseen;          // the greatest error that a unit of light may add
+    double brightest;       // the greatest |A - B|
+    double light;           // the greatest |M|
 };
 
 struct estimator {
     const struct half_error_params *params;
     uint32_t tile_side, tiles_x, tiles_y;
-    uint32_t radius;
-    uint32_t rows; // that a pixel's surroundings take
     struct tile *tiles;
-    struct band *bands; // one a thread
+    struct local_window *windows; // one a thread
     unsigned threads;
-    bool any_light;
 };
 
 static uint32_t tiles_along(uint32_t length, uint32_t side)
@@ -90,175 +91,101 @@ static uint32_t tiles_along(uint32_t length, uint32_t side)
     return (uint32_t)(((uint64_t)length + side - 1) / side);
 }
 
-static uint32_t least(uint32_t a, uint64_t b)
+static double median(double a, double b, double c)
 {
-    return a < b ? a : (uint32_t)b;
+    return fmax(fmin(a, b), fmin(fmax(a, b), c));
 }
 
-// The picture's average of a pixel's relative variance, from the tiles' means.
-static double relative_variance(struct estimator *estimator)
+static void load_halves(const void *context, uint64_t pixel, struct local_pixel *out)
 {
-    const struct half_error_params *params = estimator->params;
-    double sum = 0, pixels = 0;
-    for (size_t tile = 0; tile < (size_t)estimator->tiles_x * estimator->tiles_y; tile++) {
-        uint32_t side = estimator->tile_side;
-        uint32_t x0 = (uint32_t)(tile % estimator->tiles_x) * side;
-        uint32_t y0 = (uint32_t)(tile / estimator->tiles_x) * side;
-        uint32_t x1 = least(params->width, (uint64_t)x0 + side);
-        uint32_t y1 = least(params->height, (uint64_t)y0 + side);
-        struct half_sums sums = {0};
-        for (uint32_t y = y0; y < y1; y++)
-            for (uint32_t x = x0; x < x1; x++)
-                half_sums_add(&sums, params, (uint64_t)y * params->width + x);
-        if (sums.pixels == 0)
-            continue;
-        for (int c = 0; c < 3; c++) {
-            double mean = sums.mean[c] / sums.pixels;
-            sum += sums.products[c] / (mean * mean + METRICS_RELMSE_EPSILON) / 3;
-            estimator->any_light |= sums.mean[c] != 0;
-        }
-        pixels += sums.pixels;
-    }
-    return pixels > 0 ? sum / pixels : 0;
-}
-
-static void choose_radius(struct estimator *estimator)
-{
-    double neighbours_wanted = relative_variance(estimator) / relative_variance_wanted;
-    uint32_t radius = 1;
-    while (radius < RADIUS_MAX && (2 * radius + 1) * (2 * radius + 1) - 1 < neighbours_wanted)
-        radius++;
-    estimator->radius = radius;
-}
-
-// NULL outside of the picture.
-static struct half_sums *row_of(const struct estimator *estimator, const struct band *band,
-                                int64_t y)
-{
-    const struct half_error_params *params = estimator->params;
-    if (y < 0 || y >= params->height)
-        return NULL;
-    return &band->pixels[(size_t)(y % estimator->rows) * params->width];
-}
-
-// Makes the rows around y ready, of which those before `loaded` are.
-static void load_rows(const struct estimator *estimator, struct band *band, uint32_t y)
-{
-    const struct half_error_params *params = estimator->params;
-    uint32_t end = least(params->height, (uint64_t)y + estimator->rows / 2 + 1);
-    for (; band->loaded < end; band->loaded++) {
-        struct half_sums *row = row_of(estimator, band, band->loaded);
-        memset(row, 0, params->width * sizeof *row);
-        for (uint32_t x = 0; x < params->width; x++)
-            half_sums_add(&row[x], params, (uint64_t)band->loaded * params->width + x);
-    }
-}
-
-// Sums down the columns of the rows within the radius of row y. The pixel itself is later left out
-// by adding up the rest: taken away again, a very bright one would leave its rounding error.
-static void sum_columns(const struct estimator *estimator, struct band *band, uint32_t y)
-{
-    uint32_t width = estimator->params->width;
-    memset(band->others, 0, width * sizeof *band->others);
-    for (int64_t row = (int64_t)y - estimator->radius; row <= (int64_t)y + estimator->radius;
-         row++) {
-        const struct half_sums *pixels = row_of(estimator, band, row);
-        for (uint32_t x = 0; pixels && row != y && x < width; x++)
-            half_sums_join(&band->others[x], &pixels[x]);
-    }
-    const struct half_sums *pixels = row_of(estimator, band, y);
-    memcpy(band->columns, band->others, width * sizeof *band->columns);
-    for (uint32_t x = 0; x < width; x++)
-        half_sums_join(&band->columns[x], &pixels[x]);
-}
-
-// Keeps the list of the greatest ones sorted.
-static void remember(struct band *band, double value)
-{
-    double *greatest = band->greatest;
-    if (value <= greatest[0])
+    const struct half_error_params *params = context;
+    const float *a = params->half_a[pixel], *b = params->half_b[pixel];
+    if (!pixel_is_finite(a) || !pixel_is_finite(b))
         return;
-    int i = 0;
-    for (; i + 1 < CARRIERS_MIN - 1 && greatest[i + 1] < value; i++)
-        greatest[i] = greatest[i + 1];
-    greatest[i] = value;
-}
-
-// w^T P w, P being products of D.
-static double form(const double *w, const double *products)
-{
-    const double *p = products;
-    return w[0] * w[0] * p[0] + w[1] * w[1] * p[1] + w[2] * w[2] * p[2] +
-           2 * (w[0] * w[1] * p[3] + w[0] * w[2] * p[4] + w[1] * w[2] * p[5]);
-}
-
-// Of the sum over channels of w (A - r) (B - r): see the head of this file.
-static double product_variance(const struct half_weight *judged, const struct half_sums *own)
-{
-    double both[6];
-    for (int i = 0; i < 6; i++)
-        both[i] = own->products[i] * judged->noise[i];
-    return 4 * form(judged->weight, both);
-}
-
-// Of what comes from the weights' noise where they are those of the mean over all neighbours: what
-// the pixel's noise adds by moving the weights of its neighbours, and what the noise of its own
-// weight adds, which counts where few pixels have most of the error.
-static double weight_variance(const struct half_weight *judged, const struct half_sums *own,
-                              const struct half_sums *around)
-{
-    double slope[3], own_slope[3];
     for (int c = 0; c < 3; c++) {
-        double mean = around->mean[c] / around->pixels;
-        double square = mean * mean + METRICS_RELMSE_EPSILON;
-        double change = 2 * mean / square * judged->weight[c];
-        slope[c] = change * judged->noise[c];
-        own_slope[c] = change * own->products[c];
+        double difference = ((double)a[c] - b[c]) / 2;
+        out->mean[c] = ((double)a[c] + b[c]) / 2;
+        out->noise[c] = difference * difference;
     }
-    return form(slope, own->products) + form(own_slope, judged->noise) / around->pixels;
+    out->part = 1;
 }
 
-static void add_pixel(struct tile *tile, struct band *band, const struct half_view *view,
-                      const struct half_sums *around)
+// The weight by a pixel's own value, a third of 1 / (L^2 + epsilon), and how it falls with the
+// neighbours' mean.
+struct weight {
+    double value, slope;
+};
+
+static struct weight weigh(double own_value, const struct local_mean *around, int c)
 {
-    const struct half_sums *own = &view->rows[HALF_REACH][view->x];
-    // A pixel without a finite neighbour cannot be judged.
-    if (own->pixels == 0 || around->pixels == 0)
+    double share = 1 - around->own;
+    double mean = around->own * own_value + share * around->mean[c];
+    double square = mean * mean + METRICS_RELMSE_EPSILON;
+    double variance = share * share * around->mean_noise[c];
+    double curvature = fmax(3 * mean * mean - METRICS_RELMSE_EPSILON, 0);
+    double value = 1 / (square + curvature * variance / square) / 3;
+    return (struct weight){value, 2 * fabs(mean) / square * value * share};
+}
+
+// The variance of (A - r) (B - r).
+static double product_variance(double a, double b, double noise, const struct local_mean *around,
+                               int c)
+{
+    double alone = noise > 0 ? (a - around->mean[c]) * (b - around->mean[c]) : 0;
+    return fmax(4 * noise * around->noise[c], fmin(4.0 / 3 * noise * noise, alone * alone));
+}
+
+// The error that a unit of light that no sample has found adds at most, beside a mean S.
+static double error_of_unseen(double mean, double own)
+{
+    double rest = fabs((1 - own) * mean);
+    return 1 / (2 * own * (rest + hypot(rest, sqrt(METRICS_RELMSE_EPSILON)))) / 3;
+}
+
+static void add_pixel(struct tile *tile, const float a[3], const float b[3],
+                      const struct local_mean *around)
+{
+    if (!pixel_is_finite(a) || !pixel_is_finite(b))
         return;
-    struct half_weight judged;
-    half_weigh(view, around, &judged);
-    double relative = 0;
+    double error = 0, deviation = 0, moves_others = 0, moved_by_others = 0;
     for (int c = 0; c < 3; c++) {
-        relative += own->products[c] * judged.weight[c];
-        tile->squared += own->products[c] / 3;
+        double mean = ((double)a[c] + b[c]) / 2, difference = (double)a[c] - b[c];
+        double noise = difference * difference / 4, lesser = fmin(a[c], b[c]);
+        double near = around->own < 1 ? around->mean[c] : mean;
+        double own = median(a[c], b[c], near);
+        struct weight weight = weigh(own, around, c);
+        double positive = fmax(lesser, 0);
+        error += noise * weight.value;
+        tile->least += noise * weigh(fmax(mean, own), around, c).value;
+        tile->most += noise * weigh(fmin(lesser, near), around, c).value;
+        tile->relmse_most += noise / (positive * positive + METRICS_RELMSE_EPSILON) / 3;
+        tile->squared += noise / 3;
+        tile->unseen += error_of_unseen(around->mean[c], around->own);
+        tile->brightest = fmax(tile->brightest, fabs(difference));
+        tile->light = fmax(tile->light, fabs(mean));
+        deviation += weight.value * sqrt(product_variance(a[c], b[c], noise, around, c));
+        moves_others += weight.slope * around->noise[c] * sqrt(noise);
+        moved_by_others += weight.slope * noise * sqrt(around->mean_noise[c]);
     }
-    double variance = product_variance(&judged, own);
-    variance += judged.structured ? judged.doubt : weight_variance(&judged, own, around);
-    tile->relative += relative;
+    double variance =
+        deviation * deviation + moves_others * moves_others + moved_by_others * moved_by_others;
+    tile->error += error;
     tile->variance += variance;
     tile->variance_square += variance * variance;
-    tile->doubt += sqrt(judged.doubt);
     tile->pixels++;
-    remember(band, relative);
 }
 
-static void add_row(const struct estimator *estimator, struct band *band, uint32_t y)
+static void add_row(const struct estimator *estimator, struct local_window *window, uint32_t y)
 {
-    uint32_t width = estimator->params->width, side = estimator->tile_side;
+    const struct half_error_params *params = estimator->params;
+    uint32_t side = estimator->tile_side;
     struct tile *tiles = &estimator->tiles[(size_t)(y / side) * estimator->tiles_x];
-    struct half_view view = {.width = width};
-    load_rows(estimator, band, y);
-    sum_columns(estimator, band, y);
-    for (int i = 0; i <= 2 * HALF_REACH; i++)
-        view.rows[i] = row_of(estimator, band, (int64_t)y + i - HALF_REACH);
-    for (view.x = 0; view.x < width; view.x++) {
-        uint32_t x = view.x, radius = estimator->radius;
-        uint32_t end = least(width, (uint64_t)x + radius + 1);
-        struct half_sums around = band->others[x];
-        for (uint32_t i = x > radius ? x - radius : 0; i < end; i++)
-            if (i != x)
-                half_sums_join(&around, &band->columns[i]);
-        add_pixel(&tiles[x / side], band, &view, &around);
+    uint64_t first = (uint64_t)y * params->width;
+    local_window_enter(window, y);
+    for (uint32_t x = 0; x < params->width; x++) {
+        struct local_mean around;
+        local_mean_at(window, x, &around);
+        add_pixel(&tiles[x / side], params->half_a[first + x], params->half_b[first + x], &around);
     }
 }
 
@@ -266,13 +193,11 @@ static void add_row(const struct estimator *estimator, struct band *band, uint32
 static void add_tiles(void *context, size_t begin, size_t end, unsigned thread)
 {
     const struct estimator *estimator = context;
-    struct band *band = &estimator->bands[thread];
-    uint64_t side = estimator->tile_side;
-    uint32_t first = (uint32_t)(begin * side), around = estimator->rows / 2;
-    uint32_t last = least(estimator->params->height, end * side);
-    band->loaded = first > around ? first - around : 0;
-    for (uint32_t y = first; y < last; y++)
-        add_row(estimator, band, y);
+    struct local_window *window = &estimator->windows[thread];
+    uint64_t first = begin * estimator->tile_side, last = end * (uint64_t)estimator->tile_side;
+    local_window_start(window, (uint32_t)first);
+    for (uint64_t y = first; y < last && y < estimator->params->height; y++)
+        add_row(estimator, window, (uint32_t)y);
 }
 
 static void add_pixels(struct estimator *estimator)
@@ -283,81 +208,83 @@ static void add_pixels(struct estimator *estimator)
                  add_tiles, estimator);
 }
 
-// What the greatest relative errors of pixels add up to.
-static double carried(const struct estimator *estimator)
-{
-    struct band all = estimator->bands[0];
-    double sum = 0;
-    for (unsigned thread = 1; thread < estimator->threads; thread++)
-        for (int i = 0; i < CARRIERS_MIN - 1; i++)
-            remember(&all, estimator->bands[thread].greatest[i]);
-    for (int i = 0; i < CARRIERS_MIN - 1; i++)
-        sum += all.greatest[i];
-    return sum;
-}
-
 static struct tile sum_tiles(const struct estimator *estimator)
 {
     struct tile total = {0};
     for (size_t i = 0; i < (size_t)estimator->tiles_x * estimator->tiles_y; i++) {
         const struct tile *tile = &estimator->tiles[i];
-        total.relative += tile->relative;
+        total.error += tile->error;
+        total.least += tile->least;
+        total.most += tile->most;
+        total.relmse_most += tile->relmse_most;
         total.squared += tile->squared;
         total.pixels += tile->pixels;
         total.variance += tile->variance;
         total.variance_square += tile->variance_square;
-        total.doubt += tile->doubt;
+        total.unseen += tile->unseen;
+        total.brightest = fmax(total.brightest, tile->brightest);
+        total.light = fmax(total.light, tile->light);
     }
     return total;
 }
 
-// By which the error may be wrong. The interval is of the logarithm, which a sum of squares is more
-// nearly normal in: a t interval with as many degrees of freedom as equal variances would make a
-// sum as uncertain as the pixels' do (Satterthwaite 1946, "An approximate distribution of estimates
-// of variance components").
-static double uncertainty(const struct tile *total, double confidence)
+// By which the error may be wrong, upwards as downwards, at this quantile.
+static double random_factor(const struct tile *total, double quantile)
 {
-    if (!(total->variance > 0))
+    if (!(total->variance > 0) || !(total->error > 0))
         return 1;
-    double outside = 0.5 * (1 - (confidence > 0 ? confidence : usual_confidence));
     double terms = total->variance * total->variance / total->variance_square;
-    double shared = doubt_shared * total->doubt + correction_shared * total->relative;
-    double deviation = sqrt(total->variance + shared * shared) / total->relative;
-    return exp(deviation * stats_t_quantile(1 - outside, fmax(terms, 1)));
+    double deviation = sqrt(total->variance) / total->error;
+    return exp(deviation * stats_t_quantile(quantile, fmax(terms, 1)));
 }
 
-// Judges the sums; fills in what is known.
+// The mean error, and the mean relMSE, that light which no sample has found may add.
+struct unseen {
+    double error, relmse;
+};
+
+static struct unseen find_unseen(const struct half_error_params *params, const struct tile *total)
+{
+    double brightest = params->brightest;
+    // What is in one half alone is divided by its samples.
+    double seen = total->brightest * (double)params->samples / 2;
+    if (!(brightest > 0) || seen >= seen_part * brightest)
+        return (struct unseen){0};
+    double light = unseen_paths * brightest / (double)params->samples / total->pixels;
+    return (struct unseen){
+        .error = light * total->unseen / total->pixels,
+        .relmse = light / (2 * sqrt(METRICS_RELMSE_EPSILON)),
+    };
+}
+
 static void conclude(const struct estimator *estimator, struct half_error *out)
 {
+    const struct half_error_params *params = estimator->params;
     struct tile total = sum_tiles(estimator);
-    double factor = uncertainty(&total, estimator->params->confidence);
-    if ((uint64_t)estimator->params->width * estimator->params->height < CARRIERS_MIN)
+    if ((uint64_t)params->width * params->height < PIXELS_MIN)
         out->reason = "the picture has fewer than 30 pixels";
-    else if (total.pixels == 0)
-        out->reason = "no pixel is finite in both halves";
-    else if (!estimator->any_light)
-        out->reason = "every sample so far is black";
-    else if (total.pixels < CARRIERS_MIN)
+    else if (total.pixels < PIXELS_MIN)
         out->reason = "fewer than 30 pixels are finite in both halves";
-    else if (total.relative > 0 && carried(estimator) >= total.relative / 2)
-        out->reason = "fewer than 30 pixels carry half of the variance";
-    else if (!(factor <= factor_max))
-        out->reason = "it is uncertain by more than a factor of ten";
+    else if (!(total.light > 0))
+        out->reason = "every sample so far is black";
     if (out->reason)
         return;
-    out->known = true;
-    out->relmse = total.relative / total.pixels;
+    double confidence = params->confidence > 0 ? params->confidence : usual_confidence;
+    double two_sided = random_factor(&total, 0.5 + 0.5 * confidence);
+    double one_sided = random_factor(&total, confidence);
+    struct unseen unseen = find_unseen(params, &total);
+    out->local_relmse = total.error / total.pixels;
     out->mse = total.squared / total.pixels;
-    out->ci_low = out->relmse / factor;
-    out->ci_high = out->relmse * factor;
-}
-
-static bool allocate_band(struct band *band, uint32_t rows, uint32_t width)
-{
-    band->pixels = calloc((size_t)rows * width, sizeof *band->pixels);
-    band->columns = calloc(width, sizeof *band->columns);
-    band->others = calloc(width, sizeof *band->others);
-    return band->pixels && band->columns && band->others;
+    out->at_most = total.most / total.pixels * one_sided + unseen.error;
+    out->relmse_at_most = total.relmse_most / total.pixels * one_sided + unseen.relmse;
+    out->ci_low = total.least / total.pixels / two_sided;
+    out->ci_high = total.most / total.pixels * two_sided + unseen.error;
+    if (unseen.error > unseen_negligible * out->local_relmse)
+        out->reason = "no sample has found the brightest light that chance may find";
+    else if (!(out->ci_high <= factor_max * out->ci_low && total.most <= open_max * total.least))
+        out->reason = "few pixels carry most of it";
+    out->known = !out->reason;
+    out->bounded = isfinite(out->at_most);
 }
 
 static bool estimator_init(struct estimator *estimator, const struct half_error_params *params,
@@ -373,34 +300,29 @@ static bool estimator_init(struct estimator *estimator, const struct half_error_
     };
     size_t tiles = (size_t)estimator->tiles_x * estimator->tiles_y;
     estimator->tiles = calloc(tiles, sizeof *estimator->tiles);
-    estimator->bands = calloc(estimator->threads, sizeof *estimator->bands);
-    if (!estimator->tiles || !estimator->bands)
+    estimator->windows = calloc(estimator->threads, sizeof *estimator->windows);
+    if (!estimator->tiles || !estimator->windows)
         return false;
-    choose_radius(estimator);
-    uint32_t reach = estimator->radius > HALF_REACH ? estimator->radius : HALF_REACH;
-    estimator->rows = 2 * reach + 1;
     for (unsigned i = 0; i < estimator->threads; i++)
-        if (!allocate_band(&estimator->bands[i], estimator->rows, params->width))
+        if (!local_window_init(&estimator->windows[i], params->width, params->height, load_halves,
+                               params))
             return false;
     return true;
 }
 
 static void estimator_finish(struct estimator *estimator)
 {
-    for (unsigned i = 0; estimator->bands && i < estimator->threads; i++) {
-        free(estimator->bands[i].pixels);
-        free(estimator->bands[i].columns);
-        free(estimator->bands[i].others);
-    }
-    free(estimator->bands);
+    for (unsigned i = 0; estimator->windows && i < estimator->threads; i++)
+        local_window_finish(&estimator->windows[i]);
+    free(estimator->windows);
     free(estimator->tiles);
 }
 
 bool metrics_half_error(const struct half_error_params *params, struct half_error *out)
 {
-    *out = (struct half_error){0};
+    *out = (struct half_error){.at_most = INFINITY, .relmse_at_most = INFINITY};
     if (params->samples < SAMPLES_MIN) {
-        out->reason = "fewer than 16 samples per pixel";
+        out->reason = "fewer than two samples per pixel";
         return true;
     }
     if (params->width == 0 || params->height == 0) {
@@ -425,7 +347,7 @@ bool metrics_tile_errors(const struct half_error_params *params, uint32_t side, 
         add_pixels(&estimator);
     for (size_t i = 0; ok && i < (size_t)estimator.tiles_x * estimator.tiles_y; i++) {
         const struct tile *tile = &estimator.tiles[i];
-        out[i] = tile->pixels > 0 ? tile->relative / tile->pixels : 0;
+        out[i] = tile->pixels > 0 ? tile->error / tile->pixels : 0;
     }
     estimator_finish(&estimator);
     return ok;

@@ -49,15 +49,32 @@ bool metrics_intervals(const float (*image)[3], const float (*reference)[3], uin
                        uint32_t height, const struct progress *progress, struct interval *mse,
                        struct interval *relmse);
 
-// relMSE of (A + B) / 2, of this very picture and not of others that other seeds would give, told
-// by the means of two independent half-buffers. It is blind to bias.
+// --- local relMSE -------------------------------------------------------------------------------
+// The error relative to the brightness around a pixel: mean (x - r)^2 / (L^2 + 1e-2) over pixels
+// and channels, L being the mean of r around the pixel by a Gaussian of 1.5 pixels (local_mean.h).
+// Where r is even it is relMSE. Unlike relMSE it can be told without a reference: of a pixel's own
+// value a render knows little until it is done, of its surroundings it soon knows enough.
+
+// L of each pixel, for metrics_local_relmse(). False when out of memory, or where `progress`, which
+// may be NULL, asked to stop.
+bool metrics_local_means(const float (*reference)[3], uint32_t width, uint32_t height,
+                         const struct progress *progress, float (*out)[3]);
+// `means`: of metrics_local_means(). NaN when no pixel is finite.
+double metrics_local_relmse(const float (*image)[3], const float (*reference)[3],
+                            const float (*means)[3], uint64_t pixel_count);
+
+// The local relMSE of (A + B) / 2, of this very picture and not of others that other seeds would
+// give, told by the means of two independent half-buffers. It is blind to bias.
 struct half_error {
-    // False below 16 spp, while fewer than 30 pixels carry half of the variance (they stand for
-    // 30 samples, which a film does not keep apart), and while all is black. The rest is 0 then.
+    // Whether the error has an interval: from two samples on, unless few pixels carry nearly all of
+    // it, light is still to be found, or all is black. The estimate is given with the bound, too.
     bool known;
+    bool bounded;       // whether at_most and relmse_at_most are finite
     const char *reason; // why not known; NULL when known
-    double relmse;
+    double local_relmse;
     double ci_low, ci_high; // with the confidence asked for; half_error.c derives it
+    double at_most;         // the upper end of a one-sided interval of the same confidence
+    double relmse_at_most;  // the same of relMSE
     double mse;
 };
 
@@ -69,16 +86,17 @@ struct half_error_params {
     // halves are to have as many samples as each other (or one more, where there are many).
     uint64_t samples;
     double confidence; // of the interval, in [0.5, 1); 0: 0.95
+    // The greatest radiance of a channel that a path may meet by chance alone; 0: none, shadow rays
+    // find all light. The bounds hold it as long as no sample has found such light.
+    double brightest;
 };
 
-// mean (A-B)^2 / 4 over r^2 + 1e-2, where r is told by the pixels around: half_weights.c states how
-// and why. Non-finite pixels are left out. Uses several threads; the result does not depend on how
-// many. False only when out of memory.
+// mean (A-B)^2 / 4 over L^2 + 1e-2: half_error.c states how and why. Non-finite pixels are left
+// out. Uses several threads; the result does not depend on how many. False only when out of memory.
 bool metrics_half_error(const struct half_error_params *params, struct half_error *out);
 
-// Mean over each tile's pixels of the variance of the picture's mean, over the square of the value,
-// as above: what the tile adds to relMSE, a pixel. Tiles of side x side pixels in rows from the
-// top, those at the right and lower edge are smaller; 0 where no pixel can be judged.
+// What each tile adds to the local relMSE, a pixel, as above. Tiles of side x side pixels in rows
+// from the top, those at the right and lower edge are smaller; 0 where no pixel can be judged.
 bool metrics_tile_errors(const struct half_error_params *params, uint32_t side, double *out);
 
 // --- when to stop -------------------------------------------------------------------------------

@@ -1,6 +1,7 @@
 #include "render.h"
 
 #include "adaptive.h"
+#include "chance.h"
 #include "clock.h"
 #include "far_camera.h"
 #include "film.h"
@@ -187,6 +188,7 @@ bool renderer_create(const struct renderer_params *params, struct renderer *r, s
         .merge_classes = params->merge_classes,
         .tiles = params->tiles,
     });
+    r->brightest_by_chance = brightest_by_chance(r->scene, &r->flat, &r->specialization);
     const struct shading_tables_params tables = {
         .scene = r->scene,
         .flat = &r->flat,

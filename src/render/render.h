@@ -129,6 +129,7 @@ struct renderer {
     const struct kernel_set *kernel_set; // NULL: the embedded ones
     struct shading_tables tables;
     struct specialization specialization;
+    float brightest_by_chance; // see chance.h
     struct memory_plan plan;
     struct gpu_buffer buffers[BINDING_COUNT]; // but the film
     struct gpu_buffer *film;                  // plan.film_chunks of them, by ranges of pixels
@@ -212,6 +213,7 @@ struct film_image {
     uint64_t least_samples, most_samples; // a pixel
     uint64_t unsampled;                   // pixels without a sample
     uint64_t dropped;                     // samples with a non-finite contribution left out
+    double brightest;                     // radiance that chance may still find: see chance.h
     struct film_aovs aovs;
 };
 bool renderer_read(struct renderer *renderer, struct arena *arena, struct film_image *out,

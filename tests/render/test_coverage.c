@@ -62,6 +62,7 @@ static bool judge(const struct film_image *film, const struct reference *referen
         .width = film->width,
         .height = film->height,
         .samples = film->least_samples,
+        .brightest = film->brightest,
     };
     struct half_error told;
     if (!metrics_half_error(&params, &told))

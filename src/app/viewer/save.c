@@ -97,7 +97,7 @@ static bool describe(const struct viewer *viewer, uint32_t side, const struct fi
     const struct view_look *look = view->look_count ? &view->looks[view->look_count - 1] : NULL;
     if (look && look->samples == (double)film->least_samples)
         job->error = (struct half_error){
-            .known = true, .relmse = look->relmse, .ci_low = look->low, .ci_high = look->high};
+            .known = true, .local_relmse = look->relmse, .ci_low = look->low, .ci_high = look->high};
     bool ok = job_describe(job, 0, &saving->arena, &saving->attributes, err);
     job_list_layers(job, &saving->layers);
     free(job);

@@ -63,6 +63,7 @@ static bool run_look(void *context, struct err *err)
         .width = job->film.width,
         .height = job->film.height,
         .samples = job->film.least_samples,
+        .brightest = job->film.brightest,
     };
     if (job->too_early) {
         job->error.reason = "contiguous halves tell it after as many samples as were planned";
@@ -92,7 +93,7 @@ static void add_look(struct view *view, const struct look_job *job)
     view->looks[view->look_count++] = (struct view_look){
         .seconds = job->seconds,
         .samples = job->samples,
-        .relmse = error->known ? error->relmse : NAN,
+        .relmse = error->known ? error->local_relmse : NAN,
         .low = !error->known        ? NAN
                : job->shares_depths ? 0.0
                                     : error->ci_low,

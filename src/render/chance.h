@@ -1,0 +1,16 @@
+// What paths meet by chance alone.
+#ifndef LAMPYRIS_RENDER_CHANCE_H
+#define LAMPYRIS_RENDER_CHANCE_H
+
+#include "flatten.h"
+#include "scene.h"
+#include "specialize.h"
+
+// The greatest radiance, of a channel, of an emitter that a path may meet where no shadow ray is
+// aimed at it: by way of glass, metal or gloss, or of any surface where shadow rays are off or
+// directions are not drawn by the surface. 0 where there is none. A texture's emission counts as
+// its factor. What is known of the error takes it for what no sample may have found yet.
+float brightest_by_chance(const struct scene *scene, const struct flat_scene *flat,
+                          const struct specialization *specialization);
+
+#endif
