@@ -17,15 +17,15 @@
 // that: a pixel that caught a bright sample has a large D^2 and a large M at once. What does is the
 // median of A, B and S: a bright sample is in one of them, a bright object in both halves. Light
 // that is mostly in one half (an object of few bright samples) leaves r open between the lesser
-// half and M: both ends are carried along, and the interval holds them both. S is noisy as well,
-// and 1 / (S^2 + epsilon) is convex: with V its variance, told by the neighbours' D^2, the
-// expectation is to second order (1 + (3 S^2 - epsilon) V / (S^2 + epsilon)^2) / (L^2 + epsilon),
-// by which it is divided where the bracket exceeds 1.
+// half and M: where a pixel stands out, both ends are carried along, and the interval holds them
+// both. S is noisy as well, and 1 / (S^2 + epsilon) is convex: with V its variance, told by the
+// neighbours' D^2, the expectation is to second order (1 + (3 S^2 - epsilon) V / (S^2 + epsilon)^2)
+// / (L^2 + epsilon), by which it is divided where the bracket exceeds 1.
 //
 // The interval. (A - r) (B - r) has the variance Var A Var B = 4 E[D^2]^2 where the noise is alike
 // in a neighbourhood: the pixel's own D^2 gives one factor, its neighbours' mean the other. A pixel
-// that is noisier than they are by itself has 4/3 D^4, the unbiased estimate for normal values, or,
-// where that is less, the product (A - S) (B - S): beside a bright sample in A, B is still as near
+// that stands out from them has 4/3 D^4, the unbiased estimate for normal values, or, where that is
+// less, the product (A - S) (B - S): beside a bright sample in A, B is still as near
 // to r as usual. Channels share their noise: their deviations add up, pixels' variances do. The
 // noise of S moves the weights: a pixel's M - r those of all around it, and the noise of all around
 // it its own. The interval is of the logarithm, which a sum of squares is more nearly normal in: a
@@ -55,6 +55,9 @@ enum {
 };
 
 static const double usual_confidence = 0.95;
+
+// A pixel stands out with so many times its neighbours' D^2, which is three deviations.
+static const double outlier = 9;
 
 // Ratios of an interval's ends beyond which a bound is told alone: of all of it, and of what the
 // pixels' own values leave open, which is where few pixels say what it is.
@@ -128,11 +131,14 @@ static struct weight weigh(double own_value, const struct local_mean *around, in
 }
 
 // The variance of (A - r) (B - r).
-static double product_variance(double a, double b, double noise, const struct local_mean *around,
-                               int c)
+static double product_variance(double a, double b, double noise, bool stands_out,
+                               const struct local_mean *around, int c)
 {
-    double alone = noise > 0 ? (a - around->mean[c]) * (b - around->mean[c]) : 0;
-    return fmax(4 * noise * around->noise[c], fmin(4.0 / 3 * noise * noise, alone * alone));
+    double as_others = 4 * noise * around->noise[c];
+    if (!stands_out)
+        return as_others;
+    double alone = (a - around->mean[c]) * (b - around->mean[c]);
+    return fmax(as_others, fmin(4.0 / 3 * noise * noise, alone * alone));
 }
 
 // The error that a unit of light that no sample has found adds at most, beside a mean S.
@@ -155,15 +161,17 @@ static void add_pixel(struct tile *tile, const float a[3], const float b[3],
         double own = median(a[c], b[c], near);
         struct weight weight = weigh(own, around, c);
         double positive = fmax(lesser, 0);
+        bool stands_out = noise > outlier * around->noise[c];
         error += noise * weight.value;
-        tile->least += noise * weigh(fmax(mean, own), around, c).value;
-        tile->most += noise * weigh(fmin(lesser, near), around, c).value;
+        tile->least += noise * weigh(stands_out ? fmax(mean, own) : own, around, c).value;
+        tile->most += noise * weigh(stands_out ? fmin(lesser, near) : own, around, c).value;
         tile->relmse_most += noise / (positive * positive + METRICS_RELMSE_EPSILON) / 3;
         tile->squared += noise / 3;
         tile->unseen += error_of_unseen(around->mean[c], around->own);
         tile->brightest = fmax(tile->brightest, fabs(difference));
         tile->light = fmax(tile->light, fabs(mean));
-        deviation += weight.value * sqrt(product_variance(a[c], b[c], noise, around, c));
+        deviation +=
+            weight.value * sqrt(product_variance(a[c], b[c], noise, stands_out, around, c));
         moves_others += weight.slope * around->noise[c] * sqrt(noise);
         moved_by_others += weight.slope * noise * sqrt(around->mean_noise[c]);
     }

@@ -20,7 +20,7 @@ struct coverage {
 };
 
 struct reference {
-    float (*mean)[3];
+    float (*mean)[3], (*local)[3];
     uint64_t pixels;
     double own_relmse;
 };
@@ -28,10 +28,9 @@ struct reference {
 // Over the reference's values.
 static double relmse(const struct film_image *film, const struct reference *reference)
 {
-    struct metrics metrics;
-    metrics_compare((const float(*)[3])film->mean, (const float(*)[3])reference->mean,
-                    reference->pixels, NULL, &metrics);
-    return metrics.relmse - reference->own_relmse;
+    return metrics_local_relmse((const float(*)[3])film->mean, (const float(*)[3])reference->mean,
+                                (const float(*)[3])reference->local, reference->pixels) -
+           reference->own_relmse;
 }
 
 static bool make_reference(struct renderer *r, uint32_t samples, struct arena *arena,
@@ -42,11 +41,17 @@ static bool make_reference(struct renderer *r, uint32_t samples, struct arena *a
     if (!renderer_restart(r, REFERENCE_SEED, err) || !renderer_render(r, &call, err) ||
         !renderer_read(r, arena, &film, err))
         return false;
-    *out = (struct reference){.mean = film.mean, .pixels = (uint64_t)film.width * film.height};
+    *out = (struct reference){
+        .mean = film.mean,
+        .local = arena_alloc(arena, (uint64_t)film.width * film.height, sizeof(float[3])),
+        .pixels = (uint64_t)film.width * film.height};
+    if (!metrics_local_means((const float(*)[3])film.mean, film.width, film.height, NULL,
+                             out->local))
+        return false;
     for (uint64_t i = 0; i < out->pixels; i++)
         for (int c = 0; c < 3; c++) {
             double half = ((double)film.half_a[i][c] - film.half_b[i][c]) / 2,
-                   mean = film.mean[i][c];
+                   mean = out->local[i][c];
             out->own_relmse += half * half / (mean * mean + METRICS_RELMSE_EPSILON) / 3;
         }
     out->own_relmse /= (double)out->pixels;
@@ -73,7 +78,7 @@ static bool judge(const struct film_image *film, const struct reference *referen
         coverage->known++;
         coverage->held += told.ci_low <= truth && truth <= told.ci_high;
         coverage->sum_true_known += truth;
-        coverage->sum_told += told.relmse;
+        coverage->sum_told += told.local_relmse;
     }
     return true;
 }
