@@ -67,18 +67,22 @@ static const double unseen_paths = 3;        // exp(-3) = 5 %
 static const double seen_part = 0.25;        // of F, of a sample that counts as one of these paths
 static const double unseen_negligible = 0.1; // of the error
 
+// A sum over pixels, and that of their squares.
+struct variance {
+    double sum, squares;
+};
+
 // Sums over pixels; a pixel's error is a mean over channels.
 struct tile {
     double error;
     double least, most; // by the weights that the pixels' own values leave possible
     double relmse_most;
     double squared;
-    double pixels;          // finite ones
-    double variance;        // of `error`
-    double variance_square; // the squares of what the pixels add to it
-    double unseen;          // the greatest error that a unit of light may add
-    double brightest;       // the greatest |A - B|
-    double light;           // the greatest |M|
+    double pixels;            // finite ones
+    struct variance up, down; // of `error`
+    double unseen;            // the greatest error that a unit of light may add
+    double brightest;         // the greatest |A - B|
+    double light;             // the greatest |M|
 };
 
 struct estimator {
@@ -130,15 +134,21 @@ static struct weight weigh(double own_value, const struct local_mean *around, in
     return (struct weight){value, 2 * fabs(mean) / square * value * share};
 }
 
-// The variance of (A - r) (B - r).
-static double product_variance(double a, double b, double noise, bool stands_out,
-                               const struct local_mean *around, int c)
+// The variance of (A - r) (B - r), as far as the error may be more than D^2, and less.
+struct product_variance {
+    double up, down;
+};
+
+static struct product_variance find_product_variance(double a, double b, double noise,
+                                                     bool stands_out,
+                                                     const struct local_mean *around, int c)
 {
-    double as_others = 4 * noise * around->noise[c];
+    double as_others = 4 * noise * around->noise[c], own = 4.0 / 3 * noise * noise;
     if (!stands_out)
-        return as_others;
+        return (struct product_variance){as_others, as_others};
     double alone = (a - around->mean[c]) * (b - around->mean[c]);
-    return fmax(as_others, fmin(4.0 / 3 * noise * noise, alone * alone));
+    return (struct product_variance){fmax(as_others, fmin(own, alone * alone)),
+                                     fmax(as_others, own)};
 }
 
 // The error that a unit of light that no sample has found adds at most, beside a mean S.
@@ -148,12 +158,24 @@ static double error_of_unseen(double mean, double own)
     return 1 / (2 * own * (rest + hypot(rest, sqrt(METRICS_RELMSE_EPSILON)))) / 3;
 }
 
+static void add_variance(struct variance *variance, double of_pixel)
+{
+    variance->sum += of_pixel;
+    variance->squares += of_pixel * of_pixel;
+}
+
+static void join_variances(struct variance *variance, const struct variance *other)
+{
+    variance->sum += other->sum;
+    variance->squares += other->squares;
+}
+
 static void add_pixel(struct tile *tile, const float a[3], const float b[3],
                       const struct local_mean *around)
 {
     if (!pixel_is_finite(a) || !pixel_is_finite(b))
         return;
-    double error = 0, deviation = 0, moves_others = 0, moved_by_others = 0;
+    double error = 0, up = 0, down = 0, moves_others = 0, moved_by_others = 0;
     for (int c = 0; c < 3; c++) {
         double mean = ((double)a[c] + b[c]) / 2, difference = (double)a[c] - b[c];
         double noise = difference * difference / 4, lesser = fmin(a[c], b[c]);
@@ -170,16 +192,17 @@ static void add_pixel(struct tile *tile, const float a[3], const float b[3],
         tile->unseen += error_of_unseen(around->mean[c], around->own);
         tile->brightest = fmax(tile->brightest, fabs(difference));
         tile->light = fmax(tile->light, fabs(mean));
-        deviation +=
-            weight.value * sqrt(product_variance(a[c], b[c], noise, stands_out, around, c));
+        struct product_variance product =
+            find_product_variance(a[c], b[c], noise, stands_out, around, c);
+        up += weight.value * sqrt(product.up);
+        down += weight.value * sqrt(product.down);
         moves_others += weight.slope * around->noise[c] * sqrt(noise);
         moved_by_others += weight.slope * noise * sqrt(around->mean_noise[c]);
     }
-    double variance =
-        deviation * deviation + moves_others * moves_others + moved_by_others * moved_by_others;
+    double weights = moves_others * moves_others + moved_by_others * moved_by_others;
     tile->error += error;
-    tile->variance += variance;
-    tile->variance_square += variance * variance;
+    add_variance(&tile->up, up * up + weights);
+    add_variance(&tile->down, down * down + weights);
     tile->pixels++;
 }
 
@@ -227,8 +250,8 @@ static struct tile sum_tiles(const struct estimator *estimator)
         total.relmse_most += tile->relmse_most;
         total.squared += tile->squared;
         total.pixels += tile->pixels;
-        total.variance += tile->variance;
-        total.variance_square += tile->variance_square;
+        join_variances(&total.up, &tile->up);
+        join_variances(&total.down, &tile->down);
         total.unseen += tile->unseen;
         total.brightest = fmax(total.brightest, tile->brightest);
         total.light = fmax(total.light, tile->light);
@@ -236,13 +259,13 @@ static struct tile sum_tiles(const struct estimator *estimator)
     return total;
 }
 
-// By which the error may be wrong, upwards as downwards, at this quantile.
-static double random_factor(const struct tile *total, double quantile)
+// By which an error of this variance may be wrong, at this quantile.
+static double random_factor(double error, const struct variance *variance, double quantile)
 {
-    if (!(total->variance > 0) || !(total->error > 0))
+    if (!(variance->sum > 0) || !(error > 0))
         return 1;
-    double terms = total->variance * total->variance / total->variance_square;
-    double deviation = sqrt(total->variance) / total->error;
+    double terms = variance->sum * variance->sum / variance->squares;
+    double deviation = sqrt(variance->sum) / error;
     return exp(deviation * stats_t_quantile(quantile, fmax(terms, 1)));
 }
 
@@ -278,15 +301,17 @@ static void conclude(const struct estimator *estimator, struct half_error *out)
     if (out->reason)
         return;
     double confidence = params->confidence > 0 ? params->confidence : usual_confidence;
-    double two_sided = random_factor(&total, 0.5 + 0.5 * confidence);
-    double one_sided = random_factor(&total, confidence);
+    double two_sided = 0.5 + 0.5 * confidence;
+    double up = random_factor(total.error, &total.up, two_sided);
+    double down = random_factor(total.error, &total.down, two_sided);
+    double bound = random_factor(total.error, &total.up, confidence);
     struct unseen unseen = find_unseen(params, &total);
     out->local_relmse = total.error / total.pixels;
     out->mse = total.squared / total.pixels;
-    out->at_most = total.most / total.pixels * one_sided + unseen.error;
-    out->relmse_at_most = total.relmse_most / total.pixels * one_sided + unseen.relmse;
-    out->ci_low = total.least / total.pixels / two_sided;
-    out->ci_high = total.most / total.pixels * two_sided + unseen.error;
+    out->at_most = total.most / total.pixels * bound + unseen.error;
+    out->relmse_at_most = total.relmse_most / total.pixels * bound + unseen.relmse;
+    out->ci_low = total.least / total.pixels / down;
+    out->ci_high = total.most / total.pixels * up + unseen.error;
     if (unseen.error > unseen_negligible * out->local_relmse)
         out->reason = "no sample has found the brightest light that chance may find";
     else if (!(out->ci_high <= factor_max * out->ci_low && total.most <= open_max * total.least))
