@@ -131,7 +131,7 @@ uint64_t memory_available_in(const char *root)
 }
 
 // /proc/self/statm counts pages: all of the address space first, the data sixth (proc(5)).
-static uint64_t limits_left(void)
+uint64_t memory_limits_left(void)
 {
     uint64_t pages[6] = {0}, page = (uint64_t)sysconf(_SC_PAGESIZE), left = UINT64_MAX;
     FILE *file = fopen("/proc/self/statm", "re");
@@ -154,7 +154,7 @@ static uint64_t limits_left(void)
 
 uint64_t memory_available(void)
 {
-    return least(memory_available_in(""), limits_left());
+    return least(memory_available_in(""), memory_limits_left());
 }
 
 uint64_t memory_default_budget(void)

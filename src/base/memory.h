@@ -17,6 +17,9 @@ uint64_t memory_available(void);
 // The same with "proc" and "sys" of the folder `root` in place of the system's, without RLIMIT.
 uint64_t memory_available_in(const char *root);
 
+// What RLIMIT_AS and RLIMIT_DATA (`ulimit -v`, `ulimit -d`) leave; UINT64_MAX without them.
+uint64_t memory_limits_left(void);
+
 // Three quarters of what is available: the rest is for the libraries, the driver and the others.
 uint64_t memory_default_budget(void);
 

@@ -1,5 +1,6 @@
 // Opening and closing a device.
 #include "gpu_internal.h"
+#include "memory.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -47,13 +48,26 @@ static bool device_create(struct gpu *gpu, struct err *err)
     return true;
 }
 
+// Drivers compile within the process. Without the address space for that, Mesa's on the processor
+// (22.3) does not fail but end it by a signal: with `ulimit -v` of 300 to 700 MB, not with 800.
+static bool check_address_space(struct err *err)
+{
+    const uint64_t least = UINT64_C(720) << 20;
+    uint64_t left = memory_limits_left();
+    return left >= least ||
+           err_set(err, ERR_GPU,
+                   "the limits of this process (ulimit -v, ulimit -d) leave %s; expected at least "
+                   "%s, which a driver may need to compile kernels",
+                   memory_print(left).text, memory_print(least).text);
+}
+
 bool gpu_open(const struct gpu_params *params, struct gpu *out, struct err *err)
 {
     *out = (struct gpu){0};
     if (params)
         out->params = *params;
-    if (!limits_from_environment(&out->params.limits, err) || !instance_create(out, err) ||
-        !device_select(out, err))
+    if (!check_address_space(err) || !limits_from_environment(&out->params.limits, err) ||
+        !instance_create(out, err) || !device_select(out, err))
         goto fail;
     device_read_limits(out);
     if (!device_create(out, err) || !layouts_create(out, err)) {

@@ -230,6 +230,18 @@ class Budget(Base):
         budget = float(re.search(r'budget of ([0-9.]+) GiB', stderr).group(1))
         self.assertTrue(1.3 < budget <= 1.5, stderr)
 
+    def test_too_little_for_a_driver_is_told(self):
+        """Below, Mesa's compiler ends the process by a signal where it cannot allocate."""
+        with tempfile.TemporaryDirectory() as folder:
+            for limit in 200, 300, 400, 500, 600, 700:
+                command = f'ulimit -v {limit << 10}; exec "$0" "$@"'
+                result = subprocess.run(['bash', '-c', command, LAMPYRIS, 'render', CORNELL, '--size', '8x8', '--spp',
+                                         '2', '-o', os.path.join(folder, 'out.exr')], text=True,
+                                        stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+                self.assertEqual(result.returncode, 3, result.stderr)
+                self.assertIn('ulimit', result.stderr)
+                self.assertEqual(os.listdir(folder), [])
+
     def test_the_option_is_checked(self):
         for value in '0', '1k', '-1', 'much':
             result = subprocess.run([LAMPYRIS, 'info', CORNELL, '--memory', value], text=True,
