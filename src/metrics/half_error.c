@@ -56,8 +56,8 @@ enum {
 
 static const double usual_confidence = 0.95;
 
-// A pixel stands out with so many times its neighbours' D^2, which is three deviations.
-static const double outlier = 9;
+// A pixel stands out with so many times its neighbours' D^2, which is two deviations.
+static const double outlier = 4;
 
 // Ratios of an interval's ends beyond which a bound is told alone: of all of it, and of what the
 // pixels' own values leave open, which is where few pixels say what it is.
@@ -80,6 +80,7 @@ struct tile {
     double squared;
     double pixels;            // finite ones
     struct variance up, down; // of `error`
+    struct variance relmse;   // of `relmse_most`
     double unseen;            // the greatest error that a unit of light may add
     double brightest;         // the greatest |A - B|
     double light;             // the greatest |M|
@@ -175,7 +176,7 @@ static void add_pixel(struct tile *tile, const float a[3], const float b[3],
 {
     if (!pixel_is_finite(a) || !pixel_is_finite(b))
         return;
-    double error = 0, up = 0, down = 0, moves_others = 0, moved_by_others = 0;
+    double error = 0, up = 0, down = 0, relmse = 0, moves_others = 0, moved_by_others = 0;
     for (int c = 0; c < 3; c++) {
         double mean = ((double)a[c] + b[c]) / 2, difference = (double)a[c] - b[c];
         double noise = difference * difference / 4, lesser = fmin(a[c], b[c]);
@@ -187,7 +188,8 @@ static void add_pixel(struct tile *tile, const float a[3], const float b[3],
         error += noise * weight.value;
         tile->least += noise * weigh(stands_out ? fmax(mean, own) : own, around, c).value;
         tile->most += noise * weigh(stands_out ? fmin(lesser, near) : own, around, c).value;
-        tile->relmse_most += noise / (positive * positive + METRICS_RELMSE_EPSILON) / 3;
+        double steepest = 1 / (positive * positive + METRICS_RELMSE_EPSILON) / 3;
+        tile->relmse_most += noise * steepest;
         tile->squared += noise / 3;
         tile->unseen += error_of_unseen(around->mean[c], around->own);
         tile->brightest = fmax(tile->brightest, fabs(difference));
@@ -195,6 +197,7 @@ static void add_pixel(struct tile *tile, const float a[3], const float b[3],
         struct product_variance product =
             find_product_variance(a[c], b[c], noise, stands_out, around, c);
         up += weight.value * sqrt(product.up);
+        relmse += steepest * sqrt(product.up);
         down += weight.value * sqrt(product.down);
         moves_others += weight.slope * around->noise[c] * sqrt(noise);
         moved_by_others += weight.slope * noise * sqrt(around->mean_noise[c]);
@@ -203,6 +206,7 @@ static void add_pixel(struct tile *tile, const float a[3], const float b[3],
     tile->error += error;
     add_variance(&tile->up, up * up + weights);
     add_variance(&tile->down, down * down + weights);
+    add_variance(&tile->relmse, relmse * relmse);
     tile->pixels++;
 }
 
@@ -252,6 +256,7 @@ static struct tile sum_tiles(const struct estimator *estimator)
         total.pixels += tile->pixels;
         join_variances(&total.up, &tile->up);
         join_variances(&total.down, &tile->down);
+        join_variances(&total.relmse, &tile->relmse);
         total.unseen += tile->unseen;
         total.brightest = fmax(total.brightest, tile->brightest);
         total.light = fmax(total.light, tile->light);
@@ -259,14 +264,13 @@ static struct tile sum_tiles(const struct estimator *estimator)
     return total;
 }
 
-// By which an error of this variance may be wrong, at this quantile.
-static double random_factor(double error, const struct variance *variance, double quantile)
+// So many of its own are what an error of this variance may be wrong by, at this quantile.
+static double relative_uncertainty(double error, const struct variance *variance, double quantile)
 {
     if (!(variance->sum > 0) || !(error > 0))
-        return 1;
+        return 0;
     double terms = variance->sum * variance->sum / variance->squares;
-    double deviation = sqrt(variance->sum) / error;
-    return exp(deviation * stats_t_quantile(quantile, fmax(terms, 1)));
+    return sqrt(variance->sum) / error * stats_t_quantile(quantile, fmax(terms, 1));
 }
 
 // The mean error, and the mean relMSE, that light which no sample has found may add.
@@ -302,14 +306,16 @@ static void conclude(const struct estimator *estimator, struct half_error *out)
         return;
     double confidence = params->confidence > 0 ? params->confidence : usual_confidence;
     double two_sided = 0.5 + 0.5 * confidence;
-    double up = random_factor(total.error, &total.up, two_sided);
-    double down = random_factor(total.error, &total.down, two_sided);
-    double bound = random_factor(total.error, &total.up, confidence);
+    double up = exp(relative_uncertainty(total.error, &total.up, two_sided));
+    double down = exp(relative_uncertainty(total.error, &total.down, two_sided));
+    double bound = exp(relative_uncertainty(total.error, &total.up, confidence));
+    // Few pixels carry it, so that a factor would soon be beyond all that is possible.
+    double relmse_bound = 1 + relative_uncertainty(total.relmse_most, &total.relmse, confidence);
     struct unseen unseen = find_unseen(params, &total);
     out->local_relmse = total.error / total.pixels;
     out->mse = total.squared / total.pixels;
     out->at_most = total.most / total.pixels * bound + unseen.error;
-    out->relmse_at_most = total.relmse_most / total.pixels * bound + unseen.relmse;
+    out->relmse_at_most = total.relmse_most / total.pixels * relmse_bound + unseen.relmse;
     out->ci_low = total.least / total.pixels / down;
     out->ci_high = total.most / total.pixels * up + unseen.error;
     if (unseen.error > unseen_negligible * out->local_relmse)
