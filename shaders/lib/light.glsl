@@ -12,6 +12,7 @@
 #include "lib/random.glsl"
 #include "lib/sampling.glsl"
 #include "lib/shape_light.glsl"
+#include "lib/small_lamp.glsl"
 #include "lib/sun.glsl"
 #include "lib/surface.glsl"
 #include "lib/triangle.glsl"
@@ -55,6 +56,8 @@ void sample_triangle_light(vec3 origin, uint index, float pick, vec2 u, inout li
     if (LIGHT_CHOICE != LIGHT_CHOICE_POWER)
         density = pick / triangle_area(t);
     finish_area_sample(l, point - origin, triangle_normal(t), m, density);
+    if (is_hidden_by_lamp(t, b, -l.to_light))
+        l.pdf = 0.0;
 }
 
 // What textures leave of a sampled primitive's emission, and whether it is there at all: on
@@ -280,7 +283,7 @@ float pick_density_at(material m, uint primitive, vec3 origin, vec3 direction, u
     } else {
         triangle_record t = load_triangle(primitive);
         area = triangle_area(t);
-        emitter = t.emitter;
+        emitter = emitter_of(t);
     }
     float pick = LIGHT_CHOICE == LIGHT_CHOICE_ALL ? 1.0 : 1.0 / float(frame.emitter_count);
     if (LIGHT_CHOICE == LIGHT_CHOICE_TREE)

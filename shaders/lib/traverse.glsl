@@ -8,6 +8,7 @@
 #include "lib/instance.glsl"
 #include "lib/intersect_triangle.glsl"
 #include "lib/shape_leaf.glsl"
+#include "lib/small_lamp.glsl"
 #include "lib/steps.glsl"
 #include "lib/trace_types.glsl"
 #include "lib/triangle.glsl"
@@ -22,13 +23,14 @@ struct left_plane {
     uint id;    // of the triangle, where one may be in several places
     uint target_id; // of the one that the ray is sent to
     bool target_is_small;
+    uint target_lamp; // then the lamp that it is of
     vec3 target_normal, target_point; // with small triangles; the normal is 0 where there is none
 };
 
 left_plane load_left_plane(uint primitive, uint target)
 {
     left_plane plane = left_plane(vec3(0.0), false, vec3(0.0), NO_PRIMITIVE, NO_PRIMITIVE, false,
-                                  vec3(0.0), vec3(0.0));
+                                  0u, vec3(0.0), vec3(0.0));
     if (HAS(FEATURE_TRIANGLES) && primitive < PRIMITIVE_SHAPE) {
         triangle_record t = load_triangle(primitive);
         plane.normal = cross(t.edge1, t.edge2);
@@ -41,6 +43,7 @@ left_plane load_left_plane(uint primitive, uint target)
     if (HAS_GEOMETRY(GEOMETRY_SMALL_TRIANGLES) && target < PRIMITIVE_ENVIRONMENT) {
         triangle_record t = load_triangle(target);
         plane.target_is_small = IS_SMALL(t.word);
+        plane.target_lamp = small_lamp_of(plane.target_is_small ? t.emitter : 0u);
         plane.target_normal = triangle_normal(t);
         plane.target_point = t.v0;
     }
@@ -167,6 +170,11 @@ void intersect_triangle_leaf(trace_ray ray, trace_space space, left_plane plane,
     bool any_is_small = plane.target_is_small || IS_SMALL(triangle.word);
     if (HAS_GEOMETRY(GEOMETRY_SMALL_TRIANGLES) && any_is_small && space.instance == NO_INSTANCE)
         hit = hit && !is_beside_target(plane, triangle);
+    if (HAS_GEOMETRY(GEOMETRY_SMALL_TRIANGLES)) {
+        bool is_small = IS_SMALL(triangle.word) && plane.target_is_small;
+        uint lamp = small_lamp_of(is_small ? triangle.emitter : 0u);
+        hit = hit && !(is_small && lamp == plane.target_lamp);
+    }
 #endif
     hit = hit && !leaves && !is_ignored(ray, plane, space.instance, index, triangle.id);
     if (HAS(FEATURE_ALPHA)) {

@@ -10,7 +10,7 @@ struct triangle_record {
     vec3 edge1, edge2; // from v0 to the others
     uint id;
     uint word; // material
-    uint emitter;
+    uint emitter; // or IS_SMALL: its place among the small triangles
 };
 
 // Whether edges are what is known of a triangle with this material word, and corners are rounded. A

@@ -38,9 +38,23 @@ struct gpu_triangle {
     float v1[3];
     uint material; // a material word, see below
     float v2[3];
-    uint emitter; // its number among the emitters, or NO_EMITTER
+    uint emitter; // its number among the emitters, or NO_EMITTER; with MATERIAL_WORD_EDGES its place
+                  // among the small triangles
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_triangle, 48);
+
+// A triangle of a lamp that is too small for where it is, about the lamp's middle and in a unit of
+// the lamp's own.
+struct gpu_small_triangle {
+    float v0[3];
+    uint first; // of its lamp's, which stand beside each other
+    float edge1[3];
+    uint count; // of its lamp's
+    float edge2[3];
+    uint emitter; // as of triangles
+};
+SHARED_STATIC_ASSERT_SIZE(gpu_small_triangle, 48);
+#define SMALL_TRIANGLE_WORDS 3
 
 // Attributes of a triangle: words of four in this order, those that the scene has; so many of them
 // from one triangle to the next (attribute_words() in lib/attributes.glsl and render/attributes.h).
@@ -77,7 +91,8 @@ SHARED_STATIC_ASSERT_SIZE(gpu_shape, 48);
 #define SHAPE_KIND_SHIFT 28
 
 // The shapes' buffer: struct gpu_shape, then at frame.instances struct gpu_instance, then at
-// frame.sdfs struct gpu_sdf, then at frame.sdf_code the words of their programs (shared/sdf.h).
+// frame.sdfs struct gpu_sdf, then at frame.sdf_code the words of their programs (shared/sdf.h), then
+// at frame.small_triangles struct gpu_small_triangle.
 
 // A placed mesh that has a BVH of its own, among the BVH's nodes.
 struct gpu_instance {
@@ -399,8 +414,8 @@ struct gpu_frame {
     // FEATURE_FAR_CAMERA; else 0 and 1.
     float camera_start;  // along the line of sight, how far from the camera its rays begin
     float lens_at_start; // how large the lens is there: 1 - camera_start / focus_distance
+    uint small_triangles; // as `instances`
     uint align_frame;
-    uint align_frame_1;
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_frame, 208);
 

@@ -140,6 +140,7 @@ void frame_fill(struct renderer *r)
         .instances = sections.instances,
         .sdfs = sections.sdfs,
         .sdf_code = sections.sdf_code,
+        .small_triangles = sections.small_triangles,
         .falloff = (float)(cbrt((double)settings->falloff) / r->flat.scale),
         .metre = (float)(1.0 / r->flat.scale),
     };

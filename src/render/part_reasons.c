@@ -171,7 +171,7 @@ static const char *buffer_reason(uint32_t binding)
     static const struct reason reasons[] = {
         {BINDING_TRIANGLES, "the scene has no mesh"},
         {BINDING_ATTRIBUTES, "corners of triangles carry nothing"},
-        {BINDING_SHAPES, "the scene has no shapes and no instances"},
+        {BINDING_SHAPES, "the scene has no shapes, no instances and no small lamps"},
         {BINDING_MATERIALS, "no material is looked at"},
         {BINDING_EMITTERS, "no light is chosen"},
         {BINDING_TEXELS, "no material has a texture"},

@@ -487,7 +487,7 @@ bool specialization_needs_binding(const struct specialization *s, uint32_t bindi
     case BINDING_TEXELS:
         return s->features & FEATURE_TEXTURES;
     case BINDING_SHAPES:
-        return s->geometry & (GEOMETRY_SHAPES | GEOMETRY_INSTANCES);
+        return s->geometry & (GEOMETRY_SHAPES | GEOMETRY_INSTANCES | GEOMETRY_SMALL_TRIANGLES);
     case BINDING_MATERIALS:
         return (has_surfaces(s) && (s->integrator != INTEGRATOR_AO ||
                                     (s->features & FEATURE_ALPHA) || (s->aovs & AOV_ALBEDO))) ||

@@ -154,7 +154,7 @@ static void fill_triangle(const struct records *records, uint32_t place, void *o
     memcpy(record->v1, small ? small->edges[0] : triangle->v[1], sizeof record->v1);
     memcpy(record->v2, small ? small->edges[1] : triangle->v[2], sizeof record->v2);
     record->id = id;
-    record->emitter = records->emitters[place];
+    record->emitter = small ? small->place : records->emitters[place];
     record->material =
         upload_material_word(p, triangle->material) | (small ? MATERIAL_WORD_EDGES : 0u);
 }

@@ -16,7 +16,7 @@ uint32_t upload_material_word(const struct upload_params *p, uint32_t index);
 uint32_t *upload_emitter_numbers(const struct upload_params *p, uint32_t kind, uint32_t count,
                                  struct arena *scratch);
 
-// The shapes' buffer: shapes, instances, distance fields; see shared/types.h.
+// The shapes' buffer: shapes, instances, distance fields, small triangles; see shared/types.h.
 bool upload_shapes(struct gpu *gpu, const struct upload_params *p, struct gpu_buffer *buffers,
                    struct arena *scratch, struct err *err);
 
@@ -26,9 +26,13 @@ void upload_fill_instances(const struct upload_params *p, uint32_t (*words)[4]);
 // The sections of distance fields: a record for each shape that is one, the programs of all.
 void upload_fill_sdfs(const struct upload_params *p, uint32_t (*records)[4], uint32_t (*code)[4]);
 
+// The section of small triangles.
+bool upload_fill_small_triangles(const struct upload_params *p, uint32_t (*words)[4],
+                                 struct arena *scratch, struct err *err);
+
 // In words of four: where the sections begin, and how long the buffer is.
 struct shape_sections {
-    uint32_t instances, sdfs, sdf_code;
+    uint32_t instances, sdfs, sdf_code, small_triangles;
     uint64_t words;
 };
 struct shape_sections shape_sections(const struct scene *scene, const struct flat_scene *flat);

@@ -16,7 +16,8 @@ struct shape_sections shape_sections(const struct scene *scene, const struct fla
     struct shape_sections s = {.instances = flat->shape_count * SHAPE_WORDS};
     s.sdfs = s.instances + flat->placed_count * INSTANCE_WORDS;
     s.sdf_code = s.sdfs + fields * SDF_WORDS;
-    s.words = s.sdf_code + instructions * SDF_INSTRUCTION_WORDS;
+    s.small_triangles = s.sdf_code + (uint32_t)(instructions * SDF_INSTRUCTION_WORDS);
+    s.words = s.small_triangles + (uint64_t)flat->small_count * SMALL_TRIANGLE_WORDS;
     return s;
 }
 
@@ -69,5 +70,7 @@ bool upload_shapes(struct gpu *gpu, const struct upload_params *p, struct gpu_bu
     }
     upload_fill_instances(p, &words[sections.instances]);
     upload_fill_sdfs(p, &words[sections.sdfs], &words[sections.sdf_code]);
+    if (!upload_fill_small_triangles(p, &words[sections.small_triangles], scratch, err))
+        return false;
     return upload_filled(gpu, p, BINDING_SHAPES, words, buffers, err);
 }

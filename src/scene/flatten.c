@@ -3,6 +3,7 @@
 #include "affine.h"
 #include "flatten_census.h"
 #include "flatten_instances.h"
+#include "flatten_lamps.h"
 #include "flatten_precision.h"
 #include "flatten_shapes.h"
 #include "log.h"
@@ -11,23 +12,6 @@
 #include <string.h>
 
 // --- triangles -----------------------------------------------------------------------------------
-
-static struct placement place(const struct scene *scene, const struct instance *instance,
-                              const double origin[3], double scale)
-{
-    struct placement placement = {
-        .mesh = &scene->meshes[instance->mesh],
-        .instance = instance,
-        .origin = {origin[0], origin[1], origin[2]},
-        .scale = scale,
-        .is_mirrored = affine_determinant(instance->transform) < 0,
-    };
-    // Cofactors are the inverse transpose times the determinant, whose sign is taken back here.
-    affine_cofactors(instance->transform, placement.normals);
-    for (int i = 0; i < 9 && placement.is_mirrored; i++)
-        placement.normals[i / 3][i % 3] *= -1;
-    return placement;
-}
 
 // Emissive triangles that have no area and are dropped; told together.
 struct lost_emitters {
@@ -43,22 +27,9 @@ struct flattening {
     struct arena *arena;
     uint64_t triangle_count; // that there will be, dropped ones included
     struct lost_emitters lost;
+    struct lamps lamps;
+    uint32_t next_lamp; // of lamps.triangles
 };
-
-static void place_vertex(const struct placement *placement, uint32_t vertex, double out[3])
-{
-    mesh_vertex(placement->mesh, vertex, out);
-    affine_point(placement->instance->transform, out, out);
-    for (int i = 0; i < 3; i++)
-        out[i] = (out[i] - placement->origin[i]) * placement->scale;
-}
-
-static void place_corners(const struct placement *placement, uint32_t triangle,
-                          double corners[3][3])
-{
-    for (int corner = 0; corner < 3; corner++)
-        place_vertex(placement, placement->mesh->indices[triangle][corner], corners[corner]);
-}
 
 // The normal of a triangle from its rounded corners, not normalised. Exactly zero for a triangle
 // without area: differences of floats, and products of two such, are exact in double precision
@@ -72,64 +43,22 @@ static void triangle_normal(const struct flat_triangle *triangle, double out[3])
     vec3_cross(edges[0], edges[1], out);
 }
 
-// What rounding may change of an emitter's area and normal.
-#define SMALL_TOLERANCE 0x1p-11
-
-static bool is_lost(const double exact[3], const double rounded[3])
+// The number of the lamp that a triangle of an instance is of, or SCENE_NONE. Asked in ascending
+// order.
+static uint32_t take_lamp(struct flattening *f, const struct instance *instance, uint32_t triangle)
 {
-    double difference[3];
-    vec3_subtract(exact, rounded, difference);
-    return vec3_length(difference) > SMALL_TOLERANCE * vec3_length(exact);
+    const struct lamps *lamps = &f->lamps;
+    if (f->next_lamp == lamps->triangle_count)
+        return SCENE_NONE;
+    const struct lamp_triangle *next = &lamps->triangles[f->next_lamp];
+    if (instance != &f->params->scene->instances[next->instance] || triangle != next->triangle)
+        return SCENE_NONE;
+    f->next_lamp++;
+    return next->lamp;
 }
 
-// The end of an edge from `from`, rounded away from there.
-static float round_away(float from, float edge)
-{
-    double end = (double)from + (double)edge;
-    float rounded = (float)end;
-    if (edge > 0.0f ? (double)rounded < end : (double)rounded > end)
-        rounded = nextafterf(rounded, edge > 0.0f ? INFINITY : -INFINITY);
-    return rounded;
-}
-
-// Keeps the edges of a triangle that is to come next. `normal`: of its rounded corners; becomes
-// that of the exact ones, `corners`.
-static bool keep_edges(struct flattening *f, const double corners[3][3], double normal[3],
-                       struct err *err)
-{
-    struct flat_scene *flat = f->flat;
-    struct flat_triangle *triangle = &flat->triangles[flat->triangle_count];
-    uint32_t count = flat->small_count;
-    double edges[2][3], exact[3];
-    vec3_subtract(corners[1], corners[0], edges[0]);
-    vec3_subtract(corners[2], corners[0], edges[1]);
-    vec3_cross(edges[0], edges[1], exact);
-    if (!(vec3_length(exact) > 0) || !is_lost(exact, normal))
-        return true;
-    memcpy(normal, exact, sizeof exact);
-    // The list doubles when it is full, which is when it has a power of 2.
-    if ((count & (count - 1)) == 0) {
-        struct flat_small_triangle *list =
-            ARENA_NEW(f->arena, struct flat_small_triangle, count ? 2 * (size_t)count : 1);
-        if (!list)
-            return err_memory(err, "small triangles", count * sizeof *list);
-        if (count)
-            memcpy(list, flat->small, count * sizeof *list);
-        flat->small = list;
-    }
-    struct flat_small_triangle *small = &flat->small[flat->small_count++];
-    small->triangle = flat->triangle_count;
-    for (int e = 0; e < 2; e++)
-        for (int i = 0; i < 3; i++) {
-            small->edges[e][i] = (float)edges[e][i];
-            triangle->v[e + 1][i] = round_away(triangle->v[0][i], small->edges[e][i]);
-        }
-    return true;
-}
-
-// One without area is not added: *added says so.
-static bool add_triangle(struct flattening *f, const struct placement *placement, uint32_t index,
-                         bool *added, struct err *err)
+// False for one without area, which is not added.
+static bool add_triangle(struct flattening *f, const struct placement *placement, uint32_t index)
 {
     const struct scene *scene = f->params->scene;
     struct flat_scene *flat = f->flat;
@@ -144,20 +73,19 @@ static bool add_triangle(struct flattening *f, const struct placement *placement
     struct flat_triangle *triangle = &flat->triangles[flat->triangle_count];
     double points[3][3], geometric[3];
     for (int corner = 0; corner < 3; corner++) {
-        place_vertex(placement, vertices[corner], points[corner]);
+        placement_vertex(placement, vertices[corner], points[corner]);
         for (int i = 0; i < 3; i++)
             triangle->v[corner][i] = (float)points[corner][i];
     }
     triangle->material = instance_material(mesh, placement->instance, index);
     triangle_normal(triangle, geometric);
-    if (placement->is_small && flatten_emits(scene, triangle->material) &&
-        !keep_edges(f, points, geometric, err))
+    uint32_t lamp = take_lamp(f, placement->instance, index);
+    if (lamp != SCENE_NONE)
+        lamp_add_triangle(&f->lamps, lamp, (const double(*)[3])points, geometric, flat);
+    if (!vec3_normalize(geometric))
         return false;
-    *added = vec3_normalize(geometric);
-    if (*added) {
-        attributes_place(flat, scene, placement, vertices, geometric);
-        flat->triangle_count++;
-    }
+    attributes_place(flat, scene, placement, vertices, geometric);
+    flat->triangle_count++;
     return true;
 }
 
@@ -186,7 +114,7 @@ static void note_lost(struct flattening *f, const struct placement *placement, u
     if (!flatten_emits(f->params->scene,
                        instance_material(placement->mesh, placement->instance, triangle)))
         return;
-    place_corners(placement, triangle, corners);
+    placement_corners(placement, triangle, corners);
     if (lost->count++ == 0) {
         lost->mesh = placement->mesh;
         for (int i = 0; i < 3; i++)
@@ -222,80 +150,13 @@ static bool add_triangles(struct flattening *f, const struct placement *placemen
             !flatten_goes_on(f->params, FLATTEN_CENSUS_PART + done * (1 - FLATTEN_CENSUS_PART),
                              err))
             return false;
-        bool added;
-        if (!add_triangle(f, placement, t, &added, err))
-            return false;
+        bool added = add_triangle(f, placement, t);
         if (!added)
             note_lost(f, placement, t);
         if (!added && !drop_triangle(flat, f->arena))
             return err_memory(err, "dropped triangles", flat->dropped_degenerate * 4u);
     }
     return true;
-}
-
-// How much farther than it is large an instance is where rounding may change its emitters' areas by
-// SMALL_TOLERANCE. What is larger stays as it is: its triangles share their corners, so that
-// nothing gets through between them, and what rounding does to slivers' areas cancels.
-#define SMALL_RATIO 4096
-
-static bool is_small_instance(const struct flat_scene *flat, const struct instance *instance,
-                              const struct bounds *mesh)
-{
-    double low[3], high[3], extent = 0, farthest = 0;
-    if (bounds_is_empty(mesh))
-        return false;
-    affine_box(instance->transform, mesh->min, mesh->max, low, high);
-    for (int i = 0; i < 3; i++) {
-        extent = fmax(extent, high[i] - low[i]);
-        farthest =
-            fmax(farthest, fmax(fabs(low[i] - flat->origin[i]), fabs(high[i] - flat->origin[i])));
-    }
-    return farthest > SMALL_RATIO * extent;
-}
-
-static bool has_emitters(const struct scene *scene, const struct placement *placement)
-{
-    for (uint32_t t = 0; t < placement->mesh->triangle_count; t++)
-        if (flatten_emits(scene, instance_material(placement->mesh, placement->instance, t)))
-            return true;
-    return false;
-}
-
-// The largest triangle's normal, not normalised, and one of its corners.
-static void find_plane(const struct placement *placement, double point[3], double normal[3])
-{
-    double corners[3][3], edges[2][3], n[3];
-    memset(normal, 0, 3 * sizeof *normal);
-    for (uint32_t t = 0; t < placement->mesh->triangle_count; t++) {
-        place_corners(placement, t, corners);
-        vec3_subtract(corners[1], corners[0], edges[0]);
-        vec3_subtract(corners[2], corners[0], edges[1]);
-        vec3_cross(edges[0], edges[1], n);
-        if (t == 0 || vec3_length(n) > vec3_length(normal)) {
-            memcpy(normal, n, sizeof n);
-            memcpy(point, corners[0], sizeof corners[0]);
-        }
-    }
-}
-
-// Whether an instance lies in a plane. Its triangles then hide nothing of each other: where each of
-// them is moved by its own rounding matters for solid objects alone, whose near faces hide the far
-// ones.
-static bool is_flat(const struct placement *placement)
-{
-    double corners[3][3], point[3] = {0}, normal[3], offset[3], highest = 0, extent = 0;
-    find_plane(placement, point, normal);
-    if (!vec3_normalize(normal))
-        return false;
-    for (uint32_t t = 0; t < placement->mesh->triangle_count; t++) {
-        place_corners(placement, t, corners);
-        for (int corner = 0; corner < 3; corner++) {
-            vec3_subtract(corners[corner], point, offset);
-            highest = fmax(highest, fabs(vec3_dot(offset, normal)));
-            extent = fmax(extent, vec3_length(offset));
-        }
-    }
-    return highest <= SMALL_TOLERANCE * extent;
 }
 
 // Whether the triangles from `first` on are all small ones, which are as they should be wherever
@@ -318,10 +179,8 @@ static bool add_world(struct flattening *f, const struct census *census,
         if (census->instances[i] != INSTANCE_FLATTENED)
             continue;
         const struct instance *instance = &scene->instances[i];
-        struct placement placement = place(scene, instance, flat->origin, flat->scale);
-        placement.is_small =
-            is_small_instance(flat, instance, &census->meshes[instance->mesh].bounds) &&
-            has_emitters(scene, &placement) && is_flat(&placement);
+        const struct placement placement =
+            placement_create(scene, instance, flat->origin, flat->scale);
         uint32_t first = flat->triangle_count;
         if (!add_triangles(f, &placement, i, err))
             return false;
@@ -366,7 +225,7 @@ static bool add_meshes(struct flattening *f, const struct census *census, struct
         flatten_choose_origin(&use->bounds, origin);
         mesh->first_triangle = flat->triangle_count;
         const struct placement placement =
-            place(scene, &own, origin, flatten_choose_scale(&use->bounds));
+            placement_create(scene, &own, origin, flatten_choose_scale(&use->bounds));
         if (!add_triangles(f, &placement, flat->instance_count + use->flat, err))
             return false;
         mesh->triangle_count = flat->triangle_count - mesh->first_triangle;
@@ -462,6 +321,14 @@ static bool reserve(const struct scene *scene, const struct census *census, stru
     return attributes_reserve(&census->needs, count, arena, flat, err);
 }
 
+static bool reserve_small(const struct lamps *lamps, struct arena *arena, struct flat_scene *flat,
+                          struct err *err)
+{
+    flat->small = ARENA_NEW(arena, struct flat_small_triangle, lamps->triangle_count);
+    return flat->small ||
+           err_memory(err, "small lamps", lamps->triangle_count * sizeof *flat->small);
+}
+
 static void mark_materials(struct flat_scene *flat)
 {
     for (uint32_t i = 0; i < flat->world_triangle_count; i++)
@@ -497,7 +364,9 @@ static bool flatten(const struct flatten_params *params, struct arena *scratch, 
     flatten_choose_origin(&census.bounds, out->origin);
     flatten_follow_camera(params, &census, out);
     out->scale = flatten_choose_scale(&census.bounds);
-    if (!add_world(&f, &census, &coarse, err) || !add_meshes(&f, &census, err) ||
+    if (!flatten_find_lamps(params, &census, out, scratch, &f.lamps, err) ||
+        !reserve_small(&f.lamps, arena, out, err) || !add_world(&f, &census, &coarse, err) ||
+        !lamps_finish(&f.lamps, out, scratch, err) || !add_meshes(&f, &census, err) ||
         !flatten_instances(params, &census, out, &coarse, err) ||
         !flatten_shapes(params, out, &coarse, err) ||
         !flatten_check_extent(scene, &census.bounds, err))

@@ -12,12 +12,17 @@ struct flat_triangle {
     uint32_t material;
 };
 
-// A triangle that is too small for where it is: its corners, in single precision, say nothing of
-// its form. Its edges do, from corner 0 to the others; and v[1] and v[2] are rounded away from
-// v[0], so that the box of all three holds it.
+// A triangle of a lamp that is too small for where it is: its corners, in single precision, say
+// nothing of its form. Its edges do, from corner 0 to the others; and v[1] and v[2] are rounded
+// away from v[0], so that the box of all three holds it.
 struct flat_small_triangle {
     uint32_t triangle;
     float edges[2][3];
+    // About the lamp's middle, in a unit of the lamp's own: by which it hides itself.
+    float corner[3], own_edges[2][3];
+    uint32_t lamp;
+    // Among all small triangles, a lamp's beside each other: its place, and those of its lamp.
+    uint32_t place, first, count;
 };
 
 // As struct shape.
@@ -85,7 +90,7 @@ struct flat_scene {
     float (*uvs[2])[3][2];   // finite, 0 where missing; t downwards
     float (*colors)[3][4];   // linear RGBA, 1 where missing
     uint32_t triangle_count;
-    // Emissive ones, in ascending order, of flat instances that are small for where they are: what
+    // In ascending order those of lamps that are small for where they are (flatten_lamps.h): what
     // they send goes by their areas and normals, which are lost where rounding changes these by
     // more than 2^-11.
     struct flat_small_triangle *small;

@@ -2,18 +2,7 @@
 #ifndef LAMPYRIS_SCENE_FLATTEN_ATTRIBUTES_H
 #define LAMPYRIS_SCENE_FLATTEN_ATTRIBUTES_H
 
-#include "flatten.h"
-
-// An instance's transform, prepared.
-struct placement {
-    const struct mesh *mesh;
-    const struct instance *instance;
-    double origin[3];     // of the flat scene
-    double scale;         // the same
-    bool is_small;        // emissive triangles may need their edges: see flat_scene.small
-    double normals[3][3]; // inverse transpose up to a positive factor
-    bool is_mirrored;
-};
+#include "flatten_placement.h"
 
 // What some triangle needs and some mesh has, of the optional arrays of struct flat_scene.
 struct attribute_needs {

@@ -35,7 +35,7 @@ bool mesh_default_material(struct scene *scene, uint32_t given, bool has_colors,
 
 // Where flattening gives a mesh an origin of its own, and where it warns: see flatten_census.c.
 #define ROUNDED_MESH_RATIO 16
-#define ROUNDED_TRIANGLE_RATIO 262144
+#define ROUNDED_TRIANGLE_RATIO 65536
 
 static bool is_rounded(const struct bounds *bounds, double ratio)
 {

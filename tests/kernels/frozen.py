@@ -121,8 +121,8 @@ FEATURES = {
     }),
     "small triangles": (["GEOMETRY_SMALL_TRIANGLES"], {
         "intersect_closest": ["intersect_small_triangle()"],
-        "intersect_shadow": ["intersect_small_triangle()", "is_beside_target()"],
-        "shade_surface": ["triangle_size()"],
+        "intersect_shadow": ["intersect_small_triangle()", "is_beside_target()", "small_lamp_of()"],
+        "shade_surface": ["triangle_size()", "is_hidden_by_lamp()"],
     }),
     "triangles in several leaves": (["GEOMETRY_DUPLICATES"], {
         "intersect_closest": ["-"],

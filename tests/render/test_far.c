@@ -6,6 +6,7 @@
 #include "../base/temporary_folder.h"
 #include "log.h"
 #include "render_fixture.h"
+#include <math.h>
 
 // --- meshes in files -----------------------------------------------------------------------------
 
@@ -92,16 +93,22 @@ static bool write_mesh(const struct mesh_format *format, const double offset[3])
     return fclose(file) == 0 && temporary_write("far.json", text);
 }
 
-static void render_file(struct gpu *gpu, enum instancing instancing, struct arena *arena,
-                        struct film_image *film)
+static void render_samples(struct gpu *gpu, enum instancing instancing, uint64_t samples,
+                           struct arena *arena, struct film_image *film)
 {
     const struct scene_load_params load = {.path = "far.json"};
     struct scene scene;
     struct err err = {0};
     REQUIRE_OK(scene_load(&load, &scene, &err));
     const struct renderer_params params = {.gpu = gpu, .scene = &scene, .instancing = instancing};
-    REQUIRE_OK(render_film(&params, 4, arena, film, NULL, &err));
+    REQUIRE_OK(render_film(&params, samples, arena, film, NULL, &err));
     scene_finish(&scene);
+}
+
+static void render_file(struct gpu *gpu, enum instancing instancing, struct arena *arena,
+                        struct film_image *film)
+{
+    render_samples(gpu, instancing, 4, arena, film);
 }
 
 static bool same_means(const struct film_image *a, const struct film_image *b)
@@ -214,6 +221,66 @@ TEST(apart)
     arena_finish(&arena);
 }
 
+// --- a small lamp within a large mesh ------------------------------------------------------------
+
+// Two cubes of one mesh: one of side `size` at (2, 1, 0), and one below the floor.
+static bool write_baked_lamp(double size)
+{
+    static const int sides[6][4] = {{1, 4, 3, 2}, {5, 6, 7, 8}, {1, 2, 6, 5},
+                                    {3, 4, 8, 7}, {2, 3, 7, 6}, {4, 1, 5, 8}};
+    const double places[2][4] = {{2, 1, 0, size}, {-4, -3, 0, 0.1}};
+    char text[1024];
+    FILE *file = fopen("baked.obj", "wb");
+    if (!file)
+        return false;
+    for (int cube = 0; cube < 2; cube++)
+        for (int v = 0; v < 8; v++) {
+            const double *place = places[cube];
+            fprintf(file, "v %.17g %.17g %.17g\n", place[0] + place[3] * (v % 4 == 1 || v % 4 == 2),
+                    place[1] + place[3] * (v % 4 >= 2), place[2] + place[3] * (v >= 4));
+        }
+    for (int side = 0; side < 12; side++) {
+        const int *f = sides[side % 6], first = side / 6 * 8;
+        fprintf(file, "f %d %d %d %d\n", f[0] + first, f[1] + first, f[2] + first, f[3] + first);
+    }
+    snprintf(
+        text, sizeof text,
+        "{\"lampyris\": 1, \"film\": {\"width\": 16, \"height\": 16}, \"camera\": {\"position\": "
+        "[0, 0.5, 0], \"target\": [0, 0, 0], \"up\": [0, 0, 1], \"fov_degrees\": 1e-4}, "
+        "\"settings\": {\"max_bounces\": 1}, \"materials\": {\"floor\": {\"base_color\": [0.5, "
+        "0.5, 0.5]}, \"lamp\": {\"base_color\": [0, 0, 0], \"emission\": [%g, %g, %g]}}, "
+        "\"shapes\": [{\"type\": \"quad\", \"material\": \"floor\", \"corner\": [-5, 0, 5], \"u\": "
+        "[10, 0, 0], \"v\": [0, 0, -10]}, {\"type\": \"mesh\", \"file\": \"baked.obj\", "
+        "\"material\": \"lamp\"}]}",
+        1 / (size * size), 1 / (size * size), 1 / (size * size));
+    return fclose(file) == 0 && temporary_write("far.json", text);
+}
+
+// The floor's middle sees three sides: (albedo / pi) cos (projected area / size^2) / d^2.
+TEST(baked_lamps)
+{
+    static const double sizes[] = {1e-5, 1e-6, 1e-7};
+    const double expected = 0.5 / M_PI * 1.0 * 3.0 / 25.0;
+    char folder[256];
+    struct arena arena = {0};
+    struct gpu gpu;
+    OPEN_GPU(&gpu, 0);
+    REQUIRE(temporary_enter(folder, sizeof folder), "no folder");
+    for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
+        struct film_image film;
+        double sum = 0;
+        REQUIRE(write_baked_lamp(sizes[i]), "far.json");
+        render_samples(&gpu, INSTANCING_AUTO, 256, &arena, &film);
+        for (size_t k = 0; k < 256; k++)
+            sum += (double)film.mean[k][0];
+        CHECK(fabs(sum / 256 / expected - 1) < 0.008, "%g m: %g of its light", sizes[i],
+              sum / 256 / expected);
+    }
+    temporary_leave(folder);
+    gpu_close(&gpu);
+    arena_finish(&arena);
+}
+
 // --- what is told --------------------------------------------------------------------------------
 
 static char warning[1024];
@@ -295,4 +362,4 @@ TEST(warnings)
     temporary_leave(folder);
 }
 
-TEST_MAIN(TEST_CASE(files), TEST_CASE(apart), TEST_CASE(warnings))
+TEST_MAIN(TEST_CASE(files), TEST_CASE(apart), TEST_CASE(baked_lamps), TEST_CASE(warnings))

@@ -283,8 +283,8 @@ TEST(small_lamps_long)
 // --- solid lamps ---------------------------------------------------------------------------------
 
 // A box of side a whose radiance is le / a^2, seen from the floor's middle at (2, 1, 0) or
-// (-49, 30, 49): its near faces hide the far ones. What rounding may do to it is `tolerance`, a
-// part of its light.
+// (-49, 30, 49): its near faces hide the far ones. What deviates of its
+// light is at most `tolerance`, a part of it: four standard deviations.
 struct solid_lamp {
     const char *name;
     struct scene_override overrides[4];
@@ -292,49 +292,63 @@ struct solid_lamp {
     double tolerance;
 };
 
-#define FLOOR(half, side)                                                                          \
-    {                                                                                              \
-        "shapes[0]", JSON({                                                                        \
-            "type" : "quad",                                                                       \
-            "material" : "floor",                                                                  \
-            "corner" : [ -half, 0, half ],                                                         \
-            "u" : [ side, 0, 0 ],                                                                  \
-            "v" : [ 0, 0, -side ]                                                                  \
-        })                                                                                         \
-    }
 #define BOX(...)                                                                                   \
     {                                                                                              \
         "lamp", JSON({"type" : "box", "material" : "lamp", __VA_ARGS__})                           \
+    }
+// Overrides take a floor of 10 m and a lamp beside it.
+#define WALL(corner, u, v)                                                                         \
+    "{\"type\": \"quad\", \"material\": \"lamp\", \"corner\": " corner ", \"u\": " u ", \"v\": " v \
+    "}"
+#define WALLS(a, x, y)                                                                             \
+    WALL("[2, 1, 0]", "[0, " a ", 0]", "[0, 0, " a "]")                                            \
+    "," WALL("[" x ", 1, 0]", "[0, " a ", 0]", "[0, 0, " a "]") "," WALL(                          \
+        "[2, 1, 0]", "[" a ", 0, 0]", "[0, " a ", 0]") "," WALL("[2, 1, " a "]", "[" a ", 0, 0]",  \
+                                                                "[0, " a ", 0]")
+#define LIDS(a, y)                                                                                 \
+    "," WALL("[2, 1, 0]", "[" a ", 0, 0]",                                                         \
+             "[0, 0, " a "]") "," WALL("[2, " y ", 0]", "[" a ", 0, 0]", "[0, 0, " a "]")
+#define ON_FLOOR(walls)                                                                            \
+    {                                                                                              \
+        "shapes", "[{\"type\": \"quad\", \"material\": \"floor\", \"corner\": [-5, 0, 5], \"u\": " \
+                  "[10, 0, 0], \"v\": [0, 0, -10]}," walls "]"                                     \
+    }
+#define NO_LAMP                                                                                    \
+    {                                                                                              \
+        "lamp", "0"                                                                                \
     }
 
 // clang-format off
 static const struct solid_lamp solid_lamps[] = {
     {"box of 1e-5 m",
      {BOX("min": [2, 1, 0], "max": [2.00001, 1.00001, 1e-5]), {"emission", "[1e10, 2e10, 4e10]"}},
-     {2, 1, 0}, 0.04},
+     {2, 1, 0}, 0.01},
+    {"box of 1e-6 m",
+     {BOX("min": [2, 1, 0], "max": [2.000001, 1.000001, 1e-6]), {"emission", "[1e12, 2e12, 4e12]"}},
+     {2, 1, 0}, 0.01},
+    {"box of 1e-8 m",
+     {BOX("min": [2, 1, 0], "max": [2.00000001, 1.00000001, 1e-8]),
+      {"emission", "[1e16, 2e16, 4e16]"}},
+     {2, 1, 0}, 0.01},
     {"box of 1e-3 m, at 75 m",
-     {FLOOR(50, 100), BOX("min": [-49, 30, 49], "max": [-48.999, 30.001, 49.001]),
+     {{"shapes[0]", JSON({"type": "quad", "material": "floor", "corner": [-50, 0, 50],
+                          "u": [100, 0, 0], "v": [0, 0, -100]})},
+      BOX("min": [-49, 30, 49], "max": [-48.999, 30.001, 49.001]),
       {"emission", "[1e6, 2e6, 4e6]"}},
-     {-49, 30, 49}, 0.04},
+     {-49, 30, 49}, 0.01},
     {"six quads of 1e-5 m",
-     {{"shapes",
-       JSON([{"type": "quad", "material": "floor", "corner": [-5, 0, 5], "u": [10, 0, 0],
-              "v": [0, 0, -10]},
-                 {"type": "quad", "material": "lamp", "corner": [2, 1, 0],
-                  "u": [0, 1e-5, 0], "v": [0, 0, 1e-5]},
-                 {"type": "quad", "material": "lamp", "corner": [2.00001, 1, 0],
-                  "u": [0, 1e-5, 0], "v": [0, 0, 1e-5]},
-                 {"type": "quad", "material": "lamp", "corner": [2, 1, 0],
-                  "u": [1e-5, 0, 0], "v": [0, 0, 1e-5]},
-                 {"type": "quad", "material": "lamp", "corner": [2, 1.00001, 0],
-                  "u": [1e-5, 0, 0], "v": [0, 0, 1e-5]},
-                 {"type": "quad", "material": "lamp", "corner": [2, 1, 0],
-                  "u": [1e-5, 0, 0], "v": [0, 1e-5, 0]},
-                 {"type": "quad", "material": "lamp", "corner": [2, 1, 1e-5],
-                  "u": [1e-5, 0, 0], "v": [0, 1e-5, 0]}])},
-      {"lamp", "0"},
+     {ON_FLOOR(WALLS("1e-5", "2.00001", "1.00001") LIDS("1e-5", "1.00001")), NO_LAMP,
       {"emission", "[1e10, 2e10, 4e10]"}},
-     {2, 1, 0}, 0.04},
+     {2, 1, 0}, 0.01},
+    {"six quads of 1e-8 m",
+     {ON_FLOOR(WALLS("1e-8", "2.00000001", "1.00000001") LIDS("1e-8", "1.00000001")), NO_LAMP,
+      {"emission", "[1e16, 2e16, 4e16]"}},
+     {2, 1, 0}, 0.01},
+    // Through the ends of a square tube its walls are seen, as nothing is in sight through both.
+    {"an open tube of 1e-6 m",
+     {ON_FLOOR(WALLS("1e-6", "2.000001", "1.000001")), NO_LAMP,
+      {"emission", "[1e12, 2e12, 4e12]"}},
+     {2, 1, 0}, 0.01},
 };
 // clang-format on
 
