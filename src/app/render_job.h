@@ -115,7 +115,6 @@ struct render_job {
     struct arena film_arena; // of the film as last read, and what is said about it
     struct film_image film;
     struct half_error error;
-    double spread;              // as of forecast_spread; of the finished picture
     struct job_against against; // with a reference
     uint64_t image_hash;        // of the mean's bits
     float exposure;             // stops of the PNG pictures written last
@@ -180,7 +179,7 @@ bool job_fetch_film(struct render_job *job, struct err *err);
 bool job_read_film(struct render_job *job, struct err *err);
 // The same of the film as it was read last.
 bool job_judge_film(struct render_job *job, struct err *err);
-// Of the finished picture: finds out what a forecast needs besides.
+// The finished picture, rescued or not.
 bool job_judge_end(struct render_job *job, struct err *err);
 // Of the film as it was read last. confidence: 0 for the usual.
 bool job_estimate_error(struct render_job *job, double confidence, struct half_error *out,

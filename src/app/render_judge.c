@@ -103,15 +103,7 @@ bool job_fetch_film(struct render_job *job, struct err *err)
 
 bool job_judge_end(struct render_job *job, struct err *err)
 {
-    const struct film_image *film = &job->film;
-    job->spread = NAN;
-    if (!(job_is_rescued(job) ? job_judge_film(job, err) : job_read_film(job, err)))
-        return false;
-    uint64_t start = clock_ns();
-    job->spread = forecast_spread((const float(*)[3])film->half_a, (const float(*)[3])film->half_b,
-                                  film->width, film->height);
-    job->seconds.judge += clock_seconds_since(start);
-    return true;
+    return job_is_rescued(job) ? job_judge_film(job, err) : job_read_film(job, err);
 }
 
 bool job_read_film(struct render_job *job, struct err *err)
@@ -208,13 +200,14 @@ const char *job_forecast(const struct render_job *job, struct forecast *out)
         .looks = looks,
         .count = !reason && grows_evenly(job) ? list_looks(job, looks, 128) : 0,
         .error = {NAN, NAN, NAN},
-        .spread = job->spread,
+        .spread = job->error.spread,
+        .spread_terms = job->error.spread_terms,
         .independent = settings->sampler == SAMPLER_PCG || settings->sampler == SAMPLER_LCG,
     };
     if (!reason)
         params.error = noise(job);
     if (job->options->reference && job->against.bias.is_certain)
         params.stays = job->against.bias.stays;
-    forecast_double(&params, out);
+    forecast_find_error(&params, out);
     return reason || isfinite(out->error.value) ? reason : "the halves do not differ";
 }

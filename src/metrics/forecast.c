@@ -1,6 +1,7 @@
 #include "forecast.h"
 
 #include "metrics.h"
+#include "pixel.h"
 #include <math.h>
 
 enum {
@@ -9,7 +10,6 @@ enum {
     TILE_SIDE = 8,
     TILES_WANTED = 16, // smaller ones where there are fewer
     TILES_MIN = 4,
-    SPREAD_SIDE = 4, // of tiles whose mean stands for the true value
 };
 
 static const struct interval unknown = {NAN, NAN, NAN};
@@ -100,14 +100,16 @@ static struct interval scaled(struct interval i, double factor)
     return (struct interval){i.value * factor, i.low * factor, i.high * factor};
 }
 
-// The picture's own error is where to go on from. How sure its fall is widens the interval, the
-// more as the last look and the slope err together: with the covariance matrix C of a line the
-// values at x and the slope have the covariance C_ab + x C_bb.
-static struct interval go_on(struct interval error, const struct line *line, double x)
+// The picture's own error is where to go on from, by so many doublings. How sure its fall is widens
+// the interval, the more as the last look and the slope err together: with the covariance matrix C
+// of a line the values at x and the slope have the covariance C_ab + x C_bb.
+static struct interval go_on(struct interval error, const struct line *line, double x,
+                             double doublings)
 {
     double together = fmax(line->ab + x * line->bb, 0);
-    double fall = usual_deviations * sqrt(line->bb + 2 * together);
-    double value = error.value * exp(line->b);
+    double variance = doublings * doublings * line->bb + 2 * doublings * together;
+    double fall = usual_deviations * sqrt(variance);
+    double value = error.value * exp(doublings * line->b);
     return (struct interval){value, value * exp(-hypot(log(error.value / error.low), fall)),
                              value * exp(hypot(log(error.high / error.value), fall))};
 }
@@ -122,28 +124,36 @@ static struct interval sum(struct interval a, struct interval b)
 }
 
 // Between the error that the half-buffers tell after N samples and the one that the picture has
-// after 2 N lie the deviations of both. With s of forecast_spread their variances are 2/3 s^2 each
-// where noise is Gaussian; at most s^2 and s^2 / 2 where few samples are bright, of which the
-// picture then has twice as many. That is no more than 3/2 s^2 together.
-static struct interval widened(struct interval error, double spread)
+// after k N, k >= 2, lie the deviations of both. With s the root of the sum of pixels' squared
+// errors over their sum, their variances are 2/3 s^2 each where noise is Gaussian; at most s^2 and
+// s^2 / k where few samples are bright, of which the picture then has k times as many. That is no
+// more than 3/2 s^2 together. Where few pixels make up s it is itself uncertain, which Student's t
+// allows for, with as many degrees of freedom as equal errors would make a sum of squares as
+// uncertain as theirs do (Satterthwaite 1946).
+static struct interval widened(const struct forecast_params *params)
 {
-    double factor = exp(usual_deviations * sqrt(1.5) * spread);
+    struct interval error = params->error;
+    double deviations =
+        params->spread_terms > 0 ? stats_t_quantile(0.975, params->spread_terms) : usual_deviations;
+    double factor = exp(deviations * sqrt(1.5) * params->spread);
     return (struct interval){error.value, fmin(error.low, error.value / factor),
                              fmax(error.high, error.value * factor)};
 }
 
-void forecast_double(const struct forecast_params *params, struct forecast *out)
+void forecast_find_error(const struct forecast_params *params, struct forecast *out)
 {
     *out = (struct forecast){.error = unknown, .slope = {-1, -1, -1}};
-    const struct interval error = widened(params->error, params->spread);
+    const struct interval error = widened(params);
     bool is_known = error.value > 0 && params->error.low >= 0 && isfinite(params->error.high);
+    double times = params->times > 0 ? params->times : 2;
     size_t looks = usable_looks(params);
     if (is_known)
-        out->error = scaled(error, 0.5);
+        out->error = scaled(error, 1 / times);
     if (params->independent) {
         out->basis = FORECAST_INVERSE;
     } else if (looks < FORECAST_LOOKS_MIN) {
         out->basis = FORECAST_AT_LEAST;
+        out->error.low *= 1 / sqrt(times);
     } else {
         const struct forecast_look *last = &params->looks[params->count - 1];
         const struct line line = fit(last + 1 - looks, looks, params->spread);
@@ -151,74 +161,14 @@ void forecast_double(const struct forecast_params *params, struct forecast *out)
         out->basis = FORECAST_SLOPE;
         out->slope = scaled((struct interval){line.b, line.b - half, line.b + half}, 1 / log(2));
         out->looks = looks;
-        if (is_known)
-            out->error = go_on(error, &line, log2(last->samples));
+        if (is_known) {
+            double by_law = out->error.high;
+            out->error = go_on(error, &line, log2(last->samples), log2(times));
+            out->error.high = fmax(out->error.high, by_law);
+        }
     }
     if (is_known && params->stays.value > 0)
         out->error = sum(out->error, params->stays);
-}
-
-// --- spread --------------------------------------------------------------------------------------
-
-struct half_picture {
-    const float (*a)[3], (*b)[3];
-    uint32_t width, height;
-};
-
-struct errors {
-    double sum, squares;
-};
-
-static bool is_finite(const float rgb[3])
-{
-    return isfinite(rgb[0]) && isfinite(rgb[1]) && isfinite(rgb[2]);
-}
-
-// What the pixels add to the error, over the mean of their tile.
-static struct errors tile_errors(const struct half_picture *p, uint64_t x0, uint64_t y0)
-{
-    double mean[3] = {0}, pixels = 0;
-    struct errors errors = {0};
-    for (uint64_t y = y0; y < p->height && y < y0 + SPREAD_SIDE; y++)
-        for (uint64_t x = x0; x < p->width && x < x0 + SPREAD_SIDE; x++) {
-            uint64_t i = y * p->width + x;
-            if (!is_finite(p->a[i]) || !is_finite(p->b[i]))
-                continue;
-            pixels++;
-            for (int c = 0; c < 3; c++)
-                mean[c] += 0.5 * ((double)p->a[i][c] + p->b[i][c]);
-        }
-    for (uint64_t y = y0; y < p->height && y < y0 + SPREAD_SIDE; y++)
-        for (uint64_t x = x0; x < p->width && x < x0 + SPREAD_SIDE; x++) {
-            uint64_t i = y * p->width + x;
-            double error = 0;
-            if (!is_finite(p->a[i]) || !is_finite(p->b[i]))
-                continue;
-            for (int c = 0; c < 3; c++) {
-                double difference = 0.5 * ((double)p->a[i][c] - p->b[i][c]), m = mean[c] / pixels;
-                error += difference * difference / (m * m + METRICS_RELMSE_EPSILON);
-            }
-            errors.sum += error;
-            errors.squares += error * error;
-        }
-    return errors;
-}
-
-// Pixels are independent, so that the variance of the sum of their errors e is the sum of E e^2 -
-// (E e)^2, of which E e^2 is at least two thirds: they are where the noise is Gaussian, and more
-// where few samples are bright. What pixels differ by for good does not enter.
-double forecast_spread(const float (*half_a)[3], const float (*half_b)[3], uint32_t width,
-                       uint32_t height)
-{
-    const struct half_picture picture = {half_a, half_b, width, height};
-    double sum = 0, squares = 0;
-    for (uint64_t y = 0; y < height; y += SPREAD_SIDE)
-        for (uint64_t x = 0; x < width; x += SPREAD_SIDE) {
-            struct errors errors = tile_errors(&picture, x, y);
-            sum += errors.sum;
-            squares += errors.squares;
-        }
-    return sum > 0 ? sqrt(squares) / sum : 0;
 }
 
 // --- bias ----------------------------------------------------------------------------------------
@@ -243,7 +193,7 @@ static struct tile_sum sum_tile(const struct forecast_bias_params *p, uint64_t x
         for (uint64_t x = x0; x < p->width && x < x0 + side; x++) {
             uint64_t i = y * p->width + x;
             const float *a = p->half_a[i], *b = p->half_b[i], *r = p->reference[i];
-            if (!is_finite(a) || !is_finite(b) || !is_finite(r))
+            if (!pixel_is_finite(a) || !pixel_is_finite(b) || !pixel_is_finite(r))
                 continue;
             tile.pixels++;
             for (int c = 0; c < 3; c++) {

@@ -5,7 +5,7 @@
 
 #include "curve.h"
 
-// --- what twice the samples would bring ---------------------------------------------------------
+// --- what more samples would bring --------------------------------------------------------------
 
 // The error as the half-buffers told it at some number of samples of the same render.
 struct forecast_look {
@@ -23,10 +23,11 @@ struct forecast_params {
     const struct forecast_look *looks;
     size_t count;
     struct interval error; // of the picture as it is, without what stays
-    // Relative standard deviation of the errors of such pictures over seeds (forecast_spread). What
-    // the next samples bring is another picture's error; the interval of this one's may be
-    // narrower.
-    double spread;
+    double times;          // as many samples; 0: twice
+    // Relative standard deviation of the errors of such pictures over seeds, and as how many values
+    // tell it (half_error); of no terms: as any number. What the next samples bring is another
+    // picture's error; the interval of this one's may be narrower.
+    double spread, spread_terms;
     // Samples are independent of each other: the error falls with their number whatever the looks
     // say. Else it falls as fast at least.
     bool independent;
@@ -35,24 +36,19 @@ struct forecast_params {
 
 enum forecast_basis {
     FORECAST_INVERSE,  // error ~ 1 / samples
-    FORECAST_AT_LEAST, // the same as an upper bound
+    FORECAST_AT_LEAST, // the same as an upper bound; as low as samples^(-3/2)
     FORECAST_SLOPE,    // error ~ samples^slope, as the looks show
 };
 
 struct forecast {
-    struct interval error; // of the picture with twice the samples
+    struct interval error; // of the picture with so many times the samples
     enum forecast_basis basis;
     struct interval slope;
     size_t looks; // that the slope is from
 };
 
 // Not known (NAN) where params->error is not, or has no interval.
-void forecast_double(const struct forecast_params *params, struct forecast *out);
-
-// From independent halves of a picture. Where noise is Gaussian it is too large by at most 1.23.
-// 0 without finite pixels.
-double forecast_spread(const float (*half_a)[3], const float (*half_b)[3], uint32_t width,
-                       uint32_t height);
+void forecast_find_error(const struct forecast_params *params, struct forecast *out);
 
 // --- what no number of samples brings -----------------------------------------------------------
 

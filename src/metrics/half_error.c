@@ -80,6 +80,7 @@ struct tile {
     double squared;
     double pixels;            // finite ones
     struct variance up, down; // of `error`
+    struct variance spread;   // of what other seeds would tell: see forecast.c
     struct variance relmse;   // of `relmse_most`
     double unseen;            // the greatest error that a unit of light may add
     double brightest;         // the greatest |A - B|
@@ -207,6 +208,7 @@ static void add_pixel(struct tile *tile, const float a[3], const float b[3],
     add_variance(&tile->up, up * up + weights);
     add_variance(&tile->down, down * down + weights);
     add_variance(&tile->relmse, relmse * relmse);
+    add_variance(&tile->spread, error * error);
     tile->pixels++;
 }
 
@@ -257,6 +259,7 @@ static struct tile sum_tiles(const struct estimator *estimator)
         join_variances(&total.up, &tile->up);
         join_variances(&total.down, &tile->down);
         join_variances(&total.relmse, &tile->relmse);
+        join_variances(&total.spread, &tile->spread);
         total.unseen += tile->unseen;
         total.brightest = fmax(total.brightest, tile->brightest);
         total.light = fmax(total.light, tile->light);
@@ -264,13 +267,18 @@ static struct tile sum_tiles(const struct estimator *estimator)
     return total;
 }
 
+// As how many equal terms tell it.
+static double terms_of(const struct variance *variance)
+{
+    return fmax(variance->sum * variance->sum / variance->squares, 1);
+}
+
 // So many of its own are what an error of this variance may be wrong by, at this quantile.
 static double relative_uncertainty(double error, const struct variance *variance, double quantile)
 {
     if (!(variance->sum > 0) || !(error > 0))
         return 0;
-    double terms = variance->sum * variance->sum / variance->squares;
-    return sqrt(variance->sum) / error * stats_t_quantile(quantile, fmax(terms, 1));
+    return sqrt(variance->sum) / error * stats_t_quantile(quantile, terms_of(variance));
 }
 
 // The mean error, and the mean relMSE, that light which no sample has found may add.
@@ -314,6 +322,10 @@ static void conclude(const struct estimator *estimator, struct half_error *out)
     struct unseen unseen = find_unseen(params, &total);
     out->local_relmse = total.error / total.pixels;
     out->mse = total.squared / total.pixels;
+    if (total.error > 0) {
+        out->spread = sqrt(total.spread.sum) / total.error;
+        out->spread_terms = terms_of(&total.spread);
+    }
     out->at_most = total.most / total.pixels * bound + unseen.error;
     out->relmse_at_most = total.relmse_most / total.pixels * relmse_bound + unseen.relmse;
     out->ci_low = total.least / total.pixels / down;

@@ -76,6 +76,9 @@ struct half_error {
     double at_most;         // the upper end of a one-sided interval of the same confidence
     double relmse_at_most;  // the same of relMSE
     double mse;
+    // What the errors of pictures by other seeds would deviate by, relatively, and as how many
+    // pixels of equal noise this tells it, at least one: see forecast.c. 0 where there is no error.
+    double spread, spread_terms;
 };
 
 struct half_error_params {
