@@ -88,10 +88,10 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_ERROR] = {
         .name = "error", .argument = "RELMSE", .type = VALUE_REAL, .min = 1e-12, .max = 1e6,
         .group = "Sampling", .commands = FOR_RENDER, .fallback = "no limit",
-        .help = "Stop when the upper end of the 95 % interval of the relative mean squared error "
-                "is below this. Looks at 16, 32, 64 and so on samples per pixel, with as much more "
-                "confidence as so many looks ask for; ends at --spp (65536 where not given) or "
-                "--time at the latest.",
+        .help = "Stop when the local relMSE (the mean squared error relative to the mean around "
+                "each pixel) is below this with 95 % confidence. Looks at the error from 2 samples "
+                "per pixel on, where it may have come low enough; ends at --spp (65536 where not "
+                "given) or --time at the latest.",
         FIELD(error),
     },
     [OPTION_ADAPTIVE] = {

@@ -200,6 +200,8 @@ bool job_checkpoint_restore(struct render_job *job, struct err *err)
         return true;
     if (!checkpoint_restore(&job->resumed, &job->renderer, err))
         return false;
+    memcpy(&job->goal.error, &job->resumed.note[0], sizeof job->goal.error);
+    job->goal.next_look = job->resumed.note[1];
     checkpoint_close(&job->resumed);
     job->has_checkpoint = true;
     if (job->options->adaptive)
@@ -227,8 +229,9 @@ bool job_checkpoint_save(struct render_job *job, struct err *err)
     bool is_pilot = job->options->adaptive && job->plan.counts == NULL;
     if (!path || is_pilot)
         return true;
-    uint64_t start = clock_ns();
-    bool ok = checkpoint_write(&job->renderer, path, job->identity, err);
+    uint64_t start = clock_ns(), note[CHECKPOINT_NOTE_WORDS] = {0, job->goal.next_look};
+    memcpy(&note[0], &job->goal.error, sizeof job->goal.error);
+    bool ok = checkpoint_write(&job->renderer, path, job->identity, note, err);
     job->has_checkpoint |= ok;
     job->seconds.write += clock_seconds_since(start);
     job->checkpoint_ns = clock_ns();

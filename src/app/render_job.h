@@ -37,6 +37,12 @@ struct error_look {
     struct half_error error;
 };
 
+// What --error is on the way to: a checkpoint keeps it.
+struct job_goal {
+    double error;
+    uint64_t next_look; // after so many samples a pixel
+};
+
 // What a reference tells of the picture; its own noise is subtracted from the first two.
 struct job_against {
     double mse, relmse, smape, psnr;
@@ -100,6 +106,7 @@ struct render_job {
     struct tile_plan plan;    // of the tiles; no counts before the pilot has ended
     struct error_look *looks;
     uint32_t look_count, look_capacity;
+    struct job_goal goal;
     struct reference reference; // no pixels without one
     struct trace trace;
     struct job_tev tev;

@@ -151,58 +151,70 @@ static bool render_to(struct render_job *job, uint64_t steps, double expected, s
     return advance(job, steps, expected, err);
 }
 
-static bool add_look(struct render_job *job, uint64_t samples, double confidence, struct err *err)
+static bool add_look(struct render_job *job, uint64_t samples, struct err *err)
 {
     void *list = job->looks;
     struct half_error error;
-    if (!job_estimate_error(job, confidence, &error, err) ||
+    if (!job_estimate_error(job, LOOKS_CONFIDENCE, &error, err) ||
         !grow(&job->arena, &list, job->look_count, &job->look_capacity, sizeof *job->looks, err))
         return false;
     job->looks = list;
     job->looks[job->look_count++] = (struct error_look){
         .samples = samples,
-        .confidence = confidence,
+        .confidence = LOOKS_CONFIDENCE,
         .error = error,
     };
     return true;
 }
 
-// The error falls with the number of samples, so it is known at which look it will be low enough
-// as soon as it is known at all. A bound that nobody asked for says nothing about it.
-static double expected_samples(const struct render_job *job, uint64_t most)
+// By how much the newest look's bound is above the error that is asked for.
+static double excess(const struct render_job *job)
 {
-    const struct error_look *look = job->looks + job->look_count - 1;
-    if (job->look_count == 0 || !look->error.known)
-        return options_given(job->options, OPTION_SPP) ? (double)most : INFINITY;
-    double wanted = (double)look->samples * look->error.ci_high / job->options->error;
-    uint64_t end = look->samples;
-    while ((double)end < wanted && end < most)
-        end = looks_next(end, most);
-    return (double)end;
+    return job->looks[job->look_count - 1].error.at_most / job->options->error;
 }
 
+// The error falls with the number of samples, so that the samples that it takes are known as soon
+// as the error is. A bound that nobody asked for says nothing about it.
+static double expected_samples(const struct render_job *job, uint64_t most)
+{
+    if (job->look_count > 0 && isfinite(excess(job)))
+        return fmin((double)job->looks[job->look_count - 1].samples * excess(job), (double)most);
+    return options_given(job->options, OPTION_SPP) ? (double)most : INFINITY;
+}
+
+// A checkpoint tells where the next look is, if it was made on the way to the same error.
+static void plan_looks(struct render_job *job, uint64_t unit)
+{
+    uint64_t done = steps_done(job) * step_samples(job);
+    bool goes_on =
+        done > 0 && job->goal.error == job->options->error && job->goal.next_look >= done;
+    if (!goes_on)
+        job->goal = (struct job_goal){job->options->error, looks_first(done, unit)};
+}
+
+// The look at the bound is one of those that are planned only where it happens to be: a run that
+// goes on with a higher bound has the looks that it would have had at once.
 static bool render_to_error(struct render_job *job, struct err *err)
 {
     uint64_t most = job->samples_most, each = step_samples(job);
-    double confidence = looks_confidence(looks_within(most));
+    uint64_t unit = each % LOOKS_FIRST == 0 ? each : LOOKS_FIRST * each;
+    plan_looks(job, unit);
     while (true) {
         double expected = expected_samples(job, most);
-        uint64_t next = looks_next(steps_done(job) * each, most);
+        uint64_t next = job->goal.next_look < most ? job->goal.next_look : most;
         if (!render_to(job, next / each, fmax(expected, (double)next) / (double)each, err))
             return false;
         if (job->stopped || job->ended_by == ENDED_BY_TIME)
             return true;
         // With a trace the look is a row of it, too.
         bool ok = job->options->trace ? job_trace_look(job, err) : job_fetch_film(job, err);
-        if (!ok || !add_look(job, next, confidence, err))
+        if (!ok || !add_look(job, next, err))
             return false;
-        const struct half_error *error = &job->looks[job->look_count - 1].error;
-        if (error->known && error->ci_high < job->options->error) {
+        if (excess(job) < 1.0)
             job->ended_by = ENDED_BY_ERROR;
+        if (job->ended_by == ENDED_BY_ERROR || next == most)
             return true;
-        }
-        if (next == most)
-            return true;
+        job->goal.next_look = looks_next(next, excess(job), unit);
     }
 }
 

@@ -118,11 +118,11 @@ static void print_forecast(const struct render_job *job)
 static void print_ending(const struct render_job *job)
 {
     const struct error_look *look = job->looks + job->look_count - 1;
-    if (job->look_count > 0 && look->error.known)
+    if (job->look_count > 0 && look->error.bounded)
         printf("looks     %u; at the last, after %" PRIu64 " spp, the error is below %.3g with "
-               "%.4g %% confidence, where %.3g was asked for\n",
-               job->look_count, look->samples, look->error.ci_high, 100.0 * look->confidence,
-               job->options->error);
+               "%.4g %% confidence, where %.3g was asked for%s\n",
+               job->look_count, look->samples, look->error.at_most, 100.0 * look->confidence,
+               job->options->error, look->error.known ? "" : " (a bound alone is known)");
     if (job->plan.counts)
         printf("adaptive  %u to %u samples for every %u, by a pilot of 16 besides\n",
                job->plan.least, job->plan.most, job->round_samples);

@@ -103,14 +103,20 @@ bool metrics_half_error(const struct half_error_params *params, struct half_erro
 bool metrics_tile_errors(const struct half_error_params *params, uint32_t side, double *out);
 
 // --- when to stop -------------------------------------------------------------------------------
-// A render that ends when its error is small enough looks at the error more than once, and each
-// look may err. Looks are at LOOKS_FIRST samples and at every doubling, the last at the bound; each
-// takes an interval of so much more confidence that all of them together err in 5 % at most
-// (Bonferroni's inequality: Dunn 1961, "Multiple comparisons among means").
-#define LOOKS_FIRST 16u
-uint32_t looks_within(uint64_t bound);              // how many there are at most; bound >= 1
-uint64_t looks_next(uint64_t done, uint64_t bound); // at how many samples the next one is
-double looks_confidence(uint32_t looks);            // of each, where so many may be taken
+// A render that ends when its error is small enough stops at the first look whose one-sided bound,
+// half_error.at_most of LOOKS_CONFIDENCE, is below the limit. Several looks may err where one may,
+// but they share their samples, and are taken near the end: over the scenes of docs/convergence.md
+// ("When --error stops") they err in fewer than 5 % of renders together. Where looks are depends on
+// the errors that were seen and on nothing else, so that a render stops at the same sample on any
+// machine.
+#define LOOKS_FIRST 2u
+#define LOOKS_CONFIDENCE 0.95
+// Numbers of samples are multiples of `unit`: of 2, so that both halves have as many, or of rounds.
+// Where the first look is, of a render that has `done` samples.
+uint64_t looks_first(uint64_t done, uint64_t unit);
+// Where the one after that at `done` samples is, whose bound was `excess` times the limit; INFINITY
+// where there was none.
+uint64_t looks_next(uint64_t done, double excess, uint64_t unit);
 
 // --- statistics ---------------------------------------------------------------------------------
 // Quantile of Student's t, p in (0, 1), degrees of freedom >= 1; NaN outside of that. The relative

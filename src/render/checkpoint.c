@@ -82,7 +82,9 @@ static void visit_renderer(struct cursor *c, struct renderer *r)
     visit(c, &r->emptied_at);
 }
 
-_Static_assert(6 + 1 + 2 + CLASS_COUNT + 4 + SITE_COUNT + 5 <= CHECKPOINT_STATE_WORDS,
+#define NOTE_AT (CHECKPOINT_STATE_WORDS - CHECKPOINT_NOTE_WORDS)
+
+_Static_assert(6 + 1 + 2 + CLASS_COUNT + 4 + SITE_COUNT + 5 <= NOTE_AT,
                "room for all of the renderer's state");
 
 // --- writing
@@ -145,11 +147,13 @@ static struct header make_header(const struct renderer *r, const char *identity)
     return header;
 }
 
-bool checkpoint_write(struct renderer *r, const char *path, const char *identity, struct err *err)
+bool checkpoint_write(struct renderer *r, const char *path, const char *identity,
+                      const uint64_t note[CHECKPOINT_NOTE_WORDS], struct err *err)
 {
     struct output out = {.hash = HASH_INIT};
     uint64_t state[CHECKPOINT_STATE_WORDS] = {0};
     visit_renderer(&(struct cursor){.words = state}, r);
+    memcpy(&state[NOTE_AT], note, CHECKPOINT_NOTE_WORDS * sizeof *note);
     struct header header = make_header(r, identity);
     uint64_t list_bytes = r->tiles.count * sizeof *r->tiles.counts;
     if (!file_writer_open(&out.writer, path, err))
@@ -259,6 +263,7 @@ static bool read_parts(struct checkpoint *c, const struct header *h, struct aren
         !get(c, c->done, list_bytes, err))
         return false;
     identity[h->identity_bytes] = '\0';
+    memcpy(c->note, &c->state[NOTE_AT], sizeof c->note);
     return true;
 }
 

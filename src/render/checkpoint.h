@@ -11,18 +11,21 @@
 #include <stdio.h>
 
 #define CHECKPOINT_STATE_WORDS 32
+#define CHECKPOINT_NOTE_WORDS 2u
 #define CHECKPOINT_IDENTITY_MAX (1u << 20)
 
-// identity: lines of "name=value", each ending with a newline. The renderer must be between waves.
+// identity: lines of "name=value", each ending with a newline. note: the caller's own, which
+// checkpoint_open() gives back. The renderer must be between waves.
 // ERR_OUTPUT where the file cannot be written: an older one is then as it was.
 bool checkpoint_write(struct renderer *renderer, const char *path, const char *identity,
-                      struct err *err);
+                      const uint64_t note[CHECKPOINT_NOTE_WORDS], struct err *err);
 
 // A checkpoint that was read as far as its film.
 struct checkpoint {
     FILE *file;
     const char *path, *identity;
     uint64_t state[CHECKPOINT_STATE_WORDS];
+    uint64_t note[CHECKPOINT_NOTE_WORDS];
     uint64_t chunk_pixels, film_bytes;
     uint32_t tile_count; // 0: the samples are not counted by tile
     uint32_t *counts, *done;

@@ -268,7 +268,7 @@ class Progress(Base):
         self.assertLess(abs(math.log2((elapsed + left) / 2)), 2)
 
     def test_what_is_left_until_an_error(self):
-        # The error is first known after 16 samples, which is soon. How many it takes follows from
+        # The error is first known after 2 samples, which is soon. How many it takes follows from
         # it, long before the time is over.
         elapsed, left, values = self.remaining('--size', '96x96', '--error', '4e-4', '--time',
                                                '600')

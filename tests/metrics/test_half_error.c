@@ -401,57 +401,6 @@ TEST(unequal_counts_change_no_expectation)
     picture_finish(&picture);
 }
 
-TEST(looks_double_up_to_the_bound)
-{
-    CHECK(looks_within(1) == 1 && looks_within(16) == 1 && looks_within(17) == 2);
-    CHECK(looks_within(64) == 3 && looks_within(65536) == 13 && looks_within(UINT32_MAX) == 29);
-    CHECK(looks_next(0, 100) == 16 && looks_next(16, 100) == 32 && looks_next(20, 100) == 32);
-    CHECK(looks_next(64, 100) == 100 && looks_next(0, 5) == 5);
-    CHECK(fabs(looks_confidence(5) - 0.99) < 1e-12);
-}
-
-static void add_samples(struct picture *sum, struct picture *part, int done, int more,
-                        uint64_t *random)
-{
-    float weight = (float)more / (float)(done + more);
-    fill(part, flat_content, exponential_noise, more, random);
-    for (size_t i = 0; i < (size_t)sum->width * sum->height; i++)
-        for (int c = 0; c < 3; c++) {
-            sum->half_a[i][c] += weight * (part->half_a[i][c] - sum->half_a[i][c]);
-            sum->half_b[i][c] += weight * (part->half_b[i][c] - sum->half_b[i][c]);
-        }
-}
-
-// Runs that look at doubling counts and stop at an upper end below the limit. The limit is set just
-// under the error that each run has at 64 samples: stopping there, or before, is an error.
-TEST(stopped_runs_keep_their_promise)
-{
-    enum { RUNS = 1000, SIDE = 32, BOUND = 1024, JUDGED = 64 };
-    struct picture sum = picture_create(SIDE, SIDE), part = picture_create(SIDE, SIDE);
-    double confidence = looks_confidence(looks_within(BOUND));
-    struct truth truth = truth_create(&sum, flat_content);
-    uint64_t random = 21;
-    int wrong = 0;
-    for (int run = 0; run < RUNS; run++) {
-        double least = INFINITY;
-        for (int done = 0; done < JUDGED;) {
-            int next = (int)looks_next((uint64_t)done, BOUND);
-            add_samples(&sum, &part, done, next - done, &random);
-            done = next;
-            struct half_error error = estimate_with(&sum, (uint64_t)done, confidence);
-            least = error.known ? fmin(least, error.ci_high) : least;
-        }
-        wrong += least < 0.999 * own_error(&sum, &truth);
-    }
-    printf("     %d of %d runs would have stopped too early\n", wrong, RUNS);
-    // In fact one look of seven can err, to one side: 0.36 %; 12 are exceeded with a probability of
-    // 1e-4.
-    CHECK(wrong <= 12, "%d of %d", wrong, RUNS);
-    truth_finish(&truth);
-    picture_finish(&sum);
-    picture_finish(&part);
-}
-
 TEST(unknown_where_it_cannot_be_known)
 {
     struct picture picture = picture_create(64, 64);
@@ -585,9 +534,8 @@ TEST(estimate_is_deterministic)
 TEST_MAIN(TEST_CASE(the_error_is_unbiased), TEST_CASE(at_edges_it_is_within_its_known_bias),
           TEST_CASE(lamps_edges_are_not_the_lamp), TEST_CASE(mse_matches_hand_value),
           TEST_CASE(interval_covers_the_truth), TEST_CASE(confidence_is_what_is_asked_for),
-          TEST_CASE(unequal_counts_change_no_expectation), TEST_CASE(looks_double_up_to_the_bound),
-          TEST_CASE(stopped_runs_keep_their_promise), TEST_CASE(unknown_where_it_cannot_be_known),
-          TEST_CASE(one_bright_sample_has_a_bound),
+          TEST_CASE(unequal_counts_change_no_expectation),
+          TEST_CASE(unknown_where_it_cannot_be_known), TEST_CASE(one_bright_sample_has_a_bound),
           TEST_CASE(light_that_no_sample_has_found_counts), TEST_CASE(small_and_odd_pictures),
           TEST_CASE(no_variance_is_no_error), TEST_CASE(nonfinite_pixels_are_left_out),
           TEST_CASE(extreme_values_stay_finite), TEST_CASE(estimate_is_deterministic))
