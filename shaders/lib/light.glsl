@@ -56,8 +56,10 @@ void sample_triangle_light(vec3 origin, uint index, float pick, vec2 u, inout li
     if (LIGHT_CHOICE != LIGHT_CHOICE_POWER)
         density = pick / triangle_area(t);
     finish_area_sample(l, point - origin, triangle_normal(t), m, density);
-    if (is_hidden_by_lamp(t, b, -l.to_light))
-        l.pdf = 0.0;
+    if (HAS_GEOMETRY(GEOMETRY_SMALL_TRIANGLES)) {
+        bool hidden = is_hidden_by_lamp(t, b, -l.to_light);
+        l.pdf = hidden ? 0.0 : l.pdf;
+    }
 }
 
 // What textures leave of a sampled primitive's emission, and whether it is there at all: on

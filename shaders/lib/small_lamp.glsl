@@ -47,13 +47,13 @@ bool is_hidden_by_lamp(uint place, vec2 b, vec3 way)
     small_triangle own = load_small_triangle(place);
     vec3 point = own.v0 + b.x * own.edge1 + b.y * own.edge2;
     vec3 normal = cross(own.edge1, own.edge2);
-    triangle_frame frame = triangle_frame_create(way);
+    triangle_frame ray_frame = triangle_frame_create(way);
     bool hidden = false;
     for (uint i = own.first; i < own.first + own.count; i++) {
         small_triangle other = load_small_triangle(i);
         float t;
         vec2 uv;
-        bool hit = intersect_triangle(frame, point, other.v0, other.v0 + other.edge1,
+        bool hit = intersect_triangle(ray_frame, point, other.v0, other.v0 + other.edge1,
                                       other.v0 + other.edge2, t, uv);
         hidden = hidden || (hit && t > 0.0 && !lies_in_plane(normal, point, other));
     }
@@ -64,9 +64,7 @@ bool is_hidden_by_lamp(uint place, vec2 b, vec3 way)
 bool is_hidden_by_lamp(triangle_record t, vec2 b, vec3 way)
 {
     bool is_small = IS_SMALL(t.word);
-    if (HAS_GEOMETRY(GEOMETRY_SMALL_TRIANGLES))
-        return is_hidden_by_lamp(is_small ? t.emitter : 0u, b, way) && is_small;
-    return false;
+    return is_hidden_by_lamp(is_small ? t.emitter : 0u, b, way) && is_small;
 }
 
 // Number of a triangle among the emitters.

@@ -155,8 +155,10 @@ light_sample center_of_triangle(vec3 origin, uint index)
     l.to_light = (t.v0 + t.v1 + t.v2) * (1.0 / 3.0) - origin;
     l.radiance = load_material(t.word).group[GROUP_EMISSION].rgb;
     l.pdf = abs(dot(area, normalize(l.to_light)));
-    if (is_hidden_by_lamp(t, l.barycentrics, -l.to_light))
-        l.pdf = 0.0;
+    if (HAS_GEOMETRY(GEOMETRY_SMALL_TRIANGLES)) {
+        bool hidden = is_hidden_by_lamp(t, l.barycentrics, -l.to_light);
+        l.pdf = hidden ? 0.0 : l.pdf;
+    }
     return l;
 }
 
