@@ -68,8 +68,8 @@ static void edges_of(const double corners[3][3], double edges[2][3])
     vec3_subtract(corners[2], corners[0], edges[1]);
 }
 
-// Not inlined: GCC 12.2 takes the way to single precision and back, of two numbers side by side in a
-// loop, for none.
+// Not inlined: GCC 12.2 takes the way to single precision and back, of two numbers side by side in
+// a loop, for none.
 __attribute__((noinline)) static void round_corners(const double corners[3][3], float out[3][3])
 {
     for (int corner = 0; corner < 3; corner++)
