@@ -170,7 +170,7 @@ surface load_triangle_surface(uint index, vec2 uv, uint instance)
         vec3 n = b.x * place_normal(p, decode_normal(encoded.x)) +
                  b.y * place_normal(p, decode_normal(encoded.y)) +
                  b.z * place_normal(p, decode_normal(encoded.z));
-        // Opposite normals may cancel (stiff case C26).
+        // Opposite normals may cancel (docs/verification.md, C26).
         if (encoded.x != NORMAL_FLAT && dot(n, n) > 0.0)
             s.normal_shading = normalize(n);
     }

@@ -71,9 +71,10 @@ enum instancing { INSTANCING_AUTO, INSTANCING_ON, INSTANCING_OFF };
 // the scene all the same.
 struct flat_scene {
     // World position of the arrays' origin: geometry far from the world's origin is moved in double
-    // precision before it is rounded (stiff case C2). (0,0,0) unless the scene needs it: the middle
-    // of the bounding box when max |coordinate| exceeds 16 times its extent; and what the camera
-    // sees best where that is more than 4096 times as far from there as it is large and away.
+    // precision before it is rounded (docs/verification.md, C2). (0,0,0) unless the scene needs it:
+    // the middle of the bounding box when max |coordinate| exceeds 16 times its extent; and what
+    // the camera sees best where that is more than 4096 times as far from there as it is large and
+    // away.
     double origin[3];
     // Units of length of the arrays a metre: a power of two, so that it costs no bit. 1 unless the
     // scene's size demands another: see flatten_choose_scale().
@@ -109,8 +110,8 @@ struct flat_scene {
     uint32_t *dropped_before;           // dropped_degenerate of them: the triangle that came next
     bool *material_used;                // scene->material_count: some primitive has it
     float bounds_min[3], bounds_max[3]; // in the arrays' space; min > max when empty
-    uint32_t dropped_degenerate;        // zero-area triangles left out (stiff case C6)
-    uint32_t skipped_instances;         // singular transforms (C30)
+    uint32_t dropped_degenerate;        // zero-area triangles left out (docs/verification.md, C6)
+    uint32_t skipped_instances;         // singular transforms (docs/verification.md, C30)
 };
 
 struct flatten_params {

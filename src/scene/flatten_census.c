@@ -13,7 +13,7 @@
 
 // Coordinates of a file in single precision that are far from its own origin have lost their digits
 // before anything here can save them: beyond this ratio of position to size a mesh is resolved in
-// fewer than 2^24 / 2^18 = 64 steps (stiff case C2).
+// fewer than 2^24 / 2^18 = 64 steps (docs/verification.md, C2).
 #define COARSE_RATIO 262144
 
 // The largest extent along an axis, and the largest coordinate.

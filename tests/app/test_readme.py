@@ -201,13 +201,22 @@ class Programs(unittest.TestCase):
                 self.assertNotIn('tests/', told)
 
 
+def introspect(what):
+    return json.loads(subprocess.run(['meson', 'introspect', what, BUILD], check=True,
+                                     stdout=subprocess.PIPE, text=True).stdout)
+
+
+def is_optional(name):
+    """Tests that are there with the viewer, with Embree or in clang's builds alone."""
+    return name == 'bvh_embree' or name.startswith('fuzz ') or \
+        name.startswith('viewer') and not os.path.exists(VIEWER)
+
+
 class Claims(unittest.TestCase):
     """docs/claims.md: which tests hold what the README claims."""
 
     def test_the_named_tests_exist(self):
-        listed = subprocess.run(['meson', 'introspect', '--tests', BUILD], check=True,
-                                stdout=subprocess.PIPE, text=True).stdout
-        known = {test['name'] for test in json.loads(listed)}
+        known = {test['name'] for test in introspect('--tests')}
         rows = [row for row in re.findall(r'^\| (.+?) \| (.+?) \|$', read('docs/claims.md'),
                                           re.MULTILINE) if row[0] != 'claim']
         self.assertGreater(len(rows), 20)
@@ -215,9 +224,8 @@ class Claims(unittest.TestCase):
             names = re.findall(r'`([^`]+)`', tests)
             self.assertTrue(names, claim)
             for name in names:
-                if name.startswith('viewer') and not os.path.exists(VIEWER):
-                    continue
-                self.assertTrue(name in known, f'{claim}: there is no test {name!r}')
+                self.assertTrue(name in known or is_optional(name),
+                                f'{claim}: there is no test {name!r}')
 
     def test_every_claim_of_the_readme_is_there(self):
         # The table of the README's first screen: its left column, word for word.
@@ -226,6 +234,110 @@ class Claims(unittest.TestCase):
         claims = read('docs/claims.md')
         for claim in table:
             self.assertIn(f'| {claim} |', claims)
+
+
+class Program:
+    """Tests that meson runs by one program: their sources, and the arguments of each run."""
+
+    def __init__(self, sources):
+        self.sources = sources
+        self.runs = []
+
+
+class Verification(unittest.TestCase):
+    """docs/verification.md: its numbers, tests and cases are there, and so is all that is cited."""
+
+    @classmethod
+    def setUpClass(cls):
+        sources = {}
+        for target in introspect('--targets'):
+            for path in target['filename']:
+                sources[path] = [source for group in target['target_sources']
+                                 for source in group['sources']]
+        cls.programs, cls.by_test = {}, {}
+        for test in introspect('--tests'):
+            command = test['cmd']
+            for i, word in enumerate(command):
+                if word in sources or word.endswith('.py'):
+                    program = cls.programs.setdefault(word, Program(sources.get(word, [word])))
+                    program.runs.append(command[i + 1:])
+                    cls.by_test.setdefault(test['name'], []).append(program)
+        cls.rows = re.findall(r'^\| ([A-Z]\d+) \|.*\| ([^|]*) \|$', read('docs/verification.md'),
+                              re.MULTILINE)
+        cls.numbers = [number for number, _ in cls.rows]
+
+    @staticmethod
+    def own_files(*folders):
+        for folder in folders:
+            for path, _, names in os.walk(os.path.join(ROOT, folder)):
+                for name in names:
+                    if name.endswith(('.c', '.h', '.cpp', '.glsl', '.comp', '.py', 'meson.build')):
+                        yield os.path.relpath(os.path.join(path, name), ROOT)
+
+    @staticmethod
+    def cases_of(program, pattern):
+        found = set()
+        for path in program.sources:
+            if path.endswith(('.c', '.py')) and os.path.exists(path):
+                found |= set(re.findall(pattern, read(path), re.MULTILINE))
+        return found
+
+    def test_each_number_stands_once(self):
+        self.assertGreater(len(self.rows), 120)
+        for number in self.numbers:
+            self.assertEqual(self.numbers.count(number), 1, number)
+        for group in sorted({number[0] for number in self.numbers}):
+            of_group = [int(number[1:]) for number in self.numbers if number[0] == group]
+            self.assertEqual(of_group, list(range(1, len(of_group) + 1)), group)
+
+    def test_the_named_tests_and_cases_exist(self):
+        for number, tests in self.rows:
+            names = re.findall(r'`([^`]+)`', tests)
+            self.assertTrue(names or tests == 'not yet', f'{number} names no test')
+            cases = set()
+            for name in names:
+                self.assertTrue(name in self.by_test or is_optional(name),
+                                f'{number}: there is no test {name!r}')
+                for program in self.by_test.get(name, []):
+                    cases |= self.cases_of(program, r'^TEST\((\w+)\)|^    def (test_\w+)')
+            known = {word for case in cases for word in case}
+            for case in re.findall(r'\*(\w+)\*', tests):
+                self.assertTrue(case in known or any(map(is_optional, names)),
+                                f'{number}: {names} have no case {case!r}')
+
+    def test_what_is_cited_is_there(self):
+        cited = 0
+        for path in self.own_files('src', 'shaders', 'tests'):
+            text = re.sub(r'\n *(//|#|\*) *', ' ', read(path))
+            for numbers in re.findall(r'docs/verification\.md, ((?:[A-Z]\d+(?:,? and |, )?)+)', text):
+                for number in re.findall(r'[A-Z]\d+', numbers):
+                    cited += 1
+                    self.assertIn(number, self.numbers, path)
+            if path != 'tests/app/test_readme.py':
+                self.assertNotRegex(text, r'(?<!docs/)verification\.md|[Ss]tiff case', path)
+        self.assertGreater(cited, 25)
+
+    def test_forms_are_named_by_their_numbers(self):
+        forms = 0
+        for path in glob.glob(os.path.join(ROOT, 'tests/render/test_*forms*.c')) + \
+                [os.path.join(ROOT, 'tests/render/test_surroundings.c')]:
+            for letter, number in re.findall(r'^    \{"(C?)(\d+) ', read(path), re.MULTILINE):
+                forms += 1
+                self.assertIn((letter or 'B') + number, self.numbers, path)
+        self.assertGreater(forms, 100)
+
+    def test_pages_that_are_cited_are_there(self):
+        for path in self.own_files('src', 'shaders', 'tests', 'include'):
+            for page in re.findall(r'\bdocs/[\w-]+\.md\b', read(path)):
+                self.assertTrue(os.path.exists(os.path.join(ROOT, page)), f'{path}: {page}')
+
+    def test_every_case_is_run(self):
+        # A program without arguments runs all of its cases but those that end in _long.
+        for program in self.programs.values():
+            for case in self.cases_of(program, r'TEST_CASE\((\w+)\)'):
+                self.assertTrue(any(case in run or not run and not case.endswith('_long')
+                                    for run in program.runs),
+                                f'{program.sources[0]}: no test of meson runs {case}')
 
 
 if __name__ == '__main__':

@@ -73,7 +73,7 @@ TEST(random_weights)
     }
 }
 
-// Stiff case C16: a million lights, one bright.
+// A million lights, one of them bright (docs/verification.md, C16).
 TEST(one_of_a_million)
 {
     enum { COUNT = 1000000 };

@@ -105,7 +105,7 @@ static void check_camera(const char *name, const struct camera *camera, double t
     setup_close(&setup);
 }
 
-// Heights and fields of view are the stiff case C41, too.
+// Extreme heights and fields of view, too (docs/verification.md, C41).
 TEST(rays)
 {
     struct camera camera = {.position = {-1.5, 3.25, 10.125},

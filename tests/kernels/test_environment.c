@@ -238,7 +238,7 @@ TEST(extreme_uniforms)
     setup_close(&setup);
 }
 
-// Stiff case C33: a sun of one texel among 2^19 of a night sky.
+// A sun of one texel among 2^19 of a night sky (docs/verification.md, C33).
 TEST(a_sun_of_one_texel)
 {
     enum { WIDTH = 8192, HEIGHT = 64, COLUMN = 5000, ROW = 10 };

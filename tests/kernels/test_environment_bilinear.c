@@ -432,8 +432,8 @@ TEST(extreme_uniforms)
     setup_close(&setup);
 }
 
-// Stiff case C33: a sun of one texel among 2^19 of a night sky. The integral of its tent about the
-// angle t over solid angle, with sides of h: 2 pi / width sin t (2 - 2 cos h) / h.
+// A sun of one texel among 2^19 of a night sky (docs/verification.md, C33). The integral over solid
+// angle of its tent about the angle t, with sides of h, is 2 pi / width sin t (2 - 2 cos h) / h.
 TEST(a_sun_of_one_texel)
 {
     enum { WIDTH = 8192, HEIGHT = 64, COLUMN = 5000, ROW = 10 };

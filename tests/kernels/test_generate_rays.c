@@ -157,7 +157,7 @@ TEST(oblique_camera)
     check_camera("oblique", camera, true);
 }
 
-// Stiff case C41.
+// docs/verification.md, C41.
 TEST(narrow_camera)
 {
     const struct camera camera = {.position = {0, 0, 0},

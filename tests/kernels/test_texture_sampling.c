@@ -221,7 +221,7 @@ TEST(both)
     check_formats(3);
 }
 
-// Stiff case C32: whatever the coordinates are, a texel of the picture comes out.
+// Whatever the coordinates are, a texel of the picture comes out (docs/verification.md, C32).
 TEST(coordinates_without_bounds)
 {
     static const float bad[] = {1e30f, -1e30f,   3.4e38f,   -3.4e38f, 1e-38f,       -1e-45f,
@@ -263,7 +263,7 @@ TEST(coordinates_without_bounds)
     setup_close(&setup);
 }
 
-// Stiff cases C31 and C34: the longest row, and values beyond halves.
+// The longest row, and values beyond halves (docs/verification.md, C31 and C34).
 TEST(long_rows_and_bright_texels)
 {
     enum { COUNT = 1000 };

@@ -166,8 +166,8 @@ static void add_coplanar_squares(struct scene *scene, double size, const double 
     add_triangles(scene, (const float(*)[3][3])triangles, 4, 0);
 }
 
-// Two surfaces in one plane (stiff case C11) look like one: under an even sky exactly its
-// reflectance, 0.5, sample for sample.
+// Two surfaces in one plane look like one (docs/verification.md, C11): under an even sky each
+// sample is exactly the reflectance, 0.5.
 TEST(coplanar_surfaces_do_not_shade_each_other)
 {
     static const struct {

@@ -1,5 +1,5 @@
-// Checking scenes whose radiance is known in closed form (verification.md B): by 64 replicates and
-// statistics, or pixel by pixel where there is no variance.
+// Checking scenes whose radiance is known in closed form (docs/verification.md, B): by 64
+// replicates and statistics, or pixel by pixel where there is no variance.
 #ifndef LAMPYRIS_TESTS_CLOSED_FORM_H
 #define LAMPYRIS_TESTS_CLOSED_FORM_H
 

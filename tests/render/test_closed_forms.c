@@ -1,5 +1,5 @@
-// Scenes whose radiance is known in closed form (by their numbers in verification.md B): furnaces,
-// lights without extent, configuration factors, mirrors, an edge.
+// Scenes whose radiance is known in closed form (by their numbers in docs/verification.md, B and
+// C): furnaces, lights without extent, configuration factors, mirrors, an edge.
 #include "closed_form.h"
 
 // --- the forms ----------------------------------------------------------------------------------
@@ -93,15 +93,15 @@ static double sphere_above(double rho, double le, double d)
     return rho * le / (2.0 * d * d) * sqrt(0.5);
 }
 
-// Stiff case C15: a sphere of radius 1 that touches the floor 5 cm away. It fills half of the sky
-// but for a rim, and is above the horizon as a whole: (r / d)^2 cos with cos = 1 / d.
+// docs/verification.md, C15: a sphere of radius 1 that touches the floor 5 cm away. It fills half
+// of the sky but for a rim, and is above the horizon as a whole: (r / d)^2 cos with cos = 1 / d.
 static double touching_sphere(double rho, double le, double unused)
 {
     (void)unused;
     return rho * le * pow(1.0 + 0.05 * 0.05, -1.5);
 }
 
-// Stiff case C14: 1e8 W from a sphere of radius 1e-4 (Le = power / (4 pi^2 r^2)) at 1e4.
+// docs/verification.md, C14: 1e8 W from a sphere of radius 1e-4 (Le = power / (4 pi^2 r^2)) at 1e4.
 static double pinpoint(double rho, double le, double unused)
 {
     (void)unused;

@@ -1,5 +1,6 @@
 // Scenes of dielectrics, media and metals whose radiance is known in closed form (by their numbers
-// in verification.md, B and C): slabs, absorption, total reflection, nested glass, rough plates.
+// in docs/verification.md, B and C): slabs, absorption, total reflection, nested glass, rough
+// plates.
 #include "closed_form.h"
 
 #include <complex.h>
@@ -88,7 +89,7 @@ static double through_ball_of_fog(double rho, double le, double b)
     return le * pow(rho, 2.0 * sqrt(1.0 - b * b));
 }
 
-// Stiff case C43: black, half and clear at distance 1.
+// docs/verification.md, C43: black, half and clear at distance 1.
 static double through_extremes(double rho, double le, double unused)
 {
     (void)unused;
@@ -194,7 +195,7 @@ static const struct closed_form forms[] = {
      {{"body", JSON({"type": "dielectric", "ior": 1.5})}, ONE_BALL, {"from", "[0.2, 0.1, 0.1]"},
       {"fov", "120"}}},
 
-    // Of verification.md, A6: 1 - ln 2 at alpha = 1 from above, the others by quadrature.
+    // docs/verification.md, A6: 1 - ln 2 at alpha = 1 from above, the others by quadrature.
     {"22 GGX, alpha 0.1", OURS "plate.json", all, .98831, BY_STATISTICS, 0,
      {WHITE("0.31622776601683794")}},
     {"22 GGX, alpha 0.1, at 45", OURS "plate.json", all, .98169, BY_STATISTICS, 0,

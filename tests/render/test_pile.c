@@ -1,4 +1,4 @@
-// Stiff case C8 of verification.md: 10^6 identical triangles. No box separates them, so a ray that
+// docs/verification.md, C8: 10^6 identical triangles. No box separates them, so a ray that
 // enters theirs visits them all: far more steps than one dispatch has.
 #include "render_fixture.h"
 

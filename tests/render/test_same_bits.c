@@ -402,7 +402,7 @@ TEST(classes)
 }
 
 // Radiance does not depend on the unit of length, and roundings do not either where they are
-// relative: 2^20 is about the 1e6 of stiff case C1.
+// relative: 2^20 is about the 1e6 of docs/verification.md, C1.
 static void check_scales(const char *path)
 {
     static const int exponents[] = {0, -20, 20};

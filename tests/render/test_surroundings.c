@@ -1,6 +1,6 @@
-// A plane under environments and suns, whose irradiance is known: in closed form (verification.md,
-// B24, B25) or by direct quadrature of the image in double precision. By multiple importance
-// sampling, and by each estimator that finds the light.
+// A plane under environments and suns, whose irradiance is known: in closed form
+// (docs/verification.md, B24 and B25) or by direct quadrature of the image in double precision. By
+// multiple importance sampling, and by each estimator that finds the light.
 #include "clock.h"
 #include "environment.h"
 #include "environment_reference.h"
@@ -116,7 +116,7 @@ static bool set_image(struct scene *scene, uint32_t width, uint32_t height, stru
     return e->texels || err_memory(err, "texels", (uint64_t)width * height * sizeof *e->texels);
 }
 
-// B24: cos^k about +Y, exact means over rows: 2 pi / (k + 2).
+// docs/verification.md, B24: cos^k about +Y, exact means over rows: 2 pi / (k + 2).
 static bool surround_with_power(struct scene *scene, const struct form *form, double irradiance[3],
                                 struct err *err)
 {
@@ -135,8 +135,8 @@ static bool surround_with_power(struct scene *scene, const struct form *form, do
     return true;
 }
 
-// B25 and C33: one texel of radiance 1e6, about a degree of longitude wide, among others of
-// `parameter`. C34: far beyond half precision.
+// docs/verification.md, B25 and C33: one texel of radiance 1e6, about a degree of longitude wide,
+// among others of `parameter`. C34: far beyond half precision.
 #define SUN_WIDTH 1024
 #define SUN_HEIGHT 512
 #define SUN_ROW 140
@@ -462,7 +462,7 @@ TEST(seen_by_the_camera)
     gpu_close(&gpu);
 }
 
-// No light by the texels, by the factor, or none above the plane (stiff case C35).
+// No light by the texels, by the factor, or none above the plane (docs/verification.md, C35).
 static bool surround_with_black(struct scene *scene, const struct form *form, double irradiance[3],
                                 struct err *err)
 {

@@ -156,7 +156,7 @@ TEST(missing_attributes)
     end(&f);
 }
 
-// Stiff case C32.
+// docs/verification.md, C32.
 TEST(coordinates_that_are_not_finite_are_zero)
 {
     struct fixture f;

@@ -105,7 +105,7 @@ TEST(hdr_pictures_have_no_encoding)
     write_picture("a.exr", 2, 2, bright);
     REQUIRE(load("a.exr", true, &a) && load("a.exr", false, &b), "%s", error.msg);
     CHECK(a == b && scene.image_count == 1);
-    // Beyond halves (stiff case C34).
+    // Beyond halves (docs/verification.md, C34).
     const float *texels = scene.images[a].texels;
     CHECK(scene.images[a].is_float && texels[0] == 1e6f && texels[2] == 0.25f && texels[3] == 1,
           "%g", (double)texels[0]);
@@ -113,7 +113,7 @@ TEST(hdr_pictures_have_no_encoding)
     end();
 }
 
-// Stiff case C31.
+// docs/verification.md, C31.
 TEST(sides)
 {
     static const float white[3] = {1, 1, 1};
