@@ -158,7 +158,7 @@ class Commands(unittest.TestCase):
 
 class Pages(unittest.TestCase):
     def test_links_lead_somewhere(self):
-        for page in [*pages(), 'scenes/README.md', 'docs/reports/README.md']:
+        for page in [*pages(), 'scenes/README.md', 'tests/README.md', 'docs/reports/README.md']:
             for target in re.findall(r'\]\(([^)\s]+)\)', read(page)):
                 if re.match(r'\w+:', target):
                     continue
@@ -254,14 +254,17 @@ class Verification(unittest.TestCase):
             for path in target['filename']:
                 sources[path] = [source for group in target['target_sources']
                                  for source in group['sources']]
-        cls.programs, cls.by_test = {}, {}
+        cls.programs, cls.by_test, cls.suites = {}, {}, set()
         for test in introspect('--tests'):
-            command = test['cmd']
+            command = [os.path.join(BUILD, word) if os.path.join(BUILD, word) in sources else word
+                       for word in test['cmd']]
+            cls.by_test[test['name']] = []
+            cls.suites |= {suite.rpartition(':')[2] for suite in test['suite']}
             for i, word in enumerate(command):
                 if word in sources or word.endswith('.py'):
                     program = cls.programs.setdefault(word, Program(sources.get(word, [word])))
                     program.runs.append(command[i + 1:])
-                    cls.by_test.setdefault(test['name'], []).append(program)
+                    cls.by_test[test['name']].append(program)
         cls.rows = re.findall(r'^\| ([A-Z]\d+) \|.*\| ([^|]*) \|$', read('docs/verification.md'),
                               re.MULTILINE)
         cls.numbers = [number for number, _ in cls.rows]
@@ -317,6 +320,14 @@ class Verification(unittest.TestCase):
                 self.assertNotRegex(text, r'(?<!docs/)verification\.md|[Ss]tiff case', path)
         self.assertGreater(cited, 25)
 
+    def test_what_the_design_refers_to_is_there(self):
+        groups = {number[0] for number in self.numbers}
+        cited = re.findall(r'\[([A-Z]\d*(?:(?:, | to )[A-Z]\d*)*)\]', read('docs/design.md'))
+        self.assertGreater(len(cited), 10)
+        for name in ' '.join(cited).replace(',', '').split():
+            if name != 'to':
+                self.assertIn(name, groups if len(name) == 1 else self.numbers)
+
     def test_forms_are_named_by_their_numbers(self):
         forms = 0
         for path in glob.glob(os.path.join(ROOT, 'tests/render/test_*forms*.c')) + \
@@ -330,6 +341,16 @@ class Verification(unittest.TestCase):
         for path in self.own_files('src', 'shaders', 'tests', 'include'):
             for page in re.findall(r'\bdocs/[\w-]+\.md\b', read(path)):
                 self.assertTrue(os.path.exists(os.path.join(ROOT, page)), f'{path}: {page}')
+
+    def test_the_page_of_tests_names_what_is_there(self):
+        page = read('tests/README.md')
+        for name in re.findall(r'`([\w/]+\.(?:h|c|py|comp|md))`', page):
+            found = [path for folder in ('', 'tests', 'tests/*', 'docs')
+                     for path in glob.glob(os.path.join(ROOT, folder, name))]
+            self.assertTrue(found or 'MODULE' in name, name)
+        for suite in re.findall(r'^\| `(\w+)` \|', page.partition('## Where')[0], re.MULTILINE):
+            if not suite.startswith('LAMPYRIS'):
+                self.assertTrue(suite in self.suites or suite in ('viewer', 'fuzz'), suite)
 
     def test_every_case_is_run(self):
         # A program without arguments runs all of its cases but those that end in _long.
