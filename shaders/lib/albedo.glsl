@@ -117,7 +117,7 @@ float albedo_run(uint word, uint left, float w)
     return mix(low, high, w);
 }
 
-// A table of such words, each a run of nodes along the first axis.
+// A table of such words, each a run of nodes along the first axis: values from 0 to 65535.
 float albedo_runs(uint first, uvec3 size, vec3 at)
 {
     vec3 cells = vec3(size);
@@ -132,7 +132,7 @@ float albedo_runs(uint first, uvec3 size, vec3 at)
     float near = mix(albedo_run(word, left, w.x), albedo_run(word + row, left, w.x), w.y);
     word += slice;
     float far = mix(albedo_run(word, left, w.x), albedo_run(word + row, left, w.x), w.y);
-    return min(1.0, mix(near, far, w.z) * (ALBEDO_HIGHEST / 65535.0));
+    return mix(near, far, w.z);
 }
 
 // Coordinates along the axes of tables of interfaces that also refract.
@@ -153,7 +153,7 @@ float albedo_glass(uint tables, float mu, float alpha, float eta)
     uvec3 size = eta < 1.0 ? uvec3(ALBEDO_GLASS_INSIDE_MU, ALBEDO_GLASS_INSIDE_ALPHA,
                                    ALBEDO_GLASS_INSIDE_ETA)
                            : uvec3(ALBEDO_GLASS_MU, ALBEDO_GLASS_ALPHA, ALBEDO_GLASS_ETA);
-    float root = albedo_runs(first, size, axes);
+    float root = min(1.0, albedo_runs(first, size, axes) * (ALBEDO_HIGHEST / 65535.0));
     return root * root;
 }
 
@@ -163,6 +163,7 @@ float albedo_clear(uint tables, float mu, float alpha, float eta)
     float root = albedo_runs(tables + ALBEDO_CLEAR + (eta < 1.0 ? ALBEDO_CLEAR_SIDE : 0u),
                              uvec3(ALBEDO_CLEAR_MU, ALBEDO_CLEAR_ALPHA, ALBEDO_CLEAR_ETA),
                              albedo_axes_glass(mu, alpha, eta));
+    root = min(1.0, root * (ALBEDO_HIGHEST / 65535.0));
     return root * root;
 }
 
@@ -207,6 +208,41 @@ float albedo_turned_cosine(uint tables, float mu, vec3 axes, float alpha_o)
                                uvec4(ALBEDO_SINE_MU, ALBEDO_SINE_ROUGHNESS, ALBEDO_SINE_ASPECT,
                                      ALBEDO_SINE_AZIMUTH),
                                vec4(albedo_axis_mu(mu, alpha_o + 0.2), axes));
+}
+
+// The alpha of the isotropic interface that stands in for an anisotropic one seen from above
+// (mu = 1, where both axes count the same), from the horizon (where the slope along wo does) and
+// from between; at most 1, as tables are.
+float albedo_turned_stand_in(float mu, vec2 alpha, float alpha_o)
+{
+    float along = alpha_o * alpha_o;
+    float variance = along + 0.5 * mu * mu * (dot(alpha, alpha) - 2.0 * along);
+    return sqrt(variance * inversesqrt(1.0 + variance * variance));
+}
+
+// What the energy that the stand-in sends to both sides is to be multiplied with.
+float albedo_turned_glass(uint tables, float mu, vec3 axes, float roughness, float alpha_o,
+                          float eta)
+{
+    const uvec3 size = uvec3(ALBEDO_TURNED_GLASS_MU, ALBEDO_TURNED_GLASS_ROUGHNESS,
+                             ALBEDO_TURNED_GLASS_ASPECT);
+    const float least = ALBEDO_TURNED_GLASS_ROUGHNESS_LEAST;
+    vec3 glass = albedo_axes_glass(mu, alpha_o, eta);
+    vec3 at = vec3(glass.x, (roughness - least) / (1.0 - least), axes.y);
+    vec2 cells = vec2(ALBEDO_TURNED_GLASS_AZIMUTH, ALBEDO_TURNED_GLASS_ETA);
+    vec2 position =
+        clamp(vec2(axes.z, glass.z / ALBEDO_TURNED_GLASS_ETA_LAST), 0.0, 1.0) * cells;
+    vec2 corner = min(floor(position), cells - 1.0);
+    vec2 w = position - corner;
+    uint slice = ALBEDO_TURNED_GLASS_SLICE;
+    uint row = slice * (ALBEDO_TURNED_GLASS_AZIMUTH + 1u);
+    uint first = tables + ALBEDO_TURNED_GLASS + (eta < 1.0 ? ALBEDO_TURNED_GLASS_SIDE : 0u) +
+                 uint(corner.y) * row + uint(corner.x) * slice;
+    float near =
+        mix(albedo_runs(first, size, at), albedo_runs(first + slice, size, at), w.x);
+    first += row;
+    float far = mix(albedo_runs(first, size, at), albedo_runs(first + slice, size, at), w.x);
+    return exp((mix(near, far, w.y) * (2.0 / 65535.0) - 1.0) * ALBEDO_TURNED_GLASS_LOG);
 }
 
 // Of Burley's diffuse reflection, base colour 1, in closed form: with A = FD90 - 1 =

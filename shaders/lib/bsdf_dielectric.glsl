@@ -8,6 +8,7 @@
 #include "lib/bsdf_types.glsl"
 #include "lib/fresnel.glsl"
 #include "lib/microfacet.glsl"
+#include "lib/random.glsl"
 
 // A refracted lobe is about alpha |eta - 1| wide, and directions are rounded to 2^-24. Narrower
 // ones than this are drawn as they are but not evaluated.
@@ -62,20 +63,53 @@ float eval_ggx_reflection(vec3 wo, vec3 wi, vec4 h, float alpha, bool separable,
     return pdf * ggx_g2(wo, wi, alphas, separable) / ggx_g1(wo, alphas);
 }
 
-// What more bounces between microfacets would send back and through, given to the single one in
-// proportion: 1 over the albedo of a lossless interface (Turquin 2019, "Practical Multiple
-// Scattering Compensation for Microfacet Models", eq. 14 with F = 1, over both sides). As eta
-// approaches 1 that is 1 / G1(wo), and what is left is the way straight on.
-float dielectric_compensation(material m, float cos_o, float eta, float alpha)
+// --- trying again --------------------------------------------------------------------------------
+
+// A sample that ends on another microfacet is drawn again. Were it absorbed, and what is left
+// weighted with 1 / `survival`, few paths within dense rough glass would carry all of the light.
+const int MICROFACET_TRIES = 32;
+
+// The chance that one of the tries survives over that of a single one, (1 - (1 - survival)^32) /
+// survival, without the difference.
+float tries_scale(float survival)
 {
-    float albedo = 1.0;
-    if (HAS_LOBE(LOBE_COMPENSATE) && material_has(m, MATERIAL_COMPENSATE)) {
-        if (is_thin(m))
-            albedo = albedo_ggx(albedo_first(), cos_o, alpha);
-        else
-            albedo = albedo_glass(albedo_first(), cos_o, alpha, eta);
+    float failed = 1.0 - survival;
+    float product = 1.0 + failed;
+    for (int i = 2; i < MICROFACET_TRIES; i *= 2) {
+        failed *= failed;
+        product *= 1.0 + failed;
     }
-    return 1.0 / albedo;
+    return product;
+}
+
+// Uniforms for the try after the one with u.
+vec4 try_again(vec4 u)
+{
+    return to_uniforms(pcg4d(floatBitsToUint(u)));
+}
+
+bool dielectric_is_compensated(material m)
+{
+    return HAS_LOBE(LOBE_COMPENSATE) && material_has(m, MATERIAL_COMPENSATE);
+}
+
+// Tables, and thus the chance of survival, are known of height-correlated masking.
+bool dielectric_tries_again(material m)
+{
+    return dielectric_is_compensated(m) && !is_separable(m);
+}
+
+// What more bounces between microfacets would send back and through is given to the single one in
+// proportion: it is divided by the albedo of a lossless interface (Turquin 2019, "Practical
+// Multiple Scattering Compensation for Microfacet Models", eq. 14 with F = 1, over both sides). As
+// eta approaches 1 that is G1(wo), and what is left is the way straight on.
+float dielectric_albedo(material m, float cos_o, float eta, float alpha)
+{
+    if (!dielectric_is_compensated(m))
+        return 1.0;
+    if (is_thin(m))
+        return albedo_ggx(albedo_first(), cos_o, alpha);
+    return albedo_glass(albedo_first(), cos_o, alpha, eta);
 }
 
 bsdf_sample dielectric_straight(vec3 wo)
@@ -125,10 +159,12 @@ vec3 eval_rough_dielectric(vec3 wo, vec3 wi, float eta, float alpha, bool thin, 
     return vec3(pdf * ggx_g1(wi, alphas) / (eta * eta));
 }
 
-bsdf_sample sample_rough_dielectric(vec3 wo, float eta, float alpha, bool thin, bool separable,
-                                    vec4 u)
+// One try; `unshadowed` is the part of it that no other microfacet is in the way of.
+bsdf_sample try_rough_dielectric(vec3 wo, float eta, float alpha, bool thin, bool separable,
+                                 vec4 u, out float unshadowed)
 {
     vec2 alphas = vec2(alpha);
+    unshadowed = 0.0;
     vec3 h = sample_ggx_vndf(wo, alphas, u.xy);
     float cos_o = dot(wo, h);
     if (!(cos_o > 0.0))
@@ -144,26 +180,47 @@ bsdf_sample sample_rough_dielectric(vec3 wo, float eta, float alpha, bool thin, 
     if (reflects || thin ? !(wi.z > 0.0) : !(wi.z < 0.0))
         return bsdf_absorbed();
 
-    float shadowing = ggx_g2(wo, wi, alphas, separable) / ggx_g1(wo, alphas);
-    if (!reflects && !thin && alpha * abs(eta - 1.0) < SMALLEST_REFRACTED_WIDTH)
-        return bsdf_sample(wi, vec3(shadowing / (eta * eta)), 0.0, true, true, true);
+    unshadowed = ggx_g2(wo, wi, alphas, separable) / ggx_g1(wo, alphas);
+    float scale = reflects || thin ? 1.0 : 1.0 / (eta * eta);
     if (!reflects && thin)
         wi.z = -wi.z;
-    float scale = reflects || thin ? 1.0 : 1.0 / (eta * eta);
-    float pdf;
-    eval_rough_dielectric(wo, wi, eta, alpha, thin, separable, pdf);
-    return bsdf_sample(wi, vec3(shadowing * scale), pdf, false, !reflects, pdf > 0.0);
+    bool hidden =
+        !reflects && !thin && alpha * abs(eta - 1.0) < SMALLEST_REFRACTED_WIDTH;
+    return bsdf_sample(wi, vec3(scale), 0.0, hidden, !reflects, true);
 }
 
 vec3 eval_dielectric(material m, vec3 wo, vec3 wi, float eta, out float pdf)
 {
     float alpha = dielectric_alpha(m);
     pdf = 0.0;
-    vec3 f = vec3(0.0);
-    if (HAS_LOBE(LOBE_ROUGH) && !is_delta(alpha) && !is_index_matched(eta))
-        f = eval_rough_dielectric(wo, wi, eta, alpha, is_thin(m), is_separable(m), pdf) *
-            dielectric_compensation(m, wo.z, eta, alpha);
-    return f;
+    if (!HAS_LOBE(LOBE_ROUGH) || is_delta(alpha) || is_index_matched(eta))
+        return vec3(0.0);
+    vec3 f = eval_rough_dielectric(wo, wi, eta, alpha, is_thin(m), is_separable(m), pdf);
+    float albedo = dielectric_albedo(m, wo.z, eta, alpha);
+    if (dielectric_tries_again(m))
+        pdf = f.x * (wi.z < 0.0 && !is_thin(m) ? eta * eta : 1.0) * tries_scale(albedo);
+    return f / albedo;
+}
+
+bsdf_sample sample_rough_dielectric(material m, vec3 wo, float eta, float alpha, vec4 u)
+{
+    bool again = dielectric_tries_again(m);
+    float albedo = dielectric_albedo(m, wo.z, eta, alpha);
+    float unshadowed;
+    bool separable = is_separable(m);
+    bsdf_sample s = try_rough_dielectric(wo, eta, alpha, is_thin(m), separable, u, unshadowed);
+    for (int i = 1; again && !(u.w < unshadowed) && i < MICROFACET_TRIES; i++) {
+        u = try_again(u);
+        s = try_rough_dielectric(wo, eta, alpha, is_thin(m), separable, u, unshadowed);
+    }
+    if (!s.valid || (again && !(u.w < unshadowed)))
+        return bsdf_absorbed();
+    s.weight *= again ? 1.0 / (albedo * tries_scale(albedo)) : unshadowed / albedo;
+    if (!s.specular) {
+        eval_dielectric(m, wo, s.wi, eta, s.pdf);
+        s.valid = s.pdf > 0.0;
+    }
+    return s;
 }
 
 bsdf_sample sample_dielectric(material m, vec3 wo, float eta, vec4 u)
@@ -174,10 +231,8 @@ bsdf_sample sample_dielectric(material m, vec3 wo, float eta, vec4 u)
     bsdf_sample s = bsdf_absorbed();
     if (HAS_LOBE(LOBE_DELTA) && is_delta(alpha))
         s = sample_smooth_dielectric(wo, eta, is_thin(m), u.z);
-    if (HAS_LOBE(LOBE_ROUGH) && !is_delta(alpha)) {
-        s = sample_rough_dielectric(wo, eta, alpha, is_thin(m), is_separable(m), u);
-        s.weight *= dielectric_compensation(m, wo.z, eta, alpha);
-    }
+    if (HAS_LOBE(LOBE_ROUGH) && !is_delta(alpha))
+        s = sample_rough_dielectric(m, wo, eta, alpha, u);
     return s;
 }
 

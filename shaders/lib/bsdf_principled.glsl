@@ -50,20 +50,28 @@ float eval_coat(principled p, vec3 wo, vec3 wi, vec4 h, out precise float pdf)
     return f * d * g;
 }
 
+// A density of visible normals, in terms of the direction, as it is drawn: where what does not
+// survive is drawn again, in proportion to what survives.
+float principled_tried(principled p, float visible, float unshadowed)
+{
+    return principled_tries_again(p) ? unshadowed * p.tries_scale : visible;
+}
+
 vec3 eval_base_reflection(principled p, vec3 wo, vec3 wi, vec4 h, out precise float pdf)
 {
     vec3 reflected, through;
+    vec2 probabilities;
     float cos_t;
     float exact = fresnel_dielectric(h.w, p.eta, cos_t);
-    principled_interface(p, h.w, cos_t, exact, reflected, through);
+    principled_interface(p, h.w, cos_t, exact, reflected, through, probabilities);
     vec3 h_turned = principled_turn(p, h.xyz, false);
     vec3 wo_turned = principled_turn(p, wo, false);
     vec3 wi_turned = principled_turn(p, wi, false);
     pdf = pdf_ggx_vndf(wo_turned, h_turned, p.alpha) / (4.0 * h.w);
-    precise vec3 f = reflected * (pdf * ggx_g2(wo_turned, wi_turned, p.alpha, p.separable) /
-                                  ggx_g1(wo_turned, p.alpha));
-    pdf *= principled_probabilities(reflected, through).x;
-    return f;
+    precise float unshadowed =
+        pdf * ggx_g2(wo_turned, wi_turned, p.alpha, p.separable) / ggx_g1(wo_turned, p.alpha);
+    pdf = probabilities.x * principled_tried(p, pdf, unshadowed);
+    return reflected * unshadowed;
 }
 
 // Whether what goes through the base is an exact direction, or one so narrowly spread that single
@@ -88,15 +96,16 @@ vec3 eval_base_refraction(principled p, vec3 wo, vec3 wi, out precise float pdf)
     if (!(cos_o > 0.0 && cos_i > 0.0))
         return vec3(0.0);
     vec3 reflected, through;
+    vec2 probabilities;
     // By both cosines, since near total reflection the one says little about the other.
     principled_interface(p, cos_o, cos_i, fresnel_refracted(cos_o, cos_i, p.eta), reflected,
-                         through);
+                         through, probabilities);
     float jacobian = p.eta * p.eta * cos_i / length2;
     pdf = pdf_ggx_vndf(principled_turn(p, wo, false), principled_turn(p, h, false), p.alpha) *
           jacobian;
     float g1 = ggx_g1(principled_turn(p, wi, false), p.alpha);
     precise vec3 f = through * (pdf * g1 / (p.eta * p.eta));
-    pdf *= principled_probabilities(reflected, through).y;
+    pdf = probabilities.y * principled_tried(p, pdf, pdf * g1);
     return f;
 }
 
@@ -109,16 +118,17 @@ vec3 eval_base_thin(principled p, vec3 wo, vec3 wi, out precise float pdf)
     if (!(h.w > 0.0))
         return vec3(0.0);
     vec3 reflected, through;
+    vec2 probabilities;
     float cos_t;
     float exact = fresnel_dielectric(h.w, p.eta, cos_t);
-    principled_interface(p, h.w, cos_t, exact, reflected, through);
+    principled_interface(p, h.w, cos_t, exact, reflected, through, probabilities);
     vec3 wo_turned = principled_turn(p, wo, false);
     vec3 wi_turned = principled_turn(p, mirrored, false);
     pdf = pdf_ggx_vndf(wo_turned, principled_turn(p, h.xyz, false), p.alpha) / (4.0 * h.w);
-    precise vec3 f = through * (pdf * ggx_g2(wo_turned, wi_turned, p.alpha, p.separable) /
-                                ggx_g1(wo_turned, p.alpha));
-    pdf *= principled_probabilities(reflected, through).y;
-    return f;
+    precise float unshadowed =
+        pdf * ggx_g2(wo_turned, wi_turned, p.alpha, p.separable) / ggx_g1(wo_turned, p.alpha);
+    pdf = probabilities.y * principled_tried(p, pdf, unshadowed);
+    return through * unshadowed;
 }
 
 // Without the weight of the layers above and `below`.
@@ -207,22 +217,25 @@ vec3 eval_principled(material m, vec3 wo, vec3 wi, float eta, out precise float 
     return eval_prepared(principled_prepare(m, wo, eta), wo, wi, pdf);
 }
 
-// A direction of the base: in a delta's case complete, else with wi alone.
-bsdf_sample sample_base(principled p, vec3 wo, vec4 u)
+// One try of a direction of the base: in a delta's case complete, else with wi alone. It survives
+// other microfacets where `chance`, uniform in [0, 1), is below `unshadowed`.
+bsdf_sample try_base(principled p, vec3 wo, vec4 u, out float chance, out precise float unshadowed)
 {
     precise bsdf_sample s = bsdf_absorbed();
+    chance = 0.0;
+    unshadowed = 0.0;
     vec3 h = vec3(0.0, 0.0, 1.0);
+    vec3 wo_turned = principled_turn(p, wo, false);
     if (HAS_LOBE(LOBE_ROUGH) && !p.is_delta)
-        h = principled_turn(p, sample_ggx_vndf(principled_turn(p, wo, false), p.alpha, u.xy),
-                            true);
+        h = principled_turn(p, sample_ggx_vndf(wo_turned, p.alpha, u.xy), true);
     float cos_o = dot(wo, h);
     if (!(cos_o > 0.0))
         return s;
     vec3 reflected, through;
+    vec2 probabilities;
     float cos_t;
     float exact = fresnel_dielectric(cos_o, p.eta, cos_t);
-    principled_interface(p, cos_o, cos_t, exact, reflected, through);
-    vec2 probabilities = principled_probabilities(reflected, through);
+    principled_interface(p, cos_o, cos_t, exact, reflected, through, probabilities);
     bool reflects = u.w < probabilities.x;
     float probability = p.p_base * (reflects ? probabilities.x : probabilities.y);
     if (!(probability > 0.0))
@@ -231,6 +244,14 @@ bsdf_sample sample_base(principled p, vec3 wo, vec4 u)
     s.weight = reflected * (p.base_layer / probability);
     s.specular = p.is_delta;
     s.valid = s.wi.z > 0.0;
+    bool tries_again = principled_tries_again(p);
+    if (tries_again) {
+        chance = (reflects ? u.w : u.w - probabilities.x) /
+                 (reflects ? probabilities.x : probabilities.y);
+        if (s.valid)
+            unshadowed = ggx_g2(wo_turned, principled_turn(p, s.wi, false), p.alpha, false) /
+                         ggx_g1(wo_turned, p.alpha);
+    }
     if (HAS_LOBE(LOBE_TRANSMISSION) && !reflects) {
         s.weight = through * (p.base_layer / probability);
         s.specular = principled_through_is_delta(p);
@@ -243,11 +264,29 @@ bsdf_sample sample_base(principled p, vec3 wo, vec4 u)
         } else {
             s.wi = refract_about(wo, h, p.eta, cos_o, cos_t);
             s.weight /= p.eta * p.eta;
-            if (HAS_LOBE(LOBE_ROUGH) && !p.is_delta)
-                s.weight *= ggx_g1(principled_turn(p, s.wi, false), p.alpha);
             s.valid = s.wi.z < 0.0;
+            precise float g1 = 1.0;
+            if (HAS_LOBE(LOBE_ROUGH) && !p.is_delta)
+                g1 = ggx_g1(principled_turn(p, s.wi, false), p.alpha);
+            s.weight *= tries_again ? 1.0 / p.tries_scale : g1;
+            unshadowed = s.valid ? g1 : 0.0;
         }
     }
+    return s;
+}
+
+bsdf_sample sample_base(principled p, vec3 wo, vec4 u)
+{
+    float chance;
+    precise float unshadowed;
+    precise bsdf_sample s = try_base(p, wo, u, chance, unshadowed);
+    if (!principled_tries_again(p))
+        return s;
+    for (int i = 1; !(chance < unshadowed) && i < MICROFACET_TRIES; i++) {
+        u = try_again(u);
+        s = try_base(p, wo, u, chance, unshadowed);
+    }
+    s.valid = s.valid && chance < unshadowed;
     return s;
 }
 

@@ -25,6 +25,9 @@ struct principled {
     float film_thickness;
     vec3 compensation; // M
     vec3 through_compensation; // M_t
+    bool tries_again;          // where a sample of the base ends on another microfacet
+    float tries_scale;         // of the base's density then
+    float reflects_more;       // the part of what Fresnel's equations let through that reflects
     vec3 tint;         // of what goes through
     bool is_delta;
     bool thin;
@@ -117,6 +120,12 @@ vec3 principled_dielectric(principled p, float cos_o, float exact, float cos_t, 
     return principled_film(p, cos_o, cos_t, p.f0, clamp(f, 0.0, 1.0), highest);
 }
 
+bool principled_tries_again(principled p)
+{
+    return HAS_LOBE(LOBE_TRANSMISSION) && HAS_LOBE(LOBE_COMPENSATE) && HAS_LOBE(LOBE_ROUGH) &&
+           p.tries_again;
+}
+
 // Of a reflectance or an albedo, what counts for what lies beneath: in glTF the greatest channel, so
 // that coloured reflection leaves white light (KHR_materials_specular).
 vec3 principled_whitened(principled p, vec3 reflected)
@@ -126,20 +135,22 @@ vec3 principled_whitened(principled p, vec3 reflected)
 
 // What the interface of the base reflects and what it lets through at a microfacet, for
 // cos_o = wo.h, the refracted direction's cosine and Fresnel's reflectance: R, and
-// (1 - metallic) transmission tint (1 - F_t).
+// (1 - metallic) transmission tint (1 - F_t); and the probabilities with which both are drawn.
+// Neither is one minus the other, which would cancel where it is small.
 //
 // Here and in lib/bsdf_principled.glsl what is stored or returned is `precise`: else a compiler may
 // regroup sums and products, and round them in another way where it knows that a lobe is not there.
 void principled_interface(principled p, float cos_o, float cos_t, float exact,
-                          out precise vec3 reflected, out vec3 through)
+                          out precise vec3 reflected, out vec3 through,
+                          out precise vec2 probabilities)
 {
     bool total = p.eta < 1.0 && cos_t <= 0.0;
     precise vec3 f = principled_dielectric(p, cos_o, exact, cos_t, false);
     f = total ? vec3(1.0) : p.specular_weight * f;
     reflected = (1.0 - p.metallic) * f;
     through = vec3(0.0);
+    vec3 f_t = HAS_LOBE(LOBE_TRANSMISSION) && p.thin ? 2.0 * f / (1.0 + f) : f;
     if (HAS_LOBE(LOBE_TRANSMISSION)) {
-        vec3 f_t = p.thin ? 2.0 * f / (1.0 + f) : f;
         reflected += p.transmission * (p.through_compensation * f_t - f);
         through = p.transmission * p.tint * p.through_compensation *
                   (1.0 - principled_whitened(p, f_t));
@@ -149,17 +160,18 @@ void principled_interface(principled p, float cos_o, float cos_t, float exact,
         metal = principled_film(p, cos_o, cos_t, p.base_color, metal, false);
         reflected += p.metallic * p.compensation * metal;
     }
-}
-
-// The probabilities with which a microfacet reflects and lets through. Neither is one minus the
-// other, which would cancel where it is small.
-vec2 principled_probabilities(vec3 reflected, vec3 through)
-{
+    probabilities = vec2(1.0, 0.0);
     if (!HAS_LOBE(LOBE_TRANSMISSION))
-        return vec2(1.0, 0.0);
+        return;
     float r = reflected.r + reflected.g + reflected.b;
     float t = through.r + through.g + through.b;
-    return t > 0.0 ? vec2(r, t) / (r + t) : vec2(1.0, 0.0);
+    if (principled_tries_again(p)) {
+        float rest = mean_channel(1.0 - f_t);
+        probabilities = vec2(mean_channel(f_t) + p.reflects_more * rest,
+                             rest - p.reflects_more * rest);
+    } else if (t > 0.0) {
+        probabilities = vec2(r, t) / (r + t);
+    }
 }
 
 // --- layers and lobes ----------------------------------------------------------------------------
@@ -260,25 +272,75 @@ vec4 principled_albedo_slopes(principled p, material m, vec3 wo, float alpha)
     return e;
 }
 
-// 1 over the albedo, a channel, of an interface that transmits and loses nothing. It is linear in
-// the reflectance: between that of Fresnel's and E1, which is that of F = 1, as f0 is moved, and
-// between that and one without reflection by the specular weight. e1 is E1.
-vec3 principled_through_compensation(principled p, material m, float mu, float alpha, float e1)
+// How an interface's reflectance F, as moved and seen through a film, lies between Fresnel's (0) and
+// 1 (1): 1 - F is taken for a part of what Fresnel's equations let through. Without film that is
+// exact. Else the part is fitted, by least squares over cosines from total reflection on.
+vec3 principled_moved(principled p)
+{
+    vec3 moved = (p.f0 - p.f0_index) / (1.0 - p.f0_index);
+    if (!HAS_LOBE(LOBE_IRIDESCENCE) || !(p.film > 0.0))
+        return moved;
+    const int count = 3;
+    float critical = p.eta < 1.0 ? sqrt((1.0 - p.eta) * (1.0 + p.eta)) : 0.0;
+    vec3 product = vec3(0.0);
+    float square = 0.0;
+    for (int i = 0; i < count; i++) {
+        float cos_t;
+        float cos_o = mix(critical, 1.0, (float(i) + 0.5) / float(count));
+        float exact = fresnel_dielectric(cos_o, p.eta, cos_t);
+        product += (1.0 - exact) * (1.0 - principled_dielectric(p, cos_o, exact, cos_t, false));
+        square += (1.0 - exact) * (1.0 - exact);
+    }
+    return 1.0 - product / square;
+}
+
+// The albedos of an interface that transmits and loses nothing, with Fresnel's reflectance and
+// without reflection but where it is total.
+vec2 principled_albedo_lossless(principled p, material m, vec3 wo, float alpha)
+{
+    float anisotropic = m.group[GROUP_METAL].r;
+    float factor = 1.0;
+    if (HAS_LOBE(LOBE_ANISOTROPIC) && anisotropic > 0.0) {
+        float alpha_o;
+        vec3 axes = albedo_axes_turned(principled_turn(p, wo, false), p.roughness, anisotropic,
+                                       p.alpha, alpha_o);
+        alpha = albedo_turned_stand_in(wo.z, p.alpha, alpha_o);
+        factor = albedo_turned_glass(p.tables, wo.z, axes, p.roughness, alpha_o, p.eta);
+    }
+    float clear =
+        p.specular_weight < 1.0 ? albedo_clear(p.tables, wo.z, alpha, p.eta) : 0.0;
+    return min(vec2(1.0), factor * vec2(albedo_glass(p.tables, wo.z, alpha, p.eta), clear));
+}
+
+// The albedo, a channel, of such an interface with this material's reflectance. It is linear in
+// that: between that of Fresnel's and E1, which is that of F = 1, and between that and one without
+// reflection by the specular weight. e1 is E1.
+vec3 principled_albedo_through(principled p, material m, vec3 wo, float alpha, float e1)
 {
     if (p.thin)
-        return vec3(1.0 / e1);
-    vec3 moved = (p.f0 - p.f0_index) / (1.0 - p.f0_index);
-    float glass = albedo_glass(p.tables, mu, alpha, p.eta);
-    vec3 albedo = glass + moved * (e1 - glass);
+        return vec3(e1);
+    vec2 lossless = principled_albedo_lossless(p, m, wo, alpha);
+    vec3 albedo = lossless.x + principled_moved(p) * (e1 - lossless.x);
     if (p.specular_weight < 1.0)
-        albedo = mix(vec3(albedo_clear(p.tables, mu, alpha, p.eta)), albedo, p.specular_weight);
-    // Neither is known of films and of anisotropic surfaces: the more they are so the less they
-    // are given back.
-    if (HAS_LOBE(LOBE_IRIDESCENCE))
-        albedo = mix(albedo, vec3(1.0), p.film);
-    if (HAS_LOBE(LOBE_ANISOTROPIC))
-        albedo = mix(albedo, vec3(1.0), m.group[GROUP_METAL].r);
-    return 1.0 / albedo;
+        albedo = mix(vec3(lossless.y), albedo, p.specular_weight);
+    return albedo;
+}
+
+// How the base is drawn, and drawn again, where what transmits loses nothing. Reflection is as
+// probable as Fresnel's equations say, in the mean of the channels, but where what goes through is
+// tinted or something else reflects, too: then a part of what they let through reflects as well, so
+// that seen from above both have the weights of their means. The chance that a try survives is
+// linear in that probability, as the albedo is.
+void prepare_tries(inout precise principled p, vec3 albedo, float e1)
+{
+    float f0 = p.specular_weight * mean_channel(p.f0);
+    f0 = p.thin ? 2.0 * f0 / (1.0 + f0) : f0;
+    float reflected = (1.0 - p.metallic) * f0 + p.metallic * mean_channel(p.base_color);
+    float through = p.transmission * mean_channel(p.tint) * (1.0 - f0);
+    float reflects = reflected / (reflected + through);
+    p.tries_again = !p.separable;
+    p.reflects_more = f0 < 1.0 ? clamp((reflects - f0) / (1.0 - f0), 0.0, 1.0) : 0.0;
+    p.tries_scale = tries_scale(min(1.0, mix(mean_channel(albedo), e1, p.reflects_more)));
 }
 
 // E_dielectric; and in `albedo` that of all that the interface sends back or through.
@@ -294,8 +356,11 @@ vec3 prepare_interface(inout precise principled p, material m, vec3 wo, float al
     albedo = (1.0 - p.metallic) * f;
     if (HAS_LOBE(LOBE_TRANSMISSION)) {
         if (HAS_LOBE(LOBE_COMPENSATE) && material_has(m, MATERIAL_COMPENSATE) &&
-            p.transmission > 0.0 && !p.is_delta && p.eta != 1.0)
-            p.through_compensation = principled_through_compensation(p, m, wo.z, alpha, e.x);
+            p.transmission > 0.0 && !p.is_delta && p.eta != 1.0) {
+            vec3 lossless = principled_albedo_through(p, m, wo, alpha, e.x);
+            p.through_compensation = 1.0 / lossless;
+            prepare_tries(p, lossless, e.x);
+        }
         vec3 f_t = p.thin ? 2.0 * f / (1.0 + f) : f;
         albedo += p.transmission *
                   (p.through_compensation * (f_t + p.tint * (1.0 - f_t)) - f);
@@ -353,6 +418,9 @@ principled principled_prepare(material m, vec3 wo, float eta)
     p.film_thickness = 0.0;
     p.compensation = vec3(1.0);
     p.through_compensation = vec3(1.0);
+    p.tries_again = false;
+    p.tries_scale = 1.0;
+    p.reflects_more = 0.0;
     p.sheen = vec3(0.0);
     p.diffuse_transmission = 0.0;
     p.fibre_color = vec3(0.0);

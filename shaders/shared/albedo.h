@@ -29,7 +29,8 @@
 #define ALBEDO_CLEAR_MU 28u
 #define ALBEDO_CLEAR_ALPHA 20u
 #define ALBEDO_CLEAR_ETA 24u
-// Anisotropic ones last: they are there only where some material is.
+// Anisotropic ones last: they are there only where some material is, and of those the interfaces
+// that also refract, again in runs: for each side, node of eta and of the azimuth one table.
 #define ALBEDO_TURNED_MU 24u
 #define ALBEDO_TURNED_ROUGHNESS 12u
 #define ALBEDO_TURNED_ASPECT 8u
@@ -38,9 +39,19 @@
 #define ALBEDO_SINE_ROUGHNESS 10u
 #define ALBEDO_SINE_ASPECT 4u
 #define ALBEDO_SINE_AZIMUTH 4u
+#define ALBEDO_TURNED_GLASS_MU 14u
+#define ALBEDO_TURNED_GLASS_ROUGHNESS 6u
+#define ALBEDO_TURNED_GLASS_ASPECT 5u
+#define ALBEDO_TURNED_GLASS_AZIMUTH 6u
+#define ALBEDO_TURNED_GLASS_ETA 6u
 
 // What 65535 stands for where values have 16 bits: nodes of 1 may be raised too.
 #define ALBEDO_HIGHEST 1.015625
+// Logarithms of anisotropic over isotropic albedos of glass: 0 and 65535 stand for minus and plus
+// this. Their roughness begins at the first value, their axis of eta ends at the second.
+#define ALBEDO_TURNED_GLASS_LOG 4.0
+#define ALBEDO_TURNED_GLASS_ROUGHNESS_LEAST 0.1
+#define ALBEDO_TURNED_GLASS_ETA_LAST 0.95
 
 // First words of four, from the beginning of the tables.
 #define ALBEDO_GGX 0u
@@ -64,6 +75,13 @@
 #define ALBEDO_TURNED_SLICE (ALBEDO_TURNED_MU * ALBEDO_TURNED_ROUGHNESS * ALBEDO_TURNED_ASPECT)
 #define ALBEDO_SINE (ALBEDO_TURNED + ALBEDO_TURNED_SLICE * (ALBEDO_TURNED_AZIMUTH + 1u))
 #define ALBEDO_SINE_SLICE (ALBEDO_SINE_MU * ALBEDO_SINE_ROUGHNESS * ALBEDO_SINE_ASPECT)
-#define ALBEDO_WORDS (ALBEDO_SINE + ALBEDO_SINE_SLICE * (ALBEDO_SINE_AZIMUTH + 1u))
+#define ALBEDO_WORDS_TURNED (ALBEDO_SINE + ALBEDO_SINE_SLICE * (ALBEDO_SINE_AZIMUTH + 1u))
+#define ALBEDO_TURNED_GLASS ALBEDO_WORDS_TURNED
+#define ALBEDO_TURNED_GLASS_SLICE                                                                  \
+    ALBEDO_RUNS(ALBEDO_TURNED_GLASS_MU, ALBEDO_TURNED_GLASS_ROUGHNESS, ALBEDO_TURNED_GLASS_ASPECT)
+#define ALBEDO_TURNED_GLASS_SIDE                                                                   \
+    (ALBEDO_TURNED_GLASS_SLICE * (ALBEDO_TURNED_GLASS_AZIMUTH + 1u) *                              \
+     (ALBEDO_TURNED_GLASS_ETA + 1u))
+#define ALBEDO_WORDS (ALBEDO_TURNED_GLASS + 2u * ALBEDO_TURNED_GLASS_SIDE) // outside, then inside
 
 #endif

@@ -173,46 +173,53 @@ static double albedo_fresnel(double x, double y, double z, double w)
 
 // --- interfaces that also refract ----------------------------------------------------------------
 
-// A rough interface between dielectrics, seen from (sin_o, 0, mu).
+// A rough interface between dielectrics, seen from wo.
 struct interface {
-    double mu, sin_o, alpha, eta;
-    double length_o; // |(alpha sin_o, 0, mu)|
+    double wo[3], alpha[2], eta;
+    double length_o; // |(alpha_x wo.x, alpha_y wo.y, wo.z)|
     bool is_clear;   // reflects nothing but what is reflected totally
 };
 
-static double stretched_length(double w_x, double w_y, double w_z, double alpha)
+static double stretched_length(const double w[3], const double alpha[2])
 {
-    return sqrt(square(alpha * w_x) + square(alpha * w_y) + w_z * w_z);
+    return sqrt(square(alpha[0] * w[0]) + square(alpha[1] * w[1]) + w[2] * w[2]);
+}
+
+static struct interface make_interface(double mu, double phi, const double alpha[2], double eta)
+{
+    double sin_o = sqrt((1.0 - mu) * (1.0 + mu));
+    struct interface s = {
+        .wo = {sin_o * cos(phi), sin_o * sin(phi), mu}, .alpha = {alpha[0], alpha[1]}, .eta = eta};
+    s.length_o = stretched_length(s.wo, alpha);
+    return s;
 }
 
 // G2 / G1(wo) of the reflection about h; 0 where it ends under the surface.
 static double reflection_weight(const struct interface *s, const double h[3], double cosine)
 {
-    double wi_z = 2.0 * cosine * h[2] - s->mu;
-    if (wi_z <= 0.0)
+    double wi[3];
+    for (int c = 0; c < 3; c++)
+        wi[c] = 2.0 * cosine * h[c] - s->wo[c];
+    if (wi[2] <= 0.0)
         return 0.0;
-    double length_i =
-        stretched_length(2.0 * cosine * h[0] - s->sin_o, 2.0 * cosine * h[1], wi_z, s->alpha);
-    return wi_z * (s->mu + s->length_o) / (s->mu * length_i + wi_z * s->length_o);
+    double length_i = stretched_length(wi, s->alpha);
+    return wi[2] * (s->wo[2] + s->length_o) / (s->wo[2] * length_i + wi[2] * s->length_o);
 }
 
 // The same of the refraction, G1(wi), for cos_t beyond h.
 static double refraction_weight(const struct interface *s, const double h[3], double cosine,
                                 double cos_t)
 {
-    double along_h = cosine / s->eta - cos_t;
-    double wi_z = along_h * h[2] - s->mu / s->eta;
-    if (wi_z >= 0.0)
-        return 0.0;
-    double length_i =
-        stretched_length(along_h * h[0] - s->sin_o / s->eta, along_h * h[1], wi_z, s->alpha);
-    return 2.0 * -wi_z / (length_i - wi_z);
+    double wi[3];
+    for (int c = 0; c < 3; c++)
+        wi[c] = (cosine / s->eta - cos_t) * h[c] - s->wo[c] / s->eta;
+    return wi[2] < 0.0 ? 2.0 * -wi[2] / (stretched_length(wi, s->alpha) - wi[2]) : 0.0;
 }
 
 // What a microfacet of the normal h, which wo sees, sends to where it does not meet another one.
 static double interface_weight(const struct interface *s, const double h[3])
 {
-    double cosine = fmin(1.0, s->sin_o * h[0] + s->mu * h[2]);
+    double cosine = fmin(1.0, s->wo[0] * h[0] + s->wo[1] * h[1] + s->wo[2] * h[2]);
     double squared = (s->eta - 1.0) * (s->eta + 1.0) + cosine * cosine; // (eta cos_t)^2
     if (cosine <= 0.0)
         return 0.0;
@@ -224,35 +231,43 @@ static double interface_weight(const struct interface *s, const double h[3])
 }
 
 // The energy that leaves such an interface after one bounce: quadrature over the random numbers
-// that would sample visible normals, as above.
-static double interface_albedo(double mu, double alpha, double eta, bool is_clear)
+// that would sample visible normals, as above, over `circle` of their azimuths.
+static double interface_albedo(const struct interface *s, double circle, int rows, int columns)
 {
-    enum { ROWS = 64, COLUMNS = 64 };
-    // Total reflection ends along a line across the normals that are seen at grazing angles: over
-    // half as many columns its place between two of them shows, by 0.3 %.
-    const int columns = eta < 1.0 && mu < 0.1 && alpha > 0.3 ? COLUMNS : COLUMNS / 2;
-    struct interface s = {.mu = mu, .alpha = alpha, .eta = eta, .is_clear = is_clear};
-    s.sin_o = sqrt((1.0 - mu) * (1.0 + mu));
-    s.length_o = stretched_length(s.sin_o, 0.0, mu, alpha);
-    double tilt = alpha * s.sin_o / s.length_o, k = mu / s.length_o;
-    double below = tilt * tilt / (1.0 + k), sum = 0.0, cosines[COLUMNS], sines[COLUMNS];
+    double tilt_x = s->alpha[0] * s->wo[0] / s->length_o;
+    double tilt_y = s->alpha[1] * s->wo[1] / s->length_o, k = s->wo[2] / s->length_o;
+    double below = (tilt_x * tilt_x + tilt_y * tilt_y) / (1.0 + k), sum = 0.0;
+    double cosines[COLUMNS_MAX], sines[COLUMNS_MAX];
     for (int j = 0; j < columns; j++) {
-        cosines[j] = cos(PI * (j + 0.5) / columns);
-        sines[j] = sin(PI * (j + 0.5) / columns);
+        cosines[j] = cos(circle * (j + 0.5) / columns);
+        sines[j] = sin(circle * (j + 0.5) / columns);
     }
-    for (int i = 0; i < ROWS; i++) {
-        double t = (i + 0.5) / ROWS;
+    for (int i = 0; i < rows; i++) {
+        double t = (i + 0.5) / rows;
         double height = (1.0 - t * t * (3.0 - 2.0 * t)) * (1.0 + k);
         double sine = sqrt(t * t * (3.0 - 2.0 * t) * (1.0 + k) * (height + below));
-        double density = 6.0 * t * (1.0 - t) / (ROWS * columns);
+        double density = 6.0 * t * (1.0 - t) / (rows * columns);
         for (int j = 0; j < columns; j++) {
-            double x = alpha * (sine * cosines[j] + tilt), y = alpha * sine * sines[j];
+            double x = s->alpha[0] * (sine * cosines[j] + tilt_x);
+            double y = s->alpha[1] * (sine * sines[j] + tilt_y);
             double norm = 1.0 / sqrt(x * x + y * y + height * height);
             const double h[3] = {x * norm, y * norm, height * norm};
-            sum += density * interface_weight(&s, h);
+            sum += density * interface_weight(s, h);
         }
     }
     return sum;
+}
+
+// An isotropic one: half of the circle stands for both.
+static double isotropic_albedo(double mu, double alpha, double eta, bool is_clear)
+{
+    // Total reflection ends along a line across the normals that are seen at grazing angles: over
+    // half as many columns its place between two of them shows, by 0.3 %.
+    const int columns = eta < 1.0 && mu < 0.1 && alpha > 0.3 ? 64 : 32;
+    const double alphas[2] = {alpha, alpha};
+    struct interface s = make_interface(mu, 0.0, alphas, eta);
+    s.is_clear = is_clear;
+    return interface_albedo(&s, PI, 64, columns);
 }
 
 // The tables hold roots: albedos fall to nearly 0 at grazing angles as eta approaches 1, and what
@@ -262,7 +277,7 @@ static double root_glass(double x, double y, double z, int inside, bool is_clear
     double alpha = axis_alpha(y), eta = axis_eta(z, inside);
     double root_k = sqrt(fabs((eta - 1.0) * (eta + 1.0)));
     double mu = axis_mu(x, inside ? alpha + 0.6 * root_k / (1.0 + root_k) : alpha);
-    return sqrt(interface_albedo(mu, alpha, eta, is_clear));
+    return sqrt(isotropic_albedo(mu, alpha, eta, is_clear));
 }
 
 static double glass_outside(double x, double y, double z, double w)
@@ -328,6 +343,34 @@ static double albedo_anisotropic_sine(double x, double y, double z, double w)
         weighted += n.weight[i] * power * power * power;
     }
     return pow(weighted / sum, 1.0 / 12.0);
+}
+
+static double ggx_masking(double mu, double alpha)
+{
+    return 2.0 * mu / (mu + sqrt(square(alpha) * (1.0 - mu) * (1.0 + mu) + mu * mu));
+}
+
+// The logarithm of the energy that an anisotropic interface sends to both sides over that of an
+// isotropic one of albedo_turned_stand_in()'s alpha: with that taken out, few nodes suffice.
+// `at`: along mu, roughness, aspect, azimuth and eta.
+static double turned_glass(const double at[5], int inside)
+{
+    const double least = ALBEDO_TURNED_GLASS_ROUGHNESS_LEAST;
+    double roughness = least + (1.0 - least) * at[1];
+    struct anisotropy a = axis_anisotropy((roughness - 0.01) / 0.99, at[2], at[3]);
+    double eta = axis_eta(ALBEDO_TURNED_GLASS_ETA_LAST * at[4], inside);
+    double root_k = sqrt(fabs((eta - 1.0) * (eta + 1.0)));
+    double scale = inside ? a.alpha_o + 0.6 * root_k / (1.0 + root_k) : a.alpha_o;
+    double mu = fmax(1e-4, axis_mu(at[0], scale));
+    double along = square(a.alpha_o), both = square(a.alpha_x) + square(a.alpha_y);
+    double variance = along + 0.5 * mu * mu * (both - 2.0 * along);
+    double stand_in = sqrt(variance / sqrt(1.0 + square(variance)));
+    if (at[4] == 0.0) // an interface that everything passes, but for the masking
+        return log(ggx_masking(mu, a.alpha_o) / ggx_masking(mu, stand_in));
+    const double alphas[2] = {a.alpha_x, a.alpha_y}, isotropic[2] = {stand_in, stand_in};
+    struct interface turned = make_interface(mu, a.phi, alphas, eta);
+    struct interface round = make_interface(mu, 0.0, isotropic, eta);
+    return log(interface_albedo(&turned, 2.0 * PI, 24, 32) / interface_albedo(&round, PI, 24, 16));
 }
 
 static double albedo_charlie(double x, double y)
@@ -629,6 +672,74 @@ static void fill_runs(const struct runs *r)
     free(row);
 }
 
+// --- five axes -----------------------------------------------------------------------------------
+
+static const uint32_t turned_cells[5] = {ALBEDO_TURNED_GLASS_MU, ALBEDO_TURNED_GLASS_ROUGHNESS,
+                                         ALBEDO_TURNED_GLASS_ASPECT, ALBEDO_TURNED_GLASS_AZIMUTH,
+                                         ALBEDO_TURNED_GLASS_ETA};
+
+static uint32_t turned_node(const uint32_t at[5])
+{
+    uint32_t n = 0;
+    for (int axis = 4; axis >= 0; axis--)
+        n = n * (turned_cells[axis] + 1) + at[axis];
+    return n;
+}
+
+// Right in the mean along all axes, as fitted_node(). The azimuth's is mirrored at its ends.
+static double fitted_turned(const uint32_t at[5], const double *node)
+{
+    double here = node[turned_node(at)], value = here;
+    for (int axis = 0; axis < 5; axis++) {
+        uint32_t low[5], high[5], last = turned_cells[axis];
+        if (axis != 3 && (at[axis] == 0 || at[axis] == last))
+            continue;
+        memcpy(low, at, sizeof low);
+        memcpy(high, at, sizeof high);
+        low[axis] = at[axis] > 0 ? at[axis] - 1 : 1;
+        high[axis] = at[axis] < last ? at[axis] + 1 : last - 1;
+        value -= (node[turned_node(low)] - 2.0 * here + node[turned_node(high)]) / 12.0;
+    }
+    return value;
+}
+
+static void store_turned(uint32_t first, const uint32_t at[5], double value)
+{
+    uint32_t row = turned_cells[0] / ALBEDO_RUN, word = at[4];
+    for (int axis = 3; axis > 0; axis--)
+        word = word * (turned_cells[axis] + 1) + at[axis];
+    uint32_t bits =
+        (uint32_t)(clamp01(0.5 + 0.5 * value / ALBEDO_TURNED_GLASS_LOG) * 65535.0 + 0.5);
+    // Where two runs meet, both have the node.
+    for (uint32_t run = 0; run < row; run++) {
+        uint32_t place = at[0] - run * ALBEDO_RUN;
+        if (place <= ALBEDO_RUN)
+            words[first + word * row + run][place / 2] |= bits << (16 * (place & 1));
+    }
+}
+
+static void fill_turned_glass(uint32_t first, int inside)
+{
+    uint32_t at[5] = {0}, nodes = turned_node(turned_cells) + 1;
+    double *node = calloc(nodes, sizeof *node);
+    if (!node)
+        exit(1);
+    for (int pass = 0; pass < 2; pass++)
+        for (uint32_t n = 0; n < nodes; n++) {
+            double place[5];
+            for (uint32_t axis = 0, rest = n; axis < 5; axis++) {
+                at[axis] = rest % (turned_cells[axis] + 1);
+                rest /= turned_cells[axis] + 1;
+                place[axis] = (double)at[axis] / turned_cells[axis];
+            }
+            if (pass == 0)
+                node[n] = turned_glass(place, inside);
+            else
+                store_turned(first, at, fitted_turned(at, node));
+        }
+    free(node);
+}
+
 int main(void)
 {
     fill_quads(ALBEDO_GGX, ALBEDO_GGX_MU, ALBEDO_GGX_ALPHA, albedo_ggx);
@@ -671,6 +782,8 @@ int main(void)
     };
     for (uint32_t i = 0; i < sizeof runs / sizeof *runs; i++)
         fill_runs(&runs[i]);
+    fill_turned_glass(ALBEDO_TURNED_GLASS, 0);
+    fill_turned_glass(ALBEDO_TURNED_GLASS + ALBEDO_TURNED_GLASS_SIDE, 1);
     for (uint32_t i = 0; i < ALBEDO_FRESNEL; i++)
         for (int c = 0; c < 4; c++)
             if ((words[i][c] & 0x7f800000u) == 0x7f800000u)

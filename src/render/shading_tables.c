@@ -201,10 +201,14 @@ static bool is_compensated_glass(const struct material *m)
 static uint32_t albedo_words_of(const struct material *m)
 {
     bool is_principled = material_shading_model(m) == MATERIAL_PRINCIPLED;
-    if (is_principled && m->anisotropic > 0.0f)
-        return ALBEDO_WORDS;
+    bool is_turned = is_principled && m->anisotropic > 0.0f;
+    bool refracts = is_compensated_glass(m) && !(m->flags & MATERIAL_THIN);
+    if (is_turned)
+        return refracts ? ALBEDO_WORDS : ALBEDO_WORDS_TURNED;
+    if (refracts)
+        return ALBEDO_WORDS_GLASS;
     if (is_compensated_glass(m))
-        return m->flags & MATERIAL_THIN ? ALBEDO_WORDS_ISOTROPIC : ALBEDO_WORDS_GLASS;
+        return ALBEDO_WORDS_ISOTROPIC;
     bool is_compensated_conductor =
         m->model == MATERIAL_CONDUCTOR && (m->flags & MATERIAL_COMPENSATE) != 0u;
     return is_principled || is_compensated_conductor ? ALBEDO_WORDS_ISOTROPIC : 0u;

@@ -115,7 +115,7 @@ double table_fresnel(double mu, double alpha, double eta)
     return cube(ALBEDO_FRESNEL + (inside ? ALBEDO_FRESNEL_SIDE : 0), size, at);
 }
 
-// Of a table of runs of eight nodes along the first axis.
+// Of a table of runs of eight nodes along the first axis: from 0 to 65535.
 static double runs(uint32_t first, const uint32_t size[3], const double at[3])
 {
     double w[3], sum = 0;
@@ -132,7 +132,7 @@ static double runs(uint32_t first, const uint32_t size[3], const double at[3])
             weight *= b >> a & 1 ? w[a] : 1 - w[a];
         sum += weight * value;
     }
-    return fmin(1, sum * ALBEDO_HIGHEST / 65535);
+    return sum;
 }
 
 static double root_of_glass(double mu, double alpha, double eta, uint32_t first,
@@ -142,7 +142,7 @@ static double root_of_glass(double mu, double alpha, double eta, uint32_t first,
     double scale = eta < 1 ? alpha + 0.6 * root_k / (1 + root_k) : alpha;
     const double at[3] = {axis_mu(mu, scale), axis_alpha(alpha),
                           pow(fabs(eta - 1) / (eta + 1), 0.25)};
-    return runs(first, size, at);
+    return fmin(1, runs(first, size, at) * ALBEDO_HIGHEST / 65535);
 }
 
 double table_glass(double mu, double alpha, double eta)
@@ -202,4 +202,33 @@ double table_turned_cosine(const double wo[3], double roughness, double anisotro
     double at[4];
     turned_axes(wo, roughness, anisotropic, alpha, 0.2, at);
     return 1 - slices(ALBEDO_SINE, size, at);
+}
+
+double table_turned_glass(const double wo[3], double roughness, double anisotropic,
+                          const double alpha[2], double eta, bool is_clear)
+{
+    const uint32_t size[3] = {ALBEDO_TURNED_GLASS_MU, ALBEDO_TURNED_GLASS_ROUGHNESS,
+                              ALBEDO_TURNED_GLASS_ASPECT};
+    const uint32_t azimuths = ALBEDO_TURNED_GLASS_AZIMUTH, etas = ALBEDO_TURNED_GLASS_ETA;
+    double root_k = sqrt(fabs(eta * eta - 1)), at[4], u, v, value[2][2];
+    turned_axes(wo, roughness, anisotropic, alpha, eta < 1 ? 0.6 * root_k / (1 + root_k) : 0, at);
+    double least = ALBEDO_TURNED_GLASS_ROUGHNESS_LEAST, mu = wo[2];
+    at[1] = (roughness - least) / (1 - least);
+    double z = pow(fabs(eta - 1) / (eta + 1), 0.25) / ALBEDO_TURNED_GLASS_ETA_LAST;
+    uint32_t azimuth = find_cell(at[3], azimuths, &u), slice = find_cell(z, etas, &v);
+    for (uint32_t i = 0; i < 4; i++) {
+        uint32_t n = (slice + i / 2) * (azimuths + 1) + azimuth + i % 2;
+        value[i / 2][i % 2] = runs(ALBEDO_TURNED_GLASS + (eta < 1 ? ALBEDO_TURNED_GLASS_SIDE : 0) +
+                                       n * ALBEDO_TURNED_GLASS_SLICE,
+                                   size, at);
+    }
+    double log_of =
+        mix(mix(value[0][0], value[0][1], u), mix(value[1][0], value[1][1], u), v) / 65535;
+    double sine2 = wo[0] * wo[0] + wo[1] * wo[1], both = alpha[0] * alpha[0] + alpha[1] * alpha[1];
+    double x = alpha[0] * wo[0], y = alpha[1] * wo[1];
+    double along = sine2 > 0 ? (x * x + y * y) / sine2 : alpha[0] * alpha[0];
+    double variance = along + mu * mu * (both / 2 - along);
+    double stand_in = sqrt(variance) / pow(1 + variance * variance, 0.25);
+    double isotropic = is_clear ? table_clear(mu, stand_in, eta) : table_glass(mu, stand_in, eta);
+    return fmin(1, isotropic * exp((2 * log_of - 1) * ALBEDO_TURNED_GLASS_LOG));
 }

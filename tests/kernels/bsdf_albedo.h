@@ -3,6 +3,8 @@
 #ifndef LAMPYRIS_TESTS_BSDF_ALBEDO_H
 #define LAMPYRIS_TESTS_BSDF_ALBEDO_H
 
+#include <stdbool.h>
+
 double table_ggx(double mu, double alpha);     // E1
 double table_schlick(double mu, double alpha); // mean of Schlick's weight over what GGX reflects
 double table_fresnel(double mu, double alpha, double eta); // the same of Fresnel's reflectance
@@ -15,6 +17,10 @@ double table_turned(const double wo[3], double roughness, double anisotropic,
                     const double alpha[2]);
 double table_turned_cosine(const double wo[3], double roughness, double anisotropic,
                            const double alpha[2]);
+// Of an anisotropic interface that reflects and refracts, without reflection if `is_clear` but
+// where it is total.
+double table_turned_glass(const double wo[3], double roughness, double anisotropic,
+                          const double alpha[2], double eta, bool is_clear);
 double table_charlie(double mu, double roughness);
 double table_coat(double mu, double gloss); // Burley's, of weight 1
 // Burley's subsurface approximation, base colour 1, and his sheen.

@@ -10,6 +10,8 @@ bool reference_init(struct reference *reference, const struct material *material
     for (int c = 0; c < 3; c++)
         reference->wo[c] = (double)wo[c];
     optics_normalize(reference->wo);
+    if (material->model == MATERIAL_DIELECTRIC)
+        dielectric_prepare(reference);
     return material->model != MATERIAL_PRINCIPLED || principled_prepare(reference);
 }
 
@@ -101,4 +103,10 @@ double reference_hidden_normal(const struct reference *reference, const double h
     return reference->material->model == MATERIAL_PRINCIPLED
                ? principled_through_normal(reference, h)
                : dielectric_through_normal(reference, h);
+}
+
+double reference_true_survival(const struct reference *reference)
+{
+    return reference->material->model == MATERIAL_PRINCIPLED ? principled_true_survival(reference)
+                                                             : dielectric_true_survival(reference);
 }

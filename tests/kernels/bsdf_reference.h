@@ -21,6 +21,9 @@ struct reference_delta {
 struct reference {
     const struct material *material;
     double wo[3], eta;
+    // The chance that a try to draw the interface survives other microfacets, as its tables say; 0
+    // where it is drawn once and not asked to.
+    double survival;
     struct principled_state *principled; // heap; NULL for other models
 };
 
@@ -40,6 +43,9 @@ bool reference_hides_refraction(const struct reference *reference);
 // The density of microfacets' normals with which that is drawn.
 double reference_hidden_normal(const struct reference *reference, const double h[3]);
 
+// The true chance that a try survives, by quadrature.
+double reference_true_survival(const struct reference *reference);
+
 // --- by model ------------------------------------------------------------------------------------
 
 double classical_eval(const struct reference *reference, const double wi[3], double f[3]);
@@ -48,10 +54,24 @@ double dielectric_eval(const struct reference *reference, const double wi[3], do
 int dielectric_deltas(const struct reference *reference, struct reference_delta *out);
 bool dielectric_hides_refraction(const struct reference *reference);
 double dielectric_through_normal(const struct reference *reference, const double h[3]);
+// The mean of dielectric_unshadowed() over the normals that wo sees, for wo in the frame of alpha.
+// reflects() is the probability of reflection at the cosine wo.h.
+double dielectric_survival(const struct reference *reference, const double wo[3],
+                           const double alpha[2], bool thin,
+                           double (*reflects)(const struct reference *, double cosine));
+double dielectric_true_survival(const struct reference *reference);
+// What drawing again makes of a density of visible normals of which `unshadowed` survives.
+double dielectric_tried(const struct reference *reference, double density, double unshadowed);
+// The part of a microfacet that survives: reflection with the probability `reflects`, or
+// refraction.
+double dielectric_unshadowed(const double wo[3], const double h[3], const double alpha[2],
+                             double eta, bool thin, double reflects);
 double conductor_eval(const struct reference *reference, const double wi[3], double f[3]);
 int conductor_deltas(const struct reference *reference, struct reference_delta *out);
+void dielectric_prepare(struct reference *reference);
 bool principled_prepare(struct reference *reference);
 double principled_eval(const struct reference *reference, const double wi[3], double f[3]);
+double principled_true_survival(const struct reference *reference);
 int principled_deltas(const struct reference *reference, struct reference_delta *out);
 bool principled_hides_refraction(const struct reference *reference);
 double principled_through_normal(const struct reference *reference, const double h[3]);

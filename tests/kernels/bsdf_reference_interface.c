@@ -41,6 +41,75 @@ static double compensation(const struct reference *r)
                                      : table_glass(r->wo[2], alpha, r->eta));
 }
 
+// --- drawn again ---------------------------------------------------------------------------------
+
+enum { TRIES = 32 };
+
+void dielectric_prepare(struct reference *r)
+{
+    uint32_t flags = r->material->flags & (MATERIAL_COMPENSATE | MATERIAL_SEPARABLE);
+    bool again = flags == MATERIAL_COMPENSATE && alpha_of(r->material) >= SMALLEST_ALPHA;
+    r->survival = again && !is_straight(r) ? fmin(1, 1 / compensation(r)) : 0;
+}
+
+double dielectric_tried(const struct reference *r, double density, double unshadowed)
+{
+    if (r->survival == 0)
+        return density;
+    return density * unshadowed * -expm1(TRIES * log1p(-r->survival)) / r->survival;
+}
+
+double dielectric_unshadowed(const double wo[3], const double h[3], const double alpha[2],
+                             double eta, bool thin, double reflects)
+{
+    double cosine = optics_dot(wo, h), beyond = optics_cos_refracted(cosine, eta);
+    double over[3], under[3], sum = 0;
+    for (int c = 0; c < 3; c++) {
+        over[c] = 2 * cosine * h[c] - wo[c];
+        under[c] = (cosine / eta - beyond) * h[c] - wo[c] / eta;
+    }
+    if (over[2] > 0)
+        sum += (thin ? 1 : reflects) * ggx_masking_both(wo, over, alpha, false) /
+               ggx_masking(wo, alpha);
+    if (under[2] < 0 && !thin)
+        sum += (1 - reflects) * ggx_masking(under, alpha);
+    return sum;
+}
+
+// Reflected about the normals that it sees, wo is even in a cap (Dupuy and Benyoub 2023): a lattice
+// over its height, by smoothstep, and around it, each column a golden section higher than the last,
+// so that the circle where total reflection begins runs along no row.
+double dielectric_survival(const struct reference *r, const double wo[3], const double alpha[2],
+                           bool thin, double (*reflects)(const struct reference *, double cosine))
+{
+    enum { ROWS = 256, COLUMNS = 256 };
+    double stretched[3] = {alpha[0] * wo[0], alpha[1] * wo[1], wo[2]}, sum = 0, all = 0;
+    optics_normalize(stretched);
+    double sine2 = stretched[0] * stretched[0] + stretched[1] * stretched[1];
+    for (int i = 0; i < ROWS * COLUMNS; i++) {
+        double shift = fmod((i % COLUMNS + 0.5) * 0.6180339887498949, 1);
+        double t = (i / COLUMNS + shift) / ROWS, phi = (i % COLUMNS + 0.5) / COLUMNS * 2 * M_PI;
+        double height = (1 - t * t * (3 - 2 * t)) * (1 + stretched[2]);
+        double sine =
+            sqrt(t * t * (3 - 2 * t) * (1 + stretched[2]) * (height + sine2 / (1 + stretched[2])));
+        double h[3] = {alpha[0] * (sine * cos(phi) + stretched[0]),
+                       alpha[1] * (sine * sin(phi) + stretched[1]), height};
+        optics_normalize(h);
+        double cosine = optics_dot(wo, h);
+        all += t * (1 - t);
+        if (cosine > 0)
+            sum += t * (1 - t) *
+                   dielectric_unshadowed(wo, h, alpha, r->eta, thin, reflects(r, cosine));
+    }
+    return fmin(1, sum / all);
+}
+
+double dielectric_true_survival(const struct reference *r)
+{
+    const double alpha[2] = {alpha_of(r->material), alpha_of(r->material)};
+    return dielectric_survival(r, r->wo, alpha, is_thin(r->material), reflectance);
+}
+
 // --- dielectric ----------------------------------------------------------------------------------
 
 static double reflected(const struct reference *r, const double wi[3], bool through, double f[3])
@@ -49,9 +118,10 @@ static double reflected(const struct reference *r, const double wi[3], bool thro
     bool separable = r->material->flags & MATERIAL_SEPARABLE;
     double cosine = optics_half_reflected(r->wo, wi, h), part = reflectance(r, cosine);
     part = through ? 1 - part : part;
-    set_all(f, compensation(r) * part * ggx_density(h, alpha) *
-                   ggx_masking_both(r->wo, wi, alpha, separable) / (4 * r->wo[2]));
-    return part * ggx_reflected_density(r->wo, h, alpha);
+    double both = ggx_masking_both(r->wo, wi, alpha, separable);
+    set_all(f, compensation(r) * part * ggx_density(h, alpha) * both / (4 * r->wo[2]));
+    return dielectric_tried(r, part * ggx_reflected_density(r->wo, h, alpha),
+                            both / ggx_masking(r->wo, alpha));
 }
 
 double dielectric_eval(const struct reference *r, const double wi[3], double f[3])
@@ -74,7 +144,8 @@ double dielectric_eval(const struct reference *r, const double wi[3], double f[3
     set_all(f, compensation(r) * part * ggx_density(h, alpha) *
                    ggx_masking_both(r->wo, wi, alpha, false) * cosine / r->wo[2] * jacobian /
                    (r->eta * r->eta));
-    return part * ggx_visible_density(r->wo, h, alpha) * jacobian;
+    return dielectric_tried(r, part * ggx_visible_density(r->wo, h, alpha) * jacobian,
+                            ggx_masking(wi, alpha));
 }
 
 bool dielectric_hides_refraction(const struct reference *r)
@@ -87,7 +158,9 @@ bool dielectric_hides_refraction(const struct reference *r)
 double dielectric_through_normal(const struct reference *r, const double h[3])
 {
     double alpha[2] = {alpha_of(r->material), alpha_of(r->material)};
-    return (1 - reflectance(r, optics_dot(r->wo, h))) * ggx_visible_density(r->wo, h, alpha);
+    double density =
+        (1 - reflectance(r, optics_dot(r->wo, h))) * ggx_visible_density(r->wo, h, alpha);
+    return dielectric_tried(r, density, dielectric_unshadowed(r->wo, h, alpha, r->eta, false, 0));
 }
 
 int dielectric_deltas(const struct reference *r, struct reference_delta *out)

@@ -11,6 +11,8 @@ struct principled_state {
     double base[3], roughness, alpha[2], turn[2];
     double eta, metallic, transmission; // the latter times 1 - metallic
     double f0[3], f0_index, specular_weight, compensation[3], through_compensation[3], tint[3];
+    bool tries_again;     // where a sample of the base ends on another microfacet
+    double reflects_more; // the part of what Fresnel's equations let through that reflects
     bool is_delta, thin, separable, is_gltf;
     double below[3]; // (1 - metallic) (1 - transmission) K
     double sheen[3], sheen_layer, subsurface, through;
@@ -103,8 +105,9 @@ static double slab(const struct principled_state *p, double f)
     return p->thin ? 2 * f / (1 + f) : f;
 }
 
-static void interface_parts(const struct principled_state *p, double cosine, double reflected[3],
-                            double through[3])
+// Returns the probability that reflection is drawn.
+static double interface_parts(const struct principled_state *p, double cosine, double reflected[3],
+                              double through[3])
 {
     double exact = p->eta == 1 ? 0 : optics_fresnel(fmin(cosine, 1), p->eta);
     bool total = p->eta < 1 && optics_cos_refracted(cosine, p->eta) == 0;
@@ -120,10 +123,8 @@ static void interface_parts(const struct principled_state *p, double cosine, dou
     }
     for (int c = 0; c < 3; c++)
         through[c] *= 1 - (p->is_gltf ? largest(back) : back[c]);
-}
-
-static double reflect_probability(const double reflected[3], const double through[3])
-{
+    if (p->tries_again)
+        return mean(back) + p->reflects_more * (1 - mean(back));
     double r = mean(reflected), t = mean(through);
     return t > 0 ? r / (r + t) : 1;
 }
@@ -223,31 +224,57 @@ static void albedo_of_slopes(const struct principled_state *p, const struct mate
         *exact = p->f0_index + (1 - p->f0_index) * weight5(beyond);
 }
 
-// The albedo of an interface that transmits and loses nothing, of one channel.
-static double lossless_albedo(const struct principled_state *p, const struct material *m, int c,
-                              double c_o, double e1)
+// The albedo of an interface that transmits and loses nothing, as Fresnel's equations say or
+// without reflection but where it is total.
+static double lossless_part(const struct principled_state *p, const struct material *m,
+                            const double wo[3], bool is_clear)
 {
-    double alpha = optics_alpha(m->roughness);
+    double turned[3], alpha = optics_alpha(m->roughness);
+    into_tangent(p, wo, turned);
+    if (m->anisotropic > 0)
+        return table_turned_glass(turned, p->roughness, (double)m->anisotropic, p->alpha, p->eta,
+                                  is_clear);
+    return is_clear ? table_clear(wo[2], alpha, p->eta) : table_glass(wo[2], alpha, p->eta);
+}
+
+// The same of this material's reflectance, of one channel.
+static double lossless_albedo(const struct principled_state *p, const struct material *m, int c,
+                              const double wo[3], double e1)
+{
     double moved = (p->f0[c] - p->f0_index) / (1 - p->f0_index);
-    double glass = table_glass(c_o, alpha, p->eta);
-    double albedo = (1 - moved) * glass + moved * e1;
     if (p->thin)
         return e1;
-    if (p->specular_weight < 1)
-        albedo = p->specular_weight * albedo +
-                 (1 - p->specular_weight) * table_clear(c_o, alpha, p->eta);
-    return albedo + (double)m->anisotropic * (1 - albedo);
+    double albedo = (1 - moved) * lossless_part(p, m, wo, false) + moved * e1;
+    if (p->specular_weight == 1)
+        return albedo;
+    return p->specular_weight * albedo + (1 - p->specular_weight) * lossless_part(p, m, wo, true);
+}
+
+// docs/materials.md, "Sampling"
+static void prepare_tries(struct principled_state *p, double e1, double *survival)
+{
+    double f0 = slab(p, p->specular_weight * mean(p->f0)), lossless[3];
+    double reflected = (1 - p->metallic) * f0 + p->metallic * mean(p->base);
+    double reflects = reflected / (reflected + p->transmission * mean(p->tint) * (1 - f0));
+    for (int c = 0; c < 3; c++)
+        lossless[c] = 1 / p->through_compensation[c];
+    p->tries_again = !p->separable;
+    p->reflects_more = f0 < 1 ? fmin(fmax((reflects - f0) / (1 - f0), 0), 1) : 0;
+    *survival =
+        p->separable ? 0 : fmin(1, mean(lossless) + p->reflects_more * (e1 - mean(lossless)));
 }
 
 static void prepare_interface(struct principled_state *p, const struct material *m,
-                              const double wo[3])
+                              const double wo[3], double *survival)
 {
     double albedo[3], back[3], e1, exact, schlick;
     albedo_of_slopes(p, m, wo, &e1, &exact, &schlick);
     bool gives_back =
         m->flags & MATERIAL_COMPENSATE && p->transmission > 0 && !p->is_delta && p->eta != 1;
     for (int c = 0; c < 3; c++)
-        p->through_compensation[c] = gives_back ? 1 / lossless_albedo(p, m, c, wo[2], e1) : 1;
+        p->through_compensation[c] = gives_back ? 1 / lossless_albedo(p, m, c, wo, e1) : 1;
+    if (gives_back)
+        prepare_tries(p, e1, survival);
     for (int c = 0; c < 3; c++) {
         bool compensates = m->flags & MATERIAL_COMPENSATE;
         p->compensation[c] = compensates ? 1 + p->base[c] * (1 - e1) / e1 : 1;
@@ -294,7 +321,7 @@ bool principled_prepare(struct reference *r)
     p->eta = fabs(r->eta - 1) <= 6 * 0x1p-24 ? 1 : r->eta;
     prepare_base(p, r->material);
     prepare_layers(p, r->material, c_o);
-    prepare_interface(p, r->material, r->wo);
+    prepare_interface(p, r->material, r->wo, &r->survival);
     prepare_diffuse(p, r->material, c_o);
     double sum = p->p_fibre + p->p_coat + p->p_base + p->p_diffuse + p->p_through;
     double scale = sum > 0 ? 1 / sum : 0;
@@ -342,27 +369,29 @@ static double add_coat(const struct principled_state *p, const double wo[3], con
 }
 
 // Reflection, or with `through` what the thin sheet lets through, mirrored.
-static double add_reflection(const struct principled_state *p, const double wo[3],
-                             const double wi[3], const double h[3], double cosine, bool is_through,
-                             double f[3])
+static double add_reflection(const struct reference *r, const double wi[3], const double h[3],
+                             double cosine, bool is_through, double f[3])
 {
+    const struct principled_state *p = r->principled;
+    const double *wo = r->wo;
     double o[3], i[3], n[3], reflected[3], through[3];
     into_tangent(p, wo, o);
     into_tangent(p, wi, i);
     into_tangent(p, h, n);
-    interface_parts(p, cosine, reflected, through);
-    double value =
-        ggx_density(n, p->alpha) * ggx_masking_both(o, i, p->alpha, p->separable) / (4 * wo[2]);
+    double probability = interface_parts(p, cosine, reflected, through);
+    double both = ggx_masking_both(o, i, p->alpha, p->separable);
+    double value = ggx_density(n, p->alpha) * both / (4 * wo[2]);
     for (int c = 0; c < 3; c++)
         f[c] += p->base_layer * (is_through ? through[c] : reflected[c]) * value;
-    double probability = reflect_probability(reflected, through);
     probability = is_through ? 1 - probability : probability;
-    return p->p_base * probability * ggx_reflected_density(o, n, p->alpha);
+    return p->p_base * dielectric_tried(r, probability * ggx_reflected_density(o, n, p->alpha),
+                                        both / ggx_masking(o, p->alpha));
 }
 
-static double add_refraction(const struct principled_state *p, const double wo[3],
-                             const double wi[3], double f[3])
+static double add_refraction(const struct reference *r, const double wi[3], double f[3])
 {
+    const struct principled_state *p = r->principled;
+    const double *wo = r->wo;
     double o[3], i[3], n[3], h[3], reflected[3], through[3];
     double jacobian = optics_half_refracted(wo, wi, p->eta, h);
     if (!(jacobian > 0))
@@ -371,13 +400,13 @@ static double add_refraction(const struct principled_state *p, const double wo[3
     into_tangent(p, wi, i);
     into_tangent(p, h, n);
     double cosine = optics_dot(wo, h);
-    interface_parts(p, cosine, reflected, through);
+    double probability = 1 - interface_parts(p, cosine, reflected, through);
     double value = ggx_density(n, p->alpha) * ggx_masking_both(o, i, p->alpha, false) * cosine *
                    jacobian / (wo[2] * p->eta * p->eta);
     for (int c = 0; c < 3; c++)
         f[c] += p->base_layer * through[c] * value;
-    return p->p_base * (1 - reflect_probability(reflected, through)) *
-           ggx_visible_density(o, n, p->alpha) * jacobian;
+    double density = probability * ggx_visible_density(o, n, p->alpha) * jacobian;
+    return p->p_base * dielectric_tried(r, density, ggx_masking(i, p->alpha));
 }
 
 static double add_diffuse(const struct principled_state *p, const double wo[3], const double wi[3],
@@ -394,13 +423,14 @@ static double add_diffuse(const struct principled_state *p, const double wo[3], 
     return p->p_diffuse * c_i / M_PI;
 }
 
-static double eval_over(const struct principled_state *p, const double wo[3], const double wi[3],
-                        double f[3])
+static double eval_over(const struct reference *r, const double wi[3], double f[3])
 {
+    const struct principled_state *p = r->principled;
+    const double *wo = r->wo;
     double h[3], cosine = optics_half_reflected(wo, wi, h);
     double pdf = add_diffuse(p, wo, wi, cosine, f);
     if (!p->is_delta)
-        pdf += add_reflection(p, wo, wi, h, cosine, false, f);
+        pdf += add_reflection(r, wi, h, cosine, false, f);
     if (!p->coat_delta && p->coat > 0)
         pdf += add_coat(p, wo, wi, h, cosine, f);
     return pdf + add_fibres(p, wo, wi, h, f);
@@ -418,16 +448,16 @@ static double eval_under(const struct reference *r, const double wi[3], double f
         return pdf;
     if (p->thin) {
         double cosine = optics_half_reflected(r->wo, mirrored, h);
-        return pdf + add_reflection(p, r->wo, mirrored, h, cosine, true, f);
+        return pdf + add_reflection(r, mirrored, h, cosine, true, f);
     }
-    return principled_hides_refraction(r) ? pdf : pdf + add_refraction(p, r->wo, wi, f);
+    return principled_hides_refraction(r) ? pdf : pdf + add_refraction(r, wi, f);
 }
 
 double principled_eval(const struct reference *r, const double wi[3], double f[3])
 {
     if (wi[2] == 0)
         return 0;
-    return wi[2] > 0 ? eval_over(r->principled, r->wo, wi, f) : eval_under(r, wi, f);
+    return wi[2] > 0 ? eval_over(r, wi, f) : eval_under(r, wi, f);
 }
 
 // --- deltas --------------------------------------------------------------------------------------
@@ -445,9 +475,23 @@ double principled_through_normal(const struct reference *r, const double h[3])
     double o[3], n[3], reflected[3], through[3];
     into_tangent(p, r->wo, o);
     into_tangent(p, h, n);
-    interface_parts(p, optics_dot(r->wo, h), reflected, through);
-    return p->p_base * (1 - reflect_probability(reflected, through)) *
-           ggx_visible_density(o, n, p->alpha);
+    double probability = 1 - interface_parts(p, optics_dot(r->wo, h), reflected, through);
+    return p->p_base * dielectric_tried(r, probability * ggx_visible_density(o, n, p->alpha),
+                                        dielectric_unshadowed(o, n, p->alpha, p->eta, false, 0));
+}
+
+static double reflects(const struct reference *r, double cosine)
+{
+    double reflected[3], through[3];
+    return interface_parts(r->principled, cosine, reflected, through);
+}
+
+double principled_true_survival(const struct reference *r)
+{
+    const struct principled_state *p = r->principled;
+    double o[3];
+    into_tangent(p, r->wo, o);
+    return dielectric_survival(r, o, p->alpha, p->thin, reflects);
 }
 
 int principled_deltas(const struct reference *r, struct reference_delta *out)
@@ -463,8 +507,7 @@ int principled_deltas(const struct reference *r, struct reference_delta *out)
     }
     if (!p->is_delta || !(p->p_base > 0))
         return count;
-    interface_parts(p, wo[2], reflected, through);
-    double reflects = p->p_base * reflect_probability(reflected, through);
+    double reflects = p->p_base * interface_parts(p, wo[2], reflected, through);
     double passes = p->p_base - reflects, ratio = 1 / p->eta;
     if (reflects > 0) {
         struct reference_delta *delta = &out[count++];

@@ -16,7 +16,7 @@ enum {
 struct work {
     const struct configuration *configuration;
     struct reference reference;
-    struct reference exact;       // of wo as it was before it was rounded
+    struct reference exact;       // of wo as it was before it was rounded, drawn as it truly is
     struct cell_integrals hidden; // normals that send light through as if it were specular
     struct chart charts[SIDES];
     struct cell_integrals cells;
@@ -181,6 +181,20 @@ static void compare_items(const struct work *w, bool samples, uint32_t count, ui
 
 // --- densities -----------------------------------------------------------------------------------
 
+// By what the density that is said integrates to more than the one that is drawn: it is known as
+// well as the chance of survival is, which comes from tables.
+static double find_excess(const struct work *w)
+{
+    double sum = 0;
+    for (size_t i = 0; i < w->cells.node_count; i++) {
+        double wi[3] = {(double)w->cells.nodes[i].wi[0], (double)w->cells.nodes[i].wi[1],
+                        (double)w->cells.nodes[i].wi[2]};
+        sum += (double)w->cells.nodes[i].weight *
+               (density(&w->reference, wi) - density(&w->exact, wi));
+    }
+    return sum;
+}
+
 // The shipped density's integral with the nodes of the reference's cubature.
 static bool integrate_shipped(struct bsdf_device *device, struct work *w,
                               const struct trial_params *params, struct trial *out)
@@ -203,6 +217,8 @@ static bool integrate_shipped(struct bsdf_device *device, struct work *w,
         out->bad += !good;
         out->integral += (double)cells->nodes[i].weight * (double)item->eval.pdf;
     }
+    if (w->exact.survival > 0)
+        out->excess = find_excess(w);
     compare_items(w, false, count, params->compared, out);
     return true;
 }
@@ -466,6 +482,8 @@ static bool prepare(struct work *w, struct trial *out)
     // Nothing narrow is left under the surface.
     if (w->hides)
         w->charts[1].kind = CHART_SPHERE;
+    if (w->reference.survival > 0)
+        w->exact.survival = reference_true_survival(&w->exact);
     if (!cells_integrate(w->charts, density, &w->exact, &w->cells) || !integrate_hidden(w))
         return false;
     out->resolution = find_resolution(w);
@@ -492,7 +510,7 @@ bool trial_run(struct bsdf_device *device, const struct configuration *configura
     w->items = ok ? malloc(count * sizeof *w->items) : NULL;
     ok = w->items && integrate_shipped(device, w, params, out) &&
          count_samples(device, w, params, out) && measure_means(device, w, params, out);
-    out->closure = fabs(out->integral + out->delta_probability + out->absorbed - 1);
+    out->closure = fabs(out->integral - out->excess + out->delta_probability + out->absorbed - 1);
     free(w->items);
     cells_finish(&w->cells);
     cells_finish(&w->hidden);
@@ -513,7 +531,10 @@ void trial_check(const struct configuration *configuration, const struct trial_p
     // A density of slopes that are off by so much integrates to as much more or less as its
     // curvature makes of their variance.
     double blur = t->resolution * t->resolution / 4;
-    CHECK(t->closure <= 1e-4 + 4 * t->closure_error + blur || t->resolution > 0.5,
+    // Where what is shadowed is drawn again, the density falls to 0 within about wo.z of the
+    // horizon. At grazing angles the cubature does not see that.
+    double unseen = t->excess != 0 && configuration->angle >= 89.9 ? 3e-4 : 0;
+    CHECK(t->closure <= 1e-4 + 4 * t->closure_error + blur + unseen || t->resolution > 0.5,
           "%s: density %.6f + deltas %.6f + absorbed %.6f (+- %.1g) = 1 + %.2g (reference %.6f)",
           name, t->integral, t->delta_probability, t->absorbed, t->closure_error,
           t->integral + t->delta_probability + t->absorbed - 1, t->reference_integral);

@@ -22,9 +22,10 @@ struct trial {
     double impossible;             // part of the samples where nothing is expected
     double integral;               // of the shipped density
     double reference_integral;     // of the reference's
+    double excess;                 // of the density that is said over the one that is drawn
     double delta_probability;      // of the reference's deltas
     double absorbed;               // part of the samples that are invalid
-    double closure, closure_error; // |integral + deltas + absorbed - 1|, standard error of absorbed
+    double closure, closure_error; // |integral - excess + ... - 1|, standard error of absorbed
     double
         resolution; // of directions, in units of the narrowest lobe; above 1/2 it is not resolved
     double weight_error;               // worst |weight - f / pdf| / weight

@@ -192,6 +192,7 @@ static const char *const integrand_names[INTEGRANDS] = {"E1",   "Schlick",    "F
 
 struct point {
     double mu, alpha, eta, roughness;
+    double anisotropic, phi; // of interfaces that also refract: wo's azimuth
 };
 
 static double weight5(double cosine)
@@ -302,15 +303,16 @@ TEST(albedo_tables)
 // each with what Fresnel's equations and the masking of the other direction leave.
 static double integrate_glass(const struct point *p, bool is_clear, int steps)
 {
-    const double alpha[2] = {p->alpha, p->alpha};
+    double aspect = sqrt(1 - 0.9 * p->anisotropic), sine = sqrt(1 - p->mu * p->mu);
+    const double alpha[2] = {p->alpha / aspect, p->alpha * aspect};
     struct chart chart = {.kind = CHART_NORMALS,
-                          .wo = {sqrt(1 - p->mu * p->mu), 0, p->mu},
-                          .alpha = {{p->alpha, p->alpha}},
+                          .wo = {sine * cos(p->phi), sine * sin(p->phi), p->mu},
+                          .alpha = {{alpha[0], alpha[1]}},
                           .lobes = 1,
                           .turn = {1, 0}};
-    double sum = 0;
+    double sum = 0, circle = p->anisotropic > 0 ? 2 * M_PI : M_PI; // else the rest mirrors it
     for (int i = 0; i < steps * steps; i++) {
-        double h[3], phi = (i % steps + 0.5) / steps * M_PI;
+        double h[3], phi = (i % steps + 0.5) / steps * circle;
         double measure = chart_normal(&chart, (i / steps + 0.5) / steps, phi, h);
         double cosine = optics_dot(chart.wo, h), beyond = optics_cos_refracted(cosine, p->eta);
         double f = beyond == 0 ? 1 : is_clear ? 0 : optics_fresnel(fmin(cosine, 1), p->eta);
@@ -353,6 +355,46 @@ TEST(glass_tables)
                   p.alpha, p.eta, error);
         }
         printf("  table of %s: %+.1e to %+.1e\n", is_clear ? "clear" : "glass", least, most);
+    }
+}
+
+// Anisotropic interfaces. The table is coarse: what is far from isotropic and very rough is off by
+// several per cent in some directions.
+TEST(turned_glass_table)
+{
+    enum { POINTS = 200 };
+    static const double bounds[2][2] = {{0.01, 0.03}, {0.025, 0.1}},
+                        means[2][2] = {{0.001, 0.005}, {0.002, 0.015}};
+    double most[2][2] = {{0}}, sum[2][2] = {{0}};
+    struct random random = {48};
+    for (int i = 0; i < POINTS; i++) {
+        double distance = pow(10, random_between(&random, -4, 0.4));
+        bool narrow = i & 2, rough = i & 4;
+        struct point p = {.mu = random_between(&random, 0.1, 1),
+                          .phi = random_between(&random, 0, M_PI / 2),
+                          .eta = i & 1 ? 1 / (1 + distance) : 1 + distance,
+                          .roughness = random_between(&random, rough ? 0.6 : 0.15, rough ? 1 : 0.6),
+                          .anisotropic =
+                              random_between(&random, narrow ? 0.6 : 0.01, narrow ? 1 : 0.6)};
+        p.alpha = p.roughness * p.roughness;
+        double aspect = sqrt(1 - 0.9 * p.anisotropic), sine = sqrt(1 - p.mu * p.mu);
+        const double alpha[2] = {p.alpha / aspect, p.alpha * aspect};
+        const double wo[3] = {sine * cos(p.phi), sine * sin(p.phi), p.mu};
+        double error = table_turned_glass(wo, p.roughness, p.anisotropic, alpha, p.eta, false) /
+                           integrate_glass(&p, false, 128) -
+                       1;
+        most[narrow][rough] = fmax(most[narrow][rough], fabs(error));
+        sum[narrow][rough] += error * 4 / POINTS;
+        CHECK(fabs(error) <= bounds[narrow][rough],
+              "mu %.4f, azimuth %.4f, roughness %.3f, anisotropic %.3f, eta %.6f: %.5f off", p.mu,
+              p.phi, p.roughness, p.anisotropic, p.eta, error);
+    }
+    for (int i = 0; i < 4; i++) {
+        CHECK(fabs(sum[i / 2][i % 2]) <= means[i / 2][i % 2], "%.5f off in the mean",
+              sum[i / 2][i % 2]);
+        printf("  anisotropic %s, roughness %s: %+.1e in the mean, at most %.1e\n",
+               i / 2 ? "above 0.6" : "below 0.6", i % 2 ? "above 0.6" : "below 0.6",
+               sum[i / 2][i % 2], most[i / 2][i % 2]);
     }
 }
 
@@ -440,4 +482,5 @@ TEST(closed_balls)
 }
 
 TEST_MAIN(TEST_CASE(ggx_albedo), TEST_CASE(mean_fresnel), TEST_CASE(normals),
-          TEST_CASE(albedo_tables), TEST_CASE(glass_tables), TEST_CASE(closed_balls))
+          TEST_CASE(albedo_tables), TEST_CASE(glass_tables), TEST_CASE(turned_glass_table),
+          TEST_CASE(closed_balls))
