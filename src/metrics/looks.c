@@ -2,10 +2,10 @@
 //
 // The error falls at least as 1 / N with N samples, and at most as N^(-3/2): that is what
 // stratification brings where edges cross pixels (Mitchell 1996, "Consequences of Stratified
-// Sampling in Graphics"). The next look is where the faster of the two would bring the
-// bound to the limit: rather a look too early than samples that nobody asked for. Few looks are
-// needed: each leaves at most a third of the way, as the logarithm goes, and none is nearer to the
-// one before than a sixteenth of its samples, which is what a bound may exceed the limit by unseen.
+// Sampling in Graphics"). The next look is where the faster of the two would bring the bound to the
+// limit: rather a look too early than samples that nobody asked for. Few looks are needed: each
+// leaves at most a third of the way, as the logarithm goes, and none is nearer to the one before
+// than a sixteenth of its samples, which is what a render may go on for longer than it needs.
 #include "metrics.h"
 
 #include <math.h>

@@ -1,35 +1,17 @@
 #include "cells.h"
 
 #include "metrics.h"
+#include "shares.h"
 #include <math.h>
 #include <stdlib.h>
 
 static const double asked = 0.95;
 static const double unknown_most = 0.05;
-// So rare a count is not put down to chance. Of two hundred cells that are right, one fails in a
-// fifth of all runs.
-static const double significance = 0.001;
-
-// Of `cases` independent ones with the chance `p` each.
-static double chance_of_at_most(uint32_t held, uint32_t cases, double p)
-{
-    double sum = 0;
-    for (uint32_t k = 0; k <= held; k++) {
-        double ways = lgamma(cases + 1.0) - lgamma(k + 1.0) - lgamma(cases - k + 1.0);
-        sum += exp(ways + k * log(p) + (cases - k) * log1p(-p));
-    }
-    return sum;
-}
-
-static bool too_few(uint32_t held, uint32_t cases, double p)
-{
-    return held < cases && chance_of_at_most(held, cases, p) < significance;
-}
 
 // A share in per cent; true where it is as asked. None: a dash.
 static bool print_share(uint32_t part, uint32_t all, double least)
 {
-    bool fails = too_few(part, all, least);
+    bool fails = share_is_too_small(part, all, least);
     const char *mark = fails ? "**" : "";
     if (all == 0)
         printf(" - |");
@@ -62,7 +44,7 @@ static bool print_shares(const struct cell *cell)
 static bool print_last_shares(const struct cell *cell)
 {
     uint32_t unknown = cell->seeds - cell->intervals - cell->alone;
-    bool unknown_ok = !too_few(cell->seeds - unknown, cell->seeds, 1 - unknown_most);
+    bool unknown_ok = !share_is_too_small(cell->seeds - unknown, cell->seeds, 1 - unknown_most);
     const char *mark = unknown_ok ? "" : "**";
     printf(" %s%.1f%s |", mark, 100.0 * unknown / cell->seeds, mark);
     bool ok = print_share(cell->relmse_held, cell->bounds, asked) && unknown_ok;
@@ -119,7 +101,7 @@ bool cells_print_total(const struct cell *total)
 
 bool cells_control_fails(const struct cell *total)
 {
-    return too_few(total->control_held, total->intervals, asked);
+    return share_is_too_small(total->control_held, total->intervals, asked);
 }
 
 void cells_finish(struct cell *cells, uint32_t count)

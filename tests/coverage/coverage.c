@@ -2,9 +2,9 @@
 //
 //   test_coverage [OPTIONS] [SCENE...]
 //
-// SCENE is a name of the table below, or a file by its path from the source root; all of the table
-// where there is none. Exit status: 0 as asked for, 1 a share is significantly below it (printed
-// bold), 2 usage, 77 no Vulkan.
+// SCENE is a name of the table in subjects.c, or a file by its path from the source root; all of
+// the table where there is none. Exit status: 0 as asked for, 1 a share is significantly below it
+// (printed bold), 2 usage, 77 no Vulkan.
 #include "cells.h"
 
 #include <getopt.h>
@@ -12,22 +12,6 @@
 #include <string.h>
 
 enum { SIDES_MAX = 8, SKIPPED = 77 };
-
-static const struct subject subjects[] = {
-    {"cornell", "scenes/cornell.json", NULL, NULL},
-    {"gloss_room", "tests/coverage/gloss_room.json", NULL, NULL},
-    {"small_lamps", "tests/coverage/small_lamps.json", NULL, NULL},
-    {"blurred_lamps", "tests/coverage/blurred_lamps.json", NULL, NULL},
-    {"blurred_gauss", "tests/coverage/blurred_lamps.json", "settings.filter", "gaussian"},
-    {"sun_sky", "tests/coverage/sun_sky.json", NULL, NULL},
-    {"caustic", "tests/render/scenes/caustic.json", NULL, NULL},
-    {"defocus", "tests/coverage/defocus.json", NULL, NULL},
-    {"many_lamps", "tests/coverage/many_lamps.json", NULL, NULL},
-    {"fine_alpha", "tests/coverage/fine_alpha.json", NULL, NULL},
-    {"sliver", "tests/coverage/sliver.json", NULL, NULL},
-    {"fog", "tests/coverage/fog.json", NULL, NULL},
-};
-enum { SUBJECTS = sizeof subjects / sizeof *subjects };
 
 struct options {
     struct plan plan; // but side and seeds
@@ -157,40 +141,11 @@ static bool cover_side(struct run *run, const struct subject *subject, uint32_t 
     return ok;
 }
 
-static bool cover(struct run *run, const struct subject *subject, struct err *err)
+static bool cover(void *context, const struct subject *subject, struct err *err)
 {
+    struct run *run = context;
     for (uint32_t side = 0; side < run->options->side_count; side++)
         if (!cover_side(run, subject, side, err))
-            return false;
-    return true;
-}
-
-// One of the table, or a file, which is called by what is between its folder and its extension.
-static bool cover_named(struct run *run, const char *name, struct err *err)
-{
-    for (int i = 0; i < SUBJECTS; i++)
-        if (strcmp(name, subjects[i].name) == 0)
-            return cover(run, &subjects[i], err);
-    const char *slash = strrchr(name, '/');
-    if (!slash)
-        return err_set(err, ERR_USAGE, "\"%s\" is neither a scene of the table nor a path", name);
-    char stem[256];
-    snprintf(stem, sizeof stem, "%s", slash + 1);
-    stem[strcspn(stem, ".")] = '\0';
-    const struct subject file = {stem, name, NULL, NULL};
-    return cover(run, &file, err);
-}
-
-static bool cover_all(struct run *run, char **names, struct err *err)
-{
-    if (*names == NULL) {
-        for (int i = 0; i < SUBJECTS; i++)
-            if (!cover(run, &subjects[i], err))
-                return false;
-        return true;
-    }
-    for (; *names; names++)
-        if (!cover_named(run, *names, err))
             return false;
     return true;
 }
@@ -213,7 +168,7 @@ int main(int argc, char **argv)
     struct run run = {.options = &options, .as_asked = true};
     struct err err = {0};
     cells_print_head();
-    if (!cover_all(&run, argv + optind, &err))
+    if (!subjects_visit(argv + optind, cover, &run, &err))
         return tell_failure(&err);
     run.as_asked = cells_print_total(&run.total) && run.as_asked;
     if (options.control) {

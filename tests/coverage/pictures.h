@@ -3,17 +3,12 @@
 #ifndef LAMPYRIS_TESTS_COVERAGE_PICTURES_H
 #define LAMPYRIS_TESTS_COVERAGE_PICTURES_H
 
-#include "err.h"
+#include "subjects.h"
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
 
 enum { LEVELS_MAX = 16 };
-
-struct subject {
-    const char *name, *path; // from the source root
-    const char *key, *value; // of an override; NULL: none
-};
 
 struct plan {
     uint32_t side, seeds, first_seed;

@@ -1,0 +1,46 @@
+#include "subjects.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const struct subject subjects[] = {
+    {"cornell", "scenes/cornell.json", NULL, NULL},
+    {"gloss_room", "tests/coverage/gloss_room.json", NULL, NULL},
+    {"small_lamps", "tests/coverage/small_lamps.json", NULL, NULL},
+    {"blurred_lamps", "tests/coverage/blurred_lamps.json", NULL, NULL},
+    {"blurred_gauss", "tests/coverage/blurred_lamps.json", "settings.filter", "gaussian"},
+    {"sun_sky", "tests/coverage/sun_sky.json", NULL, NULL},
+    {"caustic", "tests/render/scenes/caustic.json", NULL, NULL},
+    {"defocus", "tests/coverage/defocus.json", NULL, NULL},
+    {"many_lamps", "tests/coverage/many_lamps.json", NULL, NULL},
+    {"fine_alpha", "tests/coverage/fine_alpha.json", NULL, NULL},
+    {"sliver", "tests/coverage/sliver.json", NULL, NULL},
+    {"fog", "tests/coverage/fog.json", NULL, NULL},
+};
+enum { SUBJECTS = sizeof subjects / sizeof *subjects };
+
+static bool visit_named(const char *name, subject_fn visit, void *context, struct err *err)
+{
+    for (int i = 0; i < SUBJECTS; i++)
+        if (strcmp(name, subjects[i].name) == 0)
+            return visit(context, &subjects[i], err);
+    const char *slash = strrchr(name, '/');
+    if (!slash)
+        return err_set(err, ERR_USAGE, "\"%s\" is neither a scene of the table nor a path", name);
+    char stem[256];
+    snprintf(stem, sizeof stem, "%s", slash + 1);
+    stem[strcspn(stem, ".")] = '\0';
+    const struct subject file = {stem, name, NULL, NULL};
+    return visit(context, &file, err);
+}
+
+bool subjects_visit(char **names, subject_fn visit, void *context, struct err *err)
+{
+    for (int i = 0; !*names && i < SUBJECTS; i++)
+        if (!visit(context, &subjects[i], err))
+            return false;
+    for (; *names; names++)
+        if (!visit_named(*names, visit, context, err))
+            return false;
+    return true;
+}

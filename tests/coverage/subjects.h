@@ -1,0 +1,19 @@
+// The scenes that what is told of errors is held against: everyday ones and hard ones.
+#ifndef LAMPYRIS_TESTS_COVERAGE_SUBJECTS_H
+#define LAMPYRIS_TESTS_COVERAGE_SUBJECTS_H
+
+#include "err.h"
+
+struct subject {
+    const char *name, *path; // from the source root
+    const char *key, *value; // of an override; NULL: none
+};
+
+typedef bool (*subject_fn)(void *context, const struct subject *subject, struct err *err);
+
+// Calls for each of the scenes that a list ending with NULL names: one of the table, or a file by
+// its path, which is called by what is between its folder and its extension; without names for all
+// of the table. False at the first false.
+bool subjects_visit(char **names, subject_fn visit, void *context, struct err *err);
+
+#endif
