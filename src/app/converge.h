@@ -38,7 +38,6 @@ struct converge_reference {
     const char *name; // file, or "auto"; NULL: none
     uint64_t spp;     // of "auto"
     struct reference picture;
-    const float (*halves[2])[3]; // of "auto"
 };
 
 // When a curve comes down to a relMSE: see converge_conclude.c.

@@ -1,6 +1,7 @@
 // What the samples of `lampyris converge` say.
 #include "converge.h"
 
+#include "bias.h"
 #include "hash.h"
 #include <math.h>
 #include <stdio.h>
@@ -205,6 +206,11 @@ static void find_targets(const struct converge *c, struct converge_curve *curve,
 
 // --- bias ----------------------------------------------------------------------------------------
 
+static const float *reference_half(const struct reference *reference, int half)
+{
+    return reference->halves[half] ? reference->halves[half][0] : NULL;
+}
+
 static bool find_bias(struct converge *c, struct converge_curve *curve, struct err *err)
 {
     const struct converge_reference *reference = &c->references[curve->variant.scene];
@@ -218,14 +224,15 @@ static bool find_bias(struct converge *c, struct converge_curve *curve, struct e
         return err_memory(err, "pictures", c->replicates_done * sizeof *pictures);
     for (uint32_t r = 0; r < c->replicates_done; r++)
         pictures[r] = curve->pictures[r][0];
-    const struct curve_bias_params params = {
+    const struct bias_params params = {
         .pictures = pictures,
         .count = c->replicates_done,
         .length = length,
         .reference = image->pixels[0],
-        .reference_relmse = reference->picture.relmse,
+        .reference_halves = {reference_half(&reference->picture, 0),
+                             reference_half(&reference->picture, 1)},
     };
-    return curve_bias(&params, &curve->bias) || err_memory(err, "bias", length);
+    return bias_find(&params, &curve->bias) || err_memory(err, "bias", length);
 }
 
 static bool conclude_curve(struct converge *c, struct converge_curve *curve,

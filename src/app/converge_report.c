@@ -176,13 +176,14 @@ static const char *picture_path(struct converge *c, const char *folder,
 static bool write_reference(struct converge *c, uint32_t scene, const char *folder, struct err *err)
 {
     const struct converge_reference *reference = &c->references[scene];
-    const struct image_layer layers[2] = {{.name = "half_a", .values = reference->halves[0]},
-                                          {.name = "half_b", .values = reference->halves[1]}};
+    const struct reference *picture = &reference->picture;
+    const struct image_layer layers[2] = {{.name = "half_a", .values = picture->halves[0]},
+                                          {.name = "half_b", .values = picture->halves[1]}};
     struct image_write_params params = {
         .path = reference_path(c, folder, scene),
-        .image = &reference->picture.image,
+        .image = &picture->image,
         .layers = layers,
-        .layer_count = reference->halves[0] ? 2 : 0,
+        .layer_count = picture->halves[0] ? 2 : 0,
     };
     return params.path ? image_write(&params, err) : err_memory(err, "file names", 0);
 }

@@ -21,6 +21,7 @@ static void add_variance(struct noise_sum *sum, double variance, float value)
 static void set_noise(struct reference *out, const struct noise_sum *sum)
 {
     double values = 3.0 * (double)sum->finite;
+    out->halves[0] = out->halves[1] = NULL;
     out->noise_known = sum->finite > 0;
     out->reason = sum->finite > 0 ? NULL : "no pixel of it is finite";
     out->mse = sum->finite > 0 ? sum->squares / values : 0.0;
@@ -46,6 +47,8 @@ void reference_set_noise(struct reference *out, const float (*half_a)[3], const 
         }
     }
     set_noise(out, &sum);
+    out->halves[0] = half_a;
+    out->halves[1] = half_b;
 }
 
 bool reference_set_variance(struct reference *out, const char *path, const float (*variance)[3],

@@ -10,6 +10,9 @@ struct reference {
     // MSE and relMSE against it. 0 where not known.
     double mse, relmse;
     bool noise_known;
+    // What its noise is told from, with the same pixels as `image`; NULL where that is something
+    // else or nothing.
+    const float (*halves[2])[3];
     const char *reason; // why not; NULL where known
 };
 
@@ -19,6 +22,7 @@ bool reference_read(const char *path, struct arena *arena, struct reference *out
 
 // Sets the noise of out->image from two independent halves of its samples, of as many pixels:
 // mean (A - B)^2 / 4, and that over r^2 + epsilon, with as little noise in r as a reference has.
+// Keeps the pointers to them.
 // Pixels that are not finite are left out, as metrics_compare does.
 void reference_set_noise(struct reference *out, const float (*half_a)[3], const float (*half_b)[3]);
 

@@ -60,7 +60,7 @@ bool job_estimate_error(struct render_job *job, double confidence, struct half_e
 }
 
 // The true error, and what of it is bias: told by the halves, where they are independent.
-static void compare(struct render_job *job)
+static bool compare(struct render_job *job, struct err *err)
 {
     const struct film_image *film = &job->film;
     const struct reference *reference = &job->reference;
@@ -83,10 +83,11 @@ static void compare(struct render_job *job)
         .reference = truth,
         .width = film->width,
         .height = film->height,
+        .reference_halves = {reference->halves[0], reference->halves[1]},
         .reference_relmse = reference->relmse,
     };
-    if (has_halves)
-        forecast_find_bias(&params, &job->against.bias);
+    return !has_halves || forecast_find_bias(&params, &job->against.bias) ||
+           err_memory(err, "bias", (uint64_t)film->width * film->height * 16);
 }
 
 bool job_fetch_film(struct render_job *job, struct err *err)
@@ -123,10 +124,9 @@ bool job_judge_film(struct render_job *job, struct err *err)
     if (!job_estimate_error(job, 0.0, &job->error, err))
         return false;
     start = clock_ns();
-    if (job->options->reference)
-        compare(job);
+    bool ok = !job->options->reference || compare(job, err);
     job->seconds.judge += clock_seconds_since(start);
-    return true;
+    return ok;
 }
 
 // --- forecast ------------------------------------------------------------------------------------

@@ -42,18 +42,4 @@ enum curve_verdict { CURVE_NOT_TOLD_APART, CURVE_BETTER, CURVE_WORSE };
 // Of a ratio of efficiencies: better where all of the interval is above 1.
 enum curve_verdict curve_judge(struct interval ratio);
 
-// The error that stays however many samples there are, from `count` pictures of the same method
-// (values interleaved, `length` each) and a reference r: the squared distance of the pictures' mean
-// from it over r^2 + 1e-2, as in relMSE, less what noise of the pictures and of the reference (in
-// the same measure: its own relMSE) puts there. Unbiased, so that it may be negative. The interval
-// is by jackknife over pictures; where there is no bias it is wider than need be, and holds in 99 %
-// of cases. False only when out of memory; count must be at least 3.
-struct curve_bias_params {
-    const float *const *pictures;
-    size_t count, length;
-    const float *reference;
-    double reference_relmse;
-};
-bool curve_bias(const struct curve_bias_params *params, struct interval *out);
-
 #endif

@@ -1,5 +1,6 @@
 #include "forecast.h"
 
+#include "bias.h"
 #include "metrics.h"
 #include "pixel.h"
 #include <math.h>
@@ -204,9 +205,23 @@ static struct tile_sum sum_tile(const struct forecast_bias_params *p, uint64_t x
     return tile;
 }
 
+static bool allow_for_unseen(const struct forecast_bias_params *p, struct interval *stays)
+{
+    const float *halves[2] = {p->half_a[0], p->half_b[0]};
+    const struct bias_params params = {
+        .pictures = halves,
+        .count = 2,
+        .length = 3 * (size_t)p->width * p->height,
+        .reference = p->reference[0],
+        .reference_halves = {p->reference_halves[0] ? p->reference_halves[0][0] : NULL,
+                             p->reference_halves[1] ? p->reference_halves[1][0] : NULL},
+    };
+    return bias_allow_for_unseen(&params, stays);
+}
+
 // The mean over pixels is a ratio of sums over tiles, whose variance is that of the tiles'
 // differences from it (Cochran 1977, "Sampling Techniques", equation 6.11).
-void forecast_find_bias(const struct forecast_bias_params *p, struct forecast_bias *out)
+bool forecast_find_bias(const struct forecast_bias_params *p, struct forecast_bias *out)
 {
     double value = 0, pixels = 0, values = 0, products = 0, squares = 0, count = 0;
     *out = (struct forecast_bias){.stays = unknown};
@@ -222,12 +237,15 @@ void forecast_find_bias(const struct forecast_bias_params *p, struct forecast_bi
             squares += tile.pixels * tile.pixels;
         }
     if (count < TILES_MIN)
-        return;
+        return true;
     double mean = value / pixels;
     double spread = fmax(values - 2 * mean * products + mean * mean * squares, 0);
     double deviation = sqrt(spread * count / (count - 1)) / pixels;
     double stays = mean - p->reference_relmse;
     double half = stats_t_quantile(0.975, count - 1) * deviation;
     out->stays = (struct interval){stays, stays - half, stays + half};
-    out->is_certain = stays > stats_t_quantile(0.9995, count - 1) * deviation;
+    if (!allow_for_unseen(p, &out->stays))
+        return false;
+    out->is_certain = out->stays.low > 0 && stays > stats_t_quantile(0.9995, count - 1) * deviation;
+    return true;
 }

@@ -57,18 +57,22 @@ struct forecast_bias_params {
     const float (*half_b)[3];
     const float (*reference)[3];
     uint32_t width, height;
-    double reference_relmse; // its own noise, in the same measure; 0 where not known
+    // Its own noise: its halves, and their relMSE in the same measure; NULL and 0 where not known.
+    const float (*reference_halves[2])[3];
+    double reference_relmse;
 };
 
 struct forecast_bias {
     // What of relMSE stays, with its 95 % interval, from tiles. It may be negative: it is an
-    // unbiased estimate. NAN where no pixel is finite, or where there are fewer than four tiles.
+    // unbiased estimate. The interval allows for unseen samples as in bias.h. NAN where no pixel
+    // is finite, or where there are fewer than four tiles.
     struct interval stays;
-    bool is_certain; // that there is any: the 99.9 % interval is above 0
+    // That there is any: the 99.9 % interval is above 0, and stays' interval is.
+    bool is_certain;
 };
 
 // With independent halves A and B and a reference r, E (A - r) (B - r) = bias^2 + variance of r:
-// the noise of one half has nothing to do with the other's.
-void forecast_find_bias(const struct forecast_bias_params *params, struct forecast_bias *out);
+// the noise of one half has nothing to do with the other's. False only when out of memory.
+bool forecast_find_bias(const struct forecast_bias_params *params, struct forecast_bias *out);
 
 #endif

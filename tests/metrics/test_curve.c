@@ -124,42 +124,6 @@ TEST(paired_ratio_covers)
     CHECK(told_apart == DRAWS - covered, "%d", told_apart);
 }
 
-// Pictures of a constant and noise, and a reference with noise of its own: how often the interval
-// of the remaining error covers bias^2, relative.
-static int count_covered(double bias)
-{
-    enum { LENGTH = 300 };
-    static float pictures[REPLICATES][LENGTH], reference[LENGTH];
-    const float *rows[REPLICATES];
-    int covered = 0;
-    for (int d = 0; d < DRAWS; d++) {
-        for (int i = 0; i < LENGTH; i++) {
-            const double truth = 3;
-            reference[i] = (float)(truth + 0.02 * normal());
-            for (int r = 0; r < REPLICATES; r++)
-                pictures[r][i] = (float)(truth + bias + 0.3 * normal());
-        }
-        for (int r = 0; r < REPLICATES; r++)
-            rows[r] = pictures[r];
-        const double scale = 9.01; // r^2 + 1e-2, and the reference's noise moves it little
-        struct curve_bias_params params = {rows, REPLICATES, LENGTH, reference,
-                                           0.02 * 0.02 / scale};
-        struct interval found = {0};
-        bool ok = curve_bias(&params, &found);
-        CHECK(ok);
-        covered += covers(found, bias * bias / scale);
-    }
-    return covered;
-}
-
-TEST(bias_covers)
-{
-    int covered = count_covered(0);
-    printf("  no bias: %d of %d\n", covered, DRAWS);
-    CHECK(covered >= LEAST, "%d", covered);
-    check_coverage("a bias of a third of the noise", count_covered(0.1));
-}
-
 TEST(what_is_not_known)
 {
     const double values[3] = {1, 0, 2}, x[1] = {1};
@@ -176,4 +140,4 @@ TEST(what_is_not_known)
 
 TEST_MAIN(TEST_CASE(geometric_mean_covers), TEST_CASE(means_cover), TEST_CASE(slope_covers),
           TEST_CASE(exact_lines), TEST_CASE(where_a_curve_comes_down_to),
-          TEST_CASE(paired_ratio_covers), TEST_CASE(bias_covers), TEST_CASE(what_is_not_known))
+          TEST_CASE(paired_ratio_covers), TEST_CASE(what_is_not_known))

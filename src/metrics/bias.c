@@ -1,0 +1,269 @@
+#include "bias.h"
+
+#include "metrics.h"
+#include <math.h>
+#include <stdlib.h>
+
+static const float *reference_half(const struct bias_params *p, int half)
+{
+    return p->reference_halves[half] ? p->reference_halves[half] : p->reference;
+}
+
+static double relative_weight(const struct bias_params *p, size_t i)
+{
+    double reference = (double)p->reference[i];
+    return 1 / (reference * reference + METRICS_RELMSE_EPSILON);
+}
+
+// --- what unseen samples could explain -----------------------------------------------------------
+
+// Samples of a kind that none of the pictures has are fewer than ln(1 / 0.025) = 3.7 on average, or
+// else some would have been seen in 97.5 % of cases. An honest method that lacks the sum S for want
+// of them therefore has samples that each bring S / 3.7 or more. With 16 pictures and S = 300 times
+// the brightest one seen these would be 81 times as bright as that one. Of a distribution of
+// brightness whose mean just fails to exist (Pareto's with exponent 1), none of n samples is above
+// 1/81 of what the largest usually comes to in exp(-81) of cases. The largest sum of all honest
+// methods tried was 230 times the brightest, where none of 16 pictures had found a sun of half a
+// degree. In fewer pictures with as many samples together, even noise is larger by the root of
+// their number, and the factor smaller by that. It is 200 at least: of single pictures of a small
+// sun (tests/render/test_bias.c) 1.5 % are then called biased, and 8 % would be with 106.
+static double unseen_factor(size_t pictures)
+{
+    return fmax(75 * sqrt((double)pictures), 200);
+}
+
+struct difference {
+    double sum[3];   // of a channel, where it has one sign
+    double absolute; // over all values, where it has either
+    double largest;  // part of one picture's or one reference half's pixel in it
+};
+
+// How noisy pixels are by those pictures with even and by those with odd numbers, and by the
+// reference, and which to leave out.
+struct spreads {
+    float *pixel[3];
+    float limit[3]; // pixels above it are left out
+};
+enum { SPREAD_EVEN, SPREAD_ODD, SPREAD_REFERENCE, SPREADS };
+
+static double sum_pictures(const struct bias_params *p, size_t i)
+{
+    double sum = 0;
+    for (size_t k = 0; k < p->count; k++)
+        sum += (double)p->pictures[k][i];
+    return sum;
+}
+
+static bool is_finite(const struct bias_params *p, size_t pixel)
+{
+    double sum = 0;
+    for (size_t i = 3 * pixel; i < 3 * pixel + 3; i++)
+        sum +=
+            sum_pictures(p, i) + (double)reference_half(p, 0)[i] + (double)reference_half(p, 1)[i];
+    return isfinite(sum);
+}
+
+static bool is_noisy(const struct spreads *spreads, size_t by, size_t pixel)
+{
+    return spreads && spreads->pixel[by][pixel] > spreads->limit[by];
+}
+
+static bool is_lit(const struct bias_params *p, size_t picture, size_t pixel)
+{
+    const float *rgb = p->pictures[picture] + 3 * pixel;
+    return rgb[0] != 0 || rgb[1] != 0 || rgb[2] != 0;
+}
+
+// What all pictures and the reference's halves have of a pixel.
+struct pixel {
+    double sum[3], scale[3], half[2][3];
+    size_t lit; // pictures in which it is not black
+};
+
+static struct pixel read_pixel(const struct bias_params *p, size_t index)
+{
+    struct pixel pixel = {0};
+    for (size_t c = 0; c < 3; c++) {
+        pixel.sum[c] = sum_pictures(p, 3 * index + c);
+        pixel.scale[c] = sqrt(relative_weight(p, 3 * index + c));
+        for (int h = 0; h < 2; h++)
+            pixel.half[h][c] = (double)reference_half(p, h)[3 * index + c];
+    }
+    for (size_t k = 0; k < p->count; k++)
+        pixel.lit += is_lit(p, k, index);
+    return pixel;
+}
+
+// Absolute differences would not be zero on average where there is only noise. So each picture's
+// difference counts with the sign of what all others say, and by the other half of the reference,
+// both of which are independent of it. Where all others are black, nothing tells how bright a
+// sample is there: that is no part of the sums.
+static void add_picture(const struct pixel *pixel, const float rgb[3], double count,
+                        bool others_lit, struct difference *d)
+{
+    double part = 0;
+    for (size_t c = 0; c < 3; c++) {
+        double value = (double)rgb[c], others = (pixel->sum[c] - value) / (count - 1);
+        part += pixel->scale[c] * fabs(value - others) / count;
+        for (int h = 0; h < 2 && others_lit; h++) {
+            double sign =
+                (double)(others > pixel->half[h][c]) - (double)(others < pixel->half[h][c]);
+            double difference = pixel->scale[c] * (value - pixel->half[1 - h][c]) / (2 * count);
+            d->sum[c] += difference;
+            d->absolute += sign * difference;
+        }
+    }
+    d->largest = fmax(d->largest, part);
+}
+
+static void add_pixel(const struct bias_params *p, const struct spreads *spreads, size_t index,
+                      struct difference *d)
+{
+    const struct pixel pixel = read_pixel(p, index);
+    double part = 0;
+    for (size_t c = 0; c < 3; c++)
+        part += pixel.scale[c] * fabs(pixel.half[0][c] - pixel.half[1][c]) / 2;
+    if (!is_noisy(spreads, SPREAD_EVEN, index) || !is_noisy(spreads, SPREAD_ODD, index))
+        d->largest = fmax(d->largest, part);
+    for (size_t k = 0; k < p->count && !is_noisy(spreads, SPREAD_REFERENCE, index); k++)
+        if (!is_noisy(spreads, (k + 1) % 2, index))
+            add_picture(&pixel, p->pictures[k] + 3 * index, (double)p->count,
+                        pixel.lit > is_lit(p, k, index), d);
+}
+
+static bool outweighs_unseen(const struct bias_params *p, const struct spreads *spreads)
+{
+    struct difference d = {0};
+    for (size_t pixel = 0; pixel < p->length / 3; pixel++)
+        if (is_finite(p, pixel))
+            add_pixel(p, spreads, pixel, &d);
+    return fmax(d.absolute, fabs(d.sum[0]) + fabs(d.sum[1]) + fabs(d.sum[2])) >
+           unseen_factor(p->count) * d.largest;
+}
+
+static void widen(double range[2], double value)
+{
+    range[0] = fmin(range[0], value);
+    range[1] = fmax(range[1], value);
+}
+
+static float pixel_spread(const struct bias_params *p, size_t by, size_t pixel)
+{
+    double spread = 0;
+    for (size_t i = 3 * pixel; i < 3 * pixel + 3; i++) {
+        double range[2] = {INFINITY, -INFINITY};
+        for (size_t k = by; k < p->count && by != SPREAD_REFERENCE; k += 2)
+            widen(range, (double)p->pictures[k][i]);
+        for (int h = 0; h < 2 && by == SPREAD_REFERENCE; h++)
+            widen(range, (double)reference_half(p, h)[i]);
+        if (p->count < 4) // a single picture on each side
+            widen(range, (double)p->reference[i]);
+        spread = fmax(spread, sqrt(relative_weight(p, i)) * (range[1] - range[0]));
+    }
+    return (float)spread;
+}
+
+static int compare_floats(const void *a, const void *b)
+{
+    const float *x = a, *y = b;
+    return (*x > *y) - (*x < *y);
+}
+
+// A few pixels, at the edges of lamps, may be so much noisier than the others that nothing
+// outweighs what these bring. So the tenth that is noisiest by one half of the pictures is left out
+// from the other half, and the noisiest tenth by the reference from both: the choice knows nothing
+// of the rare samples of what it is made for. False only when out of memory.
+static bool quiet_pixels_outweigh(const struct bias_params *p, bool *out)
+{
+    size_t pixels = p->length / 3;
+    struct spreads spreads = {0};
+    float *sorted = malloc(((SPREADS + 1) * pixels + 1) * sizeof *sorted);
+    if (!sorted)
+        return false;
+    for (size_t by = 0; by < SPREADS; by++) {
+        spreads.pixel[by] = sorted + (by + 1) * pixels;
+        for (size_t i = 0; i < pixels; i++)
+            sorted[i] = spreads.pixel[by][i] = pixel_spread(p, by, i);
+        qsort(sorted, pixels, sizeof *sorted, compare_floats);
+        spreads.limit[by] = pixels > 0 ? sorted[(9 * pixels - 1) / 10] : 0;
+    }
+    *out = outweighs_unseen(p, &spreads);
+    free(sorted);
+    return true;
+}
+
+bool bias_allow_for_unseen(const struct bias_params *p, struct interval *bias)
+{
+    bool outweighs = !(bias->low > 0) || outweighs_unseen(p, NULL);
+    if (!outweighs && !quiet_pixels_outweigh(p, &outweighs))
+        return false;
+    if (!outweighs)
+        bias->low = 0;
+    return true;
+}
+
+// --- bias ----------------------------------------------------------------------------------------
+
+// From n differences to a reference: with their mean m and unbiased variance s^2, E m^2 is the
+// squared bias plus s^2 / n and the reference's variance.
+static double squared_bias(double sum, double squares, double n)
+{
+    double mean = sum / n, variance = (squares - sum * mean) / (n - 1);
+    return mean * mean - variance / n;
+}
+
+// Adds a value's squared bias from all pictures to `all`, and from those without the k-th to
+// without[k].
+static void add_squared_bias(const struct bias_params *p, size_t i, double *all, double *without)
+{
+    double sum = 0, squares = 0, n = (double)p->count, weight = relative_weight(p, i);
+    for (size_t k = 0; k < p->count; k++) {
+        double v = (double)p->pictures[k][i] - (double)p->reference[i];
+        sum += v;
+        squares += v * v;
+    }
+    *all += weight * squared_bias(sum, squares, n);
+    for (size_t k = 0; k < p->count; k++) {
+        double v = (double)p->pictures[k][i] - (double)p->reference[i];
+        without[k] += weight * squared_bias(sum - v, squares - v * v, n - 1);
+    }
+}
+
+// With a reference whose error is e, e^2 less its estimate s^2 = (A - B)^2 / 4 from the halves has
+// the variance 4 E(s^2)^2 where noise is Gaussian, of which E s^4 is 3 E(s^2)^2, and less than 4/3
+// E s^4 where tails are heavier. Channels are summed first: they are not independent.
+static struct interval subtract_reference(const struct bias_params *p, struct interval bias)
+{
+    double noise = 0, squares = 0, pixel = 0, length = (double)p->length;
+    if (!p->reference_halves[0])
+        return bias;
+    for (size_t i = 0; i < p->length; i++) {
+        double s = ((double)p->reference_halves[0][i] - (double)p->reference_halves[1][i]) / 2;
+        pixel += relative_weight(p, i) * s * s;
+        if (i % 3 < 2)
+            continue;
+        noise += pixel;
+        squares += pixel * pixel;
+        pixel = 0;
+    }
+    double deviation = sqrt(squares * 4 / 3) / length;
+    double half =
+        hypot(bias.high - bias.value, stats_t_quantile(0.975, (double)p->count - 1) * deviation);
+    double value = bias.value - noise / length;
+    return (struct interval){value, value - half, value + half};
+}
+
+bool bias_find(const struct bias_params *p, struct interval *out)
+{
+    double *values = calloc(p->count, sizeof *values), all = 0, n = (double)p->count;
+    if (!values)
+        return false;
+    for (size_t i = 0; i < p->length; i++)
+        add_squared_bias(p, i, &all, values);
+    // Pseudo-values (Tukey 1958): their mean and its t interval.
+    for (size_t k = 0; k < p->count; k++)
+        values[k] = (n * all - (n - 1) * values[k]) / (double)p->length;
+    *out = subtract_reference(p, curve_mean(values, p->count));
+    free(values);
+    return bias_allow_for_unseen(p, out);
+}

@@ -1,0 +1,36 @@
+// The error that stays however many samples there are: bias, told from noise. Plain arrays in,
+// numbers out; any thread may call.
+#ifndef LAMPYRIS_METRICS_BIAS_H
+#define LAMPYRIS_METRICS_BIAS_H
+
+#include "curve.h"
+
+// Independent pictures by one method, and a reference. Values are interleaved RGB, `length` of them
+// in each picture.
+struct bias_params {
+    const float *const *pictures;
+    size_t count; // of pictures; at least 3 for bias_find, else 2
+    size_t length;
+    const float *reference;
+    // Two independent halves of the reference, whose mean it is; NULL where its noise is not known:
+    // that then counts as bias.
+    const float *reference_halves[2];
+};
+
+// The part of relMSE that is bias: the squared distance of the pictures' mean from the reference r
+// over r^2 + 1e-2, less what the noise of the pictures and of the reference adds to it. Unbiased
+// for given denominators, so that it may be negative. The interval is by jackknife over pictures
+// and by the reference's halves; where there is no bias it is wider than need be. It allows for
+// unseen samples as below. False only when out of memory.
+bool bias_find(const struct bias_params *params, struct interval *out);
+
+// Lowers an interval of the bias to 0 where the difference could be light that no picture has found
+// yet. Noise cannot tell what rare bright samples would bring that none of the pictures has: all
+// pictures are then too dark alike, which looks like a bias, and the fewer such samples they have
+// the smaller their noise is. So this compares the difference, summed over the pixels, with the
+// largest part that any pixel of one picture, or of one half of the reference, has in it. It is
+// told as bias where it is over 200 times that (300 times with 16 pictures), with all pixels or
+// without the noisiest tenth of them. False only when out of memory.
+bool bias_allow_for_unseen(const struct bias_params *params, struct interval *bias);
+
+#endif

@@ -1,0 +1,230 @@
+// What is said of bias, on noise whose truth is known: intervals must cover it in 95 % of draws,
+// and methods without one are called biased in 2.5 % at most, also where few samples carry all
+// light.
+#include "bias.h"
+#include "metrics.h"
+#include "test.h"
+
+enum { DRAWS = 1000, PICTURES = 16, LENGTH = 3 * 256, LEAST = 927, MOST = 973, WRONG = 40 };
+
+static uint64_t state = 1;
+
+static double uniform(void)
+{
+    state = state * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
+    return ((double)(state >> 11) + 0.5) * 0x1p-53;
+}
+
+// Box and Muller 1958.
+static double normal(void)
+{
+    return sqrt(-2 * log(uniform())) * cos(2 * acos(-1.0) * uniform());
+}
+
+static bool covers(struct interval i, double truth)
+{
+    return i.low <= truth && truth <= i.high && i.low <= i.value && i.value <= i.high;
+}
+
+static float pictures[PICTURES][LENGTH], halves[2][LENGTH], reference[LENGTH];
+
+static struct interval find(size_t count, bool with_halves)
+{
+    const float *rows[PICTURES];
+    struct interval found = {NAN, NAN, NAN};
+    for (size_t r = 0; r < count; r++)
+        rows[r] = pictures[r];
+    for (int i = 0; i < LENGTH; i++)
+        reference[i] = (float)(0.5 * ((double)halves[0][i] + (double)halves[1][i]));
+    const struct bias_params params = {
+        .pictures = rows,
+        .count = count,
+        .length = LENGTH,
+        .reference = reference,
+        .reference_halves = {with_halves ? halves[0] : NULL, with_halves ? halves[1] : NULL},
+    };
+    bool ok = bias_find(&params, &found);
+    CHECK(ok);
+    return found;
+}
+
+// --- Gaussian noise ------------------------------------------------------------------------------
+
+#define TRUTH 3.0
+#define SCALE (TRUTH * TRUTH + METRICS_RELMSE_EPSILON) // the reference's noise moves it little
+
+// Pictures of a constant and noise, and a reference with noise of its own.
+static void draw(double bias, double noise, double reference_noise)
+{
+    for (int i = 0; i < LENGTH; i++) {
+        for (int h = 0; h < 2; h++)
+            halves[h][i] = (float)(TRUTH + sqrt(2) * reference_noise * normal());
+        for (int r = 0; r < PICTURES; r++)
+            pictures[r][i] = (float)(TRUTH + bias + noise * normal());
+    }
+}
+
+struct tally {
+    int covered, biased;
+    double mean;
+};
+
+static struct tally count(size_t pictures_used, double bias, double reference_noise)
+{
+    struct tally tally = {0};
+    for (int d = 0; d < DRAWS; d++) {
+        draw(bias, 0.3, reference_noise);
+        struct interval found = find(pictures_used, true);
+        tally.covered += covers(found, bias * bias / SCALE);
+        tally.biased += found.low > 0;
+        tally.mean += found.value / DRAWS;
+    }
+    printf("  bias %g, reference's noise %g: covered %d of %d, biased %d, mean %.3g\n", bias,
+           reference_noise, tally.covered, DRAWS, tally.biased, tally.mean);
+    return tally;
+}
+
+TEST(intervals_cover)
+{
+    struct tally none = count(PICTURES, 0, 0.02), some = count(PICTURES, 0.1, 0.02);
+    CHECK(none.covered >= LEAST && none.biased <= WRONG, "%d %d", none.covered, none.biased);
+    CHECK(some.covered >= LEAST && some.covered <= MOST, "%d", some.covered);
+    CHECK(some.biased == DRAWS, "%d", some.biased);
+    CHECK(fabs(none.mean) < 2e-5 && fabs(some.mean - 0.01 / SCALE) < 2e-5, "%g %g", none.mean,
+          some.mean);
+}
+
+// The pictures' mean has a deviation of 0.3 / 4. The reference's noise is shared by all pictures:
+// none of their differences tells how far it may be off.
+TEST(a_reference_as_noisy_as_the_pictures)
+{
+    struct tally same = count(PICTURES, 0, 0.075), noisier = count(PICTURES, 0, 0.3);
+    CHECK(same.covered >= LEAST && noisier.covered >= LEAST, "%d %d", same.covered,
+          noisier.covered);
+    CHECK(same.biased <= WRONG && noisier.biased <= WRONG, "%d %d", same.biased, noisier.biased);
+}
+
+// --- rare bright samples -------------------------------------------------------------------------
+
+// Values of 1: even light but for a part that comes by few samples, `expected` of them in all
+// pixels of 16 pictures. Their brightness is spread evenly over the orders of magnitude up to the
+// brightest, as that of lobes is, so that each order has ten times the light of the one below.
+static void draw_rare(double expected, double part)
+{
+    const double orders = log(1e4), brightest = part * LENGTH / 3 * PICTURES * orders / expected;
+    for (int i = 0; i < LENGTH; i++) {
+        halves[0][i] = halves[1][i] = 1;
+        for (int r = 0; r < PICTURES; r++)
+            pictures[r][i] = (float)(1 - part * (1 - 1e-4) + (i % 3 ? 0 : 0.001 * normal()));
+    }
+    // Poisson: gaps are exponential.
+    for (double at = -log(uniform()) / expected; at < 1; at -= log(uniform()) / expected) {
+        int r = (int)(uniform() * PICTURES), pixel = (int)(uniform() * LENGTH / 3);
+        float sample = (float)(brightest * exp(-orders * uniform()));
+        for (int c = 0; c < 3; c++)
+            pictures[r][3 * pixel + c] += sample;
+    }
+}
+
+// Pareto's distribution of sums: 1 on average, with an infinite variance.
+static void draw_pareto(double exponent)
+{
+    for (int i = 0; i < LENGTH; i += 3) {
+        for (int c = 0; c < 3; c++)
+            halves[0][i + c] = halves[1][i + c] = 1;
+        for (int r = 0; r < PICTURES; r++) {
+            double value = (exponent - 1) / exponent * pow(uniform(), -1 / exponent);
+            for (int c = 0; c < 3; c++)
+                pictures[r][i + c] = (float)value;
+        }
+    }
+}
+
+// Of 1,000 honest methods, more than WRONG are called biased in 0.3 % of cases at 2.5 % each.
+static void check_honest(const char *what, size_t used, int biased)
+{
+    printf("  %s, %zu pictures: %d of %d called biased\n", what, used, biased, DRAWS);
+    CHECK(biased <= WRONG, "%s, %zu pictures: %d", what, used, biased);
+}
+
+TEST(rare_samples_are_no_bias)
+{
+    static const double expected[] = {30, 100, 1000};
+    static const size_t used[] = {4, 8, PICTURES};
+    for (size_t e = 0; e < sizeof expected / sizeof *expected; e++) {
+        int biased[3] = {0};
+        char what[64];
+        for (int d = 0; d < DRAWS; d++) {
+            draw_rare(expected[e], 0.3);
+            for (int u = 0; u < 3; u++)
+                biased[u] += find(used[u], false).low > 0;
+        }
+        snprintf(what, sizeof what, "%g rare samples", expected[e]);
+        for (int u = 0; u < 3; u++)
+            check_honest(what, used[u], biased[u]);
+    }
+}
+
+TEST(sums_without_variance_are_no_bias)
+{
+    static const double exponents[] = {1.05, 1.2, 1.5};
+    for (size_t e = 0; e < sizeof exponents / sizeof *exponents; e++) {
+        int biased = 0;
+        char what[64];
+        for (int d = 0; d < DRAWS; d++) {
+            draw_pareto(exponents[e]);
+            biased += find(PICTURES, false).low > 0;
+        }
+        snprintf(what, sizeof what, "exponent %g", exponents[e]);
+        check_honest(what, PICTURES, biased);
+    }
+}
+
+// --- what is found -------------------------------------------------------------------------------
+
+// Twice the noise of a pixel's mean in few pixels and a fifth of it in all, too bright and too
+// dark, in one channel alone.
+TEST(biases_are_found)
+{
+    int even = 0, mixed = 0, colored = 0;
+    for (int d = 0; d < 100; d++) {
+        draw(-0.06, 0.06, 0.002);
+        even += find(8, true).low > 0;
+        draw(0, 0.06, 0.002);
+        for (int i = 0; i < LENGTH; i++)
+            for (int r = 0; r < PICTURES; r++)
+                pictures[r][i] += i / 3 % 2 ? 0.06f : -0.06f;
+        mixed += find(8, true).low > 0;
+        draw(0, 0.06, 0.002);
+        for (int i = 0; i < LENGTH; i += 3)
+            for (int r = 0; r < PICTURES; r++)
+                pictures[r][i] += 0.15f;
+        colored += find(8, true).low > 0;
+    }
+    CHECK(even == 100 && mixed == 100 && colored == 100, "%d %d %d", even, mixed, colored);
+}
+
+// No sample of any picture has found light: it may come by few, of any brightness.
+TEST(black_pictures_tell_nothing)
+{
+    draw(0, 0, 0.02);
+    memset(pictures, 0, sizeof pictures);
+    struct interval black = find(PICTURES, true);
+    CHECK(fabs(black.value - 9 / SCALE) < 0.01 && black.low == 0, "%g %g", black.value, black.low);
+    pictures[5][0] = pictures[5][1] = pictures[5][2] = 0.1f; // a first one
+    CHECK(find(PICTURES, true).low == 0);
+}
+
+TEST(what_is_not_finite_tells_nothing)
+{
+    draw(0.1, 0.3, 0.02);
+    CHECK(find(PICTURES, true).low > 0);
+    pictures[3][5] = NAN;
+    struct interval found = find(PICTURES, true);
+    CHECK(isnan(found.value) && !(found.low > 0), "%g", found.low);
+}
+
+TEST_MAIN(TEST_CASE(intervals_cover), TEST_CASE(a_reference_as_noisy_as_the_pictures),
+          TEST_CASE(rare_samples_are_no_bias), TEST_CASE(sums_without_variance_are_no_bias),
+          TEST_CASE(biases_are_found), TEST_CASE(black_pictures_tell_nothing),
+          TEST_CASE(what_is_not_finite_tells_nothing))
