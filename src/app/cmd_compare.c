@@ -81,7 +81,8 @@ static bool read_reference(struct comparison *c, struct err *err)
         if (!c->reference.noise_known)
             return err_set(err, ERR_INPUT, "%s: --reference-variance auto: %s", name,
                            c->reference.reason);
-    } else if (!read_picture(c, name, &c->arena, &c->reference.image, err)) {
+    } else if (!read_picture(c, name, &c->arena, &c->reference.image, err) ||
+               !reference_find_means(&c->reference, &c->arena, err)) {
         return false;
     } else if (variance && is_number(variance, &value)) {
         if (!(value >= 0 && isfinite(value)))
@@ -100,10 +101,11 @@ static bool read_reference(struct comparison *c, struct err *err)
 
 static void correct(const struct comparison *c, struct compared *picture)
 {
-    const double noise[2] = {c->reference.mse, c->reference.relmse};
-    struct interval *intervals[2] = {&picture->mse, &picture->relmse};
+    const double noise[] = {c->reference.mse, c->reference.relmse, c->reference.local_relmse};
+    struct interval *intervals[] = {&picture->error.mse, &picture->error.relmse,
+                                    &picture->error.local_relmse};
     memcpy(picture->measured, picture->value, sizeof picture->measured);
-    for (int k = 0; k < 2; k++) {
+    for (int k = 0; k < 3; k++) {
         intervals[k]->value -= noise[k];
         intervals[k]->low -= noise[k];
         intervals[k]->high -= noise[k];
@@ -113,9 +115,11 @@ static void correct(const struct comparison *c, struct compared *picture)
     }
     if (!c->is_corrected)
         return;
-    picture->value[METRIC_MSE] = picture->mse.value;
-    picture->value[METRIC_RELMSE] = picture->relmse.value;
-    picture->value[METRIC_RMSE] = copysign(sqrt(fabs(picture->mse.value)), picture->mse.value);
+    double mse = picture->error.mse.value;
+    picture->value[METRIC_MSE] = mse;
+    picture->value[METRIC_RELMSE] = picture->error.relmse.value;
+    picture->value[METRIC_LOCAL_RELMSE] = picture->error.local_relmse.value;
+    picture->value[METRIC_RMSE] = copysign(sqrt(fabs(mse)), mse);
 }
 
 static bool stopped(struct err *err)
@@ -130,12 +134,13 @@ static bool measure(const struct comparison *c, const struct picture_pair *pair,
     const struct progress *progress = c->options->progress;
     uint64_t count = (uint64_t)pair->width * pair->height;
     if (!metrics_compare(pair->image, pair->reference, count, progress, &m) ||
-        !metrics_intervals(pair->image, pair->reference, pair->width, pair->height, progress,
-                           &picture->mse, &picture->relmse))
+        !metrics_intervals(pair->image, pair->reference, c->reference.means, pair->width,
+                           pair->height, progress, &picture->error))
         return stopped(err);
     picture->value[METRIC_MSE] = m.mse;
     picture->value[METRIC_RMSE] = m.rmse;
     picture->value[METRIC_RELMSE] = m.relmse;
+    picture->value[METRIC_LOCAL_RELMSE] = picture->error.local_relmse.value;
     picture->value[METRIC_SMAPE] = m.smape;
     picture->value[METRIC_PSNR] = metrics_psnr(pair->image, pair->reference, count,
                                                (double)c->options->settings.exposure, progress);

@@ -39,7 +39,8 @@ const struct command commands[COMMAND_TOTAL] = {
             .arguments = "SCENE...",
             .description =
                 "Renders each scene with doubling samples or to fixed times, several times with "
-                "other seeds, and tells the error against samples and against run time: relMSE "
+                "other seeds, and tells the error against samples and against run time: local "
+                "relMSE "
                 "with its interval and other metrics, the slope it falls off with, efficiency, "
                 "what it takes to reach a given error, and what bias remains. --vary and --curve "
                 "make curves of other settings, and say which of any two is faster. Replicates of "
@@ -83,11 +84,16 @@ const struct command commands[COMMAND_TOTAL] = {
                 "Compares pictures x (.exr, .hdr, .png or .jpg; the latter two decoded to linear "
                 "light; FILE:LAYER is a layer of an EXR file) with a reference r of the same size. "
                 "Over all pixels and channels: mse, the mean of (x - r)^2; rmse, its root; relmse, "
-                "the mean of (x - r)^2 / (r^2 + 0.01); smape, the mean of 2 |x - r| / (|x| + |r| + "
+                "the mean of (x - r)^2 / (r^2 + 0.01); local-relmse, the same with the mean of r "
+                "around each pixel (a Gaussian of 1.5 pixels, as of SSIM) in place of r below, "
+                "which "
+                "is what render tells of its own pictures; smape, the mean of 2 |x - r| / (|x| + "
+                "|r| + "
                 "1e-6); of what a display shows, clamped and sRGB-encoded, psnr in dB, ssim and "
                 "flip; hdr-flip over the reference's range of exposures (both for 67 pixels a "
                 "degree); and max, the greatest difference. Pixels with a non-finite value in "
-                "either picture are counted and left out. mse and relmse have a 95 % interval. "
+                "either picture are counted and left out. mse, relmse and local-relmse have a 95 % "
+                "interval. "
                 "Several pictures make a table, in which the best of each column has a star.",
             .examples = "lampyris compare out.exr reference.exr --max relmse=1e-3\n"
                         "lampyris compare a.exr b.exr reference.exr --reference-variance auto\n"

@@ -2,18 +2,18 @@
 #ifndef LAMPYRIS_APP_COMPARE_H
 #define LAMPYRIS_APP_COMPARE_H
 
-#include "curve.h"
+#include "metrics.h"
 #include "options.h"
 #include "perceptual.h"
 #include "reference.h"
 
-// One picture against the reference. Of mse, rmse and relmse the reference's own noise is
-// subtracted where --reference-variance says so; rmse has the sign of mse then.
+// One picture against the reference. Of mse, rmse, relmse and local relmse the reference's own
+// noise is subtracted where --reference-variance says so; rmse has the sign of mse then.
 struct compared {
     const char *path;
     double value[METRIC_TOTAL];
     double measured[METRIC_TOTAL]; // the same with the reference's noise
-    struct interval mse, relmse;   // 95 %, less the reference's noise, too
+    struct error_intervals error;  // 95 %, less the reference's noise, too
     uint32_t max_pixel[2];
     bool is_equal; // bit for bit
     bool passed;

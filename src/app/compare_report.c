@@ -9,7 +9,8 @@
 
 static bool is_correctable(enum compare_metric metric)
 {
-    return metric == METRIC_MSE || metric == METRIC_RMSE || metric == METRIC_RELMSE;
+    return metric == METRIC_MSE || metric == METRIC_RMSE || metric == METRIC_RELMSE ||
+           metric == METRIC_LOCAL_RELMSE;
 }
 
 // --- text ----------------------------------------------------------------------------------------
@@ -27,9 +28,10 @@ static void print_correction(const struct comparison *c, const struct compared *
 static void print_details(const struct comparison *c, const struct compared *p,
                           enum compare_metric metric)
 {
-    const struct interval *interval = metric == METRIC_MSE      ? &p->mse
-                                      : metric == METRIC_RELMSE ? &p->relmse
-                                                                : NULL;
+    const struct interval *interval = metric == METRIC_MSE            ? &p->error.mse
+                                      : metric == METRIC_RELMSE       ? &p->error.relmse
+                                      : metric == METRIC_LOCAL_RELMSE ? &p->error.local_relmse
+                                                                      : NULL;
     if (interval && isfinite(interval->low))
         printf("  [%.4g, %.4g]", interval->low, interval->high);
     print_correction(c, p, metric);
@@ -52,7 +54,7 @@ static void print_one(const struct comparison *c)
     print_words(c->reference_path);
     printf(", %u x %u pixels\n", c->reference.image.width, c->reference.image.height);
     for (int metric = 0; metric < METRIC_TOTAL; metric++) {
-        printf("  %-9s  %.6g", compare_metric_names[metric], p->value[metric]);
+        printf("  %-12s  %.6g", compare_metric_names[metric], p->value[metric]);
         print_details(c, p, (enum compare_metric)metric);
         putchar('\n');
     }
@@ -146,8 +148,9 @@ static void print_remarks(const struct comparison *c)
     if (c->options->settings.exposure != 0)
         printf("psnr, ssim and flip: exposed by %g stops\n", (double)c->options->settings.exposure);
     if (c->is_corrected)
-        printf("The reference's own noise is subtracted: %.6g of mse, %.6g of relmse.\n", r->mse,
-               r->relmse);
+        printf("The reference's own noise is subtracted: %.6g of mse, %.6g of relmse, %.6g of "
+               "local-relmse.\n",
+               r->mse, r->relmse, r->local_relmse);
     for (uint32_t i = 0; i < c->count; i++) {
         const struct compared *p = &c->pictures[i];
         if (p->is_equal)
@@ -206,12 +209,13 @@ static json_t *interval_json(const struct interval *interval)
 
 static json_t *picture_json(const struct comparison *c, const struct compared *p)
 {
-    json_t *object =
-        json_pack("{s:o, s:[i, i], s:o, s:o, s:b, s:o, s:b, s:o}", "image", json_words(p->path),
-                  "max_pixel", (int)p->max_pixel[0], (int)p->max_pixel[1], "mse_interval",
-                  interval_json(&p->mse), "relmse_interval", interval_json(&p->relmse), "equal",
-                  p->is_equal, "checks", checks_json(c, p), "passed", p->passed, "difference",
-                  p->map ? json_words(p->map) : json_null());
+    json_t *object = json_pack("{s:o, s:[i, i], s:o, s:o, s:o, s:b, s:o, s:b, s:o}", "image",
+                               json_words(p->path), "max_pixel", (int)p->max_pixel[0],
+                               (int)p->max_pixel[1], "mse_interval", interval_json(&p->error.mse),
+                               "relmse_interval", interval_json(&p->error.relmse),
+                               "local_relmse_interval", interval_json(&p->error.local_relmse),
+                               "equal", p->is_equal, "checks", checks_json(c, p), "passed",
+                               p->passed, "difference", p->map ? json_words(p->map) : json_null());
     json_t *measured = c->is_corrected ? json_object() : json_null();
     for (int metric = 0; metric < METRIC_TOTAL; metric++) {
         set_metric(object, (enum compare_metric)metric, p->value[metric]);
@@ -226,8 +230,9 @@ static json_t *noise_json(const struct comparison *c)
 {
     if (!c->is_corrected)
         return json_null();
-    return json_pack("{s:o, s:o}", "mse", json_number(c->reference.mse), "relmse",
-                     json_number(c->reference.relmse));
+    return json_pack("{s:o, s:o, s:o}", "mse", json_number(c->reference.mse), "relmse",
+                     json_number(c->reference.relmse), "local_relmse",
+                     json_number(c->reference.local_relmse));
 }
 
 int compare_print_json(const struct comparison *c)

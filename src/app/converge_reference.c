@@ -47,9 +47,11 @@ static bool render(struct converge *c, uint32_t scene, struct err *err)
         ok = err_set(err, ERR_STOPPED, "stopped while the reference was rendered");
     if (ok) {
         out->picture.image = (struct image){film.width, film.height, film.mean};
+        ok = reference_find_means(&out->picture, &c->arena, err);
+    }
+    if (ok)
         reference_set_noise(&out->picture, (const float(*)[3])film.half_a,
                             (const float(*)[3])film.half_b);
-    }
     renderer_finish(&curve.renderer);
     scene_finish(&curve.scene_data);
     return ok;

@@ -86,7 +86,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
         FIELD(time_seconds),
     },
     [OPTION_ERROR] = {
-        .name = "error", .argument = "RELMSE", .type = VALUE_REAL, .min = 1e-12, .max = 1e6,
+        .name = "error", .argument = "E", .type = VALUE_REAL, .min = 1e-12, .max = 1e6,
         .group = "Sampling", .commands = FOR_RENDER, .fallback = "no limit",
         .help = "Stop when the local relMSE (the mean squared error relative to the mean around "
                 "each pixel) is below this with 95 % confidence. Looks at the error from 2 samples "
@@ -712,9 +712,9 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_MAX] = {
         .name = "max", .argument = "METRIC=VALUE", .type = VALUE_LIMIT, .group = "Checks",
         .commands = FOR_COMPARE,
-        .help = "Exit with 1 if the metric is greater: mse, rmse, relmse, smape, flip, hdr-flip, "
-                "max, or the number of nonfinite or differing pixels. Holds for each picture. May be "
-                "given several times. Any check also fails on non-finite pixels unless --max "
+        .help = "Exit with 1 if the metric is greater: mse, rmse, relmse, local-relmse, smape, flip, "
+                "hdr-flip, max, or the number of nonfinite or differing pixels. Holds for each "
+                "picture. May be given several times. Any check also fails on non-finite pixels unless --max "
                 "nonfinite=N allows them.",
     },
     [OPTION_MIN] = {
@@ -739,9 +739,9 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_REFERENCE_VARIANCE] = {
         .name = "reference-variance", .argument = "FILE|auto|VALUE", .type = VALUE_TEXT,
         .group = "Metrics", .commands = FOR_COMPARE, .fallback = "none is subtracted",
-        .help = "The reference's own noise, which is subtracted from mse, rmse and relmse: a "
-                "picture of each value's variance, the layers of --aov halves in the reference "
-                "itself (auto), or one variance for all values.",
+        .help = "The reference's own noise, which is subtracted from mse, rmse, relmse and "
+                "local-relmse: a picture of each value's variance, the layers of --aov halves in "
+                "the reference itself (auto), or one variance for all values.",
         FIELD(reference_variance),
     },
     [OPTION_EXPOSURES] = {
@@ -786,6 +786,7 @@ const char *const compare_metric_names[METRIC_TOTAL] = {
     [METRIC_MSE] = "mse",
     [METRIC_RMSE] = "rmse",
     [METRIC_RELMSE] = "relmse",
+    [METRIC_LOCAL_RELMSE] = "local-relmse",
     [METRIC_SMAPE] = "smape",
     [METRIC_PSNR] = "psnr",
     [METRIC_SSIM] = "ssim",

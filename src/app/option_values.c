@@ -315,7 +315,8 @@ static bool store_limit(const struct option_def *def, const char *text, struct o
     int metric = metric_find(text, length);
     if (metric < 0 || !text[length])
         return err_set(err, ERR_USAGE,
-                       "\"%s\" is not of the form %s; metrics are mse, rmse, relmse, smape, psnr, "
+                       "\"%s\" is not of the form %s; metrics are mse, rmse, relmse, local-relmse, "
+                       "smape, psnr, "
                        "ssim, flip, hdr-flip, max, nonfinite and differing",
                        text, def->argument);
     bool is_minimum = def == &option_table[OPTION_MIN];

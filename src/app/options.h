@@ -202,6 +202,7 @@ enum compare_metric {
     METRIC_MSE,
     METRIC_RMSE,
     METRIC_RELMSE,
+    METRIC_LOCAL_RELMSE,
     METRIC_SMAPE,
     METRIC_PSNR,
     METRIC_SSIM,
@@ -238,7 +239,7 @@ struct options {
 
     struct settings settings; // only what was given is filled in: see options_apply_settings
     double time_seconds;      // 0: no limit
-    double error;             // relMSE to stop at; 0: no such limit
+    double error;             // local relMSE to stop at; 0: no such limit
     bool adaptive;            // sample counts by tile
     uint32_t aovs;            // AOV_*
     bool half_float;

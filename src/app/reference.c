@@ -8,14 +8,18 @@
 // What a sum over finite pixels makes of the noise.
 struct noise_sum {
     uint64_t finite;
-    double squares, relative;
+    double squares, relative, local;
 };
 
-static void add_variance(struct noise_sum *sum, double variance, float value)
+// Of a pixel's channel.
+static void add_variance(struct noise_sum *sum, double variance, const struct reference *reference,
+                         uint64_t pixel, int channel)
 {
-    double r = (double)value;
+    double r = (double)reference->image.pixels[pixel][channel];
+    double mean = (double)reference->means[pixel][channel];
     sum->squares += variance;
     sum->relative += variance / (r * r + METRICS_RELMSE_EPSILON);
+    sum->local += variance / (mean * mean + METRICS_RELMSE_EPSILON);
 }
 
 static void set_noise(struct reference *out, const struct noise_sum *sum)
@@ -26,11 +30,23 @@ static void set_noise(struct reference *out, const struct noise_sum *sum)
     out->reason = sum->finite > 0 ? NULL : "no pixel of it is finite";
     out->mse = sum->finite > 0 ? sum->squares / values : 0.0;
     out->relmse = sum->finite > 0 ? sum->relative / values : 0.0;
+    out->local_relmse = sum->finite > 0 ? sum->local / values : 0.0;
 }
 
 static uint64_t pixel_count(const struct reference *reference)
 {
     return (uint64_t)reference->image.width * reference->image.height;
+}
+
+bool reference_find_means(struct reference *out, struct arena *arena, struct err *err)
+{
+    const struct image *image = &out->image;
+    float(*means)[3] = arena_alloc(arena, pixel_count(out), sizeof *means);
+    out->means = (const float(*)[3])means;
+    return (means && metrics_local_means((const float(*)[3])image->pixels, image->width,
+                                         image->height, NULL, means)) ||
+           err_memory(err, "the means around a reference's pixels",
+                      pixel_count(out) * sizeof *means);
 }
 
 void reference_set_noise(struct reference *out, const float (*half_a)[3], const float (*half_b)[3])
@@ -43,7 +59,7 @@ void reference_set_noise(struct reference *out, const float (*half_a)[3], const 
         sum.finite++;
         for (int k = 0; k < 3; k++) {
             double d = 0.5 * ((double)half_a[i][k] - (double)half_b[i][k]);
-            add_variance(&sum, d * d, mean[i][k]);
+            add_variance(&sum, d * d, out, i, k);
         }
     }
     set_noise(out, &sum);
@@ -66,7 +82,7 @@ bool reference_set_variance(struct reference *out, const char *path, const float
                                "%s: pixel %u,%u: %g is no variance; expected a number >= 0", path,
                                (unsigned)(i % out->image.width), (unsigned)(i / out->image.width),
                                (double)variance[i][k]);
-            add_variance(&sum, (double)variance[i][k], mean[i][k]);
+            add_variance(&sum, (double)variance[i][k], out, i, k);
         }
     }
     set_noise(out, &sum);
@@ -80,7 +96,7 @@ void reference_set_even_variance(struct reference *out, double variance)
     for (uint64_t i = 0; i < pixel_count(out); i++) {
         sum.finite += pixel_is_finite(mean[i]);
         for (int k = 0; k < 3 && pixel_is_finite(mean[i]); k++)
-            add_variance(&sum, variance, mean[i][k]);
+            add_variance(&sum, variance, out, i, k);
     }
     set_noise(out, &sum);
 }
@@ -117,7 +133,7 @@ bool reference_read(const char *path, struct arena *arena, struct reference *out
     struct image halves[2];
     *out = (struct reference){.reason = "it has no layers half_a and half_b (--aov halves)"};
     struct image_read_params params = {.path = path};
-    if (!image_read(&params, arena, &out->image, err))
+    if (!image_read(&params, arena, &out->image, err) || !reference_find_means(out, arena, err))
         return false;
     for (int h = 0; h < 2; h++) {
         struct err none = {0};

@@ -6,9 +6,10 @@
 
 struct reference {
     struct image image;
-    // Its own noise, in the measures of metrics_compare: what is to be subtracted from a picture's
-    // MSE and relMSE against it. 0 where not known.
-    double mse, relmse;
+    const float (*means)[3]; // around each pixel, for the local relMSE
+    // Its own noise, in the measures of metrics.h: what is to be subtracted from a picture's errors
+    // against it. 0 where not known.
+    double mse, relmse, local_relmse;
     bool noise_known;
     // What its noise is told from, with the same pixels as `image`; NULL where that is something
     // else or nothing.
@@ -16,14 +17,17 @@ struct reference {
     const char *reason; // why not; NULL where known
 };
 
-// Reads a picture, and, of an EXR file with the layers half_a and half_b (--aov halves), its noise.
-// Pixels live in `arena`. That its noise is not known is no failure.
+// Reads a picture, and, of an EXR file with the layers half_a and half_b (--aov halves), its noise;
+// finds its means. Pixels live in `arena`. That its noise is not known is no failure.
 bool reference_read(const char *path, struct arena *arena, struct reference *out, struct err *err);
 
+// Sets the means of out->image, which live in `arena`; to be called before the noise is set.
+bool reference_find_means(struct reference *out, struct arena *arena, struct err *err);
+
 // Sets the noise of out->image from two independent halves of its samples, of as many pixels:
-// mean (A - B)^2 / 4, and that over r^2 + epsilon, with as little noise in r as a reference has.
+// mean (A - B)^2 / 4, that over r^2 + epsilon, and over L^2 + epsilon, with as little noise in r
+// and L as a reference has. Pixels that are not finite are left out, as metrics_compare does.
 // Keeps the pointers to them.
-// Pixels that are not finite are left out, as metrics_compare does.
 void reference_set_noise(struct reference *out, const float (*half_a)[3], const float (*half_b)[3]);
 
 // Sets it from the variances of out->image's values, in a picture of as many pixels. ERR_INPUT,

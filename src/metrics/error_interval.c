@@ -2,17 +2,18 @@
 
 #include "pixel.h"
 
-enum { TILE_SIDE = 16, LEAST_TILES = 16, TILES_A_POLL = 256 };
+enum { TILE_SIDE = 16, LEAST_TILES = 16, TILES_A_POLL = 256, ERRORS = 3 };
 
 struct tiling {
     const float (*image)[3];
     const float (*reference)[3];
+    const float (*means)[3];
     uint32_t width, height, side;
 };
 
 struct tile_sum {
-    double values;   // finite ones
-    double error[2]; // sums of mse's and of relmse's terms
+    double values;        // finite ones
+    double error[ERRORS]; // sums of the terms of mse, relmse and local relmse
 };
 
 static uint32_t tiles_along(uint32_t length, uint32_t side)
@@ -37,10 +38,11 @@ static struct tile_sum sum_tile(const struct tiling *t, uint64_t index)
             if (!pixel_is_finite(t->image[i]) || !pixel_is_finite(t->reference[i]))
                 continue;
             for (int c = 0; c < 3; c++) {
-                double r = t->reference[i][c], d = t->image[i][c] - r;
+                double r = t->reference[i][c], d = t->image[i][c] - r, l = t->means[i][c];
                 sum.values++;
                 sum.error[0] += d * d;
                 sum.error[1] += d * d / (r * r + METRICS_RELMSE_EPSILON);
+                sum.error[2] += d * d / (l * l + METRICS_RELMSE_EPSILON);
             }
         }
     return sum;
@@ -55,38 +57,38 @@ static struct interval ratio_interval(double ratio, double residuals, double val
     return (struct interval){ratio, ratio - half, ratio + half};
 }
 
-bool metrics_intervals(const float (*image)[3], const float (*reference)[3], uint32_t width,
-                       uint32_t height, const struct progress *progress, struct interval *mse,
-                       struct interval *relmse)
+bool metrics_intervals(const float (*image)[3], const float (*reference)[3],
+                       const float (*means)[3], uint32_t width, uint32_t height,
+                       const struct progress *progress, struct error_intervals *out)
 {
-    struct tiling t = {image, reference, width, height, TILE_SIDE};
+    struct tiling t = {image, reference, means, width, height, TILE_SIDE};
     while (t.side > 1 && tile_count(&t) < LEAST_TILES)
         t.side /= 2;
     struct tile_sum all = {0};
-    double residuals[2] = {0}, tiles = 0;
+    double residuals[ERRORS] = {0}, tiles = 0;
     for (uint64_t i = 0; i < tile_count(&t); i++) {
         if (i % TILES_A_POLL == 0 && progress_should_stop(progress))
             return false;
         struct tile_sum one = sum_tile(&t, i);
         tiles += one.values > 0;
         all.values += one.values;
-        all.error[0] += one.error[0];
-        all.error[1] += one.error[1];
+        for (int k = 0; k < ERRORS; k++)
+            all.error[k] += one.error[k];
     }
     for (uint64_t i = 0; i < tile_count(&t); i++) {
         if (i % TILES_A_POLL == 0 && progress_should_stop(progress))
             return false;
         struct tile_sum one = sum_tile(&t, i);
-        for (int k = 0; k < 2; k++) {
+        for (int k = 0; k < ERRORS; k++) {
             double residual = one.error[k] - all.error[k] / all.values * one.values;
             residuals[k] += one.values > 0 ? residual * residual : 0;
         }
     }
-    struct interval *out[2] = {mse, relmse};
-    for (int k = 0; k < 2; k++) {
+    struct interval *intervals[ERRORS] = {&out->mse, &out->relmse, &out->local_relmse};
+    for (int k = 0; k < ERRORS; k++) {
         double ratio = all.values > 0 ? all.error[k] / all.values : NAN;
-        *out[k] = tiles > 1 ? ratio_interval(ratio, residuals[k], all.values, tiles)
-                            : (struct interval){ratio, NAN, NAN};
+        *intervals[k] = tiles > 1 ? ratio_interval(ratio, residuals[k], all.values, tiles)
+                                  : (struct interval){ratio, NAN, NAN};
     }
     return true;
 }

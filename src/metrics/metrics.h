@@ -40,14 +40,18 @@ double metrics_psnr(const float (*image)[3], const float (*reference)[3], uint64
 void metrics_difference_picture(const float (*image)[3], const float (*reference)[3],
                                 uint64_t pixel_count, float (*out)[3]);
 
-// 95 % intervals of mse and relmse by Student's t over tiles of 16 x 16 pixels (smaller ones where
-// there would be fewer than 16), whose errors are taken for independent: they say how far the noise
-// of other seeds would move the error. Differences between parts of the picture widen them. NaN
-// where fewer than two tiles have finite pixels. False where `progress`, which may be NULL, asked
-// to stop; nothing is known then.
-bool metrics_intervals(const float (*image)[3], const float (*reference)[3], uint32_t width,
-                       uint32_t height, const struct progress *progress, struct interval *mse,
-                       struct interval *relmse);
+struct error_intervals {
+    struct interval mse, relmse, local_relmse;
+};
+
+// 95 % intervals by Student's t over tiles of 16 x 16 pixels (smaller ones where there would be
+// fewer than 16), whose errors are taken for independent: they say how far the noise of other seeds
+// would move the error. Differences between parts of the picture widen them. NaN where fewer than
+// two tiles have finite pixels. `means`: of metrics_local_means(). False where `progress`, which
+// may be NULL, asked to stop; nothing is known then.
+bool metrics_intervals(const float (*image)[3], const float (*reference)[3],
+                       const float (*means)[3], uint32_t width, uint32_t height,
+                       const struct progress *progress, struct error_intervals *out);
 
 // --- local relMSE -------------------------------------------------------------------------------
 // The error relative to the brightness around a pixel: mean (x - r)^2 / (L^2 + 1e-2) over pixels

@@ -227,10 +227,13 @@ class Compare(unittest.TestCase):
         self.assertAlmostEqual(values['mse'], mse, places=7)
         self.assertAlmostEqual(values['rmse'], math.sqrt(mse), places=7)
         self.assertAlmostEqual(values['relmse'], mse / 1.01, places=7)
+        self.assertAlmostEqual(values['local_relmse'], mse / 1.01, places=7)  # b is even
         self.assertIsNone(values['psnr'])  # infinite: what is shown is equal
         self.assertFalse(values['equal'])
         low, high = values['mse_interval']
         self.assertTrue(0 <= low < mse < high)
+        low, high = values['local_relmse_interval']
+        self.assertTrue(0 <= low < mse / 1.01 < high)
         self.assertEqual((values['exposure'], values['relmse_epsilon']), (0, 0.01))
         self.assertIsNone(values['reference_noise'])
         self.assertEqual(len(values['images']), 1)
@@ -248,14 +251,16 @@ class Compare(unittest.TestCase):
 
     def test_text(self):
         result = self.compare('a.exr', 'b.exr')
-        self.assertRegex(result.stdout, r'\n  mse        0\.0416667  \[.*\]\n')
-        self.assertRegex(result.stdout, r'\n  hdr-flip   0\.\d+  2 exposures of ')
+        self.assertRegex(result.stdout, r'\n  mse           0\.0416667  \[.*\]\n')
+        self.assertRegex(result.stdout, r'\n  local-relmse  0\.0412541  \[.*\]\n')
+        self.assertRegex(result.stdout, r'\n  hdr-flip      0\.\d+  2 exposures of ')
         self.assertIn('8 x 4 pixels', result.stdout)
         self.assertEqual(self.compare('a.exr', 'b.exr', '--quiet').stdout, '')
 
     def test_limits_set_the_exit_code(self):
         for limit, code in (('mse=0.0417', 0), ('mse=0.0416', 1), ('rmse=0.2', 1), ('max=0.5', 0),
-                            ('max=0.49', 1), ('relmse=0.0413', 0), ('differing=16', 0),
+                            ('max=0.49', 1), ('relmse=0.0413', 0), ('local-relmse=0.0413', 0),
+                            ('local-relmse=0.0412', 1), ('differing=16', 0),
                             ('differing=15', 1), ('nonfinite=0', 0)):
             result = self.compare('a.exr', 'b.exr', '--max', limit)
             self.assertEqual(result.returncode, code, limit)
@@ -353,11 +358,11 @@ class Compare(unittest.TestCase):
         rows = {line.split()[0]: line.split()[1:] for line in lines[2:5]}
         a, b = rows[self.path('a.exr')], rows[self.path('b.exr')]
         self.assertEqual((a[0], b[0]), ('0.04167', '0*'))
-        self.assertEqual((a[4], b[4]), ('inf*', 'inf*'))  # psnr: the greatest is the best
+        self.assertEqual((a[5], b[5]), ('inf*', 'inf*'))  # psnr: the greatest is the best
         self.assertEqual(a[-1], '16')
         # Without the pixel that is not finite it would be as good as b.
-        self.assertEqual(rows[self.path('nan.exr')], ['0', '0', '0', '0', 'inf', '1', '0', '0',
-                                                      '0', '1', '1'])
+        self.assertEqual(rows[self.path('nan.exr')], ['0', '0', '0', '0', '0', 'inf', '1', '0',
+                                                      '0', '0', '1', '1'])
         self.assertEqual(len(set(map(len, lines[1:5]))), 1, 'columns stand below each other')
         self.assertIn('b.exr is equal to the reference', result.stdout)
         self.assertEqual(sorted(f for f in os.listdir(self.folder.name) if f.startswith('m')),
@@ -410,6 +415,9 @@ class Compare(unittest.TestCase):
         self.assertAlmostEqual(values['mse'], mse - 0.01, places=7)
         self.assertAlmostEqual(values['rmse'], math.sqrt(mse - 0.01), places=7)
         self.assertAlmostEqual(values['relmse'], (mse - 0.01) / 1.01, places=7)
+        self.assertAlmostEqual(values['local_relmse'], (mse - 0.01) / 1.01, places=7)
+        self.assertAlmostEqual(values['measured']['local_relmse'], mse / 1.01, places=7)
+        self.assertAlmostEqual(values['reference_noise']['local_relmse'], 0.01 / 1.01, places=7)
         self.assertAlmostEqual(values['measured']['mse'], mse, places=7)
         self.assertAlmostEqual(values['reference_noise']['mse'], 0.01, places=7)
         # More than there is: it stays negative, and is said to be.

@@ -35,7 +35,7 @@ static double half_deviation(int i, bool is_small)
 }
 
 static float image[COUNT][3], half_a[COUNT][3], half_b[COUNT][3], mean[COUNT][3],
-    variance[COUNT][3];
+    variance[COUNT][3], around[COUNT][3];
 
 static void draw(bool is_small)
 {
@@ -67,34 +67,38 @@ static void check_mean(const char *what, const struct tally *tally, double truth
 // Which of the ways in which the noise can be told.
 enum source { HALVES, VARIANCES, EVEN };
 
-static void subtract(enum source source, bool is_small, struct tally out[2])
+static void subtract(enum source source, bool is_small, struct tally out[3])
 {
     static const char path[] = "variances";
     for (int d = 0; d < DRAWS; d++) {
         draw(is_small);
-        struct reference reference = {.image = {WIDTH, HEIGHT, mean}};
+        struct reference reference = {.image = {WIDTH, HEIGHT, mean},
+                                      .means = (const float(*)[3])around};
         struct metrics m;
         struct err err = {0};
-        bool ok = true;
+        bool ok = metrics_local_means((const float(*)[3])mean, WIDTH, HEIGHT, NULL, around);
         double even = 0;
         for (int i = 0; i < COUNT; i++)
             even += (double)variance[i][0] / COUNT;
         if (source == HALVES)
             reference_set_noise(&reference, (const float(*)[3])half_a, (const float(*)[3])half_b);
         else if (source == VARIANCES)
-            ok = reference_set_variance(&reference, path, (const float(*)[3])variance, &err);
+            ok &= reference_set_variance(&reference, path, (const float(*)[3])variance, &err);
         else
             reference_set_even_variance(&reference, even);
         REQUIRE(ok && reference.noise_known, "%s", err.msg);
         metrics_compare((const float(*)[3])image, (const float(*)[3])mean, COUNT, NULL, &m);
         out[0].values[d] = m.mse - reference.mse;
         out[1].values[d] = m.relmse - reference.relmse;
+        out[2].values[d] = metrics_local_relmse((const float(*)[3])image, (const float(*)[3])mean,
+                                                reference.means, COUNT) -
+                           reference.local_relmse;
     }
 }
 
 TEST(mse_is_unbiased_however_noisy_the_reference)
 {
-    static struct tally tallies[2];
+    static struct tally tallies[3];
     for (int source = HALVES; source <= EVEN; source++) {
         subtract((enum source)source, false, tallies);
         check_mean("mse", &tallies[0], IMAGE_ERROR * IMAGE_ERROR, true);
@@ -104,7 +108,7 @@ TEST(mse_is_unbiased_however_noisy_the_reference)
 // Its denominator is the reference: as exact as that is.
 TEST(relmse_is_unbiased_where_the_reference_is_good)
 {
-    static struct tally tallies[2];
+    static struct tally tallies[3];
     double truth = 0;
     for (int i = 0; i < COUNT; i++)
         truth += IMAGE_ERROR * IMAGE_ERROR / (truth_at(i) * truth_at(i) + METRICS_RELMSE_EPSILON) /
@@ -113,6 +117,26 @@ TEST(relmse_is_unbiased_where_the_reference_is_good)
     check_mean("relmse by halves", &tallies[1], truth, true);
     subtract(VARIANCES, true, tallies);
     check_mean("relmse by variances", &tallies[1], truth, true);
+}
+
+// Its denominator is a mean of many pixels: a noisy reference does, too.
+TEST(local_relmse_is_unbiased)
+{
+    static struct tally tallies[3];
+    static float truths[COUNT][3], means[COUNT][3];
+    double truth = 0;
+    for (int i = 0; i < COUNT; i++)
+        for (int c = 0; c < 3; c++)
+            truths[i][c] = (float)truth_at(i);
+    CHECK(metrics_local_means((const float(*)[3])truths, WIDTH, HEIGHT, NULL, means));
+    for (int i = 0; i < COUNT; i++) {
+        double l = (double)means[i][0];
+        truth += IMAGE_ERROR * IMAGE_ERROR / (l * l + METRICS_RELMSE_EPSILON) / COUNT;
+    }
+    for (int source = HALVES; source <= EVEN; source++) {
+        subtract((enum source)source, true, tallies);
+        check_mean("local relmse", &tallies[2], truth, true);
+    }
 }
 
 TEST(without_it_there_is_a_bias)
@@ -130,7 +154,7 @@ TEST(without_it_there_is_a_bias)
 TEST(bad_variances_are_named)
 {
     float values[2][3] = {{1, 1, 1}, {1, 1, 1}}, bad[2][3] = {{0, 0, 0}, {0, -1, 0}};
-    struct reference reference = {.image = {1, 2, values}};
+    struct reference reference = {.image = {1, 2, values}, .means = (const float(*)[3])values};
     struct err err = {0};
     CHECK(!reference_set_variance(&reference, "v.exr", (const float(*)[3])bad, &err));
     CHECK(strstr(err.msg, "v.exr: pixel 0,1: -1 is no variance"), "%s", err.msg);
@@ -146,4 +170,5 @@ TEST(bad_variances_are_named)
 
 TEST_MAIN(TEST_CASE(mse_is_unbiased_however_noisy_the_reference),
           TEST_CASE(relmse_is_unbiased_where_the_reference_is_good),
-          TEST_CASE(without_it_there_is_a_bias), TEST_CASE(bad_variances_are_named))
+          TEST_CASE(local_relmse_is_unbiased), TEST_CASE(without_it_there_is_a_bias),
+          TEST_CASE(bad_variances_are_named))

@@ -1,6 +1,6 @@
 """The metrics of the pictures of test_perceptual.c, computed from the papers' formulas in double
 precision and without separable filters, against what the program prints: SSIM, FLIP and HDR-FLIP
-with each pixel of their maps, MSE, relMSE, SMAPE, PSNR and the intervals.
+with each pixel of their maps, MSE, relMSE, local relMSE, SMAPE, PSNR and the intervals.
 
     perceptual.py PROGRAM
 
@@ -48,14 +48,18 @@ def luma(pixel):
     return sum(w * encode(v) for w, v in zip((0.2126, 0.7152, 0.0722), pixel))
 
 
+def window_around(i):
+    x, y = i % WIDTH, i // WIDTH
+    return [(math.exp(-((u - x) ** 2 + (v - y) ** 2) / 4.5), v * WIDTH + u)
+            for v in range(max(y - 5, 0), min(y + 6, HEIGHT))
+            for u in range(max(x - 5, 0), min(x + 6, WIDTH))]
+
+
 def ssim(image, reference):
     a, b = [luma(p) for p in image], [luma(p) for p in reference]
     total = 0
     for i in range(WIDTH * HEIGHT):
-        x, y = i % WIDTH, i // WIDTH
-        window = [(math.exp(-((u - x) ** 2 + (v - y) ** 2) / 4.5), v * WIDTH + u)
-                  for v in range(max(y - 5, 0), min(y + 6, HEIGHT))
-                  for u in range(max(x - 5, 0), min(x + 6, WIDTH))]
+        window = window_around(i)
         weight = sum(w for w, _ in window)
         mean_a = sum(w * a[k] for w, k in window) / weight
         mean_b = sum(w * b[k] for w, k in window) / weight
@@ -223,6 +227,15 @@ def relative_squared(x, r):
     return (x - r) ** 2 / (r * r + 0.01)
 
 
+def local_means(reference):
+    out = []
+    for i in range(WIDTH * HEIGHT):
+        window = window_around(i)
+        out.append([sum(w * reference[k][c] for w, k in window) / sum(w for w, _ in window)
+                    for c in range(3)])
+    return out
+
+
 def mean_error(image, reference, term):
     return mean(term(x, r) for p, q in zip(image, reference) for x, r in zip(p, q))
 
@@ -262,6 +275,15 @@ def main():
               ("PSNR", psnr(image, reference, 0)), ("PSNR at -2.5", psnr(image, reference, -2.5))]
     for name, term in (("MSE", squared), ("relMSE", relative_squared)):
         values += zip((name + " low", name + " high"), interval(image, reference, term))
+    # Differences as pictures whose reference is 0, relative to the means.
+    pairs = [[(x - r, m) for x, r, m in zip(*p)]
+             for p in zip(image, reference, local_means(reference))]
+    zeros = [[0, 0, 0]] * len(pairs)
+
+    def local(pair, _):
+        return pair[0] ** 2 / (pair[1] ** 2 + 0.01)
+    values.append(("local relMSE", mean_error(pairs, zeros, local)))
+    values += zip(("local relMSE low", "local relMSE high"), interval(pairs, zeros, local))
     told = len(values)
     values += [("FLIP of pixel %d" % i, v) for i, v in enumerate(ldr)]
     values += [("HDR-FLIP of pixel %d" % i, v) for i, v in enumerate(hdr)]

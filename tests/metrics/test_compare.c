@@ -100,23 +100,24 @@ TEST(intervals_cover_the_error)
     enum { WIDTH = 32, HEIGHT = 24, COUNT = WIDTH * HEIGHT, DRAWS = 1000 };
     static float image[COUNT][3], reference[COUNT][3];
     // E (x - r)^2 = sigma^2; r is .5.
-    double truth[2] = {0.0011 / 2, 0.0011 / 2 / 0.26};
-    int covered[2] = {0};
+    double truth[3] = {0.0011 / 2, 0.0011 / 2 / 0.26, 0.0011 / 2 / 0.26};
+    int covered[3] = {0};
     for (int d = 0; d < DRAWS; d++) {
         for (int i = 0; i < COUNT; i++)
             for (int c = 0; c < 3; c++) {
                 reference[i][c] = 0.5f;
                 image[i][c] = (float)(0.5 + sqrt(i % WIDTH < 16 ? 1e-3 : 1e-4) * normal());
             }
-        struct interval found[2];
-        metrics_intervals((const float(*)[3])image, (const float(*)[3])reference, WIDTH, HEIGHT,
-                          NULL, &found[0], &found[1]);
-        for (int k = 0; k < 2; k++)
-            covered[k] += found[k].low <= truth[k] && truth[k] <= found[k].high;
+        struct error_intervals found;
+        metrics_intervals((const float(*)[3])image, (const float(*)[3])reference,
+                          (const float(*)[3])reference, WIDTH, HEIGHT, NULL, &found);
+        const struct interval list[3] = {found.mse, found.relmse, found.local_relmse};
+        for (int k = 0; k < 3; k++)
+            covered[k] += list[k].low <= truth[k] && truth[k] <= list[k].high;
     }
-    printf("  covered: %d and %d of %d\n", covered[0], covered[1], DRAWS);
+    printf("  covered: %d, %d and %d of %d\n", covered[0], covered[1], covered[2], DRAWS);
     // Parts that differ widen them: at least 95 %, whose 99.9 % range is +-23 of 1,000.
-    for (int k = 0; k < 2; k++)
+    for (int k = 0; k < 3; k++)
         CHECK(covered[k] >= 927, "%d", covered[k]);
 }
 
@@ -130,11 +131,11 @@ TEST(intervals_of_even_noise_are_no_wider_than_need_be)
         for (int i = 0; i < COUNT; i++)
             for (int c = 0; c < 3; c++)
                 image[i][c] = (float)(0.1 * normal());
-        struct interval found[2];
-        metrics_intervals((const float(*)[3])image, (const float(*)[3])reference, WIDTH, HEIGHT,
-                          NULL, &found[0], &found[1]);
-        covered[0] += found[0].low <= 0.01 && 0.01 <= found[0].high;
-        covered[1] += found[1].low <= 1 && 1 <= found[1].high;
+        struct error_intervals found;
+        metrics_intervals((const float(*)[3])image, (const float(*)[3])reference,
+                          (const float(*)[3])reference, WIDTH, HEIGHT, NULL, &found);
+        covered[0] += found.mse.low <= 0.01 && 0.01 <= found.mse.high;
+        covered[1] += found.relmse.low <= 1 && 1 <= found.relmse.high;
     }
     printf("  covered: %d and %d of %d\n", covered[0], covered[1], DRAWS);
     for (int k = 0; k < 2; k++)
@@ -145,18 +146,20 @@ TEST(intervals_of_what_is_hardly_there)
 {
     const float image[4][3] = {{1, NAN, 1}, {1, 1, 1}, {2, 2, 2}, {1, 1, 1}};
     const float reference[4][3] = {{9, 9, 9}, {1, INFINITY, 1}, {1, 1, 1}, {1, 1, 1}};
-    struct interval mse, relmse;
-    metrics_intervals(image, reference, 2, 2, NULL, &mse,
-                      &relmse); // tiles of one pixel, two of them left
-    CHECK(mse.value == 0.5 && isfinite(mse.low) && mse.high > 0.5, "%g %g %g", mse.low, mse.value,
-          mse.high);
-    metrics_intervals(image + 2, reference + 2, 1, 1, NULL, &mse, &relmse);
-    CHECK(mse.value == 1 && isnan(mse.low) && isnan(mse.high));
-    metrics_intervals(image, reference, 2, 1, NULL, &mse, &relmse);
-    CHECK(isnan(mse.value) && isnan(relmse.value) && isnan(mse.low));
-    metrics_intervals(image, image + 1, 1, 1, NULL, &mse, &relmse);
-    metrics_intervals(reference + 2, reference + 2, 2, 1, NULL, &mse, &relmse);
-    CHECK(mse.value == 0 && mse.low == 0 && mse.high == 0);
+    struct error_intervals found;
+    const struct interval *mse = &found.mse;
+    metrics_intervals(image, reference, reference, 2, 2, NULL,
+                      &found); // tiles of one pixel, two of them left
+    CHECK(mse->value == 0.5 && isfinite(mse->low) && mse->high > 0.5, "%g %g %g", mse->low,
+          mse->value, mse->high);
+    metrics_intervals(image + 2, reference + 2, reference + 2, 1, 1, NULL, &found);
+    CHECK(mse->value == 1 && isnan(mse->low) && isnan(mse->high));
+    metrics_intervals(image, reference, reference, 2, 1, NULL, &found);
+    CHECK(isnan(mse->value) && isnan(found.relmse.value) && isnan(mse->low));
+    CHECK(isnan(found.local_relmse.value));
+    metrics_intervals(image, image + 1, image + 1, 1, 1, NULL, &found);
+    metrics_intervals(reference + 2, reference + 2, reference + 2, 2, 1, NULL, &found);
+    CHECK(mse->value == 0 && mse->low == 0 && mse->high == 0);
 }
 
 TEST_MAIN(TEST_CASE(compare_matches_hand_values), TEST_CASE(compare_of_equal_pictures),

@@ -121,8 +121,8 @@ static bool is_impatient(void *context)
 // Wherever they are asked to stop, they end after few polls more: one a thread and loop.
 TEST(all_stop)
 {
-    enum { SIDE = 512, COUNT_OF_THESE = 7 };
-    static float noise[SIDE * SIDE][3];
+    enum { SIDE = 512, COUNT_OF_THESE = 8 };
+    static float noise[SIDE * SIDE][3], means[SIDE * SIDE][3];
     const struct picture_pair p = {(const float(*)[3])noise, (const float(*)[3])noise, SIDE, SIDE};
     for (int metric = 0; metric < COUNT_OF_THESE; metric++)
         for (int most = 0; most < 3; most++) {
@@ -130,7 +130,7 @@ TEST(all_stop)
             const struct progress progress = {.should_stop = is_impatient, .context = &patience};
             struct flip_exposures exposures = {0, 1, 2};
             struct metrics m;
-            struct interval mse, relmse;
+            struct error_intervals intervals;
             double value = 0;
             bool done[COUNT_OF_THESE] = {
                 metric == 0 && metrics_ssim(&p, &progress, &value),
@@ -141,8 +141,9 @@ TEST(all_stop)
                 metric == 4 && metrics_compare(p.image, p.reference, SIDE * SIDE, &progress, &m),
                 metric == 5 &&
                     !isnan(metrics_psnr(p.image, p.reference, SIDE * SIDE, 0, &progress)),
-                metric == 6 &&
-                    metrics_intervals(p.image, p.reference, SIDE, SIDE, &progress, &mse, &relmse),
+                metric == 6 && metrics_intervals(p.image, p.reference, p.reference, SIDE, SIDE,
+                                                 &progress, &intervals),
+                metric == 7 && metrics_local_means(p.reference, SIDE, SIDE, &progress, means),
             };
             CHECK(!done[metric] && patience.polls > most, "%d: %d polls", metric, patience.polls);
         }
@@ -428,16 +429,20 @@ static int print_values(void)
     printf("%.9g %.9g %.9g\n", ssim(), flip(FLIP_PIXELS_PER_DEGREE), flip_hdr());
     struct picture_pair p = pair();
     struct metrics m;
-    struct interval mse, relmse;
+    struct error_intervals found;
     metrics_compare(p.image, p.reference, COUNT, NULL, &m);
-    metrics_intervals(p.image, p.reference, WIDTH, HEIGHT, NULL, &mse, &relmse);
+    static float means[COUNT][3];
+    bool ok = metrics_local_means(p.reference, WIDTH, HEIGHT, NULL, means);
+    metrics_intervals(p.image, p.reference, (const float(*)[3])means, WIDTH, HEIGHT, NULL, &found);
     printf("%.9g %.9g %.9g %.9g %.9g\n", m.mse, m.relmse, m.smape, m.psnr,
            metrics_psnr(p.image, p.reference, COUNT, -2.5, NULL));
-    printf("%.9g %.9g %.9g %.9g\n", mse.low, mse.high, relmse.low, relmse.high);
+    printf("%.9g %.9g %.9g %.9g %.9g %.9g %.9g\n", found.mse.low, found.mse.high, found.relmse.low,
+           found.relmse.high, found.local_relmse.value, found.local_relmse.low,
+           found.local_relmse.high);
     static float map[COUNT];
     struct flip_exposures exposures;
     double mean;
-    bool ok = metrics_flip(&p, FLIP_PIXELS_PER_DEGREE, NULL, map, &mean);
+    ok = ok && metrics_flip(&p, FLIP_PIXELS_PER_DEGREE, NULL, map, &mean);
     for (int i = 0; i < COUNT && ok; i++)
         printf("%.9g ", (double)map[i]);
     ok = ok && metrics_flip_exposures(&p, NULL, &exposures) &&
