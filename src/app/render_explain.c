@@ -69,6 +69,10 @@ void explain_print(const struct render_job *job)
     putchar('\n');
     for (uint32_t i = 0; i < job->scene.note_count; i++)
         print_line("note      ", job->scene.notes[i]);
+    if (job->error.bounded)
+        printf("relMSE    at most %.3g (95 %%): divided by the pixels' own values, which are less "
+               "well known than the means around them\n",
+               job->error.relmse_at_most);
     print_classes(r);
     if (r->stats.suspended)
         printf("continued %" PRIu64 " traversals of more than %u steps\n", r->stats.suspended,

@@ -43,10 +43,10 @@ struct job_goal {
     uint64_t next_look; // after so many samples a pixel
 };
 
-// What a reference tells of the picture; its own noise is subtracted from the first two.
+// What a reference tells of the picture; its own noise is subtracted from the first three.
 struct job_against {
-    double mse, relmse, smape, psnr;
-    struct forecast_bias bias;
+    double local_relmse, relmse, mse, smape, psnr;
+    struct forecast_bias bias; // of local relMSE
 };
 
 // A viewer that is sent the picture.
@@ -246,7 +246,7 @@ void job_list_layers(const struct render_job *job, struct job_layers *out);
 uint64_t job_layer_bytes(const struct render_job *job);
 
 // --- render_metadata.c ---
-#define JOB_MAX_ATTRIBUTES 64
+#define JOB_MAX_ATTRIBUTES 72
 
 struct job_attributes {
     struct image_attribute list[JOB_MAX_ATTRIBUTES];

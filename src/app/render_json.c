@@ -75,15 +75,13 @@ static json_t *kernels_json(const struct renderer *r)
     return kernels;
 }
 
-static json_t *error_json(const struct half_error *error, bool is_bound)
+static json_t *error_json(const struct half_error *error)
 {
-    if (!error->known)
-        return json_pack("{s:n, s:n, s:n, s:s}", "relmse", "ci_low", "ci_high", "reason",
-                         error->reason);
-    // Without an interval null stands for its ends.
-    return json_pack("{s:o, s:o, s:o, s:b}", "relmse", json_number(error->local_relmse), "ci_low",
-                     json_number(error->ci_low), "ci_high", json_number(error->ci_high),
-                     "upper_bound", is_bound);
+    return json_pack("{s:b, s:o, s:o, s:o, s:o, s:o, s:o}", "known", error->known, "local_relmse",
+                     json_number(error->local_relmse), "ci_low", json_number(error->ci_low),
+                     "ci_high", json_number(error->ci_high), "at_most", json_number(error->at_most),
+                     "relmse_at_most", json_number(error->relmse_at_most), "reason",
+                     error->reason ? json_string(error->reason) : json_null());
 }
 
 static json_t *seconds_json(const struct job_seconds *s)
@@ -101,12 +99,15 @@ static json_t *reference_json(const struct render_job *job)
     const struct reference *reference = &job->reference;
     if (!job->options->reference)
         return json_null();
-    return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:b}", "name",
-                     json_words(job->options->reference), "own_relmse",
-                     json_number(reference->noise_known ? reference->relmse : NAN), "mse",
-                     json_number(against->mse), "relmse", json_number(against->relmse), "smape",
-                     json_number(against->smape), "psnr", json_number(against->psnr), "stays",
-                     json_interval(against->bias.stays), "biased", against->bias.is_certain);
+    bool has_own = reference->noise_known;
+    return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:b}", "name",
+                     json_words(job->options->reference), "own_local_relmse",
+                     json_number(has_own ? reference->local_relmse : NAN), "own_relmse",
+                     json_number(has_own ? reference->relmse : NAN), "local_relmse",
+                     json_number(against->local_relmse), "relmse", json_number(against->relmse),
+                     "mse", json_number(against->mse), "smape", json_number(against->smape), "psnr",
+                     json_number(against->psnr), "stays", json_interval(against->bias.stays),
+                     "biased", against->bias.is_certain);
 }
 
 static json_t *forecast_json(const struct render_job *job)
@@ -122,7 +123,7 @@ static json_t *forecast_json(const struct render_job *job)
         f.basis == FORECAST_AT_LEAST || job->renderer.specialization.halves == HALVES_CONTIGUOUS;
     bool is_biased = job->options->reference && job->against.bias.is_certain;
     bool has_slope = f.basis == FORECAST_SLOPE;
-    return json_pack("{s:o, s:o, s:o, s:o, s:f, s:s, s:b, s:o, s:i, s:o}", "relmse",
+    return json_pack("{s:o, s:o, s:o, s:o, s:f, s:s, s:b, s:o, s:i, s:o}", "local_relmse",
                      json_number(f.error.value), "ci_low", json_number(f.error.low), "ci_high",
                      json_number(f.error.high), "stays",
                      is_biased ? json_number(job->against.bias.stays.value) : json_null(),
@@ -152,7 +153,7 @@ static json_t *looks_json(const struct render_job *job)
     json_t *looks = json_array();
     for (uint32_t i = 0; i < job->look_count; i++) {
         const struct error_look *look = &job->looks[i];
-        json_t *object = error_json(&look->error, false);
+        json_t *object = error_json(&look->error);
         json_object_set_new(object, "spp", json_integer((json_int_t)look->samples));
         json_object_set_new(object, "confidence", json_number(look->confidence));
         json_array_append_new(looks, object);
@@ -203,12 +204,11 @@ bool job_print_json(const struct render_job *job, struct err *err)
         classes_json(&job->renderer), "media_lost", (json_int_t)stats->media_lost, "mrays_per_s",
         json_number(report_total_rays(stats) * 1e-6 / render), "samples_per_s",
         json_number(job_total_samples(job) / render), "kernels", kernels_json(&job->renderer),
-        "error", error_json(&job->error, job->renderer.specialization.halves == HALVES_CONTIGUOUS),
-        "nonfinite", (json_int_t)nonfinite(stats), "frames_ms", frames_json(job), "features",
-        "kept", lists.kept, "left_out", lists.left_out, "memory", "device_bytes",
-        (json_int_t)job->gpu.peak_bytes, "host_peak_bytes", (json_int_t)report_host_peak_bytes(),
-        "wave", (json_int_t)job->renderer.plan.wave_slots, "continued_traversals",
-        (json_int_t)stats->suspended, "dropped_degenerate",
+        "error", error_json(&job->error), "nonfinite", (json_int_t)nonfinite(stats), "frames_ms",
+        frames_json(job), "features", "kept", lists.kept, "left_out", lists.left_out, "memory",
+        "device_bytes", (json_int_t)job->gpu.peak_bytes, "host_peak_bytes",
+        (json_int_t)report_host_peak_bytes(), "wave", (json_int_t)job->renderer.plan.wave_slots,
+        "continued_traversals", (json_int_t)stats->suspended, "dropped_degenerate",
         (json_int_t)job->renderer.flat.dropped_degenerate, "skipped_instances",
         (json_int_t)job->renderer.flat.skipped_instances, "image_hash", hash, "outputs",
         strings_json(job->outputs, job->output_count), "notes",

@@ -1,5 +1,6 @@
 // Reads the film, and says how good it is and what twice the time would bring.
 #include "clock.h"
+#include "film_error.h"
 #include "hash.h"
 #include "render_bias.h"
 #include "render_job.h"
@@ -35,28 +36,11 @@ bool job_estimate_error(struct render_job *job, double confidence, struct half_e
                         struct err *err)
 {
     uint64_t start = clock_ns();
-    const struct film_image *film = &job->film;
-    struct half_error_params params = {
-        .half_a = (const float(*)[3])film->half_a,
-        .half_b = (const float(*)[3])film->half_b,
-        .width = film->width,
-        .height = film->height,
-        .samples = job_film_samples(job),
-        .brightest = film->brightest,
-        .confidence = confidence,
-    };
-    if (!metrics_half_error(&params, out))
-        return err_memory(err, "error estimate", (uint64_t)film->width * film->height * 12);
-    bool contiguous = job->renderer.specialization.halves == HALVES_CONTIGUOUS;
-    if (contiguous && film->least_samples != job->scene.settings.spp)
-        *out = (struct half_error){
-            .reason = "contiguous halves tell it after as many samples as were planned"};
-    if (job_shares_depths(job) && out->known) {
-        out->ci_low = 0.0; // it takes pixels to be independent
-        out->ci_high = INFINITY;
-    }
+    struct film_error_params params = film_error_params(&job->renderer, job_film_samples(job));
+    params.confidence = confidence;
+    bool ok = film_error(&job->film, &params, out, err);
     job->seconds.judge += clock_seconds_since(start);
-    return true;
+    return ok;
 }
 
 // The true error, and what of it is bias: told by the halves, where they are independent.
@@ -65,12 +49,15 @@ static bool compare(struct render_job *job, struct err *err)
     const struct film_image *film = &job->film;
     const struct reference *reference = &job->reference;
     const float(*truth)[3] = (const float(*)[3])reference->image.pixels;
+    const float(*mean)[3] = (const float(*)[3])film->mean;
+    uint64_t pixels = (uint64_t)film->width * film->height;
     struct metrics m;
-    metrics_compare((const float(*)[3])film->mean, truth, (uint64_t)film->width * film->height,
-                    NULL, &m);
+    metrics_compare(mean, truth, pixels, NULL, &m);
     job->against = (struct job_against){
-        .mse = m.mse - reference->mse,
+        .local_relmse =
+            metrics_local_relmse(mean, truth, reference->means, pixels) - reference->local_relmse,
         .relmse = m.relmse - reference->relmse,
+        .mse = m.mse - reference->mse,
         .smape = m.smape,
         .psnr = m.psnr,
         .bias = job->against.bias,
@@ -81,10 +68,11 @@ static bool compare(struct render_job *job, struct err *err)
         .half_a = (const float(*)[3])film->half_a,
         .half_b = (const float(*)[3])film->half_b,
         .reference = truth,
+        .means = reference->means,
         .width = film->width,
         .height = film->height,
         .reference_halves = {reference->halves[0], reference->halves[1]},
-        .reference_relmse = reference->relmse,
+        .reference_error = reference->local_relmse,
     };
     return !has_halves || forecast_find_bias(&params, &job->against.bias) ||
            err_memory(err, "bias", (uint64_t)film->width * film->height * 16);
@@ -118,8 +106,8 @@ bool job_judge_film(struct render_job *job, struct err *err)
     const struct film_image *film = &job->film;
     uint64_t pixels = (uint64_t)film->width * film->height;
     job->image_hash = hash_bytes(HASH_INIT, film->mean, pixels * sizeof *film->mean);
-    job->against = (struct job_against){NAN, NAN, NAN, NAN, {.stays = {NAN, NAN, NAN}}};
-    job->error = (struct half_error){.reason = "it could not be estimated"};
+    job->against = (struct job_against){NAN, NAN, NAN, NAN, NAN, {.stays = {NAN, NAN, NAN}}};
+    job->error = film_error_none("it could not be estimated");
     job->seconds.judge += clock_seconds_since(start);
     if (!job_estimate_error(job, 0.0, &job->error, err))
         return false;
@@ -140,8 +128,8 @@ static size_t list_looks(const struct render_job *job, struct forecast_look *out
         const struct trace_row *row = &job->trace.rows[i];
         uint64_t steps = (uint64_t)row->spp / step;
         if ((steps & (steps - 1)) == 0)
-            out[count++] =
-                (struct forecast_look){row->spp, row->relmse, row->ci_low, row->ci_high, 0.95};
+            out[count++] = (struct forecast_look){row->spp, row->local_relmse, row->ci_low,
+                                                  row->ci_high, 0.95};
     }
     for (uint32_t i = 0; i < job->look_count && job->trace.count == 0 && count < most; i++) {
         const struct error_look *look = &job->looks[i];
@@ -162,18 +150,26 @@ static bool grows_evenly(const struct render_job *job)
            settings->sampler != SAMPLER_GRID && settings->sampler != SAMPLER_BLUE_NOISE;
 }
 
+// Whether half of a bound is a forecast: the error of contiguous halves' samples falls as fast.
+static bool goes_by_bound(const struct render_job *job)
+{
+    return job->error.bounded && job->renderer.specialization.halves == HALVES_CONTIGUOUS;
+}
+
 // Noise as the reference tells it, with an interval as wide as that of the half-buffers.
 static struct interval noise(const struct render_job *job)
 {
     const struct half_error *e = &job->error;
     const struct job_against *against = &job->against;
+    if (goes_by_bound(job))
+        return (struct interval){e->at_most, e->at_most, e->at_most};
     struct interval error = {e->local_relmse, e->ci_low, e->ci_high};
     double stays = against->bias.stays.value;
     if (!job->options->reference || !isfinite(stays))
         return error;
     // What was reached, and what the halves say would be on average, by the reference's values.
-    double expected = against->relmse - stays;
-    double reached = against->bias.is_certain ? expected : against->relmse;
+    double expected = against->local_relmse - stays;
+    double reached = against->bias.is_certain ? expected : against->local_relmse;
     double factor = 0.5 * (expected + reached) / e->local_relmse;
     if (!(factor > 0.0))
         return error;
@@ -184,11 +180,7 @@ static const char *why_no_forecast(const struct render_job *job)
 {
     if (job->options->frames && !job->options->accumulate)
         return "frames that do not accumulate become no better with time";
-    if (!job->error.known)
-        return job->error.reason;
-    if (!isfinite(job->error.ci_high))
-        return "the error has no interval";
-    return NULL;
+    return job->error.known || goes_by_bound(job) ? NULL : job->error.reason;
 }
 
 const char *job_forecast(const struct render_job *job, struct forecast *out)

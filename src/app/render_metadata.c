@@ -100,6 +100,20 @@ static void add_layers(struct attributes *a, const struct render_job *job)
         add_text(a, "lampyris:layers", names);
 }
 
+// Where the estimate has no interval, it does not stand here.
+static void add_error(struct attributes *a, const struct half_error *error)
+{
+    if (error->known) {
+        add(a, "lampyris:local_relmse", "%.9g", error->local_relmse);
+        add(a, "lampyris:local_relmse_ci_low", "%.9g", error->ci_low);
+        add(a, "lampyris:local_relmse_ci_high", "%.9g", error->ci_high);
+    }
+    if (error->bounded) {
+        add(a, "lampyris:local_relmse_at_most", "%.9g", error->at_most);
+        add(a, "lampyris:relmse_at_most", "%.9g", error->relmse_at_most);
+    }
+}
+
 static void add_result(struct attributes *a, const struct render_job *job)
 {
     if (job->film.least_samples != job->film.most_samples) {
@@ -108,11 +122,7 @@ static void add_result(struct attributes *a, const struct render_job *job)
     }
     add(a, "lampyris:pixels_without_samples", "%" PRIu64, job->film.unsampled);
     add(a, "lampyris:ended_by", "%s", job_ended_by(job));
-    if (job->error.known) {
-        add(a, "lampyris:relmse", "%.9g", job->error.local_relmse);
-        add(a, "lampyris:relmse_ci_low", "%.9g", job->error.ci_low);
-        add(a, "lampyris:relmse_ci_high", "%.9g", job->error.ci_high);
-    }
+    add_error(a, &job->error);
     add(a, "lampyris:dropped_samples", "%" PRIu64, job->film.dropped);
     add(a, "lampyris:rays_closest", "%" PRIu64, job->renderer.stats.closest_rays);
     add(a, "lampyris:rays_shadow", "%" PRIu64, job->renderer.stats.shadow_rays);

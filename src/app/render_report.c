@@ -1,6 +1,7 @@
 // What a render reports to people.
 #include "render_report.h"
 #include "file.h"
+#include "film_error.h"
 #include "render_bias.h"
 #include "sharing.h"
 #include "text_out.h"
@@ -62,16 +63,13 @@ static bool halves_are_bound(const struct render_job *job)
 static void print_error(const struct render_job *job)
 {
     const struct half_error *e = &job->error;
-    bool is_bound = halves_are_bound(job);
-    if (e->known && job_shares_depths(job))
-        printf("error     relMSE %.3g in %.3f s (no interval: pixels share their paths' depths; "
-               "blind to bias)\n",
-               e->local_relmse, job->seconds.render);
-    else if (e->known)
-        printf("error     relMSE %s%.3g, 95 %% interval %.3g to %.3g, in %.3f s (blind to bias)\n",
-               is_bound ? "at most " : "", e->local_relmse, e->ci_low, e->ci_high, job->seconds.render);
-    else
+    char words[FILM_ERROR_WORDS];
+    film_error_words(e, words);
+    if (!e->known && !e->bounded && !film_error_is_plain(e))
         printf("error     not yet known: %s\n", e->reason);
+    else
+        printf("error     %s, in %.3f s%s%s\n", words, job->seconds.render,
+               e->known ? " (blind to bias)" : ": ", e->known ? "" : e->reason);
 }
 
 static void print_against(const struct render_job *job)
@@ -83,16 +81,17 @@ static void print_against(const struct render_job *job)
         return;
     printf("against   ");
     print_words(job->options->reference);
-    printf(": relMSE %.3g, MSE %.3g, SMAPE %.3g, PSNR %.2f dB", against->relmse, against->mse,
-           against->smape, against->psnr);
+    printf(": local relMSE %.3g, relMSE %.3g, MSE %.3g, SMAPE %.3g, PSNR %.2f dB",
+           against->local_relmse, against->relmse, against->mse, against->smape, against->psnr);
     if (reference->noise_known)
-        printf(" (its own noise subtracted: relMSE %.2g)\n", reference->relmse);
+        printf(" (its own noise subtracted: local relMSE %.2g)\n", reference->local_relmse);
     else
         printf(" (its own noise not subtracted: %s)\n", reference->reason);
     if (against->bias.is_certain)
-        printf("stays     relMSE %.3g, 95 %% interval %.3g to %.3g, however many samples: %s\n",
-               stays->value, stays->low, stays->high,
-               reference->noise_known ? "bias" : "bias, or the reference's noise");
+        printf(
+            "stays     local relMSE %.3g, 95 %% interval %.3g to %.3g, however many samples: %s\n",
+            stays->value, stays->low, stays->high,
+            reference->noise_known ? "bias" : "bias, or the reference's noise");
 }
 
 static void print_forecast(const struct render_job *job)
@@ -104,7 +103,7 @@ static void print_forecast(const struct render_job *job)
         return;
     }
     bool is_bound = f.basis == FORECAST_AT_LEAST || halves_are_bound(job);
-    printf("forecast  twice the time: relMSE %s about %.2g (%.2g to %.2g), ",
+    printf("forecast  twice the time: local relMSE %s about %.2g (%.2g to %.2g), ",
            is_bound ? "at most" : "of", f.error.value, f.error.low, f.error.high);
     if (f.basis == FORECAST_SLOPE)
         printf("by slope %.2f (%.2f to %.2f)", f.slope.value, f.slope.low, f.slope.high);

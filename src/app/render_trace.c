@@ -110,9 +110,11 @@ static json_t *head_json(const struct render_job *job)
     const struct reference *reference = &job->reference;
     json_t *known = json_null();
     if (job->options->reference)
-        known = json_pack("{s:o, s:o, s:o}", "name", json_words(job->options->reference), "own_mse",
-                          json_number(reference->noise_known ? reference->mse : NAN), "own_relmse",
-                          json_number(reference->noise_known ? reference->relmse : NAN));
+        known = json_pack(
+            "{s:o, s:o, s:o, s:o}", "name", json_words(job->options->reference), "own_local_relmse",
+            json_number(reference->noise_known ? reference->local_relmse : NAN), "own_relmse",
+            json_number(reference->noise_known ? reference->relmse : NAN), "own_mse",
+            json_number(reference->noise_known ? reference->mse : NAN));
     return json_pack("{s:s, s:o, s:o, s:o, s:o, s:i, s:i, s:I, s:o}", "version", LAMPYRIS_VERSION,
                      "command", json_words(job->options->command_line), "scene",
                      json_words(job->scene.path), "device", json_words(job->gpu.info.name),
@@ -169,14 +171,16 @@ static void fill_row(struct render_job *job)
         .msamples_per_s = job_total_samples(job) * 1e-6 / seconds,
         .closest_rays = (double)r->stats.closest_rays,
         .shadow_rays = (double)r->stats.shadow_rays,
-        .relmse = e->known ? e->local_relmse : NAN,
-        .ci_low = e->known ? e->ci_low : NAN,
-        .ci_high = e->known ? e->ci_high : NAN,
-        .true_mse = job->against.mse,
+        .local_relmse = e->local_relmse,
+        .ci_low = e->ci_low,
+        .ci_high = e->ci_high,
+        .at_most = e->at_most,
+        .true_local_relmse = job->against.local_relmse,
         .true_relmse = job->against.relmse,
+        .true_mse = job->against.mse,
         .true_smape = job->against.smape,
         .true_psnr = job->against.psnr,
-        .reason = e->known ? NULL : e->reason,
+        .reason = e->reason,
     };
 }
 

@@ -9,7 +9,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-// What there was at one time. NAN where not known.
+// What there was at one time. Not finite where not known.
 struct trace_row {
     double spp;             // of the picture, a pixel; on average, where pixels have their own
     double frames;          // rendered so far; 0 without frames
@@ -17,9 +17,10 @@ struct trace_row {
     double judging_seconds; // of reading the film and finding its error, in this run so far
     double msamples_per_s;  // since the beginning
     double closest_rays, shadow_rays;
-    double relmse, ci_low, ci_high;                      // as the half-buffers tell it
-    double true_mse, true_relmse, true_smape, true_psnr; // against a reference
-    const char *reason; // why relmse is not known; NULL where it is
+    double local_relmse, ci_low, ci_high, at_most; // as the half-buffers tell it
+    // Against a reference.
+    double true_local_relmse, true_relmse, true_mse, true_smape, true_psnr;
+    const char *reason; // why there is no interval; NULL where there is
 };
 
 struct trace {

@@ -199,7 +199,8 @@ static struct tile_sum sum_tile(const struct forecast_bias_params *p, uint64_t x
             tile.pixels++;
             for (int c = 0; c < 3; c++) {
                 double product = ((double)a[c] - r[c]) * ((double)b[c] - r[c]);
-                tile.value += product / (3 * ((double)r[c] * r[c] + METRICS_RELMSE_EPSILON));
+                double mean = p->means[i][c];
+                tile.value += product / (3 * (mean * mean + METRICS_RELMSE_EPSILON));
             }
         }
     return tile;
@@ -241,7 +242,7 @@ bool forecast_find_bias(const struct forecast_bias_params *p, struct forecast_bi
     double mean = value / pixels;
     double spread = fmax(values - 2 * mean * products + mean * mean * squares, 0);
     double deviation = sqrt(spread * count / (count - 1)) / pixels;
-    double stays = mean - p->reference_relmse;
+    double stays = mean - p->reference_error;
     double half = stats_t_quantile(0.975, count - 1) * deviation;
     out->stays = (struct interval){stays, stays - half, stays + half};
     if (!allow_for_unseen(p, &out->stays))

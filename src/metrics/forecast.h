@@ -56,15 +56,16 @@ struct forecast_bias_params {
     const float (*half_a)[3]; // two independent halves of a picture
     const float (*half_b)[3];
     const float (*reference)[3];
+    const float (*means)[3]; // of it: of metrics_local_means()
     uint32_t width, height;
-    // Its own noise: its halves, and their relMSE in the same measure; NULL and 0 where not known.
+    // Its own noise: its halves, NULL where not known, and what it is as local relMSE, 0 then.
     const float (*reference_halves[2])[3];
-    double reference_relmse;
+    double reference_error;
 };
 
 struct forecast_bias {
-    // What of relMSE stays, with its 95 % interval, from tiles. It may be negative: it is an
-    // unbiased estimate. The interval allows for unseen samples as in bias.h. NAN where no pixel
+    // What of the local relMSE stays, with its 95 % interval, from tiles. It may be negative: it is
+    // an unbiased estimate. The interval allows for unseen samples as in bias.h. NAN where no pixel
     // is finite, or where there are fewer than four tiles.
     struct interval stays;
     // That there is any: the 99.9 % interval is above 0, and stays' interval is.

@@ -36,7 +36,7 @@ def run_one(lampyris, folder, scene, sampler, seed, spp, reference):
     now = render(lampyris, *arguments, '--spp', str(spp), '--trace', trace)
     then = render(lampyris, *arguments, '--spp', str(2 * spp), '--resume', '--reference', reference)
     os.unlink(checkpoint)
-    return now['forecast'], now['error'], then['reference']['relmse']
+    return now['forecast'], now['error'], then['reference']['local_relmse']
 
 
 def report(name, runs):
@@ -77,7 +77,7 @@ def main():
                 for seed in range(1, options.seeds + 1):
                     forecast, error, truth = run_one(options.lampyris, folder, scene, sampler, seed,
                                                      options.spp, reference)
-                    keys = ('relmse', 'ci_low', 'ci_high')
+                    keys = ('local_relmse', 'ci_low', 'ci_high')
                     told.append(([forecast[key] for key in keys], truth))
                     plain.append(([error[key] and 0.5 * error[key] for key in keys], truth))
                 a, b = report(f'{name} {sampler}', told)

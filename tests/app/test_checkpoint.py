@@ -301,7 +301,7 @@ class Endings(Checkpoints):
     def test_an_unknown_error_ends_nothing(self):
         report = self.render('--error', '1e6', '--spp', '32', size='4x4')  # fewer than 30 pixels
         self.assertEqual((report['ended_by'], report['spp']), ('spp', 32))
-        self.assertEqual(report['looks'][0]['relmse'], None)
+        self.assertEqual(report['looks'][0]['local_relmse'], None)
 
     def test_time_by_tiles_repeats(self):
         report = self.render('--adaptive', 'on', '--time', '0.2')

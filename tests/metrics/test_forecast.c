@@ -263,21 +263,46 @@ static void draw(struct picture *p, double factor)
         }
 }
 
+// By the definition: the window's weights and truths of columns alone, as rows are alike.
+static double mean_around(int x)
+{
+    double sum = 0, weights = 0;
+    for (int u = x < 5 ? 0 : x - 5; u <= x + 5 && u < SIDE; u++) {
+        double weight = exp(-(u - x) * (u - x) / 4.5);
+        sum += weight * (u < SIDE / 2 ? 0.05 : 2.0);
+        weights += weight;
+    }
+    return sum / weights;
+}
+
+// The mean over columns of `dark` and `bright` over L^2 + epsilon.
+static double local(double dark, double bright)
+{
+    double sum = 0;
+    for (int x = 0; x < SIDE; x++) {
+        double l = mean_around(x);
+        sum += (x < SIDE / 2 ? dark : bright) / (l * l + 1e-2) / SIDE;
+    }
+    return sum;
+}
+
 static double expected_bias(double factor)
 {
-    double dark = 0.05 * 0.05, bright = 4.0, square = (factor - 1) * (factor - 1);
-    return 0.5 * square * (dark / (dark + 1e-2) + bright / (bright + 1e-2));
+    return (factor - 1) * (factor - 1) * local(0.05 * 0.05, 4.0);
 }
 
 static struct forecast_bias find(const struct picture *p, double own)
 {
+    static float means[PIXELS][3];
+    CHECK(metrics_local_means((const float(*)[3])p->r, SIDE, SIDE, NULL, means));
     const struct forecast_bias_params params = {
         .half_a = (const float(*)[3])p->a,
         .half_b = (const float(*)[3])p->b,
         .reference = (const float(*)[3])p->r,
+        .means = (const float(*)[3])means,
         .width = SIDE,
         .height = SIDE,
-        .reference_relmse = own,
+        .reference_error = own,
     };
     struct forecast_bias out;
     bool ok = forecast_find_bias(&params, &out);
@@ -358,8 +383,7 @@ TEST(noise_of_the_reference_is_no_bias)
         for (int i = 0; i < PIXELS; i++)
             for (int c = 0; c < 3; c++)
                 p.r[i][c] += (float)(0.02 * normal());
-        // 4e-4 over the values of the two halves, as far as the noise is small against them
-        own = 0.5 * 4e-4 * (1 / (0.0025 + 0.01) + 1 / (4.0 + 0.01));
+        own = local(4e-4, 4e-4); // as far as the noise is small against the values
         mean += find(&p, own).stays.value / 200;
     }
     CHECK(fabs(mean) < 0.05 * own, "%g of %g", mean, own);
