@@ -69,7 +69,8 @@ class Curves:
         return first, [a for a in labels if a == first or self.told(a, first) == 0]
 
     def error(self, label, point=-1):
-        return self[label]["points"][point]["metrics"]["relmse"]
+        metrics = self[label]["points"][point]["metrics"]
+        return metrics.get("local_relmse", metrics["relmse"])
 
     def seconds(self, label):
         return self[label]["points"][-1]["seconds"]

@@ -11,6 +11,7 @@
 #include "variants.h"
 
 enum converge_metric {
+    CONVERGE_LOCAL_RELMSE, // the error that slopes, efficiencies and targets are of
     CONVERGE_RELMSE,
     CONVERGE_MSE,
     CONVERGE_SMAPE,
@@ -26,11 +27,14 @@ struct converge_sample {
     uint64_t spp;
     double seconds;                  // of rendering, since its first sample
     double metric[CONVERGE_METRICS]; // NAN where not measured
+    double at_most;                  // without a reference: a bound of the local relMSE, or NAN
 };
 
 // The same of all replicates.
 struct converge_point {
     struct interval spp, seconds, metric[CONVERGE_METRICS];
+    double at_most;   // the geometric mean of the replicates' bounds; NAN where one has none
+    uint32_t unknown; // replicates whose local relMSE is not known: none of the errors is, then
 };
 
 // What is compared with. Without one, errors are those of the half-buffers: blind to bias.
@@ -40,7 +44,7 @@ struct converge_reference {
     struct reference picture;
 };
 
-// When a curve comes down to a relMSE: see converge_conclude.c.
+// When a curve comes down to a local relMSE: see converge_conclude.c.
 #define CONVERGE_TARGETS 3 // 1e-2, 1e-3, 1e-4
 extern const double converge_targets[CONVERGE_TARGETS];
 struct converge_target {
@@ -60,8 +64,8 @@ struct converge_curve {
 
     // What follows from the samples.
     struct converge_point *points;
-    struct interval slope;          // of log relMSE on log samples, or on log seconds with --times
-    struct interval efficiency;     // 1 / (relMSE * s) at the end
+    struct interval slope;          // of log error on log samples, or on log seconds with --times
+    struct interval efficiency;     // 1 / (local relMSE * s) at the end
     struct interval efficiency_mse; // 1 / (MSE * s)
     struct interval bias;           // what of relMSE stays; NAN without a reference
     struct interval *ratios;        // of efficiencies, to each curve of the scene
@@ -126,7 +130,7 @@ const char *converge_label(const struct converge_curve *curve);
 const char *converge_verdict(struct interval ratio);
 bool converge_is_biased(const struct converge_curve *curve);
 // What is to be known beside the numbers, a sentence each; returns how many.
-#define CONVERGE_NOTES 5
+#define CONVERGE_NOTES 6
 #define CONVERGE_NOTE_SIZE 160
 uint32_t converge_notes(const struct converge *c, char notes[][CONVERGE_NOTE_SIZE]);
 
@@ -150,8 +154,8 @@ bool converge_check_files(struct converge *c, const char *folder, struct err *er
 bool converge_write_html(struct converge *c, const char *folder, struct err *err);
 
 // --- converge_plot.c ---
-// A gnuplot script of relMSE against samples, or against time; to be freed. *script is NULL where
-// no error is known.
+// A gnuplot script of local relMSE against samples, or against time; to be freed. *script is NULL
+// where no error is known.
 bool converge_plot(const struct converge *c, uint32_t scene, bool over_time, char **script,
                    struct err *err);
 

@@ -7,8 +7,13 @@
 #include <stdio.h>
 
 const char *const converge_metric_names[CONVERGE_METRICS] = {
-    [CONVERGE_RELMSE] = "relmse", [CONVERGE_MSE] = "mse",   [CONVERGE_SMAPE] = "smape",
-    [CONVERGE_PSNR] = "psnr",     [CONVERGE_SSIM] = "ssim", [CONVERGE_FLIP] = "flip",
+    [CONVERGE_LOCAL_RELMSE] = "local_relmse",
+    [CONVERGE_RELMSE] = "relmse",
+    [CONVERGE_MSE] = "mse",
+    [CONVERGE_SMAPE] = "smape",
+    [CONVERGE_PSNR] = "psnr",
+    [CONVERGE_SSIM] = "ssim",
+    [CONVERGE_FLIP] = "flip",
 };
 
 const double converge_targets[CONVERGE_TARGETS] = {1e-2, 1e-3, 1e-4};
@@ -49,7 +54,7 @@ uint32_t converge_siblings(const struct converge *c, const struct converge_curve
 
 uint32_t converge_notes(const struct converge *c, char notes[][CONVERGE_NOTE_SIZE])
 {
-    uint32_t count = 0, curves = 0;
+    uint32_t count = 0, curves = 0, bounded = 0, pictures = 0;
     bool all_small = true, all_known = true;
     for (uint32_t i = 0; i < c->curve_count; i++) {
         uint32_t first, siblings = converge_siblings(c, &c->curves[i], &first);
@@ -57,6 +62,9 @@ uint32_t converge_notes(const struct converge *c, char notes[][CONVERGE_NOTE_SIZ
         all_small &= converge_is_small(&c->curves[i]);
         const struct converge_reference *reference = &c->references[c->curves[i].variant.scene];
         all_known &= !reference->name || reference->picture.noise_known;
+        for (uint32_t p = 0; p < c->point_count && !reference->name; p++)
+            bounded += c->curves[i].points[p].unknown;
+        pictures += c->point_count * c->replicates_done;
     }
     if (c->stopped)
         snprintf(notes[count++], CONVERGE_NOTE_SIZE,
@@ -67,6 +75,12 @@ uint32_t converge_notes(const struct converge *c, char notes[][CONVERGE_NOTE_SIZ
                  "fewer than %d replicates: intervals are wide, and rely on errors that are spread "
                  "evenly",
                  REPLICATES_ENOUGH);
+    if (bounded > 0)
+        snprintf(
+            notes[count++], CONVERGE_NOTE_SIZE,
+            "the half-buffers of %u of %u pictures tell a bound of the error alone: what these "
+            "errors are part of is not known",
+            bounded, pictures);
     if (!all_known)
         snprintf(notes[count++], CONVERGE_NOTE_SIZE,
                  "the reference's own noise is not known: it counts as error and as bias");
@@ -90,7 +104,8 @@ struct columns {
 
 static struct interval summarize(int metric, const double *values, uint32_t count)
 {
-    bool is_error = metric == CONVERGE_RELMSE || metric == CONVERGE_MSE;
+    bool is_error =
+        metric == CONVERGE_LOCAL_RELMSE || metric == CONVERGE_RELMSE || metric == CONVERGE_MSE;
     return is_error ? curve_geometric_mean(values, count) : curve_mean(values, count);
 }
 
@@ -106,6 +121,12 @@ static void conclude_point(const struct converge *c, struct converge_curve *curv
                          (m == CONVERGE_SSIM || m == CONVERGE_FLIP);
         out->metric[m] = summarize(m, values, is_of_one ? 1 : replicates);
     }
+    out->unknown = 0;
+    for (uint32_t r = 0; r < replicates; r++) {
+        values[r] = converge_at(c, curve, r, point)->at_most;
+        out->unknown += isnan(converge_at(c, curve, r, point)->metric[CONVERGE_LOCAL_RELMSE]);
+    }
+    out->at_most = curve_geometric_mean(values, replicates).value;
     for (uint32_t r = 0; r < replicates; r++)
         values[r] = converge_at(c, curve, r, point)->seconds;
     out->seconds = curve_geometric_mean(values, replicates);
@@ -121,7 +142,7 @@ static void find_slope(const struct converge *c, struct converge_curve *curve,
     for (uint32_t r = 0; r < c->replicates_done; r++)
         for (uint32_t p = 0; p < points; p++) {
             const struct converge_sample *s = converge_at(c, curve, r, p);
-            columns->errors[(size_t)r * points + p] = s->metric[CONVERGE_RELMSE];
+            columns->errors[(size_t)r * points + p] = s->metric[CONVERGE_LOCAL_RELMSE];
             columns->x[(size_t)r * points + p] = c->spp ? (double)s->spp : s->seconds;
         }
     curve->slope = curve_slope(columns->x, columns->errors, points, c->replicates_done);
@@ -144,10 +165,10 @@ static void find_efficiency(const struct converge *c, struct converge_curve *cur
     uint32_t first, count = converge_siblings(c, curve, &first), replicates = c->replicates_done;
     fill_efficiency(c, curve, CONVERGE_MSE, columns->values);
     curve->efficiency_mse = curve_geometric_mean(columns->values, replicates);
-    fill_efficiency(c, curve, CONVERGE_RELMSE, columns->values);
+    fill_efficiency(c, curve, CONVERGE_LOCAL_RELMSE, columns->values);
     curve->efficiency = curve_geometric_mean(columns->values, replicates);
     for (uint32_t i = 0; i < count; i++) {
-        fill_efficiency(c, &c->curves[first + i], CONVERGE_RELMSE, columns->others);
+        fill_efficiency(c, &c->curves[first + i], CONVERGE_LOCAL_RELMSE, columns->others);
         curve->ratios[i] = curve_paired_ratio(columns->values, columns->others, replicates);
     }
 }
@@ -172,7 +193,7 @@ static struct interval reach(const struct converge *c, const struct converge_cur
     for (int side = 0; side < 3; side++) {
         for (uint32_t p = 0; p < points; p++) {
             const struct converge_point *point = &curve->points[p];
-            struct interval e = point->metric[CONVERGE_RELMSE];
+            struct interval e = point->metric[CONVERGE_LOCAL_RELMSE];
             x[p] = in_samples ? point->spp.value : point->seconds.value;
             errors[p] = side == 0 ? e.value : side == 1 ? e.low : e.high;
         }

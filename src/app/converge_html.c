@@ -148,7 +148,10 @@ static void put_row(struct page *page, const struct converge_curve *curve, bool 
     FILE *out = page->html.out;
     const struct converge_point *last = &curve->points[c->point_count - 1];
     put_label(page, curve);
-    html_interval(&page->html, last->metric[CONVERGE_RELMSE], "%.3g");
+    if (isnan(last->metric[CONVERGE_LOCAL_RELMSE].value) && isfinite(last->at_most))
+        fprintf(out, "<td>at most %.3g</td>", last->at_most);
+    else
+        html_interval(&page->html, last->metric[CONVERGE_LOCAL_RELMSE], "%.3g");
     html_interval(&page->html, curve->slope, "%.3f");
     if (c->spp)
         html_number(&page->html, last->spp.value, "%.0f");
@@ -174,8 +177,9 @@ static void put_curves(struct page *page, uint32_t first, uint32_t count)
 {
     FILE *out = page->html.out;
     fprintf(out,
-            "<div class=\"wide\"><table><tr><th>curve</th><th>relMSE at the end</th><th>slope on "
-            "%s</th><th>samples a pixel</th><th>seconds</th><th>start, s</th><th>efficiency</th>"
+            "<div class=\"wide\"><table><tr><th>curve</th><th>local relMSE at the end</th>"
+            "<th>slope on %s</th><th>samples a pixel</th><th>seconds</th><th>start, "
+            "s</th><th>efficiency</th>"
             "<th>against the first</th><th>bias</th></tr>\n",
             page->c->spp ? "samples" : "time");
     for (uint32_t i = 0; i < count; i++)
@@ -186,17 +190,18 @@ static void put_curves(struct page *page, uint32_t first, uint32_t count)
 static void put_metrics(struct page *page, uint32_t first, uint32_t count)
 {
     static const char *const formats[CONVERGE_METRICS] = {
-        [CONVERGE_MSE] = "%.3g",  [CONVERGE_SMAPE] = "%.4f", [CONVERGE_PSNR] = "%.2f",
-        [CONVERGE_SSIM] = "%.4f", [CONVERGE_FLIP] = "%.4f",
+        [CONVERGE_RELMSE] = "%.3g", [CONVERGE_MSE] = "%.3g",  [CONVERGE_SMAPE] = "%.4f",
+        [CONVERGE_PSNR] = "%.2f",   [CONVERGE_SSIM] = "%.4f", [CONVERGE_FLIP] = "%.4f",
     };
     fputs("<h3>Other metrics at the end</h3>\n<div class=\"wide\"><table><tr><th>curve</th>"
-          "<th>MSE</th><th>efficiency, MSE</th><th>SMAPE</th><th>PSNR, dB</th><th>SSIM</th>"
+          "<th>relMSE</th><th>MSE</th><th>efficiency, MSE</th><th>SMAPE</th><th>PSNR, "
+          "dB</th><th>SSIM</th>"
           "<th>FLIP</th></tr>\n",
           page->html.out);
     for (uint32_t i = 0; i < count; i++) {
         const struct converge_curve *curve = &page->c->curves[first + i];
         put_label(page, curve);
-        for (int m = CONVERGE_MSE; m < CONVERGE_METRICS; m++) {
+        for (int m = CONVERGE_RELMSE; m < CONVERGE_METRICS; m++) {
             html_interval(&page->html, curve->points[page->c->point_count - 1].metric[m],
                           formats[m]);
             if (m == CONVERGE_MSE)
@@ -228,7 +233,8 @@ static void put_targets(struct page *page, uint32_t first, uint32_t count)
     fputs("<h3>What it takes to reach an error</h3>\n<div class=\"wide\"><table><tr><th>curve</th>",
           out);
     for (int t = 0; t < CONVERGE_TARGETS; t++)
-        fprintf(out, "<th>seconds to relMSE %g</th><th>samples a pixel</th>", converge_targets[t]);
+        fprintf(out, "<th>seconds to local relMSE %g</th><th>samples a pixel</th>",
+                converge_targets[t]);
     fputs("</tr>\n", out);
     for (uint32_t i = 0; i < count; i++) {
         put_label(page, &page->c->curves[first + i]);
@@ -274,15 +280,15 @@ static void put_reference_words(struct page *page, const struct converge_referen
         fputs("No reference: errors are those that the half-buffers tell, blind to bias.", out);
     else if (reference->spp)
         fprintf(out,
-                "The reference has %" PRIu64 " samples a pixel, and a relMSE of its own of "
+                "The reference has %" PRIu64 " samples a pixel, and a local relMSE of its own of "
                 "%.2g, which is subtracted.",
-                reference->spp, reference->picture.relmse);
+                reference->spp, reference->picture.local_relmse);
     else {
         fputs("The reference is ", out);
         html_text(&page->html, reference->name);
         if (reference->picture.noise_known)
-            fprintf(out, ", with a relMSE of its own of %.2g, which is subtracted.",
-                    reference->picture.relmse);
+            fprintf(out, ", with a local relMSE of its own of %.2g, which is subtracted.",
+                    reference->picture.local_relmse);
         else
             fputs(", whose own noise is not known.", out);
     }
@@ -292,7 +298,7 @@ static bool is_any_error_known(const struct converge *c, uint32_t first, uint32_
 {
     for (uint32_t i = 0; i < count; i++)
         for (uint32_t p = 0; p < c->point_count; p++)
-            if (!isnan(c->curves[first + i].points[p].metric[CONVERGE_RELMSE].value))
+            if (!isnan(c->curves[first + i].points[p].metric[CONVERGE_LOCAL_RELMSE].value))
                 return true;
     return false;
 }
@@ -337,12 +343,14 @@ static void put_notes(struct page *page)
 static void put_explanation(struct page *page)
 {
     fputs(
-        "<h2>How to read this</h2>\n<p>Errors are geometric means over replicates, other metrics "
+        "<h2>How to read this</h2>\n<p>The error is the local relMSE, mean (x &minus; "
+        "r)&sup2; / (L&sup2; + 0.01), where L is the mean of the reference r around a pixel by a "
+        "Gaussian of 1.5 pixels. Errors are geometric means over replicates, other metrics "
         "means, with 95 % intervals of Student's t. Seconds are of rendering alone; start is "
         "loading, building and compiling, and counts in the times to an error. &#8776; marks those "
         "that are extrapolated as if the error fell with 1/t; their intervals allow for the slope "
         "that "
-        "was found. Efficiency is 1 / (relMSE &times; seconds), and "
+        "was found. Efficiency is 1 / (local relMSE &times; seconds), and "
         "1 / (MSE &times; seconds). Pairs are compared seed by seed. Bias is what of relMSE more "
         "samples would not remove: there is some where the interval is above 0.</p>\n",
         page->html.out);

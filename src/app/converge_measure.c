@@ -1,6 +1,7 @@
 // What `lampyris converge` measures of a picture.
 #include "converge.h"
 
+#include "film_error.h"
 #include "perceptual.h"
 #include <math.h>
 #include <string.h>
@@ -20,8 +21,11 @@ static bool compare(const struct reference *reference, const struct film_image *
     struct metrics m;
     if (!metrics_compare(image, truth, (uint64_t)film->width * film->height, progress, &m))
         return true;
-    metric[CONVERGE_MSE] = m.mse - reference->mse;
+    metric[CONVERGE_LOCAL_RELMSE] =
+        metrics_local_relmse(image, truth, reference->means, (uint64_t)film->width * film->height) -
+        reference->local_relmse;
     metric[CONVERGE_RELMSE] = m.relmse - reference->relmse;
+    metric[CONVERGE_MSE] = m.mse - reference->mse;
     metric[CONVERGE_SMAPE] = m.smape;
     metric[CONVERGE_PSNR] = m.psnr;
     const struct picture_pair pair = {image, truth, film->width, film->height};
@@ -32,26 +36,19 @@ static bool compare(const struct reference *reference, const struct film_image *
            err_memory(err, "SSIM and FLIP", metrics_flip_bytes(film->width, film->height));
 }
 
-// Without a reference: what the half-buffers say, over a smoothed denominator, since a pixel's own
-// noise would make the estimate too small; not known where that has too little to go by.
-static bool estimate(const struct film_image *film, uint64_t samples,
-                     double metric[CONVERGE_METRICS], struct err *err)
+// Without a reference: what the half-buffers say, as in a render's summary. Of relMSE they know a
+// bound alone.
+static bool estimate(const struct renderer *renderer, const struct film_image *film,
+                     struct converge_sample *sample, struct err *err)
 {
     struct half_error error;
-    const struct half_error_params params = {
-        .half_a = (const float(*)[3])film->half_a,
-        .half_b = (const float(*)[3])film->half_b,
-        .width = film->width,
-        .height = film->height,
-        .samples = samples,
-        .brightest = film->brightest,
-    };
-    if (!metrics_half_error(&params, &error))
-        return err_memory(err, "error estimate", (uint64_t)film->width * film->height * 12);
-    if (error.known) {
-        metric[CONVERGE_MSE] = error.mse;
-        metric[CONVERGE_RELMSE] = error.local_relmse;
-    }
+    const struct film_error_params params = film_error_params(renderer, sample->spp);
+    if (!film_error(film, &params, &error, err))
+        return false;
+    sample->metric[CONVERGE_LOCAL_RELMSE] = error.local_relmse;
+    sample->metric[CONVERGE_MSE] = error.mse;
+    if (error.bounded)
+        sample->at_most = error.at_most;
     return true;
 }
 
@@ -76,12 +73,13 @@ bool converge_measure_point(struct converge *c, struct converge_curve *curve, ui
     const struct converge_reference *reference = &c->references[curve->variant.scene];
     for (int m = 0; m < CONVERGE_METRICS; m++)
         sample->metric[m] = NAN;
+    sample->at_most = NAN;
     bool ok = renderer_read(&curve->renderer, &scratch, &film, err);
     if (ok && reference->name)
         ok = compare(&reference->picture, &film, replicate == 0 || converge_is_small(curve),
                      &c->progress, sample->metric, err);
     else if (ok)
-        ok = estimate(&film, sample->spp, sample->metric, err);
+        ok = estimate(&curve->renderer, &film, sample, err);
     // The mean of all tells the bias.
     bool is_needed = reference->name || replicate == 0 || c->options->images;
     if (ok && point + 1 == c->point_count && is_needed)

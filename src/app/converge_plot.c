@@ -23,7 +23,7 @@ static void put_data(FILE *out, const struct converge *c, const struct converge_
     fprintf(out, "$curve%u << EOD\n", number);
     for (uint32_t p = 0; p < c->point_count; p++) {
         const struct converge_point *point = &curve->points[p];
-        struct interval e = point->metric[CONVERGE_RELMSE];
+        struct interval e = point->metric[CONVERGE_LOCAL_RELMSE];
         if (is_drawn(e))
             fprintf(out, "%.9g %.9g %.9g %.9g\n", place_of(point, over_time), e.value,
                     isfinite(e.low) ? e.low : e.value, isfinite(e.high) ? e.high : e.value);
@@ -43,7 +43,7 @@ static bool is_in(const struct converge *c, uint32_t i, uint32_t scene)
     if (curve->variant.scene != scene)
         return false;
     for (uint32_t p = 0; p < c->point_count; p++)
-        if (is_drawn(curve->points[p].metric[CONVERGE_RELMSE]))
+        if (is_drawn(curve->points[p].metric[CONVERGE_LOCAL_RELMSE]))
             return true;
     return false;
 }
@@ -57,7 +57,7 @@ static struct extent find_extent(const struct converge *c, uint32_t scene, bool 
         out.curves++;
         for (uint32_t p = 0; p < c->point_count; p++) {
             const struct converge_point *point = &c->curves[i].points[p];
-            struct interval e = point->metric[CONVERGE_RELMSE];
+            struct interval e = point->metric[CONVERGE_LOCAL_RELMSE];
             if (!is_drawn(e))
                 continue;
             out.x_min = fmin(out.x_min, place_of(point, over_time));
@@ -80,7 +80,7 @@ static const char style[] = "set logscale xy\nset grid xtics ytics mytics lineco
                             "set linetype 5 linecolor '#56b4e9' pointtype 13\n"
                             "set linetype 6 linecolor '#e69f00' pointtype 6\n"
                             "set linetype 7 linecolor '#000000' pointtype 4\n"
-                            "set ylabel 'relMSE'\nset format y '1e%T'\n";
+                            "set ylabel 'local relMSE'\nset format y '1e%T'\n";
 
 // gnuplot labels powers of ten alone: in a short range 1, 2 and 5 of each decade.
 static void put_tics(FILE *out, char axis, double min, double max)

@@ -22,7 +22,7 @@ static void print_head(const struct converge *c, const struct converge_curve *cu
         print_line(reference->name,
                    reference->picture.noise_known ? "" : ", whose own noise is not known");
     }
-    printf("  %-28s %30s %24s %9s %22s\n", "curve", "relMSE at the end",
+    printf("  %-28s %30s %24s %9s %22s\n", "curve", "local relMSE at the end",
            c->spp ? "slope on samples" : "slope on time", "s", "efficiency, ratio");
 }
 
@@ -44,6 +44,18 @@ static void print_interval(struct interval i, const char *format, int width)
     printf(" %*s", width, text);
 }
 
+// Where only a bound is known of a replicate, the mean of the bounds.
+static void print_error(const struct converge_point *point)
+{
+    struct interval error = point->metric[CONVERGE_LOCAL_RELMSE];
+    char text[40];
+    snprintf(text, sizeof text, "at most %.3g", point->at_most);
+    if (isnan(error.value) && isfinite(point->at_most))
+        printf(" %30s", text);
+    else
+        print_interval(error, "%.3g", 30);
+}
+
 static void print_metrics(const struct converge *c, const struct converge_curve *curve)
 {
     const struct converge_point *last = &curve->points[c->point_count - 1];
@@ -51,7 +63,7 @@ static void print_metrics(const struct converge *c, const struct converge_curve 
         printf("      %.4g samples a pixel;", last->spp.value);
     else
         printf("     ");
-    for (int m = CONVERGE_MSE; m < CONVERGE_METRICS; m++)
+    for (int m = CONVERGE_RELMSE; m < CONVERGE_METRICS; m++)
         if (!isnan(last->metric[m].value))
             printf("  %s %.4g", converge_metric_names[m], last->metric[m].value);
     if (!isnan(curve->efficiency.value))
@@ -62,7 +74,7 @@ static void print_metrics(const struct converge *c, const struct converge_curve 
 
 static void print_targets(const struct converge_curve *curve)
 {
-    printf("      to relMSE");
+    printf("      to local relMSE");
     for (int i = 0; i < CONVERGE_TARGETS; i++) {
         const struct converge_target *target = &curve->targets[i];
         if (isnan(target->seconds.value))
@@ -106,7 +118,7 @@ void converge_print(const struct converge *c)
         fputs("  ", stdout);
         print_words(converge_label(curve));
         printf("%*s", (int)fmax(28.0 - (double)strlen(converge_label(curve)), 0), "");
-        print_interval(last->metric[CONVERGE_RELMSE], "%.3g", 30);
+        print_error(last);
         print_interval(curve->slope, "%.3f", 24);
         printf(" %9.3g", last->seconds.value);
         print_interval(curve->ratios[0], "%.3g", 22);

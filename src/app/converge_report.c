@@ -21,6 +21,7 @@ static json_t *replicates_json(const struct converge *c, const struct converge_c
                                uint32_t point)
 {
     json_t *metrics = json_object(), *seconds = json_array(), *spp = json_array();
+    json_t *bounds = json_array();
     for (int m = 0; m < CONVERGE_METRICS; m++) {
         json_t *values = json_array();
         for (uint32_t r = 0; r < c->replicates_done; r++)
@@ -31,8 +32,10 @@ static json_t *replicates_json(const struct converge *c, const struct converge_c
         const struct converge_sample *s = converge_at(c, curve, r, point);
         json_array_append_new(seconds, json_number(s->seconds));
         json_array_append_new(spp, json_integer((json_int_t)s->spp));
+        json_array_append_new(bounds, json_number(s->at_most));
     }
-    return json_pack("{s:o, s:o, s:o}", "spp", spp, "seconds", seconds, "metrics", metrics);
+    return json_pack("{s:o, s:o, s:o, s:o}", "spp", spp, "seconds", seconds, "metrics", metrics,
+                     "local_relmse_at_most", bounds);
 }
 
 static json_t *point_json(const struct converge *c, const struct converge_curve *curve,
@@ -43,9 +46,10 @@ static json_t *point_json(const struct converge *c, const struct converge_curve 
     for (int m = 0; m < CONVERGE_METRICS; m++)
         json_object_set_new(metrics, converge_metric_names[m], json_interval(p->metric[m]));
     json_t *spp = c->spp ? json_integer((json_int_t)c->spp[point]) : json_number(p->spp.value);
-    return json_pack("{s:o, s:o, s:o, s:o, s:o}", "spp", spp, "time_limit",
+    return json_pack("{s:o, s:o, s:o, s:o, s:o, s:i, s:o}", "spp", spp, "time_limit",
                      json_number(c->seconds ? c->seconds[point] : NAN), "seconds",
-                     json_interval(p->seconds), "metrics", metrics, "replicates",
+                     json_interval(p->seconds), "metrics", metrics, "local_relmse_at_most",
+                     json_number(p->at_most), "unknown", (int)p->unknown, "replicates",
                      replicates_json(c, curve, point));
 }
 
@@ -57,7 +61,7 @@ static json_t *curve_json(const struct converge *c, const struct converge_curve 
     for (int i = 0; i < CONVERGE_TARGETS; i++) {
         const struct converge_target *t = &curve->targets[i];
         json_array_append_new(targets,
-                              json_pack("{s:f, s:o, s:o, s:b}", "relmse", converge_targets[i],
+                              json_pack("{s:f, s:o, s:o, s:b}", "local_relmse", converge_targets[i],
                                         "seconds", json_interval(t->seconds), "spp",
                                         json_interval(t->spp), "extrapolated", t->extrapolated));
     }
@@ -83,10 +87,11 @@ static json_t *references_json(const struct converge *c)
         const struct reference *p = &r->picture;
         json_array_append_new(
             references, r->name
-                            ? json_pack("{s:o, s:I, s:o, s:o}", "name", json_words(r->name), "spp",
-                                        (json_int_t)r->spp, "own_mse",
-                                        json_number(p->noise_known ? p->mse : NAN), "own_relmse",
-                                        json_number(p->noise_known ? p->relmse : NAN))
+                            ? json_pack("{s:o, s:I, s:o, s:o, s:o}", "name", json_words(r->name),
+                                        "spp", (json_int_t)r->spp, "own_local_relmse",
+                                        json_number(p->noise_known ? p->local_relmse : NAN),
+                                        "own_relmse", json_number(p->noise_known ? p->relmse : NAN),
+                                        "own_mse", json_number(p->noise_known ? p->mse : NAN))
                             : json_null());
     }
     return references;
@@ -143,7 +148,7 @@ static void print_csv(const void *context, FILE *file)
     fprintf(file, "scene,curve,replicate,spp,seconds");
     for (int m = 0; m < CONVERGE_METRICS; m++)
         fprintf(file, ",%s", converge_metric_names[m]);
-    fputc('\n', file);
+    fputs(",local_relmse_at_most\n", file);
     for (uint32_t i = 0; i < c->curve_count; i++)
         for (uint32_t r = 0; r < c->replicates_done; r++)
             for (uint32_t p = 0; p < c->point_count; p++) {
@@ -157,6 +162,8 @@ static void print_csv(const void *context, FILE *file)
                     fputc(',', file);
                     csv_number(file, s->metric[m]);
                 }
+                fputc(',', file);
+                csv_number(file, s->at_most);
                 fputc('\n', file);
             }
 }

@@ -87,8 +87,65 @@ class Converge(unittest.TestCase):
         self.assertEqual(result['references'], [None])
         self.assertIsNone(curve['bias']['value'])
         self.assertIsNone(curve['points'][0]['replicates']['metrics']['ssim'][0])
-        self.assertTrue(curve['points'][-1]['metrics']['relmse']['value'] > 0)
-        self.assertIsNone(curve['points'][0]['metrics']['relmse']['value'])  # not known below 16 samples
+        for point in curve['points']:
+            self.assertEqual(point['unknown'], 0)
+            self.assertTrue(point['metrics']['local_relmse']['value'] > 0)
+            self.assertIsNone(point['metrics']['relmse']['value'])  # there is a bound at best
+            for told, most in zip(point['replicates']['metrics']['local_relmse'],
+                                  point['replicates']['local_relmse_at_most']):
+                self.assertLess(told, most)
+
+    def test_errors_that_are_bounded_alone(self):
+        # Contiguous halves overstate the error: neither it nor what it is part of is told.
+        result = converge('--reference', 'none', '--replicates', '3', '--curve', 'halves=contiguous',
+                          '--curve', 'halves=independent', '--size', '32x32')
+        bounded, known = result['curves']
+        for point in bounded['points']:
+            self.assertEqual(point['unknown'], 3)
+            self.assertIsNone(point['metrics']['local_relmse']['value'])
+            self.assertIsNone(point['metrics']['mse']['value'])
+            bounds = point['replicates']['local_relmse_at_most']
+            mean = math.exp(sum(math.log(b) for b in bounds) / 3)
+            self.assertTrue(math.isclose(point['local_relmse_at_most'], mean, rel_tol=1e-6))
+        for key in ('slope', 'efficiency', 'efficiency_ratio'):
+            self.assertIsNone(bounded[key]['value'])
+        self.assertEqual(known['points'][-1]['unknown'], 0)
+        self.assertTrue(any('12 of 24 pictures tell a bound' in note for note in result['notes']))
+        text = run('converge', SCENE, '--size', '32x32', '--spp', '32', '--reference', 'none',
+                   '--replicates', '2', '--halves', 'contiguous').stdout
+        self.assertRegex(text, r'as given +at most 0\.\d+ +not known')
+
+    def test_it_agrees_with_render_and_compare(self):
+        # One picture, and one error: what converge, render and compare measure against a reference
+        # is the same, and what the half-buffers tell holds it.
+        with tempfile.TemporaryDirectory() as folder:
+            truth, picture = (os.path.join(folder, name) for name in ('truth.exr', 'out.exr'))
+            size = ('--size', '48x48')
+            made = run('render', SCENE, *size, '--spp', '2000', '--seed', '9', '--aov', 'halves',
+                       '-q', '-o', truth)
+            self.assertEqual(made.returncode, 0, made.stderr)
+            alone, measured = (
+                converge('--reference', name, '--replicates', '2', *size, '--spp-from', '32',
+                         '--seed', '3')['curves'][0] for name in ('none', truth))
+            render = json.loads(run(*shlex.split(measured['command'])[1:], '--json', '--reference',
+                                    truth, '-o', picture).stdout)
+            self.assertEqual(render['image_hash'], measured['image_hash'])
+            compared = json.loads(run('compare', picture, truth, '--reference-variance', 'auto',
+                                      '--json').stdout)
+
+            def first(curve):
+                return curve['points'][-1]['replicates']['metrics']
+            for name in ('local_relmse', 'relmse', 'mse'):
+                self.assertTrue(math.isclose(render['reference'][name], compared[name],
+                                             rel_tol=1e-5), name)
+                self.assertTrue(math.isclose(first(measured)[name][0], compared[name],
+                                             rel_tol=1e-5), name)
+            self.assertTrue(math.isclose(first(alone)['local_relmse'][0],
+                                         render['error']['local_relmse'], rel_tol=1e-9))
+            self.assertTrue(render['error']['known'])
+            self.assertLess(render['error']['ci_low'], compared['local_relmse'])
+            self.assertLess(compared['local_relmse'], render['error']['ci_high'])
+            self.assertLess(compared['relmse'], render['error']['relmse_at_most'])
 
     def test_a_reference_from_a_file(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -99,7 +156,8 @@ class Converge(unittest.TestCase):
             result = converge('--reference', path, '--replicates', '4')
             reference = result['references'][0]
             self.assertEqual((reference['name'], reference['spp']), (path, 0))
-            self.assertTrue(0 < reference['own_relmse'] < 1e-3, reference)
+            self.assertTrue(0 < reference['own_local_relmse'] < reference['own_relmse'] < 1e-3,
+                            reference)
             wrong = run('converge', SCENE, '--size', '13x12', '--reference', path)
             self.assertEqual(wrong.returncode, 2)
             self.assertIn('is 12 x 12 pixels, but', wrong.stderr)
@@ -137,13 +195,14 @@ class Converge(unittest.TestCase):
                 self.assertNotIn(None, values, name)
                 self.assertLess(interval['ci_low'], interval['value'], name)
                 mean = sum(values) / len(values)
-                if name in ('relmse', 'mse'):
+                if name in ('local_relmse', 'relmse', 'mse'):
                     mean = math.exp(sum(math.log(v) for v in values) / len(values))
                 self.assertTrue(math.isclose(interval['value'], mean, rel_tol=1e-6), name)
-            mean = [math.log(1 / (e * t)) for e, t in zip(last['replicates']['metrics']['mse'],
-                                                          last['replicates']['seconds'])]
-            self.assertTrue(math.isclose(math.log(curve['efficiency_mse']['value']),
-                                         sum(mean) / len(mean), rel_tol=1e-6))
+            for key, name in (('efficiency', 'local_relmse'), ('efficiency_mse', 'mse')):
+                mean = [math.log(1 / (e * t)) for e, t in zip(last['replicates']['metrics'][name],
+                                                              last['replicates']['seconds'])]
+                self.assertTrue(math.isclose(math.log(curve[key]['value']),
+                                             sum(mean) / len(mean), rel_tol=1e-6))
         self.assertTrue(any('fewer than 16' in note for note in result['notes']))
         self.assertTrue(any('of the 3 pairs' in note for note in result['notes']))
 
@@ -164,8 +223,8 @@ class Report(unittest.TestCase):
             self.assertEqual(len(rows), 2 * 3 * 4)
             with open(os.path.join(report, 'results.json'), encoding='utf-8') as file:
                 result = json.load(file)
-            values = result['curves'][0]['points'][1]['replicates']['metrics']['relmse']
-            mine = [float(r['relmse']) for r in rows
+            values = result['curves'][0]['points'][1]['replicates']['metrics']['local_relmse']
+            mine = [float(r['local_relmse']) for r in rows
                     if r['curve'] == 'sampler=sobol' and r['spp'] == '8']
             for value, row in zip(values, mine):
                 self.assertTrue(math.isclose(value, row, rel_tol=1e-6))
