@@ -181,6 +181,7 @@ struct gui_curve {
     const char *label;
     const double *x, *y;      // both logarithmic axes; what is not positive and finite is left out
     const double *low, *high; // the interval of each y, shown as a band; NULL: none
+    const double *most;       // bounds, shown as arrows downwards where there is no y; NULL: none
     uint32_t count;
 };
 void gui_curves(struct gui *gui, const struct gui_curve *curves, uint32_t count,

@@ -110,6 +110,11 @@ static void make_room(double range[2])
     range[1] = middle + half;
 }
 
+static bool has_bound(const struct gui_curve *curve, uint32_t point)
+{
+    return curve->most && is_good(curve->most[point]);
+}
+
 // False: there is no point to show.
 static bool find_axes(const struct gui_curve *curves, uint32_t count, struct axes *out)
 {
@@ -117,10 +122,12 @@ static bool find_axes(const struct gui_curve *curves, uint32_t count, struct axe
     out->x[1] = out->y[1] = -DBL_MAX;
     for (uint32_t i = 0; i < count; i++)
         for (uint32_t p = 0; p < curves[i].count; p++) {
-            if (!is_good(curves[i].x[p]) || !is_good(curves[i].y[p]))
+            bool is_bound = !is_good(curves[i].y[p]) && has_bound(&curves[i], p);
+            double y = is_bound ? curves[i].most[p] : curves[i].y[p];
+            if (!is_good(curves[i].x[p]) || !is_good(y))
                 continue;
             widen(out->x, curves[i].x[p]);
-            widen(out->y, curves[i].y[p]);
+            widen(out->y, y);
             if (curves[i].low && is_good(curves[i].low[p]) && is_good(curves[i].high[p])) {
                 widen(out->y, curves[i].low[p]);
                 widen(out->y, curves[i].high[p]);
@@ -201,6 +208,18 @@ static void draw_rows(struct ImDrawList *list, const struct axes *axes)
     }
 }
 
+// The error is somewhere below.
+static void draw_bound(struct ImDrawList *list, struct im_vec at, uint32_t color, float scale)
+{
+    const float length = 8.0f * scale, barb = 3.0f * scale, width = 1.5f * scale;
+    const struct im_vec tip = {at.x, at.y + length};
+    im_draw_line(list, (struct im_vec){at.x - barb, at.y}, (struct im_vec){at.x + barb, at.y},
+                 color, width);
+    im_draw_line(list, at, tip, color, width);
+    im_draw_line(list, (struct im_vec){tip.x - barb, tip.y - barb}, tip, color, width);
+    im_draw_line(list, (struct im_vec){tip.x + barb, tip.y - barb}, tip, color, width);
+}
+
 static void draw_curve(struct ImDrawList *list, const struct axes *axes,
                        const struct gui_curve *curve, uint32_t color, float scale)
 {
@@ -208,6 +227,8 @@ static void draw_curve(struct ImDrawList *list, const struct axes *axes,
     bool has_last = false, has_band = false;
     const uint32_t band = (color & 0xffffffu) | 46u << 24; // the same, but for alpha
     for (uint32_t p = 0; p < curve->count; p++) {
+        if (is_good(curve->x[p]) && !is_good(curve->y[p]) && has_bound(curve, p))
+            draw_bound(list, place(axes, curve->x[p], curve->most[p]), color, scale);
         if (!is_good(curve->x[p]) || !is_good(curve->y[p]))
             continue;
         const struct im_vec at = place(axes, curve->x[p], curve->y[p]);

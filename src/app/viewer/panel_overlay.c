@@ -2,6 +2,7 @@
 #include "panel_internal.h"
 
 #include "false_color.h"
+#include "film_error.h"
 #include "image.h"
 #include <float.h>
 #include <math.h>
@@ -71,19 +72,19 @@ static void side_note(struct viewer *viewer, uint32_t side, float x, float y)
 {
     const struct view *view = &viewer->sides[side];
     unsigned long long samples = (unsigned long long)view_samples(view);
-    const struct view_look *look = NULL;
+    const struct half_error error = view_newest_look(view).error;
     char other[64] = "";
     if (side > 0)
         write_difference(viewer, other, sizeof other);
-    for (uint32_t i = 0; i < view->look_count; i++)
-        if (isfinite(view->looks[i].relmse))
-            look = &view->looks[i];
-    if (look && isfinite(look->low))
-        gui_note(&viewer->gui, x, y, false, "%c  relMSE %.2g (%.2g to %.2g), %llu samples%s",
-                 'A' + (int)side, look->relmse, look->low, look->high, samples, other);
-    else if (look)
-        gui_note(&viewer->gui, x, y, false, "%c  relMSE %.2g, %llu samples%s", 'A' + (int)side,
-                 look->relmse, samples, other);
+    if (error.known)
+        gui_note(&viewer->gui, x, y, false, "%c  local relMSE %.2g (%.2g to %.2g), %llu samples%s",
+                 'A' + (int)side, error.local_relmse, error.ci_low, error.ci_high, samples, other);
+    else if (error.bounded)
+        gui_note(&viewer->gui, x, y, false, "%c  local relMSE at most %.2g, %llu samples%s",
+                 'A' + (int)side, error.at_most, samples, other);
+    else if (film_error_is_plain(&error))
+        gui_note(&viewer->gui, x, y, false, "%c  local relMSE about %.2g, %llu samples%s",
+                 'A' + (int)side, error.local_relmse, samples, other);
     else
         gui_note(&viewer->gui, x, y, false, "%c  %llu samples%s", 'A' + (int)side, samples, other);
 }

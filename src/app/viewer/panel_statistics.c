@@ -1,6 +1,7 @@
 // What there is to know of the picture as it grows.
 #include "panel_internal.h"
 
+#include "film_error.h"
 #include "render_report.h"
 #include <math.h>
 #include <stdio.h>
@@ -66,58 +67,63 @@ static void kernel_bars(struct viewer *viewer)
 
 // --- error ---------------------------------------------------------------------------------------
 
-static const struct view_look *last_look(const struct view *view)
+// Of independent samples the error falls with their number, and so with time.
+static void forecast_line(struct viewer *viewer, const struct view_look *look)
 {
-    for (uint32_t i = view->look_count; i > 0; i--)
-        if (isfinite(view->looks[i - 1].relmse))
-            return &view->looks[i - 1];
-    return NULL;
+    struct gui *gui = &viewer->gui;
+    double error = look->error.local_relmse;
+    if (!look->error.known || !(look->seconds > 0.0) || !(error > 0.0)) {
+        gui_fact(gui, "  forecast", "-");
+        return;
+    }
+    double target = pow(10.0, ceil(log10(error)) - 1.0);
+    gui_fact(gui, "  forecast", "%.0e at ~%s", target,
+             time_text(viewer, look->seconds * error / target));
 }
 
 // Three lines, whatever is known.
 static void error_lines(struct viewer *viewer, uint32_t side)
 {
     struct gui *gui = &viewer->gui;
-    const struct view *view = &viewer->sides[side];
     const char *label = viewer->side_count > 1 ? side ? "Error B" : "Error A" : "Error";
-    const struct view_look *look = last_look(view);
-    if (!look) {
+    const struct view_look look = view_newest_look(&viewer->sides[side]);
+    const struct half_error *error = &look.error;
+    if (error->known)
+        gui_fact(gui, label, "local relMSE %.3g", error->local_relmse);
+    else if (error->bounded)
+        gui_fact(gui, label, "local relMSE at most %.3g", error->at_most);
+    else if (film_error_is_plain(error))
+        gui_fact(gui, label, "local relMSE about %.3g", error->local_relmse);
+    else
         gui_fact(gui, label, "not known yet");
-        gui_fact(gui, "  since", "%s", view->unknown ? view->unknown : "it was not looked at");
-        gui_fact(gui, "  forecast", "-");
-        return;
-    }
-    gui_fact(gui, label, "relMSE %.3g", look->relmse);
-    if (isfinite(look->low) && isfinite(look->high))
-        gui_fact(gui, "  95 %", "%.3g to %.3g", look->low, look->high);
+    if (error->known)
+        gui_fact(gui, "  95 %", "%.3g to %.3g", error->ci_low, error->ci_high);
     else
-        gui_fact(gui, "  95 %", "not known");
-    // Of independent samples the error falls with their number, and so with time.
-    double target = pow(10.0, ceil(log10(look->relmse)) - 1.0);
-    if (look->seconds > 0.0 && look->relmse > 0.0)
-        gui_fact(gui, "  forecast", "%.0e at ~%s", target,
-                 time_text(viewer, look->seconds * look->relmse / target));
-    else
-        gui_fact(gui, "  forecast", "-");
+        gui_fact(gui, error->bounded ? "  in 95 %, since" : "  since", "%s", error->reason);
+    forecast_line(viewer, &look);
 }
 
 struct points {
-    double x[VIEW_LOOKS_MAX], y[VIEW_LOOKS_MAX], low[VIEW_LOOKS_MAX], high[VIEW_LOOKS_MAX];
+    double x[VIEW_LOOKS_MAX], y[VIEW_LOOKS_MAX], low[VIEW_LOOKS_MAX], high[VIEW_LOOKS_MAX],
+        most[VIEW_LOOKS_MAX];
 };
 
 static struct gui_curve curve_of(const struct view *view, const char *label, struct points *points)
 {
     for (uint32_t i = 0; i < view->look_count; i++) {
+        const struct half_error *error = &view->looks[i].error;
         points->x[i] = view->looks[i].seconds;
-        points->y[i] = view->looks[i].relmse;
-        points->low[i] = view->looks[i].low;
-        points->high[i] = view->looks[i].high;
+        points->y[i] = error->local_relmse;
+        points->low[i] = error->ci_low;
+        points->high[i] = error->ci_high;
+        points->most[i] = error->at_most;
     }
     return (struct gui_curve){.label = label,
                               .x = points->x,
                               .y = points->y,
                               .low = points->low,
                               .high = points->high,
+                              .most = points->most,
                               .count = view->look_count};
 }
 
@@ -127,7 +133,7 @@ static void error_curves(struct viewer *viewer)
     struct gui_curve curves[VIEWER_SIDES];
     for (uint32_t side = 0; side < viewer->side_count; side++)
         curves[side] = curve_of(&viewer->sides[side], side_names[side], &points[side]);
-    gui_curves(&viewer->gui, curves, viewer->side_count, "seconds", "relMSE");
+    gui_curves(&viewer->gui, curves, viewer->side_count, "seconds", "local relMSE");
 }
 
 // --- what was left out ---------------------------------------------------------------------------

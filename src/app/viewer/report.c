@@ -2,6 +2,7 @@
 #include "viewer.h"
 
 #include "clock.h"
+#include "film_error.h"
 #include "json_out.h"
 #include "render_report.h"
 #include "text_out.h"
@@ -128,18 +129,15 @@ static json_t *times_json(struct frame_times *times)
 
 static json_t *side_json(const struct view *view)
 {
-    const struct view_look *look = view->looks + view->look_count - 1;
-    bool is_known = view->look_count > 0 && isfinite(look->relmse);
-    json_t *side = json_pack("{s:I, s:f, s:o, s:o, s:o, s:o}", "samples",
-                             (json_int_t)view_samples(view), "render_seconds", view->seconds,
-                             "relmse", json_number(is_known ? look->relmse : NAN), "ci_low",
-                             json_number(is_known ? look->low : NAN), "ci_high",
-                             json_number(is_known ? look->high : NAN), "error_samples",
-                             json_number(is_known ? look->samples : NAN));
-    if (!is_known)
-        json_object_set_new(side, "reason",
-                            json_words(view->unknown ? view->unknown : "not looked at so far"));
-    return side;
+    const struct view_look look = view_newest_look(view);
+    const struct half_error *error = &look.error;
+    return json_pack(
+        "{s:I, s:f, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "samples", (json_int_t)view_samples(view),
+        "render_seconds", view->seconds, "local_relmse", json_number(error->local_relmse), "ci_low",
+        json_number(error->ci_low), "ci_high", json_number(error->ci_high), "at_most",
+        json_number(error->at_most), "relmse_at_most", json_number(error->relmse_at_most),
+        "error_samples", json_number(view->look_count > 0 ? look.samples : NAN), "reason",
+        error->reason ? json_string(error->reason) : json_null());
 }
 
 static void print_json(struct viewer *viewer)
@@ -171,16 +169,18 @@ static void print_times(const char *label, struct frame_times *times)
 static void print_side(const struct viewer *viewer, uint32_t index)
 {
     const struct view *view = &viewer->sides[index];
-    const struct view_look *look = view->looks + view->look_count - 1;
+    const struct view_look look = view_newest_look(view);
+    const struct half_error *error = &look.error;
+    char words[FILM_ERROR_WORDS];
     const char *label = viewer->side_count == 1 ? "picture " : index == 0 ? "left    " : "right   ";
     printf("%s  %llu spp in %.3f s of rendering", label, (unsigned long long)view_samples(view),
            view->seconds);
-    if (view->look_count > 0 && isfinite(look->relmse))
-        printf("; at %.0f spp relMSE %.3g, 95 %% interval %.3g to %.3g (variance from "
-               "half-buffers, blind to bias)\n",
-               look->samples, look->relmse, look->low, look->high);
+    film_error_words(error, words);
+    if (error->known || error->bounded || film_error_is_plain(error))
+        printf("; at %.0f spp %s%s%s\n", look.samples, words,
+               error->known ? " (blind to bias)" : ": ", error->known ? "" : error->reason);
     else
-        printf("; its error is not known: %s\n", view->unknown ? view->unknown : "not looked at");
+        printf("; its error is not known: %s\n", error->reason);
 }
 
 static void print_text(struct viewer *viewer)

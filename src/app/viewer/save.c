@@ -3,6 +3,7 @@
 #include "viewer.h"
 
 #include "file.h"
+#include "film_error.h"
 #include "hash.h"
 #include "render_job.h"
 #include "scene_write.h"
@@ -94,10 +95,9 @@ static bool describe(const struct viewer *viewer, uint32_t side, const struct fi
         .compile = view->renderer.stats.compile_seconds,
         .render = view->seconds,
     };
-    const struct view_look *look = view->look_count ? &view->looks[view->look_count - 1] : NULL;
-    if (look && look->samples == (double)film->least_samples)
-        job->error = (struct half_error){
-            .known = true, .local_relmse = look->relmse, .ci_low = look->low, .ci_high = look->high};
+    const struct view_look look = view_newest_look(view);
+    bool is_looked_at = look.samples == (double)film->least_samples;
+    job->error = is_looked_at ? look.error : film_error_none("it was not looked at");
     bool ok = job_describe(job, 0, &saving->arena, &saving->attributes, err);
     job_list_layers(job, &saving->layers);
     free(job);

@@ -25,14 +25,6 @@ static uint64_t least_samples(const struct viewer *viewer)
     return viewer->side_count ? least : 0;
 }
 
-static bool is_error_known(const struct viewer *viewer)
-{
-    for (uint32_t i = 0; i < viewer->side_count; i++)
-        if (viewer->sides[i].look_count == 0 && !viewer->sides[i].unknown)
-            return false;
-    return true;
-}
-
 // Every pixel has as many samples as it is to get, and nothing else is under way.
 static bool is_complete(const struct viewer *viewer)
 {
@@ -65,7 +57,7 @@ enum step step_wait(struct script *script, struct viewer *viewer,
     case WAIT_SAMPLES:
         return wait_samples(viewer, (uint64_t)command->numbers[0], err);
     case WAIT_IDLE:
-        is_over = worker_is_idle(viewer->worker) && !viewer->is_moving && is_error_known(viewer) &&
+        is_over = worker_is_idle(viewer->worker) && !viewer->is_moving &&
                   (viewer->shown.spp_limit == 0 || is_complete(viewer));
         break;
     }

@@ -61,18 +61,17 @@ static void list_kept(void *context, const struct part *part)
 
 static json_t *side_json(const struct view *view)
 {
-    const struct view_look *look =
-        view->look_count ? &view->looks[view->look_count - 1] : &(struct view_look){0};
-    bool is_known = view->look_count > 0;
+    const struct view_look look = view_newest_look(view);
     json_t *kept = json_array();
     if (view->is_ready)
         parts_visit(&view->renderer, list_kept, kept);
     const struct renderer *r = &view->renderer;
-    json_t *relmse = is_known ? json_number(look->relmse) : json_null();
-    return json_pack("{s:b, s:i, s:i, s:I, s:o, s:o, s:i, s:i, s:b, s:o}", "ready", view->is_ready,
-                     "width", r->frame.width, "height", r->frame.height, "samples",
-                     (json_int_t)(view->is_ready ? view_samples(view) : 0), "relmse", relmse,
-                     "relmse_samples", is_known ? json_number(look->samples) : json_null(), "wave",
+    return json_pack("{s:b, s:i, s:i, s:I, s:o, s:o, s:o, s:i, s:i, s:b, s:o}", "ready",
+                     view->is_ready, "width", r->frame.width, "height", r->frame.height, "samples",
+                     (json_int_t)(view->is_ready ? view_samples(view) : 0), "local_relmse",
+                     json_number(look.error.local_relmse), "at_most",
+                     json_number(look.error.at_most), "error_samples",
+                     json_number(view->look_count > 0 ? look.samples : NAN), "wave",
                      r->plan.wave_slots, "workgroup", r->specialization.workgroup, "denoised",
                      view->denoiser.gpu != NULL, "kept", kept);
 }

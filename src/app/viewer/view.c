@@ -1,11 +1,12 @@
 #include "viewer.h"
 
-#include <math.h>
+#include "film_error.h"
 #include <stdlib.h>
 
 // Seconds between two looks, once there were some at doubling numbers of samples: a look reads the
 // film back, which holds up the picture a little.
 #define LOOK_SECONDS 3.0
+#define FIRST_LOOK 2 // samples: one in each half
 
 uint64_t view_samples(const struct view *view)
 {
@@ -25,8 +26,7 @@ void view_begin(struct view *view)
     view->seconds = 0.0;
     view->first_sample = view->denoised_samples = 0;
     view->look_count = 0;
-    view->next_look = LOOKS_FIRST;
-    view->unknown = "fewer than 16 samples";
+    view->next_look = FIRST_LOOK;
 }
 
 bool view_is_denoised(const struct viewer *viewer, const struct view *view)
@@ -47,8 +47,7 @@ struct look_job {
     uint32_t side;
     uint64_t epoch;
     double seconds, samples;
-    bool too_early;     // of contiguous halves, which tell it at the end alone
-    bool shares_depths; // so that there is no interval
+    struct film_error_params params;
     struct arena arena;
     struct film_image film;
     struct half_error error;
@@ -57,20 +56,7 @@ struct look_job {
 static bool run_look(void *context, struct err *err)
 {
     struct look_job *job = context;
-    const struct half_error_params params = {
-        .half_a = (const float(*)[3])job->film.half_a,
-        .half_b = (const float(*)[3])job->film.half_b,
-        .width = job->film.width,
-        .height = job->film.height,
-        .samples = job->film.least_samples,
-        .brightest = job->film.brightest,
-    };
-    if (job->too_early) {
-        job->error.reason = "contiguous halves tell it after as many samples as were planned";
-        return true;
-    }
-    return metrics_half_error(&params, &job->error) ||
-           err_memory(err, "error estimate", (uint64_t)job->film.width * job->film.height * 12);
+    return film_error(&job->film, &job->params, &job->error, err);
 }
 
 // When the list is full, every other one of the older half makes room, so that the curve still
@@ -86,21 +72,20 @@ static void thin(struct view *view)
 
 static void add_look(struct view *view, const struct look_job *job)
 {
-    const struct half_error *error = &job->error;
-    view->unknown = error->known ? NULL : error->reason;
     if (view->look_count == VIEW_LOOKS_MAX)
         thin(view);
     view->looks[view->look_count++] = (struct view_look){
         .seconds = job->seconds,
         .samples = job->samples,
-        .relmse = error->known ? error->local_relmse : NAN,
-        .low = !error->known        ? NAN
-               : job->shares_depths ? 0.0
-                                    : error->ci_low,
-        .high = !error->known        ? NAN
-                : job->shares_depths ? INFINITY
-                                     : error->ci_high,
+        .error = job->error,
     };
+}
+
+struct view_look view_newest_look(const struct view *view)
+{
+    if (view->look_count > 0)
+        return view->looks[view->look_count - 1];
+    return (struct view_look){.error = film_error_none("fewer than two samples per pixel")};
 }
 
 static void free_job(struct look_job *job)
@@ -133,7 +118,7 @@ bool view_wants_look(const struct viewer *viewer, const struct view *view)
     bool is_last = samples > 0 && samples == viewer->shown.spp_limit;
     if (is_last &&
         (view->look_count == 0 || view->looks[view->look_count - 1].samples != (double)samples))
-        return samples >= LOOKS_FIRST;
+        return samples >= FIRST_LOOK;
     return (double)samples >= view->next_look &&
            viewer_seconds(viewer) - view->looked_seconds >= (samples > 256 ? LOOK_SECONDS : 0.0);
 }
@@ -142,18 +127,16 @@ static bool start_look(struct viewer *viewer, uint32_t side, struct look_job *jo
 {
     struct view *view = &viewer->sides[side];
     const struct renderer *renderer = &view->renderer;
-    uint64_t planned = renderer->frame.samples;
     *job = (struct look_job){
         .side = side,
         .epoch = view->epoch,
         .seconds = view->seconds,
         .samples = (double)view_samples(view),
-        .too_early =
-            renderer->specialization.halves == HALVES_CONTIGUOUS && view_samples(view) != planned,
-        .shares_depths = renderer->specialization.roulette == ROULETTE_FRAME &&
-                         (renderer->specialization.features & FEATURE_ROULETTE),
     };
-    return renderer_read(&view->renderer, &job->arena, &job->film, err);
+    if (!renderer_read(&view->renderer, &job->arena, &job->film, err))
+        return false;
+    job->params = film_error_params(renderer, job->film.least_samples);
+    return true;
 }
 
 bool view_look_now(struct viewer *viewer, uint32_t side, struct err *err)
@@ -162,7 +145,7 @@ bool view_look_now(struct viewer *viewer, uint32_t side, struct err *err)
     uint64_t samples = view_samples(view);
     bool is_known =
         view->look_count > 0 && view->looks[view->look_count - 1].samples == (double)samples;
-    if (!view->is_ready || view->is_preview || samples < LOOKS_FIRST || is_known)
+    if (!view->is_ready || view->is_preview || samples < FIRST_LOOK || is_known)
         return true;
     struct look_job job;
     bool ok = start_look(viewer, side, &job, err) && run_look(&job, err);

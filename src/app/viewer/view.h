@@ -23,8 +23,8 @@ struct method {
 
 // The error at doubling numbers of samples, and in between now and then.
 struct view_look {
-    double seconds, samples;  // of rendering; of a pixel
-    double relmse, low, high; // NAN where not known
+    double seconds, samples; // of rendering; of a pixel
+    struct half_error error; // of film_error()
 };
 
 struct view {
@@ -49,8 +49,7 @@ struct view {
     double looked_seconds;  // clock of the last look
     struct view_look looks[VIEW_LOOKS_MAX];
     uint32_t look_count;
-    double next_look;    // samples at which the error is to be found again
-    const char *unknown; // why the error is not known yet, or NULL
+    double next_look; // samples at which the error is to be found again
 };
 
 struct viewer;
@@ -59,10 +58,12 @@ struct viewer;
 bool view_wants_look(const struct viewer *viewer, const struct view *view);
 // Of the film as it is, where the time for it has come: on the worker's thread, into `looks`.
 bool view_look_at_error(struct viewer *viewer, uint32_t side, struct err *err);
-// The same at once, whatever the time, of 16 samples and more.
+// The same at once, whatever the time, of two samples and more.
 bool view_look_now(struct viewer *viewer, uint32_t side, struct err *err);
 // A picture begins: what is known of the last one is void.
 void view_begin(struct view *view);
+// The newest look; before the first one, one without samples that knows nothing.
+struct view_look view_newest_look(const struct view *view);
 // Whether the denoiser's picture, if one is to be seen, is of all samples and by the settings of
 // now.
 bool view_is_denoised(const struct viewer *viewer, const struct view *view);
