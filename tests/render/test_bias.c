@@ -104,16 +104,20 @@ struct verdict {
 };
 
 static bool judge(const struct film_image *reference, const struct film_image *films,
-                  struct verdict *out)
+                  struct arena *arena, struct verdict *out)
 {
     const float *pictures[REPLICATES];
     double noise = 0;
     size_t length = 3 * (size_t)reference->width * reference->height;
+    float(*means)[3] = arena_alloc(arena, length / 3, sizeof *means);
+    if (!means || !metrics_local_means((const float(*)[3])reference->mean, reference->width,
+                                       reference->height, NULL, means))
+        return false;
     for (int r = 0; r < REPLICATES; r++)
         pictures[r] = films[r].mean[0];
     for (size_t i = 0; i < length; i++) {
         double half = ((double)reference->half_a[0][i] - (double)reference->half_b[0][i]) / 2;
-        double mean = (double)reference->mean[0][i];
+        double mean = (double)means[0][i];
         noise += half * half / (mean * mean + METRICS_RELMSE_EPSILON) / (double)length;
     }
     const struct bias_params params = {
@@ -127,11 +131,12 @@ static bool judge(const struct film_image *reference, const struct film_image *f
         .half_a = (const float(*)[3])films[0].half_a,
         .half_b = (const float(*)[3])films[0].half_b,
         .reference = (const float(*)[3])reference->mean,
+        .means = (const float(*)[3])means,
         .width = reference->width,
         .height = reference->height,
         .reference_halves = {(const float(*)[3])reference->half_a,
                              (const float(*)[3])reference->half_b},
-        .reference_relmse = noise,
+        .reference_error = noise,
     };
     struct interval bias = {NAN, NAN, NAN};
     struct forecast_bias stays;
@@ -147,7 +152,7 @@ static bool run_seed(struct study *s, uint32_t seed, struct verdict *out, struct
     bool ok = render(s, false, ~seed, &arena, &reference, err);
     for (uint32_t r = 0; ok && r < REPLICATES; r++)
         ok = render(s, true, seed + r, &arena, &films[r], err);
-    ok = ok && (judge(&reference, films, out) || err_memory(err, "bias", 0));
+    ok = ok && (judge(&reference, films, &arena, out) || err_memory(err, "bias", 0));
     arena_finish(&arena);
     return ok;
 }
