@@ -15,7 +15,7 @@ struct judge {
     bool misses;
     uint64_t values;
     double *sum, *square;    // of the pictures with the most samples
-    float (*local_means)[3]; // of their mean
+    float (*local_means)[3]; // of `reference`
     float (*half_a)[3], (*half_b)[3];
     float (*picture)[3];
     float (*reference)[3];  // without the seed at hand
@@ -36,7 +36,7 @@ static bool read_picture(struct judge *judge, uint32_t seed, uint32_t level, str
     return true;
 }
 
-static bool find_mean(struct judge *judge, struct err *err)
+static bool find_sums(struct judge *judge, struct err *err)
 {
     const struct plan *plan = judge->pictures->plan;
     for (uint32_t seed = 0; seed < plan->seeds; seed++) {
@@ -48,32 +48,36 @@ static bool find_mean(struct judge *judge, struct err *err)
             judge->square[i] += value * value;
         }
     }
-    for (uint64_t i = 0; i < judge->values; i++)
-        judge->reference[0][i] = (float)(judge->sum[i] / plan->seeds);
-    return metrics_local_means((const float(*)[3])judge->reference, plan->side, plan->side, NULL,
-                               judge->local_means) ||
-           err_memory(err, "the local means", judge->values * sizeof(float));
+    return true;
 }
 
-// Leaves a seed out of the reference.
+// What the noise of the reference itself adds to errors. `mean` is that of the other seeds.
+static void add_own(struct judge *judge, double mean, double variance, uint64_t i)
+{
+    double local = (double)judge->local_means[0][i];
+    judge->own += variance / (local * local + METRICS_RELMSE_EPSILON) / (double)judge->values;
+    judge->own_relmse += variance / (mean * mean + METRICS_RELMSE_EPSILON) / (double)judge->values;
+}
+
+// Leaves a seed out of the reference, and out of its local means: a bright sample of this seed
+// would lessen the errors around it.
 static bool leave_out(struct judge *judge, uint32_t seed, struct err *err)
 {
     const struct plan *plan = judge->pictures->plan;
+    double others = plan->seeds - 1.0;
     if (!read_picture(judge, seed, plan->levels - 1, err))
         return false;
-    double others = plan->seeds - 1.0;
+    for (uint64_t i = 0; i < judge->values; i++)
+        judge->reference[0][i] = (float)((judge->sum[i] - (double)judge->picture[0][i]) / others);
+    if (!metrics_local_means((const float(*)[3])judge->reference, plan->side, plan->side, NULL,
+                             judge->local_means))
+        return err_memory(err, "the local means", judge->values * sizeof(float));
     judge->own = judge->own_relmse = 0;
     for (uint64_t i = 0; i < judge->values; i++) {
-        double value = (double)judge->picture[0][i], local = (double)judge->local_means[0][i];
-        double mean = (judge->sum[i] - value) / others;
+        double value = (double)judge->picture[0][i], mean = (judge->sum[i] - value) / others;
         double spread = (judge->square[i] - value * value) / others - mean * mean;
-        double variance = fmax(spread, 0) / (others - 1);
-        judge->reference[0][i] = (float)mean;
-        judge->own += variance / (local * local + METRICS_RELMSE_EPSILON);
-        judge->own_relmse += variance / (mean * mean + METRICS_RELMSE_EPSILON);
+        add_own(judge, mean, fmax(spread, 0) / (others - 1), i);
     }
-    judge->own /= (double)judge->values;
-    judge->own_relmse /= (double)judge->values;
     return true;
 }
 
@@ -216,7 +220,7 @@ bool cells_judge(const struct subject *subject, const struct pictures *pictures,
 {
     struct judge judge = {.subject = subject, .pictures = pictures, .misses = misses};
     bool ok = judge_init(&judge, pictures->plan, cells)
-                  ? find_mean(&judge, err) && judge_seeds(&judge, cells, err)
+                  ? find_sums(&judge, err) && judge_seeds(&judge, cells, err)
                   : err_memory(err, "the judge", judge.values * sizeof(double));
     judge_finish(&judge);
     return ok;
