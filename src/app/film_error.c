@@ -45,6 +45,8 @@ static void take_back(const struct film_error_params *params, struct half_error 
         error->bounded = true;
         error->at_most = told.at_most;
         error->relmse_at_most = told.relmse_at_most;
+        error->spread = told.spread;
+        error->spread_terms = told.spread_terms;
     }
 }
 

@@ -359,6 +359,16 @@ class Forecast(Base):
             self.assertLess(forecast['ci_low'], forecast['local_relmse'])
             self.assertGreater(forecast['ci_high'], forecast['local_relmse'])
 
+    def test_a_bound_is_halved(self):
+        report = self.render('--spp', '64', '--halves', 'contiguous', scene=EVEN)
+        forecast, error = report['forecast'], report['error']
+        self.assertEqual((error['known'], error['local_relmse']), (False, None))
+        self.assertTrue(forecast['upper_bound'])
+        self.assertAlmostEqual(forecast['local_relmse'] / error['at_most'], 0.5, delta=1e-6)
+        # Pictures differ: half of what this one has is not what the next one has.
+        self.assertLess(forecast['ci_low'], 0.9 * forecast['local_relmse'])
+        self.assertGreater(forecast['ci_high'], 1.1 * forecast['local_relmse'])
+
     def test_looks_of_error_tell_a_slope_too(self):
         report = self.render('--error', '1e-9', '--spp', '128', scene=EVEN)
         self.assertEqual(report['forecast']['basis'], 'slope')
