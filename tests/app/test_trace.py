@@ -8,6 +8,7 @@ import csv
 import json
 import math
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -307,6 +308,31 @@ class Reference(Base):
         last = self.rows()[-1]
         for key in ('local_relmse', 'relmse', 'mse', 'smape', 'psnr'):
             self.assertAlmostEqual(last['true_' + key] / against[key], 1, delta=1e-6)
+
+    def attributes(self):
+        with open(self.path('out.exr'), 'rb') as file:
+            header = file.read(16384)
+        return {key.decode(): float(value) for key, value in re.findall(
+            rb'lampyris:((?:local_)?relmse\w*)\0string\0.{4}([-+.0-9e]+)', header, re.S)}
+
+    def test_the_picture_says_what_the_report_says(self):
+        error = self.render('--spp', '64', scene=EVEN)['error']
+        told = self.attributes()
+        for key, name in (('local_relmse', 'local_relmse'), ('local_relmse_ci_low', 'ci_low'),
+                          ('local_relmse_ci_high', 'ci_high'), ('local_relmse_at_most', 'at_most'),
+                          ('relmse_at_most', 'relmse_at_most')):
+            self.assertAlmostEqual(told[key] / error[name], 1, delta=1e-6)
+        # Where there is a bound alone, no estimate passes for more.
+        error = self.render('--spp', '64', '--halves', 'contiguous', scene=EVEN)['error']
+        told = self.attributes()
+        self.assertEqual(set(told), {'local_relmse_at_most', 'relmse_at_most'})
+        self.assertAlmostEqual(told['local_relmse_at_most'] / error['at_most'], 1, delta=1e-6)
+        # Nor where pixels depend on each other: neither interval nor bound.
+        error = self.render('--spp', '64', '--roulette', 'frame')['error']
+        self.assertEqual((error['known'], error['ci_low'], error['at_most']), (False, None, None))
+        self.assertGreater(error['local_relmse'], 0)
+        self.assertIn('depths', error['reason'])
+        self.assertEqual(self.attributes(), {})
 
     def test_bias_is_found_and_only_where_it_is(self):
         # The honest one errs in 0.05 % of seeds; the wrong one has a tenth of the light too much.

@@ -724,6 +724,27 @@ TEST(charts_take_any_numbers)
     bench_free(bench);
 }
 
+// Where there is no value, a bound is drawn; where there is one, none.
+TEST(charts_show_bounds)
+{
+    struct bench *bench = bench_new(1);
+    const double x[] = {1, 2}, y[] = {NAN, 0.1}, most[] = {0.3, 0.2}, none[] = {INFINITY, INFINITY};
+    struct gui_curve curves[] = {{.label = "A", .x = x, .y = y, .most = most, .count = 1},
+                                 {.label = "A", .x = x, .y = y, .most = none, .count = 1}};
+    uint32_t vertices[4];
+    for (int i = 0; i < 4; i++) {
+        struct gui_curve curve = curves[i % 2];
+        curve.x += i / 2; // the second point has a value
+        curve.y += i / 2;
+        curve.most += i / 2;
+        draw_charts(bench, 1, &curve);
+        vertices[i] = bench->drawing.vertex_count;
+    }
+    CHECK(vertices[0] > vertices[1], "%u and %u", vertices[0], vertices[1]);
+    CHECK(vertices[2] == vertices[3], "%u and %u", vertices[2], vertices[3]);
+    bench_free(bench);
+}
+
 // So that the next one goes below: the height is that of what is drawn.
 TEST(notes_are_as_high_as_their_lines)
 {
@@ -752,4 +773,4 @@ TEST_MAIN(TEST_CASE(scripts_set_every_kind), TEST_CASE(scripts_reach_closed_grou
           TEST_CASE(long_lists_cost_what_is_seen_of_them), TEST_CASE(an_id_twice_is_told),
           TEST_CASE(triangles_are_in_range_and_in_the_window),
           TEST_CASE(windows_may_be_of_any_size), TEST_CASE(charts_take_any_numbers),
-          TEST_CASE(notes_are_as_high_as_their_lines))
+          TEST_CASE(charts_show_bounds), TEST_CASE(notes_are_as_high_as_their_lines))
