@@ -77,12 +77,27 @@ __attribute__((noinline)) static void round_corners(const double corners[3][3], 
             out[corner][i] = (float)corners[corner][i];
 }
 
-// Whether rounding its corners changes a triangle's area or normal too much.
+// Whether rounding moves points on a triangle too far for its size. Corners that single precision
+// happens to have exactly do not help: what a light's sample is, and what hides it, is rounded,
+// too.
+static bool is_coarse(const double corners[3][3], const double edges[2][3])
+{
+    double farthest = 0;
+    for (int corner = 0; corner < 3; corner++)
+        for (int i = 0; i < 3; i++)
+            farthest = fmax(farthest, fabs(corners[corner][i]));
+    double longest = fmax(vec3_length(edges[0]), vec3_length(edges[1]));
+    return farthest * (double)FLT_EPSILON / 2 > SMALL_TOLERANCE * longest;
+}
+
+// Whether rounding changes a triangle, its area or its normal too much.
 static bool is_lost(const double corners[3][3])
 {
     double edges[2][3], exact[3], normal[3], difference[3];
     float rounded[3][3];
     edges_of(corners, edges);
+    if (is_coarse(corners, (const double(*)[3])edges))
+        return true;
     vec3_cross(edges[0], edges[1], exact);
     round_corners(corners, rounded);
     for (int e = 0; e < 2; e++)

@@ -344,6 +344,11 @@ static const struct solid_lamp solid_lamps[] = {
      {ON_FLOOR(WALLS("1e-8", "2.00000001", "1.00000001") LIDS("1e-8", "1.00000001")), NO_LAMP,
       {"emission", "[1e16, 2e16, 4e16]"}},
      {2, 1, 0}, 0.01},
+    // Its corners are exact in single precision, which what hides what is not.
+    {"box of 2^-21 m",
+     {BOX("min": [2, 1, 0], "max": [2.000000476837158203125, 1.000000476837158203125, 4.76837158203125e-7]),
+      {"emission", "[4398046511104, 8796093022208, 17592186044416]"}},
+     {2, 1, 0}, 0.01},
     // Through the ends of a square tube its walls are seen, as nothing is in sight through both.
     {"an open tube of 1e-6 m",
      {ON_FLOOR(WALLS("1e-6", "2.000001", "1.000001")), NO_LAMP,
