@@ -8,10 +8,11 @@
 #define LOBES_DIFFUSE (LOBE_LAMBERT | LOBE_DIFFUSE_TRANSMISSION)
 #define LOBES_SCATTERING (LOBE_ROUGH - 1) // below it are lobes, from it on what they need
 
+// Whether a path may meet any emitter by chance.
 static bool leaves_to_chance(const struct scene *scene, const struct specialization *s)
 {
     const struct settings *settings = &scene->settings;
-    if (s->integrator != INTEGRATOR_PATH || settings->max_bounces < 2)
+    if (s->integrator == INTEGRATOR_AO || settings->max_bounces == 0)
         return false;
     return !settings->nee || settings->nee_depth < settings->max_bounces ||
            s->directions != DIRECTIONS_BSDF || (s->lobes & LOBES_SCATTERING & ~LOBES_DIFFUSE) != 0;
