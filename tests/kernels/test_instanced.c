@@ -264,8 +264,8 @@ static void render_convex(enum placing placing, const double center[3], bool far
     CHECK(setup.r.flat.placed_count == (far ? 2 : 1), "%u instances", setup.r.flat.placed_count);
     // Beyond 4096 times its size and distance coordinates follow the camera.
     double origin = setup.r.flat.origin[0];
-    CHECK(!far || origin == 0 || fabs(origin - m[0][3]) <= distance + 2 * scales[1],
-          "moved to %g", origin);
+    CHECK(!far || origin == 0 || fabs(origin - m[0][3]) <= distance + 2 * scales[1], "moved to %g",
+          origin);
     bool ok = renderer_render(&setup.r, &(struct render_call){.samples = 16}, &err) &&
               renderer_read(&setup.r, arena, image, &err);
     REQUIRE(ok, "%s", err.msg);
