@@ -167,7 +167,8 @@ bool job_describe(const struct render_job *job, uint32_t frame, struct arena *ar
     add_text(&a, "lampyris:command", job->options->command_line);
     if (is_repeatable(job))
         add_text(&a, "lampyris:repeat", repeating_command(job, frame, arena));
-    add_text(&a, "lampyris:scene", job->scene.path);
+    // The viewer may have another scene before the picture is written.
+    add_text(&a, "lampyris:scene", arena_strdup(arena, job->scene.path));
     add(&a, "lampyris:scene_hash", "%016" PRIx64, job->scene.hash);
     add(&a, "lampyris:device", "%s", job->gpu.info.name);
     add(&a, "lampyris:driver", "%s", job->gpu.info.driver);
