@@ -3,6 +3,7 @@
 #include "clock.h"
 #include "file.h"
 #include "render_job.h"
+#include "sampling_plan.h"
 #include "timed_step.h"
 #include <math.h>
 #include <string.h>
@@ -148,14 +149,6 @@ bool converge_advance(struct converge *c, struct renderer *renderer, uint64_t sa
     return c->stopped || renderer_render(renderer, &call, err);
 }
 
-// Samplers that spread their points over all samples planned begin anew for each point; the others
-// go on from the one before.
-static bool plans_samples(const struct settings *settings)
-{
-    return settings->sampler == SAMPLER_STRATIFIED || settings->sampler == SAMPLER_GRID ||
-           settings->sampler == SAMPLER_BLUE_NOISE || settings->halves == HALVES_CONTIGUOUS;
-}
-
 // How many samples a point has; with --times as many as fit, by what was measured so far.
 static uint64_t plan_samples(const struct converge *c, const struct converge_curve *curve,
                              uint32_t point)
@@ -228,7 +221,8 @@ static bool measure_replicate(struct run *run, struct err *err)
 {
     struct converge *c = run->c;
     struct converge_curve *curve = run->curve;
-    bool is_planned = plans_samples(&curve->scene_data.settings);
+    // Samples that are planned begin anew for each point; others go on from the one before.
+    bool is_planned = sample_planning(&curve->scene_data.settings, NULL) != PLANNING_NONE;
     for (uint32_t point = 0; point < c->point_count && !c->stopped; point++) {
         if ((point == 0 || is_planned) && !begin(run, point, err))
             return false;

@@ -4,6 +4,7 @@
 #include "clock.h"
 #include "file_inputs.h"
 #include "log.h"
+#include "sampling_plan.h"
 #include <errno.h>
 #include <inttypes.h>
 #include <stdarg.h>
@@ -72,13 +73,6 @@ static void add_setting(struct text *text, const struct option_def *def, const c
     }
 }
 
-// Whether the samples depend on how many there are to be.
-static bool plans_on_count(const struct settings *settings)
-{
-    return settings->halves == HALVES_CONTIGUOUS || settings->sampler == SAMPLER_STRATIFIED ||
-           settings->sampler == SAMPLER_GRID || settings->sampler == SAMPLER_BLUE_NOISE;
-}
-
 // All settings that change bits of the film: those with an option, through the table of options, so
 // that none can be forgotten, and the one without.
 static void add_settings(struct text *text, const struct settings *settings)
@@ -130,7 +124,7 @@ static const char *make_identity(struct render_job *job)
     add_camera(&text, job);
     add_environment(&text, &job->scene.environment);
     add_settings(&text, &job->scene.settings);
-    if (plans_on_count(&job->scene.settings))
+    if (sample_planning(&job->scene.settings, NULL) != PLANNING_NONE)
         add(&text, "samples planned=%" PRIu64,
             job_is_open_ended(options) ? 0 : job->scene.settings.spp);
     add(&text, "--aov=0x%x", options->aovs);

@@ -4,6 +4,7 @@
 #include "hash.h"
 #include "render_bias.h"
 #include "render_job.h"
+#include "sampling_plan.h"
 #include <math.h>
 
 uint64_t job_film_samples(const struct render_job *job)
@@ -142,14 +143,6 @@ static size_t list_looks(const struct render_job *job, struct forecast_look *out
     return count;
 }
 
-// Of samplers that plan on the number of samples, a picture with fewer is no smaller one.
-static bool grows_evenly(const struct render_job *job)
-{
-    const struct settings *settings = &job->scene.settings;
-    return settings->halves == HALVES_INDEPENDENT && settings->sampler != SAMPLER_STRATIFIED &&
-           settings->sampler != SAMPLER_GRID && settings->sampler != SAMPLER_BLUE_NOISE;
-}
-
 // Whether half of a bound is a forecast: the error of contiguous halves' samples falls as fast.
 static bool goes_by_bound(const struct render_job *job)
 {
@@ -187,10 +180,12 @@ const char *job_forecast(const struct render_job *job, struct forecast *out)
 {
     struct forecast_look looks[128];
     const struct settings *settings = &job->scene.settings;
+    // Where samples are planned, an image of fewer samples is not the beginning of a larger one.
+    bool grows_evenly = sample_planning(settings, NULL) == PLANNING_NONE;
     const char *reason = why_no_forecast(job);
     struct forecast_params params = {
         .looks = looks,
-        .count = !reason && grows_evenly(job) ? list_looks(job, looks, 128) : 0,
+        .count = !reason && grows_evenly ? list_looks(job, looks, 128) : 0,
         .error = {NAN, NAN, NAN},
         .spread = job->error.spread,
         .spread_terms = job->error.spread_terms,

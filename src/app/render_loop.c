@@ -2,6 +2,7 @@
 #include "render_job.h"
 
 #include "render_trace.h"
+#include "sampling_plan.h"
 #include "timed_step.h"
 #include <math.h>
 #include <string.h>
@@ -367,21 +368,6 @@ static void choose_rounds(struct render_job *job)
         job->samples_most % ROUND_SAMPLES == 0 ? ROUND_SAMPLES : (uint32_t)job->samples_most;
 }
 
-// Strata are a number of samples, and so are the halves of one sequence. A repeated run, which
-// knows the number, would share another sequence out between the pixels.
-static const char *fixed_count_method(const struct settings *settings, bool is_open)
-{
-    if (settings->halves == HALVES_CONTIGUOUS)
-        return "--halves contiguous";
-    if (settings->sampler == SAMPLER_STRATIFIED)
-        return "--sampler stratified";
-    if (settings->sampler == SAMPLER_GRID)
-        return "--sampler grid";
-    if (settings->sampler == SAMPLER_BLUE_NOISE && !is_open)
-        return "--sampler blue-noise";
-    return NULL;
-}
-
 bool job_is_open_ended(const struct options *options)
 {
     return options->time_seconds > 0.0 || options->adaptive;
@@ -391,8 +377,12 @@ bool job_settle_samples(struct render_job *job, struct err *err)
 {
     const struct options *options = job->options;
     job->samples_most = most_samples(job);
-    const char *method = fixed_count_method(&job->scene.settings, job_is_open_ended(options));
-    if (method && (options->adaptive || options->error > 0.0))
+    const char *method;
+    enum sample_planning planning = sample_planning(&job->scene.settings, &method);
+    // A repeated run, which knows the number, would share another sequence out between the pixels.
+    bool is_fixed = planning == PLANNING_NEEDED ||
+                    (planning == PLANNING_OPTIONAL && !job_is_open_ended(options));
+    if (is_fixed && (options->adaptive || options->error > 0.0))
         return err_set(err, ERR_USAGE,
                        "%s needs to know the samples of every pixel beforehand, and %s is there to "
                        "decide on them: expected only one of the two",

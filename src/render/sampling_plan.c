@@ -2,10 +2,24 @@
 
 #include "log.h"
 
-// Of strata that there are as many of as samples.
-static bool has_strata(const struct settings *settings)
+enum sample_planning sample_planning(const struct settings *settings, const char **option)
 {
-    return settings->sampler == SAMPLER_STRATIFIED || settings->sampler == SAMPLER_GRID;
+    const char *ignored;
+    if (!option)
+        option = &ignored;
+    *option = NULL;
+    if (settings->halves == HALVES_CONTIGUOUS)
+        *option = "--halves contiguous";
+    else if (settings->sampler == SAMPLER_STRATIFIED)
+        *option = "--sampler stratified";
+    else if (settings->sampler == SAMPLER_GRID)
+        *option = "--sampler grid";
+    if (*option)
+        return PLANNING_NEEDED;
+    if (settings->sampler != SAMPLER_BLUE_NOISE)
+        return PLANNING_NONE;
+    *option = "--sampler blue-noise";
+    return PLANNING_OPTIONAL;
 }
 
 // Different states of a linear congruential generator of 32 bits.
@@ -15,14 +29,12 @@ void sampling_plan(struct renderer *r, bool open_ended)
 {
     const struct settings *settings = &r->scene->settings;
     if (open_ended) {
+        const char *option;
         r->frame.samples = 0;
-        if (has_strata(settings))
-            log_warn("the sampler '%s' needs to know the number of samples, which here depends on "
-                     "the clock or the error: samples are independent",
-                     sampler_names[settings->sampler]);
-        if (settings->halves == HALVES_CONTIGUOUS)
-            log_warn("contiguous halves need to know the number of samples, which here depends on "
-                     "the clock or the error: the halves are independent");
+        if (sample_planning(settings, &option) == PLANNING_NEEDED)
+            log_warn("%s needs to know the number of samples, which here depends on the clock or "
+                     "the error: samples and half-buffers are independent instead",
+                     option);
         r->specialization.halves = HALVES_INDEPENDENT;
     }
     uint64_t samples = (uint64_t)settings->width * settings->height * settings->spp;
@@ -36,9 +48,9 @@ void sampling_plan_check(struct renderer *r, uint64_t samples)
     uint64_t planned = r->frame.samples;
     if (r->warned_beyond_plan || planned == 0 || r->next_sample + samples <= planned)
         return;
-    bool contiguous = r->specialization.halves == HALVES_CONTIGUOUS;
-    if (!contiguous && !has_strata(&r->scene->settings))
+    if (sample_planning(&r->scene->settings, NULL) != PLANNING_NEEDED)
         return;
+    bool contiguous = r->specialization.halves == HALVES_CONTIGUOUS;
     r->warned_beyond_plan = true;
     log_warn("more samples than the %llu planned: %s", (unsigned long long)planned,
              contiguous ? "the halves are unequal, and the error that they tell is no bound"

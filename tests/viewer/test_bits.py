@@ -36,6 +36,16 @@ class Bits(Case):
             with self.subTest(arguments):
                 self.check(CORNELL, *arguments)
 
+    def test_another_limit(self):
+        """Samples that a limit planned are void when it changes."""
+        for method in (['--sampler', 'blue-noise'], ['--sampler', 'stratified'],
+                       ['--halves', 'contiguous'], ['--sampler', 'sobol']):
+            with self.subTest(method):
+                result = self.view('wait 3 samples\nset renderer.spp 7\nwait 7 samples\n'
+                                   'hash hash.jsonl\n', '--spp', '3', *method, scene=CORNELL)
+                self.expect_same(result.hashes()[-1],
+                                 self.render(CORNELL, '--spp', '7', *method))
+
     def test_glass_and_fog(self):
         self.check(os.path.join(SCENES, 'glass.json'))
 

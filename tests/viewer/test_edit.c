@@ -35,11 +35,6 @@ uint32_t viewer_aovs(const struct shown *shown)
     return shown->what == SHOWN_ALBEDO ? AOV_ALBEDO : 0;
 }
 
-bool method_plans(const struct method *method)
-{
-    return method->settings.sampler == SAMPLER_GRID;
-}
-
 // --- a viewer with a scene of everything ---------------------------------------------------------
 
 static struct viewer viewer;
@@ -231,6 +226,10 @@ TEST(what_is_shown_keeps_what_is_accumulated)
     edit_shown(&viewer, &shown, "renderer.spp");
     CHECK(asked(0) == CHANGE_LIMIT, "more samples of the same");
     CHECK(asked(1) == CHANGE_METHOD, "a grid has other samples where there are more");
+    viewer.sides[1].method.settings.sampler = SAMPLER_BLUE_NOISE;
+    shown.spp_limit = 128;
+    edit_shown(&viewer, &shown, "renderer.spp");
+    CHECK(asked(1) == CHANGE_METHOD, "and so has a blue-noise sampler");
     shown.what = SHOWN_ALBEDO;
     viewer.sides[1].renderer.aovs = AOV_ALBEDO;
     edit_shown(&viewer, &shown, "view.aov");

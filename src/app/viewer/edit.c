@@ -1,3 +1,4 @@
+#include "sampling_plan.h"
 #include "viewer.h"
 
 #include <assert.h>
@@ -162,7 +163,8 @@ static void shown_changed(struct viewer *viewer, const struct shown *from)
         const struct view *view = &viewer->sides[side];
         enum change change = CHANGE_SHOWN;
         if (from->spp_limit != to->spp_limit)
-            change = method_plans(&view->method) ? CHANGE_METHOD : CHANGE_LIMIT;
+            change = sample_planning(&view->method.settings, NULL) != PLANNING_NONE ? CHANGE_METHOD
+                                                                                    : CHANGE_LIMIT;
         if (view->is_ready && (aovs & ~view->renderer.aovs))
             change = CHANGE_METHOD;
         viewer_side_changed(viewer, side, change);
@@ -173,12 +175,13 @@ static void shown_changed(struct viewer *viewer, const struct shown *from)
 static void tell_plan(struct viewer *viewer, const struct method *from, const struct method *to)
 {
     uint32_t limit = viewer->shown.spp_limit;
-    if (!method_plans(to) || method_plans(from))
+    enum sample_planning planning = sample_planning(&to->settings, NULL);
+    if (planning == PLANNING_NONE || sample_planning(&from->settings, NULL) != PLANNING_NONE)
         return;
     if (limit > 0)
         viewer_message(viewer, MESSAGE_NOTE, "planned for %u samples a pixel, where it rests",
                        limit);
-    else
+    else if (planning == PLANNING_NEEDED)
         viewer_message(viewer, MESSAGE_NOTE,
                        "this plans for a number of samples: set one, or it makes no difference");
 }

@@ -13,13 +13,6 @@ uint64_t view_samples(const struct view *view)
     return view->is_ready ? view->renderer.next_sample - view->first_sample : 0;
 }
 
-bool method_plans(const struct method *method)
-{
-    const struct settings *settings = &method->settings;
-    return settings->halves == HALVES_CONTIGUOUS || settings->sampler == SAMPLER_STRATIFIED ||
-           settings->sampler == SAMPLER_GRID;
-}
-
 void view_begin(struct view *view)
 {
     view->epoch++;

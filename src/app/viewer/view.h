@@ -67,9 +67,6 @@ struct view_look view_newest_look(const struct view *view);
 // Whether the denoiser's picture, if one is to be seen, is of all samples and by the settings of
 // now.
 bool view_is_denoised(const struct viewer *viewer, const struct view *view);
-// What a renderer of this method needs to know before it starts: its samples in all. So the number
-// of samples at which the picture is to rest decides how they are chosen.
-bool method_plans(const struct method *method);
 // The lowest number of samples that a pixel of the film has.
 uint64_t view_samples(const struct view *view);
 
