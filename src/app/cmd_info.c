@@ -14,13 +14,9 @@
 struct info {
     const struct options *options;
     struct scene scene;
-    struct flat_scene flat;
-    struct bvh bvh;
-    struct specialization specialization;
-    struct shading_tables tables;
-    struct memory_plan plan;
-    struct emitter_counts emitters;
     struct gpu gpu;
+    struct renderer renderer; // prepared only: it has no device memory
+    struct emitter_counts emitters;
     uint32_t camera;
 };
 
@@ -103,7 +99,7 @@ static void print_bounds(const struct flat_scene *flat)
 static void print_text(const struct info *info)
 {
     const struct scene *scene = &info->scene;
-    const struct flat_scene *flat = &info->flat;
+    const struct flat_scene *flat = &info->renderer.flat;
     const struct settings *s = &scene->settings;
     print_line("", scene->path);
     printf("geometry  %u triangles (%u meshes, %u instances), %u analytic shapes%s\n",
@@ -112,7 +108,7 @@ static void print_text(const struct info *info)
     if (flat->dropped_degenerate || flat->skipped_instances)
         printf("dropped   %u triangles without area, %u instances with a singular transform\n",
                flat->dropped_degenerate, flat->skipped_instances);
-    sharing_print(flat, info->specialization.features);
+    sharing_print(flat, info->renderer.specialization.features);
     print_bounds(flat);
     print_materials(scene);
     printf("emitters  %u triangles", info->emitters.triangles);
@@ -133,9 +129,9 @@ static void print_text(const struct info *info)
            s->spp, s->max_bounces, s->seed);
     for (uint32_t i = 0; i < scene->note_count; i++)
         print_line("note      ", scene->notes[i]);
-    const struct bvh_stats *b = &info->bvh.stats;
+    const struct bvh_stats *b = &info->renderer.bvh.stats;
     printf("BVH       %u nodes of %u bytes, depth %u, SAH cost %.2f, %.1f KiB, ", b->node_count,
-           (unsigned)bvh_node_bytes(info->bvh.format), b->depth, b->sah_cost,
+           (unsigned)bvh_node_bytes(info->renderer.bvh.format), b->depth, b->sah_cost,
            (double)b->bytes / 1024.0);
     if (b->cached_seconds > 0.0)
         printf("from the cache, %.3f s instead of %.3f s\n", b->build_seconds, b->cached_seconds);
@@ -144,23 +140,23 @@ static void print_text(const struct info *info)
     printf("device    %s (%s)\n", info->gpu.info.name, info->gpu.info.kind);
     tuned_print(info->options, &info->gpu);
     printf("memory    %.1f MiB planned, wave of %u paths; at most %.1f MiB a buffer\n",
-           (double)info->plan.total_bytes / 1048576.0, info->plan.wave_slots,
+           (double)info->renderer.plan.total_bytes / 1048576.0, info->renderer.plan.wave_slots,
            (double)info->gpu.max_storage_range / 1048576.0);
     for (uint32_t i = 0; i < BINDING_COUNT; i++) {
-        const struct planned_buffer *buffer = &info->plan.buffers[i];
+        const struct planned_buffer *buffer = &info->renderer.plan.buffers[i];
         if (buffer->name)
             print_buffer(buffer);
     }
     printf("features ");
     for (int bit = 0; bit < 32; bit++) {
         const char *name = feature_name(1u << bit);
-        if (name && (info->specialization.features >> bit & 1u))
+        if (name && (info->renderer.specialization.features >> bit & 1u))
             printf(" [%s]", name);
     }
     for (uint32_t bit = 1; bit < GEOMETRY_END; bit <<= 1)
-        if (info->specialization.geometry & bit)
+        if (info->renderer.specialization.geometry & bit)
             printf(" [%s]", geometry_name(bit));
-    if (info->specialization.parts)
+    if (info->renderer.specialization.parts)
         fputs(" [split buffers]", stdout);
     putchar('\n');
 }
@@ -168,25 +164,25 @@ static void print_text(const struct info *info)
 static int print_json(const struct info *info)
 {
     const struct scene *scene = &info->scene;
-    const struct flat_scene *flat = &info->flat;
-    const struct bvh_stats *b = &info->bvh.stats;
+    const struct flat_scene *flat = &info->renderer.flat;
+    const struct bvh_stats *b = &info->renderer.bvh.stats;
     json_t *buffers = json_object(), *features = json_array(), *left_out = json_array();
     for (uint32_t i = 0; i < BINDING_COUNT; i++) {
-        const struct planned_buffer *buffer = &info->plan.buffers[i];
+        const struct planned_buffer *buffer = &info->renderer.plan.buffers[i];
         json_int_t bytes = (json_int_t)buffer->bytes * buffer->copies;
         if (buffer->name)
             json_object_set_new(buffers, buffer->name, json_integer(bytes));
     }
     for (int bit = 0; bit < 32; bit++) {
         const char *name = feature_name(1u << bit);
-        bool kept = info->specialization.features >> bit & 1u;
+        bool kept = info->renderer.specialization.features >> bit & 1u;
         if (name)
             json_array_append_new(kept ? features : left_out, json_string(name));
     }
-    json_array_append_new(info->specialization.parts ? features : left_out,
+    json_array_append_new(info->renderer.specialization.parts ? features : left_out,
                           json_string("split buffers"));
     for (uint32_t bit = 1; bit < GEOMETRY_END; bit <<= 1)
-        json_array_append_new(info->specialization.geometry & bit ? features : left_out,
+        json_array_append_new(info->renderer.specialization.geometry & bit ? features : left_out,
                               json_string(geometry_name(bit)));
     json_t *emitters = json_pack("{s:i}", "triangles", info->emitters.triangles);
     for (uint32_t kind = 0; kind < SHAPE_KIND_COUNT; kind++)
@@ -204,19 +200,19 @@ static int print_json(const struct info *info)
         "s:i}, s:i, s:o, s:{s:i, s:i, s:f, "
         "s:I, s:f, s:f}, s:{s:o, s:o}, s:{s:I, s:o}, s:i, s:i, s:o, s:i}",
         "scene", json_words(scene->path), "triangles", flat->triangle_count, "shared",
-        sharing_json(flat, info->specialization.features), "shapes", flat->shape_count, "meshes",
-        scene->mesh_count, "instances", scene->instance_count, "materials", scene->material_count,
-        "models", models, "textures", scene->texture_count, "images", scene->image_count,
-        "dropped_degenerate", flat->dropped_degenerate, "skipped_instances",
+        sharing_json(flat, info->renderer.specialization.features), "shapes", flat->shape_count,
+        "meshes", scene->mesh_count, "instances", scene->instance_count, "materials",
+        scene->material_count, "models", models, "textures", scene->texture_count, "images",
+        scene->image_count, "dropped_degenerate", flat->dropped_degenerate, "skipped_instances",
         flat->skipped_instances, "emitters", emitters, "lights", "point",
         count_lights(scene, LIGHT_POINT), "spot", count_lights(scene, LIGHT_SPOT), "directional",
         count_lights(scene, LIGHT_DIRECTIONAL), "cameras", scene->camera_count, "notes", notes,
         "bvh", "nodes", b->node_count, "depth", b->depth, "sah_cost", b->sah_cost, "bytes",
         (json_int_t)b->bytes, "build_seconds", b->build_seconds, "cached_seconds",
         b->cached_seconds, "features", "kept", features, "left_out", left_out, "memory",
-        "device_bytes", (json_int_t)info->plan.total_bytes, "buffers", buffers, "wave",
-        info->plan.wave_slots, "workgroup", info->specialization.workgroup, "tuned",
-        tuned_json(info->options, &info->gpu), "shaded_as_diffuse", count_reduced(scene)));
+        "device_bytes", (json_int_t)info->renderer.plan.total_bytes, "buffers", buffers, "wave",
+        info->renderer.plan.wave_slots, "workgroup", info->renderer.specialization.workgroup,
+        "tuned", tuned_json(info->options, &info->gpu), "shaded_as_diffuse", count_reduced(scene)));
 }
 
 static bool gather(const struct options *options, struct info *info, struct err *err)
@@ -224,49 +220,12 @@ static bool gather(const struct options *options, struct info *info, struct err 
     if (!job_load_scene(options, &info->scene, &info->camera, err) ||
         !gpu_open(&options->gpu, &info->gpu, err))
         return false;
-    const struct renderer_params sizes =
+    const struct renderer_params params =
         job_renderer_params(options, &info->gpu, &info->scene, info->camera);
-    const struct geometry_params geometry = {
-        .scene = &info->scene,
-        .bvh = sizes.bvh,
-        .instancing = sizes.instancing,
-        .bvh_cache = sizes.bvh_cache,
-        .progress = options->progress,
-        .camera = &info->scene.cameras[info->camera],
-    };
-    if (!geometry_prepare(&geometry, &info->scene.arena, &info->flat, &info->bvh, err))
+    if (!renderer_prepare(&params, &info->renderer, err))
         return false;
-    info->specialization = specialize(&(struct specialize_params){
-        .scene = &info->scene,
-        .flat = &info->flat,
-        .bvh = &info->bvh,
-        .gpu = &info->gpu,
-        .camera = &info->scene.cameras[info->camera],
-        .workgroup = sizes.workgroup,
-        .everything = options->features == FEATURES_ALL,
-        .merge_classes = options->classes == CLASSES_MERGED,
-    });
-    const struct shading_tables_params tables = {
-        .scene = &info->scene,
-        .flat = &info->flat,
-        .bvh = &info->bvh,
-        .camera = &info->scene.cameras[info->camera],
-        .progress = options->progress,
-    };
-    if (!shading_tables_build(&tables, &info->scene.arena, &info->tables, err))
-        return false;
-    info->emitters = emitters_count(&info->scene, &info->flat);
-    struct memory_plan_params params = {
-        .scene = &info->scene,
-        .flat = &info->flat,
-        .bvh = &info->bvh,
-        .specialization = &info->specialization,
-        .tables = &info->tables,
-        .gpu = &info->gpu,
-        .wave = sizes.wave,
-        .wave_is_wish = sizes.wave_is_wish,
-    };
-    return memory_plan_make(&params, &info->specialization, &info->plan, err);
+    info->emitters = emitters_count(&info->scene, &info->renderer.flat);
+    return true;
 }
 
 int cmd_info(const struct options *options)
@@ -282,6 +241,7 @@ int cmd_info(const struct options *options)
         code = print_json(&info);
     else
         print_text(&info);
+    renderer_finish(&info.renderer);
     gpu_close(&info.gpu);
     scene_finish(&info.scene);
     return code;

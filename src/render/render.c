@@ -157,7 +157,38 @@ static bool get_geometry(const struct renderer_params *params, struct renderer *
     return true;
 }
 
-bool renderer_create(const struct renderer_params *params, struct renderer *r, struct err *err)
+static void choose_features(const struct renderer_params *params, struct renderer *r)
+{
+    r->large_spheres_anyway = has_large_spheres_anyway(&r->flat);
+    r->specialization = specialize(&(struct specialize_params){
+        .scene = r->scene,
+        .flat = &r->flat,
+        .bvh = &r->bvh,
+        .gpu = r->gpu,
+        .camera = &r->camera,
+        .aovs = params->aovs,
+        .workgroup = params->workgroup,
+        .everything = params->everything,
+        .merge_classes = params->merge_classes,
+        .tiles = params->tiles,
+    });
+    r->brightest_by_chance = brightest_by_chance(r->scene, &r->flat, &r->specialization);
+}
+
+static bool build_tables(struct renderer *r, struct err *err)
+{
+    const struct shading_tables_params tables = {
+        .scene = r->scene,
+        .flat = &r->flat,
+        .bvh = &r->bvh,
+        .camera = &r->camera,
+        .light_choice = r->specialization.light_choice,
+        .progress = r->progress,
+    };
+    return shading_tables_build(&tables, &r->arena, &r->tables, err);
+}
+
+bool renderer_prepare(const struct renderer_params *params, struct renderer *r, struct err *err)
 {
     const struct settings *settings = &params->scene->settings;
     *r = (struct renderer){
@@ -173,39 +204,29 @@ bool renderer_create(const struct renderer_params *params, struct renderer *r, s
         goto fail;
 
     uint64_t start = clock_ns();
-    progress_report(r->progress, "Uploading", 0);
     far_camera_warn(&r->flat, &r->camera, settings->height);
-    r->large_spheres_anyway = has_large_spheres_anyway(&r->flat);
-    r->specialization = specialize(&(struct specialize_params){
-        .scene = r->scene,
-        .flat = &r->flat,
-        .bvh = &r->bvh,
-        .gpu = r->gpu,
-        .camera = &r->camera,
-        .aovs = params->aovs,
-        .workgroup = params->workgroup,
-        .everything = params->everything,
-        .merge_classes = params->merge_classes,
-        .tiles = params->tiles,
-    });
-    r->brightest_by_chance = brightest_by_chance(r->scene, &r->flat, &r->specialization);
-    const struct shading_tables_params tables = {
-        .scene = r->scene,
-        .flat = &r->flat,
-        .bvh = &r->bvh,
-        .camera = &r->camera,
-        .light_choice = r->specialization.light_choice,
-        .progress = params->progress,
-    };
-    if (!shading_tables_build(&tables, &r->arena, &r->tables, err))
-        goto fail;
-    if (!plan_memory(r, params->wave, params->wave_is_wish, err))
+    choose_features(params, r);
+    if (!build_tables(r, err) || !plan_memory(r, params->wave, params->wave_is_wish, err))
         goto fail;
     frame_fill(r);
     sampling_plan(r, params->open_ended || params->tiles);
+    r->stats.upload_seconds = clock_seconds_since(start);
+    return true;
+
+fail:
+    renderer_finish(r);
+    return false;
+}
+
+bool renderer_create(const struct renderer_params *params, struct renderer *r, struct err *err)
+{
+    if (!renderer_prepare(params, r, err))
+        return false;
+    uint64_t start = clock_ns();
+    progress_report(r->progress, "Uploading", 0);
     if (!upload(r, err))
         goto fail;
-    r->stats.upload_seconds = clock_seconds_since(start);
+    r->stats.upload_seconds += clock_seconds_since(start);
 
     start = clock_ns();
     if (!wave_compile(r, err))

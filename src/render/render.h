@@ -154,8 +154,11 @@ struct renderer {
     const struct progress *progress;
 };
 
-// Flattens, builds the BVH, plans memory, uploads and compiles. *out must stay where it is. On
-// failure it is finished.
+// Flattens, builds the BVH, chooses the features, builds the tables and plans memory: all that a
+// render needs is known then, and nothing is allocated on the device. *out can be looked at and
+// finished, but cannot render. On failure it is finished.
+bool renderer_prepare(const struct renderer_params *params, struct renderer *out, struct err *err);
+// The same, and uploads and compiles. *out must stay where it is.
 bool renderer_create(const struct renderer_params *params, struct renderer *out, struct err *err);
 void renderer_finish(struct renderer *renderer); // accepts NULL and {0}
 

@@ -231,6 +231,20 @@ class Explain(Base):
                       [1]['feature', 'Russian roulette'][2])
 
 
+class Info(Base):
+    def test_it_plans_what_a_render_takes(self):
+        for name, *arguments in (('many_lights',), ('many_lights', '--light-choice', 'power'),
+                                 ('glass', '--features', 'all'), ('cornell', '--nee', 'off')):
+            rendered = {part['name']: part['bytes']
+                        for part in self.json(scene(name), *arguments)['features']['kept']
+                        if part['kind'] == 'buffer'}
+            info = subprocess.run([LAMPYRIS, 'info', '--json', '--size', '16x16', scene(name),
+                                   *arguments], stdout=subprocess.PIPE, text=True, timeout=60)
+            planned = json.loads(info.stdout)['memory']['buffers']
+            with self.subTest(name, arguments=arguments):
+                self.assertEqual(planned, rendered)
+
+
 class Progress(Base):
     def test_it_ends_before_results(self):
         out = os.path.join(self.folder.name, 'out.exr')
