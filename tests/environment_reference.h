@@ -4,7 +4,7 @@
 #ifndef LAMPYRIS_TESTS_ENVIRONMENT_REFERENCE_H
 #define LAMPYRIS_TESTS_ENVIRONMENT_REFERENCE_H
 
-#include "environment.h"
+#include "scene/core/environment.h"
 #include <math.h>
 
 static inline double reference_luminance(const double rgb[3])

@@ -2,7 +2,7 @@
 #ifndef LAMPYRIS_TESTS_ESTIMATORS_H
 #define LAMPYRIS_TESTS_ESTIMATORS_H
 
-#include "settings.h"
+#include "scene/core/settings.h"
 
 enum light_estimator {
     ESTIMATOR_MIS,  // next-event estimation and BSDF sampling, power heuristic

@@ -1,6 +1,6 @@
-#include "arena.h"
+#include "base/arena.h"
 
-#include "memory.h"
+#include "base/memory.h"
 #include <stdatomic.h>
 #include <stdbool.h>
 #include <stdio.h>

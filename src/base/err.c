@@ -1,7 +1,7 @@
-#include "err.h"
+#include "base/err.h"
 
-#include "memory.h"
-#include "printable.h"
+#include "base/memory.h"
+#include "base/printable.h"
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>

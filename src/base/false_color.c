@@ -1,4 +1,4 @@
-#include "false_color.h"
+#include "base/false_color.h"
 
 #include <math.h>
 #include <stdbool.h>

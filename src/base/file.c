@@ -1,6 +1,6 @@
-#include "file.h"
+#include "base/file.h"
 
-#include "file_inputs.h"
+#include "base/file_inputs.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>

@@ -3,9 +3,9 @@
 #ifndef LAMPYRIS_BASE_FILE_H
 #define LAMPYRIS_BASE_FILE_H
 
-#include "arena.h"
-#include "err.h"
-#include "hash.h"
+#include "base/arena.h"
+#include "base/err.h"
+#include "base/hash.h"
 #include <stddef.h>
 #include <stdint.h>
 

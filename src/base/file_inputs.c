@@ -1,7 +1,7 @@
-#include "file_inputs.h"
+#include "base/file_inputs.h"
 
-#include "file.h"
-#include "hash.h"
+#include "base/file.h"
+#include "base/hash.h"
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>

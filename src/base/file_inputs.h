@@ -2,7 +2,7 @@
 #ifndef LAMPYRIS_BASE_FILE_INPUTS_H
 #define LAMPYRIS_BASE_FILE_INPUTS_H
 
-#include "err.h"
+#include "base/err.h"
 #include <pthread.h>
 #include <stddef.h>
 #include <stdint.h>

@@ -1,8 +1,8 @@
-#include "file_lock.h"
+#include "base/file_lock.h"
 
-#include "file.h"
-#include "hash.h"
-#include "log.h"
+#include "base/file.h"
+#include "base/hash.h"
+#include "base/log.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>

@@ -2,7 +2,7 @@
 #ifndef LAMPYRIS_BASE_FILE_LOCK_H
 #define LAMPYRIS_BASE_FILE_LOCK_H
 
-#include "err.h"
+#include "base/err.h"
 #include <stdbool.h>
 
 // The lock is a flock(2) on a small hidden file beside the output: the output itself cannot carry

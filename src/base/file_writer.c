@@ -1,8 +1,8 @@
 #define _GNU_SOURCE // O_TMPFILE
-#include "file.h"
+#include "base/file.h"
 
-#include "file_inputs.h"
-#include "log.h"
+#include "base/file_inputs.h"
+#include "base/log.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <stdatomic.h>

@@ -1,6 +1,6 @@
-#include "log.h"
+#include "base/log.h"
 
-#include "printable.h"
+#include "base/printable.h"
 #include <pthread.h>
 #include <stdarg.h>
 #include <stdio.h>

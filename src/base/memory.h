@@ -5,7 +5,7 @@
 #ifndef LAMPYRIS_BASE_MEMORY_H
 #define LAMPYRIS_BASE_MEMORY_H
 
-#include "err.h"
+#include "base/err.h"
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>

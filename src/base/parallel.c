@@ -1,5 +1,5 @@
 #define _GNU_SOURCE // CPU_COUNT, sched_getaffinity
-#include "parallel.h"
+#include "base/parallel.h"
 
 #include <pthread.h>
 #include <sched.h>

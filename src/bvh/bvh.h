@@ -5,9 +5,9 @@
 #ifndef LAMPYRIS_BVH_BVH_H
 #define LAMPYRIS_BVH_BVH_H
 
-#include "arena.h"
-#include "err.h"
-#include "progress.h"
+#include "base/arena.h"
+#include "base/err.h"
+#include "base/progress.h"
 #include <stdbool.h>
 #include <stdint.h>
 

@@ -1,8 +1,8 @@
 // Building the binary tree: ranges near the root one after the other, each on all threads; then
 // the subtrees below side by side.
-#include "bvh_binary.h"
-#include "bvh_spatial.h"
-#include "parallel.h"
+#include "bvh/bvh_binary.h"
+#include "base/parallel.h"
+#include "bvh/bvh_spatial.h"
 
 #include <stdatomic.h>
 #include <stdlib.h>

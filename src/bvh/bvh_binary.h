@@ -2,8 +2,8 @@
 #ifndef LAMPYRIS_BVH_BVH_BINARY_H
 #define LAMPYRIS_BVH_BVH_BINARY_H
 
-#include "bvh.h"
-#include "bvh_box.h"
+#include "bvh/bvh.h"
+#include "bvh/bvh_box.h"
 
 // What is sorted into the tree: a triangle (its index as given), a shape (BVH_LEAF_SHAPE | index)
 // or an instance (BVH_LEAF_INSTANCE | index), by its box alone. The box has no negative zero, so

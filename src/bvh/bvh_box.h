@@ -2,7 +2,7 @@
 #ifndef LAMPYRIS_BVH_BVH_BOX_H
 #define LAMPYRIS_BVH_BVH_BOX_H
 
-#include "bvh.h"
+#include "bvh/bvh.h"
 #include <math.h>
 
 static inline struct bvh_box box_empty(void)

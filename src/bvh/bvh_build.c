@@ -1,11 +1,11 @@
 // Building from the caller's point of view: checking the input, boxes of the primitives, the binary
 // tree, the wide tree.
-#include "bvh_binary.h"
-#include "bvh_node.h"
-#include "bvh_triangle.h"
-#include "clock.h"
-#include "memory.h"
-#include "parallel.h"
+#include "base/clock.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "bvh/bvh_binary.h"
+#include "bvh/bvh_node.h"
+#include "bvh/bvh_triangle.h"
 
 #include <stdatomic.h>
 

@@ -1,13 +1,13 @@
 // Keeping hierarchies in files.
-#include "bvh_cache.h"
+#include "bvh/bvh_cache.h"
 
-#include "bvh_node.h"
-#include "bvh_triangle.h"
-#include "clock.h"
-#include "file.h"
-#include "hash.h"
-#include "log.h"
-#include "parallel.h"
+#include "base/clock.h"
+#include "base/file.h"
+#include "base/hash.h"
+#include "base/log.h"
+#include "base/parallel.h"
+#include "bvh/bvh_node.h"
+#include "bvh/bvh_triangle.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>

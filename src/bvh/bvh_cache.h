@@ -6,7 +6,7 @@
 #ifndef LAMPYRIS_BVH_BVH_CACHE_H
 #define LAMPYRIS_BVH_BVH_CACHE_H
 
-#include "bvh.h"
+#include "bvh/bvh.h"
 
 // Hierarchies of fewer primitives are built faster than a file is found, and not kept.
 #define BVH_CACHE_LEAST 4096u

@@ -1,8 +1,8 @@
 // Cutting triangles at planes. All is computed in double precision from single-precision corners,
 // so that its rounding errors vanish beside the padding.
-#include "bvh_clip.h"
+#include "bvh/bvh_clip.h"
 
-#include "bvh_box.h"
+#include "bvh/bvh_box.h"
 #include <string.h>
 
 // The padding as a part of the triangle's size and of its coordinates: four units in the last place

@@ -2,7 +2,7 @@
 #ifndef LAMPYRIS_BVH_BVH_CLIP_H
 #define LAMPYRIS_BVH_BVH_CLIP_H
 
-#include "bvh.h"
+#include "bvh/bvh.h"
 
 // What is cut: a triangle, and how much larger than the part the part's box is. Whoever computes
 // where a ray meets the triangle, and is off by less, still finds that place in the box of a part.

@@ -1,5 +1,5 @@
 // The top of a tree as a handful of boxes.
-#include "bvh_node.h"
+#include "bvh/bvh_node.h"
 
 struct cut {
     const struct bvh *tree;

@@ -1,6 +1,6 @@
 // Two levels: a world's tree whose leaves lead to instances, and the trees that these share, in one
 // array.
-#include "bvh_node.h"
+#include "bvh/bvh_node.h"
 
 struct join {
     const struct bvh_join_params *params;

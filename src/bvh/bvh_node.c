@@ -1,5 +1,5 @@
 // The quantised node: child boxes as bytes on a grid that the node's box spans.
-#include "bvh_node.h"
+#include "bvh/bvh_node.h"
 
 #include <string.h>
 

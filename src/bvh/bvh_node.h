@@ -2,8 +2,8 @@
 #ifndef LAMPYRIS_BVH_BVH_NODE_H
 #define LAMPYRIS_BVH_BVH_NODE_H
 
-#include "bvh.h"
-#include "bvh_box.h"
+#include "bvh/bvh.h"
+#include "bvh/bvh_box.h"
 
 #include <stdint.h>
 #include <string.h>

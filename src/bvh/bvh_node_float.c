@@ -1,5 +1,5 @@
 // The node of 128 bytes: child boxes as they are.
-#include "bvh_node.h"
+#include "bvh/bvh_node.h"
 
 void bvh_float_set_boxes(struct bvh_node_float *node, const struct bvh_box *boxes, uint32_t count)
 {

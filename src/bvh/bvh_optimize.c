@@ -6,8 +6,8 @@
 //
 // Places are searched for a batch of subtrees at once, on all threads; then they move one after the
 // other, those for which the moves before have left something to gain. So threads do not matter.
-#include "bvh_binary.h"
-#include "parallel.h"
+#include "base/parallel.h"
+#include "bvh/bvh_binary.h"
 
 #include <stdlib.h>
 #include <string.h>

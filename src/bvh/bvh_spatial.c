@@ -4,11 +4,11 @@
 // ("reference unsplitting", section 4.3) is decided for each by itself, from the boxes and counts
 // of the plane chosen, so that no order and no thread matters; parts in the children have the
 // smallest box that there is, while planes are compared by boxes that are quicker to find.
-#include "bvh_spatial.h"
+#include "bvh/bvh_spatial.h"
 
-#include "bvh_clip.h"
-#include "bvh_triangle.h"
-#include "parallel.h"
+#include "base/parallel.h"
+#include "bvh/bvh_clip.h"
+#include "bvh/bvh_triangle.h"
 
 enum {
     BINS_MAX = 32,

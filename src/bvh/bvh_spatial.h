@@ -2,7 +2,7 @@
 #ifndef LAMPYRIS_BVH_BVH_SPATIAL_H
 #define LAMPYRIS_BVH_BVH_SPATIAL_H
 
-#include "bvh_binary.h"
+#include "bvh/bvh_binary.h"
 
 struct bvh_spatial_split {
     double cost;          // areas times references, summed over both sides

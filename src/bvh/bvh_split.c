@@ -8,9 +8,9 @@
 // The first two are for BVH_SPLIT_SAH and, with the last one, for BVH_SPLIT_SPATIAL.
 // Everything that chunks contribute (minima, maxima, counts) is independent of their order and
 // number, and partitioning is stable: so the result depends on the input alone.
-#include "bvh_binary.h"
-#include "bvh_spatial.h"
-#include "parallel.h"
+#include "base/parallel.h"
+#include "bvh/bvh_binary.h"
+#include "bvh/bvh_spatial.h"
 
 #include <assert.h>
 #include <float.h>

@@ -1,5 +1,5 @@
 // What a tree is expected to cost, and how deep it is.
-#include "bvh_node.h"
+#include "bvh/bvh_node.h"
 
 // A ray that hits the root's box hits a box inside with the probability of the ratio of areas; in a
 // root without area no box counts.

@@ -7,8 +7,8 @@
 // primitive is missed or begins behind its t. The boxes are widened by more than the rounding
 // errors of the triangle test, so that neither rule touches a hit that is not itself rounding
 // noise.
-#include "bvh_node.h"
-#include "bvh_triangle.h"
+#include "bvh/bvh_node.h"
+#include "bvh/bvh_triangle.h"
 
 #include <math.h>
 

@@ -2,7 +2,7 @@
 #ifndef LAMPYRIS_BVH_BVH_TRIANGLE_H
 #define LAMPYRIS_BVH_BVH_TRIANGLE_H
 
-#include "bvh.h"
+#include "bvh/bvh.h"
 
 #include <string.h>
 

@@ -1,6 +1,6 @@
 // Checking a tree against its primitives: for tests, and for trees that come from a file.
-#include "bvh_node.h"
-#include "bvh_triangle.h"
+#include "bvh/bvh_node.h"
+#include "bvh/bvh_triangle.h"
 
 struct validator {
     const struct bvh *bvh;

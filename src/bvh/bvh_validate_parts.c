@@ -1,7 +1,7 @@
 // Checking that triangles with several places are whole: what a ray can meet of them is where the
 // boxes on the way to one of the places let it through.
-#include "bvh_node.h"
-#include "bvh_triangle.h"
+#include "bvh/bvh_node.h"
+#include "bvh/bvh_triangle.h"
 
 enum { STEPS = 12 }; // points of a triangle: a grid of so many steps an edge
 

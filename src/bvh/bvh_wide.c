@@ -2,9 +2,9 @@
 // programming (Ylitie, Karras, Laine 2017, "Efficient incoherent ray traversal on GPUs through
 // compressed wide BVHs", section 3.1), or each two levels into one; then laying it out and writing
 // the nodes.
-#include "bvh_binary.h"
-#include "bvh_node.h"
-#include "parallel.h"
+#include "base/parallel.h"
+#include "bvh/bvh_binary.h"
+#include "bvh/bvh_node.h"
 
 // What a visit costs on average, in the unit of bvh_stats.sah_cost.
 #define NODE_COST 1.0

@@ -1,5 +1,5 @@
 // Descriptor sets: the buffers that kernels see.
-#include "gpu_internal.h"
+#include "gpu/gpu_internal.h"
 
 static bool set_create(struct gpu *gpu, struct gpu_bindings *out, struct err *err)
 {

@@ -1,5 +1,5 @@
 // Buffers, each with its own memory.
-#include "gpu_internal.h"
+#include "gpu/gpu_internal.h"
 #include <stdio.h>
 #include <string.h>
 

@@ -1,5 +1,5 @@
 // Recording, submitting and timing.
-#include "gpu_internal.h"
+#include "gpu/gpu_internal.h"
 #include <assert.h>
 
 static bool query_pool_create(struct gpu *gpu, struct gpu_commands *commands, struct err *err)

@@ -1,5 +1,5 @@
 // Failures in words, and names for objects.
-#include "gpu_internal.h"
+#include "gpu/gpu_internal.h"
 #include <string.h>
 
 static const char *result_text(VkResult result)

@@ -1,6 +1,6 @@
 // Opening and closing a device.
-#include "gpu_internal.h"
-#include "memory.h"
+#include "base/memory.h"
+#include "gpu/gpu_internal.h"
 #include <stdlib.h>
 #include <string.h>
 

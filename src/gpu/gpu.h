@@ -7,8 +7,8 @@
 #ifndef LAMPYRIS_GPU_GPU_H
 #define LAMPYRIS_GPU_GPU_H
 
-#include "arena.h"
-#include "err.h"
+#include "base/arena.h"
+#include "base/err.h"
 #include <stdbool.h>
 #include <stdint.h>
 #include <volk.h>

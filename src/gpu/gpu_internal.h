@@ -1,8 +1,8 @@
 // What the files of this folder share and nobody else sees.
-#ifndef LAMPYRIS_GPU_INTERNAL_H
-#define LAMPYRIS_GPU_INTERNAL_H
+#ifndef LAMPYRIS_GPU_GPU_INTERNAL_H
+#define LAMPYRIS_GPU_GPU_INTERNAL_H
 
-#include "screen.h"
+#include "gpu/screen.h"
 
 // Runs a Vulkan call; true on success, else the call's name and its result are recorded in err.
 #define VK(gpu, err, call) vk_check((gpu), #call, (call), (err))

@@ -1,5 +1,5 @@
 // Images: what is drawn on, and what is drawn with.
-#include "gpu_internal.h"
+#include "gpu/gpu_internal.h"
 
 static bool handle_create(struct gpu *gpu, VkFormat format, uint32_t width, uint32_t height,
                           VkImageUsageFlags usage, VkImage *out, struct err *err)

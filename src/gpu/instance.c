@@ -1,6 +1,6 @@
 // The loader, the instance and the validation layers.
-#include "gpu_internal.h"
-#include "log.h"
+#include "base/log.h"
+#include "gpu/gpu_internal.h"
 #include <stdlib.h>
 #include <string.h>
 

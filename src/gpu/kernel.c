@@ -1,6 +1,6 @@
 // Compute pipelines, and the one layout that all of them share.
-#include "gpu_internal.h"
-#include "spirv_trim.h"
+#include "gpu/gpu_internal.h"
+#include "gpu/spirv_trim.h"
 #include <stdlib.h>
 #include <string.h>
 

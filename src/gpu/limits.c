@@ -1,4 +1,4 @@
-#include "gpu_internal.h"
+#include "gpu/gpu_internal.h"
 
 #include <ctype.h>
 #include <errno.h>

@@ -1,5 +1,5 @@
 // The picture of a viewer with its panel, in an image of our own.
-#include "gpu_internal.h"
+#include "gpu/gpu_internal.h"
 #include <assert.h>
 #include <math.h>
 #include <string.h>

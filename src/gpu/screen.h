@@ -3,7 +3,7 @@
 #ifndef LAMPYRIS_GPU_SCREEN_H
 #define LAMPYRIS_GPU_SCREEN_H
 
-#include "gpu.h"
+#include "gpu/gpu.h"
 
 // Dear ImGui's layout. Positions in pixels from the upper left; colours with red in the lowest
 // byte, alpha not premultiplied; both colours and pixels are display values (sRGB-encoded).

@@ -1,5 +1,5 @@
 // What the screen's triangles are drawn with: render pass, layouts, pipeline.
-#include "gpu_internal.h"
+#include "gpu/gpu_internal.h"
 
 #include "panel_frag.spv.h"
 #include "panel_vert.spv.h"

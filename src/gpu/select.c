@@ -1,5 +1,5 @@
 // Which devices there are, whether they suffice, and which one is used.
-#include "gpu_internal.h"
+#include "gpu/gpu_internal.h"
 #include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-#include "spirv_trim.h"
+#include "gpu/spirv_trim.h"
 
 #include <stdbool.h>
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 // Synchronous copies between the host and buffers.
-#include "gpu_internal.h"
+#include "gpu/gpu_internal.h"
 #include <string.h>
 
 // Large enough for full speed over a bus, small enough to be had on any device.

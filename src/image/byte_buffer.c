@@ -1,4 +1,4 @@
-#include "image_internal.h"
+#include "image/image_internal.h"
 
 #include <stdlib.h>
 #include <string.h>

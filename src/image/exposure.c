@@ -1,5 +1,5 @@
 // How much a picture is to be brightened, from its luminances.
-#include "image.h"
+#include "image/image.h"
 
 #include <math.h>
 

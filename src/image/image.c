@@ -1,8 +1,8 @@
-#include "image.h"
+#include "image/image.h"
 
-#include "file.h"
-#include "image_internal.h"
-#include "memory.h"
+#include "base/file.h"
+#include "base/memory.h"
+#include "image/image_internal.h"
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>

@@ -3,9 +3,9 @@
 #ifndef LAMPYRIS_IMAGE_IMAGE_H
 #define LAMPYRIS_IMAGE_IMAGE_H
 
-#include "arena.h"
-#include "err.h"
-#include "progress.h"
+#include "base/arena.h"
+#include "base/err.h"
+#include "base/progress.h"
 #include <stdbool.h>
 #include <stdint.h>
 

@@ -1,6 +1,6 @@
-#include "image_exr.h"
+#include "image/image_exr.h"
 
-#include "memory.h"
+#include "base/memory.h"
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -2,7 +2,7 @@
 #ifndef LAMPYRIS_IMAGE_IMAGE_EXR_H
 #define LAMPYRIS_IMAGE_IMAGE_EXR_H
 
-#include "image_internal.h"
+#include "image/image_internal.h"
 #include <OpenEXR/openexr.h>
 
 // The user data of a context. Of the messages that come with errors of reading the first is kept:

@@ -1,4 +1,4 @@
-#include "image_exr_channel.h"
+#include "image/image_exr_channel.h"
 
 #include <stdio.h>
 

@@ -2,7 +2,7 @@
 #ifndef LAMPYRIS_IMAGE_IMAGE_EXR_CHANNEL_H
 #define LAMPYRIS_IMAGE_IMAGE_EXR_CHANNEL_H
 
-#include "image.h"
+#include "image/image.h"
 #include <OpenEXR/openexr.h>
 #include <string.h>
 

@@ -1,5 +1,5 @@
 // Single-part EXR, scanlines or tiles, of any compression that OpenEXRCore decodes.
-#include "image_exr.h"
+#include "image/image_exr.h"
 
 #include <stdio.h>
 #include <string.h>

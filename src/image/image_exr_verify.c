@@ -1,7 +1,7 @@
 // Decodes an EXR file that was just encoded and compares all of its bits with what was to be in it.
-#include "image_exr.h"
+#include "image/image_exr.h"
 
-#include "image_exr_channel.h"
+#include "image/image_exr_channel.h"
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,9 +1,9 @@
 // Single-part scanline EXR, ZIP-compressed in blocks of 16 lines or not at all, of halves, floats
 // and integers.
-#include "image_exr.h"
+#include "image/image_exr.h"
 
-#include "image_exr_channel.h"
-#include "log.h"
+#include "base/log.h"
+#include "image/image_exr_channel.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 // Radiance .hdr pictures (Ward 1991, "Real Pixels", Graphics Gems II; Radiance's file format
 // reference): RGBE, flat or run-length encoded in the old or the new way.
-#include "image_internal.h"
+#include "image/image_internal.h"
 
 #include <math.h>
 #include <stdio.h>

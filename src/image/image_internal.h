@@ -4,7 +4,7 @@
 #ifndef LAMPYRIS_IMAGE_IMAGE_INTERNAL_H
 #define LAMPYRIS_IMAGE_IMAGE_INTERNAL_H
 
-#include "image.h"
+#include "image/image.h"
 #include <stddef.h>
 
 // --- byte_buffer.c ------------------------------------------------------------------------------

@@ -1,7 +1,7 @@
 // JPEG by libjpeg-turbo: grey or colour, 8 bits, baseline or progressive.
-#include "image_internal.h"
+#include "image/image_internal.h"
 
-#include "memory.h"
+#include "base/memory.h"
 #include <setjmp.h>
 #include <stdio.h> // jpeglib.h wants FILE and size_t
 #include <stdlib.h>

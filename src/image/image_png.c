@@ -1,6 +1,6 @@
-#include "image_png.h"
+#include "image/image_png.h"
 
-#include "memory.h"
+#include "base/memory.h"
 #include <stdio.h>
 
 void png_keep_error(png_structp png, png_const_charp message)

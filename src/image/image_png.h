@@ -2,7 +2,7 @@
 #ifndef LAMPYRIS_IMAGE_IMAGE_PNG_H
 #define LAMPYRIS_IMAGE_IMAGE_PNG_H
 
-#include "image_internal.h"
+#include "image/image_internal.h"
 #include <png.h>
 
 // The error pointer of a png_struct.

@@ -1,7 +1,7 @@
 // PNG of any colour type and depth.
-#include "image_png.h"
+#include "image/image_png.h"
 
-#include "memory.h"
+#include "base/memory.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

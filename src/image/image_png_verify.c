@@ -1,5 +1,5 @@
 // Decodes a PNG that was just encoded and compares it with what was to be in it.
-#include "image_png.h"
+#include "image/image_png.h"
 
 #include <stdio.h>
 #include <stdlib.h>

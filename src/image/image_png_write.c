@@ -1,5 +1,5 @@
 // 8-bit RGB PNG: tone-mapped, sRGB-encoded, with tEXt (ASCII) and iTXt (UTF-8) metadata.
-#include "image_png.h"
+#include "image/image_png.h"
 
 #include <stdlib.h>
 #include <string.h>

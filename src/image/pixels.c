@@ -1,7 +1,7 @@
 // Where decoders put pixels.
-#include "image_internal.h"
+#include "image/image_internal.h"
 
-#include "memory.h"
+#include "base/memory.h"
 #include <stdio.h>
 
 bool pixels_allocate(const struct image_source *source, const struct pixels_size *size,

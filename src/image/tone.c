@@ -1,5 +1,5 @@
 // From linear radiance to display values: tone curves and the sRGB encoding.
-#include "image.h"
+#include "image/image.h"
 
 #include <float.h>
 #include <math.h>

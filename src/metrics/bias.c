@@ -1,6 +1,6 @@
-#include "bias.h"
+#include "metrics/bias.h"
 
-#include "metrics.h"
+#include "metrics/metrics.h"
 #include <math.h>
 #include <stdlib.h>
 

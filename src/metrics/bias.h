@@ -3,7 +3,7 @@
 #ifndef LAMPYRIS_METRICS_BIAS_H
 #define LAMPYRIS_METRICS_BIAS_H
 
-#include "curve.h"
+#include "metrics/curve.h"
 
 // Independent pictures by one method, and a reference. Values are interleaved RGB, `length` of them
 // in each picture.

@@ -1,6 +1,6 @@
-#include "convolve.h"
+#include "metrics/convolve.h"
 
-#include "stoppable.h"
+#include "metrics/stoppable.h"
 
 // Pixels are summed in blocks of a fixed length, which compilers turn into vector code; the order
 // of a pixel's terms is that of the weights whatever the block.

@@ -2,7 +2,7 @@
 #ifndef LAMPYRIS_METRICS_CONVOLVE_H
 #define LAMPYRIS_METRICS_CONVOLVE_H
 
-#include "progress.h"
+#include "base/progress.h"
 #include <stdbool.h>
 #include <stdint.h>
 

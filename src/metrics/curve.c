@@ -1,6 +1,6 @@
-#include "curve.h"
+#include "metrics/curve.h"
 
-#include "metrics.h"
+#include "metrics/metrics.h"
 #include <math.h>
 #include <stdlib.h>
 

@@ -1,6 +1,6 @@
-#include "metrics.h"
+#include "metrics/metrics.h"
 
-#include "pixel.h"
+#include "metrics/pixel.h"
 
 enum { TILE_SIDE = 16, LEAST_TILES = 16, TILES_A_POLL = 256, ERRORS = 3 };
 

@@ -1,8 +1,8 @@
-#include "error_map.h"
+#include "metrics/error_map.h"
 
-#include "false_color.h"
-#include "metrics.h"
-#include "pixel.h"
+#include "base/false_color.h"
+#include "metrics/metrics.h"
+#include "metrics/pixel.h"
 #include <string.h>
 
 const char *const error_map_names[ERROR_MAP_TOTAL] = {"relative", "squared", "smape", "flip",

@@ -1,12 +1,12 @@
 // FLIP and HDR-FLIP. Constants are those of the two papers; where a formula has a number, it is
 // that of the first one.
-#include "perceptual.h"
+#include "metrics/perceptual.h"
 
-#include "convolve.h"
-#include "flip_color.h"
-#include "memory.h"
-#include "pixel.h"
-#include "stoppable.h"
+#include "base/memory.h"
+#include "metrics/convolve.h"
+#include "metrics/flip_color.h"
+#include "metrics/pixel.h"
+#include "metrics/stoppable.h"
 #include <math.h>
 #include <string.h>
 

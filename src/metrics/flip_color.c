@@ -1,5 +1,5 @@
 // Colours of FLIP: the opponent colours that are filtered, and those in which differences are told.
-#include "flip_color.h"
+#include "metrics/flip_color.h"
 
 #include <math.h>
 

@@ -1,8 +1,8 @@
-#include "forecast.h"
+#include "metrics/forecast.h"
 
-#include "bias.h"
-#include "metrics.h"
-#include "pixel.h"
+#include "metrics/bias.h"
+#include "metrics/metrics.h"
+#include "metrics/pixel.h"
 #include <math.h>
 
 enum {

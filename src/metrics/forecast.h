@@ -3,7 +3,7 @@
 #ifndef LAMPYRIS_METRICS_FORECAST_H
 #define LAMPYRIS_METRICS_FORECAST_H
 
-#include "curve.h"
+#include "metrics/curve.h"
 
 // --- what more samples would bring --------------------------------------------------------------
 

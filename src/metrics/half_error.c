@@ -40,10 +40,10 @@
 // r / ((p r + L)^2 + epsilon) for each unit of light, p being the pixel's part of the window, which
 // is at most 1 / (2 p (L + sqrt(L^2 + epsilon))). The bound holds that; an interval is told where
 // it is small.
-#include "local_mean.h"
-#include "metrics.h"
-#include "parallel.h"
-#include "pixel.h"
+#include "base/parallel.h"
+#include "metrics/local_mean.h"
+#include "metrics/metrics.h"
+#include "metrics/pixel.h"
 #include <math.h>
 #include <stdlib.h>
 

@@ -1,7 +1,7 @@
 // The Gaussian is separable: each row has sums down the columns around it, and a pixel adds up the
 // columns around it. A pixel's neighbours are added up without it: taken away again, a very bright
 // one would leave its rounding error.
-#include "local_mean.h"
+#include "metrics/local_mean.h"
 
 #include <stdlib.h>
 #include <string.h>

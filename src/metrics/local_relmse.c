@@ -1,7 +1,7 @@
 // The local relMSE of a picture whose reference is known.
-#include "local_mean.h"
-#include "metrics.h"
-#include "pixel.h"
+#include "metrics/local_mean.h"
+#include "metrics/metrics.h"
+#include "metrics/pixel.h"
 #include <math.h>
 
 static void load_reference(const void *context, uint64_t pixel, struct local_pixel *out)

@@ -6,7 +6,7 @@
 // limit: rather a look too early than samples that nobody asked for. Few looks are needed: each
 // leaves at most a third of the way, as the logarithm goes, and none is nearer to the one before
 // than a sixteenth of its samples, which is what a render may go on for longer than it needs.
-#include "metrics.h"
+#include "metrics/metrics.h"
 
 #include <math.h>
 

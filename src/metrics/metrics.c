@@ -1,6 +1,6 @@
-#include "metrics.h"
+#include "metrics/metrics.h"
 
-#include "pixel.h"
+#include "metrics/pixel.h"
 #include <math.h>
 #include <string.h>
 

@@ -4,8 +4,8 @@
 #ifndef LAMPYRIS_METRICS_METRICS_H
 #define LAMPYRIS_METRICS_METRICS_H
 
-#include "curve.h"
-#include "progress.h"
+#include "base/progress.h"
+#include "metrics/curve.h"
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>

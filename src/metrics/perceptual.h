@@ -4,7 +4,7 @@
 #ifndef LAMPYRIS_METRICS_PERCEPTUAL_H
 #define LAMPYRIS_METRICS_PERCEPTUAL_H
 
-#include "progress.h"
+#include "base/progress.h"
 #include <stdbool.h>
 #include <stdint.h>
 

@@ -1,6 +1,6 @@
-#include "spread.h"
+#include "metrics/spread.h"
 
-#include "metrics.h"
+#include "metrics/metrics.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -3,7 +3,7 @@
 #ifndef LAMPYRIS_METRICS_SPREAD_H
 #define LAMPYRIS_METRICS_SPREAD_H
 
-#include "curve.h"
+#include "metrics/curve.h"
 
 // The median, with the order statistics between which it lies in at least 95 % of cases whatever
 // the values' distribution (David and Nagaraja 2003, Order Statistics, equation 7.1.2): the ends

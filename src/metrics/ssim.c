@@ -1,7 +1,7 @@
-#include "perceptual.h"
+#include "metrics/perceptual.h"
 
-#include "memory.h"
-#include "pixel.h"
+#include "base/memory.h"
+#include "metrics/pixel.h"
 #include <math.h>
 
 enum { RADIUS = 5, SIDE = 2 * RADIUS + 1 };

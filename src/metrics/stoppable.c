@@ -1,4 +1,4 @@
-#include "stoppable.h"
+#include "metrics/stoppable.h"
 
 struct stoppable {
     const struct progress *progress;

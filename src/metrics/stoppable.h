@@ -2,8 +2,8 @@
 #ifndef LAMPYRIS_METRICS_STOPPABLE_H
 #define LAMPYRIS_METRICS_STOPPABLE_H
 
-#include "parallel.h"
-#include "progress.h"
+#include "base/parallel.h"
+#include "base/progress.h"
 #include <stdbool.h>
 
 // As parallel_for on all processors, but asks `progress`, which may be NULL, before every chunk,

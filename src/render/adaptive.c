@@ -1,6 +1,6 @@
-#include "adaptive.h"
+#include "render/adaptive.h"
 
-#include "wave.h"
+#include "render/wave.h"
 #include <math.h>
 #include <string.h>
 

@@ -6,7 +6,7 @@
 #ifndef LAMPYRIS_RENDER_ADAPTIVE_H
 #define LAMPYRIS_RENDER_ADAPTIVE_H
 
-#include "render.h"
+#include "render/render.h"
 
 struct wave;
 

@@ -1,6 +1,6 @@
-#include "chance.h"
+#include "render/chance.h"
 
-#include "environment.h"
+#include "scene/core/environment.h"
 #include "shared/material.h"
 #include "shared/methods.h"
 #include <math.h>

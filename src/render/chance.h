@@ -2,9 +2,9 @@
 #ifndef LAMPYRIS_RENDER_CHANCE_H
 #define LAMPYRIS_RENDER_CHANCE_H
 
-#include "flatten.h"
-#include "scene.h"
-#include "specialize.h"
+#include "flatten/flatten.h"
+#include "render/specialize.h"
+#include "scene/core/scene.h"
 
 // The greatest radiance, of a channel, of an emitter that a path may meet where no shadow ray is
 // aimed at it: by way of glass, metal or gloss, or of any surface where shadow rays are off or

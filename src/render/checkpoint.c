@@ -1,8 +1,8 @@
-#include "checkpoint.h"
+#include "render/checkpoint.h"
 
-#include "adaptive.h"
-#include "file.h"
-#include "hash.h"
+#include "base/file.h"
+#include "base/hash.h"
+#include "render/adaptive.h"
 #include <errno.h>
 #include <inttypes.h>
 #include <stdlib.h>

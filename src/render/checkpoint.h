@@ -7,7 +7,7 @@
 #ifndef LAMPYRIS_RENDER_CHECKPOINT_H
 #define LAMPYRIS_RENDER_CHECKPOINT_H
 
-#include "render.h"
+#include "render/render.h"
 #include <stdio.h>
 
 #define CHECKPOINT_STATE_WORDS 32

@@ -1,8 +1,8 @@
-#include "far_camera.h"
+#include "render/far_camera.h"
 
-#include "affine.h"
-#include "emitter_power.h"
-#include "log.h"
+#include "base/log.h"
+#include "render/tables/emitter_power.h"
+#include "scene/core/affine.h"
 #include "shared/methods.h"
 #include <math.h>
 

@@ -4,7 +4,7 @@
 #ifndef LAMPYRIS_RENDER_FAR_CAMERA_H
 #define LAMPYRIS_RENDER_FAR_CAMERA_H
 
-#include "flatten.h"
+#include "flatten/flatten.h"
 
 // Whether it is so far that FEATURE_FAR_CAMERA is needed; false for panoramas, whose pixels are
 // larger than what directions are off by.

@@ -1,6 +1,6 @@
-#include "film.h"
+#include "render/film.h"
 
-#include "frame.h"
+#include "render/frame.h"
 #include "shared/aov.h"
 
 #include <math.h>

@@ -2,7 +2,7 @@
 #ifndef LAMPYRIS_RENDER_FILM_H
 #define LAMPYRIS_RENDER_FILM_H
 
-#include "render.h"
+#include "render/render.h"
 
 bool film_create(struct renderer *renderer, struct err *err);
 void film_finish(struct renderer *renderer);

@@ -1,4 +1,4 @@
-#include "film_aovs.h"
+#include "render/film_aovs.h"
 
 #include "shared/aov.h"
 #include "shared/types.h"

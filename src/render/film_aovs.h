@@ -2,8 +2,8 @@
 #ifndef LAMPYRIS_RENDER_FILM_AOVS_H
 #define LAMPYRIS_RENDER_FILM_AOVS_H
 
-#include "arena.h"
-#include "flatten.h"
+#include "base/arena.h"
+#include "flatten/flatten.h"
 #include <stdbool.h>
 #include <stdint.h>
 

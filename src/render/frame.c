@@ -1,8 +1,8 @@
-#include "frame.h"
+#include "render/frame.h"
 
-#include "emitter_power.h"
-#include "far_camera.h"
-#include "upload_parts.h"
+#include "render/far_camera.h"
+#include "render/tables/emitter_power.h"
+#include "render/upload_parts.h"
 #include <float.h>
 #include <math.h>
 #include <string.h>

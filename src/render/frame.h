@@ -2,7 +2,7 @@
 #ifndef LAMPYRIS_RENDER_FRAME_H
 #define LAMPYRIS_RENDER_FRAME_H
 
-#include "render.h"
+#include "render/render.h"
 
 // Fills renderer->frame from the scene, its settings and renderer->camera; the plan must be made.
 void frame_fill(struct renderer *renderer);

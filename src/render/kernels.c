@@ -1,6 +1,6 @@
-#include "kernels.h"
+#include "render/kernels.h"
 
-#include "hash.h"
+#include "base/hash.h"
 
 #include "accumulate.spv.h"
 #include "accumulate_plain.spv.h"

@@ -1,8 +1,8 @@
 // Another camera and another size of the picture, while all else of a renderer stays.
-#include "far_camera.h"
-#include "film.h"
-#include "frame.h"
-#include "large_spheres.h"
+#include "flatten/large_spheres.h"
+#include "render/far_camera.h"
+#include "render/film.h"
+#include "render/frame.h"
 
 // Whether the kernels as they are compiled, and the film as large as it is, do for the picture. A
 // lens that is compiled in and not there changes nothing, nor does a camera that is not far.

@@ -1,13 +1,13 @@
-#include "memory_plan.h"
+#include "render/memory_plan.h"
 
-#include "attributes.h"
-#include "environment_table.h"
-#include "film_aovs.h"
-#include "log.h"
-#include "memory.h"
+#include "base/log.h"
+#include "base/memory.h"
+#include "render/attributes.h"
+#include "render/film_aovs.h"
+#include "render/tables/environment_table.h"
+#include "render/upload_parts.h"
 #include "shared/aov.h"
 #include "shared/types.h"
-#include "upload_parts.h"
 #include <inttypes.h>
 #include <stdio.h>
 #include <unistd.h>

@@ -2,9 +2,9 @@
 #ifndef LAMPYRIS_RENDER_MEMORY_PLAN_H
 #define LAMPYRIS_RENDER_MEMORY_PLAN_H
 
-#include "shading_tables.h"
+#include "render/specialize.h"
+#include "render/tables/shading_tables.h"
 #include "shared/bindings.h"
-#include "specialize.h"
 
 struct planned_buffer {
     const char *name;        // NULL: the scene does not need it

@@ -1,5 +1,5 @@
 // Why parts of a renderer are left out. The decisions are specialize()'s; here are the words.
-#include "parts.h"
+#include "render/parts.h"
 
 struct reason {
     uint32_t bit;

@@ -1,7 +1,7 @@
-#include "parts.h"
+#include "render/parts.h"
 
-#include "spirv_trim.h"
-#include "wave.h"
+#include "gpu/spirv_trim.h"
+#include "render/wave.h"
 
 // --- what there is -------------------------------------------------------------------------------
 

@@ -3,7 +3,7 @@
 #ifndef LAMPYRIS_RENDER_PARTS_H
 #define LAMPYRIS_RENDER_PARTS_H
 
-#include "render.h"
+#include "render/render.h"
 
 enum part_kind {
     PART_FEATURE,

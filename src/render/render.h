@@ -13,16 +13,16 @@
 #ifndef LAMPYRIS_RENDER_RENDER_H
 #define LAMPYRIS_RENDER_RENDER_H
 
-#include "arena.h"
-#include "bvh.h"
-#include "film_aovs.h"
-#include "flatten.h"
-#include "gpu.h"
-#include "memory_plan.h"
-#include "progress.h"
-#include "scene.h"
+#include "base/arena.h"
+#include "base/progress.h"
+#include "bvh/bvh.h"
+#include "flatten/flatten.h"
+#include "gpu/gpu.h"
+#include "render/film_aovs.h"
+#include "render/memory_plan.h"
+#include "render/specialize.h"
+#include "scene/core/scene.h"
 #include "shared/types.h"
-#include "specialize.h"
 
 // A wave takes 2^this samples of each of its pixels, where the picture has pixels enough to fill
 // it: its paths stay coherent, and the samples of all pixels grow together.

@@ -1,6 +1,6 @@
-#include "sampling_plan.h"
+#include "render/sampling_plan.h"
 
-#include "log.h"
+#include "base/log.h"
 
 enum sample_planning sample_planning(const struct settings *settings, const char **option)
 {

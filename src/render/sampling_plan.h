@@ -2,7 +2,7 @@
 #ifndef LAMPYRIS_RENDER_SAMPLING_PLAN_H
 #define LAMPYRIS_RENDER_SAMPLING_PLAN_H
 
-#include "render.h"
+#include "render/render.h"
 
 // How a method's samples depend on the number of samples a pixel that is planned.
 enum sample_planning {

@@ -1,6 +1,6 @@
-#include "sdf_inline.h"
+#include "render/sdf_inline.h"
 
-#include "hash.h"
+#include "base/hash.h"
 #include "shared/sdf.h"
 #include <stdlib.h>
 #include <string.h>

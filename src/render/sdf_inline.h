@@ -2,7 +2,7 @@
 #ifndef LAMPYRIS_RENDER_SDF_INLINE_H
 #define LAMPYRIS_RENDER_SDF_INLINE_H
 
-#include "scene.h"
+#include "scene/core/scene.h"
 #include <stddef.h>
 #include <stdint.h>
 

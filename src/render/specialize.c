@@ -1,11 +1,11 @@
-#include "specialize.h"
+#include "render/specialize.h"
 
-#include "attributes.h"
-#include "emitters.h"
-#include "environment_table.h"
-#include "far_camera.h"
-#include "film_aovs.h"
-#include "large_spheres.h"
+#include "flatten/large_spheres.h"
+#include "render/attributes.h"
+#include "render/far_camera.h"
+#include "render/film_aovs.h"
+#include "render/tables/emitters.h"
+#include "render/tables/environment_table.h"
 #include "shared/sdf.h"
 #include "shared/types.h"
 #include <string.h>

@@ -2,11 +2,11 @@
 #ifndef LAMPYRIS_RENDER_SPECIALIZE_H
 #define LAMPYRIS_RENDER_SPECIALIZE_H
 
-#include "bvh.h"
-#include "flatten.h"
-#include "gpu.h"
-#include "kernels.h"
-#include "scene.h"
+#include "bvh/bvh.h"
+#include "flatten/flatten.h"
+#include "gpu/gpu.h"
+#include "render/kernels.h"
+#include "scene/core/scene.h"
 #include "shared/bindings.h"
 #include <stddef.h>
 

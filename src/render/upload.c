@@ -1,12 +1,12 @@
-#include "upload.h"
+#include "render/upload.h"
 
-#include "affine.h"
-#include "attributes.h"
-#include "environment_table.h"
-#include "image.h"
-#include "parallel.h"
+#include "base/parallel.h"
+#include "image/image.h"
+#include "render/attributes.h"
+#include "render/tables/environment_table.h"
+#include "render/upload_parts.h"
+#include "scene/core/affine.h"
 #include "shared/types.h"
-#include "upload_parts.h"
 #include <math.h>
 #include <string.h>
 

@@ -2,8 +2,8 @@
 #ifndef LAMPYRIS_RENDER_UPLOAD_H
 #define LAMPYRIS_RENDER_UPLOAD_H
 
-#include "memory_plan.h"
-#include "shading_tables.h"
+#include "render/memory_plan.h"
+#include "render/tables/shading_tables.h"
 
 struct upload_params {
     const struct scene *scene;

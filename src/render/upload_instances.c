@@ -1,5 +1,5 @@
 // Placed meshes in the form that kernels read.
-#include "upload_parts.h"
+#include "render/upload_parts.h"
 
 #include <string.h>
 

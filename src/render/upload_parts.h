@@ -2,7 +2,7 @@
 #ifndef LAMPYRIS_RENDER_UPLOAD_PARTS_H
 #define LAMPYRIS_RENDER_UPLOAD_PARTS_H
 
-#include "upload.h"
+#include "render/upload.h"
 
 // Creates a buffer and uploads as many bytes as are planned for it.
 bool upload_filled(struct gpu *gpu, const struct upload_params *p, uint32_t binding,

@@ -1,7 +1,7 @@
 // Signed distance fields in the form that kernels read.
-#include "flatten_shapes.h"
+#include "flatten/flatten_shapes.h"
+#include "render/upload_parts.h"
 #include "shared/sdf.h"
-#include "upload_parts.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 // Shapes, instances and distance fields in the form that kernels read.
+#include "render/upload_parts.h"
 #include "shared/sdf.h"
-#include "upload_parts.h"
 
 #include <math.h>
 #include <string.h>

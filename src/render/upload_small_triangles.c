@@ -1,6 +1,6 @@
 // Triangles of lamps that are small for where they are, in the form that kernels read.
+#include "render/upload_parts.h"
 #include "shared/types.h"
-#include "upload_parts.h"
 
 #include <string.h>
 

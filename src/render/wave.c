@@ -1,8 +1,8 @@
-#include "wave.h"
+#include "render/wave.h"
 
-#include "clock.h"
-#include "sdf_inline.h"
-#include "spirv_trim.h"
+#include "base/clock.h"
+#include "gpu/spirv_trim.h"
+#include "render/sdf_inline.h"
 #include <stdlib.h>
 #include <string.h>
 

@@ -2,7 +2,7 @@
 #ifndef LAMPYRIS_RENDER_WAVE_H
 #define LAMPYRIS_RENDER_WAVE_H
 
-#include "render.h"
+#include "render/render.h"
 
 struct wave_watch;
 

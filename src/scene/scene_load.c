@@ -1,18 +1,18 @@
 // From a path to a complete scene: the loader for the extension, then what a file may leave out.
-#include "scene.h"
+#include "scene/core/scene.h"
 
-#include "emission.h"
-#include "environment.h"
-#include "file.h"
-#include "framing.h"
-#include "hash.h"
-#include "load_json.h"
-#include "log.h"
-#include "mesh_loader.h"
-#include "sky.h"
-#include "studio.h"
-#include "tangents.h"
-#include "texture_load.h"
+#include "base/file.h"
+#include "base/hash.h"
+#include "base/log.h"
+#include "scene/core/emission.h"
+#include "scene/core/environment.h"
+#include "scene/core/framing.h"
+#include "scene/core/texture_load.h"
+#include "scene/json/load_json.h"
+#include "scene/mesh/mesh_loader.h"
+#include "scene/mesh/tangents.h"
+#include "scene/sky/sky.h"
+#include "scene/sky/studio.h"
 #include <string.h>
 #include <strings.h>
 

@@ -1,5 +1,5 @@
 // What `lampyris bench` concludes, from times and pictures made up here.
-#include "bench.h"
+#include "cli/bench/bench.h"
 #include "test.h"
 
 enum { REPEATS = 7, VARIANTS = 3 };

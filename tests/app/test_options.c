@@ -1,5 +1,5 @@
-#include "commands.h"
-#include "options.h"
+#include "cli/commands.h"
+#include "cli/options.h"
 #include "test.h"
 
 enum { MOST_WORDS = 32 };

@@ -1,4 +1,4 @@
-#include "progress_bar.h"
+#include "cli/progress_bar.h"
 #include "test.h"
 
 #define MS UINT64_C(1000000)

@@ -20,7 +20,7 @@ import unittest
 LAMPYRIS = os.path.abspath(sys.argv.pop(1))
 ROOT = os.path.abspath(sys.argv.pop(1))
 BUILD = os.path.dirname(os.path.dirname(os.path.dirname(LAMPYRIS)))
-VIEWER = os.path.join(BUILD, 'src/app/viewer/lampyris-view')
+VIEWER = os.path.join(BUILD, 'src/viewer/lampyris-view')
 
 
 def need_device():
@@ -135,10 +135,10 @@ class Commands(unittest.TestCase):
         self.assertEqual(self.said.stdout.count('export PATH='), 1)
         self.assertIn('meson install', self.said.stdout)
         # The same line as in the README.
-        self.assertIn('export PATH="$PWD/build/src/app:$PATH"', read('README.md'))
+        self.assertIn('export PATH="$PWD/build/src/cli:$PATH"', read('README.md'))
         line = next(l for l in self.said.stdout.splitlines() if 'export PATH=' in l).strip()
         self.assertEqual(line.replace(os.path.realpath(self.folder), '$PWD'),
-                         'export PATH="$PWD/build/src/app:$PATH"')
+                         'export PATH="$PWD/build/src/cli:$PATH"')
 
     def test_by_name(self):
         self.assertRegex(self.shell('lampyris --version').stdout, r'^lampyris \d')

@@ -1,8 +1,8 @@
 // What is left of an error without the reference's own noise, on noise whose truth is known: means
 // of 1,000 draws must lie within 3.3 of their standard errors (99.9 %) of it.
-#include "reference.h"
+#include "cli/render/reference.h"
 
-#include "metrics.h"
+#include "metrics/metrics.h"
 #include "test.h"
 
 enum { DRAWS = 1000, WIDTH = 12, HEIGHT = 8, COUNT = WIDTH * HEIGHT };

@@ -1,4 +1,4 @@
-#include "signals.h"
+#include "cli/signals.h"
 #include "test.h"
 
 #include <errno.h>

@@ -1,10 +1,10 @@
 // Whatever a command writes is verified before it replaces an older file: whole runs of the
 // program, each in a process of its own, with one bit that changes on the way.
 #define _GNU_SOURCE // nftw
+#include "base/file.h"
 #include "base/temporary_folder.h"
-#include "file.h"
-#include "image.h"
-#include "program.h"
+#include "cli/program.h"
+#include "image/image.h"
 #include "test.h"
 
 #include <glob.h>

@@ -1,5 +1,5 @@
-#include "arena.h"
-#include "memory.h"
+#include "base/arena.h"
+#include "base/memory.h"
 #include "test.h"
 
 static bool is_zero(const uint8_t *data, size_t size)

@@ -1,4 +1,4 @@
-#include "err.h"
+#include "base/err.h"
 #include "test.h"
 
 TEST(set_fills_in_and_returns_false)

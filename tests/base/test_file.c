@@ -1,5 +1,5 @@
 #define _GNU_SOURCE
-#include "file.h"
+#include "base/file.h"
 #include "temporary_folder.h"
 #include "test.h"
 

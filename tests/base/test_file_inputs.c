@@ -1,8 +1,8 @@
 #define _GNU_SOURCE
-#include "file_inputs.h"
+#include "base/file_inputs.h"
 
-#include "file.h"
-#include "parallel.h"
+#include "base/file.h"
+#include "base/parallel.h"
 #include "temporary_folder.h"
 #include "test.h"
 

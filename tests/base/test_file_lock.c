@@ -1,5 +1,5 @@
 #define _GNU_SOURCE
-#include "file_lock.h"
+#include "base/file_lock.h"
 
 #include "temporary_folder.h"
 #include "test.h"

@@ -1,5 +1,5 @@
-#include "clock.h"
-#include "hash.h"
+#include "base/clock.h"
+#include "base/hash.h"
 #include "test.h"
 
 // The vectors of the FNV reference distribution (Noll, test_fnv.c).

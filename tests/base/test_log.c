@@ -1,5 +1,5 @@
-#include "log.h"
-#include "parallel.h"
+#include "base/log.h"
+#include "base/parallel.h"
 #include "test.h"
 
 struct record {

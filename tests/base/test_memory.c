@@ -1,6 +1,6 @@
 // What the machine leaves to a process, read from made-up files, and the budget of the process.
 #define _GNU_SOURCE // nftw
-#include "memory.h"
+#include "base/memory.h"
 #include "temporary_folder.h"
 #include "test.h"
 

@@ -1,5 +1,5 @@
 #define _GNU_SOURCE // pthread_setattr_default_np
-#include "parallel.h"
+#include "base/parallel.h"
 #include "test.h"
 
 #include <pthread.h>

@@ -1,6 +1,6 @@
-#include "err.h"
-#include "log.h"
-#include "printable.h"
+#include "base/err.h"
+#include "base/log.h"
+#include "base/printable.h"
 #include "test.h"
 
 static void check(const char *text, const char *expected)

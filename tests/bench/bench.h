@@ -2,8 +2,8 @@
 #ifndef LAMPYRIS_TESTS_BENCH_H
 #define LAMPYRIS_TESTS_BENCH_H
 
-#include "flatten.h"
-#include "single_kernel.h"
+#include "flatten/flatten.h"
+#include "render/probe/single_kernel.h"
 
 enum ray_kind { RAYS_PRIMARY, RAYS_DIFFUSE, RAYS_SHADOW, RAY_KINDS };
 

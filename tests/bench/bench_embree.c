@@ -1,7 +1,7 @@
 #include "bench.h"
 
-#include "clock.h"
-#include "parallel.h"
+#include "base/clock.h"
+#include "base/parallel.h"
 #include <math.h>
 #include <stdlib.h>
 

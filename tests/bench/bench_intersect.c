@@ -2,9 +2,9 @@
 // as many threads for both, measured in turns in one run.
 //
 //   bench_intersect [TRIANGLES…]     meshes of about so many triangles in a room; 100000 1000000
+#include "base/parallel.h"
 #include "bench.h"
-#include "generate.h"
-#include "parallel.h"
+#include "scene/generate/generate.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

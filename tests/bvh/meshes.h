@@ -2,8 +2,8 @@
 #ifndef LAMPYRIS_TESTS_BVH_MESHES_H
 #define LAMPYRIS_TESTS_BVH_MESHES_H
 
-#include "arena.h"
-#include "bvh.h"
+#include "base/arena.h"
+#include "bvh/bvh.h"
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -1,6 +1,6 @@
 // The builder: every tree is validated, bounded, and the same for any number of threads; and the
 // validation finds what is broken.
-#include "bvh.h"
+#include "bvh/bvh.h"
 #include "meshes.h"
 #include "test.h"
 

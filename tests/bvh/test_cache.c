@@ -1,9 +1,9 @@
 #define _GNU_SOURCE // nftw
 // Hierarchies from a folder: the same as built ones, and never a damaged one.
-#include "bvh_cache.h"
+#include "bvh/bvh_cache.h"
 
-#include "file.h"
-#include "log.h"
+#include "base/file.h"
+#include "base/log.h"
 #include "meshes.h"
 #include "temporary_folder.h"
 #include "test.h"

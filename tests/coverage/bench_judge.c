@@ -1,7 +1,7 @@
 // meson test --benchmark judge: what it costs to judge a picture, beside rendering it. Processor
 // time of all threads together; of several runs the least.
-#include "metrics.h"
-#include "parallel.h"
+#include "base/parallel.h"
+#include "metrics/metrics.h"
 #include "render_fixture.h"
 #include <time.h>
 

@@ -1,6 +1,6 @@
 #include "cells.h"
 
-#include "metrics.h"
+#include "metrics/metrics.h"
 #include "shares.h"
 #include <math.h>
 #include <stdlib.h>

@@ -7,8 +7,8 @@
 // each step: bits do not depend on steps, so that it is known where the program would look and end
 // for any error that is asked for. Those are the medians of what the seeds have after 6, 12, 24 ...
 // samples. Exit status: 0 as asked for, 1 significantly worse, 2 usage, 77 no Vulkan.
-#include "forecast.h"
-#include "metrics.h"
+#include "metrics/forecast.h"
+#include "metrics/metrics.h"
 #include "render_fixture.h"
 #include "shares.h"
 #include "subjects.h"
@@ -191,7 +191,7 @@ static uint32_t find_hindsight(const struct step *steps, uint32_t most, double l
     return samples + STEP;
 }
 
-// As src/app/render_loop.c does.
+// As src/cli/render/render_loop.c does.
 static void end_run(struct cell *cell, const struct step *steps, uint32_t most, double limit)
 {
     uint64_t samples = looks_first(0, STEP);

@@ -4,7 +4,7 @@
 // (x - m)^2 is on average the error of x and the variance of m, which the other seeds tell.
 #include "cells.h"
 
-#include "metrics.h"
+#include "metrics/metrics.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

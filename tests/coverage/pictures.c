@@ -1,6 +1,6 @@
 #include "pictures.h"
 
-#include "clock.h"
+#include "base/clock.h"
 #include "render_fixture.h"
 #include <errno.h>
 #include <unistd.h>

@@ -2,7 +2,7 @@
 #ifndef LAMPYRIS_TESTS_COVERAGE_SUBJECTS_H
 #define LAMPYRIS_TESTS_COVERAGE_SUBJECTS_H
 
-#include "err.h"
+#include "base/err.h"
 
 struct subject {
     const char *name, *path; // from the source root

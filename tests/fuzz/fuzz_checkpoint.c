@@ -1,7 +1,7 @@
 // A checkpoint from anywhere: read as --resume reads it, up to the film. Damage is found by the
 // hash, so the same bytes are tried with a right one, too.
-#include "checkpoint.h"
-#include "hash.h"
+#include "base/hash.h"
+#include "render/checkpoint.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

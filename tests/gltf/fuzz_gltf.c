@@ -1,10 +1,10 @@
 // libFuzzer target for glTF and GLB bytes: `fuzz_gltf CORPUS_FOLDER`, which write_seeds fills. The
 // first four bytes decide the container. Built with clang on demand; what it loads must be whole,
 // with its animation at half a second and with tangents where there are texture coordinates.
-#include "affine.h"
 #include "gltf_fixture.h"
-#include "gltf_load.h"
-#include "tangents.h"
+#include "scene/core/affine.h"
+#include "scene/gltf/gltf_load.h"
+#include "scene/mesh/tangents.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 #include "gltf_builder.h"
 
-#include "affine.h"
+#include "scene/core/affine.h"
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -3,7 +3,7 @@
 #define LAMPYRIS_TESTS_GLTF_BUILDER_H
 
 #include "gltf_fixture.h"
-#include "gltf_load.h"
+#include "scene/gltf/gltf_load.h"
 
 // {0} is an empty one. What does not fit ends the program.
 struct gltf_builder {

@@ -1,9 +1,9 @@
 #include "gltf_fixture.h"
 
-#include "gltf_load.h"
-#include "hash.h"
-#include "json_parse.h"
-#include "memory.h"
+#include "base/hash.h"
+#include "base/memory.h"
+#include "scene/gltf/gltf_load.h"
+#include "json/json_parse.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -2,7 +2,7 @@
 #ifndef LAMPYRIS_TESTS_GLTF_FIXTURE_H
 #define LAMPYRIS_TESTS_GLTF_FIXTURE_H
 
-#include "scene.h"
+#include "scene/core/scene.h"
 #include <stddef.h>
 #include <stdint.h>
 

@@ -1,6 +1,6 @@
 // KHR_lights_punctual and KHR_materials_variants.
 #include "gltf_fixture.h"
-#include "gltf_load.h"
+#include "scene/gltf/gltf_load.h"
 #include "test.h"
 
 // Nodes with lights; %s are the nodes and the lights.

@@ -1,5 +1,5 @@
 // What the extensions of glTF materials become: every expected number is written out.
-#include "image.h"
+#include "image/image.h"
 #include "material_file.h"
 #include "test.h"
 

@@ -1,9 +1,9 @@
 // What materials and textures of glTF files become: every expected number is written out.
+#include "base/memory.h"
 #include "gltf_fixture.h"
-#include "gltf_load.h"
 #include "gltf_picture.h"
 #include "material_file.h"
-#include "memory.h"
+#include "scene/gltf/gltf_load.h"
 #include "test.h"
 
 // --- the core ------------------------------------------------------------------------------------

@@ -1,10 +1,10 @@
 // Files that are cut, damaged, deep or hostile: an error within a second, never a crash, a hang or
 // a file read from outside the folder.
+#include "base/memory.h"
 #include "gltf_fixture.h"
-#include "memory.h"
 #include "test.h"
 
-#include "file.h"
+#include "base/file.h"
 #include <sys/stat.h>
 #include <unistd.h>
 

@@ -1,9 +1,9 @@
 // Files with skins, morph targets, animations, compressed and interleaved views, cut and damaged:
 // an error or a whole scene, never a crash.
-#include "affine.h"
-#include "gltf_load.h"
 #include "gltf_seeds.h"
-#include "tangents.h"
+#include "scene/core/affine.h"
+#include "scene/gltf/gltf_load.h"
+#include "scene/mesh/tangents.h"
 #include "test.h"
 
 static bool load_posed(struct scene *scene, const char *path, struct bytes bytes, struct err *err)

@@ -1,6 +1,6 @@
 // Skinned vertices against values worked out by hand.
-#include "affine.h"
 #include "gltf_builder.h"
+#include "scene/core/affine.h"
 #include "test.h"
 
 static bool near3(const float *a, double x, double y, double z)

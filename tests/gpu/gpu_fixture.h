@@ -3,8 +3,8 @@
 #ifndef LAMPYRIS_TESTS_GPU_FIXTURE_H
 #define LAMPYRIS_TESTS_GPU_FIXTURE_H
 
-#include "gpu.h"
-#include "log.h"
+#include "base/log.h"
+#include "gpu/gpu.h"
 #include "test.h"
 
 #include "copy_test.spv.h" // needs stdint.h

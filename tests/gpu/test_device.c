@@ -1,6 +1,6 @@
 // Listing, choosing, opening and closing devices.
+#include "gpu/gpu_internal.h"
 #include "gpu_fixture.h"
-#include "gpu_internal.h"
 #include <ctype.h>
 #include <stdio.h>
 

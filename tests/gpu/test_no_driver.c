@@ -1,5 +1,5 @@
 // Machines without a Vulkan driver, or without the loader.
-#include "gpu.h"
+#include "gpu/gpu.h"
 #include "test.h"
 
 static void check_no_vulkan(const char *expected)

@@ -1,7 +1,7 @@
 // The screen: pictures arrive bit by bit, triangles as a computation on the CPU has them, and
 // nothing is left over.
+#include "gpu/screen.h"
 #include "gpu_fixture.h"
-#include "screen.h"
 #include <math.h>
 #include <unistd.h>
 

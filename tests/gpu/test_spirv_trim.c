@@ -1,6 +1,6 @@
 // What specialization constants rule out is left out, and what is left does the same.
+#include "gpu/spirv_trim.h"
 #include "gpu_fixture.h"
-#include "spirv_trim.h"
 
 #include "choices_test.spv.h"
 

@@ -2,7 +2,7 @@
 #ifndef LAMPYRIS_TESTS_EXR_FILE_H
 #define LAMPYRIS_TESTS_EXR_FILE_H
 
-#include "image_internal.h"
+#include "image/image_internal.h"
 #include "test.h"
 #include <OpenEXR/openexr.h>
 

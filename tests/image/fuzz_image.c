@@ -1,8 +1,8 @@
 // Fuzz target: a picture of the format FUZZ_FORMAT ("exr", "hdr", "jpeg" or "png") from
 // memory, and its metadata. Bytes of another format are not wanted in the corpus.
-#include "image.h"
-#include "image_internal.h"
-#include "memory.h"
+#include "base/memory.h"
+#include "image/image.h"
+#include "image/image_internal.h"
 #include <string.h>
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);

@@ -2,9 +2,9 @@
 #ifndef LAMPYRIS_TESTS_PICTURE_H
 #define LAMPYRIS_TESTS_PICTURE_H
 
-#include "file.h"
-#include "image.h"
-#include "memory.h"
+#include "base/file.h"
+#include "base/memory.h"
+#include "image/image.h"
 #include "test.h"
 
 #define PICTURE_BUDGET ((size_t)64 << 20)

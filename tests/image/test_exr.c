@@ -1,7 +1,7 @@
 #define _GNU_SOURCE // nftw, memmem
+#include "base/log.h"
 #include "base/temporary_folder.h"
 #include "exr_file.h"
-#include "log.h"
 #include "picture.h"
 
 static char folder[512];

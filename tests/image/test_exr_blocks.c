@@ -1,6 +1,6 @@
 // Blocks of EXR files at the border between compressed and uncompressed: a block that is stored in
 // as many bytes as its pixels take is uncompressed for every reader ("OpenEXR File Layout").
-#include "image_internal.h"
+#include "image/image_internal.h"
 #include "picture.h"
 #include <OpenEXR/openexr.h>
 #include <zlib.h>

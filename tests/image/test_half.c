@@ -1,4 +1,4 @@
-#include "image_internal.h"
+#include "image/image_internal.h"
 #include "test.h"
 
 static double half_value(uint16_t half)

@@ -1,6 +1,6 @@
 #define _GNU_SOURCE // nftw
 #include "base/temporary_folder.h"
-#include "image_internal.h"
+#include "image/image_internal.h"
 #include "picture.h"
 
 #include <png.h>

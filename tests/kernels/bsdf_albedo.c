@@ -1,6 +1,6 @@
 #include "bsdf_albedo.h"
 
-#include "albedo_tables.h"
+#include "render/tables/albedo_tables.h"
 
 #include <math.h>
 #include <stdbool.h>

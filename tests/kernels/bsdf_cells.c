@@ -1,6 +1,6 @@
 #include "bsdf_cells.h"
 
-#include "parallel.h"
+#include "base/parallel.h"
 
 #include <math.h>
 #include <stdlib.h>

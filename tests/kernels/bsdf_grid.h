@@ -4,7 +4,7 @@
 #define LAMPYRIS_TESTS_BSDF_GRID_H
 
 #include "bsdf_cells.h"
-#include "scene_material.h"
+#include "scene/core/scene_material.h"
 
 struct configuration {
     char name[160];

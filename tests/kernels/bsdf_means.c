@@ -1,6 +1,6 @@
 #include "bsdf_means.h"
 
-#include "metrics.h"
+#include "metrics/metrics.h"
 
 enum { MAX_REPLICATES = 64 };
 

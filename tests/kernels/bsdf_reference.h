@@ -6,7 +6,7 @@
 #define LAMPYRIS_TESTS_BSDF_REFERENCE_H
 
 #include "bsdf_optics.h"
-#include "scene_material.h"
+#include "scene/core/scene_material.h"
 
 enum { REFERENCE_MAX_DELTAS = 4 };
 

@@ -1,9 +1,9 @@
 #include "bsdf_trial.h"
 
+#include "base/parallel.h"
 #include "bsdf_means.h"
 #include "bsdf_reference.h"
 #include "bsdf_statistics.h"
-#include "parallel.h"
 
 // Categories of samples besides the cells.
 enum {

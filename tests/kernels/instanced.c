@@ -1,7 +1,7 @@
 #include "instanced.h"
 
-#include "generate.h"
-#include "scatter.h"
+#include "scene/generate/generate.h"
+#include "scene/generate/scatter.h"
 
 static void *allocate(struct scene *scene, size_t count, size_t bytes)
 {

@@ -2,7 +2,7 @@
 #ifndef LAMPYRIS_TESTS_INSTANCED_H
 #define LAMPYRIS_TESTS_INSTANCED_H
 
-#include "affine.h"
+#include "scene/core/affine.h"
 #include "traversal_scenes.h"
 
 // Meshes without a place: a bumpy closed ball, one of 20 * 4^subdivision triangles with its corners

@@ -3,7 +3,7 @@
 #ifndef LAMPYRIS_TESTS_KERNEL_FIXTURE_H
 #define LAMPYRIS_TESTS_KERNEL_FIXTURE_H
 
-#include "render.h"
+#include "render/render.h"
 #include "test.h"
 
 // Opens a device or leaves the test: as skipped where there is no Vulkan, as failed for any other

@@ -1,6 +1,6 @@
 #include "sampler_fixture.h"
 
-#include "frame.h"
+#include "render/frame.h"
 #include "sampler_routines.h"
 #include "sampler_test.spv.h"
 

@@ -4,7 +4,7 @@
 #define LAMPYRIS_TESTS_SDF_PROGRAMS_H
 
 #include "kernel_fixture.h"
-#include "sdf_evaluate.h"
+#include "scene/sdf/sdf_evaluate.h"
 #include "shared/sdf.h"
 
 #define SDF_TEST_CODE 40

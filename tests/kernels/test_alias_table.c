@@ -1,6 +1,6 @@
 // The alias table gives every entry its exact share of the probability.
-#include "alias_table.h"
 #include "kernel_fixture.h"
+#include "render/tables/alias_table.h"
 
 // What the table gives each of `count` entries, the bins being equally likely.
 static double *marginals(const struct alias_bin *bins, uint32_t count)

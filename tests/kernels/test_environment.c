@@ -1,9 +1,9 @@
 // Environment images whose texels are patches: the tables of what is sampled against the image,
 // samples against the tables, what directions see, and the angles that both are made of. And suns.
 #include "bsdf_statistics.h"
-#include "environment.h"
-#include "environment_table.h"
 #include "library_fixture.h"
+#include "render/tables/environment_table.h"
+#include "scene/core/environment.h"
 
 static double luminance(const float rgb[3])
 {

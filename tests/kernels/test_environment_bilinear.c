@@ -2,8 +2,8 @@
 // and edges of the image, and samples against densities and the image.
 #include "bsdf_statistics.h"
 #include "environment_reference.h"
-#include "environment_table.h"
 #include "library_fixture.h"
+#include "render/tables/environment_table.h"
 
 #define SAMPLES (1u << 18)
 

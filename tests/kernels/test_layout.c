@@ -1,6 +1,6 @@
 // C and GLSL agree on every record of shared/types.h: members by name, offset, size and type, and
 // the strides of arrays, as the GLSL compiler laid them out in SPIR-V.
-#include "kernels.h"
+#include "render/kernels.h"
 #include "shared/sdf.h"
 #include "shared/types.h"
 #include "spirv_layout.h"
@@ -256,7 +256,8 @@ TEST(words_a_record)
     CHECK(offsetof(struct gpu_path, direction) == 16 * PATH_DIRECTION, "direction");
     CHECK(offsetof(struct gpu_path, throughput) == 16 * PATH_THROUGHPUT, "throughput");
     CHECK(offsetof(struct gpu_path, t) == 16 * PATH_HIT, "hit");
-    CHECK(sizeof(struct gpu_shadow_ray) == 16 * SHADOW_WORDS_OF(0u), "%zu", sizeof(struct gpu_shadow_ray));
+    CHECK(sizeof(struct gpu_shadow_ray) == 16 * SHADOW_WORDS_OF(0u), "%zu",
+          sizeof(struct gpu_shadow_ray));
     CHECK(sizeof(struct gpu_film_pixel) == 16 * FILM_WORDS, "%zu", sizeof(struct gpu_film_pixel));
 }
 

@@ -1,7 +1,7 @@
 // The choice of an emitter down the tree, by the shipped routines, against a reference in double
 // precision: its probabilities, what it chooses, and that none is left out that sends something.
 #include "library_fixture.h"
-#include "metrics.h"
+#include "metrics/metrics.h"
 
 // --- scenes --------------------------------------------------------------------------------------
 

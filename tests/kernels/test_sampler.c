@@ -1,6 +1,6 @@
 // The samplers of lib/sampler.glsl as shipped, run on the device: ranges, strata and elementary
 // intervals exactly; uniformity, scrambling and independence by statistics.
-#include "metrics.h"
+#include "metrics/metrics.h"
 #include "sampler_fixture.h"
 
 enum { SOBOL_DIMENSIONS = 4 };

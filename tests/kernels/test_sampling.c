@@ -1,7 +1,7 @@
 // The warps of lib/sampling.glsl and the choice of a light, as shipped, run on the device: their
 // distributions by chi-square, their extremes, and that bases are orthonormal.
 #include "library_fixture.h"
-#include "metrics.h"
+#include "metrics/metrics.h"
 
 // --- distributions -------------------------------------------------------------------------------
 

@@ -1,7 +1,7 @@
 // Sphere tracing in the kernels against marches in double precision that take half the steps.
-#include "sdf_inline.h"
+#include "render/probe/single_kernel.h"
+#include "render/sdf_inline.h"
 #include "sdf_programs.h"
-#include "single_kernel.h"
 
 enum { RAYS = 3072 }; // a program
 

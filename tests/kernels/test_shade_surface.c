@@ -2,7 +2,7 @@
 // and its weight, the scattered path and roulette, each recomputed in double precision. Azimuths,
 // which depend on the choice of a basis, are taken as they come out: test_sampling checks them.
 #include "estimators.h"
-#include "single_kernel.h"
+#include "render/probe/single_kernel.h"
 #include "surface_reference.h"
 
 enum { SLOTS = 4096 };

@@ -1,9 +1,9 @@
 // What a scene does not need is left out: pairs of tiny scenes, with and without one need. Of the
 // first, the Vulkan objects must be there; of the second they must be gone, and nothing else.
-#include "geometry.h"
-#include "ies.h"
+#include "flatten/geometry.h"
 #include "kernel_fixture.h"
-#include "replay.h"
+#include "render/probe/replay.h"
+#include "scene/sky/ies.h"
 #include "shared/sdf.h"
 
 #define BIT(n) (1u << (n))

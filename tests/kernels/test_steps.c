@@ -2,10 +2,10 @@
 // precision. A ray that hits nothing must enter every box that it meets, in whatever order: the
 // counts are the same then, but for boxes that it only just meets, which are told beforehand. One
 // that hits must enter those that begin before the hit, and may enter all.
-#include "bvh_node.h"
+#include "bvh/bvh_node.h"
+#include "render/wave.h"
 #include "traversal_judge.h"
 #include "traversal_scenes.h"
-#include "wave.h"
 
 enum { RAYS = 8000 };
 

@@ -1,6 +1,6 @@
 // What of a scene's textures and corners comes onto the device: what is used, and equal images
 // once.
-#include "attributes.h"
+#include "render/attributes.h"
 #include "texture_fixture.h"
 
 // Opens a renderer on the scene for its buffers' sizes.

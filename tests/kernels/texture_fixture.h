@@ -2,10 +2,10 @@
 #ifndef LAMPYRIS_TESTS_TEXTURE_FIXTURE_H
 #define LAMPYRIS_TESTS_TEXTURE_FIXTURE_H
 
-#include "image.h"
+#include "image/image.h"
 #include "kernel_fixture.h"
+#include "scene/core/texture_load.h"
 #include "texture_item.h"
-#include "texture_load.h"
 
 // Inputs and outputs of an item; see texture_item.h.
 union texture_item {

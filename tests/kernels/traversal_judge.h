@@ -3,9 +3,9 @@
 #ifndef LAMPYRIS_TESTS_TRAVERSAL_JUDGE_H
 #define LAMPYRIS_TESTS_TRAVERSAL_JUDGE_H
 
-#include "bvh.h"
-#include "flatten.h"
-#include "single_kernel.h"
+#include "bvh/bvh.h"
+#include "flatten/flatten.h"
+#include "render/probe/single_kernel.h"
 
 // The CPU reference on a renderer's own geometry.
 struct reference {

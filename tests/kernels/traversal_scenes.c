@@ -1,6 +1,6 @@
 #include "traversal_scenes.h"
 
-#include "generate.h"
+#include "scene/generate/generate.h"
 
 // --- scenes --------------------------------------------------------------------------------------
 

@@ -3,7 +3,7 @@
 #define LAMPYRIS_TESTS_TRAVERSAL_SCENES_H
 
 #include "kernel_fixture.h"
-#include "single_kernel.h"
+#include "render/probe/single_kernel.h"
 
 // --- scenes: added to one that scene_start() made ------------------------------------------------
 

@@ -1,8 +1,8 @@
 // What is said of bias, on noise whose truth is known: intervals must cover it in 95 % of draws,
 // and methods without one are called biased in 2.5 % at most, also where few samples carry all
 // light.
-#include "bias.h"
-#include "metrics.h"
+#include "metrics/bias.h"
+#include "metrics/metrics.h"
 #include "test.h"
 
 enum { DRAWS = 1000, PICTURES = 16, LENGTH = 3 * 256, LEAST = 927, MOST = 973, WRONG = 40 };

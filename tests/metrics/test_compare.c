@@ -1,4 +1,4 @@
-#include "metrics.h"
+#include "metrics/metrics.h"
 #include "test.h"
 
 static bool near(double a, double b)

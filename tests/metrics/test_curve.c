@@ -1,6 +1,6 @@
 // What is said of curves of errors, on noise whose truth is known: intervals must cover it in 95 %
 // of 1,000 draws. The counts' own 99.9 % range about 950 is +-23.
-#include "curve.h"
+#include "metrics/curve.h"
 #include "test.h"
 
 enum { DRAWS = 1000, REPLICATES = 16, POINTS = 8, LEAST = 927, MOST = 973 };

@@ -1,6 +1,6 @@
 // Maps of errors as numbers, their scales and their colours.
-#include "error_map.h"
-#include "metrics.h"
+#include "metrics/error_map.h"
+#include "metrics/metrics.h"
 #include "test.h"
 
 enum { COUNT = 4 };

@@ -1,7 +1,7 @@
 // What is said of twice the samples, on noise whose truth is known: intervals must cover it in 95 %
 // of 1,000 draws. The counts' own 99.9 % range about 950 is +-23.
-#include "forecast.h"
-#include "metrics.h"
+#include "metrics/forecast.h"
+#include "metrics/metrics.h"
 #include "test.h"
 
 enum { DRAWS = 1000, LEAST = 927, MOST = 973 };

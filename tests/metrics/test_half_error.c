@@ -1,6 +1,6 @@
 // The half-buffer estimate against synthetic noise: the mean over pictures against the expectation
 // of the local relMSE, the intervals against each picture's own.
-#include "metrics.h"
+#include "metrics/metrics.h"
 #include "test.h"
 
 #include <stdint.h>

@@ -1,6 +1,6 @@
 // Where renders end that are to reach an error: on synthetic noise, whose truth is known, they may
 // not end above it more often than promised, nor go on much longer than they need.
-#include "metrics.h"
+#include "metrics/metrics.h"
 #include "test.h"
 
 #include <stdint.h>

@@ -1,8 +1,8 @@
 // SSIM and FLIP: what is known of them. `test_metrics_perceptual --values` prints those of two
 // pictures made here, which perceptual.py computes in another way.
-#include "memory.h"
-#include "metrics.h"
-#include "perceptual.h"
+#include "base/memory.h"
+#include "metrics/metrics.h"
+#include "metrics/perceptual.h"
 #include "test.h"
 
 enum { WIDTH = 24, HEIGHT = 18, COUNT = WIDTH * HEIGHT };

@@ -1,5 +1,5 @@
 // What is said of repeated timings, on noise whose truth is known.
-#include "spread.h"
+#include "metrics/spread.h"
 #include "test.h"
 
 enum { DRAWS = 1000, ROWS = 10 };

@@ -1,4 +1,4 @@
-#include "metrics.h"
+#include "metrics/metrics.h"
 #include "test.h"
 
 static void check_quantile(double p, double degrees, double expected)

@@ -1,6 +1,6 @@
 #include "closed_form.h"
 
-#include "clock.h"
+#include "base/clock.h"
 #include "replicates.h"
 #include "scaled_scene.h"
 #include <inttypes.h>

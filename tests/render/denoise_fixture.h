@@ -2,7 +2,7 @@
 #ifndef LAMPYRIS_TESTS_DENOISE_FIXTURE_H
 #define LAMPYRIS_TESTS_DENOISE_FIXTURE_H
 
-#include "denoise.h"
+#include "render/show/denoise.h"
 #include "render_fixture.h"
 
 // A film's pixel as its means over samples say it.

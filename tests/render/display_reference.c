@@ -1,7 +1,7 @@
 #include "display_reference.h"
 
-#include "error_map.h"
-#include "image.h"
+#include "image/image.h"
+#include "metrics/error_map.h"
 #include <float.h>
 
 // --- values --------------------------------------------------------------------------------------

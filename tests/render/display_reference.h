@@ -2,8 +2,8 @@
 #ifndef LAMPYRIS_TESTS_DISPLAY_REFERENCE_H
 #define LAMPYRIS_TESTS_DISPLAY_REFERENCE_H
 
-#include "display.h"
-#include "image.h"
+#include "image/image.h"
+#include "render/show/display.h"
 #include "render_fixture.h"
 
 // Of a pixel, as in shared/display.h: a value times its weight, and the weight.

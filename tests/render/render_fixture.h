@@ -2,7 +2,7 @@
 #ifndef LAMPYRIS_TESTS_RENDER_FIXTURE_H
 #define LAMPYRIS_TESTS_RENDER_FIXTURE_H
 
-#include "render.h"
+#include "render/render.h"
 #include "test.h"
 
 // Opens a device or leaves the test: as skipped where there is no Vulkan (or no validation layer,

@@ -1,6 +1,6 @@
 #include "replicates.h"
 
-#include "metrics.h"
+#include "metrics/metrics.h"
 #include <math.h>
 #include <string.h>
 

@@ -4,7 +4,7 @@
 #ifndef LAMPYRIS_TESTS_REPLICATES_H
 #define LAMPYRIS_TESTS_REPLICATES_H
 
-#include "render.h"
+#include "render/render.h"
 
 #define REPLICATES 64
 #define REPLICATES_VALUES 64 // at most

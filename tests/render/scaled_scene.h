@@ -2,7 +2,7 @@
 #ifndef LAMPYRIS_TESTS_SCALED_SCENE_H
 #define LAMPYRIS_TESTS_SCALED_SCENE_H
 
-#include "scene.h"
+#include "scene/core/scene.h"
 
 // Multiplies every length of a scene by `factor`, and what depends on lengths so that the radiance
 // stays: intensities by its square, extinctions by its inverse. All cameras are scaled.

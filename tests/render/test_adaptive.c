@@ -1,8 +1,8 @@
 // Sample counts by tile: how they are shared out, that they bias nothing, and what they are worth;
 // and the promise of --error on a real scene.
-#include "metrics.h"
+#include "cli/render/render_job.h"
+#include "metrics/metrics.h"
 #include "render_fixture.h"
-#include "render_job.h"
 #include "replicates.h"
 
 // --- the plan

@@ -1,8 +1,8 @@
 // Pictures besides the radiance: their values where they are known, that parts make up the whole,
 // and that they change nothing and depend on nothing that the radiance does not.
+#include "render/wave.h"
 #include "render_fixture.h"
 #include "shared/aov.h"
-#include "wave.h"
 #include <math.h>
 
 enum { SIZE = 32, PIXELS = SIZE * SIZE };

@@ -1,9 +1,9 @@
 // How often honest methods whose light comes by few samples are called biased: by converge, from
 // replicates, and by render --reference, from one picture. Pictures, seeds and references are as in
 // `lampyris converge --spp S`: 16 replicates, and 100 S samples of another seed.
-#include "bias.h"
-#include "forecast.h"
-#include "metrics.h"
+#include "metrics/bias.h"
+#include "metrics/forecast.h"
+#include "metrics/metrics.h"
 #include "render_fixture.h"
 
 enum { REPLICATES = 16, REFERENCE_FACTOR = 100, OVERRIDES = 8, SEEDS = 500 };

@@ -1,7 +1,7 @@
 // Distance fields in scenes whose radiance is known, and beside analytic shapes of the same form:
 // closed rooms of fields, convex bodies under an even sky, glass and fog, a still life of both.
 #include "closed_form.h"
-#include "metrics.h"
+#include "metrics/metrics.h"
 #include "replicates.h"
 
 // A convex body sees nothing but the environment.

@@ -2,8 +2,8 @@
 // noise, no worse when there is little. With LAMPYRIS_PICTURES=FOLDER in the environment the
 // pictures are written there.
 #include "denoise_fixture.h"
-#include "image.h"
-#include "metrics.h"
+#include "image/image.h"
+#include "metrics/metrics.h"
 
 enum { COUNTS = 5 };
 static const uint32_t counts[COUNTS] = {1, 4, 16, 64, 256};

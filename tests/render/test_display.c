@@ -1,7 +1,7 @@
 // What a viewer shows, pixel by pixel against a computation on the host.
-#include "clock.h"
-#include "denoise.h"
+#include "base/clock.h"
 #include "display_reference.h"
+#include "render/show/denoise.h"
 #include <float.h>
 
 #define ALL_AOVS (AOV_END - 1u)

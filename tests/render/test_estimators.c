@@ -1,9 +1,9 @@
 // Next-event estimation alone, BSDF sampling alone and both by multiple importance sampling
 // estimate the same picture: the Cornell box, and a row of rough materials, as a whole and in 4 x 4
 // tiles. Estimates are compared by pairs, each with 64 replicates.
-#include "clock.h"
+#include "base/clock.h"
 #include "estimators.h"
-#include "metrics.h"
+#include "metrics/metrics.h"
 #include "render_fixture.h"
 #include "replicates.h"
 

@@ -4,7 +4,7 @@
 #define _DEFAULT_SOURCE
 
 #include "../base/temporary_folder.h"
-#include "log.h"
+#include "base/log.h"
 #include "render_fixture.h"
 #include <math.h>
 

@@ -1,6 +1,6 @@
 // Quads and boxes as triangles and analytic: the same picture, as a whole and in 4 x 4 tiles, by 64
 // replicates of each.
-#include "metrics.h"
+#include "metrics/metrics.h"
 #include "render_fixture.h"
 #include "replicates.h"
 

@@ -1,7 +1,7 @@
 // Geometry that several renderers share, that follows the scene's changes, and that leaves out what
 // is hidden.
-#include "camera_media.h"
-#include "geometry.h"
+#include "flatten/geometry.h"
+#include "render/tables/camera_media.h"
 #include "render_fixture.h"
 
 #define SAMPLES 2u

@@ -1,5 +1,5 @@
 // Pictures through instances beside those of the flattened scene: what differs is rounding.
-#include "log.h"
+#include "base/log.h"
 #include "render_fixture.h"
 #include "shared/aov.h"
 #include <math.h>

@@ -1,6 +1,6 @@
 // Instances on the host: meshes that share what they are made of are where flattened ones are.
-#include "affine.h"
-#include "geometry.h"
+#include "flatten/geometry.h"
+#include "scene/core/affine.h"
 #include "test.h"
 
 enum { MESHES = 3, RAYS = 4000, INSTANCES = 60 };

@@ -1,7 +1,7 @@
 // What a viewer asks of a renderer: another camera and another size, without building (the picture
 // has the same bits as a new renderer's), kernels that were compiled meanwhile, and small steps.
+#include "render/probe/replay.h"
 #include "render_fixture.h"
-#include "replay.h"
 #include "shared/methods.h"
 #include <math.h>
 

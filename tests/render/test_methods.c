@@ -1,8 +1,8 @@
 // Every way to find light, to go on and to end paths estimates the same picture: a scene of all
 // kinds of surfaces and lights, as a whole and in 2 x 2 tiles, by pairs of methods with 64
 // replicates each; and closed forms, also of what is lost where a setting loses light.
-#include "clock.h"
-#include "metrics.h"
+#include "base/clock.h"
+#include "metrics/metrics.h"
 #include "render_fixture.h"
 #include "replicates.h"
 

@@ -1,9 +1,9 @@
 // Contributions that are not finite are left out, counted by the place they came from, and can be
 // followed. Loaders let no such scene pass, so each test spoils one in memory.
+#include "cli/render/render_job.h"
 #include "estimators.h"
+#include "render/probe/replay.h"
 #include "render_fixture.h"
-#include "render_job.h"
-#include "replay.h"
 
 #include <inttypes.h>
 

@@ -1,7 +1,7 @@
 // Lights with photometric profiles above a floor, pixel by pixel against the profile as the loader
 // gives it, in double precision.
-#include "ies.h"
 #include "render_fixture.h"
+#include "scene/sky/ies.h"
 #include <math.h>
 #include <unistd.h>
 

@@ -1,6 +1,6 @@
 // Kernels alone, on what they get in a render: as many items as there, the same results, and a
 // renderer that goes on as if nothing had been.
-#include "recorded.h"
+#include "render/probe/recorded.h"
 #include "render_fixture.h"
 
 #define SAMPLES 4u

@@ -1,6 +1,6 @@
 // Pictures by all samplers have the same mean, and pixel filters see of an edge what their integral
 // says.
-#include "metrics.h"
+#include "metrics/metrics.h"
 #include "render_fixture.h"
 #include "replicates.h"
 

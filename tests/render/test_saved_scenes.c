@@ -1,8 +1,8 @@
 // A scene that was edited and written down has the very picture of the one in memory.
 #include "render_fixture.h"
 
+#include "scene/json/scene_write.h"
 #include "scene_edit_fixture.h"
-#include "scene_write.h"
 
 #include <unistd.h>
 

@@ -1,8 +1,8 @@
 // Scenes from 1e-12 m to 1e12 m, and cameras as far from what they see: closed forms that no unit
 // of length may change, and the same bits in units that differ by a power of two.
+#include "base/log.h"
 #include "closed_form.h"
-#include "log.h"
-#include "replay.h"
+#include "render/probe/replay.h"
 #include "scaled_scene.h"
 #include "shared/aov.h"
 #include <math.h>

@@ -1,7 +1,7 @@
 // How the error falls with the number of samples, by sampler. It is the variance between replicates
 // of other seeds, relative to the square of their mean as in relMSE, a mean over pixels and
 // channels: no reference is needed, and what all replicates have in common, a bias, does not count.
-#include "metrics.h"
+#include "metrics/metrics.h"
 #include "render_fixture.h"
 
 #define SIDE 16u

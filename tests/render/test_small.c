@@ -1,5 +1,5 @@
 // Pictures of few pixels: they fill waves with samples, and keep their bits.
-#include "hash.h"
+#include "base/hash.h"
 #include "render_fixture.h"
 #include "shared/aov.h"
 

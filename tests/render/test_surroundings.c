@@ -1,13 +1,13 @@
 // A plane under environments and suns, whose irradiance is known: in closed form
 // (docs/verification.md, B24 and B25) or by direct quadrature of the image in double precision. By
 // multiple importance sampling, and by each estimator that finds the light.
-#include "clock.h"
-#include "environment.h"
+#include "base/clock.h"
 #include "environment_reference.h"
 #include "estimators.h"
 #include "render_fixture.h"
 #include "replicates.h"
-#include "sky.h"
+#include "scene/core/environment.h"
+#include "scene/sky/sky.h"
 #include <inttypes.h>
 
 static const double albedo[3] = {0.8, 0.5, 0.2};

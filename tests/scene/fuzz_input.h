@@ -5,9 +5,9 @@
 // Included first, so that memfd_create is declared.
 #define _GNU_SOURCE
 
-#include "log.h"
-#include "memory.h"
-#include "scene.h"
+#include "base/log.h"
+#include "base/memory.h"
+#include "scene/core/scene.h"
 
 #include <stdint.h>
 #include <stdio.h>

@@ -2,7 +2,7 @@
 // loads must flatten or say why not.
 #include "fuzz_input.h"
 
-#include "flatten.h"
+#include "flatten/flatten.h"
 
 static bool load(struct scene *scene, const char *path, struct err *err)
 {

@@ -2,8 +2,8 @@
 // code and message on stdout: what check_format.py drives. load_scene --parameters: prints the
 // table of the materials' parameters, a line each: name, components, least, greatest, models, help.
 // load_scene --edit OUT FILE [KEY=VALUE …]: edits everything at random and writes it to OUT.
+#include "scene/json/scene_write.h"
 #include "scene_edit_fixture.h"
-#include "scene_write.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -7,9 +7,9 @@
 #define _XOPEN_SOURCE 700
 #define _DEFAULT_SOURCE
 
-#include "log.h"
-#include "memory.h"
-#include "scene.h"
+#include "base/log.h"
+#include "base/memory.h"
+#include "scene/core/scene.h"
 #include "test.h"
 
 #include <ftw.h>

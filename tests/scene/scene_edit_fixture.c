@@ -1,7 +1,7 @@
 #include "scene_edit_fixture.h"
 
-#include "affine.h"
-#include "scene_write_edits.h"
+#include "scene/core/affine.h"
+#include "scene/json/scene_write_edits.h"
 #include "test.h"
 
 double random_unit(struct random *random)

@@ -2,7 +2,7 @@
 #ifndef LAMPYRIS_TESTS_SCENE_EDIT_FIXTURE_H
 #define LAMPYRIS_TESTS_SCENE_EDIT_FIXTURE_H
 
-#include "scene.h"
+#include "scene/core/scene.h"
 
 struct random {
     uint64_t state;

@@ -1,8 +1,8 @@
 // Flattening against what can be said in closed form.
 #include "mesh_files.h"
 
-#include "affine.h"
-#include "flatten.h"
+#include "flatten/flatten.h"
+#include "scene/core/affine.h"
 
 #include <float.h>
 

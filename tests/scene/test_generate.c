@@ -1,7 +1,7 @@
 // Generated meshes: the blob is closed, of the wanted size, with right normals; the teapot is the
 // one that is known.
-#include "generate.h"
-#include "memory.h"
+#include "base/memory.h"
+#include "scene/generate/generate.h"
 #include "test.h"
 
 static bool make_blob(struct scene *scene, uint32_t triangles, uint32_t *mesh, struct err *err)

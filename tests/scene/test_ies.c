@@ -1,6 +1,6 @@
 // Photometric profiles: what the formats' variants mean, symmetries, integrals, and bad files.
 #define _GNU_SOURCE // memfd_create
-#include "ies.h"
+#include "scene/sky/ies.h"
 #include "test.h"
 #include <math.h>
 #include <string.h>

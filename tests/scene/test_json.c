@@ -2,7 +2,7 @@
 // and with which words, stands in bad_scenes.json, which check_format.py runs.
 #include "mesh_files.h"
 
-#include "memory.h"
+#include "base/memory.h"
 #include "shared/types.h"
 #include <sys/stat.h>
 

@@ -1,9 +1,9 @@
 // OBJ and MTL: what is read, what is refused, and that nothing crashes.
 #include "mesh_files.h"
 
-#include "file.h"
-#include "image.h"
-#include "text.h"
+#include "base/file.h"
+#include "image/image.h"
+#include "scene/core/text.h"
 
 #include <math.h>
 #include <sys/stat.h>

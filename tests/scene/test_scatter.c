@@ -1,5 +1,5 @@
 // Strewn spheres: none overlaps another, all lie on the disc, everywhere the same.
-#include "scatter.h"
+#include "scene/generate/scatter.h"
 #include "test.h"
 
 #include <stdlib.h>

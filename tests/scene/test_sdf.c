@@ -3,9 +3,9 @@
 // bad_scenes.json.
 #include "mesh_files.h"
 
-#include "affine.h"
-#include "sdf.h"
-#include "sdf_evaluate.h"
+#include "scene/core/affine.h"
+#include "scene/sdf/sdf.h"
+#include "scene/sdf/sdf_evaluate.h"
 
 #include <stdarg.h>
 

@@ -2,9 +2,9 @@
 // bounds and boxes hold all of their points.
 #include "mesh_files.h"
 
-#include "affine.h"
-#include "bounds.h"
-#include "flatten_shapes.h"
+#include "flatten/flatten_shapes.h"
+#include "scene/core/affine.h"
+#include "scene/core/bounds.h"
 
 static struct scene load_body(const char *body)
 {

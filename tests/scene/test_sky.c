@@ -1,8 +1,8 @@
 // The sky's formulas at values worked out by hand, its baked image against the formulas, its sun,
 // and gradients.
-#include "environment.h"
-#include "scene.h"
-#include "sky.h"
+#include "scene/core/environment.h"
+#include "scene/core/scene.h"
+#include "scene/sky/sky.h"
 #include "test.h"
 
 #define DEGREE (M_PI / 180)

@@ -1,9 +1,9 @@
 #include "mesh_files.h"
 
-#include "affine.h"
-#include "environment.h"
-#include "framing.h"
-#include "studio.h"
+#include "scene/core/affine.h"
+#include "scene/core/environment.h"
+#include "scene/core/framing.h"
+#include "scene/sky/studio.h"
 #include <math.h>
 #include <string.h>
 

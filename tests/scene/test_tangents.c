@@ -1,6 +1,6 @@
 // Generated tangents against closed cases and against a slow search of the same groups.
-#include "scene.h"
-#include "tangents.h"
+#include "scene/core/scene.h"
+#include "scene/mesh/tangents.h"
 #include "test.h"
 
 static const double pi = 3.14159265358979323846;

@@ -1,6 +1,6 @@
 // Numbers and words of text formats; the C library's strtof is the judge of numbers.
+#include "scene/core/text.h"
 #include "test.h"
-#include "text.h"
 
 #include <locale.h>
 

@@ -1,7 +1,7 @@
 // What corners carry for textures, flattened, against what can be said in closed form.
-#include "affine.h"
-#include "flatten.h"
-#include "memory.h"
+#include "base/memory.h"
+#include "flatten/flatten.h"
+#include "scene/core/affine.h"
 #include "test.h"
 
 #include <float.h>

@@ -1,10 +1,10 @@
 // Images as textures: what is read, kept once, refused and noted.
 #include "mesh_files.h"
 
-#include "file.h"
-#include "image.h"
-#include "memory.h"
-#include "texture_load.h"
+#include "base/file.h"
+#include "base/memory.h"
+#include "image/image.h"
+#include "scene/core/texture_load.h"
 
 static struct scene scene;
 static struct err error;

@@ -1,6 +1,6 @@
-#include "edit.h"
 #include "test.h"
-#include "viewer.h"
+#include "viewer/core/edit.h"
+#include "viewer/core/viewer.h"
 
 #include <stdarg.h>
 

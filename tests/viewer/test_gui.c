@@ -1,6 +1,6 @@
 // The panel's widgets without a device: scripts, made-up events, and what comes out.
-#include "gui_state.h"
 #include "test.h"
+#include "viewer/gui/gui_state.h"
 
 #include <GLFW/glfw3.h>
 #include <float.h>

@@ -54,7 +54,7 @@ class Manual(Tour):
         return '\n'.join(lines)
 
     def keys(self):
-        with open(os.path.join(ROOT, 'src', 'app', 'viewer', 'keys.c'), encoding='utf-8') as file:
+        with open(os.path.join(ROOT, 'src', 'viewer', 'core', 'keys.c'), encoding='utf-8') as file:
             source = file.read()
         block = source[source.index('viewer_keys[] = {'):]
         rows = re.findall(r'\{"([^"]*)",\s*"([^"]*)"\}', block[:block.index('{NULL')])

@@ -1,5 +1,5 @@
-#include "pace.h"
 #include "test.h"
+#include "viewer/core/pace.h"
 
 static void run(struct pace *pace, double ms_per_sample, double overhead_ms)
 {

@@ -1,6 +1,6 @@
-#include "affine.h"
-#include "rig.h"
+#include "scene/core/affine.h"
 #include "test.h"
+#include "viewer/core/rig.h"
 
 #define DEGREE (M_PI / 180)
 

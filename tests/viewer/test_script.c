@@ -1,9 +1,9 @@
 #define _GNU_SOURCE // nftw of temporary_folder.h
 #include "base/temporary_folder.h"
-#include "script_words.h"
 #include "test.h"
-#include "watch_files.h"
-#include "window.h"
+#include "viewer/core/watch_files.h"
+#include "viewer/script/script_words.h"
+#include "viewer/window/window.h"
 
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>

@@ -1,8 +1,8 @@
 #define _GNU_SOURCE // nftw of temporary_folder.h
-#include "shader_compile.h"
+#include "viewer/core/shader_compile.h"
 
 #include "base/temporary_folder.h"
-#include "kernels.h"
+#include "render/kernels.h"
 #include "test.h"
 
 #include <fcntl.h>

@@ -1,6 +1,6 @@
 // What a swapchain is made with, for surfaces of all kinds.
-#include "swapchain_choose.h"
 #include "test.h"
+#include "viewer/window/swapchain_choose.h"
 
 #define SRGB VK_COLOR_SPACE_SRGB_NONLINEAR_KHR
 #define COUNT(list) (sizeof(list) / sizeof((list)[0]))

@@ -1,6 +1,6 @@
 // The window without one: what is pushed comes back in order, and no display is a message.
 #include "test.h"
-#include "window.h"
+#include "viewer/window/window.h"
 
 #include <GLFW/glfw3.h>
 #include <time.h>

@@ -1,4 +1,4 @@
-#include "worker.h"
+#include "viewer/core/worker.h"
 
 #include "test.h"
 

@@ -3,8 +3,8 @@
 #ifndef LAMPYRIS_TESTS_WINDOW_FIXTURE_H
 #define LAMPYRIS_TESTS_WINDOW_FIXTURE_H
 
-#include "swapchain.h"
 #include "test.h"
+#include "viewer/window/swapchain.h"
 
 #include <X11/Xlib.h>
 #include <X11/Xutil.h>

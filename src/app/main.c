@@ -1,9 +1,0 @@
-// lampyris: parses the command line and runs one command.
-#include "program.h"
-
-#include <stddef.h>
-
-int main(int argc, char **argv)
-{
-    return program_run(argc, argv, NULL);
-}

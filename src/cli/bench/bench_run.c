@@ -1,0 +1,413 @@
+// Running what is measured: all variants in turns, each repetition the same samples.
+#include "cli/bench/bench.h"
+
+#include "base/clock.h"
+#include "base/hash.h"
+#include "cli/render/render_job.h"
+#include "render/wave.h"
+#include "shared/aov.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+// Samples a pixel of a repetition, unless the command line says how many.
+#define BENCH_SPP 4
+
+// --- variants ------------------------------------------------------------------------------------
+
+static bool open_variant(struct bench *b, struct bench_variant *v, struct err *err)
+{
+    uint64_t start = clock_ns();
+    uint32_t camera;
+    if (!job_load_scene(&v->variant.options, &v->scene_data, &camera, err))
+        return false;
+    if (!options_given(&v->variant.options, OPTION_SPP))
+        v->scene_data.settings.spp = BENCH_SPP;
+    v->load_seconds = clock_seconds_since(start);
+    struct renderer_params params =
+        job_renderer_params(&v->variant.options, &b->gpu, &v->scene_data, camera);
+    return renderer_create(&params, &v->renderer, err) ||
+           (*v->variant.label && err_prepend(err, "%s", v->variant.label));
+}
+
+bool bench_prepare(struct bench *b, struct err *err)
+{
+    struct variant *variants;
+    b->repeats = b->options->repeats;
+    if (getloadavg(&b->load, 1) != 1)
+        b->load = NAN;
+    if (!variants_make(b->options, &b->arena, &variants, &b->variant_count, err))
+        return false;
+    b->variants = ARENA_NEW(&b->arena, struct bench_variant, b->variant_count);
+    if (!b->variants)
+        return err_memory(err, "variants", b->variant_count * sizeof *b->variants);
+    for (uint32_t i = 0; i < b->variant_count; i++)
+        b->variants[i].variant = variants[i];
+    uint64_t start = clock_ns();
+    if (!gpu_open(&b->options->gpu, &b->gpu, err))
+        return false;
+    b->seconds.device = clock_seconds_since(start);
+    start = clock_ns();
+    for (uint32_t i = 0; i < b->variant_count; i++)
+        if (!open_variant(b, &b->variants[i], err))
+            return false;
+    b->seconds.start = clock_seconds_since(start);
+    return true;
+}
+
+void bench_finish(struct bench *b)
+{
+    for (uint32_t i = 0; b->variants && i < b->variant_count; i++) {
+        renderer_finish(&b->variants[i].renderer);
+        scene_finish(&b->variants[i].scene_data);
+    }
+    json_decref(b->baseline);
+    gpu_close(&b->gpu);
+    arena_finish(&b->arena);
+}
+
+uint32_t bench_turn(uint32_t round, uint32_t n, uint32_t variants)
+{
+    uint32_t turned = (n + round / 2) % variants;
+    return round % 2 ? variants - 1 - turned : turned;
+}
+
+static double *make_times(struct bench *b, struct err *err)
+{
+    double *ms = ARENA_NEW(&b->arena, double, b->repeats);
+    if (!ms)
+        err_memory(err, "times", b->repeats * sizeof *ms);
+    return ms;
+}
+
+struct bench_row *bench_rows_create(struct bench *b, uint32_t count, struct err *err)
+{
+    struct bench_row *rows = ARENA_NEW(&b->arena, struct bench_row, count);
+    if (!rows) {
+        err_memory(err, "rows", count * sizeof *rows);
+        return NULL;
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        rows[i].bytes = NAN;
+        rows[i].ms = make_times(b, err);
+        if (!rows[i].ms)
+            return NULL;
+    }
+    return rows;
+}
+
+// --- counting ------------------------------------------------------------------------------------
+
+// What the kernels do in a repetition, from one that is watched and not timed.
+struct census {
+    struct bench_variant *v;
+    uint64_t rays_before, shadow_before; // entries of the queues that shading fills
+    double bytes[KERNEL_COUNT];
+    uint64_t steps[STEPS_COUNT];
+};
+
+static bool is_shading(enum kernel_id kernel)
+{
+    return kernel >= KERNEL_shade_miss && kernel <= KERNEL_shade_whitted;
+}
+
+// Records that one item takes at least: of paths, rays and queues, not of the scene. What a kernel
+// hands on is counted by what it hands on.
+double bench_bytes_read(const struct renderer *r, enum kernel_id kernel)
+{
+    const double queue = 4.0, word = 16.0;
+    const uint32_t slot_words = AOV_SLOT_WORDS(r->specialization.aovs);
+    switch (kernel) {
+    case KERNEL_generate_rays: // writes but the hit
+        return 3.0 * word + word * slot_words + queue;
+    case KERNEL_intersect_closest: // origin, direction
+        return queue + 2.0 * word;
+    case KERNEL_intersect_shadow:
+        return queue + (double)sizeof(struct gpu_shadow_ray);
+    case KERNEL_shade_miss: // direction, throughput; adds to the radiance
+        return queue + 4.0 * word;
+    case KERNEL_shade_ao:
+        return queue + 3.0 * word;
+    default:
+        return queue + (double)sizeof(struct gpu_path);
+    }
+}
+
+static double bytes_of_shadow_rays(const struct renderer *r)
+{
+    double others = (double)r->specialization.light_rays - 1.0;
+    return 4.0 + (double)sizeof(struct gpu_shadow_ray) + 16.0 * fmax(others, 0.0);
+}
+
+static uint64_t count_items(const struct renderer *r, const struct wave_step *step)
+{
+    switch (step->kernel) {
+    case KERNEL_generate_rays:
+        return (uint64_t)r->push.pixel_count << r->push.sample_shift;
+    case KERNEL_intersect_closest:
+    case KERNEL_intersect_shadow:
+        return r->counters->dispatch[step->queue * DISPATCH_PARTS].items;
+    default:
+        return r->counters->queue[step->queue];
+    }
+}
+
+static bool count_step(void *context, const struct wave_step *step, struct err *err)
+{
+    (void)err;
+    struct census *c = context;
+    const struct renderer *r = &c->v->renderer;
+    uint32_t bounce = step->bounce - (step->kernel == KERNEL_intersect_shadow);
+    if (bounce >= STATS_BOUNCES)
+        bounce = STATS_BOUNCES - 1;
+    uint64_t items = count_items(r, step);
+    c->v->bounces[bounce].items[step->kernel] += items;
+    if (items > 0 && bounce >= c->v->bounce_count)
+        c->v->bounce_count = bounce + 1;
+
+    double *bytes = &c->bytes[step->kernel];
+    *bytes += (double)items * bench_bytes_read(r, step->kernel);
+    uint64_t rays = r->counters->queue[QUEUE_RAYS + (~step->bounce & 1u)];
+    uint64_t shadow = r->counters->queue[QUEUE_SHADOW];
+    if (is_shading(step->kernel)) {
+        *bytes += (double)(rays - c->rays_before) * (4.0 + 3.0 * 16.0);
+        *bytes += (double)(shadow - c->shadow_before) * bytes_of_shadow_rays(r);
+    } else if (step->kernel == KERNEL_intersect_closest) {
+        for (uint32_t q = QUEUE_SURFACE; q < QUEUE_MISS; q++)
+            *bytes += (16.0 + 4.0) * r->counters->queue[q];
+        *bytes += 4.0 * r->counters->queue[QUEUE_MISS];
+    }
+    c->rays_before = rays;
+    c->shadow_before = shadow;
+    return true;
+}
+
+static bool count_wave(void *context, struct err *err)
+{
+    (void)err;
+    struct census *c = context;
+    const struct renderer *r = &c->v->renderer;
+    uint64_t pixels = r->push.pixel_count;
+    c->v->bounces[0].items[KERNEL_accumulate] += pixels;
+    c->bytes[KERNEL_accumulate] += (double)pixels * (2.0 * (double)sizeof(struct gpu_film_pixel) +
+                                                     16.0 * (double)(1u << r->push.sample_shift));
+    return true;
+}
+
+// --- rows ----------------------------------------------------------------------------------------
+
+static const char *const host_names[] = {"recording", "submitting", "reading back", "other"};
+#define HOST_ROWS (sizeof host_names / sizeof host_names[0])
+
+// Kernels that rendering runs; the film's resolving comes after it.
+static bool runs(const struct bench_variant *v, int kernel)
+{
+    return v->renderer.kernels[kernel].pipeline && kernel != KERNEL_resolve;
+}
+
+static bool make_rows(struct bench *b, struct bench_variant *v, const struct census *census,
+                      struct err *err)
+{
+    uint32_t kernels = 0;
+    for (int k = 0; k < KERNEL_COUNT; k++)
+        kernels += runs(v, k);
+    v->row_count = kernels + HOST_ROWS + 1;
+    v->rows = bench_rows_create(b, v->row_count, err);
+    if (!v->rows)
+        return false;
+    struct bench_row *row = v->rows;
+    for (int k = 0; k < KERNEL_COUNT; k++) {
+        if (!runs(v, k))
+            continue;
+        row->kind = BENCH_KERNEL;
+        row->kernel = (enum kernel_id)k;
+        row->name = v->renderer.kernels[k].name;
+        for (uint32_t bounce = 0; bounce < STATS_BOUNCES; bounce++)
+            row->items += v->bounces[bounce].items[k];
+        row->bytes = census->bytes[k] > 0 ? census->bytes[k] : NAN;
+        if (k == KERNEL_intersect_closest || k == KERNEL_intersect_shadow) {
+            const uint64_t *steps =
+                census->steps + (k == KERNEL_intersect_shadow ? STEPS_SHADOW : STEPS_CLOSEST);
+            row->nodes = steps[0];
+            row->primitives = steps[1];
+        }
+        row++;
+    }
+    for (uint32_t i = 0; i < HOST_ROWS; i++, row++) {
+        row->kind = BENCH_HOST;
+        row->name = host_names[i];
+    }
+    row->kind = BENCH_WALL;
+    row->name = "repetition";
+    row->items = v->paths;
+    return true;
+}
+
+static bool make_bounces(struct bench *b, struct bench_variant *v, struct err *err)
+{
+    v->bounces = ARENA_NEW(&b->arena, struct bench_bounce, STATS_BOUNCES);
+    if (!v->bounces)
+        return err_memory(err, "bounces", STATS_BOUNCES * sizeof *v->bounces);
+    for (uint32_t bounce = 0; bounce < STATS_BOUNCES; bounce++)
+        for (int k = 0; k < KERNEL_COUNT; k++) {
+            double **ms = &v->bounces[bounce].ms[k];
+            if (runs(v, k) && !(*ms = make_times(b, err)))
+                return false;
+        }
+    return true;
+}
+
+// --- repetitions ---------------------------------------------------------------------------------
+
+static bool hash_picture(struct bench *b, struct bench_variant *v, uint64_t *hash, struct err *err)
+{
+    uint64_t start = clock_ns();
+    struct arena scratch = {0};
+    struct film_image film;
+    bool ok = renderer_read(&v->renderer, &scratch, &film, err);
+    if (ok)
+        *hash =
+            hash_bytes(HASH_INIT, film.mean, (size_t)film.width * film.height * sizeof *film.mean);
+    arena_finish(&scratch);
+    b->seconds.pictures += clock_seconds_since(start);
+    return ok;
+}
+
+// Renders of one wave are over before they look.
+static bool should_stop(struct bench *b)
+{
+    b->stopped |= progress_should_stop(b->options->progress);
+    return b->stopped;
+}
+
+// One repetition: the samples of the variant, from the first.
+static bool repeat(struct bench *b, struct bench_variant *v, struct render_call call, double *ms,
+                   struct err *err)
+{
+    const struct settings *settings = &v->scene_data.settings;
+    call.samples = settings->spp;
+    call.stopped = &b->stopped;
+    *ms = 0.0;
+    if (should_stop(b))
+        return true;
+    if (!renderer_restart(&v->renderer, settings->seed, err))
+        return false;
+    uint64_t start = clock_ns();
+    bool ok = renderer_render(&v->renderer, &call, err);
+    *ms = (double)(clock_ns() - start) * 1e-6;
+    return ok;
+}
+
+// What rows say of one repetition: what the renderer's statistics have grown by.
+static void keep_times(const struct bench *b, struct bench_variant *v, uint32_t round,
+                       const struct render_stats *before, double wall_ms)
+{
+    const struct render_stats *now = &v->renderer.stats;
+    const double host[HOST_ROWS] = {
+        now->host.recording - before->host.recording,
+        now->host.submitting - before->host.submitting,
+        now->host.reading_back - before->host.reading_back,
+        0.0,
+    };
+    double rest = wall_ms;
+    uint32_t host_row = 0;
+    for (uint32_t i = 0; i < v->row_count; i++) {
+        struct bench_row *row = &v->rows[i];
+        double *ms = &row->ms[round];
+        if (row->kind == BENCH_KERNEL) {
+            const struct kernel_stats *stats = &now->kernels[row->kernel];
+            double sum = stats->ms - before->kernels[row->kernel].ms;
+            *ms = b->gpu.has_timestamps ? sum : NAN;
+            row->launches = stats->launches - before->kernels[row->kernel].launches;
+            rest -= sum;
+        } else if (row->kind == BENCH_HOST && host_row + 1 < HOST_ROWS) {
+            *ms = host[host_row++];
+            rest -= *ms;
+        } else {
+            *ms = row->kind == BENCH_HOST ? rest : wall_ms;
+        }
+    }
+    for (uint32_t bounce = 0; bounce < STATS_BOUNCES; bounce++)
+        for (int k = 0; k < KERNEL_COUNT; k++)
+            if (v->bounces[bounce].ms[k])
+                v->bounces[bounce].ms[k][round] =
+                    b->gpu.has_timestamps ? now->bounce_ms[bounce][k] - before->bounce_ms[bounce][k]
+                                          : NAN;
+}
+
+// Once to count, which also lets the renderer find out what its rays need, and once to warm up.
+static bool warm_up(struct bench *b, struct bench_variant *v, struct render_call call,
+                    struct err *err)
+{
+    struct census census = {.v = v};
+    const struct wave_watch watch = {.after = count_step, .context = &census};
+    double ms, to = call.progress_to;
+    call.progress_to = 0.5 * (call.progress_from + to);
+    if (!make_bounces(b, v, err) || !repeat(b, v, call, &v->warm_up_ms, err))
+        return false;
+    b->seconds.warm_up += v->warm_up_ms * 1e-3;
+    uint64_t start = clock_ns();
+    const struct render_stats before = v->renderer.stats;
+    call.progress_from = call.progress_to;
+    call.progress_to = to;
+    call.watch = &watch;
+    call.after_wave = count_wave;
+    call.context = &census;
+    if (b->stopped)
+        return true;
+    if (!wave_count_steps(&v->renderer, true, err) || !repeat(b, v, call, &ms, err) ||
+        !wave_count_steps(&v->renderer, false, err))
+        return false;
+    b->seconds.counting += clock_seconds_since(start);
+    v->closest_rays = v->renderer.stats.closest_rays - before.closest_rays;
+    v->shadow_rays = v->renderer.stats.shadow_rays - before.shadow_rays;
+    v->paths = v->renderer.stats.paths - before.paths;
+    for (int i = 0; i < STEPS_COUNT; i++)
+        census.steps[i] = v->renderer.stats.steps[i] - before.steps[i];
+    return b->stopped || (make_rows(b, v, &census, err) && hash_picture(b, v, &v->image_hash, err));
+}
+
+static bool measure_once(struct bench *b, struct bench_variant *v, uint32_t round,
+                         struct render_call call, struct err *err)
+{
+    const struct render_stats before = v->renderer.stats;
+    double wall_ms;
+    uint64_t hash;
+    if (!repeat(b, v, call, &wall_ms, err))
+        return false;
+    if (b->stopped)
+        return true;
+    keep_times(b, v, round, &before, wall_ms);
+    b->seconds.timed += wall_ms * 1e-3;
+    if (!hash_picture(b, v, &hash, err))
+        return false;
+    v->differs |= hash != v->image_hash;
+    return true;
+}
+
+bool bench_measure(struct bench *b, struct err *err)
+{
+    double all = (double)(b->repeats + 1) * b->variant_count, done = 0;
+    for (uint32_t i = 0; i < b->variant_count && !should_stop(b); i++, done++) {
+        const struct render_call call = {
+            .progress_from = done / all,
+            .progress_to = (done + 1) / all,
+        };
+        if (!warm_up(b, &b->variants[i], call, err))
+            return false;
+    }
+    for (uint32_t round = 0; round < b->repeats && !b->stopped; round++) {
+        for (uint32_t n = 0; n < b->variant_count && !should_stop(b); n++, done++) {
+            struct bench_variant *v = &b->variants[bench_turn(round, n, b->variant_count)];
+            const struct render_call call = {
+                .progress_from = done / all,
+                .progress_to = (done + 1) / all,
+            };
+            if (!measure_once(b, v, round, call, err))
+                return false;
+        }
+        if (!b->stopped)
+            b->repeats_done = round + 1;
+    }
+    return true;
+}

@@ -1,0 +1,55 @@
+#include "cli/commands.h"
+
+#include "base/file.h"
+#include "cli/bench/bench.h"
+#include "cli/bench/tune.h"
+#include "report/html.h"
+#include "report/json_out.h"
+
+static bool run(struct bench *b, struct err *err)
+{
+    const struct options *options = b->options;
+    if (options->kernel && !bench_check_kernel(options, err))
+        return false;
+    if (options->report && !file_make_folder(options->report, err))
+        return false;
+    if (!bench_prepare(b, err) || (options->baseline && !bench_load_baseline(b, err)))
+        return false;
+    if (options->report && !html_check_files(options->report, &b->arena, err))
+        return false;
+    if (!(options->kernel ? bench_measure_kernel(b, err) : bench_measure(b, err)))
+        return false;
+    if (b->repeats_done == 0)
+        return err_set(err, ERR_STOPPED, "stopped before every variant was timed once");
+    return bench_conclude(b, err) && (!options->baseline || bench_compare_baseline(b, err)) &&
+           (!options->report || bench_write(b, options->report, err));
+}
+
+static int judge(const struct bench *b)
+{
+    if (b->differs)
+        command_fail(&b->difference);
+    return b->differs || bench_is_slower(b) ? EXIT_CODE_CHECK_FAILED : EXIT_CODE_OK;
+}
+
+int cmd_bench(const struct options *options)
+{
+    struct bench b = {.options = options};
+    if (options->tune)
+        return tune_run(options);
+    struct err err = {0};
+    int code = EXIT_CODE_OK;
+    bool ok = run(&b, &err);
+    if (ok && b.gpu.validation_messages > 0)
+        ok = err_set(&err, ERR_BUG, "the validation layers reported %u messages",
+                     b.gpu.validation_messages);
+    progress_end(options->progress);
+    if (ok && options->json)
+        code = json_print(bench_json(&b));
+    else if (ok && !options->quiet)
+        bench_print(&b);
+    if (ok && code == EXIT_CODE_OK)
+        code = judge(&b);
+    bench_finish(&b);
+    return ok ? code : command_fail(&err);
+}

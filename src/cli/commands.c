@@ -1,0 +1,204 @@
+#include "cli/commands.h"
+
+#include "base/log.h"
+#include "base/suggest.h"
+#include "cli/signals.h"
+#include <string.h>
+
+const struct command commands[COMMAND_TOTAL] = {
+    [COMMAND_RENDER] =
+        {
+            .name = "render",
+            .summary = "render a scene to pictures",
+            .arguments = "SCENE",
+            .description =
+                "Renders a scene file (.json, .gltf, .glb, .obj or .ply) by path tracing, on any "
+                "Vulkan device with compute shaders. Settings come from the options, else from "
+                "the scene file, else they are the defaults given below. A model without a camera "
+                "is framed; one without light is lit by a studio and stands on a ground, see "
+                "--studio. The summary says how "
+                "good the picture is, what it cost, and what was left out. An interrupted render "
+                "(SIGINT, SIGTERM, SIGHUP, SIGXCPU, SIGUSR1) takes the first sample of every "
+                "pixel, "
+                "writes the samples that it has, and its --checkpoint; a second SIGINT or SIGTERM "
+                "ends it at once. "
+                "Outputs are replaced only by whole files, and locked against other runs. A "
+                "picture that cannot be written as EXR where it should be is saved in $TMPDIR.",
+            .examples = "lampyris render scenes/cornell.json -o cornell.exr -o cornell.png\n"
+                        "lampyris render scenes/models/vase.glb --spp 256 --size 1280x720\n"
+                        "lampyris render scenes/models/vase.glb --env scenes/models/gallery.hdr\n"
+                        "lampyris render scenes/cornell.json --error 1e-3 --checkpoint c.ck",
+            .min_arguments = 1,
+            .max_arguments = 1,
+            .run = cmd_render,
+        },
+    [COMMAND_CONVERGE] =
+        {
+            .name = "converge",
+            .summary = "measure error against samples and run time",
+            .arguments = "SCENE...",
+            .description =
+                "Renders each scene with doubling samples or to fixed times, several times with "
+                "other seeds, and tells the error against samples and against run time: local "
+                "relMSE "
+                "with its interval and other metrics, the slope it falls off with, efficiency, "
+                "what it takes to reach a given error, and what bias remains. --vary and --curve "
+                "make curves of other settings, and say which of any two is faster. Replicates of "
+                "all curves take turns, so that a busy machine is busy for all. When a signal "
+                "interrupts it, it reports the replicates that are complete.",
+            .examples =
+                "lampyris converge scenes/cornell.json --vary sampler=sobol,pcg --report report\n"
+                "lampyris converge scenes/veach_mis.json --size 64x48 --vary mis=power,none\n"
+                "lampyris converge scenes/veach_mis.json --times 1,2,4 --curve 'nee=on mis=none'",
+            .min_arguments = 1,
+            .max_arguments = OPTIONS_ARGUMENTS_MAX,
+            .run = cmd_converge,
+        },
+    [COMMAND_BENCH] =
+        {
+            .name = "bench",
+            .summary = "measure where the time goes",
+            .arguments = "SCENE...",
+            .description =
+                "Renders each scene again and again with the same samples (4 a pixel unless --spp "
+                "says otherwise) and tells the time of each kernel with its launches, items and "
+                "share, the queues' lengths by bounce, and the spread over repeats. --sweep and "
+                "--curve make variants, which take turns, and whose pictures are hashed: those "
+                "that are to be the same are shown to be. --kernel times one kernel alone.",
+            .examples =
+                "lampyris bench scenes/cornell.json --sweep wave=4k,16k,64k --report report\n"
+                "lampyris bench scenes/glass.json --kernel intersect_closest --rays "
+                "primary,diffuse\n"
+                "lampyris bench scenes/cornell.json --json > before.json\n"
+                "lampyris bench scenes/cornell.json --baseline before.json",
+            .min_arguments = 1,
+            .max_arguments = OPTIONS_ARGUMENTS_MAX,
+            .run = cmd_bench,
+        },
+    [COMMAND_COMPARE] =
+        {
+            .name = "compare",
+            .summary = "measure how far pictures are from a reference",
+            .arguments = "IMAGE... REFERENCE",
+            .description =
+                "Compares pictures x (.exr, .hdr, .png or .jpg; the latter two decoded to linear "
+                "light; FILE:LAYER is a layer of an EXR file) with a reference r of the same size. "
+                "Over all pixels and channels: mse, the mean of (x - r)^2; rmse, its root; relmse, "
+                "the mean of (x - r)^2 / (r^2 + 0.01); local-relmse, the same with the mean of r "
+                "around each pixel (a Gaussian of 1.5 pixels, as of SSIM) in place of r below, "
+                "which "
+                "is what render tells of its own pictures; smape, the mean of 2 |x - r| / (|x| + "
+                "|r| + "
+                "1e-6); of what a display shows, clamped and sRGB-encoded, psnr in dB, ssim and "
+                "flip; hdr-flip over the reference's range of exposures (both for 67 pixels a "
+                "degree); and max, the greatest difference. Pixels with a non-finite value in "
+                "either picture are counted and left out. mse, relmse and local-relmse have a 95 % "
+                "interval. "
+                "Several pictures make a table, in which the best of each column has a star.",
+            .examples = "lampyris compare out.exr reference.exr --max relmse=1e-3\n"
+                        "lampyris compare a.exr b.exr reference.exr --reference-variance auto\n"
+                        "lampyris compare a.exr b.exr --max differing=0 --difference d.png",
+            .min_arguments = 2,
+            .max_arguments = OPTIONS_ARGUMENTS_MAX,
+            .run = cmd_compare,
+        },
+    [COMMAND_INFO] =
+        {
+            .name = "info",
+            .summary = "say what is in a scene and what it needs",
+            .arguments = "SCENE",
+            .description =
+                "Loads a scene and prints what is in it, which features a render of it would use, "
+                "and how much device memory each buffer would take, without rendering.",
+            .examples = "lampyris info scenes/cornell.json\n"
+                        "lampyris info scenes/models/vase.glb --size 3840x2160 --json",
+            .min_arguments = 1,
+            .max_arguments = 1,
+            .run = cmd_info,
+        },
+    [COMMAND_VIEW] =
+        {
+            .name = "view",
+            .summary = "explore a scene in a window while it converges",
+            .arguments = "[SCENE]",
+            .description =
+                "Opens a window (the program lampyris-view) in which a scene is seen while it "
+                "converges, with its error and what it costs; the camera moves, and every "
+                "setting, material and light can be changed. F1 shows the panel, whose entries "
+                "explain themselves; docs/viewer.md lists all keys. With --headless the same "
+                "runs without a window, for scripts.",
+            .examples = "lampyris view scenes/cornell.json\n"
+                        "lampyris view scenes/models/vase.glb --env scenes/models/gallery.hdr\n"
+                        "lampyris-view scenes/cornell.json --script tour.txt --headless",
+            .max_arguments = 1,
+            .run = cmd_view,
+        },
+    [COMMAND_DEVICES] =
+        {
+            .name = "devices",
+            .summary = "list the Vulkan devices",
+            .arguments = "",
+            .description = "Lists the Vulkan devices with their drivers, and marks the one that "
+                           "would be chosen. A device that runs on the processor is called CPU.",
+            .examples = "lampyris devices\n"
+                        "lampyris devices --device llvmpipe --json",
+            .run = cmd_devices,
+        },
+    [COMMAND_HELP] =
+        {
+            .name = "help",
+            .summary = "explain the program or a command",
+            .arguments = "[COMMAND]",
+            .description = "Prints the help of a command, or of the program. With --man, a manual "
+                           "page.",
+            .examples = "lampyris help render\n"
+                        "lampyris help --man | man -l -",
+            .max_arguments = 1,
+            .run = cmd_help,
+        },
+};
+
+const struct command *command_find(const char *name, struct err *err)
+{
+    struct suggestion suggestion = {.wanted = name};
+    for (int i = 0; i < COMMAND_TOTAL; i++) {
+        if (strcmp(commands[i].name, name) == 0)
+            return &commands[i];
+        suggest_offer(&suggestion, commands[i].name);
+    }
+    if (suggestion.nearest)
+        err_set(err, ERR_USAGE, "unknown command \"%s\"; did you mean \"%s\"?", name,
+                suggestion.nearest);
+    else
+        err_set(err, ERR_USAGE, "unknown command \"%s\"", name);
+    return NULL;
+}
+
+int exit_code(enum err_code code)
+{
+    switch (code) {
+    case ERR_NONE:
+        return EXIT_CODE_OK;
+    case ERR_USAGE:
+    case ERR_INPUT:
+    case ERR_BUDGET:
+        return EXIT_CODE_INPUT;
+    case ERR_SYSTEM:
+    case ERR_GPU:
+    case ERR_BUG:
+        return EXIT_CODE_DEVICE;
+    case ERR_STOPPED:
+        return signal_exit_code();
+    case ERR_NO_VULKAN:
+        return EXIT_CODE_NO_VULKAN;
+    case ERR_OUTPUT:
+        return EXIT_CODE_OUTPUT;
+    }
+    return EXIT_CODE_DEVICE;
+}
+
+int command_fail(const struct err *err)
+{
+    log_message(LOG_ERROR, "%s", err->msg);
+    return exit_code(err->code);
+}

@@ -1,0 +1,385 @@
+// lampyris compare: error metrics between pictures and a reference.
+#include "cli/commands.h"
+
+#include "base/file.h"
+#include "base/file_inputs.h"
+#include "base/log.h"
+#include "base/memory.h"
+#include "cli/compare/compare.h"
+#include "metrics/metrics.h"
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+bool compare_greater_is_better(enum compare_metric metric)
+{
+    return metric == METRIC_PSNR || metric == METRIC_SSIM;
+}
+
+bool compare_limit_holds(const struct compared *picture, const struct compare_limit *limit)
+{
+    double value = picture->value[limit->metric];
+    return limit->is_minimum ? value >= limit->value : value <= limit->value;
+}
+
+// --- reading -------------------------------------------------------------------------------------
+
+// "FILE:LAYER", unless there is a file of that whole name.
+static bool split_layer(const char *name, struct arena *arena, struct image_read_params *out,
+                        struct err *err)
+{
+    const char *colon = strrchr(name, ':');
+    *out = (struct image_read_params){.path = name};
+    if (!colon || colon == name || !colon[1] || access(name, F_OK) == 0)
+        return true;
+    char *path = arena_strdup(arena, name);
+    if (!path)
+        return err_memory(err, "a file name", strlen(name) + 1);
+    path[colon - name] = '\0';
+    if (access(path, F_OK) == 0)
+        *out = (struct image_read_params){.path = path, .layer = colon + 1};
+    return true;
+}
+
+static bool read_picture(const struct comparison *c, const char *name, struct arena *arena,
+                         struct image *out, struct err *err)
+{
+    struct image_read_params params;
+    return split_layer(name, arena, &params, err) && image_read(&params, arena, out, err) &&
+           (!c->reference.image.pixels || reference_check_size(&c->reference, c->reference_path,
+                                                               name, out->width, out->height, err));
+}
+
+static bool is_number(const char *text, double *value)
+{
+    char *end;
+    *value = strtod(text, &end);
+    return end != text && !*end;
+}
+
+static bool read_variance(struct comparison *c, const char *name, struct err *err)
+{
+    struct arena arena = {0};
+    struct image variance;
+    bool ok = read_picture(c, name, &arena, &variance, err) &&
+              reference_set_variance(&c->reference, name, (const float(*)[3])variance.pixels, err);
+    arena_finish(&arena);
+    return ok;
+}
+
+// The reference, and its own noise as --reference-variance tells it.
+static bool read_reference(struct comparison *c, struct err *err)
+{
+    const char *variance = c->options->reference_variance, *name = c->reference_path;
+    double value;
+    if (variance && strcmp(variance, "auto") == 0) {
+        if (!reference_read(name, &c->arena, &c->reference, err))
+            return false;
+        if (!c->reference.noise_known)
+            return err_set(err, ERR_INPUT, "%s: --reference-variance auto: %s", name,
+                           c->reference.reason);
+    } else if (!read_picture(c, name, &c->arena, &c->reference.image, err) ||
+               !reference_find_means(&c->reference, &c->arena, err)) {
+        return false;
+    } else if (variance && is_number(variance, &value)) {
+        if (!(value >= 0 && isfinite(value)))
+            return err_set(err, ERR_USAGE,
+                           "--reference-variance: %s is no variance; expected a number >= 0",
+                           variance);
+        reference_set_even_variance(&c->reference, value);
+    } else if (variance && !read_variance(c, variance, err)) {
+        return err_prepend(err, "--reference-variance");
+    }
+    c->is_corrected = variance != NULL;
+    return true;
+}
+
+// --- measuring -----------------------------------------------------------------------------------
+
+static void correct(const struct comparison *c, struct compared *picture)
+{
+    const double noise[] = {c->reference.mse, c->reference.relmse, c->reference.local_relmse};
+    struct interval *intervals[] = {&picture->error.mse, &picture->error.relmse,
+                                    &picture->error.local_relmse};
+    memcpy(picture->measured, picture->value, sizeof picture->measured);
+    for (int k = 0; k < 3; k++) {
+        intervals[k]->value -= noise[k];
+        intervals[k]->low -= noise[k];
+        intervals[k]->high -= noise[k];
+        // An error is not below 0; what is left of it without the reference's noise may be.
+        if (!c->is_corrected && intervals[k]->low < 0)
+            intervals[k]->low = 0;
+    }
+    if (!c->is_corrected)
+        return;
+    double mse = picture->error.mse.value;
+    picture->value[METRIC_MSE] = mse;
+    picture->value[METRIC_RELMSE] = picture->error.relmse.value;
+    picture->value[METRIC_LOCAL_RELMSE] = picture->error.local_relmse.value;
+    picture->value[METRIC_RMSE] = copysign(sqrt(fabs(mse)), mse);
+}
+
+static bool stopped(struct err *err)
+{
+    return err_set(err, ERR_STOPPED, "stopped: not all is compared");
+}
+
+static bool measure(const struct comparison *c, const struct picture_pair *pair,
+                    struct compared *picture, struct err *err)
+{
+    struct metrics m;
+    const struct progress *progress = c->options->progress;
+    uint64_t count = (uint64_t)pair->width * pair->height;
+    if (!metrics_compare(pair->image, pair->reference, count, progress, &m) ||
+        !metrics_intervals(pair->image, pair->reference, c->reference.means, pair->width,
+                           pair->height, progress, &picture->error))
+        return stopped(err);
+    picture->value[METRIC_MSE] = m.mse;
+    picture->value[METRIC_RMSE] = m.rmse;
+    picture->value[METRIC_RELMSE] = m.relmse;
+    picture->value[METRIC_LOCAL_RELMSE] = picture->error.local_relmse.value;
+    picture->value[METRIC_SMAPE] = m.smape;
+    picture->value[METRIC_PSNR] = metrics_psnr(pair->image, pair->reference, count,
+                                               (double)c->options->settings.exposure, progress);
+    picture->value[METRIC_MAX] = m.max;
+    picture->value[METRIC_NONFINITE] = (double)m.nonfinite;
+    picture->value[METRIC_DIFFERING] = (double)m.differing;
+    picture->max_pixel[0] = (uint32_t)(m.max_pixel % pair->width);
+    picture->max_pixel[1] = (uint32_t)(m.max_pixel / pair->width);
+    picture->is_equal = m.differing == 0;
+    correct(c, picture);
+    return !progress_should_stop(progress) || stopped(err);
+}
+
+// The picture as it is exposed, in memory from `arena` where that is not as it is.
+static bool expose(const struct comparison *c, const float (*pixels)[3], uint64_t count,
+                   struct arena *arena, const float (**out)[3], struct err *err)
+{
+    double factor = exp2((double)c->options->settings.exposure);
+    *out = pixels;
+    if (factor == 1)
+        return true;
+    float(*exposed)[3] = arena_alloc(arena, count, sizeof *exposed);
+    if (!exposed)
+        return err_memory(err, "an exposed picture", count * sizeof *exposed);
+    // What is finite stays so: pixels that are not are left out.
+    for (uint64_t i = 0; i < count; i++)
+        for (int k = 0; k < 3; k++)
+            exposed[i][k] = isfinite(pixels[i][k])
+                                ? (float)fmin(factor * (double)pixels[i][k], (double)FLT_MAX)
+                                : pixels[i][k];
+    *out = (const float(*)[3])exposed;
+    return true;
+}
+
+// One picture's share of the whole progress.
+struct share {
+    const struct progress *whole;
+    uint32_t index, count;
+};
+
+static void report_share(void *context, const char *phase, double fraction)
+{
+    const struct share *share = context;
+    progress_report(share->whole, phase, (share->index + fraction) / share->count);
+}
+
+static bool should_stop(void *context)
+{
+    const struct share *share = context;
+    return progress_should_stop(share->whole);
+}
+
+// `map`: NULL, or room for the numbers of --map flip or hdr-flip.
+static bool look(const struct comparison *c, uint32_t index, const struct picture_pair *pair,
+                 struct arena *arena, float *map, struct compared *picture, struct err *err)
+{
+    struct share share = {c->options->progress, index, c->count};
+    const struct progress progress = {report_share, should_stop, &share};
+    uint64_t count = (uint64_t)pair->width * pair->height;
+    struct picture_pair shown = *pair;
+    if (!expose(c, pair->image, count, arena, &shown.image, err) ||
+        !expose(c, pair->reference, count, arena, &shown.reference, err))
+        return false;
+    report_share(&share, "Comparing", 0);
+    bool is_hdr = c->options->map == ERROR_MAP_HDR_FLIP;
+    bool ok = metrics_ssim(&shown, &progress, &picture->value[METRIC_SSIM]) &&
+              metrics_flip(&shown, FLIP_PIXELS_PER_DEGREE, &progress, is_hdr ? NULL : map,
+                           &picture->value[METRIC_FLIP]) &&
+              metrics_flip_hdr(pair, FLIP_PIXELS_PER_DEGREE, &c->exposures, &progress,
+                               is_hdr ? map : NULL, &picture->value[METRIC_HDR_FLIP]);
+    if (ok)
+        return true;
+    return should_stop(&share) ? stopped(err)
+                               : err_memory(err, "SSIM and FLIP", count * sizeof(float));
+}
+
+static bool compare_picture(struct comparison *c, uint32_t index, struct arena *arena,
+                            struct err *err)
+{
+    struct compared *picture = &c->pictures[index];
+    struct image image;
+    if (!read_picture(c, picture->path, arena, &image, err))
+        return false;
+    const struct picture_pair pair = {
+        .image = (const float(*)[3])image.pixels,
+        .reference = (const float(*)[3])c->reference.image.pixels,
+        .width = image.width,
+        .height = image.height,
+    };
+    uint64_t count = (uint64_t)pair.width * pair.height;
+    float *map = picture->map ? arena_alloc(arena, count, sizeof *map) : NULL;
+    if (picture->map && !map)
+        return err_memory(err, "a map of errors", count * sizeof *map);
+    if (!look(c, index, &pair, arena, map, picture, err))
+        return false;
+    if (!measure(c, &pair, picture, err))
+        return false;
+    return !picture->map || compare_write_map(c, picture, &pair, map, arena, err);
+}
+
+// --- judging -------------------------------------------------------------------------------------
+
+static bool check_limits(const struct comparison *c, const struct compared *picture)
+{
+    const struct options *options = c->options;
+    bool nonfinite_limited = false, passed = true;
+    for (uint32_t i = 0; i < options->limit_count; i++) {
+        const struct compare_limit *limit = &options->limits[i];
+        nonfinite_limited = nonfinite_limited || limit->metric == METRIC_NONFINITE;
+        if (compare_limit_holds(picture, limit))
+            continue;
+        passed = false;
+        log_message(LOG_ERROR, "%s: %s is %.6g; expected at %s %.6g", picture->path,
+                    compare_metric_names[limit->metric], picture->value[limit->metric],
+                    limit->is_minimum ? "least" : "most", limit->value);
+    }
+    double nonfinite = picture->value[METRIC_NONFINITE];
+    if (nonfinite == 0 || nonfinite_limited)
+        return passed;
+    // They are left out of the metrics: a picture full of NaN must not pass for that.
+    bool fails = options->limit_count > 0;
+    log_message(fails ? LOG_ERROR : LOG_WARN, "%s: %.0f pixels are not finite and were left out",
+                picture->path, nonfinite);
+    return passed && !fails;
+}
+
+// All at once: the first difference picture is written before the second picture is read.
+static bool name_inputs(const struct comparison *c, struct err *err)
+{
+    const char *variance = c->options->reference_variance;
+    struct arena arena = {0};
+    bool ok = true;
+    for (uint32_t i = 0; ok && i <= c->count + (variance != NULL); i++) {
+        struct image_read_params params;
+        const char *name = i <= c->count ? c->options->arguments[i] : variance;
+        ok = split_layer(name, &arena, &params, err) && file_inputs_add(params.path, err);
+    }
+    arena_finish(&arena);
+    return ok;
+}
+
+// Names the difference pictures, and finds out before the work whether they can be written.
+static bool prepare_maps(struct comparison *c, struct err *err)
+{
+    const char *path = c->options->difference;
+    if (!path)
+        return true;
+    if (!image_check_format(path, err))
+        return false;
+    for (uint32_t i = 0; i < c->count; i++) {
+        c->pictures[i].map = c->count > 1 ? path_numbered(&c->arena, path, i + 1) : path;
+        if (!c->pictures[i].map)
+            return err_memory(err, "file names", strlen(path));
+        if (!file_check_writable(c->pictures[i].map, err))
+            return false;
+    }
+    return true;
+}
+
+// "START,STOP", or what the reference makes of it.
+static bool choose_exposures(struct comparison *c, struct err *err)
+{
+    const double most = 128; // stops, either way: the range of floats
+    const char *text = c->options->exposures;
+    const struct image *reference = &c->reference.image;
+    const float(*pixels)[3] = (const float(*)[3])reference->pixels;
+    const struct picture_pair alone = {pixels, pixels, reference->width, reference->height};
+    if (!text)
+        return metrics_flip_exposures(&alone, c->options->progress, &c->exposures) || stopped(err);
+    char *rest;
+    double start = strtod(text, &rest), stop = NAN;
+    if (rest != text && *rest == ',' && rest[1])
+        stop = strtod(rest + 1, &rest);
+    if (!(start >= -most && start <= stop && stop <= most) || *rest)
+        return err_set(err, ERR_USAGE,
+                       "--exposures: \"%s\" is not of the form START,STOP with %g <= START <= STOP "
+                       "<= %g stops",
+                       text, -most, most);
+    c->exposures = metrics_flip_exposures_between(start, stop);
+    return true;
+}
+
+// Asks the budget for what comparing one picture takes at its most, once the reference's size is
+// known: the picture itself, the exposed copies and the map of errors, and one metric at a time.
+static bool check_memory(const struct comparison *c, struct err *err)
+{
+    uint32_t width = c->reference.image.width, height = c->reference.image.height;
+    uint64_t count = (uint64_t)width * height, most = metrics_ssim_bytes(width, height);
+    const uint64_t others[] = {metrics_flip_bytes(width, height),
+                               metrics_flip_hdr_bytes(width, height)};
+    for (int i = 0; i < 2; i++)
+        most = others[i] > most ? others[i] : most;
+    most += count * sizeof(float[3]);
+    if (c->options->settings.exposure != 0)
+        most += 2 * count * sizeof(float[3]);
+    if (c->options->difference)
+        most += count * sizeof(float);
+    char what[64];
+    snprintf(what, sizeof what, "comparing pictures of %u x %u", width, height);
+    return memory_check(most, what, err);
+}
+
+static bool compare_all(struct comparison *c, struct err *err)
+{
+    if (!name_inputs(c, err) || !prepare_maps(c, err) || !read_reference(c, err) ||
+        !check_memory(c, err) || !choose_exposures(c, err))
+        return false;
+    for (uint32_t i = 0; i < c->count; i++) {
+        struct arena arena = {0};
+        bool ok = compare_picture(c, i, &arena, err);
+        arena_finish(&arena);
+        if (!ok)
+            return false;
+    }
+    c->passed = true;
+    for (uint32_t i = 0; i < c->count; i++) {
+        c->pictures[i].passed = check_limits(c, &c->pictures[i]);
+        c->passed = c->passed && c->pictures[i].passed;
+    }
+    return true;
+}
+
+int cmd_compare(const struct options *options)
+{
+    struct err err = {0};
+    struct comparison c = {.options = options, .count = options->argument_count - 1};
+    c.reference_path = options->arguments[c.count];
+    for (uint32_t i = 0; i < c.count; i++)
+        c.pictures[i].path = options->arguments[i];
+    int code = EXIT_CODE_OK;
+    bool ok = compare_all(&c, &err);
+    progress_end(options->progress);
+    if (!ok)
+        code = command_fail(&err);
+    else if (options->json)
+        code = compare_print_json(&c);
+    else if (!options->quiet)
+        compare_print_text(&c);
+    bool failed = code == EXIT_CODE_OK && !c.passed;
+    arena_finish(&c.arena);
+    return failed ? EXIT_CODE_CHECK_FAILED : code;
+}

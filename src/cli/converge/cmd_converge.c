@@ -1,0 +1,34 @@
+#include "cli/commands.h"
+
+#include "cli/converge/converge.h"
+
+static bool run(struct converge *c, struct err *err)
+{
+    const struct options *options = c->options;
+    if (!converge_prepare(c, err) ||
+        (options->report && !converge_check_files(c, options->report, err)) ||
+        !converge_reference(c, err) || !converge_measure(c, err))
+        return false;
+    if (c->replicates_done == 0)
+        return err_set(err, ERR_STOPPED, "stopped before the first replicate was done");
+    return converge_conclude(c, err) &&
+           (!options->report || converge_write(c, options->report, err));
+}
+
+int cmd_converge(const struct options *options)
+{
+    struct converge c = {.options = options};
+    struct err err = {0};
+    int code = EXIT_CODE_OK;
+    bool ok = run(&c, &err);
+    if (ok && c.gpu.validation_messages > 0)
+        ok = err_set(&err, ERR_BUG, "the validation layers reported %u messages",
+                     c.gpu.validation_messages);
+    progress_end(options->progress);
+    if (ok && options->json)
+        code = converge_print_json(&c);
+    else if (ok && !options->quiet)
+        converge_print(&c);
+    converge_finish(&c);
+    return ok ? code : command_fail(&err);
+}

@@ -1,0 +1,95 @@
+// What `lampyris converge` measures of a picture.
+#include "cli/converge/converge.h"
+
+#include "cli/render/film_error.h"
+#include "metrics/perceptual.h"
+#include <math.h>
+#include <string.h>
+
+// SSIM and FLIP take 1.3 us a pixel of one processor: about a sample there, but a hundred of a GPU.
+// Up to this size they are measured of every replicate, which is then a tenth of a second each.
+#define PERCEPTION_PIXELS (256u * 256u)
+
+// False where the perceptual metrics lack memory. Where it is asked to stop, some are left NAN: the
+// replicate does not count then.
+static bool compare(const struct reference *reference, const struct film_image *film,
+                    bool with_perception, const struct progress *progress,
+                    double metric[CONVERGE_METRICS], struct err *err)
+{
+    const float(*image)[3] = (const float(*)[3])film->mean;
+    const float(*truth)[3] = (const float(*)[3])reference->image.pixels;
+    struct metrics m;
+    if (!metrics_compare(image, truth, (uint64_t)film->width * film->height, progress, &m))
+        return true;
+    metric[CONVERGE_LOCAL_RELMSE] =
+        metrics_local_relmse(image, truth, reference->means, (uint64_t)film->width * film->height) -
+        reference->local_relmse;
+    metric[CONVERGE_RELMSE] = m.relmse - reference->relmse;
+    metric[CONVERGE_MSE] = m.mse - reference->mse;
+    metric[CONVERGE_SMAPE] = m.smape;
+    metric[CONVERGE_PSNR] = m.psnr;
+    const struct picture_pair pair = {image, truth, film->width, film->height};
+    return !with_perception ||
+           (metrics_ssim(&pair, progress, &metric[CONVERGE_SSIM]) &&
+            metrics_flip(&pair, FLIP_PIXELS_PER_DEGREE, progress, NULL, &metric[CONVERGE_FLIP])) ||
+           progress_should_stop(progress) ||
+           err_memory(err, "SSIM and FLIP", metrics_flip_bytes(film->width, film->height));
+}
+
+// Without a reference: what the half-buffers say, as in a render's summary. Of relMSE they know a
+// bound alone.
+static bool estimate(const struct renderer *renderer, const struct film_image *film,
+                     struct converge_sample *sample, struct err *err)
+{
+    struct half_error error;
+    const struct film_error_params params = film_error_params(renderer, sample->spp);
+    if (!film_error(film, &params, &error, err))
+        return false;
+    sample->metric[CONVERGE_LOCAL_RELMSE] = error.local_relmse;
+    sample->metric[CONVERGE_MSE] = error.mse;
+    if (error.bounded)
+        sample->at_most = error.at_most;
+    return true;
+}
+
+static bool keep_picture(struct converge *c, struct converge_curve *curve, uint32_t replicate,
+                         const struct film_image *film, struct err *err)
+{
+    uint64_t pixels = (uint64_t)film->width * film->height;
+    float(*kept)[3] = arena_alloc(&c->arena, pixels, sizeof *kept);
+    if (!kept)
+        return err_memory(err, "a picture", pixels * sizeof *kept);
+    memcpy(kept, film->mean, pixels * sizeof *kept);
+    curve->pictures[replicate] = kept;
+    return true;
+}
+
+bool converge_measure_point(struct converge *c, struct converge_curve *curve, uint32_t replicate,
+                            uint32_t point, struct err *err)
+{
+    struct arena scratch = {0};
+    struct film_image film;
+    struct converge_sample *sample = converge_at(c, curve, replicate, point);
+    const struct converge_reference *reference = &c->references[curve->variant.scene];
+    for (int m = 0; m < CONVERGE_METRICS; m++)
+        sample->metric[m] = NAN;
+    sample->at_most = NAN;
+    bool ok = renderer_read(&curve->renderer, &scratch, &film, err);
+    if (ok && reference->name)
+        ok = compare(&reference->picture, &film, replicate == 0 || converge_is_small(curve),
+                     &c->progress, sample->metric, err);
+    else if (ok)
+        ok = estimate(&curve->renderer, &film, sample, err);
+    // The mean of all tells the bias.
+    bool is_needed = reference->name || replicate == 0 || c->options->images;
+    if (ok && point + 1 == c->point_count && is_needed)
+        ok = keep_picture(c, curve, replicate, &film, err);
+    arena_finish(&scratch);
+    return ok;
+}
+
+bool converge_is_small(const struct converge_curve *curve)
+{
+    const struct settings *settings = &curve->scene_data.settings;
+    return (uint64_t)settings->width * settings->height <= PERCEPTION_PIXELS;
+}

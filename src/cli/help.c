@@ -1,0 +1,206 @@
+#include "cli/help.h"
+
+#include "cli/commands.h"
+#include "cli/help_writer.h"
+#include "cli/options.h"
+#include <string.h>
+
+static const char program_summary[] = "physically based path tracer on Vulkan compute shaders";
+
+static void exit_status(const struct help_writer *writer)
+{
+    static const struct {
+        const char *code, *text;
+    } rows[] = {
+        {"0", "Success."},
+        {"1", "A comparison exceeded a limit."},
+        {"2", "The command line, or a file that was read, is at fault; an output is an input."},
+        {"3", "The device, its driver or the system's memory failed."},
+        {"4", "A result could not be written."},
+        {"69", "There is no Vulkan loader or no driver."},
+        {"128+N",
+         "Stopped by signal N: 130 by SIGINT, 143 by SIGTERM, 129 by SIGHUP, 138 by SIGUSR1, "
+         "152 by SIGXCPU."},
+    };
+    help_section(writer, "EXIT STATUS");
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++)
+        help_item(writer, rows[i].code, NULL, rows[i].text);
+}
+
+static void usage_line(const struct command *command, char *out, size_t size)
+{
+    snprintf(out, size, "lampyris %s [OPTIONS]%s%s", command->name, *command->arguments ? " " : "",
+             command->arguments);
+}
+
+static bool has_range(const struct option_def *def)
+{
+    bool is_number = def->type == VALUE_COUNT || def->type == VALUE_COUNT_OR_OFF ||
+                     def->type == VALUE_REAL || def->type == VALUE_SIZE;
+    return is_number && def->max > def->min;
+}
+
+static size_t append_takers(const struct option_def *def, char *out, size_t size)
+{
+    size_t used = 0;
+    for (int i = 0; i < COMMAND_TOTAL; i++)
+        if (option_belongs(def, &commands[i]) && used < size)
+            used += (size_t)snprintf(out + used, size - used, "%s%s", used ? ", " : " For ",
+                                     commands[i].name);
+    if (used < size)
+        used += (size_t)snprintf(out + used, size - used, ".");
+    return used;
+}
+
+// name_takers: say which commands have the option, where that is not clear from the place.
+static void option_item(const struct help_writer *writer, const struct option_def *def,
+                        bool name_takers)
+{
+    char names[64], text[1024];
+    if (def->short_name)
+        snprintf(names, sizeof names, "-%c, --%s", def->short_name, def->name);
+    else
+        snprintf(names, sizeof names, "--%s", def->name);
+    int used = snprintf(text, sizeof text, "%s", def->help);
+    if (has_range(def))
+        used += snprintf(text + used, sizeof text - (size_t)used, " From %.15g to %.15g.", def->min,
+                         def->max);
+    if (def->fallback)
+        used += snprintf(text + used, sizeof text - (size_t)used, " Default: %s.", def->fallback);
+    if (name_takers)
+        append_takers(def, text + used, sizeof text - (size_t)used);
+    help_item(writer, names, def->argument, text);
+}
+
+// Options of a command (NULL: of all), by groups.
+static void option_list(const struct help_writer *writer, const struct command *command)
+{
+    const unsigned for_all = (1u << COMMAND_TOTAL) - 1;
+    const char *group = "";
+    for (int i = 0; i < OPTION_TOTAL; i++) {
+        const struct option_def *def = &option_table[i];
+        if (command && !option_belongs(def, command))
+            continue;
+        if (strcmp(group, def->group) != 0)
+            help_group(writer, group = def->group);
+        option_item(writer, def, !command && def->commands != for_all);
+    }
+}
+
+static void options_section(const struct help_writer *writer, const struct command *command)
+{
+    help_section(writer, "OPTIONS");
+    help_paragraph(writer,
+                   "A value follows after a blank or \"=\": --log-level note, --log-level=note. "
+                   "Counts may end in k, M or G, for factors of 2^10, 2^20 and 2^30: 16k is 16384. "
+                   "Where an option may not be given several times, the last one holds. After "
+                   "\"--\" everything is an argument.");
+    option_list(writer, command);
+}
+
+// whatis(1) reads this section of a manual page: "lampyris-render \- render a scene to pictures".
+static void name_section(const struct help_writer *writer, const struct command *command)
+{
+    const char *summary = command ? command->summary : program_summary;
+    const char *name = command ? command->name : "";
+    if (writer->roff)
+        fprintf(writer->out, ".SH NAME\nlampyris%s%s \\- %s\n", command ? "\\-" : "", name,
+                summary);
+    else
+        fprintf(writer->out, "lampyris%s%s - %s\n", command ? " " : "", name, summary);
+}
+
+static void command_page(const struct help_writer *writer, const struct command *command)
+{
+    char line[128];
+    name_section(writer, command);
+    help_section(writer, "SYNOPSIS");
+    usage_line(command, line, sizeof line);
+    help_literal(writer, line);
+    help_section(writer, "DESCRIPTION");
+    help_paragraph(writer, command->description);
+    options_section(writer, command);
+    help_section(writer, "EXAMPLES");
+    help_literal(writer, command->examples);
+    exit_status(writer);
+}
+
+static void program_head(const struct help_writer *writer)
+{
+    name_section(writer, NULL);
+    help_section(writer, "SYNOPSIS");
+    help_literal(writer, "lampyris COMMAND [OPTIONS] [ARGUMENTS]");
+}
+
+void help_program(FILE *out)
+{
+    const struct help_writer writer = {.out = out};
+    program_head(&writer);
+    help_section(&writer, "COMMANDS");
+    for (int i = 0; i < COMMAND_TOTAL; i++)
+        help_item(&writer, commands[i].name, *commands[i].arguments ? commands[i].arguments : NULL,
+                  commands[i].summary);
+    help_section(&writer, "OPTIONS OF EVERY COMMAND");
+    for (int i = OPTION_JSON; i < OPTION_TOTAL; i++)
+        option_item(&writer, &option_table[i], false);
+    exit_status(&writer);
+    fputs("\nSee \"lampyris help COMMAND\" for a command and its options.\n", out);
+}
+
+void help_command(FILE *out, const struct command *command)
+{
+    const struct help_writer writer = {.out = out};
+    command_page(&writer, command);
+}
+
+static void program_page(const struct help_writer *writer)
+{
+    program_head(writer);
+    help_section(writer, "DESCRIPTION");
+    help_paragraph(writer,
+                   "Lampyris renders scenes by wavefront path tracing on any Vulkan 1.2 device "
+                   "with compute shaders, from a driver that runs on the processor to a large "
+                   "GPU, without ray-tracing extensions. A picture depends on the scene, its "
+                   "settings and the seed alone, not on how the work was split.");
+    help_section(writer, "COMMANDS");
+    for (int i = 0; i < COMMAND_TOTAL; i++) {
+        char line[128];
+        usage_line(&commands[i], line, sizeof line);
+        help_group(writer, commands[i].name);
+        help_literal(writer, line);
+        help_paragraph(writer, commands[i].description);
+    }
+    options_section(writer, NULL);
+    help_section(writer, "EXAMPLES");
+    for (int i = 0; i < COMMAND_TOTAL; i++)
+        help_literal(writer, commands[i].examples);
+    exit_status(writer);
+}
+
+void help_manual(FILE *out, const struct command *command)
+{
+    const struct help_writer writer = {.out = out, .roff = true};
+    // Without a date, so that the same source gives the same page.
+    fprintf(out, ".TH lampyris%s%s 1 \"\" \"lampyris %s\" \"User Commands\"\n",
+            command ? "\\-" : "", command ? command->name : "", LAMPYRIS_VERSION);
+    fputs(".nh\n.ad l\n", out); // names of options are not to be hyphenated or spread
+    if (command)
+        command_page(&writer, command);
+    else
+        program_page(&writer);
+}
+
+int cmd_help(const struct options *options)
+{
+    const struct command *command = NULL;
+    struct err err = {0};
+    if (options->argument_count > 0 && !(command = command_find(options->arguments[0], &err)))
+        return command_fail(&err);
+    if (options->man)
+        help_manual(stdout, command);
+    else if (command)
+        help_command(stdout, command);
+    else
+        help_program(stdout);
+    return EXIT_CODE_OK;
+}

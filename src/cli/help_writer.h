@@ -1,0 +1,23 @@
+// Lays out help, either as text for a terminal of 80 columns or as a manual page in roff (man(7)).
+// All text is ASCII.
+#ifndef LAMPYRIS_CLI_HELP_WRITER_H
+#define LAMPYRIS_CLI_HELP_WRITER_H
+
+#include <stdbool.h>
+#include <stdio.h>
+
+struct help_writer {
+    FILE *out;
+    bool roff;
+};
+
+void help_section(const struct help_writer *writer, const char *title); // "OPTIONS"
+void help_group(const struct help_writer *writer, const char *title);   // within a section
+void help_paragraph(const struct help_writer *writer, const char *text);
+// A term and what it means. `names` stands in bold, `argument` (NULL: none) in italics.
+void help_item(const struct help_writer *writer, const char *names, const char *argument,
+               const char *text);
+// Lines that are shown as they are.
+void help_literal(const struct help_writer *writer, const char *lines);
+
+#endif

@@ -1,0 +1,83 @@
+// lampyris devices: which Vulkan devices there are, and which one would be used.
+#include "cli/commands.h"
+
+#include "base/log.h"
+#include "gpu/gpu.h"
+#include "report/json_out.h"
+#include <stdio.h>
+
+struct device_list {
+    struct gpu_device_info devices[GPU_MAX_DEVICES];
+    uint32_t count;
+    uint32_t chosen; // index, or UINT32_MAX when none can be used
+};
+
+// Opens the device as render would: so the choice is render's own, and known to work.
+static bool find_chosen(const struct options *options, struct device_list *list, struct err *err)
+{
+    struct gpu gpu = {0};
+    list->chosen = UINT32_MAX;
+    if (!gpu_open(&options->gpu, &gpu, err))
+        return false;
+    list->chosen = gpu.info.index;
+    gpu_close(&gpu);
+    return true;
+}
+
+static void print_text(const struct device_list *list)
+{
+    for (uint32_t i = 0; i < list->count; i++) {
+        const struct gpu_device_info *device = &list->devices[i];
+        printf("%c %u: %s (%s)\n", device->index == list->chosen ? '*' : ' ', device->index,
+               device->name, device->kind);
+        printf("     driver %s, Vulkan %u.%u.%u, %.1f GiB\n", device->driver,
+               VK_API_VERSION_MAJOR(device->api_version), VK_API_VERSION_MINOR(device->api_version),
+               VK_API_VERSION_PATCH(device->api_version),
+               (double)device->memory_bytes / (double)(UINT64_C(1) << 30));
+        if (device->unusable[0])
+            printf("     cannot be used: %s\n", device->unusable);
+    }
+    if (list->chosen != UINT32_MAX)
+        printf("* would be used%s\n",
+               list->devices[list->chosen].is_cpu ? "; it runs on the processor" : "");
+}
+
+static json_t *device_json(const struct gpu_device_info *device, bool chosen)
+{
+    char version[32];
+    snprintf(version, sizeof version, "%u.%u.%u", VK_API_VERSION_MAJOR(device->api_version),
+             VK_API_VERSION_MINOR(device->api_version), VK_API_VERSION_PATCH(device->api_version));
+    return json_pack("{s:i, s:o, s:o, s:s, s:b, s:s, s:I, s:o, s:b}", "index", (int)device->index,
+                     "name", json_words(device->name), "driver", json_words(device->driver), "kind",
+                     device->kind, "cpu", device->is_cpu, "vulkan", version, "memory_bytes",
+                     (json_int_t)device->memory_bytes, "unusable",
+                     device->unusable[0] ? json_words(device->unusable) : json_null(), "chosen",
+                     chosen);
+}
+
+static int print_json(const struct device_list *list)
+{
+    json_t *array = json_array();
+    for (uint32_t i = 0; i < list->count; i++)
+        json_array_append_new(
+            array, device_json(&list->devices[i], list->devices[i].index == list->chosen));
+    return json_print(json_pack("{s:o}", "devices", array));
+}
+
+int cmd_devices(const struct options *options)
+{
+    struct device_list list = {0};
+    struct err err = {0};
+    if (!gpu_list_devices(list.devices, &list.count, &err))
+        return command_fail(&err);
+    if (!find_chosen(options, &list, &err)) {
+        // A list is worth having even where no device can be used.
+        if (options->gpu.device)
+            return command_fail(&err);
+        log_warn("no device can be used: %s", err.msg);
+    }
+    if (options->json)
+        return print_json(&list);
+    print_text(&list);
+    return EXIT_CODE_OK;
+}

@@ -1,0 +1,248 @@
+// `lampyris info`: what is in a scene, what rendering it will need, and what it will take.
+#include "cli/commands.h"
+
+#include "cli/render/render_job.h"
+#include "cli/render/sharing.h"
+#include "cli/tuned.h"
+#include "flatten/geometry.h"
+#include "report/json_out.h"
+#include "report/text_out.h"
+#include "shared/types.h"
+#include <inttypes.h>
+#include <stdio.h>
+
+struct info {
+    const struct options *options;
+    struct scene scene;
+    struct gpu gpu;
+    struct renderer renderer; // prepared only: it has no device memory
+    struct emitter_counts emitters;
+    uint32_t camera;
+};
+
+static uint32_t count_materials(const struct scene *scene, uint32_t model)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < scene->material_count; i++)
+        count += scene->materials[i].model == model;
+    return count;
+}
+
+// Materials that are shaded as a simpler model than their own.
+static uint32_t count_reduced(const struct scene *scene)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < scene->material_count; i++)
+        count += material_shading_model(&scene->materials[i]) != scene->materials[i].model;
+    return count;
+}
+
+static uint32_t count_lights(const struct scene *scene, uint32_t kind)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < scene->light_count; i++)
+        count += scene->lights[i].kind == kind;
+    return count;
+}
+
+static void print_materials(const struct scene *scene)
+{
+    printf("materials %u", scene->material_count);
+    const char *separator = ": ";
+    for (uint32_t model = 0; model < MATERIAL_MODEL_COUNT; model++) {
+        uint32_t count = count_materials(scene, model);
+        if (count > 0) {
+            printf("%s%u %s", separator, count, material_model_names[model]);
+            separator = ", ";
+        }
+    }
+    uint32_t reduced = count_reduced(scene);
+    if (reduced > 0)
+        printf("; %u of them shaded as %s", reduced, material_model_names[MATERIAL_LAMBERT]);
+    putchar('\n');
+    if (scene->texture_count > 0)
+        printf("textures  %u, of %u images\n", scene->texture_count, scene->image_count);
+    for (uint32_t i = 0; i < scene->image_count; i++) {
+        const struct texture_image *image = &scene->images[i];
+        printf("  %5u x %-5u %s%s ", image->width, image->height,
+               image->is_float ? "floats" : "halves", image->has_alpha ? ", alpha" : "");
+        print_line(" ", image->name);
+    }
+}
+
+static void print_buffer(const struct planned_buffer *buffer)
+{
+    printf("  %-12s %12" PRIu64 " bytes", buffer->name, buffer->bytes * buffer->copies);
+    if (buffer->parts > 1)
+        printf(" (in %u bindings)", buffer->parts);
+    puts(buffer->copies > 1 ? " (in several buffers)" : "");
+}
+
+// As they are about the flat scene's origin, in metres.
+static void print_bounds(const struct flat_scene *flat)
+{
+    double low[3], high[3];
+    if (!(flat->bounds_min[0] <= flat->bounds_max[0])) {
+        puts("bounds    none");
+        return;
+    }
+    for (int c = 0; c < 3; c++) {
+        low[c] = (double)flat->bounds_min[c] / flat->scale;
+        high[c] = (double)flat->bounds_max[c] / flat->scale;
+    }
+    printf("bounds    (%g %g %g) to (%g %g %g), about (%g %g %g)\n", low[0], low[1], low[2],
+           high[0], high[1], high[2], flat->origin[0], flat->origin[1], flat->origin[2]);
+    if (flat->scale != 1.0)
+        printf("unit      %g m: single precision holds the scene in that\n", 1.0 / flat->scale);
+}
+
+static void print_text(const struct info *info)
+{
+    const struct scene *scene = &info->scene;
+    const struct flat_scene *flat = &info->renderer.flat;
+    const struct settings *s = &scene->settings;
+    print_line("", scene->path);
+    printf("geometry  %u triangles (%u meshes, %u instances), %u analytic shapes%s\n",
+           flat->triangle_count, scene->mesh_count, scene->instance_count, flat->shape_count,
+           scene->has_ground ? ", the last of them the ground that was added" : "");
+    if (flat->dropped_degenerate || flat->skipped_instances)
+        printf("dropped   %u triangles without area, %u instances with a singular transform\n",
+               flat->dropped_degenerate, flat->skipped_instances);
+    sharing_print(flat, info->renderer.specialization.features);
+    print_bounds(flat);
+    print_materials(scene);
+    printf("emitters  %u triangles", info->emitters.triangles);
+    for (uint32_t kind = 0; kind < SHAPE_KIND_COUNT; kind++)
+        if (info->emitters.shapes[kind])
+            printf(", %u %s", info->emitters.shapes[kind], geometry_name(1u << kind));
+    putchar('\n');
+    if (scene->light_count > 0)
+        printf("lights    %u point, %u spot, %u directional\n", count_lights(scene, LIGHT_POINT),
+               count_lights(scene, LIGHT_SPOT), count_lights(scene, LIGHT_DIRECTIONAL));
+    printf("cameras   %u", scene->camera_count);
+    for (uint32_t i = 0; i < scene->camera_count; i++) {
+        const char *name = scene->cameras[i].name;
+        fputs(i ? ", " : ": ", stdout);
+        print_words(name && *name ? name : "unnamed");
+    }
+    printf("\nsettings  %u x %u, %" PRIu64 " spp, %u bounces, seed %u\n", s->width, s->height,
+           s->spp, s->max_bounces, s->seed);
+    for (uint32_t i = 0; i < scene->note_count; i++)
+        print_line("note      ", scene->notes[i]);
+    const struct bvh_stats *b = &info->renderer.bvh.stats;
+    printf("BVH       %u nodes of %u bytes, depth %u, SAH cost %.2f, %.1f KiB, ", b->node_count,
+           (unsigned)bvh_node_bytes(info->renderer.bvh.format), b->depth, b->sah_cost,
+           (double)b->bytes / 1024.0);
+    if (b->cached_seconds > 0.0)
+        printf("from the cache, %.3f s instead of %.3f s\n", b->build_seconds, b->cached_seconds);
+    else
+        printf("built in %.3f s\n", b->build_seconds);
+    printf("device    %s (%s)\n", info->gpu.info.name, info->gpu.info.kind);
+    tuned_print(info->options, &info->gpu);
+    printf("memory    %.1f MiB planned, wave of %u paths; at most %.1f MiB a buffer\n",
+           (double)info->renderer.plan.total_bytes / 1048576.0, info->renderer.plan.wave_slots,
+           (double)info->gpu.max_storage_range / 1048576.0);
+    for (uint32_t i = 0; i < BINDING_COUNT; i++) {
+        const struct planned_buffer *buffer = &info->renderer.plan.buffers[i];
+        if (buffer->name)
+            print_buffer(buffer);
+    }
+    printf("features ");
+    for (int bit = 0; bit < 32; bit++) {
+        const char *name = feature_name(1u << bit);
+        if (name && (info->renderer.specialization.features >> bit & 1u))
+            printf(" [%s]", name);
+    }
+    for (uint32_t bit = 1; bit < GEOMETRY_END; bit <<= 1)
+        if (info->renderer.specialization.geometry & bit)
+            printf(" [%s]", geometry_name(bit));
+    if (info->renderer.specialization.parts)
+        fputs(" [split buffers]", stdout);
+    putchar('\n');
+}
+
+static int print_json(const struct info *info)
+{
+    const struct scene *scene = &info->scene;
+    const struct flat_scene *flat = &info->renderer.flat;
+    const struct bvh_stats *b = &info->renderer.bvh.stats;
+    json_t *buffers = json_object(), *features = json_array(), *left_out = json_array();
+    for (uint32_t i = 0; i < BINDING_COUNT; i++) {
+        const struct planned_buffer *buffer = &info->renderer.plan.buffers[i];
+        json_int_t bytes = (json_int_t)buffer->bytes * buffer->copies;
+        if (buffer->name)
+            json_object_set_new(buffers, buffer->name, json_integer(bytes));
+    }
+    for (int bit = 0; bit < 32; bit++) {
+        const char *name = feature_name(1u << bit);
+        bool kept = info->renderer.specialization.features >> bit & 1u;
+        if (name)
+            json_array_append_new(kept ? features : left_out, json_string(name));
+    }
+    json_array_append_new(info->renderer.specialization.parts ? features : left_out,
+                          json_string("split buffers"));
+    for (uint32_t bit = 1; bit < GEOMETRY_END; bit <<= 1)
+        json_array_append_new(info->renderer.specialization.geometry & bit ? features : left_out,
+                              json_string(geometry_name(bit)));
+    json_t *emitters = json_pack("{s:i}", "triangles", info->emitters.triangles);
+    for (uint32_t kind = 0; kind < SHAPE_KIND_COUNT; kind++)
+        if (shape_is_emitter(kind))
+            json_object_set_new(emitters, geometry_name(1u << kind),
+                                json_integer(info->emitters.shapes[kind]));
+    json_t *models = json_object(), *notes = json_array();
+    for (uint32_t model = 0; model < MATERIAL_MODEL_COUNT; model++)
+        json_object_set_new(models, material_model_names[model],
+                            json_integer(count_materials(scene, model)));
+    for (uint32_t i = 0; i < scene->note_count; i++)
+        json_array_append_new(notes, json_words(scene->notes[i]));
+    return json_print(json_pack(
+        "{s:o, s:i, s:o, s:i, s:i, s:i, s:i, s:o, s:i, s:i, s:i, s:i, s:o, s:{s:i, s:i, "
+        "s:i}, s:i, s:o, s:{s:i, s:i, s:f, "
+        "s:I, s:f, s:f}, s:{s:o, s:o}, s:{s:I, s:o}, s:i, s:i, s:o, s:i}",
+        "scene", json_words(scene->path), "triangles", flat->triangle_count, "shared",
+        sharing_json(flat, info->renderer.specialization.features), "shapes", flat->shape_count,
+        "meshes", scene->mesh_count, "instances", scene->instance_count, "materials",
+        scene->material_count, "models", models, "textures", scene->texture_count, "images",
+        scene->image_count, "dropped_degenerate", flat->dropped_degenerate, "skipped_instances",
+        flat->skipped_instances, "emitters", emitters, "lights", "point",
+        count_lights(scene, LIGHT_POINT), "spot", count_lights(scene, LIGHT_SPOT), "directional",
+        count_lights(scene, LIGHT_DIRECTIONAL), "cameras", scene->camera_count, "notes", notes,
+        "bvh", "nodes", b->node_count, "depth", b->depth, "sah_cost", b->sah_cost, "bytes",
+        (json_int_t)b->bytes, "build_seconds", b->build_seconds, "cached_seconds",
+        b->cached_seconds, "features", "kept", features, "left_out", left_out, "memory",
+        "device_bytes", (json_int_t)info->renderer.plan.total_bytes, "buffers", buffers, "wave",
+        info->renderer.plan.wave_slots, "workgroup", info->renderer.specialization.workgroup,
+        "tuned", tuned_json(info->options, &info->gpu), "shaded_as_diffuse", count_reduced(scene)));
+}
+
+static bool gather(const struct options *options, struct info *info, struct err *err)
+{
+    if (!job_load_scene(options, &info->scene, &info->camera, err) ||
+        !gpu_open(&options->gpu, &info->gpu, err))
+        return false;
+    const struct renderer_params params =
+        job_renderer_params(options, &info->gpu, &info->scene, info->camera);
+    if (!renderer_prepare(&params, &info->renderer, err))
+        return false;
+    info->emitters = emitters_count(&info->scene, &info->renderer.flat);
+    return true;
+}
+
+int cmd_info(const struct options *options)
+{
+    struct info info = {.options = options};
+    struct err err = {0};
+    int code = EXIT_CODE_OK;
+    bool ok = gather(options, &info, &err);
+    progress_end(options->progress);
+    if (!ok)
+        code = command_fail(&err);
+    else if (options->json)
+        code = print_json(&info);
+    else
+        print_text(&info);
+    renderer_finish(&info.renderer);
+    gpu_close(&info.gpu);
+    scene_finish(&info.scene);
+    return code;
+}

@@ -1,0 +1,9 @@
+// lampyris: parses the command line and runs one command.
+#include "cli/program.h"
+
+#include <stddef.h>
+
+int main(int argc, char **argv)
+{
+    return program_run(argc, argv, NULL);
+}

@@ -1,0 +1,803 @@
+#include "cli/commands.h"
+#include "cli/options.h"
+
+#define FOR_RENDER (1u << COMMAND_RENDER)
+#define FOR_COMPARE (1u << COMMAND_COMPARE)
+#define FOR_DEVICES (1u << COMMAND_DEVICES)
+#define FOR_HELP (1u << COMMAND_HELP)
+#define FOR_CONVERGE (1u << COMMAND_CONVERGE)
+#define FOR_BENCH (1u << COMMAND_BENCH)
+#define FOR_VIEW (1u << COMMAND_VIEW)
+#define FOR_SCENE (FOR_RENDER | FOR_CONVERGE | FOR_BENCH | FOR_VIEW | 1u << COMMAND_INFO)
+#define FOR_ALL ((1u << COMMAND_TOTAL) - 1)
+
+#define FIELD(member)                                                                              \
+    .offset = offsetof(struct options, member), .size = sizeof(((struct options *)NULL)->member)
+
+#define MOST_BYTES (UINT64_C(1) << 40) // more than a device has
+#define IN_SCENE_FILE "the scene file's, else "
+
+_Static_assert(offsetof(struct settings, exposure_is_auto) ==
+                   offsetof(struct settings, exposure) + 4,
+               "--exposure writes both at once");
+_Static_assert(offsetof(struct settings, height) == offsetof(struct settings, width) + 4,
+               "--size writes width and height at once");
+
+// Filled paragraphs: one field a line would make the table four times as long.
+// clang-format off
+const struct option_def option_table[OPTION_TOTAL] = {
+    [OPTION_OUTPUT] = {
+        .name = "output", .short_name = 'o', .argument = "FILE", .type = VALUE_OUTPUT,
+        .group = "Picture", .commands = FOR_RENDER,
+        .fallback = "the scene's name with .exr, in the working directory, and with .png where "
+                    "standard output is a terminal",
+        .help = "Write the picture to FILE, .exr (linear) or .png (tone-mapped). May be given "
+                "several times.",
+    },
+    [OPTION_SIZE] = {
+        .name = "size", .argument = "WxH", .type = VALUE_SIZE, .min = 1, .max = SETTINGS_SIZE_MAX,
+        .group = "Picture", .commands = FOR_SCENE, .fallback = IN_SCENE_FILE "512x512",
+        .help = "Width and height in pixels, at most 2^31 pixels in all. The viewer has a window "
+                "of 1280x720 unless told.",
+        .offset = offsetof(struct options, settings.width), .size = 2 * sizeof(uint32_t),
+    },
+    [OPTION_HALF] = {
+        .name = "half", .type = VALUE_FLAG, .group = "Picture", .commands = FOR_RENDER,
+        .help = "Write EXR files with 16-bit instead of 32-bit channels.", FIELD(half_float),
+    },
+    [OPTION_AOV] = {
+        .name = "aov", .argument = "NAME,...", .type = VALUE_AOVS, .group = "Picture",
+        .commands = FOR_RENDER, .fallback = "none",
+        .help = "Pictures besides the radiance, as layers of the EXR files: albedo, normal, "
+                "normal_geometric, depth, position, ids, alpha of the first surface; emission, "
+                "direct, indirect; steps of camera rays; samples, variance, halves; or all. See docs/output.md.",
+        FIELD(aovs),
+    },
+    [OPTION_EXPOSURE] = {
+        .name = "exposure", .argument = "STOPS|auto", .type = VALUE_REAL_OR_AUTO,
+        .min = -SETTINGS_EXPOSURE_MAX, .max = SETTINGS_EXPOSURE_MAX,
+        .group = "Picture", .commands = FOR_RENDER | FOR_COMPARE | FOR_VIEW,
+        .fallback = IN_SCENE_FILE "0",
+        .help = "Multiply PNG pictures, or what psnr, ssim and flip see, by 2^STOPS before the tone "
+                "curve; auto finds the stops from the picture's luminances (docs/output.md; not for "
+                "compare), and is what holds for models without light or camera and with --env "
+                "sky:. EXR stays as it is.",
+        .offset = offsetof(struct options, settings.exposure), .size = 2 * sizeof(float),
+    },
+    [OPTION_TONE] = {
+        .name = "tone", .argument = "none|reinhard|aces|agx", .type = VALUE_CHOICE,
+        .group = "Picture", .commands = FOR_RENDER | FOR_VIEW,
+        .fallback = IN_SCENE_FILE "none",
+        .help = "Tone curve of PNG pictures. Of models without light or camera, and with --env sky:, it is aces unless given.", FIELD(settings.tone_curve),
+    },
+
+    [OPTION_SPP] = {
+        .name = "spp", .argument = "N", .type = VALUE_COUNT, .min = 1, .max = SETTINGS_SPP_MAX,
+        .group = "Sampling", .commands = FOR_SCENE, .fallback = IN_SCENE_FILE "64",
+        .help = "Samples per pixel.", FIELD(settings.spp),
+    },
+    [OPTION_TIME] = {
+        .name = "time", .argument = "SECONDS", .type = VALUE_REAL, .min = 0.001,
+        .max = OPTION_TIME_MAX,
+        .group = "Sampling", .commands = FOR_RENDER | FOR_BENCH, .fallback = "no limit",
+        .help = "Stop at whole samples per pixel after about this many seconds of rendering, or "
+                "at --spp or --frames where given. At least one sample per pixel is taken. With "
+                "bench --tune: about how long it may take (60).",
+        FIELD(time_seconds),
+    },
+    [OPTION_ERROR] = {
+        .name = "error", .argument = "E", .type = VALUE_REAL, .min = 1e-12, .max = 1e6,
+        .group = "Sampling", .commands = FOR_RENDER, .fallback = "no limit",
+        .help = "Stop when the local relMSE (the mean squared error relative to the mean around "
+                "each pixel) is below this with 95 % confidence. Looks at the error from 2 samples "
+                "per pixel on, where it may have come low enough; ends at --spp (65536 where not "
+                "given) or --time at the latest.",
+        FIELD(error),
+    },
+    [OPTION_ADAPTIVE] = {
+        .name = "adaptive", .argument = "on|off", .type = VALUE_SWITCH, .group = "Sampling",
+        .commands = FOR_RENDER, .fallback = "off",
+        .help = "Give tiles of 16 x 16 pixels as many samples as their error asks for, with --spp "
+                "on average, a quarter of it at least and 16 times it at most. A pilot of 16 "
+                "samples per pixel, which are not part of the picture, says how many.",
+        FIELD(adaptive),
+    },
+    [OPTION_SEED] = {
+        .name = "seed", .argument = "N", .type = VALUE_COUNT, .min = 0, .max = UINT32_MAX,
+        .group = "Sampling", .commands = FOR_RENDER | FOR_CONVERGE | FOR_BENCH | FOR_VIEW,
+        .fallback = IN_SCENE_FILE "0",
+        .help = "Seed of the random numbers. The same seed gives the same picture, bit for bit.",
+        FIELD(settings.seed),
+    },
+    [OPTION_MAX_BOUNCES] = {
+        .name = "max-bounces", .argument = "N", .type = VALUE_COUNT, .min = 0,
+        .max = SETTINGS_BOUNCES_MAX, .group = "Sampling", .commands = FOR_SCENE,
+        .fallback = IN_SCENE_FILE "9",
+        .help = "Scattering events on a path: 0 is emission only, 1 direct light.",
+        FIELD(settings.max_bounces),
+    },
+    [OPTION_INTEGRATOR] = {
+        .name = "integrator", .argument = "path|direct|ao|whitted", .type = VALUE_CHOICE,
+        .group = "Method", .commands = FOR_SCENE, .fallback = IN_SCENE_FILE "path",
+        .help = "What is computed: light over any number of bounces (path), over one (direct), how "
+                "open each surface is (ao), or Whitted's recursion of 1979: perfect reflection and "
+                "refraction, hard shadows and Phong shading, for comparison.",
+        FIELD(settings.integrator),
+    },
+    [OPTION_AO_DISTANCE] = {
+        .name = "ao-distance", .argument = "METRES", .type = VALUE_REAL, .min = 1e-30,
+        .max = 1e30, .group = "Method", .commands = FOR_SCENE,
+        .fallback = IN_SCENE_FILE "any distance",
+        .help = "How far away a surface still occludes, with --integrator ao.",
+        FIELD(settings.ao_distance),
+    },
+    [OPTION_FALLOFF] = {
+        .name = "falloff", .argument = "K", .type = VALUE_REAL, .min = 0, .max = 1e30,
+        .group = "Method", .commands = FOR_SCENE, .fallback = IN_SCENE_FILE "0: none",
+        .help = "Fade what the camera sees at a distance of t metres into the background by "
+                "1 - exp(-K t^3). Not physical.",
+        FIELD(settings.falloff),
+    },
+    [OPTION_SAMPLER] = {
+        .name = "sampler", .argument = "sobol|pcg|lcg|stratified|grid|blue-noise",
+        .type = VALUE_CHOICE, .group = "Method", .commands = FOR_SCENE,
+        .fallback = IN_SCENE_FILE "sobol",
+        .help = "Where random numbers come from: an Owen-scrambled Sobol sequence, independent "
+                "ones (pcg; lcg: a linear congruential generator seeded by TEA), one in each "
+                "stratum at random or at its centre (grid), or a sequence whose errors are blue "
+                "noise over the picture, for few samples.",
+        FIELD(settings.sampler),
+    },
+    [OPTION_HALVES] = {
+        .name = "halves", .argument = "independent|contiguous", .type = VALUE_CHOICE,
+        .group = "Method", .commands = FOR_SCENE, .fallback = IN_SCENE_FILE "independent",
+        .help = "Whether the half-buffers that tell the error have a sequence of their own each, "
+                "or are the first and the second half of one: less noise in the picture, and an "
+                "upper bound of its error.",
+        FIELD(settings.halves),
+    },
+    [OPTION_FILTER] = {
+        .name = "filter", .argument = "box|tent|gaussian|blackman-harris", .type = VALUE_CHOICE,
+        .group = "Method", .commands = FOR_SCENE, .fallback = IN_SCENE_FILE "box",
+        .help = "Pixel filter, sampled by importance.", FIELD(settings.filter),
+    },
+    [OPTION_FILTER_RADIUS] = {
+        .name = "filter-radius", .argument = "PIXELS", .type = VALUE_REAL, .min = 0,
+        .max = SETTINGS_FILTER_RADIUS_MAX, .group = "Method", .commands = FOR_SCENE,
+        .fallback = IN_SCENE_FILE "0: the filter's own",
+        .help = "Half the width of the pixel filter. Its own: box 0.5, tent 1, gaussian and "
+                "blackman-harris 1.5.",
+        FIELD(settings.filter_radius),
+    },
+    [OPTION_LIGHT_CHOICE] = {
+        .name = "light-choice", .argument = "auto|uniform|power|all|tree", .type = VALUE_CHOICE,
+        .group = "Method", .commands = FOR_SCENE, .fallback = IN_SCENE_FILE "auto",
+        .help = "Which emitters a vertex is connected to: any with the same probability, by power, "
+                "all of them, or by what they may send there, through a tree of lights.",
+        FIELD(settings.light_choice),
+    },
+    [OPTION_NEE] = {
+        .name = "nee", .argument = "on|off", .type = VALUE_SWITCH, .group = "Method",
+        .commands = FOR_SCENE, .fallback = IN_SCENE_FILE "on",
+        .help = "Next-event estimation: shadow rays to emitters.", FIELD(settings.nee),
+    },
+    [OPTION_NEE_DEPTH] = {
+        .name = "nee-depth", .argument = "N|off", .type = VALUE_COUNT_OR_OFF, .min = 0,
+        .max = SETTINGS_BOUNCES_MAX, .group = "Method", .commands = FOR_SCENE,
+        .fallback = IN_SCENE_FILE "off: all of them",
+        .help = "Only the first N vertices of a path send shadow rays. Lights without extent are "
+                "lost beyond: the picture is then biased.",
+        FIELD(settings.nee_depth),
+    },
+    [OPTION_MIS] = {
+        .name = "mis", .argument = "power|balance|none", .type = VALUE_CHOICE, .group = "Method",
+        .commands = FOR_SCENE, .fallback = IN_SCENE_FILE "power",
+        .help = "Weights of the two ways to find an emitter, by shadow rays and by scattering: the "
+                "power or the balance heuristic, or shadow rays only where they can.",
+        FIELD(settings.mis),
+    },
+    [OPTION_DIRECTIONS] = {
+        .name = "directions", .argument = "bsdf|sphere|hemisphere|cosine|power-cosine",
+        .type = VALUE_CHOICE, .group = "Method", .commands = FOR_SCENE,
+        .fallback = IN_SCENE_FILE "bsdf",
+        .help = "How paths choose the direction in which they go on from a surface that is not "
+                "perfectly specular: as the surface scatters, or evenly over the sphere or the "
+                "hemisphere, by the cosine, or by a power of the cosine about the mirrored "
+                "direction.",
+        FIELD(settings.directions),
+    },
+    [OPTION_DIRECTION_EXPONENT] = {
+        .name = "direction-exponent", .argument = "N", .type = VALUE_REAL, .min = 0,
+        .max = SETTINGS_EXPONENT_MAX, .group = "Method", .commands = FOR_SCENE,
+        .fallback = IN_SCENE_FILE "15", .help = "The power of --directions power-cosine.",
+        FIELD(settings.direction_exponent),
+    },
+    [OPTION_CLAMP] = {
+        .name = "clamp", .argument = "LIMIT", .type = VALUE_REAL, .min = 0, .max = 1e30,
+        .group = "Method", .commands = FOR_SCENE, .fallback = IN_SCENE_FILE "0: off",
+        .help = "Scale every contribution to a sample down to this largest component. Removes "
+                "fireflies, and light with them: the picture is biased.",
+        FIELD(settings.clamp_limit),
+    },
+    [OPTION_ROULETTE] = {
+        .name = "roulette", .argument = "throughput|constant|frame|off", .type = VALUE_CHOICE,
+        .group = "Method", .commands = FOR_SCENE, .fallback = IN_SCENE_FILE "throughput",
+        .help = "Russian roulette: paths survive by their throughput, with a constant "
+                "probability, or together: each sample number has one depth for all pixels.",
+        FIELD(settings.roulette),
+    },
+    [OPTION_ROULETTE_MIN_BOUNCES] = {
+        .name = "roulette-min-bounces", .argument = "N|off", .type = VALUE_COUNT_OR_OFF,
+        .min = 0, .max = SETTINGS_BOUNCES_MAX, .group = "Method", .commands = FOR_SCENE,
+        .fallback = IN_SCENE_FILE "3",
+        .help = "Paths may end by Russian roulette after this many scattering events.",
+        FIELD(settings.roulette_min_bounces),
+    },
+    [OPTION_ROULETTE_MAX_BOUNCES] = {
+        .name = "roulette-max-bounces", .argument = "N|off", .type = VALUE_COUNT_OR_OFF,
+        .min = 0, .max = SETTINGS_BOUNCES_MAX, .group = "Method", .commands = FOR_SCENE,
+        .fallback = IN_SCENE_FILE "off",
+        .help = "The greatest depth that --roulette frame draws. Deeper light is lost: the "
+                "picture is biased.",
+        FIELD(settings.roulette_max_bounces),
+    },
+    [OPTION_ROULETTE_SURVIVAL] = {
+        .name = "roulette-survival", .argument = "P", .type = VALUE_REAL, .min = 0.01, .max = 1,
+        .group = "Method", .commands = FOR_SCENE, .fallback = IN_SCENE_FILE "0.7",
+        .help = "Probability to survive, of --roulette constant and frame.",
+        FIELD(settings.roulette_survival),
+    },
+
+    [OPTION_CAMERA] = {
+        .name = "camera", .argument = "NAME|INDEX", .type = VALUE_TEXT, .group = "Scene",
+        .commands = FOR_SCENE, .fallback = "the first",
+        .help = "Which of the scene's cameras, by name or by number from 0.", FIELD(camera),
+    },
+    [OPTION_APERTURE] = {
+        .name = "aperture", .argument = "MM", .type = VALUE_REAL, .min = 0, .max = 1e16,
+        .group = "Scene", .commands = FOR_SCENE, .fallback = "the camera's",
+        .help = "Radius of the camera's lens in millimetres; 0: a pinhole.", FIELD(aperture_mm),
+    },
+    [OPTION_FOCUS_DISTANCE] = {
+        .name = "focus-distance", .argument = "METRES", .type = VALUE_REAL, .min = 1e-18,
+        .max = 1e13, .group = "Scene", .commands = FOR_SCENE, .fallback = "the camera's",
+        .help = "How far away what is in focus lies, along the line of sight.",
+        FIELD(focus_distance),
+    },
+    [OPTION_SCENE] = {
+        .name = "scene", .argument = "NAME|INDEX", .type = VALUE_TEXT, .group = "Scene",
+        .commands = FOR_SCENE, .fallback = "the one that the file names, else the first",
+        .help = "Which scene of a glTF file, by name or by number from 0.", FIELD(scene),
+    },
+    [OPTION_ANIMATION] = {
+        .name = "animation", .argument = "NAME|INDEX", .type = VALUE_TEXT, .group = "Scene",
+        .commands = FOR_SCENE, .fallback = "none; with --at, the first",
+        .help = "Which animation of a glTF file, by name or by number from 0. Without --at it is "
+                "shown as it begins.",
+        FIELD(animation),
+    },
+    [OPTION_AT] = {
+        .name = "at", .argument = "SECONDS", .type = VALUE_REAL, .min = 0, .max = OPTION_TIME_MAX,
+        .group = "Scene", .commands = FOR_SCENE,
+        .fallback = "the nodes as they are without animation",
+        .help = "Pose a glTF file as its animation has it at this time. Before the first key and "
+                "after the last it stands still.",
+        FIELD(at_seconds),
+    },
+    [OPTION_VARIANT] = {
+        .name = "variant", .argument = "NAME", .type = VALUE_TEXT, .group = "Scene",
+        .commands = FOR_SCENE, .fallback = "the materials that need none",
+        .help = "Which variant of its materials a glTF file is shown with.", FIELD(variant),
+    },
+    [OPTION_ENV] = {
+        .name = "env", .argument = "FILE|R,G,B|sky:...", .type = VALUE_ENVIRONMENT,
+        .group = "Scene", .commands = FOR_SCENE, .fallback = "the scene's",
+        .help = "What surrounds the scene: a latitude-longitude picture, a constant radiance in "
+                "W/(sr m^2), or Preetham's sky with its sun, as in sky:turbidity=3,elevation=45. "
+                "Its keys are turbidity (2 to 10), elevation and azimuth of the sun (degrees; 0 is "
+                "+X, 90 is +Z), albedo of the ground, diameter of the sun (degrees) and sun (0 "
+                "leaves it out). A file whose name looks like one of these is written ./1,1,1.",
+    },
+    [OPTION_ENV_ROTATE] = {
+        .name = "env-rotate", .argument = "DEGREES", .type = VALUE_REAL, .min = -1e6, .max = 1e6,
+        .group = "Scene", .commands = FOR_SCENE, .fallback = "0",
+        .help = "Turn what surrounds the scene about +Y, counter-clockwise seen from above, in "
+                "addition to the scene's own rotation.",
+        FIELD(environment_rotate_degrees),
+    },
+    [OPTION_ENV_STRENGTH] = {
+        .name = "env-strength", .argument = "X", .type = VALUE_REAL, .min = 0, .max = 1e30,
+        .group = "Scene", .commands = FOR_SCENE, .fallback = "1",
+        .help = "Multiply the radiance of what surrounds the scene.", FIELD(environment_strength),
+    },
+    [OPTION_ENV_FILTER] = {
+        .name = "env-filter", .argument = "bilinear|nearest", .type = VALUE_CHOICE,
+        .group = "Scene", .commands = FOR_SCENE, .fallback = IN_SCENE_FILE "bilinear",
+        .help = "What lies between the texels of an environment's image: radiance that is "
+                "interpolated bilinearly, or a patch of constant radiance around each.",
+        FIELD(settings.environment_filter),
+    },
+    [OPTION_STUDIO] = {
+        .name = "studio", .argument = "off|auto|on", .type = VALUE_CHOICE, .group = "Scene",
+        .commands = FOR_SCENE, .fallback = "auto",
+        .help = "Light a scene by a studio of our own, soft key, fill and rim: where a model brings "
+                "no light or too little (auto), in place of its environment (on), or never: without "
+                "light there is then an even environment of radiance 1 (off). Scene files with a "
+                "camera are lit by the studio with on only.",
+        FIELD(studio),
+    },
+    [OPTION_GROUND] = {
+        .name = "ground", .argument = "auto|on|off", .type = VALUE_CHOICE, .group = "Scene",
+        .commands = FOR_SCENE, .fallback = "auto: with the studio, unless a camera is below it",
+        .help = "A plane below the model that catches its shadow.", FIELD(ground),
+    },
+    [OPTION_UP] = {
+        .name = "up", .argument = "y|x|z", .type = VALUE_CHOICE, .group = "Scene",
+        .commands = FOR_SCENE, .fallback = "y",
+        .help = "Which axis points up: for the camera, the light and the ground of a model that "
+                "comes without them. The model stays as it is.",
+        FIELD(up),
+    },
+    [OPTION_DEFINE] = {
+        .name = "define", .short_name = 'D', .argument = "KEY=VALUE", .type = VALUE_DEFINE,
+        .group = "Scene", .commands = FOR_SCENE,
+        .help = "Replace a value of a JSON scene, by its \"define\" name or its dotted path, as in "
+                "film.exposure=1. May be given several times.",
+    },
+    [OPTION_STRICT] = {
+        .name = "strict", .type = VALUE_FLAG, .group = "Scene", .commands = FOR_SCENE,
+        .help = "A missing texture or material library (MTL) is an error, instead of pink or grey "
+                "with a warning.", FIELD(strict),
+    },
+    [OPTION_ALLOW_OUTSIDE_PATHS] = {
+        .name = "allow-outside-paths", .type = VALUE_FLAG, .group = "Scene",
+        .commands = FOR_SCENE,
+        .help = "Let scene files name files outside their own folder. Only for files you trust.",
+        FIELD(allow_outside_paths),
+    },
+
+    [OPTION_FRAMES] = {
+        .name = "frames", .argument = "N", .type = VALUE_COUNT, .min = 1, .max = UINT32_MAX,
+        .group = "Frames", .commands = FOR_RENDER, .fallback = "one picture of --spp samples",
+        .help = "Render exactly N frames of --spp-per-frame samples each. N frames of K samples "
+                "equal --spp N*K bit for bit.",
+        FIELD(frames),
+    },
+    [OPTION_SPP_PER_FRAME] = {
+        .name = "spp-per-frame", .argument = "N", .type = VALUE_COUNT, .min = 1,
+        .max = SETTINGS_SPP_MAX, .group = "Frames", .commands = FOR_RENDER, .fallback = "1",
+        .help = "Samples per pixel of one frame.", FIELD(spp_per_frame),
+    },
+    [OPTION_EVERY] = {
+        .name = "every", .argument = "N", .type = VALUE_COUNT, .min = 1, .max = UINT32_MAX,
+        .group = "Frames", .commands = FOR_RENDER, .fallback = "only after the last frame",
+        .help = "Write a numbered picture after every N frames.", FIELD(every),
+    },
+    [OPTION_ACCUMULATE] = {
+        .name = "accumulate", .argument = "on|off", .type = VALUE_SWITCH, .group = "Frames",
+        .commands = FOR_RENDER, .fallback = "on",
+        .help = "Whether frames add up to one picture. Off: each is fresh, with samples of its "
+                "own.",
+        FIELD(accumulate),
+    },
+    [OPTION_CHECKPOINT] = {
+        .name = "checkpoint", .argument = "FILE", .type = VALUE_TEXT, .group = "Frames",
+        .commands = FOR_RENDER, .fallback = "none is kept",
+        .help = "Keep in FILE what is needed to go on with this render later, also after a signal "
+                "and at the end. FILE may exist already only with --resume.", FIELD(checkpoint),
+    },
+    [OPTION_CHECKPOINT_EVERY] = {
+        .name = "checkpoint-every", .argument = "SECONDS", .type = VALUE_REAL, .min = 0,
+        .max = OPTION_TIME_MAX, .group = "Frames", .commands = FOR_RENDER, .fallback = "60",
+        .help = "Time between two checkpoints; 0: one after every wave.",
+        FIELD(checkpoint_seconds),
+    },
+    [OPTION_RESUME] = {
+        .name = "resume", .type = VALUE_FLAG, .group = "Frames", .commands = FOR_RENDER,
+        .help = "Go on from the file of --checkpoint, or begin where there is none yet. The "
+                "picture is that of a run without interruption, bit for bit, whatever --wave is. "
+                "Refuses a checkpoint of another scene, device or other settings; --spp, --time, "
+                "--error, --frames and the outputs may change.",
+        FIELD(resume),
+    },
+
+    [OPTION_REPLICATES] = {
+        .name = "replicates", .argument = "N", .type = VALUE_COUNT, .min = 2, .max = 4096,
+        .group = "Curves", .commands = FOR_CONVERGE, .fallback = "16",
+        .help = "Independent runs of each curve, with seeds from --seed on. Intervals come from "
+                "their spread.",
+        FIELD(replicates),
+    },
+    [OPTION_REFERENCE] = {
+        .name = "reference", .argument = "FILE|auto|none", .type = VALUE_TEXT, .group = "Curves",
+        .commands = FOR_RENDER | FOR_CONVERGE, .fallback = "auto; of render, none",
+        .help = "What errors are taken against: a picture (its own noise is subtracted where it "
+                "has the layers of --aov halves), one made now with a hundred times the samples, "
+                "or none: the half-buffers then tell the error, and no bias. render takes a "
+                "picture only.",
+        FIELD(reference),
+    },
+    [OPTION_VARY] = {
+        .name = "vary", .argument = "KEY=A,B,...", .type = VALUE_VARY, .group = "Curves",
+        .commands = FOR_CONVERGE, .fallback = "one curve",
+        .help = "A curve for each value of an option that says how pictures are computed, as in "
+                "sampler=sobol,pcg. Several multiply.",
+    },
+    [OPTION_CURVE] = {
+        .name = "curve", .argument = "'KEY=VALUE KEY=VALUE'", .type = VALUE_CURVE,
+        .group = "Curves", .commands = FOR_CONVERGE | FOR_BENCH, .fallback = "none",
+        .help = "A curve, or a variant of a benchmark, by several options at once, as in 'nee=on "
+                "mis=none'. May be given several times; those of --vary or --sweep come after it.",
+    },
+    [OPTION_SPP_FROM] = {
+        .name = "spp-from", .argument = "N", .type = VALUE_COUNT, .min = 1,
+        .max = SETTINGS_SPP_MAX, .group = "Curves", .commands = FOR_CONVERGE, .fallback = "16",
+        .help = "Samples a pixel of the first point; each further one has twice as many, up to "
+                "--spp (256 where that is not given).",
+        FIELD(spp_from),
+    },
+    [OPTION_TIMES] = {
+        .name = "times", .argument = "SECONDS,...", .type = VALUE_TIMES, .min = 0.001,
+        .max = OPTION_TIME_MAX, .group = "Curves", .commands = FOR_CONVERGE,
+        .fallback = "points at doubling samples",
+        .help = "Points at these times of rendering instead, rising: every curve ends at the whole "
+                "sample that is then done. What needs to know the number of samples beforehand "
+                "(samplers stratified, grid and blue-noise, contiguous halves) renders as many as "
+                "are expected to fit, by the time that earlier ones took.",
+    },
+
+    [OPTION_SWEEP] = {
+        .name = "sweep", .argument = "KEY=A,B,...", .type = VALUE_VARY, .group = "Benchmark",
+        .commands = FOR_BENCH, .fallback = "one variant",
+        .help = "A variant for each value of an option, as in wave=4k,16k,64k, workgroup=32,64, "
+                "node=quantised,float or spp=1,4. Several multiply.",
+    },
+    [OPTION_REPEATS] = {
+        .name = "repeats", .argument = "N", .type = VALUE_COUNT, .min = 2, .max = 10000,
+        .group = "Benchmark", .commands = FOR_BENCH, .fallback = "7",
+        .help = "Timed runs of each variant, in turns, after one that only warms up.",
+        FIELD(repeats),
+    },
+    [OPTION_KERNEL] = {
+        .name = "kernel", .argument = "NAME", .type = VALUE_TEXT, .group = "Benchmark",
+        .commands = FOR_BENCH, .fallback = "all of a render",
+        .help = "Time this kernel alone, on what it gets in a render: on queues recorded from a wave "
+                "in the middle of the picture. Any kernel that \"lampyris bench\" lists, or resolve.",
+        FIELD(kernel),
+    },
+    [OPTION_RAYS] = {
+        .name = "rays", .argument = "primary|diffuse|shadow,...", .type = VALUE_RAYS,
+        .group = "Benchmark", .commands = FOR_BENCH, .fallback = "those of the kernel",
+        .help = "Which rays --kernel traces: those from the camera or those that surfaces send on, "
+                "by intersect_closest, and those to lights, by intersect_shadow. Either kernel may "
+                "be named.",
+    },
+    [OPTION_DEPTH] = {
+        .name = "depth", .argument = "N,...", .type = VALUE_DEPTHS, .min = 0,
+        .max = SETTINGS_BOUNCES_MAX, .group = "Benchmark", .commands = FOR_BENCH,
+        .fallback = "0, and 1 for diffuse rays",
+        .help = "After how many bounces the queues for --kernel are recorded; rays to lights: at "
+                "which surface of the path they were sent, from 0.",
+    },
+    [OPTION_TUNE] = {
+        .name = "tune", .type = VALUE_FLAG, .group = "Benchmark", .commands = FOR_BENCH,
+        .help = "Find the wave and workgroup sizes that render the scenes fastest on this device, "
+                "and keep them for later runs in $XDG_CACHE_HOME/lampyris/tuning.json (~/.cache). "
+                "What is not faster beyond noise than the device's default is not taken. "
+                "--sweep wave=A,B,... and workgroup=A,B,... say which to try.",
+        FIELD(tune),
+    },
+    [OPTION_BASELINE] = {
+        .name = "baseline", .argument = "FILE", .type = VALUE_TEXT, .group = "Benchmark",
+        .commands = FOR_BENCH, .fallback = "none",
+        .help = "Compare with the JSON of an earlier run, and say what is slower or faster beyond "
+                "noise. Exit with 1 where something is slower.",
+        FIELD(baseline),
+    },
+    [OPTION_EXPLAIN] = {
+        .name = "explain", .type = VALUE_FLAG, .group = "Report", .commands = FOR_RENDER,
+        .help = "List what this render leaves out: each feature, lobe, kind of light, kernel and "
+                "buffer, why, and the bytes and SPIR-V instructions that this saves; and what the "
+                "summary has no room for.",
+        FIELD(explain),
+    },
+    [OPTION_TRACE] = {
+        .name = "trace", .argument = "FILE", .type = VALUE_TEXT, .group = "Report",
+        .commands = FOR_RENDER, .fallback = "none",
+        .help = "Write the error after 1, 2, 4, ... samples a pixel and at the end, with the time "
+                "it took, to FILE, .csv or .json; also the true one where there is a --reference. "
+                "The picture keeps its bits.",
+        FIELD(trace),
+    },
+    [OPTION_TEV] = {
+        .name = "tev", .argument = "HOST:PORT", .type = VALUE_TEXT, .group = "Report",
+        .commands = FOR_RENDER, .fallback = "none",
+        .help = "Send the picture as it grows to the viewer tev, which listens on port 14158; "
+                "HOST is 127.0.0.1 where only \":PORT\" or \"PORT\" is given, [::1]:14158 an "
+                "address of IPv6. The render goes on without where nobody listens. The picture "
+                "keeps its bits.",
+        FIELD(tev),
+    },
+    [OPTION_REPORT] = {
+        .name = "report", .argument = "FOLDER", .type = VALUE_TEXT, .group = "Report",
+        .commands = FOR_CONVERGE | FOR_BENCH, .fallback = "none",
+        .help = "Write report.html with plots (by gnuplot), tables and pictures, results.csv and "
+                "results.json.",
+        FIELD(report),
+    },
+    [OPTION_IMAGES] = {
+        .name = "images", .type = VALUE_FLAG, .group = "Report", .commands = FOR_CONVERGE,
+        .help = "Write every replicate's picture and the references into the report's folder, as "
+                "EXR, and what report.html is made of, as PNG, SVG and scripts for gnuplot.",
+        FIELD(images),
+    },
+
+    [OPTION_DEVICE] = {
+        .name = "device", .argument = "INDEX|NAME", .type = VALUE_TEXT, .group = "Device",
+        .commands = FOR_SCENE | FOR_DEVICES, .fallback = "the fastest kind",
+        .help = "Device to use, by its number in \"lampyris devices\" or a part of its name.",
+        FIELD(gpu.device),
+    },
+    [OPTION_WAVE] = {
+        .name = "wave", .argument = "N", .type = VALUE_COUNT, .min = 64, .max = 16777216,
+        .group = "Device", .commands = FOR_SCENE, .fallback = "tuned, or chosen by device",
+        .help = "Paths in flight. Changes memory and speed, and no bit of the picture.",
+        FIELD(wave),
+    },
+    [OPTION_WORKGROUP] = {
+        .name = "workgroup", .argument = "N", .type = VALUE_COUNT, .min = 8, .max = 1024,
+        .group = "Device", .commands = FOR_SCENE, .fallback = "tuned, or chosen by device",
+        .help = "Threads of a workgroup, a power of two. Changes speed, and no bit of the picture.",
+        FIELD(workgroup),
+    },
+    [OPTION_MEMORY] = {
+        .name = "memory", .argument = "BYTES", .type = VALUE_COUNT, .min = 1 << 20, .max = MOST_BYTES,
+        .group = "Device", .commands = FOR_SCENE | FOR_COMPARE,
+        .fallback = "three quarters of what is available",
+        .help = "Host memory that scenes, pictures and hierarchies may take; a scene that needs more is "
+                "refused before it is allocated. Available is what the machine, its control groups "
+                "and ulimit leave.",
+        FIELD(memory),
+    },
+    [OPTION_TUNING] = {
+        .name = "tuning", .argument = "on|off", .type = VALUE_SWITCH, .group = "Device",
+        .commands = FOR_SCENE, .fallback = "on",
+        .help = "Use the wave and workgroup sizes that \"lampyris bench --tune\" has found for "
+                "this device, where none are given.",
+        FIELD(tuning),
+    },
+    [OPTION_VALIDATION] = {
+        .name = "validation", .type = VALUE_FLAG, .group = "Device", .commands = FOR_SCENE,
+        .help = "Enable the Vulkan validation layers, synchronization validation included. Slow.",
+        FIELD(gpu.validation),
+    },
+
+    [OPTION_PIXEL] = {
+        .name = "pixel", .argument = "X,Y", .type = VALUE_PAIR, .min = 0,
+        .max = SETTINGS_SIZE_MAX - 1, .group = "Replay", .commands = FOR_RENDER,
+        .help = "Follow one path through this pixel, counted from the top left, and print every "
+                "vertex of it instead of rendering.",
+        FIELD(pixel),
+    },
+    [OPTION_SAMPLE] = {
+        .name = "sample", .argument = "S", .type = VALUE_COUNT, .min = 0,
+        .max = SETTINGS_SPP_MAX - 1, .group = "Replay", .commands = FOR_RENDER, .fallback = "0",
+        .help = "Index, from 0, of the sample that --pixel follows.", FIELD(sample),
+    },
+
+    [OPTION_FEATURES] = {
+        .name = "features", .argument = "needed|all", .type = VALUE_CHOICE,
+        .group = "Fallbacks, for tests", .commands = FOR_SCENE, .fallback = "needed",
+        .help = "Compile in what the scene needs, or everything.", FIELD(features),
+    },
+    [OPTION_CLASSES] = {
+        .name = "classes", .argument = "sorted|merged", .type = VALUE_CHOICE,
+        .group = "Kernels", .commands = FOR_SCENE, .fallback = "sorted",
+        .help = "Shade each class of surfaces (diffuse, principled, transmissive, classical) by a "
+                "kernel of its own, or all by one. The picture is the same.", FIELD(classes),
+    },
+    [OPTION_BVH] = {
+        .name = "bvh", .argument = "sah|median|mean|spatial", .type = VALUE_CHOICE, .group = "Kernels",
+        .commands = FOR_SCENE, .fallback = "sah",
+        .help = "How triangles are split into a hierarchy: by the surface area heuristic, at the "
+                "median, or at the mean of their centres, or by the heuristic with triangles in "
+                "several boxes where that pays. The picture is the same.", FIELD(bvh),
+    },
+    [OPTION_NODE] = {
+        .name = "node", .argument = "quantised|float", .type = VALUE_CHOICE, .group = "Kernels",
+        .commands = FOR_SCENE, .fallback = "quantised",
+        .help = "Boxes of the hierarchy in bytes (64 a node) or in floats (128). The picture is "
+                "the same.", FIELD(node),
+    },
+    [OPTION_BVH_OPTIMIZE] = {
+        .name = "bvh-optimize", .argument = "normal|off|long", .type = VALUE_CHOICE,
+        .group = "Kernels", .commands = FOR_SCENE, .fallback = "normal",
+        .help = "Move subtrees to better places once the hierarchy is built: for a bounded time, "
+                "not at all, or until nothing is gained. The picture is the same.",
+        FIELD(bvh_optimize),
+    },
+    [OPTION_BVH_CACHE] = {
+        .name = "bvh-cache", .argument = "DIR", .type = VALUE_TEXT, .group = "Kernels",
+        .commands = FOR_SCENE,
+        .help = "Keep hierarchies in this folder, by what they are built of, and take them from "
+                "there the next time.", FIELD(bvh_cache),
+    },
+    [OPTION_INSTANCES] = {
+        .name = "instances", .argument = "auto|on|off", .type = VALUE_CHOICE, .group = "Kernels",
+        .commands = FOR_SCENE, .fallback = "auto",
+        .help = "Keep a mesh once, with a hierarchy of its own, for all its instances: where that "
+                "pays, always, or never. Pictures differ by rounding only.", FIELD(instances),
+    },
+    [OPTION_NO_TEXEL] = {
+        .name = "no-texel", .type = VALUE_FLAG, .group = "Fallbacks, for tests",
+        .commands = FOR_SCENE, .help = "Read storage buffers only, no texel buffers.",
+        FIELD(gpu.limits.no_texel),
+    },
+    [OPTION_NO_BALLOT] = {
+        .name = "no-ballot", .type = VALUE_FLAG, .group = "Fallbacks, for tests",
+        .commands = FOR_SCENE, .help = "Do without subgroup ballots.",
+        FIELD(gpu.limits.no_ballot),
+    },
+    [OPTION_LIMIT_STORAGE_RANGE] = {
+        .name = "limit-storage-range", .argument = "BYTES", .type = VALUE_COUNT, .min = 1,
+        .max = MOST_BYTES, .group = "Fallbacks, for tests", .commands = FOR_SCENE,
+        .fallback = "the device's",
+        .help = "Lower the largest range of a storage buffer.", FIELD(gpu.limits.storage_range),
+    },
+    [OPTION_LIMIT_TEXEL_ELEMENTS] = {
+        .name = "limit-texel-elements", .argument = "N", .type = VALUE_COUNT, .min = 1,
+        .max = UINT32_MAX, .group = "Fallbacks, for tests", .commands = FOR_SCENE,
+        .fallback = "the device's",
+        .help = "Lower the largest number of elements of a texel buffer.",
+        FIELD(gpu.limits.texel_elements),
+    },
+    [OPTION_LIMIT_ALLOCATION] = {
+        .name = "limit-allocation", .argument = "BYTES", .type = VALUE_COUNT, .min = 1,
+        .max = MOST_BYTES, .group = "Fallbacks, for tests", .commands = FOR_SCENE,
+        .fallback = "the device's", .help = "Lower the largest allocation of device memory.",
+        FIELD(gpu.limits.allocation),
+    },
+
+    [OPTION_FAIL_ALLOCATION] = {
+        .name = "fail-allocation", .argument = "N", .type = VALUE_COUNT, .min = 1,
+        .max = UINT32_MAX, .group = "Faults, for tests", .commands = FOR_RENDER | FOR_VIEW,
+        .help = "Have the N-th allocation of device memory fail.",
+        FIELD(gpu.fail_allocation),
+    },
+    [OPTION_LOSE_DEVICE] = {
+        .name = "lose-device", .argument = "N", .type = VALUE_COUNT, .min = 1,
+        .max = UINT32_MAX, .group = "Faults, for tests", .commands = FOR_RENDER | FOR_VIEW,
+        .help = "Lose the device at the N-th submission of commands.",
+        FIELD(gpu.lose_device_at_submit),
+    },
+
+    [OPTION_SCRIPT] = {
+        .name = "script", .argument = "FILE", .type = VALUE_TEXT, .group = "Viewer",
+        .commands = FOR_VIEW, .fallback = "none",
+        .help = "Run keys, mouse, changes and pictures from FILE, a command a line, and end "
+                "with it: see docs/viewer.md. A command that fails ends the viewer with 1.",
+        FIELD(script),
+    },
+    [OPTION_HEADLESS] = {
+        .name = "headless", .type = VALUE_FLAG, .group = "Viewer", .commands = FOR_VIEW,
+        .help = "Open no window: the same loop in memory, for scripts. Needs --script.",
+        FIELD(headless),
+    },
+    [OPTION_WATCH] = {
+        .name = "watch", .type = VALUE_FLAG, .group = "Viewer", .commands = FOR_VIEW,
+        .help = "Reload the scene and the shaders when their files change.", FIELD(watch),
+    },
+    [OPTION_VSYNC] = {
+        .name = "vsync", .argument = "on|off", .type = VALUE_SWITCH, .group = "Viewer",
+        .commands = FOR_VIEW, .fallback = "on",
+        .help = "Wait for the display, so that pictures do not tear.", FIELD(vsync),
+    },
+    [OPTION_FRAME_MS] = {
+        .name = "frame-ms", .argument = "MS", .type = VALUE_REAL, .min = 1, .max = 1000,
+        .group = "Viewer", .commands = FOR_VIEW, .fallback = "33",
+        .help = "Time of a frame to aim at. While the camera moves, the picture is made of fewer "
+                "pixels for it.",
+        FIELD(frame_ms),
+    },
+    [OPTION_DENOISE] = {
+        .name = "denoise", .argument = "on|off", .type = VALUE_SWITCH, .group = "Viewer",
+        .commands = FOR_VIEW, .fallback = "off",
+        .help = "Show the picture denoised. What is saved as EXR is not.", FIELD(denoise),
+    },
+    [OPTION_SHADERS] = {
+        .name = "shaders", .argument = "DIR", .type = VALUE_TEXT, .group = "Viewer",
+        .commands = FOR_VIEW, .fallback = "the source tree that the program was built from",
+        .help = "Folder of the kernels' source, which F5 compiles again.", FIELD(shaders),
+    },
+    [OPTION_MAX] = {
+        .name = "max", .argument = "METRIC=VALUE", .type = VALUE_LIMIT, .group = "Checks",
+        .commands = FOR_COMPARE,
+        .help = "Exit with 1 if the metric is greater: mse, rmse, relmse, local-relmse, smape, flip, "
+                "hdr-flip, max, or the number of nonfinite or differing pixels. Holds for each "
+                "picture. May be given several times. Any check also fails on non-finite pixels unless --max "
+                "nonfinite=N allows them.",
+    },
+    [OPTION_MIN] = {
+        .name = "min", .argument = "METRIC=VALUE", .type = VALUE_LIMIT, .group = "Checks",
+        .commands = FOR_COMPARE, .help = "Exit with 1 if the metric is smaller: psnr, in dB, or ssim.",
+    },
+    [OPTION_DIFFERENCE] = {
+        .name = "difference", .argument = "FILE", .type = VALUE_TEXT, .group = "Map",
+        .commands = FOR_COMPARE,
+        .help = "Write a map of the differences: .png in false colours, from black to pale yellow, "
+                "with their scale below, green where a pixel is not finite; .exr with the numbers "
+                "themselves, in a layer named as --map. Of several pictures: map.0001.png and so on.",
+        FIELD(difference),
+    },
+    [OPTION_MAP] = {
+        .name = "map", .argument = "relative|squared|smape|flip|hdr-flip", .type = VALUE_CHOICE,
+        .group = "Map", .commands = FOR_COMPARE, .fallback = "relative",
+        .help = "What --difference shows: |x - r| / (|r| + 0.01), a pixel's part of relmse or "
+                "smape, or FLIP. The first three have a logarithmic scale of colours.",
+        FIELD(map),
+    },
+    [OPTION_REFERENCE_VARIANCE] = {
+        .name = "reference-variance", .argument = "FILE|auto|VALUE", .type = VALUE_TEXT,
+        .group = "Metrics", .commands = FOR_COMPARE, .fallback = "none is subtracted",
+        .help = "The reference's own noise, which is subtracted from mse, rmse, relmse and "
+                "local-relmse: a picture of each value's variance, the layers of --aov halves in "
+                "the reference itself (auto), or one variance for all values.",
+        FIELD(reference_variance),
+    },
+    [OPTION_EXPOSURES] = {
+        .name = "exposures", .argument = "START,STOP", .type = VALUE_TEXT, .group = "Metrics",
+        .commands = FOR_COMPARE, .fallback = "the reference decides",
+        .help = "The range of exposures that hdr-flip looks at, in stops, so that comparisons with "
+                "different references see alike.",
+        FIELD(exposures),
+    },
+
+    [OPTION_MAN] = {
+        .name = "man", .type = VALUE_FLAG, .group = "Format", .commands = FOR_HELP,
+        .help = "Print a manual page in roff instead of plain text.", FIELD(man),
+    },
+
+    [OPTION_JSON] = {
+        .name = "json", .type = VALUE_FLAG, .group = "General", .commands = FOR_ALL,
+        .help = "Print the result as one JSON object on standard output.", FIELD(json),
+    },
+    [OPTION_QUIET] = {
+        .name = "quiet", .short_name = 'q', .type = VALUE_FLAG, .group = "General",
+        .commands = FOR_ALL, .help = "No progress and no summary; warnings and errors stay.",
+        FIELD(quiet),
+    },
+    [OPTION_LOG_LEVEL] = {
+        .name = "log-level", .argument = "error|warning|note|debug", .type = VALUE_CHOICE,
+        .group = "General", .commands = FOR_ALL, .fallback = "warning",
+        .help = "What is reported on standard error.", FIELD(log_level),
+    },
+    [OPTION_HELP] = {
+        .name = "help", .short_name = 'h', .type = VALUE_FLAG, .group = "General",
+        .commands = FOR_ALL, .help = "Print this help.", FIELD(help),
+    },
+    [OPTION_VERSION] = {
+        .name = "version", .type = VALUE_FLAG, .group = "General", .commands = FOR_ALL,
+        .help = "Print the version.", FIELD(version),
+    },
+};
+// clang-format on
+
+const char *const compare_metric_names[METRIC_TOTAL] = {
+    [METRIC_MSE] = "mse",
+    [METRIC_RMSE] = "rmse",
+    [METRIC_RELMSE] = "relmse",
+    [METRIC_LOCAL_RELMSE] = "local-relmse",
+    [METRIC_SMAPE] = "smape",
+    [METRIC_PSNR] = "psnr",
+    [METRIC_SSIM] = "ssim",
+    [METRIC_FLIP] = "flip",
+    [METRIC_HDR_FLIP] = "hdr-flip",
+    [METRIC_MAX] = "max",
+    [METRIC_NONFINITE] = "nonfinite",
+    [METRIC_DIFFERING] = "differing",
+};
+
+bool option_belongs(const struct option_def *def, const struct command *command)
+{
+    return def->commands >> (command - commands) & 1;
+}

@@ -1,0 +1,437 @@
+#include "cli/options.h"
+
+#include "base/file.h"
+#include "image/image.h"
+#include "shared/bindings.h"
+#include <assert.h>
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+_Static_assert(sizeof(enum tone_curve) == sizeof(unsigned) &&
+                   sizeof(enum log_level) == sizeof(unsigned) &&
+                   sizeof(enum bvh_split) == sizeof(unsigned) &&
+                   sizeof(enum instancing) == sizeof(unsigned),
+               "choices are stored as unsigned");
+
+static bool in_range(const struct option_def *def, double value, const char *text, struct err *err)
+{
+    if (value >= def->min && value <= def->max)
+        return true;
+    return err_set(err, ERR_USAGE, "\"%s\" is outside [%.15g, %.15g]", text, def->min, def->max);
+}
+
+// Digits, then perhaps one of k, M, G for 2^10, 2^20, 2^30: waves, samples and bytes come in powers
+// of two. No sign, no blanks. *rest is what follows; false when there is no number or it is too
+// big.
+static bool parse_count(const char *text, uint64_t *out, const char **rest)
+{
+    if (*text < '0' || *text > '9')
+        return false;
+    char *end;
+    errno = 0;
+    uint64_t value = strtoull(text, &end, 10);
+    if (errno != 0)
+        return false;
+    int shift = *end == 'k' || *end == 'K' ? 10 : *end == 'M' ? 20 : *end == 'G' ? 30 : 0;
+    if (value > UINT64_MAX >> shift)
+        return false;
+    *out = value << shift;
+    *rest = end + (shift > 0);
+    return true;
+}
+
+// A finite decimal number: strtod would also take "nan", "inf", hexadecimal and leading blanks.
+static bool parse_real(const char *text, double *out, const char **rest)
+{
+    size_t length = strspn(text, "+-.0123456789eE");
+    if (length == 0 || strpbrk(text, "xX") == text + length)
+        return false;
+    char *end;
+    *out = strtod(text, &end);
+    *rest = end;
+    return end != text && isfinite(*out);
+}
+
+static void store(struct options *options, const struct option_def *def, const void *value)
+{
+    memcpy((char *)options + def->offset, value, def->size);
+}
+
+static void store_count(struct options *options, const struct option_def *def, uint64_t value)
+{
+    uint32_t narrow = (uint32_t)value; // the range has been checked
+    store(options, def, def->size == sizeof narrow ? (const void *)&narrow : &value);
+}
+
+static bool store_checked_count(const struct option_def *def, const char *text,
+                                struct options *options, struct err *err)
+{
+    uint64_t value;
+    const char *rest;
+    if (!parse_count(text, &value, &rest) || *rest)
+        return err_set(err, ERR_USAGE,
+                       "\"%s\" is not a number; expected digits, perhaps with k, M or G", text);
+    if (!in_range(def, (double)value, text, err))
+        return false;
+    store_count(options, def, value);
+    return true;
+}
+
+static bool store_real(const struct option_def *def, const char *text, struct options *options,
+                       struct err *err)
+{
+    double value;
+    const char *rest;
+    if (!parse_real(text, &value, &rest) || *rest)
+        return err_set(err, ERR_USAGE, "\"%s\" is not a finite number", text);
+    if (!in_range(def, value, text, err))
+        return false;
+    float narrow = (float)value;
+    store(options, def, def->size == sizeof narrow ? (const void *)&narrow : &value);
+    return true;
+}
+
+static bool store_real_or_auto(const struct option_def *def, const char *text,
+                               struct options *options, struct err *err)
+{
+    struct option_def number = *def;
+    struct {
+        float value;
+        uint32_t is_auto;
+    } both = {0, strcmp(text, "auto") == 0};
+    _Static_assert(sizeof both == 8, "the float and its word");
+    store(options, def, &both);
+    number.size = sizeof both.value;
+    return both.is_auto || store_real(&number, text, options, err);
+}
+
+static bool store_switch(const struct option_def *def, const char *text, struct options *options,
+                         struct err *err)
+{
+    bool on = strcmp(text, "on") == 0;
+    if (!on && strcmp(text, "off") != 0)
+        return err_set(err, ERR_USAGE, "\"%s\" is neither \"on\" nor \"off\"", text);
+    store(options, def, &on);
+    return true;
+}
+
+static bool store_choice(const struct option_def *def, const char *text, struct options *options,
+                         struct err *err)
+{
+    assert(def->argument); // its words are the choices
+    size_t length = strlen(text);
+    unsigned index = 0;
+    for (const char *word = def->argument; word; index++) {
+        size_t word_length = strcspn(word, "|");
+        if (length == word_length && memcmp(word, text, length) == 0) {
+            store(options, def, &index);
+            return true;
+        }
+        word = word[word_length] ? word + word_length + 1 : NULL;
+    }
+    return err_set(err, ERR_USAGE, "\"%s\" is unknown; expected %s%s", text,
+                   strchr(def->argument, '|') ? "one of " : "", def->argument);
+}
+
+// Two counts with a separator: "640x480", "12,34".
+static bool store_two(const struct option_def *def, char separator, const char *text,
+                      struct options *options, struct err *err)
+{
+    uint64_t first, second;
+    const char *rest;
+    if (!parse_count(text, &first, &rest) || *rest != separator ||
+        !parse_count(rest + 1, &second, &rest) || *rest)
+        return err_set(err, ERR_USAGE, "\"%s\" is not of the form %s", text, def->argument);
+    if (!in_range(def, (double)first, text, err) || !in_range(def, (double)second, text, err))
+        return false;
+    uint32_t both[2] = {(uint32_t)first, (uint32_t)second};
+    store(options, def, both);
+    return true;
+}
+
+static bool store_size(const struct option_def *def, const char *text, struct options *options,
+                       struct err *err)
+{
+    if (!store_two(def, 'x', text, options, err))
+        return false;
+    if ((uint64_t)options->settings.width * options->settings.height > SETTINGS_PIXELS_MAX)
+        return err_set(err, ERR_USAGE, "\"%s\" is more than 2^31 pixels", text);
+    return true;
+}
+
+static bool parse_color(const char *text, float out[3])
+{
+    for (int i = 0; i < 3; i++) {
+        double value;
+        const char *rest;
+        if (!parse_real(text, &value, &rest) || *rest != (i < 2 ? ',' : '\0'))
+            return false;
+        out[i] = (float)value;
+        text = rest + 1;
+    }
+    return true;
+}
+
+static bool store_environment(const char *text, struct options *options, struct err *err)
+{
+    struct environment_option *environment = &options->environment;
+    *environment = (struct environment_option){0};
+    if (strncmp(text, "sky", 3) == 0 && (text[3] == '\0' || text[3] == ':')) {
+        environment->is_sky = true;
+        return sky_parse(text + (text[3] ? 4 : 3), &environment->sky, err);
+    }
+    // What consists of a number's characters and commas is a colour, if a misspelt one.
+    bool is_color = strchr(text, ',') && text[strspn(text, "+-.0123456789eE,")] == '\0';
+    if (!is_color) {
+        environment->file = text;
+        return *text ? true : err_set(err, ERR_USAGE, "the value is empty; expected FILE or R,G,B");
+    }
+    if (!parse_color(text, environment->radiance))
+        return err_set(err, ERR_USAGE, "\"%s\" is not a colour; expected R,G,B as in 1,0.5,0",
+                       text);
+    for (int i = 0; i < 3; i++)
+        if (!(environment->radiance[i] >= 0 && isfinite(environment->radiance[i])))
+            return err_set(err, ERR_USAGE, "\"%s\" has a negative or too large component", text);
+    return true;
+}
+
+static bool store_output(const char *text, struct options *options, struct err *err)
+{
+    if (!image_check_format(text, err))
+        return false;
+    for (uint32_t i = 0; i < options->output_count; i++)
+        if (strcmp(options->outputs[i], text) == 0)
+            return err_set(err, ERR_USAGE, "\"%s\" is given twice", text);
+    options->outputs[options->output_count++] = text;
+    return true;
+}
+
+static bool store_define(const char *text, struct options *options, struct err *err)
+{
+    const char *equals = strchr(text, '=');
+    if (!equals || equals == text)
+        return err_set(err, ERR_USAGE, "\"%s\" is not of the form KEY=VALUE", text);
+    char *key = arena_printf(&options->arena, "%.*s", (int)(equals - text), text);
+    if (!key)
+        return err_memory(err, "a key", strlen(text));
+    options->overrides[options->override_count++] = (struct scene_override){key, equals + 1};
+    return true;
+}
+
+static bool store_vary(const char *text, struct options *options, struct err *err)
+{
+    const char *equals = strchr(text, '=');
+    if (!equals || equals == text || !equals[1])
+        return err_set(err, ERR_USAGE, "\"%s\" is not of the form KEY=A,B,...", text);
+    options->vary[options->vary_count++] = text;
+    return true;
+}
+
+static bool store_times(const struct option_def *def, const char *text, struct options *options,
+                        struct err *err)
+{
+    double *list = ARENA_NEW(&options->arena, double, strlen(text));
+    uint32_t count = 0;
+    if (!list)
+        return err_memory(err, "times", strlen(text) * sizeof *list);
+    for (const char *rest = text;; rest++) {
+        double value;
+        if (!parse_real(rest, &value, &rest) || (*rest && *rest != ','))
+            return err_set(err, ERR_USAGE, "\"%s\" is not of the form %s", text, def->argument);
+        if (!in_range(def, value, text, err))
+            return false;
+        if (count > 0 && value <= list[count - 1])
+            return err_set(err, ERR_USAGE, "\"%s\" does not rise", text);
+        list[count++] = value;
+        if (!*rest)
+            break;
+    }
+    options->times = list;
+    options->time_count = count;
+    return true;
+}
+
+static bool store_depths(const struct option_def *def, const char *text, struct options *options,
+                         struct err *err)
+{
+    uint32_t *list = ARENA_NEW(&options->arena, uint32_t, strlen(text));
+    uint32_t count = 0;
+    if (!list)
+        return err_memory(err, "depths", strlen(text) * sizeof *list);
+    for (const char *rest = text;; rest++) {
+        uint64_t value;
+        if (!parse_count(rest, &value, &rest) || (*rest && *rest != ','))
+            return err_set(err, ERR_USAGE, "\"%s\" is not of the form %s", text, def->argument);
+        if (!in_range(def, (double)value, text, err))
+            return false;
+        list[count++] = (uint32_t)value;
+        if (!*rest)
+            break;
+    }
+    options->depths = list;
+    options->depth_count = count;
+    return true;
+}
+
+static bool store_rays(const char *text, struct options *options, struct err *err)
+{
+    static const char *const words[] = {
+        [RAYS_PRIMARY] = "primary",
+        [RAYS_DIFFUSE] = "diffuse",
+        [RAYS_SHADOW] = "shadow",
+    };
+    const uint32_t count = sizeof words / sizeof words[0];
+    options->rays = 0;
+    for (const char *word = text; word;) {
+        size_t length = strcspn(word, ",");
+        uint32_t i = 0;
+        while (i < count && (strlen(words[i]) != length || memcmp(words[i], word, length) != 0))
+            i++;
+        if (i == count)
+            return err_set(err, ERR_USAGE,
+                           "\"%.*s\" is unknown; expected some of primary, diffuse, shadow",
+                           (int)length, word);
+        options->rays |= 1u << i;
+        word = word[length] ? word + length + 1 : NULL;
+    }
+    return true;
+}
+
+static int metric_find(const char *name, size_t length)
+{
+    for (int i = 0; i < METRIC_TOTAL; i++)
+        if (strlen(compare_metric_names[i]) == length &&
+            memcmp(compare_metric_names[i], name, length) == 0)
+            return i;
+    return -1;
+}
+
+static bool store_limit(const struct option_def *def, const char *text, struct options *options,
+                        struct err *err)
+{
+    size_t length = strcspn(text, "=");
+    int metric = metric_find(text, length);
+    if (metric < 0 || !text[length])
+        return err_set(err, ERR_USAGE,
+                       "\"%s\" is not of the form %s; metrics are mse, rmse, relmse, local-relmse, "
+                       "smape, psnr, "
+                       "ssim, flip, hdr-flip, max, nonfinite and differing",
+                       text, def->argument);
+    bool is_minimum = def == &option_table[OPTION_MIN];
+    bool greater_is_better = metric == METRIC_PSNR || metric == METRIC_SSIM;
+    if (is_minimum != greater_is_better)
+        return err_set(err, ERR_USAGE, "\"%s\": a greater %s is %s; use --%s", text,
+                       compare_metric_names[metric], is_minimum ? "worse" : "better",
+                       option_table[is_minimum ? OPTION_MAX : OPTION_MIN].name);
+    double value;
+    const char *rest;
+    if (!parse_real(text + length + 1, &value, &rest) || *rest || value < 0)
+        return err_set(err, ERR_USAGE, "\"%s\": the limit is not a finite number >= 0", text);
+    options->limits[options->limit_count++] =
+        (struct compare_limit){(enum compare_metric)metric, is_minimum, value};
+    return true;
+}
+
+static const struct {
+    const char *name;
+    uint32_t bits;
+} aov_words[] = {
+    {"albedo", AOV_ALBEDO},
+    {"normal", AOV_NORMAL},
+    {"normal_geometric", AOV_NORMAL_GEOMETRIC},
+    {"depth", AOV_DEPTH},
+    {"position", AOV_POSITION},
+    {"ids", AOV_IDS},
+    {"emission", AOV_EMISSION},
+    {"direct", AOV_DIRECT},
+    {"indirect", AOV_INDIRECT},
+    {"samples", AOV_SAMPLES},
+    {"variance", AOV_VARIANCE},
+    {"halves", AOV_HALVES},
+    {"alpha", AOV_ALPHA},
+    {"steps", AOV_STEPS},
+    {"all", AOV_END - 1u},
+};
+
+static bool store_aovs(const struct option_def *def, const char *text, struct options *options,
+                       struct err *err)
+{
+    uint32_t bits = options->aovs;
+    for (const char *word = text; word;) {
+        size_t length = strcspn(word, ","), i = 0, count = sizeof aov_words / sizeof *aov_words;
+        while (i < count && (strlen(aov_words[i].name) != length ||
+                             memcmp(aov_words[i].name, word, length) != 0))
+            i++;
+        if (i == count)
+            return err_set(err, ERR_USAGE,
+                           "\"%.*s\" is unknown; expected some of albedo, normal, "
+                           "normal_geometric, depth, position, ids, emission, direct, indirect, "
+                           "samples, variance, halves, alpha, all",
+                           (int)length, word);
+        bits |= aov_words[i].bits;
+        word = word[length] ? word + length + 1 : NULL;
+    }
+    store(options, def, &bits);
+    return true;
+}
+
+bool option_store(const struct option_def *def, const char *text, struct options *options,
+                  struct err *err)
+{
+    switch (def->type) {
+    case VALUE_FLAG:
+        store(options, def, &(bool){true});
+        return true;
+    case VALUE_SWITCH:
+        return store_switch(def, text, options, err);
+    case VALUE_COUNT_OR_OFF:
+        if (strcmp(text, "off") == 0) {
+            store_count(options, def, UINT32_MAX);
+            return true;
+        }
+        return store_checked_count(def, text, options, err);
+    case VALUE_COUNT:
+        return store_checked_count(def, text, options, err);
+    case VALUE_REAL:
+        return store_real(def, text, options, err);
+    case VALUE_REAL_OR_AUTO:
+        return store_real_or_auto(def, text, options, err);
+    case VALUE_CHOICE:
+        return store_choice(def, text, options, err);
+    case VALUE_TEXT:
+        if (!*text)
+            return err_set(err, ERR_USAGE, "the value is empty; expected %s", def->argument);
+        store(options, def, &text);
+        return true;
+    case VALUE_SIZE:
+        return store_size(def, text, options, err);
+    case VALUE_PAIR:
+        return store_two(def, ',', text, options, err);
+    case VALUE_ENVIRONMENT:
+        return store_environment(text, options, err);
+    case VALUE_OUTPUT:
+        return store_output(text, options, err);
+    case VALUE_DEFINE:
+        return store_define(text, options, err);
+    case VALUE_LIMIT:
+        return store_limit(def, text, options, err);
+    case VALUE_VARY:
+        return store_vary(text, options, err);
+    case VALUE_CURVE:
+        if (!strchr(text, '='))
+            return err_set(err, ERR_USAGE, "\"%s\" is not of the form %s", text, def->argument);
+        options->curves[options->curve_count++] = text;
+        return true;
+    case VALUE_TIMES:
+        return store_times(def, text, options, err);
+    case VALUE_DEPTHS:
+        return store_depths(def, text, options, err);
+    case VALUE_RAYS:
+        return store_rays(text, options, err);
+    case VALUE_AOVS:
+        return store_aovs(def, text, options, err);
+    }
+    return err_set(err, ERR_BUG, "an option of unknown type");
+}

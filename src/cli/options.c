@@ -1,0 +1,372 @@
+#include "cli/options.h"
+
+#include "base/suggest.h"
+#include "cli/commands.h"
+#include <stdio.h>
+#include <string.h>
+
+struct parser {
+    char **arguments;
+    int count, next;
+    bool only_arguments; // "--" was seen
+    struct options *options;
+};
+
+static const struct option_def *find_long(const char *name, size_t length)
+{
+    for (int i = 0; i < OPTION_TOTAL; i++)
+        if (strlen(option_table[i].name) == length &&
+            memcmp(option_table[i].name, name, length) == 0)
+            return &option_table[i];
+    return NULL;
+}
+
+static const struct option_def *find_short(char name)
+{
+    for (int i = 0; i < OPTION_TOTAL; i++)
+        if (option_table[i].short_name == name)
+            return &option_table[i];
+    return NULL;
+}
+
+// Before the command only options that every command takes are known.
+static bool is_available(const struct option_def *def, const struct command *command)
+{
+    for (int i = 0; !command && i < COMMAND_TOTAL; i++)
+        if (!option_belongs(def, &commands[i]))
+            return false;
+    return !command || option_belongs(def, command);
+}
+
+static bool fail_unknown_option(const struct parser *parser, const char *name, size_t length,
+                                struct err *err)
+{
+    char wanted[64];
+    snprintf(wanted, sizeof wanted, "%.*s", (int)(length < 63 ? length : 63), name);
+    struct suggestion suggestion = {.wanted = wanted};
+    for (int i = 0; i < OPTION_TOTAL; i++)
+        if (is_available(&option_table[i], parser->options->command))
+            suggest_offer(&suggestion, option_table[i].name);
+    if (suggestion.nearest)
+        return err_set(err, ERR_USAGE, "unknown option --%s; did you mean --%s?", wanted,
+                       suggestion.nearest);
+    return err_set(err, ERR_USAGE, "unknown option --%s", wanted);
+}
+
+static bool fail_wrong_place(const struct parser *parser, const struct option_def *def,
+                             struct err *err)
+{
+    const struct command *command = parser->options->command;
+    if (!command)
+        return err_set(err, ERR_USAGE, "--%s belongs after the command", def->name);
+    char takers[128] = "";
+    for (int i = 0; i < COMMAND_TOTAL; i++)
+        if (option_belongs(def, &commands[i])) {
+            size_t used = strlen(takers);
+            snprintf(takers + used, sizeof takers - used, "%s\"%s\"", used ? ", " : "",
+                     commands[i].name);
+        }
+    return err_set(err, ERR_USAGE, "\"%s\" has no option --%s: it belongs to %s", command->name,
+                   def->name, takers);
+}
+
+// Applies an option. `attached` is what stood behind '=' (or behind a short name), or NULL.
+static bool apply(struct parser *parser, const struct option_def *def, const char *attached,
+                  struct err *err)
+{
+    if (!is_available(def, parser->options->command))
+        return fail_wrong_place(parser, def, err);
+    if (def->type == VALUE_FLAG && attached)
+        return err_set(err, ERR_USAGE, "--%s takes no value, but got \"%s\"", def->name, attached);
+    const char *value = attached;
+    if (def->type != VALUE_FLAG && !value) {
+        // "--output --half" is a forgotten name, not a file called "--half". A file of such a name
+        // can be written --output=--half.
+        value = parser->next < parser->count ? parser->arguments[parser->next] : NULL;
+        if (!value || strncmp(value, "--", 2) == 0)
+            return err_set(err, ERR_USAGE, "--%s needs a value: --%s %s", def->name, def->name,
+                           def->argument);
+        parser->next++;
+    }
+    if (!option_store(def, value, parser->options, err))
+        return err_prepend(err, "--%s", def->name);
+    parser->options->given[def - option_table] = true;
+    return true;
+}
+
+static bool parse_long(struct parser *parser, const char *text, struct err *err)
+{
+    size_t length = strcspn(text, "=");
+    const struct option_def *def = find_long(text, length);
+    if (!def)
+        return fail_unknown_option(parser, text, length, err);
+    return apply(parser, def, text[length] ? text + length + 1 : NULL, err);
+}
+
+// "-o FILE", "-oFILE", "-q".
+static bool parse_short(struct parser *parser, const char *text, struct err *err)
+{
+    const struct option_def *def = find_short(text[0]);
+    if (!def)
+        return err_set(err, ERR_USAGE, "unknown option -%s; long options have two dashes", text);
+    return apply(parser, def, text[1] ? text + 1 : NULL, err);
+}
+
+static bool parse_argument(struct parser *parser, const char *text, struct err *err)
+{
+    struct options *options = parser->options;
+    if (!*text)
+        return err_set(err, ERR_USAGE, "an argument is empty; expected %s",
+                       options->command ? options->command->arguments : "COMMAND");
+    if (!options->command) {
+        options->command = command_find(text, err);
+        return options->command != NULL;
+    }
+    if (options->argument_count >= options->command->max_arguments)
+        return err_set(err, ERR_USAGE, "unexpected argument \"%s\": expected %s%s%s", text,
+                       options->command->name, *options->command->arguments ? " " : "",
+                       options->command->arguments);
+    options->arguments[options->argument_count++] = text;
+    return true;
+}
+
+static bool parse_all(struct parser *parser, struct err *err)
+{
+    while (parser->next < parser->count) {
+        const char *text = parser->arguments[parser->next++];
+        bool ok;
+        if (parser->only_arguments || text[0] != '-' || text[1] == '\0')
+            ok = parse_argument(parser, text, err);
+        else if (text[1] != '-')
+            ok = parse_short(parser, text + 1, err);
+        else if (text[2] != '\0')
+            ok = parse_long(parser, text + 2, err);
+        else
+            ok = parser->only_arguments = true;
+        if (!ok)
+            return false;
+    }
+    return true;
+}
+
+// Options that make no sense without, or together with, another.
+static bool check_combinations(const struct options *options, struct err *err)
+{
+    static const struct {
+        enum option_id id, other;
+        bool together;
+    } rules[] = {
+        {OPTION_SPP_PER_FRAME, OPTION_FRAMES, true},
+        {OPTION_EVERY, OPTION_FRAMES, true},
+        {OPTION_ACCUMULATE, OPTION_FRAMES, true},
+        {OPTION_SAMPLE, OPTION_PIXEL, true},
+        {OPTION_SPP, OPTION_FRAMES, false},
+        {OPTION_ERROR, OPTION_FRAMES, false},
+        {OPTION_ADAPTIVE, OPTION_FRAMES, false},
+        {OPTION_CHECKPOINT_EVERY, OPTION_CHECKPOINT, true},
+        {OPTION_RESUME, OPTION_CHECKPOINT, true},
+        {OPTION_RAYS, OPTION_KERNEL, true},
+        {OPTION_DEPTH, OPTION_KERNEL, true},
+        {OPTION_TUNE, OPTION_KERNEL, false},
+        {OPTION_TUNE, OPTION_CURVE, false},
+        {OPTION_TUNE, OPTION_REPEATS, false},
+        {OPTION_TUNE, OPTION_REPORT, false},
+        {OPTION_TUNE, OPTION_WAVE, false},
+        {OPTION_TUNE, OPTION_WORKGROUP, false},
+        {OPTION_TUNE, OPTION_BASELINE, false},
+        {OPTION_TIMES, OPTION_SPP_FROM, false},
+        {OPTION_TIMES, OPTION_SPP, false},
+        {OPTION_IMAGES, OPTION_REPORT, true},
+        {OPTION_MAP, OPTION_DIFFERENCE, true},
+        {OPTION_TRACE, OPTION_PIXEL, false},
+        {OPTION_EXPLAIN, OPTION_PIXEL, false},
+        {OPTION_TEV, OPTION_PIXEL, false},
+        {OPTION_REFERENCE, OPTION_PIXEL, false},
+    };
+    for (size_t i = 0; i < sizeof rules / sizeof rules[0]; i++) {
+        const char *name = option_table[rules[i].id].name;
+        const char *other = option_table[rules[i].other].name;
+        if (!options_given(options, rules[i].id) ||
+            options_given(options, rules[i].other) == rules[i].together)
+            continue;
+        return err_set(err, ERR_USAGE,
+                       rules[i].together ? "--%s needs --%s" : "--%s and --%s exclude each other",
+                       name, other);
+    }
+    return true;
+}
+
+static bool check(const struct options *options, struct err *err)
+{
+    if (options->help || options->version)
+        return true;
+    const struct command *command = options->command;
+    if (!command)
+        return err_set(err, ERR_USAGE, "no command given");
+    if (options->argument_count < command->min_arguments)
+        return err_set(err, ERR_USAGE, "too few arguments: expected %s %s", command->name,
+                       command->arguments);
+    if (!check_combinations(options, err))
+        return false;
+    if (command == &commands[COMMAND_BENCH] && options_given(options, OPTION_TIME) &&
+        !options->tune)
+        return err_set(err, ERR_USAGE, "--time: only with --tune, for bench");
+    if (command == &commands[COMMAND_COMPARE] && options->settings.exposure_is_auto)
+        return err_set(err, ERR_USAGE,
+                       "--exposure auto: compare shows both pictures alike; "
+                       "expected a number of stops");
+    uint64_t samples = (uint64_t)options->frames * options->spp_per_frame;
+    if (samples > SETTINGS_SPP_MAX)
+        return err_set(err, ERR_USAGE, "--frames x --spp-per-frame is %llu samples; at most %llu",
+                       (unsigned long long)samples, (unsigned long long)SETTINGS_SPP_MAX);
+    return true;
+}
+
+// No list can have more entries than the command line has arguments.
+static bool allocate_lists(struct options *options, int argc, struct err *err)
+{
+    size_t most = (size_t)argc;
+    options->outputs = ARENA_NEW(&options->arena, const char *, most);
+    options->overrides = ARENA_NEW(&options->arena, struct scene_override, most);
+    options->vary = ARENA_NEW(&options->arena, const char *, most);
+    options->curves = ARENA_NEW(&options->arena, const char *, most);
+    options->limits = ARENA_NEW(&options->arena, struct compare_limit, most);
+    if (options->outputs && options->overrides && options->vary && options->curves &&
+        options->limits)
+        return true;
+    return err_memory(err, "the command line", most * sizeof(struct scene_override));
+}
+
+char *options_quote(const char *word, char *out)
+{
+    static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
+                                "_@%+=:,./-";
+    bool is_plain = *word && word[strspn(word, plain)] == '\0';
+    if (is_plain)
+        return stpcpy(out, word);
+    *out++ = '\'';
+    for (; *word; word++) {
+        if (*word == '\'')
+            out = stpcpy(out, "'\\'"); // close, a quote, and the quote itself opens again
+        *out++ = *word;
+    }
+    return stpcpy(out, "'");
+}
+
+// How many arguments from this one on belong to an option of one run only.
+static int passing_arguments(const char *argument)
+{
+    static const enum option_id passing[] = {
+        OPTION_ERROR,     OPTION_CHECKPOINT, OPTION_CHECKPOINT_EVERY, OPTION_RESUME, OPTION_TRACE,
+        OPTION_REFERENCE, OPTION_TEV,        OPTION_EXPLAIN};
+    if (strncmp(argument, "--", 2) != 0)
+        return 0;
+    const char *name = argument + 2;
+    size_t length = strcspn(name, "=");
+    for (size_t i = 0; i < sizeof passing / sizeof passing[0]; i++) {
+        const struct option_def *def = &option_table[passing[i]];
+        if (strlen(def->name) == length && memcmp(def->name, name, length) == 0)
+            return def->type == VALUE_FLAG || name[length] ? 1 : 2;
+    }
+    return 0;
+}
+
+static const char *make_line(struct arena *arena, size_t size, int argc, char **argv,
+                             bool repeatable)
+{
+    char *line = ARENA_NEW(arena, char, size);
+    if (!line)
+        return NULL;
+    char *end = stpcpy(line, "lampyris");
+    bool only_arguments = false;
+    for (int i = 1; i < argc; i++) {
+        int left_out = repeatable && !only_arguments ? passing_arguments(argv[i]) : 0;
+        only_arguments |= strcmp(argv[i], "--") == 0;
+        if (left_out > 0) {
+            i += left_out - 1;
+            continue;
+        }
+        *end++ = ' ';
+        end = options_quote(argv[i], end);
+    }
+    return line;
+}
+
+static bool keep_command_line(struct options *options, int argc, char **argv, struct err *err)
+{
+    size_t size = 16;
+    for (int i = 1; i < argc; i++)
+        size += 4 * strlen(argv[i]) + 4;
+    options->command_line = make_line(&options->arena, size, argc, argv, false);
+    options->repeatable_line = make_line(&options->arena, size, argc, argv, true);
+    return (options->command_line && options->repeatable_line) ||
+           err_memory(err, "the command line", size);
+}
+
+bool options_parse(int argc, char **argv, struct options *out, struct err *err)
+{
+    *out = (struct options){.argc = argc,
+                            .argv = argv,
+                            .log_level = LOG_WARN,
+                            .accumulate = true,
+                            .studio = SCENE_STUDIO_AUTO,
+                            .spp_per_frame = 1,
+                            .checkpoint_seconds = 60.0,
+                            .replicates = 16,
+                            .spp_from = 16,
+                            .repeats = 7,
+                            .vsync = true,
+                            .frame_ms = 33.0,
+                            .tuning = true};
+    if (!keep_command_line(out, argc, argv, err) || !allocate_lists(out, argc, err))
+        return false;
+    struct parser parser = {.arguments = argv, .count = argc, .next = 1, .options = out};
+    return parse_all(&parser, err) && check(out, err);
+}
+
+void options_finish(struct options *options)
+{
+    if (options)
+        arena_finish(&options->arena);
+}
+
+static bool in_settings(const struct option_def *def)
+{
+    const size_t begin = offsetof(struct options, settings);
+    return def->offset >= begin && def->offset - begin < sizeof(struct settings);
+}
+
+bool option_is_setting(const struct option_def *def, const struct command *command)
+{
+    switch ((enum option_id)(def - option_table)) {
+    case OPTION_SIZE:
+    case OPTION_SPP:
+        return command == &commands[COMMAND_BENCH];
+    case OPTION_EXPOSURE:
+    case OPTION_TONE:
+        return false;
+    case OPTION_WAVE:
+    case OPTION_WORKGROUP:
+    case OPTION_FEATURES:
+    case OPTION_CLASSES:
+    case OPTION_BVH:
+    case OPTION_NODE:
+    case OPTION_BVH_OPTIMIZE:
+    case OPTION_BVH_CACHE:
+    case OPTION_INSTANCES:
+        return true;
+    default:
+        return in_settings(def);
+    }
+}
+
+void options_apply_settings(const struct options *options, struct settings *settings)
+{
+    const size_t begin = offsetof(struct options, settings);
+    for (int i = 0; i < OPTION_TOTAL; i++) {
+        const struct option_def *def = &option_table[i];
+        if (in_settings(def) && options_given(options, (enum option_id)i))
+            memcpy((char *)settings + (def->offset - begin), (const char *)options + def->offset,
+                   def->size);
+    }
+}

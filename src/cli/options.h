@@ -1,0 +1,359 @@
+// The command line. One table, option_table, says what each option is called, takes and means;
+// parsing, the help texts and the manual page all come from it.
+#ifndef LAMPYRIS_CLI_OPTIONS_H
+#define LAMPYRIS_CLI_OPTIONS_H
+
+#include "base/arena.h"
+#include "base/err.h"
+#include "base/log.h"
+#include "base/progress.h"
+#include "bvh/bvh.h"
+#include "flatten/flatten.h"
+#include "gpu/gpu.h"
+#include "metrics/error_map.h"
+#include "scene/core/scene.h"
+#include "scene/core/settings.h"
+#include "scene/sky/sky.h"
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+struct command;
+struct tune_cache;
+
+#define OPTIONS_ARGUMENTS_MAX 16
+#define OPTION_TIME_MAX 1e9 // of --time, seconds: more than anyone waits
+
+// In the order of option_table, which is the order of the help.
+enum option_id {
+    OPTION_OUTPUT,
+    OPTION_SIZE,
+    OPTION_HALF,
+    OPTION_AOV,
+    OPTION_EXPOSURE,
+    OPTION_TONE,
+    OPTION_SPP,
+    OPTION_TIME,
+    OPTION_ERROR,
+    OPTION_ADAPTIVE,
+    OPTION_SEED,
+    OPTION_MAX_BOUNCES,
+    OPTION_INTEGRATOR,
+    OPTION_AO_DISTANCE,
+    OPTION_FALLOFF,
+    OPTION_SAMPLER,
+    OPTION_HALVES,
+    OPTION_FILTER,
+    OPTION_FILTER_RADIUS,
+    OPTION_LIGHT_CHOICE,
+    OPTION_NEE,
+    OPTION_NEE_DEPTH,
+    OPTION_MIS,
+    OPTION_DIRECTIONS,
+    OPTION_DIRECTION_EXPONENT,
+    OPTION_CLAMP,
+    OPTION_ROULETTE,
+    OPTION_ROULETTE_MIN_BOUNCES,
+    OPTION_ROULETTE_MAX_BOUNCES,
+    OPTION_ROULETTE_SURVIVAL,
+    OPTION_CAMERA,
+    OPTION_APERTURE,
+    OPTION_FOCUS_DISTANCE,
+    OPTION_SCENE,
+    OPTION_ANIMATION,
+    OPTION_AT,
+    OPTION_VARIANT,
+    OPTION_ENV,
+    OPTION_ENV_ROTATE,
+    OPTION_ENV_STRENGTH,
+    OPTION_ENV_FILTER,
+    OPTION_STUDIO,
+    OPTION_GROUND,
+    OPTION_UP,
+    OPTION_DEFINE,
+    OPTION_STRICT,
+    OPTION_ALLOW_OUTSIDE_PATHS,
+    OPTION_FRAMES,
+    OPTION_SPP_PER_FRAME,
+    OPTION_EVERY,
+    OPTION_ACCUMULATE,
+    OPTION_CHECKPOINT,
+    OPTION_CHECKPOINT_EVERY,
+    OPTION_RESUME,
+    OPTION_REPLICATES,
+    OPTION_REFERENCE,
+    OPTION_VARY,
+    OPTION_CURVE,
+    OPTION_SPP_FROM,
+    OPTION_TIMES,
+    OPTION_SWEEP,
+    OPTION_REPEATS,
+    OPTION_KERNEL,
+    OPTION_RAYS,
+    OPTION_DEPTH,
+    OPTION_TUNE,
+    OPTION_BASELINE,
+    OPTION_EXPLAIN,
+    OPTION_TRACE,
+    OPTION_TEV,
+    OPTION_REPORT,
+    OPTION_IMAGES,
+    OPTION_DEVICE,
+    OPTION_WAVE,
+    OPTION_WORKGROUP,
+    OPTION_MEMORY,
+    OPTION_TUNING,
+    OPTION_VALIDATION,
+    OPTION_PIXEL,
+    OPTION_SAMPLE,
+    OPTION_FEATURES,
+    OPTION_CLASSES,
+    OPTION_BVH,
+    OPTION_NODE,
+    OPTION_BVH_OPTIMIZE,
+    OPTION_BVH_CACHE,
+    OPTION_INSTANCES,
+    OPTION_NO_TEXEL,
+    OPTION_NO_BALLOT,
+    OPTION_LIMIT_STORAGE_RANGE,
+    OPTION_LIMIT_TEXEL_ELEMENTS,
+    OPTION_LIMIT_ALLOCATION,
+    OPTION_FAIL_ALLOCATION,
+    OPTION_LOSE_DEVICE,
+    OPTION_SCRIPT,
+    OPTION_HEADLESS,
+    OPTION_WATCH,
+    OPTION_VSYNC,
+    OPTION_FRAME_MS,
+    OPTION_DENOISE,
+    OPTION_SHADERS,
+    OPTION_MAX,
+    OPTION_MIN,
+    OPTION_DIFFERENCE,
+    OPTION_MAP,
+    OPTION_REFERENCE_VARIANCE,
+    OPTION_EXPOSURES,
+    OPTION_MAN,
+    OPTION_JSON,
+    OPTION_QUIET,
+    OPTION_LOG_LEVEL,
+    OPTION_HELP,
+    OPTION_VERSION,
+    OPTION_TOTAL
+};
+
+// How an option's value is written, and what stands in its field of struct options.
+enum option_type {
+    VALUE_FLAG,         // none; bool
+    VALUE_SWITCH,       // "on" or "off"; bool
+    VALUE_COUNT,        // digits and perhaps k, M or G (powers of 1024); uint32_t or uint64_t
+    VALUE_COUNT_OR_OFF, // the same, or "off": UINT32_MAX
+    VALUE_REAL,         // decimal; float or double
+    VALUE_REAL_OR_AUTO, // the same, or "auto": a float, and a uint32_t that is 1 then
+    VALUE_CHOICE,       // a word of the '|'-separated `argument`; an enum in that order
+    VALUE_TEXT,         // anything; const char *
+    VALUE_SIZE,         // WxH; two uint32_t
+    VALUE_PAIR,         // X,Y; two uint32_t
+    VALUE_ENVIRONMENT,  // FILE or R,G,B
+    // Repeatable, each with a list of its own:
+    VALUE_OUTPUT,
+    VALUE_DEFINE, // KEY=VALUE
+    VALUE_LIMIT,  // METRIC=VALUE
+    VALUE_VARY,   // KEY=A,B,...
+    VALUE_CURVE,  // "KEY=VALUE KEY=VALUE"
+    VALUE_AOVS,   // names separated by commas; bits of AOV_*
+    // Lists of their own, not repeatable:
+    VALUE_TIMES,  // S,T,...
+    VALUE_DEPTHS, // N,M,...
+    VALUE_RAYS,   // words separated by commas
+};
+
+struct option_def {
+    const char *name;     // without the dashes
+    char short_name;      // 0: none
+    const char *argument; // what the help calls the value; NULL for a flag
+    enum option_type type;
+    double min, max;      // range of a number, both ends included; 0, 0 where there is none
+    const char *fallback; // what holds when it is not given, for the help; or NULL
+    const char *help;     // sentences, with units
+    const char *group;    // heading in the help
+    unsigned commands;    // bit 1 << enum command_id for each command that takes it
+    size_t offset, size;  // of the field in struct options
+};
+
+extern const struct option_def option_table[OPTION_TOTAL];
+
+// What --env gives: a file, a sky, or else a constant radiance.
+struct environment_option {
+    const char *file;
+    bool is_sky;
+    struct sky sky;
+    float radiance[3]; // W/(sr m^2)
+};
+
+enum features_option { FEATURES_NEEDED, FEATURES_ALL };
+enum classes_option { CLASSES_SORTED, CLASSES_MERGED };
+
+// What --rays of bench records: those that the camera sends, those that surfaces send on, and those
+// to lights.
+enum rays_option { RAYS_PRIMARY, RAYS_DIFFUSE, RAYS_SHADOW };
+
+enum compare_metric {
+    METRIC_MSE,
+    METRIC_RMSE,
+    METRIC_RELMSE,
+    METRIC_LOCAL_RELMSE,
+    METRIC_SMAPE,
+    METRIC_PSNR,
+    METRIC_SSIM,
+    METRIC_FLIP,
+    METRIC_HDR_FLIP,
+    METRIC_MAX,
+    METRIC_NONFINITE,
+    METRIC_DIFFERING,
+    METRIC_TOTAL
+};
+
+extern const char *const compare_metric_names[METRIC_TOTAL];
+
+struct compare_limit {
+    enum compare_metric metric;
+    bool is_minimum;
+    double value;
+};
+
+struct options {
+    int argc; // as main was given them, for commands that reproduce a run
+    char **argv;
+    const struct command *command;                // NULL only with --help or --version
+    const char *arguments[OPTIONS_ARGUMENTS_MAX]; // SCENE …; IMAGE and REFERENCE; COMMAND of help
+    uint32_t argument_count;
+    bool given[OPTION_TOTAL];
+    const char *command_line; // all of it, quoted for a shell
+    // The same without what belongs to one run: --error, --checkpoint and what goes with it.
+    const char *repeatable_line;
+
+    bool help, version, man, quiet, json;
+    enum log_level log_level;
+    const struct progress *progress; // where to report, and who asks to stop; set by main
+
+    struct settings settings; // only what was given is filled in: see options_apply_settings
+    double time_seconds;      // 0: no limit
+    double error;             // local relMSE to stop at; 0: no such limit
+    bool adaptive;            // sample counts by tile
+    uint32_t aovs;            // AOV_*
+    bool half_float;
+    const char **outputs;
+    uint32_t output_count;
+
+    const char *camera;            // name or index; NULL: the first
+    double aperture_mm;            // radius of the lens
+    double focus_distance;         // metres
+    const char *scene, *animation; // of a glTF file: names or indices; NULL: see the table
+    double at_seconds;
+    const char *variant; // of a glTF file's materials; NULL: none
+    struct environment_option environment;
+    double environment_rotate_degrees; // about +Y, added to the scene's
+    double environment_strength;       // factor on its radiance
+    enum scene_studio studio;
+    enum scene_ground ground;
+    enum scene_up up;
+    bool strict; // what is missing is an error
+    struct scene_override *overrides;
+    uint32_t override_count;
+    bool allow_outside_paths;
+
+    uint32_t frames, spp_per_frame; // 0 frames: one picture of settings.spp samples
+    uint32_t every;                 // write a picture every so many frames; 0: at the end only
+    bool accumulate;
+    const char *checkpoint;    // NULL: none is kept
+    double checkpoint_seconds; // between two of them
+    bool resume;
+
+    struct gpu_params gpu;
+    uint32_t wave;      // paths in flight; 0: chosen by device
+    uint32_t workgroup; // threads; 0: chosen by device
+    uint64_t memory;    // budget of the host's memory, bytes; 0: what the machine leaves
+    bool tuning;        // take what is not given from the file that bench --tune keeps
+    const struct tune_cache *tune_cache; // that file; set by main. NULL: it is not used
+    enum features_option features;
+    enum classes_option classes;
+    enum bvh_split bvh;
+    enum bvh_format node;
+    enum bvh_optimize bvh_optimize;
+    const char *bvh_cache; // folder; NULL: none
+    enum instancing instances;
+    uint32_t pixel[2]; // the path to follow, where --pixel was given
+    uint64_t sample;
+
+    uint32_t replicates;
+    const char *reference; // file, "auto" or "none"; NULL: auto, of render none
+    const char **vary;     // "KEY=A,B,..."; --sweep, too
+    uint32_t vary_count;
+    const char **curves; // "KEY=VALUE KEY=VALUE"
+    uint32_t curve_count;
+    uint64_t spp_from;
+    const double *times; // seconds, rising; NULL: points are numbers of samples
+    uint32_t time_count;
+    const char *report; // folder; NULL: none
+    bool images;        // every picture as EXR, into the report
+
+    uint32_t repeats;
+    const char *kernel;     // the one to time alone; NULL: all of a render
+    uint32_t rays;          // 1 << RAYS_*; 0: all
+    const uint32_t *depths; // bounces; NULL: those that `rays` says
+    uint32_t depth_count;
+    bool tune;
+    const char *baseline; // an earlier run's JSON; NULL: none
+    bool explain;         // list what is left out, and why
+    const char *trace;    // file; NULL: none
+    const char *tev;      // HOST:PORT; NULL: none
+
+    const char *script; // of the viewer: file; NULL: none
+    bool headless;      // without a window
+    bool watch;         // reload what changes
+    bool vsync;
+    double frame_ms;     // aim of a frame's time
+    bool denoise;        // what is shown
+    const char *shaders; // folder of their source; NULL: the one of the build
+
+    struct compare_limit *limits;
+    uint32_t limit_count;
+    const char *difference; // NULL: no picture
+    enum error_map map;
+    const char *reference_variance; // file, "auto" or a number; NULL: none
+    const char *exposures;          // "START,STOP"; NULL: the reference decides
+
+    struct arena arena; // owns the lists and the command line; other strings are argv's
+};
+
+// Parses and checks the command line. Errors are ERR_USAGE (or ERR_SYSTEM). *out is to be finished
+// in any case; after a failure its command says for which one help may be offered.
+bool options_parse(int argc, char **argv, struct options *out, struct err *err);
+void options_finish(struct options *options); // accepts NULL and {0}
+
+static inline bool options_given(const struct options *options, enum option_id id)
+{
+    return options->given[id];
+}
+
+// Replaces those settings for which an option was given.
+void options_apply_settings(const struct options *options, struct settings *settings);
+
+// Whether it changes how a picture is computed, and may so be varied by the command: not how it is
+// shown; its size and samples by bench alone.
+bool option_is_setting(const struct option_def *def, const struct command *command);
+
+// Converts the text of one value and stores it (option_values.c). err: what is wrong and what was
+// expected, without the option's name.
+bool option_store(const struct option_def *def, const char *text, struct options *options,
+                  struct err *err);
+
+// Writes text that a shell reads as this one word; returns its end. `out` has room for 4 bytes a
+// byte, and 3.
+char *options_quote(const char *word, char *out);
+
+// Whether the command takes the option.
+bool option_belongs(const struct option_def *def, const struct command *command);
+
+#endif

@@ -1,0 +1,80 @@
+#include "cli/program.h"
+
+#include "base/file_inputs.h"
+#include "base/log.h"
+#include "base/memory.h"
+#include "cli/commands.h"
+#include "cli/help.h"
+#include "cli/options.h"
+#include "cli/progress_bar.h"
+#include "cli/signals.h"
+#include "cli/tuned.h"
+#include "json/json_parse.h"
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+
+static int run(const struct options *options, program_command_fn command)
+{
+    if (options->version)
+        printf("lampyris %s\n", LAMPYRIS_VERSION);
+    else if (options->help && options->command)
+        help_command(stdout, options->command);
+    else if (options->help)
+        help_program(stdout);
+    else
+        return command ? command(options) : options->command->run(options);
+    return EXIT_CODE_OK;
+}
+
+static int fail_parsing(const struct options *options, const struct err *err)
+{
+    int code = command_fail(err);
+    if (err->code == ERR_USAGE)
+        fprintf(stderr, "Try \"lampyris help%s%s\".\n", options->command ? " " : "",
+                options->command ? options->command->name : "");
+    return code;
+}
+
+// A result that did not arrive is a failure. A reader who has seen enough needs no message.
+static int finish_stdout(int code)
+{
+    if (fflush(stdout) == 0 && !ferror(stdout))
+        return code;
+    if (errno != EPIPE)
+        log_message(LOG_ERROR, "standard output: cannot write: %s", strerror(errno));
+    return code == EXIT_CODE_OK ? EXIT_CODE_OUTPUT : code;
+}
+
+int program_run(int argc, char **argv, program_command_fn command)
+{
+    signals_install();
+    json_use_budget();
+    struct progress_bar bar;
+    progress_bar_init(&bar, stderr);
+    log_configure(LOG_WARN, progress_bar_log, &bar);
+    struct progress progress = progress_bar_listener(&bar);
+
+    struct file_inputs inputs;
+    file_inputs_begin(&inputs);
+    struct options options;
+    struct tune_cache cache = {0};
+    struct err err = {0};
+    int code;
+    if (options_parse(argc, argv, &options, &err)) {
+        log_configure(options.log_level, progress_bar_log, &bar);
+        bar.is_quiet = options.quiet;
+        options.progress = &progress;
+        memory_set_budget(options.memory ? options.memory : memory_default_budget());
+        tuned_load(&options, &cache);
+        code = run(&options, command);
+    } else {
+        code = fail_parsing(&options, &err);
+    }
+    progress_bar_finish(&bar);
+    code = finish_stdout(code);
+    tune_cache_finish(&cache);
+    options_finish(&options);
+    file_inputs_end(&inputs);
+    return code == EXIT_CODE_OK ? signal_exit_code() : code;
+}

@@ -1,0 +1,12 @@
+// What the programs share: from a command line to an exit code.
+#ifndef LAMPYRIS_CLI_PROGRAM_H
+#define LAMPYRIS_CLI_PROGRAM_H
+
+struct options;
+typedef int (*program_command_fn)(const struct options *options);
+
+// Parses the command line and runs the command that it names, or `command` in place of whatever it
+// names; NULL: none. Returns main's exit code.
+int program_run(int argc, char **argv, program_command_fn command);
+
+#endif

@@ -1,0 +1,46 @@
+// Draws progress on stderr, and keeps messages from running into the bar. On a terminal:
+//
+//   Rendering: [++++++++++++                  ]  41% (12.3 s | 17.7 s)
+//
+// with the elapsed and the remaining time, on one line; elsewhere plain lines every few seconds.
+// Nothing is shown before a phase has taken a second; from then on a terminal names each phase as
+// it begins. A phase that took a second or more leaves a line with its time.
+#ifndef LAMPYRIS_CLI_PROGRESS_BAR_H
+#define LAMPYRIS_CLI_PROGRESS_BAR_H
+
+#include "base/log.h"
+#include "base/progress.h"
+#include <pthread.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+
+struct progress_bar {
+    FILE *stream;
+    bool is_terminal, is_quiet;
+    pthread_mutex_t mutex; // of the stream and what follows: messages come from any thread
+    bool line_open;        // the bar stands on the terminal's current line
+    bool shown;            // this phase has been shown
+    char phase[32];
+    uint64_t phase_start_ns, shown_ns;
+    // Where the phase began, or where it was when it last went back: what is left is found from
+    // the way since then.
+    double from_fraction;
+    uint64_t from_ns;
+};
+
+void progress_bar_init(struct progress_bar *bar, FILE *stream);
+// Ends the phase, and the bar's line, before something else is printed. Accepts repeated calls.
+void progress_bar_finish(struct progress_bar *bar);
+
+// What long-running work reports to. It is asked to stop when a signal has asked us to.
+struct progress progress_bar_listener(struct progress_bar *bar);
+
+// A sink for log_configure, whose context is the bar. An error ends the phase.
+void progress_bar_log(void *context, enum log_level level, const char *message);
+
+// What the listener calls, with the time as an argument (clock_ns) for tests.
+void progress_bar_update(struct progress_bar *bar, const char *phase, double fraction,
+                         uint64_t now_ns);
+
+#endif

@@ -1,0 +1,92 @@
+#include "cli/render/film_error.h"
+
+#include <math.h>
+#include <stdio.h>
+
+struct film_error_params film_error_params(const struct renderer *renderer, uint64_t samples)
+{
+    const struct specialization *s = &renderer->specialization;
+    return (struct film_error_params){
+        .samples = samples,
+        .shares_depths = s->roulette == ROULETTE_FRAME && (s->features & FEATURE_ROULETTE) != 0,
+        .is_contiguous = s->halves == HALVES_CONTIGUOUS,
+        .planned = renderer->frame.samples,
+    };
+}
+
+struct half_error film_error_none(const char *reason)
+{
+    return (struct half_error){
+        .reason = reason,
+        .local_relmse = NAN,
+        .ci_low = NAN,
+        .ci_high = NAN,
+        .at_most = INFINITY,
+        .relmse_at_most = INFINITY,
+        .mse = NAN,
+    };
+}
+
+static void take_back(const struct film_error_params *params, struct half_error *error)
+{
+    const struct half_error told = *error;
+    const char *reason = told.reason;
+    if (told.bounded && params->is_contiguous && !reason)
+        reason = "contiguous halves tell a bound alone";
+    if (told.bounded && params->shares_depths)
+        reason = "pixels share their paths' depths";
+    if (!reason)
+        return;
+    *error = film_error_none(reason);
+    if (told.bounded && params->shares_depths && !params->is_contiguous) {
+        error->local_relmse = told.local_relmse;
+        error->mse = told.mse;
+    } else if (told.bounded && !params->shares_depths) {
+        error->bounded = true;
+        error->at_most = told.at_most;
+        error->relmse_at_most = told.relmse_at_most;
+        error->spread = told.spread;
+        error->spread_terms = told.spread_terms;
+    }
+}
+
+bool film_error(const struct film_image *film, const struct film_error_params *params,
+                struct half_error *out, struct err *err)
+{
+    const struct half_error_params halves = {
+        .half_a = (const float(*)[3])film->half_a,
+        .half_b = (const float(*)[3])film->half_b,
+        .width = film->width,
+        .height = film->height,
+        .samples = params->samples,
+        .confidence = params->confidence,
+        .brightest = film->brightest,
+    };
+    if (params->is_contiguous && film->least_samples != params->planned) {
+        *out = film_error_none("contiguous halves tell it after as many samples as were planned");
+        return true;
+    }
+    if (!metrics_half_error(&halves, out))
+        return err_memory(err, "error estimate", (uint64_t)film->width * film->height * 12);
+    take_back(params, out);
+    return true;
+}
+
+bool film_error_is_plain(const struct half_error *error)
+{
+    return !error->known && isfinite(error->local_relmse);
+}
+
+void film_error_words(const struct half_error *error, char out[FILM_ERROR_WORDS])
+{
+    if (error->known)
+        snprintf(out, FILM_ERROR_WORDS, "local relMSE %.3g, 95 %% interval %.3g to %.3g",
+                 error->local_relmse, error->ci_low, error->ci_high);
+    else if (error->bounded)
+        snprintf(out, FILM_ERROR_WORDS, "local relMSE at most %.3g (95 %%)", error->at_most);
+    else if (film_error_is_plain(error))
+        snprintf(out, FILM_ERROR_WORDS, "local relMSE about %.3g, without interval or bound",
+                 error->local_relmse);
+    else
+        snprintf(out, FILM_ERROR_WORDS, "local relMSE not known");
+}

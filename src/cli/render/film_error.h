@@ -1,0 +1,38 @@
+// How good a film is, as its half-buffers tell: the one judge of render, converge and the viewer.
+#ifndef LAMPYRIS_CLI_RENDER_FILM_ERROR_H
+#define LAMPYRIS_CLI_RENDER_FILM_ERROR_H
+
+#include "metrics/metrics.h"
+#include "render/render.h"
+
+struct film_error_params {
+    uint64_t samples;   // a pixel; the mean where pixels have different counts
+    double confidence;  // 0: the usual
+    bool shares_depths; // all pixels' paths do, so that their errors depend on each other
+    // Of contiguous halves, which overstate the error, and say nothing before they have as many
+    // samples as are planned.
+    bool is_contiguous;
+    uint64_t planned;
+};
+
+// Of what the renderer has in its film now.
+struct film_error_params film_error_params(const struct renderer *renderer, uint64_t samples);
+
+// As metrics_half_error(). What cannot be relied upon is taken back: local_relmse and mse are NAN
+// where there is no interval, but where pixels share their paths' depths; then there is neither
+// interval nor bound, and the estimate is to be told as one. Contiguous halves tell a bound alone.
+bool film_error(const struct film_image *film, const struct film_error_params *params,
+                struct half_error *out, struct err *err);
+
+// Nothing is known, for this reason.
+struct half_error film_error_none(const char *reason);
+
+// Whether there is an estimate alone.
+bool film_error_is_plain(const struct half_error *error);
+
+// "local relMSE 0.0082, 95 % interval 0.0077 to 0.0088", "local relMSE at most 0.28 (95 %)", "local
+// relMSE about 0.01, without interval or bound" or "local relMSE not known".
+#define FILM_ERROR_WORDS 96
+void film_error_words(const struct half_error *error, char out[FILM_ERROR_WORDS]);
+
+#endif

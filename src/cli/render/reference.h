@@ -1,0 +1,45 @@
+// A reference picture, and how much of a difference from it is its own noise.
+#ifndef LAMPYRIS_CLI_RENDER_REFERENCE_H
+#define LAMPYRIS_CLI_RENDER_REFERENCE_H
+
+#include "image/image.h"
+
+struct reference {
+    struct image image;
+    const float (*means)[3]; // around each pixel, for the local relMSE
+    // Its own noise, in the measures of metrics.h: what is to be subtracted from a picture's errors
+    // against it. 0 where not known.
+    double mse, relmse, local_relmse;
+    bool noise_known;
+    // What its noise is told from, with the same pixels as `image`; NULL where that is something
+    // else or nothing.
+    const float (*halves[2])[3];
+    const char *reason; // why not; NULL where known
+};
+
+// Reads a picture, and, of an EXR file with the layers half_a and half_b (--aov halves), its noise;
+// finds its means. Pixels live in `arena`. That its noise is not known is no failure.
+bool reference_read(const char *path, struct arena *arena, struct reference *out, struct err *err);
+
+// Sets the means of out->image, which live in `arena`; to be called before the noise is set.
+bool reference_find_means(struct reference *out, struct arena *arena, struct err *err);
+
+// Sets the noise of out->image from two independent halves of its samples, of as many pixels:
+// mean (A - B)^2 / 4, that over r^2 + epsilon, and over L^2 + epsilon, with as little noise in r
+// and L as a reference has. Pixels that are not finite are left out, as metrics_compare does.
+// Keeps the pointers to them.
+void reference_set_noise(struct reference *out, const float (*half_a)[3], const float (*half_b)[3]);
+
+// Sets it from the variances of out->image's values, in a picture of as many pixels. ERR_INPUT,
+// naming the pixel, where one is negative or not finite though the reference is. `path` is that of
+// the variances.
+bool reference_set_variance(struct reference *out, const char *path, const float (*variance)[3],
+                            struct err *err);
+// The same with one variance for all.
+void reference_set_even_variance(struct reference *out, double variance);
+
+// ERR_INPUT, unless it has as many pixels as `what` has.
+bool reference_check_size(const struct reference *reference, const char *path, const char *what,
+                          uint32_t width, uint32_t height, struct err *err);
+
+#endif

@@ -1,0 +1,125 @@
+#include "cli/render/render_bias.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+
+struct biases {
+    struct job_bias *list;
+    uint32_t count;
+};
+
+static bool follows_paths(const struct settings *settings)
+{
+    return settings->integrator == INTEGRATOR_PATH || settings->integrator == INTEGRATOR_DIRECT;
+}
+
+static uint32_t depth_asked_for(const struct settings *settings)
+{
+    return settings->integrator == INTEGRATOR_DIRECT ? 1 : settings->max_bounces;
+}
+
+static struct job_bias *next_bias(struct biases *biases, const char *kind)
+{
+    struct job_bias *bias = &biases->list[biases->count++];
+    bias->kind = kind;
+    return bias;
+}
+
+// Nothing but a shadow ray finds a light without extent.
+static uint32_t lights_without_extent(const struct scene *scene)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < scene->light_count; i++)
+        count += scene->lights[i].kind != LIGHT_DIRECTIONAL ||
+                 !(scene->lights[i].angular_radius > 0.0); // else a sun
+    return count;
+}
+
+static void find_unconnected(const struct render_job *job, struct biases *biases)
+{
+    const struct settings *settings = &job->scene.settings;
+    uint32_t count = lights_without_extent(&job->scene);
+    uint32_t depth = settings->nee ? settings->nee_depth : 0;
+    if (count == 0 || depth >= depth_asked_for(settings))
+        return;
+    struct job_bias *bias = next_bias(biases, settings->nee ? "nee-depth" : "nee");
+    if (depth == 0)
+        snprintf(bias->text, sizeof bias->text,
+                 "without shadow rays all lights without extent are dark: %u", count);
+    else
+        snprintf(bias->text, sizeof bias->text,
+                 "lights without extent (%u) reach the first surfaces of a path only: %u", count,
+                 depth);
+}
+
+static double mean_luminance(const struct film_image *film)
+{
+    double sum = 0.0;
+    uint64_t pixels = (uint64_t)film->width * film->height;
+    for (uint64_t i = 0; i < pixels; i++)
+        sum += 0.2126 * (double)film->mean[i][0] + 0.7152 * (double)film->mean[i][1] +
+               0.0722 * (double)film->mean[i][2]; // BT.709
+    return sum / (double)pixels;
+}
+
+static void find_clamped(const struct render_job *job, struct biases *biases)
+{
+    const struct render_stats *stats = &job->renderer.stats;
+    if (!(job->scene.settings.clamp_limit > 0.0f) || stats->paths == 0)
+        return;
+    double lost = stats->clamped_light / (double)stats->paths;
+    double all = lost + mean_luminance(&job->film);
+    struct job_bias *bias = next_bias(biases, "clamp");
+    snprintf(bias->text, sizeof bias->text,
+             "%" PRIu64 " contributions scaled down to %g, which takes %.3g of luminance from the "
+             "mean (%.3g %%)",
+             stats->clamped, (double)job->scene.settings.clamp_limit, lost,
+             all > 0.0 ? 100.0 * lost / all : 0.0);
+}
+
+static void find_capped(const struct render_job *job, struct biases *biases)
+{
+    const struct settings *settings = &job->scene.settings;
+    if (settings->roulette != ROULETTE_FRAME ||
+        settings->roulette_max_bounces >= depth_asked_for(settings))
+        return;
+    struct job_bias *bias = next_bias(biases, "roulette-max-bounces");
+    snprintf(bias->text, sizeof bias->text,
+             "no path has more than %u scattering events, where %u were asked for",
+             settings->roulette_max_bounces, depth_asked_for(settings));
+}
+
+static void find_unphysical(const struct render_job *job, struct biases *biases)
+{
+    const struct settings *settings = &job->scene.settings;
+    if (settings->falloff > 0.0f) {
+        struct job_bias *bias = next_bias(biases, "falloff");
+        snprintf(bias->text, sizeof bias->text,
+                 "not physical: what the camera sees at t metres fades into the background by "
+                 "1 - exp(-%g t^3)",
+                 (double)settings->falloff);
+    }
+    if (settings->integrator == INTEGRATOR_WHITTED) {
+        struct job_bias *bias = next_bias(biases, "whitted");
+        snprintf(bias->text, sizeof bias->text,
+                 "not all light: none between diffuse surfaces, none focused, emitters as points");
+    }
+}
+
+uint32_t job_list_biases(const struct render_job *job, struct job_bias list[JOB_MAX_BIASES])
+{
+    struct biases biases = {.list = list};
+    if (follows_paths(&job->scene.settings)) {
+        find_unconnected(job, &biases);
+        find_capped(job, &biases);
+    }
+    find_clamped(job, &biases);
+    find_unphysical(job, &biases);
+    return biases.count;
+}
+
+bool job_shares_depths(const struct render_job *job)
+{
+    return job->scene.settings.roulette == ROULETTE_FRAME &&
+           (job->renderer.specialization.features & FEATURE_ROULETTE);
+}

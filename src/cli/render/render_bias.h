@@ -1,0 +1,22 @@
+// What a picture lacks on average, however many samples it has: the error from half-buffers is
+// blind to that.
+#ifndef LAMPYRIS_CLI_RENDER_RENDER_BIAS_H
+#define LAMPYRIS_CLI_RENDER_RENDER_BIAS_H
+
+#include "cli/render/render_job.h"
+
+enum { JOB_MAX_BIASES = 5 };
+
+struct job_bias {
+    const char *kind; // the setting that it comes from
+    char text[200];
+};
+
+// How many there are. That --max-bounces ends paths is no bias but what was asked for.
+uint32_t job_list_biases(const struct render_job *job, struct job_bias list[JOB_MAX_BIASES]);
+
+// Whether the paths of all pixels share their depths, so that parts of the picture tell no
+// interval.
+bool job_shares_depths(const struct render_job *job);
+
+#endif

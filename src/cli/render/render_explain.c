@@ -1,0 +1,96 @@
+// What a render leaves out: a line of the summary, and the table of --explain.
+#include "cli/render/render_report.h"
+#include "render/parts.h"
+#include "report/text_out.h"
+#include <inttypes.h>
+#include <stdio.h>
+
+// --- one line ------------------------------------------------------------------------------------
+
+struct census {
+    uint32_t features, left_out_features, kernels, left_out_kernels;
+    uint64_t left_out_bytes;
+};
+
+static void count_part(void *context, const struct part *part)
+{
+    struct census *census = context;
+    bool is_left_out = !part->is_kept;
+    if (part->kind == PART_BUFFER) {
+        census->left_out_bytes += is_left_out ? part->bytes : 0;
+    } else if (part->kind == PART_KERNEL) {
+        census->kernels++;
+        census->left_out_kernels += is_left_out;
+    } else {
+        census->features++;
+        census->left_out_features += is_left_out;
+    }
+}
+
+void explain_print_line(const struct renderer *r)
+{
+    struct census census = {0};
+    parts_visit(r, count_part, &census);
+    printf("left out  %u of %u features, %u of %u kernels, %.1f MiB; --explain lists them\n",
+           census.left_out_features, census.features, census.left_out_kernels, census.kernels,
+           (double)census.left_out_bytes / 1048576.0);
+}
+
+// --- the table -----------------------------------------------------------------------------------
+
+static void print_part(void *context, const struct part *part)
+{
+    const struct renderer *r = context;
+    if (part->is_kept)
+        return;
+    struct part_cost cost = part_find_cost(r, part);
+    char name[64];
+    snprintf(name, sizeof name, "%s: %s", part_kind_name(part->kind), part->name);
+    printf("%-47s  %12" PRId64 "  %12" PRId64 "  %s\n", name, cost.bytes, cost.instructions,
+           part_reason(r, part));
+}
+
+static void print_classes(const struct renderer *r)
+{
+    if (!(r->specialization.features & FEATURE_CLASSES))
+        return;
+    printf("classes  ");
+    for (int c = 0; c < (int)CLASS_COUNT; c++)
+        if (r->specialization.class_lobes[c])
+            printf(" %s %.1f M hits", report_class_names[c],
+                   (double)r->stats.surface_hits[c] * 1e-6);
+    putchar('\n');
+}
+
+void explain_print(const struct render_job *job)
+{
+    struct renderer *r = (struct renderer *)&job->renderer;
+    struct part_totals totals = parts_count_instructions(r);
+    putchar('\n');
+    for (uint32_t i = 0; i < job->scene.note_count; i++)
+        print_line("note      ", job->scene.notes[i]);
+    if (job->error.bounded)
+        printf("relMSE    at most %.3g (95 %%): divided by the pixels' own values, which are less "
+               "well known than the means around them\n",
+               job->error.relmse_at_most);
+    print_classes(r);
+    if (r->stats.suspended)
+        printf("continued %" PRIu64 " traversals of more than %u steps\n", r->stats.suspended,
+               r->specialization.iteration_budget);
+    report_print_steps(job);
+    report_print_kernels(&r->stats);
+    printf("code      %" PRIu64 " SPIR-V instructions are left of %" PRIu64 "\n",
+           totals.instructions, totals.all_instructions);
+    puts("saved     by each part that is left out, if it alone were there besides:\n");
+    printf("%-47s  %12s  %12s  %s\n", "left out", "bytes", "instructions", "why");
+    parts_visit(r, print_part, r);
+}
+
+// --- for machines --------------------------------------------------------------------------------
+
+json_t *explain_json(const struct renderer *r, const struct part *part)
+{
+    struct part_cost cost = part_find_cost(r, part);
+    return json_pack("{s:s, s:I, s:I}", "why", part_reason(r, part), "bytes",
+                     (json_int_t)cost.bytes, "instructions", (json_int_t)cost.instructions);
+}

@@ -1,0 +1,228 @@
+// What a render reports to machines: one JSON object, described by docs/render.schema.json.
+#include "cli/render/render_bias.h"
+#include "cli/render/render_report.h"
+#include "cli/render/sharing.h"
+#include "cli/tuned.h"
+#include "report/json_out.h"
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+
+static uint64_t nonfinite(const struct render_stats *stats)
+{
+    uint64_t sum = 0;
+    for (int site = 0; site < SITE_COUNT; site++)
+        sum += stats->nonfinite.count[site];
+    return sum;
+}
+
+struct part_lists {
+    json_t *kept, *left_out;
+    const struct renderer *explained; // NULL: without reasons
+};
+
+static void list_part(void *context, const struct part *part)
+{
+    struct part_lists *lists = context;
+    json_t *object = json_pack("{s:s, s:s, s:I}", "kind", part_kind_name(part->kind), "name",
+                               part->name, "bytes", (json_int_t)part->bytes);
+    if (!part->is_kept && lists->explained)
+        json_object_set_new(object, "saved", explain_json(lists->explained, part));
+    json_array_append_new(part->is_kept ? lists->kept : lists->left_out, object);
+}
+
+static json_t *biases_json(const struct render_job *job)
+{
+    struct job_bias list[JOB_MAX_BIASES];
+    uint32_t count = job_list_biases(job, list);
+    json_t *array = json_array();
+    for (uint32_t i = 0; i < count; i++)
+        json_array_append_new(array,
+                              json_pack("{s:s, s:s}", "kind", list[i].kind, "text", list[i].text));
+    return array;
+}
+
+static json_t *classes_json(const struct renderer *r)
+{
+    bool sorted = r->specialization.features & FEATURE_CLASSES;
+    json_t *classes = json_object();
+    for (int c = 0; c < (int)CLASS_COUNT && sorted; c++)
+        if (r->specialization.class_lobes[c])
+            json_object_set_new(classes, report_class_names[c],
+                                json_integer((json_int_t)r->stats.surface_hits[c]));
+    return classes;
+}
+
+static uint64_t surface_hits(const struct render_stats *stats)
+{
+    uint64_t sum = 0;
+    for (int c = 0; c < (int)CLASS_COUNT; c++)
+        sum += stats->surface_hits[c];
+    return sum;
+}
+
+static json_t *kernels_json(const struct renderer *r)
+{
+    json_t *kernels = json_object();
+    for (int id = 0; id < KERNEL_COUNT; id++) {
+        const struct kernel_stats *stats = &r->stats.kernels[id];
+        if (r->kernels[id].pipeline)
+            json_object_set_new(kernels, r->kernels[id].name,
+                                json_pack("{s:f, s:I, s:f}", "ms", stats->ms, "launches",
+                                          (json_int_t)stats->launches, "longest_ms",
+                                          stats->longest_ms));
+    }
+    return kernels;
+}
+
+static json_t *error_json(const struct half_error *error)
+{
+    return json_pack("{s:b, s:o, s:o, s:o, s:o, s:o, s:o}", "known", error->known, "local_relmse",
+                     json_number(error->local_relmse), "ci_low", json_number(error->ci_low),
+                     "ci_high", json_number(error->ci_high), "at_most", json_number(error->at_most),
+                     "relmse_at_most", json_number(error->relmse_at_most), "reason",
+                     error->reason ? json_string(error->reason) : json_null());
+}
+
+static json_t *seconds_json(const struct job_seconds *s)
+{
+    json_t *uncached = s->bvh_uncached > 0.0 ? json_real(s->bvh_uncached) : json_null();
+    return json_pack("{s:f, s:f, s:o, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "load", s->load, "bvh",
+                     s->bvh, "bvh_uncached", uncached, "upload", s->upload, "compile", s->compile,
+                     "render", s->render, "judge", s->judge, "write", s->write, "total", s->total,
+                     "render_before", s->render_before);
+}
+
+static json_t *reference_json(const struct render_job *job)
+{
+    const struct job_against *against = &job->against;
+    const struct reference *reference = &job->reference;
+    if (!job->options->reference)
+        return json_null();
+    bool has_own = reference->noise_known;
+    return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:b}", "name",
+                     json_words(job->options->reference), "own_local_relmse",
+                     json_number(has_own ? reference->local_relmse : NAN), "own_relmse",
+                     json_number(has_own ? reference->relmse : NAN), "local_relmse",
+                     json_number(against->local_relmse), "relmse", json_number(against->relmse),
+                     "mse", json_number(against->mse), "smape", json_number(against->smape), "psnr",
+                     json_number(against->psnr), "stays", json_interval(against->bias.stays),
+                     "biased", against->bias.is_certain);
+}
+
+static json_t *forecast_json(const struct render_job *job)
+{
+    static const char *const bases[] = {
+        [FORECAST_INVERSE] = "1/samples",
+        [FORECAST_AT_LEAST] = "1/samples or faster",
+        [FORECAST_SLOPE] = "slope",
+    };
+    struct forecast f;
+    const char *reason = job_forecast(job, &f);
+    bool is_bound =
+        f.basis == FORECAST_AT_LEAST || job->renderer.specialization.halves == HALVES_CONTIGUOUS;
+    bool is_biased = job->options->reference && job->against.bias.is_certain;
+    bool has_slope = f.basis == FORECAST_SLOPE;
+    return json_pack("{s:o, s:o, s:o, s:o, s:f, s:s, s:b, s:o, s:i, s:o}", "local_relmse",
+                     json_number(f.error.value), "ci_low", json_number(f.error.low), "ci_high",
+                     json_number(f.error.high), "stays",
+                     is_biased ? json_number(job->against.bias.stays.value) : json_null(),
+                     "seconds", 2.0 * job->seconds.render, "basis", bases[f.basis], "upper_bound",
+                     is_bound, "slope", has_slope ? json_interval(f.slope) : json_null(), "looks",
+                     (int)f.looks, "reason", reason ? json_string(reason) : json_null());
+}
+
+static json_t *strings_json(const char *const *strings, uint32_t count)
+{
+    json_t *array = json_array();
+    for (uint32_t i = 0; i < count; i++)
+        json_array_append_new(array, json_words(strings[i]));
+    return array;
+}
+
+static json_t *frames_json(const struct render_job *job)
+{
+    json_t *array = json_array();
+    for (uint32_t i = 0; i < job->frame_count; i++)
+        json_array_append_new(array, json_number(job->frames_ms[i]));
+    return array;
+}
+
+static json_t *looks_json(const struct render_job *job)
+{
+    json_t *looks = json_array();
+    for (uint32_t i = 0; i < job->look_count; i++) {
+        const struct error_look *look = &job->looks[i];
+        json_t *object = error_json(&look->error);
+        json_object_set_new(object, "spp", json_integer((json_int_t)look->samples));
+        json_object_set_new(object, "confidence", json_number(look->confidence));
+        json_array_append_new(looks, object);
+    }
+    return looks;
+}
+
+static json_t *adaptive_json(const struct render_job *job)
+{
+    if (!job->plan.counts)
+        return json_null();
+    return json_pack("{s:i, s:i, s:i, s:i}", "pilot_spp", 16, "round_spp", job->round_samples,
+                     "least", job->plan.least, "most", job->plan.most);
+}
+
+// How it ended, and what it takes to go on.
+static void add_ending(json_t *object, const struct render_job *job)
+{
+    json_object_set_new(object, "ended_by", json_string(job_ended_by(job)));
+    json_object_set_new(object, "pixels_without_samples",
+                        json_integer((json_int_t)job->film.unsampled));
+    json_object_set_new(object, "looks", looks_json(job));
+    json_object_set_new(object, "adaptive", adaptive_json(job));
+    json_object_set_new(object, "checkpoint",
+                        job->has_checkpoint ? json_words(job->options->checkpoint) : json_null());
+}
+
+bool job_print_json(const struct render_job *job, struct err *err)
+{
+    const struct render_stats *stats = &job->renderer.stats;
+    const struct film_image *film = &job->film;
+    double render = job->seconds.render;
+    char hash[20];
+    snprintf(hash, sizeof hash, "%016" PRIx64, job->image_hash);
+    struct part_lists lists = {json_array(), json_array(),
+                               job->options->explain ? &job->renderer : NULL};
+    parts_visit(&job->renderer, list_part, &lists);
+    json_t *object = json_pack(
+        "{s:o, s:s, s:s, s:i, s:i, s:I, s:I, s:I, s:o, s:{s:I, s:I}, s:I, s:o, s:I, s:o, s:o, s:o, "
+        "s:o, s:I, "
+        "s:o, s:{s:o, s:o}, s:{s:I, s:I}, s:I, s:I, s:I, s:I, s:s, s:o, s:o, s:b, s:s}",
+        "scene", json_words(job->scene.path), "device", job->gpu.info.name, "driver",
+        job->gpu.info.driver, "width", film->width, "height", film->height, "spp",
+        (json_int_t)film->least_samples, "spp_most", (json_int_t)film->most_samples, "seed",
+        (json_int_t)job->scene.settings.seed, "seconds", seconds_json(&job->seconds), "rays",
+        "closest", (json_int_t)stats->closest_rays, "shadow", (json_int_t)stats->shadow_rays,
+        "surface_hits", (json_int_t)surface_hits(stats), "hits_by_class",
+        classes_json(&job->renderer), "media_lost", (json_int_t)stats->media_lost, "mrays_per_s",
+        json_number(report_total_rays(stats) * 1e-6 / render), "samples_per_s",
+        json_number(job_total_samples(job) / render), "kernels", kernels_json(&job->renderer),
+        "error", error_json(&job->error), "nonfinite", (json_int_t)nonfinite(stats), "frames_ms",
+        frames_json(job), "features", "kept", lists.kept, "left_out", lists.left_out, "memory",
+        "device_bytes", (json_int_t)job->gpu.peak_bytes, "host_peak_bytes",
+        (json_int_t)report_host_peak_bytes(), "wave", (json_int_t)job->renderer.plan.wave_slots,
+        "continued_traversals", (json_int_t)stats->suspended, "dropped_degenerate",
+        (json_int_t)job->renderer.flat.dropped_degenerate, "skipped_instances",
+        (json_int_t)job->renderer.flat.skipped_instances, "image_hash", hash, "outputs",
+        strings_json(job->outputs, job->output_count), "notes",
+        strings_json(job->scene.notes, job->scene.note_count), "stopped_early", job->stopped,
+        "version", LAMPYRIS_VERSION);
+    add_ending(object, job);
+    json_object_set_new(object, "workgroup", json_integer(job->renderer.specialization.workgroup));
+    json_object_set_new(object, "tuned", tuned_json(job->options, &job->gpu));
+    json_object_set_new(object, "shared",
+                        sharing_json(&job->renderer.flat, job->renderer.specialization.features));
+    json_object_set_new(object, "bias", biases_json(job));
+    json_object_set_new(object, "reference", reference_json(job));
+    json_object_set_new(object, "forecast", forecast_json(job));
+    json_object_set_new(object, "trace",
+                        job->options->trace ? json_words(job->options->trace) : json_null());
+    return json_put(object, err);
+}

@@ -1,0 +1,181 @@
+// The names of what a render writes: that no file is written twice, nor over what is read. What is
+// written under numbers (--every) may be millions of files: those that are there already, which may
+// be links to any file, are looked up in their folder, and the others compared by name.
+#include "cli/render/render_job.h"
+
+#include "base/file.h"
+#include "base/file_inputs.h"
+#include "base/log.h"
+#include <dirent.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+// The n-th file that is written at the end: pictures, then checkpoint and trace; NULL for one that
+// was not asked for.
+static const char *output_at(const struct render_job *job, uint32_t n)
+{
+    return n < job->output_count    ? job->outputs[n]
+           : n == job->output_count ? job->options->checkpoint
+                                    : job->options->trace;
+}
+
+// --- numbered pictures ---------------------------------------------------------------------------
+
+// One that stands in its folder before rendering.
+struct numbered {
+    const char *path;
+    bool is_link;
+};
+
+struct numbered_list {
+    struct arena arena;
+    struct numbered *files;
+    size_t count, capacity;
+};
+
+static bool is_written(const struct render_job *job, uint32_t number)
+{
+    const struct options *options = job->options;
+    return number > 0 && options->every > 0 && number <= options->frames &&
+           number % options->every == 0;
+}
+
+static bool append(struct numbered_list *list, const char *path, struct err *err)
+{
+    struct stat status;
+    if (list->count == list->capacity) {
+        size_t capacity = list->capacity ? 2 * list->capacity : 64;
+        struct numbered *files = ARENA_NEW(&list->arena, struct numbered, capacity);
+        if (!files)
+            return err_memory(err, "output names", capacity * sizeof *files);
+        if (list->count)
+            memcpy(files, list->files, list->count * sizeof *files);
+        list->files = files;
+        list->capacity = capacity;
+    }
+    if (!path)
+        return err_memory(err, "output names", 64);
+    list->files[list->count++] =
+        (struct numbered){path, lstat(path, &status) == 0 && S_ISLNK(status.st_mode)};
+    return true;
+}
+
+static bool list_those_of(const struct render_job *job, const char *output,
+                          struct numbered_list *list, struct err *err)
+{
+    const char *path = path_folder(&list->arena, output);
+    DIR *folder = path ? opendir(path) : NULL;
+    bool ok = true;
+    for (struct dirent *entry; ok && folder && (entry = readdir(folder));) {
+        uint32_t number = path_number_of(entry->d_name, output);
+        if (is_written(job, number))
+            ok = append(list, path_numbered(&list->arena, output, number), err);
+    }
+    if (folder)
+        closedir(folder);
+    return ok;
+}
+
+static bool list_numbered(const struct render_job *job, struct numbered_list *list, struct err *err)
+{
+    bool ok = true;
+    for (uint32_t i = 0; ok && job->options->every && i < job->output_count; i++)
+        ok = list_those_of(job, job->outputs[i], list, err);
+    return ok;
+}
+
+// --- two outputs ---------------------------------------------------------------------------------
+
+static bool check_pair(const char *a, const char *b, struct err *err)
+{
+    return !file_is_same(a, b) ||
+           err_set(err, ERR_USAGE, "%s and %s are the same file; expected a file for each output",
+                   a, b);
+}
+
+// A file by the name, and in the folder, of a picture that will be numbered.
+static bool check_name(const struct render_job *job, const char *path, struct arena *arena,
+                       struct err *err)
+{
+    char *target = file_target(path);
+    bool ok = target || err_memory(err, "output names", strlen(path) + 1);
+    for (uint32_t i = 0; ok && i < job->output_count; i++) {
+        uint32_t number = path_number_of(target, job->outputs[i]);
+        const char *other =
+            is_written(job, number) ? path_numbered(arena, job->outputs[i], number) : NULL;
+        if (other && strcmp(other, path) != 0)
+            ok = check_pair(path, other, err);
+        else if (other)
+            ok = err_set(err, ERR_USAGE,
+                         "%s: is the picture after frame %u too (--every %u); expected a file for "
+                         "each output",
+                         path, (unsigned)number, (unsigned)job->options->every);
+    }
+    free(target);
+    return ok;
+}
+
+static bool check_numbered(const struct render_job *job, struct numbered_list *list,
+                           struct err *err)
+{
+    bool ok = list_numbered(job, list, err);
+    for (uint32_t i = 0; ok && i < job->output_count + 2; i++) {
+        const char *output = output_at(job, i);
+        ok = !output || check_name(job, output, &list->arena, err);
+        for (size_t k = 0; ok && output && k < list->count; k++)
+            ok = check_pair(output, list->files[k].path, err);
+    }
+    // Only links make two numbered pictures one file.
+    for (size_t i = 0; ok && i < list->count; i++) {
+        const struct numbered *link = &list->files[i];
+        for (size_t k = 0; ok && link->is_link && k < list->count; k++)
+            ok = k == i || check_pair(link->path, list->files[k].path, err);
+        char *target = ok && link->is_link ? file_target(link->path) : NULL;
+        ok = ok && (!target || check_name(job, target, &list->arena, err));
+        free(target);
+    }
+    return ok;
+}
+
+bool job_check_distinct(const struct render_job *job, struct err *err)
+{
+    for (uint32_t i = 0; i < job->output_count + 2; i++)
+        for (uint32_t k = 0; k < i; k++) {
+            const char *a = output_at(job, k), *b = output_at(job, i);
+            if (a && b && !check_pair(a, b, err))
+                return false;
+        }
+    struct numbered_list list = {0};
+    bool ok = job->options->every == 0 || check_numbered(job, &list, err);
+    arena_finish(&list.arena);
+    return ok;
+}
+
+// --- outputs and inputs --------------------------------------------------------------------------
+
+// The picture to look at was not asked for: where a texture has its name (spot.obj, spot.png), the
+// picture that counts is written alone.
+static void drop_default_of_inputs(struct render_job *job)
+{
+    struct err reason = {0};
+    if (job->options->output_count > 0 || job->output_count < 2 ||
+        file_inputs_check(job->outputs[1], &reason))
+        return;
+    job->output_count = 1;
+    log_info("%s: only %s is written", reason.msg, job->outputs[0]);
+}
+
+bool job_check_inputs(struct render_job *job, struct err *err)
+{
+    struct numbered_list list = {0};
+    bool ok = true;
+    drop_default_of_inputs(job);
+    for (uint32_t i = 0; ok && i < job->output_count + 2; i++)
+        ok = !output_at(job, i) || file_inputs_check(output_at(job, i), err);
+    ok = ok && list_numbered(job, &list, err);
+    for (size_t i = 0; ok && i < list.count; i++)
+        ok = file_inputs_check(list.files[i].path, err);
+    arena_finish(&list.arena);
+    return ok;
+}

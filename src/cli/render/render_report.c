@@ -1,0 +1,334 @@
+// What a render reports to people.
+#include "cli/render/render_report.h"
+#include "base/file.h"
+#include "cli/render/film_error.h"
+#include "cli/render/render_bias.h"
+#include "cli/render/sharing.h"
+#include "cli/tuned.h"
+#include "report/text_out.h"
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/resource.h>
+
+double report_host_peak_bytes(void)
+{
+    struct rusage usage;
+    return getrusage(RUSAGE_SELF, &usage) == 0 ? (double)usage.ru_maxrss * 1024.0 : 0.0;
+}
+
+double report_total_rays(const struct render_stats *stats)
+{
+    return (double)stats->closest_rays + (double)stats->shadow_rays;
+}
+
+static const char *site_name(int site)
+{
+    static const char *const names[SITE_COUNT] = {
+        [SITE_MISS] = "shade_miss: environment",
+        [SITE_EMISSION] = "shade_surface: emission",
+        [SITE_SHADOW] = "intersect_shadow: light connection",
+        [SITE_THROUGHPUT] = "shade_surface: throughput",
+    };
+    return names[site];
+}
+
+const char *job_reproducing_command(struct render_job *job)
+{
+    const struct nonfinite_stats *stats = &job->renderer.stats.nonfinite;
+    if (!stats->recorded)
+        return NULL;
+    return arena_printf(&job->arena, "%s --pixel %u,%u --sample %u", job->options->command_line,
+                        stats->pixel % job->film.width, stats->pixel / job->film.width,
+                        stats->sample);
+}
+
+// --- for people
+// -----------------------------------------------------------------------------------
+
+static void print_biases(const struct render_job *job)
+{
+    struct job_bias list[JOB_MAX_BIASES];
+    uint32_t count = job_list_biases(job, list);
+    for (uint32_t i = 0; i < count; i++)
+        print_line("bias      ", list[i].text);
+}
+
+static bool halves_are_bound(const struct render_job *job)
+{
+    return job->renderer.specialization.halves == HALVES_CONTIGUOUS;
+}
+
+static void print_error(const struct render_job *job)
+{
+    const struct half_error *e = &job->error;
+    char words[FILM_ERROR_WORDS];
+    film_error_words(e, words);
+    if (!e->known && !e->bounded && !film_error_is_plain(e))
+        printf("error     not yet known: %s\n", e->reason);
+    else
+        printf("error     %s, in %.3f s%s%s\n", words, job->seconds.render,
+               e->known ? " (blind to bias)" : ": ", e->known ? "" : e->reason);
+}
+
+static void print_against(const struct render_job *job)
+{
+    const struct job_against *against = &job->against;
+    const struct interval *stays = &against->bias.stays;
+    const struct reference *reference = &job->reference;
+    if (!job->options->reference)
+        return;
+    printf("against   ");
+    print_words(job->options->reference);
+    printf(": local relMSE %.3g, relMSE %.3g, MSE %.3g, SMAPE %.3g, PSNR %.2f dB",
+           against->local_relmse, against->relmse, against->mse, against->smape, against->psnr);
+    if (reference->noise_known)
+        printf(" (its own noise subtracted: local relMSE %.2g)\n", reference->local_relmse);
+    else
+        printf(" (its own noise not subtracted: %s)\n", reference->reason);
+    if (against->bias.is_certain)
+        printf(
+            "stays     local relMSE %.3g, 95 %% interval %.3g to %.3g, however many samples: %s\n",
+            stays->value, stays->low, stays->high,
+            reference->noise_known ? "bias" : "bias, or the reference's noise");
+}
+
+static void print_forecast(const struct render_job *job)
+{
+    struct forecast f;
+    const char *reason = job_forecast(job, &f);
+    if (reason) {
+        printf("forecast  not known: %s\n", reason);
+        return;
+    }
+    bool is_bound = f.basis == FORECAST_AT_LEAST || halves_are_bound(job);
+    printf("forecast  twice the time: local relMSE %s about %.2g (%.2g to %.2g), ",
+           is_bound ? "at most" : "of", f.error.value, f.error.low, f.error.high);
+    if (f.basis == FORECAST_SLOPE)
+        printf("by slope %.2f (%.2f to %.2f)", f.slope.value, f.slope.low, f.slope.high);
+    else
+        printf("as 1 / samples%s", is_bound ? " or faster" : "");
+    if (job->options->reference && job->against.bias.is_certain)
+        printf(", of which %.2g stays", job->against.bias.stays.value);
+    putchar('\n');
+}
+
+static void print_ending(const struct render_job *job)
+{
+    const struct error_look *look = job->looks + job->look_count - 1;
+    if (job->look_count > 0 && look->error.bounded)
+        printf("looks     %u; at the last, after %" PRIu64 " spp, the error is below %.3g with "
+               "%.4g %% confidence, where %.3g was asked for%s\n",
+               job->look_count, look->samples, look->error.at_most, 100.0 * look->confidence,
+               job->options->error, look->error.known ? "" : " (a bound alone is known)");
+    if (job->plan.counts)
+        printf("adaptive  %u to %u samples for every %u, by a pilot of 16 besides\n",
+               job->plan.least, job->plan.most, job->round_samples);
+    if (job->options->checkpoint && job->has_checkpoint) {
+        fputs("kept      ", stdout);
+        print_words(job->options->checkpoint);
+        puts(", from which --resume goes on");
+    }
+}
+
+void report_print_kernels(const struct render_stats *stats)
+{
+    bool any = false;
+    double sum = 0.0;
+    for (int id = 0; id < KERNEL_COUNT; id++)
+        sum += stats->kernels[id].ms;
+    for (int id = 0; id < KERNEL_COUNT; id++) {
+        double ms = stats->kernels[id].ms;
+        if (ms > 0.0)
+            printf("%s%s %.0f ms (%.0f %%)", any ? ", " : "kernels   ",
+                   kernel_code((enum kernel_id)id, true).name, ms, 100.0 * ms / sum);
+        any |= ms > 0.0;
+    }
+    if (any)
+        putchar('\n');
+}
+
+// Of `count` amounts: marks the `most` largest above 0 in `is_large`, and returns the sum of the
+// others.
+static double pick_largest(const double *amounts, int count, int most, bool *is_large)
+{
+    double others = 0.0;
+    for (int i = 0; i < count; i++) {
+        int larger = 0;
+        for (int k = 0; k < count; k++)
+            larger += amounts[k] > amounts[i] || (amounts[k] == amounts[i] && k < i);
+        is_large[i] = larger < most && amounts[i] > 0.0;
+        others += is_large[i] ? 0.0 : amounts[i];
+    }
+    return others;
+}
+
+// The three that take longest; --explain has all.
+static void print_largest_kernels(const struct render_stats *stats)
+{
+    double ms[KERNEL_COUNT], sum = 0.0;
+    bool is_large[KERNEL_COUNT];
+    for (int id = 0; id < KERNEL_COUNT; id++)
+        sum += ms[id] = stats->kernels[id].ms;
+    if (sum <= 0.0)
+        return;
+    double others = pick_largest(ms, KERNEL_COUNT, 3, is_large);
+    printf("kernels   %.0f ms:", sum);
+    for (int id = 0; id < KERNEL_COUNT; id++)
+        if (is_large[id])
+            printf(" %s %.0f %%,", kernel_code((enum kernel_id)id, true).name,
+                   100.0 * ms[id] / sum);
+    printf(" others %.0f %%\n", 100.0 * others / sum);
+}
+
+#define STEP_COUNT 7
+
+static void list_steps(const struct job_seconds *s, double seconds[STEP_COUNT])
+{
+    const double list[STEP_COUNT] = {
+        s->load, s->bvh, s->upload, s->compile, s->render - s->render_before, s->judge, s->write};
+    memcpy(seconds, list, sizeof list);
+}
+
+static void print_steps(const struct job_seconds *s, int most)
+{
+    static const char *const names[STEP_COUNT] = {"load",   "BVH",   "upload", "compile",
+                                                  "render", "judge", "write"};
+    double seconds[STEP_COUNT], named = 0.0;
+    bool is_large[STEP_COUNT];
+    list_steps(s, seconds);
+    pick_largest(seconds, STEP_COUNT, most, is_large);
+    printf("time      %.3f s =", s->total);
+    for (int i = 0; i < STEP_COUNT; i++) {
+        if (is_large[i])
+            printf(" %s %.3f +", names[i], seconds[i]);
+        named += is_large[i] ? seconds[i] : 0.0;
+    }
+    printf(" other %.3f\n", s->total - named);
+}
+
+void report_print_steps(const struct render_job *job)
+{
+    print_steps(&job->seconds, STEP_COUNT);
+}
+
+static void print_times(const struct render_job *job)
+{
+    const struct job_seconds *s = &job->seconds;
+    const struct render_stats *stats = &job->renderer.stats;
+    print_steps(s, 4);
+    if (s->bvh_uncached > 0.0)
+        printf("BVH       from the cache, %.3f s instead of %.3f s\n", s->bvh, s->bvh_uncached);
+    if (s->render_before > 0.0)
+        printf("before    %.3f s of rendering by runs before this one\n", s->render_before);
+    printf("speed     %.3f Msamples/s, %.2f Mrays/s (%.1f M closest, %.1f M shadow)\n",
+           job_total_samples(job) * 1e-6 / s->render, report_total_rays(stats) * 1e-6 / s->render,
+           (double)stats->closest_rays * 1e-6, (double)stats->shadow_rays * 1e-6);
+    print_largest_kernels(stats);
+}
+
+const char *const report_class_names[CLASS_COUNT] = {
+    [CLASS_DIFFUSE] = "diffuse",
+    [CLASS_PRINCIPLED] = "principled",
+    [CLASS_TRANSMISSIVE] = "transmissive",
+    [CLASS_CLASSICAL] = "classical",
+};
+
+static void print_nonfinite(const struct render_job *job)
+{
+    const struct nonfinite_stats *stats = &job->renderer.stats.nonfinite;
+    for (int site = 0; site < SITE_COUNT; site++)
+        if (stats->count[site])
+            printf("dropped   %" PRIu64 " contributions that were not finite (%s)\n",
+                   stats->count[site], site_name(site));
+}
+
+// The first of them; all are in --explain.
+static void print_notes(const struct scene *scene)
+{
+    if (scene->note_count == 0)
+        return;
+    fputs("note      ", stdout);
+    print_words(scene->notes[0]);
+    if (scene->note_count > 1)
+        printf(" (and %u more: --explain)", scene->note_count - 1);
+    putchar('\n');
+}
+
+// Of PNG pictures, where it is not what the scene file or an option says.
+static void print_exposure(const struct render_job *job)
+{
+    const struct settings *s = &job->scene.settings;
+    if (s->exposure_is_auto)
+        printf(" (exposure %+.2f stops%s, tone %s: --exposure, --tone)", (double)job->exposure,
+               job->scene.exposure_is_replaced ? ", not the file's" : "",
+               tone_names[s->tone_curve]);
+}
+
+static void print_outputs(const struct render_job *job)
+{
+    uint32_t last_png = job->output_count;
+    for (uint32_t i = 0; i < job->output_count; i++)
+        if (strcasecmp(path_extension(job->outputs[i]), "png") == 0)
+            last_png = i;
+    for (uint32_t i = 0; i < job->output_count; i++) {
+        fputs(i == 0 ? "wrote     " : ", ", stdout);
+        print_words(job->outputs[i]);
+        if (i == last_png)
+            print_exposure(job);
+    }
+    if (job->output_count > 0)
+        putchar('\n');
+}
+
+void job_print_summary(const struct render_job *job)
+{
+    const struct film_image *film = &job->film;
+    print_words(job->scene.path);
+    printf("  %u x %u, %" PRIu64, film->width, film->height, film->least_samples);
+    if (film->most_samples != film->least_samples)
+        printf(" to %" PRIu64, film->most_samples);
+    printf(" spp, seed %u%s\n", job->scene.settings.seed,
+           job->stopped                       ? ", stopped early"
+           : job->ended_by == ENDED_BY_TIME   ? ", ended by --time"
+           : job->ended_by == ENDED_BY_ERROR  ? ", ended by --error"
+           : job->ended_by == ENDED_BY_DEVICE ? ", ended by a failure of the device"
+           : job->ended_by == ENDED_BY_MEMORY ? ", ended by lack of memory"
+                                              : "");
+    if (film->unsampled)
+        printf("unsampled %" PRIu64 " of %" PRIu64 " pixels have no sample and are black\n",
+               film->unsampled, (uint64_t)film->width * film->height);
+    printf("device    %s (%s)\n", job->gpu.info.name, job->gpu.info.kind);
+    print_notes(&job->scene);
+    const struct flat_scene *flat = &job->renderer.flat;
+    if (flat->dropped_degenerate || flat->skipped_instances)
+        printf("dropped   %u triangles without area, %u instances with a singular transform\n",
+               flat->dropped_degenerate, flat->skipped_instances);
+    sharing_print(flat, job->renderer.specialization.features);
+    print_error(job);
+    print_against(job);
+    print_forecast(job);
+    print_biases(job);
+    print_ending(job);
+    print_times(job);
+    print_nonfinite(job);
+    if (job->renderer.stats.media_lost)
+        printf("media     %" PRIu64
+               " crossings of surfaces that are open, or nest deeper than four: "
+               "what is inside is not certain there\n",
+               job->renderer.stats.media_lost);
+    tuned_print(job->options, &job->gpu);
+    printf("memory    %.1f MiB on the device, %.1f MiB on the host at its peak; wave of %u paths\n",
+           (double)job->gpu.peak_bytes / 1048576.0, report_host_peak_bytes() / 1048576.0,
+           job->renderer.plan.wave_slots);
+    explain_print_line(&job->renderer);
+    print_outputs(job);
+    if (job->options->trace) {
+        fputs("wrote     ", stdout);
+        print_words(job->options->trace);
+        printf(", %u rows\n", job->trace.count);
+    }
+    if (job->options->explain)
+        explain_print(job);
+}

@@ -1,0 +1,170 @@
+// The film is copied out of the device at times, so that a device that is lost, or memory that runs
+// out, does not take the whole render with it.
+#include "base/clock.h"
+#include "base/log.h"
+#include "base/memory.h"
+#include "cli/render/render_job.h"
+#include <inttypes.h>
+#include <math.h>
+
+// Copying may cost this part of the time of rendering. Until a first copy was measured it is taken
+// for so much a pixel: on lavapipe resolving and reading one takes .1 to .2 us.
+#define COST_MAX 0.01
+#define PIXEL_SECONDS 2e-7
+// Of a first copy that takes less nobody asks what part it is.
+#define SHORT_SECONDS 2e-3
+// No more often: on a busy machine any copy may take long by chance.
+#define PAUSE_SECONDS 1.0
+// So long a copy is put off for the end of a pass, when all pixels have the same samples; the first
+// is not.
+#define PATIENCE_SECONDS 10.0
+// The part of the memory budget that copies may have. They are two at a time while one is made.
+#define MEMORY_PART 8
+
+static uint64_t film_pixels(const struct render_job *job)
+{
+    return (uint64_t)job->renderer.frame.width * job->renderer.frame.height;
+}
+
+// Says once where it does not, since a lost device then loses the picture.
+static bool fits_memory(struct render_job *job)
+{
+    // Mean, halves and count, and what --aov asks for besides.
+    uint64_t bytes = 2 * film_pixels(job) * (3 * 12 + 4 + job_layer_bytes(job));
+    uint64_t most = memory_budget() / MEMORY_PART;
+    if (most == 0 || bytes <= most)
+        return true;
+    if (!job->rescue.is_too_large)
+        log_warn("the film is not copied for the case that the device fails: copies take %s, "
+                 "expected at most %s, an eighth of the memory budget (--memory); --checkpoint "
+                 "keeps the render instead",
+                 memory_print(bytes).text, memory_print(most).text);
+    job->rescue.is_too_large = true;
+    return false;
+}
+
+// The first copy is made as soon as its cost allows, since all is lost before; one from the middle
+// of a pass is replaced at the next end of one.
+static bool is_due(struct render_job *job)
+{
+    const struct job_rescue *rescue = &job->rescue;
+    bool is_first = !rescue->film.mean;
+    double now = job->renderer.stats.render_seconds - job->seconds.render_before;
+    double since = now - rescue->copied_at;
+    double next = rescue->worst_seconds > 0.0 ? rescue->worst_seconds
+                                              : PIXEL_SECONDS * (double)film_pixels(job);
+    bool is_cheap = rescue->seconds + next <= COST_MAX * now || (is_first && next < SHORT_SECONDS);
+    if (!is_cheap || !fits_memory(job))
+        return false;
+    if (job->renderer.pass.length == 0)
+        return is_first || rescue->copied.pass.length > 0 || since >= PAUSE_SECONDS;
+    return (is_first || since > PATIENCE_SECONDS) && renderer_has_all_pixels(&job->renderer);
+}
+
+static struct film_state film_state(const struct renderer *r)
+{
+    return (struct film_state){r->stats, r->next_sample, r->pass, renderer_is_even(r)};
+}
+
+bool job_rescue_copy_when_due(struct render_job *job, struct err *err)
+{
+    struct job_rescue *rescue = &job->rescue;
+    if (!is_due(job))
+        return true;
+    uint64_t start = clock_ns();
+    struct arena arena = {0};
+    struct film_image film;
+    if (!renderer_read(&job->renderer, &arena, &film, err)) {
+        arena_finish(&arena);
+        return false;
+    }
+    arena_finish(&rescue->arena);
+    rescue->arena = arena;
+    rescue->film = film;
+    rescue->copied = film_state(&job->renderer);
+    rescue->copied_at = job->renderer.stats.render_seconds - job->seconds.render_before;
+    double seconds = clock_seconds_since(start);
+    rescue->worst_seconds = fmax(rescue->worst_seconds, seconds);
+    rescue->seconds += seconds;
+    job->seconds.judge += seconds;
+    return true;
+}
+
+// What the pilot of --adaptive renders is no picture.
+static bool is_pilot(const struct render_job *job)
+{
+    return job->options->adaptive && !job->plan.counts;
+}
+
+void job_rescue_note_film(struct render_job *job)
+{
+    job->rescue.is_read = !is_pilot(job);
+    job->rescue.read = film_state(&job->renderer);
+}
+
+// The device is well where memory ran out on the host: the film may be had as it is now.
+static void read_again(struct render_job *job)
+{
+    if (job->is_rendering && !is_pilot(job) && renderer_has_all_pixels(&job->renderer))
+        job_fetch_film(job, NULL);
+}
+
+static bool choose_newest(struct render_job *job)
+{
+    struct job_rescue *rescue = &job->rescue;
+    bool has_copy = rescue->film.mean != NULL;
+    bool is_newer = rescue->read.stats.render_seconds >= rescue->copied.stats.render_seconds;
+    if (rescue->is_read && (is_newer || !has_copy)) {
+        rescue->copied = rescue->read;
+        return true;
+    }
+    if (!has_copy)
+        return false;
+    arena_finish(&job->film_arena);
+    job->film_arena = rescue->arena;
+    rescue->arena = (struct arena){0};
+    job->film = rescue->film;
+    rescue->film = (struct film_image){0};
+    return true;
+}
+
+static void say_what_is_left(const struct render_job *job, double lost_seconds)
+{
+    const struct film_image *film = &job->film;
+    const char *what = job->ended_by == ENDED_BY_DEVICE ? "the device failed" : "memory ran out";
+    if (film->most_samples == film->least_samples)
+        log_warn("%s; the picture is that of %" PRIu64
+                 " samples a pixel, copied %.1f s of rendering before",
+                 what, film->least_samples, lost_seconds);
+    else
+        log_warn("%s; the picture is that of %" PRIu64 " samples a pixel, and of up to %" PRIu64
+                 " in some, so that no --spp makes it again; it was copied %.1f s of rendering "
+                 "before",
+                 what, film->least_samples, film->most_samples, lost_seconds);
+}
+
+bool job_rescue(struct render_job *job, enum err_code failure)
+{
+    struct renderer *r = &job->renderer;
+    bool is_of_memory = failure == ERR_SYSTEM || failure == ERR_BUDGET;
+    if (!is_of_memory && failure != ERR_GPU)
+        return false;
+    if (is_of_memory)
+        read_again(job);
+    if (!choose_newest(job))
+        return false;
+    const struct film_state *state = &job->rescue.copied;
+    double lost = r->stats.render_seconds - state->stats.render_seconds;
+    r->stats = state->stats;
+    r->next_sample = state->next_sample;
+    r->pass = state->pass;
+    job->seconds.render = r->stats.render_seconds;
+    job->ended_by = is_of_memory ? ENDED_BY_MEMORY : ENDED_BY_DEVICE;
+    say_what_is_left(job, lost);
+    return true;
+}
+
+bool job_is_rescued(const struct render_job *job)
+{
+    return job->ended_by == ENDED_BY_DEVICE || job->ended_by == ENDED_BY_MEMORY;
+}

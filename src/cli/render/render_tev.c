@@ -1,0 +1,148 @@
+// --tev: shows a render in the viewer tev while it goes on.
+#include "base/clock.h"
+#include "base/log.h"
+#include "cli/render/render_job.h"
+#include "cli/render/tev.h"
+#include <stdlib.h>
+#include <string.h>
+
+// Most that reading and packing pictures may take of the render's time.
+#define COST_MAX 0.03
+#define SECONDS_BETWEEN 2.0
+
+static const char *const color[] = {"R", "G", "B", NULL};
+
+static void name_channel(struct tev_picture *picture, const char *layer, const char *channel)
+{
+    char *out = picture->channels[picture->channel_count++];
+    snprintf(out, TEV_CHANNEL_MAX, "%s%s%s", layer, *layer ? "." : "", channel);
+}
+
+static uint32_t count_channels(const struct image_layer *layer)
+{
+    const char *const *names = layer->channels ? layer->channels : color;
+    uint32_t count = 0;
+    while (count < 3 && names[count])
+        count++;
+    return count;
+}
+
+// Appends a layer's channels; floats hold numbers of objects and samples up to 2^24 exactly.
+static void pack_layer(struct tev_picture *picture, const struct image_layer *layer)
+{
+    const char *const *names = layer->channels ? layer->channels : color;
+    const float *floats = layer->values;
+    const uint32_t *numbers = layer->values;
+    uint32_t count = count_channels(layer);
+    size_t pixels = (size_t)picture->width * picture->height;
+    for (uint32_t c = 0; c < count; c++) {
+        float *out = picture->values + picture->channel_count * pixels;
+        for (size_t i = 0; i < pixels; i++)
+            out[i] = layer->type == IMAGE_LAYER_UINT ? (float)numbers[i * count + c]
+                                                     : floats[i * count + c];
+        name_channel(picture, layer->name, names[c]);
+    }
+}
+
+// The film as the job has read it last, with the layers that are asked for. False when out of
+// memory.
+static bool pack_picture(const struct render_job *job, struct tev_picture *out)
+{
+    const struct film_image *film = &job->film;
+    const struct image_layer picture = {"", film->mean, NULL, IMAGE_LAYER_FLOAT};
+    struct job_layers layers;
+    uint32_t count = 3;
+    job_list_layers(job, &layers);
+    for (uint32_t i = 0; i < layers.count; i++)
+        count += count_channels(&layers.list[i]);
+    *out = (struct tev_picture){
+        .width = film->width,
+        .height = film->height,
+        .channels = malloc(count * sizeof *out->channels),
+        .values = malloc((size_t)film->width * film->height * count * sizeof(float)),
+    };
+    if (!out->channels || !out->values) {
+        tev_free_picture(out);
+        return false;
+    }
+    pack_layer(out, &picture);
+    for (uint32_t i = 0; i < layers.count; i++)
+        pack_layer(out, &layers.list[i]);
+    return true;
+}
+
+static void give_up(struct render_job *job)
+{
+    log_warn("--tev: out of memory for a copy of the picture; the render goes on without");
+    tev_close(job->tev.viewer);
+    job->tev.viewer = NULL;
+}
+
+static void send_film(struct render_job *job)
+{
+    struct tev_picture picture;
+    if (pack_picture(job, &picture))
+        tev_send(job->tev.viewer, &picture);
+    else
+        give_up(job);
+}
+
+// Reads the film for this alone: what the job has read before is its own.
+static bool send_now(struct render_job *job, struct err *err)
+{
+    uint64_t start = clock_ns();
+    const struct film_image kept = job->film;
+    struct arena arena = {0};
+    bool ok = renderer_read(&job->renderer, &arena, &job->film, err);
+    if (ok)
+        send_film(job);
+    job->film = kept;
+    arena_finish(&arena);
+    job->tev.sent_ns = clock_ns();
+    job->tev.seconds += clock_seconds_since(start);
+    return ok;
+}
+
+bool job_tev_open(struct render_job *job, struct err *err)
+{
+    struct tev_address address;
+    if (!job->options->tev)
+        return true;
+    if (!tev_parse_address(job->options->tev, &address, err) ||
+        !(job->tev.viewer = tev_open(&address, job->outputs[0], err)))
+        return false;
+    return true;
+}
+
+bool job_tev_begin(struct render_job *job, struct err *err)
+{
+    job->tev.begin_ns = clock_ns();
+    job->tev.next_sample = 1;
+    return !job->tev.viewer || !tev_is_ready(job->tev.viewer) || send_now(job, err);
+}
+
+bool job_tev_when_due(struct render_job *job, struct err *err)
+{
+    struct job_tev *tev = &job->tev;
+    if (!tev->viewer)
+        return true;
+    bool is_doubled = job->renderer.next_sample >= tev->next_sample;
+    if (!is_doubled && clock_seconds_since(tev->sent_ns) < SECONDS_BETWEEN)
+        return true;
+    if (tev->seconds > COST_MAX * clock_seconds_since(tev->begin_ns) || !tev_is_ready(tev->viewer))
+        return true;
+    while (tev->next_sample <= job->renderer.next_sample)
+        tev->next_sample *= 2;
+    return send_now(job, err);
+}
+
+void job_tev_end(struct render_job *job)
+{
+    if (!job->tev.viewer)
+        return;
+    tev_wait(job->tev.viewer);
+    if (job->film.mean && tev_is_ready(job->tev.viewer))
+        send_film(job);
+    tev_close(job->tev.viewer);
+    job->tev.viewer = NULL;
+}

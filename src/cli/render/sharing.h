@@ -1,0 +1,14 @@
+// What instances save.
+#ifndef LAMPYRIS_CLI_RENDER_SHARING_H
+#define LAMPYRIS_CLI_RENDER_SHARING_H
+
+#include "flatten/flatten.h"
+
+#include <jansson.h>
+
+// A line of text, nothing without instances: "shared    12 meshes by 1000000 instances: …".
+// `features`: of the kernels, for what a triangle's corners carry.
+void sharing_print(const struct flat_scene *flat, uint32_t features);
+json_t *sharing_json(const struct flat_scene *flat, uint32_t features);
+
+#endif

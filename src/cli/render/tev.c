@@ -1,0 +1,454 @@
+#include "cli/render/tev.h"
+
+#include "base/clock.h"
+#include "base/log.h"
+#include <endian.h>
+#include <errno.h>
+#include <netdb.h>
+#include <poll.h>
+#include <pthread.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <time.h>
+#include <unistd.h>
+
+#define CREATE_IMAGE 4
+#define UPDATE_IMAGE 5 // with several channels
+#define NAME_MAX_BYTES 1024
+// Of the values in one packet, unless a row has more: the viewer shows one after the other.
+#define BAND_BYTES ((size_t)4 << 20)
+
+struct tev {
+    struct tev_address address;
+    char name[NAME_MAX_BYTES];
+    pthread_t thread;
+    pthread_mutex_t mutex;
+    pthread_cond_t changed;
+    // All of this under the mutex.
+    bool has_picture; // to be sent, or being sent
+    bool is_closing, is_abandoned, is_failed, is_done;
+    struct tev_picture picture; // its arrays are our own
+    // Of the thread alone.
+    int socket;
+    bool is_created; // the viewer knows the picture
+};
+
+// --- addresses -----------------------------------------------------------------------------------
+
+static bool parse_port(const char *text, char out[6])
+{
+    size_t length = strlen(text);
+    if (length == 0 || length > 5 || text[strspn(text, "0123456789")] != '\0')
+        return false;
+    long port = strtol(text, NULL, 10);
+    if (port < 1 || port > 65535)
+        return false;
+    snprintf(out, 6, "%ld", port);
+    return true;
+}
+
+static bool is_host_text(const char *text, size_t length)
+{
+    for (size_t i = 0; i < length; i++)
+        if ((unsigned char)text[i] <= ' ' || strchr("/[]@?#\"'\x7f", text[i]))
+            return false;
+    return length > 0 && length <= TEV_HOST_MAX;
+}
+
+// Where the host ends, and what of the port follows; NULL: none does.
+static const char *split(const char *text, const char **host, size_t *length)
+{
+    const char *end = strchr(text, ']'), *colon = strchr(text, ':');
+    *host = text;
+    *length = strlen(text);
+    if (text[0] == '[' && end && (end[1] == ':' || end[1] == '\0')) {
+        *host = text + 1;
+        *length = (size_t)(end - text) - 1;
+        return end[1] ? end + 2 : NULL;
+    }
+    if (!colon || strchr(colon + 1, ':')) // no port, or an address of IPv6
+        return NULL;
+    *length = (size_t)(colon - text);
+    return colon + 1;
+}
+
+bool tev_parse_address(const char *text, struct tev_address *out, struct err *err)
+{
+    const char *host;
+    size_t length;
+    const char *port = split(text, &host, &length);
+    *out = (struct tev_address){"127.0.0.1", TEV_PORT};
+    if (!port && parse_port(text, out->port))
+        return true;
+    if ((port && !parse_port(port, out->port)) ||
+        !(is_host_text(host, length) || (length == 0 && port == text + 1)))
+        return err_set(err, ERR_USAGE,
+                       "--tev: \"%s\": expected HOST:PORT, HOST, PORT or [ADDRESS]:PORT with a "
+                       "port from 1 to 65535",
+                       text);
+    if (length > 0) {
+        memcpy(out->host, host, length);
+        out->host[length] = '\0';
+    }
+    return true;
+}
+
+// --- connection ----------------------------------------------------------------------------------
+
+static bool is_abandoned(struct tev *tev)
+{
+    pthread_mutex_lock(&tev->mutex);
+    bool abandoned = tev->is_abandoned;
+    pthread_mutex_unlock(&tev->mutex);
+    return abandoned;
+}
+
+static bool fail(struct tev *tev, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+static bool fail(struct tev *tev, const char *format, ...)
+{
+    char reason[256];
+    if (is_abandoned(tev)) // nobody waits for it any more, and tev_wait has told so
+        return false;
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(reason, sizeof reason, format, arguments);
+    va_end(arguments);
+    log_warn("--tev: %s port %s: %s; the render goes on without", tev->address.host,
+             tev->address.port, reason);
+    return false;
+}
+
+// Until the socket takes data, or a connection is made.
+static bool wait_writable(struct tev *tev)
+{
+    struct pollfd poll_fd = {.fd = tev->socket, .events = POLLOUT};
+    uint64_t start = clock_ns();
+    int ready = 0;
+    while (ready <= 0 && clock_seconds_since(start) < TEV_PATIENCE_SECONDS && !is_abandoned(tev)) {
+        ready = poll(&poll_fd, 1, 100);
+        if (ready < 0 && errno != EINTR)
+            return false;
+    }
+    if (ready <= 0)
+        errno = ETIMEDOUT;
+    return ready > 0;
+}
+
+// 0, or what went wrong.
+static int connect_to(struct tev *tev, const struct addrinfo *address)
+{
+    int type = address->ai_socktype | SOCK_NONBLOCK | SOCK_CLOEXEC, error = 0;
+    socklen_t size = sizeof error;
+    tev->socket = socket(address->ai_family, type, address->ai_protocol);
+    if (tev->socket < 0)
+        return errno;
+    if (connect(tev->socket, address->ai_addr, address->ai_addrlen) != 0) {
+        error = errno;
+        if (error == EINPROGRESS && wait_writable(tev)) {
+            if (getsockopt(tev->socket, SOL_SOCKET, SO_ERROR, &error, &size) != 0)
+                error = errno;
+        } else if (error == EINPROGRESS) {
+            error = errno;
+        }
+    }
+    if (error != 0) {
+        close(tev->socket);
+        tev->socket = -1;
+    }
+    return error;
+}
+
+static bool connect_any(struct tev *tev)
+{
+    const struct addrinfo hints = {.ai_family = AF_UNSPEC, .ai_socktype = SOCK_STREAM};
+    struct addrinfo *list = NULL;
+    int status = getaddrinfo(tev->address.host, tev->address.port, &hints, &list), error = 0;
+    if (status != 0)
+        return fail(tev, "%s", status == EAI_SYSTEM ? strerror(errno) : gai_strerror(status));
+    for (const struct addrinfo *at = list; at && tev->socket < 0; at = at->ai_next)
+        error = connect_to(tev, at);
+    freeaddrinfo(list);
+    return tev->socket >= 0 || fail(tev, "%s (is tev running?)", strerror(error));
+}
+
+static bool send_bytes(struct tev *tev, const void *data, size_t size)
+{
+    const char *at = data;
+    while (size > 0) {
+        ssize_t sent = send(tev->socket, at, size, MSG_NOSIGNAL | MSG_DONTWAIT);
+        if (sent > 0) {
+            at += sent;
+            size -= (size_t)sent;
+        } else if (sent < 0 && errno == EAGAIN) {
+            if (!wait_writable(tev))
+                return fail(tev, "took nothing for %g s: %s", TEV_PATIENCE_SECONDS,
+                            strerror(errno));
+        } else if (sent == 0 || errno != EINTR) {
+            return fail(tev, "the connection broke: %s", strerror(errno));
+        }
+    }
+    return true;
+}
+
+// --- packets -------------------------------------------------------------------------------------
+
+// The beginning of a packet, up to the values.
+struct head {
+    char bytes[NAME_MAX_BYTES + TEV_CHANNELS_MAX * TEV_CHANNEL_MAX + 64];
+    size_t size;
+};
+
+static void put_bytes(struct head *head, const void *data, size_t size)
+{
+    memcpy(head->bytes + head->size, data, size);
+    head->size += size;
+}
+
+static void put_int(struct head *head, uint32_t value)
+{
+    value = htole32(value);
+    put_bytes(head, &value, sizeof value);
+}
+
+static void put_text(struct head *head, const char *text)
+{
+    put_bytes(head, text, strlen(text) + 1);
+}
+
+static void begin(struct head *head, char type, const struct tev *tev)
+{
+    static const char keep_focus = 0;
+    head->size = 0;
+    put_int(head, 0); // the length
+    put_bytes(head, &type, 1);
+    put_bytes(head, &keep_focus, 1);
+    put_text(head, tev->name);
+}
+
+static void put_channels(struct head *head, const struct tev_picture *picture)
+{
+    put_int(head, picture->channel_count);
+    for (uint32_t i = 0; i < picture->channel_count; i++)
+        put_text(head, picture->channels[i]);
+}
+
+static bool send_head(struct tev *tev, struct head *head, size_t following)
+{
+    uint32_t length = htole32((uint32_t)(head->size + following));
+    memcpy(head->bytes, &length, sizeof length);
+    return send_bytes(tev, head->bytes, head->size);
+}
+
+static bool create_image(struct tev *tev, struct head *head)
+{
+    const struct tev_picture *picture = &tev->picture;
+    begin(head, CREATE_IMAGE, tev);
+    put_int(head, picture->width);
+    put_int(head, picture->height);
+    put_channels(head, picture);
+    tev->is_created = send_head(tev, head, 0);
+    return tev->is_created;
+}
+
+static bool send_band(struct tev *tev, struct head *head, uint32_t from, uint32_t rows)
+{
+    const struct tev_picture *picture = &tev->picture;
+    size_t values = (size_t)rows * picture->width;
+    size_t all = (size_t)picture->width * picture->height;
+    begin(head, UPDATE_IMAGE, tev);
+    put_channels(head, picture);
+    put_int(head, 0);
+    put_int(head, from);
+    put_int(head, picture->width);
+    put_int(head, rows);
+    if (!send_head(tev, head, values * picture->channel_count * sizeof(float)))
+        return false;
+    for (uint32_t i = 0; i < picture->channel_count; i++) {
+        const float *band = picture->values + i * all + (size_t)from * picture->width;
+        if (!send_bytes(tev, band, values * sizeof *band))
+            return false;
+    }
+    return true;
+}
+
+// Its bands from the top.
+static bool send_picture(struct tev *tev, struct head *head)
+{
+    const struct tev_picture *picture = &tev->picture;
+    size_t row_bytes = (size_t)picture->width * picture->channel_count * sizeof(float);
+    uint32_t rows = row_bytes < BAND_BYTES ? (uint32_t)(BAND_BYTES / row_bytes) : 1;
+    if (!tev->is_created && !create_image(tev, head))
+        return false;
+    for (uint32_t from = 0; from < picture->height; from += rows) {
+        uint32_t left = picture->height - from;
+        if (!send_band(tev, head, from, left < rows ? left : rows))
+            return false;
+    }
+    return true;
+}
+
+// --- the thread ----------------------------------------------------------------------------------
+
+void tev_free_picture(struct tev_picture *picture)
+{
+    free(picture->values);
+    free(picture->channels);
+    *picture = (struct tev_picture){0};
+}
+
+// Until there is a picture, or none will come.
+static bool await_picture(struct tev *tev)
+{
+    pthread_mutex_lock(&tev->mutex);
+    while (!tev->has_picture && !tev->is_closing)
+        pthread_cond_wait(&tev->changed, &tev->mutex);
+    bool has_picture = tev->has_picture;
+    pthread_mutex_unlock(&tev->mutex);
+    return has_picture;
+}
+
+static void picture_is_gone(struct tev *tev, bool is_sent)
+{
+    pthread_mutex_lock(&tev->mutex);
+    tev_free_picture(&tev->picture);
+    tev->has_picture = false;
+    tev->is_failed = tev->is_failed || !is_sent;
+    pthread_cond_broadcast(&tev->changed);
+    pthread_mutex_unlock(&tev->mutex);
+}
+
+static void *run(void *context)
+{
+    struct tev *tev = context;
+    struct head *head = malloc(sizeof *head);
+    bool ok = head && connect_any(tev);
+    if (!head)
+        fail(tev, "out of memory");
+    if (!ok)
+        picture_is_gone(tev, false);
+    while (ok && await_picture(tev)) {
+        ok = send_picture(tev, head);
+        picture_is_gone(tev, ok);
+    }
+    free(head);
+    if (tev->socket >= 0)
+        close(tev->socket);
+    pthread_mutex_lock(&tev->mutex);
+    tev->is_done = true;
+    pthread_cond_broadcast(&tev->changed);
+    pthread_mutex_unlock(&tev->mutex);
+    return NULL;
+}
+
+static void destroy(struct tev *tev)
+{
+    tev_free_picture(&tev->picture);
+    pthread_cond_destroy(&tev->changed);
+    pthread_mutex_destroy(&tev->mutex);
+    free(tev);
+}
+
+// Waits on a clock that nobody sets.
+static void init_condition(pthread_cond_t *condition)
+{
+    pthread_condattr_t attributes;
+    pthread_condattr_init(&attributes);
+    pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC);
+    pthread_cond_init(condition, &attributes);
+    pthread_condattr_destroy(&attributes);
+}
+
+struct tev *tev_open(const struct tev_address *address, const char *name, struct err *err)
+{
+    struct tev *tev = calloc(1, sizeof *tev);
+    if (!tev) {
+        err_memory(err, "a connection", sizeof *tev);
+        return NULL;
+    }
+    tev->address = *address;
+    tev->socket = -1;
+    snprintf(tev->name, sizeof tev->name, "%s", name);
+    pthread_mutex_init(&tev->mutex, NULL);
+    init_condition(&tev->changed);
+    int status = pthread_create(&tev->thread, NULL, run, tev);
+    if (status == 0)
+        return tev;
+    err_set(err, ERR_SYSTEM, "--tev: no thread: %s", strerror(status));
+    destroy(tev);
+    return NULL;
+}
+
+bool tev_is_ready(struct tev *tev)
+{
+    pthread_mutex_lock(&tev->mutex);
+    bool is_ready = !tev->has_picture && !tev->is_failed;
+    pthread_mutex_unlock(&tev->mutex);
+    return is_ready;
+}
+
+void tev_send(struct tev *tev, struct tev_picture *picture)
+{
+    size_t count = (size_t)picture->width * picture->height * picture->channel_count;
+    // Little-endian, whatever the host's order.
+    for (size_t i = 0; i < count && htole32(1) != 1; i++) {
+        uint32_t bits;
+        memcpy(&bits, &picture->values[i], sizeof bits);
+        bits = htole32(bits);
+        memcpy(&picture->values[i], &bits, sizeof bits);
+    }
+    pthread_mutex_lock(&tev->mutex);
+    tev->picture = *picture;
+    tev->has_picture = true;
+    pthread_cond_broadcast(&tev->changed);
+    pthread_mutex_unlock(&tev->mutex);
+    *picture = (struct tev_picture){0};
+}
+
+static struct timespec later(double seconds)
+{
+    struct timespec time;
+    clock_gettime(CLOCK_MONOTONIC, &time);
+    time.tv_sec += (time_t)seconds;
+    return time;
+}
+
+void tev_wait(struct tev *tev)
+{
+    const struct timespec deadline = later(TEV_FAREWELL_SECONDS);
+    int status = 0;
+    pthread_mutex_lock(&tev->mutex);
+    while (tev->has_picture && !tev->is_failed && status == 0)
+        status = pthread_cond_timedwait(&tev->changed, &tev->mutex, &deadline);
+    bool is_late = tev->has_picture && !tev->is_failed;
+    tev->is_abandoned = tev->is_failed = tev->is_failed || is_late;
+    pthread_mutex_unlock(&tev->mutex);
+    if (is_late)
+        log_warn("--tev: %s port %s: did not take all of the picture within %g s",
+                 tev->address.host, tev->address.port, TEV_FAREWELL_SECONDS);
+}
+
+void tev_close(struct tev *tev)
+{
+    if (!tev)
+        return;
+    tev_wait(tev);
+    const struct timespec deadline = later(1);
+    int status = 0;
+    pthread_mutex_lock(&tev->mutex);
+    tev->is_closing = tev->is_abandoned = true;
+    pthread_cond_broadcast(&tev->changed);
+    while (!tev->is_done && status == 0)
+        status = pthread_cond_timedwait(&tev->changed, &tev->mutex, &deadline);
+    bool is_done = tev->is_done;
+    pthread_mutex_unlock(&tev->mutex);
+    if (!is_done) {
+        pthread_detach(tev->thread);
+        return;
+    }
+    pthread_join(tev->thread, NULL);
+    destroy(tev);
+}

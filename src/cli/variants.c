@@ -1,0 +1,157 @@
+#include "cli/variants.h"
+
+#include "cli/commands.h"
+#include <string.h>
+
+static const struct option_def *find_option(const char *name, size_t length)
+{
+    for (int i = 0; i < OPTION_TOTAL; i++)
+        if (strlen(option_table[i].name) == length &&
+            memcmp(option_table[i].name, name, length) == 0)
+            return &option_table[i];
+    return NULL;
+}
+
+// The n-th of the words between commas; NULL past the last.
+static const char *nth_word(const char *words, uint32_t n, size_t *length)
+{
+    for (; n > 0; n--) {
+        words = strchr(words, ',');
+        if (!words)
+            return NULL;
+        words++;
+    }
+    *length = strcspn(words, ",");
+    return words;
+}
+
+static uint32_t count_words(const char *words)
+{
+    uint32_t count = 1;
+    for (; *words; words++)
+        count += *words == ',';
+    return count;
+}
+
+// Whether a value of the option leaves every bit of the picture alone.
+static bool keeps_picture(const struct option_def *def)
+{
+    static const enum option_id those[] = {OPTION_WAVE,        OPTION_WORKGROUP, OPTION_FEATURES,
+                                           OPTION_CLASSES,     OPTION_BVH,       OPTION_NODE,
+                                           OPTION_BVH_OPTIMIZE};
+    for (size_t i = 0; i < sizeof those / sizeof those[0]; i++)
+        if (def == &option_table[those[i]])
+            return true;
+    return false;
+}
+
+// What there is so far and one more "KEY=VALUE", before or after it.
+static const char *join(struct arena *arena, const char *first, const char *second)
+{
+    return arena_printf(arena, "%s%s%s", first, *first && *second ? " " : "", second);
+}
+
+// Sets an option of the variant by "KEY=VALUE"; `whole` is what stands on the command line.
+static bool set(struct variant *variant, struct arena *arena, const char *whole, const char *pair,
+                struct err *err)
+{
+    struct options *options = &variant->options;
+    size_t key_length = strcspn(pair, "=");
+    const struct option_def *def = find_option(pair, key_length);
+    if (!def || !option_belongs(def, options->command) || !option_is_setting(def, options->command))
+        return err_set(err, ERR_USAGE,
+                       "\"%s\": \"%.*s\" is no setting; expected an option of the groups Method "
+                       "and Kernels, or max-bounces, seed or wave%s",
+                       whole, (int)key_length, pair,
+                       options->command == &commands[COMMAND_BENCH] ? ", spp or size" : "");
+    if (!option_store(def, pair + key_length + 1, options, err))
+        return err_prepend(err, "\"%s\"", whole);
+    options->given[def - option_table] = true;
+    if (!keeps_picture(def))
+        variant->picture = join(arena, variant->picture, pair);
+    return variant->picture || err_memory(err, "a label", strlen(pair));
+}
+
+// Number `index` of the combinations, the last list changing fastest.
+static bool vary(struct variant *variant, struct arena *arena, uint32_t index, struct err *err)
+{
+    const struct options *options = &variant->options;
+    uint32_t divisor = 1;
+    for (uint32_t v = 1; v < options->vary_count; v++)
+        divisor *= count_words(strchr(options->vary[v], '=') + 1);
+    for (uint32_t v = 0; v < options->vary_count; v++) {
+        const char *text = options->vary[v], *words = strchr(text, '=') + 1;
+        size_t length = 0;
+        const char *word = nth_word(words, index / divisor % count_words(words), &length);
+        const char *pair =
+            arena_printf(arena, "%.*s%.*s", (int)(words - text), text, (int)length, word);
+        if (pair)
+            variant->label = join(arena, variant->label, pair);
+        if (!pair || !variant->label)
+            return err_memory(err, "a label", length);
+        if (!set(variant, arena, text, pair, err))
+            return false;
+        if (v + 1 < options->vary_count)
+            divisor /= count_words(strchr(options->vary[v + 1], '=') + 1);
+    }
+    return true;
+}
+
+// "KEY=VALUE KEY=VALUE".
+static bool spell(struct variant *variant, struct arena *arena, const char *text, struct err *err)
+{
+    variant->label = text;
+    for (const char *word = text + strspn(text, " "); *word; word += strspn(word, " ")) {
+        size_t length = strcspn(word, " "), key_length = strcspn(word, "= ");
+        if (word[key_length] != '=' || key_length == 0 || key_length + 1 == length)
+            return err_set(err, ERR_USAGE, "\"%s\" is not of the form \"KEY=VALUE KEY=VALUE\"",
+                           text);
+        const char *pair = arena_printf(arena, "%.*s", (int)length, word);
+        if (!pair)
+            return err_memory(err, "a label", length);
+        if (!set(variant, arena, text, pair, err))
+            return false;
+        word += length;
+    }
+    return true;
+}
+
+bool variants_share_picture(const struct variant *a, const struct variant *b)
+{
+    return a->scene == b->scene && strcmp(a->picture, b->picture) == 0;
+}
+
+bool variants_make(const struct options *options, struct arena *arena, struct variant **out,
+                   uint32_t *count, struct err *err)
+{
+    uint64_t combinations = options->vary_count || !options->curve_count;
+    for (uint32_t v = 0; v < options->vary_count && combinations <= VARIANTS_MAX; v++)
+        combinations *= count_words(strchr(options->vary[v], '=') + 1);
+    uint64_t of_a_scene = combinations + options->curve_count;
+    uint64_t all = of_a_scene * options->argument_count;
+    if (all > VARIANTS_MAX)
+        return err_set(err, ERR_USAGE, "%s%llu variants; expected at most %d",
+                       combinations > VARIANTS_MAX ? "at least " : "", (unsigned long long)all,
+                       VARIANTS_MAX);
+    struct variant *list = ARENA_NEW(arena, struct variant, all);
+    if (!list)
+        return err_memory(err, "variants", all * sizeof *list);
+    for (uint32_t i = 0; i < all; i++) {
+        uint32_t number = i % (uint32_t)of_a_scene;
+        list[i] = (struct variant){
+            .label = "",
+            .scene = i / (uint32_t)of_a_scene,
+            .picture = "",
+            .options = *options,
+        };
+        list[i].options.arguments[0] = options->arguments[list[i].scene];
+        list[i].options.argument_count = 1;
+        if (!(number < options->curve_count
+                  ? spell(&list[i], arena, options->curves[number], err)
+                  : vary(&list[i], arena, number - options->curve_count, err)))
+            return false;
+    }
+    *out = list;
+    *count = (uint32_t)all;
+    return true;
+}

@@ -1,0 +1,49 @@
+// `lampyris view`: the window is a program of its own, so that this one needs no window library.
+#include "cli/commands.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#define PROGRAM "lampyris-view"
+#define IN_BUILD_FOLDER "../viewer/" PROGRAM
+
+// Beside this program, as installed; else where the build folder has it; else wherever the system
+// finds it.
+static void find_program(char *out, size_t size)
+{
+    static const char *const places[] = {PROGRAM, IN_BUILD_FOLDER};
+    char own[PATH_MAX];
+    ssize_t length = readlink("/proc/self/exe", own, sizeof own - 1);
+    own[length > 0 ? length : 0] = '\0';
+    char *slash = strrchr(own, '/');
+    for (size_t i = 0; slash && i < sizeof places / sizeof *places; i++) {
+        int folder = (int)(slash + 1 - own);
+        if (snprintf(out, size, "%.*s%s", folder, own, places[i]) < (int)size &&
+            access(out, X_OK) == 0)
+            return;
+    }
+    snprintf(out, size, "%s", PROGRAM);
+}
+
+// Its own command line leaves out the word "view".
+int cmd_view(const struct options *options)
+{
+    char program[PATH_MAX];
+    find_program(program, sizeof program);
+    char **argv = options->argv;
+    for (int i = 1; i < options->argc; i++)
+        if (strcmp(argv[i], "view") == 0) {
+            memmove(&argv[i], &argv[i + 1], (size_t)(options->argc - i) * sizeof *argv);
+            break;
+        }
+    execvp(program, argv);
+    struct err err;
+    err_set(&err, ERR_SYSTEM,
+            "%s: cannot be run: %s; it is built where GLFW and Dear ImGui are "
+            "installed (Debian: libglfw3-dev, libimgui-dev)",
+            program, strerror(errno));
+    return command_fail(&err);
+}

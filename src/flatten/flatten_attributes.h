@@ -1,0 +1,35 @@
+// What the corners of flattened triangles carry. Part of flatten.c.
+#ifndef LAMPYRIS_FLATTEN_FLATTEN_ATTRIBUTES_H
+#define LAMPYRIS_FLATTEN_FLATTEN_ATTRIBUTES_H
+
+#include "flatten/flatten_placement.h"
+
+// What some triangle needs and some mesh has, of the optional arrays of struct flat_scene.
+struct attribute_needs {
+    bool normals, tangents, uvs[2], colors;
+};
+
+// Adds what an instance needs, by the materials of its triangles.
+void attributes_census(const struct scene *scene, const struct instance *instance,
+                       struct attribute_needs *needs);
+// What one triangle takes of them.
+uint64_t attributes_bytes(const struct attribute_needs *needs);
+bool attributes_reserve(const struct attribute_needs *needs, size_t triangle_count,
+                        struct arena *arena, struct flat_scene *flat, struct err *err);
+// The attributes of the flat triangle that comes next, whose corners are these vertices of the
+// mesh. `geometric`: its unit normal.
+void attributes_place(struct flat_scene *flat, const struct scene *scene,
+                      const struct placement *placement, const uint32_t vertices[3],
+                      const double geometric[3]);
+
+// The set of texture coordinates that a material's tangents follow where a mesh has none.
+uint32_t attributes_tangent_set(const struct scene *scene, uint32_t material);
+
+// All that a material says about what corners carry, in one number.
+uint32_t attributes_of_material(const struct scene *scene, uint32_t material);
+
+// The material of a triangle of the instance's mesh.
+uint32_t instance_material(const struct mesh *mesh, const struct instance *instance,
+                           uint32_t triangle);
+
+#endif

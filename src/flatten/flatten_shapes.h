@@ -1,0 +1,27 @@
+// Analytic shapes: scene_flatten()'s part of them. Private to this folder, but for the boxes.
+#ifndef LAMPYRIS_FLATTEN_FLATTEN_SHAPES_H
+#define LAMPYRIS_FLATTEN_FLATTEN_SHAPES_H
+
+#include "flatten/flatten.h"
+
+// Appends all shapes in sight to out->shapes, which has room, and adds those with ends to the
+// bounds; those that are too small for where they are join `coarse`.
+struct coarse_objects;
+bool flatten_shapes(const struct flatten_params *params, struct flat_scene *out,
+                    struct coarse_objects *coarse, struct err *err);
+
+// A box that contains all that the kernels may hit of the shape.
+void flat_shape_box(const struct flat_shape *shape, float min[3], float max[3]);
+
+// A shape of the scene in the arrays' space and unit, before it is rounded.
+struct shape flatten_place_shape(const struct flat_scene *flat, const struct shape *shape);
+
+// How far kernels' coordinates go in any unit: their squares stay finite in single precision.
+#define FLAT_COORDINATE_MAX 1e18
+
+// Whether all coordinates are within SCENE_COORDINATE_MAX.
+bool flatten_in_range(const double point[3]);
+// Adds the box to the scene's bounds.
+void flatten_bound(struct flat_scene *flat, const float low[3], const float high[3]);
+
+#endif

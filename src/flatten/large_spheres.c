@@ -1,0 +1,86 @@
+#include "flatten/large_spheres.h"
+
+#include "flatten/flatten_shapes.h"
+#include <math.h>
+
+// A thousandth over 14 times 2^-24, and that as a power of two.
+#define LARGE_RATIO 1024.0
+
+static double half_diagonal(const float min[3], const float max[3])
+{
+    double square = 0;
+    for (int c = 0; c < 3; c++) {
+        double half = ((double)max[c] - (double)min[c]) / 2;
+        square += half * half;
+    }
+    return sqrt(square);
+}
+
+static double shape_size(const struct flat_shape *shape)
+{
+    float min[3], max[3];
+    if (shape->kind == SHAPE_SPHERE)
+        return (double)shape->radius;
+    if (shape->kind == SHAPE_PLANE)
+        return INFINITY;
+    flat_shape_box(shape, min, max);
+    return half_diagonal(min, max);
+}
+
+static double camera_height(const struct flat_scene *flat, const struct camera *camera,
+                            const struct flat_shape *sphere)
+{
+    double square = 0, position[3];
+    flat_from_world(flat, camera->position, position);
+    for (int c = 0; c < 3; c++) {
+        double from = position[c] - (double)sphere->center[c];
+        square += from * from;
+    }
+    return fabs(sqrt(square) - (double)sphere->radius);
+}
+
+// Of the triangles in the world and of the boxes of shared meshes.
+static double triangles_size(const struct flat_scene *flat)
+{
+    float min[3] = {INFINITY, INFINITY, INFINITY}, max[3] = {-INFINITY, -INFINITY, -INFINITY};
+    for (uint32_t i = 0; i < flat->world_triangle_count; i++)
+        for (int v = 0; v < 3; v++)
+            for (int c = 0; c < 3; c++) {
+                min[c] = fminf(min[c], flat->triangles[i].v[v][c]);
+                max[c] = fmaxf(max[c], flat->triangles[i].v[v][c]);
+            }
+    double size = min[0] <= max[0] ? half_diagonal(min, max) : INFINITY;
+    for (uint32_t i = 0; i < flat->mesh_count; i++)
+        size = fmin(size, half_diagonal(flat->meshes[i].bounds_min, flat->meshes[i].bounds_max));
+    return size;
+}
+
+bool is_close_to_large_sphere(const struct flat_scene *flat, const struct camera *camera)
+{
+    for (uint32_t i = 0; i < flat->shape_count; i++) {
+        const struct flat_shape *shape = &flat->shapes[i];
+        if (shape->kind == SHAPE_SPHERE &&
+            (double)shape->radius > LARGE_RATIO * camera_height(flat, camera, shape))
+            return true;
+    }
+    return false;
+}
+
+bool has_large_spheres_anyway(const struct flat_scene *flat)
+{
+    double largest = 0, detail = INFINITY;
+    for (uint32_t i = 0; i < flat->shape_count; i++) {
+        const struct flat_shape *shape = &flat->shapes[i];
+        detail = fmin(detail, shape_size(shape));
+        if (shape->kind == SHAPE_SPHERE)
+            largest = fmax(largest, (double)shape->radius);
+    }
+    // Triangles may be many.
+    return largest > 0 &&
+           (largest > LARGE_RATIO * detail || largest > LARGE_RATIO * triangles_size(flat));
+}
+
+bool has_large_spheres(const struct flat_scene *flat, const struct camera *camera)
+{
+    return is_close_to_large_sphere(flat, camera) || has_large_spheres_anyway(flat);
+}

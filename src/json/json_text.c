@@ -1,0 +1,227 @@
+#include "json/json_text.h"
+
+#include "json/json_parse.h"
+#include <jansson.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+bool json_text_begin(struct json_text *t, uint32_t indent, struct err *err)
+{
+    *t = (struct json_text){.err = err, .indent = indent, .key = ""};
+    t->stream = open_memstream(&t->text, &t->size);
+    t->failed = !t->stream;
+    return t->stream || err_memory(err, "a JSON text", 1);
+}
+
+char *json_text_end(struct json_text *t)
+{
+    bool ok = t->stream && fclose(t->stream) == 0;
+    t->stream = NULL;
+    if (ok && !t->failed)
+        return t->text;
+    if (!t->failed)
+        err_memory(t->err, "a JSON text", t->size);
+    free(t->text);
+    t->text = NULL;
+    return NULL;
+}
+
+// --- structure -----------------------------------------------------------------------------------
+
+static void put(struct json_text *t, const char *text)
+{
+    if (!t->failed && fputs(text, t->stream) == EOF) {
+        t->failed = true;
+        err_memory(t->err, "a JSON text", strlen(text));
+    }
+}
+
+static void new_line(struct json_text *t)
+{
+    put(t, "\n");
+    for (uint32_t i = 0; i < t->depth + t->indent; i++)
+        put(t, "  ");
+}
+
+void json_text_open(struct json_text *t, char bracket, bool in_line)
+{
+    put(t, bracket == '{' ? "{" : "[");
+    t->levels[t->depth].close = bracket == '{' ? '}' : ']';
+    t->levels[t->depth].in_line = in_line;
+    t->levels[t->depth].has_any = false;
+    t->depth++;
+}
+
+void json_text_close(struct json_text *t)
+{
+    t->depth--;
+    const char close[] = {t->levels[t->depth].close, '\0'};
+    if (!t->levels[t->depth].in_line && t->levels[t->depth].has_any)
+        new_line(t);
+    put(t, close);
+}
+
+void json_text_next(struct json_text *t)
+{
+    bool in_line = t->levels[t->depth - 1].in_line, has_any = t->levels[t->depth - 1].has_any;
+    t->levels[t->depth - 1].has_any = true;
+    if (has_any)
+        put(t, in_line ? ", " : ",");
+    if (!in_line)
+        new_line(t);
+}
+
+void json_text_key(struct json_text *t, const char *key)
+{
+    json_text_next(t);
+    t->key = key;
+    put(t, "\"");
+    put(t, key);
+    put(t, "\": ");
+}
+
+// --- values --------------------------------------------------------------------------------------
+
+static bool is_finite(struct json_text *t, double value)
+{
+    if (isfinite(value))
+        return true;
+    if (!t->failed)
+        err_set(t->err, ERR_INPUT, "%s: %g cannot be written down; expected a finite number",
+                t->key, value);
+    t->failed = true;
+    return false;
+}
+
+// So many significant digits, without an exponent where it would only save zeros; with a point
+// where it would read as a whole number, which has no sign.
+static void put_digits(struct json_text *t, double value, int count)
+{
+    char digits[40];
+    double magnitude = fabs(value);
+    if (magnitude >= 1 && magnitude < 1e15)
+        count = (int)fmax(count, floor(log10(magnitude)) + 1);
+    snprintf(digits, sizeof digits, "%.*g", count, value);
+    put(t, strcmp(digits, "-0") == 0 ? "-0.0" : digits);
+}
+
+// The number that is written with so many digits.
+static double with_digits(double value, int count)
+{
+    char digits[40];
+    snprintf(digits, sizeof digits, "%.*g", count, value);
+    return strtod(digits, NULL);
+}
+
+void json_text_double(struct json_text *t, double value)
+{
+    int count = 1;
+    if (!is_finite(t, value))
+        return;
+    while (count < 17 && with_digits(value, count) != value)
+        count++;
+    put_digits(t, value, count);
+}
+
+// Read as a double, and rounded then.
+void json_text_float(struct json_text *t, float value)
+{
+    int count = 1;
+    if (!is_finite(t, (double)value))
+        return;
+    while (count < 17 && (float)with_digits((double)value, count) != value)
+        count++;
+    put_digits(t, (double)value, count);
+}
+
+void json_text_uint(struct json_text *t, uint64_t value)
+{
+    char digits[32];
+    snprintf(digits, sizeof digits, "%llu", (unsigned long long)value);
+    put(t, digits);
+}
+
+void json_text_bool(struct json_text *t, bool value)
+{
+    put(t, value ? "true" : "false");
+}
+
+bool json_text_can_hold(const char *text)
+{
+    json_t *string = json_string(text);
+    json_decref(string);
+    return string && !strstr(text, "${");
+}
+
+void json_text_string(struct json_text *t, const char *text)
+{
+    json_t *string = json_text_can_hold(text) ? json_string(text) : NULL;
+    char *dumped = string ? json_dumps(string, JSON_ENCODE_ANY) : NULL;
+    if (dumped)
+        put(t, dumped);
+    else if (!t->failed)
+        t->failed = !err_set(t->err, ERR_INPUT,
+                             "%s: \"%s\" cannot be written down; expected UTF-8 without \"${\"",
+                             t->key, text);
+    json_release(dumped);
+    json_decref(string);
+}
+
+void json_text_raw(struct json_text *t, const char *json)
+{
+    put(t, json);
+}
+
+void json_text_doubles(struct json_text *t, const char *key, const double *values, uint32_t count)
+{
+    json_text_key(t, key);
+    json_text_open(t, '[', true);
+    for (uint32_t i = 0; i < count; i++) {
+        json_text_next(t);
+        json_text_double(t, values[i]);
+    }
+    json_text_close(t);
+}
+
+void json_text_floats(struct json_text *t, const char *key, const float *values, uint32_t count)
+{
+    json_text_key(t, key);
+    json_text_open(t, '[', true);
+    for (uint32_t i = 0; i < count; i++) {
+        json_text_next(t);
+        json_text_float(t, values[i]);
+    }
+    json_text_close(t);
+}
+
+// A quotient is within two roundings of what is sought; digits that a person would have typed are
+// tried first.
+static bool find_factor(double value, double unit, double *out)
+{
+    double quotient = value / unit, near[5] = {quotient, quotient, quotient};
+    for (int count = 1; count <= 17; count++) {
+        *out = with_digits(quotient, count);
+        if (*out * unit == value)
+            return true;
+    }
+    near[1] = nextafter(quotient, INFINITY);
+    near[2] = nextafter(quotient, -INFINITY);
+    near[3] = nextafter(near[1], INFINITY);
+    near[4] = nextafter(near[2], -INFINITY);
+    for (int i = 1; i < 5; i++) {
+        *out = near[i];
+        if (*out * unit == value)
+            return true;
+    }
+    return false;
+}
+
+void json_text_product(struct json_text *t, const char *key_rounded, double unit,
+                       const char *key_exact, double value)
+{
+    double factor;
+    bool is_found = find_factor(value, unit, &factor);
+    json_text_key(t, is_found ? key_rounded : key_exact);
+    json_text_double(t, is_found ? factor : value);
+}

@@ -1,0 +1,55 @@
+// Writes a JSON document as text, in lines that people read. Every number reads back to the same
+// bits, in as few digits as do.
+#ifndef LAMPYRIS_JSON_JSON_TEXT_H
+#define LAMPYRIS_JSON_JSON_TEXT_H
+
+#include "base/err.h"
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+#define JSON_TEXT_DEPTH_MAX 8
+
+// Functions go on after a failure, and do nothing then; `failed` and *err tell of the first.
+struct json_text {
+    FILE *stream; // in memory
+    char *text;   // what json_text_end returns; free()
+    size_t size;
+    struct {
+        char close;
+        bool in_line, has_any;
+    } levels[JSON_TEXT_DEPTH_MAX];
+    uint32_t depth, indent; // indent: further levels around the text
+    const char *key;        // the last, for messages
+    bool failed;
+    struct err *err;
+};
+
+bool json_text_begin(struct json_text *out, uint32_t indent, struct err *err);
+// The finished text, to be freed; NULL on failure.
+char *json_text_end(struct json_text *t);
+
+// '{' or '['; in_line: all of it in the line where it begins.
+void json_text_open(struct json_text *t, char bracket, bool in_line);
+void json_text_close(struct json_text *t);
+void json_text_key(struct json_text *t, const char *key); // the value is to follow
+void json_text_next(struct json_text *t);                 // likewise of a list's element
+
+void json_text_double(struct json_text *t, double value);
+void json_text_float(struct json_text *t, float value);
+void json_text_uint(struct json_text *t, uint64_t value);
+void json_text_bool(struct json_text *t, bool value);
+// Fails for what is no UTF-8, and for a "${", which would stand for a definition.
+void json_text_string(struct json_text *t, const char *text);
+bool json_text_can_hold(const char *text);
+void json_text_raw(struct json_text *t, const char *json); // as it is
+
+void json_text_doubles(struct json_text *t, const char *key, const double *values, uint32_t count);
+void json_text_floats(struct json_text *t, const char *key, const float *values, uint32_t count);
+// key_rounded: value / unit where a number is found whose product with the unit is the value, else
+// key_exact: the value.
+void json_text_product(struct json_text *t, const char *key_rounded, double unit,
+                       const char *key_exact, double value);
+
+#endif

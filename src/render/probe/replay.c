@@ -1,0 +1,195 @@
+#include "render/probe/replay.h"
+
+#include "render/wave.h"
+#include <string.h>
+
+struct follower {
+    struct renderer *r;
+    struct arena *arena;
+    struct replay *out;
+    uint32_t capacity;
+    float radiance[4];   // after the last step
+    bool shadow_pending; // of the last vertex
+};
+
+// One path is in flight: it is in slot 0, and a queue holds it or is empty.
+static bool in_queue(const struct follower *f, uint32_t queue)
+{
+    return f->r->counters->queue[queue] != 0;
+}
+
+static struct replay_vertex *add_vertex(struct follower *f)
+{
+    struct replay *out = f->out;
+    if (out->vertex_count == f->capacity) {
+        uint32_t capacity = f->capacity ? 2 * f->capacity : 16;
+        struct replay_vertex *grown = ARENA_NEW(f->arena, struct replay_vertex, capacity);
+        if (!grown)
+            return NULL;
+        if (out->vertex_count)
+            memcpy(grown, out->vertices, out->vertex_count * sizeof *grown);
+        out->vertices = grown;
+        f->capacity = capacity;
+    }
+    return &out->vertices[out->vertex_count++];
+}
+
+static uint32_t flat_primitive(const struct renderer *r, uint32_t word, bool *is_shape)
+{
+    *is_shape = word & PRIMITIVE_SHAPE;
+    return *is_shape ? word & ~PRIMITIVE_SHAPE : r->bvh.triangle_order[word];
+}
+
+// What a path's vertex is made of; where a mesh is shared the instance may say.
+static const struct material *material_of(const struct renderer *r, const struct replay_vertex *v)
+{
+    uint32_t material = v->is_shape ? r->flat.shapes[v->primitive].material
+                                    : r->flat.triangles[v->primitive].material;
+    if (v->instance != NO_INSTANCE && r->flat.instances[v->instance].material != SCENE_NONE)
+        material = r->flat.instances[v->instance].material;
+    return &r->scene->materials[material];
+}
+
+// How far from a camera that is far the ray begins.
+static double way_from_camera(const struct renderer *r, const float direction[3])
+{
+    double forward = 0.0;
+    for (int c = 0; c < 3; c++)
+        forward += (double)direction[c] * (double)r->frame.camera_forward[c];
+    return r->frame.camera_start > 0.0f ? (double)r->frame.camera_start / forward : 0.0;
+}
+
+static bool read_hit(struct follower *f, uint32_t bounce, struct err *err)
+{
+    struct renderer *r = f->r;
+    struct {
+        struct gpu_path path;
+        uint32_t instances[4];
+    } record;
+    uint64_t bytes = 16 * PATH_WORDS_OF(r->specialization.geometry);
+    if (!gpu_download(r->gpu, &r->buffers[BINDING_PATHS], 0, &record, bytes, err))
+        return false;
+    const struct gpu_path path = record.path;
+    struct replay_vertex *v = add_vertex(f);
+    if (!v)
+        return err_memory(err, "replay", f->capacity * sizeof *v);
+    v->bounce = bounce;
+    memcpy(v->direction, path.direction, sizeof v->direction);
+    memcpy(v->throughput, path.throughput, sizeof v->throughput);
+    // Whitted's rays have their depth there, and are all perfectly specular.
+    if (r->specialization.integrator != INTEGRATOR_WHITTED)
+        v->bsdf_pdf = path.bsdf_pdf;
+    double origin[3], before = bounce == 0 ? way_from_camera(r, path.direction) : 0.0;
+    for (int c = 0; c < 3; c++) {
+        origin[c] = (double)path.origin[c];
+        v->position[c] = origin[c] + (double)path.t * (double)path.direction[c];
+    }
+    for (int c = 0; c < 3; c++)
+        origin[c] -= before * (double)path.direction[c];
+    flat_to_world(&r->flat, origin, origin);
+    flat_to_world(&r->flat, v->position, v->position);
+    for (int c = 0; c < 3; c++)
+        v->origin[c] = (float)origin[c];
+    v->t = (float)(((double)path.t + before) / r->flat.scale);
+    bool is_hit = false;
+    for (uint32_t c = 0; c < CLASS_COUNT; c++)
+        is_hit |= in_queue(f, QUEUE_SURFACE + c);
+    v->queue = is_hit ? "surface" : in_queue(f, QUEUE_MISS) ? "miss" : "none";
+    if (is_hit) {
+        v->primitive = flat_primitive(r, path.primitive, &v->is_shape);
+        v->instance = bytes > sizeof path ? record.instances[0] : NO_INSTANCE;
+        v->material = material_of(r, v);
+    }
+    return true;
+}
+
+// What the last step added.
+static bool read_gain(struct follower *f, float gain[3], struct err *err)
+{
+    float now[4];
+    if (!gpu_download(f->r->gpu, &f->r->buffers[BINDING_RADIANCE], 0, now, sizeof now, err))
+        return false;
+    for (int c = 0; c < 3; c++)
+        gain[c] = now[c] - f->radiance[c];
+    memcpy(f->radiance, now, sizeof now);
+    return true;
+}
+
+static bool read_connection(struct follower *f, struct replay_vertex *v, struct err *err)
+{
+    struct gpu_shadow_ray ray;
+    if (!gpu_download(f->r->gpu, &f->r->buffers[BINDING_SHADOW_RAYS], 0, &ray, sizeof ray, err))
+        return false;
+    v->connected = true;
+    v->light_pdf = ray.light_pdf;
+    for (int c = 0; c < 3; c++)
+        v->light_point[c] = (float)((double)ray.direction[c] / f->r->flat.scale);
+    memcpy(v->light_radiance, ray.radiance, sizeof v->light_radiance);
+    v->light_is_point = !(ray.ignore_to & PRIMITIVE_SHAPE) && (ray.ignore_to & PRIMITIVE_LIGHT);
+    v->light_is_environment =
+        ray.ignore_to == PRIMITIVE_ENVIRONMENT || ray.ignore_to == NO_PRIMITIVE;
+    if (v->light_is_point)
+        v->light_primitive = ray.ignore_to & ~PRIMITIVE_LIGHT;
+    else if (!v->light_is_environment)
+        v->light_primitive = flat_primitive(f->r, ray.ignore_to, &v->light_is_shape);
+    return true;
+}
+
+static bool read_shadow(struct follower *f, struct err *err)
+{
+    float gain[3];
+    if (!f->shadow_pending)
+        return true;
+    f->shadow_pending = false;
+    if (!read_gain(f, gain, err))
+        return false;
+    struct replay_vertex *v = &f->out->vertices[f->out->vertex_count - 1];
+    v->occluded = gain[0] == 0.0f && gain[1] == 0.0f && gain[2] == 0.0f;
+    return true;
+}
+
+static bool read_shading(struct follower *f, enum kernel_id kernel, struct err *err)
+{
+    struct replay_vertex *v = &f->out->vertices[f->out->vertex_count - 1];
+    float gain[3];
+    if (!read_gain(f, gain, err))
+        return false;
+    for (int c = 0; c < 3; c++)
+        v->gained[c] += gain[c];
+    f->shadow_pending = kernel != KERNEL_shade_miss && in_queue(f, QUEUE_SHADOW);
+    return !f->shadow_pending || read_connection(f, v, err);
+}
+
+static bool after(void *context, const struct wave_step *step, struct err *err)
+{
+    struct follower *f = context;
+    enum kernel_id kernel = step->kernel;
+    uint32_t bounce = step->bounce;
+    uint32_t rays = QUEUE_RAYS + (bounce & 1u);
+    if (kernel == KERNEL_generate_rays)
+        return true;
+    if (kernel == KERNEL_intersect_shadow)
+        return read_shadow(f, err);
+    if (f->r->counters->dispatch[rays * DISPATCH_PARTS].items == 0)
+        return true; // the path has ended
+    return kernel == KERNEL_intersect_closest ? read_hit(f, bounce, err)
+                                              : read_shading(f, kernel, err);
+}
+
+bool renderer_replay(struct renderer *r, uint32_t x, uint32_t y, uint64_t sample,
+                     struct arena *arena, struct replay *out, struct err *err)
+{
+    *out = (struct replay){0};
+    struct follower f = {.r = r, .arena = arena, .out = out};
+    struct wave wave = {
+        .first_pixel = (uint64_t)y * r->frame.width + x,
+        .pixel_count = 1,
+        .first_sample = sample,
+    };
+    const struct wave_watch watch = {.after = after, .context = &f};
+    if (!wave_trace_steps(r, &wave, &watch, err))
+        return false;
+    memcpy(out->radiance, f.radiance, sizeof out->radiance);
+    out->dropped = f.radiance[3] != 0.0f;
+    return true;
+}

@@ -1,0 +1,49 @@
+// Follows one sample of one pixel through the kernels on the device, one dispatch at a time: what
+// a non-finite contribution came from, or why a pixel looks as it does.
+#ifndef LAMPYRIS_RENDER_PROBE_REPLAY_H
+#define LAMPYRIS_RENDER_PROBE_REPLAY_H
+
+#include "render/render.h"
+
+// A ray of the path, what it met and what came of it. Positions are in world space, lengths in
+// metres.
+struct replay_vertex {
+    uint32_t bounce;
+    float origin[3], direction[3];
+    float bsdf_pdf; // per solid angle; 0: camera or perfectly specular
+    float throughput[3];
+    const char *queue; // "surface", "miss"; "none": lost in a scene without an environment
+
+    // Where queue is "surface".
+    float t;
+    double position[3];
+    bool is_shape;
+    uint32_t primitive; // index into the flat scene's triangles or shapes
+    uint32_t instance;  // into its instances, of a mesh that they share; else NO_INSTANCE
+    const struct material *material;
+
+    float gained[3]; // emission of the surface or radiance of the environment, weighted
+
+    bool connected;       // a shadow ray was sent
+    float light_point[3]; // relative to the shadow ray's origin
+    float light_pdf;
+    bool light_is_shape;
+    bool light_is_environment; // then light_primitive is 0
+    bool light_is_point;       // without extent: light_primitive is its index in the scene
+    uint32_t light_primitive;
+    float light_radiance[3]; // what arrives if nothing is in between
+    bool occluded;
+};
+
+struct replay {
+    struct replay_vertex *vertices;
+    uint32_t vertex_count;
+    float radiance[3]; // of the sample
+    bool dropped;      // a contribution was not finite and was left out
+};
+
+// The film is left alone. Memory comes from `arena`. x, y must be inside the image.
+bool renderer_replay(struct renderer *renderer, uint32_t x, uint32_t y, uint64_t sample,
+                     struct arena *arena, struct replay *out, struct err *err);
+
+#endif

@@ -1,0 +1,198 @@
+#include "render/probe/single_kernel.h"
+
+#include <string.h>
+
+// What marks a slot whose ray hit nothing: the kernels write hits only.
+#define UNTOUCHED NO_PRIMITIVE
+
+// Records of so many words of four: with instances there is one more behind the structure.
+struct records {
+    uint32_t (*words)[4];
+    uint32_t stride;
+};
+
+static bool reserve(struct records *records, uint32_t stride, uint32_t count, struct arena *scratch,
+                    struct err *err)
+{
+    *records = (struct records){arena_alloc(scratch, (size_t)count * stride, 16), stride};
+    return records->words || err_memory(err, "rays", (size_t)count * stride * 16);
+}
+
+static uint64_t bytes_of(const struct records *records, uint32_t count)
+{
+    return (uint64_t)count * records->stride * sizeof *records->words;
+}
+
+static uint32_t (*record_of(const struct records *records, uint32_t i))[4]
+{
+    return records->words + (size_t)i * records->stride;
+}
+
+// Words of what rays start on: places of triangles, by their numbers in the flat scene.
+static bool find_starts(const struct renderer *r, const struct single_ray *rays, uint32_t count,
+                        struct arena *scratch, uint32_t **starts, struct err *err)
+{
+    uint32_t *places = ARENA_NEW(scratch, uint32_t, r->flat.triangle_count);
+    *starts = ARENA_NEW(scratch, uint32_t, count);
+    if (!places || !*starts)
+        return err_memory(err, "rays", ((uint64_t)r->flat.triangle_count + count) * sizeof *places);
+    for (uint32_t place = 0; place < r->bvh.reference_count; place++)
+        places[r->bvh.triangle_order[place]] = place;
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t from = rays[i].from;
+        (*starts)[i] = !rays[i].leaves          ? NO_PRIMITIVE
+                       : from & PRIMITIVE_SHAPE ? from
+                                                : places[from];
+    }
+    return true;
+}
+
+static bool upload_closest(struct renderer *r, const struct single_ray *rays, uint32_t count,
+                           struct arena *scratch, struct err *err)
+{
+    struct records records;
+    uint32_t *starts;
+    if (!find_starts(r, rays, count, scratch, &starts, err) ||
+        !reserve(&records, PATH_WORDS_OF(r->specialization.geometry), count, scratch, err))
+        return false;
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t(*words)[4] = record_of(&records, i);
+        struct gpu_path path = {.ignore = starts[i], .primitive = UNTOUCHED};
+        memcpy(path.origin, rays[i].origin, sizeof rays[i].origin);
+        memcpy(path.direction, rays[i].direction, sizeof rays[i].direction);
+        memcpy(words, &path, sizeof path);
+        if (records.stride > PATH_INSTANCE) {
+            words[PATH_INSTANCE][0] = NO_INSTANCE;
+            words[PATH_INSTANCE][1] = rays[i].leaves ? rays[i].from_instance : NO_INSTANCE;
+        }
+    }
+    return gpu_upload(r->gpu, &r->buffers[BINDING_PATHS], 0, records.words,
+                      bytes_of(&records, count), err);
+}
+
+// Shadow rays carry a contribution of 1: what arrives in the slot's radiance was not occluded.
+static bool upload_shadow(struct renderer *r, const struct single_ray *rays, uint32_t count,
+                          struct arena *scratch, struct err *err)
+{
+    struct records records;
+    uint32_t *starts;
+    float(*radiance)[4] = arena_alloc(scratch, count, sizeof *radiance);
+    if (!radiance)
+        return err_memory(err, "rays", count * sizeof *radiance);
+    if (!find_starts(r, rays, count, scratch, &starts, err) ||
+        !reserve(&records, SHADOW_WORDS_OF(r->specialization.geometry), count, scratch, err))
+        return false;
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t(*words)[4] = record_of(&records, i);
+        struct gpu_shadow_ray ray = {
+            .ignore_from = starts[i], .ignore_to = NO_PRIMITIVE, .radiance = {1.0f}};
+        memcpy(ray.origin, rays[i].origin, sizeof rays[i].origin);
+        memcpy(ray.direction, rays[i].direction, sizeof rays[i].direction);
+        memcpy(words, &ray, sizeof ray);
+        if (records.stride > SHADOW_INSTANCE)
+            words[SHADOW_INSTANCE][0] = rays[i].leaves ? rays[i].from_instance : NO_INSTANCE;
+    }
+    return gpu_upload(r->gpu, &r->buffers[BINDING_RADIANCE], 0, radiance, count * sizeof *radiance,
+                      err) &&
+           gpu_upload(r->gpu, &r->buffers[BINDING_SHADOW_RAYS], 0, records.words,
+                      bytes_of(&records, count), err);
+}
+
+// The queue holds slots 0 … count - 1, as prepare_dispatch would have left it.
+static bool upload_queue(struct renderer *r, uint32_t queue, uint32_t count, struct arena *scratch,
+                         struct err *err)
+{
+    uint32_t *slots = ARENA_NEW(scratch, uint32_t, count);
+    if (!slots)
+        return err_memory(err, "queue", count * sizeof *slots);
+    for (uint32_t i = 0; i < count; i++)
+        slots[i] = i;
+    uint32_t row = (uint32_t)__builtin_popcount(r->specialization.queues & ((1u << queue) - 1u));
+    memset(r->counters, 0, sizeof *r->counters);
+    r->counters->dispatch[queue * DISPATCH_PARTS].items = count;
+    return gpu_upload(r->gpu, &r->buffers[BINDING_QUEUES],
+                      (uint64_t)row * r->plan.wave_slots * sizeof *slots, slots,
+                      count * sizeof *slots, err) &&
+           gpu_upload(r->gpu, &r->buffers[BINDING_COUNTERS], 0, r->counters, sizeof *r->counters,
+                      err);
+}
+
+static bool dispatch(struct renderer *r, enum kernel_id kernel, uint32_t queue, uint32_t count,
+                     double *ms, struct err *err)
+{
+    uint32_t workgroup = r->specialization.workgroup;
+    struct gpu_commands *commands = &r->commands;
+    double ns[GPU_MAX_TIMESTAMPS] = {0};
+    r->push.queue = queue;
+    r->push.first_item = 0;
+    r->push.part_items = count;
+    if (!gpu_begin(r->gpu, commands, err))
+        return false;
+    gpu_bind(r->gpu, commands, &r->bindings[0]);
+    gpu_push(r->gpu, commands, &r->push, sizeof r->push);
+    gpu_timestamp(r->gpu, commands);
+    gpu_dispatch(r->gpu, commands, &r->kernels[kernel], (count + workgroup - 1) / workgroup);
+    gpu_barrier(r->gpu, commands);
+    gpu_timestamp(r->gpu, commands);
+    if (!gpu_submit(r->gpu, commands, err) || !gpu_wait(r->gpu, commands, err) ||
+        (r->gpu->has_timestamps && !gpu_timestamps_ns(r->gpu, commands, ns, err)))
+        return false;
+    *ms = (ns[1] - ns[0]) * 1e-6;
+    return gpu_download(r->gpu, &r->buffers[BINDING_COUNTERS], 0, r->counters, sizeof *r->counters,
+                        err);
+}
+
+static bool download_closest(struct renderer *r, struct single_hit *hits, uint32_t count,
+                             struct arena *scratch, struct err *err)
+{
+    struct records records;
+    if (!reserve(&records, PATH_WORDS_OF(r->specialization.geometry), count, scratch, err) ||
+        !gpu_download(r->gpu, &r->buffers[BINDING_PATHS], 0, records.words,
+                      bytes_of(&records, count), err))
+        return false;
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t(*words)[4] = record_of(&records, i);
+        struct gpu_path path;
+        memcpy(&path, words, sizeof path);
+        uint32_t word = path.primitive;
+        uint32_t instance = records.stride > PATH_INSTANCE ? words[PATH_INSTANCE][0] : NO_INSTANCE;
+        bool is_shape = word != NO_PRIMITIVE && (word & PRIMITIVE_SHAPE);
+        hits[i] = (struct single_hit){path.t, path.u, path.v, word, instance};
+        if (word != NO_PRIMITIVE && !is_shape)
+            hits[i].primitive = r->bvh.triangle_order[word];
+    }
+    return true;
+}
+
+static bool download_shadow(struct renderer *r, struct single_hit *hits, uint32_t count,
+                            struct arena *scratch, struct err *err)
+{
+    float(*radiance)[4] = arena_alloc(scratch, count, sizeof *radiance);
+    if (!radiance)
+        return err_memory(err, "hits", count * sizeof *radiance);
+    if (!gpu_download(r->gpu, &r->buffers[BINDING_RADIANCE], 0, radiance, count * sizeof *radiance,
+                      err))
+        return false;
+    for (uint32_t i = 0; i < count; i++)
+        hits[i] = (struct single_hit){.primitive = radiance[i][0] > 0.0f ? NO_PRIMITIVE : 0};
+    return true;
+}
+
+bool single_kernel_trace(struct renderer *r, enum kernel_id kernel, const struct single_ray *rays,
+                         uint32_t count, struct single_hit *hits, double *ms, bool *complete,
+                         struct err *err)
+{
+    struct arena scratch = {0};
+    bool shadow = kernel == KERNEL_intersect_shadow;
+    uint32_t queue = shadow ? QUEUE_SHADOW : QUEUE_RAYS;
+    bool ok = (shadow ? upload_shadow(r, rays, count, &scratch, err)
+                      : upload_closest(r, rays, count, &scratch, err)) &&
+              upload_queue(r, queue, count, &scratch, err) &&
+              dispatch(r, kernel, queue, count, ms, err);
+    *complete = ok && r->counters->unfinished == 0;
+    if (ok && hits)
+        ok = shadow ? download_shadow(r, hits, count, &scratch, err)
+                    : download_closest(r, hits, count, &scratch, err);
+    arena_finish(&scratch);
+    return ok;
+}

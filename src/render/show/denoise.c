@@ -1,0 +1,433 @@
+#include "render/show/denoise.h"
+
+#include "render/show/denoise_view.h"
+#include "shared/aov.h"
+#include <stdlib.h>
+#include <string.h>
+
+#include "denoise_blend.spv.h"
+#include "denoise_finish.spv.h"
+#include "denoise_gather.spv.h"
+#include "denoise_variance.spv.h"
+#include "denoise_wavelet.spv.h"
+
+#define WORD_BYTES 16u // of a pixel in each buffer
+#define TIMESTAMPS (3u + DENOISE_LEVELS + 2u)
+
+// What a view leaves to the next one.
+struct layers {
+    struct gpu_buffer guides, blended, records;
+};
+
+enum kernel { GATHER, BLEND, BLEND_HISTORY, VARIANCE, WAVELET, WAVELET_LAST, FINISH, KERNELS };
+
+struct denoiser_state {
+    struct gpu_commands commands;
+    struct gpu_buffer frame; // struct gpu_denoise
+    // Kernels, and what they are specialized for.
+    struct gpu_kernel kernels[KERNELS];
+    bool has_kernels, texel;
+    uint32_t aovs;
+    // Buffers for so many pixels.
+    uint64_t capacity;
+    struct layers layers[2];
+    uint32_t now;               // which of them the film's view uses
+    struct gpu_buffer light[2]; // what the passes read and write by turns
+    struct gpu_buffer modulation, emission;
+    struct gpu_bindings bindings[2][2]; // by `now`, and by which light is read
+    // Of the history.
+    struct camera camera;
+    uint32_t width, height;
+};
+
+static const struct code {
+    const char *name;
+    const uint32_t *spirv;
+    size_t bytes;
+} codes[KERNELS] = {
+    [GATHER] = {"denoise_gather", denoise_gather_spirv, sizeof denoise_gather_spirv},
+    [BLEND] = {"denoise_blend", denoise_blend_spirv, sizeof denoise_blend_spirv},
+    [BLEND_HISTORY] = {"denoise_blend", denoise_blend_spirv, sizeof denoise_blend_spirv},
+    [VARIANCE] = {"denoise_variance", denoise_variance_spirv, sizeof denoise_variance_spirv},
+    [WAVELET] = {"denoise_wavelet", denoise_wavelet_spirv, sizeof denoise_wavelet_spirv},
+    [WAVELET_LAST] = {"denoise_wavelet", denoise_wavelet_spirv, sizeof denoise_wavelet_spirv},
+    [FINISH] = {"denoise_finish", denoise_finish_spirv, sizeof denoise_finish_spirv},
+};
+
+// --- what is made once ---------------------------------------------------------------------------
+
+bool denoiser_create(struct gpu *gpu, struct denoiser *out, struct err *err)
+{
+    *out = (struct denoiser){.gpu = gpu, .own = calloc(1, sizeof *out->own)};
+    if (!out->own)
+        return err_memory(err, "denoiser", sizeof *out->own);
+    if (gpu_commands_create(gpu, &out->own->commands, err) &&
+        gpu_buffer_create(gpu, "denoiser's frame", sizeof(struct gpu_denoise), GPU_DEVICE, false,
+                          &out->own->frame, err))
+        return true;
+    denoiser_finish(out);
+    return false;
+}
+
+static void finish_kernels(struct denoiser *d)
+{
+    for (int i = 0; i < KERNELS; i++)
+        gpu_kernel_finish(d->gpu, &d->own->kernels[i]);
+    d->own->has_kernels = false;
+}
+
+static bool prepare_kernels(struct denoiser *d, const struct renderer *r, struct err *err)
+{
+    struct denoiser_state *own = d->own;
+    bool texel = (r->specialization.features & FEATURE_TEXEL_STATE) != 0 &&
+                 own->light[0].texel_view != VK_NULL_HANDLE;
+    if (own->has_kernels && own->texel == texel && own->aovs == r->specialization.aovs)
+        return true;
+    finish_kernels(d);
+    for (int i = 0; i < KERNELS; i++) {
+        const uint32_t constants[DENOISE_CONSTANT_COUNT] = {
+            [DENOISE_CONSTANT_TEXEL] = texel,
+            [DENOISE_CONSTANT_AOVS] = r->specialization.aovs,
+            [DENOISE_CONSTANT_LAST] = i == WAVELET_LAST,
+            [DENOISE_CONSTANT_HISTORY] = i == BLEND_HISTORY,
+        };
+        const struct gpu_kernel_params params = {
+            .name = codes[i].name,
+            .spirv = codes[i].spirv,
+            .spirv_bytes = codes[i].bytes,
+            .constants = constants,
+            .constant_count = DENOISE_CONSTANT_COUNT,
+        };
+        if (!gpu_kernel_create(d->gpu, &params, &own->kernels[i], err))
+            return false;
+    }
+    own->has_kernels = true;
+    own->texel = texel;
+    own->aovs = r->specialization.aovs;
+    return true;
+}
+
+// --- what grows with the picture -----------------------------------------------------------------
+
+static void finish_layers(struct gpu *gpu, struct layers *layers)
+{
+    gpu_buffer_finish(gpu, &layers->guides);
+    gpu_buffer_finish(gpu, &layers->blended);
+    gpu_buffer_finish(gpu, &layers->records);
+}
+
+static void finish_buffers(struct denoiser *d)
+{
+    struct denoiser_state *own = d->own;
+    for (int i = 0; i < 4; i++)
+        gpu_bindings_finish(d->gpu, &own->bindings[i >> 1][i & 1]);
+    for (int i = 0; i < 2; i++) {
+        finish_layers(d->gpu, &own->layers[i]);
+        gpu_buffer_finish(d->gpu, &own->light[i]);
+    }
+    gpu_buffer_finish(d->gpu, &own->modulation);
+    gpu_buffer_finish(d->gpu, &own->emission);
+    gpu_buffer_finish(d->gpu, &d->picture);
+    own->capacity = 0;
+}
+
+void denoiser_finish(struct denoiser *denoiser)
+{
+    if (denoiser && denoiser->own) {
+        finish_kernels(denoiser);
+        finish_buffers(denoiser);
+        gpu_buffer_finish(denoiser->gpu, &denoiser->own->frame);
+        gpu_commands_finish(denoiser->gpu, &denoiser->own->commands);
+        free(denoiser->own);
+        *denoiser = (struct denoiser){0};
+    }
+}
+
+static bool create_layers(struct gpu *gpu, uint64_t bytes, bool texel, struct layers *out,
+                          struct err *err)
+{
+    return gpu_buffer_create(gpu, "denoiser's guides", bytes, GPU_DEVICE, texel, &out->guides,
+                             err) &&
+           gpu_buffer_create(gpu, "denoiser's blended light", bytes, GPU_DEVICE, texel,
+                             &out->blended, err) &&
+           gpu_buffer_create(gpu, "denoiser's records", bytes, GPU_DEVICE, texel, &out->records,
+                             err);
+}
+
+// A set of all buffers, for the layers `now` and with light[from] to be read.
+static bool bind(const struct denoiser *d, uint32_t now, uint32_t from,
+                 const struct gpu_buffer *film, struct gpu_bindings *out, struct err *err)
+{
+    const struct denoiser_state *own = d->own;
+    const struct layers *layers = &own->layers[now], *history = &own->layers[1 - now];
+    const struct gpu_buffer *const buffers[DENOISE_BINDINGS] = {
+        [DENOISE_FILM] = film,
+        [DENOISE_GUIDES] = &layers->guides,
+        [DENOISE_GUIDES_HISTORY] = &history->guides,
+        [DENOISE_BLENDED] = &layers->blended,
+        [DENOISE_BLENDED_HISTORY] = &history->blended,
+        [DENOISE_RECORDS] = &layers->records,
+        [DENOISE_RECORDS_HISTORY] = &history->records,
+        [DENOISE_FROM] = &own->light[from],
+        [DENOISE_TO] = &own->light[1 - from],
+        [DENOISE_MODULATION] = &own->modulation,
+        [DENOISE_PICTURE] = &d->picture,
+        [DENOISE_EMISSION] = &own->emission,
+    };
+    struct gpu_binding storage[GPU_MAX_STORAGE] = {0};
+    const struct gpu_buffer *texels[GPU_MAX_TEXEL] = {0};
+    for (int i = 0; i < DENOISE_BINDINGS; i++) {
+        storage[i].buffer = buffers[i];
+        if (i != DENOISE_FILM && buffers[i]->texel_view)
+            texels[i] = buffers[i];
+    }
+    return gpu_bindings_create(d->gpu, storage, texels, &own->frame, out, err);
+}
+
+static bool create_buffers(struct denoiser *d, uint64_t pixels, struct err *err)
+{
+    struct denoiser_state *own = d->own;
+    uint64_t bytes = pixels * WORD_BYTES;
+    bool texel = gpu_texel_fits(d->gpu, bytes);
+    for (int i = 0; i < 2; i++)
+        if (!create_layers(d->gpu, bytes, texel, &own->layers[i], err) ||
+            !gpu_buffer_create(d->gpu, "denoiser's light", bytes, GPU_DEVICE, texel, &own->light[i],
+                               err))
+            return false;
+    if (!gpu_buffer_create(d->gpu, "denoiser's albedo", bytes, GPU_DEVICE, texel, &own->modulation,
+                           err) ||
+        !gpu_buffer_create(d->gpu, "denoiser's emission", bytes, GPU_DEVICE, texel, &own->emission,
+                           err) ||
+        !gpu_buffer_create(d->gpu, "denoised picture", bytes, GPU_DEVICE, texel, &d->picture, err))
+        return false;
+    for (uint32_t i = 0; i < 4; i++)
+        if (!bind(d, i >> 1, i & 1, NULL, &own->bindings[i >> 1][i & 1], err))
+            return false;
+    own->capacity = pixels;
+    return true;
+}
+
+static bool copy_history(struct denoiser *d, const struct layers *from, const struct layers *to,
+                         struct err *err)
+{
+    uint64_t bytes = (uint64_t)d->own->width * d->own->height * WORD_BYTES;
+    struct gpu_commands *commands = &d->own->commands;
+    if (!gpu_begin(d->gpu, commands, err))
+        return false;
+    gpu_copy(d->gpu, commands, &from->guides, 0, &to->guides, 0, bytes);
+    gpu_copy(d->gpu, commands, &from->blended, 0, &to->blended, 0, bytes);
+    gpu_copy(d->gpu, commands, &from->records, 0, &to->records, 0, bytes);
+    gpu_barrier(d->gpu, commands);
+    return gpu_submit(d->gpu, commands, err) && gpu_wait(d->gpu, commands, err);
+}
+
+// Room for a picture; the history comes along.
+static bool prepare_buffers(struct denoiser *d, uint32_t width, uint32_t height, struct err *err)
+{
+    struct denoiser_state *own = d->own;
+    uint64_t pixels = (uint64_t)width * height;
+    if (pixels <= own->capacity)
+        return true;
+    if (pixels * WORD_BYTES > d->gpu->max_storage_range)
+        return err_set(err, ERR_GPU,
+                       "a denoised preview of %u x %u pixels takes buffers of %llu bytes, expected "
+                       "at most %llu, the device's limit (maxStorageBufferRange)",
+                       width, height, (unsigned long long)(pixels * WORD_BYTES),
+                       (unsigned long long)d->gpu->max_storage_range);
+    struct layers history = {0};
+    uint32_t was = 1 - own->now;
+    if (d->has_history) {
+        history = own->layers[was];
+        own->layers[was] = (struct layers){0};
+    }
+    finish_buffers(d);
+    bool ok = create_buffers(d, pixels, err) &&
+              (!d->has_history || copy_history(d, &history, &own->layers[was], err));
+    finish_layers(d->gpu, &history);
+    if (!ok)
+        finish_buffers(d);
+    d->has_history = d->has_history && ok;
+    return ok;
+}
+
+// --- a call --------------------------------------------------------------------------------------
+
+static bool check(const struct denoise_call *call, struct err *err)
+{
+    if (call->iterations > DENOISE_LEVELS)
+        return err_set(err, ERR_USAGE, "%u levels of the denoiser's wavelet, expected 1 to %u",
+                       call->iterations, DENOISE_LEVELS);
+    uint32_t missing = DENOISE_AOVS & ~call->renderer->specialization.aovs;
+    if (missing != 0)
+        return err_set(err, ERR_BUG,
+                       "the denoiser's renderer lacks layers 0x%x, expected all of 0x%x", missing,
+                       DENOISE_AOVS);
+    return true;
+}
+
+static bool uses_history(const struct denoiser *d, const struct denoise_call *call)
+{
+    return d->has_history && call->temporal;
+}
+
+static bool upload_frame(struct denoiser *d, const struct denoise_call *call, struct err *err)
+{
+    const struct gpu_frame *film = &call->renderer->frame;
+    struct gpu_denoise frame = {
+        .halves = call->renderer->specialization.halves,
+        .first_half = film->samples - film->samples / 2,
+    };
+    const double *origin = call->camera->position;
+    denoise_view_fill(call->camera, film->width, film->height, origin, &frame.now);
+    if (uses_history(d, call))
+        denoise_view_fill(&d->own->camera, d->own->width, d->own->height, origin, &frame.history);
+    return gpu_upload(d->gpu, &d->own->frame, 0, &frame, sizeof frame, err);
+}
+
+static void dispatch(struct denoiser *d, enum kernel kernel, struct gpu_denoise_push push,
+                     uint64_t groups)
+{
+    struct gpu *gpu = d->gpu;
+    struct gpu_commands *commands = &d->own->commands;
+    for (uint64_t first = 0; first < groups; first += gpu->max_groups) {
+        uint64_t left = groups - first;
+        push.first_group = (uint32_t)first;
+        gpu_push(gpu, commands, &push, sizeof push);
+        gpu_dispatch(gpu, commands, &d->own->kernels[kernel],
+                     left < gpu->max_groups ? (uint32_t)left : gpu->max_groups);
+    }
+    gpu_barrier(gpu, commands);
+    gpu_timestamp(gpu, commands);
+}
+
+// Over the whole picture, with light[from] to be read.
+static void dispatch_picture(struct denoiser *d, enum kernel kernel, uint32_t from, uint32_t step)
+{
+    uint64_t across = (d->width + DENOISE_TILE - 1) / DENOISE_TILE;
+    uint64_t down = (d->height + DENOISE_TILE - 1) / DENOISE_TILE;
+    gpu_bind(d->gpu, &d->own->commands, &d->own->bindings[d->own->now][from]);
+    dispatch(d, kernel, (struct gpu_denoise_push){.step = step}, across * down);
+}
+
+static uint64_t chunk_pixels(const struct renderer *r, uint32_t chunk)
+{
+    uint64_t first = chunk * r->plan.film_chunk_pixels;
+    uint64_t pixels = (uint64_t)r->frame.width * r->frame.height;
+    uint64_t left = pixels > first ? pixels - first : 0;
+    return left < r->plan.film_chunk_pixels ? left : r->plan.film_chunk_pixels;
+}
+
+// Leaves the film's light in light[0].
+static void gather(struct denoiser *d, const struct renderer *r, const struct gpu_bindings *films)
+{
+    gpu_timestamp(d->gpu, &d->own->commands);
+    for (uint32_t chunk = 0; chunk < r->plan.film_chunks; chunk++) {
+        uint64_t pixels = chunk_pixels(r, chunk);
+        const struct gpu_denoise_push push = {
+            .first_pixel = (uint32_t)(chunk * r->plan.film_chunk_pixels),
+            .pixel_count = (uint32_t)pixels,
+        };
+        if (pixels == 0)
+            continue;
+        gpu_bind(d->gpu, &d->own->commands, &films[chunk]);
+        dispatch(d, GATHER, push, (pixels + DENOISE_WORKGROUP - 1) / DENOISE_WORKGROUP);
+    }
+}
+
+// From light[1], where the variance's pass left it; the picture is complete then.
+static void filter(struct denoiser *d, uint32_t levels)
+{
+    uint32_t from = 1;
+    dispatch_picture(d, VARIANCE, 0, 0);
+    for (uint32_t level = 0; level < levels; level++, from = 1 - from)
+        dispatch_picture(d, level + 1 < levels ? WAVELET : WAVELET_LAST, from, 1u << level);
+    dispatch_picture(d, FINISH, from, 0);
+}
+
+static bool submit(struct denoiser *d, uint32_t gathers, uint32_t levels, struct err *err)
+{
+    struct gpu_commands *commands = &d->own->commands;
+    double ns[GPU_MAX_TIMESTAMPS] = {0};
+    if (!gpu_submit(d->gpu, commands, err) || !gpu_wait(d->gpu, commands, err))
+        return false;
+    if (d->gpu->has_timestamps && !gpu_timestamps_ns(d->gpu, commands, ns, err))
+        return false;
+    memset(d->pass_ms, 0, sizeof d->pass_ms);
+    d->ms = 0.0;
+    for (uint32_t i = 1; d->gpu->has_timestamps && i < commands->timestamp_count; i++) {
+        uint32_t after = i > gathers ? i - gathers : 0; // 1: blend, 2: variance, …
+        enum denoise_pass pass = after <= 2            ? (enum denoise_pass)after
+                                 : after <= 2 + levels ? DENOISE_PASS_wavelet
+                                                       : DENOISE_PASS_finish;
+        d->pass_ms[pass] += (ns[i] - ns[i - 1]) * 1e-6;
+        d->ms += (ns[i] - ns[i - 1]) * 1e-6;
+    }
+    return true;
+}
+
+static bool record(struct denoiser *d, const struct denoise_call *call, bool filtered,
+                   const struct gpu_bindings *films, struct err *err)
+{
+    uint32_t levels = call->iterations ? call->iterations : DENOISE_LEVELS, gathers = 0;
+    if (!gpu_begin(d->gpu, &d->own->commands, err))
+        return false;
+    for (uint32_t chunk = 0; chunk < call->renderer->plan.film_chunks; chunk++)
+        gathers += chunk_pixels(call->renderer, chunk) > 0;
+    gather(d, call->renderer, films);
+    dispatch_picture(d, uses_history(d, call) ? BLEND_HISTORY : BLEND, 0, 0);
+    if (filtered)
+        filter(d, levels);
+    return submit(d, gathers, levels, err);
+}
+
+// The film's buffers belong to the renderer, which may have made them anew since the last call: the
+// sets that bind them live no longer than this one.
+static bool process(struct denoiser *d, const struct denoise_call *call, bool filtered,
+                    struct err *err)
+{
+    const struct renderer *r = call->renderer;
+    if (!check(call, err) || !prepare_buffers(d, r->frame.width, r->frame.height, err) ||
+        !prepare_kernels(d, r, err) || !upload_frame(d, call, err))
+        return false;
+    d->width = r->frame.width;
+    d->height = r->frame.height;
+    struct gpu_bindings *films = calloc(r->plan.film_chunks, sizeof *films);
+    if (!films)
+        return err_memory(err, "denoiser", r->plan.film_chunks * sizeof *films);
+    bool ok = true;
+    for (uint32_t i = 0; i < r->plan.film_chunks && ok; i++)
+        ok = bind(d, d->own->now, 1, &r->film[i], &films[i], err);
+    ok = ok && record(d, call, filtered, films, err);
+    for (uint32_t i = 0; i < r->plan.film_chunks; i++)
+        gpu_bindings_finish(d->gpu, &films[i]);
+    free(films);
+    return ok;
+}
+
+bool denoiser_run(struct denoiser *denoiser, const struct denoise_call *call, struct err *err)
+{
+    return process(denoiser, call, true, err);
+}
+
+bool denoiser_keep(struct denoiser *denoiser, const struct denoise_call *call, struct err *err)
+{
+    struct gpu_film_pixel first; // the one that gets samples before all others
+    if (!gpu_download(denoiser->gpu, &call->renderer->film[0], 0, &first, sizeof first, err))
+        return false;
+    if (first.samples == 0)
+        return true;
+    if (!process(denoiser, call, false, err))
+        return false;
+    struct denoiser_state *own = denoiser->own;
+    own->now = 1 - own->now;
+    own->camera = *call->camera;
+    own->width = denoiser->width;
+    own->height = denoiser->height;
+    denoiser->has_history = true;
+    return true;
+}
+
+void denoiser_forget(struct denoiser *denoiser)
+{
+    denoiser->has_history = false;
+}

@@ -1,0 +1,87 @@
+// What the files of the display share and nobody else sees.
+#ifndef LAMPYRIS_RENDER_SHOW_DISPLAY_INTERNAL_H
+#define LAMPYRIS_RENDER_SHOW_DISPLAY_INTERNAL_H
+
+#include "render/show/display.h"
+
+enum display_code { DISPLAY_READ, DISPLAY_SCALE, DISPLAY_SHOW, DISPLAY_RANGE, DISPLAY_CODES };
+
+#define DISPLAY_KERNELS 32u // that are kept
+#define DISPLAY_SETS 32u    // that one submission uses at most
+
+// A linear picture: see shared/display.h. The buffer may be larger.
+struct linear {
+    struct gpu_buffer buffer;
+    uint32_t width, height;
+};
+
+// One made of another, and how: see display_scale.
+struct sized {
+    struct linear picture;
+    struct gpu_buffer taps; // struct gpu_display_taps
+    uint32_t key[5];        // what they were made for
+};
+
+// Of one side.
+struct display_pictures {
+    struct linear film; // as it is; of a film in chunks one after the other
+    struct sized sized; // the size that is shown, where that is another
+    struct linear kept, kept_next;
+    struct sized kept_sized;
+    struct gpu_buffer sources; // see DISPLAY_BINDING_SOURCES
+    bool is_kept;
+    uint32_t kept_shown; // SHOWN_*
+};
+
+struct display_state {
+    struct gpu_commands commands;
+    struct gpu_kernel kernels[DISPLAY_KERNELS];
+    uint32_t kernel_count;                  // made so far; beyond DISPLAY_KERNELS the oldest goes
+    struct gpu_bindings sets[DISPLAY_SETS]; // made when needed, then used again and again
+    uint32_t set_count;                     // of the commands that are recorded
+    struct display_pictures sides[2];
+    struct gpu_buffer palette; // linear colours
+    struct gpu_buffer range;   // struct gpu_display_range
+};
+
+// What a dispatch is made of.
+struct display_work {
+    enum display_code code;
+    uint32_t constants[DISPLAY_CONSTANT_COUNT]; // texels and workgroup are added
+    struct gpu_display_push push;
+    const struct gpu_buffer *buffers[DISPLAY_BINDING_COUNT]; // by binding
+    uint64_t threads;
+};
+
+// --- display_work.c ------------------------------------------------------------------------------
+bool display_begin(struct display *display, struct err *err);
+// Records a dispatch, and a barrier behind it.
+bool display_dispatch(struct display *display, const struct display_work *work, struct err *err);
+// Submits and waits; what it took is added to display->ms.
+bool display_end(struct display *display, struct err *err);
+// Makes room for a picture; what the buffer holds is lost where it grows.
+bool display_reserve(struct display *display, const char *name, uint32_t width, uint32_t height,
+                     struct linear *out, struct err *err);
+// The same of any buffer, of `bytes`.
+bool display_reserve_bytes(struct display *display, const char *name, uint64_t bytes, bool texel,
+                           struct gpu_buffer *out, struct err *err);
+void display_work_finish(struct display *display);
+
+// --- display_scale.c -----------------------------------------------------------------------------
+// Pixels [first, first + count) of a film, in one of its buffers.
+struct display_part {
+    uint32_t chunk, first, count;
+};
+// Makes to->picture, which has its size, of `from`; or adds what `from` has of this part, as its
+// first pixels. part NULL: it has all.
+bool display_scale(struct display *display, const struct linear *from,
+                   const struct display_part *part, bool nearest, struct sized *to,
+                   struct err *err);
+
+// --- display_range.c -----------------------------------------------------------------------------
+// Finds the range of what the pictures have that are to be shown. *low < *high.
+bool display_find_range(struct display *display, uint32_t shown,
+                        const struct linear *const pictures[2], uint32_t count, double range[2],
+                        struct err *err);
+
+#endif

@@ -1,0 +1,48 @@
+#include "render/tables/alias_table.h"
+
+bool alias_table_build(const double *weights, uint32_t count, struct arena *scratch,
+                       struct alias_bin *bins)
+{
+    double *share = ARENA_NEW(scratch, double, count); // of a bin; 1 is exactly full
+    uint32_t *small = ARENA_NEW(scratch, uint32_t, count);
+    uint32_t *large = ARENA_NEW(scratch, uint32_t, count);
+    if (!share || !small || !large)
+        return false;
+
+    double sum = 0.0;
+    for (uint32_t i = 0; i < count; i++)
+        sum += weights[i];
+    uint32_t small_count = 0, large_count = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        share[i] = weights[i] / sum * count;
+        if (share[i] < 1.0)
+            small[small_count++] = i;
+        else
+            large[large_count++] = i;
+    }
+
+    while (small_count && large_count) {
+        uint32_t low = small[--small_count], high = large[large_count - 1];
+        bins[low] = (struct alias_bin){(float)share[low], high};
+        share[high] -= 1.0 - share[low];
+        if (share[high] < 1.0) {
+            large_count--;
+            small[small_count++] = high;
+        }
+    }
+    // What is left over is full but for rounding. A bin of weight 0 cannot be left here with a
+    // positive threshold unless rounding took its partner: point it at itself only if it has
+    // weight.
+    while (large_count) {
+        uint32_t i = large[--large_count];
+        bins[i] = (struct alias_bin){1.0f, i};
+    }
+    while (small_count) {
+        uint32_t i = small[--small_count];
+        uint32_t other = i;
+        while (weights[other] <= 0.0)
+            other = other + 1 < count ? other + 1 : 0;
+        bins[i] = (struct alias_bin){weights[i] > 0.0 ? 1.0f : 0.0f, other};
+    }
+    return true;
+}

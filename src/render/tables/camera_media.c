@@ -1,0 +1,302 @@
+#include "render/tables/camera_media.h"
+
+#include "scene/core/affine.h"
+#include "scene/sdf/sdf.h"
+#include "scene/sdf/sdf_evaluate.h"
+#include <math.h>
+#include <string.h>
+
+#define RAYS 3
+
+struct probe {
+    double origin[3];
+    double directions[RAYS][3];
+    // How often each ray leaves surfaces of each medium more than it enters them.
+    int32_t left[RAYS][MEDIA_MAX + 1];
+};
+
+static void cross(const double a[3], const double b[3], double out[3])
+{
+    for (int i = 0; i < 3; i++)
+        out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
+}
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+// +1 where the ray leaves through the triangle's front, which is where its corners run
+// counter-clockwise, -1 where it enters there, 0 for a miss (Moeller and Trumbore 1997).
+static int crossing(const double origin[3], const double direction[3],
+                    const struct flat_triangle *triangle)
+{
+    double e1[3], e2[3], from[3], p[3], q[3];
+    for (int c = 0; c < 3; c++) {
+        e1[c] = (double)triangle->v[1][c] - (double)triangle->v[0][c];
+        e2[c] = (double)triangle->v[2][c] - (double)triangle->v[0][c];
+        from[c] = origin[c] - (double)triangle->v[0][c];
+    }
+    cross(direction, e2, p);
+    cross(from, e1, q);
+    double determinant = dot(e1, p); // -(direction . normal)
+    if (determinant == 0.0)
+        return 0;
+    double u = dot(from, p) / determinant, v = dot(direction, q) / determinant;
+    double t = dot(e2, q) / determinant;
+    if (u < 0.0 || v < 0.0 || u + v > 1.0 || t <= 0.0)
+        return 0;
+    return determinant < 0.0 ? 1 : -1;
+}
+
+// --- shapes --------------------------------------------------------------------------------------
+
+static void to_double(const float from[3], double out[3])
+{
+    for (int c = 0; c < 3; c++)
+        out[c] = (double)from[c];
+}
+
+// Of the body that a shape encloses; a plane has everything behind it.
+static bool is_inside(const double origin[3], const struct flat_shape *shape)
+{
+    double from[3], axes[3][3], along[3], square[3], radius = (double)shape->radius;
+    for (int i = 0; i < 3; i++) {
+        from[i] = origin[i] - (double)shape->center[i];
+        to_double(shape->axes[i], axes[i]);
+    }
+    for (int i = 0; i < 3; i++) {
+        along[i] = dot(from, axes[i]);
+        square[i] = dot(axes[i], axes[i]);
+    }
+    double normal[3];
+    to_double(shape->normal, normal);
+    switch (shape->kind) {
+    case SHAPE_SPHERE:
+        return dot(from, from) < radius * radius;
+    case SHAPE_PLANE:
+        return dot(from, normal) < 0.0;
+    case SHAPE_BOX:
+        return fabs(along[0]) < square[0] && fabs(along[1]) < square[1] &&
+               fabs(along[2]) < square[2];
+    case SHAPE_CYLINDER:
+        return fabs(along[0]) < square[0] &&
+               dot(from, from) - along[0] * along[0] / square[0] < radius * radius;
+    default:
+        return false;
+    }
+}
+
+// Of a distance field: nothing is outside of its box.
+static bool is_inside_field(const double origin[3], const struct flat_shape *shape,
+                            const struct sdf *sdf)
+{
+    struct shape placed = {.kind = SHAPE_SDF};
+    double to_world[3][4], to_field[3][4], p[3];
+    to_double(shape->center, placed.center);
+    for (int i = 0; i < 3; i++)
+        to_double(shape->axes[i], placed.axes[i]);
+    sdf_to_world(sdf, &placed, to_world);
+    if (!affine_inverse(to_world, to_field))
+        return false;
+    affine_point(to_field, origin, p);
+    for (int i = 0; i < 3; i++)
+        if (!(p[i] >= sdf->min[i] && p[i] <= sdf->max[i]))
+            return false;
+    return sdf_evaluate(sdf, p) < 0.0;
+}
+
+// As crossing(): at the distance t to the shape's plane, whose front is along the normal.
+static int crossing_plane(const double direction[3], const double normal[3], double t, bool hit)
+{
+    return !hit || !(t > 0.0) ? 0 : dot(direction, normal) > 0.0 ? 1 : -1;
+}
+
+static int crossing_flat_shape(const double origin[3], const double direction[3],
+                               const struct flat_shape *shape)
+{
+    double from[3], normal[3], u[3], v[3], point[3], radius = (double)shape->radius;
+    to_double(shape->normal, normal);
+    to_double(shape->axes[0], u);
+    to_double(shape->axes[1], v);
+    if (shape->kind == SHAPE_QUAD)
+        cross(u, v, normal);
+    for (int c = 0; c < 3; c++)
+        from[c] = origin[c] - (double)shape->center[c];
+    double t = -dot(from, normal) / dot(direction, normal);
+    for (int c = 0; c < 3; c++)
+        point[c] = from[c] + t * direction[c];
+    if (shape->kind == SHAPE_DISC)
+        return crossing_plane(direction, normal, t, dot(point, point) <= radius * radius);
+    // In units of the half edges.
+    double across[3], square = dot(normal, normal);
+    cross(point, v, across);
+    double a = dot(across, normal) / square;
+    cross(u, point, across);
+    double b = dot(across, normal) / square;
+    return crossing_plane(direction, normal, t, fabs(a) <= 1.0 && fabs(b) <= 1.0);
+}
+
+// Both sides of a tube's wall at once: the ray leaves at the far crossing and enters at the near
+// one, where these are between the ends.
+static int crossing_tube(const double origin[3], const double direction[3],
+                         const struct flat_shape *shape)
+{
+    double from[3], axis[3], f[3], d[3], radius = (double)shape->radius;
+    int crossings = 0;
+    to_double(shape->axes[0], axis);
+    for (int c = 0; c < 3; c++)
+        from[c] = origin[c] - (double)shape->center[c];
+    double square = dot(axis, axis), from_along = dot(from, axis) / square;
+    double along = dot(direction, axis) / square;
+    for (int c = 0; c < 3; c++) {
+        f[c] = from[c] - from_along * axis[c];
+        d[c] = direction[c] - along * axis[c];
+    }
+    double a = dot(d, d), b = dot(f, d), discriminant = b * b - a * (dot(f, f) - radius * radius);
+    for (int side = -1; side <= 1 && discriminant > 0.0; side += 2) {
+        double t = (-b + side * sqrt(discriminant)) / a;
+        if (t > 0.0 && fabs(from_along + t * along) <= 1.0)
+            crossings += side;
+    }
+    return crossings;
+}
+
+static void probe_shape(struct probe *probe, const struct flat_shape *shape, const struct sdf *sdfs,
+                        uint32_t number)
+{
+    bool inside = shape->kind == SHAPE_SDF
+                      ? is_inside_field(probe->origin, shape, &sdfs[shape->sdf])
+                      : is_inside(probe->origin, shape);
+    for (int ray = 0; ray < RAYS; ray++) {
+        const double *direction = probe->directions[ray];
+        int32_t *left = &probe->left[ray][number];
+        if (shape->kind == SHAPE_DISC || shape->kind == SHAPE_QUAD)
+            *left += crossing_flat_shape(probe->origin, direction, shape);
+        else if (shape->kind == SHAPE_TUBE)
+            *left += crossing_tube(probe->origin, direction, shape);
+        else
+            *left += inside;
+    }
+}
+
+// --- the whole -----------------------------------------------------------------------------------
+
+// What the boxes of the hierarchy leave of a tree's triangles, for one of the rays.
+struct visit {
+    struct probe *probe;
+    const struct shading_tables_params *p;
+    const struct gpu_material *materials;
+    uint32_t override; // material of all; SCENE_NONE: their own
+    int ray;
+};
+
+static void probe_triangle(const struct visit *v, uint32_t index)
+{
+    const struct flat_triangle *triangle = &v->p->flat->triangles[index];
+    uint32_t material = v->override == SCENE_NONE ? triangle->material : v->override;
+    uint32_t number = v->materials[material].medium;
+    if (number > 0)
+        v->probe->left[v->ray][number] +=
+            crossing(v->probe->origin, v->probe->directions[v->ray], triangle);
+}
+
+static void probe_instance(struct visit *v, const struct flat_instance *instance);
+
+// Instances are looked into with all rays at once, when the first one comes to them: one whose box
+// no ray begins in is of no interest.
+static void visit_primitive(void *context, uint32_t primitive)
+{
+    struct visit *v = context;
+    if (!(primitive & BVH_LEAF_SHAPE))
+        probe_triangle(v, primitive);
+    else if (v->ray == 0)
+        probe_instance(v, &v->p->flat->instances[primitive & BVH_LEAF_INDEX]);
+}
+
+// A triangle that has several places would be visited several times: the boxes are left alone then.
+static bool is_split(const struct bvh *bvh)
+{
+    return bvh->reference_count > bvh->triangle_count;
+}
+
+// The triangles from `first` to `end`, which are those of the tree at `root`, and its instances.
+static void probe_tree(struct visit *v, uint32_t root, uint32_t first, uint32_t end)
+{
+    const struct bvh *bvh = v->p->bvh;
+    for (v->ray = 0; v->ray < RAYS; v->ray++) {
+        for (uint32_t i = first; i < end && is_split(bvh); i++)
+            probe_triangle(v, i);
+        if (!is_split(bvh))
+            bvh_visit_ray(bvh, root, v->probe->origin, v->probe->directions[v->ray],
+                          visit_primitive, v);
+    }
+}
+
+static void probe_instance(struct visit *v, const struct flat_instance *instance)
+{
+    const struct flat_mesh *mesh = &v->p->flat->meshes[instance->mesh];
+    const struct probe *world = v->probe;
+    struct probe probe = *world;
+    for (int row = 0; row < 3; row++) {
+        double linear[3];
+        to_double(instance->to_object[row], linear);
+        probe.origin[row] = dot(linear, world->origin) + (double)instance->to_object[row][3];
+        for (int ray = 0; ray < RAYS; ray++)
+            probe.directions[ray][row] = dot(linear, world->directions[ray]);
+    }
+    // No closed surface holds what is outside of its box.
+    for (int c = 0; c < 3; c++)
+        if (!(probe.origin[c] >= (double)mesh->bounds_min[c] &&
+              probe.origin[c] <= (double)mesh->bounds_max[c]))
+            return;
+    struct visit inside = *v;
+    inside.probe = &probe;
+    inside.override = instance->material;
+    probe_tree(&inside, v->p->bvh->roots[instance->mesh + 1], mesh->first_triangle,
+               mesh->first_triangle + mesh->triangle_count);
+    memcpy(v->probe->left, probe.left, sizeof probe.left);
+}
+
+static void probe_scene(struct probe *probe, const struct shading_tables_params *p,
+                        const struct gpu_material *materials)
+{
+    const struct flat_scene *flat = p->flat;
+    struct visit visit = {probe, p, materials, SCENE_NONE, 0};
+    probe_tree(&visit, 0, 0, flat->world_triangle_count);
+    for (uint32_t i = 0; i < flat->placed_count && is_split(p->bvh); i++)
+        probe_instance(&visit, &flat->instances[i]);
+    for (uint32_t i = 0; i < flat->shape_count; i++) {
+        uint32_t number = materials[flat->shapes[i].material].medium;
+        if (number > 0)
+            probe_shape(probe, &flat->shapes[i], p->scene->sdfs, number);
+    }
+}
+
+// The value that at least two of the three rays agree on, else none.
+static int32_t majority(const struct probe *probe, uint32_t number)
+{
+    int32_t a = probe->left[0][number], b = probe->left[1][number], c = probe->left[2][number];
+    return a == b || a == c ? a : b == c ? b : 0;
+}
+
+uint32_t camera_media_find(const struct shading_tables_params *p,
+                           const struct gpu_material *materials)
+{
+    // Along the line of sight and to two sides of it, none along an axis of a symmetric scene.
+    struct probe probe = {0};
+    const double *d = p->camera->direction;
+    flat_from_world(p->flat, p->camera->position, probe.origin);
+    for (int c = 0; c < 3; c++) {
+        probe.origin[c] = (double)(float)probe.origin[c];
+        probe.directions[0][c] = d[c] + 0.0123 * d[(c + 1) % 3] + 0.00456 * (c + 1);
+        probe.directions[1][c] = d[(c + 1) % 3] + 0.345 * (c - 0.7);
+        probe.directions[2][c] = d[(c + 2) % 3] - 0.234 * (c - 1.3);
+    }
+    probe_scene(&probe, p, materials);
+    uint32_t stack = 0;
+    for (uint32_t number = 1; number <= MEDIA_MAX; number++)
+        for (int32_t n = majority(&probe, number); n > 0; n--)
+            stack = stack << 8 | number; // the highest ones stay
+    return stack;
+}

@@ -1,0 +1,592 @@
+#include "render/tables/emitters.h"
+
+#include "base/clock.h"
+#include "base/log.h"
+#include "flatten/flatten_shapes.h"
+#include "render/tables/alias_table.h"
+#include "render/tables/emitter_power.h"
+#include "render/tables/light_tree.h"
+#include "render/tables/shading_tables.h"
+#include "scene/core/environment.h"
+#include "scene/core/light.h"
+#include <math.h>
+#include <string.h>
+
+bool shape_is_emitter(uint32_t kind)
+{
+    return kind != SHAPE_PLANE && kind != SHAPE_SDF;
+}
+
+struct emitter_counts emitters_count(const struct scene *scene, const struct flat_scene *flat)
+{
+    const struct environment *environment = &scene->environment;
+    struct emitter_counts counts = {.environment = environment->present && environment->width > 0 &&
+                                                   environment_luminance(environment) > 0.0};
+    for (uint32_t i = 0; i < scene->light_count; i++) {
+        bool is_sun =
+            scene->lights[i].kind == LIGHT_DIRECTIONAL && scene->lights[i].angular_radius > 0.0;
+        counts.suns += is_sun;
+        counts.lights += !is_sun;
+    }
+    for (uint32_t i = 0; i < flat->triangle_count; i++)
+        counts.triangles +=
+            mean_radiance(scene, &scene->materials[flat->triangles[i].material]) > 0.0;
+    for (uint32_t i = 0; i < flat->shape_count; i++) {
+        uint32_t kind = flat->shapes[i].kind;
+        if (shape_is_emitter(kind) &&
+            mean_radiance(scene, &scene->materials[flat->shapes[i].material]) > 0.0)
+            counts.shapes[kind]++;
+    }
+    return counts;
+}
+
+uint64_t emitters_total(const struct emitter_counts *counts)
+{
+    uint64_t total = (uint64_t)counts->triangles + counts->lights + counts->suns;
+    for (uint32_t kind = 0; kind < SHAPE_KIND_COUNT; kind++)
+        total += counts->shapes[kind];
+    return total + counts->environment;
+}
+
+// Measured (docs/lighting.md): from about here on the tree is worth what it costs wherever emitters
+// are not all equally far from what they light.
+#define TREE_EMITTERS 16
+
+uint32_t emitters_choice(uint32_t setting, const struct emitter_counts *counts)
+{
+    if (setting != LIGHT_CHOICE_AUTO)
+        return setting;
+    uint64_t near = emitters_total(counts) - counts->suns - counts->environment;
+    return near >= TREE_EMITTERS ? LIGHT_CHOICE_TREE : LIGHT_CHOICE_POWER;
+}
+
+uint64_t emitters_bytes(uint32_t choice, const struct emitter_counts *counts)
+{
+    uint64_t total = emitters_total(counts);
+    return choice == LIGHT_CHOICE_TREE
+               ? sizeof(struct gpu_light_tree) +
+                     total * (2 * sizeof(struct gpu_light_bounds) + sizeof(struct gpu_light_trail))
+               : total * sizeof(struct gpu_emitter);
+}
+
+// --- the list of emitters ------------------------------------------------------------------------
+
+struct emitter_list {
+    uint32_t *primitives;
+    double *powers; // as in emitter_power.h
+    uint32_t count, surface_count;
+    double total;
+};
+
+static bool stopped(struct err *err)
+{
+    return err_set(err, ERR_STOPPED, "stopped while listing the emitters");
+}
+
+static void add_emitter(struct emitter_list *list, uint32_t primitive, double power)
+{
+    list->primitives[list->count] = primitive;
+    list->powers[list->count++] = power;
+    list->total += power;
+}
+
+// In the order of the flat scene, so that no BVH decides which number an emitter has, and with that
+// which one a random number chooses.
+static bool list_triangles(const struct shading_tables_params *p, struct emitter_list *list,
+                           struct err *err)
+{
+    const struct flat_scene *flat = p->flat;
+    const struct bvh *bvh = p->bvh;
+    bool ok = true;
+    struct arena scratch = {0};
+    uint32_t *places = ARENA_NEW(&scratch, uint32_t, flat->triangle_count); // in leaf order
+    if (!places)
+        return err_memory(err, "emitters", flat->triangle_count * sizeof *places);
+    for (uint32_t i = 0; i < bvh->reference_count; i++)
+        places[bvh->triangle_order[i]] = i;
+    for (uint32_t i = 0; ok && i < flat->triangle_count; i++) {
+        const struct flat_triangle *triangle = &flat->triangles[i];
+        double radiance = mean_radiance(p->scene, &p->scene->materials[triangle->material]);
+        if (radiance > 0.0)
+            add_emitter(list, places[i], radiance * triangle_area(flat, i));
+        if (progress_stops_at(p->progress, i))
+            ok = stopped(err);
+    }
+    arena_finish(&scratch);
+    return ok;
+}
+
+// Every primitive with emission, those of zero area too: they get no weight.
+static bool list_emitters(const struct shading_tables_params *p, struct arena *arena,
+                          struct emitter_list *list, struct err *err)
+{
+    const struct scene *scene = p->scene;
+    const struct flat_scene *flat = p->flat;
+    struct emitter_counts counts = emitters_count(scene, flat);
+    uint64_t count = emitters_total(&counts);
+    *list = (struct emitter_list){.primitives = ARENA_NEW(arena, uint32_t, count),
+                                  .powers = ARENA_NEW(arena, double, count)};
+    if (!list->primitives || !list->powers)
+        return err_memory(err, "emitters", count * 12);
+    if (counts.triangles && !list_triangles(p, list, err))
+        return false;
+    for (uint32_t i = 0; i < flat->shape_count; i++) {
+        const struct flat_shape *shape = &flat->shapes[i];
+        double radiance = mean_radiance(scene, &scene->materials[shape->material]);
+        if (shape_is_emitter(shape->kind) && radiance > 0.0)
+            add_emitter(list, PRIMITIVE_SHAPE | i, radiance * shape_area(shape));
+    }
+    list->surface_count = list->count;
+    for (uint32_t i = 0; i < scene->light_count; i++) {
+        const struct light light = flat_light(flat, &scene->lights[i]);
+        add_emitter(list, PRIMITIVE_LIGHT | i, light_power(&light, flat));
+    }
+    if (counts.environment)
+        add_emitter(list, PRIMITIVE_ENVIRONMENT, environment_power(&scene->environment, flat));
+    return true;
+}
+
+// --- lights without extent, and suns -------------------------------------------------------------
+
+// The record of a light of flat_light(), but for the probability to pick it.
+static struct gpu_light light_record(const struct light *light, float reach)
+{
+    struct gpu_light record = {
+        .kind = light->kind,
+        .inverse_range = (float)(1.0 / (double)light->range),
+        .reach = reach,
+    };
+    for (int c = 0; c < 3; c++) {
+        record.position[c] = (float)light->position[c];
+        record.direction[c] = (float)light->direction[c];
+        record.radiant[c] = light->radiant[c];
+    }
+    if (light->kind == LIGHT_SPOT) {
+        double width = spot_width(light);
+        record.spot_scale = (float)(1.0 / width);
+        record.spot_offset = (float)(versine((double)light->outer_angle) / width);
+    }
+    if (light->kind == LIGHT_DIRECTIONAL)
+        record.versine = (float)versine(light->angular_radius);
+    return record;
+}
+
+// What a light sends is divided by the square of its distance, which must stay finite.
+static bool check_place(const struct scene *scene, const struct flat_scene *flat,
+                        const struct light *light, const struct light *placed, struct err *err)
+{
+    for (int c = 0; c < 3; c++)
+        if (light->kind != LIGHT_DIRECTIONAL && !(fabs(placed->position[c]) <= FLAT_COORDINATE_MAX))
+            return err_set(err, ERR_INPUT,
+                           "%s: light %td at (%g, %g, %g) is too far from a scene that is %g m "
+                           "across; expected it within %g m",
+                           scene->path ? scene->path : "scene", light - scene->lights,
+                           light->position[0], light->position[1], light->position[2],
+                           2.0 * bounding_radius(flat) / flat->scale,
+                           FLAT_COORDINATE_MAX / flat->scale);
+    return true;
+}
+
+static bool fill_lights(const struct scene *scene, const struct flat_scene *flat,
+                        struct arena *arena, struct emitters *out, struct err *err)
+{
+    uint32_t count = scene->light_count;
+    if (count == 0)
+        return true;
+    out->lights = ARENA_NEW(arena, struct gpu_light, count);
+    if (!out->lights)
+        return err_memory(err, "lights", count * sizeof *out->lights);
+    uint32_t dark = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        const struct light light = flat_light(flat, &scene->lights[i]);
+        if (!check_place(scene, flat, &scene->lights[i], &light, err))
+            return false;
+        out->lights[i] = light_record(&light, out->reach);
+        dark += !(out->lights[i].versine > 0.0f);
+    }
+    if (!scene->settings.nee && dark > 0)
+        log_warn("without next-event estimation no light without extent is found: %u left dark: "
+                 "expected --nee on",
+                 dark);
+    return true;
+}
+
+// Adds `pick` to the probability of an emitter whose probability is the same everywhere.
+static void add_pick(struct emitters *out, uint32_t primitive, double pick)
+{
+    if (primitive == PRIMITIVE_ENVIRONMENT)
+        out->environment_pick += (float)pick;
+    else if (primitive & PRIMITIVE_LIGHT)
+        out->lights[primitive & ~PRIMITIVE_LIGHT].pick_probability += (float)pick;
+}
+
+// --- ways to choose ------------------------------------------------------------------------------
+
+// Fills bins[count] and the probabilities that they give to lights and the environment, times
+// `share`.
+static bool fill_bins(const uint32_t *primitives, const double *powers, uint32_t count,
+                      double share, struct arena *arena, struct gpu_emitter *bins,
+                      struct emitters *out, struct err *err)
+{
+    struct alias_bin *table = ARENA_NEW(arena, struct alias_bin, count);
+    double *sums = ARENA_NEW(arena, double, count);
+    if (!table || !sums || !alias_table_build(powers, count, arena, table))
+        return err_memory(err, "emitters", (uint64_t)count * sizeof *bins);
+    for (uint32_t i = 0; i < count; i++) {
+        bins[i] = (struct gpu_emitter){.threshold = table[i].threshold,
+                                       .primitive = primitives[i],
+                                       .alias_primitive = primitives[table[i].alias]};
+        sums[i] += (double)table[i].threshold;
+        sums[table[i].alias] += 1.0 - (double)table[i].threshold;
+    }
+    for (uint32_t i = 0; i < count; i++)
+        add_pick(out, primitives[i], share * (sums[i] / count));
+    return true;
+}
+
+static bool build_power(const struct emitter_list *list, struct arena *arena, struct emitters *out,
+                        struct err *err)
+{
+    if (!(list->total > 0.0))
+        return true;
+    struct gpu_emitter *bins = ARENA_NEW(arena, struct gpu_emitter, list->count);
+    if (!bins)
+        return err_memory(err, "emitters", (uint64_t)list->count * sizeof *bins);
+    out->data = bins;
+    out->bytes = (uint64_t)list->count * sizeof *bins;
+    out->count = list->count;
+    out->total_power = list->total;
+    return fill_bins(list->primitives, list->powers, list->count, 1.0, arena, bins, out, err);
+}
+
+// Bins without aliases, each chosen with probability `pick`.
+static bool build_list(const struct emitter_list *list, double pick, struct arena *arena,
+                       struct emitters *out, struct err *err)
+{
+    struct gpu_emitter *bins = ARENA_NEW(arena, struct gpu_emitter, list->count);
+    if (!bins)
+        return err_memory(err, "emitters", (uint64_t)list->count * sizeof *bins);
+    out->data = bins;
+    out->bytes = (uint64_t)list->count * sizeof *bins;
+    out->count = list->count;
+    for (uint32_t i = 0; i < list->count; i++) {
+        bins[i] = (struct gpu_emitter){.threshold = 1.0f,
+                                       .primitive = list->primitives[i],
+                                       .alias_primitive = list->primitives[i]};
+        add_pick(out, list->primitives[i], pick);
+    }
+    return true;
+}
+
+// --- the tree ------------------------------------------------------------------------------------
+
+static void bound_triangle(const struct flat_scene *flat, uint32_t id, struct light_bounds *out)
+{
+    const struct flat_triangle *triangle = &flat->triangles[id];
+    double e[2][3], n[3], square = 0.0, radius = 0.0;
+    for (int c = 0; c < 3; c++) {
+        out->min[c] = fminf(fminf(triangle->v[0][c], triangle->v[1][c]), triangle->v[2][c]);
+        out->max[c] = fmaxf(fmaxf(triangle->v[0][c], triangle->v[1][c]), triangle->v[2][c]);
+        out->center[c] = 0.5f * out->min[c] + 0.5f * out->max[c];
+    }
+    flat_triangle_edges(flat, id, e);
+    for (int c = 0; c < 3; c++) {
+        n[c] = e[0][(c + 1) % 3] * e[1][(c + 2) % 3] - e[0][(c + 2) % 3] * e[1][(c + 1) % 3];
+        square += n[c] * n[c];
+    }
+    for (int c = 0; c < 3; c++)
+        out->axis[c] = n[c] / sqrt(square);
+    for (int corner = 0; corner < 3; corner++) {
+        double distance2 = 0.0;
+        for (int c = 0; c < 3; c++) {
+            double offset = (double)triangle->v[corner][c] - (double)out->center[c];
+            distance2 += offset * offset;
+        }
+        radius = fmax(radius, sqrt(distance2));
+    }
+    out->radius = (float)(radius * 1.000001);
+    out->theta_e = 0.5 * M_PI;
+    out->two_sided = true;
+}
+
+static bool is_flat_shape(const struct flat_shape *shape)
+{
+    return shape->kind == SHAPE_DISC || shape->kind == SHAPE_QUAD;
+}
+
+static void bound_sphere_or_disc(const struct flat_shape *shape, struct light_bounds *out)
+{
+    bool is_sphere = shape->kind == SHAPE_SPHERE;
+    for (int c = 0; c < 3; c++) {
+        float n = shape->normal[c];
+        float extent = is_sphere ? shape->radius : shape->radius * sqrtf(fmaxf(0.0f, 1.0f - n * n));
+        out->min[c] = shape->center[c] - extent;
+        out->max[c] = shape->center[c] + extent;
+        out->axis[c] = is_sphere ? c == 2 : (double)n;
+    }
+    out->radius = shape->radius * 1.000001f;
+}
+
+static void bound_quad(const struct flat_shape *shape, struct light_bounds *out)
+{
+    const float(*axes)[3] = shape->axes;
+    double n[3], square = 0.0, diagonals[2] = {0.0, 0.0};
+    for (int c = 0; c < 3; c++) {
+        double u = (double)axes[0][c], v = (double)axes[1][c];
+        diagonals[0] += (u + v) * (u + v);
+        diagonals[1] += (u - v) * (u - v);
+        n[c] = (double)axes[0][(c + 1) % 3] * (double)axes[1][(c + 2) % 3] -
+               (double)axes[0][(c + 2) % 3] * (double)axes[1][(c + 1) % 3];
+        square += n[c] * n[c];
+    }
+    for (int c = 0; c < 3; c++)
+        out->axis[c] = n[c] / sqrt(square);
+    flat_shape_box(shape, out->min, out->max);
+    out->radius = (float)(sqrt(fmax(diagonals[0], diagonals[1])) * 1.000001);
+}
+
+static void bound_solid(const struct flat_shape *shape, struct light_bounds *out)
+{
+    double square = (double)shape->radius * (double)shape->radius;
+    for (int axis = 0; axis < (shape->kind == SHAPE_BOX ? 3 : 1); axis++)
+        for (int c = 0; c < 3; c++)
+            square += (double)shape->axes[axis][c] * (double)shape->axes[axis][c];
+    out->axis[2] = 1.0;
+    flat_shape_box(shape, out->min, out->max);
+    out->radius = (float)(sqrt(square) * 1.000001);
+}
+
+// What is flat sends light to both sides, what is not to everywhere.
+static void bound_shape(const struct flat_shape *shape, struct light_bounds *out)
+{
+    bool is_flat = is_flat_shape(shape);
+    if (shape->kind == SHAPE_SPHERE || shape->kind == SHAPE_DISC)
+        bound_sphere_or_disc(shape, out);
+    else
+        (is_flat ? bound_quad : bound_solid)(shape, out);
+    memcpy(out->center, shape->center, sizeof out->center);
+    out->theta_o = is_flat ? 0.0 : M_PI;
+    out->theta_e = 0.5 * M_PI;
+    out->two_sided = is_flat;
+}
+
+// The angle over which a spot's light falls off, and a little for rounding.
+static double spot_fall(const struct light *light)
+{
+    return fmin((double)light->outer_angle - (double)light->inner_angle + 1e-3, 0.5 * M_PI);
+}
+
+static void bound_light(const struct light *light, struct light_bounds *out)
+{
+    bool is_spot = light->kind == LIGHT_SPOT;
+    for (int c = 0; c < 3; c++) {
+        out->center[c] = (float)light->position[c];
+        out->min[c] = out->max[c] = out->center[c];
+        out->axis[c] = is_spot ? light->direction[c] : c == 2;
+    }
+    out->theta_o = is_spot ? (double)light->inner_angle : M_PI;
+    out->theta_e = is_spot ? spot_fall(light) : 0.5 * M_PI;
+    out->power = luminance(light->radiant);
+}
+
+// Of an emitter that is not infinitely far; `power` as in the list.
+static struct light_bounds bound_emitter(const struct scene *scene, const struct flat_scene *flat,
+                                         const struct bvh *bvh, uint32_t primitive, double power)
+{
+    struct light_bounds bounds = {.power = power};
+    if (primitive & PRIMITIVE_LIGHT) {
+        const struct light light = flat_light(flat, &scene->lights[primitive & ~PRIMITIVE_LIGHT]);
+        bound_light(&light, &bounds);
+    } else if (primitive & PRIMITIVE_SHAPE) {
+        const struct flat_shape *shape = &flat->shapes[primitive & ~PRIMITIVE_SHAPE];
+        bound_shape(shape, &bounds);
+        // Of a convex body's surface a quarter is seen face on, on average (Cauchy 1841).
+        bounds.power *= is_flat_shape(shape) ? 1.0 : 0.25;
+    } else {
+        bound_triangle(flat, bvh->triangle_order[primitive], &bounds);
+    }
+    return bounds;
+}
+
+static bool is_infinite(const struct scene *scene, uint32_t primitive)
+{
+    return primitive == PRIMITIVE_ENVIRONMENT ||
+           ((primitive & PRIMITIVE_LIGHT) &&
+            scene->lights[primitive & ~PRIMITIVE_LIGHT].kind == LIGHT_DIRECTIONAL);
+}
+
+// The emitters by where they go.
+struct tree_parts {
+    struct light_bounds *bounds; // of those in the tree
+    uint32_t *primitives, *numbers;
+    uint32_t count;
+    uint32_t *infinite;
+    double *infinite_powers;
+    uint32_t infinite_count;
+};
+
+static bool part_emitters(const struct shading_tables_params *p, const struct emitter_list *list,
+                          struct arena *scratch, struct tree_parts *out, struct err *err)
+{
+    const struct scene *scene = p->scene;
+    uint32_t infinite = scene->light_count + 1;
+    *out = (struct tree_parts){
+        .bounds = ARENA_NEW(scratch, struct light_bounds, list->count),
+        .primitives = ARENA_NEW(scratch, uint32_t, list->count),
+        .numbers = ARENA_NEW(scratch, uint32_t, list->count),
+        .infinite = ARENA_NEW(scratch, uint32_t, infinite),
+        .infinite_powers = ARENA_NEW(scratch, double, infinite),
+    };
+    if (!out->bounds || !out->primitives || !out->numbers || !out->infinite ||
+        !out->infinite_powers)
+        return err_memory(err, "light tree", (uint64_t)list->count * sizeof *out->bounds);
+    for (uint32_t i = 0; i < list->count; i++) {
+        uint32_t primitive = list->primitives[i];
+        if (progress_stops_at(p->progress, i))
+            return stopped(err);
+        if (!(list->powers[i] > 0.0))
+            continue;
+        if (is_infinite(scene, primitive)) {
+            out->infinite[out->infinite_count] = primitive;
+            out->infinite_powers[out->infinite_count++] = list->powers[i];
+        } else {
+            out->bounds[out->count] =
+                bound_emitter(scene, p->flat, p->bvh, primitive, list->powers[i]);
+            out->primitives[out->count] = primitive;
+            out->numbers[out->count++] = i;
+        }
+    }
+    return true;
+}
+
+// What is infinitely far is chosen with this probability where there are others: none of both is
+// known to matter less.
+#define INFINITE_SHARE 0.5
+
+// The buffer: header, pairs, trails, bins.
+static bool lay_out_tree(const struct tree_parts *parts, uint32_t surface_count,
+                         struct arena *arena, struct emitters *out, struct err *err)
+{
+    uint64_t pairs = parts->count > 0 ? parts->count - 1 : 0;
+    struct gpu_light_tree header = {
+        .root = LIGHT_LEAF,
+        .trails = (uint32_t)(LIGHT_TREE_WORDS + pairs * LIGHT_PAIR_WORDS),
+        .infinite_count = parts->infinite_count,
+        .infinite_share = parts->count == 0            ? 1.0f
+                          : parts->infinite_count == 0 ? 0.0f
+                                                       : (float)INFINITE_SHARE,
+    };
+    header.infinite = header.trails + surface_count;
+    out->bytes = ((uint64_t)header.infinite + parts->infinite_count) * 16;
+    out->data = arena_alloc(arena, out->bytes / 16, 16);
+    if (!out->data)
+        return err_memory(err, "emitters", out->bytes);
+    memcpy(out->data, &header, sizeof header);
+    return true;
+}
+
+static bool fill_tree(const struct tree_parts *parts, uint32_t surface_count,
+                      const struct progress *progress, struct arena *scratch, struct emitters *out,
+                      struct err *err)
+{
+    struct gpu_light_tree *header = out->data;
+    struct gpu_light_trail *trails = (struct gpu_light_trail *)out->data + header->trails;
+    for (uint32_t i = 0; i < surface_count; i++)
+        trails[i].depth = LIGHT_NOWHERE;
+    if (parts->infinite_count > 0) {
+        struct gpu_emitter *bins = (struct gpu_emitter *)out->data + header->infinite;
+        if (!fill_bins(parts->infinite, parts->infinite_powers, parts->infinite_count,
+                       (double)header->infinite_share, scratch, bins, out, err))
+            return false;
+    }
+    if (parts->count == 0)
+        return true;
+    struct light_tree tree;
+    if (!light_tree_build(parts->bounds, parts->primitives, parts->count, progress, scratch, &tree,
+                          err))
+        return false;
+    header->root = tree.root;
+    memcpy((char *)out->data + sizeof *header, tree.nodes,
+           ((size_t)parts->count - 1) * 2 * sizeof *tree.nodes);
+    for (uint32_t i = 0; i < parts->count; i++)
+        if (parts->numbers[i] < surface_count)
+            trails[parts->numbers[i]] = tree.trails[i];
+    return true;
+}
+
+static bool build_tree(const struct shading_tables_params *p, const struct emitter_list *list,
+                       struct arena *arena, struct emitters *out, struct err *err)
+{
+    struct arena scratch = {0};
+    struct tree_parts parts;
+    uint64_t start = clock_ns();
+    bool ok = part_emitters(p, list, &scratch, &parts, err);
+    out->count = ok ? parts.count + parts.infinite_count : 0;
+    ok = ok && (out->count == 0 ||
+                (lay_out_tree(&parts, list->surface_count, arena, out, err) &&
+                 fill_tree(&parts, list->surface_count, p->progress, &scratch, out, err)));
+    arena_finish(&scratch);
+    out->build_seconds = clock_seconds_since(start);
+    return ok;
+}
+
+// Shadow rays to what is infinitely far go so far where planes do: what stands on one throws a
+// shadow at low suns beyond all bounds. As large as the extent of a scene may be, see
+// geometry_prepare(), so that kernels' products stay finite.
+#define PLANES_REACH 4e9
+
+static void note_unconnected(const struct scene *scene, const struct flat_scene *flat)
+{
+    uint32_t planes = 0, fields = 0;
+    for (uint32_t i = 0; i < flat->shape_count; i++) {
+        const struct flat_shape *shape = &flat->shapes[i];
+        if (shape_is_emitter(shape->kind) ||
+            !(mean_radiance(scene, &scene->materials[shape->material]) > 0.0))
+            continue;
+        planes += shape->kind == SHAPE_PLANE;
+        fields += shape->kind == SHAPE_SDF;
+    }
+    if (planes + fields > 0)
+        log_info("%u planes and %u distance fields emit; their light is found by chance only, no "
+                 "ray is aimed at them",
+                 planes, fields);
+}
+
+bool emitters_build(const struct shading_tables_params *p, struct arena *arena,
+                    struct emitters *out, struct err *err)
+{
+    const struct scene *scene = p->scene;
+    const struct flat_scene *flat = p->flat;
+    struct emitter_list list;
+    // Twice the longest way that there is inside of the bounds: beyond all surfaces from whichever
+    // of them.
+    *out = (struct emitters){.reach = (float)(4.0 * bounding_radius(flat))};
+    if (has_planes(flat))
+        out->reach = fmaxf(out->reach, (float)PLANES_REACH);
+    note_unconnected(scene, flat);
+    if (!fill_lights(scene, flat, arena, out, err) || !list_emitters(p, arena, &list, err))
+        return false;
+    out->primitives = list.primitives;
+    out->surface_count = list.surface_count;
+    if (list.count == 0)
+        return true;
+    switch (p->light_choice) {
+    case LIGHT_CHOICE_UNIFORM:
+        return build_list(&list, 1.0 / list.count, arena, out, err);
+    case LIGHT_CHOICE_ALL:
+        return build_list(&list, 1.0, arena, out, err);
+    case LIGHT_CHOICE_TREE:
+        return build_tree(p, &list, arena, out, err);
+    default:
+        return build_power(&list, arena, out, err);
+    }
+}
+
+float emitters_pick_density(const struct emitters *emitters, const struct scene *scene,
+                            const struct material *material)
+{
+    double radiance = mean_radiance(scene, material);
+    if (emitters->total_power > 0.0)
+        return (float)(radiance / emitters->total_power);
+    return emitters->count > 0 && radiance > 0.0 ? 1.0f : 0.0f;
+}

@@ -1,0 +1,481 @@
+#include "render/tables/light_tree.h"
+
+#include "base/parallel.h"
+#include "render/upload.h"
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#define BUCKETS 12
+#define FEW 32 // emitters that do with fewer buckets
+#define FEW_BUCKETS 4
+// Splits of more emitters are judged by so many of them; fewer than the second are halved.
+#define JUDGED 1024
+#define HALVED 4
+// Levels that a trail has bits for.
+#define DEPTH_MAX 64
+// Subtrees of at most so many emitters, or of this part of all, are built by one thread.
+#define TASK_LEAVES 4096
+#define TASK_PARTS 32
+#define TASKS_MAX 1024
+
+struct builder {
+    const struct light_bounds *bounds;
+    const uint32_t *primitives;
+    uint32_t *order; // of the emitters: subtrees are ranges of it
+    double total_power;
+    struct light_tree *tree;
+    const struct progress *progress; // NULL: nobody listens
+};
+
+// A subtree: its emitters, the number of its root's pair of children, and the way down to it.
+struct range {
+    uint32_t first, count, node, depth;
+    uint64_t trail;
+};
+
+// --- bounds --------------------------------------------------------------------------------------
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static double angle_between(const double a[3], const double b[3])
+{
+    double square = 0.0;
+    for (int i = 0; i < 3; i++) {
+        double c = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
+        square += c * c;
+    }
+    return atan2(sqrt(square), dot(a, b));
+}
+
+// The smallest cone about both (Pharr, Jakob, Humphreys 2023, section 3.8.4). Of what sends to both
+// sides the axis may as well point the other way.
+static void join_cones(struct light_bounds *a, const struct light_bounds *b)
+{
+    double other[3], angle;
+    bool flip = (a->two_sided || b->two_sided) && dot(a->axis, b->axis) < 0.0;
+    for (int c = 0; c < 3; c++)
+        other[c] = flip ? -b->axis[c] : b->axis[c];
+    angle = angle_between(a->axis, other);
+    if (fmin(angle + b->theta_o, M_PI) <= a->theta_o)
+        return;
+    if (fmin(angle + a->theta_o, M_PI) <= b->theta_o) {
+        memcpy(a->axis, other, sizeof other);
+        a->theta_o = b->theta_o;
+        return;
+    }
+    double theta = 0.5 * (a->theta_o + angle + b->theta_o);
+    double turn = theta - a->theta_o, sine = sin(angle);
+    if (theta >= M_PI || !(sine > 1e-9)) {
+        a->theta_o = sine > 1e-9 || angle > 1.0 ? M_PI : theta;
+        return;
+    }
+    double length = 0.0;
+    for (int c = 0; c < 3; c++) {
+        a->axis[c] = (sin(angle - turn) * a->axis[c] + sin(turn) * other[c]) / sine;
+        length += a->axis[c] * a->axis[c];
+    }
+    for (int c = 0; c < 3; c++)
+        a->axis[c] /= sqrt(length);
+    a->theta_o = theta;
+}
+
+static double distance(const float a[3], const float b[3])
+{
+    double square = 0.0;
+    for (int c = 0; c < 3; c++)
+        square += ((double)a[c] - (double)b[c]) * ((double)a[c] - (double)b[c]);
+    return sqrt(square);
+}
+
+// More than what rounding a radius to single precision takes away.
+#define RADIUS_MARGIN (1.0 + 1e-6)
+
+// About the middle of the box: as far as its corners are, or the spheres of what is in it.
+static void bound_by_sphere(struct light_bounds *out, const struct light_bounds *a,
+                            const struct light_bounds *b)
+{
+    for (int c = 0; c < 3; c++)
+        out->center[c] = 0.5f * out->min[c] + 0.5f * out->max[c];
+    double corner = fmax(distance(out->center, out->min), distance(out->center, out->max));
+    double spheres = fmax(distance(out->center, a->center) + (double)a->radius,
+                          distance(out->center, b->center) + (double)b->radius);
+    out->radius = (float)(fmin(corner, spheres) * RADIUS_MARGIN);
+}
+
+static struct light_bounds join(const struct light_bounds *a, const struct light_bounds *b)
+{
+    struct light_bounds out = *a;
+    for (int c = 0; c < 3; c++) {
+        out.min[c] = fminf(a->min[c], b->min[c]);
+        out.max[c] = fmaxf(a->max[c], b->max[c]);
+    }
+    bound_by_sphere(&out, a, b);
+    join_cones(&out, b);
+    out.theta_e = fmax(a->theta_e, b->theta_e);
+    out.power = a->power + b->power;
+    out.two_sided = a->two_sided || b->two_sided;
+    return out;
+}
+
+// An octahedral axis of 2 x 16 bits is off by less than this angle, radians.
+#define AXIS_RESOLUTION 2e-4
+
+static struct gpu_light_bounds encode(const struct builder *b, const struct light_bounds *bounds,
+                                      uint32_t child)
+{
+    struct gpu_light_bounds out = {.radius = bounds->radius, .child = child};
+    float axis[3];
+    for (int c = 0; c < 3; c++)
+        axis[c] = (float)bounds->axis[c];
+    memcpy(out.center, bounds->center, sizeof out.center);
+    out.axis = encode_normal(axis);
+    double cos_o = cos(fmin(bounds->theta_o + AXIS_RESOLUTION, M_PI));
+    double cos_e = cos(bounds->theta_e);
+    // Rounded towards wider cones.
+    uint32_t o = (uint32_t)floor((0.5 + 0.5 * cos_o) * LIGHT_COS_O_SCALE);
+    uint32_t e = (uint32_t)floor((0.5 + 0.5 * cos_e) * LIGHT_COS_E_SCALE);
+    out.cosines = o | e << 16 | (bounds->two_sided ? LIGHT_TWO_SIDED : 0u);
+    out.power = (float)(bounds->power / b->total_power);
+    return out;
+}
+
+// --- splitting -----------------------------------------------------------------------------------
+
+static float middle(const struct light_bounds *bounds, int axis)
+{
+    return 0.5f * bounds->min[axis] + 0.5f * bounds->max[axis];
+}
+
+// What the cost of a part of a split is made of.
+struct part {
+    float min[3], max[3];
+    double axis[3]; // sum
+    double power, theta_o, theta_e;
+    uint32_t count;
+};
+
+static struct part empty_part(void)
+{
+    struct part part = {.min = {INFINITY, INFINITY, INFINITY},
+                        .max = {-INFINITY, -INFINITY, -INFINITY}};
+    return part;
+}
+
+// Axes of what sends to both sides are turned to where `reference` points.
+static void part_add(struct part *part, const struct light_bounds *bounds,
+                     const double reference[3])
+{
+    bool flip = bounds->two_sided && dot(bounds->axis, reference) < 0.0;
+    for (int c = 0; c < 3; c++) {
+        part->min[c] = fminf(part->min[c], bounds->min[c]);
+        part->max[c] = fmaxf(part->max[c], bounds->max[c]);
+        part->axis[c] += flip ? -bounds->axis[c] : bounds->axis[c];
+    }
+    part->power += bounds->power;
+    part->theta_o = fmax(part->theta_o, bounds->theta_o);
+    part->theta_e = fmax(part->theta_e, bounds->theta_e);
+    part->count++;
+}
+
+static void part_join(struct part *a, const struct part *b)
+{
+    for (int c = 0; c < 3; c++) {
+        a->min[c] = fminf(a->min[c], b->min[c]);
+        a->max[c] = fmaxf(a->max[c], b->max[c]);
+        a->axis[c] += b->axis[c];
+    }
+    a->power += b->power;
+    a->theta_o = fmax(a->theta_o, b->theta_o);
+    a->theta_e = fmax(a->theta_e, b->theta_e);
+    a->count += b->count;
+}
+
+// Surface area of the box, with a little of its diagonal for what lies in a line.
+static double part_area(const struct part *part)
+{
+    double e[3], square = 0.0;
+    for (int c = 0; c < 3; c++) {
+        e[c] = (double)part->max[c] - (double)part->min[c];
+        square += e[c] * e[c];
+    }
+    return 2.0 * (e[0] * e[1] + e[1] * e[2] + e[2] * e[0]) + 1e-3 * square;
+}
+
+// The measure of the directions that it may send to (Conty Estevez and Kulla 2018, section 4.4).
+// The axes' cone is that in which uniformly distributed ones would have the same mean: the mean of
+// a cap of half-angle theta has the length (1 + cos theta) / 2. A bound would need another pass.
+static double part_orientation(const struct part *part)
+{
+    double mean = sqrt(dot(part->axis, part->axis)) / part->count;
+    double spread = acos(fmax(-1.0, fmin(1.0, 2.0 * mean - 1.0)));
+    double o = fmin(spread + part->theta_o, M_PI), w = fmin(o + part->theta_e, M_PI);
+    return 2.0 * M_PI * (1.0 - cos(o)) +
+           0.5 * M_PI * (2.0 * w * sin(o) - cos(o - 2.0 * w) - 2.0 * o * sin(o) + cos(o));
+}
+
+static double part_cost(const struct part *part)
+{
+    return part->count ? part->power * part_orientation(part) * part_area(part) : 0.0;
+}
+
+struct split {
+    double cost;
+    int axis;
+    int position; // those in buckets below it are to the left
+};
+
+static int bucket_count(const struct range *range)
+{
+    return range->count < FEW ? FEW_BUCKETS : BUCKETS;
+}
+
+static int bucket_of(float position, float low, float high, int count)
+{
+    float bucket = (float)count * ((position - low) / (high - low));
+    return bucket >= (float)count ? count - 1 : (int)bucket;
+}
+
+// The best split along one axis; `low` and `high` bound the middles, and differ.
+static void try_axis(const struct builder *b, const struct range *range, int axis, float low,
+                     float high, double regularity, struct split *best)
+{
+    struct part parts[BUCKETS], above[BUCKETS];
+    const double *reference = b->bounds[b->order[range->first]].axis;
+    int count = bucket_count(range);
+    for (int i = 0; i < count; i++)
+        parts[i] = empty_part();
+    uint32_t stride = (range->count + JUDGED - 1) / JUDGED;
+    for (uint32_t i = 0; i < range->count; i += stride) {
+        const struct light_bounds *bounds = &b->bounds[b->order[range->first + i]];
+        part_add(&parts[bucket_of(middle(bounds, axis), low, high, count)], bounds, reference);
+    }
+    above[count - 1] = parts[count - 1];
+    for (int i = count - 2; i > 0; i--) {
+        above[i] = parts[i];
+        part_join(&above[i], &above[i + 1]);
+    }
+    struct part below = empty_part();
+    for (int i = 1; i < count; i++) {
+        part_join(&below, &parts[i - 1]);
+        if (below.count == 0 || above[i].count == 0)
+            continue;
+        double cost = regularity * (part_cost(&below) + part_cost(&above[i]));
+        if (cost < best->cost)
+            *best = (struct split){cost, axis, i};
+    }
+}
+
+// Moves those of the buckets below to the front; returns how many.
+static uint32_t partition(const struct builder *b, const struct range *range,
+                          const struct split *split, float low, float high)
+{
+    uint32_t *order = b->order + range->first, left = 0;
+    for (uint32_t i = 0; i < range->count; i++) {
+        uint32_t emitter = order[i];
+        float position = middle(&b->bounds[emitter], split->axis);
+        if (bucket_of(position, low, high, bucket_count(range)) >= split->position)
+            continue;
+        order[i] = order[left];
+        order[left++] = emitter;
+    }
+    return left;
+}
+
+static uint32_t levels_needed(uint32_t count)
+{
+    return count > 1 ? 32u - (uint32_t)__builtin_clz(count - 1) : 0;
+}
+
+// Puts few emitters in ascending order of their middles.
+static void sort_few(const struct builder *b, const struct range *range, int axis)
+{
+    uint32_t *order = b->order + range->first;
+    for (uint32_t i = 1; i < range->count; i++)
+        for (uint32_t j = i;
+             j > 0 && middle(&b->bounds[order[j]], axis) < middle(&b->bounds[order[j - 1]], axis);
+             j--) {
+            uint32_t moved = order[j];
+            order[j] = order[j - 1];
+            order[j - 1] = moved;
+        }
+}
+
+// How many of a range of at least 2 go to the left. Halves where they are few, where nothing tells
+// them apart, and where the trail has no more bits than halving needs.
+static uint32_t split_range(const struct builder *b, const struct range *range)
+{
+    uint32_t half = range->count / 2;
+    if (range->count == 2 || levels_needed(range->count) >= DEPTH_MAX - range->depth)
+        return half;
+    float low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    float longest = 0.0f;
+    for (uint32_t i = 0; i < range->count; i++)
+        for (int c = 0; c < 3; c++) {
+            float position = middle(&b->bounds[b->order[range->first + i]], c);
+            low[c] = fminf(low[c], position);
+            high[c] = fmaxf(high[c], position);
+        }
+    for (int c = 0; c < 3; c++)
+        longest = fmaxf(longest, high[c] - low[c]);
+    if (range->count < HALVED) {
+        int axis = longest > high[0] - low[0] ? longest > high[1] - low[1] ? 2 : 1 : 0;
+        sort_few(b, range, axis);
+        return half;
+    }
+    struct split best = {.cost = INFINITY};
+    for (int c = 0; c < 3; c++)
+        if (high[c] > low[c] && isfinite(high[c] - low[c]))
+            try_axis(b, range, c, low[c], high[c], (double)(longest / (high[c] - low[c])), &best);
+    if (!isfinite(best.cost))
+        return half;
+    return partition(b, range, &best, low[best.axis], high[best.axis]);
+}
+
+// --- building ------------------------------------------------------------------------------------
+
+// The pair of a subtree is followed by the subtree on the left, then by that on the right: n
+// emitters have n - 1 pairs.
+static void split_children(const struct builder *b, const struct range *range, struct range out[2])
+{
+    uint32_t left = split_range(b, range);
+    out[0] = (struct range){range->first, left, range->node + 1, range->depth + 1, range->trail};
+    out[1] = (struct range){range->first + left, range->count - left, range->node + left,
+                            range->depth + 1, range->trail | UINT64_C(1) << range->depth};
+}
+
+static uint32_t child_word(const struct builder *b, const struct range *range)
+{
+    return range->count == 1 ? LIGHT_LEAF | b->primitives[b->order[range->first]] : range->node;
+}
+
+static struct light_bounds set_pair(const struct builder *b, uint32_t node,
+                                    const struct range children[2],
+                                    const struct light_bounds bounds[2])
+{
+    for (int i = 0; i < 2; i++)
+        b->tree->nodes[2 * (size_t)node + (size_t)i] =
+            encode(b, &bounds[i], child_word(b, &children[i]));
+    return join(&bounds[0], &bounds[1]);
+}
+
+// Small ranges are done at once.
+static bool is_stopped(const struct builder *b, const struct range *range)
+{
+    return range->count > 1024 && progress_should_stop(b->progress);
+}
+
+static struct light_bounds build_range(const struct builder *b, const struct range *range)
+{
+    if (range->count == 1) {
+        uint32_t emitter = b->order[range->first];
+        b->tree->trails[emitter] = (struct gpu_light_trail){.low = (uint32_t)range->trail,
+                                                            .high = (uint32_t)(range->trail >> 32),
+                                                            .depth = range->depth};
+        return b->bounds[emitter];
+    }
+    struct range children[2];
+    struct light_bounds bounds[2];
+    if (is_stopped(b, range))
+        return (struct light_bounds){0};
+    split_children(b, range, children);
+    for (int i = 0; i < 2; i++)
+        bounds[i] = build_range(b, &children[i]);
+    return set_pair(b, range->node, children, bounds);
+}
+
+// The upper part of a large tree: its pairs, parents first, and the subtrees below them, which are
+// built at the same time.
+struct upper {
+    const struct builder *b;
+    struct range pairs[TASKS_MAX][2];
+    struct range roots[TASKS_MAX]; // of the pairs
+    struct range tasks[2 * TASKS_MAX];
+    struct light_bounds task_bounds[2 * TASKS_MAX];
+    uint32_t pair_count, task_count, largest;
+};
+
+static void list_tasks(struct upper *u, const struct range *range)
+{
+    if (range->count <= u->largest || u->pair_count == TASKS_MAX || is_stopped(u->b, range)) {
+        u->tasks[u->task_count++] = *range;
+        return;
+    }
+    uint32_t pair = u->pair_count++;
+    u->roots[pair] = *range;
+    split_children(u->b, range, u->pairs[pair]);
+    for (int i = 0; i < 2; i++)
+        list_tasks(u, &u->pairs[pair][i]);
+}
+
+static void run_tasks(void *context, size_t begin, size_t end, unsigned thread)
+{
+    struct upper *u = context;
+    (void)thread;
+    for (size_t i = begin; i < end; i++)
+        u->task_bounds[i] = build_range(u->b, &u->tasks[i]);
+}
+
+// In the order of list_tasks().
+static struct light_bounds join_tasks(const struct upper *u, const struct range *range,
+                                      uint32_t *pair, uint32_t *task)
+{
+    bool is_pair = *pair < u->pair_count && u->roots[*pair].first == range->first &&
+                   u->roots[*pair].count == range->count;
+    if (!is_pair)
+        return u->task_bounds[(*task)++];
+    const struct range *children = u->pairs[(*pair)++];
+    struct light_bounds bounds[2];
+    for (int i = 0; i < 2; i++)
+        bounds[i] = join_tasks(u, &children[i], pair, task);
+    return set_pair(u->b, range->node, children, bounds);
+}
+
+static bool build(const struct builder *b, uint32_t count, struct err *err)
+{
+    struct arena scratch = {0};
+    struct upper *u = ARENA_NEW(&scratch, struct upper, 1);
+    if (!u)
+        return err_memory(err, "light tree", sizeof *u);
+    struct range all = {.count = count};
+    u->b = b;
+    u->largest = count / TASK_PARTS > TASK_LEAVES ? count / TASK_PARTS : TASK_LEAVES;
+    list_tasks(u, &all);
+    parallel_for(u->task_count, 1, 0, run_tasks, u);
+    uint32_t pair = 0, task = 0;
+    join_tasks(u, &all, &pair, &task);
+    b->tree->root = child_word(b, &all);
+    arena_finish(&scratch);
+    return true;
+}
+
+bool light_tree_build(const struct light_bounds *bounds, const uint32_t *primitives, uint32_t count,
+                      const struct progress *progress, struct arena *arena, struct light_tree *out,
+                      struct err *err)
+{
+    struct arena scratch = {0};
+    *out = (struct light_tree){
+        .nodes = ARENA_NEW(arena, struct gpu_light_bounds, 2 * (size_t)count),
+        .trails = ARENA_NEW(arena, struct gpu_light_trail, count),
+    };
+    struct builder b = {.bounds = bounds,
+                        .primitives = primitives,
+                        .order = ARENA_NEW(&scratch, uint32_t, count),
+                        .tree = out,
+                        .progress = progress};
+    bool ok = out->nodes && out->trails && b.order;
+    if (!ok)
+        err_memory(err, "light tree", (uint64_t)count * 84);
+    for (uint32_t i = 0; ok && i < count; i++) {
+        b.order[i] = i;
+        b.total_power += bounds[i].power;
+    }
+    ok = ok && build(&b, count, err);
+    if (ok && progress_should_stop(progress))
+        ok = err_set(err, ERR_STOPPED, "stopped while building the light tree");
+    arena_finish(&scratch);
+    return ok;
+}

@@ -1,0 +1,37 @@
+// A binary tree over emitters, down which kernels choose one by what it may send to a point (Conty
+// Estevez and Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree Splitting"; the
+// bounds of directions as in Pharr, Jakob, Humphreys 2023, section 12.6.3).
+#ifndef LAMPYRIS_RENDER_TABLES_LIGHT_TREE_H
+#define LAMPYRIS_RENDER_TABLES_LIGHT_TREE_H
+
+#include "base/arena.h"
+#include "base/err.h"
+#include "base/progress.h"
+#include "shared/types.h"
+#include <stdbool.h>
+#include <stdint.h>
+
+// Where emitters are and where they send light. They send none further than theta_e from some
+// direction that is within theta_o of the axis.
+struct light_bounds {
+    float min[3], max[3];
+    float center[3], radius; // of a sphere that holds them as well
+    double axis[3];          // unit
+    double theta_o, theta_e; // radians, [0, pi] and [0, pi / 2]
+    double power;            // the most that it sends in a direction: luminance of an intensity
+    bool two_sided;          // they send as much to where the opposites of these directions point
+};
+
+struct light_tree {
+    struct gpu_light_bounds *nodes; // count - 1 pairs, parents before children, the root first
+    struct gpu_light_trail *trails; // count, in the order of the emitters
+    uint32_t root;                  // a child's word
+};
+
+// Over count >= 1 emitters of positive power; `primitives`: their words. The result lives in
+// `arena`; on all CPU threads.
+bool light_tree_build(const struct light_bounds *bounds, const uint32_t *primitives, uint32_t count,
+                      const struct progress *progress, struct arena *arena, struct light_tree *out,
+                      struct err *err);
+
+#endif

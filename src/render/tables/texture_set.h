@@ -1,0 +1,25 @@
+// The textures that a scene's used materials read: equal images once, unused ones not at all.
+#ifndef LAMPYRIS_RENDER_TABLES_TEXTURE_SET_H
+#define LAMPYRIS_RENDER_TABLES_TEXTURE_SET_H
+
+#include "flatten/flatten.h"
+#include "gpu/gpu.h"
+#include "scene/core/scene.h"
+#include "shared/types.h"
+
+struct texture_set {
+    struct gpu_texture *records; // one for each of scene->textures; zeroed where unused
+    uint32_t *images;            // indices of the scene's images that are uploaded, in their order
+    uint64_t *offsets;           // of those, in units of 16 bytes
+    uint32_t image_count;
+    uint64_t texel_bytes; // of all
+    uint64_t saved_bytes; // of images that are unused, or equal to others
+};
+
+// In `arena`. ERR_INPUT for more texels than a 32-bit offset reaches.
+bool texture_set_build(const struct scene *scene, const struct flat_scene *flat,
+                       struct arena *arena, struct texture_set *out, struct err *err);
+bool texture_set_upload(struct gpu *gpu, const struct scene *scene, const struct texture_set *set,
+                        struct gpu_buffer *buffer, struct err *err);
+
+#endif

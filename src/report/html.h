@@ -1,0 +1,65 @@
+// What the HTML reports share: one file that needs no network, with plots, tables and pictures.
+#ifndef LAMPYRIS_REPORT_HTML_H
+#define LAMPYRIS_REPORT_HTML_H
+
+#include "base/arena.h"
+#include "gpu/gpu.h"
+#include "image/image.h"
+#include "metrics/curve.h"
+#include <stdio.h>
+
+struct html_page {
+    struct arena *arena;
+    const char *folder;   // of the page
+    bool keeps_parts;     // plots, their scripts and pictures also stand beside the page, as files
+    float exposure_stops; // of the pictures that follow, but not of false colours
+    enum image_tone tone;
+    bool has_no_plots; // gnuplot is not there, which the page says
+    FILE *out;
+    char *text; // of `out`
+    size_t size;
+};
+
+// Before the work: that neither FOLDER/report.html nor the results.json and results.csv beside it
+// are files that this run reads. ERR_USAGE.
+bool html_check_files(const char *folder, struct arena *arena, struct err *err);
+
+// Begins FOLDER/report.html in memory, with its title as a headline, and keeps no parts.
+bool html_begin(struct html_page *page, struct arena *arena, const char *folder, const char *title,
+                struct err *err);
+// Writes it, or, after a failure, only releases it.
+bool html_end(struct html_page *page, bool ok, struct err *err);
+
+void html_text(struct html_page *page, const char *text); // escaped
+// A table's cell, by a format of one double. Of an interval that is not known, its value alone.
+void html_interval(struct html_page *page, struct interval interval, const char *format);
+void html_number(struct html_page *page, double value, const char *format);
+// A value that is known with its interval, without a cell.
+void html_value(struct html_page *page, struct interval interval, const char *format);
+
+// Runs a gnuplot script, and takes the plot into the page. Without gnuplot a note stands there
+// instead, once a page. `name`: of the files where parts are kept, NAME.gp and NAME.svg.
+bool html_plot(struct html_page *page, const char *name, const char *script, struct err *err);
+// Words for such a script, in quotes.
+void html_plot_words(FILE *script, const char *text);
+// Takes a picture into the page. attributes: of the element, such as a class. `name`: of the file
+// where parts are kept, NAME.png.
+bool html_picture(struct html_page *page, const char *name, const struct image *image,
+                  const char *attributes, struct err *err);
+// False colours of relative differences, as metrics_difference_picture has them: the picture, in
+// fewer colours, so that the page stays small, and the scale that tells what they mean.
+bool html_difference(struct html_page *page, const char *name, const struct image *image,
+                     const struct image *reference, const char *attributes, struct err *err);
+bool html_difference_scale(struct html_page *page, struct err *err);
+// Two of the page's pictures, one above the other with a slider between them: which ones is chosen
+// from `count` pictures by their ids and labels; at first that is number 0 on the left and number
+// `right` on the right. They are shown `width` pixels wide.
+struct html_choice {
+    const char *id, *label;
+};
+void html_slider(struct html_page *page, const struct html_choice *choices, uint32_t count,
+                 uint32_t right, uint32_t width);
+// The machine, the device and its driver, our version and the command that was given.
+void html_machine(struct html_page *page, const struct gpu *gpu, const char *command);
+
+#endif

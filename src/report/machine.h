@@ -1,0 +1,19 @@
+// What a measurement was made on.
+#ifndef LAMPYRIS_REPORT_MACHINE_H
+#define LAMPYRIS_REPORT_MACHINE_H
+
+#include "gpu/gpu.h"
+#include <jansson.h>
+
+struct machine {
+    char processor[128], system[256];
+    unsigned threads;
+    double memory_bytes;
+};
+
+// What cannot be found out is "unknown" or 0.
+struct machine machine_describe(void);
+// {processor, threads, memory_bytes, system, device, driver, version}
+json_t *machine_json(const struct gpu *gpu);
+
+#endif

@@ -1,0 +1,272 @@
+#include "scene/core/environment.h"
+
+#include "base/file.h"
+#include "base/hash.h"
+#include "image/image.h"
+#include "scene/sky/sky.h"
+#include "shared/types.h"
+#include <math.h>
+#include <string.h>
+
+static bool check_radiance(const float radiance[3], struct err *err)
+{
+    for (int c = 0; c < 3; c++)
+        if (!(radiance[c] >= 0 && radiance[c] <= (float)SCENE_RADIANCE_MAX))
+            return err_set(err, ERR_INPUT, "radiance %.9g is outside [0, %g]", (double)radiance[c],
+                           SCENE_RADIANCE_MAX);
+    return true;
+}
+
+static bool hash_file(struct scene *scene, const char *path, struct err *err)
+{
+    struct arena scratch = {0};
+    struct file_bytes bytes;
+    bool ok = file_read(&scratch, path, 0, &bytes, err);
+    if (ok)
+        scene->hash = hash_bytes(scene->hash, bytes.data, bytes.size);
+    arena_finish(&scratch);
+    return ok;
+}
+
+// Zeroes what is no radiance; false with *err set for a texel beyond all limits.
+static bool clean_texels(struct scene *scene, const char *path, struct image *image,
+                         const float factor[3], struct err *err)
+{
+    size_t count = (size_t)image->width * image->height, zeroed = 0;
+    for (size_t i = 0; i < count; i++) {
+        if (!scene_goes_on(scene, i, err))
+            return false;
+        float *texel = image->pixels[i];
+        if (!isfinite(texel[0]) || !isfinite(texel[1]) || !isfinite(texel[2]) || texel[0] < 0 ||
+            texel[1] < 0 || texel[2] < 0) {
+            texel[0] = texel[1] = texel[2] = 0;
+            zeroed++;
+        }
+        for (int c = 0; c < 3; c++)
+            if ((double)texel[c] * (double)factor[c] > SCENE_RADIANCE_MAX)
+                return err_set(err, ERR_INPUT, "%s: texel %zu, %zu: radiance %g exceeds %g", path,
+                               i % image->width, i / image->width,
+                               (double)texel[c] * (double)factor[c], SCENE_RADIANCE_MAX);
+    }
+    return zeroed == 0 ||
+           scene_note(scene, "%s: %zu of %zu texels were negative or not finite and are black",
+                      path, zeroed, count) ||
+           err_memory(err, "a note", 0);
+}
+
+static bool load_image(struct scene *scene, const char *path, const float factor[3],
+                       struct environment *out, struct err *err)
+{
+    const struct image_read_params params = {.path = path, .progress = scene->progress};
+    struct image image = {0};
+    if (!hash_file(scene, path, err) || !image_read(&params, &scene->arena, &image, err))
+        return false;
+    if (image.width > ENVIRONMENT_SIZE_MAX || image.height > ENVIRONMENT_SIZE_MAX)
+        return err_set(err, ERR_INPUT, "%s: is %u x %u pixels; expected at most %d on a side", path,
+                       image.width, image.height, ENVIRONMENT_SIZE_MAX);
+    if (!clean_texels(scene, path, &image, factor, err))
+        return false;
+    out->width = image.width;
+    out->height = image.height;
+    out->texels = image.pixels;
+    return true;
+}
+
+bool scene_set_environment(struct scene *scene, const char *file, const float radiance[3],
+                           struct err *err)
+{
+    struct environment environment = {.present = true, .radiance = {1, 1, 1}};
+    for (int c = 0; radiance && c < 3; c++)
+        environment.radiance[c] = radiance[c];
+    if (!check_radiance(environment.radiance, err))
+        return false;
+    scene->hash = hash_bytes(scene->hash, environment.radiance, sizeof environment.radiance);
+    if (file && !load_image(scene, file, environment.radiance, &environment, err))
+        return false;
+    if (file && !(environment.file = arena_strdup(&scene->arena, file)))
+        return err_memory(err, "a path", strlen(file) + 1);
+    scene->environment = environment;
+    return true;
+}
+
+bool scene_set_gradient(struct scene *scene, const struct environment_gradient *gradient,
+                        struct err *err)
+{
+    struct environment environment = {
+        .present = true, .radiance = {1, 1, 1}, .width = 1, .height = ENVIRONMENT_GRADIENT_ROWS};
+    if (!check_radiance(gradient->zenith, err) || !check_radiance(gradient->horizon, err) ||
+        !check_radiance(gradient->nadir, err))
+        return false;
+    struct environment_gradient *source = ARENA_NEW(&scene->arena, struct environment_gradient, 1);
+    environment.texels = arena_alloc(&scene->arena, environment.height, sizeof *environment.texels);
+    if (!environment.texels || !source)
+        return err_memory(err, "a gradient", environment.height * sizeof *environment.texels);
+    *source = *gradient;
+    environment.gradient = source;
+    for (uint32_t row = 0; row < environment.height; row++) {
+        // The mean of what is linear in the height.
+        double height = 0.5 * (cos(M_PI * row / environment.height) +
+                               cos(M_PI * (row + 1) / environment.height));
+        const float *pole = height > 0 ? gradient->zenith : gradient->nadir;
+        for (int c = 0; c < 3; c++)
+            environment.texels[row][c] = (float)((double)gradient->horizon[c] * (1 - fabs(height)) +
+                                                 (double)pole[c] * fabs(height));
+    }
+    scene->hash = hash_bytes(scene->hash, gradient, sizeof *gradient);
+    scene->environment = environment;
+    return true;
+}
+
+double environment_sun_radiance(double irradiance, double angular_radius)
+{
+    // The integral of the cosine over the disc is pi sin^2 of its radius.
+    double sine = sin(angular_radius);
+    return irradiance / (M_PI * sine * sine);
+}
+
+float environment_greatest(const struct environment *environment)
+{
+    float largest = 0;
+    size_t count = (size_t)environment->width * environment->height;
+    for (size_t i = 0; i < count; i++)
+        for (int c = 0; c < 3; c++)
+            largest = fmaxf(largest, environment->texels[i][c] * environment->radiance[c]);
+    for (int c = 0; c < 3 && count == 0; c++)
+        largest = fmaxf(largest, environment->radiance[c]);
+    return largest;
+}
+
+static void turn(double direction[3], double radians)
+{
+    double x = direction[0], z = direction[2];
+    direction[0] = x * cos(radians) + z * sin(radians);
+    direction[2] = z * cos(radians) - x * sin(radians);
+}
+
+bool scene_adjust_environment(struct scene *scene, double radians, double strength, struct err *err)
+{
+    struct environment *environment = &scene->environment;
+    struct environment_sun *sun = &environment->sun;
+    if (!environment->present || (radians == 0 && strength == 1))
+        return true;
+    double largest = (double)environment_greatest(environment);
+    for (int c = 0; c < 3 && sun->angular_radius > 0; c++)
+        largest = fmax(largest,
+                       environment_sun_radiance((double)sun->irradiance[c], sun->angular_radius));
+    if (!(strength >= 0 && largest * strength <= (double)(float)SCENE_RADIANCE_MAX))
+        return err_set(err, ERR_INPUT,
+                       "a strength of %.9g makes the radiance %g; expected at most %g", strength,
+                       largest * strength, SCENE_RADIANCE_MAX);
+    for (int c = 0; c < 3; c++) {
+        environment->radiance[c] = (float)((double)environment->radiance[c] * strength);
+        sun->irradiance[c] = (float)((double)sun->irradiance[c] * strength);
+    }
+    environment->rotation += radians;
+    turn(sun->direction, radians);
+    if (sun->light > 0) {
+        struct light *light = &scene->lights[sun->light - 1];
+        turn(light->direction, radians);
+        for (int c = 0; c < 3; c++)
+            light->radiant[c] = (float)((double)light->radiant[c] * strength);
+    }
+    const double hashed[] = {radians, strength};
+    scene->hash = hash_bytes(scene->hash, hashed, sizeof hashed);
+    return true;
+}
+
+bool scene_add_sky_sun(struct scene *scene, struct err *err)
+{
+    struct environment_sun *sun = &scene->environment.sun;
+    if (!(sun->angular_radius > 0) || sun->light > 0)
+        return true;
+    struct light *light = scene_add_light(scene, NULL);
+    if (!light)
+        return err_memory(err, "a sun", sizeof *light);
+    light->name = "sun";
+    light->kind = LIGHT_DIRECTIONAL;
+    light->range = INFINITY;
+    light->angular_radius = sun->angular_radius;
+    for (int c = 0; c < 3; c++) {
+        light->direction[c] = sun->direction[c];
+        light->radiant[c] = sun->irradiance[c];
+    }
+    sun->light = scene->light_count;
+    return true;
+}
+
+void scene_remove_sun(struct scene *scene, const struct environment *former)
+{
+    if (former->sun.light > 0)
+        scene->light_count = former->sun.light - 1;
+}
+
+bool scene_replace_environment(struct scene *scene, const struct environment_source *source,
+                               struct err *err)
+{
+    const struct environment former = scene->environment;
+    uint32_t light_count = scene->light_count;
+    bool ok = source->sky ? scene_set_sky(scene, source->sky, err)
+              : source->gradient
+                  ? scene_set_gradient(scene, source->gradient, err)
+                  : scene_set_environment(scene, source->file, source->radiance, err);
+    if (!ok)
+        return false;
+    scene_remove_sun(scene, &former);
+    if (scene_add_sky_sun(scene, err))
+        return true;
+    scene->environment = former;
+    scene->light_count = light_count;
+    return false;
+}
+
+uint32_t environment_texel(const struct environment *environment, const double direction[3])
+{
+    double u = 0.5 + atan2(direction[2], direction[0]) / (2 * M_PI);
+    double v = acos(fmin(fmax(direction[1], -1), 1)) / M_PI;
+    uint32_t column = (uint32_t)(u * environment->width), row = (uint32_t)(v * environment->height);
+    if (column >= environment->width)
+        column = environment->width - 1;
+    if (row >= environment->height)
+        row = environment->height - 1;
+    return row * environment->width + column;
+}
+
+double environment_texel_solid_angle(const struct environment *environment, uint32_t row)
+{
+    // cos a - cos b = 2 sin((a + b) / 2) sin((b - a) / 2), which does not cancel.
+    double half = 0.5 * M_PI / environment->height;
+    return 2 * M_PI / environment->width * 2 * sin((2.0 * row + 1) * half) * sin(half);
+}
+
+double environment_cell_solid_angle(const struct environment *environment, uint32_t row)
+{
+    double half = 0.5 * M_PI / environment->height;
+    double top = row > 0 ? row - 0.5 : 0;
+    double bottom = row < environment->height ? row + 0.5 : environment->height;
+    return 2 * M_PI / environment->width * 2 * sin((top + bottom) * half) *
+           sin((bottom - top) * half);
+}
+
+static double luminance(const double rgb[3])
+{
+    return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
+}
+
+double environment_luminance(const struct environment *environment)
+{
+    double mean[3] = {1, 1, 1};
+    for (uint32_t row = 0; row < environment->height; row++) {
+        const float(*texels)[3] =
+            (const float(*)[3])environment->texels + (size_t)row * environment->width;
+        double sum[3] = {0, 0, 0};
+        for (uint32_t i = 0; i < environment->width; i++)
+            for (int c = 0; c < 3; c++)
+                sum[c] += (double)texels[i][c];
+        double part = environment_texel_solid_angle(environment, row) / (4 * M_PI);
+        for (int c = 0; c < 3; c++)
+            mean[c] = (row > 0 ? mean[c] : 0) + part * sum[c];
+    }
+    for (int c = 0; c < 3; c++)
+        mean[c] *= (double)environment->radiance[c];
+    return environment->present ? luminance(mean) : 0;
+}

@@ -1,0 +1,137 @@
+#include "scene/core/framing.h"
+
+#include "scene/core/affine.h"
+#include "scene/core/bounds.h"
+#include <math.h>
+#include <string.h>
+
+#define DEGREE (M_PI / 180)
+
+// A three-quarter view: from the right of the front, so that depth is seen, and from above, so that
+// the ground is. The lens is one of 45 mm before film 24 mm high, which hardly distorts.
+#define FRAMED_AZIMUTH (35 * DEGREE)
+#define FRAMED_ELEVATION (20 * DEGREE)
+#define FRAMED_FOV_Y (30 * DEGREE)
+// What the model fills of the picture's width or height, whichever is the tighter: the rest is for
+// its shadow and for air.
+#define FRAMED_PART 0.8
+
+struct scene_axes scene_axes(enum scene_up up)
+{
+    static const struct scene_axes axes[] = {
+        [SCENE_UP_Y] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+        [SCENE_UP_X] = {{0, -1, 0}, {1, 0, 0}, {0, 0, 1}},
+        [SCENE_UP_Z] = {{1, 0, 0}, {0, 0, 1}, {0, -1, 0}},
+    };
+    return axes[up];
+}
+
+static void combine(const struct scene_axes *axes, double right, double up, double front,
+                    double out[3])
+{
+    for (int i = 0; i < 3; i++)
+        out[i] = right * axes->right[i] + up * axes->up[i] + front * axes->front[i];
+}
+
+void framing_towards_camera(enum scene_up up, double out[3])
+{
+    const struct scene_axes axes = scene_axes(up);
+    combine(&axes, cos(FRAMED_ELEVATION) * sin(FRAMED_AZIMUTH), sin(FRAMED_ELEVATION),
+            cos(FRAMED_ELEVATION) * cos(FRAMED_AZIMUTH), out);
+}
+
+// What is framed, seen along the axes of the camera: x to the right, y up, z towards it.
+struct subject {
+    const struct scene *scene;
+    double axes[3][3];
+    double center[3]; // of its box
+    bool is_a_point;  // or nothing: framed like a ball of radius 1
+};
+
+// The largest of s.v + t z.v, for the camera's axis s = +-x or +-y, over the points v as seen from
+// the centre: first for the axis, then for its opposite.
+static void support_pair(const struct subject *subject, int axis, double tangent, double out[2])
+{
+    double normals[2][3];
+    for (int i = 0; i < 3; i++) {
+        normals[0][i] = subject->axes[axis][i] + tangent * subject->axes[2][i];
+        normals[1][i] = -subject->axes[axis][i] + tangent * subject->axes[2][i];
+    }
+    const struct scene_part whole = scene_whole(subject->scene);
+    if (!subject->is_a_point)
+        bounds_support(subject->scene, &whole, 2, (const double(*)[3])normals, out);
+    for (int i = 0; i < 2; i++)
+        out[i] = subject->is_a_point ? vec3_length(normals[i])
+                                     : out[i] - vec3_dot(normals[i], subject->center);
+}
+
+// Everything lies between the pair of planes through the camera with this tangent to either side of
+// its axis, and touches both: with a and b the supports, the camera at (p, d) along x and z needs
+// t d >= a - p and t d >= b + p. The nearest one that has room for all has p = (a - b) / 2 and
+// d = (a + b) / 2t.
+static double fit_pair(const struct subject *subject, int axis, double tangent, double *position)
+{
+    double support[2];
+    support_pair(subject, axis, tangent, support);
+    *position = (support[0] - support[1]) / 2;
+    return (support[0] + support[1]) / (2 * tangent);
+}
+
+// The position from which everything is in the middle, where the distance is given: that of the
+// pair of planes that is as tight as the other, at the tangent t = (a(t) + b(t)) / 2d. As a and b
+// change with t by the depth of a point, less than a quarter of the distance, so many steps leave
+// 4^-5 of what was wrong.
+static double center_pair(const struct subject *subject, int axis, double tangent, double distance)
+{
+    double position;
+    for (int i = 0; i < 5; i++)
+        tangent *= fit_pair(subject, axis, tangent, &position) / distance;
+    return position;
+}
+
+void scene_frame_camera(struct scene *scene)
+{
+    if (!scene->camera_is_framed || scene->camera_count == 0)
+        return;
+    const double aspect = (double)scene->settings.width / scene->settings.height;
+    const double up = FRAMED_PART * tan(FRAMED_FOV_Y / 2);
+    const double tangent[2] = {aspect * up, up};
+    const struct scene_axes axes = scene_axes(scene->up);
+    const struct scene_part whole = scene_whole(scene);
+    const struct bounds bounds = bounds_of_part(scene, &whole);
+    struct subject subject = {.scene = scene, .is_a_point = bounds_are_a_point(&bounds)};
+    for (int i = 0; i < 3 && !bounds_is_empty(&bounds); i++)
+        subject.center[i] = (bounds.min[i] + bounds.max[i]) / 2;
+    framing_towards_camera(scene->up, subject.axes[2]);
+    vec3_cross(axes.up, subject.axes[2], subject.axes[0]);
+    vec3_normalize(subject.axes[0]);
+    vec3_cross(subject.axes[2], subject.axes[0], subject.axes[1]);
+
+    double position[2], distance[2];
+    for (int i = 0; i < 2; i++)
+        distance[i] = fit_pair(&subject, i, tangent[i], &position[i]);
+    int tight = distance[0] > distance[1] ? 0 : 1, loose = 1 - tight;
+    position[loose] = center_pair(&subject, loose, tangent[loose], distance[tight]);
+    struct camera *camera = &scene->cameras[0];
+    for (int i = 0; i < 3; i++) {
+        camera->position[i] = subject.center[i] + position[0] * subject.axes[0][i] +
+                              position[1] * subject.axes[1][i] +
+                              distance[tight] * subject.axes[2][i];
+        camera->direction[i] = -subject.axes[2][i];
+        camera->up[i] = axes.up[i];
+    }
+    camera->fov_y = FRAMED_FOV_Y;
+}
+
+bool scene_provide_camera(struct scene *scene, struct err *err)
+{
+    if (scene->camera_count > 0)
+        return true;
+    struct camera *camera = scene_add_camera(scene, NULL);
+    if (!camera)
+        return err_memory(err, "a camera", sizeof *camera);
+    camera->name = "framed";
+    scene->camera_is_framed = true;
+    scene_frame_camera(scene);
+    return true;
+}

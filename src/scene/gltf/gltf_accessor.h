@@ -1,0 +1,71 @@
+// Accessors: the only code that reads the bytes of a glTF document's buffers. Internal to scene/.
+#ifndef LAMPYRIS_SCENE_GLTF_GLTF_ACCESSOR_H
+#define LAMPYRIS_SCENE_GLTF_GLTF_ACCESSOR_H
+
+#include "scene/gltf/gltf_document.h"
+
+// The codes of the specification less COMPONENT_CODE_BASE; 5124 (INT) is none of them.
+enum component_type {
+    COMPONENT_I8 = 0,
+    COMPONENT_U8 = 1,
+    COMPONENT_I16 = 2,
+    COMPONENT_U16 = 3,
+    COMPONENT_U32 = 5,
+    COMPONENT_F32 = 6,
+};
+#define COMPONENT_CODE_BASE 5120
+#define COMPONENT_BIT(type) (1u << (type))
+
+// Zeros cost a file nothing: the count of an accessor without a buffer view is the one size that
+// the file's own size does not bound. 2^24 is more than anybody writes and less than hurts.
+#define ACCESSOR_MAX_UNBACKED_COUNT (UINT64_C(1) << 24)
+
+#define ACCESSOR_MAT4 16 // components
+
+// What a use of an accessor demands of it.
+struct accessor_rule {
+    const char *use;               // "POSITION", for messages
+    uint32_t components;           // 1 SCALAR, 2 VEC2, 3 VEC3, 4 VEC4, 16 MAT4
+    uint32_t fewer_components;     // of another type that will do; 0: none
+    uint32_t types;                // COMPONENT_BITs allowed as they are
+    uint32_t normalized_types;     // and with "normalized": true
+    uint32_t quantized_types;      // as `types`, but only with KHR_mesh_quantization
+    uint32_t quantized_normalized; // as `normalized_types`, likewise
+    bool is_vertex_attribute;      // may be interleaved; elements aligned to 4 bytes
+};
+
+// A checked window on an accessor's elements: every byte of every element lies inside its buffer,
+// and sparse indices ascend strictly below the count. Valid as long as the document.
+struct accessor_view {
+    struct json_node node; // for messages
+    uint32_t count, components;
+    enum component_type type;
+    bool is_normalized;
+    const uint8_t *data; // NULL: zeros
+    size_t stride;       // bytes from one element to the next
+    uint32_t sparse_count;
+    enum component_type sparse_index_type;
+    const uint8_t *sparse_indices, *sparse_values; // tightly packed
+};
+
+// Checks accessor `index`, which is below the document's count, against its buffer views and *rule.
+bool accessor_view(const struct gltf_document *document, uint32_t index,
+                   const struct accessor_rule *rule, struct accessor_view *out, struct err *err);
+
+// Writes count * components numbers. One that is not finite is an error that names the element.
+bool accessor_read_floats(const struct accessor_view *view, float *out, struct err *err);
+// The same, but numbers that are not finite become 0 and are counted in *replaced. Returns true.
+bool accessor_read_or_zero(const struct accessor_view *view, float *out, uint32_t *replaced);
+// Writes 4 * count unsigned integers of a VEC4 accessor, each below `limit`, the number of joints.
+bool accessor_read_joints(const struct accessor_view *view, uint32_t limit, uint32_t *out,
+                          struct err *err);
+// Writes count unsigned integers of a SCALAR accessor. One that is not below `limit` is an error
+// that calls the limit by its name, "the vertex count", and so is the primitive restart value.
+bool accessor_read_indices(const struct accessor_view *view, uint32_t limit, const char *limit_name,
+                           uint32_t *out, struct err *err);
+
+// The bytes of buffer view `index`, which is below the document's count. They are the document's.
+bool gltf_view_bytes(const struct gltf_document *document, uint32_t index, struct file_bytes *out,
+                     struct err *err);
+
+#endif

@@ -1,0 +1,149 @@
+// Vertex attributes, glTF 2.0, section 3.7.2.1, and what KHR_mesh_quantization adds to them.
+#include "scene/gltf/gltf_attribute.h"
+
+#include "scene/gltf/gltf_accessor.h"
+#include "scene/mesh/mesh_loader.h"
+#include <math.h>
+
+#define FLOATS COMPONENT_BIT(COMPONENT_F32)
+#define SMALL_SIGNED (COMPONENT_BIT(COMPONENT_I8) | COMPONENT_BIT(COMPONENT_I16))
+#define SMALL_UNSIGNED (COMPONENT_BIT(COMPONENT_U8) | COMPONENT_BIT(COMPONENT_U16))
+
+static const struct accessor_rule rules[GLTF_ATTRIBUTE_COUNT] = {
+    [GLTF_POSITION] = {.use = "POSITION",
+                       .components = 3,
+                       .types = FLOATS,
+                       .quantized_types = SMALL_SIGNED | SMALL_UNSIGNED,
+                       .quantized_normalized = SMALL_SIGNED | SMALL_UNSIGNED,
+                       .is_vertex_attribute = true},
+    [GLTF_NORMAL] = {.use = "NORMAL",
+                     .components = 3,
+                     .types = FLOATS,
+                     .quantized_normalized = SMALL_SIGNED,
+                     .is_vertex_attribute = true},
+    [GLTF_TANGENT] = {.use = "TANGENT",
+                      .components = 4,
+                      .types = FLOATS,
+                      .quantized_normalized = SMALL_SIGNED,
+                      .is_vertex_attribute = true},
+    [GLTF_TEXCOORD] = {.use = "TEXCOORD",
+                       .components = 2,
+                       .types = FLOATS,
+                       .normalized_types = SMALL_UNSIGNED,
+                       .quantized_types = SMALL_SIGNED | SMALL_UNSIGNED,
+                       .quantized_normalized = SMALL_SIGNED,
+                       .is_vertex_attribute = true},
+    [GLTF_COLOR] = {.use = "COLOR",
+                    .components = 4,
+                    .fewer_components = 3,
+                    .types = FLOATS,
+                    .normalized_types = SMALL_UNSIGNED,
+                    .is_vertex_attribute = true},
+};
+
+// --- what a file may get wrong -------------------------------------------------------------------
+
+static void unit_tangent(float tangent[4])
+{
+    mesh_unit_normal(tangent, tangent);
+    // The specification has 1 or -1; quantized ones are rounded, and zero is no side.
+    tangent[3] = tangent[3] < 0 ? -1.0f : 1.0f;
+}
+
+// A reflectance is multiplied by it, so that a number beyond 1 would make energy.
+static bool clamp_color(float color[4])
+{
+    bool was_outside = false;
+    for (int i = 0; i < 4; i++) {
+        was_outside |= !(color[i] >= 0 && color[i] <= 1);
+        color[i] = fminf(fmaxf(color[i], 0.0f), 1.0f);
+    }
+    return was_outside;
+}
+
+static void prepare(struct gltf_tally *tally, enum gltf_attribute attribute, uint32_t count,
+                    float *values)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        float *at = values + (size_t)i * rules[attribute].components;
+        if (attribute == GLTF_NORMAL)
+            mesh_unit_normal(at, at);
+        else if (attribute == GLTF_TANGENT)
+            unit_tangent(at);
+        else if (attribute == GLTF_COLOR)
+            tally->clamped_colors += clamp_color(at);
+    }
+}
+
+// --- reading -------------------------------------------------------------------------------------
+
+// Spreads `count` elements of three numbers, from the last on, over elements of four; alpha is 1.
+static void widen_colors(float *values, uint32_t count)
+{
+    for (uint32_t i = count; i-- > 0;) {
+        for (size_t c = 3; c-- > 0;)
+            values[(size_t)i * 4 + c] = values[(size_t)i * 3 + c];
+        values[(size_t)i * 4 + 3] = 1.0f;
+    }
+}
+
+// Decodes an accessor into the scene's arena, unless *cached, its place in load->vectors, has it.
+static bool share_values(struct gltf_load *load, uint32_t accessor, enum gltf_attribute attribute,
+                         float **cached, struct err *err)
+{
+    struct accessor_view view;
+    if (*cached)
+        return true;
+    if (!accessor_view(&load->document, accessor, &rules[attribute], &view, err))
+        return false;
+    size_t size = rules[attribute].components * sizeof(float);
+    float *values = arena_alloc(&load->scene->arena, view.count, size);
+    if (!values)
+        return gltf_no_memory(&load->document, "vertices", view.count * size, err);
+    // Texture coordinates that are not finite are common, and harmless where nothing shows them.
+    if (!(attribute == GLTF_TEXCOORD
+              ? accessor_read_or_zero(&view, values, &load->tally.infinite_texcoords)
+              : accessor_read_floats(&view, values, err)))
+        return false;
+    if (view.components < rules[attribute].components)
+        widen_colors(values, view.count);
+    prepare(&load->tally, attribute, view.count, values);
+    load->vectors[accessor].count = view.count;
+    *cached = values;
+    return true;
+}
+
+bool gltf_attribute_read(struct gltf_load *load, const struct json_node *attributes,
+                         const char *key, enum gltf_attribute attribute, uint32_t count,
+                         float **values, struct err *err)
+{
+    uint32_t accessor;
+    *values = NULL;
+    if (!gltf_read_index(attributes, key, load->document.counts[GLTF_ACCESSORS], &accessor, err))
+        return false;
+    if (accessor == GLTF_NONE)
+        return true;
+    struct gltf_vectors *shared = &load->vectors[accessor];
+    if (!share_values(load, accessor, attribute, &shared->values[attribute], err))
+        return false;
+    if (count > 0 && shared->count != count) {
+        const struct json_node node = gltf_item(&load->document, GLTF_ACCESSORS, accessor);
+        return node_fail(&node, err, "%u elements of %s for %u positions", shared->count, key,
+                         count);
+    }
+    *values = shared->values[attribute];
+    return true;
+}
+
+uint32_t gltf_attribute_count(const struct gltf_document *document, uint32_t accessor,
+                              enum gltf_attribute attribute)
+{
+    struct err dropped = {0};
+    struct accessor_view view;
+    return accessor_view(document, accessor, &rules[attribute], &view, &dropped) ? view.count : 0;
+}
+
+uint32_t gltf_attribute_width(enum gltf_attribute attribute)
+{
+    return rules[attribute].components;
+}

@@ -1,0 +1,101 @@
+// A glTF 2.0 file (JSON or binary container) opened: its JSON checked for shape, its buffers in
+// memory. Internal to scene/.
+#ifndef LAMPYRIS_SCENE_GLTF_GLTF_DOCUMENT_H
+#define LAMPYRIS_SCENE_GLTF_GLTF_DOCUMENT_H
+
+#include "base/arena.h"
+#include "base/err.h"
+#include "base/file.h"
+#include "json/json_node.h"
+#include <stdbool.h>
+#include <stdint.h>
+
+#define GLTF_NONE UINT32_MAX             // no index
+#define GLTF_MAX_COUNT (UINT32_MAX - 1u) // of elements: indices are 32-bit, GLTF_NONE is taken
+
+// The document's arrays of objects.
+enum gltf_list {
+    GLTF_ACCESSORS,
+    GLTF_ANIMATIONS,
+    GLTF_BUFFERS,
+    GLTF_BUFFER_VIEWS,
+    GLTF_CAMERAS,
+    GLTF_IMAGES,
+    GLTF_MATERIALS,
+    GLTF_MESHES,
+    GLTF_NODES,
+    GLTF_SAMPLERS,
+    GLTF_SCENES,
+    GLTF_SKINS,
+    GLTF_TEXTURES,
+    GLTF_LIST_COUNT,
+};
+
+// What a file's bytes are, and how they are to be read.
+struct gltf_source {
+    const char *path;         // for messages, and for the folder that buffers are looked for in
+    struct file_bytes bytes;  // must outlive the document
+    bool allow_outside_paths; // let buffers lie outside that folder
+};
+
+struct gltf_buffer {
+    const uint8_t *data; // NULL: the file gives no bytes, as for the fallback of a compressed view
+    uint64_t size;       // byteLength, all of it in memory when data is not NULL
+    bool is_external;    // read from a file of its own
+};
+
+struct gltf_document {
+    const struct gltf_source *source;
+    struct arena arena; // owns the buffers; for whatever else lives as long as the document
+    json_t *json;
+    struct json_node root; // the nodes point into this struct: do not copy it
+    struct json_node lists[GLTF_LIST_COUNT];
+    uint32_t counts[GLTF_LIST_COUNT];
+    struct gltf_buffer *buffers; // counts[GLTF_BUFFERS]
+    // counts[GLTF_BUFFER_VIEWS]: byteLength bytes that were compressed; NULL: they are in a buffer.
+    const uint8_t **decoded_views;
+    bool is_quantized;              // KHR_mesh_quantization is declared
+    const char *ignored_extensions; // "A, B": used by the file, unknown here; NULL: none
+};
+
+// Parses and checks *source, which must outlive *document, and loads all buffers.
+bool gltf_document_open(struct gltf_document *document, const struct gltf_source *source,
+                        struct err *err);
+void gltf_document_close(struct gltf_document *document); // accepts {0} and half-opened ones
+
+// ERR_SYSTEM with the file's name in front; returns false.
+bool gltf_no_memory(const struct gltf_document *document, const char *what, uint64_t bytes,
+                    struct err *err);
+// As in err.h: the value is seen to be false.
+#define gltf_no_memory(...) (gltf_no_memory(__VA_ARGS__), err_false())
+
+// An element of one of the arrays, always an object. index < document->counts[list].
+struct json_node gltf_item(const struct gltf_document *document, enum gltf_list list,
+                           uint32_t index);
+
+// --- readers that add glTF's habits to json_node.h -----------------------------------------------
+
+bool gltf_require(const struct json_node *object, const char *key, struct err *err);
+// An index below `count`; GLTF_NONE where the key is absent.
+bool gltf_read_index(const struct json_node *object, const char *key, uint32_t count, uint32_t *out,
+                     struct err *err);
+// The element of a list that has this name, else this index; `what` is one of them, "animation".
+// The wish comes from the command line: ERR_USAGE where there is none.
+bool gltf_find(const struct gltf_document *document, enum gltf_list list, const char *what,
+               const char *wanted, uint32_t *out, struct err *err);
+// A member that is an object or absent (its value is then NULL), and the same for an array.
+bool gltf_read_object(const struct json_node *object, const char *key, struct json_node *out,
+                      struct err *err);
+bool gltf_read_array(const struct json_node *object, const char *key, struct json_node *out,
+                     struct err *err);
+// object.extensions.NAME; extensions is kept by the caller because *out points at it.
+bool gltf_read_extension(const struct json_node *object, const char *name,
+                         struct json_node *extensions, struct json_node *out, struct err *err);
+// A copy of object.name in the arena, "" where it has none.
+bool gltf_read_name(const struct json_node *object, struct arena *arena, const char **out,
+                    struct err *err);
+// Any finite numbers, exactly `count`; an absent key leaves *out as it is.
+bool gltf_read_numbers(const struct json_node *object, const char *key, size_t count, double *out,
+                       struct err *err);
+
+#endif

@@ -1,0 +1,229 @@
+// Images of a glTF document, section 3.8.3: found, told by their content, decoded several at a
+// time.
+#include "scene/gltf/gltf_material.h"
+
+#include "base/hash.h"
+#include "base/parallel.h"
+#include "image/image.h"
+#include "scene/core/texture_load.h"
+#include "scene/gltf/gltf_accessor.h"
+#include "scene/gltf/gltf_buffer.h"
+#include <assert.h>
+#include <string.h>
+
+// --- bytes ---------------------------------------------------------------------------------------
+
+struct image_source {
+    struct json_node node;
+    struct file_bytes bytes;
+    const char *name; // for messages: a file's path, or the way to the image in the document
+    bool is_file, is_mislabelled;
+};
+
+// "uri" or "bufferView": one of them. Files, decoded URIs and names are put into `arena`.
+static bool find_bytes(const struct gltf_document *document, struct image_source *source,
+                       struct arena *arena, struct err *err)
+{
+    const struct json_node *node = &source->node;
+    const struct json_node uri = node_member(node, "uri"), view = node_member(node, "bufferView");
+    uint32_t index;
+    if (!uri.value == !view.value)
+        return node_fail(node, err, "expected one of \"uri\" and \"bufferView\"");
+    if (!gltf_read_index(node, "bufferView", document->counts[GLTF_BUFFER_VIEWS], &index, err))
+        return false;
+    if (view.value ? !gltf_view_bytes(document, index, &source->bytes, err)
+                   : !gltf_uri_load(document, &uri, arena, &source->bytes, &source->name, err))
+        return false;
+    source->is_file = source->name != NULL;
+    if (!source->is_file)
+        source->name = arena_printf(arena, "%s: images[%zu]", document->source->path, node->index);
+    return source->name || err_memory(err, "a name", 0);
+}
+
+// Before a message that begins with a file's name says which image that is; an image inside of the
+// document is named so already. Returns false.
+static bool fail_image(const struct image_source *source, struct err *err)
+{
+    return source->is_file ? node_prepend(&source->node, err) : err_false();
+}
+
+// The content says what a file is; "mimeType" is only compared with it. What is neither PNG nor
+// JPEG may still come with an extension that nothing here knows.
+static bool check_content(struct image_source *source, struct err *err)
+{
+    static const uint8_t png_magic[4] = {0x89, 'P', 'N', 'G'};
+    const struct file_bytes *bytes = &source->bytes;
+    const char *claimed = NULL;
+    if (!node_read_string(&source->node, "mimeType", &claimed, err))
+        return false;
+    if (!image_has_encoding(bytes->data, bytes->size)) {
+        err_set(err, ERR_INPUT, "%s: expected a PNG or JPEG file", source->name);
+        return fail_image(source, err);
+    }
+    bool is_png = bytes->size >= 4 && memcmp(bytes->data, png_magic, sizeof png_magic) == 0;
+    source->is_mislabelled = claimed && strcmp(claimed, is_png ? "image/png" : "image/jpeg") != 0;
+    return true;
+}
+
+// --- texels --------------------------------------------------------------------------------------
+
+// An image decoded into a scene of its own, for a thread of its own.
+struct image_job {
+    struct gltf_image *image;
+    const struct gltf_document *document;
+    const struct progress *progress;
+    struct scene scene;
+    struct err err;
+    bool ok, is_mislabelled, is_strict;
+};
+
+// Green becomes mix(ends[0], ends[1], green), so that one factor on the texel can do what a minimum
+// and a maximum ask for; linear interpolation between texels keeps to it.
+static void map_green(struct texture_image *image, const float ends[2])
+{
+    size_t count = (size_t)image->width * image->height;
+    void *texels = (void *)image->texels; // the job's own
+    float *floats = texels;
+    uint16_t *halves = texels;
+    const float step = ends[1] - ends[0];
+    for (size_t i = 1; i < 4 * count; i += 4)
+        if (image->is_float)
+            floats[i] = ends[0] + step * floats[i];
+        else
+            halves[i] = half_from_float(ends[0] + step * float_from_half(halves[i]));
+    image->mean[1] = ends[0] + step * image->mean[1];
+    image->hash = hash_bytes(image->hash, ends, 2 * sizeof *ends);
+}
+
+static bool decode(struct image_job *job, struct arena *scratch, struct err *err)
+{
+    struct image_source source = {
+        .node = gltf_item(job->document, GLTF_IMAGES, job->image->source),
+    };
+    uint32_t index;
+    struct err reason = {0};
+    if (!find_bytes(job->document, &source, scratch, &reason)) {
+        if (reason.is_missing)
+            return texture_image_missing(&job->scene, &reason, &index, err);
+        *err = reason;
+        return false;
+    }
+    if (!check_content(&source, err))
+        return false;
+    job->is_mislabelled = source.is_mislabelled;
+    const struct texture_source texels = {
+        .data = source.bytes.data,
+        .size = source.bytes.size,
+        .name = source.name,
+        .is_srgb = job->image->is_srgb,
+    };
+    if (!texture_image_load(&job->scene, &texels, &index, err))
+        return fail_image(&source, err);
+    if (job->image->green[0] != 0 || job->image->green[1] != 0)
+        map_green(&job->scene.images[index], job->image->green);
+    return true;
+}
+
+static void run_job(struct image_job *job)
+{
+    struct arena scratch = {0};
+    job->scene = (struct scene){
+        .hash = HASH_INIT,
+        .progress = job->progress,
+        .is_strict = job->is_strict,
+    };
+    job->err = (struct err){0};
+    job->ok = decode(job, &scratch, &job->err);
+    arena_finish(&scratch);
+}
+
+// --- several at a time ---------------------------------------------------------------------------
+
+static void run_jobs(void *context, size_t begin, size_t end, unsigned thread)
+{
+    struct image_job *jobs = context;
+    (void)thread;
+    for (size_t i = begin; i < end; i++)
+        run_job(&jobs[i]);
+}
+
+static bool find_image(const struct scene *scene, uint64_t hash, uint32_t *index)
+{
+    for (*index = 0; *index < scene->image_count; ++*index)
+        if (scene->images[*index].hash == hash)
+            return true;
+    return false;
+}
+
+// Copies what the job has decoded into the scene, which may have it already.
+static bool adopt_image(struct gltf_load *load, struct image_job *job, struct err *err)
+{
+    struct scene *scene = load->scene;
+    const struct texture_image *image = &job->scene.images[0];
+    load->tally.mislabelled_images += job->is_mislabelled;
+    scene->hash = hash_bytes(scene->hash, &job->scene.hash, sizeof job->scene.hash);
+    if (find_image(scene, image->hash, &job->image->index))
+        return true;
+    size_t count = (size_t)image->width * image->height, size = image->is_float ? 16 : 8;
+    void *texels = arena_alloc(&scene->arena, count, size);
+    const char *name = arena_strdup(&scene->arena, image->name);
+    struct texture_image *added = scene_add_image(scene, &job->image->index);
+    if (!texels || !name || !added)
+        return gltf_no_memory(&load->document, "an image", count * size, err);
+    memcpy(texels, image->texels, count * size);
+    *added = *image;
+    added->texels = texels;
+    added->name = name;
+    return true;
+}
+
+// They are to be decoded again, each when it has all the memory for itself.
+static void release(struct image_job *jobs, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        scene_finish(&jobs[i].scene);
+        jobs[i].ok = false;
+    }
+}
+
+static bool run_round(struct gltf_load *load, struct image_job *jobs, size_t count, struct err *err)
+{
+    assert(count > 0);
+    parallel_for(count, 1, 0, run_jobs, jobs);
+    bool ok = true;
+    for (size_t i = 0; i < count; i++) {
+        if (ok && !jobs[i].ok && jobs[i].err.code != ERR_STOPPED) {
+            release(&jobs[i], count - i);
+            run_job(&jobs[i]);
+        }
+        if (ok && !jobs[i].ok)
+            *err = jobs[i].err;
+        ok = ok && jobs[i].ok && adopt_image(load, &jobs[i], err);
+        scene_finish(&jobs[i].scene);
+    }
+    return ok;
+}
+
+bool gltf_images_load(struct gltf_load *load, struct gltf_image *images, size_t count,
+                      struct err *err)
+{
+    size_t threads = cpu_count(), room = count < threads ? count : threads;
+    struct image_job *jobs = ARENA_NEW(&load->document.arena, struct image_job, room);
+    if (!jobs)
+        return gltf_no_memory(&load->document, "images", room * sizeof *jobs, err);
+    for (size_t done = 0; done < count;) {
+        size_t round = count - done < room ? count - done : room;
+        for (size_t i = 0; i < round; i++)
+            jobs[i] = (struct image_job){
+                .image = &images[done + i],
+                .document = &load->document,
+                .progress = load->scene->progress,
+                .is_strict = load->scene->is_strict,
+            };
+        if (!run_round(load, jobs, round, err))
+            return false;
+        done += round;
+        progress_report(load->progress, "Decoding images", (double)done / (double)count);
+    }
+    return true;
+}

@@ -1,0 +1,76 @@
+// What only the meshes and images of a glTF document tell about its materials.
+#include "scene/gltf/gltf_material.h"
+
+static uint32_t texture_group(const struct texture *texture)
+{
+    return texture->flags >> TEXTURE_GROUP_SHIFT & 15u;
+}
+
+static bool scales(const struct texture *texture)
+{
+    return (texture->flags >> TEXTURE_USE_SHIFT & 3u) == TEXTURE_USE_SCALE;
+}
+
+// Whether one of the material's textures can make it less opaque.
+static bool has_alpha_texture(const struct scene *scene, const struct material *material)
+{
+    const uint32_t opacity = 1u << (TEXTURE_MASK_SHIFT + PARAMETER_OPACITY % 4);
+    for (uint32_t i = 0; i < material->texture_count; i++) {
+        const struct texture *texture = &scene->textures[material->first_texture + i];
+        if (scales(texture) && texture_group(texture) == GROUP_BASE && (texture->flags & opacity) &&
+            scene->images[texture->image].has_alpha)
+            return true;
+    }
+    return false;
+}
+
+static bool has_alpha_colors(const struct mesh *mesh)
+{
+    for (uint32_t i = 0; mesh->colors && i < mesh->vertex_count; i++)
+        if (mesh->colors[i][3] < 1)
+            return true;
+    return false;
+}
+
+// Exporters like to call everything blended. Alpha that is 1 everywhere is none: rays need not ask.
+static void drop_full_alpha(struct gltf_load *load, const bool *has_colors, uint32_t index)
+{
+    struct scene *scene = load->scene;
+    struct material *material = &scene->materials[load->first_material + index];
+    bool is_cut = (material->flags & MATERIAL_ALPHA_MASK) && material->alpha_cutoff > 1;
+    if (material->opacity == 1 && !is_cut && !has_colors[index] &&
+        !has_alpha_texture(scene, material))
+        material->flags &= ~(MATERIAL_ALPHA_MASK | MATERIAL_ALPHA_BLEND);
+}
+
+static bool lacks_coordinates(const struct scene *scene, const struct mesh *mesh,
+                              const struct material *material)
+{
+    for (uint32_t i = 0; i < material->texture_count; i++) {
+        uint32_t flags = scene->textures[material->first_texture + i].flags;
+        if (!mesh->uvs[flags & TEXTURE_UV1 ? 1 : 0])
+            return true;
+    }
+    return false;
+}
+
+bool gltf_materials_finish(struct gltf_load *load, struct err *err)
+{
+    struct scene *scene = load->scene;
+    uint32_t count = load->document.counts[GLTF_MATERIALS];
+    bool *has_colors = ARENA_NEW(&load->document.arena, bool, count);
+    if (!has_colors)
+        return gltf_no_memory(&load->document, "materials", count, err);
+    for (uint32_t i = 0; i < scene->mesh_count; i++) {
+        const struct mesh *mesh = &scene->meshes[i];
+        uint32_t material = mesh->material - load->first_material; // wraps for those of other files
+        if (material >= count)
+            continue;
+        load->tally.meshes_without_texcoords +=
+            lacks_coordinates(scene, mesh, &scene->materials[mesh->material]);
+        has_colors[material] = has_colors[material] || has_alpha_colors(mesh);
+    }
+    for (uint32_t i = 0; i < count; i++)
+        drop_full_alpha(load, has_colors, i);
+    return true;
+}

@@ -1,0 +1,38 @@
+// The node hierarchy of a glTF document with world transforms. Internal to scene/.
+#ifndef LAMPYRIS_SCENE_GLTF_GLTF_NODE_H
+#define LAMPYRIS_SCENE_GLTF_GLTF_NODE_H
+
+#include "scene/gltf/gltf_document.h"
+
+struct gltf_node_pose;
+
+// Which scene, where, and how its nodes stand.
+struct gltf_nodes_params {
+    const double (*place)[4];           // 3x4, the file's world to the scene's
+    const char *scene;                  // by name or index; NULL: the document's "scene", else its
+                                        // first, else all roots
+    const struct gltf_node_pose *poses; // what an animation sets, by node; NULL: nothing
+};
+
+struct gltf_nodes {
+    uint32_t count;        // of the file's nodes; all arrays have as many elements
+    uint32_t *parent;      // GLTF_NONE: a root
+    bool *is_in_scene;     // reached from the scene's roots
+    double (*world)[3][4]; // of nodes in the scene
+};
+
+// Checks the hierarchy of all nodes (every node has at most one parent and is not its own ancestor)
+// and computes the world transforms of those in the scene. Memory comes from `arena`.
+bool gltf_nodes_open(struct gltf_nodes *nodes, const struct gltf_document *document,
+                     const struct gltf_nodes_params *params, struct arena *arena, struct err *err);
+
+// Reads element `i` of an array of indices of nodes, which are `count`.
+bool gltf_node_index(const struct json_node *array, size_t i, uint32_t count, uint32_t *out,
+                     struct err *err);
+
+// The map of a translation, a rotation and a scale, in this order from the left. The quaternion is
+// (x, y, z, w) of any length; false when it is zero.
+bool gltf_compose(const double translation[3], const double rotation[4], const double scale[3],
+                  double out[3][4]);
+
+#endif

@@ -1,0 +1,184 @@
+// What the parts of the loader of our JSON format share. Internal to scene/; the format is
+// described in docs/scene-format.md.
+#ifndef LAMPYRIS_SCENE_JSON_LOAD_JSON_H
+#define LAMPYRIS_SCENE_JSON_LOAD_JSON_H
+
+#include "scene/core/bounds.h"
+#include "scene/core/scene.h"
+#include "scene/generate/generate.h"
+#include "json/json_node.h"
+
+// A scene file describes; meshes and images lie in files of their own. jansson needs up to some
+// thirty times the text's size for its tree, outside the scene's byte budget.
+#define LOAD_JSON_BYTES_MAX ((size_t)64 << 20)
+
+struct json_loader {
+    struct scene *scene;
+    const struct scene_load_params *params;
+    const char *folder;      // of the scene file
+    const json_t *trusted;   // array of the values given with -D: paths in them are the user's own
+    json_t *material_names;  // object: the index of each named material
+    json_t *shape_names;     // object: the index of each named shape in the list of shapes
+    struct scene_base *base; // of a document with a "base"; else NULL
+};
+
+// A scene, whole but for what scene_load sets beforehand, on top of whatever is in *scene. Of a
+// file with a "base" this is called again for that.
+bool scene_load_into(struct scene *scene, const struct scene_load_params *params, struct err *err);
+
+// Puts the overrides into the document and replaces its references "${NAME}". The values given are
+// appended to the array `trusted`, which shares them with the document.
+bool load_json_apply_overrides(const struct json_node *document,
+                               const struct scene_load_params *params, json_t *trusted,
+                               struct err *err);
+// The value of an override: JSON, or else the text itself. NULL with *err set where it is no UTF-8.
+json_t *load_json_override_value(const char *text, struct err *err);
+bool load_json_resolve_references(const struct json_node *document, struct err *err);
+
+// The keys of the document, ended by NULL.
+extern const char *const load_json_document_keys[];
+
+// One section of the document each; the node's value is there.
+bool load_json_camera(struct scene *scene, const struct json_node *camera, struct err *err);
+bool load_json_film(struct scene *scene, const struct json_node *film, struct err *err);
+bool load_json_settings(struct scene *scene, const struct json_node *settings, struct err *err);
+bool load_json_materials(struct json_loader *loader, const struct json_node *materials,
+                         struct err *err);
+// Appends the textures of a material and sets the parameters that they scale. `owner` is the
+// material's node.
+bool load_json_textures(struct json_loader *loader, const struct json_node *owner,
+                        struct material *material, struct err *err);
+bool load_json_lights(struct json_loader *loader, const struct json_node *lights, struct err *err);
+bool load_json_environment(struct json_loader *loader, const struct json_node *environment,
+                           struct err *err);
+bool load_json_shapes(struct json_loader *loader, const struct json_node *shapes, struct err *err);
+// All of a document with a "base" but its version.
+bool load_json_base(struct json_loader *loader, const struct json_node *document, struct err *err);
+bool load_json_edits(struct json_loader *loader, const struct json_node *edits, struct err *err);
+
+// Of edits, in the order of the values in a material's flags and a light's kind; ended by NULL.
+extern const char *const edit_alpha_names[],
+    *const edit_coat_names[], *const edit_layers_names[], *const edit_distribution_names[],
+                                                              *const edit_masking_names[],
+                                                                  *const edit_fresnel_names[],
+                                                                      *const edit_light_names[];
+struct edit_switch {
+    const char *key;
+    uint32_t flag; // MATERIAL_*
+};
+extern const struct edit_switch edit_switches[];
+extern const size_t edit_switch_count;
+
+// Reads those of material_parameters[] that the object has.
+bool load_json_parameters(const struct json_node *node, struct material *material, struct err *err);
+// One of an angle's or a length's two keys, if any: "NAME_degrees" …, to be multiplied by `unit`,
+// or the one that is exact.
+bool load_json_exactly(const struct json_node *node, const char *key, struct range range,
+                       double unit, const char *exact_key, double *out, struct err *err);
+
+// Shapes that need no other file. Each appends itself in its own space: an instance of a mesh with
+// the identity as its transform, or an analytic shape.
+bool load_json_quad(struct scene *scene, const struct json_node *quad, uint32_t material,
+                    struct err *err);
+bool load_json_box(struct scene *scene, const struct json_node *box, uint32_t material,
+                   struct err *err);
+bool load_json_sphere(struct scene *scene, const struct json_node *sphere, uint32_t material,
+                      struct err *err);
+bool load_json_disc(struct scene *scene, const struct json_node *disc, uint32_t material,
+                    struct err *err);
+bool load_json_plane(struct scene *scene, const struct json_node *plane, uint32_t material,
+                     struct err *err);
+bool load_json_cylinder(struct scene *scene, const struct json_node *cylinder, uint32_t material,
+                        struct err *err);
+bool load_json_generated(struct scene *scene, const struct json_node *generated, uint32_t material,
+                         struct err *err);
+bool load_json_teapot(struct scene *scene, const struct json_node *teapot, uint32_t material,
+                      struct err *err);
+
+bool load_json_torus(struct scene *scene, const struct json_node *torus, uint32_t material,
+                     struct err *err);
+bool load_json_stadium(struct scene *scene, const struct json_node *stadium, uint32_t material,
+                       struct err *err);
+
+// What describes the four above; those that make them call these.
+bool load_json_read_generated(const struct json_node *generated, uint32_t *triangles,
+                              struct err *err);
+bool load_json_read_teapot(const struct json_node *teapot, uint32_t *resolution, struct err *err);
+bool load_json_read_torus(const struct json_node *node, struct torus *torus, struct err *err);
+bool load_json_read_stadium(const struct json_node *node, struct stadium *stadium, struct err *err);
+
+// The kinds of a list of shapes.
+enum shape_type {
+    SHAPE_TYPE_MESH,
+    SHAPE_TYPE_QUAD,
+    SHAPE_TYPE_BOX,
+    SHAPE_TYPE_SPHERE,
+    SHAPE_TYPE_DISC,
+    SHAPE_TYPE_PLANE,
+    SHAPE_TYPE_CYLINDER,
+    SHAPE_TYPE_GENERATED,
+    SHAPE_TYPE_TEAPOT,
+    SHAPE_TYPE_TORUS,
+    SHAPE_TYPE_STADIUM,
+    SHAPE_TYPE_SDF,
+    SHAPE_TYPE_SCATTER,
+    SHAPE_TYPE_INSTANCE,
+    SHAPE_TYPE_STREW, // a scatter with "of", after those that have a name
+    SHAPE_TYPE_COUNT,
+};
+// The kind that an element's "type" names; its keys are that kind's.
+bool load_json_shape_type(const struct json_node *node, uint32_t *type, struct err *err);
+// Asks the budget for what all shapes of the list will take at least, before any is made.
+// ERR_BUDGET, with the first one that is too many, where that is more than is left.
+bool load_json_check_memory(const struct json_node *shapes, struct err *err);
+
+// Whether the object's "as" is "analytic" rather than "triangles"; as it was without.
+bool load_json_is_analytic(const struct json_node *object, bool *analytic, struct err *err);
+bool load_json_analytic_quad(struct scene *scene, const struct json_node *quad,
+                             const double vertices[4][3], uint32_t material, struct err *err);
+bool load_json_analytic_box(struct scene *scene, const struct json_node *box,
+                            const double bounds[2][3], uint32_t material, struct err *err);
+
+// A signed distance field, placed by its own transforms.
+bool load_json_sdf(struct scene *scene, const struct json_node *sdf, uint32_t material,
+                   struct err *err);
+
+// A "transform": a step or a list of steps, composed.
+bool load_json_transform(const struct json_node *transform, double out[3][4], struct err *err);
+// Moves an analytic shape by a transform that keeps its kind; others are an error at `node`.
+bool load_json_move_shape(const struct json_node *node, const double m[3][4], struct shape *shape,
+                          struct err *err);
+
+// Spheres without number, with materials of their own.
+bool load_json_scatter(struct json_loader *loader, const struct json_node *scatter,
+                       struct err *err);
+
+// What the shape became that `name` is the name of; `parts` of all in the list so far.
+bool load_json_find_part(const struct json_loader *loader, const struct json_node *name,
+                         const struct scene_part *parts, struct scene_part *out, struct err *err);
+// Copies of named shapes, scattered.
+bool load_json_strew(struct json_loader *loader, const struct json_node *scatter,
+                     const struct scene_part *parts, struct err *err);
+
+// The index of the material that the object's "material" names; SCENE_NONE without it.
+bool load_json_material_name(const struct json_loader *loader, const struct json_node *object,
+                             uint32_t *material, struct err *err);
+
+// A unit vector: the object's "direction", or where its "target" lies from the position. Without a
+// position there is no target.
+bool load_json_direction(const struct json_node *object, const double position[3],
+                         double direction[3], struct err *err);
+
+// The path that the string at `key` names: confined to the scene file's folder, unless it came from
+// the command line or the user allows it. NULL with *err set on failure; lives in the scene's
+// arena.
+const char *load_json_path(struct json_loader *loader, const struct json_node *object,
+                           const char *key, struct err *err);
+
+// Ranges that several sections use.
+extern const struct range RANGE_UNIT;       // [0, 1]
+extern const struct range RANGE_RADIANCE;   // [0, SCENE_RADIANCE_MAX]
+extern const struct range RANGE_COORDINATE; // +-SCENE_COORDINATE_MAX
+extern const struct range RANGE_RADIUS;     // SCENE_LENGTH_MIN to SCENE_COORDINATE_MAX
+
+#endif

@@ -1,0 +1,249 @@
+// A document with a "base": another scene file, loaded whole, and what is different here.
+#include "scene/json/load_json.h"
+
+#include "base/file.h"
+#include "scene/core/environment.h"
+#include "scene/json/scene_edits.h"
+#include "json/json_parse.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+// More than anyone nests; what names itself comes to an end.
+#define BASE_DEPTH_MAX 8
+
+static const struct range RANGE_SECONDS = {-1e9, 1e9, false};
+
+// --- what is loaded ------------------------------------------------------------------------------
+
+// The text of an override's value, which load_json_apply_overrides parses again.
+static const char *dump_value(struct arena *arena, const json_t *value)
+{
+    char *dumped = json_dumps(value, JSON_ENCODE_ANY | JSON_REAL_PRECISION(17));
+    const char *kept = dumped ? arena_strdup(arena, dumped) : NULL;
+    json_release(dumped);
+    return kept;
+}
+
+static bool read_override(struct arena *arena, const struct json_node *node,
+                          struct scene_override *out, struct err *err)
+{
+    static const char *const required[] = {"key", "value", NULL};
+    static const char *const none[] = {NULL};
+    const char *key = "";
+    if (!node_check_object(node, required, none, err) || !node_read_string(node, "key", &key, err))
+        return false;
+    out->key = arena_strdup(arena, key);
+    out->value = dump_value(arena, node_member(node, "value").value);
+    return (out->key && out->value) || err_memory(err, "an override", strlen(key) + 1);
+}
+
+static bool read_overrides(struct json_loader *loader, const struct json_node *list,
+                           struct scene_base *base, struct err *err)
+{
+    if (!list->value)
+        return true;
+    if (strcasecmp(path_extension(base->path), "json") != 0)
+        return node_fail(list, err, "go with a .json file only; the base is %s", base->path);
+    if (!node_check_array(list, 0, UINT32_MAX, err))
+        return false;
+    size_t count = json_array_size(list->value);
+    struct arena *arena = &loader->scene->arena;
+    struct scene_override *overrides = ARENA_NEW(arena, struct scene_override, count);
+    if (!overrides)
+        return err_memory(err, "overrides", count * sizeof *overrides);
+    for (size_t i = 0; i < count; i++) {
+        const struct json_node node = node_element(list, i);
+        if (!read_override(arena, &node, &overrides[i], err))
+            return false;
+    }
+    base->overrides = overrides;
+    base->override_count = (uint32_t)count;
+    return true;
+}
+
+// A string that outlives the document.
+static bool read_text(struct arena *arena, const struct json_node *object, const char *key,
+                      const char **out, struct err *err)
+{
+    if (!node_read_string(object, key, out, err))
+        return false;
+    if (*out && !(*out = arena_strdup(arena, *out)))
+        return err_memory(err, "a name", 1);
+    return true;
+}
+
+static bool read_gltf_choices(struct arena *arena, const struct json_node *node,
+                              struct scene_base *base, struct err *err)
+{
+    static const char *const keys[] = {"scene", "animation", "variant", "at_seconds"};
+    const char *extension = path_extension(base->path);
+    bool is_gltf = strcasecmp(extension, "gltf") == 0 || strcasecmp(extension, "glb") == 0;
+    for (size_t i = 0; i < sizeof keys / sizeof *keys && !is_gltf; i++) {
+        const struct json_node member = node_member(node, keys[i]);
+        if (member.value)
+            return node_fail(&member, err, "goes with a .gltf or .glb file only; the base is %s",
+                             base->path);
+    }
+    if (node_member(node, "at_seconds").value) {
+        double *seconds = ARENA_NEW(arena, double, 1);
+        if (!seconds)
+            return err_memory(err, "a time", sizeof *seconds);
+        if (!node_read_number(node, "at_seconds", RANGE_SECONDS, seconds, err))
+            return false;
+        base->at_seconds = seconds;
+    }
+    return read_text(arena, node, "scene", &base->scene_name, err) &&
+           read_text(arena, node, "animation", &base->animation, err) &&
+           read_text(arena, node, "variant", &base->variant, err);
+}
+
+// What the base is given where it brings no light: as the command line says, unless this file does.
+static bool read_additions(const struct scene_load_params *params, const struct json_node *node,
+                           struct scene_base *base, struct err *err)
+{
+    uint32_t studio = params->studio, ground = params->ground, up = params->up;
+    if (!node_read_choice(node, "studio", scene_studio_names, &studio, err) ||
+        !node_read_choice(node, "ground", scene_ground_names, &ground, err) ||
+        !node_read_choice(node, "up", scene_up_names, &up, err))
+        return false;
+    base->studio = (enum scene_studio)studio;
+    base->ground = (enum scene_ground)ground;
+    base->up = (enum scene_up)up;
+    return true;
+}
+
+static bool read_base(struct json_loader *loader, const struct json_node *node,
+                      struct scene_base *base, struct err *err)
+{
+    static const char *const required[] = {"file", NULL};
+    static const char *const optional[] = {
+        "overrides", "scene", "animation", "variant", "at_seconds", "studio", "ground", "up", NULL};
+    if (!node_check_object(node, required, optional, err) ||
+        !read_additions(loader->params, node, base, err) ||
+        !(base->path = load_json_path(loader, node, "file", err)))
+        return false;
+    const struct json_node overrides = node_member(node, "overrides");
+    return read_overrides(loader, &overrides, base, err) &&
+           read_gltf_choices(&loader->scene->arena, node, base, err);
+}
+
+// The file's fault, whatever the option that says the same.
+static bool blame_file(const struct json_node *file, struct err *err)
+{
+    if (err->code == ERR_USAGE)
+        err->code = ERR_INPUT;
+    return node_prepend(file, err);
+}
+
+static bool load_file(struct json_loader *loader, const struct json_node *node,
+                      struct scene_base *base, struct err *err)
+{
+    struct scene *scene = loader->scene;
+    const char *path = scene->path;
+    const struct json_node file = node_member(node, "file");
+    scene->up = base->up;
+    const struct scene_load_params params = {
+        .path = base->path,
+        .overrides = base->overrides,
+        .override_count = base->override_count,
+        .override_folder = loader->folder,
+        .allow_outside_paths = loader->params->allow_outside_paths,
+        .at_seconds = base->at_seconds,
+        .animation = base->animation,
+        .scene_name = base->scene_name,
+        .variant = base->variant,
+        .studio = base->studio,
+        .ground = base->ground,
+        .up = base->up,
+        .base_depth = loader->params->base_depth + 1,
+        .progress = loader->params->progress,
+    };
+    if (params.base_depth > BASE_DEPTH_MAX)
+        return node_fail(&file, err,
+                         "is the base of %d files, each the base of the next; expected at most %d "
+                         "(does one name itself?)",
+                         BASE_DEPTH_MAX + 1, BASE_DEPTH_MAX);
+    struct err problem = {0};
+    if (!scene_load_into(scene, &params, &problem)) {
+        blame_file(&file, &problem);
+        if (err)
+            *err = problem;
+        return false;
+    }
+    scene->path = path;
+    base->base = scene->base;
+    base->override_paths = scene->override_paths;
+    base->override_path_count = scene->override_path_count;
+    return true;
+}
+
+// --- what is different ---------------------------------------------------------------------------
+
+// It comes before those of the base, so that it is the one that is used; one that was made up goes.
+static bool put_camera_first(struct scene *scene, const struct json_node *node, struct err *err)
+{
+    if (!node->value)
+        return true;
+    if (!load_json_camera(scene, node, err))
+        return false;
+    struct camera *cameras = scene->cameras, added = cameras[scene->camera_count - 1];
+    if (scene->camera_is_framed)
+        scene->camera_count = 1;
+    else
+        memmove(&cameras[1], &cameras[0], (scene->camera_count - 1) * sizeof *cameras);
+    cameras[0] = added;
+    scene->camera_is_framed = false;
+    return true;
+}
+
+static bool replace_environment(struct json_loader *loader, const struct json_node *node,
+                                struct err *err)
+{
+    const struct environment former = loader->scene->environment;
+    if (!node->value)
+        return true;
+    if (!load_json_environment(loader, node, err))
+        return false;
+    scene_remove_sun(loader->scene, &former);
+    loader->base->environment_source = true;
+    return scene_add_sky_sun(loader->scene, err);
+}
+
+static bool check_keys(const struct json_node *document, struct err *err)
+{
+    static const char *const others[] = {"materials", "lights", "shapes"};
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
+        const struct json_node node = node_member(document, others[i]);
+        if (node.value)
+            return node_fail(&node, err,
+                             "goes without \"base\"; what the base has, \"edits\" changes");
+    }
+    return true;
+}
+
+bool load_json_base(struct json_loader *loader, const struct json_node *document, struct err *err)
+{
+    struct scene *scene = loader->scene;
+    const struct json_node node = node_member(document, "base");
+    const struct json_node camera = node_member(document, "camera");
+    const struct json_node film = node_member(document, "film");
+    const struct json_node settings = node_member(document, "settings");
+    const struct json_node environment = node_member(document, "environment");
+    const struct json_node edits = node_member(document, "edits");
+    struct scene_base *base = ARENA_NEW(&scene->arena, struct scene_base, 1);
+    if (!base)
+        return err_memory(err, "a base", sizeof *base);
+    loader->base = base;
+    if (!check_keys(document, err) || !read_base(loader, &node, base, err) ||
+        !load_file(loader, &node, base, err) ||
+        (film.value && !load_json_film(scene, &film, err)) ||
+        (settings.value && !load_json_settings(scene, &settings, err)) ||
+        !put_camera_first(scene, &camera, err) || !replace_environment(loader, &environment, err) ||
+        (edits.value && !load_json_edits(loader, &edits, err)))
+        return false;
+    scene_frame_camera(scene);
+    scene->base = base;
+    return true;
+}

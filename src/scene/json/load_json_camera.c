@@ -1,0 +1,248 @@
+// The section "camera" of a scene file.
+#include "scene/json/load_json.h"
+
+#include "scene/core/affine.h"
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+// The millimetres' range leaves fields of view that are neither 0 nor 180 degrees in double.
+static const struct range RANGE_MILLIMETRES = {1e-6, 1e6, false};
+static const struct range RANGE_APERTURE = {0, 1e3 * SCENE_COORDINATE_MAX, false}; // millimetres
+static const struct range RANGE_F_NUMBER = {1e-3, 1e6, false};
+// What kernels divide by stays normal, and so do its quotients.
+static const struct range RANGE_FOCUS = {SCENE_LENGTH_MIN, SCENE_COORDINATE_MAX, false};
+static const struct range RANGE_TURN = {-360, 360, false};
+#define DEGREE (M_PI / 180)
+#define BLADES_MAX 64
+
+bool load_json_direction(const struct json_node *node, const double position[3],
+                         double direction[3], struct err *err)
+{
+    double target[3];
+    if ((position && !node_check_either(node, "target", "direction", err)) ||
+        !node_read_vector(node, "direction", RANGE_COORDINATE, direction, err))
+        return false;
+    const struct json_node target_node = node_member(node, "target");
+    if (position && target_node.value) {
+        if (!node_read_vector(node, "target", RANGE_COORDINATE, target, err))
+            return false;
+        vec3_subtract(target, position, direction);
+        return vec3_normalize(direction) || node_fail(&target_node, err, "is its own position");
+    }
+    const struct json_node direction_node = node_member(node, "direction");
+    return vec3_make_unit(direction) ||
+           node_fail(&direction_node, err, "is zero; expected a direction");
+}
+
+bool load_json_exactly(const struct json_node *node, const char *key, struct range range,
+                       double unit, const char *exact_key, double *out, struct err *err)
+{
+    const struct json_node rounded = node_member(node, key), exact = node_member(node, exact_key);
+    const struct range exact_range = {range.min * unit, range.max * unit, range.open};
+    double value = 0;
+    if (rounded.value && exact.value)
+        return node_fail(node, err, "both \"%s\" and \"%s\" are given; expected one", key,
+                         exact_key);
+    if (!node_read_number(node, key, range, &value, err) ||
+        !node_read_number(node, exact_key, exact_range, out, err))
+        return false;
+    if (rounded.value)
+        *out = value * unit;
+    return true;
+}
+
+// The basis that the kernels take in single precision keeps its digits as long as up deviates from
+// the line of sight by more than that precision resolves.
+static bool read_up(const struct json_node *node, struct camera *camera, struct err *err)
+{
+    if (!node_read_vector(node, "up", RANGE_COORDINATE, camera->up, err))
+        return false;
+    double unit[3] = {camera->up[0], camera->up[1], camera->up[2]}, right[3];
+    if (vec3_normalize(unit)) {
+        vec3_cross(camera->direction, unit, right);
+        if (vec3_length(right) > (double)FLT_EPSILON)
+            return true;
+    }
+    const struct json_node up_node = node_member(node, "up");
+    return node_fail(up_node.value ? &up_node : node, err,
+                     "up (%.9g, %.9g, %.9g) is zero or parallel to the line of sight",
+                     camera->up[0], camera->up[1], camera->up[2]);
+}
+
+static bool read_field_of_view(const struct json_node *node, struct camera *camera, struct err *err)
+{
+    const struct range degrees = {0, 180, true};
+    double focal_length = 0, sensor_height = 24;
+    bool is_exact = node_member(node, "fov_radians").value != NULL;
+    if (!node_check_either(node, is_exact ? "fov_radians" : "fov_degrees", "focal_length_mm",
+                           err) ||
+        !load_json_exactly(node, "fov_degrees", degrees, DEGREE, "fov_radians", &camera->fov_y,
+                           err) ||
+        !node_read_number(node, "focal_length_mm", RANGE_MILLIMETRES, &focal_length, err) ||
+        !node_read_number(node, "sensor_height_mm", RANGE_MILLIMETRES, &sensor_height, err))
+        return false;
+    const struct json_node sensor = node_member(node, "sensor_height_mm");
+    if (sensor.value && camera->fov_y > 0)
+        return node_fail(&sensor, err, "goes with \"focal_length_mm\", not with \"fov_degrees\"");
+    if (focal_length > 0)
+        camera->fov_y = 2 * atan(sensor_height / (2 * focal_length));
+    return true;
+}
+
+// The point's distance along the direction: of the plane through it that is in focus.
+static bool read_focus(const struct json_node *node, struct camera *camera, struct err *err)
+{
+    double point[3], to_point[3];
+    if (!node_check_either(node, "focus", "focus_distance", err) ||
+        !node_read_number(node, "focus_distance", RANGE_FOCUS, &camera->focus_distance, err) ||
+        !node_read_vector(node, "focus", RANGE_COORDINATE, point, err))
+        return false;
+    const struct json_node focus = node_member(node, "focus");
+    if (!focus.value)
+        return true;
+    vec3_subtract(point, camera->position, to_point);
+    camera->focus_distance = vec3_dot(to_point, camera->direction);
+    if (camera->focus_distance >= RANGE_FOCUS.min && camera->focus_distance <= RANGE_FOCUS.max)
+        return true;
+    return node_fail(&focus, err,
+                     "lies %g m in front of the camera; expected a distance within [%g, %g]",
+                     camera->focus_distance, RANGE_FOCUS.min, RANGE_FOCUS.max);
+}
+
+// The radius of the aperture: as such, or from the f-number, which is the focal length in
+// diameters.
+static bool read_aperture(const struct json_node *node, struct camera *camera, struct err *err)
+{
+    double f_number = 0, focal_length = 0;
+    bool is_exact = node_member(node, "aperture_radius").value != NULL;
+    if (!node_check_either(node, is_exact ? "aperture_radius" : "aperture_radius_mm", "f_number",
+                           err) ||
+        !load_json_exactly(node, "aperture_radius_mm", RANGE_APERTURE, 1e-3, "aperture_radius",
+                           &camera->lens_radius, err) ||
+        !node_read_number(node, "f_number", RANGE_F_NUMBER, &f_number, err))
+        return false;
+    const struct json_node f_node = node_member(node, "f_number");
+    if (f_node.value) {
+        if (!node_member(node, "focal_length_mm").value)
+            return node_fail(&f_node, err, "goes with \"focal_length_mm\"");
+        if (!node_read_number(node, "focal_length_mm", RANGE_MILLIMETRES, &focal_length, err))
+            return false;
+        camera->lens_radius = focal_length / (2 * f_number) * 1e-3;
+    }
+    return true;
+}
+
+static bool read_blades(const struct json_node *node, struct camera *camera, struct err *err)
+{
+    uint64_t blades = 0;
+    if (!node_read_integer(node, "blades", 0, BLADES_MAX, &blades, err) ||
+        !load_json_exactly(node, "blade_rotation_degrees", RANGE_TURN, DEGREE,
+                           "blade_rotation_radians", &camera->lens_rotation, err))
+        return false;
+    const struct json_node blades_node = node_member(node, "blades");
+    if (blades == 1 || blades == 2)
+        return node_fail(&blades_node, err, "%u; expected at least 3, or 0 for a round aperture",
+                         (unsigned)blades);
+    camera->lens_blades = (uint32_t)blades;
+    return true;
+}
+
+// False where one of the keys, ended by NULL, is there.
+static bool check_absent(const struct json_node *node, const char *const *keys, const char *reason,
+                         struct err *err)
+{
+    for (; *keys; keys++) {
+        const struct json_node member = node_member(node, *keys);
+        if (member.value)
+            return node_fail(&member, err, "%s", reason);
+    }
+    return true;
+}
+
+static bool read_lens(const struct json_node *node, struct camera *camera, struct err *err)
+{
+    static const char *const of_lenses[] = {
+        "focus", "focus_distance", "blades", "blade_rotation_degrees", "blade_rotation_radians",
+        NULL};
+    if (!node_member(node, "aperture_radius_mm").value &&
+        !node_member(node, "aperture_radius").value && !node_member(node, "f_number").value)
+        return check_absent(node, of_lenses,
+                            "goes with \"aperture_radius_mm\" or \"f_number\": a pinhole has no "
+                            "focus",
+                            err);
+    return read_aperture(node, camera, err) && read_focus(node, camera, err) &&
+           read_blades(node, camera, err);
+}
+
+// What belongs to one kind of camera is refused with the others.
+static bool read_kind(const struct json_node *node, struct camera *camera, struct err *err)
+{
+    static const char *const of_perspective[] = {"fov_degrees",
+                                                 "fov_radians",
+                                                 "focal_length_mm",
+                                                 "sensor_height_mm",
+                                                 "aperture_radius_mm",
+                                                 "aperture_radius",
+                                                 "f_number",
+                                                 "focus",
+                                                 "focus_distance",
+                                                 "blades",
+                                                 "blade_rotation_degrees",
+                                                 "blade_rotation_radians",
+                                                 NULL};
+    static const char *const of_orthographic[] = {"height", NULL};
+    if (!node_read_choice(node, "type", camera_names, &camera->kind, err))
+        return false;
+    if (camera->kind != CAMERA_PERSPECTIVE &&
+        !check_absent(node, of_perspective, "goes with a perspective camera only", err))
+        return false;
+    if (camera->kind != CAMERA_ORTHOGRAPHIC &&
+        !check_absent(node, of_orthographic, "goes with an orthographic camera only", err))
+        return false;
+    if (camera->kind == CAMERA_PERSPECTIVE)
+        return read_field_of_view(node, camera, err) && read_lens(node, camera, err);
+    if (camera->kind == CAMERA_PANORAMIC)
+        return true;
+    if (!node_member(node, "height").value)
+        return node_fail(node, err, "\"height\" is missing: of what is seen, in metres");
+    return node_read_number(node, "height", RANGE_RADIUS, &camera->height, err);
+}
+
+bool load_json_camera(struct scene *scene, const struct json_node *node, struct err *err)
+{
+    static const char *const required[] = {"position", NULL};
+    static const char *const optional[] = {"name",
+                                           "type",
+                                           "target",
+                                           "direction",
+                                           "up",
+                                           "height",
+                                           "fov_degrees",
+                                           "fov_radians",
+                                           "focal_length_mm",
+                                           "sensor_height_mm",
+                                           "aperture_radius_mm",
+                                           "aperture_radius",
+                                           "f_number",
+                                           "focus",
+                                           "focus_distance",
+                                           "blades",
+                                           "blade_rotation_degrees",
+                                           "blade_rotation_radians",
+                                           NULL};
+    const char *name = "";
+    struct camera camera = {.up = {0, 1, 0}};
+    if (!node_check_object(node, required, optional, err) ||
+        !node_read_string(node, "name", &name, err) ||
+        !node_read_vector(node, "position", RANGE_COORDINATE, camera.position, err) ||
+        !load_json_direction(node, camera.position, camera.direction, err) ||
+        !read_up(node, &camera, err) || !read_kind(node, &camera, err))
+        return false;
+    struct camera *added = scene_add_camera(scene, NULL);
+    camera.name = arena_strdup(&scene->arena, name);
+    if (!added || !camera.name)
+        return err_memory(err, "a camera", sizeof camera);
+    *added = camera;
+    return true;
+}

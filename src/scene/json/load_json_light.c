@@ -1,0 +1,192 @@
+// Lights of a scene file that are no surfaces.
+#include "scene/json/load_json.h"
+
+#include "scene/core/affine.h"
+#include "scene/core/environment.h"
+#include "scene/core/light.h"
+#include "scene/sky/ies.h"
+#include "shared/types.h"
+#include <math.h>
+
+static const char *const type_names[] = {
+    [LIGHT_POINT] = "point", [LIGHT_SPOT] = "spot", [LIGHT_DIRECTIONAL] = "directional", NULL};
+
+static const struct {
+    const char *required[4], *optional[11];
+} type_keys[] = {
+    [LIGHT_POINT] = {{"type", "position"},
+                     {"name", "intensity", "power", "range", "profile", "direction", "target",
+                      "rotation_degrees"}},
+    [LIGHT_SPOT] = {{"type", "position"},
+                    {"name", "intensity", "power", "range", "direction", "target", "inner_degrees",
+                     "outer_degrees", "profile", "rotation_degrees"}},
+    [LIGHT_DIRECTIONAL] = {{"type", "direction", "irradiance"},
+                           {"name", "angular_diameter_degrees"}},
+};
+
+// Where nothing is said: as in glTF.
+#define SPOT_OUTER_DEGREES 45
+
+static bool read_cone(const struct json_node *node, struct light *light, struct err *err)
+{
+    const struct range range = {0, 90, false};
+    double inner = 0, outer = SPOT_OUTER_DEGREES;
+    if (!load_json_direction(node, light->position, light->direction, err) ||
+        !node_read_number(node, "inner_degrees", range, &inner, err) ||
+        !node_read_number(node, "outer_degrees", range, &outer, err))
+        return false;
+    // In single precision, as the kernels take them.
+    light->inner_angle = (float)(inner * (M_PI / 180));
+    light->outer_angle = (float)(outer * (M_PI / 180));
+    return light->inner_angle < light->outer_angle ||
+           node_fail(node, err, "inner_degrees %.9g is not below outer_degrees %.9g", inner, outer);
+}
+
+// The plane at 0 degrees has the world's x axis, or its z axis where light goes along the former;
+// turned counter-clockwise as seen against the direction.
+static void place_profile(struct light *light, double rotation_degrees)
+{
+    const double *d = light->direction;
+    double x[3] = {1, 0, 0}, y[3], angle = rotation_degrees * (M_PI / 180);
+    if (fabs(d[0]) > 0.999) {
+        x[0] = 0;
+        x[2] = 1;
+    }
+    double along = d[0] * x[0] + d[1] * x[1] + d[2] * x[2];
+    for (int c = 0; c < 3; c++)
+        x[c] -= along * d[c];
+    vec3_normalize(x);
+    for (int c = 0; c < 3; c++) // up times x, where up is against the direction
+        y[c] = x[(c + 1) % 3] * d[(c + 2) % 3] - x[(c + 2) % 3] * d[(c + 1) % 3];
+    for (int c = 0; c < 3; c++)
+        light->profile_x[c] = cos(angle) * x[c] + sin(angle) * y[c];
+}
+
+static bool read_profile(struct json_loader *loader, const struct json_node *node,
+                         struct light *light, struct err *err)
+{
+    static const char *const only_with_it[] = {"direction", "target", "rotation_degrees"};
+    const struct json_node file = node_member(node, "profile");
+    const struct range rotations = {-1e6, 1e6, false};
+    double rotation = 0;
+    for (int i = light->kind == LIGHT_SPOT ? 2 : 0; i < 3 && !file.value; i++) {
+        const struct json_node member = node_member(node, only_with_it[i]);
+        if (member.value)
+            return node_fail(&member, err, "goes with \"profile\" only");
+    }
+    if (!file.value)
+        return true;
+    if (light->kind == LIGHT_POINT) {
+        light->direction[1] = -1;
+        bool is_placed = node_member(node, "direction").value || node_member(node, "target").value;
+        if (is_placed && !load_json_direction(node, light->position, light->direction, err))
+            return false;
+    }
+    if (!node_read_number(node, "rotation_degrees", rotations, &rotation, err))
+        return false;
+    place_profile(light, rotation);
+    const char *path = load_json_path(loader, node, "profile", err);
+    return path &&
+           (ies_load(loader->scene, path, &light->profile, err) || node_prepend(&file, err));
+}
+
+// What a light sends where it sends most: of a profile without another word what its file says.
+static bool read_peak(const struct json_node *node, struct light *light, struct err *err)
+{
+    if (light->profile && !node_member(node, "intensity").value)
+        for (int c = 0; c < 3; c++)
+            light->radiant[c] = (float)light->profile->greatest;
+    return node_read_color(node, "intensity", RANGE_RADIANCE, light->radiant, err);
+}
+
+// "intensity", or "power" divided by the solid angle that it is spread over.
+static bool read_intensity(const struct json_node *node, struct light *light, struct err *err)
+{
+    double solid_angle = 4 * M_PI;
+    if (light->profile)
+        solid_angle = light->profile->solid_angle;
+    else if (light->kind == LIGHT_SPOT)
+        solid_angle = spot_solid_angle(light);
+    bool is_told = light->profile && !node_member(node, "power").value;
+    if ((!is_told && !node_check_either(node, "intensity", "power", err)) ||
+        !read_peak(node, light, err))
+        return false;
+    const struct json_node power_node = node_member(node, "power");
+    double power[3];
+    if (!power_node.value)
+        return true;
+    if (!node_read_vector(node, "power", RANGE_RADIANCE, power, err))
+        return false;
+    for (int c = 0; c < 3; c++) {
+        double intensity = power[c] / solid_angle;
+        if (!(intensity <= RANGE_RADIANCE.max))
+            return node_fail(&power_node, err, "makes the intensity %.9g; expected at most %g",
+                             intensity, RANGE_RADIANCE.max);
+        light->radiant[c] = (float)intensity;
+    }
+    return true;
+}
+
+static bool read_directional(const struct json_node *node, struct light *light, struct err *err)
+{
+    double degrees = 0, limit = ENVIRONMENT_SUN_DIAMETER_MIN;
+    const struct json_node diameter = node_member(node, "angular_diameter_degrees");
+    const struct range range = {0, ENVIRONMENT_SUN_DIAMETER_MAX, false};
+    if (!load_json_direction(node, NULL, light->direction, err) ||
+        !node_read_color(node, "irradiance", RANGE_RADIANCE, light->radiant, err) ||
+        !node_read_number(node, diameter.key, range, &degrees, err))
+        return false;
+    if (degrees > 0 && degrees < limit)
+        return node_fail(&diameter, err, "%.9g is below %g and not 0, a light without extent",
+                         degrees, limit);
+    light->angular_radius = degrees / 2 * (M_PI / 180);
+    for (int c = 0; c < 3 && degrees > 0; c++) {
+        double radiance =
+            environment_sun_radiance((double)light->radiant[c], light->angular_radius);
+        if (!(radiance <= SCENE_RADIANCE_MAX))
+            return node_fail(&diameter, err, "makes the radiance %.9g; expected at most %g",
+                             radiance, SCENE_RADIANCE_MAX);
+    }
+    return true;
+}
+
+static bool read_light(struct json_loader *loader, const struct json_node *node,
+                       struct light *light, struct err *err)
+{
+    if (!json_is_object(node->value))
+        return node_unexpected(node, "an object", err);
+    if (!node_member(node, "type").value)
+        return node_fail(node, err, "\"type\" is missing");
+    double range = INFINITY;
+    if (!node_read_choice(node, "type", type_names, &light->kind, err) ||
+        !node_check_object(node, type_keys[light->kind].required, type_keys[light->kind].optional,
+                           err) ||
+        !node_read_string(node, "name", &light->name, err) ||
+        !node_read_vector(node, "position", RANGE_COORDINATE, light->position, err) ||
+        !node_read_number(node, "range", RANGE_RADIUS, &range, err))
+        return false;
+    light->range = (float)range;
+    if (light->kind == LIGHT_DIRECTIONAL)
+        return read_directional(node, light, err);
+    return (light->kind == LIGHT_POINT || read_cone(node, light, err)) &&
+           read_profile(loader, node, light, err) && read_intensity(node, light, err);
+}
+
+bool load_json_lights(struct json_loader *loader, const struct json_node *lights, struct err *err)
+{
+    struct scene *scene = loader->scene;
+    if (!node_check_array(lights, 0, UINT32_MAX, err))
+        return false;
+    for (size_t i = 0; i < json_array_size(lights->value); i++) {
+        const struct json_node node = node_element(lights, i);
+        struct light *light = scene_add_light(scene, NULL);
+        if (!light)
+            return err_memory(err, "a light", sizeof *light);
+        if (!read_light(loader, &node, light, err))
+            return false;
+        light->name = arena_strdup(&scene->arena, light->name);
+        if (!light->name)
+            return err_memory(err, "a name", 1);
+    }
+    return true;
+}

@@ -1,0 +1,385 @@
+// Materials of a scene file. The parameters are those of material_parameters[]; here is what the
+// format adds to them: choices, switches and other ways to say the same.
+#include "scene/json/load_json.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define ONLY(model) (1u << (model))
+#define ALL_MODELS ((1u << MATERIAL_MODEL_COUNT) - 1u)
+#define THROUGH (ONLY(MATERIAL_PRINCIPLED) | ONLY(MATERIAL_DIELECTRIC))
+#define SMITH_ONLY (THROUGH | ONLY(MATERIAL_CONDUCTOR))
+
+// Keys that are not parameters.
+static const struct {
+    const char *name;
+    uint32_t models; // that take it
+} other_keys[] = {
+    {"type", ALL_MODELS},
+    {"like", ALL_MODELS},
+    {"alpha", ALL_MODELS},
+    {"textures", ALL_MODELS},
+    {"smoothness", ONLY(MATERIAL_PHONG) | ONLY(MATERIAL_BLINN_PHONG)},
+    {"thin", THROUGH},
+    {"absorption", THROUGH},
+    {"extinction", THROUGH},
+    {"priority", THROUGH},
+    {"compensate", SMITH_ONLY},
+    {"layers", ONLY(MATERIAL_PRINCIPLED)},
+    {"masking", SMITH_ONLY | ONLY(MATERIAL_MICROFACET)},
+    {"metal", ONLY(MATERIAL_CONDUCTOR)},
+    {"distribution", ONLY(MATERIAL_MICROFACET)},
+    {"fresnel", ONLY(MATERIAL_MICROFACET)},
+};
+#define OTHER_KEY_COUNT (sizeof other_keys / sizeof *other_keys)
+
+// --- keys ----------------------------------------------------------------------------------------
+
+// "principled, dielectric": the models of a mask.
+struct model_list {
+    char text[128];
+};
+
+static struct model_list list_models(uint32_t models)
+{
+    struct model_list list = {""};
+    size_t length = 0;
+    for (uint32_t i = 0; i < MATERIAL_MODEL_COUNT; i++) {
+        if (!(models & ONLY(i)))
+            continue;
+        int written = snprintf(list.text + length, sizeof list.text - length, "%s%s",
+                               length > 0 ? ", " : "", material_model_names[i]);
+        length += (size_t)written;
+    }
+    return list;
+}
+
+// That the material has no such key, or is of a model that takes it.
+static bool check_model(const struct json_node *material, const char *key, uint32_t model,
+                        uint32_t models, struct err *err)
+{
+    const struct json_node node = node_member(material, key);
+    if (!node.value || (models & ONLY(model)))
+        return true;
+    return node_fail(&node, err, "is not for \"type\": \"%s\" but for: %s",
+                     material_model_names[model], list_models(models).text);
+}
+
+// That every key is known, and one of the material's model.
+static bool check_keys(const struct json_node *node, uint32_t *model, struct err *err)
+{
+    static const char *const none[] = {NULL};
+    const char *known[PARAMETER_COUNT + OTHER_KEY_COUNT + 1] = {NULL};
+    size_t count = 0;
+    for (size_t i = 0; i < OTHER_KEY_COUNT; i++)
+        known[count++] = other_keys[i].name;
+    for (uint32_t i = 0; i < material_parameter_count; i++)
+        known[count++] = material_parameters[i].name;
+    const char *models[MATERIAL_MODEL_COUNT + 1] = {NULL};
+    memcpy(models, material_model_names, sizeof material_model_names);
+    if (!node_check_object(node, none, known, err) ||
+        !node_read_choice(node, "type", models, model, err))
+        return false;
+    for (size_t i = 0; i < OTHER_KEY_COUNT; i++)
+        if (!check_model(node, other_keys[i].name, *model, other_keys[i].models, err))
+            return false;
+    for (uint32_t i = 0; i < material_parameter_count; i++)
+        if (!check_model(node, material_parameters[i].name, *model, material_parameters[i].models,
+                         err))
+            return false;
+    return true;
+}
+
+// --- parameters ----------------------------------------------------------------------------------
+
+// The decimal number that a bound of the table was written as: of up to FLT_DIG digits single
+// precision keeps all (0.001f itself is a little above 0.001).
+static double as_written(float bound)
+{
+    char text[32];
+    snprintf(text, sizeof text, "%.*g", FLT_DIG, (double)bound);
+    return strtod(text, NULL);
+}
+
+bool load_json_parameters(const struct json_node *node, struct material *material, struct err *err)
+{
+    for (uint32_t i = 0; i < material_parameter_count; i++) {
+        const struct material_parameter *p = &material_parameters[i];
+        const struct range range = {as_written(p->min), as_written(p->max), false};
+        float *values = &material->parameters[p->first];
+        double value = (double)values[0];
+        if (p->count == 3 ? !node_read_color(node, p->name, range, values, err)
+                          : !node_read_number(node, p->name, range, &value, err))
+            return false;
+        if (p->count == 1)
+            values[0] = (float)value;
+    }
+    return true;
+}
+
+// What a model is expected to be where nothing else is said: a mirror loses nothing, glass and
+// metal are smooth. The other fallbacks are the table's.
+static void set_fallbacks(struct material *material)
+{
+    if (material->model == MATERIAL_MIRROR)
+        for (int c = 0; c < 3; c++)
+            material->base_color[c] = 1.0f;
+    if (material->model == MATERIAL_DIELECTRIC || material->model == MATERIAL_CONDUCTOR)
+        material->roughness = 0.0f;
+}
+
+// The exponent of the classical models on a scale on which the highlight's width changes evenly.
+static bool read_smoothness(const struct json_node *node, struct material *material,
+                            struct err *err)
+{
+    const struct json_node smoothness = node_member(node, "smoothness");
+    double s = 0;
+    if (!smoothness.value)
+        return true;
+    if (node_member(node, "exponent").value)
+        return node_fail(node, err, "both \"smoothness\" and \"exponent\" are given; expected one");
+    if (!node_read_number(node, "smoothness", RANGE_UNIT, &s, err))
+        return false;
+    material->exponent = (float)pow(1000, s * s);
+    return true;
+}
+
+// P. B. Johnson and R. W. Christy, "Optical Constants of the Noble Metals", Physical Review B 6
+// (1972), 4370-4379, at 616.8, 548.6 and 450.9 nm (2.01, 2.26 and 2.75 eV).
+static const struct {
+    float eta[3], k[3];
+} metals[] = {
+    {{0.30f, 1.02f, 1.24f}, {3.205f, 2.577f, 2.397f}},
+    {{0.21f, 0.43f, 1.38f}, {3.272f, 2.455f, 1.914f}},
+    {{0.06f, 0.06f, 0.04f}, {4.152f, 3.586f, 2.657f}},
+};
+
+static bool read_metal(const struct json_node *node, struct material *material, struct err *err)
+{
+    static const char *const names[] = {"copper", "gold", "silver", NULL};
+    const struct json_node metal = node_member(node, "metal");
+    uint32_t choice = 0;
+    if (!metal.value)
+        return true;
+    if (node_member(node, "conductor_eta").value || node_member(node, "conductor_k").value)
+        return node_fail(node, err,
+                         "both \"metal\" and \"conductor_eta\" or \"conductor_k\" are given; "
+                         "expected one");
+    if (!node_choice(&metal, names, &choice, err))
+        return false;
+    memcpy(material->conductor_eta, metals[choice].eta, sizeof metals[choice].eta);
+    memcpy(material->conductor_k, metals[choice].k, sizeof metals[choice].k);
+    return true;
+}
+
+// --- choices -------------------------------------------------------------------------------------
+
+static bool read_flag(const struct json_node *node, const char *key, uint32_t flag,
+                      struct material *material, struct err *err)
+{
+    bool on = material->flags & flag;
+    if (!node_read_boolean(node, key, &on, err))
+        return false;
+    material->flags = on ? material->flags | flag : material->flags & ~flag;
+    return true;
+}
+
+// Whether a texture scales the material's opacity.
+static bool has_alpha_texture(const struct scene *scene, const struct material *material)
+{
+    const uint32_t mask = 1u << (TEXTURE_MASK_SHIFT + PARAMETER_OPACITY % 4);
+    for (uint32_t i = 0; i < material->texture_count; i++) {
+        uint32_t flags = scene->textures[material->first_texture + i].flags;
+        if ((flags >> TEXTURE_USE_SHIFT & 3u) == TEXTURE_USE_SCALE &&
+            (flags >> TEXTURE_GROUP_SHIFT & 15u) == PARAMETER_OPACITY / 4 && (flags & mask))
+            return true;
+    }
+    return false;
+}
+
+// What may be transparent blends unless the file says otherwise.
+static bool read_alpha(const struct scene *scene, const struct json_node *node,
+                       struct material *material, struct err *err)
+{
+    static const char *const modes[] = {"opaque", "mask", "blend", NULL};
+    static const uint32_t flags[] = {0, MATERIAL_ALPHA_MASK, MATERIAL_ALPHA_BLEND};
+    uint32_t mode = material->opacity < 1.0f || has_alpha_texture(scene, material) ? 2 : 0;
+    if (!node_read_choice(node, "alpha", modes, &mode, err))
+        return false;
+    const struct json_node cutoff = node_member(node, "alpha_cutoff");
+    if (cutoff.value && flags[mode] != MATERIAL_ALPHA_MASK)
+        return node_fail(&cutoff, err, "goes with \"alpha\": \"mask\"");
+    material->flags |= flags[mode];
+    return true;
+}
+
+// Smith's, for both directions together or for each alone; the microfacet model has others as well.
+static bool read_masking(const struct json_node *node, struct material *material, struct err *err)
+{
+    static const char *const names[] = {"smith", "separable", "schlick_ggx",
+                                        "lh",    "rational",  NULL};
+    static const uint32_t flags[] = {
+        MASKING_SMITH << MATERIAL_MASKING_SHIFT,
+        MASKING_SMITH << MATERIAL_MASKING_SHIFT | MATERIAL_SEPARABLE,
+        MASKING_SCHLICK_GGX << MATERIAL_MASKING_SHIFT,
+        MASKING_LH << MATERIAL_MASKING_SHIFT,
+        MASKING_RATIONAL << MATERIAL_MASKING_SHIFT,
+    };
+    static const char *const smith_names[] = {"smith", "separable", NULL};
+    bool has_all = material->model == MATERIAL_MICROFACET;
+    uint32_t choice = 0;
+    if (!node_read_choice(node, "masking", has_all ? names : smith_names, &choice, err))
+        return false;
+    material->flags |= flags[choice];
+    return true;
+}
+
+static bool read_microfacets(const struct json_node *node, struct material *material,
+                             struct err *err)
+{
+    static const char *const distributions[] = {[DISTRIBUTION_GGX] = "ggx",
+                                                [DISTRIBUTION_BECKMANN] = "beckmann",
+                                                [DISTRIBUTION_PHONG] = "phong",
+                                                NULL};
+    static const char *const fresnels[] = {"schlick", "exact", NULL};
+    uint32_t distribution = DISTRIBUTION_GGX, fresnel = 0;
+    if (!read_masking(node, material, err) ||
+        !node_read_choice(node, "distribution", distributions, &distribution, err) ||
+        !node_read_choice(node, "fresnel", fresnels, &fresnel, err))
+        return false;
+    material->flags |= distribution << MATERIAL_DISTRIBUTION_SHIFT;
+    material->flags |= fresnel > 0 ? MATERIAL_EXACT_FRESNEL : 0;
+    return true;
+}
+
+// Burley's coat and glTF's are two; the roughness of the second chooses it.
+static bool read_coat(const struct json_node *node, struct material *material, struct err *err)
+{
+    if (!node_member(node, "clearcoat_roughness").value)
+        return true;
+    if (node_member(node, "clearcoat_gloss").value)
+        return node_fail(node, err,
+                         "both \"clearcoat_roughness\" and \"clearcoat_gloss\" are given; expected "
+                         "one, which chooses the coat");
+    material->flags |= MATERIAL_COAT_GGX;
+    return true;
+}
+
+// Whether the layers are mixed as Burley does or as glTF's specification says.
+static bool read_layers(const struct json_node *node, struct material *material, struct err *err)
+{
+    uint32_t choice = 0;
+    if (!node_read_choice(node, "layers", edit_layers_names, &choice, err))
+        return false;
+    material->flags |= choice > 0 ? MATERIAL_GLTF_LAYERS : 0;
+    return true;
+}
+
+// --- the inside ----------------------------------------------------------------------------------
+
+static bool read_absorption(const struct json_node *node, struct material *material,
+                            struct err *err)
+{
+    static const char *const none[] = {NULL};
+    static const char *const required[] = {"color", "distance", NULL};
+    float color[3];
+    double distance = 0;
+    if (!node_check_object(node, required, none, err) ||
+        !node_read_color(node, "color", RANGE_UNIT, color, err) ||
+        !node_read_number(node, "distance", RANGE_RADIUS, &distance, err))
+        return false;
+    material_set_absorption(material, color, (float)distance);
+    return true;
+}
+
+static bool read_inside(const struct json_node *node, struct material *material, struct err *err)
+{
+    const struct json_node absorption = node_member(node, "absorption");
+    const struct json_node extinction = node_member(node, "extinction");
+    const struct json_node priority = node_member(node, "priority");
+    const struct json_node *given[] = {&absorption, &extinction, &priority};
+    if (absorption.value && extinction.value)
+        return node_fail(node, err,
+                         "both \"absorption\" and \"extinction\" are given; expected one");
+    for (size_t i = 0; i < sizeof given / sizeof *given; i++)
+        if (given[i]->value && (material->flags & MATERIAL_THIN))
+            return node_fail(given[i], err, "a \"thin\" material has no inside");
+    uint64_t number = material->medium_priority;
+    if ((absorption.value && !read_absorption(&absorption, material, err)) ||
+        !node_read_color(node, "extinction", RANGE_RADIANCE, material->extinction, err) ||
+        !node_read_integer(node, "priority", 1, 255, &number, err))
+        return false;
+    material->medium_priority = (uint32_t)number;
+    return true;
+}
+
+// --- the list ------------------------------------------------------------------------------------
+
+static bool read_material(struct json_loader *loader, const struct json_node *node,
+                          struct material *material, struct err *err)
+{
+    if (!check_keys(node, &material->model, err))
+        return false;
+    set_fallbacks(material);
+    return load_json_parameters(node, material, err) && read_smoothness(node, material, err) &&
+           read_metal(node, material, err) && load_json_textures(loader, node, material, err) &&
+           read_alpha(loader->scene, node, material, err) && read_coat(node, material, err) &&
+           read_layers(node, material, err) &&
+           read_flag(node, "thin", MATERIAL_THIN, material, err) &&
+           read_flag(node, "compensate", MATERIAL_COMPENSATE, material, err) &&
+           read_microfacets(node, material, err) && read_inside(node, material, err);
+}
+
+// Gives a material that is "like" one before it that one's keys, but those of its own. The values
+// themselves are shared, so that a path in them is still known to be the user's own.
+static bool inherit(struct json_loader *loader, const struct json_node *materials,
+                    struct json_node *node, struct err *err)
+{
+    const char *other = NULL;
+    if (!json_is_object(node->value))
+        return true; // to be complained of later
+    if (!node_read_string(node, "like", &other, err))
+        return false;
+    if (!other)
+        return true;
+    const struct json_node like = node_member(node, "like");
+    if (!json_object_get(loader->material_names, other))
+        return node_fail(&like, err, "no material %s stands before this one%s",
+                         node_describe(like.value).text,
+                         node_suggest_key(other, loader->material_names).text);
+    json_t *merged = json_copy(json_object_get(materials->value, other));
+    bool ok = merged && json_object_update(merged, node->value) == 0 &&
+              json_object_set(materials->value, node->key, merged) == 0;
+    node->value = merged;
+    json_decref(merged); // the document holds it
+    return ok || err_memory(err, "a material's keys", sizeof *merged);
+}
+
+bool load_json_materials(struct json_loader *loader, const struct json_node *materials,
+                         struct err *err)
+{
+    if (!json_is_object(materials->value))
+        return node_unexpected(materials, "an object of materials by name", err);
+    struct scene *scene = loader->scene;
+    const char *name;
+    json_t *value;
+    json_object_foreach(materials->value, name, value)
+    {
+        if (strcmp(name, "comment") == 0)
+            continue;
+        struct json_node node = node_member(materials, name);
+        if (!inherit(loader, materials, &node, err))
+            return false;
+        uint32_t index;
+        struct material *material = scene_add_material(scene, &index);
+        if (!material || !(material->name = arena_strdup(&scene->arena, name)) ||
+            json_object_set_new(loader->material_names, name, json_integer(index)) != 0)
+            return err_memory(err, "a material", sizeof *material);
+        if (!node_check_name(&node, name, err) || !read_material(loader, &node, material, err))
+            return false;
+    }
+    return true;
+}

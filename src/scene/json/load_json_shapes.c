@@ -1,0 +1,449 @@
+// The list of shapes of a scene file: what kinds there are, how they are placed, instances.
+#include "scene/json/load_json.h"
+
+#include "base/file.h"
+#include "scene/core/affine.h"
+#include "scene/core/bounds.h"
+#include <math.h>
+#include <string.h>
+#include <strings.h>
+
+// Part of the scene that each element of the list became, for instances of it.
+struct shape_list {
+    struct json_loader *loader;
+    struct scene_part *parts;
+    bool *hidden; // of each: only what it is copied to is shown
+};
+
+// --- transforms ----------------------------------------------------------------------------------
+
+static bool read_rotation(const struct json_node *node, double out[3][4], struct err *err)
+{
+    static const char *const required[] = {"axis", "degrees", NULL};
+    static const char *const optional[] = {NULL};
+    double axis[3], degrees;
+    if (!node_check_object(node, required, optional, err) ||
+        !node_read_vector(node, "axis", RANGE_COORDINATE, axis, err) ||
+        !node_read_number(node, "degrees", RANGE_COORDINATE, &degrees, err))
+        return false;
+    // Reduced exactly while still in degrees: multiples of 360 are no rotation at all.
+    const struct json_node axis_node = node_member(node, "axis");
+    return affine_rotation(axis, fmod(degrees, 360) * (M_PI / 180), out) ||
+           node_fail(&axis_node, err, "is zero; expected a direction");
+}
+
+static bool read_scale(const struct json_node *transform, double out[3][4], struct err *err)
+{
+    double scale[3];
+    const struct json_node node = node_member(transform, "scale");
+    if (json_is_array(node.value)) {
+        if (!node_numbers(&node, 3, RANGE_COORDINATE, scale, err))
+            return false;
+    } else {
+        if (!node_read_number(transform, "scale", RANGE_COORDINATE, &scale[0], err))
+            return false;
+        scale[1] = scale[2] = scale[0];
+    }
+    for (int i = 0; i < 3; i++)
+        out[i][i] = scale[i];
+    return true;
+}
+
+static bool read_matrix(const struct json_node *node, double out[3][4], struct err *err)
+{
+    double elements[16];
+    if (!node_numbers(node, 16, RANGE_COORDINATE, elements, err))
+        return false;
+    memcpy(out, elements, 12 * sizeof elements[0]);
+    if (elements[12] == 0 && elements[13] == 0 && elements[14] == 0 && elements[15] == 1)
+        return true;
+    return node_fail(node, err, "the last row is %.9g %.9g %.9g %.9g; expected 0 0 0 1",
+                     elements[12], elements[13], elements[14], elements[15]);
+}
+
+// An object with exactly one of the four kinds.
+static bool read_transform_step(const struct json_node *node, double out[3][4], struct err *err)
+{
+    static const char *const required[] = {NULL};
+    static const char *const kinds[] = {"translate", "rotate", "scale", "matrix", NULL};
+    if (!node_check_object(node, required, kinds, err))
+        return false;
+    const char *given = NULL;
+    for (const char *const *kind = kinds; *kind; kind++) {
+        if (!node_member(node, *kind).value)
+            continue;
+        if (given)
+            return node_fail(node, err,
+                             "both \"%s\" and \"%s\" are given; put them into a list, in the order "
+                             "in which they apply",
+                             given, *kind);
+        given = *kind;
+    }
+    if (!given)
+        return node_fail(node, err, "expected \"translate\", \"rotate\", \"scale\" or \"matrix\"");
+    const struct json_node value = node_member(node, given);
+    memcpy(out, AFFINE_IDENTITY, sizeof AFFINE_IDENTITY);
+    if (strcmp(given, "rotate") == 0)
+        return read_rotation(&value, out, err);
+    if (strcmp(given, "scale") == 0)
+        return read_scale(node, out, err);
+    if (strcmp(given, "matrix") == 0)
+        return read_matrix(&value, out, err);
+    double offset[3];
+    if (!node_numbers(&value, 3, RANGE_COORDINATE, offset, err))
+        return false;
+    for (int i = 0; i < 3; i++)
+        out[i][3] = offset[i];
+    return true;
+}
+
+bool load_json_transform(const struct json_node *transform, double out[3][4], struct err *err)
+{
+    if (!json_is_array(transform->value))
+        return read_transform_step(transform, out, err);
+    memcpy(out, AFFINE_IDENTITY, sizeof AFFINE_IDENTITY);
+    for (size_t i = 0; i < json_array_size(transform->value); i++) {
+        const struct json_node element = node_element(transform, i);
+        double step[3][4];
+        if (!read_transform_step(&element, step, err))
+            return false;
+        affine_multiply(step, out, out);
+    }
+    return true;
+}
+
+static bool transform_part(struct scene *scene, const struct scene_part *part,
+                           const struct json_node *node, const double m[3][4], struct err *err)
+{
+    for (uint32_t i = 0; i < part->instance_count; i++) {
+        struct instance *instance = &scene->instances[part->first_instance + i];
+        affine_multiply(m, instance->transform, instance->transform);
+    }
+    for (uint32_t i = 0; i < part->shape_count; i++)
+        if (!load_json_move_shape(node, m, &scene->shapes[part->first_shape + i], err))
+            return false;
+    return true;
+}
+
+// --- mesh files ----------------------------------------------------------------------------------
+
+static bool is_extension(const char *path, const char *extension)
+{
+    return strcasecmp(path_extension(path), extension) == 0;
+}
+
+static bool load_mesh_file(struct json_loader *loader, const char *path, uint32_t material,
+                           struct err *err)
+{
+    struct scene *scene = loader->scene;
+    bool allow_outside = loader->params->allow_outside_paths;
+    uint32_t mesh;
+    if (is_extension(path, "gltf") || is_extension(path, "glb"))
+        return load_gltf_into(scene, path, AFFINE_IDENTITY, allow_outside, err);
+    if (is_extension(path, "obj")) {
+        if (!load_obj(scene, path, material, allow_outside, &mesh, err))
+            return false;
+    } else if (is_extension(path, "ply")) {
+        if (!load_ply(scene, path, material, &mesh, err))
+            return false;
+    } else {
+        return err_set(err, ERR_INPUT,
+                       "%s: extension \"%s\" is unknown; expected obj, ply, gltf or glb", path,
+                       path_extension(path));
+    }
+    return scene_place_meshes(scene, mesh, 1, err);
+}
+
+static bool load_mesh(struct json_loader *loader, const struct json_node *node, uint32_t material,
+                      struct err *err)
+{
+    struct scene *scene = loader->scene;
+    uint32_t first_instance = scene->instance_count;
+    const struct json_node file = node_member(node, "file");
+    const char *path = load_json_path(loader, node, "file", err);
+    if (!path)
+        return false;
+    if (!load_mesh_file(loader, path, material, err))
+        return node_prepend(&file, err);
+    if (material != SCENE_NONE)
+        for (uint32_t i = first_instance; i < scene->instance_count; i++)
+            scene->instances[i].material = material;
+    return true;
+}
+
+// Scales the part uniformly to the largest size that fits the box, centred in x and z and standing
+// on its floor.
+static bool fit_part(struct scene *scene, const struct scene_part *part,
+                     const struct json_node *node, struct err *err)
+{
+    static const char *const required[] = {"min", "max", NULL};
+    static const char *const optional[] = {NULL};
+    double low[3], high[3];
+    if (!node_check_object(node, required, optional, err) ||
+        !node_read_vector(node, "min", RANGE_COORDINATE, low, err) ||
+        !node_read_vector(node, "max", RANGE_COORDINATE, high, err))
+        return false;
+    const struct bounds bounds = bounds_of_part(scene, part);
+    double scale = INFINITY;
+    for (int i = 0; i < 3; i++) {
+        if (!(low[i] < high[i]))
+            return node_fail(node, err, "max[%d] %.9g is not above min[%d] %.9g", i, high[i], i,
+                             low[i]);
+        if (bounds.max[i] > bounds.min[i])
+            scale = fmin(scale, (high[i] - low[i]) / (bounds.max[i] - bounds.min[i]));
+    }
+    if (!isfinite(scale) || !(scale > 0))
+        return node_fail(node, err, "the mesh has no size that could be fitted");
+    double fit[3][4] = {{scale, 0, 0, 0}, {0, scale, 0, 0}, {0, 0, scale, 0}};
+    for (int i = 0; i < 3; i++)
+        fit[i][3] = (low[i] + high[i] - scale * (bounds.min[i] + bounds.max[i])) / 2;
+    fit[1][3] = low[1] - scale * bounds.min[1];
+    return transform_part(scene, part, node, fit, err);
+}
+
+// --- instances -----------------------------------------------------------------------------------
+
+bool load_json_find_part(const struct json_loader *loader, const struct json_node *name,
+                         const struct scene_part *parts, struct scene_part *out, struct err *err)
+{
+    if (!json_is_string(name->value))
+        return node_unexpected(name, "the name of a shape", err);
+    const char *text = json_string_value(name->value);
+    const json_t *index = json_object_get(loader->shape_names, text);
+    if (!index)
+        return node_fail(name, err, "no shape named \"%s\" stands before this one%s", text,
+                         node_suggest_key(text, loader->shape_names).text);
+    *out = parts[json_integer_value(index)];
+    return true;
+}
+
+static bool load_instance(struct shape_list *list, const struct json_node *node, uint32_t material,
+                          struct err *err)
+{
+    struct scene *scene = list->loader->scene;
+    const struct json_node of = node_member(node, "of");
+    struct scene_part original;
+    if (!load_json_find_part(list->loader, &of, list->parts, &original, err))
+        return false;
+    for (uint32_t i = 0; i < original.instance_count; i++) {
+        struct instance *copy = scene_add_instance(scene, NULL);
+        if (!copy)
+            return err_memory(err, "an instance", sizeof *copy);
+        *copy = scene->instances[original.first_instance + i];
+        if (material != SCENE_NONE)
+            copy->material = material;
+    }
+    for (uint32_t i = 0; i < original.shape_count; i++) {
+        struct shape *copy = scene_add_shape(scene, NULL);
+        if (!copy)
+            return err_memory(err, "a shape", sizeof *copy);
+        *copy = scene->shapes[original.first_shape + i];
+        if (material != SCENE_NONE)
+            copy->material = material;
+    }
+    return true;
+}
+
+// --- the list ------------------------------------------------------------------------------------
+
+static const char *const type_names[SHAPE_TYPE_COUNT] = {
+    "mesh",   "quad",  "box",     "sphere", "disc",    "plane",    "cylinder", "generated",
+    "teapot", "torus", "stadium", "sdf",    "scatter", "instance", NULL};
+
+#define EVERY_SHAPE "name", "transform", "hidden", "visible"
+
+// Keys of each type, "type" included.
+static const struct {
+    const char *required[6], *optional[11];
+} type_keys[SHAPE_TYPE_COUNT] = {
+    [SHAPE_TYPE_MESH] = {{"type", "file"}, {EVERY_SHAPE, "material", "fit"}},
+    [SHAPE_TYPE_QUAD] = {{"type", "material"}, {EVERY_SHAPE, "vertices", "corner", "u", "v", "as"}},
+    [SHAPE_TYPE_BOX] = {{"type", "material", "min", "max"}, {EVERY_SHAPE, "as"}},
+    [SHAPE_TYPE_SPHERE] = {{"type", "material", "radius"},
+                           {EVERY_SHAPE, "center", "as", "subdivision"}},
+    [SHAPE_TYPE_DISC] = {{"type", "material", "radius", "normal"}, {EVERY_SHAPE, "center"}},
+    [SHAPE_TYPE_PLANE] = {{"type", "material", "normal"}, {EVERY_SHAPE, "point"}},
+    [SHAPE_TYPE_CYLINDER] = {{"type", "material", "radius"},
+                             {EVERY_SHAPE, "from", "to", "center", "axis", "height", "caps"}},
+    [SHAPE_TYPE_GENERATED] = {{"type", "material", "triangles"}, {EVERY_SHAPE}},
+    [SHAPE_TYPE_TEAPOT] = {{"type", "material"}, {EVERY_SHAPE, "resolution"}},
+    [SHAPE_TYPE_TORUS] = {{"type", "material"}, {EVERY_SHAPE, "tube", "segments", "tube_segments"}},
+    [SHAPE_TYPE_STADIUM] = {{"type", "material"}, {EVERY_SHAPE, "steps", "segments"}},
+    [SHAPE_TYPE_SDF] = {{"type", "material", "field"}, {EVERY_SHAPE, "bounds"}},
+    [SHAPE_TYPE_SCATTER] = {{"type", "count", "disc_radius", "radius", "materials"},
+                            {EVERY_SHAPE, "seed", "as", "subdivision"}},
+    [SHAPE_TYPE_INSTANCE] = {{"type", "of"}, {EVERY_SHAPE, "material"}},
+    [SHAPE_TYPE_STREW] = {{"type", "of", "count"},
+                          {EVERY_SHAPE, "disc_radius", "size", "seed", "scale", "tilt_degrees"}},
+};
+
+bool load_json_shape_type(const struct json_node *node, uint32_t *type, struct err *err)
+{
+    if (!json_is_object(node->value))
+        return node_unexpected(node, "an object", err);
+    if (!node_member(node, "type").value)
+        return node_fail(node, err, "\"type\" is missing");
+    if (!node_read_choice(node, "type", type_names, type, err))
+        return false;
+    if (*type == SHAPE_TYPE_SCATTER && node_member(node, "of").value)
+        *type = SHAPE_TYPE_STREW;
+    return node_check_object(node, type_keys[*type].required, type_keys[*type].optional, err);
+}
+
+bool load_json_material_name(const struct json_loader *loader, const struct json_node *shape,
+                             uint32_t *material, struct err *err)
+{
+    const char *name = NULL;
+    *material = SCENE_NONE;
+    if (!node_read_string(shape, "material", &name, err))
+        return false;
+    if (!name)
+        return true;
+    const struct json_node node = node_member(shape, "material");
+    const json_t *index = json_object_get(loader->material_names, name);
+    if (!index)
+        return node_fail(&node, err, "there is no material %s%s", node_describe(node.value).text,
+                         node_suggest_key(name, loader->material_names).text);
+    *material = (uint32_t)json_integer_value(index);
+    return true;
+}
+
+static bool register_name(struct json_loader *loader, const struct json_node *shape, size_t index,
+                          struct err *err)
+{
+    const char *name = NULL;
+    if (!node_read_string(shape, "name", &name, err))
+        return false;
+    if (!name)
+        return true;
+    const struct json_node node = node_member(shape, "name");
+    if (!node_check_name(&node, name, err))
+        return false;
+    if (json_object_get(loader->shape_names, name))
+        return node_fail(&node, err, "another shape is named \"%s\" already", name);
+    return json_object_set_new(loader->shape_names, name, json_integer((json_int_t)index)) == 0 ||
+           err_memory(err, "a name", strlen(name));
+}
+
+static bool add_in_own_space(struct shape_list *list, const struct json_node *node,
+                             enum shape_type type, struct err *err)
+{
+    struct scene *scene = list->loader->scene;
+    uint32_t material;
+    if (!load_json_material_name(list->loader, node, &material, err))
+        return false;
+    switch (type) {
+    case SHAPE_TYPE_MESH:
+        return load_mesh(list->loader, node, material, err);
+    case SHAPE_TYPE_QUAD:
+        return load_json_quad(scene, node, material, err);
+    case SHAPE_TYPE_BOX:
+        return load_json_box(scene, node, material, err);
+    case SHAPE_TYPE_SPHERE:
+        return load_json_sphere(scene, node, material, err);
+    case SHAPE_TYPE_DISC:
+        return load_json_disc(scene, node, material, err);
+    case SHAPE_TYPE_PLANE:
+        return load_json_plane(scene, node, material, err);
+    case SHAPE_TYPE_CYLINDER:
+        return load_json_cylinder(scene, node, material, err);
+    case SHAPE_TYPE_GENERATED:
+        return load_json_generated(scene, node, material, err);
+    case SHAPE_TYPE_TORUS:
+        return load_json_torus(scene, node, material, err);
+    case SHAPE_TYPE_STADIUM:
+        return load_json_stadium(scene, node, material, err);
+    case SHAPE_TYPE_TEAPOT:
+        return load_json_teapot(scene, node, material, err);
+    case SHAPE_TYPE_SDF:
+        return load_json_sdf(scene, node, material, err);
+    case SHAPE_TYPE_SCATTER:
+        return load_json_scatter(list->loader, node, err);
+    case SHAPE_TYPE_INSTANCE:
+        return load_instance(list, node, material, err);
+    case SHAPE_TYPE_STREW:
+        return load_json_strew(list->loader, node, list->parts, err);
+    case SHAPE_TYPE_COUNT:
+        break;
+    }
+    return err_set(err, ERR_BUG, "shape type %d has no loader", (int)type);
+}
+
+// Copies of what is not visible are, unless they say so, too.
+static void set_visible(struct scene *scene, const struct scene_part *part, bool visible)
+{
+    for (uint32_t i = 0; i < part->instance_count; i++)
+        scene->instances[part->first_instance + i].hidden = !visible;
+    for (uint32_t i = 0; i < part->shape_count; i++)
+        scene->shapes[part->first_shape + i].hidden = !visible;
+}
+
+static bool load_shape(struct shape_list *list, const struct json_node *node, struct err *err)
+{
+    struct scene *scene = list->loader->scene;
+    struct scene_part *part = &list->parts[node->index];
+    uint32_t type;
+    *part = (struct scene_part){scene->instance_count, 0, scene->shape_count, 0};
+    if (!load_json_shape_type(node, &type, err) ||
+        !add_in_own_space(list, node, (enum shape_type)type, err))
+        return false;
+    part->instance_count = scene->instance_count - part->first_instance;
+    part->shape_count = scene->shape_count - part->first_shape;
+
+    const struct json_node transform = node_member(node, "transform");
+    const struct json_node fit = node_member(node, "fit");
+    double m[3][4];
+    if (transform.value && (!load_json_transform(&transform, m, err) ||
+                            !transform_part(scene, part, &transform, m, err)))
+        return false;
+    if (fit.value && !fit_part(scene, part, &fit, err))
+        return false;
+    bool visible = true;
+    if (!node_read_boolean(node, "hidden", &list->hidden[node->index], err) ||
+        !node_read_boolean(node, "visible", &visible, err))
+        return false;
+    set_visible(scene, part, visible);
+    return register_name(list->loader, node, node->index, err);
+}
+
+// Takes what hidden shapes became out of the scene's lists.
+static void remove_hidden(struct shape_list *list, size_t count)
+{
+    struct scene *scene = list->loader->scene;
+    uint32_t instances = count ? list->parts[0].first_instance : scene->instance_count;
+    uint32_t shapes = count ? list->parts[0].first_shape : scene->shape_count;
+    for (size_t i = 0; i < count; i++) {
+        const struct scene_part *part = &list->parts[i];
+        if (list->hidden[i])
+            continue;
+        if (part->instance_count > 0)
+            memmove(&scene->instances[instances], &scene->instances[part->first_instance],
+                    part->instance_count * sizeof *scene->instances);
+        if (part->shape_count > 0)
+            memmove(&scene->shapes[shapes], &scene->shapes[part->first_shape],
+                    part->shape_count * sizeof *scene->shapes);
+        instances += part->instance_count;
+        shapes += part->shape_count;
+    }
+    scene->instance_count = instances;
+    scene->shape_count = shapes;
+}
+
+bool load_json_shapes(struct json_loader *loader, const struct json_node *shapes, struct err *err)
+{
+    if (!node_check_array(shapes, 0, UINT32_MAX, err) || !load_json_check_memory(shapes, err))
+        return false;
+    size_t count = json_array_size(shapes->value);
+    struct arena *arena = &loader->scene->arena;
+    struct shape_list list = {loader, ARENA_NEW(arena, struct scene_part, count),
+                              ARENA_NEW(arena, bool, count)};
+    if (!list.parts || !list.hidden)
+        return err_memory(err, "the list of shapes", count * sizeof *list.parts);
+    for (size_t i = 0; i < count; i++) {
+        const struct json_node shape = node_element(shapes, i);
+        if (!scene_goes_on(loader->scene, 0, err) || !load_shape(&list, &shape, err))
+            return false;
+    }
+    remove_hidden(&list, count);
+    return true;
+}

@@ -1,0 +1,29 @@
+// What a scene file with a "base" was made from. For scene_write, which writes such a scene down
+// as another file with the same base: so files do not pile up on one another.
+#ifndef LAMPYRIS_SCENE_JSON_SCENE_EDITS_H
+#define LAMPYRIS_SCENE_JSON_SCENE_EDITS_H
+
+#include "scene/core/scene.h"
+
+// All in the scene's arena.
+struct scene_base {
+    const struct scene_base *base; // of that file itself; NULL: it has none
+    const char *path;              // as seen from the working directory
+    const struct scene_override *overrides;
+    uint32_t override_count;
+    const struct scene_path *override_paths;
+    uint32_t override_path_count;
+    const char *scene_name, *animation, *variant; // of glTF: see scene_load_params
+    const double *at_seconds;
+    enum scene_studio studio;
+    enum scene_ground ground;
+    enum scene_up up;
+    // What the file speaks of: by index; NULL: of none.
+    bool *materials, *lights;
+    uint32_t light_count; // as many of the latter
+    bool *objects;        // instances, then shapes
+    bool environment;     // its radiance or rotation
+    bool environment_source;
+};
+
+#endif

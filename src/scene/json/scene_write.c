@@ -1,0 +1,615 @@
+#include "scene/json/scene_write.h"
+
+#include "base/file.h"
+#include "base/file_inputs.h"
+#include "scene/core/environment.h"
+#include "scene/json/load_json.h"
+#include "scene/json/scene_write_edits.h"
+#include "scene/sky/sky.h"
+#include "json/json_parse.h"
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+
+#define DEGREE (M_PI / 180)
+#define JSON_REALS (JSON_ENCODE_ANY | JSON_REAL_PRECISION(17))
+
+struct writer {
+    const struct scene_write_params *params;
+    struct scene_difference difference;
+    struct settings settings;
+    struct camera camera;
+    struct arena arena;     // paths
+    const char *folder;     // of the new file, symbolic links resolved
+    struct scene_base base; // what it is to have
+    bool is_outside;
+};
+
+// --- camera --------------------------------------------------------------------------------------
+
+static void put_name(struct json_text *t, const char *key, const char *name)
+{
+    json_text_key(t, key);
+    json_text_string(t, name);
+}
+
+static void put_number(struct json_text *t, const char *key, double value)
+{
+    json_text_key(t, key);
+    json_text_double(t, value);
+}
+
+// A lens that is closed is kept, as far as the format takes it.
+static void put_lens(struct json_text *t, const struct camera *camera)
+{
+    bool has_focus = camera->focus_distance >= 1e-9 && camera->focus_distance <= 1e9;
+    if (camera->lens_radius == 0 && !has_focus)
+        return;
+    json_text_product(t, "aperture_radius_mm", 1e-3, "aperture_radius", camera->lens_radius);
+    put_number(t, "focus_distance", camera->focus_distance);
+    json_text_key(t, "blades");
+    json_text_uint(t, camera->lens_blades);
+    json_text_product(t, "blade_rotation_degrees", DEGREE, "blade_rotation_radians",
+                      camera->lens_rotation);
+}
+
+static void put_camera(struct json_text *t, const struct camera *camera)
+{
+    json_text_open(t, '{', false);
+    if (camera->name && *camera->name && json_text_can_hold(camera->name))
+        put_name(t, "name", camera->name);
+    if (camera->kind != CAMERA_PERSPECTIVE)
+        put_name(t, "type", camera->kind == CAMERA_ORTHOGRAPHIC ? "orthographic" : "panoramic");
+    json_text_doubles(t, "position", camera->position, 3);
+    json_text_doubles(t, "direction", camera->direction, 3);
+    json_text_doubles(t, "up", camera->up, 3);
+    if (camera->kind == CAMERA_ORTHOGRAPHIC)
+        put_number(t, "height", camera->height);
+    if (camera->kind == CAMERA_PERSPECTIVE) {
+        json_text_product(t, "fov_degrees", DEGREE, "fov_radians", camera->fov_y);
+        put_lens(t, camera);
+    }
+    json_text_close(t);
+}
+
+char *camera_to_json(struct arena *arena, const struct camera *camera)
+{
+    struct json_text t;
+    if (!json_text_begin(&t, 1, NULL))
+        return NULL;
+    put_camera(&t, camera);
+    char *text = json_text_end(&t), *kept = text ? arena_strdup(arena, text) : NULL;
+    free(text);
+    return kept;
+}
+
+// --- film and settings ---------------------------------------------------------------------------
+
+static void put_uint(struct json_text *t, const char *key, uint64_t value)
+{
+    json_text_key(t, key);
+    json_text_uint(t, value);
+}
+
+static void put_bool(struct json_text *t, const char *key, bool value)
+{
+    json_text_key(t, key);
+    json_text_bool(t, value);
+}
+
+static void put_float(struct json_text *t, const char *key, float value)
+{
+    json_text_key(t, key);
+    json_text_float(t, value);
+}
+
+static void put_depth(struct json_text *t, const char *key, uint32_t value)
+{
+    if (value == UINT32_MAX)
+        put_name(t, key, "off");
+    else
+        put_uint(t, key, value);
+}
+
+static void put_film(struct json_text *t, const struct settings *s)
+{
+    json_text_key(t, "film");
+    json_text_open(t, '{', false);
+    put_uint(t, "width", s->width);
+    put_uint(t, "height", s->height);
+    if (s->exposure_is_auto)
+        put_name(t, "exposure", "auto");
+    else
+        put_float(t, "exposure", s->exposure);
+    put_name(t, "tone", tone_names[s->tone_curve]);
+    json_text_close(t);
+}
+
+// All of them: the base may have others.
+static void put_settings(struct json_text *t, const struct settings *s)
+{
+    json_text_key(t, "settings");
+    json_text_open(t, '{', false);
+    put_uint(t, "spp", s->spp);
+    put_uint(t, "seed", s->seed);
+    put_uint(t, "max_bounces", s->max_bounces);
+    put_name(t, "integrator", integrator_names[s->integrator]);
+    if (isinf(s->ao_distance))
+        put_name(t, "ao_distance", "off");
+    else
+        put_float(t, "ao_distance", s->ao_distance);
+    put_float(t, "falloff", s->falloff);
+    put_name(t, "sampler", sampler_names[s->sampler]);
+    put_name(t, "halves", halves_names[s->halves]);
+    put_name(t, "filter", filter_names[s->filter]);
+    put_float(t, "filter_radius", s->filter_radius);
+    put_bool(t, "pixel_jitter", s->pixel_jitter);
+    put_name(t, "environment_filter", environment_filter_names[s->environment_filter]);
+    put_name(t, "light_choice", light_choice_names[s->light_choice]);
+    put_bool(t, "nee", s->nee);
+    put_depth(t, "nee_depth", s->nee_depth);
+    put_name(t, "mis", mis_names[s->mis]);
+    put_name(t, "directions", directions_names[s->directions]);
+    put_float(t, "direction_exponent", s->direction_exponent);
+    if (s->clamp_limit == 0)
+        put_name(t, "clamp", "off");
+    else
+        put_float(t, "clamp", s->clamp_limit);
+    put_name(t, "roulette", roulette_names[s->roulette]);
+    put_depth(t, "roulette_min_bounces", s->roulette_min_bounces);
+    put_depth(t, "roulette_max_bounces", s->roulette_max_bounces);
+    put_float(t, "roulette_survival", s->roulette_survival);
+    json_text_close(t);
+}
+
+// --- paths ---------------------------------------------------------------------------------------
+
+static const char *real_path(struct writer *w, const char *path, struct err *err)
+{
+    char *resolved = realpath(path, NULL);
+    if (!resolved) {
+        err_set(err, ERR_INPUT, "%s: %s", path, strerror(errno));
+        return NULL;
+    }
+    const char *copy = arena_strdup(&w->arena, resolved);
+    free(resolved);
+    if (!copy)
+        err_memory(err, "a path", strlen(path) + 1);
+    return copy;
+}
+
+// The path as the new file is to name it: relative where it lies in the same folder, else absolute.
+static const char *path_from_folder(struct writer *w, const char *path, struct err *err)
+{
+    const char *real = real_path(w, path, err);
+    if (!real)
+        return NULL;
+    size_t length = strlen(w->folder);
+    if (w->folder[length - 1] == '/') // the root folder
+        length--;
+    if (strncmp(real, w->folder, length) != 0 || real[length] != '/') {
+        w->is_outside = true;
+        return real;
+    }
+    // "./", so that no name looks like a scheme.
+    const char *relative = real + length + 1;
+    const char *named =
+        strchr(relative, ':') ? arena_printf(&w->arena, "./%s", relative) : relative;
+    if (!named)
+        err_memory(err, "a path", strlen(relative) + 3);
+    return named;
+}
+
+static bool put_path(struct writer *w, struct json_text *t, const char *key, const char *path,
+                     struct err *err)
+{
+    const char *named = path_from_folder(w, path, err);
+    if (!named)
+        return false;
+    put_name(t, key, named);
+    return true;
+}
+
+// --- base ----------------------------------------------------------------------------------------
+
+// The value with strings that were read as paths as they are to be named. Steals `value`.
+static json_t *rename_paths(struct writer *w, json_t *value, struct err *err)
+{
+    const char *text = json_string_value(value), *key;
+    json_t *child;
+    size_t i;
+    for (uint32_t p = 0; text && p < w->base.override_path_count; p++) {
+        const struct scene_path *known = &w->base.override_paths[p];
+        if (strcmp(known->text, text) != 0)
+            continue;
+        const char *named = path_from_folder(w, known->path, err);
+        json_decref(value);
+        return named ? json_string(named) : NULL;
+    }
+    bool ok = true;
+    json_object_foreach(value, key, child)
+    {
+        json_t *renamed = ok ? rename_paths(w, json_incref(child), err) : NULL;
+        ok = ok && renamed && json_object_set_new(value, key, renamed) == 0;
+    }
+    json_array_foreach(value, i, child)
+    {
+        json_t *renamed = ok ? rename_paths(w, json_incref(child), err) : NULL;
+        ok = ok && renamed && json_array_set_new(value, i, renamed) == 0;
+    }
+    if (ok)
+        return value;
+    json_decref(value);
+    return NULL;
+}
+
+static bool put_override(struct writer *w, struct json_text *t,
+                         const struct scene_override *override, struct err *err)
+{
+    json_t *value = load_json_override_value(override->value, err);
+    if (!value)
+        return err_prepend(err, "-D %s", override->key);
+    value = rename_paths(w, value, err);
+    char *dumped = value ? json_dumps(value, JSON_REALS) : NULL;
+    json_decref(value);
+    json_text_next(t);
+    json_text_open(t, '{', true);
+    put_name(t, "key", override->key);
+    json_text_key(t, "value");
+    json_text_raw(t, dumped ? dumped : "null");
+    json_text_close(t);
+    json_release(dumped);
+    return dumped || (err && err->code != ERR_NONE) ||
+           err_set(err, ERR_INPUT,
+                   "-D %s: \"%s\" cannot be written down; expected a file name in "
+                   "UTF-8",
+                   override->key, override->value);
+}
+
+static bool put_base(struct writer *w, struct json_text *t, struct err *err)
+{
+    const struct scene_base *base = &w->base;
+    struct err problem = {0};
+    json_text_key(t, "base");
+    json_text_open(t, '{', false);
+    bool ok = put_path(w, t, "file", base->path, &problem);
+    if (ok && base->override_count > 0) {
+        json_text_key(t, "overrides");
+        json_text_open(t, '[', false);
+        for (uint32_t i = 0; i < base->override_count && ok; i++)
+            ok = put_override(w, t, &base->overrides[i], &problem) && problem.code == ERR_NONE;
+        json_text_close(t);
+    }
+    if (!ok) {
+        if (err)
+            *err = problem;
+        return false;
+    }
+    if (base->scene_name)
+        put_name(t, "scene", base->scene_name);
+    if (base->animation)
+        put_name(t, "animation", base->animation);
+    if (base->variant)
+        put_name(t, "variant", base->variant);
+    if (base->at_seconds)
+        put_number(t, "at_seconds", *base->at_seconds);
+    if (base->studio != SCENE_STUDIO_AUTO)
+        put_name(t, "studio", scene_studio_names[base->studio]);
+    if (base->ground != SCENE_GROUND_AUTO)
+        put_name(t, "ground", scene_ground_names[base->ground]);
+    if (base->up != SCENE_UP_Y)
+        put_name(t, "up", scene_up_names[base->up]);
+    json_text_close(t);
+    return true;
+}
+
+// --- environment ---------------------------------------------------------------------------------
+
+static bool same_source(const struct environment *a, const struct environment *b)
+{
+    return a->present == b->present && a->texels == b->texels && a->width == b->width &&
+           a->height == b->height && a->file == b->file && a->sky == b->sky &&
+           a->gradient == b->gradient;
+}
+
+static void put_sky(struct json_text *t, const struct sky *sky)
+{
+    put_name(t, "type", "sky");
+    put_number(t, "turbidity", sky->turbidity);
+    json_text_doubles(t, "sun_direction", sky->sun_direction, 3);
+    json_text_doubles(t, "ground_albedo", sky->ground_albedo, 3);
+    put_bool(t, "sun", sky->has_sun);
+    json_text_product(t, "sun_diameter_degrees", DEGREE, "sun_diameter_radians", sky->sun_diameter);
+}
+
+// Where it comes from; "edits" turns and scales it.
+static bool put_environment(struct writer *w, struct json_text *t, struct err *err)
+{
+    const struct environment *environment = &w->params->scene->environment;
+    bool ok = true;
+    json_text_key(t, "environment");
+    json_text_open(t, '{', true);
+    if (!environment->present) {
+        put_name(t, "type", "none");
+    } else if (environment->file) {
+        ok = put_path(w, t, "file", environment->file, err);
+        json_text_floats(t, "radiance", environment->radiance, 3);
+    } else if (environment->sky) {
+        put_sky(t, environment->sky);
+    } else if (environment->gradient) {
+        put_name(t, "type", "gradient");
+        json_text_floats(t, "zenith", environment->gradient->zenith, 3);
+        json_text_floats(t, "horizon", environment->gradient->horizon, 3);
+        json_text_floats(t, "nadir", environment->gradient->nadir, 3);
+    } else {
+        json_text_floats(t, "radiance", environment->radiance, 3);
+    }
+    json_text_close(t);
+    return ok;
+}
+
+// --- the document --------------------------------------------------------------------------------
+
+static bool put_document(struct writer *w, struct json_text *t, const char *comment,
+                         struct err *err)
+{
+    json_text_open(t, '{', false);
+    put_uint(t, "lampyris", 1);
+    if (comment)
+        put_name(t, "comment", comment);
+    if (!put_base(w, t, err))
+        return false;
+    json_text_key(t, "camera");
+    put_camera(t, &w->camera);
+    put_film(t, &w->settings);
+    put_settings(t, &w->settings);
+    if (w->difference.has_other_environment && !put_environment(w, t, err))
+        return false;
+    scene_write_edits(t, &w->difference);
+    json_text_close(t);
+    json_text_raw(t, "\n");
+    return true;
+}
+
+static char *make_text(struct writer *w, const char *comment, struct err *err)
+{
+    struct json_text t;
+    if (!json_text_begin(&t, 0, err))
+        return NULL;
+    bool ok = put_document(w, &t, comment, err);
+    char *text = json_text_end(&t);
+    if (ok)
+        return text;
+    free(text);
+    return NULL;
+}
+
+// --- whether it says what it is to say -----------------------------------------------------------
+
+// What the loader has when it comes to the edits: the scene as it was loaded, or that with the
+// environment that the document gives.
+static bool prepare_check(const struct writer *w, struct arena *arena, struct scene *out,
+                          struct err *err)
+{
+    const struct scene *scene = w->params->scene;
+    if (!scene_snapshot(arena, w->params->before, out, err))
+        return false;
+    out->settings = settings_default();
+    if (!w->difference.has_other_environment)
+        return true;
+    scene_remove_sun(out, &out->environment);
+    out->environment = scene->environment;
+    out->environment.rotation = 0;
+    if (scene_sun_light(scene) == SCENE_NONE)
+        return true;
+    struct light *sun = scene_add_light(out, NULL);
+    if (!sun)
+        return err_memory(err, "a sun", sizeof *sun);
+    sun->name = "sun";
+    return true;
+}
+
+static bool check_parts(const struct writer *w, struct scene *scene,
+                        const struct json_node *document, struct err *err)
+{
+    struct json_loader loader = {.scene = scene, .params = w->params->load};
+    const struct json_node camera = node_member(document, "camera");
+    const struct json_node film = node_member(document, "film");
+    const struct json_node settings = node_member(document, "settings");
+    const struct json_node edits = node_member(document, "edits");
+    if (!load_json_camera(scene, &camera, err) || !load_json_film(scene, &film, err) ||
+        !load_json_settings(scene, &settings, err) || !load_json_edits(&loader, &edits, err))
+        return false;
+    if (!scene_same_camera(&scene->cameras[scene->camera_count - 1], &w->camera))
+        return node_fail(&camera, err,
+                         "cannot be written down exactly: is its direction of unit "
+                         "length?");
+    if (!scene_same_settings(&scene->settings, &w->settings))
+        return node_fail(&settings, err, "cannot be written down exactly");
+    return scene_compare_edits(scene, w->params->scene, err) || node_prepend(&edits, err);
+}
+
+// Reads the text as the loader would, on top of the scene as it was loaded: so all that the format
+// refuses or cannot say is found before there is a file.
+static bool check_text(const struct writer *w, const char *text, struct err *err)
+{
+    const struct file_bytes bytes = {(const uint8_t *)text, strlen(text)};
+    json_t *root = json_parse(w->params->path, &bytes, JSON_REJECT_DUPLICATES, err);
+    struct arena arena = {0};
+    struct scene scene = {0};
+    bool ok;
+    if (!root) {
+        if (err && err->code == ERR_INPUT)
+            err->code = ERR_BUG; // we have written it
+        ok = false;
+    } else {
+        const struct json_node document = node_root(w->params->path, root);
+        ok = prepare_check(w, &arena, &scene, err) && check_parts(w, &scene, &document, err);
+    }
+    json_decref(root);
+    arena_finish(&scene.arena);
+    arena_finish(&arena);
+    return ok;
+}
+
+// --- all of it -----------------------------------------------------------------------------------
+
+// What the new file is to be based on: what the scene was loaded from, or that file's own base.
+static void choose_base(struct writer *w)
+{
+    const struct scene_load_params *load = w->params->load;
+    const struct scene *before = w->params->before;
+    if (before->base) {
+        w->base = *before->base;
+        w->difference.base = before->base;
+        return;
+    }
+    // An environment of the command line kept the ground away; the file's comes after the base.
+    bool is_lit = load->environment_file || load->environment_radiance || load->environment_sky;
+    w->base = (struct scene_base){
+        .path = load->path,
+        .overrides = load->overrides,
+        .override_count = load->override_count,
+        .override_paths = before->override_paths,
+        .override_path_count = before->override_path_count,
+        .scene_name = load->scene_name,
+        .animation = load->animation,
+        .variant = load->variant,
+        .at_seconds = load->at_seconds,
+        .studio = load->studio,
+        .ground = is_lit && !before->has_ground ? SCENE_GROUND_OFF : load->ground,
+        .up = load->up,
+    };
+}
+
+static void choose_environment(struct writer *w)
+{
+    const struct scene_load_params *load = w->params->load;
+    const struct scene_base *base = w->difference.base;
+    w->difference.has_other_environment =
+        load->environment_file || load->environment_radiance || load->environment_sky ||
+        (base && base->environment_source) ||
+        !same_source(&w->params->scene->environment, &w->params->before->environment);
+    w->difference.has_other_adjustment =
+        load->environment_rotation != 0 || load->environment_strength;
+}
+
+static bool is_same_file(const char *a, const char *b)
+{
+    struct stat x, y;
+    return stat(a, &x) == 0 && stat(b, &y) == 0 && x.st_dev == y.st_dev && x.st_ino == y.st_ino;
+}
+
+// The name, and that the file is none of those that it would be made from.
+static bool check_path(const struct writer *w, struct err *err)
+{
+    const char *path = w->params->path;
+    if (strcasecmp(path_extension(path), "json") != 0)
+        return err_set(err, ERR_USAGE, "%s: expected a name that ends in .json", path);
+    for (const struct scene_base *base = &w->base; base; base = base->base)
+        if (is_same_file(path, base->path))
+            return err_set(err, ERR_USAGE,
+                           "%s: is what the edited scene is made from; expected another name",
+                           path);
+    return true;
+}
+
+static bool find_folder(struct writer *w, struct err *err)
+{
+    char *folder = path_folder(&w->arena, w->params->path);
+    if (!folder)
+        return err_memory(err, "a path", strlen(w->params->path));
+    w->folder = real_path(w, folder, err);
+    if (!w->folder && err && err->code == ERR_INPUT)
+        err->code = ERR_OUTPUT; // it is no file that was given, but where one is to go
+    return w->folder != NULL;
+}
+
+static bool write_scene(struct writer *w, struct err *err)
+{
+    static const char *const comment =
+        "names files outside of this folder: loads with --allow-outside-paths only";
+    const struct scene_write_params *params = w->params;
+    char *text = NULL;
+    choose_base(w);
+    choose_environment(w);
+    // Whether a comment is needed is known when all paths are written.
+    w->is_outside = params->load->allow_outside_paths;
+    if (!check_path(w, err) || !find_folder(w, err) || !(text = make_text(w, NULL, err)))
+        return false;
+    if (w->is_outside) {
+        free(text);
+        text = make_text(w, comment, err);
+    }
+    if (text && strlen(text) > LOAD_JSON_BYTES_MAX) {
+        err_set(err, ERR_INPUT, "%s: would have %zu bytes; expected at most %zu", params->path,
+                strlen(text), LOAD_JSON_BYTES_MAX);
+        free(text);
+        return false;
+    }
+    // A scene that has a base may be saved where it was opened: check_path() has seen that the new
+    // file does not need the old one.
+    if (is_same_file(params->path, params->load->path))
+        file_inputs_forget(params->path);
+    bool ok = text && check_text(w, text, err) &&
+              file_write_atomic(params->path, text, strlen(text), err);
+    free(text);
+    if (ok && params->is_outside)
+        *params->is_outside = w->is_outside;
+    return ok;
+}
+
+bool scene_write(const struct scene_write_params *params, struct err *err)
+{
+    struct writer w = {
+        .params = params,
+        .difference = {.before = params->before, .scene = params->scene},
+        .settings = params->settings ? *params->settings : params->scene->settings,
+        .camera = params->camera ? *params->camera : params->scene->cameras[0],
+    };
+    bool ok = write_scene(&w, err);
+    arena_finish(&w.arena);
+    return ok;
+}
+
+// --- snapshots -----------------------------------------------------------------------------------
+
+static bool copy_array(struct arena *arena, const void *from, uint32_t count, size_t size,
+                       void **to)
+{
+    *to = arena_alloc(arena, count, size);
+    if (*to && count > 0)
+        memcpy(*to, from, count * size);
+    return *to;
+}
+
+bool scene_snapshot(struct arena *arena, const struct scene *scene, struct scene *out,
+                    struct err *err)
+{
+    void *materials, *lights, *instances, *shapes, *cameras;
+    *out = (struct scene){0};
+    if (!copy_array(arena, scene->materials, scene->material_count, sizeof *scene->materials,
+                    &materials) ||
+        !copy_array(arena, scene->lights, scene->light_count, sizeof *scene->lights, &lights) ||
+        !copy_array(arena, scene->instances, scene->instance_count, sizeof *scene->instances,
+                    &instances) ||
+        !copy_array(arena, scene->shapes, scene->shape_count, sizeof *scene->shapes, &shapes) ||
+        !copy_array(arena, scene->cameras, scene->camera_count, sizeof *scene->cameras, &cameras))
+        return err_memory(err, "a copy of the scene", scene->material_count);
+    *out = *scene;
+    out->arena = (struct arena){0};
+    out->materials = materials;
+    out->lights = lights;
+    out->instances = instances;
+    out->shapes = shapes;
+    out->cameras = cameras;
+    out->material_capacity = out->material_count;
+    out->light_capacity = out->light_count;
+    out->instance_capacity = out->instance_count;
+    out->shape_capacity = out->shape_count;
+    out->camera_capacity = out->camera_count;
+    return true;
+}

@@ -1,0 +1,26 @@
+// The section "edits" of a scene that is written down. Internal to scene_write.
+#ifndef LAMPYRIS_SCENE_JSON_SCENE_WRITE_EDITS_H
+#define LAMPYRIS_SCENE_JSON_SCENE_WRITE_EDITS_H
+
+#include "scene/json/scene_edits.h"
+#include "json/json_text.h"
+
+struct scene_difference {
+    const struct scene *before, *scene;
+    const struct scene_base *base; // what the file that is edited spoke of is said again; or NULL
+    bool has_other_environment;    // "environment" gives it, and its sun, anew
+    bool has_other_adjustment;     // what was loaded was turned or scaled as the base is not
+};
+
+void scene_write_edits(struct json_text *t, const struct scene_difference *difference);
+
+// The light that the environment's sun is; SCENE_NONE.
+uint32_t scene_sun_light(const struct scene *scene);
+
+// Whether what can be edited is the same to the bit; else ERR_INPUT, naming what is not.
+bool scene_compare_edits(const struct scene *a, const struct scene *b, struct err *err);
+bool scene_same_settings(const struct settings *a, const struct settings *b);
+// As far as its kind makes use of it.
+bool scene_same_camera(const struct camera *a, const struct camera *b);
+
+#endif

@@ -1,0 +1,121 @@
+// What the mesh loaders share. Internal to scene/.
+#ifndef LAMPYRIS_SCENE_MESH_MESH_LOADER_H
+#define LAMPYRIS_SCENE_MESH_MESH_LOADER_H
+
+#include "scene/core/scene.h"
+
+// Writes the unit vector along `direction`, or (0,0,0), a missing normal, and false where that has
+// no direction: zero or not finite.
+bool mesh_unit_normal(const float direction[3], float out[3]);
+
+// Sets *material to `given`, or to a new one when that is SCENE_NONE: grey, or white under colours
+// of vertices, which scale it.
+bool mesh_default_material(struct scene *scene, uint32_t given, bool has_colors, uint32_t *material,
+                           struct err *err);
+
+// Whether single precision loses some of a mesh's form: it lies farther from its origin than 16
+// times its size, or one of its triangles farther than 2^16 times its own. Judged by the exact
+// positions where there are some.
+bool mesh_is_rounded(const struct mesh *mesh);
+// Gives the mesh the exact positions of its vertices if it is rounded and they say more than its
+// positions do.
+void mesh_keep_exact(struct mesh *mesh, double (*exact)[3]);
+
+// A list of triangles that grows in an arena.
+struct triangle_list {
+    struct arena *arena;
+    uint32_t (*indices)[3];
+    uint32_t count, capacity;
+};
+
+// ERR_SYSTEM when memory is out, ERR_INPUT beyond 2^32 - 1 triangles.
+bool triangle_list_reserve(struct triangle_list *list, uint64_t capacity, struct err *err);
+bool triangle_list_add(struct triangle_list *list, uint32_t a, uint32_t b, uint32_t c,
+                       struct err *err);
+
+// --- vertices from corners -----------------------------------------------------------------------
+
+#define MESH_NO_INDEX UINT32_MAX // a corner without a normal, or without texture coordinates
+
+struct vertex_list {
+    uint32_t (*corners)[3]; // indices of position, normal and texture coordinates of each vertex
+    uint32_t count;
+};
+
+// Makes one vertex for each triple of position, normal and texture coordinates that a corner uses,
+// in the order of first use. In: `indices` of positions, and of the others (or NULL); out:
+// `indices` of vertices. Memory comes from `scratch`.
+bool mesh_merge_corners(struct arena *scratch, uint64_t triangle_count, uint32_t (*indices)[3],
+                        uint32_t (*normal_indices)[3], uint32_t (*uv_indices)[3],
+                        struct vertex_list *out, struct err *err);
+
+// --- MTL -----------------------------------------------------------------------------------------
+
+// A texture of a material, loaded when a face uses the material.
+struct mtl_map {
+    const char *path; // in the file; NULL: none
+    uint64_t line;
+    float offset[2], scale[2];
+    float bump_scale; // -bm
+    bool is_clamped;
+};
+
+enum mtl_map_kind {
+    MTL_MAP_DIFFUSE,   // map_Kd
+    MTL_MAP_EMISSION,  // map_Ke
+    MTL_MAP_OPACITY,   // map_d
+    MTL_MAP_ROUGHNESS, // map_Pr
+    MTL_MAP_METALLIC,  // map_Pm
+    MTL_MAP_BUMP,      // map_Bump, bump: read where it holds normals
+    MTL_MAP_NORMAL,    // norm
+    MTL_MAP_COUNT,
+};
+
+struct mtl_material {
+    struct material material;
+    struct mtl_map maps[MTL_MAP_COUNT];
+    const char *file;     // that it stands in
+    uint32_t order;       // of definition: the first of two with one name counts
+    uint32_t scene_index; // in the scene's materials; SCENE_NONE until a face uses it
+};
+
+// The materials of all MTL files of one OBJ file.
+struct mtl_library {
+    struct mtl_file *files; // that were read
+    struct mtl_material *materials;
+    uint32_t count, capacity;
+};
+
+// Appends the materials of an MTL file, unless it was read before (many OBJ files name theirs again
+// and again); names and arrays live in `arena`. Which statements make which material stands in
+// mtl_material.c. Colours outside [0, 1] are clamped and negative emission becomes 0, with one
+// warning a file; so are spectral and XYZ colours and unknown maps skipped. *hash goes on over the
+// file's bytes. `path` lives as long as the library. *missing: there is no such file, or none that
+// can be read. err is not NULL here.
+bool load_mtl(struct arena *arena, const char *path, struct mtl_library *library, uint64_t *hash,
+              bool *missing, struct err *err);
+
+// What the statements of one material say; those not given are negative.
+struct mtl_statements {
+    const char *name; // NULL before the first newmtl
+    float diffuse[3], specular[3], ambient[3], emission[3], filter[3]; // Kd Ks Ka Ke Tf
+    float exponent, opacity, ior;                                      // Ns d Ni
+    float roughness, metallic, sheen;                                  // Pr Pm Ps
+    float coat, coat_roughness, anisotropy, anisotropy_rotation;       // Pc Pcr aniso anisor
+    int64_t illumination_model;                                        // -1: not given
+    struct mtl_map maps[MTL_MAP_COUNT];
+};
+void mtl_statements_init(struct mtl_statements *statements, const char *name);
+// mtl_material.c
+void mtl_material_make(const struct mtl_statements *statements, struct material *out);
+// Adds a library's material and its textures to the scene; textures that cannot be read cost
+// colours but no geometry: a warning each. `allow_outside`: of files that it names.
+bool mtl_material_add(struct scene *scene, struct mtl_material *wanted, bool allow_outside,
+                      struct err *err);
+
+// Sorts the library by name for mtl_find.
+void mtl_sort(struct mtl_library *library);
+// NULL when there is none of that name.
+struct mtl_material *mtl_find(const struct mtl_library *library, const char *name, size_t length);
+
+#endif

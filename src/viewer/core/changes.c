@@ -1,0 +1,299 @@
+// What was changed takes effect, at the least cost.
+#include "viewer/core/viewer.h"
+
+#include "cli/tuned.h"
+#include <string.h>
+
+// How long after the last change the picture is taken for resting, seconds: between two steps of a
+// hand on the mouse there is less.
+#define REST_SECONDS 0.15
+#define SPEED_PART 0.5 // of the distance to what is seen, a second
+
+uint32_t viewer_aovs(const struct shown *shown)
+{
+    bool denoises = shown->denoise && shown->what == SHOWN_RADIANCE;
+    return display_aovs(shown->what) | (denoises ? DENOISE_AOVS : 0);
+}
+
+void viewer_changed(struct viewer *viewer, enum change change)
+{
+    for (uint32_t side = 0; side < VIEWER_SIDES; side++)
+        viewer_side_changed(viewer, side, change);
+}
+
+void viewer_side_changed(struct viewer *viewer, uint32_t side, enum change change)
+{
+    if (change > viewer->changes[side])
+        viewer->changes[side] = change;
+    if (change >= CHANGE_CAMERA)
+        viewer->sides[side].changed_seconds = viewer_seconds(viewer);
+    viewer->is_resting = false;
+}
+
+// --- sides ---------------------------------------------------------------------------------------
+
+void viewer_close_side(struct viewer *viewer, uint32_t side)
+{
+    struct view *view = &viewer->sides[side];
+    denoiser_finish(&view->denoiser);
+    renderer_finish(&view->renderer);
+    view->denoiser = (struct denoiser){0};
+    view->is_ready = view->is_preview = false;
+    viewer->last_call.side_count = 0;
+    view_begin(view);
+}
+
+// The viewer's scene as this side renders it.
+static void settle_scene(struct viewer *viewer, struct view *view)
+{
+    uint32_t limit = viewer->shown.spp_limit;
+    view->scene = viewer->scene;
+    view->scene.settings = view->method.settings;
+    viewer_picture_size(viewer, &view->scene.settings.width, &view->scene.settings.height);
+    if (limit > 0)
+        view->scene.settings.spp = limit;
+    view->scene.cameras = &viewer->camera;
+    view->scene.camera_count = 1;
+}
+
+static bool build_side(struct viewer *viewer, struct view *view, struct err *err)
+{
+    const struct method *method = &view->method;
+    struct tuned tuned = tuned_sizes(&viewer->scene_options, &viewer->gpu);
+    view->is_ready = false;
+    renderer_finish(&view->renderer);
+    settle_scene(viewer, view);
+    const struct renderer_params params = {
+        .gpu = &viewer->gpu,
+        .scene = &view->scene,
+        .geometry = &viewer->geometry,
+        .kernels = viewer->kernels,
+        .wave = method->wave ? method->wave : tuned.wave,
+        .wave_is_wish = !method->wave,
+        .workgroup = method->workgroup ? method->workgroup : tuned.workgroup,
+        .aovs = viewer_aovs(&viewer->shown),
+        .everything = method->everything,
+        .merge_classes = method->merge_classes,
+        .open_ended = viewer->shown.spp_limit == 0,
+        .progress = &viewer->progress,
+    };
+    if (!renderer_create(&params, &view->renderer, err))
+        return false;
+    view->renderer.progress = &viewer->frame_progress;
+    view->seen = view->renderer.stats;
+    view->usual_wave = view->renderer.plan.wave_slots;
+    view->is_ready = true;
+    view->is_preview = false;
+    return true;
+}
+
+static bool keep_history(struct viewer *viewer, struct view *view, struct err *err)
+{
+    const struct denoise_call call = {
+        .renderer = &view->renderer,
+        .camera = &view->renderer.camera,
+        .iterations = viewer->shown.denoise_iterations,
+        .temporal = viewer->shown.denoise_temporal,
+    };
+    // While another picture is shown the renderer has not what denoising needs.
+    bool has_layers = (DENOISE_AOVS & ~view->renderer.specialization.aovs) == 0;
+    bool has_something = view->denoiser.gpu && has_layers && view_samples(view) > 0;
+    return !has_something || denoiser_keep(&view->denoiser, &call, err);
+}
+
+// The film is emptied, for the camera as it is now and a picture of that size.
+static bool look_anew(struct viewer *viewer, struct view *view, const uint32_t size[2],
+                      struct err *err)
+{
+    bool fits;
+    if (!keep_history(viewer, view, err) ||
+        !renderer_look(&view->renderer, &viewer->camera, size[0], size[1], &fits, err))
+        return false;
+    if (fits)
+        return true;
+    return build_side(viewer, view, err) &&
+           renderer_look(&view->renderer, &viewer->camera, size[0], size[1], &fits, err) &&
+           (fits || err_set(err, ERR_BUG, "a new renderer does not take its own camera"));
+}
+
+static bool is_changing(const struct viewer *viewer, const struct view *view)
+{
+    return viewer_seconds(viewer) - view->changed_seconds < REST_SECONDS;
+}
+
+static bool wants_preview(const struct viewer *viewer, const struct view *view)
+{
+    return viewer->pace.shrink > 1 && is_changing(viewer, view);
+}
+
+static bool keep_picture(struct viewer *viewer, struct err *err)
+{
+    struct display_call call;
+    viewer_display_call(viewer, &call);
+    viewer->has_kept = call.side_count > 0;
+    return !viewer->has_kept || display_keep(&viewer->display, &call, err);
+}
+
+static bool update_denoiser(struct viewer *viewer, struct view *view, enum change change,
+                            struct err *err)
+{
+    if (!viewer->shown.denoise) {
+        denoiser_finish(&view->denoiser);
+        view->denoiser = (struct denoiser){0};
+        return true;
+    }
+    if (!view->denoiser.gpu)
+        return denoiser_create(&viewer->gpu, &view->denoiser, err);
+    if (change >= CHANGE_METHOD)
+        denoiser_forget(&view->denoiser);
+    return true;
+}
+
+// From a small picture to a sharp one: until that has samples, the small one is shown.
+static bool sharpens(const struct viewer *viewer, uint32_t side)
+{
+    const struct view *view = &viewer->sides[side];
+    return view->is_ready && view->is_preview && viewer->changes[side] < CHANGE_CAMERA &&
+           !wants_preview(viewer, view);
+}
+
+// While it changes all the time a picture keeps its size, but for good reason.
+static void wanted_size(const struct viewer *viewer, const struct view *view, bool keeps_size,
+                        uint32_t size[2])
+{
+    viewer_picture_size(viewer, &size[0], &size[1]);
+    if (!wants_preview(viewer, view))
+        return;
+    for (int i = 0; i < 2; i++)
+        size[i] = pace_shrunk(size[i], viewer->pace.shrink);
+    if (!keeps_size)
+        return;
+    size[0] = view->renderer.frame.width;
+    size[1] = view->renderer.frame.height;
+}
+
+// Brings a side to where the changes and the clock want it: built anew, looking elsewhere, small
+// while it changes, or at full size when it rests.
+static bool update_side(struct viewer *viewer, uint32_t side, struct err *err)
+{
+    struct view *view = &viewer->sides[side];
+    enum change change = viewer->changes[side];
+    bool is_small = wants_preview(viewer, view);
+    bool is_to_build = !view->is_ready || change >= CHANGE_METHOD;
+    uint32_t size[2];
+    if (is_to_build && !build_side(viewer, view, err))
+        return false;
+    bool is_small_already = !is_to_build && change < CHANGE_CAMERA && view->is_preview;
+    wanted_size(viewer, view, is_small_already, size);
+    const struct gpu_frame *frame = &view->renderer.frame;
+    bool looks = frame->width != size[0] || frame->height != size[1] || change == CHANGE_CAMERA;
+    if (looks && !look_anew(viewer, view, size, err))
+        return false;
+    if (looks || is_to_build) {
+        view_begin(view);
+        for (uint32_t i = 0; i < VIEWER_SIDES; i++)
+            viewer->sides[i].turn_seconds = 0.0;
+    }
+    view->is_preview = is_small;
+    return update_denoiser(viewer, view, change, err);
+}
+
+// --- changes -------------------------------------------------------------------------------------
+
+static bool refresh_geometry(struct viewer *viewer, struct err *err)
+{
+    struct geometry_params params = viewer_geometry_params(viewer, &viewer->scene, &viewer->camera);
+    for (uint32_t side = 0; side < VIEWER_SIDES; side++) { // they use what is replaced
+        renderer_finish(&viewer->sides[side].renderer);
+        viewer->sides[side].is_ready = false;
+    }
+    if (!geometry_refresh(&params, &viewer->geometry, err))
+        return false;
+    viewer_find_bounds(viewer);
+    return true;
+}
+
+static bool apply(struct viewer *viewer, struct err *err)
+{
+    enum change most = CHANGE_NONE;
+    for (uint32_t side = 0; side < VIEWER_SIDES; side++)
+        most = viewer->changes[side] > most ? viewer->changes[side] : most;
+    if (most >= CHANGE_TABLES && !refresh_geometry(viewer, err))
+        return false;
+    uint32_t width, height;
+    viewer_picture_size(viewer, &width, &height);
+    viewer->side_count = viewer->shown.split ? VIEWER_SIDES : 1;
+    pace_choose(&viewer->pace, width, height * viewer->side_count);
+    if (most >= CHANGE_CAMERA)
+        viewer->has_kept = false;
+    bool has_to_keep = false;
+    for (uint32_t side = 0; side < viewer->side_count; side++)
+        has_to_keep |= sharpens(viewer, side);
+    if (has_to_keep && !keep_picture(viewer, err))
+        return false;
+    for (uint32_t side = 0; side < viewer->side_count; side++)
+        if (!update_side(viewer, side, err))
+            return false;
+    for (uint32_t side = viewer->side_count; side < VIEWER_SIDES; side++)
+        viewer_close_side(viewer, side);
+    viewer->is_moving = false;
+    for (uint32_t side = 0; side < viewer->side_count; side++)
+        viewer->is_moving |= is_changing(viewer, &viewer->sides[side]);
+    for (uint32_t side = 0; side < VIEWER_SIDES; side++)
+        viewer->changes[side] = CHANGE_NONE;
+    return true;
+}
+
+// What cannot be had is undone; the rest of the scene is as it was, but has to be built again.
+static bool apply_reverted(struct viewer *viewer, struct err *err)
+{
+    struct err reason = *err;
+    bool has_bad_kernels = viewer->kernels != viewer->good_kernels;
+    if (viewer->gpu.lost || err->code == ERR_STOPPED || !(has_bad_kernels || edit_revert(viewer)))
+        return false;
+    viewer->kernels = viewer->good_kernels;
+    viewer_message(viewer, MESSAGE_ERROR, "%s: %s",
+                   has_bad_kernels ? "the kernels stay as they were" : "undone", reason.msg);
+    viewer_changed(viewer, CHANGE_GEOMETRY);
+    *err = (struct err){0};
+    return apply(viewer, err);
+}
+
+// What the middle of the picture shows is what the camera turns about, and tells how fast to fly.
+static bool aim_rig(struct viewer *viewer, struct err *err)
+{
+    struct rig *rig = &viewer->rig;
+    struct picked picked;
+    uint32_t place[4];
+    viewer->wants_target = false;
+    viewer_picture_place(viewer, place);
+    if (!viewer_pick(viewer, place[0] + 0.5 * place[2], place[1] + 0.5 * place[3], &picked, err))
+        return false;
+    if (picked.object == VIEWER_NO_OBJECT || !(picked.distance > 0.0))
+        return true;
+    memcpy(rig->target, picked.position, sizeof rig->target);
+    rig->speed = SPEED_PART * picked.distance;
+    return true;
+}
+
+bool viewer_apply_changes(struct viewer *viewer, struct err *err)
+{
+    if (viewer->wanted_path[0]) {
+        char path[sizeof viewer->wanted_path];
+        memcpy(path, viewer->wanted_path, sizeof path);
+        viewer->wanted_path[0] = '\0';
+        viewer_open_scene(viewer, path, viewer->wanted_keeps_view);
+    }
+    if (viewer->shaders_changed)
+        viewer_changed(viewer, CHANGE_METHOD);
+    viewer->shaders_changed = false;
+    if (!viewer->has_scene)
+        return true;
+    if (!apply(viewer, err) && !apply_reverted(viewer, err))
+        return false;
+    if (viewer->wants_target && !aim_rig(viewer, err))
+        return false;
+    edit_settle(viewer);
+    viewer->good_kernels = viewer->kernels;
+    return true;
+}

@@ -1,0 +1,63 @@
+// What the viewer has on the device besides pictures, from opening it to losing it.
+#include "viewer/core/viewer.h"
+
+#include <stdio.h>
+
+// A device that is lost again and again is left alone.
+#define RECOVERIES_MAX 2u
+
+static struct gpu_params gpu_params(const struct viewer *viewer)
+{
+    struct gpu_params params = viewer->options->gpu;
+    params.graphics = true;
+    if (viewer->window.handle) {
+        params.instance_extensions = window_extensions(&params.instance_extension_count);
+        params.can_present = window_can_present;
+        params.present_context = (void *)&viewer->window;
+    }
+    if (viewer->recoveries > 0) // the faults were shown
+        params.lose_device_at_submit = params.fail_allocation = 0;
+    return params;
+}
+
+bool viewer_open_device(struct viewer *viewer, struct err *err)
+{
+    struct gpu_params params = gpu_params(viewer);
+    struct gpu_atlas atlas;
+    gui_atlas(&viewer->gui, &atlas);
+    return gpu_open(&params, &viewer->gpu, err) &&
+           gpu_screen_create(&viewer->gpu, &atlas, &viewer->screen, err) &&
+           display_create(&viewer->gpu, &viewer->display, err) &&
+           swapchain_create(&viewer->gpu, &viewer->window, viewer->swapchain.vsync,
+                            &viewer->swapchain, err);
+}
+
+void viewer_close_device(struct viewer *viewer)
+{
+    bool vsync = viewer->swapchain.vsync;
+    for (uint32_t side = 0; side < VIEWER_SIDES; side++)
+        viewer_close_side(viewer, side);
+    display_finish(&viewer->display);
+    swapchain_finish(&viewer->gpu, &viewer->swapchain);
+    gpu_screen_finish(&viewer->gpu, &viewer->screen);
+    gpu_close(&viewer->gpu);
+    viewer->swapchain.vsync = vsync;
+    viewer->has_kept = false;
+}
+
+bool viewer_recover(struct viewer *viewer, struct err *err)
+{
+    if (++viewer->recoveries > RECOVERIES_MAX)
+        return false;
+    uint32_t messages = viewer->gpu.validation_messages;
+    char reason[sizeof err->msg];
+    snprintf(reason, sizeof reason, "%s", err->msg);
+    *err = (struct err){0};
+    viewer_close_device(viewer);
+    if (!viewer_open_device(viewer, err))
+        return false;
+    viewer->gpu.validation_messages += messages;
+    viewer_changed(viewer, CHANGE_METHOD);
+    viewer_message(viewer, MESSAGE_WARNING, "%s: opened the device again", reason);
+    return true;
+}

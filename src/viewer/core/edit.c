@@ -1,0 +1,481 @@
+#include "render/sampling_plan.h"
+#include "viewer/core/viewer.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+// The oldest steps are forgotten beyond this many.
+#define STEPS_MAX 1000u
+
+// A sky's sun is a light like others, which may have been edited: it is a part of what changes with
+// the surroundings.
+struct around {
+    struct surroundings surroundings;
+    struct light sun;
+    bool has_sun;
+};
+
+// What one target is at one time.
+union state {
+    struct camera camera;
+    struct method method;
+    struct around around;
+    struct material material;
+    struct light light;
+    struct shown shown;
+    bool visible;
+};
+
+static const size_t state_bytes[TARGET_COUNT] = {
+    [TARGET_CAMERA] = sizeof(struct camera),       [TARGET_METHOD] = sizeof(struct method),
+    [TARGET_SURROUNDINGS] = sizeof(struct around), [TARGET_MATERIAL] = sizeof(struct material),
+    [TARGET_LIGHT] = sizeof(struct light),         [TARGET_OBJECT] = sizeof(bool),
+    [TARGET_LOOK] = sizeof(struct shown),
+};
+
+struct step {
+    enum target target;
+    uint32_t index;
+    char control[GUI_ID_MAX];
+    void *states; // before, then after
+};
+
+struct history {
+    struct step steps[STEPS_MAX];
+    uint32_t count, done; // steps[0, done) can be undone, the others done again
+    bool is_open;         // the last one goes on
+    bool is_fresh;        // the last one has not been seen to succeed
+};
+
+bool history_create(struct history **out, struct err *err)
+{
+    *out = calloc(1, sizeof **out);
+    return *out || err_memory(err, "a history", sizeof **out);
+}
+
+static void forget(struct history *history, uint32_t from, uint32_t to)
+{
+    for (uint32_t i = from; i < to; i++)
+        free(history->steps[i].states);
+    memmove(&history->steps[from], &history->steps[to],
+            (history->count - to) * sizeof *history->steps);
+    history->count -= to - from;
+    if (history->done > history->count)
+        history->done = history->count;
+}
+
+void history_clear(struct history *history)
+{
+    forget(history, 0, history->count);
+    history->is_open = history->is_fresh = false;
+}
+
+void history_destroy(struct history *history)
+{
+    if (history)
+        history_clear(history);
+    free(history);
+}
+
+// --- what is there -------------------------------------------------------------------------------
+
+static bool *hidden_flag(struct viewer *viewer, uint32_t object)
+{
+    struct scene *scene = &viewer->scene;
+    if (object < scene->instance_count)
+        return &scene->instances[object].hidden;
+    assert(object - scene->instance_count < scene->shape_count);
+    return &scene->shapes[object - scene->instance_count].hidden;
+}
+
+static struct light *find_sun(struct viewer *viewer)
+{
+    const struct scene *scene = &viewer->scene;
+    uint32_t sun = scene->environment.sun.light;
+    return scene->environment.present && sun > 0 ? &viewer->scene.lights[sun - 1] : NULL;
+}
+
+static void get(struct viewer *viewer, enum target target, uint32_t index, union state *out)
+{
+    memset(out, 0, sizeof *out);
+    switch (target) {
+    case TARGET_CAMERA:
+        out->camera = viewer->camera;
+        break;
+    case TARGET_METHOD:
+        out->method = viewer->sides[index].method;
+        break;
+    case TARGET_SURROUNDINGS: {
+        const struct light *sun = find_sun(viewer);
+        out->around.surroundings = viewer->surroundings;
+        out->around.has_sun = sun != NULL;
+        if (sun)
+            out->around.sun = *sun;
+        break;
+    }
+    case TARGET_MATERIAL:
+        out->material = viewer->scene.materials[index];
+        break;
+    case TARGET_LIGHT:
+        out->light = viewer->scene.lights[index];
+        break;
+    case TARGET_OBJECT:
+        out->visible = !*hidden_flag(viewer, index);
+        break;
+    case TARGET_LOOK:
+        out->shown = viewer->shown;
+        break;
+    case TARGET_COUNT:
+        break;
+    }
+}
+
+// Bytes, those between members included: what is copied as a whole is the same as a whole.
+static bool same_bytes(const void *a, const void *b, size_t size)
+{
+    return memcmp(a, b, size) == 0;
+}
+
+// --- what a change asks for ----------------------------------------------------------------------
+
+static enum change method_change(const struct method *from, const struct method *to)
+{
+    struct method same = *from;
+    // What accumulates begins with the first sample, as any picture does.
+    enum change least = from->fresh_frames && !to->fresh_frames ? CHANGE_CAMERA : CHANGE_SHOWN;
+    same.fresh_frames = to->fresh_frames;
+    same.samples_a_frame = to->samples_a_frame;
+    same.settings.exposure = to->settings.exposure;
+    same.settings.exposure_is_auto = to->settings.exposure_is_auto;
+    same.settings.tone_curve = to->settings.tone_curve;
+    same.settings.spp = to->settings.spp; // what decides is shown.spp_limit
+    return same_bytes(&same, to, sizeof same) ? least : CHANGE_METHOD;
+}
+
+static void shown_changed(struct viewer *viewer, const struct shown *from)
+{
+    const struct shown *to = &viewer->shown;
+    uint32_t aovs = viewer_aovs(to);
+    if (from->what != to->what)
+        viewer->has_kept = false; // it was of what was shown before
+    for (uint32_t side = 0; side < VIEWER_SIDES; side++) {
+        const struct view *view = &viewer->sides[side];
+        enum change change = CHANGE_SHOWN;
+        if (from->spp_limit != to->spp_limit)
+            change = sample_planning(&view->method.settings, NULL) != PLANNING_NONE ? CHANGE_METHOD
+                                                                                    : CHANGE_LIMIT;
+        if (view->is_ready && (aovs & ~view->renderer.aovs))
+            change = CHANGE_METHOD;
+        viewer_side_changed(viewer, side, change);
+    }
+}
+
+// Methods that deal out samples by how many there will be.
+static void tell_plan(struct viewer *viewer, const struct method *from, const struct method *to)
+{
+    uint32_t limit = viewer->shown.spp_limit;
+    enum sample_planning planning = sample_planning(&to->settings, NULL);
+    if (planning == PLANNING_NONE || sample_planning(&from->settings, NULL) != PLANNING_NONE)
+        return;
+    if (limit > 0)
+        viewer_message(viewer, MESSAGE_NOTE, "planned for %u samples a pixel, where it rests",
+                       limit);
+    else if (planning == PLANNING_NEEDED)
+        viewer_message(viewer, MESSAGE_NOTE,
+                       "this plans for a number of samples: set one, or it makes no difference");
+}
+
+// New texels live in a new arena, so that a failure leaves the old ones.
+static bool put_around(struct viewer *viewer, const struct around *to, struct err *err)
+{
+    struct arena arena = {0};
+    if (!scene_set_surroundings(&viewer->scene, &viewer->original, &to->surroundings, &arena,
+                                err)) {
+        arena_finish(&arena);
+        return false;
+    }
+    arena_finish(&viewer->surroundings_arena);
+    viewer->surroundings_arena = arena;
+    viewer->surroundings = to->surroundings;
+    viewer_begin_exposure(viewer);
+    struct light *sun = find_sun(viewer);
+    if (sun && to->has_sun)
+        *sun = to->sun;
+    viewer_changed(viewer, CHANGE_METHOD);
+    return true;
+}
+
+static bool put(struct viewer *viewer, enum target target, uint32_t index, const union state *from,
+                const union state *to, struct err *err)
+{
+    switch (target) {
+    case TARGET_CAMERA:
+        viewer->camera = to->camera;
+        viewer_changed(viewer, CHANGE_CAMERA);
+        break;
+    case TARGET_METHOD:
+        viewer->sides[index].method = to->method;
+        viewer_side_changed(viewer, index, method_change(&from->method, &to->method));
+        tell_plan(viewer, &from->method, &to->method);
+        break;
+    case TARGET_SURROUNDINGS:
+        return put_around(viewer, &to->around, err);
+    case TARGET_MATERIAL:
+        viewer->scene.materials[index] = to->material;
+        viewer_changed(viewer, CHANGE_TABLES);
+        break;
+    case TARGET_LIGHT:
+        viewer->scene.lights[index] = to->light;
+        viewer_changed(viewer, CHANGE_METHOD);
+        break;
+    case TARGET_OBJECT:
+        *hidden_flag(viewer, index) = !to->visible;
+        viewer_changed(viewer, CHANGE_GEOMETRY);
+        break;
+    case TARGET_LOOK:
+        viewer->shown = to->shown;
+        shown_changed(viewer, &from->shown);
+        break;
+    case TARGET_COUNT:
+        break;
+    }
+    return true;
+}
+
+static bool is_there(const struct viewer *viewer, enum target target, uint32_t index)
+{
+    const struct scene *scene = &viewer->scene;
+    switch (target) {
+    case TARGET_METHOD:
+        return index < VIEWER_SIDES;
+    case TARGET_MATERIAL:
+        return index < scene->material_count;
+    case TARGET_LIGHT:
+        return index < scene->light_count;
+    case TARGET_OBJECT:
+        return index < scene->instance_count + scene->shape_count;
+    case TARGET_CAMERA:
+    case TARGET_SURROUNDINGS:
+    case TARGET_LOOK:
+    case TARGET_COUNT:
+        break;
+    }
+    return true;
+}
+
+// --- steps ---------------------------------------------------------------------------------------
+
+static void *before_of(const struct step *step)
+{
+    return step->states;
+}
+
+static void *after_of(const struct step *step)
+{
+    return (char *)step->states + state_bytes[step->target];
+}
+
+static bool goes_on(const struct history *history, enum target target, uint32_t index,
+                    const char *control)
+{
+    const struct step *last = history->steps + history->done - 1;
+    return history->is_open && history->done > 0 && history->done == history->count &&
+           last->target == target && last->index == index && strcmp(last->control, control) == 0;
+}
+
+// False: without memory there is no undoing of it, but it is done.
+static bool record(struct history *history, enum target target, uint32_t index, const char *control,
+                   const union state *before, const union state *after)
+{
+    size_t bytes = state_bytes[target];
+    history->is_fresh = true;
+    if (goes_on(history, target, index, control)) {
+        memcpy(after_of(&history->steps[history->done - 1]), after, bytes);
+        return true;
+    }
+    forget(history, history->done, history->count);
+    if (history->count == STEPS_MAX)
+        forget(history, 0, 1);
+    struct step *step = &history->steps[history->count];
+    *step = (struct step){.target = target, .index = index, .states = malloc(2 * bytes)};
+    if (!step->states)
+        return false;
+    strncpy(step->control, control, sizeof step->control - 1);
+    memcpy(before_of(step), before, bytes);
+    memcpy(after_of(step), after, bytes);
+    history->done = ++history->count;
+    history->is_open = true;
+    return true;
+}
+
+static bool edit(struct viewer *viewer, enum target target, uint32_t index, const union state *to,
+                 const char *control)
+{
+    union state before, after;
+    struct err err = {0};
+    assert(is_there(viewer, target, index));
+    get(viewer, target, index, &before);
+    if (same_bytes(&before, to, state_bytes[target]))
+        return true;
+    if (!put(viewer, target, index, &before, to, &err)) {
+        viewer_message(viewer, MESSAGE_ERROR, "%s", err.msg);
+        return false;
+    }
+    get(viewer, target, index, &after);
+    if (!record(viewer->history, target, index, control, &before, &after))
+        viewer_message(viewer, MESSAGE_WARNING, "out of memory: %s cannot be undone", control);
+    return true;
+}
+
+static union state zeroed(void)
+{
+    union state state;
+    memset(&state, 0, sizeof state);
+    return state;
+}
+
+bool edit_camera(struct viewer *viewer, const struct camera *to, const char *control)
+{
+    union state state = zeroed();
+    state.camera = *to;
+    return edit(viewer, TARGET_CAMERA, 0, &state, control);
+}
+
+bool edit_method(struct viewer *viewer, uint32_t side, const struct method *to, const char *control)
+{
+    union state state = zeroed();
+    state.method = *to;
+    return edit(viewer, TARGET_METHOD, side, &state, control);
+}
+
+bool edit_surroundings(struct viewer *viewer, const struct surroundings *to, const char *control)
+{
+    union state state = zeroed();
+    if (same_bytes(to, &viewer->surroundings, sizeof *to))
+        return true;
+    state.around.surroundings = *to;
+    return edit(viewer, TARGET_SURROUNDINGS, 0, &state, control);
+}
+
+bool edit_material(struct viewer *viewer, uint32_t index, const struct material *to,
+                   const char *control)
+{
+    union state state = zeroed();
+    state.material = *to;
+    return edit(viewer, TARGET_MATERIAL, index, &state, control);
+}
+
+bool edit_light(struct viewer *viewer, uint32_t index, const struct light *to, const char *control)
+{
+    union state state = zeroed();
+    state.light = *to;
+    return edit(viewer, TARGET_LIGHT, index, &state, control);
+}
+
+bool edit_visible(struct viewer *viewer, uint32_t object, bool visible, const char *control)
+{
+    union state state = zeroed();
+    state.visible = visible;
+    return edit(viewer, TARGET_OBJECT, object, &state, control);
+}
+
+bool edit_shown(struct viewer *viewer, const struct shown *to, const char *control)
+{
+    union state state = zeroed();
+    state.shown = *to;
+    const bool was_auto = viewer->shown.exposure_is_auto;
+    // Whoever sets it does not want it found.
+    if (!same_bytes(&to->exposure, &viewer->shown.exposure, sizeof to->exposure))
+        state.shown.exposure_is_auto = 0;
+    bool ok = edit(viewer, TARGET_LOOK, 0, &state, control);
+    if (viewer->shown.exposure_is_auto != was_auto)
+        viewer_begin_exposure(viewer);
+    return ok;
+}
+
+// What led back to where it began is no step.
+void edit_close(struct viewer *viewer)
+{
+    struct history *history = viewer->history;
+    if (!history->is_open)
+        return;
+    const struct step *last = &history->steps[history->done - 1];
+    if (same_bytes(before_of(last), after_of(last), state_bytes[last->target]))
+        forget(history, history->done - 1, history->done);
+    history->is_open = false;
+}
+
+// --- back and forth ------------------------------------------------------------------------------
+
+static bool go(struct viewer *viewer, const struct step *step, const void *to)
+{
+    union state from, state = zeroed();
+    struct err err = {0};
+    memcpy(&state, to, state_bytes[step->target]);
+    get(viewer, step->target, step->index, &from);
+    if (put(viewer, step->target, step->index, &from, &state, &err))
+        return true;
+    viewer_message(viewer, MESSAGE_ERROR, "%s", err.msg);
+    return false;
+}
+
+bool edit_undo(struct viewer *viewer)
+{
+    struct history *history = viewer->history;
+    edit_close(viewer);
+    if (history->done == 0)
+        return false;
+    const struct step *step = &history->steps[history->done - 1];
+    if (go(viewer, step, before_of(step)))
+        history->done--;
+    return true;
+}
+
+bool edit_redo(struct viewer *viewer)
+{
+    struct history *history = viewer->history;
+    edit_close(viewer);
+    if (history->done == history->count)
+        return false;
+    const struct step *step = &history->steps[history->done];
+    if (go(viewer, step, after_of(step)))
+        history->done++;
+    return true;
+}
+
+bool edit_revert(struct viewer *viewer)
+{
+    struct history *history = viewer->history;
+    bool is_fresh = history->is_fresh && history->done > 0;
+    history->is_fresh = false;
+    if (!is_fresh)
+        return false;
+    history->is_open = false;
+    const struct step *step = &history->steps[history->done - 1];
+    if (!go(viewer, step, before_of(step)))
+        return false;
+    forget(history, history->done - 1, history->count);
+    return true;
+}
+
+void edit_settle(struct viewer *viewer)
+{
+    viewer->history->is_fresh = false;
+}
+
+uint32_t edit_undo_count(const struct viewer *viewer)
+{
+    return viewer->history->done;
+}
+
+uint32_t edit_redo_count(const struct viewer *viewer)
+{
+    return viewer->history->count - viewer->history->done;
+}
+
+const char *edit_undo_name(const struct viewer *viewer)
+{
+    const struct history *history = viewer->history;
+    return history->done > 0 ? history->steps[history->done - 1].control : NULL;
+}

@@ -1,0 +1,24 @@
+// The exposure that suits the picture, found from it.
+#include "viewer/core/viewer.h"
+
+#include "image/image.h"
+
+// It is found anew at doubling numbers of samples, until noise does not move it any more; then it
+// stays while the camera moves, so that nothing flickers.
+#define SAMPLES_LAST 64
+
+bool viewer_find_exposure(struct viewer *viewer, struct err *err)
+{
+    struct view *view = &viewer->sides[0];
+    struct film_image film;
+    if (viewer->exposure_samples == 0 || !viewer->has_scene || !view->is_ready ||
+        view->is_preview || view_samples(view) < viewer->exposure_samples)
+        return true;
+    if (!renderer_read(&view->renderer, &viewer->frame_arena, &film, err))
+        return false;
+    const struct image image = {film.width, film.height, film.mean};
+    viewer->shown.exposure = image_measure_exposure(&image);
+    uint64_t samples = view_samples(view);
+    viewer->exposure_samples = samples < SAMPLES_LAST ? 2 * samples : 0;
+    return true;
+}

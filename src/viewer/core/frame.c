@@ -1,0 +1,317 @@
+// What a frame does with the device: samples, and what is seen of them.
+#include "viewer/core/viewer.h"
+
+#include "base/clock.h"
+#include "cli/signals.h"
+#include <math.h>
+#include <string.h>
+
+// A picture that is to be seen whole at once may take so many times what a frame may: rather a slow
+// frame than one that shows two cameras.
+#define PATIENCE 8.0
+// So many times what it took is denoising not done again at rest: a quarter of the time is its.
+#define DENOISING_PAUSE 3.0
+// So long after the last event nobody is doing anything.
+#define CALM_SECONDS 0.3
+
+// --- rendering -----------------------------------------------------------------------------------
+
+bool viewer_frame_is_over(void *context)
+{
+    const struct viewer *viewer = context;
+    return clock_ns() >= viewer->render_until_ns || signals_received() != 0;
+}
+
+// What a frame renders for.
+static double frame_render_ms(const struct viewer *viewer)
+{
+    bool is_calm = !viewer->is_moving && !viewer->gui.is_busy && viewer_holds_nothing(viewer) &&
+                   viewer_seconds(viewer) - viewer->input_seconds > CALM_SECONDS;
+    return is_calm ? pace_calm_render_ms(&viewer->pace) : pace_render_ms(&viewer->pace);
+}
+
+// Samples of single pixels that the film has.
+static double work_done(const struct view *view)
+{
+    const struct renderer *r = &view->renderer;
+    return (double)view_samples(view) * r->frame.width * r->frame.height +
+           (double)(r->pass.position << r->pass.shift);
+}
+
+uint64_t viewer_samples_left(const struct viewer *viewer, const struct view *view)
+{
+    uint64_t limit = viewer->shown.spp_limit, done = view_samples(view);
+    if (view->method.fresh_frames) // a picture each, of as many as are wanted
+        limit = view->method.samples_a_frame;
+    if (limit == 0)
+        limit = SETTINGS_SPP_MAX;
+    if (viewer->is_paused) // but what was changed is to be seen
+        limit = 1;
+    return limit > done ? limit - done : 0;
+}
+
+// Samples of a pixel taken at once: on quick devices as many as fit, since each pass costs some
+// time of its own. What is seen meanwhile is a pass old: an eighth of the picture's samples at
+// most.
+static uint64_t samples_at_once(const struct viewer *viewer, const struct view *view)
+{
+    const struct renderer *r = &view->renderer;
+    uint64_t left = viewer_samples_left(viewer, view), most = 1 + view_samples(view) / 8;
+    double pass_ms = viewer->pace.ms_per_sample * r->frame.width * r->frame.height;
+    double fit = pass_ms > 0.0 ? floor(frame_render_ms(viewer) / pass_ms) : 1.0;
+    uint64_t samples = fit > 1.0 ? (uint64_t)fmin(fit, 1u << USUAL_SAMPLE_SHIFT) : 1;
+    samples = samples < most ? samples : most;
+    return samples < left ? samples : left;
+}
+
+// Until the frame is over, or there is nothing left to do.
+static bool render_side(struct viewer *viewer, struct view *view, uint64_t samples, struct err *err)
+{
+    double before = work_done(view);
+    uint64_t start = clock_ns();
+    bool stopped = false;
+    while (!stopped && viewer_samples_left(viewer, view) > 0 && samples > 0) {
+        const struct render_call call = {.samples = samples_at_once(viewer, view),
+                                         .stopped = &stopped};
+        uint64_t done = view_samples(view);
+        if (!renderer_render(&view->renderer, &call, err))
+            return false;
+        done = view_samples(view) - done;
+        samples = samples > done ? samples - done : 0;
+        stopped |= viewer_frame_is_over(viewer) || view_wants_look(viewer, view);
+    }
+    double seconds = clock_seconds_since(start), work = work_done(view) - before;
+    view->seconds += seconds;
+    view->turn_seconds += seconds;
+    viewer->stats.render_ms += seconds * 1e3;
+    viewer->render_seconds += seconds;
+    viewer->frame_samples += work;
+    if (view->is_preview || viewer->is_moving)
+        pace_measure_small(&viewer->pace, work, seconds * 1e3);
+    else
+        pace_measure(&viewer->pace, work, seconds * 1e3, viewer->pace.overhead_ms);
+    return true;
+}
+
+// Half a wave before the time is over: the one that begins then ends half a wave behind it.
+static void set_time(struct viewer *viewer, const struct view *view, double factor)
+{
+    double wave_ms = viewer->pace.ms_per_sample * view->renderer.plan.wave_slots;
+    double ms = fmax(factor * frame_render_ms(viewer) - 0.5 * wave_ms, 0.0);
+    viewer->render_until_ns = isfinite(ms) ? clock_ns() + (uint64_t)(ms * 1e6) : UINT64_MAX;
+}
+
+// Waves that take longer than a frame may are made smaller; the picture stays the same. A factor of
+// two is for what a measurement is worth.
+static bool fit_wave(struct viewer *viewer, struct view *view, struct err *err)
+{
+    uint32_t now = view->renderer.plan.wave_slots;
+    uint32_t fit = pace_wave(&viewer->pace, frame_render_ms(viewer));
+    if (fit > view->usual_wave)
+        fit = view->usual_wave;
+    bool is_close = fit <= 2 * now && now <= 2 * fit;
+    if (view->method.wave || is_close)
+        return true;
+    if (renderer_resize(&view->renderer, fit, view->renderer.specialization.workgroup, err))
+        return true;
+    if (viewer->gpu.lost)
+        return false;
+    // It has no buffers now: the side is to be built again.
+    viewer_message(viewer, MESSAGE_WARNING, "%s", err->msg);
+    *err = (struct err){0};
+    view->is_ready = false;
+    return true;
+}
+
+static bool clear_fresh(struct viewer *viewer, struct view *view, struct err *err)
+{
+    struct display_call call;
+    uint32_t wanted = view->method.samples_a_frame;
+    if (!view->method.fresh_frames || viewer->is_paused ||
+        view_samples(view) < (wanted ? wanted : 1))
+        return true;
+    viewer_display_call(viewer, &call);
+    viewer->has_kept = true;
+    if (!display_keep(&viewer->display, &call, err) || !renderer_clear(&view->renderer, err))
+        return false;
+    view->first_sample = view->renderer.next_sample;
+    return true;
+}
+
+// Those that are to be seen whole: without a sample and with nothing else to show, or with a fixed
+// number of samples a frame.
+static bool render_whole(struct viewer *viewer, struct view *view, bool *done, struct err *err)
+{
+    uint32_t wanted = view->method.samples_a_frame;
+    bool is_empty = view_samples(view) == 0 && !viewer->has_kept;
+    *done = is_empty || wanted > 0;
+    if (!*done)
+        return true;
+    set_time(viewer, view, wanted > 0 ? INFINITY : PATIENCE);
+    return render_side(viewer, view, wanted > 0 ? wanted : 1, err);
+}
+
+// The side that has had less of the device.
+static struct view *next_side(struct viewer *viewer, const bool *done)
+{
+    struct view *next = NULL;
+    for (uint32_t side = 0; side < viewer->side_count; side++) {
+        struct view *view = &viewer->sides[side];
+        if (!done[side] && viewer_samples_left(viewer, view) > 0 &&
+            (!next || view->turn_seconds < next->turn_seconds))
+            next = view;
+    }
+    return next;
+}
+
+bool viewer_render(struct viewer *viewer, struct err *err)
+{
+    bool done[VIEWER_SIDES] = {false};
+    viewer->stats.render_ms = viewer->frame_samples = 0.0;
+    if (!viewer->has_scene)
+        return true;
+    for (uint32_t side = 0; side < viewer->side_count; side++) {
+        struct view *view = &viewer->sides[side];
+        if (!clear_fresh(viewer, view, err) || !render_whole(viewer, view, &done[side], err))
+            return false;
+    }
+    double whole_ms = frame_render_ms(viewer), left_ms = whole_ms - viewer->stats.render_ms;
+    if (left_ms <= 0.0)
+        return true;
+    struct view *view = next_side(viewer, done);
+    if (!view)
+        return true;
+    set_time(viewer, view, left_ms / whole_ms);
+    if (!fit_wave(viewer, view, err))
+        return false;
+    return !view->is_ready || render_side(viewer, view, UINT64_MAX, err);
+}
+
+// --- showing -------------------------------------------------------------------------------------
+
+static bool denoises(const struct viewer *viewer, const struct view *view)
+{
+    return viewer->shown.denoise && viewer->shown.what == SHOWN_RADIANCE && view->denoiser.gpu;
+}
+
+void viewer_display_call(const struct viewer *viewer, struct display_call *out)
+{
+    const struct shown *shown = &viewer->shown;
+    uint32_t width = viewer->window.width, height = viewer->window.height;
+    *out = (struct display_call){
+        .split = shown->split_at,
+        .shown = shown->what,
+        .exposure_stops = shown->exposure,
+        .tone = (enum tone_curve)shown->tone,
+        .range = {shown->automatic ? 0.0 : shown->range[0],
+                  shown->automatic ? 0.0 : shown->range[1]},
+        .width = width,
+        .height = height,
+        .nearest = shown->nearest,
+    };
+    viewer_picture_place(viewer, out->picture);
+    if (!viewer->has_scene)
+        return;
+    for (uint32_t side = 0; side < viewer->side_count; side++) {
+        const struct view *view = &viewer->sides[side];
+        if (!view->is_ready)
+            return;
+        out->sides[side] = (struct display_side){
+            .renderer = &view->renderer,
+            .denoiser =
+                denoises(viewer, view) && view->denoised_samples > 0 ? &view->denoiser : NULL,
+        };
+        out->side_count = side + 1;
+        out->use_kept |= viewer->has_kept && view_samples(view) == 0;
+    }
+}
+
+// A picture that is new, or has more samples than the one that is shown, where the last time was
+// long enough ago that denoising does not take more than its share.
+static bool is_denoising_due(const struct viewer *viewer, const struct view *view)
+{
+    double since = viewer_seconds(viewer) - view->denoised_seconds;
+    if (view_is_denoised(viewer, view))
+        return false;
+    return view->denoised_samples == 0 || since >= DENOISING_PAUSE * view->denoising_seconds;
+}
+
+static bool denoise_side(struct viewer *viewer, struct view *view, struct err *err)
+{
+    const struct denoise_call call = {
+        .renderer = &view->renderer,
+        .camera = &view->renderer.camera,
+        .iterations = viewer->shown.denoise_iterations,
+        .temporal = viewer->shown.denoise_temporal,
+    };
+    const struct gpu_frame *frame = &view->renderer.frame;
+    uint64_t start = clock_ns();
+    if (!denoiser_run(&view->denoiser, &call, err))
+        return false;
+    view->denoising_seconds = clock_seconds_since(start);
+    view->denoised_seconds = viewer_seconds(viewer);
+    view->denoised_samples = view_samples(view);
+    view->denoised_by[0] = viewer->shown.denoise_iterations;
+    view->denoised_by[1] = viewer->shown.denoise_temporal;
+    viewer->stats.denoise_ms += view->denoising_seconds * 1e3;
+    pace_measure_pixels(&viewer->pace, (double)frame->width * frame->height,
+                        view->denoising_seconds * 1e3);
+    return true;
+}
+
+static bool denoise(struct viewer *viewer, struct err *err)
+{
+    viewer->stats.denoise_ms = 0.0;
+    for (uint32_t side = 0; side < viewer->side_count && viewer->has_scene; side++) {
+        struct view *view = &viewer->sides[side];
+        if (is_denoising_due(viewer, view) && !denoise_side(viewer, view, err))
+            return false;
+    }
+    if (!viewer->shown.denoise)
+        pace_measure_pixels(&viewer->pace, 0.0, 0.0);
+    return true;
+}
+
+// Until the sharp picture is denoised for the first time the small one is seen, which is: not its
+// first samples, full of noise.
+static bool shows_last(const struct viewer *viewer, const struct display_call *call)
+{
+    const struct gpu_screen *screen = &viewer->screen;
+    bool is_same_size = screen->width == viewer->window.width &&
+                        screen->height == viewer->window.height &&
+                        memcmp(call->picture, viewer->last_call.picture, sizeof call->picture) == 0;
+    bool waits = false;
+    for (uint32_t side = 0; side < viewer->side_count && viewer->has_scene; side++) {
+        const struct view *view = &viewer->sides[side];
+        waits |= denoises(viewer, view) && view->denoised_samples == 0 && viewer->has_kept;
+    }
+    return waits && is_same_size;
+}
+
+bool viewer_show(struct viewer *viewer, struct err *err)
+{
+    struct gpu *gpu = &viewer->gpu;
+    struct display_call call;
+    if (viewer->window.is_minimised) {
+        viewer->last_call.side_count = 0;
+        return true;
+    }
+    if (!denoise(viewer, err))
+        return false;
+    viewer_display_call(viewer, &call);
+    bool draws = !shows_last(viewer, &call);
+    if (draws)
+        viewer->last_call = call;
+    else
+        viewer->last_call.side_count = 0;
+    if ((draws && !display_draw(&viewer->display, &call, err)) ||
+        !gpu_screen_resize(gpu, &viewer->screen, call.width, call.height, err) ||
+        !gpu_screen_draw(gpu, &viewer->screen, &viewer->display.pixels, &viewer->drawing, err))
+        return false;
+    viewer->stats.display_ms = viewer->display.ms;
+    viewer->stats.panel_ms = viewer->screen.draw_ms;
+    uint64_t start = clock_ns();
+    bool ok = swapchain_show(gpu, &viewer->swapchain, &viewer->window, &viewer->screen, err);
+    viewer->stats.present_ms = clock_seconds_since(start) * 1e3;
+    return ok;
+}

@@ -1,0 +1,495 @@
+#include "viewer/core/viewer.h"
+
+#include "scene/json/scene_write.h"
+#include <GLFW/glfw3.h>
+#include <math.h>
+#include <string.h>
+
+// A press that moves no further than this, points, is a click.
+#define CLICK_POINTS 4.0
+#define DOUBLE_CLICK_SECONDS 0.5
+// From the line between two sides, points, at which it is taken hold of.
+#define SPLIT_POINTS 6.0
+#define SPEED_FACTOR 1.25 // a notch of the wheel
+#define EXPOSURE_STEP 0.5 // stops
+
+// --- what keys do --------------------------------------------------------------------------------
+
+static void do_undo(struct viewer *viewer)
+{
+    if (!edit_undo(viewer))
+        viewer_message(viewer, MESSAGE_NOTE, "nothing to undo");
+}
+
+static void do_redo(struct viewer *viewer)
+{
+    if (!edit_redo(viewer))
+        viewer_message(viewer, MESSAGE_NOTE, "nothing to do again");
+}
+
+static void do_save_scene(struct viewer *viewer)
+{
+    save_scene(viewer, NULL);
+}
+
+static void do_copy_camera(struct viewer *viewer)
+{
+    char *text = viewer->has_scene ? camera_to_json(&viewer->frame_arena, &viewer->camera) : NULL;
+    if (!text)
+        return;
+    window_set_clipboard(&viewer->window, text);
+    viewer_message(viewer, MESSAGE_NOTE, "the camera was copied as JSON");
+}
+
+static void do_panel(struct viewer *viewer)
+{
+    viewer->is_panel_shown = !viewer->is_panel_shown;
+}
+
+static void do_reload(struct viewer *viewer)
+{
+    reload_shaders(viewer);
+    if (viewer->has_scene)
+        viewer_open_scene(viewer, viewer->scene_path, true);
+}
+
+static void do_exr(struct viewer *viewer)
+{
+    save_exr(viewer, viewer->edited_side, NULL, false);
+}
+
+static void do_png(struct viewer *viewer)
+{
+    save_png(viewer, NULL, false);
+}
+
+static void do_pause(struct viewer *viewer)
+{
+    viewer->is_paused = !viewer->is_paused;
+    viewer->is_resting = false;
+    viewer_message(viewer, MESSAGE_NOTE, viewer->is_paused ? "paused" : "going on");
+}
+
+static void do_split(struct viewer *viewer)
+{
+    struct shown shown = viewer->shown;
+    shown.split = !shown.split;
+    edit_shown(viewer, &shown, "view.split");
+}
+
+static void do_denoise(struct viewer *viewer)
+{
+    struct shown shown = viewer->shown;
+    shown.denoise = !shown.denoise;
+    edit_shown(viewer, &shown, "view.denoise");
+}
+
+static void show_next(struct viewer *viewer, uint32_t steps)
+{
+    struct shown shown = viewer->shown;
+    shown.what = (shown.what + steps) % SHOWN_COUNT;
+    if (edit_shown(viewer, &shown, "view.aov"))
+        viewer_message(viewer, MESSAGE_NOTE, "%s", shown_names[shown.what]);
+}
+
+static void do_next_aov(struct viewer *viewer)
+{
+    show_next(viewer, 1);
+}
+
+static void do_last_aov(struct viewer *viewer)
+{
+    show_next(viewer, SHOWN_COUNT - 1);
+}
+
+static void expose(struct viewer *viewer, float stops)
+{
+    struct shown shown = viewer->shown;
+    float most = (float)SETTINGS_EXPOSURE_MAX;
+    shown.exposure = fmaxf(-most, fminf(shown.exposure + stops, most));
+    edit_shown(viewer, &shown, "view.exposure");
+    viewer_message(viewer, MESSAGE_NOTE, "exposure %+.1f stops", (double)shown.exposure);
+}
+
+static void do_darker(struct viewer *viewer)
+{
+    expose(viewer, -(float)EXPOSURE_STEP);
+}
+
+static void do_brighter(struct viewer *viewer)
+{
+    expose(viewer, (float)EXPOSURE_STEP);
+}
+
+static void do_rig_mode(struct viewer *viewer)
+{
+    viewer->rig.mode = (viewer->rig.mode + 1) % RIG_MODE_COUNT;
+    viewer_message(viewer, MESSAGE_NOTE, "camera: %s", rig_mode_names[viewer->rig.mode]);
+}
+
+static void do_revolve(struct viewer *viewer)
+{
+    viewer->rig.revolves = !viewer->rig.revolves;
+    if (viewer->rig.revolves)
+        viewer->rig.mode = RIG_ORBIT;
+    viewer->is_resting = false;
+}
+
+static void do_home(struct viewer *viewer)
+{
+    if (viewer->has_scene)
+        viewer_go_home(viewer);
+}
+
+static void do_frame(struct viewer *viewer)
+{
+    struct camera camera = viewer->camera;
+    double aspect = (double)viewer->window.width / viewer->window.height;
+    if (!viewer->has_scene)
+        return;
+    rig_frame(&viewer->rig, viewer->bounds_min, viewer->bounds_max, aspect, &camera);
+    edit_camera(viewer, &camera, "camera.frame");
+}
+
+static void do_help(struct viewer *viewer)
+{
+    viewer->keys.shows_help = !viewer->keys.shows_help;
+}
+
+static void do_quit(struct viewer *viewer)
+{
+    viewer->wants_quit = true;
+}
+
+struct binding {
+    int key;
+    uint32_t modifiers; // of Shift and Ctrl
+    void (*act)(struct viewer *viewer);
+    bool repeats;
+};
+
+static const struct binding bindings[] = {
+    {GLFW_KEY_Z, EVENT_CONTROL, do_undo, true},
+    {GLFW_KEY_Y, EVENT_CONTROL, do_redo, true},
+    {GLFW_KEY_Z, EVENT_CONTROL | EVENT_SHIFT, do_redo, true},
+    {GLFW_KEY_S, EVENT_CONTROL, do_save_scene, false},
+    {GLFW_KEY_C, EVENT_CONTROL, do_copy_camera, false},
+    {GLFW_KEY_C, 0, do_rig_mode, false},
+    {GLFW_KEY_R, 0, do_revolve, false},
+    {GLFW_KEY_F, 0, do_frame, false},
+    {GLFW_KEY_HOME, 0, do_home, false},
+    {GLFW_KEY_SPACE, 0, do_pause, false},
+    {GLFW_KEY_V, 0, do_split, false},
+    {GLFW_KEY_N, 0, do_denoise, false},
+    {GLFW_KEY_TAB, 0, do_next_aov, false},
+    {GLFW_KEY_TAB, EVENT_SHIFT, do_last_aov, false},
+    {GLFW_KEY_LEFT_BRACKET, 0, do_darker, true},
+    {GLFW_KEY_RIGHT_BRACKET, 0, do_brighter, true},
+    {GLFW_KEY_F1, 0, do_panel, false},
+    {GLFW_KEY_F5, 0, do_reload, false},
+    {GLFW_KEY_F11, 0, do_exr, false},
+    {GLFW_KEY_F12, 0, do_png, false},
+    {GLFW_KEY_H, 0, do_help, false},
+    {GLFW_KEY_ESCAPE, 0, do_quit, false},
+};
+
+const struct key_help viewer_keys[] = {
+    {"W A S D", "fly forwards, left, back, right"},
+    {"E Q", "fly up, down"},
+    {"Shift", "fly at a tenth of the speed"},
+    {"Right drag", "look around; in orbit: turn about the target"},
+    {"Left drag", "the same; on the line of a split view: move it"},
+    {"Middle drag", "pan"},
+    {"Wheel", "fly: speed; orbit: nearer, farther"},
+    {"Click", "pick: what is there is shown in the panel"},
+    {"Double click", "focus: the target of orbits and what the lens is focussed at"},
+    {"C", "fly or orbit"},
+    {"R", "revolve about the target, or stop"},
+    {"F", "the whole scene in the picture"},
+    {"Home", "the scene's camera; without one, all of it in the picture, as when it was opened"},
+    {"1 to 9", "go to a saved view"},
+    {"Ctrl+1 to Ctrl+9", "save the view"},
+    {"Ctrl+Z", "undo"},
+    {"Ctrl+Y, Ctrl+Shift+Z", "do again"},
+    {"Ctrl+S", "save the scene as JSON"},
+    {"Ctrl+C", "copy the camera as JSON"},
+    {"Space", "pause rendering, go on"},
+    {"V", "split view of two settings, on and off"},
+    {"N", "denoise what is shown, on and off"},
+    {"Tab, Shift+Tab", "the next, the last picture: radiance, albedo, normals ..."},
+    {"[ ]", "darker, brighter by half a stop"},
+    {"F1", "the panel, on and off"},
+    {"F5", "reload shaders and scene"},
+    {"F11", "save the film as EXR"},
+    {"F12", "save what is seen as PNG"},
+    {"H", "this list, on and off"},
+    {"Esc", "quit"},
+    {NULL, NULL},
+};
+
+static bool act(struct viewer *viewer, const struct event *event)
+{
+    uint32_t modifiers = event->modifiers & (EVENT_CONTROL | EVENT_SHIFT);
+    for (size_t i = 0; i < sizeof bindings / sizeof *bindings; i++) {
+        const struct binding *binding = &bindings[i];
+        if (binding->key != event->code || binding->modifiers != modifiers)
+            continue;
+        if (!event->repeated || binding->repeats)
+            binding->act(viewer);
+        return true;
+    }
+    return false;
+}
+
+static bool saved_view(struct viewer *viewer, const struct event *event)
+{
+    if (event->code < GLFW_KEY_1 || event->code > GLFW_KEY_9 || !viewer->has_scene)
+        return false;
+    int number = event->code - GLFW_KEY_0;
+    struct saved_view *view = &viewer->saved[number - 1];
+    if (event->modifiers & EVENT_CONTROL) {
+        *view = (struct saved_view){true, viewer->camera};
+        viewer_message(viewer, MESSAGE_NOTE, "view %d saved", number);
+    } else if (view->is_used) {
+        edit_camera(viewer, &view->camera, "camera.restore");
+    } else {
+        viewer_message(viewer, MESSAGE_NOTE, "no view %d: Ctrl+%d saves one", number, number);
+    }
+    return true;
+}
+
+// --- what is held --------------------------------------------------------------------------------
+
+static void hold(struct keys *keys, const struct event *event)
+{
+    static const struct {
+        int code;
+        enum held_key held;
+    } table[] = {
+        {GLFW_KEY_W, HELD_FORWARD},
+        {GLFW_KEY_S, HELD_BACK},
+        {GLFW_KEY_A, HELD_LEFT},
+        {GLFW_KEY_D, HELD_RIGHT},
+        {GLFW_KEY_E, HELD_UP},
+        {GLFW_KEY_Q, HELD_DOWN},
+        {GLFW_KEY_LEFT_SHIFT, HELD_SLOW},
+        {GLFW_KEY_RIGHT_SHIFT, HELD_SLOW},
+    };
+    for (size_t i = 0; i < sizeof table / sizeof *table; i++)
+        if (table[i].code == event->code && (!event->down || !(event->modifiers & EVENT_CONTROL)))
+            keys->held[table[i].held] = event->down;
+}
+
+static void take_key(struct viewer *viewer, const struct event *event)
+{
+    if (!event->down) {
+        hold(&viewer->keys, event);
+        return;
+    }
+    if (!saved_view(viewer, event) && !act(viewer, event))
+        hold(&viewer->keys, event);
+}
+
+static void let_go(struct viewer *viewer)
+{
+    struct keys *keys = &viewer->keys;
+    if (viewer->window.is_captured)
+        window_capture(&viewer->window, false);
+    memset(keys->held, 0, sizeof keys->held);
+    memset(keys->buttons, 0, sizeof keys->buttons);
+    keys->drag = DRAG_NONE;
+}
+
+bool viewer_holds_nothing(const struct viewer *viewer)
+{
+    const struct keys *keys = &viewer->keys;
+    for (int i = 0; i < HELD_COUNT; i++)
+        if (keys->held[i] && i != HELD_SLOW)
+            return false;
+    return !keys->buttons[0] && !keys->buttons[1] && !keys->buttons[2] && keys->look[0] == 0.0 &&
+           keys->look[1] == 0.0 && keys->dolly == 0.0 &&
+           !(viewer->rig.revolves && viewer->rig.mode == RIG_ORBIT);
+}
+
+// --- mouse ---------------------------------------------------------------------------------------
+
+static bool is_on_split(const struct viewer *viewer, double x)
+{
+    double line = viewer_split_x(viewer);
+    return viewer->shown.split && fabs(x - line) <= SPLIT_POINTS * (double)viewer->window.scale;
+}
+
+static void press(struct viewer *viewer, int button)
+{
+    struct keys *keys = &viewer->keys;
+    if (keys->drag != DRAG_NONE)
+        return;
+    keys->drag_button = button;
+    keys->pressed_x = keys->x;
+    keys->pressed_y = keys->y;
+    if (button == 0)
+        keys->drag = is_on_split(viewer, keys->x) ? DRAG_SPLIT : DRAG_PENDING;
+    else
+        keys->drag = button == 1 ? DRAG_LOOK : DRAG_PAN;
+    if (button == 1)
+        window_capture(&viewer->window, true);
+}
+
+static void click(struct viewer *viewer)
+{
+    struct keys *keys = &viewer->keys;
+    double now = viewer_seconds(viewer), points = CLICK_POINTS * (double)viewer->window.scale;
+    bool is_near = hypot(keys->x - keys->clicked_x, keys->y - keys->clicked_y) <= points;
+    keys->wants_focus = is_near && now - keys->clicked_seconds < DOUBLE_CLICK_SECONDS;
+    keys->wants_pick = true;
+    keys->pick_x = keys->x;
+    keys->pick_y = keys->y;
+    keys->clicked_seconds = keys->wants_focus ? -DOUBLE_CLICK_SECONDS : now;
+    keys->clicked_x = keys->x;
+    keys->clicked_y = keys->y;
+}
+
+static void release(struct viewer *viewer, int button)
+{
+    struct keys *keys = &viewer->keys;
+    if (keys->drag == DRAG_NONE || keys->drag_button != button)
+        return;
+    if (keys->drag == DRAG_PENDING)
+        click(viewer);
+    if (button == 1)
+        window_capture(&viewer->window, false);
+    keys->drag = DRAG_NONE;
+}
+
+static void move_split(struct viewer *viewer, double x)
+{
+    struct shown shown = viewer->shown;
+    uint32_t place[4];
+    viewer_picture_place(viewer, place);
+    shown.split_at = fmax(0.0, fmin((x - place[0]) / place[2], 1.0));
+    edit_shown(viewer, &shown, "view.split_at");
+}
+
+static void take_move(struct viewer *viewer, double x, double y)
+{
+    struct keys *keys = &viewer->keys;
+    double dx = x - keys->x, dy = y - keys->y;
+    double points = CLICK_POINTS * (double)viewer->window.scale;
+    keys->x = x;
+    keys->y = y;
+    if (keys->drag == DRAG_PENDING && hypot(x - keys->pressed_x, y - keys->pressed_y) > points) {
+        keys->drag = DRAG_LOOK;
+        dx = x - keys->pressed_x;
+        dy = y - keys->pressed_y;
+    }
+    if (keys->drag == DRAG_LOOK) {
+        keys->look[0] += dx;
+        keys->look[1] += dy;
+    } else if (keys->drag == DRAG_PAN) {
+        keys->pan[0] += dx;
+        keys->pan[1] += dy;
+    } else if (keys->drag == DRAG_SPLIT) {
+        move_split(viewer, x);
+    }
+}
+
+static void take_wheel(struct viewer *viewer, double notches)
+{
+    struct rig *rig = &viewer->rig;
+    if (rig->mode == RIG_ORBIT) {
+        viewer->keys.dolly += notches;
+        return;
+    }
+    double speed = rig->speed * pow(SPEED_FACTOR, notches);
+    if (!(speed > 0.0) || !isfinite(speed))
+        return;
+    rig->speed = speed;
+    viewer_message(viewer, MESSAGE_NOTE, "speed %.3g m/s", rig->speed);
+}
+
+void viewer_event(struct viewer *viewer, const struct event *event)
+{
+    struct keys *keys = &viewer->keys;
+    switch (event->kind) {
+    case EVENT_KEY:
+        take_key(viewer, event);
+        break;
+    case EVENT_BUTTON:
+        if (event->code < 0 || event->code > 2)
+            break;
+        keys->buttons[event->code] = event->down;
+        if (event->down)
+            press(viewer, event->code);
+        else
+            release(viewer, event->code);
+        break;
+    case EVENT_MOVE:
+        take_move(viewer, event->x, event->y);
+        break;
+    case EVENT_SCROLL:
+        take_wheel(viewer, event->y);
+        break;
+    case EVENT_FOCUS:
+        if (!event->down)
+            let_go(viewer);
+        break;
+    case EVENT_TEXT:
+    case EVENT_DROP:
+    case EVENT_RESIZE:
+    case EVENT_CLOSE:
+        break;
+    }
+}
+
+// --- what comes of it ----------------------------------------------------------------------------
+
+void viewer_move_camera(struct viewer *viewer, double seconds)
+{
+    struct keys *keys = &viewer->keys;
+    const bool *held = keys->held;
+    struct camera camera = viewer->camera;
+    uint32_t place[4];
+    viewer_picture_place(viewer, place);
+    const struct rig_input input = {
+        .forward = held[HELD_FORWARD] - held[HELD_BACK],
+        .right = held[HELD_RIGHT] - held[HELD_LEFT],
+        .up = held[HELD_UP] - held[HELD_DOWN],
+        .slow = held[HELD_SLOW],
+        .look = {keys->look[0], keys->look[1]},
+        .pan = {keys->pan[0], keys->pan[1]},
+        .dolly = keys->dolly,
+        .picture_height = place[3],
+        .seconds = seconds,
+    };
+    if (viewer->has_scene && rig_step(&viewer->rig, &input, &camera))
+        edit_camera(viewer, &camera, "keys.camera");
+    keys->look[0] = keys->look[1] = keys->pan[0] = keys->pan[1] = keys->dolly = 0.0;
+}
+
+static void choose(struct viewer *viewer, const struct picked *picked)
+{
+    viewer->picked = *picked;
+    if (picked->object == VIEWER_NO_OBJECT)
+        return;
+    viewer->chosen_object = picked->object;
+    viewer->chosen_material = picked->material;
+}
+
+bool viewer_answer_click(struct viewer *viewer, struct err *err)
+{
+    struct keys *keys = &viewer->keys;
+    struct picked picked;
+    if (!keys->wants_pick)
+        return true;
+    keys->wants_pick = false;
+    if (!viewer_pick(viewer, keys->pick_x, keys->pick_y, &picked, err))
+        return false;
+    choose(viewer, &picked);
+    if (!keys->wants_focus || picked.object == VIEWER_NO_OBJECT)
+        return true;
+    struct camera camera = viewer->camera;
+    rig_focus(&viewer->rig, picked.position, &camera);
+    edit_camera(viewer, &camera, "camera.focus");
+    viewer_message(viewer, MESSAGE_NOTE, "focus: %.4g m away", picked.distance);
+    return true;
+}

@@ -1,0 +1,54 @@
+// Keys and mouse of the picture, not of the panel.
+#ifndef LAMPYRIS_VIEWER_CORE_KEYS_H
+#define LAMPYRIS_VIEWER_CORE_KEYS_H
+
+#include "base/err.h"
+#include <stdbool.h>
+
+struct event;
+struct viewer;
+
+enum held_key {
+    HELD_FORWARD,
+    HELD_BACK,
+    HELD_LEFT,
+    HELD_RIGHT,
+    HELD_UP,
+    HELD_DOWN,
+    HELD_SLOW,
+    HELD_COUNT
+};
+
+enum drag { DRAG_NONE, DRAG_PENDING, DRAG_LOOK, DRAG_PAN, DRAG_SPLIT };
+
+// What is held and how the mouse moved since the last frame.
+struct keys {
+    bool held[HELD_COUNT];
+    bool buttons[3];
+    enum drag drag;
+    int drag_button;
+    double x, y; // of the mouse, pixels
+    double pressed_x, pressed_y;
+    double look[2], pan[2], dolly; // since the last frame
+    double clicked_seconds;        // clock of the last click, for double clicks
+    double clicked_x, clicked_y;
+    bool shows_help;
+    // A click that is to be looked up when the picture is at hand; and whether it was a double one.
+    bool wants_pick, wants_focus;
+    double pick_x, pick_y;
+};
+
+void viewer_event(struct viewer *viewer, const struct event *event);
+// By what is held and was moved; and by the automatic revolution.
+void viewer_move_camera(struct viewer *viewer, double seconds);
+// Of the last click. False: the device failed.
+bool viewer_answer_click(struct viewer *viewer, struct err *err);
+// Nothing is held any more that a change of the scene could come from.
+bool viewer_holds_nothing(const struct viewer *viewer);
+
+struct key_help {
+    const char *keys, *help;
+};
+extern const struct key_help viewer_keys[]; // ended by {NULL}: for the panel and the manual
+
+#endif

@@ -1,0 +1,248 @@
+// Scenes come and go.
+#include "viewer/core/viewer.h"
+
+#include "base/clock.h"
+#include "base/file.h"
+#include "base/log.h"
+#include "cli/render/render_job.h"
+#include "scene/json/scene_write.h"
+#include <stdio.h>
+#include <string.h>
+
+// What the command line says of its own scene says nothing of another one.
+static void set_options(struct viewer *viewer, const char *path)
+{
+    const struct options *given = viewer->options;
+    struct options *options = &viewer->scene_options;
+    bool is_given = given->argument_count > 0 && strcmp(given->arguments[0], path) == 0;
+    *options = *given;
+    options->arguments[0] = path;
+    options->argument_count = 1;
+    options->progress = &viewer->progress;
+    if (is_given)
+        return;
+    options->overrides = NULL;
+    options->override_count = 0;
+    options->camera = options->scene = options->animation = options->variant = NULL;
+    options->environment = (struct environment_option){0};
+    static const enum option_id others[] = {OPTION_ENV, OPTION_ENV_ROTATE, OPTION_ENV_STRENGTH,
+                                            OPTION_AT,  OPTION_APERTURE,   OPTION_FOCUS_DISTANCE};
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+        options->given[others[i]] = false;
+    options->environment_rotate_degrees = 0.0;
+}
+
+// All of a scene that is there before the old one goes.
+struct opened {
+    struct scene scene, pristine;
+    struct arena pristine_arena;
+    struct geometry geometry;
+    struct scene_load_params params;
+    uint32_t camera;
+};
+
+struct geometry_params viewer_geometry_params(const struct viewer *viewer,
+                                              const struct scene *scene,
+                                              const struct camera *camera)
+{
+    const struct options *options = &viewer->scene_options;
+    return (struct geometry_params){
+        .scene = scene,
+        .bvh = {options->bvh, options->node, options->bvh_optimize},
+        .instancing = options->instances,
+        .bvh_cache = options->bvh_cache,
+        .progress = &viewer->progress,
+        .camera = camera,
+    };
+}
+
+static void forget(struct opened *opened)
+{
+    geometry_finish(&opened->geometry);
+    arena_finish(&opened->pristine_arena);
+    scene_finish(&opened->scene);
+}
+
+static bool open_scene(struct viewer *viewer, struct opened *out, struct err *err)
+{
+    const struct options *options = &viewer->scene_options;
+    *out = (struct opened){.params = job_scene_params(options)};
+    if (!scene_load(&out->params, &out->scene, err))
+        return false;
+    out->scene.progress = out->params.progress = NULL;
+    bool ok = scene_snapshot(&out->pristine_arena, &out->scene, &out->pristine, err) &&
+              job_adapt_scene(options, &out->scene, &out->camera, err);
+    if (ok) {
+        viewer_picture_size(viewer, &out->scene.settings.width, &out->scene.settings.height);
+        scene_frame_camera(&out->scene);
+        struct geometry_params params =
+            viewer_geometry_params(viewer, &out->scene, &out->scene.cameras[out->camera]);
+        ok = geometry_create(&params, &out->geometry, err);
+    }
+    if (ok && progress_should_stop(&viewer->progress))
+        ok = err_set(err, ERR_STOPPED, "%s: loading was stopped", out->params.path);
+    if (!ok)
+        forget(out);
+    return ok;
+}
+
+static void set_methods(struct viewer *viewer)
+{
+    const struct options *options = &viewer->scene_options;
+    struct method method;
+    memset(&method, 0, sizeof method); // all bytes: they are compared
+    method.settings = viewer->scene.settings;
+    method.wave = options->wave;
+    method.workgroup = options->workgroup;
+    method.everything = options->features == FEATURES_ALL;
+    method.merge_classes = options->classes == CLASSES_MERGED;
+    for (uint32_t side = 0; side < VIEWER_SIDES; side++)
+        viewer->sides[side].method = method;
+}
+
+void viewer_find_bounds(struct viewer *viewer)
+{
+    const struct flat_scene *flat = &viewer->geometry.flat;
+    const double low[3] = {flat->bounds_min[0], flat->bounds_min[1], flat->bounds_min[2]};
+    const double high[3] = {flat->bounds_max[0], flat->bounds_max[1], flat->bounds_max[2]};
+    flat_to_world(flat, low, viewer->bounds_min);
+    flat_to_world(flat, high, viewer->bounds_max);
+}
+
+// A model without a camera is to be seen from all sides: what is turned about is its middle.
+static void orbit_model(struct viewer *viewer)
+{
+    if (!viewer->scene.camera_is_framed || !(viewer->bounds_min[0] <= viewer->bounds_max[0]))
+        return;
+    viewer->rig.mode = RIG_ORBIT;
+    for (int c = 0; c < 3; c++)
+        viewer->rig.target[c] = 0.5 * viewer->bounds_min[c] + 0.5 * viewer->bounds_max[c];
+    viewer->wants_target = false;
+}
+
+void viewer_go_home(struct viewer *viewer)
+{
+    struct camera camera = viewer->scene.cameras[viewer->camera_index];
+    if (viewer->scene.camera_is_framed) {
+        struct scene fitted = viewer->scene; // only looked at, but for its camera
+        fitted.cameras = &camera;
+        viewer_picture_size(viewer, &fitted.settings.width, &fitted.settings.height);
+        scene_frame_camera(&fitted);
+        orbit_model(viewer);
+    }
+    edit_camera(viewer, &camera, "camera.reset");
+}
+
+// As the scene and the command line say.
+static void set_view(struct viewer *viewer)
+{
+    const struct settings *settings = &viewer->scene.settings;
+    viewer->camera = viewer->scene.cameras[viewer->camera_index];
+    viewer->wants_target = true;
+    pace_init(&viewer->pace, viewer->pace.target_ms);
+    rig_init(&viewer->rig, &viewer->camera, viewer->bounds_min, viewer->bounds_max);
+    orbit_model(viewer);
+    memset(viewer->saved, 0, sizeof viewer->saved);
+    set_methods(viewer);
+    viewer->shown.exposure = settings->exposure;
+    viewer->shown.exposure_is_auto = settings->exposure_is_auto;
+    viewer_begin_exposure(viewer);
+    viewer->shown.tone = settings->tone_curve;
+    viewer->shown.spp_limit =
+        options_given(viewer->options, OPTION_SPP) ? (uint32_t)settings->spp : 0;
+}
+
+// Cameras that outlive the scene that they came with.
+static void rename_cameras(struct viewer *viewer)
+{
+    const char *name = viewer->scene.cameras[viewer->camera_index].name;
+    viewer->camera.name = name;
+    for (uint32_t i = 0; i < VIEWER_SAVED_VIEWS; i++)
+        viewer->saved[i].camera.name = name;
+}
+
+static void set_title(struct viewer *viewer)
+{
+    char title[256];
+    snprintf(title, sizeof title, "%s - Lampyris", path_name(viewer->scene_path));
+    window_set_title(&viewer->window, title);
+}
+
+static void adopt(struct viewer *viewer, const struct opened *opened, bool keep_view)
+{
+    viewer_close_scene(viewer);
+    viewer->scene = opened->scene;
+    viewer->pristine = opened->pristine;
+    viewer->pristine_arena = opened->pristine_arena;
+    viewer->geometry = opened->geometry;
+    viewer->load_params = opened->params;
+    viewer->camera_index = opened->camera;
+    viewer->original = surroundings_keep(&viewer->scene);
+    viewer->surroundings = surroundings_default();
+    viewer->has_scene = true;
+    set_title(viewer);
+    viewer_find_bounds(viewer);
+    if (keep_view)
+        rename_cameras(viewer);
+    else
+        set_view(viewer);
+    viewer_changed(viewer, CHANGE_METHOD);
+}
+
+bool viewer_load_scene(struct viewer *viewer, const char *path, bool keep_view, struct err *err)
+{
+    const struct options before = viewer->scene_options;
+    char old_path[sizeof viewer->scene_path];
+    struct opened opened;
+    uint64_t start = clock_ns();
+    if (strlen(path) >= sizeof viewer->scene_path)
+        return err_set(err, ERR_INPUT, "a path of %zu bytes: expected fewer than %zu", strlen(path),
+                       sizeof viewer->scene_path);
+    memcpy(old_path, viewer->scene_path, sizeof old_path);
+    memmove(viewer->scene_path, path, strlen(path) + 1);
+    set_options(viewer, viewer->scene_path);
+    if (!open_scene(viewer, &opened, err)) {
+        memcpy(viewer->scene_path, old_path, sizeof old_path);
+        viewer->scene_options = before;
+        return false;
+    }
+    adopt(viewer, &opened, keep_view && viewer->has_scene);
+    viewer->load_seconds = clock_seconds_since(start);
+    for (uint32_t i = 0; i < viewer->scene.note_count; i++)
+        log_info("%s", viewer->scene.notes[i]);
+    return true;
+}
+
+bool viewer_open_scene(struct viewer *viewer, const char *path, bool keep_view)
+{
+    struct err err = {0};
+    if (viewer->puts_off) {
+        snprintf(viewer->wanted_path, sizeof viewer->wanted_path, "%s", path);
+        viewer->wanted_keeps_view = keep_view;
+        return true;
+    }
+    if (viewer_load_scene(viewer, path, keep_view, &err)) {
+        viewer_message(viewer, MESSAGE_NOTE, "%s %s in %.2f s", keep_view ? "reloaded" : "opened",
+                       viewer->scene_path, viewer->load_seconds);
+        return true;
+    }
+    viewer_message(viewer, MESSAGE_ERROR, "%s", err.msg);
+    return false;
+}
+
+void viewer_close_scene(struct viewer *viewer)
+{
+    for (uint32_t side = 0; side < VIEWER_SIDES; side++)
+        viewer_close_side(viewer, side);
+    history_clear(viewer->history);
+    geometry_finish(&viewer->geometry);
+    arena_finish(&viewer->surroundings_arena);
+    arena_finish(&viewer->pristine_arena);
+    scene_finish(&viewer->scene);
+    if (viewer->display.gpu)
+        display_forget(&viewer->display);
+    viewer->pristine = (struct scene){0};
+    viewer->has_scene = viewer->has_kept = false;
+    viewer->picked = (struct picked){0};
+    viewer->chosen_material = viewer->chosen_light = viewer->chosen_object = 0;
+}

@@ -1,0 +1,216 @@
+// How fast the viewer is: of the last frames for the panel, of all of them when it ends.
+#include "viewer/core/viewer.h"
+
+#include "base/clock.h"
+#include "cli/render/film_error.h"
+#include "cli/render/render_report.h"
+#include "report/json_out.h"
+#include "report/text_out.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#define RATE_SECONDS 0.5     // over which rates are told
+#define NEWEST 0.1           // of the newest frame in the means by kernel
+#define TIMES_MAX (1u << 20) // an hour and more of frames; those beyond are not kept
+
+// --- frame times ---------------------------------------------------------------------------------
+
+// A frame whose time there is no memory for is left out.
+void frame_times_add(struct frame_times *times, double ms)
+{
+    if (times->count == times->capacity && times->count < TIMES_MAX) {
+        uint32_t capacity = times->capacity ? 2 * times->capacity : 256;
+        float *larger = realloc(times->ms, capacity * sizeof *larger);
+        if (!larger)
+            return;
+        times->ms = larger;
+        times->capacity = capacity;
+    }
+    if (times->count < times->capacity)
+        times->ms[times->count++] = (float)ms;
+}
+
+void frame_times_finish(struct frame_times *times)
+{
+    free(times->ms);
+    *times = (struct frame_times){0};
+}
+
+static int compare(const void *a, const void *b)
+{
+    float x = *(const float *)a, y = *(const float *)b;
+    return (x > y) - (x < y);
+}
+
+double frame_times_quantile(struct frame_times *times, double part)
+{
+    if (times->count == 0)
+        return NAN;
+    qsort(times->ms, times->count, sizeof *times->ms, compare);
+    uint32_t at = (uint32_t)(part * (times->count - 1) + 0.5);
+    return (double)times->ms[at];
+}
+
+// --- of the last frames --------------------------------------------------------------------------
+
+static void count_kernels(struct viewer *viewer, double *rays)
+{
+    double ms[KERNEL_COUNT] = {0};
+    for (uint32_t side = 0; side < viewer->side_count; side++) {
+        struct view *view = &viewer->sides[side];
+        const struct render_stats *now = &view->renderer.stats, *seen = &view->seen;
+        if (!view->is_ready)
+            continue;
+        for (int id = 0; id < KERNEL_COUNT; id++)
+            ms[id] += now->kernels[id].ms - seen->kernels[id].ms;
+        *rays += report_total_rays(now) - report_total_rays(seen);
+        view->seen = *now;
+    }
+    for (int id = 0; id < KERNEL_COUNT; id++)
+        viewer->stats.kernel_ms[id] += NEWEST * (ms[id] - viewer->stats.kernel_ms[id]);
+}
+
+static void count_rates(struct viewer *viewer, double rays)
+{
+    struct frame_rate *rate = &viewer->rate;
+    struct frame_stats *stats = &viewer->stats;
+    double now = viewer_seconds(viewer), seconds = now - rate->since;
+    rate->frames++;
+    rate->rays += rays;
+    rate->samples += viewer->frame_samples;
+    if (seconds < RATE_SECONDS)
+        return;
+    stats->fps = rate->frames / seconds;
+    stats->rays_per_second = rate->rays / seconds;
+    stats->samples_per_second = rate->samples / seconds;
+    *rate = (struct frame_rate){.since = now};
+}
+
+static bool is_resting(const struct viewer *viewer)
+{
+    bool is_done = !viewer->is_moving;
+    for (uint32_t side = 0; side < viewer->side_count && viewer->has_scene; side++) {
+        const struct view *view = &viewer->sides[side];
+        bool goes_on = view->method.fresh_frames && !viewer->is_paused;
+        is_done &= view->is_ready && !goes_on && viewer_samples_left(viewer, view) == 0;
+        is_done &= view_is_denoised(viewer, view);
+    }
+    return is_done && worker_is_idle(viewer->worker) && viewer_holds_nothing(viewer) &&
+           !(viewer->rig.revolves && viewer->rig.mode == RIG_ORBIT);
+}
+
+void viewer_count_frame(struct viewer *viewer)
+{
+    struct frame_stats *stats = &viewer->stats;
+    double rays = 0.0, ms = clock_seconds_since(viewer->frame_ns) * 1e3;
+    // With vsync presenting waits for the display, which is no work.
+    double waiting = viewer->swapchain.vsync ? stats->present_ms : 0.0;
+    stats->frame_ms = ms;
+    stats->frames++;
+    pace_measure(&viewer->pace, 0.0, 0.0,
+                 fmax(ms - stats->render_ms - stats->denoise_ms - waiting, 0.0));
+    if (viewer->has_scene)
+        count_kernels(viewer, &rays);
+    count_rates(viewer, rays);
+    viewer->is_resting = is_resting(viewer);
+    if (viewer->has_scene && !viewer->is_paused && !viewer->is_resting)
+        frame_times_add(viewer->is_moving ? &viewer->moving_times : &viewer->resting_times, ms);
+}
+
+// --- when it ends --------------------------------------------------------------------------------
+
+static json_t *times_json(struct frame_times *times)
+{
+    return json_pack("{s:i, s:o, s:o}", "frames", (int)times->count, "median",
+                     json_number(frame_times_quantile(times, 0.5)), "p95",
+                     json_number(frame_times_quantile(times, 0.95)));
+}
+
+static json_t *side_json(const struct view *view)
+{
+    const struct view_look look = view_newest_look(view);
+    const struct half_error *error = &look.error;
+    return json_pack(
+        "{s:I, s:f, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "samples", (json_int_t)view_samples(view),
+        "render_seconds", view->seconds, "local_relmse", json_number(error->local_relmse), "ci_low",
+        json_number(error->ci_low), "ci_high", json_number(error->ci_high), "at_most",
+        json_number(error->at_most), "relmse_at_most", json_number(error->relmse_at_most),
+        "error_samples", json_number(view->look_count > 0 ? look.samples : NAN), "reason",
+        error->reason ? json_string(error->reason) : json_null());
+}
+
+static void print_json(struct viewer *viewer)
+{
+    json_t *sides = json_array();
+    for (uint32_t side = 0; side < viewer->side_count && viewer->has_scene; side++)
+        json_array_append_new(sides, side_json(&viewer->sides[side]));
+    const struct frame_stats *stats = &viewer->stats;
+    double seconds = viewer_seconds(viewer);
+    json_print(json_pack(
+        "{s:o, s:o, s:{s:i, s:i}, s:I, s:f, s:f, s:o, s:{s:o, s:o}, s:i, s:o, s:i}", "scene",
+        viewer->has_scene ? json_words(viewer->scene_path) : json_null(), "device",
+        json_words(viewer->gpu.info.name), "size", "width", (int)viewer->window.width, "height",
+        (int)viewer->window.height, "frames", (json_int_t)stats->frames, "seconds", seconds,
+        "render_seconds", viewer->render_seconds, "fps",
+        json_number((double)stats->frames / seconds), "frame_ms", "moving",
+        times_json(&viewer->moving_times), "resting", times_json(&viewer->resting_times), "shrink",
+        (int)viewer->pace.shrink, "sides", sides, "recoveries", (int)viewer->recoveries));
+}
+
+static void print_times(const char *label, struct frame_times *times)
+{
+    double median = frame_times_quantile(times, 0.5);
+    if (times->count > 0)
+        printf("%s  %u frames, median %.1f ms (%.0f fps), 95 %% within %.1f ms\n", label,
+               times->count, median, 1e3 / median, frame_times_quantile(times, 0.95));
+}
+
+static void print_side(const struct viewer *viewer, uint32_t index)
+{
+    const struct view *view = &viewer->sides[index];
+    const struct view_look look = view_newest_look(view);
+    const struct half_error *error = &look.error;
+    char words[FILM_ERROR_WORDS];
+    const char *label = viewer->side_count == 1 ? "picture " : index == 0 ? "left    " : "right   ";
+    printf("%s  %llu spp in %.3f s of rendering", label, (unsigned long long)view_samples(view),
+           view->seconds);
+    film_error_words(error, words);
+    if (error->known || error->bounded || film_error_is_plain(error))
+        printf("; at %.0f spp %s%s%s\n", look.samples, words,
+               error->known ? " (blind to bias)" : ": ", error->known ? "" : error->reason);
+    else
+        printf("; its error is not known: %s\n", error->reason);
+}
+
+static void print_text(struct viewer *viewer)
+{
+    print_line("device    ", viewer->gpu.info.name);
+    if (viewer->has_scene)
+        print_line("scene     ", viewer->scene_path);
+    printf("frames    %llu of %u x %u in %.1f s, of which %.1f s were rendering\n",
+           (unsigned long long)viewer->stats.frames, viewer->window.width, viewer->window.height,
+           viewer_seconds(viewer), viewer->render_seconds);
+    print_times("moving  ", &viewer->moving_times);
+    print_times("resting ", &viewer->resting_times);
+    for (uint32_t side = 0; side < viewer->side_count && viewer->has_scene; side++)
+        print_side(viewer, side);
+}
+
+// A device that is lost says nothing any more: what was known is told then.
+static void judge(struct viewer *viewer)
+{
+    struct err err = {0};
+    for (uint32_t side = 0; side < viewer->side_count && viewer->has_scene; side++)
+        if (viewer->gpu.lost || !view_look_now(viewer, side, &err))
+            return;
+}
+
+void viewer_report(struct viewer *viewer)
+{
+    judge(viewer);
+    if (viewer->options->json)
+        print_json(viewer);
+    else if (!viewer->options->quiet)
+        print_text(viewer);
+}

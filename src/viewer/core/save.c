@@ -1,0 +1,360 @@
+// Pictures and scenes to files. What a picture is made of is copied in the viewer's thread, which
+// takes milliseconds; compressing and writing is the worker's.
+#include "viewer/core/viewer.h"
+
+#include "base/file.h"
+#include "base/hash.h"
+#include "cli/render/film_error.h"
+#include "cli/render/render_job.h"
+#include "scene/json/scene_write.h"
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <unistd.h>
+
+#define NUMBERS_MAX 9999u
+
+// A picture that waits to be written; all of it lives in its arena.
+struct saving {
+    struct arena arena;
+    const char *path; // NULL: the first free number is taken when it is its turn
+    const char *stem, *extension;
+    struct image image;
+    uint8_t (*display)[4]; // what a PNG is made of; NULL: image
+    struct job_layers layers;
+    struct job_attributes attributes;
+    const float (*mean)[3]; // whose hash the attributes are to have; NULL: none
+    bool half_float;
+};
+
+// --- names ---------------------------------------------------------------------------------------
+
+// "folder/box.json" -> "box"; what is saved goes into the working directory.
+static char *stem_of(const struct viewer *viewer, struct arena *arena)
+{
+    const char *name = path_name(viewer->scene_path);
+    const char *extension = path_extension(name);
+    size_t length = strlen(name);
+    if (*extension)
+        length -= strlen(extension) + 1;
+    return length ? arena_printf(arena, "%.*s", (int)length, name)
+                  : arena_strdup(arena, "lampyris");
+}
+
+// One thread at a time takes numbers, so that no two pictures get the same.
+static char *free_name(struct arena *arena, const char *stem, const char *extension,
+                       struct err *err)
+{
+    for (uint32_t number = 1; number <= NUMBERS_MAX; number++) {
+        char *path = arena_printf(arena, "%s-%04u.%s", stem, number, extension);
+        if (!path) {
+            err_memory(err, "names of files", 0);
+            return NULL;
+        }
+        if (access(path, F_OK) != 0)
+            return path;
+    }
+    err_set(err, ERR_OUTPUT, "%s-0001.%s to %s-%u.%s are all taken", stem, extension, stem,
+            NUMBERS_MAX, extension);
+    return NULL;
+}
+
+// --- what a picture says about itself ------------------------------------------------------------
+
+// As `render` describes what it made, of this side's film as it is.
+static bool describe(const struct viewer *viewer, uint32_t side, const struct film_image *film,
+                     struct saving *saving, struct err *err)
+{
+    const struct view *view = &viewer->sides[side];
+    struct render_job *job = calloc(1, sizeof *job);
+    struct options *options = arena_alloc(&saving->arena, 1, sizeof *options);
+    if (!job || !options) {
+        free(job);
+        return err_memory(err, "metadata", sizeof *job);
+    }
+    *options = viewer->scene_options;
+    options->aovs = view->renderer.aovs;
+    options->features = view->method.everything ? FEATURES_ALL : FEATURES_NEEDED;
+    // Copies of what is only looked at.
+    job->options = options;
+    job->scene = view->scene;
+    job->exposure = viewer->shown.exposure;
+    job->scene.settings.tone_curve = (enum tone_curve)viewer->shown.tone;
+    job->gpu = viewer->gpu;
+    job->renderer = view->renderer;
+    job->camera = viewer->camera_index;
+    job->film = *film;
+    job->stopped = true; // no command line repeats what was done by hand
+    job->ended_by = film->least_samples == film->most_samples ? ENDED_BY_SAMPLES : ENDED_BY_SIGNAL;
+    job->seconds = (struct job_seconds){
+        .load = viewer->load_seconds,
+        .bvh = viewer->geometry.bvh.stats.build_seconds,
+        .upload = view->renderer.stats.upload_seconds,
+        .compile = view->renderer.stats.compile_seconds,
+        .render = view->seconds,
+    };
+    const struct view_look look = view_newest_look(view);
+    bool is_looked_at = look.samples == (double)film->least_samples;
+    job->error = is_looked_at ? look.error : film_error_none("it was not looked at");
+    bool ok = job_describe(job, 0, &saving->arena, &saving->attributes, err);
+    job_list_layers(job, &saving->layers);
+    free(job);
+    return ok;
+}
+
+static bool add_attribute(struct saving *saving, const char *key, const char *value,
+                          struct err *err)
+{
+    struct job_attributes *a = &saving->attributes;
+    if (!value || a->count == JOB_MAX_ATTRIBUTES)
+        return err_memory(err, "metadata", sizeof *a);
+    a->list[a->count++] = (struct image_attribute){key, value};
+    return true;
+}
+
+// The camera and whether the scene is still that of the file: the rest of what a picture that was
+// made by hand depends on.
+static bool add_view(const struct viewer *viewer, struct saving *saving, struct err *err)
+{
+    char *steps = arena_printf(&saving->arena, "%u", edit_undo_count(viewer));
+    return add_attribute(saving, "lampyris:view", camera_to_json(&saving->arena, &viewer->camera),
+                         err) &&
+           add_attribute(saving, "lampyris:edits", steps, err);
+}
+
+// --- on the worker's thread ----------------------------------------------------------------------
+
+// FNV of a large picture takes as long as a frame.
+static bool set_hash(struct saving *saving, struct err *err)
+{
+    uint64_t pixels = (uint64_t)saving->image.width * saving->image.height;
+    uint64_t hash = hash_bytes(HASH_INIT, saving->mean, pixels * sizeof *saving->mean);
+    const char *text = arena_printf(&saving->arena, "%016" PRIx64, hash);
+    if (!text)
+        return err_memory(err, "metadata", 17);
+    for (uint32_t i = 0; i < saving->attributes.count; i++)
+        if (strcmp(saving->attributes.list[i].key, "lampyris:image_hash") == 0)
+            saving->attributes.list[i].value = text;
+    return true;
+}
+
+// To the values whose sRGB encoding they are: encoding them again gives the same codes.
+static bool decode_display(struct saving *saving, struct err *err)
+{
+    float linear[256];
+    uint64_t pixels = (uint64_t)saving->image.width * saving->image.height;
+    for (int code = 0; code < 256; code++)
+        linear[code] = image_srgb_to_linear((float)code / 255.0f);
+    saving->image.pixels = arena_alloc(&saving->arena, pixels, sizeof *saving->image.pixels);
+    if (!saving->image.pixels)
+        return err_memory(err, "the picture", pixels * sizeof *saving->image.pixels);
+    for (uint64_t i = 0; i < pixels; i++)
+        for (int c = 0; c < 3; c++)
+            saving->image.pixels[i][c] = linear[saving->display[i][c]];
+    return true;
+}
+
+static bool write_picture(void *context, struct err *err)
+{
+    struct saving *saving = context;
+    if (!saving->path)
+        saving->path = free_name(&saving->arena, saving->stem, saving->extension, err);
+    if (!saving->path || (saving->mean && !set_hash(saving, err)) ||
+        (saving->display && !decode_display(saving, err)))
+        return false;
+    const struct image_write_params params = {
+        .path = saving->path,
+        .image = &saving->image,
+        .layers = saving->layers.list,
+        .layer_count = saving->layers.count,
+        .attributes = saving->attributes.list,
+        .attribute_count = saving->attributes.count,
+        .half_float = saving->half_float,
+        .tone = IMAGE_TONE_NONE,
+    };
+    return image_write(&params, err);
+}
+
+static void finish(struct saving *saving)
+{
+    arena_finish(&saving->arena);
+    free(saving);
+}
+
+static void picture_done(void *context, void *viewer, bool ok, const struct err *err)
+{
+    struct saving *saving = context;
+    if (ok)
+        viewer_message(viewer, MESSAGE_NOTE, "wrote %s (%u x %u)", saving->path,
+                       saving->image.width, saving->image.height);
+    else
+        viewer_message(viewer, MESSAGE_ERROR, "%s", err->msg);
+    finish(saving);
+}
+
+// --- on the viewer's thread ----------------------------------------------------------------------
+
+static struct saving *begin(const struct viewer *viewer, const char *path, const char *extension,
+                            struct err *err)
+{
+    struct saving *saving = calloc(1, sizeof *saving);
+    if (!saving) {
+        err_memory(err, "the picture", sizeof *saving);
+        return NULL;
+    }
+    saving->extension = extension;
+    saving->stem = stem_of(viewer, &saving->arena);
+    saving->path = path ? arena_strdup(&saving->arena, path) : NULL;
+    bool ok = saving->stem && (saving->path || !path);
+    if (!ok)
+        err_memory(err, "names of files", 0);
+    else if (path && strcasecmp(path_extension(path), extension) != 0)
+        ok = err_set(err, ERR_USAGE, "%s: expected a name that ends in .%s", path, extension);
+    if (ok)
+        return saving;
+    finish(saving);
+    return NULL;
+}
+
+// Takes `saving` over; ok: it has what it needs.
+static bool hand_over(struct viewer *viewer, struct saving *saving, bool ok, struct err *err)
+{
+    if (ok &&
+        !worker_add(viewer->worker, &(struct job){"picture", write_picture, picture_done, saving}))
+        ok = err_set(err, ERR_OUTPUT, "too many pictures wait to be written");
+    if (ok)
+        return true;
+    if (saving)
+        finish(saving);
+    viewer_message(viewer, MESSAGE_ERROR, "%s", err->msg);
+    return false;
+}
+
+// What was shown last, where it would be without the panel, until the next frame is drawn. Where
+// that cannot be had, it stays as it is shown.
+static void draw_alone(struct viewer *viewer)
+{
+    struct display_call call = viewer->last_call;
+    const uint32_t whole[4] = {0, 0, call.width, call.height};
+    struct err ignored = {0};
+    if (call.side_count == 0 || memcmp(call.picture, whole, sizeof whole) == 0)
+        return;
+    memcpy(call.picture, whole, sizeof whole);
+    if (display_draw(&viewer->display, &call, &ignored))
+        viewer->last_call = call;
+}
+
+static bool copy_display(struct viewer *viewer, bool with_panel, struct saving *saving,
+                         struct err *err)
+{
+    struct gpu_screen *screen = &viewer->screen;
+    uint64_t pixels = (uint64_t)screen->width * screen->height;
+    saving->image.width = screen->width;
+    saving->image.height = screen->height;
+    if (!screen->is_drawn || viewer->display.pixels.bytes < pixels * 4)
+        return err_set(err, ERR_OUTPUT, "there is no picture so far");
+    if (with_panel)
+        return gpu_screen_read(&viewer->gpu, screen, &saving->arena, &saving->display, err);
+    draw_alone(viewer);
+    saving->display = arena_alloc(&saving->arena, pixels, sizeof *saving->display);
+    return saving->display ? gpu_download(&viewer->gpu, &viewer->display.pixels, 0, saving->display,
+                                          pixels * 4, err)
+                           : err_memory(err, "the picture", pixels * 4);
+}
+
+bool save_png(struct viewer *viewer, const char *path, bool with_panel)
+{
+    struct err err = {0};
+    struct saving *saving = begin(viewer, path, "png", &err);
+    bool ok = saving && copy_display(viewer, with_panel, saving, &err) &&
+              (!viewer->has_scene || add_view(viewer, saving, &err)) &&
+              add_attribute(saving, "lampyris:version", LAMPYRIS_VERSION, &err);
+    return hand_over(viewer, saving, ok, &err);
+}
+
+static bool copy_denoised(struct viewer *viewer, const struct view *view, struct saving *saving,
+                          struct err *err)
+{
+    const struct denoiser *denoiser = &view->denoiser;
+    uint64_t pixels = (uint64_t)saving->image.width * saving->image.height;
+    if (!denoiser->gpu || denoiser->width != saving->image.width ||
+        denoiser->height != saving->image.height)
+        return err_set(err, ERR_OUTPUT, "the picture is not denoised: the switch is off");
+    float(*four)[4] = arena_alloc(&saving->arena, pixels, sizeof *four);
+    saving->image.pixels = arena_alloc(&saving->arena, pixels, sizeof *saving->image.pixels);
+    if (!four || !saving->image.pixels)
+        return err_memory(err, "the picture", pixels * sizeof *four);
+    if (!gpu_download(&viewer->gpu, &denoiser->picture, 0, four, pixels * sizeof *four, err))
+        return false;
+    for (uint64_t i = 0; i < pixels; i++)
+        memcpy(saving->image.pixels[i], four[i], sizeof *saving->image.pixels);
+    return add_attribute(saving, "lampyris:denoised", "a preview: biased, see docs/denoising.md",
+                         err);
+}
+
+static bool copy_film(struct viewer *viewer, uint32_t side, bool denoised, struct saving *saving,
+                      struct err *err)
+{
+    struct view *view = &viewer->sides[side];
+    struct film_image film;
+    if (side >= viewer->side_count || !view->is_ready)
+        return err_set(err, ERR_OUTPUT, "there is no picture so far");
+    if (!renderer_read(&view->renderer, &saving->arena, &film, err) ||
+        !describe(viewer, side, &film, saving, err) || !add_view(viewer, saving, err))
+        return false;
+    saving->image = (struct image){film.width, film.height, film.mean};
+    saving->mean = (const float(*)[3])film.mean;
+    saving->half_float = viewer->options->half_float;
+    return !denoised || copy_denoised(viewer, view, saving, err);
+}
+
+bool save_exr(struct viewer *viewer, uint32_t side, const char *path, bool denoised)
+{
+    struct err err = {0};
+    struct saving *saving = begin(viewer, path, "exr", &err);
+    bool ok = saving && copy_film(viewer, side, denoised, saving, &err);
+    return hand_over(viewer, saving, ok, &err);
+}
+
+// Scenes are small, and go on being edited: they are written at once.
+bool save_scene(struct viewer *viewer, const char *path)
+{
+    struct arena arena = {0};
+    struct err err = {0};
+    bool is_outside = false;
+    bool ok = viewer->has_scene || err_set(&err, ERR_OUTPUT, "there is no scene to save");
+    const struct view *view = &viewer->sides[viewer->edited_side];
+    struct settings settings = view->method.settings;
+    viewer_picture_size(viewer, &settings.width, &settings.height);
+    settings.exposure = viewer->shown.exposure;
+    settings.exposure_is_auto = viewer->shown.exposure_is_auto;
+    settings.tone_curve = (enum tone_curve)viewer->shown.tone;
+    if (viewer->shown.spp_limit > 0)
+        settings.spp = viewer->shown.spp_limit;
+    if (ok && !path) {
+        const char *stem = stem_of(viewer, &arena);
+        path = stem ? free_name(&arena, stem, "json", &err) : NULL;
+        ok = path || err.code != ERR_NONE || err_memory(&err, "names of files", 0);
+    }
+    const struct scene_write_params params = {
+        .path = path,
+        .load = &viewer->load_params,
+        .before = &viewer->pristine,
+        .scene = &viewer->scene,
+        .camera = &viewer->camera,
+        .settings = &settings,
+        .is_outside = &is_outside,
+    };
+    ok = ok && path && scene_write(&params, &err);
+    if (ok)
+        viewer_message(viewer, MESSAGE_NOTE, "wrote %s%s", path,
+                       is_outside ? "; it names files outside of its folder, and so needs "
+                                    "--allow-outside-paths"
+                                  : "");
+    else
+        viewer_message(viewer, MESSAGE_ERROR, "%s", err.msg);
+    arena_finish(&arena);
+    return ok;
+}

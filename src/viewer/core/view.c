@@ -1,0 +1,175 @@
+#include "viewer/core/viewer.h"
+
+#include "cli/render/film_error.h"
+#include <stdlib.h>
+
+// Seconds between two looks, once there were some at doubling numbers of samples: a look reads the
+// film back, which holds up the picture a little.
+#define LOOK_SECONDS 3.0
+#define FIRST_LOOK 2 // samples: one in each half
+
+uint64_t view_samples(const struct view *view)
+{
+    return view->is_ready ? view->renderer.next_sample - view->first_sample : 0;
+}
+
+void view_begin(struct view *view)
+{
+    view->epoch++;
+    view->seconds = 0.0;
+    view->first_sample = view->denoised_samples = 0;
+    view->look_count = 0;
+    view->next_look = FIRST_LOOK;
+}
+
+bool view_is_denoised(const struct viewer *viewer, const struct view *view)
+{
+    bool is_to_be = viewer->shown.denoise && viewer->shown.what == SHOWN_RADIANCE &&
+                    view->denoiser.gpu && view_samples(view) > 0;
+    if (!is_to_be)
+        return true;
+    return view->denoised_samples == view_samples(view) &&
+           view->denoised_by[0] == viewer->shown.denoise_iterations &&
+           view->denoised_by[1] == viewer->shown.denoise_temporal;
+}
+
+// --- the error -----------------------------------------------------------------------------------
+
+// What a job works on: a film of its own.
+struct look_job {
+    uint32_t side;
+    uint64_t epoch;
+    double seconds, samples;
+    struct film_error_params params;
+    struct arena arena;
+    struct film_image film;
+    struct half_error error;
+};
+
+static bool run_look(void *context, struct err *err)
+{
+    struct look_job *job = context;
+    return film_error(&job->film, &job->params, &job->error, err);
+}
+
+// When the list is full, every other one of the older half makes room, so that the curve still
+// begins where it did.
+static void thin(struct view *view)
+{
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < view->look_count; i++)
+        if (i >= VIEW_LOOKS_MAX / 2 || i % 2 == 0)
+            view->looks[kept++] = view->looks[i];
+    view->look_count = kept;
+}
+
+static void add_look(struct view *view, const struct look_job *job)
+{
+    if (view->look_count == VIEW_LOOKS_MAX)
+        thin(view);
+    view->looks[view->look_count++] = (struct view_look){
+        .seconds = job->seconds,
+        .samples = job->samples,
+        .error = job->error,
+    };
+}
+
+struct view_look view_newest_look(const struct view *view)
+{
+    if (view->look_count > 0)
+        return view->looks[view->look_count - 1];
+    return (struct view_look){.error = film_error_none("fewer than two samples per pixel")};
+}
+
+static void free_job(struct look_job *job)
+{
+    if (job)
+        arena_finish(&job->arena);
+    free(job);
+}
+
+static void look_done(void *context, void *viewer, bool ok, const struct err *err)
+{
+    struct look_job *job = context;
+    struct view *view = &((struct viewer *)viewer)->sides[job->side];
+    view->is_looking = false;
+    if (!ok)
+        viewer_message(viewer, MESSAGE_WARNING, "%s", err->msg);
+    else if (job->epoch == view->epoch && view->is_ready)
+        add_look(view, job);
+    free_job(job);
+}
+
+// Both halves have as many samples as each other at even numbers, and all pixels have the same at
+// the end of a pass.
+bool view_wants_look(const struct viewer *viewer, const struct view *view)
+{
+    uint64_t samples = view_samples(view);
+    if (!view->is_ready || view->is_preview || view->is_looking || view->method.fresh_frames ||
+        view->renderer.pass.length > 0 || samples % 2 != 0)
+        return false;
+    bool is_last = samples > 0 && samples == viewer->shown.spp_limit;
+    if (is_last &&
+        (view->look_count == 0 || view->looks[view->look_count - 1].samples != (double)samples))
+        return samples >= FIRST_LOOK;
+    return (double)samples >= view->next_look &&
+           viewer_seconds(viewer) - view->looked_seconds >= (samples > 256 ? LOOK_SECONDS : 0.0);
+}
+
+static bool start_look(struct viewer *viewer, uint32_t side, struct look_job *job, struct err *err)
+{
+    struct view *view = &viewer->sides[side];
+    const struct renderer *renderer = &view->renderer;
+    *job = (struct look_job){
+        .side = side,
+        .epoch = view->epoch,
+        .seconds = view->seconds,
+        .samples = (double)view_samples(view),
+    };
+    if (!renderer_read(&view->renderer, &job->arena, &job->film, err))
+        return false;
+    job->params = film_error_params(renderer, job->film.least_samples);
+    return true;
+}
+
+bool view_look_now(struct viewer *viewer, uint32_t side, struct err *err)
+{
+    struct view *view = &viewer->sides[side];
+    uint64_t samples = view_samples(view);
+    bool is_known =
+        view->look_count > 0 && view->looks[view->look_count - 1].samples == (double)samples;
+    if (!view->is_ready || view->is_preview || samples < FIRST_LOOK || is_known)
+        return true;
+    struct look_job job;
+    bool ok = start_look(viewer, side, &job, err) && run_look(&job, err);
+    if (ok)
+        add_look(view, &job);
+    arena_finish(&job.arena);
+    return ok;
+}
+
+bool view_look_at_error(struct viewer *viewer, uint32_t side, struct err *err)
+{
+    struct view *view = &viewer->sides[side];
+    if (!view_wants_look(viewer, view))
+        return true;
+    struct look_job *job = malloc(sizeof *job);
+    if (!job)
+        return err_memory(err, "error estimate", sizeof *job);
+    if (!start_look(viewer, side, job, err)) {
+        free_job(job);
+        return false;
+    }
+    view->looked_seconds = viewer_seconds(viewer);
+    // At doubling numbers; beyond, the time decides.
+    view->next_look = job->samples >= 256 ? job->samples + 2 : 2 * job->samples;
+    view->is_looking = worker_add(viewer->worker, &(struct job){
+                                                      .name = "error",
+                                                      .run = run_look,
+                                                      .done = look_done,
+                                                      .context = job,
+                                                  });
+    if (!view->is_looking)
+        free_job(job); // the list is full: the next time
+    return true;
+}

@@ -1,0 +1,409 @@
+#include "viewer/core/viewer.h"
+
+#include "base/clock.h"
+#include "base/log.h"
+#include "base/printable.h"
+#include "cli/commands.h"
+#include "cli/signals.h"
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+// Of a window that nobody asked a size for.
+#define DEFAULT_WIDTH 1280u
+#define DEFAULT_HEIGHT 720u
+// A frame of a script moves the camera by this, however long it takes: so its pictures are the same
+// on all devices.
+#define SCRIPT_FRAME_SECONDS (1.0 / 30.0)
+// A frame that took longer (something was loaded) does not throw the camera far.
+#define LONGEST_FRAME_SECONDS 0.25
+// How long to wait for events where nothing else happens.
+#define REST_WAIT_SECONDS 0.1
+// What takes longer shows how far it is, so often.
+#define LONG_WORK_SECONDS 0.3
+#define PROGRESS_SECONDS 0.1
+
+double viewer_seconds(const struct viewer *viewer)
+{
+    return clock_seconds_since(viewer->start_ns);
+}
+
+void viewer_picture_size(const struct viewer *viewer, uint32_t *width, uint32_t *height)
+{
+    *width = viewer->window.width;
+    *height = viewer->window.height;
+}
+
+void viewer_picture_place(const struct viewer *viewer, uint32_t place[4])
+{
+    uint32_t width = viewer->window.width, height = viewer->window.height, left = 0;
+    if (viewer->is_panel_shown)
+        left = (uint32_t)gui_panel_width(&viewer->gui, width);
+    place[0] = left;
+    place[2] = width - left;
+    place[3] = (uint32_t)fmax(round((double)height * place[2] / width), 1.0);
+    place[1] = (height - place[3]) / 2;
+}
+
+double viewer_split_x(const struct viewer *viewer)
+{
+    uint32_t place[4];
+    viewer_picture_place(viewer, place);
+    return place[0] + viewer->shown.split_at * place[2];
+}
+
+// --- messages ------------------------------------------------------------------------------------
+
+static void print_message(const struct viewer *viewer, enum log_level level, const char *text)
+{
+    static const char *const names[] = {"error", "warning", "note", "debug"};
+    if (level <= viewer->log.level)
+        fprintf(stderr, "lampyris-view: %s: %s\n", names[level], text);
+}
+
+static void set_message(struct viewer *viewer, enum message_kind kind, const char *text)
+{
+    viewer->message_kind = kind;
+    snprintf(viewer->message, sizeof viewer->message, "%s", text);
+    viewer->message_seconds = viewer_seconds(viewer);
+}
+
+void viewer_message(struct viewer *viewer, enum message_kind kind, const char *format, ...)
+{
+    static const enum log_level levels[] = {LOG_INFO, LOG_WARN, LOG_ERROR};
+    char text[sizeof viewer->message];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    printable_mask(text); // names from files must not steer a terminal
+    set_message(viewer, kind, text);
+    print_message(viewer, levels[kind], text);
+}
+
+// From any thread. What a renderer warns of it may warn of again after every change: once is
+// enough.
+static void take_log(void *context, enum log_level level, const char *text)
+{
+    struct viewer *viewer = context;
+    struct viewer_log *log = &viewer->log;
+    pthread_mutex_lock(&log->mutex);
+    if (strcmp(log->last, text) != 0) {
+        print_message(viewer, level, text);
+        snprintf(log->last, sizeof log->last, "%s", text);
+        log->last_level = level;
+        log->is_new = level <= LOG_WARN;
+    }
+    pthread_mutex_unlock(&log->mutex);
+}
+
+static void show_log(struct viewer *viewer)
+{
+    struct viewer_log *log = &viewer->log;
+    pthread_mutex_lock(&log->mutex);
+    if (log->is_new)
+        set_message(viewer, log->last_level == LOG_ERROR ? MESSAGE_ERROR : MESSAGE_WARNING,
+                    log->last);
+    log->is_new = false;
+    pthread_mutex_unlock(&log->mutex);
+}
+
+// --- long work -----------------------------------------------------------------------------------
+
+static bool is_ending(const struct viewer *viewer)
+{
+    return viewer->wants_quit || viewer->window.should_close || signals_received() != 0;
+}
+
+static bool should_stop(void *context)
+{
+    return is_ending(context);
+}
+
+static void report_progress(void *context, const char *phase, double fraction)
+{
+    viewer_show_progress(context, phase, fraction);
+}
+
+static bool has_picture(const struct viewer *viewer)
+{
+    return viewer->display.pixels.handle && viewer->screen.width == viewer->window.width &&
+           viewer->screen.height == viewer->window.height &&
+           viewer->display.pixels.bytes >=
+               (uint64_t)viewer->screen.width * viewer->screen.height * 4;
+}
+
+// What is let go of meanwhile is held no more; all else that happens meanwhile is not for the scene
+// that is to come.
+static void poll_meanwhile(struct viewer *viewer)
+{
+    window_poll(&viewer->window, 0.0);
+    for (uint32_t i = 0; i < viewer->window.event_count; i++) {
+        const struct event *event = &viewer->window.events[i];
+        bool lets_go = (event->kind == EVENT_KEY || event->kind == EVENT_BUTTON) && !event->down;
+        if (!lets_go && event->kind != EVENT_FOCUS)
+            continue;
+        gui_event(&viewer->gui, event);
+        viewer_event(viewer, event);
+    }
+}
+
+// A failure shows in the next frame.
+void viewer_show_progress(struct viewer *viewer, const char *phase, double fraction)
+{
+    struct err err = {0};
+    double now = viewer_seconds(viewer);
+    bool is_long = clock_seconds_since(viewer->frame_ns) > LONG_WORK_SECONDS;
+    if (viewer->puts_off || !is_long || now - viewer->progress_seconds < PROGRESS_SECONDS ||
+        !viewer->window.handle)
+        return;
+    viewer->progress_seconds = now;
+    poll_meanwhile(viewer);
+    if (!has_picture(viewer) || viewer->window.is_minimised)
+        return;
+    gui_begin(&viewer->gui, viewer->window.width, viewer->window.height, PROGRESS_SECONDS);
+    gui_progress(&viewer->gui, phase, fraction);
+    gui_end(&viewer->gui, &viewer->drawing);
+    if (gpu_screen_draw(&viewer->gpu, &viewer->screen, &viewer->display.pixels, &viewer->drawing,
+                        &err))
+        swapchain_show(&viewer->gpu, &viewer->swapchain, &viewer->window, &viewer->screen, &err);
+}
+
+// --- a frame -------------------------------------------------------------------------------------
+
+static void take_window(struct viewer *viewer)
+{
+    bool waits = viewer->is_resting && !viewer->script;
+    window_poll(&viewer->window, waits ? REST_WAIT_SECONDS : 0.0);
+    uint64_t now = clock_ns();
+    viewer->frame_seconds = (double)(now - viewer->frame_ns) * 1e-9;
+    viewer->frame_ns = now;
+    arena_finish(&viewer->frame_arena);
+}
+
+// The event comes, too, where the window was damaged and is to be shown again.
+static void take_size(struct viewer *viewer)
+{
+    const struct window *window = &viewer->window;
+    viewer->is_resting = false;
+    if (window->width != viewer->screen.width || window->height != viewer->screen.height)
+        viewer_changed(viewer, CHANGE_CAMERA);
+}
+
+static void take_event(struct viewer *viewer, const struct event *event)
+{
+    const struct gui *gui = &viewer->gui;
+    gui_event(&viewer->gui, event);
+    bool is_mouse = event->kind == EVENT_BUTTON || event->kind == EVENT_SCROLL;
+    bool begins = event->down || event->kind == EVENT_SCROLL;
+    if (event->kind == EVENT_CLOSE)
+        viewer->wants_quit = true;
+    else if (event->kind == EVENT_RESIZE)
+        take_size(viewer);
+    else if (event->kind == EVENT_DROP)
+        viewer_open_scene(viewer, event->path, false);
+    else if (is_mouse && begins && gui->wants_mouse)
+        return;
+    else if (event->kind == EVENT_KEY && event->down && gui->wants_keys)
+        return;
+    else
+        viewer_event(viewer, event);
+}
+
+static void take_events(struct viewer *viewer)
+{
+    if (viewer->window.event_count > 0)
+        viewer->input_seconds = viewer_seconds(viewer);
+    for (uint32_t i = 0; i < viewer->window.event_count; i++)
+        take_event(viewer, &viewer->window.events[i]);
+}
+
+static void take_work(struct viewer *viewer)
+{
+    if (viewer->watch)
+        watch_poll(viewer);
+    worker_poll(viewer->worker, viewer);
+    show_log(viewer);
+}
+
+static double motion_seconds(const struct viewer *viewer)
+{
+    return viewer->script ? SCRIPT_FRAME_SECONDS
+                          : fmin(viewer->frame_seconds, LONGEST_FRAME_SECONDS);
+}
+
+static void draw_panel(struct viewer *viewer)
+{
+    gui_begin(&viewer->gui, viewer->window.width, viewer->window.height, viewer->frame_seconds);
+    panel_draw(viewer);
+    gui_end(&viewer->gui, &viewer->drawing);
+    if (!viewer->gui.is_busy && viewer_holds_nothing(viewer))
+        edit_close(viewer);
+}
+
+static bool look_at_errors(struct viewer *viewer, struct err *err)
+{
+    for (uint32_t side = 0; side < viewer->side_count; side++)
+        if (!view_look_at_error(viewer, side, err))
+            return false;
+    return true;
+}
+
+static bool run_script(struct viewer *viewer, struct err *err)
+{
+    if (!viewer->script || script_step(viewer->script, viewer, err))
+        return true;
+    if (err->code == ERR_NONE)
+        viewer->wants_quit = true;
+    else if (viewer->exit_code == EXIT_CODE_OK)
+        viewer->exit_code = EXIT_CODE_CHECK_FAILED;
+    return err->code == ERR_NONE;
+}
+
+bool viewer_frame(struct viewer *viewer, struct err *err)
+{
+    take_window(viewer);
+    if (!run_script(viewer, err))
+        return false;
+    if (viewer->wants_quit)
+        return true;
+    viewer->puts_off = true;
+    take_events(viewer);
+    take_work(viewer);
+    viewer_move_camera(viewer, motion_seconds(viewer));
+    draw_panel(viewer);
+    viewer->puts_off = false;
+    bool ok = viewer_apply_changes(viewer, err) && viewer_answer_click(viewer, err) &&
+              viewer_render(viewer, err) && look_at_errors(viewer, err) &&
+              viewer_find_exposure(viewer, err) && viewer_show(viewer, err);
+    if (ok)
+        viewer_count_frame(viewer);
+    return ok;
+}
+
+// --- the whole -----------------------------------------------------------------------------------
+
+static void set_up(struct viewer *viewer, const struct options *options)
+{
+    pthread_mutex_init(&viewer->log.mutex, NULL);
+    viewer->options = options;
+    viewer->start_ns = viewer->frame_ns = clock_ns();
+    viewer->log.level = options->log_level;
+    viewer->progress = (struct progress){report_progress, should_stop, viewer};
+    viewer->frame_progress = (struct progress){NULL, viewer_frame_is_over, viewer};
+    viewer->swapchain.vsync = options_given(options, OPTION_VSYNC) ? options->vsync : true;
+    viewer->side_count = 1;
+    viewer->is_panel_shown = true;
+    viewer->shown = (struct shown){
+        .automatic = 1,
+        .denoise = options->denoise,
+        .denoise_temporal = 1,
+        .denoise_iterations = 5,
+        .split_at = 0.5,
+    };
+    double frame_ms = options->frame_ms;
+    pace_init(&viewer->pace, frame_ms > 0.0 ? frame_ms : 33.0);
+    log_configure(options->log_level > LOG_WARN ? options->log_level : LOG_WARN, take_log, viewer);
+}
+
+static bool open_window(struct viewer *viewer, struct err *err)
+{
+    const struct options *options = viewer->options;
+    bool has_size = options_given(options, OPTION_SIZE);
+    const struct window_params params = {
+        .title = "Lampyris",
+        .width = has_size ? options->settings.width : DEFAULT_WIDTH,
+        .height = has_size ? options->settings.height : DEFAULT_HEIGHT,
+        .headless = options->headless,
+    };
+    if (options->headless && !options->script)
+        return err_set(
+            err, ERR_USAGE,
+            "--headless: expected --script FILE: without a window nothing else says what "
+            "to do");
+    return (!options->script || script_open(options->script, &viewer->script, err)) &&
+           window_open(&params, &viewer->window, err);
+}
+
+static bool open_all(struct viewer *viewer, struct err *err)
+{
+    const struct options *options = viewer->options;
+    if (!open_window(viewer, err) || !worker_create(&viewer->worker, err) ||
+        !history_create(&viewer->history, err) ||
+        !gui_create(viewer->window.scale, &viewer->gui, err) ||
+        !panel_create(&viewer->panel, err) || !viewer_open_device(viewer, err) ||
+        !reload_create(options, &viewer->reload, err) ||
+        (options->watch && !watch_create(viewer, &viewer->watch, err)))
+        return false;
+    if (options->argument_count == 0)
+        return true;
+    // What is on the command line is to be there, as for any command; its progress shows over
+    // nothing.
+    return viewer_show(viewer, err) && viewer_load_scene(viewer, options->arguments[0], false, err);
+}
+
+// Jobs that write files end well; all else is given back in the opposite order.
+static void close_all(struct viewer *viewer)
+{
+    watch_destroy(viewer->watch);
+    if (viewer->reload)
+        reload_stop(viewer->reload);
+    worker_destroy(viewer->worker, viewer);
+    viewer->worker = NULL;
+    if (viewer->history)
+        viewer_close_scene(viewer);
+    reload_destroy(viewer->reload, viewer);
+    viewer_close_device(viewer);
+    panel_destroy(viewer->panel);
+    gui_finish(&viewer->gui);
+    history_destroy(viewer->history);
+    window_close(&viewer->window);
+    script_close(viewer->script);
+    arena_finish(&viewer->frame_arena);
+    frame_times_finish(&viewer->moving_times);
+    frame_times_finish(&viewer->resting_times);
+    log_configure(viewer->options->log_level, NULL, NULL);
+    pthread_mutex_destroy(&viewer->log.mutex);
+}
+
+static bool run_frames(struct viewer *viewer, struct err *err)
+{
+    while (!is_ending(viewer))
+        if (!viewer_frame(viewer, err) && !(viewer->gpu.lost && viewer_recover(viewer, err)))
+            return false;
+    return true;
+}
+
+// Being closed while something is loaded is an end like others.
+static int fail(struct viewer *viewer, const struct err *err)
+{
+    if (err->code == ERR_STOPPED)
+        return EXIT_CODE_OK;
+    print_message(viewer, LOG_ERROR, err->msg);
+    return viewer->exit_code != EXIT_CODE_OK ? viewer->exit_code : exit_code(err->code);
+}
+
+int viewer_run(const struct options *options)
+{
+    struct viewer *viewer = calloc(1, sizeof *viewer);
+    struct err err = {0};
+    if (!viewer) {
+        err_memory(&err, "the viewer", sizeof *viewer);
+        return command_fail(&err);
+    }
+    set_up(viewer, options);
+    bool ok = open_all(viewer, &err) && run_frames(viewer, &err);
+    int code = ok ? viewer->exit_code : fail(viewer, &err);
+    if (viewer->stats.frames > 0)
+        viewer_report(viewer);
+    close_all(viewer);
+    if (code == EXIT_CODE_OK && viewer->gpu.validation_messages > 0) {
+        err_set(&err, ERR_BUG, "the validation layers reported %u messages",
+                viewer->gpu.validation_messages);
+        code = command_fail(&err);
+    }
+    free(viewer);
+    return code;
+}

@@ -1,0 +1,296 @@
+// The interactive viewer: what its parts share.
+//
+// One thread runs all of it, frame by frame (viewer_frame), but for jobs of the worker. A frame
+// takes what happened (window, script), changes the scene and the cameras by it, renders for as
+// long as a frame may take, and shows what there is.
+#ifndef LAMPYRIS_VIEWER_CORE_VIEWER_H
+#define LAMPYRIS_VIEWER_CORE_VIEWER_H
+
+#include "cli/options.h"
+#include "flatten/geometry.h"
+#include "gpu/screen.h"
+#include "render/show/display.h"
+#include "viewer/core/edit.h"
+#include "viewer/core/keys.h"
+#include "viewer/core/pace.h"
+#include "viewer/core/rig.h"
+#include "viewer/core/view.h"
+#include "viewer/core/worker.h"
+#include "viewer/gui/gui.h"
+#include "viewer/panel/panel.h"
+#include "viewer/window/swapchain.h"
+#include "viewer/window/window.h"
+#include <pthread.h>
+
+#define VIEWER_SIDES 2u
+#define VIEWER_SAVED_VIEWS 16u
+#define VIEWER_NO_OBJECT UINT32_MAX
+
+// What is seen of what is rendered. Plain data, undone as TARGET_LOOK.
+struct shown {
+    uint32_t what;      // SHOWN_*
+    float exposure;     // stops
+    uint32_t tone;      // enum tone_curve
+    uint32_t automatic; // range of false colours: found from the picture
+    double range[2];
+    uint32_t denoise, denoise_temporal, denoise_iterations;
+    uint32_t split;  // two sides
+    double split_at; // part of the width
+    uint32_t nearest;
+    uint32_t spp_limit;        // samples of a pixel after which the picture rests; 0: none
+    uint32_t exposure_is_auto; // 1: found from the picture
+};
+
+struct saved_view {
+    bool is_used;
+    struct camera camera;
+};
+
+struct picked {
+    bool is_some;
+    uint32_t object, material; // indices; VIEWER_NO_OBJECT: the surroundings
+    uint32_t primitive;
+    double position[3], distance;
+};
+
+// Of the last frames: what the panel tells.
+struct frame_stats {
+    double fps;      // over the last half second
+    double frame_ms; // the last frame, all of it
+    double render_ms, denoise_ms, display_ms, panel_ms, present_ms;
+    uint64_t frames;
+    double kernel_ms[KERNEL_COUNT];             // a frame, a running mean
+    double rays_per_second, samples_per_second; // of one pixel each; over the last half second
+};
+
+// Of all frames of a kind, for the report at the end.
+struct frame_times {
+    float *ms;
+    uint32_t count, capacity; // the first ones
+};
+
+// Since the rates were told last.
+struct frame_rate {
+    double since, rays, samples;
+    uint32_t frames;
+};
+
+enum message_kind { MESSAGE_NOTE, MESSAGE_WARNING, MESSAGE_ERROR };
+
+// What the log says, which comes from any thread, becomes messages of the next frame.
+struct viewer_log {
+    pthread_mutex_t mutex;
+    enum log_level level; // up to which stderr has it, too
+    char last[1024];
+    bool is_new;
+    enum log_level last_level;
+};
+
+struct history;
+struct script;
+struct reload;
+struct watch;
+
+struct viewer {
+    const struct options *options;
+    struct progress progress; // of long work: shows it in the window, and asks to stop when closed
+    struct gpu gpu;
+    struct window window;
+    struct swapchain swapchain;
+    struct gpu_screen screen;
+    struct gui gui;
+    struct display display;
+    struct worker *worker;
+    struct history *history;
+    struct panel *panel;
+    struct script *script; // NULL without --script
+    struct reload *reload;
+    struct watch *watch; // NULL without --watch
+
+    // The scene, as edited.
+    char scene_path[SURROUNDINGS_PATH_MAX];
+    struct options scene_options;            // those of the command line that concern this scene
+    struct scene_load_params load_params;    // by which it was loaded: for scene_write
+    char wanted_path[SURROUNDINGS_PATH_MAX]; // to be opened when no frame is being drawn; or ""
+    bool wanted_keeps_view;
+    bool has_scene;
+    struct scene scene;
+    struct scene pristine; // as loaded: copies of the arrays that are edited, for scene_write
+    struct arena pristine_arena;
+    struct surroundings_original original;
+    struct surroundings surroundings;
+    struct arena surroundings_arena;
+    double bounds_min[3], bounds_max[3]; // of the scene; min > max: it is empty
+    struct geometry geometry;
+    double load_seconds;
+
+    struct camera camera;  // of all sides
+    uint32_t camera_index; // of the scene's, that it began with
+    struct rig rig;
+    bool wants_target; // the rig's is to be found in the first picture
+    struct keys keys;
+    struct saved_view saved[VIEWER_SAVED_VIEWS];
+    bool is_moving; // the camera moved, or the scene changed, a moment ago
+    struct view sides[VIEWER_SIDES];
+    uint32_t side_count;
+    uint32_t edited_side; // whose method the panel shows
+    struct shown shown;
+    uint64_t exposure_samples; // of a pixel, at which the exposure is to be found; 0: it stays
+    struct picked picked;
+    uint32_t chosen_material, chosen_light, chosen_object; // in the panel's lists
+    struct pace pace;
+    struct frame_stats stats;
+    struct frame_rate rate;
+    struct frame_times moving_times, resting_times;
+    bool puts_off;       // events, jobs or the panel are in hand: scenes are opened afterwards
+    bool is_resting;     // nothing is left to do but to wait for events
+    uint32_t recoveries; // of lost devices
+    bool is_panel_shown;
+    bool is_paused;
+    bool wants_quit;
+    int exit_code; // of what ended it, EXIT_CODE_*
+
+    enum change changes[VIEWER_SIDES]; // asked for in this frame, by side
+    bool shaders_changed;              // reload.c made new kernels
+    struct display_call last_call;    // what is on the screen; without sides: they may have changed
+    bool has_kept;                    // display_keep: shown where there are no samples yet
+    const struct kernel_set *kernels; // of reload.c; NULL: the embedded ones
+    const struct kernel_set *good_kernels; // with which all sides were built
+    struct progress frame_progress;        // of renderers: stops them when the frame's time is over
+    uint64_t render_until_ns;              // the clock's time then
+    struct gpu_drawing drawing;            // of the panel, for the frame that runs
+    double frame_seconds;                  // that the last frame took, waiting included
+    double frame_samples;                  // of single pixels, in the frame that runs
+    double render_seconds;                 // of all frames
+    double input_seconds;                  // clock of the last event
+    double progress_seconds;               // clock: when progress was shown last
+    uint64_t start_ns, frame_ns;           // clock; of the frame that runs
+    struct viewer_log log;
+    enum message_kind message_kind;
+    char message[1024];
+    double message_seconds;   // clock: when it came
+    struct arena frame_arena; // emptied in every frame
+};
+
+// --- viewer.c ------------------------------------------------------------------------------------
+// Runs until it is closed, the script ends or a signal comes; returns the exit code.
+int viewer_run(const struct options *options);
+// One turn of the loop. False: it cannot go on. A turn:
+// window -> script -> events -> files, jobs -> camera -> panel -> changes -> rendering -> what is
+// shown -> statistics.
+bool viewer_frame(struct viewer *viewer, struct err *err);
+void viewer_message(struct viewer *viewer, enum message_kind kind, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+double viewer_seconds(const struct viewer *viewer); // since it began
+// The size of the picture at rest: the window's.
+void viewer_picture_size(const struct viewer *viewer, uint32_t *width, uint32_t *height);
+// Where in the window it is shown: x, y, width, height, pixels. In the middle of what the panel
+// leaves, and all of it: scaled down while the panel is shown. What is rendered is the same.
+void viewer_picture_place(const struct viewer *viewer, uint32_t place[4]);
+// The x in the window of the line of a split view.
+double viewer_split_x(const struct viewer *viewer);
+// Draws a frame with a progress bar, from inside of long work; at most ten a second.
+void viewer_show_progress(struct viewer *viewer, const char *phase, double fraction);
+
+// --- frame.c -------------------------------------------------------------------------------------
+bool viewer_frame_is_over(void *viewer); // as a progress asks: whether to stop rendering
+// How many samples of a pixel a side still wants, now.
+uint64_t viewer_samples_left(const struct viewer *viewer, const struct view *view);
+// Samples for as long as the frame may take.
+bool viewer_render(struct viewer *viewer, struct err *err);
+// What there is, denoised where asked for, with the panel over it, on the screen and in the window.
+bool viewer_show(struct viewer *viewer, struct err *err);
+// --- exposure.c ----------------------------------------------------------------------------------
+// The picture or its light is another one: where the exposure is automatic, it is found anew.
+static inline void viewer_begin_exposure(struct viewer *viewer)
+{
+    viewer->exposure_samples = viewer->shown.exposure_is_auto ? 1 : 0;
+}
+// Finds it when it is time to.
+bool viewer_find_exposure(struct viewer *viewer, struct err *err);
+// What display_draw shows now, for those who want the same in another way.
+void viewer_display_call(const struct viewer *viewer, struct display_call *out);
+
+// --- report.c ------------------------------------------------------------------------------------
+// When it ends: how fast, and how good. To stdout, as --json or --quiet say.
+void viewer_report(struct viewer *viewer);
+void frame_times_add(struct frame_times *times, double ms);
+// The value below which that part of them is, in [0, 1]; NAN without any. Puts them in order.
+double frame_times_quantile(struct frame_times *times, double part);
+void frame_times_finish(struct frame_times *times);
+void viewer_count_frame(struct viewer *viewer); // statistics of the frame that ends
+
+// --- load.c --------------------------------------------------------------------------------------
+// Replaces the scene; on failure the old one stays, with a message. keep_view: camera, methods and
+// what is shown stay as they are (reloading). While events, jobs or the panel are in hand, the
+// scene is opened afterwards, in the same frame, and the answer is true.
+bool viewer_open_scene(struct viewer *viewer, const char *path, bool keep_view);
+void viewer_close_scene(struct viewer *viewer);
+// The same without a message. ERR_STOPPED where the window was closed meanwhile.
+bool viewer_load_scene(struct viewer *viewer, const char *path, bool keep_view, struct err *err);
+struct geometry_params viewer_geometry_params(const struct viewer *viewer,
+                                              const struct scene *scene,
+                                              const struct camera *camera);
+void viewer_find_bounds(struct viewer *viewer); // of the geometry as it is
+// The scene's camera; one that was made up is fitted to the picture as it is now, and turns about
+// the middle of the scene.
+void viewer_go_home(struct viewer *viewer);
+
+// --- changes.c -----------------------------------------------------------------------------------
+// What has to be done anew before the next samples; both sides, or one.
+void viewer_changed(struct viewer *viewer, enum change change);
+void viewer_side_changed(struct viewer *viewer, uint32_t side, enum change change);
+// Does what `changes` asks for. False: the device failed.
+bool viewer_apply_changes(struct viewer *viewer, struct err *err);
+// AOV_* that renderers have to have for it, and no others.
+uint32_t viewer_aovs(const struct shown *shown);
+// Gives back what a side has on the device.
+void viewer_close_side(struct viewer *viewer, uint32_t side);
+
+// --- device.c ------------------------------------------------------------------------------------
+bool viewer_open_device(struct viewer *viewer, struct err *err);
+void viewer_close_device(struct viewer *viewer);
+// After a lost device: opens it again; all pictures begin anew. False: it could not be had.
+bool viewer_recover(struct viewer *viewer, struct err *err);
+
+// --- pick.c --------------------------------------------------------------------------------------
+// What is seen at a pixel of the window. False: the device failed.
+bool viewer_pick(struct viewer *viewer, double x, double y, struct picked *out, struct err *err);
+// The scene's number of a surface in a renderer's flat scene, as AOV ids have it less 1.
+uint32_t viewer_object(const struct renderer *renderer, bool is_shape, uint32_t primitive,
+                       uint32_t flat_instance);
+
+// --- save.c --------------------------------------------------------------------------------------
+// Both take the picture as it is now and write it on the worker's thread; a message tells when it
+// is there. path NULL: "NAME-0001.png" in the working directory, the first number that is free.
+bool save_png(struct viewer *viewer, const char *path, bool with_panel); // as it is shown
+// Side `side`'s film, linear, with metadata and the AOVs it has; denoised only where asked for.
+bool save_exr(struct viewer *viewer, uint32_t side, const char *path, bool denoised);
+bool save_scene(struct viewer *viewer, const char *path); // "save as scene JSON"
+
+// --- script.c ------------------------------------------------------------------------------------
+bool script_open(const char *path, struct script **out, struct err *err);
+void script_close(struct script *script); // accepts NULL
+// Before the frame's events are read: pushes what is due. False: a command failed (err: file, line,
+// what was expected), or the script ended (viewer->wants_quit is set then, and err is empty).
+bool script_step(struct script *script, struct viewer *viewer, struct err *err);
+
+// --- reload.c ------------------------------------------------------------------------------------
+bool reload_create(const struct options *options, struct reload **out, struct err *err);
+// Before worker_destroy: what is being compiled ends at once. Accepts NULL.
+void reload_stop(struct reload *reload);
+// When no renderer is left, but before gpu_close. Accepts NULL.
+void reload_destroy(struct reload *reload, struct viewer *viewer);
+// Compiles on the worker's thread; then sets viewer->kernels and shaders_changed. Whoever finds
+// that the device refuses the new ones sets viewer->kernels back to what it was.
+void reload_shaders(struct viewer *viewer);
+bool reload_can_compile(const struct reload *reload, const char **why_not);
+const char *reload_errors(const struct reload *reload); // "file:line: …" a line; "" without any
+const char *reload_folder(const struct reload *reload);
+
+// --- watch.c -------------------------------------------------------------------------------------
+bool watch_create(struct viewer *viewer, struct watch **out, struct err *err);
+void watch_destroy(struct watch *watch); // accepts NULL
+void watch_poll(struct viewer *viewer);  // reloads what has changed and then rested for a moment
+
+#endif

@@ -1,0 +1,93 @@
+// Looks at files a few times a second: that works on every file system, and sees alike what is
+// written in place and what is replaced by a new file of the name.
+#include "viewer/core/viewer.h"
+
+#include "viewer/core/watch_files.h"
+#include <stdlib.h>
+#include <string.h>
+
+#define SECONDS_BETWEEN_LOOKS 0.25
+
+// Files that are reloaded together.
+struct watched {
+    struct watch_files files;
+    uint64_t loaded; // stamp of what was loaded
+    uint64_t seen;   // of the last look
+};
+
+struct watch {
+    struct watched scene, shaders;
+    uint64_t scene_hash; // of the scene whose files are watched
+    char scene_path[SURROUNDINGS_PATH_MAX];
+    double looked_seconds;
+};
+
+static void take_stamps(struct watched *watched)
+{
+    watched->loaded = watched->seen = watch_files_stamp(&watched->files);
+}
+
+static void list_scene(struct watch *watch, const struct viewer *viewer)
+{
+    struct watch_files *files = &watch->scene.files;
+    watch_files_finish(files);
+    watch->scene_hash = viewer->scene.hash;
+    memcpy(watch->scene_path, viewer->scene_path, sizeof watch->scene_path);
+    if (!viewer->has_scene)
+        return;
+    watch_files_add_scene(files, viewer->scene_path);
+    if (viewer->scene.environment.file)
+        watch_files_add(files, viewer->scene.environment.file);
+    watch_files_add(files, viewer->surroundings.image);
+    take_stamps(&watch->scene);
+}
+
+bool watch_create(struct viewer *viewer, struct watch **out, struct err *err)
+{
+    struct watch *watch = calloc(1, sizeof *watch);
+    *out = watch;
+    if (!watch)
+        return err_memory(err, "watching files", sizeof *watch);
+    watch_files_add_shaders(&watch->shaders.files, reload_folder(viewer->reload));
+    take_stamps(&watch->shaders);
+    list_scene(watch, viewer);
+    return true;
+}
+
+void watch_destroy(struct watch *watch)
+{
+    if (!watch)
+        return;
+    watch_files_finish(&watch->scene.files);
+    watch_files_finish(&watch->shaders.files);
+    free(watch);
+}
+
+// Whether something has changed since it was loaded, and rested from one look to the next: whoever
+// saves may need several steps for it.
+static bool has_changed(struct watched *watched)
+{
+    uint64_t stamp = watch_files_stamp(&watched->files);
+    bool rested = stamp == watched->seen;
+    watched->seen = stamp;
+    if (!rested || stamp == watched->loaded)
+        return false;
+    watched->loaded = stamp;
+    return true;
+}
+
+void watch_poll(struct viewer *viewer)
+{
+    struct watch *watch = viewer->watch;
+    double now = viewer_seconds(viewer);
+    if (now - watch->looked_seconds < SECONDS_BETWEEN_LOOKS)
+        return;
+    watch->looked_seconds = now;
+    if (watch->scene_hash != viewer->scene.hash ||
+        strcmp(watch->scene_path, viewer->scene_path) != 0)
+        list_scene(watch, viewer);
+    if (has_changed(&watch->shaders))
+        reload_shaders(viewer);
+    if (viewer->has_scene && has_changed(&watch->scene))
+        viewer_open_scene(viewer, watch->scene_path, true);
+}

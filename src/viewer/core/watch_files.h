@@ -1,0 +1,27 @@
+// Which files a scene is made of, as far as its text names them; and whether any has changed.
+#ifndef LAMPYRIS_VIEWER_CORE_WATCH_FILES_H
+#define LAMPYRIS_VIEWER_CORE_WATCH_FILES_H
+
+#include "base/arena.h"
+#include <stdint.h>
+
+#define WATCH_FILES_MAX 1024u
+
+struct watch_files {
+    struct arena arena;
+    const char *paths[WATCH_FILES_MAX];
+    uint32_t count;
+};
+
+void watch_files_add(struct watch_files *files, const char *path);
+// The file and, where it is text of a kind that is known (our JSON, glTF, OBJ, MTL), whatever it
+// names that is there, and what these name.
+void watch_files_add_scene(struct watch_files *files, const char *path);
+// The sources of kernels in a folder.
+void watch_files_add_shaders(struct watch_files *files, const char *folder);
+void watch_files_finish(struct watch_files *files); // {0} afterwards
+
+// Of all their times, sizes and places on the disk: another one when any was written or replaced.
+uint64_t watch_files_stamp(const struct watch_files *files);
+
+#endif

@@ -1,0 +1,143 @@
+#include "viewer/core/worker.h"
+
+#include <pthread.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define JOBS_MAX 64u
+
+struct entry {
+    struct job job;
+    bool ok;
+    struct err err;
+};
+
+// A ring whose entries are, in this order: finished, running, waiting. The three numbers only grow.
+struct worker {
+    pthread_t thread;
+    pthread_mutex_t mutex; // of all below
+    pthread_cond_t wake;   // there is a job, or `is_closing`
+    struct entry entries[JOBS_MAX];
+    uint64_t taken, finished, added;
+    bool is_closing;
+};
+
+static struct entry *entry_at(struct worker *worker, uint64_t number)
+{
+    return &worker->entries[number % JOBS_MAX];
+}
+
+static void *worker_main(void *argument)
+{
+    struct worker *worker = argument;
+    pthread_mutex_lock(&worker->mutex);
+    for (;;) {
+        while (worker->finished == worker->added && !worker->is_closing)
+            pthread_cond_wait(&worker->wake, &worker->mutex);
+        if (worker->finished == worker->added)
+            break;
+        struct entry *entry = entry_at(worker, worker->finished);
+        pthread_mutex_unlock(&worker->mutex); // nobody else writes to this entry
+        entry->ok = entry->job.run(entry->job.context, &entry->err);
+        pthread_mutex_lock(&worker->mutex);
+        worker->finished++;
+    }
+    pthread_mutex_unlock(&worker->mutex);
+    return NULL;
+}
+
+// Signals are blocked in the thread, so that they interrupt the viewer's while it waits for events.
+static int start_thread(struct worker *worker)
+{
+    sigset_t all, previous;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &previous);
+    int result = pthread_create(&worker->thread, NULL, worker_main, worker);
+    pthread_sigmask(SIG_SETMASK, &previous, NULL);
+    return result;
+}
+
+bool worker_create(struct worker **out, struct err *err)
+{
+    *out = NULL;
+    struct worker *worker = calloc(1, sizeof *worker);
+    if (!worker)
+        return err_memory(err, "the worker", sizeof *worker);
+    pthread_mutex_init(&worker->mutex, NULL); // with these attributes, neither can fail on Linux
+    pthread_cond_init(&worker->wake, NULL);
+    int result = start_thread(worker);
+    if (result != 0) {
+        pthread_cond_destroy(&worker->wake);
+        pthread_mutex_destroy(&worker->mutex);
+        free(worker);
+        return err_set(err, ERR_SYSTEM, "cannot start a thread: %s", strerror(result));
+    }
+    *out = worker;
+    return true;
+}
+
+void worker_destroy(struct worker *worker, void *viewer)
+{
+    if (!worker)
+        return;
+    pthread_mutex_lock(&worker->mutex);
+    worker->is_closing = true;
+    pthread_cond_signal(&worker->wake);
+    pthread_mutex_unlock(&worker->mutex);
+    pthread_join(worker->thread, NULL);
+    worker_poll(worker, viewer);
+    pthread_cond_destroy(&worker->wake);
+    pthread_mutex_destroy(&worker->mutex);
+    free(worker);
+}
+
+bool worker_add(struct worker *worker, const struct job *job)
+{
+    pthread_mutex_lock(&worker->mutex);
+    bool is_taken = worker->added - worker->taken < JOBS_MAX && !worker->is_closing;
+    if (is_taken) {
+        *entry_at(worker, worker->added++) = (struct entry){.job = *job};
+        pthread_cond_signal(&worker->wake);
+    }
+    pthread_mutex_unlock(&worker->mutex);
+    return is_taken;
+}
+
+// Frees the entry, so that `done` may add a job.
+static bool take_finished(struct worker *worker, struct entry *out)
+{
+    pthread_mutex_lock(&worker->mutex);
+    bool is_some = worker->taken < worker->finished;
+    if (is_some)
+        *out = *entry_at(worker, worker->taken++);
+    pthread_mutex_unlock(&worker->mutex);
+    return is_some;
+}
+
+void worker_poll(struct worker *worker, void *viewer)
+{
+    struct entry entry;
+    while (take_finished(worker, &entry))
+        entry.job.done(entry.job.context, viewer, entry.ok, &entry.err);
+}
+
+uint32_t worker_count(const struct worker *worker, const char *name)
+{
+    struct worker *w = (struct worker *)worker; // only its mutex changes
+    uint32_t count = 0;
+    pthread_mutex_lock(&w->mutex);
+    for (uint64_t i = w->finished; i < w->added; i++)
+        count += strcmp(entry_at(w, i)->job.name, name) == 0;
+    pthread_mutex_unlock(&w->mutex);
+    return count;
+}
+
+bool worker_is_idle(const struct worker *worker)
+{
+    struct worker *w = (struct worker *)worker; // only its mutex changes
+    pthread_mutex_lock(&w->mutex);
+    bool is_idle = w->taken == w->added;
+    pthread_mutex_unlock(&w->mutex);
+    return is_idle;
+}

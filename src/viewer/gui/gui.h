@@ -1,0 +1,190 @@
+// The panel's widgets: a thin layer over Dear ImGui, in C. Each has an id ("camera.fov"), by which
+// scripts and tests find it, and a line of help.
+//
+// Immediate: a widget is drawn by calling its function in every frame between gui_begin and
+// gui_end; it returns true in the frame in which the user, or a script, changed its value.
+//
+// One thread.
+#ifndef LAMPYRIS_VIEWER_GUI_GUI_H
+#define LAMPYRIS_VIEWER_GUI_GUI_H
+
+#include "base/err.h"
+#include "gpu/screen.h"
+#include "viewer/window/window.h"
+#include <stdbool.h>
+#include <stdint.h>
+
+#define GUI_ID_MAX 96
+#define GUI_VALUE_MAX 256
+#define GUI_LABEL_MAX 64
+#define GUI_ITEMS_MAX 2048
+
+enum gui_kind {
+    GUI_GROUP,  // opens and closes; value "open" or "closed"
+    GUI_BUTTON, // value ""
+    GUI_SWITCH, // "on" or "off"
+    GUI_NUMBER, // decimal
+    GUI_CHOICE, // one of the words
+    GUI_COLOR,  // "R,G,B"
+    GUI_VECTOR, // "X,Y,Z"
+    GUI_TEXT,
+    GUI_ROW, // of a list: "on" where it is the chosen one
+};
+
+// A control of the frame, as it was drawn.
+struct gui_item {
+    char id[GUI_ID_MAX];
+    char value[GUI_VALUE_MAX]; // after the frame
+    enum gui_kind kind;
+    float rect[4]; // left, top, right, bottom, pixels; where it can be clicked
+    bool is_shown; // within what can be seen, not scrolled away or in a closed group
+    bool is_enabled;
+    char label[GUI_LABEL_MAX];
+    const char *help; // the caller's
+    uint32_t group;   // see gui_state.h
+};
+
+struct gui {
+    struct gui_item items[GUI_ITEMS_MAX]; // of the last frame that ended
+    uint32_t item_count;
+    bool wants_mouse, wants_keys; // the panel takes these events; the camera must not
+    bool is_busy;                 // a widget is being dragged or typed into
+    bool is_hidden;               // the caller's wish: no panel, but its controls for scripts
+    const char *hovered_help;     // of the control under the mouse, or NULL
+    float width;                  // of the panel, pixels; 0 while it is hidden
+    struct gui_state *own;        // see gui_state.h
+};
+
+bool gui_create(float scale, struct gui *out, struct err *err); // scale: pixels a point
+void gui_finish(struct gui *gui);                               // accepts NULL and {0}
+void gui_atlas(struct gui *gui, struct gpu_atlas *out);         // of the letters; lives as long
+void gui_event(struct gui *gui, const struct event *event);
+// seconds: since the last frame.
+// Of the panel, pixels, in a window of that width where it is not hidden.
+float gui_panel_width(const struct gui *gui, uint32_t window_width);
+void gui_begin(struct gui *gui, uint32_t width, uint32_t height, double seconds);
+// What is to be drawn, valid until the next gui_begin. Afterwards `items` are those of this frame.
+void gui_end(struct gui *gui, struct gpu_drawing *out);
+// An id that two controls of the last frame had, which is a bug of the panel; or NULL.
+const char *gui_duplicate(const struct gui *gui);
+
+// --- for scripts ---------------------------------------------------------------------------------
+// In the next frame the control takes this value, as if the user had given it (buttons: are
+// pressed), also in closed groups. gui_set_result tells afterwards: NULL where it was done, else
+// why not ("no control camera.fow; did you mean camera.fov?", "1.7 is outside [0, 1]").
+// Several before one frame are all done; then the result is that of the first that was not.
+void gui_set(struct gui *gui, const char *id, const char *value);
+const char *gui_set_result(const struct gui *gui);
+// Opens its groups and scrolls to it, so that its rect can be clicked two frames later.
+void gui_reveal(struct gui *gui, const char *id);
+const struct gui_item *gui_find(const struct gui *gui, const char *id);
+
+// --- layout --------------------------------------------------------------------------------------
+// Of the window at the left: what is between is in it. False: it is hidden, and nothing is to be
+// drawn, but controls may be all the same, for scripts.
+bool gui_panel_begin(struct gui *gui, const char *title);
+void gui_panel_end(struct gui *gui);
+// True: it is open. Controls are called for all the same: what is in a closed group is not drawn,
+// but has an item (is_shown false) and can be set by scripts.
+bool gui_group_begin(struct gui *gui, const char *id, const char *label, const char *help,
+                     bool open_at_first);
+void gui_group_end(struct gui *gui);
+void gui_enabled(struct gui *gui,
+                 bool enabled); // of those that follow, until a group begins or ends
+// Whether what is called for now is drawn: else texts need not be put together.
+bool gui_is_drawn(const struct gui *gui);
+void gui_same_line(struct gui *gui);
+void gui_space(struct gui *gui);
+void gui_line(struct gui *gui, const char *format, ...) __attribute__((format(printf, 2, 3)));
+void gui_warning(struct gui *gui, const char *format, ...) __attribute__((format(printf, 2, 3)));
+// A label at the left, as controls have it, and a text where their values are.
+void gui_pair(struct gui *gui, const char *label, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+// The same in one line however long the text is, so that what follows stays where it is.
+void gui_fact(struct gui *gui, const char *label, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+// Text over the picture, its upper left corner there; with a dark ground. Returns its height.
+float gui_note(struct gui *gui, float x, float y, bool is_warning, const char *format, ...)
+    __attribute__((format(printf, 5, 6)));
+// Two columns over the middle of the picture: keys and what they do. Ended by {NULL}.
+struct gui_pair {
+    const char *left, *right;
+};
+void gui_table(struct gui *gui, const struct gui_pair *rows, uint32_t count);
+// A scale of colours in the picture's lower right corner, from the left to the right: display
+// values, red in the lowest byte. texts: of its left end, its middle and its right end.
+void gui_legend(struct gui *gui, const uint32_t *colors, uint32_t count,
+                const char *const texts[3]);
+// A bar over the middle of the picture: what is being done.
+void gui_progress(struct gui *gui, const char *what, double fraction);
+
+// --- controls ------------------------------------------------------------------------------------
+bool gui_button(struct gui *gui, const char *id, const char *label, const char *help);
+bool gui_switch(struct gui *gui, const char *id, const char *label, const char *help, bool *value);
+struct gui_range {
+    double min, max;
+    bool logarithmic; // 0 is allowed as min
+    bool integer;
+    const char *unit;     // shown behind the number; NULL: none
+    const char *infinite; // the word for values of at least max ("off", "unlimited"); NULL: none
+    const char *least;    // the word for min itself ("off", "pinhole"); NULL: none
+    double drag; // what dragging over all of the control's width adds; 0: follows from the range
+};
+bool gui_number(struct gui *gui, const char *id, const char *label, const char *help,
+                const struct gui_range *range, double *value);
+bool gui_float(struct gui *gui, const char *id, const char *label, const char *help,
+               const struct gui_range *range, float *value);
+bool gui_count(struct gui *gui, const char *id, const char *label, const char *help,
+               const struct gui_range *range, uint32_t *value);
+// names: ended by NULL.
+bool gui_choice(struct gui *gui, const char *id, const char *label, const char *help,
+                const char *const *names, uint32_t *value);
+// Linear Rec. 709; components may be above 1.
+bool gui_color(struct gui *gui, const char *id, const char *label, const char *help,
+               const struct gui_range *range, float value[3]);
+bool gui_vector(struct gui *gui, const char *id, const char *label, const char *help,
+                const struct gui_range *range, double value[3]);
+bool gui_text(struct gui *gui, const char *id, const char *label, const char *help, char *value,
+              uint32_t size); // changed when the user ends it with Enter or leaves it
+// True when it is chosen.
+bool gui_row(struct gui *gui, const char *id, const char *label, const char *help, bool is_chosen);
+
+// A list of any length in a frame of its own, which scrolls: of 10^6 rows only those are called for
+// that are seen, and those that scripts are to find: the first GUI_LIST_IDS and the chosen one.
+//   struct gui_list list = {.count = n, .chosen = i, .height = 8};
+//   gui_list_begin(gui, "materials", &list);
+//   for (uint32_t row; gui_list_next(gui, &list, &row);)
+//       gui_row(gui, …);
+//   gui_list_end(gui, &list);
+#define GUI_LIST_IDS 64u
+struct gui_list {
+    uint32_t count;  // of rows
+    uint32_t chosen; // or UINT32_MAX
+    uint32_t height; // rows that are seen at once; fewer where there are fewer
+    // Of gui_list_next:
+    uint32_t first, last; // seen
+    uint32_t next;
+    bool was_drawn;
+};
+void gui_list_begin(struct gui *gui, const char *id, struct gui_list *list);
+bool gui_list_next(struct gui *gui, struct gui_list *list, uint32_t *row);
+void gui_list_end(struct gui *gui, struct gui_list *list);
+
+// --- charts --------------------------------------------------------------------------------------
+struct gui_bar {
+    const char *label;
+    double value;
+};
+// label NULL: an empty line.
+void gui_bars(struct gui *gui, const struct gui_bar *bars, uint32_t count, const char *unit);
+struct gui_curve {
+    const char *label;
+    const double *x, *y;      // both logarithmic axes; what is not positive and finite is left out
+    const double *low, *high; // the interval of each y, shown as a band; NULL: none
+    const double *most;       // bounds, shown as arrows downwards where there is no y; NULL: none
+    uint32_t count;
+};
+void gui_curves(struct gui *gui, const struct gui_curve *curves, uint32_t count,
+                const char *x_label, const char *y_label);
+
+#endif

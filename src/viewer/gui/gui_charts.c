@@ -1,0 +1,296 @@
+// Bars and curves.
+#include "viewer/gui/gui_state.h"
+#include "viewer/gui/imgui_bridge.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+
+#define CURVES_POINTS 120.0f // height
+
+static const uint32_t series_colors[] = {
+    IM_RGBA(168, 201, 84, 255), // the glow-worm's
+    IM_RGBA(104, 170, 224, 255),
+    IM_RGBA(226, 149, 92, 255),
+    IM_RGBA(190, 140, 220, 255),
+};
+#define BAR_COLOR IM_RGBA(128, 152, 66, 255)
+#define SERIES_COLORS (sizeof series_colors / sizeof *series_colors)
+
+static float width_of(const char *text)
+{
+    return im_text_size(text, -1.0f).x;
+}
+
+static void fill(struct ImDrawList *list, float left, float top, float right, float bottom,
+                 uint32_t rgba, float rounding)
+{
+    im_draw_rect(list, (struct im_vec){left, top}, (struct im_vec){right, bottom}, rgba, rounding);
+}
+
+// `labels`: the width of their column. `most`: the longest bar's value.
+static void draw_bar(const struct gui_state *own, const struct gui_bar *bar, const char *unit,
+                     float labels, double most)
+{
+    struct ImDrawList *list = im_draw_window();
+    const struct im_vec at = im_cursor();
+    float width = im_room(), line = im_line_height(), number = width_of("000.00 ms");
+    float least = 16.0f * own->scale; // of the bar
+    float left = at.x + fmaxf(fminf(labels, width - number - least), 0.0f);
+    float room = fmaxf(at.x + width - number - left, 1.0f);
+    char text[64];
+    snprintf(text, sizeof text, "%.2f %s", bar->value, unit);
+    const struct im_vec end = {left - im_style_now().item_inner_spacing.x,
+                               at.y + floorf(line * 1.15f)};
+    im_push_clip(list, at, end, true);
+    im_draw_text(list, at, im_rgba(IM_COLOR_TEXT), bar->label);
+    im_pop_clip(list);
+    float part = most > 0.0 ? room * (float)(bar->value / most) : 0.0f;
+    float top = floorf(at.y + 0.22f * line), bottom = floorf(at.y + 0.92f * line);
+    fill(list, left, top, left + room, bottom, im_rgba(IM_COLOR_FRAME), 2.0f);
+    fill(list, left, top, left + fmaxf(part, 1.0f), bottom, BAR_COLOR, 2.0f);
+    im_draw_text(list, (struct im_vec){at.x + width - width_of(text), at.y}, im_rgba(IM_COLOR_TEXT),
+                 text);
+}
+
+void gui_bars(struct gui *gui, const struct gui_bar *bars, uint32_t count, const char *unit)
+{
+    const struct gui_state *own = gui->own;
+    if (!own->is_drawn)
+        return;
+    const struct im_style style = im_style_now();
+    double most = 0.0;
+    float labels = own->label_width - style.window_padding.x;
+    for (uint32_t i = 0; i < count; i++) {
+        most = fmax(most, bars[i].value);
+        if (bars[i].label)
+            labels = fmaxf(labels, width_of(bars[i].label) + 6.0f * own->scale);
+    }
+    float height = floorf(im_line_height() * 1.15f);
+    for (uint32_t i = 0; i < count; i++) {
+        if (bars[i].label)
+            draw_bar(own, &bars[i], unit, labels, most);
+        im_dummy(1.0f, height - style.item_spacing.y * 0.5f);
+    }
+}
+
+// --- curves --------------------------------------------------------------------------------------
+
+// Decades, and the rectangle that shows them.
+struct axes {
+    double x[2], y[2]; // log10
+    struct im_vec min, max;
+};
+
+static bool is_good(double value)
+{
+    return value > 0.0 && isfinite(value);
+}
+
+static struct im_vec place(const struct axes *axes, double x, double y)
+{
+    double u = (log10(x) - axes->x[0]) / (axes->x[1] - axes->x[0]);
+    double v = (log10(y) - axes->y[0]) / (axes->y[1] - axes->y[0]);
+    return (struct im_vec){axes->min.x + (float)u * (axes->max.x - axes->min.x),
+                           axes->max.y - (float)v * (axes->max.y - axes->min.y)};
+}
+
+static void widen(double range[2], double value)
+{
+    range[0] = fmin(range[0], log10(value));
+    range[1] = fmax(range[1], log10(value));
+}
+
+// A bit of it around, and no less than half a decade.
+static void make_room(double range[2])
+{
+    double middle = 0.5 * (range[0] + range[1]);
+    double half = fmax(0.5 * (range[1] - range[0]) * 1.06, 0.25);
+    range[0] = middle - half;
+    range[1] = middle + half;
+}
+
+static bool has_bound(const struct gui_curve *curve, uint32_t point)
+{
+    return curve->most && is_good(curve->most[point]);
+}
+
+// False: there is no point to show.
+static bool find_axes(const struct gui_curve *curves, uint32_t count, struct axes *out)
+{
+    out->x[0] = out->y[0] = DBL_MAX;
+    out->x[1] = out->y[1] = -DBL_MAX;
+    for (uint32_t i = 0; i < count; i++)
+        for (uint32_t p = 0; p < curves[i].count; p++) {
+            bool is_bound = !is_good(curves[i].y[p]) && has_bound(&curves[i], p);
+            double y = is_bound ? curves[i].most[p] : curves[i].y[p];
+            if (!is_good(curves[i].x[p]) || !is_good(y))
+                continue;
+            widen(out->x, curves[i].x[p]);
+            widen(out->y, y);
+            if (curves[i].low && is_good(curves[i].low[p]) && is_good(curves[i].high[p])) {
+                widen(out->y, curves[i].low[p]);
+                widen(out->y, curves[i].high[p]);
+            }
+        }
+    if (out->x[0] > out->x[1])
+        return false;
+    make_room(out->x);
+    make_room(out->y);
+    return true;
+}
+
+// Values with lines of their own, ascending: 10^n, and where these are few 2 and 5 times them.
+struct ticks {
+    double values[64];
+    uint32_t count;
+};
+
+static void find_ticks(const double range[2], struct ticks *out)
+{
+    static const double factors[] = {1.0, 2.0, 5.0};
+    int each = range[1] - range[0] < 1.7 ? 3 : 1;
+    out->count = 0;
+    for (int d = (int)floor(range[0]); d <= (int)ceil(range[1]); d++)
+        for (int f = 0; f < each && out->count < 64; f++) {
+            double value = pow(10.0, d) * factors[f];
+            if (log10(value) >= range[0] && log10(value) <= range[1])
+                out->values[out->count++] = value;
+        }
+}
+
+static void write_tick(double value, char *out, size_t size)
+{
+    if (value >= 0.00999 && value < 99999.0)
+        snprintf(out, size, "%g", value);
+    else
+        snprintf(out, size, "%.0e", value);
+}
+
+// Lines of a grid; labels that would touch the one before are left out.
+static void draw_columns(struct ImDrawList *list, const struct axes *axes)
+{
+    struct ticks ticks;
+    find_ticks(axes->x, &ticks);
+    float free_from = -FLT_MAX;
+    for (uint32_t i = 0; i < ticks.count; i++) {
+        float x = floorf(place(axes, ticks.values[i], pow(10.0, axes->y[0])).x);
+        im_draw_line(list, (struct im_vec){x, axes->min.y}, (struct im_vec){x, axes->max.y},
+                     im_rgba(IM_COLOR_SEPARATOR), 1.0f);
+        char text[32];
+        write_tick(ticks.values[i], text, sizeof text);
+        float width = width_of(text);
+        float left = fminf(floorf(x - 0.5f * width), axes->max.x - width);
+        if (left < free_from)
+            continue;
+        im_draw_text(list, (struct im_vec){left, axes->max.y + 1.0f},
+                     im_rgba(IM_COLOR_TEXT_DISABLED), text);
+        free_from = left + width * 1.5f;
+    }
+}
+
+static void draw_rows(struct ImDrawList *list, const struct axes *axes)
+{
+    struct ticks ticks;
+    find_ticks(axes->y, &ticks);
+    float height = im_line_height(), free_below = FLT_MAX;
+    for (uint32_t i = 0; i < ticks.count; i++) {
+        float y = floorf(place(axes, pow(10.0, axes->x[0]), ticks.values[i]).y);
+        im_draw_line(list, (struct im_vec){axes->min.x, y}, (struct im_vec){axes->max.x, y},
+                     im_rgba(IM_COLOR_SEPARATOR), 1.0f);
+        if (y + 0.5f * height > free_below)
+            continue;
+        char text[32];
+        write_tick(ticks.values[i], text, sizeof text);
+        im_draw_text(list, (struct im_vec){axes->min.x - width_of(text) - 4.0f, y - 0.5f * height},
+                     im_rgba(IM_COLOR_TEXT_DISABLED), text);
+        free_below = y - 0.6f * height;
+    }
+}
+
+// The error is somewhere below.
+static void draw_bound(struct ImDrawList *list, struct im_vec at, uint32_t color, float scale)
+{
+    const float length = 8.0f * scale, barb = 3.0f * scale, width = 1.5f * scale;
+    const struct im_vec tip = {at.x, at.y + length};
+    im_draw_line(list, (struct im_vec){at.x - barb, at.y}, (struct im_vec){at.x + barb, at.y},
+                 color, width);
+    im_draw_line(list, at, tip, color, width);
+    im_draw_line(list, (struct im_vec){tip.x - barb, tip.y - barb}, tip, color, width);
+    im_draw_line(list, (struct im_vec){tip.x + barb, tip.y - barb}, tip, color, width);
+}
+
+static void draw_curve(struct ImDrawList *list, const struct axes *axes,
+                       const struct gui_curve *curve, uint32_t color, float scale)
+{
+    struct im_vec last = {0}, last_low = {0}, last_high = {0};
+    bool has_last = false, has_band = false;
+    const uint32_t band = (color & 0xffffffu) | 46u << 24; // the same, but for alpha
+    for (uint32_t p = 0; p < curve->count; p++) {
+        if (is_good(curve->x[p]) && !is_good(curve->y[p]) && has_bound(curve, p))
+            draw_bound(list, place(axes, curve->x[p], curve->most[p]), color, scale);
+        if (!is_good(curve->x[p]) || !is_good(curve->y[p]))
+            continue;
+        const struct im_vec at = place(axes, curve->x[p], curve->y[p]);
+        bool is_band = curve->low && is_good(curve->low[p]) && is_good(curve->high[p]);
+        if (is_band) {
+            const struct im_vec low = place(axes, curve->x[p], curve->low[p]);
+            const struct im_vec high = place(axes, curve->x[p], curve->high[p]);
+            if (has_band)
+                im_draw_quad(list, (const struct im_vec[4]){last_high, high, low, last_low}, band);
+            last_low = low;
+            last_high = high;
+        }
+        has_band = is_band;
+        if (has_last)
+            im_draw_line(list, last, at, color, 1.5f * scale);
+        im_draw_circle(list, at, 2.0f * scale, color);
+        last = at;
+        has_last = true;
+    }
+}
+
+static void draw_legend(struct ImDrawList *list, const struct axes *axes,
+                        const struct gui_curve *curves, uint32_t count, float scale)
+{
+    float line = im_line_height(), y = axes->min.y + 2.0f * scale;
+    for (uint32_t i = 0; i < count; i++) {
+        if (!curves[i].label)
+            continue;
+        float x = axes->max.x - width_of(curves[i].label) - 4.0f * scale;
+        fill(list, x - 12.0f * scale, y + 0.3f * line, x - 4.0f * scale, y + 0.7f * line,
+             series_colors[i % SERIES_COLORS], 2.0f);
+        im_draw_text(list, (struct im_vec){x, y}, im_rgba(IM_COLOR_TEXT), curves[i].label);
+        y += line;
+    }
+}
+
+void gui_curves(struct gui *gui, const struct gui_curve *curves, uint32_t count,
+                const char *x_label, const char *y_label)
+{
+    const struct gui_state *own = gui->own;
+    if (!own->is_drawn)
+        return;
+    struct ImDrawList *list = im_draw_window();
+    const struct im_vec at = im_cursor(), size = {im_room(), floorf(CURVES_POINTS * own->scale)};
+    const uint32_t dim = im_rgba(IM_COLOR_TEXT_DISABLED);
+    float line = im_line_height();
+    struct axes axes;
+    bool is_some = find_axes(curves, count, &axes);
+    axes.min = (struct im_vec){at.x + width_of("1e-00") + 5.0f, at.y + line + 2.0f};
+    axes.max = (struct im_vec){at.x + size.x - 1.0f, at.y + size.y - line - 2.0f};
+    im_draw_text(list, at, dim, y_label);
+    im_draw_text(list, (struct im_vec){axes.max.x - width_of(x_label), at.y}, dim, x_label);
+    im_draw_rect(list, axes.min, axes.max, im_rgba(IM_COLOR_POPUP), 0.0f);
+    if (is_some) {
+        draw_columns(list, &axes);
+        draw_rows(list, &axes);
+        im_push_clip(list, axes.min, axes.max, true);
+        for (uint32_t i = 0; i < count; i++)
+            draw_curve(list, &axes, &curves[i], series_colors[i % SERIES_COLORS], own->scale);
+        im_pop_clip(list);
+        if (count > 1)
+            draw_legend(list, &axes, curves, count, own->scale);
+    }
+    im_dummy(size.x, size.y);
+}

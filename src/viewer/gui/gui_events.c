@@ -1,0 +1,148 @@
+// What mouse and keys do to the panel.
+//
+// Dear ImGui takes what is held at the time of a frame. What follows each other within one frame
+// (pressed and let go) therefore waits for the next one.
+#include "viewer/gui/gui_state.h"
+#include "viewer/gui/imgui_bridge.h"
+
+#include <GLFW/glfw3.h>
+
+static bool is_over_panel(const struct gui *gui)
+{
+    return gui->own->mouse[0] >= 0.0 && gui->own->mouse[0] < (double)gui->width;
+}
+
+// What was pressed elsewhere is moved and let go there.
+void events_want(struct gui *gui)
+{
+    const struct gui_state *own = gui->own;
+    gui->wants_mouse =
+        !own->buttons_elsewhere && (is_over_panel(gui) || own->has_popup || gui->is_busy);
+}
+
+void gui_event(struct gui *gui, const struct event *event)
+{
+    struct gui_state *own = gui->own;
+    if (event->kind == EVENT_MOVE) {
+        own->mouse[0] = event->x;
+        own->mouse[1] = event->y;
+    } else if (event->kind == EVENT_BUTTON && event->code >= 0 && event->code < 32) {
+        uint32_t bit = 1u << event->code;
+        if (!event->down)
+            own->buttons_elsewhere &= ~bit;
+        else if (!gui->wants_mouse)
+            own->buttons_elsewhere |= bit;
+    } else if (event->kind == EVENT_FOCUS) {
+        own->buttons_elsewhere = 0;
+    }
+    // The event that lets go of a button goes where the button was pressed.
+    bool let_go_elsewhere = event->kind == EVENT_BUTTON && !event->down && !gui->wants_mouse;
+    events_want(gui);
+    if (let_go_elsewhere)
+        gui->wants_mouse = false;
+    if (own->event_count < GUI_EVENTS_MAX) {
+        uint32_t place = (own->event_first + own->event_count++) % GUI_EVENTS_MAX;
+        own->events[place] = *event;
+        own->events[place].path = NULL;
+    }
+}
+
+// What of a frame's events came already.
+struct fed {
+    uint32_t buttons;
+    int keys[32];
+    uint32_t key_count;
+    bool special_key, text, moved;
+};
+
+static bool must_wait(const struct fed *fed, const struct event *event)
+{
+    switch (event->kind) {
+    case EVENT_MOVE:
+        return fed->buttons != 0; // a click is where the mouse was then
+    case EVENT_BUTTON: // a drag ends where the mouse was let go, and is seen to get there
+        return (fed->buttons >> event->code & 1u) || (fed->moved && !event->down);
+    case EVENT_KEY:
+        for (uint32_t i = 0; i < fed->key_count; i++)
+            if (fed->keys[i] == event->code)
+                return true;
+        return fed->key_count == 32 || (fed->text && event->code >= GLFW_KEY_ESCAPE);
+    case EVENT_TEXT:
+        return fed->special_key;
+    default:
+        return false;
+    }
+}
+
+static void feed_key(struct fed *fed, const struct event *event)
+{
+    if (event->code < 0 || event->code >= IM_KEYS)
+        return;
+    im_put_key(event->code, event->down);
+    fed->keys[fed->key_count++] = event->code;
+    fed->special_key |= event->code >= GLFW_KEY_ESCAPE && event->code < GLFW_KEY_LEFT_SHIFT;
+}
+
+static bool is_held(int left, int right)
+{
+    return im_key_is_down(left) || im_key_is_down(right);
+}
+
+// What is held, as far as the event or the keys before it tell.
+static void feed_modifiers(const struct event *event)
+{
+    bool has_them = (event->kind == EVENT_KEY || event->kind == EVENT_BUTTON) && event->down;
+    uint32_t modifiers = has_them ? event->modifiers : 0;
+    im_put_modifiers(is_held(GLFW_KEY_LEFT_CONTROL, GLFW_KEY_RIGHT_CONTROL) ||
+                         modifiers & EVENT_CONTROL,
+                     is_held(GLFW_KEY_LEFT_SHIFT, GLFW_KEY_RIGHT_SHIFT) || modifiers & EVENT_SHIFT,
+                     is_held(GLFW_KEY_LEFT_ALT, GLFW_KEY_RIGHT_ALT));
+}
+
+static void feed_one(struct fed *fed, const struct event *event)
+{
+    switch (event->kind) {
+    case EVENT_MOVE:
+        im_put_mouse((float)event->x, (float)event->y);
+        fed->moved = true;
+        break;
+    case EVENT_BUTTON:
+        im_put_button((uint32_t)event->code, event->down);
+        fed->buttons |= 1u << event->code;
+        break;
+    case EVENT_SCROLL: // moves what the mouse is over, if anything
+        im_put_wheel((float)event->x, (float)event->y);
+        break;
+    case EVENT_KEY:
+        feed_key(fed, event);
+        break;
+    case EVENT_TEXT:
+        im_put_character((uint32_t)event->code);
+        fed->text = true;
+        break;
+    case EVENT_FOCUS:
+        if (!event->down)
+            im_put_no_keys();
+        break;
+    default:
+        break;
+    }
+    feed_modifiers(event);
+}
+
+void events_feed(struct gui *gui)
+{
+    struct gui_state *own = gui->own;
+    struct fed fed = {0};
+    while (own->event_count) {
+        const struct event *event = &own->events[own->event_first];
+        bool is_known = event->kind != EVENT_BUTTON ||
+                        (event->code >= 0 && (uint32_t)event->code < IM_MOUSE_BUTTONS);
+        if (is_known && must_wait(&fed, event))
+            return;
+        if (is_known)
+            feed_one(&fed, event);
+        own->event_first = (own->event_first + 1) % GUI_EVENTS_MAX;
+        own->event_count--;
+    }
+}

@@ -1,0 +1,230 @@
+// Values of controls as text, and where dragging leads.
+#include "viewer/gui/gui_state.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define WHY_BYTES 512
+
+static bool same(double a, double b, bool is_float)
+{
+    return is_float ? (float)a == (float)b : a == b;
+}
+
+// The word that stands for a value, or NULL.
+static const char *word_of(double value, const struct gui_range *range)
+{
+    if (range && range->infinite && value >= range->max)
+        return range->infinite;
+    return range && range->least && value <= range->min ? range->least : NULL;
+}
+
+void value_write(double value, bool is_float, const struct gui_range *range, char *out)
+{
+    const char *word = word_of(value, range);
+    if (word) {
+        snprintf(out, GUI_VALUE_MAX, "%s", word);
+        return;
+    }
+    if (fabs(value) < 1e15 && value == rint(value)) {
+        snprintf(out, GUI_VALUE_MAX, "%.0f", value == 0.0 ? 0.0 : value);
+        return;
+    }
+    // 17 significant digits tell every double from its neighbours (IEEE 754-2019, 5.12.2).
+    for (int digits = 1; digits <= 17; digits++) {
+        snprintf(out, GUI_VALUE_MAX, "%.*g", digits, value);
+        if (same(strtod(out, NULL), value, is_float))
+            return;
+    }
+}
+
+void value_show(double value, const struct gui_range *range, int digits, char *out)
+{
+    const char *word = word_of(value, range);
+    if (word) {
+        snprintf(out, GUI_VALUE_MAX, "%s", word);
+        return;
+    }
+    bool whole = range->integer && fabs(value) < 1e15;
+    int length = whole ? snprintf(out, GUI_VALUE_MAX, "%.0f", value)
+                       : snprintf(out, GUI_VALUE_MAX, "%.*g", digits, value);
+    if (range->unit)
+        snprintf(out + length, GUI_VALUE_MAX - (size_t)length, " %s", range->unit);
+}
+
+static const char *skip_spaces(const char *text)
+{
+    return text + strspn(text, " \t");
+}
+
+static void say_range(const struct gui_range *range, bool is_float, const char *value, char *why)
+{
+    char min[GUI_VALUE_MAX], max[GUI_VALUE_MAX];
+    value_write(range->min, is_float, NULL, min);
+    value_write(range->max, is_float, NULL, max);
+    if (range->infinite)
+        snprintf(why, WHY_BYTES, "%.60s is outside [%.40s, %.40s], and not \"%s\"", value, min, max,
+                 range->infinite);
+    else
+        snprintf(why, WHY_BYTES, "%.60s is outside [%.40s, %.40s]", value, min, max);
+}
+
+// One number at the beginning of text; *end is behind it and behind the unit, where that stands.
+static bool read_one(const char *text, const char **end, bool is_float,
+                     const struct gui_range *range, double *out, char *why)
+{
+    text = skip_spaces(text);
+    const char *const words[] = {range->infinite, range->least};
+    for (int i = 0; i < 2; i++) {
+        size_t length = words[i] ? strlen(words[i]) : 0;
+        if (!length || strncmp(text, words[i], length) != 0)
+            continue;
+        *end = text + length;
+        *out = i ? range->min : range->max;
+        return true;
+    }
+    char *behind;
+    double value = strtod(text, &behind);
+    if (behind == text || isnan(value)) {
+        snprintf(why, WHY_BYTES, "\"%.60s\" is no number%s%s%s", text,
+                 range->infinite ? ", and not \"" : "", range->infinite ? range->infinite : "",
+                 range->infinite ? "\"" : "");
+        return false;
+    }
+    char written[64];
+    snprintf(written, sizeof written, "%.*s", (int)(behind - text), text);
+    *end = skip_spaces(behind);
+    if (range->unit && strncmp(*end, range->unit, strlen(range->unit)) == 0)
+        *end += strlen(range->unit);
+    if (is_float)
+        value = (double)(float)value;
+    if (!(value >= range->min && value <= range->max)) {
+        say_range(range, is_float, written, why);
+        return false;
+    }
+    if (range->integer && value != rint(value)) {
+        snprintf(why, WHY_BYTES, "%s is no whole number", written);
+        return false;
+    }
+    *out = value;
+    return true;
+}
+
+bool value_read(const char *text, bool is_float, const struct gui_range *range, double *out,
+                char *why)
+{
+    const char *end;
+    double value;
+    if (!read_one(text, &end, is_float, range, &value, why))
+        return false;
+    if (*skip_spaces(end)) {
+        snprintf(why, WHY_BYTES, "\"%.60s\" has more than a number%s%s", text,
+                 range->unit ? " and its unit, " : "", range->unit ? range->unit : "");
+        return false;
+    }
+    *out = value;
+    return true;
+}
+
+bool value_read_three(const char *text, bool is_float, const struct gui_range *range, double out[3],
+                      char *why)
+{
+    double values[3];
+    const char *end = text;
+    for (int c = 0; c < 3; c++) {
+        const char *begin = end;
+        if (!read_one(begin, &end, is_float, range, &values[c], why))
+            return false;
+        end = skip_spaces(end);
+        if (c < 2 ? *end != ',' : *end != '\0') {
+            snprintf(why, WHY_BYTES, "\"%.60s\" is not three numbers with commas between them",
+                     text);
+            return false;
+        }
+        end += c < 2;
+    }
+    memcpy(out, values, sizeof values);
+    return true;
+}
+
+bool value_read_switch(const char *text, bool *out, char *why)
+{
+    if (strcmp(text, "on") != 0 && strcmp(text, "off") != 0) {
+        snprintf(why, WHY_BYTES, "\"%.60s\" is neither \"on\" nor \"off\"", text);
+        return false;
+    }
+    *out = text[1] == 'n';
+    return true;
+}
+
+bool value_read_choice(const char *text, const char *const *names, uint32_t *out, char *why)
+{
+    for (uint32_t i = 0; names[i]; i++) {
+        if (strcmp(names[i], text) != 0)
+            continue;
+        *out = i;
+        return true;
+    }
+    size_t used = (size_t)snprintf(why, WHY_BYTES, "no choice \"%.60s\"; there are", text);
+    for (uint32_t i = 0; names[i] && used < WHY_BYTES; i++)
+        used += (size_t)snprintf(why + used, WHY_BYTES - used, "%s %s", i ? "," : "", names[i]);
+    return false;
+}
+
+// --- dragging ------------------------------------------------------------------------------------
+// A width of the control is all of a range that is not wide, or a factor of 1000 where the range is
+// logarithmic. Results are rounded to what a pixel of some hundred can tell apart, so that they are
+// numbers which people would write.
+
+#define FACTOR_A_WIDTH 1000.0
+#define WIDE 1e4 // ranges beyond: a width is as much as the value itself, or 1
+
+static double rounded(double value, double step)
+{
+    double unit = pow(10.0, floor(log10(step)));
+    // By division where the unit is below 1, so that 0.3 is the double next to 0.3.
+    return unit < 1.0 ? rint(value * rint(1.0 / unit)) / rint(1.0 / unit)
+                      : rint(value / unit) * unit;
+}
+
+static double dragged_logarithmic(double start, double widths, const struct gui_range *range)
+{
+    double least = range->integer ? 1.0 : 1e-2;
+    double factor = pow(FACTOR_A_WIDTH, widths);
+    if (start <= 0.0)
+        return widths > 0.0 ? rounded(least * (factor - 1.0), least * factor / 1000.0) : range->min;
+    double value = start * factor;
+    if (range->min <= 0.0 && widths <= -1.0)
+        return range->min; // as far as that: nothing
+    return value > 1e-300 && isfinite(value) ? rounded(value, value / 200.0) : value;
+}
+
+static double dragged_linear(double start, double widths, const struct gui_range *range)
+{
+    double span = range->drag > 0.0 ? range->drag : range->max - range->min;
+    if (!(span <= WIDE))
+        span = fmax(fabs(start), 1.0);
+    return rounded(start + widths * span, span / 500.0);
+}
+
+double value_dragged(double start, double widths, const struct gui_range *range, bool is_float)
+{
+    if (widths == 0.0)
+        return start;
+    if (range->infinite && start >= range->max &&
+        start > 1e3) { // is left downwards, from a number of some size
+        if (widths > 0.0)
+            return start;
+        start = 1e3;
+    }
+    double value = range->logarithmic ? dragged_logarithmic(start, widths, range)
+                                      : dragged_linear(start, widths, range);
+    if (range->integer)
+        value = rint(value);
+    if (is_float)
+        value = (double)(float)value;
+    return fmin(fmax(value, range->min), range->max);
+}

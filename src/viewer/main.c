@@ -1,0 +1,24 @@
+// lampyris-view: the interactive viewer. Its command line is that of `lampyris view`, without the
+// word.
+#include "cli/commands.h"
+#include "cli/program.h"
+#include "viewer/core/viewer.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+int main(int argc, char **argv)
+{
+    static char name[] = "lampyris", command[] = "view";
+    char **arguments = calloc((size_t)argc + 2, sizeof *arguments);
+    if (!arguments)
+        return EXIT_CODE_DEVICE;
+    arguments[0] = name;
+    arguments[1] = command;
+    if (argc > 1)
+        memcpy(&arguments[2], &argv[1], (size_t)(argc - 1) * sizeof *argv);
+    int count = argc > 1 ? argc + 1 : 2;
+    int code = program_run(count, arguments, viewer_run);
+    free(arguments);
+    return code;
+}

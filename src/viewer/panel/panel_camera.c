@@ -1,0 +1,248 @@
+// The camera, how it is moved, and views that were saved.
+#include "viewer/panel/panel_internal.h"
+
+#include "scene/core/affine.h"
+#include "scene/json/scene_write.h"
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const struct gui_range angle = {1e-3, 179.999, .unit = "°", .drag = 90};
+static const struct gui_range seen_height = {SCENE_LENGTH_MIN, SCENE_COORDINATE_MAX,
+                                             .logarithmic = true, .unit = "m"};
+static const struct gui_range focus = {SCENE_LENGTH_MIN, SCENE_COORDINATE_MAX, .logarithmic = true,
+                                       .unit = "m"};
+static const struct gui_range millimetres = {0, 1e3 * SCENE_COORDINATE_MAX, .logarithmic = true,
+                                             .unit = "mm", .least = "pinhole"};
+static const struct gui_range blades = {0, 64, .integer = true, .least = "round"};
+static const struct gui_range speed = {SCENE_LENGTH_MIN, SCENE_COORDINATE_MAX, .logarithmic = true,
+                                       .unit = "m/s"};
+static const struct gui_range turning = {-360, 360, .unit = "°/s", .drag = 90};
+static const struct gui_range unit_vector = {-1, 1};
+static const struct gui_range slot = {1, VIEWER_SAVED_VIEWS, .integer = true};
+
+// --- moving --------------------------------------------------------------------------------------
+
+static void moving(struct viewer *viewer)
+{
+    struct gui *gui = &viewer->gui;
+    struct rig *rig = &viewer->rig;
+    gui_choice(gui, "camera.mode", "Moves",
+               "Fly freely, or turn about what was double-clicked (C changes it).", rig_mode_names,
+               &rig->mode);
+    gui_number(gui, "camera.speed", "Speed", "Of flying, metres a second, 1e-18 to 1e13.", &speed,
+               &rig->speed);
+    if (gui_switch(gui, "camera.revolves", "Revolve", "Turns about the target by itself.",
+                   &rig->revolves) &&
+        rig->revolves)
+        rig->mode = RIG_ORBIT;
+    gui_number(gui, "camera.revolve_speed", "  speed",
+               "Of that, degrees a second, -360 to 360; below 0: the other way round.", &turning,
+               &rig->revolve_speed);
+    if (gui_button(gui, "camera.stop", "Stop", "Ends the turning.")) {
+        rig->revolves = false;
+        edit_close(viewer);
+    }
+}
+
+// --- the camera itself ---------------------------------------------------------------------------
+
+// A direction that is zero, or along what is up, is no view.
+static void place(struct viewer *viewer, struct form *form, struct camera *to)
+{
+    double direction[3] = {to->direction[0], to->direction[1], to->direction[2]};
+    const struct gui_range coordinate = panel_coordinate(viewer);
+    form_vector(form, "camera.position", "Position", "Metres, in the world.", &coordinate,
+                to->position);
+    if (!gui_vector(form->gui, "camera.direction", "Direction",
+                    "Where it looks; becomes a unit vector.", &unit_vector, direction))
+        return;
+    double across[3], up[3] = {to->up[0], to->up[1], to->up[2]};
+    double before[3] = {direction[0], direction[1], direction[2]};
+    bool is_some = vec3_normalize(direction) && vec3_normalize(up);
+    vec3_cross(direction, up, across);
+    if (!is_some || vec3_length(across) <= (double)FLT_EPSILON) {
+        viewer_message(viewer, MESSAGE_WARNING,
+                       "camera.direction: (%g, %g, %g) is zero or along what is up: expected a "
+                       "line of sight",
+                       before[0], before[1], before[2]);
+        return;
+    }
+    memcpy(to->direction, direction, sizeof direction);
+    form->used = "camera.direction";
+}
+
+static double target_distance(const struct viewer *viewer)
+{
+    double away[3];
+    for (int c = 0; c < 3; c++)
+        away[c] = viewer->rig.target[c] - viewer->camera.position[c];
+    double distance = vec3_length(away);
+    return distance > 0 && isfinite(distance) ? distance : 1;
+}
+
+// Another kind shows about as much of the target, and has no lens: only perspective ones do.
+static void change_kind(const struct viewer *viewer, struct camera *to)
+{
+    if (!(to->fov_y > 0 && to->fov_y < M_PI))
+        to->fov_y = M_PI / 4;
+    if (!(to->height > 0))
+        to->height = 2 * target_distance(viewer) * tan(to->fov_y / 2);
+    if (to->kind != CAMERA_PERSPECTIVE)
+        to->lens_radius = 0;
+}
+
+static void lens(const struct viewer *viewer, struct form *form, struct camera *to)
+{
+    struct gui *gui = form->gui;
+    bool is_perspective = to->kind == CAMERA_PERSPECTIVE;
+    double radius = to->lens_radius * 1e3;
+    gui_enabled(gui, is_perspective);
+    form_angle(form, "camera.fov", "Field of view",
+               "From the lower to the upper edge, degrees, 0.001 to 179.999.", &angle, &to->fov_y);
+    gui_enabled(gui, to->kind == CAMERA_ORTHOGRAPHIC);
+    form_number(form, "camera.height", "Height",
+                "Of what an orthographic camera sees, metres, 1e-18 to 1e13.", &seen_height,
+                &to->height);
+    gui_enabled(gui, is_perspective);
+    if (form_number(form, "camera.lens_radius", "Lens radius",
+                    "Millimetres, 0 to 1e16; 0: a pinhole, all is in focus.", &millimetres,
+                    &radius))
+        to->lens_radius = radius * 1e-3;
+    if (to->lens_radius > 0 && !(to->focus_distance > 0))
+        to->focus_distance = target_distance(viewer);
+    gui_enabled(gui, is_perspective && to->lens_radius > 0);
+    form_number(form, "camera.focus", "Focus", "How far away what is in focus lies, metres.",
+                &focus, &to->focus_distance);
+    uint32_t corners = to->lens_blades;
+    if (form_count(form, "camera.blades", "Blades",
+                   "Of the aperture, 3 to 64; 0: a round one. 1 and 2 become 3.", &blades,
+                   &corners)) {
+        // Between round and a triangle there is nothing: a drag passes over it.
+        bool is_falling = corners < to->lens_blades;
+        to->lens_blades = corners == 1 || corners == 2 ? (is_falling ? 0 : 3) : corners;
+    }
+    gui_enabled(gui, is_perspective && to->lens_radius > 0 && to->lens_blades > 0);
+    form_angle(form, "camera.blade_rotation", "  rotation", "Of the blades, degrees, -360 to 360.",
+               &panel_turn, &to->lens_rotation);
+    gui_enabled(gui, true);
+}
+
+static void camera_of_scene(struct viewer *viewer)
+{
+    const struct scene *scene = &viewer->scene;
+    uint32_t count = scene->camera_count;
+    const char **names = ARENA_NEW(&viewer->frame_arena, const char *, count + 1u);
+    uint32_t chosen = viewer->camera_index;
+    if (!names || !count || chosen >= count)
+        return;
+    for (uint32_t i = 0; i < count; i++) {
+        const char *name = scene->cameras[i].name;
+        names[i] = arena_printf(&viewer->frame_arena, "%u%s%s", i, name && name[0] ? " " : "",
+                                name ? name : "");
+        if (!names[i])
+            return;
+    }
+    gui_enabled(&viewer->gui, count > 1);
+    if (gui_choice(&viewer->gui, "camera.of_scene", "Of the scene", "A camera of the scene file.",
+                   names, &chosen)) {
+        viewer->camera_index = chosen;
+        edit_camera(viewer, &scene->cameras[chosen], "camera.of_scene");
+    }
+    gui_enabled(&viewer->gui, true);
+}
+
+// --- buttons -------------------------------------------------------------------------------------
+
+static void copy_as_json(struct viewer *viewer)
+{
+    const char *json = camera_to_json(&viewer->frame_arena, &viewer->camera);
+    if (!json) {
+        viewer_message(viewer, MESSAGE_ERROR, "out of memory: the camera was not copied");
+        return;
+    }
+    window_set_clipboard(&viewer->window, json);
+    viewer_message(viewer, MESSAGE_NOTE, "The camera is in the clipboard, as JSON.");
+}
+
+static void frame_all(struct viewer *viewer)
+{
+    struct camera to = viewer->camera;
+    uint32_t width, height;
+    if (!(viewer->bounds_min[0] <= viewer->bounds_max[0])) {
+        viewer_message(viewer, MESSAGE_WARNING, "Nothing to frame: the scene is empty.");
+        return;
+    }
+    viewer_picture_size(viewer, &width, &height);
+    rig_frame(&viewer->rig, viewer->bounds_min, viewer->bounds_max, (double)width / (double)height,
+              &to);
+    edit_camera(viewer, &to, "camera.frame");
+}
+
+static void buttons(struct viewer *viewer)
+{
+    struct gui *gui = &viewer->gui;
+    if (gui_button(gui, "camera.reset", "Reset",
+                   "The camera as the scene file has it; without one, all of it in the picture."))
+        viewer_go_home(viewer);
+    gui_same_line(gui);
+    if (gui_button(gui, "camera.frame", "Frame all", "The whole scene in the picture."))
+        frame_all(viewer);
+    gui_same_line(gui);
+    if (gui_button(gui, "camera.copy", "Copy as JSON",
+                   "Puts the camera into the clipboard, for a scene file."))
+        copy_as_json(viewer);
+}
+
+static void saved_views(struct viewer *viewer)
+{
+    struct gui *gui = &viewer->gui;
+    struct panel *panel = viewer->panel;
+    gui_count(gui, "camera.slot", "Saved view",
+              "The one that the buttons mean, 1 to 16; keys 1 to 9 restore, with Ctrl save.", &slot,
+              &panel->slot);
+    struct saved_view *view = &viewer->saved[panel->slot - 1];
+    if (gui_button(gui, "camera.save", "Save", "Keeps the camera as it is."))
+        *view = (struct saved_view){.is_used = true, .camera = viewer->camera};
+    gui_enabled(gui, view->is_used);
+    gui_same_line(gui);
+    if (gui_button(gui, "camera.restore", "Restore", "The camera as it was saved."))
+        edit_camera(viewer, &view->camera, "camera.restore");
+    gui_same_line(gui);
+    if (gui_button(gui, "camera.clear", "Clear", "Forgets the saved view."))
+        view->is_used = false;
+    gui_enabled(gui, true);
+    if (!gui_is_drawn(gui))
+        return;
+    char used[4 * VIEWER_SAVED_VIEWS] = "none";
+    size_t length = 0;
+    for (uint32_t i = 0; i < VIEWER_SAVED_VIEWS; i++)
+        if (viewer->saved[i].is_used)
+            length += (size_t)snprintf(used + length, sizeof used - length, "%u ", i + 1);
+    gui_pair(gui, "  in use", "%s", used);
+}
+
+void panel_camera(struct viewer *viewer)
+{
+    struct gui *gui = &viewer->gui;
+    gui_group_begin(gui, "camera", "Camera", "Where the picture is seen from.", false);
+    if (viewer->has_scene) {
+        moving(viewer);
+        gui_space(gui);
+        camera_of_scene(viewer);
+        struct camera to = viewer->camera;
+        struct form form = {.gui = gui};
+        if (form_choice(&form, "camera.kind", "Kind", "How directions become a picture.",
+                        camera_names, &to.kind))
+            change_kind(viewer, &to);
+        place(viewer, &form, &to);
+        lens(viewer, &form, &to);
+        if (form.used)
+            edit_camera(viewer, &to, form.used);
+        gui_space(gui);
+        buttons(viewer);
+        saved_views(viewer);
+    }
+    gui_group_end(gui);
+}

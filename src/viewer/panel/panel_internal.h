@@ -1,0 +1,90 @@
+// What the files of the panel share.
+#ifndef LAMPYRIS_VIEWER_PANEL_PANEL_INTERNAL_H
+#define LAMPYRIS_VIEWER_PANEL_PANEL_INTERNAL_H
+
+#include "viewer/core/viewer.h"
+
+#define PANEL_RECENT 8u
+#define PANEL_FILTER_MAX 64
+
+// A list's rows that have the filter's text in their names.
+struct panel_filter {
+    char text[PANEL_FILTER_MAX];
+    char done[PANEL_FILTER_MAX]; // what `rows` are of
+    const void *of;              // and of which scene
+    uint32_t of_count;
+    uint32_t *rows; // NULL: all of them
+    uint32_t count;
+};
+
+struct panel {
+    struct panel_filter materials, lights, objects;
+    char scene_path[SURROUNDINGS_PATH_MAX]; // that the lists below are of
+    struct arena files_arena;
+    const char **files; // scenes in the folder of that one
+    uint32_t file_count;
+    char recent[PANEL_RECENT][SURROUNDINGS_PATH_MAX];
+    uint32_t recent_count;
+    char open_path[SURROUNDINGS_PATH_MAX], save_path[SURROUNDINGS_PATH_MAX];
+    bool saves_panel, saves_denoised;
+    uint32_t slot; // of saved views
+};
+
+// A row of controls over a copy of something: which of them was used last.
+struct form {
+    struct gui *gui;
+    const char *used; // its id, or NULL
+};
+bool form_switch(struct form *form, const char *id, const char *label, const char *help,
+                 bool *value);
+// The same of a number that is 0 or 1.
+bool form_flag(struct form *form, const char *id, const char *label, const char *help,
+               uint32_t *value);
+bool form_number(struct form *form, const char *id, const char *label, const char *help,
+                 const struct gui_range *range, double *value);
+bool form_float(struct form *form, const char *id, const char *label, const char *help,
+                const struct gui_range *range, float *value);
+bool form_count(struct form *form, const char *id, const char *label, const char *help,
+                const struct gui_range *range, uint32_t *value);
+// An angle in radians, shown in degrees. `range` is in degrees.
+bool form_angle(struct form *form, const char *id, const char *label, const char *help,
+                const struct gui_range *range, double *radians);
+bool form_choice(struct form *form, const char *id, const char *label, const char *help,
+                 const char *const *names, uint32_t *value);
+bool form_color(struct form *form, const char *id, const char *label, const char *help,
+                const struct gui_range *range, float value[3]);
+bool form_vector(struct form *form, const char *id, const char *label, const char *help,
+                 const struct gui_range *range, double value[3]);
+
+extern const struct gui_range panel_unit, panel_radiance, panel_turn;
+// Metres; dragging goes by the size of the scene.
+struct gui_range panel_coordinate(const struct viewer *viewer);
+
+#define PANEL_NAME_MAX 160
+
+// A list with a filter.
+struct panel_list {
+    const char *id;   // "materials": rows are "materials.0" …
+    const char *help; // of a row
+    uint32_t count, height;
+    void (*name)(void *context, uint32_t row, char out[PANEL_NAME_MAX]);
+    // Draws what stands before a row's name; or NULL.
+    void (*before)(void *context, uint32_t row);
+    void *context;
+    const void *of; // what the rows are of: another one makes the filter look again
+};
+// True: *chosen is another one now.
+bool panel_list(struct viewer *viewer, struct panel_filter *filter, const struct panel_list *list,
+                uint32_t *chosen);
+
+void panel_overlay(struct viewer *viewer); // over the picture
+void panel_statistics(struct viewer *viewer);
+void panel_renderer(struct viewer *viewer);
+void panel_view(struct viewer *viewer);
+void panel_camera(struct viewer *viewer);
+void panel_scene(struct viewer *viewer);
+void panel_surroundings(struct viewer *viewer);
+void panel_lights(struct viewer *viewer);
+void panel_materials(struct viewer *viewer);
+
+#endif

@@ -1,0 +1,179 @@
+// Lights without extent: a list, and all of the chosen one.
+#include "viewer/panel/panel_internal.h"
+
+#include "scene/core/affine.h"
+#include "scene/core/environment.h"
+#include "scene/json/load_json.h"
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const struct gui_range direction_range = {-1, 1};
+static const struct gui_range right_angle = {0, 90, .unit = "°"};
+static const struct gui_range reach = {SCENE_LENGTH_MIN, INFINITY, .logarithmic = true, .unit = "m",
+                                       .infinite = "unlimited"};
+
+static void light_name(void *context, uint32_t row, char out[PANEL_NAME_MAX])
+{
+    const struct viewer *viewer = context;
+    const struct light *light = &viewer->scene.lights[row];
+    snprintf(out, PANEL_NAME_MAX, "%u %.100s (%s)", row, light->name ? light->name : "",
+             edit_light_names[light->kind]);
+}
+
+// The same light from one that had other parameters: those that were not used get values that make
+// sense.
+static void change_kind(struct light *to, uint32_t kind)
+{
+    to->kind = kind;
+    if (vec3_length(to->direction) == 0)
+        memcpy(to->direction, (double[3]){0, -1, 0}, sizeof to->direction);
+    if (!(to->outer_angle > to->inner_angle) || !(to->outer_angle <= (float)(M_PI / 2))) {
+        to->inner_angle = 0; // KHR_lights_punctual's defaults
+        to->outer_angle = (float)(M_PI / 4);
+    }
+    if (!(to->range > 0))
+        to->range = INFINITY;
+    if (kind != LIGHT_DIRECTIONAL)
+        to->angular_radius = 0;
+    else
+        to->profile = NULL;
+}
+
+// The profile's plane at 0 degrees stays as near to where it was as the new axis allows.
+static void turn_profile(struct light *to)
+{
+    double *x = to->profile_x, along = 0;
+    for (int c = 0; c < 3; c++)
+        along += x[c] * to->direction[c];
+    for (int c = 0; c < 3; c++)
+        x[c] -= along * to->direction[c];
+    if (vec3_normalize(x))
+        return;
+    double other[3] = {fabs(to->direction[0]) < 0.5, fabs(to->direction[0]) >= 0.5, 0};
+    vec3_cross(to->direction, other, x);
+    vec3_normalize(x);
+}
+
+static void place(struct viewer *viewer, struct form *form, struct light *to)
+{
+    bool is_placed = to->kind != LIGHT_DIRECTIONAL;
+    double direction[3] = {to->direction[0], to->direction[1], to->direction[2]};
+    const struct gui_range coordinate = panel_coordinate(viewer);
+    gui_enabled(form->gui, is_placed);
+    form_vector(form, "light.position", "Position", "Metres, in the world.", &coordinate,
+                to->position);
+    gui_enabled(form->gui, to->kind != LIGHT_POINT || to->profile);
+    if (gui_vector(form->gui, "light.direction", "Direction",
+                   "In which its light travels; becomes a unit vector.", &direction_range,
+                   direction)) {
+        if (vec3_normalize(direction)) {
+            memcpy(to->direction, direction, sizeof direction);
+            if (to->profile)
+                turn_profile(to);
+            form->used = "light.direction";
+        } else {
+            viewer_message(viewer, MESSAGE_WARNING, "light.direction: (0, 0, 0) has no direction");
+        }
+    }
+    gui_enabled(form->gui, true);
+}
+
+// Intensity and colour apart: the greatest component, and what it multiplies.
+static void radiant(struct form *form, struct light *to)
+{
+    struct gui_range strength = panel_radiance;
+    float most = fmaxf(fmaxf(to->radiant[0], to->radiant[1]), to->radiant[2]);
+    float color[3] = {1, 1, 1}, intensity = most;
+    for (int c = 0; most > 0 && c < 3; c++)
+        color[c] = to->radiant[c] / most;
+    strength.unit = to->kind == LIGHT_DIRECTIONAL ? "W/m²" : "W/sr";
+    bool changed = form_float(form, "light.intensity", "Intensity",
+                              "Of its greatest component: W/sr, or W/m^2 of directional lights, 0 "
+                              "to 1e30.",
+                              &strength, &intensity);
+    if (form_color(form, "light.color", "Colour",
+                   "Factors on the intensity, 0 to 1; linear Rec. 709.", &panel_unit, color))
+        changed = true;
+    for (int c = 0; changed && c < 3; c++)
+        to->radiant[c] = color[c] * intensity;
+}
+
+// The inner angle stays below the outer one: the one that is moved pushes the other.
+static void cone(struct form *form, struct light *to)
+{
+    double inner = (double)to->inner_angle, outer = (double)to->outer_angle;
+    const float least = 1e-3f; // between the two, radians
+    gui_enabled(form->gui, to->kind == LIGHT_SPOT);
+    if (form_angle(form, "light.inner_angle", "Inner angle",
+                   "From the axis to where the light begins to fade, degrees, 0 to 90.",
+                   &right_angle, &inner)) {
+        to->inner_angle = fminf((float)inner, (float)(M_PI / 2) - least);
+        to->outer_angle = fmaxf(to->outer_angle, to->inner_angle + least);
+    }
+    if (form_angle(form, "light.outer_angle", "Outer angle",
+                   "From the axis to where it ends, degrees, 0 to 90.", &right_angle, &outer)) {
+        to->outer_angle = fmaxf(fminf((float)outer, (float)(M_PI / 2)), least);
+        to->inner_angle = fminf(to->inner_angle, to->outer_angle - least);
+    }
+    gui_enabled(form->gui, true);
+}
+
+static void parameters(struct viewer *viewer, uint32_t index)
+{
+    static const struct gui_range diameter = {0, ENVIRONMENT_SUN_DIAMETER_MAX, .unit = "°"};
+    struct gui *gui = &viewer->gui;
+    struct light to = viewer->scene.lights[index];
+    struct form form = {.gui = gui};
+    uint32_t kind = to.kind;
+    if (form_choice(&form, "light.kind", "Kind", "Point, spot, or parallel light from afar.",
+                    edit_light_names, &kind))
+        change_kind(&to, kind);
+    radiant(&form, &to);
+    place(viewer, &form, &to);
+    cone(&form, &to);
+    double across = 2 * to.angular_radius;
+    gui_enabled(gui, to.kind == LIGHT_DIRECTIONAL);
+    if (form_angle(&form, "light.diameter", "Size",
+                   "Of the sun that a directional light comes from, degrees across.", &diameter,
+                   &across))
+        to.angular_radius = across / 2;
+    gui_enabled(gui, to.kind != LIGHT_DIRECTIONAL);
+    form_float(&form, "light.range", "Range", "Metres beyond which it lights nothing.", &reach,
+               &to.range);
+    gui_enabled(gui, to.profile != NULL);
+    if (gui_button(gui, "light.profile_off", "Take profile away",
+                   "The same intensity in all directions, instead of the IES profile's.")) {
+        to.profile = NULL;
+        form.used = "light.profile_off";
+    }
+    gui_enabled(gui, true);
+    if (form.used)
+        edit_light(viewer, index, &to, form.used);
+}
+
+void panel_lights(struct viewer *viewer)
+{
+    struct gui *gui = &viewer->gui;
+    const struct scene *scene = &viewer->scene;
+    gui_group_begin(gui, "lights", "Lights",
+                    "Those without extent; what shines by its emission is among the materials.",
+                    false);
+    const struct panel_list list = {
+        .id = "lights",
+        .help = "Chooses the light whose parameters are below.",
+        .count = scene->light_count,
+        .height = 5,
+        .name = light_name,
+        .context = viewer,
+        .of = scene->lights,
+    };
+    if (scene->light_count) {
+        panel_list(viewer, &viewer->panel->lights, &list, &viewer->chosen_light);
+        if (viewer->chosen_light < scene->light_count)
+            parameters(viewer, viewer->chosen_light);
+    } else {
+        gui_line(gui, "None: this scene is lit by what emits, or by its surroundings.");
+    }
+    gui_group_end(gui);
+}

@@ -1,0 +1,220 @@
+// Materials: a list, and all that the chosen one's model takes.
+#include "viewer/panel/panel_internal.h"
+
+#include "scene/json/load_json.h"
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static void material_name(void *context, uint32_t row, char out[PANEL_NAME_MAX])
+{
+    const struct viewer *viewer = context;
+    const struct material *material = &viewer->scene.materials[row];
+    snprintf(out, PANEL_NAME_MAX, "%u %.100s%s%s", row, material->name,
+             material->name[0] ? ", " : "", material_model_names[material->model]);
+}
+
+// "base_color" -> "Base colour"
+static const char *label_of(struct viewer *viewer, const char *name)
+{
+    char *label = arena_strdup(&viewer->frame_arena, name);
+    if (!label)
+        return name;
+    for (char *c = label; *c; c++)
+        if (*c == '_')
+            *c = ' ';
+    if (label[0] >= 'a' && label[0] <= 'z')
+        label[0] = (char)(label[0] - 'a' + 'A');
+    const char *color = strstr(label, "color"); // files have it so; people here write it otherwise
+    if (color)
+        color = arena_printf(&viewer->frame_arena, "%.*scolour%s", (int)(color - label), label,
+                             color + strlen("color"));
+    return color ? color : label;
+}
+
+static struct gui_range range_of(const struct material_parameter *p)
+{
+    return (struct gui_range){.min = (double)p->min,
+                              .max = (double)p->max,
+                              // Wide ranges are of quantities that differ by factors.
+                              .logarithmic = p->min >= 0 && p->max > 10};
+}
+
+static bool has_normal_map(const struct viewer *viewer, const struct material *m)
+{
+    for (uint32_t i = 0; i < m->texture_count; i++) {
+        uint32_t flags = viewer->scene.textures[m->first_texture + i].flags;
+        if ((flags >> TEXTURE_USE_SHIFT & 3u) == TEXTURE_USE_NORMAL)
+            return true;
+    }
+    return false;
+}
+
+static bool is_black(const float color[3])
+{
+    return color[0] == 0 && color[1] == 0 && color[2] == 0;
+}
+
+// Whether a parameter makes a difference, given the others.
+static bool matters(const struct viewer *viewer, const struct material *m, uint32_t parameter)
+{
+    bool is_principled = m->model == MATERIAL_PRINCIPLED;
+    switch (parameter) {
+    case PARAMETER_OPACITY:
+        return m->flags & (MATERIAL_ALPHA_MASK | MATERIAL_ALPHA_BLEND);
+    case PARAMETER_ALPHA_CUTOFF:
+        return m->flags & MATERIAL_ALPHA_MASK;
+    case PARAMETER_NORMAL_SCALE:
+        return has_normal_map(viewer, m);
+    case PARAMETER_ANISOTROPIC_ROTATION:
+        return m->anisotropic > 0;
+    case PARAMETER_CLEARCOAT_ROUGHNESS:
+        return m->clearcoat > 0 && (m->flags & MATERIAL_COAT_GGX);
+    case PARAMETER_CLEARCOAT_GLOSS:
+        return m->clearcoat > 0 && !(m->flags & MATERIAL_COAT_GGX);
+    case PARAMETER_SHEEN_ROUGHNESS:
+        return !is_black(m->sheen_color);
+    case PARAMETER_SHEEN_TINT:
+        return m->sheen > 0;
+    case PARAMETER_DIFFUSE_TRANSMISSION:
+        return m->flags & MATERIAL_THIN;
+    case PARAMETER_FILM_THICKNESS:
+    case PARAMETER_FILM_IOR:
+        return m->iridescence > 0;
+    case PARAMETER_DISPERSION:
+        return !(m->flags & MATERIAL_THIN) && (!is_principled || m->transmission > 0);
+    default:
+        return true;
+    }
+}
+
+// Ids live as long as the frame; those of form.used until the edit.
+static void parameter(struct viewer *viewer, struct form *form, const struct material_parameter *p,
+                      struct material *to)
+{
+    const char *id = arena_printf(&viewer->frame_arena, "material.%s", p->name);
+    const struct gui_range range = range_of(p);
+    if (!id)
+        return;
+    const char *label = label_of(viewer, p->name);
+    float *value = &to->parameters[p->first];
+    gui_enabled(form->gui, matters(viewer, to, p->first));
+    if (p->count == 3)
+        form_color(form, id, label, p->help, &range, value);
+    else
+        form_float(form, id, label, p->help, &range, value);
+}
+
+// --- flags ---------------------------------------------------------------------------------------
+
+static void bits(struct form *form, const char *id, const char *label, const char *help,
+                 const char *const *names, uint32_t shift, uint32_t mask, uint32_t *flags)
+{
+    uint32_t value = *flags >> shift & mask;
+    if (form_choice(form, id, label, help, names, &value))
+        *flags = (*flags & ~(mask << shift)) | value << shift;
+}
+
+static void flag(struct form *form, const char *id, const char *label, const char *help,
+                 uint32_t bit, uint32_t *flags)
+{
+    bool on = *flags & bit;
+    if (form_switch(form, id, label, help, &on))
+        *flags = on ? *flags | bit : *flags & ~bit;
+}
+
+static void flags(struct form *form, struct material *to)
+{
+    struct gui *gui = form->gui;
+    bool is_principled = to->model == MATERIAL_PRINCIPLED;
+    bool is_through = is_principled || to->model == MATERIAL_DIELECTRIC;
+    bool is_microfacet = to->model == MATERIAL_MICROFACET;
+    bits(form, "material.alpha", "Alpha", "What opacity means: nothing, a mask, or a probability.",
+         edit_alpha_names, 4, 3, &to->flags);
+    gui_enabled(gui, !is_black(to->emission));
+    flag(form, "material.unlit", "Unlit", "Its emission is a colour to show, not light.",
+         MATERIAL_UNLIT, &to->flags);
+    gui_enabled(gui, is_through);
+    flag(form, "material.thin", "Thin", "A sheet without an inside.", MATERIAL_THIN, &to->flags);
+    gui_enabled(gui, is_principled && to->transmission > 0);
+    flag(form, "material.tint_each", "Tint each",
+         "Every crossing tints by the base colour (glTF), not by its root.", MATERIAL_TINT_EACH,
+         &to->flags);
+    gui_enabled(gui, is_principled && to->clearcoat > 0);
+    bits(form, "material.coat", "Coat", "Burley's clearcoat, or glTF's of GGX.", edit_coat_names, 7,
+         1, &to->flags);
+    gui_enabled(gui, is_principled);
+    bits(form, "material.layers", "Layers",
+         "Mixed as Burley's model, or as glTF's specification: a Lambert base, the coat on top.",
+         edit_layers_names, 15, 1, &to->flags);
+    gui_enabled(gui, to->model != MATERIAL_LAMBERT && to->model != MATERIAL_MIRROR);
+    flag(form, "material.compensate", "Compensate",
+         "Energy of multiple scattering between microfacets is given back.", MATERIAL_COMPENSATE,
+         &to->flags);
+    flag(form, "material.separable", "Separable",
+         "Separable instead of height-correlated Smith masking.", MATERIAL_SEPARABLE, &to->flags);
+    gui_enabled(gui, is_microfacet);
+    bits(form, "material.distribution", "Distribution", "Of microfacets' normals.",
+         edit_distribution_names, MATERIAL_DISTRIBUTION_SHIFT, 3, &to->flags);
+    bits(form, "material.masking", "Masking", "How microfacets hide each other.",
+         edit_masking_names, MATERIAL_MASKING_SHIFT, 7, &to->flags);
+    bits(form, "material.fresnel", "Fresnel", "Schlick's approximation, or the exact equations.",
+         edit_fresnel_names, 21, 1, &to->flags);
+    gui_enabled(gui, true);
+}
+
+static void inside(struct form *form, struct material *to)
+{
+    static const struct gui_range extinction = {0, INFINITY, .logarithmic = true,
+                                                .infinite = "opaque"};
+    static const struct gui_range priority = {1, 255, .integer = true};
+    gui_enabled(form->gui, material_has_inside(to));
+    form_color(form, "material.extinction", "Extinction",
+               "Of what is inside of closed surfaces, 1/m: light falls by exp(-extinction x way).",
+               &extinction, to->extinction);
+    form_count(form, "material.medium_priority", "Priority",
+               "Where insides overlap the highest is there, 1 to 255.", &priority,
+               &to->medium_priority);
+    gui_enabled(form->gui, true);
+}
+
+// --- the chosen one ------------------------------------------------------------------------------
+
+static void parameters(struct viewer *viewer, uint32_t index)
+{
+    struct gui *gui = &viewer->gui;
+    struct material to = viewer->scene.materials[index];
+    struct form form = {.gui = gui};
+    const char *models[MATERIAL_MODEL_COUNT + 1] = {NULL};
+    memcpy(models, material_model_names, sizeof material_model_names);
+    form_choice(&form, "material.model", "Model", "How its surfaces scatter light.", models,
+                &to.model);
+    for (uint32_t i = 0; i < material_parameter_count; i++)
+        if (material_parameters[i].models >> to.model & 1u)
+            parameter(viewer, &form, &material_parameters[i], &to);
+    gui_enabled(gui, true);
+    flags(&form, &to);
+    inside(&form, &to);
+    if (form.used)
+        edit_material(viewer, index, &to, form.used);
+}
+
+void panel_materials(struct viewer *viewer)
+{
+    struct gui *gui = &viewer->gui;
+    const struct scene *scene = &viewer->scene;
+    gui_group_begin(gui, "materials", "Materials", "What surfaces are made of.", false);
+    const struct panel_list list = {
+        .id = "materials",
+        .help = "Chooses the material whose parameters are below.",
+        .count = scene->material_count,
+        .height = 6,
+        .name = material_name,
+        .context = viewer,
+        .of = scene->materials,
+    };
+    panel_list(viewer, &viewer->panel->materials, &list, &viewer->chosen_material);
+    if (viewer->chosen_material < scene->material_count)
+        parameters(viewer, viewer->chosen_material);
+    gui_group_end(gui);
+}

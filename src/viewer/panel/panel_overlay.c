@@ -1,0 +1,165 @@
+// What stands over the picture: messages, the sides of the split view, keys.
+#include "viewer/panel/panel_internal.h"
+
+#include "base/false_color.h"
+#include "cli/render/film_error.h"
+#include "image/image.h"
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#define MARGIN 8.0f
+#define ROWS_MAX 64
+
+static double message_lasts(enum message_kind kind)
+{
+    static const double seconds[] = {
+        [MESSAGE_NOTE] = 4.0, [MESSAGE_WARNING] = 8.0, [MESSAGE_ERROR] = 15.0};
+    return seconds[kind];
+}
+
+// Where the picture begins that the panel leaves free.
+static float free_x(const struct viewer *viewer)
+{
+    return viewer->gui.width + MARGIN * viewer->window.scale;
+}
+
+// The value of an option that is a setting, as the command line has it.
+static void write_value(const struct option_def *def, const void *at, char *out, size_t size)
+{
+    uint64_t number = 0;
+    memcpy(&number, at, def->size < sizeof number ? def->size : sizeof number);
+    if (def->type == VALUE_CHOICE) {
+        const char *word = def->argument;
+        for (; number > 0 && strchr(word, '|'); number--)
+            word = strchr(word, '|') + 1;
+        snprintf(out, size, "%.*s", (int)strcspn(word, "|"), word);
+    } else if (def->type == VALUE_SWITCH) {
+        snprintf(out, size, "%s", number ? "on" : "off");
+    } else if (def->type == VALUE_COUNT_OR_OFF && number == UINT32_MAX) {
+        snprintf(out, size, "off");
+    } else if (def->type == VALUE_REAL) {
+        double value =
+            def->size == sizeof(float) ? (double)*(const float *)at : *(const double *)at;
+        snprintf(out, size, "%.3g", value);
+    } else {
+        snprintf(out, size, "%llu", (unsigned long long)number);
+    }
+}
+
+// What the second side's settings have different from the first's: ", sampler pcg, mis none". As
+// much of it as there is room for.
+static void write_difference(const struct viewer *viewer, char *out, size_t size)
+{
+    const char *a = (const char *)&viewer->sides[0].method.settings;
+    const char *b = (const char *)&viewer->sides[1].method.settings;
+    const size_t begin = offsetof(struct options, settings);
+    size_t used = 0;
+    *out = '\0';
+    for (int i = 0; i < OPTION_TOTAL && used < size; i++) {
+        const struct option_def *def = &option_table[i];
+        char value[32];
+        if (def->offset < begin || def->offset - begin >= sizeof(struct settings) ||
+            memcmp(a + (def->offset - begin), b + (def->offset - begin), def->size) == 0)
+            continue;
+        write_value(def, b + (def->offset - begin), value, sizeof value);
+        used += (size_t)snprintf(out + used, size - used, ", %s %s", def->name, value);
+    }
+}
+
+static void side_note(struct viewer *viewer, uint32_t side, float x, float y)
+{
+    const struct view *view = &viewer->sides[side];
+    unsigned long long samples = (unsigned long long)view_samples(view);
+    const struct half_error error = view_newest_look(view).error;
+    char other[64] = "";
+    if (side > 0)
+        write_difference(viewer, other, sizeof other);
+    if (error.known)
+        gui_note(&viewer->gui, x, y, false, "%c  local relMSE %.2g (%.2g to %.2g), %llu samples%s",
+                 'A' + (int)side, error.local_relmse, error.ci_low, error.ci_high, samples, other);
+    else if (error.bounded)
+        gui_note(&viewer->gui, x, y, false, "%c  local relMSE at most %.2g, %llu samples%s",
+                 'A' + (int)side, error.at_most, samples, other);
+    else if (film_error_is_plain(&error))
+        gui_note(&viewer->gui, x, y, false, "%c  local relMSE about %.2g, %llu samples%s",
+                 'A' + (int)side, error.local_relmse, samples, other);
+    else
+        gui_note(&viewer->gui, x, y, false, "%c  %llu samples%s", 'A' + (int)side, samples, other);
+}
+
+// Under each other where the line is too far at the left for both.
+static float sides(struct viewer *viewer, float y)
+{
+    float line = 22.0f * viewer->window.scale;
+    float left = free_x(viewer);
+    float right = (float)viewer_split_x(viewer) + MARGIN * viewer->window.scale;
+    side_note(viewer, 0, left, y);
+    // Room for a sentence of some forty letters.
+    if (right < left + 330.0f * viewer->window.scale) {
+        side_note(viewer, 1, fmaxf(right, left), y + line);
+        return y + 2.0f * line;
+    }
+    side_note(viewer, 1, fminf(right, (float)viewer->window.width - 100.0f), y);
+    return y + line;
+}
+
+static void keys(struct viewer *viewer)
+{
+    struct gui_pair rows[ROWS_MAX];
+    uint32_t count = 0;
+    while (count < ROWS_MAX && viewer_keys[count].keys) {
+        rows[count] = (struct gui_pair){viewer_keys[count].keys, viewer_keys[count].help};
+        count++;
+    }
+    gui_table(&viewer->gui, rows, count);
+}
+
+static uint32_t encoded(double linear)
+{
+    return image_quantize(image_srgb_from_linear(fminf(fmaxf((float)linear, 0.0f), 1.0f)));
+}
+
+// Of false colours: from where to where they reach, and where the middle is.
+static void legend(struct viewer *viewer)
+{
+    enum { COLORS = 33 };
+    uint32_t colors[COLORS];
+    const double *range = viewer->display.range;
+    const uint32_t what = viewer->shown.what;
+    if (!viewer->has_scene || !shown_has_range(what) || !(range[1] > range[0]))
+        return;
+    for (uint32_t i = 0; i < COLORS; i++) {
+        double rgb[3];
+        false_color((double)i / (COLORS - 1), rgb);
+        colors[i] = encoded(rgb[0]) | encoded(rgb[1]) << 8 | encoded(rgb[2]) << 16 | 0xff000000u;
+    }
+    double middle = 0.5 * (range[0] + range[1]);
+    if (shown_is_logarithmic(what)) // 0 stands for what is next to it
+        middle = sqrt(fmax(range[0], (double)FLT_MIN) * range[1]);
+    char texts[3][64];
+    snprintf(texts[0], sizeof texts[0], "%.3g", range[0]);
+    snprintf(texts[1], sizeof texts[1], "%.3g", middle);
+    snprintf(texts[2], sizeof texts[2], "%.3g %s", range[1], shown_unit(what));
+    gui_legend(&viewer->gui, colors, COLORS, (const char *const[3]){texts[0], texts[1], texts[2]});
+}
+
+void panel_overlay(struct viewer *viewer)
+{
+    struct gui *gui = &viewer->gui;
+    float x = free_x(viewer), y = MARGIN * viewer->window.scale;
+    double age = viewer_seconds(viewer) - viewer->message_seconds;
+    if (viewer->has_scene && viewer->side_count > 1)
+        y = sides(viewer, y);
+    if (!viewer->has_scene)
+        y += gui_note(gui, x, y, false,
+                      "No scene is open: drop a file here, or enter its path in the panel (F1).");
+    if (viewer->is_paused)
+        y += gui_note(gui, x, y, false, "paused");
+    if (viewer->message[0] && age < message_lasts(viewer->message_kind))
+        gui_note(gui, x, y, viewer->message_kind != MESSAGE_NOTE, "%s", viewer->message);
+    legend(viewer);
+    if (viewer->keys.shows_help)
+        keys(viewer);
+}

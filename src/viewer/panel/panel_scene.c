@@ -1,0 +1,321 @@
+// The scene: its file, what is around it, its objects, and what was picked.
+#include "viewer/panel/panel_internal.h"
+
+#include "base/file.h"
+#include <dirent.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+// --- files ---------------------------------------------------------------------------------------
+
+static bool is_scene_name(const char *name)
+{
+    static const char *const extensions[] = {"json", "gltf", "glb", "obj", "ply"};
+    for (size_t i = 0; i < sizeof extensions / sizeof *extensions; i++)
+        if (strcasecmp(path_extension(name), extensions[i]) == 0)
+            return true;
+    return false;
+}
+
+static int is_wanted(const struct dirent *entry)
+{
+    return entry->d_name[0] != '.' && is_scene_name(entry->d_name);
+}
+
+// Into panel->files; without memory or the folder the list is empty.
+static void list_folder(struct panel *panel)
+{
+    arena_finish(&panel->files_arena);
+    panel->file_count = 0;
+    panel->files = NULL;
+    const char *folder = path_folder(&panel->files_arena, panel->scene_path);
+    struct dirent **entries = NULL;
+    int count = folder ? scandir(folder, &entries, is_wanted, alphasort) : -1;
+    if (count > 0)
+        panel->files = ARENA_NEW(&panel->files_arena, const char *, (size_t)count);
+    for (int i = 0; i < count; i++) {
+        const char *path = arena_printf(&panel->files_arena, "%s/%s", folder, entries[i]->d_name);
+        if (panel->files && path)
+            panel->files[panel->file_count++] = path;
+        free(entries[i]);
+    }
+    free(entries);
+}
+
+// The newest first; one that was there already moves up.
+static void remember(struct panel *panel, const char *path)
+{
+    uint32_t place = 0;
+    while (place < panel->recent_count && strcmp(panel->recent[place], path) != 0)
+        place++;
+    if (place == panel->recent_count && panel->recent_count < PANEL_RECENT)
+        panel->recent_count++;
+    if (place == PANEL_RECENT)
+        place--;
+    memmove(panel->recent[1], panel->recent[0], place * sizeof panel->recent[0]);
+    snprintf(panel->recent[0], sizeof panel->recent[0], "%s", path);
+}
+
+static void notice_scene(struct viewer *viewer)
+{
+    struct panel *panel = viewer->panel;
+    if (!viewer->has_scene || strcmp(panel->scene_path, viewer->scene_path) == 0)
+        return;
+    snprintf(panel->scene_path, sizeof panel->scene_path, "%s", viewer->scene_path);
+    snprintf(panel->open_path, sizeof panel->open_path, "%s", viewer->scene_path);
+    const char *name = path_name(viewer->scene_path), *extension = path_extension(name);
+    int stem = (int)(strlen(name) - strlen(extension) - (extension[0] ? 1 : 0));
+    snprintf(panel->save_path, sizeof panel->save_path, "%.*s-edited.json", stem, name);
+    remember(panel, panel->scene_path);
+    list_folder(panel);
+}
+
+static void file_rows(struct viewer *viewer)
+{
+    struct gui *gui = &viewer->gui;
+    struct panel *panel = viewer->panel;
+    struct gui_list list = {.count = panel->file_count, .chosen = UINT32_MAX, .height = 6};
+    const char *wanted = NULL;
+    gui_list_begin(gui, "scene.file", &list);
+    for (uint32_t row; gui_list_next(gui, &list, &row);) {
+        char id[GUI_ID_MAX];
+        snprintf(id, sizeof id, "scene.file.%u", row);
+        bool is_this = strcmp(panel->files[row], panel->scene_path) == 0;
+        if (gui_row(gui, id, path_name(panel->files[row]), "Opens this scene of the same folder.",
+                    is_this) &&
+            !is_this)
+            wanted = panel->files[row];
+    }
+    gui_list_end(gui, &list);
+    if (wanted)
+        viewer_open_scene(viewer, wanted, false);
+}
+
+static void recent_rows(struct viewer *viewer)
+{
+    struct gui *gui = &viewer->gui;
+    struct panel *panel = viewer->panel;
+    gui_group_begin(gui, "scene.recent", "Opened before", "Scenes that were open in this session.",
+                    false);
+    for (uint32_t i = 1; i < panel->recent_count; i++) {
+        char id[GUI_ID_MAX];
+        snprintf(id, sizeof id, "scene.recent.%u", i);
+        if (gui_row(gui, id, panel->recent[i], "Opens this scene again.", false))
+            viewer_open_scene(viewer, panel->recent[i], false);
+    }
+    gui_group_end(gui);
+}
+
+static void set_watch(struct viewer *viewer, bool on)
+{
+    struct err err = {0};
+    if (!on) {
+        watch_destroy(viewer->watch);
+        viewer->watch = NULL;
+    } else if (!watch_create(viewer, &viewer->watch, &err)) {
+        viewer_message(viewer, MESSAGE_ERROR, "%s", err.msg);
+    }
+}
+
+static void file(struct viewer *viewer)
+{
+    struct gui *gui = &viewer->gui;
+    struct panel *panel = viewer->panel;
+    bool watches = viewer->watch != NULL;
+    notice_scene(viewer);
+    if (gui_text(gui, "scene.path", "Path", "Of a scene or model; Enter opens it.",
+                 panel->open_path, sizeof panel->open_path))
+        viewer_open_scene(viewer, panel->open_path, false);
+    gui_enabled(gui, viewer->has_scene);
+    if (gui_button(gui, "scene.reload", "Reload", "Reads the scene's file again; the view stays."))
+        viewer_open_scene(viewer, panel->scene_path, true);
+    gui_same_line(gui);
+    if (gui_switch(gui, "scene.watch", "Watch", "Reloads the scene when its file changes.",
+                   &watches))
+        set_watch(viewer, watches);
+    gui_enabled(gui, true);
+    file_rows(viewer);
+    recent_rows(viewer);
+}
+
+// --- what is around it ---------------------------------------------------------------------------
+
+static void sky(struct form *form, struct surroundings *to)
+{
+    static const struct gui_range turbidity = {SKY_TURBIDITY_MIN, SKY_TURBIDITY_MAX};
+    static const struct gui_range elevation = {0, 90, .unit = "°"};
+    gui_enabled(form->gui, to->kind == SURROUNDINGS_SKY);
+    form_number(form, "surroundings.turbidity", "Turbidity", "How hazy the sky is, 2 to 10.",
+                &turbidity, &to->turbidity);
+    form_number(form, "surroundings.elevation", "Sun height",
+                "Above the horizon, degrees, 0 to 90.", &elevation, &to->elevation_degrees);
+    form_number(form, "surroundings.azimuth", "Sun direction",
+                "From +X towards +Z, degrees, -360 to 360.", &panel_turn, &to->azimuth_degrees);
+    form_flag(form, "surroundings.sun", "Sun", "The sky has a disc that is the sun.", &to->has_sun);
+}
+
+void panel_surroundings(struct viewer *viewer)
+{
+    static const struct gui_range turn = {-1e6, 1e6, .unit = "°", .drag = 180};
+    static const struct gui_range strength = {0, SCENE_RADIANCE_MAX, .logarithmic = true};
+    struct gui *gui = &viewer->gui;
+    gui_group_begin(gui, "surroundings", "Surroundings", "What light arrives from outside.", false);
+    struct surroundings to = viewer->surroundings;
+    struct form form = {.gui = gui};
+    // An image without a path is none: the path is asked for first.
+    bool has_image = to.image[0] != '\0';
+    uint32_t kind = to.kind;
+    if (gui_choice(gui, "surroundings.kind", "Kind",
+                   "As in the file, black, one colour, a clear sky, or an image.",
+                   surroundings_names, &kind)) {
+        if (kind == SURROUNDINGS_IMAGE && !has_image)
+            viewer_message(viewer, MESSAGE_WARNING, "An image needs its file: enter its path.");
+        else
+            form.used = "surroundings.kind";
+        to.kind = form.used ? kind : to.kind;
+    }
+    const struct environment *around = &viewer->scene.environment;
+    bool is_lit = to.kind != SURROUNDINGS_NONE && around->present;
+    gui_enabled(gui, is_lit);
+    form_number(&form, "surroundings.strength", "Strength", "Factor on all of it, 0 to 1e30.",
+                &strength, &to.strength);
+    gui_enabled(gui, is_lit && around->width > 0); // one colour looks the same from all sides
+    form_number(&form, "surroundings.rotation", "Rotation",
+                "About +Y, degrees, -1e6 to 1e6, in addition to the file's.", &turn,
+                &to.rotation_degrees);
+    gui_enabled(gui, to.kind == SURROUNDINGS_CONSTANT);
+    form_color(&form, "surroundings.color", "Radiance",
+               "Of one colour from everywhere, W/(sr m^2), 0 to 1e30.", &panel_radiance,
+               to.radiance);
+    sky(&form, &to);
+    gui_enabled(gui, true);
+    if (gui_text(gui, "surroundings.image", "Image",
+                 "Path of a picture in latitude and longitude (.hdr, .exr, …); Enter shows it.",
+                 to.image, sizeof to.image)) {
+        // Unused bytes are 0, so that states can be compared as they are.
+        size_t length = strlen(to.image);
+        memset(to.image + length, 0, sizeof to.image - length);
+        to.kind = length ? SURROUNDINGS_IMAGE : SURROUNDINGS_ORIGINAL;
+        form.used = "surroundings.image";
+    }
+    if (form.used)
+        edit_surroundings(viewer, &to, form.used);
+    gui_group_end(gui);
+}
+
+// --- objects -------------------------------------------------------------------------------------
+
+static void object_name(void *context, uint32_t row, char out[PANEL_NAME_MAX])
+{
+    static const char *const kinds[SHAPE_KIND_COUNT] = {
+        [SHAPE_SPHERE] = "sphere", [SHAPE_DISC] = "disc",         [SHAPE_PLANE] = "plane",
+        [SHAPE_QUAD] = "quad",     [SHAPE_BOX] = "box",           [SHAPE_CYLINDER] = "cylinder",
+        [SHAPE_TUBE] = "tube",     [SHAPE_SDF] = "distance field"};
+    const struct viewer *viewer = context;
+    const struct scene *scene = &viewer->scene;
+    if (row < scene->instance_count) {
+        const char *name = scene->meshes[scene->instances[row].mesh].name;
+        snprintf(out, PANEL_NAME_MAX, "%u %.140s", row, name && name[0] ? name : "mesh");
+    } else {
+        snprintf(out, PANEL_NAME_MAX, "%u %s", row,
+                 kinds[scene->shapes[row - scene->instance_count].kind]);
+    }
+}
+
+static bool is_visible(const struct scene *scene, uint32_t object)
+{
+    return object < scene->instance_count ? !scene->instances[object].hidden
+                                          : !scene->shapes[object - scene->instance_count].hidden;
+}
+
+static void object_switch(void *context, uint32_t row)
+{
+    struct viewer *viewer = context;
+    char id[GUI_ID_MAX];
+    bool visible = is_visible(&viewer->scene, row);
+    snprintf(id, sizeof id, "object.%u.visible", row);
+    if (gui_switch(&viewer->gui, id, "", "Whether the object is in the scene.", &visible))
+        edit_visible(viewer, row, visible, id);
+    gui_same_line(&viewer->gui);
+}
+
+static void objects(struct viewer *viewer)
+{
+    struct gui *gui = &viewer->gui;
+    const struct scene *scene = &viewer->scene;
+    gui_group_begin(gui, "objects", "Objects", "What is in the scene, and what of it is visible.",
+                    false);
+    const struct panel_list list = {
+        .id = "object",
+        .help = "Chooses the object; a click into the picture does, too.",
+        .count = scene->instance_count + scene->shape_count,
+        .height = 8,
+        .name = object_name,
+        .before = object_switch,
+        .context = viewer,
+        .of = scene->instances ? (const void *)scene->instances : scene->shapes,
+    };
+    panel_list(viewer, &viewer->panel->objects, &list, &viewer->chosen_object);
+    gui_group_end(gui);
+}
+
+// --- what was picked -----------------------------------------------------------------------------
+
+static uint32_t object_count(const struct viewer *viewer)
+{
+    return viewer->scene.instance_count + viewer->scene.shape_count;
+}
+
+static void picked(struct viewer *viewer)
+{
+    struct gui *gui = &viewer->gui;
+    const struct picked *picked = &viewer->picked;
+    bool has_object = picked->is_some && picked->object < object_count(viewer);
+    bool has_material = picked->is_some && picked->material < viewer->scene.material_count;
+    gui_group_begin(gui, "picked", "Picked", "What was clicked in the picture.", true);
+    if (gui_is_drawn(gui)) {
+        char name[PANEL_NAME_MAX] = "none: surroundings";
+        if (has_object)
+            object_name(viewer, picked->object, name);
+        if (!picked->is_some)
+            gui_line(gui, "Click into the picture.");
+        else
+            gui_pair(gui, "Object", "%s", name);
+        if (has_material)
+            gui_pair(gui, "Material", "%u %s", picked->material,
+                     viewer->scene.materials[picked->material].name);
+        if (has_object)
+            gui_pair(gui, "Position", "%.6g, %.6g, %.6g m", picked->position[0],
+                     picked->position[1], picked->position[2]);
+        if (has_object)
+            gui_pair(gui, "Distance", "%.6g m", picked->distance);
+    }
+    gui_enabled(gui, has_material);
+    if (gui_button(gui, "picked.edit_material", "Edit material",
+                   "Chooses the material of what was clicked, and shows its parameters.")) {
+        viewer->chosen_material = picked->material;
+        gui_reveal(gui, "material.model");
+    }
+    gui_same_line(gui);
+    gui_enabled(gui, has_object);
+    if (gui_button(gui, "picked.hide", "Hide", "Takes what was clicked out of the scene."))
+        edit_visible(viewer, picked->object, false, "picked.hide");
+    gui_group_end(gui);
+}
+
+void panel_scene(struct viewer *viewer)
+{
+    struct gui *gui = &viewer->gui;
+    gui_group_begin(gui, "scene", "Scene", "What is rendered.", false);
+    file(viewer);
+    if (viewer->has_scene) {
+        picked(viewer);
+        panel_surroundings(viewer);
+        panel_lights(viewer);
+        panel_materials(viewer);
+        objects(viewer);
+    }
+    gui_group_end(gui);
+}

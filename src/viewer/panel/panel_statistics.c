@@ -1,0 +1,241 @@
+// What there is to know of the picture as it grows.
+#include "viewer/panel/panel_internal.h"
+
+#include "cli/render/film_error.h"
+#include "cli/render/render_report.h"
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const char *const side_names[] = {"A", "B", NULL};
+
+// "1.23 M"
+static const char *short_number(struct viewer *viewer, double value)
+{
+    static const char *const letters[] = {"", " k", " M", " G", " T"};
+    int i = 0;
+    while (value >= 1e3 && i < 4) {
+        value /= 1e3;
+        i++;
+    }
+    const char *text = arena_printf(&viewer->frame_arena, "%.3g%s", value, letters[i]);
+    return text ? text : "";
+}
+
+static const char *time_text(struct viewer *viewer, double seconds)
+{
+    const char *text = NULL;
+    if (seconds < 100.0)
+        text = arena_printf(&viewer->frame_arena, "%.1f s", seconds);
+    else if (seconds < 6000.0)
+        text = arena_printf(&viewer->frame_arena, "%.1f min", seconds / 60.0);
+    else
+        text = arena_printf(&viewer->frame_arena, "%.1f h", seconds / 3600.0);
+    return text ? text : "";
+}
+
+// --- time ----------------------------------------------------------------------------------------
+
+static void frame_bars(struct viewer *viewer)
+{
+    const struct frame_stats *stats = &viewer->stats;
+    const struct gui_bar bars[] = {
+        {"Render", stats->render_ms},   {"Denoise", stats->denoise_ms},
+        {"Display", stats->display_ms}, {"Panel", stats->panel_ms},
+        {"Present", stats->present_ms},
+    };
+    gui_bars(&viewer->gui, bars, sizeof bars / sizeof *bars, "ms");
+}
+
+#define KERNEL_ROWS 8u // at least: what is below stays where it is while kernels come and go
+
+// Those that there are, in the order in which they run.
+static void kernel_bars(struct viewer *viewer)
+{
+    struct gui_bar bars[KERNEL_COUNT + KERNEL_ROWS] = {0};
+    uint32_t count = 0;
+    for (int id = 0; id < KERNEL_COUNT; id++) {
+        bool is_there = false;
+        for (uint32_t side = 0; side < viewer->side_count; side++)
+            is_there = is_there || viewer->sides[side].renderer.kernels[id].pipeline;
+        if (is_there)
+            bars[count++] = (struct gui_bar){kernel_code((enum kernel_id)id, true).name,
+                                             viewer->stats.kernel_ms[id]};
+    }
+    gui_bars(&viewer->gui, bars, count < KERNEL_ROWS ? KERNEL_ROWS : count, "ms");
+}
+
+// --- error ---------------------------------------------------------------------------------------
+
+// Of independent samples the error falls with their number, and so with time.
+static void forecast_line(struct viewer *viewer, const struct view_look *look)
+{
+    struct gui *gui = &viewer->gui;
+    double error = look->error.local_relmse;
+    if (!look->error.known || !(look->seconds > 0.0) || !(error > 0.0)) {
+        gui_fact(gui, "  forecast", "-");
+        return;
+    }
+    double target = pow(10.0, ceil(log10(error)) - 1.0);
+    gui_fact(gui, "  forecast", "%.0e at ~%s", target,
+             time_text(viewer, look->seconds * error / target));
+}
+
+// Three lines, whatever is known.
+static void error_lines(struct viewer *viewer, uint32_t side)
+{
+    struct gui *gui = &viewer->gui;
+    const char *label = viewer->side_count > 1 ? side ? "Error B" : "Error A" : "Error";
+    const struct view_look look = view_newest_look(&viewer->sides[side]);
+    const struct half_error *error = &look.error;
+    if (error->known)
+        gui_fact(gui, label, "local relMSE %.3g", error->local_relmse);
+    else if (error->bounded)
+        gui_fact(gui, label, "local relMSE at most %.3g", error->at_most);
+    else if (film_error_is_plain(error))
+        gui_fact(gui, label, "local relMSE about %.3g", error->local_relmse);
+    else
+        gui_fact(gui, label, "not known yet");
+    if (error->known)
+        gui_fact(gui, "  95 %", "%.3g to %.3g", error->ci_low, error->ci_high);
+    else
+        gui_fact(gui, error->bounded ? "  in 95 %, since" : "  since", "%s", error->reason);
+    forecast_line(viewer, &look);
+}
+
+struct points {
+    double x[VIEW_LOOKS_MAX], y[VIEW_LOOKS_MAX], low[VIEW_LOOKS_MAX], high[VIEW_LOOKS_MAX],
+        most[VIEW_LOOKS_MAX];
+};
+
+static struct gui_curve curve_of(const struct view *view, const char *label, struct points *points)
+{
+    for (uint32_t i = 0; i < view->look_count; i++) {
+        const struct half_error *error = &view->looks[i].error;
+        points->x[i] = view->looks[i].seconds;
+        points->y[i] = error->local_relmse;
+        points->low[i] = error->ci_low;
+        points->high[i] = error->ci_high;
+        points->most[i] = error->at_most;
+    }
+    return (struct gui_curve){.label = label,
+                              .x = points->x,
+                              .y = points->y,
+                              .low = points->low,
+                              .high = points->high,
+                              .most = points->most,
+                              .count = view->look_count};
+}
+
+static void error_curves(struct viewer *viewer)
+{
+    struct points points[VIEWER_SIDES];
+    struct gui_curve curves[VIEWER_SIDES];
+    for (uint32_t side = 0; side < viewer->side_count; side++)
+        curves[side] = curve_of(&viewer->sides[side], side_names[side], &points[side]);
+    gui_curves(&viewer->gui, curves, viewer->side_count, "seconds", "local relMSE");
+}
+
+// --- what was left out ---------------------------------------------------------------------------
+
+struct left_out {
+    struct arena *arena;
+    const char *kind; // of the text that grows
+    const char *text;
+    struct gui *gui;
+    uint64_t bytes;
+};
+
+static void flush(struct left_out *list)
+{
+    if (list->kind)
+        gui_pair(list->gui, list->kind, "%s", list->text ? list->text : "");
+    list->kind = NULL;
+    list->text = NULL;
+}
+
+static void add_left_out(void *context, const struct part *part)
+{
+    struct left_out *list = context;
+    const char *kind = part_kind_name(part->kind);
+    if (part->is_kept)
+        return;
+    if (!list->kind || strcmp(list->kind, kind) != 0)
+        flush(list);
+    list->kind = kind;
+    list->bytes += part->bytes;
+    list->text =
+        list->text ? arena_printf(list->arena, "%s, %s", list->text, part->name) : part->name;
+}
+
+static void left_out(struct viewer *viewer)
+{
+    struct gui *gui = &viewer->gui;
+    gui_group_begin(gui, "statistics.left_out", "Left out",
+                    "What this scene and these settings do not need, and kernels do not have.",
+                    false);
+    const struct view *view = &viewer->sides[viewer->edited_side];
+    if (gui_is_drawn(gui) && view->is_ready) {
+        struct left_out list = {.arena = &viewer->frame_arena, .gui = gui};
+        parts_visit(&view->renderer, add_left_out, &list);
+        flush(&list);
+        gui_pair(gui, "saved", "%sB", short_number(viewer, (double)list.bytes));
+    }
+    gui_group_end(gui);
+}
+
+// --- all -----------------------------------------------------------------------------------------
+
+static void memory(struct viewer *viewer)
+{
+    struct gui *gui = &viewer->gui;
+    gui_group_begin(gui, "statistics.memory", "Memory", "What the device and the program hold.",
+                    false);
+    if (gui_is_drawn(gui)) {
+        gui_fact(gui, "Device", "%sB (most: %sB)",
+                 short_number(viewer, (double)viewer->gpu.allocated_bytes),
+                 short_number(viewer, (double)viewer->gpu.peak_bytes));
+        gui_fact(gui, "Program", "%sB at most", short_number(viewer, report_host_peak_bytes()));
+        gui_fact(gui, "Triangles", "%s",
+                 short_number(viewer, (double)viewer->geometry.flat.triangle_count));
+    }
+    gui_group_end(gui);
+}
+
+static void side_lines(struct viewer *viewer, uint32_t side)
+{
+    const struct view *view = &viewer->sides[side];
+    const char *label = viewer->side_count > 1 ? side ? "Samples B" : "Samples A" : "Samples";
+    gui_fact(&viewer->gui, label, "%llu in %s%s", (unsigned long long)view_samples(view),
+             time_text(viewer, view->seconds), view->is_preview ? ", preview" : "");
+}
+
+void panel_statistics(struct viewer *viewer)
+{
+    struct gui *gui = &viewer->gui;
+    const struct frame_stats *stats = &viewer->stats;
+    gui_group_begin(gui, "statistics", "Statistics", "Speed and error of the picture.", true);
+    if (gui_is_drawn(gui) && viewer->has_scene) {
+        gui_fact(gui, "Frames", "%.1f /s, %.1f ms", stats->fps, stats->frame_ms);
+        for (uint32_t side = 0; side < viewer->side_count; side++)
+            side_lines(viewer, side);
+        gui_fact(gui, "Rays", "%s/s", short_number(viewer, stats->rays_per_second));
+        gui_fact(gui, "Msamples", "%.3g /s", stats->samples_per_second * 1e-6);
+        for (uint32_t side = 0; side < viewer->side_count; side++)
+            error_lines(viewer, side);
+        error_curves(viewer);
+    }
+    gui_group_begin(gui, "statistics.frame", "Frame", "Where the time of the last frame went.",
+                    true);
+    if (gui_is_drawn(gui))
+        frame_bars(viewer);
+    gui_group_end(gui);
+    gui_group_begin(gui, "statistics.kernels", "Kernels",
+                    "Time of each kernel in a frame, on the device.", true);
+    if (gui_is_drawn(gui))
+        kernel_bars(viewer);
+    gui_group_end(gui);
+    left_out(viewer);
+    memory(viewer);
+    gui_group_end(gui);
+}

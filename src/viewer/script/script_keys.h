@@ -1,0 +1,11 @@
+// Names of keys in scripts: "A", "F12", "Ctrl+Shift+Z".
+#ifndef LAMPYRIS_VIEWER_SCRIPT_SCRIPT_KEYS_H
+#define LAMPYRIS_VIEWER_SCRIPT_SCRIPT_KEYS_H
+
+#include "base/err.h"
+#include <stdint.h>
+
+// GLFW's code of the key, and EVENT_SHIFT … of what stands before it. err: what was expected.
+bool script_key(const char *name, int *code, uint32_t *modifiers, struct err *err);
+
+#endif

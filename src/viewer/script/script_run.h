@@ -1,0 +1,71 @@
+// What the files of the script share: one that runs.
+#ifndef LAMPYRIS_VIEWER_SCRIPT_SCRIPT_RUN_H
+#define LAMPYRIS_VIEWER_SCRIPT_SCRIPT_RUN_H
+
+#include "viewer/script/script_words.h"
+#include "viewer/script/state.h"
+
+struct viewer;
+
+// Of one frame of a command.
+enum step {
+    STEP_DONE,  // what follows may begin in this frame
+    STEP_AGAIN, // goes on in the next frame
+    STEP_FAILED
+};
+
+// Of the command that runs: zeroed when it begins.
+struct progress_of {
+    bool has_begun;
+    uint32_t phase;
+    uint64_t frame; // of this phase, from 0
+    json_t *before; // of `check`: the state, and the picture
+    uint64_t picture;
+};
+
+struct script {
+    struct arena arena;
+    const char *path;
+    struct command_line *commands;
+    uint32_t count, at;
+    struct progress_of now;
+    double started;         // clock of the command that runs
+    double timeout_seconds; // for one command
+    double mouse[2];
+};
+
+typedef enum step (*step_fn)(struct script *script, struct viewer *viewer,
+                             const struct command_line *command, struct err *err);
+
+// --- script_input.c: what a user does ------------------------------------------------------------
+enum step step_key(struct script *, struct viewer *, const struct command_line *, struct err *);
+enum step step_mouse(struct script *, struct viewer *, const struct command_line *, struct err *);
+enum step step_button(struct script *, struct viewer *, const struct command_line *, struct err *);
+enum step step_click(struct script *, struct viewer *, const struct command_line *, struct err *);
+enum step step_drag(struct script *, struct viewer *, const struct command_line *, struct err *);
+enum step step_scroll(struct script *, struct viewer *, const struct command_line *, struct err *);
+enum step step_text(struct script *, struct viewer *, const struct command_line *, struct err *);
+enum step step_set(struct script *, struct viewer *, const struct command_line *, struct err *);
+enum step step_drop(struct script *, struct viewer *, const struct command_line *, struct err *);
+enum step step_resize(struct script *, struct viewer *, const struct command_line *, struct err *);
+enum step step_minimise(struct script *, struct viewer *, const struct command_line *,
+                        struct err *);
+enum step step_close(struct script *, struct viewer *, const struct command_line *, struct err *);
+
+// --- script_check.c: what came of it -------------------------------------------------------------
+enum step step_wait(struct script *, struct viewer *, const struct command_line *, struct err *);
+enum step step_hash(struct script *, struct viewer *, const struct command_line *, struct err *);
+enum step step_state(struct script *, struct viewer *, const struct command_line *, struct err *);
+enum step step_check(struct script *, struct viewer *, const struct command_line *, struct err *);
+enum step step_expect(struct script *, struct viewer *, const struct command_line *, struct err *);
+
+// The next phase, from its frame 0 on.
+enum step next_phase(struct script *script);
+// Goes on in the next frame, until so many have passed in this phase; done then.
+enum step rest_frames(struct script *script, uint64_t frames);
+
+// From a command to what it does to the picture: pushed events are read in the next frame, and what
+// they do is on the screen at its end.
+#define FRAMES_TO_SEE 2u
+
+#endif
