@@ -6,6 +6,7 @@
 #include "lib/camera.glsl"
 #include "lib/filter.glsl"
 #include "lib/instance.glsl"
+#include "lib/material_header.glsl"
 #include "lib/queue.glsl"
 #include "lib/sampler.glsl"
 
@@ -29,7 +30,7 @@ void main()
 
     store_path(slot, PATH_ORIGIN, uvec4(floatBitsToUint(ray.origin), NO_PRIMITIVE));
     store_path(slot, PATH_DIRECTION, uvec4(floatBitsToUint(ray.direction), 0u));
-    uint media = HAS(FEATURE_MEDIA) ? load_materials(1u).x : 0u;
+    uint media = HAS(FEATURE_MEDIA) ? camera_media() : 0u;
     store_path(slot, PATH_THROUGHPUT, uvec4(floatBitsToUint(vec3(1.0)), media));
     store_path_start_instance(slot, NO_INSTANCE);
     for (uint i = 0u; i < SLOT_WORDS; i++)

@@ -31,7 +31,7 @@ vec3 found_environment(vec3 direction, float bsdf_pdf)
 
 vec3 found_suns(vec3 direction, float bsdf_pdf)
 {
-    uvec2 suns = load_materials(1u).zw;
+    uvec2 suns = suns_range();
     vec3 radiance = vec3(0.0);
     for (uint i = 0u; i < suns.y; i++) {
         vec4 towards = load_materials_float(suns.x + i * SUN_WORDS);

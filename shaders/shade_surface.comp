@@ -47,7 +47,7 @@ void main()
             store_first_hit(slot, v.s, v.m, v.primitive, v.instance, t);
         v.frame = shading_frame(v.s, v.m, -ray.xyz);
         v.wo = -ray.xyz * v.frame;
-        v.eta = v.m.group[GROUP_INTERFACE].g;
+        v.eta = material_ior(v.m);
 
         vec4 u_extra = vec4(0.0);
         // Not as one expression: glslang takes chains of three constants wrong.

@@ -37,7 +37,7 @@ void load_vertex(inout vertex v, vec3 origin, vec3 direction, vec4 hit)
         apply_textures(v.m, v.s);
     v.frame = shading_frame(v.s, v.m, -direction);
     v.wo = -direction * v.frame;
-    v.eta = v.m.group[GROUP_INTERFACE].g;
+    v.eta = material_ior(v.m);
 }
 
 whitted_ray child(vertex v, vec3 direction, vec3 throughput, uint stack, uint depth, uint pending)
@@ -59,7 +59,7 @@ float part_of_camera(vec3 throughput, uint medium_number)
 {
     float ratio = 1.0;
     if (HAS(FEATURE_MEDIA))
-        ratio = load_medium(medium_number).ior / uintBitsToFloat(load_materials(1u).y);
+        ratio = load_medium(medium_number).ior / camera_ior();
     return max_channel(throughput) * ratio * ratio;
 }
 
@@ -121,7 +121,7 @@ bool shade(inout vertex v, vec3 origin, vec3 direction, uint stack, uint state, 
     if (HAS(FEATURE_MEDIA))
         passes = !find_media(v, stack, t, 0.0);
 
-    vec3 emission = v.throughput * v.m.group[GROUP_EMISSION].rgb;
+    vec3 emission = v.throughput * material_emission(v.m);
     if (HAS(FEATURE_EMISSION) && any(greaterThan(emission, vec3(0.0))))
         add_radiance(v.slot, emission, SITE_EMISSION);
     if ((state & 0xffffu) >= frame.max_bounces)

@@ -1,18 +1,13 @@
 // Directional albedos, interpolated in tables of the materials' buffer (shared/albedo.h). How they
 // are computed and how far they are from the truth: render/albedo_generate.c, docs/materials.md.
 //
-// `tables` is what albedo_first() says: the first word of the tables. mu is the cosine of wo.
+// `tables` is albedos_begin(), the first word of the tables. mu is the cosine of wo.
 #ifndef ALBEDO_GLSL
 #define ALBEDO_GLSL
 
 #include "lib/material.glsl"
 #include "lib/microfacet.glsl"
 #include "shared/albedo.h"
-
-uint albedo_first()
-{
-    return load_materials(0u).w; // gpu_material_header.albedos
-}
 
 // Coordinates in [0, 1] along the axes. Albedos change over cosines of about `scale`, and with the
 // square root of that near 0.
@@ -27,20 +22,37 @@ float albedo_axis_alpha(float alpha)
     return clamp((sqrt(sqrt(alpha)) - 0.1) / 0.9, 0.0, 1.0);
 }
 
-float albedo_quad(uint first, uint width, uint height, vec2 at)
+// The cell of a table that contains a place in [0, 1] along each axis, and where in the cell it is.
+uvec2 albedo_cell(uvec2 size, vec2 at, out vec2 w)
 {
-    vec2 cells = vec2(width, height);
+    vec2 cells = vec2(size);
     vec2 position = clamp(at, 0.0, 1.0) * cells;
     vec2 corner = min(floor(position), cells - 1.0);
-    vec2 w = position - corner;
-    vec4 v = load_materials_float(first + uint(corner.y) * width + uint(corner.x));
+    w = position - corner;
+    return uvec2(corner);
+}
+
+uvec3 albedo_cell(uvec3 size, vec3 at, out vec3 w)
+{
+    vec3 cells = vec3(size);
+    vec3 position = clamp(at, 0.0, 1.0) * cells;
+    vec3 corner = min(floor(position), cells - 1.0);
+    w = position - corner;
+    return uvec3(corner);
+}
+
+float albedo_quad(uint first, uvec2 size, vec2 at)
+{
+    vec2 w;
+    uvec2 cell = albedo_cell(size, at, w);
+    vec4 v = load_materials_float(first + cell.y * size.x + cell.x);
     return mix(mix(v.x, v.y, w.x), mix(v.z, v.w, w.x), w.y);
 }
 
 // E1: of GGX with height-correlated masking that reflects everything.
 float albedo_ggx(uint tables, float mu, float alpha)
 {
-    float albedo = albedo_quad(tables + ALBEDO_GGX, ALBEDO_GGX_MU, ALBEDO_GGX_ALPHA,
+    float albedo = albedo_quad(tables + ALBEDO_GGX, uvec2(ALBEDO_GGX_MU, ALBEDO_GGX_ALPHA),
                                vec2(albedo_axis_mu(mu, alpha), albedo_axis_alpha(alpha)));
     return min(1.0, albedo); // nodes were raised
 }
@@ -49,21 +61,21 @@ float albedo_ggx(uint tables, float mu, float alpha)
 // E1 (f0 + (1 - f0) this).
 float albedo_schlick(uint tables, float mu, float alpha)
 {
-    return albedo_quad(tables + ALBEDO_SCHLICK, ALBEDO_SCHLICK_MU, ALBEDO_SCHLICK_ALPHA,
+    return albedo_quad(tables + ALBEDO_SCHLICK, uvec2(ALBEDO_SCHLICK_MU, ALBEDO_SCHLICK_ALPHA),
                        vec2(albedo_axis_mu(mu, alpha + 0.2), albedo_axis_alpha(alpha)));
 }
 
 // Before it is divided by max(1, albedo). 0.1 <= roughness <= 1.
 float albedo_charlie(uint tables, float mu, float roughness)
 {
-    return albedo_quad(tables + ALBEDO_CHARLIE, ALBEDO_CHARLIE_MU, ALBEDO_CHARLIE_ROUGHNESS,
+    return albedo_quad(tables + ALBEDO_CHARLIE, uvec2(ALBEDO_CHARLIE_MU, ALBEDO_CHARLIE_ROUGHNESS),
                        vec2(albedo_axis_mu(mu, roughness), (roughness - 0.1) / 0.9));
 }
 
 // Burley's coat of weight 1.
 float albedo_coat(uint tables, float mu, float gloss)
 {
-    return albedo_quad(tables + ALBEDO_COAT, ALBEDO_COAT_MU, ALBEDO_COAT_GLOSS,
+    return albedo_quad(tables + ALBEDO_COAT, uvec2(ALBEDO_COAT_MU, ALBEDO_COAT_GLOSS),
                        vec2(albedo_axis_mu(mu, 0.25), gloss));
 }
 
@@ -80,11 +92,8 @@ vec4 albedo_diffuse(uint tables, float mu)
 // Eight values of 16 bits a cell.
 float albedo_cube(uint first, uvec3 size, vec3 at)
 {
-    vec3 cells = vec3(size);
-    vec3 position = clamp(at, 0.0, 1.0) * cells;
-    vec3 corner = min(floor(position), cells - 1.0);
-    vec3 w = position - corner;
-    uvec3 cell = uvec3(corner);
+    vec3 w;
+    uvec3 cell = albedo_cell(size, at, w);
     uvec4 v = load_materials(first + (cell.z * size.y + cell.y) * size.x + cell.x);
     vec4 low = mix(vec4(v & 0xffffu), vec4(v >> 16u), w.x);
     vec2 middle = mix(low.xz, low.yw, w.y);
@@ -120,11 +129,8 @@ float albedo_run(uint word, uint left, float w)
 // A table of such words, each a run of nodes along the first axis: values from 0 to 65535.
 float albedo_runs(uint first, uvec3 size, vec3 at)
 {
-    vec3 cells = vec3(size);
-    vec3 position = clamp(at, 0.0, 1.0) * cells;
-    vec3 corner = min(floor(position), cells - 1.0);
-    vec3 w = position - corner;
-    uvec3 cell = uvec3(corner);
+    vec3 w;
+    uvec3 cell = albedo_cell(size, at, w);
     uint row = size.x / ALBEDO_RUN;
     uint slice = row * (size.y + 1u);
     uint left = cell.x % ALBEDO_RUN;
@@ -229,15 +235,13 @@ float albedo_turned_glass(uint tables, float mu, vec3 axes, float roughness, flo
     const float least = ALBEDO_TURNED_GLASS_ROUGHNESS_LEAST;
     vec3 glass = albedo_axes_glass(mu, alpha_o, eta);
     vec3 at = vec3(glass.x, (roughness - least) / (1.0 - least), axes.y);
-    vec2 cells = vec2(ALBEDO_TURNED_GLASS_AZIMUTH, ALBEDO_TURNED_GLASS_ETA);
-    vec2 position =
-        clamp(vec2(axes.z, glass.z / ALBEDO_TURNED_GLASS_ETA_LAST), 0.0, 1.0) * cells;
-    vec2 corner = min(floor(position), cells - 1.0);
-    vec2 w = position - corner;
+    vec2 w;
+    uvec2 cell = albedo_cell(uvec2(ALBEDO_TURNED_GLASS_AZIMUTH, ALBEDO_TURNED_GLASS_ETA),
+                             vec2(axes.z, glass.z / ALBEDO_TURNED_GLASS_ETA_LAST), w);
     uint slice = ALBEDO_TURNED_GLASS_SLICE;
     uint row = slice * (ALBEDO_TURNED_GLASS_AZIMUTH + 1u);
     uint first = tables + ALBEDO_TURNED_GLASS + (eta < 1.0 ? ALBEDO_TURNED_GLASS_SIDE : 0u) +
-                 uint(corner.y) * row + uint(corner.x) * slice;
+                 cell.y * row + cell.x * slice;
     float near =
         mix(albedo_runs(first, size, at), albedo_runs(first + slice, size, at), w.x);
     first += row;

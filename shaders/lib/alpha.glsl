@@ -19,7 +19,7 @@ float alpha_at(uint primitive, vec2 barycentrics, vec3 point, uint material_word
     if (HAS(FEATURE_TEXTURES) && is_shape)
         s = load_shape_surface(primitive & ~PRIMITIVE_SHAPE, point, barycentrics);
 
-    uint at = MATERIAL_HEADER_WORDS + (material_word & MATERIAL_INDEX_MASK) * MATERIAL_WORDS;
+    uint at = material_at(material_word);
     uvec4 head = load_materials(at);
     float alpha = load_materials_float(at + 1u + GROUP_BASE).a;
     if (HAS(FEATURE_COLORS))
@@ -40,7 +40,7 @@ float alpha_at(uint primitive, vec2 barycentrics, vec3 point, uint material_word
 // The probability that the surface is there: its opacity, or with a mask 0 or 1.
 float alpha_probability(uint primitive, vec2 barycentrics, vec3 point, uint material_word)
 {
-    uint at = MATERIAL_HEADER_WORDS + (material_word & MATERIAL_INDEX_MASK) * MATERIAL_WORDS;
+    uint at = material_at(material_word);
     float alpha = alpha_at(primitive, barycentrics, point, material_word);
     float cutoff = load_materials_float(at + 1u + GROUP_CONDUCTOR_K).a;
     bool is_masked = (load_materials(at).x & MATERIAL_ALPHA_MASK) != 0u;

@@ -13,12 +13,12 @@ vec3 albedo_color(material m)
     if (material_model(m) == MATERIAL_DIELECTRIC)
         return vec3(1.0);
     if (material_model(m) == MATERIAL_CONDUCTOR) {
-        vec3 eta = m.group[GROUP_CONDUCTOR].rgb;
-        vec3 k2 = m.group[GROUP_CONDUCTOR_K].rgb * m.group[GROUP_CONDUCTOR_K].rgb;
-        return m.group[GROUP_SPECULAR].rgb * ((eta - 1.0) * (eta - 1.0) + k2) /
+        vec3 eta = material_conductor_eta(m);
+        vec3 k2 = material_conductor_k(m) * material_conductor_k(m);
+        return material_specular_color(m) * ((eta - 1.0) * (eta - 1.0) + k2) /
                ((eta + 1.0) * (eta + 1.0) + k2);
     }
-    return m.group[GROUP_BASE].rgb;
+    return material_base_color(m);
 }
 
 // `m` and `s` as textures left them; t: distance of the hit. Both normals face the camera. Places

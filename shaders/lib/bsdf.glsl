@@ -12,19 +12,19 @@
 vec3 eval_lambert(material m, vec3 wi, out float pdf)
 {
     pdf = pdf_cosine_hemisphere(max(wi.z, 0.0));
-    return m.group[GROUP_BASE].rgb * pdf;
+    return material_base_color(m) * pdf;
 }
 
 bsdf_sample sample_lambert(material m, vec4 u)
 {
     vec3 wi = sample_cosine_hemisphere(u.xy);
-    return bsdf_sample(wi, m.group[GROUP_BASE].rgb, pdf_cosine_hemisphere(wi.z), false, false,
+    return bsdf_sample(wi, material_base_color(m), pdf_cosine_hemisphere(wi.z), false, false,
                        wi.z > 0.0);
 }
 
 bsdf_sample sample_mirror(material m, vec3 wo)
 {
-    return bsdf_sample(vec3(-wo.xy, wo.z), m.group[GROUP_BASE].rgb, 0.0, true, false, true);
+    return bsdf_sample(vec3(-wo.xy, wo.z), material_base_color(m), 0.0, true, false, true);
 }
 
 // BSDF * |wi.z| of all that is not a delta, and the density with which sample_bsdf() draws wi.

@@ -29,14 +29,14 @@ classical_parts classical_choose(vec3 diffuse, vec3 specular, float albedo_diffu
 
 vec3 classical_specular_color(material m)
 {
-    return min(m.group[GROUP_SPECULAR].rgb, vec3(1.0));
+    return min(material_specular_color(m), vec3(1.0));
 }
 
 // Of Phong and Blinn-Phong, whose highlights reflect `specular` at most: the base has what is left.
 classical_parts phong_parts(material m)
 {
     vec3 specular = classical_specular_color(m);
-    vec3 diffuse = min(m.group[GROUP_BASE].rgb, 1.0 - specular);
+    vec3 diffuse = min(material_base_color(m), 1.0 - specular);
     return classical_choose(diffuse, specular, sum_of(diffuse), sum_of(specular));
 }
 
@@ -81,7 +81,7 @@ vec3 eval_phong(material m, vec3 wo, vec3 wi, out float pdf)
     classical_parts parts = phong_parts(m);
     if (!(wi.z > 0.0))
         return vec3(0.0);
-    float n = m.group[GROUP_CONDUCTOR].a;
+    float n = material_exponent(m);
     vec3 difference = wi - mirrored(wo);
     float lobe = 0.5 * INV_PI * power_one_minus(0.5 * dot(difference, difference), n);
     pdf = (n + 1.0) * lobe;
@@ -94,7 +94,7 @@ bsdf_sample sample_phong(material m, vec3 wo, vec4 u)
     vec3 wi;
     if (u.z < parts.p_specular)
         wi = normalize(basis_around(mirrored(wo)) *
-                       sample_cosine_power(m.group[GROUP_CONDUCTOR].a, u.xy).xyz);
+                       sample_cosine_power(material_exponent(m), u.xy).xyz);
     else
         wi = sample_cosine_hemisphere(u.xy);
     float pdf;
@@ -119,7 +119,7 @@ vec3 eval_blinn_phong(material m, vec3 wo, vec3 wi, out float pdf)
     vec4 h = reflection_half_vector(wo, wi);
     if (!(wi.z > 0.0) || !(h.w > 0.0))
         return vec3(0.0);
-    float n = m.group[GROUP_CONDUCTOR].a;
+    float n = material_exponent(m);
     float lobe = power_one_minus(dot(h.xy, h.xy), 0.5 * n);
     pdf = (n + 1.0) * 0.5 * INV_PI * lobe / (4.0 * h.w);
     return classical_sum(parts, wi, vec3(1.0),
@@ -131,7 +131,7 @@ bsdf_sample sample_blinn_phong(material m, vec3 wo, vec4 u)
     classical_parts parts = phong_parts(m);
     vec3 wi;
     if (u.z < parts.p_specular) {
-        vec3 h = sample_cosine_power(m.group[GROUP_CONDUCTOR].a, u.xy).xyz;
+        vec3 h = sample_cosine_power(material_exponent(m), u.xy).xyz;
         float cosine = dot(wo, h);
         if (!(cosine > 0.0))
             return bsdf_absorbed();
@@ -164,7 +164,7 @@ vec3 microfacet_fresnel(material m, float cos_theta, float eta)
 classical_parts microfacet_parts(material m, vec3 wo, float eta)
 {
     vec3 reflected = microfacet_fresnel(m, wo.z, eta);
-    vec3 diffuse = m.group[GROUP_BASE].rgb * (1.0 - reflected);
+    vec3 diffuse = material_base_color(m) * (1.0 - reflected);
     return classical_choose(diffuse, reflected, sum_of(diffuse), sum_of(reflected));
 }
 

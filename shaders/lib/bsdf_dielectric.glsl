@@ -16,7 +16,7 @@ const float SMALLEST_REFRACTED_WIDTH = 7.62939453125e-6; // 2^-17
 
 float dielectric_alpha(material m)
 {
-    float roughness = m.group[GROUP_METAL].g;
+    float roughness = material_roughness(m);
     return roughness * roughness;
 }
 
@@ -108,8 +108,8 @@ float dielectric_albedo(material m, float cos_o, float eta, float alpha)
     if (!dielectric_is_compensated(m))
         return 1.0;
     if (is_thin(m))
-        return albedo_ggx(albedo_first(), cos_o, alpha);
-    return albedo_glass(albedo_first(), cos_o, alpha, eta);
+        return albedo_ggx(albedos_begin(), cos_o, alpha);
+    return albedo_glass(albedos_begin(), cos_o, alpha, eta);
 }
 
 bsdf_sample dielectric_straight(vec3 wo)
@@ -240,9 +240,9 @@ bsdf_sample sample_dielectric(material m, vec3 wo, float eta, vec4 u)
 // tell the index outside.
 vec3 conductor_reflectance(material m, float cos_theta, float eta)
 {
-    float outside = m.group[GROUP_INTERFACE].g / eta;
-    return fresnel_conductor(cos_theta, m.group[GROUP_CONDUCTOR].rgb / outside,
-                             m.group[GROUP_CONDUCTOR_K].rgb / outside);
+    float outside = material_ior(m) / eta;
+    return fresnel_conductor(cos_theta, material_conductor_eta(m) / outside,
+                             material_conductor_k(m) / outside);
 }
 
 // What more bounces between microfacets would bring, given back to the single one:
@@ -252,7 +252,7 @@ vec3 conductor_compensation(material m, float cos_o, float eta, float alpha)
 {
     if (!HAS_LOBE(LOBE_COMPENSATE) || !material_has(m, MATERIAL_COMPENSATE))
         return vec3(1.0);
-    float e1 = albedo_ggx(albedo_first(), cos_o, alpha);
+    float e1 = albedo_ggx(albedos_begin(), cos_o, alpha);
     return 1.0 + conductor_reflectance(m, 1.0, eta) * ((1.0 - e1) / e1);
 }
 

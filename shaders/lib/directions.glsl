@@ -25,9 +25,9 @@ bool transmits(material m)
     uint model = material_model(m);
     if (HAS_LOBE(LOBE_DIELECTRIC) && model == MATERIAL_DIELECTRIC)
         return true;
-    bool principled_does = HAS_LOBE(LOBE_TRANSMISSION) && m.group[GROUP_INTERFACE].r > 0.0;
+    bool principled_does = HAS_LOBE(LOBE_TRANSMISSION) && material_transmission(m) > 0.0;
     if (HAS_LOBE(LOBE_DIFFUSE_TRANSMISSION))
-        principled_does = principled_does || m.group[GROUP_DIFFUSE].a > 0.0;
+        principled_does = principled_does || material_diffuse_transmission(m) > 0.0;
     return model == MATERIAL_PRINCIPLED && principled_does;
 }
 

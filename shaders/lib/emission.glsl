@@ -10,7 +10,7 @@
 void add_emission(vertex v, vec3 origin, vec3 direction, float distance, float bsdf_pdf)
 {
     float weight = 1.0;
-    if (sent_shadow_rays(bsdf_pdf) && v.m.group[GROUP_EMISSION].a > 0.0 &&
+    if (sent_shadow_rays(bsdf_pdf) && material_pick_density(v.m) > 0.0 &&
         !is_found_by_chance(origin, v.primitive, v.s)) {
         uint from = load_path(v.slot, PATH_ORIGIN).w;
         float pick_density = pick_density_at(v.m, v.primitive, origin, direction, from,
@@ -20,7 +20,7 @@ void add_emission(vertex v, vec3 origin, vec3 direction, float distance, float b
             weight = mis_weight(bsdf_pdf,
                                 pdf_light(origin, direction, distance, v.s, pick_density));
     }
-    vec3 emission = v.m.group[GROUP_EMISSION].rgb;
+    vec3 emission = material_emission(v.m);
     if (weight > 0.0 && any(greaterThan(emission, vec3(0.0))))
         add_radiance(v.slot, v.throughput * emission * weight, SITE_EMISSION);
 }

@@ -37,7 +37,7 @@ bool find_media(inout vertex v, uint stack, float distance, float u_dispersion)
     if (v.media.lost)
         atomicAdd(counters.media_lost, 1u);
     if (!bounds) {
-        v.eta = v.m.group[GROUP_INTERFACE].g / here.ior;
+        v.eta = material_ior(v.m) / here.ior;
         return true;
     }
     medium beyond = load_medium(v.media.beyond);

@@ -52,7 +52,7 @@ void sample_triangle_light(vec3 origin, uint index, float pick, vec2 u, inout li
     l.material = t.word;
     l.barycentrics = b;
     material m = load_material(t.word);
-    float density = m.group[GROUP_EMISSION].a;
+    float density = material_pick_density(m);
     if (LIGHT_CHOICE != LIGHT_CHOICE_POWER)
         density = pick / triangle_area(t);
     finish_area_sample(l, point - origin, triangle_normal(t), m, density);
@@ -114,7 +114,7 @@ void sample_sun_light(vec3 towards, vec3 irradiance, float versine, float reach,
 
 void sample_point_light(vec3 origin, uint index, float pick, vec2 u, inout light_sample l)
 {
-    uint at = load_materials(0u).y + index * LIGHT_WORDS;
+    uint at = lights_begin() + index * LIGHT_WORDS;
     uvec4 w0 = load_materials(at);
     vec4 w1 = load_materials_float(at + 1u);
     vec4 w2 = load_materials_float(at + 2u);
@@ -275,7 +275,7 @@ float pick_density_at(material m, uint primitive, vec3 origin, vec3 direction, u
         // All of one material alike, but for shapes of which it counts what is seen.
         if (HAS_EMITTER(EMITTERS_CONVEX) && is_shape)
             return shape_density(load_shape(index), m, 1.0, origin);
-        return m.group[GROUP_EMISSION].a;
+        return material_pick_density(m);
     }
     float area;
     uint emitter;

@@ -31,7 +31,7 @@ void finish_area_sample(inout light_sample l, vec3 to_light, vec3 normal, materi
     float cos_light = abs(dot(to_light, normal)) / distance;
     l.to_light = to_light;
     l.pdf = pdf_area_to_solid_angle(density, distance, cos_light);
-    l.radiance = m.group[GROUP_EMISSION].rgb;
+    l.radiance = material_emission(m);
 }
 
 #endif

@@ -2,7 +2,7 @@
 #ifndef MATERIAL_GLSL
 #define MATERIAL_GLSL
 
-#include "lib/buffers.glsl"
+#include "lib/material_header.glsl"
 
 // The groups of parameters as they are in the buffer, or after textures scaled them. What no code
 // asks for is never read.
@@ -24,12 +24,43 @@ bool material_has(material m, uint flag)
     return (m.model_flags & flag) != 0u;
 }
 
+// A parameter, to be read or written: a function would have to copy the material.
+#define material_base_color(m) (m).group[GROUP_BASE].rgb
+#define material_emission(m) (m).group[GROUP_EMISSION].rgb
+#define material_pick_density(m) (m).group[GROUP_EMISSION].a
+#define material_anisotropic(m) (m).group[GROUP_METAL].r
+#define material_roughness(m) (m).group[GROUP_METAL].g
+#define material_metallic(m) (m).group[GROUP_METAL].b
+#define material_anisotropic_rotation(m) (m).group[GROUP_METAL].a
+#define material_specular_color(m) (m).group[GROUP_SPECULAR].rgb
+#define material_specular_weight(m) (m).group[GROUP_SPECULAR].a
+#define material_transmission(m) (m).group[GROUP_INTERFACE].r
+#define material_ior(m) (m).group[GROUP_INTERFACE].g
+#define material_specular(m) (m).group[GROUP_INTERFACE].b
+#define material_specular_tint(m) (m).group[GROUP_INTERFACE].a
+#define material_clearcoat(m) (m).group[GROUP_CLEARCOAT].r
+#define material_clearcoat_roughness(m) (m).group[GROUP_CLEARCOAT].g
+#define material_clearcoat_gloss(m) (m).group[GROUP_CLEARCOAT].b
+#define material_normal_scale(m) (m).group[GROUP_CLEARCOAT].a
+#define material_sheen_color(m) (m).group[GROUP_SHEEN].rgb
+#define material_sheen_roughness(m) (m).group[GROUP_SHEEN].a
+#define material_subsurface(m) (m).group[GROUP_DIFFUSE].r
+#define material_sheen(m) (m).group[GROUP_DIFFUSE].g
+#define material_sheen_tint(m) (m).group[GROUP_DIFFUSE].b
+#define material_diffuse_transmission(m) (m).group[GROUP_DIFFUSE].a
+#define material_iridescence(m) (m).group[GROUP_FILM].r
+#define material_film_thickness(m) (m).group[GROUP_FILM].g
+#define material_film_ior(m) (m).group[GROUP_FILM].b
+#define material_conductor_eta(m) (m).group[GROUP_CONDUCTOR].rgb
+#define material_exponent(m) (m).group[GROUP_CONDUCTOR].a
+#define material_conductor_k(m) (m).group[GROUP_CONDUCTOR_K].rgb
+
 #define LOAD_GROUP(number) m.group[number] = load_materials_float(at + 1u + uint(number))
 
 // `word` is a material word: what a primitive carries.
 material load_material(uint word)
 {
-    uint at = MATERIAL_HEADER_WORDS + (word & MATERIAL_INDEX_MASK) * MATERIAL_WORDS;
+    uint at = material_at(word);
     uvec4 head = load_materials(at);
     material m;
     m.model_flags = head.x;

@@ -54,7 +54,7 @@ medium load_medium(uint number)
     medium air = medium(vec3(0.0), 1.0, 0.0);
     if (number == 0u)
         return air;
-    uint at = load_materials(0u).z + (number - 1u) * MEDIUM_WORDS;
+    uint at = media_begin() + (number - 1u) * MEDIUM_WORDS;
     vec4 words = load_materials_float(at);
     return medium(words.rgb, words.a, load_materials_float(at + 1u).y);
 }

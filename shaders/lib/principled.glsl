@@ -182,8 +182,8 @@ void prepare_fibres(inout precise principled p, material m, float mu)
     p.coat_layer = 1.0;
     if (!HAS_LOBE(LOBE_CHARLIE))
         return;
-    p.fibre_color = m.group[GROUP_SHEEN].rgb;
-    p.fibre_roughness = max(0.1, m.group[GROUP_SHEEN].a);
+    p.fibre_color = material_sheen_color(m);
+    p.fibre_roughness = max(0.1, material_sheen_roughness(m));
     p.fibre_albedo = albedo_charlie(p.tables, mu, p.fibre_roughness);
     float albedo = min(1.0, p.fibre_albedo);
     p.coat_layer = 1.0 - max_channel(p.fibre_color) * albedo;
@@ -195,16 +195,18 @@ void prepare_coat(inout precise principled p, material m, float mu)
     p.base_layer = p.coat_layer;
     if (!HAS_LOBE(LOBE_CLEARCOAT))
         return;
-    vec4 group = m.group[GROUP_CLEARCOAT];
+    float weight = material_clearcoat(m);
+    float roughness = material_clearcoat_roughness(m);
+    float gloss = material_clearcoat_gloss(m);
     p.coat_ggx = material_has(m, MATERIAL_COAT_GGX);
-    p.coat = p.coat_ggx ? group.r : 0.25 * group.r;
-    p.coat_alpha = p.coat_ggx ? group.g * group.g : mix(0.1, 0.001, group.b);
+    p.coat = p.coat_ggx ? weight : 0.25 * weight;
+    p.coat_alpha = p.coat_ggx ? roughness * roughness : mix(0.1, 0.001, gloss);
     p.coat_delta = p.coat_ggx && is_delta(p.coat_alpha);
     float mean = p.coat_delta ? schlick_weight(mu) : albedo_schlick(p.tables, mu, p.coat_alpha);
     float albedo = (p.coat_delta ? 1.0 : albedo_ggx(p.tables, mu, p.coat_alpha)) *
                    (0.04 + 0.96 * mean);
     if (!p.coat_ggx)
-        albedo = 4.0 * albedo_coat(p.tables, mu, group.b);
+        albedo = 4.0 * albedo_coat(p.tables, mu, gloss);
     albedo *= p.coat;
     p.base_layer = p.coat_layer * (1.0 - albedo);
     if (HAS_LOBE(LOBE_GLTF) && p.is_gltf) {
@@ -220,18 +222,16 @@ void prepare_dielectric(inout precise principled p, material m, float eta)
 {
     p.eta = is_index_matched(eta) ? 1.0 : eta;
     p.f0_index = fresnel_f0(p.eta);
-    vec4 interface_group = m.group[GROUP_INTERFACE];
-    vec3 tint = mix(vec3(1.0), burley_tint(p.base_color), interface_group.a);
+    vec3 tint = mix(vec3(1.0), burley_tint(p.base_color), material_specular_tint(m));
     // Left at 1/2 and untinted, the factor is 1 and the curve exactly that of the index.
     p.f0 = min(vec3(1.0),
-               p.f0_index * (2.0 * interface_group.b * tint * m.group[GROUP_SPECULAR].rgb));
-    p.specular_weight = m.group[GROUP_SPECULAR].a;
+               p.f0_index * (2.0 * material_specular(m) * tint * material_specular_color(m)));
+    p.specular_weight = material_specular_weight(m);
     if (HAS_LOBE(LOBE_IRIDESCENCE)) {
-        vec4 film = m.group[GROUP_FILM];
         // ior over eta is the index on the other side.
-        p.film_index = film.b / interface_group.g * (p.eta < 1.0 ? 1.0 / p.eta : p.eta);
-        p.film_thickness = film.g;
-        p.film = p.film_index >= 1.0 ? film.r : 0.0;
+        p.film_index = material_film_ior(m) / material_ior(m) * (p.eta < 1.0 ? 1.0 / p.eta : p.eta);
+        p.film_thickness = material_film_thickness(m);
+        p.film = p.film_index >= 1.0 ? material_iridescence(m) : 0.0;
     }
 }
 
@@ -244,7 +244,7 @@ vec4 principled_albedo_slopes(principled p, material m, vec3 wo, float alpha)
     vec4 e = vec4(1.0, fresnel_dielectric(wo.z, p.eta, cos_t), schlick_weight(wo.z), wo.z);
     if (!HAS_LOBE(LOBE_ROUGH) || p.is_delta)
         return e;
-    float anisotropic = m.group[GROUP_METAL].r;
+    float anisotropic = material_anisotropic(m);
     if (HAS_LOBE(LOBE_ANISOTROPIC) && anisotropic > 0.0) {
         float alpha_o;
         vec3 axes = albedo_axes_turned(principled_turn(p, wo, false), p.roughness, anisotropic,
@@ -298,7 +298,7 @@ vec3 principled_moved(principled p)
 // without reflection but where it is total.
 vec2 principled_albedo_lossless(principled p, material m, vec3 wo, float alpha)
 {
-    float anisotropic = m.group[GROUP_METAL].r;
+    float anisotropic = material_anisotropic(m);
     float factor = 1.0;
     if (HAS_LOBE(LOBE_ANISOTROPIC) && anisotropic > 0.0) {
         float alpha_o;
@@ -378,13 +378,13 @@ vec3 prepare_interface(inout precise principled p, material m, vec3 wo, float al
 
 void prepare_diffuse(inout precise principled p, material m, float mu)
 {
-    vec4 group = m.group[GROUP_DIFFUSE];
-    p.subsurface = group.r;
+    p.subsurface = material_subsurface(m);
     p.albedo_diffuse = principled_albedo_diffuse(p, mu);
     p.sheen_layer = 1.0;
     vec3 albedo = vec3(0.0);
     if (HAS_LOBE(LOBE_SHEEN)) {
-        vec3 color = group.g * mix(vec3(1.0), burley_tint(p.base_color), group.b);
+        vec3 color = material_sheen(m) *
+                     mix(vec3(1.0), burley_tint(p.base_color), material_sheen_tint(m));
         float largest = load_materials_float(p.tables + ALBEDO_DIFFUSE).w;
         p.sheen = color / max(1.0, largest * max_channel(color));
         float sheen_albedo = albedo_diffuse(p.tables, mu).w;
@@ -392,7 +392,7 @@ void prepare_diffuse(inout precise principled p, material m, float mu)
         albedo = p.sheen * sheen_albedo;
     }
     if (HAS_LOBE(LOBE_DIFFUSE_TRANSMISSION) && p.thin)
-        p.diffuse_transmission = group.a;
+        p.diffuse_transmission = material_diffuse_transmission(m);
     vec3 rest = p.sheen_layer * p.base_color;
     albedo += rest * ((1.0 - p.diffuse_transmission) * min(1.0, p.albedo_diffuse));
     p.p_diffuse = p.base_layer * mean_channel(p.below * albedo);
@@ -402,13 +402,12 @@ void prepare_diffuse(inout precise principled p, material m, float mu)
 principled principled_prepare(material m, vec3 wo, float eta)
 {
     precise principled p;
-    p.tables = albedo_first();
-    vec4 metal = m.group[GROUP_METAL];
-    p.base_color = m.group[GROUP_BASE].rgb;
-    p.roughness = metal.g;
-    p.metallic = HAS_LOBE(LOBE_METAL) ? metal.b : 0.0;
+    p.tables = albedos_begin();
+    p.base_color = material_base_color(m);
+    p.roughness = material_roughness(m);
+    p.metallic = HAS_LOBE(LOBE_METAL) ? material_metallic(m) : 0.0;
     p.transmission =
-        HAS_LOBE(LOBE_TRANSMISSION) ? (1.0 - p.metallic) * m.group[GROUP_INTERFACE].r : 0.0;
+        HAS_LOBE(LOBE_TRANSMISSION) ? (1.0 - p.metallic) * material_transmission(m) : 0.0;
     p.thin = is_thin(m);
     p.separable = is_separable(m);
     p.is_gltf = principled_is_gltf(m);
@@ -437,11 +436,13 @@ principled principled_prepare(material m, vec3 wo, float eta)
     p.is_delta = is_delta(alpha);
     p.alpha = vec2(alpha);
     p.turn = vec2(1.0, 0.0);
-    if (HAS_LOBE(LOBE_ANISOTROPIC) && metal.r > 0.0) {
-        float aspect = sqrt(1.0 - 0.9 * metal.r);
+    float anisotropic = material_anisotropic(m);
+    if (HAS_LOBE(LOBE_ANISOTROPIC) && anisotropic > 0.0) {
+        float aspect = sqrt(1.0 - 0.9 * anisotropic);
         p.alpha = vec2(alpha / aspect, max(SMALLEST_ALPHA, alpha * aspect));
-        if (metal.a != 0.0)
-            p.turn = vec2(cos(2.0 * PI * metal.a), sin(2.0 * PI * metal.a));
+        float rotation = 2.0 * PI * material_anisotropic_rotation(m);
+        if (rotation != 0.0)
+            p.turn = vec2(cos(rotation), sin(rotation));
     }
 
     prepare_fibres(p, m, wo.z);

@@ -32,7 +32,7 @@ bool survives_roulette(uint slot, inout vec3 throughput, float scale, float u)
 // (n / n of the camera's medium)^2
 float roulette_scale(float ior)
 {
-    float ratio = ior / uintBitsToFloat(load_materials(1u).y);
+    float ratio = ior / camera_ior();
     return ratio * ratio;
 }
 

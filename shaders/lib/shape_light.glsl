@@ -156,7 +156,7 @@ float shape_density(shape_record shape, material m, float pick, vec3 origin)
 {
     if (LIGHT_CHOICE != LIGHT_CHOICE_POWER)
         return pick / shape_area_visible(shape, origin);
-    float density = m.group[GROUP_EMISSION].a;
+    float density = material_pick_density(m);
     if (HAS_EMITTER(EMITTERS_CONVEX) && is_convex_light(shape.kind))
         density *= shape_area(shape) / shape_area_visible(shape, origin);
     return density;
@@ -292,7 +292,7 @@ void sample_sphere_light(vec3 origin, vec3 center, float radius, material m, flo
         }
         l.to_light = direction * reach;
         l.pdf = pdf_sphere_cone(radius, sin2_max, density);
-        l.radiance = m.group[GROUP_EMISSION].rgb;
+        l.radiance = material_emission(m);
     } else {
         vec3 normal = sample_sphere(u);
         finish_area_sample(l, to_center + radius * normal, normal, m, density);

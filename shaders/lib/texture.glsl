@@ -21,12 +21,6 @@ texture_record load_texture(uint at)
                           load_materials_float(at + 1u).xyz, load_materials_float(at + 2u).xyz);
 }
 
-// The word of four where the first texture of all begins.
-uint textures_begin()
-{
-    return load_materials(0u).x;
-}
-
 uint texture_use(uint flags)
 {
     return flags >> TEXTURE_USE_SHIFT & 3u;
@@ -154,11 +148,9 @@ void perturb_normal(vec4 texel, float scale, inout surface s)
 void turn_anisotropy(vec4 texel, inout material m)
 {
     vec2 direction = texel.xy * 2.0 - 1.0;
-    vec4 metal = m.group[GROUP_METAL];
-    metal.x *= texel.z;
+    material_anisotropic(m) *= texel.z;
     if (any(notEqual(direction, vec2(0.0))))
-        metal.w += atan(direction.y, direction.x) * (0.5 * INV_PI);
-    m.group[GROUP_METAL] = metal;
+        material_anisotropic_rotation(m) += atan(direction.y, direction.x) * (0.5 * INV_PI);
 }
 
 // Vertex colours scale base colour and opacity; of unlit surfaces what they show.
@@ -167,7 +159,7 @@ void apply_color(vec4 color, inout material m)
     bool unlit = material_has(m, MATERIAL_UNLIT);
     m.group[GROUP_BASE] *= vec4(unlit ? vec3(1.0) : color.rgb, color.a);
     if (unlit)
-        m.group[GROUP_EMISSION].rgb *= color.rgb;
+        material_emission(m) *= color.rgb;
 }
 
 // By number, since an index that is not constant would put all groups into memory.
@@ -219,7 +211,7 @@ void apply_textures(inout material m, inout surface s)
         if (HAS_LOBE(LOBE_ANISOTROPIC) && use == TEXTURE_USE_ANISOTROPY)
             turn_anisotropy(texel, m);
         if (HAS(FEATURE_NORMAL_MAPS) && use == TEXTURE_USE_NORMAL)
-            perturb_normal(texel, m.group[GROUP_CLEARCOAT].w, s);
+            perturb_normal(texel, material_normal_scale(m), s);
     }
 }
 
@@ -287,7 +279,7 @@ mat3 shading_frame(surface s, material m, vec3 wo)
         material_model(m) != MATERIAL_LAMBERT)
         n = bend_normal(n, s.normal_geometric, wo);
     // Only where it matters, so that leaving it out changes no bit elsewhere.
-    bool turned = material_model(m) == MATERIAL_PRINCIPLED && m.group[GROUP_METAL].r > 0.0;
+    bool turned = material_model(m) == MATERIAL_PRINCIPLED && material_anisotropic(m) > 0.0;
     if (HAS_LOBE(LOBE_ANISOTROPIC) && turned)
         return tangent_frame(n, s.tangent);
     return basis_around(n);

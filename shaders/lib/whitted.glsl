@@ -77,16 +77,16 @@ void whitted_metal(inout whitted_surface w, vec3 reflectance, float alpha)
 
 void whitted_principled(inout whitted_surface w, material m, vec3 wo, float eta)
 {
-    vec3 base = m.group[GROUP_BASE].rgb;
-    float metallic = HAS_LOBE(LOBE_METAL) ? m.group[GROUP_METAL].b : 0.0;
+    vec3 base = material_base_color(m);
+    float metallic = HAS_LOBE(LOBE_METAL) ? material_metallic(m) : 0.0;
     float transmission =
-        HAS_LOBE(LOBE_TRANSMISSION) ? (1.0 - metallic) * m.group[GROUP_INTERFACE].r : 0.0;
+        HAS_LOBE(LOBE_TRANSMISSION) ? (1.0 - metallic) * material_transmission(m) : 0.0;
     float alpha = dielectric_alpha(m);
-    vec3 tint = mix(vec3(1.0), burley_tint(base), m.group[GROUP_INTERFACE].a);
-    vec3 scale = 2.0 * m.group[GROUP_INTERFACE].b * tint * m.group[GROUP_SPECULAR].rgb;
+    vec3 tint = mix(vec3(1.0), burley_tint(base), material_specular_tint(m));
+    vec3 scale = 2.0 * material_specular(m) * tint * material_specular_color(m);
     float cos_t;
     float exact = is_index_matched(eta) ? 0.0 : fresnel_dielectric(wo.z, eta, cos_t);
-    vec3 f = exact < 1.0 ? min(vec3(1.0), exact * scale) * m.group[GROUP_SPECULAR].a : vec3(1.0);
+    vec3 f = exact < 1.0 ? min(vec3(1.0), exact * scale) * material_specular_weight(m) : vec3(1.0);
 
     w.diffuse = (1.0 - metallic - transmission) * base * (1.0 - f);
     if (HAS_LOBE(LOBE_METAL) && metallic > 0.0)
@@ -107,9 +107,9 @@ void whitted_principled(inout whitted_surface w, material m, vec3 wo, float eta)
 
 void whitted_microfacet(inout whitted_surface w, material m, vec3 wo, float eta)
 {
-    vec3 f0 = min(fresnel_f0(eta) * m.group[GROUP_SPECULAR].rgb, vec3(1.0));
+    vec3 f0 = min(fresnel_f0(eta) * material_specular_color(m), vec3(1.0));
     vec3 f = fresnel_schlick(f0, wo.z);
-    w.diffuse = m.group[GROUP_BASE].rgb * (1.0 - f);
+    w.diffuse = material_base_color(m) * (1.0 - f);
     whitted_gloss(w, f, dielectric_alpha(m));
 }
 
@@ -120,14 +120,14 @@ whitted_surface whitted_surface_of(material m, vec3 wo, float eta)
     bool phong = HAS_LOBE(LOBE_PHONG) && model == MATERIAL_PHONG;
     bool blinn = HAS_LOBE(LOBE_BLINN_PHONG) && model == MATERIAL_BLINN_PHONG;
     if (HAS_LOBE(LOBE_LAMBERT) && model == MATERIAL_LAMBERT)
-        w.diffuse = m.group[GROUP_BASE].rgb;
+        w.diffuse = material_base_color(m);
     if (HAS_LOBE(LOBE_MIRROR) && model == MATERIAL_MIRROR)
-        w.reflected = m.group[GROUP_BASE].rgb;
+        w.reflected = material_base_color(m);
     if (phong || blinn) {
         classical_parts parts = phong_parts(m);
         w.diffuse = parts.diffuse;
         w.highlight = parts.specular;
-        w.exponent = m.group[GROUP_CONDUCTOR].a * (blinn ? 0.25 : 1.0);
+        w.exponent = material_exponent(m) * (blinn ? 0.25 : 1.0);
     }
     if (HAS_LOBE(LOBE_MICROFACET) && model == MATERIAL_MICROFACET)
         whitted_microfacet(w, m, wo, eta);
@@ -153,7 +153,7 @@ light_sample center_of_triangle(vec3 origin, uint index)
     l.material = t.word;
     l.barycentrics = vec2(1.0 / 3.0);
     l.to_light = (t.v0 + t.v1 + t.v2) * (1.0 / 3.0) - origin;
-    l.radiance = load_material(t.word).group[GROUP_EMISSION].rgb;
+    l.radiance = material_emission(load_material(t.word));
     l.pdf = abs(dot(area, normalize(l.to_light)));
     if (HAS_GEOMETRY(GEOMETRY_SMALL_TRIANGLES)) {
         bool hidden = is_hidden_by_lamp(t, l.barycentrics, -l.to_light);
@@ -172,7 +172,7 @@ light_sample center_of_shape(vec3 origin, uint index)
     l.material = shape.word;
     l.barycentrics = vec2(0.0);
     l.to_light = shape.center - origin;
-    l.radiance = load_material(shape.word).group[GROUP_EMISSION].rgb;
+    l.radiance = material_emission(load_material(shape.word));
     l.pdf = shape_area_seen(shape, normalize(l.to_light));
     bool is_solid = HAS_EMITTER(EMITTERS_SOLID) && shape.kind >= SHAPE_KIND_BOX;
     if (is_solid) {
