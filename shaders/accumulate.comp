@@ -80,7 +80,7 @@ void main()
 
     if (HAS_AOV(AOVS_SUMMED))
         add_aovs(item, at);
-    // Of the first sample that the pixel gets.
+    // The ids are those of the first sample that the pixel gets.
     if (HAS_AOV(AOV_IDS) && words[0].w == 0u)
         film_words[at + PIXEL_WORDS - 1u] =
             load_radiance(((item << push.sample_shift) + 1u) * SLOT_WORDS - 1u);

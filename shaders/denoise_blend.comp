@@ -20,7 +20,7 @@ DENOISE_READ(emission, DENOISE_EMISSION)
 DENOISE_WRITE(blended, DENOISE_BLENDED)
 DENOISE_WRITE(records, DENOISE_RECORDS)
 
-// Of the variance: more of them would only keep what was long ago.
+// The most degrees of freedom that a variance may have: more would only keep what was long ago.
 const float FREEDOM_MOST = 32.0;
 
 // The smaller one of the changes to both sides, so that an edge beside the pixel is none of its
@@ -132,7 +132,7 @@ past find_past(vec2 middle, vec4 guide, vec2 slope)
     bool seen = project(denoise.history, point, far, at, expected_depth);
     bool inside = seen && all(greaterThan(at, vec2(-1.0))) &&
                   all(lessThan(at, vec2(denoise.history.width, denoise.history.height) + 1.0));
-    // Of this pixel's depth, scaled to that of the history.
+    // The change of this pixel's depth, scaled to that of the history.
     float own = (abs(slope.x) + abs(slope.y)) / guide.w + ray_length_change(denoise.now, middle) +
                 ray_length_change(denoise.history, at) + 2.0 * DEPTH_ROUNDING;
     if (!inside || is_empty(guide))

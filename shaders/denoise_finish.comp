@@ -13,8 +13,9 @@ DENOISE_READ(modulation, DENOISE_MODULATION)
 DENOISE_READ(emission, DENOISE_EMISSION)
 DENOISE_WRITE(picture, DENOISE_PICTURE)
 
-// What two independent variances of so many degrees of freedom as the window's weights leave,
-// 1 / (sum of their squares) = 13, differ by in one of 20 cases (Fisher's F distribution).
+// Two independent variances with as many degrees of freedom as the window's weights leave, 1 / (sum
+// of their squares) = 13, have a greater ratio than this in one of 20 cases (Fisher's F
+// distribution).
 const float FISHER_13_13 = 2.58;
 // Up to so many samples that much is put down to chance: noise is what disturbs then. With more of
 // them there is less of it to lose, and less is put down to chance.

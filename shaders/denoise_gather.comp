@@ -21,12 +21,12 @@ DENOISE_WRITE(emission, DENOISE_EMISSION)
 
 const uint SUM_WORDS = AOV_SUM_WORDS(AOVS);
 
-// What a surface without a colour of its own still reflects, at right angles and with an index of
-// refraction of 1.5: ((1.5 - 1) / (1.5 + 1))^2 (Fresnel). A divisor below would blow up what is
-// reflected above dark paint, and smear it over brighter paint beside it.
+// A surface without a colour of its own still reflects this much at right angles, with an index of
+// refraction of 1.5: ((1.5 - 1) / (1.5 + 1))^2 (Fresnel). A smaller divisor would magnify the light
+// that is reflected above dark paint, and smear it over brighter paint beside it.
 const float LEAST_ALBEDO = 0.04;
 
-// Of all AOVs, read once.
+// The sums of all AOVs, read once.
 float aov_means[4u * SUM_WORDS];
 
 void read_aovs(uint at, float samples)
@@ -51,7 +51,7 @@ vec3 half_sum(uint at, uint words)
            uintBitsToFloat(film_words[at + words + 1u].xyz);
 }
 
-// As lib/halves.glsl.
+// Repeats lib/halves.glsl, which reads another kernel's bindings.
 uint samples_of_first_half(uint samples)
 {
     return denoise.halves == HALVES_CONTIGUOUS ? min(samples, denoise.first_half)

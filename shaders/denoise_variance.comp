@@ -17,7 +17,7 @@ const int SPATIAL_RADIUS = 3;
 // Schied et al. trust moments from so many frames on.
 const float FREEDOM_ENOUGH = 4.0;
 
-// Of a neighbour, by geometry alone; 0 beyond the picture.
+// How alike a neighbour is, by geometry alone; 0 beyond the image.
 float likeness(depth_plane plane, ivec2 pixel, ivec2 offset, out uint index)
 {
     bool inside;
@@ -42,8 +42,8 @@ vec2 pool_deviations(depth_plane plane, ivec2 pixel)
     return sum;
 }
 
-// Of the means of the pixels around, about this one's so that nothing cancels. `radius`: -1 where
-// it is not needed, so that the loop ends at once.
+// The variance of the means of the pixels around, relative to this one's so that nothing cancels.
+// `radius`: -1 where it is not needed, so that the loop ends at once.
 float spatial_variance(depth_plane plane, ivec2 pixel, float luminance_here, int radius)
 {
     vec3 sum = vec3(0.0);

@@ -61,7 +61,7 @@ void add_tap(inout filtered sum, middle_pixel middle, ivec2 tap)
     sum.weights += weight;
 }
 
-// What the last pass judges by, as two numbers of 16 bits: the square of how far the filter moved
+// The numbers by which the last pass judges, 16 bits each: the square of how far the filter moved
 // the pixel, and its own variance, if that is known. Relative to the light, so that a bright pixel
 // does not speak for the dark ones around.
 float pack_judgement(uint index, vec4 record, float light)

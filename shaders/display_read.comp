@@ -40,7 +40,7 @@ float aov_scalar(uint at, const uint aov)
     return aov_float(at, AOV_SCALAR_AT(AOVS, aov));
 }
 
-// As in lib/halves.glsl.
+// Repeats lib/halves.glsl, which reads another kernel's bindings.
 uint samples_of_first_half(uint samples)
 {
     if (HALVES == HALVES_CONTIGUOUS)
@@ -48,7 +48,8 @@ uint samples_of_first_half(uint samples)
     return samples - samples / 2u;
 }
 
-// Of the radiance's mean, over the three channels: as struct film_aovs has it. y: 0 where unknown.
+// x: variance of the mean radiance, averaged over the three channels as struct film_aovs has it. y:
+// 0 where that is unknown.
 vec2 variance_of(uint at, float samples)
 {
     float samples_a = float(samples_of_first_half(uint(samples)));

@@ -52,7 +52,7 @@ vec4 mean_of_area(taps x, taps y)
     return sum;
 }
 
-// Of two taps along each side; where there is one, the other has no weight.
+// Interpolates between two taps along each side; where there is one, the other has no weight.
 vec4 interpolate(taps x, taps y)
 {
     uint right = x.first + x.count - 1u;

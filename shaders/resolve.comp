@@ -14,7 +14,7 @@ layout(std430, set = 0, binding = BINDING_RESOLVED) writeonly buffer resolved_bl
 
 const uint SUM_WORDS = AOV_SUM_WORDS(AOVS);
 
-// Of the compensated sum in words `sum` and `lost` of the film. w is of no meaning.
+// The mean of the compensated sum in words `sum` and `lost` of the film. w has no meaning.
 vec4 mean(uint sum, uint lost, uint samples)
 {
     vec4 exact = uintBitsToFloat(film_words[sum]) - uintBitsToFloat(film_words[lost]);

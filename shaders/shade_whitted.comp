@@ -15,7 +15,7 @@
 #include "lib/texture.glsl"
 #include "lib/whitted.glsl"
 
-// What is around the scene, as in shade_miss.
+// Adds the environment's radiance, as shade_miss does.
 void add_surroundings(vertex v, vec3 direction, uint stack)
 {
     if (HAS(FEATURE_MEDIA)) {
@@ -54,7 +54,7 @@ whitted_ray child(vertex v, vec3 direction, vec3 throughput, uint stack, uint de
     return r;
 }
 
-// Of what a camera ray carries, whatever the media on both ends.
+// The part of a camera ray's throughput that this one has, whatever the media on both ends.
 float part_of_camera(vec3 throughput, uint medium_number)
 {
     float ratio = 1.0;

@@ -163,7 +163,8 @@ float albedo_glass(uint tables, float mu, float alpha, float eta)
     return root * root;
 }
 
-// As above, for an interface that reflects only where it reflects totally.
+// The energy that a rough interface reflects and lets through if it reflects only where it reflects
+// totally.
 float albedo_clear(uint tables, float mu, float alpha, float eta)
 {
     float root = albedo_runs(tables + ALBEDO_CLEAR + (eta < 1.0 ? ALBEDO_CLEAR_SIDE : 0u),
@@ -226,7 +227,8 @@ float albedo_turned_stand_in(float mu, vec2 alpha, float alpha_o)
     return sqrt(variance * inversesqrt(1.0 + variance * variance));
 }
 
-// What the energy that the stand-in sends to both sides is to be multiplied with.
+// The factor from the energy that the stand-in sends to both sides to that of the anisotropic
+// interface.
 float albedo_turned_glass(uint tables, float mu, vec3 axes, float roughness, float alpha_o,
                           float eta)
 {
@@ -249,7 +251,7 @@ float albedo_turned_glass(uint tables, float mu, vec3 axes, float roughness, flo
     return exp((mix(near, far, w.y) * (2.0 / 65535.0) - 1.0) * ALBEDO_TURNED_GLASS_LOG);
 }
 
-// Of Burley's diffuse reflection, base colour 1, in closed form: with A = FD90 - 1 =
+// The albedo of Burley's diffuse reflection with base colour 1, in closed form: with A = FD90 - 1 =
 // roughness (1 + wi.wo) - 1/2 and s = W(c_i), the integral of (1 + A s) (1 + A W(mu)) / pi over the
 // cosine-weighted hemisphere, through <wi.wo> = c_i mu, <(wi.wo)^2> = (c_i mu)^2 + (1 - c_i^2)
 // (1 - mu^2) / 2 and the moments of c^n (1 - c)^5: 1/42, 1/168, 1/504 for n = 1, 2, 3.

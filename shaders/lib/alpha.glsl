@@ -47,8 +47,8 @@ float alpha_probability(uint primitive, vec2 barycentrics, vec3 point, uint mate
     return is_masked ? (alpha >= cutoff ? 1.0 : 0.0) : alpha;
 }
 
-// What all decisions along one ray have in common. `is_shadow` tells a shadow ray from the one that
-// goes on, of the same bounce.
+// The part of the hash that all decisions along one ray share. `is_shadow` tells a shadow ray from
+// the one that goes on, of the same bounce.
 uvec4 alpha_key(uint seed, uint pixel, uint sample_index, uint bounce, bool is_shadow)
 {
     const uint apart = 0x80000000u; // from the dimensions of random_4d()

@@ -6,8 +6,8 @@
 #include "lib/material.glsl"
 #include "lib/surface.glsl"
 
-// What a surface is painted with: its base colour. Models without one: dielectrics are white,
-// conductors as much as they reflect at right angles.
+// The surface's colour: its base colour. Models without one: dielectrics are white, conductors have
+// their reflectance at right angles.
 vec3 albedo_color(material m)
 {
     if (material_model(m) == MATERIAL_DIELECTRIC)

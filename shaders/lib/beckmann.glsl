@@ -39,7 +39,7 @@ float beckmann_d(vec3 h, float alpha)
 {
     float cos2 = h.z * h.z;
     float exponent = dot(h.xy, h.xy) / (cos2 * alpha * alpha);
-    // From here on exp underflows in single precision, and so may cos^4.
+    // Beyond this exp underflows in single precision, and so may cos^4.
     if (!(exponent < 87.0))
         return 0.0;
     return exp(-exponent) * INV_PI / (alpha * alpha * cos2 * cos2);

@@ -8,7 +8,8 @@
 #include "lib/bsdf_dielectric.glsl"
 #include "lib/sampling.glsl"
 
-// What stays the same for all wi: the parts' colours, and how often the specular one is drawn.
+// The part of the BSDF that is the same for all wi: the colours of the two lobes, and the
+// probability of drawing the specular one.
 struct classical_parts {
     vec3 diffuse;  // albedo
     vec3 specular; // scale of the highlight
@@ -32,7 +33,8 @@ vec3 classical_specular_color(material m)
     return min(material_specular_color(m), vec3(1.0));
 }
 
-// Of Phong and Blinn-Phong, whose highlights reflect `specular` at most: the base has what is left.
+// The lobes of Phong and Blinn-Phong: highlights reflect `specular` at most, and the base has the
+// rest.
 classical_parts phong_parts(material m)
 {
     vec3 specular = classical_specular_color(m);

@@ -51,8 +51,8 @@ float fresnel_slab(float cos_i, float eta)
     return 2.0 * r / (1.0 + r);
 }
 
-// What all reflection by GGX microfacets is but for their reflectance: D G2 / (4 wo.z), and the
-// density of reflecting about a visible normal. wi.z > 0.
+// Reflection by GGX microfacets without their reflectance: D G2 / (4 wo.z), and the density of
+// reflecting about a visible normal. wi.z > 0.
 float eval_ggx_reflection(vec3 wo, vec3 wi, vec4 h, float alpha, bool separable, out float pdf)
 {
     vec2 alphas = vec2(alpha);
@@ -99,10 +99,11 @@ bool dielectric_tries_again(material m)
     return dielectric_is_compensated(m) && !is_separable(m);
 }
 
-// What more bounces between microfacets would send back and through is given to the single one in
-// proportion: it is divided by the albedo of a lossless interface (Turquin 2019, "Practical
-// Multiple Scattering Compensation for Microfacet Models", eq. 14 with F = 1, over both sides). As
-// eta approaches 1 that is G1(wo), and what is left is the way straight on.
+// The albedo by which single scattering is divided, so that it also carries, in proportion, the
+// energy that further bounces between microfacets would send back and through: that of a lossless
+// interface (Turquin 2019, "Practical Multiple Scattering Compensation for Microfacet Models", eq.
+// 14 with F = 1, over both sides). As eta approaches 1 that is G1(wo), and the rest is the way
+// straight on.
 float dielectric_albedo(material m, float cos_o, float eta, float alpha)
 {
     if (!dielectric_is_compensated(m))
@@ -245,8 +246,8 @@ vec3 conductor_reflectance(material m, float cos_theta, float eta)
                              material_conductor_k(m) / outside);
 }
 
-// What more bounces between microfacets would bring, given back to the single one:
-// 1 + F0 (1 - E1) / E1 (Turquin 2019, "Practical Multiple Scattering Compensation for Microfacet
+// The factor of single scattering that adds the energy of further bounces between microfacets: 1 +
+// F0 (1 - E1) / E1 (Turquin 2019, "Practical Multiple Scattering Compensation for Microfacet
 // Models", eqs. 14 to 16).
 vec3 conductor_compensation(material m, float cos_o, float eta, float alpha)
 {

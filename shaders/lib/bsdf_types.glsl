@@ -1,4 +1,4 @@
-// What the parts of lib/bsdf.glsl share. Pure.
+// Conventions and types that the parts of lib/bsdf.glsl share. Pure.
 //
 // Local frame: z is the shading normal on the viewer's side, x the tangent; wo (towards the viewer)
 // and wi (towards the light) are unit vectors and wo.z > 0. `eta` is the index of refraction beyond

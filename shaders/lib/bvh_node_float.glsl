@@ -6,7 +6,7 @@
 #include "lib/buffers.glsl"
 #include "lib/bvh_ray.glsl"
 
-// As bvh_test_children().
+// Does what bvh_test_children() promises.
 //
 // Conservative: the distance t of a plane is off by 7 roundings of itself, 5 for the reciprocal
 // (2.5 ulp by the Vulkan specification), 2 for the arithmetic. The triangle test's own perturbation

@@ -5,7 +5,7 @@
 #include "lib/buffers.glsl"
 #include "lib/bvh_ray.glsl"
 
-// As bvh_test_children().
+// Does what bvh_test_children() promises.
 //
 // Conservative: with plane p = node origin + q * scale, t = q * (scale * inverse) + (node origin -
 // ray origin) * inverse is off by less than 16 roundings of |node origin - ray origin| * |inverse|

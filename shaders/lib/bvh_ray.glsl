@@ -1,4 +1,4 @@
-// What the box tests need of a ray.
+// A ray in the form that box tests need.
 #ifndef BVH_RAY_GLSL
 #define BVH_RAY_GLSL
 

@@ -36,9 +36,9 @@ float distance_from_camera(vec3 direction, float t)
     return t + frame.camera_start / dot(direction, frame.camera_forward);
 }
 
-// From a point of the aperture to where the pinhole's ray of this point of the picture meets the
-// plane in focus (Cook, Porter, Carpenter 1984, "Distributed Ray Tracing", section 4.2).
-// `from`: of the pinhole's ray; `direction`: with a component of 1 along the line of sight.
+// The ray from a point of the aperture to where the pinhole's ray of this point of the image meets
+// the plane in focus (Cook, Porter, Carpenter 1984, "Distributed Ray Tracing", section 4.2). `from`
+// is the origin of the pinhole's ray; `direction` has a component of 1 along the line of sight.
 camera_ray ray_through_lens(vec3 from, vec3 direction, vec2 u)
 {
     vec2 on_lens = frame.lens_radius * sample_aperture(u, frame.lens_blades, frame.lens_rotation);

@@ -5,7 +5,7 @@
 
 const float PI = 3.14159265358979323846;
 
-// From (-1, -1), the picture's upper left corner, to (1, 1). `at`: in pixels.
+// A place in the image from (-1, -1), the upper left corner, to (1, 1). `at`: in pixels.
 vec2 picture_place(gpu_denoise_view view, vec2 at)
 {
     return 2.0 * at / vec2(view.width, view.height) - 1.0;
@@ -38,8 +38,8 @@ view_ray ray_through(gpu_denoise_view view, vec2 at)
                     inversesqrt(length_squared));
 }
 
-// What of a depth along such a ray is linear over the picture of a plane: its inverse measured
-// along the line of sight; without perspective the depth itself.
+// A function of the depth t along such a ray that is linear over the image of a plane: the inverse
+// of the depth measured along the line of sight; without perspective the depth itself.
 float guide_depth(gpu_denoise_view view, float t, float cosine)
 {
     return view.kind == CAMERA_ORTHOGRAPHIC ? t : 1.0 / (t * cosine);

@@ -106,7 +106,7 @@ float pdf_onwards(material m, vec3 wo, vec3 wi, float eta, float bsdf_pdf)
     return mix(pdf_direction(transmits(m), wo, wi), bsdf_pdf, part_by_bsdf(m, wo, eta));
 }
 
-// In place of sample_bsdf(). u_part chooses between the BSDF's sampling and the other way.
+// Replaces sample_bsdf(). u_part chooses between the BSDF's sampling and the other way.
 bsdf_sample sample_onwards(material m, vec3 wo, float eta, vec4 u, float u_part)
 {
     float part = part_by_bsdf(m, wo, eta);

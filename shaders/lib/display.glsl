@@ -1,5 +1,5 @@
-// What the kernels that make a picture to look at have in common. Owns their linear pictures'
-// bindings.
+// Functions that the kernels of the displayed image share. Owns the bindings of their linear
+// images.
 #ifndef DISPLAY_GLSL
 #define DISPLAY_GLSL
 

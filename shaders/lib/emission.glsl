@@ -1,4 +1,4 @@
-// What a surface that a path has met sends back along it.
+// Emission that a surface sends back along the path that has met it.
 #ifndef EMISSION_GLSL
 #define EMISSION_GLSL
 

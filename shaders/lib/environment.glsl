@@ -1,5 +1,5 @@
-// What is around the scene: constant radiance, or a latitude-longitude image, sampled by
-// importance. Reads the environment's buffer, see render/environment_table.h.
+// The environment: constant radiance, or a latitude-longitude image, sampled by importance. Reads
+// the environment's buffer, see render/environment_table.h.
 #ifndef ENVIRONMENT_GLSL
 #define ENVIRONMENT_GLSL
 
@@ -130,7 +130,7 @@ vec4 load_environment_at(vec3 direction)
                 cell_density(cell, cell_luminances(cell), place.part.x, place.down));
 }
 
-// What arrives from a unit direction.
+// The radiance that arrives from a unit direction.
 vec3 environment_radiance(vec3 direction)
 {
     if (!HAS(FEATURE_ENVIRONMENT_IMAGE))
@@ -198,7 +198,7 @@ vec3 environment_direction(bool below, float versine, float turns)
 // `within` parts of the way through a texel, evenly by solid angle.
 vec3 direction_in_texel(uvec2 texel, vec2 within, uvec2 size)
 {
-    // From the nearer pole, where small angles have all their digits.
+    // Measured from the nearer pole, where small angles have all their digits.
     bool below = 2u * texel.y >= size.y;
     uint row = below ? size.y - 1u - texel.y : texel.y;
     float part = below ? 1.0 - within.y : within.y;

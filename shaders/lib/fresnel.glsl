@@ -23,8 +23,8 @@ float fresnel_refracted(float cos_i, float cos_t, float eta)
     return min(1.0, 0.5 * (r_s * r_s + r_p * r_p));
 }
 
-// The same from 0 <= cos_i <= 1 alone. cos_t >= 0; it is 0, and the reflectance 1, from the angle
-// of total internal reflection on.
+// The reflectance of a dielectric, from 0 <= cos_i <= 1 alone. cos_t >= 0; it is 0, and the
+// reflectance 1, from the angle of total internal reflection on.
 float fresnel_dielectric(float cos_i, float eta, out float cos_t)
 {
     float k = (eta - 1.0) * (eta + 1.0);

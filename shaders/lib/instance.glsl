@@ -5,8 +5,8 @@
 #include "lib/buffers.glsl"
 #include "lib/primitive.glsl"
 
-// From the world to the mesh's space: first what is subtracted, then a matrix by its rows. In this
-// order nothing is lost where an instance is small and far from the world's origin.
+// The transform from the world to the mesh's space: first what is subtracted, then a matrix by its
+// rows. In this order nothing is lost where an instance is small and far from the world's origin.
 struct instance_inverse {
     vec3 place;
     mat3 rows; // its columns are the matrix's rows

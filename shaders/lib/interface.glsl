@@ -24,8 +24,8 @@ float disperse(inout vec3 throughput, medium m, float u)
     return m.ior + half_spread * (float(channel) - 1.0);
 }
 
-// What is on the two sides, as far as the surface bounds anything; attenuates the path on its way
-// here. False where nothing changes: the path passes.
+// Finds the media on the two sides of a surface that bounds one, and attenuates the path on its way
+// here. Returns false where the surface changes nothing and the path passes.
 bool find_media(inout vertex v, uint stack, float distance, float u_dispersion)
 {
     bool bounds = v.m.medium != 0u;

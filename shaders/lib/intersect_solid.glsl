@@ -23,10 +23,10 @@ const float FARTHEST = 3e38;
 // Roundings of a coordinate along a face's normal, by which an origin on the face may be off: twice
 // what surface.error says there, of which the origin was moved by once.
 #define ORIGIN_ROUNDINGS GAMMA(48)
-// Of the cosine between a direction and a normal, of 1.
+// A bound of the rounding error of the cosine between a direction and a normal, relative to 1.
 #define SLOPE_ROUNDINGS GAMMA(16)
 
-// What is left of a ray within the faces that were looked at, and which faces end it.
+// The part of a ray that is within the faces tested so far, and the faces that end it.
 struct interval {
     float near, far;
     float near_face, far_face;
@@ -154,7 +154,7 @@ round_ray intersect_round(vec3 f, vec3 d, float radius, float bound, vec3 speeds
         // The normal is as uncertain as the distance is, of the radius.
         float slope_error = SLOPE_ROUNDINGS * dot(abs(f), speeds) +
                             min(bound / max(away, radius), 1.0) * away * sqrt(r.a);
-        // Of what is hardly thicker than that, rays leave unless they are certain not to.
+        // Rays leave a cylinder that is hardly thicker than that unless they are certain not to.
         r.misses = leaves_face(8.0 * bound > radius ? bound : away - radius, -r.b, slope_error);
         c = min(c, 0.0);
     }
@@ -173,7 +173,8 @@ round_ray intersect_round(vec3 f, vec3 d, float radius, float bound, vec3 speeds
     return r;
 }
 
-// What a cylinder's side may be off by where `f` leads to it from the axis, at a height along it.
+// A bound of the error of a point on a cylinder's side, to which `f` leads from the axis, at a
+// height along it.
 float side_bound(vec3 f, vec3 reach, float radius, float height)
 {
     float away = max(length(f), SMALLEST_NORMAL);

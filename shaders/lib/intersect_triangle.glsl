@@ -59,7 +59,7 @@ bool intersect_triangle(triangle_frame frame, vec3 origin, vec3 v0, vec3 v1, vec
     return intersect_corners(a, b, c, t, uv);
 }
 
-// As above, for a triangle given by a corner and its edges: rounding moves it as a whole.
+// Intersects a triangle given by a corner and its edges, so that rounding moves it as a whole.
 bool intersect_small_triangle(triangle_frame frame, vec3 origin, vec3 v0, vec3 edge1, vec3 edge2,
                               out float t, out vec2 uv)
 {

@@ -62,8 +62,8 @@ void sample_triangle_light(vec3 origin, uint index, float pick, vec2 u, inout li
     }
 }
 
-// What textures leave of a sampled primitive's emission, and whether it is there at all: on
-// average, since the shadow ray does not ask what it is sent to.
+// Scales the emission of a sampled primitive by its textures, and by its opacity: on average, since
+// the shadow ray does not test the emitter that it is sent to.
 void texture_light(vec3 origin, inout light_sample l)
 {
     vec3 point = origin + l.to_light;
@@ -80,7 +80,7 @@ void texture_light(vec3 origin, inout light_sample l)
         l.radiance *= alpha_probability(l.primitive, l.barycentrics, point, l.material);
 }
 
-// What a spot sends into the unit direction `from_light`, as a part of its intensity
+// The part of a spot's intensity that goes into the unit direction `from_light`
 // (KHR_lights_punctual): clamp((cos - cos_outer) / (cos_inner - cos_outer), 0, 1)^2, by 1 - cos,
 // which does not cancel where the cone is narrow.
 float spot_falloff(vec3 direction, vec3 from_light, float scale, float offset)
@@ -147,8 +147,7 @@ void sample_point_light(vec3 origin, uint index, float pick, vec2 u, inout light
 
 void sample_environment_light(vec2 u, inout light_sample l)
 {
-    // What the environment's texels need of bits beyond those of u: of no consequence for
-    // stratification.
+    // Bits beyond those of u for the environment's texels: of no consequence for stratification.
     uvec4 more = pcg4d(uvec4(floatBitsToUint(u), 0u, 0u));
     vec3 direction;
     vec2 low = vec2(more.xy >> 8u) * 5.9604644775390625e-8;

@@ -6,7 +6,7 @@
 #include "lib/buffers.glsl"
 #include "lib/surface.glsl"
 
-// What emitters send light to: a point of a surface.
+// The point of a surface that emitters send light to.
 struct receiver {
     vec3 position;
     vec3 normal;    // unit, on the side that is lit; 0: any direction counts

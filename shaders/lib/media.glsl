@@ -59,14 +59,14 @@ medium load_medium(uint number)
     return medium(words.rgb, words.a, load_materials_float(at + 1u).y);
 }
 
-// What passes of light on a way of this length (Beer and Lambert). An extinction so large that the
-// product is infinite transmits nothing, but all at distance 0.
+// The part of light that passes through this length of a medium (Beer and Lambert). An extinction
+// so large that the product is infinite transmits nothing, but all at distance 0.
 vec3 transmittance(medium m, float distance)
 {
     return exp(-m.extinction * distance);
 }
 
-// What a surface separates for a ray that hits it, and which stack it is in on the other side.
+// The media that a surface separates for a ray that hits it, and the ray's stack on the other side.
 struct media_interface {
     uint here, beyond;  // media
     uint stack_beyond;

@@ -1,4 +1,4 @@
-// What words of primitives and of leaves stand for.
+// The encoding of primitives' and leaves' words.
 #ifndef PRIMITIVE_GLSL
 #define PRIMITIVE_GLSL
 

@@ -1,5 +1,5 @@
-// What the principled model makes of a material and of wo alone: the weights of the layers and the
-// probabilities of the lobes. Part of lib/bsdf_principled.glsl.
+// Everything of the principled model that depends on a material and on wo alone: the weights of the
+// layers and the probabilities of the lobes. Part of lib/bsdf_principled.glsl.
 #ifndef PRINCIPLED_GLSL
 #define PRINCIPLED_GLSL
 
@@ -9,7 +9,7 @@
 #include "lib/microfacet.glsl"
 
 struct principled {
-    // Of the base.
+    // The base:
     vec3 base_color;
     float roughness;
     vec2 alpha;
@@ -126,17 +126,17 @@ bool principled_tries_again(principled p)
            p.tries_again;
 }
 
-// Of a reflectance or an albedo, what counts for what lies beneath: in glTF the greatest channel, so
-// that coloured reflection leaves white light (KHR_materials_specular).
+// The part of a reflectance or an albedo that is missing beneath the interface: in glTF the
+// greatest channel, so that coloured reflection leaves white light (KHR_materials_specular).
 vec3 principled_whitened(principled p, vec3 reflected)
 {
     return p.is_gltf ? vec3(max_channel(reflected)) : reflected;
 }
 
-// What the interface of the base reflects and what it lets through at a microfacet, for
-// cos_o = wo.h, the refracted direction's cosine and Fresnel's reflectance: R, and
-// (1 - metallic) transmission tint (1 - F_t); and the probabilities with which both are drawn.
-// Neither is one minus the other, which would cancel where it is small.
+// The reflectance and transmittance of the base's interface at a microfacet, for cos_o = wo.h, the
+// refracted direction's cosine and Fresnel's reflectance: R, and (1 - metallic) transmission tint
+// (1 - F_t); and the probabilities with which both are drawn. Neither is one minus the other, which
+// would cancel where it is small.
 //
 // Here and in lib/bsdf_principled.glsl what is stored or returned is `precise`: else a compiler may
 // regroup sums and products, and round them in another way where it knows that a lobe is not there.
@@ -235,9 +235,9 @@ void prepare_dielectric(inout precise principled p, material m, float eta)
     }
 }
 
-// What depends on the microfacets' slopes alone: E1, means over what they reflect of Fresnel's
-// reflectance (an upper bound, where the surface is anisotropic) and of Schlick's weight, and a
-// cosine that stands for theirs.
+// Albedos that depend on the microfacets' slopes alone: E1, the means over reflected directions of
+// Fresnel's reflectance (an upper bound, where the surface is anisotropic) and of Schlick's weight,
+// and a cosine that stands for theirs.
 vec4 principled_albedo_slopes(principled p, material m, vec3 wo, float alpha)
 {
     float cos_t;
@@ -254,7 +254,7 @@ vec4 principled_albedo_slopes(principled p, material m, vec3 wo, float alpha)
         e.z = schlick_weight(cosine);
         e.w = cosine;
         e.y = fresnel_dielectric(cosine, max(p.eta, 1.05), cos_t);
-        // From inside: no more than Schlick's curve from the angle of total reflection on.
+        // Seen from inside: no more than Schlick's curve from the angle of total reflection on.
         float critical = sqrt(max(0.0, (1.0 - p.eta) * (1.0 + p.eta)));
         float beyond = schlick_weight((cosine - critical) / (1.0 - critical));
         if (p.eta < 1.0)

@@ -5,7 +5,7 @@
 #include "lib/media.glsl"
 #include "lib/random.glsl"
 
-// In place of a pixel's number, which is less: what all pixels share.
+// Stands for a pixel's number, which is less, where all pixels share a random number.
 const uint NO_PIXEL = 0xffffffffu;
 
 // Russian roulette: survivors carry those who are ended (Arvo and Kirk 1990), by throughput, with

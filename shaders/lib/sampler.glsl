@@ -106,7 +106,7 @@ uint digits_3(uint n)
 // dimension numbers go together as if they were independent.
 vec4 sobol_4d(uint index, uvec4 keys)
 {
-    // As a next step of pcg4d() would do.
+    // One more step of pcg4d().
     uint order = keys.x + keys.y * keys.w;
     uint n = bitfieldReverse(scramble(uvec4(bitfieldReverse(index)), uvec4(order)).x);
     uvec4 digits = uvec4(n, digits_1(n), digits_2(n), digits_3(n));

@@ -59,8 +59,8 @@ vec3 sdf_origin(sdf_field f)
     return vec3(f.to_object[0].w, f.to_object[1].w, f.to_object[2].w);
 }
 
-// What rounding may have put into the value of a program: 16 roundings of the largest coordinate,
-// found by comparison with double precision (tests/kernels/test_sdf.c).
+// A bound of the rounding error of a program's value: 16 roundings of the largest coordinate, found
+// by comparison with double precision (tests/kernels/test_sdf.c).
 float sdf_error(sdf_field f)
 {
     return GAMMA(16) * max(f.magnitude, 1e-30);
@@ -73,7 +73,7 @@ float max3(vec3 v)
     return max(v.x, max(v.y, v.z));
 }
 
-// From the distances along the axes of a corner.
+// The distance to a corner from the distances along the axes.
 float corner(vec3 q)
 {
     return length(max(q, 0.0)) + min(max3(q), 0.0);
@@ -299,7 +299,8 @@ vec3 sdf_mirror(const vec3 p, const vec3 a, const vec4 b)
 vec4 sdf_places[SDF_POINTS_MAX];       // saved points and factors
 float sdf_pending[SDF_DISTANCES_MAX + 1]; // distances below the last one
 
-// Of operations up to SDF_PYRAMID but metaballs. The driver leaves out those that the scene lacks.
+// Evaluates operations up to SDF_PYRAMID but metaballs. The driver leaves out those that the scene
+// lacks.
 float sdf_shape(uint op, vec3 p, vec3 a, vec4 b)
 {
     float d = 0.0;

@@ -7,8 +7,8 @@
 #include "lib/shape_record.glsl"
 #include "lib/trace_types.glsl"
 
-// Of a shape that is not everywhere there, makes the first crossing the one where it is: where a
-// ray passes a near side it may meet the far one, another place of decision.
+// Makes the first crossing of a shape with alpha the one where the shape is there: a ray that
+// passes the near side may meet the far one, which is another place of decision.
 void cross_where_there(trace_ray ray, shape_record shape, uint primitive, inout crossings c)
 {
     const uint far_side = 0x80000000u;

@@ -84,7 +84,8 @@ bool is_convex_light(uint kind)
            (HAS_EMITTER(EMITTER_CYLINDERS) && kind == SHAPE_KIND_CYLINDER);
 }
 
-// What a place sees of one of these. From outside they hide what faces away, from inside nothing.
+// The part of such a shape that a point sees. From outside, a shape hides its sides that face away;
+// from inside nothing.
 struct shape_sight {
     bool is_outside;
     vec3 areas;  // of a box's faces across each axis; of a cylinder's side and caps
@@ -129,7 +130,7 @@ shape_sight cylinder_sight(shape_record shape, vec3 origin)
     return sight;
 }
 
-// Of what is neither, no more than the kind counts.
+// The part that a point sees of a shape of any kind; only boxes and cylinders have sides to hide.
 shape_sight sight_of_shape(shape_record shape, vec3 origin)
 {
     shape_sight sight;
@@ -268,7 +269,8 @@ bool hides_itself(shape_record tube, vec3 point, vec3 towards)
     return t > 0.0 && t < 1.0;
 }
 
-// From outside uniformly in the cone that the sphere fills, to its near side; from inside by area.
+// Samples a sphere: from outside uniformly in the cone that it fills, to its near side; from inside
+// by area.
 void sample_sphere_light(vec3 origin, vec3 center, float radius, material m, float density, vec2 u,
                          inout light_sample l)
 {

@@ -7,7 +7,7 @@
 #include "lib/large_sphere.glsl"
 #include "lib/primitive.glsl"
 
-// As struct gpu_shape.
+// A struct gpu_shape, unpacked.
 struct shape_record {
     vec3 center;
     float radius;

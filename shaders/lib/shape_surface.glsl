@@ -115,7 +115,7 @@ void surface_of_plane(vec3 point, vec3 normal, inout surface s)
 
 void surface_of_sphere(vec3 point, float radius, inout surface s)
 {
-    // Of the smallest ones, far from the origin, rounding leaves nothing but the centre.
+    // Rounding leaves nothing but the centre of the smallest spheres, far from the origin.
     vec3 f = point - s.center;
     s.normal_geometric = dot(f, f) > 0.0 ? normalize(f) : vec3(0.0, 1.0, 0.0);
     s.radius = radius;
@@ -134,9 +134,9 @@ void surface_of_sphere(vec3 point, float radius, inout surface s)
     }
 }
 
-// What points that were moved by `shift` to a face at `distance` from the centre are off by: the
-// distance of the point from the centre along the normal has 10 roundings, among them those of the
-// normal, and that of the face 8.
+// A bound of the error of points that were moved by `shift` to a face at `distance` from the
+// centre: the distance of the point from the centre along the normal has 10 roundings, among them
+// those of the normal, and that of the face 8.
 vec3 error_of_face(vec3 point, vec3 center, vec3 shift, vec3 normal, float distance)
 {
     return GAMMA(16) * (abs(point) + abs(center) + abs(shift)) + GAMMA(8) * distance * abs(normal);

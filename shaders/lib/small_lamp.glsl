@@ -8,7 +8,7 @@
 #include "lib/intersect_triangle.glsl"
 #include "lib/triangle.glsl"
 
-// As struct gpu_small_triangle.
+// A struct gpu_small_triangle, unpacked.
 struct small_triangle {
     vec3 v0, edge1, edge2;
     uint first, count, emitter;
@@ -60,7 +60,7 @@ bool is_hidden_by_lamp(uint place, vec2 b, vec3 way)
     return hidden;
 }
 
-// The same of any triangle: others ask shadow rays.
+// Whether a triangle, if it is small, is hidden by its own lamp: other triangles ask shadow rays.
 bool is_hidden_by_lamp(triangle_record t, vec2 b, vec3 way)
 {
     bool is_small = IS_SMALL(t.word);

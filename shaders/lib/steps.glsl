@@ -15,7 +15,7 @@
 #define COUNTS_STEPS (HAS(FEATURE_STEPS) || HAS_AOV(AOV_STEPS))
 #endif
 
-// Of this thread's ray.
+// Counts steps of this thread's ray.
 struct trace_steps {
     uint nodes, primitives;
 };

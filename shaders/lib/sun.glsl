@@ -6,8 +6,8 @@
 
 #include "lib/sampling.glsl"
 
-// Of a cone whose irradiance on a surface that faces it is given: the integral of the cosine over
-// the cone is pi sin^2.
+// The radiance of a cone whose irradiance on a surface that faces it is given: the integral of the
+// cosine over the cone is pi sin^2.
 vec3 sun_radiance(vec3 irradiance, float versine)
 {
     return irradiance / (PI * versine * (2.0 - versine));

@@ -64,11 +64,11 @@ vec3 place_tangent(placement p, vec3 tangent)
     return tangent;
 }
 
-// From the mesh's space to the world's, with the geometric normal, which faces the same side; a
-// reflection keeps the outside outside. What is exact is the way to the mesh's space, on which rays
-// are tested; so the position's error is that of a ray that starts there and is taken back: both
-// transforms' rounding counts, as far as it moves the point off the surface (after Pharr, Jakob,
-// Humphreys 2023, section 6.8.4).
+// Takes a surface from the mesh's space to the world's, with the geometric normal, which faces the
+// same side; a reflection keeps the outside outside. Exact is the transform to the mesh's space, in
+// which rays are tested; so the position's error is that of a ray that starts there and is taken
+// back: both transforms' rounding counts, as far as it moves the point off the surface (after
+// Pharr, Jakob, Humphreys 2023, section 6.8.4).
 void place_point(placement p, inout surface s)
 {
     vec3 along = s.position * p.rows;
@@ -103,7 +103,7 @@ vec4 decode_tangent(uvec4 word, vec3 b, placement p)
     return vec4(unit, is_negative ? -1.0 : 1.0);
 }
 
-// From differences, so that large coordinates that differ little keep their digits.
+// Interpolated by differences, so that large coordinates that differ little keep their digits.
 vec2 load_uv(uint at, vec2 b)
 {
     vec4 low = load_attributes_float(at);
@@ -124,7 +124,7 @@ vec4 load_color(uint at, vec2 b)
            b.y * decode_color(last.x, last.y);
 }
 
-// What the corners carry but normals, at barycentric coordinates b of corners 1 and 2.
+// Loads the attributes of the corners but normals, at barycentric coordinates b of corners 1 and 2.
 void load_corner_attributes(uint index, vec2 b, placement p, inout surface s)
 {
     uint at = index * ATTRIBUTE_WORDS;

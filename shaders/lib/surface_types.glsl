@@ -1,4 +1,4 @@
-// What is known of a point on a surface.
+// The attributes of a point on a surface.
 #ifndef SURFACE_TYPES_GLSL
 #define SURFACE_TYPES_GLSL
 

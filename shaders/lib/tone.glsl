@@ -1,5 +1,5 @@
-// From linear radiance to display values: the curves of image/tone.c, which tells where they come
-// from, in single precision. Pure functions.
+// Tone curves from linear radiance to display values: those of image/tone.c, which gives their
+// sources, in single precision. Pure functions.
 #ifndef TONE_GLSL
 #define TONE_GLSL
 

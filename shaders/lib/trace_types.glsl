@@ -35,7 +35,7 @@ void accept_hit(inout trace_hit best, bool hit, float t, vec2 uv, uint primitive
         best.instance = nearer ? instance : best.instance;
 }
 
-// Of what is in the world itself.
+// Accepts a hit of a primitive that belongs to the world, not to an instance.
 void accept_hit(inout trace_hit best, bool hit, float t, vec2 uv, uint primitive, uint id)
 {
     accept_hit(best, hit, t, uv, primitive, id, NO_INSTANCE);

@@ -68,7 +68,7 @@ bool leaves_triangle(left_plane plane, vec3 origin, vec3 v0, vec3 v1, vec3 v2)
            in_plane(plane, from, v2);
 }
 
-// What a traversal is in the middle of.
+// The state of a traversal that is not finished.
 struct trace_state {
     uint current; // node, or leaf word, or BVH_EMPTY: done
     uint depth;   // entries on the stack, the sentinel included
@@ -85,7 +85,7 @@ void trace_begin(out trace_state state)
     state = trace_state(0u, 1u, 0.0, NO_INSTANCE);
 }
 
-// What ends an instance's part of the stack: then the traversal is in the world again.
+// Marks the end of an instance's part of the stack: then the traversal is in the world again.
 #define BVH_LEAVE 0xfffffffeu
 
 // The ray as the tree in hand sees it. Directions keep their length in the world, so that distances
@@ -143,7 +143,7 @@ bool is_beside_target(left_plane plane, triangle_record t)
     return abs(height) <= GAMMA(2) * rounding && length(turn) <= PARALLEL_TOLERANCE;
 }
 
-// What decides whether a triangle that is not everywhere there is met: differs between instances.
+// The key by which alpha decides whether a triangle is met: it differs between instances.
 uint crossing_of(uint id, uint instance)
 {
     if (HAS_GEOMETRY(GEOMETRY_INSTANCES))

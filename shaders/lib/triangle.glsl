@@ -4,7 +4,7 @@
 
 #include "lib/buffers.glsl"
 
-// As struct gpu_triangle.
+// A struct gpu_triangle, unpacked.
 struct triangle_record {
     vec3 v0, v1, v2;
     vec3 edge1, edge2; // from v0 to the others

@@ -29,8 +29,7 @@ float exponent_of_alpha(float alpha)
     return clamp(0.5 / (alpha * alpha) - 0.5, 0.0, 1e6);
 }
 
-// What an interface reflects goes where roughness says: smooth ones mirror, rough ones have a
-// highlight.
+// Adds an interface's reflection by its roughness: smooth ones mirror, rough ones have a highlight.
 void whitted_gloss(inout whitted_surface w, vec3 reflectance, float alpha)
 {
     if (is_delta(alpha)) {
@@ -235,7 +234,7 @@ bool whitted_lights(vertex v, whitted_surface w)
         vec3 local = wi * v.frame;
         vec3 radiance = vec3(0.0);
         if (l.pdf > 0.0 && local.z > 0.0 && dot(wi, s.normal_geometric) > 0.0) {
-            // As in eval_phong(): Lafortune and Willems 1994.
+            // The lobe of eval_phong(): Lafortune and Willems 1994.
             vec3 difference = local - mirrored_wo;
             float lobe = 0.5 * INV_PI * (w.exponent + 2.0) *
                          power_one_minus(0.5 * dot(difference, difference), w.exponent);
@@ -256,7 +255,7 @@ bool whitted_lights(vertex v, whitted_surface w)
 
 // --- rays to follow -----------------------------------------------------------------------------
 
-// Of two rays that go on, one that carries less than this is not followed (Hall and Greenberg 1983,
+// Where two rays go on, one that carries less than this is not followed (Hall and Greenberg 1983,
 // "A Testbed for Realistic Image Synthesis"): trees would double with every depth. Where a ray goes
 // on alone, it does whatever it carries.
 const float LEAST_PART = 0.0009765625; // 2^-10: an eighth of what 8 bits tell apart

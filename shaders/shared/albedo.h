@@ -45,7 +45,7 @@
 #define ALBEDO_TURNED_GLASS_AZIMUTH 6u
 #define ALBEDO_TURNED_GLASS_ETA 6u
 
-// What 65535 stands for where values have 16 bits: nodes of 1 may be raised too.
+// The value of 65535 in tables of 16 bits: nodes of 1 may be raised too.
 #define ALBEDO_HIGHEST 1.015625
 // Logarithms of anisotropic over isotropic albedos of glass: 0 and 65535 stand for minus and plus
 // this. Their roughness begins at the first value, their axis of eta ends at the second.

@@ -5,8 +5,8 @@
 
 #include "bindings.h"
 
-// Of the first surface that a camera ray meets. Depth and position are means over the samples that
-// met one, so that they need AOV_ALPHA, the share of those.
+// AOVs of the first surface that a camera ray meets. Depth and position are means over the samples
+// that met one, so they need AOV_ALPHA, the share of those samples.
 #define AOVS_OF_SURFACES                                                                           \
     (AOV_ALBEDO | AOV_NORMAL | AOV_NORMAL_GEOMETRIC | AOV_DEPTH | AOV_POSITION | AOV_IDS |         \
      AOV_ALPHA)

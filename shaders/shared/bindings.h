@@ -27,11 +27,11 @@
 #define TEXEL_BINDING(binding) (TEXEL_BINDING_FIRST + (binding))
 #define UNIFORM_BINDING_FRAME 28 // struct gpu_frame
 
-// Storage buffers again: what of a scene's buffers is beyond a storage buffer's range. The buffers'
-// parts but their first follow each other, as many as the constant PARTS says.
+// Storage buffers again: the parts of a scene's buffers beyond a storage buffer's range. Each
+// buffer's parts but its first follow each other, as many as the constant PARTS says.
 #define BINDING_PARTS 29
-#define PARTS_MAX 16
-// Of PARTS: a buffer's parts but the first, for the bindings up to BINDING_TEXELS.
+// The constant PARTS has, for each binding up to BINDING_TEXELS, the number of a buffer's parts
+// beyond the first.
 #define PARTS_BITS 4
 #define PARTS_OF(parts, binding) (((parts) >> (PARTS_BITS * (binding))) & 15u)
 
@@ -45,7 +45,7 @@
 #define CONSTANT_QUEUES 6   // bits of the queues that exist
 #define CONSTANT_EMITTERS 7 // EMITTER_* that next-event estimation may connect to
 #define CONSTANT_AOVS 8     // AOV_* that are asked for
-// Of shared/methods.h:
+// Choices of shared/methods.h:
 #define CONSTANT_INTEGRATOR 9
 #define CONSTANT_SAMPLER 10
 #define CONSTANT_HALVES 11
@@ -64,8 +64,8 @@
 #define CONSTANT_ENVIRONMENT_FILTER 24
 #define CONSTANT_COUNT 25
 
-// What a (scene, settings, device) needs. Kernels test these bits of one specialization constant,
-// so that what is not needed is not in the code.
+// Features that a (scene, settings, device) needs. Kernels test these bits of one specialization
+// constant, so that code that is not needed is left out.
 #define FEATURE_TRIANGLES (1u << 0)
 #define FEATURE_FAR_CAMERA (1u << 1)          // camera rays begin near the scene: frame.camera_start
 #define FEATURE_NORMALS (1u << 3)             // interpolated shading normals
@@ -88,20 +88,21 @@
 #define FEATURE_UV1 (1u << 20)
 #define FEATURE_TANGENTS (1u << 21)
 #define FEATURE_COLORS (1u << 22) // of vertices: they scale base colour and opacity
-#define FEATURE_ALPHA (1u << 23)  // some surface is not everywhere there
-// Of the device rather than of the scene.
+#define FEATURE_ALPHA (1u << 23)  // some material has opacity < 1
+// These depend on the device rather than on the scene.
 #define FEATURE_TEXEL_SCENE (1u << 24) // scene buffers are read as texel buffers
 #define FEATURE_TEXEL_STATE (1u << 25) // path state likewise
 #define FEATURE_BALLOT (1u << 26)      // queue slots are reserved by subgroup ballot
-// Of one dispatch: a traversal that runs out of its budget saves its state and goes on later.
+// This depends on the dispatch: a traversal that runs out of its budget saves its state and goes on
+// later.
 #define FEATURE_SUSPEND (1u << 27)
 #define FEATURE_STEPS (1u << 31) // the steps of traversals are counted
-// Of the scene again.
+// These depend on the scene again.
 #define FEATURE_MEDIA (1u << 28) // some surfaces bound something: refraction, absorption
 #define FEATURE_NORMAL_MAPS (1u << 29)
 #define FEATURE_TILES (1u << 30) // tiles of the picture have sample counts of their own
 
-// What else than triangles rays may meet.
+// Kinds of geometry that rays may meet besides triangles.
 #define GEOMETRY_SPHERES (1u << 0)
 #define GEOMETRY_DISCS (1u << 1)
 #define GEOMETRY_PLANES (1u << 2)
@@ -117,7 +118,7 @@
 #define GEOMETRY_SMALL_TRIANGLES (1u << 11) // some are too small for where they are
 #define GEOMETRY_END (1u << 12)
 
-// What emits and is connected to.
+// Kinds of emitters that vertices are connected to.
 #define EMITTER_TRIANGLES (1u << 0)
 #define EMITTER_SPHERES (1u << 1)
 #define EMITTER_DISCS (1u << 2)
@@ -148,12 +149,12 @@
 #define AOV_EMISSION (1u << 6)
 #define AOV_DIRECT (1u << 7)
 #define AOV_INDIRECT (1u << 8)
-// What the film has anyway.
+// These are in the film anyway.
 #define AOV_SAMPLES (1u << 9)
 #define AOV_VARIANCE (1u << 10)
 #define AOV_HALVES (1u << 11)
 #define AOV_ALPHA (1u << 12) // the share of samples that met a surface
-// Of camera rays themselves.
+// This is measured on camera rays themselves.
 #define AOV_STEPS (1u << 13) // nodes visited and primitives tested until the first hit
 #define AOV_END (1u << 14)
 

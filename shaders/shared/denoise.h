@@ -1,6 +1,6 @@
-// What the kernels of the denoised preview share with C: their own bindings in the common layout,
-// constants, and records. Per pixel each buffer but the film has one word of four; of two of a kind
-// the second is what the last view left, the history.
+// Bindings, constants and records that the kernels of the denoised preview share with C. Every
+// buffer but the film has one word of four a pixel. Where a buffer comes as a pair, the first is
+// the current frame's and the second the history, which the last view left.
 #ifndef LAMPYRIS_SHARED_DENOISE_H
 #define LAMPYRIS_SHARED_DENOISE_H
 
@@ -19,11 +19,11 @@
 // luminance: a sum of squared deviations, and its degrees of freedom.
 #define DENOISE_RECORDS 5
 #define DENOISE_RECORDS_HISTORY 6
-// What the wavelet reads and writes: light, and the variance of its luminance.
+// The wavelet reads and writes light and the variance of its luminance.
 #define DENOISE_FROM 7
 #define DENOISE_TO 8
-// What the light is divided by and multiplied with again; then 1 where the film's halves tell a
-// variance, else 0.
+// The factor by which light is divided and later multiplied again; w is 1 where the film's halves
+// give a variance, else 0.
 #define DENOISE_MODULATION 9
 #define DENOISE_PICTURE 10  // radiance, samples of the film
 #define DENOISE_EMISSION 11 // what reaches the camera from emitters, without reflection

@@ -1,11 +1,11 @@
-// What the kernels of the viewer's picture and of its denoiser share with C.
+// Records and constants that the kernels of the viewer's image and of its denoiser share with C.
 #ifndef LAMPYRIS_SHARED_DISPLAY_H
 #define LAMPYRIS_SHARED_DISPLAY_H
 
 #include "aov.h"
 #include "types.h"
 
-// What a picture shows: the radiance, or one of the pictures besides it (AOV_*).
+// An image shows the radiance, or one of the other layers (AOV_*).
 #define SHOWN_RADIANCE 0u
 #define SHOWN_ALBEDO 1u
 #define SHOWN_NORMAL 2u // its components from [-1, 1]
@@ -99,8 +99,9 @@ struct gpu_display_push {
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_display_push, 92);
 
-// Of a pixel along one side of a picture: the pixels of another that it is made of, and how much of
-// each. What head and tail leave of 1 is shared evenly by those between them.
+// Taps of one pixel along one side of an image: the pixels of another image that it is made of, and
+// the weight of each. The weight that head and tail leave of 1 is shared evenly by those between
+// them.
 struct gpu_display_taps {
     uint first;
     uint count_step; // how many, in bits 0-7; from one to the next

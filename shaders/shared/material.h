@@ -1,4 +1,4 @@
-// What a surface is made of: parameters, flags, textures. Read by C and by GLSL.
+// Materials: parameters, flags, textures. Read by C and by GLSL.
 #ifndef LAMPYRIS_SHARED_MATERIAL_H
 #define LAMPYRIS_SHARED_MATERIAL_H
 
@@ -108,7 +108,7 @@
 #define CLASS_CLASSICAL 3u    // Phong, Blinn-Phong, microfacet, conductor
 #define CLASS_COUNT 4u
 
-// What a class, or all of them, needs of lib/bsdf.glsl: bits of the constant LOBES.
+// Lobes of lib/bsdf.glsl that a class, or all of them, needs: bits of the constant LOBES.
 #define LOBE_LAMBERT (1u << 0)
 #define LOBE_MIRROR (1u << 1)
 #define LOBE_PRINCIPLED (1u << 2)     // diffuse and specular reflection
@@ -134,7 +134,7 @@
 #define LOBE_SEPARABLE (1u << 22)
 #define LOBE_BURLEY (1u << 23)        // principled that is mixed as Burley does
 #define LOBE_GLTF (1u << 24)          // principled that is mixed as glTF says
-// What may send light through a surface.
+// These lobes may send light through a surface.
 #define LOBES_THROUGH (LOBE_TRANSMISSION | LOBE_DIELECTRIC | LOBE_DIFFUSE_TRANSMISSION)
 
 // How a texture is read, in gpu_texture.flags.
@@ -146,7 +146,7 @@
 #define TEXTURE_NEAREST (1u << 4)
 #define TEXTURE_UV1 (1u << 5)   // the second UV set
 #define TEXTURE_FLOAT (1u << 6) // texels of four floats, else of four halves
-// What it does.
+// The texture's use.
 #define TEXTURE_USE_SHIFT 8 // 2 bits
 #define TEXTURE_USE_SCALE 0u      // scales the parameters of a group
 #define TEXTURE_USE_NORMAL 1u     // tangent-space normal map, (rgb * 2 - 1), scaled by normal_scale

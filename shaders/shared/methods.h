@@ -3,7 +3,7 @@
 #ifndef LAMPYRIS_SHARED_METHODS_H
 #define LAMPYRIS_SHARED_METHODS_H
 
-// What a picture is of.
+// Integrators: the quantity that an image shows.
 #define INTEGRATOR_PATH 0u
 #define INTEGRATOR_DIRECT 1u // one scattering event
 #define INTEGRATOR_AO 2u     // how much of the sky each surface sees within a distance
@@ -29,7 +29,7 @@
 #define FILTER_GAUSSIAN 2u
 #define FILTER_BLACKMAN_HARRIS 3u
 
-// What lies between the texels of an environment's image.
+// Filters between the texels of an environment's image.
 #define ENVIRONMENT_FILTER_BILINEAR 0u
 #define ENVIRONMENT_FILTER_NEAREST 1u // each texel is a patch of constant radiance
 
@@ -61,7 +61,7 @@
 #define ROULETTE_FRAME 2u    // a geometric depth for each sample number, shared by all pixels
 #define ROULETTE_OFF 3u
 
-// What the BVH's nodes are; of bvh.h rather than a setting.
+// Formats of the BVH's nodes; chosen in bvh.h, not a setting.
 #define NODES_QUANTISED 0u
 #define NODES_FLOAT 1u
 

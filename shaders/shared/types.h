@@ -27,7 +27,7 @@ typedef uint32_t uint;
 #define PRIMITIVE_SHAPE 0x40000000u
 // A light without extent: its index with this bit. Never hit, so that shadow rays may ignore it.
 #define PRIMITIVE_LIGHT 0x20000000u
-// What is around the scene, as an emitter.
+// This word stands for the environment as an emitter.
 #define PRIMITIVE_ENVIRONMENT 0x10000000u
 #define NO_EMITTER 0xffffffffu
 
@@ -151,7 +151,7 @@ struct gpu_texture {
 SHARED_STATIC_ASSERT_SIZE(gpu_texture, 48);
 #define TEXTURE_WORDS 3
 
-// What is inside of a closed surface.
+// The medium inside of a closed surface.
 struct gpu_medium {
     float extinction[3]; // 1/length, at most 3.4e38 in place of infinity
     float ior;
@@ -270,7 +270,8 @@ struct gpu_shadow_ray {
                      // without extent: for replay
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_shadow_ray, 48);
-// The same. With instances one more: that on which the ray starts; 0, 0, 0.
+// Words of a shadow ray that the scene has. With instances there is one more: the instance on which
+// the ray starts; 0, 0, 0.
 #define SHADOW_WORDS_OF(geometry) (((geometry)&GEOMETRY_INSTANCES) != 0u ? 4u : 3u)
 #define SHADOW_INSTANCE 3
 #ifdef GL_core_profile
@@ -324,7 +325,7 @@ SHARED_STATIC_ASSERT_SIZE(gpu_resolved_pixel, 32);
 
 #define DISPATCH_PARTS 64
 
-// What FEATURE_STEPS counts, of rays to the nearest hit and of shadow rays.
+// FEATURE_STEPS counts these of rays to the nearest hit and of shadow rays.
 #define STEPS_CLOSEST 0 // nodes visited; + 1: primitives tested
 #define STEPS_SHADOW 2  // the same
 #define STEPS_COUNT 4
