@@ -67,6 +67,7 @@ bool renderer_restart(struct renderer *r, uint32_t seed, struct err *err)
 {
     r->frame.seed = seed;
     r->next_sample = r->round_target = 0;
+    r->stats.nonfinite = (struct nonfinite_stats){0};
     if (r->tiles.done)
         memset(r->tiles.done, 0, r->tiles.count * sizeof *r->tiles.done);
     return frame_upload(r, err) && renderer_clear(r, err);

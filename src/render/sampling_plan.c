@@ -43,6 +43,11 @@ void sampling_plan(struct renderer *r, bool open_ended)
                  (unsigned long long)LCG_STATES, (unsigned long long)samples);
 }
 
+void renderer_plan_samples(struct renderer *r, uint64_t samples)
+{
+    r->frame.samples = (uint32_t)samples;
+}
+
 void sampling_plan_check(struct renderer *r, uint64_t samples)
 {
     uint64_t planned = r->frame.samples;

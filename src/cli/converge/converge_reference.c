@@ -39,7 +39,7 @@ static bool render(struct converge *c, uint32_t scene, struct err *err)
     out->spp = (uint64_t)samples;
     bool ok = converge_open(c, &curve, err);
     c->phase = "Reference";
-    curve.renderer.frame.samples = (uint32_t)out->spp;
+    renderer_plan_samples(&curve.renderer, out->spp);
     ok = ok && renderer_restart(&curve.renderer, ~curve.scene_data.settings.seed, err) &&
          converge_advance(c, &curve.renderer, out->spp, 0.0, 1.0, err) &&
          renderer_read(&curve.renderer, &c->arena, &film, err);

@@ -75,7 +75,7 @@ bool converge_open(struct converge *c, struct converge_curve *curve, struct err 
 static bool run_pilot(struct converge *c, struct converge_curve *curve, struct err *err)
 {
     struct renderer *r = &curve->renderer;
-    r->frame.samples = PILOT_SAMPLES;
+    renderer_plan_samples(r, PILOT_SAMPLES);
     if (!renderer_restart(r, ~curve->scene_data.settings.seed ^ 0x9e3779b9u, err) ||
         !converge_advance(c, r, 1, 0.0, 1e-9, err))
         return false;
@@ -208,7 +208,7 @@ static bool advance_to_time(struct run *run, uint32_t point, struct err *err)
 static bool begin(struct run *run, uint32_t point, struct err *err)
 {
     struct renderer *renderer = &run->curve->renderer;
-    renderer->frame.samples = (uint32_t)plan_samples(run->c, run->curve, point);
+    renderer_plan_samples(renderer, plan_samples(run->c, run->curve, point));
     uint32_t seed = run->curve->scene_data.settings.seed + run->replicate;
     if (!renderer_restart(renderer, seed, err))
         return false;

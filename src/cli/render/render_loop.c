@@ -312,7 +312,6 @@ bool job_run_pilot(struct render_job *job, struct err *err)
 {
     struct renderer *r = &job->renderer;
     uint32_t seed = r->frame.seed;
-    const struct nonfinite_stats before = r->stats.nonfinite;
     const struct render_call call = {.samples = 1, .progress_to = 1e-9, .stopped = &job->stopped};
     struct arena scratch = {0};
     bool ok = set_even_plan(job, &scratch, err) && renderer_restart(r, pilot_seed(seed), err) &&
@@ -321,7 +320,6 @@ bool job_run_pilot(struct render_job *job, struct err *err)
     if (ok && !job->stopped)
         ok = job_fetch_film(job, err) && make_plan(job, &job->arena, err) &&
              renderer_restart(r, seed, err) && renderer_set_plan(r, &job->plan, err);
-    r->stats.nonfinite = before;
     arena_finish(&scratch);
     return ok;
 }
