@@ -1,6 +1,6 @@
 // What is left of an error without the reference's own noise, on noise whose truth is known: means
 // of 1,000 draws must lie within 3.3 of their standard errors (99.9 %) of it.
-#include "cli/render/reference.h"
+#include "job/reference.h"
 
 #include "metrics/metrics.h"
 #include "test.h"

@@ -3,7 +3,7 @@
 #define LAMPYRIS_CLI_COMPARE_COMPARE_H
 
 #include "cli/options.h"
-#include "cli/render/reference.h"
+#include "job/reference.h"
 #include "metrics/metrics.h"
 #include "metrics/perceptual.h"
 

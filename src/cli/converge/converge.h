@@ -4,8 +4,8 @@
 #define LAMPYRIS_CLI_CONVERGE_CONVERGE_H
 
 #include "cli/options.h"
-#include "cli/render/reference.h"
 #include "cli/variants.h"
+#include "job/reference.h"
 #include "metrics/curve.h"
 #include "metrics/metrics.h"
 #include "render/render.h"

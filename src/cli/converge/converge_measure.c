@@ -1,7 +1,7 @@
 // What `lampyris converge` measures of a picture.
 #include "cli/converge/converge.h"
 
-#include "cli/render/film_error.h"
+#include "job/film_error.h"
 #include "metrics/perceptual.h"
 #include <math.h>
 #include <string.h>

@@ -3,7 +3,7 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "cli/render/render_job.h"
-#include "cli/render/timed_step.h"
+#include "job/timed_step.h"
 #include "render/sampling_plan.h"
 #include <math.h>
 #include <string.h>

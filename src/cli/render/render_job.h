@@ -4,9 +4,9 @@
 
 #include "base/file_lock.h"
 #include "cli/options.h"
-#include "cli/render/reference.h"
 #include "cli/render/trace_file.h"
 #include "image/image.h"
+#include "job/reference.h"
 #include "metrics/forecast.h"
 #include "metrics/metrics.h"
 #include "render/adaptive.h"

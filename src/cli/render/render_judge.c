@@ -1,9 +1,9 @@
 // Reads the film, and says how good it is and what twice the time would bring.
 #include "base/clock.h"
 #include "base/hash.h"
-#include "cli/render/film_error.h"
 #include "cli/render/render_bias.h"
 #include "cli/render/render_job.h"
+#include "job/film_error.h"
 #include "render/sampling_plan.h"
 #include <math.h>
 

@@ -2,7 +2,7 @@
 #include "cli/render/render_job.h"
 
 #include "cli/render/render_trace.h"
-#include "cli/render/timed_step.h"
+#include "job/timed_step.h"
 #include "render/sampling_plan.h"
 #include <math.h>
 #include <string.h>

@@ -1,10 +1,10 @@
 // What a render reports to people.
 #include "cli/render/render_report.h"
 #include "base/file.h"
-#include "cli/render/film_error.h"
 #include "cli/render/render_bias.h"
 #include "cli/render/sharing.h"
 #include "cli/tuned.h"
+#include "job/film_error.h"
 #include "report/text_out.h"
 #include <inttypes.h>
 #include <stdio.h>

@@ -2,8 +2,8 @@
 #include "viewer/core/viewer.h"
 
 #include "base/clock.h"
-#include "cli/render/film_error.h"
 #include "cli/render/render_report.h"
+#include "job/film_error.h"
 #include "report/json_out.h"
 #include "report/text_out.h"
 #include <math.h>

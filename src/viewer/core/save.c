@@ -4,8 +4,8 @@
 
 #include "base/file.h"
 #include "base/hash.h"
-#include "cli/render/film_error.h"
 #include "cli/render/render_job.h"
+#include "job/film_error.h"
 #include "scene/json/scene_write.h"
 #include <inttypes.h>
 #include <stdio.h>

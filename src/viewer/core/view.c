@@ -1,6 +1,6 @@
 #include "viewer/core/viewer.h"
 
-#include "cli/render/film_error.h"
+#include "job/film_error.h"
 #include <stdlib.h>
 
 // Seconds between two looks, once there were some at doubling numbers of samples: a look reads the

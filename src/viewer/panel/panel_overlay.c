@@ -2,8 +2,8 @@
 #include "viewer/panel/panel_internal.h"
 
 #include "base/false_color.h"
-#include "cli/render/film_error.h"
 #include "image/image.h"
+#include "job/film_error.h"
 #include <float.h>
 #include <math.h>
 #include <stdio.h>

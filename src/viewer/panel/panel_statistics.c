@@ -1,8 +1,8 @@
 // What there is to know of the picture as it grows.
 #include "viewer/panel/panel_internal.h"
 
-#include "cli/render/film_error.h"
 #include "cli/render/render_report.h"
+#include "job/film_error.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 // Runs that a clock ends.
-#ifndef LAMPYRIS_CLI_RENDER_TIMED_STEP_H
-#define LAMPYRIS_CLI_RENDER_TIMED_STEP_H
+#ifndef LAMPYRIS_JOB_TIMED_STEP_H
+#define LAMPYRIS_JOB_TIMED_STEP_H
 
 #include <stdint.h>
 

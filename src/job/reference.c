@@ -1,4 +1,4 @@
-#include "cli/render/reference.h"
+#include "job/reference.h"
 
 #include "metrics/metrics.h"
 #include "metrics/pixel.h"

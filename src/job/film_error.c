@@ -1,4 +1,4 @@
-#include "cli/render/film_error.h"
+#include "job/film_error.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,6 +1,6 @@
 // How good a film is, as its half-buffers tell: the one judge of render, converge and the viewer.
-#ifndef LAMPYRIS_CLI_RENDER_FILM_ERROR_H
-#define LAMPYRIS_CLI_RENDER_FILM_ERROR_H
+#ifndef LAMPYRIS_JOB_FILM_ERROR_H
+#define LAMPYRIS_JOB_FILM_ERROR_H
 
 #include "metrics/metrics.h"
 #include "render/render.h"

@@ -1,6 +1,6 @@
 // A reference picture, and how much of a difference from it is its own noise.
-#ifndef LAMPYRIS_CLI_RENDER_REFERENCE_H
-#define LAMPYRIS_CLI_RENDER_REFERENCE_H
+#ifndef LAMPYRIS_JOB_REFERENCE_H
+#define LAMPYRIS_JOB_REFERENCE_H
 
 #include "image/image.h"
 
