@@ -79,10 +79,9 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_TIME] = {
         .name = "time", .argument = "SECONDS", .type = VALUE_REAL, .min = 0.001,
         .max = OPTION_TIME_MAX,
-        .group = "Sampling", .commands = FOR_RENDER | FOR_BENCH, .fallback = "no limit",
+        .group = "Sampling", .commands = FOR_RENDER, .fallback = "no limit",
         .help = "Stop at whole samples per pixel after about this many seconds of rendering, or "
-                "at --spp or --frames where given. At least one sample per pixel is taken. With "
-                "bench --tune: about how long it may take (60).",
+                "at --spp or --frames where given. At least one sample per pixel is taken.",
         FIELD(time_seconds),
     },
     [OPTION_ERROR] = {
@@ -479,14 +478,6 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .help = "After how many bounces the queues for --kernel are recorded; rays to lights: at "
                 "which surface of the path they were sent, from 0.",
     },
-    [OPTION_TUNE] = {
-        .name = "tune", .type = VALUE_FLAG, .group = "Benchmark", .commands = FOR_BENCH,
-        .help = "Find the wave and workgroup sizes that render the scenes fastest on this device, "
-                "and keep them for later runs in $XDG_CACHE_HOME/lampyris/tuning.json (~/.cache). "
-                "What is not faster beyond noise than the device's default is not taken. "
-                "--sweep wave=A,B,... and workgroup=A,B,... say which to try.",
-        FIELD(tune),
-    },
     [OPTION_BASELINE] = {
         .name = "baseline", .argument = "FILE", .type = VALUE_TEXT, .group = "Benchmark",
         .commands = FOR_BENCH, .fallback = "none",
@@ -540,13 +531,13 @@ const struct option_def option_table[OPTION_TOTAL] = {
     },
     [OPTION_WAVE] = {
         .name = "wave", .argument = "N", .type = VALUE_COUNT, .min = 64, .max = 16777216,
-        .group = "Device", .commands = FOR_SCENE, .fallback = "tuned, or chosen by device",
+        .group = "Device", .commands = FOR_SCENE, .fallback = "chosen by device",
         .help = "Paths in flight. Changes memory and speed, and no bit of the picture.",
         FIELD(wave),
     },
     [OPTION_WORKGROUP] = {
         .name = "workgroup", .argument = "N", .type = VALUE_COUNT, .min = 8, .max = 1024,
-        .group = "Device", .commands = FOR_SCENE, .fallback = "tuned, or chosen by device",
+        .group = "Device", .commands = FOR_SCENE, .fallback = "chosen by device",
         .help = "Threads of a workgroup, a power of two. Changes speed, and no bit of the picture.",
         FIELD(workgroup),
     },
@@ -558,13 +549,6 @@ const struct option_def option_table[OPTION_TOTAL] = {
                 "refused before it is allocated. Available is what the machine, its control groups "
                 "and ulimit leave.",
         FIELD(memory),
-    },
-    [OPTION_TUNING] = {
-        .name = "tuning", .argument = "on|off", .type = VALUE_SWITCH, .group = "Device",
-        .commands = FOR_SCENE, .fallback = "on",
-        .help = "Use the wave and workgroup sizes that \"lampyris bench --tune\" has found for "
-                "this device, where none are given.",
-        FIELD(tuning),
     },
     [OPTION_VALIDATION] = {
         .name = "validation", .type = VALUE_FLAG, .group = "Device", .commands = FOR_SCENE,

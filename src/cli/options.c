@@ -167,13 +167,6 @@ static bool check_combinations(const struct options *options, struct err *err)
         {OPTION_RESUME, OPTION_CHECKPOINT, true},
         {OPTION_RAYS, OPTION_KERNEL, true},
         {OPTION_DEPTH, OPTION_KERNEL, true},
-        {OPTION_TUNE, OPTION_KERNEL, false},
-        {OPTION_TUNE, OPTION_CURVE, false},
-        {OPTION_TUNE, OPTION_REPEATS, false},
-        {OPTION_TUNE, OPTION_REPORT, false},
-        {OPTION_TUNE, OPTION_WAVE, false},
-        {OPTION_TUNE, OPTION_WORKGROUP, false},
-        {OPTION_TUNE, OPTION_BASELINE, false},
         {OPTION_TIMES, OPTION_SPP_FROM, false},
         {OPTION_TIMES, OPTION_SPP, false},
         {OPTION_IMAGES, OPTION_REPORT, true},
@@ -208,9 +201,6 @@ static bool check(const struct options *options, struct err *err)
                        command->arguments);
     if (!check_combinations(options, err))
         return false;
-    if (command == &commands[COMMAND_BENCH] && options_given(options, OPTION_TIME) &&
-        !options->tune)
-        return err_set(err, ERR_USAGE, "--time: only with --tune, for bench");
     if (command == &commands[COMMAND_COMPARE] && options->settings.exposure_is_auto)
         return err_set(err, ERR_USAGE,
                        "--exposure auto: compare shows both pictures alike; "
@@ -316,8 +306,7 @@ bool options_parse(int argc, char **argv, struct options *out, struct err *err)
                             .spp_from = 16,
                             .repeats = 7,
                             .vsync = true,
-                            .frame_ms = 33.0,
-                            .tuning = true};
+                            .frame_ms = 33.0};
     if (!keep_command_line(out, argc, argv, err) || !allocate_lists(out, argc, err))
         return false;
     struct parser parser = {.arguments = argv, .count = argc, .next = 1, .options = out};

@@ -19,7 +19,6 @@
 #include <stdint.h>
 
 struct command;
-struct tune_cache;
 
 #define OPTIONS_ARGUMENTS_MAX 16
 #define OPTION_TIME_MAX 1e9 // of --time, seconds: more than anyone waits
@@ -91,7 +90,6 @@ enum option_id {
     OPTION_KERNEL,
     OPTION_RAYS,
     OPTION_DEPTH,
-    OPTION_TUNE,
     OPTION_BASELINE,
     OPTION_EXPLAIN,
     OPTION_TRACE,
@@ -102,7 +100,6 @@ enum option_id {
     OPTION_WAVE,
     OPTION_WORKGROUP,
     OPTION_MEMORY,
-    OPTION_TUNING,
     OPTION_VALIDATION,
     OPTION_PIXEL,
     OPTION_SAMPLE,
@@ -274,8 +271,6 @@ struct options {
     uint32_t wave;      // paths in flight; 0: chosen by device
     uint32_t workgroup; // threads; 0: chosen by device
     uint64_t memory;    // budget of the host's memory, bytes; 0: what the machine leaves
-    bool tuning;        // take what is not given from the file that bench --tune keeps
-    const struct tune_cache *tune_cache; // that file; set by main. NULL: it is not used
     enum features_option features;
     enum classes_option classes;
     enum bvh_split bvh;
@@ -303,7 +298,6 @@ struct options {
     uint32_t rays;          // 1 << RAYS_*; 0: all
     const uint32_t *depths; // bounces; NULL: those that `rays` says
     uint32_t depth_count;
-    bool tune;
     const char *baseline; // an earlier run's JSON; NULL: none
     bool explain;         // list what is left out, and why
     const char *trace;    // file; NULL: none

@@ -8,7 +8,6 @@
 #include "cli/options.h"
 #include "cli/progress_bar.h"
 #include "cli/signals.h"
-#include "cli/tuned.h"
 #include "json/json_parse.h"
 #include <errno.h>
 #include <stdio.h>
@@ -58,7 +57,6 @@ int program_run(int argc, char **argv, program_command_fn command)
     struct file_inputs inputs;
     file_inputs_begin(&inputs);
     struct options options;
-    struct tune_cache cache = {0};
     struct err err = {0};
     int code;
     if (options_parse(argc, argv, &options, &err)) {
@@ -66,14 +64,12 @@ int program_run(int argc, char **argv, program_command_fn command)
         bar.is_quiet = options.quiet;
         options.progress = &progress;
         memory_set_budget(options.memory ? options.memory : memory_default_budget());
-        tuned_load(&options, &cache);
         code = run(&options, command);
     } else {
         code = fail_parsing(&options, &err);
     }
     progress_bar_finish(&bar);
     code = finish_stdout(code);
-    tune_cache_finish(&cache);
     options_finish(&options);
     file_inputs_end(&inputs);
     return code == EXIT_CODE_OK ? signal_exit_code() : code;

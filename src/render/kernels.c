@@ -1,7 +1,5 @@
 #include "render/kernels.h"
 
-#include "base/hash.h"
-
 #include "accumulate.spv.h"
 #include "accumulate_plain.spv.h"
 #include "generate_rays.spv.h"
@@ -42,14 +40,4 @@ struct kernel_code kernel_code(enum kernel_id id, bool ballot)
 #undef X
     };
     return codes[id][ballot];
-}
-
-uint64_t kernels_hash(bool ballot)
-{
-    uint64_t hash = HASH_INIT;
-    for (int id = 0; id < KERNEL_COUNT; id++) {
-        struct kernel_code code = kernel_code((enum kernel_id)id, ballot);
-        hash = hash_bytes(hash, code.spirv, code.bytes);
-    }
-    return hash;
 }

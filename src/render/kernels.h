@@ -46,7 +46,4 @@ struct kernel_set {
     struct kernel_code codes[KERNEL_COUNT]; // spirv NULL: the embedded one
 };
 
-// Of all that code: another one when any kernel is another.
-uint64_t kernels_hash(bool ballot);
-
 #endif

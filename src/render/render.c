@@ -206,7 +206,7 @@ bool renderer_prepare(const struct renderer_params *params, struct renderer *r, 
     uint64_t start = clock_ns();
     far_camera_warn(&r->flat, &r->camera, settings->height);
     choose_features(params, r);
-    if (!build_tables(r, err) || !plan_memory(r, params->wave, params->wave_is_wish, err))
+    if (!build_tables(r, err) || !plan_memory(r, params->wave, false, err))
         goto fail;
     frame_fill(r);
     sampling_plan(r, params->open_ended || params->tiles);

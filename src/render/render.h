@@ -41,7 +41,6 @@ struct renderer_params {
     const struct kernel_set *kernels; // NULL: the embedded ones. Must outlive the device, or be
                                       // forgotten by it (gpu_kernels_forget)
     uint32_t wave;                    // paths in flight; 0: the device's default
-    bool wave_is_wish;                // lower it without a warning where it does not fit
     uint32_t workgroup;               // threads, a power of two; 0: the device's default
     struct bvh_method bvh;
     enum instancing instancing;

@@ -21,7 +21,7 @@ LAMPYRIS = sys.argv.pop(1)
 ROOT = os.environ['LAMPYRIS_SOURCE_ROOT']
 CORNELL = os.path.join(ROOT, 'scenes', 'cornell.json')
 CLASSES = os.path.join(ROOT, 'scenes', 'all_classes.json')
-SMALL = ['--size', '16x16', '--tuning', 'off', '--json', '--quiet']
+SMALL = ['--size', '16x16', '--json', '--quiet']
 
 
 def run(*arguments, **environment):

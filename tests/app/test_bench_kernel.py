@@ -15,7 +15,7 @@ import unittest
 LAMPYRIS = sys.argv.pop(1)
 SCENES = os.path.join(os.environ['LAMPYRIS_SOURCE_ROOT'], 'scenes')
 CORNELL = os.path.join(SCENES, 'cornell.json')
-SMALL = ['--size', '16x16', '--spp', '4', '--max-bounces', '4', '--tuning', 'off']
+SMALL = ['--size', '16x16', '--spp', '4', '--max-bounces', '4']
 
 
 def run(*arguments):

@@ -65,7 +65,7 @@ def small(line):
         more.append('--replicates 3')
         more.append('--times 0.02' if given('times') else '--spp-from 1 --spp 2')
     elif command == 'bench':
-        more.append('--time 0.2' if given('tune') else '--repeats 2')
+        more.append('--repeats 2')
     elif command == 'view':
         more.append('--headless --script end.txt')
     more += [words for name, words in FEWER.items() if name in line and command != 'compare']

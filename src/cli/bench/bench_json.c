@@ -1,7 +1,6 @@
 // What `lampyris bench` says to machines.
 #include "cli/bench/bench.h"
 
-#include "cli/tuned.h"
 #include "report/json_out.h"
 #include "report/machine.h"
 #include <inttypes.h>
@@ -158,11 +157,11 @@ json_t *bench_json(const struct bench *b)
     json_t *variants = json_array();
     for (uint32_t i = 0; i < b->variant_count; i++)
         json_array_append_new(variants, variant_json(b, &b->variants[i]));
-    return json_pack("{s:o, s:o, s:o, s:o, s:o, s:i, s:b, s:b, s:o, s:o, s:o}", "load",
+    return json_pack("{s:o, s:o, s:o, s:o, s:i, s:b, s:b, s:o, s:o, s:o}", "load",
                      json_number(b->load), "seconds", seconds_json(&b->seconds), "machine",
-                     machine_json(&b->gpu), "tuned", tuned_json(b->options, &b->gpu), "command",
-                     json_words(b->options->command_line), "repeats", (int)b->repeats_done,
-                     "stopped_early", b->stopped, "timestamps", b->gpu.has_timestamps, "difference",
+                     machine_json(&b->gpu), "command", json_words(b->options->command_line),
+                     "repeats", (int)b->repeats_done, "stopped_early", b->stopped, "timestamps",
+                     b->gpu.has_timestamps, "difference",
                      b->differs ? json_words(b->difference.msg) : json_null(), "variants", variants,
                      "baseline", baseline_json(b));
 }

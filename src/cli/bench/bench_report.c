@@ -3,7 +3,6 @@
 
 #include "base/file.h"
 #include "base/parallel.h"
-#include "cli/tuned.h"
 #include "report/csv_out.h"
 #include "report/json_out.h"
 #include "report/text_out.h"
@@ -154,7 +153,6 @@ void bench_print(const struct bench *b)
     print_pictures(b);
     printf("device  %s, %s%s\n", b->gpu.info.name, b->gpu.info.driver,
            b->gpu.has_timestamps ? "" : ", without timestamps: its kernels' times are not known");
-    tuned_print(b->options, &b->gpu);
     if (b->gpu.info.is_cpu && b->load > 0.5 * cpu_count())
         printf("note    the machine was busy (load %.1f)\n", b->load);
     print_changes(b);

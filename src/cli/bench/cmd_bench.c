@@ -2,7 +2,6 @@
 
 #include "base/file.h"
 #include "cli/bench/bench.h"
-#include "cli/bench/tune.h"
 #include "report/html.h"
 #include "report/json_out.h"
 
@@ -35,8 +34,6 @@ static int judge(const struct bench *b)
 int cmd_bench(const struct options *options)
 {
     struct bench b = {.options = options};
-    if (options->tune)
-        return tune_run(options);
     struct err err = {0};
     int code = EXIT_CODE_OK;
     bool ok = run(&b, &err);

@@ -1,7 +1,6 @@
 // What `lampyris converge` says on the terminal.
 #include "cli/converge/converge.h"
 
-#include "cli/tuned.h"
 #include "report/text_out.h"
 #include <inttypes.h>
 #include <math.h>
@@ -132,6 +131,5 @@ void converge_print(const struct converge *c)
     for (uint32_t i = 0; i < count; i++)
         printf("note    %s\n", notes[i]);
     printf("device  %s, %s\n", c->gpu.info.name, c->gpu.info.driver);
-    tuned_print(c->options, &c->gpu);
     print_report(c->options->report);
 }

@@ -3,7 +3,6 @@
 
 #include "base/file.h"
 #include "base/file_inputs.h"
-#include "cli/tuned.h"
 #include "image/image.h"
 #include "report/csv_out.h"
 #include "report/html.h"
@@ -127,12 +126,11 @@ static json_t *result_json(const struct converge *c)
         json_object_set_new(curve, "command", json_words(c->curves[i].command));
         json_array_append_new(curves, curve);
     }
-    return json_pack("{s:s, s:o, s:o, s:o, s:i, s:b, s:s, s:o, s:o, s:o, s:o}", "version",
+    return json_pack("{s:s, s:o, s:o, s:i, s:b, s:s, s:o, s:o, s:o, s:o}", "version",
                      LAMPYRIS_VERSION, "command", json_words(c->options->command_line), "machine",
-                     machine_json(&c->gpu), "tuned", tuned_json(c->options, &c->gpu), "replicates",
-                     (int)c->replicates_done, "stopped_early", c->stopped, "slope_on",
-                     c->spp ? "spp" : "seconds", "references", references_json(c), "curves", curves,
-                     "pairs", pairs_json(c), "notes", notes);
+                     machine_json(&c->gpu), "replicates", (int)c->replicates_done, "stopped_early",
+                     c->stopped, "slope_on", c->spp ? "spp" : "seconds", "references",
+                     references_json(c), "curves", curves, "pairs", pairs_json(c), "notes", notes);
 }
 
 int converge_print_json(const struct converge *c)

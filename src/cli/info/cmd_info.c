@@ -3,7 +3,6 @@
 
 #include "cli/render/render_job.h"
 #include "cli/render/sharing.h"
-#include "cli/tuned.h"
 #include "flatten/geometry.h"
 #include "report/json_out.h"
 #include "report/text_out.h"
@@ -138,7 +137,6 @@ static void print_text(const struct info *info)
     else
         printf("built in %.3f s\n", b->build_seconds);
     printf("device    %s (%s)\n", info->gpu.info.name, info->gpu.info.kind);
-    tuned_print(info->options, &info->gpu);
     printf("memory    %.1f MiB planned, wave of %u paths; at most %.1f MiB a buffer\n",
            (double)info->renderer.plan.total_bytes / 1048576.0, info->renderer.plan.wave_slots,
            (double)info->gpu.max_storage_range / 1048576.0);
@@ -198,7 +196,7 @@ static int print_json(const struct info *info)
     return json_print(json_pack(
         "{s:o, s:i, s:o, s:i, s:i, s:i, s:i, s:o, s:i, s:i, s:i, s:i, s:o, s:{s:i, s:i, "
         "s:i}, s:i, s:o, s:{s:i, s:i, s:f, "
-        "s:I, s:f, s:f}, s:{s:o, s:o}, s:{s:I, s:o}, s:i, s:i, s:o, s:i}",
+        "s:I, s:f, s:f}, s:{s:o, s:o}, s:{s:I, s:o}, s:i, s:i, s:i}",
         "scene", json_words(scene->path), "triangles", flat->triangle_count, "shared",
         sharing_json(flat, info->renderer.specialization.features), "shapes", flat->shape_count,
         "meshes", scene->mesh_count, "instances", scene->instance_count, "materials",
@@ -212,7 +210,7 @@ static int print_json(const struct info *info)
         b->cached_seconds, "features", "kept", features, "left_out", left_out, "memory",
         "device_bytes", (json_int_t)info->renderer.plan.total_bytes, "buffers", buffers, "wave",
         info->renderer.plan.wave_slots, "workgroup", info->renderer.specialization.workgroup,
-        "tuned", tuned_json(info->options, &info->gpu), "shaded_as_diffuse", count_reduced(scene)));
+        "shaded_as_diffuse", count_reduced(scene)));
 }
 
 static bool gather(const struct options *options, struct info *info, struct err *err)

@@ -2,7 +2,6 @@
 #include "cli/render/render_bias.h"
 #include "cli/render/render_report.h"
 #include "cli/render/sharing.h"
-#include "cli/tuned.h"
 #include "report/json_out.h"
 #include <inttypes.h>
 #include <math.h>
@@ -216,7 +215,6 @@ bool job_print_json(const struct render_job *job, struct err *err)
         "version", LAMPYRIS_VERSION);
     add_ending(object, job);
     json_object_set_new(object, "workgroup", json_integer(job->renderer.specialization.workgroup));
-    json_object_set_new(object, "tuned", tuned_json(job->options, &job->gpu));
     json_object_set_new(object, "shared",
                         sharing_json(&job->renderer.flat, job->renderer.specialization.features));
     json_object_set_new(object, "bias", biases_json(job));

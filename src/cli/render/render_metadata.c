@@ -1,6 +1,5 @@
 // What a picture says about how it was made: enough to judge it, and to make it again.
 #include "cli/render/render_job.h"
-#include "cli/tuned.h"
 
 #include <inttypes.h>
 #include <stdarg.h>
@@ -72,10 +71,8 @@ static void add_settings(struct attributes *a, const struct render_job *job)
         add(a, "lampyris:variant", "%s", job->options->variant);
     if (options_given(job->options, OPTION_AT))
         add(a, "lampyris:at_seconds", "%.17g", job->options->at_seconds);
-    struct tuned tuned = tuned_sizes(job->options, &job->gpu);
     add(a, "lampyris:wave", "%u", job->renderer.plan.wave_slots);
     add(a, "lampyris:workgroup", "%u", job->renderer.specialization.workgroup);
-    add(a, "lampyris:tuned", "%s", tuned.wave || tuned.workgroup ? "on" : "off");
     add(a, "lampyris:features", "%s", job->options->features == FEATURES_ALL ? "all" : "needed");
     if (job->options->frames) {
         add(a, "lampyris:frames", "%u", job->options->frames);

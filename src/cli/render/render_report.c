@@ -3,7 +3,6 @@
 #include "base/file.h"
 #include "cli/render/render_bias.h"
 #include "cli/render/sharing.h"
-#include "cli/tuned.h"
 #include "job/film_error.h"
 #include "report/text_out.h"
 #include <inttypes.h>
@@ -318,7 +317,6 @@ void job_print_summary(const struct render_job *job)
                " crossings of surfaces that are open, or nest deeper than four: "
                "what is inside is not certain there\n",
                job->renderer.stats.media_lost);
-    tuned_print(job->options, &job->gpu);
     printf("memory    %.1f MiB on the device, %.1f MiB on the host at its peak; wave of %u paths\n",
            (double)job->gpu.peak_bytes / 1048576.0, report_host_peak_bytes() / 1048576.0,
            job->renderer.plan.wave_slots);

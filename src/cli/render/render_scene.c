@@ -1,7 +1,6 @@
 #include "cli/render/render_job.h"
 
 #include "base/hash.h"
-#include "cli/tuned.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -111,13 +110,11 @@ bool job_load_scene(const struct options *options, struct scene *scene, uint32_t
 struct renderer_params job_renderer_params(const struct options *options, struct gpu *gpu,
                                            const struct scene *scene, uint32_t camera)
 {
-    struct tuned tuned = tuned_sizes(options, gpu);
     return (struct renderer_params){
         .gpu = gpu,
         .scene = scene,
-        .wave = tuned.wave ? tuned.wave : options->wave,
-        .wave_is_wish = tuned.wave,
-        .workgroup = tuned.workgroup ? tuned.workgroup : options->workgroup,
+        .wave = options->wave,
+        .workgroup = options->workgroup,
         .bvh = {options->bvh, options->node, options->bvh_optimize},
         .instancing = options->instances,
         .bvh_cache = options->bvh_cache,

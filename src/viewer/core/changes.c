@@ -1,7 +1,6 @@
 // What was changed takes effect, at the least cost.
 #include "viewer/core/viewer.h"
 
-#include "cli/tuned.h"
 #include <string.h>
 
 // How long after the last change the picture is taken for resting, seconds: between two steps of a
@@ -59,7 +58,6 @@ static void settle_scene(struct viewer *viewer, struct view *view)
 static bool build_side(struct viewer *viewer, struct view *view, struct err *err)
 {
     const struct method *method = &view->method;
-    struct tuned tuned = tuned_sizes(&viewer->scene_options, &viewer->gpu);
     view->is_ready = false;
     renderer_finish(&view->renderer);
     settle_scene(viewer, view);
@@ -68,9 +66,8 @@ static bool build_side(struct viewer *viewer, struct view *view, struct err *err
         .scene = &view->scene,
         .geometry = &viewer->geometry,
         .kernels = viewer->kernels,
-        .wave = method->wave ? method->wave : tuned.wave,
-        .wave_is_wish = !method->wave,
-        .workgroup = method->workgroup ? method->workgroup : tuned.workgroup,
+        .wave = method->wave,
+        .workgroup = method->workgroup,
         .aovs = viewer_aovs(&viewer->shown),
         .everything = method->everything,
         .merge_classes = method->merge_classes,
