@@ -35,9 +35,17 @@ static void usage_line(const struct command *command, char *out, size_t size)
 
 static bool has_range(const struct option_def *def)
 {
-    bool is_number = def->type == VALUE_COUNT || def->type == VALUE_COUNT_OR_OFF ||
-                     def->type == VALUE_REAL || def->type == VALUE_SIZE;
+    bool is_number = def->type == VALUE_COUNT || def->type == VALUE_REAL || def->type == VALUE_SIZE;
     return is_number && def->max > def->min;
+}
+
+static int append_setting(const struct setting *setting, char *out, size_t size)
+{
+    char range[SETTING_RANGE_MAX], fallback[SETTING_RANGE_MAX];
+    setting_range(setting, range);
+    setting_default_text(setting, fallback);
+    return snprintf(out, size, "%s%s Default: the scene file's, else %s.", *range ? " " : "", range,
+                    fallback);
 }
 
 static size_t append_takers(const struct option_def *def, char *out, size_t size)
@@ -56,7 +64,7 @@ static size_t append_takers(const struct option_def *def, char *out, size_t size
 static void option_item(const struct help_writer *writer, const struct option_def *def,
                         bool name_takers)
 {
-    char names[64], text[1024];
+    char names[64], text[1024], argument[OPTION_ARGUMENT_MAX];
     if (def->short_name)
         snprintf(names, sizeof names, "-%c, --%s", def->short_name, def->name);
     else
@@ -65,25 +73,38 @@ static void option_item(const struct help_writer *writer, const struct option_de
     if (has_range(def))
         used += snprintf(text + used, sizeof text - (size_t)used, " From %.15g to %.15g.", def->min,
                          def->max);
+    if (def->setting)
+        used += append_setting(def->setting, text + used, sizeof text - (size_t)used);
     if (def->fallback)
         used += snprintf(text + used, sizeof text - (size_t)used, " Default: %s.", def->fallback);
     if (name_takers)
         append_takers(def, text + used, sizeof text - (size_t)used);
-    help_item(writer, names, def->argument, text);
+    help_item(writer, names, option_argument(def, argument), text);
+}
+
+// Whether no option before it, of those of the command, is in its group.
+static bool begins_group(const struct option_def *def, const struct command *command)
+{
+    for (const struct option_def *other = option_table; other < def; other++)
+        if ((!command || option_belongs(other, command)) && strcmp(other->group, def->group) == 0)
+            return false;
+    return true;
 }
 
 // Options of a command (NULL: of all), by groups.
 static void option_list(const struct help_writer *writer, const struct command *command)
 {
     const unsigned for_all = (1u << COMMAND_TOTAL) - 1;
-    const char *group = "";
     for (int i = 0; i < OPTION_TOTAL; i++) {
-        const struct option_def *def = &option_table[i];
-        if (command && !option_belongs(def, command))
+        const struct option_def *first = &option_table[i];
+        if ((command && !option_belongs(first, command)) || !begins_group(first, command))
             continue;
-        if (strcmp(group, def->group) != 0)
-            help_group(writer, group = def->group);
-        option_item(writer, def, !command && def->commands != for_all);
+        help_group(writer, first->group);
+        for (int j = i; j < OPTION_TOTAL; j++) {
+            const struct option_def *def = &option_table[j];
+            if ((!command || option_belongs(def, command)) && strcmp(def->group, first->group) == 0)
+                option_item(writer, def, !command && def->commands != for_all);
+        }
     }
 }
 

@@ -1,6 +1,8 @@
 #include "cli/commands.h"
 #include "cli/options.h"
 
+#include <stdio.h>
+
 #define FOR_RENDER (1u << COMMAND_RENDER)
 #define FOR_COMPARE (1u << COMMAND_COMPARE)
 #define FOR_DEVICES (1u << COMMAND_DEVICES)
@@ -15,11 +17,7 @@
     .offset = offsetof(struct options, member), .size = sizeof(((struct options *)NULL)->member)
 
 #define MOST_BYTES (UINT64_C(1) << 40) // more than a device has
-#define IN_SCENE_FILE "the scene file's, else "
 
-_Static_assert(offsetof(struct settings, exposure_is_auto) ==
-                   offsetof(struct settings, exposure) + 4,
-               "--exposure writes both at once");
 _Static_assert(offsetof(struct settings, height) == offsetof(struct settings, width) + 4,
                "--size writes width and height at once");
 
@@ -36,7 +34,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
     },
     [OPTION_SIZE] = {
         .name = "size", .argument = "WxH", .type = VALUE_SIZE, .min = 1, .max = SETTINGS_SIZE_MAX,
-        .group = "Picture", .commands = FOR_SCENE, .fallback = IN_SCENE_FILE "512x512",
+        .group = "Picture", .commands = FOR_SCENE, .fallback = "the scene file's, else 512x512",
         .help = "Width and height in pixels, at most 2^31 pixels in all. The viewer has a window "
                 "of 1280x720 unless told.",
         .offset = offsetof(struct options, settings.width), .size = 2 * sizeof(uint32_t),
@@ -53,29 +51,16 @@ const struct option_def option_table[OPTION_TOTAL] = {
                 "direct, indirect; steps of camera rays; samples, variance, halves; or all. See docs/output.md.",
         FIELD(aovs),
     },
-    [OPTION_EXPOSURE] = {
-        .name = "exposure", .argument = "STOPS|auto", .type = VALUE_REAL_OR_AUTO,
-        .min = -SETTINGS_EXPOSURE_MAX, .max = SETTINGS_EXPOSURE_MAX,
-        .group = "Picture", .commands = FOR_RENDER | FOR_COMPARE | FOR_VIEW,
-        .fallback = IN_SCENE_FILE "0",
-        .help = "Multiply PNG pictures, or what psnr, ssim and flip see, by 2^STOPS before the tone "
-                "curve; auto finds the stops from the picture's luminances (docs/output.md; not for "
-                "compare), and is what holds for models without light or camera and with --env "
-                "sky:. EXR stays as it is.",
-        .offset = offsetof(struct options, settings.exposure), .size = 2 * sizeof(float),
-    },
-    [OPTION_TONE] = {
-        .name = "tone", .argument = "none|reinhard|aces|agx", .type = VALUE_CHOICE,
-        .group = "Picture", .commands = FOR_RENDER | FOR_VIEW,
-        .fallback = IN_SCENE_FILE "none",
-        .help = "Tone curve of PNG pictures. Of models without light or camera, and with --env sky:, it is aces unless given.", FIELD(settings.tone_curve),
-    },
 
-    [OPTION_SPP] = {
-        .name = "spp", .argument = "N", .type = VALUE_COUNT, .min = 1, .max = SETTINGS_SPP_MAX,
-        .group = "Sampling", .commands = FOR_SCENE, .fallback = IN_SCENE_FILE "64",
-        .help = "Samples per pixel.", FIELD(settings.spp),
-    },
+#define SETTING(ID, type_, member, key, option, group_, help_, ...) \
+    [OPTION_##ID] = {.name = option, .type = VALUE_SETTING, .group = group_, .help = help_, \
+                     .commands = FOR_SCENE, .setting = &settings_table[SETTING_##ID]},
+#define SETTING_OF_IMAGE(ID, type_, member, key, option, group_, help_, ...) \
+    [OPTION_##ID] = {.name = option, .type = VALUE_SETTING, .group = group_, .help = help_, \
+                     .commands = FOR_RENDER | FOR_VIEW | (OPTION_##ID == OPTION_EXPOSURE ? FOR_COMPARE : 0), \
+                     .setting = &settings_table[SETTING_##ID]},
+#include "scene/core/settings_list.h"
+
     [OPTION_TIME] = {
         .name = "time", .argument = "SECONDS", .type = VALUE_REAL, .min = 0.001,
         .max = OPTION_TIME_MAX,
@@ -100,151 +85,6 @@ const struct option_def option_table[OPTION_TOTAL] = {
                 "on average, a quarter of it at least and 16 times it at most. A pilot of 16 "
                 "samples per pixel, which are not part of the picture, says how many.",
         FIELD(adaptive),
-    },
-    [OPTION_SEED] = {
-        .name = "seed", .argument = "N", .type = VALUE_COUNT, .min = 0, .max = UINT32_MAX,
-        .group = "Sampling", .commands = FOR_RENDER | FOR_CONVERGE | FOR_BENCH | FOR_VIEW,
-        .fallback = IN_SCENE_FILE "0",
-        .help = "Seed of the random numbers. The same seed gives the same picture, bit for bit.",
-        FIELD(settings.seed),
-    },
-    [OPTION_MAX_BOUNCES] = {
-        .name = "max-bounces", .argument = "N", .type = VALUE_COUNT, .min = 0,
-        .max = SETTINGS_BOUNCES_MAX, .group = "Sampling", .commands = FOR_SCENE,
-        .fallback = IN_SCENE_FILE "9",
-        .help = "Scattering events on a path: 0 is emission only, 1 direct light.",
-        FIELD(settings.max_bounces),
-    },
-    [OPTION_INTEGRATOR] = {
-        .name = "integrator", .argument = "path|direct|ao|whitted", .type = VALUE_CHOICE,
-        .group = "Method", .commands = FOR_SCENE, .fallback = IN_SCENE_FILE "path",
-        .help = "What is computed: light over any number of bounces (path), over one (direct), how "
-                "open each surface is (ao), or Whitted's recursion of 1979: perfect reflection and "
-                "refraction, hard shadows and Phong shading, for comparison.",
-        FIELD(settings.integrator),
-    },
-    [OPTION_AO_DISTANCE] = {
-        .name = "ao-distance", .argument = "METRES", .type = VALUE_REAL, .min = 1e-30,
-        .max = 1e30, .group = "Method", .commands = FOR_SCENE,
-        .fallback = IN_SCENE_FILE "any distance",
-        .help = "How far away a surface still occludes, with --integrator ao.",
-        FIELD(settings.ao_distance),
-    },
-    [OPTION_FALLOFF] = {
-        .name = "falloff", .argument = "K", .type = VALUE_REAL, .min = 0, .max = 1e30,
-        .group = "Method", .commands = FOR_SCENE, .fallback = IN_SCENE_FILE "0: none",
-        .help = "Fade what the camera sees at a distance of t metres into the background by "
-                "1 - exp(-K t^3). Not physical.",
-        FIELD(settings.falloff),
-    },
-    [OPTION_SAMPLER] = {
-        .name = "sampler", .argument = "sobol|pcg|lcg|stratified|grid|blue-noise",
-        .type = VALUE_CHOICE, .group = "Method", .commands = FOR_SCENE,
-        .fallback = IN_SCENE_FILE "sobol",
-        .help = "Where random numbers come from: an Owen-scrambled Sobol sequence, independent "
-                "ones (pcg; lcg: a linear congruential generator seeded by TEA), one in each "
-                "stratum at random or at its centre (grid), or a sequence whose errors are blue "
-                "noise over the picture, for few samples.",
-        FIELD(settings.sampler),
-    },
-    [OPTION_HALVES] = {
-        .name = "halves", .argument = "independent|contiguous", .type = VALUE_CHOICE,
-        .group = "Method", .commands = FOR_SCENE, .fallback = IN_SCENE_FILE "independent",
-        .help = "Whether the half-buffers that tell the error have a sequence of their own each, "
-                "or are the first and the second half of one: less noise in the picture, and an "
-                "upper bound of its error.",
-        FIELD(settings.halves),
-    },
-    [OPTION_FILTER] = {
-        .name = "filter", .argument = "box|tent|gaussian|blackman-harris", .type = VALUE_CHOICE,
-        .group = "Method", .commands = FOR_SCENE, .fallback = IN_SCENE_FILE "box",
-        .help = "Pixel filter, sampled by importance.", FIELD(settings.filter),
-    },
-    [OPTION_FILTER_RADIUS] = {
-        .name = "filter-radius", .argument = "PIXELS", .type = VALUE_REAL, .min = 0,
-        .max = SETTINGS_FILTER_RADIUS_MAX, .group = "Method", .commands = FOR_SCENE,
-        .fallback = IN_SCENE_FILE "0: the filter's own",
-        .help = "Half the width of the pixel filter. Its own: box 0.5, tent 1, gaussian and "
-                "blackman-harris 1.5.",
-        FIELD(settings.filter_radius),
-    },
-    [OPTION_LIGHT_CHOICE] = {
-        .name = "light-choice", .argument = "auto|uniform|power|all|tree", .type = VALUE_CHOICE,
-        .group = "Method", .commands = FOR_SCENE, .fallback = IN_SCENE_FILE "auto",
-        .help = "Which emitters a vertex is connected to: any with the same probability, by power, "
-                "all of them, or by what they may send there, through a tree of lights.",
-        FIELD(settings.light_choice),
-    },
-    [OPTION_NEE] = {
-        .name = "nee", .argument = "on|off", .type = VALUE_SWITCH, .group = "Method",
-        .commands = FOR_SCENE, .fallback = IN_SCENE_FILE "on",
-        .help = "Next-event estimation: shadow rays to emitters.", FIELD(settings.nee),
-    },
-    [OPTION_NEE_DEPTH] = {
-        .name = "nee-depth", .argument = "N|off", .type = VALUE_COUNT_OR_OFF, .min = 0,
-        .max = SETTINGS_BOUNCES_MAX, .group = "Method", .commands = FOR_SCENE,
-        .fallback = IN_SCENE_FILE "off: all of them",
-        .help = "Only the first N vertices of a path send shadow rays. Lights without extent are "
-                "lost beyond: the picture is then biased.",
-        FIELD(settings.nee_depth),
-    },
-    [OPTION_MIS] = {
-        .name = "mis", .argument = "power|balance|none", .type = VALUE_CHOICE, .group = "Method",
-        .commands = FOR_SCENE, .fallback = IN_SCENE_FILE "power",
-        .help = "Weights of the two ways to find an emitter, by shadow rays and by scattering: the "
-                "power or the balance heuristic, or shadow rays only where they can.",
-        FIELD(settings.mis),
-    },
-    [OPTION_DIRECTIONS] = {
-        .name = "directions", .argument = "bsdf|sphere|hemisphere|cosine|power-cosine",
-        .type = VALUE_CHOICE, .group = "Method", .commands = FOR_SCENE,
-        .fallback = IN_SCENE_FILE "bsdf",
-        .help = "How paths choose the direction in which they go on from a surface that is not "
-                "perfectly specular: as the surface scatters, or evenly over the sphere or the "
-                "hemisphere, by the cosine, or by a power of the cosine about the mirrored "
-                "direction.",
-        FIELD(settings.directions),
-    },
-    [OPTION_DIRECTION_EXPONENT] = {
-        .name = "direction-exponent", .argument = "N", .type = VALUE_REAL, .min = 0,
-        .max = SETTINGS_EXPONENT_MAX, .group = "Method", .commands = FOR_SCENE,
-        .fallback = IN_SCENE_FILE "15", .help = "The power of --directions power-cosine.",
-        FIELD(settings.direction_exponent),
-    },
-    [OPTION_CLAMP] = {
-        .name = "clamp", .argument = "LIMIT", .type = VALUE_REAL, .min = 0, .max = 1e30,
-        .group = "Method", .commands = FOR_SCENE, .fallback = IN_SCENE_FILE "0: off",
-        .help = "Scale every contribution to a sample down to this largest component. Removes "
-                "fireflies, and light with them: the picture is biased.",
-        FIELD(settings.clamp_limit),
-    },
-    [OPTION_ROULETTE] = {
-        .name = "roulette", .argument = "throughput|constant|frame|off", .type = VALUE_CHOICE,
-        .group = "Method", .commands = FOR_SCENE, .fallback = IN_SCENE_FILE "throughput",
-        .help = "Russian roulette: paths survive by their throughput, with a constant "
-                "probability, or together: each sample number has one depth for all pixels.",
-        FIELD(settings.roulette),
-    },
-    [OPTION_ROULETTE_MIN_BOUNCES] = {
-        .name = "roulette-min-bounces", .argument = "N|off", .type = VALUE_COUNT_OR_OFF,
-        .min = 0, .max = SETTINGS_BOUNCES_MAX, .group = "Method", .commands = FOR_SCENE,
-        .fallback = IN_SCENE_FILE "3",
-        .help = "Paths may end by Russian roulette after this many scattering events.",
-        FIELD(settings.roulette_min_bounces),
-    },
-    [OPTION_ROULETTE_MAX_BOUNCES] = {
-        .name = "roulette-max-bounces", .argument = "N|off", .type = VALUE_COUNT_OR_OFF,
-        .min = 0, .max = SETTINGS_BOUNCES_MAX, .group = "Method", .commands = FOR_SCENE,
-        .fallback = IN_SCENE_FILE "off",
-        .help = "The greatest depth that --roulette frame draws. Deeper light is lost: the "
-                "picture is biased.",
-        FIELD(settings.roulette_max_bounces),
-    },
-    [OPTION_ROULETTE_SURVIVAL] = {
-        .name = "roulette-survival", .argument = "P", .type = VALUE_REAL, .min = 0.01, .max = 1,
-        .group = "Method", .commands = FOR_SCENE, .fallback = IN_SCENE_FILE "0.7",
-        .help = "Probability to survive, of --roulette constant and frame.",
-        FIELD(settings.roulette_survival),
     },
 
     [OPTION_CAMERA] = {
@@ -308,13 +148,6 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .name = "env-strength", .argument = "X", .type = VALUE_REAL, .min = 0, .max = 1e30,
         .group = "Scene", .commands = FOR_SCENE, .fallback = "1",
         .help = "Multiply the radiance of what surrounds the scene.", FIELD(environment_strength),
-    },
-    [OPTION_ENV_FILTER] = {
-        .name = "env-filter", .argument = "bilinear|nearest", .type = VALUE_CHOICE,
-        .group = "Scene", .commands = FOR_SCENE, .fallback = IN_SCENE_FILE "bilinear",
-        .help = "What lies between the texels of an environment's image: radiance that is "
-                "interpolated bilinearly, or a patch of constant radiance around each.",
-        FIELD(settings.environment_filter),
     },
     [OPTION_STUDIO] = {
         .name = "studio", .argument = "off|auto|on", .type = VALUE_CHOICE, .group = "Scene",
@@ -780,6 +613,24 @@ const char *const compare_metric_names[METRIC_TOTAL] = {
     [METRIC_NONFINITE] = "nonfinite",
     [METRIC_DIFFERING] = "differing",
 };
+
+const char *option_argument(const struct option_def *def, char out[OPTION_ARGUMENT_MAX])
+{
+    if (!def->setting)
+        return def->argument;
+    const struct field *field = &def->setting->field;
+    size_t used = 0;
+    if (field->type == FIELD_SWITCH)
+        return "on|off";
+    for (int i = 0; field->type == FIELD_CHOICE && field->words[i] && used < OPTION_ARGUMENT_MAX;
+         i++)
+        used += (size_t)snprintf(out + used, OPTION_ARGUMENT_MAX - used, "%s%s", i ? "|" : "",
+                                 field->words[i]);
+    if (field->type != FIELD_CHOICE)
+        snprintf(out, OPTION_ARGUMENT_MAX, "%s%s%s", def->setting->argument, field->word ? "|" : "",
+                 field->word ? field->word : "");
+    return out;
+}
 
 bool option_belongs(const struct option_def *def, const struct command *command)
 {

@@ -9,17 +9,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-_Static_assert(sizeof(enum tone_curve) == sizeof(unsigned) &&
-                   sizeof(enum log_level) == sizeof(unsigned) &&
+_Static_assert(sizeof(enum log_level) == sizeof(unsigned) &&
                    sizeof(enum bvh_split) == sizeof(unsigned) &&
                    sizeof(enum instancing) == sizeof(unsigned),
                "choices are stored as unsigned");
 
+static bool check_range(double min, double max, double value, const char *text, struct err *err)
+{
+    return (value >= min && value <= max) ||
+           err_set(err, ERR_USAGE, "\"%s\" is outside [%.15g, %.15g]", text, min, max);
+}
+
 static bool in_range(const struct option_def *def, double value, const char *text, struct err *err)
 {
-    if (value >= def->min && value <= def->max)
-        return true;
-    return err_set(err, ERR_USAGE, "\"%s\" is outside [%.15g, %.15g]", text, def->min, def->max);
+    return check_range(def->min, def->max, value, text, err);
 }
 
 // Digits, then perhaps one of k, M, G for 2^10, 2^20, 2^30: waves, samples and bytes come in powers
@@ -65,15 +68,26 @@ static void store_count(struct options *options, const struct option_def *def, u
     store(options, def, def->size == sizeof narrow ? (const void *)&narrow : &value);
 }
 
+static bool parse_whole_count(const char *text, uint64_t *value, struct err *err)
+{
+    const char *rest;
+    return (parse_count(text, value, &rest) && !*rest) ||
+           err_set(err, ERR_USAGE,
+                   "\"%s\" is not a number; expected digits, perhaps with k, M or G", text);
+}
+
+static bool parse_whole_real(const char *text, double *value, struct err *err)
+{
+    const char *rest;
+    return (parse_real(text, value, &rest) && !*rest) ||
+           err_set(err, ERR_USAGE, "\"%s\" is not a finite number", text);
+}
+
 static bool store_checked_count(const struct option_def *def, const char *text,
                                 struct options *options, struct err *err)
 {
     uint64_t value;
-    const char *rest;
-    if (!parse_count(text, &value, &rest) || *rest)
-        return err_set(err, ERR_USAGE,
-                       "\"%s\" is not a number; expected digits, perhaps with k, M or G", text);
-    if (!in_range(def, (double)value, text, err))
+    if (!parse_whole_count(text, &value, err) || !in_range(def, (double)value, text, err))
         return false;
     store_count(options, def, value);
     return true;
@@ -83,36 +97,88 @@ static bool store_real(const struct option_def *def, const char *text, struct op
                        struct err *err)
 {
     double value;
-    const char *rest;
-    if (!parse_real(text, &value, &rest) || *rest)
-        return err_set(err, ERR_USAGE, "\"%s\" is not a finite number", text);
-    if (!in_range(def, value, text, err))
+    if (!parse_whole_real(text, &value, err) || !in_range(def, value, text, err))
         return false;
     float narrow = (float)value;
     store(options, def, def->size == sizeof narrow ? (const void *)&narrow : &value);
     return true;
 }
 
-static bool store_real_or_auto(const struct option_def *def, const char *text,
-                               struct options *options, struct err *err)
+static bool parse_switch(const char *text, bool *on, struct err *err)
 {
-    struct option_def number = *def;
-    struct {
-        float value;
-        uint32_t is_auto;
-    } both = {0, strcmp(text, "auto") == 0};
-    _Static_assert(sizeof both == 8, "the float and its word");
-    store(options, def, &both);
-    number.size = sizeof both.value;
-    return both.is_auto || store_real(&number, text, options, err);
+    *on = strcmp(text, "on") == 0;
+    return *on || strcmp(text, "off") == 0 ||
+           err_set(err, ERR_USAGE, "\"%s\" is neither \"on\" nor \"off\"", text);
+}
+
+// The index of a word among those that `|` separates.
+static bool parse_choice(const char *words, const char *text, unsigned *index, struct err *err)
+{
+    size_t length = strlen(text);
+    *index = 0;
+    for (const char *word = words; word; (*index)++) {
+        size_t word_length = strcspn(word, "|");
+        if (length == word_length && memcmp(word, text, length) == 0)
+            return true;
+        word = word[word_length] ? word + word_length + 1 : NULL;
+    }
+    return err_set(err, ERR_USAGE, "\"%s\" is unknown; expected %s%s", text,
+                   strchr(words, '|') ? "one of " : "", words);
+}
+
+static bool parse_setting(const struct option_def *def, const char *text, double *value,
+                          struct err *err)
+{
+    const struct field *field = &def->setting->field;
+    char words[OPTION_ARGUMENT_MAX];
+    uint64_t count;
+    unsigned choice;
+    bool on;
+    switch (field->type) {
+    case FIELD_SWITCH:
+        if (!parse_switch(text, &on, err))
+            return false;
+        *value = on;
+        return true;
+    case FIELD_CHOICE:
+        if (!parse_choice(option_argument(def, words), text, &choice, err))
+            return false;
+        *value = choice;
+        return true;
+    case FIELD_COUNT:
+        if (!parse_whole_count(text, &count, err))
+            return false;
+        *value = (double)count;
+        break;
+    case FIELD_REAL:
+        if (!parse_whole_real(text, value, err))
+            return false;
+        break;
+    }
+    return check_range(field->min, field->max, *value, text, err);
+}
+
+static bool store_setting(const struct option_def *def, const char *text, struct options *options,
+                          struct err *err)
+{
+    const struct field *field = &def->setting->field;
+    double value = 0;
+    if (field->word && strcmp(text, field->word) == 0) {
+        field_set_word(field, &options->settings);
+        return true;
+    }
+    if (!parse_setting(def, text, &value, err))
+        return false;
+    field_set(field, &options->settings, value);
+    return true;
 }
 
 static bool store_switch(const struct option_def *def, const char *text, struct options *options,
                          struct err *err)
 {
-    bool on = strcmp(text, "on") == 0;
-    if (!on && strcmp(text, "off") != 0)
-        return err_set(err, ERR_USAGE, "\"%s\" is neither \"on\" nor \"off\"", text);
+    bool on;
+    if (!parse_switch(text, &on, err))
+        return false;
     store(options, def, &on);
     return true;
 }
@@ -120,19 +186,11 @@ static bool store_switch(const struct option_def *def, const char *text, struct 
 static bool store_choice(const struct option_def *def, const char *text, struct options *options,
                          struct err *err)
 {
-    assert(def->argument); // its words are the choices
-    size_t length = strlen(text);
-    unsigned index = 0;
-    for (const char *word = def->argument; word; index++) {
-        size_t word_length = strcspn(word, "|");
-        if (length == word_length && memcmp(word, text, length) == 0) {
-            store(options, def, &index);
-            return true;
-        }
-        word = word[word_length] ? word + word_length + 1 : NULL;
-    }
-    return err_set(err, ERR_USAGE, "\"%s\" is unknown; expected %s%s", text,
-                   strchr(def->argument, '|') ? "one of " : "", def->argument);
+    unsigned index;
+    if (!parse_choice(def->argument, text, &index, err))
+        return false;
+    store(options, def, &index);
+    return true;
 }
 
 // Two counts with a separator: "640x480", "12,34".
@@ -386,18 +444,12 @@ bool option_store(const struct option_def *def, const char *text, struct options
         return true;
     case VALUE_SWITCH:
         return store_switch(def, text, options, err);
-    case VALUE_COUNT_OR_OFF:
-        if (strcmp(text, "off") == 0) {
-            store_count(options, def, UINT32_MAX);
-            return true;
-        }
-        return store_checked_count(def, text, options, err);
     case VALUE_COUNT:
         return store_checked_count(def, text, options, err);
     case VALUE_REAL:
         return store_real(def, text, options, err);
-    case VALUE_REAL_OR_AUTO:
-        return store_real_or_auto(def, text, options, err);
+    case VALUE_SETTING:
+        return store_setting(def, text, options, err);
     case VALUE_CHOICE:
         return store_choice(def, text, options, err);
     case VALUE_TEXT:

@@ -83,9 +83,10 @@ static bool apply(struct parser *parser, const struct option_def *def, const cha
         // "--output --half" is a forgotten name, not a file called "--half". A file of such a name
         // can be written --output=--half.
         value = parser->next < parser->count ? parser->arguments[parser->next] : NULL;
+        char argument[OPTION_ARGUMENT_MAX];
         if (!value || strncmp(value, "--", 2) == 0)
             return err_set(err, ERR_USAGE, "--%s needs a value: --%s %s", def->name, def->name,
-                           def->argument);
+                           option_argument(def, argument));
         parser->next++;
     }
     if (!option_store(def, value, parser->options, err))
@@ -319,21 +320,12 @@ void options_finish(struct options *options)
         arena_finish(&options->arena);
 }
 
-static bool in_settings(const struct option_def *def)
-{
-    const size_t begin = offsetof(struct options, settings);
-    return def->offset >= begin && def->offset - begin < sizeof(struct settings);
-}
-
 bool option_is_setting(const struct option_def *def, const struct command *command)
 {
     switch ((enum option_id)(def - option_table)) {
     case OPTION_SIZE:
     case OPTION_SPP:
         return command == &commands[COMMAND_BENCH];
-    case OPTION_EXPOSURE:
-    case OPTION_TONE:
-        return false;
     case OPTION_WAVE:
     case OPTION_WORKGROUP:
     case OPTION_FEATURES:
@@ -345,17 +337,17 @@ bool option_is_setting(const struct option_def *def, const struct command *comma
     case OPTION_INSTANCES:
         return true;
     default:
-        return in_settings(def);
+        return def->setting && def->setting->changes_film;
     }
 }
 
 void options_apply_settings(const struct options *options, struct settings *settings)
 {
-    const size_t begin = offsetof(struct options, settings);
-    for (int i = 0; i < OPTION_TOTAL; i++) {
-        const struct option_def *def = &option_table[i];
-        if (in_settings(def) && options_given(options, (enum option_id)i))
-            memcpy((char *)settings + (def->offset - begin), (const char *)options + def->offset,
-                   def->size);
+    for (int i = 0; i < OPTION_TOTAL; i++)
+        if (option_table[i].setting && options_given(options, (enum option_id)i))
+            field_copy(&option_table[i].setting->field, settings, &options->settings);
+    if (options_given(options, OPTION_SIZE)) {
+        settings->width = options->settings.width;
+        settings->height = options->settings.height;
     }
 }

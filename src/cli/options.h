@@ -29,32 +29,11 @@ enum option_id {
     OPTION_SIZE,
     OPTION_HALF,
     OPTION_AOV,
-    OPTION_EXPOSURE,
-    OPTION_TONE,
-    OPTION_SPP,
+#define SETTING(ID, ...) OPTION_##ID,
+#include "scene/core/settings_list.h"
     OPTION_TIME,
     OPTION_ERROR,
     OPTION_ADAPTIVE,
-    OPTION_SEED,
-    OPTION_MAX_BOUNCES,
-    OPTION_INTEGRATOR,
-    OPTION_AO_DISTANCE,
-    OPTION_FALLOFF,
-    OPTION_SAMPLER,
-    OPTION_HALVES,
-    OPTION_FILTER,
-    OPTION_FILTER_RADIUS,
-    OPTION_LIGHT_CHOICE,
-    OPTION_NEE,
-    OPTION_NEE_DEPTH,
-    OPTION_MIS,
-    OPTION_DIRECTIONS,
-    OPTION_DIRECTION_EXPONENT,
-    OPTION_CLAMP,
-    OPTION_ROULETTE,
-    OPTION_ROULETTE_MIN_BOUNCES,
-    OPTION_ROULETTE_MAX_BOUNCES,
-    OPTION_ROULETTE_SURVIVAL,
     OPTION_CAMERA,
     OPTION_APERTURE,
     OPTION_FOCUS_DISTANCE,
@@ -65,7 +44,6 @@ enum option_id {
     OPTION_ENV,
     OPTION_ENV_ROTATE,
     OPTION_ENV_STRENGTH,
-    OPTION_ENV_FILTER,
     OPTION_STUDIO,
     OPTION_GROUND,
     OPTION_UP,
@@ -141,17 +119,16 @@ enum option_id {
 
 // How an option's value is written, and what stands in its field of struct options.
 enum option_type {
-    VALUE_FLAG,         // none; bool
-    VALUE_SWITCH,       // "on" or "off"; bool
-    VALUE_COUNT,        // digits and perhaps k, M or G (powers of 1024); uint32_t or uint64_t
-    VALUE_COUNT_OR_OFF, // the same, or "off": UINT32_MAX
-    VALUE_REAL,         // decimal; float or double
-    VALUE_REAL_OR_AUTO, // the same, or "auto": a float, and a uint32_t that is 1 then
-    VALUE_CHOICE,       // a word of the '|'-separated `argument`; an enum in that order
-    VALUE_TEXT,         // anything; const char *
-    VALUE_SIZE,         // WxH; two uint32_t
-    VALUE_PAIR,         // X,Y; two uint32_t
-    VALUE_ENVIRONMENT,  // FILE or R,G,B
+    VALUE_FLAG,        // none; bool
+    VALUE_SWITCH,      // "on" or "off"; bool
+    VALUE_COUNT,       // digits and perhaps k, M or G (powers of 1024); uint32_t or uint64_t
+    VALUE_REAL,        // decimal; float or double
+    VALUE_CHOICE,      // a word of the '|'-separated `argument`; an enum in that order
+    VALUE_TEXT,        // anything; const char *
+    VALUE_SETTING,     // as the setting's row says; the member of `settings`
+    VALUE_SIZE,        // WxH; two uint32_t
+    VALUE_PAIR,        // X,Y; two uint32_t
+    VALUE_ENVIRONMENT, // FILE or R,G,B
     // Repeatable, each with a list of its own:
     VALUE_OUTPUT,
     VALUE_DEFINE, // KEY=VALUE
@@ -168,7 +145,7 @@ enum option_type {
 struct option_def {
     const char *name;     // without the dashes
     char short_name;      // 0: none
-    const char *argument; // what the help calls the value; NULL for a flag
+    const char *argument; // what the help calls the value; NULL for a flag and for a setting
     enum option_type type;
     double min, max;      // range of a number, both ends included; 0, 0 where there is none
     const char *fallback; // what holds when it is not given, for the help; or NULL
@@ -176,6 +153,7 @@ struct option_def {
     const char *group;    // heading in the help
     unsigned commands;    // bit 1 << enum command_id for each command that takes it
     size_t offset, size;  // of the field in struct options
+    const struct setting *setting; // says what is not set here; NULL: it is no setting
 };
 
 extern const struct option_def option_table[OPTION_TOTAL];
@@ -346,6 +324,10 @@ bool option_store(const struct option_def *def, const char *text, struct options
 // Writes text that a shell reads as this one word; returns its end. `out` has room for 4 bytes a
 // byte, and 3.
 char *options_quote(const char *word, char *out);
+
+// What the help calls the value: "WxH", "path|direct", "METRES|off".
+#define OPTION_ARGUMENT_MAX 120
+const char *option_argument(const struct option_def *def, char out[OPTION_ARGUMENT_MAX]);
 
 // Whether the command takes the option.
 bool option_belongs(const struct option_def *def, const struct command *command);

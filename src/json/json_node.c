@@ -235,7 +235,7 @@ bool node_check_name(const struct json_node *node, const char *name, struct err 
 
 // --- values --------------------------------------------------------------------------------------
 
-static bool number(const struct json_node *node, struct range range, double *out, struct err *err)
+bool node_number(const struct json_node *node, struct range range, double *out, struct err *err)
 {
     if (!json_is_number(node->value))
         return node_unexpected(node, "a number", err);
@@ -254,7 +254,7 @@ bool node_read_number(const struct json_node *object, const char *key, struct ra
                       double *out, struct err *err)
 {
     const struct json_node node = node_member(object, key);
-    return !node.value || number(&node, range, out, err);
+    return !node.value || node_number(&node, range, out, err);
 }
 
 bool node_read_integer(const struct json_node *object, const char *key, uint64_t min, uint64_t max,
@@ -303,7 +303,7 @@ bool node_numbers(const struct json_node *array, size_t count, struct range rang
         return false;
     for (size_t i = 0; i < count; i++) {
         const struct json_node element = node_element(array, i);
-        if (!number(&element, range, &out[i], err))
+        if (!node_number(&element, range, &out[i], err))
             return false;
     }
     return true;

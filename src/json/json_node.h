@@ -58,6 +58,8 @@ struct range {
     bool open; // the bounds themselves are outside
 };
 
+// node_number: the node itself is the number.
+bool node_number(const struct json_node *node, struct range range, double *out, struct err *err);
 bool node_read_number(const struct json_node *object, const char *key, struct range range,
                       double *out, struct err *err);
 bool node_read_integer(const struct json_node *object, const char *key, uint64_t min, uint64_t max,

@@ -254,70 +254,47 @@ TEST(memory_runs_out_politely)
     options_finish(NULL);
 }
 
-static const char *first_choice(const struct option_def *def, unsigned index)
+static void check_setting(const struct option_def *def, const char *value,
+                          const struct settings *expected)
 {
-    static char word[32];
-    const char *start = def->argument;
-    while (index-- > 0)
-        start = strchr(start, '|') + 1;
-    snprintf(word, sizeof word, "%.*s", (int)strcspn(start, "|"), start);
-    return word;
+    struct options o;
+    struct err err;
+    char line[120];
+    snprintf(line, sizeof line, "render s --%s=%s", def->name, value);
+    REQUIRE(parse(line, &o, &err), "%s: %s", line, err.msg);
+    CHECK(field_same(&def->setting->field, &o.settings, expected), "%s", line);
+    options_finish(&o);
 }
 
-// What the help says is the default of a setting must be what settings_default() gives.
-TEST(the_help_tells_the_true_defaults)
+// Every word and both ends of every range, and the default in the help's own words.
+TEST(settings_take_what_their_table_says)
 {
-    const struct settings s = settings_default();
-    char size[32], spp[32], seed[32], bounces[32], roulette[32], exposure[32];
-    snprintf(size, sizeof size, "%ux%u", s.width, s.height);
-    snprintf(spp, sizeof spp, "%llu", (unsigned long long)s.spp);
-    snprintf(seed, sizeof seed, "%u", s.seed);
-    snprintf(bounces, sizeof bounces, "%u", s.max_bounces);
-    snprintf(roulette, sizeof roulette, "%u", s.roulette_min_bounces);
-    snprintf(exposure, sizeof exposure, "%g", (double)s.exposure);
-    const struct {
-        enum option_id id;
-        const char *value;
-    } rows[] = {
-        {OPTION_SIZE, size},
-        {OPTION_SPP, spp},
-        {OPTION_SEED, seed},
-        {OPTION_MAX_BOUNCES, bounces},
-        {OPTION_ROULETTE_MIN_BOUNCES, roulette},
-        {OPTION_EXPOSURE, exposure},
-    };
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-        const char *fallback = option_table[rows[i].id].fallback;
-        const char *word = strrchr(fallback, ' ');
-        CHECK(word && strcmp(word + 1, rows[i].value) == 0, "--%s: %s, but %s",
-              option_table[rows[i].id].name, fallback, rows[i].value);
-    }
-    CHECK(strcmp(first_choice(&option_table[OPTION_TONE], s.tone_curve), "none") == 0);
-    CHECK(strcmp(first_choice(&option_table[OPTION_MIS], s.mis), "power") == 0);
-}
-
-// The words of an option are those of scene files, in the same order.
-TEST(choices_have_the_words_of_scene_files)
-{
-    const struct {
-        enum option_id id;
-        const char *const *names;
-    } rows[] = {
-        {OPTION_TONE, tone_names},         {OPTION_INTEGRATOR, integrator_names},
-        {OPTION_SAMPLER, sampler_names},   {OPTION_HALVES, halves_names},
-        {OPTION_FILTER, filter_names},     {OPTION_LIGHT_CHOICE, light_choice_names},
-        {OPTION_MIS, mis_names},           {OPTION_DIRECTIONS, directions_names},
-        {OPTION_ROULETTE, roulette_names}, {OPTION_ENV_FILTER, environment_filter_names},
-    };
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-        char words[200] = "";
-        for (int n = 0; rows[i].names[n]; n++) {
-            strcat(words, n ? "|" : "");
-            strcat(words, rows[i].names[n]);
+    for (int i = 0; i < OPTION_TOTAL; i++) {
+        const struct option_def *def = &option_table[i];
+        if (!def->setting)
+            continue;
+        const struct field *field = &def->setting->field;
+        struct settings s = settings_default();
+        char text[FIELD_TEXT_MAX], line[400];
+        field_text(field, &s, text);
+        check_setting(def, text, &s);
+        for (uint32_t n = 0; field->type == FIELD_CHOICE && field->words[n]; n++) {
+            field_set(field, &s, n);
+            check_setting(def, field->words[n], &s);
         }
-        const struct option_def *def = &option_table[rows[i].id];
-        CHECK(strcmp(words, def->argument) == 0, "--%s: %s, not %s", def->name, def->argument,
-              words);
+        if (field->word) {
+            field_set_word(field, &s);
+            check_setting(def, field->word, &s);
+        }
+        for (int end = 0; end < 2 && field->max > field->min; end++) {
+            field_set(field, &s, end ? field->max : field->min);
+            snprintf(text, sizeof text, "%.17g", end ? field->max : field->min);
+            check_setting(def, text, &s);
+            double beyond = end ? 2 * field->max + 1 : field->min - 1;
+            snprintf(line, sizeof line, "render s --%s=%.0f", def->name, beyond);
+            check_error(line, beyond < 0 && field->type == FIELD_COUNT ? "is not a number"
+                                                                       : "is outside");
+        }
     }
 }
 
@@ -326,12 +303,13 @@ TEST(the_table_is_complete)
     for (int i = 0; i < OPTION_TOTAL; i++) {
         const struct option_def *def = &option_table[i];
         REQUIRE(def->name && def->help && def->group && def->commands, "row %d", i);
-        CHECK((def->type == VALUE_FLAG) == !def->argument, "--%s", def->name);
+        CHECK((def->type == VALUE_SETTING) == (def->setting != NULL), "--%s", def->name);
+        CHECK((def->type == VALUE_FLAG || def->setting) == !def->argument, "--%s", def->name);
         bool has_list = def->type == VALUE_OUTPUT || def->type == VALUE_VARY ||
                         def->type == VALUE_DEFINE || def->type == VALUE_LIMIT ||
                         def->type == VALUE_ENVIRONMENT || def->type == VALUE_CURVE ||
                         def->type == VALUE_TIMES || def->type == VALUE_DEPTHS ||
-                        def->type == VALUE_RAYS;
+                        def->type == VALUE_RAYS || def->type == VALUE_SETTING;
         CHECK(has_list == (def->size == 0), "--%s", def->name);
         for (int j = 0; j < i; j++)
             CHECK(strcmp(option_table[j].name, def->name) != 0 &&
@@ -348,5 +326,4 @@ TEST_MAIN(TEST_CASE(every_option_of_render_is_stored),
           TEST_CASE(usage_errors_say_what_was_expected),
           TEST_CASE(value_errors_name_the_option_and_the_value),
           TEST_CASE(combinations_are_checked), TEST_CASE(memory_runs_out_politely),
-          TEST_CASE(the_help_tells_the_true_defaults),
-          TEST_CASE(choices_have_the_words_of_scene_files), TEST_CASE(the_table_is_complete))
+          TEST_CASE(settings_take_what_their_table_says), TEST_CASE(the_table_is_complete))

@@ -1,11 +1,12 @@
 #!/usr/bin/python3
 """Holds the scene format's schema against its loader.
 
-check_format.py SOURCE_ROOT LOAD_SCENE: every file of scenes/ fits the schema and loads, and so does
+check_format.py SOURCE_ROOT LOAD_SCENE [--write]: every file of scenes/ fits the schema and loads, and so does
 what is written down of it after random edits; every bad
 document of bad_scenes.json is refused by the loader with the message that stands there, and by the
 schema where a schema can say it; every good one passes both. Schema and description have every
-parameter of the loader's table, and the schema has its range and its types.
+parameter of the loader's table, and the schema has its range and its types; what both say of
+settings is made from the program's table, and --write makes it anew.
 """
 import base64
 import json
@@ -114,8 +115,59 @@ def check_parameters(loader, validator, description):
     return len(lines)
 
 
+def schema_of(row):
+    """The line of the schema for a row of the table of settings."""
+    least, greatest = row["range"]
+    values = {"switch": {"type": "boolean"}, "choice": {"enum": row["words"]},
+              "count": {"type": "integer", "minimum": int(least), "maximum": int(greatest)},
+              "real": {"type": "number", "minimum": least, "maximum": greatest}}[row["type"]]
+    word = [{"const": row["word"]}] if row["word"] else []
+    line = {"description": row["help"], "anyOf": [values] + word + [{"$ref": "#/$defs/reference"}]}
+    return f'        "{row["key"]}": {json.dumps(line)}'
+
+
+def description_of(row):
+    """Its line in scene-format.md."""
+    quoted = [f'`"{word}"`' for word in row["words"] + ([row["word"]] if row["word"] else [])]
+    values = {"switch": "`true` or `false`", "choice": ", ".join(quoted[:-1]) + " or " + "".join(quoted[-1:])}
+    least, greatest = (f"{value:.15g}" for value in row["range"])
+    text = values[row["type"]] if row["type"] in values else f"{least} to {greatest}" + "".join(" or " + word for word in quoted)
+    word, colon, meaning = row["default"].partition(":")
+    word = {"switch": {"on": "`true`", "off": "`false`"}.get(word), "choice": f'`"{word}"`'}.get(row["type"], word)
+    return f'| `{row["key"]}` | {text} | {word + colon + meaning} | {row["help"]} |'
+
+
+def replaced(text, begin, end, lines):
+    head, rest = text.split(begin, 1)
+    return head + begin + lines + end + rest.split(end, 1)[1]
+
+
+def check_settings(root, loader, writes):
+    """The schema and the description have the settings as the program's table has them."""
+    table = json.loads(subprocess.run([loader, "--settings"], stdout=subprocess.PIPE, encoding="utf-8").stdout)
+    for name in ("scene.schema.json", "scene-format.md"):
+        path = os.path.join(root, "docs", name)
+        with open(path, encoding="utf-8") as file:
+            text = wanted = file.read()
+        for section in ("film", "settings"):
+            rows = [row for row in table if row["section"] == section]
+            if name.endswith("json"):
+                begin = f'    "{section}": {{\n      "type": "object",\n      "properties": {{\n        "comment": {{"$ref": "#/$defs/comment"}},\n'
+                wanted = replaced(wanted, begin, "\n      },\n", ",\n".join(map(schema_of, rows)))
+            else:
+                lines = ["", "| key | values | default | |", "|---|---|---|---|", *map(description_of, rows), "", ""]
+                wanted = replaced(wanted, f"<!-- {section}: -->\n", f"<!-- :{section} -->", "\n".join(lines))
+        if writes:
+            with open(path, "w", encoding="utf-8") as file:
+                file.write(wanted)
+        elif wanted != text:
+            fail(name, "is not what the table of settings says: check_format.py ... --write makes it so")
+    return len(table)
+
+
 def main():
     root, loader = sys.argv[1:3]
+    settings = check_settings(root, loader, "--write" in sys.argv)
     with open(os.path.join(root, "docs", "scene.schema.json"), encoding="utf-8") as file:
         schema = json.load(file)
     jsonschema.Draft202012Validator.check_schema(schema)
@@ -148,7 +200,7 @@ def main():
             check_bad(loader, folder, validator, case)
         for case in table["good"]:
             check_good(loader, folder, validator, case)
-    print(f"{parameters} parameters, {len(names)} scenes, {len(table['bad'])} bad and {len(table['good'])} good documents, "
+    print(f"{settings} settings, {parameters} parameters, {len(names)} scenes, {len(table['bad'])} bad and {len(table['good'])} good documents, "
           f"{failures} failures")
     sys.exit(failures > 0)
 

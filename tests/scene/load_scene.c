@@ -1,11 +1,14 @@
 // load_scene FILE [KEY=VALUE …]: loads a scene with overrides. Exit status 0, or 1 with the error's
 // code and message on stdout: what check_format.py drives. load_scene --parameters: prints the
 // table of the materials' parameters, a line each: name, components, least, greatest, models, help.
+// load_scene --settings: prints the table of settings as JSON.
 // load_scene --edit OUT FILE [KEY=VALUE …]: edits everything at random and writes it to OUT.
 #include "scene/json/scene_write.h"
 #include "scene_edit_fixture.h"
+#include "json/json_text.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define MAX_OVERRIDES 16
@@ -20,6 +23,55 @@ static void print_parameters(void)
                 printf("%s,", material_model_names[model]);
         printf(" %s\n", p->help);
     }
+}
+
+static void print_text(struct json_text *t, const char *key, const char *text)
+{
+    json_text_key(t, key);
+    json_text_string(t, text);
+}
+
+static void print_setting(struct json_text *t, enum setting_id id)
+{
+    static const char *const types[] = {[FIELD_SWITCH] = "switch",
+                                        [FIELD_COUNT] = "count",
+                                        [FIELD_CHOICE] = "choice",
+                                        [FIELD_REAL] = "real"};
+    const struct setting *setting = &settings_table[id];
+    const struct field *field = &setting->field;
+    char fallback[SETTING_RANGE_MAX];
+    setting_default_text(setting, fallback);
+    json_text_next(t);
+    json_text_open(t, '{', true);
+    print_text(t, "section", id <= SETTINGS_FILM_LAST ? "film" : "settings");
+    print_text(t, "key", field->key);
+    print_text(t, "type", types[field->type]);
+    json_text_doubles(t, "range", (const double[]){field->min, field->max}, 2);
+    print_text(t, "word", field->word ? field->word : "");
+    json_text_key(t, "words");
+    json_text_open(t, '[', true);
+    for (int i = 0; field->words && field->words[i]; i++) {
+        json_text_next(t);
+        json_text_string(t, field->words[i]);
+    }
+    json_text_close(t);
+    print_text(t, "default", fallback);
+    print_text(t, "help", setting->help);
+    json_text_close(t);
+}
+
+static void print_settings(void)
+{
+    struct json_text t;
+    if (!json_text_begin(&t, 0, NULL))
+        return;
+    json_text_open(&t, '[', false);
+    for (uint32_t i = 0; i < SETTING_TOTAL; i++)
+        print_setting(&t, i);
+    json_text_close(&t);
+    char *text = json_text_end(&t);
+    puts(text ? text : "");
+    free(text);
 }
 
 static bool write_edited(const struct scene_load_params *load, struct scene *scene,
@@ -47,6 +99,10 @@ int main(int argc, char **argv)
         return 2;
     if (strcmp(argv[1], "--parameters") == 0) {
         print_parameters();
+        return 0;
+    }
+    if (strcmp(argv[1], "--settings") == 0) {
+        print_settings();
         return 0;
     }
     if (argc > 3 && strcmp(argv[1], "--edit") == 0) {

@@ -119,35 +119,22 @@ static void edit_camera(struct camera *camera, struct random *random)
 
 static void edit_settings(struct settings *s, struct random *random)
 {
-    *s = (struct settings){
-        .width = 1 + random_below(random, 2000),
-        .height = 1 + random_below(random, 2000),
-        .spp = 1 + random_below(random, UINT32_MAX - 1),
-        .seed = random_below(random, UINT32_MAX),
-        .max_bounces = random_below(random, SETTINGS_BOUNCES_MAX),
-        .integrator = random_below(random, 4),
-        .ao_distance = often(random) ? (float)(1e-3 + random_unit(random)) : INFINITY,
-        .falloff = (float)random_unit(random),
-        .sampler = random_below(random, 6),
-        .halves = random_below(random, 2),
-        .filter = random_below(random, 4),
-        .filter_radius = (float)(random_unit(random) * SETTINGS_FILTER_RADIUS_MAX),
-        .pixel_jitter = often(random),
-        .environment_filter = random_below(random, 2),
-        .light_choice = random_below(random, 5),
-        .nee = often(random),
-        .nee_depth = often(random) ? random_below(random, 100) : UINT32_MAX,
-        .mis = random_below(random, 3),
-        .directions = random_below(random, 5),
-        .direction_exponent = (float)(random_unit(random) * SETTINGS_EXPONENT_MAX),
-        .clamp_limit = often(random) ? (float)(1e-3 + random_unit(random)) : 0,
-        .roulette = random_below(random, 4),
-        .roulette_min_bounces = often(random) ? random_below(random, 100) : UINT32_MAX,
-        .roulette_max_bounces = often(random) ? random_below(random, 100) : UINT32_MAX,
-        .roulette_survival = random_float(random, 0.01f, 1),
-        .exposure = (float)(200 * random_unit(random) - 100),
-        .tone_curve = (enum tone_curve)random_below(random, 4),
-    };
+    for (int i = 0; i < SETTING_TOTAL; i++) {
+        const struct field *field = &settings_table[i].field;
+        uint32_t count = 2;
+        while (field->type == FIELD_CHOICE && field->words[count])
+            count++;
+        if (field->word && !often(random))
+            field_set_word(field, s);
+        else if (field->type == FIELD_REAL)
+            field_set(field, s, (double)random_float(random, (float)field->min, (float)field->max));
+        else if (field->type == FIELD_COUNT)
+            field_set(field, s, field->min + rint(random_unit(random) * (field->max - field->min)));
+        else
+            field_set(field, s, random_below(random, count));
+    }
+    // No picture has as many pixels as both at their most.
+    s->height = 1 + s->height % (uint32_t)(SETTINGS_PIXELS_MAX / s->width);
 }
 
 void edit_at_random(struct scene *scene, struct random *random)
@@ -213,7 +200,7 @@ void check_same_scene(struct scene *a, struct scene *b, const char *what)
         if (a->lights[i].profile && b->lights[i].profile)
             b->lights[i].profile = a->lights[i].profile;
     CHECK(scene_compare_edits(a, b, &err), "%s: %s", what, err.msg);
-    CHECK(scene_same_settings(&a->settings, &b->settings), "%s: settings", what);
+    CHECK(settings_same(&a->settings, &b->settings), "%s: settings", what);
     CHECK(scene_same_camera(&a->cameras[0], &b->cameras[0]), "%s: camera", what);
     check_same_meshes(a, b, what);
     for (uint32_t i = 0; i < a->instance_count && i < b->instance_count; i++)

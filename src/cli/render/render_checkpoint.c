@@ -36,57 +36,25 @@ static void add(struct text *text, const char *format, ...)
         text->so_far = arena_printf(text->arena, "%s%s\n", text->so_far, line);
 }
 
-// What an option says of a setting, in its own words.
-static void add_setting(struct text *text, const struct option_def *def, const char *field)
-{
-    uint32_t word;
-    uint64_t wide = 0;
-    float real;
-    memcpy(&word, field, sizeof word);
-    memcpy(&real, field, sizeof real);
-    memcpy(&wide, field, def->size < sizeof wide ? def->size : sizeof wide);
-    switch (def->type) {
-    case VALUE_SWITCH:
-        add(text, "--%s=%s", def->name, *(const bool *)field ? "on" : "off");
-        break;
-    case VALUE_REAL:
-        add(text, "--%s=%.9g", def->name, (double)real);
-        break;
-    case VALUE_CHOICE: {
-        const char *choice = def->argument;
-        while (word-- > 0 && strchr(choice, '|'))
-            choice = strchr(choice, '|') + 1;
-        add(text, "--%s=%.*s", def->name, (int)strcspn(choice, "|"), choice);
-        break;
-    }
-    case VALUE_SIZE: {
-        uint32_t size[2];
-        memcpy(size, field, sizeof size);
-        add(text, "--%s=%ux%u", def->name, size[0], size[1]);
-        break;
-    }
-    default:
-        if (def->type == VALUE_COUNT_OR_OFF && word == UINT32_MAX)
-            add(text, "--%s=off", def->name);
-        else
-            add(text, "--%s=%" PRIu64, def->name, wide);
-    }
-}
-
-// All settings that change bits of the film: those with an option, through the table of options, so
-// that none can be forgotten, and the one without.
+// All settings that change bits of the film; for the number of samples, see below. Numbers stand as
+// such where scene files have a word.
 static void add_settings(struct text *text, const struct settings *settings)
 {
-    const size_t begin = offsetof(struct options, settings);
-    for (int id = 0; id < OPTION_TOTAL; id++) {
-        const struct option_def *def = &option_table[id];
-        bool is_setting = def->offset >= begin && def->offset - begin < sizeof *settings;
-        bool is_of_output = id == OPTION_EXPOSURE || id == OPTION_TONE;
-        if (!is_setting || is_of_output || id == OPTION_SPP)
+    add(text, "--size=%ux%u", settings->width, settings->height);
+    for (int i = SETTINGS_FILM_LAST + 1; i < SETTING_TOTAL; i++) {
+        const struct setting *setting = &settings_table[i];
+        char value[FIELD_TEXT_MAX], name[48];
+        if (!setting->changes_film || i == SETTING_SPP)
             continue;
-        add_setting(text, def, (const char *)settings + (def->offset - begin));
+        field_text(&setting->field, settings, value);
+        if (setting->field.type == FIELD_REAL)
+            snprintf(value, sizeof value, "%.9g", field_get(&setting->field, settings));
+        snprintf(name, sizeof name, setting->option ? "--%s" : "%s",
+                 setting->option ? setting->option : setting->field.key);
+        for (char *c = name; *c; c++)
+            *c = *c == '_' ? ' ' : *c;
+        add(text, "%s=%s", name, value);
     }
-    add(text, "pixel jitter=%s", settings->pixel_jitter ? "on" : "off");
 }
 
 // As the command line has changed it.

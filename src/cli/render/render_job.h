@@ -246,7 +246,7 @@ void job_list_layers(const struct render_job *job, struct job_layers *out);
 uint64_t job_layer_bytes(const struct render_job *job);
 
 // --- render_metadata.c ---
-#define JOB_MAX_ATTRIBUTES 72
+#define JOB_MAX_ATTRIBUTES (56 + SETTING_TOTAL)
 
 struct job_attributes {
     struct image_attribute list[JOB_MAX_ATTRIBUTES];

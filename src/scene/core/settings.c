@@ -1,7 +1,7 @@
 #include "scene/core/settings.h"
 
 #include <math.h>
-#include <stddef.h>
+#include <stdio.h>
 
 const char *const integrator_names[] = {
     [INTEGRATOR_PATH] = "path",
@@ -86,34 +86,75 @@ const char *const tone_names[] = {
     NULL,
 };
 
+// --- the table -----------------------------------------------------------------------------------
+
+#define COUNT(least, most) .type = FIELD_COUNT, .min = least, .max = most
+#define DEPTH COUNT(0, SETTINGS_BOUNCES_MAX), .word = "off", .word_value = UINT32_MAX
+#define REAL(least, most) .type = FIELD_REAL, .min = least, .max = most
+#define CHOICE(names) .type = FIELD_CHOICE, .words = names
+#define SWITCH .type = FIELD_SWITCH
+#define NEEDS(ID, values) .needs = SETTING_##ID, .needs_values = values
+
+#define WITHOUT_PARENTHESES(...) __VA_ARGS__
+#define ROW(ID, is_of_film, member_, key_, option_, group_, help_, field_, ...)                    \
+    [SETTING_##ID] = {.field = {.key = key_,                                                       \
+                                .offset = offsetof(struct settings, member_),                      \
+                                .size = sizeof(((struct settings *)NULL)->member_),                \
+                                WITHOUT_PARENTHESES field_},                                       \
+                      .option = option_,                                                           \
+                      .group = group_,                                                             \
+                      .help = help_,                                                               \
+                      .changes_film = is_of_film,                                                  \
+                      __VA_ARGS__},
+
+const struct setting settings_table[SETTING_TOTAL] = {
+#define SETTING(ID, type, ...) ROW(ID, true, __VA_ARGS__)
+#define SETTING_OF_FILE SETTING
+#define SETTING_OF_IMAGE(ID, type, ...) ROW(ID, false, __VA_ARGS__)
+#include "scene/core/settings_list.h"
+};
+
 struct settings settings_default(void)
 {
-    return (struct settings){
-        .width = 512,
-        .height = 512,
-        .spp = 64,
-        .seed = 0,
-        .max_bounces = 9,
-        .integrator = INTEGRATOR_PATH,
-        .ao_distance = INFINITY,
-        .sampler = SAMPLER_SOBOL,
-        .halves = HALVES_INDEPENDENT,
-        .filter = FILTER_BOX,
-        .pixel_jitter = true,
-        .environment_filter = ENVIRONMENT_FILTER_BILINEAR,
-        .light_choice = LIGHT_CHOICE_AUTO,
-        .nee = true,
-        .nee_depth = UINT32_MAX,
-        .mis = MIS_POWER,
-        .directions = DIRECTIONS_BSDF,
-        .direction_exponent = 15.0f,
-        .roulette = ROULETTE_THROUGHPUT,
-        .roulette_min_bounces = 3,
-        .roulette_max_bounces = UINT32_MAX,
-        .roulette_survival = 0.7f,
-        .exposure = 0.0f,
-        .tone_curve = TONE_NONE,
-    };
+    struct settings settings = {0};
+    for (int i = 0; i < SETTING_TOTAL; i++)
+        field_set(&settings_table[i].field, &settings, settings_table[i].fallback);
+    return settings;
+}
+
+bool settings_same(const struct settings *a, const struct settings *b)
+{
+    for (int i = 0; i < SETTING_TOTAL; i++)
+        if (!field_same(&settings_table[i].field, a, b))
+            return false;
+    return true;
+}
+
+bool setting_is_in_use(const struct setting *setting, const struct settings *settings)
+{
+    const struct field *needed = &settings_table[setting->needs].field;
+    return !setting->needs_values ||
+           (setting->needs_values >> (uint32_t)field_get(needed, settings) & 1u);
+}
+
+void setting_range(const struct setting *setting, char out[SETTING_RANGE_MAX])
+{
+    const struct field *field = &setting->field;
+    bool is_number = field->type == FIELD_COUNT || field->type == FIELD_REAL;
+    out[0] = '\0';
+    if (is_number)
+        snprintf(out, SETTING_RANGE_MAX, "From %.15g to %.15g.", field->min, field->max);
+}
+
+void setting_default_text(const struct setting *setting, char out[SETTING_RANGE_MAX])
+{
+    const struct settings settings = settings_default();
+    char text[FIELD_TEXT_MAX];
+    field_text(&setting->field, &settings, text);
+    bool is_special =
+        setting->special && (field_is_word(&setting->field, &settings) ||
+                             field_get(&setting->field, &settings) == setting->field.min);
+    snprintf(out, SETTING_RANGE_MAX, is_special ? "%s: %s" : "%s", text, setting->special);
 }
 
 float settings_filter_radius(const struct settings *settings)

@@ -6,6 +6,7 @@
 #include "scene/json/load_json.h"
 #include "scene/json/scene_write_edits.h"
 #include "scene/sky/sky.h"
+#include "json/field_json.h"
 #include "json/json_parse.h"
 #include <errno.h>
 #include <math.h>
@@ -88,80 +89,14 @@ char *camera_to_json(struct arena *arena, const struct camera *camera)
 
 // --- film and settings ---------------------------------------------------------------------------
 
-static void put_uint(struct json_text *t, const char *key, uint64_t value)
-{
-    json_text_key(t, key);
-    json_text_uint(t, value);
-}
-
-static void put_bool(struct json_text *t, const char *key, bool value)
-{
-    json_text_key(t, key);
-    json_text_bool(t, value);
-}
-
-static void put_float(struct json_text *t, const char *key, float value)
-{
-    json_text_key(t, key);
-    json_text_float(t, value);
-}
-
-static void put_depth(struct json_text *t, const char *key, uint32_t value)
-{
-    if (value == UINT32_MAX)
-        put_name(t, key, "off");
-    else
-        put_uint(t, key, value);
-}
-
-static void put_film(struct json_text *t, const struct settings *s)
-{
-    json_text_key(t, "film");
-    json_text_open(t, '{', false);
-    put_uint(t, "width", s->width);
-    put_uint(t, "height", s->height);
-    if (s->exposure_is_auto)
-        put_name(t, "exposure", "auto");
-    else
-        put_float(t, "exposure", s->exposure);
-    put_name(t, "tone", tone_names[s->tone_curve]);
-    json_text_close(t);
-}
-
 // All of them: the base may have others.
-static void put_settings(struct json_text *t, const struct settings *s)
+static void put_settings(struct json_text *t, const char *key, const struct settings *settings,
+                         enum setting_id first, enum setting_id last)
 {
-    json_text_key(t, "settings");
+    json_text_key(t, key);
     json_text_open(t, '{', false);
-    put_uint(t, "spp", s->spp);
-    put_uint(t, "seed", s->seed);
-    put_uint(t, "max_bounces", s->max_bounces);
-    put_name(t, "integrator", integrator_names[s->integrator]);
-    if (isinf(s->ao_distance))
-        put_name(t, "ao_distance", "off");
-    else
-        put_float(t, "ao_distance", s->ao_distance);
-    put_float(t, "falloff", s->falloff);
-    put_name(t, "sampler", sampler_names[s->sampler]);
-    put_name(t, "halves", halves_names[s->halves]);
-    put_name(t, "filter", filter_names[s->filter]);
-    put_float(t, "filter_radius", s->filter_radius);
-    put_bool(t, "pixel_jitter", s->pixel_jitter);
-    put_name(t, "environment_filter", environment_filter_names[s->environment_filter]);
-    put_name(t, "light_choice", light_choice_names[s->light_choice]);
-    put_bool(t, "nee", s->nee);
-    put_depth(t, "nee_depth", s->nee_depth);
-    put_name(t, "mis", mis_names[s->mis]);
-    put_name(t, "directions", directions_names[s->directions]);
-    put_float(t, "direction_exponent", s->direction_exponent);
-    if (s->clamp_limit == 0)
-        put_name(t, "clamp", "off");
-    else
-        put_float(t, "clamp", s->clamp_limit);
-    put_name(t, "roulette", roulette_names[s->roulette]);
-    put_depth(t, "roulette_min_bounces", s->roulette_min_bounces);
-    put_depth(t, "roulette_max_bounces", s->roulette_max_bounces);
-    put_float(t, "roulette_survival", s->roulette_survival);
+    for (uint32_t i = first; i <= last; i++)
+        field_write(&settings_table[i].field, settings, t);
     json_text_close(t);
 }
 
@@ -321,7 +256,8 @@ static void put_sky(struct json_text *t, const struct sky *sky)
     put_number(t, "turbidity", sky->turbidity);
     json_text_doubles(t, "sun_direction", sky->sun_direction, 3);
     json_text_doubles(t, "ground_albedo", sky->ground_albedo, 3);
-    put_bool(t, "sun", sky->has_sun);
+    json_text_key(t, "sun");
+    json_text_bool(t, sky->has_sun);
     json_text_product(t, "sun_diameter_degrees", DEGREE, "sun_diameter_radians", sky->sun_diameter);
 }
 
@@ -357,15 +293,16 @@ static bool put_document(struct writer *w, struct json_text *t, const char *comm
                          struct err *err)
 {
     json_text_open(t, '{', false);
-    put_uint(t, "lampyris", 1);
+    json_text_key(t, "lampyris");
+    json_text_uint(t, 1);
     if (comment)
         put_name(t, "comment", comment);
     if (!put_base(w, t, err))
         return false;
     json_text_key(t, "camera");
     put_camera(t, &w->camera);
-    put_film(t, &w->settings);
-    put_settings(t, &w->settings);
+    put_settings(t, "film", &w->settings, SETTINGS_FILM_FIRST, SETTINGS_FILM_LAST);
+    put_settings(t, "settings", &w->settings, SETTINGS_FILM_LAST + 1, SETTING_TOTAL - 1);
     if (w->difference.has_other_environment && !put_environment(w, t, err))
         return false;
     scene_write_edits(t, &w->difference);
@@ -427,7 +364,7 @@ static bool check_parts(const struct writer *w, struct scene *scene,
         return node_fail(&camera, err,
                          "cannot be written down exactly: is its direction of unit "
                          "length?");
-    if (!scene_same_settings(&scene->settings, &w->settings))
+    if (!settings_same(&scene->settings, &w->settings))
         return node_fail(&settings, err, "cannot be written down exactly");
     return scene_compare_edits(scene, w->params->scene, err) || node_prepend(&edits, err);
 }

@@ -41,22 +41,6 @@ static bool same_light(const struct light *a, const struct light *b)
            SAME(a, b, profile_x);
 }
 
-bool scene_same_settings(const struct settings *a, const struct settings *b)
-{
-    return a->width == b->width && a->height == b->height && a->spp == b->spp &&
-           a->seed == b->seed && a->max_bounces == b->max_bounces &&
-           a->integrator == b->integrator && SAME(a, b, ao_distance) && SAME(a, b, falloff) &&
-           a->sampler == b->sampler && a->halves == b->halves && a->filter == b->filter &&
-           SAME(a, b, filter_radius) && a->pixel_jitter == b->pixel_jitter &&
-           a->environment_filter == b->environment_filter && a->light_choice == b->light_choice &&
-           a->nee == b->nee && a->nee_depth == b->nee_depth && a->mis == b->mis &&
-           a->directions == b->directions && SAME(a, b, direction_exponent) &&
-           SAME(a, b, clamp_limit) && a->roulette == b->roulette &&
-           a->roulette_min_bounces == b->roulette_min_bounces &&
-           a->roulette_max_bounces == b->roulette_max_bounces && SAME(a, b, roulette_survival) &&
-           SAME(a, b, exposure) && SAME(a, b, exposure_is_auto) && a->tone_curve == b->tone_curve;
-}
-
 bool scene_same_camera(const struct camera *a, const struct camera *b)
 {
     bool ok = a->kind == b->kind && SAME(a, b, position) && SAME(a, b, direction) && SAME(a, b, up);

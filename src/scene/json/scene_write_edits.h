@@ -19,7 +19,6 @@ uint32_t scene_sun_light(const struct scene *scene);
 
 // Whether what can be edited is the same to the bit; else ERR_INPUT, naming what is not.
 bool scene_compare_edits(const struct scene *a, const struct scene *b, struct err *err);
-bool scene_same_settings(const struct settings *a, const struct settings *b);
 // As far as its kind makes use of it.
 bool scene_same_camera(const struct camera *a, const struct camera *b);
 

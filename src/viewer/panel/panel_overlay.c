@@ -25,46 +25,21 @@ static float free_x(const struct viewer *viewer)
     return viewer->gui.width + MARGIN * viewer->window.scale;
 }
 
-// The value of an option that is a setting, as the command line has it.
-static void write_value(const struct option_def *def, const void *at, char *out, size_t size)
-{
-    uint64_t number = 0;
-    memcpy(&number, at, def->size < sizeof number ? def->size : sizeof number);
-    if (def->type == VALUE_CHOICE) {
-        const char *word = def->argument;
-        for (; number > 0 && strchr(word, '|'); number--)
-            word = strchr(word, '|') + 1;
-        snprintf(out, size, "%.*s", (int)strcspn(word, "|"), word);
-    } else if (def->type == VALUE_SWITCH) {
-        snprintf(out, size, "%s", number ? "on" : "off");
-    } else if (def->type == VALUE_COUNT_OR_OFF && number == UINT32_MAX) {
-        snprintf(out, size, "off");
-    } else if (def->type == VALUE_REAL) {
-        double value =
-            def->size == sizeof(float) ? (double)*(const float *)at : *(const double *)at;
-        snprintf(out, size, "%.3g", value);
-    } else {
-        snprintf(out, size, "%llu", (unsigned long long)number);
-    }
-}
-
 // What the second side's settings have different from the first's: ", sampler pcg, mis none". As
 // much of it as there is room for.
 static void write_difference(const struct viewer *viewer, char *out, size_t size)
 {
-    const char *a = (const char *)&viewer->sides[0].method.settings;
-    const char *b = (const char *)&viewer->sides[1].method.settings;
-    const size_t begin = offsetof(struct options, settings);
+    const struct settings *a = &viewer->sides[0].method.settings;
+    const struct settings *b = &viewer->sides[1].method.settings;
     size_t used = 0;
     *out = '\0';
-    for (int i = 0; i < OPTION_TOTAL && used < size; i++) {
-        const struct option_def *def = &option_table[i];
-        char value[32];
-        if (def->offset < begin || def->offset - begin >= sizeof(struct settings) ||
-            memcmp(a + (def->offset - begin), b + (def->offset - begin), def->size) == 0)
+    for (int i = 0; i < SETTING_TOTAL && used < size; i++) {
+        const struct field *field = &settings_table[i].field;
+        char value[FIELD_TEXT_MAX];
+        if (field_same(field, a, b))
             continue;
-        write_value(def, b + (def->offset - begin), value, sizeof value);
-        used += (size_t)snprintf(out + used, size - used, ", %s %s", def->name, value);
+        field_text(field, b, value);
+        used += (size_t)snprintf(out + used, size - used, ", %s %s", field->key, value);
     }
 }
 

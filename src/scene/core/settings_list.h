@@ -1,0 +1,144 @@
+// Every setting of a render, a row each: the one place where a setting is listed. Whoever includes
+// this defines SETTING first, and gets of each row what it makes of
+//   SETTING(ID, C type, member of struct settings, key in scene files, option, group in the help,
+//           help, designated members of struct field in parentheses, those of struct setting)
+// A row with SETTING_OF_FILE has no option of its own; one with SETTING_OF_IMAGE changes how the
+// film is shown, and no bit of it.
+//
+// Ranges: counts end at 2^20, where paths end, or are "off"; what is stored in single precision ends
+// at 3.4e38, the round number below its greatest, and lengths begin at 1e-37, above which it has all
+// its digits. No range refuses what an earlier one took and a kernel can tell from 0.
+#ifndef SETTING_OF_FILE
+#define SETTING_OF_FILE(...)
+#endif
+#ifndef SETTING_OF_IMAGE
+#define SETTING_OF_IMAGE SETTING
+#endif
+
+// clang-format off
+SETTING_OF_FILE(WIDTH, uint32_t, width, "width", NULL, NULL,
+    "Width of the image in pixels; at most 2^31 pixels in all.",
+    (COUNT(1, SETTINGS_SIZE_MAX)), .fallback = 512)
+SETTING_OF_FILE(HEIGHT, uint32_t, height, "height", NULL, NULL,
+    "Height of the image in pixels.",
+    (COUNT(1, SETTINGS_SIZE_MAX)), .fallback = 512)
+SETTING_OF_IMAGE(EXPOSURE, float, exposure, "exposure", "exposure", "Picture",
+    "Stops: PNG images, or what psnr, ssim and flip see, are multiplied by 2 to this power before "
+    "the tone curve. With auto they are found from the image's luminances (docs/output.md; not for "
+    "compare); so they are for models without light or camera and under a sky from the command "
+    "line, unless given. EXR stays as it is.",
+    (REAL(-SETTINGS_EXPOSURE_MAX, SETTINGS_EXPOSURE_MAX), .word = "auto",
+     .flag = offsetof(struct settings, exposure_is_auto)), .fallback = 0, .argument = "STOPS")
+SETTING_OF_IMAGE(TONE, uint32_t, tone_curve, "tone", "tone", "Picture",
+    "Tone curve of PNG images. It is aces for models without light or camera and under a sky from "
+    "the command line, unless given.",
+    (CHOICE(tone_names)), .fallback = TONE_NONE)
+
+SETTING(SPP, uint64_t, spp, "spp", "spp", "Sampling",
+    "Samples per pixel.",
+    (COUNT(1, SETTINGS_SPP_MAX)), .fallback = 64, .argument = "N")
+SETTING(SEED, uint32_t, seed, "seed", "seed", "Sampling",
+    "Seed of the random numbers. The same seed gives the same picture, bit for bit.",
+    (COUNT(0, UINT32_MAX)), .fallback = 0, .argument = "N", .label = "Seed")
+SETTING(MAX_BOUNCES, uint32_t, max_bounces, "max_bounces", "max-bounces", "Sampling",
+    "Scattering events on a path: 0 is emission only, 1 direct light.",
+    (COUNT(0, SETTINGS_BOUNCES_MAX)), .fallback = 9, .argument = "N", .label = "Bounces")
+
+SETTING(INTEGRATOR, uint32_t, integrator, "integrator", "integrator", "Method",
+    "What is computed: light over any number of bounces (path), over one (direct), how open each "
+    "surface is (ao), or Whitted's recursion of 1979: perfect reflection and refraction, hard "
+    "shadows and Phong shading, for comparison.",
+    (CHOICE(integrator_names)), .fallback = INTEGRATOR_PATH, .label = "Integrator", .gap = true)
+SETTING(AO_DISTANCE, float, ao_distance, "ao_distance", "ao-distance", "Method",
+    "How far away a surface still occludes, in metres, with the integrator ao.",
+    (REAL(SETTINGS_LENGTH_MIN, SETTINGS_REAL_MAX), .word = "off", .word_value = INFINITY),
+    .fallback = INFINITY, .special = "any distance", .argument = "METRES", .unit = "m",
+    .label = "distance", NEEDS(INTEGRATOR, 1u << INTEGRATOR_AO))
+SETTING(FALLOFF, float, falloff, "falloff", "falloff", "Method",
+    "Fade what the camera sees at a distance of t metres into the background by 1 - exp(-K t^3); K "
+    "in 1/m^3. Not physical.",
+    (REAL(0, SETTINGS_REAL_MAX)), .fallback = 0, .special = "none", .argument = "K",
+    .label = "Falloff")
+SETTING(SAMPLER, uint32_t, sampler, "sampler", "sampler", "Method",
+    "Where random numbers come from: an Owen-scrambled Sobol sequence, independent ones (pcg; lcg: "
+    "a linear congruential generator seeded by TEA), one in each stratum at random or at its "
+    "centre (grid), or a sequence whose errors are blue noise over the picture, for few samples.",
+    (CHOICE(sampler_names)), .fallback = SAMPLER_SOBOL, .label = "Sampler", .gap = true)
+SETTING(HALVES, uint32_t, halves, "halves", "halves", "Method",
+    "Whether the half-buffers that tell the error have a sequence of their own each, or are the "
+    "first and the second half of one: less noise in the picture, and an upper bound of its error.",
+    (CHOICE(halves_names)), .fallback = HALVES_INDEPENDENT, .label = "Halves")
+SETTING(FILTER, uint32_t, filter, "filter", "filter", "Method",
+    "Pixel filter, sampled by importance.",
+    (CHOICE(filter_names)), .fallback = FILTER_BOX, .label = "Filter",
+    NEEDS(PIXEL_JITTER, 1u << true))
+SETTING(FILTER_RADIUS, float, filter_radius, "filter_radius", "filter-radius", "Method",
+    "Half the width of the pixel filter. Its own: box 0.5, tent 1, gaussian and blackman-harris "
+    "1.5.",
+    (REAL(0, SETTINGS_FILTER_RADIUS_MAX)), .fallback = 0, .special = "the filter's own",
+    .argument = "PIXELS", .unit = "px", .label = "radius", .drag = 4,
+    NEEDS(PIXEL_JITTER, 1u << true))
+SETTING(LIGHT_CHOICE, uint32_t, light_choice, "light_choice", "light-choice", "Method",
+    "Which emitters a vertex is connected to: any with the same probability, by power, all of "
+    "them, or by what they may send there, through a tree of lights.",
+    (CHOICE(light_choice_names)), .fallback = LIGHT_CHOICE_AUTO, .label = "Light choice",
+    .gap = true, NEEDS(NEE, 1u << true))
+SETTING(NEE, bool, nee, "nee", "nee", "Method",
+    "Next-event estimation: shadow rays to emitters.",
+    (SWITCH), .fallback = true, .label = "Aim at lights")
+SETTING(NEE_DEPTH, uint32_t, nee_depth, "nee_depth", "nee-depth", "Method",
+    "Only the first N vertices of a path send shadow rays. Lights without extent are lost beyond: "
+    "the picture is then biased.",
+    (DEPTH), .fallback = UINT32_MAX, .special = "all", .argument = "N", .label = "first",
+    NEEDS(NEE, 1u << true))
+SETTING(MIS, uint32_t, mis, "mis", "mis", "Method",
+    "Weights of the two ways to find an emitter, by shadow rays and by scattering: the power or "
+    "the balance heuristic, or shadow rays only where they can.",
+    (CHOICE(mis_names)), .fallback = MIS_POWER, .label = "weights", NEEDS(NEE, 1u << true))
+SETTING(DIRECTIONS, uint32_t, directions, "directions", "directions", "Method",
+    "How paths choose the direction in which they go on from a surface that is not perfectly "
+    "specular: as the surface scatters, or evenly over the sphere or the hemisphere, by the "
+    "cosine, or by a power of the cosine about the mirrored direction.",
+    (CHOICE(directions_names)), .fallback = DIRECTIONS_BSDF, .label = "Directions", .gap = true)
+SETTING(DIRECTION_EXPONENT, float, direction_exponent, "direction_exponent", "direction-exponent",
+    "Method", "The power of the directions power-cosine.",
+    (REAL(0, SETTINGS_EXPONENT_MAX)), .fallback = 15, .argument = "N", .label = "exponent",
+    NEEDS(DIRECTIONS, 1u << DIRECTIONS_POWER_COSINE))
+SETTING(CLAMP, float, clamp_limit, "clamp", "clamp", "Method",
+    "Scale every contribution to a sample down to this largest component, in W/(sr m^2). Removes "
+    "fireflies, and light with them: the picture is biased.",
+    (REAL(0, SETTINGS_REAL_MAX), .word = "off"), .fallback = 0, .argument = "LIMIT",
+    .label = "Clamp")
+SETTING(ROULETTE, uint32_t, roulette, "roulette", "roulette", "Method",
+    "Russian roulette: paths survive by their throughput, with a constant probability, or "
+    "together: each sample number has one depth for all pixels.",
+    (CHOICE(roulette_names)), .fallback = ROULETTE_THROUGHPUT, .label = "Roulette")
+SETTING(ROULETTE_MIN_BOUNCES, uint32_t, roulette_min_bounces, "roulette_min_bounces",
+    "roulette-min-bounces", "Method",
+    "Paths may end by Russian roulette after this many scattering events.",
+    (DEPTH), .fallback = 3, .special = "never", .argument = "N", .label = "from",
+    NEEDS(ROULETTE, ~(1u << ROULETTE_OFF)))
+SETTING(ROULETTE_MAX_BOUNCES, uint32_t, roulette_max_bounces, "roulette_max_bounces",
+    "roulette-max-bounces", "Method",
+    "The greatest depth that the roulette frame draws. Deeper light is lost: the picture is "
+    "biased.",
+    (DEPTH), .fallback = UINT32_MAX, .special = "any", .argument = "N", .label = "to",
+    NEEDS(ROULETTE, 1u << ROULETTE_FRAME))
+SETTING(ROULETTE_SURVIVAL, float, roulette_survival, "roulette_survival", "roulette-survival",
+    "Method", "Probability to survive, of the roulettes constant and frame.",
+    (REAL(0.01, 1)), .fallback = 0.7, .argument = "P", .label = "survival",
+    NEEDS(ROULETTE, 1u << ROULETTE_CONSTANT | 1u << ROULETTE_FRAME))
+SETTING(ENVIRONMENT_FILTER, uint32_t, environment_filter, "environment_filter", "env-filter",
+    "Method",
+    "What lies between the texels of an environment's image: radiance that is interpolated "
+    "bilinearly, or a patch of constant radiance around each.",
+    (CHOICE(environment_filter_names)), .fallback = ENVIRONMENT_FILTER_BILINEAR,
+    .label = "Environment", .gap = true)
+SETTING_OF_FILE(PIXEL_JITTER, bool, pixel_jitter, "pixel_jitter", NULL, NULL,
+    "Spread samples over the pixel's filter; off: all pass through the pixel's centre.",
+    (SWITCH), .fallback = true, .label = "Pixel jitter")
+// clang-format on
+
+#undef SETTING
+#undef SETTING_OF_FILE
+#undef SETTING_OF_IMAGE

@@ -1,0 +1,71 @@
+#!/usr/bin/env python3
+"""The metadata of an EXR file has every setting, and a render repeated from it has the same hash.
+
+Usage: test_metadata.py LAMPYRIS LOAD_SCENE SCENE [unittest arguments]
+"""
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+
+LAMPYRIS, LOAD_SCENE, SCENE = (os.path.abspath(sys.argv.pop(1)) for _ in range(3))
+TABLE = {row['key']: row for row in json.loads(
+    subprocess.run([LOAD_SCENE, '--settings'], stdout=subprocess.PIPE, check=True).stdout)}
+# What is not the default anywhere; several renders, since not all of them go together.
+SOME = {'width': '18', 'height': '13', 'exposure': '-1.5', 'tone': 'agx', 'spp': '3', 'seed': '7'}
+RENDERS = [
+    {},
+    {'roulette': 'frame', 'roulette_min_bounces': '0', 'roulette_max_bounces': '2', 'roulette_survival': '0.3',
+     'max_bounces': '5', 'nee_depth': '1', 'light_choice': 'uniform', 'mis': 'balance', 'sampler': 'pcg'},
+    {'directions': 'power-cosine', 'direction_exponent': '2.5', 'filter': 'gaussian', 'filter_radius': '2.25',
+     'clamp': '0.1', 'sampler': 'stratified', 'halves': 'contiguous', 'roulette': 'constant', 'roulette_survival': '0.55',
+     'roulette_min_bounces': '1'},
+    {'integrator': 'ao', 'ao_distance': '0.3', 'falloff': '0.02', 'pixel_jitter': 'off', 'nee': 'off',
+     'environment_filter': 'nearest', 'sampler': 'lcg'},
+]
+
+
+class Metadata(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+
+    def render(self, settings):
+        """Settings as text; returns the film's hash and the settings in the metadata."""
+        path = os.path.join(self.folder.name, 'out.exr')
+        command = [LAMPYRIS, 'render', SCENE, '--json', '-q', '-o', path]
+        for key, value in settings.items():
+            if TABLE[key]['type'] == 'switch':
+                value = {'on': 'true', 'off': 'false'}[value]
+            command += ['-D', f'{TABLE[key]["section"]}.{key}={value}']
+        result = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, timeout=100)
+        if result.returncode == 69:
+            sys.exit(77)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        with open(path, 'rb') as file:
+            header = file.read(20000)
+        told = {}
+        for found in re.finditer(rb'lampyris:(\w+)\0string\0(....)', header, re.S):
+            size = int.from_bytes(found[2], 'little')
+            told[found[1].decode()] = header[found.end():found.end() + size].decode()
+        return json.loads(result.stdout)['image_hash'], told
+
+    def test_every_setting_is_there_and_repeats_the_render(self):
+        hashes = set()
+        for settings in RENDERS:
+            settings = {**SOME, **settings}
+            image_hash, told = self.render(settings)
+            self.assertEqual({key for key in TABLE if key not in told}, set())
+            for key, value in settings.items():
+                self.assertEqual(told[key], value, key)
+            again, _ = self.render({key: told[key] for key in TABLE})
+            self.assertEqual(again, image_hash, settings)
+            hashes.add(image_hash)
+        self.assertEqual(len(hashes), len(RENDERS))
+
+
+if __name__ == '__main__':
+    unittest.main()
