@@ -1,6 +1,7 @@
 // How much a picture is to be brightened, from its luminances.
 #include "image/image.h"
 
+#include "base/maths.h"
 #include <math.h>
 
 // A histogram of log2 of the luminance: it does not depend on the order of the pixels, and its
@@ -17,12 +18,10 @@ static uint64_t count_luminances(const struct image *image, uint64_t *bins)
 {
     uint64_t pixels = (uint64_t)image->width * image->height, count = 0;
     for (uint64_t i = 0; i < pixels; i++) {
-        const float *rgb = image->pixels[i];
-        double luminance =
-            0.2126 * (double)rgb[0] + 0.7152 * (double)rgb[1] + 0.0722 * (double)rgb[2]; // BT.709
-        if (!(luminance > 0) || isinf(luminance))
+        double light = luminance(image->pixels[i]);
+        if (!(light > 0) || isinf(light))
             continue;
-        double bin = floor((log2(luminance) - STOPS_MIN) * STEPS);
+        double bin = floor((log2(light) - STOPS_MIN) * STEPS);
         bins[(size_t)fmin(fmax(bin, 0), BINS - 1)]++;
         count++;
     }

@@ -1,6 +1,7 @@
 // From linear radiance to display values: tone curves and the sRGB encoding.
 #include "image/image.h"
 
+#include "base/maths.h"
 #include <float.h>
 #include <math.h>
 
@@ -34,13 +35,13 @@ static double clean(double value)
 }
 
 // Reinhard, Stark, Shirley, Ferwerda 2002, "Photographic tone reproduction for digital images",
-// equation 3, L / (1 + L), on the luminance of Rec. 709 (ITU-R BT.709-6, 3.2). A saturated colour
+// equation 3, L / (1 + L), on the luminance. A saturated colour
 // can pass 1 in a channel and is clamped.
 static void reinhard(double rgb[3])
 {
-    double luminance = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
+    double divisor = 1 + vec3_luminance(rgb);
     for (int c = 0; c < 3; c++)
-        rgb[c] /= 1 + luminance;
+        rgb[c] /= divisor;
 }
 
 // Narkowicz 2015, "ACES filmic tone mapping curve": a rational fit of the ACES reference rendering

@@ -1,5 +1,6 @@
 #include "metrics/perceptual.h"
 
+#include "base/maths.h"
 #include "base/memory.h"
 #include "metrics/pixel.h"
 #include <math.h>
@@ -9,8 +10,10 @@ enum { RADIUS = 5, SIDE = 2 * RADIUS + 1 };
 // Luma of BT.709, of what is shown.
 static double luma(const float pixel[3])
 {
-    return 0.2126 * display_value((double)pixel[0]) + 0.7152 * display_value((double)pixel[1]) +
-           0.0722 * display_value((double)pixel[2]);
+    double shown[3];
+    for (int c = 0; c < 3; c++)
+        shown[c] = display_value((double)pixel[c]);
+    return vec3_luminance(shown);
 }
 
 struct moments {

@@ -1,5 +1,6 @@
 #include "render/frame.h"
 
+#include "base/maths.h"
 #include "render/far_camera.h"
 #include "render/tables/emitter_power.h"
 #include "render/upload_parts.h"
@@ -7,15 +8,9 @@
 #include <math.h>
 #include <string.h>
 
-static void cross(const double a[3], const double b[3], double out[3])
-{
-    for (int i = 0; i < 3; i++)
-        out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
-}
-
 static void scale_to(double v[3], double length)
 {
-    double factor = length / sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    double factor = length / vec3_norm(v);
     for (int i = 0; i < 3; i++)
         v[i] *= factor;
 }
@@ -41,8 +36,8 @@ static void set_camera(struct gpu_frame *frame, const struct camera *camera,
     double right[3], up[3], position[3];
     double half_height = camera->kind == CAMERA_ORTHOGRAPHIC ? 0.5 * camera->height * flat->scale
                                                              : tan(0.5 * camera->fov_y);
-    cross(camera->direction, camera->up, right);
-    cross(right, camera->direction, up);
+    vec3_cross(camera->direction, camera->up, right);
+    vec3_cross(right, camera->direction, up);
     bool is_panoramic = camera->kind == CAMERA_PANORAMIC;
     scale_to(right, is_panoramic ? 1.0 : half_height * frame->width / frame->height);
     scale_to(up, is_panoramic ? 1.0 : half_height);

@@ -1,5 +1,6 @@
 #include "cli/render/render_bias.h"
 
+#include "base/maths.h"
 #include <inttypes.h>
 #include <stdio.h>
 
@@ -57,8 +58,7 @@ static double mean_luminance(const struct film_image *film)
     double sum = 0.0;
     uint64_t pixels = (uint64_t)film->width * film->height;
     for (uint64_t i = 0; i < pixels; i++)
-        sum += 0.2126 * (double)film->mean[i][0] + 0.7152 * (double)film->mean[i][1] +
-               0.0722 * (double)film->mean[i][2]; // BT.709
+        sum += luminance(film->mean[i]);
     return sum / (double)pixels;
 }
 

@@ -1,6 +1,7 @@
 #include "cli/render/render_job.h"
 
 #include "base/hash.h"
+#include "base/maths.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -66,7 +67,7 @@ struct scene_load_params job_scene_params(const struct options *options)
         .environment_file = environment->file,
         .environment_radiance = has_radiance ? environment->radiance : NULL,
         .environment_sky = environment->is_sky ? &environment->sky : NULL,
-        .environment_rotation = options->environment_rotate_degrees * (M_PI / 180),
+        .environment_rotation = options->environment_rotate_degrees * DEGREE,
         .environment_strength = has_strength ? &options->environment_strength : NULL,
         .at_seconds = options_given(options, OPTION_AT) ? &options->at_seconds : NULL,
         .animation = options->animation,

@@ -1,17 +1,11 @@
 #include "render/show/denoise_view.h"
 
-#include <math.h>
-
-static void cross(const double a[3], const double b[3], double out[3])
-{
-    for (int i = 0; i < 3; i++)
-        out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
-}
+#include "base/maths.h"
 
 // Of `axis`, as long as asked; and what a product with gives 1 at its end.
 static void set_axis(const double axis[3], double length, float out[3], float inverse[3])
 {
-    double norm = sqrt(axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]);
+    double norm = vec3_norm(axis);
     for (int i = 0; i < 3; i++) {
         out[i] = (float)(axis[i] / norm * length);
         inverse[i] = (float)(axis[i] / norm / length);
@@ -26,8 +20,8 @@ void denoise_view_fill(const struct camera *camera, uint32_t width, uint32_t hei
     double half_height =
         camera->kind == CAMERA_ORTHOGRAPHIC ? 0.5 * camera->height : tan(0.5 * camera->fov_y);
     *out = (struct gpu_denoise_view){.kind = camera->kind, .width = width, .height = height};
-    cross(camera->direction, camera->up, right);
-    cross(right, camera->direction, up);
+    vec3_cross(camera->direction, camera->up, right);
+    vec3_cross(right, camera->direction, up);
     set_axis(right, is_panoramic ? 1.0 : half_height * width / height, out->right, out->to_right);
     set_axis(up, is_panoramic ? 1.0 : half_height, out->up, out->to_up);
     for (int i = 0; i < 3; i++) {

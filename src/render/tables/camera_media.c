@@ -15,17 +15,6 @@ struct probe {
     int32_t left[RAYS][MEDIA_MAX + 1];
 };
 
-static void cross(const double a[3], const double b[3], double out[3])
-{
-    for (int i = 0; i < 3; i++)
-        out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
-}
-
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 // +1 where the ray leaves through the triangle's front, which is where its corners run
 // counter-clockwise, -1 where it enters there, 0 for a miss (Moeller and Trumbore 1997).
 static int crossing(const double origin[3], const double direction[3],
@@ -37,13 +26,13 @@ static int crossing(const double origin[3], const double direction[3],
         e2[c] = (double)triangle->v[2][c] - (double)triangle->v[0][c];
         from[c] = origin[c] - (double)triangle->v[0][c];
     }
-    cross(direction, e2, p);
-    cross(from, e1, q);
-    double determinant = dot(e1, p); // -(direction . normal)
+    vec3_cross(direction, e2, p);
+    vec3_cross(from, e1, q);
+    double determinant = vec3_dot(e1, p); // -(direction . normal)
     if (determinant == 0.0)
         return 0;
-    double u = dot(from, p) / determinant, v = dot(direction, q) / determinant;
-    double t = dot(e2, q) / determinant;
+    double u = vec3_dot(from, p) / determinant, v = vec3_dot(direction, q) / determinant;
+    double t = vec3_dot(e2, q) / determinant;
     if (u < 0.0 || v < 0.0 || u + v > 1.0 || t <= 0.0)
         return 0;
     return determinant < 0.0 ? 1 : -1;
@@ -66,22 +55,22 @@ static bool is_inside(const double origin[3], const struct flat_shape *shape)
         to_double(shape->axes[i], axes[i]);
     }
     for (int i = 0; i < 3; i++) {
-        along[i] = dot(from, axes[i]);
-        square[i] = dot(axes[i], axes[i]);
+        along[i] = vec3_dot(from, axes[i]);
+        square[i] = vec3_dot(axes[i], axes[i]);
     }
     double normal[3];
     to_double(shape->normal, normal);
     switch (shape->kind) {
     case SHAPE_SPHERE:
-        return dot(from, from) < radius * radius;
+        return vec3_dot(from, from) < radius * radius;
     case SHAPE_PLANE:
-        return dot(from, normal) < 0.0;
+        return vec3_dot(from, normal) < 0.0;
     case SHAPE_BOX:
         return fabs(along[0]) < square[0] && fabs(along[1]) < square[1] &&
                fabs(along[2]) < square[2];
     case SHAPE_CYLINDER:
         return fabs(along[0]) < square[0] &&
-               dot(from, from) - along[0] * along[0] / square[0] < radius * radius;
+               vec3_dot(from, from) - along[0] * along[0] / square[0] < radius * radius;
     default:
         return false;
     }
@@ -109,7 +98,7 @@ static bool is_inside_field(const double origin[3], const struct flat_shape *sha
 // As crossing(): at the distance t to the shape's plane, whose front is along the normal.
 static int crossing_plane(const double direction[3], const double normal[3], double t, bool hit)
 {
-    return !hit || !(t > 0.0) ? 0 : dot(direction, normal) > 0.0 ? 1 : -1;
+    return !hit || !(t > 0.0) ? 0 : vec3_dot(direction, normal) > 0.0 ? 1 : -1;
 }
 
 static int crossing_flat_shape(const double origin[3], const double direction[3],
@@ -120,20 +109,20 @@ static int crossing_flat_shape(const double origin[3], const double direction[3]
     to_double(shape->axes[0], u);
     to_double(shape->axes[1], v);
     if (shape->kind == SHAPE_QUAD)
-        cross(u, v, normal);
+        vec3_cross(u, v, normal);
     for (int c = 0; c < 3; c++)
         from[c] = origin[c] - (double)shape->center[c];
-    double t = -dot(from, normal) / dot(direction, normal);
+    double t = -vec3_dot(from, normal) / vec3_dot(direction, normal);
     for (int c = 0; c < 3; c++)
         point[c] = from[c] + t * direction[c];
     if (shape->kind == SHAPE_DISC)
-        return crossing_plane(direction, normal, t, dot(point, point) <= radius * radius);
+        return crossing_plane(direction, normal, t, vec3_dot(point, point) <= radius * radius);
     // In units of the half edges.
-    double across[3], square = dot(normal, normal);
-    cross(point, v, across);
-    double a = dot(across, normal) / square;
-    cross(u, point, across);
-    double b = dot(across, normal) / square;
+    double across[3], square = vec3_dot(normal, normal);
+    vec3_cross(point, v, across);
+    double a = vec3_dot(across, normal) / square;
+    vec3_cross(u, point, across);
+    double b = vec3_dot(across, normal) / square;
     return crossing_plane(direction, normal, t, fabs(a) <= 1.0 && fabs(b) <= 1.0);
 }
 
@@ -147,13 +136,14 @@ static int crossing_tube(const double origin[3], const double direction[3],
     to_double(shape->axes[0], axis);
     for (int c = 0; c < 3; c++)
         from[c] = origin[c] - (double)shape->center[c];
-    double square = dot(axis, axis), from_along = dot(from, axis) / square;
-    double along = dot(direction, axis) / square;
+    double square = vec3_dot(axis, axis), from_along = vec3_dot(from, axis) / square;
+    double along = vec3_dot(direction, axis) / square;
     for (int c = 0; c < 3; c++) {
         f[c] = from[c] - from_along * axis[c];
         d[c] = direction[c] - along * axis[c];
     }
-    double a = dot(d, d), b = dot(f, d), discriminant = b * b - a * (dot(f, f) - radius * radius);
+    double a = vec3_dot(d, d), b = vec3_dot(f, d),
+           discriminant = b * b - a * (vec3_dot(f, f) - radius * radius);
     for (int side = -1; side <= 1 && discriminant > 0.0; side += 2) {
         double t = (-b + side * sqrt(discriminant)) / a;
         if (t > 0.0 && fabs(from_along + t * along) <= 1.0)
@@ -241,9 +231,9 @@ static void probe_instance(struct visit *v, const struct flat_instance *instance
     for (int row = 0; row < 3; row++) {
         double linear[3];
         to_double(instance->to_object[row], linear);
-        probe.origin[row] = dot(linear, world->origin) + (double)instance->to_object[row][3];
+        probe.origin[row] = vec3_dot(linear, world->origin) + (double)instance->to_object[row][3];
         for (int ray = 0; ray < RAYS; ray++)
-            probe.directions[ray][row] = dot(linear, world->directions[ray]);
+            probe.directions[ray][row] = vec3_dot(linear, world->directions[ray]);
     }
     // No closed surface holds what is outside of its box.
     for (int c = 0; c < 3; c++)

@@ -2,6 +2,7 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "base/maths.h"
 #include "flatten/flatten_shapes.h"
 #include "render/tables/alias_table.h"
 #include "render/tables/emitter_power.h"

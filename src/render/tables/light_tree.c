@@ -1,5 +1,6 @@
 #include "render/tables/light_tree.h"
 
+#include "base/maths.h"
 #include "base/parallel.h"
 #include "render/upload.h"
 #include <float.h>
@@ -36,19 +37,11 @@ struct range {
 
 // --- bounds --------------------------------------------------------------------------------------
 
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 static double angle_between(const double a[3], const double b[3])
 {
-    double square = 0.0;
-    for (int i = 0; i < 3; i++) {
-        double c = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
-        square += c * c;
-    }
-    return atan2(sqrt(square), dot(a, b));
+    double normal[3];
+    vec3_cross(a, b, normal);
+    return atan2(vec3_norm(normal), vec3_dot(a, b));
 }
 
 // The smallest cone about both (Pharr, Jakob, Humphreys 2023, section 3.8.4). Of what sends to both
@@ -56,7 +49,7 @@ static double angle_between(const double a[3], const double b[3])
 static void join_cones(struct light_bounds *a, const struct light_bounds *b)
 {
     double other[3], angle;
-    bool flip = (a->two_sided || b->two_sided) && dot(a->axis, b->axis) < 0.0;
+    bool flip = (a->two_sided || b->two_sided) && vec3_dot(a->axis, b->axis) < 0.0;
     for (int c = 0; c < 3; c++)
         other[c] = flip ? -b->axis[c] : b->axis[c];
     angle = angle_between(a->axis, other);
@@ -169,7 +162,7 @@ static struct part empty_part(void)
 static void part_add(struct part *part, const struct light_bounds *bounds,
                      const double reference[3])
 {
-    bool flip = bounds->two_sided && dot(bounds->axis, reference) < 0.0;
+    bool flip = bounds->two_sided && vec3_dot(bounds->axis, reference) < 0.0;
     for (int c = 0; c < 3; c++) {
         part->min[c] = fminf(part->min[c], bounds->min[c]);
         part->max[c] = fmaxf(part->max[c], bounds->max[c]);
@@ -210,7 +203,7 @@ static double part_area(const struct part *part)
 // a cap of half-angle theta has the length (1 + cos theta) / 2. A bound would need another pass.
 static double part_orientation(const struct part *part)
 {
-    double mean = sqrt(dot(part->axis, part->axis)) / part->count;
+    double mean = sqrt(vec3_dot(part->axis, part->axis)) / part->count;
     double spread = acos(fmax(-1.0, fmin(1.0, 2.0 * mean - 1.0)));
     double o = fmin(spread + part->theta_o, M_PI), w = fmin(o + part->theta_e, M_PI);
     return 2.0 * M_PI * (1.0 - cos(o)) +

@@ -6,51 +6,6 @@
 
 const double AFFINE_IDENTITY[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
 
-void vec3_subtract(const double a[3], const double b[3], double out[3])
-{
-    for (int i = 0; i < 3; i++)
-        out[i] = a[i] - b[i];
-}
-
-double vec3_dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-void vec3_cross(const double a[3], const double b[3], double out[3])
-{
-    double x = a[1] * b[2] - a[2] * b[1];
-    double y = a[2] * b[0] - a[0] * b[2];
-    double z = a[0] * b[1] - a[1] * b[0];
-    out[0] = x;
-    out[1] = y;
-    out[2] = z;
-}
-
-double vec3_length(const double v[3])
-{
-    return hypot(hypot(v[0], v[1]), v[2]);
-}
-
-bool vec3_normalize(double v[3])
-{
-    double largest = fmax(fmax(fabs(v[0]), fabs(v[1])), fabs(v[2]));
-    if (!(largest > 0) || !isfinite(v[0]) || !isfinite(v[1]) || !isfinite(v[2]))
-        return false;
-    double scaled[3] = {v[0] / largest, v[1] / largest, v[2] / largest};
-    double length = sqrt(vec3_dot(scaled, scaled));
-    for (int i = 0; i < 3; i++)
-        v[i] = scaled[i] / length;
-    return true;
-}
-
-// A division by a computed length leaves the squared length within some 4 DBL_EPSILON of 1, a
-// column of a product of rotations within twice that.
-bool vec3_make_unit(double v[3])
-{
-    return fabs(vec3_dot(v, v) - 1) <= 16 * DBL_EPSILON || vec3_normalize(v);
-}
-
 void affine_multiply(const double a[3][4], const double b[3][4], double out[3][4])
 {
     double product[3][4];

@@ -1,20 +1,10 @@
-// Double-precision vectors and affine maps. A map is the upper three rows of a 4x4 matrix,
+// Affine maps in double precision. A map is the upper three rows of a 4x4 matrix,
 // row-major, that multiplies column vectors: p' = M p.
 #ifndef LAMPYRIS_SCENE_CORE_AFFINE_H
 #define LAMPYRIS_SCENE_CORE_AFFINE_H
 
+#include "base/maths.h"
 #include <stdbool.h>
-
-void vec3_subtract(const double a[3], const double b[3], double out[3]);
-double vec3_dot(const double a[3], const double b[3]);
-void vec3_cross(const double a[3], const double b[3], double out[3]);
-double vec3_length(const double v[3]);
-// Scales v to unit length without overflow or underflow on the way; false, and v unchanged, when it
-// is zero or not finite.
-bool vec3_normalize(double v[3]);
-// The same, but what is of unit length but for some roundings stays as it is: what was normalised
-// once and written down reads back the same.
-bool vec3_make_unit(double v[3]);
 
 extern const double AFFINE_IDENTITY[3][4];
 

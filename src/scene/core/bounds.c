@@ -165,7 +165,7 @@ static double distance(const double a[3], const double b[3])
 {
     double difference[3];
     vec3_subtract(a, b, difference);
-    return sqrt(vec3_dot(difference, difference));
+    return vec3_norm(difference);
 }
 
 static double instance_radius(const struct scene *scene, const struct instance *instance,

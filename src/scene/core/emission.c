@@ -6,11 +6,6 @@
 #include <math.h>
 #include <string.h>
 
-double luminance(const float rgb[3])
-{
-    return 0.2126 * (double)rgb[0] + 0.7152 * (double)rgb[1] + 0.0722 * (double)rgb[2]; // BT.709
-}
-
 double mean_radiance(const struct scene *scene, const struct material *material)
 {
     if (!material_emits(material) || (material->flags & MATERIAL_UNLIT))

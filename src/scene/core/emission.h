@@ -2,9 +2,9 @@
 #ifndef LAMPYRIS_SCENE_CORE_EMISSION_H
 #define LAMPYRIS_SCENE_CORE_EMISSION_H
 
+#include "base/maths.h"
 #include "scene/core/scene.h"
 
-double luminance(const float rgb[3]); // ITU-R BT.709
 // Of a material's surfaces, the mean over its textures, which scale what the parameters say. Of
 // unlit materials 0: they are to be seen, not to light a scene.
 double mean_radiance(const struct scene *scene, const struct material *material);

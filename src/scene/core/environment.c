@@ -2,6 +2,7 @@
 
 #include "base/file.h"
 #include "base/hash.h"
+#include "base/maths.h"
 #include "image/image.h"
 #include "scene/sky/sky.h"
 #include "shared/types.h"
@@ -247,11 +248,6 @@ double environment_cell_solid_angle(const struct environment *environment, uint3
            sin((bottom - top) * half);
 }
 
-static double luminance(const double rgb[3])
-{
-    return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
-}
-
 double environment_luminance(const struct environment *environment)
 {
     double mean[3] = {1, 1, 1};
@@ -268,5 +264,5 @@ double environment_luminance(const struct environment *environment)
     }
     for (int c = 0; c < 3; c++)
         mean[c] *= (double)environment->radiance[c];
-    return environment->present ? luminance(mean) : 0;
+    return environment->present ? vec3_luminance(mean) : 0;
 }

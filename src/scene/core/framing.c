@@ -5,8 +5,6 @@
 #include <math.h>
 #include <string.h>
 
-#define DEGREE (M_PI / 180)
-
 // A three-quarter view: from the right of the front, so that depth is seen, and from above, so that
 // the ground is. The lens is one of 45 mm before film 24 mm high, which hardly distorts.
 #define FRAMED_AZIMUTH (35 * DEGREE)

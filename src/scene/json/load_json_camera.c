@@ -13,7 +13,6 @@ static const struct range RANGE_F_NUMBER = {1e-3, 1e6, false};
 // What kernels divide by stays normal, and so do its quotients.
 static const struct range RANGE_FOCUS = {SCENE_LENGTH_MIN, SCENE_COORDINATE_MAX, false};
 static const struct range RANGE_TURN = {-360, 360, false};
-#define DEGREE (M_PI / 180)
 #define BLADES_MAX 64
 
 bool load_json_direction(const struct json_node *node, const double position[3],

@@ -9,8 +9,6 @@
 #include <math.h>
 #include <string.h>
 
-#define DEGREE (M_PI / 180)
-
 static const char *const none[] = {NULL};
 
 // --- what is meant -------------------------------------------------------------------------------

@@ -116,7 +116,7 @@ bool load_json_environment(struct json_loader *loader, const struct json_node *n
     bool ok = type == TYPE_SKY        ? read_sky(loader, node, err)
               : type == TYPE_GRADIENT ? read_gradient(loader, node, err)
                                       : read_image(loader, node, err);
-    return ok && (scene_adjust_environment(loader->scene, rotation_degrees * (M_PI / 180), strength,
-                                           err) ||
-                  node_prepend(node, err));
+    return ok &&
+           (scene_adjust_environment(loader->scene, rotation_degrees * DEGREE, strength, err) ||
+            node_prepend(node, err));
 }

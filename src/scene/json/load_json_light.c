@@ -36,8 +36,8 @@ static bool read_cone(const struct json_node *node, struct light *light, struct 
         !node_read_number(node, "outer_degrees", range, &outer, err))
         return false;
     // In single precision, as the kernels take them.
-    light->inner_angle = (float)(inner * (M_PI / 180));
-    light->outer_angle = (float)(outer * (M_PI / 180));
+    light->inner_angle = (float)(inner * DEGREE);
+    light->outer_angle = (float)(outer * DEGREE);
     return light->inner_angle < light->outer_angle ||
            node_fail(node, err, "inner_degrees %.9g is not below outer_degrees %.9g", inner, outer);
 }
@@ -47,7 +47,7 @@ static bool read_cone(const struct json_node *node, struct light *light, struct 
 static void place_profile(struct light *light, double rotation_degrees)
 {
     const double *d = light->direction;
-    double x[3] = {1, 0, 0}, y[3], angle = rotation_degrees * (M_PI / 180);
+    double x[3] = {1, 0, 0}, y[3], angle = rotation_degrees * DEGREE;
     if (fabs(d[0]) > 0.999) {
         x[0] = 0;
         x[2] = 1;
@@ -139,7 +139,7 @@ static bool read_directional(const struct json_node *node, struct light *light, 
     if (degrees > 0 && degrees < limit)
         return node_fail(&diameter, err, "%.9g is below %g and not 0, a light without extent",
                          degrees, limit);
-    light->angular_radius = degrees / 2 * (M_PI / 180);
+    light->angular_radius = degrees / 2 * DEGREE;
     for (int c = 0; c < 3 && degrees > 0; c++) {
         double radiance =
             environment_sun_radiance((double)light->radiant[c], light->angular_radius);

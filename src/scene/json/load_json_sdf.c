@@ -119,8 +119,8 @@ static bool read_solid_angle(const struct json_node *node, struct sdf_node *n, s
         return false;
     if (degrees == 180) // no side is left
         n->op = SDF_SPHERE;
-    n->b[0] = sin(degrees * (M_PI / 180));
-    n->b[1] = cos(degrees * (M_PI / 180));
+    n->b[0] = sin(degrees * DEGREE);
+    n->b[1] = cos(degrees * DEGREE);
     return true;
 }
 

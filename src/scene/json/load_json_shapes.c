@@ -28,7 +28,7 @@ static bool read_rotation(const struct json_node *node, double out[3][4], struct
         return false;
     // Reduced exactly while still in degrees: multiples of 360 are no rotation at all.
     const struct json_node axis_node = node_member(node, "axis");
-    return affine_rotation(axis, fmod(degrees, 360) * (M_PI / 180), out) ||
+    return affine_rotation(axis, fmod(degrees, 360) * DEGREE, out) ||
            node_fail(&axis_node, err, "is zero; expected a direction");
 }
 

@@ -1,6 +1,7 @@
 // Textures of the materials of a scene file.
 #include "scene/json/load_json.h"
 
+#include "base/maths.h"
 #include "scene/core/texture_load.h"
 #include <math.h>
 #include <string.h>
@@ -34,7 +35,7 @@ static bool read_transform(const struct json_node *entry, struct texture *textur
         !node_read_number(entry, "rotation_degrees", RANGE_COORDINATE, &degrees, err))
         return false;
     // Reduced exactly while still in degrees: multiples of 360 are no rotation at all.
-    double angle = fmod(degrees, 360) * (M_PI / 180);
+    double angle = fmod(degrees, 360) * DEGREE;
     double rotation[2][2] = {{cos(angle), sin(angle)}, {-sin(angle), cos(angle)}};
     for (int i = 0; i < 2; i++) {
         for (int j = 0; j < 2; j++)

@@ -2,6 +2,7 @@
 
 #include "base/file.h"
 #include "base/file_inputs.h"
+#include "base/maths.h"
 #include "scene/core/environment.h"
 #include "scene/json/load_json.h"
 #include "scene/json/scene_write_edits.h"
@@ -15,7 +16,6 @@
 #include <strings.h>
 #include <sys/stat.h>
 
-#define DEGREE (M_PI / 180)
 #define JSON_REALS (JSON_ENCODE_ANY | JSON_REAL_PRECISION(17))
 
 struct writer {

@@ -1,10 +1,10 @@
 #include "scene/json/scene_write_edits.h"
 
+#include "base/maths.h"
 #include "scene/json/load_json.h"
 #include <math.h>
 #include <string.h>
 
-#define DEGREE (M_PI / 180)
 #define FLAGS_AT_UPLOAD (MATERIAL_NORMAL_MAP | MATERIAL_MEDIUM | MATERIAL_EMITS)
 
 uint32_t scene_sun_light(const struct scene *scene)

@@ -1,5 +1,6 @@
 #include "scene/sdf/sdf_evaluate.h"
 
+#include "base/maths.h"
 #include "shared/sdf.h"
 #include <assert.h>
 #include <math.h>
@@ -7,19 +8,9 @@
 
 // --- vectors -------------------------------------------------------------------------------------
 
-static double dot3(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 static double length2(double x, double y)
 {
     return sqrt(x * x + y * y);
-}
-
-static double length3(const double v[3])
-{
-    return sqrt(dot3(v, v));
 }
 
 static double largest(const double v[3])
@@ -36,7 +27,7 @@ static double clamp(double x, double low, double high)
 static double outside_corner(const double q[3])
 {
     const double out[3] = {fmax(q[0], 0), fmax(q[1], 0), fmax(q[2], 0)};
-    return length3(out) + fmin(largest(q), 0);
+    return vec3_norm(out) + fmin(largest(q), 0);
 }
 
 static double corner2(double x, double y)
@@ -80,11 +71,11 @@ static double capsule(const double p[3], const double a[3], const double b[4])
         along[i] = b[i] - a[i];
         from[i] = p[i] - a[i];
     }
-    double squared = dot3(along, along);
-    double h = squared > 0 ? clamp(dot3(from, along) / squared, 0, 1) : 0;
+    double squared = vec3_dot(along, along);
+    double h = squared > 0 ? clamp(vec3_dot(from, along) / squared, 0, 1) : 0;
     for (int i = 0; i < 3; i++)
         from[i] -= h * along[i];
-    return length3(from) - b[3];
+    return vec3_norm(from) - b[3];
 }
 
 static double cone(const double p[3], const double a[3])
@@ -127,9 +118,9 @@ static double metaballs(const double p[3], const struct operands *o,
         double v[3], radius = (double)ball[3];
         for (int c = 0; c < 3; c++)
             v[c] = p[c] - (double)ball[c];
-        double inside = fmax(0, 1 - dot3(v, v) / (radius * radius));
+        double inside = fmax(0, 1 - vec3_dot(v, v) / (radius * radius));
         sum += inside * inside * inside;
-        nearest = fmin(nearest, length3(v) - radius);
+        nearest = fmin(nearest, vec3_norm(v) - radius);
     }
     return (o->a[0] - sum) * o->a[1] + fmax(nearest, 0);
 }
@@ -137,7 +128,7 @@ static double metaballs(const double p[3], const struct operands *o,
 static double mandelbulb(const double p[3], const struct operands *o)
 {
     double z[3] = {p[0], p[1], p[2]}, power = o->a[0], slope = 1;
-    double r = length3(z);
+    double r = vec3_norm(z);
     for (int i = 0; i < (int)o->a[1] && r <= o->a[2]; i++) {
         double polar = power * atan2(length2(z[0], z[2]), z[1]);
         double around = power * atan2(z[0], z[2]);
@@ -151,7 +142,7 @@ static double mandelbulb(const double p[3], const struct operands *o)
         z[0] = p[0] + scale * sin(polar) * sin(around);
         z[1] = p[1] + scale * cos(polar);
         z[2] = p[2] + scale * sin(polar) * cos(around);
-        r = length3(z);
+        r = vec3_norm(z);
     }
     return r > 0 ? o->b[0] * 0.5 * log(r) * r / slope : 0;
 }
@@ -180,7 +171,7 @@ static double apollonian(const double p[3], double inversion, int iterations, do
     for (int i = 0; i < iterations; i++) {
         for (int c = 0; c < 3; c++)
             q[c] -= 2 * floor(0.5 * q[c] + 0.5);
-        double k = inversion / fmax(dot3(q, q), 1e-12);
+        double k = inversion / fmax(vec3_dot(q, q), 1e-12);
         for (int c = 0; c < 3; c++)
             q[c] *= k;
         scale *= k;
@@ -214,7 +205,7 @@ static double shape(uint32_t op, const struct operands *o, const double p[3],
 {
     switch (op & 0xffu) {
     case SDF_SPHERE:
-        return length3(p) - o->a[0];
+        return vec3_norm(p) - o->a[0];
     case SDF_BOX:
         return box(p, o->a, o->b[0]);
     case SDF_FRAME:
@@ -231,7 +222,7 @@ static double shape(uint32_t op, const struct operands *o, const double p[3],
         return corner2(length2(p[0], p[2]) - o->a[0] + o->a[2], fabs(p[1]) - o->a[1] + o->a[2]) -
                o->a[2];
     case SDF_PLANE:
-        return dot3(p, o->a) - o->b[0];
+        return vec3_dot(p, o->a) - o->b[0];
     case SDF_GYROID:
         return gyroid(p, o->a[0], o->a[1], o->b[0]);
     case SDF_METABALLS:
@@ -274,9 +265,9 @@ static void move(uint32_t op, const struct operands *o, struct place *place)
     memcpy(p, place->p, sizeof p);
     switch (op) {
     case SDF_TRANSFORM:
-        place->p[0] = dot3(o->b, p) + o->b[3];
-        place->p[1] = dot3(o->c, p) + o->c[3];
-        place->p[2] = dot3(o->d, p) + o->d[3];
+        place->p[0] = vec3_dot(o->b, p) + o->b[3];
+        place->p[1] = vec3_dot(o->c, p) + o->c[3];
+        place->p[2] = vec3_dot(o->d, p) + o->d[3];
         place->s *= o->a[0];
         return;
     case SDF_REPEAT:

@@ -1,6 +1,7 @@
 #include "scene/sky/ies.h"
 
 #include "base/hash.h"
+#include "base/maths.h"
 #include "scene/core/text.h"
 #include <math.h>
 #include <string.h>
@@ -249,13 +250,13 @@ static double solid_angle(const struct light_profile *p)
             width = ((double)p->horizontal[after] - (double)p->horizontal[before]) / 2;
         }
         for (uint32_t v = 0; v + 1 < p->vertical_count; v++) {
-            double a = (double)p->vertical[v] * (M_PI / 180);
-            double b = (double)p->vertical[v + 1] * (M_PI / 180);
+            double a = (double)p->vertical[v] * DEGREE;
+            double b = (double)p->vertical[v + 1] * DEGREE;
             double slope = ((double)row[v + 1] - (double)row[v]) / (b - a);
             strip +=
                 (double)row[v] * cos(a) - (double)row[v + 1] * cos(b) + slope * (sin(b) - sin(a));
         }
-        sum += width * (M_PI / 180) * strip;
+        sum += width * DEGREE * strip;
     }
     return sum;
 }

@@ -1,6 +1,7 @@
 #include "scene/sky/sky.h"
 
 #include "base/hash.h"
+#include "base/maths.h"
 #include "base/parallel.h"
 #include "scene/core/environment.h"
 #include <math.h>
@@ -8,13 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define DEGREE (M_PI / 180)
 #define LUMENS_A_WATT 683.0
-
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 
 // From CIE 1931 XYZ: the inverse of the matrix of BT.709's primaries and white, D65.
 static void rgb_from_xyz(const double xyz[3], double rgb[3])
@@ -25,7 +20,7 @@ static void rgb_from_xyz(const double xyz[3], double rgb[3])
         {0.0556300797, -0.2039769589, 1.0569715142},
     };
     for (int c = 0; c < 3; c++)
-        rgb[c] = dot(matrix[c], xyz);
+        rgb[c] = vec3_dot(matrix[c], xyz);
 }
 
 // --- the sky -------------------------------------------------------------------------------------
@@ -100,7 +95,7 @@ void sky_model_init(const struct sky *sky, struct sky_model *out)
 static void radiance_at(const struct sky_model *model, const double height[3],
                         const double direction[3], double rgb[3])
 {
-    double cosine = fmax(fmin(dot(direction, model->sun_direction), 1), -1), value[3], xyz[3];
+    double cosine = fmax(fmin(vec3_dot(direction, model->sun_direction), 1), -1), value[3], xyz[3];
     for (int i = 0; i < 3; i++)
         value[i] = height[i] * perez_sun(model->perez[i], cosine);
     xyz[0] = value[0] * value[1] / value[2];

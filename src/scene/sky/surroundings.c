@@ -1,9 +1,8 @@
 #include "scene/sky/surroundings.h"
 
+#include "base/maths.h"
 #include <math.h>
 #include <string.h>
-
-#define DEGREE (M_PI / 180)
 
 const char *const surroundings_names[SURROUNDINGS_COUNT + 1] = {
     [SURROUNDINGS_ORIGINAL] = "original", [SURROUNDINGS_NONE] = "none",

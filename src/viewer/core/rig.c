@@ -6,7 +6,7 @@
 
 // The view stays this far from straight up and straight down, where there is no sideways: a
 // twentieth of a degree, two pixels of a picture of 1080 lines and 30 degrees.
-#define POLE_RADIANS (0.05 * M_PI / 180)
+#define POLE_RADIANS (0.05 * DEGREE)
 // A notch of the wheel brings the camera nearer to the target by this factor: seven halve it.
 #define DOLLY_FACTOR 0.9
 #define SLOW_FACTOR 0.1

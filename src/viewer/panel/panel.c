@@ -1,5 +1,6 @@
 #include "viewer/panel/panel_internal.h"
 
+#include "base/maths.h"
 #include <assert.h>
 #include <math.h>
 #include <stdio.h>
@@ -91,7 +92,7 @@ bool form_angle(struct form *form, const char *id, const char *label, const char
     double degrees = *radians * (180.0 / M_PI);
     if (!form_number(form, id, label, help, range, &degrees))
         return false;
-    *radians = degrees * (M_PI / 180.0);
+    *radians = degrees * DEGREE;
     return true;
 }
 
