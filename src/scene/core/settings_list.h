@@ -53,7 +53,7 @@ SETTING(AO_DISTANCE, float, ao_distance, "ao_distance", "ao-distance", "Method",
     "How far away a surface still occludes, in metres, with the integrator ao.",
     (REAL(SETTINGS_LENGTH_MIN, SETTINGS_REAL_MAX), .word = "off", .word_value = INFINITY),
     .fallback = INFINITY, .special = "any distance", .argument = "METRES", .unit = "m",
-    .label = "distance", NEEDS(INTEGRATOR, 1u << INTEGRATOR_AO))
+    .label = "  distance", NEEDS(INTEGRATOR, 1u << INTEGRATOR_AO))
 SETTING(FALLOFF, float, falloff, "falloff", "falloff", "Method",
     "Fade what the camera sees at a distance of t metres into the background by 1 - exp(-K t^3); K "
     "in 1/m^3. Not physical.",
@@ -76,7 +76,7 @@ SETTING(FILTER_RADIUS, float, filter_radius, "filter_radius", "filter-radius", "
     "Half the width of the pixel filter. Its own: box 0.5, tent 1, gaussian and blackman-harris "
     "1.5.",
     (REAL(0, SETTINGS_FILTER_RADIUS_MAX)), .fallback = 0, .special = "the filter's own",
-    .argument = "PIXELS", .unit = "px", .label = "radius", .drag = 4,
+    .argument = "PIXELS", .unit = "px", .label = "  radius", .drag = 4,
     NEEDS(PIXEL_JITTER, 1u << true))
 SETTING(LIGHT_CHOICE, uint32_t, light_choice, "light_choice", "light-choice", "Method",
     "Which emitters a vertex is connected to: any with the same probability, by power, all of "
@@ -89,12 +89,12 @@ SETTING(NEE, bool, nee, "nee", "nee", "Method",
 SETTING(NEE_DEPTH, uint32_t, nee_depth, "nee_depth", "nee-depth", "Method",
     "Only the first N vertices of a path send shadow rays. Lights without extent are lost beyond: "
     "the picture is then biased.",
-    (DEPTH), .fallback = UINT32_MAX, .special = "all", .argument = "N", .label = "first",
+    (DEPTH), .fallback = UINT32_MAX, .special = "all", .argument = "N", .label = "  first",
     NEEDS(NEE, 1u << true))
 SETTING(MIS, uint32_t, mis, "mis", "mis", "Method",
     "Weights of the two ways to find an emitter, by shadow rays and by scattering: the power or "
     "the balance heuristic, or shadow rays only where they can.",
-    (CHOICE(mis_names)), .fallback = MIS_POWER, .label = "weights", NEEDS(NEE, 1u << true))
+    (CHOICE(mis_names)), .fallback = MIS_POWER, .label = "  weights", NEEDS(NEE, 1u << true))
 SETTING(DIRECTIONS, uint32_t, directions, "directions", "directions", "Method",
     "How paths choose the direction in which they go on from a surface that is not perfectly "
     "specular: as the surface scatters, or evenly over the sphere or the hemisphere, by the "
@@ -102,7 +102,7 @@ SETTING(DIRECTIONS, uint32_t, directions, "directions", "directions", "Method",
     (CHOICE(directions_names)), .fallback = DIRECTIONS_BSDF, .label = "Directions", .gap = true)
 SETTING(DIRECTION_EXPONENT, float, direction_exponent, "direction_exponent", "direction-exponent",
     "Method", "The power of the directions power-cosine.",
-    (REAL(0, SETTINGS_EXPONENT_MAX)), .fallback = 15, .argument = "N", .label = "exponent",
+    (REAL(0, SETTINGS_EXPONENT_MAX)), .fallback = 15, .argument = "N", .label = "  exponent",
     NEEDS(DIRECTIONS, 1u << DIRECTIONS_POWER_COSINE))
 SETTING(CLAMP, float, clamp_limit, "clamp", "clamp", "Method",
     "Scale every contribution to a sample down to this largest component, in W/(sr m^2). Removes "
@@ -116,17 +116,17 @@ SETTING(ROULETTE, uint32_t, roulette, "roulette", "roulette", "Method",
 SETTING(ROULETTE_MIN_BOUNCES, uint32_t, roulette_min_bounces, "roulette_min_bounces",
     "roulette-min-bounces", "Method",
     "Paths may end by Russian roulette after this many scattering events.",
-    (DEPTH), .fallback = 3, .special = "never", .argument = "N", .label = "from",
+    (DEPTH), .fallback = 3, .special = "never", .argument = "N", .label = "  from",
     NEEDS(ROULETTE, ~(1u << ROULETTE_OFF)))
 SETTING(ROULETTE_MAX_BOUNCES, uint32_t, roulette_max_bounces, "roulette_max_bounces",
     "roulette-max-bounces", "Method",
     "The greatest depth that the roulette frame draws. Deeper light is lost: the picture is "
     "biased.",
-    (DEPTH), .fallback = UINT32_MAX, .special = "any", .argument = "N", .label = "to",
+    (DEPTH), .fallback = UINT32_MAX, .special = "any", .argument = "N", .label = "  to",
     NEEDS(ROULETTE, 1u << ROULETTE_FRAME))
 SETTING(ROULETTE_SURVIVAL, float, roulette_survival, "roulette_survival", "roulette-survival",
     "Method", "Probability to survive, of the roulettes constant and frame.",
-    (REAL(0.01, 1)), .fallback = 0.7, .argument = "P", .label = "survival",
+    (REAL(0.01, 1)), .fallback = 0.7, .argument = "P", .label = "  survival",
     NEEDS(ROULETTE, 1u << ROULETTE_CONSTANT | 1u << ROULETTE_FRAME))
 SETTING(ENVIRONMENT_FILTER, uint32_t, environment_filter, "environment_filter", "env-filter",
     "Method",

@@ -29,7 +29,7 @@ bool panel_create(struct panel **out, struct err *err)
     if (!*out)
         return err_memory(err, "a panel", sizeof **out);
     (*out)->slot = 1;
-    return true;
+    return panel_settings_create(*out, err);
 }
 
 void panel_destroy(struct panel *panel)
@@ -40,6 +40,7 @@ void panel_destroy(struct panel *panel)
     free(panel->lights.rows);
     free(panel->objects.rows);
     arena_finish(&panel->files_arena);
+    arena_finish(&panel->arena);
     free(panel);
 }
 

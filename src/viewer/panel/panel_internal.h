@@ -18,6 +18,8 @@ struct panel_filter {
 };
 
 struct panel {
+    struct arena arena;
+    const char *setting_help[SETTING_TOTAL]; // with the range
     struct panel_filter materials, lights, objects;
     char scene_path[SURROUNDINGS_PATH_MAX]; // that the lists below are of
     struct arena files_arena;
@@ -76,6 +78,10 @@ struct panel_list {
 // True: *chosen is another one now.
 bool panel_list(struct viewer *viewer, struct panel_filter *filter, const struct panel_list *list,
                 uint32_t *chosen);
+
+bool panel_settings_create(struct panel *panel, struct err *err);
+// The controls of those settings that have a label.
+void panel_settings(struct viewer *viewer, struct form *form, struct settings *to);
 
 void panel_overlay(struct viewer *viewer); // over the picture
 void panel_statistics(struct viewer *viewer);

@@ -1,33 +1,14 @@
 // How a side is rendered, and what is shown of it.
 #include "viewer/panel/panel_internal.h"
 
-#include <float.h>
-#include <math.h>
 #include <string.h>
 
 static const char *const side_names[] = {"A", "B", NULL};
 
 static const struct gui_range samples_a_frame = {0, 4096, .logarithmic = true, .integer = true,
                                                  .least = "as time allows"};
-static const struct gui_range spp = {1, (double)UINT32_MAX, .logarithmic = true, .integer = true,
-                                     .infinite = "unlimited"};
-static const struct gui_range seed = {0, (double)UINT32_MAX, .logarithmic = true, .integer = true};
-static const struct gui_range bounces = {0, SETTINGS_BOUNCES_MAX, .logarithmic = true,
-                                         .integer = true};
-static const struct gui_range first_bounces = {0, (double)UINT32_MAX, .logarithmic = true,
-                                               .integer = true, .infinite = "all"};
-static const struct gui_range never = {0, (double)UINT32_MAX, .logarithmic = true, .integer = true,
-                                       .infinite = "never"};
-static const struct gui_range any = {0, (double)UINT32_MAX, .logarithmic = true, .integer = true,
-                                     .infinite = "any"};
-static const struct gui_range survival = {0.01, 1};
-static const struct gui_range radius = {0, SETTINGS_FILTER_RADIUS_MAX, .unit = "px",
-                                        .least = "its own", .drag = 4};
-static const struct gui_range exponent = {0, SETTINGS_EXPONENT_MAX, .logarithmic = true};
-static const struct gui_range limit = {0, 1e30, .logarithmic = true, .least = "off"};
-static const struct gui_range falloff = {0, 1e30, .logarithmic = true, .least = "off"};
-static const struct gui_range distance = {1e-30, INFINITY, .logarithmic = true, .unit = "m",
-                                          .infinite = "any"};
+static const struct gui_range spp = {1, (double)SETTINGS_SPP_MAX, .logarithmic = true,
+                                     .integer = true, .infinite = "unlimited"};
 
 // --- the method ----------------------------------------------------------------------------------
 
@@ -52,101 +33,6 @@ static void accumulation(struct viewer *viewer, struct form *form, struct method
         shown.spp_limit = most == UINT32_MAX ? 0 : most;
         edit_shown(viewer, &shown, "renderer.spp");
     }
-    form_count(form, "renderer.seed", "Seed", "Of all random numbers, 0 to 4294967295.", &seed,
-               &to->settings.seed);
-}
-
-static void paths(struct form *form, struct settings *to)
-{
-    struct gui *gui = form->gui;
-    form_choice(form, "renderer.integrator", "Integrator",
-                "What a picture is of: all paths, direct light alone, ambient occlusion, or "
-                "Whitted's rays.",
-                integrator_names, &to->integrator);
-    form_count(form, "renderer.max_bounces", "Bounces",
-               "Scattering events on a path at most, 0 to 1048576; 0: what emits alone.", &bounces,
-               &to->max_bounces);
-    gui_enabled(gui, to->integrator == INTEGRATOR_AO);
-    form_float(form, "renderer.ao_distance", "Occlusion",
-               "How far away a surface still occludes, metres, with the integrator \"ao\".",
-               &distance, &to->ao_distance);
-    gui_enabled(gui, true);
-    form_float(form, "renderer.falloff", "Falloff",
-               "k of fading into the background by 1 - exp(-k t^3), 1/m^3, 0 to 1e30; 0: off. Not "
-               "physical.",
-               &falloff, &to->falloff);
-    form_choice(form, "renderer.directions", "Directions",
-                "How a path goes on from a surface that is not perfectly specular.",
-                directions_names, &to->directions);
-    gui_enabled(gui, to->directions == DIRECTIONS_POWER_COSINE);
-    form_float(form, "renderer.direction_exponent", "Exponent",
-               "Of the directions \"power-cosine\", 0 to 1e6.", &exponent, &to->direction_exponent);
-    gui_enabled(gui, true);
-    form_float(form, "renderer.clamp", "Clamp",
-               "Largest component of a contribution, W/(sr m^2), 0 to 1e30; 0: off. It biases.",
-               &limit, &to->clamp_limit);
-}
-
-static void roulette(struct form *form, struct settings *to)
-{
-    struct gui *gui = form->gui;
-    bool is_on = to->roulette != ROULETTE_OFF;
-    form_choice(form, "renderer.roulette", "Roulette",
-                "How paths that matter little are ended at random.", roulette_names, &to->roulette);
-    gui_enabled(gui, is_on);
-    form_count(form, "renderer.roulette_min", "  from",
-               "Scattering events before it starts, 0 to 4294967295.", &never,
-               &to->roulette_min_bounces);
-    gui_enabled(gui, to->roulette == ROULETTE_FRAME);
-    form_count(form, "renderer.roulette_max", "  to",
-               "Greatest depth, of roulette \"frame\", 0 to 4294967295. It biases.", &any,
-               &to->roulette_max_bounces);
-    gui_enabled(gui, to->roulette == ROULETTE_CONSTANT || to->roulette == ROULETTE_FRAME);
-    form_float(form, "renderer.roulette_survival", "  survival",
-               "Probability to go on, of roulette \"constant\" and \"frame\", 0.01 to 1.",
-               &survival, &to->roulette_survival);
-    gui_enabled(gui, true);
-}
-
-static void lights(struct form *form, struct settings *to)
-{
-    struct gui *gui = form->gui;
-    form_switch(form, "renderer.nee", "Aim at lights",
-                "Next-event estimation: shadow rays to emitters. Off: found by chance alone.",
-                &to->nee);
-    gui_enabled(gui, to->nee);
-    form_count(form, "renderer.nee_depth", "  first",
-               "So many vertices of a path send shadow rays, 0 to 4294967295.", &first_bounces,
-               &to->nee_depth);
-    form_choice(form, "renderer.light_choice", "  choice",
-                "Which emitters a vertex sends shadow rays to.", light_choice_names,
-                &to->light_choice);
-    form_choice(form, "renderer.mis", "  weights",
-                "How the two ways to find an emitter share what they find.", mis_names, &to->mis);
-    gui_enabled(gui, true);
-}
-
-static void samples(struct form *form, struct settings *to, bool has_image)
-{
-    form_choice(form, "renderer.sampler", "Sampler", "Where random numbers come from.",
-                sampler_names, &to->sampler);
-    form_choice(form, "renderer.halves", "Halves",
-                "How the two half-buffers, which tell the error, share the samples.", halves_names,
-                &to->halves);
-    form_switch(form, "renderer.pixel_jitter", "Pixel jitter",
-                "Samples spread over the pixel's filter; off: all through its centre.",
-                &to->pixel_jitter);
-    gui_enabled(form->gui, to->pixel_jitter);
-    form_choice(form, "renderer.filter", "Filter", "The pixel's filter.", filter_names,
-                &to->filter);
-    form_float(form, "renderer.filter_radius", "  radius",
-               "Half the filter's width, pixels, 0 to 16; 0: the filter's own.", &radius,
-               &to->filter_radius);
-    gui_enabled(form->gui, has_image);
-    form_choice(form, "renderer.environment_filter", "Surroundings",
-                "Between the texels of what is around: interpolated, or a patch around each.",
-                environment_filter_names, &to->environment_filter);
-    gui_enabled(form->gui, true);
 }
 
 // Powers of two that the device takes; 0 for its own choice.
@@ -230,14 +116,8 @@ void panel_renderer(struct viewer *viewer)
     struct method to = viewer->sides[side].method;
     struct form form = {.gui = gui};
     accumulation(viewer, &form, &to);
-    gui_space(gui);
-    paths(&form, &to.settings);
-    roulette(&form, &to.settings);
-    gui_space(gui);
-    lights(&form, &to.settings);
+    panel_settings(viewer, &form, &to.settings);
     anisotropy(viewer);
-    gui_space(gui);
-    samples(&form, &to.settings, viewer->scene.environment.width > 0);
     gui_space(gui);
     device(viewer, &form, &to);
     if (form.used)

@@ -1,0 +1,106 @@
+// A control for each setting, as the table of settings describes it.
+#include "viewer/panel/panel_internal.h"
+
+#include <math.h>
+
+#define WIDE 1e3 // ranges beyond are logarithmic
+
+static const char *const setting_ids[SETTING_TOTAL] = {
+#define SETTING(ID, type, member, key, ...) [SETTING_##ID] = "renderer." key,
+#define SETTING_OF_FILE SETTING
+#include "scene/core/settings_list.h"
+};
+
+bool panel_settings_create(struct panel *panel, struct err *err)
+{
+    for (int i = 0; i < SETTING_TOTAL; i++) {
+        const struct setting *setting = &settings_table[i];
+        char range[SETTING_RANGE_MAX];
+        setting_range(setting, range);
+        panel->setting_help[i] = arena_printf(&panel->arena, "%s%s%s", setting->help,
+                                              *range ? " " : "", range);
+        if (!panel->setting_help[i])
+            return err_memory(err, "the help of settings", SETTING_RANGE_MAX);
+    }
+    return true;
+}
+
+// Where a word means a number beyond the range, the control ends one step behind it.
+static bool has_word_at_end(const struct field *field)
+{
+    return field->word && field->word_value > field->max;
+}
+
+static struct gui_range range_of(const struct setting *setting)
+{
+    const struct field *field = &setting->field;
+    const char *word = setting->special ? setting->special : field->word;
+    bool is_count = field->type == FIELD_COUNT;
+    return (struct gui_range){
+        .min = field->min,
+        .max = !has_word_at_end(field) ? field->max : is_count ? field->max + 1 : INFINITY,
+        .logarithmic = field->max - field->min > WIDE,
+        .integer = is_count,
+        .unit = setting->unit,
+        .infinite = has_word_at_end(field) ? word : NULL,
+        .least = has_word_at_end(field) ? NULL : word,
+        .drag = setting->drag,
+    };
+}
+
+static void number(struct form *form, enum setting_id id, const char *help, struct settings *to)
+{
+    const struct setting *setting = &settings_table[id];
+    const struct field *field = &setting->field;
+    const struct gui_range range = range_of(setting);
+    bool is_word = has_word_at_end(field) && field_is_word(field, to);
+    double value = is_word ? range.max : field_get(field, to);
+    float narrow = (float)value;
+    bool is_used;
+    if (field->type == FIELD_REAL) {
+        is_used = form_float(form, setting_ids[id], setting->label, help, &range, &narrow);
+        value = (double)narrow;
+    } else {
+        is_used = form_number(form, setting_ids[id], setting->label, help, &range, &value);
+    }
+    if (is_used && has_word_at_end(field) && value > field->max)
+        field_set_word(field, to);
+    else if (is_used)
+        field_set(field, to, value);
+}
+
+static void control(struct form *form, enum setting_id id, const char *help, struct settings *to)
+{
+    const struct setting *setting = &settings_table[id];
+    const struct field *field = &setting->field;
+    uint32_t choice = (uint32_t)field_get(field, to);
+    bool on = choice != 0;
+    switch (field->type) {
+    case FIELD_SWITCH:
+        if (form_switch(form, setting_ids[id], setting->label, help, &on))
+            field_set(field, to, on);
+        break;
+    case FIELD_CHOICE:
+        if (form_choice(form, setting_ids[id], setting->label, help, field->words, &choice))
+            field_set(field, to, choice);
+        break;
+    default:
+        number(form, id, help, to);
+    }
+}
+
+void panel_settings(struct viewer *viewer, struct form *form, struct settings *to)
+{
+    bool has_image = viewer->scene.environment.width > 0;
+    for (int i = 0; i < SETTING_TOTAL; i++) {
+        const struct setting *setting = &settings_table[i];
+        if (!setting->label)
+            continue;
+        if (setting->gap)
+            gui_space(form->gui);
+        gui_enabled(form->gui, setting_is_in_use(setting, to) &&
+                                   (i != SETTING_ENVIRONMENT_FILTER || has_image));
+        control(form, i, viewer->panel->setting_help[i], to);
+    }
+    gui_enabled(form->gui, true);
+}
