@@ -2,8 +2,8 @@
 
 #include "base/hash.h"
 #include "base/memory.h"
-#include "scene/gltf/gltf_load.h"
 #include "json/json_parse.h"
+#include "scene/gltf/gltf_load.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

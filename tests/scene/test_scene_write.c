@@ -1,13 +1,13 @@
 // What is written down of an edited scene gives that scene again, to the bit.
 #include "mesh_files.h"
 
+#include "json/json_node.h"
 #include "scene/core/environment.h"
 #include "scene/core/light.h"
 #include "scene/json/load_json.h"
 #include "scene/json/scene_write.h"
 #include "scene/sky/sky.h"
 #include "scene_edit_fixture.h"
-#include "json/json_node.h"
 
 #include <dirent.h>
 #include <sys/stat.h>

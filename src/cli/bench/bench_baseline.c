@@ -4,9 +4,9 @@
 #include "base/file.h"
 #include "base/log.h"
 #include "base/parallel.h"
+#include "json/json_parse.h"
 #include "metrics/spread.h"
 #include "report/machine.h"
-#include "json/json_parse.h"
 #include <inttypes.h>
 #include <math.h>
 #include <string.h>

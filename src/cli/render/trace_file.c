@@ -2,8 +2,8 @@
 #include "cli/render/trace_file.h"
 
 #include "base/file.h"
-#include "report/json_out.h"
 #include "json/json_parse.h"
+#include "report/json_out.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

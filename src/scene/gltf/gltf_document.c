@@ -1,8 +1,8 @@
 // Parsing the JSON of a glTF document and checking its frame: version, extensions, arrays.
 #include "scene/gltf/gltf_document.h"
 
-#include "scene/gltf/gltf_buffer.h"
 #include "json/json_parse.h"
+#include "scene/gltf/gltf_buffer.h"
 #include <float.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -3,10 +3,10 @@
 #ifndef LAMPYRIS_SCENE_JSON_LOAD_JSON_H
 #define LAMPYRIS_SCENE_JSON_LOAD_JSON_H
 
+#include "json/json_node.h"
 #include "scene/core/bounds.h"
 #include "scene/core/scene.h"
 #include "scene/generate/generate.h"
-#include "json/json_node.h"
 
 // A scene file describes; meshes and images lie in files of their own. jansson needs up to some
 // thirty times the text's size for its tree, outside the scene's byte budget.

@@ -2,9 +2,9 @@
 #include "scene/json/load_json.h"
 
 #include "base/file.h"
+#include "json/json_parse.h"
 #include "scene/core/environment.h"
 #include "scene/json/scene_edits.h"
-#include "json/json_parse.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -3,6 +3,7 @@
 #include "base/file.h"
 #include "base/file_inputs.h"
 #include "base/maths.h"
+#include "json/json_parse.h"
 #include "scene/core/environment.h"
 #include "scene/json/load_json.h"
 #include "scene/json/scene_write_edits.h"

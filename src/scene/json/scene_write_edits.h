@@ -2,8 +2,8 @@
 #ifndef LAMPYRIS_SCENE_JSON_SCENE_WRITE_EDITS_H
 #define LAMPYRIS_SCENE_JSON_SCENE_WRITE_EDITS_H
 
-#include "scene/json/scene_edits.h"
 #include "json/json_text.h"
+#include "scene/json/scene_edits.h"
 
 struct scene_difference {
     const struct scene *before, *scene;

@@ -3,10 +3,10 @@
 #ifndef LAMPYRIS_SCENE_SDF_SDF_H
 #define LAMPYRIS_SCENE_SDF_SDF_H
 
+#include "json/json_node.h"
 #include "scene/core/bounds.h"
 #include "scene/core/scene.h"
 #include "shared/sdf.h"
-#include "json/json_node.h"
 
 // A shape, or an operation on its children. Numbers are those of struct gpu_sdf_instruction, before
 // the compiler's own.

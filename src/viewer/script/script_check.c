@@ -4,8 +4,8 @@
 #include "base/file.h"
 #include "base/file_inputs.h"
 #include "base/hash.h"
-#include "viewer/core/viewer.h"
 #include "json/json_parse.h"
+#include "viewer/core/viewer.h"
 #include <errno.h>
 #include <inttypes.h>
 #include <math.h>
