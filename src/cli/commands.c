@@ -1,8 +1,6 @@
 #include "cli/commands.h"
 
-#include "base/log.h"
 #include "base/suggest.h"
-#include "cli/signals.h"
 #include <string.h>
 
 const struct command commands[COMMAND_TOTAL] = {
@@ -30,7 +28,6 @@ const struct command commands[COMMAND_TOTAL] = {
                         "lampyris render scenes/cornell.json --error 1e-3 --checkpoint c.ck",
             .min_arguments = 1,
             .max_arguments = 1,
-            .run = cmd_render,
         },
     [COMMAND_CONVERGE] =
         {
@@ -52,7 +49,6 @@ const struct command commands[COMMAND_TOTAL] = {
                 "lampyris converge scenes/veach_mis.json --times 1,2,4 --curve 'nee=on mis=none'",
             .min_arguments = 1,
             .max_arguments = OPTIONS_ARGUMENTS_MAX,
-            .run = cmd_converge,
         },
     [COMMAND_BENCH] =
         {
@@ -73,7 +69,6 @@ const struct command commands[COMMAND_TOTAL] = {
                 "lampyris bench scenes/cornell.json --baseline before.json",
             .min_arguments = 1,
             .max_arguments = OPTIONS_ARGUMENTS_MAX,
-            .run = cmd_bench,
         },
     [COMMAND_COMPARE] =
         {
@@ -100,7 +95,6 @@ const struct command commands[COMMAND_TOTAL] = {
                         "lampyris compare a.exr b.exr --max differing=0 --difference d.png",
             .min_arguments = 2,
             .max_arguments = OPTIONS_ARGUMENTS_MAX,
-            .run = cmd_compare,
         },
     [COMMAND_INFO] =
         {
@@ -114,7 +108,6 @@ const struct command commands[COMMAND_TOTAL] = {
                         "lampyris info scenes/models/vase.glb --size 3840x2160 --json",
             .min_arguments = 1,
             .max_arguments = 1,
-            .run = cmd_info,
         },
     [COMMAND_VIEW] =
         {
@@ -131,7 +124,6 @@ const struct command commands[COMMAND_TOTAL] = {
                         "lampyris view scenes/models/vase.glb --env scenes/models/gallery.hdr\n"
                         "lampyris-view scenes/cornell.json --script tour.txt --headless",
             .max_arguments = 1,
-            .run = cmd_view,
         },
     [COMMAND_DEVICES] =
         {
@@ -142,7 +134,6 @@ const struct command commands[COMMAND_TOTAL] = {
                            "would be chosen. A device that runs on the processor is called CPU.",
             .examples = "lampyris devices\n"
                         "lampyris devices --device llvmpipe --json",
-            .run = cmd_devices,
         },
     [COMMAND_HELP] =
         {
@@ -154,7 +145,6 @@ const struct command commands[COMMAND_TOTAL] = {
             .examples = "lampyris help render\n"
                         "lampyris help --man | man -l -",
             .max_arguments = 1,
-            .run = cmd_help,
         },
 };
 
@@ -172,33 +162,4 @@ const struct command *command_find(const char *name, struct err *err)
     else
         err_set(err, ERR_USAGE, "unknown command \"%s\"", name);
     return NULL;
-}
-
-int exit_code(enum err_code code)
-{
-    switch (code) {
-    case ERR_NONE:
-        return EXIT_CODE_OK;
-    case ERR_USAGE:
-    case ERR_INPUT:
-    case ERR_BUDGET:
-        return EXIT_CODE_INPUT;
-    case ERR_SYSTEM:
-    case ERR_GPU:
-    case ERR_BUG:
-        return EXIT_CODE_DEVICE;
-    case ERR_STOPPED:
-        return signal_exit_code();
-    case ERR_NO_VULKAN:
-        return EXIT_CODE_NO_VULKAN;
-    case ERR_OUTPUT:
-        return EXIT_CODE_OUTPUT;
-    }
-    return EXIT_CODE_DEVICE;
-}
-
-int command_fail(const struct err *err)
-{
-    log_message(LOG_ERROR, "%s", err->msg);
-    return exit_code(err->code);
 }

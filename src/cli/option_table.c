@@ -599,21 +599,6 @@ const struct option_def option_table[OPTION_TOTAL] = {
 };
 // clang-format on
 
-const char *const compare_metric_names[METRIC_TOTAL] = {
-    [METRIC_MSE] = "mse",
-    [METRIC_RMSE] = "rmse",
-    [METRIC_RELMSE] = "relmse",
-    [METRIC_LOCAL_RELMSE] = "local-relmse",
-    [METRIC_SMAPE] = "smape",
-    [METRIC_PSNR] = "psnr",
-    [METRIC_SSIM] = "ssim",
-    [METRIC_FLIP] = "flip",
-    [METRIC_HDR_FLIP] = "hdr-flip",
-    [METRIC_MAX] = "max",
-    [METRIC_NONFINITE] = "nonfinite",
-    [METRIC_DIFFERING] = "differing",
-};
-
 const char *option_argument(const struct option_def *def, char out[OPTION_ARGUMENT_MAX])
 {
     if (!def->setting)

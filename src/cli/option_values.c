@@ -357,20 +357,11 @@ static bool store_rays(const char *text, struct options *options, struct err *er
     return true;
 }
 
-static int metric_find(const char *name, size_t length)
-{
-    for (int i = 0; i < METRIC_TOTAL; i++)
-        if (strlen(compare_metric_names[i]) == length &&
-            memcmp(compare_metric_names[i], name, length) == 0)
-            return i;
-    return -1;
-}
-
 static bool store_limit(const struct option_def *def, const char *text, struct options *options,
                         struct err *err)
 {
     size_t length = strcspn(text, "=");
-    int metric = metric_find(text, length);
+    int metric = compare_metric_find(text, length);
     if (metric < 0 || !text[length])
         return err_set(err, ERR_USAGE,
                        "\"%s\" is not of the form %s; metrics are mse, rmse, relmse, local-relmse, "
@@ -378,8 +369,7 @@ static bool store_limit(const struct option_def *def, const char *text, struct o
                        "ssim, flip, hdr-flip, max, nonfinite and differing",
                        text, def->argument);
     bool is_minimum = def == &option_table[OPTION_MIN];
-    bool greater_is_better = metric == METRIC_PSNR || metric == METRIC_SSIM;
-    if (is_minimum != greater_is_better)
+    if (is_minimum != compare_greater_is_better((enum compare_metric)metric))
         return err_set(err, ERR_USAGE, "\"%s\": a greater %s is %s; use --%s", text,
                        compare_metric_names[metric], is_minimum ? "worse" : "better",
                        option_table[is_minimum ? OPTION_MAX : OPTION_MIN].name);

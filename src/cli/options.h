@@ -8,6 +8,7 @@
 #include "base/log.h"
 #include "base/progress.h"
 #include "bvh/bvh.h"
+#include "cli/compare_metric.h"
 #include "flatten/flatten.h"
 #include "gpu/gpu.h"
 #include "metrics/error_map.h"
@@ -172,30 +173,6 @@ enum classes_option { CLASSES_SORTED, CLASSES_MERGED };
 // What --rays of bench records: those that the camera sends, those that surfaces send on, and those
 // to lights.
 enum rays_option { RAYS_PRIMARY, RAYS_DIFFUSE, RAYS_SHADOW };
-
-enum compare_metric {
-    METRIC_MSE,
-    METRIC_RMSE,
-    METRIC_RELMSE,
-    METRIC_LOCAL_RELMSE,
-    METRIC_SMAPE,
-    METRIC_PSNR,
-    METRIC_SSIM,
-    METRIC_FLIP,
-    METRIC_HDR_FLIP,
-    METRIC_MAX,
-    METRIC_NONFINITE,
-    METRIC_DIFFERING,
-    METRIC_TOTAL
-};
-
-extern const char *const compare_metric_names[METRIC_TOTAL];
-
-struct compare_limit {
-    enum compare_metric metric;
-    bool is_minimum;
-    double value;
-};
 
 struct options {
     int argc; // as main was given them, for commands that reproduce a run

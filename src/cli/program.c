@@ -13,6 +13,12 @@
 #include <stdio.h>
 #include <string.h>
 
+static int (*const run_command[COMMAND_TOTAL])(const struct options *options) = {
+    [COMMAND_RENDER] = cmd_render,   [COMMAND_CONVERGE] = cmd_converge, [COMMAND_BENCH] = cmd_bench,
+    [COMMAND_COMPARE] = cmd_compare, [COMMAND_INFO] = cmd_info,         [COMMAND_VIEW] = cmd_view,
+    [COMMAND_DEVICES] = cmd_devices, [COMMAND_HELP] = cmd_help,
+};
+
 static int run(const struct options *options, program_command_fn command)
 {
     if (options->version)
@@ -22,7 +28,7 @@ static int run(const struct options *options, program_command_fn command)
     else if (options->help)
         help_program(stdout);
     else
-        return command ? command(options) : options->command->run(options);
+        return command ? command(options) : run_command[options->command - commands](options);
     return EXIT_CODE_OK;
 }
 

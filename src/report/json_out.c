@@ -1,7 +1,6 @@
 #include "report/json_out.h"
 
 #include "base/file.h"
-#include "cli/commands.h"
 #include "json/json_parse.h"
 #include <math.h>
 #include <stdio.h>
@@ -52,12 +51,6 @@ bool json_put(json_t *object, struct err *err)
         puts(text); // main notices when stdout cannot be written
     json_release(text);
     return text != NULL;
-}
-
-int json_print(json_t *object)
-{
-    struct err err = {0};
-    return json_put(object, &err) ? EXIT_CODE_OK : command_fail(&err);
 }
 
 bool json_write(json_t *object, const char *path, struct err *err)

@@ -20,7 +20,6 @@ char *json_to_text(json_t *object, size_t flags, struct err *err);
 // constructors return, means that memory ran out; nothing is printed either where it ran out for a
 // part of the object.
 bool json_put(json_t *object, struct err *err);
-int json_print(json_t *object); // the same; returns an exit code, and reports the error
 // The same into a file, at one stroke.
 bool json_write(json_t *object, const char *path, struct err *err);
 

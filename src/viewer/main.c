@@ -1,6 +1,6 @@
 // lampyris-view: the interactive viewer. Its command line is that of `lampyris view`, without the
 // word.
-#include "cli/commands.h"
+#include "cli/exit_code.h"
 #include "cli/program.h"
 #include "viewer/core/viewer.h"
 

@@ -42,7 +42,7 @@ int cmd_bench(const struct options *options)
                      b.gpu.validation_messages);
     progress_end(options->progress);
     if (ok && options->json)
-        code = json_print(bench_json(&b));
+        code = command_print(bench_json(&b));
     else if (ok && !options->quiet)
         bench_print(&b);
     if (ok && code == EXIT_CODE_OK)

@@ -14,17 +14,6 @@
 #include <string.h>
 #include <unistd.h>
 
-bool compare_greater_is_better(enum compare_metric metric)
-{
-    return metric == METRIC_PSNR || metric == METRIC_SSIM;
-}
-
-bool compare_limit_holds(const struct compared *picture, const struct compare_limit *limit)
-{
-    double value = picture->value[limit->metric];
-    return limit->is_minimum ? value >= limit->value : value <= limit->value;
-}
-
 // --- reading -------------------------------------------------------------------------------------
 
 // "FILE:LAYER", unless there is a file of that whole name.
@@ -250,7 +239,7 @@ static bool check_limits(const struct comparison *c, const struct compared *pict
     for (uint32_t i = 0; i < options->limit_count; i++) {
         const struct compare_limit *limit = &options->limits[i];
         nonfinite_limited = nonfinite_limited || limit->metric == METRIC_NONFINITE;
-        if (compare_limit_holds(picture, limit))
+        if (compare_limit_holds(picture->value[limit->metric], limit))
             continue;
         passed = false;
         log_message(LOG_ERROR, "%s: %s is %.6g; expected at %s %.6g", picture->path,

@@ -32,10 +32,6 @@ struct comparison {
     bool passed;
 };
 
-bool compare_greater_is_better(enum compare_metric metric);
-// Written so that a metric that is no number fails.
-bool compare_limit_holds(const struct compared *picture, const struct compare_limit *limit);
-
 // compare_map.c: writes picture->map. `flip` holds the numbers of the map where that is a FLIP, one
 // a pixel. Memory is taken from `arena`.
 bool compare_write_map(const struct comparison *c, const struct compared *picture,

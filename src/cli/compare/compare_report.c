@@ -1,6 +1,7 @@
 // What lampyris compare prints.
 #include "cli/compare/compare.h"
 
+#include "cli/exit_code.h"
 #include "metrics/metrics.h"
 #include "report/json_out.h"
 #include "report/text_out.h"
@@ -183,7 +184,7 @@ static json_t *checks_json(const struct comparison *c, const struct compared *p)
         json_array_append_new(
             checks, json_pack("{s:s, s:o, s:b}", "metric", compare_metric_names[limit->metric],
                               limit->is_minimum ? "min" : "max", json_number(limit->value),
-                              "passed", compare_limit_holds(p, limit)));
+                              "passed", compare_limit_holds(p->value[limit->metric], limit)));
     }
     return checks;
 }
@@ -251,5 +252,5 @@ int compare_print_json(const struct comparison *c)
     // What one picture has stands at the top, too.
     if (object && c->count == 1)
         json_object_update_missing(object, json_array_get(images, 0));
-    return json_print(object);
+    return command_print(object);
 }

@@ -3,6 +3,7 @@
 
 #include "base/file.h"
 #include "base/file_inputs.h"
+#include "cli/exit_code.h"
 #include "image/image.h"
 #include "report/csv_out.h"
 #include "report/html.h"
@@ -135,7 +136,7 @@ static json_t *result_json(const struct converge *c)
 
 int converge_print_json(const struct converge *c)
 {
-    return json_print(result_json(c));
+    return command_print(result_json(c));
 }
 
 // --- files ---------------------------------------------------------------------------------------

@@ -61,7 +61,7 @@ static int print_json(const struct device_list *list)
     for (uint32_t i = 0; i < list->count; i++)
         json_array_append_new(
             array, device_json(&list->devices[i], list->devices[i].index == list->chosen));
-    return json_print(json_pack("{s:o}", "devices", array));
+    return command_print(json_pack("{s:o}", "devices", array));
 }
 
 int cmd_devices(const struct options *options)

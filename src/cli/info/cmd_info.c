@@ -193,7 +193,7 @@ static int print_json(const struct info *info)
                             json_integer(count_materials(scene, model)));
     for (uint32_t i = 0; i < scene->note_count; i++)
         json_array_append_new(notes, json_words(scene->notes[i]));
-    return json_print(json_pack(
+    return command_print(json_pack(
         "{s:o, s:i, s:o, s:i, s:i, s:i, s:i, s:o, s:i, s:i, s:i, s:i, s:o, s:{s:i, s:i, "
         "s:i}, s:i, s:o, s:{s:i, s:i, s:f, "
         "s:I, s:f, s:f}, s:{s:o, s:o}, s:{s:I, s:o}, s:i, s:i, s:i}",

@@ -1,5 +1,6 @@
 #include "render/probe/replay.h"
 
+#include "cli/exit_code.h"
 #include "cli/render/render_job.h"
 #include "report/json_out.h"
 #include "report/text_out.h"
@@ -86,9 +87,9 @@ static void print_json(const struct replay *replay, const uint32_t pixel[2], uin
     json_t *vertices = json_array();
     for (uint32_t i = 0; i < replay->vertex_count; i++)
         json_array_append_new(vertices, vertex_json(&replay->vertices[i]));
-    json_print(json_pack("{s:[i, i], s:I, s:o, s:b, s:o}", "pixel", pixel[0], pixel[1], "sample",
-                         (json_int_t)sample, "radiance", vector_json(replay->radiance), "dropped",
-                         replay->dropped, "vertices", vertices));
+    command_print(json_pack("{s:[i, i], s:I, s:o, s:b, s:o}", "pixel", pixel[0], pixel[1], "sample",
+                            (json_int_t)sample, "radiance", vector_json(replay->radiance),
+                            "dropped", replay->dropped, "vertices", vertices));
 }
 
 bool job_replay(struct render_job *job, struct err *err)

@@ -1,4 +1,5 @@
 // How fast the viewer is: of the last frames for the panel, of all of them when it ends.
+#include "cli/exit_code.h"
 #include "viewer/core/viewer.h"
 
 #include "base/clock.h"
@@ -147,7 +148,7 @@ static void print_json(struct viewer *viewer)
         json_array_append_new(sides, side_json(&viewer->sides[side]));
     const struct frame_stats *stats = &viewer->stats;
     double seconds = viewer_seconds(viewer);
-    json_print(json_pack(
+    command_print(json_pack(
         "{s:o, s:o, s:{s:i, s:i}, s:I, s:f, s:f, s:o, s:{s:o, s:o}, s:i, s:o, s:i}", "scene",
         viewer->has_scene ? json_words(viewer->scene_path) : json_null(), "device",
         json_words(viewer->gpu.info.name), "size", "width", (int)viewer->window.width, "height",

@@ -3,7 +3,7 @@
 
 #include "base/clock.h"
 #include "base/file.h"
-#include "cli/commands.h"
+#include "cli/exit_code.h"
 #include "viewer/core/viewer.h"
 #include <errno.h>
 #include <fcntl.h>

@@ -1,0 +1,237 @@
+#!/usr/bin/python3
+"""The graphs of src/: what includes what, by the text, and who calls whom, by the symbols of the
+objects (a function whose address is taken counts as called).
+
+check_graph.py SOURCE_ROOT BUILD_ROOT [unittest's arguments]. With LAMPYRIS_GRAPH=1 in the
+environment it also prints the circles of calls that are allowed.
+"""
+import collections
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+
+# Each room with the rooms right below it. A room may include, and call, what is in itself or in any
+# room below, directly or through others.
+ROOMS = {
+    'shared': [],  # shaders/shared, which C and GLSL read
+    'base': [],
+    'json': ['base'],
+    'image': ['base'],
+    'metrics': ['base'],
+    'bvh': ['base'],
+    'gpu': ['base'],
+    'scene/core': ['image', 'shared'],
+    'scene/sky': ['scene/core'],
+    'scene/generate': ['scene/core'],
+    'scene/sdf': ['scene/core', 'json'],
+    'scene/mesh': ['scene/core'],
+    'scene/gltf': ['scene/mesh', 'json'],
+    'scene/json': ['scene/sky', 'scene/generate', 'scene/sdf', 'scene/mesh', 'scene/gltf'],
+    'scene': ['scene/json'],
+    'flatten': ['scene', 'bvh'],
+    'render/tables': ['flatten', 'gpu'],
+    'render': ['render/tables'],
+    'render/show': ['render'],
+    'render/probe': ['render'],
+    'report': ['image', 'metrics', 'gpu', 'json'],
+    'cli': ['render', 'metrics', 'report'],
+    'cli/render': ['cli', 'render/probe'],
+    'cli/info': ['cli/render'],
+    'cli/bench': ['cli/render'],
+    'cli/converge': ['cli/render'],
+    'cli/compare': ['cli/render'],
+    'cli/view': ['cli'],
+    'program': ['cli/info', 'cli/bench', 'cli/converge', 'cli/compare', 'cli/view'],
+    'viewer/window': ['gpu'],
+    'viewer/gui': ['viewer/window', 'image'],
+    'viewer/core': ['viewer/gui', 'render/show', 'cli/render'],
+    'viewer/panel': ['viewer/core'],
+    'viewer/script': ['viewer/core'],
+    'viewer': ['viewer/panel', 'viewer/script', 'program'],
+}
+# Files that stand above the room of their folder: what begins, and knows all commands.
+ABOVE = {'cli/main.c': 'program', 'cli/program.c': 'program', 'cli/program.h': 'program'}
+GENERATED = r'\w+\.spv\.h|albedo_data\.h|kernel_source\.h'
+CIRCLE_MAX = 3  # files that call one another in a circle
+CIRCLES_OF = 'viewer/core'  # which alone may have larger ones
+
+
+def room_of(path):
+    return ABOVE.get(path, os.path.dirname(path))
+
+
+def rooms_below(room, known={}):
+    """The room and all that it may see."""
+    if room not in known:
+        known[room] = {room}.union(*(rooms_below(name) for name in ROOMS[room]))
+    return known[room]
+
+
+def upward(graph):
+    """The edges that lead to a room that the file's own does not stand on."""
+    return [f'{a} -> {b}' for a in graph for b in graph[a]
+            if room_of(b) not in rooms_below(room_of(a))]
+
+
+def circles(graph):
+    """The strongly connected components of more than one file: Tarjan 1972, without recursion."""
+    number, low, stack, on_stack, found = {}, {}, [], set(), []
+    for root in graph:
+        work = [] if root in number else [(root, iter(sorted(graph[root])))]
+        if work:
+            number[root] = low[root] = len(number)
+            stack.append(root)
+            on_stack.add(root)
+        while work:
+            file, edges = work[-1]
+            for other in edges:
+                if other not in number:
+                    number[other] = low[other] = len(number)
+                    stack.append(other)
+                    on_stack.add(other)
+                    work.append((other, iter(sorted(graph.get(other, ())))))
+                    break
+                if other in on_stack:
+                    low[file] = min(low[file], number[other])
+            else:
+                work.pop()
+                if work:
+                    low[work[-1][0]] = min(low[work[-1][0]], low[file])
+                if low[file] == number[file]:
+                    part = stack[stack.index(file):]
+                    del stack[-len(part):]
+                    on_stack.difference_update(part)
+                    if len(part) > 1:
+                        found.append(sorted(part))
+    return found
+
+
+def large_circles(calls):
+    return [circle for circle in circles(calls) if len(circle) > CIRCLE_MAX and
+            any(room_of(file) != CIRCLES_OF for file in circle)]
+
+
+def read_includes(source_root):
+    """(graph, includes that name no folder)"""
+    graph, bare = {}, []
+    for top, prefix in (('src', ''), ('shaders/shared', 'shared')):
+        top = os.path.join(source_root, top)
+        for folder, _, names in os.walk(top):
+            for name in (name for name in names if re.search(r'\.(c|h|cpp)$', name)):
+                path = os.path.normpath(os.path.join(prefix, os.path.relpath(folder, top), name))
+                with open(os.path.join(folder, name), encoding='utf-8') as file:
+                    quoted = re.findall(r'^\s*#\s*include\s*"([^"]+)"', file.read(), re.MULTILINE)
+                graph[path] = {name for name in quoted if '/' in name}
+                if not prefix:
+                    bare += [f'{path}: {name}' for name in quoted
+                             if '/' not in name and not re.fullmatch(GENERATED, name)]
+    return graph, bare
+
+
+def read_symbols(path):
+    """(defined, used) of an object file."""
+    listed = subprocess.run(['nm', '-P', path], stdout=subprocess.PIPE, check=True, text=True).stdout
+    defined, used = set(), set()
+    for name, kind in re.findall(r'^(\S+) (\w)', listed, re.MULTILINE):
+        if kind == 'U':
+            used.add(name)
+        elif kind.isupper() or kind == 'u':
+            defined.add(name)
+    return defined, used
+
+
+def call_graph(objects):
+    """`objects`: path of the object by that of its source."""
+    symbols = {source: read_symbols(path) for source, path in objects.items()}
+    where = {name: source for source in symbols for name in symbols[source][0]}
+    return {source: {where[name] for name in used if name in where} - {source}
+            for source, (_, used) in symbols.items()}
+
+
+def read_calls(source_root, build_root):
+    with open(os.path.join(build_root, 'compile_commands.json'), encoding='utf-8') as database:
+        entries = json.load(database)
+    source_root = os.path.realpath(os.path.join(source_root, 'src'))
+    objects = {}
+    for entry in entries:
+        source = os.path.realpath(os.path.join(entry['directory'], entry['file']))
+        source = os.path.relpath(source, source_root)
+        if entry['output'].startswith('src/') and not source.startswith('..'):
+            objects[source] = os.path.join(build_root, entry['output'])
+    return call_graph(objects)
+
+
+class Graph(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.includes, cls.bare = read_includes(SOURCE_ROOT)
+        cls.calls = read_calls(SOURCE_ROOT, BUILD_ROOT)
+
+    def with_edge(self, graph, file, other):
+        self.assertIn(file, graph)
+        self.assertIn(other, graph)
+        return {**graph, file: graph[file] | {other}}
+
+    def test_the_graphs_are_whole(self):
+        self.assertGreater(len(self.includes), 500)
+        self.assertGreater(len(self.calls), 250)
+        self.assertIn('render/wave.c', self.calls['render/render.c'])
+        self.assertEqual({room_of(path) for path in self.includes}, set(ROOMS))
+        for file, names in self.includes.items():
+            for name in names:
+                self.assertIn(name, self.includes, f'{file}: there is no {name}')
+
+    def test_includes_carry_the_folder(self):
+        self.assertEqual(self.bare, [])
+
+    def test_no_include_goes_upwards(self):
+        self.assertEqual(upward(self.includes), [])
+        planted = self.with_edge(self.includes, 'scene/core/material.c', 'render/render.h')
+        self.assertEqual(upward(planted), ['scene/core/material.c -> render/render.h'])
+        planted = self.with_edge(self.includes, 'scene/gltf/load_gltf.c', 'scene/json/load_json.h')
+        self.assertEqual(len(upward(planted)), 1)
+        planted = self.with_edge(self.includes, 'render/wave.c', 'metrics/metrics.h')
+        self.assertEqual(len(upward(planted)), 1)
+
+    def test_no_include_leads_back(self):
+        self.assertEqual(circles(self.includes), [])
+        planted = self.with_edge(self.includes, 'base/err.h', 'base/file.h')
+        self.assertEqual(circles(planted), [['base/err.h', 'base/file.h']])
+
+    def test_no_call_goes_upwards(self):
+        self.assertEqual(upward(self.calls), [])
+        planted = self.with_edge(self.calls, 'gpu/buffer.c', 'render/film.c')
+        self.assertEqual(upward(planted), ['gpu/buffer.c -> render/film.c'])
+
+    def test_circles_of_calls_are_small(self):
+        if os.environ.get('LAMPYRIS_GRAPH'):
+            for circle in sorted(circles(self.calls), key=len):
+                print(len(circle), *circle)
+        self.assertEqual(large_circles(self.calls), [])
+        planted = self.with_edge(self.calls, 'render/wave.c', 'render/render.c')
+        planted = self.with_edge(planted, 'render/kernels.c', 'render/render.c')
+        planted = self.with_edge(planted, 'gpu/kernel.c', 'render/render.c')
+        self.assertEqual(len(large_circles(planted)), 1)
+
+    def test_calls_are_read_from_objects(self):
+        code = {'a.c': 'int b(void); int a(void); int a(void) { return b(); }',
+                'b.c': 'int c(void); int b(void); int b(void) { return c(); }',
+                'c.c': 'int a(void); int c(void); int (*table[])(void) = {a}; int c(void) { return 0; }'}
+        with tempfile.TemporaryDirectory() as folder:
+            for name, text in code.items():
+                path = os.path.join(folder, name)
+                with open(path, 'w', encoding='utf-8') as file:
+                    file.write(text)
+                subprocess.run(['cc', '-c', path, '-o', path + '.o'], check=True)
+            calls = call_graph({name: os.path.join(folder, name + '.o') for name in code})
+        self.assertEqual(calls, {'a.c': {'b.c'}, 'b.c': {'c.c'}, 'c.c': {'a.c'}})
+        self.assertEqual(circles(calls), [['a.c', 'b.c', 'c.c']])
+
+
+if __name__ == '__main__':
+    SOURCE_ROOT, BUILD_ROOT = sys.argv[1:3]
+    unittest.main(argv=[sys.argv[0], *sys.argv[3:]], failfast=False)
