@@ -234,66 +234,6 @@ static bool add_meshes(struct flattening *f, const struct census *census, struct
     return true;
 }
 
-// The first of `count` ascending values that is above `value`, or `count`.
-static uint32_t first_above(const uint32_t *values, uint32_t count, uint32_t value)
-{
-    uint32_t low = 0;
-    while (low < count) {
-        uint32_t middle = low + (count - low) / 2;
-        if (values[middle] <= value)
-            low = middle + 1;
-        else
-            count = middle;
-    }
-    return low;
-}
-
-void flat_triangle_source(const struct flat_scene *flat, uint32_t id, uint32_t *instance,
-                          uint32_t *triangle)
-{
-    uint32_t dropped = first_above(flat->dropped_before, flat->dropped_degenerate, id);
-    uint32_t source = id + dropped, runs = flat->instance_count + flat->mesh_count;
-    uint32_t run = first_above(flat->instance_first, runs, source) - 1;
-    *triangle = source - flat->instance_first[run];
-    *instance = run < flat->instance_count ? run : SCENE_NONE;
-}
-
-void flat_from_world(const struct flat_scene *flat, const double point[3], double out[3])
-{
-    for (int i = 0; i < 3; i++)
-        out[i] = (point[i] - flat->origin[i]) * flat->scale;
-}
-
-void flat_to_world(const struct flat_scene *flat, const double point[3], double out[3])
-{
-    for (int i = 0; i < 3; i++)
-        out[i] = point[i] / flat->scale + flat->origin[i];
-}
-
-static int compare_small(const void *a, const void *b)
-{
-    uint32_t id = *(const uint32_t *)a,
-             triangle = ((const struct flat_small_triangle *)b)->triangle;
-    return (id > triangle) - (id < triangle);
-}
-
-const struct flat_small_triangle *flat_find_small(const struct flat_scene *flat, uint32_t id)
-{
-    if (flat->small_count == 0)
-        return NULL;
-    return bsearch(&id, flat->small, flat->small_count, sizeof *flat->small, compare_small);
-}
-
-void flat_triangle_edges(const struct flat_scene *flat, uint32_t id, double edges[2][3])
-{
-    const struct flat_small_triangle *small = flat_find_small(flat, id);
-    const struct flat_triangle *triangle = &flat->triangles[id];
-    for (int e = 0; e < 2; e++)
-        for (int i = 0; i < 3; i++)
-            edges[e][i] = small ? (double)small->edges[e][i]
-                                : (double)triangle->v[e + 1][i] - (double)triangle->v[0][i];
-}
-
 // --- the whole -----------------------------------------------------------------------------------
 
 static bool reserve(const struct scene *scene, const struct census *census, struct arena *arena,

@@ -4,7 +4,6 @@
 
 #include "base/log.h"
 #include "base/memory.h"
-#include "flatten/flatten_shapes.h"
 #include "scene/core/affine.h"
 #include <float.h>
 #include <math.h>
@@ -92,6 +91,14 @@ bool flatten_check_extent(const struct scene *scene, const struct bounds *bounds
                    "%s: the scene is %g m across; expected %g m to %g m: its numbers may be in "
                    "another unit of length",
                    scene->path ? scene->path : "scene", extent, SCENE_EXTENT_MIN, SCENE_EXTENT_MAX);
+}
+
+bool flatten_in_range(const double point[3])
+{
+    for (int i = 0; i < 3; i++)
+        if (!(fabs(point[i]) <= SCENE_COORDINATE_MAX))
+            return false;
+    return true;
 }
 
 // Each triangle of an emitter is one of its own, in the world.

@@ -32,6 +32,8 @@ struct census {
     uint32_t skipped_instances;
 };
 
+// Whether all coordinates are within SCENE_COORDINATE_MAX.
+bool flatten_in_range(const double point[3]);
 // Whether each triangle of the material has to be an emitter of its own.
 bool flatten_emits(const struct scene *scene, uint32_t material);
 // Reports a fraction and asks whether to go on; false with an error when not.

@@ -2,19 +2,10 @@
 #include "flatten/flatten_shapes.h"
 
 #include "flatten/flatten_precision.h"
-
 #include "scene/core/affine.h"
 #include "scene/core/bounds.h"
 #include <float.h>
 #include <math.h>
-
-bool flatten_in_range(const double point[3])
-{
-    for (int i = 0; i < 3; i++)
-        if (!(fabs(point[i]) <= SCENE_COORDINATE_MAX))
-            return false;
-    return true;
-}
 
 void flatten_bound(struct flat_scene *flat, const float low[3], const float high[3])
 {

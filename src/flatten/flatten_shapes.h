@@ -19,8 +19,6 @@ struct shape flatten_place_shape(const struct flat_scene *flat, const struct sha
 // How far kernels' coordinates go in any unit: their squares stay finite in single precision.
 #define FLAT_COORDINATE_MAX 1e18
 
-// Whether all coordinates are within SCENE_COORDINATE_MAX.
-bool flatten_in_range(const double point[3]);
 // Adds the box to the scene's bounds.
 void flatten_bound(struct flat_scene *flat, const float low[3], const float high[3]);
 

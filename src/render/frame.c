@@ -2,8 +2,8 @@
 
 #include "base/maths.h"
 #include "render/far_camera.h"
+#include "render/shape_sections.h"
 #include "render/tables/emitter_power.h"
-#include "render/upload_parts.h"
 #include <float.h>
 #include <math.h>
 #include <string.h>

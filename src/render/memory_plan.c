@@ -4,8 +4,8 @@
 #include "base/memory.h"
 #include "render/attributes.h"
 #include "render/film_aovs.h"
+#include "render/shape_sections.h"
 #include "render/tables/environment_table.h"
-#include "render/upload_parts.h"
 #include "shared/aov.h"
 #include "shared/types.h"
 #include <inttypes.h>

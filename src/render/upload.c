@@ -4,74 +4,12 @@
 #include "image/image.h"
 #include "render/attributes.h"
 #include "render/tables/environment_table.h"
+#include "render/tables/octahedral.h"
 #include "render/upload_parts.h"
 #include "scene/core/affine.h"
 #include "shared/types.h"
 #include <math.h>
 #include <string.h>
-
-uint32_t encode_normal(const float n[3])
-{
-    // Cigolle et al. 2014, "A Survey of Efficient Representations for Independent Unit Vectors",
-    // listing 1.
-    float norm = fabsf(n[0]) + fabsf(n[1]) + fabsf(n[2]);
-    float x = n[0] / norm, y = n[1] / norm;
-    if (n[2] < 0.0f) {
-        float folded = copysignf(1.0f - fabsf(y), x);
-        y = copysignf(1.0f - fabsf(x), y);
-        x = folded;
-    }
-    uint32_t high = (uint16_t)(int16_t)lrintf(y * 32767.0f);
-    return high << 16 | (uint16_t)(int16_t)lrintf(x * 32767.0f);
-}
-
-// A buffer without records still holds one, zeroed: kernels that are compiled with a feature which
-// the scene lacks may read it and multiply it away.
-#define SMALLEST_BUFFER 64
-
-static bool create(struct gpu *gpu, const struct upload_params *p, uint32_t binding,
-                   struct gpu_buffer *buffers, struct err *err)
-{
-    uint64_t bytes = p->plan->buffers[binding].bytes;
-    if (bytes < SMALLEST_BUFFER)
-        bytes = SMALLEST_BUFFER;
-    bool texel = p->specialization->features & FEATURE_TEXEL_SCENE;
-    return gpu_buffer_create(gpu, binding_name(binding), bytes, GPU_DEVICE, texel,
-                             &buffers[binding], err);
-}
-
-// Creates a buffer and uploads as many bytes as are planned for it.
-bool upload_filled(struct gpu *gpu, const struct upload_params *p, uint32_t binding,
-                   const void *data, struct gpu_buffer *buffers, struct err *err)
-{
-    uint64_t bytes = p->plan->buffers[binding].bytes;
-    return create(gpu, p, binding, buffers, err) &&
-           (bytes == 0 || gpu_upload(gpu, &buffers[binding], 0, data, bytes, err));
-}
-
-// Index, class and alpha of a material, as primitives carry it.
-uint32_t upload_material_word(const struct upload_params *p, uint32_t index)
-{
-    const struct material *material = &p->scene->materials[index];
-    bool alpha = material->flags & (MATERIAL_ALPHA_MASK | MATERIAL_ALPHA_BLEND);
-    return index | material_class(material) << MATERIAL_CLASS_SHIFT |
-           (alpha ? MATERIAL_WORD_ALPHA : 0u);
-}
-
-// For each of `count` primitives, whose words are `kind` and their index, its number among the
-// emitters, or NO_EMITTER.
-uint32_t *upload_emitter_numbers(const struct upload_params *p, uint32_t kind, uint32_t count,
-                                 struct arena *scratch)
-{
-    const struct emitters *emitters = &p->tables->emitters;
-    uint32_t *numbers = ARENA_NEW(scratch, uint32_t, count);
-    for (uint32_t i = 0; numbers && i < count; i++)
-        numbers[i] = NO_EMITTER;
-    for (uint32_t n = 0; numbers && n < emitters->surface_count; n++)
-        if ((emitters->primitives[n] & PRIMITIVE_SHAPE) == kind)
-            numbers[emitters->primitives[n] & ~PRIMITIVE_SHAPE] = n;
-    return numbers;
-}
 
 // A triangle that has several places is listed as an emitter with one of them: gives them all its
 // number.
@@ -126,7 +64,7 @@ static bool upload_records(struct gpu *gpu, struct records *records, uint32_t bi
     records->piece = arena_alloc(scratch, most, records->bytes);
     if (!records->piece)
         return err_memory(err, binding_name(binding), (uint64_t)most * records->bytes);
-    if (!create(gpu, p, binding, buffers, err))
+    if (!upload_create(gpu, p, binding, buffers, err))
         return false;
     for (uint32_t left; records->first < count; records->first += left) {
         left = count - records->first < most ? count - records->first : most;
@@ -267,7 +205,7 @@ static bool upload_environment(struct gpu *gpu, const struct upload_params *p,
         .filter = p->specialization->environment_filter,
         .is_sampled = p->specialization->emitters & EMITTER_ENVIRONMENT,
     };
-    return create(gpu, p, BINDING_ENVIRONMENT, buffers, err) &&
+    return upload_create(gpu, p, BINDING_ENVIRONMENT, buffers, err) &&
            environment_table_upload(gpu, &table, &buffers[BINDING_ENVIRONMENT], err);
 }
 
@@ -287,7 +225,7 @@ bool upload_scene(struct gpu *gpu, const struct upload_params *p, struct gpu_buf
         (!plan[BINDING_MATERIALS].name ||
          upload_filled(gpu, p, BINDING_MATERIALS, tables->materials, buffers, err)) &&
         (!plan[BINDING_TEXELS].name ||
-         (create(gpu, p, BINDING_TEXELS, buffers, err) &&
+         (upload_create(gpu, p, BINDING_TEXELS, buffers, err) &&
           texture_set_upload(gpu, p->scene, &tables->textures, &buffers[BINDING_TEXELS], err))) &&
         (!plan[BINDING_ENVIRONMENT].name || upload_environment(gpu, p, buffers, err));
     arena_finish(&scratch);

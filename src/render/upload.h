@@ -20,7 +20,4 @@ struct upload_params {
 bool upload_scene(struct gpu *gpu, const struct upload_params *params, struct gpu_buffer *buffers,
                   struct err *err);
 
-// The octahedral code that shaders decode (lib/surface.glsl); never NORMAL_FLAT.
-uint32_t encode_normal(const float n[3]);
-
 #endif

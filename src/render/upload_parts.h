@@ -4,6 +4,10 @@
 
 #include "render/upload.h"
 
+// Creates a buffer of the size that is planned for it.
+bool upload_create(struct gpu *gpu, const struct upload_params *p, uint32_t binding,
+                   struct gpu_buffer *buffers, struct err *err);
+
 // Creates a buffer and uploads as many bytes as are planned for it.
 bool upload_filled(struct gpu *gpu, const struct upload_params *p, uint32_t binding,
                    const void *data, struct gpu_buffer *buffers, struct err *err);
@@ -29,12 +33,5 @@ void upload_fill_sdfs(const struct upload_params *p, uint32_t (*records)[4], uin
 // The section of small triangles.
 bool upload_fill_small_triangles(const struct upload_params *p, uint32_t (*words)[4],
                                  struct arena *scratch, struct err *err);
-
-// In words of four: where the sections begin, and how long the buffer is.
-struct shape_sections {
-    uint32_t instances, sdfs, sdf_code, small_triangles;
-    uint64_t words;
-};
-struct shape_sections shape_sections(const struct scene *scene, const struct flat_scene *flat);
 
 #endif

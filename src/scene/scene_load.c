@@ -112,7 +112,7 @@ static bool load_by_extension(struct scene *scene, const struct scene_load_param
     if (!is_gltf && !check_gltf_only(params, err))
         return false;
     if (strcasecmp(extension, "json") == 0)
-        return load_json(scene, params, err);
+        return load_json(scene, params, scene_load_into, err);
     if (params->override_count > 0)
         return err_set(err, ERR_USAGE, "%s: -D %s: only .json scenes have values to override",
                        params->path, params->overrides[0].key);
@@ -153,18 +153,6 @@ static bool finish_environment(struct scene *scene, const struct scene_load_para
     double strength = params->environment_strength ? *params->environment_strength : 1;
     return scene_adjust_environment(scene, params->environment_rotation, strength, err) &&
            scene_add_sky_sun(scene, err);
-}
-
-bool scene_loading(const struct scene *scene, double fraction, struct err *err)
-{
-    progress_report(scene->progress, "Loading", fraction);
-    return scene_goes_on(scene, 0, err);
-}
-
-bool scene_goes_on(const struct scene *scene, uint64_t i, struct err *err)
-{
-    return !progress_stops_at(scene->progress, i) ||
-           err_set(err, ERR_STOPPED, "stopped while loading the scene");
 }
 
 // What was not composed as a picture is shown by what there is to see: exposed by its luminance,

@@ -1,7 +1,7 @@
 // Routines that must hold for every number: origins of rays that leave a surface, octahedral
 // normals, and the test for finite numbers; as shipped, on the device.
 #include "library_fixture.h"
-#include "render/upload.h"
+#include "render/tables/octahedral.h"
 
 enum { COUNT = 100000 };
 

@@ -10,7 +10,7 @@ static bool load(struct scene *scene, const char *path, struct err *err)
     struct arena arena = {0};
     struct flat_scene flat;
     scene->settings = settings_default();
-    bool ok = load_json(scene, &params, err) &&
+    bool ok = load_json(scene, &params, scene_load_into, err) &&
               scene_flatten(&(struct flatten_params){scene, INSTANCING_AUTO}, &arena, &flat, err);
     arena_finish(&arena);
     return ok;

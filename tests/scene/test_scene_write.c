@@ -6,7 +6,7 @@
 #include "scene/core/light.h"
 #include "scene/json/load_json.h"
 #include "scene/json/scene_write.h"
-#include "scene/sky/sky.h"
+#include "scene/sky/surroundings.h"
 #include "scene_edit_fixture.h"
 
 #include <dirent.h>

@@ -2,7 +2,7 @@
 
 #include "base/maths.h"
 #include "base/parallel.h"
-#include "render/upload.h"
+#include "render/tables/octahedral.h"
 #include <float.h>
 #include <math.h>
 #include <string.h>

@@ -4,7 +4,6 @@
 #include "base/hash.h"
 #include "base/maths.h"
 #include "image/image.h"
-#include "scene/sky/sky.h"
 #include "shared/types.h"
 #include <math.h>
 #include <string.h>
@@ -199,25 +198,6 @@ void scene_remove_sun(struct scene *scene, const struct environment *former)
 {
     if (former->sun.light > 0)
         scene->light_count = former->sun.light - 1;
-}
-
-bool scene_replace_environment(struct scene *scene, const struct environment_source *source,
-                               struct err *err)
-{
-    const struct environment former = scene->environment;
-    uint32_t light_count = scene->light_count;
-    bool ok = source->sky ? scene_set_sky(scene, source->sky, err)
-              : source->gradient
-                  ? scene_set_gradient(scene, source->gradient, err)
-                  : scene_set_environment(scene, source->file, source->radiance, err);
-    if (!ok)
-        return false;
-    scene_remove_sun(scene, &former);
-    if (scene_add_sky_sun(scene, err))
-        return true;
-    scene->environment = former;
-    scene->light_count = light_count;
-    return false;
 }
 
 uint32_t environment_texel(const struct environment *environment, const double direction[3])

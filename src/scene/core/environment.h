@@ -66,18 +66,6 @@ bool scene_add_sky_sun(struct scene *scene, struct err *err);
 // Takes the sun of an environment that was replaced, the last of the lights, from them.
 void scene_remove_sun(struct scene *scene, const struct environment *former);
 
-// For editors, after scene_load: replaces the environment by one of these and the sun among the
-// lights, which is the last of them, by the new sky's, if any. Neither turned nor scaled. What the
-// old one held stays in the arena. On failure the scene is as it was.
-struct environment_source {
-    const char *file;      // trusted; or
-    const struct sky *sky; // or
-    const struct environment_gradient *gradient;
-    float radiance[3]; // without any of them: constant; with a file: its factor
-};
-bool scene_replace_environment(struct scene *scene, const struct environment_source *source,
-                               struct err *err);
-
 // Radiance of a disc of that angular radius (radians, to pi / 2) which has this irradiance on a
 // surface that faces it.
 double environment_sun_radiance(double irradiance, double angular_radius);

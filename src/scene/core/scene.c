@@ -221,3 +221,15 @@ void scene_finish(struct scene *scene)
     arena_finish(&scene->arena);
     *scene = (struct scene){0};
 }
+
+bool scene_loading(const struct scene *scene, double fraction, struct err *err)
+{
+    progress_report(scene->progress, "Loading", fraction);
+    return scene_goes_on(scene, 0, err);
+}
+
+bool scene_goes_on(const struct scene *scene, uint64_t i, struct err *err)
+{
+    return !progress_stops_at(scene->progress, i) ||
+           err_set(err, ERR_STOPPED, "stopped while loading the scene");
+}

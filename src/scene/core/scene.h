@@ -246,6 +246,8 @@ struct scene_load_params {
 // note says. On failure *out is finished and {0}; err names file, place, value and what was
 // expected.
 bool scene_load(const struct scene_load_params *params, struct scene *out, struct err *err);
+// The same on top of whatever is in *scene, without what scene_load sets beforehand.
+bool scene_load_into(struct scene *scene, const struct scene_load_params *params, struct err *err);
 void scene_finish(struct scene *scene); // accepts NULL and {0}
 
 // Moves the camera of a scene that came without one to where all of it, the ground aside, fills the
@@ -265,7 +267,11 @@ bool scene_goes_on(const struct scene *scene, uint64_t i, struct err *err);
 // --- what the loaders share (scene_load.c calls exactly one of these by extension) ---------------
 // Each appends to *scene (already initialised with defaults, arena and path set) and continues
 // scene->hash over the bytes of every file that it reads.
-bool load_json(struct scene *scene, const struct scene_load_params *params, struct err *err);
+// `load_base`, which is scene_load_into, loads the file that a document's "base" names.
+typedef bool (*scene_load_fn)(struct scene *scene, const struct scene_load_params *params,
+                              struct err *err);
+bool load_json(struct scene *scene, const struct scene_load_params *params, scene_load_fn load_base,
+               struct err *err);
 bool load_gltf(struct scene *scene, const struct scene_load_params *params, struct err *err);
 // OBJ and PLY, also used by load_json for {"type": "mesh", "file": …}. On success one mesh, *index,
 // and the materials it needs were appended; no instances are added. `path` is trusted: confine it

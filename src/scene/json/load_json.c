@@ -8,16 +8,6 @@
 
 #define FORMAT_VERSION 1
 
-// "$schema" tells editors where the schema is.
-const char *const load_json_document_keys[] = {
-    "lampyris", "define", "camera", "film",  "settings", "materials", "environment",
-    "lights",   "shapes", "base",   "edits", "$schema",  NULL};
-
-const struct range RANGE_UNIT = {0, 1, false};
-const struct range RANGE_RADIANCE = {0, SCENE_RADIANCE_MAX, false};
-const struct range RANGE_COORDINATE = {-SCENE_COORDINATE_MAX, SCENE_COORDINATE_MAX, false};
-const struct range RANGE_RADIUS = {SCENE_LENGTH_MIN, SCENE_COORDINATE_MAX, false};
-
 // Before anything else: a file of a later version may differ in every way.
 static bool check_version(const struct json_node *document, struct err *err)
 {
@@ -62,14 +52,15 @@ static bool load_sections(struct json_loader *loader, const struct json_node *do
            (!shapes.value || load_json_shapes(loader, &shapes, err));
 }
 
-static bool load_document(const struct scene_load_params *params, struct scene *scene, json_t *root,
-                          struct err *err)
+static bool load_document(const struct scene_load_params *params, scene_load_fn load_base,
+                          struct scene *scene, json_t *root, struct err *err)
 {
     const struct json_node document = node_root(params->path, root);
     json_t *trusted = json_array(), *material_names = json_object(), *shape_names = json_object();
     struct json_loader loader = {
         .scene = scene,
         .params = params,
+        .load_base = load_base,
         .folder = path_folder(&scene->arena, params->path),
         .trusted = trusted,
         .material_names = material_names,
@@ -100,76 +91,17 @@ static void hash_inputs(struct scene *scene, const struct file_bytes *bytes,
     }
 }
 
-bool load_json(struct scene *scene, const struct scene_load_params *params, struct err *err)
+bool load_json(struct scene *scene, const struct scene_load_params *params, scene_load_fn load_base,
+               struct err *err)
 {
     struct file_bytes bytes;
     if (!file_read(&scene->arena, params->path, LOAD_JSON_BYTES_MAX, &bytes, err))
         return false;
     hash_inputs(scene, &bytes, params);
     json_t *root = json_parse(params->path, &bytes, JSON_REJECT_DUPLICATES, err);
-    bool ok = root && load_document(params, scene, root, err);
+    bool ok = root && load_document(params, load_base, scene, root, err);
     if (ok && json_lost_memory())
         ok = err_memory(err, "the JSON document", bytes.size);
     json_decref(root);
     return ok;
-}
-
-// Whether the very value `wanted`, not an equal one, is `value` or inside it.
-static bool contains_value(const json_t *value, const json_t *wanted)
-{
-    if (value == wanted)
-        return true;
-    const char *key;
-    json_t *child;
-    size_t i;
-    json_object_foreach((json_t *)value, key, child) if (contains_value(child, wanted)) return true;
-    json_array_foreach(value, i, child) if (contains_value(child, wanted)) return true;
-    return false;
-}
-
-static bool note_override_path(struct scene *scene, const char *text, const char *path,
-                               struct err *err)
-{
-    uint32_t count = scene->override_path_count, capacity = 2 * count + 1;
-    if (count == scene->override_path_capacity) {
-        struct scene_path *paths = ARENA_NEW(&scene->arena, struct scene_path, capacity);
-        if (!paths)
-            return err_memory(err, "paths", capacity * sizeof *paths);
-        if (count > 0)
-            memcpy(paths, scene->override_paths, count * sizeof *paths);
-        scene->override_paths = paths;
-        scene->override_path_capacity = capacity;
-    }
-    text = arena_strdup(&scene->arena, text);
-    if (!text)
-        return err_memory(err, "a path", 1);
-    scene->override_paths[scene->override_path_count++] = (struct scene_path){text, path};
-    return true;
-}
-
-const char *load_json_path(struct json_loader *loader, const struct json_node *object,
-                           const char *key, struct err *err)
-{
-    struct arena *arena = &loader->scene->arena;
-    const struct json_node node = node_member(object, key);
-    const char *text = "", *path, *override_folder = loader->params->override_folder;
-    if (!node_read_string(object, key, &text, err))
-        return NULL;
-    bool is_override = contains_value(loader->trusted, node.value);
-    if (is_override && !override_folder) {
-        path = arena_strdup(arena, text);
-        if (!path)
-            err_memory(err, "a path", strlen(text) + 1);
-    } else {
-        const struct file_reference reference = {
-            .folder = is_override ? override_folder : loader->folder,
-            .allow_outside = loader->params->allow_outside_paths,
-        };
-        path = file_resolve(arena, &reference, text, err);
-    }
-    if (!path || (is_override && !note_override_path(loader->scene, text, path, err))) {
-        node_prepend(&node, err);
-        return NULL;
-    }
-    return path;
 }

@@ -15,16 +15,13 @@
 struct json_loader {
     struct scene *scene;
     const struct scene_load_params *params;
+    scene_load_fn load_base;
     const char *folder;      // of the scene file
     const json_t *trusted;   // array of the values given with -D: paths in them are the user's own
     json_t *material_names;  // object: the index of each named material
     json_t *shape_names;     // object: the index of each named shape in the list of shapes
     struct scene_base *base; // of a document with a "base"; else NULL
 };
-
-// A scene, whole but for what scene_load sets beforehand, on top of whatever is in *scene. Of a
-// file with a "base" this is called again for that.
-bool scene_load_into(struct scene *scene, const struct scene_load_params *params, struct err *err);
 
 // Puts the overrides into the document and replaces its references "${NAME}". The values given are
 // appended to the array `trusted`, which shares them with the document.

@@ -166,7 +166,7 @@ static bool load_file(struct json_loader *loader, const struct json_node *node,
                          "(does one name itself?)",
                          BASE_DEPTH_MAX + 1, BASE_DEPTH_MAX);
     struct err problem = {0};
-    if (!scene_load_into(scene, &params, &problem)) {
+    if (!loader->load_base(scene, &params, &problem)) {
         blame_file(&file, &problem);
         if (err)
             *err = problem;

@@ -1,4 +1,4 @@
-// The list of shapes of a scene file: what kinds there are, how they are placed, instances.
+// The list of shapes of a scene file: mesh files, instances, and where each is placed.
 #include "scene/json/load_json.h"
 
 #include "base/file.h"
@@ -14,103 +14,6 @@ struct shape_list {
     struct scene_part *parts;
     bool *hidden; // of each: only what it is copied to is shown
 };
-
-// --- transforms ----------------------------------------------------------------------------------
-
-static bool read_rotation(const struct json_node *node, double out[3][4], struct err *err)
-{
-    static const char *const required[] = {"axis", "degrees", NULL};
-    static const char *const optional[] = {NULL};
-    double axis[3], degrees;
-    if (!node_check_object(node, required, optional, err) ||
-        !node_read_vector(node, "axis", RANGE_COORDINATE, axis, err) ||
-        !node_read_number(node, "degrees", RANGE_COORDINATE, &degrees, err))
-        return false;
-    // Reduced exactly while still in degrees: multiples of 360 are no rotation at all.
-    const struct json_node axis_node = node_member(node, "axis");
-    return affine_rotation(axis, fmod(degrees, 360) * DEGREE, out) ||
-           node_fail(&axis_node, err, "is zero; expected a direction");
-}
-
-static bool read_scale(const struct json_node *transform, double out[3][4], struct err *err)
-{
-    double scale[3];
-    const struct json_node node = node_member(transform, "scale");
-    if (json_is_array(node.value)) {
-        if (!node_numbers(&node, 3, RANGE_COORDINATE, scale, err))
-            return false;
-    } else {
-        if (!node_read_number(transform, "scale", RANGE_COORDINATE, &scale[0], err))
-            return false;
-        scale[1] = scale[2] = scale[0];
-    }
-    for (int i = 0; i < 3; i++)
-        out[i][i] = scale[i];
-    return true;
-}
-
-static bool read_matrix(const struct json_node *node, double out[3][4], struct err *err)
-{
-    double elements[16];
-    if (!node_numbers(node, 16, RANGE_COORDINATE, elements, err))
-        return false;
-    memcpy(out, elements, 12 * sizeof elements[0]);
-    if (elements[12] == 0 && elements[13] == 0 && elements[14] == 0 && elements[15] == 1)
-        return true;
-    return node_fail(node, err, "the last row is %.9g %.9g %.9g %.9g; expected 0 0 0 1",
-                     elements[12], elements[13], elements[14], elements[15]);
-}
-
-// An object with exactly one of the four kinds.
-static bool read_transform_step(const struct json_node *node, double out[3][4], struct err *err)
-{
-    static const char *const required[] = {NULL};
-    static const char *const kinds[] = {"translate", "rotate", "scale", "matrix", NULL};
-    if (!node_check_object(node, required, kinds, err))
-        return false;
-    const char *given = NULL;
-    for (const char *const *kind = kinds; *kind; kind++) {
-        if (!node_member(node, *kind).value)
-            continue;
-        if (given)
-            return node_fail(node, err,
-                             "both \"%s\" and \"%s\" are given; put them into a list, in the order "
-                             "in which they apply",
-                             given, *kind);
-        given = *kind;
-    }
-    if (!given)
-        return node_fail(node, err, "expected \"translate\", \"rotate\", \"scale\" or \"matrix\"");
-    const struct json_node value = node_member(node, given);
-    memcpy(out, AFFINE_IDENTITY, sizeof AFFINE_IDENTITY);
-    if (strcmp(given, "rotate") == 0)
-        return read_rotation(&value, out, err);
-    if (strcmp(given, "scale") == 0)
-        return read_scale(node, out, err);
-    if (strcmp(given, "matrix") == 0)
-        return read_matrix(&value, out, err);
-    double offset[3];
-    if (!node_numbers(&value, 3, RANGE_COORDINATE, offset, err))
-        return false;
-    for (int i = 0; i < 3; i++)
-        out[i][3] = offset[i];
-    return true;
-}
-
-bool load_json_transform(const struct json_node *transform, double out[3][4], struct err *err)
-{
-    if (!json_is_array(transform->value))
-        return read_transform_step(transform, out, err);
-    memcpy(out, AFFINE_IDENTITY, sizeof AFFINE_IDENTITY);
-    for (size_t i = 0; i < json_array_size(transform->value); i++) {
-        const struct json_node element = node_element(transform, i);
-        double step[3][4];
-        if (!read_transform_step(&element, step, err))
-            return false;
-        affine_multiply(step, out, out);
-    }
-    return true;
-}
 
 static bool transform_part(struct scene *scene, const struct scene_part *part,
                            const struct json_node *node, const double m[3][4], struct err *err)
@@ -203,20 +106,6 @@ static bool fit_part(struct scene *scene, const struct scene_part *part,
 
 // --- instances -----------------------------------------------------------------------------------
 
-bool load_json_find_part(const struct json_loader *loader, const struct json_node *name,
-                         const struct scene_part *parts, struct scene_part *out, struct err *err)
-{
-    if (!json_is_string(name->value))
-        return node_unexpected(name, "the name of a shape", err);
-    const char *text = json_string_value(name->value);
-    const json_t *index = json_object_get(loader->shape_names, text);
-    if (!index)
-        return node_fail(name, err, "no shape named \"%s\" stands before this one%s", text,
-                         node_suggest_key(text, loader->shape_names).text);
-    *out = parts[json_integer_value(index)];
-    return true;
-}
-
 static bool load_instance(struct shape_list *list, const struct json_node *node, uint32_t material,
                           struct err *err)
 {
@@ -245,68 +134,6 @@ static bool load_instance(struct shape_list *list, const struct json_node *node,
 }
 
 // --- the list ------------------------------------------------------------------------------------
-
-static const char *const type_names[SHAPE_TYPE_COUNT] = {
-    "mesh",   "quad",  "box",     "sphere", "disc",    "plane",    "cylinder", "generated",
-    "teapot", "torus", "stadium", "sdf",    "scatter", "instance", NULL};
-
-#define EVERY_SHAPE "name", "transform", "hidden", "visible"
-
-// Keys of each type, "type" included.
-static const struct {
-    const char *required[6], *optional[11];
-} type_keys[SHAPE_TYPE_COUNT] = {
-    [SHAPE_TYPE_MESH] = {{"type", "file"}, {EVERY_SHAPE, "material", "fit"}},
-    [SHAPE_TYPE_QUAD] = {{"type", "material"}, {EVERY_SHAPE, "vertices", "corner", "u", "v", "as"}},
-    [SHAPE_TYPE_BOX] = {{"type", "material", "min", "max"}, {EVERY_SHAPE, "as"}},
-    [SHAPE_TYPE_SPHERE] = {{"type", "material", "radius"},
-                           {EVERY_SHAPE, "center", "as", "subdivision"}},
-    [SHAPE_TYPE_DISC] = {{"type", "material", "radius", "normal"}, {EVERY_SHAPE, "center"}},
-    [SHAPE_TYPE_PLANE] = {{"type", "material", "normal"}, {EVERY_SHAPE, "point"}},
-    [SHAPE_TYPE_CYLINDER] = {{"type", "material", "radius"},
-                             {EVERY_SHAPE, "from", "to", "center", "axis", "height", "caps"}},
-    [SHAPE_TYPE_GENERATED] = {{"type", "material", "triangles"}, {EVERY_SHAPE}},
-    [SHAPE_TYPE_TEAPOT] = {{"type", "material"}, {EVERY_SHAPE, "resolution"}},
-    [SHAPE_TYPE_TORUS] = {{"type", "material"}, {EVERY_SHAPE, "tube", "segments", "tube_segments"}},
-    [SHAPE_TYPE_STADIUM] = {{"type", "material"}, {EVERY_SHAPE, "steps", "segments"}},
-    [SHAPE_TYPE_SDF] = {{"type", "material", "field"}, {EVERY_SHAPE, "bounds"}},
-    [SHAPE_TYPE_SCATTER] = {{"type", "count", "disc_radius", "radius", "materials"},
-                            {EVERY_SHAPE, "seed", "as", "subdivision"}},
-    [SHAPE_TYPE_INSTANCE] = {{"type", "of"}, {EVERY_SHAPE, "material"}},
-    [SHAPE_TYPE_STREW] = {{"type", "of", "count"},
-                          {EVERY_SHAPE, "disc_radius", "size", "seed", "scale", "tilt_degrees"}},
-};
-
-bool load_json_shape_type(const struct json_node *node, uint32_t *type, struct err *err)
-{
-    if (!json_is_object(node->value))
-        return node_unexpected(node, "an object", err);
-    if (!node_member(node, "type").value)
-        return node_fail(node, err, "\"type\" is missing");
-    if (!node_read_choice(node, "type", type_names, type, err))
-        return false;
-    if (*type == SHAPE_TYPE_SCATTER && node_member(node, "of").value)
-        *type = SHAPE_TYPE_STREW;
-    return node_check_object(node, type_keys[*type].required, type_keys[*type].optional, err);
-}
-
-bool load_json_material_name(const struct json_loader *loader, const struct json_node *shape,
-                             uint32_t *material, struct err *err)
-{
-    const char *name = NULL;
-    *material = SCENE_NONE;
-    if (!node_read_string(shape, "material", &name, err))
-        return false;
-    if (!name)
-        return true;
-    const struct json_node node = node_member(shape, "material");
-    const json_t *index = json_object_get(loader->material_names, name);
-    if (!index)
-        return node_fail(&node, err, "there is no material %s%s", node_describe(node.value).text,
-                         node_suggest_key(name, loader->material_names).text);
-    *material = (uint32_t)json_integer_value(index);
-    return true;
-}
 
 static bool register_name(struct json_loader *loader, const struct json_node *shape, size_t index,
                           struct err *err)

@@ -3,13 +3,12 @@
 #include "base/file.h"
 #include "base/file_inputs.h"
 #include "base/maths.h"
+#include "json/field_json.h"
 #include "json/json_parse.h"
 #include "scene/core/environment.h"
 #include "scene/json/load_json.h"
 #include "scene/json/scene_write_edits.h"
 #include "scene/sky/sky.h"
-#include "json/field_json.h"
-#include "json/json_parse.h"
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>

@@ -53,6 +53,25 @@ static bool check(const struct surroundings *to, struct err *err)
     return true;
 }
 
+bool scene_replace_environment(struct scene *scene, const struct environment_source *source,
+                               struct err *err)
+{
+    const struct environment former = scene->environment;
+    uint32_t light_count = scene->light_count;
+    bool ok = source->sky ? scene_set_sky(scene, source->sky, err)
+              : source->gradient
+                  ? scene_set_gradient(scene, source->gradient, err)
+                  : scene_set_environment(scene, source->file, source->radiance, err);
+    if (!ok)
+        return false;
+    scene_remove_sun(scene, &former);
+    if (scene_add_sky_sun(scene, err))
+        return true;
+    scene->environment = former;
+    scene->light_count = light_count;
+    return false;
+}
+
 static bool replace(struct scene *scene, const struct surroundings *to, struct err *err)
 {
     struct sky sky = sky_default();

@@ -31,6 +31,18 @@ struct surroundings {
 
 struct surroundings surroundings_default(void);
 
+// For editors, after scene_load: replaces the environment by one of these and the sun among the
+// lights, which is the last of them, by the new sky's, if any. Neither turned nor scaled. What the
+// old one held stays in the arena. On failure the scene is as it was.
+struct environment_source {
+    const char *file;      // trusted; or
+    const struct sky *sky; // or
+    const struct environment_gradient *gradient;
+    float radiance[3]; // without any of them: constant; with a file: its factor
+};
+bool scene_replace_environment(struct scene *scene, const struct environment_source *source,
+                               struct err *err);
+
 // What a scene was loaded with, so that it can be had again: taken once, right after scene_load.
 struct surroundings_original {
     struct environment environment;

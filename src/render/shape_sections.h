@@ -1,0 +1,14 @@
+// The buffer of shapes, instances, distance fields and small triangles: where each section begins.
+#ifndef LAMPYRIS_RENDER_SHAPE_SECTIONS_H
+#define LAMPYRIS_RENDER_SHAPE_SECTIONS_H
+
+#include "flatten/flatten.h"
+
+// In words of four; `words` is how long the buffer is.
+struct shape_sections {
+    uint32_t instances, sdfs, sdf_code, small_triangles;
+    uint64_t words;
+};
+struct shape_sections shape_sections(const struct scene *scene, const struct flat_scene *flat);
+
+#endif

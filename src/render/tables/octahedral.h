@@ -1,0 +1,10 @@
+// Unit vectors in 32 bits.
+#ifndef LAMPYRIS_RENDER_TABLES_OCTAHEDRAL_H
+#define LAMPYRIS_RENDER_TABLES_OCTAHEDRAL_H
+
+#include <stdint.h>
+
+// The octahedral code that shaders decode (lib/surface.glsl); never NORMAL_FLAT.
+uint32_t encode_normal(const float n[3]);
+
+#endif
