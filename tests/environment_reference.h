@@ -4,13 +4,8 @@
 #ifndef LAMPYRIS_TESTS_ENVIRONMENT_REFERENCE_H
 #define LAMPYRIS_TESTS_ENVIRONMENT_REFERENCE_H
 
+#include "base/maths.h"
 #include "scene/core/environment.h"
-#include <math.h>
-
-static inline double reference_luminance(const double rgb[3])
-{
-    return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
-}
 
 // A cell lies between columns `column` and the next one, and rows `row` and the next one of nodes:
 // those of texels, and one before and after them for the poles. Where in it, from 0 to 1: `right`
@@ -93,7 +88,7 @@ static inline void reference_luminances(const struct environment *e, uint32_t ro
     double rgb[4][3];
     reference_corners(e, row, column, rgb);
     for (int i = 0; i < 4; i++)
-        corners[i] = reference_luminance(rgb[i]);
+        corners[i] = vec3_luminance(rgb[i]);
 }
 
 // The integral of that over all directions.

@@ -4,25 +4,11 @@
 #define LAMPYRIS_TESTS_GPU_FIXTURE_H
 
 #include "base/log.h"
-#include "gpu/gpu.h"
-#include "test.h"
+#include "open_gpu.h"
 
 #include "copy_test.spv.h" // needs stdint.h
 
 #define GROUP 64u
-
-// Opens or leaves the test: as skipped where there is no Vulkan (or no validation layer, if that
-// was asked for), as failed for any other reason.
-#define OPEN(gpu, ...)                                                                             \
-    do {                                                                                           \
-        const struct gpu_params open_params = {__VA_ARGS__};                                       \
-        struct err open_err = {0};                                                                 \
-        if (!gpu_open(&open_params, (gpu), &open_err)) {                                           \
-            if (open_err.code == ERR_NO_VULKAN || strstr(open_err.msg, "is not installed"))        \
-                SKIP("%s", open_err.msg);                                                          \
-            REQUIRE(false, "%s", open_err.msg);                                                    \
-        }                                                                                          \
-    } while (0)
 
 struct copy_push {
     uint32_t count, addend;

@@ -29,7 +29,7 @@ TEST(buffers_are_zero_filled)
     const uint64_t sizes[] = {0, 1, 3, 16, 17, 999};
     for (int staged = 0; staged < 2; staged++) {
         struct gpu gpu;
-        OPEN(&gpu, .validation = true, .limits.no_mapped_device = staged);
+        OPEN_GPU(&gpu, .validation = true, .limits.no_mapped_device = staged);
         // Memory that was used before, so that zero is not what it holds by chance.
         struct gpu_buffer used;
         struct err err = {0};
@@ -57,7 +57,7 @@ static void check_round_trip(bool staged)
     const uint32_t count = (64u << 20) / 4 + 12345;
     const uint64_t bytes = (uint64_t)count * 4 - 3, offset = 5;
     struct gpu gpu;
-    OPEN(&gpu, .limits.no_mapped_device = staged);
+    OPEN_GPU(&gpu, .limits.no_mapped_device = staged);
     uint32_t *in = elements_new(count), *out = calloc(count, sizeof *out);
     struct gpu_buffer buffer = {0};
     struct err err = {0};
@@ -93,7 +93,7 @@ TEST(round_trip_through_staging)
 TEST(copies_outside_a_buffer_are_refused)
 {
     struct gpu gpu;
-    OPEN(&gpu, .device = NULL);
+    OPEN_GPU(&gpu, .device = NULL);
     struct gpu_buffer buffer;
     struct err err = {0};
     uint8_t data[64] = {0};
@@ -113,7 +113,7 @@ TEST(copies_outside_a_buffer_are_refused)
 TEST(buffers_above_the_limits_are_refused)
 {
     struct gpu gpu;
-    OPEN(&gpu, .limits = {.allocation = 1 << 20, .texel_elements = 64});
+    OPEN_GPU(&gpu, .limits = {.allocation = 1 << 20, .texel_elements = 64});
     struct gpu_buffer buffer;
     const uint64_t sizes[] = {(1 << 20) + 1, UINT64_C(1) << 40, UINT64_MAX - 15, UINT64_MAX};
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
@@ -136,7 +136,7 @@ TEST(buffers_above_the_limits_are_refused)
 TEST(bindings_outside_the_limits_are_refused)
 {
     struct gpu gpu;
-    OPEN(&gpu, .limits.storage_range = 1024);
+    OPEN_GPU(&gpu, .limits.storage_range = 1024);
     struct gpu_buffer buffer;
     struct gpu_bindings bindings;
     struct err err = {0};

@@ -49,7 +49,7 @@ TEST(device_is_chosen_by_index_and_by_name)
         char index[16], name[256];
         snprintf(index, sizeof index, "%u", i);
         struct gpu gpu;
-        OPEN(&gpu, .device = index);
+        OPEN_GPU(&gpu, .device = index);
         CHECK(gpu.info.index == i, "device %u for '%s'", gpu.info.index, index);
         gpu_close(&gpu);
 
@@ -57,7 +57,7 @@ TEST(device_is_chosen_by_index_and_by_name)
         snprintf(name, sizeof name, "%s", devices[i].name + 1);
         for (char *c = name; *c; c++)
             *c = (char)toupper((unsigned char)*c);
-        OPEN(&gpu, .device = name);
+        OPEN_GPU(&gpu, .device = name);
         CHECK(strcmp(gpu.info.name, devices[i].name) == 0, "%s for '%s'", gpu.info.name, name);
         gpu_close(&gpu);
     }
@@ -84,7 +84,7 @@ TEST(default_is_the_fastest_kind)
     uint32_t count;
     LIST(devices, &count);
     struct gpu gpu;
-    OPEN(&gpu, .device = NULL);
+    OPEN_GPU(&gpu, .device = NULL);
     bool has_gpu = false;
     for (uint32_t i = 0; i < count; i++)
         has_gpu |= strstr(devices[i].kind, "GPU") && !devices[i].unusable[0];
@@ -96,7 +96,7 @@ TEST(default_is_the_fastest_kind)
 TEST(limits_are_read)
 {
     struct gpu gpu;
-    OPEN(&gpu, .device = NULL);
+    OPEN_GPU(&gpu, .device = NULL);
     CHECK(gpu.max_storage_range >= 1u << 27, "%llu", (unsigned long long)gpu.max_storage_range);
     CHECK(gpu.max_texel_elements >= 65536, "%llu", (unsigned long long)gpu.max_texel_elements);
     CHECK(gpu.max_allocation >= 1u << 30, "%llu", (unsigned long long)gpu.max_allocation);
@@ -158,16 +158,18 @@ TEST(lacking_devices_say_what_they_lack)
 TEST(overrides_lower_limits_and_never_raise_them)
 {
     struct gpu gpu, own;
-    OPEN(&own, .device = NULL);
-    OPEN(&gpu,
-         .limits = {
-             .storage_range = 4096, .texel_elements = 7, .allocation = 1 << 20, .no_ballot = true});
+    OPEN_GPU(&own, .device = NULL);
+    OPEN_GPU(&gpu, .limits = {.storage_range = 4096,
+                              .texel_elements = 7,
+                              .allocation = 1 << 20,
+                              .no_ballot = true});
     CHECK(gpu.max_storage_range == 4096 && gpu.max_texel_elements == 7);
     CHECK(gpu.max_allocation == 1 << 20 && !gpu.has_ballot);
     CHECK(gpu_texel_fits(&gpu, 7 * 16) && !gpu_texel_fits(&gpu, 7 * 16 + 1));
     gpu_close(&gpu);
 
-    OPEN(&gpu, .limits = {.storage_range = UINT64_MAX, .allocation = UINT64_MAX, .no_texel = true});
+    OPEN_GPU(&gpu,
+             .limits = {.storage_range = UINT64_MAX, .allocation = UINT64_MAX, .no_texel = true});
     CHECK(gpu.max_storage_range == own.max_storage_range);
     CHECK(gpu.max_allocation == own.max_allocation && gpu.has_ballot == own.has_ballot);
     CHECK(gpu.max_texel_elements == 0 && !gpu_texel_fits(&gpu, 16));
@@ -179,8 +181,8 @@ TEST(overrides_lower_limits_and_never_raise_them)
 TEST(two_devices_are_open_at_once)
 {
     struct gpu first, second;
-    OPEN(&first, .validation = true);
-    OPEN(&second, .validation = false);
+    OPEN_GPU(&first, .validation = true);
+    OPEN_GPU(&second, .validation = false);
     struct gpu_buffer buffer;
     struct err err = {0};
     CHECK(gpu_buffer_create(&first, "first", 64, GPU_DEVICE, false, &buffer, &err), "%s", err.msg);
@@ -267,7 +269,7 @@ TEST(windows_need_more)
         {{.instance_extensions = nonsense, .instance_extension_count = 1000}, "1000 instance"},
     };
     struct gpu gpu;
-    OPEN(&gpu, .device = NULL);
+    OPEN_GPU(&gpu, .device = NULL);
     gpu_close(&gpu);
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         struct err err = {0};
@@ -292,7 +294,7 @@ TEST(windows_get_what_they_need)
     };
     struct gpu with, without;
     struct err err = {0};
-    OPEN(&without, .validation = true);
+    OPEN_GPU(&without, .validation = true);
     CHECK(!gpu_function(&without, "vkDestroySurfaceKHR"));
     CHECK(!vkGetDeviceProcAddr(without.device, "vkCreateSwapchainKHR"));
     if (!gpu_open(&params, &with, &err)) {

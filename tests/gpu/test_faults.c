@@ -67,7 +67,7 @@ static void check_session(bool staged, uint32_t *allocations, uint32_t *submissi
     static struct session session;
     session = (struct session){0};
     struct err err = {0};
-    OPEN(&session.gpu, .validation = true, .limits.no_mapped_device = staged);
+    OPEN_GPU(&session.gpu, .validation = true, .limits.no_mapped_device = staged);
     CHECK(session_set_up(&session, &err) && session_work(&session, &err), "%s", err.msg);
     for (uint32_t i = 0; i < COUNT; i++)
         if (session.result[i] != element(i) + 5) {
@@ -84,7 +84,8 @@ static void check_failing_allocation(bool staged, uint32_t n)
     static struct session session;
     session = (struct session){0};
     struct err err = {0};
-    OPEN(&session.gpu, .validation = true, .limits.no_mapped_device = staged, .fail_allocation = n);
+    OPEN_GPU(&session.gpu, .validation = true, .limits.no_mapped_device = staged,
+             .fail_allocation = n);
     CHECK(!session_set_up(&session, &err) || !session_work(&session, &err), "allocation %u", n);
     CHECK(err.code == ERR_GPU && strstr(err.msg, "out of device memory") &&
               strstr(err.msg, "buffer"),
@@ -98,8 +99,8 @@ static void check_lost_device(bool staged, uint32_t n)
     static struct session session;
     session = (struct session){0};
     struct err err = {0};
-    OPEN(&session.gpu, .validation = true, .limits.no_mapped_device = staged,
-         .lose_device_at_submit = n);
+    OPEN_GPU(&session.gpu, .validation = true, .limits.no_mapped_device = staged,
+             .lose_device_at_submit = n);
     CHECK(!session_set_up(&session, &err) || !session_work(&session, &err), "submission %u", n);
     CHECK(err.code == ERR_GPU && strstr(err.msg, "device lost"), "submission %u: code %d: %s", n,
           err.code, err.msg);

@@ -49,7 +49,7 @@ static bool pair_run(struct gpu *gpu, struct pair *pair, struct err *err)
 static void check_copy(bool texel, bool staged)
 {
     struct gpu gpu;
-    OPEN(&gpu, .validation = true, .limits.no_mapped_device = staged);
+    OPEN_GPU(&gpu, .validation = true, .limits.no_mapped_device = staged);
     struct pair pair;
     struct gpu_kernel kernel = {0};
     struct err err = {0};
@@ -91,7 +91,7 @@ TEST(copy_through_a_texel_buffer)
 TEST(bindings_respect_offset_and_range)
 {
     struct gpu gpu;
-    OPEN(&gpu, .device = NULL);
+    OPEN_GPU(&gpu, .device = NULL);
     struct pair pair;
     struct gpu_kernel kernel = {0};
     struct gpu_bindings bindings = {0};
@@ -132,7 +132,7 @@ TEST(bindings_respect_offset_and_range)
 TEST(indirect_dispatch_after_a_kernel)
 {
     struct gpu gpu;
-    OPEN(&gpu, .validation = true);
+    OPEN_GPU(&gpu, .validation = true);
     const uint32_t constants[] = {1, GROUP}, count = 1000;
     const struct gpu_kernel_params params = {
         .name = "write_arguments",
@@ -212,7 +212,7 @@ static void check_compacted(uint32_t *result, uint32_t count)
 TEST(ballot_compacts)
 {
     struct gpu gpu;
-    OPEN(&gpu, .validation = true);
+    OPEN_GPU(&gpu, .validation = true);
     const uint32_t constants[] = {GROUP};
     const struct gpu_kernel_params params = {
         .name = "compact",
@@ -262,7 +262,7 @@ static void record_timed_copies(struct gpu *gpu, struct pair *pair, const struct
 TEST(timestamps_rise_and_stop_when_full)
 {
     struct gpu gpu;
-    OPEN(&gpu, .validation = true);
+    OPEN_GPU(&gpu, .validation = true);
     struct pair pair;
     struct gpu_kernel kernel = {0};
     struct err err = {0};
@@ -300,7 +300,7 @@ TEST(timestamps_rise_and_stop_when_full)
 TEST(too_many_constants_are_refused)
 {
     struct gpu gpu;
-    OPEN(&gpu, .device = NULL);
+    OPEN_GPU(&gpu, .device = NULL);
     static const uint32_t constants[GPU_MAX_CONSTANTS + 1] = {GROUP};
     const struct gpu_kernel_params params = {
         .name = "copy",
@@ -322,7 +322,7 @@ TEST(too_many_constants_are_refused)
 TEST(pipelines_are_kept)
 {
     struct gpu gpu;
-    OPEN(&gpu, .validation = true);
+    OPEN_GPU(&gpu, .validation = true);
     struct gpu_kernel kernels[GPU_KEPT_KERNELS + 1] = {0}, again = {0}, other = {0};
     struct err err = {0};
     CHECK(copy_kernel_create(&gpu, 0, false, &kernels[0], &err), "%s", err.msg);
@@ -352,7 +352,7 @@ TEST(pipelines_are_kept)
 TEST(forgotten_pipelines_are_gone)
 {
     struct gpu gpu;
-    OPEN(&gpu, .validation = true);
+    OPEN_GPU(&gpu, .validation = true);
     struct gpu_kernel first = {0}, second = {0}, other = {0}, made = {0};
     struct err err = {0};
     uint32_t *code = malloc(sizeof copy_spirv);

@@ -458,7 +458,7 @@ TEST(bad_calls_are_refused)
 
     struct gpu other;
     const struct gpu_atlas atlas = {stage.coverage, ATLAS, ATLAS};
-    OPEN(&other, .validation = true);
+    OPEN_GPU(&other, .validation = true);
     check_refused(gpu_screen_create(&other, &atlas, screen, &err), &err, ERR_BUG, "graphics");
     gpu_screen_finish(&other, screen);
     gpu_close(&other);

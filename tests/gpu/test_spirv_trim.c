@@ -79,7 +79,7 @@ static bool run_choices(struct gpu *gpu, struct gpu_commands *commands,
 TEST(the_rest_does_the_same)
 {
     struct gpu gpu;
-    OPEN(&gpu, .validation = true);
+    OPEN_GPU(&gpu, .validation = true);
     struct gpu_buffer from = {0}, to = {0};
     struct gpu_bindings bindings = {0};
     struct gpu_commands commands = {0};

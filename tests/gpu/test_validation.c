@@ -69,7 +69,7 @@ TEST(chain_with_barriers_is_silent)
     for (int staged = 0; staged < 2; staged++) {
         struct gpu gpu;
         struct err err = {0};
-        OPEN(&gpu, .validation = true, .limits.no_mapped_device = staged);
+        OPEN_GPU(&gpu, .validation = true, .limits.no_mapped_device = staged);
         CHECK(run_chain(&gpu, true, result, &err), "%s", err.msg);
         for (uint32_t i = 0; i < COUNT; i++)
             if (result[i] != element(i) + LINKS + 1) {
@@ -86,7 +86,7 @@ TEST(missing_barrier_is_heard)
     static uint32_t result[COUNT];
     struct gpu gpu;
     struct err err = {0};
-    OPEN(&gpu, .validation = true);
+    OPEN_GPU(&gpu, .validation = true);
     struct heard heard = {0};
     log_configure(LOG_WARN, hear, &heard);
     CHECK(run_chain(&gpu, false, result, &err), "%s", err.msg);
@@ -104,7 +104,7 @@ TEST(leaked_buffer_is_heard)
     struct err err = {0};
     struct heard heard = {0};
     struct gpu_buffer buffer;
-    OPEN(&gpu, .validation = true);
+    OPEN_GPU(&gpu, .validation = true);
     log_configure(LOG_WARN, hear, &heard);
     CHECK(gpu_buffer_create(&gpu, "leak", 64, GPU_DEVICE, false, &buffer, &err), "%s", err.msg);
     CHECK(gpu.validation_messages == 0, "%u", gpu.validation_messages);

@@ -1,19 +1,7 @@
 // The charts: coordinates of directions that follow a BSDF's lobes.
 #include "bsdf_cells.h"
 
-#include <math.h>
-
-static double dot3(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void normalize3(double v[3])
-{
-    double norm = sqrt(dot3(v, v));
-    for (int c = 0; c < 3; c++)
-        v[c] /= norm;
-}
+#include "base/maths.h"
 
 void chart_unit(const float rounded[3], double out[3])
 {
@@ -119,7 +107,7 @@ static void mirror_frame(const struct chart *c, double axis[3][3])
     double side[3] = {-z[1], z[0], 0};
     if (side[0] == 0 && side[1] == 0)
         side[0] = 1;
-    normalize3(side);
+    vec3_normalize(side);
     for (int i = 0; i < 3; i++)
         axis[0][i] = side[i];
     for (int i = 0; i < 3; i++)
@@ -225,7 +213,7 @@ double chart_cosine(const struct chart *chart, double x, double phi)
     if (chart->kind == CHART_SPHERE || chart->kind == CHART_MIRROR)
         return 1;
     half_vector(&c, fmin(fmax(x, 1e-9), 1 - 1e-9), phi, h);
-    return dot3(c.wo, h);
+    return vec3_dot(c.wo, h);
 }
 
 double chart_fresnel_scale(const struct chart *chart)
@@ -237,7 +225,7 @@ static bool half_direction(const struct chart *c, double x, double phi, double w
                            double *jacobian)
 {
     double h[3], half_jacobian = half_vector(c, x, phi, h);
-    double cosine = dot3(c->wo, h);
+    double cosine = vec3_dot(c->wo, h);
     if (!(cosine > 0))
         return false;
     if (c->kind == CHART_NORMALS) {
@@ -320,8 +308,8 @@ void chart_place(const struct chart *chart, const double wi[3], double *x, doubl
     case CHART_MIRROR:
         mirror_frame(&c, axis);
         mirror_scales(&c, &scales);
-        double along[3] = {dot3(d, axis[0]), dot3(d, axis[1]), dot3(d, axis[2])};
-        double norm = sqrt(dot3(along, along));
+        double along[3] = {vec3_dot(d, axis[0]), vec3_dot(d, axis[1]), vec3_dot(d, axis[2])};
+        double norm = sqrt(vec3_dot(along, along));
         *phi = atan2(along[1], along[0]);
         double sine = sqrt(along[0] * along[0] + along[1] * along[1]);
         double tangent = sine / (norm + along[2]);

@@ -51,22 +51,6 @@ void subtract(const float a[3], const float b[3], double out[3])
         out[c] = (double)a[c] - (double)b[c];
 }
 
-void cross(const double a[3], const double b[3], double out[3])
-{
-    for (int c = 0; c < 3; c++)
-        out[c] = a[(c + 1) % 3] * b[(c + 2) % 3] - a[(c + 2) % 3] * b[(c + 1) % 3];
-}
-
-double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-double length(const double v[3])
-{
-    return sqrt(dot(v, v));
-}
-
 // --- scenes --------------------------------------------------------------------------------------
 
 static void *present(void *memory)
@@ -141,7 +125,7 @@ void add_disc(struct scene *scene, const double center[3], const double normal[3
     struct shape *shape = &scene->shapes[scene->shape_count - 1];
     shape->kind = SHAPE_DISC;
     for (int c = 0; c < 3; c++)
-        shape->normal[c] = normal[c] / length(normal);
+        shape->normal[c] = normal[c] / vec3_norm(normal);
 }
 
 void add_environment_image(struct scene *scene, uint32_t width, uint32_t height)

@@ -3,21 +3,9 @@
 #ifndef LAMPYRIS_TESTS_KERNEL_FIXTURE_H
 #define LAMPYRIS_TESTS_KERNEL_FIXTURE_H
 
+#include "base/maths.h"
+#include "open_gpu.h"
 #include "render/render.h"
-#include "test.h"
-
-// Opens a device or leaves the test: as skipped where there is no Vulkan, as failed for any other
-// reason.
-#define OPEN_GPU(gpu, ...)                                                                         \
-    do {                                                                                           \
-        const struct gpu_params open_params = {__VA_ARGS__};                                       \
-        struct err open_err = {0};                                                                 \
-        if (!gpu_open(&open_params, (gpu), &open_err)) {                                           \
-            if (open_err.code == ERR_NO_VULKAN)                                                    \
-                SKIP("%s", open_err.msg);                                                          \
-            REQUIRE(false, "%s", open_err.msg);                                                    \
-        }                                                                                          \
-    } while (0)
 
 // --- random numbers ------------------------------------------------------------------------------
 
@@ -36,10 +24,8 @@ void pcg4d(uint32_t v[4]);
 
 // --- vectors -------------------------------------------------------------------------------------
 
+// Of corners in single precision.
 void subtract(const float a[3], const float b[3], double out[3]);
-void cross(const double a[3], const double b[3], double out[3]);
-double dot(const double a[3], const double b[3]);
-double length(const double v[3]);
 
 // --- scenes --------------------------------------------------------------------------------------
 // Helpers exit when memory is exhausted. A scene is released by scene_finish().

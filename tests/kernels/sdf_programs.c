@@ -143,7 +143,7 @@ void add_sdf(struct scene *scene, const struct sdf_program *program, const struc
 
 double sdf_scale(const struct scene *scene, const struct shape *shape)
 {
-    return length(shape->axes[0]) / scene->sdfs[shape->sdf].max[0];
+    return vec3_norm(shape->axes[0]) / scene->sdfs[shape->sdf].max[0];
 }
 
 void sdf_into(const struct scene *scene, const struct shape *shape, const double point[3],
@@ -153,7 +153,7 @@ void sdf_into(const struct scene *scene, const struct shape *shape, const double
     for (int i = 0; i < 3; i++)
         from[i] = point[i] - shape->center[i];
     for (int j = 0; j < 3; j++)
-        out[j] = dot(shape->axes[j], from) / dot(shape->axes[j], shape->axes[j]) *
+        out[j] = vec3_dot(shape->axes[j], from) / vec3_dot(shape->axes[j], shape->axes[j]) *
                  scene->sdfs[shape->sdf].max[j];
 }
 
@@ -166,7 +166,7 @@ void sdf_normal(const struct sdf *sdf, const double point[3], double step, doubl
         below[c] -= step;
         out[c] = sdf_evaluate(sdf, above) - sdf_evaluate(sdf, below);
     }
-    double size = length(out);
+    double size = vec3_norm(out);
     for (int c = 0; c < 3; c++)
         out[c] = size > 0 ? out[c] / size : c == 1;
 }

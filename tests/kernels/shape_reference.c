@@ -6,7 +6,7 @@ static double unit(const float from[3], double out[3])
 {
     for (int c = 0; c < 3; c++)
         out[c] = (double)from[c];
-    double norm = length(out);
+    double norm = vec3_norm(out);
     for (int c = 0; c < 3; c++)
         out[c] /= norm;
     return norm;
@@ -14,8 +14,8 @@ static double unit(const float from[3], double out[3])
 
 static void normalized_cross(const double a[3], const double b[3], double out[3])
 {
-    cross(a, b, out);
-    double norm = length(out);
+    vec3_cross(a, b, out);
+    double norm = vec3_norm(out);
     for (int c = 0; c < 3; c++)
         out[c] /= norm;
 }
@@ -71,13 +71,13 @@ static bool cut(double along, double rise, double half, double t[2])
 // f + t d at a distance of r from the origin.
 static bool cross_round(const double f[3], const double d[3], double r, double t[2])
 {
-    double a = dot(d, d), b = -dot(f, d), c = dot(f, f) - r * r;
+    double a = vec3_dot(d, d), b = -vec3_dot(f, d), c = vec3_dot(f, f) - r * r;
     double closest[3];
     if (a == 0)
         return c <= 0;
     for (int i = 0; i < 3; i++)
         closest[i] = f[i] + b / a * d[i];
-    double rest = r * r - dot(closest, closest);
+    double rest = r * r - vec3_dot(closest, closest);
     if (rest < 0 || r < 0)
         return false;
     double q = b + (b < 0 ? -1 : 1) * sqrt(a * rest);
@@ -88,7 +88,7 @@ static bool cross_round(const double f[3], const double d[3], double r, double t
 
 static void across(const double v[3], const double axis[3], double out[3])
 {
-    double along = dot(v, axis);
+    double along = vec3_dot(v, axis);
     for (int c = 0; c < 3; c++)
         out[c] = v[c] - along * axis[c];
 }
@@ -96,18 +96,18 @@ static void across(const double v[3], const double axis[3], double out[3])
 static int cross_flat(const struct exact_shape *s, const double f[3], const double d[3],
                       double t[2])
 {
-    double p[3], edge[3], slope = dot(d, s->axis[2]);
+    double p[3], edge[3], slope = vec3_dot(d, s->axis[2]);
     if (slope == 0)
         return 0;
-    t[0] = -dot(f, s->axis[2]) / slope;
+    t[0] = -vec3_dot(f, s->axis[2]) / slope;
     for (int c = 0; c < 3; c++)
         p[c] = f[c] + t[0] * d[c];
     if (s->kind == SHAPE_DISC)
-        return length(p) <= s->radius;
+        return vec3_norm(p) <= s->radius;
     // Along each edge, by the height above the other.
     for (int k = 0; k < 2 && s->kind == SHAPE_QUAD; k++) {
-        cross(s->axis[2], s->axis[1 - k], edge);
-        if (fabs(dot(p, edge) / dot(s->axis[k], edge)) > s->half[k])
+        vec3_cross(s->axis[2], s->axis[1 - k], edge);
+        if (fabs(vec3_dot(p, edge) / vec3_dot(s->axis[k], edge)) > s->half[k])
             return 0;
     }
     return 1;
@@ -124,11 +124,11 @@ static int cross_cylinder(const struct exact_shape *s, const double f[3], const 
         return 0;
     if (s->kind == SHAPE_CYLINDER) {
         memcpy(t, round, sizeof round);
-        return cut(dot(f, n), dot(d, n), s->half[0], t) ? 2 : 0;
+        return cut(vec3_dot(f, n), vec3_dot(d, n), s->half[0], t) ? 2 : 0;
     }
     int count = 0;
     for (int i = 0; i < 2; i++)
-        if (fabs(dot(f, n) + round[i] * dot(d, n)) <= s->half[0])
+        if (fabs(vec3_dot(f, n) + round[i] * vec3_dot(d, n)) <= s->half[0])
             t[count++] = round[i];
     return count;
 }
@@ -146,7 +146,7 @@ int exact_crossings(const struct exact_shape *s, const double origin[3], const d
         return cross_round(f, d, s->radius, t) ? 2 : 0;
     case SHAPE_BOX:
         for (int k = 0; k < 3; k++)
-            if (!cut(dot(f, s->axis[k]), dot(d, s->axis[k]), s->half[k], t))
+            if (!cut(vec3_dot(f, s->axis[k]), vec3_dot(d, s->axis[k]), s->half[k], t))
                 return 0;
         return 2;
     case SHAPE_CYLINDER:
@@ -166,19 +166,19 @@ double exact_height(const struct exact_shape *s, const double point[3], int at)
         f[c] = point[c] - s->center[c];
     switch (s->kind) {
     case SHAPE_SPHERE:
-        return length(f) - s->radius;
+        return vec3_norm(f) - s->radius;
     case SHAPE_BOX: {
         int k = at < 0 ? -at - 1 : at - 1;
-        return (at < 0 ? -1 : 1) * dot(f, s->axis[k]) - s->half[k];
+        return (at < 0 ? -1 : 1) * vec3_dot(f, s->axis[k]) - s->half[k];
     }
     case SHAPE_CYLINDER:
     case SHAPE_TUBE:
         if (at != 0)
-            return at * dot(f, s->axis[0]) - s->half[0];
+            return at * vec3_dot(f, s->axis[0]) - s->half[0];
         across(f, s->axis[0], off_axis);
-        return length(off_axis) - s->radius;
+        return vec3_norm(off_axis) - s->radius;
     default:
-        return dot(f, s->axis[2]);
+        return vec3_dot(f, s->axis[2]);
     }
 }
 

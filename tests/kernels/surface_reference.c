@@ -1,12 +1,5 @@
 #include "surface_reference.h"
 
-static void normalize(double v[3])
-{
-    double norm = length(v);
-    for (int c = 0; c < 3; c++)
-        v[c] /= norm;
-}
-
 static void load_triangle(const struct renderer *r, const struct gpu_path *path,
                           struct surface_point *out)
 {
@@ -16,8 +9,8 @@ static void load_triangle(const struct renderer *r, const struct gpu_path *path,
         weight[3] = {1 - (double)path->u - (double)path->v, (double)path->u, (double)path->v};
     subtract(triangle->v[1], triangle->v[0], edge[0]);
     subtract(triangle->v[2], triangle->v[0], edge[1]);
-    cross(edge[0], edge[1], out->geometric);
-    normalize(out->geometric);
+    vec3_cross(edge[0], edge[1], out->geometric);
+    vec3_normalize(out->geometric);
     memcpy(out->shading, out->geometric, sizeof out->shading);
     for (int c = 0; c < 3; c++) {
         out->plane_point[c] = (double)triangle->v[0][c];
@@ -31,7 +24,7 @@ static void load_triangle(const struct renderer *r, const struct gpu_path *path,
             for (int v = 0; v < 3; v++)
                 out->shading[c] += weight[v] * (double)r->flat.normals[index][v][c];
         }
-        normalize(out->shading);
+        vec3_normalize(out->shading);
     }
     out->material = &r->scene->materials[triangle->material];
 }
@@ -47,7 +40,7 @@ static void load_shape(const struct renderer *r, const struct gpu_path *path,
                                 ? out->position[c] - (double)shape->center[c]
                                 : (double)shape->normal[c];
     }
-    normalize(out->geometric);
+    vec3_normalize(out->geometric);
     memcpy(out->shading, out->geometric, sizeof out->shading);
     out->shape = shape;
     out->material = &r->scene->materials[shape->material];
@@ -55,7 +48,7 @@ static void load_shape(const struct renderer *r, const struct gpu_path *path,
 
 static void turn_to(double normal[3], const double towards[3])
 {
-    double sign = dot(normal, towards) < 0 ? -1 : 1;
+    double sign = vec3_dot(normal, towards) < 0 ? -1 : 1;
     for (int c = 0; c < 3; c++)
         normal[c] *= sign;
 }
@@ -77,12 +70,6 @@ struct surface_point surface_at(const struct renderer *r, const struct gpu_path 
 
 // --- lights --------------------------------------------------------------------------------------
 
-static double luminance(const struct material *material)
-{
-    const float *rgb = material->emission;
-    return 0.2126 * (double)rgb[0] + 0.7152 * (double)rgb[1] + 0.0722 * (double)rgb[2];
-}
-
 double pick_density(const struct renderer *r, const struct material *material)
 {
     double power = 0;
@@ -91,16 +78,17 @@ double pick_density(const struct renderer *r, const struct material *material)
         double edge[2][3], normal[3];
         subtract(triangle->v[1], triangle->v[0], edge[0]);
         subtract(triangle->v[2], triangle->v[0], edge[1]);
-        cross(edge[0], edge[1], normal);
-        power += luminance(&r->scene->materials[triangle->material]) * length(normal) / 2;
+        vec3_cross(edge[0], edge[1], normal);
+        power +=
+            luminance(r->scene->materials[triangle->material].emission) * vec3_norm(normal) / 2;
     }
     for (uint32_t i = 0; i < r->flat.shape_count; i++) {
         const struct flat_shape *shape = &r->flat.shapes[i];
         double radius = (double)shape->radius;
-        power += luminance(&r->scene->materials[shape->material]) * M_PI * radius * radius *
+        power += luminance(r->scene->materials[shape->material].emission) * M_PI * radius * radius *
                  (shape->kind == SHAPE_SPHERE ? 4 : 1);
     }
-    return power > 0 ? luminance(material) / power : 0;
+    return power > 0 ? luminance(material->emission) / power : 0;
 }
 
 double light_density(const struct renderer *r, const double origin[3], const double direction[3],
@@ -111,12 +99,13 @@ double light_density(const struct renderer *r, const double origin[3], const dou
         double to_center[3], radius = (double)light->shape->radius;
         for (int c = 0; c < 3; c++)
             to_center[c] = (double)light->shape->center[c] - origin[c];
-        double sine = radius / length(to_center);
+        double sine = radius / vec3_norm(to_center);
         // From outside: uniform in the cone that the sphere fills.
         if (sine < 1)
             return density * 4 * M_PI * radius * radius / (2 * M_PI * (1 - sqrt(1 - sine * sine)));
     }
-    return density * light->distance * light->distance / fabs(dot(direction, light->geometric));
+    return density * light->distance * light->distance /
+           fabs(vec3_dot(direction, light->geometric));
 }
 
 double power_heuristic(double pdf, double other_pdf)

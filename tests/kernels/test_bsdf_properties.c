@@ -202,7 +202,7 @@ static void make_pair(struct random *random, const struct configuration *c, bool
     for (int i = 0; i < 3; i++)
         w[i] += spread * spread * random_between(random, -1, 1);
     w[2] = fmax(fabs(w[2]), 0.01);
-    double norm = length(w);
+    double norm = vec3_norm(w);
     if (through && !(c->material.flags & MATERIAL_THIN)) {
         // Bent as the smooth surface bends, then the same spread.
         for (int i = 0; i < 2; i++)
@@ -210,7 +210,7 @@ static void make_pair(struct random *random, const struct configuration *c, bool
                 norm * (-v[i] / (double)c->eta + spread * spread * random_between(random, -1, 1));
         double rest = 1 - (w[0] * w[0] + w[1] * w[1]) / (norm * norm);
         w[2] = norm * sqrt(fmax(rest, 1e-4));
-        norm = length(w);
+        norm = vec3_norm(w);
     }
     for (int i = 0; i < 3; i++) {
         a[i] = (float)v[i];
@@ -249,7 +249,7 @@ static double rounding_of(const struct configuration *c, const union bsdf_item *
         wi[i] = (double)item->in.wi[i];
         h[i] = wo[i] + eta * wi[i];
     }
-    double norm = length(h), cosine = fmin(fabs(dot(wo, h)), fabs(dot(wi, h))) / norm;
+    double norm = vec3_norm(h), cosine = fmin(fabs(vec3_dot(wo, h)), fabs(vec3_dot(wi, h))) / norm;
     return 8 * 0x1p-24 * (1 / (alpha * norm) + 1 / (cosine * cosine));
 }
 

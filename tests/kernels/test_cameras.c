@@ -41,11 +41,11 @@ static struct basis basis_of(const struct camera *camera)
 {
     struct basis b;
     memcpy(b.forward, camera->direction, sizeof b.forward);
-    cross(camera->direction, camera->up, b.right);
-    double scale = length(b.right);
+    vec3_cross(camera->direction, camera->up, b.right);
+    double scale = vec3_norm(b.right);
     for (int c = 0; c < 3; c++)
         b.right[c] /= scale;
-    cross(b.right, b.forward, b.up);
+    vec3_cross(b.right, b.forward, b.up);
     return b;
 }
 
@@ -76,7 +76,7 @@ static void expect_ray(const struct camera *camera, double x, double y, double o
         else
             direction[c] += x * tangent * aspect * b.right[c] + y * tangent * b.up[c];
     }
-    double norm = length(direction);
+    double norm = vec3_norm(direction);
     for (int c = 0; c < 3; c++)
         direction[c] /= norm;
 }
@@ -90,7 +90,7 @@ static void check_camera(const char *name, const struct camera *camera, double t
     double worst[2] = {0, 0};
     make_scene(&setup.scene, camera, false);
     OPEN_SETUP(&setup, SLOTS);
-    double size = length(camera->position) + camera->height * WIDTH / HEIGHT;
+    double size = vec3_norm(camera->position) + camera->height * WIDTH / HEIGHT;
     if (generate(&setup.r, 0, WIDTH * HEIGHT, 0, 0, &err))
         for (uint32_t i = 0; i < WIDTH * HEIGHT; i++) {
             double origin[3], direction[3];

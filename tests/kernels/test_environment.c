@@ -1,14 +1,10 @@
 // Environment images whose texels are patches: the tables of what is sampled against the image,
 // samples against the tables, what directions see, and the angles that both are made of. And suns.
+#include "base/maths.h"
 #include "bsdf_statistics.h"
 #include "library_fixture.h"
 #include "render/tables/environment_table.h"
 #include "scene/core/environment.h"
-
-static double luminance(const float rgb[3])
-{
-    return 0.2126 * (double)rgb[0] + 0.7152 * (double)rgb[1] + 0.0722 * (double)rgb[2];
-}
 
 static void make_image(struct scene *scene, uint32_t width, uint32_t height)
 {
@@ -148,7 +144,7 @@ static void check_samples(const char *name, struct scene *scene, uint64_t seed)
         other += items[i].f[0][3] != items[i].f[1][3];
         const double d[3] = {(double)items[i].f[0][0], (double)items[i].f[0][1],
                              (double)items[i].f[0][2]};
-        not_unit += !(fabs(length(d) - 1) <= 5e-7);
+        not_unit += !(fabs(vec3_norm(d) - 1) <= 5e-7);
     }
     for (uint32_t t = 0; t < 16 * texels; t++) {
         uint32_t row = t / fine.width, column = t % fine.width;
@@ -229,7 +225,7 @@ TEST(extreme_uniforms)
         for (int i = 0; i < 625; i++) {
             const float *direction = items[i].f[0], *radiance = items[i].f[1];
             const double d[3] = {(double)direction[0], (double)direction[1], (double)direction[2]};
-            CHECK(fabs(length(d) - 1) <= 5e-7, "%d: length %.9g", i, length(d));
+            CHECK(fabs(vec3_norm(d) - 1) <= 5e-7, "%d: length %.9g", i, vec3_norm(d));
             CHECK(direction[3] > 0 && isfinite(direction[3]) && radiance[0] > 0,
                   "%d: density %g, radiance %g", i, (double)direction[3], (double)radiance[0]);
             CHECK(radiance[0] == radiance[1] && fmodf(radiance[0], 1) == 0, "%d", i);
@@ -361,26 +357,26 @@ static void check_sun(struct setup *setup, double degrees, const double axis[3])
         items[i].f[1][0] = items[i].f[0][0];
         items[i].f[1][1] = items[i].f[0][1];
         for (int c = 0; c < 3; c++)
-            items[i].f[0][c] = (float)(axis[c] / length(axis));
+            items[i].f[0][c] = (float)(axis[c] / vec3_norm(axis));
         items[i].f[0][3] = (float)versine;
     }
     double n[3], t[3], b[3];
     for (int c = 0; c < 3; c++)
         n[c] = (double)items[0].f[0][c];
-    cross(n, fabs(n[0]) < 0.6 ? (const double[3]){1, 0, 0} : (const double[3]){0, 1, 0}, t);
-    const double tangent = length(t);
+    vec3_cross(n, fabs(n[0]) < 0.6 ? (const double[3]){1, 0, 0} : (const double[3]){0, 1, 0}, t);
+    const double tangent = vec3_norm(t);
     for (int c = 0; c < 3; c++)
         t[c] /= tangent;
-    cross(n, t, b);
+    vec3_cross(n, t, b);
     if (!library_run(setup, ROUTINE_SUN, items, COUNT))
         return;
     for (uint32_t i = 0; i < COUNT; i++) {
         const double d[3] = {(double)items[i].f[0][0], (double)items[i].f[0][1],
                              (double)items[i].f[0][2]};
         const double chord[3] = {d[0] - n[0], d[1] - n[1], d[2] - n[2]};
-        double part = 0.5 * dot(chord, chord) / versine;
-        double turn = atan2(dot(d, b), dot(d, t)) / (2 * M_PI) + 0.5;
-        not_unit += !(fabs(length(d) - 1) <= 5e-7);
+        double part = 0.5 * vec3_dot(chord, chord) / versine;
+        double turn = atan2(vec3_dot(d, b), vec3_dot(d, t)) / (2 * M_PI) + 0.5;
+        not_unit += !(fabs(vec3_norm(d) - 1) <= 5e-7);
         outside += part > 1 + 1e-6;
         unseen += items[i].f[1][0] == 0;
         counts[(int)fmin(part * BINS, BINS - 1)][(int)fmin(turn * BINS, BINS - 1)]++;

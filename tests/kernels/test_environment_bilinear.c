@@ -285,7 +285,7 @@ static struct differences compare_samples(const struct environment *e, double to
     for (uint32_t t = 0; t < e->width * e->height; t++) {
         const double rgb[3] = {(double)e->texels[t][0], (double)e->texels[t][1],
                                (double)e->texels[t][2]};
-        most = fmax(most, reference_luminance(rgb) / total);
+        most = fmax(most, vec3_luminance(rgb) / total);
     }
     for (uint32_t i = 0; i < SAMPLES; i++) {
         const float *sample = items[i].f[0], *seen = items[i].f[1];
@@ -300,10 +300,10 @@ static struct differences compare_samples(const struct environment *e, double to
         for (int c = 0; c < 3; c++)
             d.radiance = fmax(d.radiance, fabs((double)seen[c] - rgb[c]) / (double)greatest(e));
         const double found[3] = {(double)seen[0], (double)seen[1], (double)seen[2]};
-        double value = reference_luminance(found) / (double)sample[3] / total;
+        double value = vec3_luminance(found) / (double)sample[3] / total;
         d.integral += value / SAMPLES;
         d.variance += value * value / SAMPLES;
-        d.not_unit += !(fabs(length(direction) - 1) <= 5e-7);
+        d.not_unit += !(fabs(vec3_norm(direction) - 1) <= 5e-7);
     }
     d.variance -= d.integral * d.integral;
     return d;
@@ -421,7 +421,7 @@ TEST(extreme_uniforms)
         for (int i = 0; i < 625; i++) {
             const float *direction = items[i].f[0], *radiance = items[i].f[1];
             const double d[3] = {(double)direction[0], (double)direction[1], (double)direction[2]};
-            CHECK(fabs(length(d) - 1) <= 5e-7, "%d: length %.9g", i, length(d));
+            CHECK(fabs(vec3_norm(d) - 1) <= 5e-7, "%d: length %.9g", i, vec3_norm(d));
             CHECK(direction[3] >= 0 && isfinite(direction[3]) && radiance[0] >= 0 &&
                       isfinite(radiance[0]),
                   "%d: density %g, radiance %g", i, (double)direction[3], (double)radiance[0]);

@@ -16,14 +16,14 @@ static void make_camera(struct scene *scene, struct camera camera)
 static void camera_direction(const struct camera *camera, double x, double y, double out[3])
 {
     double right[3], up[3];
-    cross(camera->direction, camera->up, right);
-    cross(right, camera->direction, up);
+    vec3_cross(camera->direction, camera->up, right);
+    vec3_cross(right, camera->direction, up);
     double half_height = tan(camera->fov_y / 2), half_width = half_height * WIDTH / HEIGHT;
-    double right_length = length(right), up_length = length(up);
+    double right_length = vec3_norm(right), up_length = vec3_norm(up);
     for (int c = 0; c < 3; c++)
         out[c] = camera->direction[c] + (2 * x - 1) * half_width * right[c] / right_length +
                  (1 - 2 * y) * half_height * up[c] / up_length;
-    double norm = length(out);
+    double norm = vec3_norm(out);
     for (int c = 0; c < 3; c++)
         out[c] /= norm;
 }

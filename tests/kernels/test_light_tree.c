@@ -89,7 +89,7 @@ static void decode_axis(uint32_t word, double n[3])
         n[0] = copysign(1 - fabs(y), x);
         n[1] = copysign(1 - fabs(x), y);
     }
-    double size = length(n);
+    double size = vec3_norm(n);
     for (int c = 0; c < 3; c++)
         n[c] /= size;
 }
@@ -100,7 +100,7 @@ static double importance(const struct gpu_light_bounds *b, const struct place *p
     double to[3], axis[3], distance, bound = M_PI;
     for (int c = 0; c < 3; c++)
         to[c] = p->position[c] - (double)b->center[c];
-    distance = length(to);
+    distance = vec3_norm(to);
     decode_axis(b->axis, axis);
     double radius = (double)b->radius;
     double o = acos(fmin(1, (b->cosines & 0xffff) * (2 / LIGHT_COS_O_SCALE) - 1));
@@ -108,12 +108,12 @@ static double importance(const struct gpu_light_bounds *b, const struct place *p
     double w = 0, n = 0;
     if (distance > radius) {
         bound = asin(radius / distance);
-        double cosine = dot(to, axis) / distance, side = -dot(to, p->normal) / distance;
+        double cosine = vec3_dot(to, axis) / distance, side = -vec3_dot(to, p->normal) / distance;
         w = acos(fmax(-1, fmin(1, b->cosines & LIGHT_TWO_SIDED ? fabs(cosine) : cosine)));
         n = acos(fmax(-1, fmin(1, p->two_sided ? fabs(side) : side)));
     }
     double emitted = fmax(0, w - o - bound), received = fmax(0, n - bound);
-    if (length(p->normal) == 0)
+    if (vec3_norm(p->normal) == 0)
         received = 0;
     double nearest = fmax(distance, radius);
     return emitted >= e
@@ -320,7 +320,7 @@ static void point_of(const struct renderer *r, uint32_t primitive, struct random
             n[c] = (double)shape->normal[c];
             d[c] = (double)direction[c];
         }
-        cross(n, d, across);
+        vec3_cross(n, d, across);
         for (int c = 0; c < 3; c++) {
             bool is_sphere = shape->kind == SHAPE_SPHERE;
             normal[c] = is_sphere ? d[c] : n[c];
@@ -333,8 +333,8 @@ static void point_of(const struct renderer *r, uint32_t primitive, struct random
     double u = random_unit(random), v = random_unit(random) * (1 - u), e[2][3];
     subtract(triangle->v[1], triangle->v[0], e[0]);
     subtract(triangle->v[2], triangle->v[0], e[1]);
-    cross(e[0], e[1], normal);
-    double size = length(normal);
+    vec3_cross(e[0], e[1], normal);
+    double size = vec3_norm(normal);
     for (int c = 0; c < 3; c++) {
         normal[c] /= size;
         point[c] = (double)triangle->v[0][c] + u * e[0][c] + v * e[1][c];
@@ -349,9 +349,9 @@ static bool sends(const struct place *p, const double point[3], const double nor
     double way[3];
     for (int c = 0; c < 3; c++)
         way[c] = p->position[c] - point[c];
-    double distance = length(way), leaves = dot(way, normal) / distance;
-    double arrives = -dot(way, p->normal) / distance;
-    if (length(p->normal) == 0)
+    double distance = vec3_norm(way), leaves = vec3_dot(way, normal) / distance;
+    double arrives = -vec3_dot(way, p->normal) / distance;
+    if (vec3_norm(p->normal) == 0)
         arrives = 1;
     return (is_sphere ? leaves : fabs(leaves)) > 1e-3 &&
            (p->two_sided ? fabs(arrives) : arrives) > 1e-3;

@@ -51,15 +51,15 @@ TEST(offset_origin)
         to_double(inputs[i].f[2], normal);
         to_double(inputs[i].f[3], side);
         subtract(items[i].f[0], inputs[i].f[0], moved);
-        double sign = dot(normal, side) < 0 ? -1 : 1;
+        double sign = vec3_dot(normal, side) < 0 ? -1 : 1;
         for (int c = 0; c < 3; c++) {
             box += fabs(normal[c]) * (double)inputs[i].f[1][c];
             ulps += fabs((double)inputs[i].f[0][c]) * 0x1p-22;
         }
-        double height = sign * dot(normal, moved);
+        double height = sign * vec3_dot(normal, moved);
         wrong += !(height >= box);
         // And not further than it takes: the box, once along the normal, and two steps.
-        far += !(length(moved) <= 1.001 * box + ulps + 2e-38);
+        far += !(vec3_norm(moved) <= 1.001 * box + ulps + 2e-38);
     }
     CHECK(wrong == 0, "%u of %u on the wrong side", wrong, COUNT);
     CHECK(far == 0, "%u of %u too far away", far, COUNT);
@@ -126,13 +126,13 @@ TEST(leave_triangle)
         double edge[2][3], normal[3], side[3], from_plane[3], origin[3];
         subtract(triangles[i].v1, triangles[i].v0, edge[0]);
         subtract(triangles[i].v2, triangles[i].v0, edge[1]);
-        cross(edge[0], edge[1], normal);
-        double area = length(normal);
+        vec3_cross(edge[0], edge[1], normal);
+        double area = vec3_norm(normal);
         to_double(inputs[i].f[1], side);
-        double slope = dot(normal, side) / area;
+        double slope = vec3_dot(normal, side) / area;
         // Which side is meant is unknown where the direction is in the plane, up to the normal's
         // own rounding; that grows with coordinates over size.
-        if (!(area > 1e-3 * length(edge[0]) * length(edge[1])) || fabs(slope) < 1e-3)
+        if (!(area > 1e-3 * vec3_norm(edge[0]) * vec3_norm(edge[1])) || fabs(slope) < 1e-3)
             continue;
         tested++;
         subtract(items[i].f[0], triangles[i].v0, from_plane);
@@ -140,8 +140,8 @@ TEST(leave_triangle)
         double bound = 0;
         for (int c = 0; c < 3; c++)
             bound += fabs(normal[c]) / area * (double)items[i].f[1][c];
-        unbounded += !(fabs(dot(from_plane, normal)) / area <= bound);
-        wrong += !(dot(origin, normal) * slope > 0);
+        unbounded += !(fabs(vec3_dot(from_plane, normal)) / area <= bound);
+        wrong += !(vec3_dot(origin, normal) * slope > 0);
     }
     printf("  %u triangles of 1e-6 to 1e6\n", tested);
     CHECK(wrong == 0, "%u of %u on the wrong side", wrong, tested);
@@ -172,10 +172,10 @@ TEST(octahedral_normals)
                 normals[i][c] *= i >> (2 * c) & 1u ? 0.0f : 1e-5f;
         double exact[3];
         to_double(normals[i], exact);
-        if (!(length(exact) > 0))
+        if (!(vec3_norm(exact) > 0))
             exact[2] = -1;
         for (int c = 0; c < 3; c++)
-            normals[i][c] = (float)(exact[c] / length(exact));
+            normals[i][c] = (float)(exact[c] / vec3_norm(exact));
         items[i].u[0][0] = encode_normal(normals[i]);
         CHECK(items[i].u[0][0] != NORMAL_FLAT, "a normal is encoded as missing");
     }
@@ -184,10 +184,10 @@ TEST(octahedral_normals)
         double decoded[3], exact[3], turn[3];
         to_double(items[i].f[0], decoded);
         to_double(normals[i], exact);
-        cross(decoded, exact, turn);
-        double angle = atan2(length(turn), dot(decoded, exact));
+        vec3_cross(decoded, exact, turn);
+        double angle = atan2(vec3_norm(turn), vec3_dot(decoded, exact));
         worst = fmax(worst, angle);
-        CHECK(fabs(length(decoded) - 1) <= 1e-6, "length %.9g", length(decoded));
+        CHECK(fabs(vec3_norm(decoded) - 1) <= 1e-6, "length %.9g", vec3_norm(decoded));
     }
     printf("  worst angle of %d normals: %.3g, bound %.3g\n", COUNT, worst, bound);
     CHECK(worst <= bound, "%g", worst);

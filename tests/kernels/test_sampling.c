@@ -317,10 +317,10 @@ TEST(basis_around)
             for (int c = 0; c < 3; c++)
                 axis[a][c] = (double)samples[i].f[a][c];
         for (int a = 0; a < 3; a++) {
-            worst = fmax(worst, fabs(dot(axis[a], axis[(a + 1) % 3])));
-            worst = fmax(worst, fabs(length(axis[a]) - 1));
+            worst = fmax(worst, fabs(vec3_dot(axis[a], axis[(a + 1) % 3])));
+            worst = fmax(worst, fabs(vec3_norm(axis[a]) - 1));
         }
-        cross(axis[0], axis[1], third);
+        vec3_cross(axis[0], axis[1], third);
         for (int c = 0; c < 3; c++) {
             worst = fmax(worst, fabs(third[c] - axis[2][c]));
             CHECK(samples[i].f[2][c] == inputs[i].f[0][c], "the normal changed");

@@ -77,8 +77,8 @@ TEST(values_are_distances)
             bool counts = x > 0 || (sdf_programs[i].code[0].op & 0xffu) != SDF_MANDELBULB;
             // A surface between them is no farther than b from a; the field may bend at folds.
             if (counts && (!sdf_programs[i].is_fractal || (x > 0) != (y > 0)))
-                worst = fmax(worst,
-                             (sdf_programs[i].is_fractal ? fabs(x) : fabs(x - y)) / length(apart));
+                worst = fmax(worst, (sdf_programs[i].is_fractal ? fabs(x) : fabs(x - y)) /
+                                        vec3_norm(apart));
         }
         CHECK(worst <= 1 + 1e-6, "%s: %g", sdf_programs[i].name, worst);
         CHECK(worst > 0.05, "%s: %g tests little", sdf_programs[i].name, worst);
@@ -139,7 +139,7 @@ static void judge_surface(const struct setup *setup, uint32_t number, const unio
     for (int c = 0; c < 3; c++) {
         off += (double)out->f[1][c] * fabs((double)out->f[2][c]) / flat->scale;
         for (int j = 0; j < 3; j++)
-            normal[j] += shape->axes[j][c] / length(shape->axes[j]) * (double)out->f[2][c];
+            normal[j] += shape->axes[j][c] / vec3_norm(shape->axes[j]) * (double)out->f[2][c];
     }
     sdf_into(scene, shape, world[0], p);
     sdf_into(scene, shape, world[1], q);
@@ -147,20 +147,20 @@ static void judge_surface(const struct setup *setup, uint32_t number, const unio
     // Smooth is where four of the kernel's widths show what a hundredth of one does.
     sdf_normal(sdf, p, h / 100, fine);
     sdf_normal(sdf, p, 4 * h, coarse);
-    cross(fine, coarse, turned);
-    if (length(turned) > 0.02 || dot(fine, coarse) < 0)
+    vec3_cross(fine, coarse, turned);
+    if (vec3_norm(turned) > 0.02 || vec3_dot(fine, coarse) < 0)
         return;
     counts->smooth++;
-    cross(fine, normal, turned);
-    double angle = atan2(length(turned), dot(fine, normal));
+    vec3_cross(fine, normal, turned);
+    double angle = atan2(vec3_norm(turned), vec3_dot(fine, normal));
     counts->worst = fmax(counts->worst, angle);
     counts->turned += angle > 2e-3;
     double side[3] = {0};
     for (int j = 0; j < 3; j++)
         for (int c = 0; c < 3; c++)
             side[j] += shape->axes[j][c] * (double)in->f[1][c];
-    double outwards = dot(side, fine) < 0 ? -1 : 1;
-    if (fabs(dot(side, fine)) > 0.01 * length(side))
+    double outwards = vec3_dot(side, fine) < 0 ? -1 : 1;
+    if (fabs(vec3_dot(side, fine)) > 0.01 * vec3_norm(side))
         counts->wrong_side += !(outwards * sdf_evaluate(sdf, q) > 0x1p-20 * sdf->magnitude);
 }
 

@@ -96,7 +96,7 @@ static struct field_ray into_field(const struct scene *scene, const struct shape
     sdf_into(scene, shape, to, out.direction);
     for (int c = 0; c < 3; c++)
         out.direction[c] -= out.origin[c];
-    out.metres = length(out.direction);
+    out.metres = vec3_norm(out.direction);
     for (int c = 0; c < 3; c++) {
         out.direction[c] /= out.metres;
         double t0 = (sdf->min[c] - out.origin[c]) / out.direction[c];
@@ -187,7 +187,7 @@ static void aim_rays(struct random *random, const struct shape *shape, double fa
         random_in_box(random, shape, 0.9, to);
         random_in_box(random, shape, 0.9, from);
         random_direction(random, sphere);
-        double size = length(shape->axes[0]);
+        double size = vec3_norm(shape->axes[0]);
         for (int c = 0; c < 3 && i % 8 != 1; c++)
             from[c] = shape->center[c] + away * 2 * size * (double)sphere[c];
         if (i % 8 == 2) { // along an axis of the world
@@ -357,7 +357,7 @@ static double torus_quartic(const struct field_ray *ray, double x, double ring, 
 {
     double p[3];
     field_point(ray, x, p);
-    double k = dot(p, p) + ring * ring - tube * tube;
+    double k = vec3_dot(p, p) + ring * ring - tube * tube;
     return k * k - 4 * ring * ring * (p[0] * p[0] + p[2] * p[2]);
 }
 
@@ -404,7 +404,7 @@ TEST(torus)
         field_point(&ray, found ? (double)hits[i].t * ray.metres : fmin(root, ray.end), p);
         sdf_normal(&setup.scene.sdfs[0], p, 1e-6, n);
         // Along a surface of curvature 1 / tube rounding moves roots by its square root.
-        if (fabs(dot(n, ray.direction)) < 0.03 &&
+        if (fabs(vec3_dot(n, ray.direction)) < 0.03 &&
             fabs(sdf_evaluate(&setup.scene.sdfs[0], p)) < 1e-3) {
             grazing++;
             continue;

@@ -116,7 +116,7 @@ TEST(axes_see_their_texels)
         double d[3] = {(double)axes[i].direction[0], (double)axes[i].direction[1],
                        (double)axes[i].direction[2]};
         for (int c = 0; c < 3; c++)
-            paths[i].direction[c] = (float)(d[c] / length(d));
+            paths[i].direction[c] = (float)(d[c] / vec3_norm(d));
         set_throughput(&paths[i], 1);
     }
     bool ok = shade(&setup.r, AXES, &err);
@@ -155,7 +155,7 @@ TEST(directions_see_the_reference_texels)
         double d[3] = {(double)paths[i].direction[0], (double)paths[i].direction[1],
                        (double)paths[i].direction[2]};
         double column = (0.5 + atan2(d[2], d[0]) / (2 * M_PI)) * IMAGE_WIDTH;
-        double row = acos(d[1] / length(d)) / M_PI * IMAGE_HEIGHT;
+        double row = acos(d[1] / vec3_norm(d)) / M_PI * IMAGE_HEIGHT;
         bool near_edge = fabs(column - round(column)) < 1e-3 || fabs(row - round(row)) < 1e-3;
         bool same = seen_texel(i) == environment_texel(&setup.scene.environment, d);
         CHECK(seen_texel(i) < IMAGE_WIDTH * IMAGE_HEIGHT, "texel %u", seen_texel(i));

@@ -190,7 +190,7 @@ static bool connects(const struct hit *h, uint32_t bounces)
 static void mirror_direction(const struct hit *h, double out[3])
 {
     for (int c = 0; c < 3; c++)
-        out[c] = h->direction[c] - 2 * dot(h->direction, h->s.shading) * h->s.shading[c];
+        out[c] = h->direction[c] - 2 * vec3_dot(h->direction, h->s.shading) * h->s.shading[c];
 }
 
 // The density with which a path goes on into wi from a diffuse surface; cosine > 0.
@@ -205,7 +205,7 @@ static double density_onwards(const struct hit *h, const double wi[3], double co
     case DIRECTIONS_POWER_COSINE:
         mirror_direction(h, mirrored);
         return 0.125 * cosine / M_PI +
-               0.875 * (n + 1) * 0.5 / M_PI * pow(fmax(0, dot(wi, mirrored)), n);
+               0.875 * (n + 1) * 0.5 / M_PI * pow(fmax(0, vec3_dot(wi, mirrored)), n);
     default:
         return cosine / M_PI;
     }
@@ -236,7 +236,7 @@ static void check_emission(const struct hit *h)
         expected_rgb[c] = h->throughput[c] * (double)h->s.material->emission[c] * weight;
     double scale = clamp_scale(h, expected_rgb);
     // Seen edge-on, the cosine's own rounding shows.
-    double relative = 2e-5 + 4e-6 / fabs(dot(h->direction, h->s.geometric));
+    double relative = 2e-5 + 4e-6 / fabs(vec3_dot(h->direction, h->s.geometric));
     for (int c = 0; c < 3; c++) {
         double expected = expected_rgb[c] * scale;
         CHECK(is_close((double)radiance[h->slot][c], expected, relative),
@@ -279,20 +279,21 @@ static void check_light_point(const struct hit *h, uint32_t primitive, const dou
         normal[c] = (double)shape->normal[c];
     }
     double wanted_radius = shape->kind == SHAPE_SPHERE ? radius : radius * sqrt(h->u_light[1]);
-    CHECK(fabs(length(from_center) - wanted_radius) <= 4e-6 * (1 + radius),
-          "slot %u: %.9g from the centre, not %.9g", h->slot, length(from_center), wanted_radius);
+    CHECK(fabs(vec3_norm(from_center) - wanted_radius) <= 4e-6 * (1 + radius),
+          "slot %u: %.9g from the centre, not %.9g", h->slot, vec3_norm(from_center),
+          wanted_radius);
     if (shape->kind == SHAPE_DISC) {
-        CHECK(fabs(dot(from_center, normal)) <= 4e-6, "slot %u: off the disc", h->slot);
+        CHECK(fabs(vec3_dot(from_center, normal)) <= 4e-6, "slot %u: off the disc", h->slot);
         return;
     }
-    double sine = radius / length(to_center);
+    double sine = radius / vec3_norm(to_center);
     if (sine >= 1)
         return;
-    double cosine = dot(to_point, to_center) / (length(to_point) * length(to_center));
+    double cosine = vec3_dot(to_point, to_center) / (vec3_norm(to_point) * vec3_norm(to_center));
     double expected = h->u_light[1] * (1 - sqrt(1 - sine * sine));
     CHECK(fabs(1 - cosine - expected) <= 1e-5, "slot %u: 1 - cos %.9g in the cone, not %.9g",
           h->slot, 1 - cosine, expected);
-    CHECK(dot(from_center, to_center) <= 1e-5, "slot %u: the far side of the sphere", h->slot);
+    CHECK(vec3_dot(from_center, to_center) <= 1e-5, "slot %u: the far side of the sphere", h->slot);
 }
 
 // The emitter that the table gives for u, as the kernel computes it.
@@ -329,7 +330,7 @@ static void check_shadow_ray(const struct hit *h)
         to_light[c] = (double)ray->direction[c];
         point[c] = origin[c] + to_light[c];
     }
-    double distance = length(to_light);
+    double distance = vec3_norm(to_light);
     for (int c = 0; c < 3; c++)
         wi[c] = to_light[c] / distance;
     check_light_point(h, ray->ignore_to, origin, point);
@@ -337,12 +338,13 @@ static void check_shadow_ray(const struct hit *h)
 
     struct surface_point light = light_surface(h->r, ray->ignore_to, origin, wi, distance);
     double pdf = light_density(h->r, origin, wi, &light);
-    double cosine = dot(wi, h->s.shading), cos_light = fabs(dot(wi, light.geometric));
+    double cosine = vec3_dot(wi, h->s.shading), cos_light = fabs(vec3_dot(wi, light.geometric));
     double relative =
         1e-4 + (h->normal_error + 4e-6) / fabs(cosine) + 4e-6 / cos_light + 4e-6 / distance;
     CHECK(is_close((double)ray->light_pdf, pdf, relative), "slot %u, %s: pdf %.9g, not %.9g",
           h->slot, light.material->name, (double)ray->light_pdf, pdf);
-    CHECK(cosine > -h->normal_error && dot(wi, h->s.geometric) > -1e-6, "slot %u: behind", h->slot);
+    CHECK(cosine > -h->normal_error && vec3_dot(wi, h->s.geometric) > -1e-6, "slot %u: behind",
+          h->slot);
     double weight = has_feature(h, FEATURE_BSDF_HITS_EMITTERS)
                         ? mis_weight(h, pdf, density_onwards(h, wi, fmax(0, cosine)))
                         : 1;
@@ -373,8 +375,8 @@ static int wants_shadow_ray(const struct hit *h, uint32_t emitter)
     }
     for (int c = 0; c < 3; c++)
         wi[c] = point[c] - h->s.position[c];
-    double margin = extent + (1e-5 + 2 * h->normal_error) * (1 + length(wi));
-    double lower = fmin(dot(wi, h->s.geometric), dot(wi, h->s.shading));
+    double margin = extent + (1e-5 + 2 * h->normal_error) * (1 + vec3_norm(wi));
+    double lower = fmin(vec3_dot(wi, h->s.geometric), vec3_dot(wi, h->s.shading));
     return lower > margin ? 1 : lower < -margin ? 0 : -1;
 }
 
@@ -431,14 +433,14 @@ static void check_new_origin(const struct hit *h, const double direction[3])
         off[c] = (double)after[h->slot].origin[c] - h->s.position[c];
         from_plane[c] = (double)after[h->slot].origin[c] - h->s.plane_point[c];
     }
-    double side = dot(direction, h->s.geometric);
-    double height = dot(from_plane, h->s.geometric);
+    double side = vec3_dot(direction, h->s.geometric);
+    double height = vec3_dot(from_plane, h->s.geometric);
     if (h->s.shape && h->s.shape->kind == SHAPE_SPHERE) {
         // The geometric normal may point inwards.
-        double outwards = dot(from_plane, h->s.geometric) > 0 ? 1 : -1;
-        height = outwards * (length(from_plane) - (double)h->s.shape->radius);
+        double outwards = vec3_dot(from_plane, h->s.geometric) > 0 ? 1 : -1;
+        height = outwards * (vec3_norm(from_plane) - (double)h->s.shape->radius);
     }
-    CHECK(length(off) <= 1e-5, "slot %u: the origin is %g away", h->slot, length(off));
+    CHECK(vec3_norm(off) <= 1e-5, "slot %u: the origin is %g away", h->slot, vec3_norm(off));
     // Exactly in the plane is where an axis-parallel plane at 0 leaves it.
     CHECK(height * side >= 0, "slot %u, %s: the origin is on the wrong side by %g", h->slot,
           h->s.material->name, height);
@@ -453,7 +455,7 @@ static void check_next_path(const struct hit *h)
     bool fits = directions == DIRECTIONS_BSDF || directions == DIRECTIONS_COSINE;
     for (int c = 0; c < 3; c++)
         direction[c] = (double)path->direction[c];
-    CHECK(fabs(length(direction) - 1) <= 1e-6, "slot %u: not a unit vector", h->slot);
+    CHECK(fabs(vec3_norm(direction) - 1) <= 1e-6, "slot %u: not a unit vector", h->slot);
     if (is_mirror(h)) {
         mirror_direction(h, mirrored);
         double off = 0;
@@ -462,7 +464,7 @@ static void check_next_path(const struct hit *h)
         CHECK(off <= 2e-6 + 2 * h->normal_error && path->bsdf_pdf == 0.0f,
               "slot %u: reflected %g off, pdf %g", h->slot, off, (double)path->bsdf_pdf);
     } else {
-        double cosine = cosine_onwards(h), actual = dot(direction, h->s.shading);
+        double cosine = cosine_onwards(h), actual = vec3_dot(direction, h->s.shading);
         CHECK(isnan(cosine) || fabs(actual - cosine) <= 2e-6 + h->normal_error,
               "slot %u: cos %.9g, not %.9g", h->slot, actual, cosine);
         cosine = isnan(cosine) ? actual : cosine;
@@ -477,7 +479,7 @@ static void check_next_path(const struct hit *h)
         CHECK(is_close((double)path->throughput[c], expected, relative),
               "slot %u: throughput %.9g, not %.9g", h->slot, (double)path->throughput[c], expected);
     }
-    CHECK(dot(direction, h->s.geometric) > 0, "slot %u: through the surface", h->slot);
+    CHECK(vec3_dot(direction, h->s.geometric) > 0, "slot %u: through the surface", h->slot);
     CHECK(path->ignore == before[h->slot].primitive, "slot %u: ignores 0x%x", h->slot,
           path->ignore);
     check_new_origin(h, direction);

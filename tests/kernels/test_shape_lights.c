@@ -22,8 +22,8 @@ static double face_area(const struct exact_shape *s, int face)
     double normal[3];
     switch (s->kind) {
     case SHAPE_QUAD:
-        cross(s->axis[0], s->axis[1], normal);
-        return face == 0 ? 4 * s->half[0] * s->half[1] * length(normal) : 0;
+        vec3_cross(s->axis[0], s->axis[1], normal);
+        return face == 0 ? 4 * s->half[0] * s->half[1] * vec3_norm(normal) : 0;
     case SHAPE_BOX:
         return 4 * s->half[(face / 2 + 1) % 3] * s->half[(face / 2 + 2) % 3];
     default:
@@ -53,13 +53,13 @@ struct aim {
 // Directions across a cylinder's axis, the first one to the place `f` from its centre.
 static double directions_across(const struct exact_shape *s, const double f[3], double across[2][3])
 {
-    double along = dot(f, s->axis[0]), away;
+    double along = vec3_dot(f, s->axis[0]), away;
     for (int c = 0; c < 3; c++)
         across[0][c] = f[c] - along * s->axis[0][c];
-    away = length(across[0]);
+    away = vec3_norm(across[0]);
     for (int c = 0; c < 3; c++)
         across[0][c] /= away;
-    cross(s->axis[0], across[0], across[1]);
+    vec3_cross(s->axis[0], across[0], across[1]);
     return away;
 }
 
@@ -69,9 +69,9 @@ static struct aim aim_from(const struct exact_shape *s, const double f[3])
     bool sees[FACES] = {false}, sees_any = false;
     if (s->kind == SHAPE_BOX)
         for (int face = 0; face < FACES; face++)
-            sees[face] = (face % 2 ? -1 : 1) * dot(f, s->axis[face / 2]) > s->half[face / 2];
+            sees[face] = (face % 2 ? -1 : 1) * vec3_dot(f, s->axis[face / 2]) > s->half[face / 2];
     if (s->kind == SHAPE_CYLINDER || s->kind == SHAPE_TUBE) {
-        double away = directions_across(s, f, aim.across), along = dot(f, s->axis[0]);
+        double away = directions_across(s, f, aim.across), along = vec3_dot(f, s->axis[0]);
         sees[0] = s->kind == SHAPE_CYLINDER && away > s->radius;
         sees[1] = s->kind == SHAPE_CYLINDER && along > s->half[0];
         sees[2] = s->kind == SHAPE_CYLINDER && along < -s->half[0];
@@ -95,25 +95,25 @@ static int place_on_face(const struct exact_shape *s, const struct aim *aim, con
     switch (s->kind) {
     case SHAPE_QUAD:
         // The coordinates along edges that are at any angle.
-        cross(s->axis[2], s->axis[1], u);
-        cross(s->axis[2], s->axis[0], v);
-        place[0] = 0.5 + dot(f, u) / dot(s->axis[0], u) / s->half[0] / 2;
-        place[1] = 0.5 + dot(f, v) / dot(s->axis[1], v) / s->half[1] / 2;
+        vec3_cross(s->axis[2], s->axis[1], u);
+        vec3_cross(s->axis[2], s->axis[0], v);
+        place[0] = 0.5 + vec3_dot(f, u) / vec3_dot(s->axis[0], u) / s->half[0] / 2;
+        place[1] = 0.5 + vec3_dot(f, v) / vec3_dot(s->axis[1], v) / s->half[1] / 2;
         return 0;
     case SHAPE_BOX: {
         int k = abs(at) - 1;
         for (int i = 0; i < 2; i++) {
             int axis = (k + 1 + i) % 3;
-            place[i] = 0.5 + dot(f, s->axis[axis]) / s->half[axis] / 2;
+            place[i] = 0.5 + vec3_dot(f, s->axis[axis]) / s->half[axis] / 2;
         }
         return 2 * k + (at < 0);
     }
     default:
-        u[0] = dot(f, aim->across[0]);
-        u[1] = dot(f, aim->across[1]);
+        u[0] = vec3_dot(f, aim->across[0]);
+        u[1] = vec3_dot(f, aim->across[1]);
         place[0] = 0.5 + 0.5 * atan2(u[1], u[0]) / (at ? M_PI : aim->arc);
         place[1] = at ? (u[0] * u[0] + u[1] * u[1]) / (s->radius * s->radius)
-                      : 0.5 + dot(f, s->axis[0]) / s->half[0] / 2;
+                      : 0.5 + vec3_dot(f, s->axis[0]) / s->half[0] / 2;
         return at == 0 ? 0 : at > 0 ? 1 : 2;
     }
 }
@@ -145,10 +145,10 @@ static void check_sample(const struct exact_shape *s, const struct aim *aim, dou
     int at = (int)out->f[1][3], face = place_on_face(s, aim, f, at, place);
     tally->count[face][cell_of(place[0])][cell_of(place[1])]++;
     double beyond = fmax(fabs(place[0] - 0.5), fabs(place[1] - 0.5)) - 0.5;
-    tally->beyond += !(beyond < 1e-5 + 1e-6 * length(origin));
-    tally->off += !(fabs(exact_height(s, point, at)) < 1e-6 * (length(origin) + exact_size(s)));
+    tally->beyond += !(beyond < 1e-5 + 1e-6 * vec3_norm(origin));
+    tally->off += !(fabs(exact_height(s, point, at)) < 1e-6 * (vec3_norm(origin) + exact_size(s)));
 
-    double distance = length(to_light), slope = fabs(dot(to_light, normal)) / distance;
+    double distance = vec3_norm(to_light), slope = fabs(vec3_dot(to_light, normal)) / distance;
     double pdf = (double)out->f[0][3], pdf_of_hit = (double)out->f[2][0];
     double expected = pick * distance * distance / (slope * aim->whole);
     bool may_hide = s->kind == SHAPE_TUBE;
@@ -164,7 +164,7 @@ static void check_sample(const struct exact_shape *s, const struct aim *aim, dou
     tally->wrongly_hidden += !(may_hide && in_between) && pdf == 0 &&
                              !(may_hide && crossings == 2 && fabs(t[1] - t[0]) < 1e-2);
     // Close by the roundings of both places are not little, far away those of the normal on a side.
-    double rounding = 1e-6 * (length(origin) + exact_size(s));
+    double rounding = 1e-6 * (vec3_norm(origin) + exact_size(s));
     double tolerance = 1e-4 + rounding / (slope * fmin(distance, s->radius > 0 ? s->radius : 1));
     tally->wrong_density += pdf > 0 && fabs(pdf / expected - 1) > tolerance;
     tally->disagree += pdf > 0 && fabs(pdf_of_hit / pdf - 1) > tolerance;

@@ -62,8 +62,8 @@ static void random_tangent(const double normal[3], struct random *random, double
     random_direction(random, other);
     for (int c = 0; c < 3; c++)
         v[c] = (double)other[c];
-    cross(normal, v, out);
-    double norm = length(out);
+    vec3_cross(normal, v, out);
+    double norm = vec3_norm(out);
     for (int c = 0; c < 3; c++)
         out[c] /= norm;
 }
@@ -100,7 +100,7 @@ static void random_ray(const struct exact_shape *shape, uint32_t n, struct rando
     for (int c = 0; c < 3; c++)
         to_target[c] =
             mode == 4 || mode == 5 || mode == 7 ? -away[c] : target[c] - (double)origin[c];
-    norm = length(to_target);
+    norm = vec3_norm(to_target);
     vector_to_float(to_target, norm > 0 ? 1 / norm : 0, direction);
     if (!(norm > 0))
         direction[0] = 1;
@@ -162,15 +162,15 @@ static struct sizes sizes_of(const struct flat_shape *flat, const double origin[
     s.tolerance = reach * (large ? 0x1p-42 : roundings * ROUNDING);
     double grown = s.tolerance;
     if (is_flat(flat->kind)) {
-        double slope = fabs(dot(s.shape[0].axis[2], d));
+        double slope = fabs(vec3_dot(s.shape[0].axis[2], d));
         s.is_along = slope <= 16 * ROUNDING;
         grown /= fmax(slope, ROUNDING);
     }
     // How far along a tube its end is met is as uncertain as how far out it is.
     double across = 1;
     if (flat->kind == SHAPE_TUBE) {
-        double along = dot(s.shape[0].axis[0], d);
-        across = sqrt(fmax(dot(d, d) - along * along, ROUNDING));
+        double along = vec3_dot(s.shape[0].axis[0], d);
+        across = sqrt(fmax(vec3_dot(d, d) - along * along, ROUNDING));
     }
     for (int i = 1; i < VARIANTS; i++)
         s.shape[i] = exact_shape(flat, grown * (i % 3 - 1), s.tolerance * 2 / across * (i / 3 - 1));
@@ -312,7 +312,7 @@ static void check_item(const struct flat_scene *flat, uint32_t i, bool large, st
     to_double(results[i].f[2], normal);
     struct sizes sizes = sizes_of(shape, origin, d, 48, large);
     struct range range = expected(&sizes, origin, d, false);
-    double slope = fmax(fabs(dot(normal, d)), ROUNDING);
+    double slope = fmax(fabs(vec3_dot(normal, d)), ROUNDING);
     enum verdict verdict = judge(&range, t, (sizes.tolerance + 8 * ROUNDING * fabs(t)) / slope);
     tally->hits += t > 0;
     tally->rounded += verdict == ROUNDED;

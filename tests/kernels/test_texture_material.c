@@ -6,13 +6,6 @@ enum { COUNT = 20000 };
 
 static union texture_item items[COUNT], inputs[COUNT];
 
-static void normalize(double v[3])
-{
-    double l = length(v);
-    for (int c = 0; c < 3; c++)
-        v[c] /= l;
-}
-
 static void widen(const float v[3], double out[3])
 {
     for (int c = 0; c < 3; c++)
@@ -153,20 +146,20 @@ TEST(anisotropy)
 // --- normal maps ---------------------------------------------------------------------------------
 
 // (x, y, z) of the map is scale x along the tangent made orthogonal to the normal, scale y along
-// sign * cross(normal, tangent), and z along the normal.
+// sign * vec3_cross(normal, tangent), and z along the normal.
 static void expected_normal(const union texture_item *in, const double local[3], double out[3])
 {
     double n[3], t[3], b[3];
     widen(in->f[2], n);
     widen(in->f[3], t);
-    double along = dot(n, t);
+    double along = vec3_dot(n, t);
     for (int c = 0; c < 3; c++)
         t[c] -= along * n[c];
-    normalize(t);
-    cross(n, t, b);
+    vec3_normalize(t);
+    vec3_cross(n, t, b);
     for (int c = 0; c < 3; c++)
         out[c] = local[0] * t[c] + local[1] * (double)in->f[3][3] * b[c] + local[2] * n[c];
-    normalize(out);
+    vec3_normalize(out);
 }
 
 TEST(normal_maps)
@@ -200,7 +193,7 @@ TEST(normal_maps)
             widen(inputs[k].f[2], n);
             widen(inputs[k].f[3], t);
             // The tangent's direction is lost in rounding as it nears the normal's.
-            double across = sqrt(fmax(1e-12, 1 - dot(n, t) * dot(n, t)));
+            double across = sqrt(fmax(1e-12, 1 - vec3_dot(n, t) * vec3_dot(n, t)));
             float error = distance(items[k].f[3], expected, 3);
             worst = fmaxf(worst, error * (float)across);
             CHECK(error * (float)across < 2e-6f, "%g at %g", (double)error, across);
@@ -269,7 +262,7 @@ TEST(frames_face_the_viewer_and_reflect_upwards)
                 ns[c] = -wo[c];
         double unit[3];
         widen(wo, unit);
-        normalize(unit);
+        vec3_normalize(unit);
         for (int c = 0; c < 3; c++)
             wo[c] = (float)unit[c];
         wo[3] = k % 2 ? 1 : -1;
@@ -287,25 +280,27 @@ TEST(frames_face_the_viewer_and_reflect_upwards)
             widen(items[k].f[i], axes[i]);
         const double *n = axes[2];
         for (int c = 0; c < 3; c++) {
-            mirrored[c] = 2 * dot(wo, n) * n[c] - wo[c];
-            wanted[c] = 2 * dot(wo, ns) * ns[c] - wo[c];
+            mirrored[c] = 2 * vec3_dot(wo, n) * n[c] - wo[c];
+            wanted[c] = 2 * vec3_dot(wo, ns) * ns[c] - wo[c];
         }
         for (int i = 0; i < 3; i++)
-            skew =
-                fmax(skew, fmax(fabs(length(axes[i]) - 1), fabs(dot(axes[i], axes[(i + 1) % 3]))));
-        cross(n, axes[0], b);
-        CHECK(dot(b, axes[1]) * (double)inputs[k].f[3][3] > 0.99, "item %u is turned over", k);
-        CHECK(dot(n, wo) > 0 && dot(n, ng) > 0, "item %u: %g %g", k, dot(n, wo), dot(n, ng));
-        CHECK(dot(mirrored, ng) > 0, "item %u reflects to %g", k, dot(mirrored, ng));
-        lowest = fmin(lowest, dot(mirrored, ng));
+            skew = fmax(skew, fmax(fabs(vec3_norm(axes[i]) - 1),
+                                   fabs(vec3_dot(axes[i], axes[(i + 1) % 3]))));
+        vec3_cross(n, axes[0], b);
+        CHECK(vec3_dot(b, axes[1]) * (double)inputs[k].f[3][3] > 0.99, "item %u is turned over", k);
+        CHECK(vec3_dot(n, wo) > 0 && vec3_dot(n, ng) > 0, "item %u: %g %g", k, vec3_dot(n, wo),
+              vec3_dot(n, ng));
+        CHECK(vec3_dot(mirrored, ng) > 0, "item %u reflects to %g", k, vec3_dot(mirrored, ng));
+        lowest = fmin(lowest, vec3_dot(mirrored, ng));
         // Normals stay as they are from the height on that bend_normal() bends to.
-        if (dot(wanted, ng) > fmin(sqrt(32 * 0x1p-24), dot(wo, ng)) + 1e-5) {
+        if (vec3_dot(wanted, ng) > fmin(sqrt(32 * 0x1p-24), vec3_dot(wo, ng)) + 1e-5) {
             kept++;
-            double sign = dot(ns, wo) < 0 ? -1 : 1;
-            CHECK(fabs(sign * dot(n, ns) - 1) < 1e-6, "item %u was bent to %g", k, dot(n, ns));
+            double sign = vec3_dot(ns, wo) < 0 ? -1 : 1;
+            CHECK(fabs(sign * vec3_dot(n, ns) - 1) < 1e-6, "item %u was bent to %g", k,
+                  vec3_dot(n, ns));
         }
         // The geometric normal is never bent.
-        CHECK(k % 4 != 2 || dot(n, ng) > 1 - 1e-6, "item %u: %g", k, dot(n, ng));
+        CHECK(k % 4 != 2 || vec3_dot(n, ng) > 1 - 1e-6, "item %u: %g", k, vec3_dot(n, ng));
     }
     printf("  %u of %u kept, lowest reflection %.2g, skew %.2g\n", kept, COUNT, lowest, skew);
     CHECK(kept > COUNT / 4 && skew < 1e-6);
@@ -366,7 +361,7 @@ TEST(corners_are_interpolated)
             tangent[i] = between(&mesh->tangents[first][i], &mesh->tangents[first + 1][i],
                                  &mesh->tangents[first + 2][i], b);
         }
-        double l = length(tangent);
+        double l = vec3_norm(tangent);
         for (int i = 0; i < 4; i++)
             tangent[i] *= side / (i < 3 ? l : 1);
         CHECK(distance(items[k].f[0], uv, 2) < 1e-6f &&
@@ -411,7 +406,7 @@ TEST(shapes_have_coordinates)
         for (int c = 0; c < 3; c++)
             out[c] = k & 1 ? (float)normal[c] : d[c];
         if (k & 1) { // a point of the disc
-            double height = dot(n, normal);
+            double height = vec3_dot(n, normal);
             for (int c = 0; c < 3; c++)
                 n[c] -= height * normal[c];
         }
@@ -434,12 +429,12 @@ TEST(shapes_have_coordinates)
             n[c] = k & 1 ? normal[c] : (point[c] - center[c]) / radius;
             t[c] *= side;
         }
-        cross(n, t, b); // up in the picture
+        vec3_cross(n, t, b); // up in the picture
         if (k & 1) {
             double from[3] = {point[0] - at[0], point[1] - at[1], point[2] - at[2]};
-            uv[0] = 0.5 + 0.5 * dot(from, t) / disc_radius;
-            uv[1] = 0.5 - 0.5 * dot(from, b) / disc_radius;
-            worst_tangent = fmax(worst_tangent, fabs(dot(t, n)));
+            uv[0] = 0.5 + 0.5 * vec3_dot(from, t) / disc_radius;
+            uv[1] = 0.5 - 0.5 * vec3_dot(from, b) / disc_radius;
+            worst_tangent = fmax(worst_tangent, fabs(vec3_dot(t, n)));
         } else {
             double across = sqrt(n[0] * n[0] + n[2] * n[2]);
             uv[0] = across > 0 ? 0.5 + atan2(n[0], n[2]) / (2 * M_PI) : 0.5;
@@ -448,7 +443,7 @@ TEST(shapes_have_coordinates)
                 worst_tangent = fmax(worst_tangent,
                                      fmax(fabs(t[0] - n[2] / across), fabs(t[2] + n[0] / across)));
         }
-        CHECK(items[k].f[1][3] == (float)side && fabs(length(t) - 1) < 1e-6);
+        CHECK(items[k].f[1][3] == (float)side && fabs(vec3_norm(t) - 1) < 1e-6);
         for (int c = 0; c < 2; c++) {
             double error = fabs((double)items[k].f[0][c] - uv[c]);
             if (!(k & 1) && c == 0) { // the seam; and the pole, where u is lost

@@ -54,7 +54,7 @@ static double scene_extent(const struct flat_scene *flat)
 {
     double diagonal[3];
     subtract(flat->bounds_max, flat->bounds_min, diagonal);
-    return length(diagonal);
+    return vec3_norm(diagonal);
 }
 
 static void print_ray(const char *what, const struct single_ray *ray)

@@ -63,7 +63,7 @@ static void check_closed(const char *name, struct setup *setup, struct bvh_metho
     subtract(flat->bounds_max, flat->bounds_min, diagonal);
     for (uint32_t i = 0; i < RAYS; i++)
         for (int c = 0; c < 3; c++)
-            rays[i].direction[c] *= (float)(2 * length(diagonal));
+            rays[i].direction[c] *= (float)(2 * vec3_norm(diagonal));
     trace(&setup->r, KERNEL_intersect_shadow, RAYS);
     CHECK(count_misses(RAYS) == 0, "%s: %u of %u shadow rays got out", name, count_misses(RAYS),
           RAYS);
@@ -190,7 +190,7 @@ TEST(coplanar_surfaces_do_not_shade_each_other)
         add_coplanar_squares(&setup.scene, planes[i].size, planes[i].center, planes[i].u,
                              planes[i].v);
         double normal[3];
-        cross(planes[i].u, planes[i].v, normal);
+        vec3_cross(planes[i].u, planes[i].v, normal);
         struct camera *camera = &setup.scene.cameras[0];
         for (int c = 0; c < 3; c++) {
             camera->position[c] = planes[i].center[c] + planes[i].size * normal[c];

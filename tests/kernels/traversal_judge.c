@@ -12,10 +12,10 @@ static double nearest_of_sphere(const struct flat_shape *shape, const struct bvh
     double f[3], closest[3];
     for (int c = 0; c < 3; c++)
         f[c] = ray->origin[c] - (double)shape->center[c];
-    double a = dot(ray->direction, ray->direction), middle = -dot(f, ray->direction) / a;
+    double a = vec3_dot(ray->direction, ray->direction), middle = -vec3_dot(f, ray->direction) / a;
     for (int c = 0; c < 3; c++)
         closest[c] = f[c] + middle * ray->direction[c];
-    double chord2 = (double)shape->radius * (double)shape->radius - dot(closest, closest);
+    double chord2 = (double)shape->radius * (double)shape->radius - vec3_dot(closest, closest);
     if (chord2 < 0)
         return -1;
     double half_chord = sqrt(chord2 / a);
@@ -29,10 +29,10 @@ static double nearest_of_disc(const struct flat_shape *shape, const struct bvh_r
         normal[c] = (double)shape->normal[c];
         to_center[c] = (double)shape->center[c] - ray->origin[c];
     }
-    double t = dot(to_center, normal) / dot(ray->direction, normal);
+    double t = vec3_dot(to_center, normal) / vec3_dot(ray->direction, normal);
     for (int c = 0; c < 3; c++)
         from_center[c] = t * ray->direction[c] - to_center[c];
-    return length(from_center) <= (double)shape->radius ? t : -1; // also for a t that is NaN
+    return vec3_norm(from_center) <= (double)shape->radius ? t : -1; // also for a t that is NaN
 }
 
 static double intersect_shape(const void *context, uint32_t index, const struct bvh_ray *ray)
@@ -226,10 +226,10 @@ static struct judgement judge_sphere(const struct flat_shape *shape, const struc
     double f[3], closest[3], radius = (double)shape->radius;
     for (int c = 0; c < 3; c++)
         f[c] = ray->origin[c] - (double)shape->center[c];
-    double a = dot(ray->direction, ray->direction), middle = -dot(f, ray->direction) / a;
+    double a = vec3_dot(ray->direction, ray->direction), middle = -vec3_dot(f, ray->direction) / a;
     for (int c = 0; c < 3; c++)
         closest[c] = f[c] + middle * ray->direction[c];
-    double near = length(closest), far = length(f);
+    double near = vec3_norm(closest), far = vec3_norm(f);
     double offset = 20 * ROUNDING * far; // of the closest point
     double chord2 = radius * radius - near * near;
     double chord2_error =
@@ -264,20 +264,20 @@ static struct judgement judge_disc(const struct flat_shape *shape, const struct 
         center[c] = (double)shape->center[c];
         to_center[c] = center[c] - ray->origin[c];
     }
-    double slope = dot(ray->direction, normal), speed = length(ray->direction);
+    double slope = vec3_dot(ray->direction, normal), speed = vec3_norm(ray->direction);
     double slope_error = 4 * ROUNDING * speed;
     if (fabs(slope) <= slope_error)
         return (struct judgement){DOUBTFUL, 0, INFINITY};
-    double t = dot(to_center, normal) / slope;
-    double error =
-        (5 * ROUNDING * length(to_center) + fabs(t) * slope_error) / (fabs(slope) - slope_error) +
-        6 * ROUNDING * fabs(t);
+    double t = vec3_dot(to_center, normal) / slope;
+    double error = (5 * ROUNDING * vec3_norm(to_center) + fabs(t) * slope_error) /
+                       (fabs(slope) - slope_error) +
+                   6 * ROUNDING * fabs(t);
     for (int c = 0; c < 3; c++)
         from_center[c] = t * ray->direction[c] - to_center[c];
-    double inside = (double)shape->radius - length(from_center);
+    double inside = (double)shape->radius - vec3_norm(from_center);
     double inside_error = error * speed + 4 * ROUNDING *
-                                              (length(ray->origin) + fabs(t) * speed +
-                                               length(center) + (double)shape->radius);
+                                              (vec3_norm(ray->origin) + fabs(t) * speed +
+                                               vec3_norm(center) + (double)shape->radius);
     enum certainty certainty = inside > inside_error    ? SURE_HIT
                                : inside < -inside_error ? SURE_MISS
                                                         : DOUBTFUL;
@@ -300,8 +300,8 @@ static struct bvh_ray ray_of_instance(const struct flat_instance *instance,
     for (int c = 0; c < 3; c++)
         from[c] = ray->origin[c] - (double)instance->to_world[c][3];
     for (int row = 0; row < 3; row++) {
-        out.origin[row] = dot(m[row], from);
-        out.direction[row] = dot(m[row], ray->direction);
+        out.origin[row] = vec3_dot(m[row], from);
+        out.direction[row] = vec3_dot(m[row], ray->direction);
         slack->origin = fmax(slack->origin, gamma_n(4) * sum_of_products(m[row], from));
         slack->direction =
             fmax(slack->direction, gamma_n(3) * sum_of_products(m[row], ray->direction));

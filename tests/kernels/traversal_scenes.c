@@ -95,7 +95,7 @@ void aim(const float from[3], const float to[3], float direction[3])
 {
     double d[3];
     subtract(to, from, d);
-    double factor = 1 / length(d);
+    double factor = 1 / vec3_norm(d);
     for (int c = 0; c < 3; c++)
         direction[c] = (float)(d[c] * factor);
 }
@@ -122,7 +122,7 @@ static void point_around(const struct flat_scene *flat, struct random *random, f
     random_direction(random, direction);
     for (int c = 0; c < 3; c++)
         point[c] = (float)(((double)flat->bounds_min[c] + (double)flat->bounds_max[c]) / 2 +
-                           (double)direction[c] * length(diagonal));
+                           (double)direction[c] * vec3_norm(diagonal));
 }
 
 // A vertex of a triangle or the middle of one of its edges.
@@ -146,15 +146,15 @@ static void point_at_rim(const struct flat_shape *shape, const float origin[3],
                                               : (double)shape->normal[c];
         other[c] = (double)direction[c];
     }
-    cross(axis, other, aside);
+    vec3_cross(axis, other, aside);
     // Seen from nearby, the outline of a sphere is before its centre.
-    double sine = radius / length(axis);
+    double sine = radius / vec3_norm(axis);
     if (shape->kind == SHAPE_SPHERE && sine < 1)
         radius /= sqrt(1 - sine * sine);
     double by = pow(10, random_between(random, -8, -2));
     radius *= random_u32(random) & 1u ? 1 + by : 1 - by;
     for (int c = 0; c < 3; c++)
-        point[c] = (float)((double)shape->center[c] + radius * aside[c] / length(aside));
+        point[c] = (float)((double)shape->center[c] + radius * aside[c] / vec3_norm(aside));
 }
 
 static void point_on_edge(const struct flat_scene *flat, const float origin[3],
@@ -233,7 +233,7 @@ static void cross_triangle(const struct flat_scene *flat, struct random *random,
         &flat->triangles[random_u32(random) % flat->triangle_count];
     double diagonal[3], u = random_unit(random), v = random_unit(random) * (1 - u);
     subtract(flat->bounds_max, flat->bounds_min, diagonal);
-    double reach = length(diagonal) * pow(10, random_between(random, -5, 0));
+    double reach = vec3_norm(diagonal) * pow(10, random_between(random, -5, 0));
     double before = random_unit(random);
     float direction[3];
     random_direction(random, direction);

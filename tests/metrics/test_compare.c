@@ -1,23 +1,10 @@
 #include "metrics/metrics.h"
+#include "random.h"
 #include "test.h"
 
 static bool near(double a, double b)
 {
     return fabs(a - b) <= 1e-12 * fabs(b);
-}
-
-static uint64_t state = 1;
-
-static double uniform(void)
-{
-    state = state * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
-    return ((double)(state >> 11) + 0.5) * 0x1p-53;
-}
-
-// Box and Muller 1958.
-static double normal(void)
-{
-    return sqrt(-2 * log(uniform())) * cos(2 * acos(-1.0) * uniform());
 }
 
 TEST(compare_matches_hand_values)

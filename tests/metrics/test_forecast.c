@@ -2,23 +2,10 @@
 // of 1,000 draws. The counts' own 99.9 % range about 950 is +-23.
 #include "metrics/forecast.h"
 #include "metrics/metrics.h"
+#include "random.h"
 #include "test.h"
 
 enum { DRAWS = 1000, LEAST = 927, MOST = 973 };
-
-static uint64_t state = 1;
-
-static double uniform(void)
-{
-    state = state * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
-    return ((double)(state >> 11) + 0.5) * 0x1p-53;
-}
-
-// Box and Muller 1958.
-static double normal(void)
-{
-    return sqrt(-2 * log(uniform())) * cos(2 * acos(-1.0) * uniform());
-}
 
 static void check_coverage(const char *what, int covered)
 {

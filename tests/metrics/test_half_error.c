@@ -1,23 +1,8 @@
 // The half-buffer estimate against synthetic noise: the mean over pictures against the expectation
 // of the local relMSE, the intervals against each picture's own.
 #include "metrics/metrics.h"
+#include "random.h"
 #include "test.h"
-
-#include <stdint.h>
-
-// SplitMix64 (Steele, Lea, Flood 2014): not the generator under test.
-static uint64_t random_next(uint64_t *state)
-{
-    uint64_t z = *state += UINT64_C(0x9e3779b97f4a7c15);
-    z = (z ^ z >> 30) * UINT64_C(0xbf58476d1ce4e5b9);
-    z = (z ^ z >> 27) * UINT64_C(0x94d049bb133111eb);
-    return z ^ z >> 31;
-}
-
-static double random_uniform(uint64_t *state) // in (0, 1]
-{
-    return (double)((random_next(state) >> 11) + 1) * 0x1p-53;
-}
 
 // Means of `samples` draws from distributions of mean 1.
 typedef double (*noise_fn)(uint64_t *random, int samples);

@@ -1,20 +1,10 @@
 // Where renders end that are to reach an error: on synthetic noise, whose truth is known, they may
 // not end above it more often than promised, nor go on much longer than they need.
 #include "metrics/metrics.h"
+#include "random.h"
 #include "test.h"
 
-#include <stdint.h>
-
 enum { SIDE = 32, PIXELS = SIDE * SIDE };
-
-// SplitMix64 (Steele, Lea, Flood 2014): not the generator under test.
-static double random_uniform(uint64_t *state) // in (0, 1]
-{
-    uint64_t z = *state += UINT64_C(0x9e3779b97f4a7c15);
-    z = (z ^ z >> 30) * UINT64_C(0xbf58476d1ce4e5b9);
-    z = (z ^ z >> 27) * UINT64_C(0x94d049bb133111eb);
-    return (double)(((z ^ z >> 31) >> 11) + 1) * 0x1p-53;
-}
 
 // One sample of mean 1.
 typedef double (*noise_fn)(uint64_t *random);

@@ -1,22 +1,9 @@
 // What is said of repeated timings, on noise whose truth is known.
 #include "metrics/spread.h"
+#include "random.h"
 #include "test.h"
 
 enum { DRAWS = 1000, ROWS = 10 };
-
-static uint64_t state = 1;
-
-static double uniform(void)
-{
-    state = state * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
-    return ((double)(state >> 11) + 0.5) * 0x1p-53;
-}
-
-// Box and Muller 1958.
-static double normal(void)
-{
-    return sqrt(-2 * log(uniform())) * cos(2 * acos(-1.0) * uniform());
-}
 
 static bool covers(struct interval i, double truth)
 {

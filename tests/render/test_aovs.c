@@ -1,5 +1,6 @@
 // Pictures besides the radiance: their values where they are known, that parts make up the whole,
 // and that they change nothing and depend on nothing that the radiance does not.
+#include "base/maths.h"
 #include "render/wave.h"
 #include "render_fixture.h"
 #include "shared/aov.h"
@@ -17,11 +18,6 @@ struct hit {
     double t, position[3], normal[3];
     bool unsure; // next to an edge
 };
-
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 
 static void take(struct hit *hit, enum object object, double t, const double d[3],
                  const double normal[3], double margin)
@@ -42,14 +38,14 @@ static struct hit expect(uint32_t pixel)
 {
     struct hit hit = {0};
     double d[3] = {(pixel % SIZE + 0.5) / SIZE - 0.5, 0.5 - (pixel / SIZE + 0.5) / SIZE, -1};
-    double norm = sqrt(dot(d, d));
+    double norm = sqrt(vec3_dot(d, d));
     for (int c = 0; c < 3; c++)
         d[c] /= norm;
     const double up[3] = {0, 0, 1}, mirror[3] = {0.6, 0, 0.8};
     double t = -5 / d[2], x = t * d[0], y = t * d[1];
     take(&hit, WALL, t, d, up, fmin(-x, fmin(x + 3, 3 - fabs(y))));
     const double to_mirror[3] = {0.9, -0.9, -4};
-    t = dot(to_mirror, mirror) / dot(d, mirror);
+    t = vec3_dot(to_mirror, mirror) / vec3_dot(d, mirror);
     double off[3], square = 0;
     for (int c = 0; c < 3; c++) {
         off[c] = t * d[c] - to_mirror[c];
@@ -57,7 +53,8 @@ static struct hit expect(uint32_t pixel)
     }
     take(&hit, MIRROR, t, d, mirror, 0.25 - square);
     const double to_glass[3] = {0.8, 0.5, -4};
-    double along = dot(to_glass, d), under = 0.36 - dot(to_glass, to_glass) + along * along;
+    double along = vec3_dot(to_glass, d),
+           under = 0.36 - vec3_dot(to_glass, to_glass) + along * along;
     double normal[3];
     t = along - sqrt(fmax(under, 0));
     for (int c = 0; c < 3; c++)

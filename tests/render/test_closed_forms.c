@@ -1,5 +1,6 @@
 // Scenes whose radiance is known in closed form (by their numbers in docs/verification.md, B and
 // C): furnaces, lights without extent, configuration factors, mirrors, an edge.
+#include "base/maths.h"
 #include "closed_form.h"
 
 // --- the forms ----------------------------------------------------------------------------------
@@ -120,17 +121,6 @@ static double all_lights(double rho, double le, double unused)
 
 static const double triangle[3][3] = {{-0.5, 0.25, 0.5}, {0.75, 0.5, 0.25}, {0.5, 1.5, -0.5}};
 
-static void cross(const double a[3], const double b[3], double out[3])
-{
-    for (int i = 0; i < 3; i++)
-        out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
-}
-
-static double length(const double a[3])
-{
-    return sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
-}
-
 // Lambert's sum over the edges of a polygon whole above the horizon of a floor in y = 0 (Lambert
 // 1760, "Photometria"): E = (Le / 2) |sum of beta_i cos gamma_i|, beta the angle under which an
 // edge is seen from the origin, gamma that between the floor's normal and the normal of the plane
@@ -142,8 +132,8 @@ static double triangle_above(double rho, double le, double unused)
     for (int i = 0; i < 3; i++) {
         const double *a = triangle[i], *b = triangle[(i + 1) % 3];
         double normal[3];
-        cross(a, b, normal);
-        double sine = length(normal), cosine = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        vec3_cross(a, b, normal);
+        double sine = vec3_norm(normal), cosine = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
         sum += atan2(sine, cosine) * normal[1] / sine;
     }
     return rho / M_PI * 0.5 * le * fabs(sum);

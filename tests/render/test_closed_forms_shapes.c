@@ -1,6 +1,7 @@
 // Analytic shapes in scenes whose radiance is known: closed furnaces of every shape and scale,
 // what shapes that glow send to a floor, ground without end and ground that is a huge sphere, and
 // from within glass and fog.
+#include "base/maths.h"
 #include "closed_form.h"
 
 // --- the forms ----------------------------------------------------------------------------------
@@ -37,17 +38,6 @@ static double square_above(double rho, double le, double height)
     return rho * le * 4.0 * a / root * atan(a / root) / M_PI;
 }
 
-static void cross(const double a[3], const double b[3], double out[3])
-{
-    for (int i = 0; i < 3; i++)
-        out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
-}
-
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 // Lambert's sum over the edges of a parallelogram above the horizon of a floor in y = 0, as a part
 // of pi Le: the sign says which side the origin sees.
 static double parallelogram(const double center[3], const double u[3], const double v[3])
@@ -61,9 +51,9 @@ static double parallelogram(const double center[3], const double u[3], const dou
     }
     for (int i = 0; i < 4; i++) {
         double normal[3];
-        cross(corners[i], corners[(i + 1) % 4], normal);
-        double sine = sqrt(dot(normal, normal));
-        sum += atan2(sine, dot(corners[i], corners[(i + 1) % 4])) * normal[1] / sine;
+        vec3_cross(corners[i], corners[(i + 1) % 4], normal);
+        double sine = sqrt(vec3_dot(normal, normal));
+        sum += atan2(sine, vec3_dot(corners[i], corners[(i + 1) % 4])) * normal[1] / sine;
     }
     return 0.5 * sum / M_PI;
 }
@@ -80,7 +70,7 @@ static double box_above(double rho, double le, double unused)
         double at[3], sign = face < 3 ? 1 : -1;
         for (int i = 0; i < 3; i++)
             at[i] = center[i] + sign * axes[face % 3][i];
-        if (sign * dot(at, axes[face % 3]) < 0)
+        if (sign * vec3_dot(at, axes[face % 3]) < 0)
             factor += fabs(parallelogram(at, axes[(face + 1) % 3], axes[(face + 2) % 3]));
     }
     return rho * le * factor;
@@ -90,7 +80,7 @@ static double box_above(double rho, double le, double unused)
 // configuration factor of the floor at the origin.
 static double piece(const double p[3], const double normal[3])
 {
-    double square = dot(p, p), away = -dot(p, normal);
+    double square = vec3_dot(p, p), away = -vec3_dot(p, normal);
     return away > 0 && p[1] > 0 ? away * p[1] / (M_PI * square * square) : 0.0;
 }
 
@@ -102,14 +92,14 @@ static double cylinder_above(double rho, double le, double unused)
 {
     (void)unused;
     const double center[3] = {1.25, 1.5, 0}, half[3] = {0.25, 0.5, 1}, radius = 0.8;
-    double length = sqrt(dot(half, half)), axis[3], x[3], y[3], factor = 0.0;
+    double length = sqrt(vec3_dot(half, half)), axis[3], x[3], y[3], factor = 0.0;
     for (int i = 0; i < 3; i++)
         axis[i] = half[i] / length;
-    cross(axis, (double[3]){1, 0, 0}, x);
-    double norm = sqrt(dot(x, x));
+    vec3_cross(axis, (double[3]){1, 0, 0}, x);
+    double norm = sqrt(vec3_dot(x, x));
     for (int i = 0; i < 3; i++)
         x[i] /= norm;
-    cross(axis, x, y);
+    vec3_cross(axis, x, y);
     for (int a = 0; a < STEPS; a++) {
         double angle = 2 * M_PI * (a + 0.5) / STEPS;
         for (int b = 0; b < STEPS; b++) {

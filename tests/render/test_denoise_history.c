@@ -1,4 +1,5 @@
 // Where the denoiser finds what was seen before the camera moved, against rays traced here.
+#include "base/maths.h"
 #include "denoise_fixture.h"
 #include "shared/bindings.h"
 #include "shared/methods.h"
@@ -18,17 +19,6 @@ struct view {
     uint32_t width, height;
 };
 
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void cross(const double a[3], const double b[3], double out[3])
-{
-    for (int i = 0; i < 3; i++)
-        out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
-}
-
 static void scale(double v[3], double factor)
 {
     for (int i = 0; i < 3; i++)
@@ -38,9 +28,9 @@ static void scale(double v[3], double factor)
 // Unit vectors to the right and upwards, and half of what is seen that way at distance 1.
 static void axes(const struct view *v, double right[3], double up[3], double half[2])
 {
-    cross(v->camera.direction, v->camera.up, right);
-    scale(right, 1 / sqrt(dot(right, right)));
-    cross(right, v->camera.direction, up);
+    vec3_cross(v->camera.direction, v->camera.up, right);
+    scale(right, 1 / sqrt(vec3_dot(right, right)));
+    vec3_cross(right, v->camera.direction, up);
     half[1] =
         v->camera.kind == CAMERA_ORTHOGRAPHIC ? v->camera.height / 2 : tan(v->camera.fov_y / 2);
     half[0] = half[1] * v->width / v->height;
@@ -66,7 +56,7 @@ static void ray(const struct view *v, double x, double y, double origin[3], doub
         origin[i] = v->camera.position[i] + shift[0] * right[i] + shift[1] * up[i];
         direction[i] = forward * v->camera.direction[i] + slope[0] * right[i] + slope[1] * up[i];
     }
-    scale(direction, 1 / sqrt(dot(direction, direction)));
+    scale(direction, 1 / sqrt(vec3_dot(direction, direction)));
 }
 
 // Where a point is in the picture, pixels; false behind the camera.
@@ -76,14 +66,14 @@ static bool find(const struct view *v, const double point[3], double at[2])
     axes(v, right, up, half);
     for (int i = 0; i < 3; i++)
         to[i] = point[i] - v->camera.position[i];
-    double x = dot(to, right), y = dot(to, up), z = dot(to, v->camera.direction);
+    double x = vec3_dot(to, right), y = vec3_dot(to, up), z = vec3_dot(to, v->camera.direction);
     double place[2] = {x / half[0], y / half[1]};
     if (v->camera.kind == CAMERA_PERSPECTIVE)
         for (int i = 0; i < 2; i++)
             place[i] /= z;
     if (v->camera.kind == CAMERA_PANORAMIC) {
         place[0] = atan2(x, z) / M_PI;
-        place[1] = asin(y / sqrt(dot(to, to))) / (M_PI / 2);
+        place[1] = asin(y / sqrt(vec3_dot(to, to))) / (M_PI / 2);
     }
     at[0] = (place[0] + 1) * v->width / 2;
     at[1] = (1 - place[1]) * v->height / 2;
@@ -101,8 +91,8 @@ static struct seen see_ball(const double origin[3], const double direction[3])
     double to[3];
     for (int i = 0; i < 3; i++)
         to[i] = origin[i] - ball_centre[i];
-    double along = dot(to, direction);
-    s.t = -along + sqrt(along * along - dot(to, to) + BALL_RADIUS * BALL_RADIUS);
+    double along = vec3_dot(to, direction);
+    s.t = -along + sqrt(along * along - vec3_dot(to, to) + BALL_RADIUS * BALL_RADIUS);
     for (int i = 0; i < 3; i++)
         s.normal[i] = -(to[i] + s.t * direction[i]) / BALL_RADIUS;
     return s;
@@ -247,7 +237,7 @@ static bool is_straight(const struct view *v, const double point[3])
         to[i] = point[i] - v->camera.position[i];
         centre[i] = ball_centre[i] - v->camera.position[i];
     }
-    return fabs(dot(to, centre)) > 0.9 * sqrt(dot(to, to) * dot(centre, centre));
+    return fabs(vec3_dot(to, centre)) > 0.9 * sqrt(vec3_dot(to, to) * vec3_dot(centre, centre));
 }
 
 static void check_places(const struct trip *t, const struct move *m, int axis)

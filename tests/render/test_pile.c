@@ -1,5 +1,6 @@
 // docs/verification.md, C8: 10^6 identical triangles. No box separates them, so a ray that
 // enters theirs visits them all: far more steps than one dispatch has.
+#include "base/maths.h"
 #include "render_fixture.h"
 
 #define PILE 1000000u
@@ -50,12 +51,6 @@ static bool load_pile(const struct scene_override *overrides, uint32_t count, st
 // --- the CPU reference
 // ----------------------------------------------------------------------------
 
-static void cross(const double a[3], const double b[3], double out[3])
-{
-    for (int i = 0; i < 3; i++)
-        out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
-}
-
 // The ray through a pixel's centre.
 static struct bvh_ray camera_ray(const struct scene *scene, uint32_t x, uint32_t y)
 {
@@ -63,11 +58,11 @@ static struct bvh_ray camera_ray(const struct scene *scene, uint32_t x, uint32_t
     double right[3], up[3], half = tan(0.5 * camera->fov_y);
     double across = (2.0 * x + 1.0) / scene->settings.width - 1.0;
     double upwards = 1.0 - (2.0 * y + 1.0) / scene->settings.height;
-    cross(camera->direction, camera->up, right);
+    vec3_cross(camera->direction, camera->up, right);
     double length = sqrt(right[0] * right[0] + right[1] * right[1] + right[2] * right[2]);
     for (int c = 0; c < 3; c++)
         right[c] /= length;
-    cross(right, camera->direction, up);
+    vec3_cross(right, camera->direction, up);
     struct bvh_ray ray = {.t_max = INFINITY, .ignore = {UINT32_MAX, UINT32_MAX}};
     for (int c = 0; c < 3; c++) {
         ray.origin[c] = camera->position[c];

@@ -1,5 +1,6 @@
 // Lights with photometric profiles above a floor, pixel by pixel against the profile as the loader
 // gives it, in double precision.
+#include "base/maths.h"
 #include "render_fixture.h"
 #include "scene/sky/ies.h"
 #include <math.h>
@@ -55,42 +56,24 @@ static const struct trial trials[] = {
      0},
 };
 
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void cross(const double a[3], const double b[3], double out[3])
-{
-    for (int i = 0; i < 3; i++)
-        out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
-}
-
-static void normalize(double v[3])
-{
-    double length = sqrt(dot(v, v));
-    for (int c = 0; c < 3; c++)
-        v[c] /= length;
-}
-
 // Relative intensity into a unit direction, by the words of scene-format.md.
 static double relative(const struct trial *t, const struct light_profile *p, const double to[3])
 {
     double down[3], up[3], x[3] = {1, 0, 0}, y[3];
     memcpy(down, t->direction, sizeof down);
-    normalize(down);
+    vec3_normalize(down);
     if (fabs(down[0]) == 1)
         x[0] = 0, x[2] = 1;
     for (int c = 0; c < 3; c++)
         up[c] = -down[c];
-    cross(up, x, y);
-    normalize(y);
-    cross(y, up, x);
-    double horizontal = atan2(dot(to, y), dot(to, x)) * 180 / M_PI - t->rotation;
+    vec3_cross(up, x, y);
+    vec3_normalize(y);
+    vec3_cross(y, up, x);
+    double horizontal = atan2(vec3_dot(to, y), vec3_dot(to, x)) * 180 / M_PI - t->rotation;
     horizontal = fmod(horizontal + 720, 360);
     double off[3];
-    cross(down, to, off);
-    double vertical = atan2(sqrt(dot(off, off)), dot(to, down)) * 180 / M_PI;
+    vec3_cross(down, to, off);
+    double vertical = atan2(sqrt(vec3_dot(off, off)), vec3_dot(to, down)) * 180 / M_PI;
     return ies_relative(p, vertical, horizontal);
 }
 
@@ -98,8 +81,8 @@ static double expected(const struct trial *t, const struct light_profile *p, int
 {
     const double at[3] = {(x + 0.5) / 8 - 2, 0, (y + 0.5) / 8 - 2};
     double to[3] = {at[0] - t->position[0], at[1] - t->position[1], at[2] - t->position[2]};
-    double distance2 = dot(to, to);
-    normalize(to);
+    double distance2 = vec3_dot(to, to);
+    vec3_normalize(to);
     double peak = t->peak > 0 ? t->peak : p->greatest;
     return RHO / M_PI * peak * relative(t, p, to) * -to[1] / distance2;
 }

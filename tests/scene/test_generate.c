@@ -1,5 +1,6 @@
 // Generated meshes: the blob is closed, of the wanted size, with right normals; the teapot is the
 // one that is known.
+#include "base/maths.h"
 #include "base/memory.h"
 #include "scene/generate/generate.h"
 #include "test.h"
@@ -9,11 +10,6 @@ static bool make_blob(struct scene *scene, uint32_t triangles, uint32_t *mesh, s
     *scene = (struct scene){0};
     *err = (struct err){0};
     return scene_add_material(scene, NULL) && generate_blob(scene, triangles, 0, mesh, err);
-}
-
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
 // Twice the area times the unit normal of a triangle.
@@ -88,20 +84,20 @@ TEST(radius_and_normals)
         area_vector(mesh, t, area);
         for (int c = 0; c < 9; c++)
             center[c % 3] += (double)mesh->positions[mesh->indices[t][c / 3]][c % 3] / 3.0;
-        double radius = sqrt(dot(center, center));
-        double weight = 0.5 * dot(area, center) / (radius * radius * radius);
+        double radius = sqrt(vec3_dot(center, center));
+        double weight = 0.5 * vec3_dot(area, center) / (radius * radius * radius);
         CHECK(weight > 0.0, "triangle %u faces inwards", t);
         solid_angle += weight;
         mean += weight * radius;
-        double length = sqrt(dot(area, area));
+        double length = sqrt(vec3_dot(area, area));
         smallest = fmin(smallest, length);
         largest = fmax(largest, length);
         for (int i = 0; i < 3; i++) {
             double normal[3];
             for (int c = 0; c < 3; c++)
                 normal[c] = (double)mesh->normals[mesh->indices[t][i]][c];
-            CHECK(fabs(dot(normal, normal) - 1.0) < 1e-6, "triangle %u", t);
-            worst = fmin(worst, dot(normal, area) / length);
+            CHECK(fabs(vec3_dot(normal, normal) - 1.0) < 1e-6, "triangle %u", t);
+            worst = fmin(worst, vec3_dot(normal, area) / length);
         }
     }
     CHECK(fabs(solid_angle - 4.0 * M_PI) < 1e-2, "%g", solid_angle);
@@ -207,14 +203,14 @@ TEST(teapot_normals)
     for (uint32_t t = 0; t < mesh.triangle_count; t++) {
         double area[3];
         area_vector(&mesh, t, area);
-        double length = sqrt(dot(area, area));
+        double length = sqrt(vec3_dot(area, area));
         CHECK(length > 0, "triangle %u has no area", t);
         for (int c = 0; c < 3; c++) {
             const float *f = mesh.normals[mesh.indices[t][c]];
             const double normal[3] = {(double)f[0], (double)f[1], (double)f[2]};
-            CHECK(fabs(dot(normal, normal) - 1) < 1e-6, "triangle %u", t);
-            CHECK(dot(area, normal) > 0.5 * length, "triangle %u: %g", t,
-                  dot(area, normal) / length);
+            CHECK(fabs(vec3_dot(normal, normal) - 1) < 1e-6, "triangle %u", t);
+            CHECK(vec3_dot(area, normal) > 0.5 * length, "triangle %u: %g", t,
+                  vec3_dot(area, normal) / length);
         }
     }
     uint32_t shared = 0;
@@ -272,11 +268,11 @@ TEST(torus_is_closed)
             facing += area[c] * (double)mesh->normals[mesh->indices[t][0]][c];
             sum[c] += area[c];
         }
-        volume += dot(corner, area) / 6;
+        volume += vec3_dot(corner, area) / 6;
         CHECK(facing > 0, "triangle %u faces inwards", t);
     }
     CHECK(fabs(volume / (2 * M_PI * M_PI * 0.09) - 1) < 1e-3, "volume %g", volume);
-    CHECK(dot(sum, sum) < 1e-10, "%g %g %g", sum[0], sum[1], sum[2]);
+    CHECK(vec3_dot(sum, sum) < 1e-10, "%g %g %g", sum[0], sum[1], sum[2]);
     scene_finish(&scene);
 }
 
@@ -299,12 +295,12 @@ static void check_stadium(const struct stadium *stadium)
     for (uint32_t t = 0; t < mesh->triangle_count; t++) {
         double area[3], corner[3];
         area_vector(mesh, t, area);
-        CHECK(dot(area, area) > 0, "triangle %u has no area", t);
+        CHECK(vec3_dot(area, area) > 0, "triangle %u has no area", t);
         for (int c = 0; c < 3; c++) {
             corner[c] = (double)mesh->positions[mesh->indices[t][0]][c];
             sum[c] += area[c] / 2;
         }
-        volume += dot(corner, area) / 6;
+        volume += vec3_dot(corner, area) / 6;
     }
     double of_circle = segments * sin(2 * M_PI / segments) / 2, expected = 0;
     for (uint32_t i = 0; i < n; i++) {

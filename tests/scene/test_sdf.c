@@ -107,7 +107,7 @@ static void check_field(const char *text, const char *more, int pairs)
 #define SPHERE "{\"type\": \"sphere\", \"radius\": 0.7}"
 #define BOX "{\"type\": \"box\", \"size\": [2, 1, 1.4]}"
 
-static const struct field {
+static const struct field_case {
     const char *text, *more;
 } fields[] = {
     {SPHERE, ""},

@@ -1,13 +1,12 @@
 // The sky's formulas at values worked out by hand, its baked image against the formulas, its sun,
 // and gradients.
+#include "base/maths.h"
 #include "scene/core/environment.h"
 #include "scene/core/scene.h"
 #include "scene/sky/sky.h"
 #include "test.h"
 
-#define DEGREE (M_PI / 180)
-
-static double luminance(const double rgb[3])
+static double exact_luminance(const double rgb[3])
 {
     return 0.2126390059 * rgb[0] + 0.7151686788 * rgb[1] + 0.0721923154 * rgb[2];
 }
@@ -26,7 +25,7 @@ static double luminance_towards(const struct sky_model *model, double elevation,
     double rgb[3];
     sky_place_sun(&to, elevation, azimuth);
     sky_radiance(model, to.sun_direction, rgb);
-    return luminance(rgb);
+    return exact_luminance(rgb);
 }
 
 // Preetham, Shirley and Smits 1999, appendix A.2: the zenith's luminance in kcd/m^2 is
@@ -80,10 +79,10 @@ TEST(looks_like_a_sky)
     sky_sun_irradiance(&hazy, suns[2]);
     CHECK(suns[1][2] / suns[1][0] < 0.3 * suns[0][2] / suns[0][0], "low sun %g %g %g", suns[1][0],
           suns[1][1], suns[1][2]);
-    CHECK(luminance(suns[2]) < 0.7 * luminance(suns[0]), "hazy sun %g, clear %g",
-          luminance(suns[2]), luminance(suns[0]));
+    CHECK(exact_luminance(suns[2]) < 0.7 * exact_luminance(suns[0]), "hazy sun %g, clear %g",
+          exact_luminance(suns[2]), exact_luminance(suns[0]));
     // Outside of the atmosphere there are 127 to 134 klx, and on the ground up to about 100.
-    double klx = luminance(suns[0]) * 683 / 1000;
+    double klx = exact_luminance(suns[0]) * 683 / 1000;
     printf("  a sun 50 degrees high: %.1f klx, %.3g %.3g %.3g W/m^2\n", klx, suns[0][0], suns[0][1],
            suns[0][2]);
     CHECK(klx > 70 && klx < 115, "%g klx", klx);
@@ -118,15 +117,15 @@ TEST(baked)
                     const double direction[3] = {radius * cos(2 * M_PI * turn), y,
                                                  radius * sin(2 * M_PI * turn)};
                     sky_radiance(&model, direction, rgb);
-                    mean += luminance(rgb) / 16;
-                    double error = fabs(luminance(texel) / luminance(rgb) - 1);
+                    mean += exact_luminance(rgb) / 16;
+                    double error = fabs(exact_luminance(texel) / exact_luminance(rgb) - 1);
                     worst = fmax(worst, error);
                     squares += error * error;
                     texels++;
                 }
                 double cosine =
                     0.5 * (cos(M_PI * row / SKY_HEIGHT) + cos(M_PI * (row + 1) / SKY_HEIGHT));
-                baked += luminance(texel) * solid_angle * cosine;
+                baked += exact_luminance(texel) * solid_angle * cosine;
                 exact += mean * solid_angle * cosine;
             }
         printf("  turbidity %g, sun at %g: irradiance off by %.1e, radiance by %.2g %% at most, "

@@ -2,8 +2,6 @@
 #include "test.h"
 #include "viewer/core/rig.h"
 
-#define DEGREE (M_PI / 180)
-
 static struct camera looking(const double position[3], const double target[3], const double up[3])
 {
     struct camera camera = {
