@@ -17,6 +17,8 @@ import tempfile
 import time
 import unittest
 
+import program
+
 LAMPYRIS = sys.argv.pop(1)
 ROOT = os.environ['LAMPYRIS_SOURCE_ROOT']
 CORNELL = os.path.join(ROOT, 'scenes', 'cornell.json')
@@ -25,15 +27,12 @@ SMALL = ['--size', '16x16', '--json', '--quiet']
 
 
 def run(*arguments, **environment):
-    return subprocess.run([LAMPYRIS, *arguments], stdout=subprocess.PIPE, text=True,
-                          stderr=subprocess.PIPE, check=False, env={**os.environ, **environment})
+    return program.run(LAMPYRIS, *arguments, env={**os.environ, **environment})
 
 
 def bench(*arguments, **environment):
-    result = run('bench', *arguments, **environment)
-    if result.returncode != 0:
-        raise AssertionError(result.stderr)
-    return json.loads(result.stdout)
+    return json.loads(program.checked(LAMPYRIS, 'bench', *arguments,
+                                      env={**os.environ, **environment}))
 
 
 def rows_of(variant, kind=None):

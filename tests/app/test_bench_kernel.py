@@ -12,6 +12,8 @@ import tempfile
 import time
 import unittest
 
+import program
+
 LAMPYRIS = sys.argv.pop(1)
 SCENES = os.path.join(os.environ['LAMPYRIS_SOURCE_ROOT'], 'scenes')
 CORNELL = os.path.join(SCENES, 'cornell.json')
@@ -19,8 +21,7 @@ SMALL = ['--size', '16x16', '--spp', '4', '--max-bounces', '4']
 
 
 def run(*arguments):
-    return subprocess.run([LAMPYRIS, 'bench', *arguments], stdout=subprocess.PIPE, text=True,
-                          stderr=subprocess.PIPE, check=False)
+    return program.run(LAMPYRIS, 'bench', *arguments)
 
 
 def bench(*arguments):

@@ -15,6 +15,8 @@ import tempfile
 import time
 import unittest
 
+from program import need_device
+
 LAMPYRIS = os.path.abspath(sys.argv.pop(1))
 SCENES = os.path.abspath(sys.argv.pop(1))
 KILLS = 20
@@ -24,12 +26,6 @@ if '--kills' in sys.argv:
     KILLS = int(sys.argv[at + 1])
     del sys.argv[at:at + 2]
 CORNELL = os.path.join(SCENES, 'cornell.json')
-
-
-def need_device():
-    result = subprocess.run([LAMPYRIS, 'devices'], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-    if result.returncode == 69:
-        sys.exit(77)
 
 
 class Checkpoints(unittest.TestCase):
@@ -336,5 +332,5 @@ for name in list(vars(Checkpoints)):
         setattr(Endings, name, None)
 
 if __name__ == '__main__':
-    need_device()
+    need_device(LAMPYRIS)
     unittest.main()

@@ -14,6 +14,8 @@ import sys
 import tempfile
 import unittest
 
+import program
+
 try:
     import jsonschema
 except ImportError:
@@ -28,8 +30,7 @@ with open(os.path.join(ROOT, 'docs', 'converge.schema.json'), encoding='utf-8') 
 
 
 def run(*arguments, **more):
-    return subprocess.run([LAMPYRIS, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                          universal_newlines=True, check=False, **more)
+    return program.run(LAMPYRIS, *arguments, **more)
 
 
 def converge(*arguments):

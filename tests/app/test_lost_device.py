@@ -10,15 +10,11 @@ import sys
 import tempfile
 import unittest
 
+from program import need_device
+
 LAMPYRIS = os.path.abspath(sys.argv.pop(1))
 CORNELL = os.path.join(os.path.abspath(sys.argv.pop(1)), 'cornell.json')
 SMALL = ['--size', '48x40', '--wave', '2k']
-
-
-def need_device():
-    result = subprocess.run([LAMPYRIS, 'devices'], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-    if result.returncode == 69:
-        sys.exit(77)
 
 
 class LostDevice(unittest.TestCase):
@@ -115,5 +111,5 @@ class LostDevice(unittest.TestCase):
 
 
 if __name__ == '__main__':
-    need_device()
+    need_device(LAMPYRIS)
     unittest.main()

@@ -7,16 +7,16 @@ import importlib.machinery
 import importlib.util
 import json
 import os
-import struct
 import subprocess
 import sys
 import tempfile
 import unittest
 
+import png_pixels
+from program import need_device
+
 LAMPYRIS = os.path.abspath(sys.argv.pop(1))
 ROOT = os.path.abspath(sys.argv.pop(1))
-sys.path.insert(0, os.path.join(ROOT, 'tests', 'viewer'))
-import png_pixels  # noqa: E402
 
 # Its models, and its way to write them.
 LOADER = importlib.machinery.SourceFileLoader(
@@ -28,12 +28,6 @@ LOADER.exec_module(make_models)
 SIZE = 64
 WHITE = {'pbrMetallicRoughness': {'baseColorFactor': [.9, .9, .9, 1], 'metallicFactor': 0}}
 MISSING = {'pbrMetallicRoughness': {'baseColorTexture': {'index': 0}, 'metallicFactor': 0}}
-
-
-def need_device():
-    result = subprocess.run([LAMPYRIS, 'devices'], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-    if result.returncode == 69:
-        sys.exit(77)
 
 
 class Base(unittest.TestCase):
@@ -280,5 +274,5 @@ class Empty(Base):
 
 
 if __name__ == '__main__':
-    need_device()
+    need_device(LAMPYRIS)
     unittest.main(verbosity=0)

@@ -17,16 +17,12 @@ import sys
 import tempfile
 import unittest
 
+from program import need_device
+
 LAMPYRIS = os.path.abspath(sys.argv.pop(1))
 ROOT = os.path.abspath(sys.argv.pop(1))
 BUILD = os.path.dirname(os.path.dirname(os.path.dirname(LAMPYRIS)))
 VIEWER = os.path.join(BUILD, 'src/viewer/lampyris-view')
-
-
-def need_device():
-    result = subprocess.run([LAMPYRIS, 'devices'], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-    if result.returncode == 69:
-        sys.exit(77)
 
 
 def read(path):
@@ -77,7 +73,7 @@ class Commands(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        need_device()
+        need_device(LAMPYRIS)
         folder = tempfile.TemporaryDirectory()
         cls.addClassCleanup(folder.cleanup)
         cls.folder = folder.name

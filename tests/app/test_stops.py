@@ -14,6 +14,8 @@ import tempfile
 import time
 import unittest
 
+from program import need_device
+
 LAMPYRIS = os.path.abspath(sys.argv.pop(1))
 CORNELL = os.path.join(os.path.abspath(sys.argv.pop(1)), 'cornell.json')
 # From the signal to the end: a second at most on a quiet machine.
@@ -23,12 +25,6 @@ SLOW = ['--size', '1000x600', '--wave', '512', '--spp', '64']
 
 # Children inherit a signal that is ignored, as nohup has it with SIGHUP.
 signal.signal(signal.SIGHUP, signal.SIG_DFL)
-
-
-def need_device():
-    result = subprocess.run([LAMPYRIS, 'devices'], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-    if result.returncode == 69:
-        sys.exit(77)
 
 
 class Stops(unittest.TestCase):
@@ -214,5 +210,5 @@ class Stops(unittest.TestCase):
 
 
 if __name__ == '__main__':
-    need_device()
+    need_device(LAMPYRIS)
     unittest.main()

@@ -15,18 +15,14 @@ import sys
 import tempfile
 import unittest
 
+from program import need_device
+
 LAMPYRIS = os.path.abspath(sys.argv.pop(1))
 ROOT = os.path.abspath(sys.argv.pop(1))
 
 
 def scene(name):
     return os.path.join(ROOT, 'scenes', name + '.json')
-
-
-def need_device():
-    result = subprocess.run([LAMPYRIS, 'devices'], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-    if result.returncode == 69:
-        sys.exit(77)
 
 
 def on_terminal(*arguments):
@@ -291,5 +287,5 @@ class Progress(Base):
 
 
 if __name__ == '__main__':
-    need_device()
+    need_device(LAMPYRIS)
     unittest.main()

@@ -17,6 +17,8 @@ import time
 import unittest
 import zlib
 
+from program import need_device
+
 LAMPYRIS = os.path.abspath(sys.argv.pop(1))
 ROOT = os.path.abspath(sys.argv.pop(1))
 SCENE = os.path.join(ROOT, 'scenes', 'cornell.json')
@@ -24,12 +26,6 @@ CREATE_IMAGE, UPDATE_IMAGE = 4, 5
 # Nine megabytes for the viewer: several packets, and more than fits into a connection's buffers.
 LARGE = ('--spp', '1', '--max-bounces', '0', '--aov', 'albedo,normal,position,direct,indirect')
 TYPES = {0: ('I', 4), 1: ('e', 2), 2: ('f', 4)}  # of EXR channels
-
-
-def need_device():
-    result = subprocess.run([LAMPYRIS, 'devices'], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-    if result.returncode == 69:
-        sys.exit(77)
 
 
 class Packet:
@@ -401,5 +397,5 @@ class Slow(Base):
 
 
 if __name__ == '__main__':
-    need_device()
+    need_device(LAMPYRIS)
     unittest.main()

@@ -6,7 +6,6 @@ what twice the time would bring.
 """
 import csv
 import json
-import math
 import os
 import re
 import signal
@@ -16,17 +15,13 @@ import tempfile
 import time
 import unittest
 
+from program import need_device
+
 LAMPYRIS = os.path.abspath(sys.argv.pop(1))
 ROOT = os.path.abspath(sys.argv.pop(1))
 SCENE = os.path.join(ROOT, 'scenes', 'cornell.json')
 # All pixels alike, so that their noise is known from 16 samples on.
 EVEN = (os.path.join(ROOT, 'tests', 'render', 'scenes', 'plane.json'), '--env', 'sky:elevation=30')
-
-
-def need_device():
-    result = subprocess.run([LAMPYRIS, 'devices'], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-    if result.returncode == 69:
-        sys.exit(77)
 
 
 def validators():
@@ -437,5 +432,5 @@ class Schema(Base):
 
 
 if __name__ == '__main__':
-    need_device()
+    need_device(LAMPYRIS)
     unittest.main()

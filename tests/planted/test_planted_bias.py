@@ -6,10 +6,11 @@ sampling are 1.02 times what they should be, beside the honest one, against an h
 
 import json
 import os
-import subprocess
 import sys
 import tempfile
 import unittest
+
+from program import checked
 
 HONEST, BIASED = sys.argv[1:3]
 del sys.argv[1:3]
@@ -32,14 +33,6 @@ FLOOR = {
 BIAS = (1 - 1 / 1.02) ** 2
 
 
-def run(*arguments):
-    result = subprocess.run(arguments, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                            universal_newlines=True, check=False)
-    if result.returncode != 0:
-        raise AssertionError(result.stderr)
-    return result.stdout
-
-
 class Planted(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -54,12 +47,12 @@ class Planted(unittest.TestCase):
 
     def reference(self, scene, spp, *arguments):
         path = os.path.join(self.folder.name, f'reference-{len(os.listdir(self.folder.name))}.exr')
-        run(HONEST, 'render', scene, '--spp', str(spp), '--seed', '77', '--aov', 'halves', '-o', path,
+        checked(HONEST, 'render', scene, '--spp', str(spp), '--seed', '77', '--aov', 'halves', '-o', path,
             '-q', *arguments)
         return path
 
     def curve(self, program, scene, reference, *arguments):
-        result = json.loads(run(program, 'converge', scene, '--reference', reference, '--json', '-q',
+        result = json.loads(checked(program, 'converge', scene, '--reference', reference, '--json', '-q',
                                 '--sampler', 'pcg', *arguments))
         return result['curves'][0]
 

@@ -80,5 +80,5 @@ class Manual(Tour):
 
 if __name__ == '__main__':
     sys.argv = [argument for argument in sys.argv if argument != '--write']
-    viewer_run.need_device()
+    viewer_run.need_device(viewer_run.LAMPYRIS)
     viewer_run.unittest.main(defaultTest='Manual.test_page_is_up_to_date')

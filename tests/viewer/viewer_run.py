@@ -10,6 +10,8 @@ import sys
 import tempfile
 import unittest
 
+from program import need_device
+
 LAMPYRIS = os.path.abspath(sys.argv.pop(1))
 VIEWER = os.path.abspath(sys.argv.pop(1))
 ROOT = os.path.abspath(sys.argv.pop(1))
@@ -18,12 +20,6 @@ CORNELL = os.path.join(SCENES, 'cornell.json')
 SPHERES = os.path.join(SCENES, 'spheres.json')
 DATA = os.path.join(os.path.dirname(ROOT), 'shared', 'data')
 SIZE = '160x90'
-
-
-def need_device():
-    result = subprocess.run([LAMPYRIS, 'devices'], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-    if result.returncode == 69:
-        sys.exit(77)
 
 
 class Result:
@@ -99,5 +95,5 @@ class Case(unittest.TestCase):
 
 
 def main():
-    need_device()
+    need_device(LAMPYRIS)
     unittest.main()

@@ -38,6 +38,10 @@ def read(path):
     return width, height, rows
 
 
+def pixel(picture, x, y):
+    return tuple(picture[2][y][3 * x:3 * x + 3])
+
+
 def most_different(a, b, columns):
     """The greatest difference of two pictures' codes in those columns."""
     return max(abs(x - y) for row, other in zip(a[2], b[2])
