@@ -49,7 +49,7 @@ static void done(void *context, void *viewer, bool ok, const struct err *err)
     tally->failed += !ok;
     tally->done++;
     if (tally->again) {
-        struct job job = {"again", run, done, tally->task};
+        struct worker_task job = {"again", run, done, tally->task};
         CHECK(worker_add(tally->again, &job), "from inside of done");
         tally->again = NULL;
     }
@@ -74,7 +74,7 @@ TEST(jobs_run_in_their_order)
     CHECK(worker_is_idle(worker), "at first");
     for (int i = 0; i < 50; i++) {
         tasks[i] = (struct task){.started = &started, .fails = i % 3 == 0};
-        CHECK(worker_add(worker, &(struct job){"some", run, done, &tasks[i]}), "%d", i);
+        CHECK(worker_add(worker, &(struct worker_task){"some", run, done, &tasks[i]}), "%d", i);
     }
     CHECK(tally.done == 0, "only worker_poll calls done");
     wait_until_idle(worker, &tally);
@@ -96,7 +96,7 @@ TEST(a_full_list_takes_no_more)
     REQUIRE(worker_create(&worker, &err), "%s", err.msg);
     for (int i = 0; i < 66; i++) {
         tasks[i] = (struct task){.started = &started, .gate = &gate};
-        bool is_taken = worker_add(worker, &(struct job){"wait", run, done, &tasks[i]});
+        bool is_taken = worker_add(worker, &(struct worker_task){"wait", run, done, &tasks[i]});
         CHECK(is_taken == (i < 64), "%d: %d", i, is_taken);
     }
     CHECK(worker_count(worker, "wait") == 64, "%u", worker_count(worker, "wait"));
@@ -116,7 +116,7 @@ TEST(done_may_add_a_job)
     struct task first = {.started = &started}, second = {.started = &started};
     REQUIRE(worker_create(&worker, &err), "%s", err.msg);
     struct tally tally = {.again = worker, .task = &second};
-    worker_add(worker, &(struct job){"first", run, done, &first});
+    worker_add(worker, &(struct worker_task){"first", run, done, &first});
     wait_until_idle(worker, &tally);
     CHECK(tally.done == 2 && tally.in_order == 2, "%d", tally.done);
     worker_destroy(worker, &tally);

@@ -280,7 +280,7 @@ void reload_shaders(struct viewer *viewer)
         .is_cancelled = &reload->is_cancelled,
     };
     c->start_ns = clock_ns();
-    if (!worker_add(viewer->worker, &(struct job){"shaders", compile, done, c})) {
+    if (!worker_add(viewer->worker, &(struct worker_task){"shaders", compile, done, c})) {
         free(c);
         viewer_message(viewer, MESSAGE_ERROR, "shaders: too much else is being done");
         return;

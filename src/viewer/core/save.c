@@ -222,7 +222,7 @@ static struct saving *begin(const struct viewer *viewer, const char *path, const
 static bool hand_over(struct viewer *viewer, struct saving *saving, bool ok, struct err *err)
 {
     if (ok &&
-        !worker_add(viewer->worker, &(struct job){"picture", write_picture, picture_done, saving}))
+        !worker_add(viewer->worker, &(struct worker_task){"picture", write_picture, picture_done, saving}))
         ok = err_set(err, ERR_OUTPUT, "too many pictures wait to be written");
     if (ok)
         return true;

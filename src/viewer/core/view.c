@@ -163,7 +163,7 @@ bool view_look_at_error(struct viewer *viewer, uint32_t side, struct err *err)
     view->looked_seconds = viewer_seconds(viewer);
     // At doubling numbers; beyond, the time decides.
     view->next_look = job->samples >= 256 ? job->samples + 2 : 2 * job->samples;
-    view->is_looking = worker_add(viewer->worker, &(struct job){
+    view->is_looking = worker_add(viewer->worker, &(struct worker_task){
                                                       .name = "error",
                                                       .run = run_look,
                                                       .done = look_done,

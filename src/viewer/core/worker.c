@@ -5,10 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define JOBS_MAX 64u
+#define TASKS_MAX 64u
 
 struct entry {
-    struct job job;
+    struct worker_task task;
     bool ok;
     struct err err;
 };
@@ -17,15 +17,15 @@ struct entry {
 struct worker {
     pthread_t thread;
     pthread_mutex_t mutex; // of all below
-    pthread_cond_t wake;   // there is a job, or `is_closing`
-    struct entry entries[JOBS_MAX];
+    pthread_cond_t wake;   // there is a task, or `is_closing`
+    struct entry entries[TASKS_MAX];
     uint64_t taken, finished, added;
     bool is_closing;
 };
 
 static struct entry *entry_at(struct worker *worker, uint64_t number)
 {
-    return &worker->entries[number % JOBS_MAX];
+    return &worker->entries[number % TASKS_MAX];
 }
 
 static void *worker_main(void *argument)
@@ -39,7 +39,7 @@ static void *worker_main(void *argument)
             break;
         struct entry *entry = entry_at(worker, worker->finished);
         pthread_mutex_unlock(&worker->mutex); // nobody else writes to this entry
-        entry->ok = entry->job.run(entry->job.context, &entry->err);
+        entry->ok = entry->task.run(entry->task.context, &entry->err);
         pthread_mutex_lock(&worker->mutex);
         worker->finished++;
     }
@@ -92,19 +92,19 @@ void worker_destroy(struct worker *worker, void *viewer)
     free(worker);
 }
 
-bool worker_add(struct worker *worker, const struct job *job)
+bool worker_add(struct worker *worker, const struct worker_task *task)
 {
     pthread_mutex_lock(&worker->mutex);
-    bool is_taken = worker->added - worker->taken < JOBS_MAX && !worker->is_closing;
+    bool is_taken = worker->added - worker->taken < TASKS_MAX && !worker->is_closing;
     if (is_taken) {
-        *entry_at(worker, worker->added++) = (struct entry){.job = *job};
+        *entry_at(worker, worker->added++) = (struct entry){.task = *task};
         pthread_cond_signal(&worker->wake);
     }
     pthread_mutex_unlock(&worker->mutex);
     return is_taken;
 }
 
-// Frees the entry, so that `done` may add a job.
+// Frees the entry, so that `done` may add a task.
 static bool take_finished(struct worker *worker, struct entry *out)
 {
     pthread_mutex_lock(&worker->mutex);
@@ -119,7 +119,7 @@ void worker_poll(struct worker *worker, void *viewer)
 {
     struct entry entry;
     while (take_finished(worker, &entry))
-        entry.job.done(entry.job.context, viewer, entry.ok, &entry.err);
+        entry.task.done(entry.task.context, viewer, entry.ok, &entry.err);
 }
 
 uint32_t worker_count(const struct worker *worker, const char *name)
@@ -128,7 +128,7 @@ uint32_t worker_count(const struct worker *worker, const char *name)
     uint32_t count = 0;
     pthread_mutex_lock(&w->mutex);
     for (uint64_t i = w->finished; i < w->added; i++)
-        count += strcmp(entry_at(w, i)->job.name, name) == 0;
+        count += strcmp(entry_at(w, i)->task.name, name) == 0;
     pthread_mutex_unlock(&w->mutex);
     return count;
 }
