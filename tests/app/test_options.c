@@ -1,5 +1,6 @@
 #include "cli/commands.h"
 #include "cli/options.h"
+#include "cli/render/render_run.h"
 #include "test.h"
 
 enum { MOST_WORDS = 32 };
@@ -318,6 +319,29 @@ TEST(the_table_is_complete)
     }
 }
 
+// What `lampyris render` prints to follow a contribution that was left out is a command line.
+TEST(the_reproducing_command_follows_its_path)
+{
+    struct options options, again;
+    struct err err;
+    REQUIRE(parse("render floor.json --spp 4", &options, &err), "%s", err.msg);
+    struct render_run run = {.options = &options};
+    run.job.film.width = 32;
+    CHECK(!render_reproducing_command(&run), "nothing was left out");
+    run.job.renderer.stats.nonfinite =
+        (struct nonfinite_stats){.recorded = true, .pixel = 5 * 32 + 7, .sample = 3};
+    const char *command = render_reproducing_command(&run);
+    REQUIRE(command && strncmp(command, "lampyris ", 9) == 0, "%s", command);
+    REQUIRE(parse(command + 9, &again, &err), "%s: %s", command, err.msg);
+    CHECK(options_given(&again, OPTION_PIXEL) && options_given(&again, OPTION_SAMPLE) &&
+              again.pixel[0] == 7 && again.pixel[1] == 5 && again.sample == 3 &&
+              again.settings.spp == 4 && strcmp(again.arguments[0], "floor.json") == 0,
+          "%s", command);
+    options_finish(&again);
+    options_finish(&options);
+    arena_finish(&run.arena);
+}
+
 TEST_MAIN(TEST_CASE(every_option_of_render_is_stored),
           TEST_CASE(defaults_hold_where_nothing_is_given),
           TEST_CASE(only_given_settings_are_applied), TEST_CASE(arguments_and_options_mix),
@@ -326,4 +350,5 @@ TEST_MAIN(TEST_CASE(every_option_of_render_is_stored),
           TEST_CASE(usage_errors_say_what_was_expected),
           TEST_CASE(value_errors_name_the_option_and_the_value),
           TEST_CASE(combinations_are_checked), TEST_CASE(memory_runs_out_politely),
-          TEST_CASE(settings_take_what_their_table_says), TEST_CASE(the_table_is_complete))
+          TEST_CASE(settings_take_what_their_table_says), TEST_CASE(the_table_is_complete),
+          TEST_CASE(the_reproducing_command_follows_its_path))

@@ -1,6 +1,6 @@
 // Sample counts by tile: how they are shared out, that they bias nothing, and what they are worth;
 // and the promise of --error on a real scene.
-#include "cli/render/render_job.h"
+#include "job/job.h"
 #include "metrics/metrics.h"
 #include "render_fixture.h"
 #include "replicates.h"
@@ -76,34 +76,32 @@ TEST(counts_go_with_the_root_of_the_variance)
 // --- renders
 // --------------------------------------------------------------------------------------
 
-// A job without a command line: what the program does, in one process and many times.
-static bool start_job(struct render_job *job, struct options *options, struct gpu *gpu,
-                      const char *scene, const struct scene_override *overrides, struct err *err)
+// What the program does, in one process and many times.
+struct trial {
+    struct scene scene;
+    struct job job;
+};
+
+static bool start_trial(struct trial *trial, struct job_goal goal, struct gpu *gpu,
+                        const char *scene, const struct scene_override *overrides, struct err *err)
 {
-    *job = (struct render_job){.options = options};
-    if (!load_scene(scene, overrides, &job->scene, err) || !job_settle_samples(job, err))
-        return false;
-    const struct renderer_params params = {
-        .gpu = gpu, .scene = &job->scene, .tiles = options->adaptive, .wave = 16384};
-    return renderer_create(&params, &job->renderer, err);
+    *trial = (struct trial){0};
+    const struct job_params params = {
+        .renderer = {.gpu = gpu, .wave = 16384}, .scene = &trial->scene, .goal = goal};
+    return load_scene(scene, overrides, &trial->scene, err) && job_start(&params, &trial->job, err);
 }
 
-static void finish_job(struct render_job *job)
+static void finish_trial(struct trial *trial)
 {
-    renderer_finish(&job->renderer);
-    scene_finish(&job->scene);
-    arena_finish(&job->film_arena);
-    arena_finish(&job->arena);
+    job_finish(&trial->job);
+    scene_finish(&trial->scene);
 }
 
 // From the beginning, with another seed.
-static bool run_job(struct render_job *job, uint32_t seed, struct err *err)
+static bool run_trial(struct trial *trial, uint32_t seed, struct err *err)
 {
-    job->renderer.tiles.count = 0;
-    job->look_count = 0;
-    job->ended_by = ENDED_BY_SAMPLES;
-    job->scene.settings.seed = seed;
-    return renderer_restart(&job->renderer, seed, err) && job_render(job, err) &&
+    struct job *job = &trial->job;
+    return job_begin(job, seed, trial->scene.settings.spp, err) && job_run(job, err) &&
            job_read_film(job, err);
 }
 
@@ -128,7 +126,7 @@ struct tile_results {
     double counts[BIAS_TILES][REPLICATES], means[BIAS_TILES][REPLICATES];
 };
 
-static void note_tiles(const struct render_job *job, uint32_t replicate, struct tile_results *out)
+static void note_tiles(const struct job *job, uint32_t replicate, struct tile_results *out)
 {
     for (uint32_t tile = 0; tile < BIAS_TILES; tile++) {
         out->counts[tile][replicate] = job->plan.counts[tile];
@@ -163,24 +161,23 @@ static double covariance_t(const struct tile_results *results)
 // by another estimator.
 TEST(counts_bias_nothing)
 {
-    struct options adaptive = {.adaptive = true, .settings.spp = 16};
-    struct options plain = {.settings.spp = 32};
-    adaptive.given[OPTION_SPP] = plain.given[OPTION_SPP] = true;
-    struct render_job job, reference;
+    const struct job_goal adaptive = {.samples = 16, .adaptive = true}, plain = {.samples = 32};
+    struct trial trial, reference;
+    const struct job *job = &trial.job;
     struct replicates tiles = {.count = 3}, even = {.count = 3};
     static struct tile_results results;
     struct gpu gpu;
     struct err err = {0};
     OPEN_GPU(&gpu, 0);
-    REQUIRE_OK(start_job(&job, &adaptive, &gpu, caustic_scene, spiky, &err));
-    REQUIRE_OK(start_job(&reference, &plain, &gpu, caustic_scene, smooth, &err));
+    REQUIRE_OK(start_trial(&trial, adaptive, &gpu, caustic_scene, spiky, &err));
+    REQUIRE_OK(start_trial(&reference, plain, &gpu, caustic_scene, smooth, &err));
     for (uint32_t i = 0; i < REPLICATES; i++) {
         double values[2][REPLICATES_VALUES];
-        REQUIRE_OK(run_job(&job, i, &err) && run_job(&reference, REFERENCE_SEED + i, &err));
-        CHECK(job.plan.least < job.plan.most, "seed %u: all tiles have %u", i, job.plan.least);
-        note_tiles(&job, i, &results);
-        MEASURE_MEAN.measure(&job.film, values[0]);
-        MEASURE_MEAN.measure(&reference.film, values[1]);
+        REQUIRE_OK(run_trial(&trial, i, &err) && run_trial(&reference, REFERENCE_SEED + i, &err));
+        CHECK(job->plan.least < job->plan.most, "seed %u: all tiles have %u", i, job->plan.least);
+        note_tiles(job, i, &results);
+        MEASURE_MEAN.measure(&job->film, values[0]);
+        MEASURE_MEAN.measure(&reference.job.film, values[1]);
         for (int c = 0; c < 3; c++) {
             tiles.values[c][i] = values[0][c];
             even.values[c][i] = values[1][c];
@@ -197,8 +194,8 @@ TEST(counts_bias_nothing)
     double t = covariance_t(&results);
     printf("counts and means of tiles: t = %.2f\n", t);
     CHECK(fabs(t) < REPLICATES_T_MAX, "counts and means of tiles go together: t = %g", t);
-    finish_job(&job);
-    finish_job(&reference);
+    finish_trial(&trial);
+    finish_trial(&reference);
     gpu_close(&gpu);
 }
 
@@ -215,31 +212,30 @@ TEST(a_caustic_gains)
 {
     enum { SEEDS = 8, SAMPLES = 128 };
     const struct scene_override overrides[] = {{"settings.sampler", "pcg"}, {0}};
-    struct options by_tile = {.adaptive = true, .settings.spp = SAMPLES};
-    struct options even = {.settings.spp = SAMPLES + 16}, many = {.settings.spp = 4096};
-    by_tile.given[OPTION_SPP] = even.given[OPTION_SPP] = many.given[OPTION_SPP] = true;
-    struct render_job jobs[2], reference;
+    const struct job_goal by_tile = {.samples = SAMPLES, .adaptive = true};
+    const struct job_goal even = {.samples = SAMPLES + 16}, many = {.samples = 4096};
+    struct trial trials[2], reference;
     double sums[2] = {0};
     struct gpu gpu;
     struct err err = {0};
     OPEN_GPU(&gpu, 0);
-    REQUIRE_OK(start_job(&jobs[0], &even, &gpu, caustic_scene, overrides, &err) &&
-               start_job(&jobs[1], &by_tile, &gpu, caustic_scene, overrides, &err) &&
-               start_job(&reference, &many, &gpu, caustic_scene, overrides, &err));
-    REQUIRE_OK(run_job(&reference, REFERENCE_SEED, &err));
+    REQUIRE_OK(start_trial(&trials[0], even, &gpu, caustic_scene, overrides, &err) &&
+               start_trial(&trials[1], by_tile, &gpu, caustic_scene, overrides, &err) &&
+               start_trial(&reference, many, &gpu, caustic_scene, overrides, &err));
+    REQUIRE_OK(run_trial(&reference, REFERENCE_SEED, &err));
     for (uint32_t seed = 0; seed < SEEDS; seed++)
         for (int i = 0; i < 2; i++) {
-            REQUIRE_OK(run_job(&jobs[i], seed, &err));
-            sums[i] += relmse(&jobs[i].film, &reference.film) / SEEDS;
+            REQUIRE_OK(run_trial(&trials[i], seed, &err));
+            sums[i] += relmse(&trials[i].job.film, &reference.job.film) / SEEDS;
         }
     printf("relMSE evenly %.5f, by tile (%u to %u) %.5f: %.2f times\n", sums[0],
-           jobs[1].film.samples ? (unsigned)jobs[1].film.least_samples : 0,
-           (unsigned)jobs[1].film.most_samples, sums[1], sums[0] / sums[1]);
+           trials[1].job.film.samples ? (unsigned)trials[1].job.film.least_samples : 0,
+           (unsigned)trials[1].job.film.most_samples, sums[1], sums[0] / sums[1]);
     // The reference's own error is in both sums; 8 seeds leave some 20 % of noise.
     CHECK(sums[0] / sums[1] > 1.05, "%g", sums[0] / sums[1]);
     for (int i = 0; i < 2; i++)
-        finish_job(&jobs[i]);
-    finish_job(&reference);
+        finish_trial(&trials[i]);
+    finish_trial(&reference);
     gpu_close(&gpu);
 }
 
@@ -268,31 +264,33 @@ TEST(errors_asked_for_are_kept)
                                                {"settings.sampler", "pcg"},
                                                {"camera.focal_length_mm", "60"},
                                                {0}};
-    struct options options = {.error = limit}, many = {.settings.spp = 2048};
-    many.given[OPTION_SPP] = true;
-    struct render_job job, reference;
+    struct trial trial, reference;
+    const struct job *job = &trial.job;
     struct gpu gpu;
     struct err err = {0};
     OPEN_GPU(&gpu, 0);
-    REQUIRE_OK(start_job(&job, &options, &gpu, "scenes/cornell.json", overrides, &err) &&
-               start_job(&reference, &many, &gpu, "scenes/cornell.json", overrides, &err) &&
-               run_job(&reference, REFERENCE_SEED, &err));
+    REQUIRE_OK(start_trial(&trial, (struct job_goal){.error = limit}, &gpu, "scenes/cornell.json",
+                           overrides, &err) &&
+               start_trial(&reference, (struct job_goal){.samples = 2048}, &gpu,
+                           "scenes/cornell.json", overrides, &err) &&
+               run_trial(&reference, REFERENCE_SEED, &err));
     uint32_t holds = 0;
     double samples = 0, sum = 0;
     for (uint32_t seed = 0; seed < SEEDS; seed++) {
-        REQUIRE_OK(run_job(&job, seed, &err));
-        double truth = local_relmse(&job.film, &reference.film) - reference.error.local_relmse;
-        CHECK(job.ended_by == ENDED_BY_ERROR, "seed %u", seed);
+        REQUIRE_OK(run_trial(&trial, seed, &err));
+        double truth =
+            local_relmse(&job->film, &reference.job.film) - reference.job.error.local_relmse;
+        CHECK(job->ended_by == ENDED_BY_ERROR, "seed %u", seed);
         holds += truth < limit;
         sum += truth / SEEDS;
-        samples += (double)job.film.least_samples / SEEDS;
+        samples += (double)job->film.least_samples / SEEDS;
     }
     printf("%u of %u are below %g; on average %.4f after %.0f spp\n", holds, SEEDS, limit, sum,
            samples);
     CHECK(holds >= HOLD_MIN, "%u of %u", holds, SEEDS);
     CHECK(sum > 0.1 * limit, "ended far too late: %g", sum);
-    finish_job(&job);
-    finish_job(&reference);
+    finish_trial(&trial);
+    finish_trial(&reference);
     gpu_close(&gpu);
 }
 

@@ -1,6 +1,5 @@
 // Contributions that are not finite are left out, counted by the place they came from, and can be
 // followed. Loaders let no such scene pass, so each test spoils one in memory.
-#include "cli/render/render_job.h"
 #include "estimators.h"
 #include "render/probe/replay.h"
 #include "render_fixture.h"
@@ -151,42 +150,5 @@ TEST(validation_is_silent)
     gpu_close(&gpu);
 }
 
-// The command that `lampyris render` prints, read back as its command line, follows such a path.
-TEST(reproducing_command)
-{
-    char *argv[] = {"lampyris", "render", "floor.json", "--spp", "4", NULL};
-    struct options options, again;
-    struct render_job job = {.options = &options};
-    struct err err = {0};
-    OPEN_GPU(&job.gpu, 0);
-    REQUIRE_OK(options_parse(5, argv, &options, &err));
-    REQUIRE_OK(load_floor(ESTIMATOR_NEE, &job.scene, &err));
-    for (int c = 0; c < 3; c++)
-        material_named(&job.scene, "light")->emission[c] = 3e36f;
-    const struct renderer_params params = {.gpu = &job.gpu, .scene = &job.scene};
-    const struct render_call call = {.samples = SAMPLES};
-    REQUIRE_OK(renderer_create(&params, &job.renderer, &err) &&
-               renderer_render(&job.renderer, &call, &err) &&
-               renderer_read(&job.renderer, &job.arena, &job.film, &err));
-
-    const char *command = job_reproducing_command(&job);
-    REQUIRE(command, "none");
-    char *rest = arena_strdup(&job.arena, command), *words[16];
-    int count = 0;
-    for (char *word; (word = strsep(&rest, " ")) && count < 16;)
-        words[count++] = word;
-    REQUIRE_OK(options_parse(count, words, &again, &err));
-    CHECK(options_given(&again, OPTION_PIXEL) && options_given(&again, OPTION_SAMPLE) &&
-              again.settings.spp == 4 && strcmp(again.arguments[0], "floor.json") == 0,
-          "%s", command);
-    check_replay(&job.renderer, again.pixel[0], again.pixel[1], again.sample);
-    options_finish(&again);
-    options_finish(&options);
-    renderer_finish(&job.renderer);
-    scene_finish(&job.scene);
-    gpu_close(&job.gpu);
-    arena_finish(&job.arena);
-}
-
 TEST_MAIN(TEST_CASE(emission), TEST_CASE(light_connection), TEST_CASE(throughput),
-          TEST_CASE(environment), TEST_CASE(validation_is_silent), TEST_CASE(reproducing_command))
+          TEST_CASE(environment), TEST_CASE(validation_is_silent))

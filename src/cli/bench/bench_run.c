@@ -3,7 +3,7 @@
 
 #include "base/clock.h"
 #include "base/hash.h"
-#include "cli/render/render_job.h"
+#include "cli/render/render_scene.h"
 #include "render/wave.h"
 #include "shared/aov.h"
 #include <math.h>
@@ -19,13 +19,13 @@ static bool open_variant(struct bench *b, struct bench_variant *v, struct err *e
 {
     uint64_t start = clock_ns();
     uint32_t camera;
-    if (!job_load_scene(&v->variant.options, &v->scene_data, &camera, err))
+    if (!options_load_scene(&v->variant.options, &v->scene_data, &camera, err))
         return false;
     if (!options_given(&v->variant.options, OPTION_SPP))
         v->scene_data.settings.spp = BENCH_SPP;
     v->load_seconds = clock_seconds_since(start);
     struct renderer_params params =
-        job_renderer_params(&v->variant.options, &b->gpu, &v->scene_data, camera);
+        options_renderer_params(&v->variant.options, &b->gpu, &v->scene_data, camera);
     return renderer_create(&params, &v->renderer, err) ||
            (*v->variant.label && err_prepend(err, "%s", v->variant.label));
 }

@@ -2,7 +2,7 @@
 
 #include "base/clock.h"
 #include "base/file.h"
-#include "cli/render/render_job.h"
+#include "cli/render/render_scene.h"
 #include "job/timed_step.h"
 #include "render/sampling_plan.h"
 #include <math.h>
@@ -56,11 +56,11 @@ bool converge_open(struct converge *c, struct converge_curve *curve, struct err 
     if (!curve->samples || !curve->pictures || !curve->points || !curve->ratios)
         return err_memory(err, "samples", count * sizeof *curve->samples);
     curve->variant.options.progress = &c->progress;
-    if (!job_load_scene(&curve->variant.options, &curve->scene_data, &camera, err))
+    if (!options_load_scene(&curve->variant.options, &curve->scene_data, &camera, err))
         return false;
     curve->scene_data.settings.spp = c->spp ? c->spp[c->point_count - 1] : 1;
     struct renderer_params params =
-        job_renderer_params(&curve->variant.options, &c->gpu, &curve->scene_data, camera);
+        options_renderer_params(&curve->variant.options, &c->gpu, &curve->scene_data, camera);
     if (!renderer_create(&params, &curve->renderer, err))
         return false;
     curve->start_seconds = clock_seconds_since(start);

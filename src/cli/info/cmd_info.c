@@ -1,7 +1,7 @@
 // `lampyris info`: what is in a scene, what rendering it will need, and what it will take.
 #include "cli/commands.h"
 
-#include "cli/render/render_job.h"
+#include "cli/render/render_scene.h"
 #include "cli/render/sharing.h"
 #include "flatten/geometry.h"
 #include "report/json_out.h"
@@ -215,11 +215,11 @@ static int print_json(const struct info *info)
 
 static bool gather(const struct options *options, struct info *info, struct err *err)
 {
-    if (!job_load_scene(options, &info->scene, &info->camera, err) ||
+    if (!options_load_scene(options, &info->scene, &info->camera, err) ||
         !gpu_open(&options->gpu, &info->gpu, err))
         return false;
     const struct renderer_params params =
-        job_renderer_params(options, &info->gpu, &info->scene, info->camera);
+        options_renderer_params(options, &info->gpu, &info->scene, info->camera);
     if (!renderer_prepare(&params, &info->renderer, err))
         return false;
     info->emitters = emitters_count(&info->scene, &info->renderer.flat);

@@ -2,62 +2,127 @@
 
 #include "base/clock.h"
 #include "base/log.h"
-#include "cli/render/render_trace.h"
+#include "cli/render/render_run.h"
+#include "cli/render/render_scene.h"
+#include <math.h>
 
-static bool set_up(struct render_job *job, struct err *err)
+// --- what the job tells --------------------------------------------------------------------------
+
+static bool after_wave(void *context, struct err *err)
 {
-    const struct options *options = job->options;
-    bool follows_path = options_given(options, OPTION_PIXEL);
-    if (!follows_path && !(job_check_outputs(job, err) && job_tev_open(job, err)))
-        return false;
+    return render_tev_when_due(context, err);
+}
+
+static bool after_frame(void *context, uint32_t frame, struct err *err)
+{
+    struct render_run *run = context;
+    uint32_t every = run->options->every;
+    return every == 0 || frame % every != 0 ||
+           (job_read_film(&run->job, err) && render_write_outputs(run, frame, err));
+}
+
+static bool after_row(void *context, struct err *err)
+{
+    return render_update_trace(context, err);
+}
+
+// --- from options to a job -----------------------------------------------------------------------
+
+static bool follows_path(const struct options *options)
+{
+    return options_given(options, OPTION_PIXEL);
+}
+
+static struct job_goal goal_of(const struct options *options)
+{
+    struct job_goal goal = {
+        .samples = options_given(options, OPTION_SPP) ? options->settings.spp : 0,
+        .seconds = options->time_seconds,
+        .error = options->error,
+        .adaptive = options->adaptive,
+        .frames = options->frames,
+        .samples_per_frame = options->spp_per_frame,
+        .accumulate = options->accumulate,
+    };
+    // A path is followed without tiles, but with the samples of a render whose number was open.
+    if (follows_path(options) && options->adaptive) {
+        goal.adaptive = false;
+        goal.seconds = INFINITY;
+    }
+    return goal;
+}
+
+static bool init_job(struct render_run *run, struct err *err)
+{
+    const struct options *options = run->options;
+    struct job_params params = {
+        .renderer = options_renderer_params(options, &run->gpu, &run->scene, run->camera),
+        .scene = &run->scene,
+        .goal = goal_of(options),
+        .reference = options->reference ? &run->reference : NULL,
+        .listener = {after_wave, after_frame, after_row, run},
+        .progress = render_progress(run),
+    };
+    params.renderer.aovs = options->aovs;
+    if (!follows_path(options)) {
+        params.checkpoint = (struct job_checkpoint_params){
+            options->checkpoint, options->checkpoint_seconds, options->resume};
+        params.keeps_trace = options->trace != NULL;
+    }
+    return job_init(&params, &run->job, err);
+}
+
+static bool load(struct render_run *run, struct err *err)
+{
     uint64_t start = clock_ns();
-    if (!job_load_scene(options, &job->scene, &job->camera, err))
+    if (!options_load_scene(run->options, &run->scene, &run->camera, err))
         return false;
-    job->seconds.load = clock_seconds_since(start);
-    if (job->scene.is_hidden)
+    double seconds = clock_seconds_since(start);
+    if (run->scene.is_hidden)
         return err_set(err, ERR_INPUT,
                        "%s: everything in the scene is hidden, and it has no environment; expected "
                        "something to see",
-                       job->scene.path);
-    if (!job_check_space(job, err) || !job_settle_samples(job, err) ||
-        !job_open_reference(job, err) || (!follows_path && !job_check_inputs(job, err)))
+                       run->scene.path);
+    if (!render_check_space(run, err) || !init_job(run, err))
         return false;
-    for (uint32_t i = 0; i < job->scene.note_count; i++)
-        log_info("%s", job->scene.notes[i]);
-
-    if (!gpu_open(&options->gpu, &job->gpu, err) ||
-        (!follows_path && !(job_checkpoint_open(job, err) && job_trace_open(job, err))))
-        return false;
-    struct renderer_params params =
-        job_renderer_params(options, &job->gpu, &job->scene, job->camera);
-    params.progress = job_progress(job);
-    params.aovs = options->aovs;
-    params.tiles = options->adaptive && !follows_path;
-    params.open_ended = job_is_open_ended(options);
-    if (!renderer_create(&params, &job->renderer, err))
-        return false;
-    if (job->renderer.flat.triangle_count == 0 && job->renderer.flat.shape_count == 0)
-        log_warn("%s has no surface: there is only the environment to see", job->scene.path);
-    const struct render_stats *stats = &job->renderer.stats;
-    job->seconds.load += stats->flatten_seconds;
-    job->seconds.bvh = stats->bvh_seconds;
-    job->seconds.bvh_uncached = job->renderer.bvh.stats.cached_seconds;
-    job->seconds.upload = stats->upload_seconds;
-    job->seconds.compile = stats->compile_seconds;
+    run->job.seconds.load = seconds;
     return true;
 }
 
+static bool set_up(struct render_run *run, struct err *err)
+{
+    const struct options *options = run->options;
+    bool writes = !follows_path(options);
+    if (writes && !(render_check_outputs(run, err) && render_tev_open(run, err)))
+        return false;
+    if (!load(run, err) || !render_open_reference(run, err) ||
+        (writes && !render_check_inputs(run, err)))
+        return false;
+    for (uint32_t i = 0; i < run->scene.note_count; i++)
+        log_info("%s", run->scene.notes[i]);
+
+    if (!gpu_open(&options->gpu, &run->gpu, err) || !job_open(&run->job, err) ||
+        (writes && !render_read_trace(run, err)) || !job_create(&run->job, err))
+        return false;
+    const struct flat_scene *flat = &run->job.renderer.flat;
+    if (flat->triangle_count == 0 && flat->shape_count == 0)
+        log_warn("%s has no surface: there is only the environment to see", run->scene.path);
+    return true;
+}
+
+// --- its end -------------------------------------------------------------------------------------
+
 // What is there is kept, in all ways, whatever becomes of the others. The caller reports the last
 // failure.
-static bool finish_outputs(struct render_job *job, struct err *err)
+static bool finish_outputs(struct render_run *run, struct err *err)
 {
     struct err failures[3] = {0};
-    job_checkpoint_save(job, &failures[0]);
-    progress_report(job->options->progress, "Estimating the error", 0);
-    if (job_judge_end(job, &failures[1])) {
-        progress_report(job->options->progress, "Writing", 0);
-        job_write_outputs(job, 0, &failures[1]);
-        job_trace_end(job, &failures[2]);
+    job_checkpoint_save(&run->job, &failures[0]);
+    progress_report(run->options->progress, "Estimating the error", 0);
+    if (job_judge_end(&run->job, &failures[1])) {
+        progress_report(run->options->progress, "Writing", 0);
+        render_write_outputs(run, 0, &failures[1]);
+        render_end_trace(run, &failures[2]);
     }
     bool ok = true;
     for (int i = 0; i < 3; i++) {
@@ -73,41 +138,40 @@ static bool finish_outputs(struct render_job *job, struct err *err)
 
 // The failure that ended rendering is what the caller reports. A picture whose error cannot be told
 // is one, too.
-static void write_rescued(struct render_job *job)
+static void write_rescued(struct render_run *run)
 {
     struct err failures[3] = {0};
-    job_judge_end(job, &failures[0]);
-    job_write_outputs(job, 0, &failures[1]);
-    job_trace_end(job, &failures[2]);
+    job_judge_end(&run->job, &failures[0]);
+    render_write_outputs(run, 0, &failures[1]);
+    render_end_trace(run, &failures[2]);
     for (int i = 0; i < 3; i++)
         if (failures[i].code != ERR_NONE)
             log_message(LOG_ERROR, "%s", failures[i].msg);
 }
 
-static bool run(struct render_job *job, struct err *err)
+static bool render(struct render_run *run, struct err *err)
 {
-    if (!set_up(job, err))
+    if (!set_up(run, err))
         return false;
-    if (options_given(job->options, OPTION_PIXEL))
-        return job_replay(job, err);
+    if (follows_path(run->options))
+        return render_replay(run, err);
 
-    bool ok = job_checkpoint_restore(job, err) && job_tev_begin(job, err) && job_render(job, err) &&
-              finish_outputs(job, err);
+    bool ok = render_tev_begin(run, err) && job_run(&run->job, err) && finish_outputs(run, err);
     if (!ok) {
-        job_checkpoint_mention(job, err);
-        if (job->is_written || !job_rescue(job, err->code))
+        job_checkpoint_mention(&run->job, err);
+        if (run->is_written || !job_rescue(&run->job, err->code))
             return false;
-        write_rescued(job);
+        write_rescued(run);
     }
-    job_tev_end(job);
-    job->seconds.total = clock_seconds_since(job->start_ns);
-    progress_end(job->options->progress);
-    if (job->options->json && !job_print_json(job, err))
+    render_tev_end(run);
+    run->job.seconds.total = clock_seconds_since(run->start_ns);
+    progress_end(run->options->progress);
+    if (run->options->json && !render_print_json(run, err))
         return false;
-    if (!job->options->json && !job->options->quiet)
-        job_print_summary(job);
-    job_warn_of_unsampled(job);
-    const char *reproduce = job_reproducing_command(job);
+    if (!run->options->json && !run->options->quiet)
+        render_print_summary(run);
+    render_warn_of_unsampled(run);
+    const char *reproduce = render_reproducing_command(run);
     if (reproduce)
         log_warn("some contributions were not finite and were left out; this follows one: %s",
                  reproduce);
@@ -116,21 +180,18 @@ static bool run(struct render_job *job, struct err *err)
 
 int cmd_render(const struct options *options)
 {
-    struct render_job job = {.options = options, .start_ns = clock_ns()};
+    struct render_run run = {.options = options, .start_ns = clock_ns()};
     struct err err = {0};
-    bool ok = run(&job, &err);
-    if (ok && job.gpu.validation_messages > 0)
+    bool ok = render(&run, &err);
+    if (ok && run.gpu.validation_messages > 0)
         ok = err_set(&err, ERR_BUG, "the validation layers reported %u messages",
-                     job.gpu.validation_messages);
-    job_tev_end(&job);
-    checkpoint_close(&job.resumed);
-    renderer_finish(&job.renderer);
-    gpu_close(&job.gpu);
-    scene_finish(&job.scene);
-    job_release_outputs(&job);
-    arena_finish(&job.rescue.arena);
-    arena_finish(&job.film_arena);
-    arena_finish(&job.arena);
+                     run.gpu.validation_messages);
+    render_tev_end(&run);
+    job_finish(&run.job);
+    gpu_close(&run.gpu);
+    scene_finish(&run.scene);
+    render_release_outputs(&run);
+    arena_finish(&run.arena);
     if (!ok)
         return command_fail(&err);
     return EXIT_CODE_OK; // or main's, when a signal stopped it

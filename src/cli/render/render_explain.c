@@ -62,22 +62,22 @@ static void print_classes(const struct renderer *r)
     putchar('\n');
 }
 
-void explain_print(const struct render_job *job)
+void explain_print(const struct render_run *run)
 {
-    struct renderer *r = (struct renderer *)&job->renderer;
+    struct renderer *r = (struct renderer *)&run->job.renderer;
     struct part_totals totals = parts_count_instructions(r);
     putchar('\n');
-    for (uint32_t i = 0; i < job->scene.note_count; i++)
-        print_line("note      ", job->scene.notes[i]);
-    if (job->error.bounded)
+    for (uint32_t i = 0; i < run->scene.note_count; i++)
+        print_line("note      ", run->scene.notes[i]);
+    if (run->job.error.bounded)
         printf("relMSE    at most %.3g (95 %%): divided by the pixels' own values, which are less "
                "well known than the means around them\n",
-               job->error.relmse_at_most);
+               run->job.error.relmse_at_most);
     print_classes(r);
     if (r->stats.suspended)
         printf("continued %" PRIu64 " traversals of more than %u steps\n", r->stats.suspended,
                r->specialization.iteration_budget);
-    report_print_steps(job);
+    report_print_steps(run);
     report_print_kernels(&r->stats);
     printf("code      %" PRIu64 " SPIR-V instructions are left of %" PRIu64 "\n",
            totals.instructions, totals.all_instructions);

@@ -1,7 +1,7 @@
 // What a render reports to machines: one JSON object, described by docs/render.schema.json.
-#include "cli/render/render_bias.h"
 #include "cli/render/render_report.h"
 #include "cli/render/sharing.h"
+#include "job/bias.h"
 #include "report/json_out.h"
 #include <inttypes.h>
 #include <math.h>
@@ -30,10 +30,10 @@ static void list_part(void *context, const struct part *part)
     json_array_append_new(part->is_kept ? lists->kept : lists->left_out, object);
 }
 
-static json_t *biases_json(const struct render_job *job)
+static json_t *biases_json(const struct render_run *run)
 {
     struct job_bias list[JOB_MAX_BIASES];
-    uint32_t count = job_list_biases(job, list);
+    uint32_t count = job_list_biases(&run->job, list);
     json_t *array = json_array();
     for (uint32_t i = 0; i < count; i++)
         json_array_append_new(array,
@@ -92,15 +92,15 @@ static json_t *seconds_json(const struct job_seconds *s)
                      "render_before", s->render_before);
 }
 
-static json_t *reference_json(const struct render_job *job)
+static json_t *reference_json(const struct render_run *run)
 {
-    const struct job_against *against = &job->against;
-    const struct reference *reference = &job->reference;
-    if (!job->options->reference)
+    const struct job_against *against = &run->job.against;
+    const struct reference *reference = &run->reference;
+    if (!run->options->reference)
         return json_null();
     bool has_own = reference->noise_known;
     return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:b}", "name",
-                     json_words(job->options->reference), "own_local_relmse",
+                     json_words(run->options->reference), "own_local_relmse",
                      json_number(has_own ? reference->local_relmse : NAN), "own_relmse",
                      json_number(has_own ? reference->relmse : NAN), "local_relmse",
                      json_number(against->local_relmse), "relmse", json_number(against->relmse),
@@ -109,7 +109,7 @@ static json_t *reference_json(const struct render_job *job)
                      "biased", against->bias.is_certain);
 }
 
-static json_t *forecast_json(const struct render_job *job)
+static json_t *forecast_json(const struct render_run *run)
 {
     static const char *const bases[] = {
         [FORECAST_INVERSE] = "1/samples",
@@ -117,18 +117,19 @@ static json_t *forecast_json(const struct render_job *job)
         [FORECAST_SLOPE] = "slope",
     };
     struct forecast f;
-    const char *reason = job_forecast(job, &f);
-    bool is_bound =
-        f.basis == FORECAST_AT_LEAST || job->renderer.specialization.halves == HALVES_CONTIGUOUS;
-    bool is_biased = job->options->reference && job->against.bias.is_certain;
+    const char *reason = job_forecast(&run->job, &f);
+    bool is_bound = f.basis == FORECAST_AT_LEAST ||
+                    run->job.renderer.specialization.halves == HALVES_CONTIGUOUS;
+    bool is_biased = run->options->reference && run->job.against.bias.is_certain;
     bool has_slope = f.basis == FORECAST_SLOPE;
     return json_pack("{s:o, s:o, s:o, s:o, s:f, s:s, s:b, s:o, s:i, s:o}", "local_relmse",
                      json_number(f.error.value), "ci_low", json_number(f.error.low), "ci_high",
                      json_number(f.error.high), "stays",
-                     is_biased ? json_number(job->against.bias.stays.value) : json_null(),
-                     "seconds", 2.0 * job->seconds.render, "basis", bases[f.basis], "upper_bound",
-                     is_bound, "slope", has_slope ? json_interval(f.slope) : json_null(), "looks",
-                     (int)f.looks, "reason", reason ? json_string(reason) : json_null());
+                     is_biased ? json_number(run->job.against.bias.stays.value) : json_null(),
+                     "seconds", 2.0 * run->job.seconds.render, "basis", bases[f.basis],
+                     "upper_bound", is_bound, "slope",
+                     has_slope ? json_interval(f.slope) : json_null(), "looks", (int)f.looks,
+                     "reason", reason ? json_string(reason) : json_null());
 }
 
 static json_t *strings_json(const char *const *strings, uint32_t count)
@@ -139,19 +140,19 @@ static json_t *strings_json(const char *const *strings, uint32_t count)
     return array;
 }
 
-static json_t *frames_json(const struct render_job *job)
+static json_t *frames_json(const struct render_run *run)
 {
     json_t *array = json_array();
-    for (uint32_t i = 0; i < job->frame_count; i++)
-        json_array_append_new(array, json_number(job->frames_ms[i]));
+    for (uint32_t i = 0; i < run->job.frame_count; i++)
+        json_array_append_new(array, json_number(run->job.frames_ms[i]));
     return array;
 }
 
-static json_t *looks_json(const struct render_job *job)
+static json_t *looks_json(const struct render_run *run)
 {
     json_t *looks = json_array();
-    for (uint32_t i = 0; i < job->look_count; i++) {
-        const struct error_look *look = &job->looks[i];
+    for (uint32_t i = 0; i < run->job.look_count; i++) {
+        const struct job_look *look = &run->job.looks[i];
         json_t *object = error_json(&look->error);
         json_object_set_new(object, "spp", json_integer((json_int_t)look->samples));
         json_object_set_new(object, "confidence", json_number(look->confidence));
@@ -160,67 +161,71 @@ static json_t *looks_json(const struct render_job *job)
     return looks;
 }
 
-static json_t *adaptive_json(const struct render_job *job)
+static json_t *adaptive_json(const struct render_run *run)
 {
-    if (!job->plan.counts)
+    if (!run->job.plan.counts)
         return json_null();
-    return json_pack("{s:i, s:i, s:i, s:i}", "pilot_spp", 16, "round_spp", job->round_samples,
-                     "least", job->plan.least, "most", job->plan.most);
+    return json_pack("{s:i, s:i, s:i, s:i}", "pilot_spp", 16, "round_spp", run->job.round_samples,
+                     "least", run->job.plan.least, "most", run->job.plan.most);
 }
 
 // How it ended, and what it takes to go on.
-static void add_ending(json_t *object, const struct render_job *job)
+static void add_ending(json_t *object, const struct render_run *run)
 {
-    json_object_set_new(object, "ended_by", json_string(job_ended_by(job)));
+    json_object_set_new(object, "ended_by", json_string(job_ended_by(&run->job)));
     json_object_set_new(object, "pixels_without_samples",
-                        json_integer((json_int_t)job->film.unsampled));
-    json_object_set_new(object, "looks", looks_json(job));
-    json_object_set_new(object, "adaptive", adaptive_json(job));
+                        json_integer((json_int_t)run->job.film.unsampled));
+    json_object_set_new(object, "looks", looks_json(run));
+    json_object_set_new(object, "adaptive", adaptive_json(run));
     json_object_set_new(object, "checkpoint",
-                        job->has_checkpoint ? json_words(job->options->checkpoint) : json_null());
+                        run->job.has_checkpoint ? json_words(run->options->checkpoint)
+                                                : json_null());
 }
 
-bool job_print_json(const struct render_job *job, struct err *err)
+bool render_print_json(const struct render_run *run, struct err *err)
 {
-    const struct render_stats *stats = &job->renderer.stats;
-    const struct film_image *film = &job->film;
-    double render = job->seconds.render;
+    const struct render_stats *stats = &run->job.renderer.stats;
+    const struct film_image *film = &run->job.film;
+    double render = run->job.seconds.render;
     char hash[20];
-    snprintf(hash, sizeof hash, "%016" PRIx64, job->image_hash);
+    snprintf(hash, sizeof hash, "%016" PRIx64, run->job.image_hash);
     struct part_lists lists = {json_array(), json_array(),
-                               job->options->explain ? &job->renderer : NULL};
-    parts_visit(&job->renderer, list_part, &lists);
+                               run->options->explain ? &run->job.renderer : NULL};
+    parts_visit(&run->job.renderer, list_part, &lists);
     json_t *object = json_pack(
         "{s:o, s:s, s:s, s:i, s:i, s:I, s:I, s:I, s:o, s:{s:I, s:I}, s:I, s:o, s:I, s:o, s:o, s:o, "
         "s:o, s:I, "
         "s:o, s:{s:o, s:o}, s:{s:I, s:I}, s:I, s:I, s:I, s:I, s:s, s:o, s:o, s:b, s:s}",
-        "scene", json_words(job->scene.path), "device", job->gpu.info.name, "driver",
-        job->gpu.info.driver, "width", film->width, "height", film->height, "spp",
+        "scene", json_words(run->scene.path), "device", run->gpu.info.name, "driver",
+        run->gpu.info.driver, "width", film->width, "height", film->height, "spp",
         (json_int_t)film->least_samples, "spp_most", (json_int_t)film->most_samples, "seed",
-        (json_int_t)job->scene.settings.seed, "seconds", seconds_json(&job->seconds), "rays",
+        (json_int_t)run->scene.settings.seed, "seconds", seconds_json(&run->job.seconds), "rays",
         "closest", (json_int_t)stats->closest_rays, "shadow", (json_int_t)stats->shadow_rays,
         "surface_hits", (json_int_t)surface_hits(stats), "hits_by_class",
-        classes_json(&job->renderer), "media_lost", (json_int_t)stats->media_lost, "mrays_per_s",
-        json_number(report_total_rays(stats) * 1e-6 / render), "samples_per_s",
-        json_number(job_total_samples(job) / render), "kernels", kernels_json(&job->renderer),
-        "error", error_json(&job->error), "nonfinite", (json_int_t)nonfinite(stats), "frames_ms",
-        frames_json(job), "features", "kept", lists.kept, "left_out", lists.left_out, "memory",
-        "device_bytes", (json_int_t)job->gpu.peak_bytes, "host_peak_bytes",
-        (json_int_t)report_host_peak_bytes(), "wave", (json_int_t)job->renderer.plan.wave_slots,
-        "continued_traversals", (json_int_t)stats->suspended, "dropped_degenerate",
-        (json_int_t)job->renderer.flat.dropped_degenerate, "skipped_instances",
-        (json_int_t)job->renderer.flat.skipped_instances, "image_hash", hash, "outputs",
-        strings_json(job->outputs, job->output_count), "notes",
-        strings_json(job->scene.notes, job->scene.note_count), "stopped_early", job->stopped,
+        classes_json(&run->job.renderer), "media_lost", (json_int_t)stats->media_lost,
+        "mrays_per_s", json_number(report_total_rays(stats) * 1e-6 / render), "samples_per_s",
+        json_number(job_total_samples(&run->job) / render), "kernels",
+        kernels_json(&run->job.renderer), "error", error_json(&run->job.error), "nonfinite",
+        (json_int_t)nonfinite(stats), "frames_ms", frames_json(run), "features", "kept", lists.kept,
+        "left_out", lists.left_out, "memory", "device_bytes", (json_int_t)run->gpu.peak_bytes,
+        "host_peak_bytes", (json_int_t)report_host_peak_bytes(), "wave",
+        (json_int_t)run->job.renderer.plan.wave_slots, "continued_traversals",
+        (json_int_t)stats->suspended, "dropped_degenerate",
+        (json_int_t)run->job.renderer.flat.dropped_degenerate, "skipped_instances",
+        (json_int_t)run->job.renderer.flat.skipped_instances, "image_hash", hash, "outputs",
+        strings_json(run->outputs, run->output_count), "notes",
+        strings_json(run->scene.notes, run->scene.note_count), "stopped_early", run->job.stopped,
         "version", LAMPYRIS_VERSION);
-    add_ending(object, job);
-    json_object_set_new(object, "workgroup", json_integer(job->renderer.specialization.workgroup));
-    json_object_set_new(object, "shared",
-                        sharing_json(&job->renderer.flat, job->renderer.specialization.features));
-    json_object_set_new(object, "bias", biases_json(job));
-    json_object_set_new(object, "reference", reference_json(job));
-    json_object_set_new(object, "forecast", forecast_json(job));
+    add_ending(object, run);
+    json_object_set_new(object, "workgroup",
+                        json_integer(run->job.renderer.specialization.workgroup));
+    json_object_set_new(
+        object, "shared",
+        sharing_json(&run->job.renderer.flat, run->job.renderer.specialization.features));
+    json_object_set_new(object, "bias", biases_json(run));
+    json_object_set_new(object, "reference", reference_json(run));
+    json_object_set_new(object, "forecast", forecast_json(run));
     json_object_set_new(object, "trace",
-                        job->options->trace ? json_words(job->options->trace) : json_null());
+                        run->options->trace ? json_words(run->options->trace) : json_null());
     return json_put(object, err);
 }

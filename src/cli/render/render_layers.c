@@ -1,5 +1,5 @@
 // The pictures besides the radiance as layers of an EXR file.
-#include "cli/render/render_job.h"
+#include "cli/render/render_run.h"
 
 #include "shared/aov.h"
 
@@ -9,11 +9,11 @@ static const char *const alpha[] = {"A", NULL};
 static const char *const ids[] = {"object", "material", "primitive", NULL};
 static const char *const count[] = {"count", NULL};
 
-void job_list_layers(const struct render_job *job, struct job_layers *out)
+void render_list_layers(const struct render_run *run, struct render_layers *out)
 {
-    const struct film_image *film = &job->film;
+    const struct film_image *film = &run->job.film;
     const struct film_aovs *aovs = &film->aovs;
-    const uint32_t wanted = job->options->aovs;
+    const uint32_t wanted = run->options->aovs;
     const struct image_layer layers[] = {
         {"albedo", aovs->albedo, NULL, IMAGE_LAYER_FLOAT},
         {"normal", aovs->normal, axes, IMAGE_LAYER_FLOAT},
@@ -31,19 +31,19 @@ void job_list_layers(const struct render_job *job, struct job_layers *out)
         {"half_a", wanted & AOV_HALVES ? film->half_a : NULL, NULL, IMAGE_LAYER_FLOAT},
         {"half_b", wanted & AOV_HALVES ? film->half_b : NULL, NULL, IMAGE_LAYER_FLOAT},
     };
-    _Static_assert(sizeof layers / sizeof *layers == JOB_MAX_LAYERS, "room for all");
-    *out = (struct job_layers){0};
-    for (uint32_t i = 0; i < JOB_MAX_LAYERS; i++)
+    _Static_assert(sizeof layers / sizeof *layers == RENDER_MAX_LAYERS, "room for all");
+    *out = (struct render_layers){0};
+    for (uint32_t i = 0; i < RENDER_MAX_LAYERS; i++)
         if (layers[i].values)
             out->list[out->count++] = layers[i];
 }
 
-uint64_t job_layer_bytes(const struct render_job *job)
+uint64_t render_layer_bytes(const struct render_run *run)
 {
-    const uint32_t wanted = job->options->aovs;
+    const uint32_t wanted = run->options->aovs;
     uint64_t bytes = film_aovs_bytes(wanted);
     bytes += wanted & AOV_SAMPLES ? sizeof(uint32_t) : 0;
     bytes += wanted & AOV_HALVES ? 2 * sizeof(float[3]) : 0;
     // Most of them are written in half precision, too; those that are not are few.
-    return job->options->half_float ? bytes / 2 : bytes;
+    return run->options->half_float ? bytes / 2 : bytes;
 }

@@ -1,5 +1,5 @@
 // What a picture says about how it was made: enough to judge it, and to make it again.
-#include "cli/render/render_job.h"
+#include "cli/render/render_run.h"
 
 #include <inttypes.h>
 #include <stdarg.h>
@@ -7,7 +7,7 @@
 
 struct attributes {
     struct arena *arena;
-    struct job_attributes *out;
+    struct render_attributes *out;
     bool failed;
 };
 
@@ -17,7 +17,7 @@ static void add(struct attributes *a, const char *key, const char *format, ...)
 // Takes a value that lives as long as the arena, or NULL when there was no memory for it.
 static void add_text(struct attributes *a, const char *key, const char *value)
 {
-    if (!value || a->out->count == JOB_MAX_ATTRIBUTES)
+    if (!value || a->out->count == RENDER_MAX_ATTRIBUTES)
         a->failed = true;
     else
         a->out->list[a->out->count++] = (struct image_attribute){key, value};
@@ -33,54 +33,64 @@ static void add(struct attributes *a, const char *key, const char *format, ...)
     add_text(a, key, arena_strdup(a->arena, text));
 }
 
-static void add_setting(struct attributes *a, const struct setting *setting,
-                        const struct settings *settings)
+static void add_settings(struct attributes *a, const struct render_run *run)
 {
-    char text[FIELD_TEXT_MAX];
-    const char *key = arena_printf(a->arena, "lampyris:%s", setting->field.key);
-    field_text(&setting->field, settings, text);
-    a->failed |= !key;
-    if (key)
-        add(a, key, "%s", text);
-}
-
-static void add_settings(struct attributes *a, const struct render_job *job)
-{
-    for (int i = 0; i < SETTING_TOTAL; i++)
-        if (i != SETTING_SPP && i != SETTING_EXPOSURE)
-            add_setting(a, &settings_table[i], &job->scene.settings);
-    // What the picture has, not what was asked for.
-    add(a, "lampyris:spp", "%" PRIu64, job_samples(job));
-    add(a, "lampyris:exposure", "%.9g", (double)job->exposure);
-    add(a, "lampyris:camera", "%u", job->camera);
-    if (job->options->scene)
-        add(a, "lampyris:scene", "%s", job->options->scene);
-    if (job->options->animation)
-        add(a, "lampyris:animation", "%s", job->options->animation);
-    if (job->options->variant)
-        add(a, "lampyris:variant", "%s", job->options->variant);
-    if (options_given(job->options, OPTION_AT))
-        add(a, "lampyris:at_seconds", "%.17g", job->options->at_seconds);
-    add(a, "lampyris:wave", "%u", job->renderer.plan.wave_slots);
-    add(a, "lampyris:workgroup", "%u", job->renderer.specialization.workgroup);
-    add(a, "lampyris:features", "%s", job->options->features == FEATURES_ALL ? "all" : "needed");
-    if (job->options->frames) {
-        add(a, "lampyris:frames", "%u", job->options->frames);
-        add(a, "lampyris:spp_per_frame", "%u", job->options->spp_per_frame);
-        add(a, "lampyris:accumulate", "%s", job->options->accumulate ? "on" : "off");
+    const struct settings *s = &run->scene.settings;
+    add(a, "lampyris:spp", "%" PRIu64, job_samples(&run->job));
+    add(a, "lampyris:seed", "%u", s->seed);
+    add(a, "lampyris:max_bounces", "%u", s->max_bounces);
+    if (s->roulette_min_bounces == UINT32_MAX)
+        add(a, "lampyris:roulette_min_bounces", "off");
+    else
+        add(a, "lampyris:roulette_min_bounces", "%u", s->roulette_min_bounces);
+    add(a, "lampyris:integrator", "%s", integrator_names[s->integrator]);
+    if (s->integrator == INTEGRATOR_AO)
+        add(a, "lampyris:ao_distance", "%.9g", (double)s->ao_distance);
+    if (s->falloff > 0.0f)
+        add(a, "lampyris:falloff", "%.9g (not physical)", (double)s->falloff);
+    add(a, "lampyris:sampler", "%s", sampler_names[s->sampler]);
+    add(a, "lampyris:halves", "%s", halves_names[s->halves]);
+    add(a, "lampyris:filter", "%s", filter_names[s->filter]);
+    add(a, "lampyris:environment_filter", "%s", environment_filter_names[s->environment_filter]);
+    add(a, "lampyris:light_choice", "%s", light_choice_names[s->light_choice]);
+    add(a, "lampyris:nee", "%s", s->nee ? "on" : "off");
+    add(a, "lampyris:mis", "%s", mis_names[s->mis]);
+    add(a, "lampyris:directions", "%s", directions_names[s->directions]);
+    add(a, "lampyris:roulette", "%s", roulette_names[s->roulette]);
+    if (s->clamp_limit > 0.0f)
+        add(a, "lampyris:clamp", "%.9g", (double)s->clamp_limit);
+    add(a, "lampyris:pixel_jitter", "%s", s->pixel_jitter ? "on" : "off");
+    add(a, "lampyris:exposure", "%.9g", (double)run->exposure);
+    add(a, "lampyris:tone", "%s", tone_names[s->tone_curve]);
+    add(a, "lampyris:camera", "%u", run->camera);
+    if (run->options->scene)
+        add(a, "lampyris:scene", "%s", run->options->scene);
+    if (run->options->animation)
+        add(a, "lampyris:animation", "%s", run->options->animation);
+    if (run->options->variant)
+        add(a, "lampyris:variant", "%s", run->options->variant);
+    if (options_given(run->options, OPTION_AT))
+        add(a, "lampyris:at_seconds", "%.17g", run->options->at_seconds);
+    add(a, "lampyris:wave", "%u", run->job.renderer.plan.wave_slots);
+    add(a, "lampyris:workgroup", "%u", run->job.renderer.specialization.workgroup);
+    add(a, "lampyris:features", "%s", run->options->features == FEATURES_ALL ? "all" : "needed");
+    if (run->options->frames) {
+        add(a, "lampyris:frames", "%u", run->options->frames);
+        add(a, "lampyris:spp_per_frame", "%u", run->options->spp_per_frame);
+        add(a, "lampyris:accumulate", "%s", run->options->accumulate ? "on" : "off");
     }
-    if (job->options->time_seconds > 0.0)
-        add(a, "lampyris:time_limit", "%.9g", job->options->time_seconds);
-    if (job->options->error > 0.0)
-        add(a, "lampyris:error_limit", "%.9g", job->options->error);
-    add(a, "lampyris:adaptive", "%s", job->options->adaptive ? "on" : "off");
+    if (run->options->time_seconds > 0.0)
+        add(a, "lampyris:time_limit", "%.9g", run->options->time_seconds);
+    if (run->options->error > 0.0)
+        add(a, "lampyris:error_limit", "%.9g", run->options->error);
+    add(a, "lampyris:adaptive", "%s", run->options->adaptive ? "on" : "off");
 }
 
-static void add_layers(struct attributes *a, const struct render_job *job)
+static void add_layers(struct attributes *a, const struct render_run *run)
 {
-    struct job_layers layers;
+    struct render_layers layers;
     const char *names = "";
-    job_list_layers(job, &layers);
+    render_list_layers(run, &layers);
     for (uint32_t i = 0; i < layers.count && names; i++)
         names = arena_printf(a->arena, "%s%s%s", names, i ? "," : "", layers.list[i].name);
     if (layers.count > 0)
@@ -101,68 +111,69 @@ static void add_error(struct attributes *a, const struct half_error *error)
     }
 }
 
-static void add_result(struct attributes *a, const struct render_job *job)
+static void add_result(struct attributes *a, const struct render_run *run)
 {
-    if (job->film.least_samples != job->film.most_samples) {
-        add(a, "lampyris:spp_least", "%" PRIu64, job->film.least_samples);
-        add(a, "lampyris:spp_most", "%" PRIu64, job->film.most_samples);
+    if (run->job.film.least_samples != run->job.film.most_samples) {
+        add(a, "lampyris:spp_least", "%" PRIu64, run->job.film.least_samples);
+        add(a, "lampyris:spp_most", "%" PRIu64, run->job.film.most_samples);
     }
-    add(a, "lampyris:pixels_without_samples", "%" PRIu64, job->film.unsampled);
-    add(a, "lampyris:ended_by", "%s", job_ended_by(job));
-    add_error(a, &job->error);
-    add(a, "lampyris:dropped_samples", "%" PRIu64, job->film.dropped);
-    add(a, "lampyris:rays_closest", "%" PRIu64, job->renderer.stats.closest_rays);
-    add(a, "lampyris:rays_shadow", "%" PRIu64, job->renderer.stats.shadow_rays);
-    add(a, "lampyris:seconds_load", "%.6f", job->seconds.load);
-    add(a, "lampyris:seconds_bvh", "%.6f", job->seconds.bvh);
-    add(a, "lampyris:seconds_upload", "%.6f", job->seconds.upload);
-    add(a, "lampyris:seconds_compile", "%.6f", job->seconds.compile);
-    add(a, "lampyris:seconds_render", "%.6f", job->seconds.render);
-    add(a, "lampyris:image_hash", "%016" PRIx64, job->image_hash);
+    add(a, "lampyris:pixels_without_samples", "%" PRIu64, run->job.film.unsampled);
+    add(a, "lampyris:ended_by", "%s", job_ended_by(&run->job));
+    add_error(a, &run->job.error);
+    add(a, "lampyris:dropped_samples", "%" PRIu64, run->job.film.dropped);
+    add(a, "lampyris:rays_closest", "%" PRIu64, run->job.renderer.stats.closest_rays);
+    add(a, "lampyris:rays_shadow", "%" PRIu64, run->job.renderer.stats.shadow_rays);
+    add(a, "lampyris:seconds_load", "%.6f", run->job.seconds.load);
+    add(a, "lampyris:seconds_bvh", "%.6f", run->job.seconds.bvh);
+    add(a, "lampyris:seconds_upload", "%.6f", run->job.seconds.upload);
+    add(a, "lampyris:seconds_compile", "%.6f", run->job.seconds.compile);
+    add(a, "lampyris:seconds_render", "%.6f", run->job.seconds.render);
+    add(a, "lampyris:image_hash", "%016" PRIx64, run->job.image_hash);
 }
 
 // The command that makes this picture again, wherever a clock, the error or the number of the frame
 // decided what is in it. There is none for one that a signal cut short.
-static const char *repeating_command(const struct render_job *job, uint32_t frame,
+static const char *repeating_command(const struct render_run *run, uint32_t frame,
                                      struct arena *arena)
 {
-    const struct options *options = job->options;
+    const struct options *options = run->options;
     const char *line = options->repeatable_line;
     if (frame > 0)
         line = arena_printf(arena, "%s --frames %u", line, frame);
-    else if (job->ended_by == ENDED_BY_TIME && options->frames)
-        line = arena_printf(arena, "%s --frames %u", line, job->frame_count);
-    else if (job->ended_by == ENDED_BY_TIME || job_is_rescued(job) || options->error > 0.0)
-        line = arena_printf(arena, "%s --spp %" PRIu64, line, job_samples(job));
+    else if (run->job.ended_by == ENDED_BY_TIME && options->frames)
+        line = arena_printf(arena, "%s --frames %u", line, run->job.frame_count);
+    else if (run->job.ended_by == ENDED_BY_TIME || job_is_rescued(&run->job) ||
+             options->error > 0.0)
+        line = arena_printf(arena, "%s --spp %" PRIu64, line, job_samples(&run->job));
     bool is_timed = options->time_seconds > 0.0;
     return line && is_timed ? arena_printf(arena, "%s --time %.9g", line, OPTION_TIME_MAX) : line;
 }
 
 // Without a number of samples that all pixels have, no command makes the same picture.
-static bool is_repeatable(const struct render_job *job)
+static bool is_repeatable(const struct render_run *run)
 {
-    bool is_even = job->rescue.copied.is_even && !job->options->frames;
-    return !job->stopped && (!job_is_rescued(job) || is_even);
+    bool is_even = run->job.rescue.copied.is_even && !run->options->frames;
+    return !run->job.stopped && (!job_is_rescued(&run->job) || is_even);
 }
 
-bool job_describe(const struct render_job *job, uint32_t frame, struct arena *arena,
-                  struct job_attributes *out, struct err *err)
+bool render_describe(const struct render_run *run, uint32_t frame, struct arena *arena,
+                     struct render_attributes *out, struct err *err)
 {
     struct attributes a = {.arena = arena, .out = out};
-    *out = (struct job_attributes){0};
+    *out = (struct render_attributes){0};
     add(&a, "lampyris:version", "%s", LAMPYRIS_VERSION);
-    add_text(&a, "lampyris:command", job->options->command_line);
-    if (is_repeatable(job))
-        add_text(&a, "lampyris:repeat", repeating_command(job, frame, arena));
+    add_text(&a, "lampyris:command", run->options->command_line);
+    if (is_repeatable(run))
+        add_text(&a, "lampyris:repeat", repeating_command(run, frame, arena));
     // The viewer may have another scene before the picture is written.
-    add_text(&a, "lampyris:scene", arena_strdup(arena, job->scene.path));
-    add(&a, "lampyris:scene_hash", "%016" PRIx64, job->scene.hash);
-    add(&a, "lampyris:device", "%s", job->gpu.info.name);
-    add(&a, "lampyris:driver", "%s", job->gpu.info.driver);
+    add_text(&a, "lampyris:scene", arena_strdup(arena, run->scene.path));
+    add(&a, "lampyris:scene_hash", "%016" PRIx64, run->scene.hash);
+    add(&a, "lampyris:device", "%s", run->gpu.info.name);
+    add(&a, "lampyris:driver", "%s", run->gpu.info.driver);
     if (frame > 0)
         add(&a, "lampyris:frame", "%u", frame);
-    add_settings(&a, job);
-    add_layers(&a, job);
-    add_result(&a, job);
+    add_settings(&a, run);
+    add_layers(&a, run);
+    add_result(&a, run);
     return a.failed ? err_memory(err, "metadata", sizeof *out) : true;
 }

@@ -1,7 +1,7 @@
 // The names of what a render writes: that no file is written twice, nor over what is read. What is
 // written under numbers (--every) may be millions of files: those that are there already, which may
 // be links to any file, are looked up in their folder, and the others compared by name.
-#include "cli/render/render_job.h"
+#include "cli/render/render_run.h"
 
 #include "base/file.h"
 #include "base/file_inputs.h"
@@ -13,11 +13,11 @@
 
 // The n-th file that is written at the end: pictures, then checkpoint and trace; NULL for one that
 // was not asked for.
-static const char *output_at(const struct render_job *job, uint32_t n)
+static const char *output_at(const struct render_run *run, uint32_t n)
 {
-    return n < job->output_count    ? job->outputs[n]
-           : n == job->output_count ? job->options->checkpoint
-                                    : job->options->trace;
+    return n < run->output_count    ? run->outputs[n]
+           : n == run->output_count ? run->options->checkpoint
+                                    : run->options->trace;
 }
 
 // --- numbered pictures ---------------------------------------------------------------------------
@@ -34,9 +34,9 @@ struct numbered_list {
     size_t count, capacity;
 };
 
-static bool is_written(const struct render_job *job, uint32_t number)
+static bool is_written(const struct render_run *run, uint32_t number)
 {
-    const struct options *options = job->options;
+    const struct options *options = run->options;
     return number > 0 && options->every > 0 && number <= options->frames &&
            number % options->every == 0;
 }
@@ -61,7 +61,7 @@ static bool append(struct numbered_list *list, const char *path, struct err *err
     return true;
 }
 
-static bool list_those_of(const struct render_job *job, const char *output,
+static bool list_those_of(const struct render_run *run, const char *output,
                           struct numbered_list *list, struct err *err)
 {
     const char *path = path_folder(&list->arena, output);
@@ -69,7 +69,7 @@ static bool list_those_of(const struct render_job *job, const char *output,
     bool ok = true;
     for (struct dirent *entry; ok && folder && (entry = readdir(folder));) {
         uint32_t number = path_number_of(entry->d_name, output);
-        if (is_written(job, number))
+        if (is_written(run, number))
             ok = append(list, path_numbered(&list->arena, output, number), err);
     }
     if (folder)
@@ -77,11 +77,11 @@ static bool list_those_of(const struct render_job *job, const char *output,
     return ok;
 }
 
-static bool list_numbered(const struct render_job *job, struct numbered_list *list, struct err *err)
+static bool list_numbered(const struct render_run *run, struct numbered_list *list, struct err *err)
 {
     bool ok = true;
-    for (uint32_t i = 0; ok && job->options->every && i < job->output_count; i++)
-        ok = list_those_of(job, job->outputs[i], list, err);
+    for (uint32_t i = 0; ok && run->options->every && i < run->output_count; i++)
+        ok = list_those_of(run, run->outputs[i], list, err);
     return ok;
 }
 
@@ -95,34 +95,34 @@ static bool check_pair(const char *a, const char *b, struct err *err)
 }
 
 // A file by the name, and in the folder, of a picture that will be numbered.
-static bool check_name(const struct render_job *job, const char *path, struct arena *arena,
+static bool check_name(const struct render_run *run, const char *path, struct arena *arena,
                        struct err *err)
 {
     char *target = file_target(path);
     bool ok = target || err_memory(err, "output names", strlen(path) + 1);
-    for (uint32_t i = 0; ok && i < job->output_count; i++) {
-        uint32_t number = path_number_of(target, job->outputs[i]);
+    for (uint32_t i = 0; ok && i < run->output_count; i++) {
+        uint32_t number = path_number_of(target, run->outputs[i]);
         const char *other =
-            is_written(job, number) ? path_numbered(arena, job->outputs[i], number) : NULL;
+            is_written(run, number) ? path_numbered(arena, run->outputs[i], number) : NULL;
         if (other && strcmp(other, path) != 0)
             ok = check_pair(path, other, err);
         else if (other)
             ok = err_set(err, ERR_USAGE,
                          "%s: is the picture after frame %u too (--every %u); expected a file for "
                          "each output",
-                         path, (unsigned)number, (unsigned)job->options->every);
+                         path, (unsigned)number, (unsigned)run->options->every);
     }
     free(target);
     return ok;
 }
 
-static bool check_numbered(const struct render_job *job, struct numbered_list *list,
+static bool check_numbered(const struct render_run *run, struct numbered_list *list,
                            struct err *err)
 {
-    bool ok = list_numbered(job, list, err);
-    for (uint32_t i = 0; ok && i < job->output_count + 2; i++) {
-        const char *output = output_at(job, i);
-        ok = !output || check_name(job, output, &list->arena, err);
+    bool ok = list_numbered(run, list, err);
+    for (uint32_t i = 0; ok && i < run->output_count + 2; i++) {
+        const char *output = output_at(run, i);
+        ok = !output || check_name(run, output, &list->arena, err);
         for (size_t k = 0; ok && output && k < list->count; k++)
             ok = check_pair(output, list->files[k].path, err);
     }
@@ -132,22 +132,22 @@ static bool check_numbered(const struct render_job *job, struct numbered_list *l
         for (size_t k = 0; ok && link->is_link && k < list->count; k++)
             ok = k == i || check_pair(link->path, list->files[k].path, err);
         char *target = ok && link->is_link ? file_target(link->path) : NULL;
-        ok = ok && (!target || check_name(job, target, &list->arena, err));
+        ok = ok && (!target || check_name(run, target, &list->arena, err));
         free(target);
     }
     return ok;
 }
 
-bool job_check_distinct(const struct render_job *job, struct err *err)
+bool render_check_distinct(const struct render_run *run, struct err *err)
 {
-    for (uint32_t i = 0; i < job->output_count + 2; i++)
+    for (uint32_t i = 0; i < run->output_count + 2; i++)
         for (uint32_t k = 0; k < i; k++) {
-            const char *a = output_at(job, k), *b = output_at(job, i);
+            const char *a = output_at(run, k), *b = output_at(run, i);
             if (a && b && !check_pair(a, b, err))
                 return false;
         }
     struct numbered_list list = {0};
-    bool ok = job->options->every == 0 || check_numbered(job, &list, err);
+    bool ok = run->options->every == 0 || check_numbered(run, &list, err);
     arena_finish(&list.arena);
     return ok;
 }
@@ -156,24 +156,24 @@ bool job_check_distinct(const struct render_job *job, struct err *err)
 
 // The picture to look at was not asked for: where a texture has its name (spot.obj, spot.png), the
 // picture that counts is written alone.
-static void drop_default_of_inputs(struct render_job *job)
+static void drop_default_of_inputs(struct render_run *run)
 {
     struct err reason = {0};
-    if (job->options->output_count > 0 || job->output_count < 2 ||
-        file_inputs_check(job->outputs[1], &reason))
+    if (run->options->output_count > 0 || run->output_count < 2 ||
+        file_inputs_check(run->outputs[1], &reason))
         return;
-    job->output_count = 1;
-    log_info("%s: only %s is written", reason.msg, job->outputs[0]);
+    run->output_count = 1;
+    log_info("%s: only %s is written", reason.msg, run->outputs[0]);
 }
 
-bool job_check_inputs(struct render_job *job, struct err *err)
+bool render_check_inputs(struct render_run *run, struct err *err)
 {
     struct numbered_list list = {0};
     bool ok = true;
-    drop_default_of_inputs(job);
-    for (uint32_t i = 0; ok && i < job->output_count + 2; i++)
-        ok = !output_at(job, i) || file_inputs_check(output_at(job, i), err);
-    ok = ok && list_numbered(job, &list, err);
+    drop_default_of_inputs(run);
+    for (uint32_t i = 0; ok && i < run->output_count + 2; i++)
+        ok = !output_at(run, i) || file_inputs_check(output_at(run, i), err);
+    ok = ok && list_numbered(run, &list, err);
     for (size_t i = 0; ok && i < list.count; i++)
         ok = file_inputs_check(list.files[i].path, err);
     arena_finish(&list.arena);

@@ -1,4 +1,5 @@
-#include "cli/render/render_job.h"
+#include "cli/render/render_run.h"
+#include "cli/render/trace_file.h"
 
 #include "base/clock.h"
 #include "base/file.h"
@@ -27,100 +28,100 @@ static bool is_watched(const struct options *options)
 }
 
 // The scene's name with .exr, in the working directory; for people a picture to look at besides.
-static bool default_outputs(struct render_job *job, struct err *err)
+static bool default_outputs(struct render_run *run, struct err *err)
 {
     static const char *const formats[] = {"%s.exr", "%s.png"};
-    uint32_t count = is_watched(job->options) ? 2 : 1;
-    char *stem = without_extension(&job->arena, path_name(job->options->arguments[0]));
-    job->outputs = ARENA_NEW(&job->arena, const char *, count);
+    uint32_t count = is_watched(run->options) ? 2 : 1;
+    char *stem = without_extension(&run->arena, path_name(run->options->arguments[0]));
+    run->outputs = ARENA_NEW(&run->arena, const char *, count);
     for (uint32_t i = 0; i < count; i++) {
-        const char *output = stem ? arena_printf(&job->arena, formats[i], stem) : NULL;
-        if (!output || !job->outputs)
+        const char *output = stem ? arena_printf(&run->arena, formats[i], stem) : NULL;
+        if (!output || !run->outputs)
             return err_memory(err, "output names", 64);
-        job->outputs[i] = output;
+        run->outputs[i] = output;
     }
-    job->output_count = count;
+    run->output_count = count;
     return true;
 }
 
 // What a signal's handler is to remove when it ends the program.
-static bool list_locks(struct render_job *job, struct err *err)
+static bool list_locks(struct render_run *run, struct err *err)
 {
-    const char **paths = ARENA_NEW(&job->arena, const char *, job->lock_count);
+    const char **paths = ARENA_NEW(&run->arena, const char *, run->lock_count);
     if (!paths)
-        return err_memory(err, "names of locks", job->lock_count * sizeof *paths);
+        return err_memory(err, "names of locks", run->lock_count * sizeof *paths);
     uint32_t count = 0;
-    for (uint32_t i = 0; i < job->lock_count; i++)
-        if (job->locks[i].path)
-            paths[count++] = job->locks[i].path;
+    for (uint32_t i = 0; i < run->lock_count; i++)
+        if (run->locks[i].path)
+            paths[count++] = run->locks[i].path;
     signals_set_leftovers(paths, count);
     return true;
 }
 
 // Other formats have no layers.
-static bool check_layers(const struct render_job *job, struct err *err)
+static bool check_layers(const struct render_run *run, struct err *err)
 {
     bool has_exr = false;
-    for (uint32_t i = 0; i < job->output_count; i++)
-        has_exr |= strcasecmp(path_extension(job->outputs[i]), "exr") == 0;
-    return has_exr || job->options->aovs == 0 ||
+    for (uint32_t i = 0; i < run->output_count; i++)
+        has_exr |= strcasecmp(path_extension(run->outputs[i]), "exr") == 0;
+    return has_exr || run->options->aovs == 0 ||
            err_set(err, ERR_USAGE, "--aov: layers go into EXR files; expected -o NAME.exr");
 }
 
-bool job_check_outputs(struct render_job *job, struct err *err)
+bool render_check_outputs(struct render_run *run, struct err *err)
 {
-    job->outputs = job->options->outputs;
-    job->output_count = job->options->output_count;
-    if (job->output_count == 0 && !default_outputs(job, err))
+    run->outputs = run->options->outputs;
+    run->output_count = run->options->output_count;
+    if (run->output_count == 0 && !default_outputs(run, err))
         return false;
-    if (!check_layers(job, err) || !job_check_distinct(job, err))
+    if (!check_layers(run, err) || !render_check_distinct(run, err))
         return false;
-    const char *others[] = {job->options->checkpoint, job->options->trace};
+    const char *others[] = {run->options->checkpoint, run->options->trace};
     if (others[1] && !trace_check_format(others[1], err))
         return false;
-    job->lock_count = job->output_count + 2;
-    job->locks = ARENA_NEW(&job->arena, struct file_lock, job->lock_count);
-    if (!job->locks)
-        return err_memory(err, "locks", job->lock_count * sizeof *job->locks);
-    for (uint32_t i = 0; i < job->output_count; i++) {
-        const char *output = job->outputs[i];
+    run->lock_count = run->output_count + 2;
+    run->locks = ARENA_NEW(&run->arena, struct file_lock, run->lock_count);
+    if (!run->locks)
+        return err_memory(err, "locks", run->lock_count * sizeof *run->locks);
+    for (uint32_t i = 0; i < run->output_count; i++) {
+        const char *output = run->outputs[i];
         if (!image_check_format(output, err) || !file_check_writable(output, err) ||
-            !file_lock_take(&job->locks[i], output, err))
+            !file_lock_take(&run->locks[i], output, err))
             return false;
     }
     for (uint32_t i = 0; i < 2; i++)
         if (others[i] && (!file_check_writable(others[i], err) ||
-                          !file_lock_take(&job->locks[job->output_count + i], others[i], err)))
+                          !file_lock_take(&run->locks[run->output_count + i], others[i], err)))
             return false;
-    return list_locks(job, err);
+    return list_locks(run, err);
 }
 
-void job_release_outputs(struct render_job *job)
+void render_release_outputs(struct render_run *run)
 {
     signals_set_leftovers(NULL, 0);
-    for (uint32_t i = 0; job->locks && i < job->lock_count; i++)
-        file_lock_release(&job->locks[i]);
+    for (uint32_t i = 0; run->locks && i < run->lock_count; i++)
+        file_lock_release(&run->locks[i]);
 }
 
 // Uncompressed: what compression saves is not known before, and noise leaves it little.
-static uint64_t picture_bytes(const struct render_job *job, bool is_png)
+static uint64_t picture_bytes(const struct render_run *run, bool is_png)
 {
-    const struct settings *settings = &job->scene.settings;
+    const struct settings *settings = &run->scene.settings;
     uint64_t pixels = (uint64_t)settings->width * settings->height;
-    uint64_t values = is_png ? 1 : job->options->half_float ? 2 : 4;
-    return pixels * (3 * values + (is_png ? 0 : job_layer_bytes(job)));
+    uint64_t values = is_png ? 1 : run->options->half_float ? 2 : 4;
+    return pixels * (3 * values + (is_png ? 0 : render_layer_bytes(run)));
 }
 
-bool job_check_space(const struct render_job *job, struct err *err)
+bool render_check_space(const struct render_run *run, struct err *err)
 {
-    const struct options *options = job->options;
+    const struct options *options = run->options;
     // Of a run that a clock may end, only the last picture is certain.
     bool is_certain = options->every && options->time_seconds == 0.0;
     uint64_t pictures = is_certain ? options->frames / options->every + 1u : 1u;
-    for (uint32_t i = 0; i < job->output_count; i++) {
-        bool is_png = strcasecmp(path_extension(job->outputs[i]), "png") == 0;
-        uint64_t bytes = picture_bytes(job, is_png);
-        if (!file_check_space(job->outputs[i], pictures * bytes, err))
+    for (uint32_t i = 0; i < run->output_count; i++) {
+        bool is_png = strcasecmp(path_extension(run->outputs[i]), "png") == 0;
+        uint64_t bytes = picture_bytes(run, is_png);
+        if (!file_check_space(run->outputs[i], pictures * bytes, err))
             return false;
     }
     return true;
@@ -129,7 +130,7 @@ bool job_check_space(const struct render_job *job, struct err *err)
 // --- writing
 // --------------------------------------------------------------------------------------
 
-enum image_tone job_image_tone(enum tone_curve curve)
+enum image_tone render_image_tone(enum tone_curve curve)
 {
     static const enum image_tone tones[] = {
         [TONE_NONE] = IMAGE_TONE_NONE,
@@ -145,12 +146,12 @@ struct storage {
     bool half_float, uncompressed;
 };
 
-static bool write_picture(const struct render_job *job, const char *path, struct storage storage,
-                          const struct job_attributes *attributes, struct err *err)
+static bool write_picture(const struct render_run *run, const char *path, struct storage storage,
+                          const struct render_attributes *attributes, struct err *err)
 {
-    const struct image image = {job->film.width, job->film.height, job->film.mean};
-    struct job_layers layers;
-    job_list_layers(job, &layers);
+    const struct image image = {run->job.film.width, run->job.film.height, run->job.film.mean};
+    struct render_layers layers;
+    render_list_layers(run, &layers);
     struct image_write_params params = {
         .path = path,
         .image = &image,
@@ -160,8 +161,8 @@ static bool write_picture(const struct render_job *job, const char *path, struct
         .attribute_count = attributes->count,
         .half_float = storage.half_float,
         .uncompressed = storage.uncompressed,
-        .exposure_stops = job->exposure,
-        .tone = job_image_tone(job->scene.settings.tone_curve),
+        .exposure_stops = run->exposure,
+        .tone = render_image_tone(run->scene.settings.tone_curve),
     };
     return image_write(&params, err);
 }
@@ -179,14 +180,14 @@ static rlim_t raise_file_size_limit(void)
 
 // First in the simplest way, as a compressor may have failed; where the size of files is limited,
 // in smaller ones then. Says how.
-static bool save(const struct render_job *job, const char *path, rlim_t limit,
-                 const struct job_attributes *attributes, struct err *err)
+static bool save(const struct render_run *run, const char *path, rlim_t limit,
+                 const struct render_attributes *attributes, struct err *err)
 {
-    const bool half = job->options->half_float;
+    const bool half = run->options->half_float;
     const struct storage ways[] = {{half, true}, {half, false}, {true, false}};
     bool is_limited = limit != RLIM_INFINITY;
     for (int i = 0; i < (is_limited ? 3 : 1); i++) {
-        if (!write_picture(job, path, ways[i], attributes, err))
+        if (!write_picture(run, path, ways[i], attributes, err))
             continue;
         log_warn("the picture was saved as %s%s", path,
                  ways[i].half_float && !half ? ", with 16 bits a value, since a file's size is "
@@ -197,45 +198,46 @@ static bool save(const struct render_job *job, const char *path, rlim_t limit,
     if (is_limited)
         log_warn("files may have at most %llu bytes here (RLIMIT_FSIZE, ulimit -f); the picture "
                  "has %llu before compression",
-                 (unsigned long long)limit, (unsigned long long)picture_bytes(job, false));
+                 (unsigned long long)limit, (unsigned long long)picture_bytes(run, false));
     return false;
 }
 
 // Hours of rendering shall not be lost because a disk is full or gone, or a compressor fails.
-static void save_elsewhere(struct render_job *job, const struct job_attributes *attributes)
+static void save_elsewhere(struct render_run *run, const struct render_attributes *attributes)
 {
     const char *parent = getenv("TMPDIR");
-    char *folder = arena_printf(&job->film_arena, "%s/lampyris-XXXXXX", parent ? parent : "/tmp");
+    char *folder =
+        arena_printf(&run->job.film_arena, "%s/lampyris-XXXXXX", parent ? parent : "/tmp");
     if (!folder || !mkdtemp(folder))
         return;
-    const char *path = arena_printf(&job->film_arena, "%s/picture.exr", folder);
+    const char *path = arena_printf(&run->job.film_arena, "%s/picture.exr", folder);
     struct err err = {0};
     rlim_t limit = raise_file_size_limit();
-    if (path && save(job, path, limit, attributes, &err))
+    if (path && save(run, path, limit, attributes, &err))
         return;
     rmdir(folder);
     log_warn("the picture could not be saved in %s either: %s", folder, err.msg);
 }
 
-bool job_write_outputs(struct render_job *job, uint32_t frame, struct err *err)
+bool render_write_outputs(struct render_run *run, uint32_t frame, struct err *err)
 {
     uint64_t start = clock_ns();
-    struct job_attributes attributes;
-    const struct image image = {job->film.width, job->film.height, job->film.mean};
-    const struct settings *settings = &job->scene.settings;
-    job->exposure =
+    struct render_attributes attributes;
+    const struct image image = {run->job.film.width, run->job.film.height, run->job.film.mean};
+    const struct settings *settings = &run->scene.settings;
+    run->exposure =
         settings->exposure_is_auto ? image_measure_exposure(&image) : settings->exposure;
-    job->is_written |= frame == 0;
-    if (!job_describe(job, frame, &job->film_arena, &attributes, err))
+    run->is_written |= frame == 0;
+    if (!render_describe(run, frame, &run->job.film_arena, &attributes, err))
         return false;
     bool ok = true, has_exr = false;
-    for (uint32_t i = 0; i < job->output_count; i++) {
+    for (uint32_t i = 0; i < run->output_count; i++) {
         struct err failure = {0};
-        const char *output = job->outputs[i];
-        const char *path = frame > 0 ? path_numbered(&job->film_arena, output, frame) : output;
+        const char *output = run->outputs[i];
+        const char *path = frame > 0 ? path_numbered(&run->job.film_arena, output, frame) : output;
         if (!path)
-            return err_memory(err, "output names", job->output_count * sizeof path);
-        if (write_picture(job, path, (struct storage){job->options->half_float, false}, &attributes,
+            return err_memory(err, "output names", run->output_count * sizeof path);
+        if (write_picture(run, path, (struct storage){run->options->half_float, false}, &attributes,
                           &failure)) {
             has_exr |= strcasecmp(path_extension(path), "exr") == 0;
             continue;
@@ -247,7 +249,7 @@ bool job_write_outputs(struct render_job *job, uint32_t frame, struct err *err)
         ok = false;
     }
     if (!ok && !has_exr)
-        save_elsewhere(job, &attributes);
-    job->seconds.write += clock_seconds_since(start);
+        save_elsewhere(run, &attributes);
+    run->job.seconds.write += clock_seconds_since(start);
     return ok;
 }

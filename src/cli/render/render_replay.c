@@ -1,7 +1,7 @@
 #include "render/probe/replay.h"
 
 #include "cli/exit_code.h"
-#include "cli/render/render_job.h"
+#include "cli/render/render_run.h"
 #include "report/json_out.h"
 #include "report/text_out.h"
 #include <inttypes.h>
@@ -92,16 +92,16 @@ static void print_json(const struct replay *replay, const uint32_t pixel[2], uin
                             "dropped", replay->dropped, "vertices", vertices));
 }
 
-bool job_replay(struct render_job *job, struct err *err)
+bool render_replay(struct render_run *run, struct err *err)
 {
-    const struct options *options = job->options;
-    const struct settings *settings = &job->scene.settings;
+    const struct options *options = run->options;
+    const struct settings *settings = &run->scene.settings;
     uint32_t x = options->pixel[0], y = options->pixel[1];
     if (x >= settings->width || y >= settings->height)
         return err_set(err, ERR_USAGE, "--pixel %u,%u is outside the picture of %u x %u", x, y,
                        settings->width, settings->height);
     struct replay replay;
-    if (!renderer_replay(&job->renderer, x, y, options->sample, &job->arena, &replay, err))
+    if (!renderer_replay(&run->job.renderer, x, y, options->sample, &run->arena, &replay, err))
         return false;
     progress_end(options->progress);
     if (options->json) {

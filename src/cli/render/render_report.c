@@ -1,8 +1,8 @@
 // What a render reports to people.
 #include "cli/render/render_report.h"
 #include "base/file.h"
-#include "cli/render/render_bias.h"
 #include "cli/render/sharing.h"
+#include "job/bias.h"
 #include "job/film_error.h"
 #include "report/text_out.h"
 #include <inttypes.h>
@@ -33,53 +33,53 @@ static const char *site_name(int site)
     return names[site];
 }
 
-const char *job_reproducing_command(struct render_job *job)
+const char *render_reproducing_command(struct render_run *run)
 {
-    const struct nonfinite_stats *stats = &job->renderer.stats.nonfinite;
+    const struct nonfinite_stats *stats = &run->job.renderer.stats.nonfinite;
     if (!stats->recorded)
         return NULL;
-    return arena_printf(&job->arena, "%s --pixel %u,%u --sample %u", job->options->command_line,
-                        stats->pixel % job->film.width, stats->pixel / job->film.width,
+    return arena_printf(&run->arena, "%s --pixel %u,%u --sample %u", run->options->command_line,
+                        stats->pixel % run->job.film.width, stats->pixel / run->job.film.width,
                         stats->sample);
 }
 
 // --- for people
 // -----------------------------------------------------------------------------------
 
-static void print_biases(const struct render_job *job)
+static void print_biases(const struct render_run *run)
 {
     struct job_bias list[JOB_MAX_BIASES];
-    uint32_t count = job_list_biases(job, list);
+    uint32_t count = job_list_biases(&run->job, list);
     for (uint32_t i = 0; i < count; i++)
         print_line("bias      ", list[i].text);
 }
 
-static bool halves_are_bound(const struct render_job *job)
+static bool halves_are_bound(const struct render_run *run)
 {
-    return job->renderer.specialization.halves == HALVES_CONTIGUOUS;
+    return run->job.renderer.specialization.halves == HALVES_CONTIGUOUS;
 }
 
-static void print_error(const struct render_job *job)
+static void print_error(const struct render_run *run)
 {
-    const struct half_error *e = &job->error;
+    const struct half_error *e = &run->job.error;
     char words[FILM_ERROR_WORDS];
     film_error_words(e, words);
     if (!e->known && !e->bounded && !film_error_is_plain(e))
         printf("error     not yet known: %s\n", e->reason);
     else
-        printf("error     %s, in %.3f s%s%s\n", words, job->seconds.render,
+        printf("error     %s, in %.3f s%s%s\n", words, run->job.seconds.render,
                e->known ? " (blind to bias)" : ": ", e->known ? "" : e->reason);
 }
 
-static void print_against(const struct render_job *job)
+static void print_against(const struct render_run *run)
 {
-    const struct job_against *against = &job->against;
+    const struct job_against *against = &run->job.against;
     const struct interval *stays = &against->bias.stays;
-    const struct reference *reference = &job->reference;
-    if (!job->options->reference)
+    const struct reference *reference = &run->reference;
+    if (!run->options->reference)
         return;
     printf("against   ");
-    print_words(job->options->reference);
+    print_words(run->options->reference);
     printf(": local relMSE %.3g, relMSE %.3g, MSE %.3g, SMAPE %.3g, PSNR %.2f dB",
            against->local_relmse, against->relmse, against->mse, against->smape, against->psnr);
     if (reference->noise_known)
@@ -93,40 +93,41 @@ static void print_against(const struct render_job *job)
             reference->noise_known ? "bias" : "bias, or the reference's noise");
 }
 
-static void print_forecast(const struct render_job *job)
+static void print_forecast(const struct render_run *run)
 {
     struct forecast f;
-    const char *reason = job_forecast(job, &f);
+    const char *reason = job_forecast(&run->job, &f);
     if (reason) {
         printf("forecast  not known: %s\n", reason);
         return;
     }
-    bool is_bound = f.basis == FORECAST_AT_LEAST || halves_are_bound(job);
+    bool is_bound = f.basis == FORECAST_AT_LEAST || halves_are_bound(run);
     printf("forecast  twice the time: local relMSE %s about %.2g (%.2g to %.2g), ",
            is_bound ? "at most" : "of", f.error.value, f.error.low, f.error.high);
     if (f.basis == FORECAST_SLOPE)
         printf("by slope %.2f (%.2f to %.2f)", f.slope.value, f.slope.low, f.slope.high);
     else
         printf("as 1 / samples%s", is_bound ? " or faster" : "");
-    if (job->options->reference && job->against.bias.is_certain)
-        printf(", of which %.2g stays", job->against.bias.stays.value);
+    if (run->options->reference && run->job.against.bias.is_certain)
+        printf(", of which %.2g stays", run->job.against.bias.stays.value);
     putchar('\n');
 }
 
-static void print_ending(const struct render_job *job)
+static void print_ending(const struct render_run *run)
 {
-    const struct error_look *look = job->looks + job->look_count - 1;
-    if (job->look_count > 0 && look->error.bounded)
+    const struct job_look *look = run->job.looks + run->job.look_count - 1;
+    if (run->job.look_count > 0 && look->error.bounded)
         printf("looks     %u; at the last, after %" PRIu64 " spp, the error is below %.3g with "
                "%.4g %% confidence, where %.3g was asked for%s\n",
-               job->look_count, look->samples, look->error.at_most, 100.0 * look->confidence,
-               job->options->error, look->error.known ? "" : " (a bound alone is known)");
-    if (job->plan.counts)
+               run->job.look_count, (uint64_t)look->samples, look->error.at_most,
+               100.0 * look->confidence, run->options->error,
+               look->error.known ? "" : " (a bound alone is known)");
+    if (run->job.plan.counts)
         printf("adaptive  %u to %u samples for every %u, by a pilot of 16 besides\n",
-               job->plan.least, job->plan.most, job->round_samples);
-    if (job->options->checkpoint && job->has_checkpoint) {
+               run->job.plan.least, run->job.plan.most, run->job.round_samples);
+    if (run->options->checkpoint && run->job.has_checkpoint) {
         fputs("kept      ", stdout);
-        print_words(job->options->checkpoint);
+        print_words(run->options->checkpoint);
         puts(", from which --resume goes on");
     }
 }
@@ -207,23 +208,24 @@ static void print_steps(const struct job_seconds *s, int most)
     printf(" other %.3f\n", s->total - named);
 }
 
-void report_print_steps(const struct render_job *job)
+void report_print_steps(const struct render_run *run)
 {
-    print_steps(&job->seconds, STEP_COUNT);
+    print_steps(&run->job.seconds, STEP_COUNT);
 }
 
-static void print_times(const struct render_job *job)
+static void print_times(const struct render_run *run)
 {
-    const struct job_seconds *s = &job->seconds;
-    const struct render_stats *stats = &job->renderer.stats;
+    const struct job_seconds *s = &run->job.seconds;
+    const struct render_stats *stats = &run->job.renderer.stats;
     print_steps(s, 4);
     if (s->bvh_uncached > 0.0)
         printf("BVH       from the cache, %.3f s instead of %.3f s\n", s->bvh, s->bvh_uncached);
     if (s->render_before > 0.0)
         printf("before    %.3f s of rendering by runs before this one\n", s->render_before);
     printf("speed     %.3f Msamples/s, %.2f Mrays/s (%.1f M closest, %.1f M shadow)\n",
-           job_total_samples(job) * 1e-6 / s->render, report_total_rays(stats) * 1e-6 / s->render,
-           (double)stats->closest_rays * 1e-6, (double)stats->shadow_rays * 1e-6);
+           job_total_samples(&run->job) * 1e-6 / s->render,
+           report_total_rays(stats) * 1e-6 / s->render, (double)stats->closest_rays * 1e-6,
+           (double)stats->shadow_rays * 1e-6);
     print_largest_kernels(stats);
 }
 
@@ -234,9 +236,9 @@ const char *const report_class_names[CLASS_COUNT] = {
     [CLASS_CLASSICAL] = "classical",
 };
 
-static void print_nonfinite(const struct render_job *job)
+static void print_nonfinite(const struct render_run *run)
 {
-    const struct nonfinite_stats *stats = &job->renderer.stats.nonfinite;
+    const struct nonfinite_stats *stats = &run->job.renderer.stats.nonfinite;
     for (int site = 0; site < SITE_COUNT; site++)
         if (stats->count[site])
             printf("dropped   %" PRIu64 " contributions that were not finite (%s)\n",
@@ -256,77 +258,77 @@ static void print_notes(const struct scene *scene)
 }
 
 // Of PNG pictures, where it is not what the scene file or an option says.
-static void print_exposure(const struct render_job *job)
+static void print_exposure(const struct render_run *run)
 {
-    const struct settings *s = &job->scene.settings;
+    const struct settings *s = &run->scene.settings;
     if (s->exposure_is_auto)
-        printf(" (exposure %+.2f stops%s, tone %s: --exposure, --tone)", (double)job->exposure,
-               job->scene.exposure_is_replaced ? ", not the file's" : "",
+        printf(" (exposure %+.2f stops%s, tone %s: --exposure, --tone)", (double)run->exposure,
+               run->scene.exposure_is_replaced ? ", not the file's" : "",
                tone_names[s->tone_curve]);
 }
 
-static void print_outputs(const struct render_job *job)
+static void print_outputs(const struct render_run *run)
 {
-    uint32_t last_png = job->output_count;
-    for (uint32_t i = 0; i < job->output_count; i++)
-        if (strcasecmp(path_extension(job->outputs[i]), "png") == 0)
+    uint32_t last_png = run->output_count;
+    for (uint32_t i = 0; i < run->output_count; i++)
+        if (strcasecmp(path_extension(run->outputs[i]), "png") == 0)
             last_png = i;
-    for (uint32_t i = 0; i < job->output_count; i++) {
+    for (uint32_t i = 0; i < run->output_count; i++) {
         fputs(i == 0 ? "wrote     " : ", ", stdout);
-        print_words(job->outputs[i]);
+        print_words(run->outputs[i]);
         if (i == last_png)
-            print_exposure(job);
+            print_exposure(run);
     }
-    if (job->output_count > 0)
+    if (run->output_count > 0)
         putchar('\n');
 }
 
-void job_print_summary(const struct render_job *job)
+void render_print_summary(const struct render_run *run)
 {
-    const struct film_image *film = &job->film;
-    print_words(job->scene.path);
+    const struct film_image *film = &run->job.film;
+    print_words(run->scene.path);
     printf("  %u x %u, %" PRIu64, film->width, film->height, film->least_samples);
     if (film->most_samples != film->least_samples)
         printf(" to %" PRIu64, film->most_samples);
-    printf(" spp, seed %u%s\n", job->scene.settings.seed,
-           job->stopped                       ? ", stopped early"
-           : job->ended_by == ENDED_BY_TIME   ? ", ended by --time"
-           : job->ended_by == ENDED_BY_ERROR  ? ", ended by --error"
-           : job->ended_by == ENDED_BY_DEVICE ? ", ended by a failure of the device"
-           : job->ended_by == ENDED_BY_MEMORY ? ", ended by lack of memory"
-                                              : "");
+    printf(" spp, seed %u%s\n", run->scene.settings.seed,
+           run->job.stopped                       ? ", stopped early"
+           : run->job.ended_by == ENDED_BY_TIME   ? ", ended by --time"
+           : run->job.ended_by == ENDED_BY_ERROR  ? ", ended by --error"
+           : run->job.ended_by == ENDED_BY_DEVICE ? ", ended by a failure of the device"
+           : run->job.ended_by == ENDED_BY_MEMORY ? ", ended by lack of memory"
+                                                  : "");
     if (film->unsampled)
         printf("unsampled %" PRIu64 " of %" PRIu64 " pixels have no sample and are black\n",
                film->unsampled, (uint64_t)film->width * film->height);
-    printf("device    %s (%s)\n", job->gpu.info.name, job->gpu.info.kind);
-    print_notes(&job->scene);
-    const struct flat_scene *flat = &job->renderer.flat;
+    printf("device    %s (%s)\n", run->gpu.info.name, run->gpu.info.kind);
+    print_notes(&run->scene);
+    const struct flat_scene *flat = &run->job.renderer.flat;
     if (flat->dropped_degenerate || flat->skipped_instances)
         printf("dropped   %u triangles without area, %u instances with a singular transform\n",
                flat->dropped_degenerate, flat->skipped_instances);
-    sharing_print(flat, job->renderer.specialization.features);
-    print_error(job);
-    print_against(job);
-    print_forecast(job);
-    print_biases(job);
-    print_ending(job);
-    print_times(job);
-    print_nonfinite(job);
-    if (job->renderer.stats.media_lost)
+    sharing_print(flat, run->job.renderer.specialization.features);
+    print_error(run);
+    print_against(run);
+    print_forecast(run);
+    print_biases(run);
+    print_ending(run);
+    print_times(run);
+    print_nonfinite(run);
+    if (run->job.renderer.stats.media_lost)
         printf("media     %" PRIu64
                " crossings of surfaces that are open, or nest deeper than four: "
                "what is inside is not certain there\n",
-               job->renderer.stats.media_lost);
+               run->job.renderer.stats.media_lost);
     printf("memory    %.1f MiB on the device, %.1f MiB on the host at its peak; wave of %u paths\n",
-           (double)job->gpu.peak_bytes / 1048576.0, report_host_peak_bytes() / 1048576.0,
-           job->renderer.plan.wave_slots);
-    explain_print_line(&job->renderer);
-    print_outputs(job);
-    if (job->options->trace) {
+           (double)run->gpu.peak_bytes / 1048576.0, report_host_peak_bytes() / 1048576.0,
+           run->job.renderer.plan.wave_slots);
+    explain_print_line(&run->job.renderer);
+    print_outputs(run);
+    if (run->options->trace) {
         fputs("wrote     ", stdout);
-        print_words(job->options->trace);
-        printf(", %u rows\n", job->trace.count);
+        print_words(run->options->trace);
+        printf(", %u rows\n", run->job.trace.count);
     }
-    if (job->options->explain)
-        explain_print(job);
+    if (run->options->explain)
+        explain_print(run);
 }

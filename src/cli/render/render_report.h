@@ -2,7 +2,7 @@
 #ifndef LAMPYRIS_CLI_RENDER_RENDER_REPORT_H
 #define LAMPYRIS_CLI_RENDER_RENDER_REPORT_H
 
-#include "cli/render/render_job.h"
+#include "cli/render/render_run.h"
 #include "render/parts.h"
 #include <jansson.h>
 
@@ -11,7 +11,7 @@ double report_total_rays(const struct render_stats *stats);
 
 // A line of the times of all kernels, and one of those of all steps: the summary names the largest.
 void report_print_kernels(const struct render_stats *stats);
-void report_print_steps(const struct render_job *job);
+void report_print_steps(const struct render_run *run);
 
 extern const char *const report_class_names[CLASS_COUNT];
 
@@ -20,7 +20,7 @@ extern const char *const report_class_names[CLASS_COUNT];
 void explain_print_line(const struct renderer *r);
 // --explain: which parts are left out, why, and what that saves; and what the summary has no room
 // for.
-void explain_print(const struct render_job *job);
+void explain_print(const struct render_run *run);
 // Of one part that is left out: why, and what that saves.
 json_t *explain_json(const struct renderer *r, const struct part *part);
 

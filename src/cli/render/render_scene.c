@@ -1,4 +1,4 @@
-#include "cli/render/render_job.h"
+#include "cli/render/render_scene.h"
 
 #include "base/hash.h"
 #include "base/maths.h"
@@ -53,7 +53,7 @@ static bool set_lens(const struct options *options, struct scene *scene, struct 
     return true;
 }
 
-struct scene_load_params job_scene_params(const struct options *options)
+struct scene_load_params options_scene_params(const struct options *options)
 {
     const struct environment_option *environment = &options->environment;
     bool has_radiance =
@@ -81,8 +81,8 @@ struct scene_load_params job_scene_params(const struct options *options)
     };
 }
 
-bool job_adapt_scene(const struct options *options, struct scene *scene, uint32_t *camera,
-                     struct err *err)
+bool options_adapt_scene(const struct options *options, struct scene *scene, uint32_t *camera,
+                         struct err *err)
 {
     if (scene->is_empty)
         return err_set(err, ERR_INPUT,
@@ -99,17 +99,17 @@ bool job_adapt_scene(const struct options *options, struct scene *scene, uint32_
            set_lens(options, scene, &scene->cameras[*camera], err);
 }
 
-bool job_load_scene(const struct options *options, struct scene *scene, uint32_t *camera,
-                    struct err *err)
+bool options_load_scene(const struct options *options, struct scene *scene, uint32_t *camera,
+                        struct err *err)
 {
-    struct scene_load_params params = job_scene_params(options);
+    struct scene_load_params params = options_scene_params(options);
     if (!scene_load(&params, scene, err))
         return false;
-    return job_adapt_scene(options, scene, camera, err);
+    return options_adapt_scene(options, scene, camera, err);
 }
 
-struct renderer_params job_renderer_params(const struct options *options, struct gpu *gpu,
-                                           const struct scene *scene, uint32_t camera)
+struct renderer_params options_renderer_params(const struct options *options, struct gpu *gpu,
+                                               const struct scene *scene, uint32_t camera)
 {
     return (struct renderer_params){
         .gpu = gpu,

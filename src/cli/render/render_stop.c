@@ -2,7 +2,7 @@
 // a sample.
 #include "base/clock.h"
 #include "base/log.h"
-#include "cli/render/render_job.h"
+#include "cli/render/render_run.h"
 #include "cli/signals.h"
 
 #include <math.h>
@@ -20,12 +20,12 @@ static double patience_seconds(void)
 
 // False as long as it is not known whether that takes long enough to be told: before the first wave
 // has ended there is no rate, only the time that was waited.
-static bool say_what_it_waits_for(const struct render_job *job)
+static bool say_what_it_waits_for(const struct render_run *run)
 {
-    const struct pass *pass = &job->renderer.pass;
+    const struct pass *pass = &run->job.renderer.pass;
     double done = pass->length ? (double)pass->position / (double)pass->length : 0.0;
-    double seconds = job->renderer.stats.render_seconds - job->seconds.render_before;
-    double left = done > 0.0 ? seconds / done - seconds : clock_seconds_since(job->stop_ns);
+    double seconds = run->job.renderer.stats.render_seconds - run->job.seconds.render_before;
+    double left = done > 0.0 ? seconds / done - seconds : clock_seconds_since(run->stop_ns);
     if (left < SHORT_SECONDS)
         return false;
     log_warn("stopping: %.0f %% of the pixels have a sample, and the others get one first, for at "
@@ -34,28 +34,35 @@ static bool say_what_it_waits_for(const struct render_job *job)
     return true;
 }
 
-bool job_should_stop(void *context)
+static bool should_stop(void *context)
 {
-    struct render_job *job = context;
-    if (!progress_should_stop(job->options->progress))
+    struct render_run *run = context;
+    if (!progress_should_stop(run->options->progress))
         return false;
-    if (!job->is_rendering || renderer_has_all_pixels(&job->renderer) || patience_seconds() == 0.0)
+    if (!run->job.is_rendering || renderer_has_all_pixels(&run->job.renderer) ||
+        patience_seconds() == 0.0)
         return true;
-    if (job->stop_ns == 0)
-        job->stop_ns = clock_ns();
-    job->stop_is_told = job->stop_is_told || say_what_it_waits_for(job);
-    return clock_seconds_since(job->stop_ns) >= patience_seconds();
+    if (run->stop_ns == 0)
+        run->stop_ns = clock_ns();
+    run->stop_is_told = run->stop_is_told || say_what_it_waits_for(run);
+    return clock_seconds_since(run->stop_ns) >= patience_seconds();
 }
 
-bool job_is_stopped(struct render_job *job)
+static void report(void *context, const char *phase, double fraction)
 {
-    job->stopped |= progress_should_stop(&job->progress);
-    return job->stopped;
+    const struct render_run *run = context;
+    progress_report(run->options->progress, phase, fraction);
 }
 
-void job_warn_of_unsampled(const struct render_job *job)
+const struct progress *render_progress(struct render_run *run)
 {
-    const struct film_image *film = &job->film;
+    run->progress = (struct progress){report, should_stop, run};
+    return &run->progress;
+}
+
+void render_warn_of_unsampled(const struct render_run *run)
+{
+    const struct film_image *film = &run->job.film;
     if (film->unsampled > 0)
         log_warn("%llu of %llu pixels have no sample and are black: the render ended before each "
                  "had one",

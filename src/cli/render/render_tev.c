@@ -1,7 +1,7 @@
 // --tev: shows a render in the viewer tev while it goes on.
 #include "base/clock.h"
 #include "base/log.h"
-#include "cli/render/render_job.h"
+#include "cli/render/render_run.h"
 #include "cli/render/tev.h"
 #include <stdlib.h>
 #include <string.h>
@@ -46,13 +46,13 @@ static void pack_layer(struct tev_picture *picture, const struct image_layer *la
 
 // The film as the job has read it last, with the layers that are asked for. False when out of
 // memory.
-static bool pack_picture(const struct render_job *job, struct tev_picture *out)
+static bool pack_picture(const struct render_run *run, struct tev_picture *out)
 {
-    const struct film_image *film = &job->film;
+    const struct film_image *film = &run->job.film;
     const struct image_layer picture = {"", film->mean, NULL, IMAGE_LAYER_FLOAT};
-    struct job_layers layers;
+    struct render_layers layers;
     uint32_t count = 3;
-    job_list_layers(job, &layers);
+    render_list_layers(run, &layers);
     for (uint32_t i = 0; i < layers.count; i++)
         count += count_channels(&layers.list[i]);
     *out = (struct tev_picture){
@@ -71,78 +71,78 @@ static bool pack_picture(const struct render_job *job, struct tev_picture *out)
     return true;
 }
 
-static void give_up(struct render_job *job)
+static void give_up(struct render_run *run)
 {
     log_warn("--tev: out of memory for a copy of the picture; the render goes on without");
-    tev_close(job->tev.viewer);
-    job->tev.viewer = NULL;
+    tev_close(run->tev.viewer);
+    run->tev.viewer = NULL;
 }
 
-static void send_film(struct render_job *job)
+static void send_film(struct render_run *run)
 {
     struct tev_picture picture;
-    if (pack_picture(job, &picture))
-        tev_send(job->tev.viewer, &picture);
+    if (pack_picture(run, &picture))
+        tev_send(run->tev.viewer, &picture);
     else
-        give_up(job);
+        give_up(run);
 }
 
 // Reads the film for this alone: what the job has read before is its own.
-static bool send_now(struct render_job *job, struct err *err)
+static bool send_now(struct render_run *run, struct err *err)
 {
     uint64_t start = clock_ns();
-    const struct film_image kept = job->film;
+    const struct film_image kept = run->job.film;
     struct arena arena = {0};
-    bool ok = renderer_read(&job->renderer, &arena, &job->film, err);
+    bool ok = renderer_read(&run->job.renderer, &arena, &run->job.film, err);
     if (ok)
-        send_film(job);
-    job->film = kept;
+        send_film(run);
+    run->job.film = kept;
     arena_finish(&arena);
-    job->tev.sent_ns = clock_ns();
-    job->tev.seconds += clock_seconds_since(start);
+    run->tev.sent_ns = clock_ns();
+    run->tev.seconds += clock_seconds_since(start);
     return ok;
 }
 
-bool job_tev_open(struct render_job *job, struct err *err)
+bool render_tev_open(struct render_run *run, struct err *err)
 {
     struct tev_address address;
-    if (!job->options->tev)
+    if (!run->options->tev)
         return true;
-    if (!tev_parse_address(job->options->tev, &address, err) ||
-        !(job->tev.viewer = tev_open(&address, job->outputs[0], err)))
+    if (!tev_parse_address(run->options->tev, &address, err) ||
+        !(run->tev.viewer = tev_open(&address, run->outputs[0], err)))
         return false;
     return true;
 }
 
-bool job_tev_begin(struct render_job *job, struct err *err)
+bool render_tev_begin(struct render_run *run, struct err *err)
 {
-    job->tev.begin_ns = clock_ns();
-    job->tev.next_sample = 1;
-    return !job->tev.viewer || !tev_is_ready(job->tev.viewer) || send_now(job, err);
+    run->tev.begin_ns = clock_ns();
+    run->tev.next_sample = 1;
+    return !run->tev.viewer || !tev_is_ready(run->tev.viewer) || send_now(run, err);
 }
 
-bool job_tev_when_due(struct render_job *job, struct err *err)
+bool render_tev_when_due(struct render_run *run, struct err *err)
 {
-    struct job_tev *tev = &job->tev;
+    struct render_tev *tev = &run->tev;
     if (!tev->viewer)
         return true;
-    bool is_doubled = job->renderer.next_sample >= tev->next_sample;
+    bool is_doubled = run->job.renderer.next_sample >= tev->next_sample;
     if (!is_doubled && clock_seconds_since(tev->sent_ns) < SECONDS_BETWEEN)
         return true;
     if (tev->seconds > COST_MAX * clock_seconds_since(tev->begin_ns) || !tev_is_ready(tev->viewer))
         return true;
-    while (tev->next_sample <= job->renderer.next_sample)
+    while (tev->next_sample <= run->job.renderer.next_sample)
         tev->next_sample *= 2;
-    return send_now(job, err);
+    return send_now(run, err);
 }
 
-void job_tev_end(struct render_job *job)
+void render_tev_end(struct render_run *run)
 {
-    if (!job->tev.viewer)
+    if (!run->tev.viewer)
         return;
-    tev_wait(job->tev.viewer);
-    if (job->film.mean && tev_is_ready(job->tev.viewer))
-        send_film(job);
-    tev_close(job->tev.viewer);
-    job->tev.viewer = NULL;
+    tev_wait(run->tev.viewer);
+    if (run->job.film.mean && tev_is_ready(run->tev.viewer))
+        send_film(run);
+    tev_close(run->tev.viewer);
+    run->tev.viewer = NULL;
 }

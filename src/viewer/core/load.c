@@ -4,7 +4,7 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "base/log.h"
-#include "cli/render/render_job.h"
+#include "cli/render/render_scene.h"
 #include "scene/json/scene_write.h"
 #include <stdio.h>
 #include <string.h>
@@ -66,12 +66,12 @@ static void forget(struct opened *opened)
 static bool open_scene(struct viewer *viewer, struct opened *out, struct err *err)
 {
     const struct options *options = &viewer->scene_options;
-    *out = (struct opened){.params = job_scene_params(options)};
+    *out = (struct opened){.params = options_scene_params(options)};
     if (!scene_load(&out->params, &out->scene, err))
         return false;
     out->scene.progress = out->params.progress = NULL;
     bool ok = scene_snapshot(&out->pristine_arena, &out->scene, &out->pristine, err) &&
-              job_adapt_scene(options, &out->scene, &out->camera, err);
+              options_adapt_scene(options, &out->scene, &out->camera, err);
     if (ok) {
         viewer_picture_size(viewer, &out->scene.settings.width, &out->scene.settings.height);
         scene_frame_camera(&out->scene);

@@ -4,7 +4,7 @@
 
 #include "base/file.h"
 #include "base/hash.h"
-#include "cli/render/render_job.h"
+#include "cli/render/render_run.h"
 #include "job/film_error.h"
 #include "scene/json/scene_write.h"
 #include <inttypes.h>
@@ -23,8 +23,8 @@ struct saving {
     const char *stem, *extension;
     struct image image;
     uint8_t (*display)[4]; // what a PNG is made of; NULL: image
-    struct job_layers layers;
-    struct job_attributes attributes;
+    struct render_layers layers;
+    struct render_attributes attributes;
     const float (*mean)[3]; // whose hash the attributes are to have; NULL: none
     bool half_float;
 };
@@ -68,27 +68,28 @@ static bool describe(const struct viewer *viewer, uint32_t side, const struct fi
                      struct saving *saving, struct err *err)
 {
     const struct view *view = &viewer->sides[side];
-    struct render_job *job = calloc(1, sizeof *job);
+    struct render_run *run = calloc(1, sizeof *run);
     struct options *options = arena_alloc(&saving->arena, 1, sizeof *options);
-    if (!job || !options) {
-        free(job);
-        return err_memory(err, "metadata", sizeof *job);
+    if (!run || !options) {
+        free(run);
+        return err_memory(err, "metadata", sizeof *run);
     }
     *options = viewer->scene_options;
     options->aovs = view->renderer.aovs;
     options->features = view->method.everything ? FEATURES_ALL : FEATURES_NEEDED;
     // Copies of what is only looked at.
-    job->options = options;
-    job->scene = view->scene;
-    job->exposure = viewer->shown.exposure;
-    job->scene.settings.tone_curve = (enum tone_curve)viewer->shown.tone;
-    job->gpu = viewer->gpu;
-    job->renderer = view->renderer;
-    job->camera = viewer->camera_index;
-    job->film = *film;
-    job->stopped = true; // no command line repeats what was done by hand
-    job->ended_by = film->least_samples == film->most_samples ? ENDED_BY_SAMPLES : ENDED_BY_SIGNAL;
-    job->seconds = (struct job_seconds){
+    run->options = options;
+    run->scene = view->scene;
+    run->exposure = viewer->shown.exposure;
+    run->scene.settings.tone_curve = (enum tone_curve)viewer->shown.tone;
+    run->gpu = viewer->gpu;
+    run->job.renderer = view->renderer;
+    run->camera = viewer->camera_index;
+    run->job.film = *film;
+    run->job.stopped = true; // no command line repeats what was done by hand
+    run->job.ended_by =
+        film->least_samples == film->most_samples ? ENDED_BY_SAMPLES : ENDED_BY_SIGNAL;
+    run->job.seconds = (struct job_seconds){
         .load = viewer->load_seconds,
         .bvh = viewer->geometry.bvh.stats.build_seconds,
         .upload = view->renderer.stats.upload_seconds,
@@ -97,18 +98,18 @@ static bool describe(const struct viewer *viewer, uint32_t side, const struct fi
     };
     const struct view_look look = view_newest_look(view);
     bool is_looked_at = look.samples == (double)film->least_samples;
-    job->error = is_looked_at ? look.error : film_error_none("it was not looked at");
-    bool ok = job_describe(job, 0, &saving->arena, &saving->attributes, err);
-    job_list_layers(job, &saving->layers);
-    free(job);
+    run->job.error = is_looked_at ? look.error : film_error_none("it was not looked at");
+    bool ok = render_describe(run, 0, &saving->arena, &saving->attributes, err);
+    render_list_layers(run, &saving->layers);
+    free(run);
     return ok;
 }
 
 static bool add_attribute(struct saving *saving, const char *key, const char *value,
                           struct err *err)
 {
-    struct job_attributes *a = &saving->attributes;
-    if (!value || a->count == JOB_MAX_ATTRIBUTES)
+    struct render_attributes *a = &saving->attributes;
+    if (!value || a->count == RENDER_MAX_ATTRIBUTES)
         return err_memory(err, "metadata", sizeof *a);
     a->list[a->count++] = (struct image_attribute){key, value};
     return true;
@@ -221,8 +222,8 @@ static struct saving *begin(const struct viewer *viewer, const char *path, const
 // Takes `saving` over; ok: it has what it needs.
 static bool hand_over(struct viewer *viewer, struct saving *saving, bool ok, struct err *err)
 {
-    if (ok &&
-        !worker_add(viewer->worker, &(struct worker_task){"picture", write_picture, picture_done, saving}))
+    if (ok && !worker_add(viewer->worker,
+                          &(struct worker_task){"picture", write_picture, picture_done, saving}))
         ok = err_set(err, ERR_OUTPUT, "too many pictures wait to be written");
     if (ok)
         return true;

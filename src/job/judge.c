@@ -1,16 +1,16 @@
 // Reads the film, and says how good it is and what twice the time would bring.
 #include "base/clock.h"
 #include "base/hash.h"
-#include "cli/render/render_bias.h"
-#include "cli/render/render_job.h"
+#include "job/bias.h"
 #include "job/film_error.h"
+#include "job/job_internal.h"
 #include "render/sampling_plan.h"
 #include <math.h>
 
-uint64_t job_film_samples(const struct render_job *job)
+uint64_t job_film_samples(const struct job *job)
 {
     const struct film_image *film = &job->film;
-    if (!job->options->adaptive || film->least_samples < 2)
+    if (!job->params.goal.adaptive || film->least_samples < 2)
         return film->least_samples;
     uint64_t sum = 0, pixels = (uint64_t)film->width * film->height;
     for (uint64_t i = 0; i < pixels; i++)
@@ -18,12 +18,21 @@ uint64_t job_film_samples(const struct render_job *job)
     return pixels ? sum / pixels : 0;
 }
 
-double job_total_samples(const struct render_job *job)
+uint64_t job_samples(const struct job *job)
+{
+    bool is_whole = !job->stopped && !job_is_rescued(job);
+    if (job->params.goal.adaptive && is_whole)
+        return job->renderer.next_sample * job_step_samples(job);
+    return job->film.most_samples;
+}
+
+double job_total_samples(const struct job *job)
 {
     const struct renderer *r = &job->renderer;
     uint64_t pixels = (uint64_t)job->film.width * job->film.height;
     double sum = 0.0;
-    if (job->options->frames && !job->options->accumulate) // the film has the last frame alone
+    if (job->params.goal.frames &&
+        !job->params.goal.accumulate) // the film has the last frame alone
         return (double)r->next_sample * (double)pixels +
                (double)(r->pass.position << r->pass.shift);
     for (uint64_t i = 0; i < pixels; i++)
@@ -33,8 +42,7 @@ double job_total_samples(const struct render_job *job)
 
 // --- error ---------------------------------------------------------------------------------------
 
-bool job_estimate_error(struct render_job *job, double confidence, struct half_error *out,
-                        struct err *err)
+bool job_estimate_error(struct job *job, double confidence, struct half_error *out, struct err *err)
 {
     uint64_t start = clock_ns();
     struct film_error_params params = film_error_params(&job->renderer, job_film_samples(job));
@@ -45,10 +53,10 @@ bool job_estimate_error(struct render_job *job, double confidence, struct half_e
 }
 
 // The true error, and what of it is bias: told by the halves, where they are independent.
-static bool compare(struct render_job *job, struct err *err)
+static bool compare(struct job *job, struct err *err)
 {
     const struct film_image *film = &job->film;
-    const struct reference *reference = &job->reference;
+    const struct reference *reference = job->params.reference;
     const float(*truth)[3] = (const float(*)[3])reference->image.pixels;
     const float(*mean)[3] = (const float(*)[3])film->mean;
     uint64_t pixels = (uint64_t)film->width * film->height;
@@ -79,29 +87,36 @@ static bool compare(struct render_job *job, struct err *err)
            err_memory(err, "bias", (uint64_t)film->width * film->height * 16);
 }
 
-bool job_fetch_film(struct render_job *job, struct err *err)
+struct film_state job_film_state(const struct renderer *r)
+{
+    return (struct film_state){r->stats, r->next_sample, r->pass, renderer_is_even(r)};
+}
+
+bool job_fetch_film(struct job *job, struct err *err)
 {
     uint64_t start = clock_ns();
     arena_finish(&job->film_arena);
     job->rescue.is_read = false;
     bool ok = renderer_read(&job->renderer, &job->film_arena, &job->film, err);
-    if (ok)
-        job_rescue_note_film(job);
+    if (ok) {
+        job->rescue.is_read = !job_is_pilot(job);
+        job->rescue.read = job_film_state(&job->renderer);
+    }
     job->seconds.judge += clock_seconds_since(start);
     return ok;
 }
 
-bool job_judge_end(struct render_job *job, struct err *err)
+bool job_judge_end(struct job *job, struct err *err)
 {
     return job_is_rescued(job) ? job_judge_film(job, err) : job_read_film(job, err);
 }
 
-bool job_read_film(struct render_job *job, struct err *err)
+bool job_read_film(struct job *job, struct err *err)
 {
     return job_fetch_film(job, err) && job_judge_film(job, err);
 }
 
-bool job_judge_film(struct render_job *job, struct err *err)
+bool job_judge_film(struct job *job, struct err *err)
 {
     uint64_t start = clock_ns();
     const struct film_image *film = &job->film;
@@ -113,7 +128,7 @@ bool job_judge_film(struct render_job *job, struct err *err)
     if (!job_estimate_error(job, 0.0, &job->error, err))
         return false;
     start = clock_ns();
-    bool ok = !job->options->reference || compare(job, err);
+    bool ok = !job->params.reference || compare(job, err);
     job->seconds.judge += clock_seconds_since(start);
     return ok;
 }
@@ -121,10 +136,10 @@ bool job_judge_film(struct render_job *job, struct err *err)
 // --- forecast ------------------------------------------------------------------------------------
 
 // Those that went with a doubling of the samples (or rounds, or frames).
-static size_t list_looks(const struct render_job *job, struct forecast_look *out, size_t most)
+static size_t list_looks(const struct job *job, struct forecast_look *out, size_t most)
 {
     size_t count = 0;
-    uint64_t step = job->options->adaptive ? job->round_samples : 1;
+    uint64_t step = job->params.goal.adaptive ? job->round_samples : 1;
     for (uint32_t i = 0; i < job->trace.count && count < most; i++) {
         const struct trace_row *row = &job->trace.rows[i];
         uint64_t steps = (uint64_t)row->spp / step;
@@ -133,24 +148,24 @@ static size_t list_looks(const struct render_job *job, struct forecast_look *out
                                                   row->ci_high, 0.95};
     }
     for (uint32_t i = 0; i < job->look_count && job->trace.count == 0 && count < most; i++) {
-        const struct error_look *look = &job->looks[i];
+        const struct job_look *look = &job->looks[i];
         const struct half_error *e = &look->error;
-        uint64_t steps = look->samples / step;
+        uint64_t steps = (uint64_t)look->samples / step;
         if ((steps & (steps - 1)) == 0)
-            out[count++] = (struct forecast_look){(double)look->samples, e->local_relmse, e->ci_low,
+            out[count++] = (struct forecast_look){look->samples, e->local_relmse, e->ci_low,
                                                   e->ci_high, look->confidence};
     }
     return count;
 }
 
 // Whether half of a bound is a forecast: the error of contiguous halves' samples falls as fast.
-static bool goes_by_bound(const struct render_job *job)
+static bool goes_by_bound(const struct job *job)
 {
     return job->error.bounded && job->renderer.specialization.halves == HALVES_CONTIGUOUS;
 }
 
 // Noise as the reference tells it, with an interval as wide as that of the half-buffers.
-static struct interval noise(const struct render_job *job)
+static struct interval noise(const struct job *job)
 {
     const struct half_error *e = &job->error;
     const struct job_against *against = &job->against;
@@ -158,7 +173,7 @@ static struct interval noise(const struct render_job *job)
         return (struct interval){e->at_most, e->at_most, e->at_most};
     struct interval error = {e->local_relmse, e->ci_low, e->ci_high};
     double stays = against->bias.stays.value;
-    if (!job->options->reference || !isfinite(stays))
+    if (!job->params.reference || !isfinite(stays))
         return error;
     // What was reached, and what the halves say would be on average, by the reference's values.
     double expected = against->local_relmse - stays;
@@ -169,17 +184,17 @@ static struct interval noise(const struct render_job *job)
     return (struct interval){error.value * factor, error.low * factor, error.high * factor};
 }
 
-static const char *why_no_forecast(const struct render_job *job)
+static const char *why_no_forecast(const struct job *job)
 {
-    if (job->options->frames && !job->options->accumulate)
+    if (job->params.goal.frames && !job->params.goal.accumulate)
         return "frames that do not accumulate become no better with time";
     return job->error.known || goes_by_bound(job) ? NULL : job->error.reason;
 }
 
-const char *job_forecast(const struct render_job *job, struct forecast *out)
+const char *job_forecast(const struct job *job, struct forecast *out)
 {
     struct forecast_look looks[128];
-    const struct settings *settings = &job->scene.settings;
+    const struct settings *settings = &job->scene->settings;
     // Where samples are planned, an image of fewer samples is not the beginning of a larger one.
     bool grows_evenly = sample_planning(settings, NULL) == PLANNING_NONE;
     const char *reason = why_no_forecast(job);
@@ -193,7 +208,7 @@ const char *job_forecast(const struct render_job *job, struct forecast *out)
     };
     if (!reason)
         params.error = noise(job);
-    if (job->options->reference && job->against.bias.is_certain)
+    if (job->params.reference && job->against.bias.is_certain)
         params.stays = job->against.bias.stays;
     forecast_find_error(&params, out);
     return reason || isfinite(out->error.value) ? reason : "the halves do not differ";

@@ -3,7 +3,7 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "base/memory.h"
-#include "cli/render/render_job.h"
+#include "job/job_internal.h"
 #include <inttypes.h>
 #include <math.h>
 
@@ -21,16 +21,16 @@
 // The part of the memory budget that copies may have. They are two at a time while one is made.
 #define MEMORY_PART 8
 
-static uint64_t film_pixels(const struct render_job *job)
+static uint64_t film_pixels(const struct job *job)
 {
     return (uint64_t)job->renderer.frame.width * job->renderer.frame.height;
 }
 
 // Says once where it does not, since a lost device then loses the picture.
-static bool fits_memory(struct render_job *job)
+static bool fits_memory(struct job *job)
 {
     // Mean, halves and count, and what --aov asks for besides.
-    uint64_t bytes = 2 * film_pixels(job) * (3 * 12 + 4 + job_layer_bytes(job));
+    uint64_t bytes = 2 * film_pixels(job) * (3 * 12 + 4 + film_aovs_bytes(job->renderer.aovs));
     uint64_t most = memory_budget() / MEMORY_PART;
     if (most == 0 || bytes <= most)
         return true;
@@ -45,7 +45,7 @@ static bool fits_memory(struct render_job *job)
 
 // The first copy is made as soon as its cost allows, since all is lost before; one from the middle
 // of a pass is replaced at the next end of one.
-static bool is_due(struct render_job *job)
+static bool is_due(struct job *job)
 {
     const struct job_rescue *rescue = &job->rescue;
     bool is_first = !rescue->film.mean;
@@ -61,12 +61,7 @@ static bool is_due(struct render_job *job)
     return (is_first || since > PATIENCE_SECONDS) && renderer_has_all_pixels(&job->renderer);
 }
 
-static struct film_state film_state(const struct renderer *r)
-{
-    return (struct film_state){r->stats, r->next_sample, r->pass, renderer_is_even(r)};
-}
-
-bool job_rescue_copy_when_due(struct render_job *job, struct err *err)
+bool job_rescue_copy_when_due(struct job *job, struct err *err)
 {
     struct job_rescue *rescue = &job->rescue;
     if (!is_due(job))
@@ -81,7 +76,7 @@ bool job_rescue_copy_when_due(struct render_job *job, struct err *err)
     arena_finish(&rescue->arena);
     rescue->arena = arena;
     rescue->film = film;
-    rescue->copied = film_state(&job->renderer);
+    rescue->copied = job_film_state(&job->renderer);
     rescue->copied_at = job->renderer.stats.render_seconds - job->seconds.render_before;
     double seconds = clock_seconds_since(start);
     rescue->worst_seconds = fmax(rescue->worst_seconds, seconds);
@@ -90,26 +85,14 @@ bool job_rescue_copy_when_due(struct render_job *job, struct err *err)
     return true;
 }
 
-// What the pilot of --adaptive renders is no picture.
-static bool is_pilot(const struct render_job *job)
-{
-    return job->options->adaptive && !job->plan.counts;
-}
-
-void job_rescue_note_film(struct render_job *job)
-{
-    job->rescue.is_read = !is_pilot(job);
-    job->rescue.read = film_state(&job->renderer);
-}
-
 // The device is well where memory ran out on the host: the film may be had as it is now.
-static void read_again(struct render_job *job)
+static void read_again(struct job *job)
 {
-    if (job->is_rendering && !is_pilot(job) && renderer_has_all_pixels(&job->renderer))
+    if (job->is_rendering && !job_is_pilot(job) && renderer_has_all_pixels(&job->renderer))
         job_fetch_film(job, NULL);
 }
 
-static bool choose_newest(struct render_job *job)
+static bool choose_newest(struct job *job)
 {
     struct job_rescue *rescue = &job->rescue;
     bool has_copy = rescue->film.mean != NULL;
@@ -128,7 +111,7 @@ static bool choose_newest(struct render_job *job)
     return true;
 }
 
-static void say_what_is_left(const struct render_job *job, double lost_seconds)
+static void say_what_is_left(const struct job *job, double lost_seconds)
 {
     const struct film_image *film = &job->film;
     const char *what = job->ended_by == ENDED_BY_DEVICE ? "the device failed" : "memory ran out";
@@ -143,7 +126,7 @@ static void say_what_is_left(const struct render_job *job, double lost_seconds)
                  what, film->least_samples, film->most_samples, lost_seconds);
 }
 
-bool job_rescue(struct render_job *job, enum err_code failure)
+bool job_rescue(struct job *job, enum err_code failure)
 {
     struct renderer *r = &job->renderer;
     bool is_of_memory = failure == ERR_SYSTEM || failure == ERR_BUDGET;
@@ -162,9 +145,4 @@ bool job_rescue(struct render_job *job, enum err_code failure)
     job->ended_by = is_of_memory ? ENDED_BY_MEMORY : ENDED_BY_DEVICE;
     say_what_is_left(job, lost);
     return true;
-}
-
-bool job_is_rescued(const struct render_job *job)
-{
-    return job->ended_by == ENDED_BY_DEVICE || job->ended_by == ENDED_BY_MEMORY;
 }

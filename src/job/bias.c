@@ -1,4 +1,4 @@
-#include "cli/render/render_bias.h"
+#include "job/bias.h"
 
 #include "base/maths.h"
 #include <inttypes.h>
@@ -36,10 +36,10 @@ static uint32_t lights_without_extent(const struct scene *scene)
     return count;
 }
 
-static void find_unconnected(const struct render_job *job, struct biases *biases)
+static void find_unconnected(const struct job *job, struct biases *biases)
 {
-    const struct settings *settings = &job->scene.settings;
-    uint32_t count = lights_without_extent(&job->scene);
+    const struct settings *settings = &job->scene->settings;
+    uint32_t count = lights_without_extent(job->scene);
     uint32_t depth = settings->nee ? settings->nee_depth : 0;
     if (count == 0 || depth >= depth_asked_for(settings))
         return;
@@ -62,10 +62,10 @@ static double mean_luminance(const struct film_image *film)
     return sum / (double)pixels;
 }
 
-static void find_clamped(const struct render_job *job, struct biases *biases)
+static void find_clamped(const struct job *job, struct biases *biases)
 {
     const struct render_stats *stats = &job->renderer.stats;
-    if (!(job->scene.settings.clamp_limit > 0.0f) || stats->paths == 0)
+    if (!(job->scene->settings.clamp_limit > 0.0f) || stats->paths == 0)
         return;
     double lost = stats->clamped_light / (double)stats->paths;
     double all = lost + mean_luminance(&job->film);
@@ -73,13 +73,13 @@ static void find_clamped(const struct render_job *job, struct biases *biases)
     snprintf(bias->text, sizeof bias->text,
              "%" PRIu64 " contributions scaled down to %g, which takes %.3g of luminance from the "
              "mean (%.3g %%)",
-             stats->clamped, (double)job->scene.settings.clamp_limit, lost,
+             stats->clamped, (double)job->scene->settings.clamp_limit, lost,
              all > 0.0 ? 100.0 * lost / all : 0.0);
 }
 
-static void find_capped(const struct render_job *job, struct biases *biases)
+static void find_capped(const struct job *job, struct biases *biases)
 {
-    const struct settings *settings = &job->scene.settings;
+    const struct settings *settings = &job->scene->settings;
     if (settings->roulette != ROULETTE_FRAME ||
         settings->roulette_max_bounces >= depth_asked_for(settings))
         return;
@@ -89,9 +89,9 @@ static void find_capped(const struct render_job *job, struct biases *biases)
              settings->roulette_max_bounces, depth_asked_for(settings));
 }
 
-static void find_unphysical(const struct render_job *job, struct biases *biases)
+static void find_unphysical(const struct job *job, struct biases *biases)
 {
-    const struct settings *settings = &job->scene.settings;
+    const struct settings *settings = &job->scene->settings;
     if (settings->falloff > 0.0f) {
         struct job_bias *bias = next_bias(biases, "falloff");
         snprintf(bias->text, sizeof bias->text,
@@ -106,10 +106,10 @@ static void find_unphysical(const struct render_job *job, struct biases *biases)
     }
 }
 
-uint32_t job_list_biases(const struct render_job *job, struct job_bias list[JOB_MAX_BIASES])
+uint32_t job_list_biases(const struct job *job, struct job_bias list[JOB_MAX_BIASES])
 {
     struct biases biases = {.list = list};
-    if (follows_paths(&job->scene.settings)) {
+    if (follows_paths(&job->scene->settings)) {
         find_unconnected(job, &biases);
         find_capped(job, &biases);
     }
@@ -118,8 +118,8 @@ uint32_t job_list_biases(const struct render_job *job, struct job_bias list[JOB_
     return biases.count;
 }
 
-bool job_shares_depths(const struct render_job *job)
+bool job_shares_depths(const struct job *job)
 {
-    return job->scene.settings.roulette == ROULETTE_FRAME &&
+    return job->scene->settings.roulette == ROULETTE_FRAME &&
            (job->renderer.specialization.features & FEATURE_ROULETTE);
 }

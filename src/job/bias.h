@@ -1,9 +1,9 @@
 // What a picture lacks on average, however many samples it has: the error from half-buffers is
 // blind to that.
-#ifndef LAMPYRIS_CLI_RENDER_RENDER_BIAS_H
-#define LAMPYRIS_CLI_RENDER_RENDER_BIAS_H
+#ifndef LAMPYRIS_JOB_BIAS_H
+#define LAMPYRIS_JOB_BIAS_H
 
-#include "cli/render/render_job.h"
+#include "job/job.h"
 
 enum { JOB_MAX_BIASES = 5 };
 
@@ -13,10 +13,10 @@ struct job_bias {
 };
 
 // How many there are. That --max-bounces ends paths is no bias but what was asked for.
-uint32_t job_list_biases(const struct render_job *job, struct job_bias list[JOB_MAX_BIASES]);
+uint32_t job_list_biases(const struct job *job, struct job_bias list[JOB_MAX_BIASES]);
 
 // Whether the paths of all pixels share their depths, so that parts of the picture tell no
 // interval.
-bool job_shares_depths(const struct render_job *job);
+bool job_shares_depths(const struct job *job);
 
 #endif

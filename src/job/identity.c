@@ -1,0 +1,105 @@
+// What must be the same for a render to go on: all that decides what its samples are.
+#include "job/job_internal.h"
+
+#include "render/sampling_plan.h"
+#include <inttypes.h>
+#include <stdarg.h>
+#include <stdio.h>
+
+struct text {
+    struct arena *arena;
+    const char *so_far; // NULL: there was no memory
+};
+
+static void add(struct text *text, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+static void add(struct text *text, const char *format, ...)
+{
+    char line[1024];
+    va_list arguments;
+    va_start(arguments, format);
+    int length = vsnprintf(line, sizeof line, format, arguments);
+    va_end(arguments);
+    for (int i = 0; i < length && line[i] != '\0'; i++)
+        if (line[i] == '\n')
+            line[i] = ' ';
+    if (text->so_far)
+        text->so_far = arena_printf(text->arena, "%s%s\n", text->so_far, line);
+}
+
+// All settings that change bits of the film; for the number of samples, see make_identity().
+// Numbers stand as such where scene files have a word.
+static void add_settings(struct text *text, const struct settings *settings)
+{
+    add(text, "--size=%ux%u", settings->width, settings->height);
+    for (int i = SETTINGS_FILM_LAST + 1; i < SETTING_TOTAL; i++) {
+        const struct setting *setting = &settings_table[i];
+        char value[FIELD_TEXT_MAX], name[48];
+        if (!setting->changes_film || i == SETTING_SPP)
+            continue;
+        field_text(&setting->field, settings, value);
+        if (setting->field.type == FIELD_REAL)
+            snprintf(value, sizeof value, "%.9g", field_get(&setting->field, settings));
+        snprintf(name, sizeof name, setting->option ? "--%s" : "%s",
+                 setting->option ? setting->option : setting->field.key);
+        for (char *c = name; *c; c++)
+            *c = *c == '_' ? ' ' : *c;
+        add(text, "%s=%s", name, value);
+    }
+}
+
+static void add_camera(struct text *text, const struct job *job)
+{
+    const struct camera *c = &job->scene->cameras[job->params.renderer.camera];
+    add(text,
+        "camera=number %u at %.17g %.17g %.17g towards %.17g %.17g %.17g, up %.17g %.17g %.17g, "
+        "kind %u, field of view %.17g, height %.17g",
+        job->params.renderer.camera, c->position[0], c->position[1], c->position[2],
+        c->direction[0], c->direction[1], c->direction[2], c->up[0], c->up[1], c->up[2], c->kind,
+        c->fov_y, c->height);
+    add(text, "lens=radius %.17g, focus at %.17g, %u blades turned by %.17g", c->lens_radius,
+        c->focus_distance, c->lens_blades, c->lens_rotation);
+}
+
+static void add_environment(struct text *text, const struct environment *e)
+{
+    add(text,
+        "environment=radiance %.9g %.9g %.9g turned by %.17g, sun of %.9g %.9g %.9g and radius "
+        "%.17g from %.17g %.17g %.17g",
+        (double)e->radiance[0], (double)e->radiance[1], (double)e->radiance[2], e->rotation,
+        (double)e->sun.irradiance[0], (double)e->sun.irradiance[1], (double)e->sun.irradiance[2],
+        e->sun.angular_radius, e->sun.direction[0], e->sun.direction[1], e->sun.direction[2]);
+}
+
+static const char *make_identity(struct job *job)
+{
+    const struct job_goal *goal = &job->params.goal;
+    struct text text = {.arena = &job->arena, .so_far = ""};
+    add(&text, "version=%s", LAMPYRIS_VERSION);
+    add(&text, "device=%s", job->gpu->info.name);
+    add(&text, "driver=%s", job->gpu->info.driver);
+    add(&text, "scene of hash=%016" PRIx64, job->scene->hash);
+    add_camera(&text, job);
+    add_environment(&text, &job->scene->environment);
+    add_settings(&text, &job->scene->settings);
+    if (sample_planning(&job->scene->settings, NULL) != PLANNING_NONE)
+        add(&text, "samples planned=%" PRIu64,
+            job_is_open_ended(job) ? 0 : job->scene->settings.spp);
+    add(&text, "--aov=0x%x", job->params.renderer.aovs);
+    add(&text, "--adaptive=%s", goal->adaptive ? "on" : "off");
+    if (goal->adaptive)
+        add(&text, "samples a round=%u", job->round_samples);
+    add(&text, "--frames=%s", goal->frames ? "some" : "none");
+    if (goal->frames) {
+        add(&text, "--spp-per-frame=%u", goal->samples_per_frame);
+        add(&text, "--accumulate=%s", goal->accumulate ? "on" : "off");
+    }
+    return text.so_far;
+}
+
+const char *job_identity(struct job *job)
+{
+    if (!job->identity)
+        job->identity = make_identity(job);
+    return job->identity;
+}

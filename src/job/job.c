@@ -1,0 +1,297 @@
+#include "job/job_internal.h"
+
+#include "job/timed_step.h"
+#include "render/sampling_plan.h"
+#include <math.h>
+#include <string.h>
+
+// Of a render with an error or a clock and no number of samples. A clock alone ends it.
+#define ERROR_SAMPLES 65536u
+#define TIMED_SAMPLES UINT32_MAX
+#define TIMED_SAMPLES_BY_TILE (1u << 20)
+// Samples a pixel of a round of the tiles' plan, on average.
+#define ROUND_SAMPLES 16u
+
+// --- the goal ------------------------------------------------------------------------------------
+
+static uint64_t most_samples(const struct job *job)
+{
+    const struct job_goal *goal = &job->params.goal;
+    if (goal->samples > 0)
+        return goal->samples;
+    if (goal->error > 0.0)
+        return ERROR_SAMPLES;
+    if (goal->seconds > 0.0)
+        return goal->adaptive ? TIMED_SAMPLES_BY_TILE : TIMED_SAMPLES;
+    return job->scene->settings.spp;
+}
+
+// A number that is no multiple of a round is one round.
+static void choose_rounds(struct job *job)
+{
+    const struct job_goal *goal = &job->params.goal;
+    bool may_end_early = goal->error > 0.0 || goal->seconds > 0.0;
+    if (may_end_early && job->samples_most > ROUND_SAMPLES)
+        job->samples_most -= job->samples_most % ROUND_SAMPLES;
+    job->round_samples =
+        job->samples_most % ROUND_SAMPLES == 0 ? ROUND_SAMPLES : (uint32_t)job->samples_most;
+}
+
+bool job_is_open_ended(const struct job *job)
+{
+    return job->params.goal.seconds > 0.0 || job->params.goal.adaptive;
+}
+
+// What needs a number of samples excludes what finds it on the way.
+static bool check_method(const struct job *job, struct err *err)
+{
+    const struct job_goal *goal = &job->params.goal;
+    const struct settings *settings = &job->scene->settings;
+    const char *method;
+    enum sample_planning planning = sample_planning(settings, &method);
+    // A repeated run, which knows the number, would share another sequence out between the pixels.
+    bool is_fixed =
+        planning == PLANNING_NEEDED || (planning == PLANNING_OPTIONAL && !job_is_open_ended(job));
+    if (is_fixed && (goal->adaptive || goal->error > 0.0))
+        return err_set(err, ERR_USAGE,
+                       "%s needs to know the samples of every pixel beforehand, and %s is there to "
+                       "decide on them: expected only one of the two",
+                       method, goal->adaptive ? "--adaptive on" : "--error");
+    if (settings->roulette == ROULETTE_FRAME && goal->error > 0.0)
+        return err_set(err, ERR_USAGE,
+                       "--roulette frame gives the paths of all pixels one depth, and --error asks "
+                       "how unlike parts of the picture are: expected only one of the two");
+    if (goal->frames && !goal->accumulate && settings->halves == HALVES_CONTIGUOUS)
+        return err_set(
+            err, ERR_USAGE,
+            "--halves contiguous is one sequence for all samples, and frames that do not "
+            "accumulate have none in common: expected --accumulate on or --halves "
+            "independent");
+    return true;
+}
+
+static bool settle_goal(struct job *job, struct err *err)
+{
+    const struct job_goal *goal = &job->params.goal;
+    job->samples_most = most_samples(job);
+    if (!check_method(job, err))
+        return false;
+    if (goal->adaptive && job->samples_most < TILE_SAMPLES_MIN)
+        return err_set(err, ERR_USAGE,
+                       "--adaptive on: %u sample a pixel cannot be shared out; "
+                       "expected at least --spp %u",
+                       (unsigned)job->samples_most, TILE_SAMPLES_MIN);
+    if (goal->adaptive)
+        choose_rounds(job);
+    uint32_t frames_in_one = goal->accumulate ? goal->frames : 1;
+    if (goal->frames) // what samplers plan on
+        job->scene->settings.spp = (uint64_t)goal->samples_per_frame * frames_in_one;
+    return true;
+}
+
+// --- progress ------------------------------------------------------------------------------------
+
+static void report(void *context, const char *phase, double fraction)
+{
+    const struct job *job = context;
+    double limit = job->params.goal.seconds;
+    if (limit > 0.0 && strcmp(phase, "Rendering") == 0)
+        fraction = fmax(fraction, job_elapsed(job) / limit);
+    progress_report(job->params.progress, phase, fraction);
+}
+
+static bool should_stop(void *context)
+{
+    const struct job *job = context;
+    return progress_should_stop(job->params.progress);
+}
+
+bool job_is_stopped(struct job *job)
+{
+    job->stopped |= should_stop(job);
+    return job->stopped;
+}
+
+void job_go_on(struct job *job)
+{
+    job->stopped = false;
+}
+
+// --- life ----------------------------------------------------------------------------------------
+
+bool job_init(const struct job_params *params, struct job *job, struct err *err)
+{
+    *job = (struct job){
+        .params = *params,
+        .scene = params->scene,
+        .gpu = params->renderer.gpu,
+        .error = film_error_none("it was not estimated"),
+    };
+    return settle_goal(job, err);
+}
+
+bool job_open(struct job *job, struct err *err)
+{
+    return job_checkpoint_open(job, err) && job_open_trace(job, err);
+}
+
+static void note_start(struct job *job)
+{
+    const struct render_stats *stats = &job->renderer.stats;
+    job->seconds.load += stats->flatten_seconds;
+    job->seconds.bvh = stats->bvh_seconds;
+    job->seconds.bvh_uncached = job->renderer.bvh.stats.cached_seconds;
+    job->seconds.upload = stats->upload_seconds;
+    job->seconds.compile = stats->compile_seconds;
+}
+
+bool job_create(struct job *job, struct err *err)
+{
+    struct renderer_params params = job->params.renderer;
+    job->progress = (struct progress){report, should_stop, job};
+    params.scene = job->scene;
+    params.tiles = job->params.goal.adaptive;
+    params.open_ended = job_is_open_ended(job);
+    params.progress = &job->progress;
+    if (!renderer_create(&params, &job->renderer, err))
+        return false;
+    note_start(job);
+    return job_checkpoint_restore(job, err);
+}
+
+bool job_start(const struct job_params *params, struct job *job, struct err *err)
+{
+    if (job_init(params, job, err) && job_open(job, err) && job_create(job, err))
+        return true;
+    job_finish(job);
+    return false;
+}
+
+void job_finish(struct job *job)
+{
+    if (!job)
+        return;
+    checkpoint_close(&job->resumed);
+    renderer_finish(&job->renderer);
+    arena_finish(&job->rescue.arena);
+    arena_finish(&job->film_arena);
+    arena_finish(&job->arena);
+    *job = (struct job){0};
+}
+
+bool job_grow(struct arena *arena, void **list, uint32_t count, uint32_t *capacity, size_t size,
+              struct err *err)
+{
+    if (count < *capacity)
+        return true;
+    uint32_t larger = *capacity ? 2 * *capacity : 64;
+    void *moved = arena_alloc(arena, larger, size);
+    if (!moved)
+        return err_memory(err, "a list", larger * size);
+    if (count)
+        memcpy(moved, *list, count * size);
+    *list = moved;
+    *capacity = larger;
+    return true;
+}
+
+const char *job_ended_by(const struct job *job)
+{
+    static const char *const names[] = {
+        [ENDED_BY_SAMPLES] = "spp",   [ENDED_BY_TIME] = "time",     [ENDED_BY_ERROR] = "error",
+        [ENDED_BY_SIGNAL] = "signal", [ENDED_BY_DEVICE] = "device", [ENDED_BY_MEMORY] = "memory",
+    };
+    return names[job->ended_by];
+}
+
+bool job_is_rescued(const struct job *job)
+{
+    return job->ended_by == ENDED_BY_DEVICE || job->ended_by == ENDED_BY_MEMORY;
+}
+
+// --- steps ---------------------------------------------------------------------------------------
+
+uint64_t job_step_samples(const struct job *job)
+{
+    return job->params.goal.adaptive ? job->round_samples : 1;
+}
+
+bool job_is_pilot(const struct job *job)
+{
+    return job->params.goal.adaptive && !job->plan.counts;
+}
+
+double job_elapsed(const struct job *job)
+{
+    return job->renderer.stats.render_seconds - job->begun_seconds;
+}
+
+bool job_begin(struct job *job, uint32_t seed, uint64_t planned, struct err *err)
+{
+    struct renderer *r = &job->renderer;
+    renderer_plan_samples(r, planned);
+    if (!renderer_restart(r, seed, err))
+        return false;
+    job->begun_seconds = r->stats.render_seconds;
+    job->ended_by = ENDED_BY_SAMPLES;
+    job->plan = (struct tile_plan){0};
+    job->look_count = job->frame_count = job->trace.count = 0;
+    return true;
+}
+
+static bool after_wave(void *context, struct err *err)
+{
+    struct job *job = context;
+    const struct job_listener *listener = &job->params.listener;
+    return (!job->is_rendering ||
+            (job_checkpoint_when_due(job, err) && job_rescue_copy_when_due(job, err))) &&
+           (!listener->after_wave || listener->after_wave(listener->context, err));
+}
+
+static bool render_samples(struct job *job, const struct job_step *step, uint64_t samples,
+                           double from, double to, struct err *err)
+{
+    const struct render_call call = {
+        .samples = samples,
+        .progress_from = from,
+        .progress_to = to,
+        .stopped = &job->stopped,
+        .after_wave = after_wave,
+        .watch = step->watch,
+        .context = job,
+    };
+    return renderer_render(&job->renderer, &call, err);
+}
+
+// By short steps while there is little time left.
+static bool advance_by_clock(struct job *job, const struct job_step *step, struct err *err)
+{
+    const struct renderer *r = &job->renderer;
+    uint64_t most = renderer_samples_at_once(r), first = r->next_sample;
+    double before = job_elapsed(job), span = step->to - step->from;
+    while (r->next_sample < step->samples && !job_is_stopped(job)) {
+        double elapsed = job_elapsed(job);
+        uint64_t done = r->next_sample, samples = timed_step(step->seconds, elapsed, done, most);
+        if (samples == 0) {
+            job->ended_by = ENDED_BY_TIME;
+            break;
+        }
+        if (samples > step->samples - done)
+            samples = step->samples - done;
+        double part = fmax((double)(done - first) / (double)(step->samples - first),
+                           (elapsed - before) / (step->seconds - before));
+        double from = step->from + span * fmin(part, 1.0);
+        if (!render_samples(job, step, samples, from, from + 1e-9, err))
+            return false;
+    }
+    return true;
+}
+
+bool job_advance(struct job *job, const struct job_step *step, struct err *err)
+{
+    if (step->seconds > 0.0)
+        return advance_by_clock(job, step, err);
+    uint64_t done = job->renderer.next_sample;
+    return step->samples <= done ||
+           render_samples(job, step, step->samples - done, step->from, step->to, err);
+}

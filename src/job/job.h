@@ -1,0 +1,261 @@
+// A render: scene, device, settings and a goal in; film, estimates and records out. All commands
+// that render, and the viewer, drive it by these calls. How many samples there are and in which
+// steps, what ends them and how good the film is, is decided here and nowhere else.
+//
+//   struct job job;
+//   const struct job_params params = {
+//       .renderer = {.gpu = &gpu}, .scene = &scene, .goal = {.error = 1e-3}};
+//   job_start(&params, &job, &err) && job_run(&job, &err) && job_judge_end(&job, &err);
+//   job_finish(&job);
+//
+// One thread at a time, unless a function says otherwise. The film's bits depend on what
+// renderer.h says alone: not on steps, clocks, listeners or on how often the error is estimated.
+#ifndef LAMPYRIS_JOB_JOB_H
+#define LAMPYRIS_JOB_JOB_H
+
+#include "job/film_error.h"
+#include "job/reference.h"
+#include "metrics/forecast.h"
+#include "render/adaptive.h"
+#include "render/checkpoint.h"
+
+// --- what is asked for ---------------------------------------------------------------------------
+
+// What ends the render: whatever comes first.
+struct job_goal {
+    // Of a pixel; with `adaptive` on average. 0: as many as `seconds` and `error` take, and where
+    // neither is given, what the scene's settings say.
+    uint64_t samples;
+    double seconds; // of rendering, with those before a checkpoint; 0: no limit. INFINITY: no limit
+                    // either, but the number of samples is open
+    double error;   // upper bound of the local relMSE; 0: none
+    bool adaptive;  // each tile has a number of samples of its own: see adaptive.h
+    // Frames of so many samples each, in place of one image of `samples`; 0: one image.
+    uint32_t frames, samples_per_frame;
+    bool accumulate; // each frame goes on from the one before; else the film is emptied between
+};
+
+struct job_checkpoint_params {
+    const char *path; // NULL: none is kept
+    double seconds;   // between two of them
+    bool resume;      // go on from the one at `path`, if there is one; else there must be none
+};
+
+// Called during job_run(), between waves; each may be NULL, and false ends the render as failed.
+struct job_listener {
+    // After every wave, when the film and the renderer's state agree.
+    bool (*after_wave)(void *context, struct err *err);
+    // When `frame` frames are done.
+    bool (*after_frame)(void *context, uint32_t frame, struct err *err);
+    // When the trace has a new row.
+    bool (*after_row)(void *context, struct err *err);
+    void *context;
+};
+
+struct job_params {
+    // `scene`, `tiles`, `open_ended` and `progress` are the job's to set.
+    struct renderer_params renderer;
+    struct scene *scene; // outlives the job; its settings.spp becomes the number that is planned
+    struct job_goal goal;
+    struct job_checkpoint_params checkpoint;
+    const struct reference
+        *reference;   // NULL: none; else as large as the image, and outlives the job
+    bool keeps_trace; // rows at doubling numbers of samples
+    struct job_listener listener;
+    const struct progress *progress; // NULL: nobody listens or asks to stop
+};
+
+// --- what comes out ------------------------------------------------------------------------------
+
+struct job_seconds {
+    double load, bvh, upload, compile, render;
+    double bvh_uncached; // what building took, where some of it came from --bvh-cache; else 0
+    double judge;        // reading the film and estimating its error, with trace and reference
+    double write, total;
+    double render_before; // the part of `render` that runs before this one took
+};
+
+enum job_end {
+    ENDED_BY_SAMPLES,
+    ENDED_BY_TIME,
+    ENDED_BY_ERROR,
+    ENDED_BY_SIGNAL,
+    ENDED_BY_DEVICE, // this and the next: failures that the film was rescued from
+    ENDED_BY_MEMORY
+};
+
+// The error as it was estimated on the way.
+struct job_look {
+    double samples, seconds; // of a pixel; of rendering
+    double confidence;       // of error.at_most; 0: the usual
+    struct half_error error;
+};
+
+// Errors against the reference, whose own noise is subtracted from the first three. NAN: not known.
+struct job_against {
+    double local_relmse, relmse, mse, smape, psnr;
+    struct forecast_bias bias; // of local relMSE
+};
+
+// What was seen at one time: a row of a trace. Not finite where not known.
+struct trace_row {
+    double spp;             // of the film, a pixel; on average, where pixels have their own
+    double frames;          // rendered so far; 0 without frames
+    double seconds;         // of rendering, of all runs
+    double judging_seconds; // of reading the film and estimating its error, in this run so far
+    double msamples_per_s;  // since the beginning
+    double closest_rays, shadow_rays;
+    double local_relmse, ci_low, ci_high, at_most; // as the half-buffers tell it
+    // Against a reference.
+    double true_local_relmse, true_relmse, true_mse, true_smape, true_psnr;
+    const char *reason; // why there is no interval; NULL where there is
+};
+
+#define TRACE_ROWS_MAX 4096u
+
+struct trace {
+    // 16 hexadecimal digits each: a hash of all that decides what the samples are, and one of the
+    // reference ("" without one). Rows of other renders do not belong into one file.
+    const char *render, *reference;
+    struct trace_row *rows; // in the order that they were seen; room for TRACE_ROWS_MAX
+    uint32_t count;
+};
+
+// The renderer's state when a film was read from it.
+struct film_state {
+    struct render_stats stats;
+    uint64_t next_sample;
+    struct pass pass;
+    bool is_even; // as renderer_is_even
+};
+
+// The film as it was copied out of the device last, in case that rendering fails. The job's own
+// film serves as well where that was read since.
+struct job_rescue {
+    struct arena arena;
+    struct film_image film;   // no pixels before the first copy
+    struct film_state copied; // after the rescue, of the job's film
+    struct film_state read;   // of the job's film as it was read last
+    bool is_read;             // whether there is one
+    double copied_at;         // seconds of rendering
+    double worst_seconds;     // that a copy took
+    double seconds;           // and all of them
+    bool is_too_large;        // for the memory budget, which was said
+};
+
+struct job {
+    struct job_params params;
+    struct scene *scene;
+    struct gpu *gpu;
+    struct renderer renderer;
+    struct progress progress; // the renderer's: the params' with what part of the clock is over
+    struct arena arena;
+
+    bool is_rendering; // from the first sample of job_run() on
+    bool stopped;      // before the goal was reached; some pixels may have fewer samples
+    enum job_end ended_by;
+    double begun_seconds;   // of rendering, at job_begin()
+    uint64_t samples_most;  // of a pixel, on average: as many as there may be
+    uint32_t round_samples; // with `adaptive`: on average, of a round of the plan
+    struct tile_plan plan;  // of the tiles; no counts before the pilot has ended
+
+    // Records.
+    struct job_seconds seconds;
+    double *frames_ms; // of each frame rendered
+    uint32_t frame_count, frame_capacity;
+    struct job_look *looks; // of goal.error
+    uint32_t look_count, look_capacity;
+    struct trace trace;
+
+    // The film as last read, and what is estimated of it.
+    struct arena film_arena;
+    struct film_image film;
+    struct half_error error;
+    struct job_against against; // with a reference
+    uint64_t image_hash;        // of the mean's bits
+
+    // For going on elsewhere, or after a failure.
+    const char *identity;      // what a checkpoint is of
+    struct checkpoint resumed; // closed once it is restored
+    uint64_t checkpoint_ns;    // when the last one was written, or rendering began
+    bool has_checkpoint;       // a file from which this render can go on
+    double looks_error;        // the goal.error that
+    uint64_t next_look;        // the next look, after so many samples a pixel, is on the way to
+    struct job_rescue rescue;
+};
+
+// --- life ----------------------------------------------------------------------------------------
+
+// Settles the goal. ERR_USAGE where a method and a goal exclude each other. Needs no device yet,
+// but params->renderer.gpu must be where it will be open.
+bool job_init(const struct job_params *params, struct job *out, struct err *err);
+// With an open device: finds the job's identity where a checkpoint or a trace needs it, and reads
+// the checkpoint that is to be gone on from, if any. ERR_INPUT where that is of another render.
+bool job_open(struct job *job, struct err *err);
+// Creates the renderer, and puts it into the state that was read.
+bool job_create(struct job *job, struct err *err);
+// All three; on failure the job is finished.
+bool job_start(const struct job_params *params, struct job *out, struct err *err);
+void job_finish(struct job *job); // accepts NULL and {0}
+
+// --- rendering -----------------------------------------------------------------------------------
+
+// Renders until the goal is reached, or it is asked to stop (`stopped`).
+bool job_run(struct job *job, struct err *err);
+
+// For those that decide themselves when to look: replicates, repetitions, a viewer's frames.
+// Empties the film and begins with the first sample of another seed, of `planned` samples a pixel.
+bool job_begin(struct job *job, uint32_t seed, uint64_t planned, struct err *err);
+struct job_step {
+    uint64_t samples; // of a pixel since the beginning (with `adaptive`: rounds); UINT64_MAX: any
+    double seconds;   // of rendering since the beginning; 0: no limit
+    double from, to;  // the part of the progress that this step is
+    const struct wave_watch *watch; // see render_call
+};
+// Goes on until every pixel has so many samples, the clock ends it, or it is asked to stop, but for
+// one wave at least.
+bool job_advance(struct job *job, const struct job_step *step, struct err *err);
+// Asks whether to stop, which job_advance() does between waves only.
+bool job_is_stopped(struct job *job);
+// After a stop that was not the end.
+void job_go_on(struct job *job);
+
+double job_elapsed(const struct job *job); // seconds of rendering since the beginning
+
+// --- the film and its error ----------------------------------------------------------------------
+
+// Reads the film.
+bool job_fetch_film(struct job *job, struct err *err);
+// Estimates the error of the film as it was read last.
+bool job_judge_film(struct job *job, struct err *err);
+// Both, of the finished film, rescued or not.
+bool job_judge_end(struct job *job, struct err *err);
+bool job_read_film(struct job *job, struct err *err);
+// The film's samples of a pixel: where tiles have their own, the mean.
+uint64_t job_film_samples(const struct job *job);
+// The number of samples, as `goal.samples`, that makes the same image.
+uint64_t job_samples(const struct job *job);
+// Of all pixels, and all frames.
+double job_total_samples(const struct job *job);
+const char *job_ended_by(const struct job *job); // "spp", "time", "error" ...
+// What twice the time of rendering would bring. Returns why it is not known, or NULL.
+const char *job_forecast(const struct job *job, struct forecast *out);
+// Adds the row of the finished image to the trace, if there is one to be kept.
+void job_end_trace(struct job *job);
+
+// --- going on ------------------------------------------------------------------------------------
+
+// All that decides what the samples are, as lines of "name=value"; NULL when out of memory. Needs
+// the device.
+const char *job_identity(struct job *job);
+// Writes a checkpoint, if one is to be kept.
+bool job_checkpoint_save(struct job *job, struct err *err);
+// Adds to a device's failure what is left of the work.
+void job_checkpoint_mention(const struct job *job, struct err *err);
+
+// After a failure of the device, or for lack of memory: makes the newest film that there is the
+// job's, and the statistics those of that time. False: there is none, or the failure is another.
+bool job_rescue(struct job *job, enum err_code failure);
+bool job_is_rescued(const struct job *job); // whether that was done
+
+#endif

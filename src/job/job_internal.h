@@ -1,0 +1,46 @@
+// What the files of src/job share.
+#ifndef LAMPYRIS_JOB_JOB_INTERNAL_H
+#define LAMPYRIS_JOB_JOB_INTERNAL_H
+
+#include "job/job.h"
+
+// --- job.c ---
+// Makes room for one entry more in a list that grows by doubling.
+bool job_grow(struct arena *arena, void **list, uint32_t count, uint32_t *capacity, size_t size,
+              struct err *err);
+// Whether a clock, or each tile for itself, decides how many samples there are.
+bool job_is_open_ended(const struct job *job);
+// Samples of a pixel that a step of renderer_render() is: one, or those of a round.
+uint64_t job_step_samples(const struct job *job);
+// Whether there are no samples but the pilot's, which are not part of the image.
+bool job_is_pilot(const struct job *job);
+
+// --- judge.c ---
+// As film_error(), of the film as it was read last. confidence: 0 for the usual.
+bool job_estimate_error(struct job *job, double confidence, struct half_error *out,
+                        struct err *err);
+struct film_state job_film_state(const struct renderer *r);
+
+// --- pilot.c ---
+// Takes samples that are not part of the image, and makes the plan of the tiles from them. Leaves
+// the film empty, unless the job was stopped.
+bool job_run_pilot(struct job *job, struct err *err);
+
+// --- trace.c ---
+bool job_open_trace(struct job *job, struct err *err); // makes room, and names what it is of
+// At how many samples (or rounds, or frames) the next row is due: 1, 2, 4, ...; UINT64_MAX without
+// a trace.
+uint64_t job_next_row(const struct job *job, uint64_t done);
+// Reads and judges the film, and adds a row.
+bool job_look_for_trace(struct job *job, struct err *err);
+
+// --- resume.c ---
+bool job_checkpoint_open(struct job *job, struct err *err);
+bool job_checkpoint_restore(struct job *job, struct err *err);
+bool job_checkpoint_when_due(struct job *job, struct err *err);
+
+// --- rescue.c ---
+// Copies the film when that costs less than a hundredth of the time of rendering.
+bool job_rescue_copy_when_due(struct job *job, struct err *err);
+
+#endif

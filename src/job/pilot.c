@@ -1,0 +1,65 @@
+// Sample counts by tile: a few samples that are not part of the image say where it is noisy.
+#include "job/job_internal.h"
+
+#include "metrics/metrics.h"
+
+#define PILOT_SAMPLES 16u
+
+// The pilot's samples are to have nothing in common with the image's: another seed, which no small
+// difference between seeds leads to (Knuth 1998, section 6.4: 2^32 / golden ratio).
+static uint32_t pilot_seed(uint32_t seed)
+{
+    return (seed ^ 0x85ebca6bu) * 2654435769u + 0x7f4a7c15u;
+}
+
+static bool set_even_plan(struct job *job, struct arena *arena, struct err *err)
+{
+    const struct tile_plan_params params = {
+        .width = job->renderer.frame.width,
+        .height = job->renderer.frame.height,
+        .average = PILOT_SAMPLES,
+    };
+    struct tile_plan plan;
+    return tile_plan_make(&params, arena, &plan, err) &&
+           renderer_set_plan(&job->renderer, &plan, err);
+}
+
+// By the error of each tile of the film as it was read.
+static bool make_plan(struct job *job, struct err *err)
+{
+    const struct film_image *film = &job->film;
+    struct tile_plan_params params = {
+        .width = film->width,
+        .height = film->height,
+        .average = job->round_samples,
+        .most = (uint32_t)(UINT32_MAX / (job->samples_most / job->round_samples)),
+    };
+    uint32_t tiles = tiles_along(film->width) * tiles_along(film->height);
+    double *variances = ARENA_NEW(&job->arena, double, tiles);
+    const struct half_error_params halves = {
+        .half_a = (const float(*)[3])film->half_a,
+        .half_b = (const float(*)[3])film->half_b,
+        .width = film->width,
+        .height = film->height,
+    };
+    if (!variances || !metrics_tile_errors(&halves, TILE_SIDE, variances))
+        return err_memory(err, "tiles", tiles * sizeof *variances);
+    params.variances = variances;
+    return tile_plan_make(&params, &job->arena, &job->plan, err);
+}
+
+bool job_run_pilot(struct job *job, struct err *err)
+{
+    struct renderer *r = &job->renderer;
+    uint32_t seed = r->frame.seed;
+    const struct render_call call = {.samples = 1, .progress_to = 1e-9, .stopped = &job->stopped};
+    struct arena scratch = {0};
+    bool ok = set_even_plan(job, &scratch, err) && renderer_restart(r, pilot_seed(seed), err) &&
+              renderer_render(r, &call, err);
+    // Without a plan the pilot is all there is.
+    if (ok && !job->stopped)
+        ok = job_fetch_film(job, err) && make_plan(job, err) && renderer_restart(r, seed, err) &&
+             renderer_set_plan(r, &job->plan, err);
+    arena_finish(&scratch);
+    return ok;
+}

@@ -1,0 +1,117 @@
+// Checkpoints: what a render goes on from, and when it is saved.
+#include "job/job_internal.h"
+
+#include "base/clock.h"
+#include "base/file_inputs.h"
+#include "base/log.h"
+#include <inttypes.h>
+#include <string.h>
+#include <unistd.h>
+
+// --- going on -----------------------------------------------------------------------------------
+
+static bool is_there(const char *path)
+{
+    return access(path, F_OK) == 0;
+}
+
+bool job_checkpoint_open(struct job *job, struct err *err)
+{
+    const char *path = job->params.checkpoint.path;
+    if (!path)
+        return true;
+    if (!job_identity(job))
+        return err_memory(err, "a checkpoint", CHECKPOINT_IDENTITY_MAX);
+    if (!job->params.checkpoint.resume)
+        return !is_there(path) ||
+               err_set(err, ERR_INPUT,
+                       "%s: exists already: expected --resume, to go on from it, or another name",
+                       path);
+    if (!is_there(path)) {
+        log_warn("%s: does not exist: rendering begins anew", path);
+        return true;
+    }
+    return file_inputs_add_own(path, err) &&
+           checkpoint_open(path, &job->arena, &job->resumed, err) &&
+           checkpoint_check(&job->resumed, job->identity, err);
+}
+
+// Samples of each pixel that there are already, or have been begun.
+static uint64_t samples_begun(const struct job *job)
+{
+    const struct renderer *r = &job->renderer;
+    if (job->params.goal.adaptive)
+        return (r->round_target > r->next_sample ? r->round_target : r->next_sample) *
+               job->round_samples;
+    return r->next_sample + (r->pass.length > 0 ? UINT64_C(1) << r->pass.shift : 0);
+}
+
+bool job_checkpoint_restore(struct job *job, struct err *err)
+{
+    const struct job_goal *goal = &job->params.goal;
+    const char *path = job->params.checkpoint.path;
+    job->checkpoint_ns = clock_ns();
+    if (!job->resumed.file)
+        return true;
+    if (!checkpoint_restore(&job->resumed, &job->renderer, err))
+        return false;
+    memcpy(&job->looks_error, &job->resumed.note[0], sizeof job->looks_error);
+    job->next_look = job->resumed.note[1];
+    checkpoint_close(&job->resumed);
+    job->has_checkpoint = true;
+    if (goal->adaptive)
+        job->plan = tile_plan_of(job->renderer.frame.width, job->renderer.frame.height,
+                                 job->renderer.tiles.counts);
+    uint64_t begun = samples_begun(job);
+    uint64_t wanted =
+        goal->frames ? (uint64_t)goal->frames * goal->samples_per_frame : job->samples_most;
+    if (begun > wanted)
+        return err_set(err, ERR_INPUT,
+                       "%s: has %" PRIu64 " samples a pixel; expected no more than the %" PRIu64
+                       " that this run is to have",
+                       path, begun, wanted);
+    log_info("%s: going on after %" PRIu64 " samples a pixel", path, begun);
+    return true;
+}
+
+// --- saving --------------------------------------------------------------------------------------
+
+bool job_checkpoint_save(struct job *job, struct err *err)
+{
+    const char *path = job->params.checkpoint.path;
+    // Before there is a plan, there is nothing to go on from.
+    if (!path || job_is_pilot(job))
+        return true;
+    uint64_t start = clock_ns(), note[CHECKPOINT_NOTE_WORDS] = {0, job->next_look};
+    memcpy(&note[0], &job->looks_error, sizeof job->looks_error);
+    bool ok = checkpoint_write(&job->renderer, path, job->identity, note, err);
+    job->has_checkpoint |= ok;
+    job->seconds.write += clock_seconds_since(start);
+    job->checkpoint_ns = clock_ns();
+    return ok;
+}
+
+// A disk that is full now may have room later, and the picture itself may go elsewhere.
+bool job_checkpoint_when_due(struct job *job, struct err *err)
+{
+    const struct job_checkpoint_params *params = &job->params.checkpoint;
+    if (!params->path || clock_seconds_since(job->checkpoint_ns) < params->seconds)
+        return true;
+    struct err failure = {0};
+    if (job_checkpoint_save(job, &failure))
+        return true;
+    if (failure.code != ERR_OUTPUT) {
+        if (err)
+            *err = failure;
+        return false;
+    }
+    log_warn("no checkpoint was written: %s", failure.msg);
+    return true;
+}
+
+void job_checkpoint_mention(const struct job *job, struct err *err)
+{
+    if (job->has_checkpoint && err->code == ERR_GPU)
+        err_set(err, err->code, "%s; the last checkpoint is kept: --checkpoint %s --resume goes on",
+                err->msg, job->params.checkpoint.path);
+}

@@ -1,0 +1,200 @@
+// The way to the goal: samples in steps that end where somebody wants to look, until the number,
+// the clock, the error or a signal ends them.
+#include "job/job_internal.h"
+
+#include "metrics/metrics.h"
+#include <math.h>
+
+static bool add_frame_time(struct job *job, double ms, struct err *err)
+{
+    void *list = job->frames_ms;
+    if (!job_grow(&job->arena, &list, job->frame_count, &job->frame_capacity, sizeof ms, err))
+        return false;
+    job->frames_ms = list;
+    job->frames_ms[job->frame_count++] = ms;
+    return true;
+}
+
+static bool is_over(const struct job *job)
+{
+    return job->stopped || job->ended_by != ENDED_BY_SAMPLES;
+}
+
+// A step is one sample of every pixel, or a round of the tiles' plan.
+static uint64_t steps_done(const struct job *job)
+{
+    return job->renderer.next_sample;
+}
+
+// --- one image -----------------------------------------------------------------------------------
+
+// From what is done to `steps`; the progress shows the part of `expected` ones, INFINITY where that
+// is not known. The time of the runs before, of which a checkpoint tells, counts.
+static bool advance(struct job *job, uint64_t steps, double expected, struct err *err)
+{
+    const struct job_step step = {
+        .samples = steps,
+        .seconds = job->params.goal.seconds,
+        .from = fmin((double)steps_done(job) / expected, 1.0),
+        .to = fmin((double)steps / expected, 1.0),
+    };
+    return job_is_stopped(job) || job_advance(job, &step, err);
+}
+
+// The same with the rows of the trace that lie between, but not the one of the end.
+static bool advance_with_rows(struct job *job, uint64_t steps, double expected, struct err *err)
+{
+    uint64_t next;
+    while ((next = job_next_row(job, steps_done(job))) < steps) {
+        if (!advance(job, next, expected, err))
+            return false;
+        if (is_over(job))
+            return true;
+        if (!job_look_for_trace(job, err))
+            return false;
+    }
+    return advance(job, steps, expected, err);
+}
+
+static bool add_look(struct job *job, uint64_t samples, struct err *err)
+{
+    void *list = job->looks;
+    struct half_error error;
+    if (!job_estimate_error(job, LOOKS_CONFIDENCE, &error, err) ||
+        !job_grow(&job->arena, &list, job->look_count, &job->look_capacity, sizeof *job->looks,
+                  err))
+        return false;
+    job->looks = list;
+    job->looks[job->look_count++] = (struct job_look){
+        .samples = (double)samples,
+        .seconds = job_elapsed(job),
+        .confidence = LOOKS_CONFIDENCE,
+        .error = error,
+    };
+    return true;
+}
+
+// By how much the newest look's bound is above the error that is asked for.
+static double excess(const struct job *job)
+{
+    return job->looks[job->look_count - 1].error.at_most / job->params.goal.error;
+}
+
+// The error falls with the number of samples, so that the samples that it takes are known as soon
+// as the error is. A bound that nobody asked for says nothing about it.
+static double expected_samples(const struct job *job, uint64_t most)
+{
+    if (job->look_count > 0 && isfinite(excess(job)))
+        return fmin(job->looks[job->look_count - 1].samples * excess(job), (double)most);
+    return job->params.goal.samples > 0 ? (double)most : INFINITY;
+}
+
+// A checkpoint tells where the next look is, if it was made on the way to the same error.
+static void plan_looks(struct job *job, uint64_t unit)
+{
+    uint64_t done = steps_done(job) * job_step_samples(job);
+    bool goes_on = done > 0 && job->looks_error == job->params.goal.error && job->next_look >= done;
+    if (goes_on)
+        return;
+    job->looks_error = job->params.goal.error;
+    job->next_look = looks_first(done, unit);
+}
+
+// The look at the bound is one of those that are planned only where it happens to be: a run that
+// goes on with a higher bound has the looks that it would have had at once.
+static bool render_to_error(struct job *job, struct err *err)
+{
+    uint64_t most = job->samples_most, each = job_step_samples(job);
+    uint64_t unit = each % LOOKS_FIRST == 0 ? each : LOOKS_FIRST * each;
+    plan_looks(job, unit);
+    while (true) {
+        double expected = expected_samples(job, most);
+        uint64_t next = job->next_look < most ? job->next_look : most;
+        if (!advance_with_rows(job, next / each, fmax(expected, (double)next) / (double)each, err))
+            return false;
+        if (is_over(job))
+            return true;
+        // With a trace the look is a row of it, too.
+        bool ok = job->params.keeps_trace ? job_look_for_trace(job, err) : job_fetch_film(job, err);
+        if (!ok || !add_look(job, next, err))
+            return false;
+        if (excess(job) < 1.0)
+            job->ended_by = ENDED_BY_ERROR;
+        if (job->ended_by == ENDED_BY_ERROR || next == most)
+            return true;
+        job->next_look = looks_next(next, excess(job), unit);
+    }
+}
+
+static bool render_image(struct job *job, struct err *err)
+{
+    uint64_t steps = job->samples_most / job_step_samples(job);
+    double before = job->renderer.stats.render_seconds;
+    bool ok = job->params.goal.error > 0.0 ? render_to_error(job, err)
+                                           : advance_with_rows(job, steps, (double)steps, err);
+    return ok && add_frame_time(job, (job->renderer.stats.render_seconds - before) * 1e3, err);
+}
+
+// --- frames --------------------------------------------------------------------------------------
+
+// Empties the film first, unless the frame goes on from the one before or was begun already.
+static bool render_frame(struct job *job, uint32_t frame, struct err *err)
+{
+    const struct job_goal *goal = &job->params.goal;
+    struct renderer *r = &job->renderer;
+    bool is_begun = r->next_sample % goal->samples_per_frame != 0 || r->pass.length > 0;
+    if (frame > 0 && !goal->accumulate && !is_begun && !renderer_clear(r, err))
+        return false;
+    double before = r->stats.render_seconds;
+    const struct job_step step = {
+        .samples = (frame + UINT64_C(1)) * goal->samples_per_frame,
+        .from = (double)frame / goal->frames,
+        .to = (frame + 1.0) / goal->frames,
+    };
+    return (job_is_stopped(job) || job_advance(job, &step, err)) &&
+           add_frame_time(job, (r->stats.render_seconds - before) * 1e3, err);
+}
+
+static bool tell_frame(struct job *job, uint32_t done, struct err *err)
+{
+    const struct job_listener *listener = &job->params.listener;
+    job->seconds.render = job->renderer.stats.render_seconds;
+    return job->stopped || !listener->after_frame ||
+           listener->after_frame(listener->context, done, err);
+}
+
+// Those that a run before this one has finished are not rendered again.
+static bool render_frames(struct job *job, struct err *err)
+{
+    const struct job_goal *goal = &job->params.goal;
+    uint32_t frame = (uint32_t)(job->renderer.next_sample / goal->samples_per_frame);
+    for (; frame < goal->frames && !job_is_stopped(job); frame++) {
+        bool is_last = frame + 1 == goal->frames;
+        if (!render_frame(job, frame, err) || !tell_frame(job, frame + 1, err))
+            return false;
+        bool has_row = job_next_row(job, frame) == frame + UINT64_C(1) && !is_last;
+        if (has_row && !job->stopped && !job_look_for_trace(job, err))
+            return false;
+        if (goal->seconds > 0.0 && job->seconds.render >= goal->seconds && !is_last) {
+            job->ended_by = ENDED_BY_TIME;
+            break;
+        }
+    }
+    return true;
+}
+
+// --- all of it -----------------------------------------------------------------------------------
+
+bool job_run(struct job *job, struct err *err)
+{
+    const struct job_goal *goal = &job->params.goal;
+    job->seconds.render_before = job->renderer.stats.render_seconds;
+    job->is_rendering = true;
+    if (job_is_pilot(job) && !job_run_pilot(job, err))
+        return false;
+    bool ok = job->stopped || (goal->frames ? render_frames(job, err) : render_image(job, err));
+    if (job->stopped)
+        job->ended_by = ENDED_BY_SIGNAL;
+    job->seconds.render = job->renderer.stats.render_seconds;
+    return ok;
+}
