@@ -9,11 +9,12 @@
 // samples. Exit status: 0 as asked for, 1 significantly worse, 2 usage, 77 no Vulkan.
 #include "metrics/forecast.h"
 #include "metrics/metrics.h"
-#include "render_fixture.h"
 #include "shares.h"
 #include "subjects.h"
 
 #include <getopt.h>
+#include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -131,26 +132,16 @@ static bool render_seed(struct renderer *r, uint32_t seed, uint32_t steps,
 static bool render(const struct options *options, const struct subject *subject, uint32_t steps,
                    struct step *out, struct err *err)
 {
-    char side[16];
-    snprintf(side, sizeof side, "%u", options->side);
-    const struct scene_override overrides[] = {
-        {"film.width", side}, {"film.height", side}, {subject->key, subject->value}, {0}};
-    const struct gpu_params any_gpu = {0};
-    struct scene scene = {0};
-    struct gpu gpu = {0};
-    struct renderer r = {0};
+    struct studio studio;
     struct arena arena = {0};
     struct reference reference;
-    const struct renderer_params params = {.gpu = &gpu, .scene = &scene};
-    bool ok = gpu_open(&any_gpu, &gpu, err) && load_scene(subject->path, overrides, &scene, err) &&
-              renderer_create(&params, &r, err) &&
-              find_reference(&r, options, &arena, &reference, err);
+    bool ok = studio_open(subject, options->side, &studio, err) &&
+              find_reference(&studio.renderer, options, &arena, &reference, err);
     for (uint32_t seed = 0; ok && seed < options->seeds; seed++)
-        ok = render_seed(&r, 3000 + seed, steps, &reference, &out[(size_t)seed * steps], err);
+        ok = render_seed(&studio.renderer, 3000 + seed, steps, &reference,
+                         &out[(size_t)seed * steps], err);
     arena_finish(&arena);
-    renderer_finish(&r);
-    scene_finish(&scene);
-    gpu_close(&gpu);
+    studio_close(&studio);
     return ok;
 }
 

@@ -1,8 +1,8 @@
 #include "pictures.h"
 
 #include "base/clock.h"
-#include "render_fixture.h"
 #include <errno.h>
+#include <string.h>
 #include <unistd.h>
 
 static const double progress_seconds = 30;
@@ -93,24 +93,14 @@ static bool render_seeds(struct renderer *r, const struct subject *subject,
 bool pictures_render(const struct subject *subject, const struct plan *plan, struct pictures *out,
                      struct err *err)
 {
-    char side[16];
-    snprintf(side, sizeof side, "%u", plan->side);
-    const struct scene_override overrides[] = {
-        {"film.width", side}, {"film.height", side}, {subject->key, subject->value}, {0}};
-    const struct gpu_params any_gpu = {0};
-    struct scene scene = {0};
-    struct gpu gpu = {0};
-    struct renderer r = {0};
+    struct studio studio;
     uint32_t done = 0;
     *out = (struct pictures){.plan = plan, .pixels = (uint64_t)plan->side * plan->side};
-    const struct renderer_params params = {.gpu = &gpu, .scene = &scene};
-    bool ok = gpu_open(&any_gpu, &gpu, err) && load_scene(subject->path, overrides, &scene, err) &&
-              renderer_create(&params, &r, err) && open_file(subject, plan, &out->file, err) &&
-              find_done(out, &done, err) && render_seeds(&r, subject, out, done, err);
-    out->brightest = (double)r.brightest_by_chance;
-    renderer_finish(&r);
-    scene_finish(&scene);
-    gpu_close(&gpu);
+    bool ok = studio_open(subject, plan->side, &studio, err) &&
+              open_file(subject, plan, &out->file, err) && find_done(out, &done, err) &&
+              render_seeds(&studio.renderer, subject, out, done, err);
+    out->brightest = (double)studio.renderer.brightest_by_chance;
+    studio_close(&studio);
     return ok;
 }
 

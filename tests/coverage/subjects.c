@@ -1,5 +1,6 @@
 #include "subjects.h"
 
+#include "render_fixture.h"
 #include <stdio.h>
 #include <string.h>
 
@@ -43,4 +44,25 @@ bool subjects_visit(char **names, subject_fn visit, void *context, struct err *e
         if (!visit_named(*names, visit, context, err))
             return false;
     return true;
+}
+
+bool studio_open(const struct subject *subject, uint32_t size, struct studio *out, struct err *err)
+{
+    char side[16];
+    snprintf(side, sizeof side, "%u", size);
+    const struct scene_override overrides[] = {
+        {"film.width", side}, {"film.height", side}, {subject->key, subject->value}, {0}};
+    const struct gpu_params any_gpu = {0};
+    const struct renderer_params params = {.gpu = &out->gpu, .scene = &out->scene};
+    memset(out, 0, sizeof *out);
+    return gpu_open(&any_gpu, &out->gpu, err) &&
+           load_scene(subject->path, overrides, &out->scene, err) &&
+           renderer_create(&params, &out->renderer, err);
+}
+
+void studio_close(struct studio *studio)
+{
+    renderer_finish(&studio->renderer);
+    scene_finish(&studio->scene);
+    gpu_close(&studio->gpu);
 }

@@ -2,7 +2,7 @@
 #ifndef LAMPYRIS_TESTS_COVERAGE_SUBJECTS_H
 #define LAMPYRIS_TESTS_COVERAGE_SUBJECTS_H
 
-#include "base/err.h"
+#include "render/render.h"
 
 struct subject {
     const char *name, *path; // from the source root
@@ -15,5 +15,15 @@ typedef bool (*subject_fn)(void *context, const struct subject *subject, struct 
 // its path, which is called by what is between its folder and its extension; without names for all
 // of the table. False at the first false.
 bool subjects_visit(char **names, subject_fn visit, void *context, struct err *err);
+
+// A renderer of one of them, with all that it needs; not to be moved.
+struct studio {
+    struct gpu gpu;
+    struct scene scene;
+    struct renderer renderer;
+};
+// A square picture of so many pixels a side. *out is to be closed, whatever is returned.
+bool studio_open(const struct subject *subject, uint32_t side, struct studio *out, struct err *err);
+void studio_close(struct studio *studio);
 
 #endif
