@@ -2,7 +2,7 @@
 // word.
 #include "cli/exit_code.h"
 #include "cli/program.h"
-#include "viewer/core/viewer.h"
+#include "viewer/run.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -2,39 +2,6 @@
 #include "viewer/core/edit.h"
 #include "viewer/core/viewer.h"
 
-#include <stdarg.h>
-
-// --- what edits tell the viewer ------------------------------------------------------------------
-
-static char last_message[1024];
-
-void viewer_message(struct viewer *viewer, enum message_kind kind, const char *format, ...)
-{
-    (void)viewer;
-    (void)kind;
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(last_message, sizeof last_message, format, arguments);
-    va_end(arguments);
-}
-
-void viewer_side_changed(struct viewer *viewer, uint32_t side, enum change change)
-{
-    if (change > viewer->changes[side])
-        viewer->changes[side] = change;
-}
-
-void viewer_changed(struct viewer *viewer, enum change change)
-{
-    for (uint32_t side = 0; side < VIEWER_SIDES; side++)
-        viewer_side_changed(viewer, side, change);
-}
-
-uint32_t viewer_aovs(const struct shown *shown)
-{
-    return shown->what == SHOWN_ALBEDO ? AOV_ALBEDO : 0;
-}
-
 // --- a viewer with a scene of everything ---------------------------------------------------------
 
 static struct viewer viewer;
@@ -245,7 +212,7 @@ TEST(surroundings_come_and_go_with_the_sun)
     struct environment environment = viewer.scene.environment;
     struct surroundings sky = viewer.surroundings;
     sky.kind = SURROUNDINGS_SKY;
-    REQUIRE(edit_surroundings(&viewer, &sky, "scene.kind"), "%s", last_message);
+    REQUIRE(edit_surroundings(&viewer, &sky, "scene.kind"), "%s", viewer.message);
     CHECK(viewer.scene.light_count == 2, "%u", viewer.scene.light_count);
     CHECK(viewer.scene.environment.texels != NULL);
     struct light sun = viewer.scene.lights[1];
@@ -272,10 +239,10 @@ TEST(a_file_that_is_not_there_changes_nothing)
     struct surroundings image = viewer.surroundings;
     image.kind = SURROUNDINGS_IMAGE;
     CHECK(!edit_surroundings(&viewer, &image, "scene.kind"));
-    CHECK(strstr(last_message, "no image"), "%s", last_message);
+    CHECK(strstr(viewer.message, "no image"), "%s", viewer.message);
     strcpy(image.image, "/nowhere/sky.hdr");
     CHECK(!edit_surroundings(&viewer, &image, "scene.image"));
-    CHECK(strstr(last_message, "/nowhere/sky.hdr"), "%s", last_message);
+    CHECK(strstr(viewer.message, "/nowhere/sky.hdr"), "%s", viewer.message);
     CHECK(memcmp(&viewer.scene.environment, &before.environment, sizeof before.environment) == 0);
     CHECK(viewer.scene.light_count == before.light_count);
     CHECK(viewer.scene.hash == before.hash);

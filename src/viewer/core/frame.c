@@ -6,6 +6,32 @@
 #include <math.h>
 #include <string.h>
 
+// --- where the picture is ------------------------------------------------------------------------
+
+void viewer_picture_size(const struct viewer *viewer, uint32_t *width, uint32_t *height)
+{
+    *width = viewer->window.width;
+    *height = viewer->window.height;
+}
+
+void viewer_picture_place(const struct viewer *viewer, uint32_t place[4])
+{
+    uint32_t width = viewer->window.width, height = viewer->window.height, left = 0;
+    if (viewer->is_panel_shown)
+        left = (uint32_t)gui_panel_width(&viewer->gui, width);
+    place[0] = left;
+    place[2] = width - left;
+    place[3] = (uint32_t)fmax(round((double)height * place[2] / width), 1.0);
+    place[1] = (height - place[3]) / 2;
+}
+
+double viewer_split_x(const struct viewer *viewer)
+{
+    uint32_t place[4];
+    viewer_picture_place(viewer, place);
+    return place[0] + viewer->shown.split_at * place[2];
+}
+
 // A picture that is to be seen whole at once may take so many times what a frame may: rather a slow
 // frame than one that shows two cameras.
 #define PATIENCE 8.0

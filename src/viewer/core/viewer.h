@@ -1,6 +1,6 @@
 // The interactive viewer: what its parts share.
 //
-// One thread runs all of it, frame by frame (viewer_frame), but for jobs of the worker. A frame
+// One thread runs all of it, frame by frame (viewer/run.c), but for jobs of the worker. A frame
 // takes what happened (window, script), changes the scene and the cameras by it, renders for as
 // long as a frame may take, and shows what there is.
 #ifndef LAMPYRIS_VIEWER_CORE_VIEWER_H
@@ -17,7 +17,6 @@
 #include "viewer/core/view.h"
 #include "viewer/core/worker.h"
 #include "viewer/gui/gui.h"
-#include "viewer/panel/panel.h"
 #include "viewer/window/swapchain.h"
 #include "viewer/window/window.h"
 #include <pthread.h>
@@ -87,6 +86,7 @@ struct viewer_log {
 };
 
 struct history;
+struct panel;
 struct script;
 struct reload;
 struct watch;
@@ -172,16 +172,23 @@ struct viewer {
     struct arena frame_arena; // emptied in every frame
 };
 
-// --- viewer.c ------------------------------------------------------------------------------------
-// Runs until it is closed, the script ends or a signal comes; returns the exit code.
-int viewer_run(const struct options *options);
-// One turn of the loop. False: it cannot go on. A turn:
-// window -> script -> events -> files, jobs -> camera -> panel -> changes -> rendering -> what is
-// shown -> statistics.
-bool viewer_frame(struct viewer *viewer, struct err *err);
+// --- messages.c ----------------------------------------------------------------------------------
+// From here on what the log says, up to that level, is told by the viewer; and no more.
+void viewer_log_begin(struct viewer *viewer, enum log_level level);
+void viewer_log_end(struct viewer *viewer);
+void viewer_log_show(struct viewer *viewer); // in the window: what has come since the last frame
+void viewer_print(const struct viewer *viewer, enum log_level level, const char *text); // to stderr
 void viewer_message(struct viewer *viewer, enum message_kind kind, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 double viewer_seconds(const struct viewer *viewer); // since it began
+
+// --- long_work.c ---------------------------------------------------------------------------------
+struct progress viewer_progress(struct viewer *viewer); // of work between frames
+bool viewer_is_ending(const struct viewer *viewer);     // it was closed, or a signal came
+// Draws a frame with a progress bar, from inside of long work; at most ten a second.
+void viewer_show_progress(struct viewer *viewer, const char *phase, double fraction);
+
+// --- frame.c -------------------------------------------------------------------------------------
 // The size of the picture at rest: the window's.
 void viewer_picture_size(const struct viewer *viewer, uint32_t *width, uint32_t *height);
 // Where in the window it is shown: x, y, width, height, pixels. In the middle of what the panel
@@ -189,10 +196,6 @@ void viewer_picture_size(const struct viewer *viewer, uint32_t *width, uint32_t 
 void viewer_picture_place(const struct viewer *viewer, uint32_t place[4]);
 // The x in the window of the line of a split view.
 double viewer_split_x(const struct viewer *viewer);
-// Draws a frame with a progress bar, from inside of long work; at most ten a second.
-void viewer_show_progress(struct viewer *viewer, const char *phase, double fraction);
-
-// --- frame.c -------------------------------------------------------------------------------------
 bool viewer_frame_is_over(void *viewer); // as a progress asks: whether to stop rendering
 // How many samples of a pixel a side still wants, now.
 uint64_t viewer_samples_left(const struct viewer *viewer, const struct view *view);
@@ -267,13 +270,6 @@ bool save_png(struct viewer *viewer, const char *path, bool with_panel); // as i
 // Side `side`'s film, linear, with metadata and the AOVs it has; denoised only where asked for.
 bool save_exr(struct viewer *viewer, uint32_t side, const char *path, bool denoised);
 bool save_scene(struct viewer *viewer, const char *path); // "save as scene JSON"
-
-// --- script.c ------------------------------------------------------------------------------------
-bool script_open(const char *path, struct script **out, struct err *err);
-void script_close(struct script *script); // accepts NULL
-// Before the frame's events are read: pushes what is due. False: a command failed (err: file, line,
-// what was expected), or the script ended (viewer->wants_quit is set then, and err is empty).
-bool script_step(struct script *script, struct viewer *viewer, struct err *err);
 
 // --- reload.c ------------------------------------------------------------------------------------
 bool reload_create(const struct options *options, struct reload **out, struct err *err);

@@ -1,6 +1,7 @@
-#include "viewer/panel/panel_internal.h"
+#include "viewer/panel/panel.h"
 
 #include "base/maths.h"
+#include "viewer/panel/panel_internal.h"
 #include <assert.h>
 #include <math.h>
 #include <stdio.h>

@@ -17,8 +17,8 @@ bool panel_settings_create(struct panel *panel, struct err *err)
         const struct setting *setting = &settings_table[i];
         char range[SETTING_RANGE_MAX];
         setting_range(setting, range);
-        panel->setting_help[i] = arena_printf(&panel->arena, "%s%s%s", setting->help,
-                                              *range ? " " : "", range);
+        panel->setting_help[i] =
+            arena_printf(&panel->arena, "%s%s%s", setting->help, *range ? " " : "", range);
         if (!panel->setting_help[i])
             return err_memory(err, "the help of settings", SETTING_RANGE_MAX);
     }
@@ -38,7 +38,9 @@ static struct gui_range range_of(const struct setting *setting)
     bool is_count = field->type == FIELD_COUNT;
     return (struct gui_range){
         .min = field->min,
-        .max = !has_word_at_end(field) ? field->max : is_count ? field->max + 1 : INFINITY,
+        .max = !has_word_at_end(field) ? field->max
+               : is_count              ? field->max + 1
+                                       : INFINITY,
         .logarithmic = field->max - field->min > WIDE,
         .integer = is_count,
         .unit = setting->unit,

@@ -1,10 +1,11 @@
 // A script instead of hands and eyes: one command after the other, a step of it in every frame.
-#include "viewer/script/script_run.h"
+#include "viewer/script/script.h"
 
 #include "base/clock.h"
 #include "base/file.h"
 #include "cli/exit_code.h"
 #include "viewer/core/viewer.h"
+#include "viewer/script/script_run.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <stdlib.h>

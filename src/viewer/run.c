@@ -1,15 +1,13 @@
-#include "viewer/core/viewer.h"
+// The loop of the viewer: from a command line to an exit code, frame by frame.
+#include "viewer/run.h"
 
 #include "base/clock.h"
-#include "base/log.h"
-#include "base/printable.h"
-#include "cli/commands.h"
-#include "cli/signals.h"
+#include "cli/exit_code.h"
+#include "viewer/core/viewer.h"
+#include "viewer/panel/panel.h"
+#include "viewer/script/script.h"
 #include <math.h>
-#include <stdarg.h>
-#include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 // Of a window that nobody asked a size for.
 #define DEFAULT_WIDTH 1280u
@@ -21,155 +19,6 @@
 #define LONGEST_FRAME_SECONDS 0.25
 // How long to wait for events where nothing else happens.
 #define REST_WAIT_SECONDS 0.1
-// What takes longer shows how far it is, so often.
-#define LONG_WORK_SECONDS 0.3
-#define PROGRESS_SECONDS 0.1
-
-double viewer_seconds(const struct viewer *viewer)
-{
-    return clock_seconds_since(viewer->start_ns);
-}
-
-void viewer_picture_size(const struct viewer *viewer, uint32_t *width, uint32_t *height)
-{
-    *width = viewer->window.width;
-    *height = viewer->window.height;
-}
-
-void viewer_picture_place(const struct viewer *viewer, uint32_t place[4])
-{
-    uint32_t width = viewer->window.width, height = viewer->window.height, left = 0;
-    if (viewer->is_panel_shown)
-        left = (uint32_t)gui_panel_width(&viewer->gui, width);
-    place[0] = left;
-    place[2] = width - left;
-    place[3] = (uint32_t)fmax(round((double)height * place[2] / width), 1.0);
-    place[1] = (height - place[3]) / 2;
-}
-
-double viewer_split_x(const struct viewer *viewer)
-{
-    uint32_t place[4];
-    viewer_picture_place(viewer, place);
-    return place[0] + viewer->shown.split_at * place[2];
-}
-
-// --- messages ------------------------------------------------------------------------------------
-
-static void print_message(const struct viewer *viewer, enum log_level level, const char *text)
-{
-    static const char *const names[] = {"error", "warning", "note", "debug"};
-    if (level <= viewer->log.level)
-        fprintf(stderr, "lampyris-view: %s: %s\n", names[level], text);
-}
-
-static void set_message(struct viewer *viewer, enum message_kind kind, const char *text)
-{
-    viewer->message_kind = kind;
-    snprintf(viewer->message, sizeof viewer->message, "%s", text);
-    viewer->message_seconds = viewer_seconds(viewer);
-}
-
-void viewer_message(struct viewer *viewer, enum message_kind kind, const char *format, ...)
-{
-    static const enum log_level levels[] = {LOG_INFO, LOG_WARN, LOG_ERROR};
-    char text[sizeof viewer->message];
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
-    va_end(arguments);
-    printable_mask(text); // names from files must not steer a terminal
-    set_message(viewer, kind, text);
-    print_message(viewer, levels[kind], text);
-}
-
-// From any thread. What a renderer warns of it may warn of again after every change: once is
-// enough.
-static void take_log(void *context, enum log_level level, const char *text)
-{
-    struct viewer *viewer = context;
-    struct viewer_log *log = &viewer->log;
-    pthread_mutex_lock(&log->mutex);
-    if (strcmp(log->last, text) != 0) {
-        print_message(viewer, level, text);
-        snprintf(log->last, sizeof log->last, "%s", text);
-        log->last_level = level;
-        log->is_new = level <= LOG_WARN;
-    }
-    pthread_mutex_unlock(&log->mutex);
-}
-
-static void show_log(struct viewer *viewer)
-{
-    struct viewer_log *log = &viewer->log;
-    pthread_mutex_lock(&log->mutex);
-    if (log->is_new)
-        set_message(viewer, log->last_level == LOG_ERROR ? MESSAGE_ERROR : MESSAGE_WARNING,
-                    log->last);
-    log->is_new = false;
-    pthread_mutex_unlock(&log->mutex);
-}
-
-// --- long work -----------------------------------------------------------------------------------
-
-static bool is_ending(const struct viewer *viewer)
-{
-    return viewer->wants_quit || viewer->window.should_close || signals_received() != 0;
-}
-
-static bool should_stop(void *context)
-{
-    return is_ending(context);
-}
-
-static void report_progress(void *context, const char *phase, double fraction)
-{
-    viewer_show_progress(context, phase, fraction);
-}
-
-static bool has_picture(const struct viewer *viewer)
-{
-    return viewer->display.pixels.handle && viewer->screen.width == viewer->window.width &&
-           viewer->screen.height == viewer->window.height &&
-           viewer->display.pixels.bytes >=
-               (uint64_t)viewer->screen.width * viewer->screen.height * 4;
-}
-
-// What is let go of meanwhile is held no more; all else that happens meanwhile is not for the scene
-// that is to come.
-static void poll_meanwhile(struct viewer *viewer)
-{
-    window_poll(&viewer->window, 0.0);
-    for (uint32_t i = 0; i < viewer->window.event_count; i++) {
-        const struct event *event = &viewer->window.events[i];
-        bool lets_go = (event->kind == EVENT_KEY || event->kind == EVENT_BUTTON) && !event->down;
-        if (!lets_go && event->kind != EVENT_FOCUS)
-            continue;
-        gui_event(&viewer->gui, event);
-        viewer_event(viewer, event);
-    }
-}
-
-// A failure shows in the next frame.
-void viewer_show_progress(struct viewer *viewer, const char *phase, double fraction)
-{
-    struct err err = {0};
-    double now = viewer_seconds(viewer);
-    bool is_long = clock_seconds_since(viewer->frame_ns) > LONG_WORK_SECONDS;
-    if (viewer->puts_off || !is_long || now - viewer->progress_seconds < PROGRESS_SECONDS ||
-        !viewer->window.handle)
-        return;
-    viewer->progress_seconds = now;
-    poll_meanwhile(viewer);
-    if (!has_picture(viewer) || viewer->window.is_minimised)
-        return;
-    gui_begin(&viewer->gui, viewer->window.width, viewer->window.height, PROGRESS_SECONDS);
-    gui_progress(&viewer->gui, phase, fraction);
-    gui_end(&viewer->gui, &viewer->drawing);
-    if (gpu_screen_draw(&viewer->gpu, &viewer->screen, &viewer->display.pixels, &viewer->drawing,
-                        &err))
-        swapchain_show(&viewer->gpu, &viewer->swapchain, &viewer->window, &viewer->screen, &err);
-}
 
 // --- a frame -------------------------------------------------------------------------------------
 
@@ -225,7 +74,7 @@ static void take_work(struct viewer *viewer)
     if (viewer->watch)
         watch_poll(viewer);
     worker_poll(viewer->worker, viewer);
-    show_log(viewer);
+    viewer_log_show(viewer);
 }
 
 static double motion_seconds(const struct viewer *viewer)
@@ -262,7 +111,9 @@ static bool run_script(struct viewer *viewer, struct err *err)
     return err->code == ERR_NONE;
 }
 
-bool viewer_frame(struct viewer *viewer, struct err *err)
+// window -> script -> events -> files, jobs -> camera -> panel -> changes -> rendering -> what is
+// shown -> statistics. False: it cannot go on.
+static bool run_frame(struct viewer *viewer, struct err *err)
 {
     take_window(viewer);
     if (!run_script(viewer, err))
@@ -287,11 +138,9 @@ bool viewer_frame(struct viewer *viewer, struct err *err)
 
 static void set_up(struct viewer *viewer, const struct options *options)
 {
-    pthread_mutex_init(&viewer->log.mutex, NULL);
     viewer->options = options;
     viewer->start_ns = viewer->frame_ns = clock_ns();
-    viewer->log.level = options->log_level;
-    viewer->progress = (struct progress){report_progress, should_stop, viewer};
+    viewer->progress = viewer_progress(viewer);
     viewer->frame_progress = (struct progress){NULL, viewer_frame_is_over, viewer};
     viewer->swapchain.vsync = options_given(options, OPTION_VSYNC) ? options->vsync : true;
     viewer->side_count = 1;
@@ -305,7 +154,7 @@ static void set_up(struct viewer *viewer, const struct options *options)
     };
     double frame_ms = options->frame_ms;
     pace_init(&viewer->pace, frame_ms > 0.0 ? frame_ms : 33.0);
-    log_configure(options->log_level > LOG_WARN ? options->log_level : LOG_WARN, take_log, viewer);
+    viewer_log_begin(viewer, options->log_level);
 }
 
 static bool open_window(struct viewer *viewer, struct err *err)
@@ -364,14 +213,13 @@ static void close_all(struct viewer *viewer)
     arena_finish(&viewer->frame_arena);
     frame_times_finish(&viewer->moving_times);
     frame_times_finish(&viewer->resting_times);
-    log_configure(viewer->options->log_level, NULL, NULL);
-    pthread_mutex_destroy(&viewer->log.mutex);
+    viewer_log_end(viewer);
 }
 
 static bool run_frames(struct viewer *viewer, struct err *err)
 {
-    while (!is_ending(viewer))
-        if (!viewer_frame(viewer, err) && !(viewer->gpu.lost && viewer_recover(viewer, err)))
+    while (!viewer_is_ending(viewer))
+        if (!run_frame(viewer, err) && !(viewer->gpu.lost && viewer_recover(viewer, err)))
             return false;
     return true;
 }
@@ -381,7 +229,7 @@ static int fail(struct viewer *viewer, const struct err *err)
 {
     if (err->code == ERR_STOPPED)
         return EXIT_CODE_OK;
-    print_message(viewer, LOG_ERROR, err->msg);
+    viewer_print(viewer, LOG_ERROR, err->msg);
     return viewer->exit_code != EXIT_CODE_OK ? viewer->exit_code : exit_code(err->code);
 }
 

@@ -1,0 +1,16 @@
+// A script: a file of commands that do what hands would, one frame after the other.
+#ifndef LAMPYRIS_VIEWER_SCRIPT_SCRIPT_H
+#define LAMPYRIS_VIEWER_SCRIPT_SCRIPT_H
+
+#include "base/err.h"
+
+struct script;
+struct viewer;
+
+bool script_open(const char *path, struct script **out, struct err *err);
+void script_close(struct script *script); // accepts NULL
+// Before the frame's events are read: pushes what is due. False: a command failed (err: file, line,
+// what was expected), or the script ended (viewer->wants_quit is set then, and err is empty).
+bool script_step(struct script *script, struct viewer *viewer, struct err *err);
+
+#endif
