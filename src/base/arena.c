@@ -131,6 +131,14 @@ void *arena_alloc(struct arena *arena, size_t count, size_t size)
     return block->data + at;
 }
 
+void *arena_copy(struct arena *arena, const void *from, size_t count, size_t size)
+{
+    void *copy = arena_alloc(arena, count, size);
+    if (copy && count > 0)
+        memcpy(copy, from, count * size);
+    return copy;
+}
+
 char *arena_strdup(struct arena *arena, const char *text)
 {
     size_t size = strlen(text) + 1;

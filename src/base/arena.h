@@ -19,6 +19,8 @@ struct arena {
 // NULL when count * size overflows, memory or its budget is exhausted. A count of 0 gives a valid
 // pointer.
 void *arena_alloc(struct arena *arena, size_t count, size_t size);
+// A copy of an array; NULL like arena_alloc.
+void *arena_copy(struct arena *arena, const void *from, size_t count, size_t size);
 char *arena_strdup(struct arena *arena, const char *text); // NULL like arena_alloc
 // The whole text, however long; NULL like arena_alloc.
 char *arena_printf(struct arena *arena, const char *format, ...)

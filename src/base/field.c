@@ -99,6 +99,14 @@ static void number_text(const struct field *field, double value, char out[FIELD_
     }
 }
 
+const char *field_word(const struct field *field, uint32_t value)
+{
+    for (uint32_t i = 0; field->words[i]; i++)
+        if (i == value)
+            return field->words[i];
+    return "unknown";
+}
+
 void field_text(const struct field *field, const void *object, char out[FIELD_TEXT_MAX])
 {
     double value = field_get(field, object);
@@ -107,7 +115,7 @@ void field_text(const struct field *field, const void *object, char out[FIELD_TE
     else if (field->type == FIELD_SWITCH)
         snprintf(out, FIELD_TEXT_MAX, "%s", value != 0 ? "on" : "off");
     else if (field->type == FIELD_CHOICE)
-        snprintf(out, FIELD_TEXT_MAX, "%s", field->words[(uint32_t)value]);
+        snprintf(out, FIELD_TEXT_MAX, "%s", field_word(field, (uint32_t)value));
     else if (field->type == FIELD_COUNT)
         snprintf(out, FIELD_TEXT_MAX, "%.0f", value);
     else
@@ -122,6 +130,14 @@ bool field_same(const struct field *field, const void *a, const void *b)
     if (field->flag && (field_is_word(field, a) || field_is_word(field, b)))
         return field_is_word(field, a) == field_is_word(field, b);
     return memcmp(member(field, a), member(field, b), field->size) == 0;
+}
+
+bool fields_same(const struct field *fields, size_t count, const void *a, const void *b)
+{
+    for (size_t i = 0; i < count; i++)
+        if (!field_same(&fields[i], a, b))
+            return false;
+    return true;
 }
 
 void field_copy(const struct field *field, void *to, const void *from)

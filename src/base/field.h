@@ -20,7 +20,8 @@ struct field {
     enum field_type type;
     size_t offset, size;      // of the member, in bytes
     uint32_t count;           // of an array's elements; 0: the member is no array
-    double min, max;          // of a number, both included
+    double min, max;          // of a number
+    bool open;                // the bounds themselves are outside
     const char *const *words; // of a choice, in the order of its values; ended by NULL
     uint32_t shift, bits;     // the bits that a switch or choice is; 0 bits: the whole member
     // The word that may stand in place of a number, or NULL. It means word_value; or, where there
@@ -28,11 +29,15 @@ struct field {
     const char *word;
     double word_value;
     size_t flag;
-    // Angles and lengths: the member is the number times `unit` (0: 1). exact_key has the member
-    // itself, for values that no product with the unit is; or NULL.
-    double unit;
+    // Angles and lengths: the member is the number times `unit` (0: 1), and the range is the
+    // number's. exact_key takes numbers times exact_unit (0: 1), for values that no product with
+    // the unit is; or NULL.
+    double unit, exact_unit;
     const char *exact_key;
 };
+// For tables: the place of a member.
+#define FIELD_OF(type, member)                                                                     \
+    .offset = offsetof(struct type, member), .size = sizeof(((struct type *)NULL)->member)
 
 #define FIELD_TEXT_MAX 40
 
@@ -48,6 +53,9 @@ void field_set_word(const struct field *field, void *object);
 void field_text(const struct field *field, const void *object, char out[FIELD_TEXT_MAX]);
 // Whether both are the same to the bit.
 bool field_same(const struct field *field, const void *a, const void *b);
+bool fields_same(const struct field *fields, size_t count, const void *a, const void *b);
 void field_copy(const struct field *field, void *to, const void *from);
+// The word of a choice; "unknown" of a value that has none.
+const char *field_word(const struct field *field, uint32_t value);
 
 #endif

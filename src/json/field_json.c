@@ -1,6 +1,6 @@
 #include "json/field_json.h"
 
-#include <string.h>
+#include <stdio.h>
 
 static struct field element_of(const struct field *field, uint32_t index)
 {
@@ -11,9 +11,10 @@ static struct field element_of(const struct field *field, uint32_t index)
     return element;
 }
 
-static double unit_of(const struct field *field)
+static double unit_of(const struct field *field, bool is_exact)
 {
-    return field->unit != 0 ? field->unit : 1;
+    double unit = is_exact ? field->exact_unit : field->unit;
+    return unit != 0 ? unit : 1;
 }
 
 // --- reading -------------------------------------------------------------------------------------
@@ -53,12 +54,12 @@ static bool read_count(const struct field *field, const struct json_node *node, 
 static bool read_real(const struct field *field, const struct json_node *node, bool is_exact,
                       void *object, struct err *err)
 {
-    const double unit = unit_of(field), of_range = is_exact ? unit : 1;
-    const struct range range = {field->min * of_range, field->max * of_range, false};
+    const double unit = unit_of(field, is_exact), scale = unit_of(field, false) / unit;
+    const struct range range = {field->min * scale, field->max * scale, field->open};
     double value;
     if (!node_number(node, range, &value, err))
         return false;
-    field_set(field, object, is_exact ? value : value * unit);
+    field_set(field, object, value * unit);
     return true;
 }
 
@@ -70,6 +71,11 @@ static bool read_value(const struct field *field, const struct json_node *node, 
         uint32_t choice;
         field_set_word(field, object);
         return node_choice(node, only, &choice, err);
+    }
+    if (field->word && !json_is_number(node->value)) {
+        char expected[FIELD_TEXT_MAX];
+        snprintf(expected, sizeof expected, "a number or \"%s\"", field->word);
+        return node_unexpected(node, expected, err);
     }
     switch (field->type) {
     case FIELD_CHOICE:
@@ -116,6 +122,15 @@ bool field_read(const struct field *field, const struct json_node *object_node, 
                         : read_value(field, &node, object, err);
 }
 
+bool fields_read(const struct field *fields, size_t count, const struct json_node *node,
+                 void *object, struct err *err)
+{
+    for (size_t i = 0; i < count; i++)
+        if (!field_read(&fields[i], node, object, err))
+            return false;
+    return true;
+}
+
 // --- writing -------------------------------------------------------------------------------------
 
 static void write_real(const struct field *field, double value, struct json_text *text)
@@ -134,18 +149,26 @@ static void write_value(const struct field *field, const void *object, struct js
     else if (field->type == FIELD_SWITCH)
         json_text_bool(text, value != 0);
     else if (field->type == FIELD_CHOICE)
-        json_text_string(text, field->words[(uint32_t)value]);
+        json_text_string(text, field_word(field, (uint32_t)value));
     else if (field->type == FIELD_COUNT)
         json_text_uint(text, (uint64_t)value);
     else
         write_real(field, value, text);
 }
 
+// The number whose product with the unit is the member, or else the exact one.
+static void write_product(const struct field *field, double value, struct json_text *text)
+{
+    double factor;
+    bool is_found = json_text_factor(value, field->unit, field->size == sizeof(float), &factor);
+    json_text_key(text, is_found ? field->key : field->exact_key);
+    json_text_double(text, is_found ? factor : value / unit_of(field, true));
+}
+
 void field_write(const struct field *field, const void *object, struct json_text *text)
 {
     if (field->unit != 0 && !field_is_word(field, object)) {
-        json_text_product(text, field->key, field->unit, field->exact_key,
-                          field_get(field, object));
+        write_product(field, field_get(field, object), text);
         return;
     }
     json_text_key(text, field->key);
@@ -160,4 +183,19 @@ void field_write(const struct field *field, const void *object, struct json_text
         write_value(&element, object, text);
     }
     json_text_close(text);
+}
+
+void fields_write(const struct field *fields, size_t count, const void *object,
+                  struct json_text *text)
+{
+    for (size_t i = 0; i < count; i++)
+        field_write(&fields[i], object, text);
+}
+
+void fields_write_changed(const struct field *fields, size_t count, const void *object,
+                          const void *former, struct json_text *text)
+{
+    for (size_t i = 0; i < count; i++)
+        if (!field_same(&fields[i], object, former))
+            field_write(&fields[i], object, text);
 }

@@ -173,55 +173,29 @@ void json_text_raw(struct json_text *t, const char *json)
     put(t, json);
 }
 
-void json_text_doubles(struct json_text *t, const char *key, const double *values, uint32_t count)
+static bool is_factor(double factor, double unit, bool is_float, double value)
 {
-    json_text_key(t, key);
-    json_text_open(t, '[', true);
-    for (uint32_t i = 0; i < count; i++) {
-        json_text_next(t);
-        json_text_double(t, values[i]);
-    }
-    json_text_close(t);
-}
-
-void json_text_floats(struct json_text *t, const char *key, const float *values, uint32_t count)
-{
-    json_text_key(t, key);
-    json_text_open(t, '[', true);
-    for (uint32_t i = 0; i < count; i++) {
-        json_text_next(t);
-        json_text_float(t, values[i]);
-    }
-    json_text_close(t);
+    return is_float ? (float)(factor * unit) == (float)value : factor * unit == value;
 }
 
 // A quotient is within two roundings of what is sought; digits that a person would have typed are
 // tried first.
-static bool find_factor(double value, double unit, double *out)
+bool json_text_factor(double value, double unit, bool is_float, double *out)
 {
-    double quotient = value / unit, near[5] = {quotient, quotient, quotient};
+    double quotient = value / unit, near[4];
     for (int count = 1; count <= 17; count++) {
         *out = with_digits(quotient, count);
-        if (*out * unit == value)
+        if (is_factor(*out, unit, is_float, value))
             return true;
     }
-    near[1] = nextafter(quotient, INFINITY);
-    near[2] = nextafter(quotient, -INFINITY);
-    near[3] = nextafter(near[1], INFINITY);
-    near[4] = nextafter(near[2], -INFINITY);
-    for (int i = 1; i < 5; i++) {
+    near[0] = nextafter(quotient, INFINITY);
+    near[1] = nextafter(quotient, -INFINITY);
+    near[2] = nextafter(near[0], INFINITY);
+    near[3] = nextafter(near[1], -INFINITY);
+    for (int i = 0; i < 4; i++) {
         *out = near[i];
-        if (*out * unit == value)
+        if (is_factor(*out, unit, is_float, value))
             return true;
     }
     return false;
-}
-
-void json_text_product(struct json_text *t, const char *key_rounded, double unit,
-                       const char *key_exact, double value)
-{
-    double factor;
-    bool is_found = find_factor(value, unit, &factor);
-    json_text_key(t, is_found ? key_rounded : key_exact);
-    json_text_double(t, is_found ? factor : value);
 }

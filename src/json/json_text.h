@@ -45,11 +45,8 @@ void json_text_string(struct json_text *t, const char *text);
 bool json_text_can_hold(const char *text);
 void json_text_raw(struct json_text *t, const char *json); // as it is
 
-void json_text_doubles(struct json_text *t, const char *key, const double *values, uint32_t count);
-void json_text_floats(struct json_text *t, const char *key, const float *values, uint32_t count);
-// key_rounded: value / unit where a number is found whose product with the unit is the value, else
-// key_exact: the value.
-void json_text_product(struct json_text *t, const char *key_rounded, double unit,
-                       const char *key_exact, double value);
+// A number whose product with the unit, rounded to single precision if is_float, is the value, in
+// as few digits as there is one; false where there is none.
+bool json_text_factor(double value, double unit, bool is_float, double *out);
 
 #endif

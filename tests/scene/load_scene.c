@@ -3,9 +3,9 @@
 // table of the materials' parameters, a line each: name, components, least, greatest, models, help.
 // load_scene --settings: prints the table of settings as JSON.
 // load_scene --edit OUT FILE [KEY=VALUE …]: edits everything at random and writes it to OUT.
+#include "json/json_text.h"
 #include "scene/json/scene_write.h"
 #include "scene_edit_fixture.h"
-#include "json/json_text.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -46,7 +46,13 @@ static void print_setting(struct json_text *t, enum setting_id id)
     print_text(t, "section", id <= SETTINGS_FILM_LAST ? "film" : "settings");
     print_text(t, "key", field->key);
     print_text(t, "type", types[field->type]);
-    json_text_doubles(t, "range", (const double[]){field->min, field->max}, 2);
+    json_text_key(t, "range");
+    json_text_open(t, '[', true);
+    for (int i = 0; i < 2; i++) {
+        json_text_next(t);
+        json_text_double(t, i ? field->max : field->min);
+    }
+    json_text_close(t);
     print_text(t, "word", field->word ? field->word : "");
     json_text_key(t, "words");
     json_text_open(t, '[', true);

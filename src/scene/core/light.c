@@ -1,10 +1,18 @@
 #include "scene/core/light.h"
 
 #include "scene/core/affine.h"
+#include "shared/types.h"
 #include <math.h>
 #include <string.h>
 
 #define SPOT_WIDTH_MIN 1e-3
+
+const char *const light_kind_names[] = {
+    [LIGHT_POINT] = "point",
+    [LIGHT_SPOT] = "spot",
+    [LIGHT_DIRECTIONAL] = "directional",
+    NULL,
+};
 
 double versine(double angle)
 {

@@ -82,12 +82,49 @@ const struct material_parameter material_parameters[] = {
 };
 const uint32_t material_parameter_count = sizeof material_parameters / sizeof *material_parameters;
 
-const char *const material_model_names[MATERIAL_MODEL_COUNT] = {
+const char *const material_model_names[MATERIAL_MODEL_COUNT + 1] = {
     [MATERIAL_LAMBERT] = "diffuse",         [MATERIAL_MIRROR] = "mirror",
     [MATERIAL_PRINCIPLED] = "principled",   [MATERIAL_DIELECTRIC] = "dielectric",
     [MATERIAL_CONDUCTOR] = "conductor",     [MATERIAL_PHONG] = "phong",
     [MATERIAL_BLINN_PHONG] = "blinn_phong", [MATERIAL_MICROFACET] = "microfacet",
 };
+
+#define FLAGS(key_, shift_, bits_)                                                                 \
+    .key = key_, FIELD_OF(material, flags), .shift = shift_, .bits = bits_
+#define CHOICE(...)                                                                                \
+    .type = FIELD_CHOICE, .words = (const char *const[])                                           \
+    {                                                                                              \
+        __VA_ARGS__, NULL                                                                          \
+    }
+#define BIT(flag) ((flag) == 1u << __builtin_ctz(flag) ? __builtin_ctz(flag) : -1)
+
+const struct field material_flags[] = {
+    {FLAGS("alpha", BIT(MATERIAL_ALPHA_MASK), 2), CHOICE("opaque", "mask", "blend")},
+    {FLAGS("coat", BIT(MATERIAL_COAT_GGX), 1), CHOICE("burley", "ggx")},
+    {FLAGS("layers", BIT(MATERIAL_GLTF_LAYERS), 1), CHOICE("burley", "gltf")},
+    {FLAGS("distribution", MATERIAL_DISTRIBUTION_SHIFT, 2),
+     CHOICE([DISTRIBUTION_GGX] = "ggx", [DISTRIBUTION_BECKMANN] = "beckmann",
+            [DISTRIBUTION_PHONG] = "phong")},
+    {FLAGS("masking", MATERIAL_MASKING_SHIFT, 3),
+     CHOICE([MASKING_SMITH] = "smith", [MASKING_SCHLICK_GGX] = "schlick_ggx", [MASKING_LH] = "lh",
+            [MASKING_RATIONAL] = "rational")},
+    {FLAGS("fresnel", BIT(MATERIAL_EXACT_FRESNEL), 1), CHOICE("schlick", "exact")},
+    {FLAGS("thin", BIT(MATERIAL_THIN), 1)},
+    {FLAGS("unlit", BIT(MATERIAL_UNLIT), 1)},
+    {FLAGS("compensate", BIT(MATERIAL_COMPENSATE), 1)},
+    {FLAGS("tint_each", BIT(MATERIAL_TINT_EACH), 1)},
+    {FLAGS("separable", BIT(MATERIAL_SEPARABLE), 1)},
+};
+const size_t material_flag_count = sizeof material_flags / sizeof *material_flags;
+_Static_assert(MATERIAL_ALPHA_BLEND == 2 * MATERIAL_ALPHA_MASK, "\"alpha\" must be a number");
+
+const struct field *material_flag(const char *key)
+{
+    const struct field *field = material_flags;
+    while (strcmp(field->key, key) != 0)
+        field++;
+    return field;
+}
 
 void material_init(struct material *material)
 {

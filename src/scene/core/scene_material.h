@@ -6,6 +6,7 @@
 #ifndef LAMPYRIS_SCENE_CORE_SCENE_MATERIAL_H
 #define LAMPYRIS_SCENE_CORE_SCENE_MATERIAL_H
 
+#include "base/field.h"
 #include "shared/material.h"
 #include <stdbool.h>
 #include <stddef.h>
@@ -26,8 +27,8 @@ struct material_parameter {
 
 extern const struct material_parameter material_parameters[];
 extern const uint32_t material_parameter_count;
-// "diffuse" …, by model.
-extern const char *const material_model_names[MATERIAL_MODEL_COUNT];
+// "diffuse" …, by model; ended by NULL.
+extern const char *const material_model_names[MATERIAL_MODEL_COUNT + 1];
 
 struct material {
     const char *name; // never NULL; "" when the file gives none
@@ -62,6 +63,12 @@ _Static_assert(offsetof(struct material, alpha_cutoff) ==
                    offsetof(struct material, parameters[PARAMETER_ALPHA_CUTOFF]),
                "names and numbers of the parameters must agree");
 
+// What a material's flags say, but for those that follow from other things at upload: a bit or a
+// choice each, by the names of scene files ("alpha", "thin" …).
+extern const struct field material_flags[];
+extern const size_t material_flag_count;
+const struct field *material_flag(const char *key); // one of these
+
 // A grey Lambert surface with every parameter at its fallback.
 void material_init(struct material *material);
 // Absorption after Beer and Lambert from the colour that white light has `distance` metres (> 0)
@@ -95,6 +102,8 @@ struct texture {
     uint32_t flags;        // TEXTURE_* but TEXTURE_FLOAT
     float transform[2][3]; // s = row 0 . (u, v, 1), t = row 1 . (u, v, 1); t downwards from the top
 };
+
+extern const char *const light_kind_names[]; // "point" …, by kind; ended by NULL
 
 struct light {
     const char *name;

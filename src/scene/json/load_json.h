@@ -53,26 +53,6 @@ bool load_json_shapes(struct json_loader *loader, const struct json_node *shapes
 bool load_json_base(struct json_loader *loader, const struct json_node *document, struct err *err);
 bool load_json_edits(struct json_loader *loader, const struct json_node *edits, struct err *err);
 
-// Of edits, in the order of the values in a material's flags and a light's kind; ended by NULL.
-extern const char *const edit_alpha_names[],
-    *const edit_coat_names[], *const edit_layers_names[], *const edit_distribution_names[],
-                                                              *const edit_masking_names[],
-                                                                  *const edit_fresnel_names[],
-                                                                      *const edit_light_names[];
-struct edit_switch {
-    const char *key;
-    uint32_t flag; // MATERIAL_*
-};
-extern const struct edit_switch edit_switches[];
-extern const size_t edit_switch_count;
-
-// Reads those of material_parameters[] that the object has.
-bool load_json_parameters(const struct json_node *node, struct material *material, struct err *err);
-// One of an angle's or a length's two keys, if any: "NAME_degrees" …, to be multiplied by `unit`,
-// or the one that is exact.
-bool load_json_exactly(const struct json_node *node, const char *key, struct range range,
-                       double unit, const char *exact_key, double *out, struct err *err);
-
 // Shapes that need no other file. Each appends itself in its own space: an instance of a mesh with
 // the identity as its transform, or an analytic shape.
 bool load_json_quad(struct scene *scene, const struct json_node *quad, uint32_t material,

@@ -181,6 +181,16 @@ static bool load_file(struct json_loader *loader, const struct json_node *node,
 
 // --- what is different ---------------------------------------------------------------------------
 
+// What is different is told from this.
+static bool keep_base(struct scene *scene, struct scene_base *base, struct err *err)
+{
+    base->environment = scene->environment;
+    base->light_count = scene->light_count;
+    base->lights =
+        arena_copy(&scene->arena, scene->lights, scene->light_count, sizeof *scene->lights);
+    return base->lights || err_memory(err, "lights", scene->light_count * sizeof *scene->lights);
+}
+
 // It comes before those of the base, so that it is the one that is used; one that was made up goes.
 static bool put_camera_first(struct scene *scene, const struct json_node *node, struct err *err)
 {
@@ -207,7 +217,6 @@ static bool replace_environment(struct json_loader *loader, const struct json_no
     if (!load_json_environment(loader, node, err))
         return false;
     scene_remove_sun(loader->scene, &former);
-    loader->base->environment_source = true;
     return scene_add_sky_sun(loader->scene, err);
 }
 
@@ -237,7 +246,7 @@ bool load_json_base(struct json_loader *loader, const struct json_node *document
         return err_memory(err, "a base", sizeof *base);
     loader->base = base;
     if (!check_keys(document, err) || !read_base(loader, &node, base, err) ||
-        !load_file(loader, &node, base, err) ||
+        !load_file(loader, &node, base, err) || !keep_base(scene, base, err) ||
         (film.value && !load_json_film(scene, &film, err)) ||
         (settings.value && !load_json_settings(scene, &settings, err)) ||
         !put_camera_first(scene, &camera, err) || !replace_environment(loader, &environment, err) ||

@@ -1,6 +1,9 @@
 // The section "camera" of a scene file.
 #include "scene/json/load_json.h"
 
+#include "json/field_json.h"
+#include "scene/json/scene_fields.h"
+
 #include "scene/core/affine.h"
 #include <float.h>
 #include <math.h>
@@ -8,11 +11,9 @@
 
 // The millimetres' range leaves fields of view that are neither 0 nor 180 degrees in double.
 static const struct range RANGE_MILLIMETRES = {1e-6, 1e6, false};
-static const struct range RANGE_APERTURE = {0, 1e3 * SCENE_COORDINATE_MAX, false}; // millimetres
 static const struct range RANGE_F_NUMBER = {1e-3, 1e6, false};
 // What kernels divide by stays normal, and so do its quotients.
 static const struct range RANGE_FOCUS = {SCENE_LENGTH_MIN, SCENE_COORDINATE_MAX, false};
-static const struct range RANGE_TURN = {-360, 360, false};
 #define BLADES_MAX 64
 
 bool load_json_direction(const struct json_node *node, const double position[3],
@@ -32,23 +33,6 @@ bool load_json_direction(const struct json_node *node, const double position[3],
     const struct json_node direction_node = node_member(node, "direction");
     return vec3_make_unit(direction) ||
            node_fail(&direction_node, err, "is zero; expected a direction");
-}
-
-bool load_json_exactly(const struct json_node *node, const char *key, struct range range,
-                       double unit, const char *exact_key, double *out, struct err *err)
-{
-    const struct json_node rounded = node_member(node, key), exact = node_member(node, exact_key);
-    const struct range exact_range = {range.min * unit, range.max * unit, range.open};
-    double value = 0;
-    if (rounded.value && exact.value)
-        return node_fail(node, err, "both \"%s\" and \"%s\" are given; expected one", key,
-                         exact_key);
-    if (!node_read_number(node, key, range, &value, err) ||
-        !node_read_number(node, exact_key, exact_range, out, err))
-        return false;
-    if (rounded.value)
-        *out = value * unit;
-    return true;
 }
 
 // The basis that the kernels take in single precision keeps its digits as long as up deviates from
@@ -71,13 +55,11 @@ static bool read_up(const struct json_node *node, struct camera *camera, struct 
 
 static bool read_field_of_view(const struct json_node *node, struct camera *camera, struct err *err)
 {
-    const struct range degrees = {0, 180, true};
     double focal_length = 0, sensor_height = 24;
     bool is_exact = node_member(node, "fov_radians").value != NULL;
     if (!node_check_either(node, is_exact ? "fov_radians" : "fov_degrees", "focal_length_mm",
                            err) ||
-        !load_json_exactly(node, "fov_degrees", degrees, DEGREE, "fov_radians", &camera->fov_y,
-                           err) ||
+        !field_read(&scene_fov_field, node, camera, err) ||
         !node_read_number(node, "focal_length_mm", RANGE_MILLIMETRES, &focal_length, err) ||
         !node_read_number(node, "sensor_height_mm", RANGE_MILLIMETRES, &sensor_height, err))
         return false;
@@ -117,8 +99,7 @@ static bool read_aperture(const struct json_node *node, struct camera *camera, s
     bool is_exact = node_member(node, "aperture_radius").value != NULL;
     if (!node_check_either(node, is_exact ? "aperture_radius" : "aperture_radius_mm", "f_number",
                            err) ||
-        !load_json_exactly(node, "aperture_radius_mm", RANGE_APERTURE, 1e-3, "aperture_radius",
-                           &camera->lens_radius, err) ||
+        !field_read(&scene_aperture_field, node, camera, err) ||
         !node_read_number(node, "f_number", RANGE_F_NUMBER, &f_number, err))
         return false;
     const struct json_node f_node = node_member(node, "f_number");
@@ -136,8 +117,7 @@ static bool read_blades(const struct json_node *node, struct camera *camera, str
 {
     uint64_t blades = 0;
     if (!node_read_integer(node, "blades", 0, BLADES_MAX, &blades, err) ||
-        !load_json_exactly(node, "blade_rotation_degrees", RANGE_TURN, DEGREE,
-                           "blade_rotation_radians", &camera->lens_rotation, err))
+        !field_read(&scene_blade_rotation_field, node, camera, err))
         return false;
     const struct json_node blades_node = node_member(node, "blades");
     if (blades == 1 || blades == 2)

@@ -1,6 +1,9 @@
 // The environment of a scene file: constant, an image, a gradient, or a sky.
 #include "scene/json/load_json.h"
 
+#include "json/field_json.h"
+#include "scene/json/scene_fields.h"
+
 #include "scene/core/affine.h"
 #include "scene/core/environment.h"
 #include "scene/sky/sky.h"
@@ -41,9 +44,7 @@ static bool read_image(struct json_loader *loader, const struct json_node *node,
 static bool read_gradient(struct json_loader *loader, const struct json_node *node, struct err *err)
 {
     struct environment_gradient gradient;
-    return node_read_color(node, "zenith", RANGE_RADIANCE, gradient.zenith, err) &&
-           node_read_color(node, "horizon", RANGE_RADIANCE, gradient.horizon, err) &&
-           node_read_color(node, "nadir", RANGE_RADIANCE, gradient.nadir, err) &&
+    return fields_read(scene_gradient_fields, 3, node, &gradient, err) &&
            (scene_set_gradient(loader->scene, &gradient, err) || node_prepend(node, err));
 }
 
@@ -63,24 +64,14 @@ static bool read_sun(const struct json_node *node, struct sky *sky, struct err *
     if (node_member(node, "elevation_degrees").value || node_member(node, "azimuth_degrees").value)
         return node_fail(&direction, err,
                          "goes without \"elevation_degrees\" and \"azimuth_degrees\"");
-    if (!node_read_vector(node, "sun_direction", RANGE_COORDINATE, sky->sun_direction, err))
-        return false;
     return vec3_make_unit(sky->sun_direction) ||
            node_fail(&direction, err, "is zero; expected a direction");
 }
 
 static bool read_sky(struct json_loader *loader, const struct json_node *node, struct err *err)
 {
-    const struct range turbidities = {SKY_TURBIDITY_MIN, SKY_TURBIDITY_MAX, false};
-    const struct range diameters = {ENVIRONMENT_SUN_DIAMETER_MIN, ENVIRONMENT_SUN_DIAMETER_MAX,
-                                    false};
     struct sky sky = sky_default();
-    if (!node_read_number(node, "turbidity", turbidities, &sky.turbidity, err) ||
-        !read_sun(node, &sky, err) ||
-        !node_read_vector(node, "ground_albedo", RANGE_UNIT, sky.ground_albedo, err) ||
-        !node_read_boolean(node, "sun", &sky.has_sun, err) ||
-        !load_json_exactly(node, "sun_diameter_degrees", diameters, M_PI / 180,
-                           "sun_diameter_radians", &sky.sun_diameter, err))
+    if (!fields_read(scene_sky_fields, 5, node, &sky, err) || !read_sun(node, &sky, err))
         return false;
     return scene_set_sky(loader->scene, &sky, err) || node_prepend(node, err);
 }

@@ -8,9 +8,6 @@
 #include "shared/types.h"
 #include <math.h>
 
-static const char *const type_names[] = {
-    [LIGHT_POINT] = "point", [LIGHT_SPOT] = "spot", [LIGHT_DIRECTIONAL] = "directional", NULL};
-
 static const struct {
     const char *required[4], *optional[11];
 } type_keys[] = {
@@ -158,7 +155,7 @@ static bool read_light(struct json_loader *loader, const struct json_node *node,
     if (!node_member(node, "type").value)
         return node_fail(node, err, "\"type\" is missing");
     double range = INFINITY;
-    if (!node_read_choice(node, "type", type_names, &light->kind, err) ||
+    if (!node_read_choice(node, "type", light_kind_names, &light->kind, err) ||
         !node_check_object(node, type_keys[light->kind].required, type_keys[light->kind].optional,
                            err) ||
         !node_read_string(node, "name", &light->name, err) ||

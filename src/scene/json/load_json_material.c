@@ -2,6 +2,9 @@
 // format adds to them: choices, switches and other ways to say the same.
 #include "scene/json/load_json.h"
 
+#include "json/field_json.h"
+#include "scene/json/scene_fields.h"
+
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
@@ -78,10 +81,8 @@ static bool check_keys(const struct json_node *node, uint32_t *model, struct err
         known[count++] = other_keys[i].name;
     for (uint32_t i = 0; i < material_parameter_count; i++)
         known[count++] = material_parameters[i].name;
-    const char *models[MATERIAL_MODEL_COUNT + 1] = {NULL};
-    memcpy(models, material_model_names, sizeof material_model_names);
     if (!node_check_object(node, none, known, err) ||
-        !node_read_choice(node, "type", models, model, err))
+        !node_read_choice(node, "type", material_model_names, model, err))
         return false;
     for (size_t i = 0; i < OTHER_KEY_COUNT; i++)
         if (!check_model(node, other_keys[i].name, *model, other_keys[i].models, err))
@@ -95,27 +96,13 @@ static bool check_keys(const struct json_node *node, uint32_t *model, struct err
 
 // --- parameters ----------------------------------------------------------------------------------
 
-// The decimal number that a bound of the table was written as: of up to FLT_DIG digits single
-// precision keeps all (0.001f itself is a little above 0.001).
-static double as_written(float bound)
-{
-    char text[32];
-    snprintf(text, sizeof text, "%.*g", FLT_DIG, (double)bound);
-    return strtod(text, NULL);
-}
-
-bool load_json_parameters(const struct json_node *node, struct material *material, struct err *err)
+static bool read_parameters(const struct json_node *node, struct material *material,
+                            struct err *err)
 {
     for (uint32_t i = 0; i < material_parameter_count; i++) {
-        const struct material_parameter *p = &material_parameters[i];
-        const struct range range = {as_written(p->min), as_written(p->max), false};
-        float *values = &material->parameters[p->first];
-        double value = (double)values[0];
-        if (p->count == 3 ? !node_read_color(node, p->name, range, values, err)
-                          : !node_read_number(node, p->name, range, &value, err))
+        const struct field parameter = scene_parameter_field(i);
+        if (!field_read(&parameter, node, material, err))
             return false;
-        if (p->count == 1)
-            values[0] = (float)value;
     }
     return true;
 }
@@ -177,16 +164,6 @@ static bool read_metal(const struct json_node *node, struct material *material, 
 
 // --- choices -------------------------------------------------------------------------------------
 
-static bool read_flag(const struct json_node *node, const char *key, uint32_t flag,
-                      struct material *material, struct err *err)
-{
-    bool on = material->flags & flag;
-    if (!node_read_boolean(node, key, &on, err))
-        return false;
-    material->flags = on ? material->flags | flag : material->flags & ~flag;
-    return true;
-}
-
 // Whether a texture scales the material's opacity.
 static bool has_alpha_texture(const struct scene *scene, const struct material *material)
 {
@@ -237,24 +214,6 @@ static bool read_masking(const struct json_node *node, struct material *material
     return true;
 }
 
-static bool read_microfacets(const struct json_node *node, struct material *material,
-                             struct err *err)
-{
-    static const char *const distributions[] = {[DISTRIBUTION_GGX] = "ggx",
-                                                [DISTRIBUTION_BECKMANN] = "beckmann",
-                                                [DISTRIBUTION_PHONG] = "phong",
-                                                NULL};
-    static const char *const fresnels[] = {"schlick", "exact", NULL};
-    uint32_t distribution = DISTRIBUTION_GGX, fresnel = 0;
-    if (!read_masking(node, material, err) ||
-        !node_read_choice(node, "distribution", distributions, &distribution, err) ||
-        !node_read_choice(node, "fresnel", fresnels, &fresnel, err))
-        return false;
-    material->flags |= distribution << MATERIAL_DISTRIBUTION_SHIFT;
-    material->flags |= fresnel > 0 ? MATERIAL_EXACT_FRESNEL : 0;
-    return true;
-}
-
 // Burley's coat and glTF's are two; the roughness of the second chooses it.
 static bool read_coat(const struct json_node *node, struct material *material, struct err *err)
 {
@@ -268,13 +227,13 @@ static bool read_coat(const struct json_node *node, struct material *material, s
     return true;
 }
 
-// Whether the layers are mixed as Burley does or as glTF's specification says.
-static bool read_layers(const struct json_node *node, struct material *material, struct err *err)
+// Choices and switches that files name as they stand in memory.
+static bool read_flags(const struct json_node *node, struct material *material, struct err *err)
 {
-    uint32_t choice = 0;
-    if (!node_read_choice(node, "layers", edit_layers_names, &choice, err))
-        return false;
-    material->flags |= choice > 0 ? MATERIAL_GLTF_LAYERS : 0;
+    static const char *const keys[] = {"layers", "thin", "compensate", "distribution", "fresnel"};
+    for (size_t i = 0; i < sizeof keys / sizeof *keys; i++)
+        if (!field_read(material_flag(keys[i]), node, material, err))
+            return false;
     return true;
 }
 
@@ -324,13 +283,11 @@ static bool read_material(struct json_loader *loader, const struct json_node *no
     if (!check_keys(node, &material->model, err))
         return false;
     set_fallbacks(material);
-    return load_json_parameters(node, material, err) && read_smoothness(node, material, err) &&
+    return read_parameters(node, material, err) && read_smoothness(node, material, err) &&
            read_metal(node, material, err) && load_json_textures(loader, node, material, err) &&
            read_alpha(loader->scene, node, material, err) && read_coat(node, material, err) &&
-           read_layers(node, material, err) &&
-           read_flag(node, "thin", MATERIAL_THIN, material, err) &&
-           read_flag(node, "compensate", MATERIAL_COMPENSATE, material, err) &&
-           read_microfacets(node, material, err) && read_inside(node, material, err);
+           read_flags(node, material, err) && read_masking(node, material, err) &&
+           read_inside(node, material, err);
 }
 
 // Gives a material that is "like" one before it that one's keys, but those of its own. The values

@@ -1,6 +1,6 @@
 // Sections of a scene file without lists: film, settings.
-#include "scene/json/load_json.h"
 #include "json/field_json.h"
+#include "scene/json/load_json.h"
 
 // The settings from `first` to `last`, which stand in one section.
 static bool read_section(struct settings *settings, const struct json_node *node,

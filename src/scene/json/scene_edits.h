@@ -18,12 +18,13 @@ struct scene_base {
     enum scene_studio studio;
     enum scene_ground ground;
     enum scene_up up;
-    // What the file speaks of: by index; NULL: of none.
-    bool *materials, *lights;
-    uint32_t light_count; // as many of the latter
-    bool *objects;        // instances, then shapes
-    bool environment;     // its radiance or rotation
-    bool environment_source;
+    // What the file changes, as the base has it. NULL: it changes no material, no object.
+    const struct material *materials;
+    const struct instance *instances;
+    const struct shape *shapes;
+    const struct light *lights;
+    uint32_t light_count;
+    struct environment environment;
 };
 
 #endif

@@ -7,6 +7,8 @@
 #include "json/json_parse.h"
 #include "scene/core/environment.h"
 #include "scene/json/load_json.h"
+#include "scene/json/scene_edits.h"
+#include "scene/json/scene_fields.h"
 #include "scene/json/scene_write_edits.h"
 #include "scene/sky/sky.h"
 #include <errno.h>
@@ -21,6 +23,7 @@
 struct writer {
     const struct scene_write_params *params;
     struct scene_difference difference;
+    struct scene before;
     struct settings settings;
     struct camera camera;
     struct arena arena;     // paths
@@ -37,42 +40,14 @@ static void put_name(struct json_text *t, const char *key, const char *name)
     json_text_string(t, name);
 }
 
-static void put_number(struct json_text *t, const char *key, double value)
-{
-    json_text_key(t, key);
-    json_text_double(t, value);
-}
-
-// A lens that is closed is kept, as far as the format takes it.
-static void put_lens(struct json_text *t, const struct camera *camera)
-{
-    bool has_focus = camera->focus_distance >= 1e-9 && camera->focus_distance <= 1e9;
-    if (camera->lens_radius == 0 && !has_focus)
-        return;
-    json_text_product(t, "aperture_radius_mm", 1e-3, "aperture_radius", camera->lens_radius);
-    put_number(t, "focus_distance", camera->focus_distance);
-    json_text_key(t, "blades");
-    json_text_uint(t, camera->lens_blades);
-    json_text_product(t, "blade_rotation_degrees", DEGREE, "blade_rotation_radians",
-                      camera->lens_rotation);
-}
-
 static void put_camera(struct json_text *t, const struct camera *camera)
 {
+    struct scene_fields fields;
+    scene_camera_fields(camera, &fields);
     json_text_open(t, '{', false);
     if (camera->name && *camera->name && json_text_can_hold(camera->name))
         put_name(t, "name", camera->name);
-    if (camera->kind != CAMERA_PERSPECTIVE)
-        put_name(t, "type", camera->kind == CAMERA_ORTHOGRAPHIC ? "orthographic" : "panoramic");
-    json_text_doubles(t, "position", camera->position, 3);
-    json_text_doubles(t, "direction", camera->direction, 3);
-    json_text_doubles(t, "up", camera->up, 3);
-    if (camera->kind == CAMERA_ORTHOGRAPHIC)
-        put_number(t, "height", camera->height);
-    if (camera->kind == CAMERA_PERSPECTIVE) {
-        json_text_product(t, "fov_degrees", DEGREE, "fov_radians", camera->fov_y);
-        put_lens(t, camera);
-    }
+    fields_write(fields.list, fields.count, camera, t);
     json_text_close(t);
 }
 
@@ -229,8 +204,10 @@ static bool put_base(struct writer *w, struct json_text *t, struct err *err)
         put_name(t, "animation", base->animation);
     if (base->variant)
         put_name(t, "variant", base->variant);
-    if (base->at_seconds)
-        put_number(t, "at_seconds", *base->at_seconds);
+    if (base->at_seconds) {
+        json_text_key(t, "at_seconds");
+        json_text_double(t, *base->at_seconds);
+    }
     if (base->studio != SCENE_STUDIO_AUTO)
         put_name(t, "studio", scene_studio_names[base->studio]);
     if (base->ground != SCENE_GROUND_AUTO)
@@ -250,17 +227,6 @@ static bool same_source(const struct environment *a, const struct environment *b
            a->gradient == b->gradient;
 }
 
-static void put_sky(struct json_text *t, const struct sky *sky)
-{
-    put_name(t, "type", "sky");
-    put_number(t, "turbidity", sky->turbidity);
-    json_text_doubles(t, "sun_direction", sky->sun_direction, 3);
-    json_text_doubles(t, "ground_albedo", sky->ground_albedo, 3);
-    json_text_key(t, "sun");
-    json_text_bool(t, sky->has_sun);
-    json_text_product(t, "sun_diameter_degrees", DEGREE, "sun_diameter_radians", sky->sun_diameter);
-}
-
 // Where it comes from; "edits" turns and scales it.
 static bool put_environment(struct writer *w, struct json_text *t, struct err *err)
 {
@@ -270,18 +236,15 @@ static bool put_environment(struct writer *w, struct json_text *t, struct err *e
     json_text_open(t, '{', true);
     if (!environment->present) {
         put_name(t, "type", "none");
-    } else if (environment->file) {
-        ok = put_path(w, t, "file", environment->file, err);
-        json_text_floats(t, "radiance", environment->radiance, 3);
     } else if (environment->sky) {
-        put_sky(t, environment->sky);
+        put_name(t, "type", "sky");
+        fields_write(scene_sky_fields, 5, environment->sky, t);
     } else if (environment->gradient) {
         put_name(t, "type", "gradient");
-        json_text_floats(t, "zenith", environment->gradient->zenith, 3);
-        json_text_floats(t, "horizon", environment->gradient->horizon, 3);
-        json_text_floats(t, "nadir", environment->gradient->nadir, 3);
+        fields_write(scene_gradient_fields, 3, environment->gradient, t);
     } else {
-        json_text_floats(t, "radiance", environment->radiance, 3);
+        ok = !environment->file || put_path(w, t, "file", environment->file, err);
+        field_write(&scene_environment_fields[0], environment, t);
     }
     json_text_close(t);
     return ok;
@@ -332,7 +295,7 @@ static bool prepare_check(const struct writer *w, struct arena *arena, struct sc
                           struct err *err)
 {
     const struct scene *scene = w->params->scene;
-    if (!scene_snapshot(arena, w->params->before, out, err))
+    if (!scene_snapshot(arena, &w->before, out, err))
         return false;
     out->settings = settings_default();
     if (!w->difference.has_other_environment)
@@ -399,9 +362,19 @@ static void choose_base(struct writer *w)
 {
     const struct scene_load_params *load = w->params->load;
     const struct scene *before = w->params->before;
+    w->before = *before;
     if (before->base) {
-        w->base = *before->base;
-        w->difference.base = before->base;
+        const struct scene_base *base = before->base;
+        w->base = *base;
+        w->before.environment = base->environment;
+        w->before.lights = (struct light *)base->lights;
+        w->before.light_count = base->light_count;
+        if (base->materials)
+            w->before.materials = (struct material *)base->materials;
+        if (base->instances)
+            w->before.instances = (struct instance *)base->instances;
+        if (base->shapes)
+            w->before.shapes = (struct shape *)base->shapes;
         return;
     }
     // An environment of the command line kept the ground away; the file's comes after the base.
@@ -425,11 +398,9 @@ static void choose_base(struct writer *w)
 static void choose_environment(struct writer *w)
 {
     const struct scene_load_params *load = w->params->load;
-    const struct scene_base *base = w->difference.base;
     w->difference.has_other_environment =
         load->environment_file || load->environment_radiance || load->environment_sky ||
-        (base && base->environment_source) ||
-        !same_source(&w->params->scene->environment, &w->params->before->environment);
+        !same_source(&w->params->scene->environment, &w->before.environment);
     w->difference.has_other_adjustment =
         load->environment_rotation != 0 || load->environment_strength;
 }
@@ -503,10 +474,11 @@ bool scene_write(const struct scene_write_params *params, struct err *err)
 {
     struct writer w = {
         .params = params,
-        .difference = {.before = params->before, .scene = params->scene},
+        .difference = {.scene = params->scene},
         .settings = params->settings ? *params->settings : params->scene->settings,
         .camera = params->camera ? *params->camera : params->scene->cameras[0],
     };
+    w.difference.before = &w.before;
     bool ok = write_scene(&w, err);
     arena_finish(&w.arena);
     return ok;
@@ -514,35 +486,22 @@ bool scene_write(const struct scene_write_params *params, struct err *err)
 
 // --- snapshots -----------------------------------------------------------------------------------
 
-static bool copy_array(struct arena *arena, const void *from, uint32_t count, size_t size,
-                       void **to)
-{
-    *to = arena_alloc(arena, count, size);
-    if (*to && count > 0)
-        memcpy(*to, from, count * size);
-    return *to;
-}
-
 bool scene_snapshot(struct arena *arena, const struct scene *scene, struct scene *out,
                     struct err *err)
 {
-    void *materials, *lights, *instances, *shapes, *cameras;
-    *out = (struct scene){0};
-    if (!copy_array(arena, scene->materials, scene->material_count, sizeof *scene->materials,
-                    &materials) ||
-        !copy_array(arena, scene->lights, scene->light_count, sizeof *scene->lights, &lights) ||
-        !copy_array(arena, scene->instances, scene->instance_count, sizeof *scene->instances,
-                    &instances) ||
-        !copy_array(arena, scene->shapes, scene->shape_count, sizeof *scene->shapes, &shapes) ||
-        !copy_array(arena, scene->cameras, scene->camera_count, sizeof *scene->cameras, &cameras))
-        return err_memory(err, "a copy of the scene", scene->material_count);
     *out = *scene;
     out->arena = (struct arena){0};
-    out->materials = materials;
-    out->lights = lights;
-    out->instances = instances;
-    out->shapes = shapes;
-    out->cameras = cameras;
+    out->materials =
+        arena_copy(arena, scene->materials, scene->material_count, sizeof *scene->materials);
+    out->lights = arena_copy(arena, scene->lights, scene->light_count, sizeof *scene->lights);
+    out->instances =
+        arena_copy(arena, scene->instances, scene->instance_count, sizeof *scene->instances);
+    out->shapes = arena_copy(arena, scene->shapes, scene->shape_count, sizeof *scene->shapes);
+    out->cameras = arena_copy(arena, scene->cameras, scene->camera_count, sizeof *scene->cameras);
+    if (!out->materials || !out->lights || !out->instances || !out->shapes || !out->cameras) {
+        *out = (struct scene){0};
+        return err_memory(err, "a copy of the scene", scene->material_count);
+    }
     out->material_capacity = out->material_count;
     out->light_capacity = out->light_count;
     out->instance_capacity = out->instance_count;

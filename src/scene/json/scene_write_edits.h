@@ -3,13 +3,13 @@
 #define LAMPYRIS_SCENE_JSON_SCENE_WRITE_EDITS_H
 
 #include "json/json_text.h"
-#include "scene/json/scene_edits.h"
+#include "scene/core/scene.h"
 
 struct scene_difference {
-    const struct scene *before, *scene;
-    const struct scene_base *base; // what the file that is edited spoke of is said again; or NULL
-    bool has_other_environment;    // "environment" gives it, and its sun, anew
-    bool has_other_adjustment;     // what was loaded was turned or scaled as the base is not
+    const struct scene *before; // as the file that is to be the base has it
+    const struct scene *scene;
+    bool has_other_environment; // "environment" gives it, and its sun, anew
+    bool has_other_adjustment;  // what was loaded was turned or scaled as the base is not
 };
 
 void scene_write_edits(struct json_text *t, const struct scene_difference *difference);

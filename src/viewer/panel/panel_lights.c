@@ -18,7 +18,7 @@ static void light_name(void *context, uint32_t row, char out[PANEL_NAME_MAX])
     const struct viewer *viewer = context;
     const struct light *light = &viewer->scene.lights[row];
     snprintf(out, PANEL_NAME_MAX, "%u %.100s (%s)", row, light->name ? light->name : "",
-             edit_light_names[light->kind]);
+             light_kind_names[light->kind]);
 }
 
 // The same light from one that had other parameters: those that were not used get values that make
@@ -127,7 +127,7 @@ static void parameters(struct viewer *viewer, uint32_t index)
     struct form form = {.gui = gui};
     uint32_t kind = to.kind;
     if (form_choice(&form, "light.kind", "Kind", "Point, spot, or parallel light from afar.",
-                    edit_light_names, &kind))
+                    light_kind_names, &kind))
         change_kind(&to, kind);
     radiant(&form, &to);
     place(viewer, &form, &to);

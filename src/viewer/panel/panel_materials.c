@@ -107,20 +107,16 @@ static void parameter(struct viewer *viewer, struct form *form, const struct mat
 
 // --- flags ---------------------------------------------------------------------------------------
 
-static void bits(struct form *form, const char *id, const char *label, const char *help,
-                 const char *const *names, uint32_t shift, uint32_t mask, uint32_t *flags)
-{
-    uint32_t value = *flags >> shift & mask;
-    if (form_choice(form, id, label, help, names, &value))
-        *flags = (*flags & ~(mask << shift)) | value << shift;
-}
-
+// id: "material." and the key.
 static void flag(struct form *form, const char *id, const char *label, const char *help,
-                 uint32_t bit, uint32_t *flags)
+                 struct material *to)
 {
-    bool on = *flags & bit;
-    if (form_switch(form, id, label, help, &on))
-        *flags = on ? *flags | bit : *flags & ~bit;
+    const struct field *field = material_flag(strchr(id, '.') + 1);
+    uint32_t value = (uint32_t)field_get(field, to);
+    bool on = value > 0;
+    if (field->words ? form_choice(form, id, label, help, field->words, &value)
+                     : form_switch(form, id, label, help, &on))
+        field_set(field, to, field->words ? value : on);
 }
 
 static void flags(struct form *form, struct material *to)
@@ -129,37 +125,31 @@ static void flags(struct form *form, struct material *to)
     bool is_principled = to->model == MATERIAL_PRINCIPLED;
     bool is_through = is_principled || to->model == MATERIAL_DIELECTRIC;
     bool is_microfacet = to->model == MATERIAL_MICROFACET;
-    bits(form, "material.alpha", "Alpha", "What opacity means: nothing, a mask, or a probability.",
-         edit_alpha_names, 4, 3, &to->flags);
+    flag(form, "material.alpha", "Alpha", "What opacity means: nothing, a mask, or a probability.",
+         to);
     gui_enabled(gui, !is_black(to->emission));
-    flag(form, "material.unlit", "Unlit", "Its emission is a colour to show, not light.",
-         MATERIAL_UNLIT, &to->flags);
+    flag(form, "material.unlit", "Unlit", "Its emission is a colour to show, not light.", to);
     gui_enabled(gui, is_through);
-    flag(form, "material.thin", "Thin", "A sheet without an inside.", MATERIAL_THIN, &to->flags);
+    flag(form, "material.thin", "Thin", "A sheet without an inside.", to);
     gui_enabled(gui, is_principled && to->transmission > 0);
     flag(form, "material.tint_each", "Tint each",
-         "Every crossing tints by the base colour (glTF), not by its root.", MATERIAL_TINT_EACH,
-         &to->flags);
+         "Every crossing tints by the base colour (glTF), not by its root.", to);
     gui_enabled(gui, is_principled && to->clearcoat > 0);
-    bits(form, "material.coat", "Coat", "Burley's clearcoat, or glTF's of GGX.", edit_coat_names, 7,
-         1, &to->flags);
+    flag(form, "material.coat", "Coat", "Burley's clearcoat, or glTF's of GGX.", to);
     gui_enabled(gui, is_principled);
-    bits(form, "material.layers", "Layers",
+    flag(form, "material.layers", "Layers",
          "Mixed as Burley's model, or as glTF's specification: a Lambert base, the coat on top.",
-         edit_layers_names, 15, 1, &to->flags);
+         to);
     gui_enabled(gui, to->model != MATERIAL_LAMBERT && to->model != MATERIAL_MIRROR);
     flag(form, "material.compensate", "Compensate",
-         "Energy of multiple scattering between microfacets is given back.", MATERIAL_COMPENSATE,
-         &to->flags);
+         "Energy of multiple scattering between microfacets is given back.", to);
     flag(form, "material.separable", "Separable",
-         "Separable instead of height-correlated Smith masking.", MATERIAL_SEPARABLE, &to->flags);
+         "Separable instead of height-correlated Smith masking.", to);
     gui_enabled(gui, is_microfacet);
-    bits(form, "material.distribution", "Distribution", "Of microfacets' normals.",
-         edit_distribution_names, MATERIAL_DISTRIBUTION_SHIFT, 3, &to->flags);
-    bits(form, "material.masking", "Masking", "How microfacets hide each other.",
-         edit_masking_names, MATERIAL_MASKING_SHIFT, 7, &to->flags);
-    bits(form, "material.fresnel", "Fresnel", "Schlick's approximation, or the exact equations.",
-         edit_fresnel_names, 21, 1, &to->flags);
+    flag(form, "material.distribution", "Distribution", "Of microfacets' normals.", to);
+    flag(form, "material.masking", "Masking", "How microfacets hide each other.", to);
+    flag(form, "material.fresnel", "Fresnel", "Schlick's approximation, or the exact equations.",
+         to);
     gui_enabled(gui, true);
 }
 
@@ -185,10 +175,8 @@ static void parameters(struct viewer *viewer, uint32_t index)
     struct gui *gui = &viewer->gui;
     struct material to = viewer->scene.materials[index];
     struct form form = {.gui = gui};
-    const char *models[MATERIAL_MODEL_COUNT + 1] = {NULL};
-    memcpy(models, material_model_names, sizeof material_model_names);
-    form_choice(&form, "material.model", "Model", "How its surfaces scatter light.", models,
-                &to.model);
+    form_choice(&form, "material.model", "Model", "How its surfaces scatter light.",
+                material_model_names, &to.model);
     for (uint32_t i = 0; i < material_parameter_count; i++)
         if (material_parameters[i].models >> to.model & 1u)
             parameter(viewer, &form, &material_parameters[i], &to);

@@ -1,0 +1,35 @@
+// What scene files say of materials, lights, cameras and environments as they stand in memory: for
+// "edits", and for what is written down.
+#ifndef LAMPYRIS_SCENE_JSON_SCENE_FIELDS_H
+#define LAMPYRIS_SCENE_JSON_SCENE_FIELDS_H
+
+#include "base/field.h"
+#include "scene/core/scene.h"
+
+#define SCENE_FIELDS_MAX 64
+
+struct scene_fields {
+    struct field list[SCENE_FIELDS_MAX];
+    size_t count;
+};
+
+// One of material_parameters[].
+struct field scene_parameter_field(uint32_t parameter);
+// All that may be edited: the model ("type"), parameters, flags, what is inside.
+void scene_material_fields(struct scene_fields *out);
+// Likewise; the name of what it sends depends on the kind. The kind itself is the first.
+void scene_light_fields(uint32_t kind, struct scene_fields *out);
+// As far as this camera makes use of them; a closed lens is kept as far as the format takes it.
+void scene_camera_fields(const struct camera *camera, struct scene_fields *out);
+
+extern const struct field scene_environment_fields[2]; // radiance, rotation
+extern const struct field scene_gradient_fields[3];
+extern const struct field scene_sky_fields[5];
+
+const char *scene_material_name(const struct scene *scene, uint32_t material);
+const char *scene_light_name(const struct scene *scene, uint32_t light);
+
+// Cameras have these also where a file gives them in other words.
+extern const struct field scene_fov_field, scene_aperture_field, scene_blade_rotation_field;
+
+#endif
