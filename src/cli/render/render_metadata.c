@@ -33,35 +33,25 @@ static void add(struct attributes *a, const char *key, const char *format, ...)
     add_text(a, key, arena_strdup(a->arena, text));
 }
 
+static void add_setting(struct attributes *a, const struct setting *setting,
+                        const struct settings *settings)
+{
+    char text[FIELD_TEXT_MAX];
+    const char *key = arena_printf(a->arena, "lampyris:%s", setting->field.key);
+    field_text(&setting->field, settings, text);
+    a->failed |= !key;
+    if (key)
+        add(a, key, "%s", text);
+}
+
 static void add_settings(struct attributes *a, const struct render_run *run)
 {
-    const struct settings *s = &run->scene.settings;
+    for (int i = 0; i < SETTING_TOTAL; i++)
+        if (i != SETTING_SPP && i != SETTING_EXPOSURE)
+            add_setting(a, &settings_table[i], &run->scene.settings);
+    // What the picture has, not what was asked for.
     add(a, "lampyris:spp", "%" PRIu64, job_samples(&run->job));
-    add(a, "lampyris:seed", "%u", s->seed);
-    add(a, "lampyris:max_bounces", "%u", s->max_bounces);
-    if (s->roulette_min_bounces == UINT32_MAX)
-        add(a, "lampyris:roulette_min_bounces", "off");
-    else
-        add(a, "lampyris:roulette_min_bounces", "%u", s->roulette_min_bounces);
-    add(a, "lampyris:integrator", "%s", integrator_names[s->integrator]);
-    if (s->integrator == INTEGRATOR_AO)
-        add(a, "lampyris:ao_distance", "%.9g", (double)s->ao_distance);
-    if (s->falloff > 0.0f)
-        add(a, "lampyris:falloff", "%.9g (not physical)", (double)s->falloff);
-    add(a, "lampyris:sampler", "%s", sampler_names[s->sampler]);
-    add(a, "lampyris:halves", "%s", halves_names[s->halves]);
-    add(a, "lampyris:filter", "%s", filter_names[s->filter]);
-    add(a, "lampyris:environment_filter", "%s", environment_filter_names[s->environment_filter]);
-    add(a, "lampyris:light_choice", "%s", light_choice_names[s->light_choice]);
-    add(a, "lampyris:nee", "%s", s->nee ? "on" : "off");
-    add(a, "lampyris:mis", "%s", mis_names[s->mis]);
-    add(a, "lampyris:directions", "%s", directions_names[s->directions]);
-    add(a, "lampyris:roulette", "%s", roulette_names[s->roulette]);
-    if (s->clamp_limit > 0.0f)
-        add(a, "lampyris:clamp", "%.9g", (double)s->clamp_limit);
-    add(a, "lampyris:pixel_jitter", "%s", s->pixel_jitter ? "on" : "off");
     add(a, "lampyris:exposure", "%.9g", (double)run->exposure);
-    add(a, "lampyris:tone", "%s", tone_names[s->tone_curve]);
     add(a, "lampyris:camera", "%u", run->camera);
     if (run->options->scene)
         add(a, "lampyris:scene", "%s", run->options->scene);
