@@ -84,8 +84,10 @@ static bool settle_goal(struct job *job, struct err *err)
     if (goal->adaptive)
         choose_rounds(job);
     uint32_t frames_in_one = goal->accumulate ? goal->frames : 1;
-    if (goal->frames) // what samplers plan on
+    if (goal->frames)
         job->scene->settings.spp = (uint64_t)goal->samples_per_frame * frames_in_one;
+    else if (goal->samples > 0)
+        job->scene->settings.spp = goal->samples;
     return true;
 }
 

@@ -206,6 +206,8 @@ bool job_run(struct job *job, struct err *err);
 // For those that decide themselves when to look: replicates, repetitions, a viewer's frames.
 // Empties the film and begins with the first sample of another seed, of `planned` samples a pixel.
 bool job_begin(struct job *job, uint32_t seed, uint64_t planned, struct err *err);
+// A seed whose samples have nothing in common with those of `seed`, nor of seeds close to it.
+uint32_t job_pilot_seed(uint32_t seed);
 struct job_step {
     uint64_t samples; // of a pixel since the beginning (with `adaptive`: rounds); UINT64_MAX: any
     double seconds;   // of rendering since the beginning; 0: no limit

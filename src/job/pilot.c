@@ -5,9 +5,8 @@
 
 #define PILOT_SAMPLES 16u
 
-// The pilot's samples are to have nothing in common with the image's: another seed, which no small
-// difference between seeds leads to (Knuth 1998, section 6.4: 2^32 / golden ratio).
-static uint32_t pilot_seed(uint32_t seed)
+// No small difference between seeds leads to it (Knuth 1998, section 6.4: 2^32 / golden ratio).
+uint32_t job_pilot_seed(uint32_t seed)
 {
     return (seed ^ 0x85ebca6bu) * 2654435769u + 0x7f4a7c15u;
 }
@@ -54,7 +53,7 @@ bool job_run_pilot(struct job *job, struct err *err)
     uint32_t seed = r->frame.seed;
     const struct render_call call = {.samples = 1, .progress_to = 1e-9, .stopped = &job->stopped};
     struct arena scratch = {0};
-    bool ok = set_even_plan(job, &scratch, err) && renderer_restart(r, pilot_seed(seed), err) &&
+    bool ok = set_even_plan(job, &scratch, err) && renderer_restart(r, job_pilot_seed(seed), err) &&
               renderer_render(r, &call, err);
     // Without a plan the pilot is all there is.
     if (ok && !job->stopped)

@@ -182,7 +182,7 @@ static uint32_t find_hindsight(const struct step *steps, uint32_t most, double l
     return samples + STEP;
 }
 
-// As src/cli/render/render_loop.c does.
+// As src/job/run.c does.
 static void end_run(struct cell *cell, const struct step *steps, uint32_t most, double limit)
 {
     uint64_t samples = looks_first(0, STEP);

@@ -5,10 +5,9 @@
 
 #include "cli/options.h"
 #include "cli/variants.h"
-#include "job/reference.h"
+#include "job/job.h"
 #include "metrics/curve.h"
 #include "metrics/metrics.h"
-#include "render/render.h"
 
 enum converge_metric {
     CONVERGE_LOCAL_RELMSE, // the error that slopes, efficiencies and targets are of
@@ -55,7 +54,7 @@ struct converge_target {
 struct converge_curve {
     struct variant variant;
     struct scene scene_data;
-    struct renderer renderer;
+    struct job job;
     struct converge_sample *samples; // replicate * points + point
     float (**pictures)[3];           // of the last point, one a replicate; NULL: not kept
     double start_seconds;            // load, BVH, upload and compile
@@ -104,16 +103,16 @@ uint32_t converge_siblings(const struct converge *c, const struct converge_curve
 // --- converge_run.c ---
 bool converge_prepare(struct converge *c, struct err *err); // curves, scenes, renderers
 bool converge_open(struct converge *c, struct converge_curve *curve, struct err *err);
-// Further samples of every pixel; `from`, `to`: the part of the phase's work that this is.
-bool converge_advance(struct converge *c, struct renderer *renderer, uint64_t samples, double from,
-                      double to, struct err *err);
+// As job_advance(), unless it is asked to stop.
+bool converge_advance(struct converge *c, struct job *job, const struct job_step *step,
+                      struct err *err);
 // Replicate by replicate, all curves of a scene in turn, so that a machine that becomes slower does
 // so for all of them.
 bool converge_measure(struct converge *c, struct err *err);
 void converge_finish(struct converge *c);
 
 // --- converge_measure.c ---
-// Measures the picture that the curve's renderer has.
+// Measures the picture that the curve's job has.
 bool converge_measure_point(struct converge *c, struct converge_curve *curve, uint32_t replicate,
                             uint32_t point, struct err *err);
 // Whether SSIM and FLIP are measured of every replicate.

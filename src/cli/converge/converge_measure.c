@@ -1,7 +1,6 @@
 // What `lampyris converge` measures of a picture.
 #include "cli/converge/converge.h"
 
-#include "job/film_error.h"
 #include "metrics/perceptual.h"
 #include <math.h>
 #include <string.h>
@@ -38,17 +37,14 @@ static bool compare(const struct reference *reference, const struct film_image *
 
 // Without a reference: what the half-buffers say, as in a render's summary. Of relMSE they know a
 // bound alone.
-static bool estimate(const struct renderer *renderer, const struct film_image *film,
-                     struct converge_sample *sample, struct err *err)
+static bool estimate(struct job *job, struct converge_sample *sample, struct err *err)
 {
-    struct half_error error;
-    const struct film_error_params params = film_error_params(renderer, sample->spp);
-    if (!film_error(film, &params, &error, err))
+    if (!job_judge_film(job, err))
         return false;
-    sample->metric[CONVERGE_LOCAL_RELMSE] = error.local_relmse;
-    sample->metric[CONVERGE_MSE] = error.mse;
-    if (error.bounded)
-        sample->at_most = error.at_most;
+    sample->metric[CONVERGE_LOCAL_RELMSE] = job->error.local_relmse;
+    sample->metric[CONVERGE_MSE] = job->error.mse;
+    if (job->error.bounded)
+        sample->at_most = job->error.at_most;
     return true;
 }
 
@@ -67,24 +63,22 @@ static bool keep_picture(struct converge *c, struct converge_curve *curve, uint3
 bool converge_measure_point(struct converge *c, struct converge_curve *curve, uint32_t replicate,
                             uint32_t point, struct err *err)
 {
-    struct arena scratch = {0};
-    struct film_image film;
+    struct job *job = &curve->job;
     struct converge_sample *sample = converge_at(c, curve, replicate, point);
     const struct converge_reference *reference = &c->references[curve->variant.scene];
     for (int m = 0; m < CONVERGE_METRICS; m++)
         sample->metric[m] = NAN;
     sample->at_most = NAN;
-    bool ok = renderer_read(&curve->renderer, &scratch, &film, err);
+    bool ok = job_fetch_film(job, err);
     if (ok && reference->name)
-        ok = compare(&reference->picture, &film, replicate == 0 || converge_is_small(curve),
+        ok = compare(&reference->picture, &job->film, replicate == 0 || converge_is_small(curve),
                      &c->progress, sample->metric, err);
     else if (ok)
-        ok = estimate(&curve->renderer, &film, sample, err);
+        ok = estimate(job, sample, err);
     // The mean of all tells the bias.
     bool is_needed = reference->name || replicate == 0 || c->options->images;
     if (ok && point + 1 == c->point_count && is_needed)
-        ok = keep_picture(c, curve, replicate, &film, err);
-    arena_finish(&scratch);
+        ok = keep_picture(c, curve, replicate, &job->film, err);
     return ok;
 }
 

@@ -39,10 +39,10 @@ static bool render(struct converge *c, uint32_t scene, struct err *err)
     out->spp = (uint64_t)samples;
     bool ok = converge_open(c, &curve, err);
     c->phase = "Reference";
-    renderer_plan_samples(&curve.renderer, out->spp);
-    ok = ok && renderer_restart(&curve.renderer, ~curve.scene_data.settings.seed, err) &&
-         converge_advance(c, &curve.renderer, out->spp, 0.0, 1.0, err) &&
-         renderer_read(&curve.renderer, &c->arena, &film, err);
+    const struct job_step all = {.samples = out->spp, .to = 1.0};
+    ok = ok && job_begin(&curve.job, ~curve.scene_data.settings.seed, out->spp, err) &&
+         converge_advance(c, &curve.job, &all, err) &&
+         renderer_read(&curve.job.renderer, &c->arena, &film, err);
     if (ok && c->stopped)
         ok = err_set(err, ERR_STOPPED, "stopped while the reference was rendered");
     if (ok) {
@@ -52,7 +52,7 @@ static bool render(struct converge *c, uint32_t scene, struct err *err)
     if (ok)
         reference_set_noise(&out->picture, (const float(*)[3])film.half_a,
                             (const float(*)[3])film.half_b);
-    renderer_finish(&curve.renderer);
+    job_finish(&curve.job);
     scene_finish(&curve.scene_data);
     return ok;
 }

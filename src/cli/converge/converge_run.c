@@ -3,7 +3,6 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "cli/render/render_scene.h"
-#include "job/timed_step.h"
 #include "render/sampling_plan.h"
 #include <math.h>
 #include <string.h>
@@ -58,10 +57,14 @@ bool converge_open(struct converge *c, struct converge_curve *curve, struct err 
     curve->variant.options.progress = &c->progress;
     if (!options_load_scene(&curve->variant.options, &curve->scene_data, &camera, err))
         return false;
-    curve->scene_data.settings.spp = c->spp ? c->spp[c->point_count - 1] : 1;
-    struct renderer_params params =
-        options_renderer_params(&curve->variant.options, &c->gpu, &curve->scene_data, camera);
-    if (!renderer_create(&params, &curve->renderer, err))
+    const struct job_params params = {
+        .renderer =
+            options_renderer_params(&curve->variant.options, &c->gpu, &curve->scene_data, camera),
+        .scene = &curve->scene_data,
+        .goal.samples = c->spp ? c->spp[c->point_count - 1] : 1,
+        .progress = &c->progress,
+    };
+    if (!job_start(&params, &curve->job, err))
         return false;
     curve->start_seconds = clock_seconds_since(start);
     return true;
@@ -74,19 +77,19 @@ bool converge_open(struct converge *c, struct converge_curve *curve, struct err 
 
 static bool run_pilot(struct converge *c, struct converge_curve *curve, struct err *err)
 {
-    struct renderer *r = &curve->renderer;
-    renderer_plan_samples(r, PILOT_SAMPLES);
-    if (!renderer_restart(r, ~curve->scene_data.settings.seed ^ 0x9e3779b9u, err) ||
-        !converge_advance(c, r, 1, 0.0, 1e-9, err))
+    struct job *job = &curve->job;
+    struct job_step step = {.samples = 1, .to = 1e-9};
+    if (!job_begin(job, job_pilot_seed(curve->scene_data.settings.seed), PILOT_SAMPLES, err) ||
+        !converge_advance(c, job, &step, err))
         return false;
-    double start = r->stats.render_seconds;
-    for (uint64_t step = 1; c->seconds && !c->stopped && curve->speed_seconds < PILOT_SECONDS &&
-                            curve->speed_samples + step < PILOT_SAMPLES;
-         step *= 2) {
-        if (!converge_advance(c, r, step, 0.0, 1e-9, err))
+    double start = job_elapsed(job);
+    for (step.samples = 2; c->seconds && !c->stopped && curve->speed_seconds < PILOT_SECONDS &&
+                           step.samples <= PILOT_SAMPLES;
+         step.samples *= 2) {
+        if (!converge_advance(c, job, &step, err))
             return false;
-        curve->speed_samples += step;
-        curve->speed_seconds = r->stats.render_seconds - start;
+        curve->speed_samples = step.samples - 1;
+        curve->speed_seconds = job_elapsed(job) - start;
     }
     return !c->stopped || err_set(err, ERR_STOPPED, "stopped before the first replicate");
 }
@@ -126,7 +129,7 @@ bool converge_prepare(struct converge *c, struct err *err)
 void converge_finish(struct converge *c)
 {
     for (uint32_t i = 0; c->curves && i < c->curve_count; i++) {
-        renderer_finish(&c->curves[i].renderer);
+        job_finish(&c->curves[i].job);
         scene_finish(&c->curves[i].scene_data);
     }
     gpu_close(&c->gpu);
@@ -135,18 +138,12 @@ void converge_finish(struct converge *c)
 
 // --- rendering -----------------------------------------------------------------------------------
 
-bool converge_advance(struct converge *c, struct renderer *renderer, uint64_t samples, double from,
-                      double to, struct err *err)
+bool converge_advance(struct converge *c, struct job *job, const struct job_step *step,
+                      struct err *err)
 {
-    struct render_call call = {
-        .samples = samples,
-        .progress_from = from,
-        .progress_to = to,
-        .stopped = &c->stopped,
-    };
-    // The renderer asks between the waves of a call, and a call may be one wave.
-    c->stopped |= progress_should_stop(&c->progress);
-    return c->stopped || renderer_render(renderer, &call, err);
+    bool ok = job_is_stopped(job) || job_advance(job, step, err);
+    c->stopped |= job->stopped;
+    return ok;
 }
 
 // How many samples a point has; with --times as many as fit, by what was measured so far.
@@ -165,13 +162,11 @@ struct run {
     struct converge_curve *curve;
     uint32_t replicate;
     double from, to;
-    double start;  // on the renderer's clock
-    uint64_t done; // samples a pixel
 };
 
-static double run_elapsed(const struct run *run)
+static uint64_t run_samples(const struct run *run)
 {
-    return run->curve->renderer.stats.render_seconds - run->start;
+    return run->curve->job.renderer.next_sample;
 }
 
 static double run_part(const struct run *run, double done, double all)
@@ -182,39 +177,30 @@ static double run_part(const struct run *run, double done, double all)
 static bool advance_to_samples(struct run *run, uint32_t point, struct err *err)
 {
     struct converge *c = run->c;
-    uint64_t samples = plan_samples(c, run->curve, point);
     double all = (double)plan_samples(c, run->curve, c->point_count - 1);
-    double from = run_part(run, (double)run->done, all), to = run_part(run, (double)samples, all);
-    if (!converge_advance(c, &run->curve->renderer, samples - run->done, from, to, err))
-        return false;
-    run->done = samples;
-    return true;
+    struct job_step step = {.samples = plan_samples(c, run->curve, point)};
+    step.from = run_part(run, (double)run_samples(run), all);
+    step.to = run_part(run, (double)step.samples, all);
+    return converge_advance(c, &run->curve->job, &step, err);
 }
 
 static bool advance_to_time(struct run *run, uint32_t point, struct err *err)
 {
     struct converge *c = run->c;
-    double limit = c->seconds[point], all = c->seconds[c->point_count - 1];
-    uint64_t step, most = renderer_samples_at_once(&run->curve->renderer);
-    while (!c->stopped && (step = timed_step(limit, run_elapsed(run), run->done, most)) > 0) {
-        double part = run_part(run, run_elapsed(run), all);
-        if (!converge_advance(c, &run->curve->renderer, step, part, part + 1e-9, err))
-            return false;
-        run->done += step;
-    }
-    return true;
+    double all = c->seconds[c->point_count - 1];
+    const struct job_step step = {
+        .samples = UINT64_MAX,
+        .seconds = c->seconds[point],
+        .from = run_part(run, job_elapsed(&run->curve->job), all),
+        .to = run_part(run, c->seconds[point], all),
+    };
+    return converge_advance(c, &run->curve->job, &step, err);
 }
 
 static bool begin(struct run *run, uint32_t point, struct err *err)
 {
-    struct renderer *renderer = &run->curve->renderer;
-    renderer_plan_samples(renderer, plan_samples(run->c, run->curve, point));
     uint32_t seed = run->curve->scene_data.settings.seed + run->replicate;
-    if (!renderer_restart(renderer, seed, err))
-        return false;
-    run->start = renderer->stats.render_seconds;
-    run->done = 0;
-    return true;
+    return job_begin(&run->curve->job, seed, plan_samples(run->c, run->curve, point), err);
 }
 
 static bool measure_replicate(struct run *run, struct err *err)
@@ -230,15 +216,15 @@ static bool measure_replicate(struct run *run, struct err *err)
                                         : advance_to_samples(run, point, err)))
             return false;
         struct converge_sample *sample = converge_at(c, curve, run->replicate, point);
-        sample->spp = run->done;
-        sample->seconds = run_elapsed(run);
+        sample->spp = run_samples(run);
+        sample->seconds = job_elapsed(&curve->job);
         if (!c->stopped && !converge_measure_point(c, curve, run->replicate, point, err))
             return false;
         c->stopped |= progress_should_stop(&c->progress); // what is measured may be incomplete
     }
     bool is_first = run->replicate == 0; // a pilot is short, and slower
-    curve->speed_samples = (is_first ? 0 : curve->speed_samples) + run->done;
-    curve->speed_seconds = (is_first ? 0 : curve->speed_seconds) + run_elapsed(run);
+    curve->speed_samples = (is_first ? 0 : curve->speed_samples) + run_samples(run);
+    curve->speed_seconds = (is_first ? 0 : curve->speed_seconds) + job_elapsed(&curve->job);
     return true;
 }
 
