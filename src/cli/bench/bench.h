@@ -5,8 +5,8 @@
 
 #include "cli/options.h"
 #include "cli/variants.h"
+#include "job/job.h"
 #include "metrics/curve.h"
-#include "render/render.h"
 #include <jansson.h>
 
 enum bench_row_kind {
@@ -45,7 +45,7 @@ struct bench_bounce {
 struct bench_variant {
     struct variant variant;
     struct scene scene_data;
-    struct renderer renderer;
+    struct job job;
     struct bench_row *rows;
     uint32_t row_count;
     struct bench_bounce *bounces;              // STATS_BOUNCES of them, or NULL

@@ -49,7 +49,7 @@ double bench_occupancy(const struct bench_variant *v, uint32_t bounce)
 
 double bench_bvh_bytes(const struct bench_variant *v, const struct bench_row *row)
 {
-    const struct bvh *bvh = &v->renderer.bvh;
+    const struct bvh *bvh = &v->job.renderer.bvh;
     if (row->nodes == 0)
         return NAN;
     return (double)row->nodes * (double)bvh_nodes_bytes(bvh) / (double)bvh->node_count +

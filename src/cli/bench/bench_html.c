@@ -42,7 +42,7 @@ static void put_frame(struct page *page, const struct bench_variant *v)
 
 static void put_variant(struct page *page, const struct bench_variant *v)
 {
-    const struct render_stats *s = &v->renderer.stats;
+    const struct render_stats *s = &v->job.renderer.stats;
     FILE *out = page->html.out;
     fputs("<tr><th>", out);
     html_text(&page->html, bench_label(v));
@@ -52,8 +52,8 @@ static void put_variant(struct page *page, const struct bench_variant *v)
     html_number(&page->html, s->bvh_seconds, "%.3f");
     html_number(&page->html, s->upload_seconds, "%.3f");
     html_number(&page->html, s->compile_seconds, "%.3f");
-    html_number(&page->html, v->renderer.bvh.stats.sah_cost, "%.2f");
-    html_number(&page->html, (double)v->renderer.plan.total_bytes / 1048576.0, "%.1f");
+    html_number(&page->html, v->job.renderer.bvh.stats.sah_cost, "%.2f");
+    html_number(&page->html, (double)v->job.renderer.plan.total_bytes / 1048576.0, "%.1f");
     if (v->image_hash)
         fprintf(out, "<td>%016" PRIx64 "</td>", v->image_hash);
     else

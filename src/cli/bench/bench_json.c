@@ -64,7 +64,7 @@ static json_t *bounce_json(const struct bench *b, const struct bench_variant *v,
     json_t *kernels = json_object();
     for (int k = 0; k < KERNEL_COUNT; k++)
         if (at->ms[k] && at->items[k] > 0)
-            json_object_set_new(kernels, v->renderer.kernels[k].name,
+            json_object_set_new(kernels, v->job.renderer.kernels[k].name,
                                 json_pack("{s:I, s:o}", "items", (json_int_t)at->items[k], "ms",
                                           json_number(mean_of(b, at->ms[k]))));
     return json_pack("{s:i, s:b, s:o, s:o}", "bounce", (int)bounce, "and_later",
@@ -74,7 +74,7 @@ static json_t *bounce_json(const struct bench *b, const struct bench_variant *v,
 
 static json_t *start_json(const struct bench_variant *v)
 {
-    const struct render_stats *s = &v->renderer.stats;
+    const struct render_stats *s = &v->job.renderer.stats;
     return json_pack("{s:f, s:f, s:f, s:f, s:f}", "load", v->load_seconds, "flatten",
                      s->flatten_seconds, "bvh", s->bvh_seconds, "upload", s->upload_seconds,
                      "compile", s->compile_seconds);
@@ -114,15 +114,15 @@ static json_t *variant_json(const struct bench *b, const struct bench_variant *v
         json_array_append_new(rows, row_json(b, v, &v->rows[i]));
     for (uint32_t i = 0; i < v->bounce_count; i++)
         json_array_append_new(bounces, bounce_json(b, v, i));
-    return json_pack("{s:o, s:o, s:i, s:i, s:I, s:I, s:I, s:I, s:I, s:o, s:o, s:o, s:o, s:o, s:o}",
-                     "scene", json_words(v->scene_data.path), "label", json_words(v->variant.label),
-                     "width", (int)s->width, "height", (int)s->height, "spp", (json_int_t)s->spp,
-                     "seed", (json_int_t)s->seed, "wave", (json_int_t)v->renderer.plan.wave_slots,
-                     "workgroup", (json_int_t)v->renderer.specialization.workgroup, "device_bytes",
-                     (json_int_t)v->renderer.plan.total_bytes, "image_hash",
-                     v->image_hash ? json_string(hash) : json_null(), "start_seconds",
-                     start_json(v), "bvh", bvh_json(&v->renderer.bvh), "frame", frame_json(v),
-                     "rows", rows, "bounces", bounces);
+    return json_pack(
+        "{s:o, s:o, s:i, s:i, s:I, s:I, s:I, s:I, s:I, s:o, s:o, s:o, s:o, s:o, s:o}", "scene",
+        json_words(v->scene_data.path), "label", json_words(v->variant.label), "width",
+        (int)s->width, "height", (int)s->height, "spp", (json_int_t)s->spp, "seed",
+        (json_int_t)s->seed, "wave", (json_int_t)v->job.renderer.plan.wave_slots, "workgroup",
+        (json_int_t)v->job.renderer.specialization.workgroup, "device_bytes",
+        (json_int_t)v->job.renderer.plan.total_bytes, "image_hash",
+        v->image_hash ? json_string(hash) : json_null(), "start_seconds", start_json(v), "bvh",
+        bvh_json(&v->job.renderer.bvh), "frame", frame_json(v), "rows", rows, "bounces", bounces);
 }
 
 static json_t *baseline_json(const struct bench *b)

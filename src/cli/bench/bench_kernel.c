@@ -184,12 +184,12 @@ static bool record(struct contest *c, uint32_t variant, struct err *err)
     };
     bool is_first = v == bench_first(c->b, v); // it speaks for the others
     double ms;
-    if (!v->renderer.kernels[params.kernel].pipeline) {
+    if (!v->job.renderer.kernels[params.kernel].pipeline) {
         if (is_first)
             log_warn("%s: %s leaves it out", kernel_names[params.kernel], v->scene_data.path);
         return true;
     }
-    if (!recorded_create(&v->renderer, &params, recorded, err))
+    if (!recorded_create(&v->job.renderer, &params, recorded, err))
         return fail(c, v, err);
     row->items = recorded->items;
     row->launches = recorded->launches;
@@ -200,12 +200,12 @@ static bool record(struct contest *c, uint32_t variant, struct err *err)
         return true;
     }
     if (is_traced(params.kernel) &&
-        !recorded_count_steps(&v->renderer, recorded, &row->nodes, &row->primitives, err))
+        !recorded_count_steps(&v->job.renderer, recorded, &row->nodes, &row->primitives, err))
         return fail(c, v, err);
-    if (!recorded_run(&v->renderer, recorded, &ms, err)) // warms up
+    if (!recorded_run(&v->job.renderer, recorded, &ms, err)) // warms up
         return fail(c, v, err);
     if (is_traced(params.kernel))
-        row->bytes = bytes_traced(&v->renderer, row);
+        row->bytes = bytes_traced(&v->job.renderer, row);
     return true;
 }
 
@@ -227,7 +227,7 @@ static bool run_rounds(struct contest *c, struct err *err)
             if (is_stopped(b))
                 return true;
             if (c->recorded[i].items > 0 &&
-                !recorded_run(&v->renderer, &c->recorded[i], &v->rows[c->index].ms[round], err))
+                !recorded_run(&v->job.renderer, &c->recorded[i], &v->rows[c->index].ms[round], err))
                 return fail(c, v, err);
         }
     }
@@ -244,7 +244,7 @@ static bool run_target(struct contest *c, struct err *err)
         ok = record(c, i, err);
     ok = ok && run_rounds(c, err);
     for (uint32_t i = 0; i < b->variant_count; i++)
-        ok &= recorded_finish(&b->variants[i].renderer, &c->recorded[i], ok ? err : &ignored);
+        ok &= recorded_finish(&b->variants[i].job.renderer, &c->recorded[i], ok ? err : &ignored);
     return ok;
 }
 
@@ -278,7 +278,7 @@ static bool check_there(const struct bench *b, const struct targets *targets, st
     for (uint32_t t = 0; t < targets->count; t++) {
         bool there = false;
         for (uint32_t i = 0; i < b->variant_count; i++)
-            there |= b->variants[i].renderer.kernels[targets->list[t].kernel].pipeline != NULL;
+            there |= b->variants[i].job.renderer.kernels[targets->list[t].kernel].pipeline != NULL;
         if (!there)
             return err_set(err, ERR_USAGE,
                            "%s: %s leaves it out; expected a kernel that \"lampyris bench\" "

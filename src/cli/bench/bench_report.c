@@ -17,8 +17,8 @@
 static void print_head(const struct bench *b, const struct bench_variant *v)
 {
     const struct settings *s = &v->scene_data.settings;
-    const struct render_stats *stats = &v->renderer.stats;
-    const struct bvh *bvh = &v->renderer.bvh;
+    const struct render_stats *stats = &v->job.renderer.stats;
+    const struct bvh *bvh = &v->job.renderer.bvh;
     print_words(v->scene_data.path);
     printf(", %s  %u x %u, %" PRIu64 " spp, %u repetitions%s\n", bench_label(v), s->width,
            s->height, (uint64_t)s->spp, b->repeats_done, b->stopped ? ", stopped early" : "");
@@ -29,8 +29,8 @@ static void print_head(const struct bench *b, const struct bench_variant *v)
            bvh->node_count, (double)bvh_nodes_bytes(bvh) / (double)bvh->node_count,
            bvh->triangle_count);
     printf("  memory  %.1f MiB on the device; wave of %u paths, workgroups of %u\n",
-           (double)v->renderer.plan.total_bytes / 1048576.0, v->renderer.plan.wave_slots,
-           v->renderer.specialization.workgroup);
+           (double)v->job.renderer.plan.total_bytes / 1048576.0, v->job.renderer.plan.wave_slots,
+           v->job.renderer.specialization.workgroup);
 }
 
 static void print_frame(const struct bench *b, const struct bench_variant *v)

@@ -21,12 +21,15 @@ static bool open_variant(struct bench *b, struct bench_variant *v, struct err *e
     uint32_t camera;
     if (!options_load_scene(&v->variant.options, &v->scene_data, &camera, err))
         return false;
-    if (!options_given(&v->variant.options, OPTION_SPP))
-        v->scene_data.settings.spp = BENCH_SPP;
     v->load_seconds = clock_seconds_since(start);
-    struct renderer_params params =
-        options_renderer_params(&v->variant.options, &b->gpu, &v->scene_data, camera);
-    return renderer_create(&params, &v->renderer, err) ||
+    const struct options *options = &v->variant.options;
+    const struct job_params params = {
+        .renderer = options_renderer_params(options, &b->gpu, &v->scene_data, camera),
+        .scene = &v->scene_data,
+        .goal.samples = options_given(options, OPTION_SPP) ? options->settings.spp : BENCH_SPP,
+        .progress = options->progress,
+    };
+    return job_start(&params, &v->job, err) ||
            (*v->variant.label && err_prepend(err, "%s", v->variant.label));
 }
 
@@ -58,7 +61,7 @@ bool bench_prepare(struct bench *b, struct err *err)
 void bench_finish(struct bench *b)
 {
     for (uint32_t i = 0; b->variants && i < b->variant_count; i++) {
-        renderer_finish(&b->variants[i].renderer);
+        job_finish(&b->variants[i].job);
         scene_finish(&b->variants[i].scene_data);
     }
     json_decref(b->baseline);
@@ -156,7 +159,7 @@ static bool count_step(void *context, const struct wave_step *step, struct err *
 {
     (void)err;
     struct census *c = context;
-    const struct renderer *r = &c->v->renderer;
+    const struct renderer *r = &c->v->job.renderer;
     uint32_t bounce = step->bounce - (step->kernel == KERNEL_intersect_shadow);
     if (bounce >= STATS_BOUNCES)
         bounce = STATS_BOUNCES - 1;
@@ -186,7 +189,7 @@ static bool count_wave(void *context, struct err *err)
 {
     (void)err;
     struct census *c = context;
-    const struct renderer *r = &c->v->renderer;
+    const struct renderer *r = &c->v->job.renderer;
     uint64_t pixels = r->push.pixel_count;
     c->v->bounces[0].items[KERNEL_accumulate] += pixels;
     c->bytes[KERNEL_accumulate] += (double)pixels * (2.0 * (double)sizeof(struct gpu_film_pixel) +
@@ -202,7 +205,7 @@ static const char *const host_names[] = {"recording", "submitting", "reading bac
 // Kernels that rendering runs; the film's resolving comes after it.
 static bool runs(const struct bench_variant *v, int kernel)
 {
-    return v->renderer.kernels[kernel].pipeline && kernel != KERNEL_resolve;
+    return v->job.renderer.kernels[kernel].pipeline && kernel != KERNEL_resolve;
 }
 
 static bool make_rows(struct bench *b, struct bench_variant *v, const struct census *census,
@@ -221,7 +224,7 @@ static bool make_rows(struct bench *b, struct bench_variant *v, const struct cen
             continue;
         row->kind = BENCH_KERNEL;
         row->kernel = (enum kernel_id)k;
-        row->name = v->renderer.kernels[k].name;
+        row->name = v->job.renderer.kernels[k].name;
         for (uint32_t bounce = 0; bounce < STATS_BOUNCES; bounce++)
             row->items += v->bounces[bounce].items[k];
         row->bytes = census->bytes[k] > 0 ? census->bytes[k] : NAN;
@@ -262,13 +265,11 @@ static bool make_bounces(struct bench *b, struct bench_variant *v, struct err *e
 static bool hash_picture(struct bench *b, struct bench_variant *v, uint64_t *hash, struct err *err)
 {
     uint64_t start = clock_ns();
-    struct arena scratch = {0};
-    struct film_image film;
-    bool ok = renderer_read(&v->renderer, &scratch, &film, err);
+    const struct film_image *film = &v->job.film;
+    bool ok = job_fetch_film(&v->job, err);
     if (ok)
-        *hash =
-            hash_bytes(HASH_INIT, film.mean, (size_t)film.width * film.height * sizeof *film.mean);
-    arena_finish(&scratch);
+        *hash = hash_bytes(HASH_INIT, film->mean,
+                           (size_t)film->width * film->height * sizeof *film->mean);
     b->seconds.pictures += clock_seconds_since(start);
     return ok;
 }
@@ -281,20 +282,20 @@ static bool should_stop(struct bench *b)
 }
 
 // One repetition: the samples of the variant, from the first.
-static bool repeat(struct bench *b, struct bench_variant *v, struct render_call call, double *ms,
+static bool repeat(struct bench *b, struct bench_variant *v, struct job_step step, double *ms,
                    struct err *err)
 {
     const struct settings *settings = &v->scene_data.settings;
-    call.samples = settings->spp;
-    call.stopped = &b->stopped;
+    step.samples = settings->spp;
     *ms = 0.0;
     if (should_stop(b))
         return true;
-    if (!renderer_restart(&v->renderer, settings->seed, err))
+    if (!job_begin(&v->job, settings->seed, settings->spp, err))
         return false;
     uint64_t start = clock_ns();
-    bool ok = renderer_render(&v->renderer, &call, err);
+    bool ok = job_advance(&v->job, &step, err);
     *ms = (double)(clock_ns() - start) * 1e-6;
+    b->stopped |= v->job.stopped;
     return ok;
 }
 
@@ -302,7 +303,7 @@ static bool repeat(struct bench *b, struct bench_variant *v, struct render_call 
 static void keep_times(const struct bench *b, struct bench_variant *v, uint32_t round,
                        const struct render_stats *before, double wall_ms)
 {
-    const struct render_stats *now = &v->renderer.stats;
+    const struct render_stats *now = &v->job.renderer.stats;
     const double host[HOST_ROWS] = {
         now->host.recording - before->host.recording,
         now->host.submitting - before->host.submitting,
@@ -336,44 +337,43 @@ static void keep_times(const struct bench *b, struct bench_variant *v, uint32_t 
 }
 
 // Once to count, which also lets the renderer find out what its rays need, and once to warm up.
-static bool warm_up(struct bench *b, struct bench_variant *v, struct render_call call,
-                    struct err *err)
+static bool warm_up(struct bench *b, struct bench_variant *v, struct job_step step, struct err *err)
 {
     struct census census = {.v = v};
     const struct wave_watch watch = {.after = count_step, .context = &census};
-    double ms, to = call.progress_to;
-    call.progress_to = 0.5 * (call.progress_from + to);
-    if (!make_bounces(b, v, err) || !repeat(b, v, call, &v->warm_up_ms, err))
+    double ms, to = step.to;
+    step.to = 0.5 * (step.from + to);
+    if (!make_bounces(b, v, err) || !repeat(b, v, step, &v->warm_up_ms, err))
         return false;
     b->seconds.warm_up += v->warm_up_ms * 1e-3;
     uint64_t start = clock_ns();
-    const struct render_stats before = v->renderer.stats;
-    call.progress_from = call.progress_to;
-    call.progress_to = to;
-    call.watch = &watch;
-    call.after_wave = count_wave;
-    call.context = &census;
+    const struct render_stats before = v->job.renderer.stats;
+    step.from = step.to;
+    step.to = to;
+    step.watch = &watch;
     if (b->stopped)
         return true;
-    if (!wave_count_steps(&v->renderer, true, err) || !repeat(b, v, call, &ms, err) ||
-        !wave_count_steps(&v->renderer, false, err))
+    v->job.params.listener = (struct job_listener){.after_wave = count_wave, .context = &census};
+    if (!wave_count_steps(&v->job.renderer, true, err) || !repeat(b, v, step, &ms, err) ||
+        !wave_count_steps(&v->job.renderer, false, err))
         return false;
+    v->job.params.listener = (struct job_listener){0};
     b->seconds.counting += clock_seconds_since(start);
-    v->closest_rays = v->renderer.stats.closest_rays - before.closest_rays;
-    v->shadow_rays = v->renderer.stats.shadow_rays - before.shadow_rays;
-    v->paths = v->renderer.stats.paths - before.paths;
+    v->closest_rays = v->job.renderer.stats.closest_rays - before.closest_rays;
+    v->shadow_rays = v->job.renderer.stats.shadow_rays - before.shadow_rays;
+    v->paths = v->job.renderer.stats.paths - before.paths;
     for (int i = 0; i < STEPS_COUNT; i++)
-        census.steps[i] = v->renderer.stats.steps[i] - before.steps[i];
+        census.steps[i] = v->job.renderer.stats.steps[i] - before.steps[i];
     return b->stopped || (make_rows(b, v, &census, err) && hash_picture(b, v, &v->image_hash, err));
 }
 
 static bool measure_once(struct bench *b, struct bench_variant *v, uint32_t round,
-                         struct render_call call, struct err *err)
+                         struct job_step step, struct err *err)
 {
-    const struct render_stats before = v->renderer.stats;
+    const struct render_stats before = v->job.renderer.stats;
     double wall_ms;
     uint64_t hash;
-    if (!repeat(b, v, call, &wall_ms, err))
+    if (!repeat(b, v, step, &wall_ms, err))
         return false;
     if (b->stopped)
         return true;
@@ -389,21 +389,15 @@ bool bench_measure(struct bench *b, struct err *err)
 {
     double all = (double)(b->repeats + 1) * b->variant_count, done = 0;
     for (uint32_t i = 0; i < b->variant_count && !should_stop(b); i++, done++) {
-        const struct render_call call = {
-            .progress_from = done / all,
-            .progress_to = (done + 1) / all,
-        };
-        if (!warm_up(b, &b->variants[i], call, err))
+        const struct job_step step = {.from = done / all, .to = (done + 1) / all};
+        if (!warm_up(b, &b->variants[i], step, err))
             return false;
     }
     for (uint32_t round = 0; round < b->repeats && !b->stopped; round++) {
         for (uint32_t n = 0; n < b->variant_count && !should_stop(b); n++, done++) {
             struct bench_variant *v = &b->variants[bench_turn(round, n, b->variant_count)];
-            const struct render_call call = {
-                .progress_from = done / all,
-                .progress_to = (done + 1) / all,
-            };
-            if (!measure_once(b, v, round, call, err))
+            const struct job_step step = {.from = done / all, .to = (done + 1) / all};
+            if (!measure_once(b, v, round, step, err))
                 return false;
         }
         if (!b->stopped)
