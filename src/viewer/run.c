@@ -24,31 +24,32 @@
 
 static void take_window(struct viewer *viewer)
 {
-    bool waits = viewer->is_resting && !viewer->script;
-    window_poll(&viewer->window, waits ? REST_WAIT_SECONDS : 0.0);
+    bool waits = viewer->stage.is_resting && !viewer->shell.script;
+    window_poll(&viewer->shell.window, waits ? REST_WAIT_SECONDS : 0.0);
     uint64_t now = clock_ns();
-    viewer->frame_seconds = (double)(now - viewer->frame_ns) * 1e-9;
-    viewer->frame_ns = now;
-    arena_finish(&viewer->frame_arena);
+    viewer->shell.frame_seconds = (double)(now - viewer->shell.frame_ns) * 1e-9;
+    viewer->shell.frame_ns = now;
+    arena_finish(&viewer->shell.frame_arena);
 }
 
 // The event comes, too, where the window was damaged and is to be shown again.
 static void take_size(struct viewer *viewer)
 {
-    const struct window *window = &viewer->window;
-    viewer->is_resting = false;
-    if (window->width != viewer->screen.width || window->height != viewer->screen.height)
+    const struct window *window = &viewer->shell.window;
+    viewer->stage.is_resting = false;
+    if (window->width != viewer->stage.screen.width ||
+        window->height != viewer->stage.screen.height)
         viewer_changed(viewer, CHANGE_CAMERA);
 }
 
 static void take_event(struct viewer *viewer, const struct event *event)
 {
-    const struct gui *gui = &viewer->gui;
-    gui_event(&viewer->gui, event);
+    const struct gui *gui = &viewer->shell.gui;
+    gui_event(&viewer->shell.gui, event);
     bool is_mouse = event->kind == EVENT_BUTTON || event->kind == EVENT_SCROLL;
     bool begins = event->down || event->kind == EVENT_SCROLL;
     if (event->kind == EVENT_CLOSE)
-        viewer->wants_quit = true;
+        viewer->shell.wants_quit = true;
     else if (event->kind == EVENT_RESIZE)
         take_size(viewer);
     else if (event->kind == EVENT_DROP)
@@ -63,38 +64,39 @@ static void take_event(struct viewer *viewer, const struct event *event)
 
 static void take_events(struct viewer *viewer)
 {
-    if (viewer->window.event_count > 0)
-        viewer->input_seconds = viewer_seconds(viewer);
-    for (uint32_t i = 0; i < viewer->window.event_count; i++)
-        take_event(viewer, &viewer->window.events[i]);
+    if (viewer->shell.window.event_count > 0)
+        viewer->shell.input_seconds = viewer_seconds(viewer);
+    for (uint32_t i = 0; i < viewer->shell.window.event_count; i++)
+        take_event(viewer, &viewer->shell.window.events[i]);
 }
 
 static void take_work(struct viewer *viewer)
 {
-    if (viewer->watch)
+    if (viewer->shell.watch)
         watch_poll(viewer);
-    worker_poll(viewer->worker, viewer);
+    worker_poll(viewer->shell.worker, viewer);
     viewer_log_show(viewer);
 }
 
 static double motion_seconds(const struct viewer *viewer)
 {
-    return viewer->script ? SCRIPT_FRAME_SECONDS
-                          : fmin(viewer->frame_seconds, LONGEST_FRAME_SECONDS);
+    return viewer->shell.script ? SCRIPT_FRAME_SECONDS
+                                : fmin(viewer->shell.frame_seconds, LONGEST_FRAME_SECONDS);
 }
 
 static void draw_panel(struct viewer *viewer)
 {
-    gui_begin(&viewer->gui, viewer->window.width, viewer->window.height, viewer->frame_seconds);
+    gui_begin(&viewer->shell.gui, viewer->shell.window.width, viewer->shell.window.height,
+              viewer->shell.frame_seconds);
     panel_draw(viewer);
-    gui_end(&viewer->gui, &viewer->drawing);
-    if (!viewer->gui.is_busy && viewer_holds_nothing(viewer))
+    gui_end(&viewer->shell.gui, &viewer->shell.drawing);
+    if (!viewer->shell.gui.is_busy && viewer_holds_nothing(viewer))
         edit_close(viewer);
 }
 
 static bool look_at_errors(struct viewer *viewer, struct err *err)
 {
-    for (uint32_t side = 0; side < viewer->side_count; side++)
+    for (uint32_t side = 0; side < viewer->stage.side_count; side++)
         if (!view_look_at_error(viewer, side, err))
             return false;
     return true;
@@ -102,12 +104,12 @@ static bool look_at_errors(struct viewer *viewer, struct err *err)
 
 static bool run_script(struct viewer *viewer, struct err *err)
 {
-    if (!viewer->script || script_step(viewer->script, viewer, err))
+    if (!viewer->shell.script || script_step(viewer->shell.script, viewer, err))
         return true;
     if (err->code == ERR_NONE)
-        viewer->wants_quit = true;
-    else if (viewer->exit_code == EXIT_CODE_OK)
-        viewer->exit_code = EXIT_CODE_CHECK_FAILED;
+        viewer->shell.wants_quit = true;
+    else if (viewer->shell.exit_code == EXIT_CODE_OK)
+        viewer->shell.exit_code = EXIT_CODE_CHECK_FAILED;
     return err->code == ERR_NONE;
 }
 
@@ -118,14 +120,14 @@ static bool run_frame(struct viewer *viewer, struct err *err)
     take_window(viewer);
     if (!run_script(viewer, err))
         return false;
-    if (viewer->wants_quit)
+    if (viewer->shell.wants_quit)
         return true;
-    viewer->puts_off = true;
+    viewer->shell.puts_off = true;
     take_events(viewer);
     take_work(viewer);
     viewer_move_camera(viewer, motion_seconds(viewer));
     draw_panel(viewer);
-    viewer->puts_off = false;
+    viewer->shell.puts_off = false;
     bool ok = viewer_apply_changes(viewer, err) && viewer_answer_click(viewer, err) &&
               viewer_render(viewer, err) && look_at_errors(viewer, err) &&
               viewer_find_exposure(viewer, err) && viewer_show(viewer, err);
@@ -138,14 +140,14 @@ static bool run_frame(struct viewer *viewer, struct err *err)
 
 static void set_up(struct viewer *viewer, const struct options *options)
 {
-    viewer->options = options;
-    viewer->start_ns = viewer->frame_ns = clock_ns();
-    viewer->progress = viewer_progress(viewer);
-    viewer->frame_progress = (struct progress){NULL, viewer_frame_is_over, viewer};
-    viewer->swapchain.vsync = options_given(options, OPTION_VSYNC) ? options->vsync : true;
-    viewer->side_count = 1;
-    viewer->is_panel_shown = true;
-    viewer->shown = (struct shown){
+    viewer->shell.options = options;
+    viewer->shell.start_ns = viewer->shell.frame_ns = clock_ns();
+    viewer->shell.progress = viewer_progress(viewer);
+    viewer->stage.frame_progress = (struct progress){NULL, viewer_frame_is_over, viewer};
+    viewer->stage.swapchain.vsync = options_given(options, OPTION_VSYNC) ? options->vsync : true;
+    viewer->stage.side_count = 1;
+    viewer->shell.is_panel_shown = true;
+    viewer->stage.shown = (struct shown){
         .automatic = 1,
         .denoise = options->denoise,
         .denoise_temporal = 1,
@@ -153,13 +155,13 @@ static void set_up(struct viewer *viewer, const struct options *options)
         .split_at = 0.5,
     };
     double frame_ms = options->frame_ms;
-    pace_init(&viewer->pace, frame_ms > 0.0 ? frame_ms : 33.0);
+    pace_init(&viewer->view.pace, frame_ms > 0.0 ? frame_ms : 33.0);
     viewer_log_begin(viewer, options->log_level);
 }
 
 static bool open_window(struct viewer *viewer, struct err *err)
 {
-    const struct options *options = viewer->options;
+    const struct options *options = viewer->shell.options;
     bool has_size = options_given(options, OPTION_SIZE);
     const struct window_params params = {
         .title = "Lampyris",
@@ -172,19 +174,19 @@ static bool open_window(struct viewer *viewer, struct err *err)
             err, ERR_USAGE,
             "--headless: expected --script FILE: without a window nothing else says what "
             "to do");
-    return (!options->script || script_open(options->script, &viewer->script, err)) &&
-           window_open(&params, &viewer->window, err);
+    return (!options->script || script_open(options->script, &viewer->shell.script, err)) &&
+           window_open(&params, &viewer->shell.window, err);
 }
 
 static bool open_all(struct viewer *viewer, struct err *err)
 {
-    const struct options *options = viewer->options;
-    if (!open_window(viewer, err) || !worker_create(&viewer->worker, err) ||
-        !history_create(&viewer->history, err) ||
-        !gui_create(viewer->window.scale, &viewer->gui, err) ||
-        !panel_create(&viewer->panel, err) || !viewer_open_device(viewer, err) ||
-        !reload_create(options, &viewer->reload, err) ||
-        (options->watch && !watch_create(viewer, &viewer->watch, err)))
+    const struct options *options = viewer->shell.options;
+    if (!open_window(viewer, err) || !worker_create(&viewer->shell.worker, err) ||
+        !history_create(&viewer->document.history, err) ||
+        !gui_create(viewer->shell.window.scale, &viewer->shell.gui, err) ||
+        !panel_create(&viewer->shell.panel, err) || !viewer_open_device(viewer, err) ||
+        !reload_create(options, &viewer->shell.reload, err) ||
+        (options->watch && !watch_create(viewer, &viewer->shell.watch, err)))
         return false;
     if (options->argument_count == 0)
         return true;
@@ -196,30 +198,30 @@ static bool open_all(struct viewer *viewer, struct err *err)
 // Jobs that write files end well; all else is given back in the opposite order.
 static void close_all(struct viewer *viewer)
 {
-    watch_destroy(viewer->watch);
-    if (viewer->reload)
-        reload_stop(viewer->reload);
-    worker_destroy(viewer->worker, viewer);
-    viewer->worker = NULL;
-    if (viewer->history)
+    watch_destroy(viewer->shell.watch);
+    if (viewer->shell.reload)
+        reload_stop(viewer->shell.reload);
+    worker_destroy(viewer->shell.worker, viewer);
+    viewer->shell.worker = NULL;
+    if (viewer->document.history)
         viewer_close_scene(viewer);
-    reload_destroy(viewer->reload, viewer);
+    reload_destroy(viewer->shell.reload, viewer);
     viewer_close_device(viewer);
-    panel_destroy(viewer->panel);
-    gui_finish(&viewer->gui);
-    history_destroy(viewer->history);
-    window_close(&viewer->window);
-    script_close(viewer->script);
-    arena_finish(&viewer->frame_arena);
-    frame_times_finish(&viewer->moving_times);
-    frame_times_finish(&viewer->resting_times);
+    panel_destroy(viewer->shell.panel);
+    gui_finish(&viewer->shell.gui);
+    history_destroy(viewer->document.history);
+    window_close(&viewer->shell.window);
+    script_close(viewer->shell.script);
+    arena_finish(&viewer->shell.frame_arena);
+    frame_times_finish(&viewer->stage.moving_times);
+    frame_times_finish(&viewer->stage.resting_times);
     viewer_log_end(viewer);
 }
 
 static bool run_frames(struct viewer *viewer, struct err *err)
 {
     while (!viewer_is_ending(viewer))
-        if (!run_frame(viewer, err) && !(viewer->gpu.lost && viewer_recover(viewer, err)))
+        if (!run_frame(viewer, err) && !(viewer->stage.gpu.lost && viewer_recover(viewer, err)))
             return false;
     return true;
 }
@@ -230,7 +232,7 @@ static int fail(struct viewer *viewer, const struct err *err)
     if (err->code == ERR_STOPPED)
         return EXIT_CODE_OK;
     viewer_print(viewer, LOG_ERROR, err->msg);
-    return viewer->exit_code != EXIT_CODE_OK ? viewer->exit_code : exit_code(err->code);
+    return viewer->shell.exit_code != EXIT_CODE_OK ? viewer->shell.exit_code : exit_code(err->code);
 }
 
 int viewer_run(const struct options *options)
@@ -243,13 +245,13 @@ int viewer_run(const struct options *options)
     }
     set_up(viewer, options);
     bool ok = open_all(viewer, &err) && run_frames(viewer, &err);
-    int code = ok ? viewer->exit_code : fail(viewer, &err);
-    if (viewer->stats.frames > 0)
+    int code = ok ? viewer->shell.exit_code : fail(viewer, &err);
+    if (viewer->stage.stats.frames > 0)
         viewer_report(viewer);
     close_all(viewer);
-    if (code == EXIT_CODE_OK && viewer->gpu.validation_messages > 0) {
+    if (code == EXIT_CODE_OK && viewer->stage.gpu.validation_messages > 0) {
         err_set(&err, ERR_BUG, "the validation layers reported %u messages",
-                viewer->gpu.validation_messages);
+                viewer->stage.gpu.validation_messages);
         code = command_fail(&err);
     }
     free(viewer);

@@ -10,8 +10,8 @@ static bool set_up(void)
 {
     struct err err = {0};
     memset(&viewer, 0, sizeof viewer);
-    struct scene *scene = &viewer.scene;
-    bool ok = history_create(&viewer.history, &err) && scene_add_material(scene, NULL) &&
+    struct scene *scene = &viewer.document.scene;
+    bool ok = history_create(&viewer.document.history, &err) && scene_add_material(scene, NULL) &&
               scene_add_material(scene, NULL) && scene_add_light(scene, NULL) &&
               scene_add_instance(scene, NULL) && scene_add_shape(scene, NULL);
     if (!ok)
@@ -19,32 +19,32 @@ static bool set_up(void)
     material_init(&scene->materials[0]);
     material_init(&scene->materials[1]);
     scene->environment = (struct environment){.present = true, .radiance = {1, 1, 1}};
-    viewer.original = surroundings_keep(scene);
-    viewer.surroundings = surroundings_default();
+    viewer.document.original = surroundings_keep(scene);
+    viewer.document.surroundings = surroundings_default();
     for (uint32_t side = 0; side < VIEWER_SIDES; side++)
-        viewer.sides[side].method.settings = settings_default();
-    viewer.camera = (struct camera){.direction = {0, 0, -1}, .up = {0, 1, 0}, .fov_y = 1};
+        viewer.stage.sides[side].method.settings = settings_default();
+    viewer.view.camera = (struct camera){.direction = {0, 0, -1}, .up = {0, 1, 0}, .fov_y = 1};
     return true;
 }
 
 static void tear_down(void)
 {
-    history_destroy(viewer.history);
-    arena_finish(&viewer.surroundings_arena);
-    scene_finish(&viewer.scene);
+    history_destroy(viewer.document.history);
+    arena_finish(&viewer.document.surroundings_arena);
+    scene_finish(&viewer.document.scene);
 }
 
 // What was asked for since the last time.
 static enum change asked(uint32_t side)
 {
-    enum change change = viewer.changes[side];
-    viewer.changes[side] = CHANGE_NONE;
+    enum change change = viewer.stage.changes[side];
+    viewer.stage.changes[side] = CHANGE_NONE;
     return change;
 }
 
 static struct material rough(float roughness)
 {
-    struct material material = viewer.scene.materials[1];
+    struct material material = viewer.document.scene.materials[1];
     material.roughness = roughness;
     return material;
 }
@@ -54,10 +54,10 @@ static struct material rough(float roughness)
 TEST(no_difference_is_no_step)
 {
     REQUIRE(set_up());
-    struct material same = viewer.scene.materials[1];
+    struct material same = viewer.document.scene.materials[1];
     CHECK(edit_material(&viewer, 1, &same, "material.roughness"));
-    CHECK(edit_camera(&viewer, &viewer.camera, "keys.camera"));
-    CHECK(edit_surroundings(&viewer, &viewer.surroundings, "scene.strength"));
+    CHECK(edit_camera(&viewer, &viewer.view.camera, "keys.camera"));
+    CHECK(edit_surroundings(&viewer, &viewer.document.surroundings, "scene.strength"));
     CHECK(edit_visible(&viewer, 1, true, "object.visible"));
     CHECK(asked(0) == CHANGE_NONE);
     CHECK(edit_undo_count(&viewer) == 0 && !edit_undo_name(&viewer));
@@ -67,9 +67,9 @@ TEST(no_difference_is_no_step)
 TEST(undo_restores_every_bit)
 {
     REQUIRE(set_up());
-    struct material before = viewer.scene.materials[1];
-    struct light light = viewer.scene.lights[0];
-    struct camera camera = viewer.camera;
+    struct material before = viewer.document.scene.materials[1];
+    struct light light = viewer.document.scene.lights[0];
+    struct camera camera = viewer.view.camera;
     struct material material = rough(0.25f);
     edit_material(&viewer, 1, &material, "material.roughness");
     edit_close(&viewer);
@@ -81,27 +81,27 @@ TEST(undo_restores_every_bit)
     edit_camera(&viewer, &moved, "keys.camera");
     edit_visible(&viewer, 0, false, "object.visible");
     edit_visible(&viewer, 1, false, "object.visible");
-    CHECK(viewer.scene.instances[0].hidden && viewer.scene.shapes[0].hidden);
+    CHECK(viewer.document.scene.instances[0].hidden && viewer.document.scene.shapes[0].hidden);
     CHECK(edit_undo_count(&viewer) == 5, "%u", edit_undo_count(&viewer));
     for (int i = 0; i < 5; i++)
         CHECK(edit_undo(&viewer));
     CHECK(!edit_undo(&viewer));
-    CHECK(memcmp(&viewer.scene.materials[1], &before, sizeof before) == 0);
-    CHECK(memcmp(&viewer.scene.lights[0], &light, sizeof light) == 0);
-    CHECK(memcmp(&viewer.camera, &camera, sizeof camera) == 0);
-    CHECK(!viewer.scene.instances[0].hidden && !viewer.scene.shapes[0].hidden);
+    CHECK(memcmp(&viewer.document.scene.materials[1], &before, sizeof before) == 0);
+    CHECK(memcmp(&viewer.document.scene.lights[0], &light, sizeof light) == 0);
+    CHECK(memcmp(&viewer.view.camera, &camera, sizeof camera) == 0);
+    CHECK(!viewer.document.scene.instances[0].hidden && !viewer.document.scene.shapes[0].hidden);
     for (int i = 0; i < 5; i++)
         CHECK(edit_redo(&viewer));
     CHECK(!edit_redo(&viewer));
-    CHECK(memcmp(&viewer.scene.materials[1], &material, sizeof before) == 0);
-    CHECK(memcmp(&viewer.camera, &moved, sizeof camera) == 0);
+    CHECK(memcmp(&viewer.document.scene.materials[1], &material, sizeof before) == 0);
+    CHECK(memcmp(&viewer.view.camera, &moved, sizeof camera) == 0);
     tear_down();
 }
 
 TEST(a_drag_is_one_step)
 {
     REQUIRE(set_up());
-    struct material before = viewer.scene.materials[1];
+    struct material before = viewer.document.scene.materials[1];
     for (int i = 1; i <= 50; i++) {
         struct material material = rough((float)i / 64);
         edit_material(&viewer, 1, &material, "material.roughness");
@@ -117,16 +117,16 @@ TEST(a_drag_is_one_step)
     CHECK(strcmp(edit_undo_name(&viewer), "material.metallic") == 0);
     edit_undo(&viewer);
     edit_undo(&viewer);
-    CHECK(viewer.scene.materials[1].roughness == 50.0f / 64);
+    CHECK(viewer.document.scene.materials[1].roughness == 50.0f / 64);
     edit_undo(&viewer);
-    CHECK(memcmp(&viewer.scene.materials[1], &before, sizeof before) == 0);
+    CHECK(memcmp(&viewer.document.scene.materials[1], &before, sizeof before) == 0);
     tear_down();
 }
 
 TEST(a_drag_back_to_its_start_is_no_step)
 {
     REQUIRE(set_up());
-    struct material before = viewer.scene.materials[1], material = rough(0.7f);
+    struct material before = viewer.document.scene.materials[1], material = rough(0.7f);
     edit_material(&viewer, 1, &material, "material.roughness");
     edit_material(&viewer, 1, &before, "material.roughness");
     edit_close(&viewer);
@@ -147,7 +147,7 @@ TEST(what_is_edited_after_undo_ends_redo)
     material = rough(0.75f);
     edit_material(&viewer, 1, &material, "a");
     CHECK(edit_redo_count(&viewer) == 0 && edit_undo_count(&viewer) == 2);
-    CHECK(viewer.scene.materials[1].roughness == 0.75f);
+    CHECK(viewer.document.scene.materials[1].roughness == 0.75f);
     tear_down();
 }
 
@@ -157,17 +157,17 @@ TEST(no_more_is_asked_for_than_is_needed)
     struct material material = rough(0.25f);
     edit_material(&viewer, 1, &material, "a");
     CHECK(asked(0) == CHANGE_TABLES && asked(1) == CHANGE_TABLES);
-    struct light light = viewer.scene.lights[0];
+    struct light light = viewer.document.scene.lights[0];
     light.radiant[0] = 3;
     edit_light(&viewer, 0, &light, "a");
     CHECK(asked(0) == CHANGE_METHOD && asked(1) == CHANGE_METHOD);
     edit_visible(&viewer, 0, false, "a");
     CHECK(asked(0) == CHANGE_GEOMETRY && asked(1) == CHANGE_GEOMETRY);
-    struct camera camera = viewer.camera;
+    struct camera camera = viewer.view.camera;
     camera.fov_y = 0.5;
     edit_camera(&viewer, &camera, "a");
     CHECK(asked(0) == CHANGE_CAMERA && asked(1) == CHANGE_CAMERA);
-    struct method method = viewer.sides[1].method;
+    struct method method = viewer.stage.sides[1].method;
     method.settings.max_bounces = 2;
     edit_method(&viewer, 1, &method, "a");
     CHECK(asked(0) == CHANGE_NONE && asked(1) == CHANGE_METHOD, "the other side goes on");
@@ -183,9 +183,9 @@ TEST(no_more_is_asked_for_than_is_needed)
 TEST(what_is_shown_keeps_what_is_accumulated)
 {
     REQUIRE(set_up());
-    viewer.sides[0].is_ready = viewer.sides[1].is_ready = true;
-    viewer.sides[1].method.settings.sampler = SAMPLER_GRID;
-    struct shown shown = viewer.shown;
+    viewer.stage.sides[0].is_ready = viewer.stage.sides[1].is_ready = true;
+    viewer.stage.sides[1].method.settings.sampler = SAMPLER_GRID;
+    struct shown shown = viewer.stage.shown;
     shown.exposure = 2;
     edit_shown(&viewer, &shown, "view.exposure");
     CHECK(asked(0) == CHANGE_SHOWN && asked(1) == CHANGE_SHOWN);
@@ -193,12 +193,12 @@ TEST(what_is_shown_keeps_what_is_accumulated)
     edit_shown(&viewer, &shown, "renderer.spp");
     CHECK(asked(0) == CHANGE_LIMIT, "more samples of the same");
     CHECK(asked(1) == CHANGE_METHOD, "a grid has other samples where there are more");
-    viewer.sides[1].method.settings.sampler = SAMPLER_BLUE_NOISE;
+    viewer.stage.sides[1].method.settings.sampler = SAMPLER_BLUE_NOISE;
     shown.spp_limit = 128;
     edit_shown(&viewer, &shown, "renderer.spp");
     CHECK(asked(1) == CHANGE_METHOD, "and so has a blue-noise sampler");
     shown.what = SHOWN_ALBEDO;
-    viewer.sides[1].renderer.aovs = AOV_ALBEDO;
+    viewer.stage.sides[1].renderer.aovs = AOV_ALBEDO;
     edit_shown(&viewer, &shown, "view.aov");
     CHECK(asked(0) == CHANGE_METHOD, "has no albedo so far");
     CHECK(asked(1) == CHANGE_SHOWN);
@@ -208,57 +208,59 @@ TEST(what_is_shown_keeps_what_is_accumulated)
 TEST(surroundings_come_and_go_with_the_sun)
 {
     REQUIRE(set_up());
-    struct light first = viewer.scene.lights[0];
-    struct environment environment = viewer.scene.environment;
-    struct surroundings sky = viewer.surroundings;
+    struct light first = viewer.document.scene.lights[0];
+    struct environment environment = viewer.document.scene.environment;
+    struct surroundings sky = viewer.document.surroundings;
     sky.kind = SURROUNDINGS_SKY;
-    REQUIRE(edit_surroundings(&viewer, &sky, "scene.kind"), "%s", viewer.message);
-    CHECK(viewer.scene.light_count == 2, "%u", viewer.scene.light_count);
-    CHECK(viewer.scene.environment.texels != NULL);
-    struct light sun = viewer.scene.lights[1];
+    REQUIRE(edit_surroundings(&viewer, &sky, "scene.kind"), "%s", viewer.shell.message);
+    CHECK(viewer.document.scene.light_count == 2, "%u", viewer.document.scene.light_count);
+    CHECK(viewer.document.scene.environment.texels != NULL);
+    struct light sun = viewer.document.scene.lights[1];
     sun.radiant[0] = 123;
     edit_light(&viewer, 1, &sun, "light.colour");
     sky.rotation_degrees = 90;
     REQUIRE(edit_surroundings(&viewer, &sky, "scene.rotation"));
-    CHECK(viewer.scene.lights[1].radiant[0] != 123, "a new sky has its own sun");
+    CHECK(viewer.document.scene.lights[1].radiant[0] != 123, "a new sky has its own sun");
     edit_undo(&viewer);
-    CHECK(viewer.scene.light_count == 2 && memcmp(&viewer.scene.lights[1], &sun, sizeof sun) == 0,
+    CHECK(viewer.document.scene.light_count == 2 &&
+              memcmp(&viewer.document.scene.lights[1], &sun, sizeof sun) == 0,
           "the edited sun is there again");
     edit_undo(&viewer);
     edit_undo(&viewer);
-    CHECK(viewer.scene.light_count == 1);
-    CHECK(memcmp(&viewer.scene.environment, &environment, sizeof environment) == 0);
-    CHECK(memcmp(&viewer.scene.lights[0], &first, sizeof first) == 0);
+    CHECK(viewer.document.scene.light_count == 1);
+    CHECK(memcmp(&viewer.document.scene.environment, &environment, sizeof environment) == 0);
+    CHECK(memcmp(&viewer.document.scene.lights[0], &first, sizeof first) == 0);
     tear_down();
 }
 
 TEST(a_file_that_is_not_there_changes_nothing)
 {
     REQUIRE(set_up());
-    struct scene before = viewer.scene;
-    struct surroundings image = viewer.surroundings;
+    struct scene before = viewer.document.scene;
+    struct surroundings image = viewer.document.surroundings;
     image.kind = SURROUNDINGS_IMAGE;
     CHECK(!edit_surroundings(&viewer, &image, "scene.kind"));
-    CHECK(strstr(viewer.message, "no image"), "%s", viewer.message);
+    CHECK(strstr(viewer.shell.message, "no image"), "%s", viewer.shell.message);
     strcpy(image.image, "/nowhere/sky.hdr");
     CHECK(!edit_surroundings(&viewer, &image, "scene.image"));
-    CHECK(strstr(viewer.message, "/nowhere/sky.hdr"), "%s", viewer.message);
-    CHECK(memcmp(&viewer.scene.environment, &before.environment, sizeof before.environment) == 0);
-    CHECK(viewer.scene.light_count == before.light_count);
-    CHECK(viewer.scene.hash == before.hash);
-    CHECK(edit_undo_count(&viewer) == 0 && viewer.changes[0] == CHANGE_NONE);
+    CHECK(strstr(viewer.shell.message, "/nowhere/sky.hdr"), "%s", viewer.shell.message);
+    CHECK(memcmp(&viewer.document.scene.environment, &before.environment,
+                 sizeof before.environment) == 0);
+    CHECK(viewer.document.scene.light_count == before.light_count);
+    CHECK(viewer.document.scene.hash == before.hash);
+    CHECK(edit_undo_count(&viewer) == 0 && viewer.stage.changes[0] == CHANGE_NONE);
     tear_down();
 }
 
 TEST(reverting_leaves_no_trace)
 {
     REQUIRE(set_up());
-    struct material before = viewer.scene.materials[1], material = rough(0.25f);
+    struct material before = viewer.document.scene.materials[1], material = rough(0.25f);
     CHECK(!edit_revert(&viewer));
     edit_material(&viewer, 1, &material, "a");
     edit_close(&viewer);
     CHECK(edit_revert(&viewer));
-    CHECK(memcmp(&viewer.scene.materials[1], &before, sizeof before) == 0);
+    CHECK(memcmp(&viewer.document.scene.materials[1], &before, sizeof before) == 0);
     CHECK(edit_undo_count(&viewer) == 0 && edit_redo_count(&viewer) == 0);
     edit_material(&viewer, 1, &material, "a");
     edit_settle(&viewer);
@@ -279,8 +281,8 @@ TEST(histories_end)
     CHECK(count == 1000, "%u", count);
     while (edit_undo(&viewer))
         ;
-    CHECK(viewer.scene.materials[1].roughness == 200, "%g",
-          (double)viewer.scene.materials[1].roughness);
+    CHECK(viewer.document.scene.materials[1].roughness == 200, "%g",
+          (double)viewer.document.scene.materials[1].roughness);
     tear_down();
 }
 

@@ -22,36 +22,36 @@ void viewer_changed(struct viewer *viewer, enum change change)
 
 void viewer_side_changed(struct viewer *viewer, uint32_t side, enum change change)
 {
-    if (change > viewer->changes[side])
-        viewer->changes[side] = change;
+    if (change > viewer->stage.changes[side])
+        viewer->stage.changes[side] = change;
     if (change >= CHANGE_CAMERA)
-        viewer->sides[side].changed_seconds = viewer_seconds(viewer);
-    viewer->is_resting = false;
+        viewer->stage.sides[side].changed_seconds = viewer_seconds(viewer);
+    viewer->stage.is_resting = false;
 }
 
 // --- sides ---------------------------------------------------------------------------------------
 
 void viewer_close_side(struct viewer *viewer, uint32_t side)
 {
-    struct view *view = &viewer->sides[side];
+    struct view *view = &viewer->stage.sides[side];
     denoiser_finish(&view->denoiser);
     renderer_finish(&view->renderer);
     view->denoiser = (struct denoiser){0};
     view->is_ready = view->is_preview = false;
-    viewer->last_call.side_count = 0;
+    viewer->stage.last_call.side_count = 0;
     view_begin(view);
 }
 
 // The viewer's scene as this side renders it.
 static void settle_scene(struct viewer *viewer, struct view *view)
 {
-    uint32_t limit = viewer->shown.spp_limit;
-    view->scene = viewer->scene;
+    uint32_t limit = viewer->stage.shown.spp_limit;
+    view->scene = viewer->document.scene;
     view->scene.settings = view->method.settings;
     viewer_picture_size(viewer, &view->scene.settings.width, &view->scene.settings.height);
     if (limit > 0)
         view->scene.settings.spp = limit;
-    view->scene.cameras = &viewer->camera;
+    view->scene.cameras = &viewer->view.camera;
     view->scene.camera_count = 1;
 }
 
@@ -62,21 +62,21 @@ static bool build_side(struct viewer *viewer, struct view *view, struct err *err
     renderer_finish(&view->renderer);
     settle_scene(viewer, view);
     const struct renderer_params params = {
-        .gpu = &viewer->gpu,
+        .gpu = &viewer->stage.gpu,
         .scene = &view->scene,
-        .geometry = &viewer->geometry,
-        .kernels = viewer->kernels,
+        .geometry = &viewer->document.geometry,
+        .kernels = viewer->stage.kernels,
         .wave = method->wave,
         .workgroup = method->workgroup,
-        .aovs = viewer_aovs(&viewer->shown),
+        .aovs = viewer_aovs(&viewer->stage.shown),
         .everything = method->everything,
         .merge_classes = method->merge_classes,
-        .open_ended = viewer->shown.spp_limit == 0,
-        .progress = &viewer->progress,
+        .open_ended = viewer->stage.shown.spp_limit == 0,
+        .progress = &viewer->shell.progress,
     };
     if (!renderer_create(&params, &view->renderer, err))
         return false;
-    view->renderer.progress = &viewer->frame_progress;
+    view->renderer.progress = &viewer->stage.frame_progress;
     view->seen = view->renderer.stats;
     view->usual_wave = view->renderer.plan.wave_slots;
     view->is_ready = true;
@@ -89,8 +89,8 @@ static bool keep_history(struct viewer *viewer, struct view *view, struct err *e
     const struct denoise_call call = {
         .renderer = &view->renderer,
         .camera = &view->renderer.camera,
-        .iterations = viewer->shown.denoise_iterations,
-        .temporal = viewer->shown.denoise_temporal,
+        .iterations = viewer->stage.shown.denoise_iterations,
+        .temporal = viewer->stage.shown.denoise_temporal,
     };
     // While another picture is shown the renderer has not what denoising needs.
     bool has_layers = (DENOISE_AOVS & ~view->renderer.specialization.aovs) == 0;
@@ -104,12 +104,12 @@ static bool look_anew(struct viewer *viewer, struct view *view, const uint32_t s
 {
     bool fits;
     if (!keep_history(viewer, view, err) ||
-        !renderer_look(&view->renderer, &viewer->camera, size[0], size[1], &fits, err))
+        !renderer_look(&view->renderer, &viewer->view.camera, size[0], size[1], &fits, err))
         return false;
     if (fits)
         return true;
     return build_side(viewer, view, err) &&
-           renderer_look(&view->renderer, &viewer->camera, size[0], size[1], &fits, err) &&
+           renderer_look(&view->renderer, &viewer->view.camera, size[0], size[1], &fits, err) &&
            (fits || err_set(err, ERR_BUG, "a new renderer does not take its own camera"));
 }
 
@@ -120,27 +120,27 @@ static bool is_changing(const struct viewer *viewer, const struct view *view)
 
 static bool wants_preview(const struct viewer *viewer, const struct view *view)
 {
-    return viewer->pace.shrink > 1 && is_changing(viewer, view);
+    return viewer->view.pace.shrink > 1 && is_changing(viewer, view);
 }
 
 static bool keep_picture(struct viewer *viewer, struct err *err)
 {
     struct display_call call;
     viewer_display_call(viewer, &call);
-    viewer->has_kept = call.side_count > 0;
-    return !viewer->has_kept || display_keep(&viewer->display, &call, err);
+    viewer->stage.has_kept = call.side_count > 0;
+    return !viewer->stage.has_kept || display_keep(&viewer->stage.display, &call, err);
 }
 
 static bool update_denoiser(struct viewer *viewer, struct view *view, enum change change,
                             struct err *err)
 {
-    if (!viewer->shown.denoise) {
+    if (!viewer->stage.shown.denoise) {
         denoiser_finish(&view->denoiser);
         view->denoiser = (struct denoiser){0};
         return true;
     }
     if (!view->denoiser.gpu)
-        return denoiser_create(&viewer->gpu, &view->denoiser, err);
+        return denoiser_create(&viewer->stage.gpu, &view->denoiser, err);
     if (change >= CHANGE_METHOD)
         denoiser_forget(&view->denoiser);
     return true;
@@ -149,8 +149,8 @@ static bool update_denoiser(struct viewer *viewer, struct view *view, enum chang
 // From a small picture to a sharp one: until that has samples, the small one is shown.
 static bool sharpens(const struct viewer *viewer, uint32_t side)
 {
-    const struct view *view = &viewer->sides[side];
-    return view->is_ready && view->is_preview && viewer->changes[side] < CHANGE_CAMERA &&
+    const struct view *view = &viewer->stage.sides[side];
+    return view->is_ready && view->is_preview && viewer->stage.changes[side] < CHANGE_CAMERA &&
            !wants_preview(viewer, view);
 }
 
@@ -162,7 +162,7 @@ static void wanted_size(const struct viewer *viewer, const struct view *view, bo
     if (!wants_preview(viewer, view))
         return;
     for (int i = 0; i < 2; i++)
-        size[i] = pace_shrunk(size[i], viewer->pace.shrink);
+        size[i] = pace_shrunk(size[i], viewer->view.pace.shrink);
     if (!keeps_size)
         return;
     size[0] = view->renderer.frame.width;
@@ -173,8 +173,8 @@ static void wanted_size(const struct viewer *viewer, const struct view *view, bo
 // while it changes, or at full size when it rests.
 static bool update_side(struct viewer *viewer, uint32_t side, struct err *err)
 {
-    struct view *view = &viewer->sides[side];
-    enum change change = viewer->changes[side];
+    struct view *view = &viewer->stage.sides[side];
+    enum change change = viewer->stage.changes[side];
     bool is_small = wants_preview(viewer, view);
     bool is_to_build = !view->is_ready || change >= CHANGE_METHOD;
     uint32_t size[2];
@@ -189,7 +189,7 @@ static bool update_side(struct viewer *viewer, uint32_t side, struct err *err)
     if (looks || is_to_build) {
         view_begin(view);
         for (uint32_t i = 0; i < VIEWER_SIDES; i++)
-            viewer->sides[i].turn_seconds = 0.0;
+            viewer->stage.sides[i].turn_seconds = 0.0;
     }
     view->is_preview = is_small;
     return update_denoiser(viewer, view, change, err);
@@ -199,12 +199,13 @@ static bool update_side(struct viewer *viewer, uint32_t side, struct err *err)
 
 static bool refresh_geometry(struct viewer *viewer, struct err *err)
 {
-    struct geometry_params params = viewer_geometry_params(viewer, &viewer->scene, &viewer->camera);
+    struct geometry_params params =
+        viewer_geometry_params(viewer, &viewer->document.scene, &viewer->view.camera);
     for (uint32_t side = 0; side < VIEWER_SIDES; side++) { // they use what is replaced
-        renderer_finish(&viewer->sides[side].renderer);
-        viewer->sides[side].is_ready = false;
+        renderer_finish(&viewer->stage.sides[side].renderer);
+        viewer->stage.sides[side].is_ready = false;
     }
-    if (!geometry_refresh(&params, &viewer->geometry, err))
+    if (!geometry_refresh(&params, &viewer->document.geometry, err))
         return false;
     viewer_find_bounds(viewer);
     return true;
@@ -214,30 +215,30 @@ static bool apply(struct viewer *viewer, struct err *err)
 {
     enum change most = CHANGE_NONE;
     for (uint32_t side = 0; side < VIEWER_SIDES; side++)
-        most = viewer->changes[side] > most ? viewer->changes[side] : most;
+        most = viewer->stage.changes[side] > most ? viewer->stage.changes[side] : most;
     if (most >= CHANGE_TABLES && !refresh_geometry(viewer, err))
         return false;
     uint32_t width, height;
     viewer_picture_size(viewer, &width, &height);
-    viewer->side_count = viewer->shown.split ? VIEWER_SIDES : 1;
-    pace_choose(&viewer->pace, width, height * viewer->side_count);
+    viewer->stage.side_count = viewer->stage.shown.split ? VIEWER_SIDES : 1;
+    pace_choose(&viewer->view.pace, width, height * viewer->stage.side_count);
     if (most >= CHANGE_CAMERA)
-        viewer->has_kept = false;
+        viewer->stage.has_kept = false;
     bool has_to_keep = false;
-    for (uint32_t side = 0; side < viewer->side_count; side++)
+    for (uint32_t side = 0; side < viewer->stage.side_count; side++)
         has_to_keep |= sharpens(viewer, side);
     if (has_to_keep && !keep_picture(viewer, err))
         return false;
-    for (uint32_t side = 0; side < viewer->side_count; side++)
+    for (uint32_t side = 0; side < viewer->stage.side_count; side++)
         if (!update_side(viewer, side, err))
             return false;
-    for (uint32_t side = viewer->side_count; side < VIEWER_SIDES; side++)
+    for (uint32_t side = viewer->stage.side_count; side < VIEWER_SIDES; side++)
         viewer_close_side(viewer, side);
-    viewer->is_moving = false;
-    for (uint32_t side = 0; side < viewer->side_count; side++)
-        viewer->is_moving |= is_changing(viewer, &viewer->sides[side]);
+    viewer->view.is_moving = false;
+    for (uint32_t side = 0; side < viewer->stage.side_count; side++)
+        viewer->view.is_moving |= is_changing(viewer, &viewer->stage.sides[side]);
     for (uint32_t side = 0; side < VIEWER_SIDES; side++)
-        viewer->changes[side] = CHANGE_NONE;
+        viewer->stage.changes[side] = CHANGE_NONE;
     return true;
 }
 
@@ -245,10 +246,11 @@ static bool apply(struct viewer *viewer, struct err *err)
 static bool apply_reverted(struct viewer *viewer, struct err *err)
 {
     struct err reason = *err;
-    bool has_bad_kernels = viewer->kernels != viewer->good_kernels;
-    if (viewer->gpu.lost || err->code == ERR_STOPPED || !(has_bad_kernels || edit_revert(viewer)))
+    bool has_bad_kernels = viewer->stage.kernels != viewer->stage.good_kernels;
+    if (viewer->stage.gpu.lost || err->code == ERR_STOPPED ||
+        !(has_bad_kernels || edit_revert(viewer)))
         return false;
-    viewer->kernels = viewer->good_kernels;
+    viewer->stage.kernels = viewer->stage.good_kernels;
     viewer_message(viewer, MESSAGE_ERROR, "%s: %s",
                    has_bad_kernels ? "the kernels stay as they were" : "undone", reason.msg);
     viewer_changed(viewer, CHANGE_GEOMETRY);
@@ -259,10 +261,10 @@ static bool apply_reverted(struct viewer *viewer, struct err *err)
 // What the middle of the picture shows is what the camera turns about, and tells how fast to fly.
 static bool aim_rig(struct viewer *viewer, struct err *err)
 {
-    struct rig *rig = &viewer->rig;
+    struct rig *rig = &viewer->view.rig;
     struct picked picked;
     uint32_t place[4];
-    viewer->wants_target = false;
+    viewer->view.wants_target = false;
     viewer_picture_place(viewer, place);
     if (!viewer_pick(viewer, place[0] + 0.5 * place[2], place[1] + 0.5 * place[3], &picked, err))
         return false;
@@ -275,22 +277,22 @@ static bool aim_rig(struct viewer *viewer, struct err *err)
 
 bool viewer_apply_changes(struct viewer *viewer, struct err *err)
 {
-    if (viewer->wanted_path[0]) {
-        char path[sizeof viewer->wanted_path];
-        memcpy(path, viewer->wanted_path, sizeof path);
-        viewer->wanted_path[0] = '\0';
-        viewer_open_scene(viewer, path, viewer->wanted_keeps_view);
+    if (viewer->document.wanted_path[0]) {
+        char path[sizeof viewer->document.wanted_path];
+        memcpy(path, viewer->document.wanted_path, sizeof path);
+        viewer->document.wanted_path[0] = '\0';
+        viewer_open_scene(viewer, path, viewer->document.wanted_keeps_view);
     }
-    if (viewer->shaders_changed)
+    if (viewer->stage.shaders_changed)
         viewer_changed(viewer, CHANGE_METHOD);
-    viewer->shaders_changed = false;
-    if (!viewer->has_scene)
+    viewer->stage.shaders_changed = false;
+    if (!viewer->document.has_scene)
         return true;
     if (!apply(viewer, err) && !apply_reverted(viewer, err))
         return false;
-    if (viewer->wants_target && !aim_rig(viewer, err))
+    if (viewer->view.wants_target && !aim_rig(viewer, err))
         return false;
     edit_settle(viewer);
-    viewer->good_kernels = viewer->kernels;
+    viewer->stage.good_kernels = viewer->stage.kernels;
     return true;
 }

@@ -8,14 +8,14 @@
 
 static struct gpu_params gpu_params(const struct viewer *viewer)
 {
-    struct gpu_params params = viewer->options->gpu;
+    struct gpu_params params = viewer->shell.options->gpu;
     params.graphics = true;
-    if (viewer->window.handle) {
+    if (viewer->shell.window.handle) {
         params.instance_extensions = window_extensions(&params.instance_extension_count);
         params.can_present = window_can_present;
-        params.present_context = (void *)&viewer->window;
+        params.present_context = (void *)&viewer->shell.window;
     }
-    if (viewer->recoveries > 0) // the faults were shown
+    if (viewer->stage.recoveries > 0) // the faults were shown
         params.lose_device_at_submit = params.fail_allocation = 0;
     return params;
 }
@@ -24,39 +24,39 @@ bool viewer_open_device(struct viewer *viewer, struct err *err)
 {
     struct gpu_params params = gpu_params(viewer);
     struct gpu_atlas atlas;
-    gui_atlas(&viewer->gui, &atlas);
-    return gpu_open(&params, &viewer->gpu, err) &&
-           gpu_screen_create(&viewer->gpu, &atlas, &viewer->screen, err) &&
-           display_create(&viewer->gpu, &viewer->display, err) &&
-           swapchain_create(&viewer->gpu, &viewer->window, viewer->swapchain.vsync,
-                            &viewer->swapchain, err);
+    gui_atlas(&viewer->shell.gui, &atlas);
+    return gpu_open(&params, &viewer->stage.gpu, err) &&
+           gpu_screen_create(&viewer->stage.gpu, &atlas, &viewer->stage.screen, err) &&
+           display_create(&viewer->stage.gpu, &viewer->stage.display, err) &&
+           swapchain_create(&viewer->stage.gpu, &viewer->shell.window,
+                            viewer->stage.swapchain.vsync, &viewer->stage.swapchain, err);
 }
 
 void viewer_close_device(struct viewer *viewer)
 {
-    bool vsync = viewer->swapchain.vsync;
+    bool vsync = viewer->stage.swapchain.vsync;
     for (uint32_t side = 0; side < VIEWER_SIDES; side++)
         viewer_close_side(viewer, side);
-    display_finish(&viewer->display);
-    swapchain_finish(&viewer->gpu, &viewer->swapchain);
-    gpu_screen_finish(&viewer->gpu, &viewer->screen);
-    gpu_close(&viewer->gpu);
-    viewer->swapchain.vsync = vsync;
-    viewer->has_kept = false;
+    display_finish(&viewer->stage.display);
+    swapchain_finish(&viewer->stage.gpu, &viewer->stage.swapchain);
+    gpu_screen_finish(&viewer->stage.gpu, &viewer->stage.screen);
+    gpu_close(&viewer->stage.gpu);
+    viewer->stage.swapchain.vsync = vsync;
+    viewer->stage.has_kept = false;
 }
 
 bool viewer_recover(struct viewer *viewer, struct err *err)
 {
-    if (++viewer->recoveries > RECOVERIES_MAX)
+    if (++viewer->stage.recoveries > RECOVERIES_MAX)
         return false;
-    uint32_t messages = viewer->gpu.validation_messages;
+    uint32_t messages = viewer->stage.gpu.validation_messages;
     char reason[sizeof err->msg];
     snprintf(reason, sizeof reason, "%s", err->msg);
     *err = (struct err){0};
     viewer_close_device(viewer);
     if (!viewer_open_device(viewer, err))
         return false;
-    viewer->gpu.validation_messages += messages;
+    viewer->stage.gpu.validation_messages += messages;
     viewer_changed(viewer, CHANGE_METHOD);
     viewer_message(viewer, MESSAGE_WARNING, "%s: opened the device again", reason);
     return true;

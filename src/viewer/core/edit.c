@@ -82,7 +82,7 @@ void history_destroy(struct history *history)
 
 static bool *hidden_flag(struct viewer *viewer, uint32_t object)
 {
-    struct scene *scene = &viewer->scene;
+    struct scene *scene = &viewer->document.scene;
     if (object < scene->instance_count)
         return &scene->instances[object].hidden;
     assert(object - scene->instance_count < scene->shape_count);
@@ -91,9 +91,9 @@ static bool *hidden_flag(struct viewer *viewer, uint32_t object)
 
 static struct light *find_sun(struct viewer *viewer)
 {
-    const struct scene *scene = &viewer->scene;
+    const struct scene *scene = &viewer->document.scene;
     uint32_t sun = scene->environment.sun.light;
-    return scene->environment.present && sun > 0 ? &viewer->scene.lights[sun - 1] : NULL;
+    return scene->environment.present && sun > 0 ? &viewer->document.scene.lights[sun - 1] : NULL;
 }
 
 static void get(struct viewer *viewer, enum target target, uint32_t index, union state *out)
@@ -101,30 +101,30 @@ static void get(struct viewer *viewer, enum target target, uint32_t index, union
     memset(out, 0, sizeof *out);
     switch (target) {
     case TARGET_CAMERA:
-        out->camera = viewer->camera;
+        out->camera = viewer->view.camera;
         break;
     case TARGET_METHOD:
-        out->method = viewer->sides[index].method;
+        out->method = viewer->stage.sides[index].method;
         break;
     case TARGET_SURROUNDINGS: {
         const struct light *sun = find_sun(viewer);
-        out->around.surroundings = viewer->surroundings;
+        out->around.surroundings = viewer->document.surroundings;
         out->around.has_sun = sun != NULL;
         if (sun)
             out->around.sun = *sun;
         break;
     }
     case TARGET_MATERIAL:
-        out->material = viewer->scene.materials[index];
+        out->material = viewer->document.scene.materials[index];
         break;
     case TARGET_LIGHT:
-        out->light = viewer->scene.lights[index];
+        out->light = viewer->document.scene.lights[index];
         break;
     case TARGET_OBJECT:
         out->visible = !*hidden_flag(viewer, index);
         break;
     case TARGET_LOOK:
-        out->shown = viewer->shown;
+        out->shown = viewer->stage.shown;
         break;
     case TARGET_COUNT:
         break;
@@ -154,12 +154,12 @@ static enum change method_change(const struct method *from, const struct method 
 
 static void shown_changed(struct viewer *viewer, const struct shown *from)
 {
-    const struct shown *to = &viewer->shown;
+    const struct shown *to = &viewer->stage.shown;
     uint32_t aovs = viewer_aovs(to);
     if (from->what != to->what)
-        viewer->has_kept = false; // it was of what was shown before
+        viewer->stage.has_kept = false; // it was of what was shown before
     for (uint32_t side = 0; side < VIEWER_SIDES; side++) {
-        const struct view *view = &viewer->sides[side];
+        const struct view *view = &viewer->stage.sides[side];
         enum change change = CHANGE_SHOWN;
         if (from->spp_limit != to->spp_limit)
             change = sample_planning(&view->method.settings, NULL) != PLANNING_NONE ? CHANGE_METHOD
@@ -173,7 +173,7 @@ static void shown_changed(struct viewer *viewer, const struct shown *from)
 // Methods that deal out samples by how many there will be.
 static void tell_plan(struct viewer *viewer, const struct method *from, const struct method *to)
 {
-    uint32_t limit = viewer->shown.spp_limit;
+    uint32_t limit = viewer->stage.shown.spp_limit;
     enum sample_planning planning = sample_planning(&to->settings, NULL);
     if (planning == PLANNING_NONE || sample_planning(&from->settings, NULL) != PLANNING_NONE)
         return;
@@ -189,14 +189,14 @@ static void tell_plan(struct viewer *viewer, const struct method *from, const st
 static bool put_around(struct viewer *viewer, const struct around *to, struct err *err)
 {
     struct arena arena = {0};
-    if (!scene_set_surroundings(&viewer->scene, &viewer->original, &to->surroundings, &arena,
-                                err)) {
+    if (!scene_set_surroundings(&viewer->document.scene, &viewer->document.original,
+                                &to->surroundings, &arena, err)) {
         arena_finish(&arena);
         return false;
     }
-    arena_finish(&viewer->surroundings_arena);
-    viewer->surroundings_arena = arena;
-    viewer->surroundings = to->surroundings;
+    arena_finish(&viewer->document.surroundings_arena);
+    viewer->document.surroundings_arena = arena;
+    viewer->document.surroundings = to->surroundings;
     viewer_begin_exposure(viewer);
     struct light *sun = find_sun(viewer);
     if (sun && to->has_sun)
@@ -210,22 +210,22 @@ static bool put(struct viewer *viewer, enum target target, uint32_t index, const
 {
     switch (target) {
     case TARGET_CAMERA:
-        viewer->camera = to->camera;
+        viewer->view.camera = to->camera;
         viewer_changed(viewer, CHANGE_CAMERA);
         break;
     case TARGET_METHOD:
-        viewer->sides[index].method = to->method;
+        viewer->stage.sides[index].method = to->method;
         viewer_side_changed(viewer, index, method_change(&from->method, &to->method));
         tell_plan(viewer, &from->method, &to->method);
         break;
     case TARGET_SURROUNDINGS:
         return put_around(viewer, &to->around, err);
     case TARGET_MATERIAL:
-        viewer->scene.materials[index] = to->material;
+        viewer->document.scene.materials[index] = to->material;
         viewer_changed(viewer, CHANGE_TABLES);
         break;
     case TARGET_LIGHT:
-        viewer->scene.lights[index] = to->light;
+        viewer->document.scene.lights[index] = to->light;
         viewer_changed(viewer, CHANGE_METHOD);
         break;
     case TARGET_OBJECT:
@@ -233,7 +233,7 @@ static bool put(struct viewer *viewer, enum target target, uint32_t index, const
         viewer_changed(viewer, CHANGE_GEOMETRY);
         break;
     case TARGET_LOOK:
-        viewer->shown = to->shown;
+        viewer->stage.shown = to->shown;
         shown_changed(viewer, &from->shown);
         break;
     case TARGET_COUNT:
@@ -244,7 +244,7 @@ static bool put(struct viewer *viewer, enum target target, uint32_t index, const
 
 static bool is_there(const struct viewer *viewer, enum target target, uint32_t index)
 {
-    const struct scene *scene = &viewer->scene;
+    const struct scene *scene = &viewer->document.scene;
     switch (target) {
     case TARGET_METHOD:
         return index < VIEWER_SIDES;
@@ -322,7 +322,7 @@ static bool edit(struct viewer *viewer, enum target target, uint32_t index, cons
         return false;
     }
     get(viewer, target, index, &after);
-    if (!record(viewer->history, target, index, control, &before, &after))
+    if (!record(viewer->document.history, target, index, control, &before, &after))
         viewer_message(viewer, MESSAGE_WARNING, "out of memory: %s cannot be undone", control);
     return true;
 }
@@ -351,7 +351,7 @@ bool edit_method(struct viewer *viewer, uint32_t side, const struct method *to, 
 bool edit_surroundings(struct viewer *viewer, const struct surroundings *to, const char *control)
 {
     union state state = zeroed();
-    if (same_bytes(to, &viewer->surroundings, sizeof *to))
+    if (same_bytes(to, &viewer->document.surroundings, sizeof *to))
         return true;
     state.around.surroundings = *to;
     return edit(viewer, TARGET_SURROUNDINGS, 0, &state, control);
@@ -383,12 +383,12 @@ bool edit_shown(struct viewer *viewer, const struct shown *to, const char *contr
 {
     union state state = zeroed();
     state.shown = *to;
-    const bool was_auto = viewer->shown.exposure_is_auto;
+    const bool was_auto = viewer->stage.shown.exposure_is_auto;
     // Whoever sets it does not want it found.
-    if (!same_bytes(&to->exposure, &viewer->shown.exposure, sizeof to->exposure))
+    if (!same_bytes(&to->exposure, &viewer->stage.shown.exposure, sizeof to->exposure))
         state.shown.exposure_is_auto = 0;
     bool ok = edit(viewer, TARGET_LOOK, 0, &state, control);
-    if (viewer->shown.exposure_is_auto != was_auto)
+    if (viewer->stage.shown.exposure_is_auto != was_auto)
         viewer_begin_exposure(viewer);
     return ok;
 }
@@ -396,7 +396,7 @@ bool edit_shown(struct viewer *viewer, const struct shown *to, const char *contr
 // What led back to where it began is no step.
 void edit_close(struct viewer *viewer)
 {
-    struct history *history = viewer->history;
+    struct history *history = viewer->document.history;
     if (!history->is_open)
         return;
     const struct step *last = &history->steps[history->done - 1];
@@ -421,7 +421,7 @@ static bool go(struct viewer *viewer, const struct step *step, const void *to)
 
 bool edit_undo(struct viewer *viewer)
 {
-    struct history *history = viewer->history;
+    struct history *history = viewer->document.history;
     edit_close(viewer);
     if (history->done == 0)
         return false;
@@ -433,7 +433,7 @@ bool edit_undo(struct viewer *viewer)
 
 bool edit_redo(struct viewer *viewer)
 {
-    struct history *history = viewer->history;
+    struct history *history = viewer->document.history;
     edit_close(viewer);
     if (history->done == history->count)
         return false;
@@ -445,7 +445,7 @@ bool edit_redo(struct viewer *viewer)
 
 bool edit_revert(struct viewer *viewer)
 {
-    struct history *history = viewer->history;
+    struct history *history = viewer->document.history;
     bool is_fresh = history->is_fresh && history->done > 0;
     history->is_fresh = false;
     if (!is_fresh)
@@ -460,21 +460,21 @@ bool edit_revert(struct viewer *viewer)
 
 void edit_settle(struct viewer *viewer)
 {
-    viewer->history->is_fresh = false;
+    viewer->document.history->is_fresh = false;
 }
 
 uint32_t edit_undo_count(const struct viewer *viewer)
 {
-    return viewer->history->done;
+    return viewer->document.history->done;
 }
 
 uint32_t edit_redo_count(const struct viewer *viewer)
 {
-    return viewer->history->count - viewer->history->done;
+    return viewer->document.history->count - viewer->document.history->done;
 }
 
 const char *edit_undo_name(const struct viewer *viewer)
 {
-    const struct history *history = viewer->history;
+    const struct history *history = viewer->document.history;
     return history->done > 0 ? history->steps[history->done - 1].control : NULL;
 }

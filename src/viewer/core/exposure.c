@@ -9,16 +9,16 @@
 
 bool viewer_find_exposure(struct viewer *viewer, struct err *err)
 {
-    struct view *view = &viewer->sides[0];
+    struct view *view = &viewer->stage.sides[0];
     struct film_image film;
-    if (viewer->exposure_samples == 0 || !viewer->has_scene || !view->is_ready ||
-        view->is_preview || view_samples(view) < viewer->exposure_samples)
+    if (viewer->stage.exposure_samples == 0 || !viewer->document.has_scene || !view->is_ready ||
+        view->is_preview || view_samples(view) < viewer->stage.exposure_samples)
         return true;
-    if (!renderer_read(&view->renderer, &viewer->frame_arena, &film, err))
+    if (!renderer_read(&view->renderer, &viewer->shell.frame_arena, &film, err))
         return false;
     const struct image image = {film.width, film.height, film.mean};
-    viewer->shown.exposure = image_measure_exposure(&image);
+    viewer->stage.shown.exposure = image_measure_exposure(&image);
     uint64_t samples = view_samples(view);
-    viewer->exposure_samples = samples < SAMPLES_LAST ? 2 * samples : 0;
+    viewer->stage.exposure_samples = samples < SAMPLES_LAST ? 2 * samples : 0;
     return true;
 }

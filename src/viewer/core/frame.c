@@ -10,15 +10,15 @@
 
 void viewer_picture_size(const struct viewer *viewer, uint32_t *width, uint32_t *height)
 {
-    *width = viewer->window.width;
-    *height = viewer->window.height;
+    *width = viewer->shell.window.width;
+    *height = viewer->shell.window.height;
 }
 
 void viewer_picture_place(const struct viewer *viewer, uint32_t place[4])
 {
-    uint32_t width = viewer->window.width, height = viewer->window.height, left = 0;
-    if (viewer->is_panel_shown)
-        left = (uint32_t)gui_panel_width(&viewer->gui, width);
+    uint32_t width = viewer->shell.window.width, height = viewer->shell.window.height, left = 0;
+    if (viewer->shell.is_panel_shown)
+        left = (uint32_t)gui_panel_width(&viewer->shell.gui, width);
     place[0] = left;
     place[2] = width - left;
     place[3] = (uint32_t)fmax(round((double)height * place[2] / width), 1.0);
@@ -29,7 +29,7 @@ double viewer_split_x(const struct viewer *viewer)
 {
     uint32_t place[4];
     viewer_picture_place(viewer, place);
-    return place[0] + viewer->shown.split_at * place[2];
+    return place[0] + viewer->stage.shown.split_at * place[2];
 }
 
 // A picture that is to be seen whole at once may take so many times what a frame may: rather a slow
@@ -45,15 +45,16 @@ double viewer_split_x(const struct viewer *viewer)
 bool viewer_frame_is_over(void *context)
 {
     const struct viewer *viewer = context;
-    return clock_ns() >= viewer->render_until_ns || signals_received() != 0;
+    return clock_ns() >= viewer->stage.render_until_ns || signals_received() != 0;
 }
 
 // What a frame renders for.
 static double frame_render_ms(const struct viewer *viewer)
 {
-    bool is_calm = !viewer->is_moving && !viewer->gui.is_busy && viewer_holds_nothing(viewer) &&
-                   viewer_seconds(viewer) - viewer->input_seconds > CALM_SECONDS;
-    return is_calm ? pace_calm_render_ms(&viewer->pace) : pace_render_ms(&viewer->pace);
+    bool is_calm = !viewer->view.is_moving && !viewer->shell.gui.is_busy &&
+                   viewer_holds_nothing(viewer) &&
+                   viewer_seconds(viewer) - viewer->shell.input_seconds > CALM_SECONDS;
+    return is_calm ? pace_calm_render_ms(&viewer->view.pace) : pace_render_ms(&viewer->view.pace);
 }
 
 // Samples of single pixels that the film has.
@@ -66,12 +67,12 @@ static double work_done(const struct view *view)
 
 uint64_t viewer_samples_left(const struct viewer *viewer, const struct view *view)
 {
-    uint64_t limit = viewer->shown.spp_limit, done = view_samples(view);
+    uint64_t limit = viewer->stage.shown.spp_limit, done = view_samples(view);
     if (view->method.fresh_frames) // a picture each, of as many as are wanted
         limit = view->method.samples_a_frame;
     if (limit == 0)
         limit = SETTINGS_SPP_MAX;
-    if (viewer->is_paused) // but what was changed is to be seen
+    if (viewer->stage.is_paused) // but what was changed is to be seen
         limit = 1;
     return limit > done ? limit - done : 0;
 }
@@ -83,7 +84,7 @@ static uint64_t samples_at_once(const struct viewer *viewer, const struct view *
 {
     const struct renderer *r = &view->renderer;
     uint64_t left = viewer_samples_left(viewer, view), most = 1 + view_samples(view) / 8;
-    double pass_ms = viewer->pace.ms_per_sample * r->frame.width * r->frame.height;
+    double pass_ms = viewer->view.pace.ms_per_sample * r->frame.width * r->frame.height;
     double fit = pass_ms > 0.0 ? floor(frame_render_ms(viewer) / pass_ms) : 1.0;
     uint64_t samples = fit > 1.0 ? (uint64_t)fmin(fit, 1u << USUAL_SAMPLE_SHIFT) : 1;
     samples = samples < most ? samples : most;
@@ -109,22 +110,22 @@ static bool render_side(struct viewer *viewer, struct view *view, uint64_t sampl
     double seconds = clock_seconds_since(start), work = work_done(view) - before;
     view->seconds += seconds;
     view->turn_seconds += seconds;
-    viewer->stats.render_ms += seconds * 1e3;
-    viewer->render_seconds += seconds;
-    viewer->frame_samples += work;
-    if (view->is_preview || viewer->is_moving)
-        pace_measure_small(&viewer->pace, work, seconds * 1e3);
+    viewer->stage.stats.render_ms += seconds * 1e3;
+    viewer->stage.render_seconds += seconds;
+    viewer->stage.frame_samples += work;
+    if (view->is_preview || viewer->view.is_moving)
+        pace_measure_small(&viewer->view.pace, work, seconds * 1e3);
     else
-        pace_measure(&viewer->pace, work, seconds * 1e3, viewer->pace.overhead_ms);
+        pace_measure(&viewer->view.pace, work, seconds * 1e3, viewer->view.pace.overhead_ms);
     return true;
 }
 
 // Half a wave before the time is over: the one that begins then ends half a wave behind it.
 static void set_time(struct viewer *viewer, const struct view *view, double factor)
 {
-    double wave_ms = viewer->pace.ms_per_sample * view->renderer.plan.wave_slots;
+    double wave_ms = viewer->view.pace.ms_per_sample * view->renderer.plan.wave_slots;
     double ms = fmax(factor * frame_render_ms(viewer) - 0.5 * wave_ms, 0.0);
-    viewer->render_until_ns = isfinite(ms) ? clock_ns() + (uint64_t)(ms * 1e6) : UINT64_MAX;
+    viewer->stage.render_until_ns = isfinite(ms) ? clock_ns() + (uint64_t)(ms * 1e6) : UINT64_MAX;
 }
 
 // Waves that take longer than a frame may are made smaller; the picture stays the same. A factor of
@@ -132,7 +133,7 @@ static void set_time(struct viewer *viewer, const struct view *view, double fact
 static bool fit_wave(struct viewer *viewer, struct view *view, struct err *err)
 {
     uint32_t now = view->renderer.plan.wave_slots;
-    uint32_t fit = pace_wave(&viewer->pace, frame_render_ms(viewer));
+    uint32_t fit = pace_wave(&viewer->view.pace, frame_render_ms(viewer));
     if (fit > view->usual_wave)
         fit = view->usual_wave;
     bool is_close = fit <= 2 * now && now <= 2 * fit;
@@ -140,7 +141,7 @@ static bool fit_wave(struct viewer *viewer, struct view *view, struct err *err)
         return true;
     if (renderer_resize(&view->renderer, fit, view->renderer.specialization.workgroup, err))
         return true;
-    if (viewer->gpu.lost)
+    if (viewer->stage.gpu.lost)
         return false;
     // It has no buffers now: the side is to be built again.
     viewer_message(viewer, MESSAGE_WARNING, "%s", err->msg);
@@ -153,12 +154,12 @@ static bool clear_fresh(struct viewer *viewer, struct view *view, struct err *er
 {
     struct display_call call;
     uint32_t wanted = view->method.samples_a_frame;
-    if (!view->method.fresh_frames || viewer->is_paused ||
+    if (!view->method.fresh_frames || viewer->stage.is_paused ||
         view_samples(view) < (wanted ? wanted : 1))
         return true;
     viewer_display_call(viewer, &call);
-    viewer->has_kept = true;
-    if (!display_keep(&viewer->display, &call, err) || !renderer_clear(&view->renderer, err))
+    viewer->stage.has_kept = true;
+    if (!display_keep(&viewer->stage.display, &call, err) || !renderer_clear(&view->renderer, err))
         return false;
     view->first_sample = view->renderer.next_sample;
     return true;
@@ -169,7 +170,7 @@ static bool clear_fresh(struct viewer *viewer, struct view *view, struct err *er
 static bool render_whole(struct viewer *viewer, struct view *view, bool *done, struct err *err)
 {
     uint32_t wanted = view->method.samples_a_frame;
-    bool is_empty = view_samples(view) == 0 && !viewer->has_kept;
+    bool is_empty = view_samples(view) == 0 && !viewer->stage.has_kept;
     *done = is_empty || wanted > 0;
     if (!*done)
         return true;
@@ -181,8 +182,8 @@ static bool render_whole(struct viewer *viewer, struct view *view, bool *done, s
 static struct view *next_side(struct viewer *viewer, const bool *done)
 {
     struct view *next = NULL;
-    for (uint32_t side = 0; side < viewer->side_count; side++) {
-        struct view *view = &viewer->sides[side];
+    for (uint32_t side = 0; side < viewer->stage.side_count; side++) {
+        struct view *view = &viewer->stage.sides[side];
         if (!done[side] && viewer_samples_left(viewer, view) > 0 &&
             (!next || view->turn_seconds < next->turn_seconds))
             next = view;
@@ -193,15 +194,15 @@ static struct view *next_side(struct viewer *viewer, const bool *done)
 bool viewer_render(struct viewer *viewer, struct err *err)
 {
     bool done[VIEWER_SIDES] = {false};
-    viewer->stats.render_ms = viewer->frame_samples = 0.0;
-    if (!viewer->has_scene)
+    viewer->stage.stats.render_ms = viewer->stage.frame_samples = 0.0;
+    if (!viewer->document.has_scene)
         return true;
-    for (uint32_t side = 0; side < viewer->side_count; side++) {
-        struct view *view = &viewer->sides[side];
+    for (uint32_t side = 0; side < viewer->stage.side_count; side++) {
+        struct view *view = &viewer->stage.sides[side];
         if (!clear_fresh(viewer, view, err) || !render_whole(viewer, view, &done[side], err))
             return false;
     }
-    double whole_ms = frame_render_ms(viewer), left_ms = whole_ms - viewer->stats.render_ms;
+    double whole_ms = frame_render_ms(viewer), left_ms = whole_ms - viewer->stage.stats.render_ms;
     if (left_ms <= 0.0)
         return true;
     struct view *view = next_side(viewer, done);
@@ -217,13 +218,14 @@ bool viewer_render(struct viewer *viewer, struct err *err)
 
 static bool denoises(const struct viewer *viewer, const struct view *view)
 {
-    return viewer->shown.denoise && viewer->shown.what == SHOWN_RADIANCE && view->denoiser.gpu;
+    return viewer->stage.shown.denoise && viewer->stage.shown.what == SHOWN_RADIANCE &&
+           view->denoiser.gpu;
 }
 
 void viewer_display_call(const struct viewer *viewer, struct display_call *out)
 {
-    const struct shown *shown = &viewer->shown;
-    uint32_t width = viewer->window.width, height = viewer->window.height;
+    const struct shown *shown = &viewer->stage.shown;
+    uint32_t width = viewer->shell.window.width, height = viewer->shell.window.height;
     *out = (struct display_call){
         .split = shown->split_at,
         .shown = shown->what,
@@ -236,10 +238,10 @@ void viewer_display_call(const struct viewer *viewer, struct display_call *out)
         .nearest = shown->nearest,
     };
     viewer_picture_place(viewer, out->picture);
-    if (!viewer->has_scene)
+    if (!viewer->document.has_scene)
         return;
-    for (uint32_t side = 0; side < viewer->side_count; side++) {
-        const struct view *view = &viewer->sides[side];
+    for (uint32_t side = 0; side < viewer->stage.side_count; side++) {
+        const struct view *view = &viewer->stage.sides[side];
         if (!view->is_ready)
             return;
         out->sides[side] = (struct display_side){
@@ -248,7 +250,7 @@ void viewer_display_call(const struct viewer *viewer, struct display_call *out)
                 denoises(viewer, view) && view->denoised_samples > 0 ? &view->denoiser : NULL,
         };
         out->side_count = side + 1;
-        out->use_kept |= viewer->has_kept && view_samples(view) == 0;
+        out->use_kept |= viewer->stage.has_kept && view_samples(view) == 0;
     }
 }
 
@@ -267,8 +269,8 @@ static bool denoise_side(struct viewer *viewer, struct view *view, struct err *e
     const struct denoise_call call = {
         .renderer = &view->renderer,
         .camera = &view->renderer.camera,
-        .iterations = viewer->shown.denoise_iterations,
-        .temporal = viewer->shown.denoise_temporal,
+        .iterations = viewer->stage.shown.denoise_iterations,
+        .temporal = viewer->stage.shown.denoise_temporal,
     };
     const struct gpu_frame *frame = &view->renderer.frame;
     uint64_t start = clock_ns();
@@ -277,24 +279,24 @@ static bool denoise_side(struct viewer *viewer, struct view *view, struct err *e
     view->denoising_seconds = clock_seconds_since(start);
     view->denoised_seconds = viewer_seconds(viewer);
     view->denoised_samples = view_samples(view);
-    view->denoised_by[0] = viewer->shown.denoise_iterations;
-    view->denoised_by[1] = viewer->shown.denoise_temporal;
-    viewer->stats.denoise_ms += view->denoising_seconds * 1e3;
-    pace_measure_pixels(&viewer->pace, (double)frame->width * frame->height,
+    view->denoised_by[0] = viewer->stage.shown.denoise_iterations;
+    view->denoised_by[1] = viewer->stage.shown.denoise_temporal;
+    viewer->stage.stats.denoise_ms += view->denoising_seconds * 1e3;
+    pace_measure_pixels(&viewer->view.pace, (double)frame->width * frame->height,
                         view->denoising_seconds * 1e3);
     return true;
 }
 
 static bool denoise(struct viewer *viewer, struct err *err)
 {
-    viewer->stats.denoise_ms = 0.0;
-    for (uint32_t side = 0; side < viewer->side_count && viewer->has_scene; side++) {
-        struct view *view = &viewer->sides[side];
+    viewer->stage.stats.denoise_ms = 0.0;
+    for (uint32_t side = 0; side < viewer->stage.side_count && viewer->document.has_scene; side++) {
+        struct view *view = &viewer->stage.sides[side];
         if (is_denoising_due(viewer, view) && !denoise_side(viewer, view, err))
             return false;
     }
-    if (!viewer->shown.denoise)
-        pace_measure_pixels(&viewer->pace, 0.0, 0.0);
+    if (!viewer->stage.shown.denoise)
+        pace_measure_pixels(&viewer->view.pace, 0.0, 0.0);
     return true;
 }
 
@@ -302,24 +304,25 @@ static bool denoise(struct viewer *viewer, struct err *err)
 // first samples, full of noise.
 static bool shows_last(const struct viewer *viewer, const struct display_call *call)
 {
-    const struct gpu_screen *screen = &viewer->screen;
-    bool is_same_size = screen->width == viewer->window.width &&
-                        screen->height == viewer->window.height &&
-                        memcmp(call->picture, viewer->last_call.picture, sizeof call->picture) == 0;
+    const struct gpu_screen *screen = &viewer->stage.screen;
+    bool is_same_size =
+        screen->width == viewer->shell.window.width &&
+        screen->height == viewer->shell.window.height &&
+        memcmp(call->picture, viewer->stage.last_call.picture, sizeof call->picture) == 0;
     bool waits = false;
-    for (uint32_t side = 0; side < viewer->side_count && viewer->has_scene; side++) {
-        const struct view *view = &viewer->sides[side];
-        waits |= denoises(viewer, view) && view->denoised_samples == 0 && viewer->has_kept;
+    for (uint32_t side = 0; side < viewer->stage.side_count && viewer->document.has_scene; side++) {
+        const struct view *view = &viewer->stage.sides[side];
+        waits |= denoises(viewer, view) && view->denoised_samples == 0 && viewer->stage.has_kept;
     }
     return waits && is_same_size;
 }
 
 bool viewer_show(struct viewer *viewer, struct err *err)
 {
-    struct gpu *gpu = &viewer->gpu;
+    struct gpu *gpu = &viewer->stage.gpu;
     struct display_call call;
-    if (viewer->window.is_minimised) {
-        viewer->last_call.side_count = 0;
+    if (viewer->shell.window.is_minimised) {
+        viewer->stage.last_call.side_count = 0;
         return true;
     }
     if (!denoise(viewer, err))
@@ -327,17 +330,19 @@ bool viewer_show(struct viewer *viewer, struct err *err)
     viewer_display_call(viewer, &call);
     bool draws = !shows_last(viewer, &call);
     if (draws)
-        viewer->last_call = call;
+        viewer->stage.last_call = call;
     else
-        viewer->last_call.side_count = 0;
-    if ((draws && !display_draw(&viewer->display, &call, err)) ||
-        !gpu_screen_resize(gpu, &viewer->screen, call.width, call.height, err) ||
-        !gpu_screen_draw(gpu, &viewer->screen, &viewer->display.pixels, &viewer->drawing, err))
+        viewer->stage.last_call.side_count = 0;
+    if ((draws && !display_draw(&viewer->stage.display, &call, err)) ||
+        !gpu_screen_resize(gpu, &viewer->stage.screen, call.width, call.height, err) ||
+        !gpu_screen_draw(gpu, &viewer->stage.screen, &viewer->stage.display.pixels,
+                         &viewer->shell.drawing, err))
         return false;
-    viewer->stats.display_ms = viewer->display.ms;
-    viewer->stats.panel_ms = viewer->screen.draw_ms;
+    viewer->stage.stats.display_ms = viewer->stage.display.ms;
+    viewer->stage.stats.panel_ms = viewer->stage.screen.draw_ms;
     uint64_t start = clock_ns();
-    bool ok = swapchain_show(gpu, &viewer->swapchain, &viewer->window, &viewer->screen, err);
-    viewer->stats.present_ms = clock_seconds_since(start) * 1e3;
+    bool ok = swapchain_show(gpu, &viewer->stage.swapchain, &viewer->shell.window,
+                             &viewer->stage.screen, err);
+    viewer->stage.stats.present_ms = clock_seconds_since(start) * 1e3;
     return ok;
 }

@@ -34,28 +34,30 @@ static void do_save_scene(struct viewer *viewer)
 
 static void do_copy_camera(struct viewer *viewer)
 {
-    char *text = viewer->has_scene ? camera_to_json(&viewer->frame_arena, &viewer->camera) : NULL;
+    char *text = viewer->document.has_scene
+                     ? camera_to_json(&viewer->shell.frame_arena, &viewer->view.camera)
+                     : NULL;
     if (!text)
         return;
-    window_set_clipboard(&viewer->window, text);
+    window_set_clipboard(&viewer->shell.window, text);
     viewer_message(viewer, MESSAGE_NOTE, "the camera was copied as JSON");
 }
 
 static void do_panel(struct viewer *viewer)
 {
-    viewer->is_panel_shown = !viewer->is_panel_shown;
+    viewer->shell.is_panel_shown = !viewer->shell.is_panel_shown;
 }
 
 static void do_reload(struct viewer *viewer)
 {
     reload_shaders(viewer);
-    if (viewer->has_scene)
-        viewer_open_scene(viewer, viewer->scene_path, true);
+    if (viewer->document.has_scene)
+        viewer_open_scene(viewer, viewer->document.scene_path, true);
 }
 
 static void do_exr(struct viewer *viewer)
 {
-    save_exr(viewer, viewer->edited_side, NULL, false);
+    save_exr(viewer, viewer->stage.edited_side, NULL, false);
 }
 
 static void do_png(struct viewer *viewer)
@@ -65,28 +67,28 @@ static void do_png(struct viewer *viewer)
 
 static void do_pause(struct viewer *viewer)
 {
-    viewer->is_paused = !viewer->is_paused;
-    viewer->is_resting = false;
-    viewer_message(viewer, MESSAGE_NOTE, viewer->is_paused ? "paused" : "going on");
+    viewer->stage.is_paused = !viewer->stage.is_paused;
+    viewer->stage.is_resting = false;
+    viewer_message(viewer, MESSAGE_NOTE, viewer->stage.is_paused ? "paused" : "going on");
 }
 
 static void do_split(struct viewer *viewer)
 {
-    struct shown shown = viewer->shown;
+    struct shown shown = viewer->stage.shown;
     shown.split = !shown.split;
     edit_shown(viewer, &shown, "view.split");
 }
 
 static void do_denoise(struct viewer *viewer)
 {
-    struct shown shown = viewer->shown;
+    struct shown shown = viewer->stage.shown;
     shown.denoise = !shown.denoise;
     edit_shown(viewer, &shown, "view.denoise");
 }
 
 static void show_next(struct viewer *viewer, uint32_t steps)
 {
-    struct shown shown = viewer->shown;
+    struct shown shown = viewer->stage.shown;
     shown.what = (shown.what + steps) % SHOWN_COUNT;
     if (edit_shown(viewer, &shown, "view.aov"))
         viewer_message(viewer, MESSAGE_NOTE, "%s", shown_names[shown.what]);
@@ -104,7 +106,7 @@ static void do_last_aov(struct viewer *viewer)
 
 static void expose(struct viewer *viewer, float stops)
 {
-    struct shown shown = viewer->shown;
+    struct shown shown = viewer->stage.shown;
     float most = (float)SETTINGS_EXPOSURE_MAX;
     shown.exposure = fmaxf(-most, fminf(shown.exposure + stops, most));
     edit_shown(viewer, &shown, "view.exposure");
@@ -123,42 +125,43 @@ static void do_brighter(struct viewer *viewer)
 
 static void do_rig_mode(struct viewer *viewer)
 {
-    viewer->rig.mode = (viewer->rig.mode + 1) % RIG_MODE_COUNT;
-    viewer_message(viewer, MESSAGE_NOTE, "camera: %s", rig_mode_names[viewer->rig.mode]);
+    viewer->view.rig.mode = (viewer->view.rig.mode + 1) % RIG_MODE_COUNT;
+    viewer_message(viewer, MESSAGE_NOTE, "camera: %s", rig_mode_names[viewer->view.rig.mode]);
 }
 
 static void do_revolve(struct viewer *viewer)
 {
-    viewer->rig.revolves = !viewer->rig.revolves;
-    if (viewer->rig.revolves)
-        viewer->rig.mode = RIG_ORBIT;
-    viewer->is_resting = false;
+    viewer->view.rig.revolves = !viewer->view.rig.revolves;
+    if (viewer->view.rig.revolves)
+        viewer->view.rig.mode = RIG_ORBIT;
+    viewer->stage.is_resting = false;
 }
 
 static void do_home(struct viewer *viewer)
 {
-    if (viewer->has_scene)
+    if (viewer->document.has_scene)
         viewer_go_home(viewer);
 }
 
 static void do_frame(struct viewer *viewer)
 {
-    struct camera camera = viewer->camera;
-    double aspect = (double)viewer->window.width / viewer->window.height;
-    if (!viewer->has_scene)
+    struct camera camera = viewer->view.camera;
+    double aspect = (double)viewer->shell.window.width / viewer->shell.window.height;
+    if (!viewer->document.has_scene)
         return;
-    rig_frame(&viewer->rig, viewer->bounds_min, viewer->bounds_max, aspect, &camera);
+    rig_frame(&viewer->view.rig, viewer->document.bounds_min, viewer->document.bounds_max, aspect,
+              &camera);
     edit_camera(viewer, &camera, "camera.frame");
 }
 
 static void do_help(struct viewer *viewer)
 {
-    viewer->keys.shows_help = !viewer->keys.shows_help;
+    viewer->view.keys.shows_help = !viewer->view.keys.shows_help;
 }
 
 static void do_quit(struct viewer *viewer)
 {
-    viewer->wants_quit = true;
+    viewer->shell.wants_quit = true;
 }
 
 struct binding {
@@ -243,12 +246,12 @@ static bool act(struct viewer *viewer, const struct event *event)
 
 static bool saved_view(struct viewer *viewer, const struct event *event)
 {
-    if (event->code < GLFW_KEY_1 || event->code > GLFW_KEY_9 || !viewer->has_scene)
+    if (event->code < GLFW_KEY_1 || event->code > GLFW_KEY_9 || !viewer->document.has_scene)
         return false;
     int number = event->code - GLFW_KEY_0;
-    struct saved_view *view = &viewer->saved[number - 1];
+    struct saved_view *view = &viewer->view.saved[number - 1];
     if (event->modifiers & EVENT_CONTROL) {
-        *view = (struct saved_view){true, viewer->camera};
+        *view = (struct saved_view){true, viewer->view.camera};
         viewer_message(viewer, MESSAGE_NOTE, "view %d saved", number);
     } else if (view->is_used) {
         edit_camera(viewer, &view->camera, "camera.restore");
@@ -283,18 +286,18 @@ static void hold(struct keys *keys, const struct event *event)
 static void take_key(struct viewer *viewer, const struct event *event)
 {
     if (!event->down) {
-        hold(&viewer->keys, event);
+        hold(&viewer->view.keys, event);
         return;
     }
     if (!saved_view(viewer, event) && !act(viewer, event))
-        hold(&viewer->keys, event);
+        hold(&viewer->view.keys, event);
 }
 
 static void let_go(struct viewer *viewer)
 {
-    struct keys *keys = &viewer->keys;
-    if (viewer->window.is_captured)
-        window_capture(&viewer->window, false);
+    struct keys *keys = &viewer->view.keys;
+    if (viewer->shell.window.is_captured)
+        window_capture(&viewer->shell.window, false);
     memset(keys->held, 0, sizeof keys->held);
     memset(keys->buttons, 0, sizeof keys->buttons);
     keys->drag = DRAG_NONE;
@@ -302,13 +305,13 @@ static void let_go(struct viewer *viewer)
 
 bool viewer_holds_nothing(const struct viewer *viewer)
 {
-    const struct keys *keys = &viewer->keys;
+    const struct keys *keys = &viewer->view.keys;
     for (int i = 0; i < HELD_COUNT; i++)
         if (keys->held[i] && i != HELD_SLOW)
             return false;
     return !keys->buttons[0] && !keys->buttons[1] && !keys->buttons[2] && keys->look[0] == 0.0 &&
            keys->look[1] == 0.0 && keys->dolly == 0.0 &&
-           !(viewer->rig.revolves && viewer->rig.mode == RIG_ORBIT);
+           !(viewer->view.rig.revolves && viewer->view.rig.mode == RIG_ORBIT);
 }
 
 // --- mouse ---------------------------------------------------------------------------------------
@@ -316,12 +319,13 @@ bool viewer_holds_nothing(const struct viewer *viewer)
 static bool is_on_split(const struct viewer *viewer, double x)
 {
     double line = viewer_split_x(viewer);
-    return viewer->shown.split && fabs(x - line) <= SPLIT_POINTS * (double)viewer->window.scale;
+    return viewer->stage.shown.split &&
+           fabs(x - line) <= SPLIT_POINTS * (double)viewer->shell.window.scale;
 }
 
 static void press(struct viewer *viewer, int button)
 {
-    struct keys *keys = &viewer->keys;
+    struct keys *keys = &viewer->view.keys;
     if (keys->drag != DRAG_NONE)
         return;
     keys->drag_button = button;
@@ -332,13 +336,13 @@ static void press(struct viewer *viewer, int button)
     else
         keys->drag = button == 1 ? DRAG_LOOK : DRAG_PAN;
     if (button == 1)
-        window_capture(&viewer->window, true);
+        window_capture(&viewer->shell.window, true);
 }
 
 static void click(struct viewer *viewer)
 {
-    struct keys *keys = &viewer->keys;
-    double now = viewer_seconds(viewer), points = CLICK_POINTS * (double)viewer->window.scale;
+    struct keys *keys = &viewer->view.keys;
+    double now = viewer_seconds(viewer), points = CLICK_POINTS * (double)viewer->shell.window.scale;
     bool is_near = hypot(keys->x - keys->clicked_x, keys->y - keys->clicked_y) <= points;
     keys->wants_focus = is_near && now - keys->clicked_seconds < DOUBLE_CLICK_SECONDS;
     keys->wants_pick = true;
@@ -351,19 +355,19 @@ static void click(struct viewer *viewer)
 
 static void release(struct viewer *viewer, int button)
 {
-    struct keys *keys = &viewer->keys;
+    struct keys *keys = &viewer->view.keys;
     if (keys->drag == DRAG_NONE || keys->drag_button != button)
         return;
     if (keys->drag == DRAG_PENDING)
         click(viewer);
     if (button == 1)
-        window_capture(&viewer->window, false);
+        window_capture(&viewer->shell.window, false);
     keys->drag = DRAG_NONE;
 }
 
 static void move_split(struct viewer *viewer, double x)
 {
-    struct shown shown = viewer->shown;
+    struct shown shown = viewer->stage.shown;
     uint32_t place[4];
     viewer_picture_place(viewer, place);
     shown.split_at = fmax(0.0, fmin((x - place[0]) / place[2], 1.0));
@@ -372,9 +376,9 @@ static void move_split(struct viewer *viewer, double x)
 
 static void take_move(struct viewer *viewer, double x, double y)
 {
-    struct keys *keys = &viewer->keys;
+    struct keys *keys = &viewer->view.keys;
     double dx = x - keys->x, dy = y - keys->y;
-    double points = CLICK_POINTS * (double)viewer->window.scale;
+    double points = CLICK_POINTS * (double)viewer->shell.window.scale;
     keys->x = x;
     keys->y = y;
     if (keys->drag == DRAG_PENDING && hypot(x - keys->pressed_x, y - keys->pressed_y) > points) {
@@ -395,9 +399,9 @@ static void take_move(struct viewer *viewer, double x, double y)
 
 static void take_wheel(struct viewer *viewer, double notches)
 {
-    struct rig *rig = &viewer->rig;
+    struct rig *rig = &viewer->view.rig;
     if (rig->mode == RIG_ORBIT) {
-        viewer->keys.dolly += notches;
+        viewer->view.keys.dolly += notches;
         return;
     }
     double speed = rig->speed * pow(SPEED_FACTOR, notches);
@@ -409,7 +413,7 @@ static void take_wheel(struct viewer *viewer, double notches)
 
 void viewer_event(struct viewer *viewer, const struct event *event)
 {
-    struct keys *keys = &viewer->keys;
+    struct keys *keys = &viewer->view.keys;
     switch (event->kind) {
     case EVENT_KEY:
         take_key(viewer, event);
@@ -445,9 +449,9 @@ void viewer_event(struct viewer *viewer, const struct event *event)
 
 void viewer_move_camera(struct viewer *viewer, double seconds)
 {
-    struct keys *keys = &viewer->keys;
+    struct keys *keys = &viewer->view.keys;
     const bool *held = keys->held;
-    struct camera camera = viewer->camera;
+    struct camera camera = viewer->view.camera;
     uint32_t place[4];
     viewer_picture_place(viewer, place);
     const struct rig_input input = {
@@ -461,23 +465,23 @@ void viewer_move_camera(struct viewer *viewer, double seconds)
         .picture_height = place[3],
         .seconds = seconds,
     };
-    if (viewer->has_scene && rig_step(&viewer->rig, &input, &camera))
+    if (viewer->document.has_scene && rig_step(&viewer->view.rig, &input, &camera))
         edit_camera(viewer, &camera, "keys.camera");
     keys->look[0] = keys->look[1] = keys->pan[0] = keys->pan[1] = keys->dolly = 0.0;
 }
 
 static void choose(struct viewer *viewer, const struct picked *picked)
 {
-    viewer->picked = *picked;
+    viewer->document.picked = *picked;
     if (picked->object == VIEWER_NO_OBJECT)
         return;
-    viewer->chosen_object = picked->object;
-    viewer->chosen_material = picked->material;
+    viewer->document.chosen_object = picked->object;
+    viewer->document.chosen_material = picked->material;
 }
 
 bool viewer_answer_click(struct viewer *viewer, struct err *err)
 {
-    struct keys *keys = &viewer->keys;
+    struct keys *keys = &viewer->view.keys;
     struct picked picked;
     if (!keys->wants_pick)
         return true;
@@ -487,8 +491,8 @@ bool viewer_answer_click(struct viewer *viewer, struct err *err)
     choose(viewer, &picked);
     if (!keys->wants_focus || picked.object == VIEWER_NO_OBJECT)
         return true;
-    struct camera camera = viewer->camera;
-    rig_focus(&viewer->rig, picked.position, &camera);
+    struct camera camera = viewer->view.camera;
+    rig_focus(&viewer->view.rig, picked.position, &camera);
     edit_camera(viewer, &camera, "camera.focus");
     viewer_message(viewer, MESSAGE_NOTE, "focus: %.4g m away", picked.distance);
     return true;

@@ -12,13 +12,13 @@
 // What the command line says of its own scene says nothing of another one.
 static void set_options(struct viewer *viewer, const char *path)
 {
-    const struct options *given = viewer->options;
-    struct options *options = &viewer->scene_options;
+    const struct options *given = viewer->shell.options;
+    struct options *options = &viewer->document.scene_options;
     bool is_given = given->argument_count > 0 && strcmp(given->arguments[0], path) == 0;
     *options = *given;
     options->arguments[0] = path;
     options->argument_count = 1;
-    options->progress = &viewer->progress;
+    options->progress = &viewer->shell.progress;
     if (is_given)
         return;
     options->overrides = NULL;
@@ -45,13 +45,13 @@ struct geometry_params viewer_geometry_params(const struct viewer *viewer,
                                               const struct scene *scene,
                                               const struct camera *camera)
 {
-    const struct options *options = &viewer->scene_options;
+    const struct options *options = &viewer->document.scene_options;
     return (struct geometry_params){
         .scene = scene,
         .bvh = {options->bvh, options->node, options->bvh_optimize},
         .instancing = options->instances,
         .bvh_cache = options->bvh_cache,
-        .progress = &viewer->progress,
+        .progress = &viewer->shell.progress,
         .camera = camera,
     };
 }
@@ -65,7 +65,7 @@ static void forget(struct opened *opened)
 
 static bool open_scene(struct viewer *viewer, struct opened *out, struct err *err)
 {
-    const struct options *options = &viewer->scene_options;
+    const struct options *options = &viewer->document.scene_options;
     *out = (struct opened){.params = options_scene_params(options)};
     if (!scene_load(&out->params, &out->scene, err))
         return false;
@@ -79,7 +79,7 @@ static bool open_scene(struct viewer *viewer, struct opened *out, struct err *er
             viewer_geometry_params(viewer, &out->scene, &out->scene.cameras[out->camera]);
         ok = geometry_create(&params, &out->geometry, err);
     }
-    if (ok && progress_should_stop(&viewer->progress))
+    if (ok && progress_should_stop(&viewer->shell.progress))
         ok = err_set(err, ERR_STOPPED, "%s: loading was stopped", out->params.path);
     if (!ok)
         forget(out);
@@ -88,43 +88,45 @@ static bool open_scene(struct viewer *viewer, struct opened *out, struct err *er
 
 static void set_methods(struct viewer *viewer)
 {
-    const struct options *options = &viewer->scene_options;
+    const struct options *options = &viewer->document.scene_options;
     struct method method;
     memset(&method, 0, sizeof method); // all bytes: they are compared
-    method.settings = viewer->scene.settings;
+    method.settings = viewer->document.scene.settings;
     method.wave = options->wave;
     method.workgroup = options->workgroup;
     method.everything = options->features == FEATURES_ALL;
     method.merge_classes = options->classes == CLASSES_MERGED;
     for (uint32_t side = 0; side < VIEWER_SIDES; side++)
-        viewer->sides[side].method = method;
+        viewer->stage.sides[side].method = method;
 }
 
 void viewer_find_bounds(struct viewer *viewer)
 {
-    const struct flat_scene *flat = &viewer->geometry.flat;
+    const struct flat_scene *flat = &viewer->document.geometry.flat;
     const double low[3] = {flat->bounds_min[0], flat->bounds_min[1], flat->bounds_min[2]};
     const double high[3] = {flat->bounds_max[0], flat->bounds_max[1], flat->bounds_max[2]};
-    flat_to_world(flat, low, viewer->bounds_min);
-    flat_to_world(flat, high, viewer->bounds_max);
+    flat_to_world(flat, low, viewer->document.bounds_min);
+    flat_to_world(flat, high, viewer->document.bounds_max);
 }
 
 // A model without a camera is to be seen from all sides: what is turned about is its middle.
 static void orbit_model(struct viewer *viewer)
 {
-    if (!viewer->scene.camera_is_framed || !(viewer->bounds_min[0] <= viewer->bounds_max[0]))
+    if (!viewer->document.scene.camera_is_framed ||
+        !(viewer->document.bounds_min[0] <= viewer->document.bounds_max[0]))
         return;
-    viewer->rig.mode = RIG_ORBIT;
+    viewer->view.rig.mode = RIG_ORBIT;
     for (int c = 0; c < 3; c++)
-        viewer->rig.target[c] = 0.5 * viewer->bounds_min[c] + 0.5 * viewer->bounds_max[c];
-    viewer->wants_target = false;
+        viewer->view.rig.target[c] =
+            0.5 * viewer->document.bounds_min[c] + 0.5 * viewer->document.bounds_max[c];
+    viewer->view.wants_target = false;
 }
 
 void viewer_go_home(struct viewer *viewer)
 {
-    struct camera camera = viewer->scene.cameras[viewer->camera_index];
-    if (viewer->scene.camera_is_framed) {
-        struct scene fitted = viewer->scene; // only looked at, but for its camera
+    struct camera camera = viewer->document.scene.cameras[viewer->view.camera_index];
+    if (viewer->document.scene.camera_is_framed) {
+        struct scene fitted = viewer->document.scene; // only looked at, but for its camera
         fitted.cameras = &camera;
         viewer_picture_size(viewer, &fitted.settings.width, &fitted.settings.height);
         scene_frame_camera(&fitted);
@@ -136,50 +138,51 @@ void viewer_go_home(struct viewer *viewer)
 // As the scene and the command line say.
 static void set_view(struct viewer *viewer)
 {
-    const struct settings *settings = &viewer->scene.settings;
-    viewer->camera = viewer->scene.cameras[viewer->camera_index];
-    viewer->wants_target = true;
-    pace_init(&viewer->pace, viewer->pace.target_ms);
-    rig_init(&viewer->rig, &viewer->camera, viewer->bounds_min, viewer->bounds_max);
+    const struct settings *settings = &viewer->document.scene.settings;
+    viewer->view.camera = viewer->document.scene.cameras[viewer->view.camera_index];
+    viewer->view.wants_target = true;
+    pace_init(&viewer->view.pace, viewer->view.pace.target_ms);
+    rig_init(&viewer->view.rig, &viewer->view.camera, viewer->document.bounds_min,
+             viewer->document.bounds_max);
     orbit_model(viewer);
-    memset(viewer->saved, 0, sizeof viewer->saved);
+    memset(viewer->view.saved, 0, sizeof viewer->view.saved);
     set_methods(viewer);
-    viewer->shown.exposure = settings->exposure;
-    viewer->shown.exposure_is_auto = settings->exposure_is_auto;
+    viewer->stage.shown.exposure = settings->exposure;
+    viewer->stage.shown.exposure_is_auto = settings->exposure_is_auto;
     viewer_begin_exposure(viewer);
-    viewer->shown.tone = settings->tone_curve;
-    viewer->shown.spp_limit =
-        options_given(viewer->options, OPTION_SPP) ? (uint32_t)settings->spp : 0;
+    viewer->stage.shown.tone = settings->tone_curve;
+    viewer->stage.shown.spp_limit =
+        options_given(viewer->shell.options, OPTION_SPP) ? (uint32_t)settings->spp : 0;
 }
 
 // Cameras that outlive the scene that they came with.
 static void rename_cameras(struct viewer *viewer)
 {
-    const char *name = viewer->scene.cameras[viewer->camera_index].name;
-    viewer->camera.name = name;
+    const char *name = viewer->document.scene.cameras[viewer->view.camera_index].name;
+    viewer->view.camera.name = name;
     for (uint32_t i = 0; i < VIEWER_SAVED_VIEWS; i++)
-        viewer->saved[i].camera.name = name;
+        viewer->view.saved[i].camera.name = name;
 }
 
 static void set_title(struct viewer *viewer)
 {
     char title[256];
-    snprintf(title, sizeof title, "%s - Lampyris", path_name(viewer->scene_path));
-    window_set_title(&viewer->window, title);
+    snprintf(title, sizeof title, "%s - Lampyris", path_name(viewer->document.scene_path));
+    window_set_title(&viewer->shell.window, title);
 }
 
 static void adopt(struct viewer *viewer, const struct opened *opened, bool keep_view)
 {
     viewer_close_scene(viewer);
-    viewer->scene = opened->scene;
-    viewer->pristine = opened->pristine;
-    viewer->pristine_arena = opened->pristine_arena;
-    viewer->geometry = opened->geometry;
-    viewer->load_params = opened->params;
-    viewer->camera_index = opened->camera;
-    viewer->original = surroundings_keep(&viewer->scene);
-    viewer->surroundings = surroundings_default();
-    viewer->has_scene = true;
+    viewer->document.scene = opened->scene;
+    viewer->document.pristine = opened->pristine;
+    viewer->document.pristine_arena = opened->pristine_arena;
+    viewer->document.geometry = opened->geometry;
+    viewer->document.load_params = opened->params;
+    viewer->view.camera_index = opened->camera;
+    viewer->document.original = surroundings_keep(&viewer->document.scene);
+    viewer->document.surroundings = surroundings_default();
+    viewer->document.has_scene = true;
     set_title(viewer);
     viewer_find_bounds(viewer);
     if (keep_view)
@@ -191,39 +194,39 @@ static void adopt(struct viewer *viewer, const struct opened *opened, bool keep_
 
 bool viewer_load_scene(struct viewer *viewer, const char *path, bool keep_view, struct err *err)
 {
-    const struct options before = viewer->scene_options;
-    char old_path[sizeof viewer->scene_path];
+    const struct options before = viewer->document.scene_options;
+    char old_path[sizeof viewer->document.scene_path];
     struct opened opened;
     uint64_t start = clock_ns();
-    if (strlen(path) >= sizeof viewer->scene_path)
+    if (strlen(path) >= sizeof viewer->document.scene_path)
         return err_set(err, ERR_INPUT, "a path of %zu bytes: expected fewer than %zu", strlen(path),
-                       sizeof viewer->scene_path);
-    memcpy(old_path, viewer->scene_path, sizeof old_path);
-    memmove(viewer->scene_path, path, strlen(path) + 1);
-    set_options(viewer, viewer->scene_path);
+                       sizeof viewer->document.scene_path);
+    memcpy(old_path, viewer->document.scene_path, sizeof old_path);
+    memmove(viewer->document.scene_path, path, strlen(path) + 1);
+    set_options(viewer, viewer->document.scene_path);
     if (!open_scene(viewer, &opened, err)) {
-        memcpy(viewer->scene_path, old_path, sizeof old_path);
-        viewer->scene_options = before;
+        memcpy(viewer->document.scene_path, old_path, sizeof old_path);
+        viewer->document.scene_options = before;
         return false;
     }
-    adopt(viewer, &opened, keep_view && viewer->has_scene);
-    viewer->load_seconds = clock_seconds_since(start);
-    for (uint32_t i = 0; i < viewer->scene.note_count; i++)
-        log_info("%s", viewer->scene.notes[i]);
+    adopt(viewer, &opened, keep_view && viewer->document.has_scene);
+    viewer->document.load_seconds = clock_seconds_since(start);
+    for (uint32_t i = 0; i < viewer->document.scene.note_count; i++)
+        log_info("%s", viewer->document.scene.notes[i]);
     return true;
 }
 
 bool viewer_open_scene(struct viewer *viewer, const char *path, bool keep_view)
 {
     struct err err = {0};
-    if (viewer->puts_off) {
-        snprintf(viewer->wanted_path, sizeof viewer->wanted_path, "%s", path);
-        viewer->wanted_keeps_view = keep_view;
+    if (viewer->shell.puts_off) {
+        snprintf(viewer->document.wanted_path, sizeof viewer->document.wanted_path, "%s", path);
+        viewer->document.wanted_keeps_view = keep_view;
         return true;
     }
     if (viewer_load_scene(viewer, path, keep_view, &err)) {
         viewer_message(viewer, MESSAGE_NOTE, "%s %s in %.2f s", keep_view ? "reloaded" : "opened",
-                       viewer->scene_path, viewer->load_seconds);
+                       viewer->document.scene_path, viewer->document.load_seconds);
         return true;
     }
     viewer_message(viewer, MESSAGE_ERROR, "%s", err.msg);
@@ -234,15 +237,16 @@ void viewer_close_scene(struct viewer *viewer)
 {
     for (uint32_t side = 0; side < VIEWER_SIDES; side++)
         viewer_close_side(viewer, side);
-    history_clear(viewer->history);
-    geometry_finish(&viewer->geometry);
-    arena_finish(&viewer->surroundings_arena);
-    arena_finish(&viewer->pristine_arena);
-    scene_finish(&viewer->scene);
-    if (viewer->display.gpu)
-        display_forget(&viewer->display);
-    viewer->pristine = (struct scene){0};
-    viewer->has_scene = viewer->has_kept = false;
-    viewer->picked = (struct picked){0};
-    viewer->chosen_material = viewer->chosen_light = viewer->chosen_object = 0;
+    history_clear(viewer->document.history);
+    geometry_finish(&viewer->document.geometry);
+    arena_finish(&viewer->document.surroundings_arena);
+    arena_finish(&viewer->document.pristine_arena);
+    scene_finish(&viewer->document.scene);
+    if (viewer->stage.display.gpu)
+        display_forget(&viewer->stage.display);
+    viewer->document.pristine = (struct scene){0};
+    viewer->document.has_scene = viewer->stage.has_kept = false;
+    viewer->document.picked = (struct picked){0};
+    viewer->document.chosen_material = viewer->document.chosen_light =
+        viewer->document.chosen_object = 0;
 }

@@ -10,7 +10,7 @@
 
 bool viewer_is_ending(const struct viewer *viewer)
 {
-    return viewer->wants_quit || viewer->window.should_close || signals_received() != 0;
+    return viewer->shell.wants_quit || viewer->shell.window.should_close || signals_received() != 0;
 }
 
 static bool should_stop(void *context)
@@ -25,23 +25,24 @@ static void report_progress(void *context, const char *phase, double fraction)
 
 static bool has_picture(const struct viewer *viewer)
 {
-    return viewer->display.pixels.handle && viewer->screen.width == viewer->window.width &&
-           viewer->screen.height == viewer->window.height &&
-           viewer->display.pixels.bytes >=
-               (uint64_t)viewer->screen.width * viewer->screen.height * 4;
+    return viewer->stage.display.pixels.handle &&
+           viewer->stage.screen.width == viewer->shell.window.width &&
+           viewer->stage.screen.height == viewer->shell.window.height &&
+           viewer->stage.display.pixels.bytes >=
+               (uint64_t)viewer->stage.screen.width * viewer->stage.screen.height * 4;
 }
 
 // What is let go of meanwhile is held no more; all else that happens meanwhile is not for the scene
 // that is to come.
 static void poll_meanwhile(struct viewer *viewer)
 {
-    window_poll(&viewer->window, 0.0);
-    for (uint32_t i = 0; i < viewer->window.event_count; i++) {
-        const struct event *event = &viewer->window.events[i];
+    window_poll(&viewer->shell.window, 0.0);
+    for (uint32_t i = 0; i < viewer->shell.window.event_count; i++) {
+        const struct event *event = &viewer->shell.window.events[i];
         bool lets_go = (event->kind == EVENT_KEY || event->kind == EVENT_BUTTON) && !event->down;
         if (!lets_go && event->kind != EVENT_FOCUS)
             continue;
-        gui_event(&viewer->gui, event);
+        gui_event(&viewer->shell.gui, event);
         viewer_event(viewer, event);
     }
 }
@@ -51,20 +52,22 @@ void viewer_show_progress(struct viewer *viewer, const char *phase, double fract
 {
     struct err err = {0};
     double now = viewer_seconds(viewer);
-    bool is_long = clock_seconds_since(viewer->frame_ns) > LONG_WORK_SECONDS;
-    if (viewer->puts_off || !is_long || now - viewer->progress_seconds < PROGRESS_SECONDS ||
-        !viewer->window.handle)
+    bool is_long = clock_seconds_since(viewer->shell.frame_ns) > LONG_WORK_SECONDS;
+    if (viewer->shell.puts_off || !is_long ||
+        now - viewer->shell.progress_seconds < PROGRESS_SECONDS || !viewer->shell.window.handle)
         return;
-    viewer->progress_seconds = now;
+    viewer->shell.progress_seconds = now;
     poll_meanwhile(viewer);
-    if (!has_picture(viewer) || viewer->window.is_minimised)
+    if (!has_picture(viewer) || viewer->shell.window.is_minimised)
         return;
-    gui_begin(&viewer->gui, viewer->window.width, viewer->window.height, PROGRESS_SECONDS);
-    gui_progress(&viewer->gui, phase, fraction);
-    gui_end(&viewer->gui, &viewer->drawing);
-    if (gpu_screen_draw(&viewer->gpu, &viewer->screen, &viewer->display.pixels, &viewer->drawing,
-                        &err))
-        swapchain_show(&viewer->gpu, &viewer->swapchain, &viewer->window, &viewer->screen, &err);
+    gui_begin(&viewer->shell.gui, viewer->shell.window.width, viewer->shell.window.height,
+              PROGRESS_SECONDS);
+    gui_progress(&viewer->shell.gui, phase, fraction);
+    gui_end(&viewer->shell.gui, &viewer->shell.drawing);
+    if (gpu_screen_draw(&viewer->stage.gpu, &viewer->stage.screen, &viewer->stage.display.pixels,
+                        &viewer->shell.drawing, &err))
+        swapchain_show(&viewer->stage.gpu, &viewer->stage.swapchain, &viewer->shell.window,
+                       &viewer->stage.screen, &err);
 }
 
 struct progress viewer_progress(struct viewer *viewer)

@@ -10,27 +10,27 @@
 
 double viewer_seconds(const struct viewer *viewer)
 {
-    return clock_seconds_since(viewer->start_ns);
+    return clock_seconds_since(viewer->shell.start_ns);
 }
 
 void viewer_print(const struct viewer *viewer, enum log_level level, const char *text)
 {
     static const char *const names[] = {"error", "warning", "note", "debug"};
-    if (level <= viewer->log.level)
+    if (level <= viewer->shell.log.level)
         fprintf(stderr, "lampyris-view: %s: %s\n", names[level], text);
 }
 
 static void set_message(struct viewer *viewer, enum message_kind kind, const char *text)
 {
-    viewer->message_kind = kind;
-    snprintf(viewer->message, sizeof viewer->message, "%s", text);
-    viewer->message_seconds = viewer_seconds(viewer);
+    viewer->shell.message_kind = kind;
+    snprintf(viewer->shell.message, sizeof viewer->shell.message, "%s", text);
+    viewer->shell.message_seconds = viewer_seconds(viewer);
 }
 
 void viewer_message(struct viewer *viewer, enum message_kind kind, const char *format, ...)
 {
     static const enum log_level levels[] = {LOG_INFO, LOG_WARN, LOG_ERROR};
-    char text[sizeof viewer->message];
+    char text[sizeof viewer->shell.message];
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
@@ -45,7 +45,7 @@ void viewer_message(struct viewer *viewer, enum message_kind kind, const char *f
 static void take_log(void *context, enum log_level level, const char *text)
 {
     struct viewer *viewer = context;
-    struct viewer_log *log = &viewer->log;
+    struct viewer_log *log = &viewer->shell.log;
     pthread_mutex_lock(&log->mutex);
     if (strcmp(log->last, text) != 0) {
         viewer_print(viewer, level, text);
@@ -58,7 +58,7 @@ static void take_log(void *context, enum log_level level, const char *text)
 
 void viewer_log_show(struct viewer *viewer)
 {
-    struct viewer_log *log = &viewer->log;
+    struct viewer_log *log = &viewer->shell.log;
     pthread_mutex_lock(&log->mutex);
     if (log->is_new)
         set_message(viewer, log->last_level == LOG_ERROR ? MESSAGE_ERROR : MESSAGE_WARNING,
@@ -69,13 +69,13 @@ void viewer_log_show(struct viewer *viewer)
 
 void viewer_log_begin(struct viewer *viewer, enum log_level level)
 {
-    pthread_mutex_init(&viewer->log.mutex, NULL);
-    viewer->log.level = level;
+    pthread_mutex_init(&viewer->shell.log.mutex, NULL);
+    viewer->shell.log.level = level;
     log_configure(level > LOG_WARN ? level : LOG_WARN, take_log, viewer);
 }
 
 void viewer_log_end(struct viewer *viewer)
 {
-    log_configure(viewer->log.level, NULL, NULL);
-    pthread_mutex_destroy(&viewer->log.mutex);
+    log_configure(viewer->shell.log.level, NULL, NULL);
+    pthread_mutex_destroy(&viewer->shell.log.mutex);
 }

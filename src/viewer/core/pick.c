@@ -21,7 +21,7 @@ static void take_hit(const struct viewer *viewer, const struct view *view,
 {
     double away[3];
     out->object = viewer_object(&view->renderer, hit->is_shape, hit->primitive, hit->instance);
-    out->material = (uint32_t)(hit->material - viewer->scene.materials);
+    out->material = (uint32_t)(hit->material - viewer->document.scene.materials);
     out->primitive = hit->primitive;
     memcpy(out->position, hit->position, sizeof out->position);
     for (int c = 0; c < 3; c++)
@@ -39,20 +39,20 @@ bool viewer_pick(struct viewer *viewer, double x, double y, struct picked *out, 
 {
     uint32_t place[4];
     viewer_picture_place(viewer, place);
-    bool is_right = viewer->side_count > 1 && x >= viewer_split_x(viewer);
-    struct view *view = &viewer->sides[is_right];
+    bool is_right = viewer->stage.side_count > 1 && x >= viewer_split_x(viewer);
+    struct view *view = &viewer->stage.sides[is_right];
     *out = (struct picked){.object = VIEWER_NO_OBJECT, .material = VIEWER_NO_OBJECT};
     x -= place[0];
     y -= place[1];
     bool is_inside = x >= 0.0 && y >= 0.0 && x < place[2] && y < place[3];
-    if (!viewer->has_scene || !view->is_ready || !is_inside)
+    if (!viewer->document.has_scene || !view->is_ready || !is_inside)
         return true;
     const struct gpu_frame *frame = &view->renderer.frame;
     struct replay replay;
     // One of the very samples that the picture is made of.
     if (!renderer_replay(&view->renderer, pixel_at(x, place[2], frame->width),
-                         pixel_at(y, place[3], frame->height), 0, &viewer->frame_arena, &replay,
-                         err))
+                         pixel_at(y, place[3], frame->height), 0, &viewer->shell.frame_arena,
+                         &replay, err))
         return false;
     out->is_some = true;
     if (replay.vertex_count > 0 && strcmp(replay.vertices[0].queue, "surface") == 0)

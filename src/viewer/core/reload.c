@@ -83,9 +83,9 @@ static void release(struct shader_code *code, struct gpu *gpu)
 
 static bool is_used(const struct set *set, const struct viewer *viewer)
 {
-    bool used = viewer->kernels == &set->kernels;
+    bool used = viewer->stage.kernels == &set->kernels;
     for (uint32_t i = 0; i < VIEWER_SIDES; i++)
-        used |= viewer->sides[i].renderer.kernel_set == &set->kernels;
+        used |= viewer->stage.sides[i].renderer.kernel_set == &set->kernels;
     return used;
 }
 
@@ -99,7 +99,7 @@ static void free_unused_sets(struct reload *reload, struct viewer *viewer)
         }
         *link = set->next;
         for (int id = 0; id < KERNEL_COUNT; id++)
-            release(set->codes[id], &viewer->gpu);
+            release(set->codes[id], &viewer->stage.gpu);
         free(set);
     }
 }
@@ -108,11 +108,11 @@ void reload_destroy(struct reload *reload, struct viewer *viewer)
 {
     if (!reload)
         return;
-    viewer->kernels = NULL;
+    viewer->stage.kernels = NULL;
     free_unused_sets(reload, viewer);
     for (uint32_t i = 0; i < reload->source_count; i++) {
         free(reload->sources[i].unit.files);
-        release(reload->sources[i].code, &viewer->gpu);
+        release(reload->sources[i].code, &viewer->stage.gpu);
     }
     free(reload);
 }
@@ -181,7 +181,7 @@ static void take(struct reload *reload, struct gpu *gpu, uint32_t index, bool ba
 
 static struct shader_code *current_code(const struct viewer *viewer, int id)
 {
-    const struct set *set = (const struct set *)viewer->kernels; // its first member
+    const struct set *set = (const struct set *)viewer->stage.kernels; // its first member
     return set ? set->codes[id] : NULL;
 }
 
@@ -214,8 +214,8 @@ static int use_sources(struct reload *reload, struct viewer *viewer)
         set->next = reload->sets;
         reload->sets = set;
     }
-    viewer->kernels = set ? &set->kernels : NULL;
-    viewer->shaders_changed = true;
+    viewer->stage.kernels = set ? &set->kernels : NULL;
+    viewer->stage.shaders_changed = true;
     return changed;
 }
 _Static_assert(offsetof(struct set, kernels) == 0, "current_code counts on it");
@@ -236,11 +236,11 @@ static void done(void *context, void *viewer_pointer, bool ok, const struct err 
 {
     struct viewer *viewer = viewer_pointer;
     struct compile *c = context;
-    struct reload *reload = viewer->reload;
+    struct reload *reload = viewer->shell.reload;
     reload->is_running = false;
     for (uint32_t i = 0; i < c->job.count; i++)
         if (c->results[i].outcome == SHADER_COMPILED)
-            take(reload, &viewer->gpu, i, c->job.ballot, &c->results[i]);
+            take(reload, &viewer->stage.gpu, i, c->job.ballot, &c->results[i]);
     memcpy(reload->errors, c->errors, sizeof reload->errors);
     if (ok)
         tell(viewer, c, use_sources(reload, viewer));
@@ -256,7 +256,7 @@ static void done(void *context, void *viewer_pointer, bool ok, const struct err 
 
 void reload_shaders(struct viewer *viewer)
 {
-    struct reload *reload = viewer->reload;
+    struct reload *reload = viewer->shell.reload;
     if (reload->why_not) {
         viewer_message(viewer, MESSAGE_ERROR, "shaders: %s: %s", reload->folder, reload->why_not);
         return;
@@ -274,13 +274,13 @@ void reload_shaders(struct viewer *viewer)
         c->units[i] = reload->sources[i].unit;
     c->job = (struct shader_job){
         .folder = reload->folder,
-        .ballot = viewer->gpu.has_ballot,
+        .ballot = viewer->stage.gpu.has_ballot,
         .units = c->units,
         .count = reload->source_count,
         .is_cancelled = &reload->is_cancelled,
     };
     c->start_ns = clock_ns();
-    if (!worker_add(viewer->worker, &(struct worker_task){"shaders", compile, done, c})) {
+    if (!worker_add(viewer->shell.worker, &(struct worker_task){"shaders", compile, done, c})) {
         free(c);
         viewer_message(viewer, MESSAGE_ERROR, "shaders: too much else is being done");
         return;

@@ -58,8 +58,8 @@ double frame_times_quantile(struct frame_times *times, double part)
 static void count_kernels(struct viewer *viewer, double *rays)
 {
     double ms[KERNEL_COUNT] = {0};
-    for (uint32_t side = 0; side < viewer->side_count; side++) {
-        struct view *view = &viewer->sides[side];
+    for (uint32_t side = 0; side < viewer->stage.side_count; side++) {
+        struct view *view = &viewer->stage.sides[side];
         const struct render_stats *now = &view->renderer.stats, *seen = &view->seen;
         if (!view->is_ready)
             continue;
@@ -69,17 +69,17 @@ static void count_kernels(struct viewer *viewer, double *rays)
         view->seen = *now;
     }
     for (int id = 0; id < KERNEL_COUNT; id++)
-        viewer->stats.kernel_ms[id] += NEWEST * (ms[id] - viewer->stats.kernel_ms[id]);
+        viewer->stage.stats.kernel_ms[id] += NEWEST * (ms[id] - viewer->stage.stats.kernel_ms[id]);
 }
 
 static void count_rates(struct viewer *viewer, double rays)
 {
-    struct frame_rate *rate = &viewer->rate;
-    struct frame_stats *stats = &viewer->stats;
+    struct frame_rate *rate = &viewer->stage.rate;
+    struct frame_stats *stats = &viewer->stage.stats;
     double now = viewer_seconds(viewer), seconds = now - rate->since;
     rate->frames++;
     rate->rays += rays;
-    rate->samples += viewer->frame_samples;
+    rate->samples += viewer->stage.frame_samples;
     if (seconds < RATE_SECONDS)
         return;
     stats->fps = rate->frames / seconds;
@@ -90,33 +90,35 @@ static void count_rates(struct viewer *viewer, double rays)
 
 static bool is_resting(const struct viewer *viewer)
 {
-    bool is_done = !viewer->is_moving;
-    for (uint32_t side = 0; side < viewer->side_count && viewer->has_scene; side++) {
-        const struct view *view = &viewer->sides[side];
-        bool goes_on = view->method.fresh_frames && !viewer->is_paused;
+    bool is_done = !viewer->view.is_moving;
+    for (uint32_t side = 0; side < viewer->stage.side_count && viewer->document.has_scene; side++) {
+        const struct view *view = &viewer->stage.sides[side];
+        bool goes_on = view->method.fresh_frames && !viewer->stage.is_paused;
         is_done &= view->is_ready && !goes_on && viewer_samples_left(viewer, view) == 0;
         is_done &= view_is_denoised(viewer, view);
     }
-    return is_done && worker_is_idle(viewer->worker) && viewer_holds_nothing(viewer) &&
-           !(viewer->rig.revolves && viewer->rig.mode == RIG_ORBIT);
+    return is_done && worker_is_idle(viewer->shell.worker) && viewer_holds_nothing(viewer) &&
+           !(viewer->view.rig.revolves && viewer->view.rig.mode == RIG_ORBIT);
 }
 
 void viewer_count_frame(struct viewer *viewer)
 {
-    struct frame_stats *stats = &viewer->stats;
-    double rays = 0.0, ms = clock_seconds_since(viewer->frame_ns) * 1e3;
+    struct frame_stats *stats = &viewer->stage.stats;
+    double rays = 0.0, ms = clock_seconds_since(viewer->shell.frame_ns) * 1e3;
     // With vsync presenting waits for the display, which is no work.
-    double waiting = viewer->swapchain.vsync ? stats->present_ms : 0.0;
+    double waiting = viewer->stage.swapchain.vsync ? stats->present_ms : 0.0;
     stats->frame_ms = ms;
     stats->frames++;
-    pace_measure(&viewer->pace, 0.0, 0.0,
+    pace_measure(&viewer->view.pace, 0.0, 0.0,
                  fmax(ms - stats->render_ms - stats->denoise_ms - waiting, 0.0));
-    if (viewer->has_scene)
+    if (viewer->document.has_scene)
         count_kernels(viewer, &rays);
     count_rates(viewer, rays);
-    viewer->is_resting = is_resting(viewer);
-    if (viewer->has_scene && !viewer->is_paused && !viewer->is_resting)
-        frame_times_add(viewer->is_moving ? &viewer->moving_times : &viewer->resting_times, ms);
+    viewer->stage.is_resting = is_resting(viewer);
+    if (viewer->document.has_scene && !viewer->stage.is_paused && !viewer->stage.is_resting)
+        frame_times_add(viewer->view.is_moving ? &viewer->stage.moving_times
+                                               : &viewer->stage.resting_times,
+                        ms);
 }
 
 // --- when it ends --------------------------------------------------------------------------------
@@ -144,19 +146,20 @@ static json_t *side_json(const struct view *view)
 static void print_json(struct viewer *viewer)
 {
     json_t *sides = json_array();
-    for (uint32_t side = 0; side < viewer->side_count && viewer->has_scene; side++)
-        json_array_append_new(sides, side_json(&viewer->sides[side]));
-    const struct frame_stats *stats = &viewer->stats;
+    for (uint32_t side = 0; side < viewer->stage.side_count && viewer->document.has_scene; side++)
+        json_array_append_new(sides, side_json(&viewer->stage.sides[side]));
+    const struct frame_stats *stats = &viewer->stage.stats;
     double seconds = viewer_seconds(viewer);
     command_print(json_pack(
         "{s:o, s:o, s:{s:i, s:i}, s:I, s:f, s:f, s:o, s:{s:o, s:o}, s:i, s:o, s:i}", "scene",
-        viewer->has_scene ? json_words(viewer->scene_path) : json_null(), "device",
-        json_words(viewer->gpu.info.name), "size", "width", (int)viewer->window.width, "height",
-        (int)viewer->window.height, "frames", (json_int_t)stats->frames, "seconds", seconds,
-        "render_seconds", viewer->render_seconds, "fps",
-        json_number((double)stats->frames / seconds), "frame_ms", "moving",
-        times_json(&viewer->moving_times), "resting", times_json(&viewer->resting_times), "shrink",
-        (int)viewer->pace.shrink, "sides", sides, "recoveries", (int)viewer->recoveries));
+        viewer->document.has_scene ? json_words(viewer->document.scene_path) : json_null(),
+        "device", json_words(viewer->stage.gpu.info.name), "size", "width",
+        (int)viewer->shell.window.width, "height", (int)viewer->shell.window.height, "frames",
+        (json_int_t)stats->frames, "seconds", seconds, "render_seconds",
+        viewer->stage.render_seconds, "fps", json_number((double)stats->frames / seconds),
+        "frame_ms", "moving", times_json(&viewer->stage.moving_times), "resting",
+        times_json(&viewer->stage.resting_times), "shrink", (int)viewer->view.pace.shrink, "sides",
+        sides, "recoveries", (int)viewer->stage.recoveries));
 }
 
 static void print_times(const char *label, struct frame_times *times)
@@ -169,11 +172,13 @@ static void print_times(const char *label, struct frame_times *times)
 
 static void print_side(const struct viewer *viewer, uint32_t index)
 {
-    const struct view *view = &viewer->sides[index];
+    const struct view *view = &viewer->stage.sides[index];
     const struct view_look look = view_newest_look(view);
     const struct half_error *error = &look.error;
     char words[FILM_ERROR_WORDS];
-    const char *label = viewer->side_count == 1 ? "picture " : index == 0 ? "left    " : "right   ";
+    const char *label = viewer->stage.side_count == 1 ? "picture "
+                        : index == 0                  ? "left    "
+                                                      : "right   ";
     printf("%s  %llu spp in %.3f s of rendering", label, (unsigned long long)view_samples(view),
            view->seconds);
     film_error_words(error, words);
@@ -186,15 +191,15 @@ static void print_side(const struct viewer *viewer, uint32_t index)
 
 static void print_text(struct viewer *viewer)
 {
-    print_line("device    ", viewer->gpu.info.name);
-    if (viewer->has_scene)
-        print_line("scene     ", viewer->scene_path);
+    print_line("device    ", viewer->stage.gpu.info.name);
+    if (viewer->document.has_scene)
+        print_line("scene     ", viewer->document.scene_path);
     printf("frames    %llu of %u x %u in %.1f s, of which %.1f s were rendering\n",
-           (unsigned long long)viewer->stats.frames, viewer->window.width, viewer->window.height,
-           viewer_seconds(viewer), viewer->render_seconds);
-    print_times("moving  ", &viewer->moving_times);
-    print_times("resting ", &viewer->resting_times);
-    for (uint32_t side = 0; side < viewer->side_count && viewer->has_scene; side++)
+           (unsigned long long)viewer->stage.stats.frames, viewer->shell.window.width,
+           viewer->shell.window.height, viewer_seconds(viewer), viewer->stage.render_seconds);
+    print_times("moving  ", &viewer->stage.moving_times);
+    print_times("resting ", &viewer->stage.resting_times);
+    for (uint32_t side = 0; side < viewer->stage.side_count && viewer->document.has_scene; side++)
         print_side(viewer, side);
 }
 
@@ -202,16 +207,16 @@ static void print_text(struct viewer *viewer)
 static void judge(struct viewer *viewer)
 {
     struct err err = {0};
-    for (uint32_t side = 0; side < viewer->side_count && viewer->has_scene; side++)
-        if (viewer->gpu.lost || !view_look_now(viewer, side, &err))
+    for (uint32_t side = 0; side < viewer->stage.side_count && viewer->document.has_scene; side++)
+        if (viewer->stage.gpu.lost || !view_look_now(viewer, side, &err))
             return;
 }
 
 void viewer_report(struct viewer *viewer)
 {
     judge(viewer);
-    if (viewer->options->json)
+    if (viewer->shell.options->json)
         print_json(viewer);
-    else if (!viewer->options->quiet)
+    else if (!viewer->shell.options->quiet)
         print_text(viewer);
 }

@@ -34,7 +34,7 @@ struct saving {
 // "folder/box.json" -> "box"; what is saved goes into the working directory.
 static char *stem_of(const struct viewer *viewer, struct arena *arena)
 {
-    const char *name = path_name(viewer->scene_path);
+    const char *name = path_name(viewer->document.scene_path);
     const char *extension = path_extension(name);
     size_t length = strlen(name);
     if (*extension)
@@ -67,31 +67,31 @@ static char *free_name(struct arena *arena, const char *stem, const char *extens
 static bool describe(const struct viewer *viewer, uint32_t side, const struct film_image *film,
                      struct saving *saving, struct err *err)
 {
-    const struct view *view = &viewer->sides[side];
+    const struct view *view = &viewer->stage.sides[side];
     struct render_run *run = calloc(1, sizeof *run);
     struct options *options = arena_alloc(&saving->arena, 1, sizeof *options);
     if (!run || !options) {
         free(run);
         return err_memory(err, "metadata", sizeof *run);
     }
-    *options = viewer->scene_options;
+    *options = viewer->document.scene_options;
     options->aovs = view->renderer.aovs;
     options->features = view->method.everything ? FEATURES_ALL : FEATURES_NEEDED;
     // Copies of what is only looked at.
     run->options = options;
     run->scene = view->scene;
-    run->exposure = viewer->shown.exposure;
-    run->scene.settings.tone_curve = (enum tone_curve)viewer->shown.tone;
-    run->gpu = viewer->gpu;
+    run->exposure = viewer->stage.shown.exposure;
+    run->scene.settings.tone_curve = (enum tone_curve)viewer->stage.shown.tone;
+    run->gpu = viewer->stage.gpu;
     run->job.renderer = view->renderer;
-    run->camera = viewer->camera_index;
+    run->camera = viewer->view.camera_index;
     run->job.film = *film;
     run->job.stopped = true; // no command line repeats what was done by hand
     run->job.ended_by =
         film->least_samples == film->most_samples ? ENDED_BY_SAMPLES : ENDED_BY_SIGNAL;
     run->job.seconds = (struct job_seconds){
-        .load = viewer->load_seconds,
-        .bvh = viewer->geometry.bvh.stats.build_seconds,
+        .load = viewer->document.load_seconds,
+        .bvh = viewer->document.geometry.bvh.stats.build_seconds,
         .upload = view->renderer.stats.upload_seconds,
         .compile = view->renderer.stats.compile_seconds,
         .render = view->seconds,
@@ -120,8 +120,8 @@ static bool add_attribute(struct saving *saving, const char *key, const char *va
 static bool add_view(const struct viewer *viewer, struct saving *saving, struct err *err)
 {
     char *steps = arena_printf(&saving->arena, "%u", edit_undo_count(viewer));
-    return add_attribute(saving, "lampyris:view", camera_to_json(&saving->arena, &viewer->camera),
-                         err) &&
+    return add_attribute(saving, "lampyris:view",
+                         camera_to_json(&saving->arena, &viewer->view.camera), err) &&
            add_attribute(saving, "lampyris:edits", steps, err);
 }
 
@@ -222,7 +222,7 @@ static struct saving *begin(const struct viewer *viewer, const char *path, const
 // Takes `saving` over; ok: it has what it needs.
 static bool hand_over(struct viewer *viewer, struct saving *saving, bool ok, struct err *err)
 {
-    if (ok && !worker_add(viewer->worker,
+    if (ok && !worker_add(viewer->shell.worker,
                           &(struct worker_task){"picture", write_picture, picture_done, saving}))
         ok = err_set(err, ERR_OUTPUT, "too many pictures wait to be written");
     if (ok)
@@ -237,31 +237,31 @@ static bool hand_over(struct viewer *viewer, struct saving *saving, bool ok, str
 // that cannot be had, it stays as it is shown.
 static void draw_alone(struct viewer *viewer)
 {
-    struct display_call call = viewer->last_call;
+    struct display_call call = viewer->stage.last_call;
     const uint32_t whole[4] = {0, 0, call.width, call.height};
     struct err ignored = {0};
     if (call.side_count == 0 || memcmp(call.picture, whole, sizeof whole) == 0)
         return;
     memcpy(call.picture, whole, sizeof whole);
-    if (display_draw(&viewer->display, &call, &ignored))
-        viewer->last_call = call;
+    if (display_draw(&viewer->stage.display, &call, &ignored))
+        viewer->stage.last_call = call;
 }
 
 static bool copy_display(struct viewer *viewer, bool with_panel, struct saving *saving,
                          struct err *err)
 {
-    struct gpu_screen *screen = &viewer->screen;
+    struct gpu_screen *screen = &viewer->stage.screen;
     uint64_t pixels = (uint64_t)screen->width * screen->height;
     saving->image.width = screen->width;
     saving->image.height = screen->height;
-    if (!screen->is_drawn || viewer->display.pixels.bytes < pixels * 4)
+    if (!screen->is_drawn || viewer->stage.display.pixels.bytes < pixels * 4)
         return err_set(err, ERR_OUTPUT, "there is no picture so far");
     if (with_panel)
-        return gpu_screen_read(&viewer->gpu, screen, &saving->arena, &saving->display, err);
+        return gpu_screen_read(&viewer->stage.gpu, screen, &saving->arena, &saving->display, err);
     draw_alone(viewer);
     saving->display = arena_alloc(&saving->arena, pixels, sizeof *saving->display);
-    return saving->display ? gpu_download(&viewer->gpu, &viewer->display.pixels, 0, saving->display,
-                                          pixels * 4, err)
+    return saving->display ? gpu_download(&viewer->stage.gpu, &viewer->stage.display.pixels, 0,
+                                          saving->display, pixels * 4, err)
                            : err_memory(err, "the picture", pixels * 4);
 }
 
@@ -270,7 +270,7 @@ bool save_png(struct viewer *viewer, const char *path, bool with_panel)
     struct err err = {0};
     struct saving *saving = begin(viewer, path, "png", &err);
     bool ok = saving && copy_display(viewer, with_panel, saving, &err) &&
-              (!viewer->has_scene || add_view(viewer, saving, &err)) &&
+              (!viewer->document.has_scene || add_view(viewer, saving, &err)) &&
               add_attribute(saving, "lampyris:version", LAMPYRIS_VERSION, &err);
     return hand_over(viewer, saving, ok, &err);
 }
@@ -287,7 +287,7 @@ static bool copy_denoised(struct viewer *viewer, const struct view *view, struct
     saving->image.pixels = arena_alloc(&saving->arena, pixels, sizeof *saving->image.pixels);
     if (!four || !saving->image.pixels)
         return err_memory(err, "the picture", pixels * sizeof *four);
-    if (!gpu_download(&viewer->gpu, &denoiser->picture, 0, four, pixels * sizeof *four, err))
+    if (!gpu_download(&viewer->stage.gpu, &denoiser->picture, 0, four, pixels * sizeof *four, err))
         return false;
     for (uint64_t i = 0; i < pixels; i++)
         memcpy(saving->image.pixels[i], four[i], sizeof *saving->image.pixels);
@@ -298,16 +298,16 @@ static bool copy_denoised(struct viewer *viewer, const struct view *view, struct
 static bool copy_film(struct viewer *viewer, uint32_t side, bool denoised, struct saving *saving,
                       struct err *err)
 {
-    struct view *view = &viewer->sides[side];
+    struct view *view = &viewer->stage.sides[side];
     struct film_image film;
-    if (side >= viewer->side_count || !view->is_ready)
+    if (side >= viewer->stage.side_count || !view->is_ready)
         return err_set(err, ERR_OUTPUT, "there is no picture so far");
     if (!renderer_read(&view->renderer, &saving->arena, &film, err) ||
         !describe(viewer, side, &film, saving, err) || !add_view(viewer, saving, err))
         return false;
     saving->image = (struct image){film.width, film.height, film.mean};
     saving->mean = (const float(*)[3])film.mean;
-    saving->half_float = viewer->options->half_float;
+    saving->half_float = viewer->shell.options->half_float;
     return !denoised || copy_denoised(viewer, view, saving, err);
 }
 
@@ -325,15 +325,15 @@ bool save_scene(struct viewer *viewer, const char *path)
     struct arena arena = {0};
     struct err err = {0};
     bool is_outside = false;
-    bool ok = viewer->has_scene || err_set(&err, ERR_OUTPUT, "there is no scene to save");
-    const struct view *view = &viewer->sides[viewer->edited_side];
+    bool ok = viewer->document.has_scene || err_set(&err, ERR_OUTPUT, "there is no scene to save");
+    const struct view *view = &viewer->stage.sides[viewer->stage.edited_side];
     struct settings settings = view->method.settings;
     viewer_picture_size(viewer, &settings.width, &settings.height);
-    settings.exposure = viewer->shown.exposure;
-    settings.exposure_is_auto = viewer->shown.exposure_is_auto;
-    settings.tone_curve = (enum tone_curve)viewer->shown.tone;
-    if (viewer->shown.spp_limit > 0)
-        settings.spp = viewer->shown.spp_limit;
+    settings.exposure = viewer->stage.shown.exposure;
+    settings.exposure_is_auto = viewer->stage.shown.exposure_is_auto;
+    settings.tone_curve = (enum tone_curve)viewer->stage.shown.tone;
+    if (viewer->stage.shown.spp_limit > 0)
+        settings.spp = viewer->stage.shown.spp_limit;
     if (ok && !path) {
         const char *stem = stem_of(viewer, &arena);
         path = stem ? free_name(&arena, stem, "json", &err) : NULL;
@@ -341,10 +341,10 @@ bool save_scene(struct viewer *viewer, const char *path)
     }
     const struct scene_write_params params = {
         .path = path,
-        .load = &viewer->load_params,
-        .before = &viewer->pristine,
-        .scene = &viewer->scene,
-        .camera = &viewer->camera,
+        .load = &viewer->document.load_params,
+        .before = &viewer->document.pristine,
+        .scene = &viewer->document.scene,
+        .camera = &viewer->view.camera,
         .settings = &settings,
         .is_outside = &is_outside,
     };

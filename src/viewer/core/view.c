@@ -24,13 +24,13 @@ void view_begin(struct view *view)
 
 bool view_is_denoised(const struct viewer *viewer, const struct view *view)
 {
-    bool is_to_be = viewer->shown.denoise && viewer->shown.what == SHOWN_RADIANCE &&
+    bool is_to_be = viewer->stage.shown.denoise && viewer->stage.shown.what == SHOWN_RADIANCE &&
                     view->denoiser.gpu && view_samples(view) > 0;
     if (!is_to_be)
         return true;
     return view->denoised_samples == view_samples(view) &&
-           view->denoised_by[0] == viewer->shown.denoise_iterations &&
-           view->denoised_by[1] == viewer->shown.denoise_temporal;
+           view->denoised_by[0] == viewer->stage.shown.denoise_iterations &&
+           view->denoised_by[1] == viewer->stage.shown.denoise_temporal;
 }
 
 // --- the error -----------------------------------------------------------------------------------
@@ -91,7 +91,7 @@ static void free_job(struct look_job *job)
 static void look_done(void *context, void *viewer, bool ok, const struct err *err)
 {
     struct look_job *job = context;
-    struct view *view = &((struct viewer *)viewer)->sides[job->side];
+    struct view *view = &((struct viewer *)viewer)->stage.sides[job->side];
     view->is_looking = false;
     if (!ok)
         viewer_message(viewer, MESSAGE_WARNING, "%s", err->msg);
@@ -108,7 +108,7 @@ bool view_wants_look(const struct viewer *viewer, const struct view *view)
     if (!view->is_ready || view->is_preview || view->is_looking || view->method.fresh_frames ||
         view->renderer.pass.length > 0 || samples % 2 != 0)
         return false;
-    bool is_last = samples > 0 && samples == viewer->shown.spp_limit;
+    bool is_last = samples > 0 && samples == viewer->stage.shown.spp_limit;
     if (is_last &&
         (view->look_count == 0 || view->looks[view->look_count - 1].samples != (double)samples))
         return samples >= FIRST_LOOK;
@@ -118,7 +118,7 @@ bool view_wants_look(const struct viewer *viewer, const struct view *view)
 
 static bool start_look(struct viewer *viewer, uint32_t side, struct look_job *job, struct err *err)
 {
-    struct view *view = &viewer->sides[side];
+    struct view *view = &viewer->stage.sides[side];
     const struct renderer *renderer = &view->renderer;
     *job = (struct look_job){
         .side = side,
@@ -134,7 +134,7 @@ static bool start_look(struct viewer *viewer, uint32_t side, struct look_job *jo
 
 bool view_look_now(struct viewer *viewer, uint32_t side, struct err *err)
 {
-    struct view *view = &viewer->sides[side];
+    struct view *view = &viewer->stage.sides[side];
     uint64_t samples = view_samples(view);
     bool is_known =
         view->look_count > 0 && view->looks[view->look_count - 1].samples == (double)samples;
@@ -150,7 +150,7 @@ bool view_look_now(struct viewer *viewer, uint32_t side, struct err *err)
 
 bool view_look_at_error(struct viewer *viewer, uint32_t side, struct err *err)
 {
-    struct view *view = &viewer->sides[side];
+    struct view *view = &viewer->stage.sides[side];
     if (!view_wants_look(viewer, view))
         return true;
     struct look_job *job = malloc(sizeof *job);
@@ -163,12 +163,12 @@ bool view_look_at_error(struct viewer *viewer, uint32_t side, struct err *err)
     view->looked_seconds = viewer_seconds(viewer);
     // At doubling numbers; beyond, the time decides.
     view->next_look = job->samples >= 256 ? job->samples + 2 : 2 * job->samples;
-    view->is_looking = worker_add(viewer->worker, &(struct worker_task){
-                                                      .name = "error",
-                                                      .run = run_look,
-                                                      .done = look_done,
-                                                      .context = job,
-                                                  });
+    view->is_looking = worker_add(viewer->shell.worker, &(struct worker_task){
+                                                            .name = "error",
+                                                            .run = run_look,
+                                                            .done = look_done,
+                                                            .context = job,
+                                                        });
     if (!view->is_looking)
         free_job(job); // the list is full: the next time
     return true;

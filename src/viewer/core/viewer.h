@@ -6,170 +6,16 @@
 #ifndef LAMPYRIS_VIEWER_CORE_VIEWER_H
 #define LAMPYRIS_VIEWER_CORE_VIEWER_H
 
-#include "cli/options.h"
-#include "flatten/geometry.h"
-#include "gpu/screen.h"
-#include "render/show/display.h"
-#include "viewer/core/edit.h"
-#include "viewer/core/keys.h"
-#include "viewer/core/pace.h"
-#include "viewer/core/rig.h"
-#include "viewer/core/view.h"
-#include "viewer/core/worker.h"
-#include "viewer/gui/gui.h"
-#include "viewer/window/swapchain.h"
-#include "viewer/window/window.h"
-#include <pthread.h>
-
-#define VIEWER_SIDES 2u
-#define VIEWER_SAVED_VIEWS 16u
-#define VIEWER_NO_OBJECT UINT32_MAX
-
-// What is seen of what is rendered. Plain data, undone as TARGET_LOOK.
-struct shown {
-    uint32_t what;      // SHOWN_*
-    float exposure;     // stops
-    uint32_t tone;      // enum tone_curve
-    uint32_t automatic; // range of false colours: found from the picture
-    double range[2];
-    uint32_t denoise, denoise_temporal, denoise_iterations;
-    uint32_t split;  // two sides
-    double split_at; // part of the width
-    uint32_t nearest;
-    uint32_t spp_limit;        // samples of a pixel after which the picture rests; 0: none
-    uint32_t exposure_is_auto; // 1: found from the picture
-};
-
-struct saved_view {
-    bool is_used;
-    struct camera camera;
-};
-
-struct picked {
-    bool is_some;
-    uint32_t object, material; // indices; VIEWER_NO_OBJECT: the surroundings
-    uint32_t primitive;
-    double position[3], distance;
-};
-
-// Of the last frames: what the panel tells.
-struct frame_stats {
-    double fps;      // over the last half second
-    double frame_ms; // the last frame, all of it
-    double render_ms, denoise_ms, display_ms, panel_ms, present_ms;
-    uint64_t frames;
-    double kernel_ms[KERNEL_COUNT];             // a frame, a running mean
-    double rays_per_second, samples_per_second; // of one pixel each; over the last half second
-};
-
-// Of all frames of a kind, for the report at the end.
-struct frame_times {
-    float *ms;
-    uint32_t count, capacity; // the first ones
-};
-
-// Since the rates were told last.
-struct frame_rate {
-    double since, rays, samples;
-    uint32_t frames;
-};
-
-enum message_kind { MESSAGE_NOTE, MESSAGE_WARNING, MESSAGE_ERROR };
-
-// What the log says, which comes from any thread, becomes messages of the next frame.
-struct viewer_log {
-    pthread_mutex_t mutex;
-    enum log_level level; // up to which stderr has it, too
-    char last[1024];
-    bool is_new;
-    enum log_level last_level;
-};
-
-struct history;
-struct panel;
-struct script;
-struct reload;
-struct watch;
+#include "viewer/core/document.h"
+#include "viewer/core/shell.h"
+#include "viewer/core/stage.h"
+#include "viewer/core/viewpoint.h"
 
 struct viewer {
-    const struct options *options;
-    struct progress progress; // of long work: shows it in the window, and asks to stop when closed
-    struct gpu gpu;
-    struct window window;
-    struct swapchain swapchain;
-    struct gpu_screen screen;
-    struct gui gui;
-    struct display display;
-    struct worker *worker;
-    struct history *history;
-    struct panel *panel;
-    struct script *script; // NULL without --script
-    struct reload *reload;
-    struct watch *watch; // NULL without --watch
-
-    // The scene, as edited.
-    char scene_path[SURROUNDINGS_PATH_MAX];
-    struct options scene_options;            // those of the command line that concern this scene
-    struct scene_load_params load_params;    // by which it was loaded: for scene_write
-    char wanted_path[SURROUNDINGS_PATH_MAX]; // to be opened when no frame is being drawn; or ""
-    bool wanted_keeps_view;
-    bool has_scene;
-    struct scene scene;
-    struct scene pristine; // as loaded: copies of the arrays that are edited, for scene_write
-    struct arena pristine_arena;
-    struct surroundings_original original;
-    struct surroundings surroundings;
-    struct arena surroundings_arena;
-    double bounds_min[3], bounds_max[3]; // of the scene; min > max: it is empty
-    struct geometry geometry;
-    double load_seconds;
-
-    struct camera camera;  // of all sides
-    uint32_t camera_index; // of the scene's, that it began with
-    struct rig rig;
-    bool wants_target; // the rig's is to be found in the first picture
-    struct keys keys;
-    struct saved_view saved[VIEWER_SAVED_VIEWS];
-    bool is_moving; // the camera moved, or the scene changed, a moment ago
-    struct view sides[VIEWER_SIDES];
-    uint32_t side_count;
-    uint32_t edited_side; // whose method the panel shows
-    struct shown shown;
-    uint64_t exposure_samples; // of a pixel, at which the exposure is to be found; 0: it stays
-    struct picked picked;
-    uint32_t chosen_material, chosen_light, chosen_object; // in the panel's lists
-    struct pace pace;
-    struct frame_stats stats;
-    struct frame_rate rate;
-    struct frame_times moving_times, resting_times;
-    bool puts_off;       // events, jobs or the panel are in hand: scenes are opened afterwards
-    bool is_resting;     // nothing is left to do but to wait for events
-    uint32_t recoveries; // of lost devices
-    bool is_panel_shown;
-    bool is_paused;
-    bool wants_quit;
-    int exit_code; // of what ended it, EXIT_CODE_*
-
-    enum change changes[VIEWER_SIDES]; // asked for in this frame, by side
-    bool shaders_changed;              // reload.c made new kernels
-    struct display_call last_call;    // what is on the screen; without sides: they may have changed
-    bool has_kept;                    // display_keep: shown where there are no samples yet
-    const struct kernel_set *kernels; // of reload.c; NULL: the embedded ones
-    const struct kernel_set *good_kernels; // with which all sides were built
-    struct progress frame_progress;        // of renderers: stops them when the frame's time is over
-    uint64_t render_until_ns;              // the clock's time then
-    struct gpu_drawing drawing;            // of the panel, for the frame that runs
-    double frame_seconds;                  // that the last frame took, waiting included
-    double frame_samples;                  // of single pixels, in the frame that runs
-    double render_seconds;                 // of all frames
-    double input_seconds;                  // clock of the last event
-    double progress_seconds;               // clock: when progress was shown last
-    uint64_t start_ns, frame_ns;           // clock; of the frame that runs
-    struct viewer_log log;
-    enum message_kind message_kind;
-    char message[1024];
-    double message_seconds;   // clock: when it came
-    struct arena frame_arena; // emptied in every frame
+    struct document document;
+    struct viewpoint view;
+    struct stage stage;
+    struct shell shell;
 };
 
 // --- messages.c ----------------------------------------------------------------------------------
@@ -207,7 +53,7 @@ bool viewer_show(struct viewer *viewer, struct err *err);
 // The picture or its light is another one: where the exposure is automatic, it is found anew.
 static inline void viewer_begin_exposure(struct viewer *viewer)
 {
-    viewer->exposure_samples = viewer->shown.exposure_is_auto ? 1 : 0;
+    viewer->stage.exposure_samples = viewer->stage.shown.exposure_is_auto ? 1 : 0;
 }
 // Finds it when it is time to.
 bool viewer_find_exposure(struct viewer *viewer, struct err *err);
@@ -277,8 +123,8 @@ bool reload_create(const struct options *options, struct reload **out, struct er
 void reload_stop(struct reload *reload);
 // When no renderer is left, but before gpu_close. Accepts NULL.
 void reload_destroy(struct reload *reload, struct viewer *viewer);
-// Compiles on the worker's thread; then sets viewer->kernels and shaders_changed. Whoever finds
-// that the device refuses the new ones sets viewer->kernels back to what it was.
+// Compiles on the worker's thread; then sets viewer->stage.kernels and shaders_changed. Whoever
+// finds that the device refuses the new ones sets viewer->stage.kernels back to what it was.
 void reload_shaders(struct viewer *viewer);
 bool reload_can_compile(const struct reload *reload, const char **why_not);
 const char *reload_errors(const struct reload *reload); // "file:line: …" a line; "" without any

@@ -31,14 +31,14 @@ static void list_scene(struct watch *watch, const struct viewer *viewer)
 {
     struct watch_files *files = &watch->scene.files;
     watch_files_finish(files);
-    watch->scene_hash = viewer->scene.hash;
-    memcpy(watch->scene_path, viewer->scene_path, sizeof watch->scene_path);
-    if (!viewer->has_scene)
+    watch->scene_hash = viewer->document.scene.hash;
+    memcpy(watch->scene_path, viewer->document.scene_path, sizeof watch->scene_path);
+    if (!viewer->document.has_scene)
         return;
-    watch_files_add_scene(files, viewer->scene_path);
-    if (viewer->scene.environment.file)
-        watch_files_add(files, viewer->scene.environment.file);
-    watch_files_add(files, viewer->surroundings.image);
+    watch_files_add_scene(files, viewer->document.scene_path);
+    if (viewer->document.scene.environment.file)
+        watch_files_add(files, viewer->document.scene.environment.file);
+    watch_files_add(files, viewer->document.surroundings.image);
     take_stamps(&watch->scene);
 }
 
@@ -48,7 +48,7 @@ bool watch_create(struct viewer *viewer, struct watch **out, struct err *err)
     *out = watch;
     if (!watch)
         return err_memory(err, "watching files", sizeof *watch);
-    watch_files_add_shaders(&watch->shaders.files, reload_folder(viewer->reload));
+    watch_files_add_shaders(&watch->shaders.files, reload_folder(viewer->shell.reload));
     take_stamps(&watch->shaders);
     list_scene(watch, viewer);
     return true;
@@ -78,16 +78,16 @@ static bool has_changed(struct watched *watched)
 
 void watch_poll(struct viewer *viewer)
 {
-    struct watch *watch = viewer->watch;
+    struct watch *watch = viewer->shell.watch;
     double now = viewer_seconds(viewer);
     if (now - watch->looked_seconds < SECONDS_BETWEEN_LOOKS)
         return;
     watch->looked_seconds = now;
-    if (watch->scene_hash != viewer->scene.hash ||
-        strcmp(watch->scene_path, viewer->scene_path) != 0)
+    if (watch->scene_hash != viewer->document.scene.hash ||
+        strcmp(watch->scene_path, viewer->document.scene_path) != 0)
         list_scene(watch, viewer);
     if (has_changed(&watch->shaders))
         reload_shaders(viewer);
-    if (viewer->has_scene && has_changed(&watch->scene))
+    if (viewer->document.has_scene && has_changed(&watch->scene))
         viewer_open_scene(viewer, watch->scene_path, true);
 }

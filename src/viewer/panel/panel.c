@@ -29,26 +29,27 @@ void panel_destroy(struct panel *panel)
 
 static void files(struct viewer *viewer)
 {
-    struct gui *gui = &viewer->gui;
-    struct panel *panel = viewer->panel;
+    struct gui *gui = &viewer->shell.gui;
+    struct panel *panel = viewer->shell.panel;
     gui_group_begin(gui, "files", "Files", "Pictures and scenes are written here.", false);
     gui_switch(gui, "files.with_panel", "With panel",
                "Screenshots show the panel, too; off: the picture alone.", &panel->saves_panel);
     if (gui_button(gui, "files.screenshot", "Screenshot (F12)",
                    "Writes what is shown as a PNG into the working directory."))
         save_png(viewer, NULL, panel->saves_panel);
-    gui_enabled(gui, viewer->shown.denoise);
+    gui_enabled(gui, viewer->stage.shown.denoise);
     gui_switch(gui, "files.denoised", "Denoised",
                "EXRs get the denoised preview instead of the film; off: what was rendered.",
                &panel->saves_denoised);
-    gui_enabled(gui, viewer->has_scene);
+    gui_enabled(gui, viewer->document.has_scene);
     if (gui_button(gui, "files.exr", "EXR (F11)",
                    "Writes the chosen side's film with all metadata into the working directory."))
-        save_exr(viewer, viewer->edited_side, NULL, panel->saves_denoised && viewer->shown.denoise);
+        save_exr(viewer, viewer->stage.edited_side, NULL,
+                 panel->saves_denoised && viewer->stage.shown.denoise);
     gui_text(gui, "files.scene_path", "Scene file",
              "Where \"Save scene\" writes to; it must end in .json.", panel->save_path,
              sizeof panel->save_path);
-    gui_enabled(gui, viewer->has_scene && panel->save_path[0]);
+    gui_enabled(gui, viewer->document.has_scene && panel->save_path[0]);
     if (gui_button(gui, "files.save_scene", "Save scene",
                    "Writes what was edited as a scene file that names the original as its base."))
         save_scene(viewer, panel->save_path);
@@ -57,9 +58,9 @@ static void files(struct viewer *viewer)
 
 static void shaders(struct viewer *viewer)
 {
-    struct gui *gui = &viewer->gui;
+    struct gui *gui = &viewer->shell.gui;
     const char *why_not = NULL;
-    bool can = reload_can_compile(viewer->reload, &why_not);
+    bool can = reload_can_compile(viewer->shell.reload, &why_not);
     gui_group_begin(gui, "shaders", "Shaders", "Kernels compiled anew from their sources.", false);
     gui_enabled(gui, can);
     if (gui_button(gui, "shaders.reload", "Reload (F5)",
@@ -67,10 +68,10 @@ static void shaders(struct viewer *viewer)
         reload_shaders(viewer);
     if (gui_is_drawn(gui)) {
         if (can)
-            gui_line(gui, "%s", reload_folder(viewer->reload));
+            gui_line(gui, "%s", reload_folder(viewer->shell.reload));
         else
             gui_warning(gui, "%s", why_not ? why_not : "not possible here");
-        const char *errors = reload_errors(viewer->reload);
+        const char *errors = reload_errors(viewer->shell.reload);
         if (errors[0])
             gui_warning(gui, "%s", errors);
     }
@@ -79,7 +80,7 @@ static void shaders(struct viewer *viewer)
 
 static void history(struct viewer *viewer)
 {
-    struct gui *gui = &viewer->gui;
+    struct gui *gui = &viewer->shell.gui;
     gui_group_begin(gui, "history", "History", "Changes taken back and made again.", false);
     gui_enabled(gui, edit_undo_count(viewer) > 0);
     if (gui_button(gui, "history.undo", "Undo (Ctrl+Z)", "Takes back the last change."))
@@ -98,7 +99,7 @@ static void history(struct viewer *viewer)
 
 static void keys(struct viewer *viewer)
 {
-    struct gui *gui = &viewer->gui;
+    struct gui *gui = &viewer->shell.gui;
     gui_group_begin(gui, "keys", "Keys", "What keys and mouse do over the picture.", false);
     for (const struct key_help *key = viewer_keys; gui_is_drawn(gui) && key->keys; key++)
         gui_pair(gui, key->keys, "%s", key->help);
@@ -107,8 +108,8 @@ static void keys(struct viewer *viewer)
 
 void panel_draw(struct viewer *viewer)
 {
-    struct gui *gui = &viewer->gui;
-    gui->is_hidden = !viewer->is_panel_shown;
+    struct gui *gui = &viewer->shell.gui;
+    gui->is_hidden = !viewer->shell.is_panel_shown;
     gui_panel_begin(gui, "Lampyris");
     panel_statistics(viewer);
     panel_view(viewer);

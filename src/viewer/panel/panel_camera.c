@@ -26,8 +26,8 @@ static const struct gui_range slot = {1, VIEWER_SAVED_VIEWS, .integer = true};
 
 static void moving(struct viewer *viewer)
 {
-    struct gui *gui = &viewer->gui;
-    struct rig *rig = &viewer->rig;
+    struct gui *gui = &viewer->shell.gui;
+    struct rig *rig = &viewer->view.rig;
     gui_choice(gui, "camera.mode", "Moves",
                "Fly freely, or turn about what was double-clicked (C changes it).", rig_mode_names,
                &rig->mode);
@@ -77,7 +77,7 @@ static double target_distance(const struct viewer *viewer)
 {
     double away[3];
     for (int c = 0; c < 3; c++)
-        away[c] = viewer->rig.target[c] - viewer->camera.position[c];
+        away[c] = viewer->view.rig.target[c] - viewer->view.camera.position[c];
     double distance = vec3_length(away);
     return distance > 0 && isfinite(distance) ? distance : 1;
 }
@@ -131,58 +131,58 @@ static void lens(const struct viewer *viewer, struct form *form, struct camera *
 
 static void camera_of_scene(struct viewer *viewer)
 {
-    const struct scene *scene = &viewer->scene;
+    const struct scene *scene = &viewer->document.scene;
     uint32_t count = scene->camera_count;
-    const char **names = ARENA_NEW(&viewer->frame_arena, const char *, count + 1u);
-    uint32_t chosen = viewer->camera_index;
+    const char **names = ARENA_NEW(&viewer->shell.frame_arena, const char *, count + 1u);
+    uint32_t chosen = viewer->view.camera_index;
     if (!names || !count || chosen >= count)
         return;
     for (uint32_t i = 0; i < count; i++) {
         const char *name = scene->cameras[i].name;
-        names[i] = arena_printf(&viewer->frame_arena, "%u%s%s", i, name && name[0] ? " " : "",
+        names[i] = arena_printf(&viewer->shell.frame_arena, "%u%s%s", i, name && name[0] ? " " : "",
                                 name ? name : "");
         if (!names[i])
             return;
     }
-    gui_enabled(&viewer->gui, count > 1);
-    if (gui_choice(&viewer->gui, "camera.of_scene", "Of the scene", "A camera of the scene file.",
-                   names, &chosen)) {
-        viewer->camera_index = chosen;
+    gui_enabled(&viewer->shell.gui, count > 1);
+    if (gui_choice(&viewer->shell.gui, "camera.of_scene", "Of the scene",
+                   "A camera of the scene file.", names, &chosen)) {
+        viewer->view.camera_index = chosen;
         edit_camera(viewer, &scene->cameras[chosen], "camera.of_scene");
     }
-    gui_enabled(&viewer->gui, true);
+    gui_enabled(&viewer->shell.gui, true);
 }
 
 // --- buttons -------------------------------------------------------------------------------------
 
 static void copy_as_json(struct viewer *viewer)
 {
-    const char *json = camera_to_json(&viewer->frame_arena, &viewer->camera);
+    const char *json = camera_to_json(&viewer->shell.frame_arena, &viewer->view.camera);
     if (!json) {
         viewer_message(viewer, MESSAGE_ERROR, "out of memory: the camera was not copied");
         return;
     }
-    window_set_clipboard(&viewer->window, json);
+    window_set_clipboard(&viewer->shell.window, json);
     viewer_message(viewer, MESSAGE_NOTE, "The camera is in the clipboard, as JSON.");
 }
 
 static void frame_all(struct viewer *viewer)
 {
-    struct camera to = viewer->camera;
+    struct camera to = viewer->view.camera;
     uint32_t width, height;
-    if (!(viewer->bounds_min[0] <= viewer->bounds_max[0])) {
+    if (!(viewer->document.bounds_min[0] <= viewer->document.bounds_max[0])) {
         viewer_message(viewer, MESSAGE_WARNING, "Nothing to frame: the scene is empty.");
         return;
     }
     viewer_picture_size(viewer, &width, &height);
-    rig_frame(&viewer->rig, viewer->bounds_min, viewer->bounds_max, (double)width / (double)height,
-              &to);
+    rig_frame(&viewer->view.rig, viewer->document.bounds_min, viewer->document.bounds_max,
+              (double)width / (double)height, &to);
     edit_camera(viewer, &to, "camera.frame");
 }
 
 static void buttons(struct viewer *viewer)
 {
-    struct gui *gui = &viewer->gui;
+    struct gui *gui = &viewer->shell.gui;
     if (gui_button(gui, "camera.reset", "Reset",
                    "The camera as the scene file has it; without one, all of it in the picture."))
         viewer_go_home(viewer);
@@ -197,14 +197,14 @@ static void buttons(struct viewer *viewer)
 
 static void saved_views(struct viewer *viewer)
 {
-    struct gui *gui = &viewer->gui;
-    struct panel *panel = viewer->panel;
+    struct gui *gui = &viewer->shell.gui;
+    struct panel *panel = viewer->shell.panel;
     gui_count(gui, "camera.slot", "Saved view",
               "The one that the buttons mean, 1 to 16; keys 1 to 9 restore, with Ctrl save.", &slot,
               &panel->slot);
-    struct saved_view *view = &viewer->saved[panel->slot - 1];
+    struct saved_view *view = &viewer->view.saved[panel->slot - 1];
     if (gui_button(gui, "camera.save", "Save", "Keeps the camera as it is."))
-        *view = (struct saved_view){.is_used = true, .camera = viewer->camera};
+        *view = (struct saved_view){.is_used = true, .camera = viewer->view.camera};
     gui_enabled(gui, view->is_used);
     gui_same_line(gui);
     if (gui_button(gui, "camera.restore", "Restore", "The camera as it was saved."))
@@ -218,20 +218,20 @@ static void saved_views(struct viewer *viewer)
     char used[4 * VIEWER_SAVED_VIEWS] = "none";
     size_t length = 0;
     for (uint32_t i = 0; i < VIEWER_SAVED_VIEWS; i++)
-        if (viewer->saved[i].is_used)
+        if (viewer->view.saved[i].is_used)
             length += (size_t)snprintf(used + length, sizeof used - length, "%u ", i + 1);
     gui_pair(gui, "  in use", "%s", used);
 }
 
 void panel_camera(struct viewer *viewer)
 {
-    struct gui *gui = &viewer->gui;
+    struct gui *gui = &viewer->shell.gui;
     gui_group_begin(gui, "camera", "Camera", "Where the picture is seen from.", false);
-    if (viewer->has_scene) {
+    if (viewer->document.has_scene) {
         moving(viewer);
         gui_space(gui);
         camera_of_scene(viewer);
-        struct camera to = viewer->camera;
+        struct camera to = viewer->view.camera;
         struct form form = {.gui = gui};
         if (form_choice(&form, "camera.kind", "Kind", "How directions become a picture.",
                         camera_names, &to.kind))

@@ -12,10 +12,11 @@ struct gui_range panel_coordinate(const struct viewer *viewer)
 {
     double diagonal = 0;
     for (int c = 0; c < 3; c++) {
-        double side = viewer->bounds_max[c] - viewer->bounds_min[c];
+        double side = viewer->document.bounds_max[c] - viewer->document.bounds_min[c];
         diagonal += side * side;
     }
-    bool is_some = viewer->bounds_min[0] <= viewer->bounds_max[0] && isfinite(diagonal);
+    bool is_some =
+        viewer->document.bounds_min[0] <= viewer->document.bounds_max[0] && isfinite(diagonal);
     return (struct gui_range){-SCENE_COORDINATE_MAX, SCENE_COORDINATE_MAX,
                               .drag = is_some ? sqrt(diagonal) : 0};
 }

@@ -16,7 +16,7 @@ static const struct gui_range reach = {SCENE_LENGTH_MIN, INFINITY, .logarithmic 
 static void light_name(void *context, uint32_t row, char out[PANEL_NAME_MAX])
 {
     const struct viewer *viewer = context;
-    const struct light *light = &viewer->scene.lights[row];
+    const struct light *light = &viewer->document.scene.lights[row];
     snprintf(out, PANEL_NAME_MAX, "%u %.100s (%s)", row, light->name ? light->name : "",
              light_kind_names[light->kind]);
 }
@@ -122,8 +122,8 @@ static void cone(struct form *form, struct light *to)
 static void parameters(struct viewer *viewer, uint32_t index)
 {
     static const struct gui_range diameter = {0, ENVIRONMENT_SUN_DIAMETER_MAX, .unit = "°"};
-    struct gui *gui = &viewer->gui;
-    struct light to = viewer->scene.lights[index];
+    struct gui *gui = &viewer->shell.gui;
+    struct light to = viewer->document.scene.lights[index];
     struct form form = {.gui = gui};
     uint32_t kind = to.kind;
     if (form_choice(&form, "light.kind", "Kind", "Point, spot, or parallel light from afar.",
@@ -154,8 +154,8 @@ static void parameters(struct viewer *viewer, uint32_t index)
 
 void panel_lights(struct viewer *viewer)
 {
-    struct gui *gui = &viewer->gui;
-    const struct scene *scene = &viewer->scene;
+    struct gui *gui = &viewer->shell.gui;
+    const struct scene *scene = &viewer->document.scene;
     gui_group_begin(gui, "lights", "Lights",
                     "Those without extent; what shines by its emission is among the materials.",
                     false);
@@ -169,9 +169,9 @@ void panel_lights(struct viewer *viewer)
         .of = scene->lights,
     };
     if (scene->light_count) {
-        panel_list(viewer, &viewer->panel->lights, &list, &viewer->chosen_light);
-        if (viewer->chosen_light < scene->light_count)
-            parameters(viewer, viewer->chosen_light);
+        panel_list(viewer, &viewer->shell.panel->lights, &list, &viewer->document.chosen_light);
+        if (viewer->document.chosen_light < scene->light_count)
+            parameters(viewer, viewer->document.chosen_light);
     } else {
         gui_line(gui, "None: this scene is lit by what emits, or by its surroundings.");
     }

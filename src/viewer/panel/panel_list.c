@@ -59,7 +59,7 @@ static uint32_t find_shown(const struct panel_filter *filter, uint32_t chosen)
 bool panel_list(struct viewer *viewer, struct panel_filter *filter, const struct panel_list *list,
                 uint32_t *chosen)
 {
-    struct gui *gui = &viewer->gui;
+    struct gui *gui = &viewer->shell.gui;
     char id[GUI_ID_MAX];
     uint32_t before = *chosen;
     snprintf(id, sizeof id, "%s.filter", list->id);

@@ -9,7 +9,7 @@
 static void material_name(void *context, uint32_t row, char out[PANEL_NAME_MAX])
 {
     const struct viewer *viewer = context;
-    const struct material *material = &viewer->scene.materials[row];
+    const struct material *material = &viewer->document.scene.materials[row];
     snprintf(out, PANEL_NAME_MAX, "%u %.100s%s%s", row, material->name,
              material->name[0] ? ", " : "", material_model_names[material->model]);
 }
@@ -17,7 +17,7 @@ static void material_name(void *context, uint32_t row, char out[PANEL_NAME_MAX])
 // "base_color" -> "Base colour"
 static const char *label_of(struct viewer *viewer, const char *name)
 {
-    char *label = arena_strdup(&viewer->frame_arena, name);
+    char *label = arena_strdup(&viewer->shell.frame_arena, name);
     if (!label)
         return name;
     for (char *c = label; *c; c++)
@@ -27,8 +27,8 @@ static const char *label_of(struct viewer *viewer, const char *name)
         label[0] = (char)(label[0] - 'a' + 'A');
     const char *color = strstr(label, "color"); // files have it so; people here write it otherwise
     if (color)
-        color = arena_printf(&viewer->frame_arena, "%.*scolour%s", (int)(color - label), label,
-                             color + strlen("color"));
+        color = arena_printf(&viewer->shell.frame_arena, "%.*scolour%s", (int)(color - label),
+                             label, color + strlen("color"));
     return color ? color : label;
 }
 
@@ -43,7 +43,7 @@ static struct gui_range range_of(const struct material_parameter *p)
 static bool has_normal_map(const struct viewer *viewer, const struct material *m)
 {
     for (uint32_t i = 0; i < m->texture_count; i++) {
-        uint32_t flags = viewer->scene.textures[m->first_texture + i].flags;
+        uint32_t flags = viewer->document.scene.textures[m->first_texture + i].flags;
         if ((flags >> TEXTURE_USE_SHIFT & 3u) == TEXTURE_USE_NORMAL)
             return true;
     }
@@ -92,7 +92,7 @@ static bool matters(const struct viewer *viewer, const struct material *m, uint3
 static void parameter(struct viewer *viewer, struct form *form, const struct material_parameter *p,
                       struct material *to)
 {
-    const char *id = arena_printf(&viewer->frame_arena, "material.%s", p->name);
+    const char *id = arena_printf(&viewer->shell.frame_arena, "material.%s", p->name);
     const struct gui_range range = range_of(p);
     if (!id)
         return;
@@ -172,8 +172,8 @@ static void inside(struct form *form, struct material *to)
 
 static void parameters(struct viewer *viewer, uint32_t index)
 {
-    struct gui *gui = &viewer->gui;
-    struct material to = viewer->scene.materials[index];
+    struct gui *gui = &viewer->shell.gui;
+    struct material to = viewer->document.scene.materials[index];
     struct form form = {.gui = gui};
     form_choice(&form, "material.model", "Model", "How its surfaces scatter light.",
                 material_model_names, &to.model);
@@ -189,8 +189,8 @@ static void parameters(struct viewer *viewer, uint32_t index)
 
 void panel_materials(struct viewer *viewer)
 {
-    struct gui *gui = &viewer->gui;
-    const struct scene *scene = &viewer->scene;
+    struct gui *gui = &viewer->shell.gui;
+    const struct scene *scene = &viewer->document.scene;
     gui_group_begin(gui, "materials", "Materials", "What surfaces are made of.", false);
     const struct panel_list list = {
         .id = "materials",
@@ -201,8 +201,8 @@ void panel_materials(struct viewer *viewer)
         .context = viewer,
         .of = scene->materials,
     };
-    panel_list(viewer, &viewer->panel->materials, &list, &viewer->chosen_material);
-    if (viewer->chosen_material < scene->material_count)
-        parameters(viewer, viewer->chosen_material);
+    panel_list(viewer, &viewer->shell.panel->materials, &list, &viewer->document.chosen_material);
+    if (viewer->document.chosen_material < scene->material_count)
+        parameters(viewer, viewer->document.chosen_material);
     gui_group_end(gui);
 }

@@ -22,15 +22,15 @@ static double message_lasts(enum message_kind kind)
 // Where the picture begins that the panel leaves free.
 static float free_x(const struct viewer *viewer)
 {
-    return viewer->gui.width + MARGIN * viewer->window.scale;
+    return viewer->shell.gui.width + MARGIN * viewer->shell.window.scale;
 }
 
 // What the second side's settings have different from the first's: ", sampler pcg, mis none". As
 // much of it as there is room for.
 static void write_difference(const struct viewer *viewer, char *out, size_t size)
 {
-    const struct settings *a = &viewer->sides[0].method.settings;
-    const struct settings *b = &viewer->sides[1].method.settings;
+    const struct settings *a = &viewer->stage.sides[0].method.settings;
+    const struct settings *b = &viewer->stage.sides[1].method.settings;
     size_t used = 0;
     *out = '\0';
     for (int i = 0; i < SETTING_TOTAL && used < size; i++) {
@@ -45,38 +45,40 @@ static void write_difference(const struct viewer *viewer, char *out, size_t size
 
 static void side_note(struct viewer *viewer, uint32_t side, float x, float y)
 {
-    const struct view *view = &viewer->sides[side];
+    const struct view *view = &viewer->stage.sides[side];
     unsigned long long samples = (unsigned long long)view_samples(view);
     const struct half_error error = view_newest_look(view).error;
     char other[64] = "";
     if (side > 0)
         write_difference(viewer, other, sizeof other);
     if (error.known)
-        gui_note(&viewer->gui, x, y, false, "%c  local relMSE %.2g (%.2g to %.2g), %llu samples%s",
-                 'A' + (int)side, error.local_relmse, error.ci_low, error.ci_high, samples, other);
+        gui_note(&viewer->shell.gui, x, y, false,
+                 "%c  local relMSE %.2g (%.2g to %.2g), %llu samples%s", 'A' + (int)side,
+                 error.local_relmse, error.ci_low, error.ci_high, samples, other);
     else if (error.bounded)
-        gui_note(&viewer->gui, x, y, false, "%c  local relMSE at most %.2g, %llu samples%s",
+        gui_note(&viewer->shell.gui, x, y, false, "%c  local relMSE at most %.2g, %llu samples%s",
                  'A' + (int)side, error.at_most, samples, other);
     else if (film_error_is_plain(&error))
-        gui_note(&viewer->gui, x, y, false, "%c  local relMSE about %.2g, %llu samples%s",
+        gui_note(&viewer->shell.gui, x, y, false, "%c  local relMSE about %.2g, %llu samples%s",
                  'A' + (int)side, error.local_relmse, samples, other);
     else
-        gui_note(&viewer->gui, x, y, false, "%c  %llu samples%s", 'A' + (int)side, samples, other);
+        gui_note(&viewer->shell.gui, x, y, false, "%c  %llu samples%s", 'A' + (int)side, samples,
+                 other);
 }
 
 // Under each other where the line is too far at the left for both.
 static float sides(struct viewer *viewer, float y)
 {
-    float line = 22.0f * viewer->window.scale;
+    float line = 22.0f * viewer->shell.window.scale;
     float left = free_x(viewer);
-    float right = (float)viewer_split_x(viewer) + MARGIN * viewer->window.scale;
+    float right = (float)viewer_split_x(viewer) + MARGIN * viewer->shell.window.scale;
     side_note(viewer, 0, left, y);
     // Room for a sentence of some forty letters.
-    if (right < left + 330.0f * viewer->window.scale) {
+    if (right < left + 330.0f * viewer->shell.window.scale) {
         side_note(viewer, 1, fmaxf(right, left), y + line);
         return y + 2.0f * line;
     }
-    side_note(viewer, 1, fminf(right, (float)viewer->window.width - 100.0f), y);
+    side_note(viewer, 1, fminf(right, (float)viewer->shell.window.width - 100.0f), y);
     return y + line;
 }
 
@@ -88,7 +90,7 @@ static void keys(struct viewer *viewer)
         rows[count] = (struct gui_pair){viewer_keys[count].keys, viewer_keys[count].help};
         count++;
     }
-    gui_table(&viewer->gui, rows, count);
+    gui_table(&viewer->shell.gui, rows, count);
 }
 
 static uint32_t encoded(double linear)
@@ -101,9 +103,9 @@ static void legend(struct viewer *viewer)
 {
     enum { COLORS = 33 };
     uint32_t colors[COLORS];
-    const double *range = viewer->display.range;
-    const uint32_t what = viewer->shown.what;
-    if (!viewer->has_scene || !shown_has_range(what) || !(range[1] > range[0]))
+    const double *range = viewer->stage.display.range;
+    const uint32_t what = viewer->stage.shown.what;
+    if (!viewer->document.has_scene || !shown_has_range(what) || !(range[1] > range[0]))
         return;
     for (uint32_t i = 0; i < COLORS; i++) {
         double rgb[3];
@@ -117,24 +119,26 @@ static void legend(struct viewer *viewer)
     snprintf(texts[0], sizeof texts[0], "%.3g", range[0]);
     snprintf(texts[1], sizeof texts[1], "%.3g", middle);
     snprintf(texts[2], sizeof texts[2], "%.3g %s", range[1], shown_unit(what));
-    gui_legend(&viewer->gui, colors, COLORS, (const char *const[3]){texts[0], texts[1], texts[2]});
+    gui_legend(&viewer->shell.gui, colors, COLORS,
+               (const char *const[3]){texts[0], texts[1], texts[2]});
 }
 
 void panel_overlay(struct viewer *viewer)
 {
-    struct gui *gui = &viewer->gui;
-    float x = free_x(viewer), y = MARGIN * viewer->window.scale;
-    double age = viewer_seconds(viewer) - viewer->message_seconds;
-    if (viewer->has_scene && viewer->side_count > 1)
+    struct gui *gui = &viewer->shell.gui;
+    float x = free_x(viewer), y = MARGIN * viewer->shell.window.scale;
+    double age = viewer_seconds(viewer) - viewer->shell.message_seconds;
+    if (viewer->document.has_scene && viewer->stage.side_count > 1)
         y = sides(viewer, y);
-    if (!viewer->has_scene)
+    if (!viewer->document.has_scene)
         y += gui_note(gui, x, y, false,
                       "No scene is open: drop a file here, or enter its path in the panel (F1).");
-    if (viewer->is_paused)
+    if (viewer->stage.is_paused)
         y += gui_note(gui, x, y, false, "paused");
-    if (viewer->message[0] && age < message_lasts(viewer->message_kind))
-        gui_note(gui, x, y, viewer->message_kind != MESSAGE_NOTE, "%s", viewer->message);
+    if (viewer->shell.message[0] && age < message_lasts(viewer->shell.message_kind))
+        gui_note(gui, x, y, viewer->shell.message_kind != MESSAGE_NOTE, "%s",
+                 viewer->shell.message);
     legend(viewer);
-    if (viewer->keys.shows_help)
+    if (viewer->view.keys.shows_help)
         keys(viewer);
 }

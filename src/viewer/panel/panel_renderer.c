@@ -24,7 +24,7 @@ static void accumulation(struct viewer *viewer, struct form *form, struct method
     form_count(form, "renderer.samples_a_frame", "Per frame",
                "Samples of every pixel in a frame, 0 to 4096; 0: as many as the time allows.",
                &samples_a_frame, &to->samples_a_frame);
-    struct shown shown = viewer->shown;
+    struct shown shown = viewer->stage.shown;
     uint32_t most = shown.spp_limit ? shown.spp_limit : UINT32_MAX;
     if (gui_count(gui, "renderer.spp", "Samples",
                   "Samples of a pixel after which the picture rests, 1 to 4294967294, of all "
@@ -42,7 +42,7 @@ static void workgroup(struct viewer *viewer, struct form *form, struct method *t
                                         "128",      "256", "512", "1024", NULL};
     const char *names[sizeof words / sizeof *words] = {words[0]};
     uint32_t chosen = 0, count = 1;
-    for (uint32_t size = 8; words[count] && size <= viewer->gpu.max_invocations; size *= 2) {
+    for (uint32_t size = 8; words[count] && size <= viewer->stage.gpu.max_invocations; size *= 2) {
         if (to->workgroup == size)
             chosen = count;
         names[count] = words[count];
@@ -83,19 +83,19 @@ static void device(struct viewer *viewer, struct form *form, struct method *to)
 static void anisotropy(struct viewer *viewer)
 {
     const char *const id = "renderer.anisotropy";
-    struct scene *scene = &viewer->scene;
-    const struct scene *before = &viewer->pristine;
+    struct scene *scene = &viewer->document.scene;
+    const struct scene *before = &viewer->document.pristine;
     bool is_on = false, can = false;
     for (uint32_t i = 0; i < scene->material_count; i++) {
         is_on = is_on || scene->materials[i].anisotropic > 0.0f;
         can = can || scene->materials[i].anisotropic > 0.0f ||
               before->materials[i].anisotropic > 0.0f;
     }
-    gui_enabled(&viewer->gui, can);
+    gui_enabled(&viewer->shell.gui, can);
     bool used =
-        gui_switch(&viewer->gui, id, "Anisotropy",
+        gui_switch(&viewer->shell.gui, id, "Anisotropy",
                    "Off: all materials are isotropic; on: as anisotropic as in the file.", &is_on);
-    gui_enabled(&viewer->gui, true);
+    gui_enabled(&viewer->shell.gui, true);
     for (uint32_t i = 0; used && i < scene->material_count; i++) {
         struct material to = scene->materials[i];
         to.anisotropic = is_on ? before->materials[i].anisotropic : 0.0f;
@@ -105,15 +105,15 @@ static void anisotropy(struct viewer *viewer)
 
 void panel_renderer(struct viewer *viewer)
 {
-    struct gui *gui = &viewer->gui;
+    struct gui *gui = &viewer->shell.gui;
     gui_group_begin(gui, "renderer", "Renderer", "How the picture is made.", false);
-    gui_enabled(gui, viewer->side_count > 1);
+    gui_enabled(gui, viewer->stage.side_count > 1);
     gui_choice(gui, "renderer.side", "Side",
                "Whose settings these are: A at the left, B at the right of the split view.",
-               side_names, &viewer->edited_side);
+               side_names, &viewer->stage.edited_side);
     gui_enabled(gui, true);
-    uint32_t side = viewer->edited_side;
-    struct method to = viewer->sides[side].method;
+    uint32_t side = viewer->stage.edited_side;
+    struct method to = viewer->stage.sides[side].method;
     struct form form = {.gui = gui};
     accumulation(viewer, &form, &to);
     panel_settings(viewer, &form, &to.settings);
@@ -156,7 +156,7 @@ static void picture(struct viewer *viewer, struct form *form, struct shown *to)
                   "False colours reach from the lowest to the highest of the picture's values.",
                   &to->automatic);
     if (is_switched && !to->automatic && !(to->range[1] > to->range[0]))
-        memcpy(to->range, viewer->display.range, sizeof to->range);
+        memcpy(to->range, viewer->stage.display.range, sizeof to->range);
     gui_enabled(gui, has_range && !to->automatic);
     form_number(form, "view.range_low", "  from",
                 "What the first false colour stands for, in the unit that is shown.", &values,
@@ -166,8 +166,8 @@ static void picture(struct viewer *viewer, struct form *form, struct shown *to)
                 &values, &to->range[1]);
     gui_enabled(gui, true);
     if (gui_is_drawn(gui) && has_range)
-        gui_pair(gui, "  in use", "%.4g to %.4g %s", viewer->display.range[0],
-                 viewer->display.range[1], shown_unit(to->what));
+        gui_pair(gui, "  in use", "%.4g to %.4g %s", viewer->stage.display.range[0],
+                 viewer->stage.display.range[1], shown_unit(to->what));
     form_flag(form, "view.nearest", "Show pixels",
               "Pixels of a smaller picture as squares, not interpolated.", &to->nearest);
 }
@@ -200,7 +200,7 @@ static void split(struct viewer *viewer, struct form *form, struct shown *to)
         gui_button(gui, "view.swap", "Swap A and B", "Each side gets the other's settings.");
     gui_enabled(gui, true);
     if (swap) {
-        struct method a = viewer->sides[0].method, b = viewer->sides[1].method;
+        struct method a = viewer->stage.sides[0].method, b = viewer->stage.sides[1].method;
         edit_method(viewer, 0, &b, "view.swap");
         edit_method(viewer, 1, &a, "view.swap");
     }
@@ -210,22 +210,23 @@ static void split(struct viewer *viewer, struct form *form, struct shown *to)
 static void pace(struct viewer *viewer)
 {
     static const struct gui_range target = {1, 1000, .logarithmic = true, .unit = "ms"};
-    struct gui *gui = &viewer->gui;
+    struct gui *gui = &viewer->shell.gui;
     gui_number(gui, "view.frame_ms", "Frame time",
-               "Aim of a frame's time, milliseconds, 1 to 1000.", &target, &viewer->pace.target_ms);
-    gui_enabled(gui, viewer->swapchain.handle != VK_NULL_HANDLE);
+               "Aim of a frame's time, milliseconds, 1 to 1000.", &target,
+               &viewer->view.pace.target_ms);
+    gui_enabled(gui, viewer->stage.swapchain.handle != VK_NULL_HANDLE);
     gui_switch(gui, "view.vsync", "Vsync", "Frames wait for the display.",
-               &viewer->swapchain.vsync);
+               &viewer->stage.swapchain.vsync);
     gui_enabled(gui, true);
     gui_switch(gui, "view.pause", "Pause", "The picture rests; all else goes on.",
-               &viewer->is_paused);
+               &viewer->stage.is_paused);
 }
 
 void panel_view(struct viewer *viewer)
 {
-    struct gui *gui = &viewer->gui;
+    struct gui *gui = &viewer->shell.gui;
     gui_group_begin(gui, "view", "View", "What is seen of the picture.", true);
-    struct shown to = viewer->shown;
+    struct shown to = viewer->stage.shown;
     struct form form = {.gui = gui};
     picture(viewer, &form, &to);
     gui_space(gui);

@@ -60,12 +60,12 @@ static void remember(struct panel *panel, const char *path)
 
 static void notice_scene(struct viewer *viewer)
 {
-    struct panel *panel = viewer->panel;
-    if (!viewer->has_scene || strcmp(panel->scene_path, viewer->scene_path) == 0)
+    struct panel *panel = viewer->shell.panel;
+    if (!viewer->document.has_scene || strcmp(panel->scene_path, viewer->document.scene_path) == 0)
         return;
-    snprintf(panel->scene_path, sizeof panel->scene_path, "%s", viewer->scene_path);
-    snprintf(panel->open_path, sizeof panel->open_path, "%s", viewer->scene_path);
-    const char *name = path_name(viewer->scene_path), *extension = path_extension(name);
+    snprintf(panel->scene_path, sizeof panel->scene_path, "%s", viewer->document.scene_path);
+    snprintf(panel->open_path, sizeof panel->open_path, "%s", viewer->document.scene_path);
+    const char *name = path_name(viewer->document.scene_path), *extension = path_extension(name);
     int stem = (int)(strlen(name) - strlen(extension) - (extension[0] ? 1 : 0));
     snprintf(panel->save_path, sizeof panel->save_path, "%.*s-edited.json", stem, name);
     remember(panel, panel->scene_path);
@@ -74,8 +74,8 @@ static void notice_scene(struct viewer *viewer)
 
 static void file_rows(struct viewer *viewer)
 {
-    struct gui *gui = &viewer->gui;
-    struct panel *panel = viewer->panel;
+    struct gui *gui = &viewer->shell.gui;
+    struct panel *panel = viewer->shell.panel;
     struct gui_list list = {.count = panel->file_count, .chosen = UINT32_MAX, .height = 6};
     const char *wanted = NULL;
     gui_list_begin(gui, "scene.file", &list);
@@ -95,8 +95,8 @@ static void file_rows(struct viewer *viewer)
 
 static void recent_rows(struct viewer *viewer)
 {
-    struct gui *gui = &viewer->gui;
-    struct panel *panel = viewer->panel;
+    struct gui *gui = &viewer->shell.gui;
+    struct panel *panel = viewer->shell.panel;
     gui_group_begin(gui, "scene.recent", "Opened before", "Scenes that were open in this session.",
                     false);
     for (uint32_t i = 1; i < panel->recent_count; i++) {
@@ -112,23 +112,23 @@ static void set_watch(struct viewer *viewer, bool on)
 {
     struct err err = {0};
     if (!on) {
-        watch_destroy(viewer->watch);
-        viewer->watch = NULL;
-    } else if (!watch_create(viewer, &viewer->watch, &err)) {
+        watch_destroy(viewer->shell.watch);
+        viewer->shell.watch = NULL;
+    } else if (!watch_create(viewer, &viewer->shell.watch, &err)) {
         viewer_message(viewer, MESSAGE_ERROR, "%s", err.msg);
     }
 }
 
 static void file(struct viewer *viewer)
 {
-    struct gui *gui = &viewer->gui;
-    struct panel *panel = viewer->panel;
-    bool watches = viewer->watch != NULL;
+    struct gui *gui = &viewer->shell.gui;
+    struct panel *panel = viewer->shell.panel;
+    bool watches = viewer->shell.watch != NULL;
     notice_scene(viewer);
     if (gui_text(gui, "scene.path", "Path", "Of a scene or model; Enter opens it.",
                  panel->open_path, sizeof panel->open_path))
         viewer_open_scene(viewer, panel->open_path, false);
-    gui_enabled(gui, viewer->has_scene);
+    gui_enabled(gui, viewer->document.has_scene);
     if (gui_button(gui, "scene.reload", "Reload", "Reads the scene's file again; the view stays."))
         viewer_open_scene(viewer, panel->scene_path, true);
     gui_same_line(gui);
@@ -160,9 +160,9 @@ void panel_surroundings(struct viewer *viewer)
 {
     static const struct gui_range turn = {-1e6, 1e6, .unit = "°", .drag = 180};
     static const struct gui_range strength = {0, SCENE_RADIANCE_MAX, .logarithmic = true};
-    struct gui *gui = &viewer->gui;
+    struct gui *gui = &viewer->shell.gui;
     gui_group_begin(gui, "surroundings", "Surroundings", "What light arrives from outside.", false);
-    struct surroundings to = viewer->surroundings;
+    struct surroundings to = viewer->document.surroundings;
     struct form form = {.gui = gui};
     // An image without a path is none: the path is asked for first.
     bool has_image = to.image[0] != '\0';
@@ -176,7 +176,7 @@ void panel_surroundings(struct viewer *viewer)
             form.used = "surroundings.kind";
         to.kind = form.used ? kind : to.kind;
     }
-    const struct environment *around = &viewer->scene.environment;
+    const struct environment *around = &viewer->document.scene.environment;
     bool is_lit = to.kind != SURROUNDINGS_NONE && around->present;
     gui_enabled(gui, is_lit);
     form_number(&form, "surroundings.strength", "Strength", "Factor on all of it, 0 to 1e30.",
@@ -214,7 +214,7 @@ static void object_name(void *context, uint32_t row, char out[PANEL_NAME_MAX])
         [SHAPE_QUAD] = "quad",     [SHAPE_BOX] = "box",           [SHAPE_CYLINDER] = "cylinder",
         [SHAPE_TUBE] = "tube",     [SHAPE_SDF] = "distance field"};
     const struct viewer *viewer = context;
-    const struct scene *scene = &viewer->scene;
+    const struct scene *scene = &viewer->document.scene;
     if (row < scene->instance_count) {
         const char *name = scene->meshes[scene->instances[row].mesh].name;
         snprintf(out, PANEL_NAME_MAX, "%u %.140s", row, name && name[0] ? name : "mesh");
@@ -234,17 +234,17 @@ static void object_switch(void *context, uint32_t row)
 {
     struct viewer *viewer = context;
     char id[GUI_ID_MAX];
-    bool visible = is_visible(&viewer->scene, row);
+    bool visible = is_visible(&viewer->document.scene, row);
     snprintf(id, sizeof id, "object.%u.visible", row);
-    if (gui_switch(&viewer->gui, id, "", "Whether the object is in the scene.", &visible))
+    if (gui_switch(&viewer->shell.gui, id, "", "Whether the object is in the scene.", &visible))
         edit_visible(viewer, row, visible, id);
-    gui_same_line(&viewer->gui);
+    gui_same_line(&viewer->shell.gui);
 }
 
 static void objects(struct viewer *viewer)
 {
-    struct gui *gui = &viewer->gui;
-    const struct scene *scene = &viewer->scene;
+    struct gui *gui = &viewer->shell.gui;
+    const struct scene *scene = &viewer->document.scene;
     gui_group_begin(gui, "objects", "Objects", "What is in the scene, and what of it is visible.",
                     false);
     const struct panel_list list = {
@@ -257,7 +257,7 @@ static void objects(struct viewer *viewer)
         .context = viewer,
         .of = scene->instances ? (const void *)scene->instances : scene->shapes,
     };
-    panel_list(viewer, &viewer->panel->objects, &list, &viewer->chosen_object);
+    panel_list(viewer, &viewer->shell.panel->objects, &list, &viewer->document.chosen_object);
     gui_group_end(gui);
 }
 
@@ -265,15 +265,15 @@ static void objects(struct viewer *viewer)
 
 static uint32_t object_count(const struct viewer *viewer)
 {
-    return viewer->scene.instance_count + viewer->scene.shape_count;
+    return viewer->document.scene.instance_count + viewer->document.scene.shape_count;
 }
 
 static void picked(struct viewer *viewer)
 {
-    struct gui *gui = &viewer->gui;
-    const struct picked *picked = &viewer->picked;
+    struct gui *gui = &viewer->shell.gui;
+    const struct picked *picked = &viewer->document.picked;
     bool has_object = picked->is_some && picked->object < object_count(viewer);
-    bool has_material = picked->is_some && picked->material < viewer->scene.material_count;
+    bool has_material = picked->is_some && picked->material < viewer->document.scene.material_count;
     gui_group_begin(gui, "picked", "Picked", "What was clicked in the picture.", true);
     if (gui_is_drawn(gui)) {
         char name[PANEL_NAME_MAX] = "none: surroundings";
@@ -285,7 +285,7 @@ static void picked(struct viewer *viewer)
             gui_pair(gui, "Object", "%s", name);
         if (has_material)
             gui_pair(gui, "Material", "%u %s", picked->material,
-                     viewer->scene.materials[picked->material].name);
+                     viewer->document.scene.materials[picked->material].name);
         if (has_object)
             gui_pair(gui, "Position", "%.6g, %.6g, %.6g m", picked->position[0],
                      picked->position[1], picked->position[2]);
@@ -295,7 +295,7 @@ static void picked(struct viewer *viewer)
     gui_enabled(gui, has_material);
     if (gui_button(gui, "picked.edit_material", "Edit material",
                    "Chooses the material of what was clicked, and shows its parameters.")) {
-        viewer->chosen_material = picked->material;
+        viewer->document.chosen_material = picked->material;
         gui_reveal(gui, "material.model");
     }
     gui_same_line(gui);
@@ -307,10 +307,10 @@ static void picked(struct viewer *viewer)
 
 void panel_scene(struct viewer *viewer)
 {
-    struct gui *gui = &viewer->gui;
+    struct gui *gui = &viewer->shell.gui;
     gui_group_begin(gui, "scene", "Scene", "What is rendered.", false);
     file(viewer);
-    if (viewer->has_scene) {
+    if (viewer->document.has_scene) {
         picked(viewer);
         panel_surroundings(viewer);
         panel_lights(viewer);

@@ -18,7 +18,7 @@ static const char *short_number(struct viewer *viewer, double value)
         value /= 1e3;
         i++;
     }
-    const char *text = arena_printf(&viewer->frame_arena, "%.3g%s", value, letters[i]);
+    const char *text = arena_printf(&viewer->shell.frame_arena, "%.3g%s", value, letters[i]);
     return text ? text : "";
 }
 
@@ -26,11 +26,11 @@ static const char *time_text(struct viewer *viewer, double seconds)
 {
     const char *text = NULL;
     if (seconds < 100.0)
-        text = arena_printf(&viewer->frame_arena, "%.1f s", seconds);
+        text = arena_printf(&viewer->shell.frame_arena, "%.1f s", seconds);
     else if (seconds < 6000.0)
-        text = arena_printf(&viewer->frame_arena, "%.1f min", seconds / 60.0);
+        text = arena_printf(&viewer->shell.frame_arena, "%.1f min", seconds / 60.0);
     else
-        text = arena_printf(&viewer->frame_arena, "%.1f h", seconds / 3600.0);
+        text = arena_printf(&viewer->shell.frame_arena, "%.1f h", seconds / 3600.0);
     return text ? text : "";
 }
 
@@ -38,13 +38,13 @@ static const char *time_text(struct viewer *viewer, double seconds)
 
 static void frame_bars(struct viewer *viewer)
 {
-    const struct frame_stats *stats = &viewer->stats;
+    const struct frame_stats *stats = &viewer->stage.stats;
     const struct gui_bar bars[] = {
         {"Render", stats->render_ms},   {"Denoise", stats->denoise_ms},
         {"Display", stats->display_ms}, {"Panel", stats->panel_ms},
         {"Present", stats->present_ms},
     };
-    gui_bars(&viewer->gui, bars, sizeof bars / sizeof *bars, "ms");
+    gui_bars(&viewer->shell.gui, bars, sizeof bars / sizeof *bars, "ms");
 }
 
 #define KERNEL_ROWS 8u // at least: what is below stays where it is while kernels come and go
@@ -56,13 +56,13 @@ static void kernel_bars(struct viewer *viewer)
     uint32_t count = 0;
     for (int id = 0; id < KERNEL_COUNT; id++) {
         bool is_there = false;
-        for (uint32_t side = 0; side < viewer->side_count; side++)
-            is_there = is_there || viewer->sides[side].renderer.kernels[id].pipeline;
+        for (uint32_t side = 0; side < viewer->stage.side_count; side++)
+            is_there = is_there || viewer->stage.sides[side].renderer.kernels[id].pipeline;
         if (is_there)
             bars[count++] = (struct gui_bar){kernel_code((enum kernel_id)id, true).name,
-                                             viewer->stats.kernel_ms[id]};
+                                             viewer->stage.stats.kernel_ms[id]};
     }
-    gui_bars(&viewer->gui, bars, count < KERNEL_ROWS ? KERNEL_ROWS : count, "ms");
+    gui_bars(&viewer->shell.gui, bars, count < KERNEL_ROWS ? KERNEL_ROWS : count, "ms");
 }
 
 // --- error ---------------------------------------------------------------------------------------
@@ -70,7 +70,7 @@ static void kernel_bars(struct viewer *viewer)
 // Of independent samples the error falls with their number, and so with time.
 static void forecast_line(struct viewer *viewer, const struct view_look *look)
 {
-    struct gui *gui = &viewer->gui;
+    struct gui *gui = &viewer->shell.gui;
     double error = look->error.local_relmse;
     if (!look->error.known || !(look->seconds > 0.0) || !(error > 0.0)) {
         gui_fact(gui, "  forecast", "-");
@@ -84,9 +84,9 @@ static void forecast_line(struct viewer *viewer, const struct view_look *look)
 // Three lines, whatever is known.
 static void error_lines(struct viewer *viewer, uint32_t side)
 {
-    struct gui *gui = &viewer->gui;
-    const char *label = viewer->side_count > 1 ? side ? "Error B" : "Error A" : "Error";
-    const struct view_look look = view_newest_look(&viewer->sides[side]);
+    struct gui *gui = &viewer->shell.gui;
+    const char *label = viewer->stage.side_count > 1 ? side ? "Error B" : "Error A" : "Error";
+    const struct view_look look = view_newest_look(&viewer->stage.sides[side]);
     const struct half_error *error = &look.error;
     if (error->known)
         gui_fact(gui, label, "local relMSE %.3g", error->local_relmse);
@@ -131,9 +131,9 @@ static void error_curves(struct viewer *viewer)
 {
     struct points points[VIEWER_SIDES];
     struct gui_curve curves[VIEWER_SIDES];
-    for (uint32_t side = 0; side < viewer->side_count; side++)
-        curves[side] = curve_of(&viewer->sides[side], side_names[side], &points[side]);
-    gui_curves(&viewer->gui, curves, viewer->side_count, "seconds", "local relMSE");
+    for (uint32_t side = 0; side < viewer->stage.side_count; side++)
+        curves[side] = curve_of(&viewer->stage.sides[side], side_names[side], &points[side]);
+    gui_curves(&viewer->shell.gui, curves, viewer->stage.side_count, "seconds", "local relMSE");
 }
 
 // --- what was left out ---------------------------------------------------------------------------
@@ -170,13 +170,13 @@ static void add_left_out(void *context, const struct part *part)
 
 static void left_out(struct viewer *viewer)
 {
-    struct gui *gui = &viewer->gui;
+    struct gui *gui = &viewer->shell.gui;
     gui_group_begin(gui, "statistics.left_out", "Left out",
                     "What this scene and these settings do not need, and kernels do not have.",
                     false);
-    const struct view *view = &viewer->sides[viewer->edited_side];
+    const struct view *view = &viewer->stage.sides[viewer->stage.edited_side];
     if (gui_is_drawn(gui) && view->is_ready) {
-        struct left_out list = {.arena = &viewer->frame_arena, .gui = gui};
+        struct left_out list = {.arena = &viewer->shell.frame_arena, .gui = gui};
         parts_visit(&view->renderer, add_left_out, &list);
         flush(&list);
         gui_pair(gui, "saved", "%sB", short_number(viewer, (double)list.bytes));
@@ -188,40 +188,40 @@ static void left_out(struct viewer *viewer)
 
 static void memory(struct viewer *viewer)
 {
-    struct gui *gui = &viewer->gui;
+    struct gui *gui = &viewer->shell.gui;
     gui_group_begin(gui, "statistics.memory", "Memory", "What the device and the program hold.",
                     false);
     if (gui_is_drawn(gui)) {
         gui_fact(gui, "Device", "%sB (most: %sB)",
-                 short_number(viewer, (double)viewer->gpu.allocated_bytes),
-                 short_number(viewer, (double)viewer->gpu.peak_bytes));
+                 short_number(viewer, (double)viewer->stage.gpu.allocated_bytes),
+                 short_number(viewer, (double)viewer->stage.gpu.peak_bytes));
         gui_fact(gui, "Program", "%sB at most", short_number(viewer, report_host_peak_bytes()));
         gui_fact(gui, "Triangles", "%s",
-                 short_number(viewer, (double)viewer->geometry.flat.triangle_count));
+                 short_number(viewer, (double)viewer->document.geometry.flat.triangle_count));
     }
     gui_group_end(gui);
 }
 
 static void side_lines(struct viewer *viewer, uint32_t side)
 {
-    const struct view *view = &viewer->sides[side];
-    const char *label = viewer->side_count > 1 ? side ? "Samples B" : "Samples A" : "Samples";
-    gui_fact(&viewer->gui, label, "%llu in %s%s", (unsigned long long)view_samples(view),
+    const struct view *view = &viewer->stage.sides[side];
+    const char *label = viewer->stage.side_count > 1 ? side ? "Samples B" : "Samples A" : "Samples";
+    gui_fact(&viewer->shell.gui, label, "%llu in %s%s", (unsigned long long)view_samples(view),
              time_text(viewer, view->seconds), view->is_preview ? ", preview" : "");
 }
 
 void panel_statistics(struct viewer *viewer)
 {
-    struct gui *gui = &viewer->gui;
-    const struct frame_stats *stats = &viewer->stats;
+    struct gui *gui = &viewer->shell.gui;
+    const struct frame_stats *stats = &viewer->stage.stats;
     gui_group_begin(gui, "statistics", "Statistics", "Speed and error of the picture.", true);
-    if (gui_is_drawn(gui) && viewer->has_scene) {
+    if (gui_is_drawn(gui) && viewer->document.has_scene) {
         gui_fact(gui, "Frames", "%.1f /s, %.1f ms", stats->fps, stats->frame_ms);
-        for (uint32_t side = 0; side < viewer->side_count; side++)
+        for (uint32_t side = 0; side < viewer->stage.side_count; side++)
             side_lines(viewer, side);
         gui_fact(gui, "Rays", "%s/s", short_number(viewer, stats->rays_per_second));
         gui_fact(gui, "Msamples", "%.3g /s", stats->samples_per_second * 1e-6);
-        for (uint32_t side = 0; side < viewer->side_count; side++)
+        for (uint32_t side = 0; side < viewer->stage.side_count; side++)
             error_lines(viewer, side);
         error_curves(viewer);
     }

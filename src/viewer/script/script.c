@@ -58,13 +58,13 @@ enum step rest_frames(struct script *script, uint64_t frames)
 // command's start.
 static enum step wait_for_file(struct script *script, struct viewer *viewer, struct err *err)
 {
-    if (!worker_is_idle(viewer->worker))
+    if (!worker_is_idle(viewer->shell.worker))
         return STEP_AGAIN;
-    bool failed =
-        viewer->message_kind == MESSAGE_ERROR && viewer->message_seconds >= script->started;
+    bool failed = viewer->shell.message_kind == MESSAGE_ERROR &&
+                  viewer->shell.message_seconds >= script->started;
     if (!failed)
         return STEP_DONE;
-    err_set(err, ERR_OUTPUT, "%s", viewer->message);
+    err_set(err, ERR_OUTPUT, "%s", viewer->shell.message);
     return STEP_FAILED;
 }
 
@@ -114,7 +114,7 @@ static enum step step_lose_device(struct script *script, struct viewer *viewer,
     (void)command, (void)err;
     if (script->now.phase > 0)
         return STEP_DONE;
-    viewer->gpu.params.lose_device_at_submit = viewer->gpu.submit_count + 1;
+    viewer->stage.gpu.params.lose_device_at_submit = viewer->stage.gpu.submit_count + 1;
     return next_phase(script);
 }
 
@@ -173,7 +173,7 @@ static void begin_next(struct script *script)
 
 static bool fail(const struct script *script, struct viewer *viewer, struct err *err)
 {
-    viewer->exit_code = EXIT_CODE_CHECK_FAILED;
+    viewer->shell.exit_code = EXIT_CODE_CHECK_FAILED;
     return err_prepend(err, "%s:%u", script->path, script->commands[script->at].line);
 }
 
@@ -197,7 +197,7 @@ bool script_step(struct script *script, struct viewer *viewer, struct err *err)
         }
         return true;
     }
-    viewer->wants_quit = true;
+    viewer->shell.wants_quit = true;
     *err = (struct err){0};
     return false;
 }

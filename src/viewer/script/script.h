@@ -10,7 +10,7 @@ struct viewer;
 bool script_open(const char *path, struct script **out, struct err *err);
 void script_close(struct script *script); // accepts NULL
 // Before the frame's events are read: pushes what is due. False: a command failed (err: file, line,
-// what was expected), or the script ended (viewer->wants_quit is set then, and err is empty).
+// what was expected), or the script ended (viewer->shell.wants_quit is set then, and err is empty).
 bool script_step(struct script *script, struct viewer *viewer, struct err *err);
 
 #endif

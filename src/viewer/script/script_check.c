@@ -17,31 +17,32 @@
 static uint64_t least_samples(const struct viewer *viewer)
 {
     uint64_t least = UINT64_MAX;
-    for (uint32_t i = 0; i < viewer->side_count; i++) {
-        const struct view *view = &viewer->sides[i];
+    for (uint32_t i = 0; i < viewer->stage.side_count; i++) {
+        const struct view *view = &viewer->stage.sides[i];
         uint64_t samples = view->is_ready && !view->is_preview ? view_samples(view) : 0;
         least = samples < least ? samples : least;
     }
-    return viewer->side_count ? least : 0;
+    return viewer->stage.side_count ? least : 0;
 }
 
 // Every pixel has as many samples as it is to get, and nothing else is under way.
 static bool is_complete(const struct viewer *viewer)
 {
-    return viewer->is_resting && viewer->shown.spp_limit > 0 &&
-           least_samples(viewer) >= viewer->shown.spp_limit && worker_is_idle(viewer->worker);
+    return viewer->stage.is_resting && viewer->stage.shown.spp_limit > 0 &&
+           least_samples(viewer) >= viewer->stage.shown.spp_limit &&
+           worker_is_idle(viewer->shell.worker);
 }
 
 static enum step wait_samples(const struct viewer *viewer, uint64_t wanted, struct err *err)
 {
-    uint32_t limit = viewer->shown.spp_limit;
+    uint32_t limit = viewer->stage.shown.spp_limit;
     if (limit > 0 && wanted > limit) {
         err_set(err, ERR_INPUT,
                 "there will be no %" PRIu64 " samples: the picture rests at its limit of %u",
                 wanted, limit);
         return STEP_FAILED;
     }
-    return !viewer->is_moving && least_samples(viewer) >= wanted ? STEP_DONE : STEP_AGAIN;
+    return !viewer->view.is_moving && least_samples(viewer) >= wanted ? STEP_DONE : STEP_AGAIN;
 }
 
 enum step step_wait(struct script *script, struct viewer *viewer,
@@ -57,8 +58,8 @@ enum step step_wait(struct script *script, struct viewer *viewer,
     case WAIT_SAMPLES:
         return wait_samples(viewer, (uint64_t)command->numbers[0], err);
     case WAIT_IDLE:
-        is_over = worker_is_idle(viewer->worker) && !viewer->is_moving &&
-                  (viewer->shown.spp_limit == 0 || is_complete(viewer));
+        is_over = worker_is_idle(viewer->shell.worker) && !viewer->view.is_moving &&
+                  (viewer->stage.shown.spp_limit == 0 || is_complete(viewer));
         break;
     }
     return is_over ? STEP_DONE : STEP_AGAIN;
@@ -87,13 +88,13 @@ enum step step_hash(struct script *script, struct viewer *viewer,
                     const struct command_line *command, struct err *err)
 {
     (void)script;
-    if (command->side >= viewer->side_count || !viewer->sides[command->side].is_ready) {
+    if (command->side >= viewer->stage.side_count || !viewer->stage.sides[command->side].is_ready) {
         err_set(err, ERR_INPUT, "there is no picture on side %c", "ab"[command->side]);
         return STEP_FAILED;
     }
     struct arena arena = {0};
     struct film_image film;
-    bool ok = renderer_read(&viewer->sides[command->side].renderer, &arena, &film, err);
+    bool ok = renderer_read(&viewer->stage.sides[command->side].renderer, &arena, &film, err);
     if (ok) {
         uint64_t pixels = (uint64_t)film.width * film.height;
         char hash[20];
@@ -224,7 +225,7 @@ enum step step_check(struct script *script, struct viewer *viewer,
 {
     const char *id = command->texts[0];
     uint64_t picture;
-    if (viewer->shown.spp_limit == 0) {
+    if (viewer->stage.shown.spp_limit == 0) {
         err_set(err, ERR_INPUT, "check compares pictures at rest: set a limit of samples before");
         return STEP_FAILED;
     }
@@ -235,17 +236,18 @@ enum step step_check(struct script *script, struct viewer *viewer,
         forget_own(script->now.before, id);
         if (!state_hash_picture(viewer, &script->now.picture, err))
             return STEP_FAILED;
-        gui_set(&viewer->gui, id, command->texts[1]);
+        gui_set(&viewer->shell.gui, id, command->texts[1]);
         return next_phase(script);
     }
-    const char *why_not = script->now.phase == 1 ? gui_set_result(&viewer->gui) : NULL;
+    const char *why_not = script->now.phase == 1 ? gui_set_result(&viewer->shell.gui) : NULL;
     if (why_not) {
         err_set(err, ERR_INPUT, "%s: %s", id, why_not);
         return STEP_FAILED;
     }
     if (script->now.phase == 1)
         return next_phase(script);
-    if (script->now.frame++ < FRAMES_TO_SEE || (viewer->shown.spp_limit && !is_complete(viewer)))
+    if (script->now.frame++ < FRAMES_TO_SEE ||
+        (viewer->stage.shown.spp_limit && !is_complete(viewer)))
         return STEP_AGAIN;
     json_t *after = state_json(viewer);
     forget_own(after, id);

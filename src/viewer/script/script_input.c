@@ -12,7 +12,7 @@ static void push(struct script *script, struct viewer *viewer, struct event even
         event.x = script->mouse[0];
         event.y = script->mouse[1];
     }
-    window_push(&viewer->window, &event);
+    window_push(&viewer->shell.window, &event);
 }
 
 static void push_mouse(struct script *script, struct viewer *viewer, double x, double y)
@@ -155,10 +155,10 @@ enum step step_resize(struct script *script, struct viewer *viewer,
     (void)err;
     uint32_t width = (uint32_t)command->numbers[0], height = (uint32_t)command->numbers[1];
     if (script->now.phase == 0) {
-        window_resize(&viewer->window, width, height);
+        window_resize(&viewer->shell.window, width, height);
         return next_phase(script);
     }
-    if (viewer->window.width != width || viewer->window.height != height)
+    if (viewer->shell.window.width != width || viewer->shell.window.height != height)
         return STEP_AGAIN;
     return script->now.phase == 1 ? next_phase(script) : rest_frames(script, 1);
 }
@@ -169,10 +169,10 @@ enum step step_minimise(struct script *script, struct viewer *viewer,
     (void)err;
     bool minimised = command->verb == VERB_MINIMISE;
     if (script->now.phase == 0) {
-        window_minimise(&viewer->window, minimised);
+        window_minimise(&viewer->shell.window, minimised);
         return next_phase(script);
     }
-    return viewer->window.is_minimised == minimised ? STEP_DONE : STEP_AGAIN;
+    return viewer->shell.window.is_minimised == minimised ? STEP_DONE : STEP_AGAIN;
 }
 
 enum step step_close(struct script *script, struct viewer *viewer,
@@ -189,10 +189,10 @@ enum step step_set(struct script *script, struct viewer *viewer, const struct co
                    struct err *err)
 {
     if (script->now.phase == 0) {
-        gui_set(&viewer->gui, command->texts[0], command->texts[1] ? command->texts[1] : "");
+        gui_set(&viewer->shell.gui, command->texts[0], command->texts[1] ? command->texts[1] : "");
         return next_phase(script);
     }
-    const char *why_not = gui_set_result(&viewer->gui);
+    const char *why_not = gui_set_result(&viewer->shell.gui);
     if (script->now.phase == 1 && why_not) {
         err_set(err, ERR_INPUT, "%s: %s", command->texts[0], why_not);
         return STEP_FAILED;
@@ -207,11 +207,11 @@ enum step step_set(struct script *script, struct viewer *viewer, const struct co
 // Puts the mouse on the control; the phase after it begins when it is there.
 static enum step aim(struct script *script, struct viewer *viewer, const char *id, struct err *err)
 {
-    const struct gui_item *item = gui_find(&viewer->gui, id);
+    const struct gui_item *item = gui_find(&viewer->shell.gui, id);
     bool is_there =
         item && item->is_shown && item->rect[2] > item->rect[0] && item->rect[3] > item->rect[1];
     if (script->now.frame == 0 && (!item || !item->is_shown))
-        gui_reveal(&viewer->gui, id);
+        gui_reveal(&viewer->shell.gui, id);
     if (script->now.frame++ < REVEAL_FRAMES || (!is_there && script->now.frame < REVEAL_TRIALS))
         return STEP_AGAIN;
     if (!is_there) {

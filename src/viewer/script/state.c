@@ -79,8 +79,8 @@ static json_t *side_json(const struct view *view)
 static json_t *sides_json(const struct viewer *viewer)
 {
     json_t *array = json_array();
-    for (uint32_t i = 0; i < viewer->side_count; i++)
-        json_array_append_new(array, side_json(&viewer->sides[i]));
+    for (uint32_t i = 0; i < viewer->stage.side_count; i++)
+        json_array_append_new(array, side_json(&viewer->stage.sides[i]));
     return array;
 }
 
@@ -98,12 +98,12 @@ static json_t *picked_json(const struct picked *picked)
 
 static json_t *counts_json(const struct viewer *viewer)
 {
-    const struct scene *s = &viewer->scene;
+    const struct scene *s = &viewer->document.scene;
     return json_pack("{s:i, s:i, s:i, s:i, s:i, s:i, s:i, s:i}", "undo", edit_undo_count(viewer),
                      "redo", edit_redo_count(viewer), "cameras", s->camera_count, "materials",
                      s->material_count, "lights", s->light_count, "objects",
-                     s->instance_count + s->shape_count, "recoveries", viewer->recoveries,
-                     "validation_messages", viewer->gpu.validation_messages);
+                     s->instance_count + s->shape_count, "recoveries", viewer->stage.recoveries,
+                     "validation_messages", viewer->stage.gpu.validation_messages);
 }
 
 // Resident memory of the process now; 0 where it is not known.
@@ -122,14 +122,14 @@ static json_t *kernels_json(const struct viewer *viewer)
     json_t *object = json_object();
     for (int id = 0; id < KERNEL_COUNT; id++)
         json_object_set_new(object, kernel_code((enum kernel_id)id, true).name,
-                            json_number(viewer->stats.kernel_ms[id]));
+                            json_number(viewer->stage.stats.kernel_ms[id]));
     return object;
 }
 
 static json_t *times_json(const struct viewer *viewer)
 {
-    const struct frame_stats *s = &viewer->stats;
-    const struct view *view = &viewer->sides[viewer->edited_side];
+    const struct frame_stats *s = &viewer->stage.stats;
+    const struct view *view = &viewer->stage.sides[viewer->stage.edited_side];
     return json_pack(
         "{s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:I, s:I, s:o, s:I, s:b, s:o}",
         "frames", (json_int_t)s->frames, "seconds", json_number(viewer_seconds(viewer)), "fps",
@@ -137,24 +137,25 @@ static json_t *times_json(const struct viewer *viewer)
         json_number(s->render_ms), "denoise_ms", json_number(s->denoise_ms), "display_ms",
         json_number(s->display_ms), "panel_ms", json_number(s->panel_ms), "present_ms",
         json_number(s->present_ms), "render_seconds", json_number(view->seconds), "swapchains",
-        (json_int_t)viewer->swapchain.recreated, "shrink", (json_int_t)viewer->pace.shrink,
-        "resident_bytes", json_number(resident_bytes()), "device_bytes",
-        (json_int_t)viewer->gpu.allocated_bytes, "working", !worker_is_idle(viewer->worker),
-        "kernel_ms", kernels_json(viewer));
+        (json_int_t)viewer->stage.swapchain.recreated, "shrink",
+        (json_int_t)viewer->view.pace.shrink, "resident_bytes", json_number(resident_bytes()),
+        "device_bytes", (json_int_t)viewer->stage.gpu.allocated_bytes, "working",
+        !worker_is_idle(viewer->shell.worker), "kernel_ms", kernels_json(viewer));
 }
 
 static json_t *window_json(const struct viewer *viewer)
 {
     static const char *const modes[] = {"immediate", "mailbox", "fifo", "fifo_relaxed"};
-    uint32_t mode = (uint32_t)viewer->swapchain.present_mode;
-    bool has_mode = viewer->swapchain.handle != VK_NULL_HANDLE && mode < 4;
+    uint32_t mode = (uint32_t)viewer->stage.swapchain.present_mode;
+    bool has_mode = viewer->stage.swapchain.handle != VK_NULL_HANDLE && mode < 4;
     uint32_t place[4];
     viewer_picture_place(viewer, place);
-    return json_pack(
-        "{s:i, s:i, s:b, s:b, s:b, s:s, s:[i, i, i, i]}", "width", viewer->window.width, "height",
-        viewer->window.height, "minimised", viewer->window.is_minimised, "headless",
-        viewer->window.handle == NULL, "panel", viewer->is_panel_shown, "present_mode",
-        has_mode ? modes[mode] : "none", "picture", place[0], place[1], place[2], place[3]);
+    return json_pack("{s:i, s:i, s:b, s:b, s:b, s:s, s:[i, i, i, i]}", "width",
+                     viewer->shell.window.width, "height", viewer->shell.window.height, "minimised",
+                     viewer->shell.window.is_minimised, "headless",
+                     viewer->shell.window.handle == NULL, "panel", viewer->shell.is_panel_shown,
+                     "present_mode", has_mode ? modes[mode] : "none", "picture", place[0], place[1],
+                     place[2], place[3]);
 }
 
 static json_t *rig_json(const struct rig *rig)
@@ -168,8 +169,9 @@ static json_t *views_json(const struct viewer *viewer)
 {
     json_t *array = json_array();
     for (uint32_t i = 0; i < VIEWER_SAVED_VIEWS; i++)
-        json_array_append_new(
-            array, viewer->saved[i].is_used ? camera_json(&viewer->saved[i].camera) : json_null());
+        json_array_append_new(array, viewer->view.saved[i].is_used
+                                         ? camera_json(&viewer->view.saved[i].camera)
+                                         : json_null());
     return array;
 }
 
@@ -178,15 +180,15 @@ json_t *state_json(const struct viewer *viewer)
     static const char *const kinds[] = {"note", "warning", "error"};
     return json_pack(
         "{s:o, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:{s:s, s:o}, s:o, s:b, s:b, s:o, s:o, s:o}",
-        "scene", json_words(viewer->scene_path), "has_scene", viewer->has_scene, "window",
-        window_json(viewer), "camera", camera_json(&viewer->camera), "rig", rig_json(&viewer->rig),
-        "views", views_json(viewer), "sides", sides_json(viewer), "picked",
-        picked_json(&viewer->picked), "counts", counts_json(viewer), "message", "kind",
-        kinds[viewer->message_kind], "text", json_words(viewer->message), "target_ms",
-        json_number(viewer->pace.target_ms), "paused", viewer->is_paused, "watching",
-        viewer->watch != NULL, "times", times_json(viewer), "shader_errors",
-        json_words(viewer->reload ? reload_errors(viewer->reload) : ""), "items",
-        items_json(&viewer->gui));
+        "scene", json_words(viewer->document.scene_path), "has_scene", viewer->document.has_scene,
+        "window", window_json(viewer), "camera", camera_json(&viewer->view.camera), "rig",
+        rig_json(&viewer->view.rig), "views", views_json(viewer), "sides", sides_json(viewer),
+        "picked", picked_json(&viewer->document.picked), "counts", counts_json(viewer), "message",
+        "kind", kinds[viewer->shell.message_kind], "text", json_words(viewer->shell.message),
+        "target_ms", json_number(viewer->view.pace.target_ms), "paused", viewer->stage.is_paused,
+        "watching", viewer->shell.watch != NULL, "times", times_json(viewer), "shader_errors",
+        json_words(viewer->shell.reload ? reload_errors(viewer->shell.reload) : ""), "items",
+        items_json(&viewer->shell.gui));
 }
 
 // --- looking things up ---------------------------------------------------------------------------
@@ -224,15 +226,16 @@ const json_t *state_find(const json_t *state, const char *key)
 
 bool state_hash_picture(struct viewer *viewer, uint64_t *hash, struct err *err)
 {
-    const struct gpu_screen *screen = &viewer->screen;
+    const struct gpu_screen *screen = &viewer->stage.screen;
     uint64_t bytes = (uint64_t)screen->width * screen->height * 4;
     *hash = HASH_INIT;
-    if (bytes == 0 || viewer->display.pixels.bytes < bytes)
+    if (bytes == 0 || viewer->stage.display.pixels.bytes < bytes)
         return true; // nothing was shown so far
     uint8_t *pixels = malloc(bytes);
     if (!pixels)
         return err_memory(err, "the picture", bytes);
-    bool ok = gpu_download(&viewer->gpu, &viewer->display.pixels, 0, pixels, bytes, err);
+    bool ok =
+        gpu_download(&viewer->stage.gpu, &viewer->stage.display.pixels, 0, pixels, bytes, err);
     if (ok)
         *hash = hash_bytes(*hash, pixels, bytes);
     free(pixels);
