@@ -41,7 +41,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
     },
     [OPTION_HALF] = {
         .name = "half", .type = VALUE_FLAG, .group = "Picture", .commands = FOR_RENDER,
-        .help = "Write EXR files with 16-bit instead of 32-bit channels.", FIELD(half_float),
+        .help = "Write EXR files with 16-bit instead of 32-bit channels.", FIELD(render.half_float),
     },
     [OPTION_AOV] = {
         .name = "aov", .argument = "NAME,...", .type = VALUE_AOVS, .group = "Picture",
@@ -49,7 +49,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .help = "Pictures besides the radiance, as layers of the EXR files: albedo, normal, "
                 "normal_geometric, depth, position, ids, alpha of the first surface; emission, "
                 "direct, indirect; steps of camera rays; samples, variance, halves; or all. See docs/output.md.",
-        FIELD(aovs),
+        FIELD(render.aovs),
     },
 
 #define SETTING(ID, type_, member, key, option, group_, help_, ...) \
@@ -67,7 +67,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .group = "Sampling", .commands = FOR_RENDER, .fallback = "no limit",
         .help = "Stop at whole samples per pixel after about this many seconds of rendering, or "
                 "at --spp or --frames where given. At least one sample per pixel is taken.",
-        FIELD(time_seconds),
+        FIELD(render.time_seconds),
     },
     [OPTION_ERROR] = {
         .name = "error", .argument = "E", .type = VALUE_REAL, .min = 1e-12, .max = 1e6,
@@ -76,7 +76,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
                 "each pixel) is below this with 95 % confidence. Looks at the error from 2 samples "
                 "per pixel on, where it may have come low enough; ends at --spp (65536 where not "
                 "given) or --time at the latest.",
-        FIELD(error),
+        FIELD(render.error),
     },
     [OPTION_ADAPTIVE] = {
         .name = "adaptive", .argument = "on|off", .type = VALUE_SWITCH, .group = "Sampling",
@@ -84,36 +84,36 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .help = "Give tiles of 16 x 16 pixels as many samples as their error asks for, with --spp "
                 "on average, a quarter of it at least and 16 times it at most. A pilot of 16 "
                 "samples per pixel, which are not part of the picture, says how many.",
-        FIELD(adaptive),
+        FIELD(render.adaptive),
     },
 
     [OPTION_CAMERA] = {
         .name = "camera", .argument = "NAME|INDEX", .type = VALUE_TEXT, .group = "Scene",
         .commands = FOR_SCENE, .fallback = "the first",
-        .help = "Which of the scene's cameras, by name or by number from 0.", FIELD(camera),
+        .help = "Which of the scene's cameras, by name or by number from 0.", FIELD(scene.camera),
     },
     [OPTION_APERTURE] = {
         .name = "aperture", .argument = "MM", .type = VALUE_REAL, .min = 0, .max = 1e16,
         .group = "Scene", .commands = FOR_SCENE, .fallback = "the camera's",
-        .help = "Radius of the camera's lens in millimetres; 0: a pinhole.", FIELD(aperture_mm),
+        .help = "Radius of the camera's lens in millimetres; 0: a pinhole.", FIELD(scene.aperture_mm),
     },
     [OPTION_FOCUS_DISTANCE] = {
         .name = "focus-distance", .argument = "METRES", .type = VALUE_REAL, .min = 1e-18,
         .max = 1e13, .group = "Scene", .commands = FOR_SCENE, .fallback = "the camera's",
         .help = "How far away what is in focus lies, along the line of sight.",
-        FIELD(focus_distance),
+        FIELD(scene.focus_distance),
     },
     [OPTION_SCENE] = {
         .name = "scene", .argument = "NAME|INDEX", .type = VALUE_TEXT, .group = "Scene",
         .commands = FOR_SCENE, .fallback = "the one that the file names, else the first",
-        .help = "Which scene of a glTF file, by name or by number from 0.", FIELD(scene),
+        .help = "Which scene of a glTF file, by name or by number from 0.", FIELD(scene.gltf_scene),
     },
     [OPTION_ANIMATION] = {
         .name = "animation", .argument = "NAME|INDEX", .type = VALUE_TEXT, .group = "Scene",
         .commands = FOR_SCENE, .fallback = "none; with --at, the first",
         .help = "Which animation of a glTF file, by name or by number from 0. Without --at it is "
                 "shown as it begins.",
-        FIELD(animation),
+        FIELD(scene.animation),
     },
     [OPTION_AT] = {
         .name = "at", .argument = "SECONDS", .type = VALUE_REAL, .min = 0, .max = OPTION_TIME_MAX,
@@ -121,12 +121,12 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .fallback = "the nodes as they are without animation",
         .help = "Pose a glTF file as its animation has it at this time. Before the first key and "
                 "after the last it stands still.",
-        FIELD(at_seconds),
+        FIELD(scene.at_seconds),
     },
     [OPTION_VARIANT] = {
         .name = "variant", .argument = "NAME", .type = VALUE_TEXT, .group = "Scene",
         .commands = FOR_SCENE, .fallback = "the materials that need none",
-        .help = "Which variant of its materials a glTF file is shown with.", FIELD(variant),
+        .help = "Which variant of its materials a glTF file is shown with.", FIELD(scene.variant),
     },
     [OPTION_ENV] = {
         .name = "env", .argument = "FILE|R,G,B|sky:...", .type = VALUE_ENVIRONMENT,
@@ -142,12 +142,12 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .group = "Scene", .commands = FOR_SCENE, .fallback = "0",
         .help = "Turn what surrounds the scene about +Y, counter-clockwise seen from above, in "
                 "addition to the scene's own rotation.",
-        FIELD(environment_rotate_degrees),
+        FIELD(scene.environment_rotate_degrees),
     },
     [OPTION_ENV_STRENGTH] = {
         .name = "env-strength", .argument = "X", .type = VALUE_REAL, .min = 0, .max = 1e30,
         .group = "Scene", .commands = FOR_SCENE, .fallback = "1",
-        .help = "Multiply the radiance of what surrounds the scene.", FIELD(environment_strength),
+        .help = "Multiply the radiance of what surrounds the scene.", FIELD(scene.environment_strength),
     },
     [OPTION_STUDIO] = {
         .name = "studio", .argument = "off|auto|on", .type = VALUE_CHOICE, .group = "Scene",
@@ -156,19 +156,19 @@ const struct option_def option_table[OPTION_TOTAL] = {
                 "no light or too little (auto), in place of its environment (on), or never: without "
                 "light there is then an even environment of radiance 1 (off). Scene files with a "
                 "camera are lit by the studio with on only.",
-        FIELD(studio),
+        FIELD(scene.studio),
     },
     [OPTION_GROUND] = {
         .name = "ground", .argument = "auto|on|off", .type = VALUE_CHOICE, .group = "Scene",
         .commands = FOR_SCENE, .fallback = "auto: with the studio, unless a camera is below it",
-        .help = "A plane below the model that catches its shadow.", FIELD(ground),
+        .help = "A plane below the model that catches its shadow.", FIELD(scene.ground),
     },
     [OPTION_UP] = {
         .name = "up", .argument = "y|x|z", .type = VALUE_CHOICE, .group = "Scene",
         .commands = FOR_SCENE, .fallback = "y",
         .help = "Which axis points up: for the camera, the light and the ground of a model that "
                 "comes without them. The model stays as it is.",
-        FIELD(up),
+        FIELD(scene.up),
     },
     [OPTION_DEFINE] = {
         .name = "define", .short_name = 'D', .argument = "KEY=VALUE", .type = VALUE_DEFINE,
@@ -179,13 +179,13 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_STRICT] = {
         .name = "strict", .type = VALUE_FLAG, .group = "Scene", .commands = FOR_SCENE,
         .help = "A missing texture or material library (MTL) is an error, instead of pink or grey "
-                "with a warning.", FIELD(strict),
+                "with a warning.", FIELD(scene.strict),
     },
     [OPTION_ALLOW_OUTSIDE_PATHS] = {
         .name = "allow-outside-paths", .type = VALUE_FLAG, .group = "Scene",
         .commands = FOR_SCENE,
         .help = "Let scene files name files outside their own folder. Only for files you trust.",
-        FIELD(allow_outside_paths),
+        FIELD(scene.allow_outside_paths),
     },
 
     [OPTION_FRAMES] = {
@@ -193,36 +193,36 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .group = "Frames", .commands = FOR_RENDER, .fallback = "one picture of --spp samples",
         .help = "Render exactly N frames of --spp-per-frame samples each. N frames of K samples "
                 "equal --spp N*K bit for bit.",
-        FIELD(frames),
+        FIELD(render.frames),
     },
     [OPTION_SPP_PER_FRAME] = {
         .name = "spp-per-frame", .argument = "N", .type = VALUE_COUNT, .min = 1,
         .max = SETTINGS_SPP_MAX, .group = "Frames", .commands = FOR_RENDER, .fallback = "1",
-        .help = "Samples per pixel of one frame.", FIELD(spp_per_frame),
+        .help = "Samples per pixel of one frame.", FIELD(render.spp_per_frame),
     },
     [OPTION_EVERY] = {
         .name = "every", .argument = "N", .type = VALUE_COUNT, .min = 1, .max = UINT32_MAX,
         .group = "Frames", .commands = FOR_RENDER, .fallback = "only after the last frame",
-        .help = "Write a numbered picture after every N frames.", FIELD(every),
+        .help = "Write a numbered picture after every N frames.", FIELD(render.every),
     },
     [OPTION_ACCUMULATE] = {
         .name = "accumulate", .argument = "on|off", .type = VALUE_SWITCH, .group = "Frames",
         .commands = FOR_RENDER, .fallback = "on",
         .help = "Whether frames add up to one picture. Off: each is fresh, with samples of its "
                 "own.",
-        FIELD(accumulate),
+        FIELD(render.accumulate),
     },
     [OPTION_CHECKPOINT] = {
         .name = "checkpoint", .argument = "FILE", .type = VALUE_TEXT, .group = "Frames",
         .commands = FOR_RENDER, .fallback = "none is kept",
         .help = "Keep in FILE what is needed to go on with this render later, also after a signal "
-                "and at the end. FILE may exist already only with --resume.", FIELD(checkpoint),
+                "and at the end. FILE may exist already only with --resume.", FIELD(render.checkpoint),
     },
     [OPTION_CHECKPOINT_EVERY] = {
         .name = "checkpoint-every", .argument = "SECONDS", .type = VALUE_REAL, .min = 0,
         .max = OPTION_TIME_MAX, .group = "Frames", .commands = FOR_RENDER, .fallback = "60",
         .help = "Time between two checkpoints; 0: one after every wave.",
-        FIELD(checkpoint_seconds),
+        FIELD(render.checkpoint_seconds),
     },
     [OPTION_RESUME] = {
         .name = "resume", .type = VALUE_FLAG, .group = "Frames", .commands = FOR_RENDER,
@@ -230,7 +230,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
                 "picture is that of a run without interruption, bit for bit, whatever --wave is. "
                 "Refuses a checkpoint of another scene, device or other settings; --spp, --time, "
                 "--error, --frames and the outputs may change.",
-        FIELD(resume),
+        FIELD(render.resume),
     },
 
     [OPTION_REPLICATES] = {
@@ -238,7 +238,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .group = "Curves", .commands = FOR_CONVERGE, .fallback = "16",
         .help = "Independent runs of each curve, with seeds from --seed on. Intervals come from "
                 "their spread.",
-        FIELD(replicates),
+        FIELD(converge.replicates),
     },
     [OPTION_REFERENCE] = {
         .name = "reference", .argument = "FILE|auto|none", .type = VALUE_TEXT, .group = "Curves",
@@ -266,7 +266,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .max = SETTINGS_SPP_MAX, .group = "Curves", .commands = FOR_CONVERGE, .fallback = "16",
         .help = "Samples a pixel of the first point; each further one has twice as many, up to "
                 "--spp (256 where that is not given).",
-        FIELD(spp_from),
+        FIELD(converge.spp_from),
     },
     [OPTION_TIMES] = {
         .name = "times", .argument = "SECONDS,...", .type = VALUE_TIMES, .min = 0.001,
@@ -288,14 +288,14 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .name = "repeats", .argument = "N", .type = VALUE_COUNT, .min = 2, .max = 10000,
         .group = "Benchmark", .commands = FOR_BENCH, .fallback = "7",
         .help = "Timed runs of each variant, in turns, after one that only warms up.",
-        FIELD(repeats),
+        FIELD(bench.repeats),
     },
     [OPTION_KERNEL] = {
         .name = "kernel", .argument = "NAME", .type = VALUE_TEXT, .group = "Benchmark",
         .commands = FOR_BENCH, .fallback = "all of a render",
         .help = "Time this kernel alone, on what it gets in a render: on queues recorded from a wave "
                 "in the middle of the picture. Any kernel that \"lampyris bench\" lists, or resolve.",
-        FIELD(kernel),
+        FIELD(bench.kernel),
     },
     [OPTION_RAYS] = {
         .name = "rays", .argument = "primary|diffuse|shadow,...", .type = VALUE_RAYS,
@@ -316,14 +316,14 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .commands = FOR_BENCH, .fallback = "none",
         .help = "Compare with the JSON of an earlier run, and say what is slower or faster beyond "
                 "noise. Exit with 1 where something is slower.",
-        FIELD(baseline),
+        FIELD(bench.baseline),
     },
     [OPTION_EXPLAIN] = {
         .name = "explain", .type = VALUE_FLAG, .group = "Report", .commands = FOR_RENDER,
         .help = "List what this render leaves out: each feature, lobe, kind of light, kernel and "
                 "buffer, why, and the bytes and SPIR-V instructions that this saves; and what the "
                 "summary has no room for.",
-        FIELD(explain),
+        FIELD(render.explain),
     },
     [OPTION_TRACE] = {
         .name = "trace", .argument = "FILE", .type = VALUE_TEXT, .group = "Report",
@@ -331,7 +331,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .help = "Write the error after 1, 2, 4, ... samples a pixel and at the end, with the time "
                 "it took, to FILE, .csv or .json; also the true one where there is a --reference. "
                 "The picture keeps its bits.",
-        FIELD(trace),
+        FIELD(render.trace),
     },
     [OPTION_TEV] = {
         .name = "tev", .argument = "HOST:PORT", .type = VALUE_TEXT, .group = "Report",
@@ -340,39 +340,39 @@ const struct option_def option_table[OPTION_TOTAL] = {
                 "HOST is 127.0.0.1 where only \":PORT\" or \"PORT\" is given, [::1]:14158 an "
                 "address of IPv6. The render goes on without where nobody listens. The picture "
                 "keeps its bits.",
-        FIELD(tev),
+        FIELD(render.tev),
     },
     [OPTION_REPORT] = {
         .name = "report", .argument = "FOLDER", .type = VALUE_TEXT, .group = "Report",
         .commands = FOR_CONVERGE | FOR_BENCH, .fallback = "none",
         .help = "Write report.html with plots (by gnuplot), tables and pictures, results.csv and "
                 "results.json.",
-        FIELD(report),
+        FIELD(study.report),
     },
     [OPTION_IMAGES] = {
         .name = "images", .type = VALUE_FLAG, .group = "Report", .commands = FOR_CONVERGE,
         .help = "Write every replicate's picture and the references into the report's folder, as "
                 "EXR, and what report.html is made of, as PNG, SVG and scripts for gnuplot.",
-        FIELD(images),
+        FIELD(converge.images),
     },
 
     [OPTION_DEVICE] = {
         .name = "device", .argument = "INDEX|NAME", .type = VALUE_TEXT, .group = "Device",
         .commands = FOR_SCENE | FOR_DEVICES, .fallback = "the fastest kind",
         .help = "Device to use, by its number in \"lampyris devices\" or a part of its name.",
-        FIELD(gpu.device),
+        FIELD(device.gpu.device),
     },
     [OPTION_WAVE] = {
         .name = "wave", .argument = "N", .type = VALUE_COUNT, .min = 64, .max = 16777216,
         .group = "Device", .commands = FOR_SCENE, .fallback = "chosen by device",
         .help = "Paths in flight. Changes memory and speed, and no bit of the picture.",
-        FIELD(wave),
+        FIELD(device.wave),
     },
     [OPTION_WORKGROUP] = {
         .name = "workgroup", .argument = "N", .type = VALUE_COUNT, .min = 8, .max = 1024,
         .group = "Device", .commands = FOR_SCENE, .fallback = "chosen by device",
         .help = "Threads of a workgroup, a power of two. Changes speed, and no bit of the picture.",
-        FIELD(workgroup),
+        FIELD(device.workgroup),
     },
     [OPTION_MEMORY] = {
         .name = "memory", .argument = "BYTES", .type = VALUE_COUNT, .min = 1 << 20, .max = MOST_BYTES,
@@ -386,7 +386,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
     [OPTION_VALIDATION] = {
         .name = "validation", .type = VALUE_FLAG, .group = "Device", .commands = FOR_SCENE,
         .help = "Enable the Vulkan validation layers, synchronization validation included. Slow.",
-        FIELD(gpu.validation),
+        FIELD(device.gpu.validation),
     },
 
     [OPTION_PIXEL] = {
@@ -394,98 +394,98 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .max = SETTINGS_SIZE_MAX - 1, .group = "Replay", .commands = FOR_RENDER,
         .help = "Follow one path through this pixel, counted from the top left, and print every "
                 "vertex of it instead of rendering.",
-        FIELD(pixel),
+        FIELD(render.pixel),
     },
     [OPTION_SAMPLE] = {
         .name = "sample", .argument = "S", .type = VALUE_COUNT, .min = 0,
         .max = SETTINGS_SPP_MAX - 1, .group = "Replay", .commands = FOR_RENDER, .fallback = "0",
-        .help = "Index, from 0, of the sample that --pixel follows.", FIELD(sample),
+        .help = "Index, from 0, of the sample that --pixel follows.", FIELD(render.sample),
     },
 
     [OPTION_FEATURES] = {
         .name = "features", .argument = "needed|all", .type = VALUE_CHOICE,
         .group = "Fallbacks, for tests", .commands = FOR_SCENE, .fallback = "needed",
-        .help = "Compile in what the scene needs, or everything.", FIELD(features),
+        .help = "Compile in what the scene needs, or everything.", FIELD(device.features),
     },
     [OPTION_CLASSES] = {
         .name = "classes", .argument = "sorted|merged", .type = VALUE_CHOICE,
         .group = "Kernels", .commands = FOR_SCENE, .fallback = "sorted",
         .help = "Shade each class of surfaces (diffuse, principled, transmissive, classical) by a "
-                "kernel of its own, or all by one. The picture is the same.", FIELD(classes),
+                "kernel of its own, or all by one. The picture is the same.", FIELD(device.classes),
     },
     [OPTION_BVH] = {
         .name = "bvh", .argument = "sah|median|mean|spatial", .type = VALUE_CHOICE, .group = "Kernels",
         .commands = FOR_SCENE, .fallback = "sah",
         .help = "How triangles are split into a hierarchy: by the surface area heuristic, at the "
                 "median, or at the mean of their centres, or by the heuristic with triangles in "
-                "several boxes where that pays. The picture is the same.", FIELD(bvh),
+                "several boxes where that pays. The picture is the same.", FIELD(device.bvh),
     },
     [OPTION_NODE] = {
         .name = "node", .argument = "quantised|float", .type = VALUE_CHOICE, .group = "Kernels",
         .commands = FOR_SCENE, .fallback = "quantised",
         .help = "Boxes of the hierarchy in bytes (64 a node) or in floats (128). The picture is "
-                "the same.", FIELD(node),
+                "the same.", FIELD(device.node),
     },
     [OPTION_BVH_OPTIMIZE] = {
         .name = "bvh-optimize", .argument = "normal|off|long", .type = VALUE_CHOICE,
         .group = "Kernels", .commands = FOR_SCENE, .fallback = "normal",
         .help = "Move subtrees to better places once the hierarchy is built: for a bounded time, "
                 "not at all, or until nothing is gained. The picture is the same.",
-        FIELD(bvh_optimize),
+        FIELD(device.bvh_optimize),
     },
     [OPTION_BVH_CACHE] = {
         .name = "bvh-cache", .argument = "DIR", .type = VALUE_TEXT, .group = "Kernels",
         .commands = FOR_SCENE,
         .help = "Keep hierarchies in this folder, by what they are built of, and take them from "
-                "there the next time.", FIELD(bvh_cache),
+                "there the next time.", FIELD(device.bvh_cache),
     },
     [OPTION_INSTANCES] = {
         .name = "instances", .argument = "auto|on|off", .type = VALUE_CHOICE, .group = "Kernels",
         .commands = FOR_SCENE, .fallback = "auto",
         .help = "Keep a mesh once, with a hierarchy of its own, for all its instances: where that "
-                "pays, always, or never. Pictures differ by rounding only.", FIELD(instances),
+                "pays, always, or never. Pictures differ by rounding only.", FIELD(device.instances),
     },
     [OPTION_NO_TEXEL] = {
         .name = "no-texel", .type = VALUE_FLAG, .group = "Fallbacks, for tests",
         .commands = FOR_SCENE, .help = "Read storage buffers only, no texel buffers.",
-        FIELD(gpu.limits.no_texel),
+        FIELD(device.gpu.limits.no_texel),
     },
     [OPTION_NO_BALLOT] = {
         .name = "no-ballot", .type = VALUE_FLAG, .group = "Fallbacks, for tests",
         .commands = FOR_SCENE, .help = "Do without subgroup ballots.",
-        FIELD(gpu.limits.no_ballot),
+        FIELD(device.gpu.limits.no_ballot),
     },
     [OPTION_LIMIT_STORAGE_RANGE] = {
         .name = "limit-storage-range", .argument = "BYTES", .type = VALUE_COUNT, .min = 1,
         .max = MOST_BYTES, .group = "Fallbacks, for tests", .commands = FOR_SCENE,
         .fallback = "the device's",
-        .help = "Lower the largest range of a storage buffer.", FIELD(gpu.limits.storage_range),
+        .help = "Lower the largest range of a storage buffer.", FIELD(device.gpu.limits.storage_range),
     },
     [OPTION_LIMIT_TEXEL_ELEMENTS] = {
         .name = "limit-texel-elements", .argument = "N", .type = VALUE_COUNT, .min = 1,
         .max = UINT32_MAX, .group = "Fallbacks, for tests", .commands = FOR_SCENE,
         .fallback = "the device's",
         .help = "Lower the largest number of elements of a texel buffer.",
-        FIELD(gpu.limits.texel_elements),
+        FIELD(device.gpu.limits.texel_elements),
     },
     [OPTION_LIMIT_ALLOCATION] = {
         .name = "limit-allocation", .argument = "BYTES", .type = VALUE_COUNT, .min = 1,
         .max = MOST_BYTES, .group = "Fallbacks, for tests", .commands = FOR_SCENE,
         .fallback = "the device's", .help = "Lower the largest allocation of device memory.",
-        FIELD(gpu.limits.allocation),
+        FIELD(device.gpu.limits.allocation),
     },
 
     [OPTION_FAIL_ALLOCATION] = {
         .name = "fail-allocation", .argument = "N", .type = VALUE_COUNT, .min = 1,
         .max = UINT32_MAX, .group = "Faults, for tests", .commands = FOR_RENDER | FOR_VIEW,
         .help = "Have the N-th allocation of device memory fail.",
-        FIELD(gpu.fail_allocation),
+        FIELD(device.gpu.fail_allocation),
     },
     [OPTION_LOSE_DEVICE] = {
         .name = "lose-device", .argument = "N", .type = VALUE_COUNT, .min = 1,
         .max = UINT32_MAX, .group = "Faults, for tests", .commands = FOR_RENDER | FOR_VIEW,
         .help = "Lose the device at the N-th submission of commands.",
-        FIELD(gpu.lose_device_at_submit),
+        FIELD(device.gpu.lose_device_at_submit),
     },
 
     [OPTION_SCRIPT] = {
@@ -493,38 +493,38 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .commands = FOR_VIEW, .fallback = "none",
         .help = "Run keys, mouse, changes and pictures from FILE, a command a line, and end "
                 "with it: see docs/viewer.md. A command that fails ends the viewer with 1.",
-        FIELD(script),
+        FIELD(view.script),
     },
     [OPTION_HEADLESS] = {
         .name = "headless", .type = VALUE_FLAG, .group = "Viewer", .commands = FOR_VIEW,
         .help = "Open no window: the same loop in memory, for scripts. Needs --script.",
-        FIELD(headless),
+        FIELD(view.headless),
     },
     [OPTION_WATCH] = {
         .name = "watch", .type = VALUE_FLAG, .group = "Viewer", .commands = FOR_VIEW,
-        .help = "Reload the scene and the shaders when their files change.", FIELD(watch),
+        .help = "Reload the scene and the shaders when their files change.", FIELD(view.watch),
     },
     [OPTION_VSYNC] = {
         .name = "vsync", .argument = "on|off", .type = VALUE_SWITCH, .group = "Viewer",
         .commands = FOR_VIEW, .fallback = "on",
-        .help = "Wait for the display, so that pictures do not tear.", FIELD(vsync),
+        .help = "Wait for the display, so that pictures do not tear.", FIELD(view.vsync),
     },
     [OPTION_FRAME_MS] = {
         .name = "frame-ms", .argument = "MS", .type = VALUE_REAL, .min = 1, .max = 1000,
         .group = "Viewer", .commands = FOR_VIEW, .fallback = "33",
         .help = "Time of a frame to aim at. While the camera moves, the picture is made of fewer "
                 "pixels for it.",
-        FIELD(frame_ms),
+        FIELD(view.frame_ms),
     },
     [OPTION_DENOISE] = {
         .name = "denoise", .argument = "on|off", .type = VALUE_SWITCH, .group = "Viewer",
         .commands = FOR_VIEW, .fallback = "off",
-        .help = "Show the picture denoised. What is saved as EXR is not.", FIELD(denoise),
+        .help = "Show the picture denoised. What is saved as EXR is not.", FIELD(view.denoise),
     },
     [OPTION_SHADERS] = {
         .name = "shaders", .argument = "DIR", .type = VALUE_TEXT, .group = "Viewer",
         .commands = FOR_VIEW, .fallback = "the source tree that the program was built from",
-        .help = "Folder of the kernels' source, which F5 compiles again.", FIELD(shaders),
+        .help = "Folder of the kernels' source, which F5 compiles again.", FIELD(view.shaders),
     },
     [OPTION_MAX] = {
         .name = "max", .argument = "METRIC=VALUE", .type = VALUE_LIMIT, .group = "Checks",
@@ -544,14 +544,14 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .help = "Write a map of the differences: .png in false colours, from black to pale yellow, "
                 "with their scale below, green where a pixel is not finite; .exr with the numbers "
                 "themselves, in a layer named as --map. Of several pictures: map.0001.png and so on.",
-        FIELD(difference),
+        FIELD(compare.difference),
     },
     [OPTION_MAP] = {
         .name = "map", .argument = "relative|squared|smape|flip|hdr-flip", .type = VALUE_CHOICE,
         .group = "Map", .commands = FOR_COMPARE, .fallback = "relative",
         .help = "What --difference shows: |x - r| / (|r| + 0.01), a pixel's part of relmse or "
                 "smape, or FLIP. The first three have a logarithmic scale of colours.",
-        FIELD(map),
+        FIELD(compare.map),
     },
     [OPTION_REFERENCE_VARIANCE] = {
         .name = "reference-variance", .argument = "FILE|auto|VALUE", .type = VALUE_TEXT,
@@ -559,14 +559,14 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .help = "The reference's own noise, which is subtracted from mse, rmse, relmse and "
                 "local-relmse: a picture of each value's variance, the layers of --aov halves in "
                 "the reference itself (auto), or one variance for all values.",
-        FIELD(reference_variance),
+        FIELD(compare.reference_variance),
     },
     [OPTION_EXPOSURES] = {
         .name = "exposures", .argument = "START,STOP", .type = VALUE_TEXT, .group = "Metrics",
         .commands = FOR_COMPARE, .fallback = "the reference decides",
         .help = "The range of exposures that hdr-flip looks at, in stops, so that comparisons with "
                 "different references see alike.",
-        FIELD(exposures),
+        FIELD(compare.exposures),
     },
 
     [OPTION_MAN] = {

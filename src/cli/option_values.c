@@ -234,7 +234,7 @@ static bool parse_color(const char *text, float out[3])
 
 static bool store_environment(const char *text, struct options *options, struct err *err)
 {
-    struct environment_option *environment = &options->environment;
+    struct environment_option *environment = &options->scene.environment;
     *environment = (struct environment_option){0};
     if (strncmp(text, "sky", 3) == 0 && (text[3] == '\0' || text[3] == ':')) {
         environment->is_sky = true;
@@ -259,10 +259,10 @@ static bool store_output(const char *text, struct options *options, struct err *
 {
     if (!image_check_format(text, err))
         return false;
-    for (uint32_t i = 0; i < options->output_count; i++)
-        if (strcmp(options->outputs[i], text) == 0)
+    for (uint32_t i = 0; i < options->render.output_count; i++)
+        if (strcmp(options->render.outputs[i], text) == 0)
             return err_set(err, ERR_USAGE, "\"%s\" is given twice", text);
-    options->outputs[options->output_count++] = text;
+    options->render.outputs[options->render.output_count++] = text;
     return true;
 }
 
@@ -274,7 +274,8 @@ static bool store_define(const char *text, struct options *options, struct err *
     char *key = arena_printf(&options->arena, "%.*s", (int)(equals - text), text);
     if (!key)
         return err_memory(err, "a key", strlen(text));
-    options->overrides[options->override_count++] = (struct scene_override){key, equals + 1};
+    options->scene.overrides[options->scene.override_count++] =
+        (struct scene_override){key, equals + 1};
     return true;
 }
 
@@ -283,7 +284,7 @@ static bool store_vary(const char *text, struct options *options, struct err *er
     const char *equals = strchr(text, '=');
     if (!equals || equals == text || !equals[1])
         return err_set(err, ERR_USAGE, "\"%s\" is not of the form KEY=A,B,...", text);
-    options->vary[options->vary_count++] = text;
+    options->study.vary[options->study.vary_count++] = text;
     return true;
 }
 
@@ -306,8 +307,8 @@ static bool store_times(const struct option_def *def, const char *text, struct o
         if (!*rest)
             break;
     }
-    options->times = list;
-    options->time_count = count;
+    options->converge.times = list;
+    options->converge.time_count = count;
     return true;
 }
 
@@ -328,8 +329,8 @@ static bool store_depths(const struct option_def *def, const char *text, struct 
         if (!*rest)
             break;
     }
-    options->depths = list;
-    options->depth_count = count;
+    options->bench.depths = list;
+    options->bench.depth_count = count;
     return true;
 }
 
@@ -341,7 +342,7 @@ static bool store_rays(const char *text, struct options *options, struct err *er
         [RAYS_SHADOW] = "shadow",
     };
     const uint32_t count = sizeof words / sizeof words[0];
-    options->rays = 0;
+    options->bench.rays = 0;
     for (const char *word = text; word;) {
         size_t length = strcspn(word, ",");
         uint32_t i = 0;
@@ -351,7 +352,7 @@ static bool store_rays(const char *text, struct options *options, struct err *er
             return err_set(err, ERR_USAGE,
                            "\"%.*s\" is unknown; expected some of primary, diffuse, shadow",
                            (int)length, word);
-        options->rays |= 1u << i;
+        options->bench.rays |= 1u << i;
         word = word[length] ? word + length + 1 : NULL;
     }
     return true;
@@ -377,7 +378,7 @@ static bool store_limit(const struct option_def *def, const char *text, struct o
     const char *rest;
     if (!parse_real(text + length + 1, &value, &rest) || *rest || value < 0)
         return err_set(err, ERR_USAGE, "\"%s\": the limit is not a finite number >= 0", text);
-    options->limits[options->limit_count++] =
+    options->compare.limits[options->compare.limit_count++] =
         (struct compare_limit){(enum compare_metric)metric, is_minimum, value};
     return true;
 }
@@ -406,7 +407,7 @@ static const struct {
 static bool store_aovs(const struct option_def *def, const char *text, struct options *options,
                        struct err *err)
 {
-    uint32_t bits = options->aovs;
+    uint32_t bits = options->render.aovs;
     for (const char *word = text; word;) {
         size_t length = strcspn(word, ","), i = 0, count = sizeof aov_words / sizeof *aov_words;
         while (i < count && (strlen(aov_words[i].name) != length ||
@@ -464,7 +465,7 @@ bool option_store(const struct option_def *def, const char *text, struct options
     case VALUE_CURVE:
         if (!strchr(text, '='))
             return err_set(err, ERR_USAGE, "\"%s\" is not of the form %s", text, def->argument);
-        options->curves[options->curve_count++] = text;
+        options->study.curves[options->study.curve_count++] = text;
         return true;
     case VALUE_TIMES:
         return store_times(def, text, options, err);

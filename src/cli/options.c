@@ -206,7 +206,7 @@ static bool check(const struct options *options, struct err *err)
         return err_set(err, ERR_USAGE,
                        "--exposure auto: compare shows both pictures alike; "
                        "expected a number of stops");
-    uint64_t samples = (uint64_t)options->frames * options->spp_per_frame;
+    uint64_t samples = (uint64_t)options->render.frames * options->render.spp_per_frame;
     if (samples > SETTINGS_SPP_MAX)
         return err_set(err, ERR_USAGE, "--frames x --spp-per-frame is %llu samples; at most %llu",
                        (unsigned long long)samples, (unsigned long long)SETTINGS_SPP_MAX);
@@ -217,13 +217,13 @@ static bool check(const struct options *options, struct err *err)
 static bool allocate_lists(struct options *options, int argc, struct err *err)
 {
     size_t most = (size_t)argc;
-    options->outputs = ARENA_NEW(&options->arena, const char *, most);
-    options->overrides = ARENA_NEW(&options->arena, struct scene_override, most);
-    options->vary = ARENA_NEW(&options->arena, const char *, most);
-    options->curves = ARENA_NEW(&options->arena, const char *, most);
-    options->limits = ARENA_NEW(&options->arena, struct compare_limit, most);
-    if (options->outputs && options->overrides && options->vary && options->curves &&
-        options->limits)
+    options->render.outputs = ARENA_NEW(&options->arena, const char *, most);
+    options->scene.overrides = ARENA_NEW(&options->arena, struct scene_override, most);
+    options->study.vary = ARENA_NEW(&options->arena, const char *, most);
+    options->study.curves = ARENA_NEW(&options->arena, const char *, most);
+    options->compare.limits = ARENA_NEW(&options->arena, struct compare_limit, most);
+    if (options->render.outputs && options->scene.overrides && options->study.vary &&
+        options->study.curves && options->compare.limits)
         return true;
     return err_memory(err, "the command line", most * sizeof(struct scene_override));
 }
@@ -289,8 +289,8 @@ static bool keep_command_line(struct options *options, int argc, char **argv, st
     for (int i = 1; i < argc; i++)
         size += 4 * strlen(argv[i]) + 4;
     options->command_line = make_line(&options->arena, size, argc, argv, false);
-    options->repeatable_line = make_line(&options->arena, size, argc, argv, true);
-    return (options->command_line && options->repeatable_line) ||
+    options->render.repeatable_line = make_line(&options->arena, size, argc, argv, true);
+    return (options->command_line && options->render.repeatable_line) ||
            err_memory(err, "the command line", size);
 }
 
@@ -299,15 +299,15 @@ bool options_parse(int argc, char **argv, struct options *out, struct err *err)
     *out = (struct options){.argc = argc,
                             .argv = argv,
                             .log_level = LOG_WARN,
-                            .accumulate = true,
-                            .studio = SCENE_STUDIO_AUTO,
-                            .spp_per_frame = 1,
-                            .checkpoint_seconds = 60.0,
-                            .replicates = 16,
-                            .spp_from = 16,
-                            .repeats = 7,
-                            .vsync = true,
-                            .frame_ms = 33.0};
+                            .render.accumulate = true,
+                            .scene.studio = SCENE_STUDIO_AUTO,
+                            .render.spp_per_frame = 1,
+                            .render.checkpoint_seconds = 60.0,
+                            .converge.replicates = 16,
+                            .converge.spp_from = 16,
+                            .bench.repeats = 7,
+                            .view.vsync = true,
+                            .view.frame_ms = 33.0};
     if (!keep_command_line(out, argc, argv, err) || !allocate_lists(out, argc, err))
         return false;
     struct parser parser = {.arguments = argv, .count = argc, .next = 1, .options = out};

@@ -174,34 +174,12 @@ enum classes_option { CLASSES_SORTED, CLASSES_MERGED };
 // to lights.
 enum rays_option { RAYS_PRIMARY, RAYS_DIFFUSE, RAYS_SHADOW };
 
-struct options {
-    int argc; // as main was given them, for commands that reproduce a run
-    char **argv;
-    const struct command *command;                // NULL only with --help or --version
-    const char *arguments[OPTIONS_ARGUMENTS_MAX]; // SCENE …; IMAGE and REFERENCE; COMMAND of help
-    uint32_t argument_count;
-    bool given[OPTION_TOTAL];
-    const char *command_line; // all of it, quoted for a shell
-    // The same without what belongs to one run: --error, --checkpoint and what goes with it.
-    const char *repeatable_line;
-
-    bool help, version, man, quiet, json;
-    enum log_level log_level;
-    const struct progress *progress; // where to report, and who asks to stop; set by main
-
-    struct settings settings; // only what was given is filled in: see options_apply_settings
-    double time_seconds;      // 0: no limit
-    double error;             // local relMSE to stop at; 0: no such limit
-    bool adaptive;            // sample counts by tile
-    uint32_t aovs;            // AOV_*
-    bool half_float;
-    const char **outputs;
-    uint32_t output_count;
-
-    const char *camera;            // name or index; NULL: the first
-    double aperture_mm;            // radius of the lens
-    double focus_distance;         // metres
-    const char *scene, *animation; // of a glTF file: names or indices; NULL: see the table
+// What a command is told of a scene: of all that load one.
+struct scene_options {
+    const char *camera;                 // name or index; NULL: the first
+    double aperture_mm;                 // radius of the lens
+    double focus_distance;              // metres
+    const char *gltf_scene, *animation; // names or indices; NULL: see the table
     double at_seconds;
     const char *variant; // of a glTF file's materials; NULL: none
     struct environment_option environment;
@@ -214,6 +192,30 @@ struct options {
     struct scene_override *overrides;
     uint32_t override_count;
     bool allow_outside_paths;
+};
+
+// On what it runs, and how: bits of the image do not depend on it.
+struct device_options {
+    struct gpu_params gpu;
+    uint32_t wave;      // paths in flight; 0: chosen by device
+    uint32_t workgroup; // threads; 0: chosen by device
+    enum features_option features;
+    enum classes_option classes;
+    enum bvh_split bvh;
+    enum bvh_format node;
+    enum bvh_optimize bvh_optimize;
+    const char *bvh_cache; // folder; NULL: none
+    enum instancing instances;
+};
+
+struct render_options {
+    const char **outputs;
+    uint32_t output_count;
+    uint32_t aovs; // AOV_*
+    bool half_float;
+    double time_seconds; // 0: no limit
+    double error;        // local relMSE to stop at; 0: no such limit
+    bool adaptive;       // sample counts by tile
 
     uint32_t frames, spp_per_frame; // 0 frames: one picture of settings.spp samples
     uint32_t every;                 // write a picture every so many frames; 0: at the end only
@@ -222,56 +224,86 @@ struct options {
     double checkpoint_seconds; // between two of them
     bool resume;
 
-    struct gpu_params gpu;
-    uint32_t wave;      // paths in flight; 0: chosen by device
-    uint32_t workgroup; // threads; 0: chosen by device
-    uint64_t memory;    // budget of the host's memory, bytes; 0: what the machine leaves
-    enum features_option features;
-    enum classes_option classes;
-    enum bvh_split bvh;
-    enum bvh_format node;
-    enum bvh_optimize bvh_optimize;
-    const char *bvh_cache; // folder; NULL: none
-    enum instancing instances;
     uint32_t pixel[2]; // the path to follow, where --pixel was given
     uint64_t sample;
+    bool explain;      // list what is left out, and why
+    const char *trace; // file; NULL: none
+    const char *tev;   // HOST:PORT; NULL: none
+    // The command line without what belongs to one run: --error, --checkpoint and what goes with
+    // it.
+    const char *repeatable_line;
+};
 
-    uint32_t replicates;
-    const char *reference; // file, "auto" or "none"; NULL: auto, of render none
-    const char **vary;     // "KEY=A,B,..."; --sweep, too
+// Variants of renders that are measured beside each other: converge and bench.
+struct study_options {
+    const char **vary; // "KEY=A,B,..."; --sweep, too
     uint32_t vary_count;
     const char **curves; // "KEY=VALUE KEY=VALUE"
     uint32_t curve_count;
+    const char *report; // folder; NULL: none
+};
+
+struct converge_options {
+    uint32_t replicates;
     uint64_t spp_from;
     const double *times; // seconds, rising; NULL: points are numbers of samples
     uint32_t time_count;
-    const char *report; // folder; NULL: none
-    bool images;        // every picture as EXR, into the report
+    bool images; // every picture as EXR, into the report
+};
 
+struct bench_options {
     uint32_t repeats;
     const char *kernel;     // the one to time alone; NULL: all of a render
     uint32_t rays;          // 1 << RAYS_*; 0: all
     const uint32_t *depths; // bounces; NULL: those that `rays` says
     uint32_t depth_count;
     const char *baseline; // an earlier run's JSON; NULL: none
-    bool explain;         // list what is left out, and why
-    const char *trace;    // file; NULL: none
-    const char *tev;      // HOST:PORT; NULL: none
+};
 
-    const char *script; // of the viewer: file; NULL: none
-    bool headless;      // without a window
-    bool watch;         // reload what changes
-    bool vsync;
-    double frame_ms;     // aim of a frame's time
-    bool denoise;        // what is shown
-    const char *shaders; // folder of their source; NULL: the one of the build
-
+struct compare_options {
     struct compare_limit *limits;
     uint32_t limit_count;
     const char *difference; // NULL: no picture
     enum error_map map;
     const char *reference_variance; // file, "auto" or a number; NULL: none
     const char *exposures;          // "START,STOP"; NULL: the reference decides
+};
+
+struct view_options {
+    const char *script; // file; NULL: none
+    bool headless;      // without a window
+    bool watch;         // reload what changes
+    bool vsync;
+    double frame_ms;     // aim of a frame's time
+    bool denoise;        // what is shown
+    const char *shaders; // folder of their source; NULL: the one of the build
+};
+
+// A command reads what is common and its own; what others have is as if nothing had been given.
+struct options {
+    int argc; // as main was given them, for commands that reproduce a run
+    char **argv;
+    const struct command *command;                // NULL only with --help or --version
+    const char *arguments[OPTIONS_ARGUMENTS_MAX]; // SCENE …; IMAGE and REFERENCE; COMMAND of help
+    uint32_t argument_count;
+    bool given[OPTION_TOTAL];
+    const char *command_line; // all of it, quoted for a shell
+
+    bool help, version, man, quiet, json;
+    enum log_level log_level;
+    const struct progress *progress; // where to report, and who asks to stop; set by main
+    uint64_t memory;       // budget of the host's memory, bytes; 0: what the machine leaves
+    const char *reference; // file, "auto" or "none"; NULL: auto, of render none
+
+    struct settings settings; // only what was given is filled in: see options_apply_settings
+    struct scene_options scene;
+    struct device_options device;
+    struct render_options render;
+    struct study_options study;
+    struct converge_options converge;
+    struct bench_options bench;
+    struct compare_options compare;
+    struct view_options view;
 
     struct arena arena; // owns the lists and the command line; other strings are argv's
 };

@@ -77,10 +77,10 @@ static bool vary(struct variant *variant, struct arena *arena, uint32_t index, s
 {
     const struct options *options = &variant->options;
     uint32_t divisor = 1;
-    for (uint32_t v = 1; v < options->vary_count; v++)
-        divisor *= count_words(strchr(options->vary[v], '=') + 1);
-    for (uint32_t v = 0; v < options->vary_count; v++) {
-        const char *text = options->vary[v], *words = strchr(text, '=') + 1;
+    for (uint32_t v = 1; v < options->study.vary_count; v++)
+        divisor *= count_words(strchr(options->study.vary[v], '=') + 1);
+    for (uint32_t v = 0; v < options->study.vary_count; v++) {
+        const char *text = options->study.vary[v], *words = strchr(text, '=') + 1;
         size_t length = 0;
         const char *word = nth_word(words, index / divisor % count_words(words), &length);
         const char *pair =
@@ -91,8 +91,8 @@ static bool vary(struct variant *variant, struct arena *arena, uint32_t index, s
             return err_memory(err, "a label", length);
         if (!set(variant, arena, text, pair, err))
             return false;
-        if (v + 1 < options->vary_count)
-            divisor /= count_words(strchr(options->vary[v + 1], '=') + 1);
+        if (v + 1 < options->study.vary_count)
+            divisor /= count_words(strchr(options->study.vary[v + 1], '=') + 1);
     }
     return true;
 }
@@ -124,10 +124,10 @@ bool variants_share_picture(const struct variant *a, const struct variant *b)
 bool variants_make(const struct options *options, struct arena *arena, struct variant **out,
                    uint32_t *count, struct err *err)
 {
-    uint64_t combinations = options->vary_count || !options->curve_count;
-    for (uint32_t v = 0; v < options->vary_count && combinations <= VARIANTS_MAX; v++)
-        combinations *= count_words(strchr(options->vary[v], '=') + 1);
-    uint64_t of_a_scene = combinations + options->curve_count;
+    uint64_t combinations = options->study.vary_count || !options->study.curve_count;
+    for (uint32_t v = 0; v < options->study.vary_count && combinations <= VARIANTS_MAX; v++)
+        combinations *= count_words(strchr(options->study.vary[v], '=') + 1);
+    uint64_t of_a_scene = combinations + options->study.curve_count;
     uint64_t all = of_a_scene * options->argument_count;
     if (all > VARIANTS_MAX)
         return err_set(err, ERR_USAGE, "%s%llu variants; expected at most %d",
@@ -146,9 +146,9 @@ bool variants_make(const struct options *options, struct arena *arena, struct va
         };
         list[i].options.arguments[0] = options->arguments[list[i].scene];
         list[i].options.argument_count = 1;
-        if (!(number < options->curve_count
-                  ? spell(&list[i], arena, options->curves[number], err)
-                  : vary(&list[i], arena, number - options->curve_count, err)))
+        if (!(number < options->study.curve_count
+                  ? spell(&list[i], arena, options->study.curves[number], err)
+                  : vary(&list[i], arena, number - options->study.curve_count, err)))
             return false;
     }
     *out = list;

@@ -144,17 +144,18 @@ static void set_up(struct viewer *viewer, const struct options *options)
     viewer->shell.start_ns = viewer->shell.frame_ns = clock_ns();
     viewer->shell.progress = viewer_progress(viewer);
     viewer->stage.frame_progress = (struct progress){NULL, viewer_frame_is_over, viewer};
-    viewer->stage.swapchain.vsync = options_given(options, OPTION_VSYNC) ? options->vsync : true;
+    viewer->stage.swapchain.vsync =
+        options_given(options, OPTION_VSYNC) ? options->view.vsync : true;
     viewer->stage.side_count = 1;
     viewer->shell.is_panel_shown = true;
     viewer->stage.shown = (struct shown){
         .automatic = 1,
-        .denoise = options->denoise,
+        .denoise = options->view.denoise,
         .denoise_temporal = 1,
         .denoise_iterations = 5,
         .split_at = 0.5,
     };
-    double frame_ms = options->frame_ms;
+    double frame_ms = options->view.frame_ms;
     pace_init(&viewer->view.pace, frame_ms > 0.0 ? frame_ms : 33.0);
     viewer_log_begin(viewer, options->log_level);
 }
@@ -167,14 +168,15 @@ static bool open_window(struct viewer *viewer, struct err *err)
         .title = "Lampyris",
         .width = has_size ? options->settings.width : DEFAULT_WIDTH,
         .height = has_size ? options->settings.height : DEFAULT_HEIGHT,
-        .headless = options->headless,
+        .headless = options->view.headless,
     };
-    if (options->headless && !options->script)
+    if (options->view.headless && !options->view.script)
         return err_set(
             err, ERR_USAGE,
             "--headless: expected --script FILE: without a window nothing else says what "
             "to do");
-    return (!options->script || script_open(options->script, &viewer->shell.script, err)) &&
+    return (!options->view.script ||
+            script_open(options->view.script, &viewer->shell.script, err)) &&
            window_open(&params, &viewer->shell.window, err);
 }
 
@@ -186,7 +188,7 @@ static bool open_all(struct viewer *viewer, struct err *err)
         !gui_create(viewer->shell.window.scale, &viewer->shell.gui, err) ||
         !panel_create(&viewer->shell.panel, err) || !viewer_open_device(viewer, err) ||
         !reload_create(options, &viewer->shell.reload, err) ||
-        (options->watch && !watch_create(viewer, &viewer->shell.watch, err)))
+        (options->view.watch && !watch_create(viewer, &viewer->shell.watch, err)))
         return false;
     if (options->argument_count == 0)
         return true;

@@ -41,21 +41,22 @@ TEST(every_option_of_render_is_stored)
                   &o, &err),
             "%s", err.msg);
     CHECK(o.command == &commands[COMMAND_RENDER] && strcmp(o.arguments[0], "scene.json") == 0);
-    CHECK(o.output_count == 2 && strcmp(o.outputs[0], "a.exr") == 0 &&
-          strcmp(o.outputs[1], "b.PNG") == 0);
-    CHECK(o.settings.width == 640 && o.settings.height == 480 && o.half_float);
+    CHECK(o.render.output_count == 2 && strcmp(o.render.outputs[0], "a.exr") == 0 &&
+          strcmp(o.render.outputs[1], "b.PNG") == 0);
+    CHECK(o.settings.width == 640 && o.settings.height == 480 && o.render.half_float);
     CHECK(o.settings.exposure == -1.5f && o.settings.tone_curve == TONE_AGX);
-    CHECK(o.time_seconds == 2.5 && o.settings.seed == 7 && o.settings.filter == FILTER_BOX);
+    CHECK(o.render.time_seconds == 2.5 && o.settings.seed == 7 && o.settings.filter == FILTER_BOX);
     CHECK(o.settings.max_bounces == 0 && o.settings.mis == MIS_NONE);
-    CHECK(o.settings.roulette_min_bounces == UINT32_MAX && strcmp(o.camera, "1") == 0);
-    CHECK(!o.environment.file && o.environment.radiance[0] == 0 &&
-          o.environment.radiance[1] == 0.5f && o.environment.radiance[2] == 100);
+    CHECK(o.settings.roulette_min_bounces == UINT32_MAX && strcmp(o.scene.camera, "1") == 0);
+    CHECK(!o.scene.environment.file && o.scene.environment.radiance[0] == 0 &&
+          o.scene.environment.radiance[1] == 0.5f && o.scene.environment.radiance[2] == 100);
     options_finish(&o);
 
     REQUIRE(parse("info s.glb --scene main --animation 2 --at 1.25 --variant red", &o, &err), "%s",
             err.msg);
-    CHECK(strcmp(o.variant, "red") == 0);
-    CHECK(strcmp(o.scene, "main") == 0 && strcmp(o.animation, "2") == 0 && o.at_seconds == 1.25);
+    CHECK(strcmp(o.scene.variant, "red") == 0);
+    CHECK(strcmp(o.scene.gltf_scene, "main") == 0 && strcmp(o.scene.animation, "2") == 0 &&
+          o.scene.at_seconds == 1.25);
     CHECK(options_given(&o, OPTION_AT));
     options_finish(&o);
 
@@ -65,22 +66,28 @@ TEST(every_option_of_render_is_stored)
                   "--limit-texel-elements 64k --limit-allocation 2G",
                   &o, &err),
             "%s", err.msg);
-    CHECK(strcmp(o.environment.file, "sky.hdr") == 0 && o.allow_outside_paths);
-    CHECK(o.frames == 10 && o.spp_per_frame == 2 && o.every == 5 && !o.accumulate);
-    CHECK(strcmp(o.gpu.device, "llvm") == 0 && o.wave == 16384 && o.gpu.validation);
-    CHECK(o.features == FEATURES_ALL && o.gpu.limits.no_texel && o.gpu.limits.no_ballot);
-    CHECK(o.gpu.limits.storage_range == 1 << 20 && o.gpu.limits.texel_elements == 65536 &&
-          o.gpu.limits.allocation == UINT64_C(1) << 31);
+    CHECK(strcmp(o.scene.environment.file, "sky.hdr") == 0 && o.scene.allow_outside_paths);
+    CHECK(o.render.frames == 10 && o.render.spp_per_frame == 2 && o.render.every == 5 &&
+          !o.render.accumulate);
+    CHECK(strcmp(o.device.gpu.device, "llvm") == 0 && o.device.wave == 16384 &&
+          o.device.gpu.validation);
+    CHECK(o.device.features == FEATURES_ALL && o.device.gpu.limits.no_texel &&
+          o.device.gpu.limits.no_ballot);
+    CHECK(o.device.gpu.limits.storage_range == 1 << 20 &&
+          o.device.gpu.limits.texel_elements == 65536 &&
+          o.device.gpu.limits.allocation == UINT64_C(1) << 31);
     options_finish(&o);
 
     REQUIRE(parse("render s.ply --spp 4294967295 --pixel 12,34 --sample 56 -D a=1 -Db.c=x=y "
                   "-D d= -q --json --log-level debug",
                   &o, &err),
             "%s", err.msg);
-    CHECK(o.settings.spp == UINT32_MAX && o.pixel[0] == 12 && o.pixel[1] == 34 && o.sample == 56);
-    CHECK(o.override_count == 3 && strcmp(o.overrides[0].key, "a") == 0 &&
-          strcmp(o.overrides[1].key, "b.c") == 0 && strcmp(o.overrides[1].value, "x=y") == 0 &&
-          strcmp(o.overrides[2].value, "") == 0);
+    CHECK(o.settings.spp == UINT32_MAX && o.render.pixel[0] == 12 && o.render.pixel[1] == 34 &&
+          o.render.sample == 56);
+    CHECK(o.scene.override_count == 3 && strcmp(o.scene.overrides[0].key, "a") == 0 &&
+          strcmp(o.scene.overrides[1].key, "b.c") == 0 &&
+          strcmp(o.scene.overrides[1].value, "x=y") == 0 &&
+          strcmp(o.scene.overrides[2].value, "") == 0);
     CHECK(o.quiet && o.json && o.log_level == LOG_DEBUG);
     options_finish(&o);
 }
@@ -98,9 +105,11 @@ TEST(defaults_hold_where_nothing_is_given)
     struct options o;
     struct err err;
     REQUIRE(parse("render scene.json", &o, &err), "%s", err.msg);
-    CHECK(!given_any(&o) && o.output_count == 0 && o.override_count == 0);
-    CHECK(o.accumulate && o.spp_per_frame == 1 && o.frames == 0 && o.log_level == LOG_WARN);
-    CHECK(!o.gpu.device && !o.camera && !o.difference && o.time_seconds == 0 && o.wave == 0);
+    CHECK(!given_any(&o) && o.render.output_count == 0 && o.scene.override_count == 0);
+    CHECK(o.render.accumulate && o.render.spp_per_frame == 1 && o.render.frames == 0 &&
+          o.log_level == LOG_WARN);
+    CHECK(!o.device.gpu.device && !o.scene.camera && !o.compare.difference &&
+          o.render.time_seconds == 0 && o.device.wave == 0);
     options_finish(&o);
 }
 
@@ -123,11 +132,12 @@ TEST(arguments_and_options_mix)
     REQUIRE(parse("--quiet compare --max mse=0.5 a.exr --max relmse=1e-3 -- --b.exr", &o, &err),
             "%s", err.msg);
     CHECK(o.quiet && o.argument_count == 2 && strcmp(o.arguments[1], "--b.exr") == 0);
-    CHECK(o.limit_count == 2 && o.limits[0].metric == METRIC_MSE && o.limits[0].value == 0.5);
-    CHECK(o.limits[1].metric == METRIC_RELMSE && o.limits[1].value == 1e-3);
+    CHECK(o.compare.limit_count == 2 && o.compare.limits[0].metric == METRIC_MSE &&
+          o.compare.limits[0].value == 0.5);
+    CHECK(o.compare.limits[1].metric == METRIC_RELMSE && o.compare.limits[1].value == 1e-3);
     options_finish(&o);
     REQUIRE(parse("compare a b --min psnr=30 --difference=--d.png", &o, &err), "%s", err.msg);
-    CHECK(o.limits[0].is_minimum && strcmp(o.difference, "--d.png") == 0);
+    CHECK(o.compare.limits[0].is_minimum && strcmp(o.compare.difference, "--d.png") == 0);
     options_finish(&o);
     REQUIRE(parse("render s.json --spp 1 --spp 2", &o, &err), "%s", err.msg);
     CHECK(o.settings.spp == 2, "the last one holds");
@@ -334,8 +344,9 @@ TEST(the_reproducing_command_follows_its_path)
     REQUIRE(command && strncmp(command, "lampyris ", 9) == 0, "%s", command);
     REQUIRE(parse(command + 9, &again, &err), "%s: %s", command, err.msg);
     CHECK(options_given(&again, OPTION_PIXEL) && options_given(&again, OPTION_SAMPLE) &&
-              again.pixel[0] == 7 && again.pixel[1] == 5 && again.sample == 3 &&
-              again.settings.spp == 4 && strcmp(again.arguments[0], "floor.json") == 0,
+              again.render.pixel[0] == 7 && again.render.pixel[1] == 5 &&
+              again.render.sample == 3 && again.settings.spp == 4 &&
+              strcmp(again.arguments[0], "floor.json") == 0,
           "%s", command);
     options_finish(&again);
     options_finish(&options);

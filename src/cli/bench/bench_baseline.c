@@ -52,8 +52,8 @@ static bool check_work(const struct bench *b, const struct bench_variant *v, con
             return err_set(err, ERR_INPUT,
                            "%s: %s, \"%s\": %s was %" JSON_INTEGER_FORMAT ", and is %" PRIu64
                            ": expected the same",
-                           b->options->baseline, v->scene_data.path, bench_label(v), same[i].key,
-                           was, same[i].now);
+                           b->options->bench.baseline, v->scene_data.path, bench_label(v),
+                           same[i].key, was, same[i].now);
     }
     return true;
 }
@@ -65,7 +65,7 @@ static void look_at_picture(const struct bench *b, const struct bench_variant *v
     snprintf(hash, sizeof hash, "%016" PRIx64, v->image_hash);
     if (v->image_hash && strcmp(text_of(before, "image_hash"), hash) != 0)
         log_warn("%s: %s, \"%s\" was another picture (%s, now %s): times are compared all the same",
-                 b->options->baseline, v->scene_data.path, bench_label(v),
+                 b->options->bench.baseline, v->scene_data.path, bench_label(v),
                  text_of(before, "image_hash"), hash);
 }
 
@@ -121,7 +121,7 @@ static bool check_machine(const struct bench *b, struct err *err)
 {
     const json_t *machine = json_object_get(b->baseline, "machine");
     const struct gpu_device_info *info = &b->gpu.info;
-    const char *path = b->options->baseline;
+    const char *path = b->options->bench.baseline;
     if (strcmp(text_of(machine, "device"), info->name) != 0)
         return err_set(err, ERR_INPUT, "%s was measured on \"%s\", and this is \"%s\"", path,
                        text_of(machine, "device"), info->name);
@@ -145,19 +145,19 @@ static bool check_variants(const struct bench *b, struct err *err)
         const struct bench_variant *v = &b->variants[i];
         const json_t *before = find_variant(b, v);
         if (!before)
-            log_warn("%s has no %s, \"%s\"", b->options->baseline, v->scene_data.path,
+            log_warn("%s has no %s, \"%s\"", b->options->bench.baseline, v->scene_data.path,
                      bench_label(v));
         else if (!check_work(b, v, before, err))
             return false;
         found += before != NULL;
     }
     return found > 0 || err_set(err, ERR_INPUT, "%s has none of these scenes and variants",
-                                b->options->baseline);
+                                b->options->bench.baseline);
 }
 
 bool bench_load_baseline(struct bench *b, struct err *err)
 {
-    const char *path = b->options->baseline;
+    const char *path = b->options->bench.baseline;
     struct file_bytes bytes;
     if (!file_read(&b->arena, path, 0, &bytes, err))
         return false;

@@ -136,7 +136,7 @@ static void put_changes(struct page *page)
     if (!b->baseline)
         return;
     fputs("<h2>Since ", out);
-    html_text(&page->html, b->options->baseline);
+    html_text(&page->html, b->options->bench.baseline);
     fputs("</h2>\n<table><tr><th></th><th>variant</th><th>ms before</th><th>now</th><th>ratio of "
           "times</th><th></th></tr>\n",
           out);

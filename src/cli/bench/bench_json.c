@@ -140,9 +140,9 @@ static json_t *baseline_json(const struct bench *b)
                                         json_number(c->row->median.value), "time_ratio",
                                         json_interval(c->ratio), "verdict", bench_change_word(c)));
     }
-    return json_pack("{s:o, s:f, s:f, s:b, s:o}", "file", json_words(b->options->baseline), "floor",
-                     BENCH_FLOOR, "false_alarms", BENCH_FALSE_ALARMS, "slower", bench_is_slower(b),
-                     "changes", changes);
+    return json_pack("{s:o, s:f, s:f, s:b, s:o}", "file", json_words(b->options->bench.baseline),
+                     "floor", BENCH_FLOOR, "false_alarms", BENCH_FALSE_ALARMS, "slower",
+                     bench_is_slower(b), "changes", changes);
 }
 
 static json_t *seconds_json(const struct bench_seconds *s)

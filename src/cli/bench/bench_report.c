@@ -109,7 +109,7 @@ static void print_changes(const struct bench *b)
 {
     if (!b->baseline)
         return;
-    printf("since %s\n", b->options->baseline);
+    printf("since %s\n", b->options->bench.baseline);
     printf("  %-28s %-24s %9s %9s %24s\n", "", "", "ms before", "now", "ratio of times");
     uint32_t slower = 0;
     for (uint32_t i = 0; i < b->change_count; i++) {
@@ -156,7 +156,7 @@ void bench_print(const struct bench *b)
     if (b->gpu.info.is_cpu && b->load > 0.5 * cpu_count())
         printf("note    the machine was busy (load %.1f)\n", b->load);
     print_changes(b);
-    print_report(b->options->report);
+    print_report(b->options->study.report);
 }
 
 // --- files ---------------------------------------------------------------------------------------

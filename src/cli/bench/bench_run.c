@@ -36,7 +36,7 @@ static bool open_variant(struct bench *b, struct bench_variant *v, struct err *e
 bool bench_prepare(struct bench *b, struct err *err)
 {
     struct variant *variants;
-    b->repeats = b->options->repeats;
+    b->repeats = b->options->bench.repeats;
     if (getloadavg(&b->load, 1) != 1)
         b->load = NAN;
     if (!variants_make(b->options, &b->arena, &variants, &b->variant_count, err))
@@ -47,7 +47,7 @@ bool bench_prepare(struct bench *b, struct err *err)
     for (uint32_t i = 0; i < b->variant_count; i++)
         b->variants[i].variant = variants[i];
     uint64_t start = clock_ns();
-    if (!gpu_open(&b->options->gpu, &b->gpu, err))
+    if (!gpu_open(&b->options->device.gpu, &b->gpu, err))
         return false;
     b->seconds.device = clock_seconds_since(start);
     start = clock_ns();

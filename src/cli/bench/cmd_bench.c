@@ -8,20 +8,20 @@
 static bool run(struct bench *b, struct err *err)
 {
     const struct options *options = b->options;
-    if (options->kernel && !bench_check_kernel(options, err))
+    if (options->bench.kernel && !bench_check_kernel(options, err))
         return false;
-    if (options->report && !file_make_folder(options->report, err))
+    if (options->study.report && !file_make_folder(options->study.report, err))
         return false;
-    if (!bench_prepare(b, err) || (options->baseline && !bench_load_baseline(b, err)))
+    if (!bench_prepare(b, err) || (options->bench.baseline && !bench_load_baseline(b, err)))
         return false;
-    if (options->report && !html_check_files(options->report, &b->arena, err))
+    if (options->study.report && !html_check_files(options->study.report, &b->arena, err))
         return false;
-    if (!(options->kernel ? bench_measure_kernel(b, err) : bench_measure(b, err)))
+    if (!(options->bench.kernel ? bench_measure_kernel(b, err) : bench_measure(b, err)))
         return false;
     if (b->repeats_done == 0)
         return err_set(err, ERR_STOPPED, "stopped before every variant was timed once");
-    return bench_conclude(b, err) && (!options->baseline || bench_compare_baseline(b, err)) &&
-           (!options->report || bench_write(b, options->report, err));
+    return bench_conclude(b, err) && (!options->bench.baseline || bench_compare_baseline(b, err)) &&
+           (!options->study.report || bench_write(b, options->study.report, err));
 }
 
 static int judge(const struct bench *b)

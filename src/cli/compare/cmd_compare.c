@@ -62,7 +62,7 @@ static bool read_variance(struct comparison *c, const char *name, struct err *er
 // The reference, and its own noise as --reference-variance tells it.
 static bool read_reference(struct comparison *c, struct err *err)
 {
-    const char *variance = c->options->reference_variance, *name = c->reference_path;
+    const char *variance = c->options->compare.reference_variance, *name = c->reference_path;
     double value;
     if (variance && strcmp(variance, "auto") == 0) {
         if (!reference_read(name, &c->arena, &c->reference, err))
@@ -194,7 +194,7 @@ static bool look(const struct comparison *c, uint32_t index, const struct pictur
         !expose(c, pair->reference, count, arena, &shown.reference, err))
         return false;
     report_share(&share, "Comparing", 0);
-    bool is_hdr = c->options->map == ERROR_MAP_HDR_FLIP;
+    bool is_hdr = c->options->compare.map == ERROR_MAP_HDR_FLIP;
     bool ok = metrics_ssim(&shown, &progress, &picture->value[METRIC_SSIM]) &&
               metrics_flip(&shown, FLIP_PIXELS_PER_DEGREE, &progress, is_hdr ? NULL : map,
                            &picture->value[METRIC_FLIP]) &&
@@ -236,8 +236,8 @@ static bool check_limits(const struct comparison *c, const struct compared *pict
 {
     const struct options *options = c->options;
     bool nonfinite_limited = false, passed = true;
-    for (uint32_t i = 0; i < options->limit_count; i++) {
-        const struct compare_limit *limit = &options->limits[i];
+    for (uint32_t i = 0; i < options->compare.limit_count; i++) {
+        const struct compare_limit *limit = &options->compare.limits[i];
         nonfinite_limited = nonfinite_limited || limit->metric == METRIC_NONFINITE;
         if (compare_limit_holds(picture->value[limit->metric], limit))
             continue;
@@ -250,7 +250,7 @@ static bool check_limits(const struct comparison *c, const struct compared *pict
     if (nonfinite == 0 || nonfinite_limited)
         return passed;
     // They are left out of the metrics: a picture full of NaN must not pass for that.
-    bool fails = options->limit_count > 0;
+    bool fails = options->compare.limit_count > 0;
     log_message(fails ? LOG_ERROR : LOG_WARN, "%s: %.0f pixels are not finite and were left out",
                 picture->path, nonfinite);
     return passed && !fails;
@@ -259,7 +259,7 @@ static bool check_limits(const struct comparison *c, const struct compared *pict
 // All at once: the first difference picture is written before the second picture is read.
 static bool name_inputs(const struct comparison *c, struct err *err)
 {
-    const char *variance = c->options->reference_variance;
+    const char *variance = c->options->compare.reference_variance;
     struct arena arena = {0};
     bool ok = true;
     for (uint32_t i = 0; ok && i <= c->count + (variance != NULL); i++) {
@@ -274,7 +274,7 @@ static bool name_inputs(const struct comparison *c, struct err *err)
 // Names the difference pictures, and finds out before the work whether they can be written.
 static bool prepare_maps(struct comparison *c, struct err *err)
 {
-    const char *path = c->options->difference;
+    const char *path = c->options->compare.difference;
     if (!path)
         return true;
     if (!image_check_format(path, err))
@@ -293,7 +293,7 @@ static bool prepare_maps(struct comparison *c, struct err *err)
 static bool choose_exposures(struct comparison *c, struct err *err)
 {
     const double most = 128; // stops, either way: the range of floats
-    const char *text = c->options->exposures;
+    const char *text = c->options->compare.exposures;
     const struct image *reference = &c->reference.image;
     const float(*pixels)[3] = (const float(*)[3])reference->pixels;
     const struct picture_pair alone = {pixels, pixels, reference->width, reference->height};
@@ -325,7 +325,7 @@ static bool check_memory(const struct comparison *c, struct err *err)
     most += count * sizeof(float[3]);
     if (c->options->settings.exposure != 0)
         most += 2 * count * sizeof(float[3]);
-    if (c->options->difference)
+    if (c->options->compare.difference)
         most += count * sizeof(float);
     char what[64];
     snprintf(what, sizeof what, "comparing pictures of %u x %u", width, height);

@@ -80,7 +80,7 @@ bool compare_write_map(const struct comparison *c, const struct compared *pictur
                        const struct picture_pair *pair, const float *flip, struct arena *arena,
                        struct err *err)
 {
-    enum error_map map = c->options->map;
+    enum error_map map = c->options->compare.map;
     struct image values = {.width = pair->width, .height = pair->height};
     uint64_t count = (uint64_t)pair->width * pair->height;
     values.pixels = arena_alloc(arena, count, sizeof *values.pixels);

@@ -161,7 +161,7 @@ static void print_remarks(const struct comparison *c)
         if (!p->map)
             continue;
         print_words(p->map);
-        print_line(": ", compare_map_words(c->options->map));
+        print_line(": ", compare_map_words(c->options->compare.map));
     }
 }
 
@@ -179,8 +179,8 @@ void compare_print_text(const struct comparison *c)
 static json_t *checks_json(const struct comparison *c, const struct compared *p)
 {
     json_t *checks = json_array();
-    for (uint32_t i = 0; i < c->options->limit_count; i++) {
-        const struct compare_limit *limit = &c->options->limits[i];
+    for (uint32_t i = 0; i < c->options->compare.limit_count; i++) {
+        const struct compare_limit *limit = &c->options->compare.limits[i];
         json_array_append_new(
             checks, json_pack("{s:s, s:o, s:b}", "metric", compare_metric_names[limit->metric],
                               limit->is_minimum ? "min" : "max", json_number(limit->value),

@@ -6,13 +6,13 @@ static bool run(struct converge *c, struct err *err)
 {
     const struct options *options = c->options;
     if (!converge_prepare(c, err) ||
-        (options->report && !converge_check_files(c, options->report, err)) ||
+        (options->study.report && !converge_check_files(c, options->study.report, err)) ||
         !converge_reference(c, err) || !converge_measure(c, err))
         return false;
     if (c->replicates_done == 0)
         return err_set(err, ERR_STOPPED, "stopped before the first replicate was done");
     return converge_conclude(c, err) &&
-           (!options->report || converge_write(c, options->report, err));
+           (!options->study.report || converge_write(c, options->study.report, err));
 }
 
 int cmd_converge(const struct options *options)

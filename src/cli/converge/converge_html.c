@@ -371,7 +371,7 @@ bool converge_write_html(struct converge *c, const char *folder, struct err *err
     struct page page = {.c = c};
     if (!html_begin(&page.html, &c->arena, folder, "Error against run time", err))
         return false;
-    page.html.keeps_parts = c->options->images;
+    page.html.keeps_parts = c->options->converge.images;
     put_notes(&page);
     bool ok = true;
     for (uint32_t scene = 0; scene < c->options->argument_count && ok; scene++)

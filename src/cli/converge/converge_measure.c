@@ -76,7 +76,7 @@ bool converge_measure_point(struct converge *c, struct converge_curve *curve, ui
     else if (ok)
         ok = estimate(job, sample, err);
     // The mean of all tells the bias.
-    bool is_needed = reference->name || replicate == 0 || c->options->images;
+    bool is_needed = reference->name || replicate == 0 || c->options->converge.images;
     if (ok && point + 1 == c->point_count && is_needed)
         ok = keep_picture(c, curve, replicate, &job->film, err);
     return ok;

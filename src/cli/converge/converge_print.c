@@ -131,5 +131,5 @@ void converge_print(const struct converge *c)
     for (uint32_t i = 0; i < count; i++)
         printf("note    %s\n", notes[i]);
     printf("device  %s, %s\n", c->gpu.info.name, c->gpu.info.driver);
-    print_report(c->options->report);
+    print_report(c->options->study.report);
 }

@@ -231,7 +231,7 @@ bool converge_write(struct converge *c, const char *folder, struct err *err)
         return err_memory(err, "file names", 0);
     return file_make_folder(folder, err) && json_write(result_json(c), json, err) &&
            csv_write(csv, print_csv, c, err) && converge_write_html(c, folder, err) &&
-           (!c->options->images || write_images(c, folder, err));
+           (!c->options->converge.images || write_images(c, folder, err));
 }
 
 static bool check_path(const char *path, struct err *err)
@@ -245,10 +245,11 @@ bool converge_check_files(struct converge *c, const char *folder, struct err *er
     if ((c->options->reference && !file_inputs_add(c->options->reference, err)) ||
         !html_check_files(folder, &c->arena, err))
         return false;
-    for (uint32_t scene = 0; c->options->images && scene < c->options->argument_count; scene++)
+    for (uint32_t scene = 0; c->options->converge.images && scene < c->options->argument_count;
+         scene++)
         if (!check_path(reference_path(c, folder, scene), err))
             return false;
-    for (uint32_t i = 0; c->options->images && i < c->curve_count; i++)
+    for (uint32_t i = 0; c->options->converge.images && i < c->curve_count; i++)
         for (uint32_t r = 0; r < c->replicate_count; r++)
             if (!check_path(picture_path(c, folder, &c->curves[i], r), err))
                 return false;

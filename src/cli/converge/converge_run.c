@@ -25,13 +25,13 @@ static bool make_curves(struct converge *c, struct err *err)
 // The times given, or doubling from --spp-from to --spp.
 static bool make_points(struct converge *c, struct err *err)
 {
-    if (c->options->times) {
-        c->seconds = c->options->times;
-        c->point_count = c->options->time_count;
+    if (c->options->converge.times) {
+        c->seconds = c->options->converge.times;
+        c->point_count = c->options->converge.time_count;
         return true;
     }
     uint64_t most = options_given(c->options, OPTION_SPP) ? c->options->settings.spp : 256;
-    uint64_t from = c->options->spp_from;
+    uint64_t from = c->options->converge.spp_from;
     if (from > most)
         return err_set(err, ERR_USAGE, "--spp-from %llu is above --spp %llu",
                        (unsigned long long)from, (unsigned long long)most);
@@ -111,14 +111,14 @@ static bool should_stop(void *context)
 
 bool converge_prepare(struct converge *c, struct err *err)
 {
-    c->replicate_count = c->options->replicates;
+    c->replicate_count = c->options->converge.replicates;
     c->progress = (struct progress){report, should_stop, c};
     c->phase = "Warming up";
     if (!make_points(c, err) || !make_curves(c, err))
         return false;
-    if (c->options->report && !file_make_folder(c->options->report, err))
+    if (c->options->study.report && !file_make_folder(c->options->study.report, err))
         return false;
-    if (!gpu_open(&c->options->gpu, &c->gpu, err))
+    if (!gpu_open(&c->options->device.gpu, &c->gpu, err))
         return false;
     for (uint32_t i = 0; i < c->curve_count; i++)
         if (!converge_open(c, &c->curves[i], err) || !run_pilot(c, &c->curves[i], err))

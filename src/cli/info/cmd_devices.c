@@ -17,7 +17,7 @@ static bool find_chosen(const struct options *options, struct device_list *list,
 {
     struct gpu gpu = {0};
     list->chosen = UINT32_MAX;
-    if (!gpu_open(&options->gpu, &gpu, err))
+    if (!gpu_open(&options->device.gpu, &gpu, err))
         return false;
     list->chosen = gpu.info.index;
     gpu_close(&gpu);
@@ -72,7 +72,7 @@ int cmd_devices(const struct options *options)
         return command_fail(&err);
     if (!find_chosen(options, &list, &err)) {
         // A list is worth having even where no device can be used.
-        if (options->gpu.device)
+        if (options->device.gpu.device)
             return command_fail(&err);
         log_warn("no device can be used: %s", err.msg);
     }

@@ -216,7 +216,7 @@ static int print_json(const struct info *info)
 static bool gather(const struct options *options, struct info *info, struct err *err)
 {
     if (!options_load_scene(options, &info->scene, &info->camera, err) ||
-        !gpu_open(&options->gpu, &info->gpu, err))
+        !gpu_open(&options->device.gpu, &info->gpu, err))
         return false;
     const struct renderer_params params =
         options_renderer_params(options, &info->gpu, &info->scene, info->camera);

@@ -16,7 +16,7 @@ static bool after_wave(void *context, struct err *err)
 static bool after_frame(void *context, uint32_t frame, struct err *err)
 {
     struct render_run *run = context;
-    uint32_t every = run->options->every;
+    uint32_t every = run->options->render.every;
     return every == 0 || frame % every != 0 ||
            (job_read_film(&run->job, err) && render_write_outputs(run, frame, err));
 }
@@ -37,15 +37,15 @@ static struct job_goal goal_of(const struct options *options)
 {
     struct job_goal goal = {
         .samples = options_given(options, OPTION_SPP) ? options->settings.spp : 0,
-        .seconds = options->time_seconds,
-        .error = options->error,
-        .adaptive = options->adaptive,
-        .frames = options->frames,
-        .samples_per_frame = options->spp_per_frame,
-        .accumulate = options->accumulate,
+        .seconds = options->render.time_seconds,
+        .error = options->render.error,
+        .adaptive = options->render.adaptive,
+        .frames = options->render.frames,
+        .samples_per_frame = options->render.spp_per_frame,
+        .accumulate = options->render.accumulate,
     };
     // A path is followed without tiles, but with the samples of a render whose number was open.
-    if (follows_path(options) && options->adaptive) {
+    if (follows_path(options) && options->render.adaptive) {
         goal.adaptive = false;
         goal.seconds = INFINITY;
     }
@@ -63,11 +63,11 @@ static bool init_job(struct render_run *run, struct err *err)
         .listener = {after_wave, after_frame, after_row, run},
         .progress = render_progress(run),
     };
-    params.renderer.aovs = options->aovs;
+    params.renderer.aovs = options->render.aovs;
     if (!follows_path(options)) {
         params.checkpoint = (struct job_checkpoint_params){
-            options->checkpoint, options->checkpoint_seconds, options->resume};
-        params.keeps_trace = options->trace != NULL;
+            options->render.checkpoint, options->render.checkpoint_seconds, options->render.resume};
+        params.keeps_trace = options->render.trace != NULL;
     }
     return job_init(&params, &run->job, err);
 }
@@ -101,7 +101,7 @@ static bool set_up(struct render_run *run, struct err *err)
     for (uint32_t i = 0; i < run->scene.note_count; i++)
         log_info("%s", run->scene.notes[i]);
 
-    if (!gpu_open(&options->gpu, &run->gpu, err) || !job_open(&run->job, err) ||
+    if (!gpu_open(&options->device.gpu, &run->gpu, err) || !job_open(&run->job, err) ||
         (writes && !render_read_trace(run, err)) || !job_create(&run->job, err))
         return false;
     const struct flat_scene *flat = &run->job.renderer.flat;

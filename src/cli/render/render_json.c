@@ -178,7 +178,7 @@ static void add_ending(json_t *object, const struct render_run *run)
     json_object_set_new(object, "looks", looks_json(run));
     json_object_set_new(object, "adaptive", adaptive_json(run));
     json_object_set_new(object, "checkpoint",
-                        run->job.has_checkpoint ? json_words(run->options->checkpoint)
+                        run->job.has_checkpoint ? json_words(run->options->render.checkpoint)
                                                 : json_null());
 }
 
@@ -190,7 +190,7 @@ bool render_print_json(const struct render_run *run, struct err *err)
     char hash[20];
     snprintf(hash, sizeof hash, "%016" PRIx64, run->job.image_hash);
     struct part_lists lists = {json_array(), json_array(),
-                               run->options->explain ? &run->job.renderer : NULL};
+                               run->options->render.explain ? &run->job.renderer : NULL};
     parts_visit(&run->job.renderer, list_part, &lists);
     json_t *object = json_pack(
         "{s:o, s:s, s:s, s:i, s:i, s:I, s:I, s:I, s:o, s:{s:I, s:I}, s:I, s:o, s:I, s:o, s:o, s:o, "
@@ -226,6 +226,7 @@ bool render_print_json(const struct render_run *run, struct err *err)
     json_object_set_new(object, "reference", reference_json(run));
     json_object_set_new(object, "forecast", forecast_json(run));
     json_object_set_new(object, "trace",
-                        run->options->trace ? json_words(run->options->trace) : json_null());
+                        run->options->render.trace ? json_words(run->options->render.trace)
+                                                   : json_null());
     return json_put(object, err);
 }

@@ -13,7 +13,7 @@ void render_list_layers(const struct render_run *run, struct render_layers *out)
 {
     const struct film_image *film = &run->job.film;
     const struct film_aovs *aovs = &film->aovs;
-    const uint32_t wanted = run->options->aovs;
+    const uint32_t wanted = run->options->render.aovs;
     const struct image_layer layers[] = {
         {"albedo", aovs->albedo, NULL, IMAGE_LAYER_FLOAT},
         {"normal", aovs->normal, axes, IMAGE_LAYER_FLOAT},
@@ -40,10 +40,10 @@ void render_list_layers(const struct render_run *run, struct render_layers *out)
 
 uint64_t render_layer_bytes(const struct render_run *run)
 {
-    const uint32_t wanted = run->options->aovs;
+    const uint32_t wanted = run->options->render.aovs;
     uint64_t bytes = film_aovs_bytes(wanted);
     bytes += wanted & AOV_SAMPLES ? sizeof(uint32_t) : 0;
     bytes += wanted & AOV_HALVES ? 2 * sizeof(float[3]) : 0;
     // Most of them are written in half precision, too; those that are not are few.
-    return run->options->half_float ? bytes / 2 : bytes;
+    return run->options->render.half_float ? bytes / 2 : bytes;
 }

@@ -53,27 +53,28 @@ static void add_settings(struct attributes *a, const struct render_run *run)
     add(a, "lampyris:spp", "%" PRIu64, job_samples(&run->job));
     add(a, "lampyris:exposure", "%.9g", (double)run->exposure);
     add(a, "lampyris:camera", "%u", run->camera);
-    if (run->options->scene)
-        add(a, "lampyris:scene", "%s", run->options->scene);
-    if (run->options->animation)
-        add(a, "lampyris:animation", "%s", run->options->animation);
-    if (run->options->variant)
-        add(a, "lampyris:variant", "%s", run->options->variant);
+    if (run->options->scene.gltf_scene)
+        add(a, "lampyris:scene", "%s", run->options->scene.gltf_scene);
+    if (run->options->scene.animation)
+        add(a, "lampyris:animation", "%s", run->options->scene.animation);
+    if (run->options->scene.variant)
+        add(a, "lampyris:variant", "%s", run->options->scene.variant);
     if (options_given(run->options, OPTION_AT))
-        add(a, "lampyris:at_seconds", "%.17g", run->options->at_seconds);
+        add(a, "lampyris:at_seconds", "%.17g", run->options->scene.at_seconds);
     add(a, "lampyris:wave", "%u", run->job.renderer.plan.wave_slots);
     add(a, "lampyris:workgroup", "%u", run->job.renderer.specialization.workgroup);
-    add(a, "lampyris:features", "%s", run->options->features == FEATURES_ALL ? "all" : "needed");
-    if (run->options->frames) {
-        add(a, "lampyris:frames", "%u", run->options->frames);
-        add(a, "lampyris:spp_per_frame", "%u", run->options->spp_per_frame);
-        add(a, "lampyris:accumulate", "%s", run->options->accumulate ? "on" : "off");
+    add(a, "lampyris:features", "%s",
+        run->options->device.features == FEATURES_ALL ? "all" : "needed");
+    if (run->options->render.frames) {
+        add(a, "lampyris:frames", "%u", run->options->render.frames);
+        add(a, "lampyris:spp_per_frame", "%u", run->options->render.spp_per_frame);
+        add(a, "lampyris:accumulate", "%s", run->options->render.accumulate ? "on" : "off");
     }
-    if (run->options->time_seconds > 0.0)
-        add(a, "lampyris:time_limit", "%.9g", run->options->time_seconds);
-    if (run->options->error > 0.0)
-        add(a, "lampyris:error_limit", "%.9g", run->options->error);
-    add(a, "lampyris:adaptive", "%s", run->options->adaptive ? "on" : "off");
+    if (run->options->render.time_seconds > 0.0)
+        add(a, "lampyris:time_limit", "%.9g", run->options->render.time_seconds);
+    if (run->options->render.error > 0.0)
+        add(a, "lampyris:error_limit", "%.9g", run->options->render.error);
+    add(a, "lampyris:adaptive", "%s", run->options->render.adaptive ? "on" : "off");
 }
 
 static void add_layers(struct attributes *a, const struct render_run *run)
@@ -127,22 +128,22 @@ static const char *repeating_command(const struct render_run *run, uint32_t fram
                                      struct arena *arena)
 {
     const struct options *options = run->options;
-    const char *line = options->repeatable_line;
+    const char *line = options->render.repeatable_line;
     if (frame > 0)
         line = arena_printf(arena, "%s --frames %u", line, frame);
-    else if (run->job.ended_by == ENDED_BY_TIME && options->frames)
+    else if (run->job.ended_by == ENDED_BY_TIME && options->render.frames)
         line = arena_printf(arena, "%s --frames %u", line, run->job.frame_count);
     else if (run->job.ended_by == ENDED_BY_TIME || job_is_rescued(&run->job) ||
-             options->error > 0.0)
+             options->render.error > 0.0)
         line = arena_printf(arena, "%s --spp %" PRIu64, line, job_samples(&run->job));
-    bool is_timed = options->time_seconds > 0.0;
+    bool is_timed = options->render.time_seconds > 0.0;
     return line && is_timed ? arena_printf(arena, "%s --time %.9g", line, OPTION_TIME_MAX) : line;
 }
 
 // Without a number of samples that all pixels have, no command makes the same picture.
 static bool is_repeatable(const struct render_run *run)
 {
-    bool is_even = run->job.rescue.copied.is_even && !run->options->frames;
+    bool is_even = run->job.rescue.copied.is_even && !run->options->render.frames;
     return !run->job.stopped && (!job_is_rescued(&run->job) || is_even);
 }
 

@@ -16,8 +16,8 @@
 static const char *output_at(const struct render_run *run, uint32_t n)
 {
     return n < run->output_count    ? run->outputs[n]
-           : n == run->output_count ? run->options->checkpoint
-                                    : run->options->trace;
+           : n == run->output_count ? run->options->render.checkpoint
+                                    : run->options->render.trace;
 }
 
 // --- numbered pictures ---------------------------------------------------------------------------
@@ -37,8 +37,8 @@ struct numbered_list {
 static bool is_written(const struct render_run *run, uint32_t number)
 {
     const struct options *options = run->options;
-    return number > 0 && options->every > 0 && number <= options->frames &&
-           number % options->every == 0;
+    return number > 0 && options->render.every > 0 && number <= options->render.frames &&
+           number % options->render.every == 0;
 }
 
 static bool append(struct numbered_list *list, const char *path, struct err *err)
@@ -80,7 +80,7 @@ static bool list_those_of(const struct render_run *run, const char *output,
 static bool list_numbered(const struct render_run *run, struct numbered_list *list, struct err *err)
 {
     bool ok = true;
-    for (uint32_t i = 0; ok && run->options->every && i < run->output_count; i++)
+    for (uint32_t i = 0; ok && run->options->render.every && i < run->output_count; i++)
         ok = list_those_of(run, run->outputs[i], list, err);
     return ok;
 }
@@ -110,7 +110,7 @@ static bool check_name(const struct render_run *run, const char *path, struct ar
             ok = err_set(err, ERR_USAGE,
                          "%s: is the picture after frame %u too (--every %u); expected a file for "
                          "each output",
-                         path, (unsigned)number, (unsigned)run->options->every);
+                         path, (unsigned)number, (unsigned)run->options->render.every);
     }
     free(target);
     return ok;
@@ -147,7 +147,7 @@ bool render_check_distinct(const struct render_run *run, struct err *err)
                 return false;
         }
     struct numbered_list list = {0};
-    bool ok = run->options->every == 0 || check_numbered(run, &list, err);
+    bool ok = run->options->render.every == 0 || check_numbered(run, &list, err);
     arena_finish(&list.arena);
     return ok;
 }
@@ -159,7 +159,7 @@ bool render_check_distinct(const struct render_run *run, struct err *err)
 static void drop_default_of_inputs(struct render_run *run)
 {
     struct err reason = {0};
-    if (run->options->output_count > 0 || run->output_count < 2 ||
+    if (run->options->render.output_count > 0 || run->output_count < 2 ||
         file_inputs_check(run->outputs[1], &reason))
         return;
     run->output_count = 1;

@@ -64,19 +64,19 @@ static bool check_layers(const struct render_run *run, struct err *err)
     bool has_exr = false;
     for (uint32_t i = 0; i < run->output_count; i++)
         has_exr |= strcasecmp(path_extension(run->outputs[i]), "exr") == 0;
-    return has_exr || run->options->aovs == 0 ||
+    return has_exr || run->options->render.aovs == 0 ||
            err_set(err, ERR_USAGE, "--aov: layers go into EXR files; expected -o NAME.exr");
 }
 
 bool render_check_outputs(struct render_run *run, struct err *err)
 {
-    run->outputs = run->options->outputs;
-    run->output_count = run->options->output_count;
+    run->outputs = run->options->render.outputs;
+    run->output_count = run->options->render.output_count;
     if (run->output_count == 0 && !default_outputs(run, err))
         return false;
     if (!check_layers(run, err) || !render_check_distinct(run, err))
         return false;
-    const char *others[] = {run->options->checkpoint, run->options->trace};
+    const char *others[] = {run->options->render.checkpoint, run->options->render.trace};
     if (others[1] && !trace_check_format(others[1], err))
         return false;
     run->lock_count = run->output_count + 2;
@@ -108,7 +108,7 @@ static uint64_t picture_bytes(const struct render_run *run, bool is_png)
 {
     const struct settings *settings = &run->scene.settings;
     uint64_t pixels = (uint64_t)settings->width * settings->height;
-    uint64_t values = is_png ? 1 : run->options->half_float ? 2 : 4;
+    uint64_t values = is_png ? 1 : run->options->render.half_float ? 2 : 4;
     return pixels * (3 * values + (is_png ? 0 : render_layer_bytes(run)));
 }
 
@@ -116,8 +116,8 @@ bool render_check_space(const struct render_run *run, struct err *err)
 {
     const struct options *options = run->options;
     // Of a run that a clock may end, only the last picture is certain.
-    bool is_certain = options->every && options->time_seconds == 0.0;
-    uint64_t pictures = is_certain ? options->frames / options->every + 1u : 1u;
+    bool is_certain = options->render.every && options->render.time_seconds == 0.0;
+    uint64_t pictures = is_certain ? options->render.frames / options->render.every + 1u : 1u;
     for (uint32_t i = 0; i < run->output_count; i++) {
         bool is_png = strcasecmp(path_extension(run->outputs[i]), "png") == 0;
         uint64_t bytes = picture_bytes(run, is_png);
@@ -183,7 +183,7 @@ static rlim_t raise_file_size_limit(void)
 static bool save(const struct render_run *run, const char *path, rlim_t limit,
                  const struct render_attributes *attributes, struct err *err)
 {
-    const bool half = run->options->half_float;
+    const bool half = run->options->render.half_float;
     const struct storage ways[] = {{half, true}, {half, false}, {true, false}};
     bool is_limited = limit != RLIM_INFINITY;
     for (int i = 0; i < (is_limited ? 3 : 1); i++) {
@@ -237,8 +237,8 @@ bool render_write_outputs(struct render_run *run, uint32_t frame, struct err *er
         const char *path = frame > 0 ? path_numbered(&run->job.film_arena, output, frame) : output;
         if (!path)
             return err_memory(err, "output names", run->output_count * sizeof path);
-        if (write_picture(run, path, (struct storage){run->options->half_float, false}, &attributes,
-                          &failure)) {
+        if (write_picture(run, path, (struct storage){run->options->render.half_float, false},
+                          &attributes, &failure)) {
             has_exr |= strcasecmp(path_extension(path), "exr") == 0;
             continue;
         }

@@ -96,19 +96,21 @@ bool render_replay(struct render_run *run, struct err *err)
 {
     const struct options *options = run->options;
     const struct settings *settings = &run->scene.settings;
-    uint32_t x = options->pixel[0], y = options->pixel[1];
+    uint32_t x = options->render.pixel[0], y = options->render.pixel[1];
     if (x >= settings->width || y >= settings->height)
         return err_set(err, ERR_USAGE, "--pixel %u,%u is outside the picture of %u x %u", x, y,
                        settings->width, settings->height);
     struct replay replay;
-    if (!renderer_replay(&run->job.renderer, x, y, options->sample, &run->arena, &replay, err))
+    if (!renderer_replay(&run->job.renderer, x, y, options->render.sample, &run->arena, &replay,
+                         err))
         return false;
     progress_end(options->progress);
     if (options->json) {
-        print_json(&replay, options->pixel, options->sample);
+        print_json(&replay, options->render.pixel, options->render.sample);
         return true;
     }
-    printf("pixel %u,%u sample %" PRIu64 ": %u rays\n", x, y, options->sample, replay.vertex_count);
+    printf("pixel %u,%u sample %" PRIu64 ": %u rays\n", x, y, options->render.sample,
+           replay.vertex_count);
     for (uint32_t i = 0; i < replay.vertex_count; i++)
         print_vertex(&replay.vertices[i]);
     printf("radiance %.9g %.9g %.9g%s\n", replay.radiance[0], replay.radiance[1],

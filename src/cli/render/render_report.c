@@ -120,14 +120,14 @@ static void print_ending(const struct render_run *run)
         printf("looks     %u; at the last, after %" PRIu64 " spp, the error is below %.3g with "
                "%.4g %% confidence, where %.3g was asked for%s\n",
                run->job.look_count, (uint64_t)look->samples, look->error.at_most,
-               100.0 * look->confidence, run->options->error,
+               100.0 * look->confidence, run->options->render.error,
                look->error.known ? "" : " (a bound alone is known)");
     if (run->job.plan.counts)
         printf("adaptive  %u to %u samples for every %u, by a pilot of 16 besides\n",
                run->job.plan.least, run->job.plan.most, run->job.round_samples);
-    if (run->options->checkpoint && run->job.has_checkpoint) {
+    if (run->options->render.checkpoint && run->job.has_checkpoint) {
         fputs("kept      ", stdout);
-        print_words(run->options->checkpoint);
+        print_words(run->options->render.checkpoint);
         puts(", from which --resume goes on");
     }
 }
@@ -324,11 +324,11 @@ void render_print_summary(const struct render_run *run)
            run->job.renderer.plan.wave_slots);
     explain_print_line(&run->job.renderer);
     print_outputs(run);
-    if (run->options->trace) {
+    if (run->options->render.trace) {
         fputs("wrote     ", stdout);
-        print_words(run->options->trace);
+        print_words(run->options->render.trace);
         printf(", %u rows\n", run->job.trace.count);
     }
-    if (run->options->explain)
+    if (run->options->render.explain)
         explain_print(run);
 }

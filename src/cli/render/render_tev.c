@@ -106,9 +106,9 @@ static bool send_now(struct render_run *run, struct err *err)
 bool render_tev_open(struct render_run *run, struct err *err)
 {
     struct tev_address address;
-    if (!run->options->tev)
+    if (!run->options->render.tev)
         return true;
-    if (!tev_parse_address(run->options->tev, &address, err) ||
+    if (!tev_parse_address(run->options->render.tev, &address, err) ||
         !(run->tev.viewer = tev_open(&address, run->outputs[0], err)))
         return false;
     return true;

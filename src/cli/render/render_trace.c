@@ -59,7 +59,7 @@ bool render_open_reference(struct render_run *run, struct err *err)
 
 bool render_read_trace(struct render_run *run, struct err *err)
 {
-    const char *path = run->options->trace;
+    const char *path = run->options->render.trace;
     struct stat status;
     if (!path || !run->job.resumed.file) // without one to go on from, the file is replaced
         return true;
@@ -100,7 +100,7 @@ static bool write_file(struct render_run *run, struct err *err)
 {
     uint64_t start = clock_ns();
     json_t *head = head_json(run);
-    bool ok = head ? trace_write(run->options->trace, &run->job.trace, head, err)
+    bool ok = head ? trace_write(run->options->render.trace, &run->job.trace, head, err)
                    : err_memory(err, "a trace", 0);
     json_decref(head);
     run->job.seconds.judge += clock_seconds_since(start);
@@ -109,7 +109,7 @@ static bool write_file(struct render_run *run, struct err *err)
 
 bool render_update_trace(struct render_run *run, struct err *err)
 {
-    const char *path = run->options->trace;
+    const char *path = run->options->render.trace;
     struct err failure = {0};
     if (is_stream(path) || write_file(run, &failure))
         return true;
@@ -125,5 +125,5 @@ bool render_update_trace(struct render_run *run, struct err *err)
 bool render_end_trace(struct render_run *run, struct err *err)
 {
     job_end_trace(&run->job);
-    return !run->options->trace || write_file(run, err);
+    return !run->options->render.trace || write_file(run, err);
 }

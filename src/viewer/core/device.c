@@ -8,7 +8,7 @@
 
 static struct gpu_params gpu_params(const struct viewer *viewer)
 {
-    struct gpu_params params = viewer->shell.options->gpu;
+    struct gpu_params params = viewer->shell.options->device.gpu;
     params.graphics = true;
     if (viewer->shell.window.handle) {
         params.instance_extensions = window_extensions(&params.instance_extension_count);

@@ -21,15 +21,16 @@ static void set_options(struct viewer *viewer, const char *path)
     options->progress = &viewer->shell.progress;
     if (is_given)
         return;
-    options->overrides = NULL;
-    options->override_count = 0;
-    options->camera = options->scene = options->animation = options->variant = NULL;
-    options->environment = (struct environment_option){0};
+    options->scene.overrides = NULL;
+    options->scene.override_count = 0;
+    options->scene.camera = options->scene.gltf_scene = options->scene.animation =
+        options->scene.variant = NULL;
+    options->scene.environment = (struct environment_option){0};
     static const enum option_id others[] = {OPTION_ENV, OPTION_ENV_ROTATE, OPTION_ENV_STRENGTH,
                                             OPTION_AT,  OPTION_APERTURE,   OPTION_FOCUS_DISTANCE};
     for (size_t i = 0; i < sizeof others / sizeof *others; i++)
         options->given[others[i]] = false;
-    options->environment_rotate_degrees = 0.0;
+    options->scene.environment_rotate_degrees = 0.0;
 }
 
 // All of a scene that is there before the old one goes.
@@ -48,9 +49,9 @@ struct geometry_params viewer_geometry_params(const struct viewer *viewer,
     const struct options *options = &viewer->document.scene_options;
     return (struct geometry_params){
         .scene = scene,
-        .bvh = {options->bvh, options->node, options->bvh_optimize},
-        .instancing = options->instances,
-        .bvh_cache = options->bvh_cache,
+        .bvh = {options->device.bvh, options->device.node, options->device.bvh_optimize},
+        .instancing = options->device.instances,
+        .bvh_cache = options->device.bvh_cache,
         .progress = &viewer->shell.progress,
         .camera = camera,
     };
@@ -92,10 +93,10 @@ static void set_methods(struct viewer *viewer)
     struct method method;
     memset(&method, 0, sizeof method); // all bytes: they are compared
     method.settings = viewer->document.scene.settings;
-    method.wave = options->wave;
-    method.workgroup = options->workgroup;
-    method.everything = options->features == FEATURES_ALL;
-    method.merge_classes = options->classes == CLASSES_MERGED;
+    method.wave = options->device.wave;
+    method.workgroup = options->device.workgroup;
+    method.everything = options->device.features == FEATURES_ALL;
+    method.merge_classes = options->device.classes == CLASSES_MERGED;
     for (uint32_t side = 0; side < VIEWER_SIDES; side++)
         viewer->stage.sides[side].method = method;
 }

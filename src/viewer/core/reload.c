@@ -62,7 +62,7 @@ bool reload_create(const struct options *options, struct reload **out, struct er
     *out = reload;
     if (!reload)
         return err_memory(err, "reloading shaders", sizeof *reload);
-    const char *folder = options->shaders ? options->shaders : KERNEL_FOLDER;
+    const char *folder = options->view.shaders ? options->view.shaders : KERNEL_FOLDER;
     if (!realpath(folder, reload->folder))
         snprintf(reload->folder, sizeof reload->folder, "%s", folder);
     reload->why_not = shader_why_not(reload->folder);

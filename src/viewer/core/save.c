@@ -26,7 +26,6 @@ struct saving {
     struct render_layers layers;
     struct render_attributes attributes;
     const float (*mean)[3]; // whose hash the attributes are to have; NULL: none
-    bool half_float;
 };
 
 // --- names ---------------------------------------------------------------------------------------
@@ -75,8 +74,8 @@ static bool describe(const struct viewer *viewer, uint32_t side, const struct fi
         return err_memory(err, "metadata", sizeof *run);
     }
     *options = viewer->document.scene_options;
-    options->aovs = view->renderer.aovs;
-    options->features = view->method.everything ? FEATURES_ALL : FEATURES_NEEDED;
+    options->render.aovs = view->renderer.aovs;
+    options->device.features = view->method.everything ? FEATURES_ALL : FEATURES_NEEDED;
     // Copies of what is only looked at.
     run->options = options;
     run->scene = view->scene;
@@ -172,7 +171,6 @@ static bool write_picture(void *context, struct err *err)
         .layer_count = saving->layers.count,
         .attributes = saving->attributes.list,
         .attribute_count = saving->attributes.count,
-        .half_float = saving->half_float,
         .tone = IMAGE_TONE_NONE,
     };
     return image_write(&params, err);
@@ -307,7 +305,6 @@ static bool copy_film(struct viewer *viewer, uint32_t side, bool denoised, struc
         return false;
     saving->image = (struct image){film.width, film.height, film.mean};
     saving->mean = (const float(*)[3])film.mean;
-    saving->half_float = viewer->shell.options->half_float;
     return !denoised || copy_denoised(viewer, view, saving, err);
 }
 
