@@ -17,7 +17,7 @@
 #define AOVS_SUMMED (AOVS_OF_SLOTS & ~AOV_IDS)
 
 // Constant expressions: 1 where `bit` is one of those in `aovs` that precede `end`.
-#define AOV_BEFORE(aovs, end, bit) (((aovs) & (bit) & ((end) - 1u)) != 0u ? 1u : 0u)
+#define AOV_BEFORE(aovs, end, bit) (((aovs) & (bit) & ((end)-1u)) != 0u ? 1u : 0u)
 #define AOV_VECTORS_BEFORE(aovs, end)                                                              \
     (AOV_BEFORE(aovs, end, AOV_ALBEDO) + AOV_BEFORE(aovs, end, AOV_NORMAL) +                       \
      AOV_BEFORE(aovs, end, AOV_NORMAL_GEOMETRIC) + AOV_BEFORE(aovs, end, AOV_POSITION) +           \
@@ -35,8 +35,8 @@
 #define AOV_SUM_WORDS(aovs)                                                                        \
     ((3u * AOV_VECTORS_BEFORE(aovs, AOV_END) + AOV_SCALARS_BEFORE(aovs, AOV_END) + 3u) / 4u)
 // The last word: x is the primitive of the pixel's first sample by its number in the flat scene,
-// shapes with PRIMITIVE_SHAPE, plus 1; 0: it met nothing. y is its instance, plus 1; 0: it is in the
-// world itself. z is its material, plus 1.
+// shapes with PRIMITIVE_SHAPE, plus 1; 0: it met nothing. y is its instance, plus 1; 0: it is in
+// the world itself. z is its material, plus 1.
 #define AOV_ID_WORDS(aovs) AOV_BEFORE(aovs, AOV_END, AOV_IDS)
 
 // Records in words of four: of a slot, the radiance first, of the film behind gpu_film_pixel (sums,

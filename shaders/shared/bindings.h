@@ -67,15 +67,15 @@
 // Features that a (scene, settings, device) needs. Kernels test these bits of one specialization
 // constant, so that code that is not needed is left out.
 #define FEATURE_TRIANGLES (1u << 0)
-#define FEATURE_FAR_CAMERA (1u << 1)          // camera rays begin near the scene: frame.camera_start
-#define FEATURE_NORMALS (1u << 3)             // interpolated shading normals
-#define FEATURE_LENS (1u << 4)                // camera rays begin all over an aperture
-#define FEATURE_CLASSES (1u << 5)             // surface hits are sorted by class
-#define FEATURE_EMISSION (1u << 6)            // some surface emits
-#define FEATURE_CLAMP (1u << 7)               // contributions have a largest component
-#define FEATURE_FALLOFF (1u << 8)             // what the camera sees fades with the distance
-#define FEATURE_NEE_DEPTH (1u << 9)           // by the first vertices of a path only
-#define FEATURE_NEE (1u << 10)                // shadow rays to emitters
+#define FEATURE_FAR_CAMERA (1u << 1) // camera rays begin near the scene: frame.camera_start
+#define FEATURE_NORMALS (1u << 3)    // interpolated shading normals
+#define FEATURE_LENS (1u << 4)       // camera rays begin all over an aperture
+#define FEATURE_CLASSES (1u << 5)    // surface hits are sorted by class
+#define FEATURE_EMISSION (1u << 6)   // some surface emits
+#define FEATURE_CLAMP (1u << 7)      // contributions have a largest component
+#define FEATURE_FALLOFF (1u << 8)    // what the camera sees fades with the distance
+#define FEATURE_NEE_DEPTH (1u << 9)  // by the first vertices of a path only
+#define FEATURE_NEE (1u << 10)       // shadow rays to emitters
 #define FEATURE_BSDF_HITS_EMITTERS (1u << 11) // emitters found by BSDF sampling count too
 #define FEATURE_ENVIRONMENT (1u << 12)
 #define FEATURE_ENVIRONMENT_IMAGE (1u << 13)
@@ -112,9 +112,9 @@
 #define GEOMETRY_TUBES (1u << 6)     // cylinders without caps
 #define GEOMETRY_SDFS (1u << 7)      // signed distance fields
 #define GEOMETRY_SHAPES ((1u << 8) - 1u)
-#define GEOMETRY_LARGE_SPHERES (1u << 8) // whose equation needs more digits than a float has
-#define GEOMETRY_INSTANCES (1u << 9)     // of meshes with a BVH of their own
-#define GEOMETRY_DUPLICATES (1u << 10)   // some triangle stands in more than one leaf
+#define GEOMETRY_LARGE_SPHERES (1u << 8)    // whose equation needs more digits than a float has
+#define GEOMETRY_INSTANCES (1u << 9)        // of meshes with a BVH of their own
+#define GEOMETRY_DUPLICATES (1u << 10)      // some triangle stands in more than one leaf
 #define GEOMETRY_SMALL_TRIANGLES (1u << 11) // some are too small for where they are
 #define GEOMETRY_END (1u << 12)
 
@@ -135,8 +135,7 @@
      EMITTER_TUBES)
 #define EMITTERS_LIGHTS (EMITTER_LIGHTS | EMITTER_SUNS)
 #define EMITTERS_ALL                                                                               \
-    (EMITTER_TRIANGLES | EMITTERS_SHAPES | EMITTERS_LIGHTS | EMITTER_PROFILES |                    \
-     EMITTER_ENVIRONMENT)
+    (EMITTER_TRIANGLES | EMITTERS_SHAPES | EMITTERS_LIGHTS | EMITTER_PROFILES | EMITTER_ENVIRONMENT)
 
 // Pictures besides the radiance. Of the first surface that a camera ray meets:
 #define AOV_ALBEDO (1u << 0)

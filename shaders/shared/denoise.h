@@ -34,9 +34,9 @@
 #define DENOISE_LEVELS 5u     // of the wavelet, at most
 
 // Specialization constants.
-#define DENOISE_CONSTANT_TEXEL 0 // 1: buffers are read as texel buffers
-#define DENOISE_CONSTANT_AOVS 1  // AOV_* that the film has
-#define DENOISE_CONSTANT_LAST 2  // 1: of the wavelet's level, the last one
+#define DENOISE_CONSTANT_TEXEL 0   // 1: buffers are read as texel buffers
+#define DENOISE_CONSTANT_AOVS 1    // AOV_* that the film has
+#define DENOISE_CONSTANT_LAST 2    // 1: of the wavelet's level, the last one
 #define DENOISE_CONSTANT_HISTORY 3 // 1: of the blend, there is a history
 #define DENOISE_CONSTANT_COUNT 4
 

@@ -8,8 +8,8 @@
 // An image shows the radiance, or one of the other layers (AOV_*).
 #define SHOWN_RADIANCE 0u
 #define SHOWN_ALBEDO 1u
-#define SHOWN_NORMAL 2u // its components from [-1, 1]
-#define SHOWN_DEPTH 3u  // false colours over a range
+#define SHOWN_NORMAL 2u  // its components from [-1, 1]
+#define SHOWN_DEPTH 3u   // false colours over a range
 #define SHOWN_OBJECTS 4u // a colour for each
 #define SHOWN_MATERIALS 5u
 #define SHOWN_SAMPLES 6u

@@ -3,14 +3,14 @@
 #define LAMPYRIS_SHARED_MATERIAL_H
 
 // Models.
-#define MATERIAL_LAMBERT 0u      // two-sided
-#define MATERIAL_MIRROR 1u       // perfect, of reflectance base_color, two-sided
-#define MATERIAL_PRINCIPLED 2u   // Burley 2012 and 2015, with the layers of glTF's extensions
-#define MATERIAL_DIELECTRIC 3u   // smooth, rough or thin, of one index of refraction
-#define MATERIAL_CONDUCTOR 4u    // smooth or rough, of a complex index (eta, k) a channel
-#define MATERIAL_PHONG 5u        // Lambert + modified Phong (Lafortune and Willems 1994)
-#define MATERIAL_BLINN_PHONG 6u  // Lambert + normalised Blinn-Phong
-#define MATERIAL_MICROFACET 7u   // Lambert + Cook-Torrance / Torrance-Sparrow, D, G and F by choice
+#define MATERIAL_LAMBERT 0u     // two-sided
+#define MATERIAL_MIRROR 1u      // perfect, of reflectance base_color, two-sided
+#define MATERIAL_PRINCIPLED 2u  // Burley 2012 and 2015, with the layers of glTF's extensions
+#define MATERIAL_DIELECTRIC 3u  // smooth, rough or thin, of one index of refraction
+#define MATERIAL_CONDUCTOR 4u   // smooth or rough, of a complex index (eta, k) a channel
+#define MATERIAL_PHONG 5u       // Lambert + modified Phong (Lafortune and Willems 1994)
+#define MATERIAL_BLINN_PHONG 6u // Lambert + normalised Blinn-Phong
+#define MATERIAL_MICROFACET 7u  // Lambert + Cook-Torrance / Torrance-Sparrow, D, G and F by choice
 #define MATERIAL_MODEL_COUNT 8u
 #define MATERIAL_MODEL_MASK 0xfu
 
@@ -18,8 +18,9 @@
 #define MATERIAL_ALPHA_MASK (1u << 4)  // opaque from opacity = alpha_cutoff on, else not there
 #define MATERIAL_ALPHA_BLEND (1u << 5) // there with probability opacity
 #define MATERIAL_THIN (1u << 6)        // thin-walled: a sheet without an inside
-#define MATERIAL_COAT_GGX (1u << 7)    // clearcoat is GGX of clearcoat_roughness and full strength
-                                       // (glTF), not GTR1 of clearcoat_gloss and a quarter (Burley)
+// Clearcoat is GGX of clearcoat_roughness and full strength (glTF), not GTR1 of clearcoat_gloss and
+// a quarter (Burley).
+#define MATERIAL_COAT_GGX (1u << 7)
 #define MATERIAL_UNLIT (1u << 8)       // emission is a colour to show, not light: never sampled
 #define MATERIAL_COMPENSATE (1u << 9)  // energy of multiple scattering is given back to reflection
 #define MATERIAL_SEPARABLE (1u << 10)  // separable instead of height-correlated Smith masking
@@ -27,8 +28,9 @@
 #define MATERIAL_MEDIUM (1u << 12)     // has an inside: closed, refracting or absorbing
 #define MATERIAL_EMITS (1u << 13)      // emission may be above zero somewhere
 #define MATERIAL_TINT_EACH (1u << 14)  // every crossing tints by base_color (glTF), not by its root
-#define MATERIAL_GLTF_LAYERS (1u << 15) // mixed as glTF's appendix B says, not as Burley does: a
-                                        // Lambert base, white under the interface, coat over fibres
+// Mixed as glTF's appendix B says, not as Burley does: a Lambert base, white under the interface,
+// coat over fibres.
+#define MATERIAL_GLTF_LAYERS (1u << 15)
 // Choices of MATERIAL_MICROFACET.
 #define MATERIAL_DISTRIBUTION_SHIFT 16 // 2 bits
 #define DISTRIBUTION_GGX 0u
@@ -36,26 +38,27 @@
 #define DISTRIBUTION_PHONG 2u
 #define DISTRIBUTION_COUNT 3u
 #define MATERIAL_MASKING_SHIFT 18 // 3 bits
-#define MASKING_SMITH 0u       // of the distribution (exact for GGX and Beckmann)
-#define MASKING_SCHLICK_GGX 1u // k = alpha / 2
-#define MASKING_LH 2u          // G / (4 n.l n.v) ~ 1 / (4 (l.h)^2), Kelemen and Szirmay-Kalos 2001
-#define MASKING_RATIONAL 3u    // Walter et al. 2007: Beckmann's rational G1; Phong's through
-                               // a = sqrt(alpha_p / 2 + 1) / tan(theta)
+#define MASKING_SMITH 0u          // of the distribution (exact for GGX and Beckmann)
+#define MASKING_SCHLICK_GGX 1u    // k = alpha / 2
+#define MASKING_LH 2u // G / (4 n.l n.v) ~ 1 / (4 (l.h)^2), Kelemen and Szirmay-Kalos 2001
+// Walter et al. 2007: Beckmann's rational G1; Phong's through a = sqrt(alpha_p / 2 + 1) /
+// tan(theta).
+#define MASKING_RATIONAL 3u
 #define MASKING_COUNT 4u
 #define MATERIAL_EXACT_FRESNEL (1u << 21) // of ior, instead of Schlick's
 
 // Parameters in groups of four, so that one texture's RGBA scales one group. A parameter's number
 // is 4 * group + component; scene/material.h documents ranges, units and defaults.
-#define GROUP_BASE 0      // base colour; opacity
-#define GROUP_EMISSION 1  // radiance, W/(sr m^2); pick density (see PARAMETER_PICK_DENSITY)
-#define GROUP_METAL 2     // anisotropic, roughness, metallic, anisotropic rotation (turns)
-#define GROUP_SPECULAR 3  // specular colour; specular weight
-#define GROUP_INTERFACE 4 // transmission, ior, specular, specular tint
-#define GROUP_CLEARCOAT 5 // clearcoat, clearcoat roughness, clearcoat gloss, normal scale
-#define GROUP_SHEEN 6     // sheen colour; sheen roughness (glTF, Charlie)
-#define GROUP_DIFFUSE 7   // subsurface, sheen, sheen tint (Burley), diffuse transmission
-#define GROUP_FILM 8      // iridescence, film thickness (nm), film ior, dispersion (20 / Abbe)
-#define GROUP_CONDUCTOR 9 // eta; exponent of Phong and Blinn-Phong
+#define GROUP_BASE 0         // base colour; opacity
+#define GROUP_EMISSION 1     // radiance, W/(sr m^2); pick density (see PARAMETER_PICK_DENSITY)
+#define GROUP_METAL 2        // anisotropic, roughness, metallic, anisotropic rotation (turns)
+#define GROUP_SPECULAR 3     // specular colour; specular weight
+#define GROUP_INTERFACE 4    // transmission, ior, specular, specular tint
+#define GROUP_CLEARCOAT 5    // clearcoat, clearcoat roughness, clearcoat gloss, normal scale
+#define GROUP_SHEEN 6        // sheen colour; sheen roughness (glTF, Charlie)
+#define GROUP_DIFFUSE 7      // subsurface, sheen, sheen tint (Burley), diffuse transmission
+#define GROUP_FILM 8         // iridescence, film thickness (nm), film ior, dispersion (20 / Abbe)
+#define GROUP_CONDUCTOR 9    // eta; exponent of Phong and Blinn-Phong
 #define GROUP_CONDUCTOR_K 10 // k; alpha cutoff
 #define GROUP_COUNT 11
 
@@ -111,20 +114,20 @@
 // Lobes of lib/bsdf.glsl that a class, or all of them, needs: bits of the constant LOBES.
 #define LOBE_LAMBERT (1u << 0)
 #define LOBE_MIRROR (1u << 1)
-#define LOBE_PRINCIPLED (1u << 2)     // diffuse and specular reflection
-#define LOBE_METAL (1u << 3)          // metallic > 0 somewhere
+#define LOBE_PRINCIPLED (1u << 2) // diffuse and specular reflection
+#define LOBE_METAL (1u << 3)      // metallic > 0 somewhere
 #define LOBE_SUBSURFACE (1u << 4)
-#define LOBE_SHEEN (1u << 5)          // Burley's
-#define LOBE_CHARLIE (1u << 6)        // glTF's
+#define LOBE_SHEEN (1u << 5)   // Burley's
+#define LOBE_CHARLIE (1u << 6) // glTF's
 #define LOBE_CLEARCOAT (1u << 7)
-#define LOBE_TRANSMISSION (1u << 8)   // principled's
+#define LOBE_TRANSMISSION (1u << 8) // principled's
 #define LOBE_DIELECTRIC (1u << 9)
 #define LOBE_CONDUCTOR (1u << 10)
 #define LOBE_PHONG (1u << 11)
 #define LOBE_BLINN_PHONG (1u << 12)
 #define LOBE_MICROFACET (1u << 13)
-#define LOBE_ROUGH (1u << 14)         // some specular lobe is not a delta
-#define LOBE_DELTA (1u << 15)         // some is
+#define LOBE_ROUGH (1u << 14) // some specular lobe is not a delta
+#define LOBE_DELTA (1u << 15) // some is
 #define LOBE_ANISOTROPIC (1u << 16)
 #define LOBE_COMPENSATE (1u << 17)
 #define LOBE_THIN (1u << 18)
@@ -132,8 +135,8 @@
 #define LOBE_DISPERSION (1u << 20)
 #define LOBE_DIFFUSE_TRANSMISSION (1u << 21)
 #define LOBE_SEPARABLE (1u << 22)
-#define LOBE_BURLEY (1u << 23)        // principled that is mixed as Burley does
-#define LOBE_GLTF (1u << 24)          // principled that is mixed as glTF says
+#define LOBE_BURLEY (1u << 23) // principled that is mixed as Burley does
+#define LOBE_GLTF (1u << 24)   // principled that is mixed as glTF says
 // These lobes may send light through a surface.
 #define LOBES_THROUGH (LOBE_TRANSMISSION | LOBE_DIELECTRIC | LOBE_DIFFUSE_TRANSMISSION)
 
@@ -141,19 +144,19 @@
 #define TEXTURE_WRAP_REPEAT 0u
 #define TEXTURE_WRAP_CLAMP 1u
 #define TEXTURE_WRAP_MIRROR 2u
-#define TEXTURE_WRAP_S_SHIFT 0  // 2 bits
-#define TEXTURE_WRAP_T_SHIFT 2  // 2 bits
+#define TEXTURE_WRAP_S_SHIFT 0 // 2 bits
+#define TEXTURE_WRAP_T_SHIFT 2 // 2 bits
 #define TEXTURE_NEAREST (1u << 4)
 #define TEXTURE_UV1 (1u << 5)   // the second UV set
 #define TEXTURE_FLOAT (1u << 6) // texels of four floats, else of four halves
 // The texture's use.
-#define TEXTURE_USE_SHIFT 8 // 2 bits
+#define TEXTURE_USE_SHIFT 8       // 2 bits
 #define TEXTURE_USE_SCALE 0u      // scales the parameters of a group
 #define TEXTURE_USE_NORMAL 1u     // tangent-space normal map, (rgb * 2 - 1), scaled by normal_scale
 #define TEXTURE_USE_ANISOTROPY 2u // glTF: (rg * 2 - 1) is the direction, b the strength
-#define TEXTURE_GROUP_SHIFT 12   // 4 bits
-#define TEXTURE_MASK_SHIFT 16    // 4 bits: which parameters of the group are scaled
-#define TEXTURE_INVERT_SHIFT 20  // 4 bits: 1 - parameter is scaled instead
+#define TEXTURE_GROUP_SHIFT 12    // 4 bits
+#define TEXTURE_MASK_SHIFT 16     // 4 bits: which parameters of the group are scaled
+#define TEXTURE_INVERT_SHIFT 20   // 4 bits: 1 - parameter is scaled instead
 #define TEXTURE_CHANNELS_SHIFT 24 // 4 x 2 bits: the channel that scales each parameter
 
 #endif

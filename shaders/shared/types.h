@@ -38,8 +38,8 @@ struct gpu_triangle {
     float v1[3];
     uint material; // a material word, see below
     float v2[3];
-    uint emitter; // its number among the emitters, or NO_EMITTER; with MATERIAL_WORD_EDGES its place
-                  // among the small triangles
+    uint emitter; // its number among the emitters, or NO_EMITTER; with MATERIAL_WORD_EDGES its
+                  // place among the small triangles
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_triangle, 48);
 
@@ -91,8 +91,8 @@ SHARED_STATIC_ASSERT_SIZE(gpu_shape, 48);
 #define SHAPE_KIND_SHIFT 28
 
 // The shapes' buffer: struct gpu_shape, then at frame.instances struct gpu_instance, then at
-// frame.sdfs struct gpu_sdf, then at frame.sdf_code the words of their programs (shared/sdf.h), then
-// at frame.small_triangles struct gpu_small_triangle.
+// frame.sdfs struct gpu_sdf, then at frame.sdf_code the words of their programs (shared/sdf.h),
+// then at frame.small_triangles struct gpu_small_triangle.
 
 // A placed mesh that has a BVH of its own, among the BVH's nodes.
 struct gpu_instance {
@@ -100,8 +100,8 @@ struct gpu_instance {
     float to_world[3][4];
     uint root;     // node
     uint material; // word, in place of the triangles' own; or NO_MATERIAL
-    uint id;       // of the flat scene: decides between hits at equal distance, before triangles' ids
-    uint flags;    // INSTANCE_*
+    uint id;    // of the flat scene: decides between hits at equal distance, before triangles' ids
+    uint flags; // INSTANCE_*
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_instance, 112);
 #define INSTANCE_WORDS 7
@@ -168,8 +168,8 @@ struct gpu_light {
     uint kind;
     float direction[3]; // unit, in which light travels: spot, directional
     float pick_probability;
-    float radiant[3];              // point, spot: radiance * length^2; directional: irradiance, W/m^2
-    float inverse_range;           // of that beyond which there is no light, 1/length; 0: unlimited
+    float radiant[3];    // point, spot: radiance * length^2; directional: irradiance, W/m^2
+    float inverse_range; // of that beyond which there is no light, 1/length; 0: unlimited
     float spot_scale, spot_offset; // falloff: clamp(offset - scale * (1 - cos), 0, 1)^2
     float reach;                   // directional: the length of shadow rays
     float versine; // directional: 1 - cos of the angular radius of a sun; 0: without extent
@@ -202,9 +202,9 @@ SHARED_STATIC_ASSERT_SIZE(gpu_emitter, 16);
 
 // With a tree of emitters their buffer begins with this header; sections begin at words of four.
 struct gpu_light_tree {
-    uint root;           // a child's word; without emitters in the tree none
-    uint trails;         // struct gpu_light_trail, by the number of an emitter
-    uint infinite;       // struct gpu_emitter: bins of those infinitely far
+    uint root;     // a child's word; without emitters in the tree none
+    uint trails;   // struct gpu_light_trail, by the number of an emitter
+    uint infinite; // struct gpu_emitter: bins of those infinitely far
     uint infinite_count;
     float infinite_share; // probability to choose one of these
     uint align_tree[3];
@@ -343,9 +343,9 @@ struct gpu_counters {
     uint surface_hits[CLASS_COUNT][2]; // 64 bits each
     uint
         media_lost; // paths that entered more media than the stack holds, or left one never entered
-    uint clamped;          // contributions, with FEATURE_CLAMP
+    uint clamped;   // contributions, with FEATURE_CLAMP
     uint clamped_light[2]; // what they lost: 64 bits, CLAMP_UNITS a limit
-    uint closest_rays[2]; // 64 bits, low word first
+    uint closest_rays[2];  // 64 bits, low word first
     uint shadow_rays[2];
     uint steps[STEPS_COUNT][2];
     uint unfinished; // rays that ran out of budget without FEATURE_SUSPEND: results void
@@ -399,22 +399,22 @@ struct gpu_frame {
     float roulette_survival;
     float direction_exponent; // of DIRECTIONS_POWER_COSINE
     float lens_radius;
-    float focus_distance;     // from the camera to the plane in focus
-    float lens_rotation;      // of the aperture's blades, radians
-    uint lens_blades;         // 0: round
-    float filter_radius;      // pixels
+    float focus_distance; // from the camera to the plane in focus
+    float lens_rotation;  // of the aperture's blades, radians
+    uint lens_blades;     // 0: round
+    float filter_radius;  // pixels
     float ao_distance;
-    float falloff;            // cube root of its k, 1/length
+    float falloff;           // cube root of its k, 1/length
     float environment_reach; // the length of shadow rays to it
-    VEC3(ambient);            // INTEGRATOR_WHITTED: what is around the scene, on average
-    uint pending_rays;        // of INTEGRATOR_WHITTED: entries of a slot's stack
-    uint instances;           // words of four at which sections of the shapes' buffer begin
+    VEC3(ambient);           // INTEGRATOR_WHITTED: what is around the scene, on average
+    uint pending_rays;       // of INTEGRATOR_WHITTED: entries of a slot's stack
+    uint instances;          // words of four at which sections of the shapes' buffer begin
     uint sdfs;
     uint sdf_code;
     float metre; // metres a unit of length: a power of two
     // FEATURE_FAR_CAMERA; else 0 and 1.
-    float camera_start;  // along the line of sight, how far from the camera its rays begin
-    float lens_at_start; // how large the lens is there: 1 - camera_start / focus_distance
+    float camera_start;   // along the line of sight, how far from the camera its rays begin
+    float lens_at_start;  // how large the lens is there: 1 - camera_start / focus_distance
     uint small_triangles; // as `instances`
     uint align_frame;
 };

@@ -33,8 +33,7 @@ static inline uint32_t bvh_child_count(const uint32_t child[4])
     return count;
 }
 
-// --- One format
-// -----------------------------------------------------------------------------------
+// --- One format ----------------------------------------------------------------------------------
 
 // Write the boxes of the first `count` children and empty the others. Quantised boxes are rounded
 // outwards.
@@ -63,8 +62,7 @@ double bvh_float_half_area(const struct bvh_node_float *node, uint32_t first, ui
 bool bvh_quantised_check(const struct bvh_node *node, uint32_t index, struct err *err);
 bool bvh_float_check(const struct bvh_node_float *node, uint32_t index, struct err *err);
 
-// --- Whichever
-// ------------------------------------------------------------------------------------
+// --- Whichever -----------------------------------------------------------------------------------
 
 // Memory for out->node_count nodes of out->format.
 bool bvh_nodes_allocate(struct arena *arena, struct bvh *out, struct err *err);

@@ -4,8 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-// --- the plan
-// -------------------------------------------------------------------------------------
+// --- the plan ------------------------------------------------------------------------------------
 
 uint32_t tiles_along(uint32_t length)
 {
@@ -152,8 +151,7 @@ bool tile_plan_make(const struct tile_plan_params *p, struct arena *arena, struc
     return true;
 }
 
-// --- passes
-// ---------------------------------------------------------------------------------------
+// --- passes --------------------------------------------------------------------------------------
 
 bool renderer_set_plan(struct renderer *r, const struct tile_plan *plan, struct err *err)
 {

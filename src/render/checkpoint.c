@@ -22,8 +22,7 @@ struct header {
     uint32_t state_count, tile_count;
 };
 
-// --- the renderer's state
-// -------------------------------------------------------------------------
+// --- the renderer's state ------------------------------------------------------------------------
 
 // Walks over everything of the renderer that is saved, in one order for writing and reading.
 struct cursor {
@@ -87,8 +86,7 @@ static void visit_renderer(struct cursor *c, struct renderer *r)
 _Static_assert(6 + 1 + 2 + CLASS_COUNT + 4 + SITE_COUNT + 5 <= NOTE_AT,
                "room for all of the renderer's state");
 
-// --- writing
-// --------------------------------------------------------------------------------------
+// --- writing -------------------------------------------------------------------------------------
 
 struct output {
     struct file_writer writer;
@@ -169,8 +167,7 @@ bool checkpoint_write(struct renderer *r, const char *path, const char *identity
     return false;
 }
 
-// --- reading
-// --------------------------------------------------------------------------------------
+// --- reading -------------------------------------------------------------------------------------
 
 static bool fail_reading(const struct checkpoint *c, struct err *err)
 {
@@ -308,8 +305,7 @@ void checkpoint_close(struct checkpoint *c)
     *c = (struct checkpoint){0};
 }
 
-// --- going on
-// -------------------------------------------------------------------------------------
+// --- going on ------------------------------------------------------------------------------------
 
 static int line_length(const char *line)
 {

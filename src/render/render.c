@@ -15,8 +15,7 @@
 #include <math.h>
 #include <string.h>
 
-// --- creation
-// -------------------------------------------------------------------------------------
+// --- creation ------------------------------------------------------------------------------------
 
 static bool plan_memory(struct renderer *r, uint32_t wave, bool wave_is_wish, struct err *err)
 {
@@ -256,8 +255,7 @@ void renderer_finish(struct renderer *r)
     *r = (struct renderer){0};
 }
 
-// --- rendering
-// ------------------------------------------------------------------------------------
+// --- rendering -----------------------------------------------------------------------------------
 
 // From now on rays that run out of their budget are suspended, not given up.
 static bool become_careful(struct renderer *r, struct err *err)

@@ -193,9 +193,9 @@ bool renderer_resize(struct renderer *renderer, uint32_t wave, uint32_t workgrou
 
 // Empties the film; the sample numbers go on, so that what follows is independent of what was.
 bool renderer_clear(struct renderer *renderer, struct err *err);
-// Another number of samples a pixel than the settings' is planned, as samplers and half-buffers need
-// to know it (sampling_plan.h); 0: none. To be followed by renderer_restart(), since the samples so
-// far were planned otherwise.
+// Another number of samples a pixel than the settings' is planned, as samplers and half-buffers
+// need to know it (sampling_plan.h); 0: none. To be followed by renderer_restart(), since the
+// samples so far were planned otherwise.
 void renderer_plan_samples(struct renderer *renderer, uint64_t samples);
 // Empties the film and begins anew with sample 0 of another seed: what a new renderer would do, but
 // without building and compiling anything. stats.nonfinite begins anew, too: it is about the film's

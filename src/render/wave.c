@@ -13,8 +13,7 @@
 // The longest one dispatch may take before its work is split further.
 #define LONGEST_DISPATCH_MS 100.0
 
-// --- recording
-// ------------------------------------------------------------------------------------
+// --- recording -----------------------------------------------------------------------------------
 
 static void mark(struct renderer *r, enum kernel_id kernel)
 {
@@ -90,8 +89,7 @@ static void record_prepare(struct renderer *r, uint32_t queue_mask)
     dispatch(r, KERNEL_prepare_dispatch, (QUEUE_COUNT + workgroup - 1) / workgroup);
 }
 
-// --- running
-// --------------------------------------------------------------------------------------
+// --- running -------------------------------------------------------------------------------------
 
 static void add_times(struct renderer *r, const double *ns)
 {
@@ -129,8 +127,7 @@ static bool run(struct renderer *r, struct err *err)
     return ok;
 }
 
-// --- the loop
-// -------------------------------------------------------------------------------------
+// --- the loop ------------------------------------------------------------------------------------
 
 struct loop {
     struct renderer *r;
@@ -386,8 +383,7 @@ void wave_record_step(struct renderer *r, const struct wave *wave, const struct 
         record_queue(r, step->kernel, step->queue);
 }
 
-// --- kernels
-// --------------------------------------------------------------------------------------
+// --- kernels -------------------------------------------------------------------------------------
 
 // What a kernel is made from: of the set that the renderer was given, or embedded.
 static struct kernel_code code_of(const struct renderer *r, enum kernel_id id)

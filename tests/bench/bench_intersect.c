@@ -18,8 +18,7 @@
 
 static const float light[3][3] = {{-1, 5.9f, -1}, {2, 0, 0}, {0, 0, 2}};
 
-// --- the scene: a bumpy sphere in a closed room with a light at the ceiling
-// ------------------------
+// --- the scene: a bumpy sphere in a closed room with a light at the ceiling ----------------------
 
 static bool add_quad(struct scene *scene, uint32_t material, const float corner[3],
                      const float u[3], const float v[3])
@@ -80,8 +79,7 @@ static bool make_scene(uint32_t triangles, struct scene *scene, struct err *err)
     return true;
 }
 
-// --- measuring
-// ------------------------------------------------------------------------------------
+// --- measuring -----------------------------------------------------------------------------------
 
 static int by_value(const void *a, const void *b)
 {

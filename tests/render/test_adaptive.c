@@ -5,8 +5,7 @@
 #include "render_fixture.h"
 #include "replicates.h"
 
-// --- the plan
-// -------------------------------------------------------------------------------------
+// --- the plan ------------------------------------------------------------------------------------
 
 static struct tile_plan plan_of(uint32_t width, uint32_t height, const double *variances,
                                 uint32_t average, struct arena *arena)
@@ -73,8 +72,7 @@ TEST(counts_go_with_the_root_of_the_variance)
     arena_finish(&arena);
 }
 
-// --- renders
-// --------------------------------------------------------------------------------------
+// --- renders -------------------------------------------------------------------------------------
 
 // What the program does, in one process and many times.
 struct trial {
@@ -239,8 +237,7 @@ TEST(a_caustic_gains)
     gpu_close(&gpu);
 }
 
-// --- the promise of --error
-// -----------------------------------------------------------------------
+// --- the promise of --error ----------------------------------------------------------------------
 
 static double local_relmse(const struct film_image *film, const struct film_image *reference)
 {

@@ -48,8 +48,7 @@ static bool load_pile(const struct scene_override *overrides, uint32_t count, st
            (add_pile(scene, count) || err_memory(err, "the pile", count));
 }
 
-// --- the CPU reference
-// ----------------------------------------------------------------------------
+// --- the CPU reference ---------------------------------------------------------------------------
 
 // The ray through a pixel's centre.
 static struct bvh_ray camera_ray(const struct scene *scene, uint32_t x, uint32_t y)
@@ -113,8 +112,7 @@ static void trace_emission(const struct scene *scene, const struct flat_scene *f
     memcpy(emission, scene->materials[material].emission, 3 * sizeof *emission);
 }
 
-// --- tests
-// ----------------------------------------------------------------------------------------
+// --- tests ---------------------------------------------------------------------------------------
 
 // Each material glows in a colour of its own: the picture shows what the camera's rays hit.
 TEST(hits_equal_the_reference)

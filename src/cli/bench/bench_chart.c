@@ -188,8 +188,7 @@ static bool write_sweep(const struct chart *c, FILE *out)
     return true;
 }
 
-// --- kernels alone, against the depth
-// -------------------------------------------------------------
+// --- kernels alone, against the depth ------------------------------------------------------------
 
 // The row's points; returns how many. Rows of one kernel make a line: the camera's rays lead to
 // those that surfaces send on. Nothing is written to NULL.

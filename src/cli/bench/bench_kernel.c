@@ -16,8 +16,7 @@ static const char *const kernel_names[KERNEL_COUNT] = {
 static const char *const rays_names[] = {"primary", "diffuse", "shadow"}; // of enum rays_option
 #define ALL_KINDS (sizeof rays_names / sizeof rays_names[0])
 
-// --- what is to be timed
-// --------------------------------------------------------------------------
+// --- what is to be timed -------------------------------------------------------------------------
 
 // A row of each variant.
 struct target {
@@ -142,8 +141,7 @@ bool bench_check_kernel(const struct options *options, struct err *err)
     return ok;
 }
 
-// --- timing
-// ---------------------------------------------------------------------------------------
+// --- timing --------------------------------------------------------------------------------------
 
 // One target, of all variants.
 struct contest {

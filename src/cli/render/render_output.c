@@ -127,8 +127,7 @@ bool render_check_space(const struct render_run *run, struct err *err)
     return true;
 }
 
-// --- writing
-// --------------------------------------------------------------------------------------
+// --- writing -------------------------------------------------------------------------------------
 
 enum image_tone render_image_tone(enum tone_curve curve)
 {

@@ -43,8 +43,7 @@ const char *render_reproducing_command(struct render_run *run)
                         stats->sample);
 }
 
-// --- for people
-// -----------------------------------------------------------------------------------
+// --- for people ----------------------------------------------------------------------------------
 
 static void print_biases(const struct render_run *run)
 {

@@ -43,8 +43,7 @@ static bool is_kept(const struct renderer *r, const struct recorded *rec, uint32
     return (written(rec->step.kernel) >> binding & 1u) && buffer_of(r, rec, binding)->handle;
 }
 
-// --- what a kernel leaves behind
-// ------------------------------------------------------------------
+// --- what a kernel leaves behind -----------------------------------------------------------------
 
 static uint64_t mix(uint64_t x)
 {
@@ -120,8 +119,7 @@ static bool hash_state(struct renderer *r, const struct recorded *rec, uint64_t 
     return ok;
 }
 
-// --- keeping a state
-// ------------------------------------------------------------------------------
+// --- keeping a state -----------------------------------------------------------------------------
 
 static bool submit(struct renderer *r, struct err *err)
 {
@@ -166,8 +164,7 @@ static bool keep(struct renderer *r, struct recorded *rec, struct err *err)
     return submit(r, err);
 }
 
-// --- running
-// --------------------------------------------------------------------------------------
+// --- running -------------------------------------------------------------------------------------
 
 static void record_launches(struct renderer *r, const struct recorded *rec)
 {
@@ -209,8 +206,7 @@ static bool run(struct renderer *r, const struct recorded *rec, double *ms, stru
                         err);
 }
 
-// --- recording
-// ------------------------------------------------------------------------------------
+// --- recording -----------------------------------------------------------------------------------
 
 struct recording {
     struct renderer *r;
@@ -325,8 +321,7 @@ static bool record(struct recording *c, struct err *err)
            (run(r, rec, &ms, err) && hash_state(r, rec, &rec->hash, err));
 }
 
-// --- what others call
-// -----------------------------------------------------------------------------
+// --- what others call ----------------------------------------------------------------------------
 
 bool recorded_create(struct renderer *r, const struct recorded_params *params, struct recorded *out,
                      struct err *err)

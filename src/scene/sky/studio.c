@@ -10,8 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-// --- what lights
-// -----------------------------------------------------------------------------------
+// --- what lights ---------------------------------------------------------------------------------
 
 // A box of light: where its middle is as seen from the model (azimuth from the camera to the
 // right), half its width and height as tangents, and its irradiance on a surface that faces it
@@ -116,8 +115,7 @@ static void face_camera(const struct scene *scene, struct scene_axes *axes)
     vec3_cross(axes->right, axes->up, axes->front);
 }
 
-// --- the environment
-// -------------------------------------------------------------------------------
+// --- the environment -----------------------------------------------------------------------------
 
 struct texel {
     double direction[3], solid_angle;
@@ -206,8 +204,7 @@ static bool add_light(struct scene *scene, const struct scene_axes *axes, struct
     return true;
 }
 
-// --- the ground
-// ------------------------------------------------------------------------------------
+// --- the ground ----------------------------------------------------------------------------------
 
 #define GROUND_TEXELS 64
 
@@ -297,8 +294,7 @@ static bool add_ground(struct scene *scene, const struct scene_axes *axes, struc
     return true;
 }
 
-// --- what there is already
-// -------------------------------------------------------------------------
+// --- what there is already -----------------------------------------------------------------------
 
 static bool has_emission(const struct scene *scene)
 {
@@ -329,8 +325,7 @@ bool scene_is_lit(const struct scene *scene, double *emission)
            (*emission == 0 && scene_has_emissive_triangles(scene));
 }
 
-// --- what is added
-// ---------------------------------------------------------------------------------
+// --- what is added -------------------------------------------------------------------------------
 
 static bool provide_even_light(struct scene *scene, struct err *err)
 {
@@ -388,8 +383,7 @@ bool scene_provide_light(struct scene *scene, const struct scene_load_params *pa
     return add_ground(scene, &axes, err);
 }
 
-// --- what is said of it
-// ----------------------------------------------------------------------------
+// --- what is said of it --------------------------------------------------------------------------
 
 // Before what the file's own notes say: a summary may have room for one.
 static void put_last_note_first(struct scene *scene)
