@@ -37,11 +37,6 @@ static void choose_rounds(struct job *job)
         job->samples_most % ROUND_SAMPLES == 0 ? ROUND_SAMPLES : (uint32_t)job->samples_most;
 }
 
-bool job_is_open_ended(const struct job *job)
-{
-    return job->params.goal.seconds > 0.0 || job->params.goal.adaptive;
-}
-
 // What needs a number of samples excludes what finds it on the way.
 static bool check_method(const struct job *job, struct err *err)
 {
@@ -206,22 +201,7 @@ const char *job_ended_by(const struct job *job)
     return names[job->ended_by];
 }
 
-bool job_is_rescued(const struct job *job)
-{
-    return job->ended_by == ENDED_BY_DEVICE || job->ended_by == ENDED_BY_MEMORY;
-}
-
 // --- steps ---------------------------------------------------------------------------------------
-
-uint64_t job_step_samples(const struct job *job)
-{
-    return job->params.goal.adaptive ? job->round_samples : 1;
-}
-
-bool job_is_pilot(const struct job *job)
-{
-    return job->params.goal.adaptive && !job->plan.counts;
-}
 
 double job_elapsed(const struct job *job)
 {

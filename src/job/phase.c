@@ -1,0 +1,22 @@
+// Which part of its way a job is on.
+#include "job/job_internal.h"
+
+bool job_is_open_ended(const struct job *job)
+{
+    return job->params.goal.seconds > 0.0 || job->params.goal.adaptive;
+}
+
+bool job_is_pilot(const struct job *job)
+{
+    return job->params.goal.adaptive && !job->plan.counts;
+}
+
+bool job_is_rescued(const struct job *job)
+{
+    return job->ended_by == ENDED_BY_DEVICE || job->ended_by == ENDED_BY_MEMORY;
+}
+
+uint64_t job_step_samples(const struct job *job)
+{
+    return job->params.goal.adaptive ? job->round_samples : 1;
+}
