@@ -233,6 +233,18 @@ bool job_judge_film(struct job *job, struct err *err);
 // Both, of the finished film, rescued or not.
 bool job_judge_end(struct job *job, struct err *err);
 bool job_read_film(struct job *job, struct err *err);
+
+// The error of the film as it is now, in two parts: only the first needs the renderer, so that
+// another thread may do the second, which takes longer. The arena is the caller's to finish.
+struct job_estimate {
+    struct arena arena;
+    struct film_image film;
+    struct film_error_params params;
+    struct half_error error;
+};
+bool job_estimate_begin(struct job *job, struct job_estimate *out, struct err *err);
+bool job_estimate_end(struct job_estimate *estimate, struct err *err); // any thread
+
 // The film's samples of a pixel: where tiles have their own, the mean.
 uint64_t job_film_samples(const struct job *job);
 // The number of samples, as `goal.samples`, that makes the same image.

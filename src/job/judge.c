@@ -52,6 +52,20 @@ bool job_estimate_error(struct job *job, double confidence, struct half_error *o
     return ok;
 }
 
+bool job_estimate_begin(struct job *job, struct job_estimate *out, struct err *err)
+{
+    *out = (struct job_estimate){0};
+    if (!renderer_read(&job->renderer, &out->arena, &out->film, err))
+        return false;
+    out->params = film_error_params(&job->renderer, out->film.least_samples);
+    return true;
+}
+
+bool job_estimate_end(struct job_estimate *estimate, struct err *err)
+{
+    return film_error(&estimate->film, &estimate->params, &estimate->error, err);
+}
+
 // The true error, and what of it is bias: told by the halves, where they are independent.
 static bool compare(struct job *job, struct err *err)
 {

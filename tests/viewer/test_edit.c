@@ -198,7 +198,7 @@ TEST(what_is_shown_keeps_what_is_accumulated)
     edit_shown(&viewer, &shown, "renderer.spp");
     CHECK(asked(1) == CHANGE_METHOD, "and so has a blue-noise sampler");
     shown.what = SHOWN_ALBEDO;
-    viewer.stage.sides[1].renderer.aovs = AOV_ALBEDO;
+    viewer.stage.sides[1].job.renderer.aovs = AOV_ALBEDO;
     edit_shown(&viewer, &shown, "view.aov");
     CHECK(asked(0) == CHANGE_METHOD, "has no albedo so far");
     CHECK(asked(1) == CHANGE_SHOWN);

@@ -1,6 +1,7 @@
 // What was changed takes effect, at the least cost.
 #include "viewer/core/viewer.h"
 
+#include <math.h>
 #include <string.h>
 
 // How long after the last change the picture is taken for resting, seconds: between two steps of a
@@ -35,7 +36,7 @@ void viewer_close_side(struct viewer *viewer, uint32_t side)
 {
     struct view *view = &viewer->stage.sides[side];
     denoiser_finish(&view->denoiser);
-    renderer_finish(&view->renderer);
+    job_finish(&view->job);
     view->denoiser = (struct denoiser){0};
     view->is_ready = view->is_preview = false;
     viewer->stage.last_call.side_count = 0;
@@ -45,12 +46,9 @@ void viewer_close_side(struct viewer *viewer, uint32_t side)
 // The viewer's scene as this side renders it.
 static void settle_scene(struct viewer *viewer, struct view *view)
 {
-    uint32_t limit = viewer->stage.shown.spp_limit;
     view->scene = viewer->document.scene;
     view->scene.settings = view->method.settings;
     viewer_picture_size(viewer, &view->scene.settings.width, &view->scene.settings.height);
-    if (limit > 0)
-        view->scene.settings.spp = limit;
     view->scene.cameras = &viewer->view.camera;
     view->scene.camera_count = 1;
 }
@@ -59,26 +57,30 @@ static bool build_side(struct viewer *viewer, struct view *view, struct err *err
 {
     const struct method *method = &view->method;
     view->is_ready = false;
-    renderer_finish(&view->renderer);
+    job_finish(&view->job);
     settle_scene(viewer, view);
-    const struct renderer_params params = {
-        .gpu = &viewer->stage.gpu,
+    uint32_t limit = viewer->stage.shown.spp_limit;
+    const struct job_params params = {
+        .renderer =
+            {
+                .gpu = &viewer->stage.gpu,
+                .geometry = &viewer->document.geometry,
+                .kernels = viewer->stage.kernels,
+                .wave = method->wave,
+                .workgroup = method->workgroup,
+                .aovs = viewer_aovs(&viewer->stage.shown),
+                .everything = method->everything,
+                .merge_classes = method->merge_classes,
+            },
         .scene = &view->scene,
-        .geometry = &viewer->document.geometry,
-        .kernels = viewer->stage.kernels,
-        .wave = method->wave,
-        .workgroup = method->workgroup,
-        .aovs = viewer_aovs(&viewer->stage.shown),
-        .everything = method->everything,
-        .merge_classes = method->merge_classes,
-        .open_ended = viewer->stage.shown.spp_limit == 0,
+        .goal = {.samples = limit, .seconds = limit ? 0.0 : INFINITY},
         .progress = &viewer->shell.progress,
     };
-    if (!renderer_create(&params, &view->renderer, err))
+    if (!job_start(&params, &view->job, err))
         return false;
-    view->renderer.progress = &viewer->stage.frame_progress;
-    view->seen = view->renderer.stats;
-    view->usual_wave = view->renderer.plan.wave_slots;
+    view->job.params.progress = &viewer->stage.frame_progress;
+    view->seen = view->job.renderer.stats;
+    view->usual_wave = view->job.renderer.plan.wave_slots;
     view->is_ready = true;
     view->is_preview = false;
     return true;
@@ -87,13 +89,13 @@ static bool build_side(struct viewer *viewer, struct view *view, struct err *err
 static bool keep_history(struct viewer *viewer, struct view *view, struct err *err)
 {
     const struct denoise_call call = {
-        .renderer = &view->renderer,
-        .camera = &view->renderer.camera,
+        .renderer = &view->job.renderer,
+        .camera = &view->job.renderer.camera,
         .iterations = viewer->stage.shown.denoise_iterations,
         .temporal = viewer->stage.shown.denoise_temporal,
     };
     // While another picture is shown the renderer has not what denoising needs.
-    bool has_layers = (DENOISE_AOVS & ~view->renderer.specialization.aovs) == 0;
+    bool has_layers = (DENOISE_AOVS & ~view->job.renderer.specialization.aovs) == 0;
     bool has_something = view->denoiser.gpu && has_layers && view_samples(view) > 0;
     return !has_something || denoiser_keep(&view->denoiser, &call, err);
 }
@@ -104,12 +106,12 @@ static bool look_anew(struct viewer *viewer, struct view *view, const uint32_t s
 {
     bool fits;
     if (!keep_history(viewer, view, err) ||
-        !renderer_look(&view->renderer, &viewer->view.camera, size[0], size[1], &fits, err))
+        !renderer_look(&view->job.renderer, &viewer->view.camera, size[0], size[1], &fits, err))
         return false;
     if (fits)
         return true;
     return build_side(viewer, view, err) &&
-           renderer_look(&view->renderer, &viewer->view.camera, size[0], size[1], &fits, err) &&
+           renderer_look(&view->job.renderer, &viewer->view.camera, size[0], size[1], &fits, err) &&
            (fits || err_set(err, ERR_BUG, "a new renderer does not take its own camera"));
 }
 
@@ -165,8 +167,8 @@ static void wanted_size(const struct viewer *viewer, const struct view *view, bo
         size[i] = pace_shrunk(size[i], viewer->view.pace.shrink);
     if (!keeps_size)
         return;
-    size[0] = view->renderer.frame.width;
-    size[1] = view->renderer.frame.height;
+    size[0] = view->job.renderer.frame.width;
+    size[1] = view->job.renderer.frame.height;
 }
 
 // Brings a side to where the changes and the clock want it: built anew, looking elsewhere, small
@@ -182,7 +184,7 @@ static bool update_side(struct viewer *viewer, uint32_t side, struct err *err)
         return false;
     bool is_small_already = !is_to_build && change < CHANGE_CAMERA && view->is_preview;
     wanted_size(viewer, view, is_small_already, size);
-    const struct gpu_frame *frame = &view->renderer.frame;
+    const struct gpu_frame *frame = &view->job.renderer.frame;
     bool looks = frame->width != size[0] || frame->height != size[1] || change == CHANGE_CAMERA;
     if (looks && !look_anew(viewer, view, size, err))
         return false;
@@ -202,7 +204,7 @@ static bool refresh_geometry(struct viewer *viewer, struct err *err)
     struct geometry_params params =
         viewer_geometry_params(viewer, &viewer->document.scene, &viewer->view.camera);
     for (uint32_t side = 0; side < VIEWER_SIDES; side++) { // they use what is replaced
-        renderer_finish(&viewer->stage.sides[side].renderer);
+        job_finish(&viewer->stage.sides[side].job);
         viewer->stage.sides[side].is_ready = false;
     }
     if (!geometry_refresh(&params, &viewer->document.geometry, err))

@@ -164,7 +164,7 @@ static void shown_changed(struct viewer *viewer, const struct shown *from)
         if (from->spp_limit != to->spp_limit)
             change = sample_planning(&view->method.settings, NULL) != PLANNING_NONE ? CHANGE_METHOD
                                                                                     : CHANGE_LIMIT;
-        if (view->is_ready && (aovs & ~view->renderer.aovs))
+        if (view->is_ready && (aovs & ~view->job.renderer.aovs))
             change = CHANGE_METHOD;
         viewer_side_changed(viewer, side, change);
     }

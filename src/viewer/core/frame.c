@@ -60,7 +60,7 @@ static double frame_render_ms(const struct viewer *viewer)
 // Samples of single pixels that the film has.
 static double work_done(const struct view *view)
 {
-    const struct renderer *r = &view->renderer;
+    const struct renderer *r = &view->job.renderer;
     return (double)view_samples(view) * r->frame.width * r->frame.height +
            (double)(r->pass.position << r->pass.shift);
 }
@@ -82,7 +82,7 @@ uint64_t viewer_samples_left(const struct viewer *viewer, const struct view *vie
 // most.
 static uint64_t samples_at_once(const struct viewer *viewer, const struct view *view)
 {
-    const struct renderer *r = &view->renderer;
+    const struct renderer *r = &view->job.renderer;
     uint64_t left = viewer_samples_left(viewer, view), most = 1 + view_samples(view) / 8;
     double pass_ms = viewer->view.pace.ms_per_sample * r->frame.width * r->frame.height;
     double fit = pass_ms > 0.0 ? floor(frame_render_ms(viewer) / pass_ms) : 1.0;
@@ -97,15 +97,17 @@ static bool render_side(struct viewer *viewer, struct view *view, uint64_t sampl
     double before = work_done(view);
     uint64_t start = clock_ns();
     bool stopped = false;
+    job_go_on(&view->job);
     while (!stopped && viewer_samples_left(viewer, view) > 0 && samples > 0) {
-        const struct render_call call = {.samples = samples_at_once(viewer, view),
-                                         .stopped = &stopped};
+        const struct job_step step = {.samples = view->job.renderer.next_sample +
+                                                 samples_at_once(viewer, view)};
         uint64_t done = view_samples(view);
-        if (!renderer_render(&view->renderer, &call, err))
+        if (!job_advance(&view->job, &step, err))
             return false;
         done = view_samples(view) - done;
         samples = samples > done ? samples - done : 0;
-        stopped |= viewer_frame_is_over(viewer) || view_wants_look(viewer, view);
+        stopped |=
+            view->job.stopped || viewer_frame_is_over(viewer) || view_wants_look(viewer, view);
     }
     double seconds = clock_seconds_since(start), work = work_done(view) - before;
     view->seconds += seconds;
@@ -123,7 +125,7 @@ static bool render_side(struct viewer *viewer, struct view *view, uint64_t sampl
 // Half a wave before the time is over: the one that begins then ends half a wave behind it.
 static void set_time(struct viewer *viewer, const struct view *view, double factor)
 {
-    double wave_ms = viewer->view.pace.ms_per_sample * view->renderer.plan.wave_slots;
+    double wave_ms = viewer->view.pace.ms_per_sample * view->job.renderer.plan.wave_slots;
     double ms = fmax(factor * frame_render_ms(viewer) - 0.5 * wave_ms, 0.0);
     viewer->stage.render_until_ns = isfinite(ms) ? clock_ns() + (uint64_t)(ms * 1e6) : UINT64_MAX;
 }
@@ -132,14 +134,14 @@ static void set_time(struct viewer *viewer, const struct view *view, double fact
 // two is for what a measurement is worth.
 static bool fit_wave(struct viewer *viewer, struct view *view, struct err *err)
 {
-    uint32_t now = view->renderer.plan.wave_slots;
+    uint32_t now = view->job.renderer.plan.wave_slots;
     uint32_t fit = pace_wave(&viewer->view.pace, frame_render_ms(viewer));
     if (fit > view->usual_wave)
         fit = view->usual_wave;
     bool is_close = fit <= 2 * now && now <= 2 * fit;
     if (view->method.wave || is_close)
         return true;
-    if (renderer_resize(&view->renderer, fit, view->renderer.specialization.workgroup, err))
+    if (renderer_resize(&view->job.renderer, fit, view->job.renderer.specialization.workgroup, err))
         return true;
     if (viewer->stage.gpu.lost)
         return false;
@@ -159,9 +161,10 @@ static bool clear_fresh(struct viewer *viewer, struct view *view, struct err *er
         return true;
     viewer_display_call(viewer, &call);
     viewer->stage.has_kept = true;
-    if (!display_keep(&viewer->stage.display, &call, err) || !renderer_clear(&view->renderer, err))
+    if (!display_keep(&viewer->stage.display, &call, err) ||
+        !renderer_clear(&view->job.renderer, err))
         return false;
-    view->first_sample = view->renderer.next_sample;
+    view->first_sample = view->job.renderer.next_sample;
     return true;
 }
 
@@ -245,7 +248,7 @@ void viewer_display_call(const struct viewer *viewer, struct display_call *out)
         if (!view->is_ready)
             return;
         out->sides[side] = (struct display_side){
-            .renderer = &view->renderer,
+            .renderer = &view->job.renderer,
             .denoiser =
                 denoises(viewer, view) && view->denoised_samples > 0 ? &view->denoiser : NULL,
         };
@@ -267,12 +270,12 @@ static bool is_denoising_due(const struct viewer *viewer, const struct view *vie
 static bool denoise_side(struct viewer *viewer, struct view *view, struct err *err)
 {
     const struct denoise_call call = {
-        .renderer = &view->renderer,
-        .camera = &view->renderer.camera,
+        .renderer = &view->job.renderer,
+        .camera = &view->job.renderer.camera,
         .iterations = viewer->stage.shown.denoise_iterations,
         .temporal = viewer->stage.shown.denoise_temporal,
     };
-    const struct gpu_frame *frame = &view->renderer.frame;
+    const struct gpu_frame *frame = &view->job.renderer.frame;
     uint64_t start = clock_ns();
     if (!denoiser_run(&view->denoiser, &call, err))
         return false;

@@ -20,12 +20,12 @@ static void take_hit(const struct viewer *viewer, const struct view *view,
                      const struct replay_vertex *hit, struct picked *out)
 {
     double away[3];
-    out->object = viewer_object(&view->renderer, hit->is_shape, hit->primitive, hit->instance);
+    out->object = viewer_object(&view->job.renderer, hit->is_shape, hit->primitive, hit->instance);
     out->material = (uint32_t)(hit->material - viewer->document.scene.materials);
     out->primitive = hit->primitive;
     memcpy(out->position, hit->position, sizeof out->position);
     for (int c = 0; c < 3; c++)
-        away[c] = hit->position[c] - view->renderer.camera.position[c];
+        away[c] = hit->position[c] - view->job.renderer.camera.position[c];
     out->distance = hypot(hypot(away[0], away[1]), away[2]);
 }
 
@@ -47,10 +47,10 @@ bool viewer_pick(struct viewer *viewer, double x, double y, struct picked *out, 
     bool is_inside = x >= 0.0 && y >= 0.0 && x < place[2] && y < place[3];
     if (!viewer->document.has_scene || !view->is_ready || !is_inside)
         return true;
-    const struct gpu_frame *frame = &view->renderer.frame;
+    const struct gpu_frame *frame = &view->job.renderer.frame;
     struct replay replay;
     // One of the very samples that the picture is made of.
-    if (!renderer_replay(&view->renderer, pixel_at(x, place[2], frame->width),
+    if (!renderer_replay(&view->job.renderer, pixel_at(x, place[2], frame->width),
                          pixel_at(y, place[3], frame->height), 0, &viewer->shell.frame_arena,
                          &replay, err))
         return false;

@@ -85,7 +85,7 @@ static bool is_used(const struct set *set, const struct viewer *viewer)
 {
     bool used = viewer->stage.kernels == &set->kernels;
     for (uint32_t i = 0; i < VIEWER_SIDES; i++)
-        used |= viewer->stage.sides[i].renderer.kernel_set == &set->kernels;
+        used |= viewer->stage.sides[i].job.renderer.kernel_set == &set->kernels;
     return used;
 }
 

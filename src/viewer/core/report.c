@@ -60,7 +60,7 @@ static void count_kernels(struct viewer *viewer, double *rays)
     double ms[KERNEL_COUNT] = {0};
     for (uint32_t side = 0; side < viewer->stage.side_count; side++) {
         struct view *view = &viewer->stage.sides[side];
-        const struct render_stats *now = &view->renderer.stats, *seen = &view->seen;
+        const struct render_stats *now = &view->job.renderer.stats, *seen = &view->seen;
         if (!view->is_ready)
             continue;
         for (int id = 0; id < KERNEL_COUNT; id++)
@@ -132,7 +132,7 @@ static json_t *times_json(struct frame_times *times)
 
 static json_t *side_json(const struct view *view)
 {
-    const struct view_look look = view_newest_look(view);
+    const struct job_look look = view_newest_look(view);
     const struct half_error *error = &look.error;
     return json_pack(
         "{s:I, s:f, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "samples", (json_int_t)view_samples(view),
@@ -173,7 +173,7 @@ static void print_times(const char *label, struct frame_times *times)
 static void print_side(const struct viewer *viewer, uint32_t index)
 {
     const struct view *view = &viewer->stage.sides[index];
-    const struct view_look look = view_newest_look(view);
+    const struct job_look look = view_newest_look(view);
     const struct half_error *error = &look.error;
     char words[FILM_ERROR_WORDS];
     const char *label = viewer->stage.side_count == 1 ? "picture "

@@ -74,7 +74,7 @@ static bool describe(const struct viewer *viewer, uint32_t side, const struct fi
         return err_memory(err, "metadata", sizeof *run);
     }
     *options = viewer->document.scene_options;
-    options->render.aovs = view->renderer.aovs;
+    options->render.aovs = view->job.renderer.aovs;
     options->device.features = view->method.everything ? FEATURES_ALL : FEATURES_NEEDED;
     // Copies of what is only looked at.
     run->options = options;
@@ -82,7 +82,7 @@ static bool describe(const struct viewer *viewer, uint32_t side, const struct fi
     run->exposure = viewer->stage.shown.exposure;
     run->scene.settings.tone_curve = (enum tone_curve)viewer->stage.shown.tone;
     run->gpu = viewer->stage.gpu;
-    run->job.renderer = view->renderer;
+    run->job.renderer = view->job.renderer;
     run->camera = viewer->view.camera_index;
     run->job.film = *film;
     run->job.stopped = true; // no command line repeats what was done by hand
@@ -91,11 +91,11 @@ static bool describe(const struct viewer *viewer, uint32_t side, const struct fi
     run->job.seconds = (struct job_seconds){
         .load = viewer->document.load_seconds,
         .bvh = viewer->document.geometry.bvh.stats.build_seconds,
-        .upload = view->renderer.stats.upload_seconds,
-        .compile = view->renderer.stats.compile_seconds,
+        .upload = view->job.renderer.stats.upload_seconds,
+        .compile = view->job.renderer.stats.compile_seconds,
         .render = view->seconds,
     };
-    const struct view_look look = view_newest_look(view);
+    const struct job_look look = view_newest_look(view);
     bool is_looked_at = look.samples == (double)film->least_samples;
     run->job.error = is_looked_at ? look.error : film_error_none("it was not looked at");
     bool ok = render_describe(run, 0, &saving->arena, &saving->attributes, err);
@@ -300,7 +300,7 @@ static bool copy_film(struct viewer *viewer, uint32_t side, bool denoised, struc
     struct film_image film;
     if (side >= viewer->stage.side_count || !view->is_ready)
         return err_set(err, ERR_OUTPUT, "there is no picture so far");
-    if (!renderer_read(&view->renderer, &saving->arena, &film, err) ||
+    if (!renderer_read(&view->job.renderer, &saving->arena, &film, err) ||
         !describe(viewer, side, &film, saving, err) || !add_view(viewer, saving, err))
         return false;
     saving->image = (struct image){film.width, film.height, film.mean};

@@ -10,7 +10,7 @@
 
 uint64_t view_samples(const struct view *view)
 {
-    return view->is_ready ? view->renderer.next_sample - view->first_sample : 0;
+    return view->is_ready ? view->job.renderer.next_sample - view->first_sample : 0;
 }
 
 void view_begin(struct view *view)
@@ -35,21 +35,17 @@ bool view_is_denoised(const struct viewer *viewer, const struct view *view)
 
 // --- the error -----------------------------------------------------------------------------------
 
-// What a job works on: a film of its own.
 struct look_job {
     uint32_t side;
     uint64_t epoch;
     double seconds, samples;
-    struct film_error_params params;
-    struct arena arena;
-    struct film_image film;
-    struct half_error error;
+    struct job_estimate estimate;
 };
 
 static bool run_look(void *context, struct err *err)
 {
     struct look_job *job = context;
-    return film_error(&job->film, &job->params, &job->error, err);
+    return job_estimate_end(&job->estimate, err);
 }
 
 // When the list is full, every other one of the older half makes room, so that the curve still
@@ -67,24 +63,24 @@ static void add_look(struct view *view, const struct look_job *job)
 {
     if (view->look_count == VIEW_LOOKS_MAX)
         thin(view);
-    view->looks[view->look_count++] = (struct view_look){
+    view->looks[view->look_count++] = (struct job_look){
         .seconds = job->seconds,
         .samples = job->samples,
-        .error = job->error,
+        .error = job->estimate.error,
     };
 }
 
-struct view_look view_newest_look(const struct view *view)
+struct job_look view_newest_look(const struct view *view)
 {
     if (view->look_count > 0)
         return view->looks[view->look_count - 1];
-    return (struct view_look){.error = film_error_none("fewer than two samples per pixel")};
+    return (struct job_look){.error = film_error_none("fewer than two samples per pixel")};
 }
 
 static void free_job(struct look_job *job)
 {
     if (job)
-        arena_finish(&job->arena);
+        arena_finish(&job->estimate.arena);
     free(job);
 }
 
@@ -106,7 +102,7 @@ bool view_wants_look(const struct viewer *viewer, const struct view *view)
 {
     uint64_t samples = view_samples(view);
     if (!view->is_ready || view->is_preview || view->is_looking || view->method.fresh_frames ||
-        view->renderer.pass.length > 0 || samples % 2 != 0)
+        view->job.renderer.pass.length > 0 || samples % 2 != 0)
         return false;
     bool is_last = samples > 0 && samples == viewer->stage.shown.spp_limit;
     if (is_last &&
@@ -119,17 +115,13 @@ bool view_wants_look(const struct viewer *viewer, const struct view *view)
 static bool start_look(struct viewer *viewer, uint32_t side, struct look_job *job, struct err *err)
 {
     struct view *view = &viewer->stage.sides[side];
-    const struct renderer *renderer = &view->renderer;
     *job = (struct look_job){
         .side = side,
         .epoch = view->epoch,
         .seconds = view->seconds,
         .samples = (double)view_samples(view),
     };
-    if (!renderer_read(&view->renderer, &job->arena, &job->film, err))
-        return false;
-    job->params = film_error_params(renderer, job->film.least_samples);
-    return true;
+    return job_estimate_begin(&view->job, &job->estimate, err);
 }
 
 bool view_look_now(struct viewer *viewer, uint32_t side, struct err *err)
@@ -144,7 +136,7 @@ bool view_look_now(struct viewer *viewer, uint32_t side, struct err *err)
     bool ok = start_look(viewer, side, &job, err) && run_look(&job, err);
     if (ok)
         add_look(view, &job);
-    arena_finish(&job.arena);
+    arena_finish(&job.estimate.arena);
     return ok;
 }
 

@@ -4,8 +4,7 @@
 #define LAMPYRIS_VIEWER_CORE_VIEW_H
 
 #include "bvh/bvh.h"
-#include "metrics/metrics.h"
-#include "render/render.h"
+#include "job/job.h"
 #include "render/show/denoise.h"
 #include "viewer/core/worker.h"
 
@@ -21,16 +20,10 @@ struct method {
 
 #define VIEW_LOOKS_MAX 64
 
-// The error at doubling numbers of samples, and in between now and then.
-struct view_look {
-    double seconds, samples; // of rendering; of a pixel
-    struct half_error error; // of film_error()
-};
-
 struct view {
     struct method method;
     struct scene scene; // the viewer's, but with the method's settings: arrays are shared
-    struct renderer renderer;
+    struct job job;
     struct denoiser denoiser;
     bool is_ready;             // renderer holds a picture's state
     bool is_preview;           // its film has fewer pixels, because the camera moves
@@ -47,7 +40,8 @@ struct view {
     double turn_seconds;    // of rendering, since the sides began to take turns
     uint64_t first_sample;  // of the film: not 0 with fresh frames
     double looked_seconds;  // clock of the last look
-    struct view_look looks[VIEW_LOOKS_MAX];
+    // The error at doubling numbers of samples, and in between now and then.
+    struct job_look looks[VIEW_LOOKS_MAX];
     uint32_t look_count;
     double next_look; // samples at which the error is to be found again
 };
@@ -63,7 +57,7 @@ bool view_look_now(struct viewer *viewer, uint32_t side, struct err *err);
 // A picture begins: what is known of the last one is void.
 void view_begin(struct view *view);
 // The newest look; before the first one, one without samples that knows nothing.
-struct view_look view_newest_look(const struct view *view);
+struct job_look view_newest_look(const struct view *view);
 // Whether the denoiser's picture, if one is to be seen, is of all samples and by the settings of
 // now.
 bool view_is_denoised(const struct viewer *viewer, const struct view *view);

@@ -57,7 +57,7 @@ static void kernel_bars(struct viewer *viewer)
     for (int id = 0; id < KERNEL_COUNT; id++) {
         bool is_there = false;
         for (uint32_t side = 0; side < viewer->stage.side_count; side++)
-            is_there = is_there || viewer->stage.sides[side].renderer.kernels[id].pipeline;
+            is_there = is_there || viewer->stage.sides[side].job.renderer.kernels[id].pipeline;
         if (is_there)
             bars[count++] = (struct gui_bar){kernel_code((enum kernel_id)id, true).name,
                                              viewer->stage.stats.kernel_ms[id]};
@@ -68,7 +68,7 @@ static void kernel_bars(struct viewer *viewer)
 // --- error ---------------------------------------------------------------------------------------
 
 // Of independent samples the error falls with their number, and so with time.
-static void forecast_line(struct viewer *viewer, const struct view_look *look)
+static void forecast_line(struct viewer *viewer, const struct job_look *look)
 {
     struct gui *gui = &viewer->shell.gui;
     double error = look->error.local_relmse;
@@ -86,7 +86,7 @@ static void error_lines(struct viewer *viewer, uint32_t side)
 {
     struct gui *gui = &viewer->shell.gui;
     const char *label = viewer->stage.side_count > 1 ? side ? "Error B" : "Error A" : "Error";
-    const struct view_look look = view_newest_look(&viewer->stage.sides[side]);
+    const struct job_look look = view_newest_look(&viewer->stage.sides[side]);
     const struct half_error *error = &look.error;
     if (error->known)
         gui_fact(gui, label, "local relMSE %.3g", error->local_relmse);
@@ -177,7 +177,7 @@ static void left_out(struct viewer *viewer)
     const struct view *view = &viewer->stage.sides[viewer->stage.edited_side];
     if (gui_is_drawn(gui) && view->is_ready) {
         struct left_out list = {.arena = &viewer->shell.frame_arena, .gui = gui};
-        parts_visit(&view->renderer, add_left_out, &list);
+        parts_visit(&view->job.renderer, add_left_out, &list);
         flush(&list);
         gui_pair(gui, "saved", "%sB", short_number(viewer, (double)list.bytes));
     }

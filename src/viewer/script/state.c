@@ -61,11 +61,11 @@ static void list_kept(void *context, const struct part *part)
 
 static json_t *side_json(const struct view *view)
 {
-    const struct view_look look = view_newest_look(view);
+    const struct job_look look = view_newest_look(view);
     json_t *kept = json_array();
     if (view->is_ready)
-        parts_visit(&view->renderer, list_kept, kept);
-    const struct renderer *r = &view->renderer;
+        parts_visit(&view->job.renderer, list_kept, kept);
+    const struct renderer *r = &view->job.renderer;
     return json_pack("{s:b, s:i, s:i, s:I, s:o, s:o, s:o, s:i, s:i, s:b, s:o}", "ready",
                      view->is_ready, "width", r->frame.width, "height", r->frame.height, "samples",
                      (json_int_t)(view->is_ready ? view_samples(view) : 0), "local_relmse",
