@@ -3,7 +3,17 @@
 
 #include "base/clock.h"
 #include "cli/exit_code.h"
+#include "viewer/core/changes.h"
+#include "viewer/core/device.h"
+#include "viewer/core/exposure.h"
+#include "viewer/core/frame.h"
+#include "viewer/core/load.h"
+#include "viewer/core/long_work.h"
+#include "viewer/core/messages.h"
+#include "viewer/core/reload.h"
+#include "viewer/core/report.h"
 #include "viewer/core/viewer.h"
+#include "viewer/core/watch.h"
 #include "viewer/panel/panel.h"
 #include "viewer/script/script.h"
 #include <math.h>

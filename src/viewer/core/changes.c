@@ -1,6 +1,11 @@
 // What was changed takes effect, at the least cost.
-#include "viewer/core/viewer.h"
+#include "viewer/core/changes.h"
 
+#include "viewer/core/frame.h"
+#include "viewer/core/load.h"
+#include "viewer/core/messages.h"
+#include "viewer/core/pick.h"
+#include "viewer/core/viewer.h"
 #include <math.h>
 #include <string.h>
 

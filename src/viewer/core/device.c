@@ -1,6 +1,9 @@
 // What the viewer has on the device besides pictures, from opening it to losing it.
-#include "viewer/core/viewer.h"
+#include "viewer/core/device.h"
 
+#include "viewer/core/changes.h"
+#include "viewer/core/messages.h"
+#include "viewer/core/viewer.h"
 #include <stdio.h>
 
 // A device that is lost again and again is left alone.

@@ -1,6 +1,10 @@
-#include "render/sampling_plan.h"
-#include "viewer/core/viewer.h"
+#include "viewer/core/edit.h"
 
+#include "render/sampling_plan.h"
+#include "viewer/core/changes.h"
+#include "viewer/core/exposure.h"
+#include "viewer/core/messages.h"
+#include "viewer/core/viewer.h"
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>

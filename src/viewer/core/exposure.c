@@ -1,11 +1,17 @@
 // The exposure that suits the picture, found from it.
-#include "viewer/core/viewer.h"
+#include "viewer/core/exposure.h"
 
 #include "image/image.h"
+#include "viewer/core/viewer.h"
 
 // It is found anew at doubling numbers of samples, until noise does not move it any more; then it
 // stays while the camera moves, so that nothing flickers.
 #define SAMPLES_LAST 64
+
+void viewer_begin_exposure(struct viewer *viewer)
+{
+    viewer->stage.exposure_samples = viewer->stage.shown.exposure_is_auto ? 1 : 0;
+}
 
 bool viewer_find_exposure(struct viewer *viewer, struct err *err)
 {

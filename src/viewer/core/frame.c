@@ -1,8 +1,10 @@
 // What a frame does with the device: samples, and what is seen of them.
-#include "viewer/core/viewer.h"
+#include "viewer/core/frame.h"
 
 #include "base/clock.h"
 #include "cli/signals.h"
+#include "viewer/core/messages.h"
+#include "viewer/core/viewer.h"
 #include <math.h>
 #include <string.h>
 

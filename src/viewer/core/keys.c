@@ -1,6 +1,13 @@
-#include "viewer/core/viewer.h"
+#include "viewer/core/keys.h"
 
 #include "scene/json/scene_write.h"
+#include "viewer/core/frame.h"
+#include "viewer/core/load.h"
+#include "viewer/core/messages.h"
+#include "viewer/core/pick.h"
+#include "viewer/core/reload.h"
+#include "viewer/core/save.h"
+#include "viewer/core/viewer.h"
 #include <GLFW/glfw3.h>
 #include <math.h>
 #include <string.h>

@@ -1,11 +1,16 @@
 // Scenes come and go.
-#include "viewer/core/viewer.h"
+#include "viewer/core/load.h"
 
 #include "base/clock.h"
 #include "base/file.h"
 #include "base/log.h"
 #include "cli/render/render_scene.h"
 #include "scene/json/scene_write.h"
+#include "viewer/core/changes.h"
+#include "viewer/core/exposure.h"
+#include "viewer/core/frame.h"
+#include "viewer/core/messages.h"
+#include "viewer/core/viewer.h"
 #include <stdio.h>
 #include <string.h>
 

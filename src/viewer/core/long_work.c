@@ -1,8 +1,10 @@
 // What takes longer than a frame: how far it is, and whether it is to stop.
-#include "viewer/core/viewer.h"
+#include "viewer/core/long_work.h"
 
 #include "base/clock.h"
 #include "cli/signals.h"
+#include "viewer/core/messages.h"
+#include "viewer/core/viewer.h"
 
 // What takes longer shows how far it is, so often.
 #define LONG_WORK_SECONDS 0.3

@@ -1,9 +1,10 @@
 // What the viewer and the log say: on stderr, and in the window.
-#include "viewer/core/viewer.h"
+#include "viewer/core/messages.h"
 
 #include "base/clock.h"
 #include "base/log.h"
 #include "base/printable.h"
+#include "viewer/core/viewer.h"
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>

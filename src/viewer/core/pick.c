@@ -1,7 +1,9 @@
-#include "viewer/core/viewer.h"
+#include "viewer/core/pick.h"
 
 #include "render/probe/replay.h"
 #include "shared/types.h"
+#include "viewer/core/frame.h"
+#include "viewer/core/viewer.h"
 #include <math.h>
 #include <string.h>
 

@@ -1,10 +1,12 @@
 // Kernels compiled anew while the viewer runs. What is used for displaying and denoising is not
 // among them: it is not the renderer's, and makes no difference to what is accumulated.
-#include "viewer/core/viewer.h"
+#include "viewer/core/reload.h"
 
 #include "base/clock.h"
 #include "kernel_source.h"
+#include "viewer/core/messages.h"
 #include "viewer/core/shader_compile.h"
+#include "viewer/core/viewer.h"
 #include <limits.h>
 #include <stdatomic.h>
 #include <stdio.h>

@@ -1,12 +1,15 @@
 // How fast the viewer is: of the last frames for the panel, of all of them when it ends.
-#include "cli/exit_code.h"
-#include "viewer/core/viewer.h"
+#include "viewer/core/report.h"
 
 #include "base/clock.h"
+#include "cli/exit_code.h"
 #include "cli/render/render_report.h"
 #include "job/film_error.h"
 #include "report/json_out.h"
 #include "report/text_out.h"
+#include "viewer/core/frame.h"
+#include "viewer/core/messages.h"
+#include "viewer/core/viewer.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

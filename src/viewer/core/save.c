@@ -1,12 +1,15 @@
 // Pictures and scenes to files. What a picture is made of is copied in the viewer's thread, which
 // takes milliseconds; compressing and writing is the worker's.
-#include "viewer/core/viewer.h"
+#include "viewer/core/save.h"
 
 #include "base/file.h"
 #include "base/hash.h"
 #include "cli/render/render_run.h"
 #include "job/film_error.h"
 #include "scene/json/scene_write.h"
+#include "viewer/core/frame.h"
+#include "viewer/core/messages.h"
+#include "viewer/core/viewer.h"
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>

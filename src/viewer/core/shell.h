@@ -3,12 +3,11 @@
 #define LAMPYRIS_VIEWER_CORE_SHELL_H
 
 #include "cli/options.h"
+#include "viewer/core/messages.h"
 #include "viewer/core/worker.h"
 #include "viewer/gui/gui.h"
 #include "viewer/window/window.h"
 #include <pthread.h>
-
-enum message_kind { MESSAGE_NOTE, MESSAGE_WARNING, MESSAGE_ERROR };
 
 // What the log says, which comes from any thread, becomes messages of the next frame.
 struct viewer_log {

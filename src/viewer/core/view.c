@@ -1,6 +1,8 @@
-#include "viewer/core/viewer.h"
+#include "viewer/core/view.h"
 
 #include "job/film_error.h"
+#include "viewer/core/messages.h"
+#include "viewer/core/viewer.h"
 #include <stdlib.h>
 
 // Seconds between two looks, once there were some at doubling numbers of samples: a look reads the

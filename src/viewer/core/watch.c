@@ -1,7 +1,11 @@
 // Looks at files a few times a second: that works on every file system, and sees alike what is
 // written in place and what is replaced by a new file of the name.
-#include "viewer/core/viewer.h"
+#include "viewer/core/watch.h"
 
+#include "viewer/core/load.h"
+#include "viewer/core/messages.h"
+#include "viewer/core/reload.h"
+#include "viewer/core/viewer.h"
 #include "viewer/core/watch_files.h"
 #include <stdlib.h>
 #include <string.h>

@@ -1,8 +1,9 @@
 // The panel: created, fed with events, laid out, and turned into triangles. Of Dear ImGui it uses
 // the core alone: windows and devices are this program's own.
+#include "viewer/gui/gui.h"
+
 #include "viewer/gui/gui_state.h"
 #include "viewer/gui/imgui_bridge.h"
-
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

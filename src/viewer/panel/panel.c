@@ -1,4 +1,6 @@
 #include "viewer/panel/panel.h"
+#include "viewer/core/reload.h"
+#include "viewer/core/save.h"
 
 #include "viewer/panel/panel_internal.h"
 #include <assert.h>

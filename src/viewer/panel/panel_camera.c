@@ -3,6 +3,9 @@
 
 #include "scene/core/affine.h"
 #include "scene/json/scene_write.h"
+#include "viewer/core/frame.h"
+#include "viewer/core/load.h"
+#include "viewer/core/messages.h"
 #include <float.h>
 #include <math.h>
 #include <stdio.h>

@@ -4,6 +4,7 @@
 #include "scene/core/affine.h"
 #include "scene/core/environment.h"
 #include "scene/json/load_json.h"
+#include "viewer/core/messages.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

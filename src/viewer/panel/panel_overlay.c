@@ -4,6 +4,8 @@
 #include "base/false_color.h"
 #include "image/image.h"
 #include "job/film_error.h"
+#include "viewer/core/frame.h"
+#include "viewer/core/messages.h"
 #include <float.h>
 #include <math.h>
 #include <stdio.h>

@@ -2,6 +2,9 @@
 #include "viewer/panel/panel_internal.h"
 
 #include "base/file.h"
+#include "viewer/core/load.h"
+#include "viewer/core/messages.h"
+#include "viewer/core/watch.h"
 #include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>

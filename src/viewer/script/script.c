@@ -4,6 +4,8 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "cli/exit_code.h"
+#include "viewer/core/messages.h"
+#include "viewer/core/save.h"
 #include "viewer/core/viewer.h"
 #include "viewer/script/script_run.h"
 #include <errno.h>

@@ -1,4 +1,5 @@
 // Waiting, and what the viewer shows and knows.
+#include "viewer/core/messages.h"
 #include "viewer/script/script_run.h"
 
 #include "base/file.h"

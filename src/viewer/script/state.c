@@ -2,6 +2,9 @@
 
 #include "base/hash.h"
 #include "cli/render/render_report.h"
+#include "viewer/core/frame.h"
+#include "viewer/core/messages.h"
+#include "viewer/core/reload.h"
 #include "viewer/core/viewer.h"
 #include <math.h>
 #include <stdio.h>
