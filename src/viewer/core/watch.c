@@ -95,3 +95,19 @@ void watch_poll(struct viewer *viewer)
     if (viewer->document.has_scene && has_changed(&watch->scene))
         viewer_open_scene(viewer, watch->scene_path, true);
 }
+
+void viewer_watch(struct viewer *viewer, bool on)
+{
+    struct err err = {0};
+    if (!on) {
+        watch_destroy(viewer->shell.watch);
+        viewer->shell.watch = NULL;
+    } else if (!watch_create(viewer, &viewer->shell.watch, &err)) {
+        viewer_message(viewer, MESSAGE_ERROR, "%s", err.msg);
+    }
+}
+
+bool viewer_watches(const struct viewer *viewer)
+{
+    return viewer->shell.watch != NULL;
+}

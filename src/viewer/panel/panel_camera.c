@@ -27,10 +27,10 @@ static const struct gui_range slot = {1, VIEWER_SAVED_VIEWS, .integer = true};
 
 // --- moving --------------------------------------------------------------------------------------
 
-static void moving(struct viewer *viewer)
+static void moving(struct panel *panel, struct viewpoint *view)
 {
-    struct gui *gui = &viewer->shell.gui;
-    struct rig *rig = &viewer->view.rig;
+    struct gui *gui = panel->gui;
+    struct rig *rig = &view->rig;
     gui_choice(gui, "camera.mode", "Moves",
                "Fly freely, or turn about what was double-clicked (C changes it).", rig_mode_names,
                &rig->mode);
@@ -45,17 +45,18 @@ static void moving(struct viewer *viewer)
                &rig->revolve_speed);
     if (gui_button(gui, "camera.stop", "Stop", "Ends the turning.")) {
         rig->revolves = false;
-        edit_close(viewer);
+        edit_close(panel->viewer);
     }
 }
 
 // --- the camera itself ---------------------------------------------------------------------------
 
 // A direction that is zero, or along what is up, is no view.
-static void place(struct viewer *viewer, struct form *form, struct camera *to)
+static void place(struct panel *panel, const struct document *document, struct form *form,
+                  struct camera *to)
 {
     double direction[3] = {to->direction[0], to->direction[1], to->direction[2]};
-    const struct gui_range coordinate = panel_coordinate(viewer);
+    const struct gui_range coordinate = panel_coordinate(document);
     form_vector(form, "camera.position", "Position", "Metres, in the world.", &coordinate,
                 to->position);
     if (!gui_vector(form->gui, "camera.direction", "Direction",
@@ -66,7 +67,7 @@ static void place(struct viewer *viewer, struct form *form, struct camera *to)
     bool is_some = vec3_normalize(direction) && vec3_normalize(up);
     vec3_cross(direction, up, across);
     if (!is_some || vec3_length(across) <= (double)FLT_EPSILON) {
-        viewer_message(viewer, MESSAGE_WARNING,
+        viewer_message(panel->viewer, MESSAGE_WARNING,
                        "camera.direction: (%g, %g, %g) is zero or along what is up: expected a "
                        "line of sight",
                        before[0], before[1], before[2]);
@@ -76,27 +77,27 @@ static void place(struct viewer *viewer, struct form *form, struct camera *to)
     form->used = "camera.direction";
 }
 
-static double target_distance(const struct viewer *viewer)
+static double target_distance(const struct viewpoint *view)
 {
     double away[3];
     for (int c = 0; c < 3; c++)
-        away[c] = viewer->view.rig.target[c] - viewer->view.camera.position[c];
+        away[c] = view->rig.target[c] - view->camera.position[c];
     double distance = vec3_length(away);
     return distance > 0 && isfinite(distance) ? distance : 1;
 }
 
 // Another kind shows about as much of the target, and has no lens: only perspective ones do.
-static void change_kind(const struct viewer *viewer, struct camera *to)
+static void change_kind(const struct viewpoint *view, struct camera *to)
 {
     if (!(to->fov_y > 0 && to->fov_y < M_PI))
         to->fov_y = M_PI / 4;
     if (!(to->height > 0))
-        to->height = 2 * target_distance(viewer) * tan(to->fov_y / 2);
+        to->height = 2 * target_distance(view) * tan(to->fov_y / 2);
     if (to->kind != CAMERA_PERSPECTIVE)
         to->lens_radius = 0;
 }
 
-static void lens(const struct viewer *viewer, struct form *form, struct camera *to)
+static void lens(const struct viewpoint *view, struct form *form, struct camera *to)
 {
     struct gui *gui = form->gui;
     bool is_perspective = to->kind == CAMERA_PERSPECTIVE;
@@ -114,7 +115,7 @@ static void lens(const struct viewer *viewer, struct form *form, struct camera *
                     &radius))
         to->lens_radius = radius * 1e-3;
     if (to->lens_radius > 0 && !(to->focus_distance > 0))
-        to->focus_distance = target_distance(viewer);
+        to->focus_distance = target_distance(view);
     gui_enabled(gui, is_perspective && to->lens_radius > 0);
     form_number(form, "camera.focus", "Focus", "How far away what is in focus lies, metres.",
                 &focus, &to->focus_distance);
@@ -132,120 +133,120 @@ static void lens(const struct viewer *viewer, struct form *form, struct camera *
     gui_enabled(gui, true);
 }
 
-static void camera_of_scene(struct viewer *viewer)
+static void camera_of_scene(struct panel *panel, const struct document *document,
+                            struct viewpoint *view)
 {
-    const struct scene *scene = &viewer->document.scene;
+    const struct scene *scene = &document->scene;
     uint32_t count = scene->camera_count;
-    const char **names = ARENA_NEW(&viewer->shell.frame_arena, const char *, count + 1u);
-    uint32_t chosen = viewer->view.camera_index;
+    const char **names = ARENA_NEW(panel->frame_arena, const char *, count + 1u);
+    uint32_t chosen = view->camera_index;
     if (!names || !count || chosen >= count)
         return;
     for (uint32_t i = 0; i < count; i++) {
         const char *name = scene->cameras[i].name;
-        names[i] = arena_printf(&viewer->shell.frame_arena, "%u%s%s", i, name && name[0] ? " " : "",
+        names[i] = arena_printf(panel->frame_arena, "%u%s%s", i, name && name[0] ? " " : "",
                                 name ? name : "");
         if (!names[i])
             return;
     }
-    gui_enabled(&viewer->shell.gui, count > 1);
-    if (gui_choice(&viewer->shell.gui, "camera.of_scene", "Of the scene",
-                   "A camera of the scene file.", names, &chosen)) {
-        viewer->view.camera_index = chosen;
-        edit_camera(viewer, &scene->cameras[chosen], "camera.of_scene");
+    gui_enabled(panel->gui, count > 1);
+    if (gui_choice(panel->gui, "camera.of_scene", "Of the scene", "A camera of the scene file.",
+                   names, &chosen)) {
+        view->camera_index = chosen;
+        edit_camera(panel->viewer, &scene->cameras[chosen], "camera.of_scene");
     }
-    gui_enabled(&viewer->shell.gui, true);
+    gui_enabled(panel->gui, true);
 }
 
 // --- buttons -------------------------------------------------------------------------------------
 
-static void copy_as_json(struct viewer *viewer)
+static void copy_as_json(struct panel *panel, const struct viewpoint *view)
 {
-    const char *json = camera_to_json(&viewer->shell.frame_arena, &viewer->view.camera);
+    const char *json = camera_to_json(panel->frame_arena, &view->camera);
     if (!json) {
-        viewer_message(viewer, MESSAGE_ERROR, "out of memory: the camera was not copied");
+        viewer_message(panel->viewer, MESSAGE_ERROR, "out of memory: the camera was not copied");
         return;
     }
-    window_set_clipboard(&viewer->shell.window, json);
-    viewer_message(viewer, MESSAGE_NOTE, "The camera is in the clipboard, as JSON.");
+    window_set_clipboard(panel->window, json);
+    viewer_message(panel->viewer, MESSAGE_NOTE, "The camera is in the clipboard, as JSON.");
 }
 
-static void frame_all(struct viewer *viewer)
+static void frame_all(struct panel *panel, const struct document *document, struct viewpoint *view)
 {
-    struct camera to = viewer->view.camera;
+    struct camera to = view->camera;
     uint32_t width, height;
-    if (!(viewer->document.bounds_min[0] <= viewer->document.bounds_max[0])) {
-        viewer_message(viewer, MESSAGE_WARNING, "Nothing to frame: the scene is empty.");
+    if (!(document->bounds_min[0] <= document->bounds_max[0])) {
+        viewer_message(panel->viewer, MESSAGE_WARNING, "Nothing to frame: the scene is empty.");
         return;
     }
-    viewer_picture_size(viewer, &width, &height);
-    rig_frame(&viewer->view.rig, viewer->document.bounds_min, viewer->document.bounds_max,
+    viewer_picture_size(panel->viewer, &width, &height);
+    rig_frame(&view->rig, document->bounds_min, document->bounds_max,
               (double)width / (double)height, &to);
-    edit_camera(viewer, &to, "camera.frame");
+    edit_camera(panel->viewer, &to, "camera.frame");
 }
 
-static void buttons(struct viewer *viewer)
+static void buttons(struct panel *panel, const struct document *document, struct viewpoint *view)
 {
-    struct gui *gui = &viewer->shell.gui;
+    struct gui *gui = panel->gui;
     if (gui_button(gui, "camera.reset", "Reset",
                    "The camera as the scene file has it; without one, all of it in the picture."))
-        viewer_go_home(viewer);
+        viewer_go_home(panel->viewer);
     gui_same_line(gui);
     if (gui_button(gui, "camera.frame", "Frame all", "The whole scene in the picture."))
-        frame_all(viewer);
+        frame_all(panel, document, view);
     gui_same_line(gui);
     if (gui_button(gui, "camera.copy", "Copy as JSON",
                    "Puts the camera into the clipboard, for a scene file."))
-        copy_as_json(viewer);
+        copy_as_json(panel, view);
 }
 
-static void saved_views(struct viewer *viewer)
+static void saved_views(struct panel *panel, struct viewpoint *view)
 {
-    struct gui *gui = &viewer->shell.gui;
-    struct panel *panel = viewer->shell.panel;
+    struct gui *gui = panel->gui;
     gui_count(gui, "camera.slot", "Saved view",
               "The one that the buttons mean, 1 to 16; keys 1 to 9 restore, with Ctrl save.", &slot,
               &panel->slot);
-    struct saved_view *view = &viewer->view.saved[panel->slot - 1];
+    struct saved_view *saved = &view->saved[panel->slot - 1];
     if (gui_button(gui, "camera.save", "Save", "Keeps the camera as it is."))
-        *view = (struct saved_view){.is_used = true, .camera = viewer->view.camera};
-    gui_enabled(gui, view->is_used);
+        *saved = (struct saved_view){.is_used = true, .camera = view->camera};
+    gui_enabled(gui, saved->is_used);
     gui_same_line(gui);
     if (gui_button(gui, "camera.restore", "Restore", "The camera as it was saved."))
-        edit_camera(viewer, &view->camera, "camera.restore");
+        edit_camera(panel->viewer, &saved->camera, "camera.restore");
     gui_same_line(gui);
     if (gui_button(gui, "camera.clear", "Clear", "Forgets the saved view."))
-        view->is_used = false;
+        saved->is_used = false;
     gui_enabled(gui, true);
     if (!gui_is_drawn(gui))
         return;
     char used[4 * VIEWER_SAVED_VIEWS] = "none";
     size_t length = 0;
     for (uint32_t i = 0; i < VIEWER_SAVED_VIEWS; i++)
-        if (viewer->view.saved[i].is_used)
+        if (view->saved[i].is_used)
             length += (size_t)snprintf(used + length, sizeof used - length, "%u ", i + 1);
     gui_pair(gui, "  in use", "%s", used);
 }
 
-void panel_camera(struct viewer *viewer)
+void panel_camera(struct panel *panel, const struct document *document, struct viewpoint *view)
 {
-    struct gui *gui = &viewer->shell.gui;
+    struct gui *gui = panel->gui;
     gui_group_begin(gui, "camera", "Camera", "Where the picture is seen from.", false);
-    if (viewer->document.has_scene) {
-        moving(viewer);
+    if (document->has_scene) {
+        moving(panel, view);
         gui_space(gui);
-        camera_of_scene(viewer);
-        struct camera to = viewer->view.camera;
+        camera_of_scene(panel, document, view);
+        struct camera to = view->camera;
         struct form form = {.gui = gui};
         if (form_choice(&form, "camera.kind", "Kind", "How directions become a picture.",
                         camera_names, &to.kind))
-            change_kind(viewer, &to);
-        place(viewer, &form, &to);
-        lens(viewer, &form, &to);
+            change_kind(view, &to);
+        place(panel, document, &form, &to);
+        lens(view, &form, &to);
         if (form.used)
-            edit_camera(viewer, &to, form.used);
+            edit_camera(panel->viewer, &to, form.used);
         gui_space(gui);
-        buttons(viewer);
-        saved_views(viewer);
+        buttons(panel, document, view);
+        saved_views(panel, view);
     }
     gui_group_end(gui);
 }

@@ -8,15 +8,14 @@ const struct gui_range panel_unit = {0, 1};
 const struct gui_range panel_radiance = {0, SCENE_RADIANCE_MAX, .logarithmic = true};
 const struct gui_range panel_turn = {-360, 360, .unit = "°"};
 
-struct gui_range panel_coordinate(const struct viewer *viewer)
+struct gui_range panel_coordinate(const struct document *document)
 {
     double diagonal = 0;
     for (int c = 0; c < 3; c++) {
-        double side = viewer->document.bounds_max[c] - viewer->document.bounds_min[c];
+        double side = document->bounds_max[c] - document->bounds_min[c];
         diagonal += side * side;
     }
-    bool is_some =
-        viewer->document.bounds_min[0] <= viewer->document.bounds_max[0] && isfinite(diagonal);
+    bool is_some = document->bounds_min[0] <= document->bounds_max[0] && isfinite(diagonal);
     return (struct gui_range){-SCENE_COORDINATE_MAX, SCENE_COORDINATE_MAX,
                               .drag = is_some ? sqrt(diagonal) : 0};
 }

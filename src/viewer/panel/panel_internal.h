@@ -2,7 +2,10 @@
 #ifndef LAMPYRIS_VIEWER_PANEL_PANEL_INTERNAL_H
 #define LAMPYRIS_VIEWER_PANEL_PANEL_INTERNAL_H
 
-#include "viewer/core/viewer.h"
+#include "viewer/core/document.h"
+#include "viewer/core/shell.h"
+#include "viewer/core/stage.h"
+#include "viewer/core/viewpoint.h"
 
 #define PANEL_RECENT 8u
 #define PANEL_FILTER_MAX 64
@@ -17,7 +20,13 @@ struct panel_filter {
     uint32_t count;
 };
 
+// Its files take what they show, and ask the viewer, which they cannot look into, for changes.
 struct panel {
+    struct viewer *viewer;
+    struct gui *gui;
+    struct window *window;
+    struct arena *frame_arena; // emptied in every frame
+
     struct arena arena;
     const char *setting_help[SETTING_TOTAL]; // with the range
     struct panel_filter materials, lights, objects;
@@ -60,7 +69,7 @@ bool form_vector(struct form *form, const char *id, const char *label, const cha
 
 extern const struct gui_range panel_unit, panel_radiance, panel_turn;
 // Metres; dragging goes by the size of the scene.
-struct gui_range panel_coordinate(const struct viewer *viewer);
+struct gui_range panel_coordinate(const struct document *document);
 
 #define PANEL_NAME_MAX 160
 
@@ -76,21 +85,24 @@ struct panel_list {
     const void *of; // what the rows are of: another one makes the filter look again
 };
 // True: *chosen is another one now.
-bool panel_list(struct viewer *viewer, struct panel_filter *filter, const struct panel_list *list,
+bool panel_list(struct panel *panel, struct panel_filter *filter, const struct panel_list *list,
                 uint32_t *chosen);
 
 bool panel_settings_create(struct panel *panel, struct err *err);
 // The controls of those settings that have a label.
-void panel_settings(struct viewer *viewer, struct form *form, struct settings *to);
+void panel_settings(struct panel *panel, const struct document *document, struct form *form,
+                    struct settings *to);
 
-void panel_overlay(struct viewer *viewer); // over the picture
-void panel_statistics(struct viewer *viewer);
-void panel_renderer(struct viewer *viewer);
-void panel_view(struct viewer *viewer);
-void panel_camera(struct viewer *viewer);
-void panel_scene(struct viewer *viewer);
-void panel_surroundings(struct viewer *viewer);
-void panel_lights(struct viewer *viewer);
-void panel_materials(struct viewer *viewer);
+void panel_overlay(struct panel *panel, const struct document *document, const struct stage *stage,
+                   const struct viewpoint *view, const struct shell *shell); // over the picture
+void panel_statistics(struct panel *panel, const struct document *document,
+                      const struct stage *stage);
+void panel_renderer(struct panel *panel, const struct document *document, struct stage *stage);
+void panel_view(struct panel *panel, struct stage *stage, struct viewpoint *view);
+void panel_camera(struct panel *panel, const struct document *document, struct viewpoint *view);
+void panel_scene(struct panel *panel, struct document *document);
+void panel_surroundings(struct panel *panel, const struct document *document);
+void panel_lights(struct panel *panel, struct document *document);
+void panel_materials(struct panel *panel, struct document *document);
 
 #endif

@@ -16,8 +16,8 @@ static const struct gui_range reach = {SCENE_LENGTH_MIN, INFINITY, .logarithmic 
 
 static void light_name(void *context, uint32_t row, char out[PANEL_NAME_MAX])
 {
-    const struct viewer *viewer = context;
-    const struct light *light = &viewer->document.scene.lights[row];
+    const struct scene *scene = context;
+    const struct light *light = &scene->lights[row];
     snprintf(out, PANEL_NAME_MAX, "%u %.100s (%s)", row, light->name ? light->name : "",
              light_kind_names[light->kind]);
 }
@@ -56,11 +56,12 @@ static void turn_profile(struct light *to)
     vec3_normalize(x);
 }
 
-static void place(struct viewer *viewer, struct form *form, struct light *to)
+static void place(struct panel *panel, const struct document *document, struct form *form,
+                  struct light *to)
 {
     bool is_placed = to->kind != LIGHT_DIRECTIONAL;
     double direction[3] = {to->direction[0], to->direction[1], to->direction[2]};
-    const struct gui_range coordinate = panel_coordinate(viewer);
+    const struct gui_range coordinate = panel_coordinate(document);
     gui_enabled(form->gui, is_placed);
     form_vector(form, "light.position", "Position", "Metres, in the world.", &coordinate,
                 to->position);
@@ -74,7 +75,8 @@ static void place(struct viewer *viewer, struct form *form, struct light *to)
                 turn_profile(to);
             form->used = "light.direction";
         } else {
-            viewer_message(viewer, MESSAGE_WARNING, "light.direction: (0, 0, 0) has no direction");
+            viewer_message(panel->viewer, MESSAGE_WARNING,
+                           "light.direction: (0, 0, 0) has no direction");
         }
     }
     gui_enabled(form->gui, true);
@@ -120,18 +122,18 @@ static void cone(struct form *form, struct light *to)
     gui_enabled(form->gui, true);
 }
 
-static void parameters(struct viewer *viewer, uint32_t index)
+static void parameters(struct panel *panel, const struct document *document, uint32_t index)
 {
     static const struct gui_range diameter = {0, ENVIRONMENT_SUN_DIAMETER_MAX, .unit = "°"};
-    struct gui *gui = &viewer->shell.gui;
-    struct light to = viewer->document.scene.lights[index];
+    struct gui *gui = panel->gui;
+    struct light to = document->scene.lights[index];
     struct form form = {.gui = gui};
     uint32_t kind = to.kind;
     if (form_choice(&form, "light.kind", "Kind", "Point, spot, or parallel light from afar.",
                     light_kind_names, &kind))
         change_kind(&to, kind);
     radiant(&form, &to);
-    place(viewer, &form, &to);
+    place(panel, document, &form, &to);
     cone(&form, &to);
     double across = 2 * to.angular_radius;
     gui_enabled(gui, to.kind == LIGHT_DIRECTIONAL);
@@ -150,13 +152,13 @@ static void parameters(struct viewer *viewer, uint32_t index)
     }
     gui_enabled(gui, true);
     if (form.used)
-        edit_light(viewer, index, &to, form.used);
+        edit_light(panel->viewer, index, &to, form.used);
 }
 
-void panel_lights(struct viewer *viewer)
+void panel_lights(struct panel *panel, struct document *document)
 {
-    struct gui *gui = &viewer->shell.gui;
-    const struct scene *scene = &viewer->document.scene;
+    struct gui *gui = panel->gui;
+    const struct scene *scene = &document->scene;
     gui_group_begin(gui, "lights", "Lights",
                     "Those without extent; what shines by its emission is among the materials.",
                     false);
@@ -166,13 +168,13 @@ void panel_lights(struct viewer *viewer)
         .count = scene->light_count,
         .height = 5,
         .name = light_name,
-        .context = viewer,
+        .context = &document->scene,
         .of = scene->lights,
     };
     if (scene->light_count) {
-        panel_list(viewer, &viewer->shell.panel->lights, &list, &viewer->document.chosen_light);
-        if (viewer->document.chosen_light < scene->light_count)
-            parameters(viewer, viewer->document.chosen_light);
+        panel_list(panel, &panel->lights, &list, &document->chosen_light);
+        if (document->chosen_light < scene->light_count)
+            parameters(panel, document, document->chosen_light);
     } else {
         gui_line(gui, "None: this scene is lit by what emits, or by its surroundings.");
     }

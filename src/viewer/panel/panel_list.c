@@ -56,10 +56,10 @@ static uint32_t find_shown(const struct panel_filter *filter, uint32_t chosen)
     return filter->rows ? UINT32_MAX : chosen;
 }
 
-bool panel_list(struct viewer *viewer, struct panel_filter *filter, const struct panel_list *list,
+bool panel_list(struct panel *panel, struct panel_filter *filter, const struct panel_list *list,
                 uint32_t *chosen)
 {
-    struct gui *gui = &viewer->shell.gui;
+    struct gui *gui = panel->gui;
     char id[GUI_ID_MAX];
     uint32_t before = *chosen;
     snprintf(id, sizeof id, "%s.filter", list->id);

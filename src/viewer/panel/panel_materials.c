@@ -8,16 +8,16 @@
 
 static void material_name(void *context, uint32_t row, char out[PANEL_NAME_MAX])
 {
-    const struct viewer *viewer = context;
-    const struct material *material = &viewer->document.scene.materials[row];
+    const struct scene *scene = context;
+    const struct material *material = &scene->materials[row];
     snprintf(out, PANEL_NAME_MAX, "%u %.100s%s%s", row, material->name,
              material->name[0] ? ", " : "", material_model_names[material->model]);
 }
 
 // "base_color" -> "Base colour"
-static const char *label_of(struct viewer *viewer, const char *name)
+static const char *label_of(struct panel *panel, const char *name)
 {
-    char *label = arena_strdup(&viewer->shell.frame_arena, name);
+    char *label = arena_strdup(panel->frame_arena, name);
     if (!label)
         return name;
     for (char *c = label; *c; c++)
@@ -27,8 +27,8 @@ static const char *label_of(struct viewer *viewer, const char *name)
         label[0] = (char)(label[0] - 'a' + 'A');
     const char *color = strstr(label, "color"); // files have it so; people here write it otherwise
     if (color)
-        color = arena_printf(&viewer->shell.frame_arena, "%.*scolour%s", (int)(color - label),
-                             label, color + strlen("color"));
+        color = arena_printf(panel->frame_arena, "%.*scolour%s", (int)(color - label), label,
+                             color + strlen("color"));
     return color ? color : label;
 }
 
@@ -40,10 +40,10 @@ static struct gui_range range_of(const struct material_parameter *p)
                               .logarithmic = p->min >= 0 && p->max > 10};
 }
 
-static bool has_normal_map(const struct viewer *viewer, const struct material *m)
+static bool has_normal_map(const struct scene *scene, const struct material *m)
 {
     for (uint32_t i = 0; i < m->texture_count; i++) {
-        uint32_t flags = viewer->document.scene.textures[m->first_texture + i].flags;
+        uint32_t flags = scene->textures[m->first_texture + i].flags;
         if ((flags >> TEXTURE_USE_SHIFT & 3u) == TEXTURE_USE_NORMAL)
             return true;
     }
@@ -56,7 +56,7 @@ static bool is_black(const float color[3])
 }
 
 // Whether a parameter makes a difference, given the others.
-static bool matters(const struct viewer *viewer, const struct material *m, uint32_t parameter)
+static bool matters(const struct document *document, const struct material *m, uint32_t parameter)
 {
     bool is_principled = m->model == MATERIAL_PRINCIPLED;
     switch (parameter) {
@@ -65,7 +65,7 @@ static bool matters(const struct viewer *viewer, const struct material *m, uint3
     case PARAMETER_ALPHA_CUTOFF:
         return m->flags & MATERIAL_ALPHA_MASK;
     case PARAMETER_NORMAL_SCALE:
-        return has_normal_map(viewer, m);
+        return has_normal_map(&document->scene, m);
     case PARAMETER_ANISOTROPIC_ROTATION:
         return m->anisotropic > 0;
     case PARAMETER_CLEARCOAT_ROUGHNESS:
@@ -89,16 +89,16 @@ static bool matters(const struct viewer *viewer, const struct material *m, uint3
 }
 
 // Ids live as long as the frame; those of form.used until the edit.
-static void parameter(struct viewer *viewer, struct form *form, const struct material_parameter *p,
-                      struct material *to)
+static void parameter(struct panel *panel, const struct document *document, struct form *form,
+                      const struct material_parameter *p, struct material *to)
 {
-    const char *id = arena_printf(&viewer->shell.frame_arena, "material.%s", p->name);
+    const char *id = arena_printf(panel->frame_arena, "material.%s", p->name);
     const struct gui_range range = range_of(p);
     if (!id)
         return;
-    const char *label = label_of(viewer, p->name);
+    const char *label = label_of(panel, p->name);
     float *value = &to->parameters[p->first];
-    gui_enabled(form->gui, matters(viewer, to, p->first));
+    gui_enabled(form->gui, matters(document, to, p->first));
     if (p->count == 3)
         form_color(form, id, label, p->help, &range, value);
     else
@@ -170,27 +170,27 @@ static void inside(struct form *form, struct material *to)
 
 // --- the chosen one ------------------------------------------------------------------------------
 
-static void parameters(struct viewer *viewer, uint32_t index)
+static void parameters(struct panel *panel, const struct document *document, uint32_t index)
 {
-    struct gui *gui = &viewer->shell.gui;
-    struct material to = viewer->document.scene.materials[index];
+    struct gui *gui = panel->gui;
+    struct material to = document->scene.materials[index];
     struct form form = {.gui = gui};
     form_choice(&form, "material.model", "Model", "How its surfaces scatter light.",
                 material_model_names, &to.model);
     for (uint32_t i = 0; i < material_parameter_count; i++)
         if (material_parameters[i].models >> to.model & 1u)
-            parameter(viewer, &form, &material_parameters[i], &to);
+            parameter(panel, document, &form, &material_parameters[i], &to);
     gui_enabled(gui, true);
     flags(&form, &to);
     inside(&form, &to);
     if (form.used)
-        edit_material(viewer, index, &to, form.used);
+        edit_material(panel->viewer, index, &to, form.used);
 }
 
-void panel_materials(struct viewer *viewer)
+void panel_materials(struct panel *panel, struct document *document)
 {
-    struct gui *gui = &viewer->shell.gui;
-    const struct scene *scene = &viewer->document.scene;
+    struct gui *gui = panel->gui;
+    const struct scene *scene = &document->scene;
     gui_group_begin(gui, "materials", "Materials", "What surfaces are made of.", false);
     const struct panel_list list = {
         .id = "materials",
@@ -198,11 +198,11 @@ void panel_materials(struct viewer *viewer)
         .count = scene->material_count,
         .height = 6,
         .name = material_name,
-        .context = viewer,
+        .context = &document->scene,
         .of = scene->materials,
     };
-    panel_list(viewer, &viewer->shell.panel->materials, &list, &viewer->document.chosen_material);
-    if (viewer->document.chosen_material < scene->material_count)
-        parameters(viewer, viewer->document.chosen_material);
+    panel_list(panel, &panel->materials, &list, &document->chosen_material);
+    if (document->chosen_material < scene->material_count)
+        parameters(panel, document, document->chosen_material);
     gui_group_end(gui);
 }

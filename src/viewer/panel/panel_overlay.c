@@ -22,17 +22,17 @@ static double message_lasts(enum message_kind kind)
 }
 
 // Where the picture begins that the panel leaves free.
-static float free_x(const struct viewer *viewer)
+static float free_x(struct panel *panel)
 {
-    return viewer->shell.gui.width + MARGIN * viewer->shell.window.scale;
+    return panel->gui->width + MARGIN * panel->window->scale;
 }
 
 // What the second side's settings have different from the first's: ", sampler pcg, mis none". As
 // much of it as there is room for.
-static void write_difference(const struct viewer *viewer, char *out, size_t size)
+static void write_difference(const struct stage *stage, char *out, size_t size)
 {
-    const struct settings *a = &viewer->stage.sides[0].method.settings;
-    const struct settings *b = &viewer->stage.sides[1].method.settings;
+    const struct settings *a = &stage->sides[0].method.settings;
+    const struct settings *b = &stage->sides[1].method.settings;
     size_t used = 0;
     *out = '\0';
     for (int i = 0; i < SETTING_TOTAL && used < size; i++) {
@@ -45,46 +45,45 @@ static void write_difference(const struct viewer *viewer, char *out, size_t size
     }
 }
 
-static void side_note(struct viewer *viewer, uint32_t side, float x, float y)
+static void side_note(struct panel *panel, const struct stage *stage, uint32_t side, float x,
+                      float y)
 {
-    const struct view *view = &viewer->stage.sides[side];
+    const struct view *view = &stage->sides[side];
     unsigned long long samples = (unsigned long long)view_samples(view);
     const struct half_error error = view_newest_look(view).error;
     char other[64] = "";
     if (side > 0)
-        write_difference(viewer, other, sizeof other);
+        write_difference(stage, other, sizeof other);
     if (error.known)
-        gui_note(&viewer->shell.gui, x, y, false,
-                 "%c  local relMSE %.2g (%.2g to %.2g), %llu samples%s", 'A' + (int)side,
-                 error.local_relmse, error.ci_low, error.ci_high, samples, other);
+        gui_note(panel->gui, x, y, false, "%c  local relMSE %.2g (%.2g to %.2g), %llu samples%s",
+                 'A' + (int)side, error.local_relmse, error.ci_low, error.ci_high, samples, other);
     else if (error.bounded)
-        gui_note(&viewer->shell.gui, x, y, false, "%c  local relMSE at most %.2g, %llu samples%s",
+        gui_note(panel->gui, x, y, false, "%c  local relMSE at most %.2g, %llu samples%s",
                  'A' + (int)side, error.at_most, samples, other);
     else if (film_error_is_plain(&error))
-        gui_note(&viewer->shell.gui, x, y, false, "%c  local relMSE about %.2g, %llu samples%s",
+        gui_note(panel->gui, x, y, false, "%c  local relMSE about %.2g, %llu samples%s",
                  'A' + (int)side, error.local_relmse, samples, other);
     else
-        gui_note(&viewer->shell.gui, x, y, false, "%c  %llu samples%s", 'A' + (int)side, samples,
-                 other);
+        gui_note(panel->gui, x, y, false, "%c  %llu samples%s", 'A' + (int)side, samples, other);
 }
 
 // Under each other where the line is too far at the left for both.
-static float sides(struct viewer *viewer, float y)
+static float sides(struct panel *panel, const struct stage *stage, float y)
 {
-    float line = 22.0f * viewer->shell.window.scale;
-    float left = free_x(viewer);
-    float right = (float)viewer_split_x(viewer) + MARGIN * viewer->shell.window.scale;
-    side_note(viewer, 0, left, y);
+    float line = 22.0f * panel->window->scale;
+    float left = free_x(panel);
+    float right = (float)viewer_split_x(panel->viewer) + MARGIN * panel->window->scale;
+    side_note(panel, stage, 0, left, y);
     // Room for a sentence of some forty letters.
-    if (right < left + 330.0f * viewer->shell.window.scale) {
-        side_note(viewer, 1, fmaxf(right, left), y + line);
+    if (right < left + 330.0f * panel->window->scale) {
+        side_note(panel, stage, 1, fmaxf(right, left), y + line);
         return y + 2.0f * line;
     }
-    side_note(viewer, 1, fminf(right, (float)viewer->shell.window.width - 100.0f), y);
+    side_note(panel, stage, 1, fminf(right, (float)panel->window->width - 100.0f), y);
     return y + line;
 }
 
-static void keys(struct viewer *viewer)
+static void keys(struct panel *panel)
 {
     struct gui_pair rows[ROWS_MAX];
     uint32_t count = 0;
@@ -92,7 +91,7 @@ static void keys(struct viewer *viewer)
         rows[count] = (struct gui_pair){viewer_keys[count].keys, viewer_keys[count].help};
         count++;
     }
-    gui_table(&viewer->shell.gui, rows, count);
+    gui_table(panel->gui, rows, count);
 }
 
 static uint32_t encoded(double linear)
@@ -101,13 +100,13 @@ static uint32_t encoded(double linear)
 }
 
 // Of false colours: from where to where they reach, and where the middle is.
-static void legend(struct viewer *viewer)
+static void legend(struct panel *panel, const struct document *document, const struct stage *stage)
 {
     enum { COLORS = 33 };
     uint32_t colors[COLORS];
-    const double *range = viewer->stage.display.range;
-    const uint32_t what = viewer->stage.shown.what;
-    if (!viewer->document.has_scene || !shown_has_range(what) || !(range[1] > range[0]))
+    const double *range = stage->display.range;
+    const uint32_t what = stage->shown.what;
+    if (!document->has_scene || !shown_has_range(what) || !(range[1] > range[0]))
         return;
     for (uint32_t i = 0; i < COLORS; i++) {
         double rgb[3];
@@ -121,26 +120,25 @@ static void legend(struct viewer *viewer)
     snprintf(texts[0], sizeof texts[0], "%.3g", range[0]);
     snprintf(texts[1], sizeof texts[1], "%.3g", middle);
     snprintf(texts[2], sizeof texts[2], "%.3g %s", range[1], shown_unit(what));
-    gui_legend(&viewer->shell.gui, colors, COLORS,
-               (const char *const[3]){texts[0], texts[1], texts[2]});
+    gui_legend(panel->gui, colors, COLORS, (const char *const[3]){texts[0], texts[1], texts[2]});
 }
 
-void panel_overlay(struct viewer *viewer)
+void panel_overlay(struct panel *panel, const struct document *document, const struct stage *stage,
+                   const struct viewpoint *view, const struct shell *shell)
 {
-    struct gui *gui = &viewer->shell.gui;
-    float x = free_x(viewer), y = MARGIN * viewer->shell.window.scale;
-    double age = viewer_seconds(viewer) - viewer->shell.message_seconds;
-    if (viewer->document.has_scene && viewer->stage.side_count > 1)
-        y = sides(viewer, y);
-    if (!viewer->document.has_scene)
+    struct gui *gui = panel->gui;
+    float x = free_x(panel), y = MARGIN * panel->window->scale;
+    double age = viewer_seconds(panel->viewer) - shell->message_seconds;
+    if (document->has_scene && stage->side_count > 1)
+        y = sides(panel, stage, y);
+    if (!document->has_scene)
         y += gui_note(gui, x, y, false,
                       "No scene is open: drop a file here, or enter its path in the panel (F1).");
-    if (viewer->stage.is_paused)
+    if (stage->is_paused)
         y += gui_note(gui, x, y, false, "paused");
-    if (viewer->shell.message[0] && age < message_lasts(viewer->shell.message_kind))
-        gui_note(gui, x, y, viewer->shell.message_kind != MESSAGE_NOTE, "%s",
-                 viewer->shell.message);
-    legend(viewer);
-    if (viewer->view.keys.shows_help)
-        keys(viewer);
+    if (shell->message[0] && age < message_lasts(shell->message_kind))
+        gui_note(gui, x, y, shell->message_kind != MESSAGE_NOTE, "%s", shell->message);
+    legend(panel, document, stage);
+    if (view->keys.shows_help)
+        keys(panel);
 }

@@ -12,7 +12,8 @@ static const struct gui_range spp = {1, (double)SETTINGS_SPP_MAX, .logarithmic =
 
 // --- the method ----------------------------------------------------------------------------------
 
-static void accumulation(struct viewer *viewer, struct form *form, struct method *to)
+static void accumulation(struct panel *panel, const struct stage *stage, struct form *form,
+                         struct method *to)
 {
     struct gui *gui = form->gui;
     static const char *const words[] = {"accumulate", "fresh frames", NULL};
@@ -24,25 +25,25 @@ static void accumulation(struct viewer *viewer, struct form *form, struct method
     form_count(form, "renderer.samples_a_frame", "Per frame",
                "Samples of every pixel in a frame, 0 to 4096; 0: as many as the time allows.",
                &samples_a_frame, &to->samples_a_frame);
-    struct shown shown = viewer->stage.shown;
+    struct shown shown = stage->shown;
     uint32_t most = shown.spp_limit ? shown.spp_limit : UINT32_MAX;
     if (gui_count(gui, "renderer.spp", "Samples",
                   "Samples of a pixel after which the picture rests, 1 to 4294967294, of all "
                   "sides.",
                   &spp, &most)) {
         shown.spp_limit = most == UINT32_MAX ? 0 : most;
-        edit_shown(viewer, &shown, "renderer.spp");
+        edit_shown(panel->viewer, &shown, "renderer.spp");
     }
 }
 
 // Powers of two that the device takes; 0 for its own choice.
-static void workgroup(struct viewer *viewer, struct form *form, struct method *to)
+static void workgroup(const struct stage *stage, struct form *form, struct method *to)
 {
     static const char *const words[] = {"device's", "8",   "16",  "32",   "64",
                                         "128",      "256", "512", "1024", NULL};
     const char *names[sizeof words / sizeof *words] = {words[0]};
     uint32_t chosen = 0, count = 1;
-    for (uint32_t size = 8; words[count] && size <= viewer->stage.gpu.max_invocations; size *= 2) {
+    for (uint32_t size = 8; words[count] && size <= stage->gpu.max_invocations; size *= 2) {
         if (to->workgroup == size)
             chosen = count;
         names[count] = words[count];
@@ -54,7 +55,7 @@ static void workgroup(struct viewer *viewer, struct form *form, struct method *t
         to->workgroup = chosen ? 4u << chosen : 0;
 }
 
-static void device(struct viewer *viewer, struct form *form, struct method *to)
+static void device(const struct stage *stage, struct form *form, struct method *to)
 {
     static const struct gui_range wave = {0, 16777216, .logarithmic = true, .integer = true,
                                           .least = "device's"};
@@ -67,7 +68,7 @@ static void device(struct viewer *viewer, struct form *form, struct method *to)
                    &wave, &to->wave) &&
         to->wave > 0 && to->wave < 64)
         to->wave = 64;
-    workgroup(viewer, form, to);
+    workgroup(stage, form, to);
     if (form_choice(form, "renderer.features", "Features",
                     "What kernels can do: what the scene needs, or everything, to compare speeds.",
                     features, &everything))
@@ -80,54 +81,54 @@ static void device(struct viewer *viewer, struct form *form, struct method *to)
 
 // All materials at once: what is anisotropic becomes isotropic, and what was so in the file becomes
 // it again.
-static void anisotropy(struct viewer *viewer)
+static void anisotropy(struct panel *panel, const struct document *document)
 {
     const char *const id = "renderer.anisotropy";
-    struct scene *scene = &viewer->document.scene;
-    const struct scene *before = &viewer->document.pristine;
+    const struct scene *scene = &document->scene;
+    const struct scene *before = &document->pristine;
     bool is_on = false, can = false;
     for (uint32_t i = 0; i < scene->material_count; i++) {
         is_on = is_on || scene->materials[i].anisotropic > 0.0f;
         can = can || scene->materials[i].anisotropic > 0.0f ||
               before->materials[i].anisotropic > 0.0f;
     }
-    gui_enabled(&viewer->shell.gui, can);
+    gui_enabled(panel->gui, can);
     bool used =
-        gui_switch(&viewer->shell.gui, id, "Anisotropy",
+        gui_switch(panel->gui, id, "Anisotropy",
                    "Off: all materials are isotropic; on: as anisotropic as in the file.", &is_on);
-    gui_enabled(&viewer->shell.gui, true);
+    gui_enabled(panel->gui, true);
     for (uint32_t i = 0; used && i < scene->material_count; i++) {
         struct material to = scene->materials[i];
         to.anisotropic = is_on ? before->materials[i].anisotropic : 0.0f;
-        edit_material(viewer, i, &to, id);
+        edit_material(panel->viewer, i, &to, id);
     }
 }
 
-void panel_renderer(struct viewer *viewer)
+void panel_renderer(struct panel *panel, const struct document *document, struct stage *stage)
 {
-    struct gui *gui = &viewer->shell.gui;
+    struct gui *gui = panel->gui;
     gui_group_begin(gui, "renderer", "Renderer", "How the picture is made.", false);
-    gui_enabled(gui, viewer->stage.side_count > 1);
+    gui_enabled(gui, stage->side_count > 1);
     gui_choice(gui, "renderer.side", "Side",
                "Whose settings these are: A at the left, B at the right of the split view.",
-               side_names, &viewer->stage.edited_side);
+               side_names, &stage->edited_side);
     gui_enabled(gui, true);
-    uint32_t side = viewer->stage.edited_side;
-    struct method to = viewer->stage.sides[side].method;
+    uint32_t side = stage->edited_side;
+    struct method to = stage->sides[side].method;
     struct form form = {.gui = gui};
-    accumulation(viewer, &form, &to);
-    panel_settings(viewer, &form, &to.settings);
-    anisotropy(viewer);
+    accumulation(panel, stage, &form, &to);
+    panel_settings(panel, document, &form, &to.settings);
+    anisotropy(panel, document);
     gui_space(gui);
-    device(viewer, &form, &to);
+    device(stage, &form, &to);
     if (form.used)
-        edit_method(viewer, side, &to, form.used);
+        edit_method(panel->viewer, side, &to, form.used);
     gui_group_end(gui);
 }
 
 // --- what is shown -------------------------------------------------------------------------------
 
-static void picture(struct viewer *viewer, struct form *form, struct shown *to)
+static void picture(const struct stage *stage, struct form *form, struct shown *to)
 {
     static const struct gui_range exposure = {-SETTINGS_EXPOSURE_MAX, SETTINGS_EXPOSURE_MAX,
                                               .unit = "stops", .drag = 10};
@@ -156,7 +157,7 @@ static void picture(struct viewer *viewer, struct form *form, struct shown *to)
                   "False colours reach from the lowest to the highest of the picture's values.",
                   &to->automatic);
     if (is_switched && !to->automatic && !(to->range[1] > to->range[0]))
-        memcpy(to->range, viewer->stage.display.range, sizeof to->range);
+        memcpy(to->range, stage->display.range, sizeof to->range);
     gui_enabled(gui, has_range && !to->automatic);
     form_number(form, "view.range_low", "  from",
                 "What the first false colour stands for, in the unit that is shown.", &values,
@@ -166,8 +167,8 @@ static void picture(struct viewer *viewer, struct form *form, struct shown *to)
                 &values, &to->range[1]);
     gui_enabled(gui, true);
     if (gui_is_drawn(gui) && has_range)
-        gui_pair(gui, "  in use", "%.4g to %.4g %s", viewer->stage.display.range[0],
-                 viewer->stage.display.range[1], shown_unit(to->what));
+        gui_pair(gui, "  in use", "%.4g to %.4g %s", stage->display.range[0],
+                 stage->display.range[1], shown_unit(to->what));
     form_flag(form, "view.nearest", "Show pixels",
               "Pixels of a smaller picture as squares, not interpolated.", &to->nearest);
 }
@@ -188,7 +189,8 @@ static void denoising(struct form *form, struct shown *to)
     gui_enabled(gui, true);
 }
 
-static void split(struct viewer *viewer, struct form *form, struct shown *to)
+static void split(struct panel *panel, const struct stage *stage, struct form *form,
+                  struct shown *to)
 {
     struct gui *gui = form->gui;
     form_flag(form, "view.split", "Split view",
@@ -200,42 +202,40 @@ static void split(struct viewer *viewer, struct form *form, struct shown *to)
         gui_button(gui, "view.swap", "Swap A and B", "Each side gets the other's settings.");
     gui_enabled(gui, true);
     if (swap) {
-        struct method a = viewer->stage.sides[0].method, b = viewer->stage.sides[1].method;
-        edit_method(viewer, 0, &b, "view.swap");
-        edit_method(viewer, 1, &a, "view.swap");
+        struct method a = stage->sides[0].method, b = stage->sides[1].method;
+        edit_method(panel->viewer, 0, &b, "view.swap");
+        edit_method(panel->viewer, 1, &a, "view.swap");
     }
 }
 
 // Of the viewer alone: not undone, and not saved.
-static void pace(struct viewer *viewer)
+static void pace(struct panel *panel, struct stage *stage, struct viewpoint *view)
 {
     static const struct gui_range target = {1, 1000, .logarithmic = true, .unit = "ms"};
-    struct gui *gui = &viewer->shell.gui;
+    struct gui *gui = panel->gui;
     gui_number(gui, "view.frame_ms", "Frame time",
-               "Aim of a frame's time, milliseconds, 1 to 1000.", &target,
-               &viewer->view.pace.target_ms);
-    gui_enabled(gui, viewer->stage.swapchain.handle != VK_NULL_HANDLE);
-    gui_switch(gui, "view.vsync", "Vsync", "Frames wait for the display.",
-               &viewer->stage.swapchain.vsync);
+               "Aim of a frame's time, milliseconds, 1 to 1000.", &target, &view->pace.target_ms);
+    gui_enabled(gui, stage->swapchain.handle != VK_NULL_HANDLE);
+    gui_switch(gui, "view.vsync", "Vsync", "Frames wait for the display.", &stage->swapchain.vsync);
     gui_enabled(gui, true);
     gui_switch(gui, "view.pause", "Pause", "The picture rests; all else goes on.",
-               &viewer->stage.is_paused);
+               &stage->is_paused);
 }
 
-void panel_view(struct viewer *viewer)
+void panel_view(struct panel *panel, struct stage *stage, struct viewpoint *view)
 {
-    struct gui *gui = &viewer->shell.gui;
+    struct gui *gui = panel->gui;
     gui_group_begin(gui, "view", "View", "What is seen of the picture.", true);
-    struct shown to = viewer->stage.shown;
+    struct shown to = stage->shown;
     struct form form = {.gui = gui};
-    picture(viewer, &form, &to);
+    picture(stage, &form, &to);
     gui_space(gui);
-    split(viewer, &form, &to);
+    split(panel, stage, &form, &to);
     gui_space(gui);
     denoising(&form, &to);
     if (form.used)
-        edit_shown(viewer, &to, form.used);
+        edit_shown(panel->viewer, &to, form.used);
     gui_space(gui);
-    pace(viewer);
+    pace(panel, stage, view);
     gui_group_end(gui);
 }

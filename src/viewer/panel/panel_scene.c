@@ -61,24 +61,22 @@ static void remember(struct panel *panel, const char *path)
     snprintf(panel->recent[0], sizeof panel->recent[0], "%s", path);
 }
 
-static void notice_scene(struct viewer *viewer)
+static void notice_scene(struct panel *panel, const struct document *document)
 {
-    struct panel *panel = viewer->shell.panel;
-    if (!viewer->document.has_scene || strcmp(panel->scene_path, viewer->document.scene_path) == 0)
+    if (!document->has_scene || strcmp(panel->scene_path, document->scene_path) == 0)
         return;
-    snprintf(panel->scene_path, sizeof panel->scene_path, "%s", viewer->document.scene_path);
-    snprintf(panel->open_path, sizeof panel->open_path, "%s", viewer->document.scene_path);
-    const char *name = path_name(viewer->document.scene_path), *extension = path_extension(name);
+    snprintf(panel->scene_path, sizeof panel->scene_path, "%s", document->scene_path);
+    snprintf(panel->open_path, sizeof panel->open_path, "%s", document->scene_path);
+    const char *name = path_name(document->scene_path), *extension = path_extension(name);
     int stem = (int)(strlen(name) - strlen(extension) - (extension[0] ? 1 : 0));
     snprintf(panel->save_path, sizeof panel->save_path, "%.*s-edited.json", stem, name);
     remember(panel, panel->scene_path);
     list_folder(panel);
 }
 
-static void file_rows(struct viewer *viewer)
+static void file_rows(struct panel *panel)
 {
-    struct gui *gui = &viewer->shell.gui;
-    struct panel *panel = viewer->shell.panel;
+    struct gui *gui = panel->gui;
     struct gui_list list = {.count = panel->file_count, .chosen = UINT32_MAX, .height = 6};
     const char *wanted = NULL;
     gui_list_begin(gui, "scene.file", &list);
@@ -93,54 +91,41 @@ static void file_rows(struct viewer *viewer)
     }
     gui_list_end(gui, &list);
     if (wanted)
-        viewer_open_scene(viewer, wanted, false);
+        viewer_open_scene(panel->viewer, wanted, false);
 }
 
-static void recent_rows(struct viewer *viewer)
+static void recent_rows(struct panel *panel)
 {
-    struct gui *gui = &viewer->shell.gui;
-    struct panel *panel = viewer->shell.panel;
+    struct gui *gui = panel->gui;
     gui_group_begin(gui, "scene.recent", "Opened before", "Scenes that were open in this session.",
                     false);
     for (uint32_t i = 1; i < panel->recent_count; i++) {
         char id[GUI_ID_MAX];
         snprintf(id, sizeof id, "scene.recent.%u", i);
         if (gui_row(gui, id, panel->recent[i], "Opens this scene again.", false))
-            viewer_open_scene(viewer, panel->recent[i], false);
+            viewer_open_scene(panel->viewer, panel->recent[i], false);
     }
     gui_group_end(gui);
 }
 
-static void set_watch(struct viewer *viewer, bool on)
+static void file(struct panel *panel, const struct document *document)
 {
-    struct err err = {0};
-    if (!on) {
-        watch_destroy(viewer->shell.watch);
-        viewer->shell.watch = NULL;
-    } else if (!watch_create(viewer, &viewer->shell.watch, &err)) {
-        viewer_message(viewer, MESSAGE_ERROR, "%s", err.msg);
-    }
-}
-
-static void file(struct viewer *viewer)
-{
-    struct gui *gui = &viewer->shell.gui;
-    struct panel *panel = viewer->shell.panel;
-    bool watches = viewer->shell.watch != NULL;
-    notice_scene(viewer);
+    struct gui *gui = panel->gui;
+    bool watches = viewer_watches(panel->viewer);
+    notice_scene(panel, document);
     if (gui_text(gui, "scene.path", "Path", "Of a scene or model; Enter opens it.",
                  panel->open_path, sizeof panel->open_path))
-        viewer_open_scene(viewer, panel->open_path, false);
-    gui_enabled(gui, viewer->document.has_scene);
+        viewer_open_scene(panel->viewer, panel->open_path, false);
+    gui_enabled(gui, document->has_scene);
     if (gui_button(gui, "scene.reload", "Reload", "Reads the scene's file again; the view stays."))
-        viewer_open_scene(viewer, panel->scene_path, true);
+        viewer_open_scene(panel->viewer, panel->scene_path, true);
     gui_same_line(gui);
     if (gui_switch(gui, "scene.watch", "Watch", "Reloads the scene when its file changes.",
                    &watches))
-        set_watch(viewer, watches);
+        viewer_watch(panel->viewer, watches);
     gui_enabled(gui, true);
-    file_rows(viewer);
-    recent_rows(viewer);
+    file_rows(panel);
+    recent_rows(panel);
 }
 
 // --- what is around it ---------------------------------------------------------------------------
@@ -159,13 +144,13 @@ static void sky(struct form *form, struct surroundings *to)
     form_flag(form, "surroundings.sun", "Sun", "The sky has a disc that is the sun.", &to->has_sun);
 }
 
-void panel_surroundings(struct viewer *viewer)
+void panel_surroundings(struct panel *panel, const struct document *document)
 {
     static const struct gui_range turn = {-1e6, 1e6, .unit = "°", .drag = 180};
     static const struct gui_range strength = {0, SCENE_RADIANCE_MAX, .logarithmic = true};
-    struct gui *gui = &viewer->shell.gui;
+    struct gui *gui = panel->gui;
     gui_group_begin(gui, "surroundings", "Surroundings", "What light arrives from outside.", false);
-    struct surroundings to = viewer->document.surroundings;
+    struct surroundings to = document->surroundings;
     struct form form = {.gui = gui};
     // An image without a path is none: the path is asked for first.
     bool has_image = to.image[0] != '\0';
@@ -174,12 +159,13 @@ void panel_surroundings(struct viewer *viewer)
                    "As in the file, black, one colour, a clear sky, or an image.",
                    surroundings_names, &kind)) {
         if (kind == SURROUNDINGS_IMAGE && !has_image)
-            viewer_message(viewer, MESSAGE_WARNING, "An image needs its file: enter its path.");
+            viewer_message(panel->viewer, MESSAGE_WARNING,
+                           "An image needs its file: enter its path.");
         else
             form.used = "surroundings.kind";
         to.kind = form.used ? kind : to.kind;
     }
-    const struct environment *around = &viewer->document.scene.environment;
+    const struct environment *around = &document->scene.environment;
     bool is_lit = to.kind != SURROUNDINGS_NONE && around->present;
     gui_enabled(gui, is_lit);
     form_number(&form, "surroundings.strength", "Strength", "Factor on all of it, 0 to 1e30.",
@@ -204,11 +190,16 @@ void panel_surroundings(struct viewer *viewer)
         form.used = "surroundings.image";
     }
     if (form.used)
-        edit_surroundings(viewer, &to, form.used);
+        edit_surroundings(panel->viewer, &to, form.used);
     gui_group_end(gui);
 }
 
 // --- objects -------------------------------------------------------------------------------------
+
+struct object_rows {
+    struct panel *panel;
+    const struct document *document;
+};
 
 static void object_name(void *context, uint32_t row, char out[PANEL_NAME_MAX])
 {
@@ -216,8 +207,8 @@ static void object_name(void *context, uint32_t row, char out[PANEL_NAME_MAX])
         [SHAPE_SPHERE] = "sphere", [SHAPE_DISC] = "disc",         [SHAPE_PLANE] = "plane",
         [SHAPE_QUAD] = "quad",     [SHAPE_BOX] = "box",           [SHAPE_CYLINDER] = "cylinder",
         [SHAPE_TUBE] = "tube",     [SHAPE_SDF] = "distance field"};
-    const struct viewer *viewer = context;
-    const struct scene *scene = &viewer->document.scene;
+    const struct object_rows *rows = context;
+    const struct scene *scene = &rows->document->scene;
     if (row < scene->instance_count) {
         const char *name = scene->meshes[scene->instances[row].mesh].name;
         snprintf(out, PANEL_NAME_MAX, "%u %.140s", row, name && name[0] ? name : "mesh");
@@ -235,19 +226,20 @@ static bool is_visible(const struct scene *scene, uint32_t object)
 
 static void object_switch(void *context, uint32_t row)
 {
-    struct viewer *viewer = context;
+    const struct object_rows *rows = context;
+    struct panel *panel = rows->panel;
     char id[GUI_ID_MAX];
-    bool visible = is_visible(&viewer->document.scene, row);
+    bool visible = is_visible(&rows->document->scene, row);
     snprintf(id, sizeof id, "object.%u.visible", row);
-    if (gui_switch(&viewer->shell.gui, id, "", "Whether the object is in the scene.", &visible))
-        edit_visible(viewer, row, visible, id);
-    gui_same_line(&viewer->shell.gui);
+    if (gui_switch(panel->gui, id, "", "Whether the object is in the scene.", &visible))
+        edit_visible(panel->viewer, row, visible, id);
+    gui_same_line(panel->gui);
 }
 
-static void objects(struct viewer *viewer)
+static void objects(struct panel *panel, struct document *document)
 {
-    struct gui *gui = &viewer->shell.gui;
-    const struct scene *scene = &viewer->document.scene;
+    struct gui *gui = panel->gui;
+    const struct scene *scene = &document->scene;
     gui_group_begin(gui, "objects", "Objects", "What is in the scene, and what of it is visible.",
                     false);
     const struct panel_list list = {
@@ -257,38 +249,38 @@ static void objects(struct viewer *viewer)
         .height = 8,
         .name = object_name,
         .before = object_switch,
-        .context = viewer,
+        .context = &(struct object_rows){panel, document},
         .of = scene->instances ? (const void *)scene->instances : scene->shapes,
     };
-    panel_list(viewer, &viewer->shell.panel->objects, &list, &viewer->document.chosen_object);
+    panel_list(panel, &panel->objects, &list, &document->chosen_object);
     gui_group_end(gui);
 }
 
 // --- what was picked -----------------------------------------------------------------------------
 
-static uint32_t object_count(const struct viewer *viewer)
+static uint32_t object_count(const struct scene *scene)
 {
-    return viewer->document.scene.instance_count + viewer->document.scene.shape_count;
+    return scene->instance_count + scene->shape_count;
 }
 
-static void picked(struct viewer *viewer)
+static void picked(struct panel *panel, struct document *document)
 {
-    struct gui *gui = &viewer->shell.gui;
-    const struct picked *picked = &viewer->document.picked;
-    bool has_object = picked->is_some && picked->object < object_count(viewer);
-    bool has_material = picked->is_some && picked->material < viewer->document.scene.material_count;
+    struct gui *gui = panel->gui;
+    const struct picked *picked = &document->picked;
+    bool has_object = picked->is_some && picked->object < object_count(&document->scene);
+    bool has_material = picked->is_some && picked->material < document->scene.material_count;
     gui_group_begin(gui, "picked", "Picked", "What was clicked in the picture.", true);
     if (gui_is_drawn(gui)) {
         char name[PANEL_NAME_MAX] = "none: surroundings";
         if (has_object)
-            object_name(viewer, picked->object, name);
+            object_name(&(struct object_rows){panel, document}, picked->object, name);
         if (!picked->is_some)
             gui_line(gui, "Click into the picture.");
         else
             gui_pair(gui, "Object", "%s", name);
         if (has_material)
             gui_pair(gui, "Material", "%u %s", picked->material,
-                     viewer->document.scene.materials[picked->material].name);
+                     document->scene.materials[picked->material].name);
         if (has_object)
             gui_pair(gui, "Position", "%.6g, %.6g, %.6g m", picked->position[0],
                      picked->position[1], picked->position[2]);
@@ -298,27 +290,27 @@ static void picked(struct viewer *viewer)
     gui_enabled(gui, has_material);
     if (gui_button(gui, "picked.edit_material", "Edit material",
                    "Chooses the material of what was clicked, and shows its parameters.")) {
-        viewer->document.chosen_material = picked->material;
+        document->chosen_material = picked->material;
         gui_reveal(gui, "material.model");
     }
     gui_same_line(gui);
     gui_enabled(gui, has_object);
     if (gui_button(gui, "picked.hide", "Hide", "Takes what was clicked out of the scene."))
-        edit_visible(viewer, picked->object, false, "picked.hide");
+        edit_visible(panel->viewer, picked->object, false, "picked.hide");
     gui_group_end(gui);
 }
 
-void panel_scene(struct viewer *viewer)
+void panel_scene(struct panel *panel, struct document *document)
 {
-    struct gui *gui = &viewer->shell.gui;
+    struct gui *gui = panel->gui;
     gui_group_begin(gui, "scene", "Scene", "What is rendered.", false);
-    file(viewer);
-    if (viewer->document.has_scene) {
-        picked(viewer);
-        panel_surroundings(viewer);
-        panel_lights(viewer);
-        panel_materials(viewer);
-        objects(viewer);
+    file(panel, document);
+    if (document->has_scene) {
+        picked(panel, document);
+        panel_surroundings(panel, document);
+        panel_lights(panel, document);
+        panel_materials(panel, document);
+        objects(panel, document);
     }
     gui_group_end(gui);
 }

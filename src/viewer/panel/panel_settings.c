@@ -91,9 +91,10 @@ static void control(struct form *form, enum setting_id id, const char *help, str
     }
 }
 
-void panel_settings(struct viewer *viewer, struct form *form, struct settings *to)
+void panel_settings(struct panel *panel, const struct document *document, struct form *form,
+                    struct settings *to)
 {
-    bool has_image = viewer->document.scene.environment.width > 0;
+    bool has_image = document->scene.environment.width > 0;
     for (int i = 0; i < SETTING_TOTAL; i++) {
         const struct setting *setting = &settings_table[i];
         if (!setting->label)
@@ -102,7 +103,7 @@ void panel_settings(struct viewer *viewer, struct form *form, struct settings *t
             gui_space(form->gui);
         gui_enabled(form->gui, setting_is_in_use(setting, to) &&
                                    (i != SETTING_ENVIRONMENT_FILTER || has_image));
-        control(form, i, viewer->shell.panel->setting_help[i], to);
+        control(form, i, panel->setting_help[i], to);
     }
     gui_enabled(form->gui, true);
 }

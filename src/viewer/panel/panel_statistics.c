@@ -10,7 +10,7 @@
 static const char *const side_names[] = {"A", "B", NULL};
 
 // "1.23 M"
-static const char *short_number(struct viewer *viewer, double value)
+static const char *short_number(struct panel *panel, double value)
 {
     static const char *const letters[] = {"", " k", " M", " G", " T"};
     int i = 0;
@@ -18,59 +18,59 @@ static const char *short_number(struct viewer *viewer, double value)
         value /= 1e3;
         i++;
     }
-    const char *text = arena_printf(&viewer->shell.frame_arena, "%.3g%s", value, letters[i]);
+    const char *text = arena_printf(panel->frame_arena, "%.3g%s", value, letters[i]);
     return text ? text : "";
 }
 
-static const char *time_text(struct viewer *viewer, double seconds)
+static const char *time_text(struct panel *panel, double seconds)
 {
     const char *text = NULL;
     if (seconds < 100.0)
-        text = arena_printf(&viewer->shell.frame_arena, "%.1f s", seconds);
+        text = arena_printf(panel->frame_arena, "%.1f s", seconds);
     else if (seconds < 6000.0)
-        text = arena_printf(&viewer->shell.frame_arena, "%.1f min", seconds / 60.0);
+        text = arena_printf(panel->frame_arena, "%.1f min", seconds / 60.0);
     else
-        text = arena_printf(&viewer->shell.frame_arena, "%.1f h", seconds / 3600.0);
+        text = arena_printf(panel->frame_arena, "%.1f h", seconds / 3600.0);
     return text ? text : "";
 }
 
 // --- time ----------------------------------------------------------------------------------------
 
-static void frame_bars(struct viewer *viewer)
+static void frame_bars(struct panel *panel, const struct stage *stage)
 {
-    const struct frame_stats *stats = &viewer->stage.stats;
+    const struct frame_stats *stats = &stage->stats;
     const struct gui_bar bars[] = {
         {"Render", stats->render_ms},   {"Denoise", stats->denoise_ms},
         {"Display", stats->display_ms}, {"Panel", stats->panel_ms},
         {"Present", stats->present_ms},
     };
-    gui_bars(&viewer->shell.gui, bars, sizeof bars / sizeof *bars, "ms");
+    gui_bars(panel->gui, bars, sizeof bars / sizeof *bars, "ms");
 }
 
 #define KERNEL_ROWS 8u // at least: what is below stays where it is while kernels come and go
 
 // Those that there are, in the order in which they run.
-static void kernel_bars(struct viewer *viewer)
+static void kernel_bars(struct panel *panel, const struct stage *stage)
 {
     struct gui_bar bars[KERNEL_COUNT + KERNEL_ROWS] = {0};
     uint32_t count = 0;
     for (int id = 0; id < KERNEL_COUNT; id++) {
         bool is_there = false;
-        for (uint32_t side = 0; side < viewer->stage.side_count; side++)
-            is_there = is_there || viewer->stage.sides[side].job.renderer.kernels[id].pipeline;
+        for (uint32_t side = 0; side < stage->side_count; side++)
+            is_there = is_there || stage->sides[side].job.renderer.kernels[id].pipeline;
         if (is_there)
             bars[count++] = (struct gui_bar){kernel_code((enum kernel_id)id, true).name,
-                                             viewer->stage.stats.kernel_ms[id]};
+                                             stage->stats.kernel_ms[id]};
     }
-    gui_bars(&viewer->shell.gui, bars, count < KERNEL_ROWS ? KERNEL_ROWS : count, "ms");
+    gui_bars(panel->gui, bars, count < KERNEL_ROWS ? KERNEL_ROWS : count, "ms");
 }
 
 // --- error ---------------------------------------------------------------------------------------
 
 // Of independent samples the error falls with their number, and so with time.
-static void forecast_line(struct viewer *viewer, const struct job_look *look)
+static void forecast_line(struct panel *panel, const struct job_look *look)
 {
-    struct gui *gui = &viewer->shell.gui;
+    struct gui *gui = panel->gui;
     double error = look->error.local_relmse;
     if (!look->error.known || !(look->seconds > 0.0) || !(error > 0.0)) {
         gui_fact(gui, "  forecast", "-");
@@ -78,15 +78,15 @@ static void forecast_line(struct viewer *viewer, const struct job_look *look)
     }
     double target = pow(10.0, ceil(log10(error)) - 1.0);
     gui_fact(gui, "  forecast", "%.0e at ~%s", target,
-             time_text(viewer, look->seconds * error / target));
+             time_text(panel, look->seconds * error / target));
 }
 
 // Three lines, whatever is known.
-static void error_lines(struct viewer *viewer, uint32_t side)
+static void error_lines(struct panel *panel, const struct stage *stage, uint32_t side)
 {
-    struct gui *gui = &viewer->shell.gui;
-    const char *label = viewer->stage.side_count > 1 ? side ? "Error B" : "Error A" : "Error";
-    const struct job_look look = view_newest_look(&viewer->stage.sides[side]);
+    struct gui *gui = panel->gui;
+    const char *label = stage->side_count > 1 ? side ? "Error B" : "Error A" : "Error";
+    const struct job_look look = view_newest_look(&stage->sides[side]);
     const struct half_error *error = &look.error;
     if (error->known)
         gui_fact(gui, label, "local relMSE %.3g", error->local_relmse);
@@ -100,7 +100,7 @@ static void error_lines(struct viewer *viewer, uint32_t side)
         gui_fact(gui, "  95 %", "%.3g to %.3g", error->ci_low, error->ci_high);
     else
         gui_fact(gui, error->bounded ? "  in 95 %, since" : "  since", "%s", error->reason);
-    forecast_line(viewer, &look);
+    forecast_line(panel, &look);
 }
 
 struct points {
@@ -127,13 +127,13 @@ static struct gui_curve curve_of(const struct view *view, const char *label, str
                               .count = view->look_count};
 }
 
-static void error_curves(struct viewer *viewer)
+static void error_curves(struct panel *panel, const struct stage *stage)
 {
     struct points points[VIEWER_SIDES];
     struct gui_curve curves[VIEWER_SIDES];
-    for (uint32_t side = 0; side < viewer->stage.side_count; side++)
-        curves[side] = curve_of(&viewer->stage.sides[side], side_names[side], &points[side]);
-    gui_curves(&viewer->shell.gui, curves, viewer->stage.side_count, "seconds", "local relMSE");
+    for (uint32_t side = 0; side < stage->side_count; side++)
+        curves[side] = curve_of(&stage->sides[side], side_names[side], &points[side]);
+    gui_curves(panel->gui, curves, stage->side_count, "seconds", "local relMSE");
 }
 
 // --- what was left out ---------------------------------------------------------------------------
@@ -168,74 +168,75 @@ static void add_left_out(void *context, const struct part *part)
         list->text ? arena_printf(list->arena, "%s, %s", list->text, part->name) : part->name;
 }
 
-static void left_out(struct viewer *viewer)
+static void left_out(struct panel *panel, const struct stage *stage)
 {
-    struct gui *gui = &viewer->shell.gui;
+    struct gui *gui = panel->gui;
     gui_group_begin(gui, "statistics.left_out", "Left out",
                     "What this scene and these settings do not need, and kernels do not have.",
                     false);
-    const struct view *view = &viewer->stage.sides[viewer->stage.edited_side];
+    const struct view *view = &stage->sides[stage->edited_side];
     if (gui_is_drawn(gui) && view->is_ready) {
-        struct left_out list = {.arena = &viewer->shell.frame_arena, .gui = gui};
+        struct left_out list = {.arena = panel->frame_arena, .gui = gui};
         parts_visit(&view->job.renderer, add_left_out, &list);
         flush(&list);
-        gui_pair(gui, "saved", "%sB", short_number(viewer, (double)list.bytes));
+        gui_pair(gui, "saved", "%sB", short_number(panel, (double)list.bytes));
     }
     gui_group_end(gui);
 }
 
 // --- all -----------------------------------------------------------------------------------------
 
-static void memory(struct viewer *viewer)
+static void memory(struct panel *panel, const struct document *document, const struct stage *stage)
 {
-    struct gui *gui = &viewer->shell.gui;
+    struct gui *gui = panel->gui;
     gui_group_begin(gui, "statistics.memory", "Memory", "What the device and the program hold.",
                     false);
     if (gui_is_drawn(gui)) {
         gui_fact(gui, "Device", "%sB (most: %sB)",
-                 short_number(viewer, (double)viewer->stage.gpu.allocated_bytes),
-                 short_number(viewer, (double)viewer->stage.gpu.peak_bytes));
-        gui_fact(gui, "Program", "%sB at most", short_number(viewer, report_host_peak_bytes()));
+                 short_number(panel, (double)stage->gpu.allocated_bytes),
+                 short_number(panel, (double)stage->gpu.peak_bytes));
+        gui_fact(gui, "Program", "%sB at most", short_number(panel, report_host_peak_bytes()));
         gui_fact(gui, "Triangles", "%s",
-                 short_number(viewer, (double)viewer->document.geometry.flat.triangle_count));
+                 short_number(panel, (double)document->geometry.flat.triangle_count));
     }
     gui_group_end(gui);
 }
 
-static void side_lines(struct viewer *viewer, uint32_t side)
+static void side_lines(struct panel *panel, const struct stage *stage, uint32_t side)
 {
-    const struct view *view = &viewer->stage.sides[side];
-    const char *label = viewer->stage.side_count > 1 ? side ? "Samples B" : "Samples A" : "Samples";
-    gui_fact(&viewer->shell.gui, label, "%llu in %s%s", (unsigned long long)view_samples(view),
-             time_text(viewer, view->seconds), view->is_preview ? ", preview" : "");
+    const struct view *view = &stage->sides[side];
+    const char *label = stage->side_count > 1 ? side ? "Samples B" : "Samples A" : "Samples";
+    gui_fact(panel->gui, label, "%llu in %s%s", (unsigned long long)view_samples(view),
+             time_text(panel, view->seconds), view->is_preview ? ", preview" : "");
 }
 
-void panel_statistics(struct viewer *viewer)
+void panel_statistics(struct panel *panel, const struct document *document,
+                      const struct stage *stage)
 {
-    struct gui *gui = &viewer->shell.gui;
-    const struct frame_stats *stats = &viewer->stage.stats;
+    struct gui *gui = panel->gui;
+    const struct frame_stats *stats = &stage->stats;
     gui_group_begin(gui, "statistics", "Statistics", "Speed and error of the picture.", true);
-    if (gui_is_drawn(gui) && viewer->document.has_scene) {
+    if (gui_is_drawn(gui) && document->has_scene) {
         gui_fact(gui, "Frames", "%.1f /s, %.1f ms", stats->fps, stats->frame_ms);
-        for (uint32_t side = 0; side < viewer->stage.side_count; side++)
-            side_lines(viewer, side);
-        gui_fact(gui, "Rays", "%s/s", short_number(viewer, stats->rays_per_second));
+        for (uint32_t side = 0; side < stage->side_count; side++)
+            side_lines(panel, stage, side);
+        gui_fact(gui, "Rays", "%s/s", short_number(panel, stats->rays_per_second));
         gui_fact(gui, "Msamples", "%.3g /s", stats->samples_per_second * 1e-6);
-        for (uint32_t side = 0; side < viewer->stage.side_count; side++)
-            error_lines(viewer, side);
-        error_curves(viewer);
+        for (uint32_t side = 0; side < stage->side_count; side++)
+            error_lines(panel, stage, side);
+        error_curves(panel, stage);
     }
     gui_group_begin(gui, "statistics.frame", "Frame", "Where the time of the last frame went.",
                     true);
     if (gui_is_drawn(gui))
-        frame_bars(viewer);
+        frame_bars(panel, stage);
     gui_group_end(gui);
     gui_group_begin(gui, "statistics.kernels", "Kernels",
                     "Time of each kernel in a frame, on the device.", true);
     if (gui_is_drawn(gui))
-        kernel_bars(viewer);
+        kernel_bars(panel, stage);
     gui_group_end(gui);
-    left_out(viewer);
-    memory(viewer);
+    left_out(panel, stage);
+    memory(panel, document, stage);
     gui_group_end(gui);
 }
