@@ -155,7 +155,7 @@ def call_graph(objects):
             for source, path in objects.items()}
 
 
-def read_calls(source_root, build_root):
+def read_objects(source_root, build_root):
     with open(os.path.join(build_root, 'compile_commands.json'), encoding='utf-8') as database:
         entries = json.load(database)
     source_root = os.path.realpath(os.path.join(source_root, 'src'))
@@ -165,14 +165,34 @@ def read_calls(source_root, build_root):
         source = os.path.relpath(source, source_root)
         if entry['output'].startswith('src/') and not source.startswith('..'):
             objects[source] = os.path.join(build_root, entry['output'])
-    return call_graph(objects)
+    return objects
+
+
+# What decides how many samples there are, and of what: for jobs alone.
+SAMPLING = {'renderer_render', 'renderer_restart', 'renderer_plan_samples', 'renderer_set_plan'}
+# Writing into a renderer what is its own to count.
+WRITES = re.compile(r'\b(?:r|renderer)(?:->|\.)(?:frame|stats|pass|next_sample|round_target)\b'
+                    r'[\w.\[\]]*\s*[-+|&]?=(?!=)')
+
+
+def may_sample(path):
+    return path.startswith(('job/', 'render/'))
+
+
+def sampling_users(objects):
+    return [path for path, (_, used) in read_symbols(objects.values()).items() if used & SAMPLING]
+
+
+def writes_to_renderers(text):
+    return WRITES.findall(text)
 
 
 class Graph(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.includes, cls.bare = read_includes(SOURCE_ROOT)
-        cls.calls = read_calls(SOURCE_ROOT, BUILD_ROOT)
+        cls.objects = read_objects(SOURCE_ROOT, BUILD_ROOT)
+        cls.calls = call_graph(cls.objects)
 
     def with_edge(self, graph, file, other):
         self.assertIn(file, graph)
@@ -220,6 +240,22 @@ class Graph(unittest.TestCase):
         planted = self.with_edge(planted, 'render/kernels.c', 'render/render.c')
         planted = self.with_edge(planted, 'gpu/kernel.c', 'render/render.c')
         self.assertEqual(len(large_circles(planted)), 1)
+
+    def test_jobs_alone_take_samples(self):
+        sources = {path: source for source, path in self.objects.items()}
+        users = {sources[path] for path in sampling_users(self.objects)}
+        self.assertIn('job/job.c', users)
+        self.assertEqual([path for path in users if not may_sample(path)], [])
+
+    def test_nobody_else_writes_into_a_renderer(self):
+        for source in self.objects:
+            with open(os.path.join(SOURCE_ROOT, 'src', source), encoding='utf-8') as file:
+                writes = writes_to_renderers(file.read())
+            self.assertTrue(may_sample(source) or not writes, f'{source}: {writes}')
+        for line in ('r->frame.samples = 5;', 'curve.renderer.frame.samples = n;',
+                     'r->stats.nonfinite = before;', 'job->renderer.next_sample += 1;'):
+            self.assertEqual(len(writes_to_renderers(line)), 1, line)
+        self.assertEqual(writes_to_renderers('if (r->stats.paths == 0)'), [])
 
     def test_calls_are_read_from_objects(self):
         code = {'a.c': 'int b(void); int a(void); int a(void) { return b(); }',
