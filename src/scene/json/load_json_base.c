@@ -2,9 +2,11 @@
 #include "scene/json/load_json.h"
 
 #include "base/file.h"
+#include "json/field_json.h"
 #include "json/json_parse.h"
 #include "scene/core/environment.h"
 #include "scene/json/scene_edits.h"
+#include "scene/json/scene_fields.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -40,12 +42,12 @@ static bool read_override(struct arena *arena, const struct json_node *node,
 }
 
 static bool read_overrides(struct json_loader *loader, const struct json_node *list,
-                           struct scene_base *base, struct err *err)
+                           struct scene_load_params *load, struct err *err)
 {
     if (!list->value)
         return true;
-    if (strcasecmp(path_extension(base->path), "json") != 0)
-        return node_fail(list, err, "go with a .json file only; the base is %s", base->path);
+    if (strcasecmp(path_extension(load->path), "json") != 0)
+        return node_fail(list, err, "go with a .json file only; the base is %s", load->path);
     if (!node_check_array(list, 0, UINT32_MAX, err))
         return false;
     size_t count = json_array_size(list->value);
@@ -58,75 +60,68 @@ static bool read_overrides(struct json_loader *loader, const struct json_node *l
         if (!read_override(arena, &node, &overrides[i], err))
             return false;
     }
-    base->overrides = overrides;
-    base->override_count = (uint32_t)count;
+    load->overrides = overrides;
+    load->override_count = (uint32_t)count;
     return true;
 }
 
-// A string that outlives the document.
-static bool read_text(struct arena *arena, const struct json_node *object, const char *key,
-                      const char **out, struct err *err)
+static bool fail_not_gltf(const struct json_node *node, const struct scene_load_params *load,
+                          struct err *err)
 {
-    if (!node_read_string(object, key, out, err))
-        return false;
-    if (*out && !(*out = arena_strdup(arena, *out)))
-        return err_memory(err, "a name", 1);
-    return true;
+    return node_fail(node, err, "goes with a .gltf or .glb file only; the base is %s", load->path);
 }
 
 static bool read_gltf_choices(struct arena *arena, const struct json_node *node,
-                              struct scene_base *base, struct err *err)
+                              struct scene_load_params *load, struct err *err)
 {
-    static const char *const keys[] = {"scene", "animation", "variant", "at_seconds"};
-    const char *extension = path_extension(base->path);
+    const char *extension = path_extension(load->path);
     bool is_gltf = strcasecmp(extension, "gltf") == 0 || strcasecmp(extension, "glb") == 0;
-    for (size_t i = 0; i < sizeof keys / sizeof *keys && !is_gltf; i++) {
-        const struct json_node member = node_member(node, keys[i]);
-        if (member.value)
-            return node_fail(&member, err, "goes with a .gltf or .glb file only; the base is %s",
-                             base->path);
-    }
-    if (node_member(node, "at_seconds").value) {
-        double *seconds = ARENA_NEW(arena, double, 1);
-        if (!seconds)
-            return err_memory(err, "a time", sizeof *seconds);
-        if (!node_read_number(node, "at_seconds", RANGE_SECONDS, seconds, err))
+    const struct json_node seconds = node_member(node, "at_seconds");
+    double at = 0;
+    for (size_t i = 0; i < sizeof scene_base_texts / sizeof *scene_base_texts; i++) {
+        const struct json_node member = node_member(node, scene_base_texts[i].key);
+        const char *text = NULL;
+        if (!node_read_string(node, member.key, &text, err))
             return false;
-        base->at_seconds = seconds;
+        if (text && !is_gltf)
+            return fail_not_gltf(&member, load, err);
+        if (text && !(text = arena_strdup(arena, text)))
+            return err_memory(err, "a name", 1);
+        memcpy((char *)load + scene_base_texts[i].offset, &text, sizeof text);
     }
-    return read_text(arena, node, "scene", &base->scene_name, err) &&
-           read_text(arena, node, "animation", &base->animation, err) &&
-           read_text(arena, node, "variant", &base->variant, err);
+    if (!seconds.value)
+        return true;
+    if (!is_gltf)
+        return fail_not_gltf(&seconds, load, err);
+    load->at_seconds = arena_copy(arena, &at, 1, sizeof at);
+    return load->at_seconds
+               ? node_read_number(node, seconds.key, RANGE_SECONDS, (double *)load->at_seconds, err)
+               : err_memory(err, "a time", sizeof at);
 }
 
-// What the base is given where it brings no light: as the command line says, unless this file does.
-static bool read_additions(const struct scene_load_params *params, const struct json_node *node,
-                           struct scene_base *base, struct err *err)
-{
-    uint32_t studio = params->studio, ground = params->ground, up = params->up;
-    if (!node_read_choice(node, "studio", scene_studio_names, &studio, err) ||
-        !node_read_choice(node, "ground", scene_ground_names, &ground, err) ||
-        !node_read_choice(node, "up", scene_up_names, &up, err))
-        return false;
-    base->studio = (enum scene_studio)studio;
-    base->ground = (enum scene_ground)ground;
-    base->up = (enum scene_up)up;
-    return true;
-}
-
+// What the base is given where it brings no light is as the command line says, unless this file
+// does.
 static bool read_base(struct json_loader *loader, const struct json_node *node,
-                      struct scene_base *base, struct err *err)
+                      struct scene_load_params *load, struct err *err)
 {
     static const char *const required[] = {"file", NULL};
     static const char *const optional[] = {
         "overrides", "scene", "animation", "variant", "at_seconds", "studio", "ground", "up", NULL};
+    const struct scene_load_params *own = loader->params;
+    *load = (struct scene_load_params){.override_folder = loader->folder,
+                                       .allow_outside_paths = own->allow_outside_paths,
+                                       .base_depth = own->base_depth + 1,
+                                       .studio = own->studio,
+                                       .ground = own->ground,
+                                       .up = own->up,
+                                       .progress = own->progress};
     if (!node_check_object(node, required, optional, err) ||
-        !read_additions(loader->params, node, base, err) ||
-        !(base->path = load_json_path(loader, node, "file", err)))
+        !fields_read(scene_base_fields, 3, node, load, err) ||
+        !(load->path = load_json_path(loader, node, "file", err)))
         return false;
     const struct json_node overrides = node_member(node, "overrides");
-    return read_overrides(loader, &overrides, base, err) &&
-           read_gltf_choices(&loader->scene->arena, node, base, err);
+    return read_overrides(loader, &overrides, load, err) &&
+           read_gltf_choices(&loader->scene->arena, node, load, err);
 }
 
 // The file's fault, whatever the option that says the same.
@@ -143,30 +138,14 @@ static bool load_file(struct json_loader *loader, const struct json_node *node,
     struct scene *scene = loader->scene;
     const char *path = scene->path;
     const struct json_node file = node_member(node, "file");
-    scene->up = base->up;
-    const struct scene_load_params params = {
-        .path = base->path,
-        .overrides = base->overrides,
-        .override_count = base->override_count,
-        .override_folder = loader->folder,
-        .allow_outside_paths = loader->params->allow_outside_paths,
-        .at_seconds = base->at_seconds,
-        .animation = base->animation,
-        .scene_name = base->scene_name,
-        .variant = base->variant,
-        .studio = base->studio,
-        .ground = base->ground,
-        .up = base->up,
-        .base_depth = loader->params->base_depth + 1,
-        .progress = loader->params->progress,
-    };
-    if (params.base_depth > BASE_DEPTH_MAX)
+    scene->up = base->load.up;
+    if (base->load.base_depth > BASE_DEPTH_MAX)
         return node_fail(&file, err,
                          "is the base of %d files, each the base of the next; expected at most %d "
                          "(does one name itself?)",
                          BASE_DEPTH_MAX + 1, BASE_DEPTH_MAX);
     struct err problem = {0};
-    if (!loader->load_base(scene, &params, &problem)) {
+    if (!loader->load_base(scene, &base->load, &problem)) {
         blame_file(&file, &problem);
         if (err)
             *err = problem;
@@ -245,7 +224,7 @@ bool load_json_base(struct json_loader *loader, const struct json_node *document
     if (!base)
         return err_memory(err, "a base", sizeof *base);
     loader->base = base;
-    if (!check_keys(document, err) || !read_base(loader, &node, base, err) ||
+    if (!check_keys(document, err) || !read_base(loader, &node, &base->load, err) ||
         !load_file(loader, &node, base, err) || !keep_base(scene, base, err) ||
         (film.value && !load_json_film(scene, &film, err)) ||
         (settings.value && !load_json_settings(scene, &settings, err)) ||

@@ -8,16 +8,9 @@
 // All in the scene's arena.
 struct scene_base {
     const struct scene_base *base; // of that file itself; NULL: it has none
-    const char *path;              // as seen from the working directory
-    const struct scene_override *overrides;
-    uint32_t override_count;
+    struct scene_load_params load; // paths as seen from the working directory
     const struct scene_path *override_paths;
     uint32_t override_path_count;
-    const char *scene_name, *animation, *variant; // of glTF: see scene_load_params
-    const double *at_seconds;
-    enum scene_studio studio;
-    enum scene_ground ground;
-    enum scene_up up;
     // What the file changes, as the base has it. NULL: it changes no material, no object.
     const struct material *materials;
     const struct instance *instances;

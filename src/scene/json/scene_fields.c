@@ -193,3 +193,23 @@ const struct field scene_sky_fields[5] = {
      REAL(ENVIRONMENT_SUN_DIAMETER_MIN, ENVIRONMENT_SUN_DIAMETER_MAX),
      DEGREES("sun_diameter_radians")},
 };
+
+// --- bases ---------------------------------------------------------------------------------------
+
+const struct field scene_base_fields[3] = {
+    {.key = "studio",
+     .type = FIELD_CHOICE,
+     FIELD_OF(scene_load_params, studio),
+     .words = scene_studio_names},
+    {.key = "ground",
+     .type = FIELD_CHOICE,
+     FIELD_OF(scene_load_params, ground),
+     .words = scene_ground_names},
+    {.key = "up", .type = FIELD_CHOICE, FIELD_OF(scene_load_params, up), .words = scene_up_names},
+};
+
+const struct scene_base_text scene_base_texts[3] = {
+    {"scene", offsetof(struct scene_load_params, scene_name)},
+    {"animation", offsetof(struct scene_load_params, animation)},
+    {"variant", offsetof(struct scene_load_params, variant)},
+};

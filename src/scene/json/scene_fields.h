@@ -26,6 +26,14 @@ extern const struct field scene_environment_fields[2]; // radiance, rotation
 extern const struct field scene_gradient_fields[3];
 extern const struct field scene_sky_fields[5];
 
+extern const struct field scene_base_fields[3]; // of struct scene_load_params: studio, ground, up
+// Its texts: names or indices within a glTF file.
+struct scene_base_text {
+    const char *key;
+    size_t offset;
+};
+extern const struct scene_base_text scene_base_texts[3];
+
 const char *scene_material_name(const struct scene *scene, uint32_t material);
 const char *scene_light_name(const struct scene *scene, uint32_t light);
 

@@ -181,41 +181,34 @@ static bool put_override(struct writer *w, struct json_text *t,
 
 static bool put_base(struct writer *w, struct json_text *t, struct err *err)
 {
-    const struct scene_base *base = &w->base;
+    const struct scene_load_params *load = &w->base.load;
+    static const struct scene_load_params nothing = {.studio = SCENE_STUDIO_AUTO};
     struct err problem = {0};
     json_text_key(t, "base");
     json_text_open(t, '{', false);
-    bool ok = put_path(w, t, "file", base->path, &problem);
-    if (ok && base->override_count > 0) {
+    bool ok = put_path(w, t, "file", load->path, &problem);
+    if (ok && load->override_count > 0) {
         json_text_key(t, "overrides");
         json_text_open(t, '[', false);
-        for (uint32_t i = 0; i < base->override_count && ok; i++)
-            ok = put_override(w, t, &base->overrides[i], &problem) && problem.code == ERR_NONE;
+        for (uint32_t i = 0; i < load->override_count && ok; i++)
+            ok = put_override(w, t, &load->overrides[i], &problem) && problem.code == ERR_NONE;
         json_text_close(t);
     }
-    if (!ok) {
-        if (err)
-            *err = problem;
-        return false;
+    for (size_t i = 0; i < sizeof scene_base_texts / sizeof *scene_base_texts; i++) {
+        const char *text;
+        memcpy(&text, (const char *)load + scene_base_texts[i].offset, sizeof text);
+        if (text)
+            put_name(t, scene_base_texts[i].key, text);
     }
-    if (base->scene_name)
-        put_name(t, "scene", base->scene_name);
-    if (base->animation)
-        put_name(t, "animation", base->animation);
-    if (base->variant)
-        put_name(t, "variant", base->variant);
-    if (base->at_seconds) {
+    if (load->at_seconds) {
         json_text_key(t, "at_seconds");
-        json_text_double(t, *base->at_seconds);
+        json_text_double(t, *load->at_seconds);
     }
-    if (base->studio != SCENE_STUDIO_AUTO)
-        put_name(t, "studio", scene_studio_names[base->studio]);
-    if (base->ground != SCENE_GROUND_AUTO)
-        put_name(t, "ground", scene_ground_names[base->ground]);
-    if (base->up != SCENE_UP_Y)
-        put_name(t, "up", scene_up_names[base->up]);
+    fields_write_changed(scene_base_fields, 3, load, &nothing, t);
     json_text_close(t);
-    return true;
+    if (!ok && err)
+        *err = problem;
+    return ok;
 }
 
 // --- environment ---------------------------------------------------------------------------------
@@ -252,14 +245,11 @@ static bool put_environment(struct writer *w, struct json_text *t, struct err *e
 
 // --- the document --------------------------------------------------------------------------------
 
-static bool put_document(struct writer *w, struct json_text *t, const char *comment,
-                         struct err *err)
+static bool put_document(struct writer *w, struct json_text *t, struct err *err)
 {
     json_text_open(t, '{', false);
     json_text_key(t, "lampyris");
     json_text_uint(t, 1);
-    if (comment)
-        put_name(t, "comment", comment);
     if (!put_base(w, t, err))
         return false;
     json_text_key(t, "camera");
@@ -268,18 +258,21 @@ static bool put_document(struct writer *w, struct json_text *t, const char *comm
     put_settings(t, "settings", &w->settings, SETTINGS_FILM_LAST + 1, SETTING_TOTAL - 1);
     if (w->difference.has_other_environment && !put_environment(w, t, err))
         return false;
+    if (w->is_outside)
+        put_name(t, "comment",
+                 "names files outside of this folder: loads with --allow-outside-paths only");
     scene_write_edits(t, &w->difference);
     json_text_close(t);
     json_text_raw(t, "\n");
     return true;
 }
 
-static char *make_text(struct writer *w, const char *comment, struct err *err)
+static char *make_text(struct writer *w, struct err *err)
 {
     struct json_text t;
     if (!json_text_begin(&t, 0, err))
         return NULL;
-    bool ok = put_document(w, &t, comment, err);
+    bool ok = put_document(w, &t, err);
     char *text = json_text_end(&t);
     if (ok)
         return text;
@@ -379,20 +372,11 @@ static void choose_base(struct writer *w)
     }
     // An environment of the command line kept the ground away; the file's comes after the base.
     bool is_lit = load->environment_file || load->environment_radiance || load->environment_sky;
-    w->base = (struct scene_base){
-        .path = load->path,
-        .overrides = load->overrides,
-        .override_count = load->override_count,
-        .override_paths = before->override_paths,
-        .override_path_count = before->override_path_count,
-        .scene_name = load->scene_name,
-        .animation = load->animation,
-        .variant = load->variant,
-        .at_seconds = load->at_seconds,
-        .studio = load->studio,
-        .ground = is_lit && !before->has_ground ? SCENE_GROUND_OFF : load->ground,
-        .up = load->up,
-    };
+    w->base = (struct scene_base){.load = *load,
+                                  .override_paths = before->override_paths,
+                                  .override_path_count = before->override_path_count};
+    if (is_lit && !before->has_ground)
+        w->base.load.ground = SCENE_GROUND_OFF;
 }
 
 static void choose_environment(struct writer *w)
@@ -418,7 +402,7 @@ static bool check_path(const struct writer *w, struct err *err)
     if (strcasecmp(path_extension(path), "json") != 0)
         return err_set(err, ERR_USAGE, "%s: expected a name that ends in .json", path);
     for (const struct scene_base *base = &w->base; base; base = base->base)
-        if (is_same_file(path, base->path))
+        if (is_same_file(path, base->load.path))
             return err_set(err, ERR_USAGE,
                            "%s: is what the edited scene is made from; expected another name",
                            path);
@@ -438,21 +422,14 @@ static bool find_folder(struct writer *w, struct err *err)
 
 static bool write_scene(struct writer *w, struct err *err)
 {
-    static const char *const comment =
-        "names files outside of this folder: loads with --allow-outside-paths only";
     const struct scene_write_params *params = w->params;
     char *text = NULL;
     choose_base(w);
     choose_environment(w);
-    // Whether a comment is needed is known when all paths are written.
     w->is_outside = params->load->allow_outside_paths;
-    if (!check_path(w, err) || !find_folder(w, err) || !(text = make_text(w, NULL, err)))
+    if (!check_path(w, err) || !find_folder(w, err) || !(text = make_text(w, err)))
         return false;
-    if (w->is_outside) {
-        free(text);
-        text = make_text(w, comment, err);
-    }
-    if (text && strlen(text) > LOAD_JSON_BYTES_MAX) {
+    if (strlen(text) > LOAD_JSON_BYTES_MAX) {
         err_set(err, ERR_INPUT, "%s: would have %zu bytes; expected at most %zu", params->path,
                 strlen(text), LOAD_JSON_BYTES_MAX);
         free(text);
@@ -462,8 +439,7 @@ static bool write_scene(struct writer *w, struct err *err)
     // file does not need the old one.
     if (is_same_file(params->path, params->load->path))
         file_inputs_forget(params->path);
-    bool ok = text && check_text(w, text, err) &&
-              file_write_atomic(params->path, text, strlen(text), err);
+    bool ok = check_text(w, text, err) && file_write_atomic(params->path, text, strlen(text), err);
     free(text);
     if (ok && params->is_outside)
         *params->is_outside = w->is_outside;
