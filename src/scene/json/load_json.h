@@ -45,6 +45,9 @@ bool load_json_materials(struct json_loader *loader, const struct json_node *mat
 // material's node.
 bool load_json_textures(struct json_loader *loader, const struct json_node *owner,
                         struct material *material, struct err *err);
+// What must hold of a spot's cone and of a sun's disc.
+bool load_json_check_light(const struct json_node *node, const struct light *light,
+                           struct err *err);
 bool load_json_lights(struct json_loader *loader, const struct json_node *lights, struct err *err);
 bool load_json_environment(struct json_loader *loader, const struct json_node *environment,
                            struct err *err);

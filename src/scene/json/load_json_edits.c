@@ -126,29 +126,6 @@ static bool check_radiant(const struct json_node *node, const struct light *ligh
                      light_kind_names[light->kind], is_directional ? "irradiance" : "intensity");
 }
 
-static bool check_cone(const struct json_node *node, const struct light *light, struct err *err)
-{
-    return light->kind != LIGHT_SPOT || light->inner_angle < light->outer_angle ||
-           node_fail(node, err, "the inner angle, %.9g degrees, is not below the outer one, %.9g",
-                     (double)light->inner_angle / DEGREE, (double)light->outer_angle / DEGREE);
-}
-
-static bool check_sun(const struct json_node *node, const struct light *light, struct err *err)
-{
-    const double diameter = 2 * light->angular_radius;
-    if (diameter > 0 && diameter < ENVIRONMENT_SUN_DIAMETER_MIN * DEGREE)
-        return node_fail(node, err, "an angular diameter of %.9g degrees is below %g and not 0",
-                         diameter / DEGREE, ENVIRONMENT_SUN_DIAMETER_MIN);
-    for (int c = 0; c < 3 && diameter > 0 && light->kind == LIGHT_DIRECTIONAL; c++) {
-        double radiance =
-            environment_sun_radiance((double)light->radiant[c], light->angular_radius);
-        if (!(radiance <= SCENE_RADIANCE_MAX))
-            return node_fail(node, err, "makes the sun's radiance %.9g; expected at most %g",
-                             radiance, SCENE_RADIANCE_MAX);
-    }
-    return true;
-}
-
 // A profile may be taken away; its plane at 0 degrees may be turned.
 static bool read_profile(const struct json_node *node, struct light *light, struct err *err)
 {
@@ -188,8 +165,7 @@ static bool edit_light(struct json_loader *loader, const struct json_node *node,
         !fields_read(fields.list, fields.count, node, light, err) ||
         !make_unit(node, "direction", light->kind == LIGHT_POINT, light->direction, err) ||
         !make_unit(node, "profile_x", true, light->profile_x, err) ||
-        !check_cone(node, light, err) || !check_sun(node, light, err) ||
-        !read_profile(node, light, err))
+        !load_json_check_light(node, light, err) || !read_profile(node, light, err))
         return false;
     return light->kind == LIGHT_POINT || vec3_dot(light->direction, light->direction) != 0 ||
            node_fail(node, err, "has no direction so far; expected \"direction\"");

@@ -1,6 +1,9 @@
 // Lights of a scene file that are no surfaces.
 #include "scene/json/load_json.h"
 
+#include "json/field_json.h"
+#include "scene/json/scene_fields.h"
+
 #include "scene/core/affine.h"
 #include "scene/core/environment.h"
 #include "scene/core/light.h"
@@ -24,19 +27,27 @@ static const struct {
 // Where nothing is said: as in glTF.
 #define SPOT_OUTER_DEGREES 45
 
-static bool read_cone(const struct json_node *node, struct light *light, struct err *err)
+bool load_json_check_light(const struct json_node *node, const struct light *light, struct err *err)
 {
-    const struct range range = {0, 90, false};
-    double inner = 0, outer = SPOT_OUTER_DEGREES;
-    if (!load_json_direction(node, light->position, light->direction, err) ||
-        !node_read_number(node, "inner_degrees", range, &inner, err) ||
-        !node_read_number(node, "outer_degrees", range, &outer, err))
-        return false;
-    // In single precision, as the kernels take them.
-    light->inner_angle = (float)(inner * DEGREE);
-    light->outer_angle = (float)(outer * DEGREE);
-    return light->inner_angle < light->outer_angle ||
-           node_fail(node, err, "inner_degrees %.9g is not below outer_degrees %.9g", inner, outer);
+    const double inner = (double)light->inner_angle / DEGREE;
+    const double outer = (double)light->outer_angle / DEGREE;
+    const double degrees = 2 * light->angular_radius / DEGREE;
+    const struct json_node member = node_member(node, "angular_diameter_degrees");
+    const struct json_node *diameter = member.value ? &member : node;
+    if (light->kind == LIGHT_SPOT && !(light->inner_angle < light->outer_angle))
+        return node_fail(node, err, "inner_degrees %.6g is not below outer_degrees %.6g", inner,
+                         outer);
+    if (degrees > 0 && degrees < ENVIRONMENT_SUN_DIAMETER_MIN)
+        return node_fail(diameter, err, "%.9g is below %g and not 0, a light without extent",
+                         degrees, ENVIRONMENT_SUN_DIAMETER_MIN);
+    for (int c = 0; c < 3 && degrees > 0 && light->kind == LIGHT_DIRECTIONAL; c++) {
+        double radiance =
+            environment_sun_radiance((double)light->radiant[c], light->angular_radius);
+        if (!(radiance <= SCENE_RADIANCE_MAX))
+            return node_fail(diameter, err, "makes the sun's radiance %.9g; expected at most %g",
+                             radiance, SCENE_RADIANCE_MAX);
+    }
+    return true;
 }
 
 // The plane at 0 degrees has the world's x axis, or its z axis where light goes along the former;
@@ -87,15 +98,6 @@ static bool read_profile(struct json_loader *loader, const struct json_node *nod
            (ies_load(loader->scene, path, &light->profile, err) || node_prepend(&file, err));
 }
 
-// What a light sends where it sends most: of a profile without another word what its file says.
-static bool read_peak(const struct json_node *node, struct light *light, struct err *err)
-{
-    if (light->profile && !node_member(node, "intensity").value)
-        for (int c = 0; c < 3; c++)
-            light->radiant[c] = (float)light->profile->greatest;
-    return node_read_color(node, "intensity", RANGE_RADIANCE, light->radiant, err);
-}
-
 // "intensity", or "power" divided by the solid angle that it is spread over.
 static bool read_intensity(const struct json_node *node, struct light *light, struct err *err)
 {
@@ -105,9 +107,11 @@ static bool read_intensity(const struct json_node *node, struct light *light, st
     else if (light->kind == LIGHT_SPOT)
         solid_angle = spot_solid_angle(light);
     bool is_told = light->profile && !node_member(node, "power").value;
-    if ((!is_told && !node_check_either(node, "intensity", "power", err)) ||
-        !read_peak(node, light, err))
+    if (!is_told && !node_check_either(node, "intensity", "power", err))
         return false;
+    // Of a profile without another word what its file says.
+    for (int c = 0; c < 3 && light->profile && !node_member(node, "intensity").value; c++)
+        light->radiant[c] = (float)light->profile->greatest;
     const struct json_node power_node = node_member(node, "power");
     double power[3];
     if (!power_node.value)
@@ -124,49 +128,31 @@ static bool read_intensity(const struct json_node *node, struct light *light, st
     return true;
 }
 
-static bool read_directional(const struct json_node *node, struct light *light, struct err *err)
-{
-    double degrees = 0, limit = ENVIRONMENT_SUN_DIAMETER_MIN;
-    const struct json_node diameter = node_member(node, "angular_diameter_degrees");
-    const struct range range = {0, ENVIRONMENT_SUN_DIAMETER_MAX, false};
-    if (!load_json_direction(node, NULL, light->direction, err) ||
-        !node_read_color(node, "irradiance", RANGE_RADIANCE, light->radiant, err) ||
-        !node_read_number(node, diameter.key, range, &degrees, err))
-        return false;
-    if (degrees > 0 && degrees < limit)
-        return node_fail(&diameter, err, "%.9g is below %g and not 0, a light without extent",
-                         degrees, limit);
-    light->angular_radius = degrees / 2 * DEGREE;
-    for (int c = 0; c < 3 && degrees > 0; c++) {
-        double radiance =
-            environment_sun_radiance((double)light->radiant[c], light->angular_radius);
-        if (!(radiance <= SCENE_RADIANCE_MAX))
-            return node_fail(&diameter, err, "makes the radiance %.9g; expected at most %g",
-                             radiance, SCENE_RADIANCE_MAX);
-    }
-    return true;
-}
-
 static bool read_light(struct json_loader *loader, const struct json_node *node,
                        struct light *light, struct err *err)
 {
+    struct scene_fields fields;
     if (!json_is_object(node->value))
         return node_unexpected(node, "an object", err);
     if (!node_member(node, "type").value)
         return node_fail(node, err, "\"type\" is missing");
-    double range = INFINITY;
+    light->range = INFINITY;
     if (!node_read_choice(node, "type", light_kind_names, &light->kind, err) ||
         !node_check_object(node, type_keys[light->kind].required, type_keys[light->kind].optional,
                            err) ||
-        !node_read_string(node, "name", &light->name, err) ||
-        !node_read_vector(node, "position", RANGE_COORDINATE, light->position, err) ||
-        !node_read_number(node, "range", RANGE_RADIUS, &range, err))
+        !node_read_string(node, "name", &light->name, err))
         return false;
-    light->range = (float)range;
-    if (light->kind == LIGHT_DIRECTIONAL)
-        return read_directional(node, light, err);
-    return (light->kind == LIGHT_POINT || read_cone(node, light, err)) &&
-           read_profile(loader, node, light, err) && read_intensity(node, light, err);
+    if (light->kind == LIGHT_SPOT)
+        light->outer_angle = (float)(SPOT_OUTER_DEGREES * DEGREE);
+    scene_light_fields(light->kind, &fields);
+    bool is_directional = light->kind == LIGHT_DIRECTIONAL;
+    return fields_read(fields.list, fields.count, node, light, err) &&
+           (light->kind == LIGHT_POINT ||
+            load_json_direction(node, is_directional ? NULL : light->position, light->direction,
+                                err)) &&
+           load_json_check_light(node, light, err) &&
+           (is_directional ||
+            (read_profile(loader, node, light, err) && read_intensity(node, light, err)));
 }
 
 bool load_json_lights(struct json_loader *loader, const struct json_node *lights, struct err *err)
