@@ -239,7 +239,7 @@ static bool render_samples(struct job *job, const struct job_step *step, uint64_
         .progress_to = to,
         .stopped = &job->stopped,
         .after_wave = after_wave,
-        .watch = step->watch,
+        .observer = step->observer,
         .context = job,
     };
     return renderer_render(&job->renderer, &call, err);

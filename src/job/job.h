@@ -212,7 +212,7 @@ struct job_step {
     uint64_t samples; // of a pixel since the beginning (with `adaptive`: rounds); UINT64_MAX: any
     double seconds;   // of rendering since the beginning; 0: no limit
     double from, to;  // the part of the progress that this step is
-    const struct wave_watch *watch; // see render_call
+    const struct wave_observer *observer; // see render_call
 };
 // Goes on until every pixel has so many samples, the clock ends it, or it is asked to stop, but for
 // one wave at least.

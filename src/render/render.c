@@ -167,7 +167,7 @@ static void choose_features(const struct renderer_params *params, struct rendere
         .camera = &r->camera,
         .aovs = params->aovs,
         .workgroup = params->workgroup,
-        .everything = params->everything,
+        .compile_all = params->compile_all,
         .merge_classes = params->merge_classes,
         .tiles = params->tiles,
     });
@@ -258,7 +258,7 @@ void renderer_finish(struct renderer *r)
 // --- rendering -----------------------------------------------------------------------------------
 
 // From now on rays that run out of their budget are suspended, not given up.
-static bool become_careful(struct renderer *r, struct err *err)
+static bool enable_suspension(struct renderer *r, struct err *err)
 {
     log_warn("some rays need more than %u steps through the BVH: going on with suspended "
              "traversals (slower, the same picture)",
@@ -334,10 +334,10 @@ static bool run_pass(struct renderer *r, struct work *work, struct err *err)
     while (r->pass.position < r->pass.length && !*call->stopped) {
         struct wave wave;
         bool voided = false;
-        if (!fill_wave(r, &wave, err) || !wave_render(r, &wave, call->watch, &voided, err))
+        if (!fill_wave(r, &wave, err) || !wave_render(r, &wave, call->observer, &voided, err))
             return false;
         if (voided) {
-            if (!become_careful(r, err))
+            if (!enable_suspension(r, err))
                 return false;
             if (r->pass.position > 0)
                 continue;

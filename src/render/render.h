@@ -47,7 +47,7 @@ struct renderer_params {
     const char *bvh_cache; // folder in which hierarchies are kept; NULL: none
     uint32_t camera;       // index into the scene's
     uint32_t aovs;         // AOV_*: pictures wanted besides the radiance
-    bool everything;       // compile in what the scene does not need (--features all)
+    bool compile_all;      // compile in what the scene does not need (--features all)
     bool merge_classes;    // one kernel for all surfaces (--classes merged)
     bool tiles;            // sample counts by tile: see adaptive.h
     bool open_ended;       // how many samples there will be is not known
@@ -174,7 +174,7 @@ struct render_call {
     bool (*after_wave)(void *context, struct err *err);
     // To look at what happens, kernel by kernel: see wave.h. Each is then submitted alone, which is
     // slow; the film stays the same. May be NULL.
-    const struct wave_watch *watch;
+    const struct wave_observer *observer;
     void *context; // of after_wave
 };
 bool renderer_render(struct renderer *renderer, const struct render_call *call, struct err *err);
@@ -207,8 +207,8 @@ bool renderer_restart(struct renderer *renderer, uint32_t seed, struct err *err)
 // would make. Sets *fits to false and does nothing where only a new renderer can: for more pixels
 // than it was created for, another kind of camera, a lens that was not there, a camera that is far,
 // spheres that become large where the camera is, or cease to be, and with tiles.
-bool renderer_look(struct renderer *renderer, const struct camera *camera, uint32_t width,
-                   uint32_t height, bool *fits, struct err *err);
+bool renderer_set_camera(struct renderer *renderer, const struct camera *camera, uint32_t width,
+                         uint32_t height, bool *fits, struct err *err);
 
 // Means of the half-buffers and counts, pixels in rows from the top.
 struct film_image {

@@ -234,7 +234,7 @@ static uint32_t light_features(const struct scene *scene, uint32_t emitters, uin
 }
 
 // What compiling in changes nothing but the time: what it would add is zero, or never met.
-static uint32_t harmless_features(const struct settings *settings)
+static uint32_t neutral_features(const struct settings *settings)
 {
     uint32_t features = FEATURE_TRIANGLES | FEATURE_NORMALS | FEATURE_EMISSION |
                         FEATURE_ENVIRONMENT | FEATURE_ENVIRONMENT_IMAGE | FEATURE_ROULETTE |
@@ -403,8 +403,8 @@ struct specialization specialize(const struct specialize_params *p)
         s.features |= FEATURE_CLAMP;
     if (settings->falloff > 0.0f)
         s.features |= FEATURE_FALLOFF;
-    if (p->everything) {
-        s.features |= harmless_features(settings);
+    if (p->compile_all) {
+        s.features |= neutral_features(settings);
         // Distance fields have operations, and other spheres other digits.
         s.geometry |= GEOMETRY_SHAPES & ~GEOMETRY_SDFS;
         s.emitters |= EMITTERS_ALL;

@@ -49,7 +49,7 @@ struct specialize_params {
     uint32_t workgroup; // threads; 0: the device's default
     // Compiles in all that does not change what is computed: for measuring what leaving out is
     // worth, and for testing that it changes no bit.
-    bool everything;
+    bool compile_all;
     bool merge_classes; // one queue and one kernel for all classes of surfaces
     bool tiles;         // sample counts by tile
 };

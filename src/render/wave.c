@@ -132,7 +132,7 @@ static bool run(struct renderer *r, struct err *err)
 struct loop {
     struct renderer *r;
     const struct wave *wave;
-    const struct wave_watch *watch; // NULL: record as much as possible before running it
+    const struct wave_observer *observer; // NULL: record as much as possible before running it
 };
 
 static bool watched(struct loop *l, wave_step_fn fn, enum kernel_id kernel, uint32_t queue,
@@ -141,17 +141,19 @@ static bool watched(struct loop *l, wave_step_fn fn, enum kernel_id kernel, uint
     const struct gpu_push *push = &l->r->push;
     uint32_t light_ray = kernel == KERNEL_intersect_shadow ? push->light_ray : 0;
     const struct wave_step step = {kernel, push->bounce, queue, light_ray};
-    return run(l->r, err) && fn(l->watch->context, &step, err) && wave_begin(l->r, l->wave, err);
+    return run(l->r, err) && fn(l->observer->context, &step, err) && wave_begin(l->r, l->wave, err);
 }
 
 static bool before(struct loop *l, enum kernel_id kernel, uint32_t queue, struct err *err)
 {
-    return !l->watch || !l->watch->before || watched(l, l->watch->before, kernel, queue, err);
+    return !l->observer || !l->observer->before ||
+           watched(l, l->observer->before, kernel, queue, err);
 }
 
 static bool after(struct loop *l, enum kernel_id kernel, uint32_t queue, struct err *err)
 {
-    return !l->watch || !l->watch->after || watched(l, l->watch->after, kernel, queue, err);
+    return !l->observer || !l->observer->after ||
+           watched(l, l->observer->after, kernel, queue, err);
 }
 
 // Traces a queue. When rays may run out of their budget, the host looks after each dispatch and has
@@ -337,11 +339,11 @@ static void add_nonfinite(struct renderer *r, const struct gpu_counters *before)
     }
 }
 
-bool wave_render(struct renderer *r, const struct wave *wave, const struct wave_watch *watch,
+bool wave_render(struct renderer *r, const struct wave *wave, const struct wave_observer *observer,
                  bool *voided, struct err *err)
 {
     set_wave(r, wave);
-    struct loop loop = {.r = r, .wave = wave, .watch = watch};
+    struct loop loop = {.r = r, .wave = wave, .observer = observer};
     struct gpu_counters before = *r->counters;
     if (!trace_paths(&loop, err))
         return false;
@@ -360,11 +362,11 @@ bool wave_render(struct renderer *r, const struct wave *wave, const struct wave_
     return true;
 }
 
-bool wave_trace_steps(struct renderer *r, const struct wave *wave, const struct wave_watch *watch,
-                      struct err *err)
+bool wave_trace_steps(struct renderer *r, const struct wave *wave,
+                      const struct wave_observer *observer, struct err *err)
 {
     set_wave(r, wave);
-    struct loop loop = {.r = r, .wave = wave, .watch = watch};
+    struct loop loop = {.r = r, .wave = wave, .observer = observer};
     return trace_paths(&loop, err) && run(r, err);
 }
 

@@ -4,7 +4,7 @@
 
 #include "render/render.h"
 
-struct wave_watch;
+struct wave_observer;
 
 // pixel_count << sample_shift paths: at most plan.wave_slots.
 struct wave {
@@ -16,9 +16,9 @@ struct wave {
 };
 
 // *voided: some ray ran out of its budget without FEATURE_SUSPEND, and nothing reached the film.
-// watch: see below; NULL: nobody looks.
-bool wave_render(struct renderer *renderer, const struct wave *wave, const struct wave_watch *watch,
-                 bool *voided, struct err *err);
+// observer: see below; NULL: nobody looks.
+bool wave_render(struct renderer *renderer, const struct wave *wave,
+                 const struct wave_observer *observer, bool *voided, struct err *err);
 
 // Creates the kernels that the renderer needs at present; compiles them by running each once on
 // nothing, since drivers put that off until then.
@@ -31,7 +31,7 @@ uint32_t wave_kernel_instructions(const struct renderer *renderer,
 bool wave_count_steps(struct renderer *renderer, bool on, struct err *err);
 
 // --- step by step --------------------------------------------------------------------------------
-// For replay.c, which follows one path, and recorded.c, which repeats a kernel.
+// For replay.c, which follows one path, and kernel_recording.c, which repeats a kernel.
 
 // A kernel at its place in the loop.
 struct wave_step {
@@ -41,7 +41,7 @@ struct wave_step {
     uint32_t light_ray; // of intersect_shadow: which of a slot's
 };
 typedef bool (*wave_step_fn)(void *context, const struct wave_step *step, struct err *err);
-struct wave_watch {
+struct wave_observer {
     // Called around each kernel with all that was before in memory, and the counters read back; may
     // be NULL. prepare_dispatch is watched where a bounce begins, and only before it. False ends
     // the wave.
@@ -50,7 +50,7 @@ struct wave_watch {
 };
 // wave_render without accumulation.
 bool wave_trace_steps(struct renderer *renderer, const struct wave *wave,
-                      const struct wave_watch *watch, struct err *err);
+                      const struct wave_observer *observer, struct err *err);
 // Begins commands of their own, for wave_record_step.
 bool wave_begin(struct renderer *renderer, const struct wave *wave, struct err *err);
 // Records the kernel of a step, as the wave's loop does.

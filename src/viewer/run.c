@@ -166,7 +166,7 @@ static void set_up(struct viewer *viewer, const struct options *options)
         .split_at = 0.5,
     };
     double frame_ms = options->view.frame_ms;
-    pace_init(&viewer->view.pace, frame_ms > 0.0 ? frame_ms : 33.0);
+    frame_budget_init(&viewer->view.pace, frame_ms > 0.0 ? frame_ms : 33.0);
     viewer_log_begin(viewer, options->log_level);
 }
 

@@ -14,8 +14,8 @@ struct yardstick {
     unsigned threads;
     // of the call under way
     bool shadow;
-    const struct single_ray *rays;
-    struct single_hit *hits;
+    const struct probe_ray *rays;
+    struct probe_hit *hits;
 };
 
 struct yardstick *yardstick_create(const struct flat_scene *flat, unsigned threads)
@@ -54,7 +54,7 @@ void yardstick_destroy(struct yardstick *y)
     free(y);
 }
 
-static struct RTCRay embree_ray(const struct single_ray *ray, float t_far)
+static struct RTCRay embree_ray(const struct probe_ray *ray, float t_far)
 {
     return (struct RTCRay){
         .org_x = ray->origin[0],
@@ -84,14 +84,14 @@ static void trace_range(void *context, size_t begin, size_t end, unsigned thread
                                     .hit.geomID = RTC_INVALID_GEOMETRY_ID};
             rtcIntersect1(y->scene, &rtc, &hit);
             bool found = hit.hit.geomID != RTC_INVALID_GEOMETRY_ID;
-            y->hits[i] = (struct single_hit){hit.ray.tfar, hit.hit.u, hit.hit.v,
-                                             found ? hit.hit.primID : NO_PRIMITIVE};
+            y->hits[i] = (struct probe_hit){hit.ray.tfar, hit.hit.u, hit.hit.v,
+                                            found ? hit.hit.primID : NO_PRIMITIVE};
         }
     }
 }
 
-double yardstick_trace(struct yardstick *y, bool shadow, const struct single_ray *rays,
-                       uint32_t count, struct single_hit *hits)
+double yardstick_trace(struct yardstick *y, bool shadow, const struct probe_ray *rays,
+                       uint32_t count, struct probe_hit *hits)
 {
     y->shadow = shadow;
     y->rays = rays;
@@ -114,8 +114,8 @@ void yardstick_destroy(struct yardstick *y)
     (void)y;
 }
 
-double yardstick_trace(struct yardstick *y, bool shadow, const struct single_ray *rays,
-                       uint32_t count, struct single_hit *hits)
+double yardstick_trace(struct yardstick *y, bool shadow, const struct probe_ray *rays,
+                       uint32_t count, struct probe_hit *hits)
 {
     (void)y, (void)shadow, (void)rays, (void)count, (void)hits;
     return NAN;

@@ -93,8 +93,8 @@ static double median(double *values, int count)
     return values[count / 2];
 }
 
-static bool trace_all(struct renderer *r, bool shadow, const struct single_ray *rays,
-                      uint32_t count, struct single_hit *hits, double *seconds, struct err *err)
+static bool trace_all(struct renderer *r, bool shadow, const struct probe_ray *rays, uint32_t count,
+                      struct probe_hit *hits, double *seconds, struct err *err)
 {
     enum kernel_id kernel = shadow ? KERNEL_intersect_shadow : KERNEL_intersect_closest;
     *seconds = 0.0;
@@ -102,7 +102,7 @@ static bool trace_all(struct renderer *r, bool shadow, const struct single_ray *
         uint32_t n = count - first < r->plan.wave_slots ? count - first : r->plan.wave_slots;
         double ms;
         bool complete;
-        if (!single_kernel_trace(r, kernel, rays + first, n, hits + first, &ms, &complete, err))
+        if (!ray_probe_trace(r, kernel, rays + first, n, hits + first, &ms, &complete, err))
             return false;
         if (!complete)
             return err_set(err, ERR_BUG, "a ray ran out of its budget");
@@ -111,7 +111,7 @@ static bool trace_all(struct renderer *r, bool shadow, const struct single_ray *
     return true;
 }
 
-static uint32_t disagreements(bool shadow, const struct single_hit *a, const struct single_hit *b,
+static uint32_t disagreements(bool shadow, const struct probe_hit *a, const struct probe_hit *b,
                               uint32_t count)
 {
     uint32_t n = 0;
@@ -128,9 +128,9 @@ struct bench {
     struct gpu gpu;
     struct renderer r;
     struct yardstick *yardstick;
-    struct single_ray *rays[RAY_KINDS];
+    struct probe_ray *rays[RAY_KINDS];
     uint32_t counts[RAY_KINDS];
-    struct single_hit *hits, *reference;
+    struct probe_hit *hits, *reference;
 };
 
 static bool measure(struct bench *b, enum ray_kind kind, struct err *err)
@@ -164,10 +164,10 @@ static bool measure(struct bench *b, enum ray_kind kind, struct err *err)
 static bool allocate(struct bench *b, struct err *err)
 {
     struct arena *arena = &b->scene.arena;
-    b->hits = ARENA_NEW(arena, struct single_hit, RAYS);
-    b->reference = ARENA_NEW(arena, struct single_hit, RAYS);
+    b->hits = ARENA_NEW(arena, struct probe_hit, RAYS);
+    b->reference = ARENA_NEW(arena, struct probe_hit, RAYS);
     for (int kind = 0; kind < RAY_KINDS; kind++) {
-        b->rays[kind] = ARENA_NEW(arena, struct single_ray, RAYS);
+        b->rays[kind] = ARENA_NEW(arena, struct probe_ray, RAYS);
         if (!b->rays[kind])
             return err_memory(err, "rays", RAYS * sizeof **b->rays);
     }
@@ -177,7 +177,7 @@ static bool allocate(struct bench *b, struct err *err)
 static bool make_rays(struct bench *b, struct err *err)
 {
     const struct flat_scene *flat = &b->r.flat;
-    struct single_ray **rays = b->rays;
+    struct probe_ray **rays = b->rays;
     double seconds;
     rays_primary(&b->scene.cameras[0], flat->origin, WIDTH, HEIGHT, SAMPLES, rays[RAYS_PRIMARY]);
     b->counts[RAYS_PRIMARY] = RAYS;

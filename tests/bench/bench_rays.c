@@ -26,7 +26,7 @@ static void cross(const float a[3], const float b[3], float out[3])
 }
 
 void rays_primary(const struct camera *camera, const double origin[3], uint32_t width,
-                  uint32_t height, uint32_t samples, struct single_ray *rays)
+                  uint32_t height, uint32_t samples, struct probe_ray *rays)
 {
     uint32_t state = 1;
     float forward[3], up[3], right[3], real_up[3];
@@ -53,8 +53,8 @@ void rays_primary(const struct camera *camera, const double origin[3], uint32_t 
 
 // The hit point, moved off the surface by a ten-thousandth of the distance: a benchmark's rays need
 // not be exact, only the same for everyone. The normal faces the ray's origin.
-static void leave_surface(const struct flat_scene *flat, const struct single_ray *ray,
-                          const struct single_hit *hit, float point[3], float normal[3])
+static void leave_surface(const struct flat_scene *flat, const struct probe_ray *ray,
+                          const struct probe_hit *hit, float point[3], float normal[3])
 {
     const struct flat_triangle *triangle = &flat->triangles[hit->primitive];
     float e1[3], e2[3];
@@ -73,14 +73,14 @@ static void leave_surface(const struct flat_scene *flat, const struct single_ray
     }
 }
 
-uint32_t rays_diffuse(const struct flat_scene *flat, const struct single_ray *from,
-                      const struct single_hit *hits, uint32_t count, struct single_ray *rays)
+uint32_t rays_diffuse(const struct flat_scene *flat, const struct probe_ray *from,
+                      const struct probe_hit *hits, uint32_t count, struct probe_ray *rays)
 {
     uint32_t state = 2, made = 0;
     for (uint32_t i = 0; i < count; i++) {
         if (hits[i].primitive == NO_PRIMITIVE)
             continue;
-        struct single_ray *ray = &rays[made++];
+        struct probe_ray *ray = &rays[made++];
         float normal[3];
         leave_surface(flat, &from[i], &hits[i], ray->origin, normal);
         // A point of the unit sphere about the normal's tip is cosine-distributed as seen from its
@@ -95,15 +95,15 @@ uint32_t rays_diffuse(const struct flat_scene *flat, const struct single_ray *fr
     return made;
 }
 
-uint32_t rays_shadow(const struct flat_scene *flat, const struct single_ray *from,
-                     const struct single_hit *hits, uint32_t count, const float light[3][3],
-                     struct single_ray *rays)
+uint32_t rays_shadow(const struct flat_scene *flat, const struct probe_ray *from,
+                     const struct probe_hit *hits, uint32_t count, const float light[3][3],
+                     struct probe_ray *rays)
 {
     uint32_t state = 3, made = 0;
     for (uint32_t i = 0; i < count; i++) {
         if (hits[i].primitive == NO_PRIMITIVE)
             continue;
-        struct single_ray *ray = &rays[made++];
+        struct probe_ray *ray = &rays[made++];
         float normal[3];
         leave_surface(flat, &from[i], &hits[i], ray->origin, normal);
         float u = uniform(&state), v = uniform(&state);

@@ -46,7 +46,7 @@ bool bsdf_device_open(struct bsdf_device *device, const struct material *materia
                                              .bvh = &r->bvh,
                                              .gpu = r->gpu,
                                              .camera = &scene->cameras[0],
-                                             .everything = true};
+                                             .compile_all = true};
     device->all_lobes = specialize(&params).lobes;
     return true;
 }

@@ -10,18 +10,17 @@ enum { RAYS = 50000, INSTANCES = 48 };
 // How often rounding may decide: about rays at edges and corners more often.
 enum { MOST_EXPLAINED = RAYS / 2048, MOST_DELICATE = RAYS / 16 };
 
-static struct single_ray rays[RAYS];
-static struct single_hit hits[2][RAYS];
+static struct probe_ray rays[RAYS];
+static struct probe_hit hits[2][RAYS];
 
-static void trace(struct renderer *r, enum kernel_id kernel, struct single_hit *out, uint32_t count)
+static void trace(struct renderer *r, enum kernel_id kernel, struct probe_hit *out, uint32_t count)
 {
     struct err err = {0};
     bool complete = true;
     double ms;
     for (uint32_t first = 0; first < count; first += r->plan.wave_slots) {
         uint32_t part = count - first < r->plan.wave_slots ? count - first : r->plan.wave_slots;
-        bool ok =
-            single_kernel_trace(r, kernel, rays + first, part, out + first, &ms, &complete, &err);
+        bool ok = ray_probe_trace(r, kernel, rays + first, part, out + first, &ms, &complete, &err);
         REQUIRE(ok && complete, "%s", ok ? "a ray ran out of its budget" : err.msg);
     }
 }
@@ -73,7 +72,7 @@ static void random_rays(const struct flat_scene *flat, bool segments)
     struct random random = {43};
     for (uint32_t i = 0; i < RAYS; i++) {
         float target[3];
-        rays[i] = (struct single_ray){0};
+        rays[i] = (struct probe_ray){0};
         for (int c = 0; c < 3; c++)
             rays[i].origin[c] = (float)random_between(&random, -6, 6);
         random_direction(&random, rays[i].direction);
@@ -96,7 +95,7 @@ static void compare(const struct renderer *r, bool shadow)
     uint32_t explained[2] = {0}, wrong = 0, of_instances = 0, found = 0;
     REQUIRE(reference_create(r, &arena, &reference), "out of memory");
     for (uint32_t i = 0; i < RAYS; i++) {
-        const struct single_hit *hit = &hits[0][i];
+        const struct probe_hit *hit = &hits[0][i];
         const struct bvh_ray ray = reference_ray(&rays[i], shadow ? 1 : INFINITY);
         bool occluded = hit->primitive != NO_PRIMITIVE;
         found += occluded;
@@ -196,7 +195,7 @@ TEST(an_instance_is_left_and_its_twin_is_met)
     const struct flat_scene *flat = &setup.r.flat;
     for (uint32_t i = 0; i < COUNT; i++) {
         float target[3];
-        rays[i] = (struct single_ray){0};
+        rays[i] = (struct probe_ray){0};
         random_direction(&random, rays[i].origin);
         for (int c = 0; c < 3; c++)
             rays[i].origin[c] *= 8;
@@ -206,7 +205,7 @@ TEST(an_instance_is_left_and_its_twin_is_met)
     trace(&setup.r, KERNEL_intersect_closest, hits[0], COUNT);
     uint32_t others = 0, own = 0, found = 0, twins = 0;
     for (uint32_t i = 0; i < COUNT; i++) {
-        const struct single_hit *hit = &hits[0][i];
+        const struct probe_hit *hit = &hits[0][i];
         others += hit->primitive != NO_PRIMITIVE && hit->instance != 0;
         rays[i].leaves = hit->primitive != NO_PRIMITIVE;
         rays[i].from = hit->primitive;
@@ -215,7 +214,7 @@ TEST(an_instance_is_left_and_its_twin_is_met)
     CHECK(others == 0, "%u of the others", others);
     trace(&setup.r, KERNEL_intersect_closest, hits[1], COUNT);
     for (uint32_t i = 0; i < COUNT; i++) {
-        const struct single_hit *hit = &hits[1][i];
+        const struct probe_hit *hit = &hits[1][i];
         if (!rays[i].leaves)
             continue;
         found++;
@@ -384,7 +383,7 @@ TEST(nothing_changes_the_bits)
          {.wave = 4096, .merge_classes = true}},
         {"everything, another tree",
          {0},
-         {.wave = 4096, .everything = true, .bvh = {BVH_SPLIT_MEAN, BVH_FLOAT}}},
+         {.wave = 4096, .compile_all = true, .bvh = {BVH_SPLIT_MEAN, BVH_FLOAT}}},
     };
     static const uint32_t integrators[] = {INTEGRATOR_PATH, INTEGRATOR_AO, INTEGRATOR_WHITTED};
     for (size_t i = 0; i < 3; i++) {

@@ -5,8 +5,8 @@
 
 enum { RAYS = 1 << 17, TRIANGLES = 100000 };
 
-static struct single_ray rays[RAYS];
-static struct single_hit hits[RAYS];
+static struct probe_ray rays[RAYS];
+static struct probe_hit hits[RAYS];
 
 static void count_misses(struct renderer *r, uint32_t *misses)
 {
@@ -16,8 +16,8 @@ static void count_misses(struct renderer *r, uint32_t *misses)
     double ms;
     for (uint32_t first = 0; first < RAYS; first += part) {
         uint32_t count = RAYS - first < part ? RAYS - first : part;
-        bool ok = single_kernel_trace(r, KERNEL_intersect_closest, rays + first, count,
-                                      hits + first, &ms, &complete, &err);
+        bool ok = ray_probe_trace(r, KERNEL_intersect_closest, rays + first, count, hits + first,
+                                  &ms, &complete, &err);
         REQUIRE(ok && complete, "%s", ok ? "a ray ran out of its budget" : err.msg);
     }
     for (uint32_t i = 0; i < RAYS; i++)

@@ -1,12 +1,12 @@
 // Sphere tracing in the kernels against marches in double precision that take half the steps.
-#include "render/probe/single_kernel.h"
+#include "render/probe/ray_probe.h"
 #include "render/sdf_inline.h"
 #include "sdf_programs.h"
 
 enum { RAYS = 3072 }; // a program
 
-static struct single_ray rays[RAYS];
-static struct single_hit hits[RAYS];
+static struct probe_ray rays[RAYS];
+static struct probe_hit hits[RAYS];
 
 // Room for the longest marches, which would be suspended otherwise: lavapipe's limit is 65,535
 // rounds of all loops of a subgroup, and its rays march side by side.
@@ -20,14 +20,13 @@ static void widen_budget(struct setup *setup)
     REQUIRE(ok, "%s", err.msg);
 }
 
-static bool trace_part(struct renderer *r, struct single_ray *from, uint32_t count,
-                       struct single_hit *to)
+static bool trace_part(struct renderer *r, struct probe_ray *from, uint32_t count,
+                       struct probe_hit *to)
 {
     struct err err = {0};
     bool complete = true;
     double ms;
-    bool ok =
-        single_kernel_trace(r, KERNEL_intersect_closest, from, count, to, &ms, &complete, &err);
+    bool ok = ray_probe_trace(r, KERNEL_intersect_closest, from, count, to, &ms, &complete, &err);
     CHECK(ok, "%s", err.msg);
     return complete;
 }
@@ -36,8 +35,8 @@ static bool trace_part(struct renderer *r, struct single_ray *from, uint32_t cou
 // up the limit of their subgroup together.
 static void trace_misses(struct renderer *r)
 {
-    static struct single_ray spread[RAYS];
-    static struct single_hit found[RAYS];
+    static struct probe_ray spread[RAYS];
+    static struct probe_hit found[RAYS];
     uint32_t stride = r->gpu->subgroup_size, missed[RAYS], count = 0;
     for (uint32_t i = 0; i < RAYS; i++)
         if (hits[i].primitive == NO_PRIMITIVE)
@@ -45,7 +44,7 @@ static void trace_misses(struct renderer *r)
     for (uint32_t first = 0; first < count; first += RAYS / stride) {
         uint32_t part = count - first < RAYS / stride ? count - first : RAYS / stride;
         for (uint32_t i = 0; i < part * stride; i++)
-            spread[i] = (struct single_ray){.origin = {0, 1e6f, 0}, .direction = {0, 1, 0}};
+            spread[i] = (struct probe_ray){.origin = {0, 1e6f, 0}, .direction = {0, 1, 0}};
         for (uint32_t i = 0; i < part; i++)
             spread[i * stride] = rays[missed[first + i]];
         bool complete = trace_part(r, spread, part * stride, found);
@@ -82,7 +81,7 @@ static void field_point(const struct field_ray *ray, double x, double out[3])
 }
 
 static struct field_ray into_field(const struct scene *scene, const struct shape *shape,
-                                   const struct single_ray *ray)
+                                   const struct probe_ray *ray)
 {
     const struct sdf *sdf = &scene->sdfs[shape->sdf];
     struct field_ray out = {.begin = 0, .end = INFINITY};
@@ -138,7 +137,7 @@ struct counts {
 
 // The hit is on the surface and nothing certain was before it; or nothing certain was there at all.
 static void judge(const struct scene *scene, const struct shape *shape, uint32_t number,
-                  const struct single_ray *ray, const struct single_hit *hit, struct counts *counts)
+                  const struct probe_ray *ray, const struct probe_hit *hit, struct counts *counts)
 {
     const struct sdf *sdf = &scene->sdfs[shape->sdf];
     struct field_ray r = into_field(scene, shape, ray);
@@ -179,7 +178,7 @@ static void random_in_box(struct random *random, const struct shape *shape, doub
 
 // By turns from around the box, from within, along axes, far from it, and along its diagonals.
 static void aim_rays(struct random *random, const struct shape *shape, double far,
-                     struct single_ray *out)
+                     struct probe_ray *out)
 {
     for (uint32_t i = 0; i < RAYS; i++) {
         double from[3], to[3], away = i % 8 == 3 ? far : 1.8;
@@ -310,7 +309,7 @@ static void add_long_program(struct scene *scene)
 }
 
 // Rays from around, some leaving the surface that was met before.
-static void trace_program(uint32_t program, bool interpreted, struct single_hit *out)
+static void trace_program(uint32_t program, bool interpreted, struct probe_hit *out)
 {
     struct setup setup;
     struct random random = {83};
@@ -333,7 +332,7 @@ static void trace_program(uint32_t program, bool interpreted, struct single_hit 
 TEST(code_is_what_is_interpreted)
 {
     static const char *const names[] = {"smooth union", "metaballs", "tree"};
-    static struct single_hit results[2][RAYS];
+    static struct probe_hit results[2][RAYS];
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         uint32_t differ = 0, met = 0, program = sdf_program_named(names[i]);
         trace_program(program, false, results[0]);

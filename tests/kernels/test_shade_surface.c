@@ -2,7 +2,7 @@
 // and its weight, the scattered path and roulette, each recomputed in double precision. Azimuths,
 // which depend on the choice of a basis, are taken as they come out: test_sampling checks them.
 #include "estimators.h"
-#include "render/probe/single_kernel.h"
+#include "render/probe/ray_probe.h"
 #include "surface_reference.h"
 
 enum { SLOTS = 4096 };
@@ -58,7 +58,7 @@ static void make_scene(struct scene *scene, uint32_t kind)
 // Hits of random rays, and paths that have come some way.
 static bool trace_rays(struct renderer *r, struct err *err)
 {
-    static struct single_ray rays[SLOTS];
+    static struct probe_ray rays[SLOTS];
     struct random random = {81};
     bool complete;
     double ms;
@@ -68,7 +68,7 @@ static bool trace_rays(struct renderer *r, struct err *err)
         rays[i].origin[1] = (float)random_between(&random, 0.1, 2);
         rays[i].origin[2] = (float)random_between(&random, -0.5, 1.5);
     }
-    if (!single_kernel_trace(r, KERNEL_intersect_closest, rays, SLOTS, NULL, &ms, &complete, err) ||
+    if (!ray_probe_trace(r, KERNEL_intersect_closest, rays, SLOTS, NULL, &ms, &complete, err) ||
         !gpu_download(r->gpu, &r->buffers[BINDING_PATHS], 0, before, sizeof before, err))
         return false;
     for (uint32_t i = 0; i < SLOTS; i++) {

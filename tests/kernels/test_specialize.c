@@ -300,7 +300,7 @@ static struct inventory take_inventory(const struct renderer *r)
     return out;
 }
 
-static bool make(struct gpu *gpu, uint64_t has, bool everything, struct inventory *out)
+static bool make(struct gpu *gpu, uint64_t has, bool compile_all, struct inventory *out)
 {
     struct scene scene;
     struct renderer r;
@@ -310,7 +310,7 @@ static bool make(struct gpu *gpu, uint64_t has, bool everything, struct inventor
         .gpu = gpu,
         .scene = &scene,
         .wave = 1024,
-        .everything = everything,
+        .compile_all = compile_all,
         .tiles = has & TILES,
         .instancing = has & PLACED ? INSTANCING_ON : INSTANCING_AUTO,
     };
@@ -653,13 +653,13 @@ TEST(lobes)
 
 // --- the same picture ----------------------------------------------------------------------------
 
-static bool render(struct gpu *gpu, const struct scene *scene, bool everything, struct arena *arena,
-                   struct film_image *image)
+static bool render(struct gpu *gpu, const struct scene *scene, bool compile_all,
+                   struct arena *arena, struct film_image *image)
 {
     struct renderer r;
     struct err err = {0};
     const struct renderer_params params = {
-        .gpu = gpu, .scene = scene, .wave = 1024, .everything = everything};
+        .gpu = gpu, .scene = scene, .wave = 1024, .compile_all = compile_all};
     bool ok = renderer_create(&params, &r, &err) &&
               renderer_render(&r, &(struct render_call){.samples = 8}, &err) &&
               renderer_read(&r, arena, image, &err);

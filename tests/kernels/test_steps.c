@@ -20,7 +20,7 @@ struct counts {
 // --- on the CPU ----------------------------------------------------------------------------------
 
 // Where the ray is in the box, widened by a part of its reach.
-static bool enters(const struct single_ray *ray, const double min[3], const double max[3],
+static bool enters(const struct probe_ray *ray, const double min[3], const double max[3],
                    double widen, double t_end)
 {
     double reach = 0, first = 0, last = t_end;
@@ -44,7 +44,7 @@ static void add_counts(struct counts *sum, struct counts more)
 }
 
 // All that a ray enters up to t_end.
-static struct counts walk(const struct bvh *bvh, const struct single_ray *ray, double widen,
+static struct counts walk(const struct bvh *bvh, const struct probe_ray *ray, double widen,
                           double t_end)
 {
     struct counts counts = {0};
@@ -78,13 +78,13 @@ static struct counts counted(const struct renderer *r, enum kernel_id kernel)
                            (uint64_t)primitives[1] << 32 | primitives[0]};
 }
 
-static struct counts trace(struct renderer *r, enum kernel_id kernel, const struct single_ray *rays,
+static struct counts trace(struct renderer *r, enum kernel_id kernel, const struct probe_ray *rays,
                            uint32_t count)
 {
     struct err err = {0};
     bool complete = true;
     double ms;
-    bool ok = count == 0 || single_kernel_trace(r, kernel, rays, count, NULL, &ms, &complete, &err);
+    bool ok = count == 0 || ray_probe_trace(r, kernel, rays, count, NULL, &ms, &complete, &err);
     CHECK(ok && complete, "%s", err.msg);
     return count > 0 ? counted(r, kernel) : (struct counts){0};
 }
@@ -93,7 +93,7 @@ static struct counts trace(struct renderer *r, enum kernel_id kernel, const stru
 
 // Rays by what can be said of them.
 struct rays {
-    struct single_ray sure[RAYS], other[RAYS];
+    struct probe_ray sure[RAYS], other[RAYS];
     uint32_t sure_count, other_count;
     struct counts exact;       // of the sure ones
     struct counts least, most; // of the others
@@ -101,7 +101,7 @@ struct rays {
 };
 
 static void sort_ray(const struct renderer *r, const struct reference *reference, bool shadow,
-                     const struct single_ray *ray, struct rays *out)
+                     const struct probe_ray *ray, struct rays *out)
 {
     double end = shadow ? 1 : INFINITY;
     const struct bvh_ray exact = reference_ray(ray, end);
@@ -136,7 +136,7 @@ static void make_rays(const struct renderer *r, bool shadow)
     memset(&rays, 0, sizeof rays);
     REQUIRE(reference_create(r, &arena, &reference), "out of memory");
     for (uint32_t i = 0; i < RAYS; i++) {
-        struct single_ray ray;
+        struct probe_ray ray;
         random_direction(&random, ray.direction);
         for (int c = 0; c < 3; c++) {
             double extent = (double)flat->bounds_max[c] - (double)flat->bounds_min[c];
@@ -238,7 +238,7 @@ TEST(shapes)
 TEST(one_node)
 {
     static const float triangle[1][3][3] = {{{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}}};
-    static struct single_ray towards[1000], away[1000];
+    static struct probe_ray towards[1000], away[1000];
     struct setup s = {0};
     struct err err = {0};
     scene_start(&s.scene, 8, 8);
@@ -247,8 +247,8 @@ TEST(one_node)
     REQUIRE(open(&s, &variants[0], &err), "%s", err.msg);
     for (int i = 0; i < 1000; i++) {
         float x = 0.1f + (float)i * 1e-4f;
-        towards[i] = (struct single_ray){{x, 0.05f, 2}, {0, 0, -1}};
-        away[i] = (struct single_ray){{x, 0.05f, 2}, {0, 0, 1}};
+        towards[i] = (struct probe_ray){{x, 0.05f, 2}, {0, 0, -1}};
+        away[i] = (struct probe_ray){{x, 0.05f, 2}, {0, 0, 1}};
     }
     for (uint32_t count = 1; count <= 1000; count += 111) {
         struct counts hit = trace(&s.r, KERNEL_intersect_closest, towards, count);
@@ -264,7 +264,7 @@ TEST(one_node)
 // Nothing but surroundings: an empty root.
 TEST(no_surface)
 {
-    static struct single_ray ups[100];
+    static struct probe_ray ups[100];
     struct setup s = {0};
     struct err err = {0};
     scene_start(&s.scene, 8, 8);
@@ -272,7 +272,7 @@ TEST(no_surface)
     OPEN_GPU(&s.gpu, .validation = false);
     REQUIRE(open(&s, &variants[0], &err), "%s", err.msg);
     for (int i = 0; i < 100; i++)
-        ups[i] = (struct single_ray){{0, 0, 0}, {0, 1, 0}};
+        ups[i] = (struct probe_ray){{0, 0, 0}, {0, 1, 0}};
     struct counts c = trace(&s.r, KERNEL_intersect_closest, ups, 100);
     CHECK(c.nodes == 100 && c.primitives == 0, "%llu, %llu", (unsigned long long)c.nodes,
           (unsigned long long)c.primitives);
@@ -282,7 +282,7 @@ TEST(no_surface)
 // The counts have 64 bits, of which the device adds to halves.
 TEST(carry)
 {
-    static struct single_ray ups[100];
+    static struct probe_ray ups[100];
     struct setup s = {0};
     struct err err = {0};
     scene_start(&s.scene, 8, 8);
@@ -290,7 +290,7 @@ TEST(carry)
     OPEN_GPU(&s.gpu, .validation = false);
     REQUIRE(open(&s, &variants[0], &err), "%s", err.msg);
     for (int i = 0; i < 100; i++)
-        ups[i] = (struct single_ray){{0, 0, 0}, {0, 1, 0}};
+        ups[i] = (struct probe_ray){{0, 0, 0}, {0, 1, 0}};
     trace(&s.r, KERNEL_intersect_closest, ups, 100);
     struct gpu_buffer *counters = &s.r.buffers[BINDING_COUNTERS];
     s.r.counters->steps[STEPS_CLOSEST][0] = UINT32_MAX - 30;

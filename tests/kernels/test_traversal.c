@@ -29,10 +29,10 @@ static const struct variant variants[] = {
 };
 enum { READS = 4, VARIANTS = sizeof variants / sizeof variants[0] };
 
-static struct single_ray rays[RAYS];
-static struct single_hit hits[VARIANTS][RAYS];
+static struct probe_ray rays[RAYS];
+static struct probe_hit hits[VARIANTS][RAYS];
 
-static uint32_t same_hits(const struct single_hit *a, const struct single_hit *b)
+static uint32_t same_hits(const struct probe_hit *a, const struct probe_hit *b)
 {
     uint32_t same = 0;
     for (uint32_t i = 0; i < RAYS; i++)
@@ -57,7 +57,7 @@ static double scene_extent(const struct flat_scene *flat)
     return vec3_norm(diagonal);
 }
 
-static void print_ray(const char *what, const struct single_ray *ray)
+static void print_ray(const char *what, const struct probe_ray *ray)
 {
     fprintf(stderr, "%s: origin %a %a %a, direction %a %a %a\n", what, (double)ray->origin[0],
             (double)ray->origin[1], (double)ray->origin[2], (double)ray->direction[0],
@@ -70,7 +70,7 @@ static uint32_t *explained_count(struct comparison *c, uint32_t ray)
 }
 
 static struct comparison compare_closest(const struct reference *reference,
-                                         const struct single_hit *results)
+                                         const struct probe_hit *results)
 {
     struct comparison out = {0};
     double extent = scene_extent(reference->flat);
@@ -96,7 +96,7 @@ static struct comparison compare_closest(const struct reference *reference,
 }
 
 static struct comparison compare_shadow(const struct reference *reference,
-                                        const struct single_hit *results)
+                                        const struct probe_hit *results)
 {
     struct comparison out = {0};
     for (uint32_t i = 0; i < RAYS; i++) {
@@ -115,7 +115,7 @@ static struct comparison compare_shadow(const struct reference *reference,
 
 // --- a scene -------------------------------------------------------------------------------------
 
-static void trace(struct renderer *r, enum kernel_id kernel, struct single_hit *out)
+static void trace(struct renderer *r, enum kernel_id kernel, struct probe_hit *out)
 {
     struct err err = {0};
     bool complete = true;
@@ -123,7 +123,7 @@ static void trace(struct renderer *r, enum kernel_id kernel, struct single_hit *
     for (uint32_t first = 0; first < RAYS; first += r->plan.wave_slots) {
         uint32_t count = RAYS - first < r->plan.wave_slots ? RAYS - first : r->plan.wave_slots;
         bool ok =
-            single_kernel_trace(r, kernel, rays + first, count, out + first, &ms, &complete, &err);
+            ray_probe_trace(r, kernel, rays + first, count, out + first, &ms, &complete, &err);
         REQUIRE(ok && complete, "%s", ok ? "a ray ran out of its budget" : err.msg);
     }
 }

@@ -6,8 +6,8 @@
 
 enum { RAYS = 16384 };
 
-static struct single_ray rays[RAYS];
-static struct single_hit hits[RAYS];
+static struct probe_ray rays[RAYS];
+static struct probe_hit hits[RAYS];
 
 static void trace(struct renderer *r, enum kernel_id kernel, uint32_t count)
 {
@@ -17,7 +17,7 @@ static void trace(struct renderer *r, enum kernel_id kernel, uint32_t count)
     for (uint32_t first = 0; first < count; first += r->plan.wave_slots) {
         uint32_t part = count - first < r->plan.wave_slots ? count - first : r->plan.wave_slots;
         bool ok =
-            single_kernel_trace(r, kernel, rays + first, part, hits + first, &ms, &complete, &err);
+            ray_probe_trace(r, kernel, rays + first, part, hits + first, &ms, &complete, &err);
         REQUIRE(ok && complete, "%s", ok ? "a ray ran out of its budget" : err.msg);
     }
 }
@@ -251,9 +251,9 @@ TEST(triangles_win_against_equal_shapes)
     struct random random = {14};
     for (uint32_t i = 0; i < RAYS; i++) {
         // Straight down: all distances to the floor are exact.
-        rays[i] = (struct single_ray){.origin = {(float)random_between(&random, -1, 1), 2,
-                                                 (float)random_between(&random, -1, 1)},
-                                      .direction = {0, -1, 0}};
+        rays[i] = (struct probe_ray){.origin = {(float)random_between(&random, -1, 1), 2,
+                                                (float)random_between(&random, -1, 1)},
+                                     .direction = {0, -1, 0}};
     }
     trace(&setup.r, KERNEL_intersect_closest, RAYS);
     uint32_t seen[6] = {0}, floor_hits = 0;
@@ -280,7 +280,7 @@ static void compare_with_embree(const char *name)
 {
     struct setup setup;
     struct err err = {0};
-    static struct single_hit embree_hits[RAYS];
+    static struct probe_hit embree_hits[RAYS];
     if (!load_mesh_file(name, &setup.scene, &err))
         SKIP("%s (LAMPYRIS_DATA says where data is)", err.msg);
     OPEN_SETUP(&setup, RAYS);

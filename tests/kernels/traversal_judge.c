@@ -102,7 +102,7 @@ bool reference_create(const struct renderer *r, struct arena *arena, struct refe
     return true;
 }
 
-struct bvh_ray reference_ray(const struct single_ray *ray, double t_max)
+struct bvh_ray reference_ray(const struct probe_ray *ray, double t_max)
 {
     struct bvh_ray out = {.t_max = t_max, .ignore = {UINT32_MAX, UINT32_MAX}};
     for (int c = 0; c < 3; c++) {
@@ -113,7 +113,7 @@ struct bvh_ray reference_ray(const struct single_ray *ray, double t_max)
 }
 
 bool reference_agrees(const struct reference *reference, const struct bvh_ray *ray,
-                      const struct single_hit *result, double extent)
+                      const struct probe_hit *result, double extent)
 {
     struct bvh_hit hit;
     bvh_trace_closest(&reference->scene, ray, &hit);
@@ -366,8 +366,8 @@ static bool certain_hit_before(const struct flat_scene *flat, const struct bvh_r
     return false;
 }
 
-bool judge_closest(const struct flat_scene *flat, const struct single_ray *ray,
-                   const struct single_hit *hit)
+bool judge_closest(const struct flat_scene *flat, const struct probe_ray *ray,
+                   const struct probe_hit *hit)
 {
     const struct bvh_ray exact = reference_ray(ray, INFINITY);
     if (hit->primitive == NO_PRIMITIVE)
@@ -377,7 +377,7 @@ bool judge_closest(const struct flat_scene *flat, const struct single_ray *ray,
            !certain_hit_before(flat, &exact, (double)hit->t);
 }
 
-bool judge_occluded(const struct flat_scene *flat, const struct single_ray *ray, bool occluded)
+bool judge_occluded(const struct flat_scene *flat, const struct probe_ray *ray, bool occluded)
 {
     const struct bvh_ray exact = reference_ray(ray, 1);
     if (!occluded)

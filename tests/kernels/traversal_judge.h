@@ -5,7 +5,7 @@
 
 #include "bvh/bvh.h"
 #include "flatten/flatten.h"
-#include "render/probe/single_kernel.h"
+#include "render/probe/ray_probe.h"
 
 // The CPU reference on a renderer's own geometry.
 struct reference {
@@ -21,13 +21,13 @@ bool reference_create(const struct renderer *r, struct arena *arena, struct refe
 // The hit that the kernels should find, within the error of a triangle that is neither a sliver nor
 // seen edge-on: some 16 roundings of the largest coordinate relative to the ray's origin.
 bool reference_agrees(const struct reference *reference, const struct bvh_ray *ray,
-                      const struct single_hit *result, double extent);
-struct bvh_ray reference_ray(const struct single_ray *ray, double t_max);
+                      const struct probe_hit *result, double extent);
+struct bvh_ray reference_ray(const struct probe_ray *ray, double t_max);
 
 // True when no exact arithmetic within the kernel's error bounds contradicts the result: the
 // primitive may be hit at that distance, and none is hit for certain before it.
-bool judge_closest(const struct flat_scene *flat, const struct single_ray *ray,
-                   const struct single_hit *hit);
-bool judge_occluded(const struct flat_scene *flat, const struct single_ray *ray, bool occluded);
+bool judge_closest(const struct flat_scene *flat, const struct probe_ray *ray,
+                   const struct probe_hit *hit);
+bool judge_occluded(const struct flat_scene *flat, const struct probe_ray *ray, bool occluded);
 
 #endif

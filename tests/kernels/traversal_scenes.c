@@ -178,7 +178,7 @@ static float signed_zero(struct random *random)
 }
 
 // Leaves `components` components of a direction and makes the others zeros of either sign.
-static void flatten_ray(struct random *random, uint32_t components, struct single_ray *ray)
+static void flatten_ray(struct random *random, uint32_t components, struct probe_ray *ray)
 {
     uint32_t first = random_u32(random) % 3;
     for (uint32_t i = components; i < 3; i++)
@@ -189,11 +189,11 @@ static void flatten_ray(struct random *random, uint32_t components, struct singl
 }
 
 void random_closest_rays(const struct flat_scene *flat, uint32_t count, uint64_t seed,
-                         struct single_ray *rays)
+                         struct probe_ray *rays)
 {
     struct random random = {seed};
     for (uint32_t i = 0; i < count; i++) {
-        struct single_ray *ray = &rays[i];
+        struct probe_ray *ray = &rays[i];
         float target[3];
         if (i % 3 == 0)
             point_inside(flat, &random, ray->origin);
@@ -227,7 +227,7 @@ void random_closest_rays(const struct flat_scene *flat, uint32_t count, uint64_t
 // A segment through a point of a triangle, from one hundred-thousandth of the scene's extent long
 // to all of it.
 static void cross_triangle(const struct flat_scene *flat, struct random *random,
-                           struct single_ray *ray)
+                           struct probe_ray *ray)
 {
     const struct flat_triangle *triangle =
         &flat->triangles[random_u32(random) % flat->triangle_count];
@@ -246,11 +246,11 @@ static void cross_triangle(const struct flat_scene *flat, struct random *random,
 }
 
 void random_shadow_rays(const struct flat_scene *flat, uint32_t count, uint64_t seed,
-                        struct single_ray *rays)
+                        struct probe_ray *rays)
 {
     struct random random = {seed};
     for (uint32_t i = 0; i < count; i++) {
-        struct single_ray *ray = &rays[i];
+        struct probe_ray *ray = &rays[i];
         float target[3];
         if (i % 2 == 0)
             point_inside(flat, &random, ray->origin);

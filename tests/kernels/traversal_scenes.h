@@ -3,7 +3,7 @@
 #define LAMPYRIS_TESTS_TRAVERSAL_SCENES_H
 
 #include "kernel_fixture.h"
-#include "render/probe/single_kernel.h"
+#include "render/probe/ray_probe.h"
 
 // --- scenes: added to one that scene_start() made ------------------------------------------------
 
@@ -24,11 +24,11 @@ bool load_mesh_file(const char *name, struct scene *scene, struct err *err);
 // both signs), in planes of two axes, with tiny components, and at edges (vertices and edges'
 // midpoints of triangles, and just inside or outside of the outlines of shapes): by turns.
 void random_closest_rays(const struct flat_scene *flat, uint32_t count, uint64_t seed,
-                         struct single_ray *rays);
+                         struct probe_ray *rays);
 // Segments between random points, among them ones along axes; some end at edges,
 // and short ones through triangles.
 void random_shadow_rays(const struct flat_scene *flat, uint32_t count, uint64_t seed,
-                        struct single_ray *rays);
+                        struct probe_ray *rays);
 // Whether rounding may well decide about the ray of that number, of either kind: those at edges and
 // the short ones.
 bool ray_is_delicate(uint32_t ray);

@@ -203,7 +203,7 @@ struct variant {
     const char *name;
     struct gpu_limit_overrides limits;
     uint32_t wave;
-    bool everything;
+    bool compile_all;
     uint32_t first_call;
 };
 
@@ -213,7 +213,7 @@ static const struct variant variants[] = {
     {"as it is", {0}},
     {"waves of 352", {0}, .wave = 352},
     {"split", {0}, .first_call = 3},
-    {"all features", {0}, .everything = true},
+    {"all features", {0}, .compile_all = true},
     {"no texel buffers, small ranges", {.no_texel = true, .storage_range = 1u << 16}},
 };
 
@@ -228,7 +228,7 @@ static bool render_variant(const struct scene *scene, uint32_t aovs, const struc
                                            .scene = scene,
                                            .aovs = aovs,
                                            .wave = variant->wave,
-                                           .everything = variant->everything};
+                                           .compile_all = variant->compile_all};
     bool ok = renderer_create(&params, &r, err);
     if (ok) {
         const struct render_call first = {.samples = variant->first_call},

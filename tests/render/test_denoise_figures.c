@@ -234,7 +234,7 @@ static void move(struct bench *b)
         .renderer = &b->renderer, .camera = &camera, .temporal = true};
     bool fits = true;
     turn(&end, 8);
-    REQUIRE(renderer_look(&b->renderer, &end, width, height, &fits, &b->err) && fits &&
+    REQUIRE(renderer_set_camera(&b->renderer, &end, width, height, &fits, &b->err) && fits &&
                 bench_render(b, 512) &&
                 renderer_read(&b->renderer, &b->arena, &b->reference, &b->err),
             "%s", b->err.msg);
@@ -242,7 +242,7 @@ static void move(struct bench *b)
         camera = b->scene.cameras[0];
         turn(&camera, frame);
         b->renderer.frame.seed = 100 + (uint32_t)frame;
-        REQUIRE(renderer_look(&b->renderer, &camera, width, height, &fits, &b->err) && fits &&
+        REQUIRE(renderer_set_camera(&b->renderer, &camera, width, height, &fits, &b->err) && fits &&
                     bench_render(b, 1),
                 "%s", b->err.msg);
         if (frame < 8)

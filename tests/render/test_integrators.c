@@ -7,13 +7,13 @@ struct variant {
     const char *name;
     struct gpu_limit_overrides limits;
     uint32_t wave;
-    bool everything;
+    bool compile_all;
 };
 
 static const struct variant variants[] = {
     {"waves of 2^10", {0}, .wave = 1u << 10},
     {"waves of 2^14", {0}, .wave = 1u << 14},
-    {"with all features", {0}, .everything = true},
+    {"with all features", {0}, .compile_all = true},
     {"without texel buffers and ballot", {.no_texel = true, .no_ballot = true}},
 };
 
@@ -28,8 +28,10 @@ static bool render(const char *path, const struct scene_override *overrides,
         return false;
     bool ok = gpu_open(&gpu_params, &gpu, err);
     if (ok) {
-        const struct renderer_params params = {
-            .gpu = &gpu, .scene = &scene, .wave = variant->wave, .everything = variant->everything};
+        const struct renderer_params params = {.gpu = &gpu,
+                                               .scene = &scene,
+                                               .wave = variant->wave,
+                                               .compile_all = variant->compile_all};
         ok = render_film(&params, samples, arena, film, NULL, err);
         gpu_close(&gpu);
     }

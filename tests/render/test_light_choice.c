@@ -77,12 +77,12 @@ TEST(agree_long)
     check_plans(plans, sizeof plans / sizeof plans[0], 0.002);
 }
 
-static bool render_with(struct gpu *gpu, const struct scene *scene, uint32_t wave, bool everything,
+static bool render_with(struct gpu *gpu, const struct scene *scene, uint32_t wave, bool compile_all,
                         struct arena *arena, struct film_image *film)
 {
     struct err err = {0};
     const struct renderer_params params = {
-        .gpu = gpu, .scene = scene, .wave = wave, .everything = everything};
+        .gpu = gpu, .scene = scene, .wave = wave, .compile_all = compile_all};
     bool ok = render_film(&params, 4, arena, film, NULL, &err);
     CHECK(ok, "%s", err.msg);
     return ok;
@@ -94,7 +94,7 @@ TEST(same_bits)
     struct gpu gpu;
     OPEN_GPU(&gpu, .validation = true);
     for (uint32_t choice = LIGHT_CHOICE_ALL; choice <= LIGHT_CHOICE_TREE; choice++) {
-        bool everything = gpu.info.is_cpu && choice == LIGHT_CHOICE_TREE;
+        bool compile_all = gpu.info.is_cpu && choice == LIGHT_CHOICE_TREE;
         struct scene scene;
         struct err err = {0};
         struct arena arena = {0};
@@ -103,9 +103,9 @@ TEST(same_bits)
         scene.settings.light_choice = choice;
         if (render_with(&gpu, &scene, 128, false, &arena, &films[0]) &&
             render_with(&gpu, &scene, 4096, false, &arena, &films[1]) &&
-            (!everything || render_with(&gpu, &scene, 4096, true, &arena, &films[2]))) {
+            (!compile_all || render_with(&gpu, &scene, 4096, true, &arena, &films[2]))) {
             size_t size = 16 * 16 * sizeof *films[0].mean;
-            for (int i = 1; i < (everything ? 3 : 2); i++)
+            for (int i = 1; i < (compile_all ? 3 : 2); i++)
                 CHECK(memcmp(films[0].half_a, films[i].half_a, size) == 0 &&
                           memcmp(films[0].half_b, films[i].half_b, size) == 0,
                       "%s: %s", light_choice_names[choice], i == 1 ? "wave" : "everything");

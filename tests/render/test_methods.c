@@ -353,7 +353,7 @@ static double mean_luminance(const struct film_image *film)
     return sum / (double)pixels;
 }
 
-static double render_clamped(struct gpu *gpu, float limit, bool everything,
+static double render_clamped(struct gpu *gpu, float limit, bool compile_all,
                              struct render_stats *stats)
 {
     const struct scene_override size[] = {{"film.width", "32"}, {"film.height", "32"}, {0}};
@@ -364,7 +364,7 @@ static double render_clamped(struct gpu *gpu, float limit, bool everything,
     if (!load_scene("scenes/cornell.json", size, &scene, &err))
         return NAN;
     scene.settings.clamp_limit = limit;
-    const struct renderer_params params = {.gpu = gpu, .scene = &scene, .everything = everything};
+    const struct renderer_params params = {.gpu = gpu, .scene = &scene, .compile_all = compile_all};
     bool ok = render_film(&params, 16, &arena, &film, stats, &err);
     double mean = ok ? mean_luminance(&film) : NAN;
     arena_finish(&arena);

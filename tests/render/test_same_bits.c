@@ -11,7 +11,7 @@ struct variant {
     const char *name;
     struct gpu_limit_overrides limits;
     uint32_t wave;
-    bool everything;
+    bool compile_all;
     uint32_t first_calls[2]; // samples of the first calls; the last one makes up ALL_SAMPLES
     bool restarted;          // after other samples of another seed
     bool representative;     // tried on every scene, not on the first and in the long form alone
@@ -27,7 +27,7 @@ static const struct variant variants[] = {
     {"split 1 + 2 + 29", {0}, .first_calls = {1, 2}},
     {"split 13 + 10 + 9", {0}, .first_calls = {13, 10}, .representative = true},
     {"restarted", {0}, .restarted = true},
-    {"with all features", {0}, .everything = true, .representative = true},
+    {"with all features", {0}, .compile_all = true, .representative = true},
     {"without texel buffers", {.no_texel = true}},
     {"without ballot", {.no_ballot = true}},
     {"without mapped device memory", {.no_mapped_device = true}},
@@ -39,7 +39,7 @@ static const struct variant variants[] = {
     {"all at once",
      {.no_texel = true, .no_ballot = true, .no_mapped_device = true, .storage_range = 1u << 16},
      .wave = 1u << 10,
-     .everything = true,
+     .compile_all = true,
      .first_calls = {3, 16},
      .representative = true},
 };
@@ -67,7 +67,7 @@ static bool render_on(struct gpu *gpu, const struct scene *scene, const struct v
 {
     struct renderer renderer;
     const struct renderer_params params = {
-        .gpu = gpu, .scene = scene, .wave = variant->wave, .everything = variant->everything};
+        .gpu = gpu, .scene = scene, .wave = variant->wave, .compile_all = variant->compile_all};
     bool ok = renderer_create(&params, &renderer, err);
     if (ok) {
         bool lowered = variant->limits.storage_range || variant->limits.allocation;
@@ -442,7 +442,7 @@ TEST(validation_is_silent)
     struct err err = {0};
     OPEN_GPU(&gpu, .validation = true, .limits = {.storage_range = 1u << 15});
     REQUIRE_OK(load_scene("scenes/glow_worms.json", size, &scene, &err));
-    const struct renderer_params params = {.gpu = &gpu, .scene = &scene, .everything = true};
+    const struct renderer_params params = {.gpu = &gpu, .scene = &scene, .compile_all = true};
     REQUIRE_OK(render_film(&params, 3, &arena, &film, NULL, &err));
     CHECK(gpu.validation_messages == 0, "%u messages", gpu.validation_messages);
     arena_finish(&arena);

@@ -511,7 +511,7 @@ TEST(same_bits)
 {
     static const struct form form = {"", surround_with_sky, 40, TILTED, 1, 0};
     static const struct renderer_params kinds[3] = {
-        {.wave = 0}, {.wave = 1024}, {.everything = true}};
+        {.wave = 0}, {.wave = 1024}, {.compile_all = true}};
     struct gpu gpu;
     struct scene scene;
     struct arena arena = {0};

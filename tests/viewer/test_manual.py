@@ -10,7 +10,7 @@ import re
 import sys
 
 import viewer_run
-from test_tour import Tour, any_row
+from test_controls import Tour, any_row
 from viewer_run import ROOT
 
 PAGE = os.path.join(ROOT, 'docs', 'viewer.md')

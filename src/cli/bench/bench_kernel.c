@@ -3,7 +3,7 @@
 
 #include "base/log.h"
 #include "base/suggest.h"
-#include "render/probe/recorded.h"
+#include "render/probe/kernel_recording.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -147,9 +147,9 @@ bool bench_check_kernel(const struct options *options, struct err *err)
 struct contest {
     struct bench *b;
     const struct target *target;
-    uint32_t index;            // of the rows
-    struct recorded *recorded; // one a variant
-    double from, to;           // of all the progress
+    uint32_t index;                    // of the rows
+    struct kernel_recording *recorded; // one a variant
+    double from, to;                   // of all the progress
 };
 
 static bool fail(const struct contest *c, const struct bench_variant *v, struct err *err)
@@ -174,8 +174,8 @@ static bool record(struct contest *c, uint32_t variant, struct err *err)
 {
     struct bench_variant *v = &c->b->variants[variant];
     struct bench_row *row = &v->rows[c->index];
-    struct recorded *recorded = &c->recorded[variant];
-    const struct recorded_params params = {
+    struct kernel_recording *recorded = &c->recorded[variant];
+    const struct kernel_recording_params params = {
         .kernel = c->target->kernel,
         .depth = c->target->depth,
         .samples = v->scene_data.settings.spp,
@@ -187,7 +187,7 @@ static bool record(struct contest *c, uint32_t variant, struct err *err)
             log_warn("%s: %s leaves it out", kernel_names[params.kernel], v->scene_data.path);
         return true;
     }
-    if (!recorded_create(&v->job.renderer, &params, recorded, err))
+    if (!kernel_recording_create(&v->job.renderer, &params, recorded, err))
         return fail(c, v, err);
     row->items = recorded->items;
     row->launches = recorded->launches;
@@ -198,9 +198,10 @@ static bool record(struct contest *c, uint32_t variant, struct err *err)
         return true;
     }
     if (is_traced(params.kernel) &&
-        !recorded_count_steps(&v->job.renderer, recorded, &row->nodes, &row->primitives, err))
+        !kernel_recording_count_steps(&v->job.renderer, recorded, &row->nodes, &row->primitives,
+                                      err))
         return fail(c, v, err);
-    if (!recorded_run(&v->job.renderer, recorded, &ms, err)) // warms up
+    if (!kernel_recording_run(&v->job.renderer, recorded, &ms, err)) // warms up
         return fail(c, v, err);
     if (is_traced(params.kernel))
         row->bytes = bytes_traced(&v->job.renderer, row);
@@ -225,7 +226,8 @@ static bool run_rounds(struct contest *c, struct err *err)
             if (is_stopped(b))
                 return true;
             if (c->recorded[i].items > 0 &&
-                !recorded_run(&v->job.renderer, &c->recorded[i], &v->rows[c->index].ms[round], err))
+                !kernel_recording_run(&v->job.renderer, &c->recorded[i],
+                                      &v->rows[c->index].ms[round], err))
                 return fail(c, v, err);
         }
     }
@@ -242,7 +244,8 @@ static bool run_target(struct contest *c, struct err *err)
         ok = record(c, i, err);
     ok = ok && run_rounds(c, err);
     for (uint32_t i = 0; i < b->variant_count; i++)
-        ok &= recorded_finish(&b->variants[i].job.renderer, &c->recorded[i], ok ? err : &ignored);
+        ok &= kernel_recording_finish(&b->variants[i].job.renderer, &c->recorded[i],
+                                      ok ? err : &ignored);
     return ok;
 }
 
@@ -303,7 +306,7 @@ bool bench_measure_kernel(struct bench *b, struct err *err)
         if (!make_rows(b, &b->variants[i], &targets, err))
             return false;
     struct contest c = {.b = b};
-    c.recorded = ARENA_NEW(&b->arena, struct recorded, b->variant_count);
+    c.recorded = ARENA_NEW(&b->arena, struct kernel_recording, b->variant_count);
     if (!c.recorded)
         return err_memory(err, "states", b->variant_count * sizeof *c.recorded);
     for (c.index = 0; c.index < targets.count; c.index++) {

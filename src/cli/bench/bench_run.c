@@ -340,7 +340,7 @@ static void keep_times(const struct bench *b, struct bench_variant *v, uint32_t 
 static bool warm_up(struct bench *b, struct bench_variant *v, struct job_step step, struct err *err)
 {
     struct census census = {.v = v};
-    const struct wave_watch watch = {.after = count_step, .context = &census};
+    const struct wave_observer observer = {.after = count_step, .context = &census};
     double ms, to = step.to;
     step.to = 0.5 * (step.from + to);
     if (!make_bounces(b, v, err) || !repeat(b, v, step, &v->warm_up_ms, err))
@@ -350,7 +350,7 @@ static bool warm_up(struct bench *b, struct bench_variant *v, struct job_step st
     const struct render_stats before = v->job.renderer.stats;
     step.from = step.to;
     step.to = to;
-    step.watch = &watch;
+    step.observer = &observer;
     if (b->stopped)
         return true;
     v->job.params.listener = (struct job_listener){.after_wave = count_wave, .context = &census};

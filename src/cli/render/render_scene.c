@@ -120,7 +120,7 @@ struct renderer_params options_renderer_params(const struct options *options, st
         .instancing = options->device.instances,
         .bvh_cache = options->device.bvh_cache,
         .camera = camera,
-        .everything = options->device.features == FEATURES_ALL,
+        .compile_all = options->device.features == FEATURES_ALL,
         .merge_classes = options->device.classes == CLASSES_MERGED,
         .progress = options->progress,
     };

@@ -186,8 +186,8 @@ bool renderer_replay(struct renderer *r, uint32_t x, uint32_t y, uint64_t sample
         .pixel_count = 1,
         .first_sample = sample,
     };
-    const struct wave_watch watch = {.after = after, .context = &f};
-    if (!wave_trace_steps(r, &wave, &watch, err))
+    const struct wave_observer observer = {.after = after, .context = &f};
+    if (!wave_trace_steps(r, &wave, &observer, err))
         return false;
     memcpy(out->radiance, f.radiance, sizeof out->radiance);
     out->dropped = f.radiance[3] != 0.0f;

@@ -74,7 +74,7 @@ static bool build_side(struct viewer *viewer, struct view *view, struct err *err
                 .wave = method->wave,
                 .workgroup = method->workgroup,
                 .aovs = viewer_aovs(&viewer->stage.shown),
-                .everything = method->everything,
+                .compile_all = method->compile_all,
                 .merge_classes = method->merge_classes,
             },
         .scene = &view->scene,
@@ -111,12 +111,14 @@ static bool look_anew(struct viewer *viewer, struct view *view, const uint32_t s
 {
     bool fits;
     if (!keep_history(viewer, view, err) ||
-        !renderer_look(&view->job.renderer, &viewer->view.camera, size[0], size[1], &fits, err))
+        !renderer_set_camera(&view->job.renderer, &viewer->view.camera, size[0], size[1], &fits,
+                             err))
         return false;
     if (fits)
         return true;
     return build_side(viewer, view, err) &&
-           renderer_look(&view->job.renderer, &viewer->view.camera, size[0], size[1], &fits, err) &&
+           renderer_set_camera(&view->job.renderer, &viewer->view.camera, size[0], size[1], &fits,
+                               err) &&
            (fits || err_set(err, ERR_BUG, "a new renderer does not take its own camera"));
 }
 
@@ -169,7 +171,7 @@ static void wanted_size(const struct viewer *viewer, const struct view *view, bo
     if (!wants_preview(viewer, view))
         return;
     for (int i = 0; i < 2; i++)
-        size[i] = pace_shrunk(size[i], viewer->view.pace.shrink);
+        size[i] = frame_budget_shrunk(size[i], viewer->view.pace.shrink);
     if (!keeps_size)
         return;
     size[0] = view->job.renderer.frame.width;
@@ -228,7 +230,7 @@ static bool apply(struct viewer *viewer, struct err *err)
     uint32_t width, height;
     viewer_picture_size(viewer, &width, &height);
     viewer->stage.side_count = viewer->stage.shown.split ? VIEWER_SIDES : 1;
-    pace_choose(&viewer->view.pace, width, height * viewer->stage.side_count);
+    frame_budget_choose(&viewer->view.pace, width, height * viewer->stage.side_count);
     if (most >= CHANGE_CAMERA)
         viewer->stage.has_kept = false;
     bool has_to_keep = false;
@@ -268,7 +270,7 @@ static bool apply_reverted(struct viewer *viewer, struct err *err)
 // What the middle of the picture shows is what the camera turns about, and tells how fast to fly.
 static bool aim_rig(struct viewer *viewer, struct err *err)
 {
-    struct rig *rig = &viewer->view.rig;
+    struct camera_rig *rig = &viewer->view.rig;
     struct picked picked;
     uint32_t place[4];
     viewer->view.wants_target = false;

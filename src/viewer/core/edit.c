@@ -35,7 +35,7 @@ static const size_t state_bytes[TARGET_COUNT] = {
     [TARGET_CAMERA] = sizeof(struct camera),       [TARGET_METHOD] = sizeof(struct method),
     [TARGET_SURROUNDINGS] = sizeof(struct around), [TARGET_MATERIAL] = sizeof(struct material),
     [TARGET_LIGHT] = sizeof(struct light),         [TARGET_OBJECT] = sizeof(bool),
-    [TARGET_LOOK] = sizeof(struct shown),
+    [TARGET_DISPLAY] = sizeof(struct shown),
 };
 
 struct step {
@@ -127,7 +127,7 @@ static void get(struct viewer *viewer, enum target target, uint32_t index, union
     case TARGET_OBJECT:
         out->visible = !*hidden_flag(viewer, index);
         break;
-    case TARGET_LOOK:
+    case TARGET_DISPLAY:
         out->shown = viewer->stage.shown;
         break;
     case TARGET_COUNT:
@@ -236,7 +236,7 @@ static bool put(struct viewer *viewer, enum target target, uint32_t index, const
         *hidden_flag(viewer, index) = !to->visible;
         viewer_changed(viewer, CHANGE_GEOMETRY);
         break;
-    case TARGET_LOOK:
+    case TARGET_DISPLAY:
         viewer->stage.shown = to->shown;
         shown_changed(viewer, &from->shown);
         break;
@@ -260,7 +260,7 @@ static bool is_there(const struct viewer *viewer, enum target target, uint32_t i
         return index < scene->instance_count + scene->shape_count;
     case TARGET_CAMERA:
     case TARGET_SURROUNDINGS:
-    case TARGET_LOOK:
+    case TARGET_DISPLAY:
     case TARGET_COUNT:
         break;
     }
@@ -391,7 +391,7 @@ bool edit_shown(struct viewer *viewer, const struct shown *to, const char *contr
     // Whoever sets it does not want it found.
     if (!same_bytes(&to->exposure, &viewer->stage.shown.exposure, sizeof to->exposure))
         state.shown.exposure_is_auto = 0;
-    bool ok = edit(viewer, TARGET_LOOK, 0, &state, control);
+    bool ok = edit(viewer, TARGET_DISPLAY, 0, &state, control);
     if (viewer->stage.shown.exposure_is_auto != was_auto)
         viewer_begin_exposure(viewer);
     return ok;

@@ -15,7 +15,7 @@ enum change {
     CHANGE_NONE,
     CHANGE_SHOWN,    // exposure, tone, AOV: what is accumulated stays
     CHANGE_LIMIT,    // how long it accumulates: likewise
-    CHANGE_CAMERA,   // the film is emptied: renderer_look
+    CHANGE_CAMERA,   // the film is emptied: renderer_set_camera
     CHANGE_METHOD,   // a renderer is created anew, of one side
     CHANGE_TABLES,   // of all sides, materials, lights, surroundings: geometry_refresh
     CHANGE_GEOMETRY, // the hierarchy, too
@@ -27,8 +27,8 @@ enum target {
     TARGET_SURROUNDINGS,
     TARGET_MATERIAL,
     TARGET_LIGHT,
-    TARGET_OBJECT, // visibility; index: instances, then shapes, as AOV ids number them
-    TARGET_LOOK,   // what is shown: struct shown
+    TARGET_OBJECT,  // visibility; index: instances, then shapes, as AOV ids number them
+    TARGET_DISPLAY, // what is shown: struct shown
     TARGET_COUNT
 };
 

@@ -56,7 +56,8 @@ static double frame_render_ms(const struct viewer *viewer)
     bool is_calm = !viewer->view.is_moving && !viewer->shell.gui.is_busy &&
                    viewer_holds_nothing(viewer) &&
                    viewer_seconds(viewer) - viewer->shell.input_seconds > CALM_SECONDS;
-    return is_calm ? pace_calm_render_ms(&viewer->view.pace) : pace_render_ms(&viewer->view.pace);
+    return is_calm ? frame_budget_calm_render_ms(&viewer->view.pace)
+                   : frame_budget_render_ms(&viewer->view.pace);
 }
 
 // Samples of single pixels that the film has.
@@ -118,9 +119,10 @@ static bool render_side(struct viewer *viewer, struct view *view, uint64_t sampl
     viewer->stage.render_seconds += seconds;
     viewer->stage.frame_samples += work;
     if (view->is_preview || viewer->view.is_moving)
-        pace_measure_small(&viewer->view.pace, work, seconds * 1e3);
+        frame_budget_measure_small(&viewer->view.pace, work, seconds * 1e3);
     else
-        pace_measure(&viewer->view.pace, work, seconds * 1e3, viewer->view.pace.overhead_ms);
+        frame_budget_measure(&viewer->view.pace, work, seconds * 1e3,
+                             viewer->view.pace.overhead_ms);
     return true;
 }
 
@@ -137,7 +139,7 @@ static void set_time(struct viewer *viewer, const struct view *view, double fact
 static bool fit_wave(struct viewer *viewer, struct view *view, struct err *err)
 {
     uint32_t now = view->job.renderer.plan.wave_slots;
-    uint32_t fit = pace_wave(&viewer->view.pace, frame_render_ms(viewer));
+    uint32_t fit = frame_budget_wave(&viewer->view.pace, frame_render_ms(viewer));
     if (fit > view->usual_wave)
         fit = view->usual_wave;
     bool is_close = fit <= 2 * now && now <= 2 * fit;
@@ -287,8 +289,8 @@ static bool denoise_side(struct viewer *viewer, struct view *view, struct err *e
     view->denoised_by[0] = viewer->stage.shown.denoise_iterations;
     view->denoised_by[1] = viewer->stage.shown.denoise_temporal;
     viewer->stage.stats.denoise_ms += view->denoising_seconds * 1e3;
-    pace_measure_pixels(&viewer->view.pace, (double)frame->width * frame->height,
-                        view->denoising_seconds * 1e3);
+    frame_budget_measure_pixels(&viewer->view.pace, (double)frame->width * frame->height,
+                                view->denoising_seconds * 1e3);
     return true;
 }
 
@@ -301,7 +303,7 @@ static bool denoise(struct viewer *viewer, struct err *err)
             return false;
     }
     if (!viewer->stage.shown.denoise)
-        pace_measure_pixels(&viewer->view.pace, 0.0, 0.0);
+        frame_budget_measure_pixels(&viewer->view.pace, 0.0, 0.0);
     return true;
 }
 

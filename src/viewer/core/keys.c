@@ -132,15 +132,16 @@ static void do_brighter(struct viewer *viewer)
 
 static void do_rig_mode(struct viewer *viewer)
 {
-    viewer->view.rig.mode = (viewer->view.rig.mode + 1) % RIG_MODE_COUNT;
-    viewer_message(viewer, MESSAGE_NOTE, "camera: %s", rig_mode_names[viewer->view.rig.mode]);
+    viewer->view.rig.mode = (viewer->view.rig.mode + 1) % CAMERA_RIG_MODE_COUNT;
+    viewer_message(viewer, MESSAGE_NOTE, "camera: %s",
+                   camera_rig_mode_names[viewer->view.rig.mode]);
 }
 
 static void do_revolve(struct viewer *viewer)
 {
     viewer->view.rig.revolves = !viewer->view.rig.revolves;
     if (viewer->view.rig.revolves)
-        viewer->view.rig.mode = RIG_ORBIT;
+        viewer->view.rig.mode = CAMERA_RIG_ORBIT;
     viewer->stage.is_resting = false;
 }
 
@@ -156,8 +157,8 @@ static void do_frame(struct viewer *viewer)
     double aspect = (double)viewer->shell.window.width / viewer->shell.window.height;
     if (!viewer->document.has_scene)
         return;
-    rig_frame(&viewer->view.rig, viewer->document.bounds_min, viewer->document.bounds_max, aspect,
-              &camera);
+    camera_rig_frame(&viewer->view.rig, viewer->document.bounds_min, viewer->document.bounds_max,
+                     aspect, &camera);
     edit_camera(viewer, &camera, "camera.frame");
 }
 
@@ -318,7 +319,7 @@ bool viewer_holds_nothing(const struct viewer *viewer)
             return false;
     return !keys->buttons[0] && !keys->buttons[1] && !keys->buttons[2] && keys->look[0] == 0.0 &&
            keys->look[1] == 0.0 && keys->dolly == 0.0 &&
-           !(viewer->view.rig.revolves && viewer->view.rig.mode == RIG_ORBIT);
+           !(viewer->view.rig.revolves && viewer->view.rig.mode == CAMERA_RIG_ORBIT);
 }
 
 // --- mouse ---------------------------------------------------------------------------------------
@@ -406,8 +407,8 @@ static void take_move(struct viewer *viewer, double x, double y)
 
 static void take_wheel(struct viewer *viewer, double notches)
 {
-    struct rig *rig = &viewer->view.rig;
-    if (rig->mode == RIG_ORBIT) {
+    struct camera_rig *rig = &viewer->view.rig;
+    if (rig->mode == CAMERA_RIG_ORBIT) {
         viewer->view.keys.dolly += notches;
         return;
     }
@@ -461,7 +462,7 @@ void viewer_move_camera(struct viewer *viewer, double seconds)
     struct camera camera = viewer->view.camera;
     uint32_t place[4];
     viewer_picture_place(viewer, place);
-    const struct rig_input input = {
+    const struct camera_rig_input input = {
         .forward = held[HELD_FORWARD] - held[HELD_BACK],
         .right = held[HELD_RIGHT] - held[HELD_LEFT],
         .up = held[HELD_UP] - held[HELD_DOWN],
@@ -472,7 +473,7 @@ void viewer_move_camera(struct viewer *viewer, double seconds)
         .picture_height = place[3],
         .seconds = seconds,
     };
-    if (viewer->document.has_scene && rig_step(&viewer->view.rig, &input, &camera))
+    if (viewer->document.has_scene && camera_rig_step(&viewer->view.rig, &input, &camera))
         edit_camera(viewer, &camera, "keys.camera");
     keys->look[0] = keys->look[1] = keys->pan[0] = keys->pan[1] = keys->dolly = 0.0;
 }
@@ -499,7 +500,7 @@ bool viewer_answer_click(struct viewer *viewer, struct err *err)
     if (!keys->wants_focus || picked.object == VIEWER_NO_OBJECT)
         return true;
     struct camera camera = viewer->view.camera;
-    rig_focus(&viewer->view.rig, picked.position, &camera);
+    camera_rig_focus(&viewer->view.rig, picked.position, &camera);
     edit_camera(viewer, &camera, "camera.focus");
     viewer_message(viewer, MESSAGE_NOTE, "focus: %.4g m away", picked.distance);
     return true;

@@ -100,7 +100,7 @@ static void set_methods(struct viewer *viewer)
     method.settings = viewer->document.scene.settings;
     method.wave = options->device.wave;
     method.workgroup = options->device.workgroup;
-    method.everything = options->device.features == FEATURES_ALL;
+    method.compile_all = options->device.features == FEATURES_ALL;
     method.merge_classes = options->device.classes == CLASSES_MERGED;
     for (uint32_t side = 0; side < VIEWER_SIDES; side++)
         viewer->stage.sides[side].method = method;
@@ -121,7 +121,7 @@ static void orbit_model(struct viewer *viewer)
     if (!viewer->document.scene.camera_is_framed ||
         !(viewer->document.bounds_min[0] <= viewer->document.bounds_max[0]))
         return;
-    viewer->view.rig.mode = RIG_ORBIT;
+    viewer->view.rig.mode = CAMERA_RIG_ORBIT;
     for (int c = 0; c < 3; c++)
         viewer->view.rig.target[c] =
             0.5 * viewer->document.bounds_min[c] + 0.5 * viewer->document.bounds_max[c];
@@ -147,9 +147,9 @@ static void set_view(struct viewer *viewer)
     const struct settings *settings = &viewer->document.scene.settings;
     viewer->view.camera = viewer->document.scene.cameras[viewer->view.camera_index];
     viewer->view.wants_target = true;
-    pace_init(&viewer->view.pace, viewer->view.pace.target_ms);
-    rig_init(&viewer->view.rig, &viewer->view.camera, viewer->document.bounds_min,
-             viewer->document.bounds_max);
+    frame_budget_init(&viewer->view.pace, viewer->view.pace.target_ms);
+    camera_rig_init(&viewer->view.rig, &viewer->view.camera, viewer->document.bounds_min,
+                    viewer->document.bounds_max);
     orbit_model(viewer);
     memset(viewer->view.saved, 0, sizeof viewer->view.saved);
     set_methods(viewer);

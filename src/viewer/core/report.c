@@ -101,7 +101,7 @@ static bool is_resting(const struct viewer *viewer)
         is_done &= view_is_denoised(viewer, view);
     }
     return is_done && worker_is_idle(viewer->shell.worker) && viewer_holds_nothing(viewer) &&
-           !(viewer->view.rig.revolves && viewer->view.rig.mode == RIG_ORBIT);
+           !(viewer->view.rig.revolves && viewer->view.rig.mode == CAMERA_RIG_ORBIT);
 }
 
 void viewer_count_frame(struct viewer *viewer)
@@ -112,8 +112,8 @@ void viewer_count_frame(struct viewer *viewer)
     double waiting = viewer->stage.swapchain.vsync ? stats->present_ms : 0.0;
     stats->frame_ms = ms;
     stats->frames++;
-    pace_measure(&viewer->view.pace, 0.0, 0.0,
-                 fmax(ms - stats->render_ms - stats->denoise_ms - waiting, 0.0));
+    frame_budget_measure(&viewer->view.pace, 0.0, 0.0,
+                         fmax(ms - stats->render_ms - stats->denoise_ms - waiting, 0.0));
     if (viewer->document.has_scene)
         count_kernels(viewer, &rays);
     count_rates(viewer, rays);

@@ -78,7 +78,7 @@ static bool describe(const struct viewer *viewer, uint32_t side, const struct fi
     }
     *options = viewer->document.scene_options;
     options->render.aovs = view->job.renderer.aovs;
-    options->device.features = view->method.everything ? FEATURES_ALL : FEATURES_NEEDED;
+    options->device.features = view->method.compile_all ? FEATURES_ALL : FEATURES_NEEDED;
     // Copies of what is only looked at.
     run->options = options;
     run->scene = view->scene;

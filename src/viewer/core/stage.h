@@ -10,7 +10,7 @@
 
 #define VIEWER_SIDES 2u
 
-// What is seen of what is rendered. Plain data, undone as TARGET_LOOK.
+// What is seen of what is rendered. Plain data, undone as TARGET_DISPLAY.
 struct shown {
     uint32_t what;      // SHOWN_*
     float exposure;     // stops

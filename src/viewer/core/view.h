@@ -12,7 +12,7 @@
 struct method {
     struct settings settings; // width and height are the picture's, see viewer.c
     uint32_t wave, workgroup; // 0: the device's
-    bool everything;          // --features all
+    bool compile_all;         // --features all
     bool merge_classes;
     bool fresh_frames;        // each frame is a picture of its own: nothing accumulates
     uint32_t samples_a_frame; // of every pixel; 0: as many as the frame's time allows

@@ -2,9 +2,9 @@
 #ifndef LAMPYRIS_VIEWER_CORE_VIEWPOINT_H
 #define LAMPYRIS_VIEWER_CORE_VIEWPOINT_H
 
+#include "viewer/core/camera_rig.h"
+#include "viewer/core/frame_budget.h"
 #include "viewer/core/keys.h"
-#include "viewer/core/pace.h"
-#include "viewer/core/rig.h"
 
 #define VIEWER_SAVED_VIEWS 16u
 
@@ -16,12 +16,12 @@ struct saved_view {
 struct viewpoint {
     struct camera camera;  // of all sides
     uint32_t camera_index; // of the scene's, that it began with
-    struct rig rig;
+    struct camera_rig rig;
     bool wants_target; // the rig's is to be found in the first picture
     struct keys keys;
     struct saved_view saved[VIEWER_SAVED_VIEWS];
     bool is_moving; // the camera moved, or the scene changed, a moment ago
-    struct pace pace;
+    struct frame_budget pace;
 };
 
 #endif

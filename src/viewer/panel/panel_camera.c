@@ -30,16 +30,16 @@ static const struct gui_range slot = {1, VIEWER_SAVED_VIEWS, .integer = true};
 static void moving(struct panel *panel, struct viewpoint *view)
 {
     struct gui *gui = panel->gui;
-    struct rig *rig = &view->rig;
+    struct camera_rig *rig = &view->rig;
     gui_choice(gui, "camera.mode", "Moves",
-               "Fly freely, or turn about what was double-clicked (C changes it).", rig_mode_names,
-               &rig->mode);
+               "Fly freely, or turn about what was double-clicked (C changes it).",
+               camera_rig_mode_names, &rig->mode);
     gui_number(gui, "camera.speed", "Speed", "Of flying, metres a second, 1e-18 to 1e13.", &speed,
                &rig->speed);
     if (gui_switch(gui, "camera.revolves", "Revolve", "Turns about the target by itself.",
                    &rig->revolves) &&
         rig->revolves)
-        rig->mode = RIG_ORBIT;
+        rig->mode = CAMERA_RIG_ORBIT;
     gui_number(gui, "camera.revolve_speed", "  speed",
                "Of that, degrees a second, -360 to 360; below 0: the other way round.", &turning,
                &rig->revolve_speed);
@@ -180,8 +180,8 @@ static void frame_all(struct panel *panel, const struct document *document, stru
         return;
     }
     viewer_picture_size(panel->viewer, &width, &height);
-    rig_frame(&view->rig, document->bounds_min, document->bounds_max,
-              (double)width / (double)height, &to);
+    camera_rig_frame(&view->rig, document->bounds_min, document->bounds_max,
+                     (double)width / (double)height, &to);
     edit_camera(panel->viewer, &to, "camera.frame");
 }
 

@@ -61,7 +61,7 @@ static void device(const struct stage *stage, struct form *form, struct method *
                                           .least = "device's"};
     static const char *const features[] = {"needed", "all", NULL};
     static const char *const classes[] = {"separate", "merged", NULL};
-    uint32_t everything = to->everything, merged = to->merge_classes;
+    uint32_t everything = to->compile_all, merged = to->merge_classes;
     if (form_count(form, "renderer.wave", "Wave",
                    "Paths in flight, 64 to 16777216: changes memory and speed, and no bit of the "
                    "picture.",
@@ -72,7 +72,7 @@ static void device(const struct stage *stage, struct form *form, struct method *
     if (form_choice(form, "renderer.features", "Features",
                     "What kernels can do: what the scene needs, or everything, to compare speeds.",
                     features, &everything))
-        to->everything = everything;
+        to->compile_all = everything;
     if (form_choice(form, "renderer.classes", "Classes",
                     "A kernel for each class of surfaces, or one for all of them.", classes,
                     &merged))

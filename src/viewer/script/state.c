@@ -161,11 +161,11 @@ static json_t *window_json(const struct viewer *viewer)
                      place[2], place[3]);
 }
 
-static json_t *rig_json(const struct rig *rig)
+static json_t *camera_rig_json(const struct camera_rig *rig)
 {
-    return json_pack("{s:s, s:o, s:o, s:b, s:o}", "mode", rig_mode_names[rig->mode], "target",
-                     vector_json(rig->target), "speed", json_number(rig->speed), "revolves",
-                     rig->revolves, "revolve_speed", json_number(rig->revolve_speed));
+    return json_pack("{s:s, s:o, s:o, s:b, s:o}", "mode", camera_rig_mode_names[rig->mode],
+                     "target", vector_json(rig->target), "speed", json_number(rig->speed),
+                     "revolves", rig->revolves, "revolve_speed", json_number(rig->revolve_speed));
 }
 
 static json_t *views_json(const struct viewer *viewer)
@@ -185,11 +185,12 @@ json_t *state_json(const struct viewer *viewer)
         "{s:o, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:{s:s, s:o}, s:o, s:b, s:b, s:o, s:o, s:o}",
         "scene", json_words(viewer->document.scene_path), "has_scene", viewer->document.has_scene,
         "window", window_json(viewer), "camera", camera_json(&viewer->view.camera), "rig",
-        rig_json(&viewer->view.rig), "views", views_json(viewer), "sides", sides_json(viewer),
-        "picked", picked_json(&viewer->document.picked), "counts", counts_json(viewer), "message",
-        "kind", kinds[viewer->shell.message_kind], "text", json_words(viewer->shell.message),
-        "target_ms", json_number(viewer->view.pace.target_ms), "paused", viewer->stage.is_paused,
-        "watching", viewer->shell.watch != NULL, "times", times_json(viewer), "shader_errors",
+        camera_rig_json(&viewer->view.rig), "views", views_json(viewer), "sides",
+        sides_json(viewer), "picked", picked_json(&viewer->document.picked), "counts",
+        counts_json(viewer), "message", "kind", kinds[viewer->shell.message_kind], "text",
+        json_words(viewer->shell.message), "target_ms", json_number(viewer->view.pace.target_ms),
+        "paused", viewer->stage.is_paused, "watching", viewer->shell.watch != NULL, "times",
+        times_json(viewer), "shader_errors",
         json_words(viewer->shell.reload ? reload_errors(viewer->shell.reload) : ""), "items",
         items_json(&viewer->shell.gui));
 }

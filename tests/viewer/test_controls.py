@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Every control of the panel is used, and does something.
 
-    test_tour.py LAMPYRIS VIEWER SOURCE_ROOT [Tour|Long]
+    test_controls.py LAMPYRIS VIEWER SOURCE_ROOT [Tour|Long]
 
 Tour tries one in four of the steps that are taken back, since each compiles kernels; Long tries all.
 Both hold the table of steps against the controls that the running panel has.
@@ -16,7 +16,7 @@ import subprocess
 import zlib
 
 import viewer_run
-from tour_table import STEPS, UNDO
+from controls_table import STEPS, UNDO
 from viewer_run import ROOT, Case
 
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -140,7 +140,7 @@ class TourCase(Case):
             failures += own_failures
             ids.update(own_ids)
         touched = {'view.vsync'}.union(*(used(step) for steps in STEPS.values() for step in steps))
-        # Vsync is of windows, and groups are opened by hand: test_hands.py.
+        # Vsync is of windows, and groups are opened by hand: test_mouse_and_keys.py.
         untouched = sorted(name for name, kind in ids.items()
                            if kind != 'group' and name not in touched)
         self.assertEqual((failures, untouched), ([], []))

@@ -1,4 +1,4 @@
-#include "render/probe/recorded.h"
+#include "render/probe/kernel_recording.h"
 
 #include "base/clock.h"
 #include "base/hash.h"
@@ -32,13 +32,13 @@ static uint32_t written(enum kernel_id kernel)
     }
 }
 
-static const struct gpu_buffer *buffer_of(const struct renderer *r, const struct recorded *rec,
-                                          uint32_t binding)
+static const struct gpu_buffer *buffer_of(const struct renderer *r,
+                                          const struct kernel_recording *rec, uint32_t binding)
 {
     return binding == BINDING_FILM ? &r->film[rec->wave.film_chunk] : &r->buffers[binding];
 }
 
-static bool is_kept(const struct renderer *r, const struct recorded *rec, uint32_t binding)
+static bool is_kept(const struct renderer *r, const struct kernel_recording *rec, uint32_t binding)
 {
     return (written(rec->step.kernel) >> binding & 1u) && buffer_of(r, rec, binding)->handle;
 }
@@ -92,7 +92,7 @@ static uint64_t hash_words(uint64_t hash, const uint64_t *words, uint64_t bytes)
     return hash;
 }
 
-static bool hash_state(struct renderer *r, const struct recorded *rec, uint64_t *hash,
+static bool hash_state(struct renderer *r, const struct kernel_recording *rec, uint64_t *hash,
                        struct err *err)
 {
     struct arena scratch = {0};
@@ -126,7 +126,7 @@ static bool submit(struct renderer *r, struct err *err)
     return gpu_submit(r->gpu, &r->commands, err) && gpu_wait(r->gpu, &r->commands, err);
 }
 
-static void record_copies(struct renderer *r, const struct recorded *rec, bool back)
+static void record_copies(struct renderer *r, const struct kernel_recording *rec, bool back)
 {
     for (uint32_t b = 0; b < BINDING_COUNT; b++) {
         const struct gpu_buffer *live = buffer_of(r, rec, b), *kept = &rec->kept[b];
@@ -137,7 +137,7 @@ static void record_copies(struct renderer *r, const struct recorded *rec, bool b
     gpu_barrier(r->gpu, &r->commands);
 }
 
-static bool check_memory(const struct renderer *r, struct recorded *rec, struct err *err)
+static bool check_memory(const struct renderer *r, struct kernel_recording *rec, struct err *err)
 {
     for (uint32_t b = 0; b < BINDING_COUNT; b++)
         rec->bytes += is_kept(r, rec, b) ? buffer_of(r, rec, b)->bytes : 0;
@@ -150,7 +150,7 @@ static bool check_memory(const struct renderer *r, struct recorded *rec, struct 
 }
 
 // No commands are being recorded.
-static bool keep(struct renderer *r, struct recorded *rec, struct err *err)
+static bool keep(struct renderer *r, struct kernel_recording *rec, struct err *err)
 {
     if (!check_memory(r, rec, err))
         return false;
@@ -166,7 +166,7 @@ static bool keep(struct renderer *r, struct recorded *rec, struct err *err)
 
 // --- running -------------------------------------------------------------------------------------
 
-static void record_launches(struct renderer *r, const struct recorded *rec)
+static void record_launches(struct renderer *r, const struct kernel_recording *rec)
 {
     struct wave_step step = rec->step;
     for (step.light_ray = 0; step.light_ray < rec->launches; step.light_ray++)
@@ -174,7 +174,7 @@ static void record_launches(struct renderer *r, const struct recorded *rec)
 }
 
 // The loop's own ones, and two around all.
-static uint64_t timestamps_needed(const struct renderer *r, const struct recorded *rec)
+static uint64_t timestamps_needed(const struct renderer *r, const struct kernel_recording *rec)
 {
     uint64_t parts = r->plan.wave_slots / r->plan.part_items + 1;
     return 2 + parts * rec->launches;
@@ -182,7 +182,7 @@ static uint64_t timestamps_needed(const struct renderer *r, const struct recorde
 
 // Between two timestamps of the commands in which the state is put back; or else by the host's
 // clock, in commands of their own.
-static bool run(struct renderer *r, const struct recorded *rec, double *ms, struct err *err)
+static bool run(struct renderer *r, const struct kernel_recording *rec, double *ms, struct err *err)
 {
     double ns[GPU_MAX_TIMESTAMPS];
     if (!wave_begin(r, &rec->wave, err))
@@ -210,7 +210,7 @@ static bool run(struct renderer *r, const struct recorded *rec, double *ms, stru
 
 struct recording {
     struct renderer *r;
-    struct recorded *rec;
+    struct kernel_recording *rec;
     bool done; // the kernel has run, or there is nothing for it
 };
 
@@ -253,7 +253,7 @@ static bool check_finished(const struct renderer *r, struct err *err)
 static bool before(void *context, const struct wave_step *step, struct err *err)
 {
     struct recording *c = context;
-    struct recorded *rec = c->rec;
+    struct kernel_recording *rec = c->rec;
     if (!is_it(c, step) || step->light_ray > 0)
         return true;
     if (!check_finished(c->r, err))
@@ -293,7 +293,7 @@ static struct wave middle_wave(const struct renderer *r, uint64_t samples)
 }
 
 // What follows on the wave, or goes without one.
-static bool keep_end(struct renderer *r, struct recorded *rec, struct err *err)
+static bool keep_end(struct renderer *r, struct kernel_recording *rec, struct err *err)
 {
     if (rec->step.kernel == KERNEL_resolve) {
         uint64_t pixels = (uint64_t)r->frame.width * r->frame.height;
@@ -307,10 +307,10 @@ static bool keep_end(struct renderer *r, struct recorded *rec, struct err *err)
 static bool record(struct recording *c, struct err *err)
 {
     struct renderer *r = c->r;
-    struct recorded *rec = c->rec;
+    struct kernel_recording *rec = c->rec;
     bool at_end = rec->step.kernel == KERNEL_accumulate || rec->step.kernel == KERNEL_resolve;
-    const struct wave_watch watch = {.before = before, .after = after, .context = c};
-    bool ok = wave_trace_steps(r, &rec->wave, at_end ? NULL : &watch, err) || c->done;
+    const struct wave_observer observer = {.before = before, .after = after, .context = c};
+    bool ok = wave_trace_steps(r, &rec->wave, at_end ? NULL : &observer, err) || c->done;
     r->dispatch_too_long = false; // the dispatches that were kept are of parts of this size
     if (!ok || !(at_end ? keep_end(r, rec, err) : true))
         return false;
@@ -323,12 +323,12 @@ static bool record(struct recording *c, struct err *err)
 
 // --- what others call ----------------------------------------------------------------------------
 
-bool recorded_create(struct renderer *r, const struct recorded_params *params, struct recorded *out,
-                     struct err *err)
+bool kernel_recording_create(struct renderer *r, const struct kernel_recording_params *params,
+                             struct kernel_recording *out, struct err *err)
 {
     enum kernel_id kernel = params->kernel;
     bool shadow = kernel == KERNEL_intersect_shadow;
-    *out = (struct recorded){
+    *out = (struct kernel_recording){
         .wave = middle_wave(r, params->samples),
         .step = {.kernel = kernel, .bounce = params->depth + shadow},
         .launches = shadow ? r->specialization.light_rays : 1,
@@ -344,7 +344,8 @@ bool recorded_create(struct renderer *r, const struct recorded_params *params, s
     return record(&(struct recording){.r = r, .rec = out}, err);
 }
 
-bool recorded_run(struct renderer *r, const struct recorded *rec, double *ms, struct err *err)
+bool kernel_recording_run(struct renderer *r, const struct kernel_recording *rec, double *ms,
+                          struct err *err)
 {
     uint64_t hash;
     if (!run(r, rec, ms, err) || !hash_state(r, rec, &hash, err))
@@ -352,19 +353,19 @@ bool recorded_run(struct renderer *r, const struct recorded *rec, double *ms, st
     return hash == rec->hash || err_set(err, ERR_BUG, "left behind something else than the render");
 }
 
-bool recorded_count_steps(struct renderer *r, const struct recorded *rec, uint64_t *nodes,
-                          uint64_t *primitives, struct err *err)
+bool kernel_recording_count_steps(struct renderer *r, const struct kernel_recording *rec,
+                                  uint64_t *nodes, uint64_t *primitives, struct err *err)
 {
     double ms;
     uint32_t which = rec->step.kernel == KERNEL_intersect_shadow ? STEPS_SHADOW : STEPS_CLOSEST;
-    bool ok = wave_count_steps(r, true, err) && recorded_run(r, rec, &ms, err);
+    bool ok = wave_count_steps(r, true, err) && kernel_recording_run(r, rec, &ms, err);
     const uint32_t(*steps)[2] = (const uint32_t(*)[2]) & r->counters->steps[which];
     *nodes = (uint64_t)steps[0][1] << 32 | steps[0][0];
     *primitives = (uint64_t)steps[1][1] << 32 | steps[1][0];
     return ok && wave_count_steps(r, false, err);
 }
 
-bool recorded_finish(struct renderer *r, struct recorded *rec, struct err *err)
+bool kernel_recording_finish(struct renderer *r, struct kernel_recording *rec, struct err *err)
 {
     bool ok = true;
     if (rec->kept[BINDING_FILM].handle)
@@ -375,6 +376,6 @@ bool recorded_finish(struct renderer *r, struct recorded *rec, struct err *err)
     }
     for (uint32_t b = 0; b < BINDING_COUNT; b++)
         gpu_buffer_finish(r->gpu, &rec->kept[b]);
-    *rec = (struct recorded){0};
+    *rec = (struct kernel_recording){0};
     return ok && wave_clear_counters(r, err);
 }

@@ -13,7 +13,7 @@ struct look_case {
     const char *name, *path;
     struct gpu_limit_overrides limits;
     uint32_t sampler, halves, integrator, camera_kind, aovs;
-    bool lens, everything, validation;
+    bool lens, compile_all, validation;
     double inside[3]; // of something transparent; y 0: nowhere
 };
 
@@ -40,7 +40,7 @@ static const struct look_case setups[] = {
      .validation = true},
     {"blue noise", "scenes/cornell.json", {0}, .sampler = SAMPLER_BLUE_NOISE},
     {"strata, lens", "scenes/cornell.json", {0}, .sampler = SAMPLER_STRATIFIED, .lens = true},
-    {"everything", "scenes/all_classes.json", {0}, .everything = true},
+    {"everything", "scenes/all_classes.json", {0}, .compile_all = true},
     {"panorama", "scenes/cornell.json", {0}, .camera_kind = CAMERA_PANORAMIC},
     {"parallel", "scenes/veach_mis.json", {0}, .camera_kind = CAMERA_ORTHOGRAPHIC},
     {"occlusion", "scenes/all_classes.json", {0}, .integrator = INTEGRATOR_AO},
@@ -179,7 +179,7 @@ static void check_looks(struct renderer *r, const struct look looks[LOOKS],
         const struct look *look = &looks[i];
         bool fits = false;
         REQUIRE_OK(begin_something(r, stops, &err));
-        REQUIRE_OK(renderer_look(r, &look->camera, look->width, look->height, &fits, &err));
+        REQUIRE_OK(renderer_set_camera(r, &look->camera, look->width, look->height, &fits, &err));
         CHECK(fits, "%s: look %d does not fit", c->name, i);
         REQUIRE_OK(render_and_read(r, &arena, &film, &err));
         CHECK(same_bits(&film, &expected[i]), "%s: look %d differs", c->name, i);
@@ -227,7 +227,7 @@ static void check_case(const struct look_case *c)
     OPEN_GPU(&gpu, .validation = c->validation, .limits = c->limits);
     REQUIRE_OK(load_case(c, &scene, &err));
     struct renderer_params params = {
-        .gpu = &gpu, .scene = &scene, .aovs = c->aovs, .everything = c->everything, .wave = 2048};
+        .gpu = &gpu, .scene = &scene, .aovs = c->aovs, .compile_all = c->compile_all, .wave = 2048};
     params.progress = &progress;
     choose_looks(c, &scene, looks);
     for (int i = 0; i < LOOKS && ok; i++)
@@ -261,7 +261,7 @@ static void check_refused(struct renderer *r, const struct camera *camera, uint3
     struct err err = {0};
     bool fits = true;
     REQUIRE_OK(renderer_read(r, &arena, &before, &err));
-    REQUIRE_OK(renderer_look(r, camera, width, height, &fits, &err));
+    REQUIRE_OK(renderer_set_camera(r, camera, width, height, &fits, &err));
     CHECK(!fits, "%s fits", what);
     REQUIRE_OK(renderer_read(r, &arena, &after, &err));
     CHECK(same_bits(&before, &after) && before.least_samples == 2, "%s changed the film", what);
@@ -281,7 +281,7 @@ static void refuse(struct gpu *gpu, const struct scene *scene, bool tiles)
     REQUIRE_OK(tiles || renderer_render(&r, &call, &err));
     if (tiles) {
         bool fits = true;
-        REQUIRE_OK(renderer_look(&r, &own, 4, 4, &fits, &err));
+        REQUIRE_OK(renderer_set_camera(&r, &own, 4, 4, &fits, &err));
         CHECK(!fits, "tiles fit");
     } else {
         check_refused(&r, &own, ROOM_WIDTH, ROOM_HEIGHT + 1, "a larger picture");
@@ -496,7 +496,7 @@ TEST(following_a_path_changes_nothing)
     REQUIRE_OK(render_anew(&params, &look, &arena, &whole, &err));
     REQUIRE_OK(renderer_create(&params, &r, &err));
     bool fits;
-    REQUIRE_OK(renderer_look(&r, &look.camera, look.width, look.height, &fits, &err));
+    REQUIRE_OK(renderer_set_camera(&r, &look.camera, look.width, look.height, &fits, &err));
     stops = true;
     for (int i = 0; r.next_sample == 0 && i < 10; i++) {
         REQUIRE_OK(renderer_render(&r, &first, &err));

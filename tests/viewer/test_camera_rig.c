@@ -1,6 +1,6 @@
 #include "scene/core/affine.h"
 #include "test.h"
-#include "viewer/core/rig.h"
+#include "viewer/core/camera_rig.h"
 
 static struct camera looking(const double position[3], const double target[3], const double up[3])
 {
@@ -20,10 +20,10 @@ static struct camera usual(void)
     return looking((const double[]){0, 0, 5}, ZERO, UP_Y);
 }
 
-static struct rig rig_of(const struct camera *camera)
+static struct camera_rig camera_rig_of(const struct camera *camera)
 {
-    struct rig rig;
-    rig_init(&rig, camera, (const double[]){-1, -1, -1}, (const double[]){1, 1, 1});
+    struct camera_rig rig;
+    camera_rig_init(&rig, camera, (const double[]){-1, -1, -1}, (const double[]){1, 1, 1});
     return rig;
 }
 
@@ -52,10 +52,10 @@ TEST(nothing_held_changes_no_bit)
 {
     struct camera camera = looking((const double[]){0.3, 0.1, 7}, (const double[]){1, 2, 3}, UP_Y);
     struct camera before = camera;
-    for (uint32_t mode = 0; mode < RIG_MODE_COUNT; mode++) {
-        struct rig rig = rig_of(&camera);
+    for (uint32_t mode = 0; mode < CAMERA_RIG_MODE_COUNT; mode++) {
+        struct camera_rig rig = camera_rig_of(&camera);
         rig.mode = mode;
-        CHECK(!rig_step(&rig, &(struct rig_input){.seconds = 0.1}, &camera));
+        CHECK(!camera_rig_step(&rig, &(struct camera_rig_input){.seconds = 0.1}, &camera));
         CHECK(memcmp(&camera, &before, sizeof camera) == 0);
     }
 }
@@ -63,27 +63,29 @@ TEST(nothing_held_changes_no_bit)
 TEST(flying_goes_where_keys_say)
 {
     struct camera camera = usual();
-    struct rig rig = rig_of(&camera);
+    struct camera_rig rig = camera_rig_of(&camera);
     rig.speed = 2.0;
-    CHECK(rig_step(&rig, &(struct rig_input){.forward = 1, .seconds = 0.5}, &camera));
+    CHECK(camera_rig_step(&rig, &(struct camera_rig_input){.forward = 1, .seconds = 0.5}, &camera));
     CHECK(distance(camera.position, (const double[]){0, 0, 4}) < 1e-12);
-    rig_step(&rig, &(struct rig_input){.right = 1, .seconds = 0.5}, &camera);
+    camera_rig_step(&rig, &(struct camera_rig_input){.right = 1, .seconds = 0.5}, &camera);
     CHECK(distance(camera.position, (const double[]){1, 0, 4}) < 1e-12);
-    rig_step(&rig, &(struct rig_input){.up = -1, .slow = true, .seconds = 0.5}, &camera);
+    camera_rig_step(&rig, &(struct camera_rig_input){.up = -1, .slow = true, .seconds = 0.5},
+                    &camera);
     CHECK(distance(camera.position, (const double[]){1, -0.1, 4}) < 1e-12);
     // Two keys at once are no faster than one.
     struct camera there = camera;
-    rig_step(&rig, &(struct rig_input){.forward = 1, .right = 1, .seconds = 0.5}, &there);
+    camera_rig_step(&rig, &(struct camera_rig_input){.forward = 1, .right = 1, .seconds = 0.5},
+                    &there);
     CHECK(fabs(distance(camera.position, there.position) - 1.0) < 1e-12);
 }
 
 TEST(looking_follows_the_mouse)
 {
     struct camera camera = usual();
-    struct rig rig = rig_of(&camera);
-    rig_step(&rig, &(struct rig_input){.look = {30 / rig.look_degrees, 0}}, &camera);
+    struct camera_rig rig = camera_rig_of(&camera);
+    camera_rig_step(&rig, &(struct camera_rig_input){.look = {30 / rig.look_degrees, 0}}, &camera);
     CHECK(fabs(camera.direction[0] - sin(30 * DEGREE)) < 1e-12, "to the right");
-    rig_step(&rig, &(struct rig_input){.look = {0, 20 / rig.look_degrees}}, &camera);
+    camera_rig_step(&rig, &(struct camera_rig_input){.look = {0, 20 / rig.look_degrees}}, &camera);
     CHECK(fabs(camera.direction[1] + sin(20 * DEGREE)) < 1e-12, "downwards");
     CHECK(memcmp(camera.up, UP_Y, sizeof UP_Y) == 0, "without roll, up is the axis itself");
     CHECK(fabs(vec3_length(camera.direction) - 1) < 1e-15);
@@ -91,14 +93,15 @@ TEST(looking_follows_the_mouse)
 
 TEST(pitch_never_flips)
 {
-    for (uint32_t mode = 0; mode < RIG_MODE_COUNT; mode++)
+    for (uint32_t mode = 0; mode < CAMERA_RIG_MODE_COUNT; mode++)
         for (int sign = -1; sign <= 1; sign += 2) {
             struct camera camera = usual();
-            struct rig rig = rig_of(&camera);
+            struct camera_rig rig = camera_rig_of(&camera);
             rig.mode = mode;
             for (int i = 0; i < 100; i++) {
                 struct camera before = camera;
-                rig_step(&rig, &(struct rig_input){.look = {3, sign * 47.0}}, &camera);
+                camera_rig_step(&rig, &(struct camera_rig_input){.look = {3, sign * 47.0}},
+                                &camera);
                 double right[3], old[3];
                 vec3_cross(camera.direction, rig.up, right);
                 vec3_cross(before.direction, rig.up, old);
@@ -114,13 +117,13 @@ TEST(pitch_never_flips)
 TEST(orbits_keep_the_target_in_its_place)
 {
     struct camera camera = looking((const double[]){2, 1, 5}, (const double[]){0.3, 0.2, 0}, UP_Y);
-    struct rig rig = rig_of(&camera);
-    rig.mode = RIG_ORBIT;
+    struct camera_rig rig = camera_rig_of(&camera);
+    rig.mode = CAMERA_RIG_ORBIT;
     memset(rig.target, 0, sizeof rig.target); // not in the middle of the picture
     double before[2], after[2], way = distance(camera.position, rig.target);
     project(&camera, rig.target, before);
     for (int i = 0; i < 500; i++)
-        rig_step(&rig, &(struct rig_input){.look = {7, i % 11 - 5.0}}, &camera);
+        camera_rig_step(&rig, &(struct camera_rig_input){.look = {7, i % 11 - 5.0}}, &camera);
     CHECK(project(&camera, rig.target, after));
     CHECK(fabs(before[0] - after[0]) < 1e-9 && fabs(before[1] - after[1]) < 1e-9, "%g %g",
           before[0] - after[0], before[1] - after[1]);
@@ -130,31 +133,31 @@ TEST(orbits_keep_the_target_in_its_place)
 TEST(revolving_takes_its_time)
 {
     struct camera camera = usual();
-    struct rig rig = rig_of(&camera);
-    rig.mode = RIG_ORBIT;
+    struct camera_rig rig = camera_rig_of(&camera);
+    rig.mode = CAMERA_RIG_ORBIT;
     rig.revolves = true;
     rig.revolve_speed = 90;
     memset(rig.target, 0, sizeof rig.target);
     for (int i = 0; i < 40; i++) // a whole turn in four seconds
-        CHECK(rig_step(&rig, &(struct rig_input){.seconds = 0.1}, &camera));
+        CHECK(camera_rig_step(&rig, &(struct camera_rig_input){.seconds = 0.1}, &camera));
     CHECK(distance(camera.position, (const double[]){0, 0, 5}) < 1e-9);
     rig.revolves = false;
-    CHECK(!rig_step(&rig, &(struct rig_input){.seconds = 0.1}, &camera));
+    CHECK(!camera_rig_step(&rig, &(struct camera_rig_input){.seconds = 0.1}, &camera));
 }
 
 TEST(dolly_goes_to_the_target_and_never_through)
 {
     struct camera camera = usual();
-    struct rig rig = rig_of(&camera);
-    rig.mode = RIG_ORBIT;
+    struct camera_rig rig = camera_rig_of(&camera);
+    rig.mode = CAMERA_RIG_ORBIT;
     memset(rig.target, 0, sizeof rig.target);
-    rig_step(&rig, &(struct rig_input){.dolly = 1}, &camera);
+    camera_rig_step(&rig, &(struct camera_rig_input){.dolly = 1}, &camera);
     CHECK(fabs(camera.position[2] - 4.5) < 1e-12, "%g", camera.position[2]);
-    rig_step(&rig, &(struct rig_input){.dolly = 100}, &camera);
+    camera_rig_step(&rig, &(struct camera_rig_input){.dolly = 100}, &camera);
     CHECK(camera.position[2] > 0 && camera.position[2] < 1e-3, "%g", camera.position[2]);
     camera = usual();
     camera.kind = CAMERA_ORTHOGRAPHIC;
-    rig_step(&rig, &(struct rig_input){.dolly = 1}, &camera);
+    camera_rig_step(&rig, &(struct camera_rig_input){.dolly = 1}, &camera);
     CHECK(fabs(camera.height - 1.8) < 1e-12, "%g", camera.height);
     CHECK(camera.position[2] == 5.0, "%g", camera.position[2]);
 }
@@ -162,11 +165,11 @@ TEST(dolly_goes_to_the_target_and_never_through)
 TEST(panning_takes_the_target_along_with_the_mouse)
 {
     struct camera camera = usual();
-    struct rig rig = rig_of(&camera);
+    struct camera_rig rig = camera_rig_of(&camera);
     memset(rig.target, 0, sizeof rig.target);
     double at[2];
-    const struct rig_input input = {.pan = {90, 45}, .picture_height = 360};
-    rig_step(&rig, &input, &camera);
+    const struct camera_rig_input input = {.pan = {90, 45}, .picture_height = 360};
+    camera_rig_step(&rig, &input, &camera);
     project(&camera, ZERO, at);
     double pixel = 2 * tan(0.5 * camera.fov_y) / 360;
     CHECK(fabs(at[0] / pixel - 90) < 1e-9, "%g", at[0] / pixel);
@@ -176,13 +179,13 @@ TEST(panning_takes_the_target_along_with_the_mouse)
 TEST(up_axes_stay)
 {
     struct camera camera = looking((const double[]){4, -4, 2}, ZERO, UP_Z);
-    struct rig rig = rig_of(&camera);
+    struct camera_rig rig = camera_rig_of(&camera);
     CHECK(rig.up[2] == 1 && rig.up[0] == 0 && rig.up[1] == 0);
     double height = camera.direction[2];
-    rig_step(&rig, &(struct rig_input){.look = {200, 0}}, &camera);
+    camera_rig_step(&rig, &(struct camera_rig_input){.look = {200, 0}}, &camera);
     CHECK(fabs(camera.direction[2] - height) < 1e-12);
     camera = looking((const double[]){0, 0, 5}, ZERO, (const double[]){0.1, -1, 0});
-    rig = rig_of(&camera);
+    rig = camera_rig_of(&camera);
     CHECK(rig.up[1] == -1, "upside down stays so");
 }
 
@@ -191,9 +194,9 @@ TEST(roll_is_kept)
     double tilt = 10 * DEGREE, right[3];
     struct camera camera =
         looking((const double[]){0, 0, 5}, ZERO, (const double[]){sin(tilt), cos(tilt), 0});
-    struct rig rig = rig_of(&camera);
+    struct camera_rig rig = camera_rig_of(&camera);
     for (int i = 0; i < 50; i++)
-        rig_step(&rig, &(struct rig_input){.look = {5, 0}}, &camera);
+        camera_rig_step(&rig, &(struct camera_rig_input){.look = {5, 0}}, &camera);
     vec3_cross(camera.direction, camera.up, right);
     vec3_normalize(right);
     CHECK(fabs(vec3_dot(right, rig.up) + sin(tilt)) < 1e-9, "%g", vec3_dot(right, rig.up));
@@ -210,18 +213,18 @@ static void check_scale(double scale, const double offset[3])
         max[c] = offset[c] + scale;
     }
     struct camera camera = looking(position, target, UP_Y);
-    struct rig rig;
-    rig_init(&rig, &camera, min, max);
+    struct camera_rig rig;
+    camera_rig_init(&rig, &camera, min, max);
     CHECK(rig.speed > 0.1 * scale && rig.speed < 10 * scale, "%g: speed %g", scale, rig.speed);
-    rig.mode = RIG_ORBIT;
+    rig.mode = CAMERA_RIG_ORBIT;
     memcpy(rig.target, target, sizeof target);
     double way = distance(camera.position, target);
     for (int i = 0; i < 300; i++)
-        rig_step(&rig, &(struct rig_input){.look = {11, i % 7 - 3.0}}, &camera);
+        camera_rig_step(&rig, &(struct camera_rig_input){.look = {11, i % 7 - 3.0}}, &camera);
     double roundings = 300 * 0x1p-50 * (vec3_length(offset) + scale);
     CHECK(fabs(distance(camera.position, target) - way) <= roundings, "%g: %g", scale,
           distance(camera.position, target) - way);
-    rig_frame(&rig, min, max, 16.0 / 9, &camera);
+    camera_rig_frame(&rig, min, max, 16.0 / 9, &camera);
     for (int corner = 0; corner < 8; corner++) {
         double point[3];
         for (int c = 0; c < 3; c++)
@@ -243,38 +246,38 @@ TEST(sizes_and_places_do_not_matter)
 TEST(framing_fits_the_narrow_side)
 {
     struct camera camera = usual();
-    struct rig rig = rig_of(&camera);
+    struct camera_rig rig = camera_rig_of(&camera);
     const double min[] = {-1, -1, -1}, max[] = {1, 1, 1};
     double at[2];
-    rig_frame(&rig, min, max, 0.5, &camera);
+    camera_rig_frame(&rig, min, max, 0.5, &camera);
     project(&camera, (const double[]){1, 0, 0}, at);
     CHECK(fabs(at[0]) < 0.5 * tan(0.5 * camera.fov_y), "%g", at[0]);
     camera.kind = CAMERA_ORTHOGRAPHIC;
-    rig_frame(&rig, min, max, 0.5, &camera);
+    camera_rig_frame(&rig, min, max, 0.5, &camera);
     CHECK(fabs(camera.height - 4 * sqrt(3)) < 1e-12, "%g", camera.height);
 }
 
 TEST(focus_is_along_the_direction)
 {
     struct camera camera = usual();
-    struct rig rig = rig_of(&camera);
+    struct camera_rig rig = camera_rig_of(&camera);
     const double point[] = {3, 0, 1};
-    rig_focus(&rig, point, &camera);
+    camera_rig_focus(&rig, point, &camera);
     CHECK(camera.focus_distance == 1.0, "a pinhole has none");
     CHECK(memcmp(rig.target, point, sizeof point) == 0);
     camera.lens_radius = 0.01;
-    rig_focus(&rig, point, &camera);
+    camera_rig_focus(&rig, point, &camera);
     CHECK(fabs(camera.focus_distance - 4.0) < 1e-12, "%g", camera.focus_distance);
 }
 
 TEST(empty_scenes_can_be_flown_through)
 {
     struct camera camera = usual();
-    struct rig rig;
-    rig_init(&rig, &camera, (const double[]){1, 1, 1}, (const double[]){-1, -1, -1});
+    struct camera_rig rig;
+    camera_rig_init(&rig, &camera, (const double[]){1, 1, 1}, (const double[]){-1, -1, -1});
     CHECK(rig.speed > 0 && isfinite(rig.speed));
     struct camera before = camera;
-    rig_frame(&rig, (const double[]){1, 1, 1}, (const double[]){1, 1, 1}, 1, &camera);
+    camera_rig_frame(&rig, (const double[]){1, 1, 1}, (const double[]){1, 1, 1}, 1, &camera);
     CHECK(memcmp(&before, &camera, sizeof camera) == 0);
 }
 

@@ -1,4 +1,4 @@
-#include "viewer/core/pace.h"
+#include "viewer/core/frame_budget.h"
 
 // Of the newest measurement in the running means: a change of what is seen shows within some
 // frames, and one slow frame among quick ones makes no other picture.
@@ -13,9 +13,9 @@
 // Before anything was measured, so that the first picture is there at once on any device.
 #define FIRST_SHRINK 8u
 
-void pace_init(struct pace *pace, double target_ms)
+void frame_budget_init(struct frame_budget *pace, double target_ms)
 {
-    *pace = (struct pace){.target_ms = target_ms, .shrink = FIRST_SHRINK};
+    *pace = (struct frame_budget){.target_ms = target_ms, .shrink = FIRST_SHRINK};
 }
 
 static double mean(double old, double value)
@@ -23,69 +23,72 @@ static double mean(double old, double value)
     return old > 0.0 ? old + NEWEST * (value - old) : value;
 }
 
-void pace_measure(struct pace *pace, double samples, double render_ms, double overhead_ms)
+void frame_budget_measure(struct frame_budget *pace, double samples, double render_ms,
+                          double overhead_ms)
 {
     if (samples > 0.0 && render_ms > 0.0)
         pace->ms_per_sample = mean(pace->ms_per_sample, render_ms / samples);
     pace->overhead_ms = mean(pace->overhead_ms, overhead_ms);
 }
 
-void pace_measure_small(struct pace *pace, double samples, double render_ms)
+void frame_budget_measure_small(struct frame_budget *pace, double samples, double render_ms)
 {
     if (samples > 0.0 && render_ms > 0.0)
         pace->ms_per_small = mean(pace->ms_per_small, render_ms / samples);
 }
 
-void pace_measure_pixels(struct pace *pace, double pixels, double ms)
+void frame_budget_measure_pixels(struct frame_budget *pace, double pixels, double ms)
 {
     pace->ms_per_pixel = pixels > 0.0 ? mean(pace->ms_per_pixel, ms / pixels) : 0.0;
 }
 
-double pace_render_ms(const struct pace *pace)
+double frame_budget_render_ms(const struct frame_budget *pace)
 {
     double left = pace->target_ms - pace->overhead_ms, least = 0.25 * pace->target_ms;
     return left > least ? left : least;
 }
 
 // The display and the panel of a slow device would else take more of its time than the picture.
-double pace_calm_render_ms(const struct pace *pace)
+double frame_budget_calm_render_ms(const struct frame_budget *pace)
 {
     double ms = CALM_SHARE * pace->overhead_ms, most = CALM_FRAME_MS - pace->overhead_ms;
     if (ms > most)
         ms = most;
-    double usual = pace_render_ms(pace);
+    double usual = frame_budget_render_ms(pace);
     return ms > usual ? ms : usual;
 }
 
-uint32_t pace_shrunk(uint32_t side, uint32_t shrink)
+uint32_t frame_budget_shrunk(uint32_t side, uint32_t shrink)
 {
     return (side + shrink - 1) / shrink;
 }
 
-uint32_t pace_wave(const struct pace *pace, double render_ms)
+uint32_t frame_budget_wave(const struct frame_budget *pace, double render_ms)
 {
-    uint32_t wave = PACE_WAVE_MAX;
+    uint32_t wave = FRAME_BUDGET_WAVE_MAX;
     if (!(pace->ms_per_sample > 0.0))
         return wave;
     double fit = render_ms / pace->ms_per_sample;
-    while (wave > PACE_WAVE_MIN && (double)wave > fit)
+    while (wave > FRAME_BUDGET_WAVE_MIN && (double)wave > fit)
         wave /= 2;
     return wave;
 }
 
-static double cost_ms(const struct pace *pace, uint32_t width, uint32_t height, uint32_t shrink)
+static double cost_ms(const struct frame_budget *pace, uint32_t width, uint32_t height,
+                      uint32_t shrink)
 {
     double sample = pace->ms_per_small > 0.0 ? pace->ms_per_small : pace->ms_per_sample;
-    return (double)pace_shrunk(width, shrink) * pace_shrunk(height, shrink) *
+    return (double)frame_budget_shrunk(width, shrink) * frame_budget_shrunk(height, shrink) *
            (sample + pace->ms_per_pixel);
 }
 
-void pace_choose(struct pace *pace, uint32_t width, uint32_t height)
+void frame_budget_choose(struct frame_budget *pace, uint32_t width, uint32_t height)
 {
-    double budget = pace_render_ms(pace);
+    double budget = frame_budget_render_ms(pace);
     if (!(pace->ms_per_sample > 0.0) && !(pace->ms_per_small > 0.0))
         return;
-    while (pace->shrink < PACE_SHRINK_MAX && cost_ms(pace, width, height, pace->shrink) > budget)
+    while (pace->shrink < FRAME_BUDGET_SHRINK_MAX &&
+           cost_ms(pace, width, height, pace->shrink) > budget)
         pace->shrink++;
     while (pace->shrink > 1 && cost_ms(pace, width, height, pace->shrink - 1) <= MARGIN * budget)
         pace->shrink--;

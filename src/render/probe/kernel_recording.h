@@ -1,18 +1,19 @@
 // One kernel alone, on what it gets in a real render: the state of a wave is kept just before the
 // kernel, and put back before each run of it.
 //
-//   struct recorded recorded = {0};
-//   recorded_create(&r, &(struct recorded_params){.kernel = KERNEL_intersect_closest, .depth = 1,
+//   struct kernel_recording recorded = {0};
+//   kernel_recording_create(&r, &(struct kernel_recording_params){.kernel =
+//   KERNEL_intersect_closest, .depth = 1,
 //                                                 .samples = 4}, &recorded, &err)
-//       && recorded_run(&r, &recorded, &ms, &err);
-//   recorded_finish(&r, &recorded);
-#ifndef LAMPYRIS_RENDER_PROBE_RECORDED_H
-#define LAMPYRIS_RENDER_PROBE_RECORDED_H
+//       && kernel_recording_run(&r, &recorded, &ms, &err);
+//   kernel_recording_finish(&r, &recorded);
+#ifndef LAMPYRIS_RENDER_PROBE_KERNEL_RECORDING_H
+#define LAMPYRIS_RENDER_PROBE_KERNEL_RECORDING_H
 
 #include "render/render.h"
 #include "render/wave.h"
 
-struct recorded_params {
+struct kernel_recording_params {
     enum kernel_id kernel;
     // Bounces that the paths have behind them; of intersect_shadow, when the rays were sent. Does
     // not matter for generate_rays, accumulate and resolve.
@@ -20,7 +21,7 @@ struct recorded_params {
     uint64_t samples; // a pixel, of the render; a wave takes the largest power of two up to 16
 };
 
-struct recorded {
+struct kernel_recording {
     struct wave wave; // in the middle of the picture
     struct wave_step step;
     uint32_t launches; // shadow rays of a slot; else 1
@@ -33,18 +34,21 @@ struct recorded {
 // Traces a wave up to the kernel. ERR_USAGE where the scene left the kernel out; ERR_GPU where
 // there is no memory to keep the state, or traversals need several dispatches. *out is to be
 // finished in any case.
-bool recorded_create(struct renderer *renderer, const struct recorded_params *params,
-                     struct recorded *out, struct err *err);
+bool kernel_recording_create(struct renderer *renderer,
+                             const struct kernel_recording_params *params,
+                             struct kernel_recording *out, struct err *err);
 // Runs the kernel once; nothing else may have run on the renderer since, for what the kernel only
 // reads is not kept. *ms: on the device, or by the host's clock where that has no timestamps.
 // ERR_BUG when it leaves behind anything else than the render did.
-bool recorded_run(struct renderer *renderer, const struct recorded *recorded, double *ms,
-                  struct err *err);
+bool kernel_recording_run(struct renderer *renderer, const struct kernel_recording *recorded,
+                          double *ms, struct err *err);
 // What the items, which are rays, do: nodes of the BVH visited, and primitives tested. Compiles
 // kernels that count, and the others again.
-bool recorded_count_steps(struct renderer *renderer, const struct recorded *recorded,
-                          uint64_t *nodes, uint64_t *primitives, struct err *err);
+bool kernel_recording_count_steps(struct renderer *renderer,
+                                  const struct kernel_recording *recorded, uint64_t *nodes,
+                                  uint64_t *primitives, struct err *err);
 // Releases it, and leaves the renderer as it was: between two waves. Accepts {0}.
-bool recorded_finish(struct renderer *renderer, struct recorded *recorded, struct err *err);
+bool kernel_recording_finish(struct renderer *renderer, struct kernel_recording *recorded,
+                             struct err *err);
 
 #endif

@@ -34,8 +34,8 @@ static bool place_camera(struct renderer *r, struct err *err)
                       err);
 }
 
-bool renderer_look(struct renderer *r, const struct camera *camera, uint32_t width, uint32_t height,
-                   bool *fits, struct err *err)
+bool renderer_set_camera(struct renderer *r, const struct camera *camera, uint32_t width,
+                         uint32_t height, bool *fits, struct err *err)
 {
     *fits = does_fit(r, camera, width, height);
     if (!*fits)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """A window on a display (xvfb-run), used by mouse and keys as people do.
 
-    test_hands.py LAMPYRIS VIEWER SOURCE_ROOT
+    test_mouse_and_keys.py LAMPYRIS VIEWER SOURCE_ROOT
 """
 import viewer_run
 from viewer_run import Case

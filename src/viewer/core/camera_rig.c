@@ -1,4 +1,4 @@
-#include "viewer/core/rig.h"
+#include "viewer/core/camera_rig.h"
 
 #include "scene/core/affine.h"
 #include <math.h>
@@ -17,9 +17,9 @@
 // Cosines with the horizontal below this are what rounding makes of a camera without roll.
 #define ROLL_MIN 1e-6
 
-const char *const rig_mode_names[RIG_MODE_COUNT + 1] = {
-    [RIG_FLY] = "fly",
-    [RIG_ORBIT] = "orbit",
+const char *const camera_rig_mode_names[CAMERA_RIG_MODE_COUNT + 1] = {
+    [CAMERA_RIG_FLY] = "fly",
+    [CAMERA_RIG_ORBIT] = "orbit",
 };
 
 static void add_scaled(double to[3], const double v[3], double factor)
@@ -44,21 +44,21 @@ static bool sideways(const struct camera *camera, const double up[3], double out
     return vec3_normalize(out);
 }
 
-static void target_ahead(struct rig *rig, const struct camera *camera, double distance)
+static void target_ahead(struct camera_rig *rig, const struct camera *camera, double distance)
 {
     memcpy(rig->target, camera->position, sizeof rig->target);
     add_scaled(rig->target, camera->direction, distance);
 }
 
-static double distance_to_target(const struct rig *rig, const struct camera *camera)
+static double distance_to_target(const struct camera_rig *rig, const struct camera *camera)
 {
     double way[3];
     vec3_subtract(rig->target, camera->position, way);
     return vec3_length(way);
 }
 
-void rig_init(struct rig *rig, const struct camera *camera, const double min[3],
-              const double max[3])
+void camera_rig_init(struct camera_rig *rig, const struct camera *camera, const double min[3],
+                     const double max[3])
 {
     double size[3], to_middle[3];
     bool is_empty = !(max[0] >= min[0] && max[1] >= min[1] && max[2] >= min[2]);
@@ -72,8 +72,8 @@ void rig_init(struct rig *rig, const struct camera *camera, const double min[3],
     double diagonal = vec3_length(size);
     if (!(diagonal > 0.0) || !isfinite(diagonal))
         diagonal = 1.0;
-    *rig = (struct rig){
-        .mode = RIG_FLY,
+    *rig = (struct camera_rig){
+        .mode = CAMERA_RIG_FLY,
         .speed = SPEED_PART * diagonal,
         .revolve_speed = 20.0,
         .look_degrees = 0.2,
@@ -86,7 +86,7 @@ void rig_init(struct rig *rig, const struct camera *camera, const double min[3],
 // --- turning -------------------------------------------------------------------------------------
 
 // Roll is kept where there is some; a camera without it is described by the axis itself.
-static bool has_roll(const struct rig *rig, const struct camera *camera)
+static bool has_roll(const struct camera_rig *rig, const struct camera *camera)
 {
     double right[3];
     return sideways(camera, camera->up, right) && fabs(vec3_dot(right, rig->up)) > ROLL_MIN;
@@ -94,7 +94,7 @@ static bool has_roll(const struct rig *rig, const struct camera *camera)
 
 // What of a pitch (upwards positive) keeps the view off the poles. A view that is nearer already
 // can only go away from them.
-static double allowed_pitch(const struct rig *rig, const struct camera *camera, double pitch)
+static double allowed_pitch(const struct camera_rig *rig, const struct camera *camera, double pitch)
 {
     double cosine = vec3_dot(camera->direction, rig->up);
     double from_up = acos(fmax(-1.0, fmin(cosine, 1.0)));
@@ -105,7 +105,7 @@ static double allowed_pitch(const struct rig *rig, const struct camera *camera, 
 
 // Turns direction, up and, where it is not NULL, a further vector: about the axis, then about
 // what is sideways afterwards.
-static void turn(const struct rig *rig, double yaw, double pitch, struct camera *camera,
+static void turn(const struct camera_rig *rig, double yaw, double pitch, struct camera *camera,
                  double offset[3])
 {
     double right[3];
@@ -124,7 +124,7 @@ static void turn(const struct rig *rig, double yaw, double pitch, struct camera 
 }
 
 // About the target: what is seen of it stays in its place in the picture.
-static void orbit(const struct rig *rig, double yaw, double pitch, struct camera *camera)
+static void orbit(const struct camera_rig *rig, double yaw, double pitch, struct camera *camera)
 {
     double offset[3], length;
     vec3_subtract(camera->position, rig->target, offset);
@@ -138,7 +138,8 @@ static void orbit(const struct rig *rig, double yaw, double pitch, struct camera
 
 // --- moving --------------------------------------------------------------------------------------
 
-static bool fly(const struct rig *rig, const struct rig_input *input, struct camera *camera)
+static bool fly(const struct camera_rig *rig, const struct camera_rig_input *input,
+                struct camera *camera)
 {
     double right[3], way[3] = {0};
     if (!sideways(camera, camera->up, right))
@@ -154,7 +155,7 @@ static bool fly(const struct rig *rig, const struct rig_input *input, struct cam
 }
 
 // What a pixel is wide at the target, metres.
-static double pixel_size(const struct rig *rig, const struct rig_input *input,
+static double pixel_size(const struct camera_rig *rig, const struct camera_rig_input *input,
                          const struct camera *camera)
 {
     double height = input->picture_height > 0 ? input->picture_height : 1;
@@ -167,7 +168,7 @@ static double pixel_size(const struct rig *rig, const struct rig_input *input,
 }
 
 // The point under the mouse stays there: camera and target go the other way.
-static void pan(struct rig *rig, const struct rig_input *input, struct camera *camera)
+static void pan(struct camera_rig *rig, const struct camera_rig_input *input, struct camera *camera)
 {
     double right[3], up[3], size = pixel_size(rig, input, camera);
     if (!sideways(camera, camera->up, right))
@@ -181,7 +182,7 @@ static void pan(struct rig *rig, const struct rig_input *input, struct camera *c
 }
 
 // Parallel rays see the same from anywhere along them: they are brought closer together instead.
-static void dolly(const struct rig *rig, double notches, struct camera *camera)
+static void dolly(const struct camera_rig *rig, double notches, struct camera *camera)
 {
     double factor = pow(DOLLY_FACTOR, notches), way[3];
     if (camera->kind == CAMERA_ORTHOGRAPHIC) {
@@ -198,12 +199,13 @@ static bool same_bytes(const void *a, const void *b, size_t size)
     return memcmp(a, b, size) == 0;
 }
 
-bool rig_step(struct rig *rig, const struct rig_input *input, struct camera *camera)
+bool camera_rig_step(struct camera_rig *rig, const struct camera_rig_input *input,
+                     struct camera *camera)
 {
     struct camera before = *camera;
     double degree = M_PI / 180, yaw = -input->look[0] * rig->look_degrees * degree;
     double pitch = -input->look[1] * rig->look_degrees * degree;
-    bool orbits = rig->mode == RIG_ORBIT;
+    bool orbits = rig->mode == CAMERA_RIG_ORBIT;
     double revolution = orbits && rig->revolves ? rig->revolve_speed * input->seconds * degree : 0;
     if (orbits && (yaw != 0.0 || pitch != 0.0 || revolution != 0.0))
         orbit(rig, yaw + revolution, pitch, camera);
@@ -222,7 +224,7 @@ bool rig_step(struct rig *rig, const struct rig_input *input, struct camera *cam
     return !same_bytes(&before, camera, sizeof before);
 }
 
-void rig_focus(struct rig *rig, const double point[3], struct camera *camera)
+void camera_rig_focus(struct camera_rig *rig, const double point[3], struct camera *camera)
 {
     double way[3];
     memcpy(rig->target, point, sizeof rig->target);
@@ -243,8 +245,8 @@ static double framing_distance(const struct camera *camera, double radius, doubl
     return radius / sin(half);
 }
 
-void rig_frame(struct rig *rig, const double min[3], const double max[3], double aspect,
-               struct camera *camera)
+void camera_rig_frame(struct camera_rig *rig, const double min[3], const double max[3],
+                      double aspect, struct camera *camera)
 {
     double middle[3], half[3];
     for (int c = 0; c < 3; c++) {

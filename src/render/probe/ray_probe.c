@@ -1,4 +1,4 @@
-#include "render/probe/single_kernel.h"
+#include "render/probe/ray_probe.h"
 
 #include <string.h>
 
@@ -29,7 +29,7 @@ static uint32_t (*record_of(const struct records *records, uint32_t i))[4]
 }
 
 // Words of what rays start on: places of triangles, by their numbers in the flat scene.
-static bool find_starts(const struct renderer *r, const struct single_ray *rays, uint32_t count,
+static bool find_starts(const struct renderer *r, const struct probe_ray *rays, uint32_t count,
                         struct arena *scratch, uint32_t **starts, struct err *err)
 {
     uint32_t *places = ARENA_NEW(scratch, uint32_t, r->flat.triangle_count);
@@ -47,7 +47,7 @@ static bool find_starts(const struct renderer *r, const struct single_ray *rays,
     return true;
 }
 
-static bool upload_closest(struct renderer *r, const struct single_ray *rays, uint32_t count,
+static bool upload_closest(struct renderer *r, const struct probe_ray *rays, uint32_t count,
                            struct arena *scratch, struct err *err)
 {
     struct records records;
@@ -71,7 +71,7 @@ static bool upload_closest(struct renderer *r, const struct single_ray *rays, ui
 }
 
 // Shadow rays carry a contribution of 1: what arrives in the slot's radiance was not occluded.
-static bool upload_shadow(struct renderer *r, const struct single_ray *rays, uint32_t count,
+static bool upload_shadow(struct renderer *r, const struct probe_ray *rays, uint32_t count,
                           struct arena *scratch, struct err *err)
 {
     struct records records;
@@ -142,7 +142,7 @@ static bool dispatch(struct renderer *r, enum kernel_id kernel, uint32_t queue, 
                         err);
 }
 
-static bool download_closest(struct renderer *r, struct single_hit *hits, uint32_t count,
+static bool download_closest(struct renderer *r, struct probe_hit *hits, uint32_t count,
                              struct arena *scratch, struct err *err)
 {
     struct records records;
@@ -157,14 +157,14 @@ static bool download_closest(struct renderer *r, struct single_hit *hits, uint32
         uint32_t word = path.primitive;
         uint32_t instance = records.stride > PATH_INSTANCE ? words[PATH_INSTANCE][0] : NO_INSTANCE;
         bool is_shape = word != NO_PRIMITIVE && (word & PRIMITIVE_SHAPE);
-        hits[i] = (struct single_hit){path.t, path.u, path.v, word, instance};
+        hits[i] = (struct probe_hit){path.t, path.u, path.v, word, instance};
         if (word != NO_PRIMITIVE && !is_shape)
             hits[i].primitive = r->bvh.triangle_order[word];
     }
     return true;
 }
 
-static bool download_shadow(struct renderer *r, struct single_hit *hits, uint32_t count,
+static bool download_shadow(struct renderer *r, struct probe_hit *hits, uint32_t count,
                             struct arena *scratch, struct err *err)
 {
     float(*radiance)[4] = arena_alloc(scratch, count, sizeof *radiance);
@@ -174,13 +174,13 @@ static bool download_shadow(struct renderer *r, struct single_hit *hits, uint32_
                       err))
         return false;
     for (uint32_t i = 0; i < count; i++)
-        hits[i] = (struct single_hit){.primitive = radiance[i][0] > 0.0f ? NO_PRIMITIVE : 0};
+        hits[i] = (struct probe_hit){.primitive = radiance[i][0] > 0.0f ? NO_PRIMITIVE : 0};
     return true;
 }
 
-bool single_kernel_trace(struct renderer *r, enum kernel_id kernel, const struct single_ray *rays,
-                         uint32_t count, struct single_hit *hits, double *ms, bool *complete,
-                         struct err *err)
+bool ray_probe_trace(struct renderer *r, enum kernel_id kernel, const struct probe_ray *rays,
+                     uint32_t count, struct probe_hit *hits, double *ms, bool *complete,
+                     struct err *err)
 {
     struct arena scratch = {0};
     bool shadow = kernel == KERNEL_intersect_shadow;

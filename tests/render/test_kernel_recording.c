@@ -1,6 +1,6 @@
 // Kernels alone, on what they get in a render: as many items as there, the same results, and a
 // renderer that goes on as if nothing had been.
-#include "render/probe/recorded.h"
+#include "render/probe/kernel_recording.h"
 #include "render_fixture.h"
 
 #define SAMPLES 4u
@@ -44,18 +44,18 @@ static bool render(struct renderer *r, struct arena *arena, struct film_image *f
 static uint64_t try_kernel(struct setup *s, enum kernel_id kernel, uint32_t depth)
 {
     struct err err = {0};
-    struct recorded recorded;
+    struct kernel_recording recorded;
     const char *name = s->r.kernels[kernel].name;
-    const struct recorded_params params = {kernel, depth, SAMPLES};
-    bool ok = recorded_create(&s->r, &params, &recorded, &err);
+    const struct kernel_recording_params params = {kernel, depth, SAMPLES};
+    bool ok = kernel_recording_create(&s->r, &params, &recorded, &err);
     CHECK(ok, "%s, depth %u: %s", name, depth, err.msg);
     for (int run = 0; run < 2 && ok && recorded.items > 0; run++) {
         double ms = -1.0;
-        ok = recorded_run(&s->r, &recorded, &ms, &err);
+        ok = kernel_recording_run(&s->r, &recorded, &ms, &err);
         CHECK(ok && ms > 0.0, "%s, depth %u, %g ms: %s", name, depth, ms, err.msg);
     }
     uint64_t items = recorded.items;
-    CHECK(recorded_finish(&s->r, &recorded, &err), "%s: %s", name, err.msg);
+    CHECK(kernel_recording_finish(&s->r, &recorded, &err), "%s: %s", name, err.msg);
     return items;
 }
 
@@ -134,10 +134,11 @@ TEST(validation_is_silent)
     check_scene("scenes/cornell.json", true);
 }
 
-static bool record_closest(struct setup *s, uint32_t depth, struct recorded *out, struct err *err)
+static bool record_closest(struct setup *s, uint32_t depth, struct kernel_recording *out,
+                           struct err *err)
 {
-    const struct recorded_params params = {KERNEL_intersect_closest, depth, SAMPLES};
-    return recorded_create(&s->r, &params, out, err);
+    const struct kernel_recording_params params = {KERNEL_intersect_closest, depth, SAMPLES};
+    return kernel_recording_create(&s->r, &params, out, err);
 }
 
 // That a kernel gets something else than in the render does not go unnoticed.
@@ -145,20 +146,20 @@ TEST(other_results_are_found)
 {
     struct err err = {0};
     struct setup s = {0};
-    struct recorded recorded;
+    struct kernel_recording recorded;
     struct gpu_path path;
     double ms;
     OPEN_GPU(&s.gpu, .validation = false);
     REQUIRE_OK(create(&s, "scenes/cornell.json", &err));
     REQUIRE_OK(record_closest(&s, 0, &recorded, &err));
-    REQUIRE_OK(recorded_run(&s.r, &recorded, &ms, &err));
+    REQUIRE_OK(kernel_recording_run(&s.r, &recorded, &ms, &err));
     struct gpu_buffer *kept = &recorded.kept[BINDING_PATHS];
     uint64_t at = 100 * sizeof path;
     REQUIRE_OK(gpu_download(&s.gpu, kept, at, &path, sizeof path, &err));
     path.direction[0] += 0.01f;
     REQUIRE_OK(gpu_upload(&s.gpu, kept, at, &path, sizeof path, &err));
-    CHECK(!recorded_run(&s.r, &recorded, &ms, &err) && err.code == ERR_BUG, "%s", err.msg);
-    CHECK(recorded_finish(&s.r, &recorded, &err), "%s", err.msg);
+    CHECK(!kernel_recording_run(&s.r, &recorded, &ms, &err) && err.code == ERR_BUG, "%s", err.msg);
+    CHECK(kernel_recording_finish(&s.r, &recorded, &err), "%s", err.msg);
     finish(&s);
 }
 
@@ -167,16 +168,17 @@ TEST(refusals)
 {
     struct err err = {0};
     struct setup s = {0};
-    struct recorded recorded;
-    struct recorded_params params = {KERNEL_shade_classical, 0, SAMPLES};
+    struct kernel_recording recorded;
+    struct kernel_recording_params params = {KERNEL_shade_classical, 0, SAMPLES};
     OPEN_GPU(&s.gpu, .validation = false);
     REQUIRE_OK(create(&s, "scenes/cornell.json", &err));
-    CHECK(!recorded_create(&s.r, &params, &recorded, &err) && err.code == ERR_USAGE, "left out");
-    CHECK(recorded_finish(&s.r, &recorded, &err), "%s", err.msg);
-    params = (struct recorded_params){KERNEL_intersect_closest, 1000, SAMPLES};
-    REQUIRE_OK(recorded_create(&s.r, &params, &recorded, &err));
+    CHECK(!kernel_recording_create(&s.r, &params, &recorded, &err) && err.code == ERR_USAGE,
+          "left out");
+    CHECK(kernel_recording_finish(&s.r, &recorded, &err), "%s", err.msg);
+    params = (struct kernel_recording_params){KERNEL_intersect_closest, 1000, SAMPLES};
+    REQUIRE_OK(kernel_recording_create(&s.r, &params, &recorded, &err));
     CHECK(recorded.items == 0, "%llu items", (unsigned long long)recorded.items);
-    CHECK(recorded_finish(&s.r, &recorded, &err), "%s", err.msg);
+    CHECK(kernel_recording_finish(&s.r, &recorded, &err), "%s", err.msg);
 
     // As on a device whose memory the render has used up.
     bool is_cpu = s.gpu.info.is_cpu;
@@ -184,7 +186,7 @@ TEST(refusals)
     s.gpu.info.is_cpu = false;
     s.gpu.info.memory_bytes = s.gpu.allocated_bytes + 1000;
     CHECK(!record_closest(&s, 1, &recorded, &err) && strstr(err.msg, "1000 left"), "%s", err.msg);
-    CHECK(recorded_finish(&s.r, &recorded, &err), "%s", err.msg);
+    CHECK(kernel_recording_finish(&s.r, &recorded, &err), "%s", err.msg);
     s.gpu.info.is_cpu = is_cpu;
     s.gpu.info.memory_bytes = memory;
     CHECK(try_kernel(&s, KERNEL_intersect_closest, 1) > 0, "no rays");
@@ -194,10 +196,10 @@ TEST(refusals)
     CHECK(!record_closest(&s, 0, &recorded, &err) && err.code == ERR_GPU &&
               strstr(err.msg, "more than 3 steps"),
           "%s", err.msg);
-    CHECK(recorded_finish(&s.r, &recorded, &err), "%s", err.msg);
+    CHECK(kernel_recording_finish(&s.r, &recorded, &err), "%s", err.msg);
     specialization_suspend(&s.r.specialization);
     CHECK(!record_closest(&s, 0, &recorded, &err) && err.code == ERR_GPU, "%s", err.msg);
-    CHECK(recorded_finish(&s.r, &recorded, &err), "%s", err.msg);
+    CHECK(kernel_recording_finish(&s.r, &recorded, &err), "%s", err.msg);
     finish(&s);
 }
 
@@ -244,20 +246,20 @@ TEST(steps)
     REQUIRE_OK(render(&s.r, &arena, &plain, &err));
     CHECK(s.r.stats.steps[STEPS_CLOSEST] == 0, "counted without being asked to");
     for (uint32_t i = 0; i < 2 * (BOUNCES + 1); i++) {
-        struct recorded recorded;
+        struct kernel_recording recorded;
         uint32_t which = i % 2 ? STEPS_SHADOW : STEPS_CLOSEST;
         uint64_t nodes, primitives;
-        const struct recorded_params params = {
+        const struct kernel_recording_params params = {
             i % 2 ? KERNEL_intersect_shadow : KERNEL_intersect_closest, i / 2, SAMPLES};
-        REQUIRE_OK(recorded_create(&s.r, &params, &recorded, &err));
+        REQUIRE_OK(kernel_recording_create(&s.r, &params, &recorded, &err));
         if (recorded.items > 0) {
-            REQUIRE_OK(recorded_count_steps(&s.r, &recorded, &nodes, &primitives, &err));
+            REQUIRE_OK(kernel_recording_count_steps(&s.r, &recorded, &nodes, &primitives, &err));
             CHECK(nodes >= recorded.items, "%llu nodes for %llu rays", (unsigned long long)nodes,
                   (unsigned long long)recorded.items);
             sum[which] += nodes;
             sum[which + 1] += primitives;
         }
-        CHECK(recorded_finish(&s.r, &recorded, &err), "%s", err.msg);
+        CHECK(kernel_recording_finish(&s.r, &recorded, &err), "%s", err.msg);
     }
     REQUIRE_OK(wave_count_steps(&s.r, true, &err));
     REQUIRE_OK(render(&s.r, &arena, &counted, &err));
