@@ -1,17 +1,20 @@
 #include "job/film_error.h"
 
+#include "render/probe/in_view.h"
 #include <math.h>
 #include <stdio.h>
 
-struct film_error_params film_error_params(const struct renderer *renderer, uint64_t samples)
+bool film_error_prepare(struct renderer *renderer, uint64_t samples, struct arena *arena,
+                        struct film_error_params *out, struct err *err)
 {
     const struct specialization *s = &renderer->specialization;
-    return (struct film_error_params){
+    *out = (struct film_error_params){
         .samples = samples,
         .shares_depths = s->roulette == ROULETTE_FRAME && (s->features & FEATURE_ROULETTE) != 0,
         .is_contiguous = s->halves == HALVES_CONTIGUOUS,
         .planned = renderer->frame.samples,
     };
+    return renderer_find_unseen(renderer, arena, &out->unseen, err);
 }
 
 struct half_error film_error_none(const char *reason)
@@ -59,8 +62,9 @@ bool film_error(const struct film_image *film, const struct film_error_params *p
         .width = film->width,
         .height = film->height,
         .samples = params->samples,
+        .counts = film->least_samples < film->most_samples ? film->samples : NULL,
         .confidence = params->confidence,
-        .brightest = film->brightest,
+        .unseen = params->unseen,
     };
     if (params->is_contiguous && film->least_samples != params->planned) {
         *out = film_error_none("contiguous halves tell it after as many samples as were planned");

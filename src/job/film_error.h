@@ -13,10 +13,12 @@ struct film_error_params {
     // samples as are planned.
     bool is_contiguous;
     uint64_t planned;
+    struct unseen_light unseen;
 };
 
-// Of what the renderer has in its film now.
-struct film_error_params film_error_params(const struct renderer *renderer, uint64_t samples);
+// Of what the renderer has in its film now; what it points to is in `arena`.
+bool film_error_prepare(struct renderer *renderer, uint64_t samples, struct arena *arena,
+                        struct film_error_params *out, struct err *err);
 
 // As metrics_half_error(). What cannot be relied upon is taken back: local_relmse and mse are NAN
 // where there is no interval, but where pixels share their paths' depths; then there is neither

@@ -45,9 +45,12 @@ double job_total_samples(const struct job *job)
 bool job_estimate_error(struct job *job, double confidence, struct half_error *out, struct err *err)
 {
     uint64_t start = clock_ns();
-    struct film_error_params params = film_error_params(&job->renderer, job_film_samples(job));
+    struct arena scratch = {0};
+    struct film_error_params params;
+    bool ok = film_error_prepare(&job->renderer, job_film_samples(job), &scratch, &params, err);
     params.confidence = confidence;
-    bool ok = film_error(&job->film, &params, out, err);
+    ok = ok && film_error(&job->film, &params, out, err);
+    arena_finish(&scratch);
     job->seconds.judge += clock_seconds_since(start);
     return ok;
 }
@@ -55,10 +58,9 @@ bool job_estimate_error(struct job *job, double confidence, struct half_error *o
 bool job_estimate_begin(struct job *job, struct job_estimate *out, struct err *err)
 {
     *out = (struct job_estimate){0};
-    if (!renderer_read(&job->renderer, &out->arena, &out->film, err))
-        return false;
-    out->params = film_error_params(&job->renderer, out->film.least_samples);
-    return true;
+    return renderer_read(&job->renderer, &out->arena, &out->film, err) &&
+           film_error_prepare(&job->renderer, out->film.least_samples, &out->arena, &out->params,
+                              err);
 }
 
 bool job_estimate_end(struct job_estimate *estimate, struct err *err)

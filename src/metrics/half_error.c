@@ -33,17 +33,24 @@
 // the pixels' do (Satterthwaite 1946, "An approximate distribution of estimates of variance
 // components").
 //
-// What no sample has found. Paths that meet a bright emitter by chance add up to F a sample. Where
-// no half differs from the other as if such a path were in it, three may have been expected of all
-// samples (the chance of none is then 5 %), which are light of 3 F / N in the pixels' sum that the
-// picture lacks. Spread so that it does the most, to r of a pixel each, it adds
-// r / ((p r + L)^2 + epsilon) for each unit of light, p being the pixel's part of the window, which
-// is at most 1 / (2 p (L + sqrt(L^2 + epsilon))). The bound holds that; an interval is told where
-// it is small.
+// Emitters in view that no sample has met. Of an emitter much smaller than a pixel we know where it
+// is, how bright, and how large: the light r that its pixel lacks until a sample meets it. Where no
+// pixel that it may be seen in is brighter than its neighbours by half of one such sample, none
+// has, and the picture's error has r^2 / ((p r + L)^2 + epsilon) more than D^2 tells, p being the
+// pixel's part of the window. The bound holds that.
+//
+// What no path has found by chance. Paths that meet a bright emitter by chance add up to F a
+// sample. Where no half differs from the other as if such a path were in it, but for pixels in
+// which an emitter is in view, three may have been expected of all samples (the chance of none is
+// then 5 %), which are light of 3 F / N in the pixels' sum that the picture lacks. Spread so that
+// it does the most, to r of a pixel each, it adds r / ((p r + L)^2 + epsilon) for each unit of
+// light, p being the pixel's part of the window, which is at most 1 / (2 p (L + sqrt(L^2 +
+// epsilon))). The bound holds that; an interval is told where it is small.
 #include "base/parallel.h"
 #include "metrics/local_mean.h"
 #include "metrics/metrics.h"
 #include "metrics/pixel.h"
+#include "metrics/small_lights.h"
 #include <math.h>
 #include <stdlib.h>
 
@@ -75,7 +82,7 @@ struct variance {
 // Sums over pixels; a pixel's error is a mean over channels.
 struct tile {
     double error;
-    double least, most; // by the weights that the pixels' own values leave possible
+    double least, most; // of others, by the weights that the pixels' own values leave possible
     double relmse_most;
     double squared;
     double pixels;            // finite ones
@@ -83,8 +90,9 @@ struct tile {
     struct variance spread;   // of what other seeds would tell: see forecast.c
     struct variance relmse;   // of `relmse_most`
     double unseen;            // the greatest error that a unit of light may add
-    double brightest;         // the greatest |A - B|
-    double light;             // the greatest |M|
+    struct small_lights small_lights;
+    double brightest; // the greatest |A - B|
+    double light;     // the greatest |M|
 };
 
 struct estimator {
@@ -119,23 +127,6 @@ static void load_halves(const void *context, uint64_t pixel, struct local_pixel 
     out->part = 1;
 }
 
-// The weight by a pixel's own value, a third of 1 / (L^2 + epsilon), and how it falls with the
-// neighbours' mean.
-struct weight {
-    double value, slope;
-};
-
-static struct weight weigh(double own_value, const struct local_mean *around, int c)
-{
-    double share = 1 - around->own;
-    double mean = around->own * own_value + share * around->mean[c];
-    double square = mean * mean + METRICS_RELMSE_EPSILON;
-    double variance = share * share * around->mean_noise[c];
-    double curvature = fmax(3 * mean * mean - METRICS_RELMSE_EPSILON, 0);
-    double value = 1 / (square + curvature * variance / square) / 3;
-    return (struct weight){value, 2 * fabs(mean) / square * value * share};
-}
-
 // The variance of (A - r) (B - r), as far as the error may be more than D^2, and less.
 struct product_variance {
     double up, down;
@@ -151,6 +142,18 @@ static struct product_variance find_product_variance(double a, double b, double 
     double alone = (a - around->mean[c]) * (b - around->mean[c]);
     return (struct product_variance){fmax(as_others, fmin(own, alone * alone)),
                                      fmax(as_others, own)};
+}
+
+static double find_noise(float a, float b)
+{
+    double difference = (double)a - b;
+    return difference * difference / 4;
+}
+
+// What is around a pixel; a pixel without finite neighbours is alone.
+static double find_near(float a, float b, const struct local_mean *around, int c)
+{
+    return around->own < 1 ? around->mean[c] : ((double)a + b) / 2;
 }
 
 // The error that a unit of light that no sample has found adds at most, beside a mean S.
@@ -172,29 +175,24 @@ static void join_variances(struct variance *variance, const struct variance *oth
     variance->squares += other->squares;
 }
 
-static void add_pixel(struct tile *tile, const float a[3], const float b[3],
-                      const struct local_mean *around)
+// What other seeds, and the pixels' own values, would make of a pixel whose noise is like that of
+// those around it. Its error.
+static double add_noise(struct tile *tile, const float a[3], const float b[3],
+                        const struct local_mean *around)
 {
-    if (!pixel_is_finite(a) || !pixel_is_finite(b))
-        return;
     double error = 0, up = 0, down = 0, relmse = 0, moves_others = 0, moved_by_others = 0;
     for (int c = 0; c < 3; c++) {
-        double mean = ((double)a[c] + b[c]) / 2, difference = (double)a[c] - b[c];
-        double noise = difference * difference / 4, lesser = fmin(a[c], b[c]);
-        double near = around->own < 1 ? around->mean[c] : mean;
-        double own = median(a[c], b[c], near);
-        struct weight weight = weigh(own, around, c);
+        double mean = ((double)a[c] + b[c]) / 2, lesser = fmin(a[c], b[c]);
+        double noise = find_noise(a[c], b[c]);
+        double near = find_near(a[c], b[c], around, c), own = median(a[c], b[c], near);
+        struct local_weight weight = local_weigh(own, around, c);
         double positive = fmax(lesser, 0);
         bool stands_out = noise > outlier * around->noise[c];
         error += noise * weight.value;
-        tile->least += noise * weigh(stands_out ? fmax(mean, own) : own, around, c).value;
-        tile->most += noise * weigh(stands_out ? fmin(lesser, near) : own, around, c).value;
+        tile->least += noise * local_weigh(stands_out ? fmax(mean, own) : own, around, c).value;
+        tile->most += noise * local_weigh(stands_out ? fmin(lesser, near) : own, around, c).value;
         double steepest = 1 / (positive * positive + METRICS_RELMSE_EPSILON) / 3;
         tile->relmse_most += noise * steepest;
-        tile->squared += noise / 3;
-        tile->unseen += error_of_unseen(around->mean[c], around->own);
-        tile->brightest = fmax(tile->brightest, fabs(difference));
-        tile->light = fmax(tile->light, fabs(mean));
         struct product_variance product =
             find_product_variance(a[c], b[c], noise, stands_out, around, c);
         up += weight.value * sqrt(product.up);
@@ -204,12 +202,58 @@ static void add_pixel(struct tile *tile, const float a[3], const float b[3],
         moved_by_others += weight.slope * noise * sqrt(around->mean_noise[c]);
     }
     double weights = moves_others * moves_others + moved_by_others * moved_by_others;
-    tile->error += error;
     add_variance(&tile->up, up * up + weights);
     add_variance(&tile->down, down * down + weights);
     add_variance(&tile->relmse, relmse * relmse);
-    add_variance(&tile->spread, error * error);
+    return error;
+}
+
+// What the pixel has, whatever its noise is like.
+static void add_light(struct tile *tile, const struct half_error_params *params, uint64_t pixel,
+                      const struct local_mean *around)
+{
+    const float *a = params->half_a[pixel], *b = params->half_b[pixel];
+    const uint8_t *emitter_in_view = params->unseen.emitter_in_view;
+    double samples = half_error_samples(params, pixel);
+    for (int c = 0; c < 3; c++) {
+        // What is in one half alone is divided by its samples.
+        double of_sample = fabs((double)a[c] - b[c]) * samples / 2;
+        tile->squared += find_noise(a[c], b[c]) / 3;
+        tile->unseen += error_of_unseen(around->mean[c], around->own) / fmax(samples, 1);
+        if (!emitter_in_view || !emitter_in_view[pixel])
+            tile->brightest = fmax(tile->brightest, of_sample);
+        tile->light = fmax(tile->light, fabs((double)a[c] + b[c]) / 2);
+    }
     tile->pixels++;
+}
+
+// `light`: a small emitter in view, or NULL.
+static void add_pixel(struct tile *tile, const struct half_error_params *params, uint64_t pixel,
+                      const struct small_light *light, const struct local_mean *around)
+{
+    const float *a = params->half_a[pixel], *b = params->half_b[pixel];
+    if (!pixel_is_finite(a) || !pixel_is_finite(b))
+        return;
+    add_light(tile, params, pixel, around);
+    double error = light ? small_lights_add(&tile->small_lights, params, light, around) : NAN;
+    if (isnan(error))
+        error = add_noise(tile, a, b, around);
+    tile->error += error;
+    add_variance(&tile->spread, error * error);
+}
+
+// The first of a row, or of a later one.
+static const struct small_light *find_row(const struct unseen_light *unseen, uint32_t y)
+{
+    size_t first = 0, end = unseen->small_count;
+    while (first < end) {
+        size_t middle = first + (end - first) / 2;
+        if (unseen->small[middle].y < y)
+            first = middle + 1;
+        else
+            end = middle;
+    }
+    return unseen->small + first;
 }
 
 static void add_row(const struct estimator *estimator, struct local_window *window, uint32_t y)
@@ -218,11 +262,15 @@ static void add_row(const struct estimator *estimator, struct local_window *wind
     uint32_t side = estimator->tile_side;
     struct tile *tiles = &estimator->tiles[(size_t)(y / side) * estimator->tiles_x];
     uint64_t first = (uint64_t)y * params->width;
+    const struct small_light *light = find_row(&params->unseen, y);
+    const struct small_light *end = params->unseen.small + params->unseen.small_count;
     local_window_enter(window, y);
     for (uint32_t x = 0; x < params->width; x++) {
         struct local_mean around;
         local_mean_at(window, x, &around);
-        add_pixel(&tiles[x / side], params->half_a[first + x], params->half_b[first + x], &around);
+        bool has_light = light < end && light->y == y && light->x == x;
+        add_pixel(&tiles[x / side], params, first + x, has_light ? light : NULL, &around);
+        light += has_light;
     }
 }
 
@@ -261,6 +309,7 @@ static struct tile sum_tiles(const struct estimator *estimator)
         join_variances(&total.relmse, &tile->relmse);
         join_variances(&total.spread, &tile->spread);
         total.unseen += tile->unseen;
+        small_lights_join(&total.small_lights, &tile->small_lights);
         total.brightest = fmax(total.brightest, tile->brightest);
         total.light = fmax(total.light, tile->light);
     }
@@ -288,15 +337,13 @@ struct unseen {
 
 static struct unseen find_unseen(const struct half_error_params *params, const struct tile *total)
 {
-    double brightest = params->brightest;
-    // What is in one half alone is divided by its samples.
-    double seen = total->brightest * (double)params->samples / 2;
-    if (!(brightest > 0) || seen >= seen_part * brightest)
+    double by_chance = params->unseen.by_chance;
+    if (!(by_chance > 0) || total->brightest >= seen_part * by_chance)
         return (struct unseen){0};
-    double light = unseen_paths * brightest / (double)params->samples / total->pixels;
+    double light = unseen_paths * by_chance / total->pixels;
     return (struct unseen){
         .error = light * total->unseen / total->pixels,
-        .relmse = light / (2 * sqrt(METRICS_RELMSE_EPSILON)),
+        .relmse = light / (2 * sqrt(METRICS_RELMSE_EPSILON)) / (double)params->samples,
     };
 }
 
@@ -318,7 +365,10 @@ static void conclude(const struct estimator *estimator, struct half_error *out)
     double down = exp(relative_uncertainty(total.error, &total.down, two_sided));
     double bound = exp(relative_uncertainty(total.error, &total.up, confidence));
     // Few pixels carry it, so that a factor would soon be beyond all that is possible.
-    double relmse_bound = 1 + relative_uncertainty(total.relmse_most, &total.relmse, confidence);
+    const struct light_errors *lights = &total.small_lights.error;
+    double relmse_most =
+        total.relmse_most + light_errors_most(&total.small_lights.relmse, confidence);
+    double relmse_bound = 1 + relative_uncertainty(relmse_most, &total.relmse, confidence);
     struct unseen unseen = find_unseen(params, &total);
     out->local_relmse = total.error / total.pixels;
     out->mse = total.squared / total.pixels;
@@ -326,11 +376,15 @@ static void conclude(const struct estimator *estimator, struct half_error *out)
         out->spread = sqrt(total.spread.sum) / total.error;
         out->spread_terms = terms_of(&total.spread);
     }
-    out->at_most = total.most / total.pixels * bound + unseen.error;
-    out->relmse_at_most = total.relmse_most / total.pixels * relmse_bound + unseen.relmse;
-    out->ci_low = total.least / total.pixels / down;
-    out->ci_high = total.most / total.pixels * up + unseen.error;
-    if (unseen.error > unseen_negligible * out->local_relmse)
+    double most = total.most + light_errors_most(lights, confidence);
+    out->at_most = most / total.pixels * bound + unseen.error;
+    out->relmse_at_most = relmse_most / total.pixels * relmse_bound + unseen.relmse;
+    most = total.most + light_errors_most(lights, two_sided);
+    out->ci_low = (total.least + light_errors_least(lights, two_sided)) / total.pixels / down;
+    out->ci_high = most / total.pixels * up + unseen.error;
+    if (lights->unmet > total.error)
+        out->reason = "no sample has met some small light that is in view";
+    else if (unseen.error > unseen_negligible * out->local_relmse)
         out->reason = "no sample has found the brightest light that chance may find";
     else if (!(out->ci_high <= factor_max * out->ci_low && total.most <= open_max * total.least))
         out->reason = "few pixels carry most of it";

@@ -3,6 +3,9 @@
 // one would leave its rounding error.
 #include "metrics/local_mean.h"
 
+#include "metrics/metrics.h"
+#include <math.h>
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -123,4 +126,15 @@ void local_mean_at(const struct local_window *window, uint32_t x, struct local_m
         out->noise[c] = sum.noise[c] / part;
         out->mean_noise[c] = sum.mean_noise[c] / (part * part);
     }
+}
+
+struct local_weight local_weigh(double own_value, const struct local_mean *around, int c)
+{
+    double share = 1 - around->own;
+    double mean = around->own * own_value + share * around->mean[c];
+    double square = mean * mean + METRICS_RELMSE_EPSILON;
+    double variance = share * share * around->mean_noise[c];
+    double curvature = fmax(3 * mean * mean - METRICS_RELMSE_EPSILON, 0);
+    double value = 1 / (square + curvature * variance / square) / 3;
+    return (struct local_weight){value, 2 * fabs(mean) / square * value * share};
 }

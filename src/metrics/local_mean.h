@@ -50,4 +50,12 @@ void local_window_start(struct local_window *window, uint32_t y);
 void local_window_enter(struct local_window *window, uint32_t y);
 void local_mean_at(const struct local_window *window, uint32_t x, struct local_mean *out);
 
+// The weight of a squared error where the pixel's own value is known, a third of 1 / (L^2 +
+// epsilon), and how it falls with the neighbours' mean. That this is noisy is allowed for:
+// half_error.c says how.
+struct local_weight {
+    double value, slope;
+};
+struct local_weight local_weigh(double own_value, const struct local_mean *around, int channel);
+
 #endif

@@ -85,6 +85,29 @@ struct half_error {
     double spread, spread_terms;
 };
 
+// An emitter, or several in a pixel, that covers less than some pixels of the picture: samples meet
+// it by chance. Until one does, the halves know nothing of it.
+struct small_light {
+    uint32_t x, y; // the pixel of its middle
+    float radius;  // pixels from there in which samples may meet it: its own size, filter, lens
+    float part;    // of a pixel, that it covers all in all: which part of a pixel's samples would
+                   // meet it if all of it were in this one
+    float radiance[3]; // of a sample that meets it
+};
+
+// What is known of light that may still be missing in a picture; all 0: nothing is.
+struct unseen_light {
+    // The greatest radiance of a channel that a path may meet by chance alone; 0: none, shadow rays
+    // find all light. The bounds hold it as long as no sample has found such light.
+    double by_chance;
+    // A pixel: whether an emitter may be seen directly there, so that brightness is no sign of
+    // light that a path has found by chance. NULL: nowhere.
+    const uint8_t *emitter_in_view;
+    // In ascending order of rows and columns, one a pixel at most.
+    const struct small_light *small;
+    size_t small_count;
+};
+
 struct half_error_params {
     const float (*half_a)[3];
     const float (*half_b)[3];
@@ -92,10 +115,9 @@ struct half_error_params {
     // Per pixel, both halves together; the mean where pixels have different counts. Each pixel's
     // halves are to have as many samples as each other (or one more, where there are many).
     uint64_t samples;
-    double confidence; // of the interval, in [0.5, 1); 0: 0.95
-    // The greatest radiance of a channel that a path may meet by chance alone; 0: none, shadow rays
-    // find all light. The bounds hold it as long as no sample has found such light.
-    double brightest;
+    const uint32_t *counts; // a pixel's samples, where they differ; NULL: `samples` of each
+    double confidence;      // of the interval, in [0.5, 1); 0: 0.95
+    struct unseen_light unseen;
 };
 
 // mean (A-B)^2 / 4 over L^2 + 1e-2: half_error.c states how and why. Non-finite pixels are left

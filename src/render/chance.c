@@ -1,6 +1,8 @@
 #include "render/chance.h"
 
+#include "base/maths.h"
 #include "scene/core/environment.h"
+#include "scene/core/light.h"
 #include "shared/material.h"
 #include "shared/methods.h"
 #include <math.h>
@@ -25,31 +27,100 @@ static float emission_of(const struct scene *scene, uint32_t index)
     return material_emits(material) ? fmaxf(e[0], fmaxf(e[1], e[2])) : 0.0f;
 }
 
-static float greatest_of_lights(const struct scene *scene)
+// Lobes whose density has no bound that is worth knowing: Diracs, and refraction, coats and cosine
+// powers, which may be nearly so.
+#define LOBES_SHARP                                                                                \
+    (LOBE_MIRROR | LOBE_DELTA | LOBE_TRANSMISSION | LOBE_DIELECTRIC | LOBE_CLEARCOAT |             \
+     LOBE_PHONG | LOBE_BLINN_PHONG)
+
+// The greatest density, per solid angle, with which visible normals of GGX draw a reflected
+// direction, D G1 / (4 cos) at grazing angles, where G1 / cos comes to 2 / alpha (Heitz 2018,
+// "Sampling the GGX distribution of visible normals", eq. 19; Walter et al. 2007, eqs. 33 and 34).
+static double sharpest_reflection(const struct material *material)
 {
-    float greatest = 0.0f;
+    double aspect = sqrt(1.0 - 0.9 * (double)material->anisotropic);
+    double alpha = (double)material->roughness * (double)material->roughness;
+    double narrow = fmax(alpha * aspect, (double)MATERIAL_SMALLEST_ALPHA);
+    return 1.0 / (2.0 * M_PI * alpha / aspect * narrow * narrow);
+}
+
+// With which a surface of the scene draws a direction; infinite where light is met by chance that
+// no shadow ray looks for.
+static double sharpest_lobe(const struct scene *scene, const struct flat_scene *flat,
+                            const struct specialization *s)
+{
+    const struct settings *settings = &scene->settings;
+    if (!settings->nee || settings->nee_depth < settings->max_bounces ||
+        s->directions != DIRECTIONS_BSDF || (s->lobes & LOBES_SHARP))
+        return INFINITY;
+    double sharpest = 1.0 / M_PI;
+    for (uint32_t i = 0; i < scene->material_count; i++)
+        if (flat->material_used[i] && scene->materials[i].model != MATERIAL_LAMBERT)
+            sharpest = fmax(sharpest, sharpest_reflection(&scene->materials[i]));
+    return sharpest;
+}
+
+// Where shadow rays look for a light more often than scattered rays meet it, both bring the same
+// contribution, f cos L / (p + q) by the balance heuristic, and shadow rays bring it more often: it
+// is not left to chance. So far this is known of what is infinitely far, whose density is the same
+// everywhere.
+static float greatest_of_suns(const struct scene *scene, const struct emitters *emitters,
+                              double sharpest)
+{
+    double greatest = 0.0;
     for (uint32_t i = 0; i < scene->light_count; i++) {
         const struct light *light = &scene->lights[i];
-        for (int c = 0; c < 3 && light->angular_radius > 0.0f; c++)
-            greatest =
-                fmaxf(greatest, (float)environment_sun_radiance((double)light->radiant[c],
-                                                                (double)light->angular_radius));
+        double solid_angle = 2.0 * M_PI * versine(light->angular_radius);
+        double density = (double)emitters->lights[i].pick_probability / solid_angle;
+        for (int c = 0; c < 3 && light->angular_radius > 0.0 && density < sharpest; c++)
+            greatest = fmax(greatest, environment_sun_radiance((double)light->radiant[c],
+                                                               light->angular_radius));
+    }
+    return (float)greatest;
+}
+
+// A cell between texels has at least a fourth of the light of the brightest of them.
+static float greatest_of_environment(const struct environment *environment,
+                                     const struct emitters *emitters, double sharpest)
+{
+    double mean = environment_luminance(environment);
+    double pick = (double)emitters->environment_pick;
+    if (!environment->present)
+        return 0.0f;
+    if (environment->width == 0 || !(pick > 0.0) || !(mean > 0.0) || isinf(sharpest))
+        return environment_greatest(environment);
+    float greatest = 0.0f;
+    size_t count = (size_t)environment->width * environment->height;
+    for (size_t i = 0; i < count; i++) {
+        float radiance[3];
+        for (int c = 0; c < 3; c++)
+            radiance[c] = environment->radiance[c] * environment->texels[i][c];
+        double density = pick * luminance(radiance) / (4.0 * M_PI * mean);
+        for (int c = 0; c < 3 && density / 4.0 < sharpest; c++)
+            greatest = fmaxf(greatest, radiance[c]);
     }
     return greatest;
 }
 
+static float greatest_of_surfaces(const struct scene *scene, const struct flat_scene *flat)
+{
+    float greatest = 0.0f;
+    for (uint32_t i = 0; i < scene->material_count; i++)
+        if (flat->material_used[i])
+            greatest = fmaxf(greatest, emission_of(scene, i));
+    return greatest;
+}
+
 float brightest_by_chance(const struct scene *scene, const struct flat_scene *flat,
-                          const struct specialization *specialization)
+                          const struct specialization *specialization,
+                          const struct emitters *emitters)
 {
     if (!leaves_to_chance(scene, specialization))
         return 0.0f;
-    float greatest = greatest_of_lights(scene);
-    if (scene->environment.present)
-        greatest = fmaxf(greatest, environment_greatest(&scene->environment));
-    for (uint32_t i = 0; i < flat->triangle_count; i++)
-        greatest = fmaxf(greatest, emission_of(scene, flat->triangles[i].material));
-    for (uint32_t i = 0; i < flat->shape_count; i++)
-        greatest = fmaxf(greatest, emission_of(scene, flat->shapes[i].material));
+    double sharpest = sharpest_lobe(scene, flat, specialization);
+    float greatest = fmaxf(greatest_of_suns(scene, emitters, sharpest),
+                           greatest_of_environment(&scene->environment, emitters, sharpest));
+    greatest = fmaxf(greatest, greatest_of_surfaces(scene, flat));
     float limit = scene->settings.clamp_limit;
     return limit > 0.0f ? fminf(greatest, limit) : greatest;
 }

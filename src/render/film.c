@@ -166,7 +166,6 @@ bool renderer_read(struct renderer *r, struct arena *arena, struct film_image *o
         .half_b = arena_alloc(arena, pixels, sizeof *out->half_b),
         .samples = ARENA_NEW(arena, uint32_t, pixels),
         .least_samples = UINT64_MAX,
-        .brightest = (double)r->brightest_by_chance,
     };
     if (!out->mean || !out->half_a || !out->half_b || !out->samples)
         return err_memory(err, "image", pixels * (3 * sizeof *out->mean + 4));

@@ -1,19 +1,12 @@
 #include "render/frame.h"
 
-#include "base/maths.h"
-#include "render/far_camera.h"
+#include "render/projection.h"
 #include "render/shape_sections.h"
 #include "render/tables/emitter_power.h"
 #include <float.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
-
-static void scale_to(double v[3], double length)
-{
-    double factor = length / vec3_norm(v);
-    for (int i = 0; i < 3; i++)
-        v[i] *= factor;
-}
 
 // `start`: as of far_camera_start().
 static void set_lens(struct gpu_frame *frame, const struct camera *camera, double scale,
@@ -29,27 +22,19 @@ static void set_lens(struct gpu_frame *frame, const struct camera *camera, doubl
     frame->lens_blades = camera->lens_blades;
 }
 
-// In double precision: a narrow field of view leaves few digits to a float.
+// From double precision: a narrow field of view leaves few digits to a float.
 static void set_camera(struct gpu_frame *frame, const struct camera *camera,
                        const struct flat_scene *flat)
 {
-    double right[3], up[3], position[3];
-    double half_height = camera->kind == CAMERA_ORTHOGRAPHIC ? 0.5 * camera->height * flat->scale
-                                                             : tan(0.5 * camera->fov_y);
-    vec3_cross(camera->direction, camera->up, right);
-    vec3_cross(right, camera->direction, up);
-    bool is_panoramic = camera->kind == CAMERA_PANORAMIC;
-    scale_to(right, is_panoramic ? 1.0 : half_height * frame->width / frame->height);
-    scale_to(up, is_panoramic ? 1.0 : half_height);
-    flat_from_world(flat, camera->position, position);
-    double start = far_camera_start(flat, camera, right, up);
-    frame->camera_start = (float)start;
-    set_lens(frame, camera, flat->scale, start);
+    struct projection p;
+    projection_make(camera, flat, frame->width, frame->height, &p);
+    frame->camera_start = (float)p.start;
+    set_lens(frame, camera, flat->scale, p.start);
     for (int i = 0; i < 3; i++) {
-        frame->camera_position[i] = (float)(position[i] + start * camera->direction[i]);
-        frame->camera_forward[i] = (float)camera->direction[i];
-        frame->camera_right[i] = (float)right[i];
-        frame->camera_up[i] = (float)up[i];
+        frame->camera_position[i] = (float)(p.position[i] + p.start * p.forward[i]);
+        frame->camera_forward[i] = (float)p.forward[i];
+        frame->camera_right[i] = (float)p.right[i];
+        frame->camera_up[i] = (float)p.up[i];
     }
 }
 
@@ -110,6 +95,14 @@ void frame_look(struct renderer *r, uint32_t width, uint32_t height)
     r->frame.width = width;
     r->frame.height = height;
     set_camera(&r->frame, &r->camera, &r->flat);
+    in_view_finish(&r->in_view);
+}
+
+void in_view_finish(struct in_view *in_view)
+{
+    free(in_view->lights);
+    free(in_view->mask);
+    *in_view = (struct in_view){0};
 }
 
 void frame_fill(struct renderer *r)

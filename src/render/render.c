@@ -171,7 +171,6 @@ static void choose_features(const struct renderer_params *params, struct rendere
         .merge_classes = params->merge_classes,
         .tiles = params->tiles,
     });
-    r->brightest_by_chance = brightest_by_chance(r->scene, &r->flat, &r->specialization);
 }
 
 static bool build_tables(struct renderer *r, struct err *err)
@@ -184,7 +183,11 @@ static bool build_tables(struct renderer *r, struct err *err)
         .light_choice = r->specialization.light_choice,
         .progress = r->progress,
     };
-    return shading_tables_build(&tables, &r->arena, &r->tables, err);
+    if (!shading_tables_build(&tables, &r->arena, &r->tables, err))
+        return false;
+    r->brightest_by_chance =
+        brightest_by_chance(r->scene, &r->flat, &r->specialization, &r->tables.emitters);
+    return true;
 }
 
 bool renderer_prepare(const struct renderer_params *params, struct renderer *r, struct err *err)
@@ -248,6 +251,7 @@ void renderer_finish(struct renderer *r)
     for (uint32_t i = 0; r->bindings && i < r->plan.film_chunks; i++)
         gpu_bindings_finish(r->gpu, &r->bindings[i]);
     film_finish(r);
+    in_view_finish(&r->in_view);
     gpu_buffer_finish(r->gpu, &r->frame_buffer);
     for (uint32_t b = 0; b < BINDING_COUNT; b++)
         gpu_buffer_finish(r->gpu, &r->buffers[b]);

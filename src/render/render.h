@@ -110,6 +110,15 @@ struct tiles {
     uint32_t *pixels, *first_samples, list_length; // of the wave in flight
 };
 
+// The emitters that the camera sees directly: see probe/in_view.h.
+struct small_light;
+struct in_view {
+    bool is_known;
+    struct small_light *lights;
+    size_t count;
+    uint8_t *mask; // a byte a pixel
+};
+
 // What a timestamp ends.
 struct mark {
     uint8_t kernel, bounce;
@@ -129,6 +138,7 @@ struct renderer {
     struct shading_tables tables;
     struct specialization specialization;
     float brightest_by_chance; // see chance.h
+    struct in_view in_view;
     struct memory_plan plan;
     struct gpu_buffer buffers[BINDING_COUNT]; // but the film
     struct gpu_buffer *film;                  // plan.film_chunks of them, by ranges of pixels
@@ -220,7 +230,6 @@ struct film_image {
     uint64_t least_samples, most_samples; // a pixel
     uint64_t unsampled;                   // pixels without a sample
     uint64_t dropped;                     // samples with a non-finite contribution left out
-    double brightest;                     // radiance that chance may still find: see chance.h
     struct film_aovs aovs;
 };
 bool renderer_read(struct renderer *renderer, struct arena *arena, struct film_image *out,

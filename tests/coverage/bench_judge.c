@@ -2,6 +2,7 @@
 // time of all threads together; of several runs the least.
 #include "base/parallel.h"
 #include "metrics/metrics.h"
+#include "render/probe/in_view.h"
 #include "render_fixture.h"
 #include <time.h>
 
@@ -85,14 +86,16 @@ static void measure_share(const char *path, uint32_t side, uint64_t samples)
     double start = cpu_seconds();
     REQUIRE_OK(renderer_render(&r, &call, &err));
     double rendering = (cpu_seconds() - start) * 64 / (double)samples, judging = 0;
-    REQUIRE_OK(renderer_read(&r, &arena, &film, &err));
+    struct unseen_light unseen;
+    REQUIRE_OK(renderer_read(&r, &arena, &film, &err) &&
+               renderer_find_unseen(&r, &arena, &unseen, &err));
     const struct half_error_params halves = {
         .half_a = (const float(*)[3])film.half_a,
         .half_b = (const float(*)[3])film.half_b,
         .width = side,
         .height = side,
         .samples = film.least_samples,
-        .brightest = film.brightest,
+        .unseen = unseen,
     };
     REQUIRE(judge(&halves, &judging), "out of memory");
     printf("%s, %u x %u: 64 samples take %.1f s, judging takes %.4f s: %.2f %%\n", path, side, side,

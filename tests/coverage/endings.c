@@ -9,6 +9,7 @@
 // samples. Exit status: 0 as asked for, 1 significantly worse, 2 usage, 77 no Vulkan.
 #include "metrics/forecast.h"
 #include "metrics/metrics.h"
+#include "render/probe/in_view.h"
 #include "shares.h"
 #include "subjects.h"
 
@@ -71,7 +72,8 @@ struct reference {
     double own; // its own error
 };
 
-static bool judge(const struct film_image *film, struct half_error *out, struct err *err)
+static bool judge(const struct film_image *film, const struct unseen_light *unseen,
+                  struct half_error *out, struct err *err)
 {
     const struct half_error_params params = {
         .half_a = (const float(*)[3])film->half_a,
@@ -79,7 +81,7 @@ static bool judge(const struct film_image *film, struct half_error *out, struct 
         .width = film->width,
         .height = film->height,
         .samples = film->least_samples,
-        .brightest = film->brightest,
+        .unseen = *unseen,
         .confidence = LOOKS_CONFIDENCE,
     };
     return metrics_half_error(&params, out) || err_memory(err, "an error estimate", 0);
@@ -112,12 +114,13 @@ static bool render_seed(struct renderer *r, uint32_t seed, uint32_t steps,
                         const struct reference *reference, struct step *out, struct err *err)
 {
     const struct render_call call = {.samples = STEP};
-    struct arena arena = {0};
-    bool ok = renderer_restart(r, seed, err);
+    struct arena arena = {0}, scratch = {0};
+    struct unseen_light unseen;
+    bool ok = renderer_restart(r, seed, err) && renderer_find_unseen(r, &scratch, &unseen, err);
     for (uint32_t i = 0; ok && i < steps; i++) {
         struct film_image film;
         ok = renderer_render(r, &call, err) && renderer_read(r, &arena, &film, err) &&
-             judge(&film, &out[i].told, err);
+             judge(&film, &unseen, &out[i].told, err);
         if (ok)
             out[i].truth =
                 metrics_local_relmse((const float(*)[3])film.mean, reference->mean,
@@ -125,6 +128,7 @@ static bool render_seed(struct renderer *r, uint32_t seed, uint32_t steps,
                 reference->own;
         arena_finish(&arena);
     }
+    arena_finish(&scratch);
     return ok;
 }
 

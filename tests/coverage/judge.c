@@ -160,7 +160,7 @@ static bool judge_picture(struct judge *judge, uint32_t seed, uint32_t level, st
         .width = plan->side,
         .height = plan->side,
         .samples = plan->samples[level],
-        .brightest = judge->pictures->brightest,
+        .unseen = judge->pictures->unseen,
     };
     struct half_error told;
     if (!metrics_half_error(&params, &told))

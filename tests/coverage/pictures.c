@@ -1,6 +1,7 @@
 #include "pictures.h"
 
 #include "base/clock.h"
+#include "render/probe/in_view.h"
 #include <errno.h>
 #include <string.h>
 #include <unistd.h>
@@ -98,8 +99,8 @@ bool pictures_render(const struct subject *subject, const struct plan *plan, str
     *out = (struct pictures){.plan = plan, .pixels = (uint64_t)plan->side * plan->side};
     bool ok = studio_open(subject, plan->side, &studio, err) &&
               open_file(subject, plan, &out->file, err) && find_done(out, &done, err) &&
-              render_seeds(&studio.renderer, subject, out, done, err);
-    out->brightest = (double)studio.renderer.brightest_by_chance;
+              render_seeds(&studio.renderer, subject, out, done, err) &&
+              renderer_find_unseen(&studio.renderer, &out->arena, &out->unseen, err);
     studio_close(&studio);
     return ok;
 }
@@ -118,4 +119,5 @@ void pictures_finish(struct pictures *pictures)
 {
     if (pictures->file)
         fclose(pictures->file);
+    arena_finish(&pictures->arena);
 }

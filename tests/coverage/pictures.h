@@ -3,6 +3,8 @@
 #ifndef LAMPYRIS_TESTS_COVERAGE_PICTURES_H
 #define LAMPYRIS_TESTS_COVERAGE_PICTURES_H
 
+#include "metrics/metrics.h"
+#include "base/arena.h"
 #include "subjects.h"
 #include <stdbool.h>
 #include <stdint.h>
@@ -20,7 +22,8 @@ struct plan {
 struct pictures {
     const struct plan *plan;
     uint64_t pixels;
-    double brightest; // film_image's
+    struct unseen_light unseen; // in `arena`
+    struct arena arena;
     FILE *file;       // by seeds, then levels: all of the one half, all of the other
 };
 

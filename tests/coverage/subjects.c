@@ -17,6 +17,9 @@ static const struct subject subjects[] = {
     {"fine_alpha", "tests/coverage/fine_alpha.json", NULL, NULL},
     {"sliver", "tests/coverage/sliver.json", NULL, NULL},
     {"fog", "tests/coverage/fog.json", NULL, NULL},
+    {"distant_lamps", "tests/coverage/distant_lamps.json", NULL, NULL},
+    {"sun_in_view", "tests/coverage/sun_in_view.json", NULL, NULL},
+    {"rough_sun", "tests/coverage/rough_sun.json", NULL, NULL},
 };
 enum { SUBJECTS = sizeof subjects / sizeof *subjects };
 

@@ -435,7 +435,7 @@ TEST(light_that_no_sample_has_found_counts)
                                        .width = SIDE,
                                        .height = SIDE,
                                        .samples = SAMPLES,
-                                       .brightest = 1000};
+                                       .unseen.by_chance = 1000};
     CHECK(without.known && metrics_half_error(&params, &with));
     CHECK(!with.known && with.bounded && strstr(with.reason, "chance"), "%s", with.reason);
     // 3 x 1000 / 16 over 4096 pixels, spread as is worst: see half_error.c; p is 1 / (2 pi 1.5^2).
@@ -446,6 +446,53 @@ TEST(light_that_no_sample_has_found_counts)
         picture.half_b[777][c] = 1000.0f / (SAMPLES / 2);
     without = estimate(&picture, SAMPLES);
     CHECK(metrics_half_error(&params, &with) && memcmp(&with, &without, sizeof with) == 0);
+    picture_finish(&picture);
+}
+
+static struct half_error estimate_in_view(const struct picture *picture, uint64_t samples,
+                                          const struct small_light *light)
+{
+    struct half_error error;
+    const struct half_error_params params = {.half_a = (const float(*)[3])picture->half_a,
+                                             .half_b = (const float(*)[3])picture->half_b,
+                                             .width = picture->width,
+                                             .height = picture->height,
+                                             .samples = samples,
+                                             .unseen = {.small = light, .small_count = 1}};
+    CHECK(metrics_half_error(&params, &error), "out of memory");
+    return error;
+}
+
+// An emitter of radiance 5,000 in a hundredth of a pixel, of which r = 50 is missing as long as no
+// sample has met it; then four samples have, two in each half, so that D^2 is 0.
+TEST(an_emitter_in_view_counts_before_it_is_met)
+{
+    enum { SAMPLES = 256, SIDE = 64 };
+    const double p = 0.0708, r = 50, pixels = SIDE * SIDE; // p is 1 / (2 pi 1.5^2)
+    const struct small_light light = {30, 40, 0, 0.01f, {5000, 5000, 5000}};
+    struct picture picture = picture_create(SIDE, SIDE);
+    uint64_t random = 1;
+    fill(&picture, flat_content, exponential_noise, SAMPLES, &random);
+    struct half_error without = estimate(&picture, SAMPLES);
+    struct half_error with = estimate_in_view(&picture, SAMPLES, &light);
+    double local = p * r + (1 - p), missing = r * r / (local * local + 0.01) / pixels;
+    CHECK(!with.known && with.bounded && strstr(with.reason, "in view"), "%s", with.reason);
+    // What is missing counts as certain, but for the factor that all of the bound has.
+    double added = with.at_most - without.at_most;
+    CHECK(added > 0.95 * missing && added < 1.3 * missing, "%g, %g", added, missing);
+    for (int c = 0; c < 3; c++)
+        picture.half_a[40 * SIDE + 30][c] = picture.half_b[40 * SIDE + 30][c] =
+            2 * 5000.0f / (SAMPLES / 2);
+    without = estimate(&picture, SAMPLES);
+    with = estimate_in_view(&picture, SAMPLES, &light);
+    double error = 4 * 5000.0 / SAMPLES - r, square = error * error;
+    double truth = square / (local * local + 0.01) / pixels;
+    CHECK(without.at_most < truth && with.at_most > truth && with.at_most < 20 * truth,
+          "%g and %g, true is %g", without.at_most, with.at_most, truth);
+    // So many samples would have met one that nothing hides.
+    const struct small_light hidden = {10, 10, 0, 0.5f, {1000, 1000, 1000}};
+    with = estimate_in_view(&picture, SAMPLES, &hidden);
+    CHECK(memcmp(&with, &without, sizeof with) == 0, "%g, %g", with.at_most, without.at_most);
     picture_finish(&picture);
 }
 
@@ -521,6 +568,7 @@ TEST_MAIN(TEST_CASE(the_error_is_unbiased), TEST_CASE(at_edges_it_is_within_its_
           TEST_CASE(interval_covers_the_truth), TEST_CASE(confidence_is_what_is_asked_for),
           TEST_CASE(unequal_counts_change_no_expectation),
           TEST_CASE(unknown_where_it_cannot_be_known), TEST_CASE(one_bright_sample_has_a_bound),
-          TEST_CASE(light_that_no_sample_has_found_counts), TEST_CASE(small_and_odd_pictures),
+          TEST_CASE(light_that_no_sample_has_found_counts),
+          TEST_CASE(an_emitter_in_view_counts_before_it_is_met), TEST_CASE(small_and_odd_pictures),
           TEST_CASE(no_variance_is_no_error), TEST_CASE(nonfinite_pixels_are_left_out),
           TEST_CASE(extreme_values_stay_finite), TEST_CASE(estimate_is_deterministic))

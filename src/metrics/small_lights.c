@@ -1,0 +1,152 @@
+#include "metrics/small_lights.h"
+
+#include <math.h>
+
+// A small emitter that so many samples were to meet, and none has, is hidden from where it was
+// looked for, or smaller than was thought: a chance of exp(-7) = .1 %.
+static const double expected_max = 7;
+static const double met_part = 0.5; // of its radiance, of a sample that has met it
+
+double half_error_samples(const struct half_error_params *params, uint64_t pixel)
+{
+    return params->counts ? params->counts[pixel] : (double)params->samples;
+}
+
+static double mean_at(const struct half_error_params *params, uint64_t pixel, int c)
+{
+    return ((double)params->half_a[pixel][c] + (double)params->half_b[pixel][c]) / 2;
+}
+
+// Whether a pixel that it may be seen in is as bright as if a sample had met it.
+static bool is_met(const struct half_error_params *params, const struct small_light *light,
+                   const struct local_mean *around)
+{
+    int c = light->radiance[0] >= light->radiance[1] ? 0 : 1;
+    c = light->radiance[c] >= light->radiance[2] ? c : 2;
+    double of_sample = met_part * (double)light->radiance[c], mean = around->mean[c];
+    uint32_t reach = (uint32_t)fmin(ceil((double)light->radius), 1u << 16);
+    uint32_t left = light->x > reach ? light->x - reach : 0;
+    uint32_t top = light->y > reach ? light->y - reach : 0;
+    for (uint32_t y = top; y <= light->y + reach && y < params->height; y++)
+        for (uint32_t x = left; x <= light->x + reach && x < params->width; x++) {
+            uint64_t at = (uint64_t)y * params->width + x;
+            if ((mean_at(params, at, c) - mean) * half_error_samples(params, at) >= of_sample)
+                return true;
+        }
+    return false;
+}
+
+static void add_unmet(struct small_lights *sums, const struct half_error_params *params,
+                      const struct small_light *light, const struct local_mean *around)
+{
+    uint64_t at = (uint64_t)light->y * params->width + light->x;
+    double reach = (double)light->radius, pixels = fmax(M_PI * reach * reach, 1);
+    for (int c = 0; c < 3; c++) {
+        double missing = (double)light->part * (double)light->radiance[c] / pixels;
+        double local = around->own * missing + (1 - around->own) * around->mean[c];
+        double value = missing + fmax(mean_at(params, at, c), 0),
+               square = pixels * missing * missing / 3;
+        sums->error.unmet += square / (local * local + METRICS_RELMSE_EPSILON);
+        sums->relmse.unmet += square / (value * value + METRICS_RELMSE_EPSILON);
+    }
+}
+
+static void add_pixel(struct light_errors *sums, const struct light_errors *pixel)
+{
+    sums->expected += pixel->expected;
+    sums->squares += pixel->expected * pixel->expected; // channels share their hits
+    sums->told += pixel->told;
+    sums->open += pixel->open;
+}
+
+static void add_met(struct small_lights *sums, const struct half_error_params *params,
+                    const struct small_light *light, const struct local_mean *around)
+{
+    uint64_t at = (uint64_t)light->y * params->width + light->x;
+    double samples = half_error_samples(params, at), part = fmin((double)light->part, 1);
+    struct light_errors error = {0}, relmse = {0};
+    for (int c = 0; c < 3; c++) {
+        double radiance = (double)light->radiance[c], value = part * radiance;
+        double half = ((double)params->half_a[at][c] - (double)params->half_b[at][c]) / 2;
+        double expected = part * (1 - part) * radiance * radiance / samples;
+        double open = 0.25 * radiance * radiance / (samples * samples);
+        double weight = local_weigh(value, around, c).value;
+        double relative = 1 / (value * value + METRICS_RELMSE_EPSILON) / 3;
+        error.expected += expected * weight;
+        error.told += half * half * weight;
+        error.open += open * weight;
+        relmse.expected += expected * relative;
+        relmse.told += half * half * relative;
+        relmse.open += open * relative;
+    }
+    add_pixel(&sums->error, &error);
+    add_pixel(&sums->relmse, &relmse);
+}
+
+double small_lights_add(struct small_lights *sums, const struct half_error_params *params,
+                        const struct small_light *light, const struct local_mean *around)
+{
+    uint64_t at = (uint64_t)light->y * params->width + light->x;
+    double told = sums->error.told;
+    bool met = is_met(params, light, around);
+    if (!met && (double)light->part * half_error_samples(params, at) < expected_max)
+        add_unmet(sums, params, light, around);
+    if (!met || light->radius > 0)
+        return NAN;
+    add_met(sums, params, light, around);
+    return sums->error.told - told;
+}
+
+static void join(struct light_errors *sums, const struct light_errors *other)
+{
+    sums->unmet += other->unmet;
+    sums->expected += other->expected;
+    sums->squares += other->squares;
+    sums->told += other->told;
+    sums->open += other->open;
+}
+
+void small_lights_join(struct small_lights *sums, const struct small_lights *other)
+{
+    join(&sums->error, &other->error);
+    join(&sums->relmse, &other->relmse);
+}
+
+// As many equal terms deviate as the expected errors do.
+static double find_terms(const struct light_errors *errors)
+{
+    return fmax(errors->expected * errors->expected / errors->squares, 1);
+}
+
+// The quantile of a mean of squares of so many normal values, in units of what it is on average
+// (Wilson and Hilferty 1931, "The distribution of chi-square").
+static double find_mean_quantile(double quantile, double terms)
+{
+    double part = 2 / (9 * terms);
+    return pow(1 - part + stats_t_quantile(quantile, 1e9) * sqrt(part), 3);
+}
+
+// The quantile of the ratio of two such means (Cacoullos 1965, "A relation between t and
+// F-distributions").
+static double find_ratio_quantile(double quantile, double terms)
+{
+    double t = stats_t_quantile(quantile, terms) / sqrt(terms), root = t + hypot(t, 1);
+    return root * root;
+}
+
+double light_errors_most(const struct light_errors *errors, double quantile)
+{
+    if (!(errors->squares > 0))
+        return errors->unmet + errors->told;
+    double terms = find_terms(errors);
+    double most = fmin(errors->expected * find_mean_quantile(quantile, terms),
+                       (errors->told + errors->open) * find_ratio_quantile(quantile, terms));
+    return errors->unmet + fmax(most, errors->told);
+}
+
+double light_errors_least(const struct light_errors *errors, double quantile)
+{
+    if (!(errors->squares > 0))
+        return errors->told;
+    return errors->told / find_ratio_quantile(quantile, find_terms(errors));
+}

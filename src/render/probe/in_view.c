@@ -1,0 +1,506 @@
+#include "render/probe/in_view.h"
+
+#include "base/maths.h"
+#include "render/probe/emitter_shape.h"
+#include "render/probe/ray_probe.h"
+#include "render/projection.h"
+#include "render/tables/emitter_power.h"
+#include "scene/core/environment.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+// An emitter of more pixels is missed by both of two samples a pixel with a chance of exp(-10).
+static const double part_max = 5;
+
+// Pixels around its middle, within which each one's part of an emitter counts for itself.
+static const double split_reach = 2;
+
+static const double texel_excess = 16; // of the mean luminance
+
+enum {
+    LIGHTS_MAX = 1 << 16,
+    PROBES = 4,          // rays to each of them
+    PLACES_MAX = 1024,   // points on an emitter
+    PLACES_OF_PART = 64, // and on a part of one
+};
+
+// An emitter, or a part of one, in the pixel in which its middle is.
+struct candidate {
+    uint64_t pixel;
+    struct emitter_part emitter;
+    float part;   // of a pixel
+    float radius; // see struct small_light
+};
+
+// Candidates of one pixel.
+struct group {
+    struct small_light light;
+    uint64_t pixel;
+    size_t first, count; // of the candidates
+    double brightness;   // of all its light
+};
+
+struct search {
+    const struct renderer *renderer;
+    struct projection projection;
+    double spread; // radius of what the filter adds to a pixel
+    uint8_t *mask; // see struct unseen_light
+    struct candidate *candidates;
+    size_t count, capacity;
+    struct group *groups;
+    size_t group_count;
+    bool failed; // out of memory
+};
+
+// --- where emitters are
+// ---------------------------------------------------------------------------
+
+static void mark(struct search *search, double x, double y, double radius)
+{
+    const struct projection *p = &search->projection;
+    double left = fmax(floor(x - radius), 0), right = fmin(ceil(x + radius), p->width);
+    double top = fmax(floor(y - radius), 0), bottom = fmin(ceil(y + radius), p->height);
+    for (double row = top; row < bottom && left < right; row++)
+        memset(&search->mask[(uint64_t)row * p->width + (uint64_t)left], 1, (size_t)(right - left));
+}
+
+static void mark_all(struct search *search)
+{
+    memset(search->mask, 1, (size_t)search->projection.width * search->projection.height);
+}
+
+static void add_candidate(struct search *search, const struct candidate *candidate)
+{
+    if (search->count == search->capacity) {
+        size_t capacity = search->capacity ? 2 * search->capacity : 256;
+        void *larger = realloc(search->candidates, capacity * sizeof *search->candidates);
+        if (!larger) {
+            search->failed = true;
+            return;
+        }
+        search->candidates = larger;
+        search->capacity = capacity;
+    }
+    search->candidates[search->count++] = *candidate;
+}
+
+static void add_part(struct search *search, double x, double y, double part, double radius,
+                     struct emitter_part emitter)
+{
+    const struct projection *p = &search->projection;
+    if (part > 0 && x >= 0 && x < p->width && y >= 0 && y < p->height)
+        add_candidate(search, &(struct candidate){
+                                  .pixel = (uint64_t)y * p->width + (uint64_t)x,
+                                  .emitter = emitter,
+                                  .part = (float)part,
+                                  .radius = (float)radius,
+                              });
+}
+
+// Blackman and Harris's window of lib/filter.glsl, as a density from -1 to 1.
+static double window(double x)
+{
+    static const double a[] = {0.48829 / 0.35875, 0.14128 / 0.35875, 0.01168 / 0.35875};
+    return x < 1 ? 0.5 * (1 + a[0] * cos(M_PI * x) + a[1] * cos(2 * M_PI * x) +
+                          a[2] * cos(3 * M_PI * x))
+                 : 0;
+}
+
+// The density of the pixel filter at a distance from a pixel's middle, an area of a pixel: see
+// lib/filter.glsl.
+static double filter_density(const struct renderer *r, double x, double y)
+{
+    double radius = (double)r->frame.filter_radius, u = fabs(x) / radius, v = fabs(y) / radius;
+    double square = u * u + v * v, scale = 1 / (radius * radius);
+    switch (r->scene->settings.filter) {
+    case FILTER_TENT:
+        return fmax(1 - u, 0) * fmax(1 - v, 0) * scale;
+    case FILTER_GAUSSIAN:
+        return square < 1 ? 4.5 / M_PI / 0.98889100346175773 * exp(-4.5 * square) * scale : 0;
+    case FILTER_BLACKMAN_HARRIS:
+        return window(u) * window(v) * scale;
+    default:
+        return u < 1 && v < 1 ? 0.25 * scale : 0;
+    }
+}
+
+static bool project(const struct search *search, struct emitter_part emitter, const double place[3],
+                    struct projected *at)
+{
+    return emitter_is_far(emitter) ? projection_find_far(&search->projection, place, at)
+                                   : projection_find(&search->projection, place, at);
+}
+
+// Where in the picture samples meet an emitter: points of it, each blurred by the lens.
+static uint32_t find_places(const struct search *search, struct emitter_part emitter,
+                            const struct projected *middle, double (*out)[2])
+{
+    const struct renderer *r = search->renderer;
+    bool is_part = emitter.kind == EMITTER_TRIANGLE || emitter.kind == EMITTER_TEXEL;
+    uint32_t count = is_part ? PLACES_OF_PART : PLACES_MAX, found = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        struct projected at;
+        double place[3];
+        emitter_place(r, emitter, middle->direction, i, count, place);
+        if (!project(search, emitter, place, &at))
+            continue;
+        // Another order than that of the points.
+        double radius = at.blur * sqrt(fmod((i + 0.5) * 0.6180339887498949, 1)), angle = 2.3 * i;
+        out[found][0] = at.x + radius * cos(angle);
+        out[found++][1] = at.y + radius * sin(angle);
+    }
+    return found;
+}
+
+// Each pixel's own part of an emitter that few pixels see: the mean density of its filter over
+// where samples meet the emitter.
+static void split(struct search *search, const struct projected *at, double reach, double part,
+                  struct emitter_part emitter)
+{
+    double places[PLACES_MAX][2];
+    uint32_t count = find_places(search, emitter, at, places);
+    for (double y = floor(at->y - reach); y <= at->y + reach; y++)
+        for (double x = floor(at->x - reach); x <= at->x + reach; x++) {
+            double sum = 0;
+            for (uint32_t i = 0; i < count; i++)
+                sum += filter_density(search->renderer, places[i][0] - x - 0.5,
+                                      places[i][1] - y - 0.5);
+            add_part(search, x, y, part * sum / count, 0, emitter);
+        }
+}
+
+// Whether what is within a radius of a point is in front of the camera; where the camera may be
+// within it, it may be anywhere in the picture.
+static bool is_in_front(struct search *search, const double center[3], double radius)
+{
+    double to[3];
+    vec3_subtract(center, search->projection.position, to);
+    double depth = search->projection.kind == CAMERA_PANORAMIC
+                       ? vec3_length(to)
+                       : vec3_dot(to, search->projection.forward);
+    if (depth <= radius && depth > -radius)
+        mark_all(search);
+    return depth > radius;
+}
+
+static void add_emitter(struct search *search, struct emitter_part emitter)
+{
+    const struct renderer *r = search->renderer;
+    const struct projection *p = &search->projection;
+    double center[3], radius = emitter_radius(r, emitter);
+    struct projected at;
+    emitter_center(r, emitter, center);
+    if (!emitter_is_far(emitter) && !is_in_front(search, center, radius))
+        return;
+    if (!project(search, emitter, center, &at))
+        return;
+    double reach = radius / at.pixel_size + at.blur + search->spread;
+    double part = emitter_area(r, emitter, at.direction) / at.pixel_area;
+    if (!(at.x + reach >= 0 && at.x - reach < p->width && at.y + reach >= 0 &&
+          at.y - reach < p->height))
+        return;
+    mark(search, at.x, at.y, reach + 1);
+    if (!(part > 0 && part < part_max))
+        return;
+    if (reach <= split_reach)
+        split(search, &at, reach, part, emitter);
+    else
+        add_part(search, fmin(fmax(at.x, 0), p->width - 1.0), fmin(fmax(at.y, 0), p->height - 1.0),
+                 part, reach, emitter);
+}
+
+static bool emits(const struct search *search, uint32_t material)
+{
+    return material_emits(&search->renderer->scene->materials[material]);
+}
+
+static void add_shape(struct search *search, uint32_t index)
+{
+    if (search->renderer->flat.shapes[index].kind == SHAPE_PLANE)
+        mark_all(search);
+    else
+        add_emitter(search, (struct emitter_part){EMITTER_SHAPE, index});
+}
+
+static void add_texels(struct search *search)
+{
+    const struct environment *environment = &search->renderer->scene->environment;
+    double mean = environment_luminance(environment), factor = 0;
+    uint32_t count = environment->present ? environment->width * environment->height : 0;
+    for (int c = 0; c < 3; c++)
+        factor = fmax(factor, (double)environment->radiance[c]);
+    for (uint32_t i = 0; i < count; i++) {
+        const float *texel = environment->texels[i];
+        double greatest = (double)fmaxf(texel[0], fmaxf(texel[1], texel[2]));
+        if (greatest * factor > texel_excess * mean)
+            add_emitter(search, (struct emitter_part){EMITTER_TEXEL, i});
+    }
+}
+
+static void add_emitters(struct search *search)
+{
+    const struct scene *scene = search->renderer->scene;
+    const struct flat_scene *flat = &search->renderer->flat;
+    for (uint32_t i = 0; i < flat->triangle_count; i++)
+        if (emits(search, flat->triangles[i].material))
+            add_emitter(search, (struct emitter_part){EMITTER_TRIANGLE, i});
+    for (uint32_t i = 0; i < flat->shape_count; i++)
+        if (emits(search, flat->shapes[i].material))
+            add_shape(search, i);
+    for (uint32_t i = 0; i < scene->light_count; i++)
+        if (scene->lights[i].angular_radius > 0)
+            add_emitter(search, (struct emitter_part){EMITTER_SUN, i});
+    add_texels(search);
+}
+
+// --- a pixel's together --------------------------------------------------------------------------
+
+static int compare_numbers(uint64_t a, uint64_t b)
+{
+    return (a > b) - (a < b);
+}
+
+static int compare_candidates(const void *a, const void *b)
+{
+    const struct candidate *x = a, *y = b;
+    int by_pixel = compare_numbers(x->pixel, y->pixel);
+    int by_kind = compare_numbers(x->emitter.kind, y->emitter.kind);
+    int by_index = compare_numbers(x->emitter.index, y->emitter.index);
+    return by_pixel ? by_pixel : by_kind ? by_kind : by_index;
+}
+
+static int compare_pixels(const void *a, const void *b)
+{
+    const struct group *x = a, *y = b;
+    return compare_numbers(x->pixel, y->pixel);
+}
+
+static int compare_brightness(const void *a, const void *b)
+{
+    const struct group *x = a, *y = b;
+    return x->brightness != y->brightness
+               ? (x->brightness < y->brightness) - (x->brightness > y->brightness)
+               : compare_pixels(a, b);
+}
+
+// Light of the radiance that is the group's brightest, and as much of it as all of it is.
+static void sum_up(const struct search *search, struct group *group)
+{
+    double light[3] = {0}, greatest = 0;
+    for (size_t i = 0; i < group->count; i++) {
+        const struct candidate *candidate = &search->candidates[group->first + i];
+        double radiance[3], most = 0;
+        emitter_radiance(search->renderer, candidate->emitter, radiance);
+        for (int c = 0; c < 3; c++) {
+            light[c] += (double)candidate->part * radiance[c];
+            most = fmax(most, radiance[c]);
+        }
+        greatest = fmax(greatest, most);
+        group->light.radius = fmaxf(group->light.radius, candidate->radius);
+    }
+    group->brightness = fmax(light[0], fmax(light[1], light[2]));
+    double part = greatest > 0 ? group->brightness / greatest : 0;
+    group->light.part = (float)part;
+    for (int c = 0; c < 3; c++)
+        group->light.radiance[c] = part > 0 ? (float)(light[c] / part) : 0;
+}
+
+static bool make_groups(struct search *search)
+{
+    uint32_t width = search->projection.width;
+    qsort(search->candidates, search->count, sizeof *search->candidates, compare_candidates);
+    search->groups = calloc(search->count, sizeof *search->groups);
+    if (!search->groups)
+        return false;
+    for (size_t i = 0; i < search->count; i++) {
+        uint64_t pixel = search->candidates[i].pixel;
+        if (i == 0 || pixel != search->candidates[i - 1].pixel)
+            search->groups[search->group_count++] = (struct group){
+                .light = {.x = (uint32_t)(pixel % width), .y = (uint32_t)(pixel / width)},
+                .pixel = pixel,
+                .first = i};
+        search->groups[search->group_count - 1].count++;
+    }
+    for (size_t i = 0; i < search->group_count; i++)
+        sum_up(search, &search->groups[i]);
+    return true;
+}
+
+static double part_at(const struct search *search, uint64_t pixel)
+{
+    const struct group *group = bsearch(&(struct group){.pixel = pixel}, search->groups,
+                                        search->group_count, sizeof *group, compare_pixels);
+    return group ? (double)group->light.part : 0;
+}
+
+// Whether it is of a larger emitter that consists of small parts.
+static bool is_of_larger(const struct search *search, const struct group *group)
+{
+    const struct projection *p = &search->projection;
+    double part = 0;
+    for (int64_t y = (int64_t)group->light.y - 1; y <= (int64_t)group->light.y + 1; y++)
+        for (int64_t x = (int64_t)group->light.x - 1; x <= (int64_t)group->light.x + 1; x++)
+            if (x >= 0 && x < p->width && y >= 0 && y < p->height)
+                part += part_at(search, (uint64_t)y * p->width + (uint64_t)x);
+    return part >= part_max;
+}
+
+static void choose_groups(struct search *search)
+{
+    for (size_t i = 0; i < search->group_count; i++)
+        if (!(search->groups[i].brightness > 0) || is_of_larger(search, &search->groups[i]))
+            search->groups[i].count = 0;
+    size_t kept = 0;
+    for (size_t i = 0; i < search->group_count; i++)
+        if (search->groups[i].count > 0)
+            search->groups[kept++] = search->groups[i];
+    search->group_count = kept;
+    if (kept <= LIGHTS_MAX)
+        return;
+    qsort(search->groups, kept, sizeof *search->groups, compare_brightness);
+    search->group_count = LIGHTS_MAX;
+    qsort(search->groups, LIGHTS_MAX, sizeof *search->groups, compare_pixels);
+}
+
+// --- whether something hides them ----------------------------------------------------------------
+
+// The ray of a probe of a group, and how far it has to go: to the emitter, or to infinity.
+static double aim_probe(const struct search *search, const struct group *group, uint32_t probe,
+                        struct probe_ray *ray)
+{
+    const struct renderer *r = search->renderer;
+    const struct candidate *candidate =
+        &search->candidates[group->first + probe * group->count / PROBES];
+    struct emitter_part emitter = candidate->emitter;
+    struct projected at;
+    double place[3], length = INFINITY;
+    emitter_center(r, emitter, place);
+    project(search, emitter, place, &at);
+    emitter_place(r, emitter, at.direction, probe, PROBES, place);
+    project(search, emitter, place, &at);
+    // Up to where the emitter may begin, and rounding of the ray has it begin.
+    if (!emitter_is_far(emitter))
+        length = at.distance * (1 - 0x1p-20) -
+                 (emitter.kind == EMITTER_SHAPE ? emitter_radius(r, emitter) : 0);
+    *ray = (struct probe_ray){0};
+    for (int c = 0; c < 3; c++) {
+        ray->origin[c] = (float)at.origin[c];
+        ray->direction[c] = (float)at.direction[c];
+    }
+    return length;
+}
+
+// How much of what is around a probe's end is in view: 1, or 0 where something is in front. An
+// emitter there counts a half: it is the near side of a closed mesh, of which this is the far one.
+static double find_free_part(const struct renderer *r, const struct probe_hit *hit, double length)
+{
+    if (hit->primitive == NO_PRIMITIVE || (double)hit->t >= length)
+        return 1;
+    uint32_t material = hit->primitive & PRIMITIVE_SHAPE
+                            ? r->flat.shapes[hit->primitive & ~PRIMITIVE_SHAPE].material
+                            : r->flat.triangles[hit->primitive].material;
+    bool is_replaced =
+        hit->instance != NO_INSTANCE && r->flat.instances[hit->instance].material != SCENE_NONE;
+    return !is_replaced && material_emits(&r->scene->materials[material]) ? 0.5 : 0;
+}
+
+// Probes of groups from `first` on.
+static bool probe(struct renderer *r, struct search *search, size_t first, uint32_t count,
+                  struct probe_ray *rays, double *lengths, struct probe_hit *hits, struct err *err)
+{
+    bool complete;
+    double ms;
+    for (uint32_t i = 0; i < count * PROBES; i++)
+        lengths[i] = aim_probe(search, &search->groups[first + i / PROBES], i % PROBES, &rays[i]);
+    if (!ray_probe_trace(r, KERNEL_intersect_closest, rays, count * PROBES, hits, &ms, &complete,
+                         err))
+        return false;
+    for (uint32_t i = 0; i < count; i++) {
+        double free_parts = 0;
+        for (uint32_t k = i * PROBES; k < (i + 1) * PROBES; k++)
+            free_parts += find_free_part(r, &hits[k], lengths[k]);
+        search->groups[first + i].light.part *= (float)(free_parts / PROBES);
+    }
+    return true;
+}
+
+// A device that is lost traces no more: what it has not looked at counts as if nothing hid it.
+static bool probe_groups(struct renderer *r, struct search *search, struct err *err)
+{
+    struct arena scratch = {0};
+    size_t most = r->plan.wave_slots / PROBES, batch = 4096;
+    batch = most < batch ? most : batch;
+    struct probe_ray *rays = ARENA_NEW(&scratch, struct probe_ray, batch * PROBES);
+    double *lengths = ARENA_NEW(&scratch, double, batch *PROBES);
+    struct probe_hit *hits = ARENA_NEW(&scratch, struct probe_hit, batch * PROBES);
+    bool ok = (rays && lengths && hits) || err_memory(err, "rays", batch * PROBES * sizeof *rays);
+    for (size_t first = 0; ok && first < search->group_count; first += batch) {
+        size_t left = search->group_count - first;
+        ok = probe(r, search, first, (uint32_t)(left < batch ? left : batch), rays, lengths, hits,
+                   err);
+    }
+    arena_finish(&scratch);
+    return ok || err->code == ERR_GPU;
+}
+
+// --- the whole -----------------------------------------------------------------------------------
+
+static bool keep(struct renderer *r, struct search *search)
+{
+    struct in_view *in_view = &r->in_view;
+    struct small_light *lights = malloc((search->group_count + 1) * sizeof *lights);
+    if (!lights)
+        return false;
+    *in_view = (struct in_view){.is_known = true, .lights = lights, .mask = search->mask};
+    search->mask = NULL;
+    for (size_t i = 0; i < search->group_count; i++)
+        if (search->groups[i].light.part > 0)
+            lights[in_view->count++] = search->groups[i].light;
+    return true;
+}
+
+static bool find(struct renderer *r, struct err *err)
+{
+    struct search search = {
+        .renderer = r,
+        .spread = fmax((double)r->frame.filter_radius - 0.5, 0),
+        .mask = calloc(r->frame.width, r->frame.height),
+    };
+    projection_make(&r->camera, &r->flat, r->frame.width, r->frame.height, &search.projection);
+    if (search.mask && r->specialization.integrator != INTEGRATOR_AO)
+        add_emitters(&search);
+    bool ok = search.mask && !search.failed && (search.count == 0 || make_groups(&search));
+    if (ok)
+        choose_groups(&search);
+    else
+        err_memory(err, "emitters in view", (uint64_t)r->frame.width * r->frame.height);
+    ok = ok && probe_groups(r, &search, err) &&
+         (keep(r, &search) || err_memory(err, "emitters in view", search.group_count));
+    free(search.groups);
+    free(search.candidates);
+    free(search.mask);
+    return ok;
+}
+
+bool renderer_find_unseen(struct renderer *r, struct arena *arena, struct unseen_light *out,
+                          struct err *err)
+{
+    if (!r->in_view.is_known && !find(r, err))
+        return false;
+    const struct in_view *in_view = &r->in_view;
+    uint64_t pixels = (uint64_t)r->frame.width * r->frame.height;
+    struct small_light *lights = ARENA_NEW(arena, struct small_light, in_view->count + 1);
+    uint8_t *mask = ARENA_NEW(arena, uint8_t, pixels);
+    if (!lights || !mask)
+        return err_memory(err, "emitters in view", pixels);
+    memcpy(lights, in_view->lights, in_view->count * sizeof *lights);
+    memcpy(mask, in_view->mask, pixels);
+    *out = (struct unseen_light){
+        .by_chance = (double)r->brightest_by_chance,
+        .small = lights,
+        .small_count = in_view->count,
+        .emitter_in_view = mask,
+    };
+    return true;
+}

@@ -1,0 +1,38 @@
+// Where the camera sees points of the scene: the way back from a point to the picture. The way out,
+// from the picture into the scene, is lib/camera.glsl's.
+#ifndef LAMPYRIS_RENDER_PROJECTION_H
+#define LAMPYRIS_RENDER_PROJECTION_H
+
+#include "flatten/flatten.h"
+
+// A camera in the flat scene's space and unit, in double precision.
+struct projection {
+    uint32_t kind, width, height; // CAMERA_*; pixels
+    double position[3], forward[3];
+    double right[3], up[3]; // to the picture's edges, as in struct gpu_frame
+    double start;           // of far_camera_start()
+    double lens_radius, focus_distance;
+};
+
+// A point as the camera sees it.
+struct projected {
+    double x, y;         // pixels from the upper left corner of the picture, also outside of it
+    double depth;        // along the line of sight; panoramas: the distance
+    double origin[3];    // where the ray to it begins, and its direction, unit
+    double direction[3]; //
+    double distance;     // from that origin
+    double pixel_area;   // of a pixel there, across the ray
+    double pixel_size;   // its shorter side
+    double blur;         // radius of the circle of confusion, pixels
+};
+
+void projection_make(const struct camera *camera, const struct flat_scene *flat, uint32_t width,
+                     uint32_t height, struct projection *out);
+
+// Of a point in the flat scene's space; false where it is behind the camera.
+bool projection_find(const struct projection *p, const double point[3], struct projected *out);
+// Of what is infinitely far in a direction, unit: lengths are angles then, areas solid angles.
+bool projection_find_far(const struct projection *p, const double direction[3],
+                         struct projected *out);
+
+#endif
