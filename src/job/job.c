@@ -1,6 +1,5 @@
 #include "job/job_internal.h"
 
-#include "job/timed_step.h"
 #include "render/sampling_plan.h"
 #include <math.h>
 #include <string.h>
@@ -243,6 +242,20 @@ static bool render_samples(struct job *job, const struct job_step *step, uint64_
         .context = job,
     };
     return renderer_render(&job->renderer, &call, err);
+}
+
+// How many samples, or rounds, to take next when `done` of them took `elapsed` seconds; 0 when
+// `limit` seconds are over. Steps grow to `most` while they are short against the time left, so
+// that the end is within one of the limit.
+static uint64_t timed_step(double limit, double elapsed, uint64_t done, uint64_t most)
+{
+    if (done == 0)
+        return 1;
+    double fits = (limit - elapsed) * (double)done / elapsed;
+    if (fits < 1.0)
+        return 0;
+    // Half of what is left: the estimate is a noisy one.
+    return fits < 2.0 * (double)most ? (uint64_t)(0.5 * fits) + 1 : most;
 }
 
 // By short steps while there is little time left.

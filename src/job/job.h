@@ -91,12 +91,6 @@ struct job_look {
     struct half_error error;
 };
 
-// Errors against the reference, whose own noise is subtracted from the first three. NAN: not known.
-struct job_against {
-    double local_relmse, relmse, mse, smape, psnr;
-    struct forecast_bias bias; // of local relMSE
-};
-
 // What was seen at one time: a row of a trace. Not finite where not known.
 struct trace_row {
     double spp;             // of the film, a pixel; on average, where pixels have their own
@@ -171,8 +165,9 @@ struct job {
     struct arena film_arena;
     struct film_image film;
     struct half_error error;
-    struct job_against against; // with a reference
-    uint64_t image_hash;        // of the mean's bits
+    struct reference_errors against; // NAN without a reference
+    struct forecast_bias bias;       // what of that local relMSE is no noise
+    uint64_t image_hash;             // of the mean's bits
 
     // For going on elsewhere, or after a failure.
     const char *identity;      // what a checkpoint is of

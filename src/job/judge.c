@@ -73,33 +73,20 @@ static bool compare(struct job *job, struct err *err)
 {
     const struct film_image *film = &job->film;
     const struct reference *reference = job->params.reference;
-    const float(*truth)[3] = (const float(*)[3])reference->image.pixels;
-    const float(*mean)[3] = (const float(*)[3])film->mean;
-    uint64_t pixels = (uint64_t)film->width * film->height;
-    struct metrics m;
-    metrics_compare(mean, truth, pixels, NULL, &m);
-    job->against = (struct job_against){
-        .local_relmse =
-            metrics_local_relmse(mean, truth, reference->means, pixels) - reference->local_relmse,
-        .relmse = m.relmse - reference->relmse,
-        .mse = m.mse - reference->mse,
-        .smape = m.smape,
-        .psnr = m.psnr,
-        .bias = job->against.bias,
-    };
+    reference_compare(reference, (const float(*)[3])film->mean, NULL, &job->against);
     bool has_halves = film->least_samples >= 2 && !job_shares_depths(job) &&
                       job->renderer.specialization.halves != HALVES_CONTIGUOUS;
     const struct forecast_bias_params params = {
         .half_a = (const float(*)[3])film->half_a,
         .half_b = (const float(*)[3])film->half_b,
-        .reference = truth,
+        .reference = (const float(*)[3])reference->image.pixels,
         .means = reference->means,
         .width = film->width,
         .height = film->height,
         .reference_halves = {reference->halves[0], reference->halves[1]},
         .reference_error = reference->local_relmse,
     };
-    return !has_halves || forecast_find_bias(&params, &job->against.bias) ||
+    return !has_halves || forecast_find_bias(&params, &job->bias) ||
            err_memory(err, "bias", (uint64_t)film->width * film->height * 16);
 }
 
@@ -138,7 +125,8 @@ bool job_judge_film(struct job *job, struct err *err)
     const struct film_image *film = &job->film;
     uint64_t pixels = (uint64_t)film->width * film->height;
     job->image_hash = hash_bytes(HASH_INIT, film->mean, pixels * sizeof *film->mean);
-    job->against = (struct job_against){NAN, NAN, NAN, NAN, NAN, {.stays = {NAN, NAN, NAN}}};
+    job->against = (struct reference_errors){NAN, NAN, NAN, NAN, NAN};
+    job->bias = (struct forecast_bias){.stays = {NAN, NAN, NAN}};
     job->error = film_error_none("it could not be estimated");
     job->seconds.judge += clock_seconds_since(start);
     if (!job_estimate_error(job, 0.0, &job->error, err))
@@ -184,16 +172,15 @@ static bool goes_by_bound(const struct job *job)
 static struct interval noise(const struct job *job)
 {
     const struct half_error *e = &job->error;
-    const struct job_against *against = &job->against;
     if (goes_by_bound(job))
         return (struct interval){e->at_most, e->at_most, e->at_most};
     struct interval error = {e->local_relmse, e->ci_low, e->ci_high};
-    double stays = against->bias.stays.value;
+    double stays = job->bias.stays.value;
     if (!job->params.reference || !isfinite(stays))
         return error;
     // What was reached, and what the halves say would be on average, by the reference's values.
-    double expected = against->local_relmse - stays;
-    double reached = against->bias.is_certain ? expected : against->local_relmse;
+    double expected = job->against.local_relmse - stays;
+    double reached = job->bias.is_certain ? expected : job->against.local_relmse;
     double factor = 0.5 * (expected + reached) / e->local_relmse;
     if (!(factor > 0.0))
         return error;
@@ -224,8 +211,8 @@ const char *job_forecast(const struct job *job, struct forecast *out)
     };
     if (!reason)
         params.error = noise(job);
-    if (job->params.reference && job->against.bias.is_certain)
-        params.stays = job->against.bias.stays;
+    if (job->params.reference && job->bias.is_certain)
+        params.stays = job->bias.stays;
     forecast_find_error(&params, out);
     return reason || isfinite(out->error.value) ? reason : "the halves do not differ";
 }

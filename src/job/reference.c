@@ -150,6 +150,25 @@ bool reference_read(const char *path, struct arena *arena, struct reference *out
     return true;
 }
 
+bool reference_compare(const struct reference *reference, const float (*image)[3],
+                       const struct progress *progress, struct reference_errors *out)
+{
+    const float(*truth)[3] = (const float(*)[3])reference->image.pixels;
+    uint64_t pixels = pixel_count(reference);
+    struct metrics m;
+    if (!metrics_compare(image, truth, pixels, progress, &m))
+        return false;
+    *out = (struct reference_errors){
+        .local_relmse =
+            metrics_local_relmse(image, truth, reference->means, pixels) - reference->local_relmse,
+        .relmse = m.relmse - reference->relmse,
+        .mse = m.mse - reference->mse,
+        .smape = m.smape,
+        .psnr = m.psnr,
+    };
+    return true;
+}
+
 bool reference_check_size(const struct reference *reference, const char *path, const char *what,
                           uint32_t width, uint32_t height, struct err *err)
 {

@@ -2,6 +2,7 @@
 #ifndef LAMPYRIS_JOB_REFERENCE_H
 #define LAMPYRIS_JOB_REFERENCE_H
 
+#include "base/progress.h"
 #include "image/image.h"
 
 struct reference {
@@ -37,6 +38,16 @@ bool reference_set_variance(struct reference *out, const char *path, const float
                             struct err *err);
 // The same with one variance for all.
 void reference_set_even_variance(struct reference *out, double variance);
+
+// Errors of an image against a reference, whose own noise is subtracted from the first three. NAN:
+// not known.
+struct reference_errors {
+    double local_relmse, relmse, mse, smape, psnr;
+};
+// The image has as many pixels. False where `progress`, which may be NULL, asks to stop: *out is
+// not set then.
+bool reference_compare(const struct reference *reference, const float (*image)[3],
+                       const struct progress *progress, struct reference_errors *out);
 
 // ERR_INPUT, unless it has as many pixels as `what` has.
 bool reference_check_size(const struct reference *reference, const char *path, const char *what,

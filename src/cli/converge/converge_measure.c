@@ -17,16 +17,14 @@ static bool compare(const struct reference *reference, const struct film_image *
 {
     const float(*image)[3] = (const float(*)[3])film->mean;
     const float(*truth)[3] = (const float(*)[3])reference->image.pixels;
-    struct metrics m;
-    if (!metrics_compare(image, truth, (uint64_t)film->width * film->height, progress, &m))
+    struct reference_errors errors;
+    if (!reference_compare(reference, image, progress, &errors))
         return true;
-    metric[CONVERGE_LOCAL_RELMSE] =
-        metrics_local_relmse(image, truth, reference->means, (uint64_t)film->width * film->height) -
-        reference->local_relmse;
-    metric[CONVERGE_RELMSE] = m.relmse - reference->relmse;
-    metric[CONVERGE_MSE] = m.mse - reference->mse;
-    metric[CONVERGE_SMAPE] = m.smape;
-    metric[CONVERGE_PSNR] = m.psnr;
+    metric[CONVERGE_LOCAL_RELMSE] = errors.local_relmse;
+    metric[CONVERGE_RELMSE] = errors.relmse;
+    metric[CONVERGE_MSE] = errors.mse;
+    metric[CONVERGE_SMAPE] = errors.smape;
+    metric[CONVERGE_PSNR] = errors.psnr;
     const struct picture_pair pair = {image, truth, film->width, film->height};
     return !with_perception ||
            (metrics_ssim(&pair, progress, &metric[CONVERGE_SSIM]) &&

@@ -94,7 +94,7 @@ static json_t *seconds_json(const struct job_seconds *s)
 
 static json_t *reference_json(const struct render_run *run)
 {
-    const struct job_against *against = &run->job.against;
+    const struct reference_errors *against = &run->job.against;
     const struct reference *reference = &run->reference;
     if (!run->options->reference)
         return json_null();
@@ -105,8 +105,8 @@ static json_t *reference_json(const struct render_run *run)
                      json_number(has_own ? reference->relmse : NAN), "local_relmse",
                      json_number(against->local_relmse), "relmse", json_number(against->relmse),
                      "mse", json_number(against->mse), "smape", json_number(against->smape), "psnr",
-                     json_number(against->psnr), "stays", json_interval(against->bias.stays),
-                     "biased", against->bias.is_certain);
+                     json_number(against->psnr), "stays", json_interval(run->job.bias.stays),
+                     "biased", run->job.bias.is_certain);
 }
 
 static json_t *forecast_json(const struct render_run *run)
@@ -120,16 +120,15 @@ static json_t *forecast_json(const struct render_run *run)
     const char *reason = job_forecast(&run->job, &f);
     bool is_bound = f.basis == FORECAST_AT_LEAST ||
                     run->job.renderer.specialization.halves == HALVES_CONTIGUOUS;
-    bool is_biased = run->options->reference && run->job.against.bias.is_certain;
+    bool is_biased = run->options->reference && run->job.bias.is_certain;
     bool has_slope = f.basis == FORECAST_SLOPE;
     return json_pack("{s:o, s:o, s:o, s:o, s:f, s:s, s:b, s:o, s:i, s:o}", "local_relmse",
                      json_number(f.error.value), "ci_low", json_number(f.error.low), "ci_high",
                      json_number(f.error.high), "stays",
-                     is_biased ? json_number(run->job.against.bias.stays.value) : json_null(),
-                     "seconds", 2.0 * run->job.seconds.render, "basis", bases[f.basis],
-                     "upper_bound", is_bound, "slope",
-                     has_slope ? json_interval(f.slope) : json_null(), "looks", (int)f.looks,
-                     "reason", reason ? json_string(reason) : json_null());
+                     is_biased ? json_number(run->job.bias.stays.value) : json_null(), "seconds",
+                     2.0 * run->job.seconds.render, "basis", bases[f.basis], "upper_bound",
+                     is_bound, "slope", has_slope ? json_interval(f.slope) : json_null(), "looks",
+                     (int)f.looks, "reason", reason ? json_string(reason) : json_null());
 }
 
 static json_t *strings_json(const char *const *strings, uint32_t count)

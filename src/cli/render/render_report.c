@@ -72,8 +72,8 @@ static void print_error(const struct render_run *run)
 
 static void print_against(const struct render_run *run)
 {
-    const struct job_against *against = &run->job.against;
-    const struct interval *stays = &against->bias.stays;
+    const struct reference_errors *against = &run->job.against;
+    const struct interval *stays = &run->job.bias.stays;
     const struct reference *reference = &run->reference;
     if (!run->options->reference)
         return;
@@ -85,7 +85,7 @@ static void print_against(const struct render_run *run)
         printf(" (its own noise subtracted: local relMSE %.2g)\n", reference->local_relmse);
     else
         printf(" (its own noise not subtracted: %s)\n", reference->reason);
-    if (against->bias.is_certain)
+    if (run->job.bias.is_certain)
         printf(
             "stays     local relMSE %.3g, 95 %% interval %.3g to %.3g, however many samples: %s\n",
             stays->value, stays->low, stays->high,
@@ -107,8 +107,8 @@ static void print_forecast(const struct render_run *run)
         printf("by slope %.2f (%.2f to %.2f)", f.slope.value, f.slope.low, f.slope.high);
     else
         printf("as 1 / samples%s", is_bound ? " or faster" : "");
-    if (run->options->reference && run->job.against.bias.is_certain)
-        printf(", of which %.2g stays", run->job.against.bias.stays.value);
+    if (run->options->reference && run->job.bias.is_certain)
+        printf(", of which %.2g stays", run->job.bias.stays.value);
     putchar('\n');
 }
 
