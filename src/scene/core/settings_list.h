@@ -52,12 +52,12 @@ SETTING(INTEGRATOR, uint32_t, integrator, "integrator", "integrator", "Method",
 SETTING(AO_DISTANCE, float, ao_distance, "ao_distance", "ao-distance", "Method",
     "How far away a surface still occludes, in metres, with the integrator ao.",
     (REAL(SETTINGS_LENGTH_MIN, SETTINGS_REAL_MAX), .word = "off", .word_value = INFINITY),
-    .fallback = INFINITY, .special = "any distance", .argument = "METRES", .unit = "m",
+    .fallback = INFINITY, .special = "any", .argument = "METRES", .unit = "m",
     .label = "  distance", NEEDS(INTEGRATOR, 1u << INTEGRATOR_AO))
 SETTING(FALLOFF, float, falloff, "falloff", "falloff", "Method",
     "Fade what the camera sees at a distance of t metres into the background by 1 - exp(-K t^3); K "
     "in 1/m^3. Not physical.",
-    (REAL(0, SETTINGS_REAL_MAX)), .fallback = 0, .special = "none", .argument = "K",
+    (REAL(0, SETTINGS_REAL_MAX)), .fallback = 0, .special = "off", .argument = "K",
     .label = "Falloff")
 SETTING(SAMPLER, uint32_t, sampler, "sampler", "sampler", "Method",
     "Where random numbers come from: an Owen-scrambled Sobol sequence, independent ones (pcg; lcg: "
@@ -75,7 +75,7 @@ SETTING(FILTER, uint32_t, filter, "filter", "filter", "Method",
 SETTING(FILTER_RADIUS, float, filter_radius, "filter_radius", "filter-radius", "Method",
     "Half the width of the pixel filter. Its own: box 0.5, tent 1, gaussian and blackman-harris "
     "1.5.",
-    (REAL(0, SETTINGS_FILTER_RADIUS_MAX)), .fallback = 0, .special = "the filter's own",
+    (REAL(0, SETTINGS_FILTER_RADIUS_MAX)), .fallback = 0, .special = "its own",
     .argument = "PIXELS", .unit = "px", .label = "  radius", .drag = 4,
     NEEDS(PIXEL_JITTER, 1u << true))
 SETTING(LIGHT_CHOICE, uint32_t, light_choice, "light_choice", "light-choice", "Method",
