@@ -17,7 +17,6 @@
 #define GPU_MAX_STORAGE 32 // with those after GPU_UNIFORM_BINDING, as many as the device takes
 #define GPU_MAX_TEXEL 12   // uniform-texel-buffer bindings, GPU_MIN_STORAGE + 0 .. 11
 #define GPU_UNIFORM_BINDING (GPU_MIN_STORAGE + GPU_MAX_TEXEL) // the one uniform buffer
-#define GPU_MAX_UNIFORM_BYTES 16384                           // of it: what every device takes
 #define GPU_PUSH_BYTES 128
 #define GPU_MAX_CONSTANTS 64 // specialization constants of a kernel
 #define GPU_KEPT_KERNELS 64

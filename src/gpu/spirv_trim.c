@@ -1,74 +1,8 @@
 #include "gpu/spirv_trim.h"
 
-#include <stdbool.h>
+#include "gpu/spirv.h"
 #include <stdlib.h>
 #include <string.h>
-
-// SPIR-V 1.5, revision 2, section 3.37: what counts here.
-enum {
-    MAGIC = 0x07230203,
-    HEADER_WORDS = 5,
-    DECORATION_SPEC_ID = 1,
-
-    OP_NOP = 0,
-    OP_UNDEF = 1,
-    OP_NAME = 5,
-    OP_LINE = 8,
-    OP_ENTRY_POINT = 15,
-    OP_CONSTANT_TRUE = 41,
-    OP_CONSTANT_FALSE = 42,
-    OP_CONSTANT = 43,
-    OP_SPEC_CONSTANT_TRUE = 48,
-    OP_SPEC_CONSTANT_FALSE = 49,
-    OP_SPEC_CONSTANT = 50,
-    OP_SPEC_CONSTANT_OP = 52,
-    OP_FUNCTION = 54,
-    OP_FUNCTION_END = 56,
-    OP_FUNCTION_CALL = 57,
-    OP_STORE = 62,
-    OP_COPY_MEMORY = 63,
-    OP_COPY_MEMORY_SIZED = 64,
-    OP_DECORATE = 71,
-    OP_IMAGE_WRITE = 99,
-    OP_I_ADD = 128,
-    OP_I_SUB = 130,
-    OP_I_MUL = 132,
-    OP_LOGICAL_EQUAL = 164,
-    OP_LOGICAL_NOT_EQUAL = 165,
-    OP_LOGICAL_OR = 166,
-    OP_LOGICAL_AND = 167,
-    OP_LOGICAL_NOT = 168,
-    OP_SELECT = 169,
-    OP_I_EQUAL = 170,
-    OP_I_NOT_EQUAL = 171,
-    OP_U_GREATER_THAN = 172,
-    OP_S_GREATER_THAN = 173,
-    OP_U_GREATER_THAN_EQUAL = 174,
-    OP_S_GREATER_THAN_EQUAL = 175,
-    OP_U_LESS_THAN = 176,
-    OP_S_LESS_THAN = 177,
-    OP_U_LESS_THAN_EQUAL = 178,
-    OP_S_LESS_THAN_EQUAL = 179,
-    OP_SHIFT_RIGHT_LOGICAL = 194,
-    OP_SHIFT_LEFT_LOGICAL = 196,
-    OP_BITWISE_OR = 197,
-    OP_BITWISE_XOR = 198,
-    OP_BITWISE_AND = 199,
-    OP_NOT = 200,
-    OP_CONTROL_BARRIER = 224,
-    OP_MEMORY_BARRIER = 225,
-    OP_ATOMIC_STORE = 228,
-    OP_PHI = 245,
-    OP_LOOP_MERGE = 246,
-    OP_SELECTION_MERGE = 247,
-    OP_LABEL = 248,
-    OP_BRANCH = 249,
-    OP_BRANCH_CONDITIONAL = 250,
-    OP_SWITCH = 251,
-    OP_RETURN_VALUE = 254,
-    OP_UNREACHABLE = 255,
-    OP_NO_LINE = 317,
-};
 
 // Of an id.
 struct id {
@@ -90,16 +24,6 @@ struct module {
     const uint32_t *constants;
     uint32_t constant_count;
 };
-
-static uint32_t opcode(const uint32_t *at)
-{
-    return *at & 0xffffu;
-}
-
-static uint32_t length(const uint32_t *at)
-{
-    return *at >> 16;
-}
 
 // Of instructions in a function's body.
 static bool has_result(uint32_t op)
@@ -199,8 +123,8 @@ static void know(struct module *m, uint32_t id, uint32_t value)
 // Constants that the caller sets come before their instructions: as decorations.
 static void read_global(struct module *m, const uint32_t *at)
 {
-    uint32_t op = opcode(at), words = length(at), value;
-    if (op == OP_DECORATE && words == 4 && at[2] == DECORATION_SPEC_ID) {
+    uint32_t op = spirv_opcode(at), words = spirv_length(at), value;
+    if (op == OP_DECORATE && words == 4 && at[2] == SPIRV_DECORATION_SPEC_ID) {
         if (at[3] < m->constant_count)
             know(m, at[1], m->constants[at[3]]);
     } else if (op == OP_CONSTANT_TRUE || op == OP_CONSTANT_FALSE) {
@@ -230,7 +154,7 @@ static bool reach(struct module *m, uint32_t label)
 
 static bool reach_targets(struct module *m, const uint32_t *at)
 {
-    switch (opcode(at)) {
+    switch (spirv_opcode(at)) {
     case OP_BRANCH:
         return reach(m, at[1]);
     case OP_BRANCH_CONDITIONAL: {
@@ -239,7 +163,7 @@ static bool reach_targets(struct module *m, const uint32_t *at)
                ((condition->known && condition->value) || reach(m, at[3]));
     }
     case OP_SWITCH:
-        for (uint32_t i = 4; i < length(at); i += 2)
+        for (uint32_t i = 4; i < spirv_length(at); i += 2)
             if (!reach(m, at[i]))
                 return false;
         return reach(m, at[2]);
@@ -253,7 +177,7 @@ static void merge_values(struct module *m, const uint32_t *at)
 {
     bool any = false;
     uint32_t value = 0;
-    for (uint32_t i = 3; i + 1 < length(at); i += 2) {
+    for (uint32_t i = 3; i + 1 < spirv_length(at); i += 2) {
         const struct id *incoming = &m->ids[at[i]], *block = &m->ids[at[i + 1]];
         if (block->visited && !block->live)
             continue;
@@ -276,13 +200,13 @@ static void call(struct module *m, uint32_t function)
 // What an instruction in a block that is reached does to what is known.
 static bool follow(struct module *m, const uint32_t *at)
 {
-    uint32_t op = opcode(at), value;
+    uint32_t op = spirv_opcode(at), value;
     if (op == OP_PHI)
         merge_values(m, at);
     else if (op == OP_FUNCTION_CALL)
         call(m, at[3]);
-    else if (op >= OP_LOGICAL_EQUAL && op <= OP_NOT && length(at) > 3 &&
-             evaluate(m, op, at + 3, length(at) - 3, &value))
+    else if (op >= OP_LOGICAL_EQUAL && op <= OP_NOT && spirv_length(at) > 3 &&
+             evaluate(m, op, at + 3, spirv_length(at) - 3, &value))
         know(m, at[2], value);
     return reach_targets(m, at);
 }
@@ -290,9 +214,9 @@ static bool follow(struct module *m, const uint32_t *at)
 // The ids that an instruction names which stays, though what it names may not.
 static void need(struct module *m, const uint32_t *at, bool live)
 {
-    uint32_t op = opcode(at);
+    uint32_t op = spirv_opcode(at);
     if (live && op == OP_PHI)
-        for (uint32_t i = 3; i + 1 < length(at); i += 2)
+        for (uint32_t i = 3; i + 1 < spirv_length(at); i += 2)
             m->ids[at[i]].needed = true;
     else if (!live && (op == OP_BRANCH_CONDITIONAL || op == OP_SWITCH || op == OP_RETURN_VALUE))
         m->ids[at[1]].needed = true;
@@ -301,9 +225,9 @@ static void need(struct module *m, const uint32_t *at, bool live)
 static bool follow_function(struct module *m, uint32_t function)
 {
     bool live = true, first = true;
-    for (const uint32_t *at = m->code + m->ids[function].start; opcode(at) != OP_FUNCTION_END;
-         at += length(at)) {
-        if (opcode(at) == OP_LABEL) {
+    for (const uint32_t *at = m->code + m->ids[function].start; spirv_opcode(at) != OP_FUNCTION_END;
+         at += spirv_length(at)) {
+        if (spirv_opcode(at) == OP_LABEL) {
             struct id *label = &m->ids[at[1]];
             label->visited = true;
             live = label->live = label->live || first;
@@ -312,7 +236,7 @@ static bool follow_function(struct module *m, uint32_t function)
         need(m, at, live);
         if (live && !first && !follow(m, at))
             return false;
-        if (!live && has_result(opcode(at)))
+        if (!live && has_result(spirv_opcode(at)))
             m->ids[at[2]].dropped = true;
     }
     return true;
@@ -320,16 +244,13 @@ static bool follow_function(struct module *m, uint32_t function)
 
 // --- reading and writing -------------------------------------------------------------------------
 
-// Whether instructions fill the module, with room for what is read of each, and functions end;
-// finds functions.
+// Finds functions. Whether they end, and instructions have room for what is read of each.
 static bool read_module(struct module *m)
 {
     bool in_function = false, open = false;
-    for (uint32_t i = HEADER_WORDS; i < m->words; i += length(m->code + i)) {
+    for (uint32_t i = SPIRV_HEADER_WORDS; i < m->words; i += spirv_length(m->code + i)) {
         const uint32_t *at = m->code + i;
-        uint32_t op = opcode(at);
-        if (length(at) == 0 || length(at) > m->words - i)
-            return false;
+        uint32_t op = spirv_opcode(at);
         if (op == OP_FUNCTION) {
             in_function = open = true;
             m->ids[at[2]].start = i;
@@ -337,7 +258,7 @@ static bool read_module(struct module *m)
         open = open && op != OP_FUNCTION_END;
         if (!in_function)
             read_global(m, at);
-        else if (has_result(op) && length(at) < 3)
+        else if (has_result(op) && spirv_length(at) < 3)
             return false;
         if (op == OP_ENTRY_POINT)
             call(m, at[2]);
@@ -347,10 +268,10 @@ static bool read_module(struct module *m)
 
 static void drop_function(struct module *m, const uint32_t *at)
 {
-    for (; opcode(at) != OP_FUNCTION_END; at += length(at)) {
-        if (opcode(at) == OP_LABEL)
+    for (; spirv_opcode(at) != OP_FUNCTION_END; at += spirv_length(at)) {
+        if (spirv_opcode(at) == OP_LABEL)
             m->ids[at[1]].dropped = true;
-        else if (has_result(opcode(at)))
+        else if (has_result(spirv_opcode(at)))
             m->ids[at[2]].dropped = true;
     }
 }
@@ -358,7 +279,7 @@ static void drop_function(struct module *m, const uint32_t *at)
 // Names and decorations stand before what they are about.
 static bool is_about_dropped(const struct module *m, const uint32_t *at)
 {
-    uint32_t op = opcode(at);
+    uint32_t op = spirv_opcode(at);
     return (op == OP_NAME || op == OP_DECORATE) && m->ids[at[1]].dropped;
 }
 
@@ -366,11 +287,11 @@ static bool is_about_dropped(const struct module *m, const uint32_t *at)
 static uint32_t write_instruction(const struct module *m, const uint32_t *at, bool live,
                                   uint32_t *out)
 {
-    uint32_t op = opcode(at), words = length(at);
+    uint32_t op = spirv_opcode(at), words = spirv_length(at);
     if (!live && !stays_in_dead_blocks(op)) {
         if (!has_result(op) || !m->ids[at[2]].needed)
             return 0;
-        out[0] = 3u << 16 | OP_UNDEF;
+        out[0] = spirv_head(OP_UNDEF, 3);
         out[1] = at[1];
         out[2] = at[2];
         return 3;
@@ -381,22 +302,22 @@ static uint32_t write_instruction(const struct module *m, const uint32_t *at, bo
 
 static uint32_t write_module(const struct module *m, uint32_t *out)
 {
-    uint32_t written = HEADER_WORDS;
+    uint32_t written = SPIRV_HEADER_WORDS;
     bool in_function = false, live_function = true, live = true;
-    memcpy(out, m->code, HEADER_WORDS * sizeof *out);
-    for (uint32_t i = HEADER_WORDS; i < m->words; i += length(m->code + i)) {
+    memcpy(out, m->code, SPIRV_HEADER_WORDS * sizeof *out);
+    for (uint32_t i = SPIRV_HEADER_WORDS; i < m->words; i += spirv_length(m->code + i)) {
         const uint32_t *at = m->code + i;
-        if (opcode(at) == OP_FUNCTION) {
+        if (spirv_opcode(at) == OP_FUNCTION) {
             in_function = live = true;
             live_function = m->ids[at[2]].live;
         }
-        if (opcode(at) == OP_LABEL)
+        if (spirv_opcode(at) == OP_LABEL)
             live = m->ids[at[1]].live;
-        if (opcode(at) == OP_FUNCTION_END)
+        if (spirv_opcode(at) == OP_FUNCTION_END)
             live = true;
         if (in_function ? !live_function : is_about_dropped(m, at))
             continue;
-        written += write_instruction(m, at, live || opcode(at) == OP_LABEL, out + written);
+        written += write_instruction(m, at, live || spirv_opcode(at) == OP_LABEL, out + written);
     }
     return written;
 }
@@ -419,11 +340,11 @@ static uint32_t trim(struct module *m, uint32_t *out)
 size_t spirv_trim(const uint32_t *code, size_t bytes, const uint32_t *constants, uint32_t count,
                   uint32_t *out)
 {
-    if (bytes < HEADER_WORDS * sizeof *code || code[0] != MAGIC)
+    if (!spirv_is_module(code, bytes))
         return 0;
     struct module m = {.code = code,
                        .words = (uint32_t)(bytes / sizeof *code),
-                       .bound = code[3],
+                       .bound = code[SPIRV_BOUND],
                        .constants = constants,
                        .constant_count = count};
     m.ids = calloc(m.bound, sizeof *m.ids);
@@ -438,10 +359,10 @@ uint32_t spirv_instructions(const uint32_t *code, size_t bytes)
 {
     uint32_t words = (uint32_t)(bytes / sizeof *code), count = 0;
     bool in_function = false;
-    if (words < HEADER_WORDS || code[0] != MAGIC)
+    if (!spirv_is_module(code, bytes))
         return 0;
-    for (uint32_t i = HEADER_WORDS; i < words && length(code + i) > 0; i += length(code + i)) {
-        uint32_t op = opcode(code + i);
+    for (uint32_t i = SPIRV_HEADER_WORDS; i < words; i += spirv_length(code + i)) {
+        uint32_t op = spirv_opcode(code + i);
         in_function |= op == OP_FUNCTION;
         count += in_function && op != OP_LABEL && op != OP_LINE && op != OP_NO_LINE;
         in_function &= op != OP_FUNCTION_END;

@@ -1,35 +1,10 @@
 #include "render/sdf_inline.h"
 
 #include "base/hash.h"
+#include "gpu/spirv.h"
 #include "shared/sdf.h"
 #include <stdlib.h>
 #include <string.h>
-
-// SPIR-V 1.5, revision 2, section 3.37: what counts here.
-enum {
-    MAGIC = 0x07230203,
-    HEADER_WORDS = 5,
-    BOUND = 3, // word of the header
-
-    OP_NAME = 5,
-    OP_MEMBER_NAME = 6,
-    OP_TYPE_BOOL = 20,
-    OP_CONSTANT = 43,
-    OP_CONSTANT_COMPOSITE = 44,
-    OP_FUNCTION = 54,
-    OP_FUNCTION_PARAMETER = 55,
-    OP_FUNCTION_END = 56,
-    OP_FUNCTION_CALL = 57,
-    OP_LOAD = 61,
-    OP_STORE = 62,
-    OP_I_ADD = 128,
-    OP_F_MUL = 133,
-    OP_I_EQUAL = 170,
-    OP_SELECTION_MERGE = 247,
-    OP_LABEL = 248,
-    OP_BRANCH_CONDITIONAL = 250,
-    OP_RETURN_VALUE = 254,
-};
 
 // The functions of lib/sdf.glsl by operation; two for metaballs.
 static const char *const function_names[SDF_OPERATIONS + 1] = {
@@ -86,16 +61,14 @@ static struct function *find_function(struct rewrite *w, uint32_t id)
     return NULL;
 }
 
-// Whether instructions fill the module; finds the functions, which have at most four parameters.
+// Finds the functions, which have at most four parameters.
 static bool read_module(struct rewrite *w)
 {
     struct function *open = NULL;
-    for (size_t i = HEADER_WORDS, length; i < w->words; i += length) {
+    for (size_t i = SPIRV_HEADER_WORDS, length; i < w->words; i += length) {
         const uint32_t *at = w->code + i;
-        uint32_t op = *at & 0xffffu;
-        length = *at >> 16;
-        if (length == 0 || length > w->words - i)
-            return false;
+        uint32_t op = spirv_opcode(at);
+        length = spirv_length(at);
         if (op == OP_NAME && length > 2)
             read_name(w, at);
         if (op == OP_TYPE_BOOL)
@@ -165,7 +138,7 @@ static void put(struct words *words, const uint32_t *from, size_t count)
 static void put_instruction(struct words *words, uint32_t op, const uint32_t *operands,
                             uint32_t count)
 {
-    put(words, &(uint32_t){(count + 1) << 16 | op}, 1);
+    put(words, &(uint32_t){spirv_head(op, count + 1)}, 1);
     put(words, operands, count);
 }
 
@@ -356,10 +329,10 @@ static bool write_body(struct rewrite *w, const struct scene *scene)
 // Without names, some of which are of what the old body held.
 static void put_without_names(struct words *out, const struct rewrite *w)
 {
-    put(out, w->code, HEADER_WORDS);
-    for (size_t i = HEADER_WORDS, length; i < w->first_function; i += length) {
-        uint32_t op = w->code[i] & 0xffffu;
-        length = w->code[i] >> 16;
+    put(out, w->code, SPIRV_HEADER_WORDS);
+    for (size_t i = SPIRV_HEADER_WORDS, length; i < w->first_function; i += length) {
+        uint32_t op = spirv_opcode(w->code + i);
+        length = spirv_length(w->code + i);
         if (op != OP_NAME && op != OP_MEMBER_NAME)
             put(out, w->code + i, length);
     }
@@ -379,7 +352,7 @@ static uint32_t *join(struct rewrite *w, size_t *bytes)
         free(out.at);
         return NULL;
     }
-    out.at[BOUND] = w->bound;
+    out.at[SPIRV_BOUND] = w->bound;
     *bytes = out.count * sizeof *out.at;
     return out.at;
 }
@@ -388,10 +361,9 @@ uint32_t *sdf_inline(const uint32_t *code, size_t bytes, const struct scene *sce
                      size_t *out_bytes)
 {
     struct rewrite w = {.code = code, .words = bytes / sizeof *code};
-    if (bytes % sizeof *code || w.words <= HEADER_WORDS || code[0] != MAGIC ||
-        !sdf_inline_fits(scene))
+    if (!spirv_is_module(code, bytes) || !sdf_inline_fits(scene))
         return NULL;
-    w.bound = code[BOUND];
+    w.bound = code[SPIRV_BOUND];
     bool ok = read_module(&w) && find_types(&w) && write_body(&w, scene);
     uint32_t *out = ok ? join(&w, out_bytes) : NULL;
     free(w.constants.at);

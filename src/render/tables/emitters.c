@@ -61,15 +61,6 @@ uint32_t emitters_choice(uint32_t setting, const struct emitter_counts *counts)
     return near >= TREE_EMITTERS ? LIGHT_CHOICE_TREE : LIGHT_CHOICE_POWER;
 }
 
-uint64_t emitters_bytes(uint32_t choice, const struct emitter_counts *counts)
-{
-    uint64_t total = emitters_total(counts);
-    return choice == LIGHT_CHOICE_TREE
-               ? sizeof(struct gpu_light_tree) +
-                     total * (2 * sizeof(struct gpu_light_bounds) + sizeof(struct gpu_light_trail))
-               : total * sizeof(struct gpu_emitter);
-}
-
 // --- the list of emitters ------------------------------------------------------------------------
 
 struct emitter_list {

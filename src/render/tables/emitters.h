@@ -25,8 +25,6 @@ struct emitter_counts emitters_count(const struct scene *scene, const struct fla
 uint64_t emitters_total(const struct emitter_counts *counts);
 // What the setting asks for: LIGHT_CHOICE_AUTO is the tree where it pays.
 uint32_t emitters_choice(uint32_t setting, const struct emitter_counts *counts);
-// At most so many bytes are read of what emitters_build() makes.
-uint64_t emitters_bytes(uint32_t choice, const struct emitter_counts *counts);
 
 struct emitters {
     void *data; // see struct gpu_emitter and struct gpu_light_tree
