@@ -19,10 +19,11 @@ static const double split_reach = 2;
 static const double texel_excess = 16; // of the mean luminance
 
 enum {
-    LIGHTS_MAX = 1 << 16,
-    PROBES = 4,          // rays to each of them
-    PLACES_MAX = 1024,   // points on an emitter
-    PLACES_OF_PART = 64, // and on a part of one
+    LIGHTS_MAX = 1 << 14,
+    PROBES = 4,      // rays to each of them
+    PLACES_MIN = 4, // points on an emitter
+    PLACES_MAX = 1024,
+    PLACES_OF_ALL = 1 << 20,
 };
 
 // An emitter, or a part of one, in the pixel in which its middle is.
@@ -44,8 +45,10 @@ struct group {
 struct search {
     const struct renderer *renderer;
     struct projection projection;
-    double spread; // radius of what the filter adds to a pixel
-    uint8_t *mask; // see struct unseen_light
+    double spread;      // radius of what the filter adds to a pixel
+    uint8_t *mask;      // see struct unseen_light
+    size_t small_count; // emitters of less than part_max
+    float *covered;     // of each pixel, by the middles of emitters of less than part_max
     struct candidate *candidates;
     size_t count, capacity;
     struct group *groups;
@@ -137,8 +140,9 @@ static uint32_t find_places(const struct search *search, struct emitter_part emi
                             const struct projected *middle, double (*out)[2])
 {
     const struct renderer *r = search->renderer;
-    bool is_part = emitter.kind == EMITTER_TRIANGLE || emitter.kind == EMITTER_TEXEL;
-    uint32_t count = is_part ? PLACES_OF_PART : PLACES_MAX, found = 0;
+    size_t share = PLACES_OF_ALL / (search->small_count + 1);
+    uint32_t count = share > PLACES_MAX ? PLACES_MAX : (uint32_t)share, found = 0;
+    count = count < PLACES_MIN ? PLACES_MIN : count;
     for (uint32_t i = 0; i < count; i++) {
         struct projected at;
         double place[3];
@@ -184,46 +188,92 @@ static bool is_in_front(struct search *search, const double center[3], double ra
     return depth > radius;
 }
 
-static void add_emitter(struct search *search, struct emitter_part emitter)
+// What the picture has of an emitter.
+struct sight {
+    struct projected at;
+    double reach, part; // pixels
+};
+
+static bool find_sight(struct search *search, struct emitter_part emitter, struct sight *out)
 {
     const struct renderer *r = search->renderer;
     const struct projection *p = &search->projection;
     double center[3], radius = emitter_radius(r, emitter);
-    struct projected at;
+    struct projected *at = &out->at;
     emitter_center(r, emitter, center);
     if (!emitter_is_far(emitter) && !is_in_front(search, center, radius))
-        return;
-    if (!project(search, emitter, center, &at))
-        return;
-    double reach = radius / at.pixel_size + at.blur + search->spread;
-    double part = emitter_area(r, emitter, at.direction) / at.pixel_area;
-    if (!(at.x + reach >= 0 && at.x - reach < p->width && at.y + reach >= 0 &&
-          at.y - reach < p->height))
-        return;
-    mark(search, at.x, at.y, reach + 1);
-    if (!(part > 0 && part < part_max))
-        return;
-    if (reach <= split_reach)
-        split(search, &at, reach, part, emitter);
-    else
-        add_part(search, fmin(fmax(at.x, 0), p->width - 1.0), fmin(fmax(at.y, 0), p->height - 1.0),
-                 part, reach, emitter);
+        return false;
+    if (!project(search, emitter, center, at))
+        return false;
+    out->reach = radius / at->pixel_size + at->blur + search->spread;
+    out->part = emitter_area(r, emitter, at->direction) / at->pixel_area;
+    return at->x + out->reach >= 0 && at->x - out->reach < p->width && at->y + out->reach >= 0 &&
+           at->y - out->reach < p->height;
 }
+
+static double clamp_to(double x, uint32_t length)
+{
+    return fmin(fmax(floor(x), 0), length - 1.0);
+}
+
+// First how much of each pixel small parts of emitters cover.
+static void count_emitter(struct search *search, struct emitter_part emitter)
+{
+    const struct projection *p = &search->projection;
+    struct sight sight;
+    if (!find_sight(search, emitter, &sight))
+        return;
+    mark(search, sight.at.x, sight.at.y, sight.reach + 1);
+    uint64_t x = (uint64_t)clamp_to(sight.at.x, p->width);
+    uint64_t y = (uint64_t)clamp_to(sight.at.y, p->height);
+    if (!(sight.part < part_max))
+        return;
+    search->small_count++;
+    search->covered[y * p->width + x] += (float)sight.part;
+}
+
+// Whether it is one of many small parts of a larger emitter.
+static bool is_of_larger(const struct search *search, const struct sight *sight)
+{
+    const struct projection *p = &search->projection;
+    double left = clamp_to(sight->at.x, p->width), top = clamp_to(sight->at.y, p->height);
+    double covered = 0;
+    for (double y = fmax(top - 1, 0); y <= top + 1 && y < p->height; y++)
+        for (double x = fmax(left - 1, 0); x <= left + 1 && x < p->width; x++)
+            covered += (double)search->covered[(uint64_t)y * p->width + (uint64_t)x];
+    return covered >= part_max;
+}
+
+static void add_emitter(struct search *search, struct emitter_part emitter)
+{
+    const struct projection *p = &search->projection;
+    struct sight sight;
+    if (!find_sight(search, emitter, &sight) || !(sight.part < part_max) ||
+        is_of_larger(search, &sight))
+        return;
+    if (sight.reach <= split_reach)
+        split(search, &sight.at, sight.reach, sight.part, emitter);
+    else
+        add_part(search, clamp_to(sight.at.x, p->width), clamp_to(sight.at.y, p->height),
+                 sight.part, sight.reach, emitter);
+}
+
+typedef void (*emitter_fn)(struct search *search, struct emitter_part emitter);
 
 static bool emits(const struct search *search, uint32_t material)
 {
     return material_emits(&search->renderer->scene->materials[material]);
 }
 
-static void add_shape(struct search *search, uint32_t index)
+static void visit_shape(struct search *search, uint32_t index, emitter_fn visit)
 {
     if (search->renderer->flat.shapes[index].kind == SHAPE_PLANE)
         mark_all(search);
     else
-        add_emitter(search, (struct emitter_part){EMITTER_SHAPE, index});
+        visit(search, (struct emitter_part){EMITTER_SHAPE, index});
 }
 
-static void add_texels(struct search *search)
+static void visit_texels(struct search *search, emitter_fn visit)
 {
     const struct environment *environment = &search->renderer->scene->environment;
     double mean = environment_luminance(environment), factor = 0;
@@ -234,24 +284,24 @@ static void add_texels(struct search *search)
         const float *texel = environment->texels[i];
         double greatest = (double)fmaxf(texel[0], fmaxf(texel[1], texel[2]));
         if (greatest * factor > texel_excess * mean)
-            add_emitter(search, (struct emitter_part){EMITTER_TEXEL, i});
+            visit(search, (struct emitter_part){EMITTER_TEXEL, i});
     }
 }
 
-static void add_emitters(struct search *search)
+static void visit_emitters(struct search *search, emitter_fn visit)
 {
     const struct scene *scene = search->renderer->scene;
     const struct flat_scene *flat = &search->renderer->flat;
     for (uint32_t i = 0; i < flat->triangle_count; i++)
         if (emits(search, flat->triangles[i].material))
-            add_emitter(search, (struct emitter_part){EMITTER_TRIANGLE, i});
+            visit(search, (struct emitter_part){EMITTER_TRIANGLE, i});
     for (uint32_t i = 0; i < flat->shape_count; i++)
         if (emits(search, flat->shapes[i].material))
-            add_shape(search, i);
+            visit_shape(search, i, visit);
     for (uint32_t i = 0; i < scene->light_count; i++)
         if (scene->lights[i].angular_radius > 0)
-            add_emitter(search, (struct emitter_part){EMITTER_SUN, i});
-    add_texels(search);
+            visit(search, (struct emitter_part){EMITTER_SUN, i});
+    visit_texels(search, visit);
 }
 
 // --- a pixel's together --------------------------------------------------------------------------
@@ -327,33 +377,12 @@ static bool make_groups(struct search *search)
     return true;
 }
 
-static double part_at(const struct search *search, uint64_t pixel)
-{
-    const struct group *group = bsearch(&(struct group){.pixel = pixel}, search->groups,
-                                        search->group_count, sizeof *group, compare_pixels);
-    return group ? (double)group->light.part : 0;
-}
-
-// Whether it is of a larger emitter that consists of small parts.
-static bool is_of_larger(const struct search *search, const struct group *group)
-{
-    const struct projection *p = &search->projection;
-    double part = 0;
-    for (int64_t y = (int64_t)group->light.y - 1; y <= (int64_t)group->light.y + 1; y++)
-        for (int64_t x = (int64_t)group->light.x - 1; x <= (int64_t)group->light.x + 1; x++)
-            if (x >= 0 && x < p->width && y >= 0 && y < p->height)
-                part += part_at(search, (uint64_t)y * p->width + (uint64_t)x);
-    return part >= part_max;
-}
-
+// The brightest of many.
 static void choose_groups(struct search *search)
 {
-    for (size_t i = 0; i < search->group_count; i++)
-        if (!(search->groups[i].brightness > 0) || is_of_larger(search, &search->groups[i]))
-            search->groups[i].count = 0;
     size_t kept = 0;
     for (size_t i = 0; i < search->group_count; i++)
-        if (search->groups[i].count > 0)
+        if (search->groups[i].brightness > 0)
             search->groups[kept++] = search->groups[i];
     search->group_count = kept;
     if (kept <= LIGHTS_MAX)
@@ -466,11 +495,15 @@ static bool find(struct renderer *r, struct err *err)
         .renderer = r,
         .spread = fmax((double)r->frame.filter_radius - 0.5, 0),
         .mask = calloc(r->frame.width, r->frame.height),
+        .covered = calloc((size_t)r->frame.width * r->frame.height, sizeof(float)),
     };
+    bool ok = search.mask && search.covered;
     projection_make(&r->camera, &r->flat, r->frame.width, r->frame.height, &search.projection);
-    if (search.mask && r->specialization.integrator != INTEGRATOR_AO)
-        add_emitters(&search);
-    bool ok = search.mask && !search.failed && (search.count == 0 || make_groups(&search));
+    if (ok && r->specialization.integrator != INTEGRATOR_AO) {
+        visit_emitters(&search, count_emitter);
+        visit_emitters(&search, add_emitter);
+    }
+    ok = ok && !search.failed && (search.count == 0 || make_groups(&search));
     if (ok)
         choose_groups(&search);
     else
@@ -479,6 +512,7 @@ static bool find(struct renderer *r, struct err *err)
          (keep(r, &search) || err_memory(err, "emitters in view", search.group_count));
     free(search.groups);
     free(search.candidates);
+    free(search.covered);
     free(search.mask);
     return ok;
 }
