@@ -11,7 +11,12 @@ static const void *member(const struct field *field, const void *object)
 
 static uint32_t mask(const struct field *field)
 {
-    return field->bits ? ((UINT32_C(1) << field->bits) - 1) << field->shift : UINT32_MAX;
+    return field->mask ? field->mask : UINT32_MAX;
+}
+
+static int shift(const struct field *field)
+{
+    return __builtin_ctz(mask(field));
 }
 
 // The four bytes at an offset: a count, a choice, a flag.
@@ -52,7 +57,7 @@ double field_get(const struct field *field, const void *object)
     case FIELD_CHOICE:
         break;
     }
-    return (get_word(object, field->offset) & mask(field)) >> field->shift;
+    return (get_word(object, field->offset) & mask(field)) >> shift(field);
 }
 
 void field_set(const struct field *field, void *object, double value)
@@ -70,7 +75,7 @@ void field_set(const struct field *field, void *object, double value)
     else
         set_word(object, field->offset,
                  (get_word(object, field->offset) & ~mask(field)) | (uint32_t)value
-                                                                        << field->shift);
+                                                                        << shift(field));
 }
 
 bool field_is_word(const struct field *field, const void *object)
@@ -125,7 +130,7 @@ void field_text(const struct field *field, const void *object, char out[FIELD_TE
 // memcmp, not ==: two zeros differ, and a NaN is itself.
 bool field_same(const struct field *field, const void *a, const void *b)
 {
-    if (field->bits)
+    if (field->mask)
         return field_get(field, a) == field_get(field, b);
     if (field->flag && (field_is_word(field, a) || field_is_word(field, b)))
         return field_is_word(field, a) == field_is_word(field, b);
@@ -142,7 +147,7 @@ bool fields_same(const struct field *fields, size_t count, const void *a, const 
 
 void field_copy(const struct field *field, void *to, const void *from)
 {
-    if (field->bits) {
+    if (field->mask) {
         field_set(field, to, field_get(field, from));
         return;
     }

@@ -23,7 +23,7 @@ struct field {
     double min, max;          // of a number
     bool open;                // the bounds themselves are outside
     const char *const *words; // of a choice, in the order of its values; ended by NULL
-    uint32_t shift, bits;     // the bits that a switch or choice is; 0 bits: the whole member
+    uint32_t mask;            // the adjacent bits that a switch or choice is; 0: the whole member
     // The word that may stand in place of a number, or NULL. It means word_value; or, where there
     // is a flag, that the uint32_t at this offset is 1, which is 0 beside a number.
     const char *word;

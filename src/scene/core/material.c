@@ -89,34 +89,31 @@ const char *const material_model_names[MATERIAL_MODEL_COUNT + 1] = {
     [MATERIAL_BLINN_PHONG] = "blinn_phong", [MATERIAL_MICROFACET] = "microfacet",
 };
 
-#define FLAGS(key_, shift_, bits_)                                                                 \
-    .key = key_, FIELD_OF(material, flags), .shift = shift_, .bits = bits_
+#define FLAGS(key_, mask_) .key = key_, FIELD_OF(material, flags), .mask = mask_
 #define CHOICE(...)                                                                                \
     .type = FIELD_CHOICE, .words = (const char *const[])                                           \
     {                                                                                              \
         __VA_ARGS__, NULL                                                                          \
     }
-#define BIT(flag) ((flag) == 1u << __builtin_ctz(flag) ? __builtin_ctz(flag) : -1)
 
 const struct field material_flags[] = {
-    {FLAGS("alpha", BIT(MATERIAL_ALPHA_MASK), 2), CHOICE("opaque", "mask", "blend")},
-    {FLAGS("coat", BIT(MATERIAL_COAT_GGX), 1), CHOICE("burley", "ggx")},
-    {FLAGS("layers", BIT(MATERIAL_GLTF_LAYERS), 1), CHOICE("burley", "gltf")},
-    {FLAGS("distribution", MATERIAL_DISTRIBUTION_SHIFT, 2),
+    {FLAGS("alpha", MATERIAL_ALPHA_MASK | MATERIAL_ALPHA_BLEND), CHOICE("opaque", "mask", "blend")},
+    {FLAGS("coat", MATERIAL_COAT_GGX), CHOICE("burley", "ggx")},
+    {FLAGS("layers", MATERIAL_GLTF_LAYERS), CHOICE("burley", "gltf")},
+    {FLAGS("distribution", 3u << MATERIAL_DISTRIBUTION_SHIFT),
      CHOICE([DISTRIBUTION_GGX] = "ggx", [DISTRIBUTION_BECKMANN] = "beckmann",
             [DISTRIBUTION_PHONG] = "phong")},
-    {FLAGS("masking", MATERIAL_MASKING_SHIFT, 3),
+    {FLAGS("masking", 7u << MATERIAL_MASKING_SHIFT),
      CHOICE([MASKING_SMITH] = "smith", [MASKING_SCHLICK_GGX] = "schlick_ggx", [MASKING_LH] = "lh",
             [MASKING_RATIONAL] = "rational")},
-    {FLAGS("fresnel", BIT(MATERIAL_EXACT_FRESNEL), 1), CHOICE("schlick", "exact")},
-    {FLAGS("thin", BIT(MATERIAL_THIN), 1)},
-    {FLAGS("unlit", BIT(MATERIAL_UNLIT), 1)},
-    {FLAGS("compensate", BIT(MATERIAL_COMPENSATE), 1)},
-    {FLAGS("tint_each", BIT(MATERIAL_TINT_EACH), 1)},
-    {FLAGS("separable", BIT(MATERIAL_SEPARABLE), 1)},
+    {FLAGS("fresnel", MATERIAL_EXACT_FRESNEL), CHOICE("schlick", "exact")},
+    {FLAGS("thin", MATERIAL_THIN)},
+    {FLAGS("unlit", MATERIAL_UNLIT)},
+    {FLAGS("compensate", MATERIAL_COMPENSATE)},
+    {FLAGS("tint_each", MATERIAL_TINT_EACH)},
+    {FLAGS("separable", MATERIAL_SEPARABLE)},
 };
 const size_t material_flag_count = sizeof material_flags / sizeof *material_flags;
-_Static_assert(MATERIAL_ALPHA_BLEND == 2 * MATERIAL_ALPHA_MASK, "\"alpha\" must be a number");
 
 const struct field *material_flag(const char *key)
 {

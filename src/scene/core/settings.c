@@ -96,16 +96,14 @@ const char *const tone_names[] = {
 #define NEEDS(ID, values) .needs = SETTING_##ID, .needs_values = values
 
 #define WITHOUT_PARENTHESES(...) __VA_ARGS__
-#define ROW(ID, is_of_film, member_, key_, option_, group_, help_, field_, ...)                    \
-    [SETTING_##ID] = {.field = {.key = key_,                                                       \
-                                .offset = offsetof(struct settings, member_),                      \
-                                .size = sizeof(((struct settings *)NULL)->member_),                \
-                                WITHOUT_PARENTHESES field_},                                       \
-                      .option = option_,                                                           \
-                      .group = group_,                                                             \
-                      .help = help_,                                                               \
-                      .changes_film = is_of_film,                                                  \
-                      __VA_ARGS__},
+// clang-format off
+#define ROW(ID, is_of_film, member, key_, option_, group_, help_, field_, ...)                     \
+    [SETTING_##ID] = {                                                                             \
+        .field = {.key = key_, FIELD_OF(settings, member), WITHOUT_PARENTHESES field_},            \
+        .option = option_, .group = group_, .help = help_, .changes_film = is_of_film,             \
+        __VA_ARGS__                                                                                \
+    },
+// clang-format on
 
 const struct setting settings_table[SETTING_TOTAL] = {
 #define SETTING(ID, type, ...) ROW(ID, true, __VA_ARGS__)
