@@ -3,7 +3,6 @@
 #include "base/file.h"
 #include "image/image.h"
 #include "shared/bindings.h"
-#include <assert.h>
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -18,11 +17,6 @@ static bool check_range(double min, double max, double value, const char *text, 
 {
     return (value >= min && value <= max) ||
            err_set(err, ERR_USAGE, "\"%s\" is outside [%.15g, %.15g]", text, min, max);
-}
-
-static bool in_range(const struct option_def *def, double value, const char *text, struct err *err)
-{
-    return check_range(def->min, def->max, value, text, err);
 }
 
 // Digits, then perhaps one of k, M, G for 2^10, 2^20, 2^30: waves, samples and bytes come in powers
@@ -62,48 +56,6 @@ static void store(struct options *options, const struct option_def *def, const v
     memcpy((char *)options + def->offset, value, def->size);
 }
 
-static void store_count(struct options *options, const struct option_def *def, uint64_t value)
-{
-    uint32_t narrow = (uint32_t)value; // the range has been checked
-    store(options, def, def->size == sizeof narrow ? (const void *)&narrow : &value);
-}
-
-static bool parse_whole_count(const char *text, uint64_t *value, struct err *err)
-{
-    const char *rest;
-    return (parse_count(text, value, &rest) && !*rest) ||
-           err_set(err, ERR_USAGE,
-                   "\"%s\" is not a number; expected digits, perhaps with k, M or G", text);
-}
-
-static bool parse_whole_real(const char *text, double *value, struct err *err)
-{
-    const char *rest;
-    return (parse_real(text, value, &rest) && !*rest) ||
-           err_set(err, ERR_USAGE, "\"%s\" is not a finite number", text);
-}
-
-static bool store_checked_count(const struct option_def *def, const char *text,
-                                struct options *options, struct err *err)
-{
-    uint64_t value;
-    if (!parse_whole_count(text, &value, err) || !in_range(def, (double)value, text, err))
-        return false;
-    store_count(options, def, value);
-    return true;
-}
-
-static bool store_real(const struct option_def *def, const char *text, struct options *options,
-                       struct err *err)
-{
-    double value;
-    if (!parse_whole_real(text, &value, err) || !in_range(def, value, text, err))
-        return false;
-    float narrow = (float)value;
-    store(options, def, def->size == sizeof narrow ? (const void *)&narrow : &value);
-    return true;
-}
-
 static bool parse_switch(const char *text, bool *on, struct err *err)
 {
     *on = strcmp(text, "on") == 0;
@@ -126,71 +78,58 @@ static bool parse_choice(const char *words, const char *text, unsigned *index, s
                    strchr(words, '|') ? "one of " : "", words);
 }
 
-static bool parse_setting(const struct option_def *def, const char *text, double *value,
-                          struct err *err)
+// The value of a number, a switch or a choice, whatever it is stored as.
+static bool parse_value(const struct option_def *def, const struct field *field, const char *text,
+                        double *value, struct err *err)
 {
-    const struct field *field = &def->setting->field;
     char words[OPTION_ARGUMENT_MAX];
-    uint64_t count;
-    unsigned choice;
-    bool on;
+    const char *rest;
+    uint64_t count = 0;
+    unsigned choice = 0;
+    bool on = false, ok;
     switch (field->type) {
     case FIELD_SWITCH:
-        if (!parse_switch(text, &on, err))
-            return false;
+        ok = parse_switch(text, &on, err);
         *value = on;
-        return true;
+        return ok;
     case FIELD_CHOICE:
-        if (!parse_choice(option_argument(def, words), text, &choice, err))
-            return false;
+        ok = parse_choice(option_argument(def, words), text, &choice, err);
         *value = choice;
-        return true;
+        return ok;
     case FIELD_COUNT:
-        if (!parse_whole_count(text, &count, err))
-            return false;
+        if (!parse_count(text, &count, &rest) || *rest)
+            return err_set(err, ERR_USAGE,
+                           "\"%s\" is not a number; expected digits, perhaps with k, M or G", text);
         *value = (double)count;
         break;
     case FIELD_REAL:
-        if (!parse_whole_real(text, value, err))
-            return false;
-        break;
+        if (!parse_real(text, value, &rest) || *rest)
+            return err_set(err, ERR_USAGE, "\"%s\" is not a finite number", text);
     }
     return check_range(field->min, field->max, *value, text, err);
 }
 
-static bool store_setting(const struct option_def *def, const char *text, struct options *options,
-                          struct err *err)
+static bool store_field(const struct option_def *def, const struct field *field, const char *text,
+                        void *object, struct err *err)
 {
-    const struct field *field = &def->setting->field;
     double value = 0;
     if (field->word && strcmp(text, field->word) == 0) {
-        field_set_word(field, &options->settings);
+        field_set_word(field, object);
         return true;
     }
-    if (!parse_setting(def, text, &value, err))
+    if (!parse_value(def, field, text, &value, err))
         return false;
-    field_set(field, &options->settings, value);
+    field_set(field, object, value);
     return true;
 }
 
-static bool store_switch(const struct option_def *def, const char *text, struct options *options,
-                         struct err *err)
+// A member of struct options that is of one of the types of fields.
+static bool store_member(const struct option_def *def, enum field_type type, const char *text,
+                         struct options *options, struct err *err)
 {
-    bool on;
-    if (!parse_switch(text, &on, err))
-        return false;
-    store(options, def, &on);
-    return true;
-}
-
-static bool store_choice(const struct option_def *def, const char *text, struct options *options,
-                         struct err *err)
-{
-    unsigned index;
-    if (!parse_choice(def->argument, text, &index, err))
-        return false;
-    store(options, def, &index);
-    return true;
+    const struct field field = {
+        .type = type, .offset = def->offset, .size = def->size, .min = def->min, .max = def->max};
+    return store_field(def, &field, text, options, err);
 }
 
 // Two counts with a separator: "640x480", "12,34".
@@ -202,7 +141,8 @@ static bool store_two(const struct option_def *def, char separator, const char *
     if (!parse_count(text, &first, &rest) || *rest != separator ||
         !parse_count(rest + 1, &second, &rest) || *rest)
         return err_set(err, ERR_USAGE, "\"%s\" is not of the form %s", text, def->argument);
-    if (!in_range(def, (double)first, text, err) || !in_range(def, (double)second, text, err))
+    if (!check_range(def->min, def->max, (double)first, text, err) ||
+        !check_range(def->min, def->max, (double)second, text, err))
         return false;
     uint32_t both[2] = {(uint32_t)first, (uint32_t)second};
     store(options, def, both);
@@ -299,7 +239,7 @@ static bool store_times(const struct option_def *def, const char *text, struct o
         double value;
         if (!parse_real(rest, &value, &rest) || (*rest && *rest != ','))
             return err_set(err, ERR_USAGE, "\"%s\" is not of the form %s", text, def->argument);
-        if (!in_range(def, value, text, err))
+        if (!check_range(def->min, def->max, value, text, err))
             return false;
         if (count > 0 && value <= list[count - 1])
             return err_set(err, ERR_USAGE, "\"%s\" does not rise", text);
@@ -323,7 +263,7 @@ static bool store_depths(const struct option_def *def, const char *text, struct 
         uint64_t value;
         if (!parse_count(rest, &value, &rest) || (*rest && *rest != ','))
             return err_set(err, ERR_USAGE, "\"%s\" is not of the form %s", text, def->argument);
-        if (!in_range(def, (double)value, text, err))
+        if (!check_range(def->min, def->max, (double)value, text, err))
             return false;
         list[count++] = (uint32_t)value;
         if (!*rest)
@@ -434,15 +374,15 @@ bool option_store(const struct option_def *def, const char *text, struct options
         store(options, def, &(bool){true});
         return true;
     case VALUE_SWITCH:
-        return store_switch(def, text, options, err);
+        return store_member(def, FIELD_SWITCH, text, options, err);
     case VALUE_COUNT:
-        return store_checked_count(def, text, options, err);
+        return store_member(def, FIELD_COUNT, text, options, err);
     case VALUE_REAL:
-        return store_real(def, text, options, err);
-    case VALUE_SETTING:
-        return store_setting(def, text, options, err);
+        return store_member(def, FIELD_REAL, text, options, err);
     case VALUE_CHOICE:
-        return store_choice(def, text, options, err);
+        return store_member(def, FIELD_CHOICE, text, options, err);
+    case VALUE_SETTING:
+        return store_field(def, &def->setting->field, text, &options->settings, err);
     case VALUE_TEXT:
         if (!*text)
             return err_set(err, ERR_USAGE, "the value is empty; expected %s", def->argument);
