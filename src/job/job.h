@@ -23,13 +23,14 @@
 
 // What ends the render: whatever comes first.
 struct job_goal {
-    // Of a pixel; with `adaptive` on average. 0: as many as `seconds` and `error` take, and where
-    // neither is given, what the scene's settings say.
+    // Samples a pixel; with `adaptive` on average. 0: as many as `seconds` and `error` take, and
+    // where neither is given, what the scene's settings say.
     uint64_t samples;
-    double seconds; // of rendering, with those before a checkpoint; 0: no limit. INFINITY: no limit
-                    // either, but the number of samples is open
-    double error;   // upper bound of the local relMSE; 0: none
-    bool adaptive;  // each tile has a number of samples of its own: see adaptive.h
+    // Time of rendering, with that before a checkpoint. 0: no limit. INFINITY: no limit either, but
+    // the number of samples is open, so that no sampler can plan on it.
+    double seconds;
+    double error;  // upper bound of the local relMSE; 0: none
+    bool adaptive; // each tile has a number of samples of its own: see adaptive.h
     // Frames of so many samples each, in place of one image of `samples`; 0: one image.
     uint32_t frames, samples_per_frame;
     bool accumulate; // each frame goes on from the one before; else the film is emptied between
@@ -58,9 +59,8 @@ struct job_params {
     struct scene *scene; // outlives the job; its settings.spp becomes the number that is planned
     struct job_goal goal;
     struct job_checkpoint_params checkpoint;
-    const struct reference
-        *reference;   // NULL: none; else as large as the image, and outlives the job
-    bool keeps_trace; // rows at doubling numbers of samples
+    const struct reference *reference; // as large as the image; outlives the job. NULL: none
+    bool keeps_trace;                  // rows at doubling numbers of samples
     struct job_listener listener;
     const struct progress *progress; // NULL: nobody listens or asks to stop
 };
@@ -174,8 +174,8 @@ struct job {
     struct checkpoint resumed; // closed once it is restored
     uint64_t checkpoint_ns;    // when the last one was written, or rendering began
     bool has_checkpoint;       // a file from which this render can go on
-    double looks_error;        // the goal.error that
-    uint64_t next_look;        // the next look, after so many samples a pixel, is on the way to
+    uint64_t next_look;        // at the error, after so many samples a pixel ...
+    double looks_error;        // ... on the way to this goal.error
     struct job_rescue rescue;
 };
 
@@ -223,11 +223,13 @@ double job_elapsed(const struct job *job); // seconds of rendering since the beg
 
 // Reads the film.
 bool job_fetch_film(struct job *job, struct err *err);
-// Estimates the error of the film as it was read last.
+// Estimates the error of the film as it was read last, compares it with the reference, if there is
+// one, and finds its hash.
 bool job_judge_film(struct job *job, struct err *err);
-// Both, of the finished film, rescued or not.
-bool job_judge_end(struct job *job, struct err *err);
+// Reads the film and judges it.
 bool job_read_film(struct job *job, struct err *err);
+// Judges the finished film: the rescued one, or that of now, which is read.
+bool job_judge_end(struct job *job, struct err *err);
 
 // The error of the film as it is now, in two parts: only the first needs the renderer, so that
 // another thread may do the second, which takes longer. The arena is the caller's to finish.
