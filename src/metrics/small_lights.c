@@ -17,20 +17,41 @@ static double mean_at(const struct half_error_params *params, uint64_t pixel, in
     return ((double)params->half_a[pixel][c] + (double)params->half_b[pixel][c]) / 2;
 }
 
+// The median of the pixels around one, the lesser of two in the middle: what is behind a light,
+// which bright neighbours of its own do not move.
+static double find_background(const struct half_error_params *params, uint32_t x, uint32_t y, int c)
+{
+    double values[8];
+    int count = 0;
+    for (uint32_t v = y > 0 ? y - 1 : 0; v <= y + 1 && v < params->height; v++)
+        for (uint32_t u = x > 0 ? x - 1 : 0; u <= x + 1 && u < params->width; u++) {
+            double value = mean_at(params, (uint64_t)v * params->width + u, c);
+            int at = count;
+            if (u == x && v == y)
+                continue;
+            for (; at > 0 && values[at - 1] > value; at--)
+                values[at] = values[at - 1];
+            values[at] = value;
+            count++;
+        }
+    return count > 0 ? values[(count - 1) / 2] : 0;
+}
+
 // Whether a pixel that it may be seen in is as bright as if a sample had met it.
-static bool is_met(const struct half_error_params *params, const struct small_light *light,
-                   const struct local_mean *around)
+static bool is_met(const struct half_error_params *params, const struct small_light *light)
 {
     int c = light->radiance[0] >= light->radiance[1] ? 0 : 1;
     c = light->radiance[c] >= light->radiance[2] ? c : 2;
-    double of_sample = met_part * (double)light->radiance[c], mean = around->mean[c];
+    double enough = met_part * (double)light->radiance[c];
     uint32_t reach = (uint32_t)fmin(ceil((double)light->radius), 1u << 16);
     uint32_t left = light->x > reach ? light->x - reach : 0;
     uint32_t top = light->y > reach ? light->y - reach : 0;
     for (uint32_t y = top; y <= light->y + reach && y < params->height; y++)
         for (uint32_t x = left; x <= light->x + reach && x < params->width; x++) {
             uint64_t at = (uint64_t)y * params->width + x;
-            if ((mean_at(params, at, c) - mean) * half_error_samples(params, at) >= of_sample)
+            double mean = mean_at(params, at, c), samples = half_error_samples(params, at);
+            if (mean * samples >= enough &&
+                (mean - find_background(params, x, y, c)) * samples >= enough)
                 return true;
         }
     return false;
@@ -88,7 +109,7 @@ double small_lights_add(struct small_lights *sums, const struct half_error_param
 {
     uint64_t at = (uint64_t)light->y * params->width + light->x;
     double told = sums->error.told;
-    bool met = is_met(params, light, around);
+    bool met = is_met(params, light);
     if (!met && (double)light->part * half_error_samples(params, at) < expected_max)
         add_unmet(sums, params, light, around);
     if (!met || light->radius > 0)
