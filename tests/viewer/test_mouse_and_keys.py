@@ -39,7 +39,8 @@ class Hands(Case):
             value = items[name]['value']
             script += f'click {name}\nexpect item.{name} != {value}\n'
             script += f'click {name}\nexpect item.{name} == {value}\n'
-        for name in ('view.exposure', 'camera.fov', 'renderer.roulette_min', 'renderer.max_bounces'):
+        for name in ('view.exposure', 'camera.fov', 'renderer.roulette_min_bounces',
+                     'renderer.max_bounces'):
             value = items[name]['value']
             script += f'drag {name} -24 0\nexpect item.{name} != {value}\n'
             script += f'key Ctrl+z\nexpect item.{name} == {value}\n'
