@@ -242,27 +242,13 @@ static void add_pixel(struct tile *tile, const struct half_error_params *params,
     add_variance(&tile->spread, error * error);
 }
 
-// The first of a row, or of a later one.
-static const struct small_light *find_row(const struct unseen_light *unseen, uint32_t y)
-{
-    size_t first = 0, end = unseen->small_count;
-    while (first < end) {
-        size_t middle = first + (end - first) / 2;
-        if (unseen->small[middle].y < y)
-            first = middle + 1;
-        else
-            end = middle;
-    }
-    return unseen->small + first;
-}
-
 static void add_row(const struct estimator *estimator, struct local_window *window, uint32_t y)
 {
     const struct half_error_params *params = estimator->params;
     uint32_t side = estimator->tile_side;
     struct tile *tiles = &estimator->tiles[(size_t)(y / side) * estimator->tiles_x];
     uint64_t first = (uint64_t)y * params->width;
-    const struct small_light *light = find_row(&params->unseen, y);
+    const struct small_light *light = small_lights_from(&params->unseen, 0, y);
     const struct small_light *end = params->unseen.small + params->unseen.small_count;
     local_window_enter(window, y);
     for (uint32_t x = 0; x < params->width; x++) {

@@ -12,6 +12,21 @@ double half_error_samples(const struct half_error_params *params, uint64_t pixel
     return params->counts ? params->counts[pixel] : (double)params->samples;
 }
 
+const struct small_light *small_lights_from(const struct unseen_light *unseen, uint32_t x,
+                                            uint32_t y)
+{
+    size_t first = 0, end = unseen->small_count;
+    while (first < end) {
+        size_t middle = first + (end - first) / 2;
+        const struct small_light *light = &unseen->small[middle];
+        if (light->y < y || (light->y == y && light->x < x))
+            first = middle + 1;
+        else
+            end = middle;
+    }
+    return unseen->small + first;
+}
+
 static double mean_at(const struct half_error_params *params, uint64_t pixel, int c)
 {
     return ((double)params->half_a[pixel][c] + (double)params->half_b[pixel][c]) / 2;
@@ -57,11 +72,48 @@ static bool is_met(const struct half_error_params *params, const struct small_li
     return false;
 }
 
+// Pixels that a light may be seen in, each of which has as much of it.
+static double pixels_of(const struct small_light *light)
+{
+    return fmax(M_PI * (double)light->radius * (double)light->radius, 1);
+}
+
+// What is around a pixel, as it is known: with the light of small emitters there instead of that of
+// the samples that happened to meet them, where that is less. A mean that is too high would make
+// errors seem small.
+static struct local_mean find_known_mean(const struct half_error_params *params,
+                                         const struct small_light *light,
+                                         const struct local_mean *around)
+{
+    const struct unseen_light *unseen = &params->unseen;
+    double others = (1 - around->own) / around->own, known[3]; // their weights, of own ones of 1
+    for (int c = 0; c < 3; c++)
+        known[c] = find_background(params, light->x, light->y, c);
+    for (int64_t y = (int64_t)light->y - LOCAL_REACH; y <= (int64_t)light->y + LOCAL_REACH; y++) {
+        uint32_t left = light->x > LOCAL_REACH ? light->x - LOCAL_REACH : 0;
+        const struct small_light *other =
+            small_lights_from(unseen, left, (uint32_t)(y > 0 ? y : 0));
+        for (; y >= 0 && other < unseen->small + unseen->small_count && (int64_t)other->y == y &&
+               other->x <= light->x + LOCAL_REACH;
+             other++) {
+            double dx = (double)other->x - light->x, dy = (double)other->y - light->y;
+            double weight = exp(-(dx * dx + dy * dy) / 4.5) / others;
+            for (int c = 0; c < 3 && other != light; c++)
+                known[c] +=
+                    weight * (double)other->part * (double)other->radiance[c] / pixels_of(other);
+        }
+    }
+    struct local_mean mean = *around;
+    for (int c = 0; c < 3 && around->own < 1; c++)
+        mean.mean[c] = fmin(mean.mean[c], known[c]);
+    return mean;
+}
+
 static void add_unmet(struct small_lights *sums, const struct half_error_params *params,
                       const struct small_light *light, const struct local_mean *around)
 {
     uint64_t at = (uint64_t)light->y * params->width + light->x;
-    double reach = (double)light->radius, pixels = fmax(M_PI * reach * reach, 1);
+    double pixels = pixels_of(light);
     for (int c = 0; c < 3; c++) {
         double missing = (double)light->part * (double)light->radiance[c] / pixels;
         double local = around->own * missing + (1 - around->own) * around->mean[c];
@@ -109,12 +161,13 @@ double small_lights_add(struct small_lights *sums, const struct half_error_param
 {
     uint64_t at = (uint64_t)light->y * params->width + light->x;
     double told = sums->error.told;
+    struct local_mean mean = find_known_mean(params, light, around);
     bool met = is_met(params, light);
     if (!met && (double)light->part * half_error_samples(params, at) < expected_max)
-        add_unmet(sums, params, light, around);
+        add_unmet(sums, params, light, &mean);
     if (!met || light->radius > 0)
         return NAN;
-    add_met(sums, params, light, around);
+    add_met(sums, params, light, &mean);
     return sums->error.told - told;
 }
 

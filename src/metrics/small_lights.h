@@ -26,6 +26,10 @@ struct small_lights {
 // Of a pixel.
 double half_error_samples(const struct half_error_params *params, uint64_t pixel);
 
+// The first one at (x, y) or later in the order of rows and columns.
+const struct small_light *small_lights_from(const struct unseen_light *unseen, uint32_t x,
+                                            uint32_t y);
+
 // Adds a light; `around` is of its pixel. The error that the pixel's D^2 tells, which is in these
 // sums; NAN where no sample has met the light, whose error adds to what D^2 tells of all else.
 double small_lights_add(struct small_lights *sums, const struct half_error_params *params,
