@@ -19,6 +19,8 @@ bool job_is_pilot(const struct job *job);
 // As film_error(), of the film as it was read last. confidence: 0 for the usual.
 bool job_estimate_error(struct job *job, double confidence, struct half_error *out,
                         struct err *err);
+// Has the renderer find what estimates need, while the device is well.
+bool job_prepare_estimates(struct job *job, struct err *err);
 struct film_state job_film_state(const struct renderer *r);
 
 // --- pilot.c ---

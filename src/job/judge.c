@@ -47,9 +47,28 @@ bool job_estimate_error(struct job *job, double confidence, struct half_error *o
     uint64_t start = clock_ns();
     struct arena scratch = {0};
     struct film_error_params params;
-    bool ok = film_error_prepare(&job->renderer, job_film_samples(job), &scratch, &params, err);
+    struct err failure = {0};
+    bool ok =
+        film_error_prepare(&job->renderer, job_film_samples(job), &scratch, &params, &failure);
     params.confidence = confidence;
-    ok = ok && film_error(&job->film, &params, out, err);
+    if (ok)
+        ok = film_error(&job->film, &params, out, err);
+    else if (job_is_rescued(job)) { // before the device had traced what the judge needs
+        *out = film_error_none("rendering failed before it could be estimated");
+        ok = true;
+    } else if (err)
+        *err = failure;
+    arena_finish(&scratch);
+    job->seconds.judge += clock_seconds_since(start);
+    return ok;
+}
+
+bool job_prepare_estimates(struct job *job, struct err *err)
+{
+    uint64_t start = clock_ns();
+    struct arena scratch = {0};
+    struct film_error_params params; // the renderer keeps what it found
+    bool ok = film_error_prepare(&job->renderer, 0, &scratch, &params, err);
     arena_finish(&scratch);
     job->seconds.judge += clock_seconds_since(start);
     return ok;

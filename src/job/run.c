@@ -190,7 +190,8 @@ bool job_run(struct job *job, struct err *err)
     const struct job_goal *goal = &job->params.goal;
     job->seconds.render_before = job->renderer.stats.render_seconds;
     job->is_rendering = true;
-    if (job_is_pilot(job) && !job_run_pilot(job, err))
+    // Now, while the device is well: a film that is rescued from it is judged, too.
+    if (!job_prepare_estimates(job, err) || (job_is_pilot(job) && !job_run_pilot(job, err)))
         return false;
     bool ok = job->stopped || (goal->frames ? render_frames(job, err) : render_image(job, err));
     if (job->stopped)
