@@ -1,11 +1,11 @@
 // The one error type. Whoever detects a problem fills it in, callers prepend context, and only
-// app/ prints it and exits.
+// The program prints it and exits.
 #ifndef LAMPYRIS_BASE_ERR_H
 #define LAMPYRIS_BASE_ERR_H
 
 #include <stdbool.h>
 
-// Whose fault it is. app/ maps a code to the exit code in brackets.
+// Whose fault it is. cli/exit_code.c maps a code to the exit code in brackets.
 enum err_code {
     ERR_NONE = 0,
     ERR_USAGE,     // the command line [2]

@@ -1,4 +1,4 @@
-// Warnings and notes for people. The only global of the program: one sink, set once by app/.
+// Warnings and notes for people. The only global of the program: one sink, set once by the program.
 #ifndef LAMPYRIS_BASE_LOG_H
 #define LAMPYRIS_BASE_LOG_H
 

@@ -1,4 +1,4 @@
-// How long-running work reports where it is. The library calls; app/ draws the bar.
+// How long-running work reports where it is. The library calls; cli/progress_bar.c draws the bar.
 #ifndef LAMPYRIS_BASE_PROGRESS_H
 #define LAMPYRIS_BASE_PROGRESS_H
 

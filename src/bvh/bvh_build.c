@@ -127,15 +127,6 @@ static bool make_primitives(const struct bvh_params *params, unsigned threads,
 
 // --- Trees --------------------------------------------------------------------------------------
 
-bool bvh_nodes_allocate(struct arena *arena, struct bvh *out, struct err *err)
-{
-    if (out->format == BVH_FLOAT)
-        out->nodes_float = ARENA_NEW(arena, struct bvh_node_float, out->node_count);
-    else
-        out->nodes = ARENA_NEW(arena, struct bvh_node, out->node_count);
-    return bvh_nodes_data(out) || err_memory(err, "the BVH's nodes", bvh_nodes_bytes(out));
-}
-
 static bool build_empty(struct arena *arena, struct bvh *out, struct err *err)
 {
     out->node_count = 1;

@@ -147,3 +147,12 @@ bool bvh_quantised_check(const struct bvh_node *node, uint32_t index, struct err
                                index, i);
     return true;
 }
+
+bool bvh_nodes_allocate(struct arena *arena, struct bvh *out, struct err *err)
+{
+    if (out->format == BVH_FLOAT)
+        out->nodes_float = ARENA_NEW(arena, struct bvh_node_float, out->node_count);
+    else
+        out->nodes = ARENA_NEW(arena, struct bvh_node, out->node_count);
+    return bvh_nodes_data(out) || err_memory(err, "the BVH's nodes", bvh_nodes_bytes(out));
+}

@@ -77,3 +77,8 @@ void debug_name(const struct gpu *gpu, VkObjectType type, uint64_t handle, const
         (PFN_vkSetDebugUtilsObjectNameEXT)gpu_function(gpu, "vkSetDebugUtilsObjectNameEXT");
     set_name(gpu->device, &info);
 }
+
+PFN_vkVoidFunction gpu_function(const struct gpu *gpu, const char *name)
+{
+    return vkGetInstanceProcAddr(gpu->instance, name);
+}

@@ -4,20 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-bool device_has_extension(VkPhysicalDevice device, const char *name)
-{
-    uint32_t count = 0;
-    if (vkEnumerateDeviceExtensionProperties(device, NULL, &count, NULL) != VK_SUCCESS)
-        return false;
-    VkExtensionProperties *list = calloc(count + 1, sizeof *list);
-    bool found = false;
-    if (list && vkEnumerateDeviceExtensionProperties(device, NULL, &count, list) >= VK_SUCCESS)
-        for (uint32_t i = 0; i < count; i++)
-            found |= strcmp(list[i].extensionName, name) == 0;
-    free(list);
-    return found;
-}
-
 static bool device_create(struct gpu *gpu, struct err *err)
 {
     // A device that offers the portability subset obliges us to enable it.

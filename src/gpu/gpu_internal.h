@@ -17,10 +17,8 @@ void instance_destroy(struct gpu *gpu);
 // Adds what the environment variable LAMPYRIS_LIMITS says to what is not set yet.
 bool limits_from_environment(struct gpu_limit_overrides *limits, struct err *err);
 
-// --- device.c -----------------------------------------------------------------------------------
-bool device_has_extension(VkPhysicalDevice device, const char *name);
-
 // --- select.c -----------------------------------------------------------------------------------
+bool device_has_extension(VkPhysicalDevice device, const char *name);
 // Chooses by gpu->params.device; fills in physical, queue_family and info.
 bool device_select(struct gpu *gpu, struct err *err);
 // Writes in words what keeps us from using the device, or "". queue_family: UINT32_MAX when no

@@ -135,11 +135,6 @@ static VkResult instance_call(struct gpu *gpu, const void *next, bool portabilit
     return vkCreateInstance(&info, NULL, &gpu->instance);
 }
 
-PFN_vkVoidFunction gpu_function(const struct gpu *gpu, const char *name)
-{
-    return vkGetInstanceProcAddr(gpu->instance, name);
-}
-
 bool instance_create(struct gpu *gpu, struct err *err)
 {
     bool validation = gpu->params.validation;

@@ -11,6 +11,20 @@ struct device_properties {
     VkPhysicalDeviceVulkan12Properties v12;
 };
 
+bool device_has_extension(VkPhysicalDevice device, const char *name)
+{
+    uint32_t count = 0;
+    if (vkEnumerateDeviceExtensionProperties(device, NULL, &count, NULL) != VK_SUCCESS)
+        return false;
+    VkExtensionProperties *list = calloc(count + 1, sizeof *list);
+    bool found = false;
+    if (list && vkEnumerateDeviceExtensionProperties(device, NULL, &count, list) >= VK_SUCCESS)
+        for (uint32_t i = 0; i < count; i++)
+            found |= strcmp(list[i].extensionName, name) == 0;
+    free(list);
+    return found;
+}
+
 // Devices below 1.2 have only the core part filled in.
 static void properties_read(VkPhysicalDevice device, struct device_properties *out)
 {

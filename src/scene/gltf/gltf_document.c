@@ -319,3 +319,13 @@ void gltf_document_close(struct gltf_document *document)
     arena_finish(&document->arena);
     *document = (struct gltf_document){0};
 }
+
+bool gltf_read_float(const struct json_node *object, const char *key, struct range range,
+                     float *out, struct err *err)
+{
+    double value = (double)*out;
+    if (!node_read_number(object, key, range, &value, err))
+        return false;
+    *out = (float)value;
+    return true;
+}

@@ -94,6 +94,9 @@ bool gltf_read_extension(const struct json_node *object, const char *name,
 // A copy of object.name in the arena, "" where it has none.
 bool gltf_read_name(const struct json_node *object, struct arena *arena, const char **out,
                     struct err *err);
+// A number into single precision; an absent key leaves *out as it is.
+bool gltf_read_float(const struct json_node *object, const char *key, struct range range,
+                     float *out, struct err *err);
 // Any finite numbers, exactly `count`; an absent key leaves *out as it is.
 bool gltf_read_numbers(const struct json_node *object, const char *key, size_t count, double *out,
                        struct err *err);

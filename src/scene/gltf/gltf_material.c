@@ -8,16 +8,6 @@
 
 // --- readers -------------------------------------------------------------------------------------
 
-bool gltf_read_float(const struct json_node *object, const char *key, struct range range,
-                     float *out, struct err *err)
-{
-    double value = (double)*out;
-    if (!node_read_number(object, key, range, &value, err))
-        return false;
-    *out = (float)value;
-    return true;
-}
-
 #define OPAQUE_MASK (MATERIAL_ALPHA_MASK | MATERIAL_ALPHA_BLEND)
 
 // A colour and, of materials that are not opaque, its alpha; and the texture that scales them.

@@ -31,10 +31,6 @@ static const struct range gltf_unit = {0, 1, false};
 // Reflectance at normal incidence of the index 1.5, ((1.5 - 1) / (1.5 + 1))^2.
 #define GLTF_REFLECTANCE 0.04f
 
-// A number into single precision; an absent key leaves *out as it is.
-bool gltf_read_float(const struct json_node *object, const char *key, struct range range,
-                     float *out, struct err *err);
-
 // gltf_texture.c: takes down the textureInfo object.key, where there is one.
 struct gltf_texture_use {
     uint32_t flags; // TEXTURE_USE_* and what is scaled, as of texture_scales()

@@ -10,7 +10,7 @@
 
 // What a side renders with besides the scene: what undo knows as TARGET_METHOD.
 struct method {
-    struct settings settings; // width and height are the picture's, see viewer.c
+    struct settings settings; // width and height are the picture's
     uint32_t wave, workgroup; // 0: the device's
     bool compile_all;         // --features all
     bool merge_classes;

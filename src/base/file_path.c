@@ -1,0 +1,89 @@
+// Paths as text, and the file that a path means.
+#include "base/file.h"
+
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+char *path_folder(struct arena *arena, const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    if (!slash)
+        return arena_strdup(arena, ".");
+    int length = slash == path ? 1 : (int)(slash - path);
+    return arena_printf(arena, "%.*s", length, path);
+}
+
+const char *path_name(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+const char *path_extension(const char *path)
+{
+    const char *name = path_name(path);
+    const char *dot = strrchr(name, '.');
+    return dot && dot != name ? dot + 1 : "";
+}
+
+char *path_numbered(struct arena *arena, const char *path, uint32_t number)
+{
+    const char *extension = path_extension(path);
+    if (!*extension)
+        return arena_printf(arena, "%s.%04u", path, number);
+    int stem = (int)(extension - path);
+    return arena_printf(arena, "%.*s%04u.%s", stem, path, number, extension);
+}
+
+uint32_t path_number_of(const char *name, const char *path)
+{
+    const char *extension = path_extension(path), *stem = path_name(path);
+    const size_t stem_length = *extension ? (size_t)(extension - stem) - 1 : strlen(stem);
+    name = path_name(name);
+    if (strncmp(name, stem, stem_length) != 0 || name[stem_length] != '.')
+        return 0;
+    const char *digits = name + stem_length + 1;
+    const size_t count = strspn(digits, "0123456789");
+    const char *rest = digits + count;
+    if (count < 4 || count > 10 || (count > 4 && *digits == '0') ||
+        strcmp(rest, *extension ? extension - 1 : "") != 0)
+        return 0;
+    const unsigned long long number = strtoull(digits, NULL, 10);
+    return number <= UINT32_MAX ? (uint32_t)number : 0;
+}
+
+// What a link says, as seen from the working directory; NULL for what is no link.
+static char *follow_link(const char *path)
+{
+    char text[PATH_MAX];
+    ssize_t length = readlink(path, text, sizeof text - 1);
+    if (length <= 0)
+        return NULL;
+    text[length] = '\0';
+    int folder = *text == '/' ? 0 : (int)(path_name(path) - path);
+    size_t size = (size_t)folder + (size_t)length + 1;
+    char *out = malloc(size);
+    if (out)
+        snprintf(out, size, "%.*s%s", folder, path, text);
+    return out;
+}
+
+char *file_target(const char *path)
+{
+    const int links_max = 40; // as many as Linux follows
+    char *target = realpath(path, NULL);
+    if (target)
+        return target;
+    target = strdup(path);
+    for (int i = 0; target && i < links_max; i++) {
+        char *next = follow_link(target);
+        if (!next)
+            break;
+        free(target);
+        target = next;
+    }
+    return target;
+}
