@@ -8,7 +8,6 @@
 
 #include "lib/aov.glsl"
 #include "lib/camera.glsl"
-#include "lib/falloff.glsl"
 #include "lib/queue.glsl"
 #include "lib/ray_offset.glsl"
 #include "lib/sampler.glsl"
@@ -46,15 +45,12 @@ void main()
             t = distance_from_camera(direction, t);
         if (HAS_AOV(AOVS_OF_SURFACES))
             store_surface(slot, s, hit, instance, t);
-        float worth = 1.0;
-        if (HAS(FEATURE_FALLOFF))
-            worth = fade(slot, direction, t);
 
         vec4 u = uniforms(slot, bounce_dimension(0u, DIMENSION_BSDF));
         vec3 local = sample_cosine_hemisphere(u.xy);
         vec3 wi = normalize(basis_around(s.normal_shading) * local);
         // Below the real surface, where an interpolated normal leans over, nothing is open.
-        shadow = dot(wi, s.normal_geometric) > 0.0 && worth > 0.0;
+        shadow = dot(wi, s.normal_geometric) > 0.0;
         if (shadow) {
             vec3 from = offset_origin(s.position, s.error, s.normal_geometric, wi);
             store_shadow_ray(slot, 0u, 0u,
@@ -62,7 +58,7 @@ void main()
             store_shadow_ray(slot, 0u, 1u,
                              uvec4(floatBitsToUint(frame.ao_distance * wi), NO_PRIMITIVE));
             store_shadow_ray(slot, 0u, 2u,
-                             floatBitsToUint(vec4(vec3(worth), pdf_cosine_hemisphere(local.z))));
+                             floatBitsToUint(vec4(vec3(1.0), pdf_cosine_hemisphere(local.z))));
             store_shadow_instance(slot, 0u, instance);
         }
     }

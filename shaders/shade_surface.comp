@@ -8,7 +8,6 @@
 #include "lib/camera.glsl"
 #include "lib/connect.glsl"
 #include "lib/emission.glsl"
-#include "lib/falloff.glsl"
 #include "lib/interface.glsl"
 #include "lib/queue.glsl"
 #include "lib/roulette.glsl"
@@ -55,8 +54,6 @@ void main()
         if (needs_extra || DIRECTIONS != DIRECTIONS_BSDF)
             u_extra = uniforms(slot, bounce_dimension(push.bounce, DIMENSION_EXTRA));
         bool passes = false;
-        if (HAS(FEATURE_FALLOFF) && push.bounce == 0u)
-            v.throughput *= fade(slot, ray.xyz, t);
         if (HAS(FEATURE_MEDIA))
             passes = !find_media(v, stack, t, u_extra.y);
 

@@ -9,7 +9,6 @@
 #include "lib/aov.glsl"
 #include "lib/camera.glsl"
 #include "lib/environment.glsl"
-#include "lib/falloff.glsl"
 #include "lib/interface.glsl"
 #include "lib/queue.glsl"
 #include "lib/texture.glsl"
@@ -115,8 +114,6 @@ bool shade(inout vertex v, vec3 origin, vec3 direction, uint stack, uint state, 
     if (HAS_AOV(AOVS_OF_SURFACES) && push.bounce == 0u)
         store_first_hit(v.slot, v.s, v.m, v.primitive, v.instance, t);
     shadow = false;
-    if (HAS(FEATURE_FALLOFF) && push.bounce == 0u)
-        v.throughput *= fade(v.slot, direction, t);
     bool passes = false;
     if (HAS(FEATURE_MEDIA))
         passes = !find_media(v, stack, t, 0.0);

@@ -404,19 +404,18 @@ struct gpu_frame {
     uint lens_blades;     // 0: round
     float filter_radius;  // pixels
     float ao_distance;
-    float falloff;           // cube root of its k, 1/length
+    float metre;             // metres a unit of length: a power of two
     float environment_reach; // the length of shadow rays to it
     VEC3(ambient);           // INTEGRATOR_WHITTED: what is around the scene, on average
     uint pending_rays;       // of INTEGRATOR_WHITTED: entries of a slot's stack
     uint instances;          // words of four at which sections of the shapes' buffer begin
     uint sdfs;
     uint sdf_code;
-    float metre; // metres a unit of length: a power of two
     // FEATURE_FAR_CAMERA; else 0 and 1.
     float camera_start;   // along the line of sight, how far from the camera its rays begin
     float lens_at_start;  // how large the lens is there: 1 - camera_start / focus_distance
     uint small_triangles; // as `instances`
-    uint align_frame;
+    uint align_frame, align_frame_end;
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_frame, 208);
 

@@ -92,13 +92,6 @@ static void find_capped(const struct job *job, struct biases *biases)
 static void find_unphysical(const struct job *job, struct biases *biases)
 {
     const struct settings *settings = &job->scene->settings;
-    if (settings->falloff > 0.0f) {
-        struct job_bias *bias = next_bias(biases, "falloff");
-        snprintf(bias->text, sizeof bias->text,
-                 "not physical: what the camera sees at t metres fades into the background by "
-                 "1 - exp(-%g t^3)",
-                 (double)settings->falloff);
-    }
     if (settings->integrator == INTEGRATOR_WHITTED) {
         struct job_bias *bias = next_bias(biases, "whitted");
         snprintf(bias->text, sizeof bias->text,

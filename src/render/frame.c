@@ -129,7 +129,6 @@ void frame_fill(struct renderer *r)
         .sdfs = sections.sdfs,
         .sdf_code = sections.sdf_code,
         .small_triangles = sections.small_triangles,
-        .falloff = (float)(cbrt((double)settings->falloff) / r->flat.scale),
         .metre = (float)(1.0 / r->flat.scale),
     };
     set_environment(&r->frame, &r->scene->environment);

@@ -72,7 +72,6 @@ static const char *feature_reason(const struct renderer *r, uint32_t bit)
         {FEATURE_LENS, "the camera is a pinhole (--aperture)"},
         {FEATURE_EMISSION, "no surface emits"},
         {FEATURE_CLAMP, "nothing is clamped (--clamp)"},
-        {FEATURE_FALLOFF, "nothing fades with distance (--falloff)"},
         {FEATURE_BSDF_HITS_EMITTERS, "--mis none"},
         {FEATURE_ENVIRONMENT, "nothing surrounds the scene"},
         {FEATURE_ENVIRONMENT_IMAGE, "no image surrounds the scene"},

@@ -238,8 +238,7 @@ static uint32_t neutral_features(const struct settings *settings)
 {
     uint32_t features = FEATURE_TRIANGLES | FEATURE_NORMALS | FEATURE_EMISSION |
                         FEATURE_ENVIRONMENT | FEATURE_ENVIRONMENT_IMAGE | FEATURE_ROULETTE |
-                        FEATURE_LENS | FEATURE_FAR_CAMERA | FEATURE_MEDIA | FEATURE_FALLOFF |
-                        FEATURE_CLAMP;
+                        FEATURE_LENS | FEATURE_FAR_CAMERA | FEATURE_MEDIA | FEATURE_CLAMP;
     if (wants_nee(settings))
         features |= FEATURE_NEE | FEATURE_NEE_DEPTH;
     return features;
@@ -254,7 +253,7 @@ static bool has_surfaces(const struct specialization *s)
 // around it.
 static void specialize_ao(struct specialization *s)
 {
-    uint32_t kept = FEATURE_TRIANGLES | FEATURE_NORMALS | FEATURE_FALLOFF | FEATURE_CLAMP;
+    uint32_t kept = FEATURE_TRIANGLES | FEATURE_NORMALS | FEATURE_CLAMP;
     if ((s->features & FEATURE_ALPHA) || (s->aovs & AOV_ALBEDO))
         kept |= FEATURE_ALPHA | FEATURE_TEXTURES | FEATURE_TEXELS_FLOAT | FEATURE_TEXELS_HALF |
                 FEATURE_UV0 | FEATURE_UV1 | FEATURE_COLORS;
@@ -401,8 +400,6 @@ struct specialization specialize(const struct specialize_params *p)
         s.features |= FEATURE_ROULETTE;
     if (settings->clamp_limit > 0.0f)
         s.features |= FEATURE_CLAMP;
-    if (settings->falloff > 0.0f)
-        s.features |= FEATURE_FALLOFF;
     if (p->compile_all) {
         s.features |= neutral_features(settings);
         // Distance fields have operations, and other spheres other digits.
@@ -624,8 +621,6 @@ const char *feature_name(uint32_t bit)
         return "far camera";
     case FEATURE_TILES:
         return "sample counts by tile";
-    case FEATURE_FALLOFF:
-        return "falloff";
     default:
         return NULL;
     }

@@ -23,7 +23,7 @@ RENDERS = [
     {'directions': 'power-cosine', 'direction_exponent': '2.5', 'filter': 'gaussian', 'filter_radius': '2.25',
      'clamp': '0.1', 'sampler': 'stratified', 'halves': 'contiguous', 'roulette': 'constant', 'roulette_survival': '0.55',
      'roulette_min_bounces': '1'},
-    {'integrator': 'ao', 'ao_distance': '0.3', 'falloff': '0.02', 'pixel_jitter': 'off', 'nee': 'off',
+    {'integrator': 'ao', 'ao_distance': '0.3', 'pixel_jitter': 'off', 'nee': 'off',
      'environment_filter': 'nearest', 'sampler': 'lcg'},
 ]
 

@@ -201,7 +201,6 @@ class Explain(Base):
         for name, option, arguments in (
                 ('lens', '--aperture', ['--aperture', '20', '--focus-distance', '1']),
                 ('clamped contributions', '--clamp', ['--clamp', '5']),
-                ('falloff', '--falloff', ['--falloff', '1']),
                 ('environment', '', ['--env', '1,1,1'])):
             _, instructions, why = table['feature', name]
             self.assertIn(option, why)

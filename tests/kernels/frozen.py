@@ -175,7 +175,7 @@ FEATURES = {
     "photometric profiles": (["EMITTER_PROFILES"], {
         "shade_surface": ["profile_intensity()", "find_interval()"],
     }),
-    "emission": (["EMISSION", "NEE", "FALLOFF"] + EMISSIVE, {
+    "emission": (["EMISSION", "NEE"] + EMISSIVE, {
         "shade_surface": ["add_emission()", "add_radiance()"],
     }),
     "emissive triangles": (["EMITTER_TRIANGLES"], {"shade_surface": ["sample_triangle_light()"]}),
@@ -216,10 +216,6 @@ FEATURES = {
         "intersect_shadow": ["clamp_contribution()", "frame.clamp_limit"],
     }),
     "shadow rays by depth": (["NEE_DEPTH"], {"shade_surface": ["frame.nee_depth"]}),
-    "falloff": (["FALLOFF"], {
-        "shade_surface": ["fade()", "frame.falloff"],
-        "shade_ao": ["fade()", "frame.falloff"],
-    }),
     "pixel jitter": (["JITTER", "LENS"], {"generate_rays": ["random_4d()", "pcg4d()", "frame.seed"]}),
     "sample counts by tile": (["TILES"], {
         "generate_rays": ["listed()"],

@@ -78,8 +78,8 @@
     M(focus_distance)                                                                              \
     M(lens_rotation)                                                                               \
     M(lens_blades)                                                                                 \
-    M(filter_radius) M(ao_distance) M(falloff) M(environment_reach) M(ambient) M(pending_rays)                   \
-    M(instances) M(sdfs) M(sdf_code) M(metre) M(camera_start) M(lens_at_start) M(small_triangles) M(align_frame)
+    M(filter_radius) M(ao_distance) M(metre) M(environment_reach) M(ambient) M(pending_rays)                   \
+    M(instances) M(sdfs) M(sdf_code) M(camera_start) M(lens_at_start) M(small_triangles) M(align_frame) M(align_frame_end)
 #define PUSH(M)                                                                                    \
     M(bounce)                                                                                      \
     M(first_pixel)                                                                                 \

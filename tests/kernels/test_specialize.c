@@ -41,7 +41,6 @@ enum {
     TEXTURE_1 = TRAIT(27),     // another, over the second coordinates
     NORMAL_MAP = TRAIT(28),
     MASK = TRAIT(29), // all surfaces have an alpha mask
-    FALLOFF = TRAIT(30),
     LENS = TRAIT(32),
     TILES = TRAIT(31), // sample counts by tile are asked for
     NEE_DEPTH = TRAIT(40),
@@ -263,7 +262,6 @@ static void make_scene(uint64_t has, struct scene *scene)
         scene->cameras[0].position[c] -= has & FAR ? 1e6 * scene->cameras[0].direction[c] : 0.0;
     settings->roulette_min_bounces = has & ROULETTE ? 1 : UINT32_MAX;
     settings->max_bounces = has & NO_BOUNCE ? 0 : 4;
-    settings->falloff = has & FALLOFF ? 0.5f : 0.0f;
     settings->clamp_limit = has & CLAMP ? 2.0f : 0.0f;
     settings->nee = !(has & ONLY_BSDF);
     settings->nee_depth = has & NEE_DEPTH ? 1 : UINT32_MAX;
@@ -395,7 +393,6 @@ static const struct pair pairs[] = {
     {"shadow rays by depth", QUAD | BRIGHT_QUAD | NEE_DEPTH, QUAD | BRIGHT_QUAD, FEATURE_NEE_DEPTH,
      0, 0, 0},
     {"clamp", QUAD | CLAMP, QUAD, FEATURE_CLAMP, 0, 0, 0},
-    {"falloff", QUAD | FALLOFF, QUAD, FEATURE_FALLOFF, 0, 0, 0},
     {"lens", QUAD | LENS, QUAD, FEATURE_LENS, 0, 0, 0},
     {"far camera", QUAD | FAR, QUAD, FEATURE_FAR_CAMERA, 0, 0, 0},
     {"jitter", QUAD | JITTER, QUAD, FEATURE_JITTER, 0, 0, 0},

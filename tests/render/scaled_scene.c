@@ -57,5 +57,4 @@ void scale_scene(struct scene *scene, double factor)
         camera->focus_distance *= factor;
     }
     scene->settings.ao_distance *= (float)factor;
-    scene->settings.falloff /= (float)(factor * factor * factor);
 }

@@ -32,22 +32,6 @@ static double beside_wall(double rho, double le, double d)
     return 1.0 - (atan(1.0 / d) - d / r * atan(1.0 / r)) / M_PI;
 }
 
-// --- fading -------------------------------------------------------------------------------------
-
-// A surface of le before surroundings of le / 2, exp(-x) of it left.
-static double faded(double rho, double le, double x)
-{
-    (void)rho;
-    return le * exp(-x) - 0.5 * le * expm1(-x);
-}
-
-// A black surface.
-static double fog(double rho, double le, double x)
-{
-    (void)rho;
-    return -0.5 * le * expm1(-x);
-}
-
 // --- Whitted ------------------------------------------------------------------------------------
 
 static double mirrors(double rho, double le, double count)
@@ -180,22 +164,6 @@ static const struct closed_form forms[] = {
      {AO, {"materials.light", JSON({"opacity": 0.3, "alpha": "blend"})},
       {"light", JSON({"type": "disc", "material": "light", "center": [0, 1, 0],
                       "normal": [0, -1, 0], "radius": 1})}}},
-
-    {"falloff", OURS "fade.json", faded, 1.25, WITHOUT_VARIANCE, 0,
-     {{"distance", "5"}, {"falloff", "0.01"}}},
-    {"falloff, far", OURS "fade.json", faded, 1e6, WITHOUT_VARIANCE, 0,
-     {{"distance", "1000"}, {"falloff", "0.001"}}},
-    {"falloff, near", OURS "fade.json", fog, 1e-11, WITHOUT_VARIANCE, 0,
-     {{"distance", "1e-3"}, {"falloff", "0.01"}, {"emission", "[0, 0, 0]"},
-      {"camera.fov_degrees", "0.1"}}},
-    {"falloff, t^3 of 1e36", OURS "fade.json", faded, 1, WITHOUT_VARIANCE, 0,
-     {{"distance", "1e12"}, {"falloff", "1e-36"},
-      {"shapes", JSON([{"type": "disc", "material": "light", "center": [0, 0, 0],
-                        "normal": [0, 0, 1], "radius": 1e8}])}}},
-    {"falloff, whitted", OURS "fade.json", faded, 1.25, WITHOUT_VARIANCE, 0,
-     {{"distance", "5"}, {"falloff", "0.01"}, {"integrator", "whitted"}}},
-    {"falloff, ao", OURS "fade.json", part, 1, WITHOUT_VARIANCE, 0,
-     {{"distance", "5"}, {"falloff", "0.01"}, {"integrator", "ao"}}},
 
     {"15 corridor, 40 mirrors, whitted", OURS "mirror_corridor.json", mirrors, 40,
      WITHOUT_VARIANCE, 0, {WHITTED(1000), {"end", "[40, 0, 0]"}}},

@@ -85,10 +85,8 @@ TEST(whitted_keeps_bits)
 TEST(ao_keeps_bits)
 {
     need_gpu();
-    check_bits(
-        "scenes/classical.json",
-        (const struct scene_override[]){
-            SMALL, {"settings.integrator", "ao"}, {"settings.falloff", "1e-3"}, {NULL, NULL}});
+    check_bits("scenes/classical.json",
+               (const struct scene_override[]){SMALL, {"settings.integrator", "ao"}, {NULL, NULL}});
 }
 
 // A disc of radius 0.5 half-way between a lamp at height 2 and a floor: its shadow has radius 1.

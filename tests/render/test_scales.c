@@ -137,7 +137,6 @@ TEST(units_long)
 {
     static const struct units units[] = {
         {OURS "all_lengths.json", {-40, -20, -1, 24, 40}},
-        {OURS "fade.json", {-40, 24, 40}},
         {OURS "alpha_shadow.json", {-40, 24, 40}},
         {OURS "aovs.json", {-30, 24, 30}},
         {"scenes/all_classes.json", {-40, -24, 24, 40}},

@@ -55,7 +55,6 @@ RENDERER = [
     ('renderer.ao_distance', '0.4'),
     ('renderer.integrator', 'path', 'result', None),
     ('renderer.max_bounces', '2'),
-    ('renderer.falloff', '0.01'),
     *each('renderer.directions', 'bsdf', ['sphere', 'hemisphere', 'cosine']),
     ('renderer.directions', 'power-cosine', 'result', None),
     ('renderer.direction_exponent', '4'),

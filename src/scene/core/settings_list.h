@@ -54,11 +54,6 @@ SETTING(AO_DISTANCE, float, ao_distance, "ao_distance", "ao-distance", "Method",
     (REAL(SETTINGS_LENGTH_MIN, SETTINGS_REAL_MAX), .word = "off", .word_value = INFINITY),
     .fallback = INFINITY, .special = "any", .argument = "METRES", .unit = "m",
     .label = "  distance", NEEDS(INTEGRATOR, 1u << INTEGRATOR_AO))
-SETTING(FALLOFF, float, falloff, "falloff", "falloff", "Method",
-    "Fade what the camera sees at a distance of t metres into the background by 1 - exp(-K t^3); K "
-    "in 1/m^3. Not physical.",
-    (REAL(0, SETTINGS_REAL_MAX)), .fallback = 0, .special = "off", .argument = "K",
-    .label = "Falloff")
 SETTING(SAMPLER, uint32_t, sampler, "sampler", "sampler", "Method",
     "Where random numbers come from: an Owen-scrambled Sobol sequence, independent ones (pcg; lcg: "
     "a linear congruential generator seeded by TEA), one in each stratum at random or at its "
