@@ -5,6 +5,7 @@
 // A small emitter that so many samples were to meet, and none has, is hidden from where it was
 // looked for, or smaller than was thought: a chance of exp(-7) = .1 %.
 static const double expected_max = 7;
+enum { LOOK_REACH = 16 };           // pixels that all are looked at
 static const double met_part = 0.5; // of its radiance, of a sample that has met it
 
 double half_error_samples(const struct half_error_params *params, uint64_t pixel)
@@ -52,7 +53,8 @@ static double find_background(const struct half_error_params *params, uint32_t x
     return count > 0 ? values[(count - 1) / 2] : 0;
 }
 
-// Whether a pixel that it may be seen in is as bright as if a sample had met it.
+// Whether a pixel that it may be seen in is as bright as if a sample had met it. Of many pixels
+// some are looked at: a light that only others have met counts as if none had.
 static bool is_met(const struct half_error_params *params, const struct small_light *light)
 {
     int c = light->radiance[0] >= light->radiance[1] ? 0 : 1;
@@ -61,8 +63,9 @@ static bool is_met(const struct half_error_params *params, const struct small_li
     uint32_t reach = (uint32_t)fmin(ceil((double)light->radius), 1u << 16);
     uint32_t left = light->x > reach ? light->x - reach : 0;
     uint32_t top = light->y > reach ? light->y - reach : 0;
-    for (uint32_t y = top; y <= light->y + reach && y < params->height; y++)
-        for (uint32_t x = left; x <= light->x + reach && x < params->width; x++) {
+    uint32_t stride = 1 + reach / LOOK_REACH;
+    for (uint32_t y = top; y <= light->y + reach && y < params->height; y += stride)
+        for (uint32_t x = left; x <= light->x + reach && x < params->width; x += stride) {
             uint64_t at = (uint64_t)y * params->width + x;
             double mean = mean_at(params, at, c), samples = half_error_samples(params, at);
             if (mean * samples >= enough &&
@@ -160,10 +163,12 @@ double small_lights_add(struct small_lights *sums, const struct half_error_param
                         const struct small_light *light, const struct local_mean *around)
 {
     uint64_t at = (uint64_t)light->y * params->width + light->x;
-    double told = sums->error.told;
+    double told = sums->error.told, expected = (double)light->part * half_error_samples(params, at);
+    if (light->radius > 0 && expected >= expected_max)
+        return NAN;
     struct local_mean mean = find_known_mean(params, light, around);
     bool met = is_met(params, light);
-    if (!met && (double)light->part * half_error_samples(params, at) < expected_max)
+    if (!met && expected < expected_max)
         add_unmet(sums, params, light, &mean);
     if (!met || light->radius > 0)
         return NAN;

@@ -1,6 +1,8 @@
 #include "render/chance.h"
 
 #include "base/maths.h"
+#include "image/image.h"
+#include "scene/core/emission.h"
 #include "scene/core/environment.h"
 #include "scene/core/light.h"
 #include "shared/material.h"
@@ -20,28 +22,60 @@ static bool leaves_to_chance(const struct scene *scene, const struct specializat
            s->directions != DIRECTIONS_BSDF || (s->lobes & LOBES_SCATTERING & ~LOBES_DIFFUSE) != 0;
 }
 
-static float emission_of(const struct scene *scene, uint32_t index)
+// The least by which textures scale a material's roughness.
+static double least_roughness(const struct scene *scene, const struct material *material)
 {
-    const struct material *material = &scene->materials[index];
-    const float *e = material->emission;
-    return material_emits(material) ? fmaxf(e[0], fmaxf(e[1], e[2])) : 0.0f;
+    double least = (double)material->roughness;
+    for (uint32_t i = 0; i < material->texture_count; i++) {
+        const struct texture *texture = &scene->textures[material->first_texture + i];
+        const struct texture_image *image = &scene->images[texture->image];
+        uint32_t component = PARAMETER_ROUGHNESS % 4u;
+        if ((texture->flags >> TEXTURE_USE_SHIFT & 3u) != TEXTURE_USE_SCALE ||
+            (texture->flags >> TEXTURE_GROUP_SHIFT & 15u) != PARAMETER_ROUGHNESS / 4u ||
+            !(texture->flags >> (TEXTURE_MASK_SHIFT + component) & 1u))
+            continue;
+        uint32_t channel = texture->flags >> (TEXTURE_CHANNELS_SHIFT + 2 * component) & 3u;
+        float texel = INFINITY;
+        for (size_t t = 0; t < (size_t)image->width * image->height; t++) {
+            size_t at = 4 * t + channel;
+            texel = fminf(texel, image->is_float
+                                     ? ((const float *)image->texels)[at]
+                                     : float_from_half(((const uint16_t *)image->texels)[at]));
+        }
+        least *= (double)fmaxf(texel, 0.0f);
+    }
+    return least;
 }
-
-// Lobes whose density has no bound that is worth knowing: Diracs, and refraction, coats and cosine
-// powers, which may be nearly so.
-#define LOBES_SHARP                                                                                \
-    (LOBE_MIRROR | LOBE_DELTA | LOBE_TRANSMISSION | LOBE_DIELECTRIC | LOBE_CLEARCOAT |             \
-     LOBE_PHONG | LOBE_BLINN_PHONG)
 
 // The greatest density, per solid angle, with which visible normals of GGX draw a reflected
 // direction, D G1 / (4 cos) at grazing angles, where G1 / cos comes to 2 / alpha (Heitz 2018,
 // "Sampling the GGX distribution of visible normals", eq. 19; Walter et al. 2007, eqs. 33 and 34).
-static double sharpest_reflection(const struct material *material)
+static double sharpest_reflection(const struct scene *scene, const struct material *material)
 {
-    double aspect = sqrt(1.0 - 0.9 * (double)material->anisotropic);
-    double alpha = (double)material->roughness * (double)material->roughness;
-    double narrow = fmax(alpha * aspect, (double)MATERIAL_SMALLEST_ALPHA);
+    double roughness = least_roughness(scene, material), alpha = roughness * roughness;
+    double aspect = sqrt(1.0 - 0.9 * (double)material->anisotropic), narrow = alpha * aspect;
+    if (narrow < (double)MATERIAL_SMALLEST_ALPHA)
+        return INFINITY;
     return 1.0 / (2.0 * M_PI * alpha / aspect * narrow * narrow);
+}
+
+// Infinite for Diracs, and for refraction, coats and cosine powers, which may be nearly so.
+static double sharpest_of_material(const struct scene *scene, const struct material *material)
+{
+    bool has_layers = material->model == MATERIAL_PRINCIPLED &&
+                      (material->transmission > 0.0f || material->clearcoat > 0.0f);
+    if (has_layers)
+        return INFINITY;
+    switch (material->model) {
+    case MATERIAL_LAMBERT:
+        return 1.0 / M_PI;
+    case MATERIAL_PRINCIPLED:
+    case MATERIAL_CONDUCTOR:
+    case MATERIAL_MICROFACET:
+        return sharpest_reflection(scene, material);
+    default:
+        return INFINITY;
+    }
 }
 
 // With which a surface of the scene draws a direction; infinite where light is met by chance that
@@ -51,12 +85,12 @@ static double sharpest_lobe(const struct scene *scene, const struct flat_scene *
 {
     const struct settings *settings = &scene->settings;
     if (!settings->nee || settings->nee_depth < settings->max_bounces ||
-        s->directions != DIRECTIONS_BSDF || (s->lobes & LOBES_SHARP))
+        s->directions != DIRECTIONS_BSDF)
         return INFINITY;
     double sharpest = 1.0 / M_PI;
     for (uint32_t i = 0; i < scene->material_count; i++)
-        if (flat->material_used[i] && scene->materials[i].model != MATERIAL_LAMBERT)
-            sharpest = fmax(sharpest, sharpest_reflection(&scene->materials[i]));
+        if (flat->material_used[i])
+            sharpest = fmax(sharpest, sharpest_of_material(scene, &scene->materials[i]));
     return sharpest;
 }
 
@@ -105,9 +139,12 @@ static float greatest_of_environment(const struct environment *environment,
 static float greatest_of_surfaces(const struct scene *scene, const struct flat_scene *flat)
 {
     float greatest = 0.0f;
-    for (uint32_t i = 0; i < scene->material_count; i++)
-        if (flat->material_used[i])
-            greatest = fmaxf(greatest, emission_of(scene, i));
+    for (uint32_t i = 0; i < scene->material_count; i++) {
+        float radiance[3];
+        greatest_radiance(scene, &scene->materials[i], radiance);
+        for (int c = 0; c < 3 && flat->material_used[i]; c++)
+            greatest = fmaxf(greatest, radiance[c]);
+    }
     return greatest;
 }
 

@@ -63,8 +63,9 @@ static bool find_panoramic(const struct projection *p, const double to[3], struc
     double cosine = sqrt((1.0 - sine) * (1.0 + sine)), distance = out->distance;
     place(p, atan2(vec3_dot(to, p->right), vec3_dot(to, p->forward)) / M_PI,
           asin(sine) / (0.5 * M_PI), out);
-    double width = 2.0 * M_PI / p->width * cosine * distance;
     double height = M_PI / p->height * distance;
+    // The pixels at a pole are triangles, of half a row's cosine in the mean.
+    double width = 2.0 * M_PI / p->width * fmax(cosine, 0.5 * M_PI / p->height) * distance;
     out->depth = distance;
     out->pixel_area = width * height;
     out->pixel_size = fmin(width, height);

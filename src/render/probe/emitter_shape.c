@@ -1,6 +1,7 @@
 #include "render/probe/emitter_shape.h"
 
 #include "base/maths.h"
+#include "scene/core/emission.h"
 #include "scene/core/environment.h"
 #include "scene/core/light.h"
 #include <math.h>
@@ -259,17 +260,31 @@ void emitter_place(const struct renderer *r, struct emitter_part part, const dou
     }
 }
 
+static const struct material *material_of(const struct renderer *r, struct emitter_part part)
+{
+    if (emitter_is_far(part))
+        return NULL;
+    return &r->scene
+                ->materials[part.kind == EMITTER_TRIANGLE ? r->flat.triangles[part.index].material
+                                                          : shape_of(r, part)->material];
+}
+
+double emitter_opacity(const struct renderer *r, struct emitter_part part)
+{
+    const struct material *material = material_of(r, part);
+    return material && material->flags & MATERIAL_ALPHA_BLEND ? (double)material->opacity : 1;
+}
+
 void emitter_radiance(const struct renderer *r, struct emitter_part part, double out[3])
 {
     const struct scene *scene = r->scene;
-    const float *emission = NULL;
+    const struct material *material = material_of(r, part);
     double limit = (double)scene->settings.clamp_limit;
-    if (part.kind == EMITTER_TRIANGLE)
-        emission = scene->materials[r->flat.triangles[part.index].material].emission;
-    if (part.kind == EMITTER_SHAPE)
-        emission = scene->materials[shape_of(r, part)->material].emission;
+    float emission[3] = {0};
+    if (material)
+        greatest_radiance(scene, material, emission);
     for (int c = 0; c < 3; c++) {
-        if (emission)
+        if (material)
             out[c] = (double)emission[c];
         else if (part.kind == EMITTER_SUN)
             out[c] = environment_sun_radiance((double)scene->lights[part.index].radiant[c],

@@ -24,7 +24,9 @@ double emitter_area(const struct renderer *r, struct emitter_part part, const do
 // One of `count` points, or directions, of what is seen of it in a direction.
 void emitter_place(const struct renderer *r, struct emitter_part part, const double direction[3],
                    uint32_t number, uint32_t count, double out[3]);
-// No more than the scene's clamp_limit lets through.
+// The part of samples that meet it where it is blended with what is behind.
+double emitter_opacity(const struct renderer *r, struct emitter_part part);
+// Of textures the greatest texel counts. No more than the scene's clamp_limit lets through.
 void emitter_radiance(const struct renderer *r, struct emitter_part part, double out[3]);
 
 #endif

@@ -16,11 +16,16 @@ static const double part_max = 5;
 // Pixels around its middle, within which each one's part of an emitter counts for itself.
 static const double split_reach = 2;
 
-static const double texel_excess = 16; // of the mean luminance
+static const double texel_excess = 16; // of the median
 
 enum {
     LIGHTS_MAX = 1 << 14,
-    PROBES = 4,      // rays to each of them
+    PROBES = 16, // rays to each of them
+    FEW_GROUPS = 4096,
+    PROBES_OF_MANY = 4,
+    PROBES_OF_HIDDEN = 256,
+    RAYS_OF_HIDDEN = 1 << 17,
+    RAYS_AT_ONCE = 1 << 14,
     PLACES_MIN = 4, // points on an emitter
     PLACES_MAX = 1024,
     PLACES_OF_ALL = 1 << 20,
@@ -40,6 +45,7 @@ struct group {
     uint64_t pixel;
     size_t first, count; // of the candidates
     double brightness;   // of all its light
+    double free;         // of its probes, those that reached it
 };
 
 struct search {
@@ -48,7 +54,7 @@ struct search {
     double spread;      // radius of what the filter adds to a pixel
     uint8_t *mask;      // see struct unseen_light
     size_t small_count; // emitters of less than part_max
-    float *covered;     // of each pixel, by the middles of emitters of less than part_max
+    float *light;       // of each pixel: radiance times part, by their middles
     struct candidate *candidates;
     size_t count, capacity;
     struct group *groups;
@@ -206,7 +212,8 @@ static bool find_sight(struct search *search, struct emitter_part emitter, struc
     if (!project(search, emitter, center, at))
         return false;
     out->reach = radius / at->pixel_size + at->blur + search->spread;
-    out->part = emitter_area(r, emitter, at->direction) / at->pixel_area;
+    out->part =
+        emitter_area(r, emitter, at->direction) / at->pixel_area * emitter_opacity(r, emitter);
     return at->x + out->reach >= 0 && at->x - out->reach < p->width && at->y + out->reach >= 0 &&
            at->y - out->reach < p->height;
 }
@@ -216,7 +223,14 @@ static double clamp_to(double x, uint32_t length)
     return fmin(fmax(floor(x), 0), length - 1.0);
 }
 
-// First how much of each pixel small parts of emitters cover.
+static double find_greatest(const struct search *search, struct emitter_part emitter)
+{
+    double radiance[3];
+    emitter_radiance(search->renderer, emitter, radiance);
+    return fmax(radiance[0], fmax(radiance[1], radiance[2]));
+}
+
+// First how much light each pixel has of small parts of emitters.
 static void count_emitter(struct search *search, struct emitter_part emitter)
 {
     const struct projection *p = &search->projection;
@@ -229,19 +243,21 @@ static void count_emitter(struct search *search, struct emitter_part emitter)
     if (!(sight.part < part_max))
         return;
     search->small_count++;
-    search->covered[y * p->width + x] += (float)sight.part;
+    search->light[y * p->width + x] += (float)(sight.part * find_greatest(search, emitter));
 }
 
-// Whether it is one of many small parts of a larger emitter.
-static bool is_of_larger(const struct search *search, const struct sight *sight)
+// Whether it is one of many small parts of a larger emitter: whether so much light as it would send
+// from part_max pixels is around it.
+static bool is_of_larger(const struct search *search, struct emitter_part emitter,
+                         const struct sight *sight)
 {
     const struct projection *p = &search->projection;
     double left = clamp_to(sight->at.x, p->width), top = clamp_to(sight->at.y, p->height);
-    double covered = 0;
+    double light = 0;
     for (double y = fmax(top - 1, 0); y <= top + 1 && y < p->height; y++)
         for (double x = fmax(left - 1, 0); x <= left + 1 && x < p->width; x++)
-            covered += (double)search->covered[(uint64_t)y * p->width + (uint64_t)x];
-    return covered >= part_max;
+            light += (double)search->light[(uint64_t)y * p->width + (uint64_t)x];
+    return light >= part_max * find_greatest(search, emitter);
 }
 
 static void add_emitter(struct search *search, struct emitter_part emitter)
@@ -249,7 +265,7 @@ static void add_emitter(struct search *search, struct emitter_part emitter)
     const struct projection *p = &search->projection;
     struct sight sight;
     if (!find_sight(search, emitter, &sight) || !(sight.part < part_max) ||
-        is_of_larger(search, &sight))
+        is_of_larger(search, emitter, &sight))
         return;
     if (sight.reach <= split_reach)
         split(search, &sight.at, sight.reach, sight.part, emitter);
@@ -273,19 +289,35 @@ static void visit_shape(struct search *search, uint32_t index, emitter_fn visit)
         visit(search, (struct emitter_part){EMITTER_SHAPE, index});
 }
 
+static double greatest_of(const float texel[3])
+{
+    return (double)fmaxf(texel[0], fmaxf(texel[1], texel[2]));
+}
+
+// The power of two above the median of an image's texels.
+static double find_median(const struct environment *environment, uint32_t count)
+{
+    enum { LEAST = -40, ORDERS = 160 };
+    uint32_t counts[ORDERS] = {0}, below = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        int order;
+        frexp(greatest_of(environment->texels[i]), &order);
+        counts[order < LEAST ? 0 : order - LEAST < ORDERS ? order - LEAST : ORDERS - 1]++;
+    }
+    int order = 0;
+    while (order < ORDERS - 1 && (below += counts[order]) <= count / 2)
+        order++;
+    return ldexp(1, order + LEAST);
+}
+
 static void visit_texels(struct search *search, emitter_fn visit)
 {
     const struct environment *environment = &search->renderer->scene->environment;
-    double mean = environment_luminance(environment), factor = 0;
     uint32_t count = environment->present ? environment->width * environment->height : 0;
-    for (int c = 0; c < 3; c++)
-        factor = fmax(factor, (double)environment->radiance[c]);
-    for (uint32_t i = 0; i < count; i++) {
-        const float *texel = environment->texels[i];
-        double greatest = (double)fmaxf(texel[0], fmaxf(texel[1], texel[2]));
-        if (greatest * factor > texel_excess * mean)
+    double enough = count > 0 ? texel_excess * find_median(environment, count) : 0;
+    for (uint32_t i = 0; i < count; i++)
+        if (greatest_of(environment->texels[i]) > enough)
             visit(search, (struct emitter_part){EMITTER_TEXEL, i});
-    }
 }
 
 static void visit_emitters(struct search *search, emitter_fn visit)
@@ -394,19 +426,24 @@ static void choose_groups(struct search *search)
 
 // --- whether something hides them ----------------------------------------------------------------
 
-// The ray of a probe of a group, and how far it has to go: to the emitter, or to infinity.
+// Probes are spread over a group's candidates.
+static struct emitter_part emitter_of_probe(const struct search *search, const struct group *group,
+                                            uint32_t probe, uint32_t probes)
+{
+    return search->candidates[group->first + probe * group->count / probes].emitter;
+}
+
+// One of `probes` rays to a group, and how far it has to go: to the emitter, or to infinity.
 static double aim_probe(const struct search *search, const struct group *group, uint32_t probe,
-                        struct probe_ray *ray)
+                        uint32_t probes, struct probe_ray *ray)
 {
     const struct renderer *r = search->renderer;
-    const struct candidate *candidate =
-        &search->candidates[group->first + probe * group->count / PROBES];
-    struct emitter_part emitter = candidate->emitter;
+    struct emitter_part emitter = emitter_of_probe(search, group, probe, probes);
     struct projected at;
     double place[3], length = INFINITY;
     emitter_center(r, emitter, place);
     project(search, emitter, place, &at);
-    emitter_place(r, emitter, at.direction, probe, PROBES, place);
+    emitter_place(r, emitter, at.direction, probe, probes, place);
     project(search, emitter, place, &at);
     // Up to where the emitter may begin, and rounding of the ray has it begin.
     if (!emitter_is_far(emitter))
@@ -420,57 +457,91 @@ static double aim_probe(const struct search *search, const struct group *group, 
     return length;
 }
 
-// How much of what is around a probe's end is in view: 1, or 0 where something is in front. An
-// emitter there counts a half: it is the near side of a closed mesh, of which this is the far one.
-static double find_free_part(const struct renderer *r, const struct probe_hit *hit, double length)
+// Whether nothing is in front of an emitter. A distance field is in a part of its box alone.
+static bool is_free(const struct renderer *r, struct emitter_part emitter,
+                    const struct probe_hit *hit, double length)
 {
-    if (hit->primitive == NO_PRIMITIVE || (double)hit->t >= length)
-        return 1;
-    uint32_t material = hit->primitive & PRIMITIVE_SHAPE
-                            ? r->flat.shapes[hit->primitive & ~PRIMITIVE_SHAPE].material
-                            : r->flat.triangles[hit->primitive].material;
-    bool is_replaced =
-        hit->instance != NO_INSTANCE && r->flat.instances[hit->instance].material != SCENE_NONE;
-    return !is_replaced && material_emits(&r->scene->materials[material]) ? 0.5 : 0;
+    if (emitter.kind == EMITTER_SHAPE && r->flat.shapes[emitter.index].kind == SHAPE_SDF)
+        return hit->primitive == (PRIMITIVE_SHAPE | emitter.index);
+    return hit->primitive == NO_PRIMITIVE || (double)hit->t >= length;
 }
 
-// Probes of groups from `first` on.
-static bool probe(struct renderer *r, struct search *search, size_t first, uint32_t count,
-                  struct probe_ray *rays, double *lengths, struct probe_hit *hits, struct err *err)
+struct probes {
+    struct probe_ray *rays;
+    struct probe_hit *hits;
+    double *lengths;
+};
+
+// `each` probes of `count` groups.
+static bool probe_some(struct renderer *r, struct search *search, struct group **groups,
+                       size_t count, uint32_t each, const struct probes *probes, struct err *err)
 {
+    uint32_t rays = (uint32_t)count * each;
     bool complete;
     double ms;
-    for (uint32_t i = 0; i < count * PROBES; i++)
-        lengths[i] = aim_probe(search, &search->groups[first + i / PROBES], i % PROBES, &rays[i]);
-    if (!ray_probe_trace(r, KERNEL_intersect_closest, rays, count * PROBES, hits, &ms, &complete,
-                         err))
+    for (uint32_t i = 0; i < rays; i++)
+        probes->lengths[i] = aim_probe(search, groups[i / each], i % each, each, &probes->rays[i]);
+    if (!ray_probe_trace(r, KERNEL_intersect_closest, probes->rays, rays, probes->hits, &ms,
+                         &complete, err))
         return false;
-    for (uint32_t i = 0; i < count; i++) {
-        double free_parts = 0;
-        for (uint32_t k = i * PROBES; k < (i + 1) * PROBES; k++)
-            free_parts += find_free_part(r, &hits[k], lengths[k]);
-        search->groups[first + i].light.part *= (float)(free_parts / PROBES);
-    }
+    for (uint32_t i = 0; i < rays; i++)
+        groups[i / each]->free +=
+            (double)is_free(r, emitter_of_probe(search, groups[i / each], i % each, each),
+                            &probes->hits[i], probes->lengths[i]) /
+            each;
     return true;
+}
+
+static bool probe_all(struct renderer *r, struct search *search, struct group **groups,
+                      size_t count, uint32_t each, struct err *err)
+{
+    struct arena scratch = {0};
+    uint32_t rays = r->plan.wave_slots < RAYS_AT_ONCE ? r->plan.wave_slots : RAYS_AT_ONCE;
+    size_t batch = rays / each;
+    const struct probes probes = {ARENA_NEW(&scratch, struct probe_ray, rays),
+                                  ARENA_NEW(&scratch, struct probe_hit, rays),
+                                  ARENA_NEW(&scratch, double, rays)};
+    bool ok = (probes.rays && probes.hits && probes.lengths) ||
+              err_memory(err, "rays", rays * sizeof *probes.rays);
+    for (size_t first = 0; ok && batch > 0 && first < count; first += batch) {
+        size_t left = count - first;
+        ok = probe_some(r, search, groups + first, left < batch ? left : batch, each, &probes, err);
+    }
+    arena_finish(&scratch);
+    return ok;
+}
+
+// Few rays to each, and many to those that none of them has reached: a gap between leaves is enough
+// to see a sun.
+static bool probe_twice(struct renderer *r, struct search *search, struct group **groups,
+                        struct err *err)
+{
+    size_t hidden = 0;
+    for (size_t i = 0; i < search->group_count; i++)
+        groups[i] = &search->groups[i];
+    if (!probe_all(r, search, groups, search->group_count,
+                   search->group_count <= FEW_GROUPS ? PROBES : PROBES_OF_MANY, err))
+        return false;
+    for (size_t i = 0; i < search->group_count; i++)
+        if (!(search->groups[i].free > 0))
+            groups[hidden++] = &search->groups[i];
+    size_t each = RAYS_OF_HIDDEN / (hidden + 1);
+    each = each < PROBES_OF_HIDDEN ? each : PROBES_OF_HIDDEN;
+    return hidden == 0 || each == 0 || probe_all(r, search, groups, hidden, (uint32_t)each, err);
 }
 
 // A device that is lost traces no more: what it has not looked at counts as if nothing hid it.
 static bool probe_groups(struct renderer *r, struct search *search, struct err *err)
 {
-    struct arena scratch = {0};
-    size_t most = r->plan.wave_slots / PROBES, batch = 4096;
-    batch = most < batch ? most : batch;
-    struct probe_ray *rays = ARENA_NEW(&scratch, struct probe_ray, batch * PROBES);
-    double *lengths = ARENA_NEW(&scratch, double, batch *PROBES);
-    struct probe_hit *hits = ARENA_NEW(&scratch, struct probe_hit, batch * PROBES);
-    bool ok = (rays && lengths && hits) || err_memory(err, "rays", batch * PROBES * sizeof *rays);
-    for (size_t first = 0; ok && first < search->group_count; first += batch) {
-        size_t left = search->group_count - first;
-        ok = probe(r, search, first, (uint32_t)(left < batch ? left : batch), rays, lengths, hits,
-                   err);
-    }
-    arena_finish(&scratch);
-    return ok || err->code == ERR_GPU;
+    struct group **groups = calloc(search->group_count + 1, sizeof *groups);
+    bool ok = groups || err_memory(err, "emitters in view", search->group_count);
+    ok = ok && probe_twice(r, search, groups, err);
+    free(groups);
+    if (!ok)
+        return err->code == ERR_GPU;
+    for (size_t i = 0; i < search->group_count; i++)
+        search->groups[i].light.part *= (float)search->groups[i].free;
+    return true;
 }
 
 // --- the whole -----------------------------------------------------------------------------------
@@ -495,9 +566,9 @@ static bool find(struct renderer *r, struct err *err)
         .renderer = r,
         .spread = fmax((double)r->frame.filter_radius - 0.5, 0),
         .mask = calloc(r->frame.width, r->frame.height),
-        .covered = calloc((size_t)r->frame.width * r->frame.height, sizeof(float)),
+        .light = calloc((size_t)r->frame.width * r->frame.height, sizeof(float)),
     };
-    bool ok = search.mask && search.covered;
+    bool ok = search.mask && search.light;
     projection_make(&r->camera, &r->flat, r->frame.width, r->frame.height, &search.projection);
     if (ok && r->specialization.integrator != INTEGRATOR_AO) {
         visit_emitters(&search, count_emitter);
@@ -512,7 +583,7 @@ static bool find(struct renderer *r, struct err *err)
          (keep(r, &search) || err_memory(err, "emitters in view", search.group_count));
     free(search.groups);
     free(search.candidates);
-    free(search.covered);
+    free(search.light);
     free(search.mask);
     return ok;
 }

@@ -12,8 +12,8 @@
 // traces. Arrays are in `arena`. Call it while nothing is rendered.
 //
 // Of a mesh each triangle is an emitter, of an image around the scene each texel that is at least
-// 16 times as bright as the mean. Textures on emitters count as 1. The brightest 16,384 pixels with
-// such light are kept.
+// 16 times as bright as the median. Of textures on emitters the greatest texel counts. The
+// brightest 16,384 pixels with such light are kept.
 bool renderer_find_unseen(struct renderer *renderer, struct arena *arena, struct unseen_light *out,
                           struct err *err);
 

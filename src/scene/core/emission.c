@@ -26,6 +26,21 @@ double mean_radiance(const struct scene *scene, const struct material *material)
     return luminance(mean);
 }
 
+void greatest_radiance(const struct scene *scene, const struct material *material, float out[3])
+{
+    bool emits = material_emits(material);
+    for (uint32_t c = 0; c < 3; c++)
+        out[c] = emits ? material->emission[c] : 0.0f;
+    for (uint32_t i = 0; i < material->texture_count; i++) {
+        const struct texture *texture = &scene->textures[material->first_texture + i];
+        bool scales = (texture->flags >> TEXTURE_USE_SHIFT & 3u) == TEXTURE_USE_SCALE &&
+                      (texture->flags >> TEXTURE_GROUP_SHIFT & 15u) == GROUP_EMISSION;
+        for (uint32_t c = 0; c < 3 && scales; c++)
+            if (texture->flags >> (TEXTURE_MASK_SHIFT + c) & 1u)
+                out[c] *= scene->images[texture->image].greatest;
+    }
+}
+
 double triangle_world_area(const struct mesh *mesh, const double transform[3][4], uint32_t triangle)
 {
     double corner[3][3], edge[2][3], normal[3];

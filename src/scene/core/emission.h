@@ -8,6 +8,9 @@
 // Of a material's surfaces, the mean over its textures, which scale what the parameters say. Of
 // unlit materials 0: they are to be seen, not to light a scene.
 double mean_radiance(const struct scene *scene, const struct material *material);
+// The greatest radiance of each channel that a material may emit: textures count with the greatest
+// component of their texels. Of materials that do not emit 0.
+void greatest_radiance(const struct scene *scene, const struct material *material, float out[3]);
 // The flux of all emissive triangles, divided by pi: the sum of mean radiance times area, of one
 // side of each, for the other side of a closed surface sends its light inwards. W/sr.
 double scene_emitted_flux(const struct scene *scene);
