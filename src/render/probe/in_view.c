@@ -538,7 +538,7 @@ static bool probe_groups(struct renderer *r, struct search *search, struct err *
     ok = ok && probe_twice(r, search, groups, err);
     free(groups);
     if (!ok)
-        return err->code == ERR_GPU;
+        return r->gpu->lost;
     for (size_t i = 0; i < search->group_count; i++)
         search->groups[i].light.part *= (float)search->groups[i].free;
     return true;
