@@ -4,8 +4,6 @@
 #include "render/probe/emitter_shape.h"
 #include "render/probe/ray_probe.h"
 #include "render/projection.h"
-#include "render/tables/emitter_power.h"
-#include "scene/core/environment.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,12 +16,13 @@ static const double split_reach = 2;
 
 static const double texel_excess = 16; // of the median
 
+// So that 2 10^5 emitters take some .3 s on a CPU.
 enum {
-    LIGHTS_MAX = 1 << 14,
-    PROBES = 16, // rays to each of them
-    FEW_GROUPS = 4096,
+    LIGHTS_MAX = 1 << 14, // pixels, the brightest of them
+    FEW_LIGHTS = 4096,
+    PROBES = 16, // rays to each of few, and of many
     PROBES_OF_MANY = 4,
-    PROBES_OF_HIDDEN = 256,
+    PROBES_OF_HIDDEN = 256, // at most, to those that none of these has reached
     RAYS_OF_HIDDEN = 1 << 17,
     RAYS_AT_ONCE = 1 << 14,
     PLACES_MIN = 4, // points on an emitter
@@ -62,8 +61,7 @@ struct search {
     bool failed; // out of memory
 };
 
-// --- where emitters are
-// ---------------------------------------------------------------------------
+// --- where emitters are ------------------------------------------------------------------------
 
 static void mark(struct search *search, double x, double y, double radius)
 {
@@ -300,8 +298,10 @@ static double find_median(const struct environment *environment, uint32_t count)
     enum { LEAST = -40, ORDERS = 160 };
     uint32_t counts[ORDERS] = {0}, below = 0;
     for (uint32_t i = 0; i < count; i++) {
-        int order;
-        frexp(greatest_of(environment->texels[i]), &order);
+        double texel = greatest_of(environment->texels[i]);
+        int order = LEAST;
+        if (texel > 0)
+            frexp(texel, &order);
         counts[order < LEAST ? 0 : order - LEAST < ORDERS ? order - LEAST : ORDERS - 1]++;
     }
     int order = 0;
@@ -324,7 +324,8 @@ static void visit_emitters(struct search *search, emitter_fn visit)
 {
     const struct scene *scene = search->renderer->scene;
     const struct flat_scene *flat = &search->renderer->flat;
-    for (uint32_t i = 0; i < flat->triangle_count; i++)
+    // Meshes that emit are never shared: all are in the world.
+    for (uint32_t i = 0; i < flat->world_triangle_count; i++)
         if (emits(search, flat->triangles[i].material))
             visit(search, (struct emitter_part){EMITTER_TRIANGLE, i});
     for (uint32_t i = 0; i < flat->shape_count; i++)
@@ -472,40 +473,42 @@ struct probes {
     double *lengths;
 };
 
-// `each` probes of `count` groups.
+// The probes from `first` on, of all groups' one after the other, `each` to a group.
 static bool probe_some(struct renderer *r, struct search *search, struct group **groups,
-                       size_t count, uint32_t each, const struct probes *probes, struct err *err)
+                       uint32_t first, uint32_t count, uint32_t each, const struct probes *probes,
+                       struct err *err)
 {
-    uint32_t rays = (uint32_t)count * each;
     bool complete;
     double ms;
-    for (uint32_t i = 0; i < rays; i++)
-        probes->lengths[i] = aim_probe(search, groups[i / each], i % each, each, &probes->rays[i]);
-    if (!ray_probe_trace(r, KERNEL_intersect_closest, probes->rays, rays, probes->hits, &ms,
+    for (uint32_t i = 0; i < count; i++)
+        probes->lengths[i] = aim_probe(search, groups[(first + i) / each], (first + i) % each, each,
+                                       &probes->rays[i]);
+    if (!ray_probe_trace(r, KERNEL_intersect_closest, probes->rays, count, probes->hits, &ms,
                          &complete, err))
         return false;
-    for (uint32_t i = 0; i < rays; i++)
-        groups[i / each]->free +=
-            (double)is_free(r, emitter_of_probe(search, groups[i / each], i % each, each),
-                            &probes->hits[i], probes->lengths[i]) /
-            each;
+    for (uint32_t i = 0; i < count; i++) {
+        struct group *group = groups[(first + i) / each];
+        struct emitter_part emitter = emitter_of_probe(search, group, (first + i) % each, each);
+        group->free += (double)is_free(r, emitter, &probes->hits[i], probes->lengths[i]) / each;
+    }
     return true;
 }
 
+// `each` probes of `count` groups.
 static bool probe_all(struct renderer *r, struct search *search, struct group **groups,
                       size_t count, uint32_t each, struct err *err)
 {
     struct arena scratch = {0};
-    uint32_t rays = r->plan.wave_slots < RAYS_AT_ONCE ? r->plan.wave_slots : RAYS_AT_ONCE;
-    size_t batch = rays / each;
-    const struct probes probes = {ARENA_NEW(&scratch, struct probe_ray, rays),
-                                  ARENA_NEW(&scratch, struct probe_hit, rays),
-                                  ARENA_NEW(&scratch, double, rays)};
+    uint32_t all = (uint32_t)count * each;
+    uint32_t batch = r->plan.wave_slots < RAYS_AT_ONCE ? r->plan.wave_slots : RAYS_AT_ONCE;
+    const struct probes probes = {ARENA_NEW(&scratch, struct probe_ray, batch),
+                                  ARENA_NEW(&scratch, struct probe_hit, batch),
+                                  ARENA_NEW(&scratch, double, batch)};
     bool ok = (probes.rays && probes.hits && probes.lengths) ||
-              err_memory(err, "rays", rays * sizeof *probes.rays);
-    for (size_t first = 0; ok && batch > 0 && first < count; first += batch) {
-        size_t left = count - first;
-        ok = probe_some(r, search, groups + first, left < batch ? left : batch, each, &probes, err);
+              err_memory(err, "rays", batch * sizeof *probes.rays);
+    for (uint32_t first = 0; ok && first < all; first += batch) {
+        uint32_t left = all - first;
+        ok = probe_some(r, search, groups, first, left < batch ? left : batch, each, &probes, err);
     }
     arena_finish(&scratch);
     return ok;
@@ -520,7 +523,7 @@ static bool probe_twice(struct renderer *r, struct search *search, struct group 
     for (size_t i = 0; i < search->group_count; i++)
         groups[i] = &search->groups[i];
     if (!probe_all(r, search, groups, search->group_count,
-                   search->group_count <= FEW_GROUPS ? PROBES : PROBES_OF_MANY, err))
+                   search->group_count <= FEW_LIGHTS ? PROBES : PROBES_OF_MANY, err))
         return false;
     for (size_t i = 0; i < search->group_count; i++)
         if (!(search->groups[i].free > 0))
