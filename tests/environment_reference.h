@@ -1,5 +1,5 @@
-// What scene/environment.h says of an image, once more and in double precision: radiance between
-// the centres of texels, and the density with which render/environment_table.h says that it is
+// What scene/core/environment.h says of an image, once more and in double precision: radiance between
+// the centres of texels, and the density with which render/tables/environment_table.h says that it is
 // sampled.
 #ifndef LAMPYRIS_TESTS_ENVIRONMENT_REFERENCE_H
 #define LAMPYRIS_TESTS_ENVIRONMENT_REFERENCE_H

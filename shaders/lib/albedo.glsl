@@ -1,5 +1,6 @@
 // Directional albedos, interpolated in tables of the materials' buffer (shared/albedo.h). How they
-// are computed and how far they are from the truth: render/albedo_generate.c, docs/materials.md.
+// are computed and how far they are from the truth: render/tables/albedo_generate.c and
+// docs/materials.md.
 //
 // `tables` is albedos_begin(), the first word of the tables. mu is the cosine of wo.
 #ifndef ALBEDO_GLSL

@@ -12,7 +12,7 @@ struct camera_ray {
 };
 
 // The direction that a panorama shows at a point of the picture, (-1, 1) its upper left corner: the
-// convention of scene/environment.h with the camera's axes, forward for +X, up for +Y.
+// convention of scene/core/environment.h with the camera's axes, forward for +X, up for +Y.
 vec3 panorama_direction(vec2 at)
 {
     float longitude = at.x * PI;

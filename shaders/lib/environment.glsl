@@ -1,5 +1,5 @@
 // The environment: constant radiance, or a latitude-longitude image, sampled by importance. Reads
-// the environment's buffer, see render/environment_table.h.
+// the environment's buffer, see render/tables/environment_table.h.
 #ifndef ENVIRONMENT_GLSL
 #define ENVIRONMENT_GLSL
 
@@ -11,9 +11,9 @@ uvec2 environment_size()
     return uvec2(frame.environment_size & 0xffffu, frame.environment_size >> 16u);
 }
 
-// Index of the texel in which a unit direction of the image lies; see scene/environment.h for the
-// convention. By the arctangent of the distance from the axis, since near a pole the height says
-// little.
+// Index of the texel in which a unit direction of the image lies; see scene/core/environment.h for
+// the convention. By the arctangent of the distance from the axis, since near a pole the height
+// says little.
 uint environment_texel(vec3 direction, uvec2 size)
 {
     float u = 0.5 + atan_turns(direction.z, direction.x);
@@ -75,7 +75,7 @@ environment_place environment_place_of(vec3 direction, uvec2 size)
 }
 
 struct environment_cell {
-    vec4 upper_left, upper_right, lower_left, lower_right; // see render/environment_table.h
+    vec4 upper_left, upper_right, lower_left, lower_right; // see render/tables/environment_table.h
 };
 
 environment_cell load_environment_cell(uvec2 cell, uvec2 size)

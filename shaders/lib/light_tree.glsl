@@ -1,5 +1,5 @@
 // Choosing an emitter by what it may send to a point, down a tree (Conty Estevez and Kulla 2018;
-// see render/light_tree.h). Reads the emitters' buffer.
+// see render/tables/light_tree.h). Reads the emitters' buffer.
 #ifndef LIGHT_TREE_GLSL
 #define LIGHT_TREE_GLSL
 

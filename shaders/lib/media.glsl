@@ -3,8 +3,8 @@
 //
 // A path carries a stack of the media whose surfaces it has entered and not left: up to four
 // numbers of 8 bits in a word, the latest lowest, 0 for none. Numbers are given in ascending order
-// of priority (render/shading_tables.c), so that the medium that is there is the highest number
-// (after Schmidt and Budge 2002, "Simple Nested Dielectrics in Ray Traced Images"); with none it is
+// of priority (render/tables/shading_tables.c), so that the medium that is there is the highest
+// number (after Schmidt and Budge 2002, "Simple Nested Dielectrics in Ray Traced Images"); with none it is
 // air.
 #ifndef MEDIA_GLSL
 #define MEDIA_GLSL

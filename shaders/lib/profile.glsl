@@ -1,4 +1,4 @@
-// Photometric profiles: the relative intensity of a light by direction (scene/ies.h). Reads the
+// Photometric profiles: the relative intensity of a light by direction (scene/sky/ies.h). Reads the
 // materials' buffer. A profile begins with a word of its counts of vertical and horizontal angles;
 // then, four in a word, those angles in degrees and the rows of values.
 #ifndef PROFILE_GLSL

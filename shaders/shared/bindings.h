@@ -10,7 +10,7 @@
 #define BINDING_SHAPES 3      // struct gpu_shape
 #define BINDING_MATERIALS 4   // struct gpu_material_header, then the sections it names
 #define BINDING_EMITTERS 5    // struct gpu_emitter
-#define BINDING_ENVIRONMENT 6 // see render/environment_table.h
+#define BINDING_ENVIRONMENT 6 // see render/tables/environment_table.h
 #define BINDING_TEXELS 7      // of all textures
 #define BINDING_PATHS 8       // struct gpu_path, one a slot of the wave
 #define BINDING_SHADOW_RAYS 9 // struct gpu_shadow_ray, one a slot

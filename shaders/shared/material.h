@@ -48,7 +48,7 @@
 #define MATERIAL_EXACT_FRESNEL (1u << 21) // of ior, instead of Schlick's
 
 // Parameters in groups of four, so that one texture's RGBA scales one group. A parameter's number
-// is 4 * group + component; scene/material.h documents ranges, units and defaults.
+// is 4 * group + component; scene/core/scene_material.h documents ranges, units and defaults.
 #define GROUP_BASE 0         // base colour; opacity
 #define GROUP_EMISSION 1     // radiance, W/(sr m^2); pick density (see PARAMETER_PICK_DENSITY)
 #define GROUP_METAL 2        // anisotropic, roughness, metallic, anisotropic rotation (turns)

@@ -1,5 +1,5 @@
 // Choices between methods: each is a setting, in the order of the words that name it (see
-// scene/settings.c), and a specialization constant of the kernels.
+// scene/core/settings.c), and a specialization constant of the kernels.
 #ifndef LAMPYRIS_SHARED_METHODS_H
 #define LAMPYRIS_SHARED_METHODS_H
 

@@ -374,7 +374,7 @@ struct gpu_push {
 SHARED_STATIC_ASSERT_SIZE(gpu_push, 48);
 
 // The uniform block: what is small and the same for all dispatches of a render. Lengths, here and
-// in all records, are in the unit of the flat scene (scene/flatten.h), as positions are.
+// in all records, are in the unit of the flat scene (flatten/flatten.h), as positions are.
 struct gpu_frame {
     VEC3(camera_position); // where the middle of the picture is at camera_start
     uint width;

@@ -90,7 +90,7 @@ static uint32_t seen_texel(uint32_t slot)
     return (uint32_t)lrintf((radiance[slot][0] - 1) / 3);
 }
 
-// The directions that scene/environment.h names.
+// The directions that scene/core/environment.h names.
 TEST(axes_see_their_texels)
 {
     static const struct {

@@ -108,6 +108,14 @@ TEST(film_and_settings)
     scene_finish(&scene);
 }
 
+// Every scene that was saved when there was fading by distance has it.
+TEST(no_fading_by_distance_is_read)
+{
+    struct scene scene = load_body("\"settings\": {\"falloff\": 0, \"spp\": 9}");
+    CHECK(scene.settings.spp == 9);
+    scene_finish(&scene);
+}
+
 TEST(materials_keep_their_order)
 {
     struct scene scene = load_body("\"materials\": {\"z\": {\"base_color\": [0.25, 0.5, 1]},"
@@ -618,6 +626,7 @@ int main(int argc, char **argv)
         TEST_CASE(an_empty_document_is_a_scene),
         TEST_CASE(camera),
         TEST_CASE(film_and_settings),
+        TEST_CASE(no_fading_by_distance_is_read),
         TEST_CASE(materials_keep_their_order),
         TEST_CASE(materials_of_every_model),
         TEST_CASE(materials_like_others),

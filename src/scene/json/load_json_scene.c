@@ -1,6 +1,7 @@
 // Sections of a scene file without lists: film, settings.
 #include "json/field_json.h"
 #include "scene/json/load_json.h"
+#include <math.h>
 
 // The settings from `first` to `last`, which stand in one section.
 static bool read_section(struct settings *settings, const struct json_node *node,
@@ -31,7 +32,24 @@ bool load_json_film(struct scene *scene, const struct json_node *node, struct er
     return true;
 }
 
+// Fading by distance was a setting once, and is 0 in every scene that was saved then.
+static bool take_out_falloff(const struct json_node *node, struct err *err)
+{
+    struct json_node falloff = node_member(node, "falloff");
+    double value = 0;
+    if (!falloff.value)
+        return true;
+    if (!node_number(&falloff, (struct range){0, INFINITY}, &value, err))
+        return false;
+    if (value > 0)
+        return node_fail(&falloff, err, "fading by distance was taken out; expected no such key");
+    json_object_del(node->value, "falloff");
+    return true;
+}
+
 bool load_json_settings(struct scene *scene, const struct json_node *node, struct err *err)
 {
+    if (!take_out_falloff(node, err))
+        return false;
     return read_section(&scene->settings, node, SETTINGS_FILM_LAST + 1, SETTING_TOTAL - 1, err);
 }
