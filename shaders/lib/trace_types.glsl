@@ -9,7 +9,7 @@ struct trace_ray {
     vec3 direction;
     uint ignore_a, ignore_b; // primitive words: where it starts, and what it is sent to
     uint start_instance;     // of which the first one is; the second one is in the world
-    uvec4 alpha; // what decides whether it meets surfaces that are not everywhere there
+    uvec4 alpha; // key of the random decisions at blended surfaces: see lib/alpha.glsl
 };
 
 struct trace_hit {

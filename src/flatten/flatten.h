@@ -67,8 +67,8 @@ struct flat_instance {
 // into the world.
 enum instancing { INSTANCING_AUTO, INSTANCING_ON, INSTANCING_OFF };
 
-// Of what is not hidden. What is, is not in any of the arrays, nor counted, but has its number in
-// the scene all the same.
+// A scene as arrays. Hidden instances and shapes are in none of the arrays and counts, but keep
+// their indices in the scene.
 struct flat_scene {
     // World position of the arrays' origin: geometry far from the world's origin is moved in double
     // precision before it is rounded (docs/verification.md, C2). (0,0,0) unless the scene needs it:

@@ -110,8 +110,8 @@ struct gpu {
     VkDescriptorSetLayout set_layout;
     VkPipelineLayout pipeline_layout;
     VkPipelineCache pipeline_cache;
-    // Of kernels that are gone, for those to come: drivers take up to half a second to make the
-    // pipelines of a renderer. The oldest goes first.
+    // Pipelines of destroyed kernels, kept for reuse: drivers take up to half a second to make the
+    // pipelines of a renderer. The oldest is evicted first.
     struct gpu_kernel kept[GPU_KEPT_KERNELS];
     uint32_t kept_next;
     VkDebugUtilsMessengerEXT messenger;
@@ -158,8 +158,8 @@ struct gpu_kernel_params {
     size_t spirv_bytes;
     const uint32_t *constants; // specialization constants with ids 0 .. count-1, 32 bits each
     uint32_t constant_count;
-    // Of code that was made from other code: that one, and a number that tells what was made of it
-    // from all else. NULL: none such.
+    // The original module, if this SPIR-V was derived from another one, and a number that tells the
+    // derivation from all others: both are part of the pipeline's key. NULL: it was not derived.
     const uint32_t *made_from;
     uint64_t variant;
 };

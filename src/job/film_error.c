@@ -67,7 +67,8 @@ bool film_error(const struct film_image *film, const struct film_error_params *p
         .unseen = params->unseen,
     };
     if (params->is_contiguous && film->least_samples != params->planned) {
-        *out = film_error_none("contiguous halves tell it after as many samples as were planned");
+        *out = film_error_none(
+            "with contiguous halves the error is known when all planned samples are done");
         return true;
     }
     if (!metrics_half_error(&halves, out))

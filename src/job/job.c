@@ -48,8 +48,8 @@ static bool check_method(const struct job *job, struct err *err)
         planning == PLANNING_NEEDED || (planning == PLANNING_OPTIONAL && !job_is_open_ended(job));
     if (is_fixed && (goal->adaptive || goal->error > 0.0))
         return err_set(err, ERR_USAGE,
-                       "%s needs to know the samples of every pixel beforehand, and %s is there to "
-                       "decide on them: expected only one of the two",
+                       "%s cannot be combined with %s: it spreads its points over a number of "
+                       "samples that is known beforehand",
                        method, goal->adaptive ? "--adaptive on" : "--error");
     if (settings->roulette == ROULETTE_FRAME && goal->error > 0.0)
         return err_set(err, ERR_USAGE,

@@ -80,7 +80,8 @@ struct nonfinite_stats {
 struct render_stats {
     double flatten_seconds, bvh_seconds, upload_seconds, compile_seconds, render_seconds;
     struct kernel_stats kernels[KERNEL_COUNT];
-    // Of their ms. Shadow rays count to the bounce that sent them; what is of none to the first.
+    // Kernels' time by bounce. Shadow rays count to the bounce that sent them, work outside of all
+    // bounces to the first.
     double bounce_ms[STATS_BOUNCES][KERNEL_COUNT];
     struct host_stats host;
     uint64_t closest_rays, shadow_rays;

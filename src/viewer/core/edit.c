@@ -185,8 +185,9 @@ static void tell_plan(struct viewer *viewer, const struct method *from, const st
         viewer_message(viewer, MESSAGE_NOTE, "planned for %u samples a pixel, where it rests",
                        limit);
     else if (planning == PLANNING_NEEDED)
-        viewer_message(viewer, MESSAGE_NOTE,
-                       "this plans for a number of samples: set one, or it makes no difference");
+        viewer_message(
+            viewer, MESSAGE_NOTE,
+            "this method spreads its points over a fixed number of samples: set a limit");
 }
 
 // New texels live in a new arena, so that a failure leaves the old ones.

@@ -19,10 +19,10 @@ struct frame_budget {
 #define FRAME_BUDGET_WAVE_MAX (1u << 20)
 
 void frame_budget_init(struct frame_budget *pace, double target_ms);
-// Of a frame that took so many samples (of single pixels) in so long, and so long besides.
+// Takes in one frame's figures: samples of single pixels, the time of rendering and all other time.
 void frame_budget_measure(struct frame_budget *pace, double samples, double render_ms,
                           double overhead_ms);
-// Of small pictures: what `shrink` is chosen by, once it is known.
+// The same for small pictures: `shrink` is chosen by it.
 void frame_budget_measure_small(struct frame_budget *pace, double samples, double render_ms);
 void frame_budget_measure_pixels(struct frame_budget *pace, double pixels, double ms);
 // What a frame may take for rendering; never below a quarter of the target, so that the picture
