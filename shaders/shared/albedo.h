@@ -1,5 +1,6 @@
 // The tables of directional albedos: sizes and places. Read by C and by GLSL;
-// render/tables/albedo_generate.c fills them at build time, lib/albedo.glsl says what is on their axes.
+// render/tables/albedo_generate.c fills them at build time, lib/albedo.glsl says what is on their
+// axes.
 #ifndef LAMPYRIS_SHARED_ALBEDO_H
 #define LAMPYRIS_SHARED_ALBEDO_H
 

@@ -33,11 +33,12 @@
 // the pixels' do (Satterthwaite 1946, "An approximate distribution of estimates of variance
 // components").
 //
-// Emitters in view that no sample has met. Of an emitter much smaller than a pixel we know where it
-// is, how bright, and how large: the light r that its pixel lacks until a sample meets it. Where no
-// pixel that it may be seen in is brighter than its neighbours by half of one such sample, none
-// has, and the picture's error has r^2 / ((p r + L)^2 + epsilon) more than D^2 tells, p being the
-// pixel's part of the window. The bound holds that.
+// Emitters in view that no sample has met. The scene tells where an emitter much smaller than a
+// pixel is, how bright, and how large: the light r that its pixel lacks until a sample meets it.
+// Where no pixel that it may be seen in is brighter than the median of its neighbours by half of
+// one such sample, none has, and the picture's error has r^2 / ((p r + L)^2 + epsilon) more than
+// D^2 tells, p being the pixel's part of the window. The bound holds that. small_lights.h has the
+// error of those that samples have met.
 //
 // What no path has found by chance. Paths that meet a bright emitter by chance add up to F a
 // sample. Where no half differs from the other as if such a path were in it, but for pixels in
@@ -63,16 +64,21 @@ enum {
 
 static const double usual_confidence = 0.95;
 
-// A pixel stands out with so many times its neighbours' D^2, which is two deviations.
+// A pixel stands out when its D^2 is this many times its neighbours': two standard deviations.
 static const double outlier = 4;
 
-// Ratios of an interval's ends beyond which a bound is told alone: of all of it, and of what the
-// pixels' own values leave open, which is where few pixels say what it is.
+// Where the ratio of the interval's ends exceeds the first (a factor of ten either way), or the
+// part of that ratio which the pixels' own values leave open exceeds the second, few pixels carry
+// the error, and the bound is reported alone.
 static const double factor_max = 100, open_max = 10;
 
-static const double unseen_paths = 3;        // exp(-3) = 5 %
-static const double seen_part = 0.25;        // of F, of a sample that counts as one of these paths
-static const double unseen_negligible = 0.1; // of the error
+// Paths that may be expected where none was found: the chance of none is exp(-3) = 5 %.
+static const double unseen_paths = 3;
+// A sample with this part of the brightest light F counts as a path that found it: what is left of
+// the light after a path has lost three quarters of it on its way.
+static const double seen_part = 0.25;
+// Below this part of the error, unseen light only moves the interval's upper end.
+static const double unseen_negligible = 0.1;
 
 // A sum over pixels, and that of their squares.
 struct variance {
@@ -302,13 +308,13 @@ static struct tile sum_tiles(const struct estimator *estimator)
     return total;
 }
 
-// As how many equal terms tell it.
+// The number of equal terms with the same relative uncertainty.
 static double terms_of(const struct variance *variance)
 {
     return fmax(variance->sum * variance->sum / variance->squares, 1);
 }
 
-// So many of its own are what an error of this variance may be wrong by, at this quantile.
+// The quantile of the error's deviation, relative to the error.
 static double relative_uncertainty(double error, const struct variance *variance, double quantile)
 {
     if (!(variance->sum > 0) || !(error > 0))
@@ -350,8 +356,8 @@ static void conclude(const struct estimator *estimator, struct half_error *out)
     double up = exp(relative_uncertainty(total.error, &total.up, two_sided));
     double down = exp(relative_uncertainty(total.error, &total.down, two_sided));
     double bound = exp(relative_uncertainty(total.error, &total.up, confidence));
-    // Few pixels carry it, so that a factor would soon be beyond all that is possible.
     const struct light_errors *lights = &total.small_lights.error;
+    // Few pixels carry relMSE: a factor exp(uncertainty) would soon exceed all that is possible.
     double relmse_most =
         total.relmse_most + light_errors_most(&total.small_lights.relmse, confidence);
     double relmse_bound = 1 + relative_uncertainty(relmse_most, &total.relmse, confidence);

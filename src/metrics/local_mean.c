@@ -25,6 +25,11 @@ static const double gaussian[LOCAL_REACH + 1] = {
     0.0038659201394728076,
 };
 
+double local_window_weight(int dx, int dy)
+{
+    return gaussian[abs(dx)] * gaussian[abs(dy)];
+}
+
 bool local_window_init(struct local_window *window, uint32_t width, uint32_t height,
                        local_load_fn load, const void *context)
 {

@@ -49,6 +49,9 @@ void local_window_start(struct local_window *window, uint32_t y);
 // Makes row y, the first or the one after the last, ready for local_mean_at().
 void local_window_enter(struct local_window *window, uint32_t y);
 void local_mean_at(const struct local_window *window, uint32_t x, struct local_mean *out);
+// The window's weight of a neighbour, at most LOCAL_REACH pixels away on each axis; the pixel's own
+// is 1.
+double local_window_weight(int dx, int dy);
 
 // The weight of a squared error where the pixel's own value is known, a third of 1 / (L^2 +
 // epsilon), and how it falls with the neighbours' mean. That this is noisy is allowed for:

@@ -2,11 +2,17 @@
 
 #include <math.h>
 
-// A small emitter that so many samples were to meet, and none has, is hidden from where it was
-// looked for, or smaller than was thought: a chance of exp(-7) = .1 %.
+// Seven samples should have met an emitter, and none has: it is hidden from where it was looked
+// for, or smaller than was thought. The chance of none is exp(-7) = .1 %.
 static const double expected_max = 7;
-enum { LOOK_REACH = 16 };           // pixels that all are looked at
-static const double met_part = 0.5; // of its radiance, of a sample that has met it
+
+// A blurred emitter may be seen in many pixels. Up to this radius each of them is looked at, beyond
+// it a lattice of as many: with more, judging a picture of 16,384 blurred lamps took 4 s.
+enum { LOOK_REACH = 16 };
+
+// A sample that has met an emitter adds at least this part of its radiance: the pixel filter and
+// the emitter's edge may take the rest.
+static const double met_part = 0.5;
 
 double half_error_samples(const struct half_error_params *params, uint64_t pixel)
 {
@@ -33,8 +39,8 @@ static double mean_at(const struct half_error_params *params, uint64_t pixel, in
     return ((double)params->half_a[pixel][c] + (double)params->half_b[pixel][c]) / 2;
 }
 
-// The median of the pixels around one, the lesser of two in the middle: what is behind a light,
-// which bright neighbours of its own do not move.
+// The light behind an emitter: the median of the pixels around, the lesser of the two in the
+// middle. A mean would take the emitter's own blurred neighbours for the background.
 static double find_background(const struct half_error_params *params, uint32_t x, uint32_t y, int c)
 {
     double values[8];
@@ -53,8 +59,8 @@ static double find_background(const struct half_error_params *params, uint32_t x
     return count > 0 ? values[(count - 1) / 2] : 0;
 }
 
-// Whether a pixel that it may be seen in is as bright as if a sample had met it. Of many pixels
-// some are looked at: a light that only others have met counts as if none had.
+// True where some pixel that the light may be seen in is as bright as one sample of it makes it. A
+// light that only pixels beside the lattice have met counts as if none had.
 static bool is_met(const struct half_error_params *params, const struct small_light *light)
 {
     int c = light->radiance[0] >= light->radiance[1] ? 0 : 1;
@@ -75,40 +81,45 @@ static bool is_met(const struct half_error_params *params, const struct small_li
     return false;
 }
 
-// Pixels that a light may be seen in, each of which has as much of it.
+// The number of pixels that a light may be seen in, each with an equal part of it.
 static double pixels_of(const struct small_light *light)
 {
     return fmax(M_PI * (double)light->radius * (double)light->radius, 1);
 }
 
-// What is around a pixel, as it is known: with the light of small emitters there instead of that of
-// the samples that happened to meet them, where that is less. A mean that is too high would make
-// errors seem small.
+// Adds the light of small emitters in a row of the window around one of them, by the window's
+// weights.
+static void add_lights_of_row(const struct unseen_light *unseen, const struct small_light *light,
+                              uint32_t y, double sums[3])
+{
+    uint32_t left = light->x > LOCAL_REACH ? light->x - LOCAL_REACH : 0;
+    const struct small_light *end = unseen->small + unseen->small_count;
+    const struct small_light *other = small_lights_from(unseen, left, y);
+    for (; other < end && other->y == y && other->x <= light->x + LOCAL_REACH; other++) {
+        double weight = local_window_weight((int)(other->x - light->x), (int)(y - light->y));
+        for (int c = 0; c < 3 && other != light; c++)
+            sums[c] += weight * (double)other->part * (double)other->radiance[c] / pixels_of(other);
+    }
+}
+
+// The mean around a pixel, with the known light of small emitters there in place of the samples
+// that happened to meet them, where that is less. A mean that is too high would make errors seem
+// small.
 static struct local_mean find_known_mean(const struct half_error_params *params,
                                          const struct small_light *light,
                                          const struct local_mean *around)
 {
-    const struct unseen_light *unseen = &params->unseen;
-    double others = (1 - around->own) / around->own, known[3]; // their weights, of own ones of 1
-    for (int c = 0; c < 3; c++)
-        known[c] = find_background(params, light->x, light->y, c);
-    for (int64_t y = (int64_t)light->y - LOCAL_REACH; y <= (int64_t)light->y + LOCAL_REACH; y++) {
-        uint32_t left = light->x > LOCAL_REACH ? light->x - LOCAL_REACH : 0;
-        const struct small_light *other =
-            small_lights_from(unseen, left, (uint32_t)(y > 0 ? y : 0));
-        for (; y >= 0 && other < unseen->small + unseen->small_count && (int64_t)other->y == y &&
-               other->x <= light->x + LOCAL_REACH;
-             other++) {
-            double dx = (double)other->x - light->x, dy = (double)other->y - light->y;
-            double weight = exp(-(dx * dx + dy * dy) / 4.5) / others;
-            for (int c = 0; c < 3 && other != light; c++)
-                known[c] +=
-                    weight * (double)other->part * (double)other->radiance[c] / pixels_of(other);
-        }
-    }
     struct local_mean mean = *around;
-    for (int c = 0; c < 3 && around->own < 1; c++)
-        mean.mean[c] = fmin(mean.mean[c], known[c]);
+    if (!(around->own < 1))
+        return mean;
+    double sums[3] = {0}, weights = (1 - around->own) / around->own; // the neighbours'; own: 1
+    uint32_t top = light->y > LOCAL_REACH ? light->y - LOCAL_REACH : 0;
+    for (uint32_t y = top; y <= light->y + LOCAL_REACH && y < params->height; y++)
+        add_lights_of_row(&params->unseen, light, y, sums);
+    for (int c = 0; c < 3; c++) {
+        double background = find_background(params, light->x, light->y, c);
+        mean.mean[c] = fmin(mean.mean[c], background + sums[c] / weights);
+    }
     return mean;
 }
 
@@ -120,8 +131,8 @@ static void add_unmet(struct small_lights *sums, const struct half_error_params 
     for (int c = 0; c < 3; c++) {
         double missing = (double)light->part * (double)light->radiance[c] / pixels;
         double local = around->own * missing + (1 - around->own) * around->mean[c];
-        double value = missing + fmax(mean_at(params, at, c), 0),
-               square = pixels * missing * missing / 3;
+        double value = missing + fmax(mean_at(params, at, c), 0);
+        double square = pixels * missing * missing / 3;
         sums->error.unmet += square / (local * local + METRICS_RELMSE_EPSILON);
         sums->relmse.unmet += square / (value * value + METRICS_RELMSE_EPSILON);
     }
@@ -191,7 +202,7 @@ void small_lights_join(struct small_lights *sums, const struct small_lights *oth
     join(&sums->relmse, &other->relmse);
 }
 
-// As many equal terms deviate as the expected errors do.
+// The number of equal terms whose sum would deviate as the expected errors' sum does.
 static double find_terms(const struct light_errors *errors)
 {
     return fmax(errors->expected * errors->expected / errors->squares, 1);

@@ -18,8 +18,8 @@ struct projection {
 struct projected {
     double x, y;         // pixels from the upper left corner of the picture, also outside of it
     double depth;        // along the line of sight; panoramas: the distance
-    double origin[3];    // where the ray to it begins, and its direction, unit
-    double direction[3]; //
+    double origin[3];    // of the ray to it
+    double direction[3]; // of that ray; a unit vector
     double distance;     // from that origin
     double pixel_area;   // of a pixel there, across the ray
     double pixel_size;   // its shorter side
@@ -29,9 +29,10 @@ struct projected {
 void projection_make(const struct camera *camera, const struct flat_scene *flat, uint32_t width,
                      uint32_t height, struct projection *out);
 
-// Of a point in the flat scene's space; false where it is behind the camera.
+// Projects a point in the flat scene's space; false where it is behind the camera.
 bool projection_find(const struct projection *p, const double point[3], struct projected *out);
-// Of what is infinitely far in a direction, unit: lengths are angles then, areas solid angles.
+// Projects a point at infinity in a direction, a unit vector: lengths are then angles, and areas
+// are solid angles.
 bool projection_find_far(const struct projection *p, const double direction[3],
                          struct projected *out);
 

@@ -5,9 +5,9 @@
 // A row with SETTING_OF_FILE has no option of its own; one with SETTING_OF_IMAGE changes how the
 // film is shown, and no bit of it.
 //
-// Ranges: counts end at 2^20, where paths end, or are "off"; what is stored in single precision ends
-// at 3.4e38, the round number below its greatest, and lengths begin at 1e-37, above which it has all
-// its digits. No range refuses what an earlier one took and a kernel can tell from 0.
+// Ranges: counts end at 2^20, where paths end, or are "off"; what is stored in single precision
+// ends at 3.4e38, the round number below its greatest, and lengths begin at 1e-37, above which it
+// has all its digits. No range refuses what an earlier one took and a kernel can tell from 0.
 #ifndef SETTING_OF_FILE
 #define SETTING_OF_FILE(...)
 #endif
