@@ -17,7 +17,7 @@ unsigned cpu_count(void)
     return count < PARALLEL_MAX_THREADS ? (unsigned)count : PARALLEL_MAX_THREADS;
 }
 
-struct job {
+struct loop {
     parallel_fn fn;
     void *context;
     size_t count, grain, chunks;
@@ -25,35 +25,35 @@ struct job {
 };
 
 struct worker {
-    struct job *job;
+    struct loop *loop;
     unsigned thread;
     pthread_t handle;
 };
 
 // Chunks are handed out one by one, so that a slow one does not hold up the others. The counter
 // passes `chunks` by at most one a thread.
-static void job_run(struct job *job, unsigned thread)
+static void loop_run(struct loop *loop, unsigned thread)
 {
     for (;;) {
-        size_t chunk = atomic_fetch_add_explicit(&job->next_chunk, 1, memory_order_relaxed);
-        if (chunk >= job->chunks)
+        size_t chunk = atomic_fetch_add_explicit(&loop->next_chunk, 1, memory_order_relaxed);
+        if (chunk >= loop->chunks)
             return;
-        size_t begin = chunk * job->grain;
-        size_t end = job->count - begin < job->grain ? job->count : begin + job->grain;
-        job->fn(job->context, begin, end, thread);
+        size_t begin = chunk * loop->grain;
+        size_t end = loop->count - begin < loop->grain ? loop->count : begin + loop->grain;
+        loop->fn(loop->context, begin, end, thread);
     }
 }
 
 static void *worker_main(void *argument)
 {
     struct worker *worker = argument;
-    job_run(worker->job, worker->thread);
+    loop_run(worker->loop, worker->thread);
     return NULL;
 }
 
 // Starts workers 1 … threads - 1 and returns how many started. Signals are blocked in them, so that
 // handlers run in the caller's thread.
-static unsigned workers_start(struct worker *workers, unsigned threads, struct job *job)
+static unsigned workers_start(struct worker *workers, unsigned threads, struct loop *loop)
 {
     sigset_t all, previous;
     sigfillset(&all);
@@ -61,7 +61,7 @@ static unsigned workers_start(struct worker *workers, unsigned threads, struct j
     unsigned started = 0;
     while (started + 1 < threads) {
         struct worker *worker = &workers[started];
-        *worker = (struct worker){.job = job, .thread = started + 1};
+        *worker = (struct worker){.loop = loop, .thread = started + 1};
         if (pthread_create(&worker->handle, NULL, worker_main, worker) != 0)
             break;
         started++;
@@ -75,15 +75,15 @@ void parallel_for(size_t count, size_t grain, unsigned threads, parallel_fn fn, 
     if (count == 0)
         return;
     grain = grain > 0 ? grain : 1;
-    struct job job = {.fn = fn, .context = context, .count = count, .grain = grain};
-    job.chunks = count / grain + (count % grain != 0);
+    struct loop loop = {.fn = fn, .context = context, .count = count, .grain = grain};
+    loop.chunks = count / grain + (count % grain != 0);
     threads = threads > 0 ? threads : cpu_count();
     threads = threads < PARALLEL_MAX_THREADS ? threads : PARALLEL_MAX_THREADS;
-    threads = threads < job.chunks ? threads : (unsigned)job.chunks;
+    threads = threads < loop.chunks ? threads : (unsigned)loop.chunks;
 
     struct worker workers[PARALLEL_MAX_THREADS - 1];
-    unsigned started = workers_start(workers, threads, &job);
-    job_run(&job, 0);
+    unsigned started = workers_start(workers, threads, &loop);
+    loop_run(&loop, 0);
     for (unsigned i = 0; i < started; i++)
         pthread_join(workers[i].handle, NULL);
 }

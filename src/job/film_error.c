@@ -1,6 +1,7 @@
 #include "job/film_error.h"
 
 #include "render/probe/in_view.h"
+#include "render/sampling_plan.h"
 #include <math.h>
 #include <stdio.h>
 
@@ -11,7 +12,7 @@ bool film_error_prepare(struct renderer *renderer, uint64_t samples, struct aren
     *out = (struct film_error_params){
         .samples = samples,
         .shares_depths = s->roulette == ROULETTE_FRAME && (s->features & FEATURE_ROULETTE) != 0,
-        .is_contiguous = s->halves == HALVES_CONTIGUOUS,
+        .is_contiguous = halves_are_contiguous(renderer),
         .planned = renderer->frame.samples,
     };
     return renderer_find_unseen(renderer, arena, &out->unseen, err);

@@ -19,6 +19,10 @@
 #include "render/adaptive.h"
 #include "render/checkpoint.h"
 
+struct kernel_recording;
+struct kernel_recording_params;
+struct replay;
+
 // --- what is asked for ---------------------------------------------------------------------------
 
 // What ends the render: whatever comes first.
@@ -137,6 +141,7 @@ struct job_rescue {
     bool is_too_large;        // for the memory budget, which was said
 };
 
+// To be read by all; to be changed by the functions below alone.
 struct job {
     struct job_params params;
     struct scene *scene;
@@ -201,8 +206,16 @@ bool job_run(struct job *job, struct err *err);
 // For those that decide themselves when to look: replicates, repetitions, a viewer's frames.
 // Empties the film and begins with the first sample of another seed, of `planned` samples a pixel.
 bool job_begin(struct job *job, uint32_t seed, uint64_t planned, struct err *err);
-// A seed whose samples have nothing in common with those of `seed`, nor of seeds close to it.
-uint32_t job_pilot_seed(uint32_t seed);
+// The seed of a reference for renders with `seed` and those above it: they share no samples.
+uint32_t job_reference_seed(uint32_t seed);
+// What samples take, found from samples that are in no image.
+struct job_speed {
+    uint64_t samples; // of a pixel
+    double seconds;   // of rendering; 0: not known
+};
+// Compiles, as drivers do at the first dispatch; then measures for so many seconds, unless 0.
+// Leaves the film to job_begin().
+bool job_warm_up(struct job *job, double seconds, struct job_speed *out, struct err *err);
 struct job_step {
     uint64_t samples; // of a pixel since the beginning (with `adaptive`: rounds); UINT64_MAX: any
     double seconds;   // of rendering since the beginning; 0: no limit
@@ -219,6 +232,31 @@ void job_go_on(struct job *job);
 
 double job_elapsed(const struct job *job); // seconds of rendering since the beginning
 
+// --- what may change on the way ------------------------------------------------------------------
+
+// See renderer_set_camera(): the film begins anew.
+bool job_set_camera(struct job *job, const struct camera *camera, uint32_t width, uint32_t height,
+                    bool *fits, struct err *err);
+// See renderer_clear(): the film begins anew with samples that it had not before.
+bool job_clear(struct job *job, struct err *err);
+// See renderer_resize(): so many paths at a time.
+bool job_set_wave(struct job *job, uint32_t paths, struct err *err);
+void job_set_progress(struct job *job, const struct progress *progress);
+void job_set_listener(struct job *job, const struct job_listener *listener); // NULL: nobody
+// What the caller does for the job counts to its seconds: the time since start_ns of clock_ns().
+enum job_work { JOB_LOADING, JOB_JUDGING, JOB_WRITING, JOB_TOTAL };
+void job_add_time(struct job *job, enum job_work work, uint64_t start_ns);
+// Copies rows of a run before this one, which it goes on from.
+void job_resume_trace(struct job *job, const struct trace_row *rows, uint32_t count);
+
+// --- probes, which leave the film alone ----------------------------------------------------------
+
+bool job_replay(struct job *job, uint32_t x, uint32_t y, uint64_t sample, struct arena *arena,
+                struct replay *out, struct err *err);            // see renderer_replay()
+bool job_count_steps(struct job *job, bool on, struct err *err); // see wave_count_steps()
+bool job_record_kernel(struct job *job, const struct kernel_recording_params *params,
+                       struct kernel_recording *out, struct err *err); // see kernel_recording.h
+
 // --- the film and its error ----------------------------------------------------------------------
 
 // Reads the film.
@@ -226,6 +264,8 @@ bool job_fetch_film(struct job *job, struct err *err);
 // Estimates the error of the film as it was read last, compares it with the reference, if there is
 // one, and finds its hash.
 bool job_judge_film(struct job *job, struct err *err);
+// Reads the film for the caller alone, into their arena.
+bool job_copy_film(struct job *job, struct arena *arena, struct film_image *out, struct err *err);
 // Reads the film and judges it.
 bool job_read_film(struct job *job, struct err *err);
 // Judges the finished film: the rescued one, or that of now, which is read.

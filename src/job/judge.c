@@ -94,7 +94,7 @@ static bool compare(struct job *job, struct err *err)
     const struct reference *reference = job->params.reference;
     reference_compare(reference, (const float(*)[3])film->mean, NULL, &job->against);
     bool has_halves = film->least_samples >= 2 && !job_shares_depths(job) &&
-                      job->renderer.specialization.halves != HALVES_CONTIGUOUS;
+                      !halves_are_contiguous(&job->renderer);
     const struct forecast_bias_params params = {
         .half_a = (const float(*)[3])film->half_a,
         .half_b = (const float(*)[3])film->half_b,
@@ -184,7 +184,7 @@ static size_t list_looks(const struct job *job, struct forecast_look *out, size_
 // Whether half of a bound is a forecast: the error of contiguous halves' samples falls as fast.
 static bool goes_by_bound(const struct job *job)
 {
-    return job->error.bounded && job->renderer.specialization.halves == HALVES_CONTIGUOUS;
+    return job->error.bounded && halves_are_contiguous(&job->renderer);
 }
 
 // Noise as the reference tells it, with an interval as wide as that of the half-buffers.

@@ -1,15 +1,43 @@
-// Sample counts by tile: a few samples that are not part of the image say where it is noisy.
+// A few samples that are not part of the image say where it is noisy, or how long samples take.
 #include "job/job_internal.h"
 
 #include "metrics/metrics.h"
 
 #define PILOT_SAMPLES 16u
+#define SPEED_SAMPLES (1u << 16)
 
 // No small difference between seeds leads to it (Knuth 1998, section 6.4: 2^32 / golden ratio).
-uint32_t job_pilot_seed(uint32_t seed)
+static uint32_t pilot_seed(uint32_t seed)
 {
     return (seed ^ 0x85ebca6bu) * 2654435769u + 0x7f4a7c15u;
 }
+
+uint32_t job_reference_seed(uint32_t seed)
+{
+    return ~seed;
+}
+
+// --- how long samples take -----------------------------------------------------------------------
+
+bool job_warm_up(struct job *job, double seconds, struct job_speed *out, struct err *err)
+{
+    struct job_step step = {.samples = 1, .to = 1e-9};
+    *out = (struct job_speed){0};
+    if (!job_begin(job, pilot_seed(job->scene->settings.seed), SPEED_SAMPLES, err) ||
+        !job_advance(job, &step, err))
+        return false;
+    double start = job_elapsed(job);
+    for (step.samples = 2;
+         !job_is_stopped(job) && out->seconds < seconds && step.samples <= SPEED_SAMPLES;
+         step.samples *= 2) {
+        if (!job_advance(job, &step, err))
+            return false;
+        *out = (struct job_speed){step.samples - 1, job_elapsed(job) - start};
+    }
+    return true;
+}
+
+// --- sample counts by tile -----------------------------------------------------------------------
 
 static bool set_even_plan(struct job *job, struct arena *arena, struct err *err)
 {
@@ -53,7 +81,7 @@ bool job_run_pilot(struct job *job, struct err *err)
     uint32_t seed = r->frame.seed;
     const struct render_call call = {.samples = 1, .progress_to = 1e-9, .stopped = &job->stopped};
     struct arena scratch = {0};
-    bool ok = set_even_plan(job, &scratch, err) && renderer_restart(r, job_pilot_seed(seed), err) &&
+    bool ok = set_even_plan(job, &scratch, err) && renderer_restart(r, pilot_seed(seed), err) &&
               renderer_render(r, &call, err);
     // Without a plan the pilot is all there is.
     if (ok && !job->stopped)

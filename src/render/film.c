@@ -1,6 +1,7 @@
 #include "render/film.h"
 
 #include "render/frame.h"
+#include "render/sampling_plan.h"
 #include "shared/aov.h"
 
 #include <math.h>
@@ -109,7 +110,7 @@ static bool resolve(struct renderer *r, uint32_t chunk, uint64_t first, uint32_t
 static uint32_t samples_of_first_half(const struct renderer *r, uint32_t samples)
 {
     uint32_t planned = r->frame.samples - r->frame.samples / 2;
-    if (r->specialization.halves == HALVES_CONTIGUOUS)
+    if (halves_are_contiguous(r))
         return samples < planned ? samples : planned;
     return samples - samples / 2;
 }

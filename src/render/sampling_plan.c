@@ -43,6 +43,11 @@ void sampling_plan(struct renderer *r, bool open_ended)
                  (unsigned long long)LCG_STATES, (unsigned long long)samples);
 }
 
+bool halves_are_contiguous(const struct renderer *r)
+{
+    return r->specialization.halves == HALVES_CONTIGUOUS;
+}
+
 void renderer_plan_samples(struct renderer *r, uint64_t samples)
 {
     r->frame.samples = (uint32_t)samples;
@@ -55,9 +60,9 @@ void sampling_plan_check(struct renderer *r, uint64_t samples)
         return;
     if (sample_planning(&r->scene->settings, NULL) != PLANNING_NEEDED)
         return;
-    bool contiguous = r->specialization.halves == HALVES_CONTIGUOUS;
     r->warned_beyond_plan = true;
     log_warn("more samples than the %llu planned: %s", (unsigned long long)planned,
-             contiguous ? "the halves are unequal, and the error that they tell is no bound"
-                        : "further ones have strata of their own");
+             halves_are_contiguous(r)
+                 ? "the halves are unequal, and the error that they tell is no bound"
+                 : "further ones have strata of their own");
 }

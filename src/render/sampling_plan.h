@@ -17,6 +17,9 @@ enum sample_planning {
 // NULL.
 enum sample_planning sample_planning(const struct settings *settings, const char **option);
 
+// Whether each half-buffer has half of one sequence: their difference then bounds the error.
+bool halves_are_contiguous(const struct renderer *renderer);
+
 // Settles renderer->frame.samples and the half-buffers, after frame_fill() and before anything is
 // compiled or uploaded. open_ended: how many samples a pixel gets is not known. Warns where that,
 // or their number, keeps the sampler from being what was asked for.

@@ -120,7 +120,7 @@ TEST(steps_make_what_a_run_makes)
         REQUIRE_OK(start(&whole, &gpu, &scenes[0], (struct job_goal){.samples = 9}, &err) &&
                    job_run(&whole, &err) && job_read_film(&whole, &err));
         REQUIRE_OK(start(&steps, &gpu, &scenes[1], (struct job_goal){.samples = 3}, &err) &&
-                   job_begin(&steps, job_pilot_seed(scenes[1].settings.seed), 5, &err) &&
+                   job_begin(&steps, job_reference_seed(scenes[1].settings.seed), 5, &err) &&
                    job_advance(&steps, &(struct job_step){.samples = 5}, &err) &&
                    job_begin(&steps, scenes[1].settings.seed, 9, &err));
         for (uint64_t samples = 2; samples <= 9; samples += samples == 8 ? 1 : 3)

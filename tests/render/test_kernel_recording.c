@@ -51,11 +51,11 @@ static uint64_t try_kernel(struct setup *s, enum kernel_id kernel, uint32_t dept
     CHECK(ok, "%s, depth %u: %s", name, depth, err.msg);
     for (int run = 0; run < 2 && ok && recorded.items > 0; run++) {
         double ms = -1.0;
-        ok = kernel_recording_run(&s->r, &recorded, &ms, &err);
+        ok = kernel_recording_run(&recorded, &ms, &err);
         CHECK(ok && ms > 0.0, "%s, depth %u, %g ms: %s", name, depth, ms, err.msg);
     }
     uint64_t items = recorded.items;
-    CHECK(kernel_recording_finish(&s->r, &recorded, &err), "%s: %s", name, err.msg);
+    CHECK(kernel_recording_finish(&recorded, &err), "%s: %s", name, err.msg);
     return items;
 }
 
@@ -152,14 +152,14 @@ TEST(other_results_are_found)
     OPEN_GPU(&s.gpu, .validation = false);
     REQUIRE_OK(create(&s, "scenes/cornell.json", &err));
     REQUIRE_OK(record_closest(&s, 0, &recorded, &err));
-    REQUIRE_OK(kernel_recording_run(&s.r, &recorded, &ms, &err));
+    REQUIRE_OK(kernel_recording_run(&recorded, &ms, &err));
     struct gpu_buffer *kept = &recorded.kept[BINDING_PATHS];
     uint64_t at = 100 * sizeof path;
     REQUIRE_OK(gpu_download(&s.gpu, kept, at, &path, sizeof path, &err));
     path.direction[0] += 0.01f;
     REQUIRE_OK(gpu_upload(&s.gpu, kept, at, &path, sizeof path, &err));
-    CHECK(!kernel_recording_run(&s.r, &recorded, &ms, &err) && err.code == ERR_BUG, "%s", err.msg);
-    CHECK(kernel_recording_finish(&s.r, &recorded, &err), "%s", err.msg);
+    CHECK(!kernel_recording_run(&recorded, &ms, &err) && err.code == ERR_BUG, "%s", err.msg);
+    CHECK(kernel_recording_finish(&recorded, &err), "%s", err.msg);
     finish(&s);
 }
 
@@ -174,11 +174,11 @@ TEST(refusals)
     REQUIRE_OK(create(&s, "scenes/cornell.json", &err));
     CHECK(!kernel_recording_create(&s.r, &params, &recorded, &err) && err.code == ERR_USAGE,
           "left out");
-    CHECK(kernel_recording_finish(&s.r, &recorded, &err), "%s", err.msg);
+    CHECK(kernel_recording_finish(&recorded, &err), "%s", err.msg);
     params = (struct kernel_recording_params){KERNEL_intersect_closest, 1000, SAMPLES};
     REQUIRE_OK(kernel_recording_create(&s.r, &params, &recorded, &err));
     CHECK(recorded.items == 0, "%llu items", (unsigned long long)recorded.items);
-    CHECK(kernel_recording_finish(&s.r, &recorded, &err), "%s", err.msg);
+    CHECK(kernel_recording_finish(&recorded, &err), "%s", err.msg);
 
     // As on a device whose memory the render has used up.
     bool is_cpu = s.gpu.info.is_cpu;
@@ -186,7 +186,7 @@ TEST(refusals)
     s.gpu.info.is_cpu = false;
     s.gpu.info.memory_bytes = s.gpu.allocated_bytes + 1000;
     CHECK(!record_closest(&s, 1, &recorded, &err) && strstr(err.msg, "1000 left"), "%s", err.msg);
-    CHECK(kernel_recording_finish(&s.r, &recorded, &err), "%s", err.msg);
+    CHECK(kernel_recording_finish(&recorded, &err), "%s", err.msg);
     s.gpu.info.is_cpu = is_cpu;
     s.gpu.info.memory_bytes = memory;
     CHECK(try_kernel(&s, KERNEL_intersect_closest, 1) > 0, "no rays");
@@ -196,10 +196,10 @@ TEST(refusals)
     CHECK(!record_closest(&s, 0, &recorded, &err) && err.code == ERR_GPU &&
               strstr(err.msg, "more than 3 steps"),
           "%s", err.msg);
-    CHECK(kernel_recording_finish(&s.r, &recorded, &err), "%s", err.msg);
+    CHECK(kernel_recording_finish(&recorded, &err), "%s", err.msg);
     specialization_suspend(&s.r.specialization);
     CHECK(!record_closest(&s, 0, &recorded, &err) && err.code == ERR_GPU, "%s", err.msg);
-    CHECK(kernel_recording_finish(&s.r, &recorded, &err), "%s", err.msg);
+    CHECK(kernel_recording_finish(&recorded, &err), "%s", err.msg);
     finish(&s);
 }
 
@@ -253,13 +253,13 @@ TEST(steps)
             i % 2 ? KERNEL_intersect_shadow : KERNEL_intersect_closest, i / 2, SAMPLES};
         REQUIRE_OK(kernel_recording_create(&s.r, &params, &recorded, &err));
         if (recorded.items > 0) {
-            REQUIRE_OK(kernel_recording_count_steps(&s.r, &recorded, &nodes, &primitives, &err));
+            REQUIRE_OK(kernel_recording_count_steps(&recorded, &nodes, &primitives, &err));
             CHECK(nodes >= recorded.items, "%llu nodes for %llu rays", (unsigned long long)nodes,
                   (unsigned long long)recorded.items);
             sum[which] += nodes;
             sum[which + 1] += primitives;
         }
-        CHECK(kernel_recording_finish(&s.r, &recorded, &err), "%s", err.msg);
+        CHECK(kernel_recording_finish(&recorded, &err), "%s", err.msg);
     }
     REQUIRE_OK(wave_count_steps(&s.r, true, &err));
     REQUIRE_OK(render(&s.r, &arena, &counted, &err));

@@ -187,7 +187,7 @@ static bool record(struct contest *c, uint32_t variant, struct err *err)
             log_warn("%s: %s leaves it out", kernel_names[params.kernel], v->scene_data.path);
         return true;
     }
-    if (!kernel_recording_create(&v->job.renderer, &params, recorded, err))
+    if (!job_record_kernel(&v->job, &params, recorded, err))
         return fail(c, v, err);
     row->items = recorded->items;
     row->launches = recorded->launches;
@@ -198,10 +198,9 @@ static bool record(struct contest *c, uint32_t variant, struct err *err)
         return true;
     }
     if (is_traced(params.kernel) &&
-        !kernel_recording_count_steps(&v->job.renderer, recorded, &row->nodes, &row->primitives,
-                                      err))
+        !kernel_recording_count_steps(recorded, &row->nodes, &row->primitives, err))
         return fail(c, v, err);
-    if (!kernel_recording_run(&v->job.renderer, recorded, &ms, err)) // warms up
+    if (!kernel_recording_run(recorded, &ms, err)) // warms up
         return fail(c, v, err);
     if (is_traced(params.kernel))
         row->bytes = bytes_traced(&v->job.renderer, row);
@@ -226,8 +225,7 @@ static bool run_rounds(struct contest *c, struct err *err)
             if (is_stopped(b))
                 return true;
             if (c->recorded[i].items > 0 &&
-                !kernel_recording_run(&v->job.renderer, &c->recorded[i],
-                                      &v->rows[c->index].ms[round], err))
+                !kernel_recording_run(&c->recorded[i], &v->rows[c->index].ms[round], err))
                 return fail(c, v, err);
         }
     }
@@ -244,8 +242,7 @@ static bool run_target(struct contest *c, struct err *err)
         ok = record(c, i, err);
     ok = ok && run_rounds(c, err);
     for (uint32_t i = 0; i < b->variant_count; i++)
-        ok &= kernel_recording_finish(&b->variants[i].job.renderer, &c->recorded[i],
-                                      ok ? err : &ignored);
+        ok &= kernel_recording_finish(&c->recorded[i], ok ? err : &ignored);
     return ok;
 }
 

@@ -353,11 +353,12 @@ static bool warm_up(struct bench *b, struct bench_variant *v, struct job_step st
     step.observer = &observer;
     if (b->stopped)
         return true;
-    v->job.params.listener = (struct job_listener){.after_wave = count_wave, .context = &census};
-    if (!wave_count_steps(&v->job.renderer, true, err) || !repeat(b, v, step, &ms, err) ||
-        !wave_count_steps(&v->job.renderer, false, err))
+    const struct job_listener listener = {.after_wave = count_wave, .context = &census};
+    job_set_listener(&v->job, &listener);
+    if (!job_count_steps(&v->job, true, err) || !repeat(b, v, step, &ms, err) ||
+        !job_count_steps(&v->job, false, err))
         return false;
-    v->job.params.listener = (struct job_listener){0};
+    job_set_listener(&v->job, NULL);
     b->seconds.counting += clock_seconds_since(start);
     v->closest_rays = v->job.renderer.stats.closest_rays - before.closest_rays;
     v->shadow_rays = v->job.renderer.stats.shadow_rays - before.shadow_rays;

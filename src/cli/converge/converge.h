@@ -58,8 +58,7 @@ struct converge_curve {
     struct converge_sample *samples; // replicate * points + point
     float (**pictures)[3];           // of the last point, one a replicate; NULL: not kept
     double start_seconds;            // load, BVH, upload and compile
-    uint64_t speed_samples;          // samples a pixel, and the seconds that they took: what a
-    double speed_seconds;            // number of samples is planned from
+    struct job_speed speed;          // what a number of samples is planned from
 
     // What follows from the samples.
     struct converge_point *points;

@@ -17,9 +17,9 @@ static double longest_samples(const struct converge *c, uint32_t scene)
         return (double)c->spp[c->point_count - 1];
     for (uint32_t i = 0; i < c->curve_count; i++) {
         const struct converge_curve *curve = &c->curves[i];
-        if (curve->variant.scene == scene && curve->speed_seconds > 0)
-            most = fmax(most, c->seconds[c->point_count - 1] * (double)curve->speed_samples /
-                                  curve->speed_seconds);
+        if (curve->variant.scene == scene && curve->speed.seconds > 0)
+            most = fmax(most, c->seconds[c->point_count - 1] * (double)curve->speed.samples /
+                                  curve->speed.seconds);
     }
     return ceil(most);
 }
@@ -40,9 +40,10 @@ static bool render(struct converge *c, uint32_t scene, struct err *err)
     bool ok = converge_open(c, &curve, err);
     c->phase = "Reference";
     const struct job_step all = {.samples = out->spp, .to = 1.0};
-    ok = ok && job_begin(&curve.job, ~curve.scene_data.settings.seed, out->spp, err) &&
+    ok = ok &&
+         job_begin(&curve.job, job_reference_seed(curve.scene_data.settings.seed), out->spp, err) &&
          converge_advance(c, &curve.job, &all, err) &&
-         renderer_read(&curve.job.renderer, &c->arena, &film, err);
+         job_copy_film(&curve.job, &c->arena, &film, err);
     if (ok && c->stopped)
         ok = err_set(err, ERR_STOPPED, "stopped while the reference was rendered");
     if (ok) {

@@ -70,28 +70,14 @@ bool converge_open(struct converge *c, struct converge_curve *curve, struct err 
     return true;
 }
 
-// Drivers compile at the first dispatch, which is no part of any replicate. With --times it is also
-// measured how long samples take. Its own seed: samples that were seen are no replicate's.
+// With --times it is also measured how long samples take.
 #define PILOT_SECONDS 0.1
-#define PILOT_SAMPLES (1u << 16)
 
-static bool run_pilot(struct converge *c, struct converge_curve *curve, struct err *err)
+static bool warm_up(struct converge *c, struct converge_curve *curve, struct err *err)
 {
-    struct job *job = &curve->job;
-    struct job_step step = {.samples = 1, .to = 1e-9};
-    if (!job_begin(job, job_pilot_seed(curve->scene_data.settings.seed), PILOT_SAMPLES, err) ||
-        !converge_advance(c, job, &step, err))
+    if (!job_warm_up(&curve->job, c->seconds ? PILOT_SECONDS : 0.0, &curve->speed, err))
         return false;
-    double start = job_elapsed(job);
-    for (step.samples = 2; c->seconds && !c->stopped && curve->speed_seconds < PILOT_SECONDS &&
-                           step.samples <= PILOT_SAMPLES;
-         step.samples *= 2) {
-        if (!converge_advance(c, job, &step, err))
-            return false;
-        curve->speed_samples = step.samples - 1;
-        curve->speed_seconds = job_elapsed(job) - start;
-    }
-    return !c->stopped || err_set(err, ERR_STOPPED, "stopped before the first replicate");
+    return !curve->job.stopped || err_set(err, ERR_STOPPED, "stopped before the first replicate");
 }
 
 // --- progress ------------------------------------------------------------------------------------
@@ -121,7 +107,7 @@ bool converge_prepare(struct converge *c, struct err *err)
     if (!gpu_open(&c->options->device.gpu, &c->gpu, err))
         return false;
     for (uint32_t i = 0; i < c->curve_count; i++)
-        if (!converge_open(c, &c->curves[i], err) || !run_pilot(c, &c->curves[i], err))
+        if (!converge_open(c, &c->curves[i], err) || !warm_up(c, &c->curves[i], err))
             return false;
     return true;
 }
@@ -152,7 +138,7 @@ static uint64_t plan_samples(const struct converge *c, const struct converge_cur
 {
     if (!c->seconds)
         return c->spp[point];
-    double fit = c->seconds[point] * (double)curve->speed_samples / curve->speed_seconds;
+    double fit = c->seconds[point] * (double)curve->speed.samples / curve->speed.seconds;
     return fit < 1 ? 1 : fit < SETTINGS_SPP_MAX ? (uint64_t)fit : SETTINGS_SPP_MAX;
 }
 
@@ -223,8 +209,8 @@ static bool measure_replicate(struct run *run, struct err *err)
         c->stopped |= progress_should_stop(&c->progress); // what is measured may be incomplete
     }
     bool is_first = run->replicate == 0; // a pilot is short, and slower
-    curve->speed_samples = (is_first ? 0 : curve->speed_samples) + run_samples(run);
-    curve->speed_seconds = (is_first ? 0 : curve->speed_seconds) + job_elapsed(&curve->job);
+    curve->speed.samples = (is_first ? 0 : curve->speed.samples) + run_samples(run);
+    curve->speed.seconds = (is_first ? 0 : curve->speed.seconds) + job_elapsed(&curve->job);
     return true;
 }
 

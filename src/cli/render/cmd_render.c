@@ -77,7 +77,6 @@ static bool load(struct render_run *run, struct err *err)
     uint64_t start = clock_ns();
     if (!options_load_scene(run->options, &run->scene, &run->camera, err))
         return false;
-    double seconds = clock_seconds_since(start);
     if (run->scene.is_hidden)
         return err_set(err, ERR_INPUT,
                        "%s: everything in the scene is hidden, and it has no environment; expected "
@@ -85,7 +84,7 @@ static bool load(struct render_run *run, struct err *err)
                        run->scene.path);
     if (!render_check_space(run, err) || !init_job(run, err))
         return false;
-    run->job.seconds.load = seconds;
+    job_add_time(&run->job, JOB_LOADING, start);
     return true;
 }
 
@@ -164,7 +163,7 @@ static bool render(struct render_run *run, struct err *err)
         write_rescued(run);
     }
     render_tev_end(run);
-    run->job.seconds.total = clock_seconds_since(run->start_ns);
+    job_add_time(&run->job, JOB_TOTAL, run->start_ns);
     progress_end(run->options->progress);
     if (run->options->json && !render_print_json(run, err))
         return false;

@@ -2,6 +2,7 @@
 #include "cli/render/render_report.h"
 #include "cli/render/sharing.h"
 #include "job/bias.h"
+#include "render/sampling_plan.h"
 #include "report/json_out.h"
 #include <inttypes.h>
 #include <math.h>
@@ -118,8 +119,7 @@ static json_t *forecast_json(const struct render_run *run)
     };
     struct forecast f;
     const char *reason = job_forecast(&run->job, &f);
-    bool is_bound = f.basis == FORECAST_AT_LEAST ||
-                    run->job.renderer.specialization.halves == HALVES_CONTIGUOUS;
+    bool is_bound = f.basis == FORECAST_AT_LEAST || halves_are_contiguous(&run->job.renderer);
     bool is_biased = run->options->reference && run->job.bias.is_certain;
     bool has_slope = f.basis == FORECAST_SLOPE;
     return json_pack("{s:o, s:o, s:o, s:o, s:f, s:s, s:b, s:o, s:i, s:o}", "local_relmse",

@@ -9,11 +9,9 @@ static const char *const alpha[] = {"A", NULL};
 static const char *const ids[] = {"object", "material", "primitive", NULL};
 static const char *const count[] = {"count", NULL};
 
-void render_list_layers(const struct render_run *run, struct render_layers *out)
+void render_list_layers(const struct film_image *film, uint32_t wanted, struct render_layers *out)
 {
-    const struct film_image *film = &run->job.film;
     const struct film_aovs *aovs = &film->aovs;
-    const uint32_t wanted = run->options->render.aovs;
     const struct image_layer layers[] = {
         {"albedo", aovs->albedo, NULL, IMAGE_LAYER_FLOAT},
         {"normal", aovs->normal, axes, IMAGE_LAYER_FLOAT},

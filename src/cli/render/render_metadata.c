@@ -81,7 +81,7 @@ static void add_layers(struct attributes *a, const struct render_run *run)
 {
     struct render_layers layers;
     const char *names = "";
-    render_list_layers(run, &layers);
+    render_list_layers(&run->job.film, run->options->render.aovs, &layers);
     for (uint32_t i = 0; i < layers.count && names; i++)
         names = arena_printf(a->arena, "%s%s%s", names, i ? "," : "", layers.list[i].name);
     if (layers.count > 0)

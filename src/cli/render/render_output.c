@@ -150,7 +150,7 @@ static bool write_picture(const struct render_run *run, const char *path, struct
 {
     const struct image image = {run->job.film.width, run->job.film.height, run->job.film.mean};
     struct render_layers layers;
-    render_list_layers(run, &layers);
+    render_list_layers(&run->job.film, run->options->render.aovs, &layers);
     struct image_write_params params = {
         .path = path,
         .image = &image,
@@ -249,6 +249,6 @@ bool render_write_outputs(struct render_run *run, uint32_t frame, struct err *er
     }
     if (!ok && !has_exr)
         save_elsewhere(run, &attributes);
-    run->job.seconds.write += clock_seconds_since(start);
+    job_add_time(&run->job, JOB_WRITING, start);
     return ok;
 }

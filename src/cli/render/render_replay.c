@@ -101,8 +101,7 @@ bool render_replay(struct render_run *run, struct err *err)
         return err_set(err, ERR_USAGE, "--pixel %u,%u is outside the picture of %u x %u", x, y,
                        settings->width, settings->height);
     struct replay replay;
-    if (!renderer_replay(&run->job.renderer, x, y, options->render.sample, &run->arena, &replay,
-                         err))
+    if (!job_replay(&run->job, x, y, options->render.sample, &run->arena, &replay, err))
         return false;
     progress_end(options->progress);
     if (options->json) {

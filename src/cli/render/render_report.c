@@ -4,6 +4,7 @@
 #include "cli/render/sharing.h"
 #include "job/bias.h"
 #include "job/film_error.h"
+#include "render/sampling_plan.h"
 #include "report/text_out.h"
 #include <inttypes.h>
 #include <stdio.h>
@@ -53,11 +54,6 @@ static void print_biases(const struct render_run *run)
         print_line("bias      ", list[i].text);
 }
 
-static bool halves_are_bound(const struct render_run *run)
-{
-    return run->job.renderer.specialization.halves == HALVES_CONTIGUOUS;
-}
-
 static void print_error(const struct render_run *run)
 {
     const struct half_error *e = &run->job.error;
@@ -100,7 +96,7 @@ static void print_forecast(const struct render_run *run)
         printf("forecast  not known: %s\n", reason);
         return;
     }
-    bool is_bound = f.basis == FORECAST_AT_LEAST || halves_are_bound(run);
+    bool is_bound = f.basis == FORECAST_AT_LEAST || halves_are_contiguous(&run->job.renderer);
     printf("forecast  twice the time: local relMSE %s about %.2g (%.2g to %.2g), ",
            is_bound ? "at most" : "of", f.error.value, f.error.low, f.error.high);
     if (f.basis == FORECAST_SLOPE)

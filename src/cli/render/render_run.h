@@ -73,8 +73,8 @@ struct render_layers {
     uint32_t count;
 };
 
-// Those that --aov asks for; their values are the film's.
-void render_list_layers(const struct render_run *run, struct render_layers *out);
+// Those of the film that are wanted (AOV_*); their values are the film's.
+void render_list_layers(const struct film_image *film, uint32_t wanted, struct render_layers *out);
 // What they take in a file at most, uncompressed, a pixel.
 uint64_t render_layer_bytes(const struct render_run *run);
 

@@ -44,15 +44,13 @@ static void pack_layer(struct tev_picture *picture, const struct image_layer *la
     }
 }
 
-// The film as the job has read it last, with the layers that are asked for. False when out of
-// memory.
-static bool pack_picture(const struct render_run *run, struct tev_picture *out)
+// The film with the layers that are asked for. False when out of memory.
+static bool pack_picture(const struct film_image *film, uint32_t aovs, struct tev_picture *out)
 {
-    const struct film_image *film = &run->job.film;
     const struct image_layer picture = {"", film->mean, NULL, IMAGE_LAYER_FLOAT};
     struct render_layers layers;
     uint32_t count = 3;
-    render_list_layers(run, &layers);
+    render_list_layers(film, aovs, &layers);
     for (uint32_t i = 0; i < layers.count; i++)
         count += count_channels(&layers.list[i]);
     *out = (struct tev_picture){
@@ -78,25 +76,23 @@ static void give_up(struct render_run *run)
     run->tev.viewer = NULL;
 }
 
-static void send_film(struct render_run *run)
+static void send_film(struct render_run *run, const struct film_image *film)
 {
     struct tev_picture picture;
-    if (pack_picture(run, &picture))
+    if (pack_picture(film, run->options->render.aovs, &picture))
         tev_send(run->tev.viewer, &picture);
     else
         give_up(run);
 }
 
-// Reads the film for this alone: what the job has read before is its own.
 static bool send_now(struct render_run *run, struct err *err)
 {
     uint64_t start = clock_ns();
-    const struct film_image kept = run->job.film;
+    struct film_image film;
     struct arena arena = {0};
-    bool ok = renderer_read(&run->job.renderer, &arena, &run->job.film, err);
+    bool ok = job_copy_film(&run->job, &arena, &film, err);
     if (ok)
-        send_film(run);
-    run->job.film = kept;
+        send_film(run, &film);
     arena_finish(&arena);
     run->tev.sent_ns = clock_ns();
     run->tev.seconds += clock_seconds_since(start);
@@ -142,7 +138,7 @@ void render_tev_end(struct render_run *run)
         return;
     tev_wait(run->tev.viewer);
     if (run->job.film.mean && tev_is_ready(run->tev.viewer))
-        send_film(run);
+        send_film(run, &run->job.film);
     tev_close(run->tev.viewer);
     run->tev.viewer = NULL;
 }

@@ -51,7 +51,7 @@ bool render_open_reference(struct render_run *run, struct err *err)
     if (!run->reference.noise_known)
         log_info("%s: its own noise is not subtracted: %s", path, run->reference.reason);
     warn_of_shared_samples(run, path);
-    run->job.seconds.judge += clock_seconds_since(start);
+    job_add_time(&run->job, JOB_JUDGING, start);
     return true;
 }
 
@@ -67,7 +67,11 @@ bool render_read_trace(struct render_run *run, struct err *err)
         log_warn("%s: does not exist: the trace begins where the checkpoint ends", path);
         return true;
     }
-    return trace_read(path, &run->job.trace, &run->arena, err);
+    struct trace trace = run->job.trace; // its identity; the rows become those of the file
+    if (!trace_read(path, &trace, &run->arena, err))
+        return false;
+    job_resume_trace(&run->job, trace.rows, trace.count);
+    return true;
 }
 
 static json_t *head_json(const struct render_run *run)
@@ -103,7 +107,7 @@ static bool write_file(struct render_run *run, struct err *err)
     bool ok = head ? trace_write(run->options->render.trace, &run->job.trace, head, err)
                    : err_memory(err, "a trace", 0);
     json_decref(head);
-    run->job.seconds.judge += clock_seconds_since(start);
+    job_add_time(&run->job, JOB_JUDGING, start);
     return ok;
 }
 

@@ -253,8 +253,9 @@ bool trace_read(const char *path, struct trace *trace, struct arena *arena, stru
     if (!file_read_own(arena, path, TRACE_BYTES_MAX, &bytes, err))
         return false;
     trace->count = 0;
+    trace->rows = ARENA_NEW(arena, struct trace_row, TRACE_ROWS_MAX);
     char *text = arena_printf(arena, "%s", (const char *)bytes.data);
-    if (!text)
+    if (!text || !trace->rows)
         return err_memory(err, "a trace", bytes.size);
     bool ok = is_json(path) ? read_json(&bytes, trace, arena, err) : read_csv(text, trace, err);
     return ok || err_prepend(err, "%s", path);

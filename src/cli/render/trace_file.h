@@ -10,7 +10,7 @@
 bool trace_check_format(const char *path, struct err *err);
 // Writes all of it atomically. JSON: `head` with the rows added; it stays the caller's.
 bool trace_write(const char *path, const struct trace *trace, json_t *head, struct err *err);
-// Reads the rows into trace->rows; texts live in `arena`. ERR_INPUT when they belong to another
+// Reads trace->rows, which live in `arena` with their texts. ERR_INPUT when they belong to another
 // render than trace->render and trace->reference say.
 bool trace_read(const char *path, struct trace *trace, struct arena *arena, struct err *err);
 

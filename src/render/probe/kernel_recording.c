@@ -329,6 +329,7 @@ bool kernel_recording_create(struct renderer *r, const struct kernel_recording_p
     enum kernel_id kernel = params->kernel;
     bool shadow = kernel == KERNEL_intersect_shadow;
     *out = (struct kernel_recording){
+        .renderer = r,
         .wave = middle_wave(r, params->samples),
         .step = {.kernel = kernel, .bounce = params->depth + shadow},
         .launches = shadow ? r->specialization.light_rays : 1,
@@ -344,30 +345,34 @@ bool kernel_recording_create(struct renderer *r, const struct kernel_recording_p
     return record(&(struct recording){.r = r, .rec = out}, err);
 }
 
-bool kernel_recording_run(struct renderer *r, const struct kernel_recording *rec, double *ms,
-                          struct err *err)
+bool kernel_recording_run(const struct kernel_recording *rec, double *ms, struct err *err)
 {
+    struct renderer *r = rec->renderer;
     uint64_t hash;
     if (!run(r, rec, ms, err) || !hash_state(r, rec, &hash, err))
         return false;
     return hash == rec->hash || err_set(err, ERR_BUG, "left behind something else than the render");
 }
 
-bool kernel_recording_count_steps(struct renderer *r, const struct kernel_recording *rec,
-                                  uint64_t *nodes, uint64_t *primitives, struct err *err)
+bool kernel_recording_count_steps(const struct kernel_recording *rec, uint64_t *nodes,
+                                  uint64_t *primitives, struct err *err)
 {
+    struct renderer *r = rec->renderer;
     double ms;
     uint32_t which = rec->step.kernel == KERNEL_intersect_shadow ? STEPS_SHADOW : STEPS_CLOSEST;
-    bool ok = wave_count_steps(r, true, err) && kernel_recording_run(r, rec, &ms, err);
+    bool ok = wave_count_steps(r, true, err) && kernel_recording_run(rec, &ms, err);
     const uint32_t(*steps)[2] = (const uint32_t(*)[2]) & r->counters->steps[which];
     *nodes = (uint64_t)steps[0][1] << 32 | steps[0][0];
     *primitives = (uint64_t)steps[1][1] << 32 | steps[1][0];
     return ok && wave_count_steps(r, false, err);
 }
 
-bool kernel_recording_finish(struct renderer *r, struct kernel_recording *rec, struct err *err)
+bool kernel_recording_finish(struct kernel_recording *rec, struct err *err)
 {
+    struct renderer *r = rec->renderer;
     bool ok = true;
+    if (!r)
+        return true;
     if (rec->kept[BINDING_FILM].handle)
         ok = gpu_begin(r->gpu, &r->commands, err);
     if (ok && rec->kept[BINDING_FILM].handle) {

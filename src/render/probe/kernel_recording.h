@@ -5,8 +5,8 @@
 //   kernel_recording_create(&r, &(struct kernel_recording_params){.kernel =
 //   KERNEL_intersect_closest, .depth = 1,
 //                                                 .samples = 4}, &recorded, &err)
-//       && kernel_recording_run(&r, &recorded, &ms, &err);
-//   kernel_recording_finish(&r, &recorded);
+//       && kernel_recording_run(&recorded, &ms, &err);
+//   kernel_recording_finish(&recorded, &err);
 #ifndef LAMPYRIS_RENDER_PROBE_KERNEL_RECORDING_H
 #define LAMPYRIS_RENDER_PROBE_KERNEL_RECORDING_H
 
@@ -22,7 +22,8 @@ struct kernel_recording_params {
 };
 
 struct kernel_recording {
-    struct wave wave; // in the middle of the picture
+    struct renderer *renderer; // must outlive it
+    struct wave wave;          // in the middle of the picture
     struct wave_step step;
     uint32_t launches; // shadow rays of a slot; else 1
     uint64_t items;    // of all launches; 0: nothing comes so far, and nothing can be run
@@ -40,15 +41,12 @@ bool kernel_recording_create(struct renderer *renderer,
 // Runs the kernel once; nothing else may have run on the renderer since, for what the kernel only
 // reads is not kept. *ms: on the device, or by the host's clock where that has no timestamps.
 // ERR_BUG when it leaves behind anything else than the render did.
-bool kernel_recording_run(struct renderer *renderer, const struct kernel_recording *recorded,
-                          double *ms, struct err *err);
+bool kernel_recording_run(const struct kernel_recording *recorded, double *ms, struct err *err);
 // What the items, which are rays, do: nodes of the BVH visited, and primitives tested. Compiles
 // kernels that count, and the others again.
-bool kernel_recording_count_steps(struct renderer *renderer,
-                                  const struct kernel_recording *recorded, uint64_t *nodes,
+bool kernel_recording_count_steps(const struct kernel_recording *recorded, uint64_t *nodes,
                                   uint64_t *primitives, struct err *err);
 // Releases it, and leaves the renderer as it was: between two waves. Accepts {0}.
-bool kernel_recording_finish(struct renderer *renderer, struct kernel_recording *recorded,
-                             struct err *err);
+bool kernel_recording_finish(struct kernel_recording *recorded, struct err *err);
 
 #endif

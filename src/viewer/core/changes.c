@@ -83,7 +83,7 @@ static bool build_side(struct viewer *viewer, struct view *view, struct err *err
     };
     if (!job_start(&params, &view->job, err))
         return false;
-    view->job.params.progress = &viewer->stage.frame_progress;
+    job_set_progress(&view->job, &viewer->stage.frame_progress);
     view->seen = view->job.renderer.stats;
     view->usual_wave = view->job.renderer.plan.wave_slots;
     view->is_ready = true;
@@ -111,14 +111,12 @@ static bool look_anew(struct viewer *viewer, struct view *view, const uint32_t s
 {
     bool fits;
     if (!keep_history(viewer, view, err) ||
-        !renderer_set_camera(&view->job.renderer, &viewer->view.camera, size[0], size[1], &fits,
-                             err))
+        !job_set_camera(&view->job, &viewer->view.camera, size[0], size[1], &fits, err))
         return false;
     if (fits)
         return true;
     return build_side(viewer, view, err) &&
-           renderer_set_camera(&view->job.renderer, &viewer->view.camera, size[0], size[1], &fits,
-                               err) &&
+           job_set_camera(&view->job, &viewer->view.camera, size[0], size[1], &fits, err) &&
            (fits || err_set(err, ERR_BUG, "a new renderer does not take its own camera"));
 }
 

@@ -20,7 +20,7 @@ bool viewer_find_exposure(struct viewer *viewer, struct err *err)
     if (viewer->stage.exposure_samples == 0 || !viewer->document.has_scene || !view->is_ready ||
         view->is_preview || view_samples(view) < viewer->stage.exposure_samples)
         return true;
-    if (!renderer_read(&view->job.renderer, &viewer->shell.frame_arena, &film, err))
+    if (!job_copy_film(&view->job, &viewer->shell.frame_arena, &film, err))
         return false;
     const struct image image = {film.width, film.height, film.mean};
     viewer->stage.shown.exposure = image_measure_exposure(&image);

@@ -145,7 +145,7 @@ static bool fit_wave(struct viewer *viewer, struct view *view, struct err *err)
     bool is_close = fit <= 2 * now && now <= 2 * fit;
     if (view->method.wave || is_close)
         return true;
-    if (renderer_resize(&view->job.renderer, fit, view->job.renderer.specialization.workgroup, err))
+    if (job_set_wave(&view->job, fit, err))
         return true;
     if (viewer->stage.gpu.lost)
         return false;
@@ -165,8 +165,7 @@ static bool clear_fresh(struct viewer *viewer, struct view *view, struct err *er
         return true;
     viewer_display_call(viewer, &call);
     viewer->stage.has_kept = true;
-    if (!display_keep(&viewer->stage.display, &call, err) ||
-        !renderer_clear(&view->job.renderer, err))
+    if (!display_keep(&viewer->stage.display, &call, err) || !job_clear(&view->job, err))
         return false;
     view->first_sample = view->job.renderer.next_sample;
     return true;

@@ -52,9 +52,9 @@ bool viewer_pick(struct viewer *viewer, double x, double y, struct picked *out, 
     const struct gpu_frame *frame = &view->job.renderer.frame;
     struct replay replay;
     // One of the very samples that the picture is made of.
-    if (!renderer_replay(&view->job.renderer, pixel_at(x, place[2], frame->width),
-                         pixel_at(y, place[3], frame->height), 0, &viewer->shell.frame_arena,
-                         &replay, err))
+    if (!job_replay(&view->job, pixel_at(x, place[2], frame->width),
+                    pixel_at(y, place[3], frame->height), 0, &viewer->shell.frame_arena, &replay,
+                    err))
         return false;
     out->is_some = true;
     if (replay.vertex_count > 0 && strcmp(replay.vertices[0].queue, "surface") == 0)

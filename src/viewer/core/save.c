@@ -102,7 +102,7 @@ static bool describe(const struct viewer *viewer, uint32_t side, const struct fi
     bool is_looked_at = look.samples == (double)film->least_samples;
     run->job.error = is_looked_at ? look.error : film_error_none("it was not looked at");
     bool ok = render_describe(run, 0, &saving->arena, &saving->attributes, err);
-    render_list_layers(run, &saving->layers);
+    render_list_layers(film, view->job.renderer.aovs, &saving->layers);
     free(run);
     return ok;
 }
@@ -303,7 +303,7 @@ static bool copy_film(struct viewer *viewer, uint32_t side, bool denoised, struc
     struct film_image film;
     if (side >= viewer->stage.side_count || !view->is_ready)
         return err_set(err, ERR_OUTPUT, "there is no picture so far");
-    if (!renderer_read(&view->job.renderer, &saving->arena, &film, err) ||
+    if (!job_copy_film(&view->job, &saving->arena, &film, err) ||
         !describe(viewer, side, &film, saving, err) || !add_view(viewer, saving, err))
         return false;
     saving->image = (struct image){film.width, film.height, film.mean};

@@ -95,7 +95,7 @@ enum step step_hash(struct script *script, struct viewer *viewer,
     }
     struct arena arena = {0};
     struct film_image film;
-    bool ok = renderer_read(&viewer->stage.sides[command->side].job.renderer, &arena, &film, err);
+    bool ok = job_copy_film(&viewer->stage.sides[command->side].job, &arena, &film, err);
     if (ok) {
         uint64_t pixels = (uint64_t)film.width * film.height;
         char hash[20];
