@@ -1,7 +1,7 @@
 // How long building takes, how good the tree is, and how many steps a ray takes through it, by each
 // builder and with each kind of nodes: on a procedural mesh of a million triangles and on scanned
 // ones where they are at hand.
-#include "bvh/bvh.h"
+#include "bvh_trace.h"
 #include "meshes.h"
 
 #include <math.h>

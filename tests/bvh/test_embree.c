@@ -1,7 +1,7 @@
 // The tree and the reference traversal against Embree's robust mode, on procedural meshes and
 // scanned ones. Embree computes in single precision, so the two may differ where a ray grazes an
 // edge: that is counted.
-#include "bvh/bvh.h"
+#include "bvh_trace.h"
 #include "meshes.h"
 #include "test.h"
 

@@ -1,5 +1,5 @@
 // The reference traversal: the same as brute force bit for bit, right where the answer is known.
-#include "bvh/bvh.h"
+#include "bvh_trace.h"
 #include "meshes.h"
 #include "test.h"
 

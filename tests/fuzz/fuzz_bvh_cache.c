@@ -1,6 +1,7 @@
 // A hierarchy's file from anywhere: as it is, and with the sizes and checksums that get it past the
 // first checks. What is taken must be right.
 #include "bvh/bvh_cache.h"
+#include "bvh_trace.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -3,7 +3,7 @@
 #ifndef LAMPYRIS_TESTS_TRAVERSAL_JUDGE_H
 #define LAMPYRIS_TESTS_TRAVERSAL_JUDGE_H
 
-#include "bvh/bvh.h"
+#include "bvh_trace.h"
 #include "flatten/flatten.h"
 #include "render/probe/ray_probe.h"
 

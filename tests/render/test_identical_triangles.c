@@ -1,6 +1,7 @@
 // docs/verification.md, C8: 10^6 identical triangles. No box separates them, so a ray that
 // enters theirs visits them all: far more steps than one dispatch has.
 #include "base/maths.h"
+#include "bvh_trace.h"
 #include "render_fixture.h"
 
 #define PILE 1000000u

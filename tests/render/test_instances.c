@@ -1,4 +1,5 @@
 // Instances on the host: meshes that share what they are made of are where flattened ones are.
+#include "bvh_trace.h"
 #include "flatten/geometry.h"
 #include "scene/core/affine.h"
 #include "test.h"

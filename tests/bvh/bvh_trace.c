@@ -7,57 +7,13 @@
 // primitive is missed or begins behind its t. The boxes are widened by more than the rounding
 // errors of the triangle test, so that neither rule touches a hit that is not itself rounding
 // noise.
+#include "bvh_trace.h"
+
 #include "bvh/bvh_node.h"
+#include "bvh/bvh_slab.h"
 #include "bvh/bvh_triangle.h"
-
 #include <math.h>
-
-// The triangle test computes coordinates relative to the ray's origin, and products of those, with
-// a relative error of a few 2^-53 of the largest coordinate. 2^-46 of it is 128 times as much, and
-// 2^-22 of the spacing of floats.
-#define BOX_PAD 0x1p-46
-
-// --- Boxes --------------------------------------------------------------------------------------
-
-struct slab_ray {
-    double origin[3], inverse[3];
-    bool negative[3];
-};
-
-static struct slab_ray slab_ray_for(const struct bvh_ray *ray)
-{
-    struct slab_ray slab;
-    for (int axis = 0; axis < 3; axis++) {
-        slab.origin[axis] = ray->origin[axis];
-        slab.inverse[axis] = 1 / ray->direction[axis]; // infinite for zeros, by their sign
-        slab.negative[axis] = signbit(ray->direction[axis]);
-    }
-    return slab;
-}
-
-// The interval of t in which the ray is in the widened box; false when it is empty or wholly behind
-// the origin. A plane that contains a ray parallel to it gives 0 * infinity, a NaN, which no
-// comparison below takes: it does not limit the interval.
-static bool slab_test(const struct slab_ray *ray, const double min[3], const double max[3],
-                      double interval[2])
-{
-    double reach = 0;
-    for (int axis = 0; axis < 3; axis++) {
-        reach = fmax(reach, fabs(min[axis] - ray->origin[axis]));
-        reach = fmax(reach, fabs(max[axis] - ray->origin[axis]));
-    }
-    double pad = reach * BOX_PAD, near = -INFINITY, far = INFINITY;
-    for (int axis = 0; axis < 3; axis++) {
-        double lo = (min[axis] - ray->origin[axis] - pad) * ray->inverse[axis];
-        double hi = (max[axis] - ray->origin[axis] + pad) * ray->inverse[axis];
-        double enter = ray->negative[axis] ? hi : lo, leave = ray->negative[axis] ? lo : hi;
-        near = enter > near ? enter : near;
-        far = leave < far ? leave : far;
-    }
-    interval[0] = near;
-    interval[1] = far;
-    return near <= far && far >= 0;
-}
+#include <string.h>
 
 // --- Triangles ----------------------------------------------------------------------------------
 
@@ -121,8 +77,12 @@ struct tracer {
 
 static struct tracer tracer_for(const struct bvh_trace_scene *scene, const struct bvh_ray *ray)
 {
-    return (struct tracer){
-        scene, ray, slab_ray_for(ray), shear_ray_for(ray), UINT32_MAX, {-INFINITY, INFINITY}};
+    return (struct tracer){scene,
+                           ray,
+                           slab_ray_for(ray->origin, ray->direction),
+                           shear_ray_for(ray),
+                           UINT32_MAX,
+                           {-INFINITY, INFINITY}};
 }
 
 // The interval of t that a ray spends in a box of single precision; false when there is none.
@@ -339,43 +299,5 @@ void bvh_trace_brute_force(const struct bvh_trace_scene *scene, const struct bvh
             continue;
         for (uint32_t t = 0; t < instance->triangle_count; t++)
             consider(&inside, instance->first_triangle + t, hit);
-    }
-}
-
-// --- Visits -------------------------------------------------------------------------------------
-
-static void visit_leaf(const struct bvh *bvh, uint32_t leaf, bvh_visit_fn visit, void *context)
-{
-    uint32_t first = leaf & BVH_LEAF_INDEX;
-    if (bvh_child_is_instance(leaf)) {
-        visit(context, BVH_LEAF_INSTANCE | first);
-        return;
-    }
-    for (uint32_t i = 0; i < bvh_leaf_count(leaf) && !(leaf & BVH_LEAF_SHAPE); i++)
-        visit(context, bvh->triangle_order[first + i]);
-}
-
-void bvh_visit_ray(const struct bvh *bvh, uint32_t root, const double origin[3],
-                   const double direction[3], bvh_visit_fn visit, void *context)
-{
-    struct bvh_ray ray = {.t_max = INFINITY};
-    memcpy(ray.origin, origin, sizeof ray.origin);
-    memcpy(ray.direction, direction, sizeof ray.direction);
-    const struct slab_ray slab = slab_ray_for(&ray);
-    uint32_t stack[BVH_STACK_ENTRIES_MAX + 1], size = 1;
-    stack[0] = root;
-    while (size > 0) {
-        uint32_t node = stack[--size];
-        const uint32_t *child = bvh_children(bvh, node);
-        for (uint32_t i = 0; i < bvh_child_count(child); i++) {
-            double min[3], max[3], interval[2];
-            bvh_child_box(bvh, node, i, min, max);
-            if (!slab_test(&slab, min, max, interval))
-                continue;
-            if (bvh_child_is_leaf(child[i]))
-                visit_leaf(bvh, child[i], visit, context);
-            else
-                stack[size++] = child[i];
-        }
     }
 }
