@@ -139,6 +139,38 @@ void *arena_copy(struct arena *arena, const void *from, size_t count, size_t siz
     return copy;
 }
 
+void *arena_reserve(struct arena *arena, void *items, uint32_t count, uint64_t more,
+                    uint32_t *capacity, size_t size)
+{
+    if (more <= *capacity - count)
+        return items;
+    uint64_t needed = count + more, doubled = 2 * (uint64_t)*capacity;
+    uint64_t grown_capacity = needed > doubled ? needed : doubled;
+    void *grown = arena_alloc(arena, grown_capacity, size); // the budget is asked in any case
+    if (!grown || grown_capacity > UINT32_MAX)
+        return NULL;
+    if (count > 0)
+        memcpy(grown, items, count * size);
+    *capacity = (uint32_t)grown_capacity;
+    return grown;
+}
+
+void *arena_append(struct arena *arena, void *array, uint32_t *count, uint32_t *capacity,
+                   size_t size, uint32_t *index)
+{
+    const uint64_t first_capacity = 8;
+    void *items;
+    memcpy(&items, array, sizeof items);
+    items =
+        arena_reserve(arena, items, *count, *capacity == 0 ? first_capacity : 1, capacity, size);
+    if (!items)
+        return NULL;
+    memcpy(array, &items, sizeof items);
+    if (index)
+        *index = *count;
+    return (char *)items + (*count)++ * size;
+}
+
 char *arena_strdup(struct arena *arena, const char *text)
 {
     size_t size = strlen(text) + 1;

@@ -21,6 +21,16 @@ struct arena {
 void *arena_alloc(struct arena *arena, size_t count, size_t size);
 // A copy of an array; NULL like arena_alloc.
 void *arena_copy(struct arena *arena, const void *from, size_t count, size_t size);
+// Room for `more` elements behind the first `count` of a growing array: `items` itself while the
+// capacity lasts, else a copy of at least twice the capacity. The old one stays in the arena;
+// doubling keeps the sum of all outgrown arrays below the size of the live one. NULL like
+// arena_alloc, and for more than 2^32 - 1 elements.
+void *arena_reserve(struct arena *arena, void *items, uint32_t count, uint64_t more,
+                    uint32_t *capacity, size_t size);
+// Appends a zeroed element to a growing array, the pointer to which is at `array`; its index goes
+// to `index` if that is not NULL. NULL like arena_reserve.
+void *arena_append(struct arena *arena, void *array, uint32_t *count, uint32_t *capacity,
+                   size_t size, uint32_t *index);
 char *arena_strdup(struct arena *arena, const char *text); // NULL like arena_alloc
 // The whole text, however long; NULL like arena_alloc.
 char *arena_printf(struct arena *arena, const char *format, ...)

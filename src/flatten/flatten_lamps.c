@@ -36,7 +36,7 @@ struct search {
     struct arena *scratch;
     struct part *parts;
     uint32_t *parents; // of parts
-    uint32_t part_count, part_capacity, parent_capacity;
+    uint32_t part_count, part_capacity, parent_count, parent_capacity;
     struct lamp_triangle *triangles; // `lamp`: for now the part
     uint32_t triangle_count, triangle_capacity;
 };
@@ -140,24 +140,6 @@ static void join_parts(struct search *s, uint32_t a, uint32_t b)
     root->is_lost |= child->is_lost;
 }
 
-// Room for one more of an array that doubles.
-static bool grow(struct arena *arena, void *array, size_t size, uint32_t count, uint32_t *capacity,
-                 struct err *err)
-{
-    if (count < *capacity)
-        return true;
-    uint32_t wanted = *capacity ? 2 * *capacity : 64;
-    void *old, *room = arena_alloc(arena, wanted, size);
-    if (!room)
-        return err_memory(err, "small lamps", wanted * size);
-    memcpy(&old, array, sizeof old);
-    if (count > 0)
-        memcpy(room, old, count * size);
-    memcpy(array, &room, sizeof room);
-    *capacity = wanted;
-    return true;
-}
-
 // --- parts of one instance -----------------------------------------------------------------------
 
 static bool is_emissive(const struct search *s, const struct placement *placement, uint32_t t)
@@ -221,12 +203,14 @@ static uint32_t *connect_vertices(const struct search *s, const struct placement
 
 static bool add_part(struct search *s, uint32_t *part, struct err *err)
 {
-    if (!grow(s->scratch, &s->parts, sizeof *s->parts, s->part_count, &s->part_capacity, err) ||
-        !grow(s->scratch, &s->parents, sizeof *s->parents, s->part_count, &s->parent_capacity, err))
-        return false;
-    *part = s->part_count++;
-    s->parts[*part] = (struct part){.bounds = BOUNDS_EMPTY};
-    s->parents[*part] = *part;
+    struct part *added =
+        arena_append(s->scratch, &s->parts, &s->part_count, &s->part_capacity, sizeof *added, part);
+    uint32_t *parent = arena_append(s->scratch, &s->parents, &s->parent_count, &s->parent_capacity,
+                                    sizeof *parent, NULL);
+    if (!added || !parent)
+        return err_memory(err, "small lamps", sizeof *added);
+    added->bounds = BOUNDS_EMPTY;
+    *parent = *part;
     return true;
 }
 
@@ -255,10 +239,11 @@ static bool add_parts(struct search *s, const struct placement *placement, uint3
         uint32_t *part = roots ? &part_of_root[find_root(roots, mesh->indices[t][0])] : &whole;
         if (*part == SCENE_NONE && !add_part(s, part, err))
             return false;
-        if (!grow(s->scratch, &s->triangles, sizeof *s->triangles, s->triangle_count,
-                  &s->triangle_capacity, err))
-            return false;
-        s->triangles[s->triangle_count++] = (struct lamp_triangle){instance, t, *part};
+        struct lamp_triangle *added = arena_append(s->scratch, &s->triangles, &s->triangle_count,
+                                                   &s->triangle_capacity, sizeof *added, NULL);
+        if (!added)
+            return err_memory(err, "small lamps", sizeof *added);
+        *added = (struct lamp_triangle){instance, t, *part};
         placement_corners(placement, t, corners);
         measure_triangle(s, *part, (const double(*)[3])corners);
     }

@@ -21,17 +21,8 @@ static bool in_queue(const struct follower *f, uint32_t queue)
 static struct replay_vertex *add_vertex(struct follower *f)
 {
     struct replay *out = f->out;
-    if (out->vertex_count == f->capacity) {
-        uint32_t capacity = f->capacity ? 2 * f->capacity : 16;
-        struct replay_vertex *grown = ARENA_NEW(f->arena, struct replay_vertex, capacity);
-        if (!grown)
-            return NULL;
-        if (out->vertex_count)
-            memcpy(grown, out->vertices, out->vertex_count * sizeof *grown);
-        out->vertices = grown;
-        f->capacity = capacity;
-    }
-    return &out->vertices[out->vertex_count++];
+    return arena_append(f->arena, &out->vertices, &out->vertex_count, &f->capacity,
+                        sizeof *out->vertices, NULL);
 }
 
 static uint32_t flat_primitive(const struct renderer *r, uint32_t word, bool *is_shape)

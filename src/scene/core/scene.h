@@ -300,6 +300,11 @@ struct camera *scene_add_camera(struct scene *scene, uint32_t *index);
 struct texture_image *scene_add_image(struct scene *scene, uint32_t *index);
 struct texture *scene_add_texture(struct scene *scene, uint32_t *index);
 struct light *scene_add_light(struct scene *scene, uint32_t *index);
+struct scene_path *scene_add_override_path(struct scene *scene);
+
+// Whether some texture of the material scales this parameter, PARAMETER_*, so that it may be less.
+bool scene_parameter_is_textured(const struct scene *scene, const struct material *material,
+                                 uint32_t parameter);
 
 // Appends a copy of *mesh; its arrays live in the scene's arena already.
 bool scene_append_mesh(struct scene *scene, const struct mesh *mesh, uint32_t *index,

@@ -103,6 +103,19 @@ struct texture {
     float transform[2][3]; // s = row 0 . (u, v, 1), t = row 1 . (u, v, 1); t downwards from the top
 };
 
+// Whether it scales this parameter, PARAMETER_*; and which of its channels does.
+static inline bool texture_scales_parameter(const struct texture *texture, uint32_t parameter)
+{
+    return (texture->flags >> TEXTURE_USE_SHIFT & 3u) == TEXTURE_USE_SCALE &&
+           (texture->flags >> TEXTURE_GROUP_SHIFT & 15u) == parameter / 4 &&
+           (texture->flags >> (TEXTURE_MASK_SHIFT + parameter % 4) & 1u);
+}
+
+static inline uint32_t texture_channel(const struct texture *texture, uint32_t parameter)
+{
+    return texture->flags >> (TEXTURE_CHANNELS_SHIFT + 2 * (parameter % 4)) & 3u;
+}
+
 extern const char *const light_kind_names[]; // "point" …, by kind; ended by NULL
 
 struct light {

@@ -66,20 +66,11 @@ static bool contains_value(const json_t *value, const json_t *wanted)
 static bool note_override_path(struct scene *scene, const char *text, const char *path,
                                struct err *err)
 {
-    uint32_t count = scene->override_path_count, capacity = 2 * count + 1;
-    if (count == scene->override_path_capacity) {
-        struct scene_path *paths = ARENA_NEW(&scene->arena, struct scene_path, capacity);
-        if (!paths)
-            return err_memory(err, "paths", capacity * sizeof *paths);
-        if (count > 0)
-            memcpy(paths, scene->override_paths, count * sizeof *paths);
-        scene->override_paths = paths;
-        scene->override_path_capacity = capacity;
-    }
     text = arena_strdup(&scene->arena, text);
-    if (!text)
-        return err_memory(err, "a path", 1);
-    scene->override_paths[scene->override_path_count++] = (struct scene_path){text, path};
+    struct scene_path *added = text ? scene_add_override_path(scene) : NULL;
+    if (!added)
+        return err_memory(err, "a path", sizeof *added);
+    *added = (struct scene_path){text, path};
     return true;
 }
 

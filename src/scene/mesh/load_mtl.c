@@ -28,37 +28,20 @@ struct mtl_parser {
     uint64_t skipped_count, skipped_line;
 };
 
-// Room for one more material; the outgrown array stays in the arena.
-static struct mtl_material *add_material(struct mtl_parser *parser)
-{
-    struct mtl_library *library = parser->library;
-    if (library->count == library->capacity) {
-        if (library->capacity > UINT32_MAX / 2)
-            return NULL;
-        uint32_t capacity = library->capacity < 16 ? 16 : 2 * library->capacity;
-        struct mtl_material *grown = ARENA_NEW(parser->arena, struct mtl_material, capacity);
-        if (!grown)
-            return NULL;
-        if (library->count > 0)
-            memcpy(grown, library->materials, library->count * sizeof *grown);
-        library->materials = grown;
-        library->capacity = capacity;
-    }
-    return &library->materials[library->count++];
-}
-
 // Appends the material that was being read, if any.
 static bool finish_material(struct mtl_parser *parser, struct err *err)
 {
     const struct mtl_statements *read = &parser->current;
     if (!read->name)
         return true;
-    struct mtl_material *added = add_material(parser);
+    struct mtl_library *library = parser->library;
+    struct mtl_material *added = arena_append(parser->arena, &library->materials, &library->count,
+                                              &library->capacity, sizeof *added, NULL);
     if (!added)
         return err_memory(err, "a material", sizeof *added);
     *added = (struct mtl_material){
         .file = parser->text.path,
-        .order = parser->library->count - 1,
+        .order = library->count - 1,
         .scene_index = SCENE_NONE,
     };
     mtl_material_make(read, &added->material);
