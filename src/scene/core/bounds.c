@@ -102,8 +102,9 @@ bool bounds_are_a_point(const struct bounds *bounds)
     return true;
 }
 
-static void add_instance(const struct scene *scene, const struct instance *instance,
-                         struct bounds *bounds)
+// Calls `visit` with every corner of an instance's triangles. Inlined, so that `visit` is no call.
+static inline void each_corner(const struct scene *scene, const struct instance *instance,
+                               void (*visit)(void *context, const double point[3]), void *context)
 {
     const struct mesh *mesh = &scene->meshes[instance->mesh];
     for (uint32_t t = 0; t < mesh->triangle_count && !progress_stops_at(scene->progress, t + 1);
@@ -112,47 +113,50 @@ static void add_instance(const struct scene *scene, const struct instance *insta
             double point[3];
             mesh_vertex(mesh, mesh->indices[t][corner], point);
             affine_point(instance->transform, point, point);
-            bounds_add_point(bounds, point);
+            visit(context, point);
         }
     }
+}
+
+static void extend_bounds(void *context, const double point[3])
+{
+    bounds_add_point(context, point);
 }
 
 struct bounds bounds_of_part(const struct scene *scene, const struct scene_part *part)
 {
     struct bounds bounds = BOUNDS_EMPTY;
     for (uint32_t i = 0; i < part->instance_count && !progress_should_stop(scene->progress); i++)
-        add_instance(scene, &scene->instances[part->first_instance + i], &bounds);
+        each_corner(scene, &scene->instances[part->first_instance + i], extend_bounds, &bounds);
     for (uint32_t i = 0; i < part->shape_count; i++)
         bounds_add_shape(&bounds, &scene->shapes[part->first_shape + i]);
     return bounds;
 }
 
-static void support_instance(const struct scene *scene, const struct instance *instance,
-                             uint32_t count, const double (*normals)[3], double *out)
+struct support {
+    uint32_t count;
+    const double (*normals)[3];
+    double *out;
+};
+
+static void extend_support(void *context, const double point[3])
 {
-    const struct mesh *mesh = &scene->meshes[instance->mesh];
-    for (uint32_t t = 0; t < mesh->triangle_count && !progress_stops_at(scene->progress, t + 1);
-         t++) {
-        for (int corner = 0; corner < 3; corner++) {
-            double point[3];
-            mesh_vertex(mesh, mesh->indices[t][corner], point);
-            affine_point(instance->transform, point, point);
-            for (uint32_t i = 0; i < count; i++) {
-                double along = vec3_dot(point, normals[i]);
-                if (along > out[i])
-                    out[i] = along;
-            }
-        }
+    const struct support *support = context;
+    for (uint32_t i = 0; i < support->count; i++) {
+        double along = vec3_dot(point, support->normals[i]);
+        if (along > support->out[i])
+            support->out[i] = along;
     }
 }
 
 void bounds_support(const struct scene *scene, const struct scene_part *part, uint32_t count,
                     const double (*normals)[3], double *out)
 {
+    struct support support = {count, normals, out};
     for (uint32_t i = 0; i < count; i++)
         out[i] = -INFINITY;
     for (uint32_t i = 0; i < part->instance_count && !progress_should_stop(scene->progress); i++)
-        support_instance(scene, &scene->instances[part->first_instance + i], count, normals, out);
+        each_corner(scene, &scene->instances[part->first_instance + i], extend_support, &support);
     for (uint32_t s = 0; s < part->shape_count; s++) {
         const struct shape *shape = &scene->shapes[part->first_shape + s];
         for (uint32_t i = 0; i < count && shape->kind != SHAPE_PLANE; i++)
@@ -168,21 +172,15 @@ static double distance(const double a[3], const double b[3])
     return vec3_norm(difference);
 }
 
-static double instance_radius(const struct scene *scene, const struct instance *instance,
-                              const double center[3])
+struct reach {
+    const double *center;
+    double radius;
+};
+
+static void extend_reach(void *context, const double point[3])
 {
-    const struct mesh *mesh = &scene->meshes[instance->mesh];
-    double radius = 0;
-    for (uint32_t t = 0; t < mesh->triangle_count && !progress_stops_at(scene->progress, t + 1);
-         t++) {
-        for (int corner = 0; corner < 3; corner++) {
-            double point[3];
-            mesh_vertex(mesh, mesh->indices[t][corner], point);
-            affine_point(instance->transform, point, point);
-            radius = fmax(radius, distance(point, center));
-        }
-    }
-    return radius;
+    struct reach *reach = context;
+    reach->radius = fmax(reach->radius, distance(point, reach->center));
 }
 
 // The largest distance from `center` to a shape, or a little more; 0 for a plane.
@@ -221,13 +219,12 @@ static double shape_radius(const struct shape *shape, const double center[3])
 double bounds_radius(const struct scene *scene, const struct scene_part *part,
                      const double center[3])
 {
-    double radius = 0;
-    for (uint32_t i = 0; i < part->instance_count && !progress_should_stop(scene->progress); i++) {
-        const struct instance *instance = &scene->instances[part->first_instance + i];
-        radius = fmax(radius, instance_radius(scene, instance, center));
-    }
+    struct reach reach = {center, 0};
+    for (uint32_t i = 0; i < part->instance_count && !progress_should_stop(scene->progress); i++)
+        each_corner(scene, &scene->instances[part->first_instance + i], extend_reach, &reach);
     for (uint32_t i = 0; i < part->shape_count; i++) {
-        radius = fmax(radius, shape_radius(&scene->shapes[part->first_shape + i], center));
+        const struct shape *shape = &scene->shapes[part->first_shape + i];
+        reach.radius = fmax(reach.radius, shape_radius(shape, center));
     }
-    return radius;
+    return reach.radius;
 }
