@@ -29,12 +29,9 @@ static double least_roughness(const struct scene *scene, const struct material *
     for (uint32_t i = 0; i < material->texture_count; i++) {
         const struct texture *texture = &scene->textures[material->first_texture + i];
         const struct texture_image *image = &scene->images[texture->image];
-        uint32_t component = PARAMETER_ROUGHNESS % 4u;
-        if ((texture->flags >> TEXTURE_USE_SHIFT & 3u) != TEXTURE_USE_SCALE ||
-            (texture->flags >> TEXTURE_GROUP_SHIFT & 15u) != PARAMETER_ROUGHNESS / 4u ||
-            !(texture->flags >> (TEXTURE_MASK_SHIFT + component) & 1u))
+        if (!texture_scales_parameter(texture, PARAMETER_ROUGHNESS))
             continue;
-        uint32_t channel = texture->flags >> (TEXTURE_CHANNELS_SHIFT + 2 * component) & 3u;
+        uint32_t channel = texture_channel(texture, PARAMETER_ROUGHNESS);
         float texel = INFINITY;
         for (size_t t = 0; t < (size_t)image->width * image->height; t++) {
             size_t at = 4 * t + channel;
@@ -78,14 +75,23 @@ static double sharpest_of_material(const struct scene *scene, const struct mater
     }
 }
 
+// Whether shadow rays look for what is infinitely far and has a density to compare with.
+static bool looks_far(const struct scene *scene, const struct emitters *emitters)
+{
+    for (uint32_t i = 0; i < scene->light_count; i++)
+        if (scene->lights[i].angular_radius > 0.0)
+            return true;
+    return scene->environment.width > 0 && emitters->environment_pick > 0.0f;
+}
+
 // With which a surface of the scene draws a direction; infinite where light is met by chance that
-// no shadow ray looks for.
+// no shadow ray looks for, and where nothing is held against it.
 static double sharpest_lobe(const struct scene *scene, const struct flat_scene *flat,
-                            const struct specialization *s)
+                            const struct specialization *s, const struct emitters *emitters)
 {
     const struct settings *settings = &scene->settings;
-    if (!settings->nee || settings->nee_depth < settings->max_bounces ||
-        s->directions != DIRECTIONS_BSDF)
+    if (!looks_far(scene, emitters) || !settings->nee ||
+        settings->nee_depth < settings->max_bounces || s->directions != DIRECTIONS_BSDF)
         return INFINITY;
     double sharpest = 1.0 / M_PI;
     for (uint32_t i = 0; i < scene->material_count; i++)
@@ -154,7 +160,7 @@ float brightest_by_chance(const struct scene *scene, const struct flat_scene *fl
 {
     if (!leaves_to_chance(scene, specialization))
         return 0.0f;
-    double sharpest = sharpest_lobe(scene, flat, specialization);
+    double sharpest = sharpest_lobe(scene, flat, specialization, emitters);
     float greatest = fmaxf(greatest_of_suns(scene, emitters, sharpest),
                            greatest_of_environment(&scene->environment, emitters, sharpest));
     greatest = fmaxf(greatest, greatest_of_surfaces(scene, flat));

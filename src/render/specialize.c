@@ -18,20 +18,6 @@
 // On GPUs nothing ends silently, but a watchdog may: about 100 ms of one ray's work.
 #define GPU_LANE_ROUNDS 500000u
 
-// Whether some texture of the material scales this parameter, so that it may be less.
-static bool is_textured(const struct scene *scene, const struct material *material,
-                        uint32_t parameter)
-{
-    for (uint32_t i = 0; i < material->texture_count; i++) {
-        uint32_t flags = scene->textures[material->first_texture + i].flags;
-        if ((flags >> TEXTURE_USE_SHIFT & 3u) == TEXTURE_USE_SCALE &&
-            (flags >> TEXTURE_GROUP_SHIFT & 15u) == parameter / 4 &&
-            (flags >> (TEXTURE_MASK_SHIFT + parameter % 4) & 1u))
-            return true;
-    }
-    return false;
-}
-
 static uint32_t lobe_if(const struct material *material, uint32_t parameter, uint32_t lobe)
 {
     return material->parameters[parameter] > 0.0f ? lobe : 0u;
@@ -42,7 +28,7 @@ static uint32_t roughness_lobes(const struct scene *scene, const struct material
 {
     float roughness = material->parameters[parameter];
     bool is_rough = roughness * roughness >= MATERIAL_SMALLEST_ALPHA;
-    if (is_textured(scene, material, parameter))
+    if (scene_parameter_is_textured(scene, material, parameter))
         return LOBE_ROUGH | LOBE_DELTA;
     return is_rough ? LOBE_ROUGH : LOBE_DELTA;
 }

@@ -14,14 +14,10 @@ double mean_radiance(const struct scene *scene, const struct material *material)
     memcpy(mean, material->emission, sizeof mean);
     for (uint32_t i = 0; i < material->texture_count; i++) {
         const struct texture *texture = &scene->textures[material->first_texture + i];
-        if ((texture->flags >> TEXTURE_USE_SHIFT & 3u) != TEXTURE_USE_SCALE ||
-            (texture->flags >> TEXTURE_GROUP_SHIFT & 15u) != GROUP_EMISSION)
-            continue;
-        for (uint32_t c = 0; c < 3; c++) {
-            uint32_t channel = texture->flags >> (TEXTURE_CHANNELS_SHIFT + 2 * c) & 3u;
-            if (texture->flags >> (TEXTURE_MASK_SHIFT + c) & 1u)
-                mean[c] *= scene->images[texture->image].mean[channel];
-        }
+        const float *channels = scene->images[texture->image].mean;
+        for (uint32_t c = 0; c < 3; c++)
+            if (texture_scales_parameter(texture, PARAMETER_EMISSION + c))
+                mean[c] *= channels[texture_channel(texture, PARAMETER_EMISSION + c)];
     }
     return luminance(mean);
 }
@@ -33,10 +29,8 @@ void greatest_radiance(const struct scene *scene, const struct material *materia
         out[c] = emits ? material->emission[c] : 0.0f;
     for (uint32_t i = 0; i < material->texture_count; i++) {
         const struct texture *texture = &scene->textures[material->first_texture + i];
-        bool scales = (texture->flags >> TEXTURE_USE_SHIFT & 3u) == TEXTURE_USE_SCALE &&
-                      (texture->flags >> TEXTURE_GROUP_SHIFT & 15u) == GROUP_EMISSION;
-        for (uint32_t c = 0; c < 3 && scales; c++)
-            if (texture->flags >> (TEXTURE_MASK_SHIFT + c) & 1u)
+        for (uint32_t c = 0; c < 3; c++)
+            if (texture_scales_parameter(texture, PARAMETER_EMISSION + c))
                 out[c] *= scene->images[texture->image].greatest;
     }
 }

@@ -164,9 +164,7 @@ static bool append_texture(struct gltf_material_reader *reader, const struct glt
 bool gltf_texture_scales(const struct gltf_material_reader *reader, uint32_t parameter)
 {
     for (struct gltf_texture *t = reader->state->first_texture; t; t = t->next)
-        if (is_scale(&t->texture) &&
-            (t->texture.flags >> TEXTURE_GROUP_SHIFT & 15u) == parameter / 4 &&
-            (scaled(&t->texture) >> parameter % 4 & 1u))
+        if (texture_scales_parameter(&t->texture, parameter))
             return true;
     return false;
 }

@@ -164,26 +164,16 @@ static bool read_metal(const struct json_node *node, struct material *material, 
 
 // --- choices -------------------------------------------------------------------------------------
 
-// Whether a texture scales the material's opacity.
-static bool has_alpha_texture(const struct scene *scene, const struct material *material)
-{
-    const uint32_t mask = 1u << (TEXTURE_MASK_SHIFT + PARAMETER_OPACITY % 4);
-    for (uint32_t i = 0; i < material->texture_count; i++) {
-        uint32_t flags = scene->textures[material->first_texture + i].flags;
-        if ((flags >> TEXTURE_USE_SHIFT & 3u) == TEXTURE_USE_SCALE &&
-            (flags >> TEXTURE_GROUP_SHIFT & 15u) == PARAMETER_OPACITY / 4 && (flags & mask))
-            return true;
-    }
-    return false;
-}
-
 // What may be transparent blends unless the file says otherwise.
 static bool read_alpha(const struct scene *scene, const struct json_node *node,
                        struct material *material, struct err *err)
 {
     static const char *const modes[] = {"opaque", "mask", "blend", NULL};
     static const uint32_t flags[] = {0, MATERIAL_ALPHA_MASK, MATERIAL_ALPHA_BLEND};
-    uint32_t mode = material->opacity < 1.0f || has_alpha_texture(scene, material) ? 2 : 0;
+    uint32_t mode =
+        material->opacity < 1.0f || scene_parameter_is_textured(scene, material, PARAMETER_OPACITY)
+            ? 2
+            : 0;
     if (!node_read_choice(node, "alpha", modes, &mode, err))
         return false;
     const struct json_node cutoff = node_member(node, "alpha_cutoff");
