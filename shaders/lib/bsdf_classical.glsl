@@ -162,11 +162,27 @@ vec3 microfacet_fresnel(material m, float cos_theta, float eta)
     return fresnel_schlick(color, cos_theta);
 }
 
+// Whether the base has what the microfacet between both directions does not reflect, kd (1 -
+// F(wo.h)), as real-time renderers have it: reciprocal, but at grazing angles it reflects light
+// that the highlight has reflected, too.
+bool is_uncoupled(material m)
+{
+    return HAS_LOBE(LOBE_UNCOUPLED) && material_has(m, MATERIAL_UNCOUPLED);
+}
+
 // The base lies below: light enters and leaves through what the surface does not reflect.
+// Uncoupled, its albedo is taken from light along the normal, half of whose angle with wo is that
+// of wo and the microfacet.
 classical_parts microfacet_parts(material m, vec3 wo, float eta)
 {
     vec3 reflected = microfacet_fresnel(m, wo.z, eta);
     vec3 diffuse = material_base_color(m) * (1.0 - reflected);
+    if (is_uncoupled(m)) {
+        diffuse = material_base_color(m);
+        vec3 middle = microfacet_fresnel(m, sqrt(0.5 + 0.5 * wo.z), eta);
+        return classical_choose(diffuse, reflected, sum_of(diffuse * (1.0 - middle)),
+                                sum_of(reflected));
+    }
     return classical_choose(diffuse, reflected, sum_of(diffuse), sum_of(reflected));
 }
 
@@ -210,14 +226,32 @@ float microfacet_rational(material m, vec3 w, float alpha)
     return fits ? g1 : min(g1, microfacet_g1(m, w, alpha));
 }
 
+// k of the choices of Schlick's masking.
+float microfacet_schlick_k(material m, uint masking, float alpha)
+{
+    const float SQRT_2_OVER_PI = 0.79788456080286535588;
+    float remapped = material_roughness(m) + 1.0;
+    if (HAS_LOBE(LOBE_MASKINGS) && masking == MASKING_SCHLICK)
+        return SQRT_2_OVER_PI * alpha;
+    if (HAS_LOBE(LOBE_MASKINGS) && masking == MASKING_SCHLICK_REMAPPED)
+        return 0.125 * remapped * remapped;
+    return 0.5 * alpha;
+}
+
 // G / wo.z; cos_h is the cosine of either direction with the microfacet's normal.
 float microfacet_masking(material m, vec3 wo, vec3 wi, float cos_h, float alpha)
 {
     uint masking = m.model_flags >> MATERIAL_MASKING_SHIFT & 7u;
     if (masking == MASKING_LH) // Kelemen and Szirmay-Kalos 2001: G / (wo.z wi.z) = 1 / cos_h^2
         return wi.z / (cos_h * cos_h);
-    if (masking == MASKING_SCHLICK_GGX)
-        return schlick_ggx_g1(wo, alpha) * schlick_ggx_g1(wi, alpha) / wo.z;
+    if (masking == MASKING_SCHLICK_GGX ||
+        (HAS_LOBE(LOBE_MASKINGS) &&
+         (masking == MASKING_SCHLICK || masking == MASKING_SCHLICK_REMAPPED))) {
+        float k = microfacet_schlick_k(m, masking, alpha);
+        return schlick_g1(wo, k) * schlick_g1(wi, k) / wo.z;
+    }
+    if (HAS_LOBE(LOBE_MASKINGS) && masking == MASKING_RATIONAL_UNBOUNDED)
+        return rational_g1(wo, alpha) * rational_g1(wi, alpha) / wo.z;
     if (masking == MASKING_RATIONAL)
         return microfacet_rational(m, wo, alpha) * microfacet_rational(m, wi, alpha) / wo.z;
     return microfacet_smith(m, wo, wi, alpha) / wo.z;
@@ -239,7 +273,8 @@ vec3 eval_microfacet(material m, vec3 wo, vec3 wi, float eta, out float pdf)
         f = microfacet_fresnel(m, h.w, eta) *
             (0.25 * microfacet_d(m, h.xyz, alpha) * microfacet_masking(m, wo, wi, h.w, alpha));
     }
-    return classical_sum(parts, wi, 1.0 - microfacet_fresnel(m, wi.z, eta), f, pdf);
+    float cos_base = is_uncoupled(m) ? h.w : wi.z;
+    return classical_sum(parts, wi, 1.0 - microfacet_fresnel(m, cos_base, eta), f, pdf);
 }
 
 bsdf_sample sample_microfacet(material m, vec3 wo, float eta, vec4 u)

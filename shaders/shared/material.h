@@ -44,8 +44,12 @@
 // Walter et al. 2007: Beckmann's rational G1; Phong's through a = sqrt(alpha_p / 2 + 1) /
 // tan(theta).
 #define MASKING_RATIONAL 3u
-#define MASKING_COUNT 4u
+#define MASKING_SCHLICK 4u            // k = alpha sqrt(2 / pi), Schlick 1994
+#define MASKING_SCHLICK_REMAPPED 5u   // k = (roughness + 1)^2 / 8, Karis 2013
+#define MASKING_RATIONAL_UNBOUNDED 6u // the rational G1 with any distribution; may gain energy
+#define MASKING_COUNT 7u
 #define MATERIAL_EXACT_FRESNEL (1u << 21) // of ior, instead of Schlick's
+#define MATERIAL_UNCOUPLED (1u << 22)     // the base has 1 - F(wo.h) instead of both sides' 1 - F
 
 // Parameters in groups of four, so that one texture's RGBA scales one group. A parameter's number
 // is 4 * group + component; scene/core/scene_material.h documents ranges, units and defaults.
@@ -135,8 +139,11 @@
 #define LOBE_DISPERSION (1u << 20)
 #define LOBE_DIFFUSE_TRANSMISSION (1u << 21)
 #define LOBE_SEPARABLE (1u << 22)
-#define LOBE_BURLEY (1u << 23) // principled that is mixed as Burley does
-#define LOBE_GLTF (1u << 24)   // principled that is mixed as glTF says
+#define LOBE_BURLEY (1u << 23)    // principled that is mixed as Burley does
+#define LOBE_GLTF (1u << 24)      // principled that is mixed as glTF says
+#define LOBE_MASKINGS (1u << 25)  // of microfacet: MASKING_SCHLICK and those after it
+#define LOBE_UNCOUPLED (1u << 26) // of microfacet: MATERIAL_UNCOUPLED
+#define LOBE_END (1u << 27)
 // These lobes may send light through a surface.
 #define LOBES_THROUGH (LOBE_TRANSMISSION | LOBE_DIELECTRIC | LOBE_DIFFUSE_TRANSMISSION)
 

@@ -56,6 +56,13 @@ static uint32_t principled_lobes(const struct scene *scene, const struct materia
     return lobes;
 }
 
+static uint32_t microfacet_lobes(const struct material *m)
+{
+    bool is_further = (m->flags >> MATERIAL_MASKING_SHIFT & 7u) >= MASKING_SCHLICK;
+    return LOBE_MICROFACET | (is_further ? LOBE_MASKINGS : 0u) |
+           (m->flags & MATERIAL_UNCOUPLED ? LOBE_UNCOUPLED : 0u);
+}
+
 // What shading a material needs of lib/bsdf.glsl.
 static uint32_t material_lobes(const struct scene *scene, const struct material *m)
 {
@@ -82,7 +89,8 @@ static uint32_t material_lobes(const struct scene *scene, const struct material 
     case MATERIAL_BLINN_PHONG:
         return LOBE_BLINN_PHONG;
     default:
-        return LOBE_MICROFACET | roughness_lobes(scene, m, PARAMETER_ROUGHNESS);
+        return (lobes & LOBE_SEPARABLE) | microfacet_lobes(m) |
+               roughness_lobes(scene, m, PARAMETER_ROUGHNESS);
     }
 }
 
@@ -303,7 +311,7 @@ static uint32_t device_features(const struct gpu *gpu, const struct bvh *bvh,
 }
 
 // All that shading may need, but for what changes the result of a material that lacks it.
-#define LOBES_ALL ((LOBE_GLTF << 1) - 1u)
+#define LOBES_ALL (LOBE_END - 1u)
 
 static uint32_t queues_needed(uint32_t features, const uint32_t class_lobes[CLASS_COUNT])
 {
@@ -503,7 +511,8 @@ const char *lobe_name(uint32_t bit)
         "thin walls",        "iridescence",
         "dispersion",        "diffuse transmission",
         "separable masking", "Burley's layers",
-        "glTF's layers",
+        "glTF's layers",     "further maskings",
+        "uncoupled base",
     };
     for (uint32_t i = 0; i < sizeof names / sizeof *names; i++)
         if (bit == 1u << i)

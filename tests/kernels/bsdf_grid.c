@@ -16,7 +16,9 @@ static const double thirds[] = {0, 0.5, 1};
 static const double switches[] = {0, 1};
 static const double coats[] = {0, 1, 2, 3}; // gloss 0 and 1, GGX of roughness .01 and .5
 static const double exponents[] = {0, 1, 32, 1e3, 1e5};
-static const double kinds3[] = {0, 1, 2}, kinds4[] = {0, 1, 2, 3}, kinds5[] = {0, 1, 2, 3, 4};
+static const double kinds3[] = {0, 1, 2}, kinds5[] = {0, 1, 2, 3, 4};
+static const double maskings[] = {0, 1, 2, 3, 4, 5, 6};
+_Static_assert(sizeof maskings / sizeof *maskings == MASKING_COUNT, "all are tested");
 
 enum axis {
     AXIS_ANGLE,
@@ -45,6 +47,7 @@ enum axis {
     AXIS_DISTRIBUTION,
     AXIS_MASKING,
     AXIS_EXACT,
+    AXIS_UNCOUPLED,
     AXIS_COUNT
 };
 
@@ -100,10 +103,10 @@ static const struct group groups[GROUPS] = {
     [GROUP_MICROFACET] = {"microfacet",
                           {VALUES(AXIS_ANGLE, angles), VALUES(AXIS_ROUGHNESS, few_roughnesses),
                            VALUES(AXIS_ALBEDO, thirds), VALUES(AXIS_SPECULAR, thirds),
-                           VALUES(AXIS_DISTRIBUTION, kinds3), VALUES(AXIS_MASKING, kinds4),
+                           VALUES(AXIS_DISTRIBUTION, kinds3), VALUES(AXIS_MASKING, maskings),
                            VALUES(AXIS_EXACT, switches), VALUES(AXIS_INSIDE, switches),
-                           VALUES(AXIS_SEPARABLE, switches)},
-                          9},
+                           VALUES(AXIS_SEPARABLE, switches), VALUES(AXIS_UNCOUPLED, switches)},
+                          10},
     [GROUP_SIMPLE] = {"simple",
                       {VALUES(AXIS_ANGLE, angles), VALUES(AXIS_MODEL, kinds5),
                        VALUES(AXIS_ROUGHNESS, few_roughnesses), VALUES(AXIS_ALBEDO, thirds),
@@ -219,6 +222,7 @@ static void configure(struct configuration *c, int group, const double *v, uint3
     set_flag(m, MATERIAL_SEPARABLE, v[AXIS_SEPARABLE]);
     set_flag(m, MATERIAL_COMPENSATE, v[AXIS_COMPENSATE]);
     set_flag(m, MATERIAL_EXACT_FRESNEL, v[AXIS_EXACT]);
+    set_flag(m, MATERIAL_UNCOUPLED, v[AXIS_UNCOUPLED]);
     m->exponent = (float)v[AXIS_EXPONENT];
     set_color(m->specular_color, v[AXIS_SPECULAR]);
     set_metal(m, v[AXIS_ALBEDO]);
@@ -299,9 +303,10 @@ static double next_random(uint64_t *state)
 // Axes of kinds and switches have nothing between their values.
 static bool is_continuous(enum axis axis)
 {
-    static const enum axis kinds[] = {AXIS_INSIDE,  AXIS_COAT,      AXIS_THIN,   AXIS_COMPENSATE,
-                                      AXIS_MODEL,   AXIS_SEPARABLE, AXIS_EXACT,  AXIS_DISTRIBUTION,
-                                      AXIS_MASKING, AXIS_TINT_EACH, AXIS_LAYERS, AXIS_IOR};
+    static const enum axis kinds[] = {AXIS_INSIDE,   AXIS_COAT,      AXIS_THIN,   AXIS_COMPENSATE,
+                                      AXIS_MODEL,    AXIS_SEPARABLE, AXIS_EXACT,  AXIS_DISTRIBUTION,
+                                      AXIS_MASKING,  AXIS_TINT_EACH, AXIS_LAYERS, AXIS_IOR,
+                                      AXIS_UNCOUPLED};
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
         if (axis == kinds[i])
             return false;
@@ -390,4 +395,12 @@ void grid_charts(const struct configuration *configuration, struct chart charts[
                     !(m->flags & MATERIAL_THIN) && configuration->eta != 1.0f;
     if (refracts && (by_half || fabs(chart.eta - 1) < 0.2))
         charts[1].kind = CHART_REFRACT;
+}
+
+bool grid_gains(const struct configuration *configuration)
+{
+    uint32_t flags = configuration->material.flags;
+    uint32_t masking = flags >> MATERIAL_MASKING_SHIFT & 7u;
+    return configuration->material.model == MATERIAL_MICROFACET &&
+           (flags & MATERIAL_UNCOUPLED || masking == MASKING_RATIONAL_UNBOUNDED);
 }

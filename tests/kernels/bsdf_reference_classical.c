@@ -102,35 +102,44 @@ static double smith_lambda(uint32_t kind, const double w[3], double alpha)
     }
 }
 
-// Walter et al. 2007, eq. 27; of the others no more than Smith's.
-static double rational(uint32_t kind, const double w[3], double alpha)
+// Walter et al. 2007, eq. 27; of the others no more than Smith's, unless it is unbounded.
+static double rational(uint32_t kind, const double w[3], double alpha, bool is_bounded)
 {
     double a = steepness(w, alpha);
     double value = a < 1.6 ? (3.535 * a + 2.181 * a * a) / (1 + 2.276 * a + 2.577 * a * a) : 1;
-    return kind == DISTRIBUTION_BECKMANN ? value
-                                         : fmin(value, 1 / (1 + smith_lambda(kind, w, alpha)));
+    return kind == DISTRIBUTION_BECKMANN || !is_bounded
+               ? value
+               : fmin(value, 1 / (1 + smith_lambda(kind, w, alpha)));
 }
 
-// Schlick 1994, eq. 19, with k of Karis 2013.
-static double schlick_masking(const double w[3], double alpha)
+// Schlick 1994, eq. 19.
+static double schlick_masking(const double w[3], double k)
 {
-    return w[2] / (w[2] * (1 - alpha / 2) + alpha / 2);
+    return w[2] / (w[2] * (1 - k) + k);
 }
 
 static double masking(const struct reference *r, const double wi[3], double cosine)
 {
     const struct material *m = r->material;
     const double *wo = r->wo;
-    double alpha = alpha_of(m);
+    double alpha = alpha_of(m), k;
     uint32_t kind = m->flags >> MATERIAL_DISTRIBUTION_SHIFT & 3u;
     bool separable = m->flags & MATERIAL_SEPARABLE;
     switch (m->flags >> MATERIAL_MASKING_SHIFT & 7u) {
-    case MASKING_SCHLICK_GGX:
-        return schlick_masking(wo, alpha) * schlick_masking(wi, alpha);
+    case MASKING_SCHLICK_GGX: // k of Karis 2013
+        return schlick_masking(wo, alpha / 2) * schlick_masking(wi, alpha / 2);
+    case MASKING_SCHLICK: // his own, below eq. 19
+        k = sqrt(2 * alpha * alpha / M_PI);
+        return schlick_masking(wo, k) * schlick_masking(wi, k);
+    case MASKING_SCHLICK_REMAPPED: // Karis 2013, for lights without extent
+        k = ((double)m->roughness + 1) * ((double)m->roughness + 1) / 8;
+        return schlick_masking(wo, k) * schlick_masking(wi, k);
     case MASKING_LH:
         return wo[2] * wi[2] / (cosine * cosine);
     case MASKING_RATIONAL:
-        return rational(kind, wo, alpha) * rational(kind, wi, alpha);
+        return rational(kind, wo, alpha, true) * rational(kind, wi, alpha, true);
+    case MASKING_RATIONAL_UNBOUNDED:
+        return rational(kind, wo, alpha, false) * rational(kind, wi, alpha, false);
     default:
         break;
     }
@@ -173,9 +182,22 @@ static double specular_probability(const struct reference *r)
         bool is_microfacet = m->model == MATERIAL_MICROFACET;
         double fresnel = is_microfacet ? microfacet_fresnel(r, c, r->wo[2]) : ks;
         specular += fresnel;
+        // Uncoupled, of light along the normal: the half-vector is at half of wo's angle.
+        if (is_microfacet && m->flags & MATERIAL_UNCOUPLED)
+            fresnel = microfacet_fresnel(r, c, cos(acos(fmin(r->wo[2], 1)) / 2));
         diffuse += is_microfacet ? kd * (1 - fresnel) : fmin(kd, 1 - ks);
     }
     return diffuse > 0 ? specular / (specular + diffuse) : 1;
+}
+
+// What reaches the base and leaves it again; uncoupled, what a microfacet between does not reflect.
+static double base_part(const struct reference *r, int channel, const double wi[3])
+{
+    double h[3];
+    if (r->material->flags & MATERIAL_UNCOUPLED)
+        return 1 - microfacet_fresnel(r, channel, optics_half_reflected(r->wo, wi, h));
+    return (1 - microfacet_fresnel(r, channel, r->wo[2])) *
+           (1 - microfacet_fresnel(r, channel, wi[2]));
 }
 
 double classical_eval(const struct reference *r, const double wi[3], double f[3])
@@ -190,8 +212,7 @@ double classical_eval(const struct reference *r, const double wi[3], double f[3]
     for (int c = 0; c < 3; c++) {
         double kd = (double)m->base_color[c], ks = fmin((double)m->specular_color[c], 1);
         if (m->model == MATERIAL_MICROFACET)
-            f[c] = kd * (1 - microfacet_fresnel(r, c, r->wo[2])) *
-                       (1 - microfacet_fresnel(r, c, wi[2])) * wi[2] / M_PI +
+            f[c] = kd * base_part(r, c, wi) * wi[2] / M_PI +
                    microfacet_fresnel(r, c, h.fresnel_cosine) * h.value;
         else
             f[c] = fmin(kd, 1 - ks) * wi[2] / M_PI + ks * h.value;

@@ -271,6 +271,8 @@ LOBES = {
     "PHONG": ([], ["eval_phong()", "sample_phong()"]),
     "BLINN_PHONG": ([], ["eval_blinn_phong()", "sample_blinn_phong()"]),
     "MICROFACET": (["ROUGH"], ["eval_microfacet()", "sample_microfacet()"]),
+    "MASKINGS": (["MICROFACET", "ROUGH"], ["-"]),
+    "UNCOUPLED": (["MICROFACET", "ROUGH"], ["-"]),
     "ROUGH": (["DIELECTRIC", "DELTA"], ["eval_rough_dielectric()", "sample_rough_dielectric()"]),
     "DELTA": (["DIELECTRIC", "ROUGH"], ["sample_smooth_dielectric()"]),
     "ANISOTROPIC": (PRINCIPLED, ["albedo_turned()", "turn_anisotropy()"]),
@@ -607,7 +609,7 @@ def check_all_are_tested(bits, lobes):
         tested.update(removed)
     for name in sorted(set(bits) - tested - {"BALLOT"}):
         fail("no test removes " + name)
-    for name in sorted(set(lobes) - set(LOBES)):
+    for name in sorted(set(lobes) - set(LOBES) - {"END"}):
         fail("no test removes LOBE_" + name)
 
 

@@ -177,6 +177,9 @@ static uint32_t reciprocal_materials(void)
             c->material.flags = kind % DISTRIBUTION_COUNT << MATERIAL_DISTRIBUTION_SHIFT |
                                 kind / DISTRIBUTION_COUNT << MATERIAL_MASKING_SHIFT;
         }
+        c = add(&count, "microfacet over an uncoupled base", MATERIAL_MICROFACET);
+        c->material.roughness = r;
+        c->material.flags = MATERIAL_UNCOUPLED;
         c = add(&count, "phong", MATERIAL_PHONG);
         c->material.exponent = 10 / (r * r);
         set(c->material.specular_color, 0.4f, 0.4f, 0.4f);

@@ -130,6 +130,12 @@ static double metal(double rho, double le, double degrees)
         "plate",                                                                                   \
             "{\"type\": \"microfacet\", \"base_color\": [0, 0, 0], \"roughness\": 1, " choice "}"  \
     }
+// A white base under a mirror of Schlick's reflectance from 0 on.
+#define UNCOUPLED                                                                                  \
+    {                                                                                              \
+        "plate", "{\"type\": \"microfacet\", \"base_color\": [1, 1, 1], \"roughness\": 0, "      \
+                 "\"specular_color\": [0, 0, 0], \"diffuse\": \"uncoupled\"}"                      \
+    }
 #define FROM(x, z)                                                                                 \
     {                                                                                              \
         "from", "[" x ",0," z "]"                                                                  \
@@ -226,6 +232,22 @@ static const struct closed_form forms[] = {
      {ALPHA_1(JSON("masking": "lh"))}},
     {"GGX and Schlick's masking, alpha 1", OURS "plate.json", all, .3068528194400547,
      BY_STATISTICS, 0, {ALPHA_1(JSON("masking": "schlick_ggx"))}},
+    {"Phong's exponent 0 is alpha 1", OURS "plate.json", all, .3068528194400547, BY_STATISTICS, 0,
+     {{"plate", JSON({"type": "microfacet", "base_color": [0, 0, 0], "distribution": "phong",
+                      "phong_exponent": 0})}}},
+    // Half of the integral of c / (c (1 - k) + k) dc: (1 / (1 - k) + k ln(k) / (1 - k)^2) / 2 with
+    // k = sqrt(2 / pi).
+    {"GGX and Schlick's own masking, alpha 1", OURS "plate.json", all, .2687840285229841,
+     BY_STATISTICS, 0, {ALPHA_1(JSON("masking": "schlick"))}},
+    // Half of the integral of the rational G1 of cot(theta) over the cosine, by quadrature; bounded
+    // it is 1 - ln 2 at most.
+    {"GGX and unbounded rational masking, alpha 1", OURS "plate.json", all, .3792765160930264,
+     BY_STATISTICS, 0, {ALPHA_1(JSON("masking": "rational_unbounded"))}},
+    // From above, 1 - 2 times the integral of (1 - x)^5 (2 x^2 - 1) 4 x dx over the half angles'
+    // cosines; at a cosine of .1, by quadrature .97900, and the mirror's .9^5 besides.
+    {"uncoupled base", OURS "plate.json", all, .9999181118594366, BY_STATISTICS, 0, {UNCOUPLED}},
+    {"uncoupled base, grazing", OURS "plate.json", all, 1.5694851171966855, BY_STATISTICS, 0,
+     {UNCOUPLED, AT_GRAZING}},
     // Normalised to the specular reflectance from above.
     {"Phong", OURS "plate.json", colored, 1, BY_STATISTICS, 0,
      {{"plate", JSON({"type": "phong", "base_color": [0, 0, 0], "exponent": 10,

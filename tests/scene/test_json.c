@@ -146,8 +146,10 @@ TEST(materials_of_every_model)
         "\"t\": {\"type\": \"dielectric\", \"thin\": true, \"roughness\": 0.125},"
         "\"g\": {\"type\": \"conductor\", \"metal\": \"gold\"},"
         "\"l\": {\"type\": \"principled\", \"layers\": \"gltf\", \"specular_weight\": 0},"
-        "\"n\": {\"like\": \"l\", \"layers\": \"burley\"}}");
-    REQUIRE(scene.material_count == 9, "%u", scene.material_count);
+        "\"n\": {\"like\": \"l\", \"layers\": \"burley\"},"
+        "\"w\": {\"type\": \"microfacet\", \"distribution\": \"phong\", \"phong_exponent\": 30,"
+        " \"masking\": \"rational_unbounded\", \"diffuse\": \"uncoupled\"}}");
+    REQUIRE(scene.material_count == 10, "%u", scene.material_count);
     const struct material *m = scene.materials;
     CHECK(m[0].model == MATERIAL_PRINCIPLED && m[0].metallic == 0.25f && m[0].roughness == 0.5f);
     CHECK(m[0].flags == (MATERIAL_COAT_GGX | MATERIAL_SEPARABLE) && m[0].clearcoat_gloss == 1);
@@ -168,6 +170,11 @@ TEST(materials_of_every_model)
     CHECK((m[5].flags & MATERIAL_THIN) && m[5].roughness == 0.125f && m[5].medium_priority == 1);
     CHECK(material_has_inside(&m[1]) && !material_has_inside(&m[5]));
     CHECK(is_color(m[6].conductor_eta, 0.21f, 0.43f, 1.38f) && m[6].conductor_k[2] == 1.914f);
+    // alpha = 1/4 is the exponent 2 / alpha^2 - 2 = 30.
+    CHECK(m[9].roughness == 0.5f, "%g", (double)m[9].roughness);
+    CHECK((m[9].flags & ~MATERIAL_COMPENSATE) ==
+          (DISTRIBUTION_PHONG << MATERIAL_DISTRIBUTION_SHIFT |
+           MASKING_RATIONAL_UNBOUNDED << MATERIAL_MASKING_SHIFT | MATERIAL_UNCOUPLED));
     scene_finish(&scene);
 }
 

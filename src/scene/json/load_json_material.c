@@ -36,6 +36,8 @@ static const struct {
     {"metal", ONLY(MATERIAL_CONDUCTOR)},
     {"distribution", ONLY(MATERIAL_MICROFACET)},
     {"fresnel", ONLY(MATERIAL_MICROFACET)},
+    {"diffuse", ONLY(MATERIAL_MICROFACET)},
+    {"phong_exponent", ONLY(MATERIAL_MICROFACET)},
 };
 #define OTHER_KEY_COUNT (sizeof other_keys / sizeof *other_keys)
 
@@ -186,14 +188,18 @@ static bool read_alpha(const struct scene *scene, const struct json_node *node,
 // Smith's, for both directions together or for each alone; the microfacet model has others as well.
 static bool read_masking(const struct json_node *node, struct material *material, struct err *err)
 {
-    static const char *const names[] = {"smith", "separable", "schlick_ggx",
-                                        "lh",    "rational",  NULL};
+    static const char *const names[] = {
+        "smith",   "separable",        "schlick_ggx",        "lh", "rational",
+        "schlick", "schlick_remapped", "rational_unbounded", NULL};
     static const uint32_t flags[] = {
         MASKING_SMITH << MATERIAL_MASKING_SHIFT,
         MASKING_SMITH << MATERIAL_MASKING_SHIFT | MATERIAL_SEPARABLE,
         MASKING_SCHLICK_GGX << MATERIAL_MASKING_SHIFT,
         MASKING_LH << MATERIAL_MASKING_SHIFT,
         MASKING_RATIONAL << MATERIAL_MASKING_SHIFT,
+        MASKING_SCHLICK << MATERIAL_MASKING_SHIFT,
+        MASKING_SCHLICK_REMAPPED << MATERIAL_MASKING_SHIFT,
+        MASKING_RATIONAL_UNBOUNDED << MATERIAL_MASKING_SHIFT,
     };
     static const char *const smith_names[] = {"smith", "separable", NULL};
     bool has_all = material->model == MATERIAL_MICROFACET;
@@ -217,10 +223,31 @@ static bool read_coat(const struct json_node *node, struct material *material, s
     return true;
 }
 
+// The exponent of Phong's distribution of normals in place of its roughness: alpha_p = 2 / alpha^2
+// - 2 (Walter et al. 2007, section 5.2, solved for alpha).
+static bool read_phong_exponent(const struct json_node *node, struct material *material,
+                                struct err *err)
+{
+    const struct json_node exponent = node_member(node, "phong_exponent");
+    double n = 0;
+    if (!exponent.value)
+        return true;
+    if (node_member(node, "roughness").value)
+        return node_fail(node, err,
+                         "both \"phong_exponent\" and \"roughness\" are given; expected one");
+    if ((material->flags >> MATERIAL_DISTRIBUTION_SHIFT & 3u) != DISTRIBUTION_PHONG)
+        return node_fail(&exponent, err, "goes with \"distribution\": \"phong\"");
+    if (!node_number(&exponent, (struct range){0, 1e6, false}, &n, err))
+        return false;
+    material->roughness = (float)pow(2 / (n + 2), 0.25);
+    return true;
+}
+
 // Choices and switches that files name as they stand in memory.
 static bool read_flags(const struct json_node *node, struct material *material, struct err *err)
 {
-    static const char *const keys[] = {"layers", "thin", "compensate", "distribution", "fresnel"};
+    static const char *const keys[] = {"layers",       "thin",    "compensate",
+                                       "distribution", "fresnel", "diffuse"};
     for (size_t i = 0; i < sizeof keys / sizeof *keys; i++)
         if (!field_read(material_flag(keys[i]), node, material, err))
             return false;
@@ -277,7 +304,7 @@ static bool read_material(struct json_loader *loader, const struct json_node *no
            read_metal(node, material, err) && load_json_textures(loader, node, material, err) &&
            read_alpha(loader->scene, node, material, err) && read_coat(node, material, err) &&
            read_flags(node, material, err) && read_masking(node, material, err) &&
-           read_inside(node, material, err);
+           read_phong_exponent(node, material, err) && read_inside(node, material, err);
 }
 
 // Gives a material that is "like" one before it that one's keys, but those of its own. The values

@@ -148,6 +148,10 @@ static void flags(struct form *form, struct material *to)
     gui_enabled(gui, is_microfacet);
     flag(form, "material.distribution", "Distribution", "Of microfacets' normals.", to);
     flag(form, "material.masking", "Masking", "How microfacets hide each other.", to);
+    flag(form, "material.diffuse", "Diffuse",
+         "The base under microfacets: light enters and leaves through what the surface does not "
+         "reflect (coupled), or it has 1 - F of the microfacet between (uncoupled; gains energy).",
+         to);
     flag(form, "material.fresnel", "Fresnel", "Schlick's approximation, or the exact equations.",
          to);
     gui_enabled(gui, true);
