@@ -529,7 +529,8 @@ TEST(cameras_as_text)
         REQUIRE(root && value && json_object_set_new(root, "camera", value) == 0, "%s", text);
         const struct json_node document = node_root("text", root);
         const struct json_node node = node_member(&document, "camera");
-        REQUIRE(load_json_camera(&read, &node, &err), "%s in %s", err.msg, text);
+        struct json_loader loader = {.scene = &read};
+        REQUIRE(load_json_camera(&loader, &node, &err), "%s in %s", err.msg, text);
         check_same_scene(
             &edited, &(struct scene){.cameras = read.cameras, .settings = edited.settings}, text);
         json_decref(root);

@@ -24,32 +24,31 @@ static bool check_version(const struct json_node *document, struct err *err)
                      node_describe(version.value).text, FORMAT_VERSION);
 }
 
+bool load_json_section(struct json_loader *loader, const struct json_node *document,
+                       const char *key, load_json_fn *load, struct err *err)
+{
+    const struct json_node section = node_member(document, key);
+    return !section.value || load(loader, &section, err);
+}
+
 static bool load_sections(struct json_loader *loader, const struct json_node *document,
                           struct err *err)
 {
     static const char *const none[] = {NULL};
-    struct scene *scene = loader->scene;
     if (!node_check_object(document, none, load_json_document_keys, err))
         return false;
-    const struct json_node camera = node_member(document, "camera");
-    const struct json_node film = node_member(document, "film");
-    const struct json_node settings = node_member(document, "settings");
-    const struct json_node materials = node_member(document, "materials");
-    const struct json_node environment = node_member(document, "environment");
-    const struct json_node lights = node_member(document, "lights");
-    const struct json_node shapes = node_member(document, "shapes");
     const struct json_node edits = node_member(document, "edits");
     if (node_member(document, "base").value)
         return load_json_base(loader, document, err);
     if (edits.value)
         return node_fail(&edits, err, "goes with a \"base\" only, the file that it edits");
-    return (!camera.value || load_json_camera(scene, &camera, err)) &&
-           (!film.value || load_json_film(scene, &film, err)) &&
-           (!settings.value || load_json_settings(scene, &settings, err)) &&
-           (!materials.value || load_json_materials(loader, &materials, err)) &&
-           (!environment.value || load_json_environment(loader, &environment, err)) &&
-           (!lights.value || load_json_lights(loader, &lights, err)) &&
-           (!shapes.value || load_json_shapes(loader, &shapes, err));
+    return load_json_section(loader, document, "camera", load_json_camera, err) &&
+           load_json_section(loader, document, "film", load_json_film, err) &&
+           load_json_section(loader, document, "settings", load_json_settings, err) &&
+           load_json_section(loader, document, "materials", load_json_materials, err) &&
+           load_json_section(loader, document, "environment", load_json_environment, err) &&
+           load_json_section(loader, document, "lights", load_json_lights, err) &&
+           load_json_section(loader, document, "shapes", load_json_shapes, err);
 }
 
 static bool load_document(const struct scene_load_params *params, scene_load_fn load_base,

@@ -35,12 +35,16 @@ bool load_json_resolve_references(const struct json_node *document, struct err *
 // The keys of the document, ended by NULL.
 extern const char *const load_json_document_keys[];
 
-// One section of the document each; the node's value is there.
-bool load_json_camera(struct scene *scene, const struct json_node *camera, struct err *err);
-bool load_json_film(struct scene *scene, const struct json_node *film, struct err *err);
-bool load_json_settings(struct scene *scene, const struct json_node *settings, struct err *err);
-bool load_json_materials(struct json_loader *loader, const struct json_node *materials,
-                         struct err *err);
+// Reads a section of the document, which is at `node`.
+typedef bool load_json_fn(struct json_loader *loader, const struct json_node *node,
+                          struct err *err);
+load_json_fn load_json_camera, load_json_film, load_json_settings, load_json_materials;
+load_json_fn load_json_lights, load_json_environment, load_json_shapes, load_json_edits;
+// Where the document has it.
+bool load_json_section(struct json_loader *loader, const struct json_node *document,
+                       const char *key, load_json_fn *load, struct err *err);
+// All of a document with a "base" but its version.
+load_json_fn load_json_base;
 // Appends the textures of a material and sets the parameters that they scale. `owner` is the
 // material's node.
 bool load_json_textures(struct json_loader *loader, const struct json_node *owner,
@@ -48,39 +52,17 @@ bool load_json_textures(struct json_loader *loader, const struct json_node *owne
 // What must hold of a spot's cone and of a sun's disc.
 bool load_json_check_light(const struct json_node *node, const struct light *light,
                            struct err *err);
-bool load_json_lights(struct json_loader *loader, const struct json_node *lights, struct err *err);
-bool load_json_environment(struct json_loader *loader, const struct json_node *environment,
-                           struct err *err);
-bool load_json_shapes(struct json_loader *loader, const struct json_node *shapes, struct err *err);
-// All of a document with a "base" but its version.
-bool load_json_base(struct json_loader *loader, const struct json_node *document, struct err *err);
-bool load_json_edits(struct json_loader *loader, const struct json_node *edits, struct err *err);
 
 // Shapes that need no other file. Each appends itself in its own space: an instance of a mesh with
 // the identity as its transform, or an analytic shape.
-bool load_json_quad(struct scene *scene, const struct json_node *quad, uint32_t material,
-                    struct err *err);
-bool load_json_box(struct scene *scene, const struct json_node *box, uint32_t material,
-                   struct err *err);
-bool load_json_sphere(struct scene *scene, const struct json_node *sphere, uint32_t material,
-                      struct err *err);
-bool load_json_disc(struct scene *scene, const struct json_node *disc, uint32_t material,
-                    struct err *err);
-bool load_json_plane(struct scene *scene, const struct json_node *plane, uint32_t material,
-                     struct err *err);
-bool load_json_cylinder(struct scene *scene, const struct json_node *cylinder, uint32_t material,
-                        struct err *err);
-bool load_json_generated(struct scene *scene, const struct json_node *generated, uint32_t material,
-                         struct err *err);
-bool load_json_teapot(struct scene *scene, const struct json_node *teapot, uint32_t material,
-                      struct err *err);
+typedef bool load_json_shape_fn(struct scene *scene, const struct json_node *node,
+                                uint32_t material, struct err *err);
+load_json_shape_fn load_json_quad, load_json_box, load_json_sphere, load_json_disc;
+load_json_shape_fn load_json_plane, load_json_cylinder, load_json_generated, load_json_teapot;
+load_json_shape_fn load_json_torus, load_json_stadium;
+load_json_shape_fn load_json_sdf; // placed by its own transforms
 
-bool load_json_torus(struct scene *scene, const struct json_node *torus, uint32_t material,
-                     struct err *err);
-bool load_json_stadium(struct scene *scene, const struct json_node *stadium, uint32_t material,
-                       struct err *err);
-
-// What describes the four above; those that make them call these.
+// What describes the last four meshes; those that make them call these.
 bool load_json_read_generated(const struct json_node *generated, uint32_t *triangles,
                               struct err *err);
 bool load_json_read_teapot(const struct json_node *teapot, uint32_t *resolution, struct err *err);
@@ -119,10 +101,6 @@ bool load_json_analytic_quad(struct scene *scene, const struct json_node *quad,
 bool load_json_analytic_box(struct scene *scene, const struct json_node *box,
                             const double bounds[2][3], uint32_t material, struct err *err);
 
-// A signed distance field, placed by its own transforms.
-bool load_json_sdf(struct scene *scene, const struct json_node *sdf, uint32_t material,
-                   struct err *err);
-
 // A "transform": a step or a list of steps, composed.
 bool load_json_transform(const struct json_node *transform, double out[3][4], struct err *err);
 // Moves an analytic shape by a transform that keeps its kind; others are an error at `node`.
@@ -130,8 +108,7 @@ bool load_json_move_shape(const struct json_node *node, const double m[3][4], st
                           struct err *err);
 
 // Spheres without number, with materials of their own.
-bool load_json_scatter(struct json_loader *loader, const struct json_node *scatter,
-                       struct err *err);
+load_json_fn load_json_scatter;
 
 // What the shape became that `name` is the name of; `parts` of all in the list so far.
 bool load_json_find_part(const struct json_loader *loader, const struct json_node *name,

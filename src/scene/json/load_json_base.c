@@ -171,11 +171,11 @@ static bool keep_base(struct scene *scene, struct scene_base *base, struct err *
 }
 
 // It comes before those of the base, so that it is the one that is used; one that was made up goes.
-static bool put_camera_first(struct scene *scene, const struct json_node *node, struct err *err)
+static bool put_camera_first(struct json_loader *loader, const struct json_node *node,
+                             struct err *err)
 {
-    if (!node->value)
-        return true;
-    if (!load_json_camera(scene, node, err))
+    struct scene *scene = loader->scene;
+    if (!load_json_camera(loader, node, err))
         return false;
     struct camera *cameras = scene->cameras, added = cameras[scene->camera_count - 1];
     if (scene->camera_is_framed)
@@ -191,8 +191,6 @@ static bool replace_environment(struct json_loader *loader, const struct json_no
                                 struct err *err)
 {
     const struct environment former = loader->scene->environment;
-    if (!node->value)
-        return true;
     if (!load_json_environment(loader, node, err))
         return false;
     scene_remove_sun(loader->scene, &former);
@@ -215,21 +213,17 @@ bool load_json_base(struct json_loader *loader, const struct json_node *document
 {
     struct scene *scene = loader->scene;
     const struct json_node node = node_member(document, "base");
-    const struct json_node camera = node_member(document, "camera");
-    const struct json_node film = node_member(document, "film");
-    const struct json_node settings = node_member(document, "settings");
-    const struct json_node environment = node_member(document, "environment");
-    const struct json_node edits = node_member(document, "edits");
     struct scene_base *base = ARENA_NEW(&scene->arena, struct scene_base, 1);
     if (!base)
         return err_memory(err, "a base", sizeof *base);
     loader->base = base;
     if (!check_keys(document, err) || !read_base(loader, &node, &base->load, err) ||
         !load_file(loader, &node, base, err) || !keep_base(scene, base, err) ||
-        (film.value && !load_json_film(scene, &film, err)) ||
-        (settings.value && !load_json_settings(scene, &settings, err)) ||
-        !put_camera_first(scene, &camera, err) || !replace_environment(loader, &environment, err) ||
-        (edits.value && !load_json_edits(loader, &edits, err)))
+        !load_json_section(loader, document, "film", load_json_film, err) ||
+        !load_json_section(loader, document, "settings", load_json_settings, err) ||
+        !load_json_section(loader, document, "camera", put_camera_first, err) ||
+        !load_json_section(loader, document, "environment", replace_environment, err) ||
+        !load_json_section(loader, document, "edits", load_json_edits, err))
         return false;
     scene_frame_camera(scene);
     scene->base = base;

@@ -16,6 +16,30 @@ static const struct range RANGE_F_NUMBER = {1e-3, 1e6, false};
 static const struct range RANGE_FOCUS = {SCENE_LENGTH_MIN, SCENE_COORDINATE_MAX, false};
 #define BLADES_MAX 64
 
+// Those of every camera, of perspective ones alone, and last those that go with a lens.
+static const char *const optional_keys[] = {
+    "name",
+    "type",
+    "target",
+    "direction",
+    "up",
+    "height",
+    "fov_degrees",
+    "fov_radians",
+    "focal_length_mm",
+    "sensor_height_mm",
+    "aperture_radius_mm",
+    "aperture_radius",
+    "f_number",
+    "focus",
+    "focus_distance",
+    "blades",
+    "blade_rotation_degrees",
+    "blade_rotation_radians",
+    NULL,
+};
+enum { PERSPECTIVE_KEYS = 6, LENS_KEYS = 13 }; // where these begin
+
 bool load_json_direction(const struct json_node *node, const double position[3],
                          double direction[3], struct err *err)
 {
@@ -141,12 +165,9 @@ static bool check_absent(const struct json_node *node, const char *const *keys, 
 
 static bool read_lens(const struct json_node *node, struct camera *camera, struct err *err)
 {
-    static const char *const of_lenses[] = {
-        "focus", "focus_distance", "blades", "blade_rotation_degrees", "blade_rotation_radians",
-        NULL};
     if (!node_member(node, "aperture_radius_mm").value &&
         !node_member(node, "aperture_radius").value && !node_member(node, "f_number").value)
-        return check_absent(node, of_lenses,
+        return check_absent(node, &optional_keys[LENS_KEYS],
                             "goes with \"aperture_radius_mm\" or \"f_number\": a pinhole has no "
                             "focus",
                             err);
@@ -157,24 +178,12 @@ static bool read_lens(const struct json_node *node, struct camera *camera, struc
 // What belongs to one kind of camera is refused with the others.
 static bool read_kind(const struct json_node *node, struct camera *camera, struct err *err)
 {
-    static const char *const of_perspective[] = {"fov_degrees",
-                                                 "fov_radians",
-                                                 "focal_length_mm",
-                                                 "sensor_height_mm",
-                                                 "aperture_radius_mm",
-                                                 "aperture_radius",
-                                                 "f_number",
-                                                 "focus",
-                                                 "focus_distance",
-                                                 "blades",
-                                                 "blade_rotation_degrees",
-                                                 "blade_rotation_radians",
-                                                 NULL};
     static const char *const of_orthographic[] = {"height", NULL};
     if (!node_read_choice(node, "type", camera_names, &camera->kind, err))
         return false;
     if (camera->kind != CAMERA_PERSPECTIVE &&
-        !check_absent(node, of_perspective, "goes with a perspective camera only", err))
+        !check_absent(node, &optional_keys[PERSPECTIVE_KEYS], "goes with a perspective camera only",
+                      err))
         return false;
     if (camera->kind != CAMERA_ORTHOGRAPHIC &&
         !check_absent(node, of_orthographic, "goes with an orthographic camera only", err))
@@ -188,31 +197,13 @@ static bool read_kind(const struct json_node *node, struct camera *camera, struc
     return node_read_number(node, "height", RANGE_RADIUS, &camera->height, err);
 }
 
-bool load_json_camera(struct scene *scene, const struct json_node *node, struct err *err)
+bool load_json_camera(struct json_loader *loader, const struct json_node *node, struct err *err)
 {
+    struct scene *scene = loader->scene;
     static const char *const required[] = {"position", NULL};
-    static const char *const optional[] = {"name",
-                                           "type",
-                                           "target",
-                                           "direction",
-                                           "up",
-                                           "height",
-                                           "fov_degrees",
-                                           "fov_radians",
-                                           "focal_length_mm",
-                                           "sensor_height_mm",
-                                           "aperture_radius_mm",
-                                           "aperture_radius",
-                                           "f_number",
-                                           "focus",
-                                           "focus_distance",
-                                           "blades",
-                                           "blade_rotation_degrees",
-                                           "blade_rotation_radians",
-                                           NULL};
     const char *name = "";
     struct camera camera = {.up = {0, 1, 0}};
-    if (!node_check_object(node, required, optional, err) ||
+    if (!node_check_object(node, required, optional_keys, err) ||
         !node_read_string(node, "name", &name, err) ||
         !node_read_vector(node, "position", RANGE_COORDINATE, camera.position, err) ||
         !load_json_direction(node, camera.position, camera.direction, err) ||

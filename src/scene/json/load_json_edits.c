@@ -256,10 +256,8 @@ static bool edit_environment(struct json_loader *loader, const struct json_node 
 
 // --- all of them ---------------------------------------------------------------------------------
 
-typedef bool (*edit_fn)(struct json_loader *loader, const struct json_node *node, struct err *err);
-
 // Calls `edit` of each element, in their order: later ones go on where earlier ones ended.
-static bool edit_each(struct json_loader *loader, const struct json_node *list, edit_fn edit,
+static bool edit_each(struct json_loader *loader, const struct json_node *list, load_json_fn *edit,
                       struct err *err)
 {
     if (!list->value)

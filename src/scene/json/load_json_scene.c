@@ -19,8 +19,9 @@ static bool read_section(struct settings *settings, const struct json_node *node
     return true;
 }
 
-bool load_json_film(struct scene *scene, const struct json_node *node, struct err *err)
+bool load_json_film(struct json_loader *loader, const struct json_node *node, struct err *err)
 {
+    struct scene *scene = loader->scene;
     struct settings *settings = &scene->settings;
     if (!read_section(settings, node, SETTINGS_FILM_FIRST, SETTINGS_FILM_LAST, err))
         return false;
@@ -47,9 +48,10 @@ static bool take_out_falloff(const struct json_node *node, struct err *err)
     return true;
 }
 
-bool load_json_settings(struct scene *scene, const struct json_node *node, struct err *err)
+bool load_json_settings(struct json_loader *loader, const struct json_node *node, struct err *err)
 {
     if (!take_out_falloff(node, err))
         return false;
-    return read_section(&scene->settings, node, SETTINGS_FILM_LAST + 1, SETTING_TOTAL - 1, err);
+    return read_section(&loader->scene->settings, node, SETTINGS_FILM_LAST + 1, SETTING_TOTAL - 1,
+                        err);
 }

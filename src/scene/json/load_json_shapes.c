@@ -155,42 +155,34 @@ static bool register_name(struct json_loader *loader, const struct json_node *sh
 static bool add_in_own_space(struct shape_list *list, const struct json_node *node,
                              enum shape_type type, struct err *err)
 {
-    struct scene *scene = list->loader->scene;
+    static load_json_shape_fn *const loaders[SHAPE_TYPE_COUNT] = {
+        [SHAPE_TYPE_QUAD] = load_json_quad,
+        [SHAPE_TYPE_BOX] = load_json_box,
+        [SHAPE_TYPE_SPHERE] = load_json_sphere,
+        [SHAPE_TYPE_DISC] = load_json_disc,
+        [SHAPE_TYPE_PLANE] = load_json_plane,
+        [SHAPE_TYPE_CYLINDER] = load_json_cylinder,
+        [SHAPE_TYPE_GENERATED] = load_json_generated,
+        [SHAPE_TYPE_TORUS] = load_json_torus,
+        [SHAPE_TYPE_STADIUM] = load_json_stadium,
+        [SHAPE_TYPE_TEAPOT] = load_json_teapot,
+        [SHAPE_TYPE_SDF] = load_json_sdf,
+    };
     uint32_t material;
     if (!load_json_material_name(list->loader, node, &material, err))
         return false;
+    if (loaders[type])
+        return loaders[type](list->loader->scene, node, material, err);
     switch (type) {
     case SHAPE_TYPE_MESH:
         return load_mesh(list->loader, node, material, err);
-    case SHAPE_TYPE_QUAD:
-        return load_json_quad(scene, node, material, err);
-    case SHAPE_TYPE_BOX:
-        return load_json_box(scene, node, material, err);
-    case SHAPE_TYPE_SPHERE:
-        return load_json_sphere(scene, node, material, err);
-    case SHAPE_TYPE_DISC:
-        return load_json_disc(scene, node, material, err);
-    case SHAPE_TYPE_PLANE:
-        return load_json_plane(scene, node, material, err);
-    case SHAPE_TYPE_CYLINDER:
-        return load_json_cylinder(scene, node, material, err);
-    case SHAPE_TYPE_GENERATED:
-        return load_json_generated(scene, node, material, err);
-    case SHAPE_TYPE_TORUS:
-        return load_json_torus(scene, node, material, err);
-    case SHAPE_TYPE_STADIUM:
-        return load_json_stadium(scene, node, material, err);
-    case SHAPE_TYPE_TEAPOT:
-        return load_json_teapot(scene, node, material, err);
-    case SHAPE_TYPE_SDF:
-        return load_json_sdf(scene, node, material, err);
     case SHAPE_TYPE_SCATTER:
         return load_json_scatter(list->loader, node, err);
     case SHAPE_TYPE_INSTANCE:
         return load_instance(list, node, material, err);
     case SHAPE_TYPE_STREW:
         return load_json_strew(list->loader, node, list->parts, err);
-    case SHAPE_TYPE_COUNT:
+    default:
         break;
     }
     return err_set(err, ERR_BUG, "shape type %d has no loader", (int)type);

@@ -313,8 +313,8 @@ static bool check_parts(const struct writer *w, struct scene *scene,
     const struct json_node film = node_member(document, "film");
     const struct json_node settings = node_member(document, "settings");
     const struct json_node edits = node_member(document, "edits");
-    if (!load_json_camera(scene, &camera, err) || !load_json_film(scene, &film, err) ||
-        !load_json_settings(scene, &settings, err) || !load_json_edits(&loader, &edits, err))
+    if (!load_json_camera(&loader, &camera, err) || !load_json_film(&loader, &film, err) ||
+        !load_json_settings(&loader, &settings, err) || !load_json_edits(&loader, &edits, err))
         return false;
     if (!scene_same_camera(&scene->cameras[scene->camera_count - 1], &w->camera))
         return node_fail(&camera, err,
