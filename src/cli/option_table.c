@@ -445,35 +445,6 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .help = "Keep a mesh once, with a hierarchy of its own, for all its instances: where that "
                 "pays, always, or never. Pictures differ by rounding only.", FIELD(device.instances),
     },
-    [OPTION_NO_TEXEL] = {
-        .name = "no-texel", .type = VALUE_FLAG, .group = "Fallbacks, for tests",
-        .commands = FOR_SCENE, .help = "Read storage buffers only, no texel buffers.",
-        FIELD(device.gpu.limits.no_texel),
-    },
-    [OPTION_NO_BALLOT] = {
-        .name = "no-ballot", .type = VALUE_FLAG, .group = "Fallbacks, for tests",
-        .commands = FOR_SCENE, .help = "Do without subgroup ballots.",
-        FIELD(device.gpu.limits.no_ballot),
-    },
-    [OPTION_LIMIT_STORAGE_RANGE] = {
-        .name = "limit-storage-range", .argument = "BYTES", .type = VALUE_COUNT, .min = 1,
-        .max = MOST_BYTES, .group = "Fallbacks, for tests", .commands = FOR_SCENE,
-        .fallback = "the device's",
-        .help = "Lower the largest range of a storage buffer.", FIELD(device.gpu.limits.storage_range),
-    },
-    [OPTION_LIMIT_TEXEL_ELEMENTS] = {
-        .name = "limit-texel-elements", .argument = "N", .type = VALUE_COUNT, .min = 1,
-        .max = UINT32_MAX, .group = "Fallbacks, for tests", .commands = FOR_SCENE,
-        .fallback = "the device's",
-        .help = "Lower the largest number of elements of a texel buffer.",
-        FIELD(device.gpu.limits.texel_elements),
-    },
-    [OPTION_LIMIT_ALLOCATION] = {
-        .name = "limit-allocation", .argument = "BYTES", .type = VALUE_COUNT, .min = 1,
-        .max = MOST_BYTES, .group = "Fallbacks, for tests", .commands = FOR_SCENE,
-        .fallback = "the device's", .help = "Lower the largest allocation of device memory.",
-        FIELD(device.gpu.limits.allocation),
-    },
 
     [OPTION_FAIL_ALLOCATION] = {
         .name = "fail-allocation", .argument = "N", .type = VALUE_COUNT, .min = 1,

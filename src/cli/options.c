@@ -12,7 +12,7 @@ struct parser {
     struct options *options;
 };
 
-static const struct option_def *find_long(const char *name, size_t length)
+const struct option_def *option_find(const char *name, size_t length)
 {
     for (int i = 0; i < OPTION_TOTAL; i++)
         if (strlen(option_table[i].name) == length &&
@@ -98,7 +98,7 @@ static bool apply(struct parser *parser, const struct option_def *def, const cha
 static bool parse_long(struct parser *parser, const char *text, struct err *err)
 {
     size_t length = strcspn(text, "=");
-    const struct option_def *def = find_long(text, length);
+    const struct option_def *def = option_find(text, length);
     if (!def)
         return fail_unknown_option(parser, text, length, err);
     return apply(parser, def, text[length] ? text + length + 1 : NULL, err);

@@ -89,11 +89,6 @@ enum option_id {
     OPTION_BVH_OPTIMIZE,
     OPTION_BVH_CACHE,
     OPTION_INSTANCES,
-    OPTION_NO_TEXEL,
-    OPTION_NO_BALLOT,
-    OPTION_LIMIT_STORAGE_RANGE,
-    OPTION_LIMIT_TEXEL_ELEMENTS,
-    OPTION_LIMIT_ALLOCATION,
     OPTION_FAIL_ALLOCATION,
     OPTION_LOSE_DEVICE,
     OPTION_SCRIPT,
@@ -158,6 +153,8 @@ struct option_def {
 };
 
 extern const struct option_def option_table[OPTION_TOTAL];
+// The option of that long name; NULL.
+const struct option_def *option_find(const char *name, size_t length);
 
 // What --env gives: a file, a sky, or else a constant radiance.
 struct environment_option {

@@ -3,15 +3,6 @@
 #include "cli/commands.h"
 #include <string.h>
 
-static const struct option_def *find_option(const char *name, size_t length)
-{
-    for (int i = 0; i < OPTION_TOTAL; i++)
-        if (strlen(option_table[i].name) == length &&
-            memcmp(option_table[i].name, name, length) == 0)
-            return &option_table[i];
-    return NULL;
-}
-
 // The n-th of the words between commas; NULL past the last.
 static const char *nth_word(const char *words, uint32_t n, size_t *length)
 {
@@ -57,7 +48,7 @@ static bool set(struct variant *variant, struct arena *arena, const char *whole,
 {
     struct options *options = &variant->options;
     size_t key_length = strcspn(pair, "=");
-    const struct option_def *def = find_option(pair, key_length);
+    const struct option_def *def = option_find(pair, key_length);
     if (!def || !option_belongs(def, options->command) || !option_is_setting(def, options->command))
         return err_set(err, ERR_USAGE,
                        "\"%s\": \"%.*s\" is no setting; expected an option of the groups Method "

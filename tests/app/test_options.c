@@ -62,8 +62,7 @@ TEST(every_option_of_render_is_stored)
 
     REQUIRE(parse("render s.glb --env sky.hdr --allow-outside-paths --frames 10 --spp-per-frame 2 "
                   "--every 5 --accumulate off --device llvm --wave 16k --validation "
-                  "--features all --no-texel --no-ballot --limit-storage-range 1M "
-                  "--limit-texel-elements 64k --limit-allocation 2G",
+                  "--features all --memory 2G",
                   &o, &err),
             "%s", err.msg);
     CHECK(strcmp(o.scene.environment.file, "sky.hdr") == 0 && o.scene.allow_outside_paths);
@@ -71,11 +70,7 @@ TEST(every_option_of_render_is_stored)
           !o.render.accumulate);
     CHECK(strcmp(o.device.gpu.device, "llvm") == 0 && o.device.wave == 16384 &&
           o.device.gpu.validation);
-    CHECK(o.device.features == FEATURES_ALL && o.device.gpu.limits.no_texel &&
-          o.device.gpu.limits.no_ballot);
-    CHECK(o.device.gpu.limits.storage_range == 1 << 20 &&
-          o.device.gpu.limits.texel_elements == 65536 &&
-          o.device.gpu.limits.allocation == UINT64_C(1) << 31);
+    CHECK(o.device.features == FEATURES_ALL && o.memory == UINT64_C(1) << 31);
     options_finish(&o);
 
     REQUIRE(parse("render s.ply --spp 4294967295 --pixel 12,34 --sample 56 -D a=1 -Db.c=x=y "
