@@ -4,46 +4,34 @@
 
 static const char *result_text(VkResult result)
 {
-    switch (result) {
-    case VK_NOT_READY:
-        return "not ready";
-    case VK_TIMEOUT:
-        return "timeout";
-    case VK_INCOMPLETE:
-        return "incomplete";
-    case VK_ERROR_OUT_OF_HOST_MEMORY:
-        return "out of host memory";
-    case VK_ERROR_OUT_OF_DEVICE_MEMORY:
-        return "out of device memory";
-    case VK_ERROR_OUT_OF_POOL_MEMORY:
-        return "out of pool memory";
-    case VK_ERROR_INITIALIZATION_FAILED:
-        return "initialization failed";
-    case VK_ERROR_DEVICE_LOST:
-        return "device lost (it was reset, removed, or a dispatch ran past its watchdog)";
-    case VK_ERROR_MEMORY_MAP_FAILED:
-        return "memory could not be mapped";
-    case VK_ERROR_LAYER_NOT_PRESENT:
-        return "layer not present";
-    case VK_ERROR_EXTENSION_NOT_PRESENT:
-        return "extension not present";
-    case VK_ERROR_FEATURE_NOT_PRESENT:
-        return "feature not present";
-    case VK_ERROR_INCOMPATIBLE_DRIVER:
-        return "incompatible driver";
-    case VK_ERROR_TOO_MANY_OBJECTS:
-        return "too many objects";
-    case VK_ERROR_FORMAT_NOT_SUPPORTED:
-        return "format not supported";
-    case VK_ERROR_SURFACE_LOST_KHR:
-        return "the window's surface is lost";
-    case VK_ERROR_NATIVE_WINDOW_IN_USE_KHR:
-        return "the window is in use elsewhere";
-    case VK_ERROR_INVALID_SHADER_NV:
-        return "the driver rejects the shader";
-    default:
-        return "unknown error";
-    }
+    static const struct {
+        VkResult result;
+        const char *text;
+    } texts[] = {
+        {VK_NOT_READY, "not ready"},
+        {VK_TIMEOUT, "timeout"},
+        {VK_INCOMPLETE, "incomplete"},
+        {VK_ERROR_OUT_OF_HOST_MEMORY, "out of host memory"},
+        {VK_ERROR_OUT_OF_DEVICE_MEMORY, "out of device memory"},
+        {VK_ERROR_OUT_OF_POOL_MEMORY, "out of pool memory"},
+        {VK_ERROR_INITIALIZATION_FAILED, "initialization failed"},
+        {VK_ERROR_DEVICE_LOST,
+         "device lost (it was reset, removed, or a dispatch ran past its watchdog)"},
+        {VK_ERROR_MEMORY_MAP_FAILED, "memory could not be mapped"},
+        {VK_ERROR_LAYER_NOT_PRESENT, "layer not present"},
+        {VK_ERROR_EXTENSION_NOT_PRESENT, "extension not present"},
+        {VK_ERROR_FEATURE_NOT_PRESENT, "feature not present"},
+        {VK_ERROR_INCOMPATIBLE_DRIVER, "incompatible driver"},
+        {VK_ERROR_TOO_MANY_OBJECTS, "too many objects"},
+        {VK_ERROR_FORMAT_NOT_SUPPORTED, "format not supported"},
+        {VK_ERROR_SURFACE_LOST_KHR, "the window's surface is lost"},
+        {VK_ERROR_NATIVE_WINDOW_IN_USE_KHR, "the window is in use elsewhere"},
+        {VK_ERROR_INVALID_SHADER_NV, "the driver rejects the shader"},
+    };
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
+        if (texts[i].result == result)
+            return texts[i].text;
+    return "unknown error";
 }
 
 bool gpu_fail(struct gpu *gpu, const char *call, VkResult result, struct err *err)

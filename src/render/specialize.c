@@ -496,6 +496,15 @@ bool specialization_needs_binding(const struct specialization *s, uint32_t bindi
     }
 }
 
+// Names stand at their bits' numbers; NULL for what is no such bit, or has no name.
+static const char *name_of_bit(const char *const *names, size_t count, uint32_t bit)
+{
+    for (size_t i = 0; i < count; i++)
+        if (bit == 1u << i)
+            return names[i];
+    return NULL;
+}
+
 const char *lobe_name(uint32_t bit)
 {
     static const char *const names[] = {
@@ -514,10 +523,7 @@ const char *lobe_name(uint32_t bit)
         "glTF's layers",     "further maskings",
         "uncoupled base",
     };
-    for (uint32_t i = 0; i < sizeof names / sizeof *names; i++)
-        if (bit == 1u << i)
-            return names[i];
-    return NULL;
+    return name_of_bit(names, sizeof names / sizeof *names, bit);
 }
 
 const char *geometry_name(uint32_t bit)
@@ -536,10 +542,7 @@ const char *geometry_name(uint32_t bit)
         "triangles in several leaves",
         "small triangles",
     };
-    for (uint32_t i = 0; i < sizeof names / sizeof *names; i++)
-        if (bit == 1u << i)
-            return names[i];
-    return NULL;
+    return name_of_bit(names, sizeof names / sizeof *names, bit);
 }
 
 const char *emitter_name(uint32_t bit)
@@ -557,66 +560,39 @@ const char *emitter_name(uint32_t bit)
         "emissive cylinders",
         "emissive open cylinders",
     };
-    for (uint32_t i = 0; i < sizeof names / sizeof *names; i++)
-        if (bit == 1u << i)
-            return names[i];
-    return NULL;
+    return name_of_bit(names, sizeof names / sizeof *names, bit);
 }
 
 const char *feature_name(uint32_t bit)
 {
-    switch (bit) {
-    case FEATURE_TRIANGLES:
-        return "triangles";
-    case FEATURE_NORMALS:
-        return "shading normals";
-    case FEATURE_CLASSES:
-        return "surface classes";
-    case FEATURE_TEXTURES:
-        return "textures";
-    case FEATURE_TEXELS_FLOAT:
-        return "float textures";
-    case FEATURE_TEXELS_HALF:
-        return "half-float textures";
-    case FEATURE_UV0:
-        return "texture coordinates";
-    case FEATURE_UV1:
-        return "second texture coordinates";
-    case FEATURE_TANGENTS:
-        return "tangents";
-    case FEATURE_COLORS:
-        return "vertex colors";
-    case FEATURE_ALPHA:
-        return "alpha";
-    case FEATURE_MEDIA:
-        return "media";
-    case FEATURE_NORMAL_MAPS:
-        return "normal maps";
-    case FEATURE_EMISSION:
-        return "emission";
-    case FEATURE_CLAMP:
-        return "clamped contributions";
-    case FEATURE_NEE_DEPTH:
-        return "shadow rays by the first vertices only";
-    case FEATURE_NEE:
-        return "next-event estimation";
-    case FEATURE_BSDF_HITS_EMITTERS:
-        return "emitters hit by BSDF sampling";
-    case FEATURE_ENVIRONMENT:
-        return "environment";
-    case FEATURE_ENVIRONMENT_IMAGE:
-        return "environment image";
-    case FEATURE_ROULETTE:
-        return "Russian roulette";
-    case FEATURE_JITTER:
-        return "pixel jitter";
-    case FEATURE_LENS:
-        return "lens";
-    case FEATURE_FAR_CAMERA:
-        return "far camera";
-    case FEATURE_TILES:
-        return "sample counts by tile";
-    default:
-        return NULL;
-    }
+    // clang-format off
+    static const char *const names[] = {
+        [__builtin_ctz(FEATURE_TRIANGLES)] = "triangles",
+        [__builtin_ctz(FEATURE_NORMALS)] = "shading normals",
+        [__builtin_ctz(FEATURE_CLASSES)] = "surface classes",
+        [__builtin_ctz(FEATURE_TEXTURES)] = "textures",
+        [__builtin_ctz(FEATURE_TEXELS_FLOAT)] = "float textures",
+        [__builtin_ctz(FEATURE_TEXELS_HALF)] = "half-float textures",
+        [__builtin_ctz(FEATURE_UV0)] = "texture coordinates",
+        [__builtin_ctz(FEATURE_UV1)] = "second texture coordinates",
+        [__builtin_ctz(FEATURE_TANGENTS)] = "tangents",
+        [__builtin_ctz(FEATURE_COLORS)] = "vertex colors",
+        [__builtin_ctz(FEATURE_ALPHA)] = "alpha",
+        [__builtin_ctz(FEATURE_MEDIA)] = "media",
+        [__builtin_ctz(FEATURE_NORMAL_MAPS)] = "normal maps",
+        [__builtin_ctz(FEATURE_EMISSION)] = "emission",
+        [__builtin_ctz(FEATURE_CLAMP)] = "clamped contributions",
+        [__builtin_ctz(FEATURE_NEE_DEPTH)] = "shadow rays by the first vertices only",
+        [__builtin_ctz(FEATURE_NEE)] = "next-event estimation",
+        [__builtin_ctz(FEATURE_BSDF_HITS_EMITTERS)] = "emitters hit by BSDF sampling",
+        [__builtin_ctz(FEATURE_ENVIRONMENT)] = "environment",
+        [__builtin_ctz(FEATURE_ENVIRONMENT_IMAGE)] = "environment image",
+        [__builtin_ctz(FEATURE_ROULETTE)] = "Russian roulette",
+        [__builtin_ctz(FEATURE_JITTER)] = "pixel jitter",
+        [__builtin_ctz(FEATURE_LENS)] = "lens",
+        [__builtin_ctz(FEATURE_FAR_CAMERA)] = "far camera",
+        [__builtin_ctz(FEATURE_TILES)] = "sample counts by tile",
+    };
+    // clang-format on
+    return name_of_bit(names, sizeof names / sizeof *names, bit);
 }
