@@ -103,11 +103,21 @@ struct texture {
     float transform[2][3]; // s = row 0 . (u, v, 1), t = row 1 . (u, v, 1); t downwards from the top
 };
 
+static inline bool texture_is_scale(const struct texture *texture)
+{
+    return (texture->flags >> TEXTURE_USE_SHIFT & 3u) == TEXTURE_USE_SCALE;
+}
+
+// Of parameters, GROUP_*.
+static inline uint32_t texture_group(const struct texture *texture)
+{
+    return texture->flags >> TEXTURE_GROUP_SHIFT & 15u;
+}
+
 // Whether it scales this parameter, PARAMETER_*; and which of its channels does.
 static inline bool texture_scales_parameter(const struct texture *texture, uint32_t parameter)
 {
-    return (texture->flags >> TEXTURE_USE_SHIFT & 3u) == TEXTURE_USE_SCALE &&
-           (texture->flags >> TEXTURE_GROUP_SHIFT & 15u) == parameter / 4 &&
+    return texture_is_scale(texture) && texture_group(texture) == parameter / 4 &&
            (texture->flags >> (TEXTURE_MASK_SHIFT + parameter % 4) & 1u);
 }
 

@@ -213,8 +213,7 @@ static bool note_if_cut(struct scene *scene, const struct material *material,
                         const struct texture *texture, struct err *err)
 {
     const struct texture_image *image = &scene->images[texture->image];
-    bool is_cut = (texture->flags >> TEXTURE_USE_SHIFT & 3u) == TEXTURE_USE_SCALE &&
-                  (texture->flags >> TEXTURE_GROUP_SHIFT & 15u) != GROUP_EMISSION &&
+    bool is_cut = texture_is_scale(texture) && texture_group(texture) != GROUP_EMISSION &&
                   image->greatest > 1;
     return !is_cut ||
            scene_note(scene, "material \"%s\": texels of %s above 1 count as 1", material->name,
@@ -246,4 +245,15 @@ uint32_t texture_scales(uint32_t group, const int channel[4])
             flags |= 1u << (TEXTURE_MASK_SHIFT + i) | (uint32_t)channel[i]
                                                           << (TEXTURE_CHANNELS_SHIFT + 2 * i);
     return flags;
+}
+
+void texture_transform(struct texture *texture, const double offset[2], const double scale[2],
+                       double angle)
+{
+    const double rotation[2][2] = {{cos(angle), sin(angle)}, {-sin(angle), cos(angle)}};
+    for (int i = 0; i < 2; i++) {
+        for (int j = 0; j < 2; j++)
+            texture->transform[i][j] = (float)(rotation[i][j] * scale[j]);
+        texture->transform[i][2] = (float)offset[i];
+    }
 }

@@ -37,5 +37,8 @@ bool material_add_texture(struct scene *scene, struct material *material,
 // Flags of a texture that scales parameters of a group: component i of the group by channel c[i] of
 // the texel (0 red … 3 alpha), or not at all where that is -1.
 uint32_t texture_scales(uint32_t group, const int channel[4]);
+// (s, t) = offset + R (scale * (u, v)), R = (cos, sin; -sin, cos) of the angle in radians.
+void texture_transform(struct texture *texture, const double offset[2], const double scale[2],
+                       double angle);
 
 #endif

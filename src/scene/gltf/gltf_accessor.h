@@ -15,6 +15,9 @@ enum component_type {
 };
 #define COMPONENT_CODE_BASE 5120
 #define COMPONENT_BIT(type) (1u << (type))
+#define COMPONENTS_FLOAT COMPONENT_BIT(COMPONENT_F32)
+#define COMPONENTS_SMALL_SIGNED (COMPONENT_BIT(COMPONENT_I8) | COMPONENT_BIT(COMPONENT_I16))
+#define COMPONENTS_SMALL_UNSIGNED (COMPONENT_BIT(COMPONENT_U8) | COMPONENT_BIT(COMPONENT_U16))
 
 // Zeros cost a file nothing: the count of an accessor without a buffer view is the one size that
 // the file's own size does not bound. 2^24 is more than anybody writes and less than hurts.

@@ -10,23 +10,22 @@
 enum path { PATH_TRANSLATION, PATH_ROTATION, PATH_SCALE, PATH_WEIGHTS, PATH_POINTER };
 enum interpolation { LINEAR, STEP, CUBICSPLINE };
 
-#define FLOATS COMPONENT_BIT(COMPONENT_F32)
 #define SMALL                                                                                      \
     (COMPONENT_BIT(COMPONENT_I8) | COMPONENT_BIT(COMPONENT_U8) | COMPONENT_BIT(COMPONENT_I16) |    \
      COMPONENT_BIT(COMPONENT_U16))
 
 static const struct accessor_rule time_rule = {
-    .use = "an animation's input", .components = 1, .types = FLOATS};
+    .use = "an animation's input", .components = 1, .types = COMPONENTS_FLOAT};
 static const struct accessor_rule value_rules[] = {
-    [PATH_TRANSLATION] = {.use = "a translation", .components = 3, .types = FLOATS},
+    [PATH_TRANSLATION] = {.use = "a translation", .components = 3, .types = COMPONENTS_FLOAT},
     [PATH_ROTATION] = {.use = "a rotation",
                        .components = 4,
-                       .types = FLOATS,
+                       .types = COMPONENTS_FLOAT,
                        .normalized_types = SMALL},
-    [PATH_SCALE] = {.use = "a scale", .components = 3, .types = FLOATS},
+    [PATH_SCALE] = {.use = "a scale", .components = 3, .types = COMPONENTS_FLOAT},
     [PATH_WEIGHTS] = {.use = "weights",
                       .components = 1,
-                      .types = FLOATS,
+                      .types = COMPONENTS_FLOAT,
                       .normalized_types = SMALL},
 };
 

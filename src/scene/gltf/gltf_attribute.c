@@ -5,39 +5,35 @@
 #include "scene/mesh/mesh_loader.h"
 #include <math.h>
 
-#define FLOATS COMPONENT_BIT(COMPONENT_F32)
-#define SMALL_SIGNED (COMPONENT_BIT(COMPONENT_I8) | COMPONENT_BIT(COMPONENT_I16))
-#define SMALL_UNSIGNED (COMPONENT_BIT(COMPONENT_U8) | COMPONENT_BIT(COMPONENT_U16))
-
 static const struct accessor_rule rules[GLTF_ATTRIBUTE_COUNT] = {
     [GLTF_POSITION] = {.use = "POSITION",
                        .components = 3,
-                       .types = FLOATS,
-                       .quantized_types = SMALL_SIGNED | SMALL_UNSIGNED,
-                       .quantized_normalized = SMALL_SIGNED | SMALL_UNSIGNED,
+                       .types = COMPONENTS_FLOAT,
+                       .quantized_types = COMPONENTS_SMALL_SIGNED | COMPONENTS_SMALL_UNSIGNED,
+                       .quantized_normalized = COMPONENTS_SMALL_SIGNED | COMPONENTS_SMALL_UNSIGNED,
                        .is_vertex_attribute = true},
     [GLTF_NORMAL] = {.use = "NORMAL",
                      .components = 3,
-                     .types = FLOATS,
-                     .quantized_normalized = SMALL_SIGNED,
+                     .types = COMPONENTS_FLOAT,
+                     .quantized_normalized = COMPONENTS_SMALL_SIGNED,
                      .is_vertex_attribute = true},
     [GLTF_TANGENT] = {.use = "TANGENT",
                       .components = 4,
-                      .types = FLOATS,
-                      .quantized_normalized = SMALL_SIGNED,
+                      .types = COMPONENTS_FLOAT,
+                      .quantized_normalized = COMPONENTS_SMALL_SIGNED,
                       .is_vertex_attribute = true},
     [GLTF_TEXCOORD] = {.use = "TEXCOORD",
                        .components = 2,
-                       .types = FLOATS,
-                       .normalized_types = SMALL_UNSIGNED,
-                       .quantized_types = SMALL_SIGNED | SMALL_UNSIGNED,
-                       .quantized_normalized = SMALL_SIGNED,
+                       .types = COMPONENTS_FLOAT,
+                       .normalized_types = COMPONENTS_SMALL_UNSIGNED,
+                       .quantized_types = COMPONENTS_SMALL_SIGNED | COMPONENTS_SMALL_UNSIGNED,
+                       .quantized_normalized = COMPONENTS_SMALL_SIGNED,
                        .is_vertex_attribute = true},
     [GLTF_COLOR] = {.use = "COLOR",
                     .components = 4,
                     .fewer_components = 3,
-                    .types = FLOATS,
-                    .normalized_types = SMALL_UNSIGNED,
+                    .types = COMPONENTS_FLOAT,
+                    .normalized_types = COMPONENTS_SMALL_UNSIGNED,
                     .is_vertex_attribute = true},
 };
 

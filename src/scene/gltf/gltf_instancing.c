@@ -7,21 +7,22 @@
 #include "scene/mesh/mesh_loader.h"
 #include <string.h>
 
-#define FLOATS COMPONENT_BIT(COMPONENT_F32)
-
 enum { TRANSLATION, ROTATION, SCALE, ATTRIBUTE_COUNT };
 
 static const struct accessor_rule rules[ATTRIBUTE_COUNT] = {
     [TRANSLATION] = {.use = "TRANSLATION",
                      .components = 3,
-                     .types = FLOATS,
+                     .types = COMPONENTS_FLOAT,
                      .is_vertex_attribute = true},
     [ROTATION] = {.use = "ROTATION",
                   .components = 4,
-                  .types = FLOATS,
+                  .types = COMPONENTS_FLOAT,
                   .is_vertex_attribute = true,
                   .normalized_types = COMPONENT_BIT(COMPONENT_I8) | COMPONENT_BIT(COMPONENT_I16)},
-    [SCALE] = {.use = "SCALE", .components = 3, .types = FLOATS, .is_vertex_attribute = true},
+    [SCALE] = {.use = "SCALE",
+               .components = 3,
+               .types = COMPONENTS_FLOAT,
+               .is_vertex_attribute = true},
 };
 
 // The transforms' parts; NULL where the file leaves one out.

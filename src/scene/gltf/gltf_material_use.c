@@ -1,23 +1,12 @@
 // What only the meshes and images of a glTF document tell about its materials.
 #include "scene/gltf/gltf_material.h"
 
-static uint32_t texture_group(const struct texture *texture)
-{
-    return texture->flags >> TEXTURE_GROUP_SHIFT & 15u;
-}
-
-static bool scales(const struct texture *texture)
-{
-    return (texture->flags >> TEXTURE_USE_SHIFT & 3u) == TEXTURE_USE_SCALE;
-}
-
 // Whether one of the material's textures can make it less opaque.
 static bool has_alpha_texture(const struct scene *scene, const struct material *material)
 {
-    const uint32_t opacity = 1u << (TEXTURE_MASK_SHIFT + PARAMETER_OPACITY % 4);
     for (uint32_t i = 0; i < material->texture_count; i++) {
         const struct texture *texture = &scene->textures[material->first_texture + i];
-        if (scales(texture) && texture_group(texture) == GROUP_BASE && (texture->flags & opacity) &&
+        if (texture_scales_parameter(texture, PARAMETER_OPACITY) &&
             scene->images[texture->image].has_alpha)
             return true;
     }

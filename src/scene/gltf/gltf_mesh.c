@@ -16,12 +16,10 @@ enum primitive_mode {
     MODE_TRIANGLE_FAN = 6,
 };
 
-#define SMALL_UNSIGNED (COMPONENT_BIT(COMPONENT_U8) | COMPONENT_BIT(COMPONENT_U16))
-
 static const struct accessor_rule index_rule = {
     .use = "indices",
     .components = 1,
-    .types = SMALL_UNSIGNED | COMPONENT_BIT(COMPONENT_U32),
+    .types = COMPONENTS_SMALL_UNSIGNED | COMPONENT_BIT(COMPONENT_U32),
 };
 
 // --- vertices ------------------------------------------------------------------------------------

@@ -10,17 +10,16 @@
 #include <stdio.h>
 #include <string.h>
 
-#define FLOATS COMPONENT_BIT(COMPONENT_F32)
-#define SMALL_UNSIGNED (COMPONENT_BIT(COMPONENT_U8) | COMPONENT_BIT(COMPONENT_U16))
-
 static const struct accessor_rule matrix_rule = {
-    .use = "inverse bind matrices", .components = ACCESSOR_MAT4, .types = FLOATS};
-static const struct accessor_rule joint_rule = {
-    .use = "JOINTS", .components = 4, .types = SMALL_UNSIGNED, .is_vertex_attribute = true};
+    .use = "inverse bind matrices", .components = ACCESSOR_MAT4, .types = COMPONENTS_FLOAT};
+static const struct accessor_rule joint_rule = {.use = "JOINTS",
+                                                .components = 4,
+                                                .types = COMPONENTS_SMALL_UNSIGNED,
+                                                .is_vertex_attribute = true};
 static const struct accessor_rule weight_rule = {.use = "WEIGHTS",
                                                  .components = 4,
-                                                 .types = FLOATS,
-                                                 .normalized_types = SMALL_UNSIGNED,
+                                                 .types = COMPONENTS_FLOAT,
+                                                 .normalized_types = COMPONENTS_SMALL_UNSIGNED,
                                                  .is_vertex_attribute = true};
 
 // --- joints --------------------------------------------------------------------------------------

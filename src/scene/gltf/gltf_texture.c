@@ -62,8 +62,8 @@ static bool read_sampler(const struct gltf_document *document, const struct json
     return true;
 }
 
-// (s, t) = offset + R (scale * (u, v)), R = (cos, sin; -sin, cos): with v downwards that turns
-// coordinates counter-clockwise, as the extension's text and its first example have it.
+// With v downwards that turns coordinates counter-clockwise, as the extension's text and its first
+// example have it.
 static bool read_transform(const struct json_node *transform, struct texture *texture,
                            struct err *err)
 {
@@ -77,12 +77,7 @@ static bool read_transform(const struct json_node *transform, struct texture *te
         if (fabs(offset[i]) > any.max || fabs(scale[i]) > any.max)
             return node_fail(transform, err, "offset %g or scale %g is beyond %g", offset[i],
                              scale[i], any.max);
-    const double rotation[2][2] = {{cos(angle), sin(angle)}, {-sin(angle), cos(angle)}};
-    for (int i = 0; i < 2; i++) {
-        for (int j = 0; j < 2; j++)
-            texture->transform[i][j] = (float)(rotation[i][j] * scale[j]);
-        texture->transform[i][2] = (float)offset[i];
-    }
+    texture_transform(texture, offset, scale, angle);
     return true;
 }
 
@@ -113,11 +108,6 @@ static uint32_t scaled(const struct texture *texture)
     return texture->flags >> TEXTURE_MASK_SHIFT & 15u;
 }
 
-static bool is_scale(const struct texture *texture)
-{
-    return (texture->flags >> TEXTURE_USE_SHIFT & 3u) == TEXTURE_USE_SCALE;
-}
-
 static bool is_same_transform(const struct texture *a, const struct texture *b)
 {
     for (int i = 0; i < 2; i++)
@@ -131,7 +121,7 @@ static bool is_same_transform(const struct texture *a, const struct texture *b)
 static bool can_merge(const struct gltf_texture *a, const struct gltf_texture *b)
 {
     const uint32_t differing = SCALES_MASK | CHANNELS_MASK;
-    return is_scale(&a->texture) && a->image == b->image && a->is_srgb == b->is_srgb &&
+    return texture_is_scale(&a->texture) && a->image == b->image && a->is_srgb == b->is_srgb &&
            a->green[0] == b->green[0] && a->green[1] == b->green[1] &&
            !(scaled(&a->texture) & scaled(&b->texture)) &&
            (a->texture.flags & ~differing) == (b->texture.flags & ~differing) &&
@@ -206,9 +196,9 @@ bool gltf_texture_read(struct gltf_material_reader *reader, const struct json_no
 // False when nothing remains of the texture.
 static bool keep_what_matters(const struct material *material, struct texture *texture)
 {
-    if (!is_scale(texture))
+    if (!texture_is_scale(texture))
         return true;
-    uint32_t group = texture->flags >> TEXTURE_GROUP_SHIFT & 15u;
+    uint32_t group = texture_group(texture);
     for (uint32_t i = 0; i < 4; i++) {
         bool is_inverted = texture->flags >> (TEXTURE_INVERT_SHIFT + i) & 1u;
         if (material->parameters[4 * group + i] == (is_inverted ? 1.0f : 0.0f))

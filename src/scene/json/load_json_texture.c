@@ -27,7 +27,7 @@ static bool read_pair(const struct json_node *entry, const char *key, double out
     return !node.value || node_numbers(&node, 2, RANGE_COORDINATE, out, err);
 }
 
-// (s, t) = offset + R (scale * (u, v)), R = (cos, sin; -sin, cos), as in KHR_texture_transform.
+// As in KHR_texture_transform.
 static bool read_transform(const struct json_node *entry, struct texture *texture, struct err *err)
 {
     double offset[2] = {0, 0}, scale[2] = {1, 1}, degrees = 0;
@@ -36,12 +36,7 @@ static bool read_transform(const struct json_node *entry, struct texture *textur
         return false;
     // Reduced exactly while still in degrees: multiples of 360 are no rotation at all.
     double angle = fmod(degrees, 360) * DEGREE;
-    double rotation[2][2] = {{cos(angle), sin(angle)}, {-sin(angle), cos(angle)}};
-    for (int i = 0; i < 2; i++) {
-        for (int j = 0; j < 2; j++)
-            texture->transform[i][j] = (float)(rotation[i][j] * scale[j]);
-        texture->transform[i][2] = (float)offset[i];
-    }
+    texture_transform(texture, offset, scale, angle);
     return true;
 }
 
