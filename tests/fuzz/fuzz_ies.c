@@ -1,6 +1,6 @@
 // libFuzzer target for photometric profiles: fuzz_ies CORPUS_FOLDER.
 #include "fuzz_input.h"
-#include "scene/sky/ies.h"
+#include "ies_reference.h"
 
 static bool load(struct scene *scene, const char *path, struct err *err)
 {

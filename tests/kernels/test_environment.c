@@ -2,9 +2,9 @@
 // samples against the tables, what directions see, and the angles that both are made of. And suns.
 #include "base/maths.h"
 #include "bsdf_statistics.h"
+#include "environment_texel.h"
 #include "library_fixture.h"
 #include "render/tables/environment_table.h"
-#include "scene/core/environment.h"
 
 static void make_image(struct scene *scene, uint32_t width, uint32_t height)
 {

@@ -1,7 +1,7 @@
 // shade_miss: which texel a direction sees, what it adds, and what happens to numbers that are not
 // finite.
+#include "environment_texel.h"
 #include "kernel_fixture.h"
-#include "scene/core/environment.h"
 
 enum { SLOTS = 8192 };
 

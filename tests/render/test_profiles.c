@@ -1,8 +1,8 @@
 // Lights with photometric profiles above a floor, pixel by pixel against the profile as the loader
 // gives it, in double precision.
 #include "base/maths.h"
+#include "ies_reference.h"
 #include "render_fixture.h"
-#include "scene/sky/ies.h"
 #include <math.h>
 #include <unistd.h>
 

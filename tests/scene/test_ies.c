@@ -1,6 +1,6 @@
 // Photometric profiles: what the formats' variants mean, symmetries, integrals, and bad files.
 #define _GNU_SOURCE // memfd_create
-#include "scene/sky/ies.h"
+#include "ies_reference.h"
 #include "test.h"
 #include <math.h>
 #include <string.h>

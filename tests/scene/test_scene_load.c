@@ -1,10 +1,10 @@
 // What scene_load adds to a file: camera, light, material; and environments.
 #include "mesh_files.h"
 
+#include "environment_texel.h"
 #include "image/image.h"
 #include "scene/core/affine.h"
 #include "scene/core/bounds.h"
-#include "scene/core/environment.h"
 
 #define ONE_TRIANGLE "v 1 1 1\nv 3 1 1\nv 1 2 1\nf 1 2 3\n"
 

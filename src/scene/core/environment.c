@@ -200,18 +200,6 @@ void scene_remove_sun(struct scene *scene, const struct environment *former)
         scene->light_count = former->sun.light - 1;
 }
 
-uint32_t environment_texel(const struct environment *environment, const double direction[3])
-{
-    double u = 0.5 + atan2(direction[2], direction[0]) / (2 * M_PI);
-    double v = acos(fmin(fmax(direction[1], -1), 1)) / M_PI;
-    uint32_t column = (uint32_t)(u * environment->width), row = (uint32_t)(v * environment->height);
-    if (column >= environment->width)
-        column = environment->width - 1;
-    if (row >= environment->height)
-        row = environment->height - 1;
-    return row * environment->width + column;
-}
-
 double environment_texel_solid_angle(const struct environment *environment, uint32_t row)
 {
     // cos a - cos b = 2 sin((a + b) / 2) sin((b - a) / 2), which does not cancel.

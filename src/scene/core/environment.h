@@ -70,8 +70,6 @@ void scene_remove_sun(struct scene *scene, const struct environment *former);
 // surface that faces it.
 double environment_sun_radiance(double irradiance, double angular_radius);
 
-// The texel in which a unit direction of the image lies, row * width + column.
-uint32_t environment_texel(const struct environment *environment, const double direction[3]);
 // The solid angle of each texel of a row, steradians.
 double environment_texel_solid_angle(const struct environment *environment, uint32_t row);
 // The same for the cells between centres of texels. Row 0 of cells is between the zenith and the

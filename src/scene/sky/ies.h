@@ -32,7 +32,4 @@ struct light_profile {
 bool ies_load(struct scene *scene, const char *path, const struct light_profile **out,
               struct err *err);
 
-// Of `profile`, at these angles in degrees; horizontal in [0, 360].
-double ies_relative(const struct light_profile *profile, double vertical, double horizontal);
-
 #endif

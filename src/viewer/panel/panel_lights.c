@@ -3,6 +3,7 @@
 
 #include "scene/core/affine.h"
 #include "scene/core/environment.h"
+#include "scene/core/light.h"
 #include "scene/json/load_json.h"
 #include "viewer/core/messages.h"
 #include <math.h>
@@ -41,21 +42,6 @@ static void change_kind(struct light *to, uint32_t kind)
         to->profile = NULL;
 }
 
-// The profile's plane at 0 degrees stays as near to where it was as the new axis allows.
-static void turn_profile(struct light *to)
-{
-    double *x = to->profile_x, along = 0;
-    for (int c = 0; c < 3; c++)
-        along += x[c] * to->direction[c];
-    for (int c = 0; c < 3; c++)
-        x[c] -= along * to->direction[c];
-    if (vec3_normalize(x))
-        return;
-    double other[3] = {fabs(to->direction[0]) < 0.5, fabs(to->direction[0]) >= 0.5, 0};
-    vec3_cross(to->direction, other, x);
-    vec3_normalize(x);
-}
-
 static void place(struct panel *panel, const struct document *document, struct form *form,
                   struct light *to)
 {
@@ -70,9 +56,7 @@ static void place(struct panel *panel, const struct document *document, struct f
                    "In which its light travels; becomes a unit vector.", &direction_range,
                    direction)) {
         if (vec3_normalize(direction)) {
-            memcpy(to->direction, direction, sizeof direction);
-            if (to->profile)
-                turn_profile(to);
+            light_aim(to, direction);
             form->used = "light.direction";
         } else {
             viewer_message(panel->viewer, MESSAGE_WARNING,
