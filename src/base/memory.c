@@ -262,6 +262,12 @@ void memory_free(void *data)
 
 // --- words ---------------------------------------------------------------------------------------
 
+uint64_t memory_peak(void)
+{
+    struct rusage usage;
+    return getrusage(RUSAGE_SELF, &usage) == 0 ? (uint64_t)usage.ru_maxrss * 1024 : 0;
+}
+
 struct memory_text memory_print(uint64_t bytes)
 {
     static const char *const units[] = {"KiB", "MiB", "GiB", "TiB", "PiB", "EiB"};

@@ -49,6 +49,9 @@ uint64_t memory_failures(void);
 // the system, and what was left of the budget then. err_memory asks, to say which it was.
 uint64_t memory_refused(uint64_t *left);
 
+// The most that the process had so far, of the budget or not; 0 where it is not known.
+uint64_t memory_peak(void);
+
 // "1.5 GiB", "48 bytes".
 struct memory_text {
     char text[24];

@@ -6,6 +6,7 @@
 #include "base/arena.h"
 #include "base/err.h"
 #include "base/progress.h"
+#include "image/tone.h"
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -19,8 +20,6 @@ struct image_attribute { // metadata: EXR string attributes, PNG tEXt chunks
     const char *key;
     const char *value;
 };
-
-enum image_tone { IMAGE_TONE_NONE, IMAGE_TONE_REINHARD, IMAGE_TONE_ACES, IMAGE_TONE_AGX };
 
 enum image_layer_type {
     IMAGE_LAYER_FLOAT, // as the picture: halves with half_float
@@ -46,7 +45,7 @@ struct image_write_params {
     bool half_float;      // EXR: 16-bit channels; finite values past 65504 saturate, with a warning
     bool uncompressed;    // EXR: so that no compressor can fail
     float exposure_stops; // PNG: multiplies by 2^stops before the curve
-    enum image_tone tone; // PNG
+    enum tone_curve tone; // PNG
 };
 
 // Whether the extension is one that image_write knows; ERR_USAGE naming those it does.
@@ -114,7 +113,7 @@ uint16_t half_from_float(float value);
 float float_from_half(uint16_t half); // exact
 
 // One pixel from linear radiance to display values in [0, 1] before 8-bit rounding, sRGB-encoded.
-void image_tone_map(enum image_tone tone, float exposure_stops, const float rgb[3], float out[3]);
+void image_tone_map(enum tone_curve tone, float exposure_stops, const float rgb[3], float out[3]);
 
 // The exposure, in stops, that suits a picture by its luminances: metering for the highlights. With
 // L the luminance (ITU-R BT.709) that all but a twentieth of the pixels with light stay below,

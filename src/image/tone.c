@@ -104,23 +104,23 @@ static void agx(double rgb[3])
         rgb[c] = agx_curve((1 - agx_inset) * rgb[c] + agx_inset * white);
 }
 
-void image_tone_map(enum image_tone tone, float exposure_stops, const float rgb[3], float out[3])
+void image_tone_map(enum tone_curve tone, float exposure_stops, const float rgb[3], float out[3])
 {
     double gain = exp2(exposure_stops);
     double mapped[3];
     for (int c = 0; c < 3; c++)
         mapped[c] = clean(rgb[c] * gain);
     switch (tone) {
-    case IMAGE_TONE_NONE:
+    case TONE_NONE:
         break;
-    case IMAGE_TONE_REINHARD:
+    case TONE_REINHARD:
         reinhard(mapped);
         break;
-    case IMAGE_TONE_ACES:
+    case TONE_ACES:
         for (int c = 0; c < 3; c++)
             mapped[c] = aces(mapped[c]);
         break;
-    case IMAGE_TONE_AGX:
+    case TONE_AGX:
         agx(mapped);
         break;
     }

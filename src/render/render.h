@@ -96,6 +96,11 @@ struct render_stats {
     struct nonfinite_stats nonfinite;
 };
 
+static inline double render_stats_rays(const struct render_stats *stats)
+{
+    return (double)stats->closest_rays + (double)stats->shadow_rays;
+}
+
 // Samples over the picture that are taken together: 2^shift of every pixel, or of those that the
 // plan says. One that a signal cut short goes on with the next call.
 struct pass {

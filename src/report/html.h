@@ -13,7 +13,7 @@ struct html_page {
     const char *folder;   // of the page
     bool keeps_parts;     // plots, their scripts and pictures also stand beside the page, as files
     float exposure_stops; // of the pictures that follow, but not of false colours
-    enum image_tone tone;
+    enum tone_curve tone;
     bool has_no_plots; // gnuplot is not there, which the page says
     FILE *out;
     char *text; // of `out`

@@ -27,7 +27,7 @@ bool html_difference(struct html_page *page, const char *name, const struct imag
     linearize(&map);
     struct html_page plain = *page;
     page->exposure_stops = 0;
-    page->tone = IMAGE_TONE_NONE;
+    page->tone = TONE_NONE;
     bool ok = html_picture(page, name, &map, attributes, err);
     page->exposure_stops = plain.exposure_stops;
     page->tone = plain.tone;

@@ -3,8 +3,7 @@
 
 #include <float.h>
 
-static const enum image_tone tones[] = {IMAGE_TONE_NONE, IMAGE_TONE_REINHARD, IMAGE_TONE_ACES,
-                                        IMAGE_TONE_AGX};
+static const enum tone_curve tones[] = {TONE_NONE, TONE_REINHARD, TONE_ACES, TONE_AGX};
 enum { TONES = sizeof tones / sizeof tones[0] };
 
 // IEC 61966-2-1 and back for all codes; and values computed by hand.
@@ -44,25 +43,25 @@ TEST(curves_match_hand_values)
 {
     const float grey[3] = {1, 1, 1}, colour[3] = {4, 1, 0};
     float out[3];
-    image_tone_map(IMAGE_TONE_NONE, -1, grey, out);
+    image_tone_map(TONE_NONE, -1, grey, out);
     CHECK(out[0] == image_srgb_from_linear(0.5f));
-    image_tone_map(IMAGE_TONE_REINHARD, 0, grey, out);
+    image_tone_map(TONE_REINHARD, 0, grey, out);
     CHECK(fabsf(out[0] - image_srgb_from_linear(0.5f)) < 1e-6f);
-    image_tone_map(IMAGE_TONE_REINHARD, 0, colour, out);
+    image_tone_map(TONE_REINHARD, 0, colour, out);
     float scale = 1 / (1 + 0.2126f * 4 + 0.7152f);
     CHECK(out[0] == 1 && fabsf(out[1] - image_srgb_from_linear(scale)) < 1e-6f && out[2] == 0);
-    image_tone_map(IMAGE_TONE_ACES, 0, grey, out);
+    image_tone_map(TONE_ACES, 0, grey, out);
     CHECK(fabsf(out[0] - image_srgb_from_linear(2.54f / 3.16f)) < 1e-6f);
     // Middle grey is the pivot: it stays where it is.
     const float middle[3] = {0.18f, 0.18f, 0.18f};
-    image_tone_map(IMAGE_TONE_AGX, 0, middle, out);
+    image_tone_map(TONE_AGX, 0, middle, out);
     for (int c = 0; c < 3; c++)
         CHECK(fabsf(out[c] - image_srgb_from_linear(0.18f)) < 1e-5f, "%g", (double)out[c]);
     // The ends of the logarithm's range: 10 stops below and 6.5 above.
     const float end[3] = {16.3f, 16.3f, 16.3f}, start[3] = {1.7e-4f, 1.7e-4f, 1.7e-4f};
-    image_tone_map(IMAGE_TONE_AGX, 0, end, out);
+    image_tone_map(TONE_AGX, 0, end, out);
     CHECK(out[0] == 1, "%.9g", (double)out[0]);
-    image_tone_map(IMAGE_TONE_AGX, 0, start, out);
+    image_tone_map(TONE_AGX, 0, start, out);
     CHECK(out[0] == 0, "%.9g", (double)out[0]);
 }
 
@@ -81,8 +80,8 @@ TEST(agx_inset_follows_from_the_primaries)
     float value = 1, leak = (float)(0.2 * share);
     const float pure[3] = {value, 0, 0}, equal[3] = {leak, leak, leak};
     float out[3], expected[3];
-    image_tone_map(IMAGE_TONE_AGX, 0, pure, out);
-    image_tone_map(IMAGE_TONE_AGX, 0, equal, expected);
+    image_tone_map(TONE_AGX, 0, pure, out);
+    image_tone_map(TONE_AGX, 0, equal, expected);
     CHECK(fabsf(out[1] - expected[1]) < 1e-5f, "%g, expected %g", (double)out[1],
           (double)expected[1]);
     CHECK(out[1] == out[2] && out[0] > out[1]);

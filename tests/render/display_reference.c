@@ -179,7 +179,7 @@ static void color_of(const struct value *v, const struct display_call *call, con
         mean[c] = (float)out[c];
     }
     if (SHOWN_TONED & SHOWN_BIT(call->shown)) {
-        image_tone_map((enum image_tone)call->tone, call->exposure_stops, mean, mapped);
+        image_tone_map((enum tone_curve)call->tone, call->exposure_stops, mean, mapped);
         for (int c = 0; c < 3; c++)
             out[c] = (double)mapped[c];
     } else if (call->shown == SHOWN_ALBEDO) {

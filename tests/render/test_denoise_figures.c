@@ -116,7 +116,7 @@ static void write_picture(const struct bench *b, const char *name, const char *k
     const struct image_write_params params = {.path = path,
                                               .image = &image,
                                               .exposure_stops = b->scene.settings.exposure,
-                                              .tone = IMAGE_TONE_ACES};
+                                              .tone = TONE_ACES};
     CHECK(image_write(&params, &err), "%s", err.msg);
 }
 

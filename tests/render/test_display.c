@@ -416,7 +416,7 @@ TEST(png)
             .path = "a.png",
             .image = &picture,
             .exposure_stops = call.exposure_stops = 0.7f,
-            .tone = (enum image_tone)(call.tone = (enum tone_curve)tone),
+            .tone = call.tone = (enum tone_curve)tone,
         };
         REQUIRE_OK(image_encode(&write, &s.arena, &data, &size, &err));
         const struct image_read_params as_it_is = {.path = "a.png", .is_linear = true};

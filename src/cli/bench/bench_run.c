@@ -3,7 +3,7 @@
 
 #include "base/clock.h"
 #include "base/hash.h"
-#include "cli/render/render_scene.h"
+#include "cli/scene_options.h"
 #include "render/wave.h"
 #include "shared/aov.h"
 #include <math.h>

@@ -1,7 +1,6 @@
 // The report for people: one file that needs no network, with plots, tables and pictures.
 #include "cli/converge/converge.h"
 
-#include "cli/render/render_run.h"
 #include "report/html.h"
 #include <inttypes.h>
 #include <math.h>
@@ -318,7 +317,7 @@ static bool put_scene(struct page *page, uint32_t scene, struct err *err)
             settings->height, c->replicates_done);
     put_reference_words(page, &c->references[scene]);
     page->html.exposure_stops = settings->exposure;
-    page->html.tone = render_image_tone(settings->tone_curve);
+    page->html.tone = settings->tone_curve;
     fputs("</p>\n<div class=\"plots\">", out);
     if (!is_any_error_known(c, first, count))
         fputs("<p class=\"note\">No error is known: there is nothing to plot.</p>", out);

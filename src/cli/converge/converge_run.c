@@ -2,7 +2,7 @@
 
 #include "base/clock.h"
 #include "base/file.h"
-#include "cli/render/render_scene.h"
+#include "cli/scene_options.h"
 #include "render/sampling_plan.h"
 #include <math.h>
 #include <string.h>

@@ -1,8 +1,8 @@
 // `lampyris info`: what is in a scene, what rendering it will need, and what it will take.
 #include "cli/commands.h"
 
-#include "cli/render/render_scene.h"
-#include "cli/render/sharing.h"
+#include "cli/scene_options.h"
+#include "cli/sharing.h"
 #include "flatten/geometry.h"
 #include "report/json_out.h"
 #include "report/text_out.h"

@@ -3,7 +3,7 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "cli/render/render_run.h"
-#include "cli/render/render_scene.h"
+#include "cli/scene_options.h"
 #include <math.h>
 
 // --- what the job tells --------------------------------------------------------------------------

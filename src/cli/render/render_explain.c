@@ -40,7 +40,8 @@ void explain_print_line(const struct renderer *r)
 
 static void print_part(void *context, const struct part *part)
 {
-    const struct renderer *r = context;
+    const struct render_run *run = context;
+    const struct renderer *r = &run->job.renderer;
     if (part->is_kept)
         return;
     struct part_cost cost = part_find_cost(r, part);
@@ -62,9 +63,9 @@ static void print_classes(const struct renderer *r)
     putchar('\n');
 }
 
-void explain_print(const struct render_run *run)
+void explain_print(struct render_run *run)
 {
-    struct renderer *r = (struct renderer *)&run->job.renderer;
+    const struct renderer *r = &run->job.renderer;
     struct part_totals totals = parts_count_instructions(r);
     putchar('\n');
     for (uint32_t i = 0; i < run->scene.note_count; i++)
@@ -83,7 +84,7 @@ void explain_print(const struct render_run *run)
            totals.instructions, totals.all_instructions);
     puts("saved     by each part that is left out, if it alone were there besides:\n");
     printf("%-47s  %12s  %12s  %s\n", "left out", "bytes", "instructions", "why");
-    parts_visit(r, print_part, r);
+    parts_visit(r, print_part, run);
 }
 
 // --- for machines --------------------------------------------------------------------------------

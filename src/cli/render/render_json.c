@@ -1,6 +1,7 @@
 // What a render reports to machines: one JSON object, described by docs/render.schema.json.
+#include "base/memory.h"
 #include "cli/render/render_report.h"
-#include "cli/render/sharing.h"
+#include "cli/sharing.h"
 #include "job/bias.h"
 #include "render/sampling_plan.h"
 #include "report/json_out.h"
@@ -202,12 +203,12 @@ bool render_print_json(const struct render_run *run, struct err *err)
         "closest", (json_int_t)stats->closest_rays, "shadow", (json_int_t)stats->shadow_rays,
         "surface_hits", (json_int_t)surface_hits(stats), "hits_by_class",
         classes_json(&run->job.renderer), "media_lost", (json_int_t)stats->media_lost,
-        "mrays_per_s", json_number(report_total_rays(stats) * 1e-6 / render), "samples_per_s",
+        "mrays_per_s", json_number(render_stats_rays(stats) * 1e-6 / render), "samples_per_s",
         json_number(job_total_samples(&run->job) / render), "kernels",
         kernels_json(&run->job.renderer), "error", error_json(&run->job.error), "nonfinite",
         (json_int_t)nonfinite(stats), "frames_ms", frames_json(run), "features", "kept", lists.kept,
         "left_out", lists.left_out, "memory", "device_bytes", (json_int_t)run->gpu.peak_bytes,
-        "host_peak_bytes", (json_int_t)report_host_peak_bytes(), "wave",
+        "host_peak_bytes", (json_int_t)memory_peak(), "wave",
         (json_int_t)run->job.renderer.plan.wave_slots, "continued_traversals",
         (json_int_t)stats->suspended, "dropped_degenerate",
         (json_int_t)run->job.renderer.flat.dropped_degenerate, "skipped_instances",

@@ -1,11 +1,15 @@
 #include "cli/render/render_run.h"
 #include "cli/render/trace_file.h"
+#include "cli/scene_options.h"
 
 #include "base/clock.h"
 #include "base/file.h"
 #include "base/log.h"
 #include "cli/signals.h"
 #include "image/image.h"
+#include "output/layers.h"
+#include "output/metadata.h"
+#include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -108,8 +112,9 @@ static uint64_t picture_bytes(const struct render_run *run, bool is_png)
 {
     const struct settings *settings = &run->scene.settings;
     uint64_t pixels = (uint64_t)settings->width * settings->height;
-    uint64_t values = is_png ? 1 : run->options->render.half_float ? 2 : 4;
-    return pixels * (3 * values + (is_png ? 0 : render_layer_bytes(run)));
+    bool half = run->options->render.half_float;
+    uint64_t values = is_png ? 1 : half ? 2 : 4;
+    return pixels * (3 * values + (is_png ? 0 : layers_bytes(run->options->render.aovs, half)));
 }
 
 bool render_check_space(const struct render_run *run, struct err *err)
@@ -129,39 +134,28 @@ bool render_check_space(const struct render_run *run, struct err *err)
 
 // --- writing -------------------------------------------------------------------------------------
 
-enum image_tone render_image_tone(enum tone_curve curve)
-{
-    static const enum image_tone tones[] = {
-        [TONE_NONE] = IMAGE_TONE_NONE,
-        [TONE_REINHARD] = IMAGE_TONE_REINHARD,
-        [TONE_ACES] = IMAGE_TONE_ACES,
-        [TONE_AGX] = IMAGE_TONE_AGX,
-    };
-    return tones[curve];
-}
-
 // How a picture is stored.
 struct storage {
     bool half_float, uncompressed;
 };
 
 static bool write_picture(const struct render_run *run, const char *path, struct storage storage,
-                          const struct render_attributes *attributes, struct err *err)
+                          const struct metadata *metadata, struct err *err)
 {
     const struct image image = {run->job.film.width, run->job.film.height, run->job.film.mean};
-    struct render_layers layers;
-    render_list_layers(&run->job.film, run->options->render.aovs, &layers);
+    struct layers layers;
+    layers_list(&run->job.film, run->options->render.aovs, &layers);
     struct image_write_params params = {
         .path = path,
         .image = &image,
         .layers = layers.list,
         .layer_count = layers.count,
-        .attributes = attributes->list,
-        .attribute_count = attributes->count,
+        .attributes = metadata->list,
+        .attribute_count = metadata->count,
         .half_float = storage.half_float,
         .uncompressed = storage.uncompressed,
         .exposure_stops = run->exposure,
-        .tone = render_image_tone(run->scene.settings.tone_curve),
+        .tone = run->scene.settings.tone_curve,
     };
     return image_write(&params, err);
 }
@@ -180,13 +174,13 @@ static rlim_t raise_file_size_limit(void)
 // First in the simplest way, as a compressor may have failed; where the size of files is limited,
 // in smaller ones then. Says how.
 static bool save(const struct render_run *run, const char *path, rlim_t limit,
-                 const struct render_attributes *attributes, struct err *err)
+                 const struct metadata *metadata, struct err *err)
 {
     const bool half = run->options->render.half_float;
     const struct storage ways[] = {{half, true}, {half, false}, {true, false}};
     bool is_limited = limit != RLIM_INFINITY;
     for (int i = 0; i < (is_limited ? 3 : 1); i++) {
-        if (!write_picture(run, path, ways[i], attributes, err))
+        if (!write_picture(run, path, ways[i], metadata, err))
             continue;
         log_warn("the picture was saved as %s%s", path,
                  ways[i].half_float && !half ? ", with 16 bits a value, since a file's size is "
@@ -202,42 +196,95 @@ static bool save(const struct render_run *run, const char *path, rlim_t limit,
 }
 
 // Hours of rendering shall not be lost because a disk is full or gone, or a compressor fails.
-static void save_elsewhere(struct render_run *run, const struct render_attributes *attributes)
+static void save_elsewhere(const struct render_run *run, const struct metadata *metadata,
+                           struct arena *arena)
 {
     const char *parent = getenv("TMPDIR");
-    char *folder =
-        arena_printf(&run->job.film_arena, "%s/lampyris-XXXXXX", parent ? parent : "/tmp");
+    char *folder = arena_printf(arena, "%s/lampyris-XXXXXX", parent ? parent : "/tmp");
     if (!folder || !mkdtemp(folder))
         return;
-    const char *path = arena_printf(&run->job.film_arena, "%s/picture.exr", folder);
+    const char *path = arena_printf(arena, "%s/picture.exr", folder);
     struct err err = {0};
     rlim_t limit = raise_file_size_limit();
-    if (path && save(run, path, limit, attributes, &err))
+    if (path && save(run, path, limit, metadata, &err))
         return;
     rmdir(folder);
     log_warn("the picture could not be saved in %s either: %s", folder, err.msg);
 }
 
-bool render_write_outputs(struct render_run *run, uint32_t frame, struct err *err)
+// --- what a picture says about itself ------------------------------------------------------------
+
+// The command that makes this picture again, wherever a clock, the error or the number of the frame
+// decided what is in it. There is none for one that a signal cut short.
+static const char *repeating_command(const struct render_run *run, uint32_t frame,
+                                     struct arena *arena)
 {
-    uint64_t start = clock_ns();
-    struct render_attributes attributes;
+    const struct options *options = run->options;
+    const char *line = options->render.repeatable_line;
+    if (frame > 0)
+        line = arena_printf(arena, "%s --frames %u", line, frame);
+    else if (run->job.ended_by == ENDED_BY_TIME && options->render.frames)
+        line = arena_printf(arena, "%s --frames %u", line, run->job.frame_count);
+    else if (run->job.ended_by == ENDED_BY_TIME || job_is_rescued(&run->job) ||
+             options->render.error > 0.0)
+        line = arena_printf(arena, "%s --spp %" PRIu64, line, job_samples(&run->job));
+    bool is_timed = options->render.time_seconds > 0.0;
+    return line && is_timed ? arena_printf(arena, "%s --time %.9g", line, OPTION_TIME_MAX) : line;
+}
+
+// Without a number of samples that all pixels have, no command makes the same picture.
+static bool is_repeatable(const struct render_run *run)
+{
+    bool is_even = run->job.rescue.copied.is_even && !run->options->render.frames;
+    return !run->job.stopped && (!job_is_rescued(&run->job) || is_even);
+}
+
+static bool describe(const struct render_run *run, uint32_t frame, struct arena *arena,
+                     struct metadata *out, struct err *err)
+{
+    const struct job *job = &run->job;
+    const struct scene_load_params load = options_scene_params(run->options);
+    const struct metadata_params params = {
+        .job = job,
+        .load = &load,
+        .settings = &run->scene.settings,
+        .film = &job->film,
+        .error = &job->error,
+        .seconds = &job->seconds,
+        .ended_by = job_ended_by(job),
+        .command = run->options->command_line,
+        .repeat = is_repeatable(run) ? repeating_command(run, frame, arena) : NULL,
+        .samples = job_samples(job),
+        .image_hash = job->image_hash,
+        .exposure = run->exposure,
+        .camera = run->camera,
+        .frame = frame,
+    };
+    return metadata_make(&params, arena, out, err);
+}
+
+// --- all pictures --------------------------------------------------------------------------------
+
+static bool write_outputs(struct render_run *run, uint32_t frame, struct arena *arena,
+                          struct err *err)
+{
+    struct metadata metadata;
     const struct image image = {run->job.film.width, run->job.film.height, run->job.film.mean};
     const struct settings *settings = &run->scene.settings;
     run->exposure =
         settings->exposure_is_auto ? image_measure_exposure(&image) : settings->exposure;
     run->is_written |= frame == 0;
-    if (!render_describe(run, frame, &run->job.film_arena, &attributes, err))
+    if (!describe(run, frame, arena, &metadata, err))
         return false;
     bool ok = true, has_exr = false;
     for (uint32_t i = 0; i < run->output_count; i++) {
         struct err failure = {0};
         const char *output = run->outputs[i];
-        const char *path = frame > 0 ? path_numbered(&run->job.film_arena, output, frame) : output;
+        const char *path = frame > 0 ? path_numbered(arena, output, frame) : output;
         if (!path)
             return err_memory(err, "output names", run->output_count * sizeof path);
         if (write_picture(run, path, (struct storage){run->options->render.half_float, false},
-                          &attributes, &failure)) {
+                          &metadata, &failure)) {
             has_exr |= strcasecmp(path_extension(path), "exr") == 0;
             continue;
         }
@@ -248,7 +295,16 @@ bool render_write_outputs(struct render_run *run, uint32_t frame, struct err *er
         ok = false;
     }
     if (!ok && !has_exr)
-        save_elsewhere(run, &attributes);
+        save_elsewhere(run, &metadata, arena);
+    return ok;
+}
+
+bool render_write_outputs(struct render_run *run, uint32_t frame, struct err *err)
+{
+    uint64_t start = clock_ns();
+    struct arena arena = {0}; // of names and metadata
+    bool ok = write_outputs(run, frame, &arena, err);
+    arena_finish(&arena);
     job_add_time(&run->job, JOB_WRITING, start);
     return ok;
 }

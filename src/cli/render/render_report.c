@@ -1,7 +1,8 @@
 // What a render reports to people.
 #include "cli/render/render_report.h"
 #include "base/file.h"
-#include "cli/render/sharing.h"
+#include "base/memory.h"
+#include "cli/sharing.h"
 #include "job/bias.h"
 #include "job/film_error.h"
 #include "render/sampling_plan.h"
@@ -10,18 +11,6 @@
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/resource.h>
-
-double report_host_peak_bytes(void)
-{
-    struct rusage usage;
-    return getrusage(RUSAGE_SELF, &usage) == 0 ? (double)usage.ru_maxrss * 1024.0 : 0.0;
-}
-
-double report_total_rays(const struct render_stats *stats)
-{
-    return (double)stats->closest_rays + (double)stats->shadow_rays;
-}
 
 static const char *site_name(int site)
 {
@@ -219,7 +208,7 @@ static void print_times(const struct render_run *run)
         printf("before    %.3f s of rendering by runs before this one\n", s->render_before);
     printf("speed     %.3f Msamples/s, %.2f Mrays/s (%.1f M closest, %.1f M shadow)\n",
            job_total_samples(&run->job) * 1e-6 / s->render,
-           report_total_rays(stats) * 1e-6 / s->render, (double)stats->closest_rays * 1e-6,
+           render_stats_rays(stats) * 1e-6 / s->render, (double)stats->closest_rays * 1e-6,
            (double)stats->shadow_rays * 1e-6);
     print_largest_kernels(stats);
 }
@@ -278,7 +267,7 @@ static void print_outputs(const struct render_run *run)
         putchar('\n');
 }
 
-void render_print_summary(const struct render_run *run)
+void render_print_summary(struct render_run *run)
 {
     const struct film_image *film = &run->job.film;
     print_words(run->scene.path);
@@ -315,7 +304,7 @@ void render_print_summary(const struct render_run *run)
                "what is inside is not certain there\n",
                run->job.renderer.stats.media_lost);
     printf("memory    %.1f MiB on the device, %.1f MiB on the host at its peak; wave of %u paths\n",
-           (double)run->gpu.peak_bytes / 1048576.0, report_host_peak_bytes() / 1048576.0,
+           (double)run->gpu.peak_bytes / 1048576.0, (double)memory_peak() / 1048576.0,
            run->job.renderer.plan.wave_slots);
     explain_print_line(&run->job.renderer);
     print_outputs(run);

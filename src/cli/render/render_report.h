@@ -6,9 +6,6 @@
 #include "render/parts.h"
 #include <jansson.h>
 
-double report_host_peak_bytes(void); // 0 where it is not known
-double report_total_rays(const struct render_stats *stats);
-
 // A line of the times of all kernels, and one of those of all steps: the summary names the largest.
 void report_print_kernels(const struct render_stats *stats);
 void report_print_steps(const struct render_run *run);
@@ -20,7 +17,7 @@ extern const char *const report_class_names[CLASS_COUNT];
 void explain_print_line(const struct renderer *r);
 // --explain: which parts are left out, why, and what that saves; and what the summary has no room
 // for.
-void explain_print(const struct render_run *run);
+void explain_print(struct render_run *run);
 // Of one part that is left out: why, and what that saves.
 json_t *explain_json(const struct renderer *r, const struct part *part);
 

@@ -63,36 +63,9 @@ bool render_check_space(const struct render_run *run, struct err *err);
 // for temporary files.
 bool render_write_outputs(struct render_run *run, uint32_t frame, struct err *err);
 void render_release_outputs(struct render_run *run);
-enum image_tone render_image_tone(enum tone_curve curve);
-
-// --- render_layers.c ---
-#define RENDER_MAX_LAYERS 15
-
-struct render_layers {
-    struct image_layer list[RENDER_MAX_LAYERS];
-    uint32_t count;
-};
-
-// Those of the film that are wanted (AOV_*); their values are the film's.
-void render_list_layers(const struct film_image *film, uint32_t wanted, struct render_layers *out);
-// What they take in a file at most, uncompressed, a pixel.
-uint64_t render_layer_bytes(const struct render_run *run);
-
-// --- render_metadata.c ---
-#define RENDER_MAX_ATTRIBUTES (56 + SETTING_TOTAL)
-
-struct render_attributes {
-    struct image_attribute list[RENDER_MAX_ATTRIBUTES];
-    uint32_t count;
-};
-
-// What is written into a picture about how it was made. The values live as long as the run's
-// options, scene and `arena`. frame: as of render_write_outputs.
-bool render_describe(const struct render_run *run, uint32_t frame, struct arena *arena,
-                     struct render_attributes *out, struct err *err);
 
 // --- render_report.c ---
-void render_print_summary(const struct render_run *run);
+void render_print_summary(struct render_run *run);
 bool render_print_json(const struct render_run *run, struct err *err);
 // The command that follows the path of a dropped contribution, or NULL; lives in the run's arena.
 const char *render_reproducing_command(struct render_run *run);

@@ -3,6 +3,7 @@
 #include "base/log.h"
 #include "cli/render/render_run.h"
 #include "cli/render/tev.h"
+#include "output/layers.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -48,9 +49,9 @@ static void pack_layer(struct tev_picture *picture, const struct image_layer *la
 static bool pack_picture(const struct film_image *film, uint32_t aovs, struct tev_picture *out)
 {
     const struct image_layer picture = {"", film->mean, NULL, IMAGE_LAYER_FLOAT};
-    struct render_layers layers;
+    struct layers layers;
     uint32_t count = 3;
-    render_list_layers(film, aovs, &layers);
+    layers_list(film, aovs, &layers);
     for (uint32_t i = 0; i < layers.count; i++)
         count += count_channels(&layers.list[i]);
     *out = (struct tev_picture){

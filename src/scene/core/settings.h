@@ -4,9 +4,8 @@
 #define LAMPYRIS_SCENE_CORE_SETTINGS_H
 
 #include "base/field.h"
+#include "image/tone.h"
 #include "shared/methods.h"
-
-enum tone_curve { TONE_NONE, TONE_REINHARD, TONE_ACES, TONE_AGX };
 
 #define SETTINGS_SIZE_MAX (UINT32_C(1) << 24)
 #define SETTINGS_PIXELS_MAX (UINT64_C(1) << 31)

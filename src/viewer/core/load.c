@@ -4,7 +4,7 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "base/log.h"
-#include "cli/render/render_scene.h"
+#include "cli/scene_options.h"
 #include "scene/json/scene_write.h"
 #include "viewer/core/changes.h"
 #include "viewer/core/exposure.h"

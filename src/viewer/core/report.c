@@ -3,7 +3,6 @@
 
 #include "base/clock.h"
 #include "cli/exit_code.h"
-#include "cli/render/render_report.h"
 #include "job/film_error.h"
 #include "report/json_out.h"
 #include "report/text_out.h"
@@ -68,7 +67,7 @@ static void count_kernels(struct viewer *viewer, double *rays)
             continue;
         for (int id = 0; id < KERNEL_COUNT; id++)
             ms[id] += now->kernels[id].ms - seen->kernels[id].ms;
-        *rays += report_total_rays(now) - report_total_rays(seen);
+        *rays += render_stats_rays(now) - render_stats_rays(seen);
         view->seen = *now;
     }
     for (int id = 0; id < KERNEL_COUNT; id++)

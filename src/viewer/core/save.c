@@ -4,8 +4,10 @@
 
 #include "base/file.h"
 #include "base/hash.h"
-#include "cli/render/render_run.h"
+#include "cli/options.h"
 #include "job/film_error.h"
+#include "output/layers.h"
+#include "output/metadata.h"
 #include "scene/json/scene_write.h"
 #include "viewer/core/frame.h"
 #include "viewer/core/messages.h"
@@ -26,9 +28,9 @@ struct saving {
     const char *stem, *extension;
     struct image image;
     uint8_t (*display)[4]; // what a PNG is made of; NULL: image
-    struct render_layers layers;
-    struct render_attributes attributes;
-    const float (*mean)[3]; // whose hash the attributes are to have; NULL: none
+    struct layers layers;
+    struct metadata metadata;
+    const float (*mean)[3]; // whose hash the metadata is to have; NULL: none
 };
 
 // --- names ---------------------------------------------------------------------------------------
@@ -70,51 +72,34 @@ static bool describe(const struct viewer *viewer, uint32_t side, const struct fi
                      struct saving *saving, struct err *err)
 {
     const struct view *view = &viewer->stage.sides[side];
-    struct render_run *run = calloc(1, sizeof *run);
-    struct options *options = arena_alloc(&saving->arena, 1, sizeof *options);
-    if (!run || !options) {
-        free(run);
-        return err_memory(err, "metadata", sizeof *run);
-    }
-    *options = viewer->document.scene_options;
-    options->render.aovs = view->job.renderer.aovs;
-    options->device.features = view->method.compile_all ? FEATURES_ALL : FEATURES_NEEDED;
-    // Copies of what is only looked at.
-    run->options = options;
-    run->scene = view->scene;
-    run->exposure = viewer->stage.shown.exposure;
-    run->scene.settings.tone_curve = (enum tone_curve)viewer->stage.shown.tone;
-    run->gpu = viewer->stage.gpu;
-    run->job.renderer = view->job.renderer;
-    run->camera = viewer->view.camera_index;
-    run->job.film = *film;
-    run->job.stopped = true; // no command line repeats what was done by hand
-    run->job.ended_by =
-        film->least_samples == film->most_samples ? ENDED_BY_SAMPLES : ENDED_BY_SIGNAL;
-    run->job.seconds = (struct job_seconds){
+    const struct render_stats *stats = &view->job.renderer.stats;
+    struct settings settings = view->scene.settings;
+    settings.tone_curve = (enum tone_curve)viewer->stage.shown.tone;
+    const struct job_seconds seconds = {
         .load = viewer->document.load_seconds,
         .bvh = viewer->document.geometry.bvh.stats.build_seconds,
-        .upload = view->job.renderer.stats.upload_seconds,
-        .compile = view->job.renderer.stats.compile_seconds,
+        .upload = stats->upload_seconds,
+        .compile = stats->compile_seconds,
         .render = view->seconds,
     };
     const struct job_look look = view_newest_look(view);
-    bool is_looked_at = look.samples == (double)film->least_samples;
-    run->job.error = is_looked_at ? look.error : film_error_none("it was not looked at");
-    bool ok = render_describe(run, 0, &saving->arena, &saving->attributes, err);
-    render_list_layers(film, view->job.renderer.aovs, &saving->layers);
-    free(run);
-    return ok;
-}
-
-static bool add_attribute(struct saving *saving, const char *key, const char *value,
-                          struct err *err)
-{
-    struct render_attributes *a = &saving->attributes;
-    if (!value || a->count == RENDER_MAX_ATTRIBUTES)
-        return err_memory(err, "metadata", sizeof *a);
-    a->list[a->count++] = (struct image_attribute){key, value};
-    return true;
+    const struct half_error none = film_error_none("it was not looked at");
+    bool is_even = film->least_samples == film->most_samples;
+    const struct metadata_params params = {
+        .job = &view->job,
+        .load = &viewer->document.load_params,
+        .settings = &settings,
+        .film = film,
+        .error = look.samples == (double)film->least_samples ? &look.error : &none,
+        .seconds = &seconds,
+        .ended_by = is_even ? "spp" : "signal",
+        .command = viewer->shell.options->command_line,
+        .samples = film->most_samples,
+        .exposure = viewer->stage.shown.exposure,
+        .camera = viewer->view.camera_index,
+    };
+    layers_list(film, view->job.renderer.aovs, &saving->layers);
+    return metadata_make(&params, &saving->arena, &saving->metadata, err);
 }
 
 // The camera and whether the scene is still that of the file: the rest of what a picture that was
@@ -122,9 +107,9 @@ static bool add_attribute(struct saving *saving, const char *key, const char *va
 static bool add_view(const struct viewer *viewer, struct saving *saving, struct err *err)
 {
     char *steps = arena_printf(&saving->arena, "%u", edit_undo_count(viewer));
-    return add_attribute(saving, "lampyris:view",
-                         camera_to_json(&saving->arena, &viewer->view.camera), err) &&
-           add_attribute(saving, "lampyris:edits", steps, err);
+    return metadata_set(&saving->metadata, "lampyris:view",
+                        camera_to_json(&saving->arena, &viewer->view.camera), err) &&
+           metadata_set(&saving->metadata, "lampyris:edits", steps, err);
 }
 
 // --- on the worker's thread ----------------------------------------------------------------------
@@ -135,12 +120,7 @@ static bool set_hash(struct saving *saving, struct err *err)
     uint64_t pixels = (uint64_t)saving->image.width * saving->image.height;
     uint64_t hash = hash_bytes(HASH_INIT, saving->mean, pixels * sizeof *saving->mean);
     const char *text = arena_printf(&saving->arena, "%016" PRIx64, hash);
-    if (!text)
-        return err_memory(err, "metadata", 17);
-    for (uint32_t i = 0; i < saving->attributes.count; i++)
-        if (strcmp(saving->attributes.list[i].key, "lampyris:image_hash") == 0)
-            saving->attributes.list[i].value = text;
-    return true;
+    return metadata_set(&saving->metadata, "lampyris:image_hash", text, err);
 }
 
 // To the values whose sRGB encoding they are: encoding them again gives the same codes.
@@ -172,9 +152,9 @@ static bool write_picture(void *context, struct err *err)
         .image = &saving->image,
         .layers = saving->layers.list,
         .layer_count = saving->layers.count,
-        .attributes = saving->attributes.list,
-        .attribute_count = saving->attributes.count,
-        .tone = IMAGE_TONE_NONE,
+        .attributes = saving->metadata.list,
+        .attribute_count = saving->metadata.count,
+        .tone = TONE_NONE,
     };
     return image_write(&params, err);
 }
@@ -272,7 +252,7 @@ bool save_png(struct viewer *viewer, const char *path, bool with_panel)
     struct saving *saving = begin(viewer, path, "png", &err);
     bool ok = saving && copy_display(viewer, with_panel, saving, &err) &&
               (!viewer->document.has_scene || add_view(viewer, saving, &err)) &&
-              add_attribute(saving, "lampyris:version", LAMPYRIS_VERSION, &err);
+              metadata_set(&saving->metadata, "lampyris:version", LAMPYRIS_VERSION, &err);
     return hand_over(viewer, saving, ok, &err);
 }
 
@@ -292,8 +272,8 @@ static bool copy_denoised(struct viewer *viewer, const struct view *view, struct
         return false;
     for (uint64_t i = 0; i < pixels; i++)
         memcpy(saving->image.pixels[i], four[i], sizeof *saving->image.pixels);
-    return add_attribute(saving, "lampyris:denoised", "a preview: biased, see docs/denoising.md",
-                         err);
+    return metadata_set(&saving->metadata, "lampyris:denoised",
+                        "a preview: biased, see docs/denoising.md", err);
 }
 
 static bool copy_film(struct viewer *viewer, uint32_t side, bool denoised, struct saving *saving,

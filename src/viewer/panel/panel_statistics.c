@@ -1,8 +1,9 @@
 // What there is to know of the picture as it grows.
 #include "viewer/panel/panel_internal.h"
 
-#include "cli/render/render_report.h"
+#include "base/memory.h"
 #include "job/film_error.h"
+#include "render/parts.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -195,7 +196,7 @@ static void memory(struct panel *panel, const struct document *document, const s
         gui_fact(gui, "Device", "%sB (most: %sB)",
                  short_number(panel, (double)stage->gpu.allocated_bytes),
                  short_number(panel, (double)stage->gpu.peak_bytes));
-        gui_fact(gui, "Program", "%sB at most", short_number(panel, report_host_peak_bytes()));
+        gui_fact(gui, "Program", "%sB at most", short_number(panel, (double)memory_peak()));
         gui_fact(gui, "Triangles", "%s",
                  short_number(panel, (double)document->geometry.flat.triangle_count));
     }

@@ -1,7 +1,7 @@
 #include "viewer/script/state.h"
 
 #include "base/hash.h"
-#include "cli/render/render_report.h"
+#include "render/parts.h"
 #include "viewer/core/frame.h"
 #include "viewer/core/messages.h"
 #include "viewer/core/reload.h"

@@ -1,6 +1,7 @@
 // The pictures besides the radiance as layers of an EXR file.
-#include "cli/render/render_run.h"
+#include "output/layers.h"
 
+#include "render/render.h"
 #include "shared/aov.h"
 
 static const char *const axes[] = {"X", "Y", "Z", NULL};
@@ -9,7 +10,7 @@ static const char *const alpha[] = {"A", NULL};
 static const char *const ids[] = {"object", "material", "primitive", NULL};
 static const char *const count[] = {"count", NULL};
 
-void render_list_layers(const struct film_image *film, uint32_t wanted, struct render_layers *out)
+void layers_list(const struct film_image *film, uint32_t wanted, struct layers *out)
 {
     const struct film_aovs *aovs = &film->aovs;
     const struct image_layer layers[] = {
@@ -29,19 +30,18 @@ void render_list_layers(const struct film_image *film, uint32_t wanted, struct r
         {"half_a", wanted & AOV_HALVES ? film->half_a : NULL, NULL, IMAGE_LAYER_FLOAT},
         {"half_b", wanted & AOV_HALVES ? film->half_b : NULL, NULL, IMAGE_LAYER_FLOAT},
     };
-    _Static_assert(sizeof layers / sizeof *layers == RENDER_MAX_LAYERS, "room for all");
-    *out = (struct render_layers){0};
-    for (uint32_t i = 0; i < RENDER_MAX_LAYERS; i++)
+    _Static_assert(sizeof layers / sizeof *layers == LAYERS_MAX, "room for all");
+    *out = (struct layers){0};
+    for (uint32_t i = 0; i < LAYERS_MAX; i++)
         if (layers[i].values)
             out->list[out->count++] = layers[i];
 }
 
-uint64_t render_layer_bytes(const struct render_run *run)
+uint64_t layers_bytes(uint32_t wanted, bool half_float)
 {
-    const uint32_t wanted = run->options->render.aovs;
     uint64_t bytes = film_aovs_bytes(wanted);
     bytes += wanted & AOV_SAMPLES ? sizeof(uint32_t) : 0;
     bytes += wanted & AOV_HALVES ? 2 * sizeof(float[3]) : 0;
     // Most of them are written in half precision, too; those that are not are few.
-    return run->options->render.half_float ? bytes / 2 : bytes;
+    return half_float ? bytes / 2 : bytes;
 }

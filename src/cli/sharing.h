@@ -1,6 +1,6 @@
 // What instances save.
-#ifndef LAMPYRIS_CLI_RENDER_SHARING_H
-#define LAMPYRIS_CLI_RENDER_SHARING_H
+#ifndef LAMPYRIS_CLI_SHARING_H
+#define LAMPYRIS_CLI_SHARING_H
 
 #include "flatten/flatten.h"
 

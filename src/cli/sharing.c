@@ -1,4 +1,4 @@
-#include "cli/render/sharing.h"
+#include "cli/sharing.h"
 
 #include "render/attributes.h"
 #include "shared/types.h"

@@ -1,4 +1,4 @@
-#include "cli/render/render_scene.h"
+#include "cli/scene_options.h"
 
 #include "base/hash.h"
 #include "base/maths.h"

@@ -1,7 +1,7 @@
 // What the command line says of scene and renderer: shared by all commands that load one, and the
 // viewer.
-#ifndef LAMPYRIS_CLI_RENDER_RENDER_SCENE_H
-#define LAMPYRIS_CLI_RENDER_RENDER_SCENE_H
+#ifndef LAMPYRIS_CLI_SCENE_OPTIONS_H
+#define LAMPYRIS_CLI_SCENE_OPTIONS_H
 
 #include "cli/options.h"
 #include "render/render.h"
