@@ -7,8 +7,8 @@
 #include "lib/filter.glsl"
 #include "lib/instance.glsl"
 #include "lib/material_header.glsl"
+#include "lib/pixel_sampling.glsl"
 #include "lib/queue.glsl"
-#include "lib/sampler.glsl"
 
 void main()
 {
@@ -21,8 +21,11 @@ void main()
 
     uint pixel = slot_pixel(slot);
     vec4 u = vec4(0.0);
-    if (HAS(FEATURE_JITTER) || HAS(FEATURE_LENS))
+    bool is_apart = PIXEL_SAMPLING != PIXEL_SAMPLING_SAMPLER;
+    if (HAS(FEATURE_JITTER) && !is_apart || HAS(FEATURE_LENS))
         u = uniforms(slot, DIMENSION_CAMERA);
+    if (is_apart)
+        u.xy = pixel_uniforms_2d(pixel, slot_sample(slot));
     vec2 inside = HAS(FEATURE_JITTER) ? filter_position(u.xy) : vec2(0.5);
     vec2 size = vec2(frame.width, frame.height);
     vec2 at = (vec2(pixel % frame.width, pixel / frame.width) + inside) / size * 2.0 - 1.0;

@@ -12,6 +12,8 @@ const uint DIMENSIONS_A_BOUNCE = 3u;
 const uint DIMENSION_LIGHT = 0u; // which emitter; point on it x, y; roulette
 const uint DIMENSION_BSDF = 1u;  // direction x, y; lobe; a second choice
 const uint DIMENSION_EXTRA = 2u; // within the emitter's bin; dispersion; way to go on; one to spare
+const uint DIMENSION_PIXEL = 1u << 30;       // place in a stratum x, y; see pixel_sampling.glsl
+const uint DIMENSION_PIXEL_ORDER = DIMENSION_PIXEL + 1u;
 const uint DIMENSION_ALL_LIGHTS = 1u << 31; // see light_dimension()
 
 uint bounce_dimension(uint bounce, uint use)

@@ -62,7 +62,8 @@
 #define CONSTANT_PARTS 22
 #define CONSTANT_PART_SHIFT 23 // a part has 2^this words of four
 #define CONSTANT_ENVIRONMENT_FILTER 24
-#define CONSTANT_COUNT 25
+#define CONSTANT_PIXEL_SAMPLING 25
+#define CONSTANT_COUNT 26
 
 // Features that a (scene, settings, device) needs. Kernels test these bits of one specialization
 // constant, so that code that is not needed is left out.

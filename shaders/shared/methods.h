@@ -29,6 +29,13 @@
 #define FILTER_GAUSSIAN 2u
 #define FILTER_BLACKMAN_HARRIS 3u
 
+// Where in its pixel's filter a sample lies: the two dimensions alone.
+#define PIXEL_SAMPLING_SAMPLER 0u    // as the sampler says
+#define PIXEL_SAMPLING_CENTRE 1u     // of the pixel
+#define PIXEL_SAMPLING_GRID 2u       // at the centres of strata
+#define PIXEL_SAMPLING_RANDOM 3u     // independent
+#define PIXEL_SAMPLING_STRATIFIED 4u // at random in strata
+
 // Filters between the texels of an environment's image.
 #define ENVIRONMENT_FILTER_BILINEAR 0u
 #define ENVIRONMENT_FILTER_NEAREST 1u // each texel is a patch of constant radiance

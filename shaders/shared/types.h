@@ -415,7 +415,8 @@ struct gpu_frame {
     float camera_start;   // along the line of sight, how far from the camera its rays begin
     float lens_at_start;  // how large the lens is there: 1 - camera_start / focus_distance
     uint small_triangles; // as `instances`
-    uint align_frame, align_frame_end;
+    uint pixel_strata;    // a side of a pixel, of PIXEL_SAMPLING_GRID and _STRATIFIED
+    uint align_frame;
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_frame, 208);
 

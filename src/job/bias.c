@@ -99,6 +99,27 @@ static void find_unphysical(const struct job *job, struct biases *biases)
     }
 }
 
+// A centre and the points of a grid are the same for all samples, and for both half-buffers.
+static void find_fixed_places(const struct job *job, struct biases *biases)
+{
+    const struct settings *settings = &job->scene->settings;
+    uint32_t places = !settings_spread_over_pixel(settings) ? 1
+                      : settings->pixel_sampling == PIXEL_SAMPLING_GRID
+                          ? settings->pixel_strata * settings->pixel_strata
+                          : 0;
+    if (places == 0)
+        return;
+    struct job_bias *bias =
+        next_bias(biases, settings->pixel_jitter ? "pixel-sampling" : "pixel-jitter");
+    snprintf(bias->text, sizeof bias->text,
+             places == 1
+                 ? "all samples pass through the pixel's centre: edges are stairs, and the "
+                   "error is that of the light that comes there"
+                 : "all samples pass through %u places of a pixel: edges have so many steps, "
+                   "and the error is that of the light that comes there",
+             places);
+}
+
 uint32_t job_list_biases(const struct job *job, struct job_bias list[JOB_MAX_BIASES])
 {
     struct biases biases = {.list = list};
@@ -108,6 +129,7 @@ uint32_t job_list_biases(const struct job *job, struct job_bias list[JOB_MAX_BIA
     }
     find_clamped(job, &biases);
     find_unphysical(job, &biases);
+    find_fixed_places(job, &biases);
     return biases.count;
 }
 

@@ -124,6 +124,7 @@ void frame_fill(struct renderer *r)
         .roulette_survival = settings->roulette_survival,
         .direction_exponent = settings->direction_exponent,
         .filter_radius = settings_filter_radius(settings),
+        .pixel_strata = settings->pixel_strata,
         .pending_rays = r->specialization.pending_rays,
         .instances = sections.instances,
         .sdfs = sections.sdfs,

@@ -407,8 +407,10 @@ struct specialization specialize(const struct specialize_params *p)
         specialize_ao(&s);
     if (settings->integrator == INTEGRATOR_WHITTED)
         specialize_whitted(&s, settings);
-    if (settings->pixel_jitter)
+    if (settings_spread_over_pixel(settings)) {
         s.features |= FEATURE_JITTER;
+        s.pixel_sampling = settings->pixel_sampling;
+    }
     if (p->camera->lens_radius > 0.0)
         s.features |= FEATURE_LENS;
     if (camera_is_far(flat, p->camera))

@@ -31,6 +31,7 @@ struct specialization {
     uint32_t parts;    // of long buffers, and their length: see memory_plan.h
     uint32_t part_shift;
     uint32_t environment_filter; // ENVIRONMENT_FILTER_*; nearest where there is no image
+    uint32_t pixel_sampling;     // PIXEL_SAMPLING_*; of the sampler where nothing is spread
     // Not a constant: `lobes` of the kernels that shade one class; 0 where the scene has none of
     // it.
     uint32_t class_lobes[CLASS_COUNT];

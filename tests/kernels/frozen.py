@@ -538,6 +538,30 @@ def check_samplers(bits, kernels, folder):
         print("%-26s %-18s %5d instructions" % (name, "generate_rays", module.instructions))
 
 
+# What a choice of places in the pixel needs that the others do not.
+PIXEL_SAMPLINGS = {
+    "sampler": set(),
+    "centre": set(),
+    "grid": {"pixel_uniforms_2d", "pixel_stratum", "permute"},
+    "random": {"pixel_uniforms_2d"},
+    "stratified": {"pixel_uniforms_2d", "pixel_stratum", "permute"},
+}
+
+
+def check_pixel_samplings(bits, kernels, folder):
+    """Places of a pixel that the sampler does not choose leave its code out, and it theirs."""
+    owned = set().union(*PIXEL_SAMPLINGS.values()) | {"sobol_4d"}
+    for number, (name, wanted) in enumerate(PIXEL_SAMPLINGS.items()):
+        jitter = 0 if name == "centre" else bits["JITTER"] # as specialize() has it
+        choice = 0 if name == "centre" else number
+        module = freeze(kernels["generate_rays"], jitter, 0, folder, 0, "10:0 25:%d" % choice)
+        there = {function for function in owned if module.count(function + "()")}
+        wanted = wanted | ({"sobol_4d"} if name == "sampler" else set())
+        if there != wanted:
+            fail("pixel sampling %s: has %s, expected %s" % (name, sorted(there), sorted(wanted)))
+        print("%-26s %-18s %5d instructions" % (name, "generate_rays", module.instructions))
+
+
 def check_light_choices(bits, lobes, kernels, folder):
     """Of all ways to choose an emitter, only the chosen one is there."""
     owned = set().union(*LIGHT_CHOICES.values())
@@ -637,6 +661,7 @@ def main():
         for name in FEATURES:
             check_feature(name, bits, few, kernels, folder)
         check_samplers(bits, kernels, folder)
+        check_pixel_samplings(bits, kernels, folder)
         check_light_choices(bits, few, kernels, folder)
         check_environment_filters(bits, kernels, folder)
         check_nodes(bits, kernels, folder)

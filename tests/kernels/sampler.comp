@@ -4,7 +4,7 @@
 #extension GL_GOOGLE_include_directive : require
 
 #include "lib/filter.glsl"
-#include "lib/sampler.glsl"
+#include "lib/pixel_sampling.glsl"
 #include "sampler_routines.h"
 
 layout(constant_id = CONSTANT_ROUTINE) const uint ROUTINE = 0u;
@@ -20,5 +20,7 @@ void main()
         result = pixel_uniforms(given.x, given.y, given.z);
     if (ROUTINE == ROUTINE_FILTER)
         result.xy = filter_position(uintBitsToFloat(given.xy));
+    if (ROUTINE == ROUTINE_PIXEL) // pixel, sample
+        result.xy = pixel_uniforms_2d(given.x, given.y);
     paths_words[item] = floatBitsToUint(result);
 }

@@ -12,6 +12,7 @@ static bool create_kernel(const struct sampler_setup *s, uint32_t routine,
     constants[CONSTANT_SAMPLER] = s->sampler;
     constants[CONSTANT_HALVES] = s->halves;
     constants[CONSTANT_FILTER] = s->filter;
+    constants[CONSTANT_PIXEL_SAMPLING] = s->pixel_sampling;
     constants[CONSTANT_ROUTINE] = routine;
     const struct gpu_kernel_params params = {
         .name = "sampler",
@@ -33,6 +34,7 @@ static bool run(struct sampler_setup *s, uint32_t routine, union draw *draws, ui
     r->frame.seed = s->seed;
     r->frame.samples = s->samples;
     r->frame.filter_radius = s->filter_radius;
+    r->frame.pixel_strata = s->pixel_strata;
     r->push.first_item = 0;
     r->push.part_items = count;
     CHECK(bytes <= buffer->bytes, "%u draws do not fit", count);
@@ -53,6 +55,11 @@ bool sampler_uniforms(struct sampler_setup *s, union draw *draws, uint32_t count
 bool sampler_positions(struct sampler_setup *s, union draw *draws, uint32_t count)
 {
     return run(s, ROUTINE_FILTER, draws, count);
+}
+
+bool sampler_pixel_places(struct sampler_setup *s, union draw *draws, uint32_t count)
+{
+    return run(s, ROUTINE_PIXEL, draws, count);
 }
 
 void sampler_close(struct sampler_setup *s)

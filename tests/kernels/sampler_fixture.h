@@ -19,6 +19,7 @@ struct sampler_setup {
     uint32_t sampler, halves, filter; // of the next run
     uint32_t seed, samples;           // samples: planned
     float filter_radius;
+    uint32_t pixel_sampling, pixel_strata;
 };
 
 // Of a picture of width x height; leaves the test where there is no device.
@@ -33,6 +34,7 @@ struct sampler_setup {
 // be. At most SAMPLER_ITEMS.
 bool sampler_uniforms(struct sampler_setup *s, union draw *draws, uint32_t count);
 bool sampler_positions(struct sampler_setup *s, union draw *draws, uint32_t count);
+bool sampler_pixel_places(struct sampler_setup *s, union draw *draws, uint32_t count);
 void sampler_close(struct sampler_setup *s);
 
 // Pearson's statistic of counts against equal probabilities, as a standard normal deviate (Wilson

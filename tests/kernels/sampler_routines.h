@@ -6,5 +6,6 @@
 
 #define ROUTINE_UNIFORMS 0u
 #define ROUTINE_FILTER 1u
+#define ROUTINE_PIXEL 2u
 
 #endif

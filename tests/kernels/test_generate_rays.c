@@ -168,4 +168,47 @@ TEST(narrow_camera)
     check_camera("narrow", camera, true);
 }
 
-TEST_MAIN(TEST_CASE(straight_camera), TEST_CASE(oblique_camera), TEST_CASE(narrow_camera))
+// The origins of rays from a lens, which are its two of a dimension's four numbers.
+static void lens_origins(uint32_t pixel_sampling, float origins[SLOTS][3],
+                         float directions[SLOTS][3])
+{
+    struct setup setup;
+    struct err err = {0};
+    make_camera(&setup.scene, (struct camera){.position = {0, 0, 4},
+                                              .direction = {0, 0, -1},
+                                              .up = {0, 1, 0},
+                                              .fov_y = 1,
+                                              .lens_radius = 0.1,
+                                              .focus_distance = 2,
+                                              .name = ""});
+    setup.scene.settings.pixel_sampling = pixel_sampling;
+    OPEN_SETUP(&setup, SLOTS);
+    setup.r.push.pixel_count = SLOTS / 16;
+    setup.r.push.sample_shift = 4;
+    bool ok = generate(&setup.r, SLOTS, &err);
+    CHECK(ok, "%s", err.msg);
+    for (uint32_t i = 0; i < SLOTS; i++) {
+        memcpy(origins[i], paths[i].origin, sizeof origins[i]);
+        memcpy(directions[i], paths[i].direction, sizeof directions[i]);
+    }
+    setup_close(&setup);
+}
+
+TEST(pixel_sampling_leaves_the_lens_alone)
+{
+    static float origins[2][SLOTS][3], directions[2][SLOTS][3];
+    lens_origins(PIXEL_SAMPLING_SAMPLER, origins[0], directions[0]);
+    for (uint32_t kind = PIXEL_SAMPLING_SAMPLER + 1; pixel_sampling_names[kind]; kind++) {
+        uint32_t same = 0;
+        lens_origins(kind, origins[1], directions[1]);
+        for (uint32_t i = 0; i < SLOTS; i++)
+            same += memcmp(directions[0][i], directions[1][i], sizeof directions[0][i]) == 0;
+        CHECK(memcmp(origins[0], origins[1], sizeof origins[0]) == 0, "%s: others on the lens",
+              pixel_sampling_names[kind]);
+        CHECK(same < SLOTS / 64, "%s: %u of %d directions are the sampler's",
+              pixel_sampling_names[kind], same, SLOTS);
+    }
+}
+
+TEST_MAIN(TEST_CASE(pixel_sampling_leaves_the_lens_alone), TEST_CASE(straight_camera),
+          TEST_CASE(oblique_camera), TEST_CASE(narrow_camera))

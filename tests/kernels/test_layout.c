@@ -79,7 +79,7 @@
     M(lens_rotation)                                                                               \
     M(lens_blades)                                                                                 \
     M(filter_radius) M(ao_distance) M(metre) M(environment_reach) M(ambient) M(pending_rays)                   \
-    M(instances) M(sdfs) M(sdf_code) M(camera_start) M(lens_at_start) M(small_triangles) M(align_frame) M(align_frame_end)
+    M(instances) M(sdfs) M(sdf_code) M(camera_start) M(lens_at_start) M(small_triangles) M(pixel_strata) M(align_frame)
 #define PUSH(M)                                                                                    \
     M(bounce)                                                                                      \
     M(first_pixel)                                                                                 \

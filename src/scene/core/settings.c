@@ -35,6 +35,15 @@ const char *const filter_names[] = {
     NULL,
 };
 
+const char *const pixel_sampling_names[] = {
+    [PIXEL_SAMPLING_SAMPLER] = "sampler",
+    [PIXEL_SAMPLING_CENTRE] = "centre",
+    [PIXEL_SAMPLING_GRID] = "grid",
+    [PIXEL_SAMPLING_RANDOM] = "random",
+    [PIXEL_SAMPLING_STRATIFIED] = "stratified",
+    NULL,
+};
+
 const char *const environment_filter_names[] = {
     [ENVIRONMENT_FILTER_BILINEAR] = "bilinear",
     [ENVIRONMENT_FILTER_NEAREST] = "nearest",
@@ -164,4 +173,9 @@ float settings_filter_radius(const struct settings *settings)
         [FILTER_BLACKMAN_HARRIS] = 1.5f,
     };
     return settings->filter_radius > 0.0f ? settings->filter_radius : own[settings->filter];
+}
+
+bool settings_spread_over_pixel(const struct settings *settings)
+{
+    return settings->pixel_jitter && settings->pixel_sampling != PIXEL_SAMPLING_CENTRE;
 }

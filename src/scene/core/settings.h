@@ -13,6 +13,7 @@
 #define SETTINGS_BOUNCES_MAX (UINT32_C(1) << 20)
 #define SETTINGS_EXPOSURE_MAX 100 // stops; 2^100 is within single precision
 #define SETTINGS_FILTER_RADIUS_MAX 16
+#define SETTINGS_STRATA_MAX 16 // a side of a pixel
 #define SETTINGS_EXPONENT_MAX 1e6
 #define SETTINGS_REAL_MAX 3.4e38
 #define SETTINGS_LENGTH_MIN 1e-37
@@ -71,12 +72,16 @@ void setting_default_text(const struct setting *setting, char out[SETTING_RANGE_
 // The one that was set, or the filter's own.
 float settings_filter_radius(const struct settings *settings);
 
+// Whether samples lie at more than one place of a pixel.
+bool settings_spread_over_pixel(const struct settings *settings);
+
 // The words for the choices, in the order of their values; each list ends with NULL. Scene files,
 // options and reports say the same.
 extern const char *const integrator_names[];
 extern const char *const sampler_names[];
 extern const char *const halves_names[];
 extern const char *const filter_names[];
+extern const char *const pixel_sampling_names[];
 extern const char *const environment_filter_names[];
 extern const char *const light_choice_names[];
 extern const char *const mis_names[];

@@ -129,9 +129,22 @@ SETTING(ENVIRONMENT_FILTER, uint32_t, environment_filter, "environment_filter", 
     "bilinearly, or a patch of constant radiance around each.",
     (CHOICE(environment_filter_names)), .fallback = ENVIRONMENT_FILTER_BILINEAR,
     .label = "Environment", .gap = true)
-SETTING_OF_FILE(PIXEL_JITTER, bool, pixel_jitter, "pixel_jitter", NULL, NULL,
+SETTING(PIXEL_JITTER, bool, pixel_jitter, "pixel_jitter", "pixel-jitter", "Method",
     "Spread samples over the pixel's filter; off: all pass through the pixel's centre.",
     (SWITCH), .fallback = true, .label = "Pixel jitter")
+SETTING(PIXEL_SAMPLING, uint32_t, pixel_sampling, "pixel_sampling", "pixel-sampling", "Method",
+    "Where in the pixel's filter samples lie, whatever the sampler of all other numbers: as the "
+    "sampler says, all at the pixel's centre, at random, or in strata: at their centres (grid) or "
+    "at random in each (stratified). What lies between a centre or a grid's points is not seen, "
+    "and the error does not know of it.",
+    (CHOICE(pixel_sampling_names)), .fallback = PIXEL_SAMPLING_SAMPLER, .label = "Pixel sampling",
+    NEEDS(PIXEL_JITTER, 1u << true))
+SETTING(PIXEL_STRATA, uint32_t, pixel_strata, "pixel_strata", "pixel-strata", "Method",
+    "Strata a side of a pixel, of the pixel samplings grid and stratified. Each half-buffer fills "
+    "its own, every stratum once before any again: N x N strata are full at 2 x N x N samples, "
+    "or with contiguous halves at N x N.",
+    (COUNT(1, SETTINGS_STRATA_MAX)), .fallback = 4, .argument = "N", .label = "  strata",
+    NEEDS(PIXEL_SAMPLING, 1u << PIXEL_SAMPLING_GRID | 1u << PIXEL_SAMPLING_STRATIFIED))
 // clang-format on
 
 #undef SETTING
