@@ -3,7 +3,7 @@
 #define LAMPYRIS_IMAGE_IMAGE_EXR_H
 
 #include "image/image_internal.h"
-#include <OpenEXR/openexr.h>
+#include <openexr.h>
 
 // The user data of a context. Of the messages that come with errors of reading the first is kept:
 // later ones are consequences.

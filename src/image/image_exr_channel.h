@@ -3,7 +3,7 @@
 #define LAMPYRIS_IMAGE_IMAGE_EXR_CHANNEL_H
 
 #include "image/image.h"
-#include <OpenEXR/openexr.h>
+#include <openexr.h>
 #include <string.h>
 
 #define EXR_NAME_MAX_BYTES 255 // of a channel or attribute ("OpenEXR File Layout", long names)

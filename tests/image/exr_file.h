@@ -4,7 +4,7 @@
 
 #include "image/image_internal.h"
 #include "test.h"
-#include <OpenEXR/openexr.h>
+#include <openexr.h>
 
 struct exr_file {
     exr_attr_box2i_t window;

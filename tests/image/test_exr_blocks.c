@@ -2,7 +2,7 @@
 // as many bytes as its pixels take is uncompressed for every reader ("OpenEXR File Layout").
 #include "image/image_internal.h"
 #include "picture.h"
-#include <OpenEXR/openexr.h>
+#include <openexr.h>
 #include <zlib.h>
 
 enum {
