@@ -37,7 +37,7 @@ const struct option_def option_table[OPTION_TOTAL] = {
         .group = "Picture", .commands = FOR_SCENE, .fallback = "the scene file's, else 512x512",
         .help = "Width and height in pixels, at most 2^31 pixels in all. The viewer has a window "
                 "of 1280x720 unless told.",
-        .offset = offsetof(struct options, settings.width), .size = 2 * sizeof(uint32_t),
+        .offset = offsetof(struct options, scene.settings.width), .size = 2 * sizeof(uint32_t),
     },
     [OPTION_HALF] = {
         .name = "half", .type = VALUE_FLAG, .group = "Picture", .commands = FOR_RENDER,

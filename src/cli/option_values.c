@@ -154,7 +154,8 @@ static bool store_size(const struct option_def *def, const char *text, struct op
 {
     if (!store_two(def, 'x', text, options, err))
         return false;
-    if ((uint64_t)options->settings.width * options->settings.height > SETTINGS_PIXELS_MAX)
+    if ((uint64_t)options->scene.settings.width * options->scene.settings.height >
+        SETTINGS_PIXELS_MAX)
         return err_set(err, ERR_USAGE, "\"%s\" is more than 2^31 pixels", text);
     return true;
 }
@@ -192,6 +193,7 @@ static bool store_environment(const char *text, struct options *options, struct 
     for (int i = 0; i < 3; i++)
         if (!(environment->radiance[i] >= 0 && isfinite(environment->radiance[i])))
             return err_set(err, ERR_USAGE, "\"%s\" has a negative or too large component", text);
+    environment->is_constant = true;
     return true;
 }
 
@@ -382,7 +384,7 @@ bool option_store(const struct option_def *def, const char *text, struct options
     case VALUE_CHOICE:
         return store_member(def, FIELD_CHOICE, text, options, err);
     case VALUE_SETTING:
-        return store_field(def, &def->setting->field, text, &options->settings, err);
+        return store_field(def, &def->setting->field, text, &options->scene.settings, err);
     case VALUE_TEXT:
         if (!*text)
             return err_set(err, ERR_USAGE, "the value is empty; expected %s", def->argument);

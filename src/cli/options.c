@@ -2,6 +2,7 @@
 
 #include "base/suggest.h"
 #include "cli/commands.h"
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -70,6 +71,16 @@ static bool fail_wrong_place(const struct parser *parser, const struct option_de
                    def->name, takers);
 }
 
+void option_mark(const struct option_def *def, struct options *options)
+{
+    bool *is_set = options->scene.is_set;
+    options->given[def - option_table] = true;
+    if (def->setting)
+        is_set[def->setting - settings_table] = true;
+    if (def == &option_table[OPTION_SIZE])
+        is_set[SETTING_WIDTH] = is_set[SETTING_HEIGHT] = true;
+}
+
 // Applies an option. `attached` is what stood behind '=' (or behind a short name), or NULL.
 static bool apply(struct parser *parser, const struct option_def *def, const char *attached,
                   struct err *err)
@@ -91,7 +102,7 @@ static bool apply(struct parser *parser, const struct option_def *def, const cha
     }
     if (!option_store(def, value, parser->options, err))
         return err_prepend(err, "--%s", def->name);
-    parser->options->given[def - option_table] = true;
+    option_mark(def, parser->options);
     return true;
 }
 
@@ -128,6 +139,7 @@ static bool parse_argument(struct parser *parser, const char *text, struct err *
                        options->command->name, *options->command->arguments ? " " : "",
                        options->command->arguments);
     options->arguments[options->argument_count++] = text;
+    options->scene.path = options->arguments[0];
     return true;
 }
 
@@ -202,7 +214,7 @@ static bool check(const struct options *options, struct err *err)
                        command->arguments);
     if (!check_combinations(options, err))
         return false;
-    if (command == &commands[COMMAND_COMPARE] && options->settings.exposure_is_auto)
+    if (command == &commands[COMMAND_COMPARE] && options->scene.settings.exposure_is_auto)
         return err_set(err, ERR_USAGE,
                        "--exposure auto: compare shows both pictures alike; "
                        "expected a number of stops");
@@ -300,7 +312,11 @@ bool options_parse(int argc, char **argv, struct options *out, struct err *err)
                             .argv = argv,
                             .log_level = LOG_WARN,
                             .render.accumulate = true,
-                            .scene.studio = SCENE_STUDIO_AUTO,
+                            .scene = {.studio = SCENE_STUDIO_AUTO,
+                                      .aperture_mm = NAN,
+                                      .focus_distance = NAN,
+                                      .at_seconds = NAN,
+                                      .environment_strength = NAN},
                             .render.spp_per_frame = 1,
                             .render.checkpoint_seconds = 60.0,
                             .converge.replicates = 16,
@@ -341,13 +357,9 @@ bool option_is_setting(const struct option_def *def, const struct command *comma
     }
 }
 
-void options_apply_settings(const struct options *options, struct settings *settings)
+void options_apply_settings(const struct scene_options *options, struct settings *settings)
 {
-    for (int i = 0; i < OPTION_TOTAL; i++)
-        if (option_table[i].setting && options_given(options, (enum option_id)i))
-            field_copy(&option_table[i].setting->field, settings, &options->settings);
-    if (options_given(options, OPTION_SIZE)) {
-        settings->width = options->settings.width;
-        settings->height = options->settings.height;
-    }
+    for (int i = 0; i < SETTING_TOTAL; i++)
+        if (options->is_set[i])
+            field_copy(&settings_table[i].field, settings, &options->settings);
 }

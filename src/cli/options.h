@@ -156,10 +156,10 @@ extern const struct option_def option_table[OPTION_TOTAL];
 // The option of that long name; NULL.
 const struct option_def *option_find(const char *name, size_t length);
 
-// What --env gives: a file, a sky, or else a constant radiance.
+// What --env gives: a file, a sky or a constant radiance.
 struct environment_option {
     const char *file;
-    bool is_sky;
+    bool is_sky, is_constant;
     struct sky sky;
     float radiance[3]; // W/(sr m^2)
 };
@@ -171,8 +171,11 @@ enum classes_option { CLASSES_SORTED, CLASSES_MERGED };
 // to lights.
 enum rays_option { RAYS_PRIMARY, RAYS_DIFFUSE, RAYS_SHADOW };
 
-// What a command is told of a scene: of all that load one.
+// What a command is told of a scene: of all that load one. Numbers that were not given are NAN.
 struct scene_options {
+    const char *path;                   // the one that is loaded
+    struct settings settings;           // of these those that were given
+    bool is_set[SETTING_TOTAL];         // which are they
     const char *camera;                 // name or index; NULL: the first
     double aperture_mm;                 // radius of the lens
     double focus_distance;              // metres
@@ -292,7 +295,6 @@ struct options {
     uint64_t memory;       // budget of the host's memory, bytes; 0: what the machine leaves
     const char *reference; // file, "auto" or "none"; NULL: auto, of render none
 
-    struct settings settings; // only what was given is filled in: see options_apply_settings
     struct scene_options scene;
     struct device_options device;
     struct render_options render;
@@ -316,7 +318,7 @@ static inline bool options_given(const struct options *options, enum option_id i
 }
 
 // Replaces those settings for which an option was given.
-void options_apply_settings(const struct options *options, struct settings *settings);
+void options_apply_settings(const struct scene_options *options, struct settings *settings);
 
 // Whether it changes how a picture is computed, and may so be varied by the command: not how it is
 // shown; its size and samples by bench alone.
@@ -326,6 +328,8 @@ bool option_is_setting(const struct option_def *def, const struct command *comma
 // expected, without the option's name.
 bool option_store(const struct option_def *def, const char *text, struct options *options,
                   struct err *err);
+// Notes that it was given.
+void option_mark(const struct option_def *def, struct options *options);
 
 // Writes text that a shell reads as this one word; returns its end. `out` has room for 4 bytes a
 // byte, and 3.

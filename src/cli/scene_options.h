@@ -7,15 +7,17 @@
 #include "render/render.h"
 
 // What the options say of loading; as long as they live.
-struct scene_load_params options_scene_params(const struct options *options);
+struct scene_load_params options_scene_params(const struct scene_options *options,
+                                              const struct progress *progress);
 // Applies the rest of the command line to a scene as it was loaded: settings, camera, lens.
-bool options_adapt_scene(const struct options *options, struct scene *scene, uint32_t *camera,
-                         struct err *err);
+bool options_adapt_scene(const struct scene_options *options, const struct progress *progress,
+                         struct scene *scene, uint32_t *camera, struct err *err);
 // Loads the scene and applies the command line to it.
-bool options_load_scene(const struct options *options, struct scene *scene, uint32_t *camera,
-                        struct err *err);
+bool options_load_scene(const struct scene_options *options, const struct progress *progress,
+                        struct scene *scene, uint32_t *camera, struct err *err);
 // What of a renderer the options decide, for any command; without AOVs.
-struct renderer_params options_renderer_params(const struct options *options, struct gpu *gpu,
-                                               const struct scene *scene, uint32_t camera);
+struct renderer_params options_renderer_params(const struct device_options *options,
+                                               struct gpu *gpu, const struct scene *scene,
+                                               uint32_t camera);
 
 #endif

@@ -57,7 +57,7 @@ static bool set(struct variant *variant, struct arena *arena, const char *whole,
                        options->command == &commands[COMMAND_BENCH] ? ", spp or size" : "");
     if (!option_store(def, pair + key_length + 1, options, err))
         return err_prepend(err, "\"%s\"", whole);
-    options->given[def - option_table] = true;
+    option_mark(def, options);
     if (!keeps_picture(def))
         variant->picture = join(arena, variant->picture, pair);
     return variant->picture || err_memory(err, "a label", strlen(pair));
@@ -135,8 +135,7 @@ bool variants_make(const struct options *options, struct arena *arena, struct va
             .picture = "",
             .options = *options,
         };
-        list[i].options.arguments[0] = options->arguments[list[i].scene];
-        list[i].options.argument_count = 1;
+        list[i].options.scene.path = options->arguments[list[i].scene];
         if (!(number < options->study.curve_count
                   ? spell(&list[i], arena, options->study.curves[number], err)
                   : vary(&list[i], arena, number - options->study.curve_count, err)))

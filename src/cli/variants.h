@@ -10,7 +10,7 @@ struct variant {
     const char *label;      // "sampler=pcg wave=4k"; "" where nothing is varied
     const char *picture;    // what of the label changes pictures: "sampler=pcg"
     uint32_t scene;         // index of the command line's scenes
-    struct options options; // with this scene as the only argument
+    struct options options; // whose scene.path is this one
 };
 
 // All combinations of the values of --vary (--sweep of bench), the last one changing fastest, after

@@ -176,8 +176,8 @@ static bool open_window(struct viewer *viewer, struct err *err)
     bool has_size = options_given(options, OPTION_SIZE);
     const struct window_params params = {
         .title = "Lampyris",
-        .width = has_size ? options->settings.width : DEFAULT_WIDTH,
-        .height = has_size ? options->settings.height : DEFAULT_HEIGHT,
+        .width = has_size ? options->scene.settings.width : DEFAULT_WIDTH,
+        .height = has_size ? options->scene.settings.height : DEFAULT_HEIGHT,
         .headless = options->view.headless,
     };
     if (options->view.headless && !options->view.script)

@@ -43,11 +43,12 @@ TEST(every_option_of_render_is_stored)
     CHECK(o.command == &commands[COMMAND_RENDER] && strcmp(o.arguments[0], "scene.json") == 0);
     CHECK(o.render.output_count == 2 && strcmp(o.render.outputs[0], "a.exr") == 0 &&
           strcmp(o.render.outputs[1], "b.PNG") == 0);
-    CHECK(o.settings.width == 640 && o.settings.height == 480 && o.render.half_float);
-    CHECK(o.settings.exposure == -1.5f && o.settings.tone_curve == TONE_AGX);
-    CHECK(o.render.time_seconds == 2.5 && o.settings.seed == 7 && o.settings.filter == FILTER_BOX);
-    CHECK(o.settings.max_bounces == 0 && o.settings.mis == MIS_NONE);
-    CHECK(o.settings.roulette_min_bounces == UINT32_MAX && strcmp(o.scene.camera, "1") == 0);
+    CHECK(o.scene.settings.width == 640 && o.scene.settings.height == 480 && o.render.half_float);
+    CHECK(o.scene.settings.exposure == -1.5f && o.scene.settings.tone_curve == TONE_AGX);
+    CHECK(o.render.time_seconds == 2.5 && o.scene.settings.seed == 7 &&
+          o.scene.settings.filter == FILTER_BOX);
+    CHECK(o.scene.settings.max_bounces == 0 && o.scene.settings.mis == MIS_NONE);
+    CHECK(o.scene.settings.roulette_min_bounces == UINT32_MAX && strcmp(o.scene.camera, "1") == 0);
     CHECK(!o.scene.environment.file && o.scene.environment.radiance[0] == 0 &&
           o.scene.environment.radiance[1] == 0.5f && o.scene.environment.radiance[2] == 100);
     options_finish(&o);
@@ -77,8 +78,8 @@ TEST(every_option_of_render_is_stored)
                   "-D d= -q --json --log-level debug",
                   &o, &err),
             "%s", err.msg);
-    CHECK(o.settings.spp == UINT32_MAX && o.render.pixel[0] == 12 && o.render.pixel[1] == 34 &&
-          o.render.sample == 56);
+    CHECK(o.scene.settings.spp == UINT32_MAX && o.render.pixel[0] == 12 &&
+          o.render.pixel[1] == 34 && o.render.sample == 56);
     CHECK(o.scene.override_count == 3 && strcmp(o.scene.overrides[0].key, "a") == 0 &&
           strcmp(o.scene.overrides[1].key, "b.c") == 0 &&
           strcmp(o.scene.overrides[1].value, "x=y") == 0 &&
@@ -114,7 +115,7 @@ TEST(only_given_settings_are_applied)
     struct err err;
     REQUIRE(parse("render s.json --spp 3 --size 7x5 --exposure 2", &o, &err), "%s", err.msg);
     struct settings settings = {.width = 1, .height = 2, .spp = 9, .seed = 4, .max_bounces = 6};
-    options_apply_settings(&o, &settings);
+    options_apply_settings(&o.scene, &settings);
     CHECK(settings.width == 7 && settings.height == 5 && settings.spp == 3);
     CHECK(settings.exposure == 2 && settings.seed == 4 && settings.max_bounces == 6);
     options_finish(&o);
@@ -135,7 +136,7 @@ TEST(arguments_and_options_mix)
     CHECK(o.compare.limits[0].is_minimum && strcmp(o.compare.difference, "--d.png") == 0);
     options_finish(&o);
     REQUIRE(parse("render s.json --spp 1 --spp 2", &o, &err), "%s", err.msg);
-    CHECK(o.settings.spp == 2, "the last one holds");
+    CHECK(o.scene.settings.spp == 2, "the last one holds");
     options_finish(&o);
 }
 
@@ -268,7 +269,7 @@ static void check_setting(const struct option_def *def, const char *value,
     char line[120];
     snprintf(line, sizeof line, "render s --%s=%s", def->name, value);
     REQUIRE(parse(line, &o, &err), "%s: %s", line, err.msg);
-    CHECK(field_same(&def->setting->field, &o.settings, expected), "%s", line);
+    CHECK(field_same(&def->setting->field, &o.scene.settings, expected), "%s", line);
     options_finish(&o);
 }
 
@@ -340,7 +341,7 @@ TEST(the_reproducing_command_follows_its_path)
     REQUIRE(parse(command + 9, &again, &err), "%s: %s", command, err.msg);
     CHECK(options_given(&again, OPTION_PIXEL) && options_given(&again, OPTION_SAMPLE) &&
               again.render.pixel[0] == 7 && again.render.pixel[1] == 5 &&
-              again.render.sample == 3 && again.settings.spp == 4 &&
+              again.render.sample == 3 && again.scene.settings.spp == 4 &&
               strcmp(again.arguments[0], "floor.json") == 0,
           "%s", command);
     options_finish(&again);

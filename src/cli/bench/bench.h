@@ -147,7 +147,7 @@ bool bench_write_html(struct bench *b, const char *folder, struct err *err);
 
 // --- bench_kernel.c ---
 // With --kernel: what can be checked before anything is loaded.
-bool bench_check_kernel(const struct options *options, struct err *err);
+bool bench_check_kernel(const struct bench_options *options, struct err *err);
 // Fills the rows of the variants, which bench_prepare has made, in place of bench_measure.
 bool bench_measure_kernel(struct bench *b, struct err *err);
 

@@ -71,12 +71,12 @@ static void add(struct targets *out, const struct target *target)
 }
 
 // Rays of one kind: those of the camera are at depth 0, those that surfaces send on below.
-static bool add_rays(const struct options *options, enum rays_option kind, struct targets *out,
-                     struct err *err)
+static bool add_rays(const struct bench_options *options, enum rays_option kind,
+                     struct targets *out, struct err *err)
 {
     const uint32_t usual = kind == RAYS_DIFFUSE ? 1 : 0;
-    const uint32_t *depths = options->bench.depths ? options->bench.depths : &usual;
-    uint32_t count = options->bench.depths ? options->bench.depth_count : 1, before = out->count;
+    const uint32_t *depths = options->depths ? options->depths : &usual;
+    uint32_t count = options->depths ? options->depth_count : 1, before = out->count;
     for (uint32_t i = 0; i < count; i++) {
         if ((kind == RAYS_PRIMARY && depths[i] > 0) || (kind == RAYS_DIFFUSE && depths[i] == 0))
             continue;
@@ -87,52 +87,52 @@ static bool add_rays(const struct options *options, enum rays_option kind, struc
                 .depth = depths[i],
             });
     }
-    return out->count > before || !options->bench.rays ||
+    return out->count > before || !options->rays ||
            err_set(err, ERR_USAGE, "--rays %s: expected a --depth of %s", rays_names[kind],
                    kind == RAYS_PRIMARY ? "0" : "1 or more");
 }
 
-static bool add_depths(const struct options *options, enum kernel_id kernel, struct targets *out,
-                       struct err *err)
+static bool add_depths(const struct bench_options *options, enum kernel_id kernel,
+                       struct targets *out, struct err *err)
 {
     const uint32_t none = 0;
-    const uint32_t *depths = options->bench.depths ? options->bench.depths : &none;
-    if (options->bench.rays)
+    const uint32_t *depths = options->depths ? options->depths : &none;
+    if (options->rays)
         return err_set(err, ERR_USAGE,
                        "--rays: %s traces none; expected --kernel intersect_closest or "
                        "intersect_shadow",
                        kernel_names[kernel]);
-    if (options->bench.depths && has_no_depth(kernel))
+    if (options->depths && has_no_depth(kernel))
         return err_set(err, ERR_USAGE, "--depth: %s runs once for all bounces",
                        kernel_names[kernel]);
-    for (uint32_t i = 0; i < (options->bench.depths ? options->bench.depth_count : 1); i++)
+    for (uint32_t i = 0; i < (options->depths ? options->depth_count : 1); i++)
         add(out, &(struct target){.kernel = kernel, .depth = depths[i]});
     return true;
 }
 
-static bool plan(const struct options *options, struct arena *arena, struct targets *out,
+static bool plan(const struct bench_options *options, struct arena *arena, struct targets *out,
                  struct err *err)
 {
     enum kernel_id kernel;
-    uint32_t most = (options->bench.depth_count + 1) * (uint32_t)ALL_KINDS;
+    uint32_t most = (options->depth_count + 1) * (uint32_t)ALL_KINDS;
     *out = (struct targets){.list = ARENA_NEW(arena, struct target, most)};
     if (!out->list)
         return err_memory(err, "kernels to time", most * sizeof *out->list);
-    if (!find_kernel(options->bench.kernel, &kernel, err))
+    if (!find_kernel(options->kernel, &kernel, err))
         return false;
     if (!is_traced(kernel))
         return add_depths(options, kernel, out, err);
     // Kinds of rays say by which of the two kernels they are traced.
     uint32_t usual = kernel == KERNEL_intersect_shadow ? 1u << RAYS_SHADOW
                                                        : 1u << RAYS_PRIMARY | 1u << RAYS_DIFFUSE;
-    uint32_t kinds = options->bench.rays ? options->bench.rays : usual;
+    uint32_t kinds = options->rays ? options->rays : usual;
     for (uint32_t kind = 0; kind < ALL_KINDS; kind++)
         if ((kinds >> kind & 1u) && !add_rays(options, (enum rays_option)kind, out, err))
             return false;
     return true;
 }
 
-bool bench_check_kernel(const struct options *options, struct err *err)
+bool bench_check_kernel(const struct bench_options *options, struct err *err)
 {
     struct arena arena = {0};
     struct targets targets;
@@ -297,7 +297,7 @@ static void end_early(struct bench *b, uint32_t complete)
 bool bench_measure_kernel(struct bench *b, struct err *err)
 {
     struct targets targets;
-    if (!plan(b->options, &b->arena, &targets, err) || !check_there(b, &targets, err))
+    if (!plan(&b->options->bench, &b->arena, &targets, err) || !check_there(b, &targets, err))
         return false;
     for (uint32_t i = 0; i < b->variant_count; i++)
         if (!make_rows(b, &b->variants[i], &targets, err))

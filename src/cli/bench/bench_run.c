@@ -19,15 +19,17 @@ static bool open_variant(struct bench *b, struct bench_variant *v, struct err *e
 {
     uint64_t start = clock_ns();
     uint32_t camera;
-    if (!options_load_scene(&v->variant.options, &v->scene_data, &camera, err))
+    const struct options *options = &v->variant.options;
+    const struct progress *progress = options->progress;
+    if (!options_load_scene(&options->scene, progress, &v->scene_data, &camera, err))
         return false;
     v->load_seconds = clock_seconds_since(start);
-    const struct options *options = &v->variant.options;
     const struct job_params params = {
-        .renderer = options_renderer_params(options, &b->gpu, &v->scene_data, camera),
+        .renderer = options_renderer_params(&options->device, &b->gpu, &v->scene_data, camera),
         .scene = &v->scene_data,
-        .goal.samples = options_given(options, OPTION_SPP) ? options->settings.spp : BENCH_SPP,
-        .progress = options->progress,
+        .goal.samples =
+            options_given(options, OPTION_SPP) ? options->scene.settings.spp : BENCH_SPP,
+        .progress = progress,
     };
     return job_start(&params, &v->job, err) ||
            (*v->variant.label && err_prepend(err, "%s", v->variant.label));

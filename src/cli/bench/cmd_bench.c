@@ -8,7 +8,7 @@
 static bool run(struct bench *b, struct err *err)
 {
     const struct options *options = b->options;
-    if (options->bench.kernel && !bench_check_kernel(options, err))
+    if (options->bench.kernel && !bench_check_kernel(&options->bench, err))
         return false;
     if (options->study.report && !file_make_folder(options->study.report, err))
         return false;

@@ -131,8 +131,8 @@ static bool measure(const struct comparison *c, const struct picture_pair *pair,
     picture->value[METRIC_RELMSE] = m.relmse;
     picture->value[METRIC_LOCAL_RELMSE] = picture->error.local_relmse.value;
     picture->value[METRIC_SMAPE] = m.smape;
-    picture->value[METRIC_PSNR] = metrics_psnr(pair->image, pair->reference, count,
-                                               (double)c->options->settings.exposure, progress);
+    picture->value[METRIC_PSNR] = metrics_psnr(
+        pair->image, pair->reference, count, (double)c->options->scene.settings.exposure, progress);
     picture->value[METRIC_MAX] = m.max;
     picture->value[METRIC_NONFINITE] = (double)m.nonfinite;
     picture->value[METRIC_DIFFERING] = (double)m.differing;
@@ -147,7 +147,7 @@ static bool measure(const struct comparison *c, const struct picture_pair *pair,
 static bool expose(const struct comparison *c, const float (*pixels)[3], uint64_t count,
                    struct arena *arena, const float (**out)[3], struct err *err)
 {
-    double factor = exp2((double)c->options->settings.exposure);
+    double factor = exp2((double)c->options->scene.settings.exposure);
     *out = pixels;
     if (factor == 1)
         return true;
@@ -323,7 +323,7 @@ static bool check_memory(const struct comparison *c, struct err *err)
     for (int i = 0; i < 2; i++)
         most = others[i] > most ? others[i] : most;
     most += count * sizeof(float[3]);
-    if (c->options->settings.exposure != 0)
+    if (c->options->scene.settings.exposure != 0)
         most += 2 * count * sizeof(float[3]);
     if (c->options->compare.difference)
         most += count * sizeof(float);

@@ -146,8 +146,9 @@ static void print_remark(const char *name, const char *words)
 static void print_remarks(const struct comparison *c)
 {
     const struct reference *r = &c->reference;
-    if (c->options->settings.exposure != 0)
-        printf("psnr, ssim and flip: exposed by %g stops\n", (double)c->options->settings.exposure);
+    if (c->options->scene.settings.exposure != 0)
+        printf("psnr, ssim and flip: exposed by %g stops\n",
+               (double)c->options->scene.settings.exposure);
     if (c->is_corrected)
         printf("The reference's own noise is subtracted: %.6g of mse, %.6g of relmse, %.6g of "
                "local-relmse.\n",
@@ -244,7 +245,7 @@ int compare_print_json(const struct comparison *c)
     json_t *object = json_pack(
         "{s:o, s:i, s:i, s:f, s:f, s:f, s:f, s:[f, f, i], s:o, s:o, s:b}", "reference",
         json_words(c->reference_path), "width", (int)c->reference.image.width, "height",
-        (int)c->reference.image.height, "exposure", (double)c->options->settings.exposure,
+        (int)c->reference.image.height, "exposure", (double)c->options->scene.settings.exposure,
         "pixels_per_degree", FLIP_PIXELS_PER_DEGREE, "relmse_epsilon", METRICS_RELMSE_EPSILON,
         "smape_epsilon", METRICS_SMAPE_EPSILON, "hdr_flip_exposures", c->exposures.start,
         c->exposures.stop, (int)c->exposures.count, "reference_noise", noise_json(c), "images",

@@ -29,7 +29,7 @@ static bool render(struct converge *c, uint32_t scene, struct err *err)
     struct converge_reference *out = &c->references[scene];
     struct converge_curve curve = {.variant = {.options = *c->options, .scene = scene}};
     struct film_image film;
-    curve.variant.options.arguments[0] = c->options->arguments[scene];
+    curve.variant.options.scene.path = c->options->arguments[scene];
     double samples = REFERENCE_FACTOR * longest_samples(c, scene);
     if (samples > SETTINGS_SPP_MAX)
         return err_set(err, ERR_USAGE,

@@ -30,7 +30,7 @@ static bool make_points(struct converge *c, struct err *err)
         c->point_count = c->options->converge.time_count;
         return true;
     }
-    uint64_t most = options_given(c->options, OPTION_SPP) ? c->options->settings.spp : 256;
+    uint64_t most = options_given(c->options, OPTION_SPP) ? c->options->scene.settings.spp : 256;
     uint64_t from = c->options->converge.spp_from;
     if (from > most)
         return err_set(err, ERR_USAGE, "--spp-from %llu is above --spp %llu",
@@ -45,6 +45,7 @@ static bool make_points(struct converge *c, struct err *err)
 
 bool converge_open(struct converge *c, struct converge_curve *curve, struct err *err)
 {
+    const struct options *options = &curve->variant.options;
     uint64_t start = clock_ns();
     uint32_t camera;
     size_t count = (size_t)c->replicate_count * c->point_count;
@@ -54,12 +55,10 @@ bool converge_open(struct converge *c, struct converge_curve *curve, struct err 
     curve->ratios = ARENA_NEW(&c->arena, struct interval, c->curve_count);
     if (!curve->samples || !curve->pictures || !curve->points || !curve->ratios)
         return err_memory(err, "samples", count * sizeof *curve->samples);
-    curve->variant.options.progress = &c->progress;
-    if (!options_load_scene(&curve->variant.options, &curve->scene_data, &camera, err))
+    if (!options_load_scene(&options->scene, &c->progress, &curve->scene_data, &camera, err))
         return false;
     const struct job_params params = {
-        .renderer =
-            options_renderer_params(&curve->variant.options, &c->gpu, &curve->scene_data, camera),
+        .renderer = options_renderer_params(&options->device, &c->gpu, &curve->scene_data, camera),
         .scene = &curve->scene_data,
         .goal.samples = c->spp ? c->spp[c->point_count - 1] : 1,
         .progress = &c->progress,

@@ -215,11 +215,12 @@ static int print_json(const struct info *info)
 
 static bool gather(const struct options *options, struct info *info, struct err *err)
 {
-    if (!options_load_scene(options, &info->scene, &info->camera, err) ||
+    if (!options_load_scene(&options->scene, options->progress, &info->scene, &info->camera, err) ||
         !gpu_open(&options->device.gpu, &info->gpu, err))
         return false;
-    const struct renderer_params params =
-        options_renderer_params(options, &info->gpu, &info->scene, info->camera);
+    struct renderer_params params =
+        options_renderer_params(&options->device, &info->gpu, &info->scene, info->camera);
+    params.progress = options->progress;
     if (!renderer_prepare(&params, &info->renderer, err))
         return false;
     info->emitters = emitters_count(&info->scene, &info->renderer.flat);

@@ -36,7 +36,7 @@ static bool follows_path(const struct options *options)
 static struct job_goal goal_of(const struct options *options)
 {
     struct job_goal goal = {
-        .samples = options_given(options, OPTION_SPP) ? options->settings.spp : 0,
+        .samples = options_given(options, OPTION_SPP) ? options->scene.settings.spp : 0,
         .seconds = options->render.time_seconds,
         .error = options->render.error,
         .adaptive = options->render.adaptive,
@@ -56,7 +56,7 @@ static bool init_job(struct render_run *run, struct err *err)
 {
     const struct options *options = run->options;
     struct job_params params = {
-        .renderer = options_renderer_params(options, &run->gpu, &run->scene, run->camera),
+        .renderer = options_renderer_params(&options->device, &run->gpu, &run->scene, run->camera),
         .scene = &run->scene,
         .goal = goal_of(options),
         .reference = options->reference ? &run->reference : NULL,
@@ -74,8 +74,9 @@ static bool init_job(struct render_run *run, struct err *err)
 
 static bool load(struct render_run *run, struct err *err)
 {
+    const struct options *options = run->options;
     uint64_t start = clock_ns();
-    if (!options_load_scene(run->options, &run->scene, &run->camera, err))
+    if (!options_load_scene(&options->scene, options->progress, &run->scene, &run->camera, err))
         return false;
     if (run->scene.is_hidden)
         return err_set(err, ERR_INPUT,

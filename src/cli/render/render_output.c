@@ -243,7 +243,7 @@ static bool describe(const struct render_run *run, uint32_t frame, struct arena 
                      struct metadata *out, struct err *err)
 {
     const struct job *job = &run->job;
-    const struct scene_load_params load = options_scene_params(run->options);
+    const struct scene_load_params load = options_scene_params(&run->options->scene, NULL);
     const struct metadata_params params = {
         .job = job,
         .load = &load,

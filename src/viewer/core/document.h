@@ -19,7 +19,7 @@ struct history;
 
 struct document {
     char scene_path[SURROUNDINGS_PATH_MAX];
-    struct options scene_options;            // those of the command line that concern this scene
+    struct scene_options scene_options;      // those of the command line that concern this scene
     struct scene_load_params load_params;    // by which it was loaded: for scene_write
     char wanted_path[SURROUNDINGS_PATH_MAX]; // to be opened when no frame is being drawn; or ""
     bool wanted_keeps_view;

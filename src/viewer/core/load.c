@@ -11,6 +11,7 @@
 #include "viewer/core/frame.h"
 #include "viewer/core/messages.h"
 #include "viewer/core/viewer.h"
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -18,24 +19,19 @@
 static void set_options(struct viewer *viewer, const char *path)
 {
     const struct options *given = viewer->shell.options;
-    struct options *options = &viewer->document.scene_options;
+    struct scene_options *options = &viewer->document.scene_options;
     bool is_given = given->argument_count > 0 && strcmp(given->arguments[0], path) == 0;
-    *options = *given;
-    options->arguments[0] = path;
-    options->argument_count = 1;
-    options->progress = &viewer->shell.progress;
+    *options = given->scene;
+    options->path = path;
     if (is_given)
         return;
-    options->scene.overrides = NULL;
-    options->scene.override_count = 0;
-    options->scene.camera = options->scene.gltf_scene = options->scene.animation =
-        options->scene.variant = NULL;
-    options->scene.environment = (struct environment_option){0};
-    static const enum option_id others[] = {OPTION_ENV, OPTION_ENV_ROTATE, OPTION_ENV_STRENGTH,
-                                            OPTION_AT,  OPTION_APERTURE,   OPTION_FOCUS_DISTANCE};
-    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
-        options->given[others[i]] = false;
-    options->scene.environment_rotate_degrees = 0.0;
+    options->overrides = NULL;
+    options->override_count = 0;
+    options->camera = options->gltf_scene = options->animation = options->variant = NULL;
+    options->environment = (struct environment_option){0};
+    options->environment_strength = options->at_seconds = NAN;
+    options->aperture_mm = options->focus_distance = NAN;
+    options->environment_rotate_degrees = 0.0;
 }
 
 // All of a scene that is there before the old one goes.
@@ -51,12 +47,12 @@ struct geometry_params viewer_geometry_params(const struct viewer *viewer,
                                               const struct scene *scene,
                                               const struct camera *camera)
 {
-    const struct options *options = &viewer->document.scene_options;
+    const struct device_options *options = &viewer->shell.options->device;
     return (struct geometry_params){
         .scene = scene,
-        .bvh = {options->device.bvh, options->device.node, options->device.bvh_optimize},
-        .instancing = options->device.instances,
-        .bvh_cache = options->device.bvh_cache,
+        .bvh = {options->bvh, options->node, options->bvh_optimize},
+        .instancing = options->instances,
+        .bvh_cache = options->bvh_cache,
         .progress = &viewer->shell.progress,
         .camera = camera,
     };
@@ -71,13 +67,14 @@ static void forget(struct opened *opened)
 
 static bool open_scene(struct viewer *viewer, struct opened *out, struct err *err)
 {
-    const struct options *options = &viewer->document.scene_options;
-    *out = (struct opened){.params = options_scene_params(options)};
+    const struct scene_options *options = &viewer->document.scene_options;
+    const struct progress *progress = &viewer->shell.progress;
+    *out = (struct opened){.params = options_scene_params(options, progress)};
     if (!scene_load(&out->params, &out->scene, err))
         return false;
     out->scene.progress = out->params.progress = NULL;
     bool ok = scene_snapshot(&out->pristine_arena, &out->scene, &out->pristine, err) &&
-              options_adapt_scene(options, &out->scene, &out->camera, err);
+              options_adapt_scene(options, progress, &out->scene, &out->camera, err);
     if (ok) {
         viewer_picture_size(viewer, &out->scene.settings.width, &out->scene.settings.height);
         scene_frame_camera(&out->scene);
@@ -85,7 +82,7 @@ static bool open_scene(struct viewer *viewer, struct opened *out, struct err *er
             viewer_geometry_params(viewer, &out->scene, &out->scene.cameras[out->camera]);
         ok = geometry_create(&params, &out->geometry, err);
     }
-    if (ok && progress_should_stop(&viewer->shell.progress))
+    if (ok && progress_should_stop(progress))
         ok = err_set(err, ERR_STOPPED, "%s: loading was stopped", out->params.path);
     if (!ok)
         forget(out);
@@ -94,14 +91,14 @@ static bool open_scene(struct viewer *viewer, struct opened *out, struct err *er
 
 static void set_methods(struct viewer *viewer)
 {
-    const struct options *options = &viewer->document.scene_options;
+    const struct device_options *options = &viewer->shell.options->device;
     struct method method;
     memset(&method, 0, sizeof method); // all bytes: they are compared
     method.settings = viewer->document.scene.settings;
-    method.wave = options->device.wave;
-    method.workgroup = options->device.workgroup;
-    method.compile_all = options->device.features == FEATURES_ALL;
-    method.merge_classes = options->device.classes == CLASSES_MERGED;
+    method.wave = options->wave;
+    method.workgroup = options->workgroup;
+    method.compile_all = options->features == FEATURES_ALL;
+    method.merge_classes = options->classes == CLASSES_MERGED;
     for (uint32_t side = 0; side < VIEWER_SIDES; side++)
         viewer->stage.sides[side].method = method;
 }
@@ -200,7 +197,7 @@ static void adopt(struct viewer *viewer, const struct opened *opened, bool keep_
 
 bool viewer_load_scene(struct viewer *viewer, const char *path, bool keep_view, struct err *err)
 {
-    const struct options before = viewer->document.scene_options;
+    const struct scene_options before = viewer->document.scene_options;
     char old_path[sizeof viewer->document.scene_path];
     struct opened opened;
     uint64_t start = clock_ns();
