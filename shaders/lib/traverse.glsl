@@ -258,14 +258,15 @@ void trace(trace_ray ray, inout trace_state state, inout trace_hit best, inout u
             uint index = current & BVH_LEAF_INDEX;
             bool is_space = IS_INSTANCE_LEAF(current);
             bool is_shape = IS_SHAPE(current) && !is_space;
-            if (HAS(FEATURE_TRIANGLES) && !is_shape && !is_space)
-                intersect_triangle_leaf(ray, space, plane, index, best);
+            bool is_triangle = !is_shape && !is_space;
+            if (HAS(FEATURE_TRIANGLES) && is_triangle)
+                intersect_triangle_leaf(ray, space, plane, current & BVH_LEAF_TRIANGLE, best);
             bool leaf_done = true;
             if (is_shape)
                 leaf_done = intersect_shape_leaf(ray, index, march, iterations, best);
             // One triangle a round: lanes with one-triangle leaves do not wait for the others.
-            bool more = (current & BVH_LEAF_TWO) != 0u && !is_space;
-            uint next = more ? (current & ~BVH_LEAF_TWO) + 1u : top;
+            bool more = (current & BVH_LEAF_MORE) != 0u && is_triangle;
+            uint next = more ? current - BVH_LEAF_ONE_MORE + 1u : top;
             if (is_space) {
                 bool enters = current != BVH_LEAVE;
                 space = enter_space(ray, enters ? index : NO_INSTANCE, root);

@@ -63,7 +63,8 @@
 #define CONSTANT_PART_SHIFT 23 // a part has 2^this words of four
 #define CONSTANT_ENVIRONMENT_FILTER 24
 #define CONSTANT_PIXEL_SAMPLING 25
-#define CONSTANT_COUNT 26
+#define CONSTANT_LEAF_INDEX_BITS 26 // of the word of a leaf of triangles: see bvh/bvh.h
+#define CONSTANT_COUNT 27
 
 // Features that a (scene, settings, device) needs. Kernels test these bits of one specialization
 // constant, so that code that is not needed is left out.

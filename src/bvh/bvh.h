@@ -12,18 +12,35 @@
 #include <stdint.h>
 
 // How primitives are split: by the binned surface area heuristic, at the median of their centres,
-// at the mean, or by the heuristic with triangles cut in two where that pays; see bvh_build().
-enum bvh_split { BVH_SPLIT_SAH, BVH_SPLIT_MEDIAN, BVH_SPLIT_MEAN, BVH_SPLIT_SPATIAL };
+// at the mean, by the heuristic with triangles cut in two where that pays, or in the middle of the
+// box; see bvh_build().
+enum bvh_split {
+    BVH_SPLIT_SAH,
+    BVH_SPLIT_MEDIAN,
+    BVH_SPLIT_MEAN,
+    BVH_SPLIT_SPATIAL,
+    BVH_SPLIT_MIDDLE
+};
 // Whether subtrees are moved to better places afterwards: with a bound on the time, not at all, or
 // until nothing is gained any more. SAH and spatial only.
 enum bvh_optimize { BVH_OPTIMIZE_NORMAL, BVH_OPTIMIZE_OFF, BVH_OPTIMIZE_LONG };
 // What a node is: struct bvh_node or struct bvh_node_float.
 enum bvh_format { BVH_QUANTISED, BVH_FLOAT };
 
+#define BVH_LEAF_MAX 8u // triangles
+#define BVH_LEAF_USUAL 2u
+#define BVH_COST_MIN 1e-3
+#define BVH_COST_MAX 1e3
+
 struct bvh_method {
     enum bvh_split split;
     enum bvh_format format;
     enum bvh_optimize optimize;
+    uint32_t max_leaf; // triangles a leaf, 1 to BVH_LEAF_MAX; 0: BVH_LEAF_USUAL
+    // What a visit to a wide node and a test of a primitive are taken to cost when binary nodes are
+    // put together to wide ones and leaves, BVH_COST_MIN to BVH_COST_MAX; 0: 1. SAH and spatial
+    // only.
+    double traversal_cost, intersection_cost;
 };
 
 // A BVH4 node, one cache line. Child i's box is, in exact arithmetic,
@@ -49,12 +66,12 @@ struct bvh_node_float {
 _Static_assert(sizeof(struct bvh_node_float) == 128, "two cache lines");
 
 // Child words. Inner: the node's index (below 2^31). Leaf: BVH_LEAF | flags | first index.
-// Triangle leaves hold one or two consecutive entries of triangle_order; shape leaves one shape, by
-// its own index.
+// Triangle leaves hold consecutive entries of triangle_order, whose number less one stands above
+// the bits of the first one's index (bvh_leaf_index_bits); shape leaves hold one shape, by its own
+// index.
 #define BVH_LEAF 0x80000000u
-#define BVH_LEAF_SHAPE 0x40000000u                        // an analytic shape instead of triangles
-#define BVH_LEAF_TWO 0x20000000u                          // two triangles, not one
-#define BVH_LEAF_INSTANCE (BVH_LEAF_SHAPE | BVH_LEAF_TWO) // one instance, by its own index
+#define BVH_LEAF_SHAPE 0x40000000u                       // an analytic shape instead of triangles
+#define BVH_LEAF_INSTANCE (BVH_LEAF_SHAPE | 0x20000000u) // one instance, by its own index
 #define BVH_LEAF_INDEX 0x1fffffffu
 #define BVH_EMPTY 0xffffffffu
 #define BVH_INSTANCES_MAX 0x1ffffff0u // so that none is BVH_EMPTY, nor a mark on a stack
@@ -71,14 +88,15 @@ struct bvh_box {
 
 struct bvh_stats {
     // Expected cost of a random ray that hits the root's box and then nothing: 1 a wide node
-    // visited (the root included), 1 a primitive tested. Of the boxes as they are in the nodes.
+    // visited (the root included), 1 a primitive tested, whatever costs the tree was built by. Of
+    // the boxes as they are in the nodes.
     double sah_cost;
     uint32_t depth; // of the wide tree; a root alone has 1
     // The most children (inner ones and leaves) that can be pending besides the one in hand, when
     // a traversal goes on with any of a node's children and puts off the other three: the maximum
     // over all orders and rays.
     uint32_t stack_entries;
-    uint32_t node_count, leaf_count; // leaves: child words, of one or two primitives
+    uint32_t node_count, leaf_count; // leaves: child words, of one primitive or more
     uint64_t bytes;                  // of nodes and triangle_order
     double build_seconds;            // of building, or of loading from a cache:
     double cached_seconds;           // what building took then; 0: not from a cache
@@ -91,6 +109,7 @@ struct bvh {
     struct bvh_node *nodes;             // BVH_QUANTISED, else NULL
     struct bvh_node_float *nodes_float; // BVH_FLOAT, else NULL
     enum bvh_format format;
+    uint32_t max_leaf; // as in the method: says how words of leaves are read
     uint32_t node_count;
     // Leaf order -> triangle as given: reference_count places for triangle_count triangles, which
     // differ after spatial splits alone. Such a triangle has a place in each leaf that has a part
@@ -112,7 +131,6 @@ struct bvh_params {
     uint32_t instance_count;
     struct bvh_method method;
     unsigned threads;                // 0: all
-    uint32_t max_leaf;               // triangles a leaf, 1 or 2; 0: 2
     const struct progress *progress; // phase "Building BVH"
 };
 
@@ -123,13 +141,17 @@ struct bvh_params {
 // - mean: at the mean of the centroids on that axis, or the median where rounding leaves one side
 //   empty;
 // - spatial: as SAH, but where the children's boxes overlap much a range may be cut by a plane
-//   instead, and the triangles there go to both sides.
-// Median and mean are to compare with: each two levels of their binary trees make a wide node, and
-// nothing is moved.
+//   instead, and the triangles there go to both sides;
+// - middle: by the centroids in the middle of the box along its widest axis, or at the median where
+//   that leaves one side empty.
+// Median, mean and middle are to compare with: each two levels of their binary trees make a wide
+// node, triangles make leaves as soon as a leaf has room for all of a subtree's, and nothing is
+// moved.
 //
 // The same input gives the same bits whatever the number of threads. Bounded depth also for a
 // million identical triangles (median split where SAH cannot separate): stack_entries <= 96.
-// Vertices must be finite (ERR_BUG otherwise). Counts up to BVH_LEAF_INDEX.
+// Vertices must be finite (ERR_BUG otherwise). Counts up to BVH_LEAF_INDEX; triangles up to
+// bvh_leaf_index_max() (ERR_INPUT above it).
 // The result lives in `arena`; scratch memory is released before returning. Progress is reported by
 // the calling thread; being asked to stop is an error (ERR_STOPPED).
 bool bvh_build(const struct bvh_params *params, struct arena *arena, struct bvh *out,
@@ -137,7 +159,7 @@ bool bvh_build(const struct bvh_params *params, struct arena *arena, struct bvh 
 
 struct bvh_join_params {
     const struct bvh *world; // built with instance_boxes
-    const struct bvh *trees; // of the same format
+    const struct bvh *trees; // of the same format and max_leaf
     uint32_t tree_count;
     const uint32_t *instance_tree; // of each instance: the tree that its leaf leads to
 };
@@ -154,6 +176,29 @@ bool bvh_join(const struct bvh_join_params *params, struct arena *arena, struct 
 // top. Transformed one by one they give a closer box of the whole than the root's box does.
 enum { BVH_CUT_MAX = 16 };
 uint32_t bvh_cut(const struct bvh *tree, struct bvh_box out[BVH_CUT_MAX]);
+
+// One of a method's costs.
+static inline double bvh_cost(double cost)
+{
+    return cost > 0 ? cost : 1;
+}
+
+static inline uint32_t bvh_max_leaf(const struct bvh_method *method)
+{
+    return method->max_leaf > 0 ? method->max_leaf : BVH_LEAF_USUAL;
+}
+
+// Bits of the index in the word of a leaf of triangles, in a tree whose leaves have at most so
+// many.
+static inline uint32_t bvh_leaf_index_bits(uint32_t max_leaf)
+{
+    return max_leaf > BVH_LEAF_USUAL ? 27 : 29;
+}
+
+static inline uint32_t bvh_leaf_index_max(uint32_t max_leaf)
+{
+    return (1u << bvh_leaf_index_bits(max_leaf)) - 1;
+}
 
 static inline uint64_t bvh_node_bytes(enum bvh_format format)
 {

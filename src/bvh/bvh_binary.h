@@ -118,9 +118,9 @@ bool bvh_optimize(const struct bvh_optimize_params *params, bool *usable, struct
 struct bvh_wide_params {
     const struct bvh_binary_node *nodes;
     uint32_t leaf_count; // at least 1
-    uint32_t max_leaf;   // 1, or 2 (or 0)
-    bool plain;          // two levels a wide node, instead of what costs least
-    unsigned threads;    // at least 1
+    const struct bvh_method *method;
+    bool plain;       // two levels a wide node, instead of what costs least
+    unsigned threads; // at least 1
     const struct progress *progress;
 };
 

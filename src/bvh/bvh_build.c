@@ -87,6 +87,33 @@ static void gather_primitives(void *context, size_t begin, size_t end, unsigned 
     }
 }
 
+static bool check_cost(const char *name, double cost, struct err *err)
+{
+    return cost == 0 || (cost >= BVH_COST_MIN && cost <= BVH_COST_MAX) ||
+           err_set(err, ERR_BUG, "BVH: %s_cost: %g is outside [%g, %g]", name, cost, BVH_COST_MIN,
+                   BVH_COST_MAX);
+}
+
+static bool check_method(const struct bvh_method *method, struct err *err)
+{
+    if (method->max_leaf > BVH_LEAF_MAX)
+        return err_set(err, ERR_BUG, "BVH: max_leaf: %u is more than %u", method->max_leaf,
+                       BVH_LEAF_MAX);
+    return check_cost("traversal", method->traversal_cost, err) &&
+           check_cost("intersection", method->intersection_cost, err);
+}
+
+// Longer leaves leave fewer bits to the index.
+static bool check_triangle_count(const struct bvh_params *params, struct err *err)
+{
+    uint32_t most = bvh_leaf_index_max(params->method.max_leaf);
+    return params->triangle_count <= most ||
+           err_set(err, ERR_INPUT,
+                   "%u triangles: in leaves of %u (--bvh-leaf), at most %u; of %u, at most %u",
+                   params->triangle_count, params->method.max_leaf, most, BVH_LEAF_USUAL,
+                   BVH_LEAF_INDEX);
+}
+
 static bool check_params(const struct bvh_params *params, struct err *err)
 {
     if (params->triangle_count > BVH_LEAF_INDEX || params->shape_count > BVH_LEAF_INDEX ||
@@ -102,9 +129,7 @@ static bool check_params(const struct bvh_params *params, struct err *err)
     if (params->triangle_stride != 0 && params->triangle_stride < sizeof(float[3][3]))
         return err_set(err, ERR_BUG, "BVH: triangle_stride: %zu is less than 36",
                        params->triangle_stride);
-    if (params->max_leaf > 2)
-        return err_set(err, ERR_BUG, "BVH: max_leaf: %u is not 0, 1 or 2", params->max_leaf);
-    return true;
+    return check_method(&params->method, err) && check_triangle_count(params, err);
 }
 
 static bool make_primitives(const struct bvh_params *params, unsigned threads,
@@ -147,7 +172,7 @@ static uint32_t capacity_for(const struct bvh_params *params, uint32_t count)
     if (params->method.split != BVH_SPLIT_SPATIAL)
         return count;
     uint64_t more = (uint64_t)((double)params->triangle_count * BVH_DUPLICATES_MAX);
-    uint64_t most = BVH_LEAF_INDEX - params->triangle_count;
+    uint64_t most = bvh_leaf_index_max(params->method.max_leaf) - params->triangle_count;
     return count + (uint32_t)(more < most ? more : most);
 }
 
@@ -200,7 +225,7 @@ static bool build_once(const struct bvh_params *params, const struct attempt *at
         goto done;
     ok = !*fits || bvh_wide_build(&(struct bvh_wide_params){.nodes = nodes,
                                                             .leaf_count = leaf_count,
-                                                            .max_leaf = params->max_leaf,
+                                                            .method = &params->method,
                                                             .threads = threads,
                                                             .plain = plain,
                                                             .progress = params->progress},
@@ -228,6 +253,7 @@ bool bvh_build(const struct bvh_params *params, struct arena *arena, struct bvh 
 {
     uint64_t start = clock_ns();
     *out = (struct bvh){.format = params->method.format,
+                        .max_leaf = params->method.max_leaf,
                         .triangle_count = params->triangle_count,
                         .reference_count = params->triangle_count};
     if (!check_params(params, err) || !bvh_checkpoint(params->progress, 0, err))

@@ -91,6 +91,7 @@ struct source {
     uint32_t version, node_bytes;
     uint32_t split, format, optimize, max_leaf;
     uint32_t triangle_count, shape_count, instance_count, spare;
+    double costs[2];
     struct hash128 triangles, shapes, instances;
 };
 
@@ -102,7 +103,9 @@ static bool find_key(const struct bvh_params *params, struct hash128 *out)
         .split = params->method.split,
         .format = params->method.format,
         .optimize = params->method.optimize,
-        .max_leaf = params->max_leaf ? params->max_leaf : 2,
+        .max_leaf = bvh_max_leaf(&params->method),
+        .costs = {bvh_cost(params->method.traversal_cost),
+                  bvh_cost(params->method.intersection_cost)},
         .triangle_count = params->triangle_count,
         .shape_count = params->shape_count,
         .instance_count = params->instance_count,
@@ -196,6 +199,7 @@ static bool read_tree(int fd, const struct header *h, const struct bvh_params *p
 {
     *out = (struct bvh){
         .format = params->method.format,
+        .max_leaf = params->method.max_leaf,
         .node_count = h->node_count,
         .triangle_count = h->triangle_count,
         .reference_count = h->reference_count,

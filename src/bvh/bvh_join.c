@@ -49,12 +49,14 @@ static bool allocate(struct join *join, struct arena *arena, struct err *err)
         places += p->trees[i].reference_count;
         triangles += p->trees[i].triangle_count;
     }
-    if (nodes >= BVH_LEAF || places > BVH_LEAF_INDEX)
+    uint32_t places_max = bvh_leaf_index_max(p->world->max_leaf);
+    if (nodes >= BVH_LEAF || places > places_max)
         return err_set(
             err, ERR_INPUT, "BVH: %llu nodes and %llu triangles in all; expected at most %u and %u",
-            (unsigned long long)nodes, (unsigned long long)places, BVH_LEAF - 1, BVH_LEAF_INDEX);
+            (unsigned long long)nodes, (unsigned long long)places, BVH_LEAF - 1, places_max);
     *join->out = (struct bvh){
         .format = p->world->format,
+        .max_leaf = p->world->max_leaf,
         .node_count = (uint32_t)nodes,
         .triangle_count = p->world->triangle_count + (uint32_t)triangles,
         .reference_count = (uint32_t)places,

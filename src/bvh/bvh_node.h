@@ -20,9 +20,17 @@ static inline bool bvh_child_is_instance(uint32_t child)
 }
 
 // The primitives of a leaf child.
-static inline uint32_t bvh_leaf_count(uint32_t child)
+static inline uint32_t bvh_leaf_count(const struct bvh *bvh, uint32_t child)
 {
-    return child & BVH_LEAF_SHAPE ? 1 : child & BVH_LEAF_TWO ? 2 : 1;
+    if (child & BVH_LEAF_SHAPE)
+        return 1;
+    return ((child & ~BVH_LEAF) >> bvh_leaf_index_bits(bvh->max_leaf)) + 1;
+}
+
+// The first of them: a place in triangle_order, or the index of a shape or an instance.
+static inline uint32_t bvh_leaf_first(const struct bvh *bvh, uint32_t child)
+{
+    return child & (child & BVH_LEAF_SHAPE ? BVH_LEAF_INDEX : bvh_leaf_index_max(bvh->max_leaf));
 }
 
 static inline uint32_t bvh_child_count(const uint32_t child[4])

@@ -1,9 +1,10 @@
-// Where to split a range of primitives, and splitting it. Five ways:
+// Where to split a range of primitives, and splitting it. Six ways:
 //   binned   the surface area heuristic over bins of the centroids (Wald 2007, "On fast
 //            construction of SAH-based bounding volume hierarchies");
 //   sweep    the same over all positions, for short ranges;
 //   median   halves, also where the centroids coincide or the depth runs out;
 //   mean     at the mean of the centroids;
+//   middle   at the middle of the box;
 //   spatial  by a plane that cuts triangles in two: bvh_spatial.c.
 // The first two are for BVH_SPLIT_SAH and, with the last one, for BVH_SPLIT_SPATIAL.
 // Everything that chunks contribute (minima, maxima, counts) is independent of their order and
@@ -300,7 +301,8 @@ static bool split_binned(const struct bvh_splitter *splitter, const struct bvh_r
     return true;
 }
 
-// --- In place: sweep, median and mean -----------------------------------------------------------
+// --- In place: sweep, median, mean and middle
+// -----------------------------------------------------
 
 static void sort_by_centroid(const struct bvh_primitive *primitives, uint32_t count, int axis,
                              uint8_t order[SWEEP_MAX])
@@ -452,6 +454,29 @@ static uint32_t split_mean(struct bvh_primitive *primitives, const struct bvh_ra
     return left > 0 && left < range->count ? left : split_median(primitives, range);
 }
 
+static int longest_axis(const struct bvh_box *box)
+{
+    int longest = 0;
+    for (int axis = 1; axis < 3; axis++)
+        if (0.25f * box->max[axis] - 0.25f * box->min[axis] >
+            0.25f * box->max[longest] - 0.25f * box->min[longest])
+            longest = axis;
+    return longest;
+}
+
+// Puts the centroids below the middle of the box, along its longest axis, first; the median where
+// that are none or all.
+static uint32_t split_middle(struct bvh_primitive *primitives, const struct bvh_range *range)
+{
+    int axis = longest_axis(&range->box);
+    float middle = bvh_centroid(&range->box, axis);
+    uint32_t left = 0;
+    for (uint32_t i = 0; i < range->count; i++)
+        if (bvh_centroid(&primitives[i].box, axis) < middle)
+            swap(&primitives[left++], &primitives[i]);
+    return left > 0 && left < range->count ? left : split_median(primitives, range);
+}
+
 // True when a range can stay within the limit only if it is halved from here on.
 static bool depth_runs_out(const struct bvh_splitter *splitter, const struct bvh_range *range)
 {
@@ -497,6 +522,7 @@ void bvh_split(const struct bvh_splitter *splitter, const struct bvh_range *rang
     struct bvh_primitive *primitives = splitter->primitives[range->side] + range->first;
     uint32_t left = bvh_split_stopped(splitter, range) ? range->count / 2
                     : split == BVH_SPLIT_MEAN          ? split_mean(primitives, range)
+                    : split == BVH_SPLIT_MIDDLE        ? split_middle(primitives, range)
                                                        : split_median(primitives, range);
     split_in_place(splitter, range, left, children);
 }

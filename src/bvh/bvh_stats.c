@@ -10,7 +10,7 @@ static double sah_cost(const struct bvh *bvh)
     for (uint32_t n = 0; n < bvh->node_count; n++) {
         const uint32_t *child = bvh_children(bvh, n);
         for (uint32_t i = 0; i < bvh_child_count(child); i++) {
-            uint32_t steps = bvh_child_is_leaf(child[i]) ? bvh_leaf_count(child[i]) : 1;
+            uint32_t steps = bvh_child_is_leaf(child[i]) ? bvh_leaf_count(bvh, child[i]) : 1;
             sum += bvh_half_area(bvh, n, i, i + 1) * steps;
         }
     }

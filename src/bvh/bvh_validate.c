@@ -37,7 +37,8 @@ static bool check_counts(const struct validator *validator)
     if (bvh->triangle_count != validator->params->triangle_count)
         return err_set(validator->err, ERR_INPUT, "BVH: %u triangles, expected %u",
                        bvh->triangle_count, validator->params->triangle_count);
-    if (bvh->reference_count < bvh->triangle_count || bvh->reference_count > BVH_LEAF_INDEX)
+    if (bvh->reference_count < bvh->triangle_count ||
+        bvh->reference_count > bvh_leaf_index_max(bvh->max_leaf))
         return err_set(validator->err, ERR_INPUT, "BVH: %u places for %u triangles",
                        bvh->reference_count, bvh->triangle_count);
     return true;
@@ -95,7 +96,7 @@ static bool visit_place(struct validator *validator, uint32_t place, struct bvh_
 static bool visit_leaf(struct validator *validator, uint32_t leaf, struct bvh_box *bounds)
 {
     const struct bvh *bvh = validator->bvh;
-    uint32_t first = leaf & BVH_LEAF_INDEX;
+    uint32_t first = bvh_leaf_first(bvh, leaf);
     const struct bvh_params *params = validator->params;
     if ((leaf & BVH_LEAF_INSTANCE) == BVH_LEAF_INSTANCE)
         return visit_box(validator, "instance", params->instance_boxes, params->instance_count,
@@ -103,10 +104,10 @@ static bool visit_leaf(struct validator *validator, uint32_t leaf, struct bvh_bo
     if (leaf & BVH_LEAF_SHAPE)
         return visit_box(validator, "shape", params->shape_boxes, params->shape_count, first,
                          validator->shape_seen, bounds);
-    uint32_t count = bvh_leaf_count(leaf);
-    if (count == 2 && params->max_leaf == 1)
+    uint32_t count = bvh_leaf_count(bvh, leaf), most = bvh_max_leaf(&params->method);
+    if (count > most)
         return err_set(validator->err, ERR_INPUT,
-                       "BVH: a leaf has two triangles, at most 1 allowed");
+                       "BVH: a leaf has %u triangles, expected at most %u", count, most);
     if (first >= bvh->reference_count || count > bvh->reference_count - first)
         return err_set(validator->err, ERR_INPUT,
                        "BVH: a leaf has triangles %u to %u of %u in leaf order", first,

@@ -49,11 +49,11 @@ static void descend(struct parts *parts)
                 box.min[axis] = fmax(box.min[axis], parts->nodes[n].min[axis]);
                 box.max[axis] = fmin(box.max[axis], parts->nodes[n].max[axis]);
             }
-            uint32_t first = child[i] & BVH_LEAF_INDEX;
+            uint32_t first = bvh_leaf_first(bvh, child[i]);
             if (!bvh_child_is_leaf(child[i]))
                 parts->nodes[child[i]] = box;
             else if (!(child[i] & BVH_LEAF_SHAPE))
-                for (uint32_t k = 0; k < bvh_leaf_count(child[i]); k++)
+                for (uint32_t k = 0; k < bvh_leaf_count(bvh, child[i]); k++)
                     parts->places[first + k] = box;
         }
     }

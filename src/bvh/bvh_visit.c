@@ -4,12 +4,12 @@
 
 static void visit_leaf(const struct bvh *bvh, uint32_t leaf, bvh_visit_fn visit, void *context)
 {
-    uint32_t first = leaf & BVH_LEAF_INDEX;
+    uint32_t first = bvh_leaf_first(bvh, leaf);
     if (bvh_child_is_instance(leaf)) {
         visit(context, BVH_LEAF_INSTANCE | first);
         return;
     }
-    for (uint32_t i = 0; i < bvh_leaf_count(leaf) && !(leaf & BVH_LEAF_SHAPE); i++)
+    for (uint32_t i = 0; i < bvh_leaf_count(bvh, leaf) && !(leaf & BVH_LEAF_SHAPE); i++)
         visit(context, bvh->triangle_order[first + i]);
 }
 

@@ -6,10 +6,6 @@
 #include "bvh/bvh_binary.h"
 #include "bvh/bvh_node.h"
 
-// What a visit costs on average, in the unit of bvh_stats.sah_cost.
-#define NODE_COST 1.0
-#define PRIMITIVE_COST 1.0
-
 enum {
     WIDTH = 4,
     TOP_MAX = 1024, // binary nodes whose subtrees are shared among threads
@@ -20,8 +16,11 @@ struct choice {
     float cost[WIDTH - 1];   // [i - 1]: by at most i children
     uint8_t left[WIDTH - 1]; // [i - 2]: of i children, so many go to the left subtree; 0: use
                              // fewer. i = WIDTH is for a wide node at this subtree's root
-    bool is_leaf;            // as one child, it is a leaf and not a wide node
+    unsigned is_leaf : 1;   // as one child, it is a leaf and not a wide node
+    unsigned triangles : 7; // in the subtree, where a leaf has room for all that it has; else 0
 };
+
+_Static_assert(sizeof(struct choice) == 16, "there are twice as many as triangles");
 
 // A wide node before quantisation.
 struct draft {
@@ -37,6 +36,8 @@ struct collapse {
     struct draft *drafts;   // for each wide node
     uint32_t draft_count;
     double root_area;
+    double node_cost, primitive_cost; // of a visit on average
+    uint32_t max_leaf;
     struct bvh *out;
     uint32_t order_count; // triangles laid out so far
     bool is_stopped;      // the layout is not whole
@@ -95,23 +96,32 @@ static double distribute(const struct collapse *collapse, const struct bvh_binar
     return best;
 }
 
+static uint32_t triangles_of(const struct collapse *collapse, const struct bvh_binary_node *node)
+{
+    if (is_binary_leaf(node))
+        return is_triangle(node);
+    uint32_t left = collapse->choices[node->left].triangles;
+    uint32_t right = collapse->choices[node->right].triangles;
+    return left > 0 && right > 0 && left + right <= collapse->max_leaf ? left + right : 0;
+}
+
 static void choose(const struct collapse *collapse, uint32_t index)
 {
     const struct bvh_binary_node *node = &collapse->params->nodes[index];
     struct choice *choice = &collapse->choices[index];
     double area = box_half_area(&node->box) / collapse->root_area;
+    choice->triangles = triangles_of(collapse, node) & 0x7fu;
     if (is_binary_leaf(node)) {
         choice->is_leaf = true;
         for (uint32_t i = 1; i < WIDTH; i++)
-            choice->cost[i - 1] = (float)(area * PRIMITIVE_COST);
+            choice->cost[i - 1] = (float)(area * collapse->primitive_cost);
         return;
     }
-    choice->cost[0] =
-        (float)(distribute(collapse, node, WIDTH, &choice->left[WIDTH - 2]) + area * NODE_COST);
-    const struct bvh_binary_node *nodes = collapse->params->nodes;
-    if (collapse->params->max_leaf != 1 && is_triangle(&nodes[node->left]) &&
-        is_triangle(&nodes[node->right]) && 2 * area * PRIMITIVE_COST <= (double)choice->cost[0]) {
-        choice->cost[0] = (float)(2 * area * PRIMITIVE_COST);
+    choice->cost[0] = (float)(distribute(collapse, node, WIDTH, &choice->left[WIDTH - 2]) +
+                              area * collapse->node_cost);
+    double leaf_cost = choice->triangles * area * collapse->primitive_cost;
+    if (choice->triangles > 0 && leaf_cost <= (double)choice->cost[0]) {
+        choice->cost[0] = (float)leaf_cost;
         choice->is_leaf = true;
     }
     for (uint32_t i = 2; i < WIDTH; i++) {
@@ -123,14 +133,13 @@ static void choose(const struct collapse *collapse, uint32_t index)
     }
 }
 
-// Grandchildren become children, and two triangles a leaf, whatever that costs.
+// Grandchildren become children, and triangles a leaf that has room, whatever that costs.
 static void choose_plainly(const struct collapse *collapse, uint32_t index)
 {
-    const struct bvh_binary_node *nodes = collapse->params->nodes, *node = &nodes[index];
+    const struct bvh_binary_node *node = &collapse->params->nodes[index];
     struct choice *choice = &collapse->choices[index];
-    choice->is_leaf = is_binary_leaf(node) ||
-                      (collapse->params->max_leaf != 1 && is_triangle(&nodes[node->left]) &&
-                       is_triangle(&nodes[node->right]));
+    choice->triangles = triangles_of(collapse, node) & 0x7fu;
+    choice->is_leaf = is_binary_leaf(node) || choice->triangles > 0;
     choice->left[0] = choice->is_leaf ? 0 : 1;
     choice->left[WIDTH - 2] = WIDTH / 2;
 }
@@ -203,14 +212,15 @@ static void gather(const struct collapse *collapse, struct draft *draft, uint32_
     gather(collapse, draft, node->right, children - choice->left[children - 2]);
 }
 
+// Those of a leaf, which has few.
 static void append_triangles(struct collapse *collapse, const struct bvh_binary_node *node)
 {
     const struct bvh_binary_node *nodes = collapse->params->nodes;
     if (is_triangle(node)) {
         collapse->out->triangle_order[collapse->order_count++] = node->left;
     } else if (!is_binary_leaf(node)) {
-        collapse->out->triangle_order[collapse->order_count++] = nodes[node->left].left;
-        collapse->out->triangle_order[collapse->order_count++] = nodes[node->right].left;
+        append_triangles(collapse, &nodes[node->left]);
+        append_triangles(collapse, &nodes[node->right]);
     }
 }
 
@@ -246,13 +256,14 @@ static void lay_out(struct collapse *collapse, uint32_t wide, uint32_t binary)
 // --- Writing ------------------------------------------------------------------------------------
 
 // The child word of a leaf; moves *triangle past it.
-static uint32_t leaf_word(const struct bvh_binary_node *node, uint32_t *triangle)
+static uint32_t leaf_word(const struct collapse *collapse, uint32_t binary, uint32_t *triangle)
 {
-    if (is_binary_leaf(node) && !is_triangle(node))
+    const struct bvh_binary_node *node = &collapse->params->nodes[binary];
+    uint32_t first = *triangle, count = collapse->choices[binary].triangles;
+    if (count == 0)
         return BVH_LEAF | node->left; // the id says shape or instance
-    uint32_t first = *triangle;
-    *triangle += is_binary_leaf(node) ? 1 : 2;
-    return BVH_LEAF | (is_binary_leaf(node) ? 0 : BVH_LEAF_TWO) | first;
+    *triangle += count;
+    return BVH_LEAF | (count - 1) << bvh_leaf_index_bits(collapse->max_leaf) | first;
 }
 
 static void write_nodes(void *context, size_t begin, size_t end, unsigned thread)
@@ -268,10 +279,10 @@ static void write_nodes(void *context, size_t begin, size_t end, unsigned thread
             words[i] = BVH_EMPTY;
             if (i >= draft->child_count)
                 continue;
-            const struct bvh_binary_node *child = &collapse->params->nodes[draft->binary[i]];
-            boxes[i] = child->box;
+            uint32_t child = draft->binary[i];
+            boxes[i] = collapse->params->nodes[child].box;
             words[i] =
-                collapse->choices[draft->binary[i]].is_leaf ? leaf_word(child, &triangle) : inner++;
+                collapse->choices[child].is_leaf ? leaf_word(collapse, child, &triangle) : inner++;
         }
         bvh_set_boxes(collapse->out, (uint32_t)n, boxes, draft->child_count);
     }
@@ -295,7 +306,14 @@ bool bvh_wide_build(const struct bvh_wide_params *params, struct arena *arena, s
     bool ok = false;
     struct arena scratch = {0};
     size_t binary_count = 2 * (size_t)params->leaf_count - 1;
-    struct collapse collapse = {.params = params, .out = out, .draft_count = 1};
+    struct collapse collapse = {
+        .params = params,
+        .node_cost = bvh_cost(params->method->traversal_cost),
+        .primitive_cost = bvh_cost(params->method->intersection_cost),
+        .max_leaf = bvh_max_leaf(params->method),
+        .out = out,
+        .draft_count = 1,
+    };
     double root_area = box_half_area(&params->nodes[0].box);
     collapse.root_area = root_area > 0 ? root_area : 1;
     collapse.choices = ARENA_NEW(&scratch, struct choice, binary_count);

@@ -20,6 +20,9 @@
 
 _Static_assert(offsetof(struct settings, height) == offsetof(struct settings, width) + 4,
                "--size writes width and height at once");
+_Static_assert(offsetof(struct bvh_method, intersection_cost) ==
+                   offsetof(struct bvh_method, traversal_cost) + sizeof(double),
+               "--bvh-costs writes both at once");
 
 // Filled paragraphs: one field a line would make the table four times as long.
 // clang-format off
@@ -414,24 +417,39 @@ const struct option_def option_table[OPTION_TOTAL] = {
                 "kernel of its own, or all by one. The picture is the same.", FIELD(device.classes),
     },
     [OPTION_BVH] = {
-        .name = "bvh", .argument = "sah|median|mean|spatial", .type = VALUE_CHOICE, .group = "Kernels",
-        .commands = FOR_SCENE, .fallback = "sah",
+        .name = "bvh", .argument = "sah|median|mean|spatial|middle", .type = VALUE_CHOICE,
+        .group = "Kernels", .commands = FOR_SCENE, .fallback = "sah",
         .help = "How triangles are split into a hierarchy: by the surface area heuristic, at the "
-                "median, or at the mean of their centres, or by the heuristic with triangles in "
-                "several boxes where that pays. The picture is the same.", FIELD(device.bvh),
+                "median or at the mean of their centres, by the heuristic with triangles in "
+                "several boxes where that pays, or in the middle of the box. The picture is the "
+                "same.", FIELD(device.bvh.split),
     },
     [OPTION_NODE] = {
         .name = "node", .argument = "quantised|float", .type = VALUE_CHOICE, .group = "Kernels",
         .commands = FOR_SCENE, .fallback = "quantised",
         .help = "Boxes of the hierarchy in bytes (64 a node) or in floats (128). The picture is "
-                "the same.", FIELD(device.node),
+                "the same.", FIELD(device.bvh.format),
     },
     [OPTION_BVH_OPTIMIZE] = {
         .name = "bvh-optimize", .argument = "normal|off|long", .type = VALUE_CHOICE,
         .group = "Kernels", .commands = FOR_SCENE, .fallback = "normal",
         .help = "Move subtrees to better places once the hierarchy is built: for a bounded time, "
                 "not at all, or until nothing is gained. The picture is the same.",
-        FIELD(device.bvh_optimize),
+        FIELD(device.bvh.optimize),
+    },
+    [OPTION_BVH_LEAF] = {
+        .name = "bvh-leaf", .argument = "N", .type = VALUE_COUNT, .min = 1, .max = BVH_LEAF_MAX,
+        .group = "Kernels", .commands = FOR_SCENE, .fallback = "2",
+        .help = "Triangles that a leaf of the hierarchy has room for, 1 to 8. The picture is the "
+                "same.", FIELD(device.bvh.max_leaf),
+    },
+    [OPTION_BVH_COSTS] = {
+        .name = "bvh-costs", .argument = "T,I", .type = VALUE_REAL_PAIR, .min = BVH_COST_MIN,
+        .max = BVH_COST_MAX, .group = "Kernels", .commands = FOR_SCENE, .fallback = "1,1",
+        .help = "What visiting a node and intersecting a primitive are taken to cost where --bvh "
+                "sah and spatial decide between leaves and nodes: only the ratio matters. In "
+                "lists T:I, as in --sweep bvh-costs=1:1,1:4. The picture is the same.",
+        .offset = offsetof(struct options, device.bvh.traversal_cost), .size = 2 * sizeof(double),
     },
     [OPTION_BVH_CACHE] = {
         .name = "bvh-cache", .argument = "DIR", .type = VALUE_TEXT, .group = "Kernels",

@@ -10,6 +10,8 @@
 
 _Static_assert(sizeof(enum log_level) == sizeof(unsigned) &&
                    sizeof(enum bvh_split) == sizeof(unsigned) &&
+                   sizeof(enum bvh_format) == sizeof(unsigned) &&
+                   sizeof(enum bvh_optimize) == sizeof(unsigned) &&
                    sizeof(enum instancing) == sizeof(unsigned),
                "choices are stored as unsigned");
 
@@ -145,6 +147,22 @@ static bool store_two(const struct option_def *def, char separator, const char *
         !check_range(def->min, def->max, (double)second, text, err))
         return false;
     uint32_t both[2] = {(uint32_t)first, (uint32_t)second};
+    store(options, def, both);
+    return true;
+}
+
+// In lists, whose words are separated by commas, the two stand apart by a colon.
+static bool store_real_pair(const struct option_def *def, const char *text, struct options *options,
+                            struct err *err)
+{
+    double both[2];
+    const char *rest;
+    if (!parse_real(text, &both[0], &rest) || (*rest != ',' && *rest != ':') ||
+        !parse_real(rest + 1, &both[1], &rest) || *rest)
+        return err_set(err, ERR_USAGE, "\"%s\" is not of the form %s", text, def->argument);
+    if (!check_range(def->min, def->max, both[0], text, err) ||
+        !check_range(def->min, def->max, both[1], text, err))
+        return false;
     store(options, def, both);
     return true;
 }
@@ -394,6 +412,8 @@ bool option_store(const struct option_def *def, const char *text, struct options
         return store_size(def, text, options, err);
     case VALUE_PAIR:
         return store_two(def, ',', text, options, err);
+    case VALUE_REAL_PAIR:
+        return store_real_pair(def, text, options, err);
     case VALUE_ENVIRONMENT:
         return store_environment(text, options, err);
     case VALUE_OUTPUT:

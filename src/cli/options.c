@@ -349,6 +349,8 @@ bool option_is_setting(const struct option_def *def, const struct command *comma
     case OPTION_BVH:
     case OPTION_NODE:
     case OPTION_BVH_OPTIMIZE:
+    case OPTION_BVH_LEAF:
+    case OPTION_BVH_COSTS:
     case OPTION_BVH_CACHE:
     case OPTION_INSTANCES:
         return true;

@@ -87,6 +87,8 @@ enum option_id {
     OPTION_BVH,
     OPTION_NODE,
     OPTION_BVH_OPTIMIZE,
+    OPTION_BVH_LEAF,
+    OPTION_BVH_COSTS,
     OPTION_BVH_CACHE,
     OPTION_INSTANCES,
     OPTION_FAIL_ALLOCATION,
@@ -124,6 +126,7 @@ enum option_type {
     VALUE_SETTING,     // as the setting's row says; the member of `settings`
     VALUE_SIZE,        // WxH; two uint32_t
     VALUE_PAIR,        // X,Y; two uint32_t
+    VALUE_REAL_PAIR,   // X,Y or X:Y, the way in lists; two double
     VALUE_ENVIRONMENT, // FILE or R,G,B
     // Repeatable, each with a list of its own:
     VALUE_OUTPUT,
@@ -201,9 +204,7 @@ struct device_options {
     uint32_t workgroup; // threads; 0: chosen by device
     enum features_option features;
     enum classes_option classes;
-    enum bvh_split bvh;
-    enum bvh_format node;
-    enum bvh_optimize bvh_optimize;
+    struct bvh_method bvh;
     const char *bvh_cache; // folder; NULL: none
     enum instancing instances;
 };

@@ -116,7 +116,7 @@ struct renderer_params options_renderer_params(const struct device_options *opti
         .scene = scene,
         .wave = options->wave,
         .workgroup = options->workgroup,
-        .bvh = {options->bvh, options->node, options->bvh_optimize},
+        .bvh = options->bvh,
         .instancing = options->instances,
         .bvh_cache = options->bvh_cache,
         .camera = camera,

@@ -27,9 +27,9 @@ static uint32_t count_words(const char *words)
 // Whether a value of the option leaves every bit of the picture alone.
 static bool keeps_picture(const struct option_def *def)
 {
-    static const enum option_id those[] = {OPTION_WAVE,        OPTION_WORKGROUP, OPTION_FEATURES,
-                                           OPTION_CLASSES,     OPTION_BVH,       OPTION_NODE,
-                                           OPTION_BVH_OPTIMIZE};
+    static const enum option_id those[] = {OPTION_WAVE,         OPTION_WORKGROUP, OPTION_FEATURES,
+                                           OPTION_CLASSES,      OPTION_BVH,       OPTION_NODE,
+                                           OPTION_BVH_OPTIMIZE, OPTION_BVH_LEAF,  OPTION_BVH_COSTS};
     for (size_t i = 0; i < sizeof those / sizeof those[0]; i++)
         if (def == &option_table[those[i]])
             return true;

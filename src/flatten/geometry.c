@@ -304,7 +304,10 @@ static bool same_places(const struct flat_scene *a, const struct flat_scene *b)
 
 static bool same_method(struct bvh_method a, struct bvh_method b)
 {
-    return a.split == b.split && a.format == b.format && a.optimize == b.optimize;
+    return a.split == b.split && a.format == b.format && a.optimize == b.optimize &&
+           bvh_max_leaf(&a) == bvh_max_leaf(&b) &&
+           bvh_cost(a.traversal_cost) == bvh_cost(b.traversal_cost) &&
+           bvh_cost(a.intersection_cost) == bvh_cost(b.intersection_cost);
 }
 
 bool geometry_create(const struct geometry_params *p, struct geometry *out, struct err *err)

@@ -369,6 +369,7 @@ struct specialization specialize(const struct specialize_params *p)
         .sdf = sdf_operations(scene, flat),
         .environment_filter =
             scene->environment.width ? settings->environment_filter : ENVIRONMENT_FILTER_NEAREST,
+        .leaf_index_bits = bvh_leaf_index_bits(bvh->max_leaf),
     };
     s.geometry |= has_large_spheres(flat, p->camera) ? GEOMETRY_LARGE_SPHERES : 0u;
     uint32_t classes = 0;

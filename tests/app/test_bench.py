@@ -141,6 +141,23 @@ class Variants(unittest.TestCase):
         self.assertEqual(result['variants'][0]['wave'], 1024)
         self.assertEqual(result['variants'][1]['workgroup'], 64)
 
+    def test_hierarchies(self):
+        # Room for more triangles a leaf and dearer nodes: fewer nodes, more triangles, the same picture.
+        result = bench(os.path.join(ROOT, 'scenes', 'teapots.json'), *SMALL, '--size', '16x16', '--spp', '1',
+                       '--repeats', '2', '--sweep', 'bvh-leaf=1,8', '--sweep', 'bvh-costs=8:1',
+                       '--curve', 'bvh=middle bvh-leaf=8 bvh-costs=1,4')
+        self.assertIsNone(result['difference'])
+        self.assertEqual([v['label'] for v in result['variants']],
+                         ['bvh=middle bvh-leaf=8 bvh-costs=1,4', 'bvh-leaf=1 bvh-costs=8:1',
+                          'bvh-leaf=8 bvh-costs=8:1'])
+        self.assertEqual(len({v['image_hash'] for v in result['variants']}), 1)
+        middle, few, many = (rows_of(v)['intersect_closest'] for v in result['variants'])
+        self.assertLess(many['nodes'], few['nodes'])
+        self.assertGreater(many['primitives'], 1.5 * few['primitives'])
+        self.assertGreater(middle['primitives'], 1.5 * few['primitives'])
+        costs = [v['bvh']['sah_cost'] for v in result['variants']]
+        self.assertLess(costs[1], costs[0])
+
     def test_what_changes_the_picture_is_no_error(self):
         plane = os.path.join(ROOT, 'tests', 'render', 'scenes', 'plane.json')
         result = bench(CORNELL, plane, *SMALL, '--repeats', '2', '--sweep', 'spp=1,2',

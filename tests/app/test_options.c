@@ -209,6 +209,13 @@ TEST(value_errors_name_the_option_and_the_value)
     check_error("render s --exposure 0x1p3", "is not a finite number");
     check_error("render s --exposure 101", "is outside [-100, 100]");
     check_error("render s --time -1", "is outside [0.001, ");
+    check_error("render s --bvh half", "expected one of sah|median|mean|spatial|middle");
+    check_error("render s --bvh-leaf 0", "--bvh-leaf: \"0\" is outside [1, 8]");
+    check_error("render s --bvh-leaf 9", "is outside [1, 8]");
+    check_error("render s --bvh-costs 1", "--bvh-costs: \"1\" is not of the form T,I");
+    check_error("render s --bvh-costs 1,2,3", "is not of the form T,I");
+    check_error("render s --bvh-costs 0,1", "--bvh-costs: \"0,1\" is outside [0.001, 1000]");
+    check_error("render s --bvh-costs 1:1001", "is outside [0.001, 1000]");
     check_error("render s --tone filmic", "\"filmic\" is unknown; expected one of none|reinhard");
     check_error("render s --tone none|reinhard", "is unknown");
     check_error("render s --tone=", "\"\" is unknown");

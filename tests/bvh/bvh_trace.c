@@ -223,7 +223,7 @@ static void traverse(const struct tracer *tracer, uint32_t root, bool any, struc
 
 static void test_leaf(const struct tracer *tracer, uint32_t leaf, bool any, struct bvh_hit *best)
 {
-    uint32_t first = leaf & BVH_LEAF_INDEX;
+    uint32_t first = bvh_leaf_first(tracer->scene->bvh, leaf);
     struct tracer inside;
     struct bvh_ray ray;
     if (bvh_child_is_instance(leaf)) {
@@ -236,7 +236,7 @@ static void test_leaf(const struct tracer *tracer, uint32_t leaf, bool any, stru
         consider(tracer, BVH_LEAF_SHAPE | first, best);
         return;
     }
-    for (uint32_t i = 0; i < bvh_leaf_count(leaf); i++)
+    for (uint32_t i = 0; i < bvh_leaf_count(tracer->scene->bvh, leaf); i++)
         consider(tracer, tracer->scene->bvh->triangle_order[first + i], best);
 }
 

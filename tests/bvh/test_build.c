@@ -7,10 +7,21 @@
 #include <float.h>
 
 static const struct bvh_method ways[] = {
-    {BVH_SPLIT_SAH, BVH_QUANTISED},  {BVH_SPLIT_MEDIAN, BVH_QUANTISED},
-    {BVH_SPLIT_MEAN, BVH_QUANTISED}, {BVH_SPLIT_SAH, BVH_FLOAT},
-    {BVH_SPLIT_MEDIAN, BVH_FLOAT},   {BVH_SPLIT_MEAN, BVH_FLOAT},
-    {BVH_SPLIT_SPATIAL, BVH_FLOAT},  {BVH_SPLIT_SPATIAL, BVH_QUANTISED},
+    {BVH_SPLIT_SAH, BVH_QUANTISED},
+    {BVH_SPLIT_MEDIAN, BVH_QUANTISED},
+    {BVH_SPLIT_MEAN, BVH_QUANTISED},
+    {BVH_SPLIT_SAH, BVH_FLOAT},
+    {BVH_SPLIT_MEDIAN, BVH_FLOAT},
+    {BVH_SPLIT_MEAN, BVH_FLOAT},
+    {BVH_SPLIT_SPATIAL, BVH_FLOAT},
+    {BVH_SPLIT_SPATIAL, BVH_QUANTISED},
+    {BVH_SPLIT_MIDDLE, BVH_FLOAT},
+    {BVH_SPLIT_MIDDLE, BVH_QUANTISED},
+    {.max_leaf = 8},
+    {.split = BVH_SPLIT_MIDDLE, .max_leaf = 8},
+    {.split = BVH_SPLIT_SPATIAL, .format = BVH_FLOAT, .max_leaf = 5},
+    {.traversal_cost = 8},
+    {.max_leaf = 8, .intersection_cost = 0.01},
 };
 enum { WAYS = sizeof ways / sizeof *ways };
 
@@ -49,13 +60,14 @@ static void build_mesh(const struct mesh *mesh, struct bvh_stats *stats)
 
 TEST(few_triangles)
 {
-    for (uint32_t i = 0; i <= 40 * 3 * WAYS; i++) {
-        uint32_t count = i / (3 * WAYS);
+    const uint32_t leaves = BVH_LEAF_MAX + 1;
+    for (uint32_t i = 0; i <= 40 * leaves * WAYS; i++) {
+        uint32_t count = i / (leaves * WAYS);
         struct arena arena = {0};
         struct mesh mesh = mesh_soup(&arena, count, 0.3, count);
         struct bvh_params params = mesh_params(&mesh);
-        params.max_leaf = i / WAYS % 3;
         params.method = ways[i % WAYS];
+        params.method.max_leaf = i / WAYS % leaves;
         struct bvh bvh;
         if (build(&params, &arena, &bvh) && count == 0)
             CHECK(bvh.node_count == 1 && children(&bvh, 0)[0] == BVH_EMPTY);
@@ -197,7 +209,7 @@ TEST(identical_triangles)
     static const uint32_t counts[] = {17, 10000, 1000000};
     for (size_t i = 0; i < sizeof counts / sizeof counts[0]; i++) {
         // A million takes long: the usual way alone.
-        enum bvh_split last = counts[i] > 10000 ? BVH_SPLIT_SAH : BVH_SPLIT_MEAN;
+        enum bvh_split last = counts[i] > 10000 ? BVH_SPLIT_SAH : BVH_SPLIT_MIDDLE;
         for (uint32_t split = BVH_SPLIT_SAH; split <= last; split++) {
             struct arena arena = {0};
             struct mesh mesh = mesh_identical(&arena, counts[i]);
@@ -213,11 +225,9 @@ TEST(identical_triangles)
 
 // --- Ways to split ------------------------------------------------------------------------------
 
-// Eight triangles around these x, seven of them in a row and one far away.
-static const float row[8] = {0, 1, 2, 3, 4, 5, 6, 100};
-
-// The root's children of the row as a builder splits it, one triangle a leaf: where each begins.
-static void check_row(enum bvh_split split, const float (*begins)[4])
+// The root's children of eight triangles that begin at these x, as a builder splits them, one
+// triangle a leaf: where each begins.
+static void check_row(enum bvh_split split, const float row[8], const float (*begins)[4])
 {
     struct arena arena = {0};
     struct mesh mesh = mesh_new(&arena, 8);
@@ -227,8 +237,7 @@ static void check_row(enum bvh_split split, const float (*begins)[4])
                    (float[3]){row[i] + (v == 1 ? 0.25f : 0), v == 2 ? 0.25f : 0, 0},
                    sizeof(float[3]));
     struct bvh_params params = mesh_params(&mesh);
-    params.max_leaf = 1;
-    params.method = (struct bvh_method){split, BVH_FLOAT};
+    params.method = (struct bvh_method){split, BVH_FLOAT, .max_leaf = 1};
     struct bvh bvh;
     if (build(&params, &arena, &bvh))
         for (int i = 0; i < 4; i++) {
@@ -240,12 +249,79 @@ static void check_row(enum bvh_split split, const float (*begins)[4])
     arena_finish(&arena);
 }
 
-// Two levels of a binary tree in the root: halves of four, then of two; at the mean of 15.1, then
-// of 3, which is the fourth's place.
-TEST(median_and_mean_split_where_they_say)
+// Two levels of a binary tree in the root. Of seven in a row and one far away: halves of four, then
+// of two; at the mean of 15.1, then of 3, which is the fourth's place. Of two groups and one: at
+// the mean of 8.5, then of 2.1 and 19.1; in the middle of the boxes, at 16.1 and at 6.6.
+TEST(median_mean_and_middle_split_where_they_say)
 {
-    check_row(BVH_SPLIT_MEDIAN, &(const float[4]){0, 2, 4, 6});
-    check_row(BVH_SPLIT_MEAN, &(const float[4]){0, 3, 100, -1});
+    static const float row[8] = {0, 1, 2, 3, 4, 5, 6, 100};
+    static const float groups[8] = {0, 1, 2, 3, 4, 12, 13, 32};
+    check_row(BVH_SPLIT_MEDIAN, row, &(const float[4]){0, 2, 4, 6});
+    check_row(BVH_SPLIT_MEAN, row, &(const float[4]){0, 3, 100, -1});
+    check_row(BVH_SPLIT_MEAN, groups, &(const float[4]){0, 2, 12, 32});
+    check_row(BVH_SPLIT_MIDDLE, groups, &(const float[4]){0, 12, 32, -1});
+}
+
+// The most triangles in one leaf, and the leaves' mean number of them.
+static void leaf_sizes(const struct mesh *mesh, struct bvh_method method, uint32_t *most,
+                       double *mean)
+{
+    struct arena arena = {0};
+    struct bvh bvh;
+    struct bvh_params params = mesh_params(mesh);
+    params.method = method;
+    *most = 0;
+    if (build(&params, &arena, &bvh)) {
+        for (uint32_t n = 0; n < bvh.node_count; n++)
+            for (uint32_t i = 0; i < 4; i++) {
+                uint32_t word = children(&bvh, n)[i], bits = bvh_leaf_index_bits(method.max_leaf);
+                uint32_t count = ((word & ~BVH_LEAF) >> bits) + 1;
+                if (word != BVH_EMPTY && (word & BVH_LEAF) && count > *most)
+                    *most = count;
+            }
+        *mean = (double)mesh->count / bvh.stats.leaf_count;
+    }
+    arena_finish(&arena);
+}
+
+// Room alone does not make leaves long: nodes must cost more than triangles. By the middle,
+// whatever fits makes a leaf.
+TEST(room_and_costs_decide_on_leaves)
+{
+    struct arena arena = {0};
+    struct mesh mesh = mesh_sphere(&arena, 40, 80);
+    double usual, roomy, dear, plain;
+    uint32_t most;
+    leaf_sizes(&mesh, (struct bvh_method){0}, &most, &usual);
+    CHECK(most == 2, "%u", most);
+    leaf_sizes(&mesh, (struct bvh_method){.max_leaf = 8}, &most, &roomy);
+    leaf_sizes(&mesh, (struct bvh_method){.max_leaf = 8, .traversal_cost = 10}, &most, &dear);
+    CHECK(most == 8, "%u", most);
+    CHECK(usual < 2 && roomy < 0.7 * dear && dear > 3, "%g, %g, %g", usual, roomy, dear);
+    leaf_sizes(&mesh, (struct bvh_method){.max_leaf = 8, .intersection_cost = 10}, &most, &dear);
+    CHECK(most < 8 && dear <= usual, "%u, %g", most, dear);
+    for (uint32_t room = 1; room <= BVH_LEAF_MAX; room++) {
+        leaf_sizes(&mesh, (struct bvh_method){BVH_SPLIT_MIDDLE, .max_leaf = room}, &most, &plain);
+        CHECK(most == room, "%u of %u", most, room);
+    }
+    CHECK(plain > 3, "%g", plain);
+    arena_finish(&arena);
+}
+
+// Longer leaves have fewer bits for the index of the first triangle.
+TEST(long_leaves_bound_the_number_of_triangles)
+{
+    static const float vertices[3][3];
+    struct bvh_params params = {
+        .triangle_vertices = &vertices, .triangle_count = 1u << 27, .method = {.max_leaf = 3}};
+    struct arena arena = {0};
+    struct bvh bvh;
+    struct err err = {0};
+    CHECK(
+        !bvh_build(&params, &arena, &bvh, &err) && err.code == ERR_INPUT &&
+            strstr(err.msg, "134217728 triangles: in leaves of 3 (--bvh-leaf), at most 134217727"),
+        "%s", err.msg);
+    arena_finish(&arena);
 }
 
 // What median and mean are bad at: much in little room, and little around it. The heuristic's tree
@@ -487,8 +563,11 @@ TEST(bad_input)
     params.triangle_stride = 35;
     check_refused(&params, "triangle_stride: 35");
     params = mesh_params(&mesh);
-    params.max_leaf = 3;
-    check_refused(&params, "max_leaf: 3");
+    params.method.max_leaf = 9;
+    check_refused(&params, "max_leaf: 9");
+    params = mesh_params(&mesh);
+    params.method.intersection_cost = 1e4;
+    check_refused(&params, "intersection_cost: 10000 is outside [0.001, 1000]");
     struct bvh_box boxes[2] = {{{0, 0, 0}, {1, 1, 1}}, {{0, 0, 2}, {1, 1, 1}}};
     params = (struct bvh_params){.shape_boxes = boxes, .shape_count = 2};
     check_refused(&params, "shape 1");
@@ -658,7 +737,9 @@ TEST_MAIN(TEST_CASE(few_triangles), TEST_CASE(soups), TEST_CASE(statistics),
           TEST_CASE(sah_cost_of_one_triangle), TEST_CASE(large_triangles_among_small_ones),
           TEST_CASE(spatial_splits_pay_where_boxes_are_empty),
           TEST_CASE(optimizing_longer_costs_less), TEST_CASE(identical_triangles),
-          TEST_CASE(median_and_mean_split_where_they_say), TEST_CASE(small_among_large),
+          TEST_CASE(median_mean_and_middle_split_where_they_say),
+          TEST_CASE(room_and_costs_decide_on_leaves),
+          TEST_CASE(long_leaves_bound_the_number_of_triangles), TEST_CASE(small_among_large),
           TEST_CASE(slivers), TEST_CASE(extreme_coordinates), TEST_CASE(all_magnitudes_together),
           TEST_CASE(exponential_spacing_stays_shallow), TEST_CASE(nested_lists_stay_shallow),
           TEST_CASE(same_bits_for_any_threads), TEST_CASE(stride_and_shapes),

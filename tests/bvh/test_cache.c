@@ -81,6 +81,10 @@ TEST(what_is_kept_is_loaded)
         {BVH_SPLIT_SPATIAL, BVH_QUANTISED, 0},
         {BVH_SPLIT_MEDIAN, BVH_QUANTISED, 0},
         {BVH_SPLIT_SAH, BVH_QUANTISED, BVH_OPTIMIZE_OFF},
+        {BVH_SPLIT_SAH, BVH_QUANTISED, .max_leaf = 8},
+        {BVH_SPLIT_SAH, BVH_QUANTISED, .traversal_cost = 5},
+        {BVH_SPLIT_SAH, BVH_QUANTISED, .intersection_cost = 5},
+        {BVH_SPLIT_MIDDLE, BVH_FLOAT, .max_leaf = 8},
     };
     struct fixture f;
     REQUIRE(setup(&f, 40));
@@ -107,7 +111,7 @@ TEST(other_input_is_another_file)
     struct bvh_params params[8] = {f.params, f.params, f.params, f.params,
                                    f.params, f.params, f.params, f.params};
     params[1].triangle_count--;
-    params[2].max_leaf = 1;
+    params[2].method.max_leaf = 1;
     params[3].shape_boxes = params[4].shape_boxes = boxes;
     params[3].shape_count = 2;
     params[4].shape_count = 1;

@@ -6,9 +6,10 @@
 #define NONE UINT32_MAX
 
 static const struct bvh_method ways[] = {
-    {BVH_SPLIT_SAH, BVH_QUANTISED},     {BVH_SPLIT_MEDIAN, BVH_FLOAT},
-    {BVH_SPLIT_MEAN, BVH_QUANTISED},    {BVH_SPLIT_SAH, BVH_FLOAT},
-    {BVH_SPLIT_SPATIAL, BVH_QUANTISED},
+    {BVH_SPLIT_SAH, BVH_QUANTISED},        {BVH_SPLIT_MEDIAN, BVH_FLOAT},
+    {BVH_SPLIT_MEAN, BVH_QUANTISED},       {BVH_SPLIT_SAH, BVH_FLOAT},
+    {BVH_SPLIT_SPATIAL, BVH_QUANTISED},    {BVH_SPLIT_MIDDLE, BVH_FLOAT, .max_leaf = 8},
+    {.traversal_cost = 10, .max_leaf = 5},
 };
 enum { WAYS = sizeof ways / sizeof *ways };
 

@@ -384,6 +384,7 @@ TEST(nothing_changes_the_bits)
         {"everything, another tree",
          {0},
          {.wave = 4096, .compile_all = true, .bvh = {BVH_SPLIT_MEAN, BVH_FLOAT}}},
+        {"leaves of 8", {0}, {.wave = 4096, .bvh = {BVH_SPLIT_MIDDLE, .max_leaf = 8}}},
     };
     static const uint32_t integrators[] = {INTEGRATOR_PATH, INTEGRATOR_AO, INTEGRATOR_WHITTED};
     for (size_t i = 0; i < 3; i++) {

@@ -59,7 +59,7 @@ static struct counts walk(const struct bvh *bvh, const struct probe_ray *ray, do
             if (!enters(ray, min, max, widen, t_end))
                 continue;
             if (bvh_child_is_leaf(child[i]))
-                counts.primitives += bvh_leaf_count(child[i]);
+                counts.primitives += bvh_leaf_count(bvh, child[i]);
             else
                 stack[size++] = child[i];
         }
@@ -188,6 +188,7 @@ static const struct variant {
     {"", false, false, {0}},
     {", storage reads, no ballot", true, true, {0}},
     {", float nodes", false, false, {BVH_SPLIT_SAH, BVH_FLOAT}},
+    {", leaves of 8", false, false, {.traversal_cost = 8, .max_leaf = 8}},
 };
 
 static bool open(struct setup *s, const struct variant *variant, struct err *err)

@@ -26,6 +26,7 @@ static const struct variant variants[] = {
     {"storage reads, no ballot", true, true, {0}},
     {"float nodes by texel reads", false, false, {BVH_SPLIT_MEDIAN, BVH_FLOAT}},
     {"float nodes by storage reads", true, false, {BVH_SPLIT_MEAN, BVH_FLOAT}},
+    {"leaves of 8", false, false, {BVH_SPLIT_MIDDLE, .max_leaf = 8}},
 };
 enum { READS = 4, VARIANTS = sizeof variants / sizeof variants[0] };
 

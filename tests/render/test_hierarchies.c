@@ -21,13 +21,19 @@ static const struct way ways[] = {
     {"SAH, not optimized", {BVH_SPLIT_SAH, BVH_QUANTISED, BVH_OPTIMIZE_OFF}, false},
     {"spatial", {BVH_SPLIT_SPATIAL, BVH_QUANTISED}, false},
     {"spatial, float nodes, long", {BVH_SPLIT_SPATIAL, BVH_FLOAT, BVH_OPTIMIZE_LONG}, false},
+    {"middle", {BVH_SPLIT_MIDDLE, BVH_QUANTISED}, false},
+    {"middle, float nodes, leaves of 8", {BVH_SPLIT_MIDDLE, BVH_FLOAT, .max_leaf = 8}, false},
+    {"leaves of 1", {.max_leaf = 1}, false},
+    {"leaves of 8, dear nodes", {.max_leaf = 8, .traversal_cost = 8}, false},
+    {"leaves of 8, dear nodes, from storage buffers", {.max_leaf = 8, .traversal_cost = 8}, true},
+    {"dear triangles", {.intersection_cost = 8}, false},
 };
 enum { WAYS = sizeof ways / sizeof *ways };
 
 struct picture {
     struct film_image film;
     struct bvh_stats stats;
-    uint64_t order_hash; // of the triangles in the tree
+    uint64_t order_hash; // of the triangles in the tree, and its nodes' number
     uint32_t duplicates;
 };
 
@@ -50,7 +56,7 @@ static bool render(struct scene *scene, const struct way *way, struct arena *are
               way->name);
         out->stats = r.bvh.stats;
         out->duplicates = r.bvh.reference_count - r.bvh.triangle_count;
-        out->order_hash = 0;
+        out->order_hash = r.bvh.node_count;
         for (uint32_t i = 0; i < r.bvh.reference_count; i++)
             out->order_hash = out->order_hash * 31 + r.bvh.triangle_order[i];
         ok = renderer_render(&r, &call, err) && renderer_read(&r, arena, &out->film, err);
@@ -94,8 +100,9 @@ static void check(uint32_t light_choice)
               scene.settings.width * scene.settings.height);
         // Trees that are the same would prove nothing.
         bool same_tree = pictures[i].order_hash == pictures[0].order_hash;
-        bool same_way =
-            ways[i].bvh.split == BVH_SPLIT_SAH && ways[i].bvh.optimize == BVH_OPTIMIZE_NORMAL;
+        bool same_way = ways[i].bvh.split == BVH_SPLIT_SAH &&
+                        ways[i].bvh.optimize == BVH_OPTIMIZE_NORMAL && ways[i].bvh.max_leaf == 0 &&
+                        ways[i].bvh.intersection_cost == 0;
         bool is_spatial = ways[i].bvh.split == BVH_SPLIT_SPATIAL;
         CHECK(same_tree == same_way, "%s", ways[i].name);
         CHECK((pictures[i].duplicates > 0) == is_spatial, "%s: %u duplicates", ways[i].name,

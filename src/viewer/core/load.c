@@ -50,7 +50,7 @@ struct geometry_params viewer_geometry_params(const struct viewer *viewer,
     const struct device_options *options = &viewer->shell.options->device;
     return (struct geometry_params){
         .scene = scene,
-        .bvh = {options->bvh, options->node, options->bvh_optimize},
+        .bvh = options->bvh,
         .instancing = options->instances,
         .bvh_cache = options->bvh_cache,
         .progress = &viewer->shell.progress,
