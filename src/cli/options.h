@@ -6,20 +6,18 @@
 #include "base/arena.h"
 #include "base/err.h"
 #include "base/log.h"
-#include "base/progress.h"
 #include "bvh/bvh.h"
 #include "cli/compare_metric.h"
+#include "cli/scene_options.h"
 #include "flatten/flatten.h"
-#include "gpu/gpu.h"
+#include "gpu/params.h"
 #include "metrics/error_map.h"
-#include "scene/core/scene.h"
-#include "scene/core/settings.h"
-#include "scene/sky/sky.h"
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
 struct command;
+struct progress;
 
 #define OPTIONS_ARGUMENTS_MAX 16
 #define OPTION_TIME_MAX 1e9 // of --time, seconds: more than anyone waits
@@ -159,43 +157,12 @@ extern const struct option_def option_table[OPTION_TOTAL];
 // The option of that long name; NULL.
 const struct option_def *option_find(const char *name, size_t length);
 
-// What --env gives: a file, a sky or a constant radiance.
-struct environment_option {
-    const char *file;
-    bool is_sky, is_constant;
-    struct sky sky;
-    float radiance[3]; // W/(sr m^2)
-};
-
 enum features_option { FEATURES_NEEDED, FEATURES_ALL };
 enum classes_option { CLASSES_SORTED, CLASSES_MERGED };
 
 // What --rays of bench records: those that the camera sends, those that surfaces send on, and those
 // to lights.
 enum rays_option { RAYS_PRIMARY, RAYS_DIFFUSE, RAYS_SHADOW };
-
-// What a command is told of a scene: of all that load one. Numbers that were not given are NAN.
-struct scene_options {
-    const char *path;                   // the one that is loaded
-    struct settings settings;           // of these those that were given
-    bool is_set[SETTING_TOTAL];         // which are they
-    const char *camera;                 // name or index; NULL: the first
-    double aperture_mm;                 // radius of the lens
-    double focus_distance;              // metres
-    const char *gltf_scene, *animation; // names or indices; NULL: see the table
-    double at_seconds;
-    const char *variant; // of a glTF file's materials; NULL: none
-    struct environment_option environment;
-    double environment_rotate_degrees; // about +Y, added to the scene's
-    double environment_strength;       // factor on its radiance
-    enum scene_studio studio;
-    enum scene_ground ground;
-    enum scene_up up;
-    bool strict; // what is missing is an error
-    struct scene_override *overrides;
-    uint32_t override_count;
-    bool allow_outside_paths;
-};
 
 // On what it runs, and how: bits of the image do not depend on it.
 struct device_options {
@@ -317,9 +284,6 @@ static inline bool options_given(const struct options *options, enum option_id i
 {
     return options->given[id];
 }
-
-// Replaces those settings for which an option was given.
-void options_apply_settings(const struct scene_options *options, struct settings *settings);
 
 // Whether it changes how a picture is computed, and may so be varied by the command: not how it is
 // shown; its size and samples by bench alone.

@@ -2,6 +2,8 @@
 
 #include "base/hash.h"
 #include "base/maths.h"
+#include "cli/options.h"
+#include "render/render.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

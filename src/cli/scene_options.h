@@ -3,8 +3,43 @@
 #ifndef LAMPYRIS_CLI_SCENE_OPTIONS_H
 #define LAMPYRIS_CLI_SCENE_OPTIONS_H
 
-#include "cli/options.h"
-#include "render/render.h"
+#include "scene/core/scene.h"
+#include "scene/sky/sky.h"
+
+struct device_options;
+struct gpu;
+struct renderer_params;
+
+// What --env gives: a file, a sky or a constant radiance.
+struct environment_option {
+    const char *file;
+    bool is_sky, is_constant;
+    struct sky sky;
+    float radiance[3]; // W/(sr m^2)
+};
+
+// What a command is told of a scene: of all that load one. Numbers that were not given are NAN.
+struct scene_options {
+    const char *path;                   // the one that is loaded
+    struct settings settings;           // of these those that were given
+    bool is_set[SETTING_TOTAL];         // which are they
+    const char *camera;                 // name or index; NULL: the first
+    double aperture_mm;                 // radius of the lens
+    double focus_distance;              // metres
+    const char *gltf_scene, *animation; // names or indices; NULL: see the table
+    double at_seconds;
+    const char *variant; // of a glTF file's materials; NULL: none
+    struct environment_option environment;
+    double environment_rotate_degrees; // about +Y, added to the scene's
+    double environment_strength;       // factor on its radiance
+    enum scene_studio studio;
+    enum scene_ground ground;
+    enum scene_up up;
+    bool strict; // what is missing is an error
+    struct scene_override *overrides;
+    uint32_t override_count;
+    bool allow_outside_paths;
+};
 
 // What the options say of loading; as long as they live.
 struct scene_load_params options_scene_params(const struct scene_options *options,
@@ -15,6 +50,9 @@ bool options_adapt_scene(const struct scene_options *options, const struct progr
 // Loads the scene and applies the command line to it.
 bool options_load_scene(const struct scene_options *options, const struct progress *progress,
                         struct scene *scene, uint32_t *camera, struct err *err);
+// Replaces those settings for which an option was given.
+void options_apply_settings(const struct scene_options *options, struct settings *settings);
+
 // What of a renderer the options decide, for any command; without AOVs.
 struct renderer_params options_renderer_params(const struct device_options *options,
                                                struct gpu *gpu, const struct scene *scene,

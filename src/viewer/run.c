@@ -3,6 +3,7 @@
 
 #include "base/clock.h"
 #include "cli/exit_code.h"
+#include "cli/options.h"
 #include "viewer/core/changes.h"
 #include "viewer/core/device.h"
 #include "viewer/core/exposure.h"

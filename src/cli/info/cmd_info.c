@@ -4,6 +4,7 @@
 #include "cli/scene_options.h"
 #include "cli/sharing.h"
 #include "flatten/geometry.h"
+#include "render/render.h"
 #include "report/json_out.h"
 #include "report/text_out.h"
 #include "shared/types.h"

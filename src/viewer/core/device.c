@@ -1,6 +1,7 @@
 // What the viewer has on the device besides pictures, from opening it to losing it.
 #include "viewer/core/device.h"
 
+#include "cli/options.h"
 #include "viewer/core/changes.h"
 #include "viewer/core/messages.h"
 #include "viewer/core/viewer.h"

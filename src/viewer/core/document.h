@@ -2,7 +2,7 @@
 #ifndef LAMPYRIS_VIEWER_CORE_DOCUMENT_H
 #define LAMPYRIS_VIEWER_CORE_DOCUMENT_H
 
-#include "cli/options.h"
+#include "cli/scene_options.h"
 #include "flatten/geometry.h"
 #include "scene/sky/surroundings.h"
 

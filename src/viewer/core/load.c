@@ -4,6 +4,7 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "base/log.h"
+#include "cli/options.h"
 #include "cli/scene_options.h"
 #include "scene/json/scene_write.h"
 #include "viewer/core/changes.h"

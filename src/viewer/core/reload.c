@@ -3,6 +3,7 @@
 #include "viewer/core/reload.h"
 
 #include "base/clock.h"
+#include "cli/options.h"
 #include "kernel_source.h"
 #include "viewer/core/messages.h"
 #include "viewer/core/shader_compile.h"

@@ -3,6 +3,7 @@
 
 #include "base/clock.h"
 #include "cli/exit_code.h"
+#include "cli/options.h"
 #include "job/film_error.h"
 #include "report/json_out.h"
 #include "report/text_out.h"

@@ -2,7 +2,6 @@
 #ifndef LAMPYRIS_VIEWER_CORE_SHELL_H
 #define LAMPYRIS_VIEWER_CORE_SHELL_H
 
-#include "cli/options.h"
 #include "viewer/core/messages.h"
 #include "viewer/core/worker.h"
 #include "viewer/gui/gui.h"

@@ -1,0 +1,44 @@
+// What is asked for of a device, without Vulkan's header: that is a long one.
+#ifndef LAMPYRIS_GPU_PARAMS_H
+#define LAMPYRIS_GPU_PARAMS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+struct VkInstance_T; // VkInstance and VkPhysicalDevice point to these
+struct VkPhysicalDevice_T;
+
+// Lower limits than the device's, to test fallbacks; 0 means the device's own. What is 0 or false
+// here is taken from the environment variable LAMPYRIS_LIMITS, so that any program and any test can
+// be run on the fallbacks: words separated by commas out of no-texel, no-ballot, no-mapped-device,
+// no-timestamps, storage-range=BYTES, storage-count=N, texel-elements=N, allocation=BYTES. Other
+// words are ERR_USAGE.
+struct gpu_limit_overrides {
+    uint64_t storage_range;  // maxStorageBufferRange, bytes
+    uint64_t storage_count;  // storage-buffer bindings, never fewer than GPU_MIN_STORAGE
+    uint64_t texel_elements; // maxTexelBufferElements
+    uint64_t allocation;     // largest VkDeviceMemory, bytes
+    bool no_texel;           // SSBO reads only
+    bool no_ballot;          // without subgroup ballot
+    bool no_mapped_device;   // device memory is never mapped: uploads and downloads are staged
+    bool no_timestamps;      // what kernels take is not known
+};
+
+struct gpu_params {
+    const char *device; // index or part of a name, case-insensitive; NULL: the fastest kind
+    bool validation;    // VK_LAYER_KHRONOS_validation with synchronization validation
+    struct gpu_limit_overrides limits;
+    // Of a program with a window; all zero: computing alone.
+    bool graphics;                          // the queue draws, too: see screen.h
+    const char *const *instance_extensions; // of surfaces
+    uint32_t instance_extension_count;
+    // Whether a queue family can show pictures; NULL: none are shown. With it the device has
+    // VK_KHR_swapchain. Devices that cannot are unusable, and say why.
+    bool (*can_present)(void *context, struct VkInstance_T *instance,
+                        struct VkPhysicalDevice_T *device, uint32_t queue_family);
+    void *present_context;
+    // Faults for tests: fail the n-th (from 1) allocation / submission, staging included; 0: never.
+    uint32_t fail_allocation, lose_device_at_submit;
+};
+
+#endif
