@@ -21,6 +21,8 @@ bool connect_sample(vertex v, vec3 origin, uint ray, light_sample l)
     float pdf;
     vec3 f = eval_bsdf(v.m, v.wo, local, v.eta, pdf);
     pdf = pdf_onwards(v.m, v.wo, local, v.eta, pdf);
+    if (HAS(FEATURE_MIN_DENSITY) && pdf < frame.min_density)
+        pdf = 0.0; // no path goes on there
     float weight = 1.0;
     if (HAS(FEATURE_BSDF_HITS_EMITTERS) && !l.delta)
         weight = mis_weight(l.pdf, pdf);

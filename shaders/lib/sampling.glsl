@@ -59,11 +59,13 @@ vec2 sample_triangle(vec2 u)
 }
 
 // Weight of the first of two techniques by the heuristic that was chosen (Veach 1997, section
-// 9.2.2): the power heuristic with exponent 2 (eq. 9.13), written so that squares cannot overflow,
-// or the balance heuristic (eq. 9.8).
+// 9.2.2): the power heuristic (eq. 9.13) with exponent 2 or another, written so that powers cannot
+// overflow, or the balance heuristic (eq. 9.8).
 float mis_weight(float pdf, float other_pdf)
 {
     float ratio = other_pdf / pdf;
+    if (MIS == MIS_POWER_ANY)
+        return 1.0 / (1.0 + pow(ratio, frame.mis_exponent));
     return 1.0 / (1.0 + (MIS == MIS_BALANCE ? ratio : ratio * ratio));
 }
 

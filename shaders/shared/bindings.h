@@ -75,6 +75,7 @@
 #define FEATURE_CLASSES (1u << 5)    // surface hits are sorted by class
 #define FEATURE_EMISSION (1u << 6)   // some surface emits
 #define FEATURE_CLAMP (1u << 7)      // contributions have a largest component
+#define FEATURE_MIN_DENSITY (1u << 8) // paths end where their next direction is too unlikely
 #define FEATURE_NEE_DEPTH (1u << 9)  // by the first vertices of a path only
 #define FEATURE_NEE (1u << 10)       // shadow rays to emitters
 #define FEATURE_BSDF_HITS_EMITTERS (1u << 11) // emitters found by BSDF sampling count too

@@ -55,6 +55,7 @@
 #define MIS_POWER 0u
 #define MIS_BALANCE 1u
 #define MIS_NONE 2u // those that can be connected to count when connected to only
+#define MIS_POWER_ANY 3u // MIS_POWER with the exponent frame.mis_exponent; no choice of its own
 
 // How a path goes on from a surface that is not perfectly specular.
 #define DIRECTIONS_BSDF 0u

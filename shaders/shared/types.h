@@ -352,7 +352,7 @@ struct gpu_counters {
     uint suspended;  // continuations in all
     uint nonfinite[SITE_COUNT];
     uint nonfinite_records; // how many of the following were claimed (may exceed their number)
-    uint align_records;
+    uint sparse;            // paths that FEATURE_MIN_DENSITY has ended
     RECORD(gpu_dispatch) dispatch[QUEUE_COUNT * DISPATCH_PARTS];
     uint nonfinite_record[NONFINITE_RECORDS * 4]; // pixel, sample, site, bounce
 };
@@ -416,8 +416,10 @@ struct gpu_frame {
     float lens_at_start;  // how large the lens is there: 1 - camera_start / focus_distance
     uint small_triangles; // as `instances`
     uint pixel_strata;    // a side of a pixel, of PIXEL_SAMPLING_GRID and _STRATIFIED
-    uint align_frame;
+    float mis_exponent;   // of MIS_POWER_ANY
+    float min_density;    // of a direction, 1/sr, with FEATURE_MIN_DENSITY
+    uint align_frame, align_frame_1, align_frame_2;
 };
-SHARED_STATIC_ASSERT_SIZE(gpu_frame, 208);
+SHARED_STATIC_ASSERT_SIZE(gpu_frame, 224);
 
 #endif

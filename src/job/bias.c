@@ -77,6 +77,19 @@ static void find_clamped(const struct job *job, struct biases *biases)
              all > 0.0 ? 100.0 * lost / all : 0.0);
 }
 
+static void find_sparse(const struct job *job, struct biases *biases)
+{
+    const struct render_stats *stats = &job->renderer.stats;
+    float least = job->scene->settings.min_density;
+    if (!(least > 0.0f) || stats->paths == 0)
+        return;
+    struct job_bias *bias = next_bias(biases, "min-density");
+    snprintf(bias->text, sizeof bias->text,
+             "%" PRIu64 " of %" PRIu64 " paths ended where the density of their next direction was "
+             "below %g per steradian",
+             stats->sparse, stats->paths, (double)least);
+}
+
 static void find_capped(const struct job *job, struct biases *biases)
 {
     const struct settings *settings = &job->scene->settings;
@@ -126,6 +139,7 @@ uint32_t job_list_biases(const struct job *job, struct job_bias list[JOB_MAX_BIA
     if (follows_paths(&job->scene->settings)) {
         find_unconnected(job, &biases);
         find_capped(job, &biases);
+        find_sparse(job, &biases);
     }
     find_clamped(job, &biases);
     find_unphysical(job, &biases);

@@ -118,6 +118,8 @@ void frame_fill(struct renderer *r)
         .wave_slots = r->plan.wave_slots,
         .samples = (uint32_t)settings->spp,
         .nee_depth = settings->nee_depth,
+        .mis_exponent = settings->mis_exponent,
+        .min_density = settings->min_density,
         .clamp_limit = settings->clamp_limit > 0.0f ? settings->clamp_limit : FLT_MAX,
         .roulette_min_bounces = settings->roulette_min_bounces,
         .roulette_max_bounces = settings->roulette_max_bounces,

@@ -72,6 +72,7 @@ static const char *feature_reason(const struct renderer *r, uint32_t bit)
         {FEATURE_LENS, "the camera is a pinhole (--aperture)"},
         {FEATURE_EMISSION, "no surface emits"},
         {FEATURE_CLAMP, "nothing is clamped (--clamp)"},
+        {FEATURE_MIN_DENSITY, "paths may go on in any direction (--min-density)"},
         {FEATURE_BSDF_HITS_EMITTERS, "--mis none"},
         {FEATURE_ENVIRONMENT, "nothing surrounds the scene"},
         {FEATURE_ENVIRONMENT_IMAGE, "no image surrounds the scene"},
@@ -93,7 +94,7 @@ static const char *feature_reason(const struct renderer *r, uint32_t bit)
         FEATURE_TEXTURES | FEATURE_TEXELS_FLOAT | FEATURE_TEXELS_HALF | FEATURE_UV0 | FEATURE_UV1 |
         FEATURE_TANGENTS | FEATURE_COLORS | FEATURE_ALPHA | FEATURE_MEDIA | FEATURE_NORMAL_MAPS |
         FEATURE_EMISSION | FEATURE_CLASSES | FEATURE_ROULETTE | FEATURE_NEE_DEPTH |
-        FEATURE_BSDF_HITS_EMITTERS | FEATURE_ENVIRONMENT_IMAGE;
+        FEATURE_MIN_DENSITY | FEATURE_BSDF_HITS_EMITTERS | FEATURE_ENVIRONMENT_IMAGE;
     if (integrator && (bit & of_materials))
         return integrator;
     switch (bit) {

@@ -209,6 +209,14 @@ static bool wants_nee(const struct settings *settings)
     return settings->nee && settings->nee_depth > 0;
 }
 
+// The balance heuristic, and the usual exponent, have code of their own.
+static uint32_t find_weights(const struct settings *settings)
+{
+    if (settings->mis != MIS_POWER || settings->mis_exponent == 2.0f)
+        return settings->mis;
+    return settings->mis_exponent == 1.0f ? MIS_BALANCE : MIS_POWER_ANY;
+}
+
 static uint32_t light_features(const struct scene *scene, uint32_t emitters, uint32_t lobes)
 {
     const struct settings *settings = &scene->settings;
@@ -232,7 +240,8 @@ static uint32_t neutral_features(const struct settings *settings)
 {
     uint32_t features = FEATURE_TRIANGLES | FEATURE_NORMALS | FEATURE_EMISSION |
                         FEATURE_ENVIRONMENT | FEATURE_ENVIRONMENT_IMAGE | FEATURE_ROULETTE |
-                        FEATURE_LENS | FEATURE_FAR_CAMERA | FEATURE_MEDIA | FEATURE_CLAMP;
+                        FEATURE_LENS | FEATURE_FAR_CAMERA | FEATURE_MEDIA | FEATURE_CLAMP |
+                        FEATURE_MIN_DENSITY;
     if (wants_nee(settings))
         features |= FEATURE_NEE | FEATURE_NEE_DEPTH;
     return features;
@@ -267,8 +276,8 @@ static void specialize_ao(struct specialization *s)
 // refraction are followed, one of them waits: misses are then taken up from, too.
 static void specialize_whitted(struct specialization *s, const struct settings *settings)
 {
-    s->features &=
-        ~(FEATURE_CLASSES | FEATURE_ROULETTE | FEATURE_BSDF_HITS_EMITTERS | FEATURE_NEE_DEPTH);
+    s->features &= ~(FEATURE_CLASSES | FEATURE_ROULETTE | FEATURE_BSDF_HITS_EMITTERS |
+                     FEATURE_NEE_DEPTH | FEATURE_MIN_DENSITY);
     s->lobes &= LOBES_WHITTED;
     memset(s->class_lobes, 0, sizeof s->class_lobes);
     // Suns have no extent here.
@@ -361,7 +370,7 @@ struct specialization specialize(const struct specialize_params *p)
         .halves = settings->halves,
         .filter = settings->filter,
         .camera = p->camera->kind,
-        .mis = settings->mis,
+        .mis = find_weights(settings),
         .directions = settings->directions,
         .roulette = settings->roulette,
         .nodes = bvh->format == BVH_FLOAT ? NODES_FLOAT : NODES_QUANTISED,
@@ -395,6 +404,8 @@ struct specialization specialize(const struct specialize_params *p)
         s.features |= FEATURE_ROULETTE;
     if (settings->clamp_limit > 0.0f)
         s.features |= FEATURE_CLAMP;
+    if (settings->min_density > 0.0f && settings->max_bounces > 0)
+        s.features |= FEATURE_MIN_DENSITY;
     if (p->compile_all) {
         s.features |= neutral_features(settings);
         // Distance fields have operations, and other spheres other digits.
@@ -585,6 +596,7 @@ const char *feature_name(uint32_t bit)
         [__builtin_ctz(FEATURE_NORMAL_MAPS)] = "normal maps",
         [__builtin_ctz(FEATURE_EMISSION)] = "emission",
         [__builtin_ctz(FEATURE_CLAMP)] = "clamped contributions",
+        [__builtin_ctz(FEATURE_MIN_DENSITY)] = "a least density of directions",
         [__builtin_ctz(FEATURE_NEE_DEPTH)] = "shadow rays by the first vertices only",
         [__builtin_ctz(FEATURE_NEE)] = "next-event estimation",
         [__builtin_ctz(FEATURE_BSDF_HITS_EMITTERS)] = "emitters hit by BSDF sampling",

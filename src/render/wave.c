@@ -308,6 +308,7 @@ static void add_counts(struct renderer *r, const struct gpu_counters *before)
     r->stats.shadow_rays += count_since(r->counters->shadow_rays, before->shadow_rays);
     r->stats.suspended += r->counters->suspended - before->suspended;
     r->stats.media_lost += r->counters->media_lost - before->media_lost;
+    r->stats.sparse += r->counters->sparse - before->sparse;
     r->stats.clamped += r->counters->clamped - before->clamped;
     r->stats.clamped_light +=
         (double)count_since(r->counters->clamped_light, before->clamped_light) /

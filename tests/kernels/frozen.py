@@ -215,6 +215,7 @@ FEATURES = {
         "shade_miss": ["clamp_contribution()", "frame.clamp_limit"],
         "intersect_shadow": ["clamp_contribution()", "frame.clamp_limit"],
     }),
+    "least density": (["MIN_DENSITY"], {"shade_surface": ["frame.min_density"]}),
     "shadow rays by depth": (["NEE_DEPTH"], {"shade_surface": ["frame.nee_depth"]}),
     "pixel jitter": (["JITTER", "LENS"], {"generate_rays": ["random_4d()", "pcg4d()", "frame.seed"]}),
     "sample counts by tile": (["TILES"], {

@@ -72,7 +72,7 @@ static void check(struct renderer *r, uint32_t mask, uint32_t count, uint32_t pa
     expect(&expected, mask, r->specialization.workgroup, part_items, r->frame.wave_slots);
     CHECK(memcmp(&expected, r->counters, sizeof expected) == 0,
           "queues 0x%x with %u items in parts of %u", mask, count, part_items);
-    CHECK(r->counters->align_records == rubbish, "what is not the kernel's was written");
+    CHECK(r->counters->sparse == rubbish, "what is not the kernel's was written");
 }
 
 TEST(prepare_dispatch)

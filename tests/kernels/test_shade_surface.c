@@ -176,8 +176,14 @@ static bool has_feature(const struct hit *h, uint32_t feature)
 
 static double mis_weight(const struct hit *h, double pdf, double other_pdf)
 {
-    return h->r->specialization.mis == MIS_BALANCE ? pdf / (pdf + other_pdf)
-                                                   : power_heuristic(pdf, other_pdf);
+    switch (h->r->specialization.mis) {
+    case MIS_BALANCE:
+        return pdf / (pdf + other_pdf);
+    case MIS_POWER_ANY:
+        return 1 / (1 + pow(other_pdf / pdf, (double)h->r->frame.mis_exponent));
+    default:
+        return power_heuristic(pdf, other_pdf);
+    }
 }
 
 // Whether a vertex that so many bounces come before sends shadow rays.
@@ -193,8 +199,7 @@ static void mirror_direction(const struct hit *h, double out[3])
         out[c] = h->direction[c] - 2 * vec3_dot(h->direction, h->s.shading) * h->s.shading[c];
 }
 
-// The density with which a path goes on into wi from a diffuse surface; cosine > 0.
-static double density_onwards(const struct hit *h, const double wi[3], double cosine)
+static double unlimited_density(const struct hit *h, const double wi[3], double cosine)
 {
     double mirrored[3], n = (double)h->r->frame.direction_exponent;
     switch (h->r->specialization.directions) {
@@ -209,6 +214,14 @@ static double density_onwards(const struct hit *h, const double wi[3], double co
     default:
         return cosine / M_PI;
     }
+}
+
+// The density with which a path goes on into wi from a diffuse surface; cosine > 0.
+static double density_onwards(const struct hit *h, const double wi[3], double cosine)
+{
+    double density = unlimited_density(h, wi, cosine);
+    bool ends = has_feature(h, FEATURE_MIN_DENSITY) && density < (double)h->r->frame.min_density;
+    return ends ? 0 : density;
 }
 
 // By how much a contribution is scaled.
@@ -494,6 +507,12 @@ static int wants_next_path(const struct hit *h)
         return 0;
     double cosine = cosine_onwards(h);
     bool certain = !h->interpolated && (is_mirror(h) || fabs(cosine) > 1e-5);
+    if (has_feature(h, FEATURE_MIN_DENSITY) && !is_mirror(h)) {
+        double least = (double)h->r->frame.min_density * M_PI;
+        if (cosine < least - 1e-5)
+            return 0;
+        certain = certain && cosine > least + 1e-5;
+    }
     return !certain ? -1 : is_mirror(h) || cosine > 0 ? 1 : 0;
 }
 
@@ -538,7 +557,8 @@ static struct tally check_slots(const struct renderer *r, const struct gpu_emitt
 struct method {
     uint32_t mis, directions, roulette;
     uint32_t nee_depth; // 0: all
-    float clamp_limit;
+    float clamp_limit, min_density;
+    float mis_exponent; // 0: the usual one
 };
 
 // Leaves the test when there is no device.
@@ -556,6 +576,8 @@ static void check_method(uint32_t kind, enum light_estimator estimator, uint32_t
     settings->roulette = method->roulette;
     settings->nee_depth = method->nee_depth ? method->nee_depth : UINT32_MAX;
     settings->clamp_limit = method->clamp_limit;
+    settings->min_density = method->min_density;
+    settings->mis_exponent = method->mis_exponent > 0 ? method->mis_exponent : 2;
     OPEN_SETUP(&setup, SLOTS);
     struct renderer *r = &setup.r;
     bool ok = r->plan.wave_slots >= SLOTS && r->tables.emitters.count <= 16 &&
@@ -576,6 +598,7 @@ static void check_method(uint32_t kind, enum light_estimator estimator, uint32_t
     CHECK(silent == (tally.shadow_rays == 0), "%u shadow rays", tally.shadow_rays);
     CHECK((method->clamp_limit > 0) == (r->counters->clamped > 0), "%u clamped",
           r->counters->clamped);
+    CHECK((method->min_density > 0) == (r->counters->sparse > 0), "%u ended", r->counters->sparse);
     setup_close(&setup);
 }
 
@@ -619,6 +642,21 @@ TEST(last_bounce)
 TEST(balance_heuristic)
 {
     check_method(0, ESTIMATOR_MIS, 0, &(struct method){.mis = MIS_BALANCE});
+}
+
+TEST(exponents_of_the_power_heuristic)
+{
+    check_method(0, ESTIMATOR_MIS, 0, &(struct method){.mis_exponent = 0.5f});
+    check_method(SMOOTH, ESTIMATOR_MIS, 1, &(struct method){.mis_exponent = 3.5f});
+    check_method(0, ESTIMATOR_MIS, 0, &(struct method){.mis_exponent = 40});
+}
+
+// Paths end in unlikely directions; the light from there counts in full where shadow rays find it.
+TEST(least_densities)
+{
+    check_method(0, ESTIMATOR_MIS, 0, &(struct method){.min_density = 0.15f});
+    check_method(SMOOTH, ESTIMATOR_MIS, 1, &(struct method){.min_density = 0.02f});
+    check_method(ENCLOSED, ESTIMATOR_BSDF, 1, &(struct method){.min_density = 0.2f});
 }
 
 // Weighted against the density that is drawn from.
@@ -688,6 +726,6 @@ TEST(nonfinite_throughput)
 
 TEST_MAIN(TEST_CASE(first_bounce), TEST_CASE(shading_normals), TEST_CASE(inside_of_an_emitter),
           TEST_CASE(other_estimators), TEST_CASE(roulette), TEST_CASE(last_bounce),
-          TEST_CASE(balance_heuristic), TEST_CASE(other_directions),
-          TEST_CASE(shadow_rays_by_depth), TEST_CASE(other_roulettes), TEST_CASE(clamped_emission),
-          TEST_CASE(nonfinite_throughput))
+          TEST_CASE(balance_heuristic), TEST_CASE(exponents_of_the_power_heuristic),
+          TEST_CASE(least_densities), TEST_CASE(other_directions), TEST_CASE(shadow_rays_by_depth),
+          TEST_CASE(other_roulettes), TEST_CASE(clamped_emission), TEST_CASE(nonfinite_throughput))

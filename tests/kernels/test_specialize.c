@@ -45,6 +45,7 @@ enum {
     TILES = TRAIT(31), // sample counts by tile are asked for
     NEE_DEPTH = TRAIT(40),
     CLAMP = TRAIT(41),
+    MIN_DENSITY = TRAIT(30),
     PROFILE = TRAIT(42), // the lamp has one
     SUN = TRAIT(43),     // a directional light with an extent
     PLACED = TRAIT(44),  // the quad is an instance in its own space
@@ -263,6 +264,7 @@ static void make_scene(uint64_t has, struct scene *scene)
     settings->roulette_min_bounces = has & ROULETTE ? 1 : UINT32_MAX;
     settings->max_bounces = has & NO_BOUNCE ? 0 : 4;
     settings->clamp_limit = has & CLAMP ? 2.0f : 0.0f;
+    settings->min_density = has & MIN_DENSITY ? 0.01f : 0.0f;
     settings->nee = !(has & ONLY_BSDF);
     settings->nee_depth = has & NEE_DEPTH ? 1 : UINT32_MAX;
     settings->mis = has & ONLY_NEE ? MIS_NONE : MIS_POWER;
@@ -393,6 +395,7 @@ static const struct pair pairs[] = {
     {"shadow rays by depth", QUAD | BRIGHT_QUAD | NEE_DEPTH, QUAD | BRIGHT_QUAD, FEATURE_NEE_DEPTH,
      0, 0, 0},
     {"clamp", QUAD | CLAMP, QUAD, FEATURE_CLAMP, 0, 0, 0},
+    {"least density", QUAD | MIN_DENSITY, QUAD, FEATURE_MIN_DENSITY, 0, 0, 0},
     {"lens", QUAD | LENS, QUAD, FEATURE_LENS, 0, 0, 0},
     {"far camera", QUAD | FAR, QUAD, FEATURE_FAR_CAMERA, 0, 0, 0},
     {"jitter", QUAD | JITTER, QUAD, FEATURE_JITTER, 0, 0, 0},

@@ -14,6 +14,8 @@
 struct method {
     bool nee;
     uint32_t nee_depth, mis, directions, roulette;
+    float mis_exponent; // 0: the usual one
+    float min_density;
 };
 
 static void print_method(const struct method *m)
@@ -154,6 +156,27 @@ static double furnace(double rho, double le, double bounces)
     return le * (1.0 - pow(rho, bounces + 1.0)) / (1.0 - rho);
 }
 
+#define MIN_DENSITY 0.125
+
+// The part of a cosine lobe that is left above a least density D: all but the cosines below pi D,
+// whose part of the flux is (pi D)^2.
+static double likely_part(void)
+{
+    return 1.0 - pow(M_PI * MIN_DENSITY, 2.0);
+}
+
+static double furnace_of_likely_paths(double rho, double le, double bounces)
+{
+    return furnace(rho * likely_part(), le, bounces);
+}
+
+// The same with shadow rays, which lose nothing: each vertex has all of its direct light.
+static double furnace_with_shadow_rays(double rho, double le, double bounces)
+{
+    double onwards = rho * likely_part();
+    return le + rho * le * (1.0 - pow(onwards, bounces)) / (1.0 - onwards);
+}
+
 // A point light of intensity Le in the centre of a sphere of radius 2.
 static double lamp_in_sphere(double rho, double le, double bounces)
 {
@@ -197,6 +220,8 @@ static void check_form(struct gpu *gpu, const struct form *form, uint32_t index)
     settings->mis = form->method.mis;
     settings->directions = form->method.directions;
     settings->roulette = form->method.roulette;
+    settings->mis_exponent = form->method.mis_exponent > 0 ? form->method.mis_exponent : 2;
+    settings->min_density = form->method.min_density;
     settings->roulette_min_bounces = 1;
     settings->roulette_max_bounces = form->roulette_most;
     const struct renderer_params params = {.gpu = gpu, .scene = &scene};
@@ -326,6 +351,34 @@ TEST(closed_forms)
          {true, ALL, MIS_POWER, DIRECTIONS_SPHERE, ROULETTE_OFF},
          ALL,
          32},
+        {"power heuristic, exponent 0.5",
+         SQUARE,
+         square_above,
+         1,
+         {true, ALL, MIS_POWER, DIRECTIONS_BSDF, ROULETTE_OFF, .mis_exponent = 0.5f},
+         ALL,
+         16},
+        {"power heuristic, exponent 16",
+         SQUARE,
+         square_above,
+         1,
+         {true, ALL, MIS_POWER, DIRECTIONS_BSDF, ROULETTE_OFF, .mis_exponent = 16},
+         ALL,
+         16},
+        {"a least density",
+         FURNACE,
+         furnace_of_likely_paths,
+         9,
+         {false, ALL, MIS_POWER, DIRECTIONS_BSDF, ROULETTE_OFF, .min_density = MIN_DENSITY},
+         ALL,
+         64},
+        {"a least density, shadow rays",
+         FURNACE,
+         furnace_with_shadow_rays,
+         9,
+         {true, ALL, MIS_POWER, DIRECTIONS_BSDF, ROULETTE_OFF, .min_density = MIN_DENSITY},
+         ALL,
+         64},
         {"balance heuristic, lobe",
          SQUARE,
          square_above,

@@ -90,6 +90,11 @@ SETTING(MIS, uint32_t, mis, "mis", "mis", "Method",
     "Weights of the two ways to find an emitter, by shadow rays and by scattering: the power or "
     "the balance heuristic, or shadow rays only where they can.",
     (CHOICE(mis_names)), .fallback = MIS_POWER, .label = "  weights", NEEDS(NEE, 1u << true))
+SETTING(MIS_EXPONENT, float, mis_exponent, "mis_exponent", "mis-exponent", "Method",
+    "The exponent of the power heuristic. 1 is the balance heuristic, and the greatest exponents "
+    "count the likelier way alone.",
+    (REAL(0.01, 1000)), .fallback = 2, .argument = "B", .label = "  exponent", .drag = 8,
+    NEEDS(MIS, 1u << MIS_POWER))
 SETTING(DIRECTIONS, uint32_t, directions, "directions", "directions", "Method",
     "How paths choose the direction in which they go on from a surface that is not perfectly "
     "specular: as the surface scatters, or evenly over the sphere or the hemisphere, by the "
@@ -104,6 +109,11 @@ SETTING(CLAMP, float, clamp_limit, "clamp", "clamp", "Method",
     "fireflies, and light with them: the picture is biased.",
     (REAL(0, SETTINGS_REAL_MAX), .word = "off"), .fallback = 0, .argument = "LIMIT",
     .label = "Clamp")
+SETTING(MIN_DENSITY, float, min_density, "min_density", "min-density", "Method",
+    "Paths end where the density of their next direction, per steradian, is below this: the light "
+    "that they would have found is missing, and the picture is biased.",
+    (REAL(0, SETTINGS_REAL_MAX), .word = "off"), .fallback = 0, .argument = "D", .unit = "1/sr",
+    .label = "Least density", .drag = 4)
 SETTING(ROULETTE, uint32_t, roulette, "roulette", "roulette", "Method",
     "Russian roulette: paths survive by their throughput, with a constant probability, or "
     "together: each sample number has one depth for all pixels.",
