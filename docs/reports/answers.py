@@ -259,6 +259,23 @@ def samples(results):
         f"{v['label']} has {span(v['frame']['speed_ratio'])} of the speed" for v in other) + "."]
 
 
+def steps_a_ray(variant, what):
+    """Nodes visited or primitives tested, by rays for the nearest hit and shadow rays together."""
+    rows = [row for row in variant["rows"] if row["nodes"]]
+    return sum(row[what] for row in rows) / sum(row["items"] for row in rows)
+
+
+def fewest(variants, name):
+    """Which have the least of what rays do."""
+    said = []
+    for what, verb in (("nodes", "visits"), ("primitives", "tests")):
+        least = min(variants, key=lambda v: steps_a_ray(v, what))
+        most = max(variants, key=lambda v: steps_a_ray(v, what))
+        said.append(f"A ray {verb} the fewest {what} with {name(least)}, {number(steps_a_ray(least, what))}, "
+                    f"and the most with {name(most)}, {number(steps_a_ray(most, what))}.")
+    return said
+
+
 def bvh(results):
     first, *others = results["variants"]
     name = name_of(first["label"])
@@ -270,7 +287,26 @@ def bvh(results):
             if v is not top and apart(v["frame"]["speed_ratio"], top["frame"]["speed_ratio"]) == 0]
     if near:
         said.append(f"The intervals of {listed([name_of(top['label']), *near])} overlap.")
-    return said + ["See also docs/performance.md."]
+    return said + fewest(results["variants"], lambda v: name_of(v["label"])) + ["See also docs/performance.md."]
+
+
+def leaves(results):
+    first, *others = results["variants"]
+
+    def name(variant):
+        return f"`{variant['label']}`"
+
+    said = fewest(results["variants"], name)
+    for verdict in ("faster", "slower"):
+        told = [v for v in others if v["frame"]["verdict"] == verdict]
+        if told:
+            said.append(f"Than {name(first)} {verdict}: " + listed(
+                f"{name(v)}, {span(v['frame']['speed_ratio'])} times the speed" for v in told) + ".")
+    alike = [v for v in others if v["frame"]["verdict"] == "not told apart"]
+    if alike:
+        said.append(f"Not told apart from {name(first)}: " + listed(
+            f"{name(v)}, {span(v['frame']['speed_ratio'])}" for v in alike) + ".")
+    return said
 
 
 def frame(results):
