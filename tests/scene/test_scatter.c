@@ -1,4 +1,5 @@
 // Strewn spheres: none overlaps another, all lie on the disc, everywhere the same.
+#include "scene/generate/phong_spheres.h"
 #include "scene/generate/scatter.h"
 #include "test.h"
 
@@ -155,5 +156,79 @@ TEST(icospheres)
     check_icosphere(5, 0.999);
 }
 
+// --- spheres of Phong's model --------------------------------------------------------------------
+
+#define TRIED 10000
+
+static const struct phong_spheres published = {
+    .count = TRIED, .seed = 1223832719, .min_radius = 5, .max_radius = 30, .disc_radius = 100};
+
+static uint32_t place(const struct phong_spheres *params, struct phong_sphere *out)
+{
+    struct err err = {0};
+    uint32_t placed = 0;
+    CHECK(phong_spheres_place(params, out, &placed, &err), "%s", err.msg);
+    return placed;
+}
+
+static bool is_near(const float *a, const double *b, int count)
+{
+    for (int i = 0; i < count; i++)
+        if (fabs((double)a[i] - b[i]) > 4e-6 * fmax(1, fabs(b[i])))
+            return false;
+    return true;
+}
+
+// The first, the second and the last one and how many of each kind there are, from the sequence and
+// the formulas as they are published, computed apart from this program in double precision.
+TEST(the_published_spheres)
+{
+    static struct phong_sphere s[TRIED];
+    uint32_t placed = place(&published, s), metals = 0, glowing = 0;
+    REQUIRE(placed == 86, "%u", placed);
+    CHECK(is_near(s[0].center, (double[]){11.5694541, 27.6579636, 71.4071562}, 3) &&
+          is_near(s[0].specular_color, (double[]){0.29364777, 0.19712296, 0.72395366}, 3) &&
+          is_near(&s[0].smoothness, (double[]){0.20850828}, 1));
+    CHECK(is_near(s[1].center, (double[]){-26.7930426, 12.2408326, -49.3237046}, 3) &&
+          is_near(s[1].base_color, (double[]){0.2799795, 0.22534157, 0.38303655}, 3) &&
+          is_near(s[1].specular_color, (double[]){0.04, 0.04, 0.04}, 3) &&
+          is_near(&s[1].smoothness, (double[]){0.93043983}, 1));
+    CHECK(is_near(s[85].center, (double[]){-21.158817, 5.69574723, 71.6926855}, 3));
+    for (uint32_t i = 0; i < placed; i++) {
+        metals += s[i].specular_color[0] > 0 && s[i].base_color[0] == 0 && s[i].base_color[1] == 0;
+        glowing += s[i].emission[0] > 0;
+    }
+    CHECK(metals == 31 && glowing == 15, "%u, %u", metals, glowing);
+}
+
+TEST(phong_spheres_keep_their_ranges)
+{
+    static struct phong_sphere s[TRIED];
+    struct phong_spheres params = published;
+    for (params.seed = 0; params.seed < 20; params.seed++) {
+        uint32_t placed = place(&params, s);
+        CHECK(placed > 40 && placed < 200, "seed %u: %u", params.seed, placed);
+        for (uint32_t i = 0; i < placed; i++) {
+            double foot = hypot((double)s[i].center[0], (double)s[i].center[2]);
+            CHECK(s[i].radius >= 5 && s[i].radius <= 30 && s[i].center[1] == s[i].radius &&
+                  foot < 100.001);
+            CHECK(s[i].smoothness >= 0 && s[i].smoothness <= 1);
+            float brightest = fmaxf(s[i].emission[0], fmaxf(s[i].emission[1], s[i].emission[2]));
+            CHECK(brightest == 0 || (brightest >= 3 && brightest <= 8), "%g", (double)brightest);
+            for (int c = 0; c < 3; c++)
+                CHECK(s[i].base_color[c] >= 0 && s[i].specular_color[c] >= 0 &&
+                      s[i].base_color[c] + s[i].specular_color[c] <= 1);
+            for (uint32_t k = 0; k < i; k++) {
+                double square = 0, reach = (double)s[i].radius + (double)s[k].radius;
+                for (int c = 0; c < 3; c++)
+                    square += pow((double)s[i].center[c] - (double)s[k].center[c], 2);
+                CHECK(square > reach * reach * (1 - 1e-6));
+            }
+        }
+    }
+    CHECK(phong_exponent(0) == 1 && fabs(phong_exponent(1) - 1000) < 1e-9);
+}
+
 TEST_MAIN(TEST_CASE(places), TEST_CASE(stiff_places), TEST_CASE(the_seed_decides),
-          TEST_CASE(distributions), TEST_CASE(icospheres))
+          TEST_CASE(distributions), TEST_CASE(icospheres), TEST_CASE(the_published_spheres),
+          TEST_CASE(phong_spheres_keep_their_ranges))

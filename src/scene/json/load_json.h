@@ -60,6 +60,7 @@ typedef bool load_json_shape_fn(struct scene *scene, const struct json_node *nod
 load_json_shape_fn load_json_quad, load_json_box, load_json_sphere, load_json_disc;
 load_json_shape_fn load_json_plane, load_json_cylinder, load_json_generated, load_json_teapot;
 load_json_shape_fn load_json_torus, load_json_stadium;
+load_json_shape_fn load_json_phong_spheres; // with materials of their own
 load_json_shape_fn load_json_sdf; // placed by its own transforms
 
 // What describes the last four meshes; those that make them call these.
@@ -85,6 +86,7 @@ enum shape_type {
     SHAPE_TYPE_SDF,
     SHAPE_TYPE_SCATTER,
     SHAPE_TYPE_INSTANCE,
+    SHAPE_TYPE_PHONG_SPHERES,
     SHAPE_TYPE_STREW, // a scatter with "of", after those that have a name
     SHAPE_TYPE_COUNT,
 };

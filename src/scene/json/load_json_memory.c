@@ -3,6 +3,7 @@
 
 #include "base/file.h"
 #include "base/memory.h"
+#include "scene/generate/phong_spheres.h"
 #include "scene/generate/scatter.h"
 #include <string.h>
 #include <strings.h>
@@ -121,6 +122,15 @@ static struct needs scatter_needs(const struct json_node *node)
     };
 }
 
+static struct needs phong_spheres_needs(const struct json_node *node)
+{
+    struct err dropped = {0};
+    uint64_t count = 0;
+    if (!node_read_integer(node, "count", 1, PHONG_SPHERES_COUNT_MAX, &count, &dropped))
+        return (struct needs){0};
+    return (struct needs){.passing = count * sizeof(struct phong_sphere)};
+}
+
 // --- copies --------------------------------------------------------------------------------------
 
 static const struct needs *find(const struct needs_list *list, const json_t *name)
@@ -208,6 +218,8 @@ static struct needs needs_of(const struct needs_list *list, const struct json_no
         return stadium_needs(node);
     case SHAPE_TYPE_SCATTER:
         return scatter_needs(node);
+    case SHAPE_TYPE_PHONG_SPHERES:
+        return phong_spheres_needs(node);
     case SHAPE_TYPE_INSTANCE:
         return instance_needs(list, node);
     case SHAPE_TYPE_STREW:

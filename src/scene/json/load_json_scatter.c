@@ -1,4 +1,5 @@
 // Spheres strewn over a disc, of materials drawn by weight.
+#include "scene/generate/phong_spheres.h"
 #include "scene/generate/scatter.h"
 #include "scene/json/load_json.h"
 
@@ -28,9 +29,24 @@ static bool has_roughness(uint32_t model)
            model == MATERIAL_CONDUCTOR || model == MATERIAL_MICROFACET;
 }
 
-// Appends copies of a material whose roughness and emission run evenly from the least to the most.
+static bool has_exponent(uint32_t model)
+{
+    return model == MATERIAL_PHONG || model == MATERIAL_BLINN_PHONG;
+}
+
+// What differs between the copies of a material: the least and the most of each, or NULL.
+struct variety {
+    const double *roughness, *smoothness, *emission;
+};
+
+static double between(const double range[2], double part)
+{
+    return range[0] + part * (range[1] - range[0]);
+}
+
+// Appends copies of a material of which all that differs runs evenly from the least to the most.
 static bool add_shades(struct scene *scene, uint32_t original, const struct kind *kind,
-                       const double *roughness, const double *emission, struct err *err)
+                       const struct variety *variety, struct err *err)
 {
     for (uint32_t i = 0; i < kind->shades; i++) {
         uint32_t index;
@@ -39,11 +55,12 @@ static bool add_shades(struct scene *scene, uint32_t original, const struct kind
             return err_memory(err, "a material", sizeof *copy);
         double part = kind->shades > 1 ? (double)i / (kind->shades - 1) : 0.5;
         *copy = scene->materials[original];
-        if (roughness)
-            copy->roughness = (float)(roughness[0] + part * (roughness[1] - roughness[0]));
-        if (emission)
-            for (int c = 0; c < 3; c++)
-                copy->emission[c] *= (float)(emission[0] + part * (emission[1] - emission[0]));
+        if (variety->roughness)
+            copy->roughness = (float)between(variety->roughness, part);
+        if (variety->smoothness)
+            copy->exponent = (float)phong_exponent(between(variety->smoothness, part));
+        for (int c = 0; variety->emission && c < 3; c++)
+            copy->emission[c] *= (float)between(variety->emission, part);
     }
     return true;
 }
@@ -52,32 +69,40 @@ static bool read_kind(struct json_loader *loader, const struct json_node *node, 
                       struct err *err)
 {
     static const char *const required[] = {"material", NULL};
-    static const char *const optional[] = {"weight", "roughness", "emission", "shades", NULL};
+    static const char *const optional[] = {"weight",   "roughness", "smoothness",
+                                           "emission", "shades",    NULL};
     const struct range weights = {0, 1e6, false}, factors = {0, 1e6, false};
     const struct json_node rough = node_member(node, "roughness");
+    const struct json_node smooth = node_member(node, "smoothness");
     const struct json_node bright = node_member(node, "emission");
-    double roughness[2], emission[2];
-    uint64_t shades = rough.value || bright.value ? 8 : 1;
+    bool varies = rough.value || smooth.value || bright.value;
+    double roughness[2], smoothness[2], emission[2];
+    uint64_t shades = varies ? 8 : 1;
     uint32_t material;
     kind->weight = 1;
     if (!node_check_object(node, required, optional, err) ||
         !load_json_material_name(loader, node, &material, err) ||
         !node_read_number(node, "weight", weights, &kind->weight, err) ||
         !node_read_pair(node, "roughness", RANGE_UNIT, roughness, err) ||
+        !node_read_pair(node, "smoothness", RANGE_UNIT, smoothness, err) ||
         !node_read_pair(node, "emission", factors, emission, err) ||
         !node_read_integer(node, "shades", 1, SHADES_MAX, &shades, err))
         return false;
     if (rough.value && !has_roughness(loader->scene->materials[material].model))
         return node_fail(&rough, err, "the material's model has no roughness");
+    if (smooth.value && !has_exponent(loader->scene->materials[material].model))
+        return node_fail(&smooth, err, "the material's model has no exponent");
     kind->first = material;
     kind->shades = (uint32_t)shades;
-    if (!rough.value && !bright.value) {
+    if (!varies) {
         kind->shades = 1;
         return true;
     }
     kind->first = loader->scene->material_count;
-    return add_shades(loader->scene, material, kind, rough.value ? roughness : NULL,
-                      bright.value ? emission : NULL, err);
+    const struct variety variety = {rough.value ? roughness : NULL,
+                                    smooth.value ? smoothness : NULL,
+                                    bright.value ? emission : NULL};
+    return add_shades(loader->scene, material, kind, &variety, err);
 }
 
 static bool read_kinds(struct json_loader *loader, const struct json_node *list,

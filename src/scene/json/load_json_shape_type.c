@@ -2,8 +2,8 @@
 #include "scene/json/load_json.h"
 
 static const char *const type_names[SHAPE_TYPE_COUNT] = {
-    "mesh",   "quad",  "box",     "sphere", "disc",    "plane",    "cylinder", "generated",
-    "teapot", "torus", "stadium", "sdf",    "scatter", "instance", NULL};
+    "mesh",   "quad",  "box",     "sphere", "disc",    "plane",    "cylinder",      "generated",
+    "teapot", "torus", "stadium", "sdf",    "scatter", "instance", "phong_spheres", NULL};
 
 #define EVERY_SHAPE "name", "transform", "hidden", "visible"
 
@@ -28,6 +28,8 @@ static const struct {
     [SHAPE_TYPE_SCATTER] = {{"type", "count", "disc_radius", "radius", "materials"},
                             {EVERY_SHAPE, "seed", "as", "subdivision"}},
     [SHAPE_TYPE_INSTANCE] = {{"type", "of"}, {EVERY_SHAPE, "material"}},
+    [SHAPE_TYPE_PHONG_SPHERES] = {{"type", "count", "seed", "radius", "disc_radius"},
+                                  {EVERY_SHAPE}},
     [SHAPE_TYPE_STREW] = {{"type", "of", "count"},
                           {EVERY_SHAPE, "disc_radius", "size", "seed", "scale", "tilt_degrees"}},
 };
