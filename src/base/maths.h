@@ -7,6 +7,12 @@
 
 #define DEGREE (M_PI / 180)
 
+static inline void vec3_widen(const float v[3], double out[3])
+{
+    for (int i = 0; i < 3; i++)
+        out[i] = (double)v[i];
+}
+
 static inline void vec3_subtract(const double a[3], const double b[3], double out[3])
 {
     for (int i = 0; i < 3; i++)

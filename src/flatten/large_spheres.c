@@ -1,5 +1,6 @@
 #include "flatten/large_spheres.h"
 
+#include "base/maths.h"
 #include "flatten/flatten_shapes.h"
 #include <math.h>
 
@@ -8,12 +9,10 @@
 
 static double half_diagonal(const float min[3], const float max[3])
 {
-    double square = 0;
-    for (int c = 0; c < 3; c++) {
-        double half = ((double)max[c] - (double)min[c]) / 2;
-        square += half * half;
-    }
-    return sqrt(square);
+    double half[3];
+    for (int c = 0; c < 3; c++)
+        half[c] = ((double)max[c] - (double)min[c]) / 2;
+    return vec3_norm(half);
 }
 
 static double shape_size(const struct flat_shape *shape)
@@ -30,13 +29,11 @@ static double shape_size(const struct flat_shape *shape)
 static double camera_height(const struct flat_scene *flat, const struct camera *camera,
                             const struct flat_shape *sphere)
 {
-    double square = 0, position[3];
-    flat_from_world(flat, camera->position, position);
-    for (int c = 0; c < 3; c++) {
-        double from = position[c] - (double)sphere->center[c];
-        square += from * from;
-    }
-    return fabs(sqrt(square) - (double)sphere->radius);
+    double center[3], from[3];
+    flat_from_world(flat, camera->position, from);
+    vec3_widen(sphere->center, center);
+    vec3_subtract(from, center, from);
+    return fabs(vec3_norm(from) - (double)sphere->radius);
 }
 
 // Of the triangles in the world and of the boxes of shared meshes.

@@ -1,6 +1,7 @@
 // Colours of FLIP: the opponent colours that are filtered, and those in which differences are told.
 #include "metrics/flip_color.h"
 
+#include "base/maths.h"
 #include <math.h>
 
 // Linear Rec. 709 to CIE XYZ divided by that of D65, which is (1, 1, 1): the rows are those of the
@@ -14,17 +15,16 @@ static const double to_xyz[3][3] = {
 static void relative_xyz(const double rgb[3], double out[3])
 {
     for (int i = 0; i < 3; i++)
-        out[i] = to_xyz[i][0] * rgb[0] + to_xyz[i][1] * rgb[1] + to_xyz[i][2] * rgb[2];
+        out[i] = vec3_dot(to_xyz[i], rgb);
 }
 
 // The inverse, by Cramer's rule.
 static void rgb_of_relative_xyz(const double v[3], double out[3])
 {
     const double(*m)[3] = to_xyz;
-    double determinant = 0;
-    for (int c = 0; c < 3; c++)
-        determinant += m[0][c] * (m[1][(c + 1) % 3] * m[2][(c + 2) % 3] -
-                                  m[1][(c + 2) % 3] * m[2][(c + 1) % 3]);
+    double cofactors[3];
+    vec3_cross(m[1], m[2], cofactors);
+    double determinant = vec3_dot(m[0], cofactors);
     for (int c = 0; c < 3; c++) {
         int d = (c + 1) % 3, e = (c + 2) % 3;
         double minor = v[0] * (m[1][d] * m[2][e] - m[1][e] * m[2][d]) +
@@ -73,5 +73,5 @@ double flip_hyab(const double a[3], const double b[3])
 
 double flip_luminance(const double rgb[3])
 {
-    return to_xyz[1][0] * rgb[0] + to_xyz[1][1] * rgb[1] + to_xyz[1][2] * rgb[2];
+    return vec3_dot(to_xyz[1], rgb);
 }

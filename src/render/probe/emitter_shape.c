@@ -16,12 +16,6 @@ static const struct flat_shape *shape_of(const struct renderer *r, struct emitte
     return &r->flat.shapes[part.index];
 }
 
-static void to_double(const float from[3], double out[3])
-{
-    for (int c = 0; c < 3; c++)
-        out[c] = (double)from[c];
-}
-
 // from + a u + b v
 static void combine(const double from[3], double a, const double u[3], double b, const double v[3],
                     double out[3])
@@ -45,7 +39,7 @@ static void find_basis(const double normal[3], double u[3], double v[3])
 static void find_triangle(const struct renderer *r, uint32_t id, double corner[3],
                           double edges[2][3])
 {
-    to_double(r->flat.triangles[id].v[0], corner);
+    vec3_widen(r->flat.triangles[id].v[0], corner);
     flat_triangle_edges(&r->flat, id, edges);
 }
 
@@ -70,7 +64,7 @@ void emitter_center(const struct renderer *r, struct emitter_part part, double o
         combine(corner, 1. / 3, edges[0], 1. / 3, edges[1], out);
         break;
     case EMITTER_SHAPE:
-        to_double(shape_of(r, part)->center, out);
+        vec3_widen(shape_of(r, part)->center, out);
         break;
     case EMITTER_SUN:
         for (int c = 0; c < 3; c++)
@@ -101,7 +95,7 @@ static double shape_radius(const struct flat_shape *shape)
     double square = 0;
     for (int i = 0; i < 3; i++) {
         double axis[3];
-        to_double(shape->axes[i], axis);
+        vec3_widen(shape->axes[i], axis);
         bool is_unit = i > 0 && (shape->kind == SHAPE_CYLINDER || shape->kind == SHAPE_TUBE);
         square += is_unit ? 0 : vec3_dot(axis, axis);
     }
@@ -134,9 +128,9 @@ static double seen_area(const double u[3], const double v[3], const double direc
 static double shape_area_across(const struct flat_shape *shape, const double direction[3])
 {
     double axes[3][3], normal[3], radius = (double)shape->radius, disc = M_PI * radius * radius;
-    to_double(shape->normal, normal);
+    vec3_widen(shape->normal, normal);
     for (int i = 0; i < 3; i++)
-        to_double(shape->axes[i], axes[i]);
+        vec3_widen(shape->axes[i], axes[i]);
     double half = vec3_length(axes[0]), along = vec3_dot(axes[0], direction);
     double side = 4 * radius * sqrt(fmax(half * half - along * along, 0));
     switch (shape->kind) {
@@ -207,10 +201,10 @@ static void place_in_shape(const struct flat_shape *shape, const double directio
                            uint32_t number, uint32_t count, double out[3])
 {
     double center[3], axes[3][3], normal[3], at[3], across[3];
-    to_double(shape->center, center);
-    to_double(shape->normal, normal);
+    vec3_widen(shape->center, center);
+    vec3_widen(shape->normal, normal);
     for (int i = 0; i < 3; i++)
-        to_double(shape->axes[i], axes[i]);
+        vec3_widen(shape->axes[i], axes[i]);
     place_in_cube(number, count, at);
     switch (shape->kind) {
     case SHAPE_SPHERE:

@@ -6,6 +6,7 @@
 // of the formulas of docs/materials.md in double precision. Tables are interpolated linearly; where
 // that comes out below the truth between nodes, the nodes are raised, so that what lies beneath a
 // layer never gets light that the layer already reflected.
+#include "base/maths.h"
 #include "shared/albedo.h"
 
 #include <math.h>
@@ -219,7 +220,7 @@ static double refraction_weight(const struct interface *s, const double h[3], do
 // What a microfacet of the normal h, which wo sees, sends to where it does not meet another one.
 static double interface_weight(const struct interface *s, const double h[3])
 {
-    double cosine = fmin(1.0, s->wo[0] * h[0] + s->wo[1] * h[1] + s->wo[2] * h[2]);
+    double cosine = fmin(1.0, vec3_dot(s->wo, h));
     double squared = (s->eta - 1.0) * (s->eta + 1.0) + cosine * cosine; // (eta cos_t)^2
     if (cosine <= 0.0)
         return 0.0;

@@ -40,26 +40,20 @@ static int crossing(const double origin[3], const double direction[3],
 
 // --- shapes --------------------------------------------------------------------------------------
 
-static void to_double(const float from[3], double out[3])
-{
-    for (int c = 0; c < 3; c++)
-        out[c] = (double)from[c];
-}
-
 // Of the body that a shape encloses; a plane has everything behind it.
 static bool is_inside(const double origin[3], const struct flat_shape *shape)
 {
     double from[3], axes[3][3], along[3], square[3], radius = (double)shape->radius;
     for (int i = 0; i < 3; i++) {
         from[i] = origin[i] - (double)shape->center[i];
-        to_double(shape->axes[i], axes[i]);
+        vec3_widen(shape->axes[i], axes[i]);
     }
     for (int i = 0; i < 3; i++) {
         along[i] = vec3_dot(from, axes[i]);
         square[i] = vec3_dot(axes[i], axes[i]);
     }
     double normal[3];
-    to_double(shape->normal, normal);
+    vec3_widen(shape->normal, normal);
     switch (shape->kind) {
     case SHAPE_SPHERE:
         return vec3_dot(from, from) < radius * radius;
@@ -82,9 +76,9 @@ static bool is_inside_field(const double origin[3], const struct flat_shape *sha
 {
     struct shape placed = {.kind = SHAPE_SDF};
     double to_world[3][4], to_field[3][4], p[3];
-    to_double(shape->center, placed.center);
+    vec3_widen(shape->center, placed.center);
     for (int i = 0; i < 3; i++)
-        to_double(shape->axes[i], placed.axes[i]);
+        vec3_widen(shape->axes[i], placed.axes[i]);
     sdf_to_world(sdf, &placed, to_world);
     if (!affine_inverse(to_world, to_field))
         return false;
@@ -105,9 +99,9 @@ static int crossing_flat_shape(const double origin[3], const double direction[3]
                                const struct flat_shape *shape)
 {
     double from[3], normal[3], u[3], v[3], point[3], radius = (double)shape->radius;
-    to_double(shape->normal, normal);
-    to_double(shape->axes[0], u);
-    to_double(shape->axes[1], v);
+    vec3_widen(shape->normal, normal);
+    vec3_widen(shape->axes[0], u);
+    vec3_widen(shape->axes[1], v);
     if (shape->kind == SHAPE_QUAD)
         vec3_cross(u, v, normal);
     for (int c = 0; c < 3; c++)
@@ -133,7 +127,7 @@ static int crossing_tube(const double origin[3], const double direction[3],
 {
     double from[3], axis[3], f[3], d[3], radius = (double)shape->radius;
     int crossings = 0;
-    to_double(shape->axes[0], axis);
+    vec3_widen(shape->axes[0], axis);
     for (int c = 0; c < 3; c++)
         from[c] = origin[c] - (double)shape->center[c];
     double square = vec3_dot(axis, axis), from_along = vec3_dot(from, axis) / square;
@@ -230,7 +224,7 @@ static void probe_instance(struct visit *v, const struct flat_instance *instance
     struct probe probe = *world;
     for (int row = 0; row < 3; row++) {
         double linear[3];
-        to_double(instance->to_object[row], linear);
+        vec3_widen(instance->to_object[row], linear);
         probe.origin[row] = vec3_dot(linear, world->origin) + (double)instance->to_object[row][3];
         for (int ray = 0; ray < RAYS; ray++)
             probe.directions[ray][row] = vec3_dot(linear, world->directions[ray]);

@@ -11,26 +11,26 @@ double triangle_area(const struct flat_scene *flat, uint32_t id)
     double e[2][3], normal[3];
     flat_triangle_edges(flat, id, e);
     vec3_cross(e[0], e[1], normal);
-    return 0.5 * sqrt(vec3_dot(normal, normal));
+    return 0.5 * vec3_norm(normal);
 }
 
 // Of the parallelogram of two vectors.
 static double span(const float a[3], const float b[3])
 {
-    double square = 0.0;
-    for (int c = 0; c < 3; c++) {
-        double n = (double)a[(c + 1) % 3] * (double)b[(c + 2) % 3] -
-                   (double)a[(c + 2) % 3] * (double)b[(c + 1) % 3];
-        square += n * n;
-    }
-    return sqrt(square);
+    double u[3], v[3], normal[3];
+    vec3_widen(a, u);
+    vec3_widen(b, v);
+    vec3_cross(u, v, normal);
+    return vec3_norm(normal);
 }
 
 double shape_area(const struct flat_shape *shape)
 {
     const float(*axes)[3] = shape->axes;
     double radius = (double)shape->radius, disc = M_PI * radius * radius;
-    double half = hypot(hypot((double)axes[0][0], (double)axes[0][1]), (double)axes[0][2]);
+    double axis[3];
+    vec3_widen(axes[0], axis);
+    double half = vec3_length(axis);
     switch (shape->kind) {
     case SHAPE_SPHERE:
         return 4.0 * disc;

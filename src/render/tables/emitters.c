@@ -275,26 +275,23 @@ static bool build_list(const struct emitter_list *list, double pick, struct aren
 static void bound_triangle(const struct flat_scene *flat, uint32_t id, struct light_bounds *out)
 {
     const struct flat_triangle *triangle = &flat->triangles[id];
-    double e[2][3], n[3], square = 0.0, radius = 0.0;
+    double e[2][3], n[3], center[3], radius = 0.0;
     for (int c = 0; c < 3; c++) {
         out->min[c] = fminf(fminf(triangle->v[0][c], triangle->v[1][c]), triangle->v[2][c]);
         out->max[c] = fmaxf(fmaxf(triangle->v[0][c], triangle->v[1][c]), triangle->v[2][c]);
         out->center[c] = 0.5f * out->min[c] + 0.5f * out->max[c];
     }
     flat_triangle_edges(flat, id, e);
-    for (int c = 0; c < 3; c++) {
-        n[c] = e[0][(c + 1) % 3] * e[1][(c + 2) % 3] - e[0][(c + 2) % 3] * e[1][(c + 1) % 3];
-        square += n[c] * n[c];
-    }
+    vec3_cross(e[0], e[1], n);
+    double length = vec3_norm(n);
     for (int c = 0; c < 3; c++)
-        out->axis[c] = n[c] / sqrt(square);
+        out->axis[c] = n[c] / length;
+    vec3_widen(out->center, center);
     for (int corner = 0; corner < 3; corner++) {
-        double distance2 = 0.0;
-        for (int c = 0; c < 3; c++) {
-            double offset = (double)triangle->v[corner][c] - (double)out->center[c];
-            distance2 += offset * offset;
-        }
-        radius = fmax(radius, sqrt(distance2));
+        double from[3];
+        vec3_widen(triangle->v[corner], from);
+        vec3_subtract(from, center, from);
+        radius = fmax(radius, vec3_norm(from));
     }
     out->radius = (float)(radius * 1.000001);
     out->theta_e = 0.5 * M_PI;
@@ -321,20 +318,18 @@ static void bound_sphere_or_disc(const struct flat_shape *shape, struct light_bo
 
 static void bound_quad(const struct flat_shape *shape, struct light_bounds *out)
 {
-    const float(*axes)[3] = shape->axes;
-    double n[3], square = 0.0, diagonals[2] = {0.0, 0.0};
+    double u[3], v[3], n[3], diagonals[2][3];
+    vec3_widen(shape->axes[0], u);
+    vec3_widen(shape->axes[1], v);
+    vec3_cross(u, v, n);
+    double length = vec3_norm(n);
     for (int c = 0; c < 3; c++) {
-        double u = (double)axes[0][c], v = (double)axes[1][c];
-        diagonals[0] += (u + v) * (u + v);
-        diagonals[1] += (u - v) * (u - v);
-        n[c] = (double)axes[0][(c + 1) % 3] * (double)axes[1][(c + 2) % 3] -
-               (double)axes[0][(c + 2) % 3] * (double)axes[1][(c + 1) % 3];
-        square += n[c] * n[c];
+        out->axis[c] = n[c] / length;
+        diagonals[0][c] = u[c] + v[c];
+        diagonals[1][c] = u[c] - v[c];
     }
-    for (int c = 0; c < 3; c++)
-        out->axis[c] = n[c] / sqrt(square);
     flat_shape_box(shape, out->min, out->max);
-    out->radius = (float)(sqrt(fmax(diagonals[0], diagonals[1])) * 1.000001);
+    out->radius = (float)(fmax(vec3_norm(diagonals[0]), vec3_norm(diagonals[1])) * 1.000001);
 }
 
 static void bound_solid(const struct flat_shape *shape, struct light_bounds *out)

@@ -66,22 +66,21 @@ static void join_cones(struct light_bounds *a, const struct light_bounds *b)
         a->theta_o = sine > 1e-9 || angle > 1.0 ? M_PI : theta;
         return;
     }
-    double length = 0.0;
-    for (int c = 0; c < 3; c++) {
-        a->axis[c] = (sin(angle - turn) * a->axis[c] + sin(turn) * other[c]) / sine;
-        length += a->axis[c] * a->axis[c];
-    }
     for (int c = 0; c < 3; c++)
-        a->axis[c] /= sqrt(length);
+        a->axis[c] = (sin(angle - turn) * a->axis[c] + sin(turn) * other[c]) / sine;
+    double length = vec3_norm(a->axis);
+    for (int c = 0; c < 3; c++)
+        a->axis[c] /= length;
     a->theta_o = theta;
 }
 
 static double distance(const float a[3], const float b[3])
 {
-    double square = 0.0;
-    for (int c = 0; c < 3; c++)
-        square += ((double)a[c] - (double)b[c]) * ((double)a[c] - (double)b[c]);
-    return sqrt(square);
+    double from[3], to[3];
+    vec3_widen(a, from);
+    vec3_widen(b, to);
+    vec3_subtract(to, from, to);
+    return vec3_norm(to);
 }
 
 // More than what rounding a radius to single precision takes away.
@@ -190,12 +189,10 @@ static void part_join(struct part *a, const struct part *b)
 // Surface area of the box, with a little of its diagonal for what lies in a line.
 static double part_area(const struct part *part)
 {
-    double e[3], square = 0.0;
-    for (int c = 0; c < 3; c++) {
+    double e[3];
+    for (int c = 0; c < 3; c++)
         e[c] = (double)part->max[c] - (double)part->min[c];
-        square += e[c] * e[c];
-    }
-    return 2.0 * (e[0] * e[1] + e[1] * e[2] + e[2] * e[0]) + 1e-3 * square;
+    return 2.0 * (e[0] * e[1] + e[1] * e[2] + e[2] * e[0]) + 1e-3 * vec3_dot(e, e);
 }
 
 // The measure of the directions that it may send to (Conty Estevez and Kulla 2018, section 4.4).
@@ -203,7 +200,7 @@ static double part_area(const struct part *part)
 // a cap of half-angle theta has the length (1 + cos theta) / 2. A bound would need another pass.
 static double part_orientation(const struct part *part)
 {
-    double mean = sqrt(vec3_dot(part->axis, part->axis)) / part->count;
+    double mean = vec3_norm(part->axis) / part->count;
     double spread = acos(fmax(-1.0, fmin(1.0, 2.0 * mean - 1.0)));
     double o = fmin(spread + part->theta_o, M_PI), w = fmin(o + part->theta_e, M_PI);
     return 2.0 * M_PI * (1.0 - cos(o)) +

@@ -1,6 +1,7 @@
 // A procedural mesh for tests and benchmarks.
 #include "scene/generate/generate.h"
 
+#include "base/maths.h"
 #include <math.h>
 #include <string.h>
 
@@ -27,15 +28,15 @@ static void evaluate(const double d[3], float position[3], float normal[3])
     double radius = 1.0, g[3] = {0.0, 0.0, 0.0};
     for (size_t i = 0; i < sizeof waves / sizeof waves[0]; i++) {
         const double *k = waves[i].vector;
-        double phase = k[0] * d[0] + k[1] * d[1] + k[2] * d[2];
+        double phase = vec3_dot(k, d);
         radius += waves[i].amplitude * sin(phase);
         for (int c = 0; c < 3; c++)
             g[c] += waves[i].amplitude * k[c] * cos(phase);
     }
-    double along = g[0] * d[0] + g[1] * d[1] + g[2] * d[2], n[3];
+    double along = vec3_dot(g, d), n[3];
     for (int c = 0; c < 3; c++)
         n[c] = d[c] - (g[c] - along * d[c]) / radius;
-    double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]); // at least 1: n . d is 1
+    double length = vec3_norm(n); // at least 1: n . d is 1
     for (int c = 0; c < 3; c++) {
         position[c] = (float)(radius * d[c]);
         normal[c] = (float)(n[c] / length);

@@ -1,5 +1,6 @@
 #include "scene/generate/scatter.h"
 
+#include "base/maths.h"
 #include <math.h>
 
 #define TRIES 1024
@@ -148,7 +149,7 @@ bool scatter_spheres(const struct scatter *scatter, struct arena *scratch,
 
 static void to_sphere(const double p[3], float out[3])
 {
-    double length = sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
+    double length = vec3_norm(p);
     for (int c = 0; c < 3; c++)
         out[c] = (float)(p[c] / length);
 }
@@ -156,7 +157,7 @@ static void to_sphere(const double p[3], float out[3])
 static void between(const double a[3], const double b[3], double out[3])
 {
     double sum[3] = {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
-    double length = sqrt(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]);
+    double length = vec3_norm(sum);
     for (int c = 0; c < 3; c++)
         out[c] = sum[c] / length;
 }

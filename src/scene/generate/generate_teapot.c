@@ -6,6 +6,7 @@
 // each section makes two halves. Here z is up as in those numbers; the mesh has y up.
 #include "scene/generate/generate.h"
 
+#include "base/maths.h"
 #include <math.h>
 #include <string.h>
 
@@ -181,9 +182,8 @@ static void evaluate(const struct patch *patch, double u, double v, double point
     bool at_first = patch->pole_first && u == 0.0, at_last = patch->pole_last && u == 1.0;
     for (int i = 0; i < 3; i++)
         dv[i] = at_first ? dudv[i] : at_last ? -dudv[i] : dv[i];
-    for (int i = 0; i < 3; i++)
-        normal[i] = du[(i + 1) % 3] * dv[(i + 2) % 3] - du[(i + 2) % 3] * dv[(i + 1) % 3];
-    double length = sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
+    vec3_cross(du, dv, normal);
+    double length = vec3_norm(normal);
     for (int i = 0; i < 3; i++)
         normal[i] /= length;
 }

@@ -60,12 +60,11 @@ static void place_profile(struct light *light, double rotation_degrees)
         x[0] = 0;
         x[2] = 1;
     }
-    double along = d[0] * x[0] + d[1] * x[1] + d[2] * x[2];
+    double along = vec3_dot(d, x);
     for (int c = 0; c < 3; c++)
         x[c] -= along * d[c];
     vec3_normalize(x);
-    for (int c = 0; c < 3; c++) // up times x, where up is against the direction
-        y[c] = x[(c + 1) % 3] * d[(c + 2) % 3] - x[(c + 2) % 3] * d[(c + 1) % 3];
+    vec3_cross(x, d, y); // up times x, where up is against the direction
     for (int c = 0; c < 3; c++)
         light->profile_x[c] = cos(angle) * x[c] + sin(angle) * y[c];
 }

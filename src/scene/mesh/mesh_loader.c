@@ -1,6 +1,7 @@
 // What the OBJ and PLY loaders share.
 #include "scene/mesh/mesh_loader.h"
 
+#include "base/maths.h"
 #include "scene/core/bounds.h"
 
 #include <math.h>
@@ -9,12 +10,12 @@
 bool mesh_unit_normal(const float direction[3], float out[3])
 {
     // In double precision no square of a float overflows, and none but zero's is zero.
-    double x = (double)direction[0], y = (double)direction[1], z = (double)direction[2];
-    double length = sqrt(x * x + y * y + z * z);
+    double wide[3];
+    vec3_widen(direction, wide);
+    double length = vec3_norm(wide);
     bool is_valid = isfinite(length) && length > 0.0;
-    out[0] = is_valid ? (float)(x / length) : 0.0f;
-    out[1] = is_valid ? (float)(y / length) : 0.0f;
-    out[2] = is_valid ? (float)(z / length) : 0.0f;
+    for (int c = 0; c < 3; c++)
+        out[c] = is_valid ? (float)(wide[c] / length) : 0.0f;
     return is_valid;
 }
 

@@ -24,8 +24,7 @@ void tangent_corner_normal(const struct tangent_work *work, uint32_t corner, dou
 {
     if (work->mesh->normals) {
         const float *given = work->mesh->normals[tangent_vertex(work, corner)];
-        for (int i = 0; i < 3; i++)
-            out[i] = (double)given[i];
+        vec3_widen(given, out);
         if (vec3_normalize(out))
             return;
     }

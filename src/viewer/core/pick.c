@@ -1,5 +1,6 @@
 #include "viewer/core/pick.h"
 
+#include "base/maths.h"
 #include "render/probe/replay.h"
 #include "shared/types.h"
 #include "viewer/core/frame.h"
@@ -26,9 +27,8 @@ static void take_hit(const struct viewer *viewer, const struct view *view,
     out->material = (uint32_t)(hit->material - viewer->document.scene.materials);
     out->primitive = hit->primitive;
     memcpy(out->position, hit->position, sizeof out->position);
-    for (int c = 0; c < 3; c++)
-        away[c] = hit->position[c] - view->job.renderer.camera.position[c];
-    out->distance = hypot(hypot(away[0], away[1]), away[2]);
+    vec3_subtract(hit->position, view->job.renderer.camera.position, away);
+    out->distance = vec3_length(away);
 }
 
 static uint32_t pixel_at(double position, uint32_t size, uint32_t pixels)

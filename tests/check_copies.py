@@ -1,0 +1,40 @@
+#!/usr/bin/python3
+"""Vectors have one home: products, lengths and conversions of three components are not written out
+by hand outside of src/base/maths.h.
+
+check_copies.py SOURCE_ROOT [unittest's arguments]
+"""
+import glob
+import os
+import re
+import sys
+import unittest
+
+ROOT = sys.argv.pop(1)
+HOME = os.path.join('src', 'base', 'maths.h')
+PATTERNS = {
+    'a cross product': r'\[\(\w+ \+ 1\) % 3\] \*\s.*\[\(\w+ \+ 2\) % 3\]|\[1\] \* \w+\[2\] - ',
+    'a scalar product': r'(\S+)\[0\] \* (\S+)\[0\]\s\+\s\1\[1\] \* \2\[1\]\s\+\s\1\[2\] \* \2\[2\]',
+    'a length': r'sqrt\((\w) \* \1 \+ (\w) \* \2 \+ (\w) \* \3\)|hypot\(hypot\(',
+}
+
+
+def copies(text):
+    return [(text[:match.start()].count('\n') + 1, what)
+            for what, pattern in PATTERNS.items() for match in re.finditer(pattern, text)]
+
+
+class Copies(unittest.TestCase):
+    def test_there_are_none(self):
+        for path in glob.glob(os.path.join(ROOT, 'src', '**', '*.[ch]'), recursive=True):
+            name = os.path.relpath(path, ROOT)
+            with open(path) as file, self.subTest(name):
+                self.assertEqual(copies(file.read()) if name != HOME else [], [])
+
+    def test_the_home_has_them_all(self):
+        with open(os.path.join(ROOT, HOME)) as file:
+            self.assertEqual({what for _, what in copies(file.read())}, set(PATTERNS))
+
+
+if __name__ == '__main__':
+    unittest.main()
