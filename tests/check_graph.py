@@ -246,6 +246,19 @@ class Graph(unittest.TestCase):
             for name in names:
                 self.assertIn(name, self.includes, f'{file}: there is no {name}')
 
+    def test_the_drawing_says_the_same(self):
+        """docs/design.md draws the layers: each stands on those to its right alone."""
+        with open(os.path.join(SOURCE_ROOT, 'docs', 'design.md'), encoding='utf-8') as file:
+            drawn = next(line for line in file if line.startswith('    viewer -> '))
+        level = {name: i for i, layer in enumerate(drawn.split('->'))
+                 for name in re.findall(r'\w+', layer)}
+        self.assertEqual(set(level), {room.split('/')[0] for room in ROOMS} - {'shared', 'program'})
+        for room, below in ROOMS.items():
+            for name in below:
+                upper, lower = room.split('/')[0], name.split('/')[0]
+                if upper != lower and {'shared', 'program'}.isdisjoint((upper, lower)):
+                    self.assertLess(level[upper], level[lower], f'{room} stands on {name}')
+
     def test_includes_carry_the_folder(self):
         self.assertEqual(self.bare, [])
 
