@@ -161,7 +161,7 @@ void setting_default_text(const struct setting *setting, char out[SETTING_RANGE_
     bool is_special =
         setting->special && (field_is_word(&setting->field, &settings) ||
                              field_get(&setting->field, &settings) == setting->field.min);
-    snprintf(out, SETTING_RANGE_MAX, is_special ? "%s: %s" : "%s", text, setting->special);
+    snprintf(out, SETTING_RANGE_MAX, is_special ? "%s (%s)" : "%s", text, setting->special);
 }
 
 float settings_filter_radius(const struct settings *settings)

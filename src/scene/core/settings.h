@@ -66,7 +66,7 @@ bool setting_is_in_use(const struct setting *setting, const struct settings *set
 // "From 0.01 to 1.", with what its word or its least number means; "" of words and switches.
 #define SETTING_RANGE_MAX 120
 void setting_range(const struct setting *setting, char out[SETTING_RANGE_MAX]);
-// "off: any distance"
+// "off (any distance)"
 void setting_default_text(const struct setting *setting, char out[SETTING_RANGE_MAX]);
 
 // The one that was set, or the filter's own.

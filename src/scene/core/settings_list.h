@@ -52,7 +52,7 @@ SETTING(INTEGRATOR, uint32_t, integrator, "integrator", "integrator", "Method",
 SETTING(AO_DISTANCE, float, ao_distance, "ao_distance", "ao-distance", "Method",
     "How far away a surface still occludes, in metres, with the integrator ao.",
     (REAL(SETTINGS_LENGTH_MIN, SETTINGS_REAL_MAX), .word = "off", .word_value = INFINITY),
-    .fallback = INFINITY, .special = "any", .argument = "METRES", .unit = "m",
+    .fallback = INFINITY, .special = "any distance", .argument = "METRES", .unit = "m",
     .label = "  distance", NEEDS(INTEGRATOR, 1u << INTEGRATOR_AO))
 SETTING(SAMPLER, uint32_t, sampler, "sampler", "sampler", "Method",
     "Where random numbers come from: an Owen-scrambled Sobol sequence, independent ones (pcg; lcg: "
@@ -70,7 +70,7 @@ SETTING(FILTER, uint32_t, filter, "filter", "filter", "Method",
 SETTING(FILTER_RADIUS, float, filter_radius, "filter_radius", "filter-radius", "Method",
     "Half the width of the pixel filter. Its own: box 0.5, tent 1, gaussian and blackman-harris "
     "1.5.",
-    (REAL(0, SETTINGS_FILTER_RADIUS_MAX)), .fallback = 0, .special = "its own",
+    (REAL(0, SETTINGS_FILTER_RADIUS_MAX)), .fallback = 0, .special = "the filter's own",
     .argument = "PIXELS", .unit = "px", .label = "  radius", .drag = 4,
     NEEDS(PIXEL_JITTER, 1u << true))
 SETTING(LIGHT_CHOICE, uint32_t, light_choice, "light_choice", "light-choice", "Method",
@@ -84,7 +84,7 @@ SETTING(NEE, bool, nee, "nee", "nee", "Method",
 SETTING(NEE_DEPTH, uint32_t, nee_depth, "nee_depth", "nee-depth", "Method",
     "Only the first N vertices of a path send shadow rays. Lights without extent are lost beyond: "
     "the picture is then biased.",
-    (DEPTH), .fallback = UINT32_MAX, .special = "all", .argument = "N", .label = "  first",
+    (DEPTH), .fallback = UINT32_MAX, .special = "all vertices", .argument = "N", .label = "  first",
     NEEDS(NEE, 1u << true))
 SETTING(MIS, uint32_t, mis, "mis", "mis", "Method",
     "Weights of the two ways to find an emitter, by shadow rays and by scattering: the power or "
@@ -127,7 +127,7 @@ SETTING(ROULETTE_MAX_BOUNCES, uint32_t, roulette_max_bounces, "roulette_max_boun
     "roulette-max-bounces", "Method",
     "The greatest depth that the roulette frame draws. Deeper light is lost: the picture is "
     "biased.",
-    (DEPTH), .fallback = UINT32_MAX, .special = "any", .argument = "N", .label = "  to",
+    (DEPTH), .fallback = UINT32_MAX, .special = "any depth", .argument = "N", .label = "  to",
     NEEDS(ROULETTE, 1u << ROULETTE_FRAME))
 SETTING(ROULETTE_SURVIVAL, float, roulette_survival, "roulette_survival", "roulette-survival",
     "Method", "Probability to survive, of the roulettes constant and frame.",
