@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """Vectors have one home: products, lengths and conversions of three components are not written out
-by hand outside of src/base/maths.h.
+by hand outside of src/base/maths.h, nor, in single precision, outside of cglm. Of that only what
+has three components is used: the rest has other roundings where a machine has other instructions.
 
 check_copies.py SOURCE_ROOT [unittest's arguments]
 """
@@ -30,6 +31,14 @@ class Copies(unittest.TestCase):
             name = os.path.relpath(path, ROOT)
             with open(path) as file, self.subTest(name):
                 self.assertEqual(copies(file.read()) if name != HOME else [], [])
+
+    def test_cglm_is_used_where_it_is_scalar(self):
+        used = set()
+        for room in ('src', 'tests'):
+            for path in glob.glob(os.path.join(ROOT, room, '**', '*.[ch]'), recursive=True):
+                with open(path) as file:
+                    used.update(re.findall(r'#include <(cglm/[^>]+)>', file.read()))
+        self.assertEqual(used, {'cglm/vec3.h', 'cglm/struct/vec3.h'})
 
     def test_the_home_has_them_all(self):
         with open(os.path.join(ROOT, HOME)) as file:

@@ -1,5 +1,6 @@
 #include "bench.h"
 
+#include <cglm/vec3.h>
 #include <math.h>
 #include <string.h>
 
@@ -12,19 +13,6 @@ static float uniform(uint32_t *state)
     return (float)(((word >> 22u) ^ word) >> 8) * 0x1p-24f;
 }
 
-static void normalize(float v[3])
-{
-    float length = sqrtf(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-    for (int c = 0; c < 3; c++)
-        v[c] /= length;
-}
-
-static void cross(const float a[3], const float b[3], float out[3])
-{
-    for (int c = 0; c < 3; c++)
-        out[c] = a[(c + 1) % 3] * b[(c + 2) % 3] - a[(c + 2) % 3] * b[(c + 1) % 3];
-}
-
 void rays_primary(const struct camera *camera, const double origin[3], uint32_t width,
                   uint32_t height, uint32_t samples, struct probe_ray *rays)
 {
@@ -34,9 +22,8 @@ void rays_primary(const struct camera *camera, const double origin[3], uint32_t 
         forward[c] = (float)camera->direction[c];
         up[c] = (float)camera->up[c];
     }
-    cross(forward, up, right);
-    normalize(right);
-    cross(right, forward, real_up);
+    glm_vec3_crossn(forward, up, right);
+    glm_vec3_cross(right, forward, real_up);
     float half = tanf(0.5f * (float)camera->fov_y);
     for (uint32_t i = 0; i < width * height * samples; i++) {
         uint32_t pixel = i / samples;
@@ -47,7 +34,7 @@ void rays_primary(const struct camera *camera, const double origin[3], uint32_t 
             rays[i].direction[c] =
                 forward[c] + half * (x * right[c] * (float)width / (float)height + y * real_up[c]);
         }
-        normalize(rays[i].direction);
+        glm_vec3_normalize(rays[i].direction);
     }
 }
 
@@ -62,8 +49,7 @@ static void leave_surface(const struct flat_scene *flat, const struct probe_ray 
         e1[c] = triangle->v[1][c] - triangle->v[0][c];
         e2[c] = triangle->v[2][c] - triangle->v[0][c];
     }
-    cross(e1, e2, normal);
-    normalize(normal);
+    glm_vec3_crossn(e1, e2, normal);
     float facing = 0.0f;
     for (int c = 0; c < 3; c++)
         facing += normal[c] * ray->direction[c];
@@ -90,7 +76,7 @@ uint32_t rays_diffuse(const struct flat_scene *flat, const struct probe_ray *fro
         const float point[3] = {radius * cosf(angle), radius * sinf(angle), z};
         for (int c = 0; c < 3; c++)
             ray->direction[c] = normal[c] + 0.9999f * point[c];
-        normalize(ray->direction);
+        glm_vec3_normalize(ray->direction);
     }
     return made;
 }

@@ -276,17 +276,17 @@ static void bound_triangle(const struct flat_scene *flat, uint32_t id, struct li
 {
     const struct flat_triangle *triangle = &flat->triangles[id];
     double e[2][3], n[3], center[3], radius = 0.0;
-    for (int c = 0; c < 3; c++) {
-        out->min[c] = fminf(fminf(triangle->v[0][c], triangle->v[1][c]), triangle->v[2][c]);
-        out->max[c] = fmaxf(fmaxf(triangle->v[0][c], triangle->v[1][c]), triangle->v[2][c]);
-        out->center[c] = 0.5f * out->min[c] + 0.5f * out->max[c];
-    }
+    vec3s corners[3];
+    memcpy(corners, triangle->v, sizeof corners);
+    out->min = glms_vec3_minv(glms_vec3_minv(corners[0], corners[1]), corners[2]);
+    out->max = glms_vec3_maxv(glms_vec3_maxv(corners[0], corners[1]), corners[2]);
+    out->center = light_bounds_middle(out);
     flat_triangle_edges(flat, id, e);
     vec3_cross(e[0], e[1], n);
     double length = vec3_norm(n);
     for (int c = 0; c < 3; c++)
         out->axis[c] = n[c] / length;
-    vec3_widen(out->center, center);
+    vec3_widen(out->center.raw, center);
     for (int corner = 0; corner < 3; corner++) {
         double from[3];
         vec3_widen(triangle->v[corner], from);
@@ -309,8 +309,8 @@ static void bound_sphere_or_disc(const struct flat_shape *shape, struct light_bo
     for (int c = 0; c < 3; c++) {
         float n = shape->normal[c];
         float extent = is_sphere ? shape->radius : shape->radius * sqrtf(fmaxf(0.0f, 1.0f - n * n));
-        out->min[c] = shape->center[c] - extent;
-        out->max[c] = shape->center[c] + extent;
+        out->min.raw[c] = shape->center[c] - extent;
+        out->max.raw[c] = shape->center[c] + extent;
         out->axis[c] = is_sphere ? c == 2 : (double)n;
     }
     out->radius = shape->radius * 1.000001f;
@@ -328,7 +328,7 @@ static void bound_quad(const struct flat_shape *shape, struct light_bounds *out)
         diagonals[0][c] = u[c] + v[c];
         diagonals[1][c] = u[c] - v[c];
     }
-    flat_shape_box(shape, out->min, out->max);
+    flat_shape_box(shape, out->min.raw, out->max.raw);
     out->radius = (float)(fmax(vec3_norm(diagonals[0]), vec3_norm(diagonals[1])) * 1.000001);
 }
 
@@ -339,7 +339,7 @@ static void bound_solid(const struct flat_shape *shape, struct light_bounds *out
         for (int c = 0; c < 3; c++)
             square += (double)shape->axes[axis][c] * (double)shape->axes[axis][c];
     out->axis[2] = 1.0;
-    flat_shape_box(shape, out->min, out->max);
+    flat_shape_box(shape, out->min.raw, out->max.raw);
     out->radius = (float)(sqrt(square) * 1.000001);
 }
 
@@ -351,7 +351,7 @@ static void bound_shape(const struct flat_shape *shape, struct light_bounds *out
         bound_sphere_or_disc(shape, out);
     else
         (is_flat ? bound_quad : bound_solid)(shape, out);
-    memcpy(out->center, shape->center, sizeof out->center);
+    memcpy(out->center.raw, shape->center, sizeof out->center.raw);
     out->theta_o = is_flat ? 0.0 : M_PI;
     out->theta_e = 0.5 * M_PI;
     out->two_sided = is_flat;
@@ -367,10 +367,10 @@ static void bound_light(const struct light *light, struct light_bounds *out)
 {
     bool is_spot = light->kind == LIGHT_SPOT;
     for (int c = 0; c < 3; c++) {
-        out->center[c] = (float)light->position[c];
-        out->min[c] = out->max[c] = out->center[c];
+        out->center.raw[c] = (float)light->position[c];
         out->axis[c] = is_spot ? light->direction[c] : c == 2;
     }
+    out->min = out->max = out->center;
     out->theta_o = is_spot ? (double)light->inner_angle : M_PI;
     out->theta_e = is_spot ? spot_fall(light) : 0.5 * M_PI;
     out->power = luminance(light->radiant);

@@ -74,11 +74,11 @@ static void join_cones(struct light_bounds *a, const struct light_bounds *b)
     a->theta_o = theta;
 }
 
-static double distance(const float a[3], const float b[3])
+static double distance(vec3s a, vec3s b)
 {
     double from[3], to[3];
-    vec3_widen(a, from);
-    vec3_widen(b, to);
+    vec3_widen(a.raw, from);
+    vec3_widen(b.raw, to);
     vec3_subtract(to, from, to);
     return vec3_norm(to);
 }
@@ -90,8 +90,7 @@ static double distance(const float a[3], const float b[3])
 static void bound_by_sphere(struct light_bounds *out, const struct light_bounds *a,
                             const struct light_bounds *b)
 {
-    for (int c = 0; c < 3; c++)
-        out->center[c] = 0.5f * out->min[c] + 0.5f * out->max[c];
+    out->center = light_bounds_middle(out);
     double corner = fmax(distance(out->center, out->min), distance(out->center, out->max));
     double spheres = fmax(distance(out->center, a->center) + (double)a->radius,
                           distance(out->center, b->center) + (double)b->radius);
@@ -101,10 +100,8 @@ static void bound_by_sphere(struct light_bounds *out, const struct light_bounds 
 static struct light_bounds join(const struct light_bounds *a, const struct light_bounds *b)
 {
     struct light_bounds out = *a;
-    for (int c = 0; c < 3; c++) {
-        out.min[c] = fminf(a->min[c], b->min[c]);
-        out.max[c] = fmaxf(a->max[c], b->max[c]);
-    }
+    out.min = glms_vec3_minv(a->min, b->min);
+    out.max = glms_vec3_maxv(a->max, b->max);
     bound_by_sphere(&out, a, b);
     join_cones(&out, b);
     out.theta_e = fmax(a->theta_e, b->theta_e);
@@ -123,7 +120,7 @@ static struct gpu_light_bounds encode(const struct builder *b, const struct ligh
     float axis[3];
     for (int c = 0; c < 3; c++)
         axis[c] = (float)bounds->axis[c];
-    memcpy(out.center, bounds->center, sizeof out.center);
+    memcpy(out.center, bounds->center.raw, sizeof out.center);
     out.axis = encode_normal(axis);
     double cos_o = cos(fmin(bounds->theta_o + AXIS_RESOLUTION, M_PI));
     double cos_e = cos(bounds->theta_e);
@@ -139,12 +136,12 @@ static struct gpu_light_bounds encode(const struct builder *b, const struct ligh
 
 static float middle(const struct light_bounds *bounds, int axis)
 {
-    return 0.5f * bounds->min[axis] + 0.5f * bounds->max[axis];
+    return light_bounds_middle(bounds).raw[axis];
 }
 
 // What the cost of a part of a split is made of.
 struct part {
-    float min[3], max[3];
+    vec3s min, max;
     double axis[3]; // sum
     double power, theta_o, theta_e;
     uint32_t count;
@@ -152,8 +149,8 @@ struct part {
 
 static struct part empty_part(void)
 {
-    struct part part = {.min = {INFINITY, INFINITY, INFINITY},
-                        .max = {-INFINITY, -INFINITY, -INFINITY}};
+    struct part part = {.min = {{INFINITY, INFINITY, INFINITY}},
+                        .max = {{-INFINITY, -INFINITY, -INFINITY}}};
     return part;
 }
 
@@ -162,11 +159,10 @@ static void part_add(struct part *part, const struct light_bounds *bounds,
                      const double reference[3])
 {
     bool flip = bounds->two_sided && vec3_dot(bounds->axis, reference) < 0.0;
-    for (int c = 0; c < 3; c++) {
-        part->min[c] = fminf(part->min[c], bounds->min[c]);
-        part->max[c] = fmaxf(part->max[c], bounds->max[c]);
+    part->min = glms_vec3_minv(part->min, bounds->min);
+    part->max = glms_vec3_maxv(part->max, bounds->max);
+    for (int c = 0; c < 3; c++)
         part->axis[c] += flip ? -bounds->axis[c] : bounds->axis[c];
-    }
     part->power += bounds->power;
     part->theta_o = fmax(part->theta_o, bounds->theta_o);
     part->theta_e = fmax(part->theta_e, bounds->theta_e);
@@ -175,11 +171,10 @@ static void part_add(struct part *part, const struct light_bounds *bounds,
 
 static void part_join(struct part *a, const struct part *b)
 {
-    for (int c = 0; c < 3; c++) {
-        a->min[c] = fminf(a->min[c], b->min[c]);
-        a->max[c] = fmaxf(a->max[c], b->max[c]);
+    a->min = glms_vec3_minv(a->min, b->min);
+    a->max = glms_vec3_maxv(a->max, b->max);
+    for (int c = 0; c < 3; c++)
         a->axis[c] += b->axis[c];
-    }
     a->power += b->power;
     a->theta_o = fmax(a->theta_o, b->theta_o);
     a->theta_e = fmax(a->theta_e, b->theta_e);
@@ -191,7 +186,7 @@ static double part_area(const struct part *part)
 {
     double e[3];
     for (int c = 0; c < 3; c++)
-        e[c] = (double)part->max[c] - (double)part->min[c];
+        e[c] = (double)part->max.raw[c] - (double)part->min.raw[c];
     return 2.0 * (e[0] * e[1] + e[1] * e[2] + e[2] * e[0]) + 1e-3 * vec3_dot(e, e);
 }
 
@@ -301,28 +296,26 @@ static uint32_t split_range(const struct builder *b, const struct range *range)
     uint32_t half = range->count / 2;
     if (range->count == 2 || levels_needed(range->count) >= DEPTH_MAX - range->depth)
         return half;
-    float low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
-    float longest = 0.0f;
-    for (uint32_t i = 0; i < range->count; i++)
-        for (int c = 0; c < 3; c++) {
-            float position = middle(&b->bounds[b->order[range->first + i]], c);
-            low[c] = fminf(low[c], position);
-            high[c] = fmaxf(high[c], position);
-        }
-    for (int c = 0; c < 3; c++)
-        longest = fmaxf(longest, high[c] - low[c]);
+    vec3s low = {{INFINITY, INFINITY, INFINITY}}, high = {{-INFINITY, -INFINITY, -INFINITY}};
+    for (uint32_t i = 0; i < range->count; i++) {
+        vec3s position = light_bounds_middle(&b->bounds[b->order[range->first + i]]);
+        low = glms_vec3_minv(low, position);
+        high = glms_vec3_maxv(high, position);
+    }
+    vec3s size = glms_vec3_sub(high, low);
+    float longest = glms_vec3_max(size);
     if (range->count < HALVED) {
-        int axis = longest > high[0] - low[0] ? longest > high[1] - low[1] ? 2 : 1 : 0;
+        int axis = longest > size.x ? longest > size.y ? 2 : 1 : 0;
         sort_few(b, range, axis);
         return half;
     }
     struct split best = {.cost = INFINITY};
     for (int c = 0; c < 3; c++)
-        if (high[c] > low[c] && isfinite(high[c] - low[c]))
-            try_axis(b, range, c, low[c], high[c], (double)(longest / (high[c] - low[c])), &best);
+        if (size.raw[c] > 0.0f && isfinite(size.raw[c]))
+            try_axis(b, range, c, low.raw[c], high.raw[c], (double)(longest / size.raw[c]), &best);
     if (!isfinite(best.cost))
         return half;
-    return partition(b, range, &best, low[best.axis], high[best.axis]);
+    return partition(b, range, &best, low.raw[best.axis], high.raw[best.axis]);
 }
 
 // --- building ------------------------------------------------------------------------------------

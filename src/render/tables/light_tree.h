@@ -8,19 +8,28 @@
 #include "base/err.h"
 #include "base/progress.h"
 #include "shared/types.h"
+#include <cglm/struct/vec3.h>
 #include <stdbool.h>
 #include <stdint.h>
 
-// Where emitters are and where they send light. They send none further than theta_e from some
-// direction that is within theta_o of the axis.
+// Where emitters are and where they send light. Boxes in single precision, as their triangles are.
+// Of cglm the functions of three components alone: they are scalar on every machine. They send none
+// further than theta_e from some direction that is within theta_o of the axis.
 struct light_bounds {
-    float min[3], max[3];
-    float center[3], radius; // of a sphere that holds them as well
+    vec3s min, max;
+    vec3s center; // of a sphere that holds them as well
+    float radius;
     double axis[3];          // unit
     double theta_o, theta_e; // radians, [0, pi] and [0, pi / 2]
     double power;            // the most that it sends in a direction: luminance of an intensity
     bool two_sided;          // they send as much to where the opposites of these directions point
 };
+
+// Of the box: halved first, so that no sum overflows.
+static inline vec3s light_bounds_middle(const struct light_bounds *bounds)
+{
+    return glms_vec3_add(glms_vec3_scale(bounds->min, 0.5f), glms_vec3_scale(bounds->max, 0.5f));
+}
 
 struct light_tree {
     struct gpu_light_bounds *nodes; // count - 1 pairs, parents before children, the root first
