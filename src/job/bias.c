@@ -1,6 +1,7 @@
 #include "job/bias.h"
 
 #include "base/maths.h"
+#include "scene/core/light.h"
 #include <inttypes.h>
 #include <stdio.h>
 
@@ -31,8 +32,7 @@ static uint32_t lights_without_extent(const struct scene *scene)
 {
     uint32_t count = 0;
     for (uint32_t i = 0; i < scene->light_count; i++)
-        count += scene->lights[i].kind != LIGHT_DIRECTIONAL ||
-                 !(scene->lights[i].angular_radius > 0.0); // else a sun
+        count += !scene->lights[i].hidden && !light_is_sun(&scene->lights[i]);
     return count;
 }
 

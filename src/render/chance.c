@@ -110,9 +110,11 @@ static float greatest_of_suns(const struct scene *scene, const struct emitters *
     double greatest = 0.0;
     for (uint32_t i = 0; i < scene->light_count; i++) {
         const struct light *light = &scene->lights[i];
+        if (!light_is_sun(light))
+            continue;
         double solid_angle = 2.0 * M_PI * versine(light->angular_radius);
         double density = (double)emitters->lights[i].pick_probability / solid_angle;
-        for (int c = 0; c < 3 && light->angular_radius > 0.0 && density < sharpest; c++)
+        for (int c = 0; c < 3 && density < sharpest; c++)
             greatest = fmax(greatest, environment_sun_radiance((double)light->radiant[c],
                                                                light->angular_radius));
     }

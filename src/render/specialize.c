@@ -390,7 +390,7 @@ struct specialization specialize(const struct specialize_params *p)
     struct emitter_counts counts = emitters_count(scene, flat);
     s.emitters = emitters_of(&counts);
     for (uint32_t i = 0; i < scene->light_count; i++)
-        s.emitters |= scene->lights[i].profile ? EMITTER_PROFILES : 0u;
+        s.emitters |= scene->lights[i].profile && !scene->lights[i].hidden ? EMITTER_PROFILES : 0u;
     bool each = settings->integrator == INTEGRATOR_WHITTED;
     s.light_choice = emitters_choice(each ? LIGHT_CHOICE_ALL : settings->light_choice, &counts);
     s.light_rays = light_rays(s.light_choice, &counts);

@@ -183,6 +183,9 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         with open(os.path.join(folder, "one.obj"), "w") as file:
             file.write("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+        with open(os.path.join(folder, "ball.json"), "w") as file:
+            json.dump({"lampyris": 1, "materials": {"m": {}},
+                       "shapes": [{"type": "sphere", "radius": 1, "material": "m"}]}, file)
         with open(os.path.join(folder, "point.obj"), "w") as file:
             file.write("v 1 1 1\nf 1 1 1\n")
         with open(os.path.join(folder, "mesh.fbx"), "w") as file:

@@ -1,6 +1,9 @@
 #include "scene_edit_fixture.h"
 
 #include "scene/core/affine.h"
+#include "scene/core/environment.h"
+#include "scene/core/light.h"
+#include "scene/core/placement.h"
 #include "scene/json/scene_write_edits.h"
 #include "test.h"
 
@@ -138,14 +141,59 @@ static void edit_settings(struct settings *s, struct random *random)
     s->height = 1 + s->height % (uint32_t)(SETTINGS_PIXELS_MAX / s->width);
 }
 
+// Also to where a shape cannot be: it then stays.
+static void place_at_random(struct scene *scene, struct random *random)
+{
+    uint32_t count = scene->instance_count + scene->shape_count;
+    for (uint32_t i = 0; i < count; i++) {
+        double middle[3];
+        struct err err = {0};
+        if (random_below(random, count > 40 ? count / 10 : 4) > 0)
+            continue;
+        scene_object_middle(scene, i, middle);
+        struct placement to = placement_none(middle);
+        double scale = exp(2 * random_unit(random) - 1);
+        for (int c = 0; c < 3; c++) {
+            to.move[c] = random_below(random, 2) ? random_unit(random) - 0.5 : 0;
+            to.turn_degrees[c] = random_below(random, 2) ? 720 * random_unit(random) - 360 : 0;
+            to.scale[c] = place_axes_are_free(scene, i) ? exp(random_unit(random)) : scale;
+        }
+        CHECK(scene_place(scene, i, &to, &err) || strstr(err.msg, "singular"), "%s", err.msg);
+    }
+}
+
+static void add_at_random(struct scene *scene, struct random *random)
+{
+    uint32_t material, light;
+    struct material *paint = scene_add_material(scene, &material);
+    REQUIRE(paint);
+    paint->name = random_below(random, 2) ? "lamp" : "";
+    edit_material(paint, random);
+    struct shape *quad = scene_add_shape(scene, NULL);
+    REQUIRE(quad);
+    *quad = (struct shape){.kind = SHAPE_QUAD, .material = material};
+    for (int c = 0; c < 3; c++)
+        quad->center[c] = random_unit(random);
+    random_direction(random, quad->axes[0]);
+    random_direction(random, quad->axes[1]);
+    REQUIRE(scene_insert_light(scene, &light));
+    light_init(&scene->lights[light]);
+    edit_light(&scene->lights[light], random);
+}
+
 void edit_at_random(struct scene *scene, struct random *random)
 {
+    if (random_below(random, 2))
+        add_at_random(scene, random);
+    place_at_random(scene, random);
     for (uint32_t i = 0; i < scene->material_count; i++)
         if (often(random))
             edit_material(&scene->materials[i], random);
-    for (uint32_t i = 0; i < scene->light_count; i++)
+    for (uint32_t i = 0; i < scene->light_count; i++) {
         if (often(random))
             edit_light(&scene->lights[i], random);
+        scene->lights[i].hidden ^= random_below(random, 4) == 0;
+    }
     for (uint32_t i = 0; i < scene->instance_count; i++) {
         struct instance *instance = &scene->instances[i];
         if (random_below(random, 2))

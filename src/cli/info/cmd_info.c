@@ -41,7 +41,7 @@ static uint32_t count_lights(const struct scene *scene, uint32_t kind)
 {
     uint32_t count = 0;
     for (uint32_t i = 0; i < scene->light_count; i++)
-        count += scene->lights[i].kind == kind;
+        count += scene->lights[i].kind == kind && !scene->lights[i].hidden;
     return count;
 }
 

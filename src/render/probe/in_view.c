@@ -4,6 +4,7 @@
 #include "render/probe/emitter_shape.h"
 #include "render/probe/ray_probe.h"
 #include "render/projection.h"
+#include "scene/core/light.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -332,7 +333,7 @@ static void visit_emitters(struct search *search, emitter_fn visit)
         if (emits(search, flat->shapes[i].material))
             visit_shape(search, i, visit);
     for (uint32_t i = 0; i < scene->light_count; i++)
-        if (scene->lights[i].angular_radius > 0)
+        if (light_is_sun(&scene->lights[i]))
             visit(search, (struct emitter_part){EMITTER_SUN, i});
     visit_texels(search, visit);
 }

@@ -24,10 +24,9 @@ struct emitter_counts emitters_count(const struct scene *scene, const struct fla
     struct emitter_counts counts = {.environment = environment->present && environment->width > 0 &&
                                                    environment_luminance(environment) > 0.0};
     for (uint32_t i = 0; i < scene->light_count; i++) {
-        bool is_sun =
-            scene->lights[i].kind == LIGHT_DIRECTIONAL && scene->lights[i].angular_radius > 0.0;
+        bool is_sun = light_is_sun(&scene->lights[i]);
         counts.suns += is_sun;
-        counts.lights += !is_sun;
+        counts.lights += !is_sun && !scene->lights[i].hidden;
     }
     for (uint32_t i = 0; i < flat->triangle_count; i++)
         counts.triangles +=
@@ -131,7 +130,8 @@ static bool list_emitters(const struct shading_tables_params *p, struct arena *a
     list->surface_count = list->count;
     for (uint32_t i = 0; i < scene->light_count; i++) {
         const struct light light = flat_light(flat, &scene->lights[i]);
-        add_emitter(list, PRIMITIVE_LIGHT | i, light_power(&light, flat));
+        if (!light.hidden)
+            add_emitter(list, PRIMITIVE_LIGHT | i, light_power(&light, flat));
     }
     if (counts.environment)
         add_emitter(list, PRIMITIVE_ENVIRONMENT, environment_power(&scene->environment, flat));
@@ -191,6 +191,8 @@ static bool fill_lights(const struct scene *scene, const struct flat_scene *flat
     uint32_t dark = 0;
     for (uint32_t i = 0; i < count; i++) {
         const struct light light = flat_light(flat, &scene->lights[i]);
+        if (light.hidden)
+            continue;
         if (!check_place(scene, flat, &scene->lights[i], &light, err))
             return false;
         out->lights[i] = light_record(&light, out->reach);

@@ -105,7 +105,7 @@ static uint32_t count_suns(const struct scene *scene)
 {
     uint32_t count = 0;
     for (uint32_t i = 0; i < scene->light_count; i++)
-        count += scene->lights[i].angular_radius > 0.0;
+        count += light_is_sun(&scene->lights[i]);
     return count;
 }
 
@@ -125,7 +125,7 @@ static void fill_suns(const struct scene *scene, const struct gpu_light *lights,
                       struct gpu_sun *suns)
 {
     for (uint32_t i = 0; i < scene->light_count; i++)
-        if (scene->lights[i].angular_radius > 0.0)
+        if (light_is_sun(&scene->lights[i]))
             *suns++ = sun_record(&scene->lights[i], lights[i].pick_probability);
 }
 
@@ -164,7 +164,7 @@ static void fill_profiles(const struct scene *scene, uint64_t first, char *bytes
     for (const struct light_profile *p = scene->profiles; p; p = p->next) {
         fill_profile(p, bytes + first * 16u);
         for (uint32_t i = 0; i < scene->light_count; i++) {
-            if (scene->lights[i].profile != p)
+            if (scene->lights[i].profile != p || scene->lights[i].hidden)
                 continue;
             lights[i].profile = (uint32_t)first;
             for (int c = 0; c < 3; c++)

@@ -194,6 +194,40 @@ bool scene_add_sky_sun(struct scene *scene, struct err *err)
     return true;
 }
 
+uint32_t scene_sun_light(const struct scene *scene)
+{
+    uint32_t light = scene->environment.present ? scene->environment.sun.light : 0;
+    return light > 0 ? light - 1 : SCENE_NONE;
+}
+
+struct light *scene_insert_light(struct scene *scene, uint32_t *index)
+{
+    uint32_t sun = scene_sun_light(scene), place;
+    struct light *added = scene_add_light(scene, &place);
+    if (!added)
+        return NULL;
+    if (sun != SCENE_NONE) {
+        struct light fresh = *added;
+        *added = scene->lights[sun];
+        scene->lights[sun] = fresh;
+        scene->environment.sun.light = place + 1;
+        place = sun;
+    }
+    if (index)
+        *index = place;
+    return &scene->lights[place];
+}
+
+void scene_take_light(struct scene *scene)
+{
+    uint32_t sun = scene_sun_light(scene);
+    if (sun != SCENE_NONE) {
+        scene->lights[sun - 1] = scene->lights[sun];
+        scene->environment.sun.light = sun;
+    }
+    scene->light_count--;
+}
+
 void scene_remove_sun(struct scene *scene, const struct environment *former)
 {
     if (former->sun.light > 0)

@@ -63,6 +63,13 @@ bool scene_adjust_environment(struct scene *scene, double radians, double streng
 // more.
 bool scene_add_sky_sun(struct scene *scene, struct err *err);
 
+// Adds a light before the sky's sun, which stays the last one, and takes the last of those before
+// it away. *index: the light's place. NULL when out of memory.
+struct light *scene_insert_light(struct scene *scene, uint32_t *index);
+void scene_take_light(struct scene *scene);
+// The light that the sky's sun is; SCENE_NONE.
+uint32_t scene_sun_light(const struct scene *scene);
+
 // Takes the sun of an environment that was replaced, the last of the lights, from them.
 void scene_remove_sun(struct scene *scene, const struct environment *former);
 

@@ -14,6 +14,21 @@ const char *const light_kind_names[] = {
     NULL,
 };
 
+void light_init(struct light *light)
+{
+    memset(light, 0, sizeof *light); // all bytes: editors compare lights as they are
+    light->name = "";
+    light->kind = LIGHT_POINT;
+    light->direction[1] = -1;
+    light->range = INFINITY;
+    light->outer_angle = (float)(M_PI / 4);
+}
+
+bool light_is_sun(const struct light *light)
+{
+    return !light->hidden && light->kind == LIGHT_DIRECTIONAL && light->angular_radius > 0.0;
+}
+
 double versine(double angle)
 {
     double sine = sin(0.5 * angle);

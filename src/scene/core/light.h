@@ -4,6 +4,13 @@
 
 #include "scene/core/scene_material.h"
 
+// A point light at the origin that sends nothing, without a name; parameters of other kinds as in
+// KHR_lights_punctual where nothing is said.
+void light_init(struct light *light);
+
+// Whether rays may meet it: a directional light that comes from a disc, and is not hidden.
+bool light_is_sun(const struct light *light);
+
 double versine(double angle); // 1 - cos, without cancellation
 // The cosines between which a spot's light falls off, ((cos - cos_outer) / width)^2 from the outer
 // one on; at least 0.001 (KHR_lights_punctual, "Inner and Outer Cone Angles").

@@ -2,6 +2,7 @@
 #include "scene/core/scene.h"
 
 #include "scene/core/affine.h"
+#include "scene/core/placement.h"
 #include <stdarg.h>
 #include <string.h>
 
@@ -117,6 +118,11 @@ bool scene_parameter_is_textured(const struct scene *scene, const struct materia
         if (texture_scales_parameter(&scene->textures[material->first_texture + i], parameter))
             return true;
     return false;
+}
+
+struct placed_object *scene_add_placed(struct scene *scene)
+{
+    return APPEND(scene, placed, placed, NULL);
 }
 
 bool scene_place_meshes(struct scene *scene, uint32_t first_mesh, uint32_t count, struct err *err)

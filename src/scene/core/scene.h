@@ -132,6 +132,7 @@ struct environment {
 };
 
 struct scene_base;
+struct placed_object;
 
 // A path as it stands in an override, and as seen from the working directory.
 struct scene_path {
@@ -190,6 +191,8 @@ struct scene {
     uint32_t texture_count;
     struct light *lights; // without extent
     uint32_t light_count;
+    struct placed_object *placed; // objects that were placed anew, see placement.h
+    uint32_t placed_count;
     const struct light_profile *profiles; // the latest that was read; see ies.h
     struct environment environment;
     struct settings settings; // defaults, overridden by the file
@@ -206,6 +209,7 @@ struct scene {
     // Room in the arrays above; only the scene_add_ functions and scene_note touch these.
     uint32_t material_capacity, mesh_capacity, instance_capacity, shape_capacity, camera_capacity;
     uint32_t note_capacity, image_capacity, texture_capacity, light_capacity, sdf_capacity;
+    uint32_t placed_capacity;
 };
 
 struct scene_override {
@@ -301,6 +305,7 @@ struct texture_image *scene_add_image(struct scene *scene, uint32_t *index);
 struct texture *scene_add_texture(struct scene *scene, uint32_t *index);
 struct light *scene_add_light(struct scene *scene, uint32_t *index);
 struct scene_path *scene_add_override_path(struct scene *scene);
+struct placed_object *scene_add_placed(struct scene *scene);
 
 // Whether some texture of the material scales this parameter, PARAMETER_*, so that it may be less.
 bool scene_parameter_is_textured(const struct scene *scene, const struct material *material,

@@ -142,6 +142,7 @@ struct light {
     // orthogonal to it.
     const struct light_profile *profile;
     double profile_x[3];
+    bool hidden; // left out of the render
 };
 
 #endif

@@ -152,6 +152,7 @@ static bool load_file(struct json_loader *loader, const struct json_node *node,
         return false;
     }
     scene->path = path;
+    scene->placed_count = 0; // the base's are where this file finds its objects
     base->base = scene->base;
     base->override_paths = scene->override_paths;
     base->override_path_count = scene->override_path_count;

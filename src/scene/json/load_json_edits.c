@@ -5,6 +5,8 @@
 #include "base/maths.h"
 #include "json/field_json.h"
 #include "scene/core/environment.h"
+#include "scene/core/light.h"
+#include "scene/core/placement.h"
 #include "scene/json/scene_edits.h"
 #include "scene/json/scene_fields.h"
 #include <float.h>
@@ -90,17 +92,52 @@ static bool check_keys(const struct json_node *node, const char *const *others,
     return node_check_object(node, none, known, err);
 }
 
+// --- what is added -------------------------------------------------------------------------------
+
+// Whether the element says that it is no change of what there is.
+static bool read_is_new(const struct json_node *node, bool *out, struct err *err)
+{
+    const struct json_node index = node_member(node, "index");
+    if (!json_is_object(node->value))
+        return node_unexpected(node, "an object", err);
+    return node_read_boolean(node, "added", out, err) &&
+           (!*out || !index.value ||
+            node_fail(&index, err, "goes without \"added\": what is added comes after all others"));
+}
+
+static bool read_new_name(struct scene *scene, const struct json_node *node, const char **out,
+                          struct err *err)
+{
+    const char *name = "";
+    if (!node_read_string(node, "name", &name, err))
+        return false;
+    *out = arena_strdup(&scene->arena, name);
+    return *out || err_memory(err, "a name", strlen(name) + 1);
+}
+
 // --- materials -----------------------------------------------------------------------------------
+
+static bool add_material(struct scene *scene, const struct json_node *node, uint32_t *index,
+                         struct err *err)
+{
+    struct material *added = scene_add_material(scene, index);
+    return (added || err_memory(err, "a material", sizeof *added)) &&
+           read_new_name(scene, node, &added->name, err);
+}
 
 static bool edit_material(struct json_loader *loader, const struct json_node *node, struct err *err)
 {
-    static const char *const others[] = {"index", "name", NULL};
+    static const char *const others[] = {"index", "name", "added", NULL};
     struct scene *scene = loader->scene;
     const struct list list = materials_of(scene);
     struct scene_fields fields;
     uint32_t index;
+    bool is_new = false;
     scene_material_fields(&fields);
-    return find(scene, node, &list, &index, err) && check_keys(node, others, &fields, err) &&
+    return read_is_new(node, &is_new, err) &&
+           (is_new ? add_material(scene, node, &index, err)
+                   : find(scene, node, &list, &index, err)) &&
+           check_keys(node, others, &fields, err) &&
            fields_read(fields.list, fields.count, node, &scene->materials[index], err);
 }
 
@@ -146,18 +183,35 @@ static bool read_profile(const struct json_node *node, struct light *light, stru
                      along);
 }
 
+// Before the sky's sun, which is the last one. As a light of a file that says nothing of it.
+static bool add_light(struct scene *scene, const struct json_node *node, uint32_t *index,
+                      struct err *err)
+{
+    struct light *added = scene_insert_light(scene, index);
+    if (!added)
+        return err_memory(err, "a light", sizeof *added);
+    light_init(added);
+    return read_new_name(scene, node, &added->name, err);
+}
+
 static bool edit_light(struct json_loader *loader, const struct json_node *node, struct err *err)
 {
-    static const char *const others[] = {"index",      "name",    "intensity",
-                                         "irradiance", "profile", NULL};
+    static const char *const others[] = {"index",   "name",  "intensity", "irradiance",
+                                         "profile", "added", "visible",   NULL};
     struct scene *scene = loader->scene;
     const struct list list = {"light", scene->light_count, scene_light_name};
     struct scene_fields fields;
     uint32_t index;
+    bool is_new = false;
     scene_light_fields(LIGHT_POINT, &fields);
-    if (!find(scene, node, &list, &index, err) || !check_keys(node, others, &fields, err))
+    if (!read_is_new(node, &is_new, err) || !check_keys(node, others, &fields, err) ||
+        !(is_new ? add_light(scene, node, &index, err) : find(scene, node, &list, &index, err)))
         return false;
     struct light *light = &scene->lights[index];
+    bool visible = !light->hidden;
+    if (!node_read_boolean(node, "visible", &visible, err))
+        return false;
+    light->hidden = !visible;
     if (!field_read(&fields.list[0], node, light, err))
         return false;
     scene_light_fields(light->kind, &fields);
@@ -207,18 +261,59 @@ static bool read_span(const struct json_node *node, uint32_t total, uint32_t *fi
     return true;
 }
 
+// A quad: the only shape that is added, a lamp that an editor puts there.
+static bool add_shape(struct scene *scene, const struct json_node *node, struct err *err)
+{
+    static const char *const kinds[] = {"quad", NULL};
+    static const char *const required[] = {"added", "center", "half_u", "half_v", "material", NULL};
+    static const char *const optional[] = {"visible",      "about", "move",
+                                           "turn_degrees", "scale", NULL};
+    uint32_t kind = 0;
+    double normal[3];
+    struct shape shape = {.kind = SHAPE_QUAD};
+    if (!node_check_object(node, required, optional, err) ||
+        !node_read_choice(node, "added", kinds, &kind, err) ||
+        !fields_read(scene_quad_fields, 3, node, &shape, err))
+        return false;
+    vec3_cross(shape.axes[0], shape.axes[1], normal);
+    if (!(vec3_length(normal) > 0))
+        return node_fail(node, err, "half_u and half_v span no area");
+    struct shape *added = scene_add_shape(scene, NULL);
+    if (!added)
+        return err_memory(err, "a shape", sizeof *added);
+    *added = shape;
+    return true;
+}
+
+static bool place_object(struct scene *scene, const struct json_node *node, uint32_t object,
+                         struct err *err)
+{
+    const struct placement former = scene_placement(scene, object);
+    struct placement placement = former;
+    struct err problem = {0};
+    if (!fields_read(scene_placement_fields, 4, node, &placement, err))
+        return false;
+    if (fields_same(scene_placement_fields, 4, &former, &placement) ||
+        scene_place(scene, object, &placement, &problem))
+        return true;
+    return problem.code == ERR_INPUT ? node_fail(node, err, "%s", problem.msg)
+                                     : (*err = problem, false);
+}
+
 // Objects are numbered as in renders: instances, then shapes.
 static bool edit_object(struct json_loader *loader, const struct json_node *node, struct err *err)
 {
     static const char *const required[] = {"index", NULL};
-    static const char *const optional[] = {"count", "visible", "material", NULL};
+    static const char *const optional[] = {"count", "visible",      "material", "about",
+                                           "move",  "turn_degrees", "scale",    NULL};
     struct scene *scene = loader->scene;
     const struct json_node of_visible = node_member(node, "visible");
     const struct json_node of_material = node_member(node, "material");
-    uint32_t first, count, material = SCENE_NONE;
-    bool visible = true;
-    if (!node_check_object(node, required, optional, err) ||
-        !read_span(node, scene->instance_count + scene->shape_count, &first, &count, err) ||
+    uint32_t first = scene->instance_count + scene->shape_count, count = 1, material = SCENE_NONE;
+    bool visible = true, is_new = json_is_object(node->value) && node_member(node, "added").value;
+    if (!(is_new ? add_shape(scene, node, err)
+                 : node_check_object(node, required, optional, err) &&
+                       read_span(node, first, &first, &count, err)) ||
         !node_read_boolean(node, "visible", &visible, err) ||
         !read_material(scene, &of_material, first + count <= scene->instance_count, &material, err))
         return false;
@@ -229,6 +324,8 @@ static bool edit_object(struct json_loader *loader, const struct json_node *node
             *(instance ? &instance->hidden : &shape->hidden) = !visible;
         if (of_material.value)
             *(instance ? &instance->material : &shape->material) = material;
+        if (!place_object(scene, node, i, err))
+            return false;
     }
     return true;
 }
@@ -281,6 +378,8 @@ static bool keep_former(struct json_loader *loader, bool has_materials, bool has
     struct arena *arena = &scene->arena;
     if (!base)
         return true;
+    base->material_count = scene->material_count;
+    base->shape_count = scene->shape_count;
     if (has_materials)
         base->materials =
             arena_copy(arena, scene->materials, scene->material_count, sizeof *scene->materials);

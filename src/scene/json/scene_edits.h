@@ -15,6 +15,7 @@ struct scene_base {
     const struct material *materials;
     const struct instance *instances;
     const struct shape *shapes;
+    uint32_t material_count, shape_count; // with "edits": as the base has them
     const struct light *lights;
     uint32_t light_count;
     struct environment environment;

@@ -3,6 +3,7 @@
 #include "base/maths.h"
 #include "scene/core/environment.h"
 #include "scene/core/light.h"
+#include "scene/core/placement.h"
 #include "scene/core/settings.h"
 #include "scene/sky/sky.h"
 #include "shared/types.h"
@@ -117,6 +118,39 @@ const char *scene_light_name(const struct scene *scene, uint32_t light)
 {
     return scene->lights[light].name;
 }
+
+// --- objects -------------------------------------------------------------------------------------
+
+// Far beyond these a shape has no room in a scene.
+#define SCALE_MIN 1e-30
+#define SCALE_MAX 1e30
+
+const struct field scene_placement_fields[4] = {
+    {.key = "about", FIELD_OF(placement, about), COORDINATES},
+    {.key = "move",
+     FIELD_OF(placement, move),
+     VECTOR(-2 * SCENE_COORDINATE_MAX, 2 * SCENE_COORDINATE_MAX)},
+    {.key = "turn_degrees", FIELD_OF(placement, turn_degrees), VECTOR(-1e6, 1e6)},
+    {.key = "scale", FIELD_OF(placement, scale), VECTOR(SCALE_MIN, SCALE_MAX)},
+};
+
+const struct field scene_quad_fields[3] = {
+    {.key = "center", FIELD_OF(shape, center), COORDINATES},
+    {.key = "half_u",
+     .type = FIELD_REAL,
+     .offset = offsetof(struct shape, axes[0]),
+     .size = sizeof(double[3]),
+     .count = 3,
+     .min = -SCENE_COORDINATE_MAX,
+     .max = SCENE_COORDINATE_MAX},
+    {.key = "half_v",
+     .type = FIELD_REAL,
+     .offset = offsetof(struct shape, axes[1]),
+     .size = sizeof(double[3]),
+     .count = 3,
+     .min = -SCENE_COORDINATE_MAX,
+     .max = SCENE_COORDINATE_MAX},
+};
 
 // --- cameras -------------------------------------------------------------------------------------
 

@@ -22,6 +22,9 @@ void scene_light_fields(uint32_t kind, struct scene_fields *out);
 // As far as this camera makes use of them; a closed lens is kept as far as the format takes it.
 void scene_camera_fields(const struct camera *camera, struct scene_fields *out);
 
+extern const struct field scene_placement_fields[4]; // about, move, turn_degrees, scale
+extern const struct field scene_quad_fields[3];      // of struct shape: center, half_u, half_v
+
 extern const struct field scene_environment_fields[2]; // radiance, rotation
 extern const struct field scene_gradient_fields[3];
 extern const struct field scene_sky_fields[5];

@@ -6,6 +6,7 @@
 #include "json/field_json.h"
 #include "json/json_parse.h"
 #include "scene/core/environment.h"
+#include "scene/core/placement.h"
 #include "scene/json/load_json.h"
 #include "scene/json/scene_edits.h"
 #include "scene/json/scene_fields.h"
@@ -296,12 +297,14 @@ static bool prepare_check(const struct writer *w, struct arena *arena, struct sc
     scene_remove_sun(out, &out->environment);
     out->environment = scene->environment;
     out->environment.rotation = 0;
+    out->environment.sun.light = 0;
     if (scene_sun_light(scene) == SCENE_NONE)
         return true;
     struct light *sun = scene_add_light(out, NULL);
     if (!sun)
         return err_memory(err, "a sun", sizeof *sun);
     sun->name = "sun";
+    out->environment.sun.light = out->light_count;
     return true;
 }
 
@@ -356,18 +359,23 @@ static void choose_base(struct writer *w)
     const struct scene_load_params *load = w->params->load;
     const struct scene *before = w->params->before;
     w->before = *before;
+    w->before.placed_count = 0; // where a file has placed objects, there is a base without that
     if (before->base) {
         const struct scene_base *base = before->base;
         w->base = *base;
         w->before.environment = base->environment;
         w->before.lights = (struct light *)base->lights;
         w->before.light_count = base->light_count;
-        if (base->materials)
+        if (base->materials) {
             w->before.materials = (struct material *)base->materials;
+            w->before.material_count = base->material_count;
+        }
         if (base->instances)
             w->before.instances = (struct instance *)base->instances;
-        if (base->shapes)
+        if (base->shapes) {
             w->before.shapes = (struct shape *)base->shapes;
+            w->before.shape_count = base->shape_count;
+        }
         return;
     }
     // An environment of the command line kept the ground away; the file's comes after the base.
@@ -474,7 +482,9 @@ bool scene_snapshot(struct arena *arena, const struct scene *scene, struct scene
         arena_copy(arena, scene->instances, scene->instance_count, sizeof *scene->instances);
     out->shapes = arena_copy(arena, scene->shapes, scene->shape_count, sizeof *scene->shapes);
     out->cameras = arena_copy(arena, scene->cameras, scene->camera_count, sizeof *scene->cameras);
-    if (!out->materials || !out->lights || !out->instances || !out->shapes || !out->cameras) {
+    out->placed = arena_copy(arena, scene->placed, scene->placed_count, sizeof *scene->placed);
+    if (!out->materials || !out->lights || !out->instances || !out->shapes || !out->cameras ||
+        !out->placed) {
         *out = (struct scene){0};
         return err_memory(err, "a copy of the scene", scene->material_count);
     }
@@ -483,5 +493,6 @@ bool scene_snapshot(struct arena *arena, const struct scene *scene, struct scene
     out->instance_capacity = out->instance_count;
     out->shape_capacity = out->shape_count;
     out->camera_capacity = out->camera_count;
+    out->placed_capacity = out->placed_count;
     return true;
 }

@@ -1,14 +1,10 @@
 #include "scene/json/scene_write_edits.h"
 
 #include "json/field_json.h"
+#include "scene/core/environment.h"
+#include "scene/core/placement.h"
 #include "scene/json/scene_fields.h"
 #include <string.h>
-
-uint32_t scene_sun_light(const struct scene *scene)
-{
-    uint32_t light = scene->environment.present ? scene->environment.sun.light : 0;
-    return light > 0 ? light - 1 : SCENE_NONE;
-}
 
 // --- what is the same ----------------------------------------------------------------------------
 
@@ -23,7 +19,8 @@ static bool same_light(const struct light *a, const struct light *b)
 {
     struct scene_fields fields;
     scene_light_fields(a->kind, &fields);
-    return fields_same(fields.list, fields.count, a, b) && a->profile == b->profile;
+    return fields_same(fields.list, fields.count, a, b) && a->profile == b->profile &&
+           a->hidden == b->hidden;
 }
 
 bool scene_same_camera(const struct camera *a, const struct camera *b)
@@ -37,16 +34,32 @@ bool scene_same_camera(const struct camera *a, const struct camera *b)
 struct object {
     bool is_instance, is_hidden;
     uint32_t material;
+    struct placement placement;
 };
 
 static struct object object_of(const struct scene *scene, uint32_t index)
 {
     if (index < scene->instance_count) {
         const struct instance *instance = &scene->instances[index];
-        return (struct object){true, instance->hidden, instance->material};
+        return (struct object){true, instance->hidden, instance->material,
+                               scene_placement(scene, index)};
     }
     const struct shape *shape = &scene->shapes[index - scene->instance_count];
-    return (struct object){false, shape->hidden, shape->material};
+    return (struct object){false, shape->hidden, shape->material, scene_placement(scene, index)};
+}
+
+// To the bit: where an object is, however it came there.
+static bool same_place(const struct scene *a, const struct scene *b, uint32_t object)
+{
+    if (object < a->instance_count)
+        return memcmp(a->instances[object].transform, b->instances[object].transform,
+                      sizeof a->instances[object].transform) == 0;
+    const struct shape *x = &a->shapes[object - a->instance_count];
+    const struct shape *y = &b->shapes[object - a->instance_count];
+    return x->kind == y->kind && memcmp(x->center, y->center, sizeof x->center) == 0 &&
+           memcmp(x->normal, y->normal, sizeof x->normal) == 0 &&
+           memcmp(&x->radius, &y->radius, sizeof x->radius) == 0 &&
+           memcmp(x->axes, y->axes, sizeof x->axes) == 0;
 }
 
 static bool differ(struct err *err, const char *what, uint32_t index)
@@ -63,7 +76,8 @@ bool scene_compare_edits(const struct scene *a, const struct scene *b, struct er
         a->instance_count != b->instance_count || a->shape_count != b->shape_count)
         return err_set(
             err, ERR_INPUT,
-            "materials, lights or objects were added or taken away; expected edits only");
+            "materials, lights or objects are not as many: they cannot be represented in the scene "
+            "format");
     for (uint32_t i = 0; i < a->material_count; i++)
         if (!same_material(&fields, &a->materials[i], &b->materials[i]))
             return differ(err, "material", i);
@@ -72,7 +86,7 @@ bool scene_compare_edits(const struct scene *a, const struct scene *b, struct er
             return differ(err, "light", i);
     for (uint32_t i = 0; i < a->instance_count + a->shape_count; i++) {
         const struct object x = object_of(a, i), y = object_of(b, i);
-        if (x.is_hidden != y.is_hidden || x.material != y.material)
+        if (x.is_hidden != y.is_hidden || x.material != y.material || !same_place(a, b, i))
             return differ(err, "object", i);
     }
     if (e->present != f->present ||
@@ -113,6 +127,17 @@ static void address(struct json_text *t, const struct scene *scene, uint32_t cou
         json_text_uint(t, index);
 }
 
+// What the base does not have.
+static void put_new(struct json_text *t, const char *name)
+{
+    json_text_key(t, "added");
+    json_text_bool(t, true);
+    if (name && *name && json_text_can_hold(name)) {
+        json_text_key(t, "name");
+        json_text_string(t, name);
+    }
+}
+
 static void put_materials(struct json_text *t, const struct scene_difference *d)
 {
     const struct scene *now = d->scene, *before = d->before;
@@ -121,6 +146,13 @@ static void put_materials(struct json_text *t, const struct scene_difference *d)
     scene_material_fields(&fields);
     for (uint32_t i = 0; i < now->material_count; i++) {
         const struct material *to = &now->materials[i], *from = &before->materials[i];
+        if (i >= before->material_count) {
+            begin_element(t, "materials", &is_open);
+            put_new(t, to->name);
+            fields_write(fields.list, fields.count, to, t);
+            json_text_close(t);
+            continue;
+        }
         if (same_material(&fields, to, from))
             continue;
         begin_element(t, "materials", &is_open);
@@ -137,6 +169,10 @@ static void put_light(struct json_text *t, const struct light *now, const struct
 {
     struct scene_fields fields;
     scene_light_fields(now->kind, &fields);
+    if (now->hidden != (before && before->hidden)) {
+        json_text_key(t, "visible");
+        json_text_bool(t, !now->hidden);
+    }
     if (!before) {
         fields_write(fields.list, fields.count, now, t);
         return;
@@ -148,18 +184,32 @@ static void put_light(struct json_text *t, const struct light *now, const struct
     }
 }
 
-// The sun is the last light, so the others keep their places whether there is one or not.
+// What the base has of the light i. The sun is the last one of both, so the others keep their
+// places whether there is one or not; what was added stands before it. NULL: nothing.
+static const struct light *former_light(const struct scene_difference *d, uint32_t i)
+{
+    uint32_t sun = scene_sun_light(d->scene), former_sun = scene_sun_light(d->before);
+    uint32_t others = d->before->light_count - (former_sun != SCENE_NONE);
+    bool is_other_sun = d->has_other_environment || d->has_other_adjustment;
+    if (i == sun)
+        return is_other_sun || former_sun == SCENE_NONE ? NULL : &d->before->lights[former_sun];
+    return i < others ? &d->before->lights[i] : NULL;
+}
+
 static void put_lights(struct json_text *t, const struct scene_difference *d)
 {
-    const struct scene *now = d->scene, *before = d->before;
-    bool is_open = false, is_other_sun = d->has_other_environment || d->has_other_adjustment;
-    uint32_t sun = is_other_sun ? scene_sun_light(now) : SCENE_NONE;
+    const struct scene *now = d->scene;
+    uint32_t sun = scene_sun_light(now);
+    bool is_open = false;
     for (uint32_t i = 0; i < now->light_count; i++) {
-        const struct light *from = i != sun && i < before->light_count ? &before->lights[i] : NULL;
+        const struct light *from = former_light(d, i);
         if (from && same_light(&now->lights[i], from))
             continue;
         begin_element(t, "lights", &is_open);
-        address(t, now, now->light_count, i, scene_light_name);
+        if (from || i == sun)
+            address(t, now, now->light_count, i, scene_light_name);
+        else
+            put_new(t, now->lights[i].name);
         put_light(t, &now->lights[i], from);
         json_text_close(t);
     }
@@ -169,22 +219,42 @@ static void put_lights(struct json_text *t, const struct scene_difference *d)
 
 // What there is to say of an object.
 struct object_edit {
-    bool says_visible, says_material;
+    bool is_new, says_visible, says_material, says_place;
     struct object to;
 };
 
+// `before` has none of the shapes that were added.
 static struct object_edit edit_of(const struct scene_difference *d, uint32_t index)
 {
-    const struct object to = object_of(d->scene, index), from = object_of(d->before, index);
-    return (struct object_edit){to.is_hidden != from.is_hidden, to.material != from.material, to};
+    const struct object to = object_of(d->scene, index);
+    bool says_place = !placement_is_none(&to.placement);
+    if (index >= d->before->instance_count + d->before->shape_count)
+        return (struct object_edit){true, to.is_hidden, true, says_place, to};
+    const struct object from = object_of(d->before, index);
+    return (struct object_edit){false, to.is_hidden != from.is_hidden, to.material != from.material,
+                                says_place, to};
 }
 
+// Those that say where an object is stand alone.
 static bool same_edit(const struct object_edit *a, const struct object_edit *b)
 {
-    return a->says_visible == b->says_visible && a->says_material == b->says_material &&
+    return !a->is_new && !b->is_new && !a->says_place && !b->says_place &&
+           a->says_visible == b->says_visible && a->says_material == b->says_material &&
            a->to.is_instance == b->to.is_instance &&
            (!a->says_visible || a->to.is_hidden == b->to.is_hidden) &&
            (!a->says_material || a->to.material == b->to.material);
+}
+
+// As it was added, which may be elsewhere than it is now.
+static void put_new_shape(struct json_text *t, const struct scene *scene, uint32_t object)
+{
+    const struct shape *shape = &scene->shapes[object - scene->instance_count];
+    const struct placed_object *placed = scene_find_placed(scene, object);
+    if (placed)
+        shape = &placed->shape;
+    json_text_key(t, "added");
+    json_text_string(t, "quad");
+    fields_write(scene_quad_fields, 3, shape, t);
 }
 
 static void put_object_edit(struct json_text *t, const struct object_edit *edit)
@@ -200,6 +270,8 @@ static void put_object_edit(struct json_text *t, const struct object_edit *edit)
         else
             json_text_uint(t, edit->to.material);
     }
+    if (edit->says_place)
+        fields_write(scene_placement_fields, 4, &edit->to.placement, t);
 }
 
 // Runs of the same edit take one line.
@@ -214,11 +286,15 @@ static void put_objects(struct json_text *t, const struct scene_difference *d)
             if (!same_edit(&edit, &next))
                 break;
         }
-        if (!edit.says_visible && !edit.says_material)
+        if (!edit.is_new && !edit.says_visible && !edit.says_material && !edit.says_place)
             continue;
         begin_element(t, "objects", &is_open);
-        json_text_key(t, "index");
-        json_text_uint(t, i);
+        if (edit.is_new) {
+            put_new_shape(t, d->scene, i);
+        } else {
+            json_text_key(t, "index");
+            json_text_uint(t, i);
+        }
         if (count > 1) {
             json_text_key(t, "count");
             json_text_uint(t, count);

@@ -14,9 +14,6 @@ struct scene_difference {
 
 void scene_write_edits(struct json_text *t, const struct scene_difference *difference);
 
-// The light that the environment's sun is; SCENE_NONE.
-uint32_t scene_sun_light(const struct scene *scene);
-
 // Whether what can be edited is the same to the bit; else ERR_INPUT, naming what is not.
 bool scene_compare_edits(const struct scene *a, const struct scene *b, struct err *err);
 // As far as its kind makes use of it.

@@ -23,15 +23,9 @@ struct surroundings surroundings_default(void)
     return s;
 }
 
-static uint32_t sun_of(const struct scene *scene)
-{
-    uint32_t light = scene->environment.sun.light;
-    return scene->environment.present && light > 0 ? light - 1 : SCENE_NONE;
-}
-
 struct surroundings_original surroundings_keep(const struct scene *scene)
 {
-    uint32_t sun = sun_of(scene);
+    uint32_t sun = scene_sun_light(scene);
     return (struct surroundings_original){
         .environment = scene->environment,
         .light_count = scene->light_count - (sun != SCENE_NONE),
