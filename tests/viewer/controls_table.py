@@ -164,6 +164,11 @@ LIGHTS = [
     ('light.range', '1.5'),
     ('light.intensity', '40'),
     ('light.kind', 'directional'),
+    ('light.visible', 'off'),
+    ('lights.1', 'on', 'state', None),
+    ('light.exchange', ''),
+    ('lights.add', ''),
+    ('lights.add_area', ''),
 ]
 
 # The number of each material of the scene, and what of it is changed.
@@ -239,6 +244,12 @@ OBJECTS = [
     'mouse 216 99', 'button left', 'wait 3 frames', 'expect picked.distance > 0',
     ('picked.edit_material', '', 'state', None),
     ('picked.hide', ''),
+    ('object.position', '0.3,0.4,0.1'),
+    ('object.turn', '10,20,30', 'result', None),
+    ('object.scale', '1.5,0.5,1', 'result', None),
+    ('object.put_back', ''),
+    'press lights.add_area', 'wait 2 samples', 'check material.emission 1,2,3 picture',
+    ('object.exchange', ''),
 ]
 
 FILES = [

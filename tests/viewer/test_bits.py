@@ -108,6 +108,48 @@ class Bits(Case):
         self.assertEqual(self.render(self.path('saved.json'), '--allow-outside-paths')
                          ['image_hash'], edited)
 
+    def test_random_edits_of_objects_and_lights(self):
+        """After any sequence of edits, some of them undone: what is saved renders to the very bits."""
+        choice = random.Random(11)
+
+        def vector(low, high):
+            return ','.join(f'{choice.uniform(low, high):.4f}' for _ in range(3))
+
+        lines = []
+        for _ in range(40):
+            lines.append(choice.choice([
+                f'set object.{choice.randrange(6)} on',
+                f'set object.{choice.randrange(6)}.visible {choice.choice(["on", "off"])}',
+                f'set object.position {vector(-0.5, 0.8)}', f'set object.turn {vector(-90, 90)}',
+                f'set object.scale {vector(0.4, 1.6)}',
+                'press lights.add_area', 'press lights.add',
+                f'press lights.add\nset light.direction {vector(-1, -0.1)}',
+                f'press lights.add\nset light.color {vector(0, 1)}\nset light.visible off',
+                f'set material.emission {vector(0, 3)}',
+                'set surroundings.kind sky\nset surroundings.strength 0.01',
+                'key Ctrl+z', 'key Ctrl+z', 'key Ctrl+y']))
+        # One control of each kind at least, and lamps for lights.
+        lines += ['press lights.add_area', 'press object.exchange', 'set light.intensity 2',
+                  'press light.exchange', 'set object.turn 0,30,0', 'set object.scale 2,1,1',
+                  'key Ctrl+z']
+        result = self.view('wait 1 samples\n' + '\n'.join(lines) + '\nwait 2 samples\n'
+                           'hash hash.jsonl\nscene saved.json\nstate state.json\n', '--spp', '2',
+                           scene=CORNELL, size='64x48')
+        edited = result.hashes()[-1]
+        self.assertGreater(result.state()['counts']['undo'], 10)
+        saved = self.render(self.path('saved.json'), '--allow-outside-paths', size='64x48')
+        self.expect_same(edited, saved)
+        # Opened again and edited further, it is saved over itself.
+        os.remove(self.path('hash.jsonl'))
+        result = self.view('wait 1 samples\nset object.2 on\nset object.turn 0,45,0\n'
+                           'press lights.add\nwait 2 samples\nhash hash.jsonl\nscene saved.json\n',
+                           '--spp', '2', '--allow-outside-paths', scene=self.path('saved.json'),
+                           size='64x48')
+        again = result.hashes()[-1]
+        self.assertNotEqual(edited['image_hash'], again['image_hash'])
+        self.expect_same(again, self.render(self.path('saved.json'), '--allow-outside-paths',
+                                            size='64x48'))
+
 
 if __name__ == '__main__':
     viewer_run.main()

@@ -1,5 +1,8 @@
+#include "scene/core/affine.h"
+#include "scene/core/environment.h"
 #include "test.h"
 #include "viewer/core/edit.h"
+#include "viewer/core/lamps.h"
 #include "viewer/core/viewer.h"
 
 // --- a viewer with a scene of everything ---------------------------------------------------------
@@ -18,6 +21,7 @@ static bool set_up(void)
         return false;
     material_init(&scene->materials[0]);
     material_init(&scene->materials[1]);
+    scene->shapes[0] = (struct shape){.kind = SHAPE_SPHERE, .radius = 1};
     scene->environment = (struct environment){.present = true, .radiance = {1, 1, 1}};
     viewer.document.original = surroundings_keep(scene);
     viewer.document.surroundings = surroundings_default();
@@ -268,6 +272,104 @@ TEST(reverting_leaves_no_trace)
     tear_down();
 }
 
+TEST(what_is_placed_comes_back)
+{
+    REQUIRE(set_up());
+    struct shape shape = viewer.document.scene.shapes[0];
+    struct placement to = placement_none(shape.center);
+    asked(0);
+    for (int i = 1; i <= 3; i++) { // a drag
+        to.move[1] = i;
+        REQUIRE(edit_place(&viewer, 1, &to, "object.position"), "%s", viewer.shell.message);
+    }
+    CHECK(asked(0) == CHANGE_GEOMETRY && edit_undo_count(&viewer) == 1);
+    CHECK(viewer.document.scene.shapes[0].center[1] == 3);
+    edit_undo(&viewer);
+    CHECK(memcmp(&viewer.document.scene.shapes[0], &shape, sizeof shape) == 0);
+    edit_redo(&viewer);
+    CHECK(viewer.document.scene.shapes[0].center[1] == 3);
+    to.scale[0] = 2; // of a sphere along one axis
+    CHECK(!edit_place(&viewer, 1, &to, "object.scale") && edit_undo_count(&viewer) == 1);
+    CHECK(viewer.document.scene.shapes[0].center[1] == 3);
+    tear_down();
+}
+
+// What is added with its material, and one lamp for another, are one step each.
+TEST(lamps_come_and_go_as_one_step)
+{
+    REQUIRE(set_up());
+    const struct scene *scene = &viewer.document.scene;
+    for (int c = 0; c < 3; c++)
+        viewer.document.bounds_max[c] = 2;
+    REQUIRE(lamp_add(&viewer, "lights.add_area"), "%s", viewer.shell.message);
+    uint32_t object = scene->instance_count + 1;
+    CHECK(edit_undo_count(&viewer) == 1 && scene->shape_count == 2 && scene->material_count == 3);
+    CHECK(lamp_is(scene, object) && viewer.document.chosen_object == object);
+    CHECK(asked(0) == CHANGE_GEOMETRY);
+    REQUIRE(light_add(&viewer, "lights.add") && scene->light_count == 2);
+    const struct light light = scene->lights[1];
+    REQUIRE(lamp_exchange(&viewer, object, "object.exchange"), "%s", viewer.shell.message);
+    CHECK(scene->light_count == 3 && scene->shapes[1].hidden);
+    for (int i = 0; i < 3; i++)
+        CHECK(edit_undo(&viewer));
+    CHECK(!edit_undo(&viewer) && scene->shape_count == 1 && scene->light_count == 1 &&
+          scene->material_count == 2);
+    for (int i = 0; i < 3; i++)
+        CHECK(edit_redo(&viewer));
+    CHECK(!edit_redo(&viewer) && scene->light_count == 3 && scene->shapes[1].hidden);
+    CHECK(memcmp(&scene->lights[1], &light, sizeof light) == 0);
+    tear_down();
+}
+
+// To the middle of the scene both send the same: 4 half edges^2 L / distance^2, face on.
+TEST(lamps_are_as_bright_as_what_they_become)
+{
+    REQUIRE(set_up());
+    const struct scene *scene = &viewer.document.scene;
+    for (int c = 0; c < 3; c++) {
+        viewer.document.bounds_min[c] = -3;
+        viewer.document.bounds_max[c] = 3;
+    }
+    REQUIRE(light_add(&viewer, "a"));
+    const struct light light = scene->lights[1];
+    REQUIRE(light_exchange(&viewer, 1, "b") && scene->lights[1].hidden);
+    const struct shape quad = scene->shapes[1];
+    double normal[3], distance = vec3_length(quad.center);
+    vec3_cross(quad.axes[0], quad.axes[1], normal);
+    double irradiance =
+        (double)scene->materials[2].emission[0] * 4 * vec3_length(normal) / (distance * distance);
+    CHECK(fabs(irradiance - (double)light.radiant[0]) < 1e-6, "%g", irradiance);
+    vec3_normalize(normal);
+    CHECK(vec3_dot(normal, light.direction) > 1 - 1e-12, "its outside faces the middle");
+    REQUIRE(lamp_exchange(&viewer, scene->instance_count + 1, "c"));
+    CHECK(fabs((double)(scene->lights[2].radiant[0] - light.radiant[0])) < 1e-5, "%g",
+          (double)scene->lights[2].radiant[0]);
+    CHECK(vec3_dot(scene->lights[2].direction, light.direction) > 1 - 1e-12);
+    tear_down();
+}
+
+TEST(lights_are_added_beside_a_sun)
+{
+    REQUIRE(set_up());
+    const struct scene *scene = &viewer.document.scene;
+    struct surroundings sky = viewer.document.surroundings;
+    sky.kind = SURROUNDINGS_SKY;
+    REQUIRE(edit_surroundings(&viewer, &sky, "scene.kind"), "%s", viewer.shell.message);
+    const struct light sun = scene->lights[1];
+    REQUIRE(light_add(&viewer, "lights.add") && scene->light_count == 3);
+    CHECK(memcmp(&scene->lights[2], &sun, sizeof sun) == 0 && scene_sun_light(scene) == 2);
+    sky.kind = SURROUNDINGS_NONE;
+    REQUIRE(edit_surroundings(&viewer, &sky, "scene.kind"));
+    CHECK(scene->light_count == 2 && strcmp(scene->lights[1].name, "light") == 0);
+    edit_undo(&viewer);
+    CHECK(scene->light_count == 3 && memcmp(&scene->lights[2], &sun, sizeof sun) == 0);
+    edit_undo(&viewer);
+    CHECK(scene->light_count == 2 && memcmp(&scene->lights[1], &sun, sizeof sun) == 0);
+    edit_undo(&viewer);
+    CHECK(scene->light_count == 1);
+    tear_down();
+}
+
 // More than the history holds: the oldest are forgotten, the newest can be undone.
 TEST(histories_end)
 {
@@ -293,4 +395,6 @@ TEST_MAIN(TEST_CASE(no_difference_is_no_step), TEST_CASE(undo_restores_every_bit
           TEST_CASE(what_is_shown_keeps_what_is_accumulated),
           TEST_CASE(surroundings_come_and_go_with_the_sun),
           TEST_CASE(a_file_that_is_not_there_changes_nothing), TEST_CASE(reverting_leaves_no_trace),
-          TEST_CASE(histories_end))
+          TEST_CASE(what_is_placed_comes_back), TEST_CASE(lamps_come_and_go_as_one_step),
+          TEST_CASE(lamps_are_as_bright_as_what_they_become),
+          TEST_CASE(lights_are_added_beside_a_sun), TEST_CASE(histories_end))

@@ -1,6 +1,8 @@
 #include "viewer/core/edit.h"
 
 #include "render/sampling_plan.h"
+#include "scene/core/environment.h"
+#include "scene/core/light.h"
 #include "viewer/core/changes.h"
 #include "viewer/core/exposure.h"
 #include "viewer/core/messages.h"
@@ -28,6 +30,9 @@ union state {
     struct material material;
     struct light light;
     struct shown shown;
+    struct placement placement;
+    struct list_counts counts;
+    struct shape shape;
     bool visible;
 };
 
@@ -35,14 +40,16 @@ static const size_t state_bytes[TARGET_COUNT] = {
     [TARGET_CAMERA] = sizeof(struct camera),       [TARGET_METHOD] = sizeof(struct method),
     [TARGET_SURROUNDINGS] = sizeof(struct around), [TARGET_MATERIAL] = sizeof(struct material),
     [TARGET_LIGHT] = sizeof(struct light),         [TARGET_OBJECT] = sizeof(bool),
-    [TARGET_DISPLAY] = sizeof(struct shown),
+    [TARGET_DISPLAY] = sizeof(struct shown),       [TARGET_PLACE] = sizeof(struct placement),
+    [TARGET_LISTS] = sizeof(struct list_counts),   [TARGET_SHAPE] = sizeof(struct shape),
 };
 
 struct step {
     enum target target;
     uint32_t index;
     char control[GUI_ID_MAX];
-    void *states; // before, then after
+    bool is_joined; // with the one before it: both are undone as one
+    void *states;   // before, then after
 };
 
 struct history {
@@ -50,6 +57,8 @@ struct history {
     uint32_t count, done; // steps[0, done) can be undone, the others done again
     bool is_open;         // the last one goes on
     bool is_fresh;        // the last one has not been seen to succeed
+    bool is_group;        // those that come are one
+    uint32_t group_begin; // the number of the group's first step
 };
 
 bool history_create(struct history **out, struct err *err)
@@ -129,6 +138,15 @@ static void get(struct viewer *viewer, enum target target, uint32_t index, union
         break;
     case TARGET_DISPLAY:
         out->shown = viewer->stage.shown;
+        break;
+    case TARGET_PLACE:
+        out->placement = scene_placement(&viewer->document.scene, index);
+        break;
+    case TARGET_LISTS:
+        out->counts = edit_counts(viewer);
+        break;
+    case TARGET_SHAPE:
+        out->shape = viewer->document.scene.shapes[index];
         break;
     case TARGET_COUNT:
         break;
@@ -210,6 +228,68 @@ static bool put_around(struct viewer *viewer, const struct around *to, struct er
     return true;
 }
 
+struct list_counts edit_counts(const struct viewer *viewer)
+{
+    const struct scene *scene = &viewer->document.scene;
+    return (struct list_counts){
+        .materials = scene->material_count,
+        .lights = scene->light_count - (scene_sun_light(scene) != SCENE_NONE),
+        .shapes = scene->shape_count,
+    };
+}
+
+static bool add_light(struct document *document)
+{
+    uint32_t index;
+    struct light *added = scene_insert_light(&document->scene, &index);
+    if (added)
+        light_init(added);
+    document->original.light_count += added != NULL;
+    return added != NULL;
+}
+
+static bool add_shape(struct scene *scene)
+{
+    struct shape *added = scene_add_shape(scene, NULL);
+    if (!added)
+        return false;
+    memset(added, 0, sizeof *added); // all bytes: shapes are compared as they are
+    added->kind = SHAPE_QUAD;
+    added->axes[0][0] = added->axes[1][2] = 0.5;
+    return true;
+}
+
+// What was chosen in a list may be gone: then it is the last one.
+static void choose_within(uint32_t *chosen, uint32_t count)
+{
+    if (*chosen >= count)
+        *chosen = count > 0 ? count - 1 : 0;
+}
+
+// Where memory ends half way, what was added stays, unseen.
+static bool put_lists(struct document *document, const struct list_counts *to, struct err *err)
+{
+    struct scene *scene = &document->scene;
+    uint32_t sun = scene_sun_light(scene) != SCENE_NONE;
+    bool ok = true;
+    while (ok && scene->material_count < to->materials)
+        ok = scene_add_material(scene, NULL) != NULL;
+    while (ok && scene->light_count - sun < to->lights)
+        ok = add_light(document);
+    while (ok && scene->shape_count < to->shapes)
+        ok = add_shape(scene);
+    if (!ok)
+        return err_memory(err, "what is added", sizeof(struct shape));
+    for (; scene->light_count - sun > to->lights; document->original.light_count--)
+        scene_take_light(scene);
+    scene->material_count = to->materials;
+    scene->shape_count = to->shapes;
+    choose_within(&document->chosen_material, scene->material_count);
+    choose_within(&document->chosen_light, scene->light_count);
+    choose_within(&document->chosen_object, scene->instance_count + scene->shape_count);
+    return true;
+}
+
 static bool put(struct viewer *viewer, enum target target, uint32_t index, const union state *from,
                 const union state *to, struct err *err)
 {
@@ -241,6 +321,20 @@ static bool put(struct viewer *viewer, enum target target, uint32_t index, const
         viewer->stage.shown = to->shown;
         shown_changed(viewer, &from->shown);
         break;
+    case TARGET_PLACE:
+        if (!scene_place(&viewer->document.scene, index, &to->placement, err))
+            return false;
+        viewer_changed(viewer, CHANGE_GEOMETRY);
+        break;
+    case TARGET_LISTS:
+        if (!put_lists(&viewer->document, &to->counts, err))
+            return false;
+        viewer_changed(viewer, CHANGE_GEOMETRY);
+        break;
+    case TARGET_SHAPE:
+        viewer->document.scene.shapes[index] = to->shape;
+        viewer_changed(viewer, CHANGE_GEOMETRY);
+        break;
     case TARGET_COUNT:
         break;
     }
@@ -258,7 +352,11 @@ static bool is_there(const struct viewer *viewer, enum target target, uint32_t i
     case TARGET_LIGHT:
         return index < scene->light_count;
     case TARGET_OBJECT:
+    case TARGET_PLACE:
         return index < scene->instance_count + scene->shape_count;
+    case TARGET_SHAPE:
+        return index < scene->shape_count;
+    case TARGET_LISTS:
     case TARGET_CAMERA:
     case TARGET_SURROUNDINGS:
     case TARGET_DISPLAY:
@@ -284,8 +382,9 @@ static bool goes_on(const struct history *history, enum target target, uint32_t 
                     const char *control)
 {
     const struct step *last = history->steps + history->done - 1;
-    return history->is_open && history->done > 0 && history->done == history->count &&
-           last->target == target && last->index == index && strcmp(last->control, control) == 0;
+    return history->is_open && !history->is_group && history->done > 0 &&
+           history->done == history->count && last->target == target && last->index == index &&
+           strcmp(last->control, control) == 0;
 }
 
 // False: without memory there is no undoing of it, but it is done.
@@ -299,10 +398,14 @@ static bool record(struct history *history, enum target target, uint32_t index, 
         return true;
     }
     forget(history, history->done, history->count);
-    if (history->count == STEPS_MAX)
+    bool is_joined = history->is_group && history->count > history->group_begin;
+    if (history->count == STEPS_MAX) {
         forget(history, 0, 1);
+        history->group_begin -= history->group_begin > 0;
+    }
     struct step *step = &history->steps[history->count];
-    *step = (struct step){.target = target, .index = index, .states = malloc(2 * bytes)};
+    *step = (struct step){
+        .target = target, .index = index, .is_joined = is_joined, .states = malloc(2 * bytes)};
     if (!step->states)
         return false;
     strncpy(step->control, control, sizeof step->control - 1);
@@ -398,6 +501,40 @@ bool edit_shown(struct viewer *viewer, const struct shown *to, const char *contr
     return ok;
 }
 
+bool edit_place(struct viewer *viewer, uint32_t object, const struct placement *to,
+                const char *control)
+{
+    union state state = zeroed();
+    state.placement = *to;
+    return edit(viewer, TARGET_PLACE, object, &state, control);
+}
+
+bool edit_lists(struct viewer *viewer, const struct list_counts *to, const char *control)
+{
+    union state state = zeroed();
+    state.counts = *to;
+    return edit(viewer, TARGET_LISTS, 0, &state, control);
+}
+
+bool edit_shape(struct viewer *viewer, uint32_t index, const struct shape *to, const char *control)
+{
+    union state state = zeroed();
+    state.shape = *to;
+    return edit(viewer, TARGET_SHAPE, index, &state, control);
+}
+
+void edit_begin_group(struct viewer *viewer)
+{
+    edit_close(viewer);
+    viewer->document.history->is_group = true;
+    viewer->document.history->group_begin = viewer->document.history->done;
+}
+
+void edit_end_group(struct viewer *viewer)
+{
+    viewer->document.history->is_group = viewer->document.history->is_open = false;
+}
+
 // What led back to where it began is no step.
 void edit_close(struct viewer *viewer)
 {
@@ -424,15 +561,25 @@ static bool go(struct viewer *viewer, const struct step *step, const void *to)
     return false;
 }
 
+// The last step that is done; false where it cannot be taken back.
+static bool undo_one(struct viewer *viewer)
+{
+    struct history *history = viewer->document.history;
+    const struct step *step = &history->steps[history->done - 1];
+    if (!go(viewer, step, before_of(step)))
+        return false;
+    history->done--;
+    return true;
+}
+
 bool edit_undo(struct viewer *viewer)
 {
     struct history *history = viewer->document.history;
     edit_close(viewer);
     if (history->done == 0)
         return false;
-    const struct step *step = &history->steps[history->done - 1];
-    if (go(viewer, step, before_of(step)))
-        history->done--;
+    while (undo_one(viewer) && history->done > 0 && history->steps[history->done].is_joined)
+        ;
     return true;
 }
 
@@ -442,9 +589,12 @@ bool edit_redo(struct viewer *viewer)
     edit_close(viewer);
     if (history->done == history->count)
         return false;
-    const struct step *step = &history->steps[history->done];
-    if (go(viewer, step, after_of(step)))
+    do {
+        const struct step *step = &history->steps[history->done];
+        if (!go(viewer, step, after_of(step)))
+            break;
         history->done++;
+    } while (history->done < history->count && history->steps[history->done].is_joined);
     return true;
 }
 
@@ -452,14 +602,12 @@ bool edit_revert(struct viewer *viewer)
 {
     struct history *history = viewer->document.history;
     bool is_fresh = history->is_fresh && history->done > 0;
-    history->is_fresh = false;
-    if (!is_fresh)
+    history->is_fresh = history->is_open = false;
+    if (!is_fresh || !undo_one(viewer))
         return false;
-    history->is_open = false;
-    const struct step *step = &history->steps[history->done - 1];
-    if (!go(viewer, step, before_of(step)))
-        return false;
-    forget(history, history->done - 1, history->count);
+    while (history->done > 0 && history->steps[history->done].is_joined && undo_one(viewer))
+        ;
+    forget(history, history->done, history->count);
     return true;
 }
 
@@ -468,14 +616,24 @@ void edit_settle(struct viewer *viewer)
     viewer->document.history->is_fresh = false;
 }
 
+// Steps that are undone one by one.
+static uint32_t count_steps(const struct history *history, uint32_t from, uint32_t to)
+{
+    uint32_t count = 0;
+    for (uint32_t i = from; i < to; i++)
+        count += !history->steps[i].is_joined;
+    return count;
+}
+
 uint32_t edit_undo_count(const struct viewer *viewer)
 {
-    return viewer->document.history->done;
+    return count_steps(viewer->document.history, 0, viewer->document.history->done);
 }
 
 uint32_t edit_redo_count(const struct viewer *viewer)
 {
-    return viewer->document.history->count - viewer->document.history->done;
+    const struct history *history = viewer->document.history;
+    return count_steps(history, history->done, history->count);
 }
 
 const char *edit_undo_name(const struct viewer *viewer)

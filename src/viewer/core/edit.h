@@ -6,7 +6,7 @@
 #ifndef LAMPYRIS_VIEWER_CORE_EDIT_H
 #define LAMPYRIS_VIEWER_CORE_EDIT_H
 
-#include "scene/core/scene.h"
+#include "scene/core/placement.h"
 #include "scene/sky/surroundings.h"
 #include "viewer/core/view.h"
 
@@ -29,6 +29,9 @@ enum target {
     TARGET_LIGHT,
     TARGET_OBJECT,  // visibility; index: instances, then shapes, as AOV ids number them
     TARGET_DISPLAY, // what is shown: struct shown
+    TARGET_PLACE,   // where it is; index: an object
+    TARGET_LISTS,   // how many there are of what can be added: struct list_counts
+    TARGET_SHAPE,   // all of one that was added; index: of the shapes
     TARGET_COUNT
 };
 
@@ -49,8 +52,21 @@ bool edit_material(struct viewer *viewer, uint32_t index, const struct material 
                    const char *control);
 bool edit_light(struct viewer *viewer, uint32_t index, const struct light *to, const char *control);
 bool edit_visible(struct viewer *viewer, uint32_t object, bool visible, const char *control);
+bool edit_place(struct viewer *viewer, uint32_t object, const struct placement *to,
+                const char *control);
 struct shown;
 bool edit_shown(struct viewer *viewer, const struct shown *to, const char *control);
+// How many there are of what editors add. Lights: without a sky's sun, before which they come.
+struct list_counts {
+    uint32_t materials, lights, shapes;
+};
+struct list_counts edit_counts(const struct viewer *viewer);
+// Adds a grey material, a light that sends nothing, a square of 1 m; or takes the last ones away.
+bool edit_lists(struct viewer *viewer, const struct list_counts *to, const char *control);
+bool edit_shape(struct viewer *viewer, uint32_t index, const struct shape *to, const char *control);
+// What is edited between the two is one step of the history.
+void edit_begin_group(struct viewer *viewer);
+void edit_end_group(struct viewer *viewer);
 // Ends the step that is open: the mouse button or key was let go.
 void edit_close(struct viewer *viewer);
 

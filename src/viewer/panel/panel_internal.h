@@ -20,6 +20,13 @@ struct panel_filter {
     uint32_t count;
 };
 
+// Where an object is turned about, as it was looked for last.
+struct panel_middle {
+    uint64_t hash; // of the scene; 0: nothing is known
+    uint32_t object;
+    double transform[3][4], middle[3];
+};
+
 // Its files take what they show, and ask the viewer, which they cannot look into, for changes.
 struct panel {
     struct viewer *viewer;
@@ -39,6 +46,7 @@ struct panel {
     char open_path[SURROUNDINGS_PATH_MAX], save_path[SURROUNDINGS_PATH_MAX];
     bool saves_panel, saves_denoised;
     uint32_t slot; // of saved views
+    struct panel_middle middle;
 };
 
 // A row of controls over a copy of something: which of them was used last.
@@ -104,5 +112,6 @@ void panel_scene(struct panel *panel, struct document *document);
 void panel_surroundings(struct panel *panel, const struct document *document);
 void panel_lights(struct panel *panel, struct document *document);
 void panel_materials(struct panel *panel, struct document *document);
+void panel_place(struct panel *panel, const struct document *document); // of the chosen object
 
 #endif

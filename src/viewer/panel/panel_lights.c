@@ -5,6 +5,7 @@
 #include "scene/core/environment.h"
 #include "scene/core/light.h"
 #include "scene/json/load_json.h"
+#include "viewer/core/lamps.h"
 #include "viewer/core/messages.h"
 #include <math.h>
 #include <stdio.h>
@@ -19,8 +20,8 @@ static void light_name(void *context, uint32_t row, char out[PANEL_NAME_MAX])
 {
     const struct scene *scene = context;
     const struct light *light = &scene->lights[row];
-    snprintf(out, PANEL_NAME_MAX, "%u %.100s (%s)", row, light->name ? light->name : "",
-             light_kind_names[light->kind]);
+    snprintf(out, PANEL_NAME_MAX, "%u %.100s (%s%s)", row, light->name ? light->name : "",
+             light_kind_names[light->kind], light->hidden ? ", hidden" : "");
 }
 
 // The same light from one that had other parameters: those that were not used get values that make
@@ -113,6 +114,10 @@ static void parameters(struct panel *panel, const struct document *document, uin
     struct light to = document->scene.lights[index];
     struct form form = {.gui = gui};
     uint32_t kind = to.kind;
+    bool visible = !to.hidden;
+    if (form_switch(&form, "light.visible", "Visible", "Off: it is taken out of the scene.",
+                    &visible))
+        to.hidden = !visible;
     if (form_choice(&form, "light.kind", "Kind", "Point, spot, or parallel light from afar.",
                     light_kind_names, &kind))
         change_kind(&to, kind);
@@ -134,9 +139,27 @@ static void parameters(struct panel *panel, const struct document *document, uin
         to.profile = NULL;
         form.used = "light.profile_off";
     }
+    gui_same_line(gui);
+    gui_enabled(gui, to.kind == LIGHT_DIRECTIONAL);
+    bool exchanges = gui_button(gui, "light.exchange", "Area light instead",
+                                "Hides it; a square that faces the scene's middle shines from "
+                                "there, as bright in the middle.");
     gui_enabled(gui, true);
-    if (form.used)
+    if (exchanges)
+        light_exchange(panel->viewer, index, "light.exchange");
+    else if (form.used)
         edit_light(panel->viewer, index, &to, form.used);
+}
+
+static void additions(struct panel *panel)
+{
+    if (gui_button(panel->gui, "lights.add", "Add light",
+                   "A further light: directional at first, of any kind then."))
+        light_add(panel->viewer, "lights.add");
+    gui_same_line(panel->gui);
+    if (gui_button(panel->gui, "lights.add_area", "Add area light",
+                   "A square that shines, with a material of its own; it is among the objects."))
+        lamp_add(panel->viewer, "lights.add_area");
 }
 
 void panel_lights(struct panel *panel, struct document *document)
@@ -162,5 +185,6 @@ void panel_lights(struct panel *panel, struct document *document)
     } else {
         gui_line(gui, "None: this scene is lit by what emits, or by its surroundings.");
     }
+    additions(panel);
     gui_group_end(gui);
 }

@@ -87,21 +87,25 @@ static void anisotropy(struct panel *panel, const struct document *document)
     const struct scene *scene = &document->scene;
     const struct scene *before = &document->pristine;
     bool is_on = false, can = false;
-    for (uint32_t i = 0; i < scene->material_count; i++) {
+    for (uint32_t i = 0; i < scene->material_count; i++)
         is_on = is_on || scene->materials[i].anisotropic > 0.0f;
-        can = can || scene->materials[i].anisotropic > 0.0f ||
-              before->materials[i].anisotropic > 0.0f;
-    }
-    gui_enabled(panel->gui, can);
+    for (uint32_t i = 0; i < before->material_count; i++)
+        can = can || before->materials[i].anisotropic > 0.0f;
+    gui_enabled(panel->gui, can || is_on);
     bool used =
         gui_switch(panel->gui, id, "Anisotropy",
                    "Off: all materials are isotropic; on: as anisotropic as in the file.", &is_on);
     gui_enabled(panel->gui, true);
-    for (uint32_t i = 0; used && i < scene->material_count; i++) {
+    if (!used)
+        return;
+    edit_begin_group(panel->viewer);
+    for (uint32_t i = 0; i < scene->material_count; i++) {
         struct material to = scene->materials[i];
-        to.anisotropic = is_on ? before->materials[i].anisotropic : 0.0f;
+        bool was = is_on && i < before->material_count; // else it was added
+        to.anisotropic = was ? before->materials[i].anisotropic : 0.0f;
         edit_material(panel->viewer, i, &to, id);
     }
+    edit_end_group(panel->viewer);
 }
 
 void panel_renderer(struct panel *panel, const struct document *document, struct stage *stage)

@@ -253,6 +253,7 @@ static void objects(struct panel *panel, struct document *document)
         .of = scene->instances ? (const void *)scene->instances : scene->shapes,
     };
     panel_list(panel, &panel->objects, &list, &document->chosen_object);
+    panel_place(panel, document);
     gui_group_end(gui);
 }
 

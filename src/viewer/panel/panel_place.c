@@ -1,0 +1,91 @@
+// Where the chosen object is, and what lamps become.
+#include "viewer/panel/panel_internal.h"
+
+#include "scene/core/placement.h"
+#include "viewer/core/lamps.h"
+#include <string.h>
+
+static const struct gui_range turn = {-1e6, 1e6, .unit = "°", .drag = 180};
+static const struct gui_range scale = {1e-6, 1e6, .logarithmic = true};
+
+// The middle of a mesh is that of all its vertices: it is looked for once.
+static const double *middle_of(struct panel *panel, const struct scene *scene, uint32_t object)
+{
+    struct panel_middle *known = &panel->middle;
+    bool is_shape = object >= scene->instance_count;
+    const struct instance *instance = is_shape ? NULL : &scene->instances[object];
+    bool is_known = !is_shape && known->hash == scene->hash && known->object == object &&
+                    memcmp(known->transform, instance->transform, sizeof known->transform) == 0;
+    if (is_known)
+        return known->middle;
+    scene_object_middle(scene, object, known->middle);
+    known->hash = is_shape ? 0 : scene->hash;
+    known->object = object;
+    if (instance)
+        memcpy(known->transform, instance->transform, sizeof known->transform);
+    return known->middle;
+}
+
+// Shapes that take one scale alone get it along all axes.
+static void even_scale(double now[3], const double before[3])
+{
+    double changed = now[0];
+    for (int c = 0; c < 3; c++)
+        if (now[c] != before[c])
+            changed = now[c];
+    for (int c = 0; c < 3; c++)
+        now[c] = changed;
+}
+
+static void place(struct panel *panel, const struct document *document, uint32_t object)
+{
+    const struct scene *scene = &document->scene;
+    const struct gui_range coordinate = panel_coordinate(document);
+    struct form form = {.gui = panel->gui};
+    struct placement to = scene_placement(scene, object);
+    if (!scene_find_placed(scene, object))
+        to = placement_none(middle_of(panel, scene, object));
+    const struct placement before = to;
+    double position[3];
+    for (int c = 0; c < 3; c++)
+        position[c] = to.about[c] + to.move[c];
+    form_vector(&form, "object.position", "Position", "Of its middle, metres, in the world.",
+                &coordinate, position);
+    for (int c = 0; c < 3 && form.used; c++)
+        to.move[c] = position[c] - to.about[c];
+    form_vector(
+        &form, "object.turn", "Turned",
+        "About its middle and the world's x axis, then y, then z, degrees, against the file.",
+        &turn, to.turn_degrees);
+    if (form_vector(
+            &form, "object.scale", "Scaled",
+            "Along its own axes, 1e-6 to 1e6, against the file; round shapes take one scale.",
+            &scale, to.scale) &&
+        !place_axes_are_free(scene, object))
+        even_scale(to.scale, before.scale);
+    gui_enabled(panel->gui, !placement_is_none(&before));
+    if (gui_button(panel->gui, "object.put_back", "Put back", "Where the file has it.")) {
+        to = placement_none(before.about);
+        form.used = "object.put_back";
+    }
+    gui_enabled(panel->gui, true);
+    if (form.used)
+        edit_place(panel->viewer, object, &to, form.used);
+}
+
+void panel_place(struct panel *panel, const struct document *document)
+{
+    const struct scene *scene = &document->scene;
+    uint32_t object = document->chosen_object;
+    if (object >= scene->instance_count + scene->shape_count)
+        return;
+    place(panel, document, object);
+    gui_same_line(panel->gui);
+    gui_enabled(panel->gui, lamp_is(scene, object));
+    if (gui_button(
+            panel->gui, "object.exchange", "Parallel light instead",
+            "Hides this lamp; a directional light comes from there, as bright at the scene's "
+            "middle."))
+        lamp_exchange(panel->viewer, object, "object.exchange");
+    gui_enabled(panel->gui, true);
+}
