@@ -173,6 +173,12 @@ const struct option_def option_table[OPTION_TOTAL] = {
                 "comes without them. The model stays as it is.",
         FIELD(scene.up),
     },
+    [OPTION_ANISOTROPY] = {
+        .name = "anisotropy", .argument = "on|off", .type = VALUE_SWITCH, .group = "Scene",
+        .commands = FOR_SCENE, .fallback = "on",
+        .help = "Off: all materials scatter alike about their normals, whatever their files say.",
+        FIELD(scene.anisotropy),
+    },
     [OPTION_DEFINE] = {
         .name = "define", .short_name = 'D', .argument = "KEY=VALUE", .type = VALUE_DEFINE,
         .group = "Scene", .commands = FOR_SCENE,

@@ -82,6 +82,15 @@ struct scene_load_params options_scene_params(const struct scene_options *option
     };
 }
 
+// Whatever else identifies the scene, it is another one now.
+static void make_isotropic(struct scene *scene)
+{
+    static const char what[] = "isotropic";
+    for (uint32_t i = 0; i < scene->material_count; i++)
+        scene->materials[i].anisotropic = 0.0f;
+    scene->hash = hash_bytes(scene->hash, what, sizeof what);
+}
+
 bool options_adapt_scene(const struct scene_options *options, const struct progress *progress,
                          struct scene *scene, uint32_t *camera, struct err *err)
 {
@@ -91,6 +100,8 @@ bool options_adapt_scene(const struct scene_options *options, const struct progr
                        "environment; expected something to see",
                        scene->path);
     options_apply_settings(options, &scene->settings);
+    if (!options->anisotropy)
+        make_isotropic(scene);
     scene->progress = progress; // framing looks at all vertices
     scene_frame_camera(scene);
     scene->progress = NULL;

@@ -36,6 +36,7 @@ struct scene_options {
     enum scene_ground ground;
     enum scene_up up;
     bool strict; // what is missing is an error
+    bool anisotropy;
     struct scene_override *overrides;
     uint32_t override_count;
     bool allow_outside_paths;

@@ -183,7 +183,7 @@ static void add_at_random(struct scene *scene, struct random *random)
 
 void edit_at_random(struct scene *scene, struct random *random)
 {
-    if (random_below(random, 2))
+    if (scene->material_count > 0 && random_below(random, 2))
         add_at_random(scene, random);
     place_at_random(scene, random);
     for (uint32_t i = 0; i < scene->material_count; i++)

@@ -36,6 +36,17 @@ class Bits(Case):
             with self.subTest(arguments):
                 self.check(CORNELL, *arguments)
 
+    def test_without_anisotropy(self):
+        """The panel's switch is the option of `render`."""
+        scene = os.path.join(SCENES, 'materials_anisotropic.json')
+        result = self.view('set renderer.anisotropy off\nwait 2 samples\nhash hash.jsonl\n'
+                           'key Ctrl+z\nwait 2 samples\nhash hash.jsonl\n', '--spp', '2',
+                           scene=scene, size='48x32')
+        off, on = result.hashes()
+        self.assertNotEqual(off['image_hash'], on['image_hash'])
+        self.expect_same(on, self.render(scene, '--spp', '2', size='48x32'))
+        self.expect_same(off, self.render(scene, '--spp', '2', '--anisotropy', 'off', size='48x32'))
+
     def test_another_limit(self):
         """Samples that a limit planned are void when it changes."""
         for method in (['--sampler', 'blue-noise'], ['--sampler', 'stratified'],

@@ -145,6 +145,27 @@ TEST(revolving_takes_its_time)
     CHECK(!camera_rig_step(&rig, &(struct camera_rig_input){.seconds = 0.1}, &camera));
 }
 
+// 45 degrees a second for every second, and no faster than 360; the camera stays on its circle.
+TEST(keys_say_how_fast_it_revolves)
+{
+    struct camera camera = usual();
+    struct camera_rig rig = camera_rig_of(&camera);
+    rig.mode = CAMERA_RIG_ORBIT;
+    rig.revolves = true;
+    rig.revolve_speed = 10;
+    memset(rig.target, 0, sizeof rig.target);
+    for (int i = 0; i < 20; i++)
+        camera_rig_step(&rig, &(struct camera_rig_input){.right = 1, .seconds = 0.1}, &camera);
+    CHECK(fabs(rig.revolve_speed - 100) < 1e-9, "%g", rig.revolve_speed);
+    CHECK(fabs(distance(camera.position, rig.target) - 5) < 1e-9);
+    for (int i = 0; i < 200; i++)
+        camera_rig_step(&rig, &(struct camera_rig_input){.right = -1, .seconds = 0.1}, &camera);
+    CHECK(rig.revolve_speed == -360, "%g", rig.revolve_speed);
+    rig.revolves = false;
+    camera_rig_step(&rig, &(struct camera_rig_input){.right = 1, .seconds = 0.1}, &camera);
+    CHECK(rig.revolve_speed == -360 && distance(camera.position, rig.target) > 0, "now it flies");
+}
+
 TEST(dolly_goes_to_the_target_and_never_through)
 {
     struct camera camera = usual();
@@ -284,6 +305,7 @@ TEST(empty_scenes_can_be_flown_through)
 TEST_MAIN(TEST_CASE(nothing_held_changes_no_bit), TEST_CASE(flying_goes_where_keys_say),
           TEST_CASE(looking_follows_the_mouse), TEST_CASE(pitch_never_flips),
           TEST_CASE(orbits_keep_the_target_in_its_place), TEST_CASE(revolving_takes_its_time),
+          TEST_CASE(keys_say_how_fast_it_revolves),
           TEST_CASE(dolly_goes_to_the_target_and_never_through),
           TEST_CASE(panning_takes_the_target_along_with_the_mouse), TEST_CASE(up_axes_stay),
           TEST_CASE(roll_is_kept), TEST_CASE(sizes_and_places_do_not_matter),

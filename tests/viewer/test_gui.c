@@ -111,7 +111,7 @@ static void frame(struct bench *bench)
     struct gui *gui = &bench->gui;
     gui_begin(gui, bench->width ? bench->width : WIDTH, bench->height ? bench->height : HEIGHT,
               1.0 / 60.0);
-    gui_panel_begin(gui, "Test");
+    gui_panel_begin(gui, "Test", "");
     draw_kinds(bench);
     for (uint32_t i = 0; i < bench->fillers; i++)
         gui_line(gui, "line %u", i);
@@ -694,7 +694,7 @@ static void draw_charts(struct bench *bench, uint32_t count, const struct gui_cu
 {
     const struct gui_bar bars[] = {{"one", 0}, {"two", 1e-9}, {"three", 1e9}};
     gui_begin(&bench->gui, WIDTH, HEIGHT, 1.0 / 60.0);
-    gui_panel_begin(&bench->gui, "Test");
+    gui_panel_begin(&bench->gui, "Test", "");
     gui_bars(&bench->gui, bars, 3, "ms");
     gui_bars(&bench->gui, bars, 1, "ms");
     gui_curves(&bench->gui, curves, count, "seconds", "relMSE");

@@ -76,8 +76,7 @@ bool scene_compare_edits(const struct scene *a, const struct scene *b, struct er
         a->instance_count != b->instance_count || a->shape_count != b->shape_count)
         return err_set(
             err, ERR_INPUT,
-            "materials, lights or objects are not as many: they cannot be represented in the scene "
-            "format");
+            "materials, lights or objects were taken away; expected edits and additions only");
     for (uint32_t i = 0; i < a->material_count; i++)
         if (!same_material(&fields, &a->materials[i], &b->materials[i]))
             return differ(err, "material", i);

@@ -199,10 +199,24 @@ static bool same_bytes(const void *a, const void *b, size_t size)
     return memcmp(a, b, size) == 0;
 }
 
-bool camera_rig_step(struct camera_rig *rig, const struct camera_rig_input *input,
+// While the camera revolves, the keys that fly to the left and right say how fast it does.
+static bool steer_revolution(struct camera_rig *rig, const struct camera_rig_input *input)
+{
+    if (rig->mode != CAMERA_RIG_ORBIT || !rig->revolves)
+        return false;
+    double change = REVOLVE_ACCELERATION * (input->slow ? SLOW_FACTOR : 1.0) * input->seconds;
+    double speed = rig->revolve_speed + input->right * change;
+    rig->revolve_speed = fmax(-REVOLVE_SPEED_MAX, fmin(speed, REVOLVE_SPEED_MAX));
+    return true;
+}
+
+bool camera_rig_step(struct camera_rig *rig, const struct camera_rig_input *given,
                      struct camera *camera)
 {
     struct camera before = *camera;
+    struct camera_rig_input steered = *given, *input = &steered;
+    if (steer_revolution(rig, input))
+        steered.right = 0.0;
     double degree = M_PI / 180, yaw = -input->look[0] * rig->look_degrees * degree;
     double pitch = -input->look[1] * rig->look_degrees * degree;
     bool orbits = rig->mode == CAMERA_RIG_ORBIT;

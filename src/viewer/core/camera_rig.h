@@ -19,7 +19,7 @@ struct camera_rig {
 };
 
 struct camera_rig_input {
-    double forward, right, up; // -1 to 1: keys that are held
+    double forward, right, up; // -1 to 1: keys that are held; `right`: the speed of a revolution
     bool slow;                 // Shift
     double look[2];            // pixels of the mouse: to the right, downwards
     double pan[2];             // pixels of the mouse, with the middle button
@@ -31,6 +31,11 @@ struct camera_rig_input {
 // Speed, target and up for a scene of that bounding box (world) and a camera in it.
 void camera_rig_init(struct camera_rig *rig, const struct camera *camera, const double min[3],
                      const double max[3]);
+// Of the automatic revolution, degrees a second: its most, and what a key that is held for a second
+// changes it by.
+#define REVOLVE_SPEED_MAX 360.0
+#define REVOLVE_ACCELERATION 45.0
+
 // False: nothing moved, and the camera has its bits.
 bool camera_rig_step(struct camera_rig *rig, const struct camera_rig_input *input,
                      struct camera *camera);

@@ -206,6 +206,7 @@ static const struct binding bindings[] = {
 
 const struct key_help viewer_keys[] = {
     {"W A S D", "fly forwards, left, back, right"},
+    {"A D", "while the camera revolves (R): more slowly, faster; below 0 it turns the other way"},
     {"E Q", "fly up, down"},
     {"Shift", "fly at a tenth of the speed"},
     {"Right drag", "look around; in orbit: turn about the target"},

@@ -30,6 +30,7 @@ static void set_options(struct viewer *viewer, const char *path)
     options->override_count = 0;
     options->camera = options->gltf_scene = options->animation = options->variant = NULL;
     options->environment = (struct environment_option){0};
+    options->anisotropy = true;
     options->environment_strength = options->at_seconds = NAN;
     options->aperture_mm = options->focus_distance = NAN;
     options->environment_rotate_degrees = 0.0;

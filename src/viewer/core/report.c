@@ -104,6 +104,15 @@ static bool is_resting(const struct viewer *viewer)
            !(viewer->view.rig.revolves && viewer->view.rig.mode == CAMERA_RIG_ORBIT);
 }
 
+void viewer_header(const struct viewer *viewer, char out[VIEWER_HEADER_MAX])
+{
+    const double *p = viewer->view.camera.position;
+    unsigned long long frames = (unsigned long long)viewer->stage.stats.frames;
+    double seconds = viewer->stage.sides[viewer->stage.edited_side].seconds;
+    snprintf(out, VIEWER_HEADER_MAX, "frame %llu, %.1f s, camera %.4g, %.4g, %.4g", frames, seconds,
+             p[0], p[1], p[2]);
+}
+
 void viewer_count_frame(struct viewer *viewer)
 {
     struct frame_stats *stats = &viewer->stage.stats;

@@ -281,7 +281,7 @@ float gui_panel_width(const struct gui *gui, uint32_t window_width)
     return floorf(fminf(PANEL_POINTS * gui->own->scale, PANEL_PART * (float)window_width));
 }
 
-bool gui_panel_begin(struct gui *gui, const char *title)
+bool gui_panel_begin(struct gui *gui, const char *title, const char *facts)
 {
     struct gui_state *own = gui->own;
     const struct im_vec size = im_display();
@@ -293,6 +293,8 @@ bool gui_panel_begin(struct gui *gui, const char *title)
     im_push_color_of(IM_COLOR_TEXT, IM_COLOR_CHECK_MARK);
     im_text(title);
     im_pop_color();
+    if (facts[0])
+        im_text_dim(facts);
     im_child_begin("controls", -help_height(), false);
     own->label_width = floorf(im_room() * 0.40f);
     return true;

@@ -82,7 +82,7 @@ const struct gui_item *gui_find(const struct gui *gui, const char *id);
 // --- layout --------------------------------------------------------------------------------------
 // Of the window at the left: what is between is in it. False: it is hidden, and nothing is to be
 // drawn, but controls may be all the same, for scripts.
-bool gui_panel_begin(struct gui *gui, const char *title);
+bool gui_panel_begin(struct gui *gui, const char *title, const char *facts); // below the title
 void gui_panel_end(struct gui *gui);
 // True: it is open. Controls are called for all the same: what is in a closed group is not drawn,
 // but has an item (is_shown false) and can be set by scripts.

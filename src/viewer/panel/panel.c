@@ -1,5 +1,6 @@
 #include "viewer/panel/panel.h"
 #include "viewer/core/reload.h"
+#include "viewer/core/report.h"
 #include "viewer/core/save.h"
 
 #include "viewer/core/viewer.h"
@@ -120,7 +121,10 @@ void panel_draw(struct viewer *viewer)
     panel->window = &shell->window;
     panel->frame_arena = &shell->frame_arena;
     gui->is_hidden = !shell->is_panel_shown;
-    gui_panel_begin(gui, "Lampyris");
+    char facts[VIEWER_HEADER_MAX] = "";
+    if (document->has_scene)
+        viewer_header(viewer, facts);
+    gui_panel_begin(gui, "Lampyris", facts);
     panel_statistics(panel, document, stage);
     panel_view(panel, stage, &viewer->view);
     panel_renderer(panel, document, stage);

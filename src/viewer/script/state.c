@@ -5,6 +5,7 @@
 #include "viewer/core/frame.h"
 #include "viewer/core/messages.h"
 #include "viewer/core/reload.h"
+#include "viewer/core/report.h"
 #include "viewer/core/viewer.h"
 #include <math.h>
 #include <stdio.h>
@@ -133,16 +134,19 @@ static json_t *times_json(const struct viewer *viewer)
 {
     const struct frame_stats *s = &viewer->stage.stats;
     const struct view *view = &viewer->stage.sides[viewer->stage.edited_side];
+    char header[VIEWER_HEADER_MAX];
+    viewer_header(viewer, header);
     return json_pack(
-        "{s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:I, s:I, s:o, s:I, s:b, s:o}",
-        "frames", (json_int_t)s->frames, "seconds", json_number(viewer_seconds(viewer)), "fps",
-        json_number(s->fps), "frame_ms", json_number(s->frame_ms), "render_ms",
-        json_number(s->render_ms), "denoise_ms", json_number(s->denoise_ms), "display_ms",
-        json_number(s->display_ms), "panel_ms", json_number(s->panel_ms), "present_ms",
-        json_number(s->present_ms), "render_seconds", json_number(view->seconds), "swapchains",
-        (json_int_t)viewer->stage.swapchain.recreated, "shrink",
-        (json_int_t)viewer->view.pace.shrink, "resident_bytes", json_number(resident_bytes()),
-        "device_bytes", (json_int_t)viewer->stage.gpu.allocated_bytes, "working",
+        "{s:s, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:I, s:I, s:o, s:I, s:b, s:o}",
+        "header", header, "frames", (json_int_t)s->frames, "seconds",
+        json_number(viewer_seconds(viewer)), "fps", json_number(s->fps), "frame_ms",
+        json_number(s->frame_ms), "render_ms", json_number(s->render_ms), "denoise_ms",
+        json_number(s->denoise_ms), "display_ms", json_number(s->display_ms), "panel_ms",
+        json_number(s->panel_ms), "present_ms", json_number(s->present_ms), "render_seconds",
+        json_number(view->seconds), "swapchains", (json_int_t)viewer->stage.swapchain.recreated,
+        "shrink", (json_int_t)viewer->view.pace.shrink, "resident_bytes",
+        json_number(resident_bytes()), "device_bytes",
+        (json_int_t)viewer->stage.gpu.allocated_bytes, "working",
         !worker_is_idle(viewer->shell.worker), "kernel_ms", kernels_json(viewer));
 }
 
