@@ -3,6 +3,7 @@
 
     test_bits.py LAMPYRIS VIEWER SOURCE_ROOT
 """
+import json
 import os
 import random
 import unittest
@@ -118,6 +119,25 @@ class Bits(Case):
         self.assertEqual(result.state('undone.json')['counts']['undo'], 0)
         self.assertEqual(self.render(self.path('saved.json'), '--allow-outside-paths')
                          ['image_hash'], edited)
+
+    def test_a_large_scene_is_built_anew_meanwhile(self):
+        """The old picture goes on; edits that come before the new one are for the next."""
+        path = self.write('large.json', json.dumps({
+            'lampyris': 1, 'materials': {'m': {'base_color': [0.6, 0.5, 0.4]}},
+            'environment': {'radiance': [1, 1, 1]},
+            'camera': {'position': [0, 0, 5], 'target': [0, 0, 0], 'fov_degrees': 40},
+            'shapes': [{'type': 'generated', 'triangles': 150000, 'material': 'm'}]}))
+        result = self.view('wait 2 samples\nset object.turn 0,30,0\nwait 1 frames\n'
+                           'expect times.rebuilding == true\nexpect sides.0.samples >= 1\n'
+                           'set object.turn 0,60,0\nset object.scale 0.5,1,1\n'
+                           'set renderer.max_bounces 3\nset camera.fov 35\n'
+                           'wait 2 samples\nexpect times.rebuilding == false\nhash hash.jsonl\n'
+                           'scene saved.json\nset object.turn 1,2,3\nset surroundings.kind sky\n'
+                           'wait 2 samples\nhash hash.jsonl\nscene again.json\n'
+                           'set object.turn 4,5,6\n', '--spp', '2', scene=path, size='32x24')
+        for hashed, name in zip(result.hashes(), ('saved.json', 'again.json')):
+            self.expect_same(hashed, self.render(self.path(name), '--allow-outside-paths',
+                                                 size='32x24'))
 
     def test_random_edits_of_objects_and_lights(self):
         """After any sequence of edits, some of them undone: what is saved renders to the very bits."""

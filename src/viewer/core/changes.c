@@ -5,6 +5,7 @@
 #include "viewer/core/load.h"
 #include "viewer/core/messages.h"
 #include "viewer/core/pick.h"
+#include "viewer/core/rebuild.h"
 #include "viewer/core/viewer.h"
 #include <math.h>
 #include <string.h>
@@ -48,10 +49,31 @@ void viewer_close_side(struct viewer *viewer, uint32_t side)
     view_begin(view);
 }
 
+// Sides use what is to be replaced.
+static void end_jobs(struct viewer *viewer)
+{
+    for (uint32_t side = 0; side < VIEWER_SIDES; side++) {
+        job_finish(&viewer->stage.sides[side].job);
+        viewer->stage.sides[side].is_ready = false;
+    }
+}
+
+static bool refresh_geometry(struct viewer *viewer, struct err *err)
+{
+    struct geometry_params params =
+        viewer_geometry_params(viewer, &viewer->document.scene, &viewer->view.camera);
+    rebuild_cancel(viewer);
+    end_jobs(viewer);
+    if (!geometry_refresh(&params, &viewer->document.geometry, err))
+        return false;
+    viewer_find_bounds(viewer);
+    return true;
+}
+
 // The viewer's scene as this side renders it.
 static void settle_scene(struct viewer *viewer, struct view *view)
 {
-    view->scene = viewer->document.scene;
+    view->scene = *rebuild_scene(viewer);
     view->scene.settings = view->method.settings;
     viewer_picture_size(viewer, &view->scene.settings.width, &view->scene.settings.height);
     view->scene.cameras = &viewer->view.camera;
@@ -61,6 +83,10 @@ static void settle_scene(struct viewer *viewer, struct view *view)
 static bool build_side(struct viewer *viewer, struct view *view, struct err *err)
 {
     const struct method *method = &view->method;
+    // The scene that the geometry is of is no more, and the next one is not there.
+    bool waits = rebuild_is_pending(viewer) && !viewer->document.rebuild.scene;
+    if (waits && !refresh_geometry(viewer, err))
+        return false;
     view->is_ready = false;
     job_finish(&view->job);
     settle_scene(viewer, view);
@@ -204,27 +230,63 @@ static bool update_side(struct viewer *viewer, uint32_t side, struct err *err)
 
 // --- changes -------------------------------------------------------------------------------------
 
-static bool refresh_geometry(struct viewer *viewer, struct err *err)
+static enum change greatest_change(const struct viewer *viewer)
 {
-    struct geometry_params params =
+    enum change most = CHANGE_NONE;
+    for (uint32_t side = 0; side < VIEWER_SIDES; side++)
+        most = viewer->stage.changes[side] > most ? viewer->stage.changes[side] : most;
+    return most;
+}
+
+// What is seen stays what it is until the hierarchy is there.
+static void put_off(struct viewer *viewer)
+{
+    for (uint32_t side = 0; side < VIEWER_SIDES; side++)
+        if (viewer->stage.changes[side] >= CHANGE_METHOD)
+            viewer->stage.changes[side] = CHANGE_SHOWN;
+}
+
+// Whether a hierarchy has to be built, and takes so long that it is built meanwhile.
+static bool builds_meanwhile(struct viewer *viewer)
+{
+    const struct geometry_params g =
         viewer_geometry_params(viewer, &viewer->document.scene, &viewer->view.camera);
-    for (uint32_t side = 0; side < VIEWER_SIDES; side++) { // they use what is replaced
-        job_finish(&viewer->stage.sides[side].job);
-        viewer->stage.sides[side].is_ready = false;
+    const struct flatten_params params = {g.scene, g.instancing, NULL, g.camera};
+    bool can = rebuild_is_worthwhile(viewer) && viewer->stage.sides[0].is_ready;
+    return can && flatten_key(&params) != viewer->document.geometry.key;
+}
+
+// Changes of the scene, or of how a side renders it, while a hierarchy is being built are for the
+// next one.
+static bool change_geometry(struct viewer *viewer, struct err *err)
+{
+    struct rebuild *rebuild = &viewer->document.rebuild;
+    bool is_adopted = rebuild_is_done(viewer);
+    if (is_adopted) {
+        end_jobs(viewer);
+        rebuild_adopt(viewer);
     }
-    if (!geometry_refresh(&params, &viewer->document.geometry, err))
-        return false;
-    viewer_find_bounds(viewer);
+    enum change most = greatest_change(viewer);
+    if (most < CHANGE_METHOD)
+        return true;
+    if (rebuild_is_pending(viewer)) {
+        rebuild->is_stale = true;
+        put_off(viewer);
+    } else if (most >= CHANGE_TABLES && !is_adopted && builds_meanwhile(viewer)) {
+        if (!rebuild_start(viewer, err))
+            return false;
+        put_off(viewer);
+    } else if (most >= CHANGE_TABLES) {
+        return refresh_geometry(viewer, err);
+    }
     return true;
 }
 
 static bool apply(struct viewer *viewer, struct err *err)
 {
-    enum change most = CHANGE_NONE;
-    for (uint32_t side = 0; side < VIEWER_SIDES; side++)
-        most = viewer->stage.changes[side] > most ? viewer->stage.changes[side] : most;
-    if (most >= CHANGE_TABLES && !refresh_geometry(viewer, err))
+    if (!change_geometry(viewer, err))
         return false;
+    enum change most = greatest_change(viewer);
     uint32_t width, height;
     viewer_picture_size(viewer, &width, &height);
     viewer->stage.side_count = viewer->stage.shown.split ? VIEWER_SIDES : 1;
@@ -236,9 +298,13 @@ static bool apply(struct viewer *viewer, struct err *err)
         has_to_keep |= sharpens(viewer, side);
     if (has_to_keep && !keep_picture(viewer, err))
         return false;
-    for (uint32_t side = 0; side < viewer->stage.side_count; side++)
-        if (!update_side(viewer, side, err))
+    // A side that has to wait for the geometry takes that of the others away.
+    for (uint32_t i = 0; i < 2 * viewer->stage.side_count; i++) {
+        uint32_t side = i % viewer->stage.side_count;
+        bool is_due = i == side || !viewer->stage.sides[side].is_ready;
+        if (is_due && !update_side(viewer, side, err))
             return false;
+    }
     for (uint32_t side = viewer->stage.side_count; side < VIEWER_SIDES; side++)
         viewer_close_side(viewer, side);
     viewer->view.is_moving = false;

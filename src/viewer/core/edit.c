@@ -217,6 +217,10 @@ static bool put_around(struct viewer *viewer, const struct around *to, struct er
         arena_finish(&arena);
         return false;
     }
+    if (rebuild_is_pending(viewer)) { // it reads the texels that go
+        rebuild_cancel(viewer);
+        viewer_changed(viewer, CHANGE_GEOMETRY);
+    }
     arena_finish(&viewer->document.surroundings_arena);
     viewer->document.surroundings_arena = arena;
     viewer->document.surroundings = to->surroundings;

@@ -240,6 +240,8 @@ bool viewer_open_scene(struct viewer *viewer, const char *path, bool keep_view)
 
 void viewer_close_scene(struct viewer *viewer)
 {
+    if (viewer->shell.worker)
+        rebuild_cancel(viewer);
     for (uint32_t side = 0; side < VIEWER_SIDES; side++)
         viewer_close_side(viewer, side);
     history_clear(viewer->document.history);

@@ -19,16 +19,25 @@ uint32_t viewer_object(const struct renderer *renderer, bool is_shape, uint32_t 
     return flat_instance == NO_INSTANCE ? instance : flat->instances[flat_instance].source;
 }
 
+// What a side shows may be gone from the scene, while its next hierarchy is being built.
+static bool is_there(const struct scene *scene, const struct picked *picked)
+{
+    return picked->object < scene->instance_count + scene->shape_count &&
+           picked->material < scene->material_count;
+}
+
 static void take_hit(const struct viewer *viewer, const struct view *view,
                      const struct replay_vertex *hit, struct picked *out)
 {
     double away[3];
     out->object = viewer_object(&view->job.renderer, hit->is_shape, hit->primitive, hit->instance);
-    out->material = (uint32_t)(hit->material - viewer->document.scene.materials);
+    out->material = (uint32_t)(hit->material - view->scene.materials);
     out->primitive = hit->primitive;
     memcpy(out->position, hit->position, sizeof out->position);
     vec3_subtract(hit->position, view->job.renderer.camera.position, away);
     out->distance = vec3_length(away);
+    if (!is_there(&viewer->document.scene, out))
+        out->object = out->material = VIEWER_NO_OBJECT;
 }
 
 static uint32_t pixel_at(double position, uint32_t size, uint32_t pixels)

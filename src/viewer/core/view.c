@@ -103,8 +103,9 @@ static void look_done(void *context, void *viewer, bool ok, const struct err *er
 bool view_wants_look(const struct viewer *viewer, const struct view *view)
 {
     uint64_t samples = view_samples(view);
+    // While a hierarchy is being built the arrays that the side's scene shares are another's.
     if (!view->is_ready || view->is_preview || view->is_looking || view->method.fresh_frames ||
-        view->job.renderer.pass.length > 0 || samples % 2 != 0)
+        rebuild_is_pending(viewer) || view->job.renderer.pass.length > 0 || samples % 2 != 0)
         return false;
     bool is_last = samples > 0 && samples == viewer->stage.shown.spp_limit;
     if (is_last &&

@@ -43,7 +43,9 @@ static enum step wait_samples(const struct viewer *viewer, uint64_t wanted, stru
                 wanted, limit);
         return STEP_FAILED;
     }
-    return !viewer->view.is_moving && least_samples(viewer) >= wanted ? STEP_DONE : STEP_AGAIN;
+    return !viewer->view.is_moving && !rebuild_is_pending(viewer) && least_samples(viewer) >= wanted
+               ? STEP_DONE
+               : STEP_AGAIN;
 }
 
 enum step step_wait(struct script *script, struct viewer *viewer,

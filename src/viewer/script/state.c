@@ -137,9 +137,10 @@ static json_t *times_json(const struct viewer *viewer)
     char header[VIEWER_HEADER_MAX];
     viewer_header(viewer, header);
     return json_pack(
-        "{s:s, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:I, s:I, s:o, s:I, s:b, s:o}",
-        "header", header, "frames", (json_int_t)s->frames, "seconds",
-        json_number(viewer_seconds(viewer)), "fps", json_number(s->fps), "frame_ms",
+        "{s:b, s:s, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:I, s:I, s:o, s:I, s:b, "
+        "s:o}",
+        "rebuilding", rebuild_is_pending(viewer), "header", header, "frames", (json_int_t)s->frames,
+        "seconds", json_number(viewer_seconds(viewer)), "fps", json_number(s->fps), "frame_ms",
         json_number(s->frame_ms), "render_ms", json_number(s->render_ms), "denoise_ms",
         json_number(s->denoise_ms), "display_ms", json_number(s->display_ms), "panel_ms",
         json_number(s->panel_ms), "present_ms", json_number(s->present_ms), "render_seconds",
