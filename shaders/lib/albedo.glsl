@@ -80,6 +80,13 @@ float albedo_coat(uint tables, float mu, float gloss)
                        vec2(albedo_axis_mu(mu, 0.25), gloss));
 }
 
+// The same with the reflectance of index 1.5 in place of Schlick's.
+float albedo_coat_exact(uint tables, float mu, float gloss)
+{
+    return albedo_quad(tables + ALBEDO_COAT_EXACT, uvec2(ALBEDO_COAT_MU, ALBEDO_COAT_GLOSS),
+                       vec2(albedo_axis_mu(mu, 0.25), gloss));
+}
+
 // xyz: the coefficients, of powers of the roughness, of the albedo of Burley's subsurface
 // approximation; w: the albedo of his sheen.
 vec4 albedo_diffuse(uint tables, float mu)

@@ -257,8 +257,23 @@ float microfacet_masking(material m, vec3 wo, vec3 wi, float cos_h, float alpha)
     return microfacet_smith(m, wo, wi, alpha) / wo.z;
 }
 
-// Walter et al. 2007, eq. 20. Normals are drawn from GGX's visible ones whatever the distribution:
-// GGX has the longest tail, so that weights stay bounded.
+// Normals are drawn from GGX's visible ones whatever the distribution: GGX has the longest tail, so
+// that weights stay bounded. Where normals are drawn by D itself, that is the material's own: tan^2
+// = -alpha^2 log(1 - u) of Beckmann's, cos = (1 - u)^(1 / (a_p + 2)) of Phong's (Walter et al. 2007,
+// eqs. 28 and 31).
+vec3 sample_microfacet_normal(material m, vec3 wo, float alpha, vec2 u)
+{
+    uint distribution = microfacet_distribution(m);
+    if (NORMALS == NORMALS_NDF && distribution == DISTRIBUTION_BECKMANN) {
+        float radius = alpha * sqrt(max(0.0, -log_one_minus(u.x)));
+        return normalize(vec3(radius * cos(2.0 * PI * u.y), radius * sin(2.0 * PI * u.y), 1.0));
+    }
+    if (NORMALS == NORMALS_NDF && distribution == DISTRIBUTION_PHONG)
+        return sample_cosine_power(2.0 / (alpha * alpha) - 1.0, u).xyz;
+    return sample_ggx_normal(wo, vec2(alpha), u);
+}
+
+// Walter et al. 2007, eq. 20.
 vec3 eval_microfacet(material m, vec3 wo, vec3 wi, float eta, out float pdf)
 {
     pdf = 0.0;
@@ -269,9 +284,12 @@ vec3 eval_microfacet(material m, vec3 wo, vec3 wi, float eta, out float pdf)
     float alpha = dielectric_alpha(m);
     vec4 h = reflection_half_vector(wo, wi);
     if (HAS_LOBE(LOBE_ROUGH) && !is_delta(alpha) && h.w > 0.0) {
+        float d = microfacet_d(m, h.xyz, alpha);
         pdf = pdf_ggx_reflection(wo, h.xyz, vec2(alpha));
+        if (NORMALS == NORMALS_NDF)
+            pdf = 0.25 * d * h.z / h.w;
         f = microfacet_fresnel(m, h.w, eta) *
-            (0.25 * microfacet_d(m, h.xyz, alpha) * microfacet_masking(m, wo, wi, h.w, alpha));
+            (0.25 * d * microfacet_masking(m, wo, wi, h.w, alpha));
     }
     float cos_base = is_uncoupled(m) ? h.w : wi.z;
     return classical_sum(parts, wi, 1.0 - microfacet_fresnel(m, cos_base, eta), f, pdf);
@@ -286,7 +304,7 @@ bsdf_sample sample_microfacet(material m, vec3 wo, float eta, vec4 u)
         if (is_delta(alpha))
             return bsdf_sample(mirrored(wo), parts.specular / parts.p_specular, 0.0, true, false,
                                true);
-        vec3 h = sample_ggx_vndf(wo, vec2(alpha), u.xy);
+        vec3 h = sample_microfacet_normal(m, wo, alpha, u.xy);
         wi = normalize(2.0 * dot(wo, h) * h - wo);
     } else {
         wi = sample_cosine_hemisphere(u.xy);

@@ -52,15 +52,16 @@ float fresnel_slab(float cos_i, float eta)
 }
 
 // Reflection by GGX microfacets without their reflectance: D G2 / (4 wo.z), and the density of
-// reflecting about a visible normal. wi.z > 0.
+// reflecting about a drawn normal. wi.z > 0.
 float eval_ggx_reflection(vec3 wo, vec3 wi, vec4 h, float alpha, bool separable, out float pdf)
 {
     vec2 alphas = vec2(alpha);
     pdf = 0.0;
     if (!(h.w > 0.0))
         return 0.0;
-    pdf = pdf_ggx_reflection(wo, h.xyz, alphas);
-    return pdf * ggx_g2(wo, wi, alphas, separable) / ggx_g1(wo, alphas);
+    float visible = pdf_ggx_reflection(wo, h.xyz, alphas);
+    pdf = pdf_ggx_drawn(visible, h.xyz, alphas, 0.25 / h.w);
+    return visible * ggx_g2(wo, wi, alphas, separable) / ggx_g1(wo, alphas);
 }
 
 // --- trying again --------------------------------------------------------------------------------
@@ -93,10 +94,11 @@ bool dielectric_is_compensated(material m)
     return HAS_LOBE(LOBE_COMPENSATE) && material_has(m, MATERIAL_COMPENSATE);
 }
 
-// Tables, and thus the chance of survival, are known of height-correlated masking.
+// Tables, and thus the chance of survival, are known of height-correlated masking and of visible
+// normals.
 bool dielectric_tries_again(material m)
 {
-    return dielectric_is_compensated(m) && !is_separable(m);
+    return dielectric_is_compensated(m) && !is_separable(m) && NORMALS == NORMALS_VISIBLE;
 }
 
 // The albedo by which single scattering is divided, so that it also carries, in proportion, the
@@ -126,7 +128,8 @@ bsdf_sample sample_smooth_dielectric(vec3 wo, float eta, bool thin, float u)
         return bsdf_sample(vec3(-wo.xy, wo.z), vec3(1.0), 0.0, true, false, true);
     if (thin)
         return dielectric_straight(wo);
-    return bsdf_sample(vec3(-wo.xy / eta, -cos_t), vec3(1.0 / (eta * eta)), 0.0, true, true, true);
+    return bsdf_sample(vec3(-wo.xy / eta, -cos_t), vec3(1.0 / refraction_divisor(eta)), 0.0, true,
+                       true, true);
 }
 
 // Walter et al. 2007, eqs. 16, 17, 20, 21; thin: reflection, and its mirror image behind.
@@ -156,17 +159,19 @@ vec3 eval_rough_dielectric(vec3 wo, vec3 wi, float eta, float alpha, bool thin, 
         return vec3(0.0);
     float transmittance = 1.0 - fresnel_dielectric(cos_o, eta, cos_t);
     float jacobian = eta * eta * cos_i / length2;
-    pdf = transmittance * pdf_ggx_vndf(wo, h, alphas) * jacobian;
-    return vec3(pdf * ggx_g1(wi, alphas) / (eta * eta));
+    float visible = transmittance * pdf_ggx_vndf(wo, h, alphas) * jacobian;
+    pdf = pdf_ggx_drawn(visible, h, alphas, transmittance * jacobian);
+    return vec3(visible * ggx_g1(wi, alphas) / refraction_divisor(eta));
 }
 
-// One try; `unshadowed` is the part of it that no other microfacet is in the way of.
+// One try; `unshadowed` is the part of it that no other microfacet is in the way of, or with
+// normals drawn by D the weight in its place.
 bsdf_sample try_rough_dielectric(vec3 wo, float eta, float alpha, bool thin, bool separable,
                                  vec4 u, out float unshadowed)
 {
     vec2 alphas = vec2(alpha);
     unshadowed = 0.0;
-    vec3 h = sample_ggx_vndf(wo, alphas, u.xy);
+    vec3 h = sample_ggx_normal(wo, alphas, u.xy);
     float cos_o = dot(wo, h);
     if (!(cos_o > 0.0))
         return bsdf_absorbed();
@@ -181,8 +186,8 @@ bsdf_sample try_rough_dielectric(vec3 wo, float eta, float alpha, bool thin, boo
     if (reflects || thin ? !(wi.z > 0.0) : !(wi.z < 0.0))
         return bsdf_absorbed();
 
-    unshadowed = ggx_g2(wo, wi, alphas, separable) / ggx_g1(wo, alphas);
-    float scale = reflects || thin ? 1.0 : 1.0 / (eta * eta);
+    unshadowed = ggx_drawn_weight(wo, wi, h, alphas, separable);
+    float scale = reflects || thin ? 1.0 : 1.0 / refraction_divisor(eta);
     if (!reflects && thin)
         wi.z = -wi.z;
     bool hidden =
@@ -199,7 +204,8 @@ vec3 eval_dielectric(material m, vec3 wo, vec3 wi, float eta, out float pdf)
     vec3 f = eval_rough_dielectric(wo, wi, eta, alpha, is_thin(m), is_separable(m), pdf);
     float albedo = dielectric_albedo(m, wo.z, eta, alpha);
     if (dielectric_tries_again(m))
-        pdf = f.x * (wi.z < 0.0 && !is_thin(m) ? eta * eta : 1.0) * tries_scale(albedo);
+        pdf = f.x * (wi.z < 0.0 && !is_thin(m) ? refraction_divisor(eta) : 1.0) *
+              tries_scale(albedo);
     return f / albedo;
 }
 
@@ -218,8 +224,12 @@ bsdf_sample sample_rough_dielectric(material m, vec3 wo, float eta, float alpha,
         return bsdf_absorbed();
     s.weight *= again ? 1.0 / (albedo * tries_scale(albedo)) : unshadowed / albedo;
     if (!s.specular) {
-        eval_dielectric(m, wo, s.wi, eta, s.pdf);
+        vec3 f = eval_dielectric(m, wo, s.wi, eta, s.pdf);
         s.valid = s.pdf > 0.0;
+        // Then the weight depends on the normal, which is not the same again from rounded
+        // directions.
+        if (NORMALS == NORMALS_NDF)
+            s.weight = s.valid ? f / s.pdf : vec3(0.0);
     }
     return s;
 }
@@ -276,7 +286,7 @@ bsdf_sample sample_conductor(material m, vec3 wo, float eta, vec4 u)
                            false, true);
     if (!HAS_LOBE(LOBE_ROUGH))
         return bsdf_absorbed();
-    vec3 h = sample_ggx_vndf(wo, vec2(alpha), u.xy);
+    vec3 h = sample_ggx_normal(wo, vec2(alpha), u.xy);
     vec3 wi = normalize(2.0 * dot(wo, h) * h - wo);
     float pdf;
     vec3 f = eval_conductor(m, wo, wi, eta, pdf);

@@ -39,7 +39,7 @@ vec3 sample_gtr1(float a, vec2 u)
 
 float eval_coat(principled p, vec3 wo, vec3 wi, vec4 h, out precise float pdf)
 {
-    float f = p.coat * (0.04 + 0.96 * schlick_weight(h.w));
+    float f = p.coat * coat_fresnel(p, h.w);
     if (p.coat_ggx)
         return f * eval_ggx_reflection(wo, wi, h, p.coat_alpha, p.separable, pdf);
     precise float d = gtr1_d(h.xyz, p.coat_alpha);
@@ -70,6 +70,7 @@ vec3 eval_base_reflection(principled p, vec3 wo, vec3 wi, vec4 h, out precise fl
     pdf = pdf_ggx_vndf(wo_turned, h_turned, p.alpha) / (4.0 * h.w);
     precise float unshadowed =
         pdf * ggx_g2(wo_turned, wi_turned, p.alpha, p.separable) / ggx_g1(wo_turned, p.alpha);
+    pdf = pdf_ggx_drawn(pdf, h_turned, p.alpha, 0.25 / h.w);
     pdf = probabilities.x * principled_tried(p, pdf, unshadowed);
     return reflected * unshadowed;
 }
@@ -104,8 +105,9 @@ vec3 eval_base_refraction(principled p, vec3 wo, vec3 wi, out precise float pdf)
     pdf = pdf_ggx_vndf(principled_turn(p, wo, false), principled_turn(p, h, false), p.alpha) *
           jacobian;
     float g1 = ggx_g1(principled_turn(p, wi, false), p.alpha);
-    precise vec3 f = through * (pdf * g1 / (p.eta * p.eta));
-    pdf = probabilities.y * principled_tried(p, pdf, pdf * g1);
+    precise vec3 f = through * (pdf * g1 / refraction_divisor(p.eta));
+    float drawn = pdf_ggx_drawn(pdf, principled_turn(p, h, false), p.alpha, jacobian);
+    pdf = probabilities.y * principled_tried(p, drawn, pdf * g1);
     return f;
 }
 
@@ -124,9 +126,11 @@ vec3 eval_base_thin(principled p, vec3 wo, vec3 wi, out precise float pdf)
     principled_interface(p, h.w, cos_t, exact, reflected, through, probabilities);
     vec3 wo_turned = principled_turn(p, wo, false);
     vec3 wi_turned = principled_turn(p, mirrored, false);
-    pdf = pdf_ggx_vndf(wo_turned, principled_turn(p, h.xyz, false), p.alpha) / (4.0 * h.w);
+    vec3 h_turned = principled_turn(p, h.xyz, false);
+    pdf = pdf_ggx_vndf(wo_turned, h_turned, p.alpha) / (4.0 * h.w);
     precise float unshadowed =
         pdf * ggx_g2(wo_turned, wi_turned, p.alpha, p.separable) / ggx_g1(wo_turned, p.alpha);
+    pdf = pdf_ggx_drawn(pdf, h_turned, p.alpha, 0.25 / h.w);
     pdf = probabilities.y * principled_tried(p, pdf, unshadowed);
     return through * unshadowed;
 }
@@ -227,7 +231,7 @@ bsdf_sample try_base(principled p, vec3 wo, vec4 u, out float chance, out precis
     vec3 h = vec3(0.0, 0.0, 1.0);
     vec3 wo_turned = principled_turn(p, wo, false);
     if (HAS_LOBE(LOBE_ROUGH) && !p.is_delta)
-        h = principled_turn(p, sample_ggx_vndf(wo_turned, p.alpha, u.xy), true);
+        h = principled_turn(p, sample_ggx_normal(wo_turned, p.alpha, u.xy), true);
     float cos_o = dot(wo, h);
     if (!(cos_o > 0.0))
         return s;
@@ -263,11 +267,14 @@ bsdf_sample try_base(principled p, vec3 wo, vec4 u, out float chance, out precis
             s.wi.z = -s.wi.z;
         } else {
             s.wi = refract_about(wo, h, p.eta, cos_o, cos_t);
-            s.weight /= p.eta * p.eta;
+            s.weight /= refraction_divisor(p.eta);
             s.valid = s.wi.z < 0.0;
             precise float g1 = 1.0;
-            if (HAS_LOBE(LOBE_ROUGH) && !p.is_delta)
+            if (HAS_LOBE(LOBE_ROUGH) && !p.is_delta) {
                 g1 = ggx_g1(principled_turn(p, s.wi, false), p.alpha);
+                if (NORMALS == NORMALS_NDF)
+                    g1 *= ggx_g1(wo_turned, p.alpha) * cos_o / (wo.z * h.z);
+            }
             s.weight *= tries_again ? 1.0 / p.tries_scale : g1;
             unshadowed = s.valid ? g1 : 0.0;
         }
@@ -293,7 +300,7 @@ bsdf_sample sample_base(principled p, vec3 wo, vec4 u)
 vec3 sample_coat_normal(principled p, vec3 wo, vec2 u)
 {
     if (p.coat_ggx)
-        return sample_ggx_vndf(wo, vec2(p.coat_alpha), u);
+        return sample_ggx_normal(wo, vec2(p.coat_alpha), u);
     return sample_gtr1(p.coat_alpha, u);
 }
 
@@ -311,8 +318,7 @@ bsdf_sample sample_principled(material m, vec3 wo, float eta, vec4 u)
     } else if (HAS_LOBE(LOBE_CLEARCOAT) && u.z >= bound_fibre) {
         vec3 h = p.coat_delta ? vec3(0.0, 0.0, 1.0) : sample_coat_normal(p, wo, u.xy);
         s.wi = normalize(2.0 * dot(wo, h) * h - wo);
-        s.weight = vec3(p.coat_layer * p.coat / p.p_coat *
-                        (0.04 + 0.96 * schlick_weight(wo.z)));
+        s.weight = vec3(p.coat_layer * p.coat / p.p_coat * coat_fresnel(p, wo.z));
         s.specular = p.coat_delta;
         s.valid = s.wi.z > 0.0;
     } else if (HAS_LOBE(LOBE_CHARLIE) && u.z >= bound_through) {

@@ -12,6 +12,13 @@
 
 #include "lib/material.glsl"
 
+// What refraction divides radiance by: eta^2, or 1 with the setting `radiance_scaling` off, as if
+// light were power in a bundle of rays that does not become narrower.
+float refraction_divisor(float eta)
+{
+    return RADIANCE_SCALING != 0u ? eta * eta : 1.0;
+}
+
 struct bsdf_sample {
     vec3 wi;
     vec3 weight;      // BSDF * |wi.z| / pdf

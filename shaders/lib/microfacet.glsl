@@ -82,7 +82,41 @@ float pdf_ggx_vndf(vec3 wo, vec3 h, vec2 alpha)
            (abs(wo.z) + ggx_stretched_length(wo, alpha));
 }
 
-// Density of reflecting about such a normal, per solid angle of the reflected direction:
+// A normal of the density D(h) h.z itself, whatever wo sees of it: tan^2 = alpha^2 u / (1 - u)
+// (Walter et al. 2007, eqs. 35 and 36), stretched.
+vec3 sample_ggx_ndf(vec2 alpha, vec2 u)
+{
+    float radius = sqrt(u.x / (1.0 - u.x));
+    float phi = 2.0 * PI * u.y;
+    return normalize(vec3(alpha * radius * vec2(cos(phi), sin(phi)), 1.0));
+}
+
+// The setting `normals` chooses between both: a normal, and its density per solid angle of h.
+vec3 sample_ggx_normal(vec3 wo, vec2 alpha, vec2 u)
+{
+    if (NORMALS == NORMALS_NDF)
+        return sample_ggx_ndf(alpha, u);
+    return sample_ggx_vndf(wo, alpha, u);
+}
+
+// The density with which a normal is drawn, for `visible`, that of visible normals, at hand; both
+// are over the same measure, of which a normal's solid angle has the part `scale`.
+float pdf_ggx_drawn(float visible, vec3 h, vec2 alpha, float scale)
+{
+    return NORMALS == NORMALS_NDF ? ggx_d(h, alpha) * h.z * scale : visible;
+}
+
+// What a sample of a drawn normal is weighted with besides its reflectance, f / density: G2 /
+// G1(wo) of visible normals, G2 wo.h / (wo.z h.z) of all.
+float ggx_drawn_weight(vec3 wo, vec3 wi, vec3 h, vec2 alpha, bool separable)
+{
+    float g2 = ggx_g2(wo, wi, alpha, separable);
+    if (NORMALS == NORMALS_NDF)
+        return g2 * dot(wo, h) / (wo.z * h.z);
+    return g2 / ggx_g1(wo, alpha);
+}
+
+// Density of reflecting about a visible normal, per solid angle of the reflected direction:
 // pdf_ggx_vndf() / (4 wo.h), in which wo.h cancels.
 float pdf_ggx_reflection(vec3 wo, vec3 h, vec2 alpha)
 {

@@ -20,6 +20,9 @@ struct principled {
     vec3 f0;            // of the dielectric, as asked for
     float f0_index;     // of eta
     float specular_weight;
+    bool is_mixed; // Fresnel's equations and Schlick's, times the specular colour
+    vec3 specular_scale; // that colour
+    vec3 f0_metal;       // of Schlick's
     float film; // iridescence; 0 where the film's index is below the medium's in front
     float film_index;
     float film_thickness;
@@ -49,6 +52,7 @@ struct principled {
     float coat_alpha; // of D
     bool coat_ggx;
     bool coat_delta;
+    bool coat_exact;
     float coat_layer; // what is over the coat lets through: S, or 1
     float base_layer; // S C
     // Lobes are chosen with these probabilities.
@@ -117,11 +121,35 @@ vec3 principled_film(principled p, float cos_o, float cos_t, vec3 f0, vec3 refle
 vec3 principled_dielectric(principled p, float cos_o, float exact, float cos_t, bool highest)
 {
     precise vec3 f = exact + (p.f0 - p.f0_index) * ((1.0 - exact) / (1.0 - p.f0_index));
+    if (HAS_LOBE(LOBE_MIXED_FRESNEL) && p.is_mixed)
+        f = p.specular_scale * exact;
     return principled_film(p, cos_o, cos_t, p.f0, clamp(f, 0.0, 1.0), highest);
+}
+
+// R_metal at normal incidence.
+vec3 principled_reflects(principled p)
+{
+    return HAS_LOBE(LOBE_MIXED_FRESNEL) && p.is_mixed ? p.specular_scale * p.f0_metal
+                                                      : p.base_color;
+}
+
+// R_metal without the compensation, of Schlick's reflectance or of its mean.
+vec3 principled_metal(principled p, float cos_o, float cos_t, vec3 schlick)
+{
+    if (HAS_LOBE(LOBE_MIXED_FRESNEL) && p.is_mixed)
+        schlick *= p.specular_scale;
+    return principled_film(p, cos_o, cos_t, principled_reflects(p), schlick, false);
+}
+
+vec3 principled_f0_metal(principled p)
+{
+    return HAS_LOBE(LOBE_MIXED_FRESNEL) && p.is_mixed ? p.f0_metal : p.base_color;
 }
 
 bool principled_tries_again(principled p)
 {
+    if (NORMALS == NORMALS_NDF) // the chance of survival is known of visible ones
+        return false;
     return HAS_LOBE(LOBE_TRANSMISSION) && HAS_LOBE(LOBE_COMPENSATE) && HAS_LOBE(LOBE_ROUGH) &&
            p.tries_again;
 }
@@ -156,8 +184,8 @@ void principled_interface(principled p, float cos_o, float cos_t, float exact,
                   (1.0 - principled_whitened(p, f_t));
     }
     if (HAS_LOBE(LOBE_METAL)) {
-        vec3 metal = fresnel_schlick(p.base_color, cos_o);
-        metal = principled_film(p, cos_o, cos_t, p.base_color, metal, false);
+        vec3 metal = fresnel_schlick(principled_f0_metal(p), cos_o);
+        metal = principled_metal(p, cos_o, cos_t, metal);
         reflected += p.metallic * p.compensation * metal;
     }
     probabilities = vec2(1.0, 0.0);
@@ -190,6 +218,27 @@ void prepare_fibres(inout precise principled p, material m, float mu)
     p.p_fibre = mean_channel(p.fibre_color) * albedo;
 }
 
+// Schlick's reflectance of index 1.5 (Burley 2012, section 5.4), or that of Fresnel's equations.
+float coat_fresnel(principled p, float cosine)
+{
+    if (HAS_LOBE(LOBE_EXACT_COAT) && p.coat_exact) {
+        float cos_t;
+        return fresnel_dielectric(cosine, 1.5, cos_t);
+    }
+    return 0.04 + 0.96 * schlick_weight(cosine);
+}
+
+// The albedo of a coat of weight 1 with the exact reflectance.
+float coat_albedo_exact(principled p, float mu, float gloss)
+{
+    if (!p.coat_ggx)
+        return 4.0 * albedo_coat_exact(p.tables, mu, gloss);
+    if (p.coat_delta)
+        return coat_fresnel(p, mu);
+    return albedo_ggx(p.tables, mu, p.coat_alpha) *
+           albedo_fresnel(p.tables, mu, p.coat_alpha, 1.5);
+}
+
 void prepare_coat(inout precise principled p, material m, float mu)
 {
     p.base_layer = p.coat_layer;
@@ -207,6 +256,10 @@ void prepare_coat(inout precise principled p, material m, float mu)
                    (0.04 + 0.96 * mean);
     if (!p.coat_ggx)
         albedo = 4.0 * albedo_coat(p.tables, mu, gloss);
+    if (HAS_LOBE(LOBE_EXACT_COAT) && material_has(m, MATERIAL_EXACT_COAT)) {
+        p.coat_exact = true;
+        albedo = coat_albedo_exact(p, mu, gloss);
+    }
     albedo *= p.coat;
     p.base_layer = p.coat_layer * (1.0 - albedo);
     if (HAS_LOBE(LOBE_GLTF) && p.is_gltf) {
@@ -227,6 +280,13 @@ void prepare_dielectric(inout precise principled p, material m, float eta)
     p.f0 = min(vec3(1.0),
                p.f0_index * (2.0 * material_specular(m) * tint * material_specular_color(m)));
     p.specular_weight = material_specular_weight(m);
+    if (HAS_LOBE(LOBE_MIXED_FRESNEL) && material_has(m, MATERIAL_MIXED_FRESNEL)) {
+        p.is_mixed = true;
+        p.specular_scale = min(vec3(1.0), material_specular_color(m));
+        vec3 f0 = min(vec3(1.0), p.f0_index * (2.0 * material_specular(m) * tint));
+        p.f0_metal = mix(f0, p.base_color, p.metallic);
+        p.f0 = p.f0_index * p.specular_scale;
+    }
     if (HAS_LOBE(LOBE_IRIDESCENCE)) {
         // ior over eta is the index on the other side.
         p.film_index = material_film_ior(m) / material_ior(m) * (p.eta < 1.0 ? 1.0 / p.eta : p.eta);
@@ -307,8 +367,8 @@ vec2 principled_albedo_lossless(principled p, material m, vec3 wo, float alpha)
         alpha = albedo_turned_stand_in(wo.z, p.alpha, alpha_o);
         factor = albedo_turned_glass(p.tables, wo.z, axes, p.roughness, alpha_o, p.eta);
     }
-    float clear =
-        p.specular_weight < 1.0 ? albedo_clear(p.tables, wo.z, alpha, p.eta) : 0.0;
+    bool is_scaled = p.specular_weight < 1.0 || (HAS_LOBE(LOBE_MIXED_FRESNEL) && p.is_mixed);
+    float clear = is_scaled ? albedo_clear(p.tables, wo.z, alpha, p.eta) : 0.0;
     return min(vec2(1.0), factor * vec2(albedo_glass(p.tables, wo.z, alpha, p.eta), clear));
 }
 
@@ -320,6 +380,9 @@ vec3 principled_albedo_through(principled p, material m, vec3 wo, float alpha, f
     if (p.thin)
         return vec3(e1);
     vec2 lossless = principled_albedo_lossless(p, m, wo, alpha);
+    // The specular colour scales reflection but where it is total, as the specular weight does.
+    if (HAS_LOBE(LOBE_MIXED_FRESNEL) && p.is_mixed && !(p.film > 0.0))
+        return mix(vec3(lossless.y), vec3(lossless.x), p.specular_weight * p.specular_scale);
     vec3 albedo = lossless.x + principled_moved(p) * (e1 - lossless.x);
     if (p.specular_weight < 1.0)
         albedo = mix(vec3(lossless.y), albedo, p.specular_weight);
@@ -353,6 +416,8 @@ vec3 prepare_interface(inout precise principled p, material m, vec3 wo, float al
         fresnel_dielectric(e.w, p.eta, cos_t);
     precise vec3 f = principled_dielectric(p, e.w, e.y, cos_t, !p.is_delta);
     f *= p.eta < 1.0 ? 1.0 : p.specular_weight;
+    if (HAS_LOBE(LOBE_MIXED_FRESNEL) && p.is_mixed && p.eta < 1.0)
+        f = max(f, vec3(e.y));
     albedo = (1.0 - p.metallic) * f;
     if (HAS_LOBE(LOBE_TRANSMISSION)) {
         if (HAS_LOBE(LOBE_COMPENSATE) && material_has(m, MATERIAL_COMPENSATE) &&
@@ -367,9 +432,9 @@ vec3 prepare_interface(inout precise principled p, material m, vec3 wo, float al
     }
     if (HAS_LOBE(LOBE_METAL)) {
         if (HAS_LOBE(LOBE_COMPENSATE) && material_has(m, MATERIAL_COMPENSATE))
-            p.compensation = 1.0 + p.base_color * ((1.0 - e.x) / e.x);
-        vec3 metal = p.base_color + (1.0 - p.base_color) * e.z;
-        metal = principled_film(p, e.w, cos_t, p.base_color, metal, false);
+            p.compensation = 1.0 + principled_reflects(p) * ((1.0 - e.x) / e.x);
+        vec3 f0 = principled_f0_metal(p);
+        vec3 metal = principled_metal(p, e.w, cos_t, f0 + (1.0 - f0) * e.z);
         albedo += p.metallic * p.compensation * metal;
     }
     albedo *= e.x;
@@ -429,6 +494,10 @@ principled principled_prepare(material m, vec3 wo, float eta)
     p.coat_alpha = 1.0;
     p.coat_ggx = false;
     p.coat_delta = false;
+    p.coat_exact = false;
+    p.is_mixed = false;
+    p.specular_scale = vec3(1.0);
+    p.f0_metal = p.base_color;
     p.p_fibre = 0.0;
     p.p_coat = 0.0;
 

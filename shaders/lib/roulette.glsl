@@ -33,7 +33,7 @@ bool survives_roulette(uint slot, inout vec3 throughput, float scale, float u)
 float roulette_scale(float ior)
 {
     float ratio = ior / camera_ior();
-    return ratio * ratio;
+    return RADIANCE_SCALING != 0u ? ratio * ratio : 1.0;
 }
 
 #endif

@@ -53,7 +53,7 @@ void whitted_interface(inout whitted_surface w, vec3 wo, vec3 reflectance, vec3 
     if (thin || is_index_matched(eta))
         return;
     w.onwards = vec3(-wo.xy / eta, -cos_t);
-    w.refracted /= eta * eta;
+    w.refracted /= refraction_divisor(eta);
 }
 
 void whitted_dielectric(inout whitted_surface w, material m, vec3 wo, float eta)

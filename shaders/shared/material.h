@@ -50,6 +50,8 @@
 #define MASKING_COUNT 7u
 #define MATERIAL_EXACT_FRESNEL (1u << 21) // of ior, instead of Schlick's
 #define MATERIAL_UNCOUPLED (1u << 22)     // the base has 1 - F(wo.h) instead of both sides' 1 - F
+#define MATERIAL_MIXED_FRESNEL (1u << 23) // exact and Schlick's, by metallic, coloured
+#define MATERIAL_EXACT_COAT (1u << 24)    // the coat's Fresnel is that of index 1.5, not Schlick's
 
 // Parameters in groups of four, so that one texture's RGBA scales one group. A parameter's number
 // is 4 * group + component; scene/core/scene_material.h documents ranges, units and defaults.
@@ -143,7 +145,9 @@
 #define LOBE_GLTF (1u << 24)      // principled that is mixed as glTF says
 #define LOBE_MASKINGS (1u << 25)  // of microfacet: MASKING_SCHLICK and those after it
 #define LOBE_UNCOUPLED (1u << 26) // of microfacet: MATERIAL_UNCOUPLED
-#define LOBE_END (1u << 27)
+#define LOBE_MIXED_FRESNEL (1u << 27)
+#define LOBE_EXACT_COAT (1u << 28)
+#define LOBE_END (1u << 29)
 // These lobes may send light through a surface.
 #define LOBES_THROUGH (LOBE_TRANSMISSION | LOBE_DIELECTRIC | LOBE_DIFFUSE_TRANSMISSION)
 

@@ -64,6 +64,10 @@
 #define DIRECTIONS_COSINE 3u
 #define DIRECTIONS_POWER_COSINE 4u // about the mirrored direction
 
+// How rough microfacets' normals are drawn.
+#define NORMALS_VISIBLE 0u // those that are seen from where the path comes (Heitz 2018)
+#define NORMALS_NDF 1u     // all, by the distribution itself (Walter et al. 2007)
+
 #define ROULETTE_THROUGHPUT 0u
 #define ROULETTE_CONSTANT 1u // one probability for all
 #define ROULETTE_FRAME 2u    // a geometric depth for each sample number, shared by all pixels

@@ -91,7 +91,8 @@ static double sharpest_lobe(const struct scene *scene, const struct flat_scene *
 {
     const struct settings *settings = &scene->settings;
     if (!looks_far(scene, emitters) || !settings->nee ||
-        settings->nee_depth < settings->max_bounces || s->directions != DIRECTIONS_BSDF)
+        settings->nee_depth < settings->max_bounces || s->directions != DIRECTIONS_BSDF ||
+        s->normals != NORMALS_VISIBLE)
         return INFINITY;
     double sharpest = 1.0 / M_PI;
     for (uint32_t i = 0; i < scene->material_count; i++)

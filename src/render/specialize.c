@@ -37,6 +37,7 @@ static uint32_t principled_lobes(const struct scene *scene, const struct materia
 {
     uint32_t lobes = LOBE_PRINCIPLED | roughness_lobes(scene, m, PARAMETER_ROUGHNESS);
     lobes |= m->flags & MATERIAL_GLTF_LAYERS ? LOBE_GLTF : LOBE_BURLEY;
+    lobes |= m->flags & MATERIAL_MIXED_FRESNEL ? LOBE_MIXED_FRESNEL : 0u;
     lobes |= lobe_if(m, PARAMETER_METALLIC, LOBE_METAL);
     lobes |= lobe_if(m, PARAMETER_SUBSURFACE, LOBE_SUBSURFACE);
     lobes |= lobe_if(m, PARAMETER_SHEEN, LOBE_SHEEN);
@@ -44,6 +45,7 @@ static uint32_t principled_lobes(const struct scene *scene, const struct materia
         lobes |= lobe_if(m, PARAMETER_SHEEN_COLOR + c, LOBE_CHARLIE);
     if (m->clearcoat > 0.0f) {
         lobes |= LOBE_CLEARCOAT;
+        lobes |= m->flags & MATERIAL_EXACT_COAT ? LOBE_EXACT_COAT : 0u;
         lobes |= m->flags & MATERIAL_COAT_GGX
                      ? roughness_lobes(scene, m, PARAMETER_CLEARCOAT_ROUGHNESS)
                      : LOBE_ROUGH;
@@ -379,6 +381,8 @@ struct specialization specialize(const struct specialize_params *p)
         .environment_filter =
             scene->environment.width ? settings->environment_filter : ENVIRONMENT_FILTER_NEAREST,
         .leaf_index_bits = bvh_leaf_index_bits(bvh->max_leaf),
+        .normals = settings->normals,
+        .radiance_scaling = settings->radiance_scaling,
     };
     s.geometry |= has_large_spheres(flat, p->camera) ? GEOMETRY_LARGE_SPHERES : 0u;
     uint32_t classes = 0;
@@ -535,7 +539,8 @@ const char *lobe_name(uint32_t bit)
         "dispersion",        "diffuse transmission",
         "separable masking", "Burley's layers",
         "glTF's layers",     "further maskings",
-        "uncoupled base",
+        "uncoupled base",    "mixed Fresnel",
+        "exact coat",
     };
     return name_of_bit(names, sizeof names / sizeof *names, bit);
 }

@@ -33,6 +33,8 @@ struct specialization {
     uint32_t environment_filter; // ENVIRONMENT_FILTER_*; nearest where there is no image
     uint32_t pixel_sampling;     // PIXEL_SAMPLING_*; of the sampler where nothing is spread
     uint32_t leaf_index_bits;    // bvh_leaf_index_bits()
+    uint32_t normals;            // NORMALS_*
+    uint32_t radiance_scaling;
     // Not a constant: `lobes` of the kernels that shade one class; 0 where the scene has none of
     // it.
     uint32_t class_lobes[CLASS_COUNT];

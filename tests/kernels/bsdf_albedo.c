@@ -83,6 +83,11 @@ double table_coat(double mu, double gloss)
     return quad(ALBEDO_COAT, ALBEDO_COAT_MU, ALBEDO_COAT_GLOSS, axis_mu(mu, 0.25), gloss);
 }
 
+double table_coat_exact(double mu, double gloss)
+{
+    return quad(ALBEDO_COAT_EXACT, ALBEDO_COAT_MU, ALBEDO_COAT_GLOSS, axis_mu(mu, 0.25), gloss);
+}
+
 static double diffuse(double mu, uint32_t component)
 {
     double u;

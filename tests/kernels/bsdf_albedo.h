@@ -22,7 +22,8 @@ double table_turned_cosine(const double wo[3], double roughness, double anisotro
 double table_turned_glass(const double wo[3], double roughness, double anisotropic,
                           const double alpha[2], double eta, bool is_clear);
 double table_charlie(double mu, double roughness);
-double table_coat(double mu, double gloss); // Burley's, of weight 1
+double table_coat(double mu, double gloss);       // Burley's, of weight 1
+double table_coat_exact(double mu, double gloss); // with the reflectance of index 1.5
 // Burley's subsurface approximation, base colour 1, and his sheen.
 double table_below(double mu, double roughness);
 double table_sheen(double mu);

@@ -32,9 +32,17 @@ static void open_setup(struct bsdf_device *device)
 
 bool bsdf_device_open(struct bsdf_device *device, const struct material *materials, uint32_t count)
 {
+    return bsdf_device_open_with(device, materials, count, (struct bsdf_choices){0});
+}
+
+bool bsdf_device_open_with(struct bsdf_device *device, const struct material *materials,
+                           uint32_t count, struct bsdf_choices choices)
+{
     struct scene *scene = &device->setup.scene;
     *device = (struct bsdf_device){0};
     scene_start(scene, 8, 8);
+    scene->settings.normals = choices.normals;
+    scene->settings.radiance_scaling = !choices.unscaled;
     for (uint32_t i = 0; i < count; i++)
         add_sphere(scene, (double[3]){3.0 * i, 0, -3}, 1, add_material(scene, &materials[i]));
     open_setup(device);

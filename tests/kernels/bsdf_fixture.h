@@ -3,6 +3,7 @@
 #define LAMPYRIS_TESTS_BSDF_FIXTURE_H
 
 #include "bsdf_item.h"
+#include "bsdf_reference.h"
 #include "kernel_fixture.h"
 
 // Inputs and outputs of an item; see bsdf.comp.
@@ -44,6 +45,8 @@ struct bsdf_device {
 // A scene of one sphere for each material, a renderer on it, and its kernels. Leaves the material's
 // number i as it is, so that items name it by i + 1. False: skipped or failed.
 bool bsdf_device_open(struct bsdf_device *device, const struct material *materials, uint32_t count);
+bool bsdf_device_open_with(struct bsdf_device *device, const struct material *materials,
+                           uint32_t count, struct bsdf_choices choices);
 void bsdf_device_close(struct bsdf_device *device);
 
 // Replaces `items` by what the routine makes of them, with the kernel of `material`'s class.

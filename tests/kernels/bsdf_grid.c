@@ -48,6 +48,8 @@ enum axis {
     AXIS_MASKING,
     AXIS_EXACT,
     AXIS_UNCOUPLED,
+    AXIS_MIXED,
+    AXIS_EXACT_COAT,
     AXIS_COUNT
 };
 
@@ -93,8 +95,10 @@ static const struct group groups[GROUPS] = {
                            VALUES(AXIS_SPECULAR, thirds),
                            VALUES(AXIS_TINT_EACH, switches),
                            VALUES(AXIS_THROUGH, thirds),
-                           VALUES(AXIS_LAYERS, switches)},
-                          21},
+                           VALUES(AXIS_LAYERS, switches),
+                           VALUES(AXIS_MIXED, switches),
+                           VALUES(AXIS_EXACT_COAT, switches)},
+                          23},
     [GROUP_DIELECTRIC] = {"dielectric",
                           {VALUES(AXIS_ANGLE, angles), VALUES(AXIS_ROUGHNESS, roughnesses),
                            VALUES(AXIS_IOR, iors), VALUES(AXIS_INSIDE, switches),
@@ -151,6 +155,8 @@ static void set_principled(struct material *m, const double *v)
     m->diffuse_transmission = m->flags & MATERIAL_THIN ? (float)v[AXIS_THROUGH] : 0.0f;
     set_flag(m, MATERIAL_TINT_EACH, v[AXIS_TINT_EACH]);
     set_flag(m, MATERIAL_GLTF_LAYERS, v[AXIS_LAYERS]);
+    set_flag(m, MATERIAL_MIXED_FRESNEL, v[AXIS_MIXED]);
+    set_flag(m, MATERIAL_EXACT_COAT, v[AXIS_EXACT_COAT]);
 }
 
 // Gold, silver-like and an absorbing insulator: an index a channel.
@@ -303,10 +309,10 @@ static double next_random(uint64_t *state)
 // Axes of kinds and switches have nothing between their values.
 static bool is_continuous(enum axis axis)
 {
-    static const enum axis kinds[] = {AXIS_INSIDE,   AXIS_COAT,      AXIS_THIN,   AXIS_COMPENSATE,
-                                      AXIS_MODEL,    AXIS_SEPARABLE, AXIS_EXACT,  AXIS_DISTRIBUTION,
-                                      AXIS_MASKING,  AXIS_TINT_EACH, AXIS_LAYERS, AXIS_IOR,
-                                      AXIS_UNCOUPLED};
+    static const enum axis kinds[] = {
+        AXIS_INSIDE,    AXIS_COAT,  AXIS_THIN,         AXIS_COMPENSATE, AXIS_MODEL,
+        AXIS_SEPARABLE, AXIS_EXACT, AXIS_DISTRIBUTION, AXIS_MASKING,    AXIS_TINT_EACH,
+        AXIS_LAYERS,    AXIS_IOR,   AXIS_UNCOUPLED,    AXIS_MIXED,      AXIS_EXACT_COAT};
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
         if (axis == kinds[i])
             return false;

@@ -4,6 +4,7 @@
 #define LAMPYRIS_TESTS_BSDF_GRID_H
 
 #include "bsdf_cells.h"
+#include "bsdf_reference.h"
 #include "scene/core/scene_material.h"
 
 struct configuration {
@@ -12,6 +13,7 @@ struct configuration {
     float wo[3];
     double angle; // of wo, degrees
     float eta;
+    struct bsdf_choices choices;
 };
 
 // In out, at most `capacity`; returns how many.

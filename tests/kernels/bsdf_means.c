@@ -29,7 +29,7 @@ static void fill_sequence(const struct configuration *c, uint32_t number, union 
 static double energy_scale(const struct configuration *c, const union bsdf_item *item)
 {
     bool bends = (item->sample.flags & BSDF_TRANSMITTED) && !(c->material.flags & MATERIAL_THIN);
-    return bends ? (double)c->eta * (double)c->eta : 1;
+    return bends && !c->choices.unscaled ? (double)c->eta * (double)c->eta : 1;
 }
 
 struct replicate {

@@ -3,10 +3,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-bool reference_init(struct reference *reference, const struct material *material, const float wo[3],
-                    float eta)
+bool reference_init(struct reference *reference, const struct material *material,
+                    struct bsdf_choices choices, const float wo[3], float eta)
 {
-    *reference = (struct reference){.material = material, .eta = (double)eta};
+    *reference = (struct reference){.material = material, .choices = choices, .eta = (double)eta};
     for (int c = 0; c < 3; c++)
         reference->wo[c] = (double)wo[c];
     optics_normalize(reference->wo);
@@ -19,6 +19,28 @@ void reference_finish(struct reference *reference)
 {
     free(reference->principled);
     reference->principled = NULL;
+}
+
+// D itself where all normals are drawn (Walter et al. 2007, section 5.3).
+double reference_normal_density(const struct reference *r, const double wo[3], const double h[3],
+                                const double alpha[2])
+{
+    if (r->choices.normals == NORMALS_NDF)
+        return ggx_density(h, alpha) * h[2];
+    return ggx_visible_density(wo, h, alpha);
+}
+
+double reference_reflected_density(const struct reference *r, const double wo[3], const double h[3],
+                                   const double alpha[2])
+{
+    if (r->choices.normals == NORMALS_NDF)
+        return ggx_density(h, alpha) * h[2] / (4 * optics_dot(wo, h));
+    return ggx_reflected_density(wo, h, alpha);
+}
+
+double reference_divisor(const struct reference *r, double eta)
+{
+    return r->choices.unscaled ? 1 : eta * eta;
 }
 
 static double lambert_eval(const struct material *m, const double wi[3], double f[3])

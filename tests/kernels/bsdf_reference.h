@@ -1,12 +1,13 @@
 // The BSDFs once more in double precision, written from the papers and from docs/materials*.md
 // rather than from the kernels: what a sample's density and value ought to be.
 //
-// The frame, eta and the scaling of radiance are those of shaders/lib/bsdf_types.glsl.
+// The frame and eta are those of shaders/lib/bsdf_types.glsl.
 #ifndef LAMPYRIS_TESTS_BSDF_REFERENCE_H
 #define LAMPYRIS_TESTS_BSDF_REFERENCE_H
 
 #include "bsdf_optics.h"
 #include "scene/core/scene_material.h"
+#include "shared/methods.h"
 
 enum { REFERENCE_MAX_DELTAS = 4 };
 
@@ -18,8 +19,15 @@ struct reference_delta {
     bool transmitted;
 };
 
+// Settings of a render that change how a BSDF is drawn or what it is.
+struct bsdf_choices {
+    uint32_t normals; // NORMALS_*
+    bool unscaled;    // refraction leaves radiance as it is
+};
+
 struct reference {
     const struct material *material;
+    struct bsdf_choices choices;
     double wo[3], eta;
     // The chance that a try to draw the interface survives other microfacets, as its tables say; 0
     // where it is drawn once and not asked to.
@@ -29,8 +37,8 @@ struct reference {
 
 // wo and eta are what the kernel gets. Directions were rounded: they are taken to stand for the
 // unit vectors that are parallel to them. `material` must outlive it.
-bool reference_init(struct reference *reference, const struct material *material, const float wo[3],
-                    float eta);
+bool reference_init(struct reference *reference, const struct material *material,
+                    struct bsdf_choices choices, const float wo[3], float eta);
 void reference_finish(struct reference *reference);
 // BSDF * |wi.z| of all that is not a delta in f; returns the density.
 double reference_eval(const struct reference *reference, const double wi[3], double f[3]);
@@ -45,6 +53,14 @@ double reference_hidden_normal(const struct reference *reference, const double h
 
 // The true chance that a try survives, by quadrature.
 double reference_true_survival(const struct reference *reference);
+
+// The density with which a normal of GGX is drawn, and with which what it reflects is.
+double reference_normal_density(const struct reference *reference, const double wo[3],
+                                const double h[3], const double alpha[2]);
+double reference_reflected_density(const struct reference *reference, const double wo[3],
+                                   const double h[3], const double alpha[2]);
+// What refraction divides radiance by.
+double reference_divisor(const struct reference *reference, double eta);
 
 // --- by model ------------------------------------------------------------------------------------
 

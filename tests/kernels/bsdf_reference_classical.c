@@ -159,6 +159,8 @@ static struct highlight microfacet(const struct reference *r, const double wi[3]
     double cosine = optics_half_reflected(r->wo, wi, h);
     double value = distribution(kind, h, alpha) * masking(r, wi, cosine) / (4 * r->wo[2]);
     double pdf = ggx_reflected_density(r->wo, h, (double[2]){alpha, alpha});
+    if (r->choices.normals == NORMALS_NDF)
+        pdf = distribution(kind, h, alpha) * h[2] / (4 * cosine);
     return (struct highlight){value, pdf, cosine};
 }
 

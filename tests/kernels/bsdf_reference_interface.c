@@ -48,7 +48,8 @@ enum { TRIES = 32 };
 void dielectric_prepare(struct reference *r)
 {
     uint32_t flags = r->material->flags & (MATERIAL_COMPENSATE | MATERIAL_SEPARABLE);
-    bool again = flags == MATERIAL_COMPENSATE && alpha_of(r->material) >= SMALLEST_ALPHA;
+    bool again = flags == MATERIAL_COMPENSATE && alpha_of(r->material) >= SMALLEST_ALPHA &&
+                 r->choices.normals == NORMALS_VISIBLE;
     r->survival = again && !is_straight(r) ? fmin(1, 1 / compensation(r)) : 0;
 }
 
@@ -120,7 +121,7 @@ static double reflected(const struct reference *r, const double wi[3], bool thro
     part = through ? 1 - part : part;
     double both = ggx_masking_both(r->wo, wi, alpha, separable);
     set_all(f, compensation(r) * part * ggx_density(h, alpha) * both / (4 * r->wo[2]));
-    return dielectric_tried(r, part * ggx_reflected_density(r->wo, h, alpha),
+    return dielectric_tried(r, part * reference_reflected_density(r, r->wo, h, alpha),
                             both / ggx_masking(r->wo, alpha));
 }
 
@@ -143,8 +144,8 @@ double dielectric_eval(const struct reference *r, const double wi[3], double f[3
     double cosine = optics_dot(r->wo, h), part = 1 - reflectance(r, cosine);
     set_all(f, compensation(r) * part * ggx_density(h, alpha) *
                    ggx_masking_both(r->wo, wi, alpha, false) * cosine / r->wo[2] * jacobian /
-                   (r->eta * r->eta));
-    return dielectric_tried(r, part * ggx_visible_density(r->wo, h, alpha) * jacobian,
+                   reference_divisor(r, r->eta));
+    return dielectric_tried(r, part * reference_normal_density(r, r->wo, h, alpha) * jacobian,
                             ggx_masking(wi, alpha));
 }
 
@@ -159,7 +160,7 @@ double dielectric_through_normal(const struct reference *r, const double h[3])
 {
     double alpha[2] = {alpha_of(r->material), alpha_of(r->material)};
     double density =
-        (1 - reflectance(r, optics_dot(r->wo, h))) * ggx_visible_density(r->wo, h, alpha);
+        (1 - reflectance(r, optics_dot(r->wo, h))) * reference_normal_density(r, r->wo, h, alpha);
     return dielectric_tried(r, density, dielectric_unshadowed(r->wo, h, alpha, r->eta, false, 0));
 }
 
@@ -172,7 +173,7 @@ int dielectric_deltas(const struct reference *r, struct reference_delta *out)
     }
     if (alpha_of(r->material) >= SMALLEST_ALPHA)
         return 0;
-    double part = reflectance(r, wo[2]), scale = 1 / (r->eta * r->eta);
+    double part = reflectance(r, wo[2]), scale = 1 / reference_divisor(r, r->eta);
     double beyond = optics_cos_refracted(wo[2], r->eta);
     out[0] = (struct reference_delta){{-wo[0], -wo[1], wo[2]}, part, {1, 1, 1}, false};
     out[1] = (struct reference_delta){
@@ -208,7 +209,7 @@ double conductor_eval(const struct reference *r, const double wi[3], double f[3]
     for (int c = 0; c < 3; c++)
         f[c] = part[c] * ggx_density(h, alpha) * ggx_masking_both(r->wo, wi, alpha, separable) /
                (4 * r->wo[2]);
-    return ggx_reflected_density(r->wo, h, alpha);
+    return reference_reflected_density(r, r->wo, h, alpha);
 }
 
 int conductor_deltas(const struct reference *r, struct reference_delta *out)

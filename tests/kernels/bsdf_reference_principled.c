@@ -10,6 +10,8 @@ enum { DIFFUSE_NODES = 1024 };
 struct principled_state {
     double base[3], roughness, alpha[2], turn[2];
     double eta, metallic, transmission; // the latter times 1 - metallic
+    bool mixed, exact_coat; // Fresnel's equations and Schlick's mixed; those of 1.5 for the coat
+    double specular[3], f0_metal[3]; // that scales both, and Schlick's
     double f0[3], f0_index, specular_weight, compensation[3], through_compensation[3], tint[3];
     bool tries_again;     // where a sample of the base ends on another microfacet
     double reflects_more; // the part of what Fresnel's equations let through that reflects
@@ -94,10 +96,24 @@ static double albedo_diffuse(const struct principled_state *p, double c)
 
 // --- the interface -------------------------------------------------------------------------------
 
+// Pharr, Jakob and Humphreys 2016, class DisneyFresnel of pbrt-v3, times the specular colour.
 static double shifted(const struct principled_state *p, int c, double exact)
 {
+    if (p->mixed)
+        return p->specular[c] * exact;
     double f = exact + (p->f0[c] - p->f0_index) * (1 - exact) / (1 - p->f0_index);
     return fmin(fmax(f, 0), 1);
+}
+
+static double metal(const struct principled_state *p, int c, double weight)
+{
+    return p->specular[c] * (p->f0_metal[c] + (1 - p->f0_metal[c]) * weight) * p->compensation[c];
+}
+
+// Burley 2012, section 5.4, or of Fresnel's equations.
+static double coat_fresnel(const struct principled_state *p, double cosine)
+{
+    return p->exact_coat ? optics_fresnel(fmin(cosine, 1), 1.5) : optics_schlick(0.04, cosine);
 }
 
 static double slab(const struct principled_state *p, double f)
@@ -114,10 +130,9 @@ static double interface_parts(const struct principled_state *p, double cosine, d
     double back[3];
     for (int c = 0; c < 3; c++) {
         double f_w = total ? 1 : p->specular_weight * shifted(p, c, exact), f_t = slab(p, f_w);
-        double metal = optics_schlick(p->base[c], cosine) * p->compensation[c];
         double m_t = p->through_compensation[c];
-        reflected[c] = p->metallic * metal + (1 - p->metallic - p->transmission) * f_w +
-                       p->transmission * m_t * f_t;
+        reflected[c] = p->metallic * metal(p, c, weight5(cosine)) +
+                       (1 - p->metallic - p->transmission) * f_w + p->transmission * m_t * f_t;
         back[c] = f_t;
         through[c] = p->transmission * m_t * p->tint[c];
     }
@@ -151,6 +166,8 @@ static void prepare_base(struct principled_state *p, const struct material *m)
     p->thin = m->flags & MATERIAL_THIN;
     p->separable = m->flags & MATERIAL_SEPARABLE;
     p->is_gltf = m->flags & MATERIAL_GLTF_LAYERS;
+    p->mixed = m->flags & MATERIAL_MIXED_FRESNEL;
+    p->exact_coat = m->flags & MATERIAL_EXACT_COAT;
     p->f0_index = (p->eta - 1) / (p->eta + 1) * ((p->eta - 1) / (p->eta + 1));
     p->specular_weight = (double)m->specular_weight;
     bool each = p->thin || m->flags & MATERIAL_TINT_EACH;
@@ -159,6 +176,13 @@ static void prepare_base(struct principled_state *p, const struct material *m)
         tint = 1 + (tint - 1) * (double)m->specular_tint;
         p->f0[c] =
             fmin(1, p->f0_index * 2 * (double)m->specular * tint * (double)m->specular_color[c]);
+        p->specular[c] = p->mixed ? fmin(1, (double)m->specular_color[c]) : 1;
+        p->f0_metal[c] = p->base[c];
+        if (p->mixed) {
+            double f0 = fmin(1, p->f0_index * 2 * (double)m->specular * tint);
+            p->f0_metal[c] = f0 + p->metallic * (p->base[c] - f0);
+            p->f0[c] = p->specular[c] * p->f0_index;
+        }
         p->tint[c] = each ? p->base[c] : sqrt(p->base[c]);
         p->sheen[c] = luminance > 0 ? p->base[c] / luminance : 1;
         p->sheen[c] = (double)m->sheen * (1 + (p->sheen[c] - 1) * (double)m->sheen_tint);
@@ -181,9 +205,12 @@ static void prepare_layers(struct principled_state *p, const struct material *m,
     p->coat_delta = p->coat_ggx && alpha < SMALLEST_ALPHA;
     p->coat = p->coat_ggx ? coat : 0.25 * coat;
     if (!p->coat_ggx)
-        albedo = coat * table_coat(c_o, (double)m->clearcoat_gloss);
+        albedo =
+            coat * (p->exact_coat ? table_coat_exact : table_coat)(c_o, (double)m->clearcoat_gloss);
     else if (p->coat_delta)
-        albedo = coat * (0.04 + 0.96 * weight5(c_o));
+        albedo = coat * coat_fresnel(p, c_o);
+    else if (p->exact_coat)
+        albedo = coat * table_ggx(c_o, alpha) * table_fresnel(c_o, alpha, 1.5);
     else
         albedo = coat * table_ggx(c_o, alpha) * (0.04 + 0.96 * table_schlick(c_o, alpha));
     // Fibres lie over the coat, in glTF under it.
@@ -244,6 +271,10 @@ static double lossless_albedo(const struct principled_state *p, const struct mat
     double moved = (p->f0[c] - p->f0_index) / (1 - p->f0_index);
     if (p->thin)
         return e1;
+    // What scales reflection but where it is total, as the specular weight does.
+    double scale = p->specular_weight * p->specular[c];
+    if (p->mixed)
+        return scale * lossless_part(p, m, wo, false) + (1 - scale) * lossless_part(p, m, wo, true);
     double albedo = (1 - moved) * lossless_part(p, m, wo, false) + moved * e1;
     if (p->specular_weight == 1)
         return albedo;
@@ -251,21 +282,20 @@ static double lossless_albedo(const struct principled_state *p, const struct mat
 }
 
 // docs/materials.md, "Sampling"
-static void prepare_tries(struct principled_state *p, double e1, double *survival)
+static void prepare_tries(struct principled_state *p, bool tries, double e1, double *survival)
 {
     double f0 = slab(p, p->specular_weight * mean(p->f0)), lossless[3];
     double reflected = (1 - p->metallic) * f0 + p->metallic * mean(p->base);
     double reflects = reflected / (reflected + p->transmission * mean(p->tint) * (1 - f0));
     for (int c = 0; c < 3; c++)
         lossless[c] = 1 / p->through_compensation[c];
-    p->tries_again = !p->separable;
+    p->tries_again = tries;
     p->reflects_more = f0 < 1 ? fmin(fmax((reflects - f0) / (1 - f0), 0), 1) : 0;
-    *survival =
-        p->separable ? 0 : fmin(1, mean(lossless) + p->reflects_more * (e1 - mean(lossless)));
+    *survival = !tries ? 0 : fmin(1, mean(lossless) + p->reflects_more * (e1 - mean(lossless)));
 }
 
 static void prepare_interface(struct principled_state *p, const struct material *m,
-                              const double wo[3], double *survival)
+                              const double wo[3], bool is_visible, double *survival)
 {
     double albedo[3], back[3], e1, exact, schlick;
     albedo_of_slopes(p, m, wo, &e1, &exact, &schlick);
@@ -274,15 +304,18 @@ static void prepare_interface(struct principled_state *p, const struct material 
     for (int c = 0; c < 3; c++)
         p->through_compensation[c] = gives_back ? 1 / lossless_albedo(p, m, c, wo, e1) : 1;
     if (gives_back)
-        prepare_tries(p, e1, survival);
+        prepare_tries(p, is_visible && !p->separable, e1, survival);
     for (int c = 0; c < 3; c++) {
         bool compensates = m->flags & MATERIAL_COMPENSATE;
-        p->compensation[c] = compensates ? 1 + p->base[c] * (1 - e1) / e1 : 1;
+        double f0_metal = p->specular[c] * p->f0_metal[c];
+        p->compensation[c] = compensates ? 1 + f0_metal * (1 - e1) / e1 : 1;
         double f_w = (p->eta < 1 ? 1 : p->specular_weight) * shifted(p, c, exact);
+        // Total reflection is not scaled.
+        if (p->mixed && p->eta < 1)
+            f_w = fmax(f_w, exact);
         double f_t = slab(p, f_w);
-        double metal = p->compensation[c] * (p->base[c] + (1 - p->base[c]) * schlick);
         albedo[c] =
-            e1 * (p->metallic * metal + (1 - p->metallic - p->transmission) * f_w +
+            e1 * (p->metallic * metal(p, c, schlick) + (1 - p->metallic - p->transmission) * f_w +
                   p->transmission * p->through_compensation[c] * (f_t + p->tint[c] * (1 - f_t)));
         back[c] = e1 * f_w;
     }
@@ -321,7 +354,7 @@ bool principled_prepare(struct reference *r)
     p->eta = fabs(r->eta - 1) <= 6 * 0x1p-24 ? 1 : r->eta;
     prepare_base(p, r->material);
     prepare_layers(p, r->material, c_o);
-    prepare_interface(p, r->material, r->wo, &r->survival);
+    prepare_interface(p, r->material, r->wo, r->choices.normals == NORMALS_VISIBLE, &r->survival);
     prepare_diffuse(p, r->material, c_o);
     double sum = p->p_fibre + p->p_coat + p->p_base + p->p_diffuse + p->p_through;
     double scale = sum > 0 ? 1 / sum : 0;
@@ -348,15 +381,17 @@ static double add_fibres(const struct principled_state *p, const double wo[3], c
     return p->p_fibre / (2 * M_PI);
 }
 
-static double add_coat(const struct principled_state *p, const double wo[3], const double wi[3],
-                       const double h[3], double cosine, double f[3])
+static double add_coat(const struct reference *r, const double wi[3], const double h[3],
+                       double cosine, double f[3])
 {
+    const struct principled_state *p = r->principled;
+    const double *wo = r->wo;
     static const double quarter[2] = {0.25, 0.25};
     double value, pdf, a2 = p->coat_alpha[0] * p->coat_alpha[0];
     if (p->coat_ggx) {
         value = ggx_density(h, p->coat_alpha) *
                 ggx_masking_both(wo, wi, p->coat_alpha, p->separable) / (4 * wo[2]);
-        pdf = ggx_reflected_density(wo, h, p->coat_alpha);
+        pdf = reference_reflected_density(r, wo, h, p->coat_alpha);
     } else {
         double sin2 = h[0] * h[0] + h[1] * h[1];
         double d = (a2 - 1) / (M_PI * log(a2) * (a2 * h[2] * h[2] + sin2));
@@ -364,7 +399,7 @@ static double add_coat(const struct principled_state *p, const double wo[3], con
         pdf = d * h[2] / (4 * cosine);
     }
     for (int c = 0; c < 3; c++)
-        f[c] += p->coat_layer * p->coat * optics_schlick(0.04, cosine) * value;
+        f[c] += p->coat_layer * p->coat * coat_fresnel(p, cosine) * value;
     return p->p_coat * pdf;
 }
 
@@ -384,8 +419,9 @@ static double add_reflection(const struct reference *r, const double wi[3], cons
     for (int c = 0; c < 3; c++)
         f[c] += p->base_layer * (is_through ? through[c] : reflected[c]) * value;
     probability = is_through ? 1 - probability : probability;
-    return p->p_base * dielectric_tried(r, probability * ggx_reflected_density(o, n, p->alpha),
-                                        both / ggx_masking(o, p->alpha));
+    return p->p_base *
+           dielectric_tried(r, probability * reference_reflected_density(r, o, n, p->alpha),
+                            both / ggx_masking(o, p->alpha));
 }
 
 static double add_refraction(const struct reference *r, const double wi[3], double f[3])
@@ -402,10 +438,10 @@ static double add_refraction(const struct reference *r, const double wi[3], doub
     double cosine = optics_dot(wo, h);
     double probability = 1 - interface_parts(p, cosine, reflected, through);
     double value = ggx_density(n, p->alpha) * ggx_masking_both(o, i, p->alpha, false) * cosine *
-                   jacobian / (wo[2] * p->eta * p->eta);
+                   jacobian / (wo[2] * reference_divisor(r, p->eta));
     for (int c = 0; c < 3; c++)
         f[c] += p->base_layer * through[c] * value;
-    double density = probability * ggx_visible_density(o, n, p->alpha) * jacobian;
+    double density = probability * reference_normal_density(r, o, n, p->alpha) * jacobian;
     return p->p_base * dielectric_tried(r, density, ggx_masking(i, p->alpha));
 }
 
@@ -432,7 +468,7 @@ static double eval_over(const struct reference *r, const double wi[3], double f[
     if (!p->is_delta)
         pdf += add_reflection(r, wi, h, cosine, false, f);
     if (!p->coat_delta && p->coat > 0)
-        pdf += add_coat(p, wo, wi, h, cosine, f);
+        pdf += add_coat(r, wi, h, cosine, f);
     return pdf + add_fibres(p, wo, wi, h, f);
 }
 
@@ -476,7 +512,8 @@ double principled_through_normal(const struct reference *r, const double h[3])
     into_tangent(p, r->wo, o);
     into_tangent(p, h, n);
     double probability = 1 - interface_parts(p, optics_dot(r->wo, h), reflected, through);
-    return p->p_base * dielectric_tried(r, probability * ggx_visible_density(o, n, p->alpha),
+    return p->p_base * dielectric_tried(r,
+                                        probability * reference_normal_density(r, o, n, p->alpha),
                                         dielectric_unshadowed(o, n, p->alpha, p->eta, false, 0));
 }
 
@@ -501,7 +538,7 @@ int principled_deltas(const struct reference *r, struct reference_delta *out)
     double reflected[3], through[3];
     int count = 0;
     if (p->coat_delta && p->p_coat > 0) {
-        double weight = p->coat_layer * p->coat * optics_schlick(0.04, wo[2]) / p->p_coat;
+        double weight = p->coat_layer * p->coat * coat_fresnel(p, wo[2]) / p->p_coat;
         out[count++] = (struct reference_delta){
             {-wo[0], -wo[1], wo[2]}, p->p_coat, {weight, weight, weight}, false};
     }
@@ -524,7 +561,8 @@ int principled_deltas(const struct reference *r, struct reference_delta *out)
         if (!straight)
             delta->wi[2] = -optics_cos_refracted(wo[2], p->eta);
         for (int c = 0; c < 3; c++)
-            delta->weight[c] = p->base_layer * through[c] / passes * (straight ? 1 : ratio * ratio);
+            delta->weight[c] =
+                p->base_layer * through[c] / passes / (straight ? 1 : reference_divisor(r, p->eta));
     }
     return count;
 }

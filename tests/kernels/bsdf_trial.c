@@ -472,7 +472,7 @@ static double find_resolution(const struct work *w)
 static bool prepare(struct work *w, struct trial *out)
 {
     const struct configuration *c = w->configuration;
-    if (!reference_init(&w->reference, &c->material, c->wo, c->eta))
+    if (!reference_init(&w->reference, &c->material, c->choices, c->wo, c->eta))
         return false;
     w->exact = w->reference;
     chart_unit(c->wo, w->exact.wo);

@@ -274,6 +274,8 @@ LOBES = {
     "MICROFACET": (["ROUGH"], ["eval_microfacet()", "sample_microfacet()"]),
     "MASKINGS": (["MICROFACET", "ROUGH"], ["-"]),
     "UNCOUPLED": (["MICROFACET", "ROUGH"], ["-"]),
+    "MIXED_FRESNEL": (PRINCIPLED + ["METAL"], ["-"]),
+    "EXACT_COAT": (PRINCIPLED + ["CLEARCOAT"], ["albedo_coat_exact()"]),
     "ROUGH": (["DIELECTRIC", "DELTA"], ["eval_rough_dielectric()", "sample_rough_dielectric()"]),
     "DELTA": (["DIELECTRIC", "ROUGH"], ["sample_smooth_dielectric()"]),
     "ANISOTROPIC": (PRINCIPLED, ["albedo_turned()", "turn_anisotropy()"]),
@@ -591,6 +593,19 @@ def check_environment_filters(bits, kernels, folder):
         print("%-26s %-18s %5d instructions" % (name, "shade_miss", module.instructions))
 
 
+def check_normals(bits, lobes, kernels, folder):
+    """Of both ways to draw microfacets' normals, only the chosen one is there."""
+    owned = ["sample_ggx_vndf", "sample_ggx_ndf"]
+    for number, name in enumerate(owned):
+        module = freeze(kernels["shade_surface"], bits["TRIANGLES"],
+                        sum(lobes[lobe] for lobe in ("CONDUCTOR", "MICROFACET", "ROUGH")), folder, 0,
+                        "27:%d" % number)
+        there = [function for function in owned if module.count(function + "()")]
+        if there != [name]:
+            fail("normals, %s: has %s" % (name, there))
+        print("%-26s %-18s %5d instructions" % (name, "shade_surface", module.instructions))
+
+
 def check_nodes(bits, kernels, folder):
     """Of both kinds of nodes, only the test of the chosen one's boxes is there."""
     owned = ["test_quantised_children", "test_float_children"]
@@ -665,6 +680,7 @@ def main():
         check_pixel_samplings(bits, kernels, folder)
         check_light_choices(bits, few, kernels, folder)
         check_environment_filters(bits, kernels, folder)
+        check_normals(bits, lobes, kernels, folder)
         check_nodes(bits, kernels, folder)
         if not short:
             for name in LOBES:

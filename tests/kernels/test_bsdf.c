@@ -67,6 +67,28 @@ static bool is_any(const struct material *material)
     return material != NULL;
 }
 
+static bool draws_normals(const struct material *m)
+{
+    bool has_model = m->model == MATERIAL_PRINCIPLED || m->model == MATERIAL_DIELECTRIC ||
+                     m->model == MATERIAL_CONDUCTOR || m->model == MATERIAL_MICROFACET;
+    return has_model && m->roughness > 0.005f;
+}
+
+static bool refracts(const struct material *m)
+{
+    return material_has_inside(m) && m->ior != 1.0f;
+}
+
+// Moves every nth of the chosen configurations to the front; returns how many.
+static uint32_t keep_some(uint32_t count, choice_fn is_chosen, uint32_t nth)
+{
+    uint32_t chosen = 0, kept = 0;
+    for (uint32_t i = 0; i < count; i++)
+        if (is_chosen(&grid[i].material) && chosen++ % nth == 0)
+            grid[kept++] = grid[i];
+    return kept;
+}
+
 static void print_trial(const struct configuration *c, const struct trial *t)
 {
     printf("  %s: p %.2g (%u), int %.6f + %.6f + %.6f, closure %.1e +- %.1e, weight %.1e, "
@@ -77,7 +99,7 @@ static void print_trial(const struct configuration *c, const struct trial *t)
 }
 
 // LAMPYRIS_BSDF_ONLY: a part of the names of those to run; LAMPYRIS_BSDF_VERBOSE: print each.
-static void run_trials(uint32_t count, choice_fn is_chosen)
+static void run_trials(uint32_t count, choice_fn is_chosen, struct bsdf_choices choices)
 {
     static struct bsdf_device device;
     struct trial_params params = {
@@ -89,10 +111,11 @@ static void run_trials(uint32_t count, choice_fn is_chosen)
         chosen += is_chosen(&grid[i].material);
     params.significance = 1 - pow(0.99, 0.5 / chosen); // Sidak 1967; two tests for each
     take_materials(count);
-    if (!bsdf_device_open(&device, materials, count))
+    if (!bsdf_device_open_with(&device, materials, count, choices))
         return;
     for (uint32_t i = 0; i < count; i++) {
         struct trial trial;
+        grid[i].choices = choices;
         if (!is_chosen(&grid[i].material) || (only && !strstr(grid[i].name, only)))
             continue;
         if (!trial_run(&device, &grid[i], i, &params, &trial)) {
@@ -113,18 +136,125 @@ static void run_trials(uint32_t count, choice_fn is_chosen)
 
 TEST(principled)
 {
-    run_trials(grid_covering(grid, CAPACITY), is_principled);
+    run_trials(grid_covering(grid, CAPACITY), is_principled, (struct bsdf_choices){0});
 }
 
 TEST(others)
 {
-    run_trials(grid_covering(grid, CAPACITY), is_other);
+    run_trials(grid_covering(grid, CAPACITY), is_other, (struct bsdf_choices){0});
+}
+
+// With settings that change what is drawn, or by what refraction scales: a part of the grid in
+// which they do.
+TEST(drawn_normals)
+{
+    run_trials(keep_some(grid_covering(grid, CAPACITY), draws_normals, 5), is_any,
+               (struct bsdf_choices){.normals = NORMALS_NDF});
+}
+
+TEST(unscaled)
+{
+    run_trials(keep_some(grid_covering(grid, CAPACITY), refracts, 5), is_any,
+               (struct bsdf_choices){.unscaled = true});
+}
+
+// The mean and the variance of a sample's weight, which is what a path in even light 1 brings.
+struct weights {
+    double mean, variance, greatest;
+};
+
+static bool weigh(struct bsdf_device *device, uint32_t number, struct weights *out)
+{
+    enum { SAMPLES = 1 << 16 };
+    static union bsdf_item items[SAMPLES];
+    struct random random = {43};
+    double sum = 0, squares = 0;
+    for (uint32_t k = 0; k < SAMPLES; k++) {
+        items[k] = (union bsdf_item){.in = {.material = number + 1, .eta = grid[number].eta}};
+        memcpy(items[k].in.wo, grid[number].wo, sizeof items[k].in.wo);
+        for (int c = 0; c < 4; c++)
+            items[k].in.u[c] = (float)(random_u32(&random) >> 8) * 0x1p-24f;
+    }
+    if (!bsdf_run(device, BSDF_ROUTINE_SAMPLE, BSDF_LOBES_CLASS, &grid[number].material, items,
+                  SAMPLES))
+        return false;
+    *out = (struct weights){0};
+    for (uint32_t k = 0; k < SAMPLES; k++) {
+        double weight = items[k].sample.flags & BSDF_VALID ? (double)items[k].sample.weight[0] : 0;
+        sum += weight;
+        squares += weight * weight;
+        out->greatest = fmax(out->greatest, weight);
+    }
+    out->mean = sum / SAMPLES;
+    out->variance = (squares - sum * out->mean) / (SAMPLES - 1);
+    return true;
+}
+
+static uint32_t white_microfacets(void)
+{
+    static const float roughnesses[] = {0.1f, 0.3f, 0.5f, 0.7f, 1}, cosines[] = {1, 0.5f, 0.1f};
+    uint32_t count = 0;
+    for (int i = 0; i < 15; i++) {
+        struct configuration *c = &grid[count++];
+        *c = (struct configuration){.eta = 1.5f};
+        material_init(&c->material);
+        c->material.model = MATERIAL_MICROFACET;
+        c->material.roughness = roughnesses[i % 5];
+        for (int k = 0; k < 3; k++) {
+            c->material.base_color[k] = 0;
+            c->material.specular_color[k] = 1;
+        }
+        c->wo[0] = sqrtf(1 - cosines[i / 5] * cosines[i / 5]);
+        c->wo[2] = cosines[i / 5];
+    }
+    return count;
+}
+
+// Both ways to draw normals have the same mean; what is visible from wo has less variance and
+// weights of at most 1. Prints the table of docs/materials.md.
+TEST(normals_variance)
+{
+    static struct bsdf_device device;
+    static struct weights weights[2][16];
+    uint32_t count = white_microfacets();
+    take_materials(count);
+    for (uint32_t normals = NORMALS_VISIBLE; normals <= NORMALS_NDF; normals++) {
+        if (!bsdf_device_open_with(&device, materials, count,
+                                   (struct bsdf_choices){.normals = normals}))
+            return;
+        for (uint32_t i = 0; i < count; i++)
+            if (!weigh(&device, i, &weights[normals][i]))
+                return;
+        bsdf_device_close(&device);
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        const struct weights *v = &weights[NORMALS_VISIBLE][i], *d = &weights[NORMALS_NDF][i];
+        double roughness = (double)grid[i].material.roughness, cosine = (double)grid[i].wo[2];
+        printf("  roughness %.1f, cosine %.1f: mean %.4f, %.4f; variance %.2g, %.2g; greatest "
+               "%.3g, %.3g\n",
+               roughness, cosine, v->mean, d->mean, v->variance, d->variance, v->greatest,
+               d->greatest);
+        double error = sqrt((v->variance + d->variance) / (1 << 16));
+        CHECK(fabs(v->mean - d->mean) <= 4.5 * error, "means %.5f and %.5f, +- %.5f", v->mean,
+              d->mean, error);
+        // From above all normals are visible, as many as there are.
+        CHECK(cosine < 1 ? v->variance < d->variance : fabs(v->variance / d->variance - 1) <= 1e-3,
+              "%.3g and %.3g", v->variance, d->variance);
+        CHECK(v->greatest <= 1.00001, "a weight of %.6f", v->greatest);
+    }
+}
+
+TEST(choices_long)
+{
+    run_trials(keep_some(grid_covering(grid, CAPACITY), draws_normals, 1), is_any,
+               (struct bsdf_choices){.normals = NORMALS_NDF, .unscaled = true});
 }
 
 TEST(random)
 {
-    run_trials(grid_random(grid, 2000, 2026), is_any);
+    run_trials(grid_random(grid, 2000, 2026), is_any, (struct bsdf_choices){0});
 }
 
 // All of them by name: without one, the long one would run too.
-TEST_MAIN(TEST_CASE(principled), TEST_CASE(others), TEST_CASE(random))
+TEST_MAIN(TEST_CASE(principled), TEST_CASE(others), TEST_CASE(drawn_normals), TEST_CASE(unscaled),
+          TEST_CASE(normals_variance), TEST_CASE(choices_long), TEST_CASE(random))

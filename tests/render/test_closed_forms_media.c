@@ -103,6 +103,17 @@ static double metal(double rho, double le, double degrees)
     return le * reflectance(degrees, n);
 }
 
+static double reflected(double rho, double le, double degrees)
+{
+    (void)rho;
+    return le * reflectance(degrees, 1.5);
+}
+
+static double half_reflected(double rho, double le, double degrees)
+{
+    return 0.5 * reflected(rho, le, degrees);
+}
+
 #define GLASS                                                                                      \
     {                                                                                              \
         "slab", JSON({"type" : "dielectric", "ior" : 1.5})                                         \
@@ -130,6 +141,13 @@ static double metal(double rho, double le, double degrees)
         "plate",                                                                                   \
             "{\"type\": \"microfacet\", \"base_color\": [0, 0, 0], \"roughness\": 1, " choice "}"  \
     }
+#define BY_D                                                                                       \
+    {                                                                                              \
+        "settings", "{\"normals\": \"ndf\"}"                                                       \
+    }
+#define MIXED(choice)                                                                              \
+    "{\"type\": \"principled\", \"roughness\": 0, \"specular_color\": [0.5, 0.5, 0.5], "             \
+    "\"specular_fresnel\": \"mixed\", " choice "}"
 // A white base under a mirror of Schlick's reflectance from 0 on.
 #define UNCOUPLED                                                                                  \
     {                                                                                              \
@@ -232,22 +250,6 @@ static const struct closed_form forms[] = {
      {ALPHA_1(JSON("masking": "lh"))}},
     {"GGX and Schlick's masking, alpha 1", OURS "plate.json", all, .3068528194400547,
      BY_STATISTICS, 0, {ALPHA_1(JSON("masking": "schlick_ggx"))}},
-    {"Phong's exponent 0 is alpha 1", OURS "plate.json", all, .3068528194400547, BY_STATISTICS, 0,
-     {{"plate", JSON({"type": "microfacet", "base_color": [0, 0, 0], "distribution": "phong",
-                      "phong_exponent": 0})}}},
-    // Half of the integral of c / (c (1 - k) + k) dc: (1 / (1 - k) + k ln(k) / (1 - k)^2) / 2 with
-    // k = sqrt(2 / pi).
-    {"GGX and Schlick's own masking, alpha 1", OURS "plate.json", all, .2687840285229841,
-     BY_STATISTICS, 0, {ALPHA_1(JSON("masking": "schlick"))}},
-    // Half of the integral of the rational G1 of cot(theta) over the cosine, by quadrature; bounded
-    // it is 1 - ln 2 at most.
-    {"GGX and unbounded rational masking, alpha 1", OURS "plate.json", all, .3792765160930264,
-     BY_STATISTICS, 0, {ALPHA_1(JSON("masking": "rational_unbounded"))}},
-    // From above, 1 - 2 times the integral of (1 - x)^5 (2 x^2 - 1) 4 x dx over the half angles'
-    // cosines; at a cosine of .1, by quadrature .97900, and the mirror's .9^5 besides.
-    {"uncoupled base", OURS "plate.json", all, .9999181118594366, BY_STATISTICS, 0, {UNCOUPLED}},
-    {"uncoupled base, grazing", OURS "plate.json", all, 1.5694851171966855, BY_STATISTICS, 0,
-     {UNCOUPLED, AT_GRAZING}},
     // Normalised to the specular reflectance from above.
     {"Phong", OURS "plate.json", colored, 1, BY_STATISTICS, 0,
      {{"plate", JSON({"type": "phong", "base_color": [0, 0, 0], "exponent": 10,
@@ -282,6 +284,51 @@ static const struct closed_form forms[] = {
     {"C43 sigma 1e6, ln 2, 1e-9", OURS "slab.json", through_extremes, 0, WITHOUT_VARIANCE, 0,
      {{"slab", JSON({"type": "dielectric", "ior": 1,
                      "extinction": [1e6, 0.6931471805599453, 1e-9]})}}},
+
+    // Choices beside the defaults.
+    {"Phong's exponent 0 is alpha 1", OURS "plate.json", all, .3068528194400547, BY_STATISTICS, 0,
+     {{"plate", JSON({"type": "microfacet", "base_color": [0, 0, 0], "distribution": "phong",
+                      "phong_exponent": 0})}}},
+    // Half of the integral of c / (c (1 - k) + k) dc: (1 / (1 - k) + k ln(k) / (1 - k)^2) / 2 with
+    // k = sqrt(2 / pi).
+    {"GGX and Schlick's own masking, alpha 1", OURS "plate.json", all, .2687840285229841,
+     BY_STATISTICS, 0, {ALPHA_1(JSON("masking": "schlick"))}},
+    // Half of the integral of the rational G1 of cot(theta) over the cosine, by quadrature; bounded
+    // it is 1 - ln 2 at most.
+    {"GGX and unbounded rational masking, alpha 1", OURS "plate.json", all, .3792765160930264,
+     BY_STATISTICS, 0, {ALPHA_1(JSON("masking": "rational_unbounded"))}},
+    // From above, 1 - 2 times the integral of (1 - x)^5 (2 x^2 - 1) 4 x dx over the half angles'
+    // cosines; at a cosine of .1, by quadrature .97900, and the mirror's .9^5 besides.
+    {"uncoupled base", OURS "plate.json", all, .9999181118594366, BY_STATISTICS, 0, {UNCOUPLED}},
+    {"uncoupled base, grazing", OURS "plate.json", all, 1.5694851171966855, BY_STATISTICS, 0,
+     {UNCOUPLED, AT_GRAZING}},
+    {"22 GGX, alpha 0.5, normals by D", OURS "plate.json", all, .68785, BY_STATISTICS, 0,
+     {WHITE("0.7071067811865476"), BY_D}},
+    {"22 GGX, alpha 0.5, grazing, normals by D", OURS "plate.json", all, .86011, BY_STATISTICS, 0,
+     {WHITE("0.7071067811865476"), AT_GRAZING, BY_D}},
+    // The specular colour times the exact curve, that of a metal times Schlick's.
+    {"mixed Fresnel at 60", OURS "plate.json", half_reflected, 60, WITHOUT_VARIANCE, 0,
+     {{"plate", MIXED(JSON("base_color": [0, 0, 0]))}, AT_60}},
+    {"mixed Fresnel of a metal at 60", OURS "plate.json", all, .403125, WITHOUT_VARIANCE, 0,
+     {{"plate", MIXED(JSON("base_color": [0.8, 0.8, 0.8], "metallic": 1))}, AT_60}},
+    {"exact coat at 60", OURS "plate.json", reflected, 60, WITHOUT_VARIANCE, 0,
+     {{"plate", JSON({"type": "principled", "base_color": [0, 0, 0], "specular_weight": 0,
+                      "clearcoat": 1, "clearcoat_roughness": 0, "coat_fresnel": "exact"})}, AT_60}},
+
+    // Without that factor the same inside as outside; and what goes in comes out again.
+    {"camera in glass, not scaled", OURS "media.json", all, 1, WITHOUT_VARIANCE, 0,
+     {{"body", JSON({"type": "dielectric", "ior": 1.5})}, ONE_BALL, {"from", "[0.2, 0.1, 0.1]"},
+      {"fov", "120"}, {"settings.radiance_scaling", "false"}}},
+    {"camera in rough glass, not scaled", OURS "media.json", all, 1, BY_STATISTICS, 0,
+     {{"body", JSON({"type": "dielectric", "ior": 1.5, "roughness": 0.5})}, ONE_BALL,
+      {"from", "[0.2, 0.1, 0.1]"}, {"settings.radiance_scaling", "false"}}},
+    {"camera in principled glass, not scaled", OURS "media.json", all, 1, BY_STATISTICS, 0,
+     {{"body", JSON({"type": "principled", "base_color": [1, 1, 1], "transmission": 1,
+                     "roughness": 0.5})}, ONE_BALL,
+      {"from", "[0.2, 0.1, 0.1]"}, {"settings.radiance_scaling", "false"}}},
+    {"glass ball, not scaled", OURS "media.json", all, 1, WITHOUT_VARIANCE, 0,
+     {{"body", JSON({"type": "dielectric", "ior": 1.5})}, ONE_BALL,
+      {"settings.radiance_scaling", "false"}}},
 };
 // clang-format on
 

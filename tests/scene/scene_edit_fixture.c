@@ -50,9 +50,9 @@ static float random_float(struct random *random, float min, float max)
 static void edit_material(struct material *material, struct random *random)
 {
     static const uint32_t switches[] = {
-        MATERIAL_THIN,          MATERIAL_UNLIT,       MATERIAL_COMPENSATE,
-        MATERIAL_TINT_EACH,     MATERIAL_SEPARABLE,   MATERIAL_COAT_GGX,
-        MATERIAL_EXACT_FRESNEL, MATERIAL_GLTF_LAYERS, MATERIAL_UNCOUPLED};
+        MATERIAL_THIN,      MATERIAL_UNLIT,         MATERIAL_COMPENSATE,    MATERIAL_TINT_EACH,
+        MATERIAL_SEPARABLE, MATERIAL_COAT_GGX,      MATERIAL_EXACT_FRESNEL, MATERIAL_GLTF_LAYERS,
+        MATERIAL_UNCOUPLED, MATERIAL_MIXED_FRESNEL, MATERIAL_EXACT_COAT};
     if (often(random))
         material->model = random_below(random, MATERIAL_MODEL_COUNT);
     for (uint32_t i = 0; i < material_parameter_count; i++) {

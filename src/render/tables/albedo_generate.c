@@ -399,8 +399,8 @@ static double albedo_charlie(double x, double y)
     return sum;
 }
 
-// Of a coat of weight 1.
-static double albedo_coat(double x, double y)
+// Of a coat of weight 1, with Schlick's reflectance or that of index 1.5.
+static double albedo_of_coat(double x, double y, bool is_exact)
 {
     double mu = axis_mu(x, 0.25);
     double a = 0.1 + (0.001 - 0.1) * y;
@@ -421,11 +421,21 @@ static double albedo_coat(double x, double y)
             double length_o = sqrt(0.0625 * (1.0 - mu * mu) + mu * mu);
             double length_i = sqrt(0.0625 * (1.0 - wi_z * wi_z) + wi_z * wi_z);
             double g1_over_mu = 2.0 / (mu + length_o), g1_i = 2.0 * wi_z / (wi_z + length_i);
-            double f = 0.04 + 0.96 * schlick_weight(cosine);
+            double f = is_exact ? fresnel(cosine, 1.5) : 0.04 + 0.96 * schlick_weight(cosine);
             sum += 0.25 * f * g1_over_mu * g1_i * cosine / h_z * 6.0 * t * (1.0 - t) /
                    (rows * columns);
         }
     return sum;
+}
+
+static double albedo_coat(double x, double y)
+{
+    return albedo_of_coat(x, y, false);
+}
+
+static double albedo_coat_exact(double x, double y)
+{
+    return albedo_of_coat(x, y, true);
 }
 
 // Of Burley's subsurface approximation at one roughness (0, 1 or 2), or of his sheen (3).
@@ -747,6 +757,7 @@ int main(void)
     fill_quads(ALBEDO_SCHLICK, ALBEDO_SCHLICK_MU, ALBEDO_SCHLICK_ALPHA, albedo_schlick);
     fill_quads(ALBEDO_CHARLIE, ALBEDO_CHARLIE_MU, ALBEDO_CHARLIE_ROUGHNESS, albedo_charlie);
     fill_quads(ALBEDO_COAT, ALBEDO_COAT_MU, ALBEDO_COAT_GLOSS, albedo_coat);
+    fill_quads(ALBEDO_COAT_EXACT, ALBEDO_COAT_MU, ALBEDO_COAT_GLOSS, albedo_coat_exact);
     fill_diffuse();
     static const struct cubes cubes[] = {
         {.first = ALBEDO_FRESNEL,

@@ -110,6 +110,8 @@ const struct field material_flags[] = {
             [MASKING_RATIONAL_UNBOUNDED] = "rational_unbounded")},
     {FLAGS("fresnel", MATERIAL_EXACT_FRESNEL), CHOICE("schlick", "exact")},
     {FLAGS("diffuse", MATERIAL_UNCOUPLED), CHOICE("coupled", "uncoupled")},
+    {FLAGS("specular_fresnel", MATERIAL_MIXED_FRESNEL), CHOICE("shifted", "mixed")},
+    {FLAGS("coat_fresnel", MATERIAL_EXACT_COAT), CHOICE("schlick", "exact")},
     {FLAGS("thin", MATERIAL_THIN)},
     {FLAGS("unlit", MATERIAL_UNLIT)},
     {FLAGS("compensate", MATERIAL_COMPENSATE)},

@@ -72,6 +72,12 @@ const char *const directions_names[] = {
     NULL,
 };
 
+const char *const normals_names[] = {
+    [NORMALS_VISIBLE] = "visible",
+    [NORMALS_NDF] = "ndf",
+    NULL,
+};
+
 const char *const camera_names[] = {
     [CAMERA_PERSPECTIVE] = "perspective",
     [CAMERA_ORTHOGRAPHIC] = "orthographic",

@@ -87,6 +87,7 @@ extern const char *const light_choice_names[];
 extern const char *const mis_names[];
 extern const char *const directions_names[];
 extern const char *const roulette_names[];
+extern const char *const normals_names[];
 extern const char *const tone_names[];
 extern const char *const camera_names[]; // of struct camera.kind
 

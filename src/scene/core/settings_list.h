@@ -104,6 +104,15 @@ SETTING(DIRECTION_EXPONENT, float, direction_exponent, "direction_exponent", "di
     "Method", "The power of the directions power-cosine.",
     (REAL(0, SETTINGS_EXPONENT_MAX)), .fallback = 15, .argument = "N", .label = "  exponent",
     NEEDS(DIRECTIONS, 1u << DIRECTIONS_POWER_COSINE))
+SETTING(NORMALS, uint32_t, normals, "normals", "normals", "Method",
+    "Which normals of rough microfacets are drawn: those that are visible from where the path "
+    "comes, or all by their distribution, with more variance, for comparison.",
+    (CHOICE(normals_names)), .fallback = NORMALS_VISIBLE, .label = "Normals")
+SETTING(RADIANCE_SCALING, bool, radiance_scaling, "radiance_scaling", "radiance-scaling", "Method",
+    "Refraction scales radiance by 1 / eta^2, so that inside of glass of index n it is n^2 times "
+    "that outside. Off, as where a renderer leaves the factor out: the same for what is seen "
+    "through closed bodies from outside.",
+    (SWITCH), .fallback = true, .label = "Radiance scaling")
 SETTING(CLAMP, float, clamp_limit, "clamp", "clamp", "Method",
     "Scale every contribution to a sample down to this largest component, in W/(sr m^2). Removes "
     "fireflies, and light with them: the picture is biased.",

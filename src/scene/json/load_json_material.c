@@ -32,6 +32,8 @@ static const struct {
     {"priority", THROUGH},
     {"compensate", SMITH_ONLY},
     {"layers", ONLY(MATERIAL_PRINCIPLED)},
+    {"specular_fresnel", ONLY(MATERIAL_PRINCIPLED)},
+    {"coat_fresnel", ONLY(MATERIAL_PRINCIPLED)},
     {"masking", SMITH_ONLY | ONLY(MATERIAL_MICROFACET)},
     {"metal", ONLY(MATERIAL_CONDUCTOR)},
     {"distribution", ONLY(MATERIAL_MICROFACET)},
@@ -246,8 +248,8 @@ static bool read_phong_exponent(const struct json_node *node, struct material *m
 // Choices and switches that files name as they stand in memory.
 static bool read_flags(const struct json_node *node, struct material *material, struct err *err)
 {
-    static const char *const keys[] = {"layers",       "thin",    "compensate",
-                                       "distribution", "fresnel", "diffuse"};
+    static const char *const keys[] = {"layers",  "thin",    "compensate",       "distribution",
+                                       "fresnel", "diffuse", "specular_fresnel", "coat_fresnel"};
     for (size_t i = 0; i < sizeof keys / sizeof *keys; i++)
         if (!field_read(material_flag(keys[i]), node, material, err))
             return false;

@@ -136,7 +136,13 @@ static void flags(struct form *form, struct material *to)
          "Every crossing tints by the base colour (glTF), not by its root.", to);
     gui_enabled(gui, is_principled && to->clearcoat > 0);
     flag(form, "material.coat", "Coat", "Burley's clearcoat, or glTF's of GGX.", to);
+    flag(form, "material.coat_fresnel", "Coat Fresnel",
+         "Schlick's approximation, or the exact equations, both of index 1.5.", to);
     gui_enabled(gui, is_principled);
+    flag(form, "material.specular_fresnel", "Specular Fresnel",
+         "The exact curve moved to the reflectance that is asked for, or the exact and Schlick's "
+         "curve mixed by metallic, times the specular colour.",
+         to);
     flag(form, "material.layers", "Layers",
          "Mixed as Burley's model, or as glTF's specification: a Lambert base, the coat on top.",
          to);
