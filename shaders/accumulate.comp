@@ -1,5 +1,6 @@
 // One thread adds the samples of one pixel to the film, in ascending order and compensated, so that
-// neither the wave's size nor the number of samples changes what a sum is worth.
+// neither the wave's size nor the number of samples changes what a sum is worth. For comparison
+// also in a plain sum or as a running mean, whose value depends on the number of samples.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -37,6 +38,20 @@ void add(inout vec4 sum, inout vec4 lost, vec4 value)
     lost = rounded;
 }
 
+// Sample number `count` of a half, from 1.
+void accumulate(inout compensated c, vec3 value, uint count)
+{
+    if (ACCUMULATION == ACCUMULATION_SUM) {
+        precise vec3 sum = c.sum + value;
+        c.sum = sum;
+    } else if (ACCUMULATION == ACCUMULATION_RUNNING) {
+        precise vec3 mean = c.sum + (value - c.sum) / float(count);
+        c.sum = mean;
+    } else {
+        add(c, value);
+    }
+}
+
 // The AOVs of an item's samples, four floats after the other. `at`: of the pixel's record.
 void add_aovs(uint item, uint at)
 {
@@ -69,12 +84,15 @@ void main()
     halves[1] = compensated(uintBitsToFloat(words[2].xyz), uintBitsToFloat(words[3].xyz));
 
     uint samples = 1u << push.sample_shift;
+    bool has_means = ACCUMULATION == ACCUMULATION_RUNNING;
+    uint count_a = has_means ? max(words[2].w, 1u) - 1u : 0u;
+    uint count_b = words[0].w - count_a;
     for (uint i = 0u; i < samples; i++) {
         vec4 radiance = load_radiance_float(((item << push.sample_shift) + i) * SLOT_WORDS);
         if (half_of_sample(first_sample + i) == 0u)
-            add(halves[0], radiance.rgb);
+            accumulate(halves[0], radiance.rgb, ++count_a);
         else
-            add(halves[1], radiance.rgb);
+            accumulate(halves[1], radiance.rgb, ++count_b);
         words[1].w += uint(radiance.w);
     }
 
@@ -86,6 +104,6 @@ void main()
             load_radiance(((item << push.sample_shift) + 1u) * SLOT_WORDS - 1u);
     film_words[at] = uvec4(floatBitsToUint(halves[0].sum), words[0].w + samples);
     film_words[at + 1u] = uvec4(floatBitsToUint(halves[0].lost), words[1].w);
-    film_words[at + 2u] = uvec4(floatBitsToUint(halves[1].sum), 0u);
+    film_words[at + 2u] = uvec4(floatBitsToUint(halves[1].sum), has_means ? count_a + 1u : 0u);
     film_words[at + 3u] = uvec4(floatBitsToUint(halves[1].lost), 0u);
 }

@@ -7,6 +7,7 @@
 #include "lib/denoise.glsl"
 #include "lib/denoise_view.glsl"
 #include "lib/denoise_weights.glsl"
+#include "lib/film_sums.glsl"
 
 layout(constant_id = DENOISE_CONSTANT_AOVS) const uint AOVS = 0u;
 
@@ -45,10 +46,12 @@ vec3 aov_vector(uint place)
     return vec3(aov_means[place], aov_means[place + 1u], aov_means[place + 2u]);
 }
 
+// The sum of the half whose words begin `words` behind the pixel's: 0 or 2.
 vec3 half_sum(uint at, uint words)
 {
-    return uintBitsToFloat(film_words[at + words].xyz) -
-           uintBitsToFloat(film_words[at + words + 1u].xyz);
+    vec2 factors = sum_factors(film_words[at + 2u].w, film_words[at].w);
+    return (uintBitsToFloat(film_words[at + words].xyz) -
+            uintBitsToFloat(film_words[at + words + 1u].xyz)) * factors[words >> 1u];
 }
 
 // Repeats lib/halves.glsl, which reads another kernel's bindings.

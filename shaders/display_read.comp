@@ -3,6 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 
 #include "lib/display.glsl"
+#include "lib/film_sums.glsl"
 
 WORDS(film, DISPLAY_BINDING_FILM) // gpu_film_pixel, and see shared/aov.h
 layout(std430, set = 0, binding = DISPLAY_BINDING_DENOISED) readonly buffer denoised_block {
@@ -48,6 +49,15 @@ uint samples_of_first_half(uint samples)
     return samples - samples / 2u;
 }
 
+// The sums of both halves' radiance.
+void radiance_sums(uint at, out vec3 a, out vec3 b)
+{
+    uvec4 first = film_word(at), second = film_word(at + 2u);
+    vec2 factors = sum_factors(second.w, first.w);
+    a = uintBitsToFloat(first.xyz) * factors.x;
+    b = uintBitsToFloat(second.xyz) * factors.y;
+}
+
 // x: variance of the mean radiance, averaged over the three channels as struct film_aovs has it. y:
 // 0 where that is unknown.
 vec2 variance_of(uint at, float samples)
@@ -56,8 +66,9 @@ vec2 variance_of(uint at, float samples)
     float samples_b = samples - samples_a;
     if (samples_a == 0.0 || samples_b == 0.0)
         return vec2(0.0);
-    vec3 difference =
-        sum_at(at).rgb / samples_a - sum_at(at + 2u).rgb / samples_b;
+    vec3 a, b;
+    radiance_sums(at, a, b);
+    vec3 difference = a / samples_a - b / samples_b;
     vec3 variance = difference * difference * (samples_a / samples) * (samples_b / samples);
     return vec2((variance.r + variance.g + variance.b) / 3.0, 1.0);
 }
@@ -134,7 +145,9 @@ vec4 shown_value(uint at, float samples)
         return vec4(aov_vector(at, AOV_DIRECT) / samples, 1.0);
     if (SHOWN == SHOWN_INDIRECT)
         return vec4(aov_vector(at, AOV_INDIRECT) / samples, 1.0);
-    return vec4((sum_at(at).rgb + sum_at(at + 2u).rgb) / samples, 1.0);
+    vec3 a, b;
+    radiance_sums(at, a, b);
+    return vec4((a + b) / samples, 1.0);
 }
 
 void main()

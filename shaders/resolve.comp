@@ -2,6 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
+#include "lib/film_sums.glsl"
 #include "lib/halves.glsl"
 #include "lib/queue.glsl"
 
@@ -32,9 +33,15 @@ void main()
     uint dropped = film_words[at + 1u].w;
     uint samples_a = samples_of_first_half(samples);
     uint samples_b = samples - samples_a;
-    resolved_words[to] = uvec4(floatBitsToUint(mean(at, at + 1u, samples_a).rgb), samples);
-    resolved_words[to + 1u] =
-        uvec4(floatBitsToUint(mean(at + 2u, at + 3u, samples_b).rgb), dropped);
+    vec3 mean_a = mean(at, at + 1u, samples_a).rgb;
+    vec3 mean_b = mean(at + 2u, at + 3u, samples_b).rgb;
+    if (ACCUMULATION == ACCUMULATION_RUNNING) {
+        vec2 factors = sum_factors(film_words[at + 2u].w, samples);
+        mean_a *= factors.x;
+        mean_b *= factors.y;
+    }
+    resolved_words[to] = uvec4(floatBitsToUint(mean_a), samples);
+    resolved_words[to + 1u] = uvec4(floatBitsToUint(mean_b), dropped);
     if (HAS_AOV(AOVS_SUMMED)) {
         uint sums = at + FILM_WORDS;
         for (uint word = 0u; word < SUM_WORDS; word++)

@@ -218,12 +218,28 @@ vec4 random_lcg(uint pixel, uint sample_index, uint dimension)
     return to_uniforms(states);
 }
 
+// --- fractions of sines --------------------------------------------------------------------------
+
+// For comparison: fract(43758.5453 sin(12.9898 x + 78.233 y + ...)), which tutorials on shaders
+// pass on from each other. A product of that size has steps of 2^-8 where the sine is near 1, and
+// what is near in the argument stays near: it is neither uniform nor independent (docs/sampling.md).
+vec4 random_sine(uint pixel, uint sample_index, uint dimension)
+{
+    vec4 place = vec4(pixel % frame.width, pixel / frame.width, sample_index, frame.seed);
+    float phase = dot(place, vec4(12.9898, 78.233, 45.164, 94.673));
+    vec4 u = fract(sin(phase + 37.719 * (4.0 * float(dimension) + vec4(0.0, 1.0, 2.0, 3.0))) *
+                   43758.5453);
+    return min(floor(u * 16777216.0), 16777215.0) * 5.9604644775390625e-8;
+}
+
 // -------------------------------------------------------------------------------------------------
 
 vec4 pixel_uniforms(uint pixel, uint sample_index, uint dimension)
 {
     if (SAMPLER == SAMPLER_LCG)
         return random_lcg(pixel, sample_index, dimension);
+    if (SAMPLER == SAMPLER_SINE)
+        return random_sine(pixel, sample_index, dimension);
     if (SAMPLER == SAMPLER_SOBOL)
         return sobol(pixel, place_in_sequence(sample_index), dimension);
     if (SAMPLER == SAMPLER_BLUE_NOISE)

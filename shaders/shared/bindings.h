@@ -66,7 +66,8 @@
 #define CONSTANT_LEAF_INDEX_BITS 26 // of the word of a leaf of triangles: see bvh/bvh.h
 #define CONSTANT_NORMALS 27
 #define CONSTANT_RADIANCE_SCALING 28 // whether refraction scales radiance
-#define CONSTANT_COUNT 29
+#define CONSTANT_ACCUMULATION 29
+#define CONSTANT_COUNT 30
 
 // Features that a (scene, settings, device) needs. Kernels test these bits of one specialization
 // constant, so that code that is not needed is left out.

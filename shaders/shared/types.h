@@ -284,14 +284,15 @@ SHARED_STATIC_ASSERT_SIZE(gpu_shadow_ray, 48);
 #define SUSPENDED_WORDS_OF(geometry) (((geometry)&GEOMETRY_INSTANCES) != 0u ? 10u : 8u)
 
 // Compensated sums (Kahan 1965) of the two half-buffers: sample s belongs to half s & 1. The value
-// of a sum is sum - lost.
+// of a sum is sum - lost. ACCUMULATION_SUM loses nothing that it knows of; ACCUMULATION_RUNNING has
+// means in place of sums.
 struct gpu_film_pixel {
     float sum_a[3];
     uint samples; // both halves
     float lost_a[3];
     uint dropped; // samples with a non-finite contribution left out
     float sum_b[3];
-    uint align_b;
+    uint means_a; // 1 + how many samples sum_a is the mean of, and sum_b of the others; 0: sums
     float lost_b[3];
     uint align_lost_b;
 };

@@ -133,6 +133,24 @@ static void find_fixed_places(const struct job *job, struct biases *biases)
              places);
 }
 
+static void find_arithmetic(const struct job *job, struct biases *biases)
+{
+    const struct settings *settings = &job->scene->settings;
+    if (settings->sampler == SAMPLER_SINE) {
+        struct job_bias *bias = next_bias(biases, "sampler");
+        snprintf(bias->text, sizeof bias->text,
+                 "fractions of sines are neither uniform nor independent: means are off, and the "
+                 "error that the halves tell is not the picture's");
+    }
+    if (settings->accumulation != ACCUMULATION_COMPENSATED) {
+        struct job_bias *bias = next_bias(biases, "accumulation");
+        snprintf(bias->text, sizeof bias->text,
+                 "the film's %s drifts from the samples' mean as their number grows "
+                 "(docs/sampling.md)",
+                 settings->accumulation == ACCUMULATION_SUM ? "plain sum" : "running mean");
+    }
+}
+
 uint32_t job_list_biases(const struct job *job, struct job_bias list[JOB_MAX_BIASES])
 {
     struct biases biases = {.list = list};
@@ -144,6 +162,7 @@ uint32_t job_list_biases(const struct job *job, struct job_bias list[JOB_MAX_BIA
     find_clamped(job, &biases);
     find_unphysical(job, &biases);
     find_fixed_places(job, &biases);
+    find_arithmetic(job, &biases);
     return biases.count;
 }
 

@@ -5,7 +5,7 @@
 
 #include "job/job.h"
 
-enum { JOB_MAX_BIASES = 6 };
+enum { JOB_MAX_BIASES = 8 };
 
 struct job_bias {
     const char *kind; // the setting that it comes from

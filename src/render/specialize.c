@@ -371,6 +371,7 @@ struct specialization specialize(const struct specialize_params *p)
         .sampler = settings->sampler,
         .halves = settings->halves,
         .filter = settings->filter,
+        .accumulation = settings->accumulation,
         .camera = p->camera->kind,
         .mis = find_weights(settings),
         .directions = settings->directions,

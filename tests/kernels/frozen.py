@@ -306,6 +306,7 @@ SAMPLERS = {
     "stratified": STRATA,
     "grid": STRATA,
     "blue-noise": SOBOL | {"blue_noise", "spread_bits"},
+    "sine": {"random_sine"},
 }
 # The others then cost spirv-opt no time.
 FEW_LOBES = ["LAMBERT", "MIRROR", "DISPERSION"]
@@ -565,6 +566,21 @@ def check_pixel_samplings(bits, kernels, folder):
         print("%-26s %-18s %5d instructions" % (name, "generate_rays", module.instructions))
 
 
+def check_accumulations(bits, kernels, folder):
+    """The film's sums are compensated, or divisions make running means, or neither is there."""
+    for number, (name, wanted) in enumerate({"compensated": (True, False), "sum": (False, False),
+                                             "running": (False, True)}.items()):
+        module = freeze(kernels["accumulate"], 0, 0, folder, 0, "29:%d" % number)
+        there = (module.count("add()") > 0, module.count("OpFDiv") > 0)
+        if there != wanted:
+            fail("accumulation %s: compensation, division: %s, expected %s" % (name, there, wanted))
+        resolved = freeze(kernels["resolve"], 0, 0, folder, 0, "29:%d" % number)
+        if (resolved.count("sum_factors()") > 0) != (name == "running"):
+            fail("accumulation %s: resolve has %d calls of sum_factors()" %
+                 (name, resolved.count("sum_factors()")))
+        print("%-26s %-18s %5d instructions" % (name, "accumulate", module.instructions))
+
+
 def check_light_choices(bits, lobes, kernels, folder):
     """Of all ways to choose an emitter, only the chosen one is there."""
     owned = set().union(*LIGHT_CHOICES.values())
@@ -678,6 +694,7 @@ def main():
             check_feature(name, bits, few, kernels, folder)
         check_samplers(bits, kernels, folder)
         check_pixel_samplings(bits, kernels, folder)
+        check_accumulations(bits, kernels, folder)
         check_light_choices(bits, few, kernels, folder)
         check_environment_filters(bits, kernels, folder)
         check_normals(bits, lobes, kernels, folder)

@@ -61,9 +61,8 @@ TEST(in_range)
 }
 
 // Chi-square of 16 x 16 cells and of every component's 256 strata, over all pixels and the first
-// samples, a number of them that is no power of two nor a square: unbiased all the same. One in 1e4
-// for all.
-static void check_unbiased(struct sampler_setup *s, uint32_t samples)
+// samples: the deviates of three pairs and four components.
+static bool find_deviates(struct sampler_setup *s, uint32_t samples, double deviates[7])
 {
     enum { CELLS = 256 };
     static const int pairs[3][2] = {{0, 1}, {1, 2}, {2, 3}};
@@ -73,7 +72,7 @@ static void check_unbiased(struct sampler_setup *s, uint32_t samples)
     for (uint32_t i = 0; i < total; i++)
         draws[i] = (union draw){.pixel = i / samples, .sample = i % samples, .dimension = 7};
     if (!draw_all(s, total))
-        return;
+        return false;
     for (uint32_t i = 0; i < total; i++) {
         const float *u = draws[i].u;
         for (int p = 0; p < 3; p++)
@@ -83,12 +82,23 @@ static void check_unbiased(struct sampler_setup *s, uint32_t samples)
     }
     for (int i = 0; i < CELLS; i++)
         expected[i] = (double)total / CELLS;
-    for (int i = 0; i < 7; i++) {
-        const uint32_t *row = i < 3 ? counts[i] : lines[i - 3];
-        double deviate = chi_square_deviate(row, expected, CELLS);
-        CHECK(deviate <= 4.5, "%s, %u samples, %s %d: %.2f deviations", sampler_names[s->sampler],
-              samples, i < 3 ? "pair" : "component", i < 3 ? i : i - 3, deviate);
-    }
+    for (int i = 0; i < 7; i++)
+        deviates[i] = chi_square_deviate(i < 3 ? counts[i] : lines[i - 3], expected, CELLS);
+    return true;
+}
+
+// A number of samples that is no power of two nor a square: unbiased all the same. One in 1e4 for
+// all.
+#define DEVIATE_MAX 4.5
+
+static void check_unbiased(struct sampler_setup *s, uint32_t samples)
+{
+    double deviates[7];
+    bool found = find_deviates(s, samples, deviates);
+    for (int i = 0; i < 7 && found; i++)
+        CHECK(deviates[i] <= DEVIATE_MAX, "%s, %u samples, %s %d: %.2f deviations",
+              sampler_names[s->sampler], samples, i < 3 ? "pair" : "component", i < 3 ? i : i - 3,
+              deviates[i]);
 }
 
 TEST(unbiased)
@@ -103,6 +113,43 @@ TEST(unbiased)
             s.samples = s.sampler == SAMPLER_SOBOL ? 64 : counts[i];
             check_unbiased(&s, counts[i]);
         }
+    }
+    sampler_close(&s);
+}
+
+// Chi-square of the second eight digits of every component, over pixels: the greatest of four
+// deviates.
+static double digits_deviate(struct sampler_setup *s)
+{
+    enum { CELLS = 256 };
+    uint32_t counts[4][CELLS] = {0};
+    double expected[CELLS], worst = 0;
+    for (uint32_t i = 0; i < SAMPLER_ITEMS; i++)
+        draws[i] = (union draw){.pixel = i, .sample = 5, .dimension = 7};
+    if (!draw_all(s, SAMPLER_ITEMS))
+        return NAN;
+    for (uint32_t i = 0; i < SAMPLER_ITEMS; i++)
+        for (int c = 0; c < 4; c++)
+            counts[c][(uint32_t)(draws[i].u[c] * 0x1p16f) % CELLS]++;
+    for (int i = 0; i < CELLS; i++)
+        expected[i] = (double)SAMPLER_ITEMS / CELLS;
+    for (int c = 0; c < 4; c++)
+        worst = fmax(worst, chi_square_deviate(counts[c], expected, CELLS));
+    return worst;
+}
+
+TEST(fine_digits)
+{
+    static struct sampler_setup s;
+    OPEN_SAMPLER(&s, 512, 512);
+    s.samples = 64;
+    for (s.sampler = 0; sampler_names[s.sampler]; s.sampler++) {
+        double deviate = digits_deviate(&s);
+        bool is_bad = s.sampler == SAMPLER_GRID || s.sampler == SAMPLER_SINE;
+        printf("  %s: digits 9 to 16 are off by %.1f deviations\n", sampler_names[s.sampler],
+               deviate);
+        CHECK(is_bad || deviate <= DEVIATE_MAX, "%s: %.2f deviations", sampler_names[s.sampler],
+              deviate);
     }
     sampler_close(&s);
 }
@@ -128,35 +175,46 @@ struct variation {
     uint32_t pixel, sample, dimension; // what is added
 };
 
+static const struct variation variations[] = {
+    {"next dimension", 0, 0, 1},
+    {"dimension 1024 further", 0, 0, 1024},
+    {"dimension 2^31 further", 0, 0, 0x80000000},
+    {"next pixel", 1, 0, 0},
+    {"next row", 512, 0, 0},
+};
+
+// Of every second pixel's sample with its like in which one number has changed.
+static bool draw_variation(struct sampler_setup *s, const struct variation *variation)
+{
+    for (uint32_t i = 0; i < PAIRS; i++) {
+        draws[i] = (union draw){.pixel = 2 * i, .sample = 5, .dimension = 3};
+        draws[PAIRS + i] = draws[i];
+        draws[PAIRS + i].pixel += variation->pixel;
+        draws[PAIRS + i].dimension += variation->dimension;
+    }
+    return draw_all(s, 2 * PAIRS);
+}
+
 // Over pixels, which are hashed: what changes in one number only must not be correlated. The limit
 // is 4 deviations: one of 120 is beyond it with a probability of 0.8 %.
+#define CORRELATION_MAX (4 / sqrt(PAIRS))
+
 TEST(independent)
 {
-    static const struct variation variations[] = {
-        {"next dimension", 0, 0, 1},
-        {"dimension 1024 further", 0, 0, 1024},
-        {"dimension 2^31 further", 0, 0, 0x80000000},
-        {"next pixel", 1, 0, 0},
-        {"next row", 512, 0, 0},
-    };
     static struct sampler_setup s;
     OPEN_SAMPLER(&s, 512, 512);
     s.samples = 64;
     for (s.sampler = 0; sampler_names[s.sampler]; s.sampler++) {
         // What is close in the picture, a blue-noise sampler is to correlate.
         int most = s.sampler == SAMPLER_BLUE_NOISE ? 3 : 5;
+        // Beyond what the sine's argument tells apart, see sine_is_bad.
+        most = s.sampler == SAMPLER_SINE ? 2 : most;
         for (int v = 0; v < most; v++) {
-            for (uint32_t i = 0; i < PAIRS; i++) {
-                draws[i] = (union draw){.pixel = 2 * i, .sample = 5, .dimension = 3};
-                draws[PAIRS + i] = draws[i];
-                draws[PAIRS + i].pixel += variations[v].pixel;
-                draws[PAIRS + i].dimension += variations[v].dimension;
-            }
-            if (!draw_all(&s, 2 * PAIRS))
+            if (!draw_variation(&s, &variations[v]))
                 break;
             for (int c = 0; c < 4; c++) {
                 double r = correlation(0, PAIRS, c);
-                CHECK(fabs(r) < 4 / sqrt(PAIRS), "%s, %s, component %d: %g",
+                CHECK(fabs(r) < CORRELATION_MAX, "%s, %s, component %d: %g",
                       sampler_names[s.sampler], variations[v].name, c, r);
             }
         }
@@ -173,7 +231,7 @@ TEST(seeds)
     OPEN_SAMPLER(&s, 512, 512);
     s.samples = 64;
     for (s.sampler = 0; sampler_names[s.sampler]; s.sampler++) {
-        for (int k = 0; k < 6; k++) {
+        for (int k = 0; k < 6 && s.sampler != SAMPLER_SINE; k++) {
             s.seed = seeds[k];
             for (uint32_t i = 0; i < PAIRS; i++)
                 draws[i] = (union draw){.pixel = i, .sample = 5, .dimension = 3};
@@ -183,7 +241,7 @@ TEST(seeds)
         }
         for (int pair = 0; pair < 36; pair++) {
             int a = pair / 6, b = pair % 6;
-            if (a >= b)
+            if (a >= b || s.sampler == SAMPLER_SINE)
                 continue;
             memcpy(draws, kept[a], sizeof kept[a]);
             memcpy(draws + PAIRS, kept[b], sizeof kept[b]);
@@ -194,6 +252,34 @@ TEST(seeds)
                   seeds[a], seeds[b], r);
         }
     }
+    sampler_close(&s);
+}
+
+// What all other samplers pass, fractions of sines do not, and by far. A product of 43758 and a
+// sine has steps of up to 2^-8, and an argument that is large has steps beyond a whole turn: then
+// neighbours, and seeds, have the same numbers.
+TEST(sine_is_bad)
+{
+    static const uint32_t seeds[] = {0xfffffffe, 0xffffffff};
+    static struct sampler_setup s;
+    uint32_t same = 0;
+    OPEN_SAMPLER(&s, 512, 512);
+    s.sampler = SAMPLER_SINE;
+    s.samples = 64;
+    double deviate = digits_deviate(&s);
+    CHECK(deviate > 10 * DEVIATE_MAX, "digits: %.2f deviations", deviate);
+    for (uint32_t i = 0; i < PAIRS; i++)
+        draws[i] = draws[PAIRS + i] =
+            (union draw){.pixel = i % 512 + i / 512 % 128 * 512, .sample = 5, .dimension = 3};
+    for (int k = 0; k < 2; k++) {
+        s.seed = seeds[k];
+        if (!draw_all(&s, 2 * PAIRS))
+            break;
+        for (uint32_t i = 1; i < PAIRS; i++)
+            same += memcmp(&draws[i], &draws[i - 1], sizeof *draws) == 0;
+    }
+    printf("  sine: %u of %u neighbours have the same four numbers\n", same, 2 * PAIRS - 2);
+    CHECK(same > PAIRS, "seeds 2^32 - 2 and 2^32 - 1: %u the same", same);
     sampler_close(&s);
 }
 
@@ -228,5 +314,5 @@ TEST(padded)
     sampler_close(&s);
 }
 
-TEST_MAIN(TEST_CASE(in_range), TEST_CASE(unbiased), TEST_CASE(independent), TEST_CASE(seeds),
-          TEST_CASE(padded))
+TEST_MAIN(TEST_CASE(in_range), TEST_CASE(unbiased), TEST_CASE(fine_digits), TEST_CASE(independent),
+          TEST_CASE(seeds), TEST_CASE(padded), TEST_CASE(sine_is_bad))

@@ -12,12 +12,16 @@ const char *const integrator_names[] = {
 };
 
 const char *const sampler_names[] = {
-    [SAMPLER_SOBOL] = "sobol",
-    [SAMPLER_PCG] = "pcg",
-    [SAMPLER_LCG] = "lcg",
-    [SAMPLER_STRATIFIED] = "stratified",
-    [SAMPLER_GRID] = "grid",
-    [SAMPLER_BLUE_NOISE] = "blue-noise",
+    [SAMPLER_SOBOL] = "sobol", [SAMPLER_PCG] = "pcg",
+    [SAMPLER_LCG] = "lcg",     [SAMPLER_STRATIFIED] = "stratified",
+    [SAMPLER_GRID] = "grid",   [SAMPLER_BLUE_NOISE] = "blue-noise",
+    [SAMPLER_SINE] = "sine",   NULL,
+};
+
+const char *const accumulation_names[] = {
+    [ACCUMULATION_COMPENSATED] = "compensated",
+    [ACCUMULATION_SUM] = "sum",
+    [ACCUMULATION_RUNNING] = "running",
     NULL,
 };
 

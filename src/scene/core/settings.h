@@ -79,6 +79,7 @@ bool settings_spread_over_pixel(const struct settings *settings);
 // options and reports say the same.
 extern const char *const integrator_names[];
 extern const char *const sampler_names[];
+extern const char *const accumulation_names[];
 extern const char *const halves_names[];
 extern const char *const filter_names[];
 extern const char *const pixel_sampling_names[];

@@ -57,12 +57,17 @@ SETTING(AO_DISTANCE, float, ao_distance, "ao_distance", "ao-distance", "Method",
 SETTING(SAMPLER, uint32_t, sampler, "sampler", "sampler", "Method",
     "Where random numbers come from: an Owen-scrambled Sobol sequence, independent ones (pcg; lcg: "
     "a linear congruential generator seeded by TEA), one in each stratum at random or at its "
-    "centre (grid), or a sequence whose errors are blue noise over the picture, for few samples.",
+    "centre (grid), a sequence whose errors are blue noise over the picture, for few samples, or "
+    "fractions of sines, which are neither uniform nor independent, for comparison.",
     (CHOICE(sampler_names)), .fallback = SAMPLER_SOBOL, .label = "Sampler", .gap = true)
 SETTING(HALVES, uint32_t, halves, "halves", "halves", "Method",
     "Whether the half-buffers that tell the error have a sequence of their own each, or are the "
     "first and the second half of one: less noise in the picture, and an upper bound of its error.",
     (CHOICE(halves_names)), .fallback = HALVES_INDEPENDENT, .label = "Halves")
+SETTING(ACCUMULATION, uint32_t, accumulation, "film_accumulation", "accumulation", "Method",
+    "How the film adds samples up: compensated, in a plain sum, or as a running mean. The latter "
+    "two drift with many samples: they are for comparison.",
+    (CHOICE(accumulation_names)), .fallback = ACCUMULATION_COMPENSATED, .label = "Accumulation")
 SETTING(FILTER, uint32_t, filter, "filter", "filter", "Method",
     "Pixel filter, sampled by importance.",
     (CHOICE(filter_names)), .fallback = FILTER_BOX, .label = "Filter",

@@ -1,0 +1,176 @@
+// How far the film's ways to add samples up drift from the samples' mean, against closed forms:
+// the table of docs/sampling.md. `accumulate` runs as shipped, on radiance that the test makes.
+#include "kernel_fixture.h"
+
+enum { WAVE_SHIFT = 10, PIXELS = 64, SLOTS = PIXELS << WAVE_SHIFT, MIXES = 3, WAYS = 3 };
+
+// A mix a channel: samples are uniform in mean +- half_width.
+struct mix {
+    const char *name;
+    double mean, half_width;
+};
+static const struct mix mixes[MIXES] = {
+    {"noise", 1.4, 1.4}, {"nearly constant", 1.4, 0.014}, {"constant", (double)1.4f, 0}};
+
+// --- closed forms --------------------------------------------------------------------------------
+
+// What an addition of a uniform sample to a multiple of `unit` brings, which rounds to one: the
+// mean and the variance of what rounding adds.
+static void rounded(const struct mix *s, double unit, double *mean, double *variance)
+{
+    enum { PARTS = 1 << 14 };
+    double sum = 0, squares = 0;
+    for (int i = 0; i < PARTS; i++) {
+        double x = s->mean + s->half_width * ((2 * i + 1.0) / PARTS - 1);
+        double error = unit * rint(x / unit) - x;
+        sum += error;
+        squares += error * error;
+    }
+    *mean = s->mean + sum / PARTS;
+    *variance =
+        fmax(squares / PARTS - sum / PARTS * (sum / PARTS), 0); // rounding may take it below
+    // Finer than the parts: rounding's error is uniform.
+    if (s->half_width > 0 && s->half_width / PARTS * 16 > unit) {
+        *mean = s->mean;
+        *variance = unit * unit / 12;
+    }
+}
+
+// Of `count` samples' plain sum. Between 2^j and 2^(j+1) it is a multiple of 2^(j-23), and grows
+// by samples that are rounded to that: a broken line, and the roundings' noise about it.
+static double drift_of_sum(const struct mix *s, double count)
+{
+    double sum = s->mean, added = 1, noise = 0;
+    for (int j = ilogb(s->mean); added < count; j++) {
+        double mean, variance;
+        rounded(s, ldexp(1, j - 23), &mean, &variance);
+        double steps = fmin(mean > 0 ? (ldexp(1, j + 1) - sum) / mean : INFINITY, count - added);
+        sum += steps * mean;
+        noise += steps * variance;
+        added += steps;
+    }
+    return hypot(sum - count * s->mean, sqrt(noise)) / (count * s->mean);
+}
+
+// Of `count` samples' running mean m += (x - m) / k. Roundings e_k are uniform in half a unit of
+// m's last place, and weigh k / n in the end: their variance is n unit^2 / 36. From k0 = 2 h / unit
+// samples on no step reaches half a unit: m stands still, and knows no later ones. With s = k / k0,
+// from s = 1/3 on, m moves by whole units alone, down or up with a mean of -2 (m - mean) / k0 and a
+// variance of unit^2 (1 - s). Its variance D about the mean follows D' = -4 D + unit^2 k0 (1 - s),
+// whose solution from D(1/3) = unit^2 k0 (1/4 + 1/108) ends at D(1) = 0.0646 unit^2 k0. After that
+// the samples' mean goes on without m.
+static double drift_of_running_mean(const struct mix *s, double count)
+{
+    double unit = ldexp(1, ilogb(s->mean) - 23), spread = s->half_width * s->half_width / 3;
+    double frozen = 2 * s->half_width / unit, known = fmin(1, frozen / count);
+    double before = known * known * fmin(count, frozen) * unit * unit / 36;
+    double after = (1 - known) * (1 - known) * 0.0646 * unit * unit * frozen +
+                   spread * known * (1 - known) / fmax(frozen, 1);
+    return sqrt(before + after) / s->mean;
+}
+
+// --- measured ------------------------------------------------------------------------------------
+
+static float radiance[SLOTS][4];
+static double exact[PIXELS][2][MIXES]; // sums
+static struct gpu_film_pixel film[PIXELS];
+
+static void fill_wave(struct random *random)
+{
+    for (uint32_t slot = 0; slot < SLOTS; slot++) {
+        for (int c = 0; c < MIXES; c++) {
+            double unit = 2 * random_unit(random) - 1;
+            radiance[slot][c] = (float)(mixes[c].mean + mixes[c].half_width * unit);
+            exact[slot >> WAVE_SHIFT][slot & 1][c] += (double)radiance[slot][c];
+        }
+    }
+}
+
+static bool accumulate_wave(struct renderer *r, uint32_t first_sample, struct err *err)
+{
+    r->push.pixel_count = r->push.part_items = PIXELS;
+    r->push.sample_shift = WAVE_SHIFT;
+    r->push.first_sample = first_sample;
+    return gpu_upload(r->gpu, &r->buffers[BINDING_RADIANCE], 0, radiance, sizeof radiance, err) &&
+           run_kernel(r, &r->kernels[KERNEL_accumulate], PIXELS, err);
+}
+
+// The relative error's root mean square over pixels and halves, which are `count` samples each.
+static double drift(uint32_t way, int c, double count)
+{
+    double squares = 0;
+    for (int i = 0; i < PIXELS; i++) {
+        const struct gpu_film_pixel *p = &film[i];
+        for (int half = 0; half < 2; half++) {
+            double kept = half ? (double)p->sum_b[c] - (double)p->lost_b[c]
+                               : (double)p->sum_a[c] - (double)p->lost_a[c];
+            double sum = way == ACCUMULATION_RUNNING ? kept * count : kept;
+            squares += pow(sum / exact[i][half][c] - 1, 2);
+        }
+    }
+    return sqrt(squares / (2 * PIXELS));
+}
+
+// Measured and expected agree to a factor of 1.5: 128 halves know it to 6 %, and the closed form of
+// the running mean joins its two ends without what lies between them.
+static void check_drift(uint32_t way, int c, double count)
+{
+    double measured = drift(way, c, count);
+    double noise = mixes[c].half_width / sqrt(3 * count) / mixes[c].mean;
+    double expected = way == ACCUMULATION_SUM       ? drift_of_sum(&mixes[c], count)
+                      : way == ACCUMULATION_RUNNING ? drift_of_running_mean(&mixes[c], count)
+                                                    : 0;
+    printf("  2^%-2d samples, %-15s %-11s %.2g, expected %.2g; the samples' noise %.2g\n",
+           1 + ilogb(count), mixes[c].name, accumulation_names[way], measured, expected, noise);
+    if (way == ACCUMULATION_COMPENSATED)
+        CHECK(measured <= 0x1p-23, "%s, compensated: %g", mixes[c].name, measured);
+    else
+        CHECK(measured <= 1.5 * expected && measured >= expected / 1.5,
+              "%s, %s of %g: %.3g, expected %.3g", mixes[c].name, accumulation_names[way], count,
+              measured, expected);
+}
+
+// All three ways get the same samples, and are looked at at powers of four.
+static void measure(int log_samples)
+{
+    static struct setup setups[WAYS];
+    struct random random = {64};
+    struct err err = {0};
+    memset(exact, 0, sizeof exact);
+    for (uint32_t way = 0; way < WAYS; way++) {
+        scene_start(&setups[way].scene, PIXELS, 1);
+        setups[way].scene.environment =
+            (struct environment){.present = true, .radiance = {1, 1, 1}};
+        setups[way].scene.settings.accumulation = way;
+        OPEN_SETUP(&setups[way], SLOTS);
+    }
+    bool ok = true;
+    for (uint32_t wave = 0; wave < 1u << (log_samples - WAVE_SHIFT) && ok; wave++) {
+        uint32_t samples = (wave + 1) << WAVE_SHIFT;
+        bool look = (samples & (samples - 1)) == 0 && ilogb(samples) % 2 == 0;
+        fill_wave(&random);
+        for (uint32_t way = 0; way < WAYS && ok; way++) {
+            struct renderer *r = &setups[way].r;
+            ok = accumulate_wave(r, wave << WAVE_SHIFT, &err);
+            if (ok && look && (ok = gpu_download(r->gpu, &r->film[0], 0, film, sizeof film, &err)))
+                for (int c = 0; c < MIXES; c++)
+                    check_drift(way, c, samples / 2.0);
+        }
+    }
+    CHECK(ok, "%s", err.msg);
+    for (uint32_t way = 0; way < WAYS; way++)
+        setup_close(&setups[way]);
+}
+
+TEST(drifts)
+{
+    measure(16);
+}
+
+// The table of docs/sampling.md.
+TEST(drifts_long)
+{
+    measure(24);
+}
+
+TEST_MAIN(TEST_CASE(drifts), TEST_CASE(drifts_long))
