@@ -217,12 +217,30 @@ def strata(results):
     said = [{0: f"Not told apart: the grid has {ratio}.",
              1: f"Without jitter: the grid has {ratio}.",
              -1: f"With jitter: the grid has {ratio}."}[told]]
-    if not curves.biased([jitter, grid]):
-        said.append("No bias was found in either, though the grid is a quadrature and has one: here it is "
-                    f"below {number(curves[grid]['bias']['ci_high'], 2)}.")
-    else:
-        said.append(bias_of(curves, [jitter, grid]))
+    said.append(bias_of(curves, [jitter, grid]))
+    if not curves.biased([grid]):
+        said.append(f"That of the grid is below {number(curves[grid]['bias']['ci_high'], 2)}.")
     return said
+
+
+def pixels(results):
+    curves = Curves(results)
+    first, *others = list(curves.index)
+    name = name_of(first)
+    order = {label: apart(curves.error(label), curves.error(first)) for label in others}
+    said = []
+    for sign, words in ((-1, "less error than"), (1, "more error than"), (0, "an error not told apart from that of")):
+        found = [name_of(label) for label in others if order[label] == sign]
+        if found:
+            said.append(f"{listed(found)} {'has' if len(found) == 1 else 'have'} {words} {name} at the same samples.")
+    least = min(curves.index, key=lambda label: curves.error(label)["value"])
+    said.append(f"The least error is that of {name_of(least)}: {span(curves.error(least))}, that of {name} "
+                f"{span(curves.error(first))}.")
+    said.append(bias_of(curves, [first, *others]))
+    return said
+
+
+pixels_one = pixels
 
 
 def whitted(results):
