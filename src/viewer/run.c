@@ -137,6 +137,7 @@ static bool run_frame(struct viewer *viewer, struct err *err)
     take_events(viewer);
     take_work(viewer);
     viewer_move_camera(viewer, motion_seconds(viewer));
+    pose_play(viewer, motion_seconds(viewer));
     draw_panel(viewer);
     viewer->shell.puts_off = false;
     bool ok = viewer_apply_changes(viewer, err) && viewer_answer_click(viewer, err) &&

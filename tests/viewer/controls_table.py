@@ -279,6 +279,10 @@ FILES = [
 # A scene's own camera is there to be chosen in a file with several.
 CAMERAS = [
     ('camera.of_scene', '1', 'picture'),
+    ('animation.time', '0.5', 'picture'),
+    ('animation.speed', '2', 'none', None),
+    'set animation.plays on', 'wait 5 frames', 'set animation.plays off', 'wait 2 samples',
+    'expect item.animation.time > 0.1',
 ]
 
 STEPS = {'view': VIEW, 'renderer': RENDERER, 'camera': CAMERA, 'scene': SCENE, 'lights': LIGHTS,

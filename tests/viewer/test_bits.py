@@ -3,15 +3,41 @@
 
     test_bits.py LAMPYRIS VIEWER SOURCE_ROOT
 """
+import base64
 import json
 import os
 import random
+import struct
 import unittest
 
 import viewer_run
 from viewer_run import CORNELL, DATA, SCENES, SPHERES, Case
 
 DUCK = os.path.join(DATA, 'gltf', 'Duck', 'Duck.glb')
+
+
+def moving_triangles():
+    """Two triangles as glTF, the second of which moves for a second and then stands for one."""
+    data = struct.pack('<9f3f9f', -1, -1, 0, 1, -1, 0, 0, 1, 0, 0, 1, 2, 0, 0, 1, 1, 0.5, 1, 1, 0.5, 1)
+    uri = 'data:application/octet-stream;base64,' + base64.b64encode(data).decode()
+    return {'asset': {'version': '2.0'}, 'scene': 0, 'scenes': [{'nodes': [0, 1, 2]}],
+            'nodes': [{'mesh': 0}, {'mesh': 0, 'scale': [0.5, 0.5, 0.5]},
+                      {'camera': 0, 'translation': [0, 0, 5]}],
+            'cameras': [{'type': 'perspective', 'perspective': {'yfov': 0.8, 'znear': 0.01}}],
+            'materials': [{'pbrMetallicRoughness': {'baseColorFactor': [0.8, 0.3, 0.2, 1]}}],
+            'meshes': [{'primitives': [{'attributes': {'POSITION': 0}, 'material': 0}]}],
+            'animations': [{'channels': [{'sampler': 0, 'target': {'node': 1,
+                                                                   'path': 'translation'}}],
+                            'samplers': [{'input': 1, 'output': 2}]}],
+            'accessors': [{'bufferView': 0, 'componentType': 5126, 'count': 3, 'type': 'VEC3',
+                           'min': [-1, -1, 0], 'max': [1, 1, 0]},
+                          {'bufferView': 1, 'componentType': 5126, 'count': 3, 'type': 'SCALAR',
+                           'min': [0], 'max': [2]},
+                          {'bufferView': 2, 'componentType': 5126, 'count': 3, 'type': 'VEC3'}],
+            'bufferViews': [{'buffer': 0, 'byteLength': 36},
+                            {'buffer': 0, 'byteOffset': 36, 'byteLength': 12},
+                            {'buffer': 0, 'byteOffset': 48, 'byteLength': 36}],
+            'buffers': [{'byteLength': 84, 'uri': uri}]}
 
 
 class Bits(Case):
@@ -119,6 +145,42 @@ class Bits(Case):
         self.assertEqual(result.state('undone.json')['counts']['undo'], 0)
         self.assertEqual(self.render(self.path('saved.json'), '--allow-outside-paths')
                          ['image_hash'], edited)
+
+    def test_animations(self):
+        """What is shown at a time is what --at renders, with edits on top; and what stands still
+        goes on accumulating."""
+        path = self.write('moving.gltf', json.dumps(moving_triangles()))
+        result = self.view('wait 2 samples\nset animation.time 0.5\nwait 2 samples\n'
+                           'hash hash.jsonl\nset object.1 on\nset object.turn 0,0,40\n'
+                           'set object.scale 1,2,1\nset material.base_color 0.2,0.7,0.1\n'
+                           'set animation.time 0.75\nwait 2 samples\nhash hash.jsonl\n'
+                           'scene edited.json\nkey Ctrl+z\nwait 2 samples\nhash hash.jsonl\n'
+                           'scene undone.json\nset animation.speed 3\n'
+                           'set animation.plays on\nwait 12 frames\nset animation.plays off\n'
+                           'wait 2 samples\nhash hash.jsonl\nscene played.json\n'
+                           'expect item.animation.time > 0\n', '--spp', '2', scene=path,
+                           size='48x32')
+        hashes = result.hashes()
+        self.assertEqual(len({h['image_hash'] for h in hashes}), 4)
+        self.expect_same(hashes[0], self.render(path, '--spp', '2', '--at', '0.5', size='48x32'))
+        for hashed, name in zip(hashes[1:], ('edited.json', 'undone.json', 'played.json')):
+            self.expect_same(hashed, self.render(self.path(name), '--allow-outside-paths',
+                                                 size='48x32'))
+        # A saved scene is played on from where it was saved.
+        os.remove(self.path('hash.jsonl'))
+        result = self.view('wait 2 samples\nset animation.time 0.25\nwait 2 samples\n'
+                           'hash hash.jsonl\nscene edited.json\n', '--spp', '2',
+                           '--allow-outside-paths', scene=self.path('edited.json'), size='48x32')
+        self.expect_same(result.hashes()[-1], self.render(
+            self.path('edited.json'), '--allow-outside-paths', size='48x32'))
+
+    def test_what_stands_still_goes_on(self):
+        path = self.write('moving.gltf', json.dumps(moving_triangles()))
+        self.view('set animation.time 1.25\nwait 40 samples\nset animation.time 1.75\n'
+                  'wait 10 frames\nexpect item.animation.time == 1.75\n'
+                  'expect sides.0.samples >= 40\nset view.pause on\nset animation.time 0.5\n'
+                  'wait 20 frames\nwait 1 samples\nexpect sides.0.samples < 40\n', scene=path,
+                  size='48x32')
 
     def test_a_large_scene_is_built_anew_meanwhile(self):
         """The old picture goes on; edits that come before the new one are for the next."""

@@ -38,8 +38,8 @@ def bumps():
 
 
 def two_cameras():
-    """A triangle and two cameras, as glTF."""
-    data = struct.pack('<9f', -1, -1, 0, 1, -1, 0, 0, 1, 0)
+    """A triangle that moves and two cameras, as glTF."""
+    data = struct.pack('<9f2f6f', -1, -1, 0, 1, -1, 0, 0, 1, 0, 0, 1, 0, 0, 0, 0.5, 0.5, 0)
     uri = 'data:application/octet-stream;base64,' + base64.b64encode(data).decode()
     lens = {'type': 'perspective', 'perspective': {'yfov': 0.8, 'znear': 0.01}}
     return {'asset': {'version': '2.0'}, 'scene': 0, 'scenes': [{'nodes': [0, 1, 2]}],
@@ -48,9 +48,17 @@ def two_cameras():
             'cameras': [lens, lens],
             'meshes': [{'primitives': [{'attributes': {'POSITION': 0}}]}],
             'accessors': [{'bufferView': 0, 'componentType': 5126, 'count': 3, 'type': 'VEC3',
-                           'min': [-1, -1, 0], 'max': [1, 1, 0]}],
-            'bufferViews': [{'buffer': 0, 'byteLength': 36}],
-            'buffers': [{'byteLength': 36, 'uri': uri}]}
+                           'min': [-1, -1, 0], 'max': [1, 1, 0]},
+                          {'bufferView': 1, 'componentType': 5126, 'count': 2, 'type': 'SCALAR',
+                           'min': [0], 'max': [1]},
+                          {'bufferView': 2, 'componentType': 5126, 'count': 2, 'type': 'VEC3'}],
+            'animations': [{'channels': [{'sampler': 0, 'target': {'node': 0,
+                                                                   'path': 'translation'}}],
+                            'samplers': [{'input': 1, 'output': 2}]}],
+            'bufferViews': [{'buffer': 0, 'byteLength': 36},
+                            {'buffer': 0, 'byteOffset': 36, 'byteLength': 8},
+                            {'buffer': 0, 'byteOffset': 44, 'byteLength': 24}],
+            'buffers': [{'byteLength': 68, 'uri': uri}]}
 
 
 def commands(step):

@@ -174,8 +174,7 @@ struct placement scene_placement(const struct scene *scene, uint32_t object)
     return placed ? placed->placement : placement_none((const double[3]){0, 0, 0});
 }
 
-// What says where a shape is, of all that a shape is.
-static void copy_place(struct shape *to, const struct shape *from)
+void shape_take_place(struct shape *to, const struct shape *from)
 {
     struct shape placed = *from;
     placed.material = to->material;
@@ -189,7 +188,7 @@ static void put_back(struct scene *scene, const struct placed_object *placed)
         memcpy(scene->instances[placed->object].transform, placed->transform,
                sizeof placed->transform);
     else
-        copy_place(&scene->shapes[placed->object - scene->instance_count], &placed->shape);
+        shape_take_place(&scene->shapes[placed->object - scene->instance_count], &placed->shape);
 }
 
 static struct placed_object *find_or_add(struct scene *scene, uint32_t object)
@@ -238,7 +237,7 @@ bool scene_place(struct scene *scene, uint32_t object, const struct placement *t
         struct shape shape = placed->shape;
         if (!place_shape(to, &placed->shape, &shape, err))
             return false;
-        copy_place(&scene->shapes[object - scene->instance_count], &shape);
+        shape_take_place(&scene->shapes[object - scene->instance_count], &shape);
     }
     placed->placement = *to;
     return true;

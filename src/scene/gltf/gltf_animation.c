@@ -319,6 +319,8 @@ static bool apply_channel(struct player *player, const struct json_node *node,
     if (!value || !read_sampler(player, &sampler_node, channel, err))
         return false;
     place_time(channel, player->seconds);
+    load->scene->animation_seconds =
+        fmax(load->scene->animation_seconds, (double)channel->times[channel->key_count - 1]);
     return evaluate(channel, value, err);
 }
 

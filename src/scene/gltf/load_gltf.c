@@ -247,6 +247,7 @@ static bool allocate_tables(struct gltf_load *load, struct err *err)
 static bool pose_nodes(struct gltf_load *load, const struct gltf_load_params *params,
                        struct err *err)
 {
+    load->scene->animation_count += load->document.counts[GLTF_ANIMATIONS];
     if (!params->at_seconds && !params->animation)
         return true;
     double seconds = params->at_seconds ? *params->at_seconds : 0;

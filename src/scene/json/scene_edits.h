@@ -11,12 +11,12 @@ struct scene_base {
     struct scene_load_params load; // paths as seen from the working directory
     const struct scene_path *override_paths;
     uint32_t override_path_count;
-    // What the file changes, as the base has it. NULL: it changes no material, no object.
-    const struct material *materials;
-    const struct instance *instances;
-    const struct shape *shapes;
+    // What the file changes, as the base has it: an animation may move it later. NULL: it changes no material, no object.
+    struct material *materials;
+    struct instance *instances;
+    struct shape *shapes;
     uint32_t material_count, shape_count; // with "edits": as the base has them
-    const struct light *lights;
+    struct light *lights;
     uint32_t light_count;
     struct environment environment;
 };

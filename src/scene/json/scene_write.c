@@ -354,7 +354,7 @@ static bool check_text(const struct writer *w, const char *text, struct err *err
 // --- all of it -----------------------------------------------------------------------------------
 
 // What the new file is to be based on: what the scene was loaded from, or that file's own base.
-static void choose_base(struct writer *w)
+static void find_base(struct writer *w)
 {
     const struct scene_load_params *load = w->params->load;
     const struct scene *before = w->params->before;
@@ -364,16 +364,16 @@ static void choose_base(struct writer *w)
         const struct scene_base *base = before->base;
         w->base = *base;
         w->before.environment = base->environment;
-        w->before.lights = (struct light *)base->lights;
+        w->before.lights = base->lights;
         w->before.light_count = base->light_count;
         if (base->materials) {
-            w->before.materials = (struct material *)base->materials;
+            w->before.materials = base->materials;
             w->before.material_count = base->material_count;
         }
         if (base->instances)
-            w->before.instances = (struct instance *)base->instances;
+            w->before.instances = base->instances;
         if (base->shapes) {
-            w->before.shapes = (struct shape *)base->shapes;
+            w->before.shapes = base->shapes;
             w->before.shape_count = base->shape_count;
         }
         return;
@@ -385,6 +385,14 @@ static void choose_base(struct writer *w)
                                   .override_path_count = before->override_path_count};
     if (is_lit && !before->has_ground)
         w->base.load.ground = SCENE_GROUND_OFF;
+}
+
+static void choose_base(struct writer *w)
+{
+    const struct scene_pose *pose = w->params->pose;
+    find_base(w);
+    if (pose)
+        w->base.load.at_seconds = pose->is_posed ? &pose->seconds : NULL;
 }
 
 static void choose_environment(struct writer *w)

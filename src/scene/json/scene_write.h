@@ -12,6 +12,13 @@
 // - instances and shapes: `hidden` and `material`;
 // - the environment: radiance and rotation; or all of it, by scene_replace_environment;
 // - the camera and the settings.
+// The time of a glTF base's pose.
+struct scene_pose {
+    double seconds;
+    uint32_t is_posed; // 0: the nodes as they are without an animation
+    uint32_t unused;   // 0: poses are compared byte by byte
+};
+
 struct scene_write_params {
     const char *path;                     // of the new file; an older one is replaced at one stroke
     const struct scene_load_params *load; // what gave `before`
@@ -21,6 +28,7 @@ struct scene_write_params {
     const struct settings *settings;      // NULL: the scene's
     // Set to whether the file names others that lie outside its folder, so that it loads with
     // allow_outside_paths only; or NULL. The file says so itself, in a comment.
+    const struct scene_pose *pose; // that `before` and `scene` have now; NULL: as was loaded
     bool *is_outside;
 };
 

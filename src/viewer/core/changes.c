@@ -361,6 +361,7 @@ bool viewer_apply_changes(struct viewer *viewer, struct err *err)
     viewer->stage.shaders_changed = false;
     if (!viewer->document.has_scene)
         return true;
+    pose_update(viewer);
     if (!apply(viewer, err) && !apply_reverted(viewer, err))
         return false;
     if (viewer->view.wants_target && !aim_rig(viewer, err))

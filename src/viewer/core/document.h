@@ -5,6 +5,7 @@
 #include "cli/scene_options.h"
 #include "flatten/geometry.h"
 #include "scene/sky/surroundings.h"
+#include "viewer/core/pose.h"
 #include "viewer/core/rebuild.h"
 
 #define VIEWER_NO_OBJECT UINT32_MAX
@@ -34,6 +35,7 @@ struct document {
     struct arena surroundings_arena;
     struct geometry geometry;
     struct rebuild rebuild;
+    struct pose pose;                    // of an animation
     double bounds_min[3], bounds_max[3]; // of the scene; min > max: it is empty
     struct history *history;
 

@@ -32,6 +32,7 @@ union state {
     struct shown shown;
     struct placement placement;
     struct list_counts counts;
+    struct scene_pose pose;
     struct shape shape;
     bool visible;
 };
@@ -42,6 +43,7 @@ static const size_t state_bytes[TARGET_COUNT] = {
     [TARGET_LIGHT] = sizeof(struct light),         [TARGET_OBJECT] = sizeof(bool),
     [TARGET_DISPLAY] = sizeof(struct shown),       [TARGET_PLACE] = sizeof(struct placement),
     [TARGET_LISTS] = sizeof(struct list_counts),   [TARGET_SHAPE] = sizeof(struct shape),
+    [TARGET_POSE] = sizeof(struct scene_pose),
 };
 
 struct step {
@@ -144,6 +146,9 @@ static void get(struct viewer *viewer, enum target target, uint32_t index, union
         break;
     case TARGET_LISTS:
         out->counts = edit_counts(viewer);
+        break;
+    case TARGET_POSE:
+        out->pose = viewer->document.pose.wanted;
         break;
     case TARGET_SHAPE:
         out->shape = viewer->document.scene.shapes[index];
@@ -335,6 +340,10 @@ static bool put(struct viewer *viewer, enum target target, uint32_t index, const
             return false;
         viewer_changed(viewer, CHANGE_GEOMETRY);
         break;
+    case TARGET_POSE:
+        viewer->document.pose.wanted = to->pose;
+        viewer->stage.is_resting = false;
+        break;
     case TARGET_SHAPE:
         viewer->document.scene.shapes[index] = to->shape;
         viewer_changed(viewer, CHANGE_GEOMETRY);
@@ -361,6 +370,7 @@ static bool is_there(const struct viewer *viewer, enum target target, uint32_t i
     case TARGET_SHAPE:
         return index < scene->shape_count;
     case TARGET_LISTS:
+    case TARGET_POSE:
     case TARGET_CAMERA:
     case TARGET_SURROUNDINGS:
     case TARGET_DISPLAY:
@@ -525,6 +535,13 @@ bool edit_shape(struct viewer *viewer, uint32_t index, const struct shape *to, c
     union state state = zeroed();
     state.shape = *to;
     return edit(viewer, TARGET_SHAPE, index, &state, control);
+}
+
+bool edit_pose(struct viewer *viewer, const struct scene_pose *to, const char *control)
+{
+    union state state = zeroed();
+    state.pose = *to;
+    return edit(viewer, TARGET_POSE, 0, &state, control);
 }
 
 void edit_begin_group(struct viewer *viewer)

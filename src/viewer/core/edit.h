@@ -31,6 +31,7 @@ enum target {
     TARGET_DISPLAY, // what is shown: struct shown
     TARGET_PLACE,   // where it is; index: an object
     TARGET_LISTS,   // how many there are of what can be added: struct list_counts
+    TARGET_POSE,    // the time of an animation that is wanted
     TARGET_SHAPE,   // all of one that was added; index: of the shapes
     TARGET_COUNT
 };
@@ -56,6 +57,8 @@ bool edit_place(struct viewer *viewer, uint32_t object, const struct placement *
                 const char *control);
 struct shown;
 bool edit_shown(struct viewer *viewer, const struct shown *to, const char *control);
+struct scene_pose;
+bool edit_pose(struct viewer *viewer, const struct scene_pose *to, const char *control);
 // How many there are of what editors add. Lights: without a sky's sun, before which they come.
 struct list_counts {
     uint32_t materials, lights, shapes;

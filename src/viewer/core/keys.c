@@ -319,7 +319,7 @@ bool viewer_holds_nothing(const struct viewer *viewer)
         if (keys->held[i] && i != HELD_SLOW)
             return false;
     return !keys->buttons[0] && !keys->buttons[1] && !keys->buttons[2] && keys->look[0] == 0.0 &&
-           keys->look[1] == 0.0 && keys->dolly == 0.0 &&
+           keys->look[1] == 0.0 && keys->dolly == 0.0 && !viewer->document.pose.plays &&
            !(viewer->view.rig.revolves && viewer->view.rig.mode == CAMERA_RIG_ORBIT);
 }
 

@@ -188,6 +188,7 @@ static void adopt(struct viewer *viewer, const struct opened *opened, bool keep_
     viewer->document.original = surroundings_keep(&viewer->document.scene);
     viewer->document.surroundings = surroundings_default();
     viewer->document.has_scene = true;
+    pose_init(viewer);
     set_title(viewer);
     viewer_find_bounds(viewer);
     if (keep_view)
@@ -240,8 +241,10 @@ bool viewer_open_scene(struct viewer *viewer, const char *path, bool keep_view)
 
 void viewer_close_scene(struct viewer *viewer)
 {
-    if (viewer->shell.worker)
+    if (viewer->shell.worker) {
         rebuild_cancel(viewer);
+        pose_finish(viewer);
+    }
     for (uint32_t side = 0; side < VIEWER_SIDES; side++)
         viewer_close_side(viewer, side);
     history_clear(viewer->document.history);

@@ -327,6 +327,7 @@ bool save_scene(struct viewer *viewer, const char *path)
         .camera = &viewer->view.camera,
         .settings = &settings,
         .is_outside = &is_outside,
+        .pose = pose_has_animation(viewer) ? &viewer->document.pose.shown : NULL,
     };
     ok = ok && path && scene_write(&params, &err);
     if (ok)

@@ -257,6 +257,31 @@ static void objects(struct panel *panel, struct document *document)
     gui_group_end(gui);
 }
 
+// --- animation -----------------------------------------------------------------------------------
+
+static void animation(struct panel *panel, struct document *document)
+{
+    static const struct gui_range speed = {-100, 100};
+    struct gui *gui = panel->gui;
+    struct pose *pose = &document->pose;
+    struct scene_pose to = pose->wanted;
+    double length = document->scene.animation_seconds;
+    const struct gui_range seconds = {0, length > 0 ? length : 1e6, .unit = "s"};
+    gui_group_begin(gui, "animation", "Animation", "The times of an animated glTF file.", false);
+    gui_enabled(gui, pose_has_animation(panel->viewer));
+    gui_switch(gui, "animation.plays", "Play", "Time goes on, and begins anew at the end.",
+               &pose->plays);
+    if (gui_number(gui, "animation.time", "Time", "Of what is shown, seconds, as of --at.",
+                   &seconds, &to.seconds)) {
+        to.is_posed = 1;
+        edit_pose(panel->viewer, &to, "animation.time");
+    }
+    gui_number(gui, "animation.speed", "Speed", "Seconds of the animation a second, -100 to 100.",
+               &speed, &pose->speed);
+    gui_enabled(gui, true);
+    gui_group_end(gui);
+}
+
 // --- what was picked -----------------------------------------------------------------------------
 
 static uint32_t object_count(const struct scene *scene)
@@ -312,6 +337,7 @@ void panel_scene(struct panel *panel, struct document *document)
         panel_lights(panel, document);
         panel_materials(panel, document);
         objects(panel, document);
+        animation(panel, document);
     }
     gui_group_end(gui);
 }

@@ -43,7 +43,8 @@ static enum step wait_samples(const struct viewer *viewer, uint64_t wanted, stru
                 wanted, limit);
         return STEP_FAILED;
     }
-    return !viewer->view.is_moving && !rebuild_is_pending(viewer) && least_samples(viewer) >= wanted
+    return !viewer->view.is_moving && !rebuild_is_pending(viewer) && !pose_is_pending(viewer) &&
+                   least_samples(viewer) >= wanted
                ? STEP_DONE
                : STEP_AGAIN;
 }
