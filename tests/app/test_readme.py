@@ -44,7 +44,7 @@ def command_lines(text):
 
 # Scenes whose size is a number of theirs.
 FEWER = {'forest.json': '-D trees=200', 'teapot_stadium.json': '-D resolution=4',
-         'spheres.json': '-D count=200'}
+         'spheres.json': '-D count=200', 'figures.json': '-D dragon_triangles=2000'}
 
 
 def small(line):

@@ -6,6 +6,7 @@
 #include "json/json_node.h"
 #include "scene/core/bounds.h"
 #include "scene/core/scene.h"
+#include "scene/generate/figure.h"
 #include "scene/generate/generate.h"
 
 // A scene file describes; meshes and images lie in files of their own. jansson needs up to some
@@ -59,15 +60,17 @@ typedef bool load_json_shape_fn(struct scene *scene, const struct json_node *nod
                                 uint32_t material, struct err *err);
 load_json_shape_fn load_json_quad, load_json_box, load_json_sphere, load_json_disc;
 load_json_shape_fn load_json_plane, load_json_cylinder, load_json_generated, load_json_teapot;
-load_json_shape_fn load_json_torus, load_json_stadium;
+load_json_shape_fn load_json_torus, load_json_stadium, load_json_figure;
 load_json_shape_fn load_json_phong_spheres; // with materials of their own
-load_json_shape_fn load_json_sdf; // placed by its own transforms
+load_json_shape_fn load_json_sdf;           // placed by its own transforms
 
-// What describes the last four meshes; those that make them call these.
+// What describes the last five meshes; those that make them call these.
 bool load_json_read_generated(const struct json_node *generated, uint32_t *triangles,
                               struct err *err);
 bool load_json_read_teapot(const struct json_node *teapot, uint32_t *resolution, struct err *err);
 bool load_json_read_torus(const struct json_node *node, struct torus *torus, struct err *err);
+bool load_json_read_figure(const struct json_node *node, enum figure *figure, uint32_t *triangles,
+                           struct err *err);
 bool load_json_read_stadium(const struct json_node *node, struct stadium *stadium, struct err *err);
 
 // The kinds of a list of shapes.
@@ -87,6 +90,7 @@ enum shape_type {
     SHAPE_TYPE_SCATTER,
     SHAPE_TYPE_INSTANCE,
     SHAPE_TYPE_PHONG_SPHERES,
+    SHAPE_TYPE_FIGURE,
     SHAPE_TYPE_STREW, // a scatter with "of", after those that have a name
     SHAPE_TYPE_COUNT,
 };

@@ -122,6 +122,15 @@ static struct needs scatter_needs(const struct json_node *node)
     };
 }
 
+static struct needs figure_needs(const struct json_node *node)
+{
+    struct err dropped = {0};
+    enum figure figure = FIGURE_SKULL;
+    uint32_t triangles = 0;
+    bool ok = load_json_read_figure(node, &figure, &triangles, &dropped);
+    return one_instance(ok, generate_figure_bytes(triangles));
+}
+
 static struct needs phong_spheres_needs(const struct json_node *node)
 {
     struct err dropped = {0};
@@ -218,6 +227,8 @@ static struct needs needs_of(const struct needs_list *list, const struct json_no
         return stadium_needs(node);
     case SHAPE_TYPE_SCATTER:
         return scatter_needs(node);
+    case SHAPE_TYPE_FIGURE:
+        return figure_needs(node);
     case SHAPE_TYPE_PHONG_SPHERES:
         return phong_spheres_needs(node);
     case SHAPE_TYPE_INSTANCE:

@@ -228,3 +228,30 @@ bool load_json_stadium(struct scene *scene, const struct json_node *node, uint32
         return node_prepend(node, err);
     return scene_place_meshes(scene, mesh, 1, err);
 }
+
+bool load_json_read_figure(const struct json_node *node, enum figure *figure, uint32_t *triangles,
+                           struct err *err)
+{
+    uint32_t choice = 0;
+    if (!node_read_choice(node, "figure", figure_names, &choice, err))
+        return false;
+    uint64_t count = figure_triangles[choice];
+    if (!node_read_integer(node, "triangles", FIGURE_TRIANGLES_MIN, FIGURE_TRIANGLES_MAX, &count,
+                           err))
+        return false;
+    *figure = (enum figure)choice;
+    *triangles = (uint32_t)count;
+    return true;
+}
+
+bool load_json_figure(struct scene *scene, const struct json_node *node, uint32_t material,
+                      struct err *err)
+{
+    enum figure figure;
+    uint32_t triangles, mesh;
+    if (!load_json_read_figure(node, &figure, &triangles, err))
+        return false;
+    if (!generate_figure(scene, figure, triangles, material, &mesh, err))
+        return node_prepend(node, err);
+    return scene_place_meshes(scene, mesh, 1, err);
+}

@@ -2,8 +2,9 @@
 #include "scene/json/load_json.h"
 
 static const char *const type_names[SHAPE_TYPE_COUNT] = {
-    "mesh",   "quad",  "box",     "sphere", "disc",    "plane",    "cylinder",      "generated",
-    "teapot", "torus", "stadium", "sdf",    "scatter", "instance", "phong_spheres", NULL};
+    "mesh",     "quad",      "box",           "sphere", "disc",    "plane",
+    "cylinder", "generated", "teapot",        "torus",  "stadium", "sdf",
+    "scatter",  "instance",  "phong_spheres", "figure", NULL};
 
 #define EVERY_SHAPE "name", "transform", "hidden", "visible"
 
@@ -30,6 +31,7 @@ static const struct {
     [SHAPE_TYPE_INSTANCE] = {{"type", "of"}, {EVERY_SHAPE, "material"}},
     [SHAPE_TYPE_PHONG_SPHERES] = {{"type", "count", "seed", "radius", "disc_radius"},
                                   {EVERY_SHAPE}},
+    [SHAPE_TYPE_FIGURE] = {{"type", "material", "figure"}, {EVERY_SHAPE, "triangles", "fit"}},
     [SHAPE_TYPE_STREW] = {{"type", "of", "count"},
                           {EVERY_SHAPE, "disc_radius", "size", "seed", "scale", "tilt_degrees"}},
 };

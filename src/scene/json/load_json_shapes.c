@@ -168,6 +168,7 @@ static bool add_in_own_space(struct shape_list *list, const struct json_node *no
         [SHAPE_TYPE_TEAPOT] = load_json_teapot,
         [SHAPE_TYPE_SDF] = load_json_sdf,
         [SHAPE_TYPE_PHONG_SPHERES] = load_json_phong_spheres,
+        [SHAPE_TYPE_FIGURE] = load_json_figure,
     };
     uint32_t material;
     if (!load_json_material_name(list->loader, node, &material, err))
