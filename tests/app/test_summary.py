@@ -110,6 +110,19 @@ class Summary(Base):
         self.assertGreaterEqual(min(times[name] for name in named) + 1,
                                 max(ms for name, ms in times.items() if name not in named))
 
+    def test_what_no_sample_mends_is_listed(self):
+        def kinds(*settings):
+            return [bias['kind'] for bias in json.loads(self.render(scene('edges'), *settings, '--json'))['bias']]
+
+        for settings, expected in (
+                ((), []), (('--pixel-sampling', 'random'), []), (('--pixel-sampling', 'stratified'), []),
+                (('--pixel-sampling', 'centre'), ['pixel-sampling']),
+                (('--pixel-sampling', 'grid'), ['pixel-sampling']),
+                (('--pixel-sampling', 'stratified', '--pixel-jitter', 'off'), ['pixel-jitter']),
+                (('--sampler', 'sine'), ['sampler']), (('--accumulation', 'sum'), ['accumulation']),
+                (('--accumulation', 'running'), ['accumulation'])):
+            self.assertEqual(kinds(*settings), expected, settings)
+
     def test_what_was_added_is_named_whatever_else_there_is_to_note(self):
         # A triangle, and lines and an extension that are not shown.
         corners = base64.b64encode(struct.pack('<9f', 0, 0, 0, 1, 0, 0, 0, 1, 0)).decode()
