@@ -148,13 +148,13 @@ TEST(others)
 // which they do.
 TEST(drawn_normals)
 {
-    run_trials(keep_some(grid_covering(grid, CAPACITY), draws_normals, 5), is_any,
+    run_trials(keep_some(grid_covering(grid, CAPACITY), draws_normals, 12), is_any,
                (struct bsdf_choices){.normals = NORMALS_NDF});
 }
 
 TEST(unscaled)
 {
-    run_trials(keep_some(grid_covering(grid, CAPACITY), refracts, 5), is_any,
+    run_trials(keep_some(grid_covering(grid, CAPACITY), refracts, 12), is_any,
                (struct bsdf_choices){.unscaled = true});
 }
 

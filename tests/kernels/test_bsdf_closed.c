@@ -186,9 +186,19 @@ TEST(normals)
 
 // --- tables --------------------------------------------------------------------------------------
 
-enum integrand { E_GGX, E_SCHLICK, E_FRESNEL, E_CHARLIE, E_COAT, E_BELOW, E_SHEEN, INTEGRANDS };
-static const char *const integrand_names[INTEGRANDS] = {"E1",   "Schlick",    "Fresnel", "Charlie",
-                                                        "coat", "subsurface", "sheen"};
+enum integrand {
+    E_GGX,
+    E_SCHLICK,
+    E_FRESNEL,
+    E_CHARLIE,
+    E_COAT,
+    E_BELOW,
+    E_SHEEN,
+    E_COAT_EXACT,
+    INTEGRANDS
+};
+static const char *const integrand_names[INTEGRANDS] = {
+    "E1", "Schlick", "Fresnel", "Charlie", "coat", "subsurface", "sheen", "exact coat"};
 
 struct point {
     double mu, alpha, eta, roughness;
@@ -200,6 +210,11 @@ static double weight5(double cosine)
     return pow(1 - fmin(cosine, 1), 5);
 }
 
+static bool is_of_coat(enum integrand kind)
+{
+    return kind == E_COAT || kind == E_COAT_EXACT;
+}
+
 // f cos of docs/materials.md, section by section.
 static double evaluate(enum integrand kind, const struct point *p, const double wo[3],
                        const double wi[3])
@@ -209,6 +224,8 @@ static double evaluate(enum integrand kind, const struct point *p, const double 
     double sine2 = h[0] * h[0] + h[1] * h[1], f90 = p->roughness * cosine * cosine;
     double reflected = ggx_density(h, alpha) * ggx_masking_both(wo, wi, alpha, false) / (4 * c_o);
     double a = kind == E_CHARLIE ? p->roughness * p->roughness : 0.1 - 0.099 * p->roughness;
+    double f_coat =
+        kind == E_COAT ? optics_schlick(0.04, cosine) : optics_fresnel(fmin(cosine, 1), 1.5);
     switch (kind) {
     case E_GGX:
         return reflected;
@@ -219,9 +236,9 @@ static double evaluate(enum integrand kind, const struct point *p, const double 
     case E_CHARLIE:
         return (2 + 1 / a) * pow(sine2, 0.5 / a) / (2 * M_PI) * c_i / (4 * (c_o + c_i - c_o * c_i));
     case E_COAT:
-        return 0.25 * optics_schlick(0.04, cosine) * (a * a - 1) /
-               (M_PI * log(a * a) * (a * a * h[2] * h[2] + sine2)) * ggx_masking(wo, quarter) *
-               ggx_masking(wi, quarter) / (4 * c_o);
+    case E_COAT_EXACT:
+        return 0.25 * f_coat * (a * a - 1) / (M_PI * log(a * a) * (a * a * h[2] * h[2] + sine2)) *
+               ggx_masking(wo, quarter) * ggx_masking(wi, quarter) / (4 * c_o);
     case E_BELOW:
         return 1.25 / M_PI * c_i *
                ((1 + (f90 - 1) * weight5(c_o)) * (1 + (f90 - 1) * weight5(c_i)) *
@@ -236,7 +253,7 @@ static double evaluate(enum integrand kind, const struct point *p, const double 
 static double integrate(enum integrand kind, const struct point *p)
 {
     enum { STEPS = 200 };
-    double scale = kind <= E_FRESNEL ? p->alpha : kind == E_COAT ? 0.1 - 0.099 * p->roughness : 1;
+    double scale = kind <= E_FRESNEL ? p->alpha : is_of_coat(kind) ? 0.1 - 0.099 * p->roughness : 1;
     struct chart chart = {.kind = CHART_REFLECT,
                           .wo = {sqrt(1 - p->mu * p->mu), 0, p->mu},
                           .alpha = {{scale, scale}},
@@ -267,6 +284,8 @@ static double look_up(enum integrand kind, const struct point *p)
         return table_charlie(p->mu, p->roughness);
     case E_COAT:
         return table_coat(p->mu, p->roughness);
+    case E_COAT_EXACT:
+        return table_coat_exact(p->mu, p->roughness);
     case E_BELOW:
         return table_below(p->mu, p->roughness);
     default:

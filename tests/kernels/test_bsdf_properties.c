@@ -164,6 +164,17 @@ static uint32_t reciprocal_materials(void)
         c = add_bare(&count, "coat, GTR1");
         c->material.clearcoat = 1;
         c->material.clearcoat_gloss = 1 - r;
+        c = add_bare(&count, "coat, exact Fresnel");
+        c->material.clearcoat = 1;
+        c->material.flags = MATERIAL_EXACT_COAT | (i % 2 ? MATERIAL_COAT_GGX : 0);
+        c->material.clearcoat_roughness = r;
+        c->material.clearcoat_gloss = 1 - r;
+        c = add(&count, "mixed Fresnel, black below", MATERIAL_PRINCIPLED);
+        set(c->material.base_color, 0, 0, 0);
+        set(c->material.specular_color, 0.9f, 0.5f, 0.1f);
+        c->material.roughness = r;
+        c->material.metallic = 0.5f;
+        c->material.flags = MATERIAL_MIXED_FRESNEL;
         c = add_bare(&count, "fibres");
         set(c->material.sheen_color, 0.9f, 0.5f, 0.1f);
         c->material.sheen_roughness = r;
