@@ -45,6 +45,14 @@ VIEW = [
     ('view.split', 'off', 'result', None),
     ('view.frame_ms', '50', 'state', '33'),
     ('view.pause', 'on', 'state', 'off'),
+    ('view.undocked', 'on', 'state', None),
+    'wait 2 frames', 'expect window.picture.2 == 240', 'expect window.panel_place.0 > 10',
+    # It is moved by its bar: the camera stays.
+    'mouse 60 32', 'button left down', 'wait 2 frames', 'mouse 90 52', 'wait 2 frames',
+    'button left up', 'wait 2 frames', 'expect window.panel_place.0 > 40',
+    'expect window.panel_place.1 > 30', 'expect camera.position.2 < 1e9',
+    'set view.undocked off', 'wait 2 frames', 'expect window.panel_place.0 == 0',
+    'expect window.picture.2 < 240',
 ]
 
 RENDERER = [

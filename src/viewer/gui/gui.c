@@ -276,9 +276,33 @@ static float help_height(void)
     return HELP_LINES * im_line_height() + 2.0f * im_style_now().item_spacing.y;
 }
 
+static float usual_width(const struct gui *gui, float window_width)
+{
+    return floorf(fminf(PANEL_POINTS * gui->own->scale, PANEL_PART * window_width));
+}
+
 float gui_panel_width(const struct gui *gui, uint32_t window_width)
 {
-    return floorf(fminf(PANEL_POINTS * gui->own->scale, PANEL_PART * (float)window_width));
+    return gui->is_floating ? 0.0f : usual_width(gui, (float)window_width);
+}
+
+// Beside the picture, or over it where its user has moved it to.
+static void begin_window(struct gui *gui, const char *title, struct im_vec size)
+{
+    struct gui_state *own = gui->own;
+    struct im_rect place = {{0.0f, 0.0f}, {gui->width, size.y}};
+    if (!gui->is_floating) {
+        im_panel_begin(gui->width, size.y);
+        im_push_color_of(IM_COLOR_TEXT, IM_COLOR_CHECK_MARK);
+        im_text(title);
+        im_pop_color();
+    } else {
+        float edge = 24.0f * own->scale, width = usual_width(gui, size.x);
+        const struct im_rect first = {{edge, edge}, {edge + width, 0.8f * size.y}};
+        place = im_panel_begin_floating(title, first);
+    }
+    memcpy(gui->place, (float[4]){place.min.x, place.min.y, place.max.x, place.max.y},
+           sizeof gui->place);
 }
 
 bool gui_panel_begin(struct gui *gui, const char *title, const char *facts)
@@ -286,13 +310,11 @@ bool gui_panel_begin(struct gui *gui, const char *title, const char *facts)
     struct gui_state *own = gui->own;
     const struct im_vec size = im_display();
     own->is_drawn = !gui->is_hidden && size.x > 0.0f && size.y > 0.0f;
+    memset(gui->place, 0, sizeof gui->place);
     if (!own->is_drawn)
         return false;
     gui->width = gui_panel_width(gui, (uint32_t)size.x);
-    im_panel_begin(gui->width, size.y);
-    im_push_color_of(IM_COLOR_TEXT, IM_COLOR_CHECK_MARK);
-    im_text(title);
-    im_pop_color();
+    begin_window(gui, title, size);
     if (facts[0])
         im_text_dim(facts);
     im_child_begin("controls", -help_height(), false);

@@ -51,8 +51,10 @@ struct gui {
     bool is_busy;                 // a widget is being dragged or typed into
     bool is_hidden;               // the caller's wish: no panel, but its controls for scripts
     const char *hovered_help;     // of the control under the mouse, or NULL
-    float width;                  // of the panel, pixels; 0 while it is hidden
-    struct gui_state *own;        // see gui_state.h
+    bool is_floating;      // the caller's wish: a window in the window, not beside the picture
+    float width;           // of what the panel takes of the window; 0 hidden or floating
+    float place[4];        // of the panel: left, top, right, bottom, pixels; 0 while hidden
+    struct gui_state *own; // see gui_state.h
 };
 
 bool gui_create(float scale, struct gui *out, struct err *err); // scale: pixels a point

@@ -9,7 +9,10 @@
 
 static bool is_over_panel(const struct gui *gui)
 {
-    return gui->own->mouse[0] >= 0.0 && gui->own->mouse[0] < (double)gui->width;
+    const double *mouse = gui->own->mouse;
+    const float *place = gui->place;
+    return mouse[0] >= (double)place[0] && mouse[0] < (double)place[2] &&
+           (!gui->is_floating || (mouse[1] >= (double)place[1] && mouse[1] < (double)place[3]));
 }
 
 // What was pressed elsewhere is moved and let go there.

@@ -184,6 +184,28 @@ void im_panel_begin(float width, float height)
     PopStyleVar(2);
 }
 
+im_rect im_panel_begin_floating(const char *title, im_rect at_first)
+{
+    ImVec2 min(at_first.min.x, at_first.min.y), max(at_first.max.x, at_first.max.y);
+    ImVec2 size(max.x - min.x, max.y - min.y);
+    SetNextWindowPos(min, ImGuiCond_FirstUseEver);
+    SetNextWindowSize(size, ImGuiCond_FirstUseEver);
+    // Narrower or lower ones have no room for a control and its help.
+    SetNextWindowSizeConstraints(ImVec2(0.6f * size.x, 0.3f * size.y), GetIO().DisplaySize);
+    const ImVec4 *paint = GetStyle().Colors;
+    PushStyleColor(ImGuiCol_TitleBg, paint[ImGuiCol_FrameBg]);
+    PushStyleColor(ImGuiCol_TitleBgActive, paint[ImGuiCol_FrameBgHovered]);
+    PushStyleColor(ImGuiCol_ResizeGrip, paint[ImGuiCol_SliderGrab]);
+    PushStyleColor(ImGuiCol_ResizeGripHovered, paint[ImGuiCol_SliderGrabActive]);
+    PushStyleColor(ImGuiCol_ResizeGripActive, paint[ImGuiCol_SliderGrabActive]);
+    Begin(title, NULL,
+          ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNav |
+              ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse);
+    PopStyleColor(5);
+    ImVec2 place = GetWindowPos(), extent = GetWindowSize();
+    return {{place.x, place.y}, {place.x + extent.x, place.y + extent.y}};
+}
+
 void im_panel_end(void) { End(); }
 
 void im_child_begin(const char *id, float height, bool is_padded)

@@ -99,6 +99,9 @@ struct gpu_draw im_list_command(uint32_t list, uint32_t command);
 
 // --- layout --------------------------------------------------------------------------------------
 void im_panel_begin(float width, float height); // at the upper left, without any decoration
+// A window in the window, with a bar to move it by and edges to size it by: at first of that place.
+// Returns where it is now.
+struct im_rect im_panel_begin_floating(const char *title, struct im_rect at_first);
 void im_panel_end(void);
 void im_child_begin(const char *id, float height, bool is_padded); // as wide as there is room
 void im_child_end(void);

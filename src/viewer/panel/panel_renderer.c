@@ -222,6 +222,9 @@ static void pace(struct panel *panel, struct stage *stage, struct viewpoint *vie
     gui_enabled(gui, stage->swapchain.handle != VK_NULL_HANDLE);
     gui_switch(gui, "view.vsync", "Vsync", "Frames wait for the display.", &stage->swapchain.vsync);
     gui_enabled(gui, true);
+    gui_switch(gui, "view.undocked", "Undock panel",
+               "The panel is a window over the picture, moved by its bar and sized by its corner.",
+               &gui->is_floating);
     gui_switch(gui, "view.pause", "Pause", "The picture rests; all else goes on.",
                &stage->is_paused);
 }

@@ -156,14 +156,16 @@ static json_t *window_json(const struct viewer *viewer)
     static const char *const modes[] = {"immediate", "mailbox", "fifo", "fifo_relaxed"};
     uint32_t mode = (uint32_t)viewer->stage.swapchain.present_mode;
     bool has_mode = viewer->stage.swapchain.handle != VK_NULL_HANDLE && mode < 4;
+    const float *panel = viewer->shell.gui.place;
     uint32_t place[4];
     viewer_picture_place(viewer, place);
-    return json_pack("{s:i, s:i, s:b, s:b, s:b, s:s, s:[i, i, i, i]}", "width",
-                     viewer->shell.window.width, "height", viewer->shell.window.height, "minimised",
-                     viewer->shell.window.is_minimised, "headless",
-                     viewer->shell.window.handle == NULL, "panel", viewer->shell.is_panel_shown,
-                     "present_mode", has_mode ? modes[mode] : "none", "picture", place[0], place[1],
-                     place[2], place[3]);
+    return json_pack("{s:[f, f, f, f], s:i, s:i, s:b, s:b, s:b, s:s, s:[i, i, i, i]}",
+                     "panel_place", (double)panel[0], (double)panel[1], (double)panel[2],
+                     (double)panel[3], "width", viewer->shell.window.width, "height",
+                     viewer->shell.window.height, "minimised", viewer->shell.window.is_minimised,
+                     "headless", viewer->shell.window.handle == NULL, "panel",
+                     viewer->shell.is_panel_shown, "present_mode", has_mode ? modes[mode] : "none",
+                     "picture", place[0], place[1], place[2], place[3]);
 }
 
 static json_t *camera_rig_json(const struct camera_rig *rig)
