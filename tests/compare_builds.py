@@ -33,7 +33,11 @@ SETTINGS = [
     'cornell --adaptive on --spp 48', 'cornell --roulette frame', 'cornell --frames 5',
     'cornell --error 0.05', 'cornell --nee off', 'cornell --nee-depth 1',
     'veach_mis --mis none', 'glass --max-bounces 3', 'many_lights --light-choice power',
-    'teapot_room --bvh median', 'cornell --integrator ao',
+    'teapot_room --bvh median', 'cornell --integrator ao', 'cornell --roulette constant',
+    'cornell --filter gaussian', 'cornell --clamp 0.5', 'veach_mis --mis balance',
+    'phong_lobes --directions hemisphere', 'many_lights --light-choice tree',
+    'cornell --light-choice all', 'sky --env-filter nearest', 'teapots --instances on',
+    'teapots --instances off',
 ]
 
 # With fewer abilities of the device, as LAMPYRIS_LIMITS names them; the scene's name comes first.

@@ -85,6 +85,9 @@ static const char *make_identity(struct job *job)
     if (sample_planning(&job->scene->settings, NULL) != PLANNING_NONE)
         add(&text, "samples planned=%" PRIu64,
             job_is_open_ended(job) ? 0 : job->scene->settings.spp);
+    static const char *const instancing_names[] = {
+        [INSTANCING_AUTO] = "auto", [INSTANCING_ON] = "on", [INSTANCING_OFF] = "off"};
+    add(&text, "--instances=%s", instancing_names[job->params.renderer.instancing]);
     add(&text, "--aov=0x%x", job->params.renderer.aovs);
     add(&text, "--adaptive=%s", goal->adaptive ? "on" : "off");
     if (goal->adaptive)

@@ -175,6 +175,8 @@ class Checkpoints(unittest.TestCase):
         self.reject('was made with --env-filter=bilinear, but this run has nearest',
                     '--env-filter', 'nearest')
         self.reject('scene of hash', '-D', 'film.exposure=1')
+        self.reject('scene of hash', '--ground', 'on')
+        self.reject('--instances', '--instances', 'on')
         self.reject('--aov', '--aov', 'albedo')
         self.reject('--adaptive', '--adaptive', 'on')
         self.reject('--frames', '--frames', '30')

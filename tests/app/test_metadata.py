@@ -19,10 +19,11 @@ SOME = {'width': '18', 'height': '13', 'exposure': '-1.5', 'tone': 'agx', 'spp':
 RENDERS = [
     {},
     {'roulette': 'frame', 'roulette_min_bounces': '0', 'roulette_max_bounces': '2', 'roulette_survival': '0.3',
-     'max_bounces': '5', 'nee_depth': '1', 'light_choice': 'uniform', 'mis': 'balance', 'sampler': 'pcg'},
+     'max_bounces': '5', 'nee_depth': '1', 'light_choice': 'uniform', 'mis': 'balance', 'sampler': 'pcg',
+     'film_accumulation': 'running', 'normals': 'ndf', 'pixel_sampling': 'stratified', 'pixel_strata': '2'},
     {'directions': 'power-cosine', 'direction_exponent': '2.5', 'filter': 'gaussian', 'filter_radius': '2.25',
      'clamp': '0.1', 'sampler': 'stratified', 'halves': 'contiguous', 'roulette': 'constant', 'roulette_survival': '0.55',
-     'roulette_min_bounces': '1'},
+     'roulette_min_bounces': '1', 'mis_exponent': '3', 'min_density': '0.01', 'radiance_scaling': 'off'},
     {'integrator': 'ao', 'ao_distance': '0.3', 'pixel_jitter': 'off', 'nee': 'off',
      'environment_filter': 'nearest', 'sampler': 'lcg'},
 ]
@@ -65,6 +66,7 @@ class Metadata(unittest.TestCase):
             self.assertEqual(again, image_hash, settings)
             hashes.add(image_hash)
         self.assertEqual(len(hashes), len(RENDERS))
+        self.assertEqual(set(TABLE) - set().union(SOME, *RENDERS), set())
 
 
 if __name__ == '__main__':

@@ -36,9 +36,12 @@ def pages():
 
 
 def command_lines(text):
-    """Lines of code blocks that call the program, without their comments."""
+    """Lines of code blocks that call the program, without their comments, and cells of tables whose
+    header is "command"."""
     text = text.replace('\\\n', ' ')
     lines = re.findall(r'^(?:    )?(lampyris .*)$', text, re.MULTILINE)
+    for table in re.findall(r'^\|.*\| command \|.*\n(?:\|.*\n)+', text, re.MULTILINE):
+        lines += [line.replace('\\|', '|') for line in re.findall(r'`(lampyris [^`]*)`', table)]
     return [re.sub(r'\s+#\s.*$', '', line) for line in lines]
 
 
@@ -150,6 +153,24 @@ class Commands(unittest.TestCase):
 
     def test_docs(self):
         self.assertGreater(sum(self.run_lines(page) for page in pages() if page != 'README.md'), 20)
+
+
+class Experiments(unittest.TestCase):
+    """The commands of docs/experiments.md as they stand there; Commands has them in small."""
+
+    def test_all_run(self):
+        need_device(LAMPYRIS)
+        lines = command_lines(read('docs/experiments.md'))
+        self.assertGreater(len(lines), 15)
+        with tempfile.TemporaryDirectory() as folder:
+            for name in ('scenes', 'docs'):
+                os.symlink(os.path.join(ROOT, name), os.path.join(folder, name))
+            path = os.path.dirname(LAMPYRIS) + ':/usr/bin:/bin'
+            for line in lines:
+                result = subprocess.run(['sh', '-c', line], cwd=folder, timeout=1200, text=True,
+                                        env={**os.environ, 'HOME': folder, 'PATH': path},
+                                        stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+                self.assertEqual(result.returncode, 0, f'{line}\n{result.stderr}')
 
 
 class Pages(unittest.TestCase):

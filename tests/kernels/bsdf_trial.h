@@ -30,7 +30,7 @@ struct trial {
         resolution; // of directions, in units of the narrowest lobe; above 1/2 it is not resolved
     double weight_error;               // worst |weight - f / pdf| / weight
     double reference_error;            // worst of value and density against the reference, relative
-    uint32_t ill_conditioned;          // left out of that: see trial.c
+    uint32_t ill_conditioned;          // left out of that: see bsdf_trial.c
     double delta_error;                // worst of the deltas' directions and weights
     double albedo[3], albedo_error[3]; // energy: refracted radiance is scaled back by eta^2
     uint32_t bad;                      // non-finite, negative, or accepted with density 0

@@ -291,6 +291,8 @@ static bool add_ground(struct scene *scene, const struct scene_axes *axes, struc
         plane->axes[1][i] = axes->right[i];
     }
     scene->has_ground = true;
+    scene->hash = hash_bytes(scene->hash, plane->center, sizeof plane->center);
+    scene->hash = hash_bytes(scene->hash, plane->normal, sizeof plane->normal);
     return true;
 }
 
