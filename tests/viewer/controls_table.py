@@ -89,7 +89,9 @@ RENDERER = [
     ('renderer.filter_radius', '2'),
     *each('renderer.sampler', 'sobol', ['pcg', 'lcg', 'stratified', 'grid', 'blue-noise', 'sine']),
     ('renderer.halves', 'contiguous'),
-    ('renderer.film_accumulation', 'running'),
+    # A half of a single sample is the same as a sum and as a mean; tests of the film tell them apart.
+    ('renderer.film_accumulation', 'running', 'none', None),
+    ('renderer.film_accumulation', 'compensated', 'none', None),
     ('renderer.wave', '1024'),
     ('renderer.workgroup', '32'),
     ('renderer.features', 'all'),
