@@ -80,6 +80,8 @@ RENDERER = [
     ('renderer.nee', 'off'),
     ('renderer.nee_depth', '1'),
     *each('renderer.mis', 'power', ['balance', 'none']),
+    ('renderer.mis_exponent', '1'),
+    ('renderer.min_density', '0.05'),
     ('renderer.pixel_jitter', 'off'),
     *each('renderer.pixel_sampling', 'sampler', ['centre', 'random', 'stratified']),
     ('renderer.pixel_sampling', 'grid', 'result', None),
