@@ -112,6 +112,19 @@ static void find_unphysical(const struct job *job, struct biases *biases)
     }
 }
 
+// Only what refracts scales radiance.
+static void find_unscaled(const struct job *job, struct biases *biases)
+{
+    const struct specialization *s = &job->renderer.specialization;
+    if (s->radiance_scaling || !(s->features & FEATURE_MEDIA) ||
+        !(s->lobes & (LOBE_TRANSMISSION | LOBE_DIELECTRIC)))
+        return;
+    struct job_bias *bias = next_bias(biases, "radiance-scaling");
+    snprintf(bias->text, sizeof bias->text,
+             "refraction leaves radiance as it is: inside of a medium of index n it is 1 / n^2 of "
+             "what it should be, and lamps in there are n^2 times as bright from outside");
+}
+
 // A centre and the points of a grid are the same for all samples, and for both half-buffers.
 static void find_fixed_places(const struct job *job, struct biases *biases)
 {
@@ -161,6 +174,7 @@ uint32_t job_list_biases(const struct job *job, struct job_bias list[JOB_MAX_BIA
     }
     find_clamped(job, &biases);
     find_unphysical(job, &biases);
+    find_unscaled(job, &biases);
     find_fixed_places(job, &biases);
     find_arithmetic(job, &biases);
     return biases.count;

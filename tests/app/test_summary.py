@@ -111,8 +111,13 @@ class Summary(Base):
                                 max(ms for name, ms in times.items() if name not in named))
 
     def test_what_no_sample_mends_is_listed(self):
-        def kinds(*settings):
-            return [bias['kind'] for bias in json.loads(self.render(scene('edges'), *settings, '--json'))['bias']]
+        def kinds(*settings, name='edges'):
+            return [bias['kind'] for bias in json.loads(self.render(scene(name), *settings, '--json'))['bias']]
+
+        # Only what refracts scales radiance.
+        self.assertEqual(kinds('--radiance-scaling', 'off'), [])
+        self.assertEqual(kinds('--size', '8x8', name='glass'), [])
+        self.assertEqual(kinds('--size', '8x8', '--radiance-scaling', 'off', name='glass'), ['radiance-scaling'])
 
         for settings, expected in (
                 ((), []), (('--pixel-sampling', 'random'), []), (('--pixel-sampling', 'stratified'), []),
