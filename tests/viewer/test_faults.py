@@ -92,9 +92,9 @@ class Faults(Case):
         shutil.copy(name, self.path('whole.comp'))
         with open(name, encoding='utf-8') as file:
             whole = file.read()
-        self.assertIn('add(halves[0], radiance.rgb)', whole)
-        self.write('other.comp', whole.replace('add(halves[0], radiance.rgb)',
-                                               'add(halves[0], 2.0 * radiance.rgb)'))
+        self.assertIn('accumulate(halves[0], radiance.rgb,', whole)
+        self.write('other.comp', whole.replace('accumulate(halves[0], radiance.rgb,',
+                                               'accumulate(halves[0], 2.0 * radiance.rgb,'))
         reload = 'key F5\nwait 5 frames\nwait idle\nexpect message.kind == note\n'
         result = self.view(
             'wait 2 samples\nhash hash.jsonl\n'
