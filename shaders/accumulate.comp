@@ -52,6 +52,18 @@ void accumulate(inout compensated c, vec3 value, uint count)
     }
 }
 
+// A word of the records of a sample's slots: their sum, in ascending order.
+vec4 load_sample(uint sample_of_wave, uint word)
+{
+    uint slot = first_slot(sample_of_wave);
+    precise vec4 sum = load_radiance_float(slot * SLOT_WORDS + word);
+    if (HAS(FEATURE_SPLIT_LOBES)) {
+        for (uint branch = 1u; branch < slots_a_sample(); branch++)
+            sum += load_radiance_float((slot + branch) * SLOT_WORDS + word);
+    }
+    return sum;
+}
+
 // The AOVs of an item's samples, four floats after the other. `at`: of the pixel's record.
 void add_aovs(uint item, uint at)
 {
@@ -59,10 +71,8 @@ void add_aovs(uint item, uint at)
     for (uint word = 0u; word < SUM_WORDS; word++) {
         vec4 sum = uintBitsToFloat(film_words[at + FILM_WORDS + word]);
         vec4 lost = uintBitsToFloat(film_words[at + FILM_WORDS + SUM_WORDS + word]);
-        for (uint i = 0u; i < samples; i++) {
-            uint slot = (item << push.sample_shift) + i;
-            add(sum, lost, load_radiance_float(slot * SLOT_WORDS + 1u + word));
-        }
+        for (uint i = 0u; i < samples; i++)
+            add(sum, lost, load_sample((item << push.sample_shift) + i, 1u + word));
         film_words[at + FILM_WORDS + word] = floatBitsToUint(sum);
         film_words[at + FILM_WORDS + SUM_WORDS + word] = floatBitsToUint(lost);
     }
@@ -88,12 +98,13 @@ void main()
     uint count_a = has_means ? max(words[2].w, 1u) - 1u : 0u;
     uint count_b = words[0].w - count_a;
     for (uint i = 0u; i < samples; i++) {
-        vec4 radiance = load_radiance_float(((item << push.sample_shift) + i) * SLOT_WORDS);
+        vec4 radiance = load_sample((item << push.sample_shift) + i, 0u);
         if (half_of_sample(first_sample + i) == 0u)
             accumulate(halves[0], radiance.rgb, ++count_a);
         else
             accumulate(halves[1], radiance.rgb, ++count_b);
-        words[1].w += uint(radiance.w);
+        // Samples are counted, not their branches.
+        words[1].w += HAS(FEATURE_SPLIT_LOBES) ? min(uint(radiance.w), 1u) : uint(radiance.w);
     }
 
     if (HAS_AOV(AOVS_SUMMED))
@@ -101,7 +112,7 @@ void main()
     // The ids are those of the first sample that the pixel gets.
     if (HAS_AOV(AOV_IDS) && words[0].w == 0u)
         film_words[at + PIXEL_WORDS - 1u] =
-            load_radiance(((item << push.sample_shift) + 1u) * SLOT_WORDS - 1u);
+            load_radiance((first_slot(item << push.sample_shift) + 1u) * SLOT_WORDS - 1u);
     film_words[at] = uvec4(floatBitsToUint(halves[0].sum), words[0].w + samples);
     film_words[at + 1u] = uvec4(floatBitsToUint(halves[0].lost), words[1].w);
     film_words[at + 2u] = uvec4(floatBitsToUint(halves[1].sum), has_means ? count_a + 1u : 0u);

@@ -1,5 +1,5 @@
-// One thread starts one path: the slot's pixel and sample give the camera ray. Fills the queue of
-// rays with all slots of the wave.
+// One thread starts one path: its sample and pixel give the camera ray. Fills the queue of rays with
+// the first slot of each sample.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -12,13 +12,14 @@
 
 void main()
 {
-    uint slot = item_index();
+    uint item = item_index();
     uint count = push.pixel_count << push.sample_shift;
-    if (slot >= min(count, push.first_item + push.part_items))
+    if (item >= min(count, push.first_item + push.part_items))
         return;
-    if (slot == 0u)
+    if (item == 0u)
         counters.queue[QUEUE_RAYS] = count;
 
+    uint slot = first_slot(item);
     uint pixel = slot_pixel(slot);
     vec4 u = vec4(0.0);
     bool is_apart = PIXEL_SAMPLING != PIXEL_SAMPLING_SAMPLER;
@@ -36,7 +37,7 @@ void main()
     uint media = HAS(FEATURE_MEDIA) ? camera_media() : 0u;
     store_path(slot, PATH_THROUGHPUT, uvec4(floatBitsToUint(vec3(1.0)), media));
     store_path_start_instance(slot, NO_INSTANCE);
-    for (uint i = 0u; i < SLOT_WORDS; i++)
+    for (uint i = 0u; i < SLOT_WORDS * slots_a_sample(); i++)
         radiance_words[slot * SLOT_WORDS + i] = uvec4(0u);
-    queue_slots[queue_index(QUEUE_RAYS, slot)] = slot;
+    queue_slots[queue_index(QUEUE_RAYS, item)] = slot;
 }

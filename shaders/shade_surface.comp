@@ -1,6 +1,6 @@
 // One thread works on one surface hit: adds what the surface emits, connects it to an emitter (the
-// queue of shadow rays) and scatters the path (the queue of rays of the next bounce). Reads the
-// queue of surface hits, of all of them or of one class.
+// queue of shadow rays) and scatters the path, or both branches of one that splits (the queue of
+// rays of the next bounce). Reads the queue of surface hits, of all of them or of one class.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -10,9 +10,9 @@
 #include "lib/emission.glsl"
 #include "lib/interface.glsl"
 #include "lib/queue.glsl"
-#include "lib/roulette.glsl"
 #include "lib/sampler.glsl"
 #include "lib/scatter.glsl"
+#include "lib/split.glsl"
 #include "lib/texture.glsl"
 
 void main()
@@ -22,6 +22,8 @@ void main()
     uint slot = valid ? queue_slot(push.queue, item) : 0u;
     bool shadow = false;
     bool scattered = false;
+    uint branch = 0u;
+    bool branched = false;
 
     if (valid) {
         vertex v;
@@ -71,28 +73,21 @@ void main()
                     shadow = connect_light(v, vec4(u_light.xyz, u_extra.x));
             }
 
-            ray_onwards next = scatter(v, ray.xyz, passes, stack, u_bsdf, u_extra.z);
-            if (!is_finite(v.throughput)) {
-                report_nonfinite(slot, SITE_THROUGHPUT);
-                next.valid = false;
+            if (CAN_SPLIT) {
+                if (splits_lobes(v.m) && !passes) {
+                    branch = branch_slot(slot);
+                    branched = go_on_specular(v, branch, ray.xyz, stack);
+                    v.m = part_of(v.m, MATERIAL_DIFFUSE_PART);
+                }
             }
-            float scale = 1.0;
-            if (HAS(FEATURE_MEDIA) && HAS(FEATURE_ROULETTE))
-                scale = roulette_scale(load_medium(media_current(next.media)).ior);
-            scattered = next.valid && any(greaterThan(v.throughput, vec3(0.0))) &&
-                        survives_roulette(slot, v.throughput, scale, u_light.w);
-            if (scattered) {
-                vec3 from = offset_origin(v.s.position, v.s.error, v.s.normal_geometric,
-                                          next.direction);
-                store_path(slot, PATH_ORIGIN, uvec4(floatBitsToUint(from), v.primitive));
-                store_path(slot, PATH_DIRECTION, floatBitsToUint(vec4(next.direction, next.pdf)));
-                store_path(slot, PATH_THROUGHPUT, uvec4(floatBitsToUint(v.throughput), next.media));
-                store_path_start_instance(slot, v.instance);
-            }
+            scattered = go_on(v, ray.xyz, passes, stack, u_bsdf, u_extra.z, u_light.w);
         }
     }
 
     if (HAS(FEATURE_NEE))
         queue_push(QUEUE_SHADOW, slot, shadow);
-    queue_push(QUEUE_RAYS + ((push.bounce + 1u) & 1u), slot, scattered);
+    uint next_rays = QUEUE_RAYS + ((push.bounce + 1u) & 1u);
+    queue_push(next_rays, slot, scattered);
+    if (CAN_SPLIT)
+        queue_push(next_rays, branch, branched);
 }

@@ -28,6 +28,16 @@ classical_parts classical_choose(vec3 diffuse, vec3 specular, float albedo_diffu
     return classical_parts(diffuse, specular, p);
 }
 
+// Of the part that the material is asked for.
+classical_parts classical_part(material m, classical_parts parts)
+{
+    if (is_part(m, MATERIAL_DIFFUSE_PART))
+        return classical_parts(parts.diffuse, vec3(0.0), 0.0);
+    if (is_part(m, MATERIAL_SPECULAR_PART))
+        return classical_parts(vec3(0.0), parts.specular, 1.0);
+    return parts;
+}
+
 vec3 classical_specular_color(material m)
 {
     return min(material_specular_color(m), vec3(1.0));
@@ -39,7 +49,8 @@ classical_parts phong_parts(material m)
 {
     vec3 specular = classical_specular_color(m);
     vec3 diffuse = min(material_base_color(m), 1.0 - specular);
-    return classical_choose(diffuse, specular, sum_of(diffuse), sum_of(specular));
+    return classical_part(m, classical_choose(diffuse, specular, sum_of(diffuse),
+                                              sum_of(specular)));
 }
 
 // Adds the base to a highlight of BSDF * wi.z = f and density pdf; the base's light passes
@@ -180,10 +191,12 @@ classical_parts microfacet_parts(material m, vec3 wo, float eta)
     if (is_uncoupled(m)) {
         diffuse = material_base_color(m);
         vec3 middle = microfacet_fresnel(m, sqrt(0.5 + 0.5 * wo.z), eta);
-        return classical_choose(diffuse, reflected, sum_of(diffuse * (1.0 - middle)),
-                                sum_of(reflected));
+        return classical_part(m, classical_choose(diffuse, reflected,
+                                                  sum_of(diffuse * (1.0 - middle)),
+                                                  sum_of(reflected)));
     }
-    return classical_choose(diffuse, reflected, sum_of(diffuse), sum_of(reflected));
+    return classical_part(m, classical_choose(diffuse, reflected, sum_of(diffuse),
+                                              sum_of(reflected)));
 }
 
 float microfacet_d(material m, vec3 h, float alpha)
@@ -283,7 +296,8 @@ vec3 eval_microfacet(material m, vec3 wo, vec3 wi, float eta, out float pdf)
     vec3 f = vec3(0.0);
     float alpha = dielectric_alpha(m);
     vec4 h = reflection_half_vector(wo, wi);
-    if (HAS_LOBE(LOBE_ROUGH) && !is_delta(alpha) && h.w > 0.0) {
+    bool has_highlight = !is_part(m, MATERIAL_DIFFUSE_PART);
+    if (HAS_LOBE(LOBE_ROUGH) && !is_delta(alpha) && h.w > 0.0 && has_highlight) {
         float d = microfacet_d(m, h.xyz, alpha);
         pdf = pdf_ggx_reflection(wo, h.xyz, vec2(alpha));
         if (NORMALS == NORMALS_NDF)

@@ -35,6 +35,20 @@ struct bsdf_sample {
 //     BSDF * |wi.z| of all that is not a delta, and the density with which sample_MODEL draws wi
 // and the weight of a sample that is no delta is eval / pdf for the same wi.
 
+// Whether only the diffuse or only the specular part of the material's lobes is asked for
+// (MATERIAL_DIFFUSE_PART, _SPECULAR_PART). The parts' BSDFs have the material's as their sum, and
+// each has a density of its own; what belongs to which part: lib/split.glsl.
+bool is_part(material m, uint part)
+{
+    return HAS(FEATURE_SPLIT_LOBES) && material_has(m, part);
+}
+
+material part_of(material m, uint part)
+{
+    m.model_flags |= part;
+    return m;
+}
+
 bsdf_sample bsdf_absorbed()
 {
     return bsdf_sample(vec3(0.0, 0.0, 1.0), vec3(0.0), 0.0, false, false, false);

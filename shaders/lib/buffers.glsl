@@ -102,15 +102,41 @@ uint item_first_sample(uint item)
     return HAS(FEATURE_TILES) ? listed(1u, item) : push.first_sample;
 }
 
+// A sample has one slot, or with FEATURE_SPLIT_LOBES one for each branch of its path, side by side.
+uint slots_a_sample()
+{
+    return HAS(FEATURE_SPLIT_LOBES) ? 1u << frame.split_lobes : 1u;
+}
+
+uint first_slot(uint sample_of_wave)
+{
+    return HAS(FEATURE_SPLIT_LOBES) ? sample_of_wave << frame.split_lobes : sample_of_wave;
+}
+
+uint sample_of_slot(uint slot)
+{
+    return HAS(FEATURE_SPLIT_LOBES) ? slot >> frame.split_lobes : slot;
+}
+
+// What sets a branch's random numbers apart from those of its sample's others: multiples of 2^32
+// over the golden ratio, which stay far from each other (Knuth 1973, section 6.4).
+uint slot_stream(uint slot)
+{
+    if (!HAS(FEATURE_SPLIT_LOBES))
+        return 0u;
+    return (slot & (slots_a_sample() - 1u)) * 0x9e3779b9u;
+}
+
 // The image pixel and the sample number that a slot of this wave works on.
 uint slot_pixel(uint slot)
 {
-    return item_pixel(slot >> push.sample_shift);
+    return item_pixel(sample_of_slot(slot) >> push.sample_shift);
 }
 
 uint slot_sample(uint slot)
 {
-    return item_first_sample(slot >> push.sample_shift) + (slot & ((1u << push.sample_shift) - 1u));
+    uint item = sample_of_slot(slot);
+    return item_first_sample(item >> push.sample_shift) + (item & ((1u << push.sample_shift) - 1u));
 }
 
 // A slot's record of the radiance's buffer: the radiance, then AOVs.

@@ -6,7 +6,32 @@
 #include "lib/light.glsl"
 #include "lib/ray_offset.glsl"
 #include "lib/sampler.glsl"
+#include "lib/split.glsl"
 #include "lib/vertex.glsl"
+
+// The BSDF of material m times the cosine, and the weight of a shadow ray there against the rays
+// that m scatters.
+vec3 eval_connection(vertex v, material m, vec3 local, light_sample l, out float weight)
+{
+    float pdf;
+    vec3 f = eval_bsdf(m, v.wo, local, v.eta, pdf);
+    pdf = pdf_onwards(m, v.wo, local, v.eta, pdf);
+    if (HAS(FEATURE_MIN_DENSITY) && pdf < frame.min_density)
+        pdf = 0.0; // no path goes on there
+    weight = 1.0;
+    if (HAS(FEATURE_BSDF_HITS_EMITTERS) && !l.delta)
+        weight = mis_weight(l.pdf, pdf);
+    return f;
+}
+
+// Where the path splits: both parts, each weighted against the branch that has it.
+vec3 eval_split_connection(vertex v, vec3 local, light_sample l)
+{
+    float weight_d, weight_s;
+    vec3 d = eval_connection(v, part_of(v.m, MATERIAL_DIFFUSE_PART), local, l, weight_d);
+    vec3 s = eval_connection(v, part_of(v.m, MATERIAL_SPECULAR_PART), local, l, weight_s);
+    return d * weight_d + s * weight_s;
+}
 
 // Writes the shadow ray number `ray` to a sampled point of an emitter; false when there is nothing
 // to connect.
@@ -18,14 +43,16 @@ bool connect_sample(vertex v, vec3 origin, uint ray, light_sample l)
     if (!(l.pdf > 0.0) || !sides_agree(v, wi, local))
         return false;
 
-    float pdf;
-    vec3 f = eval_bsdf(v.m, v.wo, local, v.eta, pdf);
-    pdf = pdf_onwards(v.m, v.wo, local, v.eta, pdf);
-    if (HAS(FEATURE_MIN_DENSITY) && pdf < frame.min_density)
-        pdf = 0.0; // no path goes on there
     float weight = 1.0;
-    if (HAS(FEATURE_BSDF_HITS_EMITTERS) && !l.delta)
-        weight = mis_weight(l.pdf, pdf);
+    vec3 f;
+    bool splits = false;
+    if (CAN_SPLIT) {
+        splits = splits_lobes(v.m);
+        if (splits)
+            f = eval_split_connection(v, local, l);
+    }
+    if (!splits)
+        f = eval_connection(v, v.m, local, l, weight);
     vec3 radiance = v.throughput * f * l.radiance * (weight / l.pdf);
     if (HAS(FEATURE_MEDIA))
         radiance *= transmittance(load_medium(medium_towards(v, wi)), light_distance(l));

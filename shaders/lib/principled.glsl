@@ -464,6 +464,26 @@ void prepare_diffuse(inout precise principled p, material m, float mu)
     p.p_through = p.base_layer * p.diffuse_transmission * mean_channel(p.below * rest);
 }
 
+// Leaves the lobes of the part that the material is asked for. As in perfectly specular ones, there
+// is nothing to evaluate in the specular lobes of the diffuse part.
+void prepare_part(inout precise principled p, material m)
+{
+    if (is_part(m, MATERIAL_DIFFUSE_PART)) {
+        p.is_delta = true;
+        p.coat_delta = true;
+        p.tries_again = false;
+        p.p_base = 0.0;
+        p.p_coat = 0.0;
+    }
+    if (is_part(m, MATERIAL_SPECULAR_PART)) {
+        p.below = vec3(0.0);
+        p.fibre_color = vec3(0.0);
+        p.p_diffuse = 0.0;
+        p.p_through = 0.0;
+        p.p_fibre = 0.0;
+    }
+}
+
 principled principled_prepare(material m, vec3 wo, float eta)
 {
     precise principled p;
@@ -522,6 +542,7 @@ principled principled_prepare(material m, vec3 wo, float eta)
     p.p_base = p.base_layer * mean_channel(albedo);
     p.below = (1.0 - p.metallic - p.transmission) * (1.0 - principled_whitened(p, dielectric));
     prepare_diffuse(p, m, wo.z);
+    prepare_part(p, m);
 
     float sum = p.p_fibre + p.p_coat + p.p_base + p.p_diffuse + p.p_through;
     float scale = sum > 0.0 ? 1.0 / sum : 0.0;

@@ -253,7 +253,7 @@ vec4 pixel_uniforms(uint pixel, uint sample_index, uint dimension)
 // dimension number will do. Components x and y, and z and w, are stratified together.
 vec4 uniforms(uint slot, uint dimension)
 {
-    return pixel_uniforms(slot_pixel(slot), slot_sample(slot), dimension);
+    return pixel_uniforms(slot_pixel(slot), slot_sample(slot), dimension + slot_stream(slot));
 }
 
 #endif

@@ -1,8 +1,10 @@
-// How a path goes on from a vertex.
+// How a path goes on from a vertex. Writes the path's record.
 #ifndef SCATTER_GLSL
 #define SCATTER_GLSL
 
 #include "lib/directions.glsl"
+#include "lib/ray_offset.glsl"
+#include "lib/roulette.glsl"
 #include "lib/vertex.glsl"
 
 struct ray_onwards {
@@ -32,6 +34,32 @@ ray_onwards scatter(inout vertex v, vec3 direction, bool passes, uint stack, vec
         r.valid = false;
     }
     return r;
+}
+
+// Takes the path on in the slot v.slot; false where it ends. `stack`: of media, as it comes here;
+// u_roulette: whether it survives.
+bool go_on(vertex v, vec3 direction, bool passes, uint stack, vec4 u, float u_part,
+           float u_roulette)
+{
+    ray_onwards next = scatter(v, direction, passes, stack, u, u_part);
+    if (!is_finite(v.throughput)) {
+        report_nonfinite(v.slot, SITE_THROUGHPUT);
+        next.valid = false;
+    }
+    float scale = 1.0;
+    if (HAS(FEATURE_MEDIA) && HAS(FEATURE_ROULETTE))
+        scale = roulette_scale(load_medium(media_current(next.media)).ior);
+    bool goes_on = next.valid && any(greaterThan(v.throughput, vec3(0.0))) &&
+                   survives_roulette(v.slot, v.throughput, scale, u_roulette);
+    if (goes_on) {
+        vec3 from =
+            offset_origin(v.s.position, v.s.error, v.s.normal_geometric, next.direction);
+        store_path(v.slot, PATH_ORIGIN, uvec4(floatBitsToUint(from), v.primitive));
+        store_path(v.slot, PATH_DIRECTION, floatBitsToUint(vec4(next.direction, next.pdf)));
+        store_path(v.slot, PATH_THROUGHPUT, uvec4(floatBitsToUint(v.throughput), next.media));
+        store_path_start_instance(v.slot, v.instance);
+    }
+    return goes_on;
 }
 
 #endif

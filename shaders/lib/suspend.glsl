@@ -54,7 +54,8 @@ uvec4 ray_alpha(uint slot, bool is_shadow)
 {
     if (!HAS(FEATURE_ALPHA))
         return uvec4(0u);
-    return alpha_key(frame.seed, slot_pixel(slot), slot_sample(slot), push.bounce, is_shadow);
+    return alpha_key(frame.seed + slot_stream(slot), slot_pixel(slot), slot_sample(slot),
+                     push.bounce, is_shadow);
 }
 
 // Traces from the start, or from where a suspended ray was left; true when it is done. What is left

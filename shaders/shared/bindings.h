@@ -72,15 +72,16 @@
 // Features that a (scene, settings, device) needs. Kernels test these bits of one specialization
 // constant, so that code that is not needed is left out.
 #define FEATURE_TRIANGLES (1u << 0)
-#define FEATURE_FAR_CAMERA (1u << 1) // camera rays begin near the scene: frame.camera_start
-#define FEATURE_NORMALS (1u << 3)    // interpolated shading normals
-#define FEATURE_LENS (1u << 4)       // camera rays begin all over an aperture
-#define FEATURE_CLASSES (1u << 5)    // surface hits are sorted by class
-#define FEATURE_EMISSION (1u << 6)   // some surface emits
-#define FEATURE_CLAMP (1u << 7)      // contributions have a largest component
+#define FEATURE_FAR_CAMERA (1u << 1)  // camera rays begin near the scene: frame.camera_start
+#define FEATURE_SPLIT_LOBES (1u << 2) // paths split at their first vertices: lib/split.glsl
+#define FEATURE_NORMALS (1u << 3)     // interpolated shading normals
+#define FEATURE_LENS (1u << 4)        // camera rays begin all over an aperture
+#define FEATURE_CLASSES (1u << 5)     // surface hits are sorted by class
+#define FEATURE_EMISSION (1u << 6)    // some surface emits
+#define FEATURE_CLAMP (1u << 7)       // contributions have a largest component
 #define FEATURE_MIN_DENSITY (1u << 8) // paths end where their next direction is too unlikely
-#define FEATURE_NEE_DEPTH (1u << 9)  // by the first vertices of a path only
-#define FEATURE_NEE (1u << 10)       // shadow rays to emitters
+#define FEATURE_NEE_DEPTH (1u << 9)   // by the first vertices of a path only
+#define FEATURE_NEE (1u << 10)        // shadow rays to emitters
 #define FEATURE_BSDF_HITS_EMITTERS (1u << 11) // emitters found by BSDF sampling count too
 #define FEATURE_ENVIRONMENT (1u << 12)
 #define FEATURE_ENVIRONMENT_IMAGE (1u << 13)

@@ -52,6 +52,9 @@
 #define MATERIAL_UNCOUPLED (1u << 22)     // the base has 1 - F(wo.h) instead of both sides' 1 - F
 #define MATERIAL_MIXED_FRESNEL (1u << 23) // exact and Schlick's, by metallic, coloured
 #define MATERIAL_EXACT_COAT (1u << 24)    // the coat's Fresnel is that of index 1.5, not Schlick's
+// Kernels set these, to ask for a part of the lobes alone: see lib/split.glsl.
+#define MATERIAL_DIFFUSE_PART (1u << 30)
+#define MATERIAL_SPECULAR_PART (1u << 31)
 
 // Parameters in groups of four, so that one texture's RGBA scales one group. A parameter's number
 // is 4 * group + component; scene/core/scene_material.h documents ranges, units and defaults.
@@ -148,6 +151,9 @@
 #define LOBE_MIXED_FRESNEL (1u << 27)
 #define LOBE_EXACT_COAT (1u << 28)
 #define LOBE_END (1u << 29)
+// Models that have both diffuse and specular lobes.
+#define LOBES_OF_TWO_PARTS                                                                         \
+    (LOBE_PRINCIPLED | LOBE_PHONG | LOBE_BLINN_PHONG | LOBE_MICROFACET)
 // These lobes may send light through a surface.
 #define LOBES_THROUGH (LOBE_TRANSMISSION | LOBE_DIELECTRIC | LOBE_DIFFUSE_TRANSMISSION)
 

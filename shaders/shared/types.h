@@ -419,7 +419,8 @@ struct gpu_frame {
     uint pixel_strata;    // a side of a pixel, of PIXEL_SAMPLING_GRID and _STRATIFIED
     float mis_exponent;   // of MIS_POWER_ANY
     float min_density;    // of a direction, 1/sr, with FEATURE_MIN_DENSITY
-    uint align_frame, align_frame_1, align_frame_2;
+    uint split_lobes;     // vertices at which paths split, with FEATURE_SPLIT_LOBES
+    uint align_frame, align_frame_1;
 };
 SHARED_STATIC_ASSERT_SIZE(gpu_frame, 224);
 

@@ -369,11 +369,11 @@ static bool check_state(const struct checkpoint *c, const struct renderer *r, st
         ok = c->counts[i] > 0 && c->done[i] <= c->counts[i] * r->round_target;
     if (!ok)
         return err_set(err, ERR_INPUT, "%s: holds a state that no render can be in", c->path);
-    return r->pass.position == 0 || 1u << r->pass.shift <= r->plan.wave_slots ||
+    return r->pass.position == 0 || 1u << r->pass.shift <= r->plan.wave_samples ||
            err_set(err, ERR_INPUT,
                    "%s: ended amid waves of %u samples a pixel, which waves of %u paths do not "
                    "hold; expected a larger --wave",
-                   c->path, 1u << r->pass.shift, r->plan.wave_slots);
+                   c->path, 1u << r->pass.shift, r->plan.wave_samples);
 }
 
 bool checkpoint_restore(struct checkpoint *c, struct renderer *r, struct err *err)

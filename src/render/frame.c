@@ -120,6 +120,7 @@ void frame_fill(struct renderer *r)
         .nee_depth = settings->nee_depth,
         .mis_exponent = settings->mis_exponent,
         .min_density = settings->min_density,
+        .split_lobes = r->specialization.split_lobes,
         .clamp_limit = settings->clamp_limit > 0.0f ? settings->clamp_limit : FLT_MAX,
         .roulette_min_bounces = settings->roulette_min_bounces,
         .roulette_max_bounces = settings->roulette_max_bounces,

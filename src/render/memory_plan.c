@@ -132,7 +132,8 @@ static uint64_t least(uint64_t a, uint64_t b)
     return a < b ? a : b;
 }
 
-// The greatest wave whose buffers keep within the limits, as a multiple of the workgroup.
+// The greatest wave whose buffers keep within the limits, as a multiple of the workgroup and of a
+// sample's slots.
 static uint32_t fit_wave(const struct memory_plan_params *p)
 {
     const struct specialization *s = p->specialization;
@@ -148,10 +149,13 @@ static uint32_t fit_wave(const struct memory_plan_params *p)
         if (as_texels && (s->features & FEATURE_TEXEL_STATE))
             slots = least(slots, gpu->max_texel_elements * 16 / bytes_a_slot(s, b));
     }
-    slots = slots / s->workgroup * s->workgroup;
-    if (slots < s->workgroup)
-        slots = s->workgroup;
-    if (p->wave && !p->wave_is_wish && slots < wanted / s->workgroup * s->workgroup)
+    // Both are powers of two.
+    uint64_t sample = UINT64_C(1) << s->split_lobes;
+    uint64_t unit = sample > s->workgroup ? sample : s->workgroup;
+    slots = slots / unit * unit;
+    if (slots < unit)
+        slots = unit;
+    if (p->wave && !p->wave_is_wish && slots < wanted / unit * unit)
         log_warn("wave of %" PRIu64 " paths lowered to %" PRIu64
                  ": the device's buffers hold %" PRIu64 " bytes, its texel buffers %" PRIu64
                  " elements",
@@ -328,6 +332,7 @@ static bool make(const struct memory_plan_params *p, struct memory_plan *out, st
     if (!check_light_rays(p, err) || !check_pending_rays(p->specialization, err))
         return false;
     out->wave_slots = fit_wave(p);
+    out->wave_samples = out->wave_slots >> p->specialization->split_lobes;
     out->part_bytes = part_bytes(gpu);
     out->part_shift = out->part_bytes ? 59u - (uint32_t)__builtin_clzll(out->part_bytes) : 31u;
 

@@ -17,6 +17,7 @@ struct planned_buffer {
 struct memory_plan {
     struct planned_buffer buffers[BINDING_COUNT];
     uint32_t wave_slots;        // paths in flight, a multiple of the workgroup size
+    uint32_t wave_samples;      // that these paths are of: as many, but where paths split
     uint32_t part_items;        // items of a queue that one dispatch takes at most
     uint64_t film_chunk_pixels; // pixels a film buffer holds
     uint32_t film_chunks;

@@ -73,6 +73,7 @@ static const char *feature_reason(const struct renderer *r, uint32_t bit)
         {FEATURE_EMISSION, "no surface emits"},
         {FEATURE_CLAMP, "nothing is clamped (--clamp)"},
         {FEATURE_MIN_DENSITY, "paths may go on in any direction (--min-density)"},
+        {FEATURE_SPLIT_LOBES, "paths do not split (--split-lobes)"},
         {FEATURE_BSDF_HITS_EMITTERS, "--mis none"},
         {FEATURE_ENVIRONMENT, "nothing surrounds the scene"},
         {FEATURE_ENVIRONMENT_IMAGE, "no image surrounds the scene"},
@@ -90,11 +91,12 @@ static const char *feature_reason(const struct renderer *r, uint32_t bit)
         {FEATURE_TILES, "--adaptive off"},
     };
     const char *integrator = integrator_reason(r);
-    const uint32_t of_materials =
-        FEATURE_TEXTURES | FEATURE_TEXELS_FLOAT | FEATURE_TEXELS_HALF | FEATURE_UV0 | FEATURE_UV1 |
-        FEATURE_TANGENTS | FEATURE_COLORS | FEATURE_ALPHA | FEATURE_MEDIA | FEATURE_NORMAL_MAPS |
-        FEATURE_EMISSION | FEATURE_CLASSES | FEATURE_ROULETTE | FEATURE_NEE_DEPTH |
-        FEATURE_MIN_DENSITY | FEATURE_BSDF_HITS_EMITTERS | FEATURE_ENVIRONMENT_IMAGE;
+    const uint32_t of_materials = FEATURE_TEXTURES | FEATURE_TEXELS_FLOAT | FEATURE_TEXELS_HALF |
+                                  FEATURE_UV0 | FEATURE_UV1 | FEATURE_TANGENTS | FEATURE_COLORS |
+                                  FEATURE_ALPHA | FEATURE_MEDIA | FEATURE_NORMAL_MAPS |
+                                  FEATURE_EMISSION | FEATURE_CLASSES | FEATURE_ROULETTE |
+                                  FEATURE_NEE_DEPTH | FEATURE_MIN_DENSITY | FEATURE_SPLIT_LOBES |
+                                  FEATURE_BSDF_HITS_EMITTERS | FEATURE_ENVIRONMENT_IMAGE;
     if (integrator && (bit & of_materials))
         return integrator;
     switch (bit) {

@@ -131,6 +131,16 @@ static bool check_workgroup(const struct gpu *gpu, uint32_t workgroup, struct er
                    workgroup, gpu->max_invocations);
 }
 
+static bool check_split(const struct settings *settings, struct err *err)
+{
+    if (settings->split_lobes == 0 || settings->directions == DIRECTIONS_BSDF)
+        return true;
+    return err_set(err, ERR_INPUT,
+                   "split_lobes is %u, but the directions \"%s\" are of no lobe: expected "
+                   "--directions bsdf, or --split-lobes 0",
+                   settings->split_lobes, directions_names[settings->directions]);
+}
+
 // What there is to trace rays through, from whoever shares it or made here. That it is shared takes
 // no time of this renderer's.
 static bool get_geometry(const struct renderer_params *params, struct renderer *r, struct err *err)
@@ -202,7 +212,8 @@ bool renderer_prepare(const struct renderer_params *params, struct renderer *r, 
         .kernel_set = params->kernels,
         .progress = params->progress,
     };
-    if (!check_workgroup(r->gpu, params->workgroup, err) || !get_geometry(params, r, err))
+    if (!check_workgroup(r->gpu, params->workgroup, err) || !check_split(settings, err) ||
+        !get_geometry(params, r, err))
         goto fail;
 
     uint64_t start = clock_ns();
@@ -301,7 +312,7 @@ static bool fill_wave(struct renderer *r, struct wave *wave, struct err *err)
     wave->film_chunk = (uint32_t)(pixel / r->plan.film_chunk_pixels);
     uint64_t chunk_end = (wave->film_chunk + 1) * r->plan.film_chunk_pixels;
     uint64_t count = (chunk_end < pixels ? chunk_end : pixels) - pixel;
-    uint64_t fits = r->plan.wave_slots >> r->pass.shift;
+    uint64_t fits = r->plan.wave_samples >> r->pass.shift;
     wave->first_pixel = pixel;
     wave->pixel_count = (uint32_t)(count < fits ? count : fits);
     return true;
@@ -374,7 +385,7 @@ static uint64_t picture_pixels(const struct renderer *r)
 // where not even that fits.
 static uint32_t fitting_shift(const struct renderer *r)
 {
-    uint64_t samples = r->plan.wave_slots / picture_pixels(r);
+    uint64_t samples = r->plan.wave_samples / picture_pixels(r);
     uint32_t shift = samples ? 63u - (uint32_t)__builtin_clzll(samples) : 0;
     return shift < MAX_SAMPLE_SHIFT ? shift : MAX_SAMPLE_SHIFT;
 }
@@ -391,7 +402,7 @@ static uint32_t largest_shift(const struct renderer *r)
 static uint32_t choose_shift(const struct renderer *r, uint64_t samples_left)
 {
     uint32_t shift = renderer_has_all_pixels(r) ? largest_shift(r) : fitting_shift(r);
-    while (UINT64_C(1) << shift > samples_left || 1u << shift > r->plan.wave_slots)
+    while (UINT64_C(1) << shift > samples_left || 1u << shift > r->plan.wave_samples)
         shift--;
     return shift;
 }

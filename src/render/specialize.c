@@ -249,6 +249,17 @@ static uint32_t neutral_features(const struct settings *settings)
     return features;
 }
 
+// The first vertices at which paths split.
+static uint32_t split_vertices(const struct settings *settings, uint32_t lobes)
+{
+    uint32_t most = settings->integrator == INTEGRATOR_DIRECT ? 1u : settings->max_bounces;
+    bool samples_lobes =
+        settings->integrator == INTEGRATOR_PATH || settings->integrator == INTEGRATOR_DIRECT;
+    if (!samples_lobes || !(lobes & LOBES_OF_TWO_PARTS))
+        return 0;
+    return settings->split_lobes < most ? settings->split_lobes : most;
+}
+
 static bool has_surfaces(const struct specialization *s)
 {
     return (s->features & FEATURE_TRIANGLES) || s->geometry;
@@ -279,7 +290,7 @@ static void specialize_ao(struct specialization *s)
 static void specialize_whitted(struct specialization *s, const struct settings *settings)
 {
     s->features &= ~(FEATURE_CLASSES | FEATURE_ROULETTE | FEATURE_BSDF_HITS_EMITTERS |
-                     FEATURE_NEE_DEPTH | FEATURE_MIN_DENSITY);
+                     FEATURE_NEE_DEPTH | FEATURE_MIN_DENSITY | FEATURE_SPLIT_LOBES);
     s->lobes &= LOBES_WHITTED;
     memset(s->class_lobes, 0, sizeof s->class_lobes);
     // Suns have no extent here.
@@ -411,6 +422,8 @@ struct specialization specialize(const struct specialize_params *p)
         s.features |= FEATURE_CLAMP;
     if (settings->min_density > 0.0f && settings->max_bounces > 0)
         s.features |= FEATURE_MIN_DENSITY;
+    s.split_lobes = split_vertices(settings, s.lobes);
+    s.features |= s.split_lobes > 0 ? FEATURE_SPLIT_LOBES : 0u;
     if (p->compile_all) {
         s.features |= neutral_features(settings);
         // Distance fields have operations, and other spheres other digits.
@@ -603,6 +616,7 @@ const char *feature_name(uint32_t bit)
         [__builtin_ctz(FEATURE_EMISSION)] = "emission",
         [__builtin_ctz(FEATURE_CLAMP)] = "clamped contributions",
         [__builtin_ctz(FEATURE_MIN_DENSITY)] = "a least density of directions",
+        [__builtin_ctz(FEATURE_SPLIT_LOBES)] = "paths that split into diffuse and specular",
         [__builtin_ctz(FEATURE_NEE_DEPTH)] = "shadow rays by the first vertices only",
         [__builtin_ctz(FEATURE_NEE)] = "next-event estimation",
         [__builtin_ctz(FEATURE_BSDF_HITS_EMITTERS)] = "emitters hit by BSDF sampling",

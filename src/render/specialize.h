@@ -40,6 +40,7 @@ struct specialization {
     // it.
     uint32_t class_lobes[CLASS_COUNT];
     uint32_t pending_rays; // that a slot may have put off at once; INTEGRATOR_WHITTED only
+    uint32_t split_lobes;  // first vertices at which paths split; 2^this slots a sample
 };
 _Static_assert(offsetof(struct specialization, class_lobes) == 4 * CONSTANT_COUNT,
                "one word a constant");

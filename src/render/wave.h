@@ -6,7 +6,7 @@
 
 struct wave_observer;
 
-// pixel_count << sample_shift paths: at most plan.wave_slots.
+// pixel_count << sample_shift samples: at most plan.wave_samples.
 struct wave {
     uint32_t film_chunk;
     uint64_t first_pixel; // of the image; with tiles this and first_sample are in lists instead

@@ -216,6 +216,12 @@ FEATURES = {
         "intersect_shadow": ["clamp_contribution()", "frame.clamp_limit"],
     }),
     "least density": (["MIN_DENSITY"], {"shade_surface": ["frame.min_density"]}),
+    "split lobes": (["SPLIT_LOBES"], {
+        "generate_rays": ["frame.split_lobes"],
+        "accumulate": ["frame.split_lobes"],
+        "shade_surface": ["branch_slot()", "go_on_specular()", "eval_split_connection()",
+                          "queue_push() x1"],
+    }),
     "shadow rays by depth": (["NEE_DEPTH"], {"shade_surface": ["frame.nee_depth"]}),
     "pixel jitter": (["JITTER", "LENS"], {"generate_rays": ["random_4d()", "pcg4d()", "frame.seed"]}),
     "sample counts by tile": (["TILES"], {
@@ -309,7 +315,7 @@ SAMPLERS = {
     "sine": {"random_sine"},
 }
 # The others then cost spirv-opt no time.
-FEW_LOBES = ["LAMBERT", "MIRROR", "DISPERSION"]
+FEW_LOBES = ["LAMBERT", "MIRROR", "PHONG", "DISPERSION"]
 
 # With texel reads the other way takes their place, so the code need not become smaller.
 EXCHANGED = {

@@ -46,6 +46,7 @@ enum {
     NEE_DEPTH = TRAIT(40),
     CLAMP = TRAIT(41),
     MIN_DENSITY = TRAIT(30),
+    SPLIT = TRAIT(55),   // paths at their first vertex
     PROFILE = TRAIT(42), // the lamp has one
     SUN = TRAIT(43),     // a directional light with an extent
     PLACED = TRAIT(44),  // the quad is an instance in its own space
@@ -265,6 +266,7 @@ static void make_scene(uint64_t has, struct scene *scene)
     settings->max_bounces = has & NO_BOUNCE ? 0 : 4;
     settings->clamp_limit = has & CLAMP ? 2.0f : 0.0f;
     settings->min_density = has & MIN_DENSITY ? 0.01f : 0.0f;
+    settings->split_lobes = has & SPLIT ? 1 : 0;
     settings->nee = !(has & ONLY_BSDF);
     settings->nee_depth = has & NEE_DEPTH ? 1 : UINT32_MAX;
     settings->mis = has & ONLY_NEE ? MIS_NONE : MIS_POWER;
@@ -396,6 +398,10 @@ static const struct pair pairs[] = {
      0, 0, 0},
     {"clamp", QUAD | CLAMP, QUAD, FEATURE_CLAMP, 0, 0, 0},
     {"least density", QUAD | MIN_DENSITY, QUAD, FEATURE_MIN_DENSITY, 0, 0, 0},
+    {"split lobes", SPHERE | PRINCIPLED_SPHERE | SPLIT, SPHERE | PRINCIPLED_SPHERE,
+     FEATURE_SPLIT_LOBES, 0, 0, 0},
+    {"lobes of two parts", SPHERE | PRINCIPLED_SPHERE | SPLIT, SPHERE | SPLIT, FEATURE_SPLIT_LOBES,
+     0, 0, 0},
     {"lens", QUAD | LENS, QUAD, FEATURE_LENS, 0, 0, 0},
     {"far camera", QUAD | FAR, QUAD, FEATURE_FAR_CAMERA, 0, 0, 0},
     {"jitter", QUAD | JITTER, QUAD, FEATURE_JITTER, 0, 0, 0},
@@ -526,7 +532,9 @@ TEST(everything_is_created_on_demand)
         make(&gpu, JITTER | data, true, &full)) {
         const uint64_t by_shape = MEETS(GEOMETRY_SDFS | GEOMETRY_LARGE_SPHERES |
                                         GEOMETRY_INSTANCES | GEOMETRY_SMALL_TRIANGLES);
-        uint64_t named = named_bits() & ~by_shape;
+        // A choice, and one that doubles the code.
+        uint64_t by_setting = FEATURE_SPLIT_LOBES;
+        uint64_t named = named_bits() & ~by_shape & ~by_setting;
         uint32_t buffers = (BIT(BINDING_COUNT) - 1) & ~BIT(BINDING_SUSPENDED);
         CHECK(all.kernels == (BIT(KERNEL_COUNT) - 1) - CLASS_KERNELS - OTHER_KERNELS,
               "kernels 0x%x", all.kernels);

@@ -9,13 +9,14 @@
 // --- comparing methods ---------------------------------------------------------------------------
 
 #define WHOLE 4 // the value after those of the tiles
-#define MOST_METHODS 140
+#define MOST_METHODS (140 + SETTINGS_SPLIT_LOBES_MAX)
 
 struct method {
     bool nee;
     uint32_t nee_depth, mis, directions, roulette;
     float mis_exponent; // 0: the usual one
     float min_density;
+    uint32_t split_lobes;
 };
 
 static void print_method(const struct method *m)
@@ -23,6 +24,8 @@ static void print_method(const struct method *m)
     printf("nee %s", !m->nee ? "off" : m->nee_depth == 1 ? "once" : "on");
     printf(" %s %s %s", mis_names[m->mis], directions_names[m->directions],
            roulette_names[m->roulette]);
+    if (m->split_lobes > 0)
+        printf(" split %u", m->split_lobes);
 }
 
 // Before a light horizon and a lighter patch.
@@ -50,6 +53,7 @@ static void render_method(struct gpu *gpu, const struct method *m, uint32_t inde
     scene.settings.directions = m->directions;
     scene.settings.direction_exponent = 4.0f;
     scene.settings.roulette = m->roulette;
+    scene.settings.split_lobes = m->split_lobes;
     const struct renderer_params params = {.gpu = gpu, .scene = &scene, .merge_classes = true};
     REQUIRE_OK(renderer_create(&params, &r, &err));
     REQUIRE_OK(replicates_render(&r, &MEASURE_2X2_TILES, REPLICATES * index, samples, out, &err));
@@ -125,6 +129,7 @@ TEST(agree)
         {true, ALL, MIS_NONE, DIRECTIONS_POWER_COSINE, ROULETTE_OFF},
         {true, 1, MIS_POWER, DIRECTIONS_HEMISPHERE, ROULETTE_CONSTANT},
         {false, ALL, MIS_POWER, DIRECTIONS_SPHERE, ROULETTE_OFF},
+        {true, ALL, MIS_POWER, DIRECTIONS_BSDF, ROULETTE_OFF, .split_lobes = 2},
     };
     check_methods(methods, sizeof methods / sizeof *methods, 8, 0.02);
 }
@@ -143,6 +148,9 @@ TEST(agree_long)
             }
         }
     }
+    for (uint32_t split = 1; split <= SETTINGS_SPLIT_LOBES_MAX; split++)
+        methods[count++] = (struct method){
+            true, ALL, MIS_POWER, DIRECTIONS_BSDF, ROULETTE_OFF, .split_lobes = split};
     check_methods(methods, count, 16, 0.03);
 }
 

@@ -152,10 +152,13 @@ static void check_scene(struct gpu *gpu, struct scene *scene, const char *name, 
     arena_finish(&arena);
 }
 
-static void check_file(const char *path, bool all)
+static void check_file(const char *path, const char *split_lobes, bool all)
 {
-    const struct scene_override small[] = {
-        {"film.width", "48"}, {"film.height", "32"}, {"settings.max_bounces", "6"}, {0}};
+    const struct scene_override small[] = {{"film.width", "48"},
+                                           {"film.height", "32"},
+                                           {"settings.max_bounces", "6"},
+                                           {"settings.split_lobes", split_lobes},
+                                           {0}};
     struct scene scene;
     struct gpu gpu;
     struct err err = {0};
@@ -168,7 +171,7 @@ static void check_file(const char *path, bool all)
 
 TEST(cornell)
 {
-    check_file("scenes/cornell.json", true);
+    check_file("scenes/cornell.json", "0", true);
 }
 
 // all_classes.json has every class of surfaces, media and lights of every kind.
@@ -182,7 +185,44 @@ static const char *const further_scenes[] = {
 static void check_further_scenes(bool all)
 {
     for (size_t i = 0; i < sizeof further_scenes / sizeof further_scenes[0]; i++)
-        check_file(further_scenes[i], all);
+        check_file(further_scenes[i], "0", all);
+}
+
+// Up to eight slots a sample; where all features are compiled in, in the long form.
+TEST(split_lobes)
+{
+    static const struct variant plain = {"plain", {0}}, others[] = {
+                                                            {"waves of 352", {0}, .wave = 352},
+                                                            {"split 13 + 10 + 9",
+                                                             {.no_texel = true},
+                                                             .wave = 1u << 10,
+                                                             .first_calls = {13, 10}},
+                                                        };
+    const struct scene_override split[] = {
+        {"film.width", "48"}, {"film.height", "32"}, {"settings.split_lobes", "3"}, {0}};
+    struct film_image expected, film;
+    struct arena arena = {0};
+    struct scene scene;
+    struct gpu gpu;
+    struct err err = {0};
+    OPEN_GPU(&gpu, 0);
+    REQUIRE_OK(load_scene("scenes/phong_lobes.json", split, &scene, &err));
+    REQUIRE_OK(render_variant(&gpu, &scene, &plain, &arena, &expected, &err));
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
+        REQUIRE_OK(render_variant(&gpu, &scene, &others[i], &arena, &film, &err));
+        CHECK(same_bits(&film, &expected), "%s: different", others[i].name);
+    }
+    scene.settings.split_lobes = 0;
+    REQUIRE_OK(render_variant(&gpu, &scene, &plain, &arena, &film, &err));
+    CHECK(!same_bits(&film, &expected), "nothing is split");
+    arena_finish(&arena);
+    scene_finish(&scene);
+    gpu_close(&gpu);
+}
+
+TEST(split_lobes_long)
+{
+    check_file("scenes/all_classes.json", "3", true);
 }
 
 TEST(further_scenes)
@@ -450,8 +490,9 @@ TEST(validation_is_silent)
     gpu_close(&gpu);
 }
 
-TEST_MAIN(TEST_CASE(cornell), TEST_CASE(further_scenes), TEST_CASE(normals_and_environment_image),
-          TEST_CASE(waves_of_a_large_picture), TEST_CASE(scales), TEST_CASE(classes),
-          TEST_CASE(workgroups), TEST_CASE(workgroups_of_all_classes), TEST_CASE(resized),
-          TEST_CASE(validation_is_silent), TEST_CASE(further_scenes_long),
-          TEST_CASE(normals_and_environment_image_long))
+TEST_MAIN(TEST_CASE(cornell), TEST_CASE(further_scenes), TEST_CASE(split_lobes),
+          TEST_CASE(normals_and_environment_image), TEST_CASE(waves_of_a_large_picture),
+          TEST_CASE(scales), TEST_CASE(classes), TEST_CASE(workgroups),
+          TEST_CASE(workgroups_of_all_classes), TEST_CASE(resized), TEST_CASE(validation_is_silent),
+          TEST_CASE(further_scenes_long), TEST_CASE(normals_and_environment_image_long),
+          TEST_CASE(split_lobes_long))

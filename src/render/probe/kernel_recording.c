@@ -280,10 +280,10 @@ static bool after(void *context, const struct wave_step *step, struct err *err)
 static struct wave middle_wave(const struct renderer *r, uint64_t samples)
 {
     uint32_t shift = USUAL_SAMPLE_SHIFT;
-    while (shift > 0 && (UINT64_C(1) << shift > samples || 1u << shift > r->plan.wave_slots))
+    while (shift > 0 && (UINT64_C(1) << shift > samples || 1u << shift > r->plan.wave_samples))
         shift--;
     uint64_t pixels = (uint64_t)r->frame.width * r->frame.height;
-    uint64_t fits = r->plan.wave_slots >> shift, chunk_pixels = r->plan.film_chunk_pixels;
+    uint64_t fits = r->plan.wave_samples >> shift, chunk_pixels = r->plan.film_chunk_pixels;
     uint64_t count = pixels < fits ? pixels : fits;
     struct wave wave = {.sample_shift = shift, .first_pixel = (pixels - count) / 2};
     wave.film_chunk = (uint32_t)(wave.first_pixel / chunk_pixels);

@@ -15,6 +15,7 @@
 #define SETTINGS_FILTER_RADIUS_MAX 16
 #define SETTINGS_STRATA_MAX 16 // a side of a pixel
 #define SETTINGS_EXPONENT_MAX 1e6
+#define SETTINGS_SPLIT_LOBES_MAX 4 // a sample has 2^this slots
 #define SETTINGS_REAL_MAX 3.4e38
 #define SETTINGS_LENGTH_MIN 1e-37
 

@@ -118,6 +118,11 @@ SETTING(RADIANCE_SCALING, bool, radiance_scaling, "radiance_scaling", "radiance-
     "that outside. Off, as where a renderer leaves the factor out: the same for what is seen "
     "through closed bodies from outside.",
     (SWITCH), .fallback = true, .label = "Radiance scaling")
+SETTING(SPLIT_LOBES, uint32_t, split_lobes, "split_lobes", "split-lobes", "Method",
+    "At the first N vertices of a path, surfaces with both diffuse and specular lobes send it on "
+    "twice, once by each. Only with the directions bsdf.",
+    (COUNT(0, SETTINGS_SPLIT_LOBES_MAX)), .fallback = 0, .argument = "N",
+    .label = "Split lobes", NEEDS(DIRECTIONS, 1u << DIRECTIONS_BSDF))
 SETTING(CLAMP, float, clamp_limit, "clamp", "clamp", "Method",
     "Scale every contribution to a sample down to this largest component, in W/(sr m^2). Removes "
     "fireflies, and light with them: the picture is biased.",

@@ -129,7 +129,7 @@ static bool render_side(struct viewer *viewer, struct view *view, uint64_t sampl
 // Half a wave before the time is over: the one that begins then ends half a wave behind it.
 static void set_time(struct viewer *viewer, const struct view *view, double factor)
 {
-    double wave_ms = viewer->view.pace.ms_per_sample * view->job.renderer.plan.wave_slots;
+    double wave_ms = viewer->view.pace.ms_per_sample * view->job.renderer.plan.wave_samples;
     double ms = fmax(factor * frame_render_ms(viewer) - 0.5 * wave_ms, 0.0);
     viewer->stage.render_until_ns = isfinite(ms) ? clock_ns() + (uint64_t)(ms * 1e6) : UINT64_MAX;
 }
