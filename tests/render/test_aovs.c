@@ -308,6 +308,34 @@ TEST(parts_and_same_bits)
     arena_finish(&arena);
 }
 
+// Parts are those of all branches; the first surface is that of the one they begin with.
+TEST(split_paths)
+{
+    static const struct scene_override overrides[] = {{"film", "{\"width\": 32, \"height\": 32}"},
+                                                      {0}};
+    struct scene scene;
+    struct arena arena = {0};
+    struct film_image film, split;
+    struct err err = {0};
+    struct gpu gpu;
+    OPEN_GPU(&gpu, .validation = false);
+    gpu_close(&gpu);
+    REQUIRE_OK(load_scene("scenes/phong_lobes.json", overrides, &scene, &err));
+    REQUIRE_OK(render_variant(&scene, ALL, &variants[0], &arena, &film, &err));
+    scene.settings.split_lobes = 2;
+    REQUIRE_OK(render_variant(&scene, ALL, &variants[0], &arena, &split, &err));
+    check_parts(&split);
+    const struct film_aovs *a = &film.aovs, *b = &split.aovs;
+    CHECK(same(a->albedo, b->albedo, 12) && same(a->normal, b->normal, 12) &&
+              same(a->depth, b->depth, 4) && same(a->position, b->position, 12) &&
+              same(a->alpha, b->alpha, 4) && same(a->ids, b->ids, 12),
+          "the first surface is another");
+    CHECK(same(a->emission, b->emission, 12) && !same(a->indirect, b->indirect, 12),
+          "nothing is split, or too early");
+    scene_finish(&scene);
+    arena_finish(&arena);
+}
+
 // --- steps ---------------------------------------------------------------------------------------
 
 static bool render_steps(struct renderer *r, const struct renderer_params *params, bool counts,
@@ -405,4 +433,5 @@ TEST(memory)
 }
 
 TEST_MAIN(TEST_CASE(first_surfaces), TEST_CASE(partly_covered_pixels),
-          TEST_CASE(parts_and_same_bits), TEST_CASE(steps), TEST_CASE(memory))
+          TEST_CASE(parts_and_same_bits), TEST_CASE(split_paths), TEST_CASE(steps),
+          TEST_CASE(memory))
